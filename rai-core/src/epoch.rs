@@ -1,0 +1,169 @@
+//! One instant's ranges, checked once on entry.
+//!
+//! Only [`Epoch::new`] and [`Epoch::push`] make an epoch, so whoever holds one knows: every number is finite,
+//! every sigma is positive, no satellite appears twice, no position lies inside the earth. No later stage checks
+//! this again.
+//!
+//! | symbol | field | unit |
+//! |---|---|---|
+//! | `ρ` | `range_m` | m, corrected for the satellite's clock and for the atmosphere, receiver clock left in |
+//! | `σ` | `sigma_m` | m, standard deviation of the corrected range ([`crate::weighting`]) |
+
+use core::fmt;
+
+use heapless::Vec;
+
+use crate::frame::Ecef;
+use crate::satellite::{Constellation, SatelliteId};
+
+/// Bounds of what a range to a navigation satellite can be, receiver clock included, m.
+///
+/// A receiver clock may be off by a second and more; nothing physical is beyond.
+const RANGE_LIMIT_M: f64 = 1e9;
+
+/// Bounds of a satellite's distance from the centre of the earth, m: the ground to well beyond geostationary.
+const RADIUS_M: core::ops::RangeInclusive<f64> = 6.3e6..=1e8;
+
+/// Bounds of a standard deviation, m. Below, `f32` weights overflow the dynamic of the solve; above, a row says nothing.
+const SIGMA_M: core::ops::RangeInclusive<f64> = 1e-3..=1e6;
+
+/// One satellite's corrected range and where the satellite was when it sent the signal.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Observation {
+    /// Which satellite.
+    pub satellite: SatelliteId,
+    /// Satellite position in the earth-fixed frame at the instant of transmission.
+    pub position: Ecef,
+    /// Pseudorange corrected for satellite clock, relativity, group delay and atmosphere, m.
+    pub range_m: f64,
+    /// Standard deviation of `range_m`, m.
+    pub sigma_m: f64,
+}
+
+/// Outside knowledge that takes a row beside the satellites.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Aiding {
+    /// A predicted receiver clock of one constellation ([Chen2009]).
+    Clock {
+        /// Whose clock.
+        constellation: Constellation,
+        /// Predicted receiver clock offset times the speed of light, m.
+        value_m: f64,
+        /// Standard deviation of the prediction, m.
+        sigma_m: f64,
+    },
+    /// A known height above the ellipsoid, from a barometer or a map.
+    Height {
+        /// Height above the ellipsoid, m.
+        value_m: f64,
+        /// Standard deviation, m.
+        sigma_m: f64,
+    },
+}
+
+/// Why an observation or an aiding row was refused. The epoch is unchanged.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum EpochError {
+    /// The range is not finite or beyond any receiver clock.
+    Range,
+    /// The satellite's position is not finite, inside the earth or beyond 100,000 km.
+    Position,
+    /// The standard deviation is not finite, not positive or absurd.
+    Sigma,
+    /// The satellite is in the epoch already.
+    Duplicate,
+    /// The epoch holds `N` satellites already.
+    Full,
+}
+
+impl fmt::Display for EpochError {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(match self {
+            Self::Range => "range not finite or out of bounds",
+            Self::Position => "satellite position not finite or out of bounds",
+            Self::Sigma => "sigma not finite or out of bounds",
+            Self::Duplicate => "satellite appears twice",
+            Self::Full => "epoch is full",
+        })
+    }
+}
+
+impl core::error::Error for EpochError {}
+
+/// The ranges of one instant, at most `N`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Epoch<const N: usize> {
+    time_s: f64,
+    observations: Vec<Observation, N>,
+    aiding: Vec<Aiding, 2>,
+}
+
+impl<const N: usize> Epoch<N> {
+    /// An epoch without satellites.
+    ///
+    /// `time_s` counts seconds of any continuous time scale; only differences are used. A time that is not
+    /// finite counts as 0.
+    pub fn new(time_s: f64) -> Self {
+        let time_s = if time_s.is_finite() { time_s } else { 0.0 };
+        Self { time_s, observations: Vec::new(), aiding: Vec::new() }
+    }
+
+    /// Adds a satellite.
+    ///
+    /// # Errors
+    /// [`EpochError`] names what is wrong with it; the epoch is then unchanged.
+    pub fn push(&mut self, observation: Observation) -> Result<(), EpochError> {
+        // A NaN fails every one of these comparisons.
+        if !(observation.range_m.abs() <= RANGE_LIMIT_M) {
+            return Err(EpochError::Range);
+        }
+        if !RADIUS_M.contains(&observation.position.radius_m()) {
+            return Err(EpochError::Position);
+        }
+        if !SIGMA_M.contains(&observation.sigma_m) {
+            return Err(EpochError::Sigma);
+        }
+        if self.observations.iter().any(|known| known.satellite == observation.satellite) {
+            return Err(EpochError::Duplicate);
+        }
+        self.observations.push(observation).map_err(|_| EpochError::Full)
+    }
+
+    /// Adds outside knowledge: one clock and one height at most.
+    ///
+    /// # Errors
+    /// [`EpochError::Range`] or [`EpochError::Sigma`] for absurd numbers, [`EpochError::Duplicate`] for a second
+    /// row of the same kind.
+    pub fn aid(&mut self, aiding: Aiding) -> Result<(), EpochError> {
+        let (Aiding::Clock { value_m, sigma_m, .. } | Aiding::Height { value_m, sigma_m }) = aiding;
+        if !(value_m.abs() <= RANGE_LIMIT_M) {
+            return Err(EpochError::Range);
+        }
+        if !SIGMA_M.contains(&sigma_m) {
+            return Err(EpochError::Sigma);
+        }
+        let same_kind = |known: &Aiding| core::mem::discriminant(known) == core::mem::discriminant(&aiding);
+        if self.aiding.iter().any(same_kind) {
+            return Err(EpochError::Duplicate);
+        }
+        self.aiding.push(aiding).map_err(|_| EpochError::Full)
+    }
+
+    /// Seconds of the caller's continuous time scale.
+    pub fn time_s(&self) -> f64 {
+        self.time_s
+    }
+
+    /// The satellites, in the order they were added.
+    pub fn observations(&self) -> &[Observation] {
+        &self.observations
+    }
+
+    /// The aiding rows, in the order they were added.
+    pub fn aiding(&self) -> &[Aiding] {
+        &self.aiding
+    }
+}

@@ -1,0 +1,154 @@
+//! What the monitor says of one epoch: plain data.
+//!
+//! Three states, never two: [`Verdict::Protected`], [`Verdict::Alert`], [`Verdict::Unavailable`], each with its
+//! reason. An alert is a value; what could not be computed is an unavailability with a reason, not a silence.
+
+use heapless::Vec;
+
+use crate::frame::{Ecef, Geodetic};
+use crate::satellite::{Constellation, SatelliteId};
+
+/// How many satellites may be left out of one epoch ([Tian2024] treats no more than 3 faults, nor does any source here).
+pub const MAX_EXCLUDED: usize = 3;
+
+/// May the position be used?
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Verdict {
+    /// The error is bounded by the protection levels, and these are within the alert limits.
+    Protected(Protected),
+    /// The position must not be used: something is wrong with it.
+    Alert(Alert),
+    /// Nothing can be promised: the means to tell are missing.
+    Unavailable(Unavailable),
+}
+
+/// Why a position is protected.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Protected {
+    /// All satellites agree.
+    Ok,
+    /// The satellites agree after the faulty ones were left out.
+    Excluded,
+}
+
+/// Why a position must not be used.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Alert {
+    /// A fault was detected and could not be isolated.
+    Fault,
+    /// Several exclusions explain the data equally.
+    Ambiguous,
+    /// No epoch came within the time to alert. Said by the receiver around the core, which has a clock.
+    Stale,
+}
+
+/// Why nothing can be promised.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Unavailable {
+    /// Too few satellites for a position, or the fix did not converge.
+    NoFix,
+    /// A position, but no redundancy to test it with.
+    Redundancy,
+    /// The satellites' geometry is singular, or leaves a satellite untestable that moves the position.
+    Geometry,
+    /// No threshold meets both probabilities (T1 ≥ T2).
+    Risk,
+    /// The horizontal protection level exceeds its share of the alert limit.
+    Hpl,
+    /// The vertical protection level exceeds its share of the alert limit.
+    Vpl,
+    /// The declared work budget cut the search.
+    Budget,
+    /// The input was refused as a whole.
+    Input,
+}
+
+/// A position with its uncertainty.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Solution {
+    /// Earth-fixed position.
+    pub position: Ecef,
+    /// The same on the ellipsoid.
+    pub geodetic: Geodetic,
+    /// Covariance of east, north, up in this order: EE, EN, EU, NN, NU, UU, m².
+    pub covariance_m2: [f64; 6],
+    /// Receiver clock times the speed of light for each constellation id, m; `None` where it has no satellite.
+    pub clocks_m: [Option<f64>; Constellation::COUNT],
+    /// Horizontal dilution of precision, dimensionless.
+    pub hdop: f64,
+    /// Vertical dilution of precision, dimensionless.
+    pub vdop: f64,
+}
+
+impl Solution {
+    /// Position dilution of precision, dimensionless.
+    pub fn pdop(&self) -> f64 {
+        libm::hypot(self.hdop, self.vdop)
+    }
+}
+
+/// The global test that the verdict rests on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct TestStatistic {
+    /// `√(SSE/dof)`, dimensionless.
+    pub statistic: f64,
+    /// What it was held against, dimensionless.
+    pub threshold: f64,
+    /// Degrees of freedom.
+    pub dof: u8,
+}
+
+/// Bounds of the position error, m; infinite where a satellite moves the position but cannot be tested.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct ProtectionLevels {
+    /// Horizontal protection level, m.
+    pub hpl_m: f64,
+    /// Vertical protection level, m.
+    pub vpl_m: f64,
+}
+
+/// A satellite with the bias that its w-test suggests.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Suspect {
+    /// Which satellite.
+    pub satellite: SatelliteId,
+    /// Signed w-test at the moment of suspicion, dimensionless.
+    pub w_test: f64,
+    /// Estimated bias of its range, m.
+    pub bias_m: f64,
+    /// Standard deviation of `bias_m`, m.
+    pub bias_sigma_m: f64,
+}
+
+/// All that is known about one epoch, at most `N` satellites.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Report<const N: usize> {
+    /// May the position be used, and why (not).
+    pub verdict: Verdict,
+    /// The position, where there is one; after exclusion, without the excluded.
+    pub solution: Option<Solution>,
+    /// The last global test, where there was redundancy.
+    pub test: Option<TestStatistic>,
+    /// Protection levels of the satellites used, where there was redundancy.
+    pub protection: Option<ProtectionLevels>,
+    /// Satellites left out, in the order of exclusion.
+    pub excluded: Vec<Suspect, MAX_EXCLUDED>,
+    /// Among the satellites used, the one that fits worst; `None` without redundancy.
+    pub suspect: Option<Suspect>,
+    /// Satellites in the solution, in the order of the epoch.
+    pub used: Vec<SatelliteId, N>,
+    /// Root mean square of the residuals of the satellites used, m; 0 without a position.
+    pub residual_rms_m: f64,
+    /// Satellites in the epoch.
+    pub tracked: u8,
+    /// Mean of SSE/dof over the last epochs: about 1 where sigma is right, `None` before the first test.
+    pub sigma_check: Option<f64>,
+}

@@ -1,0 +1,122 @@
+//! What the user's operation asks of the position: alert limits, probabilities, time to alert.
+//!
+//! A plain struct without `Default`: nobody gets requirements without having chosen them. Presets are those of
+//! the phases of flight ([ICAO-A10] table 3.7.2.4-1 for the limits and times; false-alert and missed-detection
+//! probabilities per sample as in [Yang2015] and [DO-229]).
+
+use core::fmt;
+
+use crate::probability::Probability;
+
+/// What an operation requires.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Requirements {
+    /// Horizontal alert limit, m.
+    pub hal_m: f64,
+    /// Vertical alert limit, m; `None` where only the horizontal position matters.
+    pub val_m: Option<f64>,
+    /// Probability of a false alarm per epoch.
+    pub false_alarm: Probability,
+    /// Probability that a fault which matters is missed.
+    pub missed_detection: Probability,
+    /// Longest time from the last protected epoch to the alarm, s.
+    pub time_to_alert_s: f64,
+    /// Fraction of the alert limit that the protection level may fill, in (0, 1] ([Yang2015]: 0.95).
+    pub guard_fraction: f64,
+}
+
+/// False-alarm probability per sample of non-precision approach ([Yang2015], [DO-229]: 1/3 of 1e-6).
+const FALSE_ALARM: Probability = match Probability::new(3.33e-7) {
+    Some(probability) => probability,
+    None => unreachable!(),
+};
+
+/// Missed-detection probability ([DO-229]).
+const MISSED_DETECTION: Probability = match Probability::new(1e-3) {
+    Some(probability) => probability,
+    None => unreachable!(),
+};
+
+impl Requirements {
+    const fn horizontal(hal_m: f64, time_to_alert_s: f64) -> Self {
+        Self {
+            hal_m,
+            val_m: None,
+            false_alarm: FALSE_ALARM,
+            missed_detection: MISSED_DETECTION,
+            time_to_alert_s,
+            guard_fraction: 0.95,
+        }
+    }
+
+    /// En route, oceanic and continental low density: HAL 3,704 m, 300 s.
+    pub const fn en_route() -> Self {
+        Self::horizontal(3704.0, 300.0)
+    }
+
+    /// Terminal area: HAL 1,852 m, 15 s.
+    pub const fn terminal() -> Self {
+        Self::horizontal(1852.0, 15.0)
+    }
+
+    /// Non-precision approach: HAL 556 m, 10 s.
+    pub const fn non_precision_approach() -> Self {
+        Self::horizontal(556.0, 10.0)
+    }
+
+    /// Localiser performance with vertical guidance down to 200 ft: HAL 40 m, VAL 35 m, 6 s.
+    pub const fn lpv200() -> Self {
+        let mut requirements = Self::horizontal(40.0, 6.0);
+        requirements.val_m = Some(35.0);
+        requirements
+    }
+
+    /// Checks every field once.
+    ///
+    /// # Errors
+    /// The first field out of its range, by name.
+    pub fn validate(self) -> Result<Self, RequirementsError> {
+        let limit = |limit_m: f64| limit_m > 0.0 && limit_m <= 1e6;
+        if !limit(self.hal_m) {
+            return Err(RequirementsError::HorizontalAlertLimit);
+        }
+        if !self.val_m.is_none_or(limit) {
+            return Err(RequirementsError::VerticalAlertLimit);
+        }
+        if !(self.time_to_alert_s > 0.0 && self.time_to_alert_s <= 3600.0) {
+            return Err(RequirementsError::TimeToAlert);
+        }
+        if !(self.guard_fraction > 0.0 && self.guard_fraction <= 1.0) {
+            return Err(RequirementsError::GuardFraction);
+        }
+        Ok(self)
+    }
+}
+
+/// Which requirement is out of its range.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum RequirementsError {
+    /// `hal_m` outside (0, 1e6].
+    HorizontalAlertLimit,
+    /// `val_m` outside (0, 1e6].
+    VerticalAlertLimit,
+    /// `time_to_alert_s` outside (0, 3600].
+    TimeToAlert,
+    /// `guard_fraction` outside (0, 1].
+    GuardFraction,
+}
+
+impl fmt::Display for RequirementsError {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(match self {
+            Self::HorizontalAlertLimit => "horizontal alert limit outside (0, 1e6] m",
+            Self::VerticalAlertLimit => "vertical alert limit outside (0, 1e6] m",
+            Self::TimeToAlert => "time to alert outside (0, 3600] s",
+            Self::GuardFraction => "guard fraction outside (0, 1]",
+        })
+    }
+}
+
+impl core::error::Error for RequirementsError {}

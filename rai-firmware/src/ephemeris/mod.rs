@@ -1,0 +1,1 @@
+//! Broadcast orbits and clocks.

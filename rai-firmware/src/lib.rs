@@ -1,0 +1,15 @@
+//! The receiver around the integrity core: RTCM 3 in, NMEA and a fail-safe pin out.
+//!
+//! Hardware-free: the same code runs on the host and on the chip.
+#![no_std]
+
+#[cfg(test)]
+extern crate std;
+
+pub mod atmosphere;
+pub mod config;
+pub mod ephemeris;
+pub mod nmea;
+pub mod receiver;
+pub mod rtcm;
+pub mod time;

@@ -1,0 +1,44 @@
+//! GPS time: week and milliseconds, one continuous scale for all systems.
+
+/// Milliseconds in a week.
+pub const WEEK_MS: u32 = 604_800_000;
+
+/// `BeiDou` time is GPS time minus this many milliseconds ([BDS-SIS-ICD]: leap seconds from 1980 to 2006).
+pub const BEIDOU_OFFSET_MS: u32 = 14_000;
+
+/// Week of GPS time at which `BeiDou` week 0 began, 2006-01-01.
+pub const BEIDOU_WEEK_OFFSET: u16 = 1356;
+
+/// Week of GPS time at which Galileo system time week 0 began, 1999-08-22.
+pub const GALILEO_WEEK_OFFSET: u16 = 1024;
+
+/// An instant of GPS time with millisecond resolution: observations are taken on milliseconds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct GpsTime {
+    /// Weeks since 1980-01-06, not rolled over.
+    pub week: u16,
+    /// Milliseconds into the week, below [`WEEK_MS`].
+    pub tow_ms: u32,
+}
+
+impl GpsTime {
+    /// Milliseconds since 1980-01-06.
+    pub const fn to_ms(self) -> u64 {
+        self.week as u64 * WEEK_MS as u64 + self.tow_ms as u64
+    }
+
+    /// The instant that many milliseconds after 1980-01-06.
+    pub const fn from_ms(ms: u64) -> Self {
+        Self { week: (ms / WEEK_MS as u64) as u16, tow_ms: (ms % WEEK_MS as u64) as u32 }
+    }
+
+    /// Milliseconds from `earlier` to `self`; negative if `self` is before it.
+    pub const fn since_ms(self, earlier: Self) -> i64 {
+        self.to_ms() as i64 - earlier.to_ms() as i64
+    }
+
+    /// Seconds since 1980-01-06, exact to a microsecond for centuries.
+    pub fn to_s(self) -> f64 {
+        self.to_ms() as f64 * 1e-3
+    }
+}

@@ -1,0 +1,12 @@
+//! Simulated skies, real recordings, experiments and the emulated board, driven from the host.
+
+pub mod board;
+pub mod encode;
+pub mod evaluate;
+pub mod fault;
+pub mod recording;
+pub mod replay;
+pub mod report;
+pub mod sample;
+pub mod sky;
+pub mod tables;

@@ -1,0 +1,64 @@
+//! Everything a person types: `cargo xtask help` lists it.
+//!
+//! Thin: each command parses its arguments, calls `tests-host` or a tool, and prints.
+
+mod demo;
+mod evaluate;
+mod flash;
+mod monitor;
+mod replay;
+mod setup;
+mod tables;
+mod test;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+/// RAI: receiver autonomous integrity monitoring for microcontrollers.
+#[derive(Parser)]
+#[command(name = "cargo xtask", bin_name = "cargo xtask")]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Shows the module at work: a simulated sky, a drifting satellite, the emulated board.
+    Demo(demo::Arguments),
+    /// Runs everything that must hold.
+    Test(test::Arguments),
+    /// Installs what is missing, or says how.
+    Setup(setup::Arguments),
+    /// Sends a recording through the module, on the host or on the emulated board.
+    Replay(replay::Arguments),
+    /// Judges linearised epochs: JSON lines in, JSON lines out.
+    Evaluate(evaluate::Arguments),
+    /// Regenerates the threshold tables.
+    Tables(tables::Arguments),
+    /// Writes the image to a chip, or checks that it would fit.
+    Flash(flash::Arguments),
+    /// Watches a module on a serial port.
+    Monitor(monitor::Arguments),
+}
+
+fn main() -> ExitCode {
+    let result = match Arguments::parse().command {
+        Command::Demo(arguments) => demo::run(arguments),
+        Command::Test(arguments) => test::run(arguments),
+        Command::Setup(arguments) => setup::run(arguments),
+        Command::Replay(arguments) => replay::run(arguments),
+        Command::Evaluate(arguments) => evaluate::run(arguments),
+        Command::Tables(arguments) => tables::run(arguments),
+        Command::Flash(arguments) => flash::run(arguments),
+        Command::Monitor(arguments) => monitor::run(arguments),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
