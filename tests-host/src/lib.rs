@@ -8,5 +8,6 @@ pub mod recording;
 pub mod replay;
 pub mod report;
 pub mod sample;
+pub mod shared;
 pub mod sky;
 pub mod tables;
