@@ -1,12 +1,38 @@
-//! `cargo xtask tables`.
+//! `cargo xtask tables`: regenerates the threshold tables, or checks the committed ones.
 
-use anyhow::bail;
+use anyhow::{Context as _, ensure};
+use tests_host::{shared, tables};
 
 /// Arguments of the command.
 #[derive(clap::Args)]
-pub struct Arguments {}
+pub(crate) struct Arguments {
+    /// Write nothing; fail where the committed table differs from its generator, or either from the gold values.
+    #[arg(long)]
+    check: bool,
+}
 
 /// Runs the command.
-pub fn run(_arguments: Arguments) -> anyhow::Result<()> {
-    bail!("not built yet")
+pub(crate) fn run(arguments: Arguments) -> anyhow::Result<()> {
+    let path = tables::committed_path();
+    if arguments.check {
+        let committed = std::fs::read_to_string(&path).with_context(|| path.display().to_string())?;
+        tables::check_committed(&committed)?;
+        println!("committed table: identical to its generator, byte for byte");
+    } else {
+        std::fs::write(&path, tables::render()).with_context(|| path.display().to_string())?;
+        println!("wrote {}", path.display());
+    }
+    compare_with_gold()
+}
+
+fn compare_with_gold() -> anyhow::Result<()> {
+    let Some(gold) = shared::path("gold") else {
+        println!("gold values: skipped, needs the shared reference folder (set RAI_SHARED to where it is)");
+        return Ok(());
+    };
+    let comparison = tables::compare_with_gold(&gold, &tables::computed())?;
+    let worst = comparison.worst_relative;
+    println!("gold values: {} compared, worst relative error {worst:.1e}", comparison.values);
+    ensure!(worst <= tables::TOLERANCE, "worst relative error {worst:.1e} exceeds {:.0e}", tables::TOLERANCE);
+    Ok(())
 }

@@ -1,0 +1,59 @@
+//! The committed threshold tables are what their generator writes, and what the gold values say.
+
+use rai_core::probability::Probability;
+use rai_core::threshold::{self, Thresholds};
+use tests_host::{shared, tables};
+
+#[test]
+fn committed_table_is_what_its_generator_writes() {
+    let committed = std::fs::read_to_string(tables::committed_path()).expect("the table is committed");
+    tables::check_committed(&committed).expect("the generator writes the committed table");
+}
+
+#[test]
+fn a_changed_digit_in_the_committed_table_is_found() {
+    let changed = tables::render().replacen("10.8275", "10.8276", 1);
+    let error = tables::check_committed(&changed).expect_err("the table was changed");
+    assert!(error.to_string().contains("10.8276"), "have `{error}`");
+    tables::check_committed(tables::render().trim_end()).expect_err("the table was cut");
+}
+
+#[test]
+fn thresholds_of_the_core_agree_with_the_gold_values() {
+    let Some(gold) = shared::path_or_skip("gold") else { return };
+    let lookup = |dof, false_alarm, missed_detection: Option<f64>| {
+        let missed = Probability::new(missed_detection.unwrap_or(1e-3))?;
+        let thresholds = Thresholds::from_tables(Probability::new(false_alarm)?, missed).ok()?;
+        if missed_detection.is_some() { thresholds.lambda(dof) } else { thresholds.tau1(dof) }
+    };
+    let have = tables::compare_with_gold(&gold, &lookup).expect("readable gold values");
+    assert_eq!(have.values, 1400);
+    assert!(have.worst_relative <= tables::TOLERANCE, "have {:e}", have.worst_relative);
+}
+
+#[test]
+fn w_test_thresholds_leave_the_false_alarm_in_two_normal_tails() {
+    for &false_alarm in threshold::false_alarms() {
+        let thresholds =
+            Thresholds::from_tables(false_alarm, threshold::missed_detections()[0]).expect("a listed pair");
+        for tests in 1..=threshold::MAX_TESTS {
+            let w_test = thresholds.w_test(tests).expect("in the table");
+            let have = tests as f64 * libm::erfc(w_test / libm::sqrt(2.0));
+            let want = false_alarm.get();
+            assert!((have / want - 1.0).abs() < 1e-12, "{tests} tests: have {have:e}, want {want:e}");
+        }
+    }
+}
+
+#[test]
+fn every_pair_of_listed_probabilities_has_thresholds_that_grow_with_redundancy() {
+    for &false_alarm in threshold::false_alarms() {
+        for &missed_detection in threshold::missed_detections() {
+            let rows = Thresholds::from_tables(false_alarm, missed_detection).expect("a listed pair");
+            for dof in 1..threshold::MAX_DOF {
+                assert!(rows.tau1(dof) < rows.tau1(dof + 1), "tau1 at {dof}");
+                assert!(rows.lambda(dof) < rows.lambda(dof + 1), "lambda at {dof}");
+            }
+        }
+    }
+}
