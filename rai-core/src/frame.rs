@@ -148,8 +148,8 @@ impl LocalFrame {
     /// where no direction is up, the frame is that of latitude 0, longitude 0.
     pub fn at(point: Ecef) -> Self {
         let radius_m = point.radius_m();
-        // Also the way out for NaN: no comparison with it holds.
-        if !(radius_m > 1e3) {
+        // Also the way out for NaN and infinity, which no range contains.
+        if !(1e3..=1e15).contains(&radius_m) {
             let height_m = -SEMI_MAJOR_AXIS_M;
             return Self {
                 sin_latitude: 0.0,
@@ -164,8 +164,7 @@ impl LocalFrame {
             if axial_m > 1e-6 { (point.y_m / axial_m, point.x_m / axial_m) } else { (0.0, 1.0) };
         let (sin_latitude, cos_latitude) = latitude(axial_m, point.z_m, radius_m);
         let curvature = libm::sqrt(1.0 - ECCENTRICITY_SQUARED * sin_latitude * sin_latitude);
-        let height_m =
-            axial_m * cos_latitude + point.z_m * sin_latitude - SEMI_MAJOR_AXIS_M * curvature;
+        let height_m = axial_m * cos_latitude + point.z_m * sin_latitude - SEMI_MAJOR_AXIS_M * curvature;
         Self { sin_latitude, cos_latitude, sin_longitude, cos_longitude, height_m }
     }
 
@@ -213,9 +212,8 @@ impl LocalFrame {
 fn latitude(axial_m: f64, z_m: f64, radius_m: f64) -> (f64, f64) {
     const SECOND_ECCENTRICITY_SQUARED: f64 = ECCENTRICITY_SQUARED / (1.0 - ECCENTRICITY_SQUARED);
     // Reduced latitude, Bowring's improved start.
-    let tangent_top = z_m
-        * SEMI_MINOR_AXIS_M
-        * (1.0 + SECOND_ECCENTRICITY_SQUARED * SEMI_MINOR_AXIS_M / radius_m);
+    let tangent_top =
+        z_m * SEMI_MINOR_AXIS_M * (1.0 + SECOND_ECCENTRICITY_SQUARED * SEMI_MINOR_AXIS_M / radius_m);
     let tangent_bottom = SEMI_MAJOR_AXIS_M * axial_m;
     let length = libm::sqrt(tangent_top * tangent_top + tangent_bottom * tangent_bottom);
     let (sin_reduced, cos_reduced) = (tangent_top / length, tangent_bottom / length);

@@ -1,13 +1,95 @@
-//! Receiver autonomous integrity monitoring for microcontrollers.
+//! Receiver autonomous integrity monitoring (RAIM) for microcontrollers: from ranges and satellite positions to a
+//! verdict on the position they give. No heap, no panic, no clock of its own, no I/O.
+//!
+//! A receiver can be confidently wrong: one satellite's range is off by 100 m, and the position walks away with it.
+//! Redundant satellites show it, say which one it is, and bound what remains. One epoch walks through the
+//! modules in this order:
+//!
+//! | stage | module | question |
+//! |---|---|---|
+//! | 1 | [`epoch`] | are these ranges numbers at all? |
+//! | 2 | [`fix`] | where are we? |
+//! | 3 | [`linear`], [`snapshot`] | what does each range say of the others? |
+//! | 4 | [`detection`] | is something wrong? |
+//! | 5 | [`identification`] | which satellite is it? |
+//! | 6 | [`protection`] | how wrong could we be without noticing? |
+//! | 7 | [`monitor`] → [`report`] | may the position be used? |
+//!
+//! beside them [`weighting`] (what a sigma is made of), [`threshold`] (committed tables) and [`frame`] (WGS 84).
+//!
+//! ```
+//! use rai_core::epoch::{Epoch, Observation};
+//! use rai_core::frame::Ecef;
+//! use rai_core::monitor::Monitor;
+//! use rai_core::requirements::Requirements;
+//! use rai_core::satellite::{Constellation, SatelliteId};
+//!
+//! let mut monitor = Monitor::<f32, 40>::new(Requirements::non_precision_approach())?;
+//! let mut epoch = Epoch::new(0.0);
+//! epoch.push(Observation {
+//!     satellite: SatelliteId::new(Constellation::Gps, 5).ok_or("no such satellite")?,
+//!     position: Ecef::new(15.6e6, 0.0, 21.6e6),
+//!     range_m: 20_850_000.0,
+//!     sigma_m: 3.0,
+//! })?;
+//! let report = monitor.process(&epoch); // one satellite: unavailable, no position
+//! assert!(report.solution.is_none());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # Symbols
+//!
+//! `n` ranges, `C` constellations, `dof = n − 3 − C`. `LOS` unit vector receiver → satellite, `σ` standard deviation,
+//! `w = 1/σ²`, `v` residual, `r = S_ii` redundancy number, `SSE = Σ w v²`, `τ` threshold on SSE, `λ` non-centrality, `P_fa`
+//! and `P_md` probabilities of false alarm and missed detection. Metres, seconds and radians throughout; units are
+//! in the names.
+//!
+//! # Numeric rule
+//!
+//! What is absolute is `f64`; what is linearised is generic over [`real::Real`]. The Cortex-M4F runs the latter in
+//! `f32`; tests hold both to the same reference. All transcendental functions are libm's, so that the same epochs
+//! give the same reports on every machine, bit for bit.
+//!
+//! # What this crate does not do
+//!
+//! It does not decode messages, compute orbits or know the time of day: `rai-firmware` does. It does not smooth or
+//! filter positions, uses no carrier phase, and promises nothing about faults common to all satellites. Its
+//! protection levels bound the effect of a single undetected fault; they are not those of ARAIM.
+//!
+//! # References
+//!
+//! | tag | source |
+//! |---|---|
+//! | Baarda1968 | W. Baarda, *A testing procedure for use in geodetic networks*, Delft 1968 |
+//! | Bowring1985 | B. R. Bowring, *The accuracy of geodetic latitude and height equations*, Survey Review 28 (1985) |
+//! | Brown1992 | R. G. Brown, *A baseline GPS RAIM scheme*, Navigation 39 (1992) |
+//! | Chen2009 | Chen Xiaoping et al., receiver-clock aided RAIM, J. Astronautics 30(1) (2009) 271–275 |
+//! | DO-229 | RTCA, *Minimum operational performance standards for GPS/WAAS airborne equipment* |
+//! | ICAO-A10 | ICAO Annex 10, Volume I, table 3.7.2.4-1 |
+//! | IS-GPS-200 | *NAVSTAR GPS space segment/navigation user interfaces* |
+//! | Lin2016 | Lin Xueyuan et al., `BeiDou` RAIM, J. Naval Aeronautical Univ. 31(6) (2016) 619–624 |
+//! | Tian2024 | Tian Binpeng et al., improved RANSAC RAIM, Navigation Positioning & Timing 11(3) (2024) 101–108 |
+//! | Wang1994 | J. Wang, Y. Chen, *On the reliability measure of observations*, Acta Geodaet. Cartograph. (1994) |
+//! | WGS84 | NGA.STND.0036, *World Geodetic System 1984* |
+//! | Yang2015 | Yang Lin et al., RAIM threshold optimisation, Electronics Optics & Control 22(7) (2015) 38–42 |
 #![no_std]
 
+#[cfg(doctest)]
+extern crate std;
+
+pub mod detection;
 pub mod epoch;
+pub mod fix;
 pub mod frame;
+pub mod identification;
+pub mod linear;
+pub mod monitor;
 pub mod probability;
+pub mod protection;
+pub mod real;
 pub mod report;
 pub mod requirements;
 pub mod satellite;
+pub mod snapshot;
 pub mod threshold;
-
-/// One epoch's ranges to a report: see the module's documentation.
-pub use report::{Report, Verdict};
+pub mod weighting;

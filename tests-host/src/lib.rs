@@ -4,6 +4,7 @@ pub mod board;
 pub mod encode;
 pub mod evaluate;
 pub mod fault;
+pub mod oracle;
 pub mod recording;
 pub mod replay;
 pub mod report;

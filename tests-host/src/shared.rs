@@ -9,10 +9,8 @@ use std::path::{Path, PathBuf};
 ///
 /// The folder is named by `RAI_SHARED`, or is `../shared` beside the project's root.
 pub fn path(relative: &str) -> Option<PathBuf> {
-    let root = std::env::var_os("RAI_SHARED").map_or_else(
-        || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared"),
-        PathBuf::from,
-    );
+    let root = std::env::var_os("RAI_SHARED")
+        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared"), PathBuf::from);
     let path = root.join(relative);
     path.exists().then_some(path)
 }

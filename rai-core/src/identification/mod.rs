@@ -1,0 +1,3 @@
+//! Which satellite is it? From a detected fault to the satellites to leave out.
+
+pub mod baarda;

@@ -1,0 +1,299 @@
+//! The pipeline: one epoch in, one report out, and the little that is remembered between epochs.
+//!
+//! ```text
+//! epoch ─► fix ─► snapshot ─► detection ─► identification ─► protection ─► report
+//! ```
+//!
+//! Remembered are the last position, as the start of the next fix, and a window of SSE/dof, which says whether the
+//! sigmas are right. Neither changes a verdict.
+//!
+//! References: [Yang2015] §1 for the order of the decisions, [Lin2016] §2 for detection and identification.
+
+use core::fmt;
+
+use heapless::{Deque, Vec};
+
+use crate::detection::{Detection, detect};
+use crate::epoch::Epoch;
+use crate::fix::{Fix, FixError};
+use crate::frame::{Ecef, LocalFrame};
+use crate::identification::baarda::{self, Exclusion, Identification, Outcome};
+use crate::protection::protect;
+use crate::real::Real;
+use crate::report::{Alert, Protected, ProtectionLevels, Report, Solution, Suspect, Unavailable, Verdict};
+use crate::requirements::{Requirements, RequirementsError};
+use crate::satellite::Constellation;
+use crate::snapshot::{Snapshot, SnapshotError};
+use crate::threshold::{ThresholdError, Thresholds};
+
+/// Epochs over which SSE/dof is averaged: with 10 degrees of freedom the mean is then known to 6 %.
+pub const SIGMA_CHECK_WINDOW: usize = 60;
+
+/// Why a monitor cannot be made.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum MonitorError {
+    /// A requirement is out of its range.
+    Requirements(RequirementsError),
+    /// A probability is not among the committed tables.
+    Threshold(ThresholdError),
+}
+
+impl fmt::Display for MonitorError {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Requirements(error) => error.fmt(formatter),
+            Self::Threshold(error) => error.fmt(formatter),
+        }
+    }
+}
+
+impl core::error::Error for MonitorError {}
+
+/// Watches over the positions of one receiver, at most `N` satellites at a time.
+#[derive(Clone, Debug)]
+pub struct Monitor<T: Real, const N: usize> {
+    requirements: Requirements,
+    thresholds: Thresholds<'static>,
+    start: Ecef,
+    ratios: Deque<f32, SIGMA_CHECK_WINDOW>,
+    scalar: core::marker::PhantomData<T>,
+}
+
+impl<T: Real, const N: usize> Monitor<T, N> {
+    /// A monitor that knows no position yet.
+    ///
+    /// # Errors
+    /// [`MonitorError`] names the requirement that cannot be met.
+    pub fn new(requirements: Requirements) -> Result<Self, MonitorError> {
+        let (requirements, thresholds) = accept(requirements)?;
+        Ok(Self {
+            requirements,
+            thresholds,
+            start: Ecef::CENTRE,
+            ratios: Deque::new(),
+            scalar: core::marker::PhantomData,
+        })
+    }
+
+    /// Replaces the requirements; what is remembered stays.
+    ///
+    /// # Errors
+    /// As [`Self::new`]; nothing has changed then.
+    pub fn require(&mut self, requirements: Requirements) -> Result<(), MonitorError> {
+        (self.requirements, self.thresholds) = accept(requirements)?;
+        Ok(())
+    }
+
+    /// What is required.
+    pub fn requirements(&self) -> &Requirements {
+        &self.requirements
+    }
+
+    /// Where the next fix starts: the last position, or what [`Self::start_from`] said.
+    pub fn start(&self) -> Ecef {
+        self.start
+    }
+
+    /// Sets where the next fix starts; a point that is not finite is ignored.
+    pub fn start_from(&mut self, point: Ecef) {
+        if point.is_finite() {
+            self.start = point;
+        }
+    }
+
+    /// Judges one epoch.
+    pub fn process(&mut self, epoch: &Epoch<N>) -> Report<N> {
+        let fix = Fix::<T, N>::solve(epoch, self.start)
+            // A start far from the truth may lead astray: the centre of the earth is the same distance from all.
+            .or_else(|_| Fix::solve(epoch, Ecef::CENTRE));
+        let report = match fix {
+            Ok(fix) => self.judge(fix, epoch),
+            Err(error) => without_position(error, epoch),
+        };
+        if let Some(solution) = &report.solution {
+            self.start = solution.position;
+        }
+        Report { sigma_check: self.sigma_check(), ..report }
+    }
+
+    fn judge(&mut self, mut fix: Fix<'_, T, N>, epoch: &Epoch<N>) -> Report<N> {
+        let exclusion = baarda::exclude_sequentially(&mut fix, &self.thresholds);
+        let excluded = suspects(&exclusion, &fix, epoch);
+        let separable = baarda::separable(&mut fix, &exclusion, &self.thresholds);
+
+        let detection = detect(fix.snapshot(), &self.thresholds);
+        let protection = self.protection(fix.snapshot());
+        let verdict = match exclusion.outcome {
+            _ if detection.is_none() => Verdict::Unavailable(Unavailable::Redundancy),
+            Outcome::NotIsolated(Identification::Ambiguous) => Verdict::Alert(Alert::Ambiguous),
+            Outcome::NotIsolated(_) => Verdict::Alert(Alert::Fault),
+            Outcome::Isolated if !separable => Verdict::Alert(Alert::Ambiguous),
+            Outcome::Isolated => self.bounded(Protected::Excluded, protection),
+            Outcome::Passed => self.bounded(Protected::Ok, protection),
+        };
+        self.remember(detection, exclusion.outcome);
+        Report { verdict, protection, excluded, ..describe(&fix, epoch, detection) }
+    }
+
+    fn protection(&self, snapshot: &Snapshot<T, N>) -> Option<ProtectionLevels> {
+        let lambda = self.thresholds.lambda(snapshot.dof())?;
+        Some(protect(snapshot, lambda))
+    }
+
+    /// The verdict on a set of satellites that agree: are their protection levels within the limits?
+    fn bounded(&self, reason: Protected, protection: Option<ProtectionLevels>) -> Verdict {
+        let Some(ProtectionLevels { hpl_m, vpl_m }) = protection else {
+            return Verdict::Unavailable(Unavailable::Redundancy);
+        };
+        let fraction = self.requirements.guard_fraction;
+        // Written so that a level which is not a number is not within a limit.
+        let within = |level_m: f64, limit_m: f64| level_m < fraction * limit_m;
+        if !hpl_m.is_finite() || (self.requirements.val_m.is_some() && !vpl_m.is_finite()) {
+            Verdict::Unavailable(Unavailable::Geometry)
+        } else if !within(hpl_m, self.requirements.hal_m) {
+            Verdict::Unavailable(Unavailable::Hpl)
+        } else if !self.requirements.val_m.is_none_or(|val_m| within(vpl_m, val_m)) {
+            Verdict::Unavailable(Unavailable::Vpl)
+        } else {
+            Verdict::Protected(reason)
+        }
+    }
+
+    /// Keeps SSE/dof of epochs that passed: a detected fault says nothing about sigma.
+    fn remember(&mut self, detection: Option<Detection<T>>, outcome: Outcome) {
+        let Some(detection) = detection.filter(|_| !matches!(outcome, Outcome::NotIsolated(_))) else {
+            return;
+        };
+        if self.ratios.is_full() {
+            self.ratios.pop_front();
+        }
+        let ratio = detection.sse.widen() / detection.dof as f64;
+        let _ = self.ratios.push_back(ratio as f32);
+    }
+
+    /// Mean of SSE/dof over the last [`SIGMA_CHECK_WINDOW`] tested epochs: about 1 where the sigmas are right.
+    fn sigma_check(&self) -> Option<f64> {
+        if self.ratios.is_empty() {
+            return None;
+        }
+        let sum: f32 = self.ratios.iter().sum();
+        Some(f64::from(sum) / self.ratios.len() as f64)
+    }
+}
+
+fn accept(requirements: Requirements) -> Result<(Requirements, Thresholds<'static>), MonitorError> {
+    let requirements = requirements.validate().map_err(MonitorError::Requirements)?;
+    let thresholds = Thresholds::from_tables(requirements.false_alarm, requirements.missed_detection)
+        .map_err(MonitorError::Threshold)?;
+    Ok((requirements, thresholds))
+}
+
+/// The excluded satellites with the biases that the final solution shows.
+///
+/// A left-out row's residual is that of a prediction: it is the bias. An aiding row that was left out names no
+/// satellite and is not listed.
+fn suspects<T: Real, const N: usize>(
+    exclusion: &Exclusion<T>,
+    fix: &Fix<'_, T, N>,
+    epoch: &Epoch<N>,
+) -> Vec<Suspect, { crate::report::MAX_EXCLUDED }> {
+    let listed = exclusion.rows.iter().filter_map(|excluded| {
+        let observation = epoch.observations().get(excluded.index)?;
+        let (row, fit) = fix.snapshot().row(excluded.index)?;
+        let predicted_m2 = fit.centred.dot(&fit.gain).widen();
+        Some(Suspect {
+            satellite: observation.satellite,
+            w_test: excluded.w_test.widen(),
+            bias_m: fit.residual.widen(),
+            bias_sigma_m: libm::sqrt(row.sigma.widen() * row.sigma.widen() + predicted_m2.max(0.0)),
+        })
+    });
+    listed.collect()
+}
+
+/// Everything but the verdict: the solution, the satellites in it, the one that fits worst.
+fn describe<T: Real, const N: usize>(
+    fix: &Fix<'_, T, N>,
+    epoch: &Epoch<N>,
+    detection: Option<Detection<T>>,
+) -> Report<N> {
+    let used = fix.snapshot().rows().zip(epoch.observations()).filter(|((row, _), _)| row.weight > T::zero());
+    let mut satellites = Vec::new();
+    let mut squares_m2 = 0.0;
+    for ((_, fit), observation) in used {
+        // Both hold N: never full here.
+        let _ = satellites.push(observation.satellite);
+        squares_m2 += fit.residual.widen() * fit.residual.widen();
+    }
+    Report {
+        verdict: Verdict::Unavailable(Unavailable::Redundancy),
+        solution: Some(solution(fix)),
+        test: detection.map(|detection| detection.statistic()),
+        protection: None,
+        excluded: Vec::new(),
+        suspect: detection.and_then(|_| suspect(fix.snapshot(), epoch)),
+        residual_rms_m: libm::sqrt(squares_m2 / satellites.len().max(1) as f64),
+        used: satellites,
+        tracked: epoch.observations().len() as u8,
+        sigma_check: None,
+    }
+}
+
+fn suspect<T: Real, const N: usize>(snapshot: &Snapshot<T, N>, epoch: &Epoch<N>) -> Option<Suspect> {
+    let (index, _, _) = baarda::worst_two(snapshot)?;
+    let observation = epoch.observations().get(index)?;
+    let (row, fit) = snapshot.row(index)?;
+    if fit.redundancy < T::UNTESTABLE {
+        return None;
+    }
+    Some(Suspect {
+        satellite: observation.satellite,
+        w_test: baarda::w_test(row, fit).widen(),
+        bias_m: (fit.residual / fit.redundancy).widen(),
+        bias_sigma_m: (row.sigma / fit.redundancy.sqrt()).widen(),
+    })
+}
+
+fn solution<T: Real, const N: usize>(fix: &Fix<'_, T, N>) -> Solution {
+    let snapshot = fix.snapshot();
+    let position = fix.position();
+    let covariance = snapshot.covariance();
+    let (hdop, vdop) = snapshot.dilutions();
+    let element =
+        |row: usize, column: usize| covariance.get((row, column)).map_or(0.0, |value| value.widen());
+    Solution {
+        position,
+        geodetic: LocalFrame::at(position).geodetic(),
+        covariance_m2: [
+            element(0, 0),
+            element(0, 1),
+            element(0, 2),
+            element(1, 1),
+            element(1, 2),
+            element(2, 2),
+        ],
+        clocks_m: Constellation::ALL.map(|constellation| snapshot.clock_m(constellation)),
+        hdop: hdop.widen(),
+        vdop: vdop.widen(),
+    }
+}
+
+fn without_position<const N: usize>(error: FixError, epoch: &Epoch<N>) -> Report<N> {
+    let reason = match error {
+        FixError::Snapshot(SnapshotError::Singular) => Unavailable::Geometry,
+        FixError::Snapshot(SnapshotError::Insufficient) | FixError::NotConverged => Unavailable::NoFix,
+    };
+    Report {
+        verdict: Verdict::Unavailable(reason),
+        solution: None,
+        test: None,
+        protection: None,
+        excluded: Vec::new(),
+        suspect: None,
+        used: Vec::new(),
+        residual_rms_m: 0.0,
+        tracked: epoch.observations().len() as u8,
+        sigma_check: None,
+    }
+}

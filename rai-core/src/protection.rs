@@ -1,0 +1,93 @@
+//! Protection levels: how large can the position error be that the test does not see?
+//!
+//! A bias `b` of satellite `i` adds `b²r_i/σ_i²` to the non-centrality of SSE and moves the position by `b A_i`. The bias
+//! that is missed with probability `P_md` has the non-centrality `λ(dof, P_fa, P_md)`, hence
+//!
+//! ```text
+//! slope_h,i = √(w_i (g_iE² + g_iN²) / r_i)     slope_v,i = √w_i |g_iU| / √r_i
+//! HPL = max slope_h √λ                         VPL = max slope_v √λ
+//! ```
+//!
+//! | symbol | field | unit |
+//! |---|---|---|
+//! | `slope_h`, `slope_v` | [`Slopes`] | m per unit of `√λ` |
+//! | `HPL`, `VPL` | [`ProtectionLevels`] | m |
+//!
+//! A satellite without redundancy has slope 0 if it does not move the position (the lone satellite of a
+//! constellation), else an infinite one. By the identity `HDOP_i² − HDOP² = (A_1i² + A_2i²)/S_ii` the change of HDOP
+//! bounds the same thing for a common sigma ([Lin2016] eq. 22–26).
+//!
+//! Meaning: the worst bias of a single satellite, without the noise on the position. It is not an ARAIM protection
+//! level. References: [Yang2015] eq. 6–8, [Lin2016] eq. 21–26, [Brown1992].
+
+use crate::linear::Row;
+use crate::real::Real;
+use crate::report::ProtectionLevels;
+use crate::snapshot::{Fit, Snapshot, infinity};
+
+/// How far a row's bias moves the position by the time it shows in the test.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Slopes<T> {
+    /// Horizontal, m per unit of `√λ`.
+    pub horizontal: T,
+    /// Vertical, m per unit of `√λ`.
+    pub vertical: T,
+}
+
+/// The slopes of one row; 0 for a row that is left out.
+pub fn slopes<T: Real>(row: &Row<T>, fit: &Fit<T>) -> Slopes<T> {
+    let Squared { horizontal, vertical } = squared_slopes(row, fit);
+    Slopes { horizontal: horizontal.sqrt(), vertical: vertical.sqrt() }
+}
+
+/// Squared slopes: the largest is found without a root for each row.
+struct Squared<T> {
+    horizontal: T,
+    vertical: T,
+}
+
+fn squared_slopes<T: Real>(row: &Row<T>, fit: &Fit<T>) -> Squared<T> {
+    let horizontal = fit.gain.x * fit.gain.x + fit.gain.y * fit.gain.y;
+    let vertical = fit.gain.z * fit.gain.z;
+    if fit.redundancy < T::UNTESTABLE {
+        let unmoved = T::UNMOVED / row.weight.max(T::narrow(f64::from(f32::MIN_POSITIVE)));
+        let limit = unmoved * unmoved;
+        let slope = |moved: T| if moved <= limit { T::zero() } else { infinity() };
+        return Squared { horizontal: slope(horizontal), vertical: slope(vertical) };
+    }
+    let scale = row.weight / fit.redundancy;
+    Squared { horizontal: horizontal * scale, vertical: vertical * scale }
+}
+
+/// The largest slopes of a snapshot.
+pub fn largest_slopes<T: Real, const N: usize>(snapshot: &Snapshot<T, N>) -> Slopes<T> {
+    let mut largest = Squared { horizontal: T::zero(), vertical: T::zero() };
+    for (row, fit) in snapshot.rows() {
+        let squared = squared_slopes(row, fit);
+        largest.horizontal = largest.horizontal.max(squared.horizontal);
+        largest.vertical = largest.vertical.max(squared.vertical);
+    }
+    Slopes { horizontal: largest.horizontal.sqrt(), vertical: largest.vertical.sqrt() }
+}
+
+/// Protection levels for a non-centrality `λ` ([`crate::threshold::Thresholds::lambda`]).
+pub fn protect<T: Real, const N: usize>(snapshot: &Snapshot<T, N>, lambda: f64) -> ProtectionLevels {
+    let Slopes { horizontal, vertical } = largest_slopes(snapshot);
+    let root = libm::sqrt(lambda);
+    ProtectionLevels { hpl_m: horizontal.widen() * root, vpl_m: vertical.widen() * root }
+}
+
+/// The largest change of HDOP that leaving out one satellite brings, `max √(HDOP_i² − HDOP²)`, dimensionless.
+pub fn largest_hdop_change<T: Real, const N: usize>(snapshot: &Snapshot<T, N>) -> T {
+    let (hdop, _) = snapshot.dilutions();
+    let changes = (0..snapshot.rows().count()).filter_map(|index| {
+        let without = snapshot.hdop_without(index)?;
+        Some((without * without - hdop * hdop).max(T::zero()))
+    });
+    changes.fold(T::zero(), T::max).sqrt()
+}
+
+/// The change of HDOP at which the protection level reaches the alert limit, `HAL/(σ√λ)`, dimensionless ([Lin2016] eq. 25).
+pub fn hdop_change_limit(hal_m: f64, sigma_m: f64, lambda: f64) -> f64 {
+    hal_m / (sigma_m * libm::sqrt(lambda))
+}

@@ -1,0 +1,61 @@
+//! The error model: from elevation, signal and ephemeris to a standard deviation. The one place that knows what a
+//! sigma is made of.
+//!
+//! ```text
+//! σ² = σ_eph² + (a_noise)² (σ_0² + σ_mp²/sin²el) + (σ_trop / (sin el + 0.05))² + (σ_iono F(el))²
+//! ```
+//!
+//! | symbol | field | unit |
+//! |---|---|---|
+//! | `σ_eph` | `ephemeris_m`, from URA or SISA | m |
+//! | `a_noise` | `noise_gain`: 1 for one frequency, about 3 for the ionosphere-free pair | – |
+//! | `σ_0`, `σ_mp` | code noise and multipath at the zenith | m |
+//! | `σ_trop` | what the tropospheric model leaves at the zenith | m |
+//! | `σ_iono` | `ionosphere_m`, what the ionospheric model leaves at the zenith; 0 for the pair | m |
+//!
+//! Assumes independent errors. An integrity test stands and falls with these numbers, so they are on the
+//! large side, and the monitor reports how the residuals compare ([`crate::report::Report::sigma_check`]).
+
+/// Code noise at the zenith, m: a geodetic receiver's 0.3 m.
+const CODE_NOISE_M: f64 = 0.3;
+
+/// Code multipath that grows towards the horizon, m at the zenith.
+const MULTIPATH_M: f64 = 0.3;
+
+/// Tropospheric model error at the zenith, m ([DO-229] appendix A: 0.12 m).
+const TROPOSPHERE_M: f64 = 0.12;
+
+/// What an error of one range is made of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ErrorBudget {
+    /// Sine of the elevation, −1 to 1.
+    pub sin_elevation: f64,
+    /// Orbit and clock error, m.
+    pub ephemeris_m: f64,
+    /// Factor on code noise and multipath, dimensionless.
+    pub noise_gain: f64,
+    /// Ionospheric error left at the zenith, m.
+    pub ionosphere_m: f64,
+}
+
+/// Standard deviation of the corrected range, m.
+pub fn sigma_m(budget: &ErrorBudget) -> f64 {
+    // Below 3° nothing here is calibrated: the error stays that of 3°, where masks end.
+    let sin_elevation = budget.sin_elevation.max(0.05);
+    let code_m2 = CODE_NOISE_M * CODE_NOISE_M + MULTIPATH_M * MULTIPATH_M / (sin_elevation * sin_elevation);
+    let troposphere_m = TROPOSPHERE_M / (sin_elevation + 0.05);
+    let ionosphere_m = budget.ionosphere_m * obliquity(sin_elevation);
+    libm::sqrt(
+        budget.ephemeris_m * budget.ephemeris_m
+            + budget.noise_gain * budget.noise_gain * code_m2
+            + troposphere_m * troposphere_m
+            + ionosphere_m * ionosphere_m,
+    )
+}
+
+/// Slant over vertical ionospheric delay, thin shell at 350 km: `1/√(1 − (R cos el/(R + h))²)` ([DO-229] A.4.4.10).
+fn obliquity(sin_elevation: f64) -> f64 {
+    const RATIO: f64 = 6_378.136_3 / (6_378.136_3 + 350.0);
+    let cos_squared = 1.0 - sin_elevation * sin_elevation;
+    1.0 / libm::sqrt(1.0 - RATIO * RATIO * cos_squared)
+}

@@ -1,0 +1,65 @@
+//! What may not enter an epoch, and that a refusal changes nothing.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing)]
+
+use rai_core::epoch::{Aiding, Epoch, EpochError, Observation};
+use rai_core::frame::Ecef;
+use rai_core::satellite::{Constellation, SatelliteId};
+
+fn observation(number: u8) -> Observation {
+    Observation {
+        satellite: SatelliteId::new(Constellation::Gps, number).unwrap(),
+        position: Ecef::new(26_000e3, 0.0, 1e6),
+        range_m: 21_000e3,
+        sigma_m: 2.0,
+    }
+}
+
+fn assert_refused(bad: Observation, want: EpochError) {
+    let mut epoch = Epoch::<4>::new(0.0);
+    epoch.push(observation(1)).unwrap();
+    let before = epoch.clone();
+    assert_eq!(epoch.push(bad), Err(want), "{bad:?}");
+    assert_eq!(epoch, before);
+}
+
+#[test]
+fn numbers_that_are_none_or_absurd_are_refused_by_name() {
+    let good = observation(2);
+    for range_m in [f64::NAN, f64::INFINITY, 1e12, -1e12] {
+        assert_refused(Observation { range_m, ..good }, EpochError::Range);
+    }
+    for sigma_m in [f64::NAN, f64::INFINITY, 0.0, -1.0, 1e9, 1e-9] {
+        assert_refused(Observation { sigma_m, ..good }, EpochError::Sigma);
+    }
+    for x_m in [f64::NAN, f64::INFINITY, 0.0, 1e9] {
+        assert_refused(Observation { position: Ecef::new(x_m, 0.0, 0.0), ..good }, EpochError::Position);
+    }
+}
+
+#[test]
+fn a_satellite_enters_once() {
+    assert_refused(observation(1), EpochError::Duplicate);
+}
+
+#[test]
+fn the_satellite_beyond_the_capacity_is_an_error() {
+    let mut epoch = Epoch::<3>::new(0.0);
+    for number in 1..=3 {
+        epoch.push(observation(number)).unwrap();
+    }
+    assert_eq!(epoch.push(observation(4)), Err(EpochError::Full));
+    assert_eq!(epoch.observations().len(), 3);
+}
+
+#[test]
+fn one_clock_and_one_height_may_aid() {
+    let clock = Aiding::Clock { constellation: Constellation::Gps, value_m: 10.0, sigma_m: 3.0 };
+    let height = Aiding::Height { value_m: 120.0, sigma_m: 5.0 };
+    let mut epoch = Epoch::<3>::new(f64::NAN);
+    assert_eq!(epoch.time_s().to_bits(), 0.0_f64.to_bits());
+    epoch.aid(clock).unwrap();
+    assert_eq!(epoch.aid(clock), Err(EpochError::Duplicate));
+    epoch.aid(height).unwrap();
+    assert_eq!(epoch.aid(Aiding::Height { value_m: f64::NAN, sigma_m: 5.0 }), Err(EpochError::Range));
+    assert_eq!(epoch.aiding().len(), 2);
+}

@@ -1,0 +1,64 @@
+//! Frames against closed forms of the ellipsoid.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing)]
+
+use rai_core::frame::{Ecef, Enu, FLATTENING, Geodetic, LocalFrame, SEMI_MAJOR_AXIS_M};
+
+fn assert_close(what: &str, have: f64, want: f64, tolerance: f64) {
+    assert!((have - want).abs() <= tolerance, "{what}: have {have}, want {want}");
+}
+
+#[test]
+fn equator_and_poles_have_the_axes_of_the_ellipsoid() {
+    let equator = LocalFrame::at(Ecef::new(0.0, SEMI_MAJOR_AXIS_M + 100.0, 0.0)).geodetic();
+    assert_close("latitude", equator.latitude_rad, 0.0, 1e-15);
+    assert_close("longitude", equator.longitude_rad, std::f64::consts::FRAC_PI_2, 1e-15);
+    assert_close("height", equator.height_m, 100.0, 1e-8);
+
+    let semi_minor_axis_m = SEMI_MAJOR_AXIS_M * (1.0 - FLATTENING);
+    let pole = LocalFrame::at(Ecef::new(0.0, 0.0, -semi_minor_axis_m - 25.0)).geodetic();
+    assert_close("latitude", pole.latitude_rad, -std::f64::consts::FRAC_PI_2, 1e-15);
+    assert_close("height", pole.height_m, 25.0, 1e-8);
+}
+
+#[test]
+fn latitude_and_height_survive_the_way_to_ecef_and_back() {
+    for latitude_deg in (-90..=90).step_by(5) {
+        for height_m in [-500.0, 0.0, 8_848.0, 400e3, 30_000e3] {
+            let want =
+                Geodetic { latitude_rad: f64::from(latitude_deg).to_radians(), longitude_rad: 2.5, height_m };
+            let have = LocalFrame::at(want.to_ecef()).geodetic();
+            assert_close("latitude", have.latitude_rad, want.latitude_rad, 1e-11);
+            assert_close("height", have.height_m, want.height_m, 1e-4);
+        }
+    }
+}
+
+#[test]
+fn up_points_away_from_the_ellipsoid() {
+    let ground = Geodetic { latitude_rad: 0.7, longitude_rad: -1.9, height_m: 0.0 };
+    let above = Geodetic { height_m: 1000.0, ..ground };
+    let frame = LocalFrame::at(ground.to_ecef());
+    let have = frame.rotate(above.to_ecef() - ground.to_ecef());
+    assert_close("up", have.up, 1000.0, 1e-8);
+    assert_close("horizontal", have.horizontal(), 0.0, 1e-5);
+    assert_close("sine of elevation", frame.sin_elevation(ground.to_ecef(), above.to_ecef()), 1.0, 1e-12);
+}
+
+#[test]
+fn north_of_a_point_has_a_larger_latitude() {
+    let point = Geodetic { latitude_rad: 0.5, longitude_rad: 1.0, height_m: 0.0 }.to_ecef();
+    let frame = LocalFrame::at(point);
+    let north = LocalFrame::at(point + frame.unrotate(Enu { east: 0.0, north: 100.0, up: 0.0 })).geodetic();
+    let east = LocalFrame::at(point + frame.unrotate(Enu { east: 100.0, north: 0.0, up: 0.0 })).geodetic();
+    assert!(north.latitude_rad > 0.5 && (north.longitude_rad - 1.0).abs() < 1e-12);
+    assert!(east.longitude_rad > 1.0 && (east.latitude_rad - 0.5).abs() < 1e-9);
+}
+
+#[test]
+fn the_centre_of_the_earth_and_nonsense_still_have_a_frame() {
+    for point in [Ecef::CENTRE, Ecef::new(f64::NAN, 0.0, 0.0), Ecef::new(0.0, f64::INFINITY, 1.0)] {
+        let have = LocalFrame::at(point).rotate(Ecef::new(1.0, 0.0, 0.0));
+        let finite = have.up.is_finite() && have.east.is_finite() && have.north.is_finite();
+        assert!(finite, "{point:?} gives {have:?}");
+    }
+}
