@@ -1,0 +1,217 @@
+//! Decimal numbers in and out, without heap and without surprises.
+//!
+//! [`decimal`] reads `[+-]digits[.digits][(e|E)[+-]digits]` and nothing else: no `nan`, no `inf`, no blanks, no hexadecimal.
+//! Numbers of up to 15 digits with a decimal exponent within ±22 are read to the nearest `f64`; others to a few units in the
+//! last place.
+
+use core::fmt::Write;
+
+use heapless::String;
+
+/// Largest power of ten that a `f64` holds exactly.
+const EXACT_POWER: u32 = 22;
+
+/// Significant digits that a `u64` collects without overflow.
+const MAX_DIGITS: u32 = 18;
+
+/// Beyond this, every number is zero or infinite.
+const MAX_EXPONENT: i32 = 400;
+
+/// Digits read so far, and what they have to be multiplied with.
+#[derive(Clone, Copy, Default)]
+struct Mantissa {
+    digits: u64,
+    significant: u32,
+    exponent: i32,
+}
+
+impl Mantissa {
+    /// Appends a digit; digits beyond [`MAX_DIGITS`] only scale.
+    fn push(&mut self, digit: u8, after_point: bool) {
+        let kept = self.significant < MAX_DIGITS;
+        if kept {
+            self.digits = self.digits * 10 + u64::from(digit);
+            self.significant += u32::from(self.digits > 0);
+        }
+        self.exponent += i32::from(!kept) - i32::from(after_point);
+    }
+}
+
+/// A decimal number; `None` for anything else, and for one too large for a `f64`.
+pub fn decimal(text: &str) -> Option<f64> {
+    let (negative, text) = sign(text);
+    let (mantissa, exponent) = match text.split_once(['e', 'E']) {
+        Some((mantissa, exponent)) => (mantissa, integer(exponent)?),
+        None => (text, 0),
+    };
+    let (whole, fraction) = mantissa.split_once('.').unwrap_or((mantissa, ""));
+    if whole.is_empty() && fraction.is_empty() {
+        return None;
+    }
+    let mut number = Mantissa::default();
+    for (part, after_point) in [(whole, false), (fraction, true)] {
+        for byte in part.bytes() {
+            number.push(digit(byte)?, after_point);
+        }
+    }
+    let magnitude = scale(number.digits as f64, number.exponent.saturating_add(exponent));
+    magnitude.is_finite().then_some(if negative { -magnitude } else { magnitude })
+}
+
+fn sign(text: &str) -> (bool, &str) {
+    match text.strip_prefix('-') {
+        Some(rest) => (true, rest),
+        None => (false, text.strip_prefix('+').unwrap_or(text)),
+    }
+}
+
+fn digit(byte: u8) -> Option<u8> {
+    byte.is_ascii_digit().then(|| byte - b'0')
+}
+
+/// A signed whole number, limited to ±[`MAX_EXPONENT`]; `None` without digits.
+fn integer(text: &str) -> Option<i32> {
+    let (negative, digits) = sign(text);
+    if digits.is_empty() {
+        return None;
+    }
+    let magnitude = digits
+        .bytes()
+        .try_fold(0, |value: i32, byte| Some((value * 10 + i32::from(digit(byte)?)).min(MAX_EXPONENT)))?;
+    Some(if negative { -magnitude } else { magnitude })
+}
+
+/// `value · 10^exponent`. Dividing by an exact power rounds once; multiplying by a negative one would round twice.
+fn scale(mut value: f64, exponent: i32) -> f64 {
+    let mut left = exponent.unsigned_abs().min(2 * MAX_EXPONENT as u32);
+    while left > 0 {
+        let step = left.min(EXACT_POWER);
+        let power = (0..step).fold(1.0, |power, _| power * 10.0);
+        value = if exponent < 0 { value / power } else { value * power };
+        left -= step;
+    }
+    value
+}
+
+/// A positive number below 1 with up to ten significant digits, as `3.33e-7`: how a probability of the tables is
+/// named so that it is understood when it is sent back.
+pub fn scientific(value: f64) -> String<20> {
+    const DECIMALS: usize = 9;
+    let mut exponent = (1..=MAX_EXPONENT).find(|exponent| scale(value, *exponent) >= 1.0).unwrap_or(0);
+    let mut digits = libm::round(scale(value, exponent + DECIMALS as i32)) as u64;
+    if digits >= 10_u64.pow(DECIMALS as u32 + 1) {
+        digits /= 10;
+        exponent -= 1;
+    }
+    let mut decimals = DECIMALS;
+    while decimals > 0 && digits.is_multiple_of(10) {
+        digits /= 10;
+        decimals -= 1;
+    }
+    let unit = 10_u64.pow(decimals as u32);
+    let mut text = String::new();
+    // Never longer than d.ddddddddde-ddd.
+    let _ = match decimals {
+        0 => write!(text, "{digits}e-{exponent}"),
+        _ => write!(text, "{}.{:0decimals$}e-{exponent}", digits / unit, digits % unit),
+    };
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn what_is_no_number_is_refused() {
+        for text in [
+            "",
+            "-",
+            "+",
+            ".",
+            "e5",
+            "1e",
+            "1e+",
+            "nan",
+            "NaN",
+            "inf",
+            "-inf",
+            "infinity",
+            "0x10",
+            "1 ",
+            " 1",
+            "1.2.3",
+            "1e5e5",
+            "--1",
+            "+-1",
+            "1e400",
+            "-1e400",
+            "1e99999999999999999999",
+            "1,5",
+            "1_000",
+            "\u{0}",
+            "é",
+        ] {
+            assert_eq!(decimal(text), None, "{text:?}");
+        }
+    }
+
+    #[test]
+    fn what_is_a_number_is_read() {
+        let cases = [
+            ("0", 0.0),
+            ("-0.5", -0.5),
+            ("+3", 3.0),
+            (".5", 0.5),
+            ("5.", 5.0),
+            ("3.33e-7", 3.33e-7),
+            ("1.0245E-08", 1.0245e-8),
+            ("-5.9605e-08", -5.9605e-8),
+            ("8.8064e+04", 88064.0),
+            ("1e-400", 0.0),
+            ("0e999", 0.0),
+            ("00000000000000000000000000012", 12.0),
+            ("0.000000000000000000001", 1e-21),
+        ];
+        for (text, want) in cases {
+            assert_eq!(decimal(text), Some(want), "{text}");
+        }
+    }
+
+    #[test]
+    fn small_numbers_are_named_with_their_digits() {
+        let cases =
+            [(1e-3, "1e-3"), (3.33e-7, "3.33e-7"), (1.0 / 15000.0, "6.666666667e-5"), (0.005, "5e-3")];
+        for (value, want) in cases {
+            assert_eq!(scientific(value), want);
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn numbers_agree_with_the_standard_library(value in proptest::num::f64::NORMAL) {
+            for text in [std::format!("{value:e}"), std::format!("{value}")] {
+                let have = decimal(&text).unwrap_or(f64::NAN);
+                prop_assert!((have / value - 1.0).abs() <= 1e-14, "{} {}", have, text);
+            }
+        }
+
+        #[test]
+        fn short_numbers_are_the_nearest(digits in 0..1_000_000_000_000_000_u64, exponent in -22..=0_i32) {
+            let text = std::format!("{digits}e{exponent}");
+            prop_assert_eq!(decimal(&text), text.parse::<f64>().ok());
+        }
+
+        #[test]
+        fn any_text_is_a_finite_number_or_none(text in "[-+0-9.eE]{0,40}|\\PC*") {
+            prop_assert!(decimal(&text).is_none_or(f64::is_finite));
+        }
+
+        #[test]
+        fn what_is_named_is_understood(value in 1e-12..0.5_f64) {
+            let have = decimal(&scientific(value)).unwrap_or(f64::NAN);
+            prop_assert!((have / value - 1.0).abs() < 1e-9);
+        }
+    }
+}
