@@ -1,1 +1,184 @@
-//! To be described by its owner.
+//! Linearised epochs through the core: JSON lines in, JSON lines out.
+//!
+//! Each input line is one epoch about a known point; each output line is what `rai-core` makes of it. Everything
+//! but the thresholds of unusual probabilities is the core's own code, in `f64` or in `f32`.
+//!
+//! ```text
+//! {"id": 7, "los_enu": [[e, n, u], …], "con": [0, …], "sigma": [6.0, …], "y": [-3.1, …],
+//!  "pfa": 1e-5, "pmd": 1e-3, "hal": 556, "f": 0.95}
+//! {"id": 7, "out": {"lsr": {"status": "ok", …}}}
+//! ```
+//!
+//! A line that is not such an object gives `{"id": …, "error": "what and where"}`, and the run goes on. An object
+//! whose numbers make no epoch (a sigma of zero, a residual that is not a number) is an answer with the status
+//! `invalid_input`, which also says `why`.
+
+mod line;
+mod lsr;
+mod number;
+
+use std::collections::HashMap;
+use std::io::{self, BufRead, Write};
+
+use anyhow::Context as _;
+use flate2::bufread::MultiGzDecoder;
+use rai_core::probability::Probability;
+use rai_core::threshold::Thresholds;
+use serde::Serialize;
+use serde_json::Value;
+
+use crate::tables::Rows;
+use line::Line;
+use lsr::Lsr;
+
+/// What the command says of itself: the fields of a line.
+pub const HELP: &str = "\
+One JSON object per line, in and out. Input fields (unknown ones are ignored):
+  id        anything; echoed
+  los_enu   [[e, n, u], …] unit vectors receiver → satellite
+  con       [0 GPS | 1 BeiDou | 2 Galileo | 3 GLONASS, …]
+  sigma     [m, …]     y  [m, …] measured minus predicted range
+  pfa, pmd  probabilities of false alarm and of missed detection, in (0, 0.5)
+  hal       horizontal alert limit, m     f  share of it that the protection level may fill, in (0, 1]
+  clock     optional {con, value_m, sigma_m}: a predicted receiver clock; takes the row after the satellites
+  scalar    optional \"f64\" (default) or \"f32\": which instantiation of the core runs
+Output: {id, out: {lsr: {…}}} or {id, error}. Fields of lsr, as far as the status goes:
+  status    ok | no_redundancy | insufficient | singular | invalid_input (then also: why)
+  n, m, dof rows, unknowns, degrees of freedom
+  x, v      position (east, north, up) and clocks (ascending con), m; residuals, m
+  sse, hdop, vdop
+  tau1, lam, test = sqrt(sse/dof), T1n = sqrt(tau1/dof), detected
+  w, Td     w-tests and their threshold     Sii  redundancy numbers
+  slope_h, slope_v, hpl, vpl, hdop_i, delta = (f hal / max slope_h)^2, raim_available
+  ident, ident_reason                       row named, or -1 and why not
+  excluded, fde_status, sse_after, dof_after, x_after   sequential exclusion of at most 3 rows
+NaN is null, infinity \"inf\". Probabilities outside the committed tables get rows computed on the host.
+The exit code is 1 if a line had an error; the other lines are answered.";
+
+/// Rows that one line may have. The tables of w-tests end there, and so, with four unknowns, do those of `tau1`.
+const MAX_ROWS: usize = rai_core::threshold::MAX_TESTS;
+
+/// Which instantiation of the core runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scalar {
+    /// Double precision, as references are.
+    F64,
+    /// Single precision, as on the target.
+    F32,
+}
+
+impl std::str::FromStr for Scalar {
+    type Err = String;
+
+    fn from_str(word: &str) -> Result<Self, String> {
+        match word {
+            "f64" => Ok(Self::F64),
+            "f32" => Ok(Self::F32),
+            other => Err(format!("`{other}` is neither f64 nor f32")),
+        }
+    }
+}
+
+/// How a run went.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Summary {
+    /// Lines that were not blank.
+    pub lines: usize,
+    /// Lines answered by an error.
+    pub errors: usize,
+}
+
+/// One line of output.
+#[derive(Serialize)]
+#[serde(untagged)]
+enum Answer {
+    Out { id: Value, out: Out },
+    Error { id: Value, error: String },
+}
+
+/// What the build provides, part by part.
+#[derive(Serialize)]
+struct Out {
+    lsr: Lsr,
+}
+
+/// Answers every line of `input`, which may be compressed; `scalar` overrides what the lines ask for.
+///
+/// # Errors
+/// Where reading or writing itself fails; a bad line is an answer.
+pub fn run(input: impl BufRead, output: impl Write, scalar: Option<Scalar>) -> anyhow::Result<Summary> {
+    let mut input = decompressed(input)?;
+    let mut output = io::BufWriter::new(output);
+    let mut rows = RowCache::default();
+    let (mut summary, mut bytes, mut number) = (Summary::default(), Vec::new(), 0);
+    loop {
+        bytes.clear();
+        number += 1;
+        let length = input.read_until(b'\n', &mut bytes).with_context(|| format!("reading line {number}"))?;
+        if length == 0 {
+            break;
+        }
+        let text = bytes.trim_ascii_end();
+        if text.is_empty() {
+            continue;
+        }
+        let answer = answer(text, number, scalar, &mut rows);
+        summary.lines += 1;
+        summary.errors += usize::from(matches!(answer, Answer::Error { .. }));
+        serde_json::to_writer(&mut output, &answer).context("writing an answer")?;
+        output.write_all(b"\n").context("writing an answer")?;
+    }
+    output.flush().context("writing the answers")?;
+    Ok(summary)
+}
+
+/// The input itself, or what a gzip stream holds, told apart by the first two bytes.
+fn decompressed<'a>(mut input: impl BufRead + 'a) -> anyhow::Result<Box<dyn BufRead + 'a>> {
+    let compressed = input.fill_buf().context("reading the input")?.starts_with(&[0x1f, 0x8b]);
+    Ok(if compressed { Box::new(io::BufReader::new(MultiGzDecoder::new(input))) } else { Box::new(input) })
+}
+
+fn answer(bytes: &[u8], number: usize, scalar: Option<Scalar>, rows: &mut RowCache) -> Answer {
+    let value: Value = match serde_json::from_slice(bytes) {
+        Ok(value) => value,
+        Err(error) => {
+            let (text, column) = (error.to_string(), error.column());
+            let what = text.split(" at line").next().unwrap_or_default();
+            let error = format!("line {number}, column {column}: not JSON: {what}");
+            return Answer::Error { id: Value::Null, error };
+        }
+    };
+    let id = value.get("id").cloned().unwrap_or(Value::Null);
+    let judged = Line::read(&value).and_then(|line| judge(&line, scalar.unwrap_or(line.scalar), rows));
+    match judged {
+        Ok(lsr) => Answer::Out { id, out: Out { lsr } },
+        Err(error) => Answer::Error { id, error: format!("line {number}: {error}") },
+    }
+}
+
+fn judge(line: &Line, scalar: Scalar, rows: &mut RowCache) -> Result<Lsr, String> {
+    let (false_alarm, missed_detection) = match line.probabilities() {
+        Ok(pair) => pair,
+        Err(why) => return Ok(Lsr::invalid(line, why)),
+    };
+    let thresholds = rows.thresholds(false_alarm, missed_detection);
+    match scalar {
+        Scalar::F64 => lsr::evaluate::<f64>(line, &thresholds),
+        Scalar::F32 => lsr::evaluate::<f32>(line, &thresholds),
+    }
+}
+
+/// Rows for probabilities outside the committed tables, computed once for each pair.
+#[derive(Default)]
+struct RowCache(HashMap<(u64, u64), Rows>);
+
+impl RowCache {
+    fn thresholds(&mut self, false_alarm: Probability, missed_detection: Probability) -> Thresholds<'_> {
+        Thresholds::from_tables(false_alarm, missed_detection).unwrap_or_else(|_| {
+            let (alarm, missed) = (false_alarm.get(), missed_detection.get());
+            let key = (alarm.to_bits(), missed.to_bits());
+            let rows = self.0.entry(key).or_insert_with(|| Rows::compute(alarm, missed));
+            Thresholds::from_rows(&rows.tau1, &rows.lambda, &rows.w_test)
+        })
+    }
+}

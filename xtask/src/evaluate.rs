@@ -1,12 +1,30 @@
-//! `cargo xtask evaluate`.
+//! `cargo xtask evaluate`: linearised epochs through the core.
 
-use anyhow::bail;
+use std::fs::File;
+use std::io::{BufRead, BufReader, stdin, stdout};
+use std::path::PathBuf;
+
+use anyhow::{Context as _, ensure};
+use tests_host::evaluate::{self, Scalar};
 
 /// Arguments of the command.
 #[derive(clap::Args)]
-pub struct Arguments {}
+#[command(after_long_help = evaluate::HELP)]
+pub(crate) struct Arguments {
+    /// JSON lines, plain or gzip; standard input without it.
+    file: Option<PathBuf>,
+    /// Which instantiation of the core runs, whatever the lines say: f64 or f32.
+    #[arg(long)]
+    scalar: Option<Scalar>,
+}
 
 /// Runs the command.
-pub fn run(_arguments: Arguments) -> anyhow::Result<()> {
-    bail!("not built yet")
+pub(crate) fn run(arguments: Arguments) -> anyhow::Result<()> {
+    let input: Box<dyn BufRead> = match &arguments.file {
+        Some(path) => Box::new(BufReader::new(File::open(path).with_context(|| path.display().to_string())?)),
+        None => Box::new(stdin().lock()),
+    };
+    let summary = evaluate::run(input, stdout().lock(), arguments.scalar)?;
+    ensure!(summary.errors == 0, "{} of {} lines could not be evaluated", summary.errors, summary.lines);
+    Ok(())
 }

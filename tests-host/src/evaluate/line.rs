@@ -1,0 +1,152 @@
+//! One line of input: is it such an object at all?
+//!
+//! What is missing or of the wrong kind is an error that names the field. What is a number, but not a sensible one,
+//! is left to the core and to [`Line::probabilities`], and becomes a status.
+
+use nalgebra::Vector3;
+use rai_core::probability::Probability;
+use rai_core::satellite::Constellation;
+use serde_json::{Map, Value};
+
+use super::number::Number;
+use super::{MAX_ROWS, Scalar};
+
+/// A linearised epoch and what is required of it.
+#[derive(Debug)]
+pub(super) struct Line {
+    pub(super) satellites: Vec<Satellite>,
+    pub(super) clock: Option<Clock>,
+    pub(super) pfa: f64,
+    pub(super) pmd: f64,
+    pub(super) hal_m: f64,
+    pub(super) guard_fraction: f64,
+    pub(super) scalar: Scalar,
+}
+
+/// One satellite's row.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Satellite {
+    pub(super) constellation: Constellation,
+    pub(super) line_of_sight: Vector3<f64>,
+    pub(super) residual_m: f64,
+    pub(super) sigma_m: f64,
+}
+
+/// A predicted receiver clock.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Clock {
+    pub(super) constellation: Constellation,
+    pub(super) value_m: f64,
+    pub(super) sigma_m: f64,
+}
+
+impl Line {
+    /// Reads a line that was JSON.
+    pub(super) fn read(value: &Value) -> Result<Self, String> {
+        let object = value.as_object().ok_or("not a JSON object")?;
+        let scalar = match object.get("scalar") {
+            Some(word) => {
+                word.as_str().ok_or("scalar: not a word")?.parse().map_err(|why| format!("scalar: {why}"))?
+            }
+            None => Scalar::F64,
+        };
+        let line = Self {
+            satellites: satellites(object)?,
+            clock: object.get("clock").filter(|clock| !clock.is_null()).map(clock).transpose()?,
+            pfa: number(object, "pfa")?,
+            pmd: number(object, "pmd")?,
+            hal_m: number(object, "hal")?,
+            guard_fraction: number(object, "f")?,
+            scalar,
+        };
+        if line.rows() > MAX_ROWS {
+            return Err(format!("los_enu: {} rows, clock included, but at most {MAX_ROWS} fit", line.rows()));
+        }
+        Ok(line)
+    }
+
+    /// Rows of the least-squares problem: satellites, then the clock.
+    pub(super) fn rows(&self) -> usize {
+        self.satellites.len() + usize::from(self.clock.is_some())
+    }
+
+    /// Unknowns: the position, and a clock for each constellation that occurs.
+    pub(super) fn unknowns(&self) -> usize {
+        let occurs = |constellation: &Constellation| {
+            self.satellites.iter().any(|satellite| satellite.constellation == *constellation)
+                || self.clock.is_some_and(|clock| clock.constellation == *constellation)
+        };
+        3 + Constellation::ALL.iter().filter(|constellation| occurs(constellation)).count()
+    }
+
+    /// The two probabilities, with the other requirements checked as well; an error names the field.
+    pub(super) fn probabilities(&self) -> Result<(Probability, Probability), String> {
+        let probability = |name: &str, tail: f64| {
+            Probability::new(tail).ok_or_else(|| format!("{name}: {tail} outside (0, 0.5)"))
+        };
+        // Written so that a NaN fails.
+        if !(self.hal_m > 0.0) {
+            return Err(format!("hal: {} not above 0", self.hal_m));
+        }
+        if !(self.guard_fraction > 0.0 && self.guard_fraction <= 1.0) {
+            return Err(format!("f: {} outside (0, 1]", self.guard_fraction));
+        }
+        Ok((probability("pfa", self.pfa)?, probability("pmd", self.pmd)?))
+    }
+}
+
+fn satellites(object: &Map<String, Value>) -> Result<Vec<Satellite>, String> {
+    let directions = array(object, "los_enu")?;
+    let constellations = array(object, "con")?;
+    let sigmas = numbers(array(object, "sigma")?, "sigma")?;
+    let residuals = numbers(array(object, "y")?, "y")?;
+    let count = directions.len();
+    let lengths = [("con", constellations.len()), ("sigma", sigmas.len()), ("y", residuals.len())];
+    if let Some((name, length)) = lengths.into_iter().find(|&(_, length)| length != count) {
+        return Err(format!("{name}: {length} entries, but los_enu has {count}"));
+    }
+    let rows = directions.iter().zip(constellations).zip(sigmas.into_iter().zip(residuals)).enumerate();
+    rows.map(|(index, ((direction, id), (sigma_m, residual_m)))| {
+        let constellation = constellation(id).map_err(|why| format!("con[{index}]: {why}"))?;
+        let line_of_sight =
+            direction_of(direction).ok_or_else(|| format!("los_enu[{index}]: not three numbers"))?;
+        Ok(Satellite { constellation, line_of_sight, residual_m, sigma_m })
+    })
+    .collect()
+}
+
+fn clock(value: &Value) -> Result<Clock, String> {
+    let object = value.as_object().ok_or("clock: not an object")?;
+    let named = |why: String| format!("clock.{why}");
+    let id = object.get("con").ok_or("clock.con: missing")?;
+    Ok(Clock {
+        constellation: constellation(id).map_err(|why| format!("clock.con: {why}"))?,
+        value_m: number(object, "value_m").map_err(named)?,
+        sigma_m: number(object, "sigma_m").map_err(named)?,
+    })
+}
+
+fn array<'v>(object: &'v Map<String, Value>, name: &str) -> Result<&'v Vec<Value>, String> {
+    let value = object.get(name).ok_or_else(|| format!("{name}: missing"))?;
+    value.as_array().ok_or_else(|| format!("{name}: not an array"))
+}
+
+fn number(object: &Map<String, Value>, name: &str) -> Result<f64, String> {
+    let value = object.get(name).ok_or_else(|| format!("{name}: missing"))?;
+    Number::read(value).ok_or_else(|| format!("{name}: not a number"))
+}
+
+fn numbers(values: &[Value], name: &str) -> Result<Vec<f64>, String> {
+    let read = |(index, value)| Number::read(value).ok_or_else(|| format!("{name}[{index}]: not a number"));
+    values.iter().enumerate().map(read).collect()
+}
+
+fn direction_of(value: &Value) -> Option<Vector3<f64>> {
+    let [east, north, up] = value.as_array()?.as_slice() else { return None };
+    Some(Vector3::new(Number::read(east)?, Number::read(north)?, Number::read(up)?))
+}
+
+fn constellation(id: &Value) -> Result<Constellation, String> {
+    let known = |constellation: &Constellation| id.as_u64() == Some(*constellation as u64);
+    Constellation::ALL.into_iter().find(known).ok_or_else(|| format!("no constellation {id}"))
+}

@@ -1,0 +1,224 @@
+//! The least-squares part of an answer: global test, w-test, sequential exclusion, protection levels.
+//!
+//! Nothing is computed here that the core computes; fields carry the names of the published vectors.
+
+use rai_core::detection::{Detection, detect};
+use rai_core::identification::baarda::{Identification, Outcome, exclude_sequentially, identify, w_test};
+use rai_core::linear::{LinearEpoch, Row, RowError};
+use rai_core::protection::{largest_slopes, protect, slopes};
+use rai_core::real::Real;
+use rai_core::satellite::Constellation;
+use rai_core::snapshot::{Fit, Snapshot, SnapshotError};
+use rai_core::threshold::Thresholds;
+use serde::Serialize;
+
+use super::MAX_ROWS;
+use super::line::Line;
+use super::number::Number;
+
+/// What the least-squares part says of an epoch, as far as its status goes.
+#[derive(Serialize)]
+pub(super) struct Lsr {
+    status: &'static str,
+    n: usize,
+    m: usize,
+    dof: i64,
+    #[serde(flatten)]
+    solution: Option<Solution>,
+    #[serde(flatten)]
+    test: Option<Test>,
+    #[serde(flatten)]
+    exclusion: Option<Exclusion>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    why: Option<String>,
+}
+
+#[derive(Serialize)]
+struct Solution {
+    x: Vec<Number>,
+    v: Vec<Number>,
+    sse: Number,
+    hdop: Number,
+    vdop: Number,
+}
+
+#[derive(Serialize)]
+#[allow(non_snake_case, reason = "names of the published vectors")]
+struct Test {
+    tau1: Number,
+    lam: Number,
+    test: Number,
+    T1n: Number,
+    detected: bool,
+    w: Vec<Number>,
+    Td: Number,
+    Sii: Vec<Number>,
+    slope_h: Vec<Number>,
+    slope_v: Vec<Number>,
+    hpl: Number,
+    vpl: Number,
+    hdop_i: Vec<Number>,
+    delta: Number,
+    raim_available: bool,
+    /// Row of the epoch, or −1.
+    ident: i64,
+    ident_reason: &'static str,
+}
+
+#[derive(Serialize)]
+struct Exclusion {
+    excluded: Vec<usize>,
+    fde_status: &'static str,
+    sse_after: Number,
+    dof_after: usize,
+    /// Only where the fault was isolated, or there was none.
+    x_after: Option<Vec<Number>>,
+}
+
+impl Lsr {
+    /// An epoch whose numbers make no sense.
+    pub(super) fn invalid(line: &Line, why: String) -> Self {
+        Self { why: Some(why), ..Self::status("invalid_input", line) }
+    }
+
+    fn status(status: &'static str, line: &Line) -> Self {
+        let (n, m) = (line.rows(), line.unknowns());
+        let dof = n as i64 - m as i64;
+        Self { status, n, m, dof, solution: None, test: None, exclusion: None, why: None }
+    }
+}
+
+/// Runs the core on one line.
+///
+/// The error names what the tables do not reach.
+pub(super) fn evaluate<T: Real>(line: &Line, thresholds: &Thresholds<'_>) -> Result<Lsr, String> {
+    if line.rows() == 0 {
+        return Ok(Lsr::invalid(line, "no satellites".to_owned()));
+    }
+    let epoch = match rows::<T>(line) {
+        Ok(epoch) => epoch,
+        Err(why) => return Ok(Lsr::invalid(line, why)),
+    };
+    let snapshot = match Snapshot::solve(epoch) {
+        Ok(snapshot) => snapshot,
+        Err(SnapshotError::Insufficient) => return Ok(Lsr::status("insufficient", line)),
+        Err(SnapshotError::Singular) => return Ok(Lsr::status("singular", line)),
+    };
+    let solution = Some(solution(&snapshot));
+    if snapshot.dof() == 0 {
+        return Ok(Lsr { solution, ..Lsr::status("no_redundancy", line) });
+    }
+    let test = Some(test(line, &snapshot, thresholds)?);
+    let exclusion = Some(exclude(snapshot, thresholds));
+    Ok(Lsr { solution, test, exclusion, ..Lsr::status("ok", line) })
+}
+
+fn rows<T: Real>(line: &Line) -> Result<LinearEpoch<T, MAX_ROWS>, String> {
+    let mut epoch = LinearEpoch::new();
+    for (index, satellite) in line.satellites.iter().enumerate() {
+        let (constellation, direction) = (satellite.constellation, satellite.line_of_sight);
+        epoch
+            .satellite(constellation, direction, satellite.residual_m, satellite.sigma_m)
+            .map_err(|error| format!("satellite {index}: {error}"))?;
+    }
+    if let Some(clock) = line.clock {
+        let named = |error: RowError| format!("clock: {error}");
+        epoch.clock(clock.constellation, clock.value_m, clock.sigma_m).map_err(named)?;
+    }
+    Ok(epoch)
+}
+
+fn solution<T: Real>(snapshot: &Snapshot<T, MAX_ROWS>) -> Solution {
+    let (hdop, vdop) = snapshot.dilutions();
+    Solution {
+        x: unknowns(snapshot),
+        v: each_row(snapshot, |_, fit| fit.residual),
+        sse: wide(snapshot.sse()),
+        hdop: wide(hdop),
+        vdop: wide(vdop),
+    }
+}
+
+fn test<T: Real>(
+    line: &Line,
+    snapshot: &Snapshot<T, MAX_ROWS>,
+    thresholds: &Thresholds<'_>,
+) -> Result<Test, String> {
+    let dof = snapshot.dof();
+    let beyond = || format!("{dof} degrees of freedom: beyond the tables");
+    let detection = detect(snapshot, thresholds).ok_or_else(beyond)?;
+    let lambda = thresholds.lambda(dof).ok_or_else(beyond)?;
+    let rows = snapshot.used();
+    let w_threshold = thresholds.w_test(rows).ok_or_else(|| format!("{rows} rows: beyond the tables"))?;
+    let statistic = detection.statistic();
+    let levels = protect(snapshot, lambda);
+    let limit_m = line.guard_fraction * line.hal_m;
+    let slope_limit = limit_m / largest_slopes(snapshot).horizontal.widen();
+    let (ident, ident_reason) = identification(snapshot, &detection, thresholds);
+    Ok(Test {
+        tau1: wide(detection.threshold),
+        lam: lambda.into(),
+        test: statistic.statistic.into(),
+        T1n: statistic.threshold.into(),
+        detected: detection.fault(),
+        w: each_row(snapshot, w_test),
+        Td: w_threshold.into(),
+        Sii: each_row(snapshot, |_, fit| fit.redundancy),
+        slope_h: each_row(snapshot, |row, fit| slopes(row, fit).horizontal),
+        slope_v: each_row(snapshot, |row, fit| slopes(row, fit).vertical),
+        hpl: levels.hpl_m.into(),
+        vpl: levels.vpl_m.into(),
+        hdop_i: (0..rows).filter_map(|index| snapshot.hdop_without(index)).map(wide).collect(),
+        delta: (slope_limit * slope_limit).into(),
+        raim_available: levels.hpl_m < limit_m,
+        ident,
+        ident_reason,
+    })
+}
+
+fn identification<T: Real>(
+    snapshot: &Snapshot<T, MAX_ROWS>,
+    detection: &Detection<T>,
+    thresholds: &Thresholds<'_>,
+) -> (i64, &'static str) {
+    if !detection.fault() {
+        return (-1, "not_detected");
+    }
+    match identify(snapshot, thresholds) {
+        Identification::Row(index) => (index as i64, "ok"),
+        Identification::NoRedundancy => (-1, "dof<2"),
+        Identification::BelowThreshold => (-1, "below_threshold"),
+        Identification::Ambiguous => (-1, "ambiguous"),
+    }
+}
+
+fn exclude<T: Real>(mut snapshot: Snapshot<T, MAX_ROWS>, thresholds: &Thresholds<'_>) -> Exclusion {
+    let exclusion = exclude_sequentially(&mut snapshot, thresholds);
+    let (fde_status, settled) = match exclusion.outcome {
+        Outcome::Passed => ("passed", true),
+        Outcome::Isolated => ("isolated", true),
+        Outcome::NotIsolated(_) => ("not_isolated", false),
+    };
+    Exclusion {
+        excluded: exclusion.rows.iter().map(|excluded| excluded.index).collect(),
+        fde_status,
+        sse_after: wide(snapshot.sse()),
+        dof_after: snapshot.dof(),
+        x_after: settled.then(|| unknowns(&snapshot)),
+    }
+}
+
+/// East, north, up, then the clocks in ascending id.
+fn unknowns<T: Real>(snapshot: &Snapshot<T, MAX_ROWS>) -> Vec<Number> {
+    let position = snapshot.correction();
+    let clocks = Constellation::ALL.into_iter().filter_map(|constellation| snapshot.clock_m(constellation));
+    position.iter().map(|&coordinate| wide(coordinate)).chain(clocks.map(Number)).collect()
+}
+
+fn each_row<T: Real>(snapshot: &Snapshot<T, MAX_ROWS>, value: impl Fn(&Row<T>, &Fit<T>) -> T) -> Vec<Number> {
+    snapshot.rows().map(|(row, fit)| wide(value(row, fit))).collect()
+}
+
+fn wide<T: Real>(value: T) -> Number {
+    Number(value.widen())
+}

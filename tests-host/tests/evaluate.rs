@@ -1,0 +1,166 @@
+//! Lines that are not epochs, and epochs that are not sensible: each gets an answer, and the run goes on.
+
+use serde_json::{Value, json};
+use tests_host::evaluate::{self, Scalar, Summary};
+
+/// Six satellites of one constellation: two degrees of freedom.
+fn epoch() -> Value {
+    json!({
+        "id": "six",
+        "los_enu": [[0.0, 0.0, 1.0], [0.6, 0.0, 0.8], [-0.6, 0.0, 0.8], [0.0, 0.8, 0.6], [0.0, -0.8, 0.6], [0.48, 0.64, 0.6]],
+        "con": [0, 0, 0, 0, 0, 0],
+        "sigma": [6.0, 6.0, 6.0, 6.0, 6.0, 6.0],
+        "y": [1.0, -2.0, 0.5, 3.0, -1.0, 0.0],
+        "pfa": 1e-5, "pmd": 1e-3, "hal": 556.0, "f": 0.95,
+    })
+}
+
+fn with(field: &str, value: Value) -> Value {
+    let mut epoch = epoch();
+    epoch[field] = value;
+    epoch
+}
+
+fn run(input: &[u8]) -> (Vec<Value>, Summary) {
+    let mut output = Vec::new();
+    let summary = evaluate::run(input, &mut output, None).expect("a run without I/O errors");
+    let text = String::from_utf8(output).expect("text");
+    (text.lines().map(|line| serde_json::from_str(line).expect("JSON")).collect(), summary)
+}
+
+fn answer(line: &Value) -> Value {
+    let (mut answers, _) = run(line.to_string().as_bytes());
+    answers.remove(0)
+}
+
+#[test]
+fn every_line_that_is_not_such_an_object_says_what_and_where() {
+    let missing = {
+        let mut epoch = epoch();
+        epoch.as_object_mut().expect("an object").remove("sigma");
+        epoch
+    };
+    let cases = [
+        (json!([1, 2]), "line 1: not a JSON object"),
+        (json!(null), "line 1: not a JSON object"),
+        (missing, "line 1: sigma: missing"),
+        (with("y", json!("west")), "line 1: y: not an array"),
+        (with("y", json!([1, 2, 3, 4, 5, {}])), "line 1: y[5]: not a number"),
+        (with("y", json!([1, 2, 3])), "line 1: y: 3 entries, but los_enu has 6"),
+        (with("con", json!([0, 0, 0, 0, 4, 0])), "line 1: con[4]: no constellation 4"),
+        (with("con", json!([0, 0, 0, 0, -1, 0])), "line 1: con[4]: no constellation -1"),
+        (with("los_enu", json!([[0, 1], 1, 1, 1, 1, 1])), "line 1: los_enu[0]: not three numbers"),
+        (with("scalar", json!("f16")), "line 1: scalar: `f16` is neither f64 nor f32"),
+        (with("clock", json!(3)), "line 1: clock: not an object"),
+        (with("clock", json!({"con": 0, "value_m": 1})), "line 1: clock.sigma_m: missing"),
+        (with("pfa", json!([])), "line 1: pfa: not a number"),
+    ];
+    for (line, want) in cases {
+        assert_eq!(answer(&line)["error"], want, "{line}");
+    }
+}
+
+/// As many satellites as one likes, on a spiral up the sky.
+fn crowd(count: u32) -> Value {
+    let direction = |k: u32| {
+        let azimuth_rad = f64::from(k) * 2.4;
+        let up = 0.2 + 0.7 * f64::from(k) / 65.0;
+        let flat = libm::sqrt(1.0 - up * up);
+        json!([flat * libm::sin(azimuth_rad), flat * libm::cos(azimuth_rad), up])
+    };
+    let mut line = with("los_enu", (0..count).map(direction).collect());
+    for (field, value) in [("con", 0), ("sigma", 3), ("y", 0)] {
+        line[field] = Value::Array(vec![json!(value); count as usize]);
+    }
+    line
+}
+
+#[test]
+fn the_tables_last_degree_of_freedom_is_tested_and_one_more_is_an_error() {
+    let full = answer(&crowd(64));
+    assert_eq!((&full["out"]["lsr"]["status"], &full["out"]["lsr"]["dof"]), (&json!("ok"), &json!(60)));
+    let want = "line 1: los_enu: 65 rows, clock included, but at most 64 fit";
+    assert_eq!(answer(&crowd(65))["error"], want);
+    let mut aided = crowd(64);
+    aided["clock"] = json!({"con": 0, "value_m": 0.0, "sigma_m": 3.0});
+    assert_eq!(answer(&aided)["error"], want);
+}
+
+#[test]
+fn numbers_that_make_no_epoch_are_invalid_input_and_say_why() {
+    let cases = [
+        (with("y", json!([1, 2, 3, 4, 5, null])), "satellite 5: residual not finite"),
+        (with("y", json!(["-inf", 2, 3, 4, 5, 6])), "satellite 0: residual not finite"),
+        (with("sigma", json!([6, 6, 0, 6, 6, 6])), "satellite 2: sigma not finite or not positive"),
+        (with("pfa", json!(0.5)), "pfa: 0.5 outside (0, 0.5)"),
+        (with("pfa", json!(null)), "pfa: NaN outside (0, 0.5)"),
+        (with("pmd", json!(0)), "pmd: 0 outside (0, 0.5)"),
+        (with("hal", json!(-1)), "hal: -1 not above 0"),
+        (with("f", json!(1.5)), "f: 1.5 outside (0, 1]"),
+    ];
+    for (line, want) in cases {
+        let have = &answer(&line)["out"]["lsr"];
+        assert_eq!((&have["status"], &have["why"]), (&json!("invalid_input"), &json!(want)), "{line}");
+    }
+}
+
+#[test]
+fn a_bad_line_does_not_stop_the_run() {
+    let good = epoch().to_string();
+    let input = [good.as_bytes(), b"\n{\"id\": 7, \"y\n\n\xff\xfe\n{\"id\": 8}\n", good.as_bytes()].concat();
+    let (answers, summary) = run(&input);
+    assert_eq!(summary, Summary { lines: 5, errors: 3 });
+    assert_eq!(answers[1]["error"], "line 2, column 11: not JSON: EOF while parsing a string");
+    assert_eq!(answers[2]["error"], "line 4, column 1: not JSON: expected value");
+    assert_eq!(answers[3], json!({"id": 8, "error": "line 5: los_enu: missing"}));
+    assert_eq!(answers[4], answers[0]);
+}
+
+#[test]
+fn no_input_is_no_output() {
+    assert_eq!(run(b""), (Vec::new(), Summary::default()));
+}
+
+#[test]
+fn the_line_chooses_the_scalar_and_the_caller_overrides_it() {
+    let double = answer(&epoch());
+    let single = answer(&with("scalar", json!("f32")));
+    assert_ne!(double, single);
+    let mut overridden = Vec::new();
+    evaluate::run(epoch().to_string().as_bytes(), &mut overridden, Some(Scalar::F32)).expect("no I/O errors");
+    assert_eq!(serde_json::from_slice::<Value>(&overridden).expect("JSON"), single);
+}
+
+#[test]
+fn probabilities_outside_the_tables_get_their_own_rows() {
+    // Two degrees of freedom: χ² is an exponential, tau1 = −2 ln Pfa.
+    for pfa in [2e-6, 0.03, 1e-30] {
+        let have = answer(&with("pfa", json!(pfa)))["out"]["lsr"]["tau1"].as_f64().expect("a number");
+        let want = -2.0 * libm::log(pfa);
+        assert!((have / want - 1.0).abs() < 1e-13, "have {have}, want {want}");
+    }
+}
+
+#[test]
+fn a_predicted_clock_adds_a_row_and_a_degree_of_freedom() {
+    let unaided = answer(&epoch());
+    let aided = answer(&with("clock", json!({"con": 0, "value_m": 0.5, "sigma_m": 1.0})));
+    let (unaided, aided) = (&unaided["out"]["lsr"], &aided["out"]["lsr"]);
+    assert_eq!((&unaided["n"], &unaided["dof"]), (&json!(6), &json!(2)));
+    assert_eq!((&aided["n"], &aided["dof"]), (&json!(7), &json!(3)));
+    assert!(aided["hpl"].as_f64() < unaided["hpl"].as_f64(), "more redundancy, smaller slopes");
+}
+
+#[test]
+fn an_untestable_satellite_that_moves_the_height_gives_an_infinite_level_in_words() {
+    // Four satellites on one cone and one overhead: the latter alone fixes the height.
+    let line = json!({
+        "id": 1,
+        "los_enu": [[0.8, 0.0, 0.6], [-0.8, 0.0, 0.6], [0.0, 0.8, 0.6], [0.0, -0.8, 0.6], [0.0, 0.0, 1.0]],
+        "con": [0, 0, 0, 0, 0], "sigma": [6, 6, 6, 6, 6], "y": [1, 2, 3, 4, 5],
+        "pfa": 1e-5, "pmd": 1e-3, "hal": 556, "f": 1,
+    });
+    let have = answer(&line);
+    assert_eq!(have["out"]["lsr"]["vpl"], "inf", "{have}");
+    assert_eq!(have["out"]["lsr"]["status"], "ok");
+}

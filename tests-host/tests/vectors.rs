@@ -1,0 +1,196 @@
+//! The core against the published vectors: epochs with 1 to 4 constellations and 0 to 3 faults, and edge cases.
+//!
+//! `want` was computed elsewhere, with a full-column solution in double precision. Tolerances are those of the
+//! specification; what has no absolute tolerance there gets one where a value may be nearly zero.
+
+use std::fs::File;
+use std::io::{BufRead, BufReader, Read};
+
+use flate2::read::GzDecoder;
+use serde_json::Value;
+use tests_host::evaluate::{self, Scalar};
+use tests_host::shared;
+
+/// Fields that hold numbers, with the relative and the absolute error allowed; a tuple for each scalar.
+#[rustfmt::skip]
+const TOLERANCES: [(&str, (f64, f64), (f64, f64)); 24] = [
+    // field        f64             f32
+    ("x",         (0.0, 1e-6),    (1e-6, 0.05)),
+    ("v",         (0.0, 1e-6),    (1e-3, 0.05)),
+    ("sse",       (1e-9, 1e-7),   (1e-3, 1e-3)),
+    ("hdop",      (1e-9, 1e-9),   (1e-3, 0.0)),
+    ("vdop",      (1e-9, 1e-9),   (1e-3, 0.0)),
+    ("tau1",      (1e-10, 0.0),   (2e-5, 0.0)),
+    ("lam",       (1e-10, 0.0),   (2e-5, 0.0)),
+    ("test",      (1e-9, 1e-7),   (1e-3, 1e-3)),
+    ("T1n",       (1e-10, 0.0),   (2e-5, 0.0)),
+    ("w",         (1e-9, 1e-9),   (1e-3, 1e-2)),
+    ("Td",        (1e-10, 0.0),   (2e-5, 0.0)),
+    ("Sii",       (1e-9, 1e-9),   (1e-3, 1e-4)),
+    ("slope_h",   (1e-9, 1e-9),   (3e-3, 1e-3)),
+    ("slope_v",   (1e-9, 1e-9),   (3e-3, 1e-3)),
+    ("hpl",       (1e-9, 1e-9),   (1e-3, 0.0)),
+    ("vpl",       (1e-9, 1e-9),   (1e-3, 0.0)),
+    ("hdop_i",    (1e-9, 1e-9),   (1e-3, 0.0)),
+    ("delta",     (1e-9, 0.0),    (2e-3, 0.0)),
+    ("sse_after", (1e-9, 1e-7),   (1e-3, 1e-2)),
+    ("x_after",   (0.0, 1e-6),    (1e-6, 0.05)),
+    ("n",         (0.0, 0.0),     (0.0, 0.0)),
+    ("m",         (0.0, 0.0),     (0.0, 0.0)),
+    ("dof",       (0.0, 0.0),     (0.0, 0.0)),
+    ("dof_after", (0.0, 0.0),     (0.0, 0.0)),
+];
+
+/// Fields that are decisions.
+const DECISIONS: [&str; 7] =
+    ["status", "detected", "raim_available", "ident", "ident_reason", "excluded", "fde_status"];
+
+/// Below this distance from a threshold, single precision may decide otherwise.
+const F32_MARGIN: f64 = 1e-3;
+
+/// Smallest singular value of the geometry for which the single-precision tolerances hold.
+const F32_SINGULAR_VALUE: f64 = 0.05;
+
+fn vectors(relative: &str) -> Option<Vec<Value>> {
+    let file = File::open(shared::path_or_skip(relative)?).expect("a readable file");
+    let lines = BufReader::new(GzDecoder::new(file)).lines();
+    Some(lines.map(|line| serde_json::from_str(&line.expect("text")).expect("JSON")).collect())
+}
+
+fn evaluated(relative: &str, scalar: Scalar) -> Vec<Value> {
+    let file =
+        BufReader::new(File::open(shared::path(relative).expect("checked before")).expect("a readable file"));
+    let mut output = Vec::new();
+    let summary = evaluate::run(file, &mut output, Some(scalar)).expect("a run without I/O errors");
+    assert_eq!(summary.errors, 0);
+    output.lines().map(|line| serde_json::from_str(&line.expect("text")).expect("JSON")).collect()
+}
+
+fn number(value: &Value) -> f64 {
+    match value {
+        Value::String(word) => word.parse().expect("a number in words"),
+        value => value.as_f64().unwrap_or(f64::NAN),
+    }
+}
+
+fn numbers(value: &Value) -> Vec<f64> {
+    value.as_array().map_or_else(|| vec![number(value)], |list| list.iter().map(number).collect())
+}
+
+fn close(have: f64, want: f64, (relative, absolute): (f64, f64)) -> bool {
+    // Equality first: infinities, and NaN by its absence of an order.
+    have == want || have.is_nan() && want.is_nan() || (have - want).abs() <= absolute + relative * want.abs()
+}
+
+/// How many values of one answer were compared; panics at the first that is not close.
+fn compare_numbers(id: &Value, have: &Value, want: &Value, scalar: Scalar) -> usize {
+    let mut compared = 0;
+    for (field, double, single) in TOLERANCES {
+        let Some(want) = want.get(field) else { continue };
+        let tolerance = if scalar == Scalar::F64 { double } else { single };
+        let (have, want) = (numbers(&have[field]), numbers(want));
+        assert_eq!(have.len(), want.len(), "epoch {id} {field}");
+        for (&have, &want) in have.iter().zip(&want) {
+            assert!(
+                close(have, want, tolerance),
+                "epoch {id} {field} {scalar:?}: have {have:e}, want {want:e}"
+            );
+            compared += 1;
+        }
+    }
+    compared
+}
+
+fn compare_decisions(id: &Value, have: &Value, want: &Value) {
+    for field in DECISIONS {
+        if let Some(want) = want.get(field) {
+            assert_eq!(&have[field], want, "epoch {id} {field}");
+        }
+    }
+}
+
+fn epochs_agree(scalar: Scalar) {
+    let file = "vectors/epochs.jsonl.gz";
+    let Some(wanted) = vectors(file) else { return };
+    let had = evaluated(file, scalar);
+    assert_eq!(had.len(), wanted.len());
+    let (mut compared, mut decided) = (0, 0);
+    for (have, want) in had.iter().zip(&wanted) {
+        let id = &want["id"];
+        assert_eq!(&have["id"], id);
+        let (have, out) = (&have["out"]["lsr"], &want["out"]);
+        let tame = out.get("min_sv").map_or(f64::INFINITY, number) >= F32_SINGULAR_VALUE;
+        let decisive = want.get("margin").map_or(f64::INFINITY, number) > F32_MARGIN;
+        if scalar == Scalar::F64 || tame && decisive {
+            compare_decisions(id, have, &out["lsr"]);
+            decided += 1;
+        }
+        if scalar == Scalar::F64 || tame && (decisive || have["excluded"] == out["lsr"]["excluded"]) {
+            compared += compare_numbers(id, have, &out["lsr"], scalar);
+        }
+    }
+    println!("{scalar:?}: {compared} values, decisions of {decided} epochs");
+    assert!(compared > 10_000 && decided > 90, "{compared} values, decisions of {decided} epochs");
+}
+
+#[test]
+fn epochs_agree_in_double_precision() {
+    epochs_agree(Scalar::F64);
+}
+
+#[test]
+fn epochs_agree_in_single_precision() {
+    epochs_agree(Scalar::F32);
+}
+
+#[test]
+fn edge_cases_get_the_listed_status_in_both_precisions() {
+    let file = "vectors/edge.jsonl.gz";
+    let Some(wanted) = vectors(file) else { return };
+    for scalar in [Scalar::F64, Scalar::F32] {
+        for (have, want) in evaluated(file, scalar).iter().zip(&wanted) {
+            compare_decisions(&want["name"], &have["out"]["lsr"], &want["out"]);
+        }
+    }
+}
+
+#[test]
+fn edge_cases_have_the_listed_numbers() {
+    let file = "vectors/edge.jsonl.gz";
+    let Some(wanted) = vectors(file) else { return };
+    let mut compared = 0;
+    for (have, want) in evaluated(file, Scalar::F64).iter().zip(&wanted) {
+        // A clock of 2.9e8 m leaves 6e-8 m in the residuals, in the file as well.
+        let far_clock = want["name"] == "clock 3e8";
+        let nothing_to_compare = want["out"]["status"] == "invalid_input";
+        if !far_clock && !nothing_to_compare {
+            compared += compare_numbers(&want["name"], &have["out"]["lsr"], &want["out"], Scalar::F64);
+        }
+    }
+    assert!(compared > 500, "{compared} values");
+}
+
+#[test]
+fn a_receiver_clock_of_one_second_does_not_move_the_statistic() {
+    let file = "vectors/edge.jsonl.gz";
+    let Some(wanted) = vectors(file) else { return };
+    let index = wanted.iter().position(|line| line["name"] == "clock 3e8").expect("the case is in the file");
+    let want = number(&wanted[index]["out"]["sse"]);
+    for (scalar, relative) in [(Scalar::F64, 1e-6), (Scalar::F32, 1e-3)] {
+        let have = number(&evaluated(file, scalar)[index]["out"]["lsr"]["sse"]);
+        assert!(close(have, want, (relative, 0.0)), "{scalar:?}: have {have}, want {want}");
+    }
+}
+
+#[test]
+fn compressed_and_plain_input_give_the_same_answers() {
+    let file = "vectors/edge.jsonl.gz";
+    let Some(path) = shared::path_or_skip(file) else { return };
+    let mut plain = Vec::new();
+    GzDecoder::new(File::open(path).expect("a readable file")).read_to_end(&mut plain).expect("gzip");
+    let mut have = Vec::new();
+    evaluate::run(plain.as_slice(), &mut have, Some(Scalar::F64)).expect("a run without I/O errors");
+    let have: Vec<Value> =
+        have.lines().map(|line| serde_json::from_str(&line.expect("text")).expect("JSON")).collect();
+    assert_eq!(have, evaluated(file, Scalar::F64));
+}
