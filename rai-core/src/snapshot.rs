@@ -293,7 +293,8 @@ impl<T: Real, const N: usize> Snapshot<T, N> {
         let moved = gain.x * gain.x + gain.y * gain.y;
         let increase = if redundancy > T::UNTESTABLE {
             moved / redundancy
-        } else if moved > T::UNMOVED * T::UNMOVED {
+        } else if gain.dot(&gain) > T::UNMOVED * T::UNMOVED {
+            // Whichever coordinate it is: without this row there is no position at all.
             infinity()
         } else {
             T::zero()
