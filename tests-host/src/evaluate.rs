@@ -92,7 +92,7 @@ pub struct Summary {
 #[derive(Serialize)]
 #[serde(untagged)]
 enum Answer {
-    Out { id: Value, out: Out },
+    Out { id: Value, out: Box<Out> },
     Error { id: Value, error: String },
 }
 
@@ -151,7 +151,7 @@ fn answer(bytes: &[u8], number: usize, scalar: Option<Scalar>, rows: &mut RowCac
     let id = value.get("id").cloned().unwrap_or(Value::Null);
     let judged = Line::read(&value).and_then(|line| judge(&line, scalar.unwrap_or(line.scalar), rows));
     match judged {
-        Ok(lsr) => Answer::Out { id, out: Out { lsr } },
+        Ok(lsr) => Answer::Out { id, out: Box::new(Out { lsr }) },
         Err(error) => Answer::Error { id, error: format!("line {number}: {error}") },
     }
 }

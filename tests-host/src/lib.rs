@@ -1,6 +1,7 @@
 //! Simulated skies, real recordings, experiments and the emulated board, driven from the host.
 
 pub mod board;
+pub mod chi_square;
 pub mod encode;
 pub mod evaluate;
 pub mod fault;

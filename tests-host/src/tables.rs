@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, bail, ensure};
 use rai_core::threshold::{MAX_DOF, MAX_TESTS};
 
-pub mod chi_square;
+use crate::chi_square;
 
 /// False-alarm probabilities: gold table, parity-space papers (0.005), once in 15,000 samples ([DO-229]).
 pub const FALSE_ALARM: [f64; 9] = [5e-3, 1e-3, 1e-4, 6.667e-5, 1.0 / 15_000.0, 1e-5, 3.33e-7, 1e-7, 1e-8];

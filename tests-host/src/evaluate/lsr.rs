@@ -22,7 +22,7 @@ pub(super) struct Lsr {
     status: &'static str,
     n: usize,
     m: usize,
-    dof: i64,
+    dof: isize,
     #[serde(flatten)]
     solution: Option<Solution>,
     #[serde(flatten)]
@@ -43,7 +43,7 @@ struct Solution {
 }
 
 #[derive(Serialize)]
-#[allow(non_snake_case, reason = "names of the published vectors")]
+#[allow(non_snake_case, clippy::struct_field_names, reason = "names of the published vectors")]
 struct Test {
     tau1: Number,
     lam: Number,
@@ -61,7 +61,7 @@ struct Test {
     delta: Number,
     raim_available: bool,
     /// Row of the epoch, or −1.
-    ident: i64,
+    ident: isize,
     ident_reason: &'static str,
 }
 
@@ -83,7 +83,7 @@ impl Lsr {
 
     fn status(status: &'static str, line: &Line) -> Self {
         let (n, m) = (line.rows(), line.unknowns());
-        let dof = n as i64 - m as i64;
+        let dof = n.cast_signed() - m.cast_signed();
         Self { status, n, m, dof, solution: None, test: None, exclusion: None, why: None }
     }
 }
@@ -180,12 +180,12 @@ fn identification<T: Real>(
     snapshot: &Snapshot<T, MAX_ROWS>,
     detection: &Detection<T>,
     thresholds: &Thresholds<'_>,
-) -> (i64, &'static str) {
+) -> (isize, &'static str) {
     if !detection.fault() {
         return (-1, "not_detected");
     }
     match identify(snapshot, thresholds) {
-        Identification::Row(index) => (index as i64, "ok"),
+        Identification::Row(index) => (index.cast_signed(), "ok"),
         Identification::NoRedundancy => (-1, "dof<2"),
         Identification::BelowThreshold => (-1, "below_threshold"),
         Identification::Ambiguous => (-1, "ambiguous"),
