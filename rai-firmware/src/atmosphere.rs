@@ -1,1 +1,159 @@
-//! To be described by its owner.
+//! Atmosphere: what the troposphere and, on one frequency, the ionosphere add to a range.
+//!
+//! Troposphere, [Saastamoinen1972] zenith delay in a standard atmosphere, mapped as in [MOPS] (after Black and
+//! Eisner):
+//!
+//! ```text
+//! p = 1013.25 (1 − 2.2557e-5 h)^5.2568      T = 288.15 − 0.0065 h      e = 6.108 · 0.7 · exp((17.15 T − 4684)/(T − 38.45))
+//! Z = 0.0022768 p / (1 − 0.00266 cos 2φ − 2.8e-7 h) + 0.002277 (1255/T + 0.05) e
+//! delay = Z · 1.001 / √(0.002001 + sin² E)
+//! ```
+//!
+//! Ionosphere, [Klobuchar1987] with the eight coefficients that GPS broadcasts; it removes about half of the delay.
+//! Delays on another frequency go with `1/f²`.
+//!
+//! | symbol | here | unit |
+//! |---|---|---|
+//! | `h`, `φ` | height, latitude of the receiver | m, rad |
+//! | `p`, `T`, `e` | pressure, temperature, vapour pressure | hPa, K, hPa |
+//! | `Z` | `zenith_m` | m |
+//! | `E` | elevation, given as its sine | 1 |
+//!
+//! Assumes 70 % relative humidity. Good to about 5 % of the zenith's wet part (some centimetres) and, down to 4° of
+//! elevation, to 0.2 m. References: [Saastamoinen1972], [MOPS] A.4.2.4, [Klobuchar1987], [IS-GPS-200] 20.3.3.5.2.5.
+
+use core::f64::consts::PI;
+
+use rai_core::frame::{Enu, Geodetic, SPEED_OF_LIGHT_M_S};
+
+use crate::signal::Band;
+use crate::time::GpsTime;
+
+/// Heights between which the standard atmosphere is used, m: below the lowest land, above the highest aircraft.
+const HEIGHT_M: core::ops::RangeInclusive<f64> = -500.0..=20_000.0;
+
+/// The troposphere above one receiver. Made once per epoch: it costs a power and an exponential.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Troposphere {
+    zenith_m: f64,
+}
+
+impl Troposphere {
+    /// The troposphere above a point. Heights beyond −500 m to 20,000 m count as these bounds, one that is not
+    /// finite as 0.
+    pub fn above(height_m: f64, sin_latitude: f64) -> Self {
+        let height_m = if height_m.is_finite() { height_m } else { 0.0 };
+        let height_m = height_m.clamp(*HEIGHT_M.start(), *HEIGHT_M.end());
+        // cos 2φ from the sine, which the receiver has at hand.
+        let cos_doubled = (1.0 - 2.0 * sin_latitude * sin_latitude).clamp(-1.0, 1.0);
+        let gravity = 1.0 - 0.00266 * cos_doubled - 2.8e-7 * height_m;
+        let zenith_m = 0.0022768 * pressure_hpa(height_m) / gravity + wet_zenith_m(height_m);
+        Self { zenith_m }
+    }
+
+    /// Delay straight up, m.
+    pub const fn zenith_m(self) -> f64 {
+        self.zenith_m
+    }
+
+    /// Delay towards an elevation, m. Below the horizon as at the horizon.
+    pub fn delay_m(self, sin_elevation: f64) -> f64 {
+        let sin_elevation = sin_elevation.clamp(0.0, 1.0);
+        self.zenith_m * 1.001 / libm::sqrt(0.002001 + sin_elevation * sin_elevation)
+    }
+}
+
+/// Pressure of the standard atmosphere, hPa.
+fn pressure_hpa(height_m: f64) -> f64 {
+    1013.25 * libm::pow(1.0 - 2.2557e-5 * height_m, 5.2568)
+}
+
+/// Zenith delay of the water vapour, m.
+fn wet_zenith_m(height_m: f64) -> f64 {
+    const RELATIVE_HUMIDITY: f64 = 0.7;
+    let temperature_k = 288.15 - 0.0065 * height_m;
+    let saturation_hpa = 6.108 * libm::exp((17.15 * temperature_k - 4684.0) / (temperature_k - 38.45));
+    0.002277 * (1255.0 / temperature_k + 0.05) * RELATIVE_HUMIDITY * saturation_hpa
+}
+
+/// The coefficients of the single-frequency ionosphere, as GPS broadcasts them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Klobuchar {
+    /// Amplitude polynomial: s, s/semicircle, s/semicircle², s/semicircle³.
+    alpha: [f64; 4],
+    /// Period polynomial: the same units.
+    beta: [f64; 4],
+}
+
+impl Klobuchar {
+    /// Coefficients in the order of the message: four of the amplitude, four of the period.
+    ///
+    /// `None` when one is not finite or larger than its field in the message (2⁻²³ s, 2⁻¹⁶·2⁷ s, with room for
+    /// the steeper powers).
+    pub fn new(coefficients: [f64; 8]) -> Option<Self> {
+        let [a0, a1, a2, a3, b0, b1, b2, b3] = coefficients;
+        let (alpha, beta) = ([a0, a1, a2, a3], [b0, b1, b2, b3]);
+        let is_sound = alpha.iter().all(|a| a.abs() <= 1e-4) && beta.iter().all(|b| b.abs() <= 1e7);
+        is_sound.then_some(Self { alpha, beta })
+    }
+
+    /// Delay on a band towards a satellite, m.
+    ///
+    /// `line_of_sight` is the unit vector receiver → satellite. 0 for a direction or a place that is not finite.
+    pub fn delay_m(&self, receiver: &Geodetic, line_of_sight: Enu, time: GpsTime, band: Band) -> f64 {
+        let elevation_sc = libm::asin(line_of_sight.up.clamp(0.0, 1.0)) / PI;
+        let pierce = PiercePoint::of(receiver, line_of_sight, elevation_sc);
+        let local_s = local_time_s(pierce.longitude_sc, time);
+        let lower = 0.53 - elevation_sc;
+        let slant = 1.0 + 16.0 * lower * lower * lower;
+        let ratio = Band::L1.frequency_hz() / band.frequency_hz();
+        let delay_m = SPEED_OF_LIGHT_M_S * slant * self.vertical_s(pierce.geomagnetic_sc, local_s);
+        if delay_m.is_finite() { delay_m * ratio * ratio } else { 0.0 }
+    }
+
+    /// Vertical delay on L1, s: 5 ns at night, half a cosine around two in the afternoon.
+    fn vertical_s(&self, geomagnetic_sc: f64, local_s: f64) -> f64 {
+        const NIGHT_S: f64 = 5e-9;
+        let amplitude_s = polynomial(&self.alpha, geomagnetic_sc).max(0.0);
+        let period_s = polynomial(&self.beta, geomagnetic_sc).max(72_000.0);
+        let phase_rad = 2.0 * PI * (local_s - 50_400.0) / period_s;
+        if phase_rad.abs() >= 1.57 {
+            return NIGHT_S;
+        }
+        let square = phase_rad * phase_rad;
+        NIGHT_S + amplitude_s * (1.0 - square / 2.0 + square * square / 24.0)
+    }
+}
+
+/// Where the line of sight crosses the ionosphere.
+struct PiercePoint {
+    longitude_sc: f64,
+    /// Latitude against the geomagnetic equator.
+    geomagnetic_sc: f64,
+}
+
+impl PiercePoint {
+    fn of(receiver: &Geodetic, line_of_sight: Enu, elevation_sc: f64) -> Self {
+        let central_sc = 0.0137 / (elevation_sc + 0.11) - 0.022;
+        let horizontal = line_of_sight.horizontal();
+        // Straight up has no azimuth; any will do, since the angle at the centre is nearly 0 there.
+        let scale = if horizontal > 1e-9 { central_sc / horizontal } else { 0.0 };
+        let (north_sc, east_sc) = (scale * line_of_sight.north, scale * line_of_sight.east);
+        let latitude_sc = (receiver.latitude_rad / PI + north_sc).clamp(-0.416, 0.416);
+        let longitude_sc = receiver.longitude_rad / PI + east_sc / libm::cos(latitude_sc * PI);
+        let geomagnetic_sc = latitude_sc + 0.064 * libm::cos((longitude_sc - 1.617) * PI);
+        Self { longitude_sc, geomagnetic_sc }
+    }
+}
+
+/// Local solar time at the pierce point, s in 0..86,400.
+fn local_time_s(longitude_sc: f64, time: GpsTime) -> f64 {
+    const DAY_MS: u32 = 86_400_000;
+    let sum_s = 43_200.0 * longitude_sc + f64::from(time.tow_ms % DAY_MS) * 1e-3;
+    sum_s - 86_400.0 * libm::floor(sum_s / 86_400.0)
+}
+
+/// `c0 + c1 x + c2 x² + c3 x³`.
+fn polynomial(coefficients: &[f64; 4], x: f64) -> f64 {
+    coefficients.iter().rev().fold(0.0, |sum, coefficient| sum * x + coefficient)
+}

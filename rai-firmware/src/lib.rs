@@ -8,8 +8,10 @@ extern crate std;
 
 pub mod atmosphere;
 pub mod config;
+pub mod counters;
 pub mod ephemeris;
 pub mod nmea;
 pub mod receiver;
 pub mod rtcm;
+pub mod signal;
 pub mod time;

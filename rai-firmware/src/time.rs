@@ -1,4 +1,7 @@
 //! GPS time: week and milliseconds, one continuous scale for all systems.
+//!
+//! `BeiDou` time is GPS time minus 14 s and begins in week 1356; Galileo system time is GPS time (to some tens of
+//! nanoseconds, which the receiver clock of that constellation takes up) and begins in week 1024.
 
 /// Milliseconds in a week.
 pub const WEEK_MS: u32 = 604_800_000;
@@ -40,5 +43,38 @@ impl GpsTime {
     /// Seconds since 1980-01-06, exact to a microsecond for centuries.
     pub fn to_s(self) -> f64 {
         self.to_ms() as f64 * 1e-3
+    }
+
+    /// The instant at `tow_ms` of that week which lies within half a week of `reference`.
+    ///
+    /// This is how a time of week that has just rolled over still follows the one before it.
+    pub const fn nearest(tow_ms: u32, reference: Self) -> Self {
+        let half_ms = WEEK_MS / 2;
+        let week = if tow_ms > reference.tow_ms.saturating_add(half_ms) {
+            reference.week.saturating_sub(1)
+        } else if reference.tow_ms > tow_ms.saturating_add(half_ms) {
+            reference.week.saturating_add(1)
+        } else {
+            reference.week
+        };
+        Self { week, tow_ms }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_time_of_week_after_the_roll_over_belongs_to_the_next_week() {
+        let reference = GpsTime { week: 2111, tow_ms: WEEK_MS - 1_000 };
+        assert_eq!(GpsTime::nearest(0, reference), GpsTime { week: 2112, tow_ms: 0 });
+        assert_eq!(GpsTime::nearest(WEEK_MS - 2_000, reference).week, 2111);
+    }
+
+    #[test]
+    fn a_late_time_of_week_beside_a_young_week_belongs_to_the_week_before() {
+        let reference = GpsTime { week: 2112, tow_ms: 1_000 };
+        assert_eq!(GpsTime::nearest(WEEK_MS - 1, reference).week, 2111);
     }
 }

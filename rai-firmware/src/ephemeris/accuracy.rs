@@ -1,0 +1,42 @@
+//! What the satellite promises of its range error: index to metres.
+
+/// One sigma of an URA index of GPS or `BeiDou`, m; `None` for 15 and above: no promise.
+///
+/// The nominal values of [IS-GPS-200] 20.3.3.3.1.3; [BDS-SIS-B1I] 5.2.4.5 uses the same table.
+pub fn ura_m(index: u8) -> Option<f32> {
+    const URA_M: [f32; 15] =
+        [2.0, 2.8, 4.0, 5.7, 8.0, 11.3, 16.0, 32.0, 64.0, 128.0, 256.0, 512.0, 1024.0, 2048.0, 4096.0];
+    URA_M.get(usize::from(index)).copied()
+}
+
+/// One sigma of a SISA index of Galileo, m; `None` for the spare values and for "no accuracy prediction".
+///
+/// Four linear pieces, [OS-SIS-ICD] table 76.
+pub fn galileo_sisa_m(index: u8) -> Option<f32> {
+    let above = |start: u8| f32::from(index - start);
+    match index {
+        0..=49 => Some(0.01 * above(0)),
+        50..=74 => Some(0.5 + 0.02 * above(50)),
+        75..=99 => Some(1.0 + 0.04 * above(75)),
+        100..=125 => Some(2.0 + 0.16 * above(100)),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn galileo_index_107_is_the_usual_3_12_metres() {
+        // Index and metres as they stand in receivers' RINEX files: 107 is 3.12 m.
+        assert!((galileo_sisa_m(107).unwrap() - 3.12).abs() < 1e-6);
+    }
+
+    #[test]
+    fn an_index_without_promise_has_no_metres() {
+        assert_eq!(ura_m(15), None);
+        assert_eq!(galileo_sisa_m(255), None);
+        assert_eq!(galileo_sisa_m(126), None);
+    }
+}
