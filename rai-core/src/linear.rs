@@ -136,20 +136,21 @@ impl<T: Real, const N: usize> LinearEpoch<T, N> {
         if !residual_m.is_finite() {
             return Err(RowError::Residual);
         }
-        if !(sigma_m > 0.0 && sigma_m.is_finite()) {
+        let weight = T::narrow(sigma_m * sigma_m).recip();
+        // Beyond the scalar's range a row would silently weigh nothing, or everything.
+        if !(sigma_m > 0.0 && weight > T::zero() && weight.is_finite()) {
             return Err(RowError::Sigma);
         }
         let reference_m = match clock.and_then(|clock| self.reference_m.get_mut(clock as usize)) {
             Some(reference_m) => *reference_m.get_or_insert(residual_m),
             None => 0.0,
         };
-        let row = Row {
-            clock,
-            design: design.map(T::narrow),
-            residual: T::narrow(residual_m - reference_m),
-            sigma: T::narrow(sigma_m),
-            weight: T::narrow(sigma_m * sigma_m).recip(),
-        };
+        let residual = T::narrow(residual_m - reference_m);
+        if !residual.is_finite() {
+            return Err(RowError::Residual);
+        }
+        let design = design.map(T::narrow);
+        let row = Row { clock, design, residual, sigma: T::narrow(sigma_m), weight };
         self.rows.push(row).map_err(|_| RowError::Full)
     }
 

@@ -44,7 +44,8 @@ impl Real for f32 {
     const UNTESTABLE: Self = 1e-5;
     const UNMOVED: Self = 1e-4;
     const SINGULAR: Self = 2e5;
-    const TIE: Self = 1e-5;
+    // What a w-test is good to: two satellites alone with their clock have equal |w|, and 8e-5 was seen between them.
+    const TIE: Self = 1e-3;
 
     fn narrow(value: f64) -> Self {
         value as f32

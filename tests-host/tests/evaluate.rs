@@ -92,6 +92,7 @@ fn numbers_that_make_no_epoch_are_invalid_input_and_say_why() {
         (with("y", json!([1, 2, 3, 4, 5, null])), "satellite 5: residual not finite"),
         (with("y", json!(["-inf", 2, 3, 4, 5, 6])), "satellite 0: residual not finite"),
         (with("sigma", json!([6, 6, 0, 6, 6, 6])), "satellite 2: sigma not finite or not positive"),
+        (with("sigma", json!([6, 6, 6, 1e200, 6, 6])), "satellite 3: sigma not finite or not positive"),
         (with("pfa", json!(0.5)), "pfa: 0.5 outside (0, 0.5)"),
         (with("pfa", json!(null)), "pfa: NaN outside (0, 0.5)"),
         (with("pmd", json!(0)), "pmd: 0 outside (0, 0.5)"),
@@ -101,6 +102,41 @@ fn numbers_that_make_no_epoch_are_invalid_input_and_say_why() {
     for (line, want) in cases {
         let have = &answer(&line)["out"]["lsr"];
         assert_eq!((&have["status"], &have["why"]), (&json!("invalid_input"), &json!(want)), "{line}");
+    }
+}
+
+#[test]
+fn numbers_beyond_single_precision_are_invalid_there_and_not_a_silent_nan() {
+    let cases = [
+        (with("y", json!([0, 1e300, 0, 0, 0, 0])), "satellite 1: residual not finite"),
+        (with("sigma", json!([1e-30, 6, 6, 6, 6, 6])), "satellite 0: sigma not finite or not positive"),
+    ];
+    for (mut line, want) in cases {
+        assert_eq!(answer(&line)["out"]["lsr"]["status"], "ok", "in double precision: {line}");
+        line["scalar"] = json!("f32");
+        assert_eq!(answer(&line)["out"]["lsr"]["why"], want);
+    }
+}
+
+#[test]
+fn two_satellites_alone_with_their_clock_are_ambiguous_in_both_precisions() {
+    // Their residuals are opposite and equal, whatever else the sky holds.
+    let mut line = epoch();
+    line["los_enu"]
+        .as_array_mut()
+        .expect("an array")
+        .extend([json!([-0.64, 0.48, 0.6]), json!([0.28, -0.96, 0.0])]);
+    for (field, pair) in [("con", [1, 1]), ("sigma", [5, 7]), ("y", [300, 0])] {
+        line[field].as_array_mut().expect("an array").extend(pair.map(|value| json!(value)));
+    }
+    for scalar in ["f64", "f32"] {
+        line["scalar"] = json!(scalar);
+        let have = &answer(&line)["out"]["lsr"];
+        assert_eq!(
+            (&have["detected"], &have["ident_reason"]),
+            (&json!(true), &json!("ambiguous")),
+            "{scalar}"
+        );
     }
 }
 

@@ -168,7 +168,7 @@ fn test<T: Real>(
         slope_v: each_row(snapshot, |row, fit| slopes(row, fit).vertical),
         hpl: levels.hpl_m.into(),
         vpl: levels.vpl_m.into(),
-        hdop_i: (0..rows).filter_map(|index| snapshot.hdop_without(index)).map(wide).collect(),
+        hdop_i: (0..line.rows()).filter_map(|index| snapshot.hdop_without(index)).map(wide).collect(),
         delta: (slope_limit * slope_limit).into(),
         raim_available: levels.hpl_m < limit_m,
         ident,
