@@ -20,8 +20,10 @@ pub(crate) struct Arguments {
 
 /// Runs the command.
 pub(crate) fn run(arguments: Arguments) -> anyhow::Result<()> {
-    let input: Box<dyn BufRead> = match &arguments.file {
-        Some(path) => Box::new(BufReader::new(File::open(path).with_context(|| path.display().to_string())?)),
+    let input: Box<dyn BufRead> = match arguments.file {
+        Some(path) => {
+            Box::new(BufReader::new(File::open(&path).with_context(|| path.display().to_string())?))
+        }
         None => Box::new(stdin().lock()),
     };
     let summary = evaluate::run(input, stdout().lock(), arguments.scalar)?;

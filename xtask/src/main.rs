@@ -50,7 +50,7 @@ fn main() -> ExitCode {
         Command::Setup(arguments) => setup::run(arguments),
         Command::Replay(arguments) => replay::run(arguments),
         Command::Evaluate(arguments) => evaluate::run(arguments),
-        Command::Tables(arguments) => tables::run(arguments),
+        Command::Tables(arguments) => tables::run(&arguments),
         Command::Flash(arguments) => flash::run(arguments),
         Command::Monitor(arguments) => monitor::run(arguments),
     };

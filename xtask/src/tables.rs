@@ -12,7 +12,7 @@ pub(crate) struct Arguments {
 }
 
 /// Runs the command.
-pub(crate) fn run(arguments: Arguments) -> anyhow::Result<()> {
+pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let path = tables::committed_path();
     if arguments.check {
         let committed = std::fs::read_to_string(&path).with_context(|| path.display().to_string())?;
