@@ -1,1 +1,287 @@
-//! To be described by its owner.
+//! Faults on demand: steps, ramps, outages, a whole constellation, a jumping receiver clock.
+//!
+//! [`Injector`] wraps any source of epochs, a recording as well as a simulated sky. A fault of the range applies
+//! to every signal of the satellite equally, so that combining frequencies neither hides nor multiplies it.
+//!
+//! ```text
+//! step   Δρ = b                     ramp   Δρ = r (t − t₀), at most b           outage   no measurement
+//! ```
+//!
+//! | written as | means |
+//! |---|---|
+//! | `G05:+80@600..1200` | G05 is 80 m long from 600 s to 1200 s after the first epoch, the end excluded |
+//! | `C:-12@600..` | every BeiDou satellite is 12 m short from 600 s on |
+//! | `*:+300` | every range is 300 m long: the receiver's clock has jumped by 1 µs |
+//! | `E31:lost@..60` | E31 is not received during the first minute |
+//! | `G05:0.5@600..` as a ramp | G05 drifts off by 0.5 m each second from 600 s on |
+
+use std::fmt;
+
+use rai_core::satellite::{Constellation, SatelliteId};
+
+/// Whom a fault befalls.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Target {
+    /// One satellite.
+    Satellite(SatelliteId),
+    /// All satellites of one system.
+    Constellation(Constellation),
+    /// All ranges alike: the receiver's own clock.
+    Receiver,
+}
+
+impl Target {
+    /// Whether the fault is one of this satellite.
+    pub fn covers(self, satellite: SatelliteId) -> bool {
+        match self {
+            Self::Satellite(target) => target == satellite,
+            Self::Constellation(target) => target == satellite.constellation(),
+            Self::Receiver => true,
+        }
+    }
+}
+
+/// What happens.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Kind {
+    /// The range is wrong by a constant, m.
+    Step {
+        /// Added to the range, m.
+        bias_m: f64,
+    },
+    /// The range drifts off.
+    Ramp {
+        /// Growth of the error, m/s.
+        rate_m_s: f64,
+        /// Where it stops to grow, m; infinite where it does not.
+        limit_m: f64,
+    },
+    /// Nothing is measured.
+    Outage,
+}
+
+/// One fault, from `start_s` to before `end_s` after the first epoch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fault {
+    /// Whom it befalls.
+    pub target: Target,
+    /// What happens.
+    pub kind: Kind,
+    /// First instant, s.
+    pub start_s: f64,
+    /// First instant after it, s; infinite where it stays.
+    pub end_s: f64,
+}
+
+/// An epoch whose ranges can be falsified.
+pub trait Measured {
+    /// Seconds of any continuous time scale.
+    fn time_s(&self) -> f64;
+    /// The satellites measured.
+    fn satellites(&self) -> Vec<SatelliteId>;
+    /// Lengthens all pseudoranges of a satellite, m.
+    fn lengthen(&mut self, satellite: SatelliteId, by_m: f64);
+    /// Removes a satellite.
+    fn lose(&mut self, satellite: SatelliteId);
+}
+
+impl Fault {
+    /// Whether the fault is there `elapsed_s` after the first epoch.
+    pub fn is_active(&self, elapsed_s: f64) -> bool {
+        (self.start_s..self.end_s).contains(&elapsed_s)
+    }
+
+    /// What the fault adds to a range `elapsed_s` after the first epoch, m; 0 during an outage.
+    pub fn bias_m(&self, elapsed_s: f64) -> f64 {
+        match self.kind {
+            _ if !self.is_active(elapsed_s) => 0.0,
+            Kind::Step { bias_m } => bias_m,
+            Kind::Ramp { rate_m_s, limit_m } => {
+                (rate_m_s * (elapsed_s - self.start_s)).clamp(-limit_m.abs(), limit_m.abs())
+            }
+            Kind::Outage => 0.0,
+        }
+    }
+
+    /// Falsifies one epoch.
+    pub fn apply(&self, epoch: &mut impl Measured, elapsed_s: f64) {
+        if !self.is_active(elapsed_s) {
+            return;
+        }
+        for satellite in epoch.satellites().into_iter().filter(|&satellite| self.target.covers(satellite)) {
+            match self.kind {
+                Kind::Outage => epoch.lose(satellite),
+                Kind::Step { .. } | Kind::Ramp { .. } => epoch.lengthen(satellite, self.bias_m(elapsed_s)),
+            }
+        }
+    }
+
+    /// Reads a step or an outage: `G05:+80@600..1200`, `G05:lost@600..`.
+    ///
+    /// # Errors
+    /// What is wrong, where, and what would be right.
+    pub fn parse_inject(text: &str) -> Result<Self, FaultError> {
+        Self::parse(text, INJECT_EXAMPLE, |what, at| match what {
+            "lost" => Ok(Kind::Outage),
+            _ => number(text, what, at, "a number of metres, or `lost`", INJECT_EXAMPLE)
+                .map(|bias_m| Kind::Step { bias_m }),
+        })
+    }
+
+    /// Reads a ramp: `G05:0.5@600..`, in metres per second.
+    ///
+    /// # Errors
+    /// What is wrong, where, and what would be right.
+    pub fn parse_ramp(text: &str) -> Result<Self, FaultError> {
+        Self::parse(text, RAMP_EXAMPLE, |what, at| {
+            number(text, what, at, "a number of metres per second", RAMP_EXAMPLE)
+                .map(|rate_m_s| Kind::Ramp { rate_m_s, limit_m: f64::INFINITY })
+        })
+    }
+
+    fn parse(
+        text: &str,
+        example: &'static str,
+        kind: impl FnOnce(&str, usize) -> Result<Kind, FaultError>,
+    ) -> Result<Self, FaultError> {
+        let error = |at, part: &str, want| FaultError::syntax(text, at, part, want, example);
+        let Some((name, rest)) = text.split_once(':') else {
+            return Err(error(0, text, "a satellite and, after a colon, a fault"));
+        };
+        let Some(target) = target(name) else {
+            return Err(error(0, name, "a satellite (G05), a constellation (G, C, E, R) or * for all"));
+        };
+        let (what, window) = rest.split_once('@').unwrap_or((rest, ".."));
+        let kind_at = name.len() + 1;
+        let window_at = kind_at + what.len() + 1;
+        let kind = kind(what, kind_at)?;
+        let Some((start, end)) = window.split_once("..") else {
+            return Err(error(window_at, window, "a span of seconds start..end"));
+        };
+        let bound = |text_of_bound: &str, at, otherwise| match text_of_bound {
+            "" => Ok(otherwise),
+            _ => number(text, text_of_bound, at, "a number of seconds", example),
+        };
+        let start_s = bound(start, window_at, 0.0)?;
+        let end_s = bound(end, window_at + start.len() + 2, f64::INFINITY)?;
+        if end_s <= start_s {
+            return Err(error(window_at, window, "a span that ends after it starts"));
+        }
+        Ok(Self { target, kind, start_s, end_s })
+    }
+
+    /// Checks that the fault can befall anyone among the satellites of a source.
+    ///
+    /// # Errors
+    /// [`FaultError`] that names the satellites there are.
+    pub fn check_against(&self, satellites: &[SatelliteId]) -> Result<(), FaultError> {
+        if satellites.iter().any(|&satellite| self.target.covers(satellite)) {
+            return Ok(());
+        }
+        let known: Vec<String> = satellites.iter().map(ToString::to_string).collect();
+        Err(FaultError {
+            message: format!("{} is never received; there are {}", self.target, known.join(" ")),
+        })
+    }
+}
+
+const INJECT_EXAMPLE: &str = "G05:+80@600..1200";
+const RAMP_EXAMPLE: &str = "G05:0.5@600..";
+
+/// A satellite's name as in RINEX, the number with one digit or two.
+pub fn satellite(name: &str) -> Option<SatelliteId> {
+    let mut letters = name.chars();
+    let constellation = Constellation::from_letter(letters.next()?.to_ascii_uppercase())?;
+    let digits = letters.as_str();
+    let plain = (1..=2).contains(&digits.len()) && digits.bytes().all(|digit| digit.is_ascii_digit());
+    if plain { SatelliteId::new(constellation, digits.parse().ok()?) } else { None }
+}
+
+fn target(name: &str) -> Option<Target> {
+    let mut letters = name.chars();
+    match (letters.next(), letters.next()) {
+        (Some('*'), None) => Some(Target::Receiver),
+        (Some(letter), None) => {
+            Constellation::from_letter(letter.to_ascii_uppercase()).map(Target::Constellation)
+        }
+        _ => satellite(name).map(Target::Satellite),
+    }
+}
+
+fn number(
+    text: &str,
+    part: &str,
+    at: usize,
+    want: &'static str,
+    example: &'static str,
+) -> Result<f64, FaultError> {
+    let finite = part.parse().ok().filter(|number: &f64| number.is_finite());
+    finite.ok_or_else(|| FaultError::syntax(text, at, part, want, example))
+}
+
+/// Why a text is no fault, or a fault can befall nobody.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FaultError {
+    message: String,
+}
+
+impl FaultError {
+    fn syntax(text: &str, at: usize, part: &str, want: &str, example: &str) -> Self {
+        let position = at + 1;
+        Self {
+            message: format!(
+                "fault `{text}`: `{part}` at character {position} is not {want}; write it like {example}"
+            ),
+        }
+    }
+}
+
+impl fmt::Display for FaultError {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(&self.message)
+    }
+}
+
+impl std::error::Error for FaultError {}
+
+impl fmt::Display for Target {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Satellite(satellite) => write!(formatter, "{satellite}"),
+            Self::Constellation(constellation) => write!(formatter, "{}", constellation.letter()),
+            Self::Receiver => formatter.write_str("*"),
+        }
+    }
+}
+
+/// A source of epochs with faults.
+#[derive(Clone, Debug)]
+pub struct Injector<I> {
+    source: I,
+    faults: Vec<Fault>,
+    start_s: Option<f64>,
+}
+
+impl<I> Injector<I> {
+    /// Wraps a source; the faults' clock starts with its first epoch.
+    pub const fn new(source: I, faults: Vec<Fault>) -> Self {
+        Self { source, faults, start_s: None }
+    }
+}
+
+impl<I> Iterator for Injector<I>
+where
+    I: Iterator,
+    I::Item: Measured,
+{
+    type Item = I::Item;
+
+    fn next(&mut self) -> Option<I::Item> {
+        let mut epoch = self.source.next()?;
+        let elapsed_s = epoch.time_s() - *self.start_s.get_or_insert(epoch.time_s());
+        for fault in &self.faults {
+            fault.apply(&mut epoch, elapsed_s);
+        }
+        Some(epoch)
+    }
+}

@@ -1,0 +1,202 @@
+//! Published constellations, as orbits at `t = 0`.
+//!
+//! | fleet | satellites | source |
+//! |---|---|---|
+//! | [`Fleet::Gps24`] | 24 MEO in six planes | baseline slots of [GPS-SPS] |
+//! | [`Fleet::Gps31`] | 31 MEO | YUMA almanac of 2020-01-01 |
+//! | [`Fleet::BeidouRegional`] | 5 GEO, 5 IGSO, 4 MEO | [Yang2015], [Lin2016]: the regional system of 2012 |
+//! | [`Fleet::BeidouGlobal`] | 5 GEO, 3 IGSO, 24 MEO and 3 spares | [Yang2015]: the system as planned |
+//! | [`Fleet::Beidou44`] | 7 GEO, 10 IGSO, 27 MEO | [Tian2024], about February 2022 |
+//!
+//! The phase of a whole constellation against the earth is published for none of the `BeiDou` ones; here Greenwich
+//! sidereal time is 0 at `t = 0`. Geostationary satellites are held exactly over the equator.
+
+use rai_core::satellite::{Constellation, SatelliteId};
+
+use super::orbit::{Orbit, mean_motion_rad_s};
+
+/// A published constellation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Fleet {
+    /// GPS, 24 baseline slots.
+    Gps24,
+    /// GPS, 31 satellites of 2020.
+    Gps31,
+    /// `BeiDou` regional, 14 satellites.
+    BeidouRegional,
+    /// `BeiDou` global, 35 satellites.
+    BeidouGlobal,
+    /// `BeiDou`, 44 satellites of 2022.
+    Beidou44,
+}
+
+/// A satellite on its orbit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Satellite {
+    /// Its name.
+    pub id: SatelliteId,
+    /// Its orbit.
+    pub orbit: Orbit,
+}
+
+impl Fleet {
+    /// All fleets.
+    pub const ALL: [Self; 5] =
+        [Self::Gps24, Self::Gps31, Self::BeidouRegional, Self::BeidouGlobal, Self::Beidou44];
+
+    /// Name on command lines and in tables.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Gps24 => "gps24",
+            Self::Gps31 => "gps31",
+            Self::BeidouRegional => "bds_regional",
+            Self::BeidouGlobal => "bds_global",
+            Self::Beidou44 => "bds44",
+        }
+    }
+
+    /// The system it belongs to.
+    pub const fn constellation(self) -> Constellation {
+        match self {
+            Self::Gps24 | Self::Gps31 => Constellation::Gps,
+            Self::BeidouRegional | Self::BeidouGlobal | Self::Beidou44 => Constellation::Beidou,
+        }
+    }
+
+    /// The satellites, numbered from 1 in the order of their slots.
+    ///
+    /// Numbers are slots, not the codes that real satellites send: in the regional and the global fleet 1 to 5
+    /// are geostationary as in reality, beyond that the agreement is by chance.
+    pub fn satellites(self) -> Vec<Satellite> {
+        let numbered = |(number, orbit)| {
+            SatelliteId::new(self.constellation(), number).map(|id| Satellite { id, orbit })
+        };
+        (1..).zip(self.orbits()).filter_map(numbered).collect()
+    }
+
+    fn orbits(self) -> Vec<Orbit> {
+        match self {
+            Self::Gps24 => gps24(),
+            Self::Gps31 => gps31(),
+            Self::BeidouRegional => beidou_regional(),
+            Self::BeidouGlobal => beidou_global(),
+            Self::Beidou44 => beidou44(),
+        }
+    }
+}
+
+/// Nodes of the six planes A to F and arguments of latitude of their slots 1 to 4, degrees ([GPS-SPS] table 3.2-1).
+const GPS_SLOTS_DEG: [(f64, [f64; 4]); 6] = [
+    (272.847, [268.126, 161.786, 11.676, 41.806]),
+    (332.847, [80.956, 173.336, 309.976, 204.376]),
+    (32.847, [111.876, 11.796, 339.666, 241.556]),
+    (92.847, [135.226, 265.446, 35.156, 167.356]),
+    (152.847, [197.046, 302.596, 66.066, 333.686]),
+    (212.847, [238.886, 345.226, 105.206, 135.346]),
+];
+
+/// Semi-major axis of the GPS baseline, m ([GPS-SPS]).
+const GPS_AXIS_M: f64 = 26_559_710.0;
+
+/// Semi-major axis of a medium `BeiDou` orbit, m: 21,528 km above the equator ([BDS-SIS-ICD]).
+const BEIDOU_AXIS_M: f64 = 27_906_100.0;
+
+/// Inclination of all but the geostationary orbits, degrees.
+const INCLINATION_DEG: f64 = 55.0;
+
+fn gps24() -> Vec<Orbit> {
+    let inclination_rad = INCLINATION_DEG.to_radians();
+    let plane = |(node_deg, slots_deg): (f64, [f64; 4])| {
+        slots_deg.map(|slot_deg| {
+            Orbit::circular(GPS_AXIS_M, inclination_rad, node_deg.to_radians(), slot_deg.to_radians())
+        })
+    };
+    GPS_SLOTS_DEG.into_iter().flat_map(plane).collect()
+}
+
+fn gps31() -> Vec<Orbit> {
+    include_str!("gps_almanac_2020.csv")
+        .lines()
+        .filter(|line| line.starts_with(|first: char| first.is_ascii_digit()))
+        .map(almanac_line)
+        .collect()
+}
+
+/// One line of the almanac file, which is part of the program: a bad one is a mistake in the source.
+fn almanac_line(line: &str) -> Orbit {
+    let fields: Vec<f64> = line.split(',').map(|field| field.parse().expect("a number")).collect();
+    let [_, axis_m, eccentricity, inclination_rad, node_rad, perigee_rad, mean_rad, rate_rad_s] = fields[..]
+    else {
+        panic!("eight fields in {line:?}")
+    };
+    Orbit {
+        semi_major_axis_m: axis_m,
+        eccentricity,
+        inclination_rad,
+        node_rad,
+        node_rate_rad_s: rate_rad_s,
+        perigee_rad,
+        mean_anomaly_rad: mean_rad,
+        mean_motion_rad_s: mean_motion_rad_s(axis_m),
+    }
+}
+
+fn geostationary(longitude_deg: f64) -> Orbit {
+    Orbit::geosynchronous(0.0, 0.0, longitude_deg.to_radians())
+}
+
+fn inclined(node_deg: f64, knot_deg: f64) -> Orbit {
+    Orbit::geosynchronous(INCLINATION_DEG.to_radians(), node_deg.to_radians(), knot_deg.to_radians())
+}
+
+/// Slot of the Walker constellation 24/3/1, planes from 1, slots from 1; spares stand between slots.
+fn medium(plane: f64, slot: f64) -> Orbit {
+    let node_deg = 120.0 * (plane - 1.0);
+    let argument_deg = 45.0 * (slot - 1.0) + 15.0 * (plane - 1.0);
+    Orbit::circular(
+        BEIDOU_AXIS_M,
+        INCLINATION_DEG.to_radians(),
+        node_deg.to_radians(),
+        argument_deg.to_radians(),
+    )
+}
+
+fn walker() -> impl Iterator<Item = Orbit> {
+    (0..24).map(|index| medium(f64::from(1 + index / 8), f64::from(1 + index % 8)))
+}
+
+const GEOSTATIONARY_DEG: [f64; 5] = [58.75, 80.0, 110.5, 140.0, 160.0];
+
+fn beidou_regional() -> Vec<Orbit> {
+    let inclined = [(0.0, 118.0), (120.0, 118.0), (240.0, 118.0), (0.0, 95.0), (120.0, 95.0)]
+        .map(|(node_deg, knot_deg)| inclined(node_deg, knot_deg));
+    let medium = [(1.0, 7.0), (1.0, 8.0), (2.0, 3.0), (2.0, 4.0)].map(|(plane, slot)| medium(plane, slot));
+    GEOSTATIONARY_DEG.map(geostationary).into_iter().chain(inclined).chain(medium).collect()
+}
+
+fn beidou_global() -> Vec<Orbit> {
+    let inclined = [0.0, 120.0, 240.0].map(|node_deg| inclined(node_deg, 118.0));
+    let spares = [1.0, 2.0, 3.0].map(|plane| medium(plane, 8.5));
+    let stationary = GEOSTATIONARY_DEG.map(geostationary);
+    stationary.into_iter().chain(inclined).chain(walker()).chain(spares).collect()
+}
+
+fn beidou44() -> Vec<Orbit> {
+    // Three planes of the inclined orbits, 120° apart; two satellites of later launches follow 60° behind them.
+    let second =
+        [(210.0, 118.0), (330.0, 118.0), (450.0, 118.0), (210.0, 95.0), (330.0, 95.0), (450.0, 112.0)];
+    let third = [(450.0, 95.0)];
+    let last = [(270.0, 118.0), (390.0, 118.0), (510.0, 118.0)];
+    let tilted = |(node_deg, knot_deg)| inclined(node_deg, knot_deg);
+    let spares = [(1.0, 8.3), (2.0, 3.3), (2.0, 4.3)].map(|(plane, slot)| medium(plane, slot));
+    let stationary = [140.0, 84.0, 110.5, 160.0, 58.75].map(geostationary);
+    stationary
+        .into_iter()
+        .chain(second.map(tilted))
+        .chain(third.map(tilted))
+        .chain(spares)
+        .chain(walker())
+        .chain(last.map(tilted))
+        .chain([140.1, 80.1].map(geostationary))
+        .collect()
+}

@@ -1,0 +1,34 @@
+//! Normal noise with an address: the same seed, satellite, channel and epoch always give the same number.
+//!
+//! Hence a satellite's noise does not depend on which others are in sight, an experiment can jump to any epoch,
+//! and runs in parallel agree with runs in sequence.
+
+use rai_core::satellite::SatelliteId;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+use rand_distr::{Distribution, StandardNormal};
+
+/// Words of the generator set aside for one number; the sampler takes two, and seldom more than four.
+const WORDS_PER_NUMBER: u128 = 64;
+
+/// A source of standard normal numbers.
+#[derive(Clone, Debug)]
+pub struct Noise {
+    generator: ChaCha8Rng,
+}
+
+impl Noise {
+    /// All numbers follow from the seed.
+    pub fn new(seed: u64) -> Self {
+        Self { generator: ChaCha8Rng::seed_from_u64(seed) }
+    }
+
+    /// The number of one satellite's channel (a signal, or anything else that is independent) at one epoch.
+    pub fn normal(&self, satellite: SatelliteId, channel: u8, epoch: u64) -> f64 {
+        let constellation = satellite.constellation() as u64;
+        let mut generator = self.generator.clone();
+        generator.set_stream(constellation << 16 | u64::from(satellite.number()) << 8 | u64::from(channel));
+        generator.set_word_pos(u128::from(epoch) * WORDS_PER_NUMBER);
+        StandardNormal.sample(&mut generator)
+    }
+}
