@@ -2,7 +2,7 @@
 //! sigma is made of.
 //!
 //! ```text
-//! σ² = σ_eph² + (a_noise)² (σ_0² + σ_mp²/sin²el) + (σ_trop / (sin el + 0.05))² + (σ_iono F(el))²
+//! σ² = σ_eph² + (a_noise)² (σ_0² + σ_mp²/sin²el) + (σ_trop / (sin el + 0.05))² + σ_iono²
 //! ```
 //!
 //! | symbol | field | unit |
@@ -11,7 +11,7 @@
 //! | `a_noise` | `noise_gain`: 1 for one frequency, about 3 for the ionosphere-free pair | – |
 //! | `σ_0`, `σ_mp` | code noise and multipath at the zenith | m |
 //! | `σ_trop` | what the tropospheric model leaves at the zenith | m |
-//! | `σ_iono` | `ionosphere_m`, what the ionospheric model leaves at the zenith; 0 for the pair | m |
+//! | `σ_iono` | `ionosphere_m`, what the ionospheric model leaves along the path; 0 for the pair | m |
 //!
 //! Assumes independent errors. An integrity test stands and falls with these numbers, so they are on the
 //! large side, and the monitor reports how the residuals compare ([`crate::report::Report::sigma_check`]).
@@ -34,7 +34,7 @@ pub struct ErrorBudget {
     pub ephemeris_m: f64,
     /// Factor on code noise and multipath, dimensionless.
     pub noise_gain: f64,
-    /// Ionospheric error left at the zenith, m.
+    /// Ionospheric error left along the path, m.
     pub ionosphere_m: f64,
 }
 
@@ -44,18 +44,10 @@ pub fn sigma_m(budget: &ErrorBudget) -> f64 {
     let sin_elevation = budget.sin_elevation.max(0.05);
     let code_m2 = CODE_NOISE_M * CODE_NOISE_M + MULTIPATH_M * MULTIPATH_M / (sin_elevation * sin_elevation);
     let troposphere_m = TROPOSPHERE_M / (sin_elevation + 0.05);
-    let ionosphere_m = budget.ionosphere_m * obliquity(sin_elevation);
     libm::sqrt(
         budget.ephemeris_m * budget.ephemeris_m
             + budget.noise_gain * budget.noise_gain * code_m2
             + troposphere_m * troposphere_m
-            + ionosphere_m * ionosphere_m,
+            + budget.ionosphere_m * budget.ionosphere_m,
     )
-}
-
-/// Slant over vertical ionospheric delay, thin shell at 350 km: `1/√(1 − (R cos el/(R + h))²)` ([DO-229] A.4.4.10).
-fn obliquity(sin_elevation: f64) -> f64 {
-    const RATIO: f64 = 6_378.136_3 / (6_378.136_3 + 350.0);
-    let cos_squared = 1.0 - sin_elevation * sin_elevation;
-    1.0 / libm::sqrt(1.0 - RATIO * RATIO * cos_squared)
 }

@@ -86,6 +86,9 @@ pub struct Klobuchar {
 }
 
 impl Klobuchar {
+    /// Without coefficients: the night-time constant at all hours.
+    pub const NIGHT: Self = Self { alpha: [0.0; 4], beta: [0.0; 4] };
+
     /// Coefficients in the order of the message: four of the amplitude, four of the period.
     ///
     /// `None` when one is not finite or larger than its field in the message (2⁻²³ s, 2⁻¹⁶·2⁷ s, with room for

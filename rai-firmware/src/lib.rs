@@ -8,10 +8,13 @@ extern crate std;
 
 pub mod atmosphere;
 pub mod config;
+pub mod correction;
 pub mod counters;
 pub mod ephemeris;
+pub mod navigator;
 pub mod nmea;
 pub mod receiver;
 pub mod rtcm;
+pub mod selftest;
 pub mod signal;
 pub mod time;

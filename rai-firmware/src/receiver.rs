@@ -1,1 +1,253 @@
-//! To be described by its owner.
+//! The epoch loop: bytes in, sentences and pin out.
+//!
+//! ```text
+//! GNSS bytes ─► rtcm ─► navigator ─► report ─► nmea ─► host bytes
+//!                                       └────► integrity pin
+//! ```
+//!
+//! The pin is high while the position of the last epoch may be used, and low in every other case: from reset on,
+//! on every verdict but `Protected`, and when the time to alert has passed since the last protected epoch.
+//!
+//! Deadline: an epoch is judged within the call of [`Receiver::gnss`] that brings its last byte; the pin is set before
+//! a sentence is written. A silent line is noticed by [`Receiver::tick`], to be called at least ten times a second.
+
+use embedded_hal::digital::OutputPin;
+use embedded_io::Write;
+use rai_core::monitor::MonitorError;
+use rai_core::report::{Alert, Report, Verdict};
+
+use crate::config::{Action, CommandPort, Configuration};
+use crate::correction::CAPACITY;
+use crate::counters::{count, counters};
+use crate::ephemeris::Insertion;
+use crate::navigator::Navigator;
+use crate::nmea::{
+    GPS_MINUS_UTC_S, write_answer, write_counters, write_epoch, write_refusal, write_stale, write_version,
+};
+use crate::rtcm::{Decoder, Event};
+use crate::selftest;
+use crate::time::GpsTime;
+
+/// What the board knows when it starts.
+#[derive(Clone, Debug)]
+pub struct Boot {
+    /// Commit that the image was built from.
+    pub git: &'static str,
+    /// Why it started, in the words of `PRAIV`.
+    pub reset_cause: heapless::String<16>,
+}
+
+counters! {
+    /// What the epochs came to.
+    Verdicts {
+        /// Position usable.
+        epochs_protected,
+        /// Position not to be used.
+        epochs_alert,
+        /// Nothing to be promised.
+        epochs_unavailable,
+        /// Times that the line was silent for the time to alert.
+        line_stale,
+        /// Ephemerides that told nothing new.
+        ephemerides_kept,
+        /// Sentences that the host port did not take.
+        host_lost,
+        /// Times that the pin could not be set.
+        pin_failures,
+    }
+}
+
+/// The module: everything but the hardware.
+#[derive(Debug)]
+pub struct Receiver<P> {
+    boot: Boot,
+    decoder: Decoder,
+    commands: CommandPort,
+    epochs: EpochLoop<P>,
+    reset_requested: bool,
+}
+
+/// What happens to each thing that the decoder finds, and what is remembered of it.
+#[derive(Debug)]
+struct EpochLoop<P> {
+    pin: P,
+    navigator: Navigator,
+    configuration: Configuration,
+    verdicts: Verdicts,
+    last_verdict: Option<Verdict>,
+    last_time: Option<GpsTime>,
+    last_epoch_ms: u64,
+}
+
+impl<P: OutputPin> Receiver<P> {
+    /// A module that has heard nothing; the pin goes low.
+    ///
+    /// # Errors
+    /// [`MonitorError`] if the thresholds of the requirements at start are not in the tables.
+    pub fn new(pin: P, boot: Boot) -> Result<Self, MonitorError> {
+        let configuration = Configuration::at_start();
+        let mut epochs = EpochLoop {
+            pin,
+            navigator: Navigator::new(configuration.requirements)?,
+            configuration,
+            verdicts: Verdicts::default(),
+            last_verdict: None,
+            last_time: None,
+            last_epoch_ms: 0,
+        };
+        epochs.promise(false);
+        let (decoder, commands) = (Decoder::new(), CommandPort::new());
+        Ok(Self { boot, decoder, commands, epochs, reset_requested: false })
+    }
+
+    /// Says what runs here, why it started, and whether its arithmetic is right.
+    pub fn greet<W: Write>(&mut self, host: &mut W) {
+        let selftest = match selftest::run() {
+            Ok(()) => "PASS",
+            Err(failure) => failure.name(),
+        };
+        let version = env!("CARGO_PKG_VERSION");
+        let cause = &self.boot.reset_cause;
+        self.epochs.sent(write_version(version, self.boot.git, cause, selftest, host).is_ok());
+    }
+
+    /// Takes bytes of the GNSS port.
+    pub fn gnss<W: Write>(&mut self, bytes: &[u8], now_ms: u64, host: &mut W) {
+        for &byte in bytes {
+            let mut event = self.decoder.push(byte);
+            while let Some(found) = event {
+                self.epochs.handle(&found, now_ms, host);
+                event = self.decoder.pending();
+            }
+        }
+    }
+
+    /// Looks at the clock: a line that is silent for the time to alert is an alert.
+    pub fn tick<W: Write>(&mut self, now_ms: u64, host: &mut W) {
+        self.epochs.tick(now_ms, host);
+    }
+
+    /// Takes bytes of the host port.
+    pub fn command<W: Write>(&mut self, bytes: &[u8], host: &mut W) {
+        for &byte in bytes {
+            match self.commands.push(byte, &mut self.epochs.configuration, host) {
+                Ok(Some(action)) => self.act(action, host),
+                Ok(None) => {}
+                Err(_) => self.epochs.sent(false),
+            }
+        }
+    }
+
+    fn act<W: Write>(&mut self, action: Action, host: &mut W) {
+        let written = match action {
+            Action::Reconfigured => {
+                // Validated against the same tables by the command: it is met.
+                let _ = self.epochs.navigator.require(self.epochs.configuration.requirements);
+                Ok(())
+            }
+            Action::Statistics => write_counters(self.statistics(), host),
+            Action::SelfTest => match selftest::run() {
+                Ok(()) => write_answer("SELFTEST", core::iter::once("PASS"), host),
+                Err(failure) => write_refusal("SELFTEST", failure.name(), host),
+            },
+            Action::Reset => {
+                self.reset_requested = true;
+                self.epochs.promise(false);
+                Ok(())
+            }
+        };
+        self.epochs.sent(written.is_ok());
+    }
+
+    /// True once the host has asked for a restart.
+    pub fn reset_requested(&self) -> bool {
+        self.reset_requested
+    }
+
+    /// What was said of the last epoch, or that there was none for too long.
+    pub fn last_verdict(&self) -> Option<Verdict> {
+        self.epochs.last_verdict
+    }
+
+    /// The configuration in force.
+    pub fn configuration(&self) -> &Configuration {
+        &self.epochs.configuration
+    }
+
+    /// The pin, for whoever watches it.
+    pub fn pin(&self) -> &P {
+        &self.epochs.pin
+    }
+
+    /// Every counter by name: verdicts, wire, satellites, commands.
+    pub fn statistics(&self) -> impl Iterator<Item = (&'static str, u32)> {
+        let tally = self.epochs.navigator.tally();
+        self.epochs
+            .verdicts
+            .iter()
+            .chain(self.decoder.counters().iter())
+            .chain(tally.ephemerides.iter())
+            .chain(tally.ranges.iter())
+            .chain(self.commands.counters())
+    }
+}
+
+impl<P: OutputPin> EpochLoop<P> {
+    fn handle<W: Write>(&mut self, event: &Event<'_>, now_ms: u64, host: &mut W) {
+        match event {
+            Event::Epoch(raw) => {
+                let report = self.navigator.judge(raw, &self.configuration);
+                self.conclude(&report, raw.time, now_ms, host);
+            }
+            Event::Ephemeris(ephemeris) => {
+                if matches!(self.navigator.learn(*ephemeris, self.last_time), Insertion::Older) {
+                    count(&mut self.verdicts.ephemerides_kept);
+                }
+            }
+            Event::ReferencePosition(point) => self.navigator.guess(*point),
+        }
+    }
+
+    /// Acts on a report: the pin first, then the sentences.
+    fn conclude<W: Write>(&mut self, report: &Report<CAPACITY>, time: GpsTime, now_ms: u64, host: &mut W) {
+        self.promise(matches!(report.verdict, Verdict::Protected(_)));
+        self.last_verdict = Some(report.verdict);
+        self.last_time = Some(time);
+        self.last_epoch_ms = now_ms;
+        count(match report.verdict {
+            Verdict::Protected(_) => &mut self.verdicts.epochs_protected,
+            Verdict::Alert(_) => &mut self.verdicts.epochs_alert,
+            Verdict::Unavailable(_) => &mut self.verdicts.epochs_unavailable,
+        });
+        let written = write_epoch(report, time, GPS_MINUS_UTC_S, &self.configuration.requirements, host);
+        self.sent(written.is_ok());
+    }
+
+    fn tick<W: Write>(&mut self, now_ms: u64, host: &mut W) {
+        let limit_ms = (self.configuration.requirements.time_to_alert_s * 1e3) as u64;
+        if now_ms.saturating_sub(self.last_epoch_ms) < limit_ms {
+            return;
+        }
+        // Said again after each further time to alert: whoever listens later must hear it too.
+        self.last_epoch_ms = now_ms;
+        self.last_verdict = Some(Verdict::Alert(Alert::Stale));
+        self.promise(false);
+        count(&mut self.verdicts.line_stale);
+        let written = write_stale(self.last_time, GPS_MINUS_UTC_S, &self.configuration.requirements, host);
+        self.sent(written.is_ok());
+    }
+
+    /// Sets the integrity pin.
+    fn promise(&mut self, usable: bool) {
+        let set = if usable { self.pin.set_high() } else { self.pin.set_low() };
+        if set.is_err() {
+            count(&mut self.verdicts.pin_failures);
+        }
+    }
+
+    fn sent(&mut self, written: bool) {
+        if !written {
+            count(&mut self.verdicts.host_lost);
+        }
+    }
+}

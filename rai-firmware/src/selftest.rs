@@ -1,0 +1,116 @@
+//! Known answers: is this processor's arithmetic, and this image, what was tested?
+//!
+//! | test | known answer from |
+//! |---|---|
+//! | `TABLE` | [Yang2015]: τ1 of 4 degrees of freedom at 3.33e-7, and T1 = 17.9257 m for a sigma of 6 m |
+//! | `SOLVE` | a geometry whose least squares can be done by hand |
+//! | `RTCM` | the example of message 1005 in the standard ([RTCM-10403.3] 4.1) |
+//!
+//! `SOLVE`: four satellites to the east, west, north and south at the elevation with sine 0.6, and one at the zenith.
+//! Residuals `(1, 1, −1, −1, 0)` are orthogonal to every column of the design matrix: the position does not move, they
+//! remain as they are, SSE = 4 with one degree of freedom, and each of the four has the redundancy number 1/4.
+
+use nalgebra::Vector3;
+use rai_core::frame::Ecef;
+use rai_core::linear::LinearEpoch;
+use rai_core::probability::Probability;
+use rai_core::real::Real;
+use rai_core::satellite::Constellation;
+use rai_core::snapshot::Snapshot;
+use rai_core::threshold::Thresholds;
+
+use crate::rtcm::{Decoder, Event};
+
+/// Which known answer was missed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Failure {
+    /// The threshold tables.
+    Table,
+    /// The 3×3 solve in single precision.
+    SolveSingle,
+    /// The 3×3 solve in double precision.
+    SolveDouble,
+    /// Framing, CRC and decoding.
+    Rtcm,
+}
+
+impl Failure {
+    /// The name that the host is told.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Table => "FAIL TABLE",
+            Self::SolveSingle => "FAIL SOLVE32",
+            Self::SolveDouble => "FAIL SOLVE64",
+            Self::Rtcm => "FAIL RTCM",
+        }
+    }
+}
+
+/// Runs all tests.
+///
+/// # Errors
+/// The first answer that is wrong.
+pub fn run() -> Result<(), Failure> {
+    let tests = [
+        (table_is_right as fn() -> bool, Failure::Table),
+        (solve_is_right::<f32>, Failure::SolveSingle),
+        (solve_is_right::<f64>, Failure::SolveDouble),
+        (rtcm_is_right, Failure::Rtcm),
+    ];
+    tests.into_iter().try_for_each(|(test, failure)| if test() { Ok(()) } else { Err(failure) })
+}
+
+fn is_close(have: f64, want: f64, tolerance: f64) -> bool {
+    (have - want).abs() <= tolerance
+}
+
+fn table_is_right() -> bool {
+    let (Some(false_alarm), Some(missed_detection)) = (Probability::new(3.33e-7), Probability::new(1e-3))
+    else {
+        return false;
+    };
+    Thresholds::from_tables(false_alarm, missed_detection)
+        .ok()
+        .and_then(|thresholds| thresholds.tau1(4))
+        .is_some_and(|tau1| is_close(6.0 * libm::sqrt(tau1 / 4.0), 17.925_711, 1e-6))
+}
+
+fn solve_is_right<T: Real>() -> bool {
+    let directions = [(0.8, 0.0, 0.6), (-0.8, 0.0, 0.6), (0.0, 0.8, 0.6), (0.0, -0.8, 0.6), (0.0, 0.0, 1.0)];
+    let residuals_m = [1.0, 1.0, -1.0, -1.0, 0.0];
+    let mut epoch = LinearEpoch::<T, 5>::new();
+    for ((east, north, up), residual_m) in directions.into_iter().zip(residuals_m) {
+        let direction = Vector3::new(east, north, up);
+        if epoch.satellite(Constellation::Gps, direction, residual_m, 1.0).is_err() {
+            return false;
+        }
+    }
+    let Ok(snapshot) = Snapshot::solve(epoch) else { return false };
+    let still = snapshot.correction().iter().all(|component| is_close(component.widen(), 0.0, 1e-5));
+    let quarters = snapshot.rows().take(4).all(|(_, fit)| is_close(fit.redundancy.widen(), 0.25, 1e-5));
+    still && quarters && snapshot.dof() == 1 && is_close(snapshot.sse().widen(), 4.0, 1e-4)
+}
+
+fn rtcm_is_right() -> bool {
+    const FRAME: [u8; 25] = [
+        0xD3, 0x00, 0x13, 0x3E, 0xD7, 0xD3, 0x02, 0x02, 0x98, 0x0E, 0xDE, 0xEF, 0x34, 0xB4, 0xBD, 0x62, 0xAC,
+        0x09, 0x41, 0x98, 0x6F, 0x33, 0x36, 0x0B, 0x98,
+    ];
+    let want = Ecef::new(1_114_104.599_9, -4_850_729.710_8, 3_975_521.464_3);
+    let mut decoder = Decoder::new();
+    let mut found = false;
+    for byte in FRAME {
+        if let Some(Event::ReferencePosition(have)) = decoder.push(byte) {
+            found = have.distance_m(want) < 1e-3;
+        }
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn this_machine_knows_the_answers() {
+        assert_eq!(super::run(), Ok(()));
+    }
+}
