@@ -10,6 +10,7 @@ pub mod recording;
 pub mod replay;
 pub mod report;
 pub mod sample;
+pub mod sentence;
 pub mod shared;
 pub mod sky;
 pub mod tables;
