@@ -37,7 +37,7 @@ impl GpsTime {
 
     /// Milliseconds from `earlier` to `self`; negative if `self` is before it.
     pub const fn since_ms(self, earlier: Self) -> i64 {
-        self.to_ms() as i64 - earlier.to_ms() as i64
+        self.to_ms().cast_signed() - earlier.to_ms().cast_signed()
     }
 
     /// Seconds since 1980-01-06, exact to a microsecond for centuries.

@@ -65,22 +65,31 @@ impl Ephemeris {
     pub fn group_delay(&self, band: Band) -> Option<GroupDelay> {
         use GroupDelay::{Known, Uncalibrated};
         let [first_s, second_s] = self.group_delays_s.map(f64::from);
-        match (self.source, band) {
-            (Source::GpsLnav, Band::L1) => Some(Known(first_s)),
-            (Source::GpsLnav, Band::L2) => Some(Known(squared_ratio(Band::L1, Band::L2) * first_s)),
-            (Source::GpsLnav, Band::L5) => Some(Uncalibrated(first_s)),
-            (Source::GalileoFnav, Band::E1) => Some(Known(first_s)),
-            (Source::GalileoFnav, Band::E5a) => Some(Known(squared_ratio(Band::E1, Band::E5a) * first_s)),
-            (Source::GalileoInav, Band::E1) => Some(Known(second_s)),
-            (Source::GalileoInav, Band::E5b) => Some(Known(squared_ratio(Band::E1, Band::E5b) * second_s)),
-            (Source::GalileoInav, Band::E5a) => {
-                Some(Known(second_s + (squared_ratio(Band::E1, Band::E5a) - 1.0) * first_s))
-            }
-            (Source::BeidouD1D2, Band::B1I) => Some(Known(first_s)),
-            (Source::BeidouD1D2, Band::B2I) => Some(Known(second_s)),
-            (Source::BeidouD1D2, Band::B3I) => Some(Known(0.0)),
-            (Source::BeidouD1D2, Band::B1C | Band::B2a) => Some(Uncalibrated(0.0)),
-            _ => None,
+        match self.source {
+            Source::GpsLnav => match band {
+                Band::L1 => Some(Known(first_s)),
+                Band::L2 => Some(Known(squared_ratio(Band::L1, Band::L2) * first_s)),
+                Band::L5 => Some(Uncalibrated(first_s)),
+                _ => None,
+            },
+            Source::GalileoFnav => match band {
+                Band::E1 => Some(Known(first_s)),
+                Band::E5a => Some(Known(squared_ratio(Band::E1, Band::E5a) * first_s)),
+                _ => None,
+            },
+            Source::GalileoInav => match band {
+                Band::E1 => Some(Known(second_s)),
+                Band::E5b => Some(Known(squared_ratio(Band::E1, Band::E5b) * second_s)),
+                Band::E5a => Some(Known(second_s + (squared_ratio(Band::E1, Band::E5a) - 1.0) * first_s)),
+                _ => None,
+            },
+            Source::BeidouD1D2 => match band {
+                Band::B1I => Some(Known(first_s)),
+                Band::B2I => Some(Known(second_s)),
+                Band::B3I => Some(Known(0.0)),
+                Band::B1C | Band::B2a => Some(Uncalibrated(0.0)),
+                _ => None,
+            },
         }
     }
 }

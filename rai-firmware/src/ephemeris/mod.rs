@@ -19,6 +19,7 @@
 //! References: [IS-GPS-200] 20.3.3, table 20-IV; [OS-SIS-ICD] 5.1.1 to 5.1.5; [BDS-SIS-B1I] 5.2.4, table 5-11.
 
 mod accuracy;
+mod broadcast;
 mod clock;
 mod orbit;
 mod store;
@@ -32,6 +33,7 @@ use crate::counters::{count, counters};
 use crate::time::{BEIDOU_OFFSET_MS, GpsTime, WEEK_MS};
 
 pub use accuracy::{galileo_sisa_m, ura_m};
+pub use broadcast::{Broadcast, BroadcastError};
 pub use clock::GroupDelay;
 pub use store::{CAPACITY, Insertion, Store};
 
@@ -88,98 +90,6 @@ impl Source {
         }
     }
 }
-
-/// One satellite's message with the week resolved, in the units of the interface documents.
-///
-/// `_sc` is semicircles; the other units are the suffixes. Any value may stand here; [`Ephemeris::new`] judges.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Broadcast {
-    /// Which satellite.
-    pub satellite: SatelliteId,
-    /// Which message.
-    pub source: Source,
-    /// True when every health and validity flag of the message says so.
-    pub healthy: bool,
-    /// One sigma of the range error as broadcast, m; `None` when the satellite does not promise any.
-    pub accuracy_m: Option<f32>,
-    /// Reference time of the elements.
-    pub toe: GpsTime,
-    /// Reference time of the clock.
-    pub toc: GpsTime,
-    /// Square root of the semi-major axis, √m.
-    pub sqrt_a_sqrt_m: f64,
-    /// Eccentricity.
-    pub eccentricity: f64,
-    /// Mean anomaly at `toe`.
-    pub m0_sc: f64,
-    /// Longitude of the ascending node at the start of the week.
-    pub omega0_sc: f64,
-    /// Inclination at `toe`.
-    pub i0_sc: f64,
-    /// Argument of perigee.
-    pub omega_sc: f64,
-    /// Correction of the mean motion, semicircles per second.
-    pub delta_n_sc_s: f64,
-    /// Rate of the node, semicircles per second.
-    pub omegadot_sc_s: f64,
-    /// Rate of the inclination, semicircles per second.
-    pub idot_sc_s: f64,
-    /// Cosine correction of the argument of latitude.
-    pub cuc_rad: f32,
-    /// Sine correction of the argument of latitude.
-    pub cus_rad: f32,
-    /// Cosine correction of the radius.
-    pub crc_m: f32,
-    /// Sine correction of the radius.
-    pub crs_m: f32,
-    /// Cosine correction of the inclination.
-    pub cic_rad: f32,
-    /// Sine correction of the inclination.
-    pub cis_rad: f32,
-    /// Clock offset at `toc`.
-    pub af0_s: f64,
-    /// Clock drift.
-    pub af1_s_s: f64,
-    /// Clock drift rate.
-    pub af2_s_s2: f64,
-    /// Group delays: GPS `[TGD, 0]`, Galileo `[BGD E1/E5a, BGD E1/E5b]`, `BeiDou` `[TGD1, TGD2]`.
-    pub group_delays_s: [f32; 2],
-}
-
-/// Why a message is no ephemeris. Names the field.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum BroadcastError {
-    /// The satellite is none of the message's system.
-    Satellite,
-    /// `toe` or `toc` lies outside the week, or they lie more than a day apart.
-    ReferenceTime,
-    /// The eccentricity is not in 0 to 0.5.
-    Eccentricity,
-    /// The semi-major axis is not in 16,000 km to 64,000 km.
-    SemiMajorAxis,
-    /// An angle is not within ±1 semicircle.
-    Angle,
-    /// A rate or a correction is not finite or larger than the message can say.
-    Correction,
-    /// A clock term or a group delay is not finite or larger than the message can say.
-    Clock,
-}
-
-impl fmt::Display for BroadcastError {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str(match self {
-            Self::Satellite => "satellite number outside its system",
-            Self::ReferenceTime => "reference times outside the week or far apart",
-            Self::Eccentricity => "eccentricity outside 0 to 0.5",
-            Self::SemiMajorAxis => "semi-major axis outside 16,000 km to 64,000 km",
-            Self::Angle => "angle outside one turn",
-            Self::Correction => "orbit correction out of bounds",
-            Self::Clock => "clock term out of bounds",
-        })
-    }
-}
-
-impl core::error::Error for BroadcastError {}
 
 /// Why a satellite has no position now.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -279,7 +189,7 @@ impl Ephemeris {
     /// # Errors
     /// [`BroadcastError`] names the first field that no satellite could have sent.
     pub fn new(broadcast: &Broadcast) -> Result<Self, BroadcastError> {
-        check(broadcast)?;
+        broadcast::check(broadcast)?;
         Ok(Self {
             sqrt_a_sqrt_m: broadcast.sqrt_a_sqrt_m,
             eccentricity: broadcast.eccentricity,
@@ -380,53 +290,4 @@ impl Ephemeris {
 /// The nearest [`BinaryAngle`]; exact for what was broadcast.
 fn binary_angle(semicircles: f64) -> BinaryAngle {
     libm::round(semicircles * 2_147_483_648.0) as BinaryAngle
-}
-
-/// Judges every field. A NaN is in no range.
-fn check(broadcast: &Broadcast) -> Result<(), BroadcastError> {
-    let verdicts = [
-        (is_of_system(broadcast), BroadcastError::Satellite),
-        (has_reference_times(broadcast), BroadcastError::ReferenceTime),
-        ((0.0..=0.5).contains(&broadcast.eccentricity), BroadcastError::Eccentricity),
-        ((4_000.0..=8_000.0).contains(&broadcast.sqrt_a_sqrt_m), BroadcastError::SemiMajorAxis),
-        (has_angles(broadcast), BroadcastError::Angle),
-        (has_corrections(broadcast), BroadcastError::Correction),
-        (has_clock(broadcast), BroadcastError::Clock),
-    ];
-    verdicts.into_iter().try_for_each(|(holds, error)| if holds { Ok(()) } else { Err(error) })
-}
-
-fn is_of_system(broadcast: &Broadcast) -> bool {
-    broadcast.satellite.constellation() == broadcast.source.constellation()
-        && broadcast.satellite.number() <= broadcast.source.highest_number()
-}
-
-fn has_reference_times(broadcast: &Broadcast) -> bool {
-    let distance_ms = broadcast.toc.since_ms(broadcast.toe).unsigned_abs();
-    broadcast.toe.tow_ms < WEEK_MS && broadcast.toc.tow_ms < WEEK_MS && distance_ms <= 86_400_000
-}
-
-fn has_angles(broadcast: &Broadcast) -> bool {
-    let angles = [broadcast.m0_sc, broadcast.omega0_sc, broadcast.i0_sc, broadcast.omega_sc];
-    angles.iter().all(|angle| angle.abs() <= 1.0)
-}
-
-/// Bounds are the widest fields of the three systems' messages, rounded up.
-fn has_corrections(broadcast: &Broadcast) -> bool {
-    let rates = [broadcast.delta_n_sc_s, broadcast.omegadot_sc_s, broadcast.idot_sc_s];
-    let angles = [broadcast.cuc_rad, broadcast.cus_rad, broadcast.cic_rad, broadcast.cis_rad];
-    let lengths = [broadcast.crc_m, broadcast.crs_m];
-    rates.iter().all(|rate| rate.abs() <= 1e-6)
-        && angles.iter().all(|angle| angle.abs() <= 1e-3)
-        && lengths.iter().all(|length| length.abs() <= 3e3)
-}
-
-/// Bounds are the widest fields of the three systems' messages, rounded up.
-fn has_clock(broadcast: &Broadcast) -> bool {
-    let accuracy_m = broadcast.accuracy_m.unwrap_or(0.0);
-    broadcast.af0_s.abs() <= 0.125
-        && broadcast.af1_s_s.abs() <= 1e-7
-        && broadcast.af2_s_s2.abs() <= 1e-12
-        && broadcast.group_delays_s.iter().all(|delay| delay.abs() <= 1e-6)
-        && (0.0..=1e4).contains(&accuracy_m)
 }

@@ -76,6 +76,19 @@ impl Framer {
         }
     }
 
+    /// Drops what no byte will complete, up to the first complete frame.
+    pub(super) fn give_up(&mut self, counters: &mut Counters) {
+        while !self.buffer.is_empty() {
+            match self.front() {
+                Front::Complete { .. } => return,
+                Front::Incomplete => count(&mut counters.frames_cut),
+                Front::WrongCrc => count(&mut counters.crc_failures),
+                Front::NoFrame => {}
+            }
+            self.resynchronise(counters);
+        }
+    }
+
     fn front(&self) -> Front {
         let Some(&first) = self.buffer.first() else {
             return Front::Incomplete;

@@ -56,9 +56,11 @@ counters! {
         bytes_skipped,
         /// Frames whose CRC was wrong.
         crc_failures,
+        /// Frames that had not ended when the line fell silent.
+        frames_cut,
         /// Messages of a type that is not read.
         messages_other,
-        /// Observations of systems that are not used: GLONASS, SBAS, QZSS, NavIC.
+        /// Observations of systems that are not used: GLONASS, SBAS, QZSS, `NavIC`.
         observations_other,
         /// Messages too short for their type, or that contradict themselves.
         messages_malformed,
@@ -177,6 +179,15 @@ impl Decoder {
         })
     }
 
+    /// The line has been silent for longer than a gap inside a frame can be: what is incomplete stays incomplete.
+    ///
+    /// A cut frame may announce more bytes than are left of the burst it came in, and would hold back the good
+    /// frames behind it until the next burst. Call it until it returns `None`.
+    pub fn silence(&mut self) -> Option<Event<'_>> {
+        self.framer.give_up(&mut self.counters);
+        self.pending()
+    }
+
     /// What came in and what was not used.
     pub fn counters(&self) -> &Counters {
         &self.counters
@@ -194,7 +205,7 @@ fn read(frame: &[u8], calendar: &mut Calendar, assembly: &mut Assembly, counters
         Some(1005 | 1006) => read_position(frame, counters),
         Some(1019 | 1042 | 1045 | 1046) => read_ephemeris(frame, calendar, counters),
         Some(number) => match Header::read(number, frame) {
-            Some(Ok(header)) => read_observations(&header, frame, calendar, assembly, counters),
+            Some(Ok(header)) => read_observations(header, frame, calendar, assembly, counters),
             Some(Err(_)) => refuse(&mut counters.messages_malformed),
             None => refuse(&mut counters.messages_other),
         },
@@ -261,7 +272,7 @@ fn read_ephemeris(frame: &[u8], calendar: &mut Calendar, counters: &mut Counters
 }
 
 fn read_observations(
-    header: &Header,
+    header: Header,
     frame: &[u8],
     calendar: &mut Calendar,
     assembly: &mut Assembly,

@@ -76,12 +76,12 @@ impl Header {
     }
 
     /// True when the ranges of the message are used.
-    pub(super) fn is_used(&self) -> bool {
+    pub(super) fn is_used(self) -> bool {
         self.constellation.is_some()
     }
 
     /// Milliseconds into the week of GPS time; `None` when the field is beyond the week.
-    pub(super) fn gps_tow_ms(&self) -> Option<u32> {
+    pub(super) fn gps_tow_ms(self) -> Option<u32> {
         let offset_ms = match self.constellation {
             Some(Constellation::Beidou) => BEIDOU_OFFSET_MS,
             _ => 0,
@@ -100,7 +100,7 @@ fn bits(payload: &[u8], start: usize, length: usize) -> Option<u32> {
 
 /// Adds the ranges of a message to the epoch.
 #[inline(never)]
-pub(super) fn read(header: &Header, frame: &[u8], epoch: &mut RawEpoch, counters: &mut Counters) {
+pub(super) fn read(header: Header, frame: &[u8], epoch: &mut RawEpoch, counters: &mut Counters) {
     let Some(constellation) = header.constellation else {
         return;
     };

@@ -1,0 +1,379 @@
+//! The wire: good streams give what was sent, bad ones a named counter and nothing else.
+
+mod orbits;
+mod wire;
+
+use orbits::CASES;
+use proptest::prelude::*;
+use rai_core::frame::Ecef;
+use rai_firmware::rtcm::{Counters, Decoder, Event};
+use rai_firmware::signal::Band;
+use rai_firmware::time::{GpsTime, WEEK_MS};
+use wire::{B1I, B3I, Bits, Cell, E1C, L1C, L2W, Seen, ephemeris, epochs, feed, frame, msm7};
+
+/// Time of week of the first epoch: at the first case's reference time.
+const TOW_MS: u32 = 360_000_000;
+
+/// A decoder that knows the week.
+fn knowing() -> Decoder {
+    let mut decoder = Decoder::new();
+    feed(&mut decoder, &ephemeris(&CASES[2]));
+    decoder
+}
+
+fn gps(tow_ms: u32, more: bool) -> Vec<u8> {
+    msm7(1077, tow_ms, more, &[Cell(5, L1C, 2.2e7, 45.0), Cell(5, L2W, 2.2e7 + 5.0, 40.0)])
+}
+
+fn names_of_nonzero(counters: &Counters) -> Vec<(&'static str, u32)> {
+    let dull = ["frames", "epochs", "ephemerides"];
+    counters.iter().filter(|(name, value)| *value > 0 && !dull.contains(name)).collect()
+}
+
+#[test]
+fn an_epoch_of_three_systems_holds_the_ranges_that_were_sent() {
+    let mut decoder = knowing();
+    let mut bytes = gps(TOW_MS, true);
+    bytes.extend(msm7(1097, TOW_MS, true, &[Cell(31, E1C, 2.5e7, 50.0)]));
+    bytes.extend(msm7(
+        1127,
+        TOW_MS - 14_000,
+        false,
+        &[Cell(6, B1I, 3.8e7, 42.5), Cell(6, B3I, 3.8e7 + 9.0, 44.0)],
+    ));
+    let have = epochs(feed(&mut decoder, &bytes));
+    assert_eq!(have.len(), 1);
+    assert_eq!(have[0].time, GpsTime { week: 2111, tow_ms: TOW_MS });
+    let flat: Vec<_> = have[0]
+        .satellites
+        .iter()
+        .flat_map(|raw| {
+            raw.signals
+                .iter()
+                .map(|signal| (raw.satellite.to_string(), signal.band, signal.cn0_dbhz, signal.range_m))
+        })
+        .collect();
+    let want = [
+        ("G05", Band::L1, 45.0, 2.2e7),
+        ("G05", Band::L2, 40.0, 2.2e7 + 5.0),
+        ("E31", Band::E1, 50.0, 2.5e7),
+        ("C06", Band::B1I, 42.5, 3.8e7),
+        ("C06", Band::B3I, 44.0, 3.8e7 + 9.0),
+    ];
+    assert_eq!(flat.len(), want.len());
+    for (have, want) in flat.iter().zip(want) {
+        assert_eq!((have.0.as_str(), have.1, have.2), (want.0, want.1, want.2));
+        // A step of the fine range is 2⁻²⁹ ms, 0.56 mm.
+        assert!((have.3 - want.3).abs() < 3e-4, "have {have:?}, want {want:?}");
+    }
+    assert_eq!(names_of_nonzero(decoder.counters()), []);
+}
+
+#[test]
+fn ephemerides_on_the_wire_give_the_positions_of_a_separate_program() {
+    let mut decoder = Decoder::new();
+    for case in &CASES[..7] {
+        let seen = feed(&mut decoder, &ephemeris(case));
+        let [Seen::Ephemeris(have)] = seen.as_slice() else { panic!("{}: {seen:?}", case.id()) };
+        assert_eq!((have.satellite(), have.toe()), (case.id(), case.toe()));
+        for want in &case.want {
+            let received =
+                GpsTime::from_ms(case.toe().to_ms().checked_add_signed(want.after_toe_ms).unwrap());
+            let state = have.at(received, want.range_m).unwrap();
+            let [x, y, z] = want.position_m;
+            assert!(state.position.distance_m(Ecef::new(x, y, z)) < 5e-4, "{}: {state:?}", case.id());
+            assert!((state.clock_s - want.clock_s).abs() < 1e-13, "{}: {state:?}", case.id());
+        }
+    }
+}
+
+#[test]
+fn the_standard_s_own_example_of_1005_is_read() {
+    // The example of the standard's section 4: frame and coordinates.
+    let bytes = [
+        0xD3, 0x00, 0x13, 0x3E, 0xD7, 0xD3, 0x02, 0x02, 0x98, 0x0E, 0xDE, 0xEF, 0x34, 0xB4, 0xBD, 0x62, 0xAC,
+        0x09, 0x41, 0x98, 0x6F, 0x33, 0x36, 0x0B, 0x98,
+    ];
+    let seen = feed(&mut Decoder::new(), &bytes);
+    let [Seen::Position(have)] = seen.as_slice() else { panic!("{seen:?}") };
+    let want = Ecef::new(1_114_104.599_9, -4_850_729.710_8, 3_975_521.464_3);
+    assert!(have.distance_m(want) < 1e-4, "have {have:?}, want {want:?}");
+}
+
+#[test]
+fn a_position_at_the_centre_of_the_earth_is_none() {
+    let mut decoder = Decoder::new();
+    let bytes = frame(&Bits::default().put(12, 1005).put(60, 0).put(60, 0).put(20, 0).bytes());
+    assert!(feed(&mut decoder, &bytes).is_empty());
+    assert_eq!(names_of_nonzero(decoder.counters()), [("positions_invalid", 1)]);
+}
+
+#[test]
+fn a_good_frame_inside_a_bad_one_is_not_lost() {
+    let mut decoder = knowing();
+    // A false preamble whose length swallows all three epochs.
+    let mut bytes = vec![0xD3, 0x01, 0x20];
+    for epoch in 0..3 {
+        bytes.extend(gps(TOW_MS + epoch * 1000, false));
+    }
+    bytes.resize(3 + 0x120 + 3, 0);
+    let have = epochs(feed(&mut decoder, &bytes));
+    let times: Vec<u32> = have.iter().map(|epoch| epoch.time.tow_ms - TOW_MS).collect();
+    assert_eq!(times, [0, 1000, 2000]);
+    assert_eq!(decoder.counters().crc_failures, 1);
+}
+
+#[test]
+fn a_wrong_crc_is_counted_and_the_next_frame_is_read() {
+    let mut decoder = knowing();
+    let mut bad = gps(TOW_MS, false);
+    *bad.last_mut().unwrap() ^= 1;
+    assert!(feed(&mut decoder, &bad).is_empty());
+    assert_eq!(decoder.counters().crc_failures, 1);
+    assert_eq!(decoder.counters().bytes_skipped as usize, bad.len());
+    assert_eq!(epochs(feed(&mut decoder, &gps(TOW_MS, false))).len(), 1);
+}
+
+#[test]
+fn a_frame_cut_anywhere_costs_itself_only() {
+    let whole = gps(TOW_MS, false);
+    for cut in 0..whole.len() {
+        let mut decoder = knowing();
+        let mut bytes = whole[..cut].to_vec();
+        for epoch in 1..=3 {
+            bytes.extend(gps(TOW_MS + epoch * 1000, false));
+        }
+        // The stream goes on beyond whatever length the cut frame announced.
+        bytes.resize(bytes.len() + 1029, 0);
+        assert_eq!(epochs(feed(&mut decoder, &bytes)).len(), 3, "cut at {cut}");
+    }
+}
+
+#[test]
+fn a_silent_line_frees_the_epoch_that_a_cut_frame_holds_back() {
+    let mut decoder = knowing();
+    // The cut frame's length field is the next frame's preamble: 211 bytes that do not come.
+    let mut bytes = vec![0xD3, 0x00];
+    bytes.extend(gps(TOW_MS, false));
+    assert!(feed(&mut decoder, &bytes).is_empty());
+    assert!(matches!(decoder.silence(), Some(Event::Epoch(_))));
+    assert!(decoder.silence().is_none());
+    assert_eq!(names_of_nonzero(decoder.counters()), [("bytes_skipped", 2), ("frames_cut", 1)]);
+}
+
+#[test]
+fn a_frame_of_maximal_length_is_read_through() {
+    let mut decoder = knowing();
+    let mut payload = Bits::default().put(12, 4095).bytes();
+    payload.resize(1023, 0xD3);
+    let mut bytes = frame(&payload);
+    bytes.extend(gps(TOW_MS, false));
+    assert_eq!(epochs(feed(&mut decoder, &bytes)).len(), 1);
+    assert_eq!(names_of_nonzero(decoder.counters()), [("messages_other", 1)]);
+}
+
+#[test]
+fn a_message_shorter_than_its_type_is_malformed() {
+    for number in [1005, 1006, 1019, 1042, 1045, 1046, 1074, 1077, 1084, 1097, 1117, 1127] {
+        let mut decoder = knowing();
+        assert!(feed(&mut decoder, &frame(&Bits::default().put(12, number).put(20, 0).bytes())).is_empty());
+        assert_eq!(names_of_nonzero(decoder.counters()), [("messages_malformed", 1)], "{number}");
+    }
+    let mut decoder = knowing();
+    assert!(feed(&mut decoder, &frame(&[])).is_empty());
+    assert_eq!(names_of_nonzero(decoder.counters()), [("messages_malformed", 1)]);
+}
+
+#[test]
+fn masks_with_more_cells_than_the_standard_allows_are_malformed() {
+    let mut decoder = knowing();
+    let bits = Bits::default().put(12, 1077).put(12, 1).put(30, i64::from(TOW_MS)).put(19, 0);
+    let bytes = bits.put(32, -1).put(32, -1).put(32, -1);
+    let mut payload = bytes.bytes();
+    payload.resize(1023, 0xFF);
+    assert!(feed(&mut decoder, &frame(&payload)).is_empty());
+    assert_eq!(names_of_nonzero(decoder.counters()), [("messages_malformed", 1)]);
+}
+
+#[test]
+fn without_an_ephemeris_the_week_is_unknown_and_epochs_are_dropped() {
+    let mut decoder = Decoder::new();
+    assert!(feed(&mut decoder, &gps(TOW_MS, false)).is_empty());
+    assert_eq!(names_of_nonzero(decoder.counters()), [("epochs_without_week", 1)]);
+}
+
+#[test]
+fn a_gps_ephemeris_alone_tells_the_week_of_the_third_cycle() {
+    let mut decoder = Decoder::new();
+    feed(&mut decoder, &ephemeris(&CASES[0]));
+    assert_eq!(epochs(feed(&mut decoder, &gps(TOW_MS, false)))[0].time.week, 2111);
+}
+
+#[test]
+fn an_epoch_without_end_mark_is_complete_when_another_begins() {
+    let mut decoder = knowing();
+    assert!(feed(&mut decoder, &gps(TOW_MS, true)).is_empty());
+    let mut bytes = gps(TOW_MS + 1000, true);
+    bytes.extend(msm7(1097, TOW_MS + 1000, false, &[Cell(31, E1C, 2.5e7, 50.0)]));
+    let have = epochs(feed(&mut decoder, &bytes));
+    let sizes: Vec<_> =
+        have.iter().map(|epoch| (epoch.time.tow_ms - TOW_MS, epoch.satellites.len())).collect();
+    assert_eq!(sizes, [(0, 1), (1000, 2)]);
+}
+
+#[test]
+fn a_system_that_is_not_used_still_ends_the_epoch() {
+    let mut decoder = knowing();
+    let mut bytes = gps(TOW_MS, true);
+    bytes.extend(msm7(1087, 12_345, false, &[Cell(3, 2, 2.0e7, 50.0)]));
+    assert_eq!(epochs(feed(&mut decoder, &bytes)).len(), 1);
+    assert_eq!(names_of_nonzero(decoder.counters()), [("observations_other", 1)]);
+}
+
+#[test]
+fn an_epoch_that_goes_back_is_dropped_whole() {
+    let mut decoder = knowing();
+    feed(&mut decoder, &gps(TOW_MS, false));
+    let mut back = gps(TOW_MS - 1000, true);
+    back.extend(msm7(1097, TOW_MS - 1000, false, &[Cell(31, E1C, 2.5e7, 50.0)]));
+    back.extend(gps(TOW_MS, false));
+    assert!(feed(&mut decoder, &back).is_empty());
+    assert_eq!(names_of_nonzero(decoder.counters()), [("epochs_backwards", 2)]);
+    assert_eq!(epochs(feed(&mut decoder, &gps(TOW_MS + 1000, false))).len(), 1);
+}
+
+#[test]
+fn one_time_far_ahead_does_not_silence_the_receiver() {
+    let mut decoder = knowing();
+    feed(&mut decoder, &gps(TOW_MS, false));
+    assert_eq!(epochs(feed(&mut decoder, &gps(TOW_MS + 5 * 3_600_000, false))).len(), 1);
+    let later: Vec<usize> =
+        (1..=7).map(|n| epochs(feed(&mut decoder, &gps(TOW_MS + n * 1000, false))).len()).collect();
+    assert_eq!(later, [0, 0, 0, 0, 1, 1, 1]);
+    assert_eq!(names_of_nonzero(decoder.counters()), [("epochs_backwards", 4), ("time_restarts", 1)]);
+}
+
+#[test]
+fn the_week_rolls_over_between_two_epochs() {
+    let mut decoder = knowing();
+    let mut times = Vec::new();
+    for tow_ms in [TOW_MS, WEEK_MS - 2000, WEEK_MS - 1000, 0, 1000, 15_000] {
+        // BeiDou's own week ends 14 s later.
+        let beidou_ms = (tow_ms + WEEK_MS - 14_000) % WEEK_MS;
+        let mut bytes = gps(tow_ms, true);
+        bytes.extend(msm7(1127, beidou_ms, false, &[Cell(6, B1I, 3.8e7, 42.0)]));
+        let have = epochs(feed(&mut decoder, &bytes));
+        assert_eq!(have[0].satellites.len(), 2, "at {tow_ms}");
+        times.push((have[0].time.week, have[0].time.tow_ms));
+    }
+    let second = WEEK_MS - 1000;
+    assert_eq!(times[2..], [(2111, second), (2112, 0), (2112, 1000), (2112, 15_000)]);
+}
+
+#[test]
+fn ephemerides_that_agree_correct_a_wrong_week() {
+    let mut decoder = Decoder::new();
+    let mut wrong = CASES[4];
+    wrong.week += 700;
+    feed(&mut decoder, &ephemeris(&wrong));
+    assert_eq!(epochs(feed(&mut decoder, &gps(TOW_MS, false)))[0].time.week, 2811);
+    for _ in 0..4 {
+        feed(&mut decoder, &ephemeris(&CASES[2]));
+    }
+    assert_eq!(epochs(feed(&mut decoder, &gps(TOW_MS + 1000, false)))[0].time.week, 2111);
+    assert_eq!(names_of_nonzero(decoder.counters()), [("week_corrections", 1)]);
+}
+
+#[test]
+fn a_time_beyond_the_week_is_counted() {
+    let mut decoder = knowing();
+    assert!(feed(&mut decoder, &gps(WEEK_MS, false)).is_empty());
+    assert_eq!(names_of_nonzero(decoder.counters()), [("times_out_of_range", 1)]);
+}
+
+#[test]
+fn of_two_satellites_with_one_id_the_first_is_used() {
+    let mut decoder = knowing();
+    let mut bytes = msm7(1077, TOW_MS, true, &[Cell(5, L1C, 2.2e7, 45.0)]);
+    bytes.extend(msm7(1077, TOW_MS, false, &[Cell(5, L1C, 2.3e7, 45.0), Cell(6, L1C, 2.4e7, 45.0)]));
+    let have = epochs(feed(&mut decoder, &bytes));
+    let ranges: Vec<f64> = have[0].satellites.iter().map(|raw| raw.signals[0].range_m.round()).collect();
+    assert_eq!(ranges, [2.2e7, 2.4e7]);
+    assert_eq!(names_of_nonzero(decoder.counters()), [("satellites_duplicate", 1)]);
+}
+
+#[test]
+fn the_sixty_fourth_satellite_of_one_message_is_unknown_and_the_next_message_overflows() {
+    let mut decoder = knowing();
+    let all: Vec<Cell> = (1..=64).map(|id| Cell(id, B1I, 3.0e7, 40.0)).collect();
+    let mut bytes = msm7(1127, TOW_MS - 14_000, true, &all);
+    bytes.extend(msm7(1077, TOW_MS, false, &[Cell(1, L1C, 2.2e7, 45.0), Cell(2, L1C, 2.2e7, 45.0)]));
+    let have = epochs(feed(&mut decoder, &bytes));
+    assert_eq!(have[0].satellites.len(), 64);
+    assert_eq!(names_of_nonzero(decoder.counters()), [("satellites_unknown", 1), ("satellites_surplus", 1)]);
+}
+
+#[test]
+fn ranges_that_no_satellite_can_have_are_dropped() {
+    let mut decoder = knowing();
+    let cells = [Cell(1, L1C, 0.0, 45.0), Cell(2, L1C, 7.5e7, 45.0), Cell(3, L1C, 2.2e7, 45.0)];
+    let have = epochs(feed(&mut decoder, &msm7(1077, TOW_MS, false, &cells)));
+    assert_eq!(have[0].satellites.len(), 1);
+    assert_eq!(names_of_nonzero(decoder.counters()), [("ranges_out_of_bounds", 2)]);
+}
+
+#[test]
+fn a_week_old_ephemeris_does_not_look_fresh() {
+    let mut decoder = knowing();
+    feed(&mut decoder, &gps(TOW_MS, false));
+    let mut old = CASES[0];
+    old.week -= 1;
+    let seen = feed(&mut decoder, &ephemeris(&old));
+    let [Seen::Ephemeris(have)] = seen.as_slice() else { panic!("{seen:?}") };
+    assert_eq!(have.toe().week, 2110);
+}
+
+/// Every type that is read, and some that are not.
+const TYPES: [i64; 24] = [
+    1005, 1006, 1019, 1020, 1042, 1045, 1046, 1071, 1074, 1075, 1076, 1077, 1084, 1087, 1094, 1095, 1096,
+    1097, 1107, 1117, 1124, 1125, 1126, 1127,
+];
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(2_000))]
+
+    /// Noise, then a good epoch: the noise is counted and the epoch read.
+    #[test]
+    fn random_bytes_leave_the_decoder_alive(noise in prop::collection::vec(any::<u8>(), 0..1500)) {
+        let mut decoder = knowing();
+        feed(&mut decoder, &noise);
+        // Whatever length the noise announced last has run out after a full frame of zeros.
+        feed(&mut decoder, &[0; 1029]);
+        prop_assert_eq!(epochs(feed(&mut decoder, &gps(TOW_MS, false))).len(), 1);
+        prop_assert!(noise.is_empty() || decoder.counters().bytes_skipped as usize >= noise.len());
+    }
+
+    /// A right CRC around any payload of any type.
+    #[test]
+    fn a_valid_frame_may_hold_anything(
+        number in prop::sample::select(&TYPES[..]),
+        length in 2usize..1024,
+        fill in prop::collection::vec(any::<u8>(), 1023),
+        sparse in any::<bool>(),
+    ) {
+        let mut payload = Bits::default().put(12, number).put(4, i64::from(fill[1] & 15)).bytes();
+        payload.extend_from_slice(&fill[2..]);
+        payload.truncate(length);
+        if sparse {
+            // Masks with few bits, so that the cells are reached.
+            payload.iter_mut().skip(9).take(12).for_each(|byte| *byte &= 1 << (*byte & 7));
+        }
+        let mut decoder = knowing();
+        for seen in feed(&mut decoder, &frame(&payload)) {
+            if let Seen::Epoch(epoch) = seen {
+                prop_assert!(epoch.satellites.iter().flat_map(|raw| &raw.signals).all(|s| s.range_m.is_finite()));
+            }
+        }
+        prop_assert_eq!(decoder.counters().frames, 2);
+    }
+}
