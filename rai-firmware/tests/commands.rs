@@ -1,6 +1,7 @@
 //! The host port's commands: what is obeyed, what is refused and why, and that what is refused changes nothing.
 
 use proptest::prelude::*;
+use rai_core::probability::Probability;
 use rai_core::requirements::Requirements;
 use rai_core::threshold::{false_alarms, missed_detections};
 use rai_firmware::config::{Action, CommandPort, Configuration, MAX_LINE, Phase, scientific};
@@ -89,14 +90,16 @@ fn what_is_set_is_what_the_configuration_holds() {
     }
     module.ask("PRAIC,IONO,1.0245E-08,1.4901E-08,-5.9605E-08,-1.1921E-07,8.8064E+04,3.2768E+04,-1.9661E+05,-3.2768E+05");
     let have = module.configuration;
-    let want = [40.5, 1e-5, 1e-4, 2.5, 0.95];
-    let required = have.requirements;
-    let probabilities = (required.false_alarm.get(), required.missed_detection.get());
-    assert_eq!(
-        [required.hal_m, probabilities.0, probabilities.1, required.time_to_alert_s, required.guard_fraction],
-        want
-    );
-    assert_eq!((required.val_m, have.phase), (Some(35.0), Phase::Custom));
+    let probability = |tail| Probability::new(tail).expect("a tail");
+    let want = Requirements {
+        hal_m: 40.5,
+        val_m: Some(35.0),
+        false_alarm: probability(1e-5),
+        missed_detection: probability(1e-4),
+        time_to_alert_s: 2.5,
+        guard_fraction: 0.95,
+    };
+    assert_eq!((have.requirements, have.phase), (want, Phase::Custom));
     assert!((have.mask_rad - std::f64::consts::FRAC_PI_6).abs() < 1e-15);
     let want = [1.0245e-8, 1.4901e-8, -5.9605e-8, -1.1921e-7, 8.8064e4, 3.2768e4, -1.9661e5, -3.2768e5];
     assert_eq!(have.klobuchar, Some(want));

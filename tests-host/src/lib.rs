@@ -5,6 +5,7 @@ pub mod chi_square;
 pub mod encode;
 pub mod evaluate;
 pub mod fault;
+pub mod gpsd;
 pub mod oracle;
 pub mod recording;
 pub mod replay;

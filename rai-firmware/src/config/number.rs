@@ -96,14 +96,14 @@ fn scale(mut value: f64, exponent: i32) -> f64 {
 /// A positive number below 1 with up to ten significant digits, as `3.33e-7`: how a probability of the tables is
 /// named so that it is understood when it is sent back.
 pub fn scientific(value: f64) -> String<20> {
-    const DECIMALS: usize = 9;
+    const DECIMALS: u8 = 9;
     let mut exponent = (1..=MAX_EXPONENT).find(|exponent| scale(value, *exponent) >= 1.0).unwrap_or(0);
-    let mut digits = libm::round(scale(value, exponent + DECIMALS as i32)) as u64;
-    if digits >= 10_u64.pow(DECIMALS as u32 + 1) {
+    let mut digits = libm::round(scale(value, exponent + i32::from(DECIMALS))) as u64;
+    if digits >= 10_u64.pow(u32::from(DECIMALS) + 1) {
         digits /= 10;
         exponent -= 1;
     }
-    let mut decimals = DECIMALS;
+    let mut decimals = usize::from(DECIMALS);
     while decimals > 0 && digits.is_multiple_of(10) {
         digits /= 10;
         decimals -= 1;

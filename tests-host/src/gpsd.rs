@@ -1,0 +1,159 @@
+//! A real gpsd that reads our sentences: an independent judge of what the module says.
+//!
+//! The daemon connects to a port of ours for the sentences, as it would to a serial line, and serves its JSON on
+//! another one. Every wait has a deadline, and the daemon is killed when the [`Gpsd`] is dropped.
+
+use std::io::{self, ErrorKind, Read, Write};
+use std::net::{Ipv4Addr, TcpListener, TcpStream};
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, Result, bail};
+use serde_json::Value;
+
+/// How long gpsd may take to start and to connect.
+const START: Duration = Duration::from_secs(10);
+
+/// How long one look at an unready port lasts.
+const PAUSE: Duration = Duration::from_millis(20);
+
+/// A running gpsd, fed with sentences.
+pub struct Gpsd {
+    daemon: Daemon,
+    sentences: TcpStream,
+    json: TcpStream,
+    unread: Vec<u8>,
+}
+
+/// Kills the process when dropped, also where the start fails half-way.
+struct Daemon(Child);
+
+impl Drop for Daemon {
+    fn drop(&mut self) {
+        // A daemon that has ended by itself is as good.
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+impl Gpsd {
+    /// Starts gpsd; `None`, said aloud, where it is not installed.
+    ///
+    /// # Errors
+    /// Where it is installed and does not start or connect within ten seconds.
+    pub fn start_or_skip() -> Result<Option<Self>> {
+        let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0))?;
+        let served = free_port()?;
+        let Some(daemon) = launch(listener.local_addr()?.port(), served)? else {
+            eprintln!("skipped: needs gpsd (apt-get install gpsd)");
+            return Ok(None);
+        };
+        let sentences = accept(&listener)?;
+        let mut json = connect(served)?;
+        json.write_all(b"?WATCH={\"enable\":true,\"json\":true};\n")?;
+        json.set_read_timeout(Some(PAUSE))?;
+        let mut gpsd = Self { daemon, sentences, json, unread: Vec::new() };
+        gpsd.wait_for(START, |object| object["class"] == "WATCH")?;
+        Ok(Some(gpsd))
+    }
+
+    /// Sends what a module would say.
+    ///
+    /// # Errors
+    /// Where gpsd has hung up.
+    pub fn feed(&mut self, sentences: &[u8]) -> Result<()> {
+        self.sentences.write_all(sentences).context("gpsd hung up on the sentences")
+    }
+
+    /// The first object that answers the question; the ones before it are dropped.
+    ///
+    /// # Errors
+    /// Where none came in time: with the last few that did come.
+    pub fn wait_for(&mut self, within: Duration, wanted: impl Fn(&Value) -> bool) -> Result<Value> {
+        let deadline = Instant::now() + within;
+        let mut seen = Vec::new();
+        while Instant::now() < deadline {
+            for object in self.objects()? {
+                if wanted(&object) {
+                    return Ok(object);
+                }
+                seen.push(object.to_string());
+            }
+        }
+        let last = seen.split_off(seen.len().saturating_sub(5));
+        bail!(
+            "gpsd (process {}) did not say it within {within:?}; its last words: {last:#?}",
+            self.daemon.0.id()
+        )
+    }
+
+    /// What gpsd has said since the last look, waiting a moment for more.
+    ///
+    /// # Errors
+    /// Where gpsd has hung up or does not speak JSON.
+    pub fn objects(&mut self) -> Result<Vec<Value>> {
+        let mut chunk = [0; 4096];
+        match self.json.read(&mut chunk) {
+            Ok(0) => bail!("gpsd hung up"),
+            Ok(count) => self.unread.extend_from_slice(&chunk[..count]),
+            Err(error) if is_not_yet(&error) => {}
+            Err(error) => return Err(error.into()),
+        }
+        let complete = self.unread.iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1);
+        let lines: Vec<u8> = self.unread.drain(..complete).collect();
+        lines
+            .split(|byte| *byte == b'\n')
+            .filter(|line| !line.trim_ascii().is_empty())
+            .map(|line| serde_json::from_slice(line).context("gpsd speaks JSON"))
+            .collect()
+    }
+}
+
+fn is_not_yet(error: &io::Error) -> bool {
+    matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut)
+}
+
+/// A port that was free a moment ago: gpsd cannot be asked which one it took.
+fn free_port() -> io::Result<u16> {
+    Ok(TcpListener::bind((Ipv4Addr::LOCALHOST, 0))?.local_addr()?.port())
+}
+
+/// `None` where there is no such program.
+fn launch(source: u16, served: u16) -> Result<Option<Daemon>> {
+    let mut command = Command::new("gpsd");
+    // In the foreground, reading without a client, serving on a port of its own.
+    command.args(["-N", "-n", "-S", &served.to_string(), &format!("tcp://127.0.0.1:{source}")]);
+    // Debian puts it where the path of an ordinary user does not look.
+    let path = std::env::var_os("PATH").unwrap_or_default();
+    let with_sbin = std::env::split_paths(&path).chain(["/usr/sbin".into(), "/usr/local/sbin".into()]);
+    command.env("PATH", std::env::join_paths(with_sbin)?);
+    match command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).spawn() {
+        Ok(child) => Ok(Some(Daemon(child))),
+        Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),
+        Err(error) => Err(error).context("starting gpsd"),
+    }
+}
+
+fn accept(listener: &TcpListener) -> Result<TcpStream> {
+    listener.set_nonblocking(true)?;
+    let stream =
+        retry(|| listener.accept().map(|(stream, _)| stream)).context("gpsd asks for the sentences")?;
+    stream.set_nonblocking(false)?;
+    stream.set_write_timeout(Some(START))?;
+    Ok(stream)
+}
+
+fn connect(port: u16) -> Result<TcpStream> {
+    retry(|| TcpStream::connect((Ipv4Addr::LOCALHOST, port))).context("gpsd serves its JSON")
+}
+
+/// Tries until it succeeds, for as long as gpsd may take to start.
+fn retry<T>(mut attempt: impl FnMut() -> io::Result<T>) -> io::Result<T> {
+    let deadline = Instant::now() + START;
+    loop {
+        match attempt() {
+            Err(_) if Instant::now() < deadline => std::thread::sleep(PAUSE),
+            outcome => return outcome,
+        }
+    }
+}

@@ -1,0 +1,147 @@
+//! What a real gpsd makes of the module's sentences.
+//!
+//! gpsd takes position and mode from `GNS` and `GSA`, its `GST` object from `GST`, and the errors `epx`, `epy`, `epv`
+//! of its position from `GBS` and from nothing else.
+
+use std::time::Duration;
+
+use anyhow::Result;
+use rai_core::frame::Geodetic;
+use rai_core::report::{
+    Alert, Protected, ProtectionLevels, Report, Solution, Suspect, TestStatistic, Unavailable, Verdict,
+};
+use rai_core::requirements::Requirements;
+use rai_core::satellite::{Constellation, SatelliteId};
+use rai_firmware::nmea::{GPS_MINUS_UTC_S, write_epoch};
+use rai_firmware::time::GpsTime;
+use serde_json::Value;
+use tests_host::gpsd::Gpsd;
+
+const LATITUDE_DEG: f64 = 55.493_712_345;
+const LONGITUDE_DEG: f64 = -8.456_789_012;
+const HEIGHT_M: f64 = 59.874;
+
+/// Standard deviations of east, north, up, m: distinct, so that none passes for another.
+const SIGMA_M: [f64; 3] = [0.55, 0.71, 1.43];
+
+/// How long gpsd may take for one epoch.
+const WITHIN: Duration = Duration::from_secs(5);
+
+/// Epochs that gpsd gets to make up its mind: it needs a few to see where a cycle ends.
+const EPOCHS: u32 = 40;
+
+/// Three systems, redundancy, nothing wrong.
+fn report(verdict: Verdict) -> Report<64> {
+    let geodetic = Geodetic {
+        latitude_rad: LATITUDE_DEG.to_radians(),
+        longitude_rad: LONGITUDE_DEG.to_radians(),
+        height_m: HEIGHT_M,
+    };
+    let systems = [Constellation::Gps, Constellation::Galileo, Constellation::Beidou];
+    let used = systems.into_iter().flat_map(|system| (11..17).map(move |number| (system, number)));
+    let [east, north, up] = SIGMA_M;
+    Report {
+        verdict,
+        solution: Some(Solution {
+            position: geodetic.to_ecef(),
+            geodetic,
+            covariance_m2: [east * east, 0.1, 0.0, north * north, 0.0, up * up],
+            clocks_m: [Some(0.0), Some(0.0), Some(0.0), None],
+            hdop: 0.8,
+            vdop: 1.2,
+        }),
+        test: Some(TestStatistic { statistic: 0.912, threshold: 1.873, dof: 12 }),
+        protection: Some(ProtectionLevels { hpl_m: 12.3, vpl_m: 18.2 }),
+        excluded: heapless::Vec::new(),
+        suspect: SatelliteId::new(Constellation::Beidou, 12).map(|satellite| Suspect {
+            satellite,
+            w_test: 1.5,
+            bias_m: -2.345,
+            bias_sigma_m: 1.5,
+        }),
+        used: used.filter_map(|(system, number)| SatelliteId::new(system, number)).collect(),
+        residual_rms_m: 0.934,
+        tracked: 19,
+        sigma_check: None,
+    }
+}
+
+fn sentences(report: &Report<64>, second: u32) -> Vec<u8> {
+    let time = GpsTime { week: 2400, tow_ms: 172_800_000 + second * 1000 };
+    let mut bytes = Vec::new();
+    write_epoch(report, time, GPS_MINUS_UTC_S, &Requirements::non_precision_approach(), &mut bytes)
+        .expect("a vector takes all");
+    bytes
+}
+
+/// Feeds epoch after epoch until gpsd says what is wanted; its words of the last wait where it never does.
+fn feed_until(
+    gpsd: &mut Gpsd,
+    report: &Report<64>,
+    first_second: u32,
+    wanted: impl Fn(&Value) -> bool,
+) -> Result<Value> {
+    for second in first_second..first_second + EPOCHS {
+        gpsd.feed(&sentences(report, second))?;
+        if let Ok(object) = gpsd.wait_for(Duration::from_millis(150), &wanted) {
+            return Ok(object);
+        }
+    }
+    gpsd.wait_for(WITHIN, wanted)
+}
+
+fn has_position(object: &Value) -> bool {
+    object["class"] == "TPV" && object["mode"] == 3 && object["epx"].is_number()
+}
+
+#[track_caller]
+fn assert_near(object: &Value, field: &str, want: f64, tolerance: f64) {
+    let have = object[field].as_f64().unwrap_or(f64::NAN);
+    assert!((have - want).abs() <= tolerance, "{field}: have {have}, want {want} in {object}");
+}
+
+#[test]
+fn gpsd_reports_a_3d_fix_with_position_and_errors() -> Result<()> {
+    let Some(mut gpsd) = Gpsd::start_or_skip()? else { return Ok(()) };
+    let report = report(Verdict::Protected(Protected::Ok));
+    let position = feed_until(&mut gpsd, &report, 0, has_position)?;
+    assert_near(&position, "lat", LATITUDE_DEG, 2e-9);
+    assert_near(&position, "lon", LONGITUDE_DEG, 2e-9);
+    assert_near(&position, "altHAE", HEIGHT_M, 0.001);
+    let [east, north, up] = SIGMA_M;
+    assert_near(&position, "epx", east, 0.001);
+    assert_near(&position, "epy", north, 0.001);
+    assert_near(&position, "epv", up, 0.001);
+
+    let errors = feed_until(&mut gpsd, &report, 100, |object| object["class"] == "GST")?;
+    assert_near(&errors, "rms", 0.934, 0.001);
+    assert_near(&errors, "lat", north, 0.001);
+    assert_near(&errors, "lon", east, 0.001);
+    assert_near(&errors, "alt", up, 0.001);
+    Ok(())
+}
+
+#[test]
+fn gpsd_drops_the_fix_when_the_module_alarms() -> Result<()> {
+    let Some(mut gpsd) = Gpsd::start_or_skip()? else { return Ok(()) };
+    feed_until(&mut gpsd, &report(Verdict::Protected(Protected::Ok)), 0, has_position)?;
+    let alarm = report(Verdict::Alert(Alert::Fault));
+    let no_fix =
+        feed_until(&mut gpsd, &alarm, 100, |object| object["class"] == "TPV" && object["mode"] == 1)?;
+    assert!(no_fix["lat"].is_null() && no_fix["lon"].is_null(), "{no_fix}");
+    Ok(())
+}
+
+#[test]
+fn gpsd_drops_the_fix_when_there_is_none() -> Result<()> {
+    let Some(mut gpsd) = Gpsd::start_or_skip()? else { return Ok(()) };
+    let protected = report(Verdict::Protected(Protected::Ok));
+    feed_until(&mut gpsd, &protected, 0, has_position)?;
+    let mut nothing = report(Verdict::Unavailable(Unavailable::NoFix));
+    nothing.solution = None;
+    nothing.suspect = None;
+    nothing.used.clear();
+    feed_until(&mut gpsd, &nothing, 100, |object| object["class"] == "TPV" && object["mode"] == 1)?;
+    feed_until(&mut gpsd, &protected, 200, has_position)?;
+    Ok(())
+}
