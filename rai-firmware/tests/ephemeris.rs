@@ -155,9 +155,9 @@ fn a_full_store_lets_the_oldest_go() {
     let satellites = (1..=32).map(|n| (&CASES[GPS], n)).chain((1..=36).map(|n| (&CASES[GALILEO], n)));
     let satellites: Vec<_> = satellites.chain((1..=63).map(|n| (&CASES[BEIDOU_GEO], n))).collect();
     assert!(satellites.len() > CAPACITY);
-    for (age, (case, number)) in satellites.iter().enumerate() {
+    for (age, (case, number)) in (0..).zip(&satellites) {
         let satellite = SatelliteId::new(case.satellite.0, *number).unwrap();
-        let time = after(toe, age as i64 - 200);
+        let time = after(toe, age - 200);
         store.insert(changed(case, |b| (b.satellite, b.toe, b.toc) = (satellite, time, time)).unwrap(), None);
     }
     assert_eq!(store.len(), CAPACITY);

@@ -6,10 +6,11 @@ mod wire;
 use orbits::CASES;
 use proptest::prelude::*;
 use rai_core::frame::Ecef;
+use rai_firmware::ephemeris::{GroupDelay, Source};
 use rai_firmware::rtcm::{Counters, Decoder, Event};
 use rai_firmware::signal::Band;
 use rai_firmware::time::{GpsTime, WEEK_MS};
-use wire::{B1I, B3I, Bits, Cell, E1C, L1C, L2W, Seen, ephemeris, epochs, feed, frame, msm7};
+use wire::{B1I, B3I, Bits, Cell, E1C, L1C, L2W, Seen, ephemeris, epochs, feed, frame, msm};
 
 /// Time of week of the first epoch: at the first case's reference time.
 const TOW_MS: u32 = 360_000_000;
@@ -22,7 +23,7 @@ fn knowing() -> Decoder {
 }
 
 fn gps(tow_ms: u32, more: bool) -> Vec<u8> {
-    msm7(1077, tow_ms, more, &[Cell(5, L1C, 2.2e7, 45.0), Cell(5, L2W, 2.2e7 + 5.0, 40.0)])
+    msm(1077, tow_ms, more, &[Cell(5, L1C, 2.2e7, 45.0), Cell(5, L2W, 2.2e7 + 5.0, 40.0)])
 }
 
 fn names_of_nonzero(counters: &Counters) -> Vec<(&'static str, u32)> {
@@ -34,8 +35,8 @@ fn names_of_nonzero(counters: &Counters) -> Vec<(&'static str, u32)> {
 fn an_epoch_of_three_systems_holds_the_ranges_that_were_sent() {
     let mut decoder = knowing();
     let mut bytes = gps(TOW_MS, true);
-    bytes.extend(msm7(1097, TOW_MS, true, &[Cell(31, E1C, 2.5e7, 50.0)]));
-    bytes.extend(msm7(
+    bytes.extend(msm(1097, TOW_MS, true, &[Cell(31, E1C, 2.5e7, 50.0)]));
+    bytes.extend(msm(
         1127,
         TOW_MS - 14_000,
         false,
@@ -67,6 +68,48 @@ fn an_epoch_of_three_systems_holds_the_ranges_that_were_sent() {
         assert!((have.3 - want.3).abs() < 3e-4, "have {have:?}, want {want:?}");
     }
     assert_eq!(names_of_nonzero(decoder.counters()), []);
+}
+
+#[test]
+fn every_level_with_full_ranges_is_read_to_its_resolution() {
+    for system in [1070, 1090, 1120] {
+        // The narrow fine range has steps of 2⁻²⁴ ms, 18 mm, the wide one of 2⁻²⁹ ms.
+        for (level, tolerance_m) in [(4, 9e-3), (5, 9e-3), (6, 3e-4), (7, 3e-4)] {
+            let mut decoder = knowing();
+            let cells = [Cell(7, L1C, 2.3e7 + 0.123, 41.0), Cell(19, L1C, 2.1e7 - 0.321, 47.0)];
+            let have = epochs(feed(&mut decoder, &msm(system + level, TOW_MS, false, &cells)));
+            let signals: Vec<_> = have[0].satellites.iter().flat_map(|raw| raw.signals.iter()).collect();
+            assert_eq!(signals.len(), 2);
+            for (have, want) in signals.iter().zip(cells) {
+                assert!((have.range_m - want.2).abs() < tolerance_m, "{}: {have:?}", system + level);
+                assert!((f64::from(have.cn0_dbhz) - want.3).abs() < 1e-6, "{}: {have:?}", system + level);
+            }
+        }
+    }
+}
+
+#[test]
+fn the_two_galileo_messages_differ_in_what_their_clock_refers_to() {
+    let step_s = 2f64.powi(-32);
+    let mut case = CASES[2];
+    for (source, want) in [
+        (
+            Source::GalileoInav,
+            [(Band::E1, Some(9.0 * step_s)), (Band::E5b, Some(9.0 * step_s * (154f64 / 118.0).powi(2)))],
+        ),
+        (Source::GalileoFnav, [(Band::E1, Some(-3.0 * step_s)), (Band::E5b, None)]),
+    ] {
+        case.source = source;
+        let seen = feed(&mut Decoder::new(), &ephemeris(&case));
+        let [Seen::Ephemeris(have)] = seen.as_slice() else { panic!("{seen:?}") };
+        assert_eq!(have.source(), source);
+        assert!((have.accuracy_m().unwrap() - 3.12).abs() < 1e-6);
+        for (band, want) in want {
+            let have = have.group_delay(band).map(GroupDelay::seconds);
+            assert_eq!(have.is_some(), want.is_some(), "{band:?}");
+            assert!((have.unwrap_or(0.0) - want.unwrap_or(0.0)).abs() < 1e-15, "{band:?} {have:?} {want:?}");
+        }
+    }
 }
 
 #[test]
@@ -214,7 +257,7 @@ fn an_epoch_without_end_mark_is_complete_when_another_begins() {
     let mut decoder = knowing();
     assert!(feed(&mut decoder, &gps(TOW_MS, true)).is_empty());
     let mut bytes = gps(TOW_MS + 1000, true);
-    bytes.extend(msm7(1097, TOW_MS + 1000, false, &[Cell(31, E1C, 2.5e7, 50.0)]));
+    bytes.extend(msm(1097, TOW_MS + 1000, false, &[Cell(31, E1C, 2.5e7, 50.0)]));
     let have = epochs(feed(&mut decoder, &bytes));
     let sizes: Vec<_> =
         have.iter().map(|epoch| (epoch.time.tow_ms - TOW_MS, epoch.satellites.len())).collect();
@@ -225,7 +268,7 @@ fn an_epoch_without_end_mark_is_complete_when_another_begins() {
 fn a_system_that_is_not_used_still_ends_the_epoch() {
     let mut decoder = knowing();
     let mut bytes = gps(TOW_MS, true);
-    bytes.extend(msm7(1087, 12_345, false, &[Cell(3, 2, 2.0e7, 50.0)]));
+    bytes.extend(msm(1087, 12_345, false, &[Cell(3, 2, 2.0e7, 50.0)]));
     assert_eq!(epochs(feed(&mut decoder, &bytes)).len(), 1);
     assert_eq!(names_of_nonzero(decoder.counters()), [("observations_other", 1)]);
 }
@@ -235,7 +278,7 @@ fn an_epoch_that_goes_back_is_dropped_whole() {
     let mut decoder = knowing();
     feed(&mut decoder, &gps(TOW_MS, false));
     let mut back = gps(TOW_MS - 1000, true);
-    back.extend(msm7(1097, TOW_MS - 1000, false, &[Cell(31, E1C, 2.5e7, 50.0)]));
+    back.extend(msm(1097, TOW_MS - 1000, false, &[Cell(31, E1C, 2.5e7, 50.0)]));
     back.extend(gps(TOW_MS, false));
     assert!(feed(&mut decoder, &back).is_empty());
     assert_eq!(names_of_nonzero(decoder.counters()), [("epochs_backwards", 2)]);
@@ -261,7 +304,7 @@ fn the_week_rolls_over_between_two_epochs() {
         // BeiDou's own week ends 14 s later.
         let beidou_ms = (tow_ms + WEEK_MS - 14_000) % WEEK_MS;
         let mut bytes = gps(tow_ms, true);
-        bytes.extend(msm7(1127, beidou_ms, false, &[Cell(6, B1I, 3.8e7, 42.0)]));
+        bytes.extend(msm(1127, beidou_ms, false, &[Cell(6, B1I, 3.8e7, 42.0)]));
         let have = epochs(feed(&mut decoder, &bytes));
         assert_eq!(have[0].satellites.len(), 2, "at {tow_ms}");
         times.push((have[0].time.week, have[0].time.tow_ms));
@@ -294,8 +337,8 @@ fn a_time_beyond_the_week_is_counted() {
 #[test]
 fn of_two_satellites_with_one_id_the_first_is_used() {
     let mut decoder = knowing();
-    let mut bytes = msm7(1077, TOW_MS, true, &[Cell(5, L1C, 2.2e7, 45.0)]);
-    bytes.extend(msm7(1077, TOW_MS, false, &[Cell(5, L1C, 2.3e7, 45.0), Cell(6, L1C, 2.4e7, 45.0)]));
+    let mut bytes = msm(1077, TOW_MS, true, &[Cell(5, L1C, 2.2e7, 45.0)]);
+    bytes.extend(msm(1077, TOW_MS, false, &[Cell(5, L1C, 2.3e7, 45.0), Cell(6, L1C, 2.4e7, 45.0)]));
     let have = epochs(feed(&mut decoder, &bytes));
     let ranges: Vec<f64> = have[0].satellites.iter().map(|raw| raw.signals[0].range_m.round()).collect();
     assert_eq!(ranges, [2.2e7, 2.4e7]);
@@ -306,8 +349,8 @@ fn of_two_satellites_with_one_id_the_first_is_used() {
 fn the_sixty_fourth_satellite_of_one_message_is_unknown_and_the_next_message_overflows() {
     let mut decoder = knowing();
     let all: Vec<Cell> = (1..=64).map(|id| Cell(id, B1I, 3.0e7, 40.0)).collect();
-    let mut bytes = msm7(1127, TOW_MS - 14_000, true, &all);
-    bytes.extend(msm7(1077, TOW_MS, false, &[Cell(1, L1C, 2.2e7, 45.0), Cell(2, L1C, 2.2e7, 45.0)]));
+    let mut bytes = msm(1127, TOW_MS - 14_000, true, &all);
+    bytes.extend(msm(1077, TOW_MS, false, &[Cell(1, L1C, 2.2e7, 45.0), Cell(2, L1C, 2.2e7, 45.0)]));
     let have = epochs(feed(&mut decoder, &bytes));
     assert_eq!(have[0].satellites.len(), 64);
     assert_eq!(names_of_nonzero(decoder.counters()), [("satellites_unknown", 1), ("satellites_surplus", 1)]);
@@ -317,7 +360,7 @@ fn the_sixty_fourth_satellite_of_one_message_is_unknown_and_the_next_message_ove
 fn ranges_that_no_satellite_can_have_are_dropped() {
     let mut decoder = knowing();
     let cells = [Cell(1, L1C, 0.0, 45.0), Cell(2, L1C, 7.5e7, 45.0), Cell(3, L1C, 2.2e7, 45.0)];
-    let have = epochs(feed(&mut decoder, &msm7(1077, TOW_MS, false, &cells)));
+    let have = epochs(feed(&mut decoder, &msm(1077, TOW_MS, false, &cells)));
     assert_eq!(have[0].satellites.len(), 1);
     assert_eq!(names_of_nonzero(decoder.counters()), [("ranges_out_of_bounds", 2)]);
 }

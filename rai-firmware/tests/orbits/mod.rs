@@ -13,51 +13,51 @@ use rai_firmware::time::GpsTime;
 
 /// One instant: when the signal arrived, its pseudorange, and the state at transmission.
 #[derive(Clone, Copy)]
-pub struct Want {
-    pub after_toe_ms: i64,
-    pub range_m: f64,
-    pub position_m: [f64; 3],
-    pub clock_s: f64,
+pub(crate) struct Want {
+    pub(crate) after_toe_ms: i64,
+    pub(crate) range_m: f64,
+    pub(crate) position_m: [f64; 3],
+    pub(crate) clock_s: f64,
 }
 
 /// One satellite's message, angles in radians as in navigation files.
 #[derive(Clone, Copy)]
-pub struct Case {
-    pub satellite: (Constellation, u8),
-    pub source: Source,
-    pub week: u16,
-    pub toe_ms: u32,
-    pub toc_ms: u32,
-    pub sqrt_a: f64,
-    pub eccentricity: f64,
+pub(crate) struct Case {
+    pub(crate) satellite: (Constellation, u8),
+    pub(crate) source: Source,
+    pub(crate) week: u16,
+    pub(crate) toe_ms: u32,
+    pub(crate) toc_ms: u32,
+    pub(crate) sqrt_a: f64,
+    pub(crate) eccentricity: f64,
     /// M0, Ω0, i0, ω.
-    pub angles_rad: [f64; 4],
+    pub(crate) angles_rad: [f64; 4],
     /// Δn, dΩ/dt, di/dt.
-    pub rates_rad_s: [f64; 3],
+    pub(crate) rates_rad_s: [f64; 3],
     /// Cuc, Cus, Crc, Crs, Cic, Cis.
-    pub corrections: [f64; 6],
-    pub clock: [f64; 3],
-    pub want: [Want; 2],
+    pub(crate) corrections: [f64; 6],
+    pub(crate) clock: [f64; 3],
+    pub(crate) want: [Want; 2],
 }
 
 impl Case {
-    pub fn id(&self) -> SatelliteId {
+    pub(crate) fn id(&self) -> SatelliteId {
         SatelliteId::new(self.satellite.0, self.satellite.1).unwrap()
     }
 
-    pub fn toe(&self) -> GpsTime {
+    pub(crate) fn toe(&self) -> GpsTime {
         GpsTime { week: self.week, tow_ms: self.toe_ms }
     }
 
-    pub fn angles_sc(&self) -> [f64; 4] {
+    pub(crate) fn angles_sc(&self) -> [f64; 4] {
         self.angles_rad.map(|angle| angle / PI)
     }
 
-    pub fn rates_sc_s(&self) -> [f64; 3] {
+    pub(crate) fn rates_sc_s(&self) -> [f64; 3] {
         self.rates_rad_s.map(|rate| rate / PI)
     }
 
-    pub fn broadcast(&self) -> Broadcast {
+    pub(crate) fn broadcast(&self) -> Broadcast {
         let [m0_sc, omega0_sc, i0_sc, omega_sc] = self.angles_sc();
         let [delta_n_sc_s, omegadot_sc_s, idot_sc_s] = self.rates_sc_s();
         let [cuc_rad, cus_rad, crc_m, crs_m, cic_rad, cis_rad] = self.corrections.map(|c| c as f32);
@@ -93,7 +93,7 @@ impl Case {
 }
 
 /// All cases.
-pub const CASES: [Case; 8] = [
+pub(crate) const CASES: [Case; 8] = [
     Case {
         // G05, GPS
         satellite: (Constellation::Gps, 5),

@@ -1,34 +1,34 @@
 //! RTCM 3 written bit by bit from the tables of the standard: an encoder that shares nothing with the decoder.
 #![allow(dead_code, reason = "each test program uses a part")]
 
-use rai_core::satellite::Constellation;
+use rai_firmware::ephemeris::Source;
 use rai_firmware::rtcm::{Decoder, Event, RawEpoch};
 
 use crate::orbits::Case;
 
 /// Bits, most significant first.
 #[derive(Clone, Default)]
-pub struct Bits(Vec<bool>);
+pub(crate) struct Bits(Vec<bool>);
 
 impl Bits {
-    pub fn put(mut self, length: u32, value: i64) -> Self {
+    pub(crate) fn put(mut self, length: u32, value: i64) -> Self {
         self.0.extend((0..length).rev().map(|bit| value >> bit & 1 == 1));
         self
     }
 
     /// A number in units of `2^exponent`.
-    pub fn scaled(self, length: u32, exponent: i32, value: f64) -> Self {
+    pub(crate) fn scaled(self, length: u32, exponent: i32, value: f64) -> Self {
         self.put(length, (value / 2f64.powi(exponent)).round() as i64)
     }
 
-    pub fn bytes(&self) -> Vec<u8> {
+    pub(crate) fn bytes(&self) -> Vec<u8> {
         let byte = |bits: &[bool]| (0..8).fold(0, |byte, i| byte << 1 | u8::from(bits.get(i) == Some(&true)));
         self.0.chunks(8).map(byte).collect()
     }
 }
 
 /// CRC-24Q, bit by bit.
-pub fn crc24q(bytes: &[u8]) -> u32 {
+pub(crate) fn crc24q(bytes: &[u8]) -> u32 {
     bytes.iter().fold(0, |crc, &byte| {
         (0..8).fold(crc ^ u32::from(byte) << 16, |crc, _| {
             if crc & 0x80_0000 == 0 { crc << 1 } else { (crc << 1 ^ 0x186_4CFB) & 0xFF_FFFF }
@@ -37,7 +37,7 @@ pub fn crc24q(bytes: &[u8]) -> u32 {
 }
 
 /// A payload with preamble, length and parity.
-pub fn frame(payload: &[u8]) -> Vec<u8> {
+pub(crate) fn frame(payload: &[u8]) -> Vec<u8> {
     let mut bytes = vec![0xD3, (payload.len() >> 8) as u8, payload.len() as u8];
     bytes.extend_from_slice(payload);
     let parity = crc24q(&bytes);
@@ -47,61 +47,80 @@ pub fn frame(payload: &[u8]) -> Vec<u8> {
 
 /// One cell of an MSM: satellite, signal id of the standard, pseudorange in m, C/N0 in dB-Hz.
 #[derive(Clone, Copy)]
-pub struct Cell(pub u8, pub u8, pub f64, pub f64);
+pub(crate) struct Cell(pub(crate) u8, pub(crate) u8, pub(crate) f64, pub(crate) f64);
 
 /// Signal ids of the standard.
-pub const L1C: u8 = 2;
-pub const L2W: u8 = 10;
-pub const E1C: u8 = 2;
-pub const E5A_Q: u8 = 23;
-pub const B1I: u8 = 2;
-pub const B3I: u8 = 8;
+pub(crate) const L1C: u8 = 2;
+pub(crate) const L2W: u8 = 10;
+pub(crate) const E1C: u8 = 2;
+pub(crate) const E5A_Q: u8 = 23;
+pub(crate) const B1I: u8 = 2;
+pub(crate) const B3I: u8 = 8;
 
-/// An MSM7 frame. Cells are sorted by satellite and signal, every satellite with the same signals.
-pub fn msm7(number: u16, time: u32, more: bool, cells: &[Cell]) -> Vec<u8> {
-    let mut satellites: Vec<u8> = cells.iter().map(|cell| cell.0).collect();
-    let mut signals: Vec<u8> = cells.iter().map(|cell| cell.1).collect();
-    for ids in [&mut satellites, &mut signals] {
+/// An MSM frame of level 4 to 7, the last digit of its number.
+pub(crate) fn msm(number: u16, time: u32, more: bool, cells: &[Cell]) -> Vec<u8> {
+    let sorted = |pick: fn(&Cell) -> u8| {
+        let mut ids: Vec<u8> = cells.iter().map(pick).collect();
         ids.sort_unstable();
         ids.dedup();
-    }
-    let find = |satellite, signal| cells.iter().find(|cell| (cell.0, cell.1) == (satellite, signal));
+        ids
+    };
+    let (satellites, signals) = (sorted(|cell| cell.0), sorted(|cell| cell.1));
     let mut bits = Bits::default().put(12, i64::from(number)).put(12, 1).put(30, i64::from(time));
     bits = bits.put(1, i64::from(more)).put(18, 0);
     bits = (1..=64).fold(bits, |bits, id| bits.put(1, i64::from(satellites.contains(&id))));
     bits = (1..=32).fold(bits, |bits, id| bits.put(1, i64::from(signals.contains(&id))));
-    for &satellite in &satellites {
-        bits = signals
-            .iter()
-            .fold(bits, |bits, &signal| bits.put(1, i64::from(find(satellite, signal).is_some())));
-    }
-    // Rough range: whole and 1/1024 ms of the satellite's first cell; the fine part says the rest.
-    let rough = |satellite| {
-        let cell = cells.iter().find(|cell| cell.0 == satellite).unwrap();
-        (cell.2 / 299_792.458 * 1024.0).round() as i64
-    };
-    bits = satellites.iter().fold(bits, |bits, &satellite| bits.put(8, rough(satellite) / 1024));
-    bits = satellites.iter().fold(bits, |bits, _| bits.put(4, 0));
-    bits = satellites.iter().fold(bits, |bits, &satellite| bits.put(10, rough(satellite) % 1024));
-    bits = satellites.iter().fold(bits, |bits, _| bits.put(14, 0));
-    let present: Vec<&Cell> =
-        satellites.iter().flat_map(|&sat| signals.iter().filter_map(move |&sig| find(sat, sig))).collect();
-    let fine = |cell: &Cell| cell.2 / 299_792.458 - rough(cell.0) as f64 / 1024.0;
-    bits = present.iter().fold(bits, |bits, cell| bits.scaled(20, -29, fine(cell)));
-    for (length, _) in [(24, "phase"), (10, "lock"), (1, "half cycle")] {
-        bits = present.iter().fold(bits, |bits, _| bits.put(length, 0));
-    }
-    bits = present.iter().fold(bits, |bits, cell| bits.put(10, (cell.3 * 16.0) as i64));
-    bits = present.iter().fold(bits, |bits, _| bits.put(15, 0));
-    frame(&bits.bytes())
+    let grid =
+        satellites.iter().flat_map(|&satellite| signals.iter().map(move |&signal| (satellite, signal)));
+    let grid: Vec<Option<&Cell>> = grid.map(|id| cells.iter().find(|cell| (cell.0, cell.1) == id)).collect();
+    bits = grid.iter().fold(bits, |bits, cell| bits.put(1, i64::from(cell.is_some())));
+    let present: Vec<&Cell> = grid.into_iter().flatten().collect();
+    let level = number % 10;
+    bits = satellite_fields(bits, level, &satellites, cells);
+    frame(&signal_fields(bits, level, &present, cells).bytes())
 }
 
-/// The ephemeris message of a case: 1019, 1042 or 1046.
-pub fn ephemeris(case: &Case) -> Vec<u8> {
-    let bits = match case.satellite.0 {
-        Constellation::Gps => message_1019(case),
-        Constellation::Beidou => message_1042(case),
-        _ => message_1046(case),
+/// Rough range in 1/1024 ms: that of the satellite's first cell. The fine part says the rest.
+fn rough(satellite: u8, cells: &[Cell]) -> i64 {
+    let cell = cells.iter().find(|cell| cell.0 == satellite).unwrap();
+    (cell.2 / 299_792.458 * 1024.0).round() as i64
+}
+
+/// Levels 5 and 7 carry an extended field and a rate besides.
+fn satellite_fields(bits: Bits, level: u16, satellites: &[u8], cells: &[Cell]) -> Bits {
+    let has_rate = matches!(level, 5 | 7);
+    let zeros = |bits: Bits, length| satellites.iter().fold(bits, |bits: Bits, _| bits.put(length, 0));
+    let mut bits = satellites.iter().fold(bits, |bits, &id| bits.put(8, rough(id, cells) / 1024));
+    if has_rate {
+        bits = zeros(bits, 4);
+    }
+    bits = satellites.iter().fold(bits, |bits, &id| bits.put(10, rough(id, cells) % 1024));
+    if has_rate { zeros(bits, 14) } else { bits }
+}
+
+/// Levels 6 and 7 have the wider fields, 5 and 7 a rate.
+fn signal_fields(bits: Bits, level: u16, present: &[&Cell], cells: &[Cell]) -> Bits {
+    let is_wide = level >= 6;
+    let zeros = |bits: Bits, length| present.iter().fold(bits, |bits: Bits, _| bits.put(length, 0));
+    let fine = |cell: &Cell| cell.2 / 299_792.458 - rough(cell.0, cells) as f64 / 1024.0;
+    let (range, scale) = if is_wide { (20, -29) } else { (15, -24) };
+    let mut bits = present.iter().fold(bits, |bits, cell| bits.scaled(range, scale, fine(cell)));
+    for length in if is_wide { [24, 10, 1] } else { [22, 4, 1] } {
+        bits = zeros(bits, length);
+    }
+    let (cn0, steps) = if is_wide { (10, 16.0) } else { (6, 1.0) };
+    bits = present.iter().fold(bits, |bits, cell| bits.put(cn0, (cell.3 * steps) as i64));
+    if matches!(level, 5 | 7) { zeros(bits, 15) } else { bits }
+}
+
+/// The ephemeris message of a case: 1019, 1042, 1045 or 1046.
+pub(crate) fn ephemeris(case: &Case) -> Vec<u8> {
+    let bits = match case.source {
+        Source::GpsLnav => message_1019(case),
+        Source::BeidouD1D2 => message_1042(case),
+        // F/NAV ends with one delay and one health, I/NAV with two of each.
+        Source::GalileoFnav => galileo(case, 1045).put(10, -3).put(3, 0).put(7, 0),
+        Source::GalileoInav => galileo(case, 1046).put(10, -3).put(10, 9).put(6, 0).put(2, 0),
     };
     frame(&bits.bytes())
 }
@@ -179,11 +198,11 @@ fn message_1042(case: &Case) -> Bits {
         .put(1, 0)
 }
 
-fn message_1046(case: &Case) -> Bits {
+fn galileo(case: &Case, number: i64) -> Bits {
     let [m0, omega0, i0, omega] = case.angles_sc();
     let [delta_n, omegadot, idot] = case.rates_sc_s();
     let [cuc, cus, crc, crs, cic, cis] = case.corrections;
-    let start = Bits::default().put(12, 1046).put(6, i64::from(case.satellite.1));
+    let start = Bits::default().put(12, number).put(6, i64::from(case.satellite.1));
     let clock = start
         .put(12, i64::from(case.week - 1024))
         .put(10, 5)
@@ -209,28 +228,24 @@ fn message_1046(case: &Case) -> Bits {
         .scaled(16, -5, crc)
         .scaled(32, -31, omega)
         .scaled(24, -43, omegadot)
-        .put(10, -3)
-        .put(10, 9)
-        .put(6, 0)
-        .put(2, 0)
 }
 
 /// What came out, by value.
 #[derive(Debug)]
-pub enum Seen {
-    Epoch(RawEpoch),
+pub(crate) enum Seen {
+    Epoch(Box<RawEpoch>),
     Ephemeris(rai_firmware::ephemeris::Ephemeris),
     Position(rai_core::frame::Ecef),
 }
 
 /// Feeds bytes and collects all events.
-pub fn feed(decoder: &mut Decoder, bytes: &[u8]) -> Vec<Seen> {
+pub(crate) fn feed(decoder: &mut Decoder, bytes: &[u8]) -> Vec<Seen> {
     let mut seen = Vec::new();
     for &byte in bytes {
         let mut event = decoder.push(byte);
         while let Some(happened) = event {
             seen.push(match happened {
-                Event::Epoch(epoch) => Seen::Epoch(epoch.clone()),
+                Event::Epoch(epoch) => Seen::Epoch(Box::new(epoch.clone())),
                 Event::Ephemeris(ephemeris) => Seen::Ephemeris(ephemeris),
                 Event::ReferencePosition(position) => Seen::Position(position),
             });
@@ -241,8 +256,8 @@ pub fn feed(decoder: &mut Decoder, bytes: &[u8]) -> Vec<Seen> {
 }
 
 /// The epochs among what came out.
-pub fn epochs(seen: Vec<Seen>) -> Vec<RawEpoch> {
+pub(crate) fn epochs(seen: Vec<Seen>) -> Vec<RawEpoch> {
     seen.into_iter()
-        .filter_map(|seen| if let Seen::Epoch(epoch) = seen { Some(epoch) } else { None })
+        .filter_map(|seen| if let Seen::Epoch(epoch) = seen { Some(*epoch) } else { None })
         .collect()
 }
