@@ -1,0 +1,147 @@
+//! Measurements to RTCM 3, as a receiver would send them: one lump of bytes per epoch.
+//!
+//! A lump is, in this order: the ephemerides that have become known ([`schedule`]), then the ranges of each system
+//! as MSM7 ([`msm`]). The last message of the lump says that it is the last (multiple-message bit 0).
+//!
+//! | what | message |
+//! |---|---|
+//! | GPS ephemeris | 1019 |
+//! | `BeiDou` ephemeris | 1042 |
+//! | Galileo ephemeris F/NAV, I/NAV | 1045, 1046 |
+//! | ranges of GPS, Galileo, `BeiDou` | 1077, 1097, 1127 |
+//!
+//! References: [RTCM-10403.3] §3.5.16 for MSM, DF002 ff. for the fields, as implemented by the `rtcm-rs` crate.
+
+mod msm;
+mod schedule;
+
+use anyhow::{Context, Result, ensure};
+use rai_core::satellite::{Constellation, SatelliteId};
+use rai_firmware::time::GpsTime;
+use rtcm_rs::msg::{Msg1019T, Msg1042T, Msg1045T, Msg1046T};
+use rtcm_rs::{Message, MessageBuilder};
+
+pub use self::msm::Frequency;
+use self::schedule::Schedule;
+use crate::recording::RawEpoch;
+
+/// A broadcast ephemeris in the units of its message.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Ephemeris {
+    /// GPS LNAV.
+    Gps(Msg1019T),
+    /// `BeiDou` D1 and D2.
+    Beidou(Msg1042T),
+    /// Galileo F/NAV.
+    GalileoFnav(Msg1045T),
+    /// Galileo I/NAV.
+    GalileoInav(Msg1046T),
+}
+
+impl Ephemeris {
+    fn to_message(&self) -> Message {
+        match self {
+            Self::Gps(message) => Message::Msg1019(message.clone()),
+            Self::Beidou(message) => Message::Msg1042(message.clone()),
+            Self::GalileoFnav(message) => Message::Msg1045(message.clone()),
+            Self::GalileoInav(message) => Message::Msg1046(message.clone()),
+        }
+    }
+}
+
+/// An ephemeris, and when it was broadcast.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TimedEphemeris {
+    /// Which satellite.
+    pub satellite: SatelliteId,
+    /// Reference time of the orbit.
+    pub toe: GpsTime,
+    /// When a receiver could first have known it.
+    pub sent: GpsTime,
+    /// The message.
+    pub message: Ephemeris,
+}
+
+/// Which measurements are sent.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Selection {
+    /// In the order in which they are sent; at most one message series each.
+    pub systems: Vec<Constellation>,
+    /// One signal per satellite or a pair.
+    pub frequency: Frequency,
+}
+
+impl Selection {
+    /// The systems of RINEX letters such as `GCE`.
+    ///
+    /// # Errors
+    /// A letter that is not G, C or E, or none at all; the message names it.
+    pub fn new(letters: &str, frequency: Frequency) -> Result<Self> {
+        let mut systems = Vec::new();
+        for letter in letters.chars() {
+            let system =
+                Constellation::from_letter(letter).filter(|system| *system != Constellation::Glonass);
+            let system = system.with_context(|| {
+                format!("system `{letter}` of `{letters}` is not G (GPS), C (BeiDou) or E (Galileo)")
+            })?;
+            if !systems.contains(&system) {
+                systems.push(system);
+            }
+        }
+        ensure!(
+            !systems.is_empty(),
+            "no system is selected: name some of G (GPS), C (BeiDou) and E (Galileo)"
+        );
+        Ok(Self { systems, frequency })
+    }
+}
+
+/// Turns the epochs of one source into bytes, in the order of time.
+pub struct Encoder {
+    selection: Selection,
+    schedule: Schedule,
+    builder: MessageBuilder,
+    unsendable: u64,
+}
+
+impl Encoder {
+    /// An encoder that knows what will be broadcast.
+    pub fn new(ephemerides: &[TimedEphemeris], selection: Selection) -> Self {
+        let selected =
+            |ephemeris: &&TimedEphemeris| selection.systems.contains(&ephemeris.satellite.constellation());
+        let schedule = Schedule::new(ephemerides.iter().filter(selected).cloned());
+        Self { selection, schedule, builder: MessageBuilder::new(), unsendable: 0 }
+    }
+
+    /// How many signals could not be sent so far: their pseudorange is negative, 255 ms or more, or more than 200 m
+    /// away from the satellite's other one, which the message has no numbers for.
+    pub fn unsendable(&self) -> u64 {
+        self.unsendable
+    }
+
+    /// The bytes of an epoch.
+    ///
+    /// # Errors
+    /// A number that its message has no room for.
+    pub fn epoch(&mut self, epoch: &RawEpoch) -> Result<Vec<u8>> {
+        let mut bytes = Vec::new();
+        for ephemeris in self.schedule.news(epoch.time) {
+            append(&mut self.builder, &mut bytes, &ephemeris.message.to_message())
+                .with_context(|| format!("ephemeris of {}", ephemeris.satellite))?;
+        }
+        let ranges = msm::messages(epoch, &self.selection, &mut self.unsendable);
+        for message in ranges {
+            append(&mut self.builder, &mut bytes, &message).context("ranges")?;
+        }
+        Ok(bytes)
+    }
+}
+
+fn append(builder: &mut MessageBuilder, bytes: &mut Vec<u8>, message: &Message) -> Result<()> {
+    let built = builder.build_message(message);
+    let number = message.number().unwrap_or(0);
+    bytes.extend_from_slice(
+        built.map_err(|error| anyhow::anyhow!("message {number} cannot be built: {error:?}"))?,
+    );
+    Ok(())
+}

@@ -1,0 +1,238 @@
+//! Multiple Signal Messages, type 7: the ranges of one system at one instant.
+//!
+//! ```text
+//! pseudorange = c · (whole + mod1 + fine)
+//! ```
+//!
+//! | symbol | field | unit | resolution | range |
+//! |---|---|---|---|---|
+//! | `whole` | rough range, integer | ms | 1 | 0 to 254, per satellite |
+//! | `mod1` | rough range modulo 1 ms | ms | 2⁻¹⁰ | 0 to 1, per satellite |
+//! | `fine` | fine pseudorange, extended | ms | 2⁻²⁹ (0.6 mm) | ±2⁻¹⁰ (±292 m), per signal |
+//! | | C/N0, extended | dBHz | 2⁻⁴ | 0 to 64, per signal |
+//!
+//! A message holds at most 64 cells, the product of the number of satellites and of different signals; what does not
+//! fit goes into further messages of the same kind. Carrier phases and rates are left invalid: RAI does not use them.
+//!
+//! Of each satellite the signal of the first band is sent and, for two frequencies, the pair that the receiver
+//! combines; see [`pairs`].
+//! References: [RTCM-10403.3] tables 3.5-78 to 3.5-106.
+
+use rai_core::frame::SPEED_OF_LIGHT_M_S;
+use rai_core::satellite::Constellation;
+use rai_firmware::time::{BEIDOU_OFFSET_MS, GpsTime, WEEK_MS};
+use rtcm_rs::Message;
+use rtcm_rs::msg::{
+    BdsSigId, GalSigId, GpsSigId, Msg1077Data, Msg1077Sig, Msg1077T, Msg1097Data, Msg1097Sig, Msg1097T,
+    Msg1127Data, Msg1127Sig, Msg1127T, Msm57Sat,
+};
+
+use super::Selection;
+use crate::recording::{RawEpoch, RawSatellite, RawSignal};
+
+/// How many frequencies of a satellite are sent.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Frequency {
+    /// The first band only: L1, E1, B1I.
+    Single,
+    /// A pair where the satellite has one.
+    Dual,
+}
+
+/// Metres that light travels in a millisecond.
+const M_PER_MS: f64 = SPEED_OF_LIGHT_M_S * 1e-3;
+
+/// Steps of `mod1` in a millisecond.
+const ROUGH_STEPS: f64 = 1024.0;
+
+/// Largest difference of a signal from its satellite's rough range, ms: what `fine` holds, less one unit.
+const FINE_LIMIT_MS: f64 = 1.0 / 1024.0 - 1.0 / 536_870_912.0;
+
+/// Highest whole millisecond of a rough range; 255 means invalid.
+const WHOLE_LIMIT_MS: f64 = 254.0;
+
+/// Most cells of a message.
+const CELLS: usize = 64;
+
+/// A band, and the components of it in the order of preference.
+type Choice = (u8, &'static str);
+
+/// The pairs to choose from, in the order of preference: first band, then second.
+///
+/// Components come in the order in which the broadcast group delays fit them best: GPS clocks are of L1 P(Y) and L2
+/// P(Y), Galileo's of E1 and E5, `BeiDou`'s of B3I.
+const fn pairs(constellation: Constellation) -> &'static [(Choice, Choice)] {
+    const L1: Choice = (1, "CWPXLS");
+    const E1: Choice = (1, "CXBAZ");
+    const B1I: Choice = (2, "IXQ");
+    const B1C: Choice = (1, "PXD");
+    match constellation {
+        Constellation::Gps => &[(L1, (2, "WPLXSC")), (L1, (5, "QXI"))],
+        Constellation::Galileo => &[(E1, (5, "QXI")), (E1, (7, "QXI"))],
+        Constellation::Beidou => &[(B1I, (6, "IXQ")), (B1I, (7, "IXQ")), (B1C, (5, "PXD"))],
+        Constellation::Glonass => &[],
+    }
+}
+
+/// The signal of a satellite that is the best of a choice.
+fn find(satellite: &RawSatellite, (band, attributes): Choice) -> Option<&RawSignal> {
+    let signal = |attribute| satellite.signals.iter().find(|s| s.band == band && s.attribute == attribute);
+    attributes.chars().find_map(signal)
+}
+
+/// The signals of a satellite that are sent.
+fn chosen(satellite: &RawSatellite, frequency: Frequency) -> Vec<&RawSignal> {
+    let pairs = pairs(satellite.satellite.constellation());
+    let both =
+        |(first, second): &(Choice, Choice)| Some(vec![find(satellite, *first)?, find(satellite, *second)?]);
+    let first = || pairs.iter().find_map(|(first, _)| find(satellite, *first)).into_iter().collect();
+    match frequency {
+        Frequency::Dual => pairs.iter().find_map(both).unwrap_or_else(first),
+        Frequency::Single => first(),
+    }
+}
+
+/// One satellite as the message splits it.
+#[derive(Clone, Debug)]
+struct Row {
+    number: u8,
+    whole_ms: u8,
+    mod1_ms: f64,
+    cells: Vec<Cell>,
+}
+
+/// One signal as the message splits it.
+#[derive(Clone, Copy, Debug)]
+struct Cell {
+    band: u8,
+    attribute: char,
+    fine_ms: f64,
+    cn0_dbhz: Option<f64>,
+}
+
+impl Row {
+    /// Splits the ranges of a satellite; none if no signal is left. Signals without a place are counted.
+    fn new(number: u8, signals: &[&RawSignal], unsendable: &mut u64) -> Option<Self> {
+        let sendable = |range_ms: f64| (0.0..=WHOLE_LIMIT_MS).contains(&range_ms);
+        let first_ms = signals.iter().map(|signal| signal.pseudorange_m / M_PER_MS).find(|ms| sendable(*ms));
+        // The rough range is rounded from the first signal, which leaves the others at least half of the room.
+        let rough = (first_ms.unwrap_or(0.0) * ROUGH_STEPS).round();
+        let rough_ms = rough / ROUGH_STEPS;
+        let cell = |signal: &&RawSignal| {
+            let fine_ms = signal.pseudorange_m / M_PER_MS - rough_ms;
+            let place = first_ms.is_some() && fine_ms.abs() < FINE_LIMIT_MS;
+            place.then_some(Cell {
+                band: signal.band,
+                attribute: signal.attribute,
+                fine_ms,
+                cn0_dbhz: cn0(signal),
+            })
+        };
+        let cells: Vec<Cell> = signals.iter().filter_map(cell).collect();
+        *unsendable += (signals.len() - cells.len()) as u64;
+        let (whole_ms, mod1_ms) = (rough_ms.floor() as u8, rough_ms.fract());
+        (!cells.is_empty()).then_some(Self { number, whole_ms, mod1_ms, cells })
+    }
+}
+
+/// C/N0 within what the field holds; its 0 means invalid.
+fn cn0(signal: &RawSignal) -> Option<f64> {
+    signal.cn0_dbhz.filter(|cn0_dbhz| *cn0_dbhz >= 0.0625).map(|cn0_dbhz| cn0_dbhz.min(63.9375))
+}
+
+/// Parts the rows so that each part fits into one message; a part of nothing if there is no row.
+fn parts(rows: Vec<Row>) -> Vec<Vec<Row>> {
+    let mut parts = vec![Vec::new()];
+    let mut signals: Vec<(u8, char)> = Vec::new();
+    for row in rows {
+        let new = |cell: &&Cell| !signals.contains(&(cell.band, cell.attribute));
+        let count = signals.len() + row.cells.iter().filter(new).count();
+        let part: &mut Vec<Row> = parts.last_mut().expect("there is always a part");
+        if (part.len() + 1) * count > CELLS {
+            signals.clear();
+            parts.push(Vec::new());
+        }
+        for cell in &row.cells {
+            if !signals.contains(&(cell.band, cell.attribute)) {
+                signals.push((cell.band, cell.attribute));
+            }
+        }
+        parts.last_mut().expect("there is always a part").push(row);
+    }
+    parts
+}
+
+/// The messages of an epoch; those of a system without satellites are left out, but there is always one.
+pub(super) fn messages(epoch: &RawEpoch, selection: &Selection, unsendable: &mut u64) -> Vec<Message> {
+    let mut planned: Vec<(Constellation, Vec<Row>)> = Vec::new();
+    for system in &selection.systems {
+        let rows = rows(epoch, *system, selection.frequency, unsendable);
+        planned.extend(parts(rows).into_iter().filter(|part| !part.is_empty()).map(|part| (*system, part)));
+    }
+    if planned.is_empty() {
+        // An epoch in which nothing is seen ends nevertheless: the receiver must not wait for it.
+        planned.extend(selection.systems.first().map(|system| (*system, Vec::new())));
+    }
+    let last = planned.len().saturating_sub(1);
+    let message =
+        |(index, (system, rows)): (usize, (_, Vec<Row>))| message(system, epoch.time, index < last, &rows);
+    planned.into_iter().enumerate().filter_map(message).collect()
+}
+
+fn rows(epoch: &RawEpoch, system: Constellation, frequency: Frequency, unsendable: &mut u64) -> Vec<Row> {
+    let of_system = epoch.satellites.iter().filter(|satellite| satellite.satellite.constellation() == system);
+    let mut rows: Vec<Row> = of_system
+        .filter_map(|satellite| {
+            Row::new(satellite.satellite.number(), &chosen(satellite, frequency), unsendable)
+        })
+        .filter(|row| row.number <= 64)
+        .collect();
+    rows.sort_by_key(|row| row.number);
+    rows.dedup_by_key(|row| row.number);
+    rows
+}
+
+/// The three messages differ in names only.
+macro_rules! msm7 {
+    ($message:ident: $type:ident, $data:ident, $signal:ident, $id:ident, $time:ident = $time_ms:expr, $more:expr, $rows:expr) => {{
+        let mut data = $data::default();
+        for row in $rows {
+            data.satellite_data.push(Msm57Sat {
+                satellite_id: row.number,
+                gnss_satellite_rough_range_integer_ms: Some(row.whole_ms),
+                gnss_satellite_rough_range_mod1ms_ms: row.mod1_ms,
+                ..Msm57Sat::default()
+            });
+            for cell in &row.cells {
+                data.signal_data.push($signal {
+                    satellite_id: row.number,
+                    signal_id: $id::new(cell.band, cell.attribute),
+                    gnss_signal_fine_pseudorange_ext_ms: Some(cell.fine_ms),
+                    gnss_signal_cnr_ext_dbhz: cell.cn0_dbhz,
+                    ..$signal::default()
+                });
+            }
+        }
+        let more = u8::from($more);
+        Message::$message($type {
+            $time: $time_ms,
+            msm_multiple_message_flag: more,
+            data_segment: data,
+            ..$type::default()
+        })
+    }};
+}
+
+/// One message; `more` of the same epoch follow.
+fn message(system: Constellation, time: GpsTime, more: bool, rows: &[Row]) -> Option<Message> {
+    let beidou_ms = (time.tow_ms + WEEK_MS - BEIDOU_OFFSET_MS) % WEEK_MS;
+    match system {
+        Constellation::Gps => Some(msm7!(Msg1077: Msg1077T, Msg1077Data, Msg1077Sig, GpsSigId,
+            gps_epoch_time_ms = time.tow_ms, more, rows)),
+        Constellation::Galileo => Some(msm7!(Msg1097: Msg1097T, Msg1097Data, Msg1097Sig, GalSigId,
+            gal_epoch_time_ms = time.tow_ms, more, rows)),
+        Constellation::Beidou => Some(msm7!(Msg1127: Msg1127T, Msg1127Data, Msg1127Sig, BdsSigId,
+            bds_epoch_time_ms = beidou_ms, more, rows)),
+        Constellation::Glonass => None,
+    }
+}

@@ -1,0 +1,167 @@
+//! Calendar dates of RINEX to instants of GPS time, and back for messages.
+//!
+//! | time system | minus GPS time |
+//! |---|---|
+//! | GPS, Galileo, QZSS | 0 |
+//! | `BeiDou` | −14 s |
+//! | GLONASS, UTC | −leap seconds since 1980 |
+//!
+//! RINEX gives dates in the time system of the satellite (ephemerides) or of the header (observations).
+//! References: [RINEX-4.01] §4.1; days by the era method of [Hinnant2013].
+
+use anyhow::{Context, Result, ensure};
+use rai_firmware::time::{BEIDOU_OFFSET_MS, GpsTime};
+
+/// Days from 1970-01-01 to 1980-01-06, where GPS time begins.
+const GPS_EPOCH_DAYS: i64 = 3657;
+
+/// Milliseconds in a day.
+const DAY_MS: i64 = 86_400_000;
+
+/// Which clock a date was read from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum TimeSystem {
+    /// GPS, Galileo and QZSS agree to nanoseconds.
+    Gps,
+    /// `BeiDou`.
+    Beidou,
+    /// GLONASS dates are UTC; so many leap seconds separate it from GPS time.
+    Utc {
+        /// Leap seconds since 1980.
+        leap_s: u8,
+    },
+}
+
+impl TimeSystem {
+    /// How far GPS time is ahead, ms.
+    fn behind_gps_ms(self) -> i64 {
+        match self {
+            Self::Gps => 0,
+            Self::Beidou => i64::from(BEIDOU_OFFSET_MS),
+            Self::Utc { leap_s } => i64::from(leap_s) * 1000,
+        }
+    }
+}
+
+/// Days from 1970-01-01 to a date of the Gregorian calendar.
+fn days_from_civil(year: i64, month: i64, day: i64) -> i64 {
+    // Years begin in March, so that the leap day is the last one.
+    let year = if month <= 2 { year - 1 } else { year };
+    let era = year.div_euclid(400);
+    let year_of_era = year.rem_euclid(400);
+    let day_of_year = (153 * ((month + 9) % 12) + 2) / 5 + day - 1;
+    era * 146_097 + year_of_era * 365 + year_of_era / 4 - year_of_era / 100 + day_of_year - 719_468
+}
+
+/// The date of a day counted from 1970-01-01: year, month, day.
+fn civil_from_days(days: i64) -> (i64, i64, i64) {
+    let days = days + 719_468;
+    let era = days.div_euclid(146_097);
+    let day_of_era = days.rem_euclid(146_097);
+    let year_of_era = (day_of_era - day_of_era / 1460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
+    let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
+    let month_from_march = (5 * day_of_year + 2) / 153;
+    let day = day_of_year - (153 * month_from_march + 2) / 5 + 1;
+    let month = (month_from_march + 2) % 12 + 1;
+    let year = year_of_era + era * 400 + i64::from(month <= 2);
+    (year, month, day)
+}
+
+/// The instant of `year month day hour minute second`, read from the blank-separated `text`.
+///
+/// Two-digit years are those of RINEX 2: 80 to 99 are 1980 to 1999, 00 to 79 are 2000 to 2079. Seconds are
+/// rounded to milliseconds, which is what an observation message on the wire can say.
+pub(super) fn instant(text: &str, system: TimeSystem) -> Result<GpsTime> {
+    parse(text, system).with_context(|| format!("`{}` is not a date after 1980", text.trim()))
+}
+
+fn parse(text: &str, system: TimeSystem) -> Result<GpsTime> {
+    let mut words = text.split_ascii_whitespace();
+    let mut word = || words.next().context("too few numbers");
+    let mut integer = || -> Result<i64> { Ok(word()?.parse::<f64>()? as i64) };
+    let (year, month, day, hour, minute) = (integer()?, integer()?, integer()?, integer()?, integer()?);
+    let second: f64 = word()?.parse()?;
+    ensure!((1..=12).contains(&month) && (1..=31).contains(&day), "no such day");
+    ensure!(
+        (0..24).contains(&hour) && (0..60).contains(&minute) && (0.0..61.0).contains(&second),
+        "no such time"
+    );
+    let year = match year {
+        80..=99 => year + 1900,
+        0..=79 => year + 2000,
+        _ => year,
+    };
+    let days = days_from_civil(year, month, day) - GPS_EPOCH_DAYS;
+    let ms = days * DAY_MS + (hour * 60 + minute) * 60_000 + (second * 1000.0).round() as i64;
+    from_ms(ms + system.behind_gps_ms()).context("before 1980 or after 2079")
+}
+
+/// An instant so many milliseconds after 1980-01-06, if 16 bits can count its week.
+fn from_ms(ms: i64) -> Option<GpsTime> {
+    // 5,200 weeks: a century.
+    const CENTURY_MS: i64 = 5200 * 7 * DAY_MS;
+    (0..CENTURY_MS).contains(&ms).then(|| GpsTime::from_ms(ms as u64))
+}
+
+/// The instant closest to `near` whose second of the week is `tow_s`, whatever the week of either.
+pub(super) fn nearest_week(tow_s: f64, near: GpsTime, system: TimeSystem) -> Option<GpsTime> {
+    const WEEK_MS: i64 = 7 * DAY_MS;
+    let tow_ms = (tow_s * 1000.0).round() as i64 + system.behind_gps_ms();
+    let near_ms = near.to_ms().cast_signed();
+    let ahead_ms = (tow_ms - near_ms + WEEK_MS / 2).rem_euclid(WEEK_MS) - WEEK_MS / 2;
+    from_ms(near_ms + ahead_ms)
+}
+
+/// `2020-06-25 00:00:30`, GPS time.
+pub fn readable(time: GpsTime) -> String {
+    let ms = time.to_ms().cast_signed();
+    let (year, month, day) = civil_from_days(ms.div_euclid(DAY_MS) + GPS_EPOCH_DAYS);
+    let second = ms.rem_euclid(DAY_MS) / 1000;
+    let (hour, minute) = (second / 3600, second / 60 % 60);
+    format!("{year:04}-{month:02}-{day:02} {hour:02}:{minute:02}:{:02}", second % 60)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn dates_match_the_published_weeks() {
+        // Weeks and seconds as given beside the same dates in IGS navigation files.
+        for (text, system, week, tow_s) in [
+            ("1980 1 6 0 0 0", TimeSystem::Gps, 0, 0.0),
+            ("20 6 25 0 0 0.0", TimeSystem::Gps, 2111, 345_600.0),
+            ("2024 01 01 00 00 00", TimeSystem::Gps, 2295, 86_400.0),
+            ("2024 01 01 00 00 00", TimeSystem::Beidou, 2295, 86_414.0),
+            ("2024 06 24 08 00 33.9970000", TimeSystem::Gps, 2320, 115_233.997),
+            ("2024 2 29 23 59 42", TimeSystem::Utc { leap_s: 18 }, 2303, 432_000.0),
+        ] {
+            let have = instant(text, system).unwrap();
+            let want = GpsTime { week, tow_ms: f64::round(tow_s * 1000.0) as u32 };
+            assert_eq!(have, want, "{text}");
+        }
+    }
+
+    #[test]
+    fn a_date_prints_as_it_was_read() {
+        for text in ["1999-12-31 23:59:59", "2000-02-29 00:00:00", "2024-12-31 12:34:56"] {
+            let have = instant(&text.replace(['-', ':'], " "), TimeSystem::Gps).map(readable).unwrap();
+            assert_eq!(have, text);
+        }
+    }
+
+    #[test]
+    fn nonsense_is_refused() {
+        for text in ["", "2024 13 1 0 0 0", "2024 1 1 25 0 0", "1979 1 1 0 0 0", "2024 1 1 0 0 NaN", "x"] {
+            assert!(instant(text, TimeSystem::Gps).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn a_time_of_week_belongs_to_the_nearest_week() {
+        let sunday = GpsTime { week: 2320, tow_ms: 0 };
+        let have = nearest_week(604_000.0, sunday, TimeSystem::Gps).unwrap();
+        let want = GpsTime { week: 2319, tow_ms: 604_000_000 };
+        assert_eq!(have, want);
+    }
+}

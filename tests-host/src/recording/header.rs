@@ -1,0 +1,185 @@
+//! The header of a RINEX file: what the records after it mean.
+//!
+//! A header line holds values in columns 0 to 59 and its label from column 60 on. Labels of RINEX 2, 3 and 4 are
+//! read alike; those that say nothing about ranges or orbits are passed over.
+//! References: [RINEX-2.11] tables A1 and A3, [RINEX-3.05] tables A2 and A5, [RINEX-4.01].
+
+use std::collections::HashMap;
+
+use anyhow::{Context, Result, bail, ensure};
+use rai_core::frame::Ecef;
+
+use super::calendar::TimeSystem;
+use super::text::{Lines, columns, number};
+
+/// What kind of records follow.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    Observations,
+    Navigation,
+}
+
+/// The lines before `END OF HEADER`.
+#[derive(Clone, Debug)]
+pub(super) struct Header {
+    /// Version times 100: 211, 302, 400.
+    pub(super) version: u16,
+    pub(super) kind: Kind,
+    /// Letter of the only system, or `M`. Some files claim one and hold many, so it only names the unnamed.
+    pub(super) system: char,
+    pub(super) time_system: TimeSystem,
+    pub(super) codes: ObservationCodes,
+    pub(super) approximate_position: Option<Ecef>,
+    pub(super) klobuchar: Klobuchar,
+}
+
+impl Header {
+    /// Reads up to and including `END OF HEADER`.
+    pub(super) fn read(lines: &mut Lines<'_>) -> Result<Self> {
+        let mut header = Self::begin(lines.next().unwrap_or(""))?;
+        let (mut time_system, mut leap_s) = (String::new(), 18);
+        loop {
+            let line = lines.next().context("END OF HEADER is missing")?;
+            let place = || format!("line {} of the header", lines.number());
+            header.codes.read(line).with_context(place)?;
+            header.klobuchar.read(line).with_context(place)?;
+            match columns(line, 60, 80) {
+                "APPROX POSITION XYZ" => header.approximate_position = position(line).with_context(place)?,
+                "TIME OF FIRST OBS" => columns(line, 48, 51).clone_into(&mut time_system),
+                "LEAP SECONDS" => leap_s = columns(line, 0, 6).parse().unwrap_or(leap_s),
+                "SYS / SCALE FACTOR" => bail!("scaled observations (SYS / SCALE FACTOR) are not supported"),
+                "END OF HEADER" => break,
+                _ => {}
+            }
+        }
+        header.time_system = match (time_system.as_str(), header.system) {
+            ("BDT", _) | ("", 'C') => TimeSystem::Beidou,
+            ("GLO" | "UTC", _) | ("", 'R') => TimeSystem::Utc { leap_s },
+            _ => TimeSystem::Gps,
+        };
+        Ok(header)
+    }
+
+    /// The first line: version, kind and system.
+    fn begin(line: &str) -> Result<Self> {
+        ensure!(
+            columns(line, 60, 80) == "RINEX VERSION / TYPE",
+            "is not RINEX: line 1 does not say RINEX VERSION / TYPE"
+        );
+        let version = number(columns(line, 0, 9))?.context("line 1: the version is missing")?;
+        ensure!((2.0..5.0).contains(&version), "line 1: RINEX {version} is not supported, only 2, 3 and 4");
+        let kind = match columns(line, 20, 21) {
+            "O" => Kind::Observations,
+            "N" => Kind::Navigation,
+            other => bail!(
+                "line 1: a RINEX file of type `{other}`, neither observations nor GPS or mixed navigation"
+            ),
+        };
+        Ok(Self {
+            version: (version * 100.0).round() as u16,
+            kind,
+            system: columns(line, 40, 41).chars().next().unwrap_or('G'),
+            time_system: TimeSystem::Gps,
+            codes: ObservationCodes::default(),
+            approximate_position: None,
+            klobuchar: Klobuchar::default(),
+        })
+    }
+}
+
+/// Three coordinates; the centre of the earth means unknown.
+fn position(line: &str) -> Result<Option<Ecef>> {
+    let coordinate = |index: usize| number(columns(line, 14 * index, 14 * index + 14));
+    let (x_m, y_m, z_m) = (coordinate(0)?, coordinate(1)?, coordinate(2)?);
+    let position = Ecef::new(x_m.unwrap_or(0.0), y_m.unwrap_or(0.0), z_m.unwrap_or(0.0));
+    Ok((position.radius_m() > 0.0).then_some(position))
+}
+
+/// Which observation stands in which field, by the letter of the system.
+#[derive(Clone, Debug, Default)]
+pub(super) struct ObservationCodes {
+    by_system: HashMap<char, Vec<String>>,
+    /// The system whose list a continuation line goes on with.
+    open: char,
+}
+
+impl ObservationCodes {
+    /// The key of the one list that RINEX 2 has for all systems.
+    const ALL: char = '*';
+
+    /// Takes a header line if it lists observations.
+    pub(super) fn read(&mut self, line: &str) -> Result<()> {
+        match columns(line, 60, 80) {
+            "SYS / # / OBS TYPES" => {
+                self.extend(columns(line, 0, 1).chars().next(), columns(line, 3, 6), columns(line, 6, 60))
+            }
+            "# / TYPES OF OBSERV" => {
+                let count = columns(line, 0, 6);
+                self.extend((!count.is_empty()).then_some(Self::ALL), count, columns(line, 6, 60))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// A list begins where a system is named, and goes on where none is.
+    fn extend(&mut self, system: Option<char>, count: &str, words: &str) -> Result<()> {
+        if let Some(system) = system {
+            count
+                .parse::<usize>()
+                .with_context(|| format!("`{count}` is not a number of observation types"))?;
+            self.by_system.insert(system, Vec::new());
+            self.open = system;
+        }
+        let codes = self
+            .by_system
+            .get_mut(&self.open)
+            .context("a list of observation types goes on before it begins")?;
+        codes.extend(words.split_ascii_whitespace().map(str::to_owned));
+        Ok(())
+    }
+
+    /// The codes of a system's observations in the order of the fields.
+    pub(super) fn of(&self, system: char) -> Result<&[String]> {
+        let codes = self.by_system.get(&system).or_else(|| self.by_system.get(&Self::ALL));
+        codes
+            .map(Vec::as_slice)
+            .with_context(|| format!("the header lists no observation types for system {system}"))
+    }
+}
+
+/// GPS coefficients of the single-frequency ionosphere model, as header lines give them in two halves.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Klobuchar {
+    alpha: Option<[f64; 4]>,
+    beta: Option<[f64; 4]>,
+}
+
+impl Klobuchar {
+    /// Takes a header line if it holds one half. Other systems' lines, repeated per satellite, are not those.
+    fn read(&mut self, line: &str) -> Result<()> {
+        match (columns(line, 60, 80), columns(line, 0, 4)) {
+            ("ION ALPHA", _) => self.alpha = Some(quadruple(line, 2)?),
+            ("ION BETA", _) => self.beta = Some(quadruple(line, 2)?),
+            ("IONOSPHERIC CORR", "GPSA") => self.alpha = Some(quadruple(line, 5)?),
+            ("IONOSPHERIC CORR", "GPSB") => self.beta = Some(quadruple(line, 5)?),
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// `α0…α3` (s, s/semicircle, …) and `β0…β3`.
+    pub(super) fn coefficients(self) -> Option<[f64; 8]> {
+        let (alpha, beta) = (self.alpha?, self.beta?);
+        std::array::from_fn(|index| if index < 4 { alpha[index] } else { beta[index - 4] }).into()
+    }
+}
+
+fn quadruple(line: &str, from: usize) -> Result<[f64; 4]> {
+    let mut values = [0.0; 4];
+    for (index, value) in values.iter_mut().enumerate() {
+        let column = from + 12 * index;
+        *value =
+            number(columns(line, column, column + 12))?.context("an ionosphere coefficient is missing")?;
+    }
+    Ok(values)
+}
