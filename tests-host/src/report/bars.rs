@@ -39,8 +39,12 @@ impl BarChart {
     fn draw(&self, area: &Area<'_>) -> Result<()> {
         ensure!(!self.groups.is_empty(), "chart `{}`: no groups", self.title);
         let colours = SERIES.iter().copied().cycle();
-        let legend: Vec<_> =
-            self.bars.iter().zip(colours).map(|((name, _), colour)| (name.as_str(), colour, Mark::Box)).collect();
+        let legend: Vec<_> = self
+            .bars
+            .iter()
+            .zip(colours)
+            .map(|((name, _), colour)| (name.as_str(), colour, Mark::Box))
+            .collect();
         heading(area, &self.title, &legend)?;
         let frame = Frame::of(area, self.highest());
         self.axis(area, &frame)?;
@@ -68,11 +72,11 @@ impl BarChart {
             let label = text(TEXT_PX - 1, INK, HPos::Right, VPos::Center);
             area.draw(&Text::new(short(tick), (frame.left - 8, y), label))?;
         }
-        let middle = (frame.left + frame.right) / 2;
+        let middle = frame.left.midpoint(frame.right);
         let below = text(TEXT_PX, INK, HPos::Center, VPos::Top);
         area.draw(&Text::new(self.x_label.clone(), (middle, frame.bottom + 26), below))?;
         // Turned text is placed by the corner that comes first in reading it: its lower end.
-        let lower = (frame.top + frame.bottom) / 2 + width_px(&self.y_label, TEXT_PX) / 2;
+        let lower = frame.top.midpoint(frame.bottom) + width_px(&self.y_label, TEXT_PX) / 2;
         let turned = text(TEXT_PX, INK, HPos::Left, VPos::Top).transform(FontTransform::Rotate270);
         area.draw(&Text::new(self.y_label.clone(), (12, lower), turned))?;
         Ok(())
@@ -105,9 +109,9 @@ impl Frame {
         let (width, height) = area.dim_in_pixel();
         Self {
             left: LEFT_PX,
-            right: width as i32 - RIGHT_PX,
-            top: HEADING_PX as i32 + 4,
-            bottom: height as i32 - BOTTOM_PX,
+            right: width.cast_signed() - RIGHT_PX,
+            top: HEADING_PX.cast_signed() + 4,
+            bottom: height.cast_signed() - BOTTOM_PX,
             top_value,
         }
     }

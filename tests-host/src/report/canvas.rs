@@ -57,11 +57,7 @@ pub const fn verdict_colour(verdict: Verdict) -> RGBColor {
 ///
 /// # Errors
 /// What plotters could not draw.
-pub fn svg(
-    size: (u32, u32),
-    ground: Ground,
-    draw: impl FnOnce(&Area<'_>) -> Result<()>,
-) -> Result<String> {
+pub fn svg(size: (u32, u32), ground: Ground, draw: impl FnOnce(&Area<'_>) -> Result<()>) -> Result<String> {
     let mut text = String::new();
     {
         let area = SVGBackend::with_string(&mut text, size).into_drawing_area();
@@ -115,7 +111,7 @@ pub fn heading(area: &Area<'_>, title: &str, legend: &[(&str, RGBColor, Mark)]) 
     for &(name, colour, mark) in legend {
         swatch(area, x, 42, colour, mark)?;
         area.draw(&Text::new(name.to_owned(), (x + 26, 35), text(TEXT_PX, INK, HPos::Left, VPos::Top)))?;
-        x += 26 + width_px(name, TEXT_PX) + 18;
+        x += 26 + width_px(name, TEXT_PX) + 12;
     }
     Ok(())
 }
@@ -127,9 +123,9 @@ fn swatch(area: &Area<'_>, x: i32, y: i32, colour: RGBColor, mark: Mark) -> Resu
     let line = |from, to| PathElement::new(vec![(x + from, y), (x + to, y)], colour.stroke_width(2));
     match mark {
         Mark::Line => area.draw(&line(0, 20))?,
-        Mark::Dashed => [(0, 5), (8, 13), (15, 20)]
-            .into_iter()
-            .try_for_each(|(from, to)| area.draw(&line(from, to)))?,
+        Mark::Dashed => {
+            [(0, 5), (8, 13), (15, 20)].into_iter().try_for_each(|(from, to)| area.draw(&line(from, to)))?;
+        }
         Mark::Dots => area.draw(&Circle::new((x + 10, y), 4, colour.filled()))?,
         Mark::Box => area.draw(&Rectangle::new([(x + 2, y - 6), (x + 18, y + 6)], colour.filled()))?,
     }

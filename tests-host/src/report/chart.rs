@@ -67,7 +67,7 @@ impl Axis {
             // Whole powers of ten, so that at least two of them are labelled.
             Scale::Logarithmic => {
                 let (floor, ceiling) = (low.log10().floor(), (high * 1.05).log10().ceil());
-                10_f64.powf(floor)..10_f64.powf(ceiling.max(floor + 1.0))
+                10_f64.powf(floor) * EDGE..10_f64.powf(ceiling.max(floor + 1.0))
             }
             Scale::Linear => {
                 let air = if high > low { 0.06 * (high - low) } else { 1.0 };
@@ -141,12 +141,8 @@ impl LineChart {
         ensure!(x.start < x.end && y.start < y.end, "chart `{}`: an axis is empty", self.title);
         match (self.x.scale, self.y.scale) {
             (Scale::Linear, Scale::Linear) => self.plot(area, x.clone(), y.clone(), (x, y)),
-            (Scale::Linear, Scale::Logarithmic) => {
-                self.plot(area, x.clone(), y.clone().log_scale(), (x, y))
-            }
-            (Scale::Logarithmic, Scale::Linear) => {
-                self.plot(area, x.clone().log_scale(), y.clone(), (x, y))
-            }
+            (Scale::Linear, Scale::Logarithmic) => self.plot(area, x.clone(), y.clone().log_scale(), (x, y)),
+            (Scale::Logarithmic, Scale::Linear) => self.plot(area, x.clone().log_scale(), y.clone(), (x, y)),
             (Scale::Logarithmic, Scale::Logarithmic) => {
                 self.plot(area, x.clone().log_scale(), y.clone().log_scale(), (x, y))
             }
@@ -170,9 +166,9 @@ impl LineChart {
             .build_cartesian_2d(x, y)?;
         chart
             .configure_mesh()
-            .axis_style(INK.mix(0.5))
+            .axis_style(INK.mix(0.35))
             .bold_line_style(INK.mix(0.14))
-            .light_line_style(INK.mix(0.05))
+            .light_line_style(TRANSPARENT)
             .label_style(text(TEXT_PX - 1, INK, HPos::Left, VPos::Top))
             .axis_desc_style(text(TEXT_PX, INK, HPos::Left, VPos::Top))
             .x_desc(self.x.label.as_str())
@@ -182,8 +178,7 @@ impl LineChart {
             .draw()?;
         let (x, y) = bounds;
         for span in &self.spans {
-            let corners =
-                [(span.range.start.max(x.start), y.start), (span.range.end.min(x.end), y.end)];
+            let corners = [(span.range.start.max(x.start), y.start), (span.range.end.min(x.end), y.end)];
             chart.draw_series([Rectangle::new(corners, span.colour.mix(SPAN_OPACITY).filled())])?;
         }
         for series in &self.series {
@@ -209,9 +204,7 @@ impl LineChart {
     /// The unbroken stretches of a line. What lies beyond the axes is drawn at their ends.
     fn runs(&self, series: &Series, x: &Range<f64>, y: &Range<f64>) -> Vec<Vec<(f64, f64)>> {
         let shows = |&(x, y): &(f64, f64)| self.x.shows(x) && self.y.shows(y);
-        let within = |&(at_x, at_y): &(f64, f64)| {
-            (at_x.clamp(x.start, x.end), at_y.clamp(y.start, y.end))
-        };
+        let within = |&(at_x, at_y): &(f64, f64)| (at_x.clamp(x.start, x.end), at_y.clamp(y.start, y.end));
         series
             .points
             .split(|point| !shows(point))
@@ -220,6 +213,9 @@ impl LineChart {
             .collect()
     }
 }
+
+/// What a logarithmic axis begins below its first power of ten, so that rounding cannot take its label away.
+pub const EDGE: f64 = 0.99;
 
 /// How strongly a span tints.
 const SPAN_OPACITY: f64 = 0.13;

@@ -51,11 +51,12 @@ impl Page {
         for row in rows {
             self.body.push_str("<tr>");
             for cell in row {
-                let class = if cell.trim_start_matches(['-', '+', '−']).starts_with(|c: char| c.is_ascii_digit()) {
-                    " class=\"number\""
-                } else {
-                    ""
-                };
+                let class =
+                    if cell.trim_start_matches(['-', '+', '−']).starts_with(|c: char| c.is_ascii_digit()) {
+                        " class=\"number\""
+                    } else {
+                        ""
+                    };
                 let _ = write!(self.body, "<td{class}>{}</td>", escaped(cell));
             }
             self.body.push_str("</tr>\n");
@@ -138,7 +139,9 @@ mod tests {
         let mut page = Page::new("a < b", "\"quoted\" & more");
         page.table(&["<script>"], &[vec!["-1.5".to_owned(), "<b>".to_owned()]]);
         let have = page.html();
-        for want in ["<h1>a &lt; b</h1>", "&quot;quoted&quot; &amp; more", "&lt;script&gt;", "<td>&lt;b&gt;</td>"] {
+        for want in
+            ["<h1>a &lt; b</h1>", "&quot;quoted&quot; &amp; more", "&lt;script&gt;", "<td>&lt;b&gt;</td>"]
+        {
             assert!(have.contains(want), "want {want} in {have}");
         }
         assert!(have.contains("<td class=\"number\">-1.5</td>"), "{have}");

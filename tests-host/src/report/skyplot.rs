@@ -10,7 +10,8 @@ use plotters::style::text_anchor::{HPos, VPos};
 use rai_core::satellite::{Constellation, SatelliteId};
 
 use super::canvas::{
-    Area, BLUE, GREEN, Ground, HEADING_PX, INK, Mark, ORANGE, RED, TEXT_PX, VIOLET, heading, svg, text, width_px,
+    Area, BLUE, GREEN, Ground, HEADING_PX, INK, Mark, ORANGE, RED, TEXT_PX, VIOLET, heading, svg, text,
+    width_px,
 };
 
 /// One satellite in the sky.
@@ -28,6 +29,9 @@ pub struct Body {
 
 /// Side of the picture, pixels.
 const SIDE_PX: u32 = 460;
+
+/// Elevations that have a ring.
+const RINGS_DEG: [f64; 3] = [0.0, 30.0, 60.0];
 
 const fn colour(constellation: Constellation) -> RGBColor {
     match constellation {
@@ -53,7 +57,10 @@ const fn name(constellation: Constellation) -> &'static str {
 /// What plotters could not draw.
 pub fn skyplot(bodies: &[Body], mask_rad: f64, ground: Ground) -> Result<String> {
     svg((SIDE_PX, SIDE_PX + HEADING_PX), ground, |area| {
-        heading(area, "Satellites in the sky", &legend(bodies))?;
+        let mask = format!("mask {:.0}°", mask_rad.to_degrees());
+        let mut legend = legend(bodies);
+        legend.push((&mask, RED, Mark::Line));
+        heading(area, "Satellites in the sky", &legend)?;
         let disc = Disc::new();
         disc.rings(area, mask_rad)?;
         disc.bodies(area, bodies)
@@ -81,8 +88,8 @@ struct Disc {
 
 impl Disc {
     fn new() -> Self {
-        let half = SIDE_PX as i32 / 2;
-        Self { centre: (half, half + HEADING_PX as i32), radius: f64::from(half - 34) }
+        let half = SIDE_PX.cast_signed() / 2;
+        Self { centre: (half, half + HEADING_PX.cast_signed()), radius: f64::from(half - 34) }
     }
 
     fn point(&self, elevation_rad: f64, azimuth_rad: f64) -> (i32, i32) {
@@ -91,13 +98,19 @@ impl Disc {
         (self.centre.0 + (distance * sin).round() as i32, self.centre.1 - (distance * cos).round() as i32)
     }
 
+    /// Where the elevation of a ring is written: inside it, beside north.
+    fn ring_label(&self, elevation_deg: f64) -> Patch {
+        let (x, y) = self.point(elevation_deg.to_radians(), 0.0);
+        Patch::around((x + 14, y + 9), 26, TEXT_PX)
+    }
+
     fn rings(&self, area: &Area<'_>, mask_rad: f64) -> Result<()> {
-        for elevation_deg in [0.0_f64, 30.0, 60.0] {
+        for elevation_deg in RINGS_DEG {
             let radius = self.radius * (1.0 - elevation_deg / 90.0);
             area.draw(&Circle::new(self.centre, radius as i32, INK.mix(0.3)))?;
-            let (x, y) = self.point(elevation_deg.to_radians(), 0.0);
-            let label = text(TEXT_PX - 2, INK, HPos::Left, VPos::Top);
-            area.draw(&Text::new(format!("{elevation_deg:.0}°"), (x + 4, y + 3), label))?;
+            let label = text(TEXT_PX - 2, INK, HPos::Center, VPos::Center);
+            let centre = self.ring_label(elevation_deg).centre;
+            area.draw(&Text::new(format!("{elevation_deg:.0}°"), centre, label))?;
         }
         if mask_rad > 0.0 {
             let radius = self.radius * (1.0 - mask_rad / FRAC_PI_2);
@@ -118,7 +131,9 @@ impl Disc {
     fn bodies(&self, area: &Area<'_>, bodies: &[Body]) -> Result<()> {
         let at: Vec<(i32, i32)> =
             bodies.iter().map(|body| self.point(body.elevation_rad, body.azimuth_rad)).collect();
-        let mut taken: Vec<Patch> = at.iter().map(|&centre| Patch::around(centre, 14, 14)).collect();
+        let dots = at.iter().map(|&centre| Patch::around(centre, 14, 14));
+        let rings = RINGS_DEG.map(|elevation_deg| self.ring_label(elevation_deg));
+        let mut taken: Vec<Patch> = dots.chain(rings).collect();
         for (body, &point) in bodies.iter().zip(&at) {
             mark(area, body, point)?;
             let label = body.satellite.to_string();

@@ -8,12 +8,12 @@ use anyhow::Result;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, VPos};
 
-use super::{Moment, Verdict};
 use super::canvas::{
     Area, BLUE, GREEN, GREY, Ground, HEADING_PX, INK, Mark, ORANGE, RED, TEXT_PX, VIOLET, heading, svg, text,
     verdict_colour,
 };
 use super::chart::{Axis, LineChart, Series, Span, short, ticks};
+use super::{Moment, Verdict};
 
 /// Pixels left and right of the time axis, as a [`LineChart`] has them.
 const LEFT_PX: i32 = 72;
@@ -60,7 +60,7 @@ pub fn statistic(moments: &[Moment], incidents: &[Incident]) -> LineChart {
     LineChart {
         title: "Do the satellites agree?  Test statistic against threshold".to_owned(),
         x: time_axis(moments),
-        y: Axis::linear("√(SSE/dof) / 1"),
+        y: Axis::linear("√(SSE/dof), no unit"),
         series: vec![
             line("threshold", ORANGE, Mark::Dashed, moments, |moment| moment.threshold),
             line("statistic", BLUE, Mark::Line, moments, |moment| moment.statistic),
@@ -102,6 +102,9 @@ pub fn vertical(moments: &[Moment], incidents: &[Incident]) -> LineChart {
     }
 }
 
+/// The colour of a band at an epoch; none where it has a gap.
+type Colouring<'a> = &'a dyn Fn(&Moment) -> Option<RGBColor>;
+
 /// Verdict, pin and exclusions as bands over time.
 ///
 /// # Errors
@@ -118,12 +121,12 @@ pub fn bands(area: &Area<'_>, moments: &[Moment]) -> Result<()> {
     let verdict = |moment: &Moment| Some(verdict_colour(moment.verdict));
     let pin = |moment: &Moment| moment.pin_is_high.map(|high| if high { GREEN } else { GREY });
     let excluded = |moment: &Moment| (!moment.excluded.is_empty()).then_some(ORANGE);
-    let mut rows: Vec<(&str, &dyn Fn(&Moment) -> Option<RGBColor>)> = vec![("state", &verdict)];
+    let mut rows: Vec<(&str, Colouring<'_>)> = vec![("state", &verdict)];
     if moments.iter().any(|moment| moment.pin_is_high.is_some()) {
         rows.push(("pin", &pin));
     }
     rows.push(("excluded", &excluded));
-    let mut y = HEADING_PX as i32;
+    let mut y = HEADING_PX.cast_signed();
     for (name, colour) in rows {
         strip.row(area, name, y, moments, colour)?;
         y += ROW_PX + ROW_GAP_PX;
@@ -135,7 +138,7 @@ const ROW_PX: i32 = 20;
 const ROW_GAP_PX: i32 = 6;
 
 /// Height that [`bands`] needs, pixels.
-pub const BANDS_PX: u32 = HEADING_PX + 3 * (ROW_PX + ROW_GAP_PX) as u32 + 46;
+pub const BANDS_PX: u32 = HEADING_PX + 3 * (ROW_PX + ROW_GAP_PX).cast_unsigned() + 46;
 
 /// The time axis of the bands, pixels.
 struct Strip {
@@ -146,7 +149,7 @@ struct Strip {
 
 impl Strip {
     fn of(area: &Area<'_>, moments: &[Moment]) -> Self {
-        let right = area.dim_in_pixel().0 as i32 - RIGHT_PX;
+        let right = area.dim_in_pixel().0.cast_signed() - RIGHT_PX;
         Self { left: LEFT_PX, right, range_s: time_axis(moments).range.unwrap_or(0.0..1.0) }
     }
 

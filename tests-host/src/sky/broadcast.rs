@@ -38,8 +38,7 @@ const GPS: Convention =
     Convention { gravitation_m3_s2: 3.986_005e14, earth_rate_rad_s: EARTH_ROTATION_RAD_S };
 
 /// [BDS-SIS-ICD] 5.2.4.12.
-const BEIDOU: Convention =
-    Convention { gravitation_m3_s2: 3.986_004_418e14, earth_rate_rad_s: 7.292_115e-5 };
+const BEIDOU: Convention = Convention { gravitation_m3_s2: 3.986_004_418e14, earth_rate_rad_s: 7.292_115e-5 };
 
 /// Numbers of the geostationary satellites ([BDS-SIS-ICD] table 4-1).
 const GEOSTATIONARY: [core::ops::RangeInclusive<u8>; 2] = [1..=5, 59..=63];
@@ -60,7 +59,7 @@ impl SatelliteClock {
         const OFFSET_UNIT_S: f64 = 1.0 / (1_u64 << 31) as f64;
         const DRIFT_UNIT_S_S: f64 = 1.0 / (1_u64 << 43) as f64;
         let number = f64::from(satellite.number());
-        let sign = if satellite.number() % 2 == 0 { 1.0 } else { -1.0 };
+        let sign = if satellite.number().is_multiple_of(2) { 1.0 } else { -1.0 };
         Self {
             offset_s: sign * (40_000.0 + 10_007.0 * number) * OFFSET_UNIT_S,
             drift_s_s: -sign * (number - 20.0) * DRIFT_UNIT_S_S,
@@ -112,8 +111,8 @@ struct Angles {
 
 impl Angles {
     fn of(orbit: &Orbit, t_s: f64, week_s: f64, convention: &Convention) -> Self {
-        let kepler_rad_s = libm::sqrt(convention.gravitation_m3_s2 / orbit.semi_major_axis_m)
-            / orbit.semi_major_axis_m;
+        let kepler_rad_s =
+            libm::sqrt(convention.gravitation_m3_s2 / orbit.semi_major_axis_m) / orbit.semi_major_axis_m;
         let fixed_node_rad_s = orbit.node_rate_rad_s - EARTH_ROTATION_RAD_S;
         let node_rad = orbit.node_rad + fixed_node_rad_s * t_s + convention.earth_rate_rad_s * week_s;
         Self {
