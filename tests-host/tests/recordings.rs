@@ -1,5 +1,5 @@
 //! Recordings: what the readers make of real RINEX, and what the wire makes of it.
-#![allow(missing_docs)]
+#![allow(missing_docs, clippy::inconsistent_digit_grouping)]
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -143,8 +143,7 @@ fn rtklib_options(frequency: Frequency) -> String {
 fn add_klobuchar(path: &Path, recording: &Recording) {
     let k = recording.klobuchar.unwrap();
     let line = |name: &str, k: &[f64]| {
-        let numbers: String = k.iter().map(|value| format!("{value:12.4e}")).collect();
-        format!("{:60}IONOSPHERIC CORR\n", format!("{name} {numbers}"))
+        format!("{name} {:12.4e}{:12.4e}{:12.4e}{:12.4e}       IONOSPHERIC CORR\n", k[0], k[1], k[2], k[3])
     };
     let lines = line("GPSA", &k[..4]) + &line("GPSB", &k[4..]);
     let text = std::fs::read_to_string(path).unwrap();

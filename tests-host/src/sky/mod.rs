@@ -13,7 +13,6 @@
 //! introduction to random signals and applied Kalman filtering, 3rd edition.
 
 pub mod atmosphere;
-pub mod broadcast;
 pub mod fleet;
 pub mod linear;
 pub mod noise;
