@@ -13,6 +13,7 @@
 //! introduction to random signals and applied Kalman filtering, 3rd edition.
 
 pub mod atmosphere;
+pub mod broadcast;
 pub mod fleet;
 pub mod linear;
 pub mod noise;

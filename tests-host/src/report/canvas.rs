@@ -1,0 +1,133 @@
+//! Ground, ink and colours that all pictures share.
+//!
+//! Colours keep their meaning everywhere: green may be used, red must not, grey cannot be told.
+
+use anyhow::Result;
+use plotters::coord::Shift;
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+
+use super::Verdict;
+
+/// Where plotters draws.
+pub type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+
+/// Text, axes, grid.
+pub const INK: RGBColor = RGBColor(0x24, 0x29, 0x2F);
+/// What was measured.
+pub const BLUE: RGBColor = RGBColor(0x2F, 0x6F, 0xDE);
+/// What it is held against.
+pub const ORANGE: RGBColor = RGBColor(0xE0, 0x7A, 0x1F);
+/// Bounds that are computed.
+pub const VIOLET: RGBColor = RGBColor(0x8A, 0x5C, 0xE0);
+/// May be used.
+pub const GREEN: RGBColor = RGBColor(0x2E, 0x9E, 0x5B);
+/// Must not be used.
+pub const RED: RGBColor = RGBColor(0xD6, 0x45, 0x3D);
+/// Cannot be told.
+pub const GREY: RGBColor = RGBColor(0x98, 0xA1, 0xAB);
+/// One more line.
+pub const TEAL: RGBColor = RGBColor(0x1B, 0x9A, 0xAA);
+
+/// Colours of lines that mean nothing but themselves, in order.
+pub const SERIES: [RGBColor; 6] = [BLUE, ORANGE, GREEN, VIOLET, RED, TEAL];
+
+/// Size of ordinary text, pixels.
+pub const TEXT_PX: i32 = 13;
+
+/// What lies under a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ground {
+    /// A white sheet: the picture is a file.
+    Sheet,
+    /// The page it is on, light or dark.
+    Page,
+}
+
+/// Colour of a verdict.
+pub const fn verdict_colour(verdict: Verdict) -> RGBColor {
+    match verdict {
+        Verdict::Protected => GREEN,
+        Verdict::Alert => RED,
+        Verdict::Unavailable => GREY,
+    }
+}
+
+/// Draws a picture of the given width and height in pixels.
+///
+/// # Errors
+/// What plotters could not draw.
+pub fn svg(size: (u32, u32), ground: Ground, draw: impl FnOnce(&Area<'_>) -> Result<()>) -> Result<String> {
+    let mut text = String::new();
+    {
+        let area = SVGBackend::with_string(&mut text, size).into_drawing_area();
+        if ground == Ground::Sheet {
+            area.fill(&WHITE)?;
+        }
+        draw(&area)?;
+        area.present()?;
+    }
+    Ok(match ground {
+        Ground::Sheet => text,
+        Ground::Page => text.replace(&hexadecimal(INK), "currentColor"),
+    })
+}
+
+/// A colour as plotters writes it.
+fn hexadecimal(RGBColor(red, green, blue): RGBColor) -> String {
+    format!("#{red:02X}{green:02X}{blue:02X}")
+}
+
+/// Style of text that is placed by one of its corners.
+pub fn text(size_px: i32, colour: RGBColor, horizontal: HPos, vertical: VPos) -> TextStyle<'static> {
+    ("sans-serif", size_px).into_font().color(&colour).pos(Pos::new(horizontal, vertical))
+}
+
+/// Width of a text, pixels: fonts are the reader's, so this is an estimate on the safe side.
+pub fn width_px(words: &str, size_px: i32) -> i32 {
+    (words.chars().count() as f64 * f64::from(size_px) * 0.56).ceil() as i32
+}
+
+/// How a legend shows its entry.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mark {
+    /// A full line.
+    Line,
+    /// A dashed line.
+    Dashed,
+    /// Dots.
+    Dots,
+    /// A filled box.
+    Box,
+}
+
+/// Draws the heading of a picture and its legend in one row below: never on top of the lines themselves.
+///
+/// # Errors
+/// What plotters could not draw.
+pub fn heading(area: &Area<'_>, title: &str, legend: &[(&str, RGBColor, Mark)]) -> Result<()> {
+    area.draw(&Text::new(title.to_owned(), (14, 10), text(TEXT_PX + 3, INK, HPos::Left, VPos::Top)))?;
+    let mut x = 14;
+    for &(name, colour, mark) in legend {
+        swatch(area, x, 42, colour, mark)?;
+        area.draw(&Text::new(name.to_owned(), (x + 26, 35), text(TEXT_PX, INK, HPos::Left, VPos::Top)))?;
+        x += 26 + width_px(name, TEXT_PX) + 12;
+    }
+    Ok(())
+}
+
+/// Height of title and legend, pixels.
+pub const HEADING_PX: u32 = 56;
+
+fn swatch(area: &Area<'_>, x: i32, y: i32, colour: RGBColor, mark: Mark) -> Result<()> {
+    let line = |from, to| PathElement::new(vec![(x + from, y), (x + to, y)], colour.stroke_width(2));
+    match mark {
+        Mark::Line => area.draw(&line(0, 20))?,
+        Mark::Dashed => {
+            [(0, 5), (8, 13), (15, 20)].into_iter().try_for_each(|(from, to)| area.draw(&line(from, to)))?;
+        }
+        Mark::Dots => area.draw(&Circle::new((x + 10, y), 4, colour.filled()))?,
+        Mark::Box => area.draw(&Rectangle::new([(x + 2, y - 6), (x + 18, y + 6)], colour.filled()))?,
+    }
+    Ok(())
+}

@@ -1,0 +1,77 @@
+//! Stanford diagram: each epoch's error against its protection level.
+//!
+//! | region | means |
+//! |---|---|
+//! | above the diagonal, below the alert limit | the promise holds |
+//! | below the diagonal | misleading: the error is larger than the bound |
+//! | below the diagonal, error beyond the alert limit | hazardous |
+//! | bound above the alert limit | unavailable |
+
+use anyhow::Result;
+
+use super::canvas::{GREEN, GREY, Ground, INK, Mark, RED};
+use super::chart::{Axis, EDGE, LineChart, Series};
+use super::{Moment, Verdict};
+
+/// The horizontal diagram.
+///
+/// # Errors
+/// What plotters could not draw.
+pub fn horizontal(moments: &[Moment], ground: Ground) -> Result<String> {
+    let pairs =
+        moments.iter().filter_map(|moment| Some((moment.verdict, moment.horizontal_error_m?, moment.hpl_m?)));
+    let limit_m = moments.iter().find_map(|moment| moment.hal_m);
+    diagram("Horizontal error and protection level, epoch by epoch", pairs, limit_m, ground)
+}
+
+/// The vertical diagram.
+///
+/// # Errors
+/// What plotters could not draw.
+pub fn vertical(moments: &[Moment], ground: Ground) -> Result<String> {
+    let pairs = moments
+        .iter()
+        .filter_map(|moment| Some((moment.verdict, moment.vertical_error_m?.abs(), moment.vpl_m?)));
+    let limit_m = moments.iter().find_map(|moment| moment.val_m);
+    diagram("Vertical error and protection level, epoch by epoch", pairs, limit_m, ground)
+}
+
+/// Smallest error that has a place of its own, m: smaller ones stand there.
+const LEAST_M: f64 = 0.01;
+
+fn diagram(
+    title: &str,
+    pairs: impl Iterator<Item = (Verdict, f64, f64)>,
+    limit_m: Option<f64>,
+    ground: Ground,
+) -> Result<String> {
+    let pairs: Vec<(Verdict, f64, f64)> = pairs.collect();
+    let largest_m = pairs.iter().map(|&(_, error_m, bound_m)| error_m.max(bound_m));
+    let largest_m = largest_m.filter(|metres| metres.is_finite()).chain(limit_m).fold(1.0, f64::max);
+    let end_m = 10_f64.powf((largest_m * 1.2).log10().ceil());
+    let line = |name: &str, colour, mark, points| Series { name: name.to_owned(), colour, mark, points };
+    let diagonal = vec![(LEAST_M, LEAST_M), (end_m, end_m)];
+    let mut series = vec![line("error = protection level", INK, Mark::Line, diagonal)];
+    if let Some(limit_m) = limit_m {
+        let corner = vec![(LEAST_M, limit_m), (limit_m, limit_m), (limit_m, LEAST_M)];
+        series.push(line("alert limit", RED, Mark::Dashed, corner));
+    }
+    for (verdict, colour) in
+        [(Verdict::Protected, GREEN), (Verdict::Alert, RED), (Verdict::Unavailable, GREY)]
+    {
+        let of_verdict = pairs.iter().filter(|pair| pair.0 == verdict);
+        let points: Vec<_> =
+            of_verdict.map(|&(_, error_m, bound_m)| (error_m.max(LEAST_M), bound_m)).collect();
+        if !points.is_empty() {
+            series.push(line(verdict.word(), colour, Mark::Dots, points));
+        }
+    }
+    let chart = LineChart {
+        title: title.to_owned(),
+        x: Axis::logarithmic("position error / m").over(LEAST_M * EDGE..end_m),
+        y: Axis::logarithmic("protection level / m").over(LEAST_M * EDGE..end_m),
+        series,
+        spans: Vec::new(),
+    };
+    chart.svg((560, 516), ground)
+}

@@ -1,0 +1,228 @@
+//! What happened over time: the statistic against its threshold, the error against its bound, the verdicts.
+//!
+//! The three share their time axis, so that [`picture`] can stack them: cause, effect and answer above each other.
+
+use std::ops::Range;
+
+use anyhow::Result;
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, VPos};
+
+use super::canvas::{
+    Area, BLUE, GREEN, GREY, Ground, HEADING_PX, INK, Mark, ORANGE, RED, TEXT_PX, VIOLET, heading, svg, text,
+    verdict_colour,
+};
+use super::chart::{Axis, LineChart, Series, Span, short, ticks};
+use super::{Moment, Verdict};
+
+/// Pixels left and right of the time axis, as a [`LineChart`] has them.
+const LEFT_PX: i32 = 72;
+const RIGHT_PX: i32 = 22;
+
+/// A stretch of time in which something is wrong.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Incident {
+    /// What is wrong: `C08 drifts off`.
+    pub name: String,
+    /// When, s since the first epoch.
+    pub range_s: Range<f64>,
+}
+
+fn line(
+    name: &str,
+    colour: RGBColor,
+    mark: Mark,
+    moments: &[Moment],
+    value: impl Fn(&Moment) -> Option<f64>,
+) -> Series {
+    let point = |moment: &Moment| (moment.time_s, value(moment).unwrap_or(f64::NAN));
+    Series { name: name.to_owned(), colour, mark, points: moments.iter().map(point).collect() }
+}
+
+fn spans(incidents: &[Incident]) -> Vec<Span> {
+    let span = |incident: &Incident| Span {
+        name: incident.name.clone(),
+        range: incident.range_s.clone(),
+        colour: RED,
+    };
+    incidents.iter().map(span).collect()
+}
+
+/// From the first to the last epoch.
+fn time_axis(moments: &[Moment]) -> Axis {
+    let first_s = moments.first().map_or(0.0, |moment| moment.time_s);
+    let last_s = moments.last().map_or(1.0, |moment| moment.time_s);
+    Axis::linear("time / s").over(first_s..last_s.max(first_s + 1.0))
+}
+
+/// The test statistic against its threshold.
+pub fn statistic(moments: &[Moment], incidents: &[Incident]) -> LineChart {
+    LineChart {
+        title: "Do the satellites agree?  Test statistic against threshold".to_owned(),
+        x: time_axis(moments),
+        y: Axis::linear("√(SSE/dof), no unit"),
+        series: vec![
+            line("threshold", ORANGE, Mark::Dashed, moments, |moment| moment.threshold),
+            line("statistic", BLUE, Mark::Line, moments, |moment| moment.statistic),
+        ],
+        spans: spans(incidents),
+    }
+}
+
+/// The horizontal error against the protection level and the alert limit.
+pub fn horizontal(moments: &[Moment], incidents: &[Incident]) -> LineChart {
+    LineChart {
+        title: "Is the error bounded?  Horizontal error against protection level".to_owned(),
+        x: time_axis(moments),
+        y: Axis::logarithmic("horizontal distance / m"),
+        series: vec![
+            line("alert limit", RED, Mark::Dashed, moments, |moment| moment.hal_m),
+            line("protection level", VIOLET, Mark::Line, moments, |moment| moment.hpl_m),
+            line("position error", BLUE, Mark::Line, moments, |moment| moment.horizontal_error_m),
+        ],
+        spans: spans(incidents),
+    }
+}
+
+/// The vertical error against the protection level and, where there is one, the alert limit.
+pub fn vertical(moments: &[Moment], incidents: &[Incident]) -> LineChart {
+    let mut series = vec![
+        line("protection level", VIOLET, Mark::Line, moments, |moment| moment.vpl_m),
+        line("position error", BLUE, Mark::Line, moments, |moment| moment.vertical_error_m.map(f64::abs)),
+    ];
+    if moments.iter().any(|moment| moment.val_m.is_some()) {
+        series.insert(0, line("alert limit", RED, Mark::Dashed, moments, |moment| moment.val_m));
+    }
+    LineChart {
+        title: "Vertical error against protection level".to_owned(),
+        x: time_axis(moments),
+        y: Axis::logarithmic("vertical distance / m"),
+        series,
+        spans: spans(incidents),
+    }
+}
+
+/// The colour of a band at an epoch; none where it has a gap.
+type Colouring<'a> = &'a dyn Fn(&Moment) -> Option<RGBColor>;
+
+/// Verdict, pin and exclusions as bands over time.
+///
+/// # Errors
+/// What plotters could not draw.
+pub fn bands(area: &Area<'_>, moments: &[Moment]) -> Result<()> {
+    let legend = [
+        ("protected, pin high", GREEN, Mark::Box),
+        ("alert", RED, Mark::Box),
+        ("unavailable", GREY, Mark::Box),
+        ("a satellite is left out", ORANGE, Mark::Box),
+    ];
+    heading(area, "May the position be used?", &legend)?;
+    let strip = Strip::of(area, moments);
+    let verdict = |moment: &Moment| Some(verdict_colour(moment.verdict));
+    let pin = |moment: &Moment| moment.pin_is_high.map(|high| if high { GREEN } else { GREY });
+    let excluded = |moment: &Moment| (!moment.excluded.is_empty()).then_some(ORANGE);
+    let mut rows: Vec<(&str, Colouring<'_>)> = vec![("state", &verdict)];
+    if moments.iter().any(|moment| moment.pin_is_high.is_some()) {
+        rows.push(("pin", &pin));
+    }
+    rows.push(("excluded", &excluded));
+    let mut y = HEADING_PX.cast_signed();
+    for (name, colour) in rows {
+        strip.row(area, name, y, moments, colour)?;
+        y += ROW_PX + ROW_GAP_PX;
+    }
+    strip.axis(area, y)
+}
+
+const ROW_PX: i32 = 20;
+const ROW_GAP_PX: i32 = 6;
+
+/// Height that [`bands`] needs, pixels.
+pub const BANDS_PX: u32 = HEADING_PX + 3 * (ROW_PX + ROW_GAP_PX).cast_unsigned() + 46;
+
+/// The time axis of the bands, pixels.
+struct Strip {
+    left: i32,
+    right: i32,
+    range_s: Range<f64>,
+}
+
+impl Strip {
+    fn of(area: &Area<'_>, moments: &[Moment]) -> Self {
+        let right = area.dim_in_pixel().0.cast_signed() - RIGHT_PX;
+        Self { left: LEFT_PX, right, range_s: time_axis(moments).range.unwrap_or(0.0..1.0) }
+    }
+
+    fn x(&self, time_s: f64) -> i32 {
+        let Range { start, end } = self.range_s;
+        let fraction = ((time_s - start) / (end - start)).clamp(0.0, 1.0);
+        self.left + (f64::from(self.right - self.left) * fraction).round() as i32
+    }
+
+    /// A band: equal neighbours are one box, each epoch lasts until the next.
+    fn row(
+        &self,
+        area: &Area<'_>,
+        name: &str,
+        y: i32,
+        moments: &[Moment],
+        colour: impl Fn(&Moment) -> Option<RGBColor>,
+    ) -> Result<()> {
+        let label = text(TEXT_PX - 1, INK, HPos::Right, VPos::Center);
+        area.draw(&Text::new(name.to_owned(), (self.left - 8, y + ROW_PX / 2), label))?;
+        let mut rest = moments;
+        while let Some(first) = rest.first() {
+            let count = rest.iter().take_while(|moment| colour(moment) == colour(first)).count();
+            let (run, after) = rest.split_at(count);
+            let end = after.first().or(run.last()).map_or(self.right, |moment| self.x(moment.time_s));
+            if let Some(colour) = colour(first) {
+                let corners = [(self.x(first.time_s), y), (end, y + ROW_PX)];
+                area.draw(&Rectangle::new(corners, colour.filled()))?;
+            }
+            rest = after;
+        }
+        Ok(())
+    }
+
+    fn axis(&self, area: &Area<'_>, y: i32) -> Result<()> {
+        area.draw(&PathElement::new(vec![(self.left, y), (self.right, y)], INK.mix(0.5)))?;
+        for tick in ticks(self.range_s.clone(), 11) {
+            let x = self.x(tick);
+            area.draw(&PathElement::new(vec![(x, y), (x, y + 4)], INK.mix(0.5)))?;
+            let label = text(TEXT_PX - 1, INK, HPos::Center, VPos::Top);
+            area.draw(&Text::new(short(tick), (x, y + 6), label))?;
+        }
+        let label = text(TEXT_PX, INK, HPos::Center, VPos::Top);
+        area.draw(&Text::new("time / s", (self.left.midpoint(self.right), y + 24), label))?;
+        Ok(())
+    }
+}
+
+/// [`bands`] as a picture.
+///
+/// # Errors
+/// What plotters could not draw.
+pub fn bands_svg(moments: &[Moment], width_px: u32, ground: Ground) -> Result<String> {
+    svg((width_px, BANDS_PX), ground, |area| bands(area, moments))
+}
+
+/// All three above each other: the module catching a fault.
+///
+/// # Errors
+/// What plotters could not draw.
+pub fn picture(moments: &[Moment], incidents: &[Incident], ground: Ground) -> Result<String> {
+    const PANEL_PX: u32 = 260;
+    svg((960, 2 * PANEL_PX + BANDS_PX), ground, |area| {
+        let (upper, rest) = area.split_vertically(PANEL_PX);
+        let (middle, lower) = rest.split_vertically(PANEL_PX);
+        statistic(moments, incidents).draw(&upper)?;
+        horizontal(moments, incidents).draw(&middle)?;
+        bands(&lower, moments)
+    })
+}
+
+/// How long each verdict held, in epochs: protected, alert, unavailable.
+pub fn tally(moments: &[Moment]) -> [usize; 3] {
+    [Verdict::Protected, Verdict::Alert, Verdict::Unavailable]
+        .map(|verdict| moments.iter().filter(|moment| moment.verdict == verdict).count())
+}
