@@ -66,23 +66,24 @@ impl Band {
         }
     }
 
-    /// The band of a RINEX band number and attribute; `None` for signals that are not used.
+    /// The band of a signal by its position in the signal mask of an MSM, from 1; `None` for those that are not used.
     ///
-    /// Left out: restricted services (Galileo 1A, 1Z) and bands without a group delay that would be worth having
-    /// (Galileo E6 and E5 alt-BOC, `BeiDou` B2b).
-    pub const fn from_rinex(constellation: Constellation, band: u8, attribute: char) -> Option<Self> {
-        match (constellation, band, attribute) {
-            (Constellation::Gps, 1, _) => Some(Self::L1),
-            (Constellation::Gps, 2, _) => Some(Self::L2),
-            (Constellation::Gps, 5, _) => Some(Self::L5),
-            (Constellation::Galileo, 1, 'B' | 'C' | 'X') => Some(Self::E1),
-            (Constellation::Galileo, 5, _) => Some(Self::E5a),
-            (Constellation::Galileo, 7, _) => Some(Self::E5b),
-            (Constellation::Beidou, 2, _) => Some(Self::B1I),
-            (Constellation::Beidou, 1, _) => Some(Self::B1C),
-            (Constellation::Beidou, 5, _) => Some(Self::B2a),
-            (Constellation::Beidou, 7, 'I' | 'Q' | 'X') => Some(Self::B2I),
-            (Constellation::Beidou, 6, _) => Some(Self::B3I),
+    /// Left out: restricted services (Galileo E1A, E1Z) and bands whose delay against the broadcast clock is not
+    /// broadcast while others' are (Galileo E6 and E5 alt-BOC, `BeiDou` B2b). Reference: [RTCM-10403.3] tables
+    /// 3.5-91, 3.5-99, 3.5-108.
+    pub const fn from_msm(constellation: Constellation, signal: u8) -> Option<Self> {
+        match (constellation, signal) {
+            (Constellation::Gps, 2..=4 | 30..=32) => Some(Self::L1),
+            (Constellation::Gps, 8..=10 | 15..=17) => Some(Self::L2),
+            (Constellation::Gps, 22..=24) => Some(Self::L5),
+            (Constellation::Galileo, 2 | 4 | 5) => Some(Self::E1),
+            (Constellation::Galileo, 14..=16) => Some(Self::E5b),
+            (Constellation::Galileo, 22..=24) => Some(Self::E5a),
+            (Constellation::Beidou, 2..=4) => Some(Self::B1I),
+            (Constellation::Beidou, 8..=10) => Some(Self::B3I),
+            (Constellation::Beidou, 14..=16) => Some(Self::B2I),
+            (Constellation::Beidou, 22..=24) => Some(Self::B2a),
+            (Constellation::Beidou, 30..=32) => Some(Self::B1C),
             _ => None,
         }
     }

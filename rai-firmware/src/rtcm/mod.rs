@@ -226,7 +226,7 @@ fn message_number(frame: &[u8]) -> Option<u16> {
     Some(u16::from(high) << 4 | u16::from(low) >> 4)
 }
 
-/// The decoded message. 6 KiB by value: callers keep it out of frames that stay on the stack.
+/// The decoded message, by value: small while only the small messages are compiled in.
 fn decode(frame: &[u8]) -> Message {
     MessageFrame::new(frame).map_or(Message::Empty, |frame| frame.get_message())
 }

@@ -1,30 +1,36 @@
 //! Multiple signal messages: the code ranges in them.
 //!
 //! ```text
-//! P = c · (rough integer ms + rough part ms + fine part ms)
+//! P = c · (whole ms + rough/1024 ms + fine · 2⁻²⁴ or 2⁻²⁹ ms)
 //! ```
 //!
 //! The message numbers are regular: 1070 + 10 · system + level, with system 0 GPS, 1 GLONASS, 2 Galileo, 3 SBAS,
-//! 4 QZSS, 5 `BeiDou`, 6 `NavIC`. All begin alike:
+//! 4 QZSS, 5 `BeiDou`, 6 `NavIC`. All begin alike; then each field stands for all satellites, or for all cells (a
+//! satellite's signal), before the next field begins:
 //!
-//! | bits | what |
-//! |---|---|
-//! | 0..12 | number |
-//! | 12..24 | station |
-//! | 24..54 | time (GPS, Galileo, `BeiDou`: ms of the system's own week) |
-//! | 54 | more messages of this instant follow |
-//! | 73..137, 137..169 | masks of satellites and of signals |
+//! | part | bits (levels 4, 5, 6, 7) | what |
+//! |---|---|---|
+//! | header | 12, 12, 30, 1, 18 | number, station, time, more messages of this instant follow, others |
+//! | masks | 64, 32, satellites × signals | which satellites, which signals, which of both together |
+//! | satellite | 8 | whole ms, 255 for none |
+//! | | 0, 4, 0, 4 | extended information |
+//! | | 10 | rough range, 1/1024 ms |
+//! | | 0, 14, 0, 14 | rough rate |
+//! | cell | 15, 15, 20, 20 | fine range, signed, the most negative for none |
+//! | | 22, 22, 24, 24 and 4, 4, 10, 10 and 1 | phase, lock time, half cycle |
+//! | | 6, 6, 10, 10 | C/N0, 1 dB-Hz or 1/16 dB-Hz, 0 for none |
+//! | | 0, 15, 0, 15 | rate |
 //!
-//! The header is read here, before the message is decoded, because the decoder shifts by the product of the two
-//! masks' populations and may only see those that the standard allows (1 to 64).
+//! Two of ten fields are of use here, so the message is read in place. A general decoder (`rtcm-rs`, which reads
+//! the small messages) returns every field of 64 cells by value, which took 44 KiB of stack and 65 KiB of flash,
+//! and it drops a whole message for one signal that it does not know.
 //!
-//! Reference: [RTCM-10403.3] 3.5.16.
+//! Reference: [RTCM-10403.3] 3.5.16, tables 3.5-73 to 3.5-101.
 
 use rai_core::frame::SPEED_OF_LIGHT_M_S;
 use rai_core::satellite::{Constellation, SatelliteId};
-use rtcm_rs::Message;
 
-use super::{Counters, RawEpoch, decode, framer};
+use super::{Counters, RawEpoch, framer};
 use crate::counters::count;
 use crate::signal::{Band, Signal};
 use crate::time::{BEIDOU_OFFSET_MS, WEEK_MS};
@@ -32,16 +38,25 @@ use crate::time::{BEIDOU_OFFSET_MS, WEEK_MS};
 /// Metres of range per millisecond.
 const M_PER_MS: f64 = SPEED_OF_LIGHT_M_S * 1e-3;
 
+/// Where the masks begin, bits.
+const SATELLITE_MASK: usize = 73;
+const SIGNAL_MASK: usize = SATELLITE_MASK + 64;
+const CELL_MASK: usize = SIGNAL_MASK + 32;
+
+/// Most cells, hence most satellites, that one message may have.
+const MOST_CELLS: usize = 64;
+
 /// What all multiple signal messages begin with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Header {
-    /// The system and level, if they are used.
+    /// The system, if its ranges are used.
     constellation: Option<Constellation>,
+    level: u16,
     time: u32,
     pub(super) more_follow: bool,
 }
 
-/// A header that the standard does not allow, or a payload that ends before it does.
+/// A message that ends before its masks say it does, or with masks that the standard does not allow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Malformed;
 
@@ -52,27 +67,25 @@ impl Header {
             1071..=1137 => ((number - 1070) / 10, (number - 1070) % 10),
             _ => return None,
         };
-        if !(1..=7).contains(&level) {
-            return None;
-        }
-        let constellation = match system {
-            0 => Some(Constellation::Gps),
-            2 => Some(Constellation::Galileo),
-            5 => Some(Constellation::Beidou),
+        let constellation = match (system, level) {
+            (_, 0 | 8 | 9) => return None,
+            // Levels 1 to 3 carry no full range.
+            (0, 4..) => Some(Constellation::Gps),
+            (2, 4..) => Some(Constellation::Galileo),
+            (5, 4..) => Some(Constellation::Beidou),
             _ => None,
         };
-        // Levels 1 to 3 carry no full range.
-        Some(Self::parse(constellation.filter(|_| level >= 4), frame).ok_or(Malformed))
+        Some(Self::parse(constellation, level, frame).ok_or(Malformed))
     }
 
-    fn parse(constellation: Option<Constellation>, frame: &[u8]) -> Option<Self> {
+    fn parse(constellation: Option<Constellation>, level: u16, frame: &[u8]) -> Option<Self> {
         let payload = framer::payload(frame)?;
-        let satellites = (bits(payload, 73, 32)?.count_ones()) + bits(payload, 105, 32)?.count_ones();
-        let cells = satellites * bits(payload, 137, 32)?.count_ones();
-        if constellation.is_some() && !(1..=64).contains(&cells) {
-            return None;
+        let (time, more) = (bits(payload, 24, 30)?, bits(payload, 54, 1)?);
+        if constellation.is_some() {
+            // A message that contradicts itself must not move time either.
+            Layout::new(payload, level)?;
         }
-        Some(Self { constellation, time: bits(payload, 24, 30)?, more_follow: bits(payload, 54, 1)? == 1 })
+        Some(Self { constellation, level, time, more_follow: more == 1 })
     }
 
     /// True when the ranges of the message are used.
@@ -90,26 +103,138 @@ impl Header {
     }
 }
 
-/// Bits of a payload, most significant first, at most 32; `None` beyond its end.
-fn bits(payload: &[u8], start: usize, length: usize) -> Option<u32> {
-    (start..start + length).try_fold(0, |value, position| {
-        let byte = payload.get(position / 8)?;
-        Some(value << 1 | u32::from(byte >> (7 - position % 8) & 1))
-    })
+/// Widths of the fields that the levels differ in, bits.
+struct Widths {
+    /// What levels 5 and 7 have besides: extended information and rough rate of a satellite, rate of a cell.
+    extended: usize,
+    satellite_rate: usize,
+    cell_rate: usize,
+    fine: usize,
+    /// Phase, lock time and half cycle indicator.
+    between: usize,
+    cn0: usize,
+    /// Milliseconds of a step of the fine range.
+    fine_ms: f64,
+    /// dB-Hz of a step of the carrier to noise density.
+    cn0_dbhz: f32,
 }
 
-/// Adds the ranges of a message to the epoch.
-#[inline(never)]
+impl Widths {
+    fn of(level: u16) -> Self {
+        let (extended, satellite_rate, cell_rate) =
+            if matches!(level, 5 | 7) { (4, 14, 15) } else { (0, 0, 0) };
+        let (fine, between, cn0, fine_ms, cn0_dbhz) = if level >= 6 {
+            (20, 24 + 10 + 1, 10, 1.0 / 536_870_912.0, 1.0 / 16.0)
+        } else {
+            (15, 22 + 4 + 1, 6, 1.0 / 16_777_216.0, 1.0)
+        };
+        Self { extended, satellite_rate, cell_rate, fine, between, cn0, fine_ms, cn0_dbhz }
+    }
+}
+
+/// A message whose masks are allowed and whose payload is long enough for them.
+struct Layout<'a> {
+    payload: &'a [u8],
+    widths: Widths,
+    satellites: usize,
+    signals: usize,
+    cells: usize,
+}
+
+impl<'a> Layout<'a> {
+    fn new(payload: &'a [u8], level: u16) -> Option<Self> {
+        let ones = |start, length| Some(bits(payload, start, length)?.count_ones() as usize);
+        let satellites = ones(SATELLITE_MASK, 32)? + ones(SATELLITE_MASK + 32, 32)?;
+        let signals = ones(SIGNAL_MASK, 32)?;
+        let grid = satellites * signals;
+        if !(1..=MOST_CELLS).contains(&grid) {
+            return None;
+        }
+        let low = grid.min(32);
+        let cells = ones(CELL_MASK, low)? + ones(CELL_MASK + low, grid - low)?;
+        let layout = Self { payload, widths: Widths::of(level), satellites, signals, cells };
+        if layout.end() <= payload.len() * 8 { Some(layout) } else { None }
+    }
+
+    fn rough_start(&self) -> usize {
+        CELL_MASK + self.satellites * self.signals
+    }
+
+    fn cell_start(&self) -> usize {
+        let satellite = 8 + self.widths.extended + 10 + self.widths.satellite_rate;
+        self.rough_start() + self.satellites * satellite
+    }
+
+    fn end(&self) -> usize {
+        let widths = &self.widths;
+        self.cell_start() + self.cells * (widths.fine + widths.between + widths.cn0 + widths.cell_rate)
+    }
+
+    /// Rough range of the `index`th satellite, ms; `None` when the message does not say.
+    fn rough_ms(&self, index: usize) -> Option<f64> {
+        let whole = bits(self.payload, self.rough_start() + 8 * index, 8)?;
+        let part_start = self.rough_start() + self.satellites * (8 + self.widths.extended);
+        let part = bits(self.payload, part_start + 10 * index, 10)?;
+        if whole == 255 { None } else { Some(f64::from(whole * 1024 + part) / 1024.0) }
+    }
+
+    /// Fine range of the `index`th cell, ms; `None` when the message does not say.
+    fn fine_ms(&self, index: usize) -> Option<f64> {
+        let width = self.widths.fine;
+        let field = bits(self.payload, self.cell_start() + width * index, width)?;
+        let half = 1 << (width - 1);
+        if field == half {
+            return None;
+        }
+        let signed = if field > half { f64::from(field) - f64::from(2 * half) } else { f64::from(field) };
+        Some(signed * self.widths.fine_ms)
+    }
+
+    /// Carrier to noise density of the `index`th cell, dB-Hz; 0 when the message does not say.
+    fn cn0_dbhz(&self, index: usize) -> f32 {
+        let start = self.cell_start() + self.cells * (self.widths.fine + self.widths.between);
+        let field = bits(self.payload, start + self.widths.cn0 * index, self.widths.cn0).unwrap_or(0);
+        field as f32 * self.widths.cn0_dbhz
+    }
+
+    /// Positions of the ones in a mask, from 0.
+    fn ones(&self, start: usize, length: usize) -> impl Iterator<Item = u8> {
+        let is_one = move |&position: &u8| bits(self.payload, start + usize::from(position), 1) == Some(1);
+        (0..length as u8).filter(is_one)
+    }
+}
+
+/// Bits of a payload, most significant first, at most 32; `None` beyond its end.
+fn bits(payload: &[u8], start: usize, length: usize) -> Option<u32> {
+    let end = start + length;
+    let bytes = payload.get(start / 8..end.div_ceil(8))?;
+    let window = bytes.iter().fold(0_u64, |window, &byte| window << 8 | u64::from(byte));
+    let behind = end.div_ceil(8) * 8 - end;
+    Some(((window >> behind) & ((1 << length) - 1)) as u32)
+}
+
+/// Adds the ranges of the message that [`Header::read`] has let pass to the epoch.
 pub(super) fn read(header: Header, frame: &[u8], epoch: &mut RawEpoch, counters: &mut Counters) {
-    let Some(constellation) = header.constellation else {
+    let layout = framer::payload(frame).and_then(|payload| Layout::new(payload, header.level));
+    let (Some(constellation), Some(layout)) = (header.constellation, layout) else {
         return;
     };
-    let mut cells = Cells { constellation, earlier: epoch.satellites.len(), epoch, counters };
-    visit(&decode(frame), &mut cells);
+    let mut target = Target { constellation, earlier: epoch.satellites.len(), epoch, counters };
+    let grid = layout.ones(SATELLITE_MASK, 64).enumerate();
+    let grid = grid.flat_map(|satellite| layout.ones(SIGNAL_MASK, 32).map(move |signal| (satellite, signal)));
+    let mut cell = 0;
+    for (position, ((index, satellite), signal)) in grid.enumerate() {
+        if bits(layout.payload, CELL_MASK + position, 1) == Some(1) {
+            let range_ms = layout.rough_ms(index).zip(layout.fine_ms(cell)).map(|(rough, fine)| rough + fine);
+            // The masks count from 1.
+            target.add((satellite + 1, signal + 1), range_ms, layout.cn0_dbhz(cell));
+            cell += 1;
+        }
+    }
 }
 
 /// Where the ranges of one message go.
-struct Cells<'a> {
+struct Target<'a> {
     constellation: Constellation,
     /// How many satellites the epoch held before this message.
     earlier: usize,
@@ -117,35 +242,24 @@ struct Cells<'a> {
     counters: &'a mut Counters,
 }
 
-/// One satellite's one signal, as it stands in the message.
-struct Cell {
-    satellite: u8,
-    band: u8,
-    attribute: char,
-    rough_ms: Option<f64>,
-    fine_ms: Option<f64>,
-    cn0_dbhz: f32,
-}
-
-impl Cells<'_> {
-    fn add(&mut self, cell: &Cell) {
-        let Some(satellite) = satellite(self.constellation, cell.satellite) else {
+impl Target<'_> {
+    fn add(&mut self, (satellite, signal): (u8, u8), range_ms: Option<f64>, cn0_dbhz: f32) {
+        let Some(satellite) = satellite_id(self.constellation, satellite) else {
             return count(&mut self.counters.satellites_unknown);
         };
-        let Some(band) = Band::from_rinex(self.constellation, cell.band, cell.attribute) else {
+        let Some(band) = Band::from_msm(self.constellation, signal) else {
             return count(&mut self.counters.signals_other);
         };
-        let (Some(rough_ms), Some(fine_ms)) = (cell.rough_ms, cell.fine_ms) else {
+        let Some(range_ms) = range_ms else {
             return count(&mut self.counters.ranges_missing);
         };
-        let range_m = (rough_ms + fine_ms) * M_PER_MS;
-        let signal = Signal { band, cn0_dbhz: cell.cn0_dbhz, range_m };
+        let signal = Signal { band, cn0_dbhz, range_m: range_ms * M_PER_MS };
         self.epoch.add(satellite, signal, self.earlier, self.counters);
     }
 }
 
 /// The satellite of a position in the mask.
-fn satellite(constellation: Constellation, number: u8) -> Option<SatelliteId> {
+fn satellite_id(constellation: Constellation, number: u8) -> Option<SatelliteId> {
     let highest = match constellation {
         Constellation::Gps => 32,
         Constellation::Galileo => 36,
@@ -153,47 +267,4 @@ fn satellite(constellation: Constellation, number: u8) -> Option<SatelliteId> {
         Constellation::Glonass => 0,
     };
     if number <= highest { SatelliteId::new(constellation, number) } else { None }
-}
-
-/// The twelve messages differ in the names of two fields and in the width of the numbers, not in structure.
-macro_rules! visit_levels {
-    ($message:expr, $cells:expr, $($variant:ident: $fine:ident, $cn0:ident;)*) => {
-        match $message {
-            $(Message::$variant(message) => {
-                for signal in message.data_segment.signal_data.iter() {
-                    let mut satellites = message.data_segment.satellite_data.iter();
-                    let rough = satellites.find(|satellite| satellite.satellite_id == signal.satellite_id);
-                    $cells.add(&Cell {
-                        satellite: signal.satellite_id,
-                        band: signal.signal_id.band(),
-                        attribute: signal.signal_id.attribute(),
-                        rough_ms: rough.and_then(|rough| {
-                            let whole_ms = f64::from(rough.gnss_satellite_rough_range_integer_ms?);
-                            Some(whole_ms + rough.gnss_satellite_rough_range_mod1ms_ms)
-                        }),
-                        fine_ms: signal.$fine,
-                        cn0_dbhz: signal.$cn0.map_or(0.0, |cn0| cn0 as f32),
-                    });
-                }
-            })*
-            _ => count(&mut $cells.counters.messages_malformed),
-        }
-    };
-}
-
-fn visit(message: &Message, cells: &mut Cells<'_>) {
-    visit_levels!(message, cells,
-        Msg1074: gnss_signal_fine_pseudorange_ms, gnss_signal_cnr_dbhz;
-        Msg1075: gnss_signal_fine_pseudorange_ms, gnss_signal_cnr_dbhz;
-        Msg1076: gnss_signal_fine_pseudorange_ext_ms, gnss_signal_cnr_ext_dbhz;
-        Msg1077: gnss_signal_fine_pseudorange_ext_ms, gnss_signal_cnr_ext_dbhz;
-        Msg1094: gnss_signal_fine_pseudorange_ms, gnss_signal_cnr_dbhz;
-        Msg1095: gnss_signal_fine_pseudorange_ms, gnss_signal_cnr_dbhz;
-        Msg1096: gnss_signal_fine_pseudorange_ext_ms, gnss_signal_cnr_ext_dbhz;
-        Msg1097: gnss_signal_fine_pseudorange_ext_ms, gnss_signal_cnr_ext_dbhz;
-        Msg1124: gnss_signal_fine_pseudorange_ms, gnss_signal_cnr_dbhz;
-        Msg1125: gnss_signal_fine_pseudorange_ms, gnss_signal_cnr_dbhz;
-        Msg1126: gnss_signal_fine_pseudorange_ext_ms, gnss_signal_cnr_ext_dbhz;
-        Msg1127: gnss_signal_fine_pseudorange_ext_ms, gnss_signal_cnr_ext_dbhz;
-    );
 }
