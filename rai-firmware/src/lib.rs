@@ -14,6 +14,8 @@ pub mod ephemeris;
 pub mod navigator;
 pub mod nmea;
 pub mod receiver;
+pub mod reset;
+pub mod ring;
 pub mod rtcm;
 pub mod selftest;
 pub mod signal;

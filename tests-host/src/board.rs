@@ -1,1 +1,199 @@
-//! To be described by its owner.
+//! The emulated board as an object: start it, feed it, read it, stop it.
+//!
+//! The three ports of the image are three sockets on which this process listens and to which the emulator connects, so
+//! no port number is guessed and no byte is lost before both sides are there. Threads empty the outgoing ports all the
+//! time: an emulated transmitter waits for its reader, and would stop the whole board.
+//!
+//! Everything that waits has a deadline. The emulator ends with the object, also when a test panics, and with this
+//! process, also when it is killed.
+//!
+//! Time on the board is counted: one instruction is one nanosecond, so the ticks that the image logs for an epoch give
+//! its instructions exactly, `instructions = ticks / f_core · 10⁹`.
+//!
+//! | symbol | field | unit |
+//! |---|---|---|
+//! | `f_core` | [`CORE_HZ`] | Hz |
+
+mod emulator;
+mod log;
+
+use std::io::{BufRead, BufReader, Write};
+use std::net::TcpStream;
+use std::path::Path;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, bail, ensure};
+
+use emulator::Emulator;
+pub use emulator::{Pace, Settings, is_installed};
+pub use log::LogLine;
+
+/// Frequency of the emulated core, Hz.
+pub const CORE_HZ: u64 = 168_000_000;
+
+/// How long a port may refuse bytes before the board counts as stuck.
+const WRITE_PATIENCE: Duration = Duration::from_secs(20);
+
+/// A running emulated board.
+pub struct EmulatedBoard {
+    gnss: TcpStream,
+    host: TcpStream,
+    lines: Receiver<Vec<u8>>,
+    log: Receiver<LogLine>,
+    seen: Vec<LogLine>,
+    emulator: Emulator,
+}
+
+impl EmulatedBoard {
+    /// Boots `image` at the pace of the host.
+    ///
+    /// # Errors
+    /// Where the image cannot be read or the emulator does not start.
+    pub fn start(image: &Path) -> anyhow::Result<Self> {
+        Self::start_with(image, &Settings::default())
+    }
+
+    /// Boots `image` with `settings`.
+    ///
+    /// # Errors
+    /// Where the image cannot be read or the emulator does not start.
+    pub fn start_with(image: &Path, settings: &Settings) -> anyhow::Result<Self> {
+        let elf = std::fs::read(image).with_context(|| format!("{} cannot be read", image.display()))?;
+        let table = log::table(&elf)?;
+        let (emulator, [host, gnss, log_port]) = Emulator::start(image, settings)?;
+        gnss.set_write_timeout(Some(WRITE_PATIENCE))?;
+        host.set_write_timeout(Some(WRITE_PATIENCE))?;
+        let lines = read_lines(host.try_clone()?);
+        Ok(Self { gnss, host, lines, log: log::follow(log_port, table), seen: Vec::new(), emulator })
+    }
+
+    /// Sends bytes to the GNSS port.
+    ///
+    /// # Errors
+    /// Where the board does not take them in time.
+    pub fn feed(&mut self, bytes: &[u8]) -> anyhow::Result<()> {
+        self.gnss.write_all(bytes).context("the board takes no GNSS bytes")
+    }
+
+    /// Sends bytes to the host port.
+    ///
+    /// # Errors
+    /// Where the board does not take them in time.
+    pub fn send(&mut self, bytes: &[u8]) -> anyhow::Result<()> {
+        self.host.write_all(bytes).context("the board takes no commands")
+    }
+
+    /// Sends the command `$PRAIC,{text}` with its checksum, for instance `PHASE,NPA`.
+    ///
+    /// # Errors
+    /// Where the board does not take it in time.
+    pub fn command(&mut self, text: &str) -> anyhow::Result<()> {
+        let body = format!("PRAIC,{text}");
+        let checksum = body.bytes().fold(0, |sum, byte| sum ^ byte);
+        self.send(format!("${body}*{checksum:02X}\r\n").as_bytes())
+    }
+
+    /// The next line of the host port, with its line end.
+    ///
+    /// # Errors
+    /// Where none comes within `patience`.
+    pub fn read_line(&mut self, patience: Duration) -> anyhow::Result<String> {
+        match self.lines.recv_timeout(patience) {
+            Ok(line) => String::from_utf8(line).context("the board sent bytes that are no text"),
+            Err(RecvTimeoutError::Timeout) => bail!("no line from the board within {patience:?}"),
+            Err(RecvTimeoutError::Disconnected) => bail!("the emulator has ended: {}", self.emulator.complaint()),
+        }
+    }
+
+    /// The next lines up to the first that starts with `prefix`, that one included.
+    ///
+    /// # Errors
+    /// Where it has not come within `patience`; the message holds the last line that did.
+    pub fn read_through(&mut self, prefix: &str, patience: Duration) -> anyhow::Result<Vec<String>> {
+        let deadline = Instant::now() + patience;
+        let mut lines: Vec<String> = Vec::new();
+        loop {
+            let left = deadline.saturating_duration_since(Instant::now());
+            let line = self.read_line(left).with_context(|| {
+                format!("waiting for {prefix}, after {:?}", lines.last().map_or("nothing", |line| line.trim_end()))
+            })?;
+            let found = line.starts_with(prefix);
+            lines.push(line);
+            if found {
+                return Ok(lines);
+            }
+        }
+    }
+
+    /// All that the board has logged so far.
+    pub fn log(&mut self) -> &[LogLine] {
+        self.seen.extend(self.log.try_iter());
+        &self.seen
+    }
+
+    /// The first log line from number `from` on that contains `words`, and its number.
+    ///
+    /// # Errors
+    /// Where it has not come within `patience`.
+    pub fn log_with(&mut self, words: &str, from: usize, patience: Duration) -> anyhow::Result<(usize, LogLine)> {
+        let deadline = Instant::now() + patience;
+        loop {
+            let found = self.log().iter().enumerate().skip(from).find(|(_, line)| line.text.contains(words));
+            if let Some((number, line)) = found {
+                return Ok((number, line.clone()));
+            }
+            let left = deadline.saturating_duration_since(Instant::now());
+            ensure!(!left.is_zero(), "the board did not log `{words}` within {patience:?}");
+            self.seen.extend(self.log.recv_timeout(left).ok());
+        }
+    }
+
+    /// The level of the integrity pin, as the log tells it: low until it says otherwise.
+    pub fn pin_is_high(&mut self) -> bool {
+        self.log().iter().rev().find_map(LogLine::pin_level).unwrap_or(false)
+    }
+
+    /// Instructions that each epoch has cost so far, from the first byte after the last one to its last sentence.
+    pub fn epoch_instructions(&mut self) -> Vec<u64> {
+        self.log().iter().filter_map(LogLine::epoch_ticks).map(instructions).collect()
+    }
+
+    /// Ends the emulator and waits for its end. Dropping the board does the same without a word.
+    ///
+    /// # Errors
+    /// Where the emulator had ended before, which a board does not do.
+    pub fn stop(self) -> anyhow::Result<()> {
+        self.emulator.stop()
+    }
+}
+
+/// Instructions that pass in `ticks` of the core clock: one each nanosecond.
+pub const fn instructions(ticks: u64) -> u64 {
+    ticks * (1_000_000_000 / 1_000_000) / (CORE_HZ / 1_000_000)
+}
+
+fn read_lines(port: TcpStream) -> Receiver<Vec<u8>> {
+    let (sender, lines) = channel();
+    std::thread::spawn(move || {
+        let mut reader = BufReader::new(port);
+        let mut line = Vec::new();
+        while reader.read_until(b'\n', &mut line).is_ok_and(|count| count > 0) {
+            if sender.send(std::mem::take(&mut line)).is_err() {
+                return;
+            }
+        }
+    });
+    lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn thousand_instructions_are_168_ticks() {
+        assert_eq!(instructions(168), 1000);
+        assert_eq!(instructions(672_000), 4_000_000);
+    }
+}

@@ -6,6 +6,7 @@ pub mod encode;
 pub mod evaluate;
 pub mod fault;
 pub mod gpsd;
+pub mod image;
 pub mod oracle;
 pub mod recording;
 pub mod replay;

@@ -1,0 +1,254 @@
+//! The three serial ports, driven by interrupts through byte rings.
+//!
+//! A port's interrupt moves what has come into its ring and what waits out of the other. Who puts bytes into a ring
+//! pends the interrupt once; from there the transmitter's own interrupt goes on. So sending starts the same way on a
+//! transmitter that interrupts when it is empty and on one that never is busy.
+//!
+//! | ring | bytes | holds |
+//! |---|---|---|
+//! | GNSS in | 8192 | more than the longest epoch (64 satellites with four signals: under 4 KB) |
+//! | host in | 256 | three commands |
+//! | host out | 4096 | three epochs of sentences |
+//! | log out | 2048 | a burst of forty frames |
+//!
+//! Lost bytes are counted by cause: ring full, or taken too late from the receiver (the hardware's overrun).
+//!
+//! References: [RM0090] §30.
+
+use core::convert::Infallible;
+use core::sync::atomic::{AtomicU32, Ordering};
+
+use cortex_m::peripheral::NVIC;
+use rai_firmware::ring::Ring;
+use stm32f4::stm32f405::{Interrupt, RCC, USART1, USART2, USART3, interrupt, usart1::RegisterBlock};
+
+use super::{
+    clock::{Clock, divider},
+    time,
+};
+
+/// Rate of all three ports.
+const BAUD: u32 = 115_200;
+
+/// How long a sentence may wait for room: twice what the longest takes on the wire.
+const PATIENCE_MS: u64 = 15;
+
+/// Bytes that one interrupt may take in: bounds the time in the handler, whatever the peripheral says.
+const BYTES_PER_INTERRUPT: usize = 64;
+
+static GNSS_IN: Ring<8192> = Ring::new();
+static HOST_IN: Ring<256> = Ring::new();
+static HOST_OUT: Ring<4096> = Ring::new();
+static LOG_OUT: Ring<2048> = Ring::new();
+/// Nothing is sent to the GNSS receiver; its transmitter has an empty ring.
+static GNSS_OUT: Ring<1> = Ring::new();
+/// Nothing is expected on the log port.
+static LOG_IN: Ring<1> = Ring::new();
+
+static GNSS_OVERRUNS: AtomicU32 = AtomicU32::new(0);
+static HOST_OVERRUNS: AtomicU32 = AtomicU32::new(0);
+
+/// Bytes lost at the ports since start, by cause.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, defmt::Format)]
+pub struct Losses {
+    /// GNSS bytes for which the ring had no room.
+    pub gnss_ring_full: u32,
+    /// GNSS bytes that the interrupt came too late for.
+    pub gnss_overrun: u32,
+    /// Command bytes for which the ring had no room.
+    pub host_ring_full: u32,
+    /// Command bytes that the interrupt came too late for.
+    pub host_overrun: u32,
+    /// Bytes of sentences that nobody fetched.
+    pub host_out: u32,
+    /// Bytes of log frames that nobody fetched.
+    pub log_out: u32,
+}
+
+/// Bytes lost since start.
+pub fn losses() -> Losses {
+    Losses {
+        gnss_ring_full: GNSS_IN.dropped(),
+        gnss_overrun: GNSS_OVERRUNS.load(Ordering::Relaxed),
+        host_ring_full: HOST_IN.dropped(),
+        host_overrun: HOST_OVERRUNS.load(Ordering::Relaxed),
+        host_out: HOST_OUT.dropped(),
+        log_out: LOG_OUT.dropped(),
+    }
+}
+
+/// Starts the ports and their interrupts; returns the way out to the host.
+pub fn start(rcc: &RCC, host: &USART1, gnss: &USART2, log: &USART3, clock: Clock) -> HostPort {
+    rcc.apb1enr().modify(|_, w| w.usart2en().enabled().usart3en().enabled());
+    rcc.apb2enr().modify(|_, w| w.usart1en().enabled());
+    enable(host, divider(clock.bus2_hz, BAUD));
+    enable(gnss, divider(clock.bus1_hz, BAUD));
+    enable(log, divider(clock.bus1_hz, BAUD));
+    unmask();
+    HostPort { line: heapless::Vec::new(), lines: 0 }
+}
+
+#[allow(unsafe_code)]
+fn enable(port: &RegisterBlock, divider: u16) {
+    // SAFETY: any 16-bit value is a legal divider.
+    port.brr().write(|w| unsafe { w.bits(divider) });
+    port.cr1().write(|w| w.ue().enabled().te().enabled().re().enabled().rxneie().enabled());
+}
+
+#[allow(unsafe_code)]
+fn unmask() {
+    // SAFETY: the handlers below touch only their rings and registers, which are ready; no critical section that
+    // works by masking single interrupts exists.
+    unsafe {
+        NVIC::unmask(Interrupt::USART1);
+        NVIC::unmask(Interrupt::USART2);
+        NVIC::unmask(Interrupt::USART3);
+    }
+}
+
+/// Moves GNSS bytes that have come into `chunk`, and says how many.
+pub fn read_gnss(chunk: &mut [u8]) -> usize {
+    GNSS_IN.read_into(chunk)
+}
+
+/// Moves command bytes that have come into `chunk`, and says how many.
+pub fn read_host(chunk: &mut [u8]) -> usize {
+    HOST_IN.read_into(chunk)
+}
+
+/// Whether bytes wait for the epoch loop.
+pub fn input_waits() -> bool {
+    !GNSS_IN.is_empty() || !HOST_IN.is_empty()
+}
+
+/// Queues one frame of the log, whole or not at all; never waits. To be called with interrupts held back, since every
+/// context logs and a ring has one writer.
+pub fn send_log(frame: &[u8]) {
+    LOG_OUT.push_whole(frame);
+    NVIC::pend(Interrupt::USART3);
+}
+
+/// The way out to the host: sentences, whole or not at all.
+///
+/// A host that reads too slowly costs at most [`PATIENCE_MS`] per sentence; then the sentence is dropped and counted.
+pub struct HostPort {
+    line: heapless::Vec<u8, 128>,
+    lines: u32,
+}
+
+impl HostPort {
+    /// Lines that were sent or dropped since start; wraps.
+    pub fn lines(&self) -> u32 {
+        self.lines
+    }
+
+    fn append(&mut self, byte: u8) {
+        if self.line.push(byte).is_err() {
+            self.send();
+            // There is room now: `send` leaves the line empty.
+            let _ = self.line.push(byte);
+        }
+        if byte == b'\n' {
+            self.send();
+        }
+    }
+
+    fn send(&mut self) {
+        let deadline_ms = time::now_ms() + PATIENCE_MS;
+        while !HOST_OUT.offer(&self.line) {
+            if time::now_ms() > deadline_ms {
+                HOST_OUT.drop_whole(self.line.len());
+                break;
+            }
+        }
+        self.line.clear();
+        self.lines = self.lines.wrapping_add(1);
+        NVIC::pend(Interrupt::USART1);
+    }
+
+    /// Waits until all has left the chip, at most a second: before a reset that was asked for.
+    pub fn drain(&self) {
+        let deadline_ms = time::now_ms() + 1000;
+        while !(HOST_OUT.is_empty() && LOG_OUT.is_empty()) && time::now_ms() < deadline_ms {}
+        // The last byte is still in the transmitter: one character is 87 µs.
+        let last_ms = time::now_ms() + 2;
+        while time::now_ms() < last_ms {}
+    }
+}
+
+impl embedded_io::ErrorType for HostPort {
+    type Error = Infallible;
+}
+
+impl embedded_io::Write for HostPort {
+    fn write(&mut self, bytes: &[u8]) -> Result<usize, Infallible> {
+        bytes.iter().for_each(|&byte| self.append(byte));
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> Result<(), Infallible> {
+        if !self.line.is_empty() {
+            self.send();
+        }
+        Ok(())
+    }
+}
+
+/// Takes in what has come; counts a hardware overrun, which reading the data register also clears.
+fn receive<const N: usize>(port: &RegisterBlock, ring: &Ring<N>, overruns: &AtomicU32) {
+    for _ in 0..BYTES_PER_INTERRUPT {
+        let status = port.sr().read();
+        if status.ore().bit_is_set() {
+            overruns.store(overruns.load(Ordering::Relaxed).saturating_add(1), Ordering::Relaxed);
+        }
+        if status.rxne().bit_is_clear() && status.ore().bit_is_clear() {
+            return;
+        }
+        let byte = port.dr().read().dr().bits() as u8;
+        if status.rxne().bit_is_set() {
+            ring.push(byte);
+        }
+    }
+}
+
+/// Sends while the transmitter takes bytes, then asks to be called again, or not if nothing is left.
+#[allow(unsafe_code)]
+fn transmit<const N: usize>(port: &RegisterBlock, ring: &Ring<N>) {
+    for _ in 0..N {
+        if port.sr().read().txe().bit_is_clear() {
+            break;
+        }
+        let Some(byte) = ring.pop() else { break };
+        // SAFETY: any byte may be sent.
+        port.dr().write(|w| unsafe { w.dr().bits(u16::from(byte)) });
+    }
+    port.cr1().modify(|_, w| w.txeie().bit(!ring.is_empty()));
+}
+
+#[interrupt]
+#[allow(unsafe_code)]
+fn USART1() {
+    // SAFETY: after start-up only this handler touches the port's registers.
+    let port = unsafe { USART1::steal() };
+    receive(&port, &HOST_IN, &HOST_OVERRUNS);
+    transmit(&port, &HOST_OUT);
+}
+
+#[interrupt]
+#[allow(unsafe_code)]
+fn USART2() {
+    // SAFETY: after start-up only this handler touches the port's registers.
+    let port = unsafe { USART2::steal() };
+    receive(&port, &GNSS_IN, &GNSS_OVERRUNS);
+    transmit(&port, &GNSS_OUT);
+}
+
+#[interrupt]
+#[allow(unsafe_code)]
+fn USART3() {
+    static IGNORED: AtomicU32 = AtomicU32::new(0);
+    // SAFETY: after start-up only this handler touches the port's registers.
+    let port = unsafe { USART3::steal() };
+    receive(&port, &LOG_IN, &IGNORED);
+    transmit(&port, &LOG_OUT);
+}

@@ -1,0 +1,40 @@
+//! The independent watchdog: resets the module if the epoch loop stops.
+//!
+//! `T = 32 · RLR / f_LSI`. It runs from its own oscillator, so it survives a dead crystal, and cannot be stopped.
+//!
+//! | symbol | value | unit |
+//! |---|---|---|
+//! | `f_LSI` | 17 000 to 47 000 | Hz |
+//! | `RLR` | 2000 | – |
+//! | `T` | 1.4 to 3.8 | s |
+//!
+//! References: [RM0090] §21, [DS8626] table 35.
+
+use stm32f4::stm32f405::IWDG;
+
+/// Counts before the reset.
+const RELOAD: u16 = 2000;
+
+/// The running watchdog. Only the epoch loop holds it, so only the epoch loop can feed it.
+pub struct Watchdog {
+    registers: IWDG,
+}
+
+impl Watchdog {
+    /// Starts the watchdog. The new period is taken over by itself within a few of its own clocks; until then the
+    /// default of half a second runs, so no wait is needed.
+    pub fn start(registers: IWDG) -> Self {
+        registers.kr().write(|w| w.key().start());
+        registers.kr().write(|w| w.key().unlock());
+        registers.pr().write(|w| w.pr().divide_by32());
+        registers.rlr().write(|w| w.rl().set(RELOAD));
+        let mut watchdog = Self { registers };
+        watchdog.feed();
+        watchdog
+    }
+
+    /// Says that the epoch loop came round.
+    pub fn feed(&mut self) {
+        self.registers.kr().write(|w| w.key().feed());
+    }
+}

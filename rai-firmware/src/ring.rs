@@ -1,0 +1,205 @@
+//! A byte ring between an interrupt and the main loop.
+//!
+//! One side writes, one side reads, neither waits: a byte that finds no room is dropped and counted. `written` and
+//! `read` run freely and wrap with the machine word, so their difference is the fill level and no slot is wasted.
+//!
+//! | symbol | field | unit |
+//! |---|---|---|
+//! | `N` | capacity, a power of two | bytes |
+//! | `written − read` | fill level | bytes |
+//! | `dropped` | lost for lack of room | bytes |
+//!
+//! Assumes one writer and one reader. The bytes themselves are atomics, so that a second writer by mistake would
+//! garble the stream but could not break memory, and the module needs no `unsafe`.
+
+use core::sync::atomic::{AtomicU8, AtomicU32, AtomicUsize, Ordering};
+
+/// A ring of `N` bytes for one writer and one reader in different contexts.
+pub struct Ring<const N: usize> {
+    bytes: [AtomicU8; N],
+    written: AtomicUsize,
+    read: AtomicUsize,
+    dropped: AtomicU32,
+}
+
+impl<const N: usize> Ring<N> {
+    /// An empty ring.
+    pub const fn new() -> Self {
+        const { assert!(N.is_power_of_two(), "the free-running positions wrap only over a power of two") };
+        Self {
+            bytes: [const { AtomicU8::new(0) }; N],
+            written: AtomicUsize::new(0),
+            read: AtomicUsize::new(0),
+            dropped: AtomicU32::new(0),
+        }
+    }
+
+    /// Bytes that wait to be read.
+    pub fn len(&self) -> usize {
+        self.written.load(Ordering::Acquire).wrapping_sub(self.read.load(Ordering::Acquire))
+    }
+
+    /// Whether nothing waits.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Bytes that were lost because the ring was full; saturates.
+    pub fn dropped(&self) -> u32 {
+        self.dropped.load(Ordering::Relaxed)
+    }
+
+    /// Writer's side: appends one byte, or counts it as dropped. Says whether it fitted.
+    pub fn push(&self, byte: u8) -> bool {
+        self.push_whole(&[byte])
+    }
+
+    /// Writer's side: appends all of `bytes` or none, so that a reader never meets half a sentence.
+    ///
+    /// Does not count: the caller may try again; [`Ring::drop_whole`] counts when it gives up.
+    pub fn offer(&self, bytes: &[u8]) -> bool {
+        let written = self.written.load(Ordering::Relaxed);
+        let fill = written.wrapping_sub(self.read.load(Ordering::Acquire));
+        if bytes.len() > N.saturating_sub(fill) {
+            return false;
+        }
+        for (offset, &byte) in bytes.iter().enumerate() {
+            if let Some(slot) = self.slot(written.wrapping_add(offset)) {
+                slot.store(byte, Ordering::Relaxed);
+            }
+        }
+        self.written.store(written.wrapping_add(bytes.len()), Ordering::Release);
+        true
+    }
+
+    /// Writer's side: as [`Ring::offer`], and counts `bytes` as dropped if there was no room.
+    pub fn push_whole(&self, bytes: &[u8]) -> bool {
+        let fitted = self.offer(bytes);
+        if !fitted {
+            self.drop_whole(bytes.len());
+        }
+        fitted
+    }
+
+    /// Writer's side: counts `count` bytes as lost.
+    pub fn drop_whole(&self, count: usize) {
+        let before = self.dropped.load(Ordering::Relaxed);
+        let count = u32::try_from(count).unwrap_or(u32::MAX);
+        self.dropped.store(before.saturating_add(count), Ordering::Relaxed);
+    }
+
+    /// Reader's side: the oldest byte.
+    pub fn pop(&self) -> Option<u8> {
+        let mut byte = [0];
+        (self.read_into(&mut byte) == 1).then_some(byte[0])
+    }
+
+    /// Reader's side: moves the oldest bytes into `chunk` and says how many there were.
+    pub fn read_into(&self, chunk: &mut [u8]) -> usize {
+        let read = self.read.load(Ordering::Relaxed);
+        let count = self.written.load(Ordering::Acquire).wrapping_sub(read).min(chunk.len());
+        for (offset, byte) in chunk.iter_mut().take(count).enumerate() {
+            if let Some(slot) = self.slot(read.wrapping_add(offset)) {
+                *byte = slot.load(Ordering::Relaxed);
+            }
+        }
+        self.read.store(read.wrapping_add(count), Ordering::Release);
+        count
+    }
+
+    fn slot(&self, position: usize) -> Option<&AtomicU8> {
+        self.bytes.get(position & (N - 1))
+    }
+}
+
+impl<const N: usize> Default for Ring<N> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::vec::Vec;
+
+    use super::*;
+
+    #[test]
+    fn bytes_leave_in_the_order_they_came_across_the_seam() {
+        let ring = Ring::<8>::new();
+        let mut have = Vec::new();
+        for round in 0..5_u8 {
+            for byte in 0..5 {
+                assert!(ring.push(round * 5 + byte));
+            }
+            let mut chunk = [0; 8];
+            let count = ring.read_into(&mut chunk);
+            have.extend_from_slice(&chunk[..count]);
+        }
+        let want: Vec<u8> = (0..25).collect();
+        assert_eq!(have, want);
+    }
+
+    #[test]
+    fn full_ring_drops_the_new_byte_and_counts_it() {
+        let ring = Ring::<4>::new();
+        let have: Vec<bool> = (0..6).map(|byte| ring.push(byte)).collect();
+        assert_eq!(have, [true, true, true, true, false, false]);
+        assert_eq!(ring.dropped(), 2);
+        assert_eq!(ring.pop(), Some(0), "what was stored first must survive the overrun");
+    }
+
+    #[test]
+    fn sentence_that_does_not_fit_leaves_no_fragment() {
+        let ring = Ring::<16>::new();
+        assert!(ring.push_whole(b"0123456789"));
+        assert!(!ring.push_whole(b"abcdefgh"));
+        assert!(ring.push_whole(b"ABCDEF"));
+        let mut chunk = [0; 32];
+        let count = ring.read_into(&mut chunk);
+        assert_eq!(&chunk[..count], b"0123456789ABCDEF");
+        assert_eq!(ring.dropped(), 8);
+    }
+
+    #[test]
+    fn offer_that_failed_is_not_yet_a_loss() {
+        let ring = Ring::<2>::new();
+        assert!(!ring.offer(b"abc"));
+        assert_eq!((ring.dropped(), ring.len()), (0, 0));
+    }
+
+    #[test]
+    fn positions_survive_the_wrap_of_the_machine_word() {
+        let ring = Ring::<8>::new();
+        ring.written.store(usize::MAX - 2, Ordering::Relaxed);
+        ring.read.store(usize::MAX - 2, Ordering::Relaxed);
+        assert!(ring.push_whole(b"wrapped"));
+        assert_eq!(ring.len(), 7);
+        let mut chunk = [0; 7];
+        assert_eq!(ring.read_into(&mut chunk), 7);
+        assert_eq!(&chunk, b"wrapped");
+    }
+
+    #[test]
+    fn two_threads_lose_nothing_that_was_accepted() {
+        const COUNT: u32 = 200_000;
+        static RING: Ring<64> = Ring::new();
+        let writer = std::thread::spawn(|| {
+            for number in 0..COUNT {
+                while !RING.offer(&[number as u8]) {
+                    std::thread::yield_now();
+                }
+            }
+        });
+        for number in 0..COUNT {
+            let byte = loop {
+                match RING.pop() {
+                    Some(byte) => break byte,
+                    None => std::thread::yield_now(),
+                }
+            };
+            assert_eq!(byte, number as u8, "at byte {number}");
+        }
+        writer.join().expect("the writer ends");
+    }
+}

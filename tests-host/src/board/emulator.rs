@@ -1,0 +1,200 @@
+//! The emulator's process and its three sockets.
+
+use std::io::Read;
+use std::net::{TcpListener, TcpStream};
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, bail};
+
+/// The emulator's program.
+const PROGRAM: &str = "qemu-system-arm";
+/// The machine with the chip of the board.
+const MACHINE: &str = "netduinoplus2";
+/// How long the emulator may take to connect its ports.
+const START_PATIENCE: Duration = Duration::from_secs(20);
+
+/// How the board's time runs while its core sleeps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Pace {
+    /// As fast as the host's: a host that thinks for a second lets a second pass.
+    #[default]
+    Wall,
+    /// Jumps to the next timer: minutes of silence pass in no time. Only for tests of silence, since a host that feeds
+    /// the board would always be too late.
+    Leap,
+}
+
+/// How to start the emulator.
+#[derive(Clone, Debug, Default)]
+pub struct Settings {
+    /// How time runs.
+    pub pace: Pace,
+    /// Further arguments of the emulator, such as a debugger's socket.
+    pub arguments: Vec<String>,
+}
+
+/// Whether the emulator is there; says aloud that the caller is skipped where it is not.
+pub fn is_installed() -> bool {
+    let found = finds(PROGRAM);
+    if !found {
+        eprintln!("skipped: needs {PROGRAM} (`cargo xtask setup` installs it)");
+    }
+    found
+}
+
+fn finds(program: &str) -> bool {
+    std::env::var_os("PATH")
+        .is_some_and(|path| std::env::split_paths(&path).any(|folder| folder.join(program).is_file()))
+}
+
+/// A running emulator; ends with the value.
+pub(super) struct Emulator {
+    end: Option<Sender<()>>,
+    keeper: Option<JoinHandle<anyhow::Result<()>>>,
+    complaint: Receiver<String>,
+}
+
+impl Emulator {
+    /// Starts the emulator and waits until its ports USART1, 2, 3 are connected.
+    pub(super) fn start(image: &Path, settings: &Settings) -> anyhow::Result<(Self, [TcpStream; 3])> {
+        let listeners = [listen()?, listen()?, listen()?];
+        let command = command(image, settings, &listeners)?;
+        let (started, starting) = channel();
+        let (end, ending) = channel();
+        let (complain, complaint) = channel();
+        let keeper = std::thread::spawn(move || keep(command, &started, &ending, &complain));
+        starting.recv().context("the emulator's keeper has ended")??;
+        let emulator = Self { end: Some(end), keeper: Some(keeper), complaint };
+        let deadline = Instant::now() + START_PATIENCE;
+        let mut ports = Vec::new();
+        for listener in &listeners {
+            ports.push(accept(listener, deadline, &emulator)?);
+        }
+        let ports = ports.try_into().ok().context("three listeners give three ports")?;
+        Ok((emulator, ports))
+    }
+
+    /// What the emulator said to its user, if it has ended.
+    pub(super) fn complaint(&self) -> String {
+        self.complaint.recv_timeout(Duration::from_secs(1)).unwrap_or_else(|_| "it did not say why".into())
+    }
+
+    /// Ends the emulator; an error if it had ended by itself.
+    pub(super) fn stop(mut self) -> anyhow::Result<()> {
+        self.end()
+    }
+
+    fn end(&mut self) -> anyhow::Result<()> {
+        drop(self.end.take());
+        match self.keeper.take().map(JoinHandle::join) {
+            Some(Ok(result)) => result,
+            Some(Err(_)) => bail!("the emulator's keeper panicked"),
+            None => Ok(()),
+        }
+    }
+}
+
+impl Drop for Emulator {
+    fn drop(&mut self) {
+        // Nobody is left to hear about a board that ended early.
+        let _ = self.end();
+    }
+}
+
+fn listen() -> anyhow::Result<TcpListener> {
+    let listener = TcpListener::bind(("127.0.0.1", 0)).context("no local port for the emulator")?;
+    listener.set_nonblocking(true)?;
+    Ok(listener)
+}
+
+fn accept(listener: &TcpListener, deadline: Instant, emulator: &Emulator) -> anyhow::Result<TcpStream> {
+    while Instant::now() < deadline {
+        if let Ok((port, _)) = listener.accept() {
+            port.set_nonblocking(false)?;
+            port.set_nodelay(true)?;
+            return Ok(port);
+        }
+        if let Ok(complaint) = emulator.complaint.try_recv() {
+            bail!("the emulator did not start: {complaint}");
+        }
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    bail!("the emulator did not connect its ports within {START_PATIENCE:?}")
+}
+
+/// The kernel ends a child with the thread that started it if it is asked to, which `setpriv` does where it exists;
+/// elsewhere a killed parent would leave the emulator behind.
+fn command(image: &Path, settings: &Settings, ports: &[TcpListener; 3]) -> anyhow::Result<Command> {
+    let mut command = if finds("setpriv") {
+        let mut command = Command::new("setpriv");
+        command.args(["--pdeathsig", "KILL", "--", PROGRAM]);
+        command
+    } else {
+        Command::new(PROGRAM)
+    };
+    let icount = match settings.pace {
+        Pace::Wall => "shift=0",
+        Pace::Leap => "shift=0,sleep=off",
+    };
+    command.args(["-machine", MACHINE, "-display", "none", "-monitor", "none", "-icount", icount, "-kernel"]);
+    command.arg(image);
+    for (number, listener) in ports.iter().enumerate() {
+        let port = listener.local_addr()?.port();
+        let socket = format!("socket,id=port{number},host=127.0.0.1,port={port},nodelay=on");
+        command.args(["-chardev", &socket, "-serial", &format!("chardev:port{number}")]);
+    }
+    command.args(&settings.arguments).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped());
+    Ok(command)
+}
+
+/// Owns the process from its start to its end, in a thread that lives as long as the board does.
+fn keep(
+    mut command: Command,
+    started: &Sender<anyhow::Result<()>>,
+    ending: &Receiver<()>,
+    complain: &Sender<String>,
+) -> anyhow::Result<()> {
+    let mut child = match command.spawn() {
+        Ok(child) => child,
+        Err(error) => {
+            let _ = started.send(Err(anyhow::Error::new(error).context(format!("{PROGRAM} cannot be run"))));
+            return Ok(());
+        }
+    };
+    let _ = started.send(Ok(()));
+    let said = child.stderr.take().map(collect);
+    let ended_early = wait_for_end(&mut child, ending);
+    let _ = child.kill();
+    child.wait()?;
+    if !ended_early {
+        return Ok(());
+    }
+    let text = said.and_then(|reader| reader.join().ok()).unwrap_or_default();
+    let _ = complain.send(text.trim().to_owned());
+    bail!("the emulator ended by itself: {}", text.trim())
+}
+
+/// Waits until the board is dropped or the process ends; says whether it was the process.
+fn wait_for_end(child: &mut Child, ending: &Receiver<()>) -> bool {
+    loop {
+        match ending.recv_timeout(Duration::from_millis(50)) {
+            Err(std::sync::mpsc::RecvTimeoutError::Timeout) => {}
+            _ => return matches!(child.try_wait(), Ok(Some(_))),
+        }
+        if matches!(child.try_wait(), Ok(Some(_))) {
+            return true;
+        }
+    }
+}
+
+fn collect(mut stream: impl Read + Send + 'static) -> JoinHandle<String> {
+    std::thread::spawn(move || {
+        let mut text = String::new();
+        let _ = stream.read_to_string(&mut text);
+        text
+    })
+}
