@@ -177,7 +177,11 @@ mod tests {
 
     #[test]
     fn record_survives_and_noise_is_no_record() {
-        let faults = [Fault::Panic { file: 0xDEAD_BEEF, line: 321 }, Fault::Hard { address: 0x0800_1234 }, Fault::Clock];
+        let faults = [
+            Fault::Panic { file: 0xDEAD_BEEF, line: 321 },
+            Fault::Hard { address: 0x0800_1234 },
+            Fault::Clock,
+        ];
         for want in faults {
             assert_eq!(Record::of(want).fault(), Some(want));
         }

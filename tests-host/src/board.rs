@@ -102,7 +102,9 @@ impl EmulatedBoard {
         match self.lines.recv_timeout(patience) {
             Ok(line) => String::from_utf8(line).context("the board sent bytes that are no text"),
             Err(RecvTimeoutError::Timeout) => bail!("no line from the board within {patience:?}"),
-            Err(RecvTimeoutError::Disconnected) => bail!("the emulator has ended: {}", self.emulator.complaint()),
+            Err(RecvTimeoutError::Disconnected) => {
+                bail!("the emulator has ended: {}", self.emulator.complaint())
+            }
         }
     }
 
@@ -116,7 +118,10 @@ impl EmulatedBoard {
         loop {
             let left = deadline.saturating_duration_since(Instant::now());
             let line = self.read_line(left).with_context(|| {
-                format!("waiting for {prefix}, after {:?}", lines.last().map_or("nothing", |line| line.trim_end()))
+                format!(
+                    "waiting for {prefix}, after {:?}",
+                    lines.last().map_or("nothing", |line| line.trim_end())
+                )
             })?;
             let found = line.starts_with(prefix);
             lines.push(line);
@@ -136,7 +141,12 @@ impl EmulatedBoard {
     ///
     /// # Errors
     /// Where it has not come within `patience`.
-    pub fn log_with(&mut self, words: &str, from: usize, patience: Duration) -> anyhow::Result<(usize, LogLine)> {
+    pub fn log_with(
+        &mut self,
+        words: &str,
+        from: usize,
+        patience: Duration,
+    ) -> anyhow::Result<(usize, LogLine)> {
         let deadline = Instant::now() + patience;
         loop {
             let found = self.log().iter().enumerate().skip(from).find(|(_, line)| line.text.contains(words));
@@ -157,6 +167,11 @@ impl EmulatedBoard {
     /// Instructions that each epoch has cost so far, from the first byte after the last one to its last sentence.
     pub fn epoch_instructions(&mut self) -> Vec<u64> {
         self.log().iter().filter_map(LogLine::epoch_ticks).map(instructions).collect()
+    }
+
+    /// Number of the emulator's process.
+    pub fn process_id(&self) -> u32 {
+        self.emulator.process_id()
     }
 
     /// Ends the emulator and waits for its end. Dropping the board does the same without a word.

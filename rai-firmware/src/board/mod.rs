@@ -36,7 +36,10 @@ mod hardware {
     use rai_firmware::reset::ResetCause;
     use stm32f4::stm32f405::Peripherals;
 
-    use super::{clock::Clock, fault, pins, pins::IntegrityPin, ports, ports::HostPort, stack, time, watchdog::Watchdog};
+    use super::{
+        clock::Clock, fault, pins, pins::IntegrityPin, ports, ports::HostPort, stack, time,
+        watchdog::Watchdog,
+    };
 
     /// The board after start-up: what the epoch loop needs, and why the module started.
     pub struct Board {
@@ -57,10 +60,10 @@ mod hardware {
         ///
         /// The pin comes first, so that it is driven low before anything can go wrong.
         pub fn take() -> Option<Self> {
-            let core = cortex_m::Peripherals::take()?;
+            let mut core = cortex_m::Peripherals::take()?;
             let chip = Peripherals::take()?;
             let pin = IntegrityPin::take(&chip.RCC, chip.GPIOC);
-            stack::guard(core.MPU, core.SCB);
+            stack::guard(&core.MPU, &mut core.SCB);
             let reset_cause = fault::reset_cause(&chip.RCC);
             let clock = Clock::start(&chip.RCC, &chip.FLASH);
             time::start(core.SYST, clock);

@@ -70,6 +70,8 @@ pub fn route_ports(rcc: &RCC, a: &GPIOA, b: &GPIOB) {
     b.afrh().modify(|_, w| w.afrh10().af7());
     // A receiver input whose cable is unplugged must rest at the idle level and not collect noise.
     a.pupdr().modify(|_, w| w.pupdr3().pull_up().pupdr10().pull_up());
-    a.moder().modify(|_, w| w.moder2().alternate().moder3().alternate().moder9().alternate().moder10().alternate());
+    a.moder().modify(|_, w| {
+        w.moder2().alternate().moder3().alternate().moder9().alternate().moder10().alternate()
+    });
     b.moder().modify(|_, w| w.moder10().alternate());
 }

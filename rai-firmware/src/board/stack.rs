@@ -32,7 +32,7 @@ fn guard_start() -> usize {
 
 /// Forbids access to the guard.
 #[allow(unsafe_code)]
-pub fn guard(mpu: MPU, mut scb: SCB) {
+pub fn guard(mpu: &MPU, scb: &mut SCB) {
     const REGION_VALID: u32 = 1 << 4;
     const NO_ACCESS_NO_EXECUTE: u32 = 1 << 28;
     const SIZE_256: u32 = 7 << 1;
@@ -60,6 +60,8 @@ pub fn high_water_bytes() -> u32 {
         .step_by(4)
         // SAFETY: the address lies between the guard and the top of RAM, aligned to a word; a stack slot that changes
         // under the read yields some value other than the paint, which is the truth about it.
-        .find(|&address| unsafe { ptr::read_volatile(address as *const u32) } != cortex_m_rt::STACK_PAINT_VALUE);
+        .find(
+            |&address| unsafe { ptr::read_volatile(address as *const u32) } != cortex_m_rt::STACK_PAINT_VALUE,
+        );
     (top - lowest.unwrap_or(top)) as u32
 }

@@ -56,6 +56,7 @@ pub(super) struct Emulator {
     end: Option<Sender<()>>,
     keeper: Option<JoinHandle<anyhow::Result<()>>>,
     complaint: Receiver<String>,
+    process_id: u32,
 }
 
 impl Emulator {
@@ -67,8 +68,8 @@ impl Emulator {
         let (end, ending) = channel();
         let (complain, complaint) = channel();
         let keeper = std::thread::spawn(move || keep(command, &started, &ending, &complain));
-        starting.recv().context("the emulator's keeper has ended")??;
-        let emulator = Self { end: Some(end), keeper: Some(keeper), complaint };
+        let process_id = starting.recv().context("the emulator's keeper has ended")??;
+        let emulator = Self { end: Some(end), keeper: Some(keeper), complaint, process_id };
         let deadline = Instant::now() + START_PATIENCE;
         let mut ports = Vec::new();
         for listener in &listeners {
@@ -81,6 +82,10 @@ impl Emulator {
     /// What the emulator said to its user, if it has ended.
     pub(super) fn complaint(&self) -> String {
         self.complaint.recv_timeout(Duration::from_secs(1)).unwrap_or_else(|_| "it did not say why".into())
+    }
+
+    pub(super) fn process_id(&self) -> u32 {
+        self.process_id
     }
 
     /// Ends the emulator; an error if it had ended by itself.
@@ -154,7 +159,7 @@ fn command(image: &Path, settings: &Settings, ports: &[TcpListener; 3]) -> anyho
 /// Owns the process from its start to its end, in a thread that lives as long as the board does.
 fn keep(
     mut command: Command,
-    started: &Sender<anyhow::Result<()>>,
+    started: &Sender<anyhow::Result<u32>>,
     ending: &Receiver<()>,
     complain: &Sender<String>,
 ) -> anyhow::Result<()> {
@@ -165,7 +170,7 @@ fn keep(
             return Ok(());
         }
     };
-    let _ = started.send(Ok(()));
+    let _ = started.send(Ok(child.id()));
     let said = child.stderr.take().map(collect);
     let ended_early = wait_for_end(&mut child, ending);
     let _ = child.kill();

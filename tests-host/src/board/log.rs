@@ -21,7 +21,10 @@ pub struct LogLine {
 impl LogLine {
     fn of(frame: &Frame<'_>) -> Self {
         Self {
-            time_s: frame.display_timestamp().and_then(|time| time.to_string().parse().ok()).unwrap_or(f64::NAN),
+            time_s: frame
+                .display_timestamp()
+                .and_then(|time| time.to_string().parse().ok())
+                .unwrap_or(f64::NAN),
             level: frame.level().map_or("", |level| level.as_str()).to_owned(),
             text: frame.display_message().to_string(),
         }
