@@ -146,6 +146,8 @@ mod fault {
         fn stop(&mut self) {
             self.0.write_all(&[3]).expect("the emulator listens");
             self.answer();
+            // Asked for its registers' names, the emulator also lets them be set.
+            self.ask("qXfer:features:read:target.xml:0,ff");
         }
 
         fn jump(&mut self, address: u32) {
@@ -166,11 +168,8 @@ mod fault {
                 .to_vec();
         let settings = Settings { arguments, ..Settings::default() };
         let mut board = EmulatedBoard::start_with(&built(), &settings).expect("the board starts");
-        let mut debugger = Debugger(listener.accept().expect("the emulator connects").0);
+        let debugger = Debugger(listener.accept().expect("the emulator connects").0);
         debugger.0.set_read_timeout(Some(PATIENCE)).expect("a deadline");
-        // Asked for its registers' names, the emulator also lets them be set.
-        debugger.ask("qXfer:features:read:target.xml:0,ff");
-        debugger.go_on();
         board.read_through("$PRAIV", PATIENCE).expect("the board greets");
         Some((board, debugger))
     }
