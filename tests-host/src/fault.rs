@@ -19,6 +19,8 @@ use std::fmt;
 
 use rai_core::satellite::{Constellation, SatelliteId};
 
+use crate::recording::RawEpoch;
+
 /// Whom a fault befalls.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Target {
@@ -83,6 +85,27 @@ pub trait Measured {
     fn lengthen(&mut self, satellite: SatelliteId, by_m: f64);
     /// Removes a satellite.
     fn lose(&mut self, satellite: SatelliteId);
+}
+
+impl Measured for RawEpoch {
+    fn time_s(&self) -> f64 {
+        self.time.to_s()
+    }
+
+    fn satellites(&self) -> Vec<SatelliteId> {
+        self.satellites.iter().map(|raw| raw.satellite).collect()
+    }
+
+    fn lengthen(&mut self, satellite: SatelliteId, by_m: f64) {
+        let of_satellite = self.satellites.iter_mut().filter(|raw| raw.satellite == satellite);
+        for signal in of_satellite.flat_map(|raw| &mut raw.signals) {
+            signal.pseudorange_m += by_m;
+        }
+    }
+
+    fn lose(&mut self, satellite: SatelliteId) {
+        self.satellites.retain(|raw| raw.satellite != satellite);
+    }
 }
 
 impl Fault {

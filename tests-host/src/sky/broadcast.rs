@@ -11,7 +11,7 @@
 //!
 //! | symbol | field | unit |
 //! |---|---|---|
-//! | `toe` | [`Issue::reference`] | GPS time, a full multiple of 16 s |
+//! | `toe` | [`TimedEphemeris::toe`] | GPS time |
 //! | `a_f0`, `a_f1` | [`SatelliteClock`] | s, s/s |
 //!
 //! Group delays, harmonic corrections and drifts of the inclination are zero. What the fields of the messages round
@@ -26,6 +26,7 @@ use rtcm_rs::msg::{Msg1019T, Msg1042T};
 
 use super::fleet::Satellite;
 use super::orbit::Orbit;
+use crate::encode::{Ephemeris, TimedEphemeris};
 
 /// What a system's interface document fixes.
 struct Convention {
@@ -72,31 +73,33 @@ impl SatelliteClock {
     }
 }
 
-/// An ephemeris as a message.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Issue {
-    /// GPS.
-    Gps(Msg1019T),
-    /// `BeiDou`.
-    Beidou(Msg1042T),
-}
-
 /// The ephemeris of a satellite for the time around `t_s`, on a sky whose `t = 0` is at `origin`; `None` for systems
 /// that are not simulated.
 ///
-/// `t_s` and `origin` are full multiples of 16 s, as the messages count.
-pub fn issue(satellite: &Satellite, origin: GpsTime, t_s: f64, number: u8) -> Option<Issue> {
-    let reference = GpsTime::from_ms(origin.to_ms() + (t_s * 1e3) as u64);
-    match satellite.id.constellation() {
-        Constellation::Gps => Some(Issue::Gps(gps(satellite, reference, t_s, number))),
-        Constellation::Beidou => {
-            // The messages of BeiDou count 8 s of its own time, of which 14 s is no multiple.
-            let earlier_ms = u64::from(BEIDOU_OFFSET_MS) + 2000;
-            let own = GpsTime::from_ms(reference.to_ms() - earlier_ms);
-            Some(Issue::Beidou(beidou(satellite, own, t_s - 2.0, number)))
+/// `t_s` and `origin` are full multiples of 16 s, as the messages count. It is sent from half an hour before on.
+pub fn ephemeris(satellite: &Satellite, origin: GpsTime, t_s: f64, number: u8) -> Option<TimedEphemeris> {
+    /// The messages of `BeiDou` count 8 s of its own time, of which 14 s is no multiple.
+    const EARLIER_MS: u64 = 2000;
+    const LEAD_MS: u64 = 30 * 60_000;
+    let reference_ms = (origin.to_s() * 1e3 + t_s * 1e3) as u64;
+    let (toe_ms, message) = match satellite.id.constellation() {
+        Constellation::Gps => {
+            let reference = GpsTime::from_ms(reference_ms);
+            (reference_ms, Ephemeris::Gps(gps(satellite, reference, t_s, number)))
         }
-        Constellation::Galileo | Constellation::Glonass => None,
-    }
+        Constellation::Beidou => {
+            let toe_ms = reference_ms - EARLIER_MS;
+            let own = GpsTime::from_ms(toe_ms - u64::from(BEIDOU_OFFSET_MS));
+            (toe_ms, Ephemeris::Beidou(beidou(satellite, own, t_s - EARLIER_MS as f64 * 1e-3, number)))
+        }
+        Constellation::Galileo | Constellation::Glonass => return None,
+    };
+    Some(TimedEphemeris {
+        satellite: satellite.id,
+        toe: GpsTime::from_ms(toe_ms),
+        sent: GpsTime::from_ms(reference_ms - LEAD_MS),
+        message,
+    })
 }
 
 /// The angles of an orbit at its reference time, in semicircles as the messages have them.

@@ -19,6 +19,7 @@ pub mod linear;
 pub mod noise;
 pub mod orbit;
 pub mod oscillator;
+pub mod raw;
 pub mod sight;
 
 pub use fleet::{Fleet, Satellite};

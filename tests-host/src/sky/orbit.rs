@@ -18,7 +18,7 @@
 //! Two bodies and a secular node: right for studying geometry, off by kilometres from a real satellite after a
 //! day. References: [IS-GPS-200] table 20-IV for the form of the equations.
 
-use rai_core::frame::{EARTH_ROTATION_RAD_S, Ecef};
+use rai_core::frame::{EARTH_ROTATION_RAD_S, Ecef, SPEED_OF_LIGHT_M_S};
 
 /// Gravitational constant times the mass of the earth, m³/s² ([WGS84]).
 pub const GRAVITATION_M3_S2: f64 = 3.986_004_418e14;
@@ -80,6 +80,13 @@ impl Orbit {
         let radius_m = self.semi_major_axis_m * (1.0 - self.eccentricity * cos_anomaly);
         let node_rad = self.node_rad + (self.node_rate_rad_s - EARTH_ROTATION_RAD_S) * t_s;
         turned(radius_m, self.perigee_rad + true_anomaly_rad, node_rad, self.inclination_rad)
+    }
+
+    /// What relativity adds to the satellite's clock on its way between perigee and apogee, s ([IS-GPS-200] 20.3.3.3.3.1).
+    pub fn relativity_s(&self, t_s: f64) -> f64 {
+        const FACTOR: f64 = -2.0 / (SPEED_OF_LIGHT_M_S * SPEED_OF_LIGHT_M_S);
+        let energy = libm::sqrt(GRAVITATION_M3_S2 * self.semi_major_axis_m);
+        FACTOR * energy * self.eccentricity * libm::sin(self.eccentric_anomaly_rad(t_s))
     }
 
     /// Solves Kepler's equation by Newton's method: from `E = M`, six steps reach rounding for `e < 0.1`.

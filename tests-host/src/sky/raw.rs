@@ -1,0 +1,181 @@
+//! Raw measurements of a simulated sky: what a two-frequency receiver at a site would record.
+//!
+//! ```text
+//! ρ = |x_sat − x_rec| + c (dt − dt_sat) + T + I_f + σ ε          t = t_tag − dt
+//! ```
+//!
+//! | symbol | meaning | from |
+//! |---|---|---|
+//! | `dt`, `t_tag` | receiver clock, and the time that it shows | [`super::oscillator`] |
+//! | `dt_sat` | satellite clock with relativity | [`super::broadcast`] |
+//! | `T`, `I_f` | troposphere, ionosphere at the signal's frequency | [`super::atmosphere`] |
+//! | `σ ε` | code noise, independent from signal to signal and epoch to epoch | [`super::noise`] |
+//!
+//! Signals are L1 C/A and L2 P(Y) of GPS, B1I and B3I of `BeiDou`, the latter the signal that its broadcast clock
+//! refers to; group delays are zero. The result is a [`Recording`]: all that works on recordings works on it.
+
+use rai_core::frame::SPEED_OF_LIGHT_M_S;
+use rai_core::satellite::Constellation;
+use rai_firmware::time::GpsTime;
+
+use super::atmosphere::{ionosphere_m, troposphere_m};
+use super::broadcast::{SatelliteClock, ephemeris};
+use super::{Fleet, Noise, Oscillator, ReceiverClock, Satellite, Sight, Site, sights};
+use crate::recording::{RawEpoch, RawSatellite, RawSignal, Recording};
+
+/// Ephemerides are renewed every hour, s.
+const RENEWAL_S: f64 = 3600.0;
+
+/// A sky to be recorded.
+#[derive(Clone, Debug)]
+pub struct Simulation {
+    /// The satellites above.
+    pub satellites: Vec<Satellite>,
+    /// The antenna.
+    pub site: Site,
+    /// GPS time of `t = 0`: a full multiple of 16 s.
+    pub origin: GpsTime,
+    /// First epoch, s.
+    pub start_s: f64,
+    /// Number of epochs.
+    pub epochs: u32,
+    /// Time between them, s.
+    pub step_s: f64,
+    /// Elevation below which nothing is received, rad.
+    pub mask_rad: f64,
+    /// The receiver's clock.
+    pub oscillator: Oscillator,
+    /// Electrons above, 10¹⁶ per m².
+    pub electrons_tecu: f64,
+    /// All chance follows from it.
+    pub seed: u64,
+}
+
+/// A signal: how RINEX calls it, and its frequency.
+struct Signal {
+    band: u8,
+    attribute: char,
+    frequency_hz: f64,
+}
+
+/// L1 C/A, L2 P(Y) ([IS-GPS-200] 3.3.1.1).
+const GPS: [Signal; 2] = [
+    Signal { band: 1, attribute: 'C', frequency_hz: 1_575.42e6 },
+    Signal { band: 2, attribute: 'W', frequency_hz: 1_227.60e6 },
+];
+
+/// B1I, B3I ([BDS-SIS-ICD]).
+const BEIDOU: [Signal; 2] = [
+    Signal { band: 2, attribute: 'I', frequency_hz: 1_561.098e6 },
+    Signal { band: 6, attribute: 'I', frequency_hz: 1_268.52e6 },
+];
+
+impl Simulation {
+    /// New Year's Day of 2024 (`t = 0` is midnight, GPS time) above Xi'an, where the papers stand: GPS of 31 satellites and
+    /// the regional `BeiDou` system, one epoch a second.
+    pub fn above_xian(start_s: f64, epochs: u32, seed: u64) -> Self {
+        let fleets = [Fleet::Gps31, Fleet::BeidouRegional];
+        Self {
+            satellites: fleets.into_iter().flat_map(Fleet::satellites).collect(),
+            site: Site::geodetic(34.17, 108.57, 400.0),
+            origin: GpsTime { week: 2295, tow_ms: 86_400_000 },
+            start_s,
+            epochs,
+            step_s: 1.0,
+            mask_rad: 5.0_f64.to_radians(),
+            oscillator: Oscillator::temperature_compensated(),
+            electrons_tecu: 20.0,
+            seed,
+        }
+    }
+
+    /// Records the sky.
+    pub fn record(&self) -> Recording {
+        Recording {
+            epochs: self.raw_epochs(),
+            ephemerides: self.ephemerides(),
+            klobuchar: None,
+            approximate_position: Some(self.site.position),
+        }
+    }
+
+    /// What is in sight at an epoch, by true time.
+    pub fn sights_at(&self, epoch: u32) -> Vec<Sight> {
+        let t_s = self.start_s + f64::from(epoch) * self.step_s;
+        sights(&self.satellites, &self.site, t_s, self.mask_rad)
+    }
+
+    fn ephemerides(&self) -> Vec<crate::encode::TimedEphemeris> {
+        let first = (self.start_s / RENEWAL_S).floor() as u32;
+        let end_s = self.start_s + f64::from(self.epochs) * self.step_s;
+        let last = (end_s / RENEWAL_S).floor() as u32 + 1;
+        let of_hour = |hour: u32| {
+            let of_satellite = move |satellite: &Satellite| {
+                // Twenty-five numbers: as many as the shortest of the fields counts hours.
+                ephemeris(satellite, self.origin, f64::from(hour) * RENEWAL_S, (hour % 25) as u8)
+            };
+            self.satellites.iter().filter_map(of_satellite)
+        };
+        (first..=last).flat_map(of_hour).collect()
+    }
+
+    fn raw_epochs(&self) -> Vec<RawEpoch> {
+        const CLOCK_AT_START_S: f64 = 5e-5;
+        let noise = Noise::new(self.seed);
+        let mut clock =
+            ReceiverClock::new(self.oscillator, self.step_s, CLOCK_AT_START_S, self.seed ^ u64::MAX);
+        let mut raw_epoch = |epoch: u32| {
+            let tag_s = self.start_s + f64::from(epoch) * self.step_s;
+            let clock_s = clock.advance();
+            let seen = sights(&self.satellites, &self.site, tag_s - clock_s, self.mask_rad);
+            let raw = |sight: &Sight| self.raw_satellite(sight, clock_s, &noise, u64::from(epoch));
+            RawEpoch { time: self.time_at(tag_s), satellites: seen.iter().filter_map(raw).collect() }
+        };
+        (0..self.epochs).map(&mut raw_epoch).collect()
+    }
+
+    fn time_at(&self, t_s: f64) -> GpsTime {
+        GpsTime::from_ms(self.origin.to_ms() + (t_s * 1e3).round() as u64)
+    }
+
+    fn raw_satellite(
+        &self,
+        sight: &Sight,
+        clock_s: f64,
+        noise: &Noise,
+        epoch: u64,
+    ) -> Option<RawSatellite> {
+        let satellite = self.satellites.iter().find(|satellite| satellite.id == sight.satellite)?;
+        let sin_elevation = sight.line_of_sight.up;
+        let satellite_clock_s = SatelliteClock::of(satellite.id).at(sight.sent_s)
+            + satellite.orbit.relativity_s(sight.sent_s);
+        let common_m = sight.range_m
+            + SPEED_OF_LIGHT_M_S * (clock_s - satellite_clock_s)
+            + troposphere_m(sin_elevation, self.site.frame.height_m());
+        let signal = |(channel, signal): (u8, &Signal)| RawSignal {
+            band: signal.band,
+            attribute: signal.attribute,
+            pseudorange_m: common_m
+                + ionosphere_m(sin_elevation, signal.frequency_hz, self.electrons_tecu)
+                + code_noise_m(sin_elevation) * noise.normal(satellite.id, channel, epoch),
+            carrier_cycles: None,
+            cn0_dbhz: Some(36.0 + 14.0 * sin_elevation),
+        };
+        let signals = signals_of(satellite.id.constellation())?;
+        Some(RawSatellite { satellite: satellite.id, signals: (0..).zip(signals).map(signal).collect() })
+    }
+}
+
+fn signals_of(constellation: Constellation) -> Option<&'static [Signal]> {
+    match constellation {
+        Constellation::Gps => Some(&GPS),
+        Constellation::Beidou => Some(&BEIDOU),
+        Constellation::Galileo | Constellation::Glonass => None,
+    }
+}
+
+/// Code noise and multipath of a good antenna in the open, m: 0.2 m that do not depend on the direction, and 0.2 m at
+/// the zenith that grow towards the horizon.
+fn code_noise_m(sin_elevation: f64) -> f64 {
+    0.2 * libm::hypot(1.0, 1.0 / sin_elevation.max(0.05))
+}
