@@ -2,9 +2,15 @@
 
 use rai_core::frame::{EARTH_ROTATION_RAD_S, Ecef, SPEED_OF_LIGHT_M_S};
 use rai_core::satellite::{Constellation, SatelliteId};
+use rai_firmware::receiver::{Boot, Receiver};
+use rai_firmware::rtcm::{Decoder, Event};
+use rai_firmware::time::GpsTime;
+use tests_host::encode::{Encoder, Frequency, Selection};
 use tests_host::shared;
+use tests_host::sky::broadcast::SatelliteClock;
 use tests_host::sky::linear::{Sigma, rows};
 use tests_host::sky::orbit::{GEOSYNCHRONOUS_AXIS_M, Orbit};
+use tests_host::sky::raw::Simulation;
 use tests_host::sky::{Fleet, Noise, Oscillator, ReceiverClock, Site, sights};
 
 const DAY_S: f64 = 86_164.090_5;
@@ -198,4 +204,89 @@ fn same_seed_gives_the_same_rows_whatever_else_is_in_sight() {
     let part = rows(&all[2..], Sigma::Constant(6.0), clocks_m, &Noise::new(1), 5);
     assert_eq!(whole[2..], part[..]);
     assert_ne!(whole, rows(&all, Sigma::Constant(6.0), clocks_m, &Noise::new(2), 5));
+}
+
+/// The satellites of a recording's ephemerides as the module reads them, with the wire between.
+fn read_back(simulation: &Simulation) -> Vec<rai_firmware::ephemeris::Ephemeris> {
+    let recording = simulation.record();
+    let selection = Selection::new("GC", Frequency::Dual).unwrap();
+    let bytes = Encoder::new(&recording.ephemerides, selection).epoch(&recording.epochs[0]).unwrap();
+    let mut decoder = Decoder::new();
+    let mut found = Vec::new();
+    for byte in bytes {
+        let mut event = decoder.push(byte);
+        while let Some(current) = event {
+            if let Event::Ephemeris(ephemeris) = current {
+                found.push(ephemeris);
+            }
+            event = decoder.pending();
+        }
+    }
+    found
+}
+
+#[test]
+fn module_reads_the_simulated_orbits_and_clocks_from_the_messages() {
+    let simulation = Simulation::above_xian(5400.0, 1, 1);
+    let ephemerides = read_back(&simulation);
+    assert_eq!(ephemerides.len(), simulation.satellites.len());
+    for satellite in &simulation.satellites {
+        let ephemeris = ephemerides.iter().find(|ephemeris| ephemeris.satellite() == satellite.id).unwrap();
+        for t_s in [3600.0, 5400.0, 7000.0] {
+            let clock_s = SatelliteClock::of(satellite.id).at(t_s) + satellite.orbit.relativity_s(t_s);
+            // A signal that left at `t_s` by true time and took 80 ms.
+            let received = GpsTime::from_ms(simulation.origin.to_ms() + (t_s * 1e3) as u64 + 80);
+            let state = ephemeris.at(received, (0.08 - clock_s) * SPEED_OF_LIGHT_M_S).unwrap();
+            let off_m = state.position.distance_m(satellite.orbit.position(t_s));
+            assert!(off_m < 0.35, "{} at {t_s} s: {off_m} m off", satellite.id);
+            let clock_off_m = (state.clock_s - clock_s).abs() * SPEED_OF_LIGHT_M_S;
+            assert!(clock_off_m < 0.15, "{} at {t_s} s: clock {clock_off_m} m off", satellite.id);
+        }
+    }
+}
+
+/// A pin that is no pin.
+struct NoPin;
+
+impl embedded_hal::digital::ErrorType for NoPin {
+    type Error = std::convert::Infallible;
+}
+
+impl embedded_hal::digital::OutputPin for NoPin {
+    fn set_low(&mut self) -> Result<(), Self::Error> {
+        Ok(())
+    }
+    fn set_high(&mut self) -> Result<(), Self::Error> {
+        Ok(())
+    }
+}
+
+#[test]
+fn module_finds_the_site_under_the_simulated_sky() {
+    let simulation = Simulation::above_xian(3600.0, 60, 1);
+    let recording = simulation.record();
+    let selection = Selection::new("GC", Frequency::Dual).unwrap();
+    let mut encoder = Encoder::new(&recording.ephemerides, selection);
+    let boot = Boot { git: "test", reset_cause: heapless::String::new() };
+    let mut receiver = Receiver::new(NoPin, boot).unwrap();
+    let mut said: Vec<u8> = Vec::new();
+    for (epoch, now_ms) in recording.epochs.iter().zip((0..).step_by(1000)) {
+        receiver.gnss(&encoder.epoch(epoch).unwrap(), now_ms, &mut said);
+    }
+    let epochs = tests_host::sentence::epochs(std::str::from_utf8(&said).unwrap()).unwrap();
+    assert_eq!(epochs.len(), 60);
+    for epoch in &epochs {
+        let error =
+            simulation.site.frame.rotate(epoch.position.unwrap().to_ecef() - simulation.site.position);
+        // Five sigma of the ionosphere-free noise at good geometry.
+        assert!(error.horizontal() < 4.0 && error.up.abs() < 7.0, "{error:?}");
+        assert!(epoch.state.is_protected() && epoch.excluded.is_empty(), "{:?}", epoch.state);
+    }
+    let mean_m = |part: &dyn Fn(&tests_host::sentence::EpochOutput) -> f64| {
+        epochs.iter().map(part).sum::<f64>() / epochs.len() as f64
+    };
+    let up_m = mean_m(&|epoch| epoch.position.unwrap().height_m - 400.0);
+    assert!(up_m.abs() < 1.5, "height is off by {up_m} m on average: the models of the air disagree");
+    let statistic = mean_m(&|epoch| epoch.state.statistic.unwrap());
+    assert!((0.5..1.1).contains(&statistic), "statistic {statistic} on average");
 }

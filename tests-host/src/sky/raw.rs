@@ -1,7 +1,7 @@
 //! Raw measurements of a simulated sky: what a two-frequency receiver at a site would record.
 //!
 //! ```text
-//! ρ = |x_sat − x_rec| + c (dt − dt_sat) + T + I_f + σ ε          t = t_tag − dt
+//! ρ = |x_sat − x_rec| + c (dt − dt_sat) + T + I_f + b + σ ε          t = t_tag − dt
 //! ```
 //!
 //! | symbol | meaning | from |
@@ -9,6 +9,7 @@
 //! | `dt`, `t_tag` | receiver clock, and the time that it shows | [`super::oscillator`] |
 //! | `dt_sat` | satellite clock with relativity | [`super::broadcast`] |
 //! | `T`, `I_f` | troposphere, ionosphere at the signal's frequency | [`super::atmosphere`] |
+//! | `b` | what the broadcast orbit and clock are wrong by, constant for each satellite | [`BROADCAST_ERROR_M`] |
 //! | `σ ε` | code noise, independent from signal to signal and epoch to epoch | [`super::noise`] |
 //!
 //! Signals are L1 C/A and L2 P(Y) of GPS, B1I and B3I of `BeiDou`, the latter the signal that its broadcast clock
@@ -25,6 +26,13 @@ use crate::recording::{RawEpoch, RawSatellite, RawSignal, Recording};
 
 /// Ephemerides are renewed every hour, s.
 const RENEWAL_S: f64 = 3600.0;
+
+/// Standard deviation of the error of a broadcast orbit and clock along the line of sight, m: what the operators
+/// report for ordinary days.
+pub const BROADCAST_ERROR_M: f64 = 0.7;
+
+/// The channel of the noise that it is drawn from; signals count theirs from 0.
+const BROADCAST_CHANNEL: u8 = u8::MAX;
 
 /// A sky to be recorded.
 #[derive(Clone, Debug)]
@@ -138,18 +146,14 @@ impl Simulation {
         GpsTime::from_ms(self.origin.to_ms() + (t_s * 1e3).round() as u64)
     }
 
-    fn raw_satellite(
-        &self,
-        sight: &Sight,
-        clock_s: f64,
-        noise: &Noise,
-        epoch: u64,
-    ) -> Option<RawSatellite> {
+    fn raw_satellite(&self, sight: &Sight, clock_s: f64, noise: &Noise, epoch: u64) -> Option<RawSatellite> {
         let satellite = self.satellites.iter().find(|satellite| satellite.id == sight.satellite)?;
         let sin_elevation = sight.line_of_sight.up;
-        let satellite_clock_s = SatelliteClock::of(satellite.id).at(sight.sent_s)
-            + satellite.orbit.relativity_s(sight.sent_s);
+        let satellite_clock_s =
+            SatelliteClock::of(satellite.id).at(sight.sent_s) + satellite.orbit.relativity_s(sight.sent_s);
+        let error_m = BROADCAST_ERROR_M * noise.normal(satellite.id, BROADCAST_CHANNEL, 0);
         let common_m = sight.range_m
+            + error_m
             + SPEED_OF_LIGHT_M_S * (clock_s - satellite_clock_s)
             + troposphere_m(sin_elevation, self.site.frame.height_m());
         let signal = |(channel, signal): (u8, &Signal)| RawSignal {
@@ -174,8 +178,8 @@ fn signals_of(constellation: Constellation) -> Option<&'static [Signal]> {
     }
 }
 
-/// Code noise and multipath of a good antenna in the open, m: 0.2 m that do not depend on the direction, and 0.2 m at
+/// Code noise and multipath of a good antenna in the open, m: 0.3 m that do not depend on the direction, and 0.3 m at
 /// the zenith that grow towards the horizon.
 fn code_noise_m(sin_elevation: f64) -> f64 {
-    0.2 * libm::hypot(1.0, 1.0 / sin_elevation.max(0.05))
+    0.3 * libm::hypot(1.0, 1.0 / sin_elevation.max(0.05))
 }
