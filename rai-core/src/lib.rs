@@ -60,14 +60,17 @@
 //!
 //! | tag | source |
 //! |---|---|
+//! | Abramowitz1964 | M. Abramowitz, I. A. Stegun, *Handbook of mathematical functions*, NBS 1964 |
 //! | Baarda1968 | W. Baarda, *A testing procedure for use in geodetic networks*, Delft 1968 |
 //! | Bowring1985 | B. R. Bowring, *The accuracy of geodetic latitude and height equations*, Survey Review 28 (1985) |
 //! | Brown1992 | R. G. Brown, *A baseline GPS RAIM scheme*, Navigation 39 (1992) |
 //! | Chen2009 | Chen Xiaoping et al., receiver-clock aided RAIM, J. Astronautics 30(1) (2009) 271–275 |
+//! | DLMF | *NIST digital library of mathematical functions*, dlmf.nist.gov |
 //! | DO-229 | RTCA, *Minimum operational performance standards for GPS/WAAS airborne equipment* |
 //! | ICAO-A10 | ICAO Annex 10, Volume I, table 3.7.2.4-1 |
 //! | IS-GPS-200 | *NAVSTAR GPS space segment/navigation user interfaces* |
 //! | Lin2016 | Lin Xueyuan et al., `BeiDou` RAIM, J. Naval Aeronautical Univ. 31(6) (2016) 619–624 |
+//! | Sankaran1963 | M. Sankaran, *Approximations to the non-central chi-square distribution*, Biometrika 50 (1963) |
 //! | Tian2024 | Tian Binpeng et al., improved RANSAC RAIM, Navigation Positioning & Timing 11(3) (2024) 101–108 |
 //! | Wang1994 | J. Wang, Y. Chen, *On the reliability measure of observations*, Acta Geodaet. Cartograph. (1994) |
 //! | WGS84 | NGA.STND.0036, *World Geodetic System 1984* |

@@ -6,6 +6,8 @@
 
 use nalgebra::RealField;
 
+use crate::threshold::chi2;
+
 /// A floating-point number that a snapshot can be solved in.
 pub trait Real: RealField + Copy {
     /// Redundancy number below which a satellite counts as untestable, dimensionless.
@@ -18,6 +20,8 @@ pub trait Real: RealField + Copy {
     const SINGULAR: Self;
     /// Relative difference below which two test statistics count as equal.
     const TIE: Self;
+    /// How far the sums of the χ² distributions are carried.
+    const CHI_SQUARE: chi2::Precision<Self>;
 
     /// Rounds a double.
     fn narrow(value: f64) -> Self;
@@ -30,6 +34,7 @@ impl Real for f64 {
     const UNMOVED: Self = 1e-6;
     const SINGULAR: Self = 1e12;
     const TIE: Self = 1e-9;
+    const CHI_SQUARE: chi2::Precision<Self> = chi2::DOUBLE;
 
     fn narrow(value: f64) -> Self {
         value
@@ -46,6 +51,7 @@ impl Real for f32 {
     const SINGULAR: Self = 2e5;
     // What a w-test is good to: two satellites alone with their clock have equal |w|, and 8e-5 was seen between them.
     const TIE: Self = 1e-3;
+    const CHI_SQUARE: chi2::Precision<Self> = chi2::SINGLE;
 
     fn narrow(value: f64) -> Self {
         value as f32

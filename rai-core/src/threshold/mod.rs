@@ -19,12 +19,16 @@
 //! probabilities and nothing is extrapolated: a probability that is not in the table is an error that names
 //! the nearest one, and a row's end is `None`.
 //!
+//! What tables cannot hold, because it depends on the geometry, is solved for in [`chi2`]; [`policy`] chooses.
+//!
 //! References: [Yang2015] §1–2, [Lin2016] eq. 12, 20, 24.
 
 use core::fmt;
 
 use crate::probability::Probability;
 
+pub mod chi2;
+pub mod policy;
 mod table;
 
 /// The largest number of degrees of freedom in the tables.
