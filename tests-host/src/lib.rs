@@ -13,6 +13,7 @@ pub mod replay;
 pub mod report;
 pub mod sample;
 pub mod sentence;
+pub mod setup;
 pub mod shared;
 pub mod sky;
 pub mod tables;

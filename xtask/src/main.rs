@@ -46,13 +46,13 @@ enum Command {
 fn main() -> ExitCode {
     let result = match Arguments::parse().command {
         Command::Demo(arguments) => demo::run(arguments),
-        Command::Test(arguments) => test::run(arguments),
-        Command::Setup(arguments) => setup::run(arguments),
+        Command::Test(arguments) => test::run(&arguments),
+        Command::Setup(arguments) => setup::run(&arguments),
         Command::Replay(arguments) => replay::run(arguments),
         Command::Evaluate(arguments) => evaluate::run(arguments),
         Command::Tables(arguments) => tables::run(&arguments),
-        Command::Flash(arguments) => flash::run(arguments),
-        Command::Monitor(arguments) => monitor::run(arguments),
+        Command::Flash(arguments) => flash::run(&arguments),
+        Command::Monitor(arguments) => monitor::run(&arguments),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -1,12 +1,31 @@
-//! `cargo xtask setup`.
+//! `cargo xtask setup`: what the Rust toolchain does not bring.
 
-use anyhow::bail;
+use anyhow::ensure;
+use tests_host::setup::{Machine, Step, ensure as ensure_set_up, plan};
 
 /// Arguments of the command.
 #[derive(clap::Args)]
-pub struct Arguments {}
+pub(crate) struct Arguments {
+    /// Install nothing; say what is missing, and fail if anything is.
+    #[arg(long)]
+    check: bool,
+}
 
 /// Runs the command.
-pub fn run(_arguments: Arguments) -> anyhow::Result<()> {
-    bail!("not built yet")
+pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    if !arguments.check {
+        ensure_set_up()?;
+        println!("everything is there");
+        return Ok(());
+    }
+    let steps = plan(Machine::look());
+    for step in &steps {
+        match step {
+            Step::Run(command) => println!("missing: {}", command.join(" ")),
+            Step::Ask(words) => println!("missing, for you to do: {words}"),
+        }
+    }
+    ensure!(steps.is_empty(), "{} steps are left (`cargo xtask setup` takes them)", steps.len());
+    println!("everything is there");
+    Ok(())
 }

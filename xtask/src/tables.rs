@@ -8,7 +8,7 @@ use tests_host::{shared, tables};
 pub(crate) struct Arguments {
     /// Write nothing; fail where the committed table differs from its generator, or either from the gold values.
     #[arg(long)]
-    check: bool,
+    pub(crate) check: bool,
 }
 
 /// Runs the command.

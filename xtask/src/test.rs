@@ -1,12 +1,118 @@
-//! `cargo xtask test`.
+//! `cargo xtask test`: everything that must hold.
+//!
+//! Each step runs whatever became of the ones before it, so that one run tells all that is wrong.
 
-use anyhow::bail;
+use std::path::Path;
+use std::process::Command;
+use std::time::Instant;
+
+use anyhow::{Context as _, ensure};
+use tests_host::image::{self, Chip, Image};
 
 /// Arguments of the command.
 #[derive(clap::Args)]
-pub struct Arguments {}
+pub(crate) struct Arguments {
+    /// Take what the snapshot tests have now as what they want.
+    #[arg(long)]
+    bless: bool,
+}
+
+type Step = (&'static str, Box<dyn Fn() -> anyhow::Result<()>>);
 
 /// Runs the command.
-pub fn run(_arguments: Arguments) -> anyhow::Result<()> {
-    bail!("not built yet")
+pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    tests_host::setup::ensure()?;
+    let mut outcomes = Vec::new();
+    for (name, step) in steps(arguments.bless) {
+        let start = Instant::now();
+        let failure = step().err();
+        if let Some(failure) = &failure {
+            eprintln!("{name}: {failure:#}");
+        }
+        outcomes.push((name, failure, start.elapsed().as_secs_f64()));
+    }
+    summarise(&outcomes)
+}
+
+fn summarise(outcomes: &[(&str, Option<anyhow::Error>, f64)]) -> anyhow::Result<()> {
+    println!();
+    for (name, failure, seconds) in outcomes {
+        let word = if failure.is_some() { "FAILED" } else { "passed" };
+        println!("{word} {name} ({seconds:.1} s)");
+    }
+    let failed = outcomes.iter().filter(|(_, failure, _)| failure.is_some()).count();
+    println!("{} passed, {failed} failed", outcomes.len() - failed);
+    ensure!(failed == 0, "{failed} of {} steps failed", outcomes.len());
+    Ok(())
+}
+
+const FIRMWARE: [&str; 6] = [
+    "--profile=firmware",
+    "--target=thumbv7em-none-eabihf",
+    "--package=rai-firmware",
+    "--",
+    "-D",
+    "warnings",
+];
+
+fn steps(bless: bool) -> Vec<Step> {
+    let mut clippy_target = vec!["clippy"];
+    clippy_target.extend(FIRMWARE);
+    vec![
+        ("format", cargo(&["fmt", "--all", "--check"])),
+        ("lints, host", cargo(&["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"])),
+        ("lints, target", cargo(&clippy_target)),
+        ("image", Box::new(|| image::build().map(drop))),
+        ("memory of the image", Box::new(sizes)),
+        ("threshold tables", Box::new(tables)),
+        ("tests", Box::new(move || tests(bless))),
+        ("documentation's examples", cargo(&["test", "--workspace", "--doc"])),
+        ("documentation", Box::new(documentation)),
+    ]
+}
+
+fn cargo(arguments: &[&str]) -> Box<dyn Fn() -> anyhow::Result<()>> {
+    let arguments: Vec<String> = arguments.iter().map(ToString::to_string).collect();
+    Box::new(move || spawn(&mut command(&arguments)))
+}
+
+fn command(arguments: &[impl AsRef<std::ffi::OsStr>]) -> Command {
+    let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    command.current_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("..")).args(arguments);
+    command
+}
+
+fn spawn(command: &mut Command) -> anyhow::Result<()> {
+    let words: Vec<_> = command.get_args().map(|argument| argument.to_string_lossy().into_owned()).collect();
+    eprintln!("$ cargo {}", words.join(" "));
+    let status = command.status().context("cargo cannot be run")?;
+    ensure!(status.success(), "`cargo {}` failed", words.join(" "));
+    Ok(())
+}
+
+/// The faster runner where it is installed; it runs the same tests.
+fn tests(bless: bool) -> anyhow::Result<()> {
+    let nextest = command(&["nextest", "--version"]).output().is_ok_and(|output| output.status.success());
+    let arguments: &[&str] = if nextest {
+        &["nextest", "run", "--workspace", "--no-fail-fast"]
+    } else {
+        &["test", "--workspace", "--all-targets", "--no-fail-fast"]
+    };
+    spawn(command(arguments).env("INSTA_UPDATE", if bless { "always" } else { "no" }))
+}
+
+fn documentation() -> anyhow::Result<()> {
+    spawn(command(&["doc", "--workspace", "--no-deps"]).env("RUSTDOCFLAGS", "-D warnings"))
+}
+
+fn sizes() -> anyhow::Result<()> {
+    let image = Image::open(&image::build()?)?;
+    println!("{image}");
+    let findings = image.check(&Chip::named("STM32F405RGTx")?);
+    ensure!(findings.is_empty(), "{}", findings.join("; "));
+    Ok(())
+}
+
+fn tables() -> anyhow::Result<()> {
+    crate::tables::run(&crate::tables::Arguments { check: true })
 }

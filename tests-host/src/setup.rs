@@ -1,0 +1,235 @@
+//! What a machine needs beside the Rust toolchain, and how it comes to it.
+//!
+//! [`Machine::look`] collects facts, [`plan`] turns facts into steps, [`ensure`] takes them. A step that this process
+//! may not take is said to the user as the exact command. Where nothing is missing the look takes some milliseconds,
+//! so every command can afford it.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use anyhow::{Context, bail, ensure};
+
+/// The processor of the chip, as the compiler names it.
+const TARGET: &str = "thumbv7em-none-eabihf";
+
+/// Facts about this machine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Machine {
+    /// The compiler's library for the chip is there.
+    pub target: bool,
+    /// clippy and rustfmt are there.
+    pub components: bool,
+    /// The emulator is there.
+    pub emulator: bool,
+    /// The toolchain is rustup's.
+    pub rustup: bool,
+    /// How packages are installed here.
+    pub packages: Packages,
+}
+
+/// How packages of the system are installed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Packages {
+    /// Debian's way, and this process may.
+    Apt,
+    /// Debian's way, after `sudo`, which asks for no password.
+    AptSudo,
+    /// Debian's way, but only the user may.
+    AptAsk,
+    /// Homebrew, which asks the user nothing.
+    Brew,
+    /// Some other way.
+    Unknown,
+}
+
+/// One step of the set-up.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Step {
+    /// A command to run.
+    Run(Vec<&'static str>),
+    /// What only the user can do: a command to type, or words.
+    Ask(&'static str),
+}
+
+/// The steps that a machine needs; none if nothing is missing.
+pub fn plan(machine: Machine) -> Vec<Step> {
+    let mut steps = Vec::new();
+    if !machine.target {
+        steps.push(toolchain(
+            machine,
+            vec!["rustup", "target", "add", TARGET],
+            "install the standard library for thumbv7em-none-eabihf, or Rust from https://rustup.rs",
+        ));
+    }
+    if !machine.components {
+        steps.push(toolchain(
+            machine,
+            vec!["rustup", "component", "add", "clippy", "rustfmt"],
+            "install clippy and rustfmt, or Rust from https://rustup.rs",
+        ));
+    }
+    if !machine.emulator {
+        steps.extend(emulator(machine.packages));
+    }
+    steps
+}
+
+fn toolchain(machine: Machine, command: Vec<&'static str>, words: &'static str) -> Step {
+    if machine.rustup { Step::Run(command) } else { Step::Ask(words) }
+}
+
+fn emulator(packages: Packages) -> Vec<Step> {
+    const INSTALL: [&str; 5] = ["apt-get", "install", "--yes", "--no-install-recommends", "qemu-system-arm"];
+    // A fresh machine knows no package at all before its lists are fetched.
+    let update = ["apt-get", "update"];
+    let sudo = |command: &[&'static str]| Step::Run([&["sudo", "-n"], command].concat());
+    match packages {
+        Packages::Apt => vec![Step::Run(update.to_vec()), Step::Run(INSTALL.to_vec())],
+        Packages::AptSudo => vec![sudo(&update), sudo(&INSTALL)],
+        Packages::AptAsk => {
+            vec![Step::Ask(
+                "sudo apt-get update && sudo apt-get install --no-install-recommends qemu-system-arm",
+            )]
+        }
+        Packages::Brew => vec![Step::Run(vec!["brew", "install", "qemu"])],
+        Packages::Unknown => vec![Step::Ask("install QEMU so that qemu-system-arm is on the path")],
+    }
+}
+
+impl Machine {
+    /// Looks at this machine.
+    pub fn look() -> Self {
+        let sysroot = sysroot();
+        let has = |relative: &str| sysroot.as_ref().is_some_and(|root| root.join(relative).exists());
+        let emulator = on_path("qemu-system-arm");
+        Self {
+            target: has(&format!("lib/rustlib/{TARGET}/lib")),
+            components: has("bin/cargo-clippy") && has("bin/rustfmt"),
+            emulator,
+            rustup: on_path("rustup"),
+            // Only asked where it matters, since to ask `sudo` takes a while.
+            packages: if emulator { Packages::Unknown } else { packages() },
+        }
+    }
+}
+
+/// Installs what is missing; silent where nothing is.
+///
+/// # Errors
+/// Where a step fails, or only the user can take it: the message is then the command to type.
+pub fn ensure() -> anyhow::Result<()> {
+    let steps = plan(Machine::look());
+    for step in &steps {
+        take(step)?;
+    }
+    let left = if steps.is_empty() { Vec::new() } else { plan(Machine::look()) };
+    ensure!(left.is_empty(), "the set-up ran, and this is still missing: {left:?}");
+    Ok(())
+}
+
+fn take(step: &Step) -> anyhow::Result<()> {
+    let command = match step {
+        Step::Ask(words) => bail!("something is missing that only you can install:\n\n    {words}\n"),
+        Step::Run(command) => command,
+    };
+    eprintln!("$ {}", command.join(" "));
+    let (program, arguments) = command.split_first().context("a step without a program")?;
+    let status = Command::new(program)
+        .args(arguments)
+        .current_dir(root())
+        .env("DEBIAN_FRONTEND", "noninteractive")
+        .status()
+        .with_context(|| format!("{program} cannot be run"))?;
+    ensure!(status.success(), "`{}` failed: {status}", command.join(" "));
+    Ok(())
+}
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+/// Where the toolchain that this project pins is installed.
+fn sysroot() -> Option<PathBuf> {
+    let rustc = Command::new("rustc").args(["--print", "sysroot"]).current_dir(root()).output().ok()?;
+    Some(PathBuf::from(String::from_utf8(rustc.stdout).ok()?.trim()))
+}
+
+fn on_path(program: &str) -> bool {
+    let path = std::env::var_os("PATH").unwrap_or_default();
+    std::env::split_paths(&path).any(|folder| folder.join(program).is_file())
+}
+
+fn packages() -> Packages {
+    if on_path("brew") {
+        return Packages::Brew;
+    }
+    if !on_path("apt-get") {
+        return Packages::Unknown;
+    }
+    let says = |program: &str, arguments: &[&str]| {
+        Command::new(program).args(arguments).stdin(Stdio::null()).stderr(Stdio::null()).output().ok()
+    };
+    if says("id", &["-u"]).is_some_and(|output| output.stdout.trim_ascii() == b"0") {
+        return Packages::Apt;
+    }
+    let sudo = says("sudo", &["-n", "true"]).is_some_and(|output| output.status.success());
+    if sudo { Packages::AptSudo } else { Packages::AptAsk }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const COMPLETE: Machine =
+        Machine { target: true, components: true, emulator: true, rustup: true, packages: Packages::Unknown };
+
+    #[test]
+    fn complete_machine_needs_nothing() {
+        assert_eq!(plan(COMPLETE), []);
+    }
+
+    #[test]
+    fn fresh_machine_fetches_package_lists_before_it_installs() {
+        let fresh = Machine {
+            target: false,
+            components: false,
+            emulator: false,
+            packages: Packages::Apt,
+            ..COMPLETE
+        };
+        let have: Vec<String> = plan(fresh)
+            .into_iter()
+            .map(|step| match step {
+                Step::Run(command) => command.join(" "),
+                Step::Ask(words) => panic!("asks for {words}"),
+            })
+            .collect();
+        let want = [
+            "rustup target add thumbv7em-none-eabihf",
+            "rustup component add clippy rustfmt",
+            "apt-get update",
+            "apt-get install --yes --no-install-recommends qemu-system-arm",
+        ];
+        assert_eq!(have, want);
+    }
+
+    #[test]
+    fn who_may_not_install_is_told_the_exact_command() {
+        let machine = Machine { emulator: false, packages: Packages::AptAsk, ..COMPLETE };
+        let [Step::Ask(words)] = &plan(machine)[..] else { panic!("it must ask") };
+        assert!(words.contains("sudo apt-get install") && words.contains("qemu-system-arm"), "{words}");
+        assert!(take(&plan(machine)[0]).expect_err("asking stops").to_string().contains(words));
+    }
+
+    #[test]
+    fn toolchain_without_rustup_is_left_to_the_user() {
+        let machine = Machine { target: false, rustup: false, ..COMPLETE };
+        assert!(matches!(plan(machine)[..], [Step::Ask(_)]));
+    }
+
+    #[test]
+    fn failed_step_says_which_command() {
+        let error = take(&Step::Run(vec!["false", "now"])).expect_err("it fails").to_string();
+        assert!(error.contains("`false now` failed"), "{error}");
+    }
+}
