@@ -150,7 +150,7 @@ impl Image {
         }
         let stack = self.initial_stack_pointer;
         require(
-            stack > chip.ram.start && stack <= chip.ram.end && stack % 8 == 0,
+            stack > chip.ram.start && stack <= chip.ram.end && stack.is_multiple_of(8),
             format!("initial stack pointer {stack:#010x} is not an aligned address in RAM"),
         );
         let reset = self.reset_vector;
@@ -237,6 +237,7 @@ pub fn symbol(path: &Path, name: &str) -> anyhow::Result<u64> {
 }
 
 #[cfg(test)]
+#[allow(clippy::single_range_in_vec_init)] // An image has several extents; the one here just has one.
 mod tests {
     use super::*;
 

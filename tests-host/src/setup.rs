@@ -12,15 +12,22 @@ use anyhow::{Context, bail, ensure};
 /// The processor of the chip, as the compiler names it.
 const TARGET: &str = "thumbv7em-none-eabihf";
 
-/// Facts about this machine.
+/// Something that the commands need.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Need {
+    /// The compiler's library for the chip.
+    Target,
+    /// clippy and rustfmt.
+    Components,
+    /// The emulator.
+    Emulator,
+}
+
+/// Facts about this machine.
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Machine {
-    /// The compiler's library for the chip is there.
-    pub target: bool,
-    /// clippy and rustfmt are there.
-    pub components: bool,
-    /// The emulator is there.
-    pub emulator: bool,
+    /// What is missing.
+    pub lacks: Vec<Need>,
     /// The toolchain is rustup's.
     pub rustup: bool,
     /// How packages are installed here.
@@ -52,30 +59,25 @@ pub enum Step {
 }
 
 /// The steps that a machine needs; none if nothing is missing.
-pub fn plan(machine: Machine) -> Vec<Step> {
-    let mut steps = Vec::new();
-    if !machine.target {
-        steps.push(toolchain(
-            machine,
-            vec!["rustup", "target", "add", TARGET],
-            "install the standard library for thumbv7em-none-eabihf, or Rust from https://rustup.rs",
-        ));
-    }
-    if !machine.components {
-        steps.push(toolchain(
-            machine,
-            vec!["rustup", "component", "add", "clippy", "rustfmt"],
-            "install clippy and rustfmt, or Rust from https://rustup.rs",
-        ));
-    }
-    if !machine.emulator {
-        steps.extend(emulator(machine.packages));
-    }
-    steps
+pub fn plan(machine: &Machine) -> Vec<Step> {
+    machine.lacks.iter().flat_map(|&need| remedy(need, machine)).collect()
 }
 
-fn toolchain(machine: Machine, command: Vec<&'static str>, words: &'static str) -> Step {
-    if machine.rustup { Step::Run(command) } else { Step::Ask(words) }
+fn remedy(need: Need, machine: &Machine) -> Vec<Step> {
+    let toolchain = |command: &[&'static str], words| {
+        vec![if machine.rustup { Step::Run(command.to_vec()) } else { Step::Ask(words) }]
+    };
+    match need {
+        Need::Target => toolchain(
+            &["rustup", "target", "add", TARGET],
+            "install the standard library for thumbv7em-none-eabihf, or Rust from https://rustup.rs",
+        ),
+        Need::Components => toolchain(
+            &["rustup", "component", "add", "clippy", "rustfmt"],
+            "install clippy and rustfmt, or Rust from https://rustup.rs",
+        ),
+        Need::Emulator => emulator(machine.packages),
+    }
 }
 
 fn emulator(packages: Packages) -> Vec<Step> {
@@ -102,10 +104,13 @@ impl Machine {
         let sysroot = sysroot();
         let has = |relative: &str| sysroot.as_ref().is_some_and(|root| root.join(relative).exists());
         let emulator = on_path("qemu-system-arm");
+        let needs = [
+            (Need::Target, has(&format!("lib/rustlib/{TARGET}/lib"))),
+            (Need::Components, has("bin/cargo-clippy") && has("bin/rustfmt")),
+            (Need::Emulator, emulator),
+        ];
         Self {
-            target: has(&format!("lib/rustlib/{TARGET}/lib")),
-            components: has("bin/cargo-clippy") && has("bin/rustfmt"),
-            emulator,
+            lacks: needs.into_iter().filter(|(_, there)| !there).map(|(need, _)| need).collect(),
             rustup: on_path("rustup"),
             // Only asked where it matters, since to ask `sudo` takes a while.
             packages: if emulator { Packages::Unknown } else { packages() },
@@ -118,11 +123,11 @@ impl Machine {
 /// # Errors
 /// Where a step fails, or only the user can take it: the message is then the command to type.
 pub fn ensure() -> anyhow::Result<()> {
-    let steps = plan(Machine::look());
+    let steps = plan(&Machine::look());
     for step in &steps {
         take(step)?;
     }
-    let left = if steps.is_empty() { Vec::new() } else { plan(Machine::look()) };
+    let left = if steps.is_empty() { Vec::new() } else { plan(&Machine::look()) };
     ensure!(left.is_empty(), "the set-up ran, and this is still missing: {left:?}");
     Ok(())
 }
@@ -180,24 +185,19 @@ fn packages() -> Packages {
 mod tests {
     use super::*;
 
-    const COMPLETE: Machine =
-        Machine { target: true, components: true, emulator: true, rustup: true, packages: Packages::Unknown };
+    fn lacking(lacks: &[Need], packages: Packages) -> Machine {
+        Machine { lacks: lacks.to_vec(), rustup: true, packages }
+    }
 
     #[test]
     fn complete_machine_needs_nothing() {
-        assert_eq!(plan(COMPLETE), []);
+        assert_eq!(plan(&lacking(&[], Packages::Unknown)), []);
     }
 
     #[test]
     fn fresh_machine_fetches_package_lists_before_it_installs() {
-        let fresh = Machine {
-            target: false,
-            components: false,
-            emulator: false,
-            packages: Packages::Apt,
-            ..COMPLETE
-        };
-        let have: Vec<String> = plan(fresh)
+        let fresh = lacking(&[Need::Target, Need::Components, Need::Emulator], Packages::Apt);
+        let have: Vec<String> = plan(&fresh)
             .into_iter()
             .map(|step| match step {
                 Step::Run(command) => command.join(" "),
@@ -215,16 +215,16 @@ mod tests {
 
     #[test]
     fn who_may_not_install_is_told_the_exact_command() {
-        let machine = Machine { emulator: false, packages: Packages::AptAsk, ..COMPLETE };
-        let [Step::Ask(words)] = &plan(machine)[..] else { panic!("it must ask") };
+        let steps = plan(&lacking(&[Need::Emulator], Packages::AptAsk));
+        let [step @ Step::Ask(words)] = &steps[..] else { panic!("it must ask: {steps:?}") };
         assert!(words.contains("sudo apt-get install") && words.contains("qemu-system-arm"), "{words}");
-        assert!(take(&plan(machine)[0]).expect_err("asking stops").to_string().contains(words));
+        assert!(take(step).expect_err("asking stops").to_string().contains(words));
     }
 
     #[test]
     fn toolchain_without_rustup_is_left_to_the_user() {
-        let machine = Machine { target: false, rustup: false, ..COMPLETE };
-        assert!(matches!(plan(machine)[..], [Step::Ask(_)]));
+        let machine = Machine { rustup: false, ..lacking(&[Need::Target], Packages::Unknown) };
+        assert!(matches!(plan(&machine)[..], [Step::Ask(_)]));
     }
 
     #[test]

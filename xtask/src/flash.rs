@@ -22,15 +22,14 @@ pub(crate) struct Arguments {
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let chip = Chip::named(&arguments.chip)?;
-    let path = match &arguments.image {
-        Some(path) => path.clone(),
-        None => {
-            tests_host::setup::ensure()?;
-            image::build()?
-        }
-    };
+    let path = arguments.image.clone().map_or_else(fresh, Ok)?;
     check(&path, &chip)?;
     if arguments.dry_run { Ok(()) } else { write(&path, &chip) }
+}
+
+fn fresh() -> anyhow::Result<PathBuf> {
+    tests_host::setup::ensure()?;
+    image::build()
 }
 
 fn check(path: &Path, chip: &Chip) -> anyhow::Result<()> {

@@ -18,7 +18,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         println!("everything is there");
         return Ok(());
     }
-    let steps = plan(Machine::look());
+    let steps = plan(&Machine::look());
     for step in &steps {
         match step {
             Step::Run(command) => println!("missing: {}", command.join(" ")),
