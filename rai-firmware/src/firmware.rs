@@ -30,13 +30,21 @@ fn main() -> ! {
     crate::log::start();
     log_start(clock, reset_cause);
     watchdog.feed();
-    let Ok(receiver) = Receiver::new(pin, boot(reset_cause)) else {
-        defmt::error!("the requirements at start are not in the threshold tables");
-        fault::reset_on_request()
-    };
-    let Some(receiver) = singleton!(: Receiver<IntegrityPin> = receiver) else { fault::reset_on_request() };
+    let Some(receiver) = settle(pin, boot(reset_cause)) else { fault::reset_on_request() };
     receiver.greet(&mut host);
     run(receiver, host, watchdog)
+}
+
+/// Makes the receiver and gives it its place among the statics.
+///
+/// Not inlined, so that the copy on the stack is gone before the first epoch needs the room.
+#[inline(never)]
+fn settle(pin: IntegrityPin, boot: Boot) -> Option<&'static mut Receiver<IntegrityPin>> {
+    let Ok(receiver) = Receiver::new(pin, boot) else {
+        defmt::error!("the requirements at start are not in the threshold tables");
+        return None;
+    };
+    singleton!(: Receiver<IntegrityPin> = receiver)
 }
 
 /// Goes round until the host asks for a reset.
@@ -77,12 +85,12 @@ impl Epochs {
     }
 
     fn close(&mut self) {
-        defmt::info!("epoch took {=u64} ticks", self.busy_ticks);
         if self.count.is_multiple_of(EPOCHS_PER_STACK_REPORT) {
             defmt::info!("stack high water {=u32} bytes", stack::high_water_bytes());
         }
-        self.busy_ticks = 0;
         self.count = self.count.wrapping_add(1);
+        defmt::info!("epoch {=u32} took {=u64} ticks", self.count, self.busy_ticks);
+        self.busy_ticks = 0;
     }
 }
 

@@ -42,7 +42,13 @@ impl LogLine {
 
     /// The ticks of the core clock that this line tells for an epoch.
     pub fn epoch_ticks(&self) -> Option<u64> {
-        self.text.strip_prefix("epoch took ")?.strip_suffix(" ticks")?.parse().ok()
+        let (_, ticks) = self.text.strip_prefix("epoch ")?.strip_suffix(" ticks")?.split_once(" took ")?;
+        ticks.parse().ok()
+    }
+
+    /// The bytes that this line tells the stack has reached.
+    pub fn stack_bytes(&self) -> Option<u64> {
+        self.text.strip_prefix("stack high water ")?.strip_suffix(" bytes")?.parse().ok()
     }
 }
 
@@ -86,7 +92,8 @@ mod tests {
     fn pin_and_epoch_are_read_from_the_text() {
         assert_eq!(line("integrity pin high").pin_level(), Some(true));
         assert_eq!(line("start: reset cause PIN, clock Crystal").pin_level(), Some(false));
-        assert_eq!(line("epoch took 670123 ticks").epoch_ticks(), Some(670_123));
-        assert_eq!(line("epoch took long").epoch_ticks(), None);
+        assert_eq!(line("epoch 7 took 670123 ticks").epoch_ticks(), Some(670_123));
+        assert_eq!(line("epoch 7 took long").epoch_ticks(), None);
+        assert_eq!(line("stack high water 5120 bytes").stack_bytes(), Some(5120));
     }
 }

@@ -1,0 +1,92 @@
+//! The board against the host: the same bytes in give the same bytes out, and an epoch costs what it may.
+
+use std::time::Duration;
+
+use embedded_hal::digital::{ErrorType, OutputPin};
+use rai_firmware::receiver::{Boot, Receiver};
+use tests_host::board::{EmulatedBoard, is_installed};
+use tests_host::encode::{Encoder, Frequency, Selection};
+use tests_host::image;
+use tests_host::sky::raw::Simulation;
+
+const PATIENCE: Duration = Duration::from_secs(60);
+/// What an epoch of twenty satellites may cost on the chip.
+const EPOCH_INSTRUCTIONS: u64 = 4_000_000;
+/// What the stack may grow to: half of what the image must leave for it.
+const STACK_BYTES: u64 = image::STACK_BUDGET_BYTES / 2;
+
+/// A pin in memory.
+#[derive(Debug, Default)]
+struct Level(bool);
+
+impl ErrorType for Level {
+    type Error = core::convert::Infallible;
+}
+
+impl OutputPin for Level {
+    fn set_low(&mut self) -> Result<(), Self::Error> {
+        self.0 = false;
+        Ok(())
+    }
+
+    fn set_high(&mut self) -> Result<(), Self::Error> {
+        self.0 = true;
+        Ok(())
+    }
+}
+
+/// Epochs of GPS and `BeiDou` above one place, a lump of bytes for each epoch.
+fn lumps(epochs: u32) -> Vec<Vec<u8>> {
+    let recording = Simulation::above_xian(0.0, epochs, 7).record();
+    let selection = Selection::new("GC", Frequency::Dual).expect("two systems");
+    let mut encoder = Encoder::new(&recording.ephemerides, selection);
+    recording.epochs.iter().map(|epoch| encoder.epoch(epoch).expect("an epoch that can be sent")).collect()
+}
+
+fn on_host(lumps: &[Vec<u8>]) -> (Vec<u8>, Vec<bool>) {
+    let boot = Boot { git: "parity", reset_cause: heapless::String::new() };
+    let mut receiver = Receiver::new(Level::default(), boot).expect("a receiver");
+    let mut sentences = Vec::new();
+    let levels = lumps.iter().map(|lump| {
+        receiver.gnss(lump, 0, &mut sentences);
+        receiver.pin().0
+    });
+    let levels = levels.collect();
+    (sentences, levels)
+}
+
+#[test]
+fn board_says_what_the_host_says_within_its_budget() {
+    if !is_installed() {
+        return;
+    }
+    let lumps = lumps(20);
+    let (want, pin_levels) = on_host(&lumps);
+    let image = image::build().expect("the image builds");
+    let mut board = EmulatedBoard::start(&image).expect("the board starts");
+    board.read_through("$PRAIV", PATIENCE).expect("the board greets");
+    let start = std::time::Instant::now();
+    let mut have = Vec::new();
+    for lump in &lumps {
+        board.feed(lump).expect("the board takes an epoch");
+        let lines = board.read_through("$PRAIS", PATIENCE).expect("the board judges an epoch");
+        have.extend(lines.concat().into_bytes());
+    }
+    assert_eq!(String::from_utf8_lossy(&have), String::from_utf8_lossy(&want));
+    assert!(pin_levels.contains(&true), "a healthy sky raises the pin on the host");
+    board
+        .log_with(&format!("epoch {} took", lumps.len()), 0, PATIENCE)
+        .expect("the last epoch's cost is logged");
+    assert_eq!(Some(&board.pin_is_high()), pin_levels.last(), "the pin, board and host");
+    let cost = board.epoch_instructions();
+    let worst = cost.iter().max().copied().unwrap_or(u64::MAX);
+    let mean = cost.iter().sum::<u64>() / cost.len() as u64;
+    println!("{:.1} kB in {:.1} s", lumps.concat().len() as f64 / 1e3, start.elapsed().as_secs_f64());
+    println!("instructions per epoch: {mean} in the mean, {worst} at most, over {}", cost.len());
+    assert!(worst <= EPOCH_INSTRUCTIONS, "{cost:?}");
+    let stack =
+        board.log().iter().filter_map(tests_host::board::LogLine::stack_bytes).max().expect("a stack report");
+    println!("stack high water: {stack} bytes");
+    assert!(stack <= STACK_BYTES, "{stack} bytes");
+    assert!(!board.log().iter().any(|line| line.text.contains("lost")), "{:?}", board.log());
+}
