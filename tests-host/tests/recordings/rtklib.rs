@@ -1,103 +1,14 @@
-//! Recordings: what the readers make of real RINEX, and what the wire makes of it.
-#![allow(missing_docs, clippy::inconsistent_digit_grouping)]
+//! RTKLIB reads the stream: an independent reader of RTCM, and an independent position.
 
 use std::ffi::OsString;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 
 use rai_core::frame::{Ecef, LocalFrame};
-use rai_core::satellite::Constellation;
-use tests_host::encode::{Encoder, Frequency, Selection};
+use tests_host::encode::{Frequency, Selection};
 use tests_host::recording::{Recording, readable};
-use tests_host::shared;
 
-/// A reference recording: observations and navigation.
-struct Files(&'static str, &'static str);
-
-const ESBC: Files = Files(
-    "data/esbc/ESBC00DNK_R_20201770000_01D_30S_MO.crx.gz",
-    "data/esbc/ESBC00DNK_R_20201770000_01D_MN.rnx.gz",
-);
-const STATIC1HZ: Files = Files("data/static1hz/base.obs.gz", "data/static1hz/base.nav.gz");
-const TLSE: Files = Files(
-    "data/tlse/TLSE00FRA_R_20240011200_15M_01S_MO.crx.gz",
-    "data/tlse/BRDC00IGS_R_20240010000_01D_MN.rnx.gz",
-);
-const KMS3: Files = Files(
-    "data/kms3/KMS300DNK_R_20221591000_01H_30S_MO.crx",
-    "data/kms3/KMS300DNK_R_20221591000_01H_MN.rnx.gz",
-);
-const DGAR: Files = Files("data/dgar/dgar0100.24o.gz", "data/dgar/brdc0100.24n.gz");
-
-impl Files {
-    fn paths(&self) -> Option<(PathBuf, PathBuf)> {
-        Some((shared::path_or_skip(self.0)?, shared::path_or_skip(self.1)?))
-    }
-
-    fn load(&self) -> Option<Recording> {
-        let (observations, navigation) = self.paths()?;
-        Some(Recording::load(&[observations], &[navigation]).unwrap())
-    }
-}
-
-/// Epochs; satellites and pseudoranges of GPS, Galileo and `BeiDou`; and the sum of the pseudoranges in mm.
-#[derive(Debug, PartialEq)]
-struct Tally {
-    epochs: usize,
-    satellites: usize,
-    pseudoranges: usize,
-    sum_mm: i64,
-}
-
-fn tally(recording: &Recording) -> Tally {
-    let satellites = || recording.epochs.iter().flat_map(|epoch| &epoch.satellites);
-    let used = || satellites().filter(|of| of.satellite.constellation() != Constellation::Glonass);
-    let signals = || used().flat_map(|satellite| &satellite.signals);
-    Tally {
-        epochs: recording.epochs.len(),
-        satellites: used().count(),
-        pseudoranges: signals().count(),
-        sum_mm: signals().map(|signal| (signal.pseudorange_m * 1000.0).round() as i64).sum(),
-    }
-}
-
-#[test]
-fn real_recordings_hold_what_an_independent_reader_counts() {
-    // Counted by a script over the plain text that the reference implementation of crx2rnx (4.1.0) makes.
-    let want = [
-        (
-            ESBC,
-            Tally { epochs: 2880, satellites: 91_093, pseudoranges: 309_887, sum_mm: 7_963_399_453_651_985 },
-        ),
-        (
-            STATIC1HZ,
-            Tally { epochs: 301, satellites: 13_740, pseudoranges: 37_016, sum_mm: 1_077_847_447_197_544 },
-        ),
-        (
-            TLSE,
-            Tally { epochs: 900, satellites: 28_105, pseudoranges: 113_529, sum_mm: 2_902_666_146_184_980 },
-        ),
-        (KMS3, Tally { epochs: 19, satellites: 616, pseudoranges: 2709, sum_mm: 71_140_231_178_837 }),
-        (
-            DGAR,
-            Tally { epochs: 2880, satellites: 58_208, pseudoranges: 253_521, sum_mm: 6_166_681_397_682_689 },
-        ),
-    ];
-    for (files, want) in want {
-        let start = std::time::Instant::now();
-        let Some(recording) = files.load() else { continue };
-        println!("{} read in {:.1?}, {} ephemerides", files.0, start.elapsed(), recording.ephemerides.len());
-        assert_eq!(tally(&recording), want, "{}", files.0);
-    }
-}
-
-/// All of a recording as a receiver would send it.
-fn stream(recording: &Recording, selection: Selection) -> Vec<u8> {
-    let mut encoder = Encoder::new(&recording.ephemerides, selection);
-    let stream = recording.epochs.iter().flat_map(|epoch| encoder.epoch(epoch).unwrap()).collect();
-    assert_eq!(encoder.unsendable(), 0);
-    stream
-}
+use crate::{ESBC, STATIC1HZ, lumps};
 
 /// The horizontal and vertical distance of RTKLIB's mean single-point position from the truth, m, and how many
 /// epochs it solved.
@@ -175,7 +86,7 @@ fn rtklib_finds_the_antenna_in_the_stream() {
     ] {
         let Some(mut recording) = files.load() else { continue };
         recording.epochs.truncate(480);
-        let stream = stream(&recording, Selection::new(letters, frequency).unwrap());
+        let stream = lumps(&recording, Selection::new(letters, frequency).unwrap()).concat();
         let (horizontal_m, vertical_m, count) =
             rtklib_position(folder.path(), &stream, frequency, &recording, truth);
         println!(
