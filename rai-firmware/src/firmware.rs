@@ -59,7 +59,7 @@ fn run(receiver: &mut Receiver<IntegrityPin>, mut host: HostPort, mut watchdog: 
         watchdog.feed();
         sleep_unless(ports::input_waits);
     }
-    host.drain();
+    ports::drain();
     fault::reset_on_request()
 }
 

@@ -1,6 +1,6 @@
 //! What a machine needs beside the Rust toolchain, and how it comes to it.
 //!
-//! [`Machine::look`] collects facts, [`plan`] turns facts into steps, [`ensure`] takes them. A step that this process
+//! [`Machine::look`] collects facts, [`plan`] turns facts into steps, [`ensure()`] takes them. A step that this process
 //! may not take is said to the user as the exact command. Where nothing is missing the look takes some milliseconds,
 //! so every command can afford it.
 

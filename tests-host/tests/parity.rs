@@ -9,7 +9,7 @@ use tests_host::encode::{Encoder, Frequency, Selection};
 use tests_host::image;
 use tests_host::sky::raw::Simulation;
 
-const PATIENCE: Duration = Duration::from_secs(60);
+const PATIENCE: Duration = Duration::from_mins(1);
 /// What an epoch of twenty satellites may cost on the chip.
 const EPOCH_INSTRUCTIONS: u64 = 4_000_000;
 /// What the stack may grow to: half of what the image must leave for it.

@@ -10,7 +10,7 @@
 //! |---|---|---|
 //! | `w_i` | [`w_test`] | – |
 //! | `r_i` | [`Fit::redundancy`] | – |
-//! | `b_i = v_i / r_i` | [`Suspect::bias_m`] with standard deviation `σ_i/√r_i` | m |
+//! | `b_i = v_i / r_i` | [`Suspect::bias_m`](crate::report::Suspect::bias_m) with standard deviation `σ_i/√r_i` | m |
 //!
 //! A row is identified when a fault was detected, `dof ≥ 2`, its |w| is the largest, above `T_d`, and unique. It is
 //! removed and the rest tested again, until the test passes or no row can be named.

@@ -30,6 +30,7 @@ const _: () = assert!(FULL_HZ == 168_000_000, "the highest frequency that the ch
 /// Which oscillator the module runs from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(target_os = "none", derive(defmt::Format))]
+#[cfg_attr(not(target_os = "none"), allow(dead_code))] // A host has no oscillator to choose.
 pub enum Source {
     /// The crystal, through the PLL: 168 MHz.
     Crystal,

@@ -167,15 +167,15 @@ impl HostPort {
         self.lines = self.lines.wrapping_add(1);
         NVIC::pend(Interrupt::USART1);
     }
+}
 
-    /// Closes the port once all has left the chip, after a second at most: before a reset that was asked for.
-    pub fn drain(self) {
-        let deadline_ms = time::now_ms() + 1000;
-        while !(HOST_OUT.is_empty() && LOG_OUT.is_empty()) && time::now_ms() < deadline_ms {}
-        // The last byte is still in the transmitter: one character is 87 µs.
-        let last_ms = time::now_ms() + 2;
-        while time::now_ms() < last_ms {}
-    }
+/// Waits until all has left the chip, a second at most: before a reset that was asked for.
+pub fn drain() {
+    let deadline_ms = time::now_ms() + 1000;
+    while !(HOST_OUT.is_empty() && LOG_OUT.is_empty()) && time::now_ms() < deadline_ms {}
+    // The last two bytes are still in the transmitter, where a character takes 87 µs.
+    let last_ms = time::now_ms() + 2;
+    while time::now_ms() < last_ms {}
 }
 
 impl embedded_io::ErrorType for HostPort {

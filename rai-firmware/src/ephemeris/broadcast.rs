@@ -11,7 +11,7 @@ use crate::time::{GpsTime, WEEK_MS};
 
 /// One satellite's message with the week resolved, in the units of the interface documents.
 ///
-/// `_sc` is semicircles; the other units are the suffixes. Any value may stand here; [`Ephemeris::new`] judges.
+/// `_sc` is semicircles; the other units are the suffixes. Any value may stand here; [`Ephemeris::new`](super::Ephemeris::new) judges.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Broadcast {
     /// Which satellite.
