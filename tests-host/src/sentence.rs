@@ -119,7 +119,7 @@ pub fn epochs(text: &str) -> anyhow::Result<Vec<EpochOutput>> {
         match parse(line)? {
             Sentence::Position(found) => position = found,
             Sentence::State(state) => {
-                epochs.push(EpochOutput { position: position.take(), state, excluded: Vec::new() })
+                epochs.push(EpochOutput { position: position.take(), state, excluded: Vec::new() });
             }
             Sentence::Excluded(satellite) => {
                 epochs.last_mut().context("PRAIX before PRAIS")?.excluded.push(satellite);
