@@ -71,6 +71,7 @@
 //! | IS-GPS-200 | *NAVSTAR GPS space segment/navigation user interfaces* |
 //! | Lin2016 | Lin Xueyuan et al., `BeiDou` RAIM, J. Naval Aeronautical Univ. 31(6) (2016) 619–624 |
 //! | Sankaran1963 | M. Sankaran, *Approximations to the non-central chi-square distribution*, Biometrika 50 (1963) |
+//! | Montenbruck2018 | O. Montenbruck et al., *Multi-GNSS signal-in-space range error assessment*, Adv. Space Res. 61 (2018) 3020–3038 |
 //! | Tian2024 | Tian Binpeng et al., improved RANSAC RAIM, Navigation Positioning & Timing 11(3) (2024) 101–108 |
 //! | Wang1994 | J. Wang, Y. Chen, *On the reliability measure of observations*, Acta Geodaet. Cartograph. (1994) |
 //! | WGS84 | NGA.STND.0036, *World Geodetic System 1984* |

@@ -19,8 +19,8 @@
 use heapless::Vec;
 use rai_core::epoch::{Epoch, EpochError, Observation};
 use rai_core::frame::{Ecef, Enu, Geodetic, LocalFrame, SPEED_OF_LIGHT_M_S};
-use rai_core::satellite::SatelliteId;
-use rai_core::weighting::{ErrorBudget, sigma_m};
+use rai_core::satellite::{Constellation, SatelliteId};
+use rai_core::weighting::{ErrorBudget, ephemeris_sigma_m, sigma_m};
 
 use crate::atmosphere::{Klobuchar, Troposphere};
 use crate::counters::{count, counters};
@@ -39,8 +39,11 @@ const IONOSPHERE_MISSED: f64 = 0.5;
 /// The same without coefficients, when only the night-time constant of 1.5 m is modelled: 3 m at the zenith.
 const IONOSPHERE_MISSED_BLIND: f64 = 2.0;
 
-/// Orbit and clock error when a satellite promises less, m: no broadcast orbit is better.
-const EPHEMERIS_FLOOR_M: f64 = 1.0;
+/// What a range that is not combined like most of its system's differs by, one sigma, m.
+///
+/// A receiver's delay differs between carriers by some metres, and combining amplifies that. Common to all satellites
+/// of a system it is part of the clock; where combinations are mixed it is an error of the few.
+const MIXED_M: f64 = 10.0;
 
 /// Sigma of every range while the position is unknown, m.
 const COARSE_SIGMA_M: f64 = 30.0;
@@ -78,7 +81,7 @@ pub struct Located {
     range_m: f64,
     noise_gain: f64,
     ephemeris_m: f64,
-    ionosphere: Option<Band>,
+    bands: (Band, Option<Band>),
 }
 
 /// The satellites of an epoch whose positions are known.
@@ -98,7 +101,34 @@ pub fn locate(raw: &RawEpoch, store: &Store, tally: &mut Tally) -> Sky {
             Err(reason) => tally.ephemerides.count(reason),
         }
     }
+    charge_mixing(&mut sky);
     sky
+}
+
+/// Adds the receiver's delay between carriers to those whose combination is not the most frequent of their system.
+fn charge_mixing(sky: &mut Sky) {
+    for constellation in Constellation::ALL {
+        let usual = usual_bands(sky, constellation);
+        let others = sky.iter_mut().filter(|located| {
+            located.satellite.constellation() == constellation && Some(located.bands) != usual
+        });
+        for located in others {
+            located.ephemeris_m = libm::hypot(located.ephemeris_m, MIXED_M);
+        }
+    }
+}
+
+/// The combination that most satellites of a system have; the first of equals.
+fn usual_bands(sky: &Sky, constellation: Constellation) -> Option<(Band, Option<Band>)> {
+    let of_system = || sky.iter().filter(|located| located.satellite.constellation() == constellation);
+    let mut usual = None;
+    for located in of_system() {
+        let count = of_system().filter(|other| other.bands == located.bands).count();
+        if usual.is_none_or(|(most, _)| count > most) {
+            usual = Some((count, located.bands));
+        }
+    }
+    usual.map(|(_, bands)| bands)
 }
 
 /// One satellite; `None` without a signal whose delay is known.
@@ -112,14 +142,14 @@ fn locate_one(
         return Ok(None);
     };
     let state = ephemeris.at(time, choice.range_m)?;
-    let promised_m = ephemeris.accuracy_m().unwrap_or(0.0).max(EPHEMERIS_FLOOR_M);
+    let promised_m = ephemeris.accuracy_m().unwrap_or(0.0);
     Ok(Some(Located {
         satellite: satellite.satellite,
         position: state.position,
         range_m: choice.range_m + SPEED_OF_LIGHT_M_S * state.clock_s,
         noise_gain: choice.noise_factor,
-        ephemeris_m: libm::hypot(promised_m, choice.uncalibrated_m),
-        ionosphere: choice.ionosphere,
+        ephemeris_m: libm::hypot(ephemeris_sigma_m(satellite.satellite, promised_m), choice.uncalibrated_m),
+        bands: choice.bands,
     }))
 }
 
@@ -205,9 +235,10 @@ impl Site {
     }
 
     fn observe(&self, located: &Located, line_of_sight: Enu) -> Observation {
-        let ionosphere_m = located
-            .ionosphere
-            .map_or(0.0, |band| self.klobuchar.delay_m(&self.geodetic, line_of_sight, self.time, band));
+        let ionosphere_m = match located.bands {
+            (band, None) => self.klobuchar.delay_m(&self.geodetic, line_of_sight, self.time, band),
+            (_, Some(_)) => 0.0,
+        };
         let budget = ErrorBudget {
             sin_elevation: line_of_sight.up,
             ephemeris_m: located.ephemeris_m,

@@ -105,12 +105,12 @@ pub struct Signal {
 pub struct Choice {
     /// Pseudorange, corrected for the group delay, m. The satellite clock is still in it.
     pub range_m: f64,
+    /// The carriers it is made of; with the first alone, its ionospheric delay is still in the range.
+    pub bands: (Band, Option<Band>),
     /// How much noisier it is than one code range.
     pub noise_factor: f64,
     /// Standard deviation of a group delay that is not broadcast, m; 0 where it is.
     pub uncalibrated_m: f64,
-    /// The carrier whose ionospheric delay is still in the range; `None` for an ionosphere-free pair.
-    pub ionosphere: Option<Band>,
     /// The lower carrier to noise density of what was combined, dB-Hz; 0 when unknown.
     pub cn0_dbhz: f32,
 }
@@ -158,10 +158,10 @@ fn combine(first: &Signal, second: &Signal, ephemeris: &Ephemeris) -> Option<Cho
         (ephemeris.group_delay(first.band)?, ephemeris.group_delay(second.band)?);
     let delay_s = k_first * delay_first.seconds() + k_second * delay_second.seconds();
     Some(Choice {
+        bands: (first.band, Some(second.band)),
         range_m: k_first * first.range_m + k_second * second.range_m - SPEED_OF_LIGHT_M_S * delay_s,
         noise_factor: libm::sqrt(k_first * k_first + k_second * k_second),
         uncalibrated_m: delay_first.uncalibrated_m().max(delay_second.uncalibrated_m()),
-        ionosphere: None,
         cn0_dbhz: first.cn0_dbhz.min(second.cn0_dbhz),
     })
 }
@@ -170,10 +170,10 @@ fn combine(first: &Signal, second: &Signal, ephemeris: &Ephemeris) -> Option<Cho
 fn alone(signal: &Signal, ephemeris: &Ephemeris) -> Option<Choice> {
     let delay = ephemeris.group_delay(signal.band)?;
     Some(Choice {
+        bands: (signal.band, None),
         range_m: signal.range_m - SPEED_OF_LIGHT_M_S * delay.seconds(),
         noise_factor: 1.0,
         uncalibrated_m: delay.uncalibrated_m(),
-        ionosphere: Some(signal.band),
         cn0_dbhz: signal.cn0_dbhz,
     })
 }

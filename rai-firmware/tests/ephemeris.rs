@@ -215,7 +215,7 @@ fn the_pair_that_the_clock_refers_to_needs_no_group_delay() {
     ] {
         let have = choose(&[signal(first, 2.2e7), signal(second, 2.2e7)], &ephemeris).unwrap();
         assert!((have.range_m - 2.2e7).abs() < 1e-6, "{first:?} {second:?}: {have:?}");
-        assert_eq!((have.ionosphere, have.uncalibrated_m), (None, 0.0));
+        assert_eq!((have.bands, have.uncalibrated_m), ((first, Some(second)), 0.0));
     }
 }
 
@@ -245,7 +245,7 @@ fn one_signal_alone_keeps_the_ionosphere_and_takes_its_group_delay() {
     let ephemeris = changed(&CASES[GPS], |b| b.group_delays_s = [1e-8, 0.0]).unwrap();
     let have = choose(&[signal(Band::L1, 2.2e7)], &ephemeris).unwrap();
     assert!((have.range_m - (2.2e7 - 2.997_924_58)).abs() < 1e-6, "{have:?}");
-    assert_eq!((have.ionosphere, have.noise_factor), (Some(Band::L1), 1.0));
+    assert_eq!((have.bands, have.noise_factor), ((Band::L1, None), 1.0));
     assert_eq!(choose(&[], &ephemeris), None);
     assert_eq!(choose(&[signal(Band::E1, 2.2e7)], &ephemeris), None);
 }

@@ -74,6 +74,10 @@ const fn pairs(constellation: Constellation) -> &'static [(Choice, Choice)] {
     }
 }
 
+/// The two codes that GPS clocks are of: between C/A and P(Y) a satellite has a delay of its own, up to a metre,
+/// that the combination triples and no message tells.
+const P_CODES: (Choice, Choice) = ((1, "WP"), (2, "WP"));
+
 /// The signal of a satellite that is the best of a choice.
 fn find(satellite: &RawSatellite, (band, attributes): Choice) -> Option<&RawSignal> {
     let signal = |attribute| satellite.signals.iter().find(|s| s.band == band && s.attribute == attribute);
@@ -86,7 +90,11 @@ fn chosen(satellite: &RawSatellite, frequency: Frequency) -> Vec<&RawSignal> {
     let both =
         |(first, second): &(Choice, Choice)| Some(vec![find(satellite, *first)?, find(satellite, *second)?]);
     let first = || pairs.iter().find_map(|(first, _)| find(satellite, *first)).into_iter().collect();
+    let is_gps = satellite.satellite.constellation() == Constellation::Gps;
     match frequency {
+        Frequency::Dual if is_gps => {
+            both(&P_CODES).or_else(|| pairs.iter().find_map(both)).unwrap_or_else(first)
+        }
         Frequency::Dual => pairs.iter().find_map(both).unwrap_or_else(first),
         Frequency::Single => first(),
     }

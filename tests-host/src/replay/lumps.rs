@@ -1,0 +1,74 @@
+//! From a recording to the bytes of each epoch: which epochs, with which faults.
+
+use anyhow::{Result, ensure};
+use rai_core::satellite::SatelliteId;
+use rai_firmware::time::GpsTime;
+
+use crate::encode::{Encoder, Selection};
+use crate::fault::{Fault, Injector};
+use crate::recording::Recording;
+
+/// Which part of a recording is used; seconds after its first epoch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Window {
+    /// First second used.
+    pub from_s: f64,
+    /// First second that is not used any more.
+    pub to_s: f64,
+    /// Least time between two epochs, s.
+    pub every_s: f64,
+}
+
+impl Window {
+    /// Everything.
+    pub const ALL: Self = Self { from_s: 0.0, to_s: f64::INFINITY, every_s: 0.0 };
+}
+
+/// The RTCM of one epoch.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Lump {
+    /// Time tag of the epoch.
+    pub time: GpsTime,
+    /// Seconds after the first epoch of the recording.
+    pub elapsed_s: f64,
+    /// Ephemerides that have become known, then ranges.
+    pub bytes: Vec<u8>,
+}
+
+/// Encodes a recording. Faults are timed from the recording's first epoch, whatever the window is.
+///
+/// # Errors
+/// A fault of a satellite that is not in the recording, a number that has no room in its message, or an empty window.
+pub fn encode(
+    recording: &Recording,
+    selection: &Selection,
+    faults: &[Fault],
+    window: &Window,
+) -> Result<Vec<Lump>> {
+    let satellites = satellites(recording);
+    for fault in faults {
+        fault.check_against(&satellites)?;
+    }
+    let Some(first) = recording.epochs.first().map(|epoch| epoch.time) else { return Ok(Vec::new()) };
+    let mut encoder = Encoder::new(&recording.ephemerides, selection.clone());
+    let mut lumps: Vec<Lump> = Vec::new();
+    for epoch in Injector::new(recording.epochs.iter().cloned(), faults.to_vec()) {
+        let elapsed_s = epoch.time.since_ms(first) as f64 * 1e-3;
+        // Half a millisecond of grace: time tags are rounded to milliseconds.
+        let is_next = lumps.last().is_none_or(|last| elapsed_s - last.elapsed_s >= window.every_s - 5e-4);
+        if elapsed_s >= window.from_s && elapsed_s < window.to_s && is_next {
+            lumps.push(Lump { time: epoch.time, elapsed_s, bytes: encoder.epoch(&epoch)? });
+        }
+    }
+    ensure!(!lumps.is_empty(), "no epoch between {} s and {} s of the recording", window.from_s, window.to_s);
+    Ok(lumps)
+}
+
+/// Every satellite that is measured at least once.
+fn satellites(recording: &Recording) -> Vec<SatelliteId> {
+    let measured = recording.epochs.iter().flat_map(|epoch| &epoch.satellites);
+    let mut satellites: Vec<SatelliteId> = measured.map(|measured| measured.satellite).collect();
+    satellites.sort_unstable();
+    satellites.dedup();
+    satellites
+}

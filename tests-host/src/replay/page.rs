@@ -1,0 +1,86 @@
+//! The HTML report of a replay.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Result;
+use rai_core::frame::Enu;
+
+use super::summary::Summary;
+use super::track::Track;
+use crate::fault::Fault;
+use crate::report::canvas::Ground;
+use crate::report::page::Page;
+use crate::report::{Moment, Verdict, stanford, timeline};
+
+/// Writes `report.html` into a folder; gives its path.
+///
+/// # Errors
+/// What cannot be drawn or written.
+pub fn write_report(folder: &Path, track: &Track, faults: &[Fault], summary: &Summary) -> Result<PathBuf> {
+    let moments = moments(track);
+    let incidents: Vec<timeline::Incident> = faults.iter().map(|fault| incident(fault, track)).collect();
+    let mut page = Page::new("A recording through the module", &headline(summary));
+    page.figures(&figures(summary));
+    page.heading("What the module said");
+    page.picture(&timeline::picture(&moments, &incidents, Ground::Page)?);
+    if moments.iter().any(|moment| moment.horizontal_error_m.is_some()) {
+        page.heading("Error against protection level");
+        page.paragraph("Below the diagonal the protection level bounds the error, as it must.");
+        page.pictures(&[
+            stanford::horizontal(&moments, Ground::Page)?,
+            stanford::vertical(&moments, Ground::Page)?,
+        ]);
+    }
+    let path = folder.join("report.html");
+    page.write(&path)?;
+    Ok(path)
+}
+
+fn headline(summary: &Summary) -> String {
+    format!(
+        "{} epochs: {} protected, {} alerts, {} unavailable; {} misleading.",
+        summary.epochs, summary.protected, summary.alerts, summary.unavailable, summary.misleading
+    )
+}
+
+fn figures(summary: &Summary) -> Vec<(String, String)> {
+    let metres = |value: Option<f64>| value.map_or("–".to_owned(), |value| format!("{value:.2} m"));
+    vec![
+        ("horizontal error, rms".to_owned(), metres(summary.horizontal_rms_m)),
+        ("vertical error, rms".to_owned(), metres(summary.vertical_rms_m)),
+        ("HPL, median".to_owned(), metres(summary.hpl_median_m)),
+        ("VPL, median".to_owned(), metres(summary.vpl_median_m)),
+    ]
+}
+
+fn incident(fault: &Fault, track: &Track) -> timeline::Incident {
+    let last_s = track.last().map_or(0.0, |moment| moment.elapsed_s);
+    timeline::Incident {
+        name: format!("fault of {}", fault.target),
+        range_s: fault.start_s..fault.end_s.min(last_s),
+    }
+}
+
+fn moments(track: &Track) -> Vec<Moment> {
+    let moment = |moment: &super::track::Moment| {
+        let output = moment.output.as_ref()?;
+        let state = &output.state;
+        Some(Moment {
+            time_s: moment.elapsed_s,
+            verdict: Verdict::from_letter(state.state),
+            reason: state.reason.clone(),
+            statistic: state.statistic,
+            threshold: state.threshold,
+            hpl_m: state.hpl_m,
+            vpl_m: state.vpl_m,
+            hal_m: state.hal_m,
+            val_m: state.val_m,
+            horizontal_error_m: moment.error.map(Enu::horizontal),
+            vertical_error_m: moment.error.map(|error| error.up),
+            pin_is_high: Some(state.is_protected()),
+            used: state.used as usize,
+            excluded: output.excluded.iter().map(|excluded| excluded.satellite).collect(),
+        })
+    };
+    track.iter().filter_map(moment).collect()
+}
