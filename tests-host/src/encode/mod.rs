@@ -119,7 +119,7 @@ impl Encoder {
         self.unsendable
     }
 
-    /// The bytes of an epoch.
+    /// The bytes of an epoch; they hold no ranges, and so end no epoch for the receiver, where nothing is seen.
     ///
     /// # Errors
     /// A number that its message has no room for.

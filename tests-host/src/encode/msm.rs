@@ -148,38 +148,37 @@ fn cn0(signal: &RawSignal) -> Option<f64> {
     signal.cn0_dbhz.filter(|cn0_dbhz| *cn0_dbhz >= 0.0625).map(|cn0_dbhz| cn0_dbhz.min(63.9375))
 }
 
-/// Parts the rows so that each part fits into one message; a part of nothing if there is no row.
+/// Parts the rows so that each part fits into one message.
 fn parts(rows: Vec<Row>) -> Vec<Vec<Row>> {
-    let mut parts = vec![Vec::new()];
-    let mut signals: Vec<(u8, char)> = Vec::new();
+    let mut parts = Vec::new();
+    let mut part = Vec::new();
     for row in rows {
-        let new = |cell: &&Cell| !signals.contains(&(cell.band, cell.attribute));
-        let count = signals.len() + row.cells.iter().filter(new).count();
-        let part: &mut Vec<Row> = parts.last_mut().expect("there is always a part");
-        if (part.len() + 1) * count > CELLS {
-            signals.clear();
-            parts.push(Vec::new());
+        part.push(row);
+        if cells(&part) > CELLS {
+            let surplus = part.pop();
+            parts.push(std::mem::take(&mut part));
+            part.extend(surplus);
         }
-        for cell in &row.cells {
-            if !signals.contains(&(cell.band, cell.attribute)) {
-                signals.push((cell.band, cell.attribute));
-            }
-        }
-        parts.last_mut().expect("there is always a part").push(row);
     }
+    parts.push(part);
     parts
 }
 
-/// The messages of an epoch; those of a system without satellites are left out, but there is always one.
+/// The size of the cell mask.
+fn cells(part: &[Row]) -> usize {
+    let mut signals: Vec<(u8, char)> =
+        part.iter().flat_map(|row| &row.cells).map(|cell| (cell.band, cell.attribute)).collect();
+    signals.sort_unstable();
+    signals.dedup();
+    part.len() * signals.len()
+}
+
+/// The messages of an epoch; none for a system without satellites, since a message of nothing is not readable by all.
 pub(super) fn messages(epoch: &RawEpoch, selection: &Selection, unsendable: &mut u64) -> Vec<Message> {
     let mut planned: Vec<(Constellation, Vec<Row>)> = Vec::new();
     for system in &selection.systems {
         let rows = rows(epoch, *system, selection.frequency, unsendable);
         planned.extend(parts(rows).into_iter().filter(|part| !part.is_empty()).map(|part| (*system, part)));
-    }
-    if planned.is_empty() {
-        // An epoch in which nothing is seen ends nevertheless: the receiver must not wait for it.
-        planned.extend(selection.systems.first().map(|system| (*system, Vec::new())));
     }
     let last = planned.len().saturating_sub(1);
     let message =

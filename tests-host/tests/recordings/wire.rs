@@ -167,6 +167,12 @@ fn more_cells_than_a_message_holds_go_into_several() {
 }
 
 #[test]
+fn an_epoch_in_which_nothing_is_seen_says_nothing() {
+    let mut encoder = Encoder::new(&[], selection("CE", Frequency::Dual));
+    assert!(encoder.epoch(&epoch(Vec::new())).unwrap().is_empty());
+}
+
+#[test]
 fn ranges_that_the_message_has_no_numbers_for_are_counted_and_left_out() {
     // 255 ms are 76,447 km.
     for (range_m, want) in [(0.0, 1), (7.6e7, 1), (7.65e7, 0), (-1.0, 0), (1e12, 0), (f64::NAN, 0)] {
