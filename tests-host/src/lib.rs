@@ -13,6 +13,7 @@
 
 pub mod board;
 pub mod chi_square;
+pub mod demo;
 pub mod encode;
 pub mod evaluate;
 pub mod fault;

@@ -1,12 +1,59 @@
 //! `cargo xtask demo`.
 
-use anyhow::bail;
+use std::io::IsTerminal;
+use std::path::Path;
+
+use anyhow::Context;
+use tests_host::demo::{Live, Plan, View};
+use tests_host::report::canvas::Ground;
+use tests_host::report::page::write_file;
+use tests_host::{fault, image, setup};
+
+/// Where the report goes.
+const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../target/rai-demo");
 
 /// Arguments of the command.
 #[derive(clap::Args)]
-pub struct Arguments {}
+pub(crate) struct Arguments {
+    /// The satellite that drifts off.
+    #[arg(long, default_value = "C08")]
+    sat: String,
+    /// How far it drifts, in metres.
+    #[arg(long, default_value_t = 80.0, allow_negative_numbers = true)]
+    bias: f64,
+    /// Write plain lines, also on a terminal.
+    #[arg(long)]
+    headless: bool,
+}
 
 /// Runs the command.
-pub fn run(_arguments: Arguments) -> anyhow::Result<()> {
-    bail!("not built yet")
+pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    let satellite = fault::satellite(&arguments.sat)
+        .with_context(|| format!("--sat {}: not a satellite; write it like C08", arguments.sat))?;
+    let plan = Plan { satellite, bias_m: arguments.bias, seed: 1 };
+    plan.simulation().with_context(|| format!("--sat {}", arguments.sat))?;
+    setup::ensure()?;
+    println!("building the image for the STM32F405");
+    let image = image::build()?;
+    println!(
+        "streaming two minutes of GPS and BeiDou to the emulated board; {satellite} drifts off to {:+} m from 40 s to 90 s",
+        plan.bias_m
+    );
+    let is_block = std::io::stdout().is_terminal() && !arguments.headless;
+    let view = if is_block { View::Block } else { View::Lines };
+    let mut live = Live::new(plan, view, std::io::stdout().lock());
+    let mut shown = Ok(());
+    let story = plan.run(&image, |moments| {
+        if shown.is_ok() {
+            shown = live.show(moments);
+        }
+    })?;
+    drop(live);
+    shown.context("the terminal takes no more")?;
+    let folder = Path::new(FOLDER);
+    story.page()?.write(&folder.join("report.html"))?;
+    write_file(&folder.join("picture.svg"), &story.picture(Ground::Sheet)?)?;
+    println!("\n{story}");
+    println!("report: {}", folder.canonicalize()?.join("report.html").display());
+    Ok(())
 }

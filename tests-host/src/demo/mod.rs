@@ -1,0 +1,173 @@
+//! The demonstration: one satellite of a simulated sky drifts off, and the emulated board is watched meanwhile.
+//!
+//! ```text
+//! sky ──► fault ──► RTCM ──► USART2 of the board ──► USART1, log ──► moments ──► live view, page, picture
+//! ```
+//!
+//! | time / s | what happens |
+//! |---|---|
+//! | 0 to 40 | nothing |
+//! | 40 to 70 | the satellite's range grows evenly to the full bias |
+//! | 70 to 90 | it stays there |
+//! | 90 to 120 | the satellite is sound again |
+//!
+//! The next epoch is sent when the module has spoken of the last one, so two minutes pass as fast as the host runs.
+
+mod live;
+mod story;
+
+use std::path::Path;
+use std::time::Duration;
+
+use anyhow::{Context, Result, ensure};
+use rai_core::satellite::SatelliteId;
+
+pub use live::{Live, View};
+pub use story::Story;
+
+use crate::board::EmulatedBoard;
+use crate::encode::{Encoder, Frequency, Selection};
+use crate::fault::{Fault, Injector, Kind, Target};
+use crate::report::{Moment, Verdict};
+use crate::sentence::{self, EpochOutput};
+use crate::sky::raw::Simulation;
+use crate::sky::{Site, sights};
+
+/// When the fault begins, s.
+pub const FAULT_START_S: f64 = 40.0;
+/// When it ends, s.
+pub const FAULT_END_S: f64 = 90.0;
+/// How long it takes to grow, s.
+const GROWTH_S: f64 = 30.0;
+/// Epochs of the demonstration, one a second.
+const EPOCHS: u32 = 120;
+/// How high the satellite shall stand at the beginning, degrees.
+const ELEVATION_DEG: f64 = 35.0;
+/// How long the board may take for an epoch.
+const PATIENCE: Duration = Duration::from_secs(20);
+
+/// What is to be shown.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Plan {
+    /// Who drifts off.
+    pub satellite: SatelliteId,
+    /// How far, m.
+    pub bias_m: f64,
+    /// All chance follows from it.
+    pub seed: u64,
+}
+
+impl Plan {
+    /// The sky, at a time when the satellite stands high.
+    ///
+    /// # Errors
+    /// The satellite is not in the sky, with the names of those that are.
+    pub fn simulation(&self) -> Result<Simulation> {
+        let mut simulation = Simulation::above_xian(0.0, EPOCHS, self.seed);
+        let known: Vec<SatelliteId> = simulation.satellites.iter().map(|satellite| satellite.id).collect();
+        self.fault().check_against(&known)?;
+        let own: Vec<_> = simulation
+            .satellites
+            .iter()
+            .filter(|satellite| satellite.id == self.satellite)
+            .copied()
+            .collect();
+        let elevation_deg = |t_s: f64| {
+            let seen = sights(&own, &simulation.site, t_s, 0.0);
+            seen.first().map_or(-90.0, |sight| sight.elevation_rad().to_degrees())
+        };
+        let quarters = || (0..96).map(|quarter| f64::from(quarter) * 900.0);
+        let highest = quarters().max_by(|a, b| elevation_deg(*a).total_cmp(&elevation_deg(*b)));
+        let start_s = quarters().find(|&t_s| elevation_deg(t_s) >= ELEVATION_DEG).or(highest);
+        let start_s = start_s.filter(|&t_s| elevation_deg(t_s) > 10.0);
+        simulation.start_s =
+            start_s.with_context(|| format!("{} never rises over the site", self.satellite))?;
+        Ok(simulation)
+    }
+
+    /// The drift.
+    pub fn fault(&self) -> Fault {
+        Fault {
+            target: Target::Satellite(self.satellite),
+            kind: Kind::Ramp { rate_m_s: self.bias_m / GROWTH_S, limit_m: self.bias_m.abs() },
+            start_s: FAULT_START_S,
+            end_s: FAULT_END_S,
+        }
+    }
+
+    /// Runs it on the emulated board. `watch` sees all moments so far after each epoch.
+    ///
+    /// # Errors
+    /// The satellite is not in the sky, or the board does not start or does not answer in time.
+    pub fn run(&self, image: &Path, mut watch: impl FnMut(&[Moment])) -> Result<Story> {
+        ensure!(self.bias_m.is_finite() && self.bias_m != 0.0, "a bias of {} m is no fault", self.bias_m);
+        let simulation = self.simulation()?;
+        let recording = simulation.record();
+        let mut encoder = Encoder::new(&recording.ephemerides, Selection::new("GC", Frequency::Dual)?);
+        let mut module = Module::start(image)?;
+        let mut moments = Vec::new();
+        let epochs = Injector::new(recording.epochs.into_iter(), vec![self.fault()]);
+        for (index, epoch) in (0_u32..).zip(epochs) {
+            let said = module.judge(&encoder.epoch(&epoch)?).with_context(|| format!("epoch {index}"))?;
+            moments.push(moment(f64::from(index), &said, module.board.pin_is_high(), &simulation.site));
+            watch(&moments);
+        }
+        let instructions = module.board.epoch_instructions();
+        module.board.stop()?;
+        Ok(Story { plan: *self, simulation, moments, instructions })
+    }
+}
+
+/// The board, and how much of its log has been read.
+struct Module {
+    board: EmulatedBoard,
+    log_lines: usize,
+}
+
+impl Module {
+    fn start(image: &Path) -> Result<Self> {
+        let mut board = EmulatedBoard::start(image)?;
+        board.read_through("$PRAIV", PATIENCE).context("the board does not say that it started")?;
+        Ok(Self { board, log_lines: 0 })
+    }
+
+    /// Sends one epoch and reads all that the module says of it.
+    fn judge(&mut self, bytes: &[u8]) -> Result<EpochOutput> {
+        self.board.feed(bytes)?;
+        let mut lines = self.board.read_through("$PRAIS", PATIENCE)?;
+        if lines.last().is_some_and(|line| line.contains(",EXCLUDED,")) {
+            let first = self.board.read_line(PATIENCE)?;
+            let count = first.split(',').nth(2).and_then(|count| count.parse().ok()).unwrap_or(1);
+            lines.push(first);
+            for _ in 1..count {
+                lines.push(self.board.read_line(PATIENCE)?);
+            }
+        }
+        // The pin's level is told by the log, which says last how long the epoch took.
+        let (number, _) = self.board.log_with("epoch took", self.log_lines, PATIENCE)?;
+        self.log_lines = number + 1;
+        sentence::epochs(&lines.concat())?.pop().context("the module said nothing of the epoch")
+    }
+}
+
+/// What the module said, beside the truth.
+fn moment(time_s: f64, said: &EpochOutput, pin_is_high: bool, site: &Site) -> Moment {
+    let state = &said.state;
+    let error = said.position.map(|geodetic| site.frame.rotate(geodetic.to_ecef() - site.position));
+    Moment {
+        time_s,
+        verdict: Verdict::from_letter(state.state),
+        reason: state.reason.clone(),
+        statistic: state.statistic,
+        threshold: state.threshold,
+        hpl_m: state.hpl_m,
+        vpl_m: state.vpl_m,
+        hal_m: state.hal_m,
+        val_m: state.val_m,
+        horizontal_error_m: error.map(rai_core::frame::Enu::horizontal),
+        vertical_error_m: error.map(|error| error.up),
+        pin_is_high: Some(pin_is_high),
+        used: state.used as usize,
+        excluded: said.excluded.iter().map(|excluded| excluded.satellite).collect(),
+    }
+}

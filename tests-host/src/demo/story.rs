@@ -1,0 +1,174 @@
+//! What came of it: a summary in words, a page, and the picture of the module catching a fault.
+
+use std::fmt;
+
+use anyhow::Result;
+use rai_core::satellite::SatelliteId;
+
+use super::{FAULT_END_S, FAULT_START_S, Plan};
+use crate::report::canvas::Ground;
+use crate::report::page::Page;
+use crate::report::skyplot::{Body, skyplot};
+use crate::report::timeline::{self, Incident};
+use crate::report::{Moment, Verdict, stanford};
+use crate::sky::raw::Simulation;
+
+/// A demonstration that has been run.
+#[derive(Clone, Debug)]
+pub struct Story {
+    /// What was to be shown.
+    pub plan: Plan,
+    /// The sky it was shown with.
+    pub simulation: Simulation,
+    /// What the module said, epoch by epoch.
+    pub moments: Vec<Moment>,
+    /// Instructions of the target for each epoch.
+    pub instructions: Vec<u64>,
+}
+
+impl Story {
+    /// The first epoch that was alarmed, or from which the satellite was left out.
+    pub fn detection(&self) -> Option<&Moment> {
+        let during = self.moments.iter().filter(|moment| self.plan.fault().is_active(moment.time_s));
+        during
+            .into_iter()
+            .find(|moment| moment.verdict == Verdict::Alert || moment.excluded.contains(&self.plan.satellite))
+    }
+
+    /// Epochs whose error was larger than their protection level though the module promised otherwise.
+    pub fn misleading(&self) -> usize {
+        let is_misleading = |moment: &&Moment| {
+            moment.verdict == Verdict::Protected
+                && moment.horizontal_error_m.zip(moment.hpl_m).is_some_and(|(error_m, hpl_m)| error_m > hpl_m)
+        };
+        self.moments.iter().filter(is_misleading).count()
+    }
+
+    /// The largest horizontal error of an epoch that was promised to be bounded, m.
+    pub fn largest_protected_error_m(&self) -> f64 {
+        let protected = self.moments.iter().filter(|moment| moment.verdict == Verdict::Protected);
+        protected.filter_map(|moment| moment.horizontal_error_m).fold(0.0, f64::max)
+    }
+
+    /// All satellites that were ever left out, with the number of epochs.
+    pub fn excluded(&self) -> Vec<(SatelliteId, usize)> {
+        let mut all: Vec<SatelliteId> =
+            self.moments.iter().flat_map(|moment| moment.excluded.iter().copied()).collect();
+        all.sort_unstable();
+        let of = |run: &[SatelliteId]| run.first().map(|&satellite| (satellite, run.len()));
+        all.chunk_by(|a, b| a == b).filter_map(of).collect()
+    }
+
+    fn pin_low(&self) -> usize {
+        self.moments.iter().filter(|moment| moment.pin_is_high == Some(false)).count()
+    }
+
+    fn incident(&self) -> Incident {
+        let name = format!("{} drifts off, to {:+} m", self.plan.satellite, self.plan.bias_m);
+        Incident { name, range_s: FAULT_START_S..FAULT_END_S }
+    }
+
+    fn bodies(&self) -> Vec<Body> {
+        let excluded = self.excluded();
+        let body = |sight: &crate::sky::Sight| Body {
+            satellite: sight.satellite,
+            elevation_rad: sight.elevation_rad(),
+            azimuth_rad: sight.azimuth_rad(),
+            is_excluded: excluded.iter().any(|&(satellite, _)| satellite == sight.satellite),
+        };
+        self.simulation.sights_at(0).iter().map(body).collect()
+    }
+
+    /// Name and value of what matters most.
+    pub fn figures(&self) -> Vec<(String, String)> {
+        let [protected, alerts, unavailable] = timeline::tally(&self.moments);
+        let detected = self.detection().map_or_else(
+            || "not detected".to_owned(),
+            |moment| {
+                let bias_m = self.plan.fault().bias_m(moment.time_s);
+                format!("{:.0} s, at {bias_m:+.1} m", moment.time_s - FAULT_START_S)
+            },
+        );
+        let excluded: Vec<String> = self
+            .excluded()
+            .iter()
+            .map(|(satellite, epochs)| format!("{satellite} ({epochs} epochs)"))
+            .collect();
+        let excluded = if excluded.is_empty() { "none".to_owned() } else { excluded.join(", ") };
+        let error_m = self.largest_protected_error_m();
+        let mut figures = vec![
+            ("fault noticed after".to_owned(), detected),
+            ("left out".to_owned(), excluded),
+            ("largest error of a protected position".to_owned(), format!("{error_m:.1} m")),
+            ("misleading epochs".to_owned(), self.misleading().to_string()),
+            (
+                "epochs protected, alert, unavailable".to_owned(),
+                format!("{protected}, {alerts}, {unavailable}"),
+            ),
+            ("integrity pin low".to_owned(), format!("{} epochs", self.pin_low())),
+        ];
+        if let Some(most) = self.instructions.iter().max() {
+            let millions = *most as f64 * 1e-6;
+            figures.push(("dearest epoch on the target".to_owned(), format!("{millions:.2} M instructions")));
+        }
+        figures
+    }
+
+    /// The module catching a fault, in one picture.
+    ///
+    /// # Errors
+    /// What could not be drawn.
+    pub fn picture(&self, ground: Ground) -> Result<String> {
+        timeline::picture(&self.moments, &[self.incident()], ground)
+    }
+
+    /// Everything on one page.
+    ///
+    /// # Errors
+    /// What could not be drawn.
+    pub fn page(&self) -> Result<Page> {
+        let summary = format!(
+            "Two minutes of a simulated GPS and BeiDou sky over Xi'an, sent as RTCM 3 to the image on the emulated \
+             board. From {FAULT_START_S} s to {FAULT_END_S} s the range of {} is wrong, growing to {:+} m.",
+            self.plan.satellite, self.plan.bias_m
+        );
+        let mut page = Page::new("RAI: a satellite drifts off, and the module notices", &summary);
+        page.figures(&self.figures());
+        page.heading("What the module said");
+        page.picture(&self.picture(Ground::Page)?);
+        page.heading("Geometry, and every epoch against its bound");
+        page.pictures(&[
+            skyplot(&self.bodies(), self.simulation.mask_rad, Ground::Page)?,
+            stanford::horizontal(&self.moments, Ground::Page)?,
+        ]);
+        page.heading("Height");
+        page.picture(&timeline::vertical(&self.moments, &[self.incident()]).svg((960, 280), Ground::Page)?);
+        page.heading("Changes of the verdict");
+        page.table(&["time / s", "verdict", "reason", "left out", "error / m", "HPL / m"], &self.changes());
+        Ok(page)
+    }
+
+    /// The epochs at which verdict or exclusions became others.
+    fn changes(&self) -> Vec<Vec<String>> {
+        let same = |a: &Moment, b: &Moment| a.verdict == b.verdict && a.excluded == b.excluded;
+        let row = |moment: &Moment| {
+            let names: Vec<String> = moment.excluded.iter().map(ToString::to_string).collect();
+            let metres = |value: Option<f64>| value.map_or_else(String::new, |metres| format!("{metres:.1}"));
+            vec![
+                format!("{:.0}", moment.time_s),
+                moment.verdict.word().to_owned(),
+                moment.reason.clone(),
+                names.join(" "),
+                metres(moment.horizontal_error_m),
+                metres(moment.hpl_m),
+            ]
+        };
+        self.moments.chunk_by(same).filter_map(|run| run.first()).map(row).collect()
+    }
+}
+
+impl fmt::Display for Story {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.figures().iter().try_for_each(|(name, value)| writeln!(formatter, "  {name:<38} {value}"))
+    }
+}
