@@ -17,8 +17,8 @@ pub enum View {
     Lines,
 }
 
-/// Epochs that a curve shows.
-const CURVE_EPOCHS: usize = 60;
+/// Epochs that a curve shows: a line stays within 80 columns, for a wrapped one would spoil the redrawing.
+const CURVE_EPOCHS: usize = 26;
 
 /// Epochs between plain lines.
 const EVERY: usize = 5;

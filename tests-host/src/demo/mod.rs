@@ -14,6 +14,7 @@
 //! The next epoch is sent when the module has spoken of the last one, so two minutes pass as fast as the host runs.
 
 mod live;
+mod ordinary;
 mod story;
 
 use std::path::Path;
@@ -23,6 +24,7 @@ use anyhow::{Context, Result, ensure};
 use rai_core::satellite::SatelliteId;
 
 pub use live::{Live, View};
+pub use ordinary::Ordinary;
 pub use story::Story;
 
 use crate::board::EmulatedBoard;
@@ -43,6 +45,8 @@ const GROWTH_S: f64 = 30.0;
 const EPOCHS: u32 = 120;
 /// How high the satellite shall stand at the beginning, degrees.
 const ELEVATION_DEG: f64 = 35.0;
+/// The module's elevation mask at start, degrees.
+const MASK_DEG: f64 = 5.0;
 /// How long the board may take for an epoch.
 const PATIENCE: Duration = Duration::from_secs(20);
 
@@ -105,30 +109,34 @@ impl Plan {
         let recording = simulation.record();
         let mut encoder = Encoder::new(&recording.ephemerides, Selection::new("GC", Frequency::Dual)?);
         let mut module = Module::start(image)?;
-        let mut moments = Vec::new();
+        let (mut moments, mut ordinary) = (Vec::new(), Vec::new());
+        let pin_at_boot = module.board.pin_is_high();
+        let mut believer = ordinary::Believer::new(MASK_DEG.to_radians());
         let epochs = Injector::new(recording.epochs.into_iter(), vec![self.fault()]);
         for (index, epoch) in (0_u32..).zip(epochs) {
-            let said = module.judge(&encoder.epoch(&epoch)?).with_context(|| format!("epoch {index}"))?;
+            let bytes = encoder.epoch(&epoch)?;
+            let said = module.judge(&bytes).with_context(|| format!("epoch {index}"))?;
+            ordinary.extend(believer.hear(&bytes, f64::from(index), &simulation.site));
             moments.push(moment(f64::from(index), &said, module.board.pin_is_high(), &simulation.site));
             watch(&moments);
         }
         let instructions = module.board.epoch_instructions();
         module.board.stop()?;
-        Ok(Story { plan: *self, simulation, moments, instructions })
+        Ok(Story { plan: *self, simulation, moments, ordinary, pin_at_boot, instructions })
     }
 }
 
-/// The board, and how much of its log has been read.
+/// The board, and how many epochs it has been sent.
 struct Module {
     board: EmulatedBoard,
-    log_lines: usize,
+    epochs: usize,
 }
 
 impl Module {
     fn start(image: &Path) -> Result<Self> {
         let mut board = EmulatedBoard::start(image)?;
         board.read_through("$PRAIV", PATIENCE).context("the board does not say that it started")?;
-        Ok(Self { board, log_lines: 0 })
+        Ok(Self { board, epochs: 0 })
     }
 
     /// Sends one epoch and reads all that the module says of it.
@@ -144,8 +152,8 @@ impl Module {
             }
         }
         // The pin's level is told by the log, which says last how long the epoch took.
-        let (number, _) = self.board.log_with("epoch took", self.log_lines, PATIENCE)?;
-        self.log_lines = number + 1;
+        self.epochs += 1;
+        self.board.log_with(&format!("epoch {} took", self.epochs), 0, PATIENCE)?;
         sentence::epochs(&lines.concat())?.pop().context("the module said nothing of the epoch")
     }
 }

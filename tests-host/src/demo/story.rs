@@ -5,8 +5,9 @@ use std::fmt;
 use anyhow::Result;
 use rai_core::satellite::SatelliteId;
 
-use super::{FAULT_END_S, FAULT_START_S, Plan};
-use crate::report::canvas::Ground;
+use super::{FAULT_END_S, FAULT_START_S, Ordinary, Plan};
+use crate::report::canvas::{GREY, Ground, Mark};
+use crate::report::chart::Series;
 use crate::report::page::Page;
 use crate::report::skyplot::{Body, skyplot};
 use crate::report::timeline::{self, Incident};
@@ -22,6 +23,10 @@ pub struct Story {
     pub simulation: Simulation,
     /// What the module said, epoch by epoch.
     pub moments: Vec<Moment>,
+    /// What an ordinary receiver would have said.
+    pub ordinary: Vec<Ordinary>,
+    /// Level of the integrity pin before the first epoch.
+    pub pin_at_boot: bool,
     /// Instructions of the target for each epoch.
     pub instructions: Vec<u64>,
 }
@@ -100,12 +105,22 @@ impl Story {
             ("fault noticed after".to_owned(), detected),
             ("left out".to_owned(), excluded),
             ("largest error of a protected position".to_owned(), format!("{error_m:.1} m")),
+            (
+                "largest error, all satellites believed".to_owned(),
+                format!(
+                    "{:.1} m",
+                    self.ordinary.iter().map(|said| said.horizontal_error_m).fold(0.0, f64::max)
+                ),
+            ),
             ("misleading epochs".to_owned(), self.misleading().to_string()),
             (
                 "epochs protected, alert, unavailable".to_owned(),
                 format!("{protected}, {alerts}, {unavailable}"),
             ),
-            ("integrity pin low".to_owned(), format!("{} epochs", self.pin_low())),
+            (
+                "integrity pin".to_owned(),
+                format!("{} at boot, low in {} epochs", level(self.pin_at_boot), self.pin_low()),
+            ),
         ];
         if let Some(most) = self.instructions.iter().max() {
             let millions = *most as f64 * 1e-6;
@@ -119,7 +134,20 @@ impl Story {
     /// # Errors
     /// What could not be drawn.
     pub fn picture(&self, ground: Ground) -> Result<String> {
-        timeline::picture(&self.moments, &[self.incident()], ground)
+        let incidents = [self.incident()];
+        let mut statistic = timeline::statistic(&self.moments, &incidents);
+        let mut horizontal = timeline::horizontal(&self.moments, &incidents);
+        // Behind the other lines: it is them that the picture is about.
+        statistic.series.insert(0, self.believed("all satellites believed", |ordinary| ordinary.statistic));
+        let believed = self.believed("error, all believed", |ordinary| ordinary.horizontal_error_m);
+        horizontal.series.insert(0, believed);
+        timeline::stacked(&[statistic, horizontal], &self.moments, ground)
+    }
+
+    fn believed(&self, name: &str, value: impl Fn(&Ordinary) -> f64) -> Series {
+        let point = |ordinary: &Ordinary| (ordinary.time_s, value(ordinary));
+        let points = self.ordinary.iter().map(point).collect();
+        Series { name: name.to_owned(), colour: GREY, mark: Mark::Line, points }
     }
 
     /// Everything on one page.
@@ -165,6 +193,10 @@ impl Story {
         };
         self.moments.chunk_by(same).filter_map(|run| run.first()).map(row).collect()
     }
+}
+
+const fn level(is_high: bool) -> &'static str {
+    if is_high { "high" } else { "low" }
 }
 
 impl fmt::Display for Story {

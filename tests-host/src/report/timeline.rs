@@ -1,6 +1,6 @@
 //! What happened over time: the statistic against its threshold, the error against its bound, the verdicts.
 //!
-//! The three share their time axis, so that [`picture`] can stack them: cause, effect and answer above each other.
+//! The three share their time axis, so that [`stacked`] can put them above each other.
 
 use std::ops::Range;
 
@@ -206,19 +206,29 @@ pub fn bands_svg(moments: &[Moment], width_px: u32, ground: Ground) -> Result<St
     svg((width_px, BANDS_PX), ground, |area| bands(area, moments))
 }
 
-/// All three above each other: the module catching a fault.
+/// Charts over time and the bands above each other: cause, effect and answer in one picture.
+///
+/// # Errors
+/// What plotters could not draw.
+pub fn stacked(charts: &[LineChart], moments: &[Moment], ground: Ground) -> Result<String> {
+    const PANEL_PX: u32 = 260;
+    svg((960, charts.len() as u32 * PANEL_PX + BANDS_PX), ground, |area| {
+        let mut rest = area.clone();
+        for chart in charts {
+            let (panel, below) = rest.split_vertically(PANEL_PX);
+            chart.draw(&panel)?;
+            rest = below;
+        }
+        bands(&rest, moments)
+    })
+}
+
+/// Statistic, horizontal error and verdicts above each other.
 ///
 /// # Errors
 /// What plotters could not draw.
 pub fn picture(moments: &[Moment], incidents: &[Incident], ground: Ground) -> Result<String> {
-    const PANEL_PX: u32 = 260;
-    svg((960, 2 * PANEL_PX + BANDS_PX), ground, |area| {
-        let (upper, rest) = area.split_vertically(PANEL_PX);
-        let (middle, lower) = rest.split_vertically(PANEL_PX);
-        statistic(moments, incidents).draw(&upper)?;
-        horizontal(moments, incidents).draw(&middle)?;
-        bands(&lower, moments)
-    })
+    stacked(&[statistic(moments, incidents), horizontal(moments, incidents)], moments, ground)
 }
 
 /// How long each verdict held, in epochs: protected, alert, unavailable.

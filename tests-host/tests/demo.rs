@@ -1,0 +1,56 @@
+//! The demonstration: what it refuses, and what it shows on the emulated board.
+
+use tests_host::board::is_installed;
+use tests_host::demo::{Live, Plan, View};
+use tests_host::fault::satellite;
+use tests_host::image;
+use tests_host::report::canvas::Ground;
+use tests_host::report::{Moment, Verdict};
+
+fn plan(name: &str) -> Plan {
+    Plan { satellite: satellite(name).unwrap(), bias_m: 80.0, seed: 1 }
+}
+
+#[test]
+fn satellite_that_is_not_in_the_sky_is_refused_with_those_that_are() {
+    let have = plan("C33").simulation().unwrap_err().to_string();
+    assert!(have.starts_with("C33 is never received; there are G01 G02"), "{have}");
+    assert!(have.ends_with("C12 C13 C14"), "{have}");
+}
+
+#[test]
+fn every_satellite_in_the_sky_stands_high_enough_when_it_is_its_turn() {
+    let all = plan("C08").simulation().unwrap().satellites;
+    for id in all.iter().map(|satellite| satellite.id) {
+        let simulation = Plan { satellite: id, ..plan("C08") }.simulation().unwrap();
+        let last = simulation.sights_at(119);
+        assert!(last.iter().any(|sight| sight.satellite == id), "{id} is below the mask at the end");
+    }
+}
+
+#[test]
+fn drifting_satellite_is_left_out_on_the_board_before_the_error_passes_its_bound() {
+    if !is_installed() {
+        return;
+    }
+    let mut shown = Vec::new();
+    let mut live = Live::new(plan("C08"), View::Lines, &mut shown);
+    let image = image::build().expect("the image builds");
+    let story = plan("C08").run(&image, |moments| live.show(moments).unwrap()).expect("the board answers");
+    assert_eq!(story.moments.len(), 120);
+    assert_eq!(story.misleading(), 0, "{story}");
+    let excluded: Vec<String> = story.excluded().iter().map(|(satellite, _)| satellite.to_string()).collect();
+    assert_eq!(excluded, ["C08"], "{story}");
+    let detected_s = story.detection().expect("a detection").time_s;
+    assert!((41.0..60.0).contains(&detected_s), "noticed at {detected_s} s");
+    // The pin says what the verdict says, and nothing before there is one.
+    assert!(!story.pin_at_boot);
+    let agrees = |moment: &Moment| moment.pin_is_high == Some(moment.verdict == Verdict::Protected);
+    assert!(story.moments.iter().all(agrees), "{story}");
+    let ordinary_m = story.ordinary.iter().map(|said| said.horizontal_error_m).fold(0.0, f64::max);
+    assert!(ordinary_m > 2.0 * story.largest_protected_error_m(), "the drift harms nobody: {ordinary_m} m");
+    let shown = String::from_utf8(shown).unwrap();
+    assert!(shown.lines().count() >= 24 && shown.contains("C08 left out"), "{shown}");
+    assert!(story.picture(Ground::Sheet).unwrap().starts_with("<svg"));
+    assert!(story.page().unwrap().html().contains("C08 drifts off"));
+}
