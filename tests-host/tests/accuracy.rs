@@ -1,0 +1,115 @@
+//! Real recordings through the module: how far off, how often protected, never misleading.
+//!
+//! The bounds are those of an independent program on the same data, rounded up.
+
+use rai_core::frame::Ecef;
+use tests_host::encode::{Frequency, Selection};
+use tests_host::recording::Recording;
+use tests_host::replay::{self, Summary, Truth, Window};
+use tests_host::shared;
+
+struct Station {
+    folder: &'static str,
+    observations: &'static str,
+    navigation: &'static str,
+    truth: Ecef,
+}
+
+const ESBC: Station = Station {
+    folder: "esbc",
+    observations: "ESBC00DNK_R_20201770000_01D_30S_MO.crx.gz",
+    navigation: "ESBC00DNK_R_20201770000_01D_MN.rnx.gz",
+    truth: Ecef::new(3_582_104.9254, 532_590.2381, 5_232_755.2669),
+};
+const STATIC_BASE: Station = Station {
+    folder: "static1hz",
+    observations: "base.obs.gz",
+    navigation: "base.nav.gz",
+    truth: Ecef::new(-3_817_681.1213, 3_562_839.4311, 3_650_159.1593),
+};
+const DGAR: Station = Station {
+    folder: "dgar",
+    observations: "dgar0100.24o.gz",
+    navigation: "brdc0100.24n.gz",
+    truth: Ecef::new(1_916_269.37, 6_029_977.79, -801_719.83),
+};
+const KMS3: Station = Station {
+    folder: "kms3",
+    observations: "KMS300DNK_R_20221591000_01H_30S_MO.crx",
+    navigation: "KMS300DNK_R_20221591000_01H_MN.rnx.gz",
+    truth: Ecef::new(3_516_213.4380, 781_859.8595, 5_246_037.9660),
+};
+const TLSE: Station = Station {
+    folder: "tlse",
+    observations: "TLSE00FRA_R_20240011200_15M_01S_MO.crx.gz",
+    navigation: "BRDC00IGS_R_20240010000_01D_MN.rnx.gz",
+    truth: Ecef::new(4_627_852.50, 119_640.22, 4_372_995.28),
+};
+
+fn summary(station: &Station, systems: &str, frequency: Frequency) -> Option<Summary> {
+    let folder = shared::path_or_skip(&format!("data/{}", station.folder))?;
+    let recording =
+        Recording::load(&[folder.join(station.observations)], &[folder.join(station.navigation)]).unwrap();
+    let selection = Selection::new(systems, frequency).unwrap();
+    let lumps = replay::encode(&recording, &selection, &[], &Window::ALL).unwrap();
+    let coefficients = recording.klobuchar.map(|klobuchar| klobuchar.map(|value| format!("{value:e}")).join(","));
+    let commands: Vec<String> = coefficients.iter().map(|numbers| format!("IONO,{numbers}")).collect();
+    let sentences = replay::on_host(&lumps, &commands, |_| {}).unwrap();
+    let track = replay::track(&lumps, &sentences, Some(&Truth::Fixed(station.truth))).unwrap();
+    let summary = Summary::of(&track, &[]);
+    println!(
+        "{} {systems} {frequency:?}: {:.2} / {:.2} m, {} of {} protected, {} alerts",
+        station.folder,
+        summary.horizontal_rms_m.unwrap_or(f64::NAN),
+        summary.vertical_rms_m.unwrap_or(f64::NAN),
+        summary.protected,
+        summary.epochs,
+        summary.alerts
+    );
+    Some(summary)
+}
+
+/// Root mean square errors within the bounds; a fix in 99.9 %, protected in 99 %, no alert, nothing misleading.
+fn assert_sound(station: &Station, systems: &str, frequency: Frequency, want_m: (f64, f64)) {
+    let Some(have) = summary(station, systems, frequency) else { return };
+    assert!(have.horizontal_rms_m.unwrap() <= want_m.0, "want {want_m:?}: {have:?}");
+    assert!(have.vertical_rms_m.unwrap() <= want_m.1, "want {want_m:?}: {have:?}");
+    assert!(have.fixes * 1000 >= have.epochs * 999, "{have:?}");
+    assert!(have.protected * 100 >= have.epochs * 99, "{have:?}");
+    assert_eq!((have.alerts, have.misleading, have.hazardous), (0, 0, 0), "{have:?}");
+}
+
+#[test]
+fn a_day_with_three_systems_free_of_the_ionosphere() {
+    assert_sound(&ESBC, "GCE", Frequency::Dual, (0.95, 1.35));
+}
+
+#[test]
+fn a_day_with_two_systems_free_of_the_ionosphere() {
+    assert_sound(&ESBC, "GC", Frequency::Dual, (1.35, 1.85));
+}
+
+#[test]
+fn a_day_with_two_systems_on_one_frequency() {
+    assert_sound(&ESBC, "GC", Frequency::Single, (0.85, 1.0));
+}
+
+#[test]
+fn geostationary_and_inclined_satellites_at_one_hertz() {
+    assert_sound(&STATIC_BASE, "GC", Frequency::Dual, (0.6, 0.9));
+}
+
+#[test]
+fn rinex_2_of_gps_alone_runs_through() {
+    assert_sound(&DGAR, "G", Frequency::Dual, (1.6, 2.0));
+}
+
+#[test]
+fn rinex_4_runs_through() {
+    assert_sound(&KMS3, "GCE", Frequency::Dual, (2.0, 3.0));
+}
+
+#[test]
+fn a_merged_navigation_file_runs_through() {
+    assert_sound(&TLSE, "GCE", Frequency::Dual, (2.0, 3.0));
+}
