@@ -42,10 +42,9 @@ pub fn ephemeris_sigma_m(satellite: SatelliteId, promised_m: f64) -> f64 {
     }
     match (satellite.constellation(), satellite.number()) {
         (Constellation::Galileo, _) => 0.7,
-        (Constellation::Gps, _) => 1.2,
-        // The second generation, whose ranges are off by some metres from the third's in many receivers; the third.
+        // The second generation, whose ranges differ by some metres from the third's in many receivers.
         (Constellation::Beidou, ..=18) => 4.0,
-        (Constellation::Beidou, _) => 1.2,
+        (Constellation::Gps | Constellation::Beidou, _) => 1.2,
         (Constellation::Glonass, _) => 3.0,
     }
 }

@@ -57,6 +57,9 @@ counters! {
     }
 }
 
+/// A pause of the line that no frame has inside, ms; shorter than the second between two epochs.
+const SILENCE_MS: u64 = 500;
+
 /// The module: everything but the hardware.
 #[derive(Debug)]
 pub struct Receiver<P> {
@@ -64,6 +67,7 @@ pub struct Receiver<P> {
     decoder: Decoder,
     commands: CommandPort,
     epochs: EpochLoop<P>,
+    last_byte_ms: Option<u64>,
     reset_requested: bool,
 }
 
@@ -97,7 +101,7 @@ impl<P: OutputPin> Receiver<P> {
         };
         epochs.promise(false);
         let (decoder, commands) = (Decoder::new(), CommandPort::new());
-        Ok(Self { boot, decoder, commands, epochs, reset_requested: false })
+        Ok(Self { boot, decoder, commands, epochs, last_byte_ms: None, reset_requested: false })
     }
 
     /// Says what runs here, why it started, and whether its arithmetic is right.
@@ -113,6 +117,7 @@ impl<P: OutputPin> Receiver<P> {
 
     /// Takes bytes of the GNSS port.
     pub fn gnss<W: Write>(&mut self, bytes: &[u8], now_ms: u64, host: &mut W) {
+        self.last_byte_ms = Some(now_ms);
         for &byte in bytes {
             let mut event = self.decoder.push(byte);
             while let Some(found) = event {
@@ -122,8 +127,15 @@ impl<P: OutputPin> Receiver<P> {
         }
     }
 
-    /// Looks at the clock: a line that is silent for the time to alert is an alert.
+    /// Looks at the clock: a cut frame holds nothing back any more after a pause, and a line that is silent for the
+    /// time to alert is an alert.
     pub fn tick<W: Write>(&mut self, now_ms: u64, host: &mut W) {
+        if self.last_byte_ms.is_some_and(|last_ms| now_ms.saturating_sub(last_ms) >= SILENCE_MS) {
+            self.last_byte_ms = None;
+            while let Some(found) = self.decoder.silence() {
+                self.epochs.handle(&found, now_ms, host);
+            }
+        }
         self.epochs.tick(now_ms, host);
     }
 

@@ -261,8 +261,8 @@ fn print_board(board: &BoardRun) {
         let mean = board.instructions.iter().sum::<u64>() / board.instructions.len() as u64;
         println!("target instructions per epoch: mean {mean}, most {most}");
     }
-    let lost = ["gnss_overruns", "host_lost"];
-    for (name, count) in board.counters.iter().filter(|(name, _)| lost.contains(&name.as_str())) {
-        println!("{name} {count}");
-    }
+    let dropped = ["epochs_backwards", "crc_failures", "host_lost"];
+    let counted = board.counters.iter().filter(|(name, _)| dropped.contains(&name.as_str()));
+    let counted: Vec<String> = counted.map(|(name, count)| format!("{name} {count}")).collect();
+    println!("bytes lost on the board: {} times; {}", board.losses, counted.join(", "));
 }

@@ -21,6 +21,8 @@ pub struct BoardRun {
     pub instructions: Vec<u64>,
     /// The board's counters at the end, by name.
     pub counters: Vec<(String, u32)>,
+    /// Times that the board logged lost bytes or sentences.
+    pub losses: usize,
 }
 
 /// Runs the lumps on the emulated board, in lock step: the next follows the verdict on the last.
@@ -61,9 +63,10 @@ pub fn on_board(
         lines.append(&mut answers);
     }
     let instructions = board.epoch_instructions();
+    let losses = board.log().iter().filter(|line| line.text.contains("bytes lost")).count();
     board.stop()?;
     let sentences = lines.concat();
-    Ok(BoardRun { sentences, instructions, counters })
+    Ok(BoardRun { sentences, instructions, counters, losses })
 }
 
 /// The counter that ends the answer to `STATS`.
