@@ -15,7 +15,8 @@
 //! | 6 | [`protection`] | how wrong could we be without noticing? |
 //! | 7 | [`monitor`] → [`report`] | may the position be used? |
 //!
-//! beside them [`weighting`] (what a sigma is made of), [`threshold`] (committed tables) and [`frame`] (WGS 84).
+//! beside them [`weighting`] (what a sigma is made of), [`clock`] (a forecast of the receiver clock as one more row),
+//! [`threshold`] (committed tables) and [`frame`] (WGS 84).
 //!
 //! ```
 //! use rai_core::epoch::{Epoch, Observation};
@@ -73,6 +74,7 @@
 //! | Sankaran1963 | M. Sankaran, *Approximations to the non-central chi-square distribution*, Biometrika 50 (1963) |
 //! | Montenbruck2018 | O. Montenbruck et al., *Multi-GNSS signal-in-space range error assessment*, Adv. Space Res. 61 (2018) 3020–3038 |
 //! | Tian2024 | Tian Binpeng et al., improved RANSAC RAIM, Navigation Positioning & Timing 11(3) (2024) 101–108 |
+//! | Ulrych1976 | T. J. Ulrych, R. W. Clayton, *Time series modelling and maximum entropy*, Phys. Earth Planet. Int. 12 (1976) 188–200 |
 //! | Wang1994 | J. Wang, Y. Chen, *On the reliability measure of observations*, Acta Geodaet. Cartograph. (1994) |
 //! | WGS84 | NGA.STND.0036, *World Geodetic System 1984* |
 //! | Yang2015 | Yang Lin et al., RAIM threshold optimisation, Electronics Optics & Control 22(7) (2015) 38–42 |
@@ -81,6 +83,7 @@
 #[cfg(doctest)]
 extern crate std;
 
+pub mod clock;
 pub mod detection;
 pub mod epoch;
 pub mod fix;

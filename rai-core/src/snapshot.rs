@@ -255,6 +255,12 @@ impl<T: Real, const N: usize> Snapshot<T, N> {
         Some(self.epoch.reference_m(constellation)? + relative.widen())
     }
 
+    /// Variance of [`Self::clock_m`], m²: `1/W_c + h̄_c P h̄_cᵀ`.
+    pub fn clock_variance(&self, constellation: Constellation) -> Option<T> {
+        let group = self.groups.get(constellation as usize).filter(|group| group.count > 0)?;
+        Some(group.weight.recip() + group.design.dot(&(self.covariance * group.design)))
+    }
+
     /// Element `S_ij` of the matrix that projects ranges on normalised residuals; `None` outside the epoch.
     pub fn projection(&self, i: usize, j: usize) -> Option<T> {
         let (row_i, fit_i) = self.row(i)?;

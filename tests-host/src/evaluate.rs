@@ -13,6 +13,8 @@
 //! whose numbers make no epoch (a sigma of zero, a residual that is not a number) is an answer with the status
 //! `invalid_input`, which also says `why`.
 
+mod clock;
+mod clock_raim;
 mod line;
 mod lsr;
 mod number;
@@ -28,6 +30,8 @@ use serde::Serialize;
 use serde_json::Value;
 
 use crate::tables::Rows;
+use clock::Forecasts;
+use clock_raim::ClockRaim;
 use line::Line;
 use lsr::Lsr;
 
@@ -53,7 +57,18 @@ Output: {id, out: {lsr: {…}}} or {id, error}. Fields of lsr, as far as the sta
   ident, ident_reason                       row named, or -1 and why not
   excluded, fde_status, sse_after, dof_after, x_after   sequential exclusion of at most 3 rows
 NaN is null, infinity \"inf\". Probabilities outside the committed tables get rows computed on the host.
-The exit code is 1 if a line had an error; the other lines are answered.";
+The exit code is 1 if a line had an error; the other lines are answered.
+
+With --clock each line is a window of one receiver clock: {id, Z: [m, …]}, 12 to 240 values one step apart, oldest first.
+Output: out.uc, the core's third-order process, and for comparison burg, yw (Yule-Walker), poly1, poly2; of each
+  a                coefficients of the centred differences, latest first (not of polynomials)
+  forecast         the clock 1 … 10 steps ahead, m     sigma_predict  its standard deviation, not inflated, m
+and out.sigma2, variances of one step of uc, burg and yw, m2.
+
+With --clock-raim each line is an epoch of one constellation aided by a forecast clock:
+{id, los_enu, sigma: m, y: [m, …], T: forecast, m, sigma_b: its standard deviation, m, pfa}
+Output: out with dof, sse, tau1, test_m = sigma sqrt(sse/dof), T_D_m = sigma sqrt(tau1/dof), detected,
+  d (squared w-tests, the clock last), ident (row or -1), ident_is_clock.";
 
 /// Rows that one line may have. The tables of w-tests end there, and so, with four unknowns, do those of `tau1`.
 const MAX_ROWS: usize = rai_core::threshold::MAX_TESTS;
@@ -79,6 +94,17 @@ impl std::str::FromStr for Scalar {
     }
 }
 
+/// What the lines are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// Linearised epochs.
+    Epochs,
+    /// Windows of receiver clocks.
+    Clock,
+    /// Linearised epochs of one constellation, aided by a forecast clock.
+    ClockRaim,
+}
+
 /// How a run went.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Summary {
@@ -93,6 +119,8 @@ pub struct Summary {
 #[serde(untagged)]
 enum Answer {
     Out { id: Value, out: Box<Out> },
+    Clock { id: Value, out: Box<Forecasts> },
+    ClockRaim { id: Value, out: Box<ClockRaim> },
     Error { id: Value, error: String },
 }
 
@@ -102,11 +130,24 @@ struct Out {
     lsr: Lsr,
 }
 
-/// Answers every line of `input`, which may be compressed; `scalar` overrides what the lines ask for.
+/// Answers every epoch of `input`, which may be compressed; `scalar` overrides what the lines ask for.
 ///
 /// # Errors
 /// Where reading or writing itself fails; a bad line is an answer.
 pub fn run(input: impl BufRead, output: impl Write, scalar: Option<Scalar>) -> anyhow::Result<Summary> {
+    run_part(Part::Epochs, input, output, scalar)
+}
+
+/// Answers every line of `input` as what it is.
+///
+/// # Errors
+/// As [`run`].
+pub fn run_part(
+    part: Part,
+    input: impl BufRead,
+    output: impl Write,
+    scalar: Option<Scalar>,
+) -> anyhow::Result<Summary> {
     let mut input = decompressed(input)?;
     let mut output = io::BufWriter::new(output);
     let mut rows = RowCache::default();
@@ -122,7 +163,7 @@ pub fn run(input: impl BufRead, output: impl Write, scalar: Option<Scalar>) -> a
         if text.is_empty() {
             continue;
         }
-        let answer = answer(text, number, scalar, &mut rows);
+        let answer = answer(part, text, number, scalar, &mut rows);
         summary.lines += 1;
         summary.errors += usize::from(matches!(answer, Answer::Error { .. }));
         serde_json::to_writer(&mut output, &answer).context("writing an answer")?;
@@ -138,7 +179,7 @@ fn decompressed<'a>(mut input: impl BufRead + 'a) -> anyhow::Result<Box<dyn BufR
     Ok(if compressed { Box::new(io::BufReader::new(MultiGzDecoder::new(input))) } else { Box::new(input) })
 }
 
-fn answer(bytes: &[u8], number: usize, scalar: Option<Scalar>, rows: &mut RowCache) -> Answer {
+fn answer(part: Part, bytes: &[u8], number: usize, scalar: Option<Scalar>, rows: &mut RowCache) -> Answer {
     let value: Value = match serde_json::from_slice(bytes) {
         Ok(value) => value,
         Err(error) => {
@@ -149,11 +190,39 @@ fn answer(bytes: &[u8], number: usize, scalar: Option<Scalar>, rows: &mut RowCac
         }
     };
     let id = value.get("id").cloned().unwrap_or(Value::Null);
-    let judged = Line::read(&value).and_then(|line| judge(&line, scalar.unwrap_or(line.scalar), rows));
-    match judged {
-        Ok(lsr) => Answer::Out { id, out: Box::new(Out { lsr }) },
-        Err(error) => Answer::Error { id, error: format!("line {number}: {error}") },
+    answer_part(part, &id, &value, scalar, rows)
+        .unwrap_or_else(|error| Answer::Error { id, error: format!("line {number}: {error}") })
+}
+
+fn answer_part(
+    part: Part,
+    id: &Value,
+    value: &Value,
+    scalar: Option<Scalar>,
+    rows: &mut RowCache,
+) -> Result<Answer, String> {
+    let id = id.clone();
+    if part == Part::Epochs {
+        let line = Line::read(value)?;
+        let lsr = judge(&line, scalar.unwrap_or(line.scalar), rows)?;
+        return Ok(Answer::Out { id, out: Box::new(Out { lsr }) });
     }
+    let object = value.as_object().ok_or("not a JSON object")?;
+    let single = scalar.map_or_else(|| line::scalar(object), Ok)? == Scalar::F32;
+    Ok(match part {
+        Part::Clock => {
+            let out = if single { clock::evaluate::<f32>(object) } else { clock::evaluate::<f64>(object) };
+            Answer::Clock { id, out: Box::new(out?) }
+        }
+        _ => {
+            let out = if single {
+                clock_raim::evaluate::<f32>(object, rows)
+            } else {
+                clock_raim::evaluate::<f64>(object, rows)
+            };
+            Answer::ClockRaim { id, out: Box::new(out?) }
+        }
+    })
 }
 
 fn judge(line: &Line, scalar: Scalar, rows: &mut RowCache) -> Result<Lsr, String> {

@@ -13,6 +13,7 @@
 
 pub mod board;
 pub mod chi_square;
+pub mod clock_models;
 pub mod demo;
 pub mod encode;
 pub mod evaluate;

@@ -8,7 +8,7 @@ use std::io::{BufRead, BufReader, Read};
 
 use flate2::read::GzDecoder;
 use serde_json::Value;
-use tests_host::evaluate::{self, Scalar};
+use tests_host::evaluate::{self, Part, Scalar};
 use tests_host::shared;
 
 /// What a field may be off by.
@@ -68,10 +68,15 @@ fn vectors(relative: &str) -> Option<Vec<Value>> {
 }
 
 fn evaluated(relative: &str, scalar: Scalar) -> Vec<Value> {
+    evaluated_as(Part::Epochs, relative, scalar)
+}
+
+fn evaluated_as(part: Part, relative: &str, scalar: Scalar) -> Vec<Value> {
     let file =
         BufReader::new(File::open(shared::path(relative).expect("checked before")).expect("a readable file"));
     let mut output = Vec::new();
-    let summary = evaluate::run(file, &mut output, Some(scalar)).expect("a run without I/O errors");
+    let summary =
+        evaluate::run_part(part, file, &mut output, Some(scalar)).expect("a run without I/O errors");
     assert_eq!(summary.errors, 0);
     output.lines().map(|line| serde_json::from_str(&line.expect("text")).expect("JSON")).collect()
 }
@@ -207,4 +212,65 @@ fn compressed_and_plain_input_give_the_same_answers() {
     let have: Vec<Value> =
         have.lines().map(|line| serde_json::from_str(&line.expect("text")).expect("JSON")).collect();
     assert_eq!(have, evaluated(file, Scalar::F64));
+}
+
+/// Every field of every model: the core's, and those it is compared with.
+fn clocks_agree(scalar: Scalar, tolerance: Tolerance) {
+    let file = "vectors/clock.jsonl.gz";
+    let Some(wanted) = vectors(file) else { return };
+    let had = evaluated_as(Part::Clock, file, scalar);
+    assert_eq!(had.len(), wanted.len());
+    for (have, want) in had.iter().zip(&wanted) {
+        assert_eq!(have["id"], want["id"]);
+        for (model, fields) in want["out"].as_object().expect("models") {
+            for (field, want_values) in fields.as_object().expect("fields") {
+                let name = format!("window {} {model} {field} {scalar:?}", want["id"]);
+                all_close(&name, &have["out"][model][field], want_values, tolerance);
+            }
+        }
+    }
+}
+
+fn all_close(name: &str, have: &Value, want: &Value, tolerance: Tolerance) {
+    let (have, want) = (numbers(have), numbers(want));
+    assert_eq!(have.len(), want.len(), "{name}");
+    for (have, want) in have.into_iter().zip(want) {
+        assert!(close(have, want, tolerance), "{name}: have {have:e}, want {want:e}");
+    }
+}
+
+#[test]
+fn clock_forecasts_agree_in_double_precision() {
+    clocks_agree(Scalar::F64, within(1e-9, 1e-9));
+}
+
+#[test]
+fn clock_forecasts_agree_in_single_precision() {
+    clocks_agree(Scalar::F32, within(1e-3, 1e-4));
+}
+
+fn aided_epochs_agree(scalar: Scalar, tolerance: Tolerance) {
+    let file = "vectors/clock_raim.jsonl.gz";
+    let Some(wanted) = vectors(file) else { return };
+    let had = evaluated_as(Part::ClockRaim, file, scalar);
+    assert_eq!(had.len(), wanted.len());
+    for (have, want) in had.iter().zip(&wanted) {
+        let (id, have, want) = (&want["id"], &have["out"], &want["out"]);
+        for field in ["dof", "detected", "ident", "ident_is_clock"] {
+            assert_eq!(have[field], want[field], "epoch {id} {field}");
+        }
+        for field in ["sse", "tau1", "test_m", "T_D_m", "d"] {
+            all_close(&format!("epoch {id} {field} {scalar:?}"), &have[field], &want[field], tolerance);
+        }
+    }
+}
+
+#[test]
+fn clock_aided_epochs_agree_in_double_precision() {
+    aided_epochs_agree(Scalar::F64, within(1e-9, 1e-9));
+}
+
+#[test]
+fn clock_aided_epochs_agree_in_single_precision() {
+    aided_epochs_agree(Scalar::F32, within(1e-3, 1e-3));
 }

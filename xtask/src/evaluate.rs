@@ -5,7 +5,7 @@ use std::io::{BufRead, BufReader, stdin, stdout};
 use std::path::PathBuf;
 
 use anyhow::{Context as _, ensure};
-use tests_host::evaluate::{self, Scalar};
+use tests_host::evaluate::{self, Part, Scalar};
 
 /// Arguments of the command.
 #[derive(clap::Args)]
@@ -16,17 +16,34 @@ pub(crate) struct Arguments {
     /// Which instantiation of the core runs, whatever the lines say: f64 or f32.
     #[arg(long)]
     scalar: Option<Scalar>,
+    /// The lines are windows of receiver clocks.
+    #[arg(long)]
+    clock: bool,
+    /// The lines are epochs aided by a forecast receiver clock.
+    #[arg(long, conflicts_with = "clock")]
+    clock_raim: bool,
+}
+
+impl Arguments {
+    fn part(&self) -> Part {
+        match (self.clock, self.clock_raim) {
+            (true, _) => Part::Clock,
+            (_, true) => Part::ClockRaim,
+            _ => Part::Epochs,
+        }
+    }
 }
 
 /// Runs the command.
 pub(crate) fn run(arguments: Arguments) -> anyhow::Result<()> {
+    let part = arguments.part();
     let input: Box<dyn BufRead> = match arguments.file {
         Some(path) => {
             Box::new(BufReader::new(File::open(&path).with_context(|| path.display().to_string())?))
         }
         None => Box::new(stdin().lock()),
     };
-    let summary = evaluate::run(input, stdout().lock(), arguments.scalar)?;
+    let summary = evaluate::run_part(part, input, stdout().lock(), arguments.scalar)?;
     ensure!(summary.errors == 0, "{} of {} lines could not be evaluated", summary.errors, summary.lines);
     Ok(())
 }

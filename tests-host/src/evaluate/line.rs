@@ -44,12 +44,6 @@ impl Line {
     /// Reads a line that was JSON.
     pub(super) fn read(value: &Value) -> Result<Self, String> {
         let object = value.as_object().ok_or("not a JSON object")?;
-        let scalar = match object.get("scalar") {
-            Some(word) => {
-                word.as_str().ok_or("scalar: not a word")?.parse().map_err(|why| format!("scalar: {why}"))?
-            }
-            None => Scalar::F64,
-        };
         let line = Self {
             satellites: satellites(object)?,
             clock: object.get("clock").filter(|clock| !clock.is_null()).map(clock).transpose()?,
@@ -57,7 +51,7 @@ impl Line {
             pmd: number(object, "pmd")?,
             hal_m: number(object, "hal")?,
             guard_fraction: number(object, "f")?,
-            scalar,
+            scalar: scalar(object)?,
         };
         if line.rows() > MAX_ROWS {
             return Err(format!("los_enu: {} rows, clock included, but at most {MAX_ROWS} fit", line.rows()));
@@ -81,9 +75,6 @@ impl Line {
 
     /// The two probabilities, with the other requirements checked as well; an error names the field.
     pub(super) fn probabilities(&self) -> Result<(Probability, Probability), String> {
-        let probability = |name: &str, tail: f64| {
-            Probability::new(tail).ok_or_else(|| format!("{name}: {tail} outside (0, 0.5)"))
-        };
         // Written so that a NaN fails.
         if !(self.hal_m > 0.0) {
             return Err(format!("hal: {} not above 0", self.hal_m));
@@ -92,6 +83,21 @@ impl Line {
             return Err(format!("f: {} outside (0, 1]", self.guard_fraction));
         }
         Ok((probability("pfa", self.pfa)?, probability("pmd", self.pmd)?))
+    }
+}
+
+/// A tail probability; an error names the field.
+pub(super) fn probability(name: &str, tail: f64) -> Result<Probability, String> {
+    Probability::new(tail).ok_or_else(|| format!("{name}: {tail} outside (0, 0.5)"))
+}
+
+/// Which instantiation of the core the line asks for.
+pub(super) fn scalar(object: &Map<String, Value>) -> Result<Scalar, String> {
+    match object.get("scalar") {
+        Some(word) => {
+            word.as_str().ok_or("scalar: not a word")?.parse().map_err(|why| format!("scalar: {why}"))
+        }
+        None => Ok(Scalar::F64),
     }
 }
 
@@ -126,22 +132,22 @@ fn clock(value: &Value) -> Result<Clock, String> {
     })
 }
 
-fn array<'v>(object: &'v Map<String, Value>, name: &str) -> Result<&'v Vec<Value>, String> {
+pub(super) fn array<'v>(object: &'v Map<String, Value>, name: &str) -> Result<&'v Vec<Value>, String> {
     let value = object.get(name).ok_or_else(|| format!("{name}: missing"))?;
     value.as_array().ok_or_else(|| format!("{name}: not an array"))
 }
 
-fn number(object: &Map<String, Value>, name: &str) -> Result<f64, String> {
+pub(super) fn number(object: &Map<String, Value>, name: &str) -> Result<f64, String> {
     let value = object.get(name).ok_or_else(|| format!("{name}: missing"))?;
     Number::read(value).ok_or_else(|| format!("{name}: not a number"))
 }
 
-fn numbers(values: &[Value], name: &str) -> Result<Vec<f64>, String> {
+pub(super) fn numbers(values: &[Value], name: &str) -> Result<Vec<f64>, String> {
     let read = |(index, value)| Number::read(value).ok_or_else(|| format!("{name}[{index}]: not a number"));
     values.iter().enumerate().map(read).collect()
 }
 
-fn direction_of(value: &Value) -> Option<Vector3<f64>> {
+pub(super) fn direction_of(value: &Value) -> Option<Vector3<f64>> {
     let [east, north, up] = value.as_array()?.as_slice() else { return None };
     Some(Vector3::new(Number::read(east)?, Number::read(north)?, Number::read(up)?))
 }

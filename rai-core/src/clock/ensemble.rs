@@ -1,0 +1,139 @@
+//! One coasting clock for each constellation: which one aids the next epoch, and what each learns from a snapshot.
+//!
+//! ```text
+//! Q_cc = 1/W_c + h̄_c P h̄_cᵀ                    variance of the solved clock b_c
+//! b_c without the forecast = b_c − (Q_cc w_i / r_i) v_i      i: the aiding row, r_i = 1 − w_i Q_cc
+//! Q_cc without the forecast = Q_cc / r_i
+//! ```
+//!
+//! | symbol | field | unit |
+//! |---|---|---|
+//! | `b_c` | [`SolvedClock::value_m`] | m |
+//! | `√Q_cc` | [`SolvedClock::sigma_m`] | m |
+//! | `v_i`, `w_i`, `r_i` | residual, weight and redundancy of the aiding row | m, 1/m², – |
+//!
+//! An epoch takes one aiding clock. It is the one with the smallest standard deviation among the constellations
+//! observed: where satellites are few every clock raises the degrees of freedom by one, so the surest serves best.
+//!
+//! Four windows of 60 values in `f32` take 2.3 kB. References: [Chen2009] §3.
+
+use nalgebra::Vector3;
+
+use super::{CoastingClock, WINDOW};
+use crate::epoch::{Aiding, Epoch};
+use crate::linear::Row;
+use crate::real::Real;
+use crate::satellite::Constellation;
+use crate::snapshot::{Fit, Snapshot};
+
+/// Satellites of a constellation without which its clock is not learned: a lone one determines it untested.
+const MIN_SATELLITES: usize = 2;
+
+/// A receiver clock as the satellites of an epoch have it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SolvedClock {
+    /// Receiver clock times the speed of light, m.
+    pub value_m: f64,
+    /// Its standard deviation, m.
+    pub sigma_m: f64,
+}
+
+/// The coasting clocks of a receiver.
+#[derive(Clone, Debug)]
+pub struct Clocks<T: Real, const L: usize = WINDOW> {
+    each: [CoastingClock<T, L>; Constellation::COUNT],
+}
+
+impl<T: Real, const L: usize> Default for Clocks<T, L> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<T: Real, const L: usize> Clocks<T, L> {
+    /// Clocks of which nothing is known.
+    pub fn new() -> Self {
+        Self { each: core::array::from_fn(|_| CoastingClock::new()) }
+    }
+
+    /// Forgets everything.
+    pub fn restart(&mut self) {
+        *self = Self::new();
+    }
+
+    /// One constellation's clock.
+    pub fn of(&self, constellation: Constellation) -> Option<&CoastingClock<T, L>> {
+        self.each.get(constellation as usize)
+    }
+
+    /// The row that aids an epoch; `None` where no constellation observed has a forecast.
+    pub fn aiding<const N: usize>(&self, epoch: &Epoch<N>) -> Option<Aiding> {
+        let observed = |constellation: &Constellation| {
+            epoch
+                .observations()
+                .iter()
+                .any(|observation| observation.satellite.constellation() == *constellation)
+        };
+        let forecasts = Constellation::ALL.into_iter().filter(observed).filter_map(|constellation| {
+            Some((constellation, self.of(constellation)?.forecast(epoch.time_s())?))
+        });
+        let (constellation, forecast) = forecasts.min_by(|(_, a), (_, b)| a.sigma_m.total_cmp(&b.sigma_m))?;
+        Some(Aiding::Clock { constellation, value_m: forecast.value_m, sigma_m: forecast.sigma_m })
+    }
+
+    /// Learns the clocks of an epoch that passed the test, exclusions done; of no other.
+    ///
+    /// A forecast that was left out in it was a jump of the clock: that clock starts again from what the satellites
+    /// say.
+    pub fn learn<const N: usize>(&mut self, time_s: f64, snapshot: &Snapshot<T, N>) {
+        for (clock, constellation) in self.each.iter_mut().zip(Constellation::ALL) {
+            if aiding_row(snapshot, constellation).is_some_and(|(row, _)| left_out(row)) {
+                clock.restart();
+            }
+            if let Some(solved) = satellites_alone(snapshot, constellation) {
+                clock.observe(time_s, solved.value_m, solved.sigma_m);
+            }
+        }
+    }
+}
+
+/// A constellation's receiver clock without its forecast; `None` where fewer than two of its satellites, or the
+/// satellites alone, do not determine it.
+pub fn satellites_alone<T: Real, const N: usize>(
+    snapshot: &Snapshot<T, N>,
+    constellation: Constellation,
+) -> Option<SolvedClock> {
+    let belongs = |row: &Row<T>| row.clock == Some(constellation) && !is_forecast(row) && !left_out(row);
+    if snapshot.rows().filter(|(row, _)| belongs(row)).count() < MIN_SATELLITES {
+        return None;
+    }
+    let aided_m = snapshot.clock_m(constellation)?;
+    let variance = snapshot.clock_variance(constellation)?;
+    let (value_m, variance) = match aiding_row(snapshot, constellation) {
+        Some((row, fit)) if !left_out(row) => {
+            if fit.redundancy < T::UNTESTABLE {
+                return None;
+            }
+            let pulled = variance * row.weight / fit.redundancy * fit.residual;
+            (aided_m - pulled.widen(), variance / fit.redundancy)
+        }
+        _ => (aided_m, variance),
+    };
+    Some(SolvedClock { value_m, sigma_m: variance.sqrt().widen() })
+}
+
+fn aiding_row<T: Real, const N: usize>(
+    snapshot: &Snapshot<T, N>,
+    constellation: Constellation,
+) -> Option<(&Row<T>, &Fit<T>)> {
+    snapshot.rows().find(|(row, _)| row.clock == Some(constellation) && is_forecast(row))
+}
+
+/// A row that touches a clock and no coordinate.
+fn is_forecast<T: Real>(row: &Row<T>) -> bool {
+    row.design == Vector3::zeros()
+}
+
+fn left_out<T: Real>(row: &Row<T>) -> bool {
+    !(row.weight > T::zero())
+}

@@ -1,0 +1,67 @@
+//! The window: first differences of the clock, equally spaced, without the level.
+//!
+//! `x_t = Z_t − Z_{t−1} − x_ref`, `m = mean x`
+//!
+//! | symbol | field | unit |
+//! |---|---|---|
+//! | `Z` | receiver clock times the speed of light, only differences of it enter | m |
+//! | `x_ref` | `reference_m`, the first difference: a drift of hundreds of metres that all share | m |
+//! | `x_t` | `differences`; `None` where the epoch before or at `t` is missing | m |
+//! | `m` | [`Window::mean`] | m |
+//!
+//! Levels of 3e8 m and the drift stay in `f64`; what is stored is centimetres to metres, and loses nothing in `f32`.
+
+use heapless::{Deque, Vec};
+
+use crate::real::Real;
+
+/// Differences of the last `L` values of a clock.
+#[derive(Clone, Debug)]
+pub(super) struct Window<T, const L: usize> {
+    reference_m: Option<f64>,
+    differences: Deque<Option<T>, L>,
+}
+
+impl<T: Real, const L: usize> Window<T, L> {
+    pub(super) fn new() -> Self {
+        Self { reference_m: None, differences: Deque::new() }
+    }
+
+    /// What every difference is relative to, m.
+    pub(super) fn reference_m(&self) -> f64 {
+        self.reference_m.unwrap_or(0.0)
+    }
+
+    /// A difference relative to the reference, which the first one becomes.
+    pub(super) fn relative(&mut self, difference_m: f64) -> T {
+        T::narrow(difference_m - *self.reference_m.get_or_insert(difference_m))
+    }
+
+    /// Appends a relative difference, or the lack of one; `L` values have `L − 1` differences.
+    pub(super) fn push(&mut self, difference: Option<T>) {
+        while self.differences.len() + 1 >= L {
+            if self.differences.pop_front().is_none() {
+                return;
+            }
+        }
+        // Room was made above.
+        let _ = self.differences.push_back(difference);
+    }
+
+    /// Mean of the relative differences that are there; 0 without any.
+    pub(super) fn mean(&self) -> T {
+        let there = self.differences.iter().flatten();
+        let (sum, count) = there.fold((T::zero(), 0_u16), |(sum, count), &x| (sum + x, count + 1));
+        sum / T::narrow(f64::from(count.max(1)))
+    }
+
+    /// The differences less `mean`, oldest first.
+    pub(super) fn centred(&self, mean: T) -> Vec<Option<T>, L> {
+        let mut centred = Vec::new();
+        for difference in &self.differences {
+            // Both hold L: never full here.
+            let _ = centred.push(difference.map(|x| x - mean));
+        }
+        centred
+    }
+}
