@@ -335,6 +335,22 @@ fn a_time_beyond_the_week_is_counted() {
 }
 
 #[test]
+fn of_two_codes_on_one_band_the_one_that_the_clock_is_of_is_used() {
+    // Signals 4, 15 and 16 are L1 Y, L2 CM and L2 CL; [RTCM-10403.3] table 3.5-91.
+    for (cells, want) in [
+        ([Cell(5, L1C, 2.2e7, 45.0), Cell(5, 4, 2.2e7 + 1.0, 40.0)], 2.2e7 + 1.0),
+        ([Cell(5, 15, 2.2e7, 45.0), Cell(5, 16, 2.2e7 + 1.0, 45.0)], 2.2e7),
+    ] {
+        let mut decoder = knowing();
+        let have = epochs(feed(&mut decoder, &msm(1077, TOW_MS, false, &cells)));
+        let ranges: Vec<f64> =
+            have[0].satellites[0].signals.iter().map(|signal| signal.range_m.round()).collect();
+        assert_eq!(ranges, [want]);
+        assert_eq!(names_of_nonzero(decoder.counters()), [("signals_surplus", 1)]);
+    }
+}
+
+#[test]
 fn of_two_satellites_with_one_id_the_first_is_used() {
     let mut decoder = knowing();
     let mut bytes = msm(1077, TOW_MS, true, &[Cell(5, L1C, 2.2e7, 45.0)]);

@@ -54,6 +54,7 @@ impl RawEpoch {
         &mut self,
         satellite: SatelliteId,
         signal: Signal,
+        is_reference: bool,
         earlier: usize,
         counters: &mut Counters,
     ) {
@@ -63,24 +64,28 @@ impl RawEpoch {
         let known = self.satellites.iter_mut().enumerate().find(|(_, known)| known.satellite == satellite);
         match known {
             Some((index, _)) if index < earlier => count(&mut counters.satellites_duplicate),
-            Some((_, known)) => add_signal(known, signal, counters),
+            Some((_, known)) => add_signal(known, signal, is_reference, counters),
             None => self.open(satellite, signal, counters),
         }
     }
 
     fn open(&mut self, satellite: SatelliteId, signal: Signal, counters: &mut Counters) {
         let mut raw = RawSatellite { satellite, signals: Vec::new() };
-        add_signal(&mut raw, signal, counters);
+        add_signal(&mut raw, signal, false, counters);
         if self.satellites.push(raw).is_err() {
             count(&mut counters.satellites_surplus);
         }
     }
 }
 
-/// Keeps the first code of each band: the order of the wire puts the one that the clock refers to first.
-fn add_signal(raw: &mut RawSatellite, signal: Signal, counters: &mut Counters) {
-    let is_second = raw.signals.iter().any(|known| known.band == signal.band);
-    if is_second || raw.signals.push(signal).is_err() {
+/// Keeps one code of each band: the one that the broadcast clock is of, else the first on the wire.
+fn add_signal(raw: &mut RawSatellite, signal: Signal, is_reference: bool, counters: &mut Counters) {
+    if let Some(known) = raw.signals.iter_mut().find(|known| known.band == signal.band) {
+        if is_reference {
+            *known = signal;
+        }
+        count(&mut counters.signals_surplus);
+    } else if raw.signals.push(signal).is_err() {
         count(&mut counters.signals_surplus);
     }
 }

@@ -253,9 +253,16 @@ impl Target<'_> {
         let Some(range_ms) = range_ms else {
             return count(&mut self.counters.ranges_missing);
         };
+        let is_reference = is_reference(self.constellation, signal);
         let signal = Signal { band, cn0_dbhz, range_m: range_ms * M_PER_MS };
-        self.epoch.add(satellite, signal, self.earlier, self.counters);
+        self.epoch.add(satellite, signal, is_reference, self.earlier, self.counters);
     }
+}
+
+/// Whether a signal is the one code of its band that the broadcast clock is of, where another one may be beside it:
+/// P and Y on L1. To C/A a GPS satellite has a delay of its own, up to a metre, that no message tells.
+const fn is_reference(constellation: Constellation, signal: u8) -> bool {
+    matches!((constellation, signal), (Constellation::Gps, 3 | 4))
 }
 
 /// The satellite of a position in the mask.

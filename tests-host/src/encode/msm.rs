@@ -74,9 +74,10 @@ const fn pairs(constellation: Constellation) -> &'static [(Choice, Choice)] {
     }
 }
 
-/// The two codes that GPS clocks are of: between C/A and P(Y) a satellite has a delay of its own, up to a metre,
-/// that the combination triples and no message tells.
-const P_CODES: (Choice, Choice) = ((1, "WP"), (2, "WP"));
+/// What GPS satellites are sent with where all of it is there: C/A, which every reader of RTCM looks for, and the two
+/// codes that the broadcast clock is of. Between C/A and P(Y) a satellite has a delay of its own, up to a metre, that
+/// the combination triples and no message tells.
+const GPS_TRIPLE: [Choice; 3] = [(1, "C"), (1, "WP"), (2, "WP")];
 
 /// The signal of a satellite that is the best of a choice.
 fn find(satellite: &RawSatellite, (band, attributes): Choice) -> Option<&RawSignal> {
@@ -86,18 +87,18 @@ fn find(satellite: &RawSatellite, (band, attributes): Choice) -> Option<&RawSign
 
 /// The signals of a satellite that are sent.
 fn chosen(satellite: &RawSatellite, frequency: Frequency) -> Vec<&RawSignal> {
-    let pairs = pairs(satellite.satellite.constellation());
-    let both =
-        |(first, second): &(Choice, Choice)| Some(vec![find(satellite, *first)?, find(satellite, *second)?]);
-    let first = || pairs.iter().find_map(|(first, _)| find(satellite, *first)).into_iter().collect();
-    let is_gps = satellite.satellite.constellation() == Constellation::Gps;
-    match frequency {
-        Frequency::Dual if is_gps => {
-            both(&P_CODES).or_else(|| pairs.iter().find_map(both)).unwrap_or_else(first)
-        }
-        Frequency::Dual => pairs.iter().find_map(both).unwrap_or_else(first),
-        Frequency::Single => first(),
-    }
+    let system = satellite.satellite.constellation();
+    let all = |choices: &[Choice]| {
+        choices.iter().map(|choice| find(satellite, *choice)).collect::<Option<Vec<_>>>()
+    };
+    let triple = || all(&GPS_TRIPLE).filter(|_| system == Constellation::Gps);
+    let pair = || pairs(system).iter().find_map(|(first, second)| all(&[*first, *second]));
+    let single = || pairs(system).iter().find_map(|(first, _)| all(&[*first]));
+    let signals = match frequency {
+        Frequency::Dual => triple().or_else(pair).or_else(single),
+        Frequency::Single => single(),
+    };
+    signals.unwrap_or_default()
 }
 
 /// One satellite as the message splits it.

@@ -135,6 +135,8 @@ fn the_pair_is_the_one_that_the_receiver_combines() {
     use Constellation::{Beidou, Galileo, Gps};
     for (system, codes, dual, single) in [
         (Gps, &["1C", "2L", "2W", "5Q"][..], &["1C", "2W"][..], "1C"),
+        (Gps, &["1W", "1C", "2W"], &["1C", "1W", "2W"], "1C"),
+        (Gps, &["1W", "2W"], &["1W", "2W"], "1W"),
         (Gps, &["1C", "5X"], &["1C", "5X"], "1C"),
         (Gps, &["1C"], &["1C"], "1C"),
         (Galileo, &["1X", "5X", "6X", "7X"], &["1X", "5X"], "1X"),
