@@ -52,7 +52,8 @@ fn summary(station: &Station, systems: &str, frequency: Frequency) -> Option<Sum
         Recording::load(&[folder.join(station.observations)], &[folder.join(station.navigation)]).unwrap();
     let selection = Selection::new(systems, frequency).unwrap();
     let lumps = replay::encode(&recording, &selection, &[], &Window::ALL).unwrap();
-    let coefficients = recording.klobuchar.map(|klobuchar| klobuchar.map(|value| format!("{value:e}")).join(","));
+    let coefficients =
+        recording.klobuchar.map(|klobuchar| klobuchar.map(|value| format!("{value:e}")).join(","));
     let commands: Vec<String> = coefficients.iter().map(|numbers| format!("IONO,{numbers}")).collect();
     let sentences = replay::on_host(&lumps, &commands, |_| {}).unwrap();
     let track = replay::track(&lumps, &sentences, Some(&Truth::Fixed(station.truth))).unwrap();

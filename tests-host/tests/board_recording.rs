@@ -1,0 +1,106 @@
+//! Real recordings on the emulated board: the host's sentences, byte for byte, faults and exclusions included; and gpsd
+//! behind the board's port.
+
+use std::time::Duration;
+
+use rai_core::frame::LocalFrame;
+use tests_host::board::is_installed;
+use tests_host::encode::{Frequency, Selection};
+use tests_host::fault::Fault;
+use tests_host::gpsd::Gpsd;
+use tests_host::image;
+use tests_host::recording::Recording;
+use tests_host::replay::{self, BoardRun, Lump, Truth, Window};
+use tests_host::shared;
+use tests_host::sky::raw::Simulation;
+
+/// What an epoch may cost on the chip, the first one with all its ephemerides left out.
+const EPOCH_INSTRUCTIONS: u64 = 4_000_000;
+
+fn on_both(lumps: &[Lump]) -> (Vec<String>, BoardRun) {
+    let commands = ["PHASE,NPA".to_owned()];
+    let host = replay::on_host(lumps, &commands, |_| {}).expect("the host judges");
+    let image = image::build().expect("the image builds");
+    let board = replay::on_board(&image, lumps, &host, &commands, |_| {}).expect("the board judges");
+    (host, board)
+}
+
+fn assert_identical(lumps: &[Lump]) -> (Vec<String>, BoardRun) {
+    let (host, board) = on_both(lumps);
+    assert_eq!(board.sentences, host.concat());
+    assert_eq!(board.losses, 0, "bytes lost on the board");
+    let dearest = board.instructions.iter().skip(1).max().copied().unwrap_or(0);
+    println!("{} epochs, identical; at most {dearest} instructions", lumps.len());
+    assert!(dearest > 0 && dearest <= EPOCH_INSTRUCTIONS, "{:?}", board.instructions);
+    (host, board)
+}
+
+fn recording(folder: &str, observations: &str, navigation: &str) -> Option<Recording> {
+    let folder = shared::path_or_skip(&format!("data/{folder}"))?;
+    Some(Recording::load(&[folder.join(observations)], &[folder.join(navigation)]).unwrap())
+}
+
+#[test]
+fn a_real_day_with_faults_is_judged_alike() {
+    if !is_installed() {
+        return;
+    }
+    let Some(recording) = recording(
+        "esbc",
+        "ESBC00DNK_R_20201770000_01D_30S_MO.crx.gz",
+        "ESBC00DNK_R_20201770000_01D_MN.rnx.gz",
+    ) else {
+        return;
+    };
+    let faults = ["G05:+100@150..300", "G07:+90@450..600", "E07:-120@450..600"]
+        .map(|text| Fault::parse_inject(text).unwrap());
+    let window = Window { to_s: 900.0, ..Window::ALL };
+    let selection = Selection::new("GCE", Frequency::Dual).unwrap();
+    let lumps = replay::encode(&recording, &selection, &faults, &window).unwrap();
+    let (host, _) = assert_identical(&lumps);
+    assert!(host.concat().matches("$PRAIX").count() >= 10, "exclusions are part of the comparison");
+}
+
+#[test]
+fn geostationary_satellites_at_one_hertz_are_judged_alike() {
+    if !is_installed() {
+        return;
+    }
+    let Some(recording) = recording("static1hz", "base.obs.gz", "base.nav.gz") else { return };
+    let window = Window { to_s: 20.0, ..Window::ALL };
+    let selection = Selection::new("GCE", Frequency::Dual).unwrap();
+    assert_identical(&replay::encode(&recording, &selection, &[], &window).unwrap());
+}
+
+#[test]
+fn gpsd_behind_the_board_has_a_3d_fix_and_its_errors() {
+    if !is_installed() {
+        return;
+    }
+    let Some(mut gpsd) = Gpsd::start_or_skip().expect("gpsd starts") else { return };
+    let recording = Simulation::above_xian(0.0, 30, 7).record();
+    let selection = Selection::new("GC", Frequency::Dual).unwrap();
+    let lumps = replay::encode(&recording, &selection, &[], &Window::ALL).unwrap();
+    let (host, board) = on_both(&lumps);
+    let track = replay::track(&lumps, &host, None::<&Truth>).unwrap();
+    let want =
+        track.last().and_then(|moment| moment.output.as_ref()).and_then(|output| output.position).unwrap();
+    for sentence in board.sentences.split_inclusive("\r\n") {
+        gpsd.feed(sentence.as_bytes()).expect("gpsd listens");
+    }
+    let fix = gpsd
+        .wait_for(Duration::from_secs(10), |object| {
+            object["class"] == "TPV" && object["mode"] == 3 && object["epx"].is_number()
+        })
+        .expect("a 3D fix with the errors of GBS");
+    let have = rai_core::frame::Geodetic {
+        latitude_rad: fix["lat"].as_f64().unwrap().to_radians(),
+        longitude_rad: fix["lon"].as_f64().unwrap().to_radians(),
+        height_m: fix["altHAE"].as_f64().unwrap(),
+    };
+    let apart = LocalFrame::at(want.to_ecef()).rotate(have.to_ecef() - want.to_ecef());
+    assert!(apart.horizontal() < 20.0 && apart.up.abs() < 40.0, "gpsd {have:?}, module {want:?}");
+    let errors = gpsd.wait_for(Duration::from_secs(10), |object| object["class"] == "GST");
+    let errors = errors.expect("the errors of GST");
+    assert!(errors["lat"].as_f64().unwrap() > 0.0 && errors["alt"].as_f64().unwrap() > 0.0, "{errors}");
+}
