@@ -61,7 +61,7 @@ fn harmonic_process_is_found<T: Real>(tolerance: f64) {
     let omega = core::f64::consts::TAU * 7.0 / 60.0;
     let series: Vec<Option<T>> =
         (0..60).map(|t| Some(T::narrow((omega * f64::from(t)).cos() + f64::from(1 - t % 2 * 2)))).collect();
-    let process = Autoregression::fit(&series);
+    let process = Autoregression::fit(series.iter().copied());
     let sum = 2.0 * omega.cos() - 1.0;
     for (have, want) in process.coefficients().into_iter().zip([sum, sum, -1.0]) {
         assert_close(have.widen(), want, tolerance);

@@ -101,7 +101,8 @@ pub fn polynomial(levels_m: &[f64], degree: usize, steps: usize) -> Option<Level
     let (count, unknowns) = (levels_m.len(), degree + 1);
     let freedom = count.checked_sub(unknowns).filter(|&freedom| freedom > 0)?;
     // Time from the last value, in window lengths: the normal equations stay well conditioned.
-    let powers = |step: f64| DVector::from_fn(unknowns, |power, _| (step / count as f64).powi(power as i32));
+    let powers =
+        |step: f64| DVector::from_fn(unknowns, |power, _| libm::pow(step / count as f64, power as f64));
     let last = count as f64 - 1.0;
     let design = DMatrix::from_fn(count, unknowns, |row, power| powers(row as f64 - last)[power]);
     let levels = DVector::from_column_slice(levels_m);

@@ -209,20 +209,16 @@ fn answer_part(
     }
     let object = value.as_object().ok_or("not a JSON object")?;
     let single = scalar.map_or_else(|| line::scalar(object), Ok)? == Scalar::F32;
-    Ok(match part {
-        Part::Clock => {
-            let out = if single { clock::evaluate::<f32>(object) } else { clock::evaluate::<f64>(object) };
-            Answer::Clock { id, out: Box::new(out?) }
-        }
-        _ => {
-            let out = if single {
-                clock_raim::evaluate::<f32>(object, rows)
-            } else {
-                clock_raim::evaluate::<f64>(object, rows)
-            };
-            Answer::ClockRaim { id, out: Box::new(out?) }
-        }
-    })
+    if part == Part::Clock {
+        let out = if single { clock::evaluate::<f32>(object) } else { clock::evaluate::<f64>(object) };
+        return Ok(Answer::Clock { id, out: Box::new(out?) });
+    }
+    let out = if single {
+        clock_raim::evaluate::<f32>(object, rows)
+    } else {
+        clock_raim::evaluate::<f64>(object, rows)
+    };
+    Ok(Answer::ClockRaim { id, out: Box::new(out?) })
 }
 
 fn judge(line: &Line, scalar: Scalar, rows: &mut RowCache) -> Result<Lsr, String> {

@@ -1,7 +1,7 @@
 //! Lines that are not epochs, and epochs that are not sensible: each gets an answer, and the run goes on.
 
 use serde_json::{Value, json};
-use tests_host::evaluate::{self, Scalar, Summary};
+use tests_host::evaluate::{self, Part, Scalar, Summary};
 
 /// Six satellites of one constellation: two degrees of freedom.
 fn epoch() -> Value {
@@ -199,4 +199,59 @@ fn an_untestable_satellite_that_moves_the_height_gives_an_infinite_level_in_word
     let have = answer(&line);
     assert_eq!(have["out"]["lsr"]["vpl"], "inf", "{have}");
     assert_eq!(have["out"]["lsr"]["status"], "ok");
+}
+
+fn answer_as(part: Part, line: &Value) -> Value {
+    let mut output = Vec::new();
+    evaluate::run_part(part, line.to_string().as_bytes(), &mut output, None)
+        .expect("a run without I/O errors");
+    serde_json::from_slice(&output).expect("JSON")
+}
+
+#[test]
+fn every_window_that_is_none_says_what_and_where() {
+    let jump: Vec<f64> = (0..12).map(|step| if step < 7 { 0.0 } else { 3e5 }).collect();
+    let cases = [
+        (json!({"id": 1}), "line 1: Z: missing"),
+        (json!({"Z": vec![0.0; 11]}), "line 1: Z: 11 values, not 12 to 240"),
+        (json!({"Z": vec![0.0; 241]}), "line 1: Z: 241 values, not 12 to 240"),
+        (json!({"Z": [1, 2, "x"]}), "line 1: Z[2]: not a number"),
+        (json!({"Z": vec![Value::Null; 12]}), "line 1: Z[0]: NaN does not continue the window"),
+        (json!({"Z": jump}), "line 1: Z[7]: 300000 does not continue the window"),
+    ];
+    for (line, want) in cases {
+        assert_eq!(answer_as(Part::Clock, &line)["error"], want, "{line}");
+    }
+}
+
+#[test]
+fn a_constant_clock_is_forecast_to_stay_with_no_doubt() {
+    let have = &answer_as(Part::Clock, &json!({"id": "still", "Z": vec![7.0; 20]}))["out"]["uc"];
+    assert_eq!(have["forecast"], json!(vec![7.0; 10]));
+    assert_eq!(have["sigma_predict"], json!(vec![0.0; 10]));
+    assert_eq!(have["a"], json!(vec![0.0; 3]));
+}
+
+#[test]
+fn every_aided_epoch_that_is_none_says_what_and_where() {
+    let epoch = || {
+        let epoch = epoch();
+        json!({"los_enu": epoch["los_enu"], "y": epoch["y"], "sigma": 6.0, "T": 1.0, "sigma_b": 7.0, "pfa": 1e-4})
+    };
+    let with = |field: &str, value: Value| {
+        let mut epoch = epoch();
+        epoch[field] = value;
+        epoch
+    };
+    assert_eq!(answer_as(Part::ClockRaim, &epoch())["out"]["dof"], 3);
+    let cases = [
+        (with("sigma_b", json!(0.0)), "line 1: T: sigma not finite or not positive"),
+        (with("T", Value::Null), "line 1: T: residual not finite"),
+        (with("y", json!([1.0])), "line 1: y: 1 entries, but los_enu has 6"),
+        (with("pfa", json!(0.7)), "line 1: pfa: 0.7 outside (0, 0.5)"),
+        (with("los_enu", json!([[0, 0, 1], [0, 1, 0], 3, 4, 5, 6])), "line 1: los_enu[2]: not three numbers"),
+    ];
+    for (line, want) in cases {
+        assert_eq!(answer_as(Part::ClockRaim, &line)["error"], want, "{line}");
+    }
 }

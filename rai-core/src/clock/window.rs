@@ -11,7 +11,7 @@
 //!
 //! Levels of 3e8 m and the drift stay in `f64`; what is stored is centimetres to metres, and loses nothing in `f32`.
 
-use heapless::{Deque, Vec};
+use heapless::Deque;
 
 use crate::real::Real;
 
@@ -32,9 +32,10 @@ impl<T: Real, const L: usize> Window<T, L> {
         self.reference_m.unwrap_or(0.0)
     }
 
-    /// A difference relative to the reference, which the first one becomes.
-    pub(super) fn relative(&mut self, difference_m: f64) -> T {
-        T::narrow(difference_m - *self.reference_m.get_or_insert(difference_m))
+    /// Mean of the `steps` differences that make `change_m`, relative to the reference, which the first one becomes.
+    pub(super) fn relative(&mut self, change_m: f64, steps: usize) -> T {
+        let reference_m = *self.reference_m.get_or_insert(change_m);
+        T::narrow(change_m - steps as f64 * reference_m) / T::narrow(steps as f64)
     }
 
     /// Appends a relative difference, or the lack of one; `L` values have `L − 1` differences.
@@ -48,20 +49,22 @@ impl<T: Real, const L: usize> Window<T, L> {
         let _ = self.differences.push_back(difference);
     }
 
+    /// Oldest first.
+    fn each(&self) -> impl Iterator<Item = Option<T>> + Clone {
+        // Two slices are walked with one test of their border each, the ring with one for each element.
+        let (older, newer) = self.differences.as_slices();
+        older.iter().chain(newer).copied()
+    }
+
     /// Mean of the relative differences that are there; 0 without any.
     pub(super) fn mean(&self) -> T {
-        let there = self.differences.iter().flatten();
-        let (sum, count) = there.fold((T::zero(), 0_u16), |(sum, count), &x| (sum + x, count + 1));
+        let add = |(sum, count), x| (sum + x, count + 1_u16);
+        let (sum, count) = self.each().flatten().fold((T::zero(), 0), add);
         sum / T::narrow(f64::from(count.max(1)))
     }
 
     /// The differences less `mean`, oldest first.
-    pub(super) fn centred(&self, mean: T) -> Vec<Option<T>, L> {
-        let mut centred = Vec::new();
-        for difference in &self.differences {
-            // Both hold L: never full here.
-            let _ = centred.push(difference.map(|x| x - mean));
-        }
-        centred
+    pub(super) fn centred(&self, mean: T) -> impl Iterator<Item = Option<T>> + Clone {
+        self.each().map(move |difference| difference.map(|x| x - mean))
     }
 }

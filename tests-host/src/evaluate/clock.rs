@@ -75,7 +75,8 @@ fn observed<T: Real>(levels_m: &[f64]) -> Result<CoastingClock<T, MAX_VALUES>, S
     for (index, &level_m) in levels_m.iter().enumerate() {
         // The sigma of a value does not enter the process; a large one accepts any step between values.
         let uptake = clock.observe(index as f64, level_m, SIGMA_M);
-        if index > 0 && uptake != Uptake::Continued {
+        let wanted = if index == 0 { Uptake::Restarted } else { Uptake::Continued };
+        if uptake != wanted {
             return Err(format!("Z[{index}]: {level_m} does not continue the window"));
         }
     }
