@@ -1,11 +1,15 @@
 //! The pipeline: one epoch in, one report out, and the little that is remembered between epochs.
 //!
 //! ```text
-//! epoch ─► fix ─► snapshot ─► detection ─► identification ─► protection ─► report
+//! epoch ─► (clock aiding) ─► fix ─► snapshot ─► detection ─► identification ─► protection ─► report
 //! ```
 //!
-//! Remembered are the last position, as the start of the next fix, and a window of SSE/dof, which says whether the
-//! sigmas are right. Neither changes a verdict.
+//! A [`Strategy`] says which threshold detects and how the faulty satellite is found. Every policy's threshold is at or
+//! above `τ1`, so the search, whose every step is held against `τ1`, ends with a set that passes under any policy;
+//! protection levels are those of the threshold in use.
+//!
+//! Remembered are the last position, as the start of the next fix; a window of SSE/dof, which says whether the
+//! sigmas are right; and, with clock aiding, the receiver clocks of the epochs that passed.
 //!
 //! References: [Yang2015] §1 for the order of the decisions, [Lin2016] §2 for detection and identification.
 
@@ -13,17 +17,19 @@ use core::fmt;
 
 use heapless::{Deque, Vec};
 
-use crate::detection::{Detection, detect};
+use crate::clock::Clocks;
+use crate::detection::Detection;
 use crate::epoch::Epoch;
 use crate::fix::{Fix, FixError};
 use crate::frame::{Ecef, LocalFrame};
 use crate::identification::baarda::{self, Exclusion, Identification, Outcome};
-use crate::protection::protect;
+use crate::protection::largest_slopes;
 use crate::real::Real;
 use crate::report::{Alert, Protected, ProtectionLevels, Report, Solution, Suspect, Unavailable, Verdict};
 use crate::requirements::{Requirements, RequirementsError};
 use crate::satellite::Constellation;
 use crate::snapshot::{Snapshot, SnapshotError};
+use crate::threshold::policy::{Demand, Policy, Refusal};
 use crate::threshold::{ThresholdError, Thresholds};
 
 /// Epochs over which SSE/dof is averaged: with 10 degrees of freedom the mean is then known to 6 %.
@@ -50,14 +56,30 @@ impl fmt::Display for MonitorError {
 
 impl core::error::Error for MonitorError {}
 
+/// How integrity is monitored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Strategy {
+    /// Which threshold the global test uses.
+    pub policy: Policy,
+    /// Whether the predicted receiver clock takes a row beside the satellites.
+    pub clock_aid: bool,
+}
+
+impl Strategy {
+    /// The classic threshold, no aiding.
+    pub const CLASSIC: Self = Self { policy: Policy::T1, clock_aid: false };
+}
+
 /// Watches over the positions of one receiver, at most `N` satellites at a time.
 #[derive(Clone, Debug)]
 pub struct Monitor<T: Real, const N: usize> {
     requirements: Requirements,
+    strategy: Strategy,
     thresholds: Thresholds<'static>,
+    clocks: Clocks<T>,
     start: Ecef,
     ratios: Deque<f32, SIGMA_CHECK_WINDOW>,
-    scalar: core::marker::PhantomData<T>,
 }
 
 impl<T: Real, const N: usize> Monitor<T, N> {
@@ -69,10 +91,11 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         let (requirements, thresholds) = accept(requirements)?;
         Ok(Self {
             requirements,
+            strategy: Strategy::CLASSIC,
             thresholds,
+            clocks: Clocks::new(),
             start: Ecef::CENTRE,
             ratios: Deque::new(),
-            scalar: core::marker::PhantomData,
         })
     }
 
@@ -83,6 +106,14 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     pub fn require(&mut self, requirements: Requirements) -> Result<(), MonitorError> {
         (self.requirements, self.thresholds) = accept(requirements)?;
         Ok(())
+    }
+
+    /// Replaces the strategy; a change of clock aiding forgets the clocks.
+    pub fn pursue(&mut self, strategy: Strategy) {
+        if strategy.clock_aid != self.strategy.clock_aid {
+            self.clocks.restart();
+        }
+        self.strategy = strategy;
     }
 
     /// What is required.
@@ -104,6 +135,8 @@ impl<T: Real, const N: usize> Monitor<T, N> {
 
     /// Judges one epoch.
     pub fn process(&mut self, epoch: &Epoch<N>) -> Report<N> {
+        let aided = self.aided(epoch);
+        let epoch = aided.as_ref().unwrap_or(epoch);
         let fix = Fix::<T, N>::solve(epoch, self.start)
             // A start far from the truth may lead astray: the centre of the earth is the same distance from all.
             .or_else(|_| Fix::solve(epoch, Ecef::CENTRE));
@@ -117,38 +150,66 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         Report { sigma_check: self.sigma_check(), ..report }
     }
 
+    /// The epoch with the forecast of a receiver clock; `None` without aiding, forecast or room.
+    fn aided(&self, epoch: &Epoch<N>) -> Option<Epoch<N>> {
+        let forecast = self.clocks.aiding(epoch).filter(|_| self.strategy.clock_aid)?;
+        let mut aided = epoch.clone();
+        let has_room = epoch.observations().len() + epoch.aiding().len() < N;
+        (has_room && aided.aid(forecast).is_ok()).then_some(aided)
+    }
+
     fn judge(&mut self, mut fix: Fix<'_, T, N>, epoch: &Epoch<N>) -> Report<N> {
-        let exclusion = baarda::exclude_sequentially(&mut fix, &self.thresholds);
+        let mut test = self.test(fix.snapshot());
+        let mut exclusion = Exclusion { rows: Vec::new(), outcome: Outcome::Passed };
+        if test.as_ref().is_ok_and(|test| test.detection.fault()) {
+            exclusion = baarda::exclude_sequentially(&mut fix, &self.thresholds);
+            test = self.test(fix.snapshot());
+        }
         let excluded = suspects(&exclusion, &fix, epoch);
         let separable = baarda::separable(&mut fix, &exclusion, &self.thresholds);
 
-        let detection = detect(fix.snapshot(), &self.thresholds);
-        let protection = self.protection(fix.snapshot());
-        let verdict = match exclusion.outcome {
-            _ if detection.is_none() => Verdict::Unavailable(Unavailable::Redundancy),
-            Outcome::NotIsolated(Identification::Ambiguous) => Verdict::Alert(Alert::Ambiguous),
-            Outcome::NotIsolated(_) => Verdict::Alert(Alert::Fault),
-            Outcome::Isolated if !separable => Verdict::Alert(Alert::Ambiguous),
-            Outcome::Isolated => self.bounded(Protected::Excluded, protection),
-            Outcome::Passed => self.bounded(Protected::Ok, protection),
+        let verdict = match (exclusion.outcome, &test) {
+            (Outcome::NotIsolated(Identification::Ambiguous), _) => Verdict::Alert(Alert::Ambiguous),
+            (Outcome::NotIsolated(_), _) => Verdict::Alert(Alert::Fault),
+            (_, Err(reason)) => Verdict::Unavailable(*reason),
+            (Outcome::Isolated, Ok(_)) if !separable => Verdict::Alert(Alert::Ambiguous),
+            (Outcome::Isolated, Ok(test)) if !excluded.is_empty() => self.bounded(Protected::Excluded, test),
+            // Nothing was left out, or a forecast whose clock has jumped: no satellite's fault.
+            (Outcome::Isolated | Outcome::Passed, Ok(test)) => self.bounded(Protected::Ok, test),
         };
-        self.remember(detection, exclusion.outcome);
-        Report { verdict, protection, excluded, ..describe(&fix, epoch, detection) }
+        let test = test.ok();
+        if let Some(test) = test.as_ref().filter(|test| !test.detection.fault()) {
+            self.remember(&test.detection);
+            if separable && self.strategy.clock_aid {
+                self.clocks.learn(epoch.time_s(), fix.snapshot());
+            }
+        }
+        let protection = test.as_ref().map(|test| test.protection);
+        Report { verdict, protection, excluded, ..describe(&fix, epoch, test.map(|test| test.detection)) }
     }
 
-    fn protection(&self, snapshot: &Snapshot<T, N>) -> Option<ProtectionLevels> {
-        let lambda = self.thresholds.lambda(snapshot.dof())?;
-        Some(protect(snapshot, lambda))
+    /// The global test of a snapshot under the policy, and the protection levels that go with its threshold.
+    fn test(&self, snapshot: &Snapshot<T, N>) -> Result<Test<T>, Unavailable> {
+        let slopes = largest_slopes(snapshot);
+        let demand = Demand::new(snapshot.dof(), slopes, &self.requirements, self.thresholds);
+        let threshold = demand.threshold::<T>(self.strategy.policy).map_err(|refusal| match refusal {
+            Refusal::Redundancy => Unavailable::Redundancy,
+            Refusal::Risk => Unavailable::Risk,
+        })?;
+        let detection =
+            Detection { sse: snapshot.sse(), threshold: T::narrow(threshold.tau), dof: snapshot.dof() };
+        Ok(Test { detection, protection: slopes.protect(threshold.lambda) })
     }
 
     /// The verdict on a set of satellites that agree: are their protection levels within the limits?
-    fn bounded(&self, reason: Protected, protection: Option<ProtectionLevels>) -> Verdict {
-        let Some(ProtectionLevels { hpl_m, vpl_m }) = protection else {
-            return Verdict::Unavailable(Unavailable::Redundancy);
-        };
+    ///
+    /// A policy other than `T1` has decided that already, and fills its share of the limit on purpose.
+    fn bounded(&self, reason: Protected, test: &Test<T>) -> Verdict {
+        let ProtectionLevels { hpl_m, vpl_m } = test.protection;
         let fraction = self.requirements.guard_fraction;
+        let decided = self.strategy.policy != Policy::T1;
         // Written so that a level which is not a number is not within a limit.
-        let within = |level_m: f64, limit_m: f64| level_m < fraction * limit_m;
+        let within = |level_m: f64, limit_m: f64| decided || level_m < fraction * limit_m;
         if !hpl_m.is_finite() || (self.requirements.val_m.is_some() && !vpl_m.is_finite()) {
             Verdict::Unavailable(Unavailable::Geometry)
         } else if !within(hpl_m, self.requirements.hal_m) {
@@ -160,11 +221,8 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         }
     }
 
-    /// Keeps SSE/dof of epochs that passed: a detected fault says nothing about sigma.
-    fn remember(&mut self, detection: Option<Detection<T>>, outcome: Outcome) {
-        let Some(detection) = detection.filter(|_| !matches!(outcome, Outcome::NotIsolated(_))) else {
-            return;
-        };
+    /// Keeps SSE/dof of an epoch that passed: a detected fault says nothing about sigma.
+    fn remember(&mut self, detection: &Detection<T>) {
         if self.ratios.is_full() {
             self.ratios.pop_front();
         }
@@ -180,6 +238,13 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         let sum: f32 = self.ratios.iter().sum();
         Some(f64::from(sum) / self.ratios.len() as f64)
     }
+}
+
+/// The global test of a snapshot, and what an undetected fault can do under its threshold.
+#[derive(Clone, Copy, Debug)]
+struct Test<T> {
+    detection: Detection<T>,
+    protection: ProtectionLevels,
 }
 
 fn accept(requirements: Requirements) -> Result<(Requirements, Thresholds<'static>), MonitorError> {

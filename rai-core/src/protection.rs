@@ -70,11 +70,13 @@ pub fn largest_slopes<T: Real, const N: usize>(snapshot: &Snapshot<T, N>) -> Slo
     Slopes { horizontal: largest.horizontal.sqrt(), vertical: largest.vertical.sqrt() }
 }
 
-/// Protection levels for a non-centrality `λ` ([`crate::threshold::Thresholds::lambda`]).
-pub fn protect<T: Real, const N: usize>(snapshot: &Snapshot<T, N>, lambda: f64) -> ProtectionLevels {
-    let Slopes { horizontal, vertical } = largest_slopes(snapshot);
-    let root = libm::sqrt(lambda);
-    ProtectionLevels { hpl_m: horizontal.widen() * root, vpl_m: vertical.widen() * root }
+impl<T: Real> Slopes<T> {
+    /// Protection levels for a non-centrality `λ` ([`crate::threshold::Thresholds::lambda`]), where these slopes are
+    /// the largest.
+    pub fn protect(&self, lambda: f64) -> ProtectionLevels {
+        let root = libm::sqrt(lambda);
+        ProtectionLevels { hpl_m: self.horizontal.widen() * root, vpl_m: self.vertical.widen() * root }
+    }
 }
 
 /// The largest change of HDOP that leaving out one satellite brings, `max √(HDOP_i² − HDOP²)`, dimensionless.

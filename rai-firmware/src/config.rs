@@ -11,20 +11,22 @@
 //! | `PFA`, `PMD` | a probability of the committed tables | `false_alarm`, `missed_detection` | |
 //! | `TTA` | 0.1 to 3600 | `time_to_alert_s` | s |
 //! | `MASK` | 0 to 60 | `mask_rad` | ° |
-//! | `POLICY` | `T1` | `policy` | |
+//! | `POLICY` | `T1`, `T2`, `TOP` | `policy` | |
 //! | `METHOD` | `BAARDA` | `method` | |
-//! | `CLOCKAID` | `OFF` | `clock_aid` | |
+//! | `CLOCKAID` | `ON`, `OFF` | `clock_aid` | |
 //! | `IONO` | 4 α, 4 β | `klobuchar` | s, s/semicircle, … as broadcast |
 //! | `STATS`, `SELFTEST`, `RESET` | none | an [`Action`] | |
 //!
-//! A single number that is set makes the phase `CUSTOM`. The other words of `POLICY`, `METHOD` and `CLOCKAID` are
-//! known and refused with `not in this build`. The answer repeats the values as they came; where that would make
+//! A single number that is set makes the phase `CUSTOM`. The other words of `METHOD` are known and
+//! refused with `not in this build`. The answer repeats the values as they came; where that would make
 //! it longer than 82 characters (eight long coefficients), it carries the key and `OK` alone.
 //!
 //! References: [IS-GPS-200] table 20-X for the range of the ionospheric coefficients.
 
 use embedded_io::Write;
+use rai_core::monitor::Strategy;
 use rai_core::requirements::Requirements;
+use rai_core::threshold::policy::Policy;
 use rai_core::threshold::{ThresholdError, Thresholds};
 
 use crate::nmea::{write_answer, write_refusal};
@@ -65,13 +67,6 @@ impl Phase {
             Self::Custom => None,
         }
     }
-}
-
-/// Which threshold the global test uses.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Policy {
-    /// From the probability of false alarm.
-    T1,
 }
 
 /// How a faulty satellite is identified.
@@ -140,6 +135,11 @@ impl Configuration {
         self.requirements = self.requirements.validate().map_err(|_| Refusal::OutOfRange)?;
         Thresholds::from_tables(self.requirements.false_alarm, self.requirements.missed_detection)?;
         Ok(self)
+    }
+
+    /// How the core is to monitor.
+    pub const fn strategy(&self) -> Strategy {
+        Strategy { policy: self.policy, clock_aid: self.clock_aid }
     }
 
     fn in_phase(self, phase: Phase) -> Self {

@@ -54,12 +54,14 @@ impl Navigator {
         }
     }
 
-    /// Replaces the requirements.
+    /// Takes the requirements and the strategy of a configuration.
     ///
     /// # Errors
     /// As [`Self::new`]; nothing has changed then.
-    pub fn require(&mut self, requirements: Requirements) -> Result<(), MonitorError> {
-        self.monitor.require(requirements)
+    pub fn configure(&mut self, configuration: &Configuration) -> Result<(), MonitorError> {
+        self.monitor.require(configuration.requirements)?;
+        self.monitor.pursue(configuration.strategy());
+        Ok(())
     }
 
     /// What became of the satellites so far.

@@ -154,7 +154,7 @@ impl<P: OutputPin> Receiver<P> {
         let written = match action {
             Action::Reconfigured => {
                 // Validated against the same tables by the command: it is met.
-                let _ = self.epochs.navigator.require(self.epochs.configuration.requirements);
+                let _ = self.epochs.navigator.configure(&self.epochs.configuration);
                 Ok(())
             }
             Action::Statistics => write_counters(self.statistics(), host),

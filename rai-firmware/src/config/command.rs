@@ -4,8 +4,9 @@
 //! from a missing feature.
 
 use rai_core::probability::Probability;
+use rai_core::threshold::policy::Policy;
 
-use super::{Method, Phase, Policy, Refusal, decimal};
+use super::{Method, Phase, Refusal, decimal};
 
 /// What a line asks for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,7 +59,7 @@ const PHASES: &Words<Phase> = &[
     ("CUSTOM", Some(Phase::Custom)),
 ];
 
-const POLICIES: &Words<Policy> = &[("T1", Some(Policy::T1)), ("T2", None), ("TOP", None)];
+const POLICIES: &Words<Policy> = &[("T1", Some(Policy::T1)), ("T2", Some(Policy::T2)), ("TOP", Some(Policy::TOp))];
 
 const METHODS: &Words<Method> = &[
     ("BAARDA", Some(Method::Baarda)),
@@ -70,7 +71,7 @@ const METHODS: &Words<Method> = &[
     ("SEPARATION", None),
 ];
 
-const SWITCH: &Words<bool> = &[("OFF", Some(false)), ("ON", None)];
+const SWITCH: &Words<bool> = &[("OFF", Some(false)), ("ON", Some(true))];
 
 /// Alert limits, m: `PRAIS` has room for five digits before the point.
 const LIMIT_M: (f64, f64) = (0.1, 99_999.9);

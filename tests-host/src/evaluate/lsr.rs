@@ -5,7 +5,7 @@
 use rai_core::detection::{Detection, detect};
 use rai_core::identification::baarda::{Identification, Outcome, exclude_sequentially, identify, w_test};
 use rai_core::linear::{LinearEpoch, Row, RowError};
-use rai_core::protection::{largest_slopes, protect, slopes};
+use rai_core::protection::{largest_slopes, slopes};
 use rai_core::real::Real;
 use rai_core::satellite::Constellation;
 use rai_core::snapshot::{Fit, Snapshot, SnapshotError};
@@ -151,7 +151,7 @@ fn test<T: Real>(
     let rows = snapshot.used();
     let w_threshold = thresholds.w_test(rows).ok_or_else(|| format!("{rows} rows: beyond the tables"))?;
     let statistic = detection.statistic();
-    let levels = protect(snapshot, lambda);
+    let levels = largest_slopes(snapshot).protect(lambda);
     let limit_m = line.guard_fraction * line.hal_m;
     let slope_limit = limit_m / largest_slopes(snapshot).horizontal.widen();
     let (ident, ident_reason) = identification(snapshot, &detection, thresholds);
