@@ -15,8 +15,9 @@
 //! | 6 | [`protection`] | how wrong could we be without noticing? |
 //! | 7 | [`monitor`] → [`report`] | may the position be used? |
 //!
-//! beside them [`weighting`] (what a sigma is made of), [`clock`] (a forecast of the receiver clock as one more row),
-//! [`threshold`] (committed tables) and [`frame`] (WGS 84).
+//! beside them [`removal`] (any set of satellites left out by algebra), [`weighting`] (what a sigma is made of),
+//! [`clock`] (a forecast of the receiver clock as one more row), [`threshold`] (committed tables) and [`frame`]
+//! (WGS 84).
 //!
 //! ```
 //! use rai_core::epoch::{Epoch, Observation};
@@ -71,6 +72,8 @@
 //! | ICAO-A10 | ICAO Annex 10, Volume I, table 3.7.2.4-1 |
 //! | IS-GPS-200 | *NAVSTAR GPS space segment/navigation user interfaces* |
 //! | Lin2016 | Lin Xueyuan et al., `BeiDou` RAIM, J. Naval Aeronautical Univ. 31(6) (2016) 619–624 |
+//! | Parity | `BeiDou` RAIM by parity vectors with isolation by grouping (print without title page) |
+//! | Schroth2008 | G. Schroth et al., *Failure detection and exclusion via range consensus*, ENC-GNSS 2008 |
 //! | Sankaran1963 | M. Sankaran, *Approximations to the non-central chi-square distribution*, Biometrika 50 (1963) |
 //! | Montenbruck2018 | O. Montenbruck et al., *Multi-GNSS signal-in-space range error assessment*, Adv. Space Res. 61 (2018) 3020–3038 |
 //! | Tian2024 | Tian Binpeng et al., improved RANSAC RAIM, Navigation Positioning & Timing 11(3) (2024) 101–108 |
@@ -83,6 +86,7 @@
 #[cfg(doctest)]
 extern crate std;
 
+mod bounded;
 pub mod clock;
 pub mod detection;
 pub mod epoch;
@@ -94,6 +98,7 @@ pub mod monitor;
 pub mod probability;
 pub mod protection;
 pub mod real;
+pub mod removal;
 pub mod report;
 pub mod requirements;
 pub mod satellite;

@@ -213,6 +213,11 @@ impl<T: Real, const N: usize> Snapshot<T, N> {
         }
     }
 
+    /// The equations, left-out ones included.
+    pub fn epoch(&self) -> &LinearEpoch<T, N> {
+        &self.epoch
+    }
+
     /// Rows of the epoch, left-out ones included, each with what the solution says of it.
     pub fn rows(&self) -> impl Iterator<Item = (&Row<T>, &Fit<T>)> {
         self.epoch.rows().iter().zip(&self.fits)
@@ -259,6 +264,12 @@ impl<T: Real, const N: usize> Snapshot<T, N> {
     pub fn clock_variance(&self, constellation: Constellation) -> Option<T> {
         let group = self.groups.get(constellation as usize).filter(|group| group.count > 0)?;
         Some(group.weight.recip() + group.design.dot(&(self.covariance * group.design)))
+    }
+
+    /// Variance `1/W_c` of the clock that a row touches, the position known, m²; 0 where no row determines it.
+    pub fn level_variance(&self, row: &Row<T>) -> T {
+        let group = row.clock.and_then(|clock| self.groups.get(clock as usize));
+        group.filter(|group| group.count > 0).map_or(T::zero(), |group| group.weight.recip())
     }
 
     /// Element `S_ij` of the matrix that projects ranges on normalised residuals; `None` outside the epoch.

@@ -15,16 +15,20 @@
 
 mod clock;
 mod clock_raim;
+mod iso;
 mod line;
 mod lsr;
 mod number;
+mod ransac;
 
 use std::collections::HashMap;
 use std::io::{self, BufRead, Write};
 
 use anyhow::Context as _;
 use flate2::bufread::MultiGzDecoder;
+use rai_core::identification::ransac::Limits;
 use rai_core::probability::Probability;
+use rai_core::real::Real;
 use rai_core::threshold::Thresholds;
 use serde::Serialize;
 use serde_json::Value;
@@ -32,8 +36,10 @@ use serde_json::Value;
 use crate::tables::Rows;
 use clock::Forecasts;
 use clock_raim::ClockRaim;
+use iso::Iso;
 use line::Line;
 use lsr::Lsr;
+use ransac::{Ransac, Traditional};
 
 /// What the command says of itself: the fields of a line.
 pub const HELP: &str = "\
@@ -46,7 +52,10 @@ One JSON object per line, in and out. Input fields (unknown ones are ignored):
   hal       horizontal alert limit, m     f  share of it that the protection level may fill, in (0, 1]
   clock     optional {con, value_m, sigma_m}: a predicted receiver clock; takes the row after the satellites
   scalar    optional \"f64\" (default) or \"f32\": which instantiation of the core runs
-Output: {id, out: {lsr: {…}}} or {id, error}. Fields of lsr, as far as the status goes:
+  alpha     optional, 0.01: probability that a healthy row's correlation exceeds rho_T
+  kmax      optional, 2: rows that isolation may leave out, 1 to 3
+  tr_pfa, chi_pfa  optional, 1e-3 and 1e-4: false disagreement and false alarm of the range consensus
+Output: {id, out: {lsr: {…}, iso: {…}, ransac: {…}, ransac_trad: {…}}} or {id, error}. Fields of lsr, as far as the status goes:
   status    ok | no_redundancy | insufficient | singular | invalid_input (then also: why)
   n, m, dof rows, unknowns, degrees of freedom
   x, v      position (east, north, up) and clocks (ascending con), m; residuals, m
@@ -56,6 +65,12 @@ Output: {id, out: {lsr: {…}}} or {id, error}. Fields of lsr, as far as the sta
   slope_h, slope_v, hpl, vpl, hdop_i, delta = (f hal / max slope_h)^2, raim_available
   ident, ident_reason                       row named, or -1 and why not
   excluded, fde_status, sse_after, dof_after, x_after   sequential exclusion of at most 3 rows
+Fields of iso, with the status ok: rho, rho_T, and the rows named by the methods
+  A simultaneous, seq sequential, B, C hybrid without and with grouping, D grouping: null failed, [] nothing detected
+Fields of ransac, with two satellites for each unknown
+  subsets, best (the subset believed), fault, status    ok | too_few_subsets | no_inlier_subset
+  fault_refined, status_refined                         also refine_fail
+Fields of ransac_trad, with at most 1500 minimal subsets: K valid and n_out contradicted ones; f, tot for each row; fault
 NaN is null, infinity \"inf\". Probabilities outside the committed tables get rows computed on the host.
 The exit code is 1 if a line had an error; the other lines are answered.
 
@@ -128,6 +143,18 @@ enum Answer {
 #[derive(Serialize)]
 struct Out {
     lsr: Lsr,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    iso: Option<Iso>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    ransac: Option<Ransac>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    ransac_trad: Option<Traditional>,
+}
+
+impl From<Lsr> for Out {
+    fn from(lsr: Lsr) -> Self {
+        Self { lsr, iso: None, ransac: None, ransac_trad: None }
+    }
 }
 
 /// Answers every epoch of `input`, which may be compressed; `scalar` overrides what the lines ask for.
@@ -204,8 +231,8 @@ fn answer_part(
     let id = id.clone();
     if part == Part::Epochs {
         let line = Line::read(value)?;
-        let lsr = judge(&line, scalar.unwrap_or(line.scalar), rows)?;
-        return Ok(Answer::Out { id, out: Box::new(Out { lsr }) });
+        let out = judge(&line, scalar.unwrap_or(line.scalar), rows)?;
+        return Ok(Answer::Out { id, out: Box::new(out) });
     }
     let object = value.as_object().ok_or("not a JSON object")?;
     let single = scalar.map_or_else(|| line::scalar(object), Ok)? == Scalar::F32;
@@ -221,16 +248,39 @@ fn answer_part(
     Ok(Answer::ClockRaim { id, out: Box::new(out?) })
 }
 
-fn judge(line: &Line, scalar: Scalar, rows: &mut RowCache) -> Result<Lsr, String> {
+fn judge(line: &Line, scalar: Scalar, rows: &mut RowCache) -> Result<Out, String> {
     let (false_alarm, missed_detection) = match line.probabilities() {
         Ok(pair) => pair,
-        Err(why) => return Ok(Lsr::invalid(line, why)),
+        Err(why) => return Ok(Lsr::invalid(line, why).into()),
     };
-    let thresholds = rows.thresholds(false_alarm, missed_detection);
-    match scalar {
-        Scalar::F64 => lsr::evaluate::<f64>(line, &thresholds),
-        Scalar::F32 => lsr::evaluate::<f32>(line, &thresholds),
+    let disagreement = line::probability("tr_pfa", line.isolation.tr_pfa)?;
+    let refinement = line::probability("chi_pfa", line.isolation.chi_pfa)?;
+    for alarm in [false_alarm, disagreement, refinement] {
+        rows.prepare(alarm, missed_detection);
     }
+    let thresholds = rows.thresholds(false_alarm, missed_detection);
+    let limits = Limits {
+        consensus: rows.thresholds(disagreement, missed_detection),
+        refinement: rows.thresholds(refinement, missed_detection),
+    };
+    match scalar {
+        Scalar::F64 => parts::<f64>(line, &thresholds, &limits),
+        Scalar::F32 => parts::<f32>(line, &thresholds, &limits),
+    }
+}
+
+/// Every part of an answer, as far as the status goes.
+fn parts<T: Real>(line: &Line, thresholds: &Thresholds<'_>, limits: &Limits<'_>) -> Result<Out, String> {
+    let lsr = lsr::evaluate::<T>(line, thresholds)?;
+    let Some(snapshot) = lsr::snapshot::<T>(line).filter(|snapshot| snapshot.dof() > 0) else {
+        return Ok(lsr.into());
+    };
+    Ok(Out {
+        lsr,
+        iso: Some(iso::evaluate(&line.isolation, &snapshot, thresholds)?),
+        ransac: ransac::evaluate(line, &snapshot, limits),
+        ransac_trad: ransac::traditional(line, &limits.consensus),
+    })
 }
 
 /// Rows for probabilities outside the committed tables, computed once for each pair.
@@ -238,11 +288,22 @@ fn judge(line: &Line, scalar: Scalar, rows: &mut RowCache) -> Result<Lsr, String
 struct RowCache(HashMap<(u64, u64), Rows>);
 
 impl RowCache {
-    fn thresholds(&mut self, false_alarm: Probability, missed_detection: Probability) -> Thresholds<'_> {
+    fn key(false_alarm: Probability, missed_detection: Probability) -> (u64, u64) {
+        (false_alarm.get().to_bits(), missed_detection.get().to_bits())
+    }
+
+    /// Sees to it that a pair has rows.
+    fn prepare(&mut self, false_alarm: Probability, missed_detection: Probability) {
+        if Thresholds::from_tables(false_alarm, missed_detection).is_err() {
+            let compute = || Rows::compute(false_alarm.get(), missed_detection.get());
+            self.0.entry(Self::key(false_alarm, missed_detection)).or_insert_with(compute);
+        }
+    }
+
+    /// The rows of a pair; [`Self::prepare`] comes first.
+    fn thresholds(&self, false_alarm: Probability, missed_detection: Probability) -> Thresholds<'_> {
         Thresholds::from_tables(false_alarm, missed_detection).unwrap_or_else(|_| {
-            let (alarm, missed) = (false_alarm.get(), missed_detection.get());
-            let key = (alarm.to_bits(), missed.to_bits());
-            let rows = self.0.entry(key).or_insert_with(|| Rows::compute(alarm, missed));
+            let rows = &self.0[&Self::key(false_alarm, missed_detection)];
             Thresholds::from_rows(&rows.tau1, &rows.lambda, &rows.w_test)
         })
     }

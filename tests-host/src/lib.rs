@@ -21,6 +21,7 @@ pub mod fault;
 pub mod gpsd;
 pub mod image;
 pub mod oracle;
+pub mod ransac_traditional;
 pub mod recording;
 pub mod replay;
 pub mod report;

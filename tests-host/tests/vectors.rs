@@ -152,6 +152,79 @@ fn epochs_agree(scalar: Scalar) {
     assert!(compared > 10_000 && decided > 90, "{compared} values, decisions of {decided} epochs");
 }
 
+/// Lists of rows, whose order means nothing.
+const SETS: [(&str, &[&str]); 2] =
+    [("iso", &["A", "seq", "B", "C", "D"]), ("ransac", &["fault", "fault_refined"])];
+
+/// Words, and the subsets of every minimal subset's vote, which is always cast in double precision.
+const EQUAL: [(&str, &[&str]); 2] =
+    [("ransac", &["status", "status_refined"]), ("ransac_trad", &["K", "n_out", "f", "tot", "fault"])];
+
+fn sorted(value: &Value) -> Value {
+    let Value::Array(list) = value else { return value.clone() };
+    let mut list: Vec<Value> = list.iter().map(sorted).collect();
+    list.sort_by_key(Value::as_u64);
+    Value::Array(list)
+}
+
+/// How many decisions of parity space and range consensus were compared.
+fn isolation_agrees(have: &Value, want: &Value, id: &Value) -> usize {
+    let mut compared = 0;
+    let compare = |part: &str, field: &str, have: Value, want: Value| {
+        assert_eq!(have, want, "epoch {id} {part} {field}");
+    };
+    for (part, fields) in SETS {
+        for field in fields.iter().filter(|_| want.get(part).is_some()) {
+            compare(part, field, sorted(&have[part][field]), sorted(&want[part][field]));
+            compared += 1;
+        }
+    }
+    for (part, fields) in EQUAL {
+        for field in fields.iter().filter(|_| want.get(part).is_some()) {
+            compare(part, field, have[part][field].clone(), want[part][field].clone());
+            compared += 1;
+        }
+    }
+    if want.get("ransac").is_some() {
+        compare("ransac", "subsets", sorted(&have["ransac"]["subsets"]), sorted(&want["ransac"]["subsets"]));
+    }
+    compared
+}
+
+fn isolations_agree(scalar: Scalar) {
+    let file = "vectors/epochs.jsonl.gz";
+    let Some(wanted) = vectors(file) else { return };
+    let mut compared = 0;
+    for (have, want) in evaluated(file, scalar).iter().zip(&wanted) {
+        let tame = want["out"].get("min_sv").map_or(f64::INFINITY, number) >= F32_SINGULAR_VALUE;
+        let decisive = want.get("margin").map_or(f64::INFINITY, number) > F32_MARGIN;
+        if scalar == Scalar::F64 || tame && decisive {
+            compared += isolation_agrees(&have["out"], &want["out"], &want["id"]);
+        }
+        let Some(want_iso) = want["out"].get("iso").filter(|_| scalar == Scalar::F64 || tame) else {
+            continue;
+        };
+        let tolerance = if scalar == Scalar::F64 { within(1e-9, 1e-9) } else { within(1e-3, 1e-3) };
+        let (have_iso, id) = (&have["out"]["iso"], &want["id"]);
+        for (have, want) in numbers(&have_iso["rho"]).into_iter().zip(numbers(&want_iso["rho"])) {
+            assert!(close(have, want, tolerance), "epoch {id} rho: have {have}, want {want}");
+        }
+        let (have, want) = (number(&have_iso["rho_T"]), number(&want_iso["rho_T"]));
+        assert!(close(have, want, within(1e-9, 0.0)), "rho_T: have {have}, want {want}");
+    }
+    assert!(compared > 600, "{compared} decisions");
+}
+
+#[test]
+fn isolation_names_the_same_rows_in_double_precision() {
+    isolations_agree(Scalar::F64);
+}
+
+#[test]
+fn isolation_names_the_same_rows_in_single_precision() {
+    isolations_agree(Scalar::F32);
+}
+
 #[test]
 fn epochs_agree_in_double_precision() {
     epochs_agree(Scalar::F64);

@@ -62,6 +62,10 @@ pub enum Identification {
     BelowThreshold,
     /// Two rows fit equally badly.
     Ambiguous,
+    /// No set of rows that may be left out explains it.
+    NoSet,
+    /// The declared work ended the search.
+    Budget,
 }
 
 /// The row with the largest |w| and its w², and the w² of the runner-up. First of equals wins.

@@ -42,7 +42,9 @@ pub(super) fn evaluate<T: Real>(
     let sigma_m = number(object, "sigma")?;
     let snapshot = Snapshot::solve(epoch::<T>(object, sigma_m)?).map_err(|error| error.to_string())?;
     let false_alarm = probability("pfa", number(object, "pfa")?)?;
-    let thresholds = rows.thresholds(false_alarm, probability("pmd", MISSED_DETECTION)?);
+    let missed_detection = probability("pmd", MISSED_DETECTION)?;
+    rows.prepare(false_alarm, missed_detection);
+    let thresholds = rows.thresholds(false_alarm, missed_detection);
     judge(&snapshot, sigma_m, &thresholds)
 }
 

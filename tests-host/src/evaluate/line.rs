@@ -5,11 +5,13 @@
 
 use nalgebra::Vector3;
 use rai_core::probability::Probability;
+use rai_core::report::MAX_EXCLUDED;
 use rai_core::satellite::Constellation;
 use serde_json::{Map, Value};
 
 use super::number::Number;
 use super::{MAX_ROWS, Scalar};
+use crate::oracle::Range;
 
 /// A linearised epoch and what is required of it.
 #[derive(Debug)]
@@ -20,7 +22,17 @@ pub(super) struct Line {
     pub(super) pmd: f64,
     pub(super) hal_m: f64,
     pub(super) guard_fraction: f64,
+    pub(super) isolation: Isolation,
     pub(super) scalar: Scalar,
+}
+
+/// What isolation is asked for; all optional, with the values of the papers.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Isolation {
+    pub(super) alpha: f64,
+    pub(super) kmax: usize,
+    pub(super) tr_pfa: f64,
+    pub(super) chi_pfa: f64,
 }
 
 /// One satellite's row.
@@ -51,6 +63,7 @@ impl Line {
             pmd: number(object, "pmd")?,
             hal_m: number(object, "hal")?,
             guard_fraction: number(object, "f")?,
+            isolation: isolation(object)?,
             scalar: scalar(object)?,
         };
         if line.rows() > MAX_ROWS {
@@ -84,6 +97,32 @@ impl Line {
         }
         Ok((probability("pfa", self.pfa)?, probability("pmd", self.pmd)?))
     }
+
+    /// The ranges alone, for what needs no core.
+    pub(super) fn ranges(&self) -> Vec<Range> {
+        let range = |satellite: &Satellite| Range {
+            line_of_sight: satellite.line_of_sight.into(),
+            constellation: satellite.constellation,
+            residual_m: satellite.residual_m,
+            sigma_m: satellite.sigma_m,
+        };
+        self.satellites.iter().map(range).collect()
+    }
+}
+
+fn isolation(object: &Map<String, Value>) -> Result<Isolation, String> {
+    let optional = |name: &str, published: f64| {
+        if object.contains_key(name) { number(object, name) } else { Ok(published) }
+    };
+    let wanted = optional("kmax", 2.0)?;
+    let is_wanted = |&rows: &usize| (rows as f64).total_cmp(&wanted).is_eq();
+    let kmax = (1..=MAX_EXCLUDED).find(is_wanted);
+    Ok(Isolation {
+        alpha: optional("alpha", 0.01)?,
+        kmax: kmax.ok_or_else(|| format!("kmax: {wanted} is not 1 to {MAX_EXCLUDED}"))?,
+        tr_pfa: optional("tr_pfa", 1e-3)?,
+        chi_pfa: optional("chi_pfa", 1e-4)?,
+    })
 }
 
 /// A tail probability; an error names the field.

@@ -113,6 +113,11 @@ pub(super) fn evaluate<T: Real>(line: &Line, thresholds: &Thresholds<'_>) -> Res
     Ok(Lsr { solution, test, exclusion, ..Lsr::status("ok", line) })
 }
 
+/// The solution of a line; `None` where its status says why there is none.
+pub(super) fn snapshot<T: Real>(line: &Line) -> Option<Snapshot<T, MAX_ROWS>> {
+    Snapshot::solve(rows(line).ok()?).ok()
+}
+
 fn rows<T: Real>(line: &Line) -> Result<LinearEpoch<T, MAX_ROWS>, String> {
     let mut epoch = LinearEpoch::new();
     for (index, satellite) in line.satellites.iter().enumerate() {
@@ -189,6 +194,8 @@ fn identification<T: Real>(
         Identification::NoRedundancy => (-1, "dof<2"),
         Identification::BelowThreshold => (-1, "below_threshold"),
         Identification::Ambiguous => (-1, "ambiguous"),
+        // Said of sets of rows only.
+        Identification::NoSet | Identification::Budget => (-1, "no_set"),
     }
 }
 

@@ -1,0 +1,73 @@
+//! Refinement: solve with the satellites that nobody doubts, then test again, both ways.
+//!
+//! A subset's position is uncertain by tens of metres, so that small faults pass and a badly seen healthy satellite
+//! may be named. With all others in the solution: while the global test fails, the worst row goes too; at the end
+//! each row that was left out is held against the solution, and taken back where it agrees.
+//!
+//! Bounded by the number of faults that the selection can carry: at most [`MAX_EXCLUDED`] solves and as many tests.
+
+use heapless::Vec;
+
+use super::consensus::{deviation_squared, disagreement, most_faults};
+use super::{Consensus, Limits, Selection};
+use crate::identification::baarda::worst_two;
+use crate::real::Real;
+use crate::report::MAX_EXCLUDED;
+use crate::snapshot::Snapshot;
+
+/// The rows to leave out.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Refinement {
+    /// Those that disagree with all others.
+    pub rows: Vec<usize, MAX_EXCLUDED>,
+    /// True when the rest passed the global test.
+    pub passed: bool,
+}
+
+/// Settles what a consensus left open.
+pub fn refine<T: Real, const N: usize>(
+    snapshot: &Snapshot<T, N>,
+    selection: &Selection<N>,
+    consensus: &Consensus,
+    limits: &Limits<'_>,
+) -> Refinement {
+    let mut solution = snapshot.clone();
+    let mut rows = consensus.rows.clone();
+    let left_out = rows.iter().all(|&index| solution.leave_out(index).is_ok());
+    let most = most_faults(selection).max(rows.len());
+    let passed = left_out && exclude_until_passed(&mut solution, &mut rows, most, limits);
+    if let Some(bound) = disagreement(snapshot.epoch(), limits).filter(|_| passed) {
+        rows.retain(|&index| disagrees(&solution, index, bound));
+    }
+    Refinement { rows, passed }
+}
+
+/// Leaves the worst rows out; false where there are more of them than `most`, or none is left to test with.
+fn exclude_until_passed<T: Real, const N: usize>(
+    solution: &mut Snapshot<T, N>,
+    rows: &mut Vec<usize, MAX_EXCLUDED>,
+    most: usize,
+    limits: &Limits<'_>,
+) -> bool {
+    loop {
+        let threshold = limits.refinement.tau1(solution.dof());
+        if threshold.is_some_and(|threshold| solution.sse() < T::narrow(threshold)) {
+            return true;
+        }
+        if rows.len() >= most || solution.dof() < 2 {
+            return false;
+        }
+        let Some((index, _, _)) = worst_two(solution) else { return false };
+        if solution.leave_out(index).is_err() || rows.push(index).is_err() {
+            return false;
+        }
+    }
+}
+
+/// True where a row that was left out does not fit, or has no clock left to be compared with.
+fn disagrees<T: Real, const N: usize>(solution: &Snapshot<T, N>, index: usize, bound: T) -> bool {
+    solution.row(index).is_none_or(|(row, fit)| {
+        let comparable = row.clock.is_none_or(|clock| solution.clock_m(clock).is_some());
+        !comparable || !(deviation_squared(row, fit, solution, T::zero()) < bound)
+    })
+}

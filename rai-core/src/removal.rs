@@ -1,0 +1,247 @@
+//! Leaving out a set of rows by algebra: what the snapshot says of the epoch without them.
+//!
+//! With sigma-normalised residuals `r_i = √w_i v_i`, gains `A_i = √w_i g_i`, and the block `S_EE` of the projection
+//! matrix that belongs to the set `E`,
+//!
+//! ```text
+//! S_ij  = δ_ij − (√w_i d_i)·(√w_j g_j) − [c_i = c_j] √(w_i/W_c) √(w_j/W_c)
+//! SSE_E = SSE − r_Eᵀ S_EE⁻¹ r_E        dof_E = dof − |E|
+//! x_E   = x − A_E S_EE⁻¹ r_E           P_E   = P + A_E S_EE⁻¹ A_Eᵀ
+//! r'_i  = r_i − S_iE S_EE⁻¹ r_E        (residual of a row that stays)
+//! ```
+//!
+//! A set grows row by row. With `s = S_Ek`, `u = S_EE⁻¹ s`, the redundancy `p = S_kk − s·u` that is left to row `k` and
+//! its residual `q = r_k − r_E·u` after `E` is gone,
+//!
+//! ```text
+//! S_E'E'⁻¹ = S_EE⁻¹ + t tᵀ / p,   t = (u, −1)        explained' = explained + q²/p
+//! ```
+//!
+//! so that one row costs a division, and the w-test squared of `k` without `E` is `q²/p`.
+//!
+//! | symbol | field | unit |
+//! |---|---|---|
+//! | `r_i` | [`NormalisedRow::residual`] | – |
+//! | `S_ii` | [`NormalisedRow::redundancy`] | – |
+//! | `r_Eᵀ S_EE⁻¹ r_E` | [`Removal::explained`] | – |
+//! | `x_E`, `P_E` | [`Removal::correction`], [`Removal::covariance`] | m, m² |
+//!
+//! A set is refused when the smallest eigenvalue of `S_EE` is below [`Real::UNTESTABLE`]: its rows can then not be told
+//! apart, or are needed for a position. A set that empties a constellation is such a set.
+//!
+//! In parity space `S_ij = p_i·p_j` and `r_i = p·p_i`: the rows here are the parity vectors, up to a rotation that no
+//! test sees. No n×n matrix is stored. Each row costs 44 bytes in `f32`, each `S_ij` about 10 instructions.
+//!
+//! Linear: for a fix that was linearised elsewhere, solve again without the set before a position is used.
+
+use heapless::Vec;
+use nalgebra::{Matrix3, Vector3};
+
+use crate::bounded::gather;
+use crate::linear::Row;
+use crate::real::Real;
+use crate::report::MAX_EXCLUDED;
+use crate::satellite::Constellation;
+use crate::snapshot::{Fit, Snapshot};
+
+/// A row in units of its sigma, with what its products with other rows need.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NormalisedRow<T: Real> {
+    /// Index in the epoch.
+    pub index: usize,
+    /// `r_i`, dimensionless.
+    pub residual: T,
+    /// `S_ii`, dimensionless.
+    pub redundancy: T,
+    design: Vector3<T>,
+    gain: Vector3<T>,
+    clock: Option<Constellation>,
+    clock_root: T,
+}
+
+impl<T: Real> NormalisedRow<T> {
+    fn new<const N: usize>(index: usize, row: &Row<T>, fit: &Fit<T>, snapshot: &Snapshot<T, N>) -> Self {
+        let root = row.weight.sqrt();
+        Self {
+            index,
+            residual: fit.residual * root,
+            redundancy: fit.redundancy,
+            design: fit.centred * root,
+            gain: fit.gain * root,
+            clock: row.clock,
+            clock_root: root * snapshot.level_variance(row).sqrt(),
+        }
+    }
+
+    /// `S_ij`: how far an error of one row shows in the other's residual, dimensionless.
+    pub fn projection(&self, other: &Self) -> T {
+        if self.index == other.index {
+            return self.redundancy;
+        }
+        let shared = if self.clock == other.clock { self.clock_root * other.clock_root } else { T::zero() };
+        -(self.design.dot(&other.gain) + shared)
+    }
+}
+
+/// The rows of a snapshot that take part and can be tested, in the order of the epoch.
+///
+/// Any other row is untestable in every set.
+pub fn testable_rows<T: Real, const N: usize>(snapshot: &Snapshot<T, N>) -> Vec<NormalisedRow<T>, N> {
+    let testable = snapshot
+        .rows()
+        .enumerate()
+        .filter(|(_, (row, fit))| row.weight > T::zero() && fit.redundancy >= T::UNTESTABLE);
+    gather(testable.map(|(index, (row, fit))| NormalisedRow::new(index, row, fit, snapshot)))
+}
+
+/// A set of at most [`MAX_EXCLUDED`] rows to leave out, with the inverse of its `S_EE`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Removal<T: Real> {
+    rows: Vec<NormalisedRow<T>, MAX_EXCLUDED>,
+    /// `S_EE`, padded by an identity.
+    projection: Matrix3<T>,
+    /// `S_EE⁻¹`, padded by zeros.
+    inverse: Matrix3<T>,
+    /// `S_EE⁻¹ r_E`, padded by zeros.
+    solved: Vector3<T>,
+    explained: T,
+}
+
+// One row or column of the three-by-three blocks for each row of a set.
+const _: () = assert!(MAX_EXCLUDED == 3);
+
+impl<T: Real> Default for Removal<T> {
+    fn default() -> Self {
+        Self::none()
+    }
+}
+
+impl<T: Real> Removal<T> {
+    /// The empty set.
+    pub fn none() -> Self {
+        Self {
+            rows: Vec::new(),
+            projection: Matrix3::identity(),
+            inverse: Matrix3::zeros(),
+            solved: Vector3::zeros(),
+            explained: T::zero(),
+        }
+    }
+
+    /// The set of these rows of a snapshot; `None` where it is refused, or a row is not testable or listed twice.
+    pub fn of<const N: usize>(snapshot: &Snapshot<T, N>, set: &[usize]) -> Option<Self> {
+        let rows = testable_rows(snapshot);
+        set.iter().try_fold(Self::none(), |removal, &index| {
+            removal.and(rows.iter().find(|row| row.index == index)?)
+        })
+    }
+
+    /// The set with one more row; `None` where it is refused or full.
+    pub fn and(&self, row: &NormalisedRow<T>) -> Option<Self> {
+        let couplings = self.couplings(row);
+        let (gains, left) = self.left_to(row, &couplings);
+        let mut unit = Vector3::zeros();
+        *unit.get_mut(self.rows.len())? = T::one();
+        let border = couplings * unit.transpose();
+        let corner = unit * unit.transpose() * (row.redundancy - T::one());
+        let projection = self.projection + border + border.transpose() + corner;
+        // The smaller set passed: by interlacing only one eigenvalue can be below the bound, and the sign tells.
+        let shifted = projection - Matrix3::from_diagonal_element(T::UNTESTABLE);
+        if !(shifted.determinant() > T::zero() && left.redundancy > T::zero()) {
+            return None;
+        }
+        let mut rows = self.rows.clone();
+        rows.push(*row).ok()?;
+        let direction = gains - unit;
+        let bias = left.residual / left.redundancy;
+        Some(Self {
+            rows,
+            projection,
+            inverse: self.inverse + direction * direction.transpose() / left.redundancy,
+            solved: self.solved - direction * bias,
+            explained: self.explained + left.residual * bias,
+        })
+    }
+
+    /// Squared w-test of a row without this set: by how much SSE falls when the row goes too.
+    ///
+    /// 0 where nothing is left to test it with.
+    pub fn explains_more(&self, row: &NormalisedRow<T>) -> T {
+        let (_, left) = self.left_to(row, &self.couplings(row));
+        if left.redundancy < T::UNTESTABLE {
+            return T::zero();
+        }
+        left.residual * left.residual / left.redundancy
+    }
+
+    /// `S_Ek`, padded by zeros.
+    fn couplings(&self, row: &NormalisedRow<T>) -> Vector3<T> {
+        let mut couplings = Vector3::zeros();
+        for (slot, member) in couplings.iter_mut().zip(&self.rows) {
+            *slot = member.projection(row);
+        }
+        couplings
+    }
+
+    /// `u`, and what a row keeps without this set.
+    fn left_to(&self, row: &NormalisedRow<T>, couplings: &Vector3<T>) -> (Vector3<T>, Left<T>) {
+        let gains = self.inverse * couplings;
+        let left = Left {
+            redundancy: row.redundancy - couplings.dot(&gains),
+            residual: row.residual - couplings.dot(&self.solved),
+        };
+        (gains, left)
+    }
+
+    /// The rows of the set, in the order they were added.
+    pub fn rows(&self) -> &[NormalisedRow<T>] {
+        &self.rows
+    }
+
+    /// By how much SSE falls without the set, dimensionless.
+    pub fn explained(&self) -> T {
+        self.explained
+    }
+
+    /// SSE of the rows that stay, summed anew from their residuals.
+    ///
+    /// `SSE − explained` would lose in `f32` what a fault of some kilometres leaves of the digits.
+    pub fn sse(&self, rows: &[NormalisedRow<T>]) -> T {
+        let stays = |row: &&NormalisedRow<T>| self.rows.iter().all(|member| member.index != row.index);
+        rows.iter().filter(stays).fold(T::zero(), |sum, row| {
+            let residual = row.residual - self.couplings(row).dot(&self.solved);
+            sum + residual * residual
+        })
+    }
+
+    /// Degrees of freedom without the set.
+    pub fn dof<const N: usize>(&self, snapshot: &Snapshot<T, N>) -> usize {
+        snapshot.dof().saturating_sub(self.rows.len())
+    }
+
+    /// Correction of the position without the set, east, north, up, m.
+    pub fn correction<const N: usize>(&self, snapshot: &Snapshot<T, N>) -> Vector3<T> {
+        snapshot.correction() - self.gains() * self.solved
+    }
+
+    /// Covariance of that correction, m².
+    pub fn covariance<const N: usize>(&self, snapshot: &Snapshot<T, N>) -> Matrix3<T> {
+        let gains = self.gains();
+        snapshot.covariance() + gains * self.inverse * gains.transpose()
+    }
+
+    /// `A_E`: one column for each row of the set, padded by zeros.
+    fn gains(&self) -> Matrix3<T> {
+        let mut gains = Matrix3::zeros();
+        for (mut column, row) in gains.column_iter_mut().zip(&self.rows) {
+            column.copy_from(&row.gain);
+        }
+        gains
+    }
+}
+
+/// What a row keeps once a set is gone.
+struct Left<T> {
+    redundancy: T,
+    residual: T,
+}
