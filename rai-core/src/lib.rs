@@ -105,3 +105,8 @@ pub mod satellite;
 pub mod snapshot;
 pub mod threshold;
 pub mod weighting;
+
+/// The example of the readme is a test too.
+#[cfg(doctest)]
+#[doc = include_str!("../../README.md")]
+struct Readme;

@@ -1,6 +1,64 @@
-//! The receiver around the integrity core: RTCM 3 in, NMEA and a fail-safe pin out.
+//! The receiver around the integrity core: RTCM 3 in, sentences and a fail-safe pin out.
 //!
-//! Hardware-free: the same code runs on the host and on the chip.
+//! A GNSS receiver measures ranges and passes on what the satellites say of themselves. From these bytes the module
+//! computes its own position, asks [`rai_core`] whether it may be used, and tells the host in NMEA 0183 and everybody
+//! else by the level of one pin. The data walk through the modules in this order:
+//!
+//! | module | from | to |
+//! |---|---|---|
+//! | [`rtcm`] | bytes of the GNSS port | raw epochs and ephemerides, each checked once |
+//! | [`time`] | weeks and seconds of three systems | GPS time |
+//! | [`ephemeris`] | broadcast elements | positions and clocks of satellites |
+//! | [`signal`] | the ranges of one satellite | the one that is used: free of the ionosphere where two can be combined |
+//! | [`atmosphere`] | position, elevation, time | delays |
+//! | [`correction`] | all of that | the core's epoch: corrected ranges with their sigmas |
+//! | [`navigator`] | raw epoch | the core's report |
+//! | [`nmea`] | report | sentences |
+//! | [`receiver`] | bytes and the time | the loop around all this, the pin, the alarm of a silent line |
+//!
+//! beside them [`config`] (commands of the host), [`selftest`] (known answers), [`reset`] (why the module started),
+//! [`ring`] (bytes between an interrupt and the loop) and [`counters`] (whatever is not used is counted by name).
+//!
+//! # Wiring
+//!
+//! The library knows no hardware: [`receiver::Receiver`] takes an `embedded_hal` output pin, an `embedded_io` writer and
+//! slices of bytes. The host runs it as the chip does, and it says the same, byte for byte. The binary of this package
+//! is the board around it, an STM32F405:
+//!
+//! | port | pins | direction | bytes |
+//! |---|---|---|---|
+//! | GNSS | PA3 (USART2 RX), PA2 (TX) | in | RTCM 3 |
+//! | host | PA9 (USART1 TX), PA10 (RX) | out and in | sentences; commands |
+//! | log | PB10 (USART3 TX), RTT | out | defmt |
+//! | integrity pin, its LED | PC6, PC7 | out | high while the position may be used |
+//!
+//! All ports run at 115200 baud, 8N1. PC6 needs a pull-down of 10 kΩ or less, since it floats from reset to start-up.
+//!
+//! # What this crate does not do
+//!
+//! It does not track signals, smooth with carrier phase, use SBAS or corrections of any network, or keep anything over
+//! a reset. GLONASS and QZSS are counted and not used. It holds no geoid: heights are above the ellipsoid. The leap
+//! seconds between GPS time and UTC are a constant of the image ([`nmea::GPS_MINUS_UTC_S`]).
+//!
+//! # References
+//!
+//! | tag | source |
+//! |---|---|
+//! | `ARMv7-M` | ARM DDI 0403, *ARMv7-M Architecture Reference Manual* |
+//! | `BDS-SIS-B1I` | CSNO, *`BeiDou` Signal In Space ICD, Open Service Signal B1I*, version 3.0, 2019 |
+//! | `BDS-SIS-B3I` | CSNO, *`BeiDou` Signal In Space ICD, Open Service Signal B3I*, version 1.0, 2018 |
+//! | `BDS-SIS-ICD` | the same documents, where they agree |
+//! | `DS8626` | STMicroelectronics, *STM32F405xx STM32F407xx*, data sheet |
+//! | `GPSD-NMEA` | E. S. Raymond, *NMEA Revealed*, gpsd project |
+//! | `IS-GPS-200` | *NAVSTAR GPS space segment/navigation user interfaces* |
+//! | `IS-GPS-705` | *NAVSTAR GPS space segment/user segment L5 interfaces* |
+//! | `Klobuchar1987` | J. A. Klobuchar, *Ionospheric time-delay algorithm for single-frequency GPS users*, IEEE Trans. AES 23(3), 1987 |
+//! | `MOPS` | RTCA DO-229, *Minimum operational performance standards for GPS/WAAS airborne equipment* |
+//! | `OS-SIS-ICD` | European Union, *Galileo Open Service Signal In Space ICD* |
+//! | `RM0090` | STMicroelectronics, *STM32F405/415, STM32F407/417, STM32F427/437 and STM32F429/439*, reference manual |
+//! | `RTCM-10403.3` | RTCM SC104, *Differential GNSS Services, Version 3*, with amendments, 2016 |
+//! | `Saastamoinen1972` | J. Saastamoinen, *Atmospheric correction for the troposphere and stratosphere in radio ranging of satellites*, 1972 |
+//! | `Yang2015` | Yang Lin et al., RAIM threshold optimisation, Electronics Optics & Control 22(7) (2015) 38–42 |
 #![no_std]
 
 #[cfg(test)]

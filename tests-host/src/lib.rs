@@ -1,14 +1,52 @@
-//! Simulated skies, real recordings, experiments and the emulated board, driven from the host.
+//! Everything around the module that a chip does not need: skies, recordings, faults, the emulated board, experiments.
 //!
-//! # References of the recordings and their encoding
+//! One way leads through it. A source gives raw epochs, faults are put into them, they become RTCM bytes, the module
+//! (in process, or on the emulated board) turns the bytes into sentences, and the sentences are read back:
 //!
-//! | tag | what |
+//! ```text
+//! sky, recording ──► fault ──► encode ──► rai-firmware │ board ──► sentence ──► replay, demo ──► report
+//! ```
+//!
+//! | module | what |
 //! |---|---|
+//! | [`sky`] | simulated skies: orbits, noise, receiver clock |
+//! | [`recording`], [`sample`] | RINEX 2, 3 and 4; a small real recording for whoever has none |
+//! | [`fault`] | steps, ramps, outages, clock jumps, around any source |
+//! | [`encode`] | raw epochs and ephemerides to RTCM 3 |
+//! | [`image`](mod@image), [`board`] | the firmware's image; the chip in the emulator: start, feed, read, stop |
+//! | [`sentence`] | what the module said |
+//! | [`replay`], [`demo`] | a recording, or the demonstration, from one end to the other |
+//! | [`report`] | pictures and pages of it |
+//! | [`evaluate`] | linearised epochs straight into the core |
+//! | [`clock_models`] | clock series with known predictions |
+//! | [`oracle`], [`chi_square`], [`gpsd`] | second opinions: dense least squares, exact tails, another program |
+//! | [`tables`] | the threshold tables and their check |
+//! | [`setup`], [`shared`] | what a machine lacks; where reference files lie |
+//!
+//! Nothing here is an algorithm that the module needs: those are in `rai-core` and `rai-firmware`, and what this crate
+//! computes a second time it computes another way.
+//!
+//! # References
+//!
+//! | tag | source |
+//! |---|---|
+//! | `ARMv7-M` | ARM DDI 0403, *ARMv7-M Architecture Reference Manual* |
+//! | `BDS-SIS-ICD` | CSNO, *`BeiDou` Signal In Space ICD, Open Service Signal B1I*, version 3.0, 2019 |
+//! | `Brown1997` | R. G. Brown, P. Y. C. Hwang, *Introduction to Random Signals and Applied Kalman Filtering*, 3rd ed., 1997 |
+//! | `Chen2009`, `Lin2016`, `Tian2024`, `Yang2015`, `DO-229`, `WGS84` | see the crate [`rai_core`] |
+//! | `DS8626` | STMicroelectronics, *STM32F405xx STM32F407xx*, data sheet |
+//! | `Galileo-OS-SIS-ICD` | European Union, *Galileo Open Service Signal In Space ICD* |
+//! | `GPS-SPS` | *GPS Standard Positioning Service Performance Standard*, 5th ed., 2020 |
+//! | `Hatanaka2008` | Y. Hatanaka, *A Compression Format and Tools for GNSS Observation Data*, Bulletin of the GSI 55, 2008 |
+//! | `Hinnant2013` | H. Hinnant, *chrono-Compatible Low-Level Date Algorithms*, 2013 |
+//! | `IS-GPS-200` | *NAVSTAR GPS space segment/navigation user interfaces* |
+//! | `Johnson1995` | N. L. Johnson, S. Kotz, N. Balakrishnan, *Continuous Univariate Distributions*, vol. 2, 2nd ed., 1995 |
+//! | `Kasdin1995` | N. J. Kasdin, *Discrete simulation of colored noise*, Proc. IEEE 83(5), 1995 |
+//! | `Laurent2000` | B. Laurent, P. Massart, *Adaptive estimation of a quadratic functional*, Ann. Statist. 28(5), 2000 |
+//! | `Riley2008` | W. J. Riley, *Handbook of Frequency Stability Analysis*, NIST SP 1065, 2008 |
 //! | `RINEX-2.11` | W. Gurtner, L. Estey, *RINEX: The Receiver Independent Exchange Format Version 2.11*, 2007 |
 //! | `RINEX-3.05` | I. Romero (ed.), *RINEX Version 3.05*, IGS and RTCM SC104, 2020 |
 //! | `RINEX-4.01` | F. Gini (ed.), *RINEX Version 4.01*, IGS and RTCM SC104, 2023 |
-//! | `Hatanaka2008` | Y. Hatanaka, *A Compression Format and Tools for GNSS Observation Data*, Bulletin of the GSI 55, 2008 |
-//! | `Hinnant2013` | H. Hinnant, *chrono-Compatible Low-Level Date Algorithms*, 2013 |
 //! | `RTCM-10403.3` | RTCM SC104, *Differential GNSS Services, Version 3*, with amendments, 2016 |
 
 pub mod board;
