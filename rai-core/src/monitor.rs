@@ -17,17 +17,20 @@ use core::fmt;
 
 use heapless::{Deque, Vec};
 
+use crate::bounded::gather;
 use crate::clock::Clocks;
 use crate::detection::Detection;
 use crate::epoch::Epoch;
 use crate::fix::{Fix, FixError};
 use crate::frame::{Ecef, LocalFrame};
 use crate::identification::baarda::{self, Exclusion, Identification, Outcome};
+use crate::identification::parity;
+use crate::identification::ransac::{self, MAX_WORK, Selection};
 use crate::protection::largest_slopes;
 use crate::real::Real;
 use crate::report::{Alert, Protected, ProtectionLevels, Report, Solution, Suspect, Unavailable, Verdict};
 use crate::requirements::{Requirements, RequirementsError};
-use crate::satellite::Constellation;
+use crate::satellite::{Constellation, SatelliteId};
 use crate::snapshot::{Snapshot, SnapshotError};
 use crate::threshold::policy::{Demand, Policy, Refusal};
 use crate::threshold::{ThresholdError, Thresholds};
@@ -56,19 +59,33 @@ impl fmt::Display for MonitorError {
 
 impl core::error::Error for MonitorError {}
 
+/// How the faulty satellites are found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Method {
+    /// The largest w-test, again and again.
+    Baarda,
+    /// In parity space.
+    Parity(parity::Method),
+    /// By consensus of disjoint subsets.
+    Ransac,
+}
+
 /// How integrity is monitored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Strategy {
     /// Which threshold the global test uses.
     pub policy: Policy,
+    /// How the faulty satellites are found.
+    pub method: Method,
     /// Whether the predicted receiver clock takes a row beside the satellites.
     pub clock_aid: bool,
 }
 
 impl Strategy {
-    /// The classic threshold, no aiding.
-    pub const CLASSIC: Self = Self { policy: Policy::T1, clock_aid: false };
+    /// The classic threshold, sequential exclusion, no aiding.
+    pub const CLASSIC: Self = Self { policy: Policy::T1, method: Method::Baarda, clock_aid: false };
 }
 
 /// Watches over the positions of one receiver, at most `N` satellites at a time.
@@ -78,6 +95,7 @@ pub struct Monitor<T: Real, const N: usize> {
     strategy: Strategy,
     thresholds: Thresholds<'static>,
     clocks: Clocks<T>,
+    subsets: Option<Subsets<N>>,
     start: Ecef,
     ratios: Deque<f32, SIGMA_CHECK_WINDOW>,
 }
@@ -94,6 +112,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
             strategy: Strategy::CLASSIC,
             thresholds,
             clocks: Clocks::new(),
+            subsets: None,
             start: Ecef::CENTRE,
             ratios: Deque::new(),
         })
@@ -162,7 +181,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         let mut test = self.test(fix.snapshot());
         let mut exclusion = Exclusion { rows: Vec::new(), outcome: Outcome::Passed };
         if test.as_ref().is_ok_and(|test| test.detection.fault()) {
-            exclusion = baarda::exclude_sequentially(&mut fix, &self.thresholds);
+            exclusion = self.isolate(&mut fix, epoch);
             test = self.test(fix.snapshot());
         }
         let excluded = suspects(&exclusion, &fix, epoch);
@@ -170,6 +189,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
 
         let verdict = match (exclusion.outcome, &test) {
             (Outcome::NotIsolated(Identification::Ambiguous), _) => Verdict::Alert(Alert::Ambiguous),
+            (Outcome::NotIsolated(Identification::Budget), _) => Verdict::Unavailable(Unavailable::Budget),
             (Outcome::NotIsolated(_), _) => Verdict::Alert(Alert::Fault),
             (_, Err(reason)) => Verdict::Unavailable(*reason),
             (Outcome::Isolated, Ok(_)) if !separable => Verdict::Alert(Alert::Ambiguous),
@@ -186,6 +206,27 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         }
         let protection = test.as_ref().map(|test| test.protection);
         Report { verdict, protection, excluded, ..describe(&fix, epoch, test.map(|test| test.detection)) }
+    }
+
+    /// Looks for the faulty satellites and leaves them out.
+    fn isolate(&mut self, fix: &mut Fix<'_, T, N>, epoch: &Epoch<N>) -> Exclusion<T> {
+        match self.strategy.method {
+            Method::Parity(method) => {
+                parity::exclude(method, fix, &self.thresholds, &parity::Limits::published())
+            }
+            Method::Ransac => {
+                // The tables hold both of its probabilities; without them it falls back as without consensus.
+                let Ok(limits) = ransac::Limits::published() else {
+                    return baarda::exclude_sequentially(fix, &self.thresholds);
+                };
+                let subsets = self.subsets.take().filter(|subsets| subsets.are_of(epoch));
+                let subsets = subsets.unwrap_or_else(|| Subsets::of(epoch, fix.snapshot()));
+                let exclusion = ransac::exclude(fix, &subsets.selection, &self.thresholds, &limits);
+                self.subsets = Some(subsets);
+                exclusion
+            }
+            Method::Baarda => baarda::exclude_sequentially(fix, &self.thresholds),
+        }
     }
 
     /// The global test of a snapshot under the policy, and the protection levels that go with its threshold.
@@ -237,6 +278,28 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         }
         let sum: f32 = self.ratios.iter().sum();
         Some(f64::from(sum) / self.ratios.len() as f64)
+    }
+}
+
+/// Disjoint subsets of an epoch's satellites, kept while these stay the same.
+#[derive(Clone, Debug)]
+struct Subsets<const N: usize> {
+    satellites: Vec<SatelliteId, N>,
+    selection: Selection<N>,
+}
+
+impl<const N: usize> Subsets<N> {
+    fn of<T: Real>(epoch: &Epoch<N>, snapshot: &Snapshot<T, N>) -> Self {
+        let satellites = gather(epoch.observations().iter().map(|observation| observation.satellite));
+        Self { satellites, selection: Selection::choose(snapshot.epoch(), MAX_WORK) }
+    }
+
+    fn are_of(&self, epoch: &Epoch<N>) -> bool {
+        self.selection.rows() == epoch.observations().len() + epoch.aiding().len()
+            && self
+                .satellites
+                .iter()
+                .eq(epoch.observations().iter().map(|observation| &observation.satellite))
     }
 }
 

@@ -12,19 +12,19 @@
 //! | `TTA` | 0.1 to 3600 | `time_to_alert_s` | s |
 //! | `MASK` | 0 to 60 | `mask_rad` | ° |
 //! | `POLICY` | `T1`, `T2`, `TOP` | `policy` | |
-//! | `METHOD` | `BAARDA` | `method` | |
+//! | `METHOD` | `BAARDA`, `SIMULTANEOUS`, `SEQUENTIAL`, `HYBRID`, `GROUPING`, `RANSAC` | `method` | |
 //! | `CLOCKAID` | `ON`, `OFF` | `clock_aid` | |
 //! | `IONO` | 4 α, 4 β | `klobuchar` | s, s/semicircle, … as broadcast |
 //! | `STATS`, `SELFTEST`, `RESET` | none | an [`Action`] | |
 //!
-//! A single number that is set makes the phase `CUSTOM`. The other words of `METHOD` are known and
-//! refused with `not in this build`. The answer repeats the values as they came; where that would make
+//! A single number that is set makes the phase `CUSTOM`. `SEPARATION` is known and refused with
+//! `not in this build`. The answer repeats the values as they came; where that would make
 //! it longer than 82 characters (eight long coefficients), it carries the key and `OK` alone.
 //!
 //! References: [IS-GPS-200] table 20-X for the range of the ionospheric coefficients.
 
 use embedded_io::Write;
-use rai_core::monitor::Strategy;
+use rai_core::monitor::{Method, Strategy};
 use rai_core::requirements::Requirements;
 use rai_core::threshold::policy::Policy;
 use rai_core::threshold::{ThresholdError, Thresholds};
@@ -67,13 +67,6 @@ impl Phase {
             Self::Custom => None,
         }
     }
-}
-
-/// How a faulty satellite is identified.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Method {
-    /// Largest w-test, sequential exclusion.
-    Baarda,
 }
 
 /// Everything that a command can change.
@@ -139,7 +132,7 @@ impl Configuration {
 
     /// How the core is to monitor.
     pub const fn strategy(&self) -> Strategy {
-        Strategy { policy: self.policy, clock_aid: self.clock_aid }
+        Strategy { policy: self.policy, method: self.method, clock_aid: self.clock_aid }
     }
 
     fn in_phase(self, phase: Phase) -> Self {

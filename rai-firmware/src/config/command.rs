@@ -3,10 +3,12 @@
 //! A word that is known but not built in stands in its table with `None`, so that the answer can tell a wrong word
 //! from a missing feature.
 
+use rai_core::identification::parity;
+use rai_core::monitor::Method;
 use rai_core::probability::Probability;
 use rai_core::threshold::policy::Policy;
 
-use super::{Method, Phase, Refusal, decimal};
+use super::{Phase, Refusal, decimal};
 
 /// What a line asks for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,15 +61,16 @@ const PHASES: &Words<Phase> = &[
     ("CUSTOM", Some(Phase::Custom)),
 ];
 
-const POLICIES: &Words<Policy> = &[("T1", Some(Policy::T1)), ("T2", Some(Policy::T2)), ("TOP", Some(Policy::TOp))];
+const POLICIES: &Words<Policy> =
+    &[("T1", Some(Policy::T1)), ("T2", Some(Policy::T2)), ("TOP", Some(Policy::TOp))];
 
 const METHODS: &Words<Method> = &[
     ("BAARDA", Some(Method::Baarda)),
-    ("SIMULTANEOUS", None),
-    ("SEQUENTIAL", None),
-    ("HYBRID", None),
-    ("GROUPING", None),
-    ("RANSAC", None),
+    ("SIMULTANEOUS", Some(Method::Parity(parity::Method::Simultaneous))),
+    ("SEQUENTIAL", Some(Method::Parity(parity::Method::Sequential))),
+    ("HYBRID", Some(Method::Parity(parity::Method::Hybrid))),
+    ("GROUPING", Some(Method::Parity(parity::Method::Grouping))),
+    ("RANSAC", Some(Method::Ransac)),
     ("SEPARATION", None),
 ];
 
