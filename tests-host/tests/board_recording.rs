@@ -104,3 +104,40 @@ fn gpsd_behind_the_board_has_a_3d_fix_and_its_errors() {
     let errors = errors.expect("the errors of GST");
     assert!(errors["lat"].as_f64().unwrap() > 0.0 && errors["alt"].as_f64().unwrap() > 0.0, "{errors}");
 }
+
+#[test]
+fn every_method_and_policy_is_judged_alike() {
+    if !is_installed() {
+        return;
+    }
+    let Some(recording) = recording(
+        "esbc",
+        "ESBC00DNK_R_20201770000_01D_30S_MO.crx.gz",
+        "ESBC00DNK_R_20201770000_01D_MN.rnx.gz",
+    ) else {
+        return;
+    };
+    let faults =
+        ["G05:+100@60..", "E07:-140@120..", "G07:+90@180.."].map(|text| Fault::parse_inject(text).unwrap());
+    let window = Window { to_s: 270.0, ..Window::ALL };
+    let lumps =
+        replay::encode(&recording, &Selection::new("GCE", Frequency::Dual).unwrap(), &faults, &window);
+    let lumps = lumps.unwrap();
+    let image = image::build().expect("the image builds");
+    for choice in [
+        "METHOD,SIMULTANEOUS",
+        "METHOD,SEQUENTIAL",
+        "METHOD,HYBRID",
+        "METHOD,GROUPING",
+        "METHOD,RANSAC",
+        "POLICY,T2",
+        "POLICY,TOP",
+        "CLOCKAID,ON",
+    ] {
+        let commands = [choice.to_owned()];
+        let host = replay::on_host(&lumps, &commands, |_| {}).expect("the host judges");
+        let board = replay::on_board(&image, &lumps, &host, &commands, |_| {}).expect("the board judges");
+        assert_eq!(board.sentences, host.concat(), "{choice}");
+        println!("{choice}: identical; instructions {:?}", board.instructions);
+    }
+}
