@@ -19,31 +19,31 @@ const ESBC: Station = Station {
     folder: "esbc",
     observations: "ESBC00DNK_R_20201770000_01D_30S_MO.crx.gz",
     navigation: "ESBC00DNK_R_20201770000_01D_MN.rnx.gz",
-    truth: Ecef::new(3_582_104.9254, 532_590.2381, 5_232_755.2669),
+    truth: Ecef::new(3582104.9254, 532590.2381, 5232755.2669),
 };
 const STATIC_BASE: Station = Station {
     folder: "static1hz",
     observations: "base.obs.gz",
     navigation: "base.nav.gz",
-    truth: Ecef::new(-3_817_681.1213, 3_562_839.4311, 3_650_159.1593),
+    truth: Ecef::new(-3817681.1213, 3562839.4311, 3650159.1593),
 };
 const DGAR: Station = Station {
     folder: "dgar",
     observations: "dgar0100.24o.gz",
     navigation: "brdc0100.24n.gz",
-    truth: Ecef::new(1_916_269.37, 6_029_977.79, -801_719.83),
+    truth: Ecef::new(1916269.37, 6029977.79, -801719.83),
 };
 const KMS3: Station = Station {
     folder: "kms3",
     observations: "KMS300DNK_R_20221591000_01H_30S_MO.crx",
     navigation: "KMS300DNK_R_20221591000_01H_MN.rnx.gz",
-    truth: Ecef::new(3_516_213.4380, 781_859.8595, 5_246_037.9660),
+    truth: Ecef::new(3516213.4380, 781859.8595, 5246037.9660),
 };
 const TLSE: Station = Station {
     folder: "tlse",
     observations: "TLSE00FRA_R_20240011200_15M_01S_MO.crx.gz",
     navigation: "BRDC00IGS_R_20240010000_01D_MN.rnx.gz",
-    truth: Ecef::new(4_627_852.50, 119_640.22, 4_372_995.28),
+    truth: Ecef::new(4627852.50, 119640.22, 4372995.28),
 };
 
 fn summary(station: &Station, systems: &str, frequency: Frequency) -> Option<Summary> {

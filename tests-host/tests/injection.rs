@@ -18,7 +18,7 @@ use tests_host::recording::Recording;
 use tests_host::replay::{self, Lump, Moment, Summary, Track, Truth, Window};
 use tests_host::shared;
 
-const TRUTH: Ecef = Ecef::new(3_582_104.9254, 532_590.2381, 5_232_755.2669);
+const TRUTH: Ecef = Ecef::new(3582104.9254, 532590.2381, 5232755.2669);
 const BIAS_M: f64 = 100.0;
 const MASK_RAD: f64 = 10.0 * std::f64::consts::PI / 180.0;
 

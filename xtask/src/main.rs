@@ -32,7 +32,7 @@ enum Command {
     /// Installs what is missing, or says how.
     Setup(setup::Arguments),
     /// Sends a recording through the module, on the host or on the emulated board.
-    Replay(replay::Arguments),
+    Replay(Box<replay::Arguments>),
     /// Judges linearised epochs: JSON lines in, JSON lines out.
     Evaluate(evaluate::Arguments),
     /// Regenerates the threshold tables.

@@ -46,10 +46,10 @@ pub(crate) struct Arguments {
     /// Where the antenna was: X,Y,Z in metres, earth-fixed.
     #[arg(long, value_name = "X,Y,Z", conflicts_with = "truth_csv", allow_hyphen_values = true)]
     truth: Option<String>,
-    /// Where the antenna was when: rows of week,tow,x_m,y_m,z_m under a heading.
+    /// Where the antenna was when: rows of `week,tow,x_m,y_m,z_m` under a heading.
     #[arg(long, value_name = "FILE")]
     truth_csv: Option<PathBuf>,
-    /// Systems to use: G GPS, C BeiDou, E Galileo.
+    /// Systems to use: G (GPS), C (`BeiDou`), E (Galileo).
     #[arg(long, default_value = "GCE", value_name = "LETTERS")]
     systems: String,
     /// Frequencies to use.
