@@ -29,8 +29,11 @@
 //! A set is refused when the smallest eigenvalue of `S_EE` is below [`Real::UNTESTABLE`]: its rows can then not be told
 //! apart, or are needed for a position. A set that empties a constellation is such a set.
 //!
+//! Gone for good, as in a search over pairs with the same third row `k`, a row changes the others instead: with
+//! `a_i = S_ik/√S_kk` each keeps `r_i − a_i r_k/√S_kk` and `S_ij − a_i a_j` ([`NormalisedRow::without`]).
+//!
 //! In parity space `S_ij = p_i·p_j` and `r_i = p·p_i`: the rows here are the parity vectors, up to a rotation that no
-//! test sees. No n×n matrix is stored. Each row costs 44 bytes in `f32`, each `S_ij` about 10 instructions.
+//! test sees. No n×n matrix is stored. Each row costs 48 bytes in `f32`, each `S_ij` about 10 instructions.
 //!
 //! Linear: for a fix that was linearised elsewhere, solve again without the set before a position is used.
 
@@ -57,6 +60,8 @@ pub struct NormalisedRow<T: Real> {
     gain: Vector3<T>,
     clock: Option<Constellation>,
     clock_root: T,
+    /// `a_i` of the row that is gone for good, 0 without one.
+    shed: T,
 }
 
 impl<T: Real> NormalisedRow<T> {
@@ -70,6 +75,7 @@ impl<T: Real> NormalisedRow<T> {
             gain: fit.gain * root,
             clock: row.clock,
             clock_root: root * snapshot.level_variance(row).sqrt(),
+            shed: T::zero(),
         }
     }
 
@@ -79,8 +85,38 @@ impl<T: Real> NormalisedRow<T> {
             return self.redundancy;
         }
         let shared = if self.clock == other.clock { self.clock_root * other.clock_root } else { T::zero() };
-        -(self.design.dot(&other.gain) + shared)
+        -(self.design.dot(&other.gain) + self.shed * other.shed + shared)
     }
+
+    /// The row as another one leaves it that is gone for good: one at most, and both as the snapshot has them.
+    pub(crate) fn without(&self, gone: &Self) -> Self {
+        let root = gone.redundancy.sqrt();
+        let shed = gone.projection(self) / root;
+        Self {
+            residual: self.residual - shed * gone.residual / root,
+            redundancy: self.redundancy - shed * shed,
+            shed,
+            ..*self
+        }
+    }
+
+    /// By how much SSE falls without this row and another: squared w-test of this row, then of the other.
+    pub(crate) fn explained_with(&self, other: &Self) -> T {
+        let share = self.projection(other) / self.redundancy;
+        let residual = other.residual - share * self.residual;
+        let redundancy = other.redundancy - share * share * self.redundancy;
+        self.explained() + squared_w_test(residual, redundancy)
+    }
+
+    /// By how much SSE falls without this row: its w-test squared.
+    pub(crate) fn explained(&self) -> T {
+        squared_w_test(self.residual, self.redundancy)
+    }
+}
+
+/// 0 where nothing is left to test with.
+fn squared_w_test<T: Real>(residual: T, redundancy: T) -> T {
+    if redundancy < T::UNTESTABLE { T::zero() } else { residual * residual / redundancy }
 }
 
 /// The rows of a snapshot that take part and can be tested, in the order of the epoch.
@@ -168,10 +204,7 @@ impl<T: Real> Removal<T> {
     /// 0 where nothing is left to test it with.
     pub fn explains_more(&self, row: &NormalisedRow<T>) -> T {
         let (_, left) = self.left_to(row, &self.couplings(row));
-        if left.redundancy < T::UNTESTABLE {
-            return T::zero();
-        }
-        left.residual * left.residual / left.redundancy
+        squared_w_test(left.residual, left.redundancy)
     }
 
     /// `S_Ek`, padded by zeros.

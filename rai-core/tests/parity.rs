@@ -83,7 +83,7 @@ fn threshold_equals_the_quantiles_of_student() {
     // t(0.995, m) of printed tables: Abramowitz & Stegun, table 26.10.
     let printed = [(1, 63.657), (2, 9.925), (3, 5.841), (4, 4.604), (7, 3.499), (10, 3.169), (30, 2.750)];
     for (m, t) in printed {
-        let have = correlation_threshold(Probability::new(0.01).unwrap(), m + 1).unwrap();
+        let have = correlation_threshold::<f64>(Probability::new(0.01).unwrap(), m + 1).unwrap();
         let want = t / (f64::from(m as u32) + t * t).sqrt();
         assert!((have / want - 1.0).abs() < 2e-4, "{m}: have {have}, want {want}");
     }
@@ -92,13 +92,24 @@ fn threshold_equals_the_quantiles_of_student() {
 #[test]
 fn threshold_has_the_closed_forms_of_small_dimensions() {
     for alpha in [0.4, 0.05, 0.01, 1e-4, 1e-6] {
-        let threshold = |dof| correlation_threshold(Probability::new(alpha).unwrap(), dof).unwrap();
+        let threshold = |dof| correlation_threshold::<f64>(Probability::new(alpha).unwrap(), dof).unwrap();
         let arc = (alpha * core::f64::consts::FRAC_PI_2).cos();
         assert!((threshold(2) / arc - 1.0).abs() < 1e-12, "a circle: the angle is uniform");
         assert!((threshold(3) / (1.0 - alpha) - 1.0).abs() < 1e-12, "a sphere: the height is uniform");
     }
-    assert_eq!(correlation_threshold(Probability::new(0.01).unwrap(), 1), None);
-    assert_eq!(correlation_threshold(Probability::new(0.01).unwrap(), 0), None);
+    assert_eq!(correlation_threshold::<f64>(Probability::new(0.01).unwrap(), 1), None);
+    assert_eq!(correlation_threshold::<f64>(Probability::new(0.01).unwrap(), 0), None);
+}
+
+#[test]
+fn threshold_in_single_precision_is_that_in_double() {
+    for alpha in [0.3, 0.01, 1e-3].map(|alpha| Probability::new(alpha).unwrap()) {
+        for dof in 2..=60 {
+            let want = correlation_threshold::<f64>(alpha, dof).unwrap();
+            let have = f64::from(correlation_threshold::<f32>(alpha, dof).unwrap());
+            assert!((have / want - 1.0).abs() < 5e-5, "{alpha:?} {dof}: have {have}, want {want}");
+        }
+    }
 }
 
 #[test]

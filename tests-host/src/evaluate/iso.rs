@@ -40,7 +40,7 @@ pub(super) fn evaluate<T: Real>(
     let rho = snapshot.rows().map(|(row, fit)| Number(correlation(snapshot, row, fit).widen()));
     Ok(Iso {
         rho: rho.collect(),
-        rho_T: Number(correlation_threshold(alpha, snapshot.dof()).unwrap_or(f64::INFINITY)),
+        rho_T: Number(correlation_threshold::<T>(alpha, snapshot.dof()).map_or(f64::INFINITY, T::widen)),
         A: simultaneous(snapshot, thresholds, &limits).to_vec(),
         seq: rows(&sequential(snapshot, thresholds, &limits)),
         B: rows(&hybrid_without_grouping(snapshot, thresholds, &limits)),

@@ -134,9 +134,9 @@ impl<'s, T: Real, const N: usize> Search<'s, T, N> {
 
     /// Rows whose correlation reaches its threshold, none with fewer than two degrees of freedom.
     fn correlated(&self) -> impl Iterator<Item = &NormalisedRow<T>> {
-        let threshold = correlation_threshold(self.limits.alpha, self.snapshot.dof());
+        let threshold = correlation_threshold::<T>(self.limits.alpha, self.snapshot.dof());
         // |ρ_i| ≥ ρ_T without a root: r_i² ≥ ρ_T² SSE S_ii.
-        let bound = threshold.map(|threshold| T::narrow(threshold * threshold) * self.snapshot.sse());
+        let bound = threshold.map(|threshold| threshold * threshold * self.snapshot.sse());
         self.rows.iter().filter(move |row| {
             bound.is_some_and(|bound| row.residual * row.residual >= bound * row.redundancy)
         })
