@@ -72,10 +72,10 @@
 //! | ICAO-A10 | ICAO Annex 10, Volume I, table 3.7.2.4-1 |
 //! | IS-GPS-200 | *NAVSTAR GPS space segment/navigation user interfaces* |
 //! | Lin2016 | Lin Xueyuan et al., `BeiDou` RAIM, J. Naval Aeronautical Univ. 31(6) (2016) 619–624 |
-//! | Parity | `BeiDou` RAIM by parity vectors with isolation by grouping (print without title page) |
-//! | Schroth2008 | G. Schroth et al., *Failure detection and exclusion via range consensus*, ENC-GNSS 2008 |
-//! | Sankaran1963 | M. Sankaran, *Approximations to the non-central chi-square distribution*, Biometrika 50 (1963) |
 //! | Montenbruck2018 | O. Montenbruck et al., *Multi-GNSS signal-in-space range error assessment*, Adv. Space Res. 61 (2018) 3020–3038 |
+//! | Parity | `BeiDou` RAIM by parity vectors with isolation by grouping (print without title page) |
+//! | Sankaran1963 | M. Sankaran, *Approximations to the non-central chi-square distribution*, Biometrika 50 (1963) |
+//! | Schroth2008 | G. Schroth et al., *Failure detection and exclusion via range consensus*, ENC-GNSS 2008 |
 //! | Tian2024 | Tian Binpeng et al., improved RANSAC RAIM, Navigation Positioning & Timing 11(3) (2024) 101–108 |
 //! | Ulrych1976 | T. J. Ulrych, R. W. Clayton, *Time series modelling and maximum entropy*, Phys. Earth Planet. Int. 12 (1976) 188–200 |
 //! | Wang1994 | J. Wang, Y. Chen, *On the reliability measure of observations*, Acta Geodaet. Cartograph. (1994) |

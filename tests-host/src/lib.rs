@@ -19,7 +19,7 @@
 //! | [`report`] | pictures and pages of it |
 //! | [`evaluate`] | linearised epochs straight into the core |
 //! | [`clock_models`] | clock series with known predictions |
-//! | [`oracle`], [`chi_square`], [`gpsd`] | second opinions: dense least squares, exact tails, another program |
+//! | [`oracle`], [`chi_square`], [`ransac_traditional`], [`gpsd`] | second opinions: dense least squares, exact tails, every subset, another program |
 //! | [`tables`] | the threshold tables and their check |
 //! | [`setup`], [`shared`] | what a machine lacks; where reference files lie |
 //!
