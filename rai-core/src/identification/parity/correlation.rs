@@ -25,7 +25,7 @@
 //! Accuracy: in `f64` relative 1e-9 for `α ≥ 1e-6`, in `f32` 5e-5 for `α ≥ 1e-3`. It is computed once a fault was
 //! detected, not before; in some ten Newton steps of `ν/2` terms.
 //!
-//! [Parity] leaves the threshold's form open; Student's is the exact one under equal sigmas and any geometry.
+//! \[Parity\] leaves the threshold's form open; Student's is the exact one under equal sigmas and any geometry.
 
 use crate::probability::Probability;
 use crate::real::Real;

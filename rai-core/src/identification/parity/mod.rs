@@ -23,7 +23,7 @@
 //! In `f32` the ranking of sets resolves differences of about 1e-6 of SSE; the test of the set found does not lose
 //! these digits, so that a wrong set is refused, not believed.
 //!
-//! References: [Parity] and, for the global test, [Yang2015] §1.
+//! References: \[Parity\] and, for the global test, [Yang2015] §1.
 
 mod correlation;
 mod grouping;
@@ -51,7 +51,7 @@ use crate::threshold::Thresholds;
 pub const MAX_SETS: usize = 40 + 40 * 39 / 2 + 40 * 39 * 38 / 6;
 const _: () = assert!(MAX_SETS == 10_700);
 
-/// `α` of [Parity].
+/// `α` of \[Parity\].
 const ALPHA: Probability = match Probability::new(0.01) {
     Some(alpha) => alpha,
     None => unreachable!(),
@@ -85,7 +85,7 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// As in [Parity]: `α = 0.01`; up to [`MAX_EXCLUDED`] rows, with the work that 40 rows need.
+    /// As in \[Parity\]: `α = 0.01`; up to [`MAX_EXCLUDED`] rows, with the work that 40 rows need.
     pub const fn published() -> Self {
         Self { rows: MAX_EXCLUDED, sets: MAX_SETS, alpha: ALPHA }
     }
