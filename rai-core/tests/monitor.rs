@@ -1,15 +1,15 @@
 //! What the monitor says of small skies whose truth is known by construction.
-//!
-//! Ranges are straight distances to satellites turned by the angle through which the earth rotates in flight: the
-//! exact form of what the core does to first order.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing)]
 
 use rai_core::epoch::{Epoch, Observation};
-use rai_core::frame::{EARTH_ROTATION_RAD_S, Ecef, Enu, Geodetic, LocalFrame, SPEED_OF_LIGHT_M_S};
+use rai_core::frame::Ecef;
 use rai_core::monitor::Monitor;
 use rai_core::report::{Alert, Protected, Report, Unavailable, Verdict};
 use rai_core::requirements::Requirements;
 use rai_core::satellite::{Constellation, SatelliteId};
+use sky::{receiver, satellite};
+
+mod sky;
 
 const CAPACITY: usize = 24;
 const CLOCKS_M: [f64; 4] = [1234.5, -271_828.0, 31.4, 0.0];
@@ -26,45 +26,13 @@ const DIRECTIONS: [(f64, f64); 8] = [
     (340.0, 12.0),
 ];
 
-fn receiver() -> Ecef {
-    Geodetic { latitude_rad: 0.6, longitude_rad: 1.9, height_m: 150.0 }.to_ecef()
-}
-
-/// A satellite in a direction, and its range: exact rotation of the earth during the flight, and a clock.
+/// A satellite in a direction, with its constellation's clock.
 fn observe(id: SatelliteId, azimuth_deg: f64, elevation_deg: f64) -> Observation {
-    let (azimuth, elevation) = (azimuth_deg.to_radians(), elevation_deg.to_radians());
-    let distance_m = 22_000e3;
-    let horizontal = distance_m * elevation.cos();
-    let direction = Enu {
-        east: horizontal * azimuth.sin(),
-        north: horizontal * azimuth.cos(),
-        up: distance_m * elevation.sin(),
-    };
-    let position = receiver() + LocalFrame::at(receiver()).unrotate(direction);
-    let mut range_m = distance_m;
-    for _ in 0..5 {
-        let angle = EARTH_ROTATION_RAD_S * range_m / SPEED_OF_LIGHT_M_S;
-        let turned = Ecef::new(
-            position.x_m * angle.cos() + position.y_m * angle.sin(),
-            position.y_m * angle.cos() - position.x_m * angle.sin(),
-            position.z_m,
-        );
-        range_m = turned.distance_m(receiver());
-    }
-    Observation {
-        satellite: id,
-        position,
-        range_m: range_m + CLOCKS_M[id.constellation() as usize],
-        sigma_m: 3.0,
-    }
-}
-
-fn satellite(constellation: Constellation, number: usize) -> SatelliteId {
-    SatelliteId::new(constellation, number as u8).unwrap()
+    sky::observe(id, (azimuth_deg, elevation_deg), CLOCKS_M[id.constellation() as usize])
 }
 
 /// The first `count` directions, all of one constellation.
-fn sky(count: usize) -> Vec<Observation> {
+fn single_system(count: usize) -> Vec<Observation> {
     let directions = DIRECTIONS.iter().take(count).enumerate();
     directions
         .map(|(index, &(azimuth, elevation))| {
@@ -96,7 +64,7 @@ fn agreeing_satellites_are_protected_wherever_the_fix_starts() {
     let near = receiver() + Ecef::new(600.0, -500.0, 400.0);
     let opposite = Ecef::CENTRE - receiver();
     for start in [Ecef::CENTRE, near, opposite, Ecef::new(3e7, 0.0, 0.0)] {
-        let report = judge_from(start, &sky(8));
+        let report = judge_from(start, &single_system(8));
         assert_eq!(report.verdict, Verdict::Protected(Protected::Ok), "from {start:?}");
         assert!(error_m(&report) < 0.01, "error {} m from {start:?}", error_m(&report));
         assert_eq!(report.used.len(), 8);
@@ -105,7 +73,7 @@ fn agreeing_satellites_are_protected_wherever_the_fix_starts() {
 
 #[test]
 fn the_clock_of_each_constellation_is_found() {
-    let mut observations = sky(6);
+    let mut observations = single_system(6);
     observations.extend(
         (1..=3).map(|number| {
             observe(satellite(Constellation::Beidou, number), 40.0 + 100.0 * number as f64, 35.0)
@@ -122,7 +90,7 @@ fn the_clock_of_each_constellation_is_found() {
 #[test]
 fn a_biased_satellite_is_left_out_by_name() {
     for faulty in 0..8 {
-        let mut observations = sky(8);
+        let mut observations = single_system(8);
         observations[faulty].range_m += 150.0;
         let report = judge(&observations);
         assert_eq!(report.verdict, Verdict::Protected(Protected::Excluded), "fault in {faulty}");
@@ -136,7 +104,7 @@ fn a_biased_satellite_is_left_out_by_name() {
 #[test]
 fn a_gross_fault_is_left_out_although_it_bends_the_linearisation() {
     for bias_m in [1e4, -1e5, 1e6] {
-        let mut observations = sky(8);
+        let mut observations = single_system(8);
         observations[2].range_m += bias_m;
         let report = judge(&observations);
         assert_eq!(report.verdict, Verdict::Protected(Protected::Excluded), "bias {bias_m}");
@@ -147,7 +115,7 @@ fn a_gross_fault_is_left_out_although_it_bends_the_linearisation() {
 
 #[test]
 fn two_faults_are_both_left_out() {
-    let mut observations = sky(8);
+    let mut observations = single_system(8);
     observations.extend((1..=6).map(|number| {
         observe(
             satellite(Constellation::Beidou, number),
@@ -166,7 +134,7 @@ fn two_faults_are_both_left_out() {
 
 #[test]
 fn five_satellites_detect_but_cannot_name() {
-    let mut observations = sky(5);
+    let mut observations = single_system(5);
     observations[3].range_m += 300.0;
     let report = judge(&observations);
     assert_eq!(report.verdict, Verdict::Alert(Alert::Fault));
@@ -175,12 +143,12 @@ fn five_satellites_detect_but_cannot_name() {
 
 #[test]
 fn four_satellites_fix_but_cannot_test_and_three_do_not_fix() {
-    let report = judge(&sky(4));
+    let report = judge(&single_system(4));
     assert_eq!(report.verdict, Verdict::Unavailable(Unavailable::Redundancy));
     assert!(error_m(&report) < 0.01);
     assert!(report.test.is_none() && report.protection.is_none() && report.suspect.is_none());
 
-    let report = judge(&sky(3));
+    let report = judge(&single_system(3));
     assert_eq!(report.verdict, Verdict::Unavailable(Unavailable::NoFix));
     assert!(report.solution.is_none());
     assert_eq!(judge(&[]).verdict, Verdict::Unavailable(Unavailable::NoFix));
@@ -198,7 +166,7 @@ fn satellites_on_a_cone_are_a_geometry_problem() {
 
 #[test]
 fn lone_satellite_of_a_constellation_cannot_be_tested_and_does_no_harm() {
-    let mut observations = sky(8);
+    let mut observations = single_system(8);
     let mut lone = observe(satellite(Constellation::Galileo, 1), 80.0, 50.0);
     lone.range_m += 5_000.0;
     observations.push(lone);
@@ -210,7 +178,7 @@ fn lone_satellite_of_a_constellation_cannot_be_tested_and_does_no_harm() {
 #[test]
 fn two_satellites_that_cannot_be_told_apart_are_ambiguous() {
     // Six satellites, two of them almost in line: a fault of either is explained by the exclusion of either.
-    let mut observations = sky(5);
+    let mut observations = single_system(5);
     observations.push(observe(satellite(Constellation::Gps, 20), 111.5, 45.5));
     observations[2].range_m += 120.0;
     let report = judge(&observations);
@@ -223,7 +191,7 @@ fn a_poor_geometry_exceeds_the_alert_limit() {
     requirements.hal_m = 5.0;
     let mut monitor = Monitor::<f32, CAPACITY>::new(requirements).unwrap();
     let mut epoch = Epoch::new(0.0);
-    for observation in sky(6) {
+    for observation in single_system(6) {
         epoch.push(observation).unwrap();
     }
     let report = monitor.process(&epoch);
@@ -239,7 +207,7 @@ fn sigma_check_is_small_for_exact_ranges_and_large_for_noisy_ones() {
         let mut have = None;
         for step in 0..80 {
             let mut epoch = Epoch::new(f64::from(step));
-            for (index, mut observation) in sky(8).into_iter().enumerate() {
+            for (index, mut observation) in single_system(8).into_iter().enumerate() {
                 let sign = if (index + step as usize).is_multiple_of(2) { 1.0 } else { -1.0 };
                 observation.range_m += sign * noise_m;
                 epoch.push(observation).unwrap();

@@ -3,46 +3,27 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing)]
 
 use rai_core::epoch::{Epoch, Observation};
-use rai_core::frame::{EARTH_ROTATION_RAD_S, Ecef, Enu, Geodetic, LocalFrame, SPEED_OF_LIGHT_M_S};
 use rai_core::monitor::{Monitor, Strategy};
 use rai_core::report::{Alert, Protected, Report, Unavailable, Verdict};
 use rai_core::requirements::Requirements;
 use rai_core::satellite::{Constellation, SatelliteId};
 use rai_core::threshold::policy::Policy;
+use sky::{observe, receiver, satellite};
+
+mod sky;
 
 const CAPACITY: usize = 16;
-const SIGMA_M: f64 = 3.0;
 
 /// Azimuth and elevation in degrees.
 const DIRECTIONS: [(f64, f64); 7] =
     [(0.0, 80.0), (30.0, 25.0), (150.0, 30.0), (270.0, 20.0), (100.0, 50.0), (210.0, 45.0), (330.0, 40.0)];
 
-fn receiver() -> Ecef {
-    Geodetic { latitude_rad: 0.5, longitude_rad: 2.0, height_m: 80.0 }.to_ecef()
-}
-
-/// The first `count` satellites; ranges to first order in the earth's rotation, with a clock.
-fn sky(count: usize, clock_m: f64) -> Vec<Observation> {
-    let observe = |(index, &(azimuth_deg, elevation_deg)): (usize, &(f64, f64))| {
-        let (azimuth, elevation): (f64, f64) = (f64::to_radians(azimuth_deg), f64::to_radians(elevation_deg));
-        let distance_m = 22_000e3;
-        let horizontal = distance_m * elevation.cos();
-        let direction = Enu {
-            east: horizontal * azimuth.sin(),
-            north: horizontal * azimuth.cos(),
-            up: distance_m * elevation.sin(),
-        };
-        let position = receiver() + LocalFrame::at(receiver()).unrotate(direction);
-        let rotation_m = EARTH_ROTATION_RAD_S / SPEED_OF_LIGHT_M_S
-            * (position.x_m * receiver().y_m - position.y_m * receiver().x_m);
-        Observation {
-            satellite: SatelliteId::new(Constellation::Gps, index as u8 + 1).unwrap(),
-            position,
-            range_m: distance_m + rotation_m + clock_m,
-            sigma_m: SIGMA_M,
-        }
-    };
-    DIRECTIONS.iter().take(count).enumerate().map(observe).collect()
+/// The first `count` satellites, with a clock.
+fn visible(count: usize, clock_m: f64) -> Vec<Observation> {
+    let directions = DIRECTIONS.into_iter().take(count).enumerate();
+    directions
+        .map(|(index, direction)| observe(satellite(Constellation::Gps, index + 1), direction, clock_m))
+        .collect()
 }
 
 fn judge(
@@ -67,7 +48,7 @@ fn coasting() -> (Monitor<f32, CAPACITY>, u32) {
     let mut monitor = Monitor::new(Requirements::non_precision_approach()).unwrap();
     monitor.pursue(Strategy { clock_aid: true, ..Strategy::CLASSIC });
     for second in 0..90 {
-        let report = judge(&mut monitor, f64::from(second), &sky(7, clock_m(second)));
+        let report = judge(&mut monitor, f64::from(second), &visible(7, clock_m(second)));
         assert_eq!(report.verdict, Verdict::Protected(Protected::Ok), "second {second}");
     }
     (monitor, 90)
@@ -76,10 +57,10 @@ fn coasting() -> (Monitor<f32, CAPACITY>, u32) {
 #[test]
 fn four_satellites_and_a_predicted_clock_notice_a_step() {
     let (mut monitor, now) = coasting();
-    let healthy = judge(&mut monitor.clone(), f64::from(now), &sky(4, clock_m(now)));
+    let healthy = judge(&mut monitor.clone(), f64::from(now), &visible(4, clock_m(now)));
     assert!(!matches!(healthy.verdict, Verdict::Alert(_)), "{:?}", healthy.verdict);
     assert_eq!(healthy.test.unwrap().dof, 1);
-    let mut faulty = sky(4, clock_m(now));
+    let mut faulty = visible(4, clock_m(now));
     faulty[1].range_m += 100.0;
     let report = judge(&mut monitor, f64::from(now), &faulty);
     assert_eq!(report.verdict, Verdict::Alert(Alert::Fault));
@@ -88,7 +69,7 @@ fn four_satellites_and_a_predicted_clock_notice_a_step() {
 #[test]
 fn five_satellites_and_a_predicted_clock_name_the_satellite() {
     let (mut monitor, now) = coasting();
-    let mut faulty = sky(5, clock_m(now));
+    let mut faulty = visible(5, clock_m(now));
     faulty[4].range_m += 100.0;
     let report = judge(&mut monitor, f64::from(now), &faulty);
     let named: Vec<SatelliteId> = report.excluded.iter().map(|suspect| suspect.satellite).collect();
@@ -98,7 +79,7 @@ fn five_satellites_and_a_predicted_clock_name_the_satellite() {
 #[test]
 fn a_jump_of_the_clock_is_no_satellites_fault() {
     let (mut monitor, now) = coasting();
-    let report = judge(&mut monitor, f64::from(now), &sky(7, clock_m(now) + 300.0));
+    let report = judge(&mut monitor, f64::from(now), &visible(7, clock_m(now) + 300.0));
     assert_eq!(report.verdict, Verdict::Protected(Protected::Ok));
     assert!(report.excluded.is_empty());
     let error_m = report.solution.unwrap().position.distance_m(receiver());
@@ -108,7 +89,7 @@ fn a_jump_of_the_clock_is_no_satellites_fault() {
 #[test]
 fn without_aiding_four_satellites_stay_untested() {
     let mut monitor = Monitor::new(Requirements::non_precision_approach()).unwrap();
-    let report = judge(&mut monitor, 0.0, &sky(4, 0.0));
+    let report = judge(&mut monitor, 0.0, &visible(4, 0.0));
     assert_eq!(report.verdict, Verdict::Unavailable(Unavailable::Redundancy));
 }
 
@@ -122,7 +103,7 @@ fn a_higher_threshold_passes_a_fault_that_the_limit_can_bear() {
     let thresholds = [Policy::T1, Policy::TOp, Policy::T2].map(|policy| {
         let mut monitor = Monitor::new(generous()).unwrap();
         monitor.pursue(Strategy { policy, ..Strategy::CLASSIC });
-        let report = judge(&mut monitor, 0.0, &sky(7, 0.0));
+        let report = judge(&mut monitor, 0.0, &visible(7, 0.0));
         assert_eq!(report.verdict, Verdict::Protected(Protected::Ok), "{policy:?}");
         (report.test.unwrap().threshold, report.protection.unwrap().hpl_m)
     });
@@ -144,7 +125,7 @@ fn no_threshold_between_the_risks_is_an_unavailability() {
     {
         let mut monitor = Monitor::new(tight).unwrap();
         monitor.pursue(Strategy { policy, ..Strategy::CLASSIC });
-        let report = judge(&mut monitor, 0.0, &sky(7, 0.0));
+        let report = judge(&mut monitor, 0.0, &visible(7, 0.0));
         assert_eq!(report.verdict, Verdict::Unavailable(want), "{policy:?}");
     }
 }

@@ -2,54 +2,15 @@
 //!
 //! The bounds are those of an independent program on the same data, rounded up.
 
-use rai_core::frame::Ecef;
 use tests_host::encode::{Frequency, Selection};
-use tests_host::recording::Recording;
 use tests_host::replay::{self, Summary, Truth, Window};
-use tests_host::shared;
 
-struct Station {
-    folder: &'static str,
-    observations: &'static str,
-    navigation: &'static str,
-    truth: Ecef,
-}
+use stations::{DGAR, ESBC, KMS3, STATIC_BASE, Station, TLSE};
 
-const ESBC: Station = Station {
-    folder: "esbc",
-    observations: "ESBC00DNK_R_20201770000_01D_30S_MO.crx.gz",
-    navigation: "ESBC00DNK_R_20201770000_01D_MN.rnx.gz",
-    truth: Ecef::new(3582104.9254, 532590.2381, 5232755.2669),
-};
-const STATIC_BASE: Station = Station {
-    folder: "static1hz",
-    observations: "base.obs.gz",
-    navigation: "base.nav.gz",
-    truth: Ecef::new(-3817681.1213, 3562839.4311, 3650159.1593),
-};
-const DGAR: Station = Station {
-    folder: "dgar",
-    observations: "dgar0100.24o.gz",
-    navigation: "brdc0100.24n.gz",
-    truth: Ecef::new(1916269.37, 6029977.79, -801719.83),
-};
-const KMS3: Station = Station {
-    folder: "kms3",
-    observations: "KMS300DNK_R_20221591000_01H_30S_MO.crx",
-    navigation: "KMS300DNK_R_20221591000_01H_MN.rnx.gz",
-    truth: Ecef::new(3516213.4380, 781859.8595, 5246037.9660),
-};
-const TLSE: Station = Station {
-    folder: "tlse",
-    observations: "TLSE00FRA_R_20240011200_15M_01S_MO.crx.gz",
-    navigation: "BRDC00IGS_R_20240010000_01D_MN.rnx.gz",
-    truth: Ecef::new(4627852.50, 119640.22, 4372995.28),
-};
+mod stations;
 
 fn summary(station: &Station, systems: &str, frequency: Frequency) -> Option<Summary> {
-    let folder = shared::path_or_skip(&format!("data/{}", station.folder))?;
-    let recording =
-        Recording::load(&[folder.join(station.observations)], &[folder.join(station.navigation)]).unwrap();
+    let recording = station.load()?;
     let selection = Selection::new(systems, frequency).unwrap();
     let lumps = replay::encode(&recording, &selection, &[], &Window::ALL).unwrap();
     let coefficients =

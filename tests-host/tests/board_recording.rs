@@ -9,10 +9,12 @@ use tests_host::encode::{Frequency, Selection};
 use tests_host::fault::Fault;
 use tests_host::gpsd::Gpsd;
 use tests_host::image;
-use tests_host::recording::Recording;
 use tests_host::replay::{self, BoardRun, Lump, Truth, Window};
-use tests_host::shared;
 use tests_host::sky::raw::Simulation;
+
+use stations::{ESBC, STATIC_BASE};
+
+mod stations;
 
 /// What an epoch may cost on the chip, the first one with all its ephemerides left out.
 const EPOCH_INSTRUCTIONS: u64 = 4_000_000;
@@ -35,23 +37,12 @@ fn assert_identical(lumps: &[Lump]) -> (Vec<String>, BoardRun) {
     (host, board)
 }
 
-fn recording(folder: &str, observations: &str, navigation: &str) -> Option<Recording> {
-    let folder = shared::path_or_skip(&format!("data/{folder}"))?;
-    Some(Recording::load(&[folder.join(observations)], &[folder.join(navigation)]).unwrap())
-}
-
 #[test]
 fn a_real_day_with_faults_is_judged_alike() {
     if !is_installed() {
         return;
     }
-    let Some(recording) = recording(
-        "esbc",
-        "ESBC00DNK_R_20201770000_01D_30S_MO.crx.gz",
-        "ESBC00DNK_R_20201770000_01D_MN.rnx.gz",
-    ) else {
-        return;
-    };
+    let Some(recording) = ESBC.load() else { return };
     let faults = ["G05:+100@150..300", "G07:+90@450..600", "E07:-120@450..600"]
         .map(|text| Fault::parse_inject(text).unwrap());
     let window = Window { to_s: 900.0, ..Window::ALL };
@@ -66,7 +57,7 @@ fn geostationary_satellites_at_one_hertz_are_judged_alike() {
     if !is_installed() {
         return;
     }
-    let Some(recording) = recording("static1hz", "base.obs.gz", "base.nav.gz") else { return };
+    let Some(recording) = STATIC_BASE.load() else { return };
     let window = Window { to_s: 20.0, ..Window::ALL };
     let selection = Selection::new("GCE", Frequency::Dual).unwrap();
     assert_identical(&replay::encode(&recording, &selection, &[], &window).unwrap());
@@ -110,13 +101,7 @@ fn every_method_and_policy_is_judged_alike() {
     if !is_installed() {
         return;
     }
-    let Some(recording) = recording(
-        "esbc",
-        "ESBC00DNK_R_20201770000_01D_30S_MO.crx.gz",
-        "ESBC00DNK_R_20201770000_01D_MN.rnx.gz",
-    ) else {
-        return;
-    };
+    let Some(recording) = ESBC.load() else { return };
     let faults =
         ["G05:+100@60..", "E07:-140@120..", "G07:+90@180.."].map(|text| Fault::parse_inject(text).unwrap());
     let window = Window { to_s: 270.0, ..Window::ALL };

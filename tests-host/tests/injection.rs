@@ -16,9 +16,12 @@ use tests_host::fault::Fault;
 use tests_host::oracle::{self, Range};
 use tests_host::recording::Recording;
 use tests_host::replay::{self, Lump, Moment, Summary, Track, Truth, Window};
-use tests_host::shared;
 
-const TRUTH: Ecef = Ecef::new(3582104.9254, 532590.2381, 5232755.2669);
+use stations::ESBC;
+
+mod stations;
+
+const TRUTH: Ecef = ESBC.truth;
 const BIAS_M: f64 = 100.0;
 const MASK_RAD: f64 = 10.0 * std::f64::consts::PI / 180.0;
 
@@ -27,13 +30,6 @@ const STEP_S: f64 = 30.0;
 /// Epochs of a window, and from one window to the next.
 const FAULTY_EPOCHS: usize = 10;
 const STRIDE_EPOCHS: usize = 12;
-
-fn recording() -> Option<Recording> {
-    let folder = shared::path_or_skip("data/esbc")?;
-    let observations = folder.join("ESBC00DNK_R_20201770000_01D_30S_MO.crx.gz");
-    let navigation = folder.join("ESBC00DNK_R_20201770000_01D_MN.rnx.gz");
-    Some(Recording::load(&[observations], &[navigation]).unwrap())
-}
 
 fn selection() -> Selection {
     Selection::new("GCE", Frequency::Dual).unwrap()
@@ -117,7 +113,7 @@ fn reason(moment: &Moment) -> &str {
 
 #[test]
 fn a_step_of_100_m_on_each_satellite_in_turn_is_caught_and_left_out() {
-    let Some(recording) = recording() else { return };
+    let Some(recording) = ESBC.load() else { return };
     let (lumps, healthy) = run(&recording, &[], &Window::ALL);
     let biases = detectable_biases(&lumps);
     let faults = faults(&biases);
@@ -162,7 +158,7 @@ fn a_step_of_100_m_on_each_satellite_in_turn_is_caught_and_left_out() {
 #[test]
 fn a_ramp_is_caught_before_the_error_exceeds_the_protection_level() {
     const EPOCHS: usize = 50;
-    let Some(recording) = recording() else { return };
+    let Some(recording) = ESBC.load() else { return };
     let (lumps, _) = run(&recording, &[], &Window::ALL);
     let biases = detectable_biases(&lumps);
     for (turn, start) in (10..biases.len() - EPOCHS).step_by(240).enumerate() {

@@ -30,7 +30,7 @@ pub use story::Story;
 use crate::board::EmulatedBoard;
 use crate::encode::{Encoder, Frequency, Selection};
 use crate::fault::{Fault, Injector, Kind, Target};
-use crate::report::{Moment, Verdict};
+use crate::report::Moment;
 use crate::sentence::{self, EpochOutput};
 use crate::sky::raw::Simulation;
 use crate::sky::{Site, sights};
@@ -160,22 +160,6 @@ impl Module {
 
 /// What the module said, beside the truth.
 fn moment(time_s: f64, said: &EpochOutput, pin_is_high: bool, site: &Site) -> Moment {
-    let state = &said.state;
     let error = said.position.map(|geodetic| site.frame.rotate(geodetic.to_ecef() - site.position));
-    Moment {
-        time_s,
-        verdict: Verdict::from_letter(state.state),
-        reason: state.reason.clone(),
-        statistic: state.statistic,
-        threshold: state.threshold,
-        hpl_m: state.hpl_m,
-        vpl_m: state.vpl_m,
-        hal_m: state.hal_m,
-        val_m: state.val_m,
-        horizontal_error_m: error.map(rai_core::frame::Enu::horizontal),
-        vertical_error_m: error.map(|error| error.up),
-        pin_is_high: Some(pin_is_high),
-        used: state.used as usize,
-        excluded: said.excluded.iter().map(|excluded| excluded.satellite).collect(),
-    }
+    Moment::of(time_s, said, error, pin_is_high)
 }

@@ -3,14 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
-use rai_core::frame::Enu;
 
 use super::summary::Summary;
 use super::track::Track;
 use crate::fault::Fault;
 use crate::report::canvas::Ground;
 use crate::report::page::Page;
-use crate::report::{Moment, Verdict, stanford, timeline};
+use crate::report::{Moment, stanford, timeline};
 
 /// Writes `report.html` into a folder; gives its path.
 ///
@@ -63,24 +62,8 @@ fn incident(fault: &Fault, track: &Track) -> timeline::Incident {
 
 fn moments(track: &Track) -> Vec<Moment> {
     let moment = |moment: &super::track::Moment| {
-        let output = moment.output.as_ref()?;
-        let state = &output.state;
-        Some(Moment {
-            time_s: moment.elapsed_s,
-            verdict: Verdict::from_letter(state.state),
-            reason: state.reason.clone(),
-            statistic: state.statistic,
-            threshold: state.threshold,
-            hpl_m: state.hpl_m,
-            vpl_m: state.vpl_m,
-            hal_m: state.hal_m,
-            val_m: state.val_m,
-            horizontal_error_m: moment.error.map(Enu::horizontal),
-            vertical_error_m: moment.error.map(|error| error.up),
-            pin_is_high: Some(state.is_protected()),
-            used: state.used as usize,
-            excluded: output.excluded.iter().map(|excluded| excluded.satellite).collect(),
-        })
+        let said = moment.output.as_ref()?;
+        Some(Moment::of(moment.elapsed_s, said, moment.error, said.state.is_protected()))
     };
     track.iter().filter_map(moment).collect()
 }

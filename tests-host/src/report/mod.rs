@@ -19,7 +19,10 @@ pub mod skyplot;
 pub mod stanford;
 pub mod timeline;
 
+use rai_core::frame::Enu;
 use rai_core::satellite::SatelliteId;
+
+use crate::sentence::EpochOutput;
 
 /// May the position be used?
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -83,4 +86,27 @@ pub struct Moment {
     pub used: usize,
     /// Satellites left out.
     pub excluded: Vec<SatelliteId>,
+}
+
+impl Moment {
+    /// What the module said of one epoch, beside the error of its position, east, north, up in m.
+    pub fn of(time_s: f64, said: &EpochOutput, error: Option<Enu>, pin_is_high: bool) -> Self {
+        let state = &said.state;
+        Self {
+            time_s,
+            verdict: Verdict::from_letter(state.state),
+            reason: state.reason.clone(),
+            statistic: state.statistic,
+            threshold: state.threshold,
+            hpl_m: state.hpl_m,
+            vpl_m: state.vpl_m,
+            hal_m: state.hal_m,
+            val_m: state.val_m,
+            horizontal_error_m: error.map(Enu::horizontal),
+            vertical_error_m: error.map(|error| error.up),
+            pin_is_high: Some(pin_is_high),
+            used: state.used as usize,
+            excluded: said.excluded.iter().map(|excluded| excluded.satellite).collect(),
+        }
+    }
 }
