@@ -10,15 +10,17 @@
 //! | 40 to 70 | the satellite's range grows evenly to the full bias |
 //! | 70 to 90 | it stays there |
 //! | 90 to 120 | the satellite is sound again |
+//! | from 120 | the line is silent, until the module says so and drops the pin |
 //!
 //! The next epoch is sent when the module has spoken of the last one, so two minutes pass as fast as the host runs.
+//! The silence passes on the board's own clock, with the time to alert set to [`SILENCE_S`].
 
 mod live;
 mod ordinary;
 mod story;
 
 use std::path::Path;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, ensure};
 use rai_core::satellite::SatelliteId;
@@ -43,12 +45,17 @@ pub const FAULT_END_S: f64 = 90.0;
 const GROWTH_S: f64 = 30.0;
 /// Epochs of the demonstration, one a second.
 const EPOCHS: u32 = 120;
+/// Time to alert while the line is silent, s: short, since it is waited for.
+pub const SILENCE_S: f64 = 3.0;
 /// How high the satellite shall stand at the beginning, degrees.
 const ELEVATION_DEG: f64 = 35.0;
 /// The module's elevation mask at start, degrees.
 const MASK_DEG: f64 = 5.0;
 /// How long the board may take for an epoch.
 const PATIENCE: Duration = Duration::from_secs(20);
+
+/// How long the log of the pin may lag behind the sentence.
+const PIN_PATIENCE: Duration = Duration::from_secs(5);
 
 /// What is to be shown.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -120,6 +127,9 @@ impl Plan {
             moments.push(moment(f64::from(index), &said, module.board.pin_is_high(), &simulation.site));
             watch(&moments);
         }
+        let (said, pin_is_high) = module.fall_silent().context("the silent line")?;
+        moments.push(moment(f64::from(EPOCHS - 1) + SILENCE_S, &said, pin_is_high, &simulation.site));
+        watch(&moments);
         let instructions = module.board.epoch_instructions();
         module.board.stop()?;
         Ok(Story { plan: *self, simulation, moments, ordinary, pin_at_boot, instructions })
@@ -137,6 +147,21 @@ impl Module {
         let mut board = EmulatedBoard::start(image)?;
         board.read_through("$PRAIV", PATIENCE).context("the board does not say that it started")?;
         Ok(Self { board, epochs: 0 })
+    }
+
+    /// Sends nothing until the module complains; what it says, and the level of the pin then.
+    fn fall_silent(&mut self) -> Result<(EpochOutput, bool)> {
+        self.board.command(&format!("TTA,{SILENCE_S}"))?;
+        self.board.read_through("$PRAIA", PATIENCE)?;
+        let lines = self.board.read_through("$PRAIS", PATIENCE)?;
+        let said = lines.last().map_or("", String::as_str);
+        let said = sentence::epochs(said)?.pop().context("the module said nothing of the silence")?;
+        // The log comes over a port of its own, a little later.
+        let deadline = Instant::now() + PIN_PATIENCE;
+        while self.board.pin_is_high() && Instant::now() < deadline {
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        Ok((said, self.board.pin_is_high()))
     }
 
     /// Sends one epoch and reads all that the module says of it.

@@ -5,7 +5,7 @@ use std::fmt;
 use anyhow::Result;
 use rai_core::satellite::SatelliteId;
 
-use super::{FAULT_END_S, FAULT_START_S, Ordinary, Plan};
+use super::{FAULT_END_S, FAULT_START_S, Ordinary, Plan, SILENCE_S};
 use crate::report::canvas::{GREY, Ground, Mark};
 use crate::report::chart::Series;
 use crate::report::page::Page;
@@ -64,13 +64,25 @@ impl Story {
         all.chunk_by(|a, b| a == b).filter_map(of).collect()
     }
 
-    fn pin_low(&self) -> usize {
-        self.moments.iter().filter(|moment| moment.pin_is_high == Some(false)).count()
+    /// What the module said at the end, when nothing came any more.
+    fn silence(&self) -> String {
+        let Some(last) = self.moments.last() else { return "nothing".to_owned() };
+        let pin = last.pin_is_high.map_or("unknown", level);
+        format!("{} {} after {SILENCE_S} s, pin {pin}", last.verdict.word(), last.reason)
     }
 
-    fn incident(&self) -> Incident {
+    fn pin_low(&self) -> usize {
+        let epochs = self.moments.iter().filter(|moment| moment.reason != "STALE");
+        epochs.filter(|moment| moment.pin_is_high == Some(false)).count()
+    }
+
+    fn incidents(&self) -> [Incident; 2] {
         let name = format!("{} drifts off, to {:+} m", self.plan.satellite, self.plan.bias_m);
-        Incident { name, range_s: FAULT_START_S..FAULT_END_S }
+        let end_s = self.moments.last().map_or(0.0, |moment| moment.time_s);
+        [
+            Incident { name, range_s: FAULT_START_S..FAULT_END_S },
+            Incident { name: "the line is silent".to_owned(), range_s: end_s - SILENCE_S..end_s },
+        ]
     }
 
     fn bodies(&self) -> Vec<Body> {
@@ -121,6 +133,7 @@ impl Story {
                 "integrity pin".to_owned(),
                 format!("{} at boot, low in {} epochs", level(self.pin_at_boot), self.pin_low()),
             ),
+            ("when the line fell silent".to_owned(), self.silence()),
         ];
         if let Some(most) = self.instructions.iter().max() {
             let millions = *most as f64 * 1e-6;
@@ -134,7 +147,7 @@ impl Story {
     /// # Errors
     /// What could not be drawn.
     pub fn picture(&self, ground: Ground) -> Result<String> {
-        let incidents = [self.incident()];
+        let incidents = self.incidents();
         let mut statistic = timeline::statistic(&self.moments, &incidents);
         let mut horizontal = timeline::horizontal(&self.moments, &incidents);
         // Behind the other lines: it is them that the picture is about.
@@ -157,7 +170,8 @@ impl Story {
     pub fn page(&self) -> Result<Page> {
         let summary = format!(
             "Two minutes of a simulated GPS and BeiDou sky over Xi'an, sent as RTCM 3 to the image on the emulated \
-             board. From {FAULT_START_S} s to {FAULT_END_S} s the range of {} is wrong, growing to {:+} m.",
+             board. From {FAULT_START_S} s to {FAULT_END_S} s the range of {} is wrong, growing to {:+} m; at the end \
+             the line falls silent, and after {SILENCE_S} s the pin drops.",
             self.plan.satellite, self.plan.bias_m
         );
         let mut page = Page::new("RAI: a satellite drifts off, and the module notices", &summary);
@@ -170,7 +184,7 @@ impl Story {
             stanford::horizontal(&self.moments, Ground::Page)?,
         ]);
         page.heading("Height");
-        page.picture(&timeline::vertical(&self.moments, &[self.incident()]).svg((960, 280), Ground::Page)?);
+        page.picture(&timeline::vertical(&self.moments, &self.incidents()).svg((960, 280), Ground::Page)?);
         page.heading("Changes of the verdict");
         page.table(&["time / s", "verdict", "reason", "left out", "error / m", "HPL / m"], &self.changes());
         Ok(page)
