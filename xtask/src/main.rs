@@ -13,6 +13,7 @@ mod test;
 
 use std::process::ExitCode;
 
+use clap::error::ErrorKind;
 use clap::{Parser, Subcommand};
 
 /// RAI: receiver autonomous integrity monitoring for microcontrollers.
@@ -44,7 +45,11 @@ enum Command {
 }
 
 fn main() -> ExitCode {
-    let result = match Arguments::parse().command {
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(error) => return refuse(&error),
+    };
+    let result = match arguments.command {
         Command::Demo(arguments) => demo::run(&arguments),
         Command::Test(arguments) => test::run(&arguments),
         Command::Setup(arguments) => setup::run(&arguments),
@@ -61,4 +66,19 @@ fn main() -> ExitCode {
             ExitCode::FAILURE
         }
     }
+}
+
+/// Shows the help where it was asked for; else says in one line what is wrong with the arguments.
+fn refuse(error: &clap::Error) -> ExitCode {
+    let is_help = error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand;
+    if is_help || !error.use_stderr() {
+        // A closed standard output leaves nobody to tell.
+        let _ = error.print();
+        return if is_help { ExitCode::FAILURE } else { ExitCode::SUCCESS };
+    }
+    // What is wrong stands before the first blank line; usage and hints follow.
+    let text = error.to_string();
+    let lines = text.lines().map(str::trim).take_while(|line| !line.is_empty());
+    eprintln!("{}", lines.collect::<Vec<_>>().join(" "));
+    ExitCode::FAILURE
 }

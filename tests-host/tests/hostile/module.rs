@@ -1,0 +1,162 @@
+//! The module in process, under a sky that is known.
+
+use std::collections::BTreeMap;
+use std::convert::Infallible;
+
+use embedded_hal::digital::{ErrorType, OutputPin};
+use rai_firmware::receiver::{Boot, Receiver};
+use tests_host::encode::{Encoder, Frequency, Selection};
+use tests_host::sentence::{self, EpochOutput};
+use tests_host::sky::Site;
+use tests_host::sky::raw::Simulation;
+
+/// A pause after each burst, in which a receiver would be silent, ms.
+const PAUSE_MS: u64 = 600;
+
+/// Largest error of a healthy epoch, m: five sigma of the ionosphere-free noise at the poorest geometry used here.
+const HEALTHY_M: f64 = 15.0;
+
+/// The bytes of each epoch of a simulated sky.
+pub(crate) struct Sky {
+    pub(crate) site: Site,
+    pub(crate) lumps: Vec<Vec<u8>>,
+}
+
+impl Sky {
+    /// GPS and `BeiDou` from `start_s` on, one epoch a second.
+    pub(crate) fn from(start_s: f64, epochs: u32) -> Self {
+        let simulation = Simulation::above_xian(start_s, epochs, 11);
+        let recording = simulation.record();
+        let selection = Selection::new("GC", Frequency::Dual).unwrap();
+        let mut encoder = Encoder::new(&recording.ephemerides, selection);
+        let lumps = recording.epochs.iter().map(|epoch| encoder.epoch(epoch).unwrap()).collect();
+        Self { site: simulation.site, lumps }
+    }
+
+    /// In the middle between two changes of the ephemerides, so that the first epoch alone brings any.
+    pub(crate) fn quiet(epochs: u32) -> Self {
+        Self::from(3600.0, epochs)
+    }
+}
+
+/// A pin in memory.
+#[derive(Debug, Default)]
+pub(crate) struct Pin {
+    high: bool,
+}
+
+impl ErrorType for Pin {
+    type Error = Infallible;
+}
+
+impl OutputPin for Pin {
+    fn set_low(&mut self) -> Result<(), Self::Error> {
+        self.high = false;
+        Ok(())
+    }
+
+    fn set_high(&mut self) -> Result<(), Self::Error> {
+        self.high = true;
+        Ok(())
+    }
+}
+
+/// The module, and what its counters stood at.
+pub(crate) struct Module {
+    pub(crate) receiver: Receiver<Pin>,
+    site: Site,
+    now_ms: u64,
+    noted: BTreeMap<&'static str, u32>,
+}
+
+impl Module {
+    /// A module that has heard nothing.
+    pub(crate) fn new(sky: &Sky) -> Self {
+        let boot = Boot { git: "hostile", reset_cause: heapless::String::new() };
+        let receiver = Receiver::new(Pin::default(), boot).unwrap();
+        Self { receiver, site: sky.site, now_ms: 0, noted: BTreeMap::new() }
+    }
+
+    /// A module that has had the first `epochs` of the sky.
+    pub(crate) fn after(sky: &Sky, epochs: usize) -> Self {
+        let mut module = Self::new(sky);
+        sky.lumps.iter().take(epochs).for_each(|lump| module.recovers(lump));
+        module.note();
+        module
+    }
+
+    /// Remembers the counters.
+    pub(crate) fn note(&mut self) {
+        self.noted = self.receiver.statistics().collect();
+    }
+
+    /// How much a counter has grown since [`Self::note`].
+    pub(crate) fn grown(&self, name: &str) -> u32 {
+        let (_, now) = self.receiver.statistics().find(|(counter, _)| *counter == name).expect(name);
+        now - self.noted.get(name).copied().unwrap_or(0)
+    }
+
+    pub(crate) fn pin_is_high(&self) -> bool {
+        self.receiver.pin().high
+    }
+
+    /// Sends a second's bytes and a pause; gives what was said, each word of it checked.
+    pub(crate) fn hear(&mut self, bytes: &[u8]) -> Vec<EpochOutput> {
+        let mut said = Vec::new();
+        self.receiver.gnss(bytes, self.now_ms, &mut said);
+        self.receiver.tick(self.now_ms + PAUSE_MS, &mut said);
+        self.now_ms += 1000;
+        self.checked(said)
+    }
+
+    /// Lets the line be silent; gives what was said.
+    pub(crate) fn silence(&mut self, for_ms: u64) -> Vec<EpochOutput> {
+        let mut said = Vec::new();
+        let end_ms = self.now_ms + for_ms;
+        for now_ms in (self.now_ms..=end_ms).step_by(100) {
+            self.receiver.tick(now_ms, &mut said);
+        }
+        self.now_ms = end_ms;
+        self.checked(said)
+    }
+
+    /// What must hold of everything that is ever said.
+    fn checked(&self, said: Vec<u8>) -> Vec<EpochOutput> {
+        let text = String::from_utf8(said).expect("sentences are ASCII");
+        let small = text.to_lowercase();
+        assert!(!small.contains("nan") && !small.contains("inf"), "a number that is none: {text}");
+        let outputs = sentence::epochs(&text).expect("sentences that can be read");
+        for output in outputs.iter().filter(|output| output.state.is_protected()) {
+            let (error_m, hpl_m) = (self.error_m(output), output.state.hpl_m.expect("a protection level"));
+            assert!(error_m <= hpl_m, "misleading: {error_m:.1} m off, HPL {hpl_m} m: {text}");
+        }
+        if let Some(last) = outputs.last() {
+            assert_eq!(self.pin_is_high(), last.state.is_protected(), "the pin against {text}");
+        }
+        outputs
+    }
+
+    /// Horizontal error, m; infinite without a position.
+    fn error_m(&self, output: &EpochOutput) -> f64 {
+        output.position.map_or(f64::INFINITY, |position| {
+            self.site.frame.rotate(position.to_ecef() - self.site.position).horizontal()
+        })
+    }
+
+    /// Sends a healthy epoch: it is protected, with all satellites, and right.
+    pub(crate) fn recovers(&mut self, lump: &[u8]) {
+        let said = self.hear(lump);
+        let last = said.last().expect("an epoch is answered");
+        assert!(last.state.is_protected() && last.excluded.is_empty(), "healthy epoch: {last:?}");
+        assert!(self.error_m(last) < HEALTHY_M, "healthy epoch: {last:?}");
+        assert!(self.pin_is_high());
+    }
+
+    /// Sends an epoch in which nothing can be used: there is no position, and the pin is low.
+    pub(crate) fn has_no_fix(&mut self, lump: &[u8]) {
+        let said = self.hear(lump);
+        let [only] = said.as_slice() else { panic!("one epoch is one answer: {said:?}") };
+        assert_eq!((only.state.state, only.position), ('U', None), "{only:?}");
+        assert!(!self.pin_is_high());
+    }
+}

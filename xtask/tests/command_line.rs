@@ -1,0 +1,148 @@
+//! What a person types wrongly: exit code 1, and one line that says what and where.
+
+use std::fs;
+use std::path::PathBuf;
+use std::process::{Command, Output};
+
+/// One epoch of two satellites.
+const OBSERVATIONS: &str = "     3.04           OBSERVATION DATA    M                   RINEX VERSION / TYPE
+G    1 C1C                                                  SYS / # / OBS TYPES
+C    1 C2I                                                  SYS / # / OBS TYPES
+                                                            END OF HEADER
+> 2024 06 24 08 00  0.0000000  0  2
+G02  24503597.381
+C05  41654777.792
+";
+
+/// One ephemeris, two hours later.
+const NAVIGATION: &str = "     3.04           N: GNSS NAV DATA    M: MIXED            RINEX VERSION / TYPE
+                                                            END OF HEADER
+G05 2024 06 24 10 00 00-1.774230040610E-04-1.364242052659E-12 0.000000000000E+00
+     7.200000000000E+01-9.821875000000E+01 4.293035965037E-09 1.714815412488E+00
+    -5.291774868965E-06 5.927642923780E-03 1.830980181694E-06 5.153635631561E+03
+     1.224000000000E+05 3.352761268616E-08 2.520897825810E+00-5.774199962616E-08
+     9.719266524177E-01 3.536250000000E+02 1.273307347665E+00-8.275344701323E-09
+    -2.610823036973E-10 1.000000000000E+00 2.320000000000E+03 0.000000000000E+00
+     2.000000000000E+00 0.000000000000E+00-1.071020960808E-08 7.200000000000E+01
+     1.152180000000E+05
+";
+
+/// Files of one test, in a folder of its own.
+struct Files(PathBuf);
+
+impl Files {
+    fn new(test: &str) -> Self {
+        let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(test);
+        fs::create_dir_all(&folder).unwrap();
+        let files = Self(folder);
+        files.write("day.obs", OBSERVATIONS);
+        files.write("day.nav", NAVIGATION);
+        files
+    }
+
+    fn write(&self, name: &str, text: &str) {
+        fs::write(self.0.join(name), text).unwrap();
+    }
+
+    /// Runs a command in the folder.
+    fn run(&self, arguments: &[&str]) -> Output {
+        Command::new(env!("CARGO_BIN_EXE_xtask")).current_dir(&self.0).args(arguments).output().unwrap()
+    }
+
+    /// Runs a command that is refused; gives the one line that it says.
+    fn refusal(&self, arguments: &[&str]) -> String {
+        let output = self.run(arguments);
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(1), "{arguments:?}: {said}");
+        assert!(output.stdout.is_empty(), "{arguments:?}: {:?}", output.stdout);
+        let [line] = said.lines().collect::<Vec<_>>()[..] else { panic!("{arguments:?}: {said}") };
+        assert!(line.starts_with("error: "), "{arguments:?}: {line}");
+        line.to_owned()
+    }
+
+    /// The refusal of a replay of the day with more arguments.
+    fn replay(&self, more: &[&str]) -> String {
+        self.refusal(&[&["replay", "--obs", "day.obs", "--nav", "day.nav"], more].concat())
+    }
+}
+
+fn assert_says(line: &str, wanted: &[&str]) {
+    for want in wanted {
+        assert!(line.contains(want), "have {line}, want {want}");
+    }
+}
+
+#[test]
+fn a_missing_file_is_named() {
+    let files = Files::new("missing");
+    let line = files.refusal(&["replay", "--obs", "no.obs", "--nav", "day.nav"]);
+    assert_says(&line, &["observation file no.obs", "cannot be read"]);
+    let line = files.refusal(&["replay", "--obs", "day.obs", "--nav", "no.nav"]);
+    assert_says(&line, &["navigation file no.nav", "cannot be read"]);
+    assert_says(&files.replay(&["--truth-csv", "no.csv"]), &["truth file no.csv"]);
+}
+
+#[test]
+fn an_empty_file_is_named() {
+    let files = Files::new("empty");
+    files.write("empty", "");
+    let line = files.refusal(&["replay", "--obs", "empty", "--nav", "day.nav"]);
+    assert_says(&line, &["observation file empty", "is empty"]);
+    let line = files.refusal(&["replay", "--obs", "day.obs", "--nav", "empty"]);
+    assert_says(&line, &["navigation file empty", "is empty"]);
+    assert_says(&files.replay(&["--truth-csv", "empty"]), &["empty holds no position"]);
+}
+
+#[test]
+fn a_navigation_file_of_another_day_is_told_with_both_times() {
+    let files = Files::new("another_day");
+    let other = NAVIGATION.replace("2024 06 24", "2024 06 25").replace("1.2240000", "2.0880000");
+    files.write("other.nav", &other);
+    let line = files.refusal(&["replay", "--obs", "day.obs", "--nav", "other.nav"]);
+    assert_says(&line, &["other.nav", "2024-06-24 08:00:00", "2024-06-25 10:00:00"]);
+}
+
+#[test]
+fn an_unknown_satellite_is_told_with_those_that_there_are() {
+    let files = Files::new("satellite");
+    let line = files.replay(&["--inject", "G31:+80@0..10"]);
+    assert_says(&line, &["G31 is never received", "G02", "C05"]);
+    for name in ["X05", "G5x", "Q07", "G123"] {
+        let line = files.replay(&["--inject", &format!("{name}:+80@0..10")]);
+        assert_says(&line, &[&format!("`{name}`"), "at character 1"]);
+    }
+    assert_says(&files.replay(&["--ramp", "E99:0.5@0.."]), &["E99 is never received"]);
+}
+
+#[test]
+fn a_truth_that_is_no_position_is_told_with_an_example() {
+    let files = Files::new("truth");
+    for truth in ["here", "1,2", "1,2,three", "0,0,0", "nan,0,6400000", "1e9,1e9,1e9", ""] {
+        assert_says(&files.replay(&["--truth", truth]), &["truth", &format!("{truth:?}")]);
+    }
+    files.write("truth.csv", "week,tow,x_m,y_m,z_m\n2320,115200,1,2,3\n2320,115201,1,2\n");
+    assert_says(&files.replay(&["--truth-csv", "truth.csv"]), &["truth.csv:3"]);
+}
+
+#[test]
+fn usage_errors_are_one_line_that_names_the_argument() {
+    let files = Files::new("usage");
+    assert_says(&files.refusal(&["replay"]), &["--obs", "--nav"]);
+    assert_says(&files.refusal(&["replay", "--obs"]), &["--obs"]);
+    assert_says(&files.refusal(&["fly"]), &["fly"]);
+    assert_says(&files.replay(&["--form", "3"]), &["--form"]);
+    assert_says(&files.replay(&["--from", "noon"]), &["noon", "--from"]);
+    assert_says(&files.replay(&["--on", "moon"]), &["moon", "host", "board"]);
+    assert_says(&files.replay(&["--systems", "GX"]), &["system `X` of `GX`"]);
+    assert_says(&files.replay(&["--phase", "LUNCH"]), &["PHASE,LUNCH"]);
+}
+
+#[test]
+fn help_is_no_error_and_no_command_shows_it() {
+    let files = Files::new("help");
+    let help = files.run(&["help"]);
+    assert!(help.status.success() && String::from_utf8_lossy(&help.stdout).contains("replay"));
+    let bare = files.run(&[]);
+    assert_eq!(bare.status.code(), Some(1));
+    assert!(String::from_utf8_lossy(&bare.stderr).contains("replay"));
+}
