@@ -138,6 +138,8 @@ fn bit(index: usize) -> u64 {
     1u64.checked_shl(index as u32).unwrap_or(0)
 }
 
+/// Not inlined: it is called from several places, and each would hold the equations on its own stack.
+#[inline(never)]
 fn converge<T: Real, const N: usize>(
     epoch: &Epoch<N>,
     start: Ecef,

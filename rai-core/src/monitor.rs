@@ -20,7 +20,7 @@ use heapless::{Deque, Vec};
 use crate::bounded::gather;
 use crate::clock::Clocks;
 use crate::detection::Detection;
-use crate::epoch::Epoch;
+use crate::epoch::{Aiding, Epoch};
 use crate::fix::{Fix, FixError};
 use crate::frame::{Ecef, LocalFrame};
 use crate::identification::baarda::{self, Exclusion, Identification, Outcome};
@@ -154,8 +154,26 @@ impl<T: Real, const N: usize> Monitor<T, N> {
 
     /// Judges one epoch.
     pub fn process(&mut self, epoch: &Epoch<N>) -> Report<N> {
-        let aided = self.aided(epoch);
-        let epoch = aided.as_ref().unwrap_or(epoch);
+        let forecast = self.clocks.aiding(epoch).filter(|_| self.strategy.clock_aid);
+        match forecast {
+            Some(forecast) => self.locate_aided(epoch, forecast),
+            None => self.locate(epoch),
+        }
+    }
+
+    /// Judges an epoch with the forecast of a receiver clock beside it, where there is room for the row.
+    ///
+    /// Not inlined: only an aided epoch pays for the copy.
+    #[inline(never)]
+    fn locate_aided(&mut self, epoch: &Epoch<N>, forecast: Aiding) -> Report<N> {
+        let mut aided = epoch.clone();
+        let has_room = epoch.observations().len() + epoch.aiding().len() < N;
+        let is_aided = has_room && aided.aid(forecast).is_ok();
+        self.locate(if is_aided { &aided } else { epoch })
+    }
+
+    #[inline(never)]
+    fn locate(&mut self, epoch: &Epoch<N>) -> Report<N> {
         let fix = Fix::<T, N>::solve(epoch, self.start)
             // A start far from the truth may lead astray: the centre of the earth is the same distance from all.
             .or_else(|_| Fix::solve(epoch, Ecef::CENTRE));
@@ -167,14 +185,6 @@ impl<T: Real, const N: usize> Monitor<T, N> {
             self.start = solution.position;
         }
         Report { sigma_check: self.sigma_check(), ..report }
-    }
-
-    /// The epoch with the forecast of a receiver clock; `None` without aiding, forecast or room.
-    fn aided(&self, epoch: &Epoch<N>) -> Option<Epoch<N>> {
-        let forecast = self.clocks.aiding(epoch).filter(|_| self.strategy.clock_aid)?;
-        let mut aided = epoch.clone();
-        let has_room = epoch.observations().len() + epoch.aiding().len() < N;
-        (has_room && aided.aid(forecast).is_ok()).then_some(aided)
     }
 
     fn judge(&mut self, mut fix: Fix<'_, T, N>, epoch: &Epoch<N>) -> Report<N> {
@@ -209,6 +219,9 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     }
 
     /// Looks for the faulty satellites and leaves them out.
+    ///
+    /// Not inlined: what the searches need of the stack would else be taken by every epoch.
+    #[inline(never)]
     fn isolate(&mut self, fix: &mut Fix<'_, T, N>, epoch: &Epoch<N>) -> Exclusion<T> {
         match self.strategy.method {
             Method::Parity(method) => {

@@ -37,7 +37,7 @@ fn drifting_satellite_is_left_out_on_the_board_before_the_error_passes_its_bound
     let mut live = Live::new(plan("C08"), View::Lines, &mut shown);
     let image = image::build().expect("the image builds");
     let story = plan("C08").run(&image, |moments| live.show(moments).unwrap()).expect("the board answers");
-    assert_eq!(story.moments.len(), 121);
+    assert_eq!(story.moments.len(), 122);
     // At the end nothing comes any more, and the module says so and drops the pin.
     let silence = story.moments.last().unwrap();
     assert_eq!((silence.verdict, silence.reason.as_str()), (Verdict::Alert, "STALE"));

@@ -127,9 +127,14 @@ impl Plan {
             moments.push(moment(f64::from(index), &said, module.board.pin_is_high(), &simulation.site));
             watch(&moments);
         }
-        let (said, pin_is_high) = module.fall_silent().context("the silent line")?;
-        moments.push(moment(f64::from(EPOCHS - 1) + SILENCE_S, &said, pin_is_high, &simulation.site));
-        watch(&moments);
+        module.shorten_patience()?;
+        // Said twice, so that the alarm is seen to last.
+        for times in 1..=2 {
+            let (said, pin_is_high) = module.fall_silent().context("the silent line")?;
+            let time_s = f64::from(EPOCHS - 1) + f64::from(times) * SILENCE_S;
+            moments.push(moment(time_s, &said, pin_is_high, &simulation.site));
+            watch(&moments);
+        }
         let instructions = module.board.epoch_instructions();
         module.board.stop()?;
         Ok(Story { plan: *self, simulation, moments, ordinary, pin_at_boot, instructions })
@@ -149,10 +154,14 @@ impl Module {
         Ok(Self { board, epochs: 0 })
     }
 
+    /// Sets the time to alert to [`SILENCE_S`].
+    fn shorten_patience(&mut self) -> Result<()> {
+        self.board.command(&format!("TTA,{SILENCE_S}"))?;
+        self.board.read_through("$PRAIA", PATIENCE).map(drop)
+    }
+
     /// Sends nothing until the module complains; what it says, and the level of the pin then.
     fn fall_silent(&mut self) -> Result<(EpochOutput, bool)> {
-        self.board.command(&format!("TTA,{SILENCE_S}"))?;
-        self.board.read_through("$PRAIA", PATIENCE)?;
         let lines = self.board.read_through("$PRAIS", PATIENCE)?;
         let said = lines.last().map_or("", String::as_str);
         let said = sentence::epochs(said)?.pop().context("the module said nothing of the silence")?;

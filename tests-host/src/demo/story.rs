@@ -81,7 +81,7 @@ impl Story {
         let end_s = self.moments.last().map_or(0.0, |moment| moment.time_s);
         [
             Incident { name, range_s: FAULT_START_S..FAULT_END_S },
-            Incident { name: "the line is silent".to_owned(), range_s: end_s - SILENCE_S..end_s },
+            Incident { name: "the line is silent".to_owned(), range_s: end_s - 2.0 * SILENCE_S..end_s },
         ]
     }
 
