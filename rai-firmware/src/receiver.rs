@@ -81,6 +81,7 @@ struct EpochLoop<P> {
     last_verdict: Option<Verdict>,
     last_time: Option<GpsTime>,
     last_epoch_ms: u64,
+    sigma_check: Option<f64>,
 }
 
 impl<P: OutputPin> Receiver<P> {
@@ -98,6 +99,7 @@ impl<P: OutputPin> Receiver<P> {
             last_verdict: None,
             last_time: None,
             last_epoch_ms: 0,
+            sigma_check: None,
         };
         epochs.promise(false);
         let (decoder, commands) = (Decoder::new(), CommandPort::new());
@@ -191,12 +193,16 @@ impl<P: OutputPin> Receiver<P> {
         &self.epochs.pin
     }
 
-    /// Every counter by name: verdicts, wire, satellites, commands.
+    /// Every counter by name: verdicts, wire, satellites, commands; and the mean of SSE/dof in percent, which is
+    /// about 100 where the sigmas are right.
     pub fn statistics(&self) -> impl Iterator<Item = (&'static str, u32)> {
+        let sigma_check =
+            self.epochs.sigma_check.map(|mean| ("sigma_check_pct", libm::round(mean * 100.0) as u32));
         let tally = self.epochs.navigator.tally();
         self.epochs
             .verdicts
             .iter()
+            .chain(sigma_check)
             .chain(self.decoder.counters().iter())
             .chain(tally.ephemerides.iter())
             .chain(tally.ranges.iter())
@@ -226,6 +232,7 @@ impl<P: OutputPin> EpochLoop<P> {
         self.last_verdict = Some(report.verdict);
         self.last_time = Some(time);
         self.last_epoch_ms = now_ms;
+        self.sigma_check = report.sigma_check;
         count(match report.verdict {
             Verdict::Protected(_) => &mut self.verdicts.epochs_protected,
             Verdict::Alert(_) => &mut self.verdicts.epochs_alert,
