@@ -20,6 +20,7 @@ mod line;
 mod lsr;
 mod number;
 mod ransac;
+mod thresholds;
 
 use std::collections::HashMap;
 use std::io::{self, BufRead, Write};
@@ -63,6 +64,7 @@ Output: {id, out: {lsr: {…}, iso: {…}, ransac: {…}, ransac_trad: {…}}} o
   tau1, lam, test = sqrt(sse/dof), T1n = sqrt(tau1/dof), detected
   w, Td     w-tests and their threshold     Sii  redundancy numbers
   slope_h, slope_v, hpl, vpl, hdop_i, delta = (f hal / max slope_h)^2, raim_available
+  tau2, tau_op_raw, tau_op, op_status       thresholds of the policies    op | op_is_tau1 | op_is_tau2 | unavailable
   ident, ident_reason                       row named, or -1 and why not
   excluded, fde_status, sse_after, dof_after, x_after   sequential exclusion of at most 3 rows
 Fields of iso, with the status ok: rho, rho_T, and the rows named by the methods
@@ -73,6 +75,9 @@ Fields of ransac, with two satellites for each unknown
 Fields of ransac_trad, with at most 1500 minimal subsets: K valid and n_out contradicted ones; f, tot for each row; fault
 NaN is null, infinity \"inf\". Probabilities outside the committed tables get rows computed on the host.
 The exit code is 1 if a line had an error; the other lines are answered.
+
+With --thresholds each line is {id, nu, pfa, pmd, delta}: degrees of freedom, probabilities, non-centrality of the fault
+that must not be missed. Output: the same with tau1, lam, tau2, tau_op_raw, tau_op, status.
 
 With --clock each line is a window of one receiver clock: {id, Z: [m, …]}, 12 to 240 values one step apart, oldest first.
 Output: out.uc, the core's third-order process, and for comparison burg, yw (Yule-Walker), poly1, poly2; of each
@@ -114,6 +119,8 @@ impl std::str::FromStr for Scalar {
 pub enum Part {
     /// Linearised epochs.
     Epochs,
+    /// Degrees of freedom, probabilities and a non-centrality.
+    Thresholds,
     /// Windows of receiver clocks.
     Clock,
     /// Linearised epochs of one constellation, aided by a forecast clock.
@@ -134,6 +141,7 @@ pub struct Summary {
 #[serde(untagged)]
 enum Answer {
     Out { id: Value, out: Box<Out> },
+    Thresholds(Box<thresholds::Answered>),
     Clock { id: Value, out: Box<Forecasts> },
     ClockRaim { id: Value, out: Box<ClockRaim> },
     Error { id: Value, error: String },
@@ -236,6 +244,10 @@ fn answer_part(
     }
     let object = value.as_object().ok_or("not a JSON object")?;
     let single = scalar.map_or_else(|| line::scalar(object), Ok)? == Scalar::F32;
+    if part == Part::Thresholds {
+        let of = if single { thresholds::evaluate::<f32> } else { thresholds::evaluate::<f64> };
+        return Ok(Answer::Thresholds(Box::new(of(object, rows)?)));
+    }
     if part == Part::Clock {
         let out = if single { clock::evaluate::<f32>(object) } else { clock::evaluate::<f64>(object) };
         return Ok(Answer::Clock { id, out: Box::new(out?) });

@@ -16,6 +16,9 @@ pub(crate) struct Arguments {
     /// Which instantiation of the core runs, whatever the lines say: f64 or f32.
     #[arg(long)]
     scalar: Option<Scalar>,
+    /// The lines are degrees of freedom, probabilities and a non-centrality.
+    #[arg(long, conflicts_with_all = ["clock", "clock_raim"])]
+    thresholds: bool,
     /// The lines are windows of receiver clocks.
     #[arg(long)]
     clock: bool,
@@ -26,9 +29,10 @@ pub(crate) struct Arguments {
 
 impl Arguments {
     fn part(&self) -> Part {
-        match (self.clock, self.clock_raim) {
-            (true, _) => Part::Clock,
-            (_, true) => Part::ClockRaim,
+        match (self.thresholds, self.clock, self.clock_raim) {
+            (true, _, _) => Part::Thresholds,
+            (_, true, _) => Part::Clock,
+            (_, _, true) => Part::ClockRaim,
             _ => Part::Epochs,
         }
     }

@@ -10,11 +10,13 @@ use rai_core::real::Real;
 use rai_core::satellite::Constellation;
 use rai_core::snapshot::{Fit, Snapshot, SnapshotError};
 use rai_core::threshold::Thresholds;
+use rai_core::threshold::policy::noncentrality_at;
 use serde::Serialize;
 
 use super::MAX_ROWS;
 use super::line::Line;
 use super::number::Number;
+use super::thresholds::{Policies, decide};
 
 /// What the least-squares part says of an epoch, as far as its status goes.
 #[derive(Serialize)]
@@ -59,6 +61,8 @@ struct Test {
     vpl: Number,
     hdop_i: Vec<Number>,
     delta: Number,
+    #[serde(flatten)]
+    policies: Policies,
     raim_available: bool,
     /// Row of the epoch, or −1.
     ident: isize,
@@ -158,7 +162,9 @@ fn test<T: Real>(
     let statistic = detection.statistic();
     let levels = largest_slopes(snapshot).protect(lambda);
     let limit_m = line.guard_fraction * line.hal_m;
-    let slope_limit = limit_m / largest_slopes(snapshot).horizontal.widen();
+    let delta = noncentrality_at(limit_m, largest_slopes(snapshot).horizontal.widen());
+    let (_, missed_detection) = line.probabilities()?;
+    let policies = decide::<T>(dof, delta, *thresholds, missed_detection).ok_or_else(beyond)?;
     let (ident, ident_reason) = identification(snapshot, &detection, thresholds);
     Ok(Test {
         tau1: wide(detection.threshold),
@@ -174,7 +180,8 @@ fn test<T: Real>(
         hpl: levels.hpl_m.into(),
         vpl: levels.vpl_m.into(),
         hdop_i: (0..line.rows()).filter_map(|index| snapshot.hdop_without(index)).map(wide).collect(),
-        delta: (slope_limit * slope_limit).into(),
+        delta: delta.into(),
+        policies,
         raim_available: levels.hpl_m < limit_m,
         ident,
         ident_reason,
