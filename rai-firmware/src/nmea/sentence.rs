@@ -278,7 +278,7 @@ mod tests {
 
     #[test]
     fn checksum_of_a_printed_example() {
-        // GNGST of a receiver log, quoted in ros-drivers/nmea_navsat_driver issue 86.
+        // GNGST of a receiver log, quoted in ros-drivers/nmea_navsat_driver#86.
         let fields = ["130358.60", "36", "", "", "", "0.046", "0.041", "0.057"];
         let sentence = fields.into_iter().fold(Sentence::new("GNGST"), Sentence::text);
         let want = b"$GNGST,130358.60,36,,,,0.046,0.041,0.057*43\r\n";
