@@ -9,7 +9,7 @@
 //! [`LocalFrame::rotate`] is the only way to an [`Enu`].
 //!
 //! Assumes the WGS 84 ellipsoid; the ellipsoids of the other systems differ by less than 0.1 mm at the surface.
-//! References: [`WGS84`], [`Bowring1985`] for the latitude.
+//! References: [WGS84], [Bowring1985] for the latitude.
 
 use nalgebra::Vector3;
 

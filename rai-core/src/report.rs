@@ -15,7 +15,8 @@ pub const MAX_EXCLUDED: usize = 3;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Verdict {
-    /// The error is bounded by the protection levels, and these are within the alert limits.
+    /// No fault was detected in what is used, and an undetected one of a single satellite stays within the alert
+    /// limits ([`ProtectionLevels`]).
     Protected(Protected),
     /// The position must not be used: something is wrong with it.
     Alert(Alert),
@@ -104,7 +105,8 @@ pub struct TestStatistic {
     pub dof: u8,
 }
 
-/// Bounds of the position error, m; infinite where a satellite moves the position but cannot be tested.
+/// How far an undetected fault of one satellite moves the position, m; infinite where a satellite moves it but cannot
+/// be tested. The noise on the position is not in it ([`crate::protection`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ProtectionLevels {

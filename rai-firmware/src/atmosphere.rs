@@ -91,7 +91,7 @@ impl Klobuchar {
 
     /// Coefficients in the order of the message: four of the amplitude, four of the period.
     ///
-    /// `None` when one is not finite or larger than its field in the message (2⁻²³ s, 2⁻¹⁶·2⁷ s, with room for
+    /// `None` when one is not finite or larger than its field in the message (2⁻²³ s, 2²³ s, with room for
     /// the steeper powers).
     pub fn new(coefficients: [f64; 8]) -> Option<Self> {
         let [a0, a1, a2, a3, b0, b1, b2, b3] = coefficients;

@@ -64,6 +64,11 @@ impl Navigator {
         Ok(())
     }
 
+    /// What is judged by.
+    pub fn requirements(&self) -> &Requirements {
+        self.monitor.requirements()
+    }
+
     /// What became of the satellites so far.
     pub fn tally(&self) -> &Tally {
         &self.tally

@@ -6,7 +6,8 @@
 //! ```
 //!
 //! The pin is high while the position of the last epoch may be used, and low in every other case: from reset on,
-//! on every verdict but `Protected`, and when the time to alert has passed since the last protected epoch.
+//! on every verdict but `Protected`, and when the time to alert has passed since the last epoch. Other requirements
+//! take the promise back until the next epoch, a missed known answer until the next start.
 //!
 //! Deadline: an epoch is judged within the call of [`Receiver::gnss`] that brings its last byte; the pin is set before
 //! a sentence is written. A silent line is noticed by [`Receiver::tick`], to be called at least ten times a second.
@@ -25,7 +26,7 @@ use crate::nmea::{
     GPS_MINUS_UTC_S, write_answer, write_counters, write_epoch, write_refusal, write_stale, write_version,
 };
 use crate::rtcm::{Decoder, Event};
-use crate::selftest;
+use crate::selftest::{self, Failure};
 use crate::time::GpsTime;
 
 /// What the board knows when it starts.
@@ -82,6 +83,7 @@ struct EpochLoop<P> {
     last_time: Option<GpsTime>,
     last_epoch_ms: u64,
     sigma_check: Option<f64>,
+    is_sound: bool,
 }
 
 impl<P: OutputPin> Receiver<P> {
@@ -100,6 +102,7 @@ impl<P: OutputPin> Receiver<P> {
             last_time: None,
             last_epoch_ms: 0,
             sigma_check: None,
+            is_sound: true,
         };
         epochs.promise(false);
         let (decoder, commands) = (Decoder::new(), CommandPort::new());
@@ -108,7 +111,7 @@ impl<P: OutputPin> Receiver<P> {
 
     /// Says what runs here, why it started, and whether its arithmetic is right.
     pub fn greet<W: Write>(&mut self, host: &mut W) {
-        let selftest = match selftest::run() {
+        let selftest = match self.epochs.prove(selftest::run()) {
             Ok(()) => "PASS",
             Err(failure) => failure.name(),
         };
@@ -147,7 +150,11 @@ impl<P: OutputPin> Receiver<P> {
             match self.commands.push(byte, &mut self.epochs.configuration, host) {
                 Ok(Some(action)) => self.act(action, host),
                 Ok(None) => {}
-                Err(_) => self.epochs.sent(false),
+                Err(_) => {
+                    // The answer is lost, not the change: what judges and what is said must stay one.
+                    self.epochs.reconfigure();
+                    self.epochs.sent(false);
+                }
             }
         }
     }
@@ -155,12 +162,11 @@ impl<P: OutputPin> Receiver<P> {
     fn act<W: Write>(&mut self, action: Action, host: &mut W) {
         let written = match action {
             Action::Reconfigured => {
-                // Validated against the same tables by the command: it is met.
-                let _ = self.epochs.navigator.configure(&self.epochs.configuration);
+                self.epochs.reconfigure();
                 Ok(())
             }
             Action::Statistics => write_counters(self.statistics(), host),
-            Action::SelfTest => match selftest::run() {
+            Action::SelfTest => match self.epochs.prove(selftest::run()) {
                 Ok(()) => write_answer("SELFTEST", core::iter::once("PASS"), host),
                 Err(failure) => write_refusal("SELFTEST", failure.name(), host),
             },
@@ -256,9 +262,30 @@ impl<P: OutputPin> EpochLoop<P> {
         self.sent(written.is_ok());
     }
 
+    /// Takes over what a command has changed. A promise under other requirements is none under these.
+    fn reconfigure(&mut self) {
+        let (judged_by, mut wanted) = (self.navigator.requirements(), self.configuration.requirements);
+        // A promise says nothing about the time to alert, which holds at once.
+        wanted.time_to_alert_s = judged_by.time_to_alert_s;
+        if *judged_by != wanted {
+            self.promise(false);
+        }
+        // Validated against the same tables by the command: it is met.
+        let _ = self.navigator.configure(&self.configuration);
+    }
+
+    /// Notes how the known-answer tests ended: whoever fails one promises nothing any more.
+    fn prove(&mut self, outcome: Result<(), Failure>) -> Result<(), Failure> {
+        if outcome.is_err() {
+            self.is_sound = false;
+            self.promise(false);
+        }
+        outcome
+    }
+
     /// Sets the integrity pin.
     fn promise(&mut self, usable: bool) {
-        let set = if usable { self.pin.set_high() } else { self.pin.set_low() };
+        let set = if usable && self.is_sound { self.pin.set_high() } else { self.pin.set_low() };
         if set.is_err() {
             count(&mut self.verdicts.pin_failures);
         }
@@ -268,5 +295,88 @@ impl<P: OutputPin> EpochLoop<P> {
         if !written {
             count(&mut self.verdicts.host_lost);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use core::convert::Infallible;
+
+    use embedded_hal::digital::ErrorType;
+    use embedded_io::ErrorKind;
+    use rai_core::requirements::Requirements;
+
+    use super::*;
+
+    #[derive(Debug)]
+    struct Level {
+        high: bool,
+    }
+
+    impl ErrorType for Level {
+        type Error = Infallible;
+    }
+
+    impl OutputPin for Level {
+        fn set_low(&mut self) -> Result<(), Infallible> {
+            self.high = false;
+            Ok(())
+        }
+
+        fn set_high(&mut self) -> Result<(), Infallible> {
+            self.high = true;
+            Ok(())
+        }
+    }
+
+    /// A host that takes nothing.
+    struct Deaf;
+
+    impl embedded_io::ErrorType for Deaf {
+        type Error = ErrorKind;
+    }
+
+    impl Write for Deaf {
+        fn write(&mut self, _: &[u8]) -> Result<usize, ErrorKind> {
+            Err(ErrorKind::TimedOut)
+        }
+
+        fn flush(&mut self) -> Result<(), ErrorKind> {
+            Ok(())
+        }
+    }
+
+    fn promising() -> Receiver<Level> {
+        let boot = Boot { git: "test", reset_cause: heapless::String::new() };
+        let mut receiver = Receiver::new(Level { high: true }, boot).expect("in the tables");
+        receiver.epochs.promise(true);
+        receiver
+    }
+
+    #[test]
+    fn a_change_whose_answer_is_lost_is_judged_by_nevertheless() {
+        let mut receiver = promising();
+        receiver.command(b"$PRAIC,HAL,40*08\r\n", &mut Deaf);
+        let want = Requirements { hal_m: 40.0, ..Requirements::non_precision_approach() };
+        assert_eq!(receiver.configuration().requirements, want);
+        assert_eq!(*receiver.epochs.navigator.requirements(), want);
+    }
+
+    #[test]
+    fn other_requirements_take_the_promise_back() {
+        let mut receiver = promising();
+        receiver.command(b"$PRAIC,MASK,5*68\r\n", &mut [0; 100].as_mut_slice());
+        assert!(receiver.pin().high, "the mask is no requirement");
+        receiver.command(b"$PRAIC,HAL,40*08\r\n", &mut [0; 100].as_mut_slice());
+        assert!(!receiver.pin().high);
+    }
+
+    #[test]
+    fn whoever_misses_a_known_answer_promises_nothing() {
+        let mut receiver = promising();
+        let _ = receiver.epochs.prove(Err(Failure::Table));
+        assert!(!receiver.pin().high);
+        receiver.epochs.promise(true);
+        assert!(!receiver.pin().high);
     }
 }

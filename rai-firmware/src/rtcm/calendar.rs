@@ -87,6 +87,8 @@ impl Calendar {
     fn follows_older(&mut self, time: GpsTime) -> bool {
         let run = match self.older {
             Some((before, run)) if time > before => run.saturating_add(1),
+            // The next system's message of the same instant.
+            Some((before, run)) if time == before => run,
             _ => 1,
         };
         self.older = Some((time, run));
@@ -153,5 +155,20 @@ impl Calendar {
         let is_neighbour = nearest.week.abs_diff(stated.week) == 1;
         let is_present = nearest.since_ms(reference).unsigned_abs() <= u64::from(ROLL_OVER_MS);
         if is_at_edge && is_neighbour && is_present { nearest } else { stated }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_older_time_comes_back_though_every_system_ends_its_own_epoch() {
+        let (mut calendar, mut counters) = (Calendar::new(), Counters::default());
+        calendar.learn(GpsTime { week: 2111, tow_ms: 0 }, &mut counters);
+        assert!(calendar.advance(90_000_000, &mut counters).is_ok());
+        let older = (1..=5).flat_map(|second| [second * 1000; 2]);
+        let accepted = older.filter(|&tow_ms| calendar.advance(tow_ms, &mut counters).is_ok()).count();
+        assert_eq!((accepted, calendar.time()), (1, Some(GpsTime { week: 2111, tow_ms: 5000 })));
     }
 }
