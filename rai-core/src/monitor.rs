@@ -181,7 +181,9 @@ impl<T: Real, const N: usize> Monitor<T, N> {
             Ok(fix) => self.judge(fix, epoch),
             Err(error) => without_position(error, epoch),
         };
-        if let Some(solution) = &report.solution {
+        // A position that must not be used is no start either.
+        let usable = !matches!(report.verdict, Verdict::Alert(_));
+        if let Some(solution) = report.solution.as_ref().filter(|_| usable) {
             self.start = solution.position;
         }
         Report { sigma_check: self.sigma_check(), ..report }
@@ -208,7 +210,9 @@ impl<T: Real, const N: usize> Monitor<T, N> {
             (Outcome::Isolated | Outcome::Passed, Ok(test)) => self.bounded(Protected::Ok, test),
         };
         let test = test.ok();
-        if let Some(test) = test.as_ref().filter(|test| !test.detection.fault()) {
+        // Under a policy above T1 a search can fail although what it left passes: that is no epoch to learn from.
+        let isolated = !matches!(exclusion.outcome, Outcome::NotIsolated(_));
+        if let Some(test) = test.as_ref().filter(|test| isolated && !test.detection.fault()) {
             self.remember(&test.detection);
             if separable && self.strategy.clock_aid {
                 self.clocks.learn(epoch.time_s(), fix.snapshot());

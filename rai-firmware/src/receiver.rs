@@ -15,7 +15,7 @@
 use embedded_hal::digital::OutputPin;
 use embedded_io::Write;
 use rai_core::monitor::MonitorError;
-use rai_core::report::{Alert, Report, Verdict};
+use rai_core::report::{Alert, Report, Unavailable, Verdict};
 
 use crate::config::{Action, CommandPort, Configuration};
 use crate::correction::CAPACITY;
@@ -220,7 +220,11 @@ impl<P: OutputPin> EpochLoop<P> {
     fn handle<W: Write>(&mut self, event: &Event<'_>, now_ms: u64, host: &mut W) {
         match event {
             Event::Epoch(raw) => {
-                let report = self.navigator.judge(raw, &self.configuration);
+                let mut report = self.navigator.judge(raw, &self.configuration);
+                if !self.is_sound {
+                    // What was computed by wrong arithmetic is no input for anybody.
+                    report.verdict = Verdict::Unavailable(Unavailable::Input);
+                }
                 self.conclude(&report, raw.time, now_ms, host);
             }
             Event::Ephemeris(ephemeris) => {
