@@ -18,6 +18,7 @@
 //! | [`replay`], [`demo`] | a recording, or the demonstration, from one end to the other |
 //! | [`report`] | pictures and pages of it |
 //! | [`evaluate`] | linearised epochs straight into the core |
+//! | [`experiment`] | the papers' tables and figures, beside ours |
 //! | [`clock_models`] | clock series with known predictions |
 //! | [`oracle`], [`chi_square`], [`ransac_traditional`], [`gpsd`] | second opinions: dense least squares, exact tails, every subset, another program |
 //! | [`tables`] | the threshold tables and their check |
@@ -36,6 +37,7 @@
 //! | `Chen2009`, `Lin2016`, `Tian2024`, `Yang2015`, `DO-229`, `WGS84` | see the crate [`rai_core`] |
 //! | `DS8626` | STMicroelectronics, *STM32F405xx STM32F407xx*, data sheet |
 //! | `Galileo-OS-SIS-ICD` | European Union, *Galileo Open Service Signal In Space ICD* |
+//! | `Garwood1936` | F. Garwood, *Fiducial limits for the Poisson distribution*, Biometrika 28, 1936 |
 //! | `GPS-SPS` | *GPS Standard Positioning Service Performance Standard*, 5th ed., 2020 |
 //! | `Hatanaka2008` | Y. Hatanaka, *A Compression Format and Tools for GNSS Observation Data*, Bulletin of the GSI 55, 2008 |
 //! | `Hinnant2013` | H. Hinnant, *chrono-Compatible Low-Level Date Algorithms*, 2013 |
@@ -48,6 +50,7 @@
 //! | `RINEX-3.05` | I. Romero (ed.), *RINEX Version 3.05*, IGS and RTCM SC104, 2020 |
 //! | `RINEX-4.01` | F. Gini (ed.), *RINEX Version 4.01*, IGS and RTCM SC104, 2023 |
 //! | `RTCM-10403.3` | RTCM SC104, *Differential GNSS Services, Version 3*, with amendments, 2016 |
+//! | `Wilson1927` | E. B. Wilson, *Probable inference, the law of succession, and statistical inference*, J. Am. Stat. Assoc. 22, 1927 |
 
 pub mod board;
 pub mod chi_square;
@@ -55,6 +58,7 @@ pub mod clock_models;
 pub mod demo;
 pub mod encode;
 pub mod evaluate;
+pub mod experiment;
 pub mod fault;
 pub mod gpsd;
 pub mod image;

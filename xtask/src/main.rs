@@ -7,6 +7,7 @@ mod evaluate;
 mod flash;
 mod monitor;
 mod replay;
+mod reproduce;
 mod setup;
 mod tables;
 mod test;
@@ -34,6 +35,8 @@ enum Command {
     Setup(setup::Arguments),
     /// Sends a recording through the module, on the host or on the emulated board.
     Replay(Box<replay::Arguments>),
+    /// The papers' tables and figures beside ours.
+    Reproduce(reproduce::Arguments),
     /// Judges linearised epochs: JSON lines in, JSON lines out.
     Evaluate(evaluate::Arguments),
     /// Regenerates the threshold tables.
@@ -54,6 +57,7 @@ fn main() -> ExitCode {
         Command::Test(arguments) => test::run(&arguments),
         Command::Setup(arguments) => setup::run(&arguments),
         Command::Replay(arguments) => replay::run(&arguments),
+        Command::Reproduce(arguments) => reproduce::run(&arguments),
         Command::Evaluate(arguments) => evaluate::run(arguments),
         Command::Tables(arguments) => tables::run(&arguments),
         Command::Flash(arguments) => flash::run(&arguments),

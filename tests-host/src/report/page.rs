@@ -27,6 +27,11 @@ impl Page {
         let _ = writeln!(self.body, "<h2>{}</h2>", escaped(words));
     }
 
+    /// A heading below a heading.
+    pub fn subheading(&mut self, words: &str) {
+        let _ = writeln!(self.body, "<h3>{}</h3>", escaped(words));
+    }
+
     /// A paragraph.
     pub fn paragraph(&mut self, words: &str) {
         let _ = writeln!(self.body, "<p>{}</p>", escaped(words));

@@ -1,0 +1,85 @@
+//! 95 % confidence intervals.
+//!
+//! | of | by |
+//! |---|---|
+//! | a probability, from a count of hits | [Wilson1927]: the values that the count does not contradict |
+//! | an expected count | [Garwood1936]: exact, from the χ² distribution |
+//! | a mean | the normal distribution and the sample's deviation |
+
+use crate::chi_square;
+
+/// Two-sided 95 % point of the normal distribution.
+const NORMAL: f64 = 1.959_963_984_540_054;
+
+/// From where to where a quantity may be, at 95 % confidence.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Interval {
+    /// Lower end.
+    pub low: f64,
+    /// Upper end.
+    pub high: f64,
+}
+
+impl Interval {
+    /// Of a probability, after `hits` in `trials`; all of 0 … 1 after none.
+    pub fn of_rate(hits: usize, trials: usize) -> Self {
+        if trials == 0 {
+            return Self { low: 0.0, high: 1.0 };
+        }
+        let (count, rate) = (trials as f64, hits as f64 / trials as f64);
+        let square = NORMAL * NORMAL / count;
+        let middle = (rate + square / 2.0) / (1.0 + square);
+        let half = NORMAL / (1.0 + square) * (rate * (1.0 - rate) / count + square / (4.0 * count)).sqrt();
+        // At the ends the formula gives 0 and 1, which rounding must not leave.
+        let low = if hits == 0 { 0.0 } else { middle - half };
+        let high = if hits == trials { 1.0 } else { middle + half };
+        Self { low, high }
+    }
+
+    /// Of the expectation of a count.
+    pub fn of_count(count: usize) -> Self {
+        let low = if count == 0 { 0.0 } else { chi_square::upper_quantile(0.975, 2 * count) / 2.0 };
+        Self { low, high: chi_square::upper_quantile(0.025, 2 * count + 2) / 2.0 }
+    }
+
+    /// Of the mean of a sample; no width with fewer than two values.
+    pub fn of_mean(sample: &[f64]) -> Self {
+        let count = sample.len() as f64;
+        let mean = sample.iter().sum::<f64>() / count;
+        let squares: f64 = sample.iter().map(|value| (value - mean).powi(2)).sum();
+        let half = if sample.len() < 2 { 0.0 } else { NORMAL * (squares / (count - 1.0) / count).sqrt() };
+        Self { low: mean - half, high: mean + half }
+    }
+
+    /// Whether a value is in it.
+    pub fn contains(&self, value: f64) -> bool {
+        self.low <= value && value <= self.high
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Interval;
+
+    #[test]
+    fn intervals_are_those_of_the_tables() {
+        // Wilson: 8 of 10 from [Wilson1927]'s formula worked by hand; Garwood: the published limits of 0, 5 and 96 events.
+        for (have, low, high) in [
+            (Interval::of_rate(8, 10), 0.4902, 0.9433),
+            (Interval::of_rate(0, 100), 0.0, 0.0370),
+            (Interval::of_count(0), 0.0, 3.6889),
+            (Interval::of_count(5), 1.6235, 11.6683),
+            (Interval::of_count(96), 77.7618, 117.2323),
+        ] {
+            assert!(
+                (have.low - low).abs() < 1e-3 && (have.high - high).abs() < 1e-3,
+                "have {have:?}, want {low} {high}"
+            );
+        }
+    }
+
+    #[test]
+    fn lone_value_has_no_width() {
+        assert_eq!(Interval::of_mean(&[2.5]), Interval { low: 2.5, high: 2.5 });
+    }
+}

@@ -1,0 +1,104 @@
+//! `cargo xtask reproduce`: the papers' tables and figures beside ours.
+
+use std::path::PathBuf;
+use std::process::Command;
+use std::time::Instant;
+
+use anyhow::{Context as _, bail, ensure};
+use indicatif::{ProgressBar, ProgressStyle};
+use tests_host::experiment::{EXPERIMENTS, Effort, Experiment, Outcome, page};
+use tests_host::report::page::write_file;
+
+/// Arguments of the command.
+#[derive(clap::Args)]
+pub(crate) struct Arguments {
+    /// Which experiments; none means all.
+    experiments: Vec<String>,
+    /// A decimation of two minutes for everything.
+    #[arg(long)]
+    quick: bool,
+    /// One JSON object an experiment instead of tables.
+    #[arg(long)]
+    json: bool,
+    /// Where the page and its pictures go.
+    #[arg(long, value_name = "FOLDER", default_value = "target/reproduce")]
+    report: PathBuf,
+}
+
+/// Runs the command.
+pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    let experiments = chosen(&arguments.experiments)?;
+    if cfg!(debug_assertions) {
+        return again_optimised();
+    }
+    let effort = if arguments.quick { Effort::Quick } else { Effort::Full };
+    let mut outcomes = Vec::new();
+    for experiment in experiments {
+        let start = Instant::now();
+        let bar = progress(experiment.name);
+        let outcome = (experiment.run)(effort, &bar)?;
+        bar.finish_and_clear();
+        eprintln!("{}: {:.1} s", experiment.name, start.elapsed().as_secs_f64());
+        if arguments.json {
+            println!("{}", outcome.json());
+        } else {
+            println!("{outcome}");
+        }
+        outcomes.push(outcome);
+    }
+    write(&outcomes, arguments)?;
+    let failures: Vec<_> = outcomes.iter().flat_map(Outcome::failures).collect();
+    for row in &failures {
+        eprintln!("does not hold: {} is {}", row.quantity, row.ours.text());
+    }
+    ensure!(failures.is_empty(), "{} values are not within their bounds", failures.len());
+    Ok(())
+}
+
+/// Millions of epochs are worth a build that runs them ten times as fast; the numbers are the same.
+fn again_optimised() -> anyhow::Result<()> {
+    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    let status = Command::new(cargo)
+        .args(["run", "--quiet", "--release", "--package", "xtask", "--"])
+        .args(std::env::args_os().skip(1))
+        .status()
+        .context("cargo cannot be run")?;
+    ensure!(status.success(), "not everything holds");
+    Ok(())
+}
+
+fn write(outcomes: &[Outcome], arguments: &Arguments) -> anyhow::Result<()> {
+    for picture in outcomes.iter().flat_map(|outcome| &outcome.pictures) {
+        write_file(&arguments.report.join(&picture.name).with_extension("svg"), &picture.sheet)?;
+    }
+    let index = arguments.report.join("index.html");
+    page(outcomes).write(&index)?;
+    eprintln!("report: {}", index.display());
+    Ok(())
+}
+
+fn chosen(names: &[String]) -> anyhow::Result<Vec<Experiment>> {
+    if names.is_empty() || names.iter().any(|name| name == "all") {
+        return Ok(EXPERIMENTS.to_vec());
+    }
+    names.iter().map(|name| named(name)).collect()
+}
+
+fn named(name: &str) -> anyhow::Result<Experiment> {
+    match EXPERIMENTS.iter().find(|experiment| experiment.name == name) {
+        Some(experiment) => Ok(*experiment),
+        None => {
+            let known: Vec<_> = EXPERIMENTS.iter().map(|experiment| experiment.name).collect();
+            bail!("no experiment is called `{name}`; there are {}, or all", known.join(", "))
+        }
+    }
+}
+
+fn progress(name: &'static str) -> ProgressBar {
+    let style = ProgressStyle::with_template("{prefix} {bar:40} {percent:>3} % {msg} ({eta} to go)");
+    let bar = ProgressBar::new(1).with_prefix(name);
+    match style {
+        Ok(style) => bar.with_style(style),
+        Err(_) => bar,
+    }
+}
