@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::process::Command;
 use std::time::Instant;
 
-use anyhow::{Context as _, bail, ensure};
+use anyhow::{Context as _, ensure};
 use indicatif::{ProgressBar, ProgressStyle};
 use tests_host::experiment::{EXPERIMENTS, Effort, Experiment, Outcome, page};
 use tests_host::report::page::write_file;
@@ -85,13 +85,9 @@ fn chosen(names: &[String]) -> anyhow::Result<Vec<Experiment>> {
 }
 
 fn named(name: &str) -> anyhow::Result<Experiment> {
-    match EXPERIMENTS.iter().find(|experiment| experiment.name == name) {
-        Some(experiment) => Ok(*experiment),
-        None => {
-            let known: Vec<_> = EXPERIMENTS.iter().map(|experiment| experiment.name).collect();
-            bail!("no experiment is called `{name}`; there are {}, or all", known.join(", "))
-        }
-    }
+    let known = || EXPERIMENTS.iter().map(|experiment| experiment.name).collect::<Vec<_>>().join(", ");
+    let found = EXPERIMENTS.iter().find(|experiment| experiment.name == name).copied();
+    found.with_context(|| format!("no experiment is called `{name}`; there are {}, or all", known()))
 }
 
 fn progress(name: &'static str) -> ProgressBar {
