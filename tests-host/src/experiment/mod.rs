@@ -14,6 +14,7 @@
 //! Seeds are fixed: the same build gives the same numbers.
 
 mod interval;
+mod lin2016;
 mod outcome;
 mod row;
 
@@ -43,7 +44,7 @@ impl Effort {
 }
 
 /// What can be run, by the name it has on the command line.
-pub const EXPERIMENTS: &[Experiment] = &[];
+pub const EXPERIMENTS: &[Experiment] = &[lin2016::EXPERIMENT];
 
 /// One paper's experiments.
 #[derive(Clone, Copy, Debug)]

@@ -12,7 +12,10 @@
 //! | `σ` | `Row::sigma_m` | m |
 //! | `b` | `clocks_m` | m, receiver clock of each constellation times the speed of light |
 
+use nalgebra::Vector3;
 use rai_core::frame::Enu;
+use rai_core::linear::{LinearEpoch, RowError};
+use rai_core::real::Real;
 use rai_core::satellite::{Constellation, SatelliteId};
 
 use super::noise::Noise;
@@ -70,4 +73,18 @@ pub fn rows(
         }
     };
     sights.iter().map(row).collect()
+}
+
+/// The rows as the core takes them, in the same order.
+///
+/// # Errors
+/// As [`LinearEpoch::satellite`].
+pub fn equations<T: Real, const N: usize>(rows: &[Row]) -> Result<LinearEpoch<T, N>, RowError> {
+    let mut epoch = LinearEpoch::new();
+    for row in rows {
+        let Enu { east, north, up } = row.line_of_sight;
+        let direction = Vector3::new(east, north, up);
+        epoch.satellite(row.satellite.constellation(), direction, row.y_m, row.sigma_m)?;
+    }
+    Ok(epoch)
 }
