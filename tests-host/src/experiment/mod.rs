@@ -13,9 +13,11 @@
 //!
 //! Seeds are fixed: the same build gives the same numbers.
 
+mod draw;
 mod interval;
 mod lin2016;
 mod outcome;
+mod parity;
 mod row;
 
 pub use interval::Interval;
@@ -44,7 +46,7 @@ impl Effort {
 }
 
 /// What can be run, by the name it has on the command line.
-pub const EXPERIMENTS: &[Experiment] = &[lin2016::EXPERIMENT];
+pub const EXPERIMENTS: &[Experiment] = &[lin2016::EXPERIMENT, parity::EXPERIMENT];
 
 /// One paper's experiments.
 #[derive(Clone, Copy, Debug)]
