@@ -354,7 +354,7 @@ fn suspects<T: Real, const N: usize>(
             bias_sigma_m: libm::sqrt(row.sigma.widen() * row.sigma.widen() + predicted_m2.max(0.0)),
         })
     });
-    listed.collect()
+    gather(listed)
 }
 
 /// Everything but the verdict: the solution, the satellites in it, the one that fits worst.

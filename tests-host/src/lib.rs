@@ -22,6 +22,7 @@
 //! | [`clock_models`] | clock series with known predictions |
 //! | [`oracle`], [`chi_square`], [`ransac_traditional`], [`gpsd`] | second opinions: dense least squares, exact tails, every subset, another program |
 //! | [`tables`] | the threshold tables and their check |
+//! | [`no_panic`] | the proof that nothing panics, by the linker |
 //! | [`setup`], [`shared`] | what a machine lacks; where reference files lie |
 //!
 //! Nothing here is an algorithm that the module needs: those are in `rai-core` and `rai-firmware`, and what this crate
@@ -62,6 +63,7 @@ pub mod experiment;
 pub mod fault;
 pub mod gpsd;
 pub mod image;
+pub mod no_panic;
 pub mod oracle;
 pub mod ransac_traditional;
 pub mod recording;

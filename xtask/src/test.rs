@@ -46,10 +46,11 @@ fn summarise(outcomes: &[(&str, Option<anyhow::Error>, f64)]) -> anyhow::Result<
     Ok(())
 }
 
-const FIRMWARE: [&str; 6] = [
+const FIRMWARE: [&str; 7] = [
     "--profile=firmware",
     "--target=thumbv7em-none-eabihf",
     "--package=rai-firmware",
+    "--features=probe",
     "--",
     "-D",
     "warnings",
@@ -64,6 +65,7 @@ fn steps(bless: bool) -> Vec<Step> {
         ("lints, target", cargo(&clippy_target)),
         ("image", Box::new(|| image::build().map(drop))),
         ("memory of the image", Box::new(sizes)),
+        ("no panic", Box::new(tests_host::no_panic::prove)),
         ("threshold tables", Box::new(tables)),
         ("tests", Box::new(move || tests(bless))),
         ("documentation's examples", cargo(&["test", "--workspace", "--doc"])),

@@ -44,7 +44,8 @@ pub fn decimal(text: &str) -> Option<f64> {
         Some((mantissa, exponent)) => (mantissa, integer(exponent)?),
         None => (text, 0),
     };
-    let (whole, fraction) = mantissa.split_once('.').unwrap_or((mantissa, ""));
+    // As a set of one: the search for a single character keeps bounds checks that no compiler sees through.
+    let (whole, fraction) = mantissa.split_once(['.']).unwrap_or((mantissa, ""));
     if whole.is_empty() && fraction.is_empty() {
         return None;
     }
@@ -97,24 +98,26 @@ fn scale(mut value: f64, exponent: i32) -> f64 {
 /// named so that it is understood when it is sent back.
 pub fn scientific(value: f64) -> String<20> {
     const DECIMALS: u8 = 9;
+    const UNIT: u64 = 10_u64.pow(DECIMALS as u32);
     let mut exponent = (1..=MAX_EXPONENT).find(|exponent| scale(value, *exponent) >= 1.0).unwrap_or(0);
     let mut digits = libm::round(scale(value, exponent + i32::from(DECIMALS))) as u64;
-    if digits >= 10_u64.pow(u32::from(DECIMALS) + 1) {
+    if digits >= 10 * UNIT {
         digits /= 10;
         exponent -= 1;
     }
-    let mut decimals = usize::from(DECIMALS);
-    while decimals > 0 && digits.is_multiple_of(10) {
-        digits /= 10;
-        decimals -= 1;
-    }
-    let unit = 10_u64.pow(decimals as u32);
     let mut text = String::new();
     // Never longer than d.ddddddddde-ddd.
-    let _ = match decimals {
-        0 => write!(text, "{digits}e-{exponent}"),
-        _ => write!(text, "{}.{:0decimals$}e-{exponent}", digits / unit, digits % unit),
-    };
+    let _ = write!(text, "{}", digits / UNIT);
+    let mut rest = digits % UNIT;
+    if rest > 0 {
+        let _ = text.write_char('.');
+    }
+    while rest > 0 {
+        rest *= 10;
+        let _ = write!(text, "{}", rest / UNIT);
+        rest %= UNIT;
+    }
+    let _ = write!(text, "e-{exponent}");
     text
 }
 

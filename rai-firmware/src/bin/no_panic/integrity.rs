@@ -1,0 +1,303 @@
+//! Every public function of the integrity core.
+
+use core::fmt::Display;
+use core::ops::{Add, Sub};
+
+use rai_core::clock::{self, Autoregression, Clocks, CoastingClock, Extrapolation};
+use rai_core::detection::{self, Detection};
+use rai_core::epoch::{Epoch, EpochError};
+use rai_core::fix::{Fix, FixError};
+use rai_core::frame::{Ecef, Enu, Geodetic, LocalFrame};
+use rai_core::identification::baarda::{self, Reducible};
+use rai_core::identification::parity;
+use rai_core::identification::ransac::{self, Selection};
+use rai_core::linear::{LinearEpoch, RowError};
+use rai_core::monitor::{Monitor, MonitorError};
+use rai_core::probability::Probability;
+use rai_core::protection::{self, Slopes};
+use rai_core::real::Real;
+use rai_core::removal::{self, NormalisedRow, Removal};
+use rai_core::report::Solution;
+use rai_core::requirements::{Requirements, RequirementsError};
+use rai_core::satellite::{Constellation, SatelliteId};
+use rai_core::snapshot::{Snapshot, SnapshotError};
+use rai_core::threshold::chi2::ChiSquare;
+use rai_core::threshold::policy::{self, Demand, Weights};
+use rai_core::threshold::{self, ThresholdError, Thresholds};
+use rai_core::weighting;
+use rai_firmware::correction::CAPACITY as N;
+
+use crate::{exhaust, reach};
+
+/// What is generic over the precision, from the linearised epoch to the verdict.
+pub fn reach_all<T: Real>() {
+    the_linearised_epoch::<T>();
+    detection_and_protection::<T>();
+    removals::<T>();
+    identification_by_w_test::<T>();
+    identification_in_parity_space::<T>();
+    identification_by_consensus::<T>();
+    clocks::<T>();
+    thresholds::<T>();
+    the_pipeline::<T>();
+}
+
+fn the_linearised_epoch<T: Real>() {
+    reach!(
+        LinearEpoch::<T, N>::new as fn() -> _,
+        <LinearEpoch<T, N> as Default>::default as fn() -> _,
+        LinearEpoch::<T, N>::satellite as fn(_, _, _, _, _) -> _,
+        LinearEpoch::<T, N>::clock as fn(_, _, _, _) -> _,
+        LinearEpoch::<T, N>::height as fn(_, _, _) -> _,
+        LinearEpoch::<T, N>::rows as fn(_) -> _,
+        LinearEpoch::<T, N>::reference_m as fn(_, _) -> _,
+        LinearEpoch::<T, N>::leave_out as fn(_, _),
+        LinearEpoch::<T, N>::take_back as fn(_, _),
+    );
+    reach!(
+        Snapshot::<T, N>::solve as fn(_) -> _,
+        Snapshot::<T, N>::leave_out as fn(_, _) -> _,
+        Snapshot::<T, N>::take_back as fn(_, _) -> _,
+        Snapshot::<T, N>::epoch as fn(_) -> _,
+        (|snapshot| exhaust(Snapshot::<T, N>::rows(snapshot))) as fn(_),
+        Snapshot::<T, N>::row as fn(_, _) -> _,
+        Snapshot::<T, N>::correction as fn(_) -> _,
+        Snapshot::<T, N>::covariance as fn(_) -> _,
+        Snapshot::<T, N>::sse as fn(_) -> _,
+        Snapshot::<T, N>::used as fn(_) -> _,
+        Snapshot::<T, N>::dof as fn(_) -> _,
+        Snapshot::<T, N>::clock_m as fn(_, _) -> _,
+        Snapshot::<T, N>::clock_variance as fn(_, _) -> _,
+        Snapshot::<T, N>::level_variance as fn(_, _) -> _,
+        Snapshot::<T, N>::projection as fn(_, _, _) -> _,
+        Snapshot::<T, N>::dilutions as fn(_) -> _,
+        Snapshot::<T, N>::hdop_without as fn(_, _) -> _,
+        <Snapshot<T, N> as Reducible<T, N>>::snapshot as fn(_) -> _,
+        <Snapshot<T, N> as Reducible<T, N>>::leave_out as fn(_, _) -> _,
+        <Snapshot<T, N> as Reducible<T, N>>::take_back as fn(_, _) -> _,
+    );
+}
+
+fn detection_and_protection<T: Real>() {
+    reach!(
+        detection::detect::<T, N> as fn(_, _) -> _,
+        Detection::<T>::fault as fn(_) -> _,
+        Detection::<T>::statistic as fn(_) -> _,
+        protection::slopes::<T> as fn(_, _) -> _,
+        protection::largest_slopes::<T, N> as fn(_) -> _,
+        Slopes::<T>::protect as fn(_, _) -> _,
+        protection::largest_hdop_change::<T, N> as fn(_) -> _,
+    );
+}
+
+fn removals<T: Real>() {
+    reach!(
+        removal::testable_rows::<T, N> as fn(_) -> _,
+        NormalisedRow::<T>::projection as fn(_, _) -> _,
+        Removal::<T>::none as fn() -> _,
+        <Removal<T> as Default>::default as fn() -> _,
+        Removal::<T>::of::<N> as fn(_, _) -> _,
+        Removal::<T>::and as fn(_, _) -> _,
+        Removal::<T>::explains_more as fn(_, _) -> _,
+        Removal::<T>::rows as fn(_) -> _,
+        Removal::<T>::explained as fn(_) -> _,
+        Removal::<T>::sse as fn(_, _) -> _,
+        Removal::<T>::dof::<N> as fn(_, _) -> _,
+        Removal::<T>::correction::<N> as fn(_, _) -> _,
+        Removal::<T>::covariance::<N> as fn(_, _) -> _,
+    );
+}
+
+fn identification_by_w_test<T: Real>() {
+    reach!(
+        baarda::w_test::<T> as fn(_, _) -> _,
+        baarda::worst_two::<T, N> as fn(_) -> _,
+        baarda::identify::<T, N> as fn(_, _) -> _,
+        baarda::exclude_sequentially::<T, N> as fn(&mut Snapshot<T, N>, _) -> _,
+        baarda::exclude_sequentially::<T, N> as fn(&mut Fix<'static, T, N>, _) -> _,
+        baarda::separable::<T, N> as fn(&mut Snapshot<T, N>, _, _) -> _,
+        baarda::separable::<T, N> as fn(&mut Fix<'static, T, N>, _, _) -> _,
+    );
+}
+
+fn identification_in_parity_space<T: Real>() {
+    reach!(
+        parity::correlation::<T, N> as fn(_, _, _) -> _,
+        parity::correlation_threshold::<T> as fn(_, _) -> _,
+        parity::simultaneous::<T, N> as fn(_, _, _) -> _,
+        parity::sequential::<T, N> as fn(_, _, _) -> _,
+        parity::hybrid_without_grouping::<T, N> as fn(_, _, _) -> _,
+        parity::hybrid::<T, N> as fn(_, _, _) -> _,
+        parity::grouping::<T, N> as fn(_, _, _) -> _,
+        parity::exclude::<T, N> as fn(_, &mut Snapshot<T, N>, _, _) -> _,
+        parity::exclude::<T, N> as fn(_, &mut Fix<'static, T, N>, _, _) -> _,
+    );
+}
+
+fn identification_by_consensus<T: Real>() {
+    reach!(
+        Selection::<N>::choose::<T> as fn(_, _) -> _,
+        ransac::consensus::<T, N> as fn(_, _, _) -> _,
+        ransac::refine::<T, N> as fn(_, _, _, _) -> _,
+        ransac::exclude::<T, N> as fn(&mut Snapshot<T, N>, _, _, _) -> _,
+        ransac::exclude::<T, N> as fn(&mut Fix<'static, T, N>, _, _, _) -> _,
+    );
+}
+
+fn clocks<T: Real>() {
+    reach!(
+        Autoregression::<T>::white as fn() -> _,
+        (|differences| Autoregression::<T>::fit(differences.iter().copied())) as fn(&[Option<T>]) -> _,
+        Autoregression::<T>::coefficients as fn(_) -> _,
+        Autoregression::<T>::variance as fn(_) -> _,
+        Autoregression::<T>::rows as fn(_) -> _,
+        Autoregression::<T>::extrapolate as fn(_, _) -> _,
+        <Extrapolation<T> as Iterator>::next as fn(_) -> _,
+        CoastingClock::<T>::new as fn() -> _,
+        <CoastingClock<T> as Default>::default as fn() -> _,
+        CoastingClock::<T>::restart as fn(_),
+        CoastingClock::<T>::observe as fn(_, _, _, _) -> _,
+        CoastingClock::<T>::forecast as fn(_, _) -> _,
+        CoastingClock::<T>::process as fn(_) -> _,
+    );
+    reach!(
+        Clocks::<T>::new as fn() -> _,
+        <Clocks<T> as Default>::default as fn() -> _,
+        Clocks::<T>::restart as fn(_),
+        Clocks::<T>::of as fn(_, _) -> _,
+        Clocks::<T>::aiding::<N> as fn(_, _) -> _,
+        Clocks::<T>::learn::<N> as fn(_, _, _),
+        clock::satellites_alone::<T, N> as fn(_, _) -> _,
+    );
+}
+
+fn thresholds<T: Real>() {
+    reach!(
+        ChiSquare::<T>::new as fn(_) -> _,
+        ChiSquare::<T>::quantile as fn(_, _, _) -> _,
+        ChiSquare::<T>::noncentrality as fn(_, _, _) -> _,
+        ChiSquare::<T>::crossing as fn(_, _, _) -> _,
+        Demand::new::<T> as fn(_, _, _, _) -> _,
+        Demand::threshold::<T> as fn(_, _) -> _,
+        Demand::decide::<T> as fn(_) -> _,
+    );
+}
+
+fn the_pipeline<T: Real>() {
+    reach!(
+        Fix::<T, N>::solve as fn(_, _) -> _,
+        Fix::<T, N>::position as fn(_) -> _,
+        Fix::<T, N>::frame as fn(_) -> _,
+        Fix::<T, N>::snapshot as fn(_) -> _,
+        <Fix<'_, T, N> as Reducible<T, N>>::snapshot as fn(_) -> _,
+        <Fix<'_, T, N> as Reducible<T, N>>::leave_out as fn(_, _) -> _,
+        <Fix<'_, T, N> as Reducible<T, N>>::take_back as fn(_, _) -> _,
+        Monitor::<T, N>::new as fn(_) -> _,
+        Monitor::<T, N>::require as fn(_, _) -> _,
+        Monitor::<T, N>::pursue as fn(_, _),
+        Monitor::<T, N>::requirements as fn(_) -> _,
+        Monitor::<T, N>::start as fn(_) -> _,
+        Monitor::<T, N>::start_from as fn(_, _),
+        Monitor::<T, N>::process as fn(_, _) -> _,
+    );
+}
+
+/// What is absolute, and so has one precision only, and what computes nothing.
+pub fn reach_what_has_no_precision() {
+    frames();
+    requirements();
+    epochs();
+    tables();
+    errors();
+}
+
+fn frames() {
+    reach!(
+        Ecef::new as fn(_, _, _) -> _,
+        Ecef::radius_m as fn(_) -> _,
+        Ecef::distance_m as fn(_, _) -> _,
+        Ecef::is_finite as fn(_) -> _,
+        <Ecef as Add>::add as fn(_, _) -> _,
+        <Ecef as Sub>::sub as fn(_, _) -> _,
+        Geodetic::to_ecef as fn(_) -> _,
+        Enu::horizontal as fn(_) -> _,
+        LocalFrame::at as fn(_) -> _,
+        LocalFrame::geodetic as fn(_) -> _,
+        LocalFrame::height_m as fn(_) -> _,
+        LocalFrame::sin_latitude as fn(_) -> _,
+        LocalFrame::rotate as fn(_, _) -> _,
+        LocalFrame::unrotate as fn(_, _) -> _,
+        LocalFrame::sin_elevation as fn(_, _, _) -> _,
+    );
+}
+
+fn requirements() {
+    reach!(
+        Requirements::en_route as fn() -> _,
+        Requirements::terminal as fn() -> _,
+        Requirements::non_precision_approach as fn() -> _,
+        Requirements::lpv200 as fn() -> _,
+        Requirements::validate as fn(_) -> _,
+        Probability::new as fn(_) -> _,
+        Probability::get as fn(_) -> _,
+        protection::hdop_change_limit as fn(_, _, _) -> _,
+        Solution::pdop as fn(_) -> _,
+        <f32 as Real>::narrow as fn(_) -> _,
+        <f32 as Real>::widen as fn(_) -> _,
+        <f64 as Real>::narrow as fn(_) -> _,
+        <f64 as Real>::widen as fn(_) -> _,
+    );
+}
+
+fn epochs() {
+    reach!(
+        Constellation::letter as fn(_) -> _,
+        Constellation::from_letter as fn(_) -> _,
+        SatelliteId::new as fn(_, _) -> _,
+        SatelliteId::constellation as fn(_) -> _,
+        SatelliteId::number as fn(_) -> _,
+        weighting::ephemeris_sigma_m as fn(_, _) -> _,
+        weighting::sigma_m as fn(_) -> _,
+        Epoch::<N>::new as fn(_) -> _,
+        Epoch::<N>::push as fn(_, _) -> _,
+        Epoch::<N>::aid as fn(_, _) -> _,
+        Epoch::<N>::time_s as fn(_) -> _,
+        Epoch::<N>::observations as fn(_) -> _,
+        Epoch::<N>::aiding as fn(_) -> _,
+    );
+}
+
+fn tables() {
+    reach!(
+        threshold::false_alarms as fn() -> _,
+        threshold::missed_detections as fn() -> _,
+        Thresholds::from_tables as fn(_, _) -> _,
+        Thresholds::from_rows as fn(_, _, _) -> _,
+        Thresholds::tau1 as fn(_, _) -> _,
+        Thresholds::lambda as fn(_, _) -> _,
+        Thresholds::w_test as fn(_, _) -> _,
+        Weights::new as fn(_, _) -> _,
+        policy::noncentrality_at as fn(_, _) -> _,
+        policy::range_threshold_m as fn(_, _, _) -> _,
+        parity::Limits::published as fn() -> _,
+        ransac::Limits::published as fn() -> _,
+        Selection::<N>::subsets as fn(_) -> _,
+        Selection::<N>::rows as fn(_) -> _,
+        Selection::<N>::contains as fn(_, _, _) -> _,
+        Selection::<N>::work as fn(_) -> _,
+        Selection::<N>::cut as fn(_) -> _,
+    );
+}
+
+fn errors() {
+    reach!(
+        <EpochError as Display>::fmt as fn(_, _) -> _,
+        <FixError as Display>::fmt as fn(_, _) -> _,
+        <MonitorError as Display>::fmt as fn(_, _) -> _,
+        <RequirementsError as Display>::fmt as fn(_, _) -> _,
+        <RowError as Display>::fmt as fn(_, _) -> _,
+        <SatelliteId as Display>::fmt as fn(_, _) -> _,
+        <SnapshotError as Display>::fmt as fn(_, _) -> _,
+        <ThresholdError as Display>::fmt as fn(_, _) -> _,
+    );
+}

@@ -1,0 +1,79 @@
+//! The proof that nothing panics, by the linker: an image that links only if no panic is reachable.
+//!
+//! Every public function of [`rai_core`], in both precisions, and of the library [`rai_firmware`] is handed to the
+//! outside as a pointer, so that the compiler has to translate it for any arguments whatsoever. The panic handler
+//! calls a symbol that exists nowhere. What optimisation leaves of bounds checks, unwraps and divisions would call the
+//! handler; if the image links, nothing is left.
+//!
+//! It holds for this compiler, the profile `firmware` (fat link-time optimisation, one codegen unit) and this target,
+//! which are those of the shipped image. It says nothing of the board's own files, of overflow (which wraps in this
+//! profile), of derived `Debug` and `Clone`, or of a stack that is too deep.
+//!
+//! `tests_host::no_panic` builds it, names what stands in the way, and holds the lists in here against the sources.
+#![cfg_attr(target_os = "none", no_std, no_main)]
+#![allow(unreachable_pub)] // A binary's modules have no outside.
+
+#[cfg(target_os = "none")]
+mod integrity;
+#[cfg(target_os = "none")]
+mod receiver;
+
+/// Hands functions to the outside, where anybody may call them with anything.
+#[cfg(target_os = "none")]
+macro_rules! reach {
+    ($($function:expr),+ $(,)?) => { $( core::hint::black_box($function); )+ };
+}
+#[cfg(target_os = "none")]
+pub(crate) use reach;
+
+/// An iterator is reached when every element is.
+#[cfg(target_os = "none")]
+pub fn exhaust(elements: impl Iterator) {
+    elements.for_each(|element| {
+        core::hint::black_box(&element);
+    });
+}
+
+#[cfg(target_os = "none")]
+mod image {
+    use core::panic::PanicInfo;
+
+    use cortex_m_rt::entry;
+    use stm32f4 as _; // The table of its interrupts is part of every image.
+
+    #[allow(unsafe_code)]
+    // SAFETY: the symbol is defined nowhere, so an image that could call it does not exist.
+    unsafe extern "C" {
+        safe fn rai_a_panic_is_reachable_here() -> !;
+    }
+
+    #[panic_handler]
+    fn panic(_: &PanicInfo<'_>) -> ! {
+        rai_a_panic_is_reachable_here()
+    }
+
+    #[entry]
+    fn main() -> ! {
+        crate::integrity::reach_all::<f32>();
+        crate::integrity::reach_all::<f64>();
+        crate::integrity::reach_what_has_no_precision();
+        crate::receiver::reach_all();
+        #[cfg(feature = "reachable-panic")]
+        crate::reach!(element as fn(_, _) -> _);
+        loop {
+            cortex_m::asm::wfi();
+        }
+    }
+
+    /// What the proof must not miss.
+    #[cfg(feature = "reachable-panic")]
+    fn element(elements: &[u8], index: usize) -> u8 {
+        elements[index]
+    }
+}
+
+/// The proof is in the linking; there is nothing to run.
+#[cfg(not(target_os = "none"))]
+fn main() {
+    eprintln!("this image is not for running: that it links for the chip is the proof");
+}

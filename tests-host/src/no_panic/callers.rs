@@ -1,0 +1,164 @@
+//! Who calls the panic handler: up the call graph of a linked image, to the lines of source that the calls come from.
+//!
+//! The graph is what the linker resolved: each relocation that it kept (`--emit-relocs`) says which instruction refers to
+//! which function. The lines are those of DWARF, with what was inlined at the instruction: the innermost frame that
+//! belongs to this product is the offender. Where the whole function is the standard library's or a dependency's,
+//! its callers are looked at instead.
+
+use std::borrow::Cow;
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt;
+
+use addr2line::Context;
+use addr2line::gimli::{Dwarf, EndianSlice, LittleEndian};
+use anyhow::{Context as _, ensure};
+use object::{Object, ObjectSection, ObjectSymbol, RelocationTarget, SymbolKind};
+
+/// Where the product's own sources lie.
+const OWN: [&str; 2] = ["rai-core/src/", "rai-firmware/src/"];
+
+/// A line of the product's source from which a panic is reachable.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Offence {
+    /// Source file, from the root of the repository.
+    pub file: String,
+    /// Line in it.
+    pub line: u32,
+    /// The function that the line is in.
+    pub function: String,
+    /// What it called there, innermost first: the way to the panic.
+    pub through: Vec<String>,
+}
+
+impl fmt::Display for Offence {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}:{} in {}", self.file, self.line, self.function)?;
+        for callee in self.through.iter().rev() {
+            write!(f, " → {callee}")?;
+        }
+        Ok(())
+    }
+}
+
+/// One line of source at an instruction, with the function it is in.
+struct Frame {
+    file: String,
+    line: u32,
+    function: String,
+}
+
+impl Frame {
+    /// The file from the root of the repository, if it is one of the product's.
+    fn own_file(&self) -> Option<&str> {
+        OWN.iter().find_map(|folder| self.file.find(folder)).and_then(|start| self.file.get(start..))
+    }
+}
+
+/// A reference to a function: from which instruction, in which function.
+#[derive(Clone, Copy)]
+struct Reference {
+    at: u64,
+    within: u64,
+}
+
+/// The lines from which the panic handler of an image is reachable.
+///
+/// # Errors
+/// Where the file is no image with relocations and debug information.
+pub fn of_panics(image: &[u8]) -> anyhow::Result<Vec<Offence>> {
+    let elf = object::File::parse(image)?;
+    let functions = functions(&elf);
+    let handler = functions.iter().find(|(_, name)| name.ends_with("rust_begin_unwind"));
+    let (&handler, _) = handler.context("the image has no panic handler")?;
+    let references = references(&elf, &functions);
+    ensure!(!references.is_empty(), "the image keeps no relocations");
+    let lines = Lines::of(&elf)?;
+
+    let mut offences = BTreeSet::new();
+    let mut seen = BTreeSet::from([handler]);
+    let mut open = vec![(handler, Vec::new())];
+    while let Some((callee, through)) = open.pop() {
+        for reference in references.get(&callee).into_iter().flatten() {
+            match offence(lines.at(reference.at)?, &through) {
+                Ok(offence) => {
+                    offences.insert(offence);
+                }
+                Err(through) if seen.insert(reference.within) => open.push((reference.within, through)),
+                Err(_) => {}
+            }
+        }
+    }
+    Ok(offences.into_iter().collect())
+}
+
+/// The offence at an instruction, or the longer way if nothing of the product is there.
+fn offence(frames: Vec<Frame>, through: &[String]) -> Result<Offence, Vec<String>> {
+    let mut through = through.to_vec();
+    for frame in frames {
+        if let Some(file) = frame.own_file() {
+            return Ok(Offence { file: file.into(), line: frame.line, function: frame.function, through });
+        }
+        through.push(frame.function);
+    }
+    Err(through)
+}
+
+/// Every function by its address.
+fn functions(elf: &object::File<'_>) -> BTreeMap<u64, String> {
+    let functions = elf.symbols().filter(|symbol| symbol.kind() == SymbolKind::Text && symbol.size() > 0);
+    functions.map(|symbol| (code(symbol.address()), symbol.name().unwrap_or_default().to_owned())).collect()
+}
+
+/// The references to every function.
+fn references(elf: &object::File<'_>, functions: &BTreeMap<u64, String>) -> BTreeMap<u64, Vec<Reference>> {
+    let mut references: BTreeMap<u64, Vec<Reference>> = BTreeMap::new();
+    for (at, relocation) in elf
+        .sections()
+        .filter(|section| section.kind() == object::SectionKind::Text)
+        .flat_map(|section| section.relocations())
+    {
+        let RelocationTarget::Symbol(index) = relocation.target() else { continue };
+        let Ok(symbol) = elf.symbol_by_index(index) else { continue };
+        let target = code(symbol.address());
+        let within = functions.range(..=at).next_back().map(|(&address, _)| address);
+        if let Some(within) = within.filter(|_| functions.contains_key(&target)) {
+            references.entry(target).or_default().push(Reference { at, within });
+        }
+    }
+    references
+}
+
+/// The address of a function without the bit that says Thumb.
+fn code(address: u64) -> u64 {
+    address & !1
+}
+
+/// The lines of source of an image.
+struct Lines<'a>(Context<EndianSlice<'a, LittleEndian>>);
+
+impl<'a> Lines<'a> {
+    fn of(elf: &object::File<'a>) -> anyhow::Result<Self> {
+        let load = |id: addr2line::gimli::SectionId| -> Result<_, addr2line::gimli::Error> {
+            let section = elf.section_by_name(id.name());
+            let bytes = section.and_then(|section| section.data().ok()).unwrap_or_default();
+            Ok(EndianSlice::new(bytes, LittleEndian))
+        };
+        Ok(Self(Context::from_dwarf(Dwarf::load(load)?)?))
+    }
+
+    /// What was inlined at an instruction, innermost first.
+    fn at(&self, address: u64) -> anyhow::Result<Vec<Frame>> {
+        let mut frames = self.0.find_frames(address).skip_all_loads()?;
+        let mut found = Vec::new();
+        while let Some(frame) = frames.next()? {
+            let location = frame.location;
+            let name = frame.function.as_ref().and_then(|function| function.demangle().ok());
+            found.push(Frame {
+                file: location.as_ref().and_then(|at| at.file).unwrap_or_default().to_owned(),
+                line: location.and_then(|at| at.line).unwrap_or_default(),
+                function: name.map_or_else(|| "?".to_owned(), Cow::into_owned),
+            });
+        }
+        Ok(found)
+    }
+}

@@ -1,0 +1,189 @@
+//! Is every public function in the proof?
+//!
+//! The sources are read as text, as rustfmt leaves them: an item begins in the first column, a method in the fifth. From
+//! the root of a library its modules are followed, and each public function gives the name under which a list must
+//! hold it:
+//!
+//! | in the sources | in the list |
+//! |---|---|
+//! | `pub fn solve` in `impl Snapshot` | `Snapshot::solve` |
+//! | `pub fn slopes` in the module `protection` | `protection::slopes`, or by the module above |
+//! | `fn fmt` in `impl Display for RowError` | `<RowError as Display>::fmt` |
+//!
+//! Generic arguments do not count; a name that several types share has to be there as often. What a macro or a derive
+//! makes is not seen.
+
+use std::fs;
+use std::path::Path;
+
+use anyhow::Context;
+
+/// The public functions of a library that a list does not hold, by the name it should hold them under.
+///
+/// # Errors
+/// Where a source file cannot be read.
+pub fn missing(library: &Path, list: &str) -> anyhow::Result<Vec<String>> {
+    let mut functions = Vec::new();
+    let folder = library.parent().context("a library lies in a folder")?;
+    follow(library, folder, "crate", &mut functions)?;
+    Ok(not_in(list, &functions))
+}
+
+/// A public function: the names that a list may hold it under.
+type Names = Vec<String>;
+
+fn not_in(list: &str, functions: &[Names]) -> Vec<String> {
+    let list = without_generics(list);
+    let held = |names: &Names| names.iter().map(|name| occurrences(&list, name)).sum::<usize>();
+    let wanted = |names: &Names| functions.iter().filter(|others| *others == names).count();
+    let missing = functions.iter().filter(|names| held(names) < wanted(names));
+    missing.filter_map(|names| names.first().cloned()).collect()
+}
+
+/// Collects the public functions of a module and of those below it.
+fn follow(file: &Path, below: &Path, module: &str, functions: &mut Vec<Names>) -> anyhow::Result<()> {
+    let text = fs::read_to_string(file).with_context(|| format!("{} cannot be read", file.display()))?;
+    functions.extend(functions_of(&text, module));
+    for name in text.lines().filter_map(module_declared) {
+        let flat = below.join(format!("{name}.rs"));
+        let file = if flat.exists() { flat } else { below.join(name).join("mod.rs") };
+        follow(&file, &below.join(name), &format!("{module}::{name}"), functions)?;
+    }
+    Ok(())
+}
+
+fn module_declared(line: &str) -> Option<&str> {
+    line.strip_prefix("pub ").unwrap_or(line).strip_prefix("mod ")?.strip_suffix(';')
+}
+
+fn functions_of(text: &str, module: &str) -> Vec<Names> {
+    let code = text.split("#[cfg(test)]\nmod ").next().unwrap_or_default();
+    let mut functions = Vec::new();
+    let mut owner = None;
+    for line in code.lines() {
+        if line.starts_with("impl") {
+            owner = Owner::of(line);
+        } else if line == "}" {
+            owner = None;
+        }
+        let names = match &owner {
+            Some(owner) => line.strip_prefix("    ").and_then(|line| owner.function(line)),
+            None => public_function(line)
+                .map(|name| module.rsplit("::").take(2).map(|module| format!("{module}::{name}")).collect()),
+        };
+        functions.extend(names);
+    }
+    functions
+}
+
+/// Whose functions follow: a type's own, or those of a trait.
+struct Owner {
+    path: String,
+    of_trait: bool,
+}
+
+impl Owner {
+    /// From the first line of an implementation; none where nothing follows.
+    fn of(line: &str) -> Option<Self> {
+        let header = without_generics(line.strip_suffix('{')?);
+        let header = header.strip_prefix("impl")?.trim();
+        let last = |path: &str| path.rsplit("::").next().unwrap_or_default().trim().to_owned();
+        Some(match header.split_once(" for ") {
+            Some((of, name)) => Self { path: format!("<{} as {}>", last(name), last(of)), of_trait: true },
+            None => Self { path: last(header), of_trait: false },
+        })
+    }
+
+    fn function(&self, line: &str) -> Option<Names> {
+        let name = if self.of_trait { function(line) } else { public_function(line) };
+        Some(vec![format!("{}::{}", self.path, name?)])
+    }
+}
+
+fn public_function(line: &str) -> Option<&str> {
+    function(line.strip_prefix("pub ")?)
+}
+
+fn function(line: &str) -> Option<&str> {
+    let rest = line.strip_prefix("const ").unwrap_or(line).strip_prefix("fn ")?;
+    rest.split(|character| !is_in_name(character)).next()
+}
+
+fn is_in_name(character: char) -> bool {
+    character.is_alphanumeric() || character == '_'
+}
+
+/// The text without lists of generic parameters or arguments; the brackets of `<Type as Trait>` stay.
+fn without_generics(text: &str) -> String {
+    let (mut bare, mut depth) = (String::new(), 0);
+    let mut before = ' ';
+    for character in text.chars() {
+        match character {
+            '<' if depth > 0 || is_in_name(before) || bare.ends_with("::") => {
+                if depth == 0 && bare.ends_with("::") {
+                    bare.truncate(bare.len() - 2);
+                }
+                depth += 1;
+            }
+            '>' if depth > 0 && before != '-' => depth -= 1,
+            _ if depth == 0 => bare.push(character),
+            _ => {}
+        }
+        before = character;
+    }
+    bare
+}
+
+/// How often a path stands in a text as a whole.
+fn occurrences(text: &str, path: &str) -> usize {
+    let is_whole = |&(start, _): &(usize, &str)| {
+        let (before, after) = (text[..start].chars().next_back(), text[start + path.len()..].chars().next());
+        !before.is_some_and(is_in_name) && !after.is_some_and(is_in_name)
+    };
+    text.match_indices(path).filter(is_whole).count()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SOURCE: &str = "pub fn solve<T: Real>(epoch: &Epoch) {}\n\
+                          fn private() {}\n\
+                          impl<T: Real, const N: usize> Snapshot<T, N> {\n    pub const fn new() -> Self {}\n    fn hidden() {}\n}\n\
+                          impl<T: Real> fmt::Display for Fix<'_, T> {\n    fn fmt(&self) {}\n}\n\
+                          impl core::error::Error for Fix {}\n\
+                          #[cfg(test)]\nmod tests {\n    pub fn only_here() {}\n}\n";
+
+    fn missing_from(list: &str) -> Vec<String> {
+        not_in(list, &functions_of(SOURCE, "core::snapshot"))
+    }
+
+    #[test]
+    fn whatever_is_public_is_missing_from_an_empty_list() {
+        assert_eq!(missing_from(""), ["snapshot::solve", "Snapshot::new", "<Fix as Display>::fmt"]);
+    }
+
+    #[test]
+    fn generic_arguments_do_not_hide_a_function() {
+        let list = "core::solve::<T> as fn(_) -> _, Snapshot::<T, N>::new as fn() -> _,\n\
+                    <Fix<'static, T> as Display>::fmt as fn(_, _) -> _,";
+        assert_eq!(missing_from(list), Vec::<String>::new());
+    }
+
+    #[test]
+    fn longer_name_is_another_function() {
+        let list = "snapshot::solve_again, OtherSnapshot::new, <Fix as Display>::fmt";
+        assert_eq!(missing_from(list), ["snapshot::solve", "Snapshot::new"]);
+    }
+
+    #[test]
+    fn name_shared_by_two_types_has_to_be_there_twice() {
+        let limits = || functions_of("impl Limits {\n    pub fn published() {}\n}\n", "crate");
+        let both = [limits(), limits()].concat();
+        assert_eq!(not_in("parity::Limits::published", &both).len(), 2);
+        assert_eq!(
+            not_in("parity::Limits::published, ransac::Limits::published", &both),
+            Vec::<String>::new()
+        );
+    }
+}
