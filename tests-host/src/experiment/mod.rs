@@ -13,6 +13,7 @@
 //!
 //! Seeds are fixed: the same build gives the same numbers.
 
+mod chen2009;
 mod draw;
 mod interval;
 mod lin2016;
@@ -46,7 +47,7 @@ impl Effort {
 }
 
 /// What can be run, by the name it has on the command line.
-pub const EXPERIMENTS: &[Experiment] = &[lin2016::EXPERIMENT, parity::EXPERIMENT];
+pub const EXPERIMENTS: &[Experiment] = &[chen2009::EXPERIMENT, lin2016::EXPERIMENT, parity::EXPERIMENT];
 
 /// One paper's experiments.
 #[derive(Clone, Copy, Debug)]

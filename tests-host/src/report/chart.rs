@@ -82,7 +82,7 @@ impl Axis {
 /// One line of a chart.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Series {
-    /// Name in the legend.
+    /// Name in the legend; empty where the legend needs none.
     pub name: String,
     /// Its colour.
     pub colour: RGBColor,
@@ -132,7 +132,8 @@ impl LineChart {
     /// # Errors
     /// An empty range, or what plotters could not draw.
     pub fn draw(&self, area: &Area<'_>) -> Result<()> {
-        let lines = self.series.iter().map(|series| (series.name.as_str(), series.colour, series.mark));
+        let named = self.series.iter().filter(|series| !series.name.is_empty());
+        let lines = named.map(|series| (series.name.as_str(), series.colour, series.mark));
         let spans = self.spans.iter().map(|span| (span.name.as_str(), thinned(span.colour), Mark::Box));
         heading(area, &self.title, &lines.chain(spans).collect::<Vec<_>>())?;
         let points = || self.series.iter().flat_map(|series| series.points.iter());
@@ -156,6 +157,7 @@ impl LineChart {
         X::CoordDescType: Ranged<ValueType = f64> + ValueFormatter<f64>,
         Y::CoordDescType: Ranged<ValueType = f64> + ValueFormatter<f64>,
     {
+        let (x_label, y_label) = (label(self.x.scale, &bounds.0), label(self.y.scale, &bounds.1));
         let mut chart = ChartBuilder::on(area)
             .margin_top(HEADING_PX)
             .margin_right(22)
@@ -173,8 +175,8 @@ impl LineChart {
             .axis_desc_style(text(TEXT_PX, INK, HPos::Left, VPos::Top))
             .x_desc(self.x.label.as_str())
             .y_desc(self.y.label.as_str())
-            .x_label_formatter(&|value| short(*value))
-            .y_label_formatter(&|value| short(*value))
+            .x_label_formatter(&x_label)
+            .y_label_formatter(&y_label)
             .draw()?;
         let (x, y) = bounds;
         for span in &self.spans {
@@ -224,6 +226,12 @@ const SPAN_OPACITY: f64 = 0.13;
 fn thinned(RGBColor(red, green, blue): RGBColor) -> RGBColor {
     let thin = |part: u8| (255.0 - (255.0 - f64::from(part)) * 0.35) as u8;
     RGBColor(thin(red), thin(green), thin(blue))
+}
+
+/// How the labels of an axis are written. On a linear axis a place that is zero but for rounding is zero.
+fn label(scale: Scale, range: &Range<f64>) -> impl Fn(&f64) -> String + use<> {
+    let rounding = if scale == Scale::Linear { 1e-9 * (range.end - range.start) } else { 0.0 };
+    move |&value| short(if value.abs() < rounding { 0.0 } else { value })
 }
 
 /// A label of an axis: as few digits as say it.
