@@ -28,7 +28,7 @@ fn every_public_function_of_the_firmware_s_library_is_in_the_proof() {
 #[test]
 fn reachable_panic_is_found_and_named() {
     let error =
-        no_panic::prove_with("reachable-panic").expect_err("the panic that was put there").to_string();
+        no_panic::prove_library("reachable-panic").expect_err("the panic that was put there").to_string();
     println!("{error}");
     let want = "rai-firmware/src/bin/no_panic/main.rs:";
     assert!(error.starts_with("a panic is reachable from\n") && error.contains(want), "have {error}");
