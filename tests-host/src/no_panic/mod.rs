@@ -59,8 +59,8 @@ pub fn prove_library(features: &str) -> anyhow::Result<()> {
 }
 
 fn refuse(places: &[Offence]) -> anyhow::Result<()> {
-    let list: String = places.iter().map(|place| format!("\n  {place}")).collect();
-    ensure!(places.is_empty(), "a panic is reachable from{list}");
+    let list: Vec<String> = places.iter().map(ToString::to_string).collect();
+    ensure!(places.is_empty(), "a panic is reachable from\n  {}", list.join("\n  "));
     Ok(())
 }
 
