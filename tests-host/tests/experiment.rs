@@ -29,6 +29,11 @@ fn chen2009() {
 }
 
 #[test]
+fn yang2015() {
+    holds("yang2015");
+}
+
+#[test]
 fn lin2016() {
     holds("lin2016");
 }

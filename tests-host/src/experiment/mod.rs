@@ -20,6 +20,7 @@ mod lin2016;
 mod outcome;
 mod parity;
 mod row;
+mod yang2015;
 
 pub use interval::Interval;
 pub use outcome::{Outcome, Picture, Section, page};
@@ -47,7 +48,8 @@ impl Effort {
 }
 
 /// What can be run, by the name it has on the command line.
-pub const EXPERIMENTS: &[Experiment] = &[chen2009::EXPERIMENT, lin2016::EXPERIMENT, parity::EXPERIMENT];
+pub const EXPERIMENTS: &[Experiment] =
+    &[yang2015::EXPERIMENT, lin2016::EXPERIMENT, parity::EXPERIMENT, chen2009::EXPERIMENT];
 
 /// One paper's experiments.
 #[derive(Clone, Copy, Debug)]

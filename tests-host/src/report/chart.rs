@@ -135,7 +135,10 @@ impl LineChart {
         let named = self.series.iter().filter(|series| !series.name.is_empty());
         let lines = named.map(|series| (series.name.as_str(), series.colour, series.mark));
         let spans = self.spans.iter().map(|span| (span.name.as_str(), thinned(span.colour), Mark::Box));
-        heading(area, &self.title, &lines.chain(spans).collect::<Vec<_>>())?;
+        let mut legend: Vec<_> = lines.chain(spans).collect();
+        // Stretches of the same kind need one entry; they follow each other.
+        legend.dedup();
+        heading(area, &self.title, &legend)?;
         let points = || self.series.iter().flat_map(|series| series.points.iter());
         let x = self.x.fitted(points().map(|point| point.0));
         let y = self.y.fitted(points().map(|point| point.1));

@@ -21,12 +21,11 @@ use anyhow::Context as _;
 use rai_core::detection::detect;
 use rai_core::identification::baarda::{Identification, identify};
 use rand::Rng as _;
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::SeedableRng as _;
 use rayon::prelude::*;
 
 use super::{Day, EPOCHS, Finding, Judgement, Picture, Row, SEED, SIGMA_M, Section, faulty, solve};
 use crate::chi_square;
+use crate::experiment::draw::generator;
 use crate::report::canvas::{BLUE, INK, Mark, ORANGE, VIOLET};
 use crate::report::chart::{Axis, LineChart, Series};
 use plotters::style::RGBColor;
@@ -114,9 +113,7 @@ fn simulate(day: &Day, trials: usize) -> anyhow::Result<[Counts; BIASES]> {
 fn try_all_biases(day: &Day, number: usize) -> anyhow::Result<[Counts; BIASES]> {
     let (trial, epoch) = (number / EPOCHS, number % EPOCHS);
     let rows = day.rows(epoch, trial);
-    let mut choice = ChaCha8Rng::seed_from_u64(SEED);
-    choice.set_stream(number as u64);
-    let chosen = choice.random_range(0..rows.len());
+    let chosen = generator(SEED, number as u64).random_range(0..rows.len());
     let mut counts = [Counts::default(); BIASES];
     for (step, counts) in counts.iter_mut().enumerate() {
         let snapshot = solve::<f32>(&faulty(&rows, chosen, bias_m(step)))?;

@@ -4,13 +4,12 @@ use rai_core::detection::{Detection, detect};
 use rai_core::identification::baarda::{Outcome, exclude_sequentially};
 use rai_core::snapshot::Snapshot;
 use rand::Rng as _;
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::SeedableRng as _;
 
 use anyhow::Context as _;
 
 use super::{Day, EPOCHS, FALSE_ALARM, Finding, Judgement, Picture, ROWS, Row, SEED, SIGMA_M, Section};
 use super::{faulty, solve};
+use crate::experiment::draw::generator;
 use crate::report::canvas::{BLUE, GREY, Mark, ORANGE};
 use crate::report::chart::{Axis, LineChart, Series};
 use crate::sky::linear;
@@ -50,7 +49,7 @@ fn test(day: &Day, rows: &[linear::Row]) -> anyhow::Result<Tested> {
 /// The figure, and the same fault on every other satellite.
 pub(super) fn figure_3(day: &Day) -> anyhow::Result<(Section, Picture)> {
     let in_view = day.views[FAULT_EPOCH].len();
-    let chosen = ChaCha8Rng::seed_from_u64(SEED).random_range(0..in_view);
+    let chosen = generator(SEED, 0).random_range(0..in_view);
     let epoch = |epoch: usize| {
         let rows = day.rows(epoch, 0);
         let rows = if epoch == FAULT_EPOCH { faulty(&rows, chosen, FAULT_M) } else { rows };
