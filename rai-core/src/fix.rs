@@ -19,7 +19,7 @@
 use core::fmt;
 
 use crate::epoch::{Aiding, Epoch};
-use crate::frame::{Ecef, Enu, LocalFrame};
+use crate::frame::{Ecef, Enu, LocalFrame, Lookout};
 use crate::identification::baarda::Reducible;
 use crate::linear::LinearEpoch;
 use crate::real::Real;
@@ -58,27 +58,50 @@ impl fmt::Display for FixError {
 
 impl core::error::Error for FixError {}
 
-/// A converged position together with the linearised epoch it came from.
+/// Room for the equations of a fix and their solution, used again from pass to pass: what is large is never moved.
 #[derive(Clone, Debug)]
-pub struct Fix<'e, T: Real, const N: usize> {
-    epoch: &'e Epoch<N>,
-    point: Ecef,
-    frame: LocalFrame,
-    snapshot: Snapshot<T, N>,
+pub struct Workspace<T: Real, const N: usize>(Snapshot<T, N>);
+
+impl<T: Real, const N: usize> Default for Workspace<T, N> {
+    fn default() -> Self {
+        Self::new()
+    }
 }
 
-impl<'e, T: Real, const N: usize> Fix<'e, T, N> {
-    /// Solves an epoch, starting at a point within sight of the position, or at [`Ecef::CENTRE`].
+impl<T: Real, const N: usize> Workspace<T, N> {
+    /// Empty room.
+    pub fn new() -> Self {
+        Self(Snapshot::unsolved(LinearEpoch::new()))
+    }
+
+    /// Solves an epoch, starting at a point near the position, or at [`Ecef::CENTRE`].
+    ///
+    /// A start far from the truth may lead astray. The centre of the earth is the same distance from all places, and is
+    /// tried where the start leads nowhere.
     ///
     /// # Errors
     /// [`FixError`] says what is missing.
-    pub fn solve(epoch: &'e Epoch<N>, start: Ecef) -> Result<Self, FixError> {
-        converge(epoch, start, 0)
+    pub fn fix<'r>(&'r mut self, epoch: &'r Epoch<N>, start: Ecef) -> Result<Fix<'r, T, N>, FixError> {
+        let snapshot = &mut self.0;
+        let (point, frame) =
+            converge(snapshot, epoch, start, 0).or_else(|_| converge(snapshot, epoch, Ecef::CENTRE, 0))?;
+        Ok(Fix { epoch, point, frame, snapshot })
     }
+}
 
+/// A converged position together with the linearised epoch it came from.
+#[derive(Debug)]
+pub struct Fix<'r, T: Real, const N: usize> {
+    epoch: &'r Epoch<N>,
+    point: Ecef,
+    frame: LocalFrame,
+    snapshot: &'r mut Snapshot<T, N>,
+}
+
+impl<T: Real, const N: usize> Fix<'_, T, N> {
     /// The position.
     pub fn position(&self) -> Ecef {
-        self.point + self.displacement()
+        self.point + displacement(self.snapshot, &self.frame)
     }
 
     /// The tangent frame in which the snapshot's east, north, up are.
@@ -88,13 +111,7 @@ impl<'e, T: Real, const N: usize> Fix<'e, T, N> {
 
     /// The linearised epoch at the position.
     pub fn snapshot(&self) -> &Snapshot<T, N> {
-        &self.snapshot
-    }
-
-    fn displacement(&self) -> Ecef {
-        let correction = self.snapshot.correction();
-        let (east, north, up) = (correction.x.widen(), correction.y.widen(), correction.z.widen());
-        self.frame.unrotate(Enu { east, north, up })
+        self.snapshot
     }
 
     /// Rows of weight 0, as a bit set.
@@ -105,26 +122,39 @@ impl<'e, T: Real, const N: usize> Fix<'e, T, N> {
 
     /// After a change of the rows: solves again from the new position if that is far from the linearisation point.
     fn follow(&mut self) -> Result<(), SnapshotError> {
-        if self.displacement().radius_m() <= RELINEARISE_M {
+        if displacement(self.snapshot, &self.frame).radius_m() <= RELINEARISE_M {
             return Ok(());
         }
-        match converge(self.epoch, self.position(), self.left_out()) {
-            Ok(fix) => *self = fix,
-            Err(FixError::Snapshot(error)) => return Err(error),
-            Err(FixError::NotConverged) => return Err(SnapshotError::Singular),
-        }
+        let (position, left_out) = (self.position(), self.left_out());
+        let found = converge(self.snapshot, self.epoch, position, left_out);
+        (self.point, self.frame) = found.map_err(|error| match error {
+            FixError::Snapshot(error) => error,
+            FixError::NotConverged => SnapshotError::Singular,
+        })?;
         Ok(())
+    }
+
+    /// Back to rows that have been solved before, about the same point.
+    fn restore(&mut self, left_out: u64) {
+        // What could be formed and solved once can be so again.
+        let _ = linearise(self.snapshot.epoch_mut(), self.epoch, self.point, &self.frame, left_out);
+        let _ = self.snapshot.solve_again();
     }
 }
 
 impl<T: Real, const N: usize> Reducible<T, N> for Fix<'_, T, N> {
     fn snapshot(&self) -> &Snapshot<T, N> {
-        &self.snapshot
+        self.snapshot
     }
 
     fn leave_out(&mut self, index: usize) -> Result<(), SnapshotError> {
+        let before = self.left_out();
         self.snapshot.leave_out(index)?;
-        self.follow()
+        let followed = self.follow();
+        if followed.is_err() {
+            self.restore(before);
+        }
+        followed
     }
 
     fn take_back(&mut self, index: usize) -> Result<(), SnapshotError> {
@@ -133,32 +163,38 @@ impl<T: Real, const N: usize> Reducible<T, N> for Fix<'_, T, N> {
     }
 }
 
+/// The solution's correction, earth-fixed.
+fn displacement<T: Real, const N: usize>(snapshot: &Snapshot<T, N>, frame: &LocalFrame) -> Ecef {
+    let correction = snapshot.correction();
+    let (east, north, up) = (correction.x.widen(), correction.y.widen(), correction.z.widen());
+    frame.unrotate(Enu { east, north, up })
+}
+
 /// A row's bit in a set; a row beyond the set is in no set.
 fn bit(index: usize) -> u64 {
     1u64.checked_shl(index as u32).unwrap_or(0)
 }
 
-/// Not inlined: it is called from several places, and each would hold the equations on its own stack.
+/// Gauss–Newton: the solution is in the snapshot, the point and frame that it is relative to are returned.
+///
+/// Not inlined: it is called from several places.
 #[inline(never)]
 fn converge<T: Real, const N: usize>(
+    snapshot: &mut Snapshot<T, N>,
     epoch: &Epoch<N>,
     start: Ecef,
     left_out: u64,
-) -> Result<Fix<'_, T, N>, FixError> {
+) -> Result<(Ecef, LocalFrame), FixError> {
     let mut point = if start.is_finite() { start } else { Ecef::CENTRE };
     for _ in 0..MAX_PASSES {
         let frame = LocalFrame::at(point);
-        let mut linear = linearise(epoch, point, &frame).ok_or(FixError::NotConverged)?;
-        for index in (0..N).filter(|&index| left_out & bit(index) != 0) {
-            linear.leave_out(index);
+        linearise(snapshot.epoch_mut(), epoch, point, &frame, left_out).ok_or(FixError::NotConverged)?;
+        snapshot.solve_again().map_err(FixError::Snapshot)?;
+        let displacement = displacement(snapshot, &frame);
+        if displacement.radius_m() < CONVERGED_M {
+            return Ok((point, frame));
         }
-        let snapshot = Snapshot::solve(linear).map_err(FixError::Snapshot)?;
-        let fix = Fix { epoch, point, frame, snapshot };
-        let displacement_m = fix.displacement().radius_m();
-        if displacement_m < CONVERGED_M {
-            return Ok(fix);
-        }
-        point = fix.position();
+        point = point + displacement;
         // Also the way out for a position that is not a number.
         if !(point.radius_m() < MAX_RADIUS_M) {
             return Err(FixError::NotConverged);
@@ -171,16 +207,19 @@ fn converge<T: Real, const N: usize>(
 ///
 /// `None` where a row cannot be formed, as at a point that coincides with a satellite: rows never move up.
 fn linearise<T: Real, const N: usize>(
+    linear: &mut LinearEpoch<T, N>,
     epoch: &Epoch<N>,
     point: Ecef,
     frame: &LocalFrame,
-) -> Option<LinearEpoch<T, N>> {
-    let mut linear = LinearEpoch::new();
+    left_out: u64,
+) -> Option<()> {
+    linear.clear();
+    let lookout = Lookout::at(point, frame);
     for observation in epoch.observations() {
-        let sight = frame.sight(point, observation.position);
-        let residual_m = observation.range_m - sight.range_m;
+        let sight = lookout.sight(observation.position);
+        let longer_m = observation.range_m - sight.distance_m;
         let constellation = observation.satellite.constellation();
-        linear.satellite(constellation, sight.line_of_sight, residual_m, observation.sigma_m).ok()?;
+        linear.sighted(constellation, &sight, longer_m, observation.sigma_m).ok()?;
     }
     for aiding in epoch.aiding() {
         match *aiding {
@@ -192,5 +231,6 @@ fn linearise<T: Real, const N: usize>(
             }
         }
     }
-    Some(linear)
+    (0..N).filter(|&index| left_out & bit(index) != 0).for_each(|index| linear.leave_out(index));
+    Some(())
 }

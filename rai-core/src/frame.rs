@@ -11,7 +11,9 @@
 //! Assumes the WGS 84 ellipsoid; the ellipsoids of the other systems differ by less than 0.1 mm at the surface.
 //! References: [WGS84], [Bowring1985] for the latitude.
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
+
+use crate::real::Real;
 
 /// Speed of light in vacuum, m/s (exact by definition of the metre).
 pub const SPEED_OF_LIGHT_M_S: f64 = 299_792_458.0;
@@ -225,34 +227,65 @@ fn latitude(axial_m: f64, z_m: f64, radius_m: f64) -> (f64, f64) {
     if length > 0.0 { (north / length, outward / length) } else { (0.0, 1.0) }
 }
 
-/// Predicted range and line of sight from a receiver to a satellite.
+/// What a receiver sees of a satellite.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Sight {
-    /// Distance travelled by the signal, earth rotation included, m.
-    pub(crate) range_m: f64,
+pub(crate) struct Sight<T> {
+    /// Straight distance between the satellite at transmission and the receiver, m.
+    pub(crate) distance_m: f64,
+    /// What the earth's rotation adds to the distance while the signal travels, m.
+    pub(crate) rotation: T,
     /// Unit vector receiver → satellite, east, north, up.
-    pub(crate) line_of_sight: Vector3<f64>,
+    pub(crate) direction: Vector3<T>,
 }
 
-impl LocalFrame {
-    /// What a receiver at `receiver` sees of a satellite that sent its signal from `satellite`.
+/// A receiver's place as a scalar of directions has it.
+///
+/// A range must be right to a millimetre in 26,000 km and is a double. A direction that is right to 1e-7 moves no
+/// residual, nor do the 40 m of the earth's rotation with as many digits: both are worked out in what the processor
+/// has in hardware.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Lookout<T: Real> {
+    point: Ecef,
+    /// Rows east, north, up.
+    axes: Matrix3<T>,
+    /// `ω/c (x, y)` of the receiver, dimensionless.
+    turning: [T; 2],
+}
+
+impl<T: Real> Lookout<T> {
+    /// A receiver at `point`, whose frame is `frame`.
+    pub(crate) fn at(point: Ecef, frame: &LocalFrame) -> Self {
+        const RATE: f64 = EARTH_ROTATION_RAD_S / SPEED_OF_LIGHT_M_S;
+        let [sin_latitude, cos_latitude, sin_longitude, cos_longitude] =
+            [frame.sin_latitude, frame.cos_latitude, frame.sin_longitude, frame.cos_longitude].map(T::narrow);
+        #[rustfmt::skip]
+        let axes = Matrix3::new(
+            -sin_longitude, cos_longitude, T::zero(),
+            -sin_latitude * cos_longitude, -sin_latitude * sin_longitude, cos_latitude,
+            cos_latitude * cos_longitude, cos_latitude * sin_longitude, sin_latitude,
+        );
+        Self { point, axes, turning: [RATE * point.x_m, RATE * point.y_m].map(T::narrow) }
+    }
+
+    /// What is seen of a satellite that sent its signal from `satellite`.
     ///
     /// The satellite's coordinates are those of the earth-fixed frame at transmission. While the signal travels,
     /// the earth turns; to first order in the angle this adds `ω/c (x_s y_r − y_s x_r)` to the range (second
-    /// order: 0.3 mm).
-    pub(crate) fn sight(&self, receiver: Ecef, satellite: Ecef) -> Sight {
-        const RATE: f64 = EARTH_ROTATION_RAD_S / SPEED_OF_LIGHT_M_S;
-        let difference = satellite - receiver;
+    /// order: 0.3 mm). The difference of the positions gives the same product as the satellite's position.
+    pub(crate) fn sight(&self, satellite: Ecef) -> Sight<T> {
+        let difference = satellite - self.point;
         let distance_m = difference.radius_m();
-        let rotation_m = RATE * (satellite.x_m * receiver.y_m - satellite.y_m * receiver.x_m);
-        let direction = self.rotate(difference);
-        let scale = 1.0 / distance_m;
+        let sight = Vector3::new(difference.x_m, difference.y_m, difference.z_m).map(T::narrow);
+        let [turning_x, turning_y] = self.turning;
         Sight {
-            range_m: distance_m + rotation_m,
-            line_of_sight: Vector3::new(direction.east, direction.north, direction.up) * scale,
+            distance_m,
+            rotation: sight.x * turning_y - sight.y * turning_x,
+            direction: self.axes * sight * T::narrow(distance_m).recip(),
         }
     }
+}
 
+impl LocalFrame {
     /// Sine of the elevation at which the origin sees a point.
     pub fn sin_elevation(&self, origin: Ecef, point: Ecef) -> f64 {
         let difference = point - origin;

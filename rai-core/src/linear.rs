@@ -21,6 +21,7 @@ use core::fmt;
 use heapless::Vec;
 use nalgebra::Vector3;
 
+use crate::frame::Sight;
 use crate::real::Real;
 use crate::satellite::Constellation;
 
@@ -40,6 +41,13 @@ pub struct Row<T> {
     pub sigma: T,
     /// Inverse variance, 1/m²; 0 where the row is left out.
     pub weight: T,
+}
+
+impl<T: Real> Row<T> {
+    /// `1/σ²`: the weight of a row that takes part.
+    fn full_weight(&self) -> T {
+        (self.sigma * self.sigma).recip()
+    }
 }
 
 /// Why a row was refused.
@@ -102,7 +110,25 @@ impl<T: Real, const N: usize> LinearEpoch<T, N> {
         if !UNIT_SQUARED.contains(&line_of_sight.dot(&line_of_sight)) {
             return Err(RowError::LineOfSight);
         }
-        self.push(Some(constellation), -line_of_sight, residual_m, sigma_m)
+        let residual = self.relative(constellation, residual_m);
+        self.push(Some(constellation), -line_of_sight.map(T::narrow), residual, sigma_m)
+    }
+
+    /// Adds a satellite as it is seen, by how much its range is longer than the straight distance.
+    ///
+    /// # Errors
+    /// As [`Self::satellite`].
+    pub(crate) fn sighted(
+        &mut self,
+        constellation: Constellation,
+        sight: &Sight<T>,
+        longer_m: f64,
+        sigma_m: f64,
+    ) -> Result<(), RowError> {
+        let reference_m = self.reference_m(constellation).unwrap_or(longer_m);
+        // The earth's rotation is small enough for the scalar, and is taken off where doubles are no longer needed.
+        let residual = T::narrow(longer_m - reference_m) - sight.rotation;
+        self.push(Some(constellation), -sight.direction, (residual, reference_m), sigma_m)
     }
 
     /// Adds a predicted clock of a constellation, on the same scale as its residuals.
@@ -115,7 +141,8 @@ impl<T: Real, const N: usize> LinearEpoch<T, N> {
         residual_m: f64,
         sigma_m: f64,
     ) -> Result<(), RowError> {
-        self.push(Some(constellation), Vector3::zeros(), residual_m, sigma_m)
+        let residual = self.relative(constellation, residual_m);
+        self.push(Some(constellation), Vector3::zeros(), residual, sigma_m)
     }
 
     /// Adds a known height: how far it is above the linearisation point.
@@ -123,35 +150,38 @@ impl<T: Real, const N: usize> LinearEpoch<T, N> {
     /// # Errors
     /// As [`Self::satellite`].
     pub fn height(&mut self, residual_m: f64, sigma_m: f64) -> Result<(), RowError> {
-        self.push(None, Vector3::z(), residual_m, sigma_m)
+        self.push(None, Vector3::z(), (T::narrow(residual_m), 0.0), sigma_m)
+    }
+
+    /// A residual less the reference of its constellation, and that reference: the first residual itself.
+    fn relative(&self, constellation: Constellation, residual_m: f64) -> (T, f64) {
+        let reference_m = self.reference_m(constellation).unwrap_or(residual_m);
+        (T::narrow(residual_m - reference_m), reference_m)
     }
 
     fn push(
         &mut self,
         clock: Option<Constellation>,
-        design: Vector3<f64>,
-        residual_m: f64,
+        design: Vector3<T>,
+        (residual, reference_m): (T, f64),
         sigma_m: f64,
     ) -> Result<(), RowError> {
-        if !residual_m.is_finite() {
-            return Err(RowError::Residual);
-        }
-        let weight = T::narrow(sigma_m * sigma_m).recip();
-        // Beyond the scalar's range a row would silently weigh nothing, or everything.
-        if !(sigma_m > 0.0 && weight > T::zero() && weight.is_finite()) {
-            return Err(RowError::Sigma);
-        }
-        let reference_m = match clock.and_then(|clock| self.reference_m.get_mut(clock as usize)) {
-            Some(reference_m) => *reference_m.get_or_insert(residual_m),
-            None => 0.0,
-        };
-        let residual = T::narrow(residual_m - reference_m);
+        // Neither is a difference of two infinities.
         if !residual.is_finite() {
             return Err(RowError::Residual);
         }
-        let design = design.map(T::narrow);
-        let row = Row { clock, design, residual, sigma: T::narrow(sigma_m), weight };
-        self.rows.push(row).map_err(|_| RowError::Full)
+        let sigma = T::narrow(sigma_m);
+        let weight = (sigma * sigma).recip();
+        // Beyond the scalar's range a row would silently weigh nothing, or everything.
+        if !(sigma > T::zero() && weight > T::zero() && weight.is_finite()) {
+            return Err(RowError::Sigma);
+        }
+        let row = Row { clock, design, residual, sigma, weight };
+        self.rows.push(row).map_err(|_| RowError::Full)?;
+        if let Some(reference) = clock.and_then(|clock| self.reference_m.get_mut(clock as usize)) {
+            *reference = Some(reference_m);
+        }
+        Ok(())
     }
 
     /// The equations, in the order they were added.
@@ -164,6 +194,12 @@ impl<T: Real, const N: usize> LinearEpoch<T, N> {
         self.reference_m.get(constellation as usize).copied().flatten()
     }
 
+    /// Makes room for the equations of another instant.
+    pub(crate) fn clear(&mut self) {
+        self.rows.clear();
+        self.reference_m = [None; Constellation::COUNT];
+    }
+
     /// Leaves a row out of everything computed from now on; its index stays taken.
     pub fn leave_out(&mut self, index: usize) {
         if let Some(row) = self.rows.get_mut(index) {
@@ -174,7 +210,14 @@ impl<T: Real, const N: usize> LinearEpoch<T, N> {
     /// Takes a left-out row back.
     pub fn take_back(&mut self, index: usize) {
         if let Some(row) = self.rows.get_mut(index) {
-            row.weight = (row.sigma * row.sigma).recip();
+            row.weight = row.full_weight();
+        }
+    }
+
+    /// Leaves out all rows but those chosen, which take part.
+    pub(crate) fn keep_only(&mut self, is_chosen: impl Fn(usize) -> bool) {
+        for (index, row) in self.rows.iter_mut().enumerate() {
+            row.weight = if is_chosen(index) { row.full_weight() } else { T::zero() };
         }
     }
 }

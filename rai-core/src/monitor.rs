@@ -21,7 +21,7 @@ use crate::bounded::gather;
 use crate::clock::Clocks;
 use crate::detection::Detection;
 use crate::epoch::{Aiding, Epoch};
-use crate::fix::{Fix, FixError};
+use crate::fix::{Fix, FixError, Workspace};
 use crate::frame::{Ecef, LocalFrame};
 use crate::identification::baarda::{self, Exclusion, Identification, Outcome};
 use crate::identification::parity;
@@ -174,10 +174,8 @@ impl<T: Real, const N: usize> Monitor<T, N> {
 
     #[inline(never)]
     fn locate(&mut self, epoch: &Epoch<N>) -> Report<N> {
-        let fix = Fix::<T, N>::solve(epoch, self.start)
-            // A start far from the truth may lead astray: the centre of the earth is the same distance from all.
-            .or_else(|_| Fix::solve(epoch, Ecef::CENTRE));
-        let report = match fix {
+        let mut workspace = Workspace::<T, N>::new();
+        let report = match workspace.fix(epoch, self.start) {
             Ok(fix) => self.judge(fix, epoch),
             Err(error) => without_position(error, epoch),
         };
@@ -365,11 +363,11 @@ fn describe<T: Real, const N: usize>(
 ) -> Report<N> {
     let used = fix.snapshot().rows().zip(epoch.observations()).filter(|((row, _), _)| row.weight > T::zero());
     let mut satellites = Vec::new();
-    let mut squares_m2 = 0.0;
+    let mut squares = T::zero();
     for ((_, fit), observation) in used {
         // Both hold N: never full here.
         let _ = satellites.push(observation.satellite);
-        squares_m2 += fit.residual.widen() * fit.residual.widen();
+        squares += fit.residual * fit.residual;
     }
     Report {
         verdict: Verdict::Unavailable(Unavailable::Redundancy),
@@ -378,7 +376,7 @@ fn describe<T: Real, const N: usize>(
         protection: None,
         excluded: Vec::new(),
         suspect: detection.and_then(|_| suspect(fix.snapshot(), epoch)),
-        residual_rms_m: libm::sqrt(squares_m2 / satellites.len().max(1) as f64),
+        residual_rms_m: libm::sqrt(squares.widen() / satellites.len().max(1) as f64),
         used: satellites,
         tracked: epoch.observations().len() as u8,
         sigma_check: None,
@@ -394,7 +392,7 @@ fn suspect<T: Real, const N: usize>(snapshot: &Snapshot<T, N>, epoch: &Epoch<N>)
     }
     Some(Suspect {
         satellite: observation.satellite,
-        w_test: baarda::w_test(row, fit).widen(),
+        w_test: baarda::w_test(fit).widen(),
         bias_m: (fit.residual / fit.redundancy).widen(),
         bias_sigma_m: (row.sigma / fit.redundancy.sqrt()).widen(),
     })

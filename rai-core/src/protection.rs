@@ -49,14 +49,16 @@ struct Squared<T> {
 fn squared_slopes<T: Real>(row: &Row<T>, fit: &Fit<T>) -> Squared<T> {
     let horizontal = fit.gain.x * fit.gain.x + fit.gain.y * fit.gain.y;
     let vertical = fit.gain.z * fit.gain.z;
-    if fit.redundancy < T::UNTESTABLE {
-        let unmoved = T::UNMOVED / row.weight.max(T::narrow(f64::from(f32::MIN_POSITIVE)));
-        let limit = unmoved * unmoved;
-        let slope = |moved: T| if moved <= limit { T::zero() } else { infinity() };
-        return Squared { horizontal: slope(horizontal), vertical: slope(vertical) };
+    if fit.gauge > T::zero() {
+        return Squared { horizontal: horizontal * fit.gauge, vertical: vertical * fit.gauge };
     }
-    let scale = row.weight / fit.redundancy;
-    Squared { horizontal: horizontal * scale, vertical: vertical * scale }
+    if !(row.weight > T::zero()) {
+        return Squared { horizontal: T::zero(), vertical: T::zero() };
+    }
+    let unmoved = T::UNMOVED / row.weight;
+    let limit = unmoved * unmoved;
+    let slope = |moved: T| if moved <= limit { T::zero() } else { infinity() };
+    Squared { horizontal: slope(horizontal), vertical: slope(vertical) }
 }
 
 /// The largest slopes of a snapshot.
@@ -64,10 +66,17 @@ pub fn largest_slopes<T: Real, const N: usize>(snapshot: &Snapshot<T, N>) -> Slo
     let mut largest = Squared { horizontal: T::zero(), vertical: T::zero() };
     for (row, fit) in snapshot.rows() {
         let squared = squared_slopes(row, fit);
-        largest.horizontal = largest.horizontal.max(squared.horizontal);
-        largest.vertical = largest.vertical.max(squared.vertical);
+        largest = Squared {
+            horizontal: larger(largest.horizontal, squared.horizontal),
+            vertical: larger(largest.vertical, squared.vertical),
+        };
     }
     Slopes { horizontal: largest.horizontal.sqrt(), vertical: largest.vertical.sqrt() }
+}
+
+/// The larger of two numbers; one comparison, where a library call also orders what is not a number.
+fn larger<T: Real>(a: T, b: T) -> T {
+    if b > a { b } else { a }
 }
 
 impl<T: Real> Slopes<T> {

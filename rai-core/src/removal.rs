@@ -59,14 +59,17 @@ pub struct NormalisedRow<T: Real> {
     design: Vector3<T>,
     gain: Vector3<T>,
     clock: Option<Constellation>,
-    clock_root: T,
+    /// `1/σ_i`.
+    root: T,
+    /// `1/(σ_i W_c)`: times another's root it is what the two share by their clock.
+    level: T,
     /// `a_i` of the row that is gone for good, 0 without one.
     shed: T,
 }
 
 impl<T: Real> NormalisedRow<T> {
     fn new<const N: usize>(index: usize, row: &Row<T>, fit: &Fit<T>, snapshot: &Snapshot<T, N>) -> Self {
-        let root = row.weight.sqrt();
+        let root = row.sigma.recip();
         Self {
             index,
             residual: fit.residual * root,
@@ -74,7 +77,8 @@ impl<T: Real> NormalisedRow<T> {
             design: fit.centred * root,
             gain: fit.gain * root,
             clock: row.clock,
-            clock_root: root * snapshot.level_variance(row).sqrt(),
+            root,
+            level: root * snapshot.level_variance(row),
             shed: T::zero(),
         }
     }
@@ -84,13 +88,14 @@ impl<T: Real> NormalisedRow<T> {
         if self.index == other.index {
             return self.redundancy;
         }
-        let shared = if self.clock == other.clock { self.clock_root * other.clock_root } else { T::zero() };
+        let shared = if self.clock == other.clock { self.level * other.root } else { T::zero() };
         -(self.design.dot(&other.gain) + self.shed * other.shed + shared)
     }
 
     /// The row as another one leaves it that is gone for good: one at most, and both as the snapshot has them.
-    pub(crate) fn without(&self, gone: &Self) -> Self {
-        let root = gone.redundancy.sqrt();
+    ///
+    /// `root` is the root of that one's redundancy, taken once for all rows.
+    pub(crate) fn without(&self, gone: &Self, root: T) -> Self {
         let shed = gone.projection(self) / root;
         Self {
             residual: self.residual - shed * gone.residual / root,

@@ -18,6 +18,7 @@
 //! | `v_i` | [`Fit::residual`] | m |
 //! | `g_i` | [`Fit::gain`] (`w_i g_i` is the row of the least-squares gain) | m² |
 //! | `r_i = S_ii` | [`Fit::redundancy`] number, 0 untestable … 1 fully tested | – |
+//! | `w_i / r_i` | [`Fit::gauge`] | 1/m² |
 //! | `SSE` | [`Snapshot::sse`] | – |
 //!
 //! Equal to least squares with 3 + C columns in `x`, `v`, `S` and the gain, to rounding. Centring is also what makes
@@ -70,16 +71,20 @@ pub struct Fit<T: Real> {
     pub residual: T,
     /// Redundancy number `r_i`: the share of a bias that shows in the row's own residual.
     pub redundancy: T,
+    /// `w_i / r_i`, 1/m², by which squared residuals become squared w-tests and squared gains squared slopes; 0 for a
+    /// row that cannot be tested, and for one that is left out.
+    pub gauge: T,
 }
 
-/// One constellation's weighted and plain means.
+/// One constellation's weighted means.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Group<T: Real> {
     count: usize,
     weight: T,
+    /// `1/W_c`.
+    variance: T,
     design: Vector3<T>,
     residual: T,
-    plain_design: Vector3<T>,
 }
 
 impl<T: Real> Group<T> {
@@ -87,41 +92,39 @@ impl<T: Real> Group<T> {
         Self {
             count: 0,
             weight: T::zero(),
+            variance: T::zero(),
             design: Vector3::zeros(),
             residual: T::zero(),
-            plain_design: Vector3::zeros(),
         }
     }
 
-    fn add(&mut self, row: &Row<T>) {
-        if row.weight > T::zero() {
-            self.count += 1;
-            self.weight += row.weight;
-            self.design += row.design * row.weight;
-            self.residual += row.residual * row.weight;
-            self.plain_design += row.design;
-        }
+    fn add(&mut self, row: &Row<T>, weight: T) {
+        self.count += 1;
+        self.weight += weight;
+        self.design += row.design * weight;
+        self.residual += row.residual * weight;
     }
 
     /// Sums to means.
     fn centre(mut self) -> Self {
         if self.count > 0 {
-            self.design /= self.weight;
-            self.residual /= self.weight;
-            self.plain_design /= T::narrow(self.count as f64);
+            self.variance = self.weight.recip();
+            self.design *= self.variance;
+            self.residual *= self.variance;
         }
         self
     }
 }
+
+type Groups<T> = [Group<T>; Constellation::COUNT];
 
 /// A solved epoch: at most `N` rows, everything derived from one 3×3 solve.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Snapshot<T: Real, const N: usize> {
     epoch: LinearEpoch<T, N>,
     fits: Vec<Fit<T>, N>,
-    groups: [Group<T>; Constellation::COUNT],
+    groups: Groups<T>,
     covariance: Matrix3<T>,
-    plain_covariance: Matrix3<T>,
     correction: Vector3<T>,
     sse: T,
     used: usize,
@@ -135,19 +138,28 @@ impl<T: Real, const N: usize> Snapshot<T, N> {
     /// [`SnapshotError::Insufficient`] with fewer rows than unknowns (an empty epoch too),
     /// [`SnapshotError::Singular`] where the rows do not determine them.
     pub fn solve(epoch: LinearEpoch<T, N>) -> Result<Self, SnapshotError> {
-        let mut snapshot = Self {
+        let mut snapshot = Self::unsolved(epoch);
+        snapshot.solve_again()?;
+        Ok(snapshot)
+    }
+
+    /// Room for a solution: nothing in it means anything before [`Self::solve_again`] succeeds.
+    pub(crate) fn unsolved(epoch: LinearEpoch<T, N>) -> Self {
+        Self {
             epoch,
             fits: Vec::new(),
             groups: [Group::empty(); Constellation::COUNT],
             covariance: Matrix3::zeros(),
-            plain_covariance: Matrix3::zeros(),
             correction: Vector3::zeros(),
             sse: T::zero(),
             used: 0,
             dof: 0,
-        };
-        snapshot.solve_again()?;
-        Ok(snapshot)
+        }
+    }
+
+    /// The equations, to be replaced; [`Self::solve_again`] must follow.
+    pub(crate) fn epoch_mut(&mut self) -> &mut LinearEpoch<T, N> {
+        &mut self.epoch
     }
 
     /// Leaves one more row out and solves again, in place.
@@ -177,23 +189,20 @@ impl<T: Real, const N: usize> Snapshot<T, N> {
     }
 
     /// One 3×3 solve over the rows as they stand now; changes nothing unless it succeeds.
-    fn solve_again(&mut self) -> Result<(), SnapshotError> {
+    pub(crate) fn solve_again(&mut self) -> Result<(), SnapshotError> {
         let rows = self.epoch.rows();
-        let groups = centre(rows);
-        let clocks = groups.iter().filter(|group| group.count > 0).count();
+        let groups = centre(rows, |row| row.weight);
         let used = rows.iter().filter(|row| row.weight > T::zero()).count();
+        let clocks = groups.iter().filter(|group| group.count > 0).count();
         let dof = used.checked_sub(3 + clocks).ok_or(SnapshotError::Insufficient)?;
 
-        let (normal, plain_normal, right_hand_side) = normal_equations(rows, &groups);
+        let (normal, right_hand_side) = normal_equations(rows, &groups, |row| row.weight);
         let covariance = invert(&normal)?;
-        let plain_covariance = invert(&plain_normal)?;
-        // Also the way out for a trace that is not finite.
-        if !(trace(&plain_covariance, &groups) < T::SINGULAR) {
+        if !is_determined(rows, &groups, &covariance) {
             return Err(SnapshotError::Singular);
         }
         self.groups = groups;
         self.covariance = covariance;
-        self.plain_covariance = plain_covariance;
         self.correction = covariance * right_hand_side;
         self.used = used;
         self.dof = dof;
@@ -202,15 +211,18 @@ impl<T: Real, const N: usize> Snapshot<T, N> {
     }
 
     fn fit_rows(&mut self) {
+        // Copies, which the compiler keeps in registers while the fits are written.
+        let (covariance, correction) = (self.covariance, self.correction);
+        let mut sse = T::zero();
         self.fits.clear();
-        self.sse = T::zero();
         for row in self.epoch.rows() {
             let group = row.clock.and_then(|clock| self.groups.get(clock as usize));
-            let fit = fit(row, group, &self.covariance, &self.correction);
-            self.sse += row.weight * fit.residual * fit.residual;
+            let fit = fit(row, group, &covariance, &correction);
+            sse += row.weight * fit.residual * fit.residual;
             // Both vectors hold N: never full here.
             let _ = self.fits.push(fit);
         }
+        self.sse = sse;
     }
 
     /// The equations, left-out ones included.
@@ -260,16 +272,21 @@ impl<T: Real, const N: usize> Snapshot<T, N> {
         Some(self.epoch.reference_m(constellation)? + relative.widen())
     }
 
+    /// True where a constellation has a row that takes part, and so a clock.
+    pub fn determines(&self, constellation: Constellation) -> bool {
+        self.groups.get(constellation as usize).is_some_and(|group| group.count > 0)
+    }
+
     /// Variance of [`Self::clock_m`], m²: `1/W_c + h̄_c P h̄_cᵀ`.
     pub fn clock_variance(&self, constellation: Constellation) -> Option<T> {
         let group = self.groups.get(constellation as usize).filter(|group| group.count > 0)?;
-        Some(group.weight.recip() + group.design.dot(&(self.covariance * group.design)))
+        Some(group.variance + group.design.dot(&(self.covariance * group.design)))
     }
 
     /// Variance `1/W_c` of the clock that a row touches, the position known, m²; 0 where no row determines it.
     pub fn level_variance(&self, row: &Row<T>) -> T {
         let group = row.clock.and_then(|clock| self.groups.get(clock as usize));
-        group.filter(|group| group.count > 0).map_or(T::zero(), |group| group.weight.recip())
+        group.map_or(T::zero(), |group| group.variance)
     }
 
     /// Element `S_ij` of the matrix that projects ranges on normalised residuals; `None` outside the epoch.
@@ -281,7 +298,7 @@ impl<T: Real, const N: usize> Snapshot<T, N> {
         }
         let shared = match (row_i.clock, row_j.clock) {
             (Some(a), Some(b)) if a == b => {
-                self.groups.get(a as usize).map_or(T::zero(), |group| group.weight.recip())
+                self.groups.get(a as usize).map_or(T::zero(), |group| group.variance)
             }
             _ => T::zero(),
         };
@@ -290,8 +307,10 @@ impl<T: Real, const N: usize> Snapshot<T, N> {
 
     /// Horizontal and vertical dilution of precision, dimensionless, of the unweighted geometry.
     pub fn dilutions(&self) -> (T, T) {
-        let horizontal = self.plain_covariance.m11 + self.plain_covariance.m22;
-        (horizontal.sqrt(), self.plain_covariance.m33.sqrt())
+        // What was solved is not singular: the fall-back is never taken.
+        let geometry = Geometry::of(self.epoch.rows());
+        let covariance = geometry.map_or(self.covariance, |geometry| geometry.covariance);
+        ((covariance.m11 + covariance.m22).sqrt(), covariance.m33.sqrt())
     }
 
     /// HDOP without one row: `√(HDOP² + (A_1i² + A_2i²)/S_ii)` of the unweighted geometry ([Lin2016] eq. 22).
@@ -300,12 +319,29 @@ impl<T: Real, const N: usize> Snapshot<T, N> {
     /// geometry is singular gives infinity. `None` for a row that takes no part.
     pub fn hdop_without(&self, index: usize) -> Option<T> {
         let (row, _) = self.row(index).filter(|(row, _)| row.weight > T::zero())?;
+        Some(Geometry::of(self.epoch.rows()).ok()?.hdop_without(row))
+    }
+}
+
+/// The geometry of the rows that take part, all with the same weight.
+struct Geometry<T: Real> {
+    groups: Groups<T>,
+    covariance: Matrix3<T>,
+}
+
+impl<T: Real> Geometry<T> {
+    fn of(rows: &[Row<T>]) -> Result<Self, SnapshotError> {
+        let groups = centre(rows, |_| T::one());
+        let (normal, _) = normal_equations(rows, &groups, |_| T::one());
+        Ok(Self { groups, covariance: invert(&normal)? })
+    }
+
+    fn hdop_without(&self, row: &Row<T>) -> T {
         let group = row.clock.and_then(|clock| self.groups.get(clock as usize));
-        let (mean, share) = group.map_or((Vector3::zeros(), T::zero()), |group| {
-            (group.plain_design, T::narrow(1.0 / group.count as f64))
-        });
+        let (mean, share) =
+            group.map_or((Vector3::zeros(), T::zero()), |group| (group.design, group.variance));
         let centred = row.design - mean;
-        let gain = self.plain_covariance * centred;
+        let gain = self.covariance * centred;
         let redundancy = T::one() - share - centred.dot(&gain);
         let moved = gain.x * gain.x + gain.y * gain.y;
         let increase = if redundancy > T::UNTESTABLE {
@@ -316,8 +352,7 @@ impl<T: Real, const N: usize> Snapshot<T, N> {
         } else {
             T::zero()
         };
-        let horizontal = self.plain_covariance.m11 + self.plain_covariance.m22;
-        Some((horizontal + increase).sqrt())
+        (self.covariance.m11 + self.covariance.m22 + increase).sqrt()
     }
 }
 
@@ -326,38 +361,49 @@ pub(crate) fn infinity<T: Real>() -> T {
     T::narrow(f64::INFINITY)
 }
 
-fn centre<T: Real>(rows: &[Row<T>]) -> [Group<T>; Constellation::COUNT] {
+/// Rows of weight 0 take no part, whatever weight the others are given.
+fn centre<T: Real>(rows: &[Row<T>], weight: impl Fn(&Row<T>) -> T) -> Groups<T> {
     let mut groups = [Group::empty(); Constellation::COUNT];
-    for row in rows {
+    for row in rows.iter().filter(|row| row.weight > T::zero()) {
         if let Some(group) = row.clock.and_then(|clock| groups.get_mut(clock as usize)) {
-            group.add(row);
+            group.add(row, weight(row));
         }
     }
     groups.map(Group::centre)
 }
 
-/// Weighted and plain normal matrices, and the weighted right-hand side.
+/// Normal matrix and right-hand side.
 fn normal_equations<T: Real>(
     rows: &[Row<T>],
-    groups: &[Group<T>; Constellation::COUNT],
-) -> (Matrix3<T>, Matrix3<T>, Vector3<T>) {
+    groups: &Groups<T>,
+    weight: impl Fn(&Row<T>) -> T,
+) -> (Matrix3<T>, Vector3<T>) {
     let mut normal = Matrix3::zeros();
-    let mut plain = Matrix3::zeros();
     let mut right_hand_side = Vector3::zeros();
     for row in rows.iter().filter(|row| row.weight > T::zero()) {
         let group = row.clock.and_then(|clock| groups.get(clock as usize));
-        let (mean, plain_mean, level) = group
-            .map_or((Vector3::zeros(), Vector3::zeros(), T::zero()), |group| {
-                (group.design, group.plain_design, group.residual)
-            });
+        let (mean, level) =
+            group.map_or((Vector3::zeros(), T::zero()), |group| (group.design, group.residual));
         let centred = row.design - mean;
-        let weighted = centred * row.weight;
+        let weighted = centred * weight(row);
         add_outer_product(&mut normal, &weighted, &centred);
         right_hand_side += weighted * (row.residual - level);
-        let centred = row.design - plain_mean;
-        add_outer_product(&mut plain, &centred, &centred);
     }
-    (normal, plain, right_hand_side)
+    (normal, right_hand_side)
+}
+
+/// True when the trace of `(HᵀH)⁻¹`, clocks included, is below [`Real::SINGULAR`].
+///
+/// No weight being above `w_max`, that trace is at most `w_max` times the trace of the weighted covariance, which is
+/// at hand; only where this bound does not decide is the unweighted geometry worked out.
+fn is_determined<T: Real>(rows: &[Row<T>], groups: &Groups<T>, covariance: &Matrix3<T>) -> bool {
+    let larger = |largest, weight| if weight > largest { weight } else { largest };
+    let largest_weight = rows.iter().map(|row| row.weight).fold(T::zero(), larger);
+    if largest_weight * trace(covariance, groups) < T::SINGULAR {
+        return true;
+    }
+    // A trace that is not a number is below nothing.
+    Geometry::of(rows).is_ok_and(|plain| trace(&plain.covariance, &plain.groups) < T::SINGULAR)
 }
 
 /// Adds `a bᵀ`, lower triangle only: all that the inversion reads.
@@ -391,12 +437,13 @@ fn invert<T: Real>(normal: &Matrix3<T>) -> Result<Matrix3<T>, SnapshotError> {
     Ok(Matrix3::new(p11, p21, p31, p21, p22, p32, p31, p32, d3))
 }
 
-/// Trace of `(HᵀH)⁻¹` of all unknowns, clocks included.
-fn trace<T: Real>(plain_covariance: &Matrix3<T>, groups: &[Group<T>; Constellation::COUNT]) -> T {
-    let clocks = groups.iter().filter(|group| group.count > 0).map(|group| {
-        T::narrow(1.0 / group.count as f64) + group.plain_design.dot(&(plain_covariance * group.plain_design))
-    });
-    clocks.fold(plain_covariance.trace(), |sum, term| sum + term)
+/// Trace of the covariance of all unknowns, clocks included.
+fn trace<T: Real>(covariance: &Matrix3<T>, groups: &Groups<T>) -> T {
+    let clocks = groups
+        .iter()
+        .filter(|group| group.count > 0)
+        .map(|group| group.variance + group.design.dot(&(covariance * group.design)));
+    clocks.fold(covariance.trace(), |sum, term| sum + term)
 }
 
 fn fit<T: Real>(
@@ -405,15 +452,22 @@ fn fit<T: Real>(
     covariance: &Matrix3<T>,
     correction: &Vector3<T>,
 ) -> Fit<T> {
-    let clock = group.filter(|group| group.count > 0);
-    let (mean, level) = clock.map_or((Vector3::zeros(), T::zero()), |group| (group.design, group.residual));
+    // An empty group has means, level and variance 0: the row stands by itself.
+    let (mean, level, variance) = group.map_or((Vector3::zeros(), T::zero(), T::zero()), |group| {
+        (group.design, group.residual, group.variance)
+    });
     let centred = row.design - mean;
     let gain = covariance * centred;
-    let share = clock.map_or(T::zero(), |group| group.weight.recip());
-    let redundancy = match clock {
-        // A lone satellite determines its clock: exactly nothing is left to test.
-        Some(group) if group.count == 1 && row.weight > T::zero() => T::zero(),
-        _ => (T::one() - row.weight * (share + centred.dot(&gain))).max(T::zero()),
-    };
-    Fit { centred, gain, residual: row.residual - level - centred.dot(correction), redundancy }
+    // A lone satellite determines its clock: exactly nothing is left to test.
+    let is_lone = group.is_some_and(|group| group.count == 1) && row.weight > T::zero();
+    let redundancy = T::one() - row.weight * (variance + centred.dot(&gain));
+    // Also the way out for what is not a number.
+    let redundancy = if redundancy > T::zero() && !is_lone { redundancy } else { T::zero() };
+    Fit {
+        centred,
+        gain,
+        residual: row.residual - level - centred.dot(correction),
+        redundancy,
+        gauge: if redundancy < T::UNTESTABLE { T::zero() } else { row.weight / redundancy },
+    }
 }

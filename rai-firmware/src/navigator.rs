@@ -4,7 +4,7 @@
 //! guess; without one, a coarse fix without atmosphere finds it. An epoch whose position turns out to be far from
 //! the guess is corrected once more about what was found.
 
-use rai_core::fix::Fix;
+use rai_core::fix::Workspace;
 use rai_core::frame::Ecef;
 use rai_core::monitor::{Monitor, MonitorError};
 use rai_core::report::{Report, Unavailable, Verdict};
@@ -122,5 +122,5 @@ fn is_unknown(point: Ecef) -> bool {
 /// Roughly where a receiver is that sees this sky; the centre of the earth if that cannot be told.
 fn look_around(sky: &Sky, time: GpsTime) -> Ecef {
     let epoch = coarse(sky, time);
-    Fix::<f32, CAPACITY>::solve(&epoch, Ecef::CENTRE).map_or(Ecef::CENTRE, |fix| fix.position())
+    Workspace::<f32, CAPACITY>::new().fix(&epoch, Ecef::CENTRE).map_or(Ecef::CENTRE, |fix| fix.position())
 }

@@ -80,10 +80,19 @@ pub struct Image {
 /// # Errors
 /// Where cargo cannot be run or the build fails; cargo has then said why.
 pub fn build() -> anyhow::Result<PathBuf> {
+    build_with(&["--bin", "rai-firmware"])
+}
+
+/// Builds one of the images, which the arguments choose, the way the shipped one is built.
+///
+/// # Errors
+/// As [`build`].
+pub fn build_with(chosen: &[&str]) -> anyhow::Result<PathBuf> {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let output = Command::new(cargo)
         .current_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join(".."))
         .args(["image", "--quiet", "--message-format=json-render-diagnostics"])
+        .args(chosen)
         .stderr(Stdio::inherit())
         .output()
         .context("cargo cannot be run")?;

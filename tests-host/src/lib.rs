@@ -53,6 +53,7 @@
 //! | `RTCM-10403.3` | RTCM SC104, *Differential GNSS Services, Version 3*, with amendments, 2016 |
 //! | `Wilson1927` | E. B. Wilson, *Probable inference, the law of succession, and statistical inference*, J. Am. Stat. Assoc. 22, 1927 |
 
+pub mod bench;
 pub mod board;
 pub mod chi_square;
 pub mod clock_models;
@@ -63,6 +64,7 @@ pub mod experiment;
 pub mod fault;
 pub mod gpsd;
 pub mod image;
+pub mod laboratory;
 pub mod no_panic;
 pub mod oracle;
 pub mod ransac_traditional;

@@ -143,8 +143,8 @@ proptest! {
                 let want = line.dot(&parity.column(other.index));
                 assert_close("p_i.p_j", row.projection(&other), want, 1e-8, 1e-8);
             }
-            let (equation, fit) = snapshot.row(row.index).unwrap();
-            let have = correlation(&snapshot, equation, fit);
+            let (_, fit) = snapshot.row(row.index).unwrap();
+            let have = correlation(&snapshot, fit);
             let want = vector.dot(&line) / (vector.norm() * line.norm());
             prop_assert!(have.abs() <= 1.0 + 1e-12);
             // A row that hardly shows leaves hardly a direction.

@@ -28,26 +28,19 @@
 use heapless::Vec;
 
 use crate::detection::detect;
-use crate::linear::Row;
 use crate::real::Real;
 use crate::report::MAX_EXCLUDED;
 use crate::snapshot::{Fit, Snapshot, SnapshotError};
 use crate::threshold::Thresholds;
 
 /// The w-test of a row, dimensionless; 0 where the row is untestable or left out.
-pub fn w_test<T: Real>(row: &Row<T>, fit: &Fit<T>) -> T {
-    if fit.redundancy < T::UNTESTABLE {
-        return T::zero();
-    }
-    fit.residual * (row.weight / fit.redundancy).sqrt()
+pub fn w_test<T: Real>(fit: &Fit<T>) -> T {
+    fit.residual * fit.gauge.sqrt()
 }
 
 /// The w-test squared, without the root: the decrease of SSE when the row is left out.
-fn w_squared<T: Real>(row: &Row<T>, fit: &Fit<T>) -> T {
-    if fit.redundancy < T::UNTESTABLE {
-        return T::zero();
-    }
-    fit.residual * fit.residual * row.weight / fit.redundancy
+fn w_squared<T: Real>(fit: &Fit<T>) -> T {
+    fit.residual * fit.residual * fit.gauge
 }
 
 /// Which row a detected fault is in.
@@ -73,10 +66,11 @@ pub fn worst_two<T: Real, const N: usize>(snapshot: &Snapshot<T, N>) -> Option<(
     let mut worst = None;
     for (index, (row, fit)) in snapshot.rows().enumerate() {
         if row.weight > T::zero() {
-            let squared = w_squared(row, fit);
+            let squared = w_squared(fit);
             worst = Some(match worst {
                 Some((_, largest, _)) if squared > largest => (index, squared, largest),
-                Some((known, largest, runner_up)) => (known, largest, squared.max(runner_up)),
+                Some((known, largest, runner_up)) if squared > runner_up => (known, largest, squared),
+                Some(worst) => worst,
                 None => (index, squared, T::zero()),
             });
         }
@@ -186,7 +180,7 @@ pub fn exclude_sequentially<T: Real, const N: usize>(
         let identification = identify(solution.snapshot(), thresholds);
         let removed = match identification {
             Identification::Row(index) if !rows.is_full() => {
-                let w_test = solution.snapshot().row(index).map_or(T::zero(), |(row, fit)| w_test(row, fit));
+                let w_test = solution.snapshot().row(index).map_or(T::zero(), |(_, fit)| w_test(fit));
                 solution.leave_out(index).is_ok() && rows.push(Excluded { index, w_test }).is_ok()
             }
             _ => false,
@@ -219,17 +213,17 @@ fn stands_out<T: Real, const N: usize>(
     index: usize,
     thresholds: &Thresholds<'_>,
 ) -> bool {
-    let (Some((row, fit)), Some(margin), Some(tau)) = (
+    let (Some((_, fit)), Some(margin), Some(tau)) = (
         snapshot.row(index),
         thresholds.w_test(snapshot.used()),
         snapshot.dof().checked_sub(1).and_then(|dof| thresholds.tau1(dof)),
     ) else {
         return false;
     };
-    let bound = w_squared(row, fit) - T::narrow(margin * margin);
+    let bound = w_squared(fit) - T::narrow(margin * margin);
     let tau = T::narrow(tau);
-    snapshot.rows().enumerate().all(|(other, (row, fit))| {
-        let explained = w_squared(row, fit);
+    snapshot.rows().enumerate().all(|(other, (_, fit))| {
+        let explained = w_squared(fit);
         other == index || explained <= bound || snapshot.sse() - explained >= tau
     })
 }

@@ -2,7 +2,7 @@
 //!
 //! What it says is what the module's user would have been told without integrity monitoring.
 
-use rai_core::fix::Fix;
+use rai_core::fix::Workspace;
 use rai_firmware::correction::{self, CAPACITY, Tally, locate};
 use rai_firmware::ephemeris::Store;
 use rai_firmware::rtcm::{Decoder, Event, RawEpoch};
@@ -61,7 +61,8 @@ fn judge(raw: &RawEpoch, store: &Store, mask_rad: f64, time_s: f64, site: &Site)
     let sky = locate(raw, store, &mut tally);
     let air = correction::Site::new(site.position, raw.time, mask_rad, None);
     let epoch = air.correct(&sky, &mut tally.ranges);
-    let fix = Fix::<f64, CAPACITY>::solve(&epoch, site.position).ok()?;
+    let mut workspace = Workspace::<f64, CAPACITY>::new();
+    let fix = workspace.fix(&epoch, site.position).ok()?;
     let snapshot = fix.snapshot();
     let dof = snapshot.dof();
     (dof > 0).then(|| Ordinary {

@@ -80,7 +80,7 @@ fn judge<T: Real>(
         Some(Identification::Row(index)) => Some(index),
         _ => None,
     };
-    let squared = snapshot.rows().map(|(row, fit)| w_test(row, fit).widen()).map(|w| Number(w * w));
+    let squared = snapshot.rows().map(|(_, fit)| w_test(fit).widen()).map(|w| Number(w * w));
     let statistic = detection.statistic();
     Ok(ClockRaim {
         dof,

@@ -37,7 +37,7 @@ pub(super) fn evaluate<T: Real>(
 ) -> Result<Iso, String> {
     let alpha = probability("alpha", isolation.alpha)?;
     let limits = Limits { rows: isolation.kmax, sets: MAX_SETS, alpha };
-    let rho = snapshot.rows().map(|(row, fit)| Number(correlation(snapshot, row, fit).widen()));
+    let rho = snapshot.rows().map(|(_, fit)| Number(correlation(snapshot, fit).widen()));
     Ok(Iso {
         rho: rho.collect(),
         rho_T: Number(correlation_threshold::<T>(alpha, snapshot.dof()).map_or(f64::INFINITY, T::widen)),

@@ -172,7 +172,7 @@ fn test<T: Real>(
         test: statistic.statistic.into(),
         T1n: statistic.threshold.into(),
         detected: detection.fault(),
-        w: each_row(snapshot, w_test),
+        w: each_row(snapshot, |_, fit| w_test(fit)),
         Td: w_threshold.into(),
         Sii: each_row(snapshot, |_, fit| fit.redundancy),
         slope_h: each_row(snapshot, |row, fit| slopes(row, fit).horizontal),

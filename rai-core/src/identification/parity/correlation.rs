@@ -27,18 +27,18 @@
 //!
 //! \[Parity\] leaves the threshold's form open; Student's is the exact one under equal sigmas and any geometry.
 
+use crate::identification::baarda::w_test;
 use crate::probability::Probability;
 use crate::real::Real;
 use crate::snapshot::{Fit, Snapshot};
-use crate::{identification::baarda::w_test, linear::Row};
 
 /// Newton steps at most: from the left of a convex falling function each divides the tail by about e.
 const MAX_STEPS: usize = 64;
 
 /// `ρ_i` of one row, dimensionless; 0 where the row is untestable or nothing is left to explain.
-pub fn correlation<T: Real, const N: usize>(snapshot: &Snapshot<T, N>, row: &Row<T>, fit: &Fit<T>) -> T {
+pub fn correlation<T: Real, const N: usize>(snapshot: &Snapshot<T, N>, fit: &Fit<T>) -> T {
     let length = snapshot.sse().sqrt();
-    if length > T::zero() { w_test(row, fit) / length } else { T::zero() }
+    if length > T::zero() { w_test(fit) / length } else { T::zero() }
 }
 
 /// `ρ_T` for a confidence and a number of degrees of freedom; `None` below two, where every |ρ| is 1.

@@ -4,8 +4,8 @@
 //! what sequential isolation misses: two faults that hide behind a third, healthy row.
 //!
 //! Work: `n + n(n−1)/2 + n(n−1)(n−2)/6` sets, 10,700 for 40 rows. A set costs a dozen products: a third row that two
-//! others are tried with is taken out of all rows first ([`crate::removal`]). Only a set that is better than
-//! all before is checked for being refused. In `f32` on a Cortex-M4F all pairs of 20 rows take 23,000 instructions, all
+//! others are tried with is taken out of all rows first ([`crate::removal`]). Only the best of a size is checked for
+//! being refused; where it is, the size is looked through again below it. In `f32` on a Cortex-M4F all pairs of 20 rows take 23,000 instructions, all
 //! triples 160,000. A budget that is used up ends the search without a result.
 
 use heapless::Vec;
@@ -15,7 +15,8 @@ use crate::bounded::gather;
 use crate::identification::{baarda::Identification, tails};
 use crate::real::Real;
 use crate::removal::{NormalisedRow, Removal};
-use crate::snapshot::Snapshot;
+use crate::report::MAX_EXCLUDED;
+use crate::snapshot::{Snapshot, infinity};
 use crate::threshold::Thresholds;
 
 /// Looks for the smallest set of rows without which the rest passes.
@@ -32,16 +33,16 @@ pub fn grouping<T: Real, const N: usize>(
 
 impl<T: Real, const N: usize> Search<'_, T, N> {
     pub(super) fn grouping(&self) -> Finding<T> {
-        let mut contest = Contest { rows: &self.rows, best: None, left: self.limits.sets, cut: false };
+        let mut contest = Contest::new(&self.rows, self.limits.sets);
         // With no degree of freedom left every set would pass, and none would mean anything.
         let largest = self.limits.rows().min(self.snapshot.dof().saturating_sub(1));
         for size in 1..=largest {
-            contest.all_of_size::<N>(size);
+            let best = contest.best_of_size::<N>(size);
             let sets = self.limits.sets - contest.left;
             if contest.cut {
                 return Finding { set: Err(Identification::Budget), sets };
             }
-            if let Some(best) = contest.best.take_if(|best| self.passes(best)) {
+            if let Some(best) = best.filter(|best| self.passes(best)) {
                 return Finding { set: Ok(best), sets };
             }
         }
@@ -49,43 +50,70 @@ impl<T: Real, const N: usize> Search<'_, T, N> {
     }
 }
 
-/// The best set of the size at hand, and how many sets may still be looked at.
+/// The set that explains most so far, and how many sets may still be looked at.
 struct Contest<'r, T: Real> {
     rows: &'r [NormalisedRow<T>],
-    best: Option<Removal<T>>,
+    best: Option<Entrant<T>>,
+    /// Sets that explain as much as this are refused.
+    ceiling: T,
     left: usize,
     cut: bool,
 }
 
-impl<T: Real> Contest<'_, T> {
+/// A set by the indices of its rows, as many as its size says.
+#[derive(Clone, Copy)]
+struct Entrant<T> {
+    explained: T,
+    set: [usize; MAX_EXCLUDED],
+}
+
+impl<'r, T: Real> Contest<'r, T> {
+    fn new(rows: &'r [NormalisedRow<T>], sets: usize) -> Self {
+        Self { rows, best: None, ceiling: infinity(), left: sets, cut: false }
+    }
+
+    /// The best set of a size that is not refused. The best are rarely refused: it is cheaper to look through all sets
+    /// again than to examine each that leads for a while.
+    fn best_of_size<const N: usize>(&mut self, size: usize) -> Option<Removal<T>> {
+        self.ceiling = infinity();
+        loop {
+            self.best = None;
+            self.all_of_size::<N>(size);
+            let Entrant { explained, set } = self.best.filter(|_| !self.cut)?;
+            if let Some(removal) = self.removal(set.get(..size)?) {
+                return Some(removal);
+            }
+            self.ceiling = explained;
+        }
+    }
+
     fn all_of_size<const N: usize>(&mut self, size: usize) {
-        self.best = None;
         match size {
             1 => self.singles(),
-            2 => self.pairs(T::zero(), &[], self.rows),
+            2 => self.pairs(T::zero(), [], self.rows),
             _ => self.triples::<N>(),
         }
     }
 
     fn singles(&mut self) {
-        let rows = self.granted(self.rows);
-        for row in rows {
-            self.enter(row.explained(), &[row.index]);
+        for row in self.granted(self.rows) {
+            self.enter(row.explained(), [row.index, 0, 0]);
         }
     }
 
-    /// All pairs of `rows`, each together with a set that is gone already and explains so much.
-    fn pairs(&mut self, explained: T, gone: &[usize], rows: &[NormalisedRow<T>]) {
+    /// All pairs of `rows`, each together with a row that is gone already, if one is, and explains so much.
+    fn pairs<const GONE: usize>(&mut self, explained: T, gone: [usize; GONE], rows: &[NormalisedRow<T>]) {
         for (first, rest) in tails(rows) {
             if first.redundancy < T::UNTESTABLE {
                 continue;
             }
             for second in self.granted(rest) {
                 let explained = explained + first.explained_with(second);
-                match gone.first() {
-                    None => self.enter(explained, &[first.index, second.index]),
-                    Some(&gone) => self.enter(explained, &[gone, first.index, second.index]),
+                let mut set = [first.index, second.index, 0];
+                if let Some(&gone) = gone.first() {
+                    set = [gone, first.index, second.index];
                 }
+                self.enter(explained, set);
             }
         }
     }
@@ -93,8 +121,10 @@ impl<T: Real> Contest<'_, T> {
     fn triples<const N: usize>(&mut self) {
         for (first, rest) in tails(self.rows) {
             if !self.cut {
-                let changed: Vec<NormalisedRow<T>, N> = gather(rest.iter().map(|row| row.without(first)));
-                self.pairs(first.explained(), &[first.index], &changed);
+                let root = first.redundancy.sqrt();
+                let changed: Vec<NormalisedRow<T>, N> =
+                    gather(rest.iter().map(|row| row.without(first, root)));
+                self.pairs(first.explained(), [first.index], &changed);
             }
         }
     }
@@ -107,12 +137,11 @@ impl<T: Real> Contest<'_, T> {
         granted
     }
 
-    /// Keeps a set that is better than all before, unless it is refused.
-    fn enter(&mut self, explained: T, set: &[usize]) {
-        if self.best.as_ref().is_none_or(|best| explained > best.explained())
-            && let Some(removal) = self.removal(set)
-        {
-            self.best = Some(removal);
+    /// Keeps a set that is better than all before.
+    fn enter(&mut self, explained: T, set: [usize; MAX_EXCLUDED]) {
+        let leads = self.best.is_none_or(|best| explained > best.explained);
+        if leads && explained < self.ceiling {
+            self.best = Some(Entrant { explained, set });
         }
     }
 

@@ -212,7 +212,7 @@ pub(super) fn leave_out<T: Real, const N: usize>(
 ) -> Exclusion<T> {
     let mut rows = Vec::new();
     for &index in set {
-        let w_test = solution.snapshot().row(index).map_or(T::zero(), |(row, fit)| w_test(row, fit));
+        let w_test = solution.snapshot().row(index).map_or(T::zero(), |(_, fit)| w_test(fit));
         // Where no position is left, the test below speaks of the rows that are out so far.
         if solution.leave_out(index).is_err() || rows.push(Excluded { index, w_test }).is_err() {
             break;

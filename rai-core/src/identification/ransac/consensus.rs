@@ -64,13 +64,23 @@ pub fn consensus<T: Real, const N: usize>(
     selection: &Selection<N>,
     limits: &Limits<'_>,
 ) -> Result<Consensus, NoConsensus> {
+    consensus_in(&mut Snapshot::unsolved(epoch.clone()), epoch, selection, limits)
+}
+
+/// The same in a room that holds the epoch's rows, and then the last subset's solution.
+pub(super) fn consensus_in<T: Real, const N: usize>(
+    room: &mut Snapshot<T, N>,
+    epoch: &LinearEpoch<T, N>,
+    selection: &Selection<N>,
+    limits: &Limits<'_>,
+) -> Result<Consensus, NoConsensus> {
     if selection.subsets() < 2 || selection.rows() != epoch.rows().len() {
         return Err(NoConsensus::TooFewSubsets);
     }
     let bound = disagreement(epoch, limits).ok_or(NoConsensus::TooFewSubsets)?;
     let mut best: Option<(Vote<T>, usize)> = None;
     for subset in 0..selection.subsets() {
-        let vote = vote(epoch, selection, subset, bound);
+        let vote = vote(room, epoch, selection, subset, bound);
         let believed = vote.filter(|vote| vote.against <= most_faults(selection));
         if let Some(vote) = believed.filter(|vote| best.as_ref().is_none_or(|(best, _)| vote.beats(best))) {
             best = Some((vote, subset));
@@ -96,23 +106,31 @@ impl<T: Real> Vote<T> {
 
 /// `None` where a subset gives no position worth a vote.
 fn vote<T: Real, const N: usize>(
+    alone: &mut Snapshot<T, N>,
     epoch: &LinearEpoch<T, N>,
     selection: &Selection<N>,
     subset: usize,
     bound: T,
 ) -> Option<Vote<T>> {
-    let solution = solve(epoch, selection, subset)?;
-    let levels = Constellation::ALL.map(|clock| median_without_clock(epoch, &solution, clock));
+    alone.epoch_mut().keep_only(|index| selection.contains(subset, index));
+    alone.solve_again().ok()?;
+    let solution = &*alone;
+    if !is_worth_a_vote(solution) {
+        return None;
+    }
+    let levels = Constellation::ALL.map(|clock| median_without_clock(epoch, solution, clock));
     let mut vote = Vote { against: 0, rows: Vec::new(), misfit: T::zero() };
     for (index, (row, (_, fit))) in epoch.rows().iter().zip(solution.rows()).enumerate() {
         if !(row.weight > T::zero()) || selection.contains(subset, index) {
             continue;
         }
         let level = row.clock.and_then(|clock| levels.get(clock as usize)).copied().flatten();
-        let squared = deviation_squared(row, fit, &solution, level.unwrap_or(T::zero()));
-        vote.misfit += squared.min(bound);
+        let squared = deviation_squared(row, fit, solution, level.unwrap_or(T::zero()));
         // Written so that what is not a number disagrees.
-        if !(squared < bound) {
+        if squared < bound {
+            vote.misfit += squared;
+        } else {
+            vote.misfit += bound;
             vote.against += 1;
             let _ = vote.rows.push(index);
         }
@@ -120,22 +138,12 @@ fn vote<T: Real, const N: usize>(
     Some(vote)
 }
 
-fn solve<T: Real, const N: usize>(
-    epoch: &LinearEpoch<T, N>,
-    selection: &Selection<N>,
-    subset: usize,
-) -> Option<Snapshot<T, N>> {
-    let mut alone = epoch.clone();
-    for index in 0..epoch.rows().len() {
-        if !selection.contains(subset, index) {
-            alone.leave_out(index);
-        }
-    }
-    let solution = Snapshot::solve(alone).ok()?;
+/// False for a position that a subset determines too badly.
+fn is_worth_a_vote<T: Real, const N: usize>(solution: &Snapshot<T, N>) -> bool {
     let members = solution.rows().filter(|(row, _)| row.weight > T::zero());
     let sum = members.fold(T::zero(), |sum, (row, _)| sum + row.sigma);
     let mean = sum / T::narrow(solution.used() as f64);
-    Some(solution).filter(|solution| solution.covariance().trace() <= mean * mean * T::narrow(MAX_DILUTION))
+    solution.covariance().trace() <= mean * mean * T::narrow(MAX_DILUTION)
 }
 
 /// `z_i²` of a row that is left out of a solution, its residual first referred to a level.
@@ -156,7 +164,7 @@ fn median_without_clock<T: Real, const N: usize>(
     solution: &Snapshot<T, N>,
     clock: Constellation,
 ) -> Option<T> {
-    if solution.clock_m(clock).is_some() {
+    if solution.determines(clock) {
         return None;
     }
     let rows = epoch.rows().iter().zip(solution.rows());

@@ -94,10 +94,11 @@ pub fn exclude<T: Real, const N: usize>(
     if !detection.is_some_and(|detection| detection.fault()) {
         return exclude_sequentially(solution, thresholds);
     }
-    let Ok(consensus) = consensus(snapshot.epoch(), selection, limits) else {
+    let mut room = snapshot.clone();
+    let Ok(consensus) = consensus::consensus_in(&mut room, snapshot.epoch(), selection, limits) else {
         return exclude_sequentially(solution, thresholds);
     };
-    let refinement = refine(snapshot, selection, &consensus, limits);
+    let refinement = refinement::refine_in(&mut room, snapshot.epoch(), selection, &consensus, limits);
     let exclusion = leave_out(solution, &refinement.rows, thresholds);
     if refinement.passed || exclusion.outcome != Outcome::Isolated {
         return exclusion;

@@ -11,6 +11,7 @@ use heapless::Vec;
 use super::consensus::{deviation_squared, disagreement, most_faults};
 use super::{Consensus, Limits, Selection};
 use crate::identification::baarda::worst_two;
+use crate::linear::LinearEpoch;
 use crate::real::Real;
 use crate::report::MAX_EXCLUDED;
 use crate::snapshot::Snapshot;
@@ -31,13 +32,27 @@ pub fn refine<T: Real, const N: usize>(
     consensus: &Consensus,
     limits: &Limits<'_>,
 ) -> Refinement {
-    let mut solution = snapshot.clone();
+    refine_in(&mut snapshot.clone(), snapshot.epoch(), selection, consensus, limits)
+}
+
+/// The same in a room that holds the epoch's rows, whichever of them took part there.
+pub(super) fn refine_in<T: Real, const N: usize>(
+    room: &mut Snapshot<T, N>,
+    epoch: &LinearEpoch<T, N>,
+    selection: &Selection<N>,
+    consensus: &Consensus,
+    limits: &Limits<'_>,
+) -> Refinement {
     let mut rows = consensus.rows.clone();
-    let left_out = rows.iter().all(|&index| solution.leave_out(index).is_ok());
+    room.epoch_mut().keep_only(|index| {
+        let takes_part = epoch.rows().get(index).is_some_and(|row| row.weight > T::zero());
+        takes_part && !consensus.rows.contains(&index)
+    });
+    let left_out = room.solve_again().is_ok();
     let most = most_faults(selection).max(rows.len());
-    let passed = left_out && exclude_until_passed(&mut solution, &mut rows, most, limits);
-    if let Some(bound) = disagreement(snapshot.epoch(), limits).filter(|_| passed) {
-        rows.retain(|&index| disagrees(&solution, index, bound));
+    let passed = left_out && exclude_until_passed(room, &mut rows, most, limits);
+    if let Some(bound) = disagreement(epoch, limits).filter(|_| passed) {
+        rows.retain(|&index| disagrees(room, index, bound));
     }
     Refinement { rows, passed }
 }
@@ -67,7 +82,7 @@ fn exclude_until_passed<T: Real, const N: usize>(
 /// True where a row that was left out does not fit, or has no clock left to be compared with.
 fn disagrees<T: Real, const N: usize>(solution: &Snapshot<T, N>, index: usize, bound: T) -> bool {
     solution.row(index).is_none_or(|(row, fit)| {
-        let comparable = row.clock.is_none_or(|clock| solution.clock_m(clock).is_some());
+        let comparable = row.clock.is_none_or(|clock| solution.determines(clock));
         !comparable || !(deviation_squared(row, fit, solution, T::zero()) < bound)
     })
 }

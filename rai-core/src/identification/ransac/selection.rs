@@ -266,8 +266,7 @@ impl<T: Real> Tetrahedra<T> {
     fn over_triangle(&mut self, [a, b, c]: [&Corner<T>; 3], tips: &[Corner<T>]) {
         let normal = (b.1 - a.1).cross(&(c.1 - a.1));
         let level = normal.dot(&a.1);
-        let reach = normal.norm() * T::narrow(LENGTH) + level.abs();
-        let tips = if reach < self.largest { &[] } else { tips };
+        let tips = if self.is_out_of_reach(&normal, level) { &[] } else { tips };
         if !self.spend(1 + tips.len()) {
             return;
         }
@@ -278,6 +277,12 @@ impl<T: Real> Tetrahedra<T> {
                 self.corners = Some([a.0, b.0, c.0, tip.0]);
             }
         }
+    }
+
+    /// `|N| + |N·a|` is below the largest volume: squared, so that no root is taken.
+    fn is_out_of_reach(&self, normal: &Vector3<T>, level: T) -> bool {
+        let missing = self.largest - level.abs();
+        missing > T::zero() && normal.dot(normal) * T::narrow(LENGTH * LENGTH) < missing * missing
     }
 
     /// Takes from the work that is left; false when there is not enough.

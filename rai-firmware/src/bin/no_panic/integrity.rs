@@ -6,7 +6,7 @@ use core::ops::{Add, Sub};
 use rai_core::clock::{self, Autoregression, Clocks, CoastingClock, Extrapolation};
 use rai_core::detection::{self, Detection};
 use rai_core::epoch::{Epoch, EpochError};
-use rai_core::fix::{Fix, FixError};
+use rai_core::fix::{Fix, FixError, Workspace};
 use rai_core::frame::{Ecef, Enu, Geodetic, LocalFrame};
 use rai_core::identification::baarda::{self, Reducible};
 use rai_core::identification::parity;
@@ -66,6 +66,7 @@ fn the_linearised_epoch<T: Real>() {
         Snapshot::<T, N>::sse as fn(_) -> _,
         Snapshot::<T, N>::used as fn(_) -> _,
         Snapshot::<T, N>::dof as fn(_) -> _,
+        Snapshot::<T, N>::determines as fn(_, _) -> _,
         Snapshot::<T, N>::clock_m as fn(_, _) -> _,
         Snapshot::<T, N>::clock_variance as fn(_, _) -> _,
         Snapshot::<T, N>::level_variance as fn(_, _) -> _,
@@ -110,7 +111,7 @@ fn removals<T: Real>() {
 
 fn identification_by_w_test<T: Real>() {
     reach!(
-        baarda::w_test::<T> as fn(_, _) -> _,
+        baarda::w_test::<T> as fn(_) -> _,
         baarda::worst_two::<T, N> as fn(_) -> _,
         baarda::identify::<T, N> as fn(_, _) -> _,
         baarda::exclude_sequentially::<T, N> as fn(&mut Snapshot<T, N>, _) -> _,
@@ -122,7 +123,7 @@ fn identification_by_w_test<T: Real>() {
 
 fn identification_in_parity_space<T: Real>() {
     reach!(
-        parity::correlation::<T, N> as fn(_, _, _) -> _,
+        parity::correlation::<T, N> as fn(_, _) -> _,
         parity::correlation_threshold::<T> as fn(_, _) -> _,
         parity::simultaneous::<T, N> as fn(_, _, _) -> _,
         parity::sequential::<T, N> as fn(_, _, _) -> _,
@@ -185,7 +186,9 @@ fn thresholds<T: Real>() {
 
 fn the_pipeline<T: Real>() {
     reach!(
-        Fix::<T, N>::solve as fn(_, _) -> _,
+        Workspace::<T, N>::new as fn() -> _,
+        <Workspace<T, N> as Default>::default as fn() -> _,
+        Workspace::<T, N>::fix as fn(_, _, _) -> _,
         Fix::<T, N>::position as fn(_) -> _,
         Fix::<T, N>::frame as fn(_) -> _,
         Fix::<T, N>::snapshot as fn(_) -> _,

@@ -70,10 +70,10 @@ fn differences(day: &Day, rows: &[linear::Row]) -> anyhow::Result<Differences> {
             let core = snapshot.projection(i, j).unwrap_or(f64::NAN);
             (basis.column(i).dot(&basis.column(j)) - core).abs()
         })),
-        correlation: worst((0..).zip(snapshot.rows()).map(|(index, (row, fit))| {
+        correlation: worst((0..).zip(snapshot.rows()).map(|(index, (_, fit))| {
             let column = basis.column(index);
             let cosine = parity.dot(&column) / (parity.norm() * column.norm());
-            (cosine - correlation(&snapshot, row, fit)).abs()
+            (cosine - correlation(&snapshot, fit)).abs()
         })),
         dilution: worst((0..rows.len()).map(|index| dilution(&snapshot, index))),
         limits: disagreements(day, &snapshot)?,

@@ -1,0 +1,33 @@
+//! Epochs as the host writes them: `time_s`, a count, and for each satellite constellation, number, x, y, z, range,
+//! sigma.
+
+use rai_core::epoch::{Epoch, Observation};
+use rai_core::frame::Ecef;
+use rai_core::satellite::{Constellation, SatelliteId};
+use rai_firmware::correction::CAPACITY;
+
+use crate::request::Input;
+
+/// An epoch; `None` where the bytes end. What the core refuses is left out, as in the module.
+pub fn epoch(input: &mut Input<'_>) -> Option<Epoch<CAPACITY>> {
+    let mut epoch = Epoch::new(input.double()?);
+    for _ in 0..input.byte()? {
+        let _ = epoch.push(observation(input)?);
+    }
+    Some(epoch)
+}
+
+/// A point: x, y, z.
+pub fn point(input: &mut Input<'_>) -> Option<Ecef> {
+    Some(Ecef::new(input.double()?, input.double()?, input.double()?))
+}
+
+fn observation(input: &mut Input<'_>) -> Option<Observation> {
+    let constellation = *Constellation::ALL.get(usize::from(input.byte()?))?;
+    Some(Observation {
+        satellite: SatelliteId::new(constellation, input.byte()?)?,
+        position: point(input)?,
+        range_m: input.double()?,
+        sigma_m: input.double()?,
+    })
+}

@@ -1,0 +1,3 @@
+//! What the module costs on the chip.
+
+pub mod workload;

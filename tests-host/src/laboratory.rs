@@ -1,0 +1,176 @@
+//! Stages of the module on the emulated processor: what they cost, to the instruction, and what they give, to the bit.
+//!
+//! A [`Bench`] collects requests and runs them all in one go of the measuring image, which reads them from a file of the
+//! host and writes its answers to another.
+//!
+//! | symbol | field | unit |
+//! |---|---|---|
+//! | instructions | [`Answer::instructions`] | 1; one takes one nanosecond of the emulator's time |
+//!
+//! Reference: the request and answer formats stand in the image's own modules, `rai-firmware/src/bin/laboratory/`.
+
+use std::path::PathBuf;
+use std::process::{Command, Stdio};
+
+use anyhow::{Context, Result, ensure};
+use rai_core::epoch::Epoch;
+use rai_core::frame::Ecef;
+
+use crate::board::instructions;
+use crate::image;
+
+/// Something the image can run. The number is the request's.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// Snapshot, global test, w-tests, slopes, protection levels.
+    Test = 0,
+    /// The same with the worst satellite left out and the rest tested again.
+    TestWithoutWorst = 1,
+    /// Grouping up to a number of satellites.
+    Group = 2,
+    /// Range consensus, the selection kept.
+    Vote = 3,
+    /// Range consensus with a new selection.
+    Select = 4,
+    /// Clock aiding: update and forecast.
+    Coast = 5,
+    /// The threshold of a policy for a new geometry.
+    Policy = 6,
+    /// Fix and complete integrity, from satellite positions and ranges.
+    Judge = 7,
+    /// RTCM to raw epoch.
+    Decode = 8,
+    /// Orbits and clocks.
+    Locate = 9,
+    /// Atmosphere and sigmas.
+    Correct = 10,
+    /// Sentences.
+    Speak = 11,
+    /// Bytes in to bytes out.
+    Whole = 12,
+}
+
+/// Which instantiation of the core.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scalar {
+    /// `f32`, as on the chip.
+    Single = 0,
+    /// `f64`.
+    Double = 1,
+}
+
+/// What came back.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Answer {
+    /// What it cost.
+    pub instructions: u64,
+    /// The result as `Debug` writes it: doubles to their last bit.
+    pub result: String,
+}
+
+/// Requests that wait for their run.
+#[derive(Clone, Debug, Default)]
+pub struct Bench {
+    requests: Vec<u8>,
+}
+
+impl Bench {
+    /// Adds a request with its input.
+    pub fn request(&mut self, stage: Stage, scalar: Scalar, input: &[u8]) {
+        let length = input.len() as u32 + 2;
+        self.requests.extend(length.to_le_bytes());
+        self.requests.extend([stage as u8, scalar as u8]);
+        self.requests.extend(input);
+    }
+
+    /// Runs all requests; answers in their order, a stage over several epochs giving one for each.
+    ///
+    /// # Errors
+    /// Where the emulator is missing or the image did not come to its end: a panic, or a request that makes no sense.
+    pub fn run(&self) -> Result<Vec<Answer>> {
+        let folder = Folder::new()?;
+        std::fs::write(folder.0.join("requests.bin"), &self.requests)?;
+        let image = build()?;
+        let output = Command::new("qemu-system-arm")
+            .current_dir(&folder.0)
+            .args(["-machine", "netduinoplus2", "-display", "none", "-monitor", "none", "-serial", "none"])
+            .args(["-icount", "shift=0", "-semihosting-config", "enable=on,target=native", "-kernel"])
+            .arg(&image)
+            .stdin(Stdio::null())
+            .output()
+            .context("qemu-system-arm cannot be run (`cargo xtask setup` installs it)")?;
+        let bytes = std::fs::read(folder.0.join("answers.bin")).unwrap_or_default();
+        let answers = answers(&bytes);
+        ensure!(
+            output.status.success(),
+            "the measuring image stopped after {} answers: {}",
+            answers.len(),
+            String::from_utf8_lossy(&output.stderr).trim()
+        );
+        Ok(answers)
+    }
+}
+
+/// Builds the measuring image; in release form, like the shipped one.
+fn build() -> Result<PathBuf> {
+    let features = ["--features", "laboratory", "--bin", "laboratory"];
+    image::build_with(&features)
+}
+
+fn answers(bytes: &[u8]) -> Vec<Answer> {
+    let mut rest = bytes;
+    let mut answers = Vec::new();
+    while let Some((head, tail)) = rest.split_first_chunk::<8>() {
+        let [t0, t1, t2, t3, l0, l1, l2, l3] = *head;
+        let length = u32::from_le_bytes([l0, l1, l2, l3]) as usize;
+        let Some((result, tail)) = tail.split_at_checked(length) else { break };
+        answers.push(Answer {
+            instructions: instructions(u64::from(u32::from_le_bytes([t0, t1, t2, t3]))),
+            result: String::from_utf8_lossy(result).into_owned(),
+        });
+        rest = tail;
+    }
+    answers
+}
+
+/// A point as the image reads it.
+pub fn point_bytes(point: Ecef) -> Vec<u8> {
+    [point.x_m, point.y_m, point.z_m].iter().flat_map(|value| value.to_le_bytes()).collect()
+}
+
+/// An epoch as the image reads it.
+pub fn epoch_bytes<const N: usize>(epoch: &Epoch<N>) -> Vec<u8> {
+    let mut bytes = epoch.time_s().to_le_bytes().to_vec();
+    bytes.push(epoch.observations().len() as u8);
+    for observation in epoch.observations() {
+        bytes.extend([observation.satellite.constellation() as u8, observation.satellite.number()]);
+        bytes.extend(point_bytes(observation.position));
+        bytes.extend(observation.range_m.to_le_bytes());
+        bytes.extend(observation.sigma_m.to_le_bytes());
+    }
+    bytes
+}
+
+/// A folder that goes with the value.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new() -> Result<Self> {
+        use std::sync::atomic::{AtomicU32, Ordering};
+        static NEXT: AtomicU32 = AtomicU32::new(0);
+        let number = NEXT.fetch_add(1, Ordering::Relaxed);
+        let path = std::env::temp_dir().join(format!("rai-laboratory-{}-{number}", std::process::id()));
+        std::fs::create_dir_all(&path).with_context(|| format!("cannot make {}", path.display()))?;
+        Ok(Self(path))
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        // Left behind, it lies where what is left behind is cleared away.
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+/// Whether the emulator is there; says aloud that the caller is skipped where it is not.
+pub use crate::board::is_installed;
