@@ -42,18 +42,12 @@ impl Expectation {
     pub(super) const GEOMETRIES: usize = STEPS * CELLS;
 
     /// Over a day.
-    pub(super) fn of_day(cases: &[Case; CASES], sky: &Sky, cells: &[Cell]) -> anyhow::Result<Self> {
+    pub(super) fn of_day(cases: &[Case], sky: &Sky, cells: &[Cell]) -> anyhow::Result<Self> {
         of_steps(0..STEPS, |t_s| Self::of_step(cases, sky, cells, 0.0, t_s))
     }
 
     /// Time counts from a day's origin, which the fault follows.
-    fn of_step(
-        cases: &[Case; CASES],
-        sky: &Sky,
-        cells: &[Cell],
-        origin_s: f64,
-        t_s: f64,
-    ) -> anyhow::Result<Self> {
+    fn of_step(cases: &[Case], sky: &Sky, cells: &[Cell], origin_s: f64, t_s: f64) -> anyhow::Result<Self> {
         let positions = sky.positions(origin_s + t_s);
         let mut step = Self::default();
         for cell in cells {
@@ -76,15 +70,12 @@ impl Expectation {
     }
 }
 
-/// What is expected to be missed while the fault lasts, on the day that begins at `origin_s`.
-pub(super) fn of_fault(
-    cases: &[Case; CASES],
-    sky: &Sky,
-    cells: &[Cell],
-    origin_s: f64,
-) -> anyhow::Result<Tally> {
+/// What each threshold of one case is expected to miss while the fault lasts, on the day that begins at `origin_s`.
+pub(super) fn missed_on(case: &Case, sky: &Sky, cells: &[Cell], origin_s: f64) -> anyhow::Result<[f64; 2]> {
     let steps = (FAULT_S.start / STEP_S) as usize..(FAULT_S.end / STEP_S) as usize;
-    Ok(of_steps(steps, |t_s| Expectation::of_step(cases, sky, cells, origin_s, t_s))?.tally)
+    let cases = std::slice::from_ref(case);
+    let tally = of_steps(steps, |t_s| Expectation::of_step(cases, sky, cells, origin_s, t_s))?.tally;
+    Ok([0, 1].map(|policy| tally.total(0, policy).missed))
 }
 
 fn of_steps(

@@ -83,7 +83,7 @@ pub(super) fn table_1(stride_s: usize, bar: &ProgressBar) -> anyhow::Result<(Vec
     };
     let mut sections: Vec<Section> =
         cases.iter().enumerate().map(|(index, case)| section(index, case, &tallies)).collect();
-    sections.push(other_phases(&cases, &sky, &cells)?);
+    sections.push(other_phases(&cases[FITTED], &sky, &cells)?);
     sections.push(figure_5(&tallies));
     Ok((sections, vec![alarms_by_latitude(&tallies)?, misses_by_latitude(&tallies)?]))
 }
@@ -178,12 +178,11 @@ fn figure_5(tallies: &Tallies) -> Section {
 }
 
 /// What the same hour of six other days would have missed: the phases of the constellation are free.
-fn other_phases(cases: &[Case; CASES], sky: &Sky, cells: &[Cell]) -> anyhow::Result<Section> {
-    let days = (1..=6).map(|day| expected::of_fault(cases, sky, cells, f64::from(day) * DAY_S));
-    let days: Vec<Tally> = days.collect::<anyhow::Result<_>>()?;
+fn other_phases(case: &Case, sky: &Sky, cells: &[Cell]) -> anyhow::Result<Section> {
+    let days = (1..=6).map(|day| expected::missed_on(case, sky, cells, f64::from(day) * DAY_S));
+    let days: Vec<[f64; 2]> = days.collect::<anyhow::Result<_>>()?;
     let row = |policy: usize| {
-        let missed: Vec<_> =
-            days.iter().map(|day| format!("{:.1}", day.total(FITTED, policy).missed)).collect();
+        let missed: Vec<_> = days.iter().map(|missed| format!("{:.1}", missed[policy])).collect();
         let ours = Finding::Words(missed.join(", "));
         Row::new(NAMES[policy], format!("{}", PAPER[policy].missed), ours, Judgement::InTrend)
     };
