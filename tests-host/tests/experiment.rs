@@ -42,3 +42,8 @@ fn lin2016() {
 fn parity() {
     holds("parity");
 }
+
+#[test]
+fn tian2024() {
+    holds("tian2024");
+}

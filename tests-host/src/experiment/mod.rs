@@ -20,6 +20,7 @@ mod lin2016;
 mod outcome;
 mod parity;
 mod row;
+mod tian2024;
 mod yang2015;
 
 pub use interval::Interval;
@@ -48,8 +49,13 @@ impl Effort {
 }
 
 /// What can be run, by the name it has on the command line.
-pub const EXPERIMENTS: &[Experiment] =
-    &[yang2015::EXPERIMENT, lin2016::EXPERIMENT, parity::EXPERIMENT, chen2009::EXPERIMENT];
+pub const EXPERIMENTS: &[Experiment] = &[
+    yang2015::EXPERIMENT,
+    lin2016::EXPERIMENT,
+    parity::EXPERIMENT,
+    chen2009::EXPERIMENT,
+    tian2024::EXPERIMENT,
+];
 
 /// One paper's experiments.
 #[derive(Clone, Copy, Debug)]
