@@ -1,0 +1,164 @@
+//! The forecast receiver clock on the emulated board: what it adds when satellites are few.
+//!
+//! A minute and more of the whole sky fills the clock's window; then all but a few satellites of GPS are lost. What is
+//! wanted are the faults that were put in: who is wrong, and when.
+
+use rai_core::frame::Ecef;
+use rai_core::satellite::Constellation;
+use tests_host::board::is_installed;
+use tests_host::encode::{Frequency, Selection};
+use tests_host::fault::Fault;
+use tests_host::image;
+use tests_host::replay::{self, Lump, Window};
+use tests_host::sentence::{EpochOutput, epochs};
+use tests_host::sky::raw::Simulation;
+
+/// When the sky empties, s: the window holds 60 values.
+const EMPTY_S: u32 = 75;
+
+/// When the first fault begins, s.
+const FAULT_S: u32 = 80;
+
+/// How long each fault lasts, and how long it is quiet before the next, s.
+const FAULT_LENGTH_S: u32 = 2;
+const QUIET_S: u32 = 2;
+
+/// End of the recording, s.
+const END_S: u32 = 100;
+
+/// Satellites in all directions, of which each is well tested with a clock beside them.
+const FOUR: [&str; 4] = ["G05", "G06", "G09", "G13"];
+
+/// Five, of which all but the last can be told from each other and from the clock.
+const FIVE: [&str; 5] = ["G02", "G05", "G07", "G29", "G13"];
+
+fn simulation() -> Simulation {
+    Simulation::above_xian(7200.0, END_S, 11)
+}
+
+/// When the fault with this number begins, s.
+fn begin_s(number: usize) -> u32 {
+    FAULT_S + number as u32 * (FAULT_LENGTH_S + QUIET_S)
+}
+
+/// A step of 100 m on each of the satellites in turn.
+fn steps(satellites: &[&str]) -> Vec<String> {
+    let step = |(number, satellite): (usize, &&str)| {
+        let begin_s = begin_s(number);
+        format!("{satellite}:+100@{begin_s}..{}", begin_s + FAULT_LENGTH_S)
+    };
+    satellites.iter().enumerate().map(step).collect()
+}
+
+/// Which fault is there at a second.
+fn fault_at(second: u32) -> Option<usize> {
+    let since_s = second.checked_sub(FAULT_S)?;
+    let number = since_s / (FAULT_LENGTH_S + QUIET_S);
+    (since_s % (FAULT_LENGTH_S + QUIET_S) < FAULT_LENGTH_S).then_some(number as usize)
+}
+
+/// GPS as the module receives it: only `kept` satellites once the sky has emptied, and some faults.
+fn received(kept: &[&str], faults: &[String]) -> Vec<Lump> {
+    let (simulation, recording) = (simulation(), simulation().record());
+    let seen = simulation.sights_at(EMPTY_S);
+    let lost = seen
+        .iter()
+        .filter(|sight| sight.satellite.constellation() == Constellation::Gps)
+        .map(|sight| sight.satellite.to_string())
+        .filter(|satellite| !kept.contains(&satellite.as_str()))
+        .map(|satellite| format!("{satellite}:lost@{EMPTY_S}.."));
+    let faults: Vec<Fault> =
+        lost.chain(faults.iter().cloned()).map(|text| Fault::parse_inject(&text).expect("a fault")).collect();
+    let selection = Selection::new("G", Frequency::Dual).expect("a system");
+    replay::encode(&recording, &selection, &faults, &Window::ALL).expect("a recording")
+}
+
+/// What the board says, second by second; it is what the host says.
+fn judged_on_board(lumps: &[Lump]) -> Option<Vec<EpochOutput>> {
+    if !is_installed() {
+        return None;
+    }
+    let commands = ["CLOCKAID,ON".to_owned()];
+    let host = replay::on_host(lumps, &commands, |_| {}).expect("the host judges");
+    let image = image::build().expect("the image builds");
+    let board = replay::on_board(&image, lumps, &host, &commands, |_| {}).expect("the board judges");
+    assert_eq!(board.sentences, host.concat(), "board and host");
+    let outputs = epochs(&board.sentences).expect("sentences");
+    assert_eq!(outputs.len(), END_S as usize, "one verdict a second");
+    Some(outputs)
+}
+
+fn verdict(output: &EpochOutput) -> (char, &str) {
+    (output.state.state, output.state.reason.as_str())
+}
+
+fn names(output: &EpochOutput) -> Vec<String> {
+    output.excluded.iter().map(|excluded| excluded.satellite.to_string()).collect()
+}
+
+fn error_m(output: &EpochOutput) -> f64 {
+    let truth: Ecef = simulation().site.position;
+    output.position.expect("a position").to_ecef().distance_m(truth)
+}
+
+/// What is said from the second on at which the sky empties.
+fn with_few(outputs: &[EpochOutput]) -> impl Iterator<Item = (u32, &EpochOutput)> {
+    (0..).zip(outputs).skip(EMPTY_S as usize)
+}
+
+#[test]
+fn step_on_one_of_four_satellites_is_an_alarm() {
+    let Some(outputs) = judged_on_board(&received(&FOUR, &steps(&FOUR))) else { return };
+    for (second, output) in with_few(&outputs) {
+        assert_eq!((output.state.used, output.state.dof), (4, Some(1)), "{second} s");
+        let want = if fault_at(second).is_some_and(|number| number < FOUR.len()) {
+            ('A', "FAULT")
+        } else {
+            ('P', "OK")
+        };
+        assert_eq!(verdict(output), want, "{second} s");
+    }
+}
+
+#[test]
+fn without_the_clock_four_satellites_are_no_test() {
+    let lumps = received(&FOUR, &steps(&FOUR));
+    let said = replay::on_host(&lumps, &[], |_| {}).expect("the host judges");
+    for (second, output) in with_few(&epochs(&said.concat()).expect("sentences")) {
+        assert_eq!(verdict(output), ('U', "REDUNDANCY"), "{second} s");
+    }
+}
+
+#[test]
+fn step_on_one_of_five_satellites_is_excluded() {
+    let Some(outputs) = judged_on_board(&received(&FIVE, &steps(&FIVE))) else { return };
+    for (second, output) in with_few(&outputs) {
+        match fault_at(second).and_then(|number| FIVE.get(number)) {
+            None => assert_eq!(verdict(output), ('P', "OK"), "{second} s"),
+            // Its fault and one of another look alike: the alarm says so, and nobody is believed.
+            Some(&"G13") => assert_eq!(verdict(output), ('A', "AMBIGUOUS"), "{second} s"),
+            Some(&faulty) => {
+                assert_eq!(verdict(output), ('P', "EXCLUDED"), "{second} s");
+                assert_eq!(names(output), [faulty], "{second} s");
+                assert!(error_m(output) < 30.0, "{second} s: {} m off", error_m(output));
+            }
+        }
+    }
+}
+
+#[test]
+fn jump_of_the_clock_by_300_m_is_no_satellites_fault() {
+    let jump = [format!("*:+300@{FAULT_S}..")];
+    let Some(outputs) = judged_on_board(&received(&FIVE, &jump)) else { return };
+    for (second, output) in with_few(&outputs) {
+        assert_eq!(verdict(output), ('P', "OK"), "{second} s");
+        assert_eq!(names(output), Vec::<String>::new(), "{second} s");
+        assert!(error_m(output) < 30.0, "{second} s: {} m off", error_m(output));
+    }
+    // The forecast row is gone at the jump, and comes back once the new clock has been watched for twelve seconds.
+    let dof = |second: u32| outputs[second as usize].state.dof;
+    assert_eq!(
+        [dof(FAULT_S - 1), dof(FAULT_S), dof(FAULT_S + 1), dof(END_S - 1)].map(Option::unwrap),
+        [2, 1, 1, 2]
+    );
+}
