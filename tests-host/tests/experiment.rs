@@ -39,6 +39,11 @@ fn lin2016() {
 }
 
 #[test]
+fn methods() {
+    holds("methods");
+}
+
+#[test]
 fn parity() {
     holds("parity");
 }

@@ -17,6 +17,7 @@ mod chen2009;
 mod draw;
 mod interval;
 mod lin2016;
+mod methods;
 mod outcome;
 mod parity;
 mod row;
@@ -55,6 +56,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
     parity::EXPERIMENT,
     chen2009::EXPERIMENT,
     tian2024::EXPERIMENT,
+    methods::EXPERIMENT,
 ];
 
 /// One paper's experiments.
