@@ -64,6 +64,7 @@
 #[cfg(test)]
 extern crate std;
 
+mod arrival;
 pub mod atmosphere;
 pub mod config;
 pub mod correction;

@@ -6,8 +6,9 @@
 //! ```
 //!
 //! The pin is high while the position of the last epoch may be used, and low in every other case: from reset on,
-//! on every verdict but `Protected`, and when the time to alert has passed since the last epoch. Other requirements
-//! take the promise back until the next epoch, a missed known answer until the next start.
+//! on every verdict but `Protected`, and when the time to alert has passed since the last epoch came. Other requirements
+//! take the promise back until the next epoch, a missed known answer until the next start. An epoch that is complete
+//! only after the time to alert is not judged at all: it would promise what was.
 //!
 //! Deadline: an epoch is judged within the call of [`Receiver::gnss`] that brings its last byte; the pin is set before
 //! a sentence is written. A silent line is noticed by [`Receiver::tick`], to be called at least ten times a second.
@@ -17,6 +18,7 @@ use embedded_io::Write;
 use rai_core::monitor::MonitorError;
 use rai_core::report::{Alert, Report, Unavailable, Verdict};
 
+use crate::arrival::Arrival;
 use crate::config::{Action, CommandPort, Configuration};
 use crate::correction::CAPACITY;
 use crate::counters::{count, counters};
@@ -47,6 +49,8 @@ counters! {
         epochs_alert,
         /// Nothing to be promised.
         epochs_unavailable,
+        /// Epochs that were complete only after the time to alert.
+        epochs_late,
         /// Times that the line was silent for the time to alert.
         line_stale,
         /// Ephemerides that told nothing new.
@@ -66,6 +70,7 @@ const SILENCE_MS: u64 = 500;
 pub struct Receiver<P> {
     boot: Boot,
     decoder: Decoder,
+    arrival: Arrival,
     commands: CommandPort,
     epochs: EpochLoop<P>,
     last_byte_ms: Option<u64>,
@@ -81,6 +86,7 @@ struct EpochLoop<P> {
     verdicts: Verdicts,
     last_verdict: Option<Verdict>,
     last_time: Option<GpsTime>,
+    /// When it came, or when its silence was last complained of.
     last_epoch_ms: u64,
     sigma_check: Option<f64>,
     is_sound: bool,
@@ -105,8 +111,8 @@ impl<P: OutputPin> Receiver<P> {
             is_sound: true,
         };
         epochs.promise(false);
-        let (decoder, commands) = (Decoder::new(), CommandPort::new());
-        Ok(Self { boot, decoder, commands, epochs, last_byte_ms: None, reset_requested: false })
+        let (decoder, arrival, commands) = (Decoder::new(), Arrival::default(), CommandPort::new());
+        Ok(Self { boot, decoder, arrival, commands, epochs, last_byte_ms: None, reset_requested: false })
     }
 
     /// Says what runs here, why it started, and whether its arithmetic is right.
@@ -124,11 +130,13 @@ impl<P: OutputPin> Receiver<P> {
     pub fn gnss<W: Write>(&mut self, bytes: &[u8], now_ms: u64, host: &mut W) {
         self.last_byte_ms = Some(now_ms);
         for &byte in bytes {
+            self.arrival.before_byte(&self.decoder, now_ms);
             let mut event = self.decoder.push(byte);
             while let Some(found) = event {
-                self.epochs.handle(&found, now_ms, host);
+                self.epochs.handle(&found, &mut self.arrival, now_ms, host);
                 event = self.decoder.pending();
             }
+            self.arrival.after_byte(&self.decoder);
         }
     }
 
@@ -138,8 +146,9 @@ impl<P: OutputPin> Receiver<P> {
         if self.last_byte_ms.is_some_and(|last_ms| now_ms.saturating_sub(last_ms) >= SILENCE_MS) {
             self.last_byte_ms = None;
             while let Some(found) = self.decoder.silence() {
-                self.epochs.handle(&found, now_ms, host);
+                self.epochs.handle(&found, &mut self.arrival, now_ms, host);
             }
+            self.arrival.after_byte(&self.decoder);
         }
         self.epochs.tick(now_ms, host);
     }
@@ -217,15 +226,19 @@ impl<P: OutputPin> Receiver<P> {
 }
 
 impl<P: OutputPin> EpochLoop<P> {
-    fn handle<W: Write>(&mut self, event: &Event<'_>, now_ms: u64, host: &mut W) {
+    fn handle<W: Write>(&mut self, event: &Event<'_>, arrival: &mut Arrival, now_ms: u64, host: &mut W) {
         match event {
             Event::Epoch(raw) => {
+                let came_ms = arrival.of_epoch();
+                if now_ms.saturating_sub(came_ms) >= self.time_to_alert_ms() {
+                    return count(&mut self.verdicts.epochs_late);
+                }
                 let mut report = self.navigator.judge(raw, &self.configuration);
                 if !self.is_sound {
                     // What was computed by wrong arithmetic is no input for anybody.
                     report.verdict = Verdict::Unavailable(Unavailable::Input);
                 }
-                self.conclude(&report, raw.time, now_ms, host);
+                self.conclude(&report, raw.time, came_ms, host);
             }
             Event::Ephemeris(ephemeris) => {
                 if matches!(self.navigator.learn(*ephemeris, self.last_time), Insertion::Older) {
@@ -237,11 +250,11 @@ impl<P: OutputPin> EpochLoop<P> {
     }
 
     /// Acts on a report: the pin first, then the sentences.
-    fn conclude<W: Write>(&mut self, report: &Report<CAPACITY>, time: GpsTime, now_ms: u64, host: &mut W) {
+    fn conclude<W: Write>(&mut self, report: &Report<CAPACITY>, time: GpsTime, came_ms: u64, host: &mut W) {
         self.promise(matches!(report.verdict, Verdict::Protected(_)));
         self.last_verdict = Some(report.verdict);
         self.last_time = Some(time);
-        self.last_epoch_ms = now_ms;
+        self.last_epoch_ms = came_ms;
         self.sigma_check = report.sigma_check;
         count(match report.verdict {
             Verdict::Protected(_) => &mut self.verdicts.epochs_protected,
@@ -253,8 +266,7 @@ impl<P: OutputPin> EpochLoop<P> {
     }
 
     fn tick<W: Write>(&mut self, now_ms: u64, host: &mut W) {
-        let limit_ms = (self.configuration.requirements.time_to_alert_s * 1e3) as u64;
-        if now_ms.saturating_sub(self.last_epoch_ms) < limit_ms {
+        if now_ms.saturating_sub(self.last_epoch_ms) < self.time_to_alert_ms() {
             return;
         }
         // Said again after each further time to alert: whoever listens later must hear it too.
@@ -264,6 +276,10 @@ impl<P: OutputPin> EpochLoop<P> {
         count(&mut self.verdicts.line_stale);
         let written = write_stale(self.last_time, GPS_MINUS_UTC_S, &self.configuration.requirements, host);
         self.sent(written.is_ok());
+    }
+
+    fn time_to_alert_ms(&self) -> u64 {
+        (self.configuration.requirements.time_to_alert_s * 1e3) as u64
     }
 
     /// Takes over what a command has changed. A promise under other requirements is none under these.

@@ -153,6 +153,11 @@ impl Assembly {
         Admission::Dropped
     }
 
+    /// Whether an epoch is under way.
+    pub(super) fn is_open(&self) -> bool {
+        self.phase == Phase::Open
+    }
+
     /// The epoch to which an admitted message adds.
     pub(super) fn epoch_mut(&mut self) -> &mut RawEpoch {
         &mut self.epoch

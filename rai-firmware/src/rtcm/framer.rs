@@ -53,6 +53,11 @@ impl Framer {
         let _ = self.buffer.push(byte);
     }
 
+    /// Whether nothing waits.
+    pub(super) fn is_empty(&self) -> bool {
+        self.buffer.is_empty()
+    }
+
     /// The frame at the front, if one is complete. It stays there until [`Framer::consume`].
     pub(super) fn frame(&mut self, counters: &mut Counters) -> Option<&[u8]> {
         let length = loop {

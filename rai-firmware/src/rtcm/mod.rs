@@ -188,6 +188,16 @@ impl Decoder {
         self.pending()
     }
 
+    /// Whether no byte waits for a frame to be complete.
+    pub fn is_between_frames(&self) -> bool {
+        self.framer.is_empty()
+    }
+
+    /// Whether an epoch has begun that is not complete.
+    pub fn is_within_epoch(&self) -> bool {
+        self.assembly.is_open()
+    }
+
     /// What came in and what was not used.
     pub fn counters(&self) -> &Counters {
         &self.counters

@@ -1,5 +1,6 @@
 //! A line that falls silent, and a host that sends nonsense.
 
+use crate::frames::frames;
 use crate::module::{Module, Sky};
 
 #[test]
@@ -65,4 +66,40 @@ fn a_bad_command_is_refused_with_the_reason_and_changes_nothing() {
         assert_eq!(*module.receiver.configuration(), want, "{bytes}");
         module.recovers(lump);
     }
+}
+
+/// A sky whose sixth lump comes half a minute after its fifth.
+fn sky_with_a_gap() -> Sky {
+    let mut sky = Sky::quiet(40);
+    sky.lumps.drain(5..35);
+    sky
+}
+
+#[test]
+fn an_epoch_that_only_the_next_one_ends_promises_nothing_when_it_is_old() {
+    let sky = sky_with_a_gap();
+    let mut module = Module::after(&sky, 4);
+    let (begun, next) = (frames(&sky.lumps[4]), frames(&sky.lumps[5]));
+    assert!(module.hear(&begun[..begun.len() - 1].concat()).is_empty(), "the last message is lost");
+    let said = module.silence(30_000);
+    assert!(said.iter().all(|output| output.state.reason == "STALE") && !module.pin_is_high(), "{said:?}");
+    // The first message of the next epoch ends the old one; then the cable is pulled again.
+    let said = module.hear(&next[0]);
+    assert!(said.is_empty() && !module.pin_is_high(), "{said:?}");
+    assert_eq!(module.grown("epochs_late"), 1);
+    module.recovers(&next[1..].concat());
+}
+
+#[test]
+fn the_time_to_alert_counts_from_when_an_epoch_came() {
+    let sky = sky_with_a_gap();
+    let mut module = Module::after(&sky, 4);
+    let (begun, next) = (frames(&sky.lumps[4]), frames(&sky.lumps[5]));
+    module.hear(&begun[..begun.len() - 1].concat());
+    (0..7).for_each(|_| drop(module.hear(&[0x55; 400])));
+    let said = module.hear(&next[0]);
+    assert!(said.len() == 1 && module.pin_is_high(), "eight seconds old, and still good: {said:?}");
+    let said = module.silence(1500);
+    assert!(said.len() == 1 && said[0].state.reason == "STALE", "{said:?}");
+    assert!(!module.pin_is_high(), "not for another ten seconds");
 }
