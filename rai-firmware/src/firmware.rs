@@ -3,7 +3,8 @@
 //! bytes in → receiver → sentences out; then time, then the watchdog, then sleep. Nothing here waits longer than the
 //! host port's patience, and only a loop that comes round feeds the watchdog.
 //!
-//! What an epoch costs is logged with it: ticks of the core clock that the receiver was busy since the last epoch.
+//! What an epoch costs is logged with it: ticks of the core clock that the receiver was busy since the last epoch, and
+//! ticks from its last byte to the pin. That byte came no earlier than the loop last found the ring empty or was woken.
 
 use core::fmt::Write as _;
 
@@ -54,10 +55,12 @@ fn run(receiver: &mut Receiver<IntegrityPin>, mut host: HostPort, mut watchdog: 
     while !receiver.reset_requested() {
         epochs.take_gnss(receiver, &mut host);
         take_commands(receiver, &mut host);
-        receiver.tick(time::now_ms(), &mut host);
+        look_at_clock(receiver, &mut host);
         report_losses(&mut losses);
         watchdog.feed();
-        sleep_unless(ports::input_waits);
+        if let Some(woken_ticks) = sleep_unless(ports::input_waits) {
+            epochs.heard_nothing_until(woken_ticks);
+        }
     }
     ports::drain();
     fault::reset_on_request()
@@ -68,29 +71,56 @@ fn run(receiver: &mut Receiver<IntegrityPin>, mut host: HostPort, mut watchdog: 
 struct Epochs {
     busy_ticks: u64,
     count: u32,
+    /// What waits in the ring came after this instant.
+    silent_until_ticks: u64,
 }
 
 impl Epochs {
     /// Hands over one chunk. An epoch ends with sentences, so their coming out closes the account of its ticks.
     fn take_gnss(&mut self, receiver: &mut Receiver<IntegrityPin>, host: &mut HostPort) {
         let mut chunk = [0; CHUNK_BYTES];
-        let count = ports::read_gnss(&mut chunk);
-        let Some(bytes @ [_, ..]) = chunk.get(..count) else { return };
         let (lines_before, start_ticks) = (host.lines(), time::now_ticks());
-        receiver.gnss(bytes, time::now_ms(), host);
-        self.busy_ticks += time::now_ticks() - start_ticks;
-        if host.lines() != lines_before {
-            self.close();
+        let count = ports::read_gnss(&mut chunk);
+        if let Some(bytes @ [_, ..]) = chunk.get(..count) {
+            receiver.gnss(bytes, time::now_ms(), host);
+            self.busy_ticks += time::now_ticks() - start_ticks;
+            if host.lines() != lines_before {
+                self.close(receiver);
+            }
+        }
+        if count < CHUNK_BYTES {
+            self.heard_nothing_until(start_ticks);
         }
     }
 
-    fn close(&mut self) {
+    /// Notes an instant at which the ring was empty.
+    fn heard_nothing_until(&mut self, ticks: u64) {
+        self.silent_until_ticks = ticks;
+    }
+
+    fn close(&mut self, receiver: &Receiver<IntegrityPin>) {
         if self.count.is_multiple_of(EPOCHS_PER_STACK_REPORT) {
             defmt::info!("stack high water {=u32} bytes", stack::high_water_bytes());
+            defmt::info!("rings high water {}", ports::high_water());
         }
+        defmt::info!(
+            "judged {}: pin {=u64} ticks after the last byte",
+            receiver.last_verdict(),
+            receiver.pin().driven_ticks().saturating_sub(self.silent_until_ticks)
+        );
         self.count = self.count.wrapping_add(1);
         defmt::info!("epoch {=u32} took {=u64} ticks", self.count, self.busy_ticks);
         self.busy_ticks = 0;
+    }
+}
+
+/// Lets time pass for the receiver. What it says then it says without a byte having come: that the line is silent, or
+/// what it makes of an epoch that a damaged frame had held back.
+fn look_at_clock(receiver: &mut Receiver<IntegrityPin>, host: &mut HostPort) {
+    let lines_before = host.lines();
+    receiver.tick(time::now_ms(), host);
+    if host.lines() != lines_before {
+        defmt::info!("judged {}: no byte came", receiver.last_verdict());
     }
 }
 

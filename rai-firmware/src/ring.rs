@@ -7,6 +7,7 @@
 //! |---|---|---|
 //! | `N` | capacity, a power of two | bytes |
 //! | `written − read` | fill level | bytes |
+//! | `peak` | highest fill level that a read has met | bytes |
 //! | `dropped` | lost for lack of room | bytes |
 //!
 //! Assumes one writer and one reader. The bytes themselves are atomics, so that a second writer by mistake would
@@ -19,6 +20,7 @@ pub struct Ring<const N: usize> {
     bytes: [AtomicU8; N],
     written: AtomicUsize,
     read: AtomicUsize,
+    peak: AtomicUsize,
     dropped: AtomicU32,
 }
 
@@ -30,6 +32,7 @@ impl<const N: usize> Ring<N> {
             bytes: [const { AtomicU8::new(0) }; N],
             written: AtomicUsize::new(0),
             read: AtomicUsize::new(0),
+            peak: AtomicUsize::new(0),
             dropped: AtomicU32::new(0),
         }
     }
@@ -47,6 +50,11 @@ impl<const N: usize> Ring<N> {
     /// Bytes that were lost because the ring was full; saturates.
     pub fn dropped(&self) -> u32 {
         self.dropped.load(Ordering::Relaxed)
+    }
+
+    /// Most bytes that ever waited. Only reading lowers the level, so looking before each read misses no peak.
+    pub fn high_water(&self) -> usize {
+        self.peak.load(Ordering::Relaxed).max(self.len())
     }
 
     /// Writer's side: appends one byte, or counts it as dropped. Says whether it fitted.
@@ -97,7 +105,11 @@ impl<const N: usize> Ring<N> {
     /// Reader's side: moves the oldest bytes into `chunk` and says how many there were.
     pub fn read_into(&self, chunk: &mut [u8]) -> usize {
         let read = self.read.load(Ordering::Relaxed);
-        let count = self.written.load(Ordering::Acquire).wrapping_sub(read).min(chunk.len());
+        let fill = self.written.load(Ordering::Acquire).wrapping_sub(read);
+        if fill > self.peak.load(Ordering::Relaxed) {
+            self.peak.store(fill, Ordering::Relaxed);
+        }
+        let count = fill.min(chunk.len());
         for (offset, byte) in chunk.iter_mut().take(count).enumerate() {
             if let Some(slot) = self.slot(read.wrapping_add(offset)) {
                 *byte = slot.load(Ordering::Relaxed);
@@ -159,6 +171,16 @@ mod tests {
         let count = ring.read_into(&mut chunk);
         assert_eq!(&chunk[..count], b"0123456789ABCDEF");
         assert_eq!(ring.dropped(), 8);
+    }
+
+    #[test]
+    fn highest_fill_is_remembered_and_the_present_one_counts() {
+        let ring = Ring::<8>::new();
+        for (bytes, taken, want) in [(3, 3, 3), (5, 2, 5), (1, 0, 5), (3, 0, 7)] {
+            (0..bytes).for_each(|byte| assert!(ring.push(byte)));
+            ring.read_into(&mut [0; 8][..taken]);
+            assert_eq!(ring.high_water(), want, "after {bytes} more");
+        }
     }
 
     #[test]

@@ -16,18 +16,21 @@
 
 mod emulator;
 mod log;
+mod monitor;
 
 use std::io::{BufRead, BufReader, Write};
 use std::net::TcpStream;
 use std::path::Path;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, bail, ensure};
 
 use emulator::Emulator;
 pub use emulator::{Pace, Settings, is_installed};
-pub use log::LogLine;
+pub use log::{Judgement, LogLine};
+pub use monitor::{Monitor, MonitorSocket};
 
 /// Frequency of the emulated core, Hz.
 pub const CORE_HZ: u64 = 168_000_000;
@@ -40,6 +43,7 @@ pub struct EmulatedBoard {
     gnss: TcpStream,
     host: TcpStream,
     lines: Receiver<Vec<u8>>,
+    ear: Arc<Ear>,
     log: Receiver<LogLine>,
     seen: Vec<LogLine>,
     emulator: Emulator,
@@ -64,8 +68,9 @@ impl EmulatedBoard {
         let (emulator, [host, gnss, log_port]) = Emulator::start(image, settings)?;
         gnss.set_write_timeout(Some(WRITE_PATIENCE))?;
         host.set_write_timeout(Some(WRITE_PATIENCE))?;
-        let lines = read_lines(host.try_clone()?);
-        Ok(Self { gnss, host, lines, log: log::follow(log_port, table), seen: Vec::new(), emulator })
+        let ear = Arc::new(Ear::default());
+        let lines = read_lines(host.try_clone()?, Arc::clone(&ear));
+        Ok(Self { gnss, host, lines, ear, log: log::follow(log_port, table), seen: Vec::new(), emulator })
     }
 
     /// Sends bytes to the GNSS port.
@@ -131,6 +136,17 @@ impl EmulatedBoard {
         }
     }
 
+    /// What has come from the host port since the last reading, line by line and as it came; waits for nothing.
+    pub fn heard(&mut self) -> Vec<Vec<u8>> {
+        self.lines.try_iter().collect()
+    }
+
+    /// Stops to read the host port, or goes on: a host that has better things to do.
+    pub fn listen(&mut self, listens: bool) {
+        *self.ear.is_closed.lock().unwrap_or_else(PoisonError::into_inner) = !listens;
+        self.ear.opened.notify_all();
+    }
+
     /// All that the board has logged so far.
     pub fn log(&mut self) -> &[LogLine] {
         self.seen.extend(self.log.try_iter());
@@ -188,7 +204,21 @@ pub const fn instructions(ticks: u64) -> u64 {
     ticks * (1_000_000_000 / 1_000_000) / (CORE_HZ / 1_000_000)
 }
 
-fn read_lines(port: TcpStream) -> Receiver<Vec<u8>> {
+/// Whether the host port is read.
+#[derive(Default)]
+struct Ear {
+    is_closed: Mutex<bool>,
+    opened: Condvar,
+}
+
+impl Ear {
+    fn wait_until_open(&self) {
+        let is_closed = self.is_closed.lock().unwrap_or_else(PoisonError::into_inner);
+        drop(self.opened.wait_while(is_closed, |is_closed| *is_closed));
+    }
+}
+
+fn read_lines(port: TcpStream, ear: Arc<Ear>) -> Receiver<Vec<u8>> {
     let (sender, lines) = channel();
     std::thread::spawn(move || {
         let mut reader = BufReader::new(port);
@@ -197,6 +227,7 @@ fn read_lines(port: TcpStream) -> Receiver<Vec<u8>> {
             if sender.send(std::mem::take(&mut line)).is_err() {
                 return;
             }
+            ear.wait_until_open();
         }
     });
     lines

@@ -73,15 +73,17 @@ mod hardware {
         }
     }
 
-    /// Sleeps until the next interrupt, unless there is `work`.
+    /// Sleeps until the next interrupt, unless there is `work`; gives the tick at which an interrupt ended the sleep.
     ///
     /// Asked and slept with interrupts held back: one that comes between the question and the sleep ends the sleep at
     /// once, and is served after it.
-    pub fn sleep_unless(work: impl FnOnce() -> bool) {
+    pub fn sleep_unless(work: impl FnOnce() -> bool) -> Option<u64> {
         cortex_m::interrupt::free(|_| {
-            if !work() {
-                cortex_m::asm::wfi();
+            if work() {
+                return None;
             }
-        });
+            cortex_m::asm::wfi();
+            Some(time::now_ticks())
+        })
     }
 }

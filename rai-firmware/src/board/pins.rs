@@ -10,10 +10,13 @@ use core::convert::Infallible;
 use embedded_hal::digital::{ErrorType, OutputPin};
 use stm32f4::stm32f405::{GPIOA, GPIOB, GPIOC, RCC};
 
+use super::time;
+
 /// The output that says that the position may be used: PC6, and PC7 for a LED beside it.
 pub struct IntegrityPin {
     port: GPIOC,
     high: bool,
+    driven_ticks: u64,
 }
 
 impl IntegrityPin {
@@ -22,11 +25,17 @@ impl IntegrityPin {
         rcc.ahb1enr().modify(|_, w| w.gpiocen().enabled());
         port.bsrr().write(|w| w.br6().set_bit().br7().set_bit());
         port.moder().modify(|_, w| w.moder6().output().moder7().output());
-        Self { port, high: false }
+        Self { port, high: false, driven_ticks: 0 }
+    }
+
+    /// When the pin was last driven, to the same level or another; ticks of the core clock since start.
+    pub fn driven_ticks(&self) -> u64 {
+        self.driven_ticks
     }
 
     /// A change is logged, because a log is all that an emulator shows of a pin.
     fn changed(&mut self, high: bool) -> bool {
+        self.driven_ticks = time::now_ticks();
         core::mem::replace(&mut self.high, high) != high
     }
 }

@@ -79,6 +79,29 @@ pub fn losses() -> Losses {
     }
 }
 
+/// Most bytes that ever waited in each ring since start.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, defmt::Format)]
+pub struct HighWater {
+    /// GNSS bytes for the epoch loop.
+    pub gnss_in: usize,
+    /// Command bytes for the epoch loop.
+    pub host_in: usize,
+    /// Sentences for the host.
+    pub host_out: usize,
+    /// Frames for the log port.
+    pub log_out: usize,
+}
+
+/// How full the rings have been.
+pub fn high_water() -> HighWater {
+    HighWater {
+        gnss_in: GNSS_IN.high_water(),
+        host_in: HOST_IN.high_water(),
+        host_out: HOST_OUT.high_water(),
+        log_out: LOG_OUT.high_water(),
+    }
+}
+
 /// Starts the ports and their interrupts; returns the way out to the host.
 pub fn start(rcc: &RCC, host: &USART1, gnss: &USART2, log: &USART3, clock: Clock) -> HostPort {
     rcc.apb1enr().modify(|_, w| w.usart2en().enabled().usart3en().enabled());

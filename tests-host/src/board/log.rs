@@ -7,6 +7,20 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use anyhow::Context;
 use defmt_decoder::{DecodeError, Frame, Table};
 
+use crate::report::Verdict;
+
+/// What the log tells of one verdict.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Judgement {
+    /// The verdict.
+    pub verdict: Verdict,
+    /// Whether it was the silence of the line that was judged, and no epoch.
+    pub is_stale: bool,
+    /// Ticks of the core clock from the last byte of the epoch to the pin, at most; `None` where no byte brought the
+    /// verdict about.
+    pub ticks_to_pin: Option<u64>,
+}
+
 /// One line of the log.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LogLine {
@@ -44,6 +58,32 @@ impl LogLine {
     pub fn epoch_ticks(&self) -> Option<u64> {
         let (_, ticks) = self.text.strip_prefix("epoch ")?.strip_suffix(" ticks")?.split_once(" took ")?;
         ticks.parse().ok()
+    }
+
+    /// The verdict that this line tells.
+    pub fn judgement(&self) -> Option<Judgement> {
+        let (verdict, rest) = self.text.strip_prefix("judged Some(")?.split_once("): ")?;
+        let (word, reason) = verdict.split_once('(')?;
+        let verdict = match word {
+            "Protected" => Verdict::Protected,
+            "Alert" => Verdict::Alert,
+            "Unavailable" => Verdict::Unavailable,
+            _ => return None,
+        };
+        let ticks =
+            rest.strip_prefix("pin ").and_then(|rest| rest.strip_suffix(" ticks after the last byte"));
+        let ticks_to_pin = ticks.and_then(|ticks| ticks.parse().ok());
+        Some(Judgement { verdict, is_stale: reason.starts_with("Stale"), ticks_to_pin })
+    }
+
+    /// The most bytes that ever waited in each ring of the ports, by name, where this line tells them.
+    pub fn rings(&self) -> Option<Vec<(String, u64)>> {
+        let fields = self.text.strip_prefix("rings high water HighWater { ")?.strip_suffix(" }")?;
+        let ring = |field: &str| {
+            let (name, bytes) = field.split_once(": ")?;
+            Some((name.to_owned(), bytes.parse().ok()?))
+        };
+        fields.split(", ").map(ring).collect()
     }
 
     /// The bytes that this line tells the stack has reached.
@@ -95,5 +135,22 @@ mod tests {
         assert_eq!(line("epoch 7 took 670123 ticks").epoch_ticks(), Some(670_123));
         assert_eq!(line("epoch 7 took long").epoch_ticks(), None);
         assert_eq!(line("stack high water 5120 bytes").stack_bytes(), Some(5120));
+    }
+
+    #[test]
+    fn verdict_is_read_with_its_time_to_the_pin() {
+        let told = line("judged Some(Unavailable(NoFix)): pin 174842 ticks after the last byte").judgement();
+        let want = Judgement { verdict: Verdict::Unavailable, is_stale: false, ticks_to_pin: Some(174_842) };
+        assert_eq!(told, Some(want));
+        let told = line("judged Some(Alert(Stale)): no byte came").judgement();
+        let want = Judgement { verdict: Verdict::Alert, is_stale: true, ticks_to_pin: None };
+        assert_eq!(told, Some(want));
+        assert_eq!(line("judged None: no byte came").judgement(), None);
+    }
+
+    #[test]
+    fn rings_are_read_by_name() {
+        let told = line("rings high water HighWater { gnss_in: 12, host_out: 82 }").rings();
+        assert_eq!(told, Some(vec![("gnss_in".to_owned(), 12), ("host_out".to_owned(), 82)]));
     }
 }
