@@ -23,7 +23,8 @@
 //! | [`oracle`], [`chi_square`], [`ransac_traditional`], [`gpsd`] | second opinions: dense least squares, exact tails, every subset, another program |
 //! | [`tables`] | the threshold tables and their check |
 //! | [`no_panic`] | the proof that nothing panics, by the linker |
-//! | [`setup`], [`shared`] | what a machine lacks; where reference files lie |
+//! | [`soak`] | hours on the emulated board with everything that can go wrong |
+//! | [`setup`], [`shared`], [`stations`] | what a machine lacks; where reference files lie, and what they are of |
 //!
 //! Nothing here is an algorithm that the module needs: those are in `rai-core` and `rai-firmware`, and what this crate
 //! computes a second time it computes another way.
@@ -76,4 +77,6 @@ pub mod sentence;
 pub mod setup;
 pub mod shared;
 pub mod sky;
+pub mod soak;
+pub mod stations;
 pub mod tables;

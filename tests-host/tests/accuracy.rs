@@ -4,10 +4,7 @@
 
 use tests_host::encode::{Frequency, Selection};
 use tests_host::replay::{self, Summary, Truth, Window};
-
-use stations::{DGAR, ESBC, KMS3, STATIC_BASE, Station, TLSE};
-
-mod stations;
+use tests_host::stations::{DGAR, ESBC, KMS3, STATIC_BASE, Station, TLSE};
 
 fn summary(station: &Station, systems: &str, frequency: Frequency) -> Option<Summary> {
     let recording = station.load()?;

@@ -11,10 +11,7 @@ use tests_host::gpsd::Gpsd;
 use tests_host::image;
 use tests_host::replay::{self, BoardRun, Lump, Truth, Window};
 use tests_host::sky::raw::Simulation;
-
-use stations::{ESBC, STATIC_BASE};
-
-mod stations;
+use tests_host::stations::{ESBC, STATIC_BASE};
 
 /// What an epoch may cost on the chip, the first one with all its ephemerides left out.
 const EPOCH_INSTRUCTIONS: u64 = 4_000_000;

@@ -16,10 +16,7 @@ use tests_host::fault::Fault;
 use tests_host::oracle::{self, Range};
 use tests_host::recording::Recording;
 use tests_host::replay::{self, Lump, Moment, Summary, Track, Truth, Window};
-
-use stations::ESBC;
-
-mod stations;
+use tests_host::stations::ESBC;
 
 const TRUTH: Ecef = ESBC.truth;
 const BIAS_M: f64 = 100.0;

@@ -9,6 +9,7 @@ mod monitor;
 mod replay;
 mod reproduce;
 mod setup;
+mod soak;
 mod tables;
 mod test;
 
@@ -39,6 +40,8 @@ enum Command {
     Reproduce(reproduce::Arguments),
     /// Judges linearised epochs: JSON lines in, JSON lines out.
     Evaluate(evaluate::Arguments),
+    /// Hours on the emulated board with everything that can go wrong.
+    Soak(soak::Arguments),
     /// Regenerates the threshold tables.
     Tables(tables::Arguments),
     /// Writes the image to a chip, or checks that it would fit.
@@ -59,6 +62,7 @@ fn main() -> ExitCode {
         Command::Replay(arguments) => replay::run(&arguments),
         Command::Reproduce(arguments) => reproduce::run(&arguments),
         Command::Evaluate(arguments) => evaluate::run(arguments),
+        Command::Soak(arguments) => soak::run(&arguments),
         Command::Tables(arguments) => tables::run(&arguments),
         Command::Flash(arguments) => flash::run(&arguments),
         Command::Monitor(arguments) => monitor::run(&arguments),

@@ -1,0 +1,64 @@
+//! A soak on one page.
+
+use anyhow::Result;
+
+use super::Outcome;
+use super::table::{TO_PIN_MS, ms};
+use crate::report::bars::BarChart;
+use crate::report::canvas::Ground;
+use crate::report::page::Page;
+use crate::report::{Moment, stanford};
+
+/// Width of a bar, ms.
+const BAR_MS: f64 = 0.5;
+
+/// Moments in a diagram; more would only be drawn on top of each other.
+const MOMENTS: usize = 4000;
+
+/// Outcomes as a page.
+///
+/// # Errors
+/// What could not be drawn.
+pub fn page(outcomes: &[Outcome]) -> Result<Page> {
+    let broken: Vec<String> = outcomes.iter().flat_map(Outcome::broken).collect();
+    let verdict = if broken.is_empty() {
+        "Every count that must be zero is zero.".to_owned()
+    } else {
+        broken.join("; ")
+    };
+    let mut page = Page::new("RAI: a soak on the emulated board", &verdict);
+    for outcome in outcomes {
+        page.heading(outcome.name);
+        let rows: Vec<Vec<String>> =
+            outcome.rows().into_iter().skip(1).map(|(name, value)| vec![name.to_owned(), value]).collect();
+        page.table(&["", ""], &rows);
+        page.pictures(&[to_pin(outcome).svg((560, 516), Ground::Page)?, errors(outcome)?]);
+    }
+    Ok(page)
+}
+
+/// How long the pin took, epoch by epoch.
+fn to_pin(outcome: &Outcome) -> BarChart {
+    let bars = (TO_PIN_MS / BAR_MS) as usize;
+    let mut heights = vec![0.0; bars + 1];
+    for &ticks in &outcome.watch.to_pin_ticks {
+        heights[((ms(ticks) / BAR_MS) as usize).min(bars)] += 1.0;
+    }
+    let last = heights.iter().rposition(|height| *height > 0.0).unwrap_or(0);
+    heights.truncate(last + 1);
+    BarChart {
+        title: "From the last byte of an epoch to the pin".to_owned(),
+        y_label: "epochs".to_owned(),
+        x_label: "board time up to / ms".to_owned(),
+        groups: (1..=heights.len()).map(|bar| format!("{:.1}", bar as f64 * BAR_MS)).collect(),
+        bars: vec![("epochs".to_owned(), heights)],
+    }
+}
+
+/// Error against protection level.
+fn errors(outcome: &Outcome) -> Result<String> {
+    let moments = &outcome.tally.moments;
+    let every = moments.len().div_ceil(MOMENTS).max(1);
+    let shown: Vec<Moment> = moments.iter().step_by(every).cloned().collect();
+    stanford::horizontal(&shown, Ground::Page)
+}

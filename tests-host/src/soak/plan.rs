@@ -1,0 +1,115 @@
+//! Which epochs are sent, how fast, and how much happens besides.
+
+use anyhow::Result;
+use rai_core::frame::Ecef;
+
+use super::scenario::{Passage, Tempo};
+use crate::encode::{Frequency, Selection};
+use crate::recording::Recording;
+use crate::sky::raw::Simulation;
+use crate::stations::ESBC;
+
+/// The week ends so long after the simulated sky's first midnight, s.
+const WEEK_END_S: f64 = 6.0 * 86_400.0;
+
+/// Epochs that a simulated sky is computed for at a time.
+const SKY_EPOCHS: u32 = 1800;
+
+/// What is to be soaked, and for how long.
+pub struct Plan {
+    /// As it stands in the table.
+    pub name: &'static str,
+    /// How fast, how eventful.
+    pub tempo: Tempo,
+    /// All chance follows from it.
+    pub seed: u64,
+    /// How many epochs are taken from the source.
+    pub epochs: u32,
+    source: Source,
+}
+
+enum Source {
+    /// First epochs of stretches of a simulated sky, and their lengths.
+    Sky(Vec<(f64, u32)>),
+    /// A recording, and where its antenna was.
+    Recording(Box<Recording>, Ecef),
+}
+
+impl Plan {
+    /// So many hours of GPS and `BeiDou` at 1 Hz, with the end of the week in the middle.
+    pub fn sky(hours: f64, seed: u64) -> Self {
+        let epochs = (hours * 3600.0) as u32;
+        let start_s = WEEK_END_S - (f64::from(epochs) / 2.0).floor();
+        let stretches = (0..epochs).step_by(SKY_EPOCHS as usize);
+        let stretch = |first: u32| (start_s + f64::from(first), SKY_EPOCHS.min(epochs - first));
+        Self::of_sky(stretches.map(stretch).collect(), (240, 0.03), seed)
+    }
+
+    /// Some minutes of the same: the end of the week, and the change of all ephemerides half an hour later.
+    pub fn short_sky(seed: u64) -> Self {
+        Self::of_sky(vec![(WEEK_END_S - 60.0, 120), (WEEK_END_S + 1740.0, 120)], (40, 0.05), seed)
+    }
+
+    fn of_sky(stretches: Vec<(f64, u32)>, (calm_epochs, disturbance): (u32, f64), seed: u64) -> Self {
+        let tempo = Tempo {
+            step_s: 1.0,
+            interval_ms: 1000,
+            time_to_alert_s: 10.0,
+            calm_epochs,
+            disturbance,
+            repeated_ephemerides: 2,
+        };
+        let epochs = stretches.iter().map(|(_, epochs)| epochs).sum();
+        Self { name: "simulated sky", tempo, seed, epochs, source: Source::Sky(stretches) }
+    }
+
+    /// So many hours of the recording `esbc`, 24 at most, one epoch in 30 s; `None` where it is not there.
+    pub fn recording(hours: f64, seed: u64) -> Option<Self> {
+        let tempo = Tempo {
+            step_s: 30.0,
+            interval_ms: 30_000,
+            time_to_alert_s: 75.0,
+            calm_epochs: 40,
+            disturbance: 0.03,
+            repeated_ephemerides: 6,
+        };
+        Self::of_recording((hours * 120.0) as usize, tempo, seed)
+    }
+
+    /// An hour of the same in minutes: its epochs are sent 2 s apart.
+    pub fn short_recording(seed: u64) -> Option<Self> {
+        let tempo = Tempo {
+            step_s: 30.0,
+            interval_ms: 2000,
+            time_to_alert_s: 10.0,
+            calm_epochs: 25,
+            disturbance: 0.05,
+            repeated_ephemerides: 6,
+        };
+        Self::of_recording(120, tempo, seed)
+    }
+
+    fn of_recording(epochs: usize, tempo: Tempo, seed: u64) -> Option<Self> {
+        let mut recording = ESBC.load()?;
+        recording.epochs.truncate(epochs);
+        let epochs = recording.epochs.len() as u32;
+        let source = Source::Recording(Box::new(recording), ESBC.truth);
+        Some(Self { name: "recording esbc", tempo, seed, epochs, source })
+    }
+
+    /// The stretches of the source, one after the other.
+    pub(super) fn passages(self) -> Box<dyn Iterator<Item = Result<Passage>>> {
+        let dual = |letters| Selection::new(letters, Frequency::Dual);
+        match self.source {
+            // Each stretch has noise of its own.
+            Source::Sky(stretches) => Box::new((self.seed..).zip(stretches).map(move |(seed, stretch)| {
+                let simulation = Simulation::above_xian(stretch.0, stretch.1, seed);
+                let truth = simulation.site.position;
+                Ok(Passage { recording: simulation.record(), selection: dual("GC")?, truth })
+            })),
+            Source::Recording(recording, truth) => Box::new(std::iter::once_with(move || {
+                Ok(Passage { recording: *recording, selection: dual("GCE")?, truth })
+            })),
+        }
+    }
+}

@@ -1,0 +1,123 @@
+//! The board on the bench, and its clock: bytes go in, time passes, the reset button is pressed.
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, Result, ensure};
+
+use crate::board::{EmulatedBoard, LogLine, Monitor, MonitorSocket, Pace, Settings};
+
+/// How long the board's clock may stand still before the board counts as stuck.
+const PATIENCE: Duration = Duration::from_mins(1);
+
+/// What the emulator needs for a millisecond in which nothing happens, about.
+const PER_MS: Duration = Duration::from_micros(40);
+
+/// Looks at the board's clock are this far apart: near enough for an epoch a second, and seldom enough to cost little.
+const LOOKS: std::ops::RangeInclusive<Duration> = Duration::from_millis(2)..=Duration::from_millis(100);
+
+/// A board with its bench.
+pub struct Rig {
+    board: EmulatedBoard,
+    monitor: Monitor,
+    lines_seen: usize,
+    earlier_starts_ms: u64,
+}
+
+impl Rig {
+    /// Powers the board, with a clock that leaps over idle time.
+    ///
+    /// # Errors
+    /// The emulator does not start, or the image cannot be read.
+    pub fn start(image: &Path) -> Result<Self> {
+        let socket = MonitorSocket::open()?;
+        let settings = Settings { pace: Pace::Leap, arguments: socket.arguments()? };
+        let board = EmulatedBoard::start_with(image, &settings)?;
+        let monitor = socket.accept(image)?;
+        Ok(Self { board, monitor, lines_seen: 0, earlier_starts_ms: 0 })
+    }
+
+    /// Board time since the first start, over all resets, ms.
+    ///
+    /// # Errors
+    /// The emulator does not answer.
+    pub fn now_ms(&mut self) -> Result<u64> {
+        Ok(self.earlier_starts_ms + u64::from(self.monitor.clock_ms()?))
+    }
+
+    /// Lets board time pass until `due_ms`.
+    ///
+    /// # Errors
+    /// The board's clock stands still.
+    pub fn wait_until(&mut self, due_ms: u64) -> Result<()> {
+        let (mut before_ms, mut moved) = (self.now_ms()?, Instant::now());
+        while before_ms < due_ms {
+            let left = PER_MS.saturating_mul(u32::try_from(due_ms - before_ms).unwrap_or(u32::MAX));
+            std::thread::sleep(left.clamp(*LOOKS.start(), *LOOKS.end()));
+            let now_ms = self.now_ms()?;
+            if now_ms != before_ms {
+                (before_ms, moved) = (now_ms, Instant::now());
+            }
+            ensure!(moved.elapsed() < PATIENCE, "the board's clock stands still at {now_ms} ms");
+        }
+        Ok(())
+    }
+
+    /// Sends bytes to the GNSS port.
+    ///
+    /// # Errors
+    /// The board does not take them.
+    pub fn feed(&mut self, bytes: &[u8]) -> Result<()> {
+        self.board.feed(bytes)
+    }
+
+    /// Sends a command to the host port.
+    ///
+    /// # Errors
+    /// The board does not take it.
+    pub fn command(&mut self, body: &str) -> Result<()> {
+        self.board.command(body)
+    }
+
+    /// Resets the chip, whatever it is doing.
+    ///
+    /// # Errors
+    /// The emulator does not answer.
+    pub fn reset(&mut self) -> Result<()> {
+        let before_ms = self.monitor.clock_ms()?;
+        self.earlier_starts_ms += u64::from(before_ms);
+        self.monitor.reset().context("the reset line")?;
+        // RAM keeps the old time until start-up clears it.
+        let deadline = Instant::now() + PATIENCE;
+        while self.monitor.clock_ms()? >= before_ms {
+            ensure!(Instant::now() < deadline, "the board does not start again");
+            std::thread::sleep(*LOOKS.start());
+        }
+        Ok(())
+    }
+
+    /// Stops to read the host port, or goes on.
+    pub fn listen(&mut self, listens: bool) {
+        self.board.listen(listens);
+    }
+
+    /// What has come from the host port since the last call.
+    pub fn heard(&mut self) -> Vec<Vec<u8>> {
+        self.board.heard()
+    }
+
+    /// What has been logged since the last call.
+    pub fn logged(&mut self) -> Vec<LogLine> {
+        let lines = self.board.log().get(self.lines_seen..).unwrap_or_default().to_vec();
+        self.lines_seen += lines.len();
+        lines
+    }
+
+    /// Powers the board off.
+    ///
+    /// # Errors
+    /// The emulator had ended by itself.
+    pub fn stop(self) -> Result<()> {
+        self.board.stop()
+    }
+}

@@ -1,0 +1,360 @@
+//! What is offered when: epochs with their incidents, and what happens to cable, module and host meanwhile.
+//!
+//! | mishap | what happens |
+//! |---|---|
+//! | unplugged | the cable is pulled in the middle of an epoch and plugged in again in the middle of another; between, the line is silent or picks up noise |
+//! | power-on | the module is reset in the middle of an epoch |
+//! | rewind | the receiver's time goes back by some epochs and on from there |
+//! | unread | nobody reads the host port for some epochs |
+//! | limit | the host sets another horizontal alert limit |
+//!
+//! The receiver sends an ephemeris when it becomes known, and between, a few in each epoch by turns: a module that was
+//! reset learns them anew within a minute.
+
+use std::collections::VecDeque;
+
+use anyhow::Result;
+use rai_core::frame::Ecef;
+use rai_firmware::time::GpsTime;
+use rand::seq::IndexedRandom;
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use super::incident::{Falsified, Incidents};
+use super::noise;
+use crate::encode::{Encoder, Selection, TimedEphemeris};
+use crate::recording::{RawEpoch, Recording};
+
+/// Alert limits that the host sets by turns, m: from hardly above the protection levels to non-precision approach.
+const LIMITS_M: [f64; 4] = [25.0, 40.0, 60.0, 556.0];
+
+/// Bytes of noise in the time of an epoch on a line that is not connected, at most.
+const OPEN_LINE_BYTES: usize = 400;
+
+/// How far the receiver's time goes back, epochs: enough for the module to believe it in the end.
+const REWIND_EPOCHS: std::ops::RangeInclusive<usize> = 8..=20;
+
+/// How fast it goes, and how often something happens besides.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tempo {
+    /// Time between two epochs by their time tags, s.
+    pub step_s: f64,
+    /// Time between two epochs on the board, ms.
+    pub interval_ms: u64,
+    /// Time to alert that the host sets, s.
+    pub time_to_alert_s: f64,
+    /// Epochs between two mishaps of one kind, in the mean.
+    pub calm_epochs: u32,
+    /// Probability of each kind of disturbance of an epoch's bytes.
+    pub disturbance: f64,
+    /// Ephemerides that are sent again with each epoch.
+    pub repeated_ephemerides: usize,
+}
+
+/// A stretch of epochs with all that is needed to send them.
+#[derive(Clone, Debug)]
+pub struct Passage {
+    /// Epochs and ephemerides.
+    pub recording: Recording,
+    /// What of it is sent.
+    pub selection: Selection,
+    /// Where the antenna is.
+    pub truth: Ecef,
+}
+
+/// What is known of an epoch that was offered.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Offer {
+    /// Its time tag.
+    pub time: GpsTime,
+    /// Where the antenna was.
+    pub truth: Ecef,
+    /// Whose ranges are false.
+    pub falsified: Falsified,
+    /// Whether all of it was sent, and its time is later than any before.
+    pub is_due: bool,
+}
+
+/// What happens while an epoch is sent.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Mishap {
+    /// The module is reset so many milliseconds after the first byte.
+    PowerOn {
+        /// Board time, ms.
+        after_ms: u64,
+    },
+    /// Nobody reads the host port for so many epochs.
+    Unread {
+        /// Epochs.
+        epochs: u32,
+    },
+    /// The host sets a horizontal alert limit.
+    Limit {
+        /// Metres.
+        hal_m: f64,
+    },
+}
+
+/// One epoch's turn.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Turn {
+    /// The epoch.
+    pub offer: Offer,
+    /// What of it reaches the line, or what the open line picks up instead.
+    pub bytes: Vec<u8>,
+    /// What happens besides.
+    pub mishap: Option<Mishap>,
+}
+
+/// Something that happens again and again.
+#[derive(Clone, Copy, Debug)]
+struct Recurring {
+    mean_epochs: u32,
+    next: u32,
+}
+
+impl Recurring {
+    fn new(mean_epochs: u32, rng: &mut ChaCha8Rng) -> Self {
+        let mut recurring = Self { mean_epochs, next: 0 };
+        recurring.put_off(0, rng);
+        recurring
+    }
+
+    fn is_due(&mut self, turn: u32, rng: &mut ChaCha8Rng) -> bool {
+        let is_due = turn >= self.next;
+        if is_due {
+            self.put_off(turn, rng);
+        }
+        is_due
+    }
+
+    fn put_off(&mut self, turn: u32, rng: &mut ChaCha8Rng) {
+        self.next = turn + rng.random_range(self.mean_epochs / 2..=self.mean_epochs * 3 / 2).max(1);
+    }
+}
+
+/// When each mishap comes next.
+#[derive(Clone, Copy, Debug)]
+struct Diary {
+    unplug: Recurring,
+    power_on: Recurring,
+    rewind: Recurring,
+    unread: Recurring,
+    limit: Recurring,
+}
+
+/// A cable that is out.
+#[derive(Clone, Copy, Debug)]
+struct Unplugged {
+    epochs_left: u32,
+    is_noisy: bool,
+}
+
+/// The turns of a run.
+pub struct Scenario {
+    tempo: Tempo,
+    rng: ChaCha8Rng,
+    incidents: Incidents,
+    diary: Diary,
+    unplugged: Option<Unplugged>,
+    turn: u32,
+    latest: Option<GpsTime>,
+}
+
+/// A passage that is being sent.
+struct Sending<'a> {
+    passage: &'a Passage,
+    encoder: Encoder,
+    repeated: VecDeque<Vec<u8>>,
+}
+
+impl Scenario {
+    /// A run with all its chances from `seed`.
+    pub fn new(tempo: Tempo, seed: u64) -> Self {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let calm = tempo.calm_epochs;
+        let mut each = |mean_epochs| Recurring::new(mean_epochs, &mut rng);
+        let diary = Diary {
+            unplug: each(calm),
+            power_on: each(calm),
+            rewind: each(calm * 2),
+            unread: each(calm * 2),
+            limit: each(calm / 2),
+        };
+        let incidents = Incidents::new(tempo.step_s, seed ^ 0x5EED);
+        Self { tempo, rng, incidents, diary, unplugged: None, turn: 0, latest: None }
+    }
+
+    /// Plays a passage: `play` gets each turn, and says what went wrong with it.
+    ///
+    /// # Errors
+    /// What `play` says, or an epoch that cannot be encoded.
+    pub fn perform(&mut self, passage: &Passage, mut play: impl FnMut(Turn) -> Result<()>) -> Result<()> {
+        let mut sending = Sending::new(passage);
+        let mut cursor = 0;
+        while let Some(epoch) = passage.recording.epochs.get(cursor) {
+            play(self.turn(epoch.clone(), &mut sending)?)?;
+            cursor += 1;
+            let back = self.rng.random_range(REWIND_EPOCHS);
+            if cursor > back && self.diary.rewind.is_due(self.turn, &mut self.rng) {
+                cursor -= back;
+            }
+        }
+        Ok(())
+    }
+
+    fn turn(&mut self, mut epoch: RawEpoch, sending: &mut Sending<'_>) -> Result<Turn> {
+        let falsified = self.incidents.befall(&mut epoch, f64::from(self.turn) * self.tempo.step_s);
+        let whole = sending.bytes(&epoch, self.tempo.repeated_ephemerides)?;
+        self.turn += 1;
+        let is_later = self.latest.is_none_or(|latest| epoch.time > latest);
+        self.latest = self.latest.max(Some(epoch.time));
+        let bytes = self.through_the_cable(&whole);
+        let is_due = is_later && bytes == whole;
+        let mishap = if self.unplugged.is_none() { self.mishap() } else { None };
+        let offer = Offer { time: epoch.time, truth: sending.passage.truth, falsified, is_due };
+        Ok(Turn { offer, bytes, mishap })
+    }
+
+    /// Cuts off what is sent while the cable is out.
+    fn through_the_cable(&mut self, whole: &[u8]) -> Vec<u8> {
+        let at = self.rng.random_range(0..=whole.len());
+        match self.unplugged {
+            Some(Unplugged { epochs_left: 0, .. }) => {
+                self.unplugged = None;
+                whole[at..].to_vec()
+            }
+            Some(Unplugged { epochs_left, is_noisy }) => {
+                self.unplugged = Some(Unplugged { epochs_left: epochs_left - 1, is_noisy });
+                let length = if is_noisy { self.rng.random_range(0..OPEN_LINE_BYTES) } else { 0 };
+                (0..length).map(|_| self.rng.random()).collect()
+            }
+            None if self.diary.unplug.is_due(self.turn, &mut self.rng) => {
+                // From half the time to alert to three times as long.
+                let limit = self.tempo.time_to_alert_s * 1e3 / self.tempo.interval_ms as f64;
+                let epochs_left = (limit * self.rng.random_range(0.5..3.0)) as u32;
+                self.unplugged = Some(Unplugged { epochs_left, is_noisy: self.rng.random() });
+                whole[..at].to_vec()
+            }
+            None => whole.to_vec(),
+        }
+    }
+
+    fn mishap(&mut self) -> Option<Mishap> {
+        let (turn, rng) = (self.turn, &mut self.rng);
+        if self.diary.power_on.is_due(turn, rng) {
+            return Some(Mishap::PowerOn { after_ms: rng.random_range(0..self.tempo.interval_ms.min(1000)) });
+        }
+        if self.diary.unread.is_due(turn, rng) {
+            return Some(Mishap::Unread { epochs: rng.random_range(5..=15) });
+        }
+        if self.diary.limit.is_due(turn, rng) {
+            return LIMITS_M.choose(rng).map(|&hal_m| Mishap::Limit { hal_m });
+        }
+        None
+    }
+}
+
+impl<'a> Sending<'a> {
+    fn new(passage: &'a Passage) -> Self {
+        let encoder = Encoder::new(&passage.recording.ephemerides, passage.selection.clone());
+        Self { passage, encoder, repeated: VecDeque::new() }
+    }
+
+    /// An epoch behind the ephemerides whose turn it is.
+    fn bytes(&mut self, epoch: &RawEpoch, repeated: usize) -> Result<Vec<u8>> {
+        let mut bytes = Vec::new();
+        for _ in 0..repeated {
+            if self.repeated.is_empty() {
+                self.repeated = self.known(epoch)?;
+            }
+            bytes.extend(self.repeated.pop_front().unwrap_or_default());
+        }
+        bytes.extend(self.encoder.epoch(epoch)?);
+        Ok(bytes)
+    }
+
+    /// A frame for each ephemeris that is known of a satellite in sight.
+    fn known(&self, epoch: &RawEpoch) -> Result<VecDeque<Vec<u8>>> {
+        let is_seen = |ephemeris: &&TimedEphemeris| {
+            epoch.satellites.iter().any(|seen| seen.satellite == ephemeris.satellite)
+        };
+        let seen: Vec<TimedEphemeris> =
+            self.passage.recording.ephemerides.iter().filter(is_seen).cloned().collect();
+        let nothing = RawEpoch { time: epoch.time, satellites: Vec::new() };
+        let lump = Encoder::new(&seen, self.passage.selection.clone()).epoch(&nothing)?;
+        Ok(noise::frames(&lump).into_iter().map(<[u8]>::to_vec).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::encode::Frequency;
+    use crate::sky::raw::Simulation;
+
+    const TEMPO: Tempo = Tempo {
+        step_s: 1.0,
+        interval_ms: 1000,
+        time_to_alert_s: 10.0,
+        calm_epochs: 40,
+        disturbance: 0.05,
+        repeated_ephemerides: 2,
+    };
+
+    fn passage(epochs: u32) -> Passage {
+        let simulation = Simulation::above_xian(3600.0, epochs, 2);
+        let selection = Selection::new("GC", Frequency::Dual).unwrap();
+        Passage { recording: simulation.record(), selection, truth: simulation.site.position }
+    }
+
+    fn turns(passage: &Passage, seed: u64) -> Vec<Turn> {
+        let mut turns = Vec::new();
+        let mut scenario = Scenario::new(TEMPO, seed);
+        scenario
+            .perform(passage, |turn| {
+                turns.push(turn);
+                Ok(())
+            })
+            .unwrap();
+        turns
+    }
+
+    #[test]
+    fn the_same_seed_is_the_same_run_and_another_is_not() {
+        let passage = passage(60);
+        assert_eq!(turns(&passage, 1), turns(&passage, 1));
+        assert_ne!(turns(&passage, 1), turns(&passage, 2));
+    }
+
+    #[test]
+    fn every_mishap_comes_and_most_epochs_come_whole() {
+        let passage = passage(600);
+        let turns = turns(&passage, 1);
+        let has =
+            |wanted: fn(&Mishap) -> bool| turns.iter().filter_map(|turn| turn.mishap).any(|m| wanted(&m));
+        assert!(has(|mishap| matches!(mishap, Mishap::PowerOn { .. })));
+        assert!(has(|mishap| matches!(mishap, Mishap::Unread { .. })));
+        assert!(has(|mishap| matches!(mishap, Mishap::Limit { .. })));
+        assert!(turns.iter().any(|turn| turn.bytes.is_empty()), "a silent line");
+        assert!(turns.len() > passage.recording.epochs.len(), "time goes back, and is lived again");
+        let due = turns.iter().filter(|turn| turn.offer.is_due).count();
+        assert!(due * 2 > turns.len(), "{due} of {} are due", turns.len());
+    }
+
+    #[test]
+    fn every_satellite_in_sight_is_told_again_within_a_minute() {
+        let passage = passage(60);
+        let mut sending = Sending::new(&passage);
+        // The first epoch brings all that is known; what is repeated comes from the second on.
+        let lumps: Vec<Vec<u8>> =
+            passage.recording.epochs.iter().map(|epoch| sending.bytes(epoch, 2).unwrap()).collect();
+        let seen = passage.recording.epochs[1].satellites.len();
+        let mut told: Vec<&[u8]> = lumps[1..].iter().flat_map(|lump| noise::frames(lump)).collect();
+        // An ephemeris is 488 or 511 bits long, in 61 or 64 bytes and 6 around them.
+        told.retain(|frame| frame.len() <= 70);
+        told.sort_unstable();
+        told.dedup();
+        assert!(told.len() >= seen, "{} ephemerides of {seen} satellites", told.len());
+    }
+}

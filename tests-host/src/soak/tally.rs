@@ -1,0 +1,337 @@
+//! What the module said, held against what it was offered.
+//!
+//! An epoch is known again by its time of day. Of the last [`MEMORY_EPOCHS`] it is remembered what was true.
+
+use std::collections::{BTreeMap, VecDeque};
+
+use rai_core::frame::{Enu, Geodetic, LocalFrame};
+use rai_firmware::nmea::{GPS_MINUS_UTC_S, TimeOfDay};
+
+use super::scenario::Offer;
+use crate::recording::readable;
+use crate::report::Moment;
+use crate::sentence::{self, EpochOutput, Sentence, State};
+
+/// How many epochs are remembered: more than are ever read late.
+const MEMORY_EPOCHS: usize = 120;
+
+/// Epochs after which nothing is to be expected of one any more.
+const PATIENCE_EPOCHS: usize = 30;
+
+/// How much an output of the host port wants to be answered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Heard {
+    /// The module has started and wants its settings.
+    Greeting,
+    /// Anything else.
+    Speech,
+}
+
+/// An epoch that was offered, and whether the module has spoken of it.
+#[derive(Clone, Copy, Debug)]
+struct Open {
+    offer: Offer,
+    offered_s: f64,
+    is_judged: bool,
+}
+
+/// What was counted.
+#[derive(Clone, Debug, Default)]
+pub struct Tally {
+    time_to_alert_s: f64,
+    open: VecDeque<Open>,
+    position: Option<Geodetic>,
+    resets_awaited: u64,
+    is_catching_up: bool,
+    /// Epochs offered.
+    pub offered: u64,
+    /// Of these, epochs that came whole and later than all before.
+    pub due: u64,
+    /// Epochs judged, by the state and reason that was said.
+    pub verdicts: BTreeMap<(char, String), u64>,
+    /// Epochs judged in which a range was false.
+    pub falsified: u64,
+    /// Of these, with more than one satellite or a constellation false: beyond the promise.
+    pub beyond_promise: u64,
+    /// Of these, with the pin high while the error exceeded the alert limit.
+    pub hazardous_beyond_promise: u64,
+    /// Epochs within the promise with the pin high while the error exceeded the alert limit.
+    pub hazardous: u64,
+    /// Epochs within the promise, and beyond it, with the pin high and an error above the protection level.
+    pub misleading: [u64; 2],
+    /// Alerts in epochs in which no range was false.
+    pub false_alerts: u64,
+    /// Times that the line was called silent.
+    pub silences: u64,
+    /// Epochs with the pin high that were older than the time to alert when they were judged.
+    pub stale: u64,
+    /// Epochs that were due, and never spoken of.
+    pub unspoken: Vec<String>,
+    /// Epochs that nobody offered.
+    pub invented: u64,
+    /// Sentences heard.
+    pub sentences: u64,
+    /// Of these, cut off by a reset that was asked for.
+    pub cut_off: u64,
+    /// What was heard and is no sentence.
+    pub damaged: Vec<String>,
+    /// Commands that were refused.
+    pub refused: Vec<String>,
+    /// Starts that were asked for: the first, and the resets.
+    pub starts_asked: u64,
+    /// Greetings heard that nobody had asked for, or that tell of a fault.
+    pub starts_unasked: Vec<String>,
+    /// Epochs at which the pin was high and should not have been, in words.
+    pub wrongly_promised: Vec<String>,
+    /// Every epoch judged, for pictures; the time is that of its offer, s.
+    pub moments: Vec<Moment>,
+}
+
+impl Tally {
+    /// Nothing counted; the module is about to start.
+    pub fn new(time_to_alert_s: f64) -> Self {
+        let mut tally = Self { time_to_alert_s, ..Self::default() };
+        tally.expect_start();
+        tally
+    }
+
+    /// The module is started, or reset on purpose.
+    pub fn expect_start(&mut self) {
+        self.starts_asked += 1;
+        self.resets_awaited += 1;
+    }
+
+    /// Nobody listens for a while: what is heard next may be old.
+    pub fn stop_listening(&mut self) {
+        self.is_catching_up = true;
+    }
+
+    /// What had been said meanwhile has been heard.
+    pub fn caught_up(&mut self) {
+        self.is_catching_up = false;
+    }
+
+    /// Notes an epoch that is offered at a time of the board's; `is_whole` where nothing happens to it on its way.
+    pub fn offer(&mut self, offer: Offer, is_whole: bool, board_s: f64) {
+        let offer = Offer { is_due: offer.is_due && is_whole, ..offer };
+        self.offered += 1;
+        self.due += u64::from(offer.is_due);
+        self.open.push_back(Open { offer, offered_s: board_s, is_judged: false });
+        let old = self.open.len().checked_sub(PATIENCE_EPOCHS).and_then(|at| self.open.get(at));
+        if let Some(old) = old.filter(|old| old.offer.is_due && !old.is_judged) {
+            self.unspoken.push(format!("{} never judged", readable(old.offer.time)));
+        }
+        if self.open.len() > MEMORY_EPOCHS {
+            self.open.pop_front();
+        }
+    }
+
+    /// Reads one line of the host port.
+    pub fn hear(&mut self, line: &[u8]) -> Heard {
+        let line = String::from_utf8_lossy(line);
+        let line = self.behind_a_reset(&line);
+        self.sentences += 1;
+        match sentence::parse(line) {
+            Ok(Sentence::Position(position)) => self.position = position,
+            Ok(Sentence::State(state)) => self.judged(state),
+            Ok(Sentence::Excluded(excluded)) => {
+                if let Some(moment) = self.moments.last_mut() {
+                    moment.excluded.push(excluded.satellite);
+                }
+            }
+            Ok(Sentence::Other) if line.starts_with("$PRAIV") => {
+                self.greeted(line);
+                return Heard::Greeting;
+            }
+            Ok(Sentence::Other) if line.contains(",ERR,") => self.refused.push(line.trim_end().to_owned()),
+            Ok(Sentence::Other) => {}
+            Err(error) => self.damaged.push(format!("{error:#}")),
+        }
+        Heard::Speech
+    }
+
+    /// A reset cuts off what is being said; the greeting follows in the same line.
+    fn behind_a_reset<'a>(&mut self, line: &'a str) -> &'a str {
+        match line.rfind("$PRAIV") {
+            Some(at @ 1..) if self.resets_awaited > 0 => {
+                self.cut_off += 1;
+                &line[at..]
+            }
+            _ => line,
+        }
+    }
+
+    fn greeted(&mut self, line: &str) {
+        let fields: Vec<&str> = line.split([',', '*']).collect();
+        let [_, _, _, cause, selftest, ..] = fields[..] else { return };
+        let is_fault = ["PANIC", "FAULT", "CLOCK", "WATCHDOG"].iter().any(|word| cause.starts_with(word));
+        if self.resets_awaited == 0 || is_fault || selftest != "PASS" {
+            self.starts_unasked.push(line.trim_end().to_owned());
+        }
+        self.resets_awaited = self.resets_awaited.saturating_sub(1);
+    }
+
+    fn judged(&mut self, state: State) {
+        let position = self.position.take();
+        if state.reason == "STALE" {
+            self.silences += 1;
+            return;
+        }
+        *self.verdicts.entry((state.state, state.reason.clone())).or_default() += 1;
+        let now_s = self.open.back().map_or(0.0, |open| open.offered_s);
+        let found = self.open.iter_mut().rev().find(|open| is_of(&state, &open.offer));
+        let Some(open) = found else {
+            self.invented += 1;
+            return;
+        };
+        open.is_judged = true;
+        let (offer, age_s) = (open.offer, now_s - open.offered_s);
+        let error = position.map(|position| error(position, &offer));
+        let said = EpochOutput { position, state, excluded: Vec::new() };
+        self.count(&said, error, &offer, age_s);
+        self.moments.push(Moment::of(offer.time.to_s(), &said, error, said.state.is_protected()));
+    }
+
+    fn count(&mut self, said: &EpochOutput, error: Option<Enu>, offer: &Offer, age_s: f64) {
+        let state = &said.state;
+        let is_promised = offer.falsified.is_within_promise();
+        self.falsified += u64::from(offer.falsified.is_any());
+        self.beyond_promise += u64::from(!is_promised);
+        self.false_alerts += u64::from(state.state == 'A' && !offer.falsified.is_any());
+        if !state.is_protected() {
+            return;
+        }
+        let is_stale = age_s > self.time_to_alert_s && !self.is_catching_up;
+        self.stale += u64::from(is_stale);
+        let exceeds = |horizontal_m: Option<f64>, vertical_m: Option<f64>| {
+            error.is_none_or(|error| {
+                horizontal_m.is_some_and(|limit_m| error.horizontal() > limit_m)
+                    || vertical_m.is_some_and(|limit_m| error.up.abs() > limit_m)
+            })
+        };
+        let is_hazardous = exceeds(state.hal_m, state.val_m);
+        self.hazardous += u64::from(is_hazardous && is_promised);
+        if is_stale || is_hazardous && is_promised {
+            let time = readable(offer.time);
+            self.wrongly_promised
+                .push(format!("{time}, {age_s:.1} s old, error {error:?}, {offer:?}, {state:?}"));
+        }
+        self.hazardous_beyond_promise += u64::from(is_hazardous && !is_promised);
+        self.misleading[usize::from(!is_promised)] += u64::from(exceeds(state.hpl_m, state.vpl_m));
+    }
+
+    /// Epochs judged to be in that state.
+    pub fn in_state(&self, state: char) -> u64 {
+        self.verdicts.iter().filter(|((of, _), _)| *of == state).map(|(_, count)| count).sum()
+    }
+}
+
+fn error(position: Geodetic, offer: &Offer) -> Enu {
+    LocalFrame::at(offer.truth).rotate(position.to_ecef() - offer.truth)
+}
+
+/// Whether a verdict is one of the epoch, by the time of day.
+fn is_of(state: &State, offer: &Offer) -> bool {
+    let [hours, minutes, seconds, hundredths] = TimeOfDay::new(offer.time, GPS_MINUS_UTC_S).parts();
+    let time_s = f64::from(hours * 3600 + minutes * 60 + seconds) + f64::from(hundredths) * 1e-2;
+    state.time_s.is_some_and(|said_s| (said_s - time_s).abs() < 1e-3)
+}
+
+#[cfg(test)]
+mod tests {
+    use rai_core::frame::Ecef;
+    use rai_firmware::time::GpsTime;
+
+    use super::super::incident::Falsified;
+    use super::*;
+
+    const TRUTH: Geodetic = Geodetic { latitude_rad: 0.5, longitude_rad: 0.25, height_m: 100.0 };
+
+    fn offer(tow_s: u32, falsified: Falsified) -> Offer {
+        let truth: Ecef = TRUTH.to_ecef();
+        Offer { time: GpsTime { week: 2300, tow_ms: tow_s * 1000 }, truth, falsified, is_due: true }
+    }
+
+    fn sealed(body: &str) -> Vec<u8> {
+        format!("${body}*{:02X}\r\n", body.bytes().fold(0_u8, |sum, byte| sum ^ byte)).into_bytes()
+    }
+
+    /// Position `north_m` beside the truth, and a verdict with a limit of 40 m, at 18 s of GPS time: midnight UTC.
+    fn says(tally: &mut Tally, north_m: f64, state: &str) {
+        let latitude_rad = TRUTH.latitude_rad + north_m / 6_350_000.0;
+        let degrees_minutes = |angle_rad: f64| {
+            let angle_deg = angle_rad.to_degrees();
+            angle_deg.floor() * 100.0 + angle_deg.fract() * 60.0
+        };
+        let (latitude, longitude) = (degrees_minutes(latitude_rad), degrees_minutes(TRUTH.longitude_rad));
+        tally.hear(&sealed(&format!(
+            "GNGNS,000000.00,{latitude:.7},N,{longitude:.7},E,A,9,1.0,100.0,0.0,,,S"
+        )));
+        tally.hear(&sealed(&format!("PRAIS,000000.00,{state},9,9,4,0.5,2.0,12.0,20.0,40.0,")));
+    }
+
+    fn after(falsified: Falsified, north_m: f64, state: &str) -> Tally {
+        let mut tally = Tally::new(10.0);
+        tally.offer(offer(18, falsified), true, 0.0);
+        says(&mut tally, north_m, state);
+        tally
+    }
+
+    #[test]
+    fn pin_high_beyond_the_limit_is_counted_apart_by_the_promise() {
+        let one = after(Falsified::Satellites(1), 50.0, "P,OK");
+        assert_eq!((one.hazardous, one.hazardous_beyond_promise, one.misleading), (1, 0, [1, 0]));
+        let two = after(Falsified::Satellites(2), 50.0, "P,OK");
+        assert_eq!((two.hazardous, two.hazardous_beyond_promise, two.misleading), (0, 1, [0, 1]));
+        let within = after(Falsified::Constellation, 20.0, "P,OK");
+        assert_eq!((within.hazardous_beyond_promise, within.misleading), (0, [0, 1]));
+        let warned = after(Falsified::Satellites(1), 50.0, "A,FAULT");
+        assert_eq!((warned.hazardous, warned.misleading, warned.false_alerts), (0, [0, 0], 0));
+        assert_eq!(after(Falsified::Satellites(0), 1.0, "A,FAULT").false_alerts, 1);
+    }
+
+    #[test]
+    fn protected_without_a_position_is_as_bad_as_a_wrong_one() {
+        let mut tally = Tally::new(10.0);
+        tally.offer(offer(18, Falsified::Satellites(0)), true, 0.0);
+        tally.hear(&sealed("PRAIS,000000.00,P,OK,9,9,4,0.5,2.0,12.0,20.0,40.0,"));
+        assert_eq!(tally.hazardous, 1);
+    }
+
+    #[test]
+    fn epoch_older_than_the_time_to_alert_is_stale() {
+        let mut tally = Tally::new(10.0);
+        tally.offer(offer(18, Falsified::Satellites(0)), true, 0.0);
+        tally.offer(offer(29, Falsified::Satellites(0)), true, 11.0);
+        says(&mut tally, 0.0, "P,OK");
+        assert_eq!(tally.stale, 1);
+    }
+
+    #[test]
+    fn epoch_that_nobody_offered_and_epoch_never_spoken_of() {
+        let mut tally = after(Falsified::Satellites(0), 0.0, "P,OK");
+        tally.hear(&sealed("PRAIS,000001.00,U,NOFIX,9,0,,,,,,40.0,"));
+        assert_eq!(tally.invented, 1);
+        (100..129).for_each(|tow_s| tally.offer(offer(tow_s, Falsified::Satellites(0)), false, 0.0));
+        assert_eq!(tally.unspoken.len(), 0, "the first was judged");
+        tally.offer(offer(200, Falsified::Satellites(0)), true, 0.0);
+        (300..329).for_each(|tow_s| tally.offer(offer(tow_s, Falsified::Satellites(0)), false, 0.0));
+        assert_eq!(tally.unspoken.len(), 1);
+    }
+
+    #[test]
+    fn damaged_sentence_and_unasked_start_are_told_from_a_reset() {
+        let mut tally = Tally::new(10.0);
+        assert_eq!(tally.hear(&sealed("PRAIV,0.1.0,abc,UNKNOWN,PASS")), Heard::Greeting);
+        tally.expect_start();
+        let cut = [b"$GNGNS,0000".as_slice(), &sealed("PRAIV,0.1.0,abc,UNKNOWN,PASS")].concat();
+        assert_eq!(tally.hear(&cut), Heard::Greeting);
+        assert_eq!((tally.cut_off, tally.damaged.len(), tally.starts_unasked.len()), (1, 0, 0));
+        tally.hear(&cut);
+        assert_eq!((tally.cut_off, tally.damaged.len()), (1, 1), "nobody had asked");
+        tally.hear(&sealed("PRAIV,0.1.0,abc,UNKNOWN,PASS"));
+        tally.expect_start();
+        tally.hear(&sealed("PRAIV,0.1.0,abc,PANIC-0BADF00D,PASS"));
+        assert_eq!(tally.starts_unasked.len(), 2);
+    }
+}
