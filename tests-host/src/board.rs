@@ -94,9 +94,7 @@ impl EmulatedBoard {
     /// # Errors
     /// Where the board does not take it in time.
     pub fn command(&mut self, text: &str) -> anyhow::Result<()> {
-        let body = format!("PRAIC,{text}");
-        let checksum = body.bytes().fold(0, |sum, byte| sum ^ byte);
-        self.send(format!("${body}*{checksum:02X}\r\n").as_bytes())
+        self.send(crate::sentence::command(text).as_bytes())
     }
 
     /// The next line of the host port, with its line end.

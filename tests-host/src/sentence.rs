@@ -86,6 +86,13 @@ pub struct EpochOutput {
     pub excluded: Vec<Excluded>,
 }
 
+/// The command `$PRAIC,{text}` with its checksum and line end, for instance of `PHASE,NPA`.
+pub fn command(text: &str) -> String {
+    let body = format!("PRAIC,{text}");
+    let checksum = body.bytes().fold(0, |sum, byte| sum ^ byte);
+    format!("${body}*{checksum:02X}\r\n")
+}
+
 /// Reads one sentence, checksum included.
 ///
 /// # Errors

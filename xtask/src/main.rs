@@ -2,6 +2,7 @@
 //!
 //! Thin: each command parses its arguments, calls `tests-host` or a tool, and prints.
 
+mod bench;
 mod demo;
 mod evaluate;
 mod flash;
@@ -42,6 +43,8 @@ enum Command {
     Evaluate(evaluate::Arguments),
     /// Hours on the emulated board with everything that can go wrong.
     Soak(soak::Arguments),
+    /// What the module costs on the chip: instructions by stage, flash, RAM, stack.
+    Bench(bench::Arguments),
     /// Regenerates the threshold tables.
     Tables(tables::Arguments),
     /// Writes the image to a chip, or checks that it would fit.
@@ -63,6 +66,7 @@ fn main() -> ExitCode {
         Command::Reproduce(arguments) => reproduce::run(&arguments),
         Command::Evaluate(arguments) => evaluate::run(arguments),
         Command::Soak(arguments) => soak::run(&arguments),
+        Command::Bench(arguments) => bench::run(&arguments),
         Command::Tables(arguments) => tables::run(&arguments),
         Command::Flash(arguments) => flash::run(&arguments),
         Command::Monitor(arguments) => monitor::run(&arguments),

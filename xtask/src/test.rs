@@ -66,6 +66,7 @@ fn steps(bless: bool) -> Vec<Step> {
         ("image", Box::new(|| image::build().map(drop))),
         ("memory of the image", Box::new(sizes)),
         ("no panic", Box::new(tests_host::no_panic::prove)),
+        ("costs on the target", Box::new(costs)),
         ("threshold tables", Box::new(tables)),
         ("tests", Box::new(move || tests(bless))),
         ("documentation's examples", cargo(&["test", "--workspace", "--doc"])),
@@ -139,6 +140,10 @@ fn sizes() -> anyhow::Result<()> {
     let findings = image.check(&Chip::named("STM32F405RGTx")?);
     ensure!(findings.is_empty(), "{}", findings.join("; "));
     Ok(())
+}
+
+fn costs() -> anyhow::Result<()> {
+    crate::bench::run(&crate::bench::Arguments { check: true, save: false })
 }
 
 fn tables() -> anyhow::Result<()> {

@@ -1,3 +1,68 @@
-//! What the module costs on the chip.
+//! What the module costs on the chip, stage by stage, beside what it may cost.
+//!
+//! Instructions are counted by the emulated core, to the instruction and the same every time ([`crate::laboratory`]);
+//! bytes are those of the shipped image. Each figure stands beside a committed one ([`budget`]), beyond which it may not
+//! grow, and beside the target that the stage was given.
+//!
+//! Cost is never time: a second on one machine is two on another, an instruction is an instruction. On the chip one takes
+//! a cycle or a few, and at 168 MHz a million of them about 7 ms.
 
+pub mod budget;
+pub mod memory;
+pub mod stages;
 pub mod workload;
+
+pub use stages::Figure;
+
+use std::fmt;
+
+use anyhow::Result;
+
+/// All figures of one state of the program.
+#[derive(Clone, Debug)]
+pub struct Measurement {
+    /// Each with its name.
+    pub figures: Vec<Figure>,
+}
+
+impl Measurement {
+    /// Measures everything, in half a minute; says what it is at.
+    ///
+    /// # Errors
+    /// Where an image does not build, or the emulator does not run it to its end.
+    pub fn take(mut progress: impl FnMut(&str)) -> Result<Self> {
+        progress("stages on the emulated core");
+        let mut figures = stages::measure()?;
+        progress("the dearest epoch");
+        figures.extend(stages::dearest()?);
+        progress("memory of the shipped image");
+        figures.extend(memory::measure()?);
+        Ok(Self { figures })
+    }
+
+    /// What has grown beyond its budget.
+    ///
+    /// # Errors
+    /// Where the committed figures cannot be read.
+    pub fn check(&self) -> Result<Vec<String>> {
+        Ok(budget::findings(&self.figures, &budget::committed()?))
+    }
+}
+
+impl fmt::Display for Measurement {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let committed = budget::committed().unwrap_or_default();
+        writeln!(formatter, "{:>10} {:>10} {:>10}  instructions, unless said", "now", "committed", "target")?;
+        for figure in &self.figures {
+            let budget = committed.get(&figure.name).map_or("-".to_owned(), ToString::to_string);
+            let target = figure.target.map_or("-".to_owned(), |target| target.to_string());
+            let mark = if figure.target.is_some_and(|target| figure.value > target) {
+                "  (above the target)"
+            } else {
+                ""
+            };
+            writeln!(formatter, "{:>10} {budget:>10} {target:>10}  {}{mark}", figure.value, figure.name)?;
+        }
+        Ok(())
+    }
+}

@@ -1,52 +1,72 @@
 //! What the stages are fed: skies of a given size, with faults, and the bytes of a receiver under them.
 //!
-//! The geometry is that of GPS and `BeiDou` above Wuhan at an instant when both show 40 satellites and more. For a smaller sky
-//! they are dealt out evenly over the list; for one constellation all are called GPS.
+//! The geometry is that of GPS and `BeiDou` above Wuhan at an instant when both together show 40 satellites. A smaller sky
+//! takes every second, every third of the list; for one constellation all are called GPS. Faults are in every third
+//! satellite, as far apart as the list allows.
 
 use anyhow::{Context, Result};
 use rai_core::epoch::{Epoch, Observation};
 use rai_core::frame::Ecef;
 use rai_core::satellite::{Constellation, SatelliteId};
 use rai_firmware::correction::CAPACITY;
+use rai_firmware::time::GpsTime;
 
-use crate::encode::{Encoder, Selection};
+use crate::encode::{Encoder, Frequency, Selection};
+use crate::fault::{Fault, Kind, Target};
 use crate::sky::raw::Simulation;
-use crate::sky::{Fleet, Noise, Sight, Site, sights};
+use crate::sky::{Fleet, Noise, Oscillator, Satellite, Sight, Site, sights};
 
 /// Standard deviation of every range, m.
 const SIGMA_M: f64 = 2.0;
 /// Receiver clock times the speed of light, m: 0.1 ms.
 const CLOCK_M: f64 = 3e4;
-/// What a faulty range is off by, m. Two faults that agree could hide each other.
+/// What a faulty range is off by, m; no two agree.
 const FAULTS_M: [f64; 3] = [120.0, -95.0, 150.0];
+/// Elevation above which the full sky is counted, rad.
+const MASK_RAD: f64 = 10.0 / 180.0 * core::f64::consts::PI;
 
-/// Where the antenna is: JFNG.
+/// Where the antenna is: the station JFNG.
 pub fn site() -> Site {
     Site::geodetic(30.5156, 114.4910, 71.0)
 }
 
-/// All that is above the horizon, at the first minute of the day that shows 40.
-fn full_sky() -> Vec<Sight> {
-    let satellites: Vec<_> =
-        [Fleet::Gps31, Fleet::Beidou44].into_iter().flat_map(Fleet::satellites).collect();
-    let at_minute = |minute: u32| sights(&satellites, &site(), f64::from(minute) * 60.0, 0.0);
-    (0..1440).map(at_minute).find(|seen| seen.len() >= 40).unwrap_or_default()
+/// A point 1 km from the antenna, where a fix is to start.
+pub fn start() -> Ecef {
+    site().position + Ecef::new(600.0, 700.0, -387.3)
 }
 
-/// An epoch of `count` satellites of one or two constellations, the first `faults` of every third one wrong.
+fn satellites() -> Vec<Satellite> {
+    [Fleet::Gps31, Fleet::Beidou44].into_iter().flat_map(Fleet::satellites).collect()
+}
+
+/// Start of the first quarter of an hour with 40 satellites in view, or with the most of the day, s.
+fn fullest_s(satellites: &[Satellite]) -> f64 {
+    let quarters = (0..96).map(|quarter| f64::from(quarter) * 900.0);
+    let count = |t_s: f64| sights(satellites, &site(), t_s, MASK_RAD).len().min(40);
+    quarters.rev().max_by_key(|&t_s| count(t_s)).unwrap_or(0.0)
+}
+
+fn full_sky() -> Vec<Sight> {
+    let satellites = satellites();
+    // Some more than the mask lets through, so that there are always 40.
+    sights(&satellites, &site(), fullest_s(&satellites), 0.0)
+}
+
+/// `count` of a list, evenly spread.
+fn spread<T>(list: &[T], count: usize) -> impl Iterator<Item = &T> {
+    (0..count).filter_map(move |index| list.get(index * list.len() / count))
+}
+
+/// An epoch of `count` satellites of one or two constellations, `faults` of them wrong.
 ///
 /// # Errors
-/// Where the core refuses a range, which it does not do with these.
+/// Where the sky shows fewer, or the core refuses a range.
 pub fn epoch(count: usize, constellations: usize, faults: usize) -> Result<Epoch<CAPACITY>> {
-    let sky = full_sky();
     let noise = Noise::new(count as u64);
     let mut epoch = Epoch::new(0.0);
-    for index in 0..count {
-        let sight = sky.get(index * sky.len() / count).context("the sky shows fewer")?;
-        let fault_m =
-            if index % 3 == 2 { FAULTS_M.get(..faults).and_then(|all| all.get(index / 3)) } else { None };
+    for (index, sight) in spread(&full_sky(), count).enumerate() {
         let satellite = named(index, count, constellations)?;
-        let error_m = SIGMA_M * noise.normal(satellite, 0, 0) + fault_m.unwrap_or(&0.0);
+        let error_m = SIGMA_M * noise.normal(satellite, 0, 0) + fault_m(index, faults);
         epoch.push(Observation {
             satellite,
             position: sight.position,
@@ -54,7 +74,13 @@ pub fn epoch(count: usize, constellations: usize, faults: usize) -> Result<Epoch
             sigma_m: SIGMA_M,
         })?;
     }
+    anyhow::ensure!(epoch.observations().len() == count, "the sky shows fewer than {count} satellites");
     Ok(epoch)
+}
+
+fn fault_m(index: usize, faults: usize) -> f64 {
+    let number = (index % 3 == 2).then_some(index / 3).filter(|&number| number < faults);
+    number.and_then(|number| FAULTS_M.get(number)).copied().unwrap_or(0.0)
 }
 
 fn named(index: usize, count: usize, constellations: usize) -> Result<SatelliteId> {
@@ -63,32 +89,63 @@ fn named(index: usize, count: usize, constellations: usize) -> Result<SatelliteI
     SatelliteId::new(constellation, index as u8 + 1).context("no such number")
 }
 
-/// A point 1 km from the antenna, where a fix is to start.
-pub fn start() -> Ecef {
-    site().position + Ecef::new(600.0, 700.0, -387.3)
-}
-
-/// RTCM of a two-system receiver: ephemerides and some epochs, then the epoch that is timed.
+/// RTCM of a receiver of two systems, in epochs of one second; the first brings the ephemerides.
 pub struct Stream {
-    /// All that came before.
-    pub before: Vec<u8>,
-    /// The last epoch.
-    pub last: Vec<u8>,
+    /// Bytes of each epoch.
+    pub epochs: Vec<Vec<u8>>,
+    /// Satellites in view, at the mask of the module or above.
+    pub satellites: usize,
 }
 
-/// A stream of `epochs` seconds over a sky of 20 satellites, GPS and `BeiDou`.
-///
-/// # Errors
-/// Where a message cannot be encoded.
-pub fn stream(epochs: u32, count: usize) -> Result<Stream> {
-    let mut simulation = Simulation::above_xian(43_200.0, epochs, 7);
+impl Stream {
+    /// A stream over a sky of `count` satellites, `faults` of them wrong from `from_s` on.
+    ///
+    /// # Errors
+    /// Where a message cannot be encoded.
+    pub fn new(epochs: u32, count: usize, (faults, from_s): (usize, f64)) -> Result<Self> {
+        let simulation = simulation(epochs, count);
+        let seen = simulation.sights_at(0);
+        let mut recording = simulation.record();
+        for (index, sight) in seen.iter().enumerate() {
+            let kind = Kind::Step { bias_m: fault_m(index, faults) };
+            let target = Target::Satellite(sight.satellite);
+            let fault = Fault { target, kind, start_s: from_s, end_s: f64::INFINITY };
+            for (number, epoch) in recording.epochs.iter_mut().enumerate() {
+                fault.apply(epoch, number as f64);
+            }
+        }
+        let mut encoder = Encoder::new(&recording.ephemerides, Selection::new("GC", Frequency::Dual)?);
+        let epochs = recording.epochs.iter().map(|epoch| encoder.epoch(epoch)).collect::<Result<_>>()?;
+        Ok(Self { epochs, satellites: seen.len() })
+    }
+
+    /// What came before the last epoch, and the last epoch.
+    ///
+    /// # Errors
+    /// Where there is no epoch.
+    pub fn split(&self) -> Result<(Vec<u8>, &[u8])> {
+        let (last, before) = self.epochs.split_last().context("a stream without epochs")?;
+        Ok((before.concat(), last))
+    }
+}
+
+fn simulation(epochs: u32, count: usize) -> Simulation {
+    let satellites = satellites();
+    let start_s = fullest_s(&satellites);
+    let mut simulation = Simulation {
+        satellites,
+        site: site(),
+        origin: GpsTime { week: 2295, tow_ms: 86_400_000 },
+        start_s,
+        epochs,
+        step_s: 1.0,
+        mask_rad: MASK_RAD,
+        oscillator: Oscillator::temperature_compensated(),
+        electrons_tecu: 20.0,
+        seed: 7,
+    };
     let seen = simulation.sights_at(0);
-    let kept: Vec<_> = (0..count).filter_map(|index| seen.get(index * seen.len() / count)).collect();
-    simulation.satellites.retain(|satellite| kept.iter().any(|sight| sight.satellite == satellite.id));
-    let recording = simulation.record();
-    let selection = Selection::new("GC", crate::encode::Frequency::Dual)?;
-    let mut encoder = Encoder::new(&recording.ephemerides, selection);
-    let (last, before) = recording.epochs.split_last().context("no epochs")?;
-    let before: Vec<Vec<u8>> = before.iter().map(|epoch| encoder.epoch(epoch)).collect::<Result<_>>()?;
-    Ok(Stream { before: before.concat(), last: encoder.epoch(last)? })
+    let kept: Vec<SatelliteId> = spread(&seen, count.min(seen.len())).map(|sight| sight.satellite).collect();
+    simulation.satellites.retain(|satellite| kept.contains(&satellite.id));
+    simulation
 }

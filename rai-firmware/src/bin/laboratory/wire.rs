@@ -116,13 +116,16 @@ pub fn speak(input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers)
     answers.write(ticks, &host.bytes)
 }
 
-/// Bytes in to bytes out.
+/// Bytes in to bytes out. A command comes first, its length in a byte.
 #[inline(never)]
-pub fn whole(input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers) -> Option<()> {
-    let (before, bytes) = halves(input)?;
+pub fn whole(mut input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers) -> Option<()> {
+    let length = usize::from(input.byte()?);
+    let (command, rest) = input.0.split_at_checked(length)?;
+    let (before, bytes) = halves(Input(rest))?;
     let boot = Boot { git: "laboratory", reset_cause: heapless::String::new() };
     let mut receiver = Receiver::new(Pin, boot).ok()?;
     let mut host = Host { bytes: 0 };
+    receiver.command(command, &mut host);
     receiver.gnss(before, 0, &mut host);
     let said_before = host.bytes;
     let ((), ticks) = stopwatch.time(|| receiver.gnss(black_box(bytes), 0, &mut host));

@@ -1,0 +1,249 @@
+//! What is measured: each stage with its sky, and the most it should cost.
+//!
+//! The targets are for 20 satellites of two constellations in `f32`; other sizes are measured for what they tell.
+
+use anyhow::{Context, Result};
+use rai_core::frame::Ecef;
+
+use super::workload::{Stream, epoch, site, start};
+use crate::laboratory::{Answer, Bench, Scalar, Stage, epoch_bytes, point_bytes};
+
+/// One figure: what it is of, and what it came to.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Figure {
+    /// What was measured, on what; unique.
+    pub name: String,
+    /// Instructions, or bytes.
+    pub value: u64,
+    /// The most it should be, where that was set.
+    pub target: Option<u64>,
+}
+
+/// A stage with its input.
+struct Case {
+    name: String,
+    stage: Stage,
+    scalar: Scalar,
+    input: Vec<u8>,
+    target: Option<u64>,
+}
+
+/// Sizes of skies.
+const SIZES: [usize; 5] = [8, 12, 20, 30, 40];
+/// Wire order of the methods in a request.
+const METHODS: [&str; 6] = ["BAARDA", "SIMULTANEOUS", "SEQUENTIAL", "HYBRID", "GROUPING", "RANSAC"];
+
+/// Runs every stage.
+///
+/// # Errors
+/// Where the measuring image does not come to its end.
+pub fn measure() -> Result<Vec<Figure>> {
+    let mut cases = Vec::new();
+    for constellations in [1, 2] {
+        for count in SIZES {
+            cases.extend(tests(count, constellations, Scalar::Single)?);
+        }
+    }
+    for count in [20, 40] {
+        cases.extend(tests(count, 2, Scalar::Double)?);
+        cases.extend(searches(count)?);
+    }
+    cases.extend(judgements()?);
+    cases.extend(thresholds_and_clock()?);
+    cases.extend(wire()?);
+    let answers = run(&cases)?;
+    let figures = cases.into_iter().zip(answers);
+    Ok(figures
+        .map(|(case, answer)| Figure { name: case.name, value: answer.instructions, target: case.target })
+        .collect())
+}
+
+fn run(cases: &[Case]) -> Result<Vec<Answer>> {
+    let mut bench = Bench::default();
+    for case in cases {
+        bench.request(case.stage, case.scalar, &case.input);
+    }
+    let answers = bench.run()?;
+    anyhow::ensure!(answers.len() == cases.len(), "{} answers for {} cases", answers.len(), cases.len());
+    Ok(answers)
+}
+
+/// Start and epoch.
+fn linear(count: usize, constellations: usize, faults: usize) -> Result<Vec<u8>> {
+    Ok([point_bytes(site().position), epoch_bytes(&epoch(count, constellations, faults)?)].concat())
+}
+
+fn words(scalar: Scalar) -> &'static str {
+    match scalar {
+        Scalar::Single => "f32",
+        Scalar::Double => "f64",
+    }
+}
+
+fn tests(count: usize, constellations: usize, scalar: Scalar) -> Result<Vec<Case>> {
+    let systems = if constellations == 1 { "one constellation" } else { "two constellations" };
+    let on = format!("{count} satellites, {systems}, {}", words(scalar));
+    let target = |at_20: u64, at_40: Option<u64>| match (count, constellations, scalar) {
+        (20, 2, Scalar::Single) => Some(at_20),
+        (40, 2, Scalar::Single) => at_40,
+        _ => None,
+    };
+    Ok(vec![
+        Case {
+            name: format!("snapshot and tests, {on}"),
+            stage: Stage::Test,
+            scalar,
+            input: linear(count, constellations, 0)?,
+            target: target(4_000, Some(7_500)),
+        },
+        Case {
+            name: format!("the same, one left out and tested again, {on}"),
+            stage: Stage::TestWithoutWorst,
+            scalar,
+            input: linear(count, constellations, 1)?,
+            target: target(6_000, None),
+        },
+    ])
+}
+
+/// Searches for the faulty satellites; three are faulty, so that every pair is looked at in vain.
+fn searches(count: usize) -> Result<Vec<Case>> {
+    let on = format!("{count} satellites, two constellations, f32");
+    let three = linear(count, 2, 3)?;
+    let target = |target| (count == 20).then_some(target);
+    let case = |name: &str, stage, input, most| Case {
+        name: format!("{name}, {on}"),
+        stage,
+        scalar: Scalar::Single,
+        input,
+        target: target(most),
+    };
+    Ok(vec![
+        case("grouping, all pairs", Stage::Group, [vec![2], three.clone()].concat(), 40_000),
+        case("grouping, all triples", Stage::Group, [vec![3], three].concat(), 200_000),
+        case("RANSAC, selection kept", Stage::Vote, linear(count, 2, 1)?, 30_000),
+        case("RANSAC, new selection", Stage::Select, linear(count, 2, 1)?, 300_000),
+    ])
+}
+
+/// A monitor's input: method, policy, clock aiding, start, one epoch.
+fn judgement(method: usize, start: Ecef, count: usize, faults: usize) -> Result<Vec<u8>> {
+    let mut input = vec![method as u8, 0, 0];
+    input.extend(point_bytes(start));
+    input.push(1);
+    input.extend(epoch_bytes(&epoch(count, 2, faults)?));
+    Ok(input)
+}
+
+fn judgements() -> Result<Vec<Case>> {
+    let mut cases = Vec::new();
+    let mut add = |name: &str, scalar, (from, count, faults): (Ecef, usize, usize), target| -> Result<()> {
+        let name = format!("fix and integrity, {name}, {count} satellites, {}", words(scalar));
+        let input = judgement(0, from, count, faults)?;
+        cases.push(Case { name, stage: Stage::Judge, scalar, input, target });
+        Ok(())
+    };
+    let single = Scalar::Single;
+    add("from 1 km", single, (start(), 20, 0), Some(120_000))?;
+    add("from 1 km, one fault", single, (start(), 20, 1), Some(130_000))?;
+    add("from 1 km, two faults", single, (start(), 20, 2), Some(150_000))?;
+    add("from 1 km, three faults", single, (start(), 20, 3), None)?;
+    add("from the last position", single, (site().position, 20, 0), None)?;
+    add("from the earth's centre", single, (Ecef::CENTRE, 20, 0), Some(600_000))?;
+    for count in [8, 12, 30, 40] {
+        add("from 1 km", single, (start(), count, 0), None)?;
+    }
+    add("from 1 km", Scalar::Double, (start(), 20, 0), None)?;
+    Ok(cases)
+}
+
+fn thresholds_and_clock() -> Result<Vec<Case>> {
+    let sky = linear(20, 2, 0)?;
+    let case = |name: &str, stage, input, target| Case {
+        name: name.to_owned(),
+        stage,
+        scalar: Scalar::Single,
+        input,
+        target: Some(target),
+    };
+    // A drift of 30 m/s with a wander on it.
+    let clock = (0..61_i32).map(|second| f64::from(second * 30 + second * second % 7));
+    Ok(vec![
+        case(
+            "clock aiding, update and forecast",
+            Stage::Coast,
+            clock.flat_map(f64::to_le_bytes).collect(),
+            8_000,
+        ),
+        case("T_OP for a new geometry", Stage::Policy, [vec![2], sky.clone()].concat(), 10_000),
+        case("T2 for a new geometry", Stage::Policy, [vec![1], sky].concat(), 40_000),
+    ])
+}
+
+fn wire() -> Result<Vec<Case>> {
+    let stream = Stream::new(3, 20, (0, 0.0))?;
+    let on = format!("{} satellites", stream.satellites);
+    let (before, last) = stream.split()?;
+    let all = stream.epochs.concat();
+    let case = |name: &str, stage, input, target| Case {
+        name: format!("{name}, {on}"),
+        stage,
+        scalar: Scalar::Single,
+        input,
+        target,
+    };
+    let here = point_bytes(site().position);
+    Ok(vec![
+        case("RTCM of one epoch, two MSM7", Stage::Decode, halves(&before, last), Some(200_000)),
+        case("orbits and clocks", Stage::Locate, all.clone(), Some(600_000)),
+        case("atmosphere and sigmas", Stage::Correct, [here, all.clone()].concat(), None),
+        case("sentences", Stage::Speak, all, Some(60_000)),
+        case("whole epoch, bytes in to bytes out", Stage::Whole, whole("", &before, last), Some(1_200_000)),
+    ])
+}
+
+fn halves(before: &[u8], last: &[u8]) -> Vec<u8> {
+    [&(before.len() as u32).to_le_bytes(), before, last].concat()
+}
+
+/// A command, what came before, the epoch.
+fn whole(command: &str, before: &[u8], last: &[u8]) -> Vec<u8> {
+    let sentence = if command.is_empty() { String::new() } else { crate::sentence::command(command) };
+    [vec![sentence.len() as u8], sentence.into_bytes(), halves(before, last)].concat()
+}
+
+/// The dearest epoch: 40 satellites, up to three of them faulty, any method; in the midst of a stream, and the first
+/// of one, which brings the ephemerides and knows no position.
+///
+/// # Errors
+/// As [`measure`].
+pub fn dearest() -> Result<[Figure; 2]> {
+    let mut later = Vec::new();
+    let mut first = Vec::new();
+    for method in METHODS {
+        for faults in 0..=3 {
+            let command = format!("METHOD,{method}");
+            let case = |input, place: &str| Case {
+                name: format!("{place}: {method}, {faults} faults"),
+                stage: Stage::Whole,
+                scalar: Scalar::Single,
+                input,
+                target: None,
+            };
+            let stream = Stream::new(3, 40, (faults, 2.0))?;
+            let (before, last) = stream.split()?;
+            later.push(case(whole(&command, &before, last), "dearest epoch of a stream"));
+            let stream = Stream::new(1, 40, (faults, 0.0))?;
+            let (before, only) = stream.split()?;
+            first.push(case(whole(&command, &before, only), "dearest first epoch"));
+        }
+    }
+    Ok([worst(&later)?, worst(&first)?])
+}
+
+fn worst(cases: &[Case]) -> Result<Figure> {
+    let answers = run(cases)?;
+    let figures = cases.iter().zip(answers);
+    let (case, answer) = figures.max_by_key(|(_, answer)| answer.instructions).context("no cases")?;
+    Ok(Figure { name: case.name.clone(), value: answer.instructions, target: None })
+}

@@ -1,0 +1,38 @@
+//! `cargo xtask bench`: what the module costs on the chip.
+
+use anyhow::{Context as _, ensure};
+use tests_host::bench::{Measurement, budget};
+use tests_host::board;
+
+/// Arguments of the command.
+#[derive(clap::Args)]
+pub(crate) struct Arguments {
+    /// Fail where a figure has grown by more than 2 % since it was committed.
+    #[arg(long, conflicts_with = "save")]
+    pub(crate) check: bool,
+    /// Take the figures of now as the committed ones.
+    #[arg(long)]
+    pub(crate) save: bool,
+}
+
+/// Runs the command.
+pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    ensure!(board::is_installed(), "nothing can be counted without the emulator");
+    let measurement = Measurement::take(|at| eprintln!("measuring {at}"))?;
+    println!("{measurement}");
+    if arguments.save {
+        let path = budget::path();
+        std::fs::write(&path, budget::render(&measurement.figures))
+            .with_context(|| path.display().to_string())?;
+        println!("wrote {}", path.display());
+    }
+    if arguments.check {
+        let findings = measurement.check()?;
+        ensure!(
+            findings.is_empty(),
+            "{}\nif that is meant to be, `cargo xtask bench --save` takes the new figures",
+            findings.join("\n")
+        );
+    }
+    Ok(())
+}
