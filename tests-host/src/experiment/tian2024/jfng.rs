@@ -135,39 +135,57 @@ impl Day {
         Ok(sample)
     }
 
-    /// All cases of one sky in one epoch; the geometry, and with it the selection, is the same for them.
+    /// All cases of one sky in one epoch.
     fn judge<'t>(
         &self,
         index: u64,
         sights: &[Sight],
         cases: impl Iterator<Item = (&'t Case, &'t mut [[Score; COLUMNS.len()]; ZENITH_M.len()])>,
     ) -> Result<()> {
-        let mut selection = None;
+        // The subsets depend on the geometry alone, which is the same for all of them.
+        let healthy = self.snapshot(index, sights, ZENITH_M[0], &[])?;
+        let selection = Selection::choose(healthy.epoch(), 2 * MAX_WORK);
         for (case, by_sigma) in cases {
-            let faulty =
-                distinct(&mut generator(SEED + case.faults as u64, index), case.faults, sights.len());
-            for ((level, zenith_m), scores) in ZENITH_M.iter().enumerate().zip(by_sigma) {
-                let mut rows = rows(sights, Sigma::Cosecant(*zenith_m), CLOCKS_M, &self.noise, index);
-                for &row in &faulty {
-                    rows[row].y_m += BIAS_M;
-                }
-                let snapshot =
-                    Snapshot::<f32, ROWS>::solve(equations(&rows)?).context("a sky without a position")?;
-                let selection =
-                    &*selection.get_or_insert_with(|| Selection::choose(snapshot.epoch(), 2 * MAX_WORK));
-                for (column, method) in
-                    [(PARITY, Method::Parity(parity::Method::Sequential)), (IMPROVED, Method::Improved)]
-                {
-                    let exclusion = method.exclude(&mut snapshot.clone(), selection, &self.limits);
-                    scores[column].add(&Answer::of(&exclusion), &faulty);
-                }
-                let voted = case.sky == Sky::Gps || index.is_multiple_of(stride(self.effort));
-                if level == 0 && voted {
-                    self.vote(index, case, &snapshot, &faulty, scores)?;
-                }
+            let mut draw = generator(SEED + case.faults as u64, index);
+            let faulty = distinct(&mut draw, case.faults, sights.len());
+            for (zenith_m, scores) in ZENITH_M.into_iter().zip(&mut *by_sigma) {
+                let snapshot = self.snapshot(index, sights, zenith_m, &faulty)?;
+                self.exclude(&snapshot, &selection, &faulty, scores);
+            }
+            if case.sky == Sky::Gps || index.is_multiple_of(stride(self.effort)) {
+                let snapshot = self.snapshot(index, sights, ZENITH_M[0], &faulty)?;
+                self.vote(index, case, &snapshot, &faulty, &mut by_sigma[0])?;
             }
         }
         Ok(())
+    }
+
+    fn snapshot(
+        &self,
+        index: u64,
+        sights: &[Sight],
+        zenith_m: f64,
+        faulty: &[usize],
+    ) -> Result<Snapshot<f32, ROWS>> {
+        let mut rows = rows(sights, Sigma::Cosecant(zenith_m), CLOCKS_M, &self.noise, index);
+        for &row in faulty {
+            rows[row].y_m += BIAS_M;
+        }
+        Snapshot::solve(equations(&rows)?).context("a sky without a position")
+    }
+
+    fn exclude(
+        &self,
+        snapshot: &Snapshot<f32, ROWS>,
+        selection: &Selection<ROWS>,
+        faulty: &[usize],
+        scores: &mut [Score; COLUMNS.len()],
+    ) {
+        let methods = [(PARITY, Method::Parity(parity::Method::Sequential)), (IMPROVED, Method::Improved)];
+        for (column, method) in methods {
+            let exclusion = method.exclude(&mut snapshot.clone(), selection, &self.limits);
+            scores[column].add(&Answer::of(&exclusion), faulty);
+        }
     }
 
     fn vote(

@@ -17,6 +17,7 @@ use rai_core::identification::ransac::{MAX_WORK, Selection};
 use rai_firmware::correction::{Site, Tally, locate};
 use rai_firmware::ephemeris::Store;
 use rai_firmware::rtcm::{Decoder, Event};
+use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
 use super::super::draw::{distinct, generator};
@@ -126,20 +127,10 @@ fn corrected(recording: &Recording, every_s: f64) -> Result<Vec<Epoch<ROWS>>> {
 fn judge(effort: Effort, limits: &Limits, index: usize, epoch: &Epoch<ROWS>) -> Result<Scores> {
     let mut scores = Scores::default();
     for (case, (&(sky, faults), scores)) in CASES.iter().zip(&mut scores).enumerate() {
-        let of_sky = |observation: &&Observation| sky.has(observation.satellite);
-        let mut observations: Vec<Observation> =
-            epoch.observations().iter().filter(of_sky).copied().collect();
         let mut draw = generator(SEED + case as u64, index as u64);
-        let faulty = distinct(&mut draw, faults, observations.len());
-        for &row in &faulty {
-            observations[row].range_m += BIAS_M;
-        }
-        let mut epoch = Epoch::<ROWS>::new(epoch.time_s());
-        for observation in observations {
-            epoch.push(observation).context("an observation that the firmware let pass")?;
-        }
-        // Without a position there is nothing to isolate, with any method.
+        let (epoch, faulty) = with_faults(epoch, sky, faults, &mut draw)?;
         let mut workspace = Workspace::<f32, ROWS>::new();
+        // Without a position there is nothing to isolate, with any method.
         let Ok(fix) = workspace.fix(&epoch, TRUTH) else { continue };
         let rows = &fix.snapshot().epoch().clone();
         let selection = Selection::choose(rows, 2 * MAX_WORK);
@@ -154,6 +145,26 @@ fn judge(effort: Effort, limits: &Limits, index: usize, epoch: &Epoch<ROWS>) -> 
         }
     }
     Ok(scores)
+}
+
+/// The ranges of some systems with faults on some of them, and which.
+fn with_faults(
+    epoch: &Epoch<ROWS>,
+    sky: Sky,
+    faults: usize,
+    draw: &mut ChaCha8Rng,
+) -> Result<(Epoch<ROWS>, Vec<usize>)> {
+    let of_sky = |observation: &&Observation| sky.has(observation.satellite);
+    let mut observations: Vec<Observation> = epoch.observations().iter().filter(of_sky).copied().collect();
+    let faulty = distinct(draw, faults, observations.len());
+    for &row in &faulty {
+        observations[row].range_m += BIAS_M;
+    }
+    let mut epoch = Epoch::new(epoch.time_s());
+    for observation in observations {
+        epoch.push(observation).context("an observation that the firmware let pass")?;
+    }
+    Ok((epoch, faulty))
 }
 
 /// What a method says of a position, as the module reports it.

@@ -190,7 +190,7 @@ const TIMED_SUBSETS: usize = 500;
 
 /// Table 9 as times of this machine, which no test holds.
 pub(super) fn times(flight: &Flight) -> Result<[Section; 1]> {
-    let mut sums_s = [0.0; 3];
+    let mut each_s = [const { Vec::new() }; 3];
     for index in 1..=TIMED {
         let second = index * 90;
         let seen = sights(&flight.satellites, &site(second), second as f64, MASK_RAD);
@@ -198,9 +198,13 @@ pub(super) fn times(flight: &Flight) -> Result<[Section; 1]> {
         rows[index as usize % seen.len()].y_m += super::BIAS_M;
         let epoch = equations::<f32, ROWS>(&rows)?;
         let taken_s = taken_s(&epoch, &flight.limits, second)?;
-        sums_s.iter_mut().zip(taken_s).for_each(|(sum, taken)| *sum += taken);
+        each_s.iter_mut().zip(taken_s).for_each(|(times, taken)| times.push(taken));
     }
-    let [parity_s, traditional_s, improved_s] = sums_s.map(|sum_s| sum_s / TIMED as f64);
+    // The median: whatever else the machine does meanwhile would weigh in a mean.
+    let [parity_s, traditional_s, improved_s] = each_s.map(|mut times: Vec<f64>| {
+        times.sort_by(f64::total_cmp);
+        times[times.len() / 2]
+    });
     let row = |name: &str, printed: &str, ours: String| {
         Row::new(name, printed, Finding::Words(ours), Judgement::Ours)
             .because("other machine, other language")
@@ -212,7 +216,7 @@ pub(super) fn times(flight: &Flight) -> Result<[Section; 1]> {
         row("traditional / improved", "545", format!("{:.0}", traditional_s / improved_s)),
     ];
     Ok([Section {
-        title: "Table 9, mean time per epoch with one fault on one core, this machine".to_owned(),
+        title: "Table 9, median time per epoch with one fault on one core, this machine".to_owned(),
         rows,
     }])
 }
