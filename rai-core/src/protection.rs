@@ -17,6 +17,23 @@
 //! constellation), else an infinite one. By the identity `HDOP_i² − HDOP² = (A_1i² + A_2i²)/S_ii` the change of HDOP
 //! bounds the same thing for a common sigma ([Lin2016] eq. 22–26).
 //!
+//! **Hardly tested rows.** `r_i` is what is left of 1, and where little is left, single precision is too coarse: a slope
+//! would come out as much as a fifth too small. Below a redundancy of 0.1 both are therefore taken from what the other
+//! rows say of this one, where nothing cancels. With `P`, `d_i` and `W_c` of the others, `q_i = 1/W_c + d_i·P d_i` is the
+//! variance of their prediction, and
+//!
+//! ```text
+//! r_i = 1 / (1 + w_i q_i)                      slope_i² = w_i r_i |P d_i|²
+//! ```
+//!
+//! Slopes below 100 m, protection levels of some 700 m, are then understated by 3 % at most in `f32`, and hardly ever by
+//! more than 0.1 %; the guard on the alert limit is 5 %.
+//!
+//! **Not monotone.** A satellite fewer leaves the position less well known, by just the square of its slope
+//! (`P_h` without `i` is `P_h + slope_h,i²`), and every other one less well tested. Yet the protection level may shrink, even
+//! with the same `λ`: the satellite that is hardest to test takes the largest slope with it, and `λ` falls with the
+//! degrees of freedom besides.
+//!
 //! Meaning: the worst bias of a single satellite, without the noise on the position. It is not an ARAIM protection
 //! level. References: [Yang2015] eq. 6–8, [Lin2016] eq. 21–26, [Brown1992].
 
@@ -24,6 +41,9 @@ use crate::linear::Row;
 use crate::real::Real;
 use crate::report::ProtectionLevels;
 use crate::snapshot::{Fit, Snapshot, infinity};
+
+/// Redundancy number below which a slope is worked out from the other rows, dimensionless: above, `f32` is good to 0.5 %.
+const HARDLY_TESTED: f64 = 0.1;
 
 /// How far a row's bias moves the position by the time it shows in the test.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,20 +72,60 @@ fn squared_slopes<T: Real>(row: &Row<T>, fit: &Fit<T>) -> Squared<T> {
     if fit.gauge > T::zero() {
         return Squared { horizontal: horizontal * fit.gauge, vertical: vertical * fit.gauge };
     }
-    if !(row.weight > T::zero()) {
-        return Squared { horizontal: T::zero(), vertical: T::zero() };
+    if row.weight > T::zero() {
+        return untestable(row, fit);
     }
+    Squared { horizontal: T::zero(), vertical: T::zero() }
+}
+
+/// The squared slopes of a row whose bias never shows.
+fn untestable<T: Real>(row: &Row<T>, fit: &Fit<T>) -> Squared<T> {
     let unmoved = T::UNMOVED / row.weight;
     let limit = unmoved * unmoved;
     let slope = |moved: T| if moved <= limit { T::zero() } else { infinity() };
-    Squared { horizontal: slope(horizontal), vertical: slope(vertical) }
+    Squared {
+        horizontal: slope(fit.gain.x * fit.gain.x + fit.gain.y * fit.gain.y),
+        vertical: slope(fit.gain.z * fit.gain.z),
+    }
+}
+
+/// Whether too little of 1 is left for a row's redundancy, though others speak of it.
+fn is_hardly_tested<T: Real, const N: usize>(snapshot: &Snapshot<T, N>, row: &Row<T>, fit: &Fit<T>) -> bool {
+    let shares_clock = |other: &Row<T>| other.clock == row.clock && other.weight > T::zero();
+    row.weight > T::zero()
+        && fit.redundancy < T::narrow(HARDLY_TESTED)
+        && snapshot.dof() > 0
+        && (row.clock.is_none() || snapshot.rows().filter(|(other, _)| shares_clock(other)).count() > 1)
+}
+
+/// The squared slopes of a row by what the others say of it; `None` where it is untestable.
+///
+/// Not inlined: only epochs with such a row pay for the copy.
+#[inline(never)]
+fn by_the_others<T: Real, const N: usize>(snapshot: &Snapshot<T, N>, index: usize) -> Option<Squared<T>> {
+    let (row, _) = snapshot.row(index)?;
+    let mut others = snapshot.clone();
+    others.leave_out(index).ok()?;
+    let (_, fit) = others.row(index)?;
+    let predicted = others.level_variance(row) + fit.centred.dot(&fit.gain);
+    let redundancy = (T::one() + row.weight * predicted).recip();
+    if !(redundancy >= T::UNTESTABLE) {
+        return None;
+    }
+    let scale = row.weight * redundancy;
+    let horizontal = fit.gain.x * fit.gain.x + fit.gain.y * fit.gain.y;
+    Some(Squared { horizontal: horizontal * scale, vertical: fit.gain.z * fit.gain.z * scale })
 }
 
 /// The largest slopes of a snapshot.
 pub fn largest_slopes<T: Real, const N: usize>(snapshot: &Snapshot<T, N>) -> Slopes<T> {
     let mut largest = Squared { horizontal: T::zero(), vertical: T::zero() };
-    for (row, fit) in snapshot.rows() {
-        let squared = squared_slopes(row, fit);
+    for (index, (row, fit)) in snapshot.rows().enumerate() {
+        let squared = if is_hardly_tested(snapshot, row, fit) {
+            by_the_others(snapshot, index).unwrap_or_else(|| untestable(row, fit))
+        } else {
+            squared_slopes(row, fit)
+        };
         largest = Squared {
             horizontal: larger(largest.horizontal, squared.horizontal),
             vertical: larger(largest.vertical, squared.vertical),

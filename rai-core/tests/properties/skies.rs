@@ -1,0 +1,192 @@
+//! Where the properties are looked for: skies that could be, and inputs that could not.
+
+use nalgebra::Vector3;
+use proptest::prelude::*;
+use proptest::sample::select;
+use rai_core::epoch::{Epoch, Observation};
+use rai_core::frame::{EARTH_ROTATION_RAD_S, Ecef, Enu, Geodetic, LocalFrame, SPEED_OF_LIGHT_M_S};
+use rai_core::identification::parity;
+use rai_core::linear::LinearEpoch;
+use rai_core::monitor::{Method, Strategy as Monitoring};
+use rai_core::real::Real;
+use rai_core::requirements::Requirements;
+use rai_core::satellite::{Constellation, SatelliteId};
+use rai_core::threshold::policy::Policy;
+
+/// Most satellites in an epoch here.
+pub(crate) const CAPACITY: usize = 24;
+
+/// A receiver and the satellites that it observes.
+#[derive(Clone, Debug)]
+pub(crate) struct Sky {
+    /// Where the receiver is.
+    pub(crate) receiver: Ecef,
+    /// What it observes.
+    pub(crate) observations: Vec<Observation>,
+}
+
+impl Sky {
+    /// The epoch of these observations.
+    pub(crate) fn epoch(&self) -> Epoch<CAPACITY> {
+        epoch_of(&self.observations)
+    }
+
+    /// Its equations about the receiver, residuals less 20,000 km, in a unit of length of which a metre has so many.
+    pub(crate) fn linearised<T: Real>(&self, units_per_m: f64) -> LinearEpoch<T, CAPACITY> {
+        let frame = LocalFrame::at(self.receiver);
+        let mut epoch = LinearEpoch::new();
+        for observation in &self.observations {
+            let sight = frame.rotate(observation.position - self.receiver);
+            let direction = Vector3::new(sight.east, sight.north, sight.up).normalize();
+            let residual = (observation.range_m - 2e7) * units_per_m;
+            let sigma = observation.sigma_m * units_per_m;
+            epoch.satellite(observation.satellite.constellation(), direction, residual, sigma).unwrap();
+        }
+        epoch
+    }
+
+    /// The same sky with something done to each observation.
+    pub(crate) fn map(&self, change: impl FnMut(&Observation) -> Observation) -> Self {
+        Self { receiver: self.receiver, observations: self.observations.iter().map(change).collect() }
+    }
+}
+
+/// An epoch of whatever of these is accepted.
+pub(crate) fn epoch_of(observations: &[Observation]) -> Epoch<CAPACITY> {
+    let mut epoch = Epoch::new(0.0);
+    for observation in observations {
+        let _ = epoch.push(*observation);
+    }
+    epoch
+}
+
+/// Every number of a double, those that are none among them, and often one that could be meant.
+fn any_number(meant: std::ops::Range<f64>) -> impl Strategy<Value = f64> {
+    prop_oneof![2 => meant, 1 => proptest::num::f64::ANY]
+}
+
+/// Observations that nobody has checked.
+pub(crate) fn any_observations() -> impl Strategy<Value = Vec<Observation>> {
+    let position = [any_number(-3e7..3e7), any_number(-3e7..3e7), any_number(-3e7..3e7)];
+    let one = (any_satellite(), position, any_number(1e7..4e7), any_number(0.1..50.0));
+    let one = one.prop_map(|(satellite, [x_m, y_m, z_m], range_m, sigma_m)| Observation {
+        satellite,
+        position: Ecef::new(x_m, y_m, z_m),
+        range_m,
+        sigma_m,
+    });
+    proptest::collection::vec(one, 0..2 * CAPACITY)
+}
+
+fn any_satellite() -> impl Strategy<Value = SatelliteId> {
+    (select(&Constellation::ALL[..]), 1..=60_u8)
+        .prop_map(|(constellation, number)| SatelliteId::new(constellation, number).unwrap())
+}
+
+/// Every way to monitor.
+pub(crate) fn any_monitoring() -> impl Strategy<Value = Monitoring> {
+    use parity::Method::{Grouping, Hybrid, HybridWithoutGrouping, Sequential, Simultaneous};
+    let parity = [Simultaneous, Sequential, HybridWithoutGrouping, Hybrid, Grouping].map(Method::Parity);
+    let methods = [&[Method::Baarda, Method::Ransac], &parity[..]].concat();
+    (select(&[Policy::T1, Policy::T2, Policy::TOp][..]), select(methods), any::<bool>())
+        .prop_map(|(policy, method, clock_aid)| Monitoring { policy, method, clock_aid })
+}
+
+/// Every phase of flight.
+pub(crate) fn any_requirements() -> impl Strategy<Value = Requirements> {
+    select(vec![
+        Requirements::en_route(),
+        Requirements::terminal(),
+        Requirements::non_precision_approach(),
+        Requirements::lpv200(),
+    ])
+}
+
+/// What is drawn for one satellite.
+#[derive(Clone, Copy, Debug)]
+struct Draw {
+    constellation: Constellation,
+    azimuth_rad: f64,
+    elevation_rad: f64,
+    distance_m: f64,
+    sigma_m: f64,
+    /// Error in units of sigma.
+    noise: f64,
+}
+
+/// A sky with noise of at most two sigma, where up to `faults` satellites are wrong by 10 m to 1000 km.
+pub(crate) fn any_sky(faults: usize) -> impl Strategy<Value = Sky> {
+    let place = (-1.5..1.5_f64, -3.1..3.1_f64, -100.0..10_000.0_f64);
+    let clocks_m = proptest::array::uniform4(-3e5..3e5_f64);
+    let draws = proptest::collection::vec(any_draw(), 4..=CAPACITY);
+    let biases = proptest::collection::vec(any_bias(), 0..=faults);
+    (place, clocks_m, draws, biases)
+        .prop_map(|(place, clocks_m, draws, biases)| sky(place, clocks_m, &draws, &biases))
+}
+
+fn any_draw() -> impl Strategy<Value = Draw> {
+    let direction = (0.0..std::f64::consts::TAU, 0.08..1.57_f64, 2.0e7..4.0e7_f64);
+    // GPS more often than the others, so that some skies have one constellation only.
+    let constellation = prop_oneof![Just(Constellation::Gps), select(&Constellation::ALL[..])];
+    (constellation, direction, -0.7..3.4_f64, -2.0..2.0_f64).prop_map(
+        |(constellation, (azimuth_rad, elevation_rad, distance_m), ln_sigma, noise)| Draw {
+            constellation,
+            azimuth_rad,
+            elevation_rad,
+            distance_m,
+            sigma_m: ln_sigma.exp(),
+            noise,
+        },
+    )
+}
+
+/// Which satellite, and by how much, m.
+fn any_bias() -> impl Strategy<Value = (prop::sample::Index, f64)> {
+    (any::<prop::sample::Index>(), 1.0..6.0_f64, any::<bool>())
+        .prop_map(|(index, decades, late)| (index, 10_f64.powf(decades) * if late { 1.0 } else { -1.0 }))
+}
+
+fn sky(
+    (latitude_rad, longitude_rad, height_m): (f64, f64, f64),
+    clocks_m: [f64; 4],
+    draws: &[Draw],
+    biases: &[(prop::sample::Index, f64)],
+) -> Sky {
+    let receiver = Geodetic { latitude_rad, longitude_rad, height_m }.to_ecef();
+    let numbered = draws.iter().zip(1..);
+    let mut observations: Vec<Observation> =
+        numbered.map(|(draw, number)| observe(receiver, draw, number, clocks_m)).collect();
+    for (index, bias_m) in biases {
+        let count = observations.len();
+        observations[index.index(count)].range_m += bias_m;
+    }
+    Sky { receiver, observations }
+}
+
+/// The range that a satellite's signal travels while the earth turns under it, with clock and noise.
+fn observe(receiver: Ecef, draw: &Draw, number: u8, clocks_m: [f64; 4]) -> Observation {
+    let horizontal = draw.distance_m * draw.elevation_rad.cos();
+    let position = receiver
+        + LocalFrame::at(receiver).unrotate(Enu {
+            east: horizontal * draw.azimuth_rad.sin(),
+            north: horizontal * draw.azimuth_rad.cos(),
+            up: draw.distance_m * draw.elevation_rad.sin(),
+        });
+    let mut travelled_m = draw.distance_m;
+    for _ in 0..4 {
+        let angle_rad = EARTH_ROTATION_RAD_S * travelled_m / SPEED_OF_LIGHT_M_S;
+        travelled_m = turned(position, -angle_rad).distance_m(receiver);
+    }
+    Observation {
+        satellite: SatelliteId::new(draw.constellation, number).unwrap(),
+        position,
+        range_m: travelled_m + clocks_m[draw.constellation as usize] + draw.noise * draw.sigma_m,
+        sigma_m: draw.sigma_m,
+    }
+}
+
+/// A point turned about the earth's axis.
+pub(crate) fn turned(point: Ecef, angle_rad: f64) -> Ecef {
+    let (sin, cos) = angle_rad.sin_cos();
+    Ecef::new(point.x_m * cos - point.y_m * sin, point.x_m * sin + point.y_m * cos, point.z_m)
+}
