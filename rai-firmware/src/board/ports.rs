@@ -6,7 +6,7 @@
 //!
 //! | ring | bytes | holds |
 //! |---|---|---|
-//! | GNSS in | 8192 | more than the longest epoch (64 satellites with four signals: under 4 KB) |
+//! | GNSS in | 4096 | more than the longest epoch (64 satellites with four signals: under 4 KB), a third of a second at 115,200 baud |
 //! | host in | 256 | three commands |
 //! | host out | 4096 | three epochs of sentences |
 //! | log out | 2048 | a burst of forty frames |
@@ -36,7 +36,7 @@ const PATIENCE_MS: u64 = 15;
 /// Bytes that one interrupt may take in: bounds the time in the handler, whatever the peripheral says.
 const BYTES_PER_INTERRUPT: usize = 64;
 
-static GNSS_IN: Ring<8192> = Ring::new();
+static GNSS_IN: Ring<4096> = Ring::new();
 static HOST_IN: Ring<256> = Ring::new();
 static HOST_OUT: Ring<4096> = Ring::new();
 static LOG_OUT: Ring<2048> = Ring::new();

@@ -7,8 +7,8 @@
 //! Galileo sends two messages. I/NAV carries both group delays and so serves every pair of signals; F/NAV takes its
 //! place only when it has become stale.
 //!
-//! Room for [`CAPACITY`] satellites, 12.5 KiB: more than the three systems have in orbit. When it is full
-//! nevertheless, the one with the oldest reference time goes.
+//! Room for [`CAPACITY`] satellites, 11 KiB: twice as many as three systems show at once. When it is full, the one with
+//! the oldest reference time goes, which is one that set hours ago.
 
 use heapless::Vec;
 use rai_core::satellite::SatelliteId;
@@ -17,7 +17,7 @@ use super::{Ephemeris, EphemerisError, Source};
 use crate::time::GpsTime;
 
 /// How many satellites the store holds.
-pub const CAPACITY: usize = 112;
+pub const CAPACITY: usize = 96;
 
 const _: () = assert!(size_of::<Ephemeris>() <= 120);
 
