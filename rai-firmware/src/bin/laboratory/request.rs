@@ -9,9 +9,9 @@
 
 use heapless::Vec;
 
-use crate::semihosting::File;
+use crate::semihosting::{self, File};
 
-/// Longest input: a minute of RTCM.
+/// Longest input: a dozen epochs of 45 satellites.
 const CAPACITY: usize = 24 * 1024;
 
 /// One request.
@@ -63,9 +63,10 @@ impl Requests {
         if !self.file.fill(&mut length) {
             return None;
         }
-        self.buffer.resize(u32::from_le_bytes(length) as usize, 0).ok()?;
-        if !self.file.fill(&mut self.buffer) {
-            return None;
+        let fits = self.buffer.resize(u32::from_le_bytes(length) as usize, 0).is_ok();
+        if !fits || !self.file.fill(&mut self.buffer) {
+            // Half a request is no end.
+            semihosting::exit(false)
         }
         let (head, input) = self.buffer.split_first_chunk()?;
         let [stage, scalar] = *head;

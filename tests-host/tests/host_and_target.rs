@@ -1,0 +1,150 @@
+//! Host and target are one: the same epochs give the same reports, to the last bit of every number.
+//!
+//! Thousands of random epochs, with every method, policy and aiding, go through the core twice: here, compiled for the
+//! machine at hand, and in the measuring image on the emulated processor, which writes its reports as `Debug` does:
+//! the shortest text that stands for exactly these bits.
+
+use rai_core::epoch::{Epoch, Observation};
+use rai_core::frame::{Ecef, Enu, LocalFrame};
+use rai_core::identification::parity;
+use rai_core::monitor::{Method, Monitor, Strategy};
+use rai_core::real::Real;
+use rai_core::requirements::Requirements;
+use rai_core::satellite::{Constellation, SatelliteId};
+use rai_core::threshold::policy::Policy;
+use rai_firmware::correction::CAPACITY;
+use rand::Rng;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use tests_host::board::is_installed;
+use tests_host::laboratory::{Bench, Scalar, Stage, epoch_bytes, point_bytes};
+
+/// In the order of the numbers that the image knows them by.
+const METHODS: [Method; 6] = [
+    Method::Baarda,
+    Method::Parity(parity::Method::Simultaneous),
+    Method::Parity(parity::Method::Sequential),
+    Method::Parity(parity::Method::Hybrid),
+    Method::Parity(parity::Method::Grouping),
+    Method::Ransac,
+];
+const POLICIES: [Policy; 3] = [Policy::T1, Policy::T2, Policy::TOp];
+
+/// Epochs in the life of one monitor.
+const EPOCHS: usize = 12;
+
+/// A monitor's life: how it judges, where it starts, what it sees.
+struct Life {
+    strategy: (usize, usize, bool),
+    start: Ecef,
+    epochs: Vec<Epoch<CAPACITY>>,
+}
+
+impl Life {
+    /// A receiver anywhere on earth, a random sky with up to four faults, the same satellites with other noise from
+    /// epoch to epoch.
+    fn random(number: usize) -> Self {
+        let mut random = ChaCha8Rng::seed_from_u64(number as u64);
+        let place = place(&mut random);
+        let sky = sky(&mut random, place);
+        let start =
+            if random.random_bool(0.5) { Ecef::CENTRE } else { place + Ecef::new(300.0, -500.0, 700.0) };
+        let epochs = (0..EPOCHS).map(|second| epoch(&mut random, place, &sky, second as f64)).collect();
+        let strategy =
+            (number % METHODS.len(), number / METHODS.len() % POLICIES.len(), number.is_multiple_of(5));
+        Self { strategy, start, epochs }
+    }
+
+    fn bytes(&self) -> Vec<u8> {
+        let (method, policy, clock_aid) = self.strategy;
+        let mut bytes = vec![method as u8, policy as u8, u8::from(clock_aid)];
+        bytes.extend(point_bytes(self.start));
+        bytes.push(self.epochs.len() as u8);
+        bytes.extend(self.epochs.iter().flat_map(epoch_bytes));
+        bytes
+    }
+
+    /// The reports of this machine.
+    fn reports<T: Real>(&self) -> Vec<String> {
+        let (method, policy, clock_aid) = self.strategy;
+        let mut monitor =
+            Monitor::<T, CAPACITY>::new(Requirements::non_precision_approach()).expect("in the tables");
+        monitor.pursue(Strategy { method: METHODS[method], policy: POLICIES[policy], clock_aid });
+        monitor.start_from(self.start);
+        self.epochs.iter().map(|epoch| format!("{:?}", monitor.process(epoch))).collect()
+    }
+}
+
+fn place(random: &mut ChaCha8Rng) -> Ecef {
+    let (latitude_rad, longitude_rad): (f64, f64) =
+        (random.random_range(-1.5..1.5), random.random_range(-3.1..3.1));
+    rai_core::frame::Geodetic { latitude_rad, longitude_rad, height_m: random.random_range(-100.0..9e3) }
+        .to_ecef()
+}
+
+/// Four to 45 satellites of up to four constellations, with their sigmas and faults.
+fn sky(random: &mut ChaCha8Rng, place: Ecef) -> Vec<(Observation, f64)> {
+    let frame = LocalFrame::at(place);
+    let count = random.random_range(4..=45);
+    let constellations = random.random_range(1..=4);
+    let faults = random.random_range(0..=4);
+    let satellite = |random: &mut ChaCha8Rng, index: usize| {
+        let azimuth_rad: f64 = random.random_range(0.0..std::f64::consts::TAU);
+        let elevation_rad: f64 = random.random_range(0.05..1.57);
+        let distance_m = random.random_range(2.0e7..3.9e7);
+        let horizontal_m = distance_m * elevation_rad.cos();
+        let (east, north) = (horizontal_m * azimuth_rad.sin(), horizontal_m * azimuth_rad.cos());
+        let position = place + frame.unrotate(Enu { east, north, up: distance_m * elevation_rad.sin() });
+        let satellite =
+            SatelliteId::new(Constellation::ALL[index % constellations], index as u8 + 1).expect("a number");
+        let sigma_m = random.random_range(0.5..8.0);
+        let fault_m = if index < faults { random.random_range(-300.0..300.0) } else { 0.0 };
+        (Observation { satellite, position, range_m: place.distance_m(position), sigma_m }, fault_m)
+    };
+    (0..count).map(|index| satellite(random, index)).collect()
+}
+
+fn epoch(random: &mut ChaCha8Rng, place: Ecef, sky: &[(Observation, f64)], time_s: f64) -> Epoch<CAPACITY> {
+    /// What the earth's rotation adds to a range.
+    const RATE: f64 = 7.292_115_146_7e-5 / 299_792_458.0;
+    let clock_m = 2e4 + 30.0 * time_s;
+    let mut epoch = Epoch::new(time_s);
+    for (observation, fault_m) in sky {
+        let satellite = observation.position;
+        let rotation_m = RATE * (satellite.x_m * place.y_m - satellite.y_m * place.x_m);
+        let noise_m = observation.sigma_m * random.random_range(-1.7..1.7);
+        let range_m = observation.range_m + rotation_m + clock_m + noise_m + fault_m;
+        epoch.push(Observation { range_m, ..*observation }).expect("a plausible range");
+    }
+    epoch
+}
+
+fn compare<T: Real>(scalar: Scalar, lives: std::ops::Range<usize>) {
+    let lives: Vec<Life> = lives.map(Life::random).collect();
+    let mut bench = Bench::default();
+    lives.iter().for_each(|life| bench.request(Stage::Judge, scalar, &life.bytes()));
+    let have = bench.run().expect("the image comes to its end");
+    let want: Vec<String> = lives.iter().flat_map(Life::reports::<T>).collect();
+    assert_eq!(have.len(), want.len());
+    for (number, (have, want)) in have.iter().zip(&want).enumerate() {
+        assert_eq!(have.result, *want, "epoch {} of life {}", number % EPOCHS, number / EPOCHS);
+    }
+    let count = |word: &str| want.iter().filter(|report| report.contains(word)).count();
+    let (protected, alert) = (count("verdict: Protected"), count("verdict: Alert"));
+    println!("{} epochs identical: {protected} protected, {alert} alerts", want.len());
+    assert!(protected * 10 > want.len() && alert * 50 > want.len(), "too few of a kind to mean anything");
+}
+
+#[test]
+fn every_report_in_single_precision_is_the_same_to_the_last_bit() {
+    if is_installed() {
+        compare::<f32>(Scalar::Single, 0..180);
+    }
+}
+
+#[test]
+fn every_report_in_double_precision_is_the_same_to_the_last_bit() {
+    if is_installed() {
+        compare::<f64>(Scalar::Double, 180..200);
+    }
+}
