@@ -122,7 +122,9 @@ fn epoch(random: &mut ChaCha8Rng, place: Ecef, sky: &[(Observation, f64)], time_
 fn compare<T: Real>(scalar: Scalar, lives: std::ops::Range<usize>) {
     let lives: Vec<Life> = lives.map(Life::random).collect();
     let mut bench = Bench::default();
-    lives.iter().for_each(|life| bench.request(Stage::Judge, scalar, &life.bytes()));
+    for life in &lives {
+        bench.request(Stage::Judge, scalar, &life.bytes());
+    }
     let have = bench.run().expect("the image comes to its end");
     let want: Vec<String> = lives.iter().flat_map(Life::reports::<T>).collect();
     assert_eq!(have.len(), want.len());
