@@ -1,5 +1,5 @@
 //! Frames against closed forms of the ellipsoid.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing, clippy::float_cmp)]
 
 use rai_core::frame::{Ecef, Enu, FLATTENING, Geodetic, LocalFrame, SEMI_MAJOR_AXIS_M};
 
@@ -61,4 +61,58 @@ fn the_centre_of_the_earth_and_nonsense_still_have_a_frame() {
         let finite = have.up.is_finite() && have.east.is_finite() && have.north.is_finite();
         assert!(finite, "{point:?} gives {have:?}");
     }
+}
+
+#[test]
+fn distances_are_those_of_a_box() {
+    // 2² + 3² + 6² = 7², whatever the order and the sign.
+    let (point, other) = (Ecef::new(1.0, -2.0, 5.0), Ecef::new(3.0, 1.0, -1.0));
+    assert_eq!((point.distance_m(other), other.distance_m(point)), (7.0, 7.0));
+    assert_eq!(Ecef::new(2.0, -3.0, 6.0).radius_m(), 7.0);
+    assert_eq!(Enu { east: -3.0, north: 4.0, up: 12.0 }.horizontal(), 5.0);
+}
+
+#[test]
+fn a_position_is_finite_when_every_coordinate_is() {
+    assert!(Ecef::new(1.0, -2.0, 3.0).is_finite());
+    for nonsense in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        for axis in 0..3 {
+            let mut coordinates = [1.0, 2.0, 3.0];
+            coordinates[axis] = nonsense;
+            let [x, y, z] = coordinates;
+            assert!(!Ecef::new(x, y, z).is_finite(), "{nonsense} on axis {axis}");
+        }
+    }
+}
+
+#[test]
+fn sine_of_the_latitude_has_its_sign() {
+    for latitude_rad in [-1.5, -0.3, 0.0, 0.7, 1.5_f64] {
+        let point = Geodetic { latitude_rad, longitude_rad: 2.0, height_m: 40.0 }.to_ecef();
+        assert_close("sine", LocalFrame::at(point).sin_latitude(), latitude_rad.sin(), 1e-11);
+    }
+}
+
+#[test]
+fn the_centre_of_the_earth_lies_a_radius_below_the_ground() {
+    assert_eq!(LocalFrame::at(Ecef::CENTRE).height_m(), -SEMI_MAJOR_AXIS_M);
+}
+
+#[test]
+fn on_the_axis_the_longitude_is_zero() {
+    let frame = LocalFrame::at(Ecef::new(0.0, 0.0, 7e6));
+    assert_eq!(frame.geodetic().longitude_rad, 0.0);
+    assert_close("east", frame.rotate(Ecef::new(0.0, 1.0, 0.0)).east, 1.0, 1e-15);
+    assert_close("north", frame.rotate(Ecef::new(1.0, 0.0, 0.0)).north, -1.0, 1e-15);
+}
+
+#[test]
+fn elevation_is_that_of_the_triangle() {
+    let origin = Geodetic { latitude_rad: 0.7, longitude_rad: -1.9, height_m: 0.0 }.to_ecef();
+    let frame = LocalFrame::at(origin);
+    let up_of = |direction| frame.sin_elevation(origin, origin + frame.unrotate(direction));
+    assert_close("3-4-5", up_of(Enu { east: 0.0, north: 4e6, up: 3e6 }), 0.6, 1e-12);
+    assert_close("below", up_of(Enu { east: -4e6, north: 0.0, up: -3e6 }), -0.6, 1e-12);
+    assert_close("horizon", up_of(Enu { east: 1e6, north: 1e6, up: 0.0 }), 0.0, 1e-12);
+    assert_eq!(frame.sin_elevation(origin, origin), 1.0, "a point at the origin is overhead");
 }

@@ -38,6 +38,8 @@ pub struct Dense {
     pub dof: usize,
     /// Dilution of precision, horizontal, unweighted.
     pub hdop: f64,
+    /// Dilution of precision, vertical, unweighted.
+    pub vdop: f64,
 }
 
 /// Solves all columns at once; `None` where the matrix cannot be inverted or rows are missing.
@@ -64,8 +66,8 @@ pub fn solve(ranges: &[Range]) -> Option<Dense> {
     let unknowns_m = &first_m + &gain * (&y - &design * &first_m);
     let residuals_m = &y - &design * &unknowns_m;
     let sse = residuals_m.component_mul(&scale).norm_squared();
-    let hdop = (plain[(0, 0)] + plain[(1, 1)]).sqrt();
-    Some(Dense { unknowns_m, residuals_m, projection, gain, covariance_m2, sse, dof, hdop })
+    let (hdop, vdop) = ((plain[(0, 0)] + plain[(1, 1)]).sqrt(), plain[(2, 2)].sqrt());
+    Some(Dense { unknowns_m, residuals_m, projection, gain, covariance_m2, sse, dof, hdop, vdop })
 }
 
 /// As [`solve`], without the ranges listed.

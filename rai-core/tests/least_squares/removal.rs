@@ -8,7 +8,8 @@ use rai_core::real::Real;
 use rai_core::removal::{Removal, testable_rows};
 use rai_core::satellite::Constellation;
 use rai_core::snapshot::Snapshot;
-use tests_host::oracle::{self, Dense, Range};
+
+use super::oracle::{self, Dense, Range};
 
 fn snapshot<T: Real>(ranges: &[Range]) -> Snapshot<T, 40> {
     let mut epoch = LinearEpoch::new();

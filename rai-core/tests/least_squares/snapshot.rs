@@ -6,7 +6,8 @@ use rai_core::linear::LinearEpoch;
 use rai_core::real::Real;
 use rai_core::satellite::Constellation;
 use rai_core::snapshot::{Snapshot, SnapshotError};
-use tests_host::oracle::{self, Range};
+
+use super::oracle::{self, Range};
 
 type Snapshot40<T> = Snapshot<T, 40>;
 
@@ -61,10 +62,31 @@ proptest! {
             assert_close("x", have.correction()[axis], want.unknowns_m[axis], 1e-9, 1e-6);
         }
         assert_close("hdop", have.dilutions().0, want.hdop, 1e-9, 0.0);
+        assert_close("vdop", have.dilutions().1, want.vdop, 1e-9, 0.0);
+        for row in 0..3 {
+            for column in 0..3 {
+                let have = have.covariance()[(row, column)];
+                assert_close("P", have, want.covariance_m2[(row, column)], 1e-8, 1e-8);
+            }
+        }
+        let is_there = |clock: &Constellation| ranges.iter().any(|range| range.constellation == *clock);
+        let clocks: Vec<Constellation> = Constellation::ALL.into_iter().filter(is_there).collect();
+        prop_assert_eq!(have.used(), ranges.len());
+        for clock in Constellation::ALL {
+            prop_assert_eq!(have.determines(clock), clocks.contains(&clock));
+            prop_assert_eq!(have.clock_m(clock).is_some(), clocks.contains(&clock));
+        }
+        for (column, clock) in (3..).zip(clocks) {
+            assert_close("b", have.clock_m(clock).unwrap(), want.unknowns_m[column], 1e-9, 1e-6);
+            let have = have.clock_variance(clock).unwrap();
+            assert_close("Q", have, want.covariance_m2[(column, column)], 1e-8, 0.0);
+        }
         for (index, (row, fit)) in have.rows().enumerate() {
             assert_close("v", fit.residual, want.residuals_m[index], 1e-9, 1e-6);
             assert_close("S_ii", fit.redundancy, want.projection[(index, index)], 1e-9, 1e-9);
-            assert_close("A_1i", row.weight * fit.gain.x, want.gain[(0, index)], 1e-8, 1e-9);
+            for axis in 0..3 {
+                assert_close("A", row.weight * fit.gain[axis], want.gain[(axis, index)], 1e-8, 1e-9);
+            }
             for other in 0..ranges.len() {
                 let have = have.projection(index, other).unwrap();
                 assert_close("S_ij", have, want.projection[(index, other)], 1e-8, 1e-9);

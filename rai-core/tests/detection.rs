@@ -1,0 +1,66 @@
+//! The global test and what is reported of it.
+#![allow(clippy::unwrap_used, clippy::float_cmp)]
+
+use rai_core::detection::Detection;
+use rai_core::report::Solution;
+use rai_core::requirements::{Requirements, RequirementsError};
+
+fn detection(sse: f64, threshold: f64) -> Detection<f64> {
+    Detection { sse, threshold, dof: 4 }
+}
+
+#[test]
+fn a_sum_at_the_threshold_is_a_fault_and_so_is_one_that_is_no_number() {
+    assert!(!detection(8.9, 9.0).fault());
+    assert!(detection(9.0, 9.0).fault());
+    assert!(detection(9.1, 9.0).fault());
+    assert!(detection(f64::NAN, 9.0).fault());
+    assert!(detection(1.0, f64::NAN).fault());
+}
+
+#[test]
+fn the_statistic_is_a_root_mean_square() {
+    let have = detection(36.0, 64.0).statistic();
+    assert_eq!((have.statistic, have.threshold, have.dof), (3.0, 4.0, 4));
+}
+
+#[test]
+fn dilutions_add_in_squares() {
+    let mut solution = Solution {
+        position: rai_core::frame::Ecef::CENTRE,
+        geodetic: rai_core::frame::Geodetic { latitude_rad: 0.0, longitude_rad: 0.0, height_m: 0.0 },
+        covariance_m2: [0.0; 6],
+        clocks_m: [None; 4],
+        hdop: 3.0,
+        vdop: 4.0,
+    };
+    assert_eq!(solution.pdop(), 5.0);
+    solution.vdop = 0.0;
+    assert_eq!(solution.pdop(), 3.0);
+}
+
+#[test]
+fn requirements_end_where_they_say() {
+    use RequirementsError::{GuardFraction, HorizontalAlertLimit, TimeToAlert, VerticalAlertLimit};
+    let good = Requirements::lpv200();
+    let refused = |requirements: Requirements| requirements.validate().err();
+    for (limit_m, refuses) in
+        [(0.0, true), (-1.0, true), (f64::NAN, true), (1e6, false), (1.1e6, true), (1e-3, false)]
+    {
+        let have = refused(Requirements { hal_m: limit_m, ..good });
+        assert_eq!(have, refuses.then_some(HorizontalAlertLimit), "HAL {limit_m}");
+        let have = refused(Requirements { val_m: Some(limit_m), ..good });
+        assert_eq!(have, refuses.then_some(VerticalAlertLimit), "VAL {limit_m}");
+    }
+    for (time_to_alert_s, refuses) in
+        [(0.0, true), (-1.0, true), (f64::NAN, true), (3600.0, false), (3601.0, true)]
+    {
+        let have = refused(Requirements { time_to_alert_s, ..good });
+        assert_eq!(have, refuses.then_some(TimeToAlert), "time to alert {time_to_alert_s}");
+    }
+    for (guard_fraction, refuses) in [(0.0, true), (-0.1, true), (f64::NAN, true), (1.0, false), (1.01, true)]
+    {
+        let have = refused(Requirements { guard_fraction, ..good });
+        assert_eq!(have, refuses.then_some(GuardFraction), "fraction {guard_fraction}");
+    }
+}

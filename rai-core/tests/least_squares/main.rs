@@ -1,0 +1,11 @@
+//! The core against least squares with all columns, in which leaving out is solving again.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing)]
+
+mod consensus;
+mod removal;
+mod snapshot;
+
+/// The same second opinion that recordings are held against.
+#[path = "../../../tests-host/src/oracle.rs"]
+#[allow(unreachable_pub, reason = "public where it is at home")]
+mod oracle;

@@ -1,0 +1,49 @@
+//! Errors in words: whoever reads one learns which of the reasons it was.
+
+use std::collections::BTreeSet;
+use std::error::Error;
+
+use rai_core::epoch::EpochError;
+use rai_core::fix::FixError;
+use rai_core::linear::RowError;
+use rai_core::monitor::MonitorError;
+use rai_core::requirements::RequirementsError;
+use rai_core::snapshot::SnapshotError;
+
+/// Lower-case words, no two reasons alike.
+fn check(errors: &[&dyn Error]) {
+    let texts: BTreeSet<String> = errors.iter().map(ToString::to_string).collect();
+    assert_eq!(texts.len(), errors.len(), "two alike: {texts:?}");
+    for text in &texts {
+        assert!(text.contains(' ') && !text.starts_with(char::is_uppercase), "{text:?}");
+    }
+}
+
+#[test]
+fn every_reason_has_words_of_its_own() {
+    check(&[&RowError::Residual, &RowError::LineOfSight, &RowError::Sigma, &RowError::Full]);
+    check(&[&SnapshotError::Insufficient, &SnapshotError::Singular]);
+    check(&[
+        &EpochError::Range,
+        &EpochError::Position,
+        &EpochError::Sigma,
+        &EpochError::Duplicate,
+        &EpochError::Full,
+    ]);
+    check(&[
+        &RequirementsError::HorizontalAlertLimit,
+        &RequirementsError::VerticalAlertLimit,
+        &RequirementsError::TimeToAlert,
+        &RequirementsError::GuardFraction,
+    ]);
+}
+
+#[test]
+fn an_error_says_what_the_one_inside_it_says() {
+    for inner in [SnapshotError::Insufficient, SnapshotError::Singular] {
+        assert_eq!(FixError::Snapshot(inner).to_string(), inner.to_string());
+    }
+    check(&[&FixError::NotConverged, &FixError::Snapshot(SnapshotError::Singular)]);
+    let inner = RequirementsError::GuardFraction;
+    assert_eq!(MonitorError::Requirements(inner).to_string(), inner.to_string());
+}
