@@ -26,6 +26,7 @@ use anyhow::{Context, Result, ensure};
 use rai_core::satellite::SatelliteId;
 
 pub use live::{Live, View};
+pub(crate) use ordinary::Believer;
 pub use ordinary::Ordinary;
 pub use story::Story;
 
@@ -118,7 +119,7 @@ impl Plan {
         let mut module = Module::start(image)?;
         let (mut moments, mut ordinary) = (Vec::new(), Vec::new());
         let pin_at_boot = module.board.pin_is_high();
-        let mut believer = ordinary::Believer::new(MASK_DEG.to_radians());
+        let mut believer = Believer::new(MASK_DEG.to_radians());
         let epochs = Injector::new(recording.epochs.into_iter(), vec![self.fault()]);
         for (index, epoch) in (0_u32..).zip(epochs) {
             let bytes = encoder.epoch(&epoch)?;

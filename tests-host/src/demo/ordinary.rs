@@ -21,7 +21,7 @@ pub struct Ordinary {
 }
 
 /// The receiver.
-pub(super) struct Believer {
+pub(crate) struct Believer {
     decoder: Decoder,
     store: Store,
     mask_rad: f64,
@@ -29,12 +29,12 @@ pub(super) struct Believer {
 
 impl Believer {
     /// A receiver that has heard nothing and uses satellites above `mask_rad`.
-    pub(super) fn new(mask_rad: f64) -> Self {
+    pub(crate) fn new(mask_rad: f64) -> Self {
         Self { decoder: Decoder::new(), store: Store::new(), mask_rad }
     }
 
     /// Takes the bytes of one epoch; `None` where they make no fix with redundancy.
-    pub(super) fn hear(&mut self, bytes: &[u8], time_s: f64, site: &Site) -> Option<Ordinary> {
+    pub(crate) fn hear(&mut self, bytes: &[u8], time_s: f64, site: &Site) -> Option<Ordinary> {
         let mut said = None;
         for &byte in bytes {
             let mut event = self.decoder.push(byte);

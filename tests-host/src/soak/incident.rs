@@ -2,7 +2,7 @@
 //!
 //! | incident | share | size |
 //! |---|---|---|
-//! | one satellite, a step | 0.30 | 15 to 500 m, each decade as likely |
+//! | one satellite, a step | 0.30 | 15 to 2000 m, each decade as likely |
 //! | one satellite, a ramp | 0.15 | the same, reached half-way through |
 //! | two satellites, steps | 0.12 | the same, each its own |
 //! | three satellites, steps | 0.08 | the same, each its own |
@@ -25,7 +25,7 @@ use crate::recording::RawEpoch;
 const LENGTH_EPOCHS: std::ops::RangeInclusive<u32> = 8..=40;
 
 /// Sizes of false ranges, m.
-const BIAS_M: (f64, f64) = (15.0, 500.0);
+const BIAS_M: (f64, f64) = (15.0, 2000.0);
 
 /// How far the receiver's clock jumps at most, m: a millisecond.
 const CLOCK_JUMP_M: f64 = 300e3;

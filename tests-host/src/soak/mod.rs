@@ -45,7 +45,7 @@ use anyhow::{Result, anyhow};
 use noise::{Carried, Disturbance, Line, Piece};
 pub use plan::Plan;
 use rig::Rig;
-use scenario::{Mishap, Scenario, Tempo, Turn};
+use scenario::{FIRST_LIMIT_M, Mishap, Scenario, Tempo, Turn};
 use tally::{Heard, Tally};
 use watch::Watch;
 
@@ -197,6 +197,7 @@ impl<P: FnMut(u64)> Bench<P> {
         for line in self.rig.heard() {
             if self.tally.hear(&line) == Heard::Greeting {
                 self.rig.command(&format!("TTA,{}", self.tempo.time_to_alert_s))?;
+                self.rig.command(&format!("HAL,{FIRST_LIMIT_M}"))?;
             }
         }
         self.rig.logged().iter().for_each(|line| self.watch.see(line));

@@ -22,14 +22,22 @@ use rand_chacha::ChaCha8Rng;
 
 use super::incident::{Falsified, Incidents};
 use super::noise;
+use crate::demo::Believer;
 use crate::encode::{Encoder, Selection, TimedEphemeris};
 use crate::recording::{RawEpoch, Recording};
+use crate::sky::Site;
 
 /// Alert limits that the host sets by turns, m: from hardly above the protection levels to non-precision approach.
-const LIMITS_M: [f64; 4] = [25.0, 40.0, 60.0, 556.0];
+const LIMITS_M: [f64; 4] = [20.0, FIRST_LIMIT_M, 40.0, 556.0];
+
+/// Alert limit that the host sets when the module starts, m: so low that false ranges matter.
+pub const FIRST_LIMIT_M: f64 = 25.0;
 
 /// Bytes of noise in the time of an epoch on a line that is not connected, at most.
 const OPEN_LINE_BYTES: usize = 400;
+
+/// The module's elevation mask at start, degrees: that of the position from all satellites, too.
+const MASK_DEG: f64 = 10.0;
 
 /// How far the receiver's time goes back, epochs: enough for the module to believe it in the end.
 const REWIND_EPOCHS: std::ops::RangeInclusive<usize> = 8..=20;
@@ -71,6 +79,8 @@ pub struct Offer {
     pub truth: Ecef,
     /// Whose ranges are false.
     pub falsified: Falsified,
+    /// Distance from the truth over the ground of a position from all satellites, on a good line, m.
+    pub believed_error_m: Option<f64>,
     /// Whether all of it was sent, and its time is later than any before.
     pub is_due: bool,
 }
@@ -166,6 +176,8 @@ struct Sending<'a> {
     passage: &'a Passage,
     encoder: Encoder,
     repeated: VecDeque<Vec<u8>>,
+    believer: Believer,
+    site: Site,
 }
 
 impl Scenario {
@@ -212,7 +224,10 @@ impl Scenario {
         let bytes = self.through_the_cable(&whole);
         let is_due = is_later && bytes == whole;
         let mishap = if self.unplugged.is_none() { self.mishap() } else { None };
-        let offer = Offer { time: epoch.time, truth: sending.passage.truth, falsified, is_due };
+        let believed = sending.believer.hear(&whole, epoch.time.to_s(), &sending.site);
+        let believed_error_m = believed.map(|believed| believed.horizontal_error_m);
+        let truth = sending.passage.truth;
+        let offer = Offer { time: epoch.time, truth, falsified, believed_error_m, is_due };
         Ok(Turn { offer, bytes, mishap })
     }
 
@@ -258,7 +273,8 @@ impl Scenario {
 impl<'a> Sending<'a> {
     fn new(passage: &'a Passage) -> Self {
         let encoder = Encoder::new(&passage.recording.ephemerides, passage.selection.clone());
-        Self { passage, encoder, repeated: VecDeque::new() }
+        let (believer, site) = (Believer::new(MASK_DEG.to_radians()), Site::at(passage.truth));
+        Self { passage, encoder, repeated: VecDeque::new(), believer, site }
     }
 
     /// An epoch behind the ephemerides whose turn it is.

@@ -101,6 +101,7 @@ impl Outcome {
                 format!("{protected}, {alert}, {unavailable}")
             }),
             ("with one satellite false", (tally.falsified - tally.beyond_promise).to_string()),
+            ("  beyond the limit, were every one believed", tally.believed[0].to_string()),
             ("alerts without a false range", tally.false_alerts.to_string()),
             ("sentences", tally.sentences.to_string()),
         ]
@@ -111,6 +112,7 @@ impl Outcome {
         vec![
             ("error above the protection level, pin high", tally.misleading[0].to_string()),
             ("several satellites or a system false, epochs", tally.beyond_promise.to_string()),
+            ("  beyond the limit, were every one believed", tally.believed[1].to_string()),
             ("  pin high, error beyond the alert limit", tally.hazardous_beyond_promise.to_string()),
             ("  error above the protection level, pin high", tally.misleading[1].to_string()),
         ]

@@ -55,6 +55,8 @@ pub struct Tally {
     pub beyond_promise: u64,
     /// Of these, with the pin high while the error exceeded the alert limit.
     pub hazardous_beyond_promise: u64,
+    /// Epochs within the promise, and beyond it, whose position from all satellites exceeded the alert limit.
+    pub believed: [u64; 2],
     /// Epochs within the promise with the pin high while the error exceeded the alert limit.
     pub hazardous: u64,
     /// Epochs within the promise, and beyond it, with the pin high and an error above the protection level.
@@ -198,6 +200,9 @@ impl Tally {
         self.falsified += u64::from(offer.falsified.is_any());
         self.beyond_promise += u64::from(!is_promised);
         self.false_alerts += u64::from(state.state == 'A' && !offer.falsified.is_any());
+        let believed =
+            offer.believed_error_m.zip(state.hal_m).is_some_and(|(error_m, hal_m)| error_m > hal_m);
+        self.believed[usize::from(!is_promised)] += u64::from(believed);
         if !state.is_protected() {
             return;
         }
@@ -249,7 +254,8 @@ mod tests {
 
     fn offer(tow_s: u32, falsified: Falsified) -> Offer {
         let truth: Ecef = TRUTH.to_ecef();
-        Offer { time: GpsTime { week: 2300, tow_ms: tow_s * 1000 }, truth, falsified, is_due: true }
+        let time = GpsTime { week: 2300, tow_ms: tow_s * 1000 };
+        Offer { time, truth, falsified, believed_error_m: Some(70.0), is_due: true }
     }
 
     fn sealed(body: &str) -> Vec<u8> {
@@ -287,6 +293,7 @@ mod tests {
         assert_eq!((within.hazardous_beyond_promise, within.misleading), (0, [0, 1]));
         let warned = after(Falsified::Satellites(1), 50.0, "A,FAULT");
         assert_eq!((warned.hazardous, warned.misleading, warned.false_alerts), (0, [0, 0], 0));
+        assert_eq!(warned.believed, [1, 0], "70 m, had every satellite been believed");
         assert_eq!(after(Falsified::Satellites(0), 1.0, "A,FAULT").false_alerts, 1);
     }
 
