@@ -17,7 +17,8 @@
 //! | [`receiver`] | bytes and the time | the loop around all this, the pin, the alarm of a silent line |
 //!
 //! beside them [`config`] (commands of the host), [`selftest`] (known answers), [`reset`] (why the module started),
-//! [`ring`] (bytes between an interrupt and the loop) and [`counters`] (whatever is not used is counted by name).
+//! [`ring`] (bytes between an interrupt and the loop), [`outlet`] (sentences through a ring) and [`counters`] (whatever
+//! is not used is counted by name).
 //!
 //! # Wiring
 //!
@@ -72,6 +73,7 @@ pub mod counters;
 pub mod ephemeris;
 pub mod navigator;
 pub mod nmea;
+pub mod outlet;
 pub mod receiver;
 pub mod reset;
 pub mod ring;

@@ -15,10 +15,10 @@
 //!
 //! References: [RM0090] §30.
 
-use core::convert::Infallible;
 use core::sync::atomic::{AtomicU32, Ordering};
 
 use cortex_m::peripheral::NVIC;
+use rai_firmware::outlet::Outlet;
 use rai_firmware::ring::Ring;
 use stm32f4::stm32f405::{Interrupt, RCC, USART1, USART2, USART3, interrupt, usart1::RegisterBlock};
 
@@ -29,9 +29,6 @@ use super::{
 
 /// Rate of all three ports.
 const BAUD: u32 = 115_200;
-
-/// How long a sentence may wait for room: twice what the longest takes on the wire.
-const PATIENCE_MS: u64 = 15;
 
 /// Bytes that one interrupt may take in: bounds the time in the handler, whatever the peripheral says.
 const BYTES_PER_INTERRUPT: usize = 64;
@@ -110,7 +107,7 @@ pub fn start(rcc: &RCC, host: &USART1, gnss: &USART2, log: &USART3, clock: Clock
     enable(gnss, divider(clock.bus1_hz, BAUD));
     enable(log, divider(clock.bus1_hz, BAUD));
     unmask();
-    HostPort { line: heapless::Vec::new(), lines: 0 }
+    Outlet::new(&HOST_OUT, time::now_ms, || NVIC::pend(Interrupt::USART1))
 }
 
 #[allow(unsafe_code)]
@@ -153,44 +150,8 @@ pub fn send_log(frame: &[u8]) {
     NVIC::pend(Interrupt::USART3);
 }
 
-/// The way out to the host: sentences, whole or not at all.
-///
-/// A host that reads too slowly costs at most [`PATIENCE_MS`] per sentence; then the sentence is dropped and counted.
-pub struct HostPort {
-    line: heapless::Vec<u8, 128>,
-    lines: u32,
-}
-
-impl HostPort {
-    /// Lines that were sent or dropped since start; wraps.
-    pub fn lines(&self) -> u32 {
-        self.lines
-    }
-
-    fn append(&mut self, byte: u8) {
-        if self.line.push(byte).is_err() {
-            self.send();
-            // There is room now: `send` leaves the line empty.
-            let _ = self.line.push(byte);
-        }
-        if byte == b'\n' {
-            self.send();
-        }
-    }
-
-    fn send(&mut self) {
-        let deadline_ms = time::now_ms() + PATIENCE_MS;
-        while !HOST_OUT.offer(&self.line) {
-            if time::now_ms() > deadline_ms {
-                HOST_OUT.drop_whole(self.line.len());
-                break;
-            }
-        }
-        self.line.clear();
-        self.lines = self.lines.wrapping_add(1);
-        NVIC::pend(Interrupt::USART1);
-    }
-}
+/// The way out to the host.
+pub type HostPort = Outlet<'static, 4096, fn() -> u64, fn()>;
 
 /// Waits until all has left the chip, a second at most: before a reset that was asked for.
 pub fn drain() {
@@ -199,26 +160,6 @@ pub fn drain() {
     // The last two bytes are still in the transmitter, where a character takes 87 µs.
     let last_ms = time::now_ms() + 2;
     while time::now_ms() < last_ms {}
-}
-
-impl embedded_io::ErrorType for HostPort {
-    type Error = Infallible;
-}
-
-impl embedded_io::Write for HostPort {
-    fn write(&mut self, bytes: &[u8]) -> Result<usize, Infallible> {
-        for &byte in bytes {
-            self.append(byte);
-        }
-        Ok(bytes.len())
-    }
-
-    fn flush(&mut self) -> Result<(), Infallible> {
-        if !self.line.is_empty() {
-            self.send();
-        }
-        Ok(())
-    }
 }
 
 /// Takes in what has come; counts a hardware overrun, which reading the data register also clears.

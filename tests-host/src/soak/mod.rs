@@ -22,8 +22,8 @@
 //!
 //! - An instruction takes one nanosecond, so ten milliseconds of board time are ten million instructions: on the chip at
 //!   168 MHz at least six times as long.
-//! - The emulated transmitter never waits: where nobody reads the host port, the whole chip stands still with its clock. That a
-//!   full ring drops whole sentences is tested in `rai-firmware`.
+//! - The emulated transmitter never waits: where nobody reads the host port for long, the whole chip stands still with
+//!   its clock. What a full ring does is tested in process, with a wire that takes nothing (`tests/hostile`).
 //! - A reset is that of the reset line: RAM keeps its content, and start-up has to clear it.
 //! - Several satellites false at once, or a whole constellation, are beyond the promise of the protection levels. They are
 //!   part of the soak and counted apart.

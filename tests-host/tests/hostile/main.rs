@@ -8,11 +8,13 @@
 //! | two satellites with one id, 64 satellites, ranges of 0, negative and 1e12 m | [`satellites`] |
 //! | ephemerides that are impossible, stale, unhealthy, or change in the middle of a pass | [`ephemerides`] |
 //! | a silent line, bad commands | [`port`] |
+//! | a host that reads too slowly | [`host`] |
 //!
 //! [`module::Module`] holds every sentence and the pin to what must always hold, whatever came in.
 
 mod ephemerides;
 mod frames;
+mod host;
 mod module;
 mod port;
 mod satellites;

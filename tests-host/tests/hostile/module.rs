@@ -42,7 +42,7 @@ impl Sky {
 /// A pin in memory.
 #[derive(Debug, Default)]
 pub(crate) struct Pin {
-    high: bool,
+    pub(crate) high: bool,
 }
 
 impl ErrorType for Pin {
