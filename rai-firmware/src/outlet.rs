@@ -43,6 +43,8 @@ impl<'r, const N: usize, C: FnMut() -> u64, S: FnMut()> Outlet<'r, N, C, S> {
         }
     }
 
+    // Not inlined, nor is `write`: both are called in many places, and flash is dearer than the calls.
+    #[inline(never)]
     fn send(&mut self) {
         let deadline_ms = (self.now_ms)() + PATIENCE_MS;
         while !self.ring.offer(&self.line) {
@@ -62,6 +64,7 @@ impl<const N: usize, C, S> embedded_io::ErrorType for Outlet<'_, N, C, S> {
 }
 
 impl<const N: usize, C: FnMut() -> u64, S: FnMut()> embedded_io::Write for Outlet<'_, N, C, S> {
+    #[inline(never)]
     fn write(&mut self, bytes: &[u8]) -> Result<usize, Infallible> {
         for &byte in bytes {
             self.append(byte);

@@ -143,7 +143,7 @@ impl<P: FnMut(u64)> Bench<P> {
         for piece in pieces {
             is_whole &= self.send(&piece)? <= noise::HARMLESS_PAUSE_MS;
         }
-        self.tally.offer(turn.offer, is_whole, self.next_ms as f64 * 1e-3);
+        self.tally.offer(turn.offer, is_whole, self.rig.now_ms()? as f64 * 1e-3);
         self.suffer(turn.mishap)?;
         self.pass_interval()?;
         (self.progress)(self.tally.offered);

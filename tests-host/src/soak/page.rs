@@ -10,7 +10,7 @@ use crate::report::page::Page;
 use crate::report::{Moment, stanford};
 
 /// Width of a bar, ms.
-const BAR_MS: f64 = 0.5;
+const BAR_MS: f64 = 0.2;
 
 /// Moments in a diagram; more would only be drawn on top of each other.
 const MOMENTS: usize = 4000;
@@ -22,19 +22,35 @@ const MOMENTS: usize = 4000;
 pub fn page(outcomes: &[Outcome]) -> Result<Page> {
     let broken: Vec<String> = outcomes.iter().flat_map(Outcome::broken).collect();
     let verdict = if broken.is_empty() {
-        "Every count that must be zero is zero.".to_owned()
+        "Every count that must be zero is zero."
     } else {
-        broken.join("; ")
+        "Not every count that must be zero is zero."
     };
-    let mut page = Page::new("RAI: a soak on the emulated board", &verdict);
+    let mut page = Page::new("RAI: a soak on the emulated board", verdict);
+    for words in &broken {
+        page.paragraph(words);
+    }
+    tables(&mut page, outcomes);
     for outcome in outcomes {
         page.heading(outcome.name);
-        let rows: Vec<Vec<String>> =
-            outcome.rows().into_iter().skip(1).map(|(name, value)| vec![name.to_owned(), value]).collect();
-        page.table(&["", ""], &rows);
         page.pictures(&[to_pin(outcome).svg((560, 516), Ground::Page)?, errors(outcome)?]);
     }
     Ok(page)
+}
+
+/// A table for each section, with a column for each outcome.
+fn tables(page: &mut Page, outcomes: &[Outcome]) {
+    let sections: Vec<_> = outcomes.iter().map(Outcome::sections).collect();
+    let names = outcomes.iter().map(|outcome| outcome.name);
+    for (index, (heading, rows)) in sections.first().into_iter().flatten().enumerate() {
+        let columns: Vec<&str> = std::iter::once(*heading).chain(names.clone()).collect();
+        let row = |at: usize, name: &str| {
+            let values = sections.iter().map(|section| section[index].1[at].1.clone());
+            std::iter::once(name.to_owned()).chain(values).collect()
+        };
+        let rows: Vec<Vec<String>> = rows.iter().enumerate().map(|(at, (name, _))| row(at, name)).collect();
+        page.table(&columns, &rows);
+    }
 }
 
 /// How long the pin took, epoch by epoch.
@@ -55,10 +71,11 @@ fn to_pin(outcome: &Outcome) -> BarChart {
     }
 }
 
-/// Error against protection level.
+/// Error against protection level. The alert limit is not drawn: it changes.
 fn errors(outcome: &Outcome) -> Result<String> {
     let moments = &outcome.tally.moments;
     let every = moments.len().div_ceil(MOMENTS).max(1);
-    let shown: Vec<Moment> = moments.iter().step_by(every).cloned().collect();
+    let shown = moments.iter().step_by(every).cloned().map(|moment| Moment { hal_m: None, ..moment });
+    let shown: Vec<Moment> = shown.collect();
     stanford::horizontal(&shown, Ground::Page)
 }

@@ -1,7 +1,5 @@
 //! The counts as a table, and whether those that must be zero are.
 
-use std::fmt::Write as _;
-
 use super::Outcome;
 use super::watch::Watch;
 use crate::board::{CORE_HZ, instructions};
@@ -10,35 +8,45 @@ use crate::board::{CORE_HZ, instructions};
 pub const TO_PIN_MS: f64 = 10.0;
 
 /// A row: what is counted, and the value in words.
-type Row = (&'static str, String);
+pub type Row = (&'static str, String);
 
 /// A count that must be zero.
 type Zero = (&'static str, u64);
 
 /// Outcomes side by side.
 pub fn table(outcomes: &[Outcome]) -> String {
-    let columns: Vec<Vec<Row>> = outcomes.iter().map(Outcome::rows).collect();
-    let width = columns.iter().flatten().map(|(_, value)| value.chars().count()).max().unwrap_or(0);
-    let Some(first) = columns.first() else { return String::new() };
-    let mut text = String::new();
-    for (index, (name, _)) in first.iter().enumerate() {
-        let _ = write!(text, "{name:<46}");
-        for (_, value) in columns.iter().filter_map(|column| column.get(index)) {
-            let _ = write!(text, "  {value:>width$}");
-        }
+    let columns: Vec<_> = outcomes.iter().map(Outcome::sections).collect();
+    let values = columns.iter().flatten().flat_map(|(_, rows)| rows).map(|(_, value)| value.chars().count());
+    let width = values.max().unwrap_or(0);
+    let line = |name: &str, values: Vec<&str>| {
+        let values: Vec<String> = values.into_iter().map(|value| format!("{value:>width$}")).collect();
+        format!("{name:<NAME_WIDTH$}  {}\n", values.join("  "))
+    };
+    let mut text = line("", outcomes.iter().map(|outcome| outcome.name).collect());
+    for (section, (heading, rows)) in columns.first().into_iter().flatten().enumerate() {
+        text.push_str(heading);
         text.push('\n');
+        for (row, (name, _)) in rows.iter().enumerate() {
+            let values = columns.iter().map(|column| column[section].1[row].1.as_str()).collect();
+            text.push_str(&line(&format!("  {name}"), values));
+        }
     }
     text
 }
 
+/// Room for the longest name and its indentation.
+const NAME_WIDTH: usize = 50;
+
 impl Outcome {
-    /// The rows of the table.
-    pub fn rows(&self) -> Vec<Row> {
-        let mut rows = self.scene();
-        rows.extend(self.zeros().into_iter().map(|(name, count)| (name, count.to_string())));
-        rows.extend(self.beyond());
-        rows.extend(self.times());
-        rows
+    /// The table: headings, and the rows below each.
+    pub fn sections(&self) -> Vec<(&'static str, Vec<Row>)> {
+        let zeros = self.zeros().into_iter().map(|(name, count)| (name, count.to_string())).collect();
+        vec![
+            ("what happened", self.scene()),
+            ("must be zero", zeros),
+            ("false ranges", self.falsehoods()),
+            ("time and room", self.times()),
+        ]
     }
 
     /// The counts that must be zero.
@@ -87,34 +95,32 @@ impl Outcome {
         let tally = &self.tally;
         let disturbed: u64 = self.disturbances.iter().map(|(_, count)| count).sum();
         let judged: u64 = tally.verdicts.values().sum();
+        let silences = self.watch.to_alert_s.len();
+        let [protected, alert, unavailable] = ['P', 'A', 'U'].map(|state| tally.in_state(state));
         vec![
-            ("", self.name.to_owned()),
             ("time on the board", hours(self.board_s)),
             ("epochs offered", tally.offered.to_string()),
             ("disturbances of the line", disturbed.to_string()),
-            ("resets, silences, host deaf", {
-                format!("{}, {}, {}", tally.starts_asked - 1, self.watch.to_alert_s.len(), self.unread)
-            }),
+            ("resets, silences under a high pin", format!("{}, {silences}", tally.starts_asked - 1)),
+            ("times that nobody read the host port", self.unread.to_string()),
             ("epochs judged", judged.to_string()),
-            ("protected, alert, unavailable", {
-                let [protected, alert, unavailable] = ['P', 'A', 'U'].map(|state| tally.in_state(state));
-                format!("{protected}, {alert}, {unavailable}")
-            }),
-            ("with one satellite false", (tally.falsified - tally.beyond_promise).to_string()),
-            ("  beyond the limit, were every one believed", tally.believed[0].to_string()),
-            ("alerts without a false range", tally.false_alerts.to_string()),
+            ("protected, alert, unavailable", format!("{protected}, {alert}, {unavailable}")),
             ("sentences", tally.sentences.to_string()),
         ]
     }
 
-    fn beyond(&self) -> Vec<Row> {
+    fn falsehoods(&self) -> Vec<Row> {
         let tally = &self.tally;
+        let one = tally.falsified - tally.beyond_promise;
         vec![
-            ("error above the protection level, pin high", tally.misleading[0].to_string()),
-            ("several satellites or a system false, epochs", tally.beyond_promise.to_string()),
-            ("  beyond the limit, were every one believed", tally.believed[1].to_string()),
-            ("  pin high, error beyond the alert limit", tally.hazardous_beyond_promise.to_string()),
-            ("  error above the protection level, pin high", tally.misleading[1].to_string()),
+            ("alerts without a false range", tally.false_alerts.to_string()),
+            ("one satellite false: epochs", one.to_string()),
+            ("… beyond the limit, had it been believed", tally.believed[0].to_string()),
+            ("… pin high, error above the protection level", tally.misleading[0].to_string()),
+            ("beyond the promise, several false: epochs", tally.beyond_promise.to_string()),
+            ("… beyond the limit, had they been believed", tally.believed[1].to_string()),
+            ("… pin high, error above the protection level", tally.misleading[1].to_string()),
+            ("… pin high, error beyond the alert limit", tally.hazardous_beyond_promise.to_string()),
         ]
     }
 

@@ -27,6 +27,9 @@ pub enum Heard {
     Speech,
 }
 
+/// Epochs whose bytes may still be on their way: a reset costs them.
+const IN_FLIGHT_EPOCHS: usize = 6;
+
 /// An epoch that was offered, and whether the module has spoken of it.
 #[derive(Clone, Copy, Debug)]
 struct Open {
@@ -101,6 +104,9 @@ impl Tally {
     pub fn expect_start(&mut self) {
         self.starts_asked += 1;
         self.resets_awaited += 1;
+        for open in self.open.iter_mut().rev().take(IN_FLIGHT_EPOCHS) {
+            open.offer.is_due = false;
+        }
     }
 
     /// Nobody listens for a while: what is heard next may be old.
@@ -324,6 +330,15 @@ mod tests {
         tally.offer(offer(200, Falsified::Satellites(0)), true, 0.0);
         (300..329).for_each(|tow_s| tally.offer(offer(tow_s, Falsified::Satellites(0)), false, 0.0));
         assert_eq!(tally.unspoken.len(), 1);
+    }
+
+    #[test]
+    fn what_a_reset_may_have_cost_is_not_missed() {
+        let mut tally = Tally::new(10.0);
+        (0..8).for_each(|tow_s| tally.offer(offer(tow_s, Falsified::Satellites(0)), true, 0.0));
+        tally.expect_start();
+        (100..140).for_each(|tow_s| tally.offer(offer(tow_s, Falsified::Satellites(0)), false, 0.0));
+        assert_eq!(tally.unspoken.len(), 8 - IN_FLIGHT_EPOCHS);
     }
 
     #[test]
