@@ -52,3 +52,8 @@ fn parity() {
 fn tian2024() {
     holds("tian2024");
 }
+
+#[test]
+fn probabilities() {
+    holds("probabilities");
+}

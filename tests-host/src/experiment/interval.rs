@@ -1,4 +1,4 @@
-//! 95 % confidence intervals.
+//! Confidence intervals: of 95 %, unless more is asked for.
 //!
 //! | of | by |
 //! |---|---|
@@ -11,7 +11,10 @@ use crate::chi_square;
 /// Two-sided 95 % point of the normal distribution.
 const NORMAL: f64 = 1.959_963_984_540_054;
 
-/// From where to where a quantity may be, at 95 % confidence.
+/// How often an interval of 95 % does not hold what it is of.
+const OUTSIDE: f64 = 0.05;
+
+/// From where to where a quantity may be.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interval {
     /// Lower end.
@@ -38,8 +41,14 @@ impl Interval {
 
     /// Of the expectation of a count.
     pub fn of_count(count: usize) -> Self {
-        let low = if count == 0 { 0.0 } else { chi_square::upper_quantile(0.975, 2 * count) / 2.0 };
-        Self { low, high: chi_square::upper_quantile(0.025, 2 * count + 2) / 2.0 }
+        Self::of_one_count_in(1, count)
+    }
+
+    /// Of the expectation of a count that is one of so many: all of them together hold with 95 % (Bonferroni).
+    pub fn of_one_count_in(family: usize, count: usize) -> Self {
+        let tail = OUTSIDE / family as f64 / 2.0;
+        let low = if count == 0 { 0.0 } else { chi_square::upper_quantile(1.0 - tail, 2 * count) / 2.0 };
+        Self { low, high: chi_square::upper_quantile(tail, 2 * count + 2) / 2.0 }
     }
 
     /// Of the mean of a sample; no width with fewer than two values.
@@ -49,6 +58,16 @@ impl Interval {
         let squares: f64 = sample.iter().map(|value| (value - mean).powi(2)).sum();
         let half = if sample.len() < 2 { 0.0 } else { NORMAL * (squares / (count - 1.0) / count).sqrt() };
         Self { low: mean - half, high: mean + half }
+    }
+
+    /// The same interval of a mean, if the mean is one of so many and all intervals together shall hold with 95 %
+    /// (Bonferroni).
+    #[must_use]
+    pub fn as_one_in(&self, family: usize) -> Self {
+        let middle = f64::midpoint(self.low, self.high);
+        let wider = chi_square::two_sided_normal_quantile(OUTSIDE / family as f64) / NORMAL;
+        let half = (self.high - self.low) / 2.0 * wider;
+        Self { low: middle - half, high: middle + half }
     }
 
     /// Whether a value is in it.
@@ -77,6 +96,16 @@ mod tests {
                 "have {have:?}, want {low} {high}"
             );
         }
+    }
+
+    #[test]
+    fn intervals_of_a_family_are_wider() {
+        // 2.5 % in two tails: the normal point is 2.2414, of a table. Garwood with 1.25 % a tail: of no event the
+        // upper end is −ln 0.0125.
+        let mean = Interval { low: 1.0 - 1.959_964, high: 1.0 + 1.959_964 }.as_one_in(2);
+        assert!((mean.low + 1.2414).abs() < 1e-4 && (mean.high - 3.2414).abs() < 1e-4, "have {mean:?}");
+        let count = Interval::of_one_count_in(2, 0);
+        assert!(count.low == 0.0 && (count.high - 4.382_027).abs() < 1e-5, "have {count:?}");
     }
 
     #[test]

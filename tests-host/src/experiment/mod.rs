@@ -14,12 +14,14 @@
 //! Seeds are fixed: the same build gives the same numbers.
 
 mod chen2009;
+mod corrected;
 mod draw;
 mod interval;
 mod lin2016;
 mod methods;
 mod outcome;
 mod parity;
+mod probabilities;
 mod row;
 mod tian2024;
 mod yang2015;
@@ -57,6 +59,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
     chen2009::EXPERIMENT,
     tian2024::EXPERIMENT,
     methods::EXPERIMENT,
+    probabilities::EXPERIMENT,
 ];
 
 /// One paper's experiments.

@@ -100,7 +100,8 @@ const COLUMNS: [&str; 6] = ["quantity", "paper", "ours", "95 % confidence", "ver
 fn cells(row: &Row) -> [String; 6] {
     let held = row.acceptance.as_ref().map_or(String::new(), |acceptance| {
         let word = if acceptance.holds { "holds" } else { "FAILS" };
-        format!("{} ({word}, row {})", acceptance.want, acceptance.number)
+        let place = acceptance.number.map_or(String::new(), |number| format!(", row {number}"));
+        format!("{} ({word}{place})", acceptance.want)
     });
     [
         row.quantity.clone(),

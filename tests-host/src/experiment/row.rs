@@ -93,8 +93,8 @@ impl Finding {
 /// A value that the product is held to.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Acceptance {
-    /// Row of the table of acceptance.
-    pub number: u8,
+    /// Row of the table of acceptance; `None` for what is asked for beyond it.
+    pub number: Option<u8>,
     /// What is asked for, in words.
     pub want: String,
     /// Whether it holds.
@@ -148,14 +148,22 @@ impl Row {
     pub fn held_to(mut self, number: u8, want: f64, tolerance: f64) -> Self {
         // A value that is not a number holds nothing.
         let holds = self.ours.value().is_some_and(|value| (value - want).abs() <= tolerance);
-        self.acceptance = Some(Acceptance { number, want: format!("{want} ± {tolerance}"), holds });
+        self.acceptance =
+            Some(Acceptance { number: Some(number), want: format!("{want} ± {tolerance}"), holds });
         self
     }
 
     /// The same row, held to a statement.
     #[must_use]
     pub fn held_if(mut self, number: u8, want: impl Into<String>, holds: bool) -> Self {
-        self.acceptance = Some(Acceptance { number, want: want.into(), holds });
+        self.acceptance = Some(Acceptance { number: Some(number), want: want.into(), holds });
+        self
+    }
+
+    /// The same row, held to a statement that is in no table of acceptance.
+    #[must_use]
+    pub fn holding(mut self, want: impl Into<String>, holds: bool) -> Self {
+        self.acceptance = Some(Acceptance { number: None, want: want.into(), holds });
         self
     }
 }

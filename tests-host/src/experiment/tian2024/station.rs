@@ -14,19 +14,15 @@ use rai_core::frame::Ecef;
 use rai_core::identification::baarda::{Outcome, separable};
 use rai_core::identification::parity;
 use rai_core::identification::ransac::{MAX_WORK, Selection};
-use rai_firmware::correction::{Site, Tally, locate};
-use rai_firmware::ephemeris::Store;
-use rai_firmware::rtcm::{Decoder, Event};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
+use super::super::corrected::corrected;
 use super::super::draw::{distinct, generator};
 use super::super::{Effort, Judgement, Picture, Row, Section};
 use super::method::{Answer, Limits, Method, ROWS, Score, Traditional};
 use super::{BIAS_M, MASK_RAD, Sky, faults_in_words, most_subsets};
-use crate::encode::{self, Frequency};
 use crate::recording::Recording;
-use crate::replay::{self, Window};
 use crate::report::bars::BarChart;
 use crate::shared;
 
@@ -85,7 +81,7 @@ pub(super) fn recorded(effort: Effort, bar: &ProgressBar) -> Result<(Section, Op
     };
     let recording = Recording::load(&[folder.join(OBSERVATIONS)], &[folder.join(NAVIGATION)])?;
     let limits = Limits::published()?;
-    let epochs = corrected(&recording, step_s(effort))?;
+    let epochs = corrected(&recording, "GC", TRUTH, MASK_RAD, step_s(effort))?;
     let of = |(index, epoch): (usize, &Epoch<ROWS>)| {
         let scores = judge(effort, &limits, index, epoch);
         bar.inc(1);
@@ -99,29 +95,6 @@ pub(super) fn recorded(effort: Effort, bar: &ProgressBar) -> Result<(Section, Op
         }
     }
     Ok((section(&sum), Some(picture(&sum)?)))
-}
-
-/// The recording as the firmware corrects it at the antenna.
-fn corrected(recording: &Recording, every_s: f64) -> Result<Vec<Epoch<ROWS>>> {
-    let systems = encode::Selection::new("GC", Frequency::Dual)?;
-    let lumps = replay::encode(recording, &systems, &[], &Window { every_s, ..Window::ALL })?;
-    let (mut decoder, mut store, mut tally) = (Decoder::new(), Store::new(), Tally::default());
-    let mut epochs = Vec::new();
-    for &byte in lumps.iter().flat_map(|lump| &lump.bytes) {
-        let mut event = decoder.push(byte);
-        while let Some(found) = event {
-            match found {
-                Event::Ephemeris(ephemeris) => drop(store.insert(ephemeris, None)),
-                Event::ReferencePosition(_) => {}
-                Event::Epoch(raw) => {
-                    let sky = locate(raw, &store, &mut tally);
-                    epochs.push(Site::new(TRUTH, raw.time, MASK_RAD, None).correct(&sky, &mut tally.ranges));
-                }
-            }
-            event = decoder.pending();
-        }
-    }
-    Ok(epochs)
 }
 
 fn judge(effort: Effort, limits: &Limits, index: usize, epoch: &Epoch<ROWS>) -> Result<Scores> {
