@@ -66,6 +66,21 @@ struct Squared<T> {
     vertical: T,
 }
 
+impl<T: Real> Squared<T> {
+    /// Below all others.
+    fn none() -> Self {
+        Self { horizontal: T::zero(), vertical: T::zero() }
+    }
+
+    /// The larger of both, each component by itself.
+    fn or(&self, other: &Self) -> Self {
+        Self {
+            horizontal: larger(self.horizontal, other.horizontal),
+            vertical: larger(self.vertical, other.vertical),
+        }
+    }
+}
+
 fn squared_slopes<T: Real>(row: &Row<T>, fit: &Fit<T>) -> Squared<T> {
     let horizontal = fit.gain.x * fit.gain.x + fit.gain.y * fit.gain.y;
     let vertical = fit.gain.z * fit.gain.z;
@@ -75,7 +90,7 @@ fn squared_slopes<T: Real>(row: &Row<T>, fit: &Fit<T>) -> Squared<T> {
     if row.weight > T::zero() {
         return untestable(row, fit);
     }
-    Squared { horizontal: T::zero(), vertical: T::zero() }
+    Squared::none()
 }
 
 /// The squared slopes of a row whose bias never shows.
@@ -99,9 +114,6 @@ fn is_hardly_tested<T: Real, const N: usize>(snapshot: &Snapshot<T, N>, row: &Ro
 }
 
 /// The squared slopes of a row by what the others say of it; `None` where it is untestable.
-///
-/// Not inlined: only epochs with such a row pay for the copy.
-#[inline(never)]
 fn by_the_others<T: Real, const N: usize>(snapshot: &Snapshot<T, N>, index: usize) -> Option<Squared<T>> {
     let (row, _) = snapshot.row(index)?;
     let mut others = snapshot.clone();
@@ -119,19 +131,30 @@ fn by_the_others<T: Real, const N: usize>(snapshot: &Snapshot<T, N>, index: usiz
 
 /// The largest slopes of a snapshot.
 pub fn largest_slopes<T: Real, const N: usize>(snapshot: &Snapshot<T, N>) -> Slopes<T> {
-    let mut largest = Squared { horizontal: T::zero(), vertical: T::zero() };
-    for (index, (row, fit)) in snapshot.rows().enumerate() {
-        let squared = if is_hardly_tested(snapshot, row, fit) {
+    let (mut largest, mut all_are_tested) = (Squared::none(), true);
+    for (row, fit) in snapshot.rows() {
+        largest = largest.or(&squared_slopes(row, fit));
+        all_are_tested &= fit.redundancy >= T::narrow(HARDLY_TESTED);
+    }
+    if !all_are_tested {
+        largest = largest_with_care(snapshot);
+    }
+    Slopes { horizontal: largest.horizontal.sqrt(), vertical: largest.vertical.sqrt() }
+}
+
+/// As [`largest_slopes`], where some rows are hardly tested, or not at all.
+///
+/// Not inlined: only such epochs pay for the copies on the stack.
+#[inline(never)]
+fn largest_with_care<T: Real, const N: usize>(snapshot: &Snapshot<T, N>) -> Squared<T> {
+    let of = |(index, (row, fit)): (usize, (&Row<T>, &Fit<T>))| {
+        if is_hardly_tested(snapshot, row, fit) {
             by_the_others(snapshot, index).unwrap_or_else(|| untestable(row, fit))
         } else {
             squared_slopes(row, fit)
-        };
-        largest = Squared {
-            horizontal: larger(largest.horizontal, squared.horizontal),
-            vertical: larger(largest.vertical, squared.vertical),
-        };
-    }
-    Slopes { horizontal: largest.horizontal.sqrt(), vertical: largest.vertical.sqrt() }
+        }
+    };
+    snapshot.rows().enumerate().map(of).fold(Squared::none(), |largest, next| largest.or(&next))
 }
 
 /// The larger of two numbers; one comparison, where a library call also orders what is not a number.
