@@ -135,6 +135,21 @@ fn a_reference_time_in_the_far_future_does_not_block_the_true_one() {
 }
 
 #[test]
+fn a_reference_time_in_the_far_future_does_not_displace_a_set_in_use() {
+    let (mut store, case) = (Store::new(), &CASES[GPS]);
+    let (satellite, now) = (ephemeris(case).satellite(), after(case.toe(), 600));
+    store.insert(ephemeris(case), Some(now));
+    for hours in [3, 30, 24 * 365] {
+        let far = changed(case, |b| {
+            b.toe = after(b.toe, hours * 3600);
+            b.toc = b.toe;
+        });
+        assert_eq!(store.insert(far.unwrap(), Some(now)), Insertion::Older, "{hours} h ahead");
+        assert_eq!(store.get(satellite, now).unwrap().toe(), case.toe(), "{hours} h ahead");
+    }
+}
+
+#[test]
 fn galileo_fnav_serves_until_inav_comes_and_does_not_replace_it() {
     let (mut store, case) = (Store::new(), &CASES[GALILEO]);
     let (toe, now) = (case.toe(), Some(case.toe()));

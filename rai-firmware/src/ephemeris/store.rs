@@ -2,7 +2,8 @@
 //!
 //! One that is complete stays in use until a newer one is complete; an interrupted upload therefore changes
 //! nothing. Which is newer is said by the reference time and, among equals, by arrival (a corrected set under the
-//! same reference time). A set that can no longer be used gives way to any.
+//! same reference time). Whatever is out of date, in the past or in the future, gives way to what is not, and takes
+//! the place of nothing else: a reference time that is far off, though its message is whole, costs no satellite.
 //!
 //! Galileo sends two messages. I/NAV carries both group delays and so serves every pair of signals; F/NAV takes its
 //! place only when it has become stale.
@@ -92,12 +93,12 @@ impl Store {
 
 /// Whether `entry` is replaced by `offered`.
 fn gives_way(entry: &Ephemeris, offered: &Ephemeris, now: Option<GpsTime>) -> bool {
-    if now.is_some_and(|now| entry.is_stale(now) && !offered.is_stale(now)) {
-        return true;
-    }
-    match (entry.source, offered.source) {
-        (Source::GalileoInav, Source::GalileoFnav) => false,
-        (Source::GalileoFnav, Source::GalileoInav) => !now.is_some_and(|now| offered.is_stale(now)),
-        _ => offered.toe >= entry.toe,
+    match now {
+        Some(now) if entry.is_stale(now) != offered.is_stale(now) => entry.is_stale(now),
+        _ => match (entry.source, offered.source) {
+            (Source::GalileoInav, Source::GalileoFnav) => false,
+            (Source::GalileoFnav, Source::GalileoInav) => true,
+            _ => offered.toe >= entry.toe,
+        },
     }
 }

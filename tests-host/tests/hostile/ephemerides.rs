@@ -119,6 +119,15 @@ fn an_unhealthy_satellite_is_left_out_and_an_unhealthy_sky_is_no_fix() {
 }
 
 #[test]
+fn ephemerides_hours_ahead_do_not_displace_those_in_use() {
+    let sky = Sky::quiet(5);
+    let mut module = Module::after(&sky, 3);
+    module.hear(&spoiled(&sky.lumps[0], |m| m.toe_s += 14_400.0, |m| m.toe_s += 14_400.0));
+    assert!(module.grown("ephemerides_kept") > 40);
+    module.recovers(&sky.lumps[3]);
+}
+
+#[test]
 fn ephemerides_of_hours_ago_are_no_fix_until_new_ones_come() {
     let (before, later) = (Sky::quiet(3), Sky::from(5.0 * 3600.0, 4));
     let mut module = Module::after(&before, 3);
