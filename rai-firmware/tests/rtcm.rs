@@ -274,6 +274,26 @@ fn a_system_that_is_not_used_still_ends_the_epoch() {
 }
 
 #[test]
+fn a_system_without_satellites_still_ends_the_epoch() {
+    for (number, time) in [(1077, TOW_MS), (1094, TOW_MS), (1127, TOW_MS - 14_000)] {
+        let mut decoder = knowing();
+        let mut bytes = msm(1097, TOW_MS, true, &[Cell(31, E1C, 2.5e7, 50.0)]);
+        bytes.extend(msm(number, time, false, &[]));
+        let have = epochs(feed(&mut decoder, &bytes));
+        let sizes: Vec<_> = have.iter().map(|epoch| (epoch.time.tow_ms, epoch.satellites.len())).collect();
+        assert_eq!(sizes, [(TOW_MS, 1)], "{number}");
+        assert_eq!(names_of_nonzero(decoder.counters()), [], "{number}");
+    }
+}
+
+#[test]
+fn an_empty_sky_is_an_epoch_too() {
+    let mut decoder = knowing();
+    let have = epochs(feed(&mut decoder, &msm(1077, TOW_MS, false, &[])));
+    assert!(matches!(have.as_slice(), [epoch] if epoch.satellites.is_empty()), "{have:?}");
+}
+
+#[test]
 fn an_epoch_that_goes_back_is_dropped_whole() {
     let mut decoder = knowing();
     feed(&mut decoder, &gps(TOW_MS, false));

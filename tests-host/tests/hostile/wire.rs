@@ -75,7 +75,7 @@ fn the_longest_frame_is_read_through_whatever_it_claims_to_be() {
     let cases = [
         (4095, 0xD3, "messages_other"),
         (1077, 0xFF, "messages_malformed"),
-        (1077, 0x00, "messages_malformed"),
+        (1077, 0x00, "epochs_backwards"),
         (1127, 0xFF, "messages_malformed"),
         (1019, 0xFF, "ephemerides_invalid"),
         (1042, 0xFF, "ephemerides_invalid"),
