@@ -221,6 +221,18 @@ pub enum Action {
     Reset,
 }
 
+/// What a byte of the host port has led to.
+///
+/// Two things, since neither waits for the other: a host that does not read its answers is obeyed nevertheless.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[must_use]
+pub struct Heard<E> {
+    /// What is to be done.
+    pub action: Option<Action>,
+    /// Whether the answer got out, where there was one to give.
+    pub answered: Result<(), E>,
+}
+
 /// What came in on the host port.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Counters {
@@ -256,33 +268,30 @@ impl CommandPort {
     }
 
     /// Takes one byte. Where it completes a command, that is obeyed or refused, and answered.
-    ///
-    /// # Errors
-    /// The host writer's own; the configuration has then changed, or not, as without the error.
     pub fn push<W: Write>(
         &mut self,
         byte: u8,
         configuration: &mut Configuration,
         host: &mut W,
-    ) -> Result<Option<Action>, W::Error> {
+    ) -> Heard<W::Error> {
         let counters = &mut self.counters;
-        match self.lines.push(byte) {
-            None => Ok(None),
+        let answered = match self.lines.push(byte) {
+            None => Ok(()),
             Some(Err(LineError::Foreign)) => {
                 count(&mut counters.foreign);
-                Ok(None)
+                Ok(())
             }
             Some(Err(LineError::Noise)) => {
                 count(&mut counters.noise);
-                Ok(None)
+                Ok(())
             }
             Some(Err(LineError::TooLong)) => {
                 count(&mut counters.too_long);
-                Refusal::TooLong.answer("", host)?;
-                Ok(None)
+                Refusal::TooLong.answer("", host)
             }
-            Some(Ok(line)) => obey(line, counters, configuration, host),
-        }
+            Some(Ok(line)) => return obey(line, counters, configuration, host),
+        };
+        Heard { action: None, answered }
     }
 
     /// What came in, by name: commands obeyed and refused (the next three among them), sentences that are no
@@ -312,14 +321,15 @@ fn obey<W: Write>(
     counters: &mut Counters,
     configuration: &mut Configuration,
     host: &mut W,
-) -> Result<Option<Action>, W::Error> {
+) -> Heard<W::Error> {
     match understand(line, configuration) {
         Ok(action) => {
             count(&mut counters.obeyed);
-            if matches!(action, Action::Reconfigured | Action::Reset) {
-                write_answer(line.key(), line.values(), host)?;
-            }
-            Ok(Some(action))
+            let answered = match action {
+                Action::Reconfigured | Action::Reset => write_answer(line.key(), line.values(), host),
+                Action::Statistics | Action::SelfTest => Ok(()),
+            };
+            Heard { action: Some(action), answered }
         }
         Err(refusal) => {
             count(&mut counters.refused);
@@ -328,8 +338,7 @@ fn obey<W: Write>(
                 Refusal::UnknownKey => count(&mut counters.unknown_key),
                 _ => {}
             }
-            refusal.answer(line.short_key(), host)?;
-            Ok(None)
+            Heard { action: None, answered: refusal.answer(line.short_key(), host) }
         }
     }
 }

@@ -158,14 +158,10 @@ impl<P: OutputPin> Receiver<P> {
     /// Takes bytes of the host port.
     pub fn command<W: Write>(&mut self, bytes: &[u8], host: &mut W) {
         for &byte in bytes {
-            match self.commands.push(byte, &mut self.epochs.configuration, host) {
-                Ok(Some(action)) => self.act(action, host),
-                Ok(None) => {}
-                Err(_) => {
-                    // The answer is lost, not the change: what judges and what is said must stay one.
-                    self.epochs.reconfigure();
-                    self.epochs.sent(false);
-                }
+            let heard = self.commands.push(byte, &mut self.epochs.configuration, host);
+            self.epochs.sent(heard.answered.is_ok());
+            if let Some(action) = heard.action {
+                self.act(action, host);
             }
         }
     }
@@ -382,6 +378,15 @@ mod tests {
         let want = Requirements { hal_m: 40.0, ..Requirements::non_precision_approach() };
         assert_eq!(receiver.configuration().requirements, want);
         assert_eq!(*receiver.epochs.navigator.requirements(), want);
+    }
+
+    #[test]
+    fn a_reset_whose_answer_is_lost_is_made_nevertheless() {
+        let mut receiver = promising();
+        receiver.command(b"$PRAIC,RESET*30\r\n", &mut Deaf);
+        assert!(receiver.reset_requested());
+        assert!(!receiver.pin().high);
+        assert_eq!(receiver.epochs.verdicts.host_lost, 1);
     }
 
     #[test]

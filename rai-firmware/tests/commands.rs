@@ -30,10 +30,11 @@ impl Module {
         for byte in bytes {
             let mut room = [0; 128];
             let mut free = room.as_mut_slice();
-            let action = self.port.push(*byte, &mut self.configuration, &mut free).expect("enough room");
+            let heard = self.port.push(*byte, &mut self.configuration, &mut free);
+            heard.answered.expect("enough room");
             let left = free.len();
             self.answers.push_str(std::str::from_utf8(&room[..128 - left]).expect("ASCII"));
-            actions.extend(action);
+            actions.extend(heard.action);
         }
         actions
     }
