@@ -20,7 +20,7 @@ pub struct Requirements {
     pub false_alarm: Probability,
     /// Probability that a fault which matters is missed.
     pub missed_detection: Probability,
-    /// Longest time from the last protected epoch to the alarm, s.
+    /// Longest silence after an epoch until the alarm, s; what is said of an epoch is said at once.
     pub time_to_alert_s: f64,
     /// Fraction of the alert limit that the protection level may fill, in (0, 1] ([Yang2015]: 0.95).
     pub guard_fraction: f64,

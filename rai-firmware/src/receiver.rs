@@ -10,6 +10,9 @@
 //! take the promise back until the next epoch, a missed known answer until the next start. An epoch that is complete
 //! only after the time to alert is not judged at all: it would promise what was.
 //!
+//! What is said of an epoch is said at once; the time to alert bounds the silence after it. Epochs that come and are
+//! unavailable are therefore never stale, however long it lasts: the pin went low with the first of them.
+//!
 //! Deadline: an epoch is judged within the call of [`Receiver::gnss`] that brings its last byte; the pin is set before
 //! a sentence is written. The dearest epoch that is known takes 4.2 million instructions (40 satellites, two of them
 //! faulty, a new selection of range consensus), the dearest first one, which brings all ephemerides, 5.2 million: 25 ms

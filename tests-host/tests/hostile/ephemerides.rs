@@ -119,6 +119,17 @@ fn an_unhealthy_satellite_is_left_out_and_an_unhealthy_sky_is_no_fix() {
 }
 
 #[test]
+fn a_sky_that_stays_unhealthy_is_unavailable_and_never_stale() {
+    let sky = Sky::quiet(30);
+    let mut module = Module::after(&sky, 3);
+    module.hear(&spoiled(&sky.lumps[0], |m| m.sv_health_ind = 63, |m| m.sv_health_flag = 1));
+    // Each epoch is one answer, and no other between them, though the time to alert passes twice.
+    sky.lumps[3..].iter().for_each(|lump| module.has_no_fix(lump));
+    assert_eq!(module.grown("line_stale"), 0);
+    assert_eq!(module.silence(11_000).len(), 1, "but silence is");
+}
+
+#[test]
 fn ephemerides_hours_ahead_do_not_displace_those_in_use() {
     let sky = Sky::quiet(5);
     let mut module = Module::after(&sky, 3);
