@@ -13,6 +13,7 @@ use rai_firmware::ephemeris::{
 };
 use rai_firmware::navigator::Navigator;
 use rai_firmware::nmea::{self, Sentence, TimeOfDay};
+use rai_firmware::outlet::Outlet;
 use rai_firmware::receiver::{Receiver, Verdicts};
 use rai_firmware::reset::{self, Record, ResetCause};
 use rai_firmware::ring::Ring;
@@ -41,12 +42,17 @@ fn bytes() {
         Ring::<64>::len as fn(_) -> _,
         Ring::<64>::is_empty as fn(_) -> _,
         Ring::<64>::dropped as fn(_) -> _,
+        Ring::<64>::high_water as fn(_) -> _,
         Ring::<64>::push as fn(_, _) -> _,
         Ring::<64>::offer as fn(_, _) -> _,
         Ring::<64>::push_whole as fn(_, _) -> _,
         Ring::<64>::drop_whole as fn(_, _),
         Ring::<64>::pop as fn(_) -> _,
         Ring::<64>::read_into as fn(_, _) -> _,
+        Outlet::<64, Clock, Wake>::new as fn(_, _, _) -> _,
+        Outlet::<64, Clock, Wake>::lines as fn(_) -> _,
+        <Outlet<'_, 64, Clock, Wake> as Write>::write as fn(_, _) -> _,
+        <Outlet<'_, 64, Clock, Wake> as Write>::flush as fn(_) -> _,
         GpsTime::to_ms as fn(_) -> _,
         GpsTime::from_ms as fn(_) -> _,
         GpsTime::since_ms as fn(_, _) -> _,
@@ -62,6 +68,8 @@ fn wire() {
         Decoder::push as fn(_, _) -> _,
         Decoder::pending as fn(_) -> _,
         Decoder::silence as fn(_) -> _,
+        Decoder::is_between_frames as fn(_) -> _,
+        Decoder::is_within_epoch as fn(_) -> _,
         Decoder::counters as fn(_) -> _,
         Decoder::time as fn(_) -> _,
         RawEpoch::new as fn(_) -> _,
@@ -189,6 +197,12 @@ fn the_loop() {
         Record::fault as fn(_) -> _,
     );
 }
+
+/// What an outlet asks for the time, ms.
+type Clock = fn() -> u64;
+
+/// Whom an outlet tells that there is something to send.
+type Wake = fn();
 
 /// A host port that does anything a writer may do, and some that it may not.
 struct Host(Result<usize, embedded_io::ErrorKind>);
