@@ -26,12 +26,19 @@ struct Case {
     scalar: Scalar,
     input: Vec<u8>,
     target: Option<u64>,
+    /// Epochs in the input, of which the last is measured.
+    epochs: usize,
 }
 
 /// Sizes of skies.
 const SIZES: [usize; 5] = [8, 12, 20, 30, 40];
-/// Wire order of the methods in a request.
-const METHODS: [&str; 6] = ["BAARDA", "SIMULTANEOUS", "SEQUENTIAL", "HYBRID", "GROUPING", "RANSAC"];
+/// The methods by name, in the order that a request numbers them.
+pub const METHODS: [&str; 6] = ["BAARDA", "SIMULTANEOUS", "SEQUENTIAL", "HYBRID", "GROUPING", "RANSAC"];
+
+/// The figure of a method: an epoch of 20 satellites of which so many are faulty, after one like it.
+pub fn of_method(method: &str, faults: usize) -> String {
+    format!("epoch judged by {method}, faulty {faults} of 20 satellites, f32")
+}
 
 /// Runs every stage.
 ///
@@ -49,6 +56,7 @@ pub fn measure() -> Result<Vec<Figure>> {
         cases.extend(searches(count)?);
     }
     cases.extend(judgements()?);
+    cases.extend(methods()?);
     cases.extend(thresholds_and_clock()?);
     cases.extend(wire()?);
     let answers = run(&cases)?;
@@ -63,9 +71,12 @@ fn run(cases: &[Case]) -> Result<Vec<Answer>> {
     for case in cases {
         bench.request(case.stage, case.scalar, &case.input);
     }
-    let answers = bench.run()?;
-    anyhow::ensure!(answers.len() == cases.len(), "{} answers for {} cases", answers.len(), cases.len());
-    Ok(answers)
+    let mut answers = bench.run()?.into_iter();
+    let last =
+        |case: &Case| answers.nth(case.epochs - 1).with_context(|| format!("{}: no answer", case.name));
+    let measured = cases.iter().map(last).collect::<Result<_>>()?;
+    anyhow::ensure!(answers.next().is_none(), "more answers than epochs");
+    Ok(measured)
 }
 
 /// Start and epoch.
@@ -95,6 +106,7 @@ fn tests(count: usize, constellations: usize, scalar: Scalar) -> Result<Vec<Case
             scalar,
             input: linear(count, constellations, 0)?,
             target: target(4_000, Some(7_500)),
+            epochs: 1,
         },
         Case {
             name: format!("the same, one left out and tested again, {on}"),
@@ -102,6 +114,7 @@ fn tests(count: usize, constellations: usize, scalar: Scalar) -> Result<Vec<Case
             scalar,
             input: linear(count, constellations, 1)?,
             target: target(6_000, None),
+            epochs: 1,
         },
     ])
 }
@@ -117,6 +130,7 @@ fn searches(count: usize) -> Result<Vec<Case>> {
         scalar: Scalar::Single,
         input,
         target: target(most),
+        epochs: 1,
     };
     Ok(vec![
         case("grouping, all pairs", Stage::Group, [vec![2], three.clone()].concat(), 40_000),
@@ -126,12 +140,14 @@ fn searches(count: usize) -> Result<Vec<Case>> {
     ])
 }
 
-/// A monitor's input: method, policy, clock aiding, start, one epoch.
-fn judgement(method: usize, start: Ecef, count: usize, faults: usize) -> Result<Vec<u8>> {
+/// A monitor's input: method, policy, clock aiding, start, an epoch for each number of faults.
+fn judgement(method: usize, start: Ecef, count: usize, faults: &[usize]) -> Result<Vec<u8>> {
     let mut input = vec![method as u8, 0, 0];
     input.extend(point_bytes(start));
-    input.push(1);
-    input.extend(epoch_bytes(&epoch(count, 2, faults)?));
+    input.push(faults.len() as u8);
+    for &faults in faults {
+        input.extend(epoch_bytes(&epoch(count, 2, faults)?));
+    }
     Ok(input)
 }
 
@@ -139,8 +155,8 @@ fn judgements() -> Result<Vec<Case>> {
     let mut cases = Vec::new();
     let mut add = |name: &str, scalar, (from, count, faults): (Ecef, usize, usize), target| -> Result<()> {
         let name = format!("fix and integrity, {name}, {count} satellites, {}", words(scalar));
-        let input = judgement(0, from, count, faults)?;
-        cases.push(Case { name, stage: Stage::Judge, scalar, input, target });
+        let input = judgement(0, from, count, &[faults])?;
+        cases.push(Case { name, stage: Stage::Judge, scalar, input, target, epochs: 1 });
         Ok(())
     };
     let single = Scalar::Single;
@@ -157,6 +173,24 @@ fn judgements() -> Result<Vec<Case>> {
     Ok(cases)
 }
 
+/// Every method on the same epochs, each after one like it, as in a stream: the consensus keeps its selection.
+fn methods() -> Result<Vec<Case>> {
+    let case = |(method, name): (usize, &str), faults: usize| -> Result<Case> {
+        Ok(Case {
+            name: of_method(name, faults),
+            stage: Stage::Judge,
+            scalar: Scalar::Single,
+            input: judgement(method, site().position, 20, &[faults, faults])?,
+            target: None,
+            epochs: 2,
+        })
+    };
+    let each = METHODS.into_iter().enumerate();
+    each.flat_map(|method| (0..=3).map(move |faults| (method, faults)))
+        .map(|(method, faults)| case(method, faults))
+        .collect()
+}
+
 fn thresholds_and_clock() -> Result<Vec<Case>> {
     let sky = linear(20, 2, 0)?;
     let case = |name: &str, stage, input, target| Case {
@@ -165,6 +199,7 @@ fn thresholds_and_clock() -> Result<Vec<Case>> {
         scalar: Scalar::Single,
         input,
         target: Some(target),
+        epochs: 1,
     };
     // A drift of 30 m/s with a wander on it.
     let clock = (0..61_i32).map(|second| f64::from(second * 30 + second * second % 7));
@@ -191,6 +226,7 @@ fn wire() -> Result<Vec<Case>> {
         scalar: Scalar::Single,
         input,
         target,
+        epochs: 1,
     };
     let here = point_bytes(site().position);
     Ok(vec![
@@ -229,6 +265,7 @@ pub fn dearest() -> Result<[Figure; 2]> {
                 scalar: Scalar::Single,
                 input,
                 target: None,
+                epochs: 1,
             };
             let stream = Stream::new(3, 40, (faults, 2.0))?;
             let (before, last) = stream.split()?;

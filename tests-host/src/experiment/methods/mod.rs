@@ -19,13 +19,14 @@ mod fate;
 mod pictures;
 mod skies;
 
-use anyhow::Result;
+use anyhow::{Context as _, Result};
 use indicatif::ProgressBar;
 use rai_core::identification::parity;
 use rai_core::monitor::Method;
 use rayon::prelude::*;
 
 use super::{Effort, Experiment, Finding, Judgement, Outcome, Row, Section};
+use crate::bench::{budget, stages};
 use fate::{Fate, Tally};
 use skies::{KINDS, Scene};
 
@@ -105,7 +106,8 @@ fn run(effort: Effort, bar: &ProgressBar) -> Result<Outcome> {
     let runs = effort.pick(30, 1_000);
     let tallies = tally(runs, bar);
     let each = KINDS.iter().enumerate().map(|(index, kind)| section(kind.name, Some(index), &tallies));
-    let sections = std::iter::once(section("All skies", None, &tallies)).chain(each).collect();
+    let sections =
+        std::iter::once(section("All skies", None, &tallies)).chain(each).chain([costs()?]).collect();
     let steps = STEPS_M.map(|step_m| step_m.to_string()).join(", ");
     Ok(Outcome {
         name: EXPERIMENT.name,
@@ -145,6 +147,26 @@ fn tally(runs: u64, bar: &ProgressBar) -> Tallies {
         }
     }
     tallies
+}
+
+/// What a method costs on the target, as committed by the bench.
+fn costs() -> Result<Section> {
+    let committed = budget::committed()?;
+    let mut rows = Vec::new();
+    for method in stages::METHODS {
+        for faults in 0..=3 {
+            let name = stages::of_method(method, faults);
+            let instructions = committed.get(&name).with_context(|| format!("`{name}` has no budget"))?;
+            let ours = Finding::exact(*instructions as f64 / 1e6, 2);
+            rows.push(Row::new(format!("{method}, faulty {faults} of 20"), "", ours, Judgement::Ours));
+        }
+    }
+    Ok(Section {
+        title:
+            "Millions of instructions an epoch on the target, in a stream of like ones (cargo xtask bench)"
+                .into(),
+        rows,
+    })
 }
 
 /// A line for each number of faults and method: the rate of correct exclusion, and what became of the rest.
