@@ -19,11 +19,11 @@ use heapless::{Deque, Vec};
 
 use crate::bounded::gather;
 use crate::clock::Clocks;
-use crate::detection::Detection;
+use crate::detection::{Detection, detect};
 use crate::epoch::{Aiding, Epoch};
 use crate::fix::{Fix, FixError, Workspace};
 use crate::frame::{Ecef, LocalFrame};
-use crate::identification::baarda::{self, Exclusion, Identification, Outcome};
+use crate::identification::baarda::{self, Excluded, Exclusion, Identification, Outcome, Reducible as _};
 use crate::identification::parity;
 use crate::identification::ransac::{self, MAX_WORK, Selection};
 use crate::protection::largest_slopes;
@@ -220,11 +220,14 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         Report { verdict, protection, excluded, ..describe(&fix, epoch, test.map(|test| test.detection)) }
     }
 
-    /// Looks for the faulty satellites and leaves them out.
+    /// Looks for what is wrong and leaves it out: a forecast whose clock has jumped, else the faulty satellites.
     ///
     /// Not inlined: what the searches need of the stack would else be taken by every epoch.
     #[inline(never)]
     fn isolate(&mut self, fix: &mut Fix<'_, T, N>, epoch: &Epoch<N>) -> Exclusion<T> {
+        if let Some(jump) = self.jump(fix, epoch) {
+            return jump;
+        }
         match self.strategy.method {
             Method::Parity(method) => {
                 parity::exclude(method, fix, &self.thresholds, &parity::Limits::published())
@@ -242,6 +245,26 @@ impl<T: Real, const N: usize> Monitor<T, N> {
             }
             Method::Baarda => baarda::exclude_sequentially(fix, &self.thresholds),
         }
+    }
+
+    /// The exclusion of the forecast alone, where that explains everything and no satellite does nearly as well.
+    ///
+    /// Asked before any method is: a jump of a millisecond shows in every satellite's test, and methods that leave out
+    /// whoever correlates with the worst would leave out healthy ones with it.
+    fn jump(&self, fix: &mut Fix<'_, T, N>, epoch: &Epoch<N>) -> Option<Exclusion<T>> {
+        let is_clock = |aiding: &Aiding| matches!(aiding, Aiding::Clock { .. });
+        let index = epoch.observations().len() + epoch.aiding().iter().position(is_clock)?;
+        let (_, fit) = fix.snapshot().row(index)?;
+        let forecast = Excluded { index, w_test: baarda::w_test(fit) };
+        fix.leave_out(index).ok()?;
+        let jump = Exclusion { rows: gather([forecast]), outcome: Outcome::Isolated };
+        let passes = detect(fix.snapshot(), &self.thresholds).is_some_and(|detection| !detection.fault());
+        if passes && baarda::separable(fix, &jump, &self.thresholds) {
+            return Some(jump);
+        }
+        // What was there a moment ago determines a position.
+        let _ = fix.take_back(index);
+        None
     }
 
     /// The global test of a snapshot under the policy, and the protection levels that go with its threshold.

@@ -3,7 +3,8 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing)]
 
 use rai_core::epoch::{Epoch, Observation};
-use rai_core::monitor::{Monitor, Strategy};
+use rai_core::identification::parity;
+use rai_core::monitor::{Method, Monitor, Strategy};
 use rai_core::report::{Alert, Protected, Report, Unavailable, Verdict};
 use rai_core::requirements::Requirements;
 use rai_core::satellite::{Constellation, SatelliteId};
@@ -74,6 +75,29 @@ fn five_satellites_and_a_predicted_clock_name_the_satellite() {
     let report = judge(&mut monitor, f64::from(now), &faulty);
     let named: Vec<SatelliteId> = report.excluded.iter().map(|suspect| suspect.satellite).collect();
     assert_eq!(named, [faulty[4].satellite], "{:?}", report.verdict);
+}
+
+/// A millisecond shows in every satellite's test, which only some methods see through.
+#[test]
+fn a_jump_of_the_clock_is_no_satellites_fault_by_any_method() {
+    use parity::Method::{Grouping, Hybrid, HybridWithoutGrouping, Sequential, Simultaneous};
+    let parity = [Simultaneous, Sequential, HybridWithoutGrouping, Hybrid, Grouping].map(Method::Parity);
+    for method in [Method::Baarda, Method::Ransac].into_iter().chain(parity) {
+        for jump_m in [300.0, -238_668.0] {
+            let (mut monitor, now) = coasting();
+            monitor.pursue(Strategy { method, clock_aid: true, ..Strategy::CLASSIC });
+            for second in now..now + 20 {
+                let sky = visible(7, clock_m(second) + jump_m);
+                let report = judge(&mut monitor, f64::from(second), &sky);
+                assert_eq!(
+                    report.verdict,
+                    Verdict::Protected(Protected::Ok),
+                    "{method:?}, {jump_m} m, {second} s"
+                );
+                assert!(report.excluded.is_empty());
+            }
+        }
+    }
 }
 
 #[test]
