@@ -45,7 +45,7 @@ use anyhow::{Result, anyhow};
 use noise::{Carried, Disturbance, Line, Piece};
 pub use plan::Plan;
 use rig::Rig;
-use scenario::{FIRST_LIMIT_M, Mishap, Scenario, Tempo, Turn};
+use scenario::{FIRST_SETTING, Mishap, Scenario, Tempo, Turn};
 use tally::{Heard, Tally};
 use watch::Watch;
 
@@ -135,6 +135,8 @@ impl<P: FnMut(u64)> Bench<P> {
 
     /// One epoch, from its first byte to that of the next.
     fn play(&mut self, turn: &Turn) -> Result<()> {
+        // What was said before this epoch is not about it, however long the host thought it over.
+        self.hear()?;
         let Carried { pieces, is_harmed } = self.line.carry(&turn.bytes);
         let is_reset = matches!(turn.mishap, Some(Mishap::PowerOn { .. }));
         // What comes while the module starts is lost.
@@ -174,7 +176,7 @@ impl<P: FnMut(u64)> Bench<P> {
                 (self.unread_left, self.unread) = (epochs, self.unread + 1);
                 Ok(())
             }
-            Some(Mishap::Limit { hal_m }) => self.rig.command(&format!("HAL,{hal_m}")),
+            Some(Mishap::Setting(setting)) => self.rig.command(setting),
             None => Ok(()),
         }
     }
@@ -197,7 +199,7 @@ impl<P: FnMut(u64)> Bench<P> {
         for line in self.rig.heard() {
             if self.tally.hear(&line) == Heard::Greeting {
                 self.rig.command(&format!("TTA,{}", self.tempo.time_to_alert_s))?;
-                self.rig.command(&format!("HAL,{FIRST_LIMIT_M}"))?;
+                self.rig.command(FIRST_SETTING)?;
             }
         }
         self.rig.logged().iter().for_each(|line| self.watch.see(line));

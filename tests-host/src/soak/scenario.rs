@@ -6,7 +6,7 @@
 //! | power-on | the module is reset in the middle of an epoch |
 //! | rewind | the receiver's time goes back by some epochs and on from there |
 //! | unread | nobody reads the host port for some epochs |
-//! | limit | the host sets another horizontal alert limit |
+//! | setting | the host sets another horizontal alert limit, another method, or the clock aiding |
 //!
 //! The receiver sends an ephemeris when it becomes known, and between, a few in each epoch by turns: a module that was
 //! reset learns them anew within a minute.
@@ -27,11 +27,25 @@ use crate::encode::{Encoder, Selection, TimedEphemeris};
 use crate::recording::{RawEpoch, Recording};
 use crate::sky::Site;
 
-/// Alert limits that the host sets by turns, m: from hardly above the protection levels to non-precision approach.
-const LIMITS_M: [f64; 4] = [20.0, FIRST_LIMIT_M, 40.0, 556.0];
+/// What the host sets when the module starts: an alert limit so low that false ranges matter.
+pub const FIRST_SETTING: &str = "HAL,25";
 
-/// Alert limit that the host sets when the module starts, m: so low that false ranges matter.
-pub const FIRST_LIMIT_M: f64 = 25.0;
+/// What the host sets by turns: alert limits from hardly above the protection levels to non-precision approach, and
+/// every method.
+const SETTINGS: [&str; 12] = [
+    "HAL,20",
+    FIRST_SETTING,
+    "HAL,40",
+    "HAL,556",
+    "METHOD,BAARDA",
+    "METHOD,SIMULTANEOUS",
+    "METHOD,SEQUENTIAL",
+    "METHOD,HYBRID",
+    "METHOD,GROUPING",
+    "METHOD,RANSAC",
+    "CLOCKAID,ON",
+    "CLOCKAID,OFF",
+];
 
 /// Bytes of noise in the time of an epoch on a line that is not connected, at most.
 const OPEN_LINE_BYTES: usize = 400;
@@ -98,11 +112,8 @@ pub enum Mishap {
         /// Epochs.
         epochs: u32,
     },
-    /// The host sets a horizontal alert limit.
-    Limit {
-        /// Metres.
-        hal_m: f64,
-    },
+    /// The host sets something: key and value of the command.
+    Setting(&'static str),
 }
 
 /// One epoch's turn.
@@ -150,7 +161,7 @@ struct Diary {
     power_on: Recurring,
     rewind: Recurring,
     unread: Recurring,
-    limit: Recurring,
+    setting: Recurring,
 }
 
 /// A cable that is out.
@@ -191,7 +202,7 @@ impl Scenario {
             power_on: each(calm),
             rewind: each(calm * 2),
             unread: each(calm * 2),
-            limit: each(calm / 2),
+            setting: each(calm / 4),
         };
         let incidents = Incidents::new(tempo.step_s, seed ^ 0x5EED);
         Self { tempo, rng, incidents, diary, unplugged: None, turn: 0, latest: None }
@@ -263,8 +274,8 @@ impl Scenario {
         if self.diary.unread.is_due(turn, rng) {
             return Some(Mishap::Unread { epochs: rng.random_range(5..=15) });
         }
-        if self.diary.limit.is_due(turn, rng) {
-            return LIMITS_M.choose(rng).map(|&hal_m| Mishap::Limit { hal_m });
+        if self.diary.setting.is_due(turn, rng) {
+            return SETTINGS.choose(rng).copied().map(Mishap::Setting);
         }
         None
     }
@@ -351,7 +362,7 @@ mod tests {
             |wanted: fn(&Mishap) -> bool| turns.iter().filter_map(|turn| turn.mishap).any(|m| wanted(&m));
         assert!(has(|mishap| matches!(mishap, Mishap::PowerOn { .. })));
         assert!(has(|mishap| matches!(mishap, Mishap::Unread { .. })));
-        assert!(has(|mishap| matches!(mishap, Mishap::Limit { .. })));
+        assert!(has(|mishap| matches!(mishap, Mishap::Setting(_))));
         assert!(turns.iter().any(|turn| turn.bytes.is_empty()), "a silent line");
         assert!(turns.len() > passage.recording.epochs.len(), "time goes back, and is lived again");
         let due = turns.iter().filter(|turn| turn.offer.is_due).count();
