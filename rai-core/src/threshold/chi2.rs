@@ -393,3 +393,7 @@ fn normal_quantile<T: Real>(ln_tail: T) -> T {
     let [a, b, c, d, e, f] = [2.515517, 0.802853, 0.010328, 1.432788, 0.189269, 0.001308].map(T::narrow);
     t - (a + t * (b + t * c)) / (T::one() + t * (d + t * (e + t * f)))
 }
+
+#[cfg(test)]
+#[allow(clippy::expect_used)]
+mod tests;

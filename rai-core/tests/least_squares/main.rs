@@ -2,6 +2,8 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing)]
 
 mod consensus;
+mod geometry;
+mod parity;
 mod removal;
 mod snapshot;
 
