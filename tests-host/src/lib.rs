@@ -63,6 +63,7 @@ pub mod encode;
 pub mod evaluate;
 pub mod experiment;
 pub mod fault;
+pub mod fuzzing;
 pub mod gpsd;
 pub mod image;
 pub mod laboratory;

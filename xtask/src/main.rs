@@ -6,7 +6,9 @@ mod bench;
 mod demo;
 mod evaluate;
 mod flash;
+mod fuzz;
 mod monitor;
+mod nightly;
 mod replay;
 mod reproduce;
 mod setup;
@@ -37,6 +39,8 @@ enum Command {
     Setup(setup::Arguments),
     /// Sends a recording through the module, on the host or on the emulated board.
     Replay(Box<replay::Arguments>),
+    /// Throws hostile input at the module, grown by the code it reaches. Needs nightly and cargo-fuzz.
+    Fuzz(fuzz::Arguments),
     /// The papers' tables and figures beside ours.
     Reproduce(reproduce::Arguments),
     /// Judges linearised epochs: JSON lines in, JSON lines out.
@@ -63,6 +67,7 @@ fn main() -> ExitCode {
         Command::Test(arguments) => test::run(&arguments),
         Command::Setup(arguments) => setup::run(&arguments),
         Command::Replay(arguments) => replay::run(&arguments),
+        Command::Fuzz(arguments) => fuzz::run(&arguments),
         Command::Reproduce(arguments) => reproduce::run(&arguments),
         Command::Evaluate(arguments) => evaluate::run(arguments),
         Command::Soak(arguments) => soak::run(&arguments),

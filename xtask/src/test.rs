@@ -69,6 +69,7 @@ fn steps(bless: bool) -> Vec<Step> {
         ("costs on the target", Box::new(costs)),
         ("threshold tables", Box::new(tables)),
         ("tests", Box::new(move || tests(bless))),
+        ("hostile input", Box::new(crate::fuzz::smoke)),
         ("documentation's examples", cargo(&["test", "--workspace", "--doc"])),
         ("documentation", Box::new(documentation)),
     ]

@@ -1,0 +1,142 @@
+//! Target: any fields of an ephemeris, judged and then flown.
+//!
+//! What was let in must fly an orbit. With the apsides `a(1 ± e)` widened by the harmonic corrections,
+//!
+//! ```text
+//! a(1−e) − δ ≤ |X| ≤ a(1+e) + δ        |X(t+1 s) − X(t)| ≤ 1.1 v_p (1 + Δn/n) + r (ω_e + Ω̇ + i̇)
+//! ```
+//!
+//! where `v_p = √(µ/a · (1+e)/(1−e))` is the speed at perigee. References: Kepler's laws alone, no interface document.
+
+use std::f64::consts::PI;
+
+use rai_core::satellite::{Constellation, SatelliteId};
+use rai_firmware::ephemeris::{Broadcast, Ephemeris, EphemerisError, Source};
+use rai_firmware::time::GpsTime;
+
+use super::tape::Tape;
+
+/// Gravity constant of the earth, m³/s², to the digits that all systems share.
+const MU_M3_S2: f64 = 3.986e14;
+
+/// Rotation of the earth, rad/s.
+const EARTH_RATE_RAD_S: f64 = 7.3e-5;
+
+/// What the clock terms can come to within two days, s: 0.125 + 1e-7 t + 1e-12 t², and 2 µs of relativity.
+const CLOCK_S: f64 = 0.125 + 0.0173 + 0.0299 + 2e-6;
+
+/// Reads an ephemeris and asks it for positions until the bytes end.
+pub fn run(input: &[u8]) {
+    let mut tape = Tape::new(input);
+    let broadcast = broadcast(&mut tape);
+    let Ok(ephemeris) = Ephemeris::new(&broadcast) else { return };
+    assert!(numbers(&broadcast).iter().all(|number| number.is_finite()), "let in: {broadcast:?}");
+    while !tape.is_over() {
+        let received = near(broadcast.toe, &mut tape);
+        let range_m = tape.number(0.0, 6e7);
+        fly(&broadcast, &ephemeris, received, range_m);
+    }
+}
+
+fn broadcast(tape: &mut Tape<'_>) -> Broadcast {
+    use Constellation::{Beidou, Galileo, Glonass, Gps};
+    let constellation = tape.one_of(&[Gps, Beidou, Galileo, Glonass]);
+    let number = tape.byte() % 99 + 1;
+    let toe = GpsTime { week: tape.word() as u16, tow_ms: tape.word() % 700_000_000 };
+    Broadcast {
+        satellite: SatelliteId::new(constellation, number).expect("1 to 99"),
+        source: source(constellation, tape),
+        healthy: tape.byte() != 0,
+        accuracy_m: (tape.byte() != 0).then(|| tape.number(0.0, 1e4) as f32),
+        toc: near(toe, tape),
+        toe,
+        sqrt_a_sqrt_m: tape.number(4000.0, 8000.0),
+        eccentricity: tape.number(0.0, 0.5),
+        m0_sc: tape.number(-1.0, 1.0),
+        omega0_sc: tape.number(-1.0, 1.0),
+        i0_sc: tape.number(-1.0, 1.0),
+        omega_sc: tape.number(-1.0, 1.0),
+        delta_n_sc_s: tape.number(-1e-6, 1e-6),
+        omegadot_sc_s: tape.number(-1e-6, 1e-6),
+        idot_sc_s: tape.number(-1e-6, 1e-6),
+        cuc_rad: tape.number(-1e-3, 1e-3) as f32,
+        cus_rad: tape.number(-1e-3, 1e-3) as f32,
+        crc_m: tape.number(-3e3, 3e3) as f32,
+        crs_m: tape.number(-3e3, 3e3) as f32,
+        cic_rad: tape.number(-1e-3, 1e-3) as f32,
+        cis_rad: tape.number(-1e-3, 1e-3) as f32,
+        af0_s: tape.number(-0.125, 0.125),
+        af1_s_s: tape.number(-1e-7, 1e-7),
+        af2_s_s2: tape.number(-1e-12, 1e-12),
+        group_delays_s: [tape.number(-1e-6, 1e-6) as f32, tape.number(-1e-6, 1e-6) as f32],
+    }
+}
+
+/// Mostly the system's own message: another one is refused at once.
+fn source(constellation: Constellation, tape: &mut Tape<'_>) -> Source {
+    let own = match constellation {
+        Constellation::Beidou => Source::BeidouD1D2,
+        Constellation::Galileo => Source::GalileoInav,
+        Constellation::Gps | Constellation::Glonass => Source::GpsLnav,
+    };
+    tape.one_of(&[own, own, own, own, own, own, Source::GalileoFnav, Source::GpsLnav])
+}
+
+/// An instant within three days of another.
+fn near(time: GpsTime, tape: &mut Tape<'_>) -> GpsTime {
+    const DAY_MS: i64 = 86_400_000;
+    let offset_ms = i64::from(tape.word()) % (6 * DAY_MS) - 3 * DAY_MS;
+    GpsTime::from_ms(time.to_ms().saturating_add_signed(offset_ms))
+}
+
+fn numbers(broadcast: &Broadcast) -> [f64; 20] {
+    let b = broadcast;
+    let narrow = [
+        b.cuc_rad,
+        b.cus_rad,
+        b.crc_m,
+        b.crs_m,
+        b.cic_rad,
+        b.cis_rad,
+        b.group_delays_s[0],
+        b.group_delays_s[1],
+    ];
+    let wide = [
+        b.sqrt_a_sqrt_m,
+        b.eccentricity,
+        b.m0_sc,
+        b.omega0_sc,
+        b.i0_sc,
+        b.omega_sc,
+        b.delta_n_sc_s,
+        b.omegadot_sc_s,
+        b.idot_sc_s,
+        b.af0_s,
+        b.af1_s_s,
+        b.af2_s_s2,
+    ];
+    std::array::from_fn(|index| {
+        wide.get(index).copied().unwrap_or_else(|| f64::from(narrow[index - wide.len()]))
+    })
+}
+
+fn fly(broadcast: &Broadcast, ephemeris: &Ephemeris, received: GpsTime, range_m: f64) {
+    if !broadcast.healthy {
+        assert_eq!(ephemeris.usable_at(received), Err(EphemerisError::Unhealthy));
+    }
+    let Ok(here) = ephemeris.at(received, range_m) else { return };
+    let axis_m = broadcast.sqrt_a_sqrt_m.powi(2);
+    let (e, rate_rad_s) = (broadcast.eccentricity, (MU_M3_S2 / axis_m.powi(3)).sqrt());
+    let harmonics_m = f64::from(broadcast.crc_m.abs() + broadcast.crs_m.abs()) + 1.0;
+    let (perigee_m, apogee_m) = (axis_m * (1.0 - e) - harmonics_m, axis_m * (1.0 + e) + harmonics_m);
+    let radius_m = here.position.radius_m();
+    assert!((perigee_m..=apogee_m).contains(&radius_m), "radius {radius_m} of {broadcast:?}");
+    assert!(here.clock_s.abs() <= CLOCK_S, "clock {} of {broadcast:?}", here.clock_s);
+
+    let Ok(later) = ephemeris.at(GpsTime::from_ms(received.to_ms() + 1000), range_m) else { return };
+    let at_perigee_m_s = (MU_M3_S2 / axis_m * (1.0 + e) / (1.0 - e)).sqrt();
+    let turns_rad_s = EARTH_RATE_RAD_S + 2.0 * PI * 1e-6;
+    let limit_m = 1.1 * at_perigee_m_s * (1.0 + PI * 1e-6 / rate_rad_s) + apogee_m * turns_rad_s;
+    let moved_m = later.position.distance_m(here.position);
+    assert!(moved_m <= limit_m, "{moved_m} m in a second, not {limit_m}: {broadcast:?}");
+}

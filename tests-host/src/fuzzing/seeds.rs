@@ -1,0 +1,88 @@
+//! What fuzzing starts from: a simulated sky as RTCM, the commands of the interface, and noise.
+
+use rand::{RngCore, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use crate::encode::{Encoder, Frequency, Selection};
+use crate::sky::raw::Simulation;
+
+/// Station coordinates, message 1005: the example of [RTCM-10403.3] 4.1.
+pub(super) const STATION: [u8; 25] = [
+    0xD3, 0x00, 0x13, 0x3E, 0xD7, 0xD3, 0x02, 0x02, 0x98, 0x0E, 0xDE, 0xEF, 0x34, 0xB4, 0xBD, 0x62, 0xAC,
+    0x09, 0x41, 0x98, 0x6F, 0x33, 0x36, 0x0B, 0x98,
+];
+
+/// One command of each kind.
+const COMMANDS: &str = "\
+$PRAIC,PHASE,LPV200*\n$PRAIC,PHASE,ENROUTE*\n$PRAIC,PHASE,CUSTOM*\n$PRAIC,HAL,40.5*\n$PRAIC,VAL,35*\n$PRAIC,VAL,OFF*\n\
+$PRAIC,PFA,1e-5*\n$PRAIC,PMD,1e-4*\n$PRAIC,TTA,6*\n$PRAIC,MASK,5*\n$PRAIC,POLICY,TOP*\n$PRAIC,METHOD,RANSAC*\n\
+$PRAIC,METHOD,HYBRID*\n$PRAIC,CLOCKAID,ON*\n\
+$PRAIC,IONO,1.1e-8,7.4e-9,-5.9e-8,0,96256,16384,-65536,-196608*\n$PRAIC,STATS*\n$PRAIC,SELFTEST*\n$PRAIC,RESET*\n";
+
+/// What a receiver above some of the simulated satellites sends.
+#[derive(Clone, Copy, Debug)]
+pub struct Sky {
+    /// RINEX letters of what it sends, out of `GC`.
+    pub systems: &'static str,
+    /// One signal or two.
+    pub frequency: Frequency,
+    /// How many satellites it sees, of both systems.
+    pub satellites: usize,
+    /// Seconds.
+    pub epochs: u32,
+}
+
+impl Sky {
+    /// Ten satellites for two epochs: as much as protects.
+    pub const TEN: Self = Self { systems: "GC", frequency: Frequency::Dual, satellites: 10, epochs: 2 };
+
+    /// RTCM: one lump for each epoch, ephemerides in the first.
+    pub fn lumps(self) -> Vec<Vec<u8>> {
+        let mut simulation = Simulation::above_xian(3600.0, self.epochs, 11);
+        let seen = simulation.sights_at(0);
+        let spread = |index| seen.get(index * seen.len() / self.satellites);
+        let kept: Vec<_> = (0..self.satellites).filter_map(spread).collect();
+        simulation.satellites.retain(|satellite| kept.iter().any(|sight| sight.satellite == satellite.id));
+        let recording = simulation.record();
+        let selection = Selection::new(self.systems, self.frequency).expect("systems that are known");
+        let mut encoder = Encoder::new(&recording.ephemerides, selection);
+        recording.epochs.iter().map(|epoch| encoder.epoch(epoch).expect("numbers that fit")).collect()
+    }
+}
+
+/// The seeds of a target, by its name.
+pub fn of(target: &str) -> Vec<Vec<u8>> {
+    match target {
+        "stream" => {
+            skies().map(|sky| streamed(&sky.lumps())).chain([streamed(&[STATION.to_vec()])]).collect()
+        }
+        "command" => COMMANDS.split_inclusive('\n').chain([COMMANDS]).map(commanded).collect(),
+        _ => (0..40).map(|seed| noise(seed, 200 + 20 * seed as usize)).collect(),
+    }
+}
+
+/// Each system alone and both, one signal and two, from a lone satellite to more than a fix needs.
+fn skies() -> impl Iterator<Item = Sky> {
+    let few = [(1, 1), (4, 2), (8, 2), (12, 1), (16, 3)];
+    let selections = ["G", "C", "GC"]
+        .into_iter()
+        .flat_map(|systems| [Frequency::Single, Frequency::Dual].map(|frequency| (systems, frequency)));
+    selections.flat_map(move |(systems, frequency)| {
+        few.map(|(satellites, epochs)| Sky { systems, frequency, satellites, epochs })
+    })
+}
+
+/// Frames get their CRC, and a second passes after every chunk.
+fn streamed(lumps: &[Vec<u8>]) -> Vec<u8> {
+    [&[0, 60], lumps.concat().as_slice()].concat()
+}
+
+fn commanded(lines: &str) -> Vec<u8> {
+    [&[0], lines.as_bytes()].concat()
+}
+
+fn noise(seed: u64, length: usize) -> Vec<u8> {
+    let mut bytes = vec![0; length];
+    ChaCha8Rng::seed_from_u64(seed).fill_bytes(&mut bytes);
+    bytes
+}

@@ -1,0 +1,55 @@
+//! What fuzzing has found worth keeping, and random changes of it, on the stable toolchain.
+
+use tests_host::fuzzing::{TARGETS, replay};
+
+/// Changed inputs for each target; the seeds make them the same each time.
+const MUTATIONS: usize = 2000;
+
+fn mutate(name: &str) {
+    let target = TARGETS.iter().find(|target| target.name == name).expect("a target");
+    replay::mutate(target, MUTATIONS, 1).unwrap();
+}
+
+#[test]
+fn every_input_of_the_corpus_passes() {
+    for target in &TARGETS {
+        for input in replay::corpus(target).unwrap() {
+            (target.run)(&input);
+        }
+    }
+}
+
+#[test]
+fn corpus_is_small() {
+    let of_target = |target| replay::corpus(target).unwrap().iter().map(Vec::len).sum::<usize>();
+    let bytes: usize = TARGETS.iter().map(of_target).sum();
+    assert!(bytes <= replay::CORPUS_BYTES, "{bytes} bytes");
+}
+
+#[test]
+fn nothing_and_a_single_byte_are_inputs_too() {
+    for target in &TARGETS {
+        (target.run)(&[]);
+        (0..=u8::MAX).for_each(|byte| (target.run)(&[byte]));
+    }
+}
+
+#[test]
+fn mutations_of_the_gnss_port_pass() {
+    mutate("stream");
+}
+
+#[test]
+fn mutations_of_the_host_port_pass() {
+    mutate("command");
+}
+
+#[test]
+fn mutations_of_ephemerides_pass() {
+    mutate("ephemeris");
+}
+
+#[test]
+fn mutations_of_epochs_pass() {
+    mutate("epoch");
+}

@@ -1,0 +1,34 @@
+//! Tools that need the nightly toolchain, which the product itself never does.
+
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+use anyhow::ensure;
+
+/// Cargo of the nightly toolchain, at the root of the repository.
+pub(crate) fn cargo(arguments: &[&str]) -> Command {
+    let mut command = Command::new("rustup");
+    command.args(["run", "nightly", "cargo"]).args(arguments);
+    // Of the toolchain that runs this command: not of that one.
+    command.env_remove("RUSTUP_TOOLCHAIN").env_remove("CARGO").env_remove("RUSTC");
+    command.current_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join(".."));
+    command
+}
+
+/// Looks whether nightly and one of its tools are there.
+///
+/// # Errors
+/// The exact command that installs what is missing.
+pub(crate) fn ensure(probe: &[&str], install: &str) -> anyhow::Result<()> {
+    ensure!(
+        answers(&["--version"]),
+        "nightly is missing: rustup toolchain install nightly --profile minimal"
+    );
+    ensure!(answers(probe), "`cargo {}` is missing: {install}", probe[0]);
+    Ok(())
+}
+
+fn answers(arguments: &[&str]) -> bool {
+    let silent = cargo(arguments).stdout(Stdio::null()).stderr(Stdio::null()).status();
+    silent.is_ok_and(|status| status.success())
+}
