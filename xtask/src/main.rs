@@ -3,10 +3,12 @@
 //! Thin: each command parses its arguments, calls `tests-host` or a tool, and prints.
 
 mod bench;
+mod coverage;
 mod demo;
 mod evaluate;
 mod flash;
 mod fuzz;
+mod miri;
 mod monitor;
 mod nightly;
 mod replay;
@@ -41,6 +43,10 @@ enum Command {
     Replay(Box<replay::Arguments>),
     /// Throws hostile input at the module, grown by the code it reaches. Needs nightly and cargo-fuzz.
     Fuzz(fuzz::Arguments),
+    /// Interprets the library tests, to notice undefined behaviour. Needs nightly and miri.
+    Miri,
+    /// Says which lines of the core its tests reach. Needs cargo-llvm-cov.
+    Coverage(coverage::Arguments),
     /// The papers' tables and figures beside ours.
     Reproduce(reproduce::Arguments),
     /// Judges linearised epochs: JSON lines in, JSON lines out.
@@ -68,6 +74,8 @@ fn main() -> ExitCode {
         Command::Setup(arguments) => setup::run(&arguments),
         Command::Replay(arguments) => replay::run(&arguments),
         Command::Fuzz(arguments) => fuzz::run(&arguments),
+        Command::Miri => miri::run(),
+        Command::Coverage(arguments) => coverage::run(&arguments),
         Command::Reproduce(arguments) => reproduce::run(&arguments),
         Command::Evaluate(arguments) => evaluate::run(arguments),
         Command::Soak(arguments) => soak::run(&arguments),

@@ -1,0 +1,42 @@
+//! `cargo xtask coverage`: which lines of the core its tests reach.
+
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+use anyhow::{Context as _, ensure};
+
+/// Arguments of the command.
+#[derive(clap::Args)]
+pub(crate) struct Arguments {
+    /// Counts the tests of the whole workspace too; without, those of the core alone.
+    #[arg(long)]
+    all: bool,
+    /// Lists the lines that are not reached.
+    #[arg(long)]
+    missing: bool,
+}
+
+/// Runs the command.
+pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    let probe = cargo().args(["llvm-cov", "--version"]).stdout(Stdio::null()).stderr(Stdio::null()).status();
+    let is_there = probe.is_ok_and(|status| status.success());
+    ensure!(
+        is_there,
+        "cargo-llvm-cov is missing: rustup component add llvm-tools && cargo install cargo-llvm-cov"
+    );
+    let mut command = cargo();
+    let tests: &[&str] = if arguments.all { &["--workspace"] } else { &["--package", "rai-core"] };
+    command.args(["llvm-cov", "test"]).args(tests);
+    // Only the core is counted, and not the tests inside it.
+    command.args(["--ignore-filename-regex", "(rai-firmware|tests-host|xtask)/|/tests"]);
+    command.arg(if arguments.missing { "--show-missing-lines" } else { "--summary-only" });
+    let status = command.status().context("cargo-llvm-cov cannot be run")?;
+    ensure!(status.success(), "the tests failed, or were not counted");
+    Ok(())
+}
+
+fn cargo() -> Command {
+    let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    command.current_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join(".."));
+    command
+}

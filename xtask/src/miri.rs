@@ -1,0 +1,38 @@
+//! `cargo xtask miri`: the core and the firmware's library in an interpreter that notices undefined behaviour.
+//!
+//! Neither has an unsafe line of its own outside the board files; what they build on has. The tests that stay out say
+//! why where they stand.
+
+use anyhow::{Context as _, ensure};
+
+/// The tests that are interpreted: small ones that reach every container and every solve.
+const TESTS: [&[&str]; 3] = [
+    &["--package", "rai-core", "--lib"],
+    &[
+        "--package",
+        "rai-core",
+        "--test",
+        "epoch",
+        "--test",
+        "frame",
+        "--test",
+        "monitor",
+        "--test",
+        "strategy",
+    ],
+    &["--package", "rai-firmware", "--lib"],
+];
+
+/// Runs the command.
+pub(crate) fn run() -> anyhow::Result<()> {
+    let install = "rustup component add --toolchain nightly miri rust-src";
+    crate::nightly::ensure(&["miri", "--version"], install)?;
+    for tests in TESTS {
+        let mut command = crate::nightly::cargo(&["miri", "test", "--target-dir", "target/miri"]);
+        // No file is read but by tests that look for reference values, and those are skipped without.
+        command.args(tests).env("MIRIFLAGS", "-Zmiri-disable-isolation");
+        let status = command.status().context("miri cannot be run")?;
+        ensure!(status.success(), "`cargo miri test {}` failed", tests.join(" "));
+    }
+    Ok(())
+}
