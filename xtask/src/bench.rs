@@ -13,10 +13,21 @@ pub(crate) struct Arguments {
     /// Take the figures of now as the committed ones.
     #[arg(long)]
     pub(crate) save: bool,
+    /// Measure the epochs a second of this machine instead, which nothing is held to.
+    #[arg(long, conflicts_with_all = ["check", "save"])]
+    pub(crate) host: bool,
 }
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    if arguments.host { host() } else { target(arguments) }
+}
+
+fn host() -> anyhow::Result<()> {
+    crate::test::cargo(&["bench", "--package", "tests-host", "--bench", "throughput"])()
+}
+
+fn target(arguments: &Arguments) -> anyhow::Result<()> {
     ensure!(board::is_installed(), "nothing can be counted without the emulator");
     let measurement = Measurement::take(|at| eprintln!("measuring {at}"))?;
     println!("{measurement}");

@@ -75,7 +75,7 @@ fn steps(bless: bool) -> Vec<Step> {
     ]
 }
 
-fn cargo(arguments: &[&str]) -> Box<dyn Fn() -> anyhow::Result<()>> {
+pub(crate) fn cargo(arguments: &[&str]) -> Box<dyn Fn() -> anyhow::Result<()>> {
     let arguments: Vec<String> = arguments.iter().map(ToString::to_string).collect();
     Box::new(move || spawn(&mut command(&arguments)))
 }
@@ -144,7 +144,7 @@ fn sizes() -> anyhow::Result<()> {
 }
 
 fn costs() -> anyhow::Result<()> {
-    crate::bench::run(&crate::bench::Arguments { check: true, save: false })
+    crate::bench::run(&crate::bench::Arguments { check: true, save: false, host: false })
 }
 
 fn tables() -> anyhow::Result<()> {
