@@ -2,7 +2,8 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing)]
 
-use rai_core::epoch::{Epoch, Observation};
+use rai_core::epoch::{Aiding, Epoch, Observation};
+use rai_core::frame::LocalFrame;
 use rai_core::identification::parity;
 use rai_core::monitor::{Method, Monitor, Strategy};
 use rai_core::report::{Alert, Protected, Report, Unavailable, Verdict};
@@ -108,6 +109,22 @@ fn a_jump_of_the_clock_is_no_satellites_fault() {
     assert!(report.excluded.is_empty());
     let error_m = report.solution.unwrap().position.distance_m(receiver());
     assert!(error_m < 0.1, "{error_m} m");
+}
+
+#[test]
+fn a_jump_of_the_clock_is_the_clocks_beside_a_known_height_too() {
+    let (mut monitor, now) = coasting();
+    let method = Method::Parity(parity::Method::Hybrid);
+    monitor.pursue(Strategy { method, clock_aid: true, ..Strategy::CLASSIC });
+    let mut epoch = Epoch::new(f64::from(now));
+    for observation in visible(7, clock_m(now) - 238_668.0) {
+        epoch.push(observation).unwrap();
+    }
+    let value_m = LocalFrame::at(receiver()).height_m();
+    epoch.aid(Aiding::Height { value_m, sigma_m: 5.0 }).unwrap();
+    let report = monitor.process(&epoch);
+    assert_eq!(report.verdict, Verdict::Protected(Protected::Ok));
+    assert_eq!((report.used.len(), report.excluded.len()), (7, 0));
 }
 
 #[test]
