@@ -15,6 +15,7 @@
 //! | [`encode`] | raw epochs and ephemerides to RTCM 3 |
 //! | [`image`](mod@image), [`board`] | the firmware's image; the chip in the emulator: start, feed, read, stop |
 //! | [`sentence`] | what the module said |
+//! | [`pin`] | the integrity pin of a module in process |
 //! | [`replay`], [`demo`] | a recording, or the demonstration, from one end to the other |
 //! | [`report`] | pictures and pages of it |
 //! | [`evaluate`] | linearised epochs straight into the core |
@@ -23,6 +24,8 @@
 //! | [`oracle`], [`chi_square`], [`ransac_traditional`], [`gpsd`] | second opinions: dense least squares, exact tails, every subset, another program |
 //! | [`tables`] | the threshold tables and their check |
 //! | [`no_panic`] | the proof that nothing panics, by the linker |
+//! | [`bench`], [`laboratory`] | what each stage costs on the chip; single stages on the emulated core |
+//! | [`fuzzing`] | what a fuzzer does to the ports, the orbits and the core |
 //! | [`soak`] | hours on the emulated board with everything that can go wrong |
 //! | [`setup`], [`shared`], [`stations`] | what a machine lacks; where reference files lie, and what they are of |
 //!
@@ -69,6 +72,7 @@ pub mod image;
 pub mod laboratory;
 pub mod no_panic;
 pub mod oracle;
+pub mod pin;
 pub mod ransac_traditional;
 pub mod recording;
 pub mod replay;

@@ -8,9 +8,6 @@ use rai_core::frame::{Ecef, Enu, LocalFrame};
 use rai_core::probability::Probability;
 use rai_core::satellite::SatelliteId;
 use rai_core::threshold::Thresholds;
-use rai_firmware::correction::{Site, Tally, locate};
-use rai_firmware::ephemeris::Store;
-use rai_firmware::rtcm::{Decoder, Event};
 use tests_host::encode::{Frequency, Selection};
 use tests_host::fault::Fault;
 use tests_host::oracle::{self, Range};
@@ -41,24 +38,8 @@ fn run(recording: &Recording, faults: &[Fault], window: &Window) -> (Vec<Lump>, 
 
 /// The satellites of each epoch with their smallest detectable biases, m.
 fn detectable_biases(lumps: &[Lump]) -> Vec<Vec<(SatelliteId, f64)>> {
-    let (mut decoder, mut store, mut tally) = (Decoder::new(), Store::new(), Tally::default());
-    let mut epochs = Vec::new();
-    for &byte in lumps.iter().flat_map(|lump| &lump.bytes) {
-        let mut event = decoder.push(byte);
-        while let Some(found) = event {
-            match found {
-                Event::Ephemeris(ephemeris) => drop(store.insert(ephemeris, None)),
-                Event::ReferencePosition(_) => {}
-                Event::Epoch(raw) => {
-                    let sky = locate(raw, &store, &mut tally);
-                    let epoch = Site::new(TRUTH, raw.time, MASK_RAD, None).correct(&sky, &mut tally.ranges);
-                    epochs.push(biases_of(epoch.observations()));
-                }
-            }
-            event = decoder.pending();
-        }
-    }
-    epochs
+    let epochs = replay::corrected(lumps, TRUTH, MASK_RAD);
+    epochs.iter().map(|epoch| biases_of(epoch.observations())).collect()
 }
 
 fn biases_of(observations: &[rai_core::epoch::Observation]) -> Vec<(SatelliteId, f64)> {

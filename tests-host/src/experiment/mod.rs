@@ -14,7 +14,6 @@
 //! Seeds are fixed: the same build gives the same numbers.
 
 mod chen2009;
-mod corrected;
 mod draw;
 mod interval;
 mod lin2016;

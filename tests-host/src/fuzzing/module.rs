@@ -1,36 +1,13 @@
 //! The module in process, every word of it checked.
 
 use std::collections::BTreeMap;
-use std::convert::Infallible;
 
-use embedded_hal::digital::{ErrorType, OutputPin};
 use rai_firmware::config::Configuration;
 use rai_firmware::receiver::{Boot, Receiver};
 
 use super::overheard;
+use crate::pin::Pin;
 use crate::sentence::EpochOutput;
-
-/// A pin in memory.
-#[derive(Debug, Default)]
-struct Pin {
-    high: bool,
-}
-
-impl ErrorType for Pin {
-    type Error = Infallible;
-}
-
-impl OutputPin for Pin {
-    fn set_low(&mut self) -> Result<(), Infallible> {
-        self.high = false;
-        Ok(())
-    }
-
-    fn set_high(&mut self) -> Result<(), Infallible> {
-        self.high = true;
-        Ok(())
-    }
-}
 
 /// A module, its clock, and how many bytes and epochs went through it.
 pub(super) struct Module {

@@ -1,35 +1,13 @@
 //! The module in process.
 
 use anyhow::{Context, Result, ensure};
-use embedded_hal::digital::{ErrorType, OutputPin};
 use rai_firmware::receiver::{Boot, Receiver};
 
 use super::Lump;
+use crate::pin::Pin;
 
 /// Bodies of the commands that configure the module before the first epoch, without `$PRAIC,` and checksum.
 pub type Setup = [String];
-
-/// The integrity pin of the module in process.
-#[derive(Debug, Default)]
-struct Pin {
-    high: bool,
-}
-
-impl ErrorType for Pin {
-    type Error = core::convert::Infallible;
-}
-
-impl OutputPin for Pin {
-    fn set_low(&mut self) -> Result<(), Self::Error> {
-        self.high = false;
-        Ok(())
-    }
-
-    fn set_high(&mut self) -> Result<(), Self::Error> {
-        self.high = true;
-        Ok(())
-    }
-}
 
 /// A command as it goes over the wire.
 pub(super) fn command(body: &str) -> String {

@@ -8,6 +8,7 @@
 //! chip. Both get the same bytes and both are read only through their sentences, so that they can be compared byte
 //! for byte.
 
+mod corrected;
 mod host;
 mod lumps;
 mod page;
@@ -15,6 +16,7 @@ mod summary;
 mod target;
 mod track;
 
+pub use corrected::corrected;
 pub use host::{Setup, on_host};
 pub use lumps::{Lump, Window, encode};
 pub use page::write_report;

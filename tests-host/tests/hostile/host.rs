@@ -6,9 +6,10 @@ use rai_firmware::nmea::MAX_LENGTH;
 use rai_firmware::outlet::{Outlet, PATIENCE_MS};
 use rai_firmware::receiver::{Boot, Receiver};
 use rai_firmware::ring::Ring;
+use tests_host::pin::Pin;
 use tests_host::sentence::{self, Sentence};
 
-use crate::module::{Pin, Sky};
+use crate::module::Sky;
 
 /// A wire that takes so many bytes a millisecond out of the ring, and keeps them.
 struct Wire<'r> {

@@ -1,11 +1,10 @@
 //! The module in process, under a sky that is known.
 
 use std::collections::BTreeMap;
-use std::convert::Infallible;
 
-use embedded_hal::digital::{ErrorType, OutputPin};
 use rai_firmware::receiver::{Boot, Receiver};
 use tests_host::encode::{Encoder, Frequency, Selection};
+use tests_host::pin::Pin;
 use tests_host::sentence::{self, EpochOutput};
 use tests_host::sky::Site;
 use tests_host::sky::raw::Simulation;
@@ -36,28 +35,6 @@ impl Sky {
     /// In the middle between two changes of the ephemerides, so that the first epoch alone brings any.
     pub(crate) fn quiet(epochs: u32) -> Self {
         Self::from(3600.0, epochs)
-    }
-}
-
-/// A pin in memory.
-#[derive(Debug, Default)]
-pub(crate) struct Pin {
-    pub(crate) high: bool,
-}
-
-impl ErrorType for Pin {
-    type Error = Infallible;
-}
-
-impl OutputPin for Pin {
-    fn set_low(&mut self) -> Result<(), Self::Error> {
-        self.high = false;
-        Ok(())
-    }
-
-    fn set_high(&mut self) -> Result<(), Self::Error> {
-        self.high = true;
-        Ok(())
     }
 }
 

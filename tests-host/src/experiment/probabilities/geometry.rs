@@ -8,8 +8,9 @@ use rai_core::epoch::Epoch;
 use rai_core::satellite::Constellation;
 
 use super::{CAPACITY, CLOCKS_M, MASK_DEG, SIGMA};
-use crate::experiment::corrected::corrected;
+use crate::encode::{Frequency, Selection};
 use crate::oracle::{self, Dense, Range};
+use crate::replay::{self, Window};
 use crate::sky::linear::Row;
 use crate::sky::{Fleet, Satellite, Sight, Site, sights};
 use crate::stations::{DGAR, ESBC, Station};
@@ -131,7 +132,10 @@ pub(super) fn recorded() -> Result<Option<Vec<Geometry>>> {
     let mut geometries = Vec::new();
     for (station, systems) in [(&ESBC, "GCE"), (&DGAR, "G")] {
         let Some(recording) = station.load() else { return Ok(None) };
-        let epochs = corrected(&recording, systems, station.truth, MASK_DEG.to_radians(), STEP_S)?;
+        let selection = Selection::new(systems, Frequency::Dual)?;
+        let window = Window { every_s: STEP_S, ..Window::ALL };
+        let lumps = replay::encode(&recording, &selection, &[], &window)?;
+        let epochs = replay::corrected(&lumps, station.truth, MASK_DEG.to_radians());
         geometries.extend(epochs.iter().filter_map(|epoch| of_epoch(station, epoch)));
     }
     Ok(Some(geometries))

@@ -17,12 +17,13 @@ use rai_core::identification::ransac::{MAX_WORK, Selection};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
-use super::super::corrected::corrected;
 use super::super::draw::{distinct, generator};
 use super::super::{Effort, Judgement, Picture, Row, Section};
 use super::method::{Answer, Limits, Method, ROWS, Score, Traditional};
 use super::{BIAS_M, MASK_RAD, Sky, faults_in_words, most_subsets};
+use crate::encode::{self, Frequency};
 use crate::recording::Recording;
+use crate::replay::{self, Window};
 use crate::report::bars::BarChart;
 use crate::shared;
 
@@ -81,7 +82,10 @@ pub(super) fn recorded(effort: Effort, bar: &ProgressBar) -> Result<(Section, Op
     };
     let recording = Recording::load(&[folder.join(OBSERVATIONS)], &[folder.join(NAVIGATION)])?;
     let limits = Limits::published()?;
-    let epochs = corrected(&recording, "GC", TRUTH, MASK_RAD, step_s(effort))?;
+    let selection = encode::Selection::new("GC", Frequency::Dual)?;
+    let window = Window { every_s: step_s(effort), ..Window::ALL };
+    let lumps = replay::encode(&recording, &selection, &[], &window)?;
+    let epochs = replay::corrected(&lumps, TRUTH, MASK_RAD);
     let of = |(index, epoch): (usize, &Epoch<ROWS>)| {
         let scores = judge(effort, &limits, index, epoch);
         bar.inc(1);
