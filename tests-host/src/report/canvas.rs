@@ -106,14 +106,29 @@ pub enum Mark {
 /// # Errors
 /// What plotters could not draw.
 pub fn heading(area: &Area<'_>, title: &str, legend: &[(&str, RGBColor, Mark)]) -> Result<()> {
-    area.draw(&Text::new(title.to_owned(), (14, 10), text(TEXT_PX + 3, INK, HPos::Left, VPos::Top)))?;
-    let mut x = 14;
+    area.draw(&Text::new(title.to_owned(), (MARGIN_PX, 10), text(TEXT_PX + 3, INK, HPos::Left, VPos::Top)))?;
+    let size_px = legend_size_px(legend, area.dim_in_pixel().0.cast_signed());
+    let mut x = MARGIN_PX;
     for &(name, colour, mark) in legend {
         swatch(area, x, 42, colour, mark)?;
-        area.draw(&Text::new(name.to_owned(), (x + 26, 35), text(TEXT_PX, INK, HPos::Left, VPos::Top)))?;
-        x += 26 + width_px(name, TEXT_PX) + 12;
+        area.draw(&Text::new(name.to_owned(), (x + 26, 35), text(size_px, INK, HPos::Left, VPos::Top)))?;
+        x += MARK_PX + width_px(name, size_px);
     }
     Ok(())
+}
+
+/// Left and right of a legend, pixels.
+const MARGIN_PX: i32 = 14;
+
+/// What an entry of a legend takes beside its words, pixels.
+const MARK_PX: i32 = 38;
+
+/// Size of a legend's words: smaller where so many do not fit into the width.
+fn legend_size_px(legend: &[(&str, RGBColor, Mark)], width: i32) -> i32 {
+    let words: i32 = legend.iter().map(|(name, _, _)| width_px(name, TEXT_PX)).sum();
+    let marks: i32 = legend.iter().map(|_| MARK_PX).sum();
+    let room = width - 2 * MARGIN_PX - marks;
+    (TEXT_PX * room / words.max(1)).clamp(8, TEXT_PX)
 }
 
 /// Height of title and legend, pixels.

@@ -51,7 +51,7 @@ fn diagram(
     let end_m = 10_f64.powf((largest_m * 1.2).log10().ceil());
     let line = |name: &str, colour, mark, points| Series { name: name.to_owned(), colour, mark, points };
     let diagonal = vec![(LEAST_M, LEAST_M), (end_m, end_m)];
-    let mut series = vec![line("error = protection level", INK, Mark::Line, diagonal)];
+    let mut series = vec![line("error = level", INK, Mark::Line, diagonal)];
     if let Some(limit_m) = limit_m {
         let corner = vec![(LEAST_M, limit_m), (limit_m, limit_m), (limit_m, LEAST_M)];
         series.push(line("alert limit", RED, Mark::Dashed, corner));
