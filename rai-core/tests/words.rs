@@ -1,5 +1,7 @@
 //! Errors in words: whoever reads one learns which of the reasons it was.
 
+#![allow(clippy::unwrap_used)]
+
 use std::collections::BTreeSet;
 use std::error::Error;
 
@@ -7,8 +9,10 @@ use rai_core::epoch::EpochError;
 use rai_core::fix::FixError;
 use rai_core::linear::RowError;
 use rai_core::monitor::MonitorError;
+use rai_core::probability::Probability;
 use rai_core::requirements::RequirementsError;
 use rai_core::snapshot::SnapshotError;
+use rai_core::threshold::ThresholdError;
 
 /// Lower-case words, no two reasons alike.
 fn check(errors: &[&dyn Error]) {
@@ -46,4 +50,9 @@ fn an_error_says_what_the_one_inside_it_says() {
     check(&[&FixError::NotConverged, &FixError::Snapshot(SnapshotError::Singular)]);
     let inner = RequirementsError::GuardFraction;
     assert_eq!(MonitorError::Requirements(inner).to_string(), inner.to_string());
+    let nearest = Probability::new(1e-5).unwrap();
+    let (false_alarm, missed) =
+        (ThresholdError::FalseAlarm { nearest }, ThresholdError::MissedDetection { nearest });
+    check(&[&false_alarm, &missed]);
+    assert_eq!(MonitorError::Threshold(missed).to_string(), missed.to_string());
 }

@@ -22,8 +22,12 @@ fn epoch(ranges: &[Range]) -> Epoch {
 
 /// Mostly good ranges, some faulty by metres to kilometres.
 fn any_range() -> impl Strategy<Value = Range> {
+    any_range_of(0usize..3)
+}
+
+fn any_range_of(constellation: impl Strategy<Value = usize>) -> impl Strategy<Value = Range> {
     let fault_m = prop_oneof![8 => Just(0.0), 1 => -60.0..60.0, 1 => -3000.0..3000.0];
-    (0.0..std::f64::consts::TAU, 0.08f64..1.0, 0usize..3, -2.5f64..2.5, 1.0f64..4.0, fault_m).prop_map(
+    (0.0..std::f64::consts::TAU, 0.08f64..1.0, constellation, -2.5f64..2.5, 1.0f64..4.0, fault_m).prop_map(
         |(azimuth, up, constellation, noise, sigma_m, fault_m)| {
             let level = (1.0 - up * up).sqrt();
             Range {
@@ -189,6 +193,20 @@ fn sorted(mut subsets: Vec<Vec<usize>>) -> Vec<Vec<usize>> {
     subsets
 }
 
+/// Holds the vote on an epoch to that of dense solutions; false where it has too few subsets or rounding may decide.
+fn check_vote(ranges: &[Range]) -> bool {
+    let (epoch, limits) = (epoch(ranges), Limits::published().unwrap());
+    let selection = Selection::choose(&epoch, MAX_WORK);
+    let bound = limits.consensus.w_test(ranges.len()).unwrap().powi(2);
+    let subsets = members(&selection);
+    if subsets.len() < 2 || is_close(ranges, &subsets, bound) {
+        return false;
+    }
+    let have = consensus(&epoch, &selection, &limits).map(|found| (found.subset, found.rows.to_vec()));
+    assert_eq!(have, vote(ranges, &subsets, bound).ok_or(NoConsensus::NoInlier));
+    true
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(120))]
 
@@ -216,14 +234,16 @@ proptest! {
 
     #[test]
     fn the_vote_is_that_of_dense_solutions(ranges in prop::collection::vec(any_range(), 10..26)) {
-        let (epoch, limits) = (epoch(&ranges), Limits::published().unwrap());
-        let selection = Selection::choose(&epoch, MAX_WORK);
-        prop_assume!(selection.subsets() > 1);
-        let bound = limits.consensus.w_test(ranges.len()).unwrap().powi(2);
-        let subsets = members(&selection);
-        prop_assume!(!is_close(&ranges, &subsets, bound));
-        let have = consensus(&epoch, &selection, &limits).map(|found| (found.subset, found.rows.to_vec()));
-        prop_assert_eq!(have, vote(&ranges, &subsets, bound).ok_or(NoConsensus::NoInlier));
+        prop_assume!(check_vote(&ranges));
+    }
+
+    #[test]
+    fn a_constellation_that_a_subset_lacks_is_judged_from_its_median(
+        most in prop::collection::vec(any_range_of(0usize..1), 11..20),
+        few in prop::collection::vec(any_range_of(1usize..3), 1..6),
+    ) {
+        let ranges = [few, most].concat();
+        prop_assume!(check_vote(&ranges));
     }
 
     #[test]
@@ -320,4 +340,43 @@ fn who_is_contradicted_less_is_believed() {
     let home = (0..2).find(|&subset| selection.contains(subset, 2)).unwrap();
     let have = consensus(&epoch, &selection, &limits).unwrap();
     assert_eq!((have.subset, have.rows.to_vec()), (1 - home, vec![2]));
+}
+
+fn towards(direction: Vector3<f64>, residual_m: f64) -> Range {
+    let line_of_sight = direction.normalize().into();
+    Range { line_of_sight, constellation: Constellation::Gps, residual_m, sigma_m: 3.0 }
+}
+
+/// Four well spread, the first of them faulty, and four halfway up, `apart` from each other.
+fn four_and_a_cluster(apart: f64) -> Vec<Range> {
+    let spread = [(0.9, 0.0, 0.3), (-0.5, 0.8, 0.2), (-0.5, -0.8, 0.2), (0.0, 0.0, 1.0)];
+    let around = [(1.0, 0.0), (-0.5, 0.9), (-0.5, -0.9), (0.1, 0.2)];
+    let four = spread.iter().enumerate().map(|(index, &(east, north, up))| {
+        towards(Vector3::new(east, north, up), if index == 0 { 300.0 } else { 0.0 })
+    });
+    let cluster = around
+        .iter()
+        .map(|&(east, north)| towards(Vector3::new(0.5 + apart * east, 0.5 + apart * north, 0.7), 0.0));
+    four.chain(cluster).collect()
+}
+
+/// PDOP of the cluster.
+fn pdop_of_the_cluster(ranges: &[Range]) -> f64 {
+    let solution = oracle::solve(&ranges[4..]).unwrap();
+    (0..3).map(|axis| solution.covariance_m2[(axis, axis)] / 9.0).sum::<f64>().sqrt()
+}
+
+#[test]
+fn a_position_that_is_hardly_determined_has_no_vote() {
+    let limits = Limits::published().unwrap();
+    for (pdops, want) in [(850.0..999.0, Ok((1, Vec::new()))), (1001.0..1150.0, Err(NoConsensus::NoInlier))] {
+        let skies = (100..400_u16).map(|step| four_and_a_cluster(10.0 / f64::from(step)));
+        let ranges = skies.into_iter().find(|ranges| pdops.contains(&pdop_of_the_cluster(ranges))).unwrap();
+        let epoch = epoch(&ranges);
+        let selection = Selection::choose(&epoch, MAX_WORK);
+        assert_eq!(members(&selection), [[0, 1, 2, 3], [4, 5, 6, 7]]);
+        // The spread ones are spoiled by the first; the cluster, where it may, finds that everybody is right.
+        let have = consensus(&epoch, &selection, &limits).map(|found| (found.subset, found.rows.to_vec()));
+        assert_eq!(have, want);
+    }
 }

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing)]
 
 mod consensus;
+mod edges;
 mod geometry;
 mod parity;
 mod removal;
