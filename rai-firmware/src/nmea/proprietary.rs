@@ -67,9 +67,11 @@ pub(super) fn write_state<W: Write, const N: usize>(
     requirements: &Requirements,
     out: &mut W,
 ) -> Result<(), W::Error> {
-    let full = state(report, time, requirements, FULL);
-    let fits = full.clone().finish().is_some();
-    write_sentence(if fits { full } else { state(report, time, requirements, COARSE) }, out)
+    let mut sentence = state(report, time, requirements, FULL);
+    if !sentence.fits() {
+        sentence = state(report, time, requirements, COARSE);
+    }
+    write_sentence(&sentence, out)
 }
 
 fn state<const N: usize>(
@@ -83,25 +85,27 @@ fn state<const N: usize>(
     let threshold = report.test.map(|test| test.threshold.min(MAX_STATISTIC));
     let hpl_m = report.protection.map(|levels| levels.hpl_m);
     let vpl_m = report.protection.map(|levels| levels.vpl_m);
-    let sentence = heading(Some(time), report.verdict)
-        .integer(u32::from(report.tracked.min(99)), 1)
-        .integer(report.used.len().min(99) as u32, 1);
-    let sentence = match report.test {
+    let mut sentence = heading(Some(time), report.verdict);
+    sentence.integer(u32::from(report.tracked.min(99)), 1).integer(report.used.len().min(99) as u32, 1);
+    match report.test {
         Some(test) => sentence.integer(u32::from(test.dof.min(99)), 1),
         None => sentence.empty(),
     };
-    let sentence = [statistic, threshold]
-        .into_iter()
-        .fold(sentence, |sentence, ratio| sentence.optional(ratio, ratio_decimals, ratio_width));
-    [hpl_m, vpl_m, Some(requirements.hal_m), requirements.val_m]
-        .into_iter()
-        .fold(sentence, |sentence, metres| sentence.optional(metres, metre_decimals, metre_width))
+    for ratio in [statistic, threshold] {
+        sentence.optional(ratio, ratio_decimals, ratio_width);
+    }
+    for metres in [hpl_m, vpl_m, Some(requirements.hal_m), requirements.val_m] {
+        sentence.optional(metres, metre_decimals, metre_width);
+    }
+    sentence
 }
 
 /// Time, state and reason.
 fn heading(time: Option<TimeOfDay>, verdict: Verdict) -> Sentence {
     let (state, reason) = words(verdict);
-    Sentence::new("PRAIS").time(time).text(state).text(reason)
+    let mut sentence = Sentence::new("PRAIS");
+    sentence.time(time).text(state).text(reason);
+    sentence
 }
 
 /// `PRAIS` where no epoch came: nothing is tracked, nothing is tested.
@@ -110,14 +114,12 @@ pub(super) fn write_staleness<W: Write>(
     requirements: &Requirements,
     out: &mut W,
 ) -> Result<(), W::Error> {
-    let sentence = heading(last, Verdict::Alert(Alert::Stale)).integer(0, 1).integer(0, 1);
-    let sentence = (0..5).fold(sentence, |sentence, _| sentence.empty());
-    let sentence = sentence.number(requirements.hal_m, FULL.metre_decimals, FULL.metre_width).optional(
-        requirements.val_m,
-        FULL.metre_decimals,
-        FULL.metre_width,
-    );
-    write_sentence(sentence, out)
+    let mut sentence = heading(last, Verdict::Alert(Alert::Stale));
+    sentence.integer(0, 1).integer(0, 1).empty().empty().empty().empty().empty();
+    for metres in [Some(requirements.hal_m), requirements.val_m] {
+        sentence.optional(metres, FULL.metre_decimals, FULL.metre_width);
+    }
+    write_sentence(&sentence, out)
 }
 
 /// `PRAIX`: what was left out, in the order of exclusion.
@@ -128,13 +130,14 @@ pub(super) fn write_exclusions<W: Write, const N: usize>(
 ) -> Result<(), W::Error> {
     let count = report.excluded.len() as u32;
     report.excluded.iter().try_for_each(|excluded| {
-        let sentence = Sentence::new("PRAIX")
+        let mut sentence = Sentence::new("PRAIX");
+        sentence
             .time(Some(time))
             .integer(count, 1)
             .satellite(excluded.satellite)
             .number(excluded.w_test, 3, 14)
             .number(excluded.bias_m, 1, 14);
-        write_sentence(sentence, out)
+        write_sentence(&sentence, out)
     })
 }
 
@@ -149,10 +152,11 @@ pub fn write_version<W: Write>(
     selftest: &str,
     out: &mut W,
 ) -> Result<(), W::Error> {
-    let sentence = [version, git, reset_cause, selftest]
-        .into_iter()
-        .fold(Sentence::new("PRAIV"), |sentence, text| sentence.clipped(text, TEXT_WIDTH));
-    write_sentence(sentence, out)
+    let mut sentence = Sentence::new("PRAIV");
+    for text in [version, git, reset_cause, selftest] {
+        sentence.clipped(text, TEXT_WIDTH);
+    }
+    write_sentence(&sentence, out)
 }
 
 /// `PRAIA,key,value…,OK`. Values that would make the answer longer than 82 characters are left out together.
@@ -164,10 +168,13 @@ pub fn write_answer<'v, W: Write>(
     values: impl Iterator<Item = &'v str>,
     out: &mut W,
 ) -> Result<(), W::Error> {
-    let heading = Sentence::new("PRAIA").text(key);
-    let full = values.fold(heading.clone(), Sentence::text).text("OK");
-    let fits = full.clone().finish().is_some();
-    write_sentence(if fits { full } else { heading.text("OK") }, out)
+    let mut sentence = Sentence::new("PRAIA");
+    values.fold(sentence.text(key), |sentence, value| sentence.text(value)).text("OK");
+    if !sentence.fits() {
+        sentence = Sentence::new("PRAIA");
+        sentence.text(key).text("OK");
+    }
+    write_sentence(&sentence, out)
 }
 
 /// `PRAIA,key,ERR,why`.
@@ -188,10 +195,11 @@ pub fn write_counters<W: Write>(
 ) -> Result<(), W::Error> {
     let mut next = counters.next();
     while next.is_some() {
-        let mut sentence = Sentence::new("PRAIA").text("STATS");
+        let mut sentence = Sentence::new("PRAIA");
+        sentence.text("STATS");
         for _ in 0..COUNTERS_PER_ANSWER {
             let Some((name, count)) = next else { break };
-            sentence = sentence.clipped(name, TEXT_WIDTH).integer(count, 1);
+            sentence.clipped(name, TEXT_WIDTH).integer(count, 1);
             next = counters.next();
         }
         write_sentence(sentence.text("OK"), out)?;

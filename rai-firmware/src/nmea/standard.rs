@@ -37,10 +37,11 @@ pub(super) fn write_position<W: Write, const N: usize>(
     time: TimeOfDay,
     out: &mut W,
 ) -> Result<(), W::Error> {
-    let sentence = Sentence::new("GNGNS").time(Some(time));
+    let mut sentence = Sentence::new("GNGNS");
+    sentence.time(Some(time));
     let solution = report.solution.as_ref();
-    let sentence = match solution {
-        Some(solution) => position(sentence, solution, report.used.len()),
+    match solution {
+        Some(solution) => position(&mut sentence, solution, report.used.len()),
         None => sentence.empty().empty().empty().empty().text("N").integer(0, 2).empty().empty().empty(),
     };
     let status = navigational_status(report.verdict, solution.is_some());
@@ -48,7 +49,7 @@ pub(super) fn write_position<W: Write, const N: usize>(
 }
 
 /// Latitude to geoid separation.
-fn position(sentence: Sentence, solution: &Solution, used: usize) -> Sentence {
+fn position<'s>(sentence: &'s mut Sentence, solution: &Solution, used: usize) -> &'s mut Sentence {
     sentence
         .angle(degrees(solution.geodetic.latitude_rad), 2, ["N", "S"])
         .angle(degrees(solution.geodetic.longitude_rad), 3, ["E", "W"])
@@ -91,12 +92,13 @@ pub(super) fn write_satellites<W: Write, const N: usize>(
     const SYSTEMS: [Constellation; Constellation::COUNT] =
         [Constellation::Gps, Constellation::Glonass, Constellation::Galileo, Constellation::Beidou];
     let Some(solution) = &report.solution else { return Ok(()) };
+    let dilutions = [solution.pdop(), solution.hdop, solution.vdop].map(dilution);
     for constellation in SYSTEMS {
         let of_system = || report.used.iter().filter(|used| used.constellation() == constellation);
         for first in (0..of_system().count()).step_by(PER_GSA) {
             let mode = if is_alert(report.verdict) { 1 } else { 3 };
             let satellites = of_system().skip(first).copied();
-            write_sentence(active(constellation, mode, satellites, solution), out)?;
+            write_sentence(&active(constellation, mode, satellites, dilutions), out)?;
         }
     }
     Ok(())
@@ -107,18 +109,22 @@ fn active(
     constellation: Constellation,
     mode: u32,
     mut satellites: impl Iterator<Item = SatelliteId>,
-    solution: &Solution,
+    dilutions: [f64; 3],
 ) -> Sentence {
     let (address, id) = system(constellation);
-    let heading = Sentence::new(address).text("A").integer(mode, 1);
-    let named = (0..PER_GSA).fold(heading, |sentence, _| match satellites.next() {
-        Some(satellite) => sentence.satellite_number(satellite),
-        None => sentence.empty(),
-    });
-    [solution.pdop(), solution.hdop, solution.vdop]
-        .into_iter()
-        .fold(named, |sentence, value| sentence.number(dilution(value), 2, 5))
-        .integer(id, 1)
+    let mut sentence = Sentence::new(address);
+    sentence.text("A").integer(mode, 1);
+    for _ in 0..PER_GSA {
+        match satellites.next() {
+            Some(satellite) => sentence.satellite_number(satellite),
+            None => sentence.empty(),
+        };
+    }
+    for value in dilutions {
+        sentence.number(value, 2, 5);
+    }
+    sentence.integer(id, 1);
+    sentence
 }
 
 /// `GST`: the standard deviations that the covariance promises.
@@ -127,13 +133,15 @@ pub(super) fn write_errors<W: Write, const N: usize>(
     time: TimeOfDay,
     out: &mut W,
 ) -> Result<(), W::Error> {
-    let sentence = Sentence::new("GNGST").time(Some(time));
+    let mut sentence = Sentence::new("GNGST");
+    sentence.time(Some(time));
     let Some(solution) = &report.solution else {
-        return write_sentence((0..7).fold(sentence, |sentence, _| sentence.empty()), out);
+        (0..7).for_each(|_| _ = sentence.empty());
+        return write_sentence(&sentence, out);
     };
     let ellipse = ErrorEllipse::new(solution);
     let [latitude_m, longitude_m, height_m] = standard_deviations(solution);
-    let sentence = sentence
+    sentence
         .number(report.residual_rms_m, 3, 8)
         .number(ellipse.semi_major_m, 3, 8)
         .number(ellipse.semi_minor_m, 3, 8)
@@ -141,7 +149,7 @@ pub(super) fn write_errors<W: Write, const N: usize>(
         .number(latitude_m, 3, 8)
         .number(longitude_m, 3, 8)
         .number(height_m, 3, 8);
-    write_sentence(sentence, out)
+    write_sentence(&sentence, out)
 }
 
 /// Of latitude, longitude and height, m.
@@ -182,20 +190,20 @@ pub(super) fn write_suspect<W: Write, const N: usize>(
 ) -> Result<(), W::Error> {
     match (&report.solution, &report.suspect) {
         (Some(solution), Some(suspect)) => {
-            let sentence = Sentence::new("GNGBS").time(Some(time));
-            write_sentence(fault(sentence, solution, suspect, requirements), out)
+            let mut sentence = Sentence::new("GNGBS");
+            write_sentence(fault(sentence.time(Some(time)), solution, suspect, requirements), out)
         }
         _ => Ok(()),
     }
 }
 
 /// Expected errors to signal id.
-fn fault(
-    sentence: Sentence,
+fn fault<'s>(
+    sentence: &'s mut Sentence,
     solution: &Solution,
     suspect: &Suspect,
     requirements: &Requirements,
-) -> Sentence {
+) -> &'s mut Sentence {
     let (_, system_id) = system(suspect.satellite.constellation());
     standard_deviations(solution)
         .into_iter()
