@@ -138,18 +138,21 @@ impl<const N: usize> Epoch<N> {
     /// [`EpochError::Range`] or [`EpochError::Sigma`] for absurd numbers, [`EpochError::Duplicate`] for a second
     /// row of the same kind.
     pub fn aid(&mut self, aiding: Aiding) -> Result<(), EpochError> {
-        let (Aiding::Clock { value_m, sigma_m, .. } | Aiding::Height { value_m, sigma_m }) = aiding;
+        self.accepts(&aiding)?;
+        self.aiding.push(aiding).map_err(|_| EpochError::Full)
+    }
+
+    /// What is wrong with outside knowledge, if anything is.
+    fn accepts(&self, aiding: &Aiding) -> Result<(), EpochError> {
+        let (Aiding::Clock { value_m, sigma_m, .. } | Aiding::Height { value_m, sigma_m }) = *aiding;
         if !(value_m.abs() <= RANGE_LIMIT_M) {
             return Err(EpochError::Range);
         }
         if !SIGMA_M.contains(&sigma_m) {
             return Err(EpochError::Sigma);
         }
-        let same_kind = |known: &Aiding| core::mem::discriminant(known) == core::mem::discriminant(&aiding);
-        if self.aiding.iter().any(same_kind) {
-            return Err(EpochError::Duplicate);
-        }
-        self.aiding.push(aiding).map_err(|_| EpochError::Full)
+        let same_kind = |known: &Aiding| core::mem::discriminant(known) == core::mem::discriminant(aiding);
+        if self.aiding.iter().any(same_kind) { Err(EpochError::Duplicate) } else { Ok(()) }
     }
 
     /// Seconds of the caller's continuous time scale.
@@ -165,5 +168,35 @@ impl<const N: usize> Epoch<N> {
     /// The aiding rows, in the order they were added.
     pub fn aiding(&self) -> &[Aiding] {
         &self.aiding
+    }
+}
+
+/// An epoch as it is solved: with a forecast beside its own outside knowledge, and without a copy.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Aided<'e, const N: usize> {
+    epoch: &'e Epoch<N>,
+    forecast: Option<Aiding>,
+}
+
+impl<'e, const N: usize> Aided<'e, N> {
+    /// The epoch by itself.
+    pub(crate) fn alone(epoch: &'e Epoch<N>) -> Self {
+        Self { epoch, forecast: None }
+    }
+
+    /// The epoch with a forecast, where it has room for the row and knows nothing of the kind.
+    pub(crate) fn by(epoch: &'e Epoch<N>, forecast: Option<Aiding>) -> Self {
+        let has_room = epoch.observations.len() + epoch.aiding.len() < N;
+        Self { epoch, forecast: forecast.filter(|forecast| has_room && epoch.accepts(forecast).is_ok()) }
+    }
+
+    /// The epoch without the forecast.
+    pub(crate) fn epoch(&self) -> &'e Epoch<N> {
+        self.epoch
+    }
+
+    /// All aiding rows, the forecast last.
+    pub(crate) fn aiding(&self) -> impl Iterator<Item = &Aiding> {
+        self.epoch.aiding.iter().chain(&self.forecast)
     }
 }

@@ -18,7 +18,7 @@
 
 use core::fmt;
 
-use crate::epoch::{Aiding, Epoch};
+use crate::epoch::{Aided, Aiding, Epoch};
 use crate::frame::{Ecef, Enu, LocalFrame, Lookout};
 use crate::identification::baarda::Reducible;
 use crate::linear::LinearEpoch;
@@ -71,7 +71,7 @@ impl<T: Real, const N: usize> Default for Workspace<T, N> {
 impl<T: Real, const N: usize> Workspace<T, N> {
     /// Empty room.
     pub fn new() -> Self {
-        Self(Snapshot::unsolved(LinearEpoch::new()))
+        Self(Snapshot::unsolved())
     }
 
     /// Solves an epoch, starting at a point near the position, or at [`Ecef::CENTRE`].
@@ -82,23 +82,36 @@ impl<T: Real, const N: usize> Workspace<T, N> {
     /// # Errors
     /// [`FixError`] says what is missing.
     pub fn fix<'r>(&'r mut self, epoch: &'r Epoch<N>, start: Ecef) -> Result<Fix<'r, T, N>, FixError> {
-        let snapshot = &mut self.0;
-        let (point, frame) =
-            converge(snapshot, epoch, start, 0).or_else(|_| converge(snapshot, epoch, Ecef::CENTRE, 0))?;
-        Ok(Fix { epoch, point, frame, snapshot })
+        Fix::about(&mut self.0, Aided::alone(epoch), start)
     }
 }
 
 /// A converged position together with the linearised epoch it came from.
 #[derive(Debug)]
 pub struct Fix<'r, T: Real, const N: usize> {
-    epoch: &'r Epoch<N>,
+    aided: Aided<'r, N>,
     point: Ecef,
     frame: LocalFrame,
     snapshot: &'r mut Snapshot<T, N>,
 }
 
-impl<T: Real, const N: usize> Fix<'_, T, N> {
+impl<'r, T: Real, const N: usize> Fix<'r, T, N> {
+    /// As [`Workspace::fix`], with a forecast beside the epoch and in any room.
+    pub(crate) fn about(
+        snapshot: &'r mut Snapshot<T, N>,
+        aided: Aided<'r, N>,
+        start: Ecef,
+    ) -> Result<Self, FixError> {
+        let (point, frame) =
+            converge(snapshot, &aided, start, 0).or_else(|_| converge(snapshot, &aided, Ecef::CENTRE, 0))?;
+        Ok(Self { aided, point, frame, snapshot })
+    }
+
+    /// What was solved.
+    pub(crate) fn aided(&self) -> &Aided<'r, N> {
+        &self.aided
+    }
+
     /// The position.
     pub fn position(&self) -> Ecef {
         self.point + displacement(self.snapshot, &self.frame)
@@ -122,11 +135,11 @@ impl<T: Real, const N: usize> Fix<'_, T, N> {
 
     /// After a change of the rows: solves again from the new position if that is far from the linearisation point.
     fn follow(&mut self) -> Result<(), SnapshotError> {
-        if displacement(self.snapshot, &self.frame).radius_m() <= RELINEARISE_M {
+        if is_within(self.snapshot, RELINEARISE_M) {
             return Ok(());
         }
         let (position, left_out) = (self.position(), self.left_out());
-        let found = converge(self.snapshot, self.epoch, position, left_out);
+        let found = converge(self.snapshot, &self.aided, position, left_out);
         (self.point, self.frame) = found.map_err(|error| match error {
             FixError::Snapshot(error) => error,
             FixError::NotConverged => SnapshotError::Singular,
@@ -137,7 +150,7 @@ impl<T: Real, const N: usize> Fix<'_, T, N> {
     /// Back to rows that have been solved before, about the same point.
     fn restore(&mut self, left_out: u64) {
         // What could be formed and solved once can be so again.
-        let _ = linearise(self.snapshot.epoch_mut(), self.epoch, self.point, &self.frame, left_out);
+        let _ = linearise(self.snapshot.epoch_mut(), &self.aided, self.point, &self.frame, left_out);
         let _ = self.snapshot.solve_again();
     }
 }
@@ -170,6 +183,12 @@ fn displacement<T: Real, const N: usize>(snapshot: &Snapshot<T, N>, frame: &Loca
     frame.unrotate(Enu { east, north, up })
 }
 
+/// Whether the correction is no longer than this, m: its length is the same in every frame, and needs no double.
+fn is_within<T: Real, const N: usize>(snapshot: &Snapshot<T, N>, limit_m: f64) -> bool {
+    let correction = snapshot.correction();
+    correction.dot(&correction) <= T::narrow(limit_m * limit_m)
+}
+
 /// A row's bit in a set; a row beyond the set is in no set.
 fn bit(index: usize) -> u64 {
     1u64.checked_shl(index as u32).unwrap_or(0)
@@ -181,20 +200,19 @@ fn bit(index: usize) -> u64 {
 #[inline(never)]
 fn converge<T: Real, const N: usize>(
     snapshot: &mut Snapshot<T, N>,
-    epoch: &Epoch<N>,
+    aided: &Aided<'_, N>,
     start: Ecef,
     left_out: u64,
 ) -> Result<(Ecef, LocalFrame), FixError> {
     let mut point = if start.is_finite() { start } else { Ecef::CENTRE };
     for _ in 0..MAX_PASSES {
         let frame = LocalFrame::at(point);
-        linearise(snapshot.epoch_mut(), epoch, point, &frame, left_out).ok_or(FixError::NotConverged)?;
+        linearise(snapshot.epoch_mut(), aided, point, &frame, left_out).ok_or(FixError::NotConverged)?;
         snapshot.solve_again().map_err(FixError::Snapshot)?;
-        let displacement = displacement(snapshot, &frame);
-        if displacement.radius_m() < CONVERGED_M {
+        if is_within(snapshot, CONVERGED_M) {
             return Ok((point, frame));
         }
-        point = point + displacement;
+        point = point + displacement(snapshot, &frame);
         // Also the way out for a position that is not a number.
         if !(point.radius_m() < MAX_RADIUS_M) {
             return Err(FixError::NotConverged);
@@ -208,20 +226,20 @@ fn converge<T: Real, const N: usize>(
 /// `None` where a row cannot be formed, as at a point that coincides with a satellite: rows never move up.
 fn linearise<T: Real, const N: usize>(
     linear: &mut LinearEpoch<T, N>,
-    epoch: &Epoch<N>,
+    aided: &Aided<'_, N>,
     point: Ecef,
     frame: &LocalFrame,
     left_out: u64,
 ) -> Option<()> {
     linear.clear();
     let lookout = Lookout::at(point, frame);
-    for observation in epoch.observations() {
+    for observation in aided.epoch().observations() {
         let sight = lookout.sight(observation.position);
         let longer_m = observation.range_m - sight.distance_m;
         let constellation = observation.satellite.constellation();
         linear.sighted(constellation, &sight, longer_m, observation.sigma_m).ok()?;
     }
-    for aiding in epoch.aiding() {
+    for aiding in aided.aiding() {
         match *aiding {
             Aiding::Clock { constellation, value_m, sigma_m } => {
                 linear.clock(constellation, value_m, sigma_m).ok()?;
@@ -231,6 +249,8 @@ fn linearise<T: Real, const N: usize>(
             }
         }
     }
-    (0..N).filter(|&index| left_out & bit(index) != 0).for_each(|index| linear.leave_out(index));
+    if left_out != 0 {
+        (0..N).filter(|&index| left_out & bit(index) != 0).for_each(|index| linear.leave_out(index));
+    }
     Some(())
 }

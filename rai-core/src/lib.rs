@@ -16,8 +16,8 @@
 //! | 7 | [`monitor`] → [`report`] | may the position be used? |
 //!
 //! beside them [`removal`] (any set of satellites left out by algebra), [`weighting`] (what a sigma is made of),
-//! [`clock`] (a forecast of the receiver clock as one more row), [`threshold`] (committed tables) and [`frame`]
-//! (WGS 84).
+//! [`clock`] (a forecast of the receiver clock as one more row), [`threshold`] (committed tables), [`frame`]
+//! (WGS 84) and [`single`] (all of it as a microcontroller runs it).
 //!
 //! ```
 //! use rai_core::epoch::{Epoch, Observation};
@@ -102,6 +102,7 @@ pub mod removal;
 pub mod report;
 pub mod requirements;
 pub mod satellite;
+pub mod single;
 pub mod snapshot;
 pub mod threshold;
 pub mod weighting;

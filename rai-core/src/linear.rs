@@ -200,6 +200,16 @@ impl<T: Real, const N: usize> LinearEpoch<T, N> {
         self.reference_m = [None; Constellation::COUNT];
     }
 
+    /// Takes over the equations of another epoch, row by row: a clone is made elsewhere on the stack first, and then moved.
+    pub(crate) fn copy_from(&mut self, other: &Self) {
+        self.rows.clear();
+        for &row in &other.rows {
+            // Both hold N: never full here.
+            let _ = self.rows.push(row);
+        }
+        self.reference_m = other.reference_m;
+    }
+
     /// Leaves a row out of everything computed from now on; its index stays taken.
     pub fn leave_out(&mut self, index: usize) {
         if let Some(row) = self.rows.get_mut(index) {

@@ -20,15 +20,18 @@ use heapless::{Deque, Vec};
 use crate::bounded::gather;
 use crate::clock::Clocks;
 use crate::detection::{Detection, detect};
-use crate::epoch::{Aiding, Epoch};
-use crate::fix::{Fix, FixError, Workspace};
+use crate::epoch::{Aided, Aiding, Epoch};
+use crate::fix::{Fix, FixError};
 use crate::frame::{Ecef, LocalFrame};
 use crate::identification::baarda::{self, Excluded, Exclusion, Identification, Outcome, Reducible as _};
 use crate::identification::parity;
 use crate::identification::ransac::{self, MAX_WORK, Selection};
+use crate::linear::LinearEpoch;
 use crate::protection::largest_slopes;
 use crate::real::Real;
-use crate::report::{Alert, Protected, ProtectionLevels, Report, Solution, Suspect, Unavailable, Verdict};
+use crate::report::{
+    Alert, MAX_EXCLUDED, Protected, ProtectionLevels, Report, Solution, Suspect, Unavailable, Verdict,
+};
 use crate::requirements::{Requirements, RequirementsError};
 use crate::satellite::{Constellation, SatelliteId};
 use crate::snapshot::{Snapshot, SnapshotError};
@@ -152,30 +155,11 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         }
     }
 
-    /// Judges one epoch.
+    /// Judges one epoch; with clock aiding, with the forecast of a receiver clock beside it.
     pub fn process(&mut self, epoch: &Epoch<N>) -> Report<N> {
         let forecast = self.clocks.aiding(epoch).filter(|_| self.strategy.clock_aid);
-        match forecast {
-            Some(forecast) => self.locate_aided(epoch, forecast),
-            None => self.locate(epoch),
-        }
-    }
-
-    /// Judges an epoch with the forecast of a receiver clock beside it, where there is room for the row.
-    ///
-    /// Not inlined: only an aided epoch pays for the copy.
-    #[inline(never)]
-    fn locate_aided(&mut self, epoch: &Epoch<N>, forecast: Aiding) -> Report<N> {
-        let mut aided = epoch.clone();
-        let has_room = epoch.observations().len() + epoch.aiding().len() < N;
-        let is_aided = has_room && aided.aid(forecast).is_ok();
-        self.locate(if is_aided { &aided } else { epoch })
-    }
-
-    #[inline(never)]
-    fn locate(&mut self, epoch: &Epoch<N>) -> Report<N> {
-        let mut workspace = Workspace::<T, N>::new();
-        let report = match workspace.fix(epoch, self.start) {
+        let mut room = Snapshot::unsolved();
+        let mut report = match Fix::about(&mut room, Aided::by(epoch, forecast), self.start) {
             Ok(fix) => self.judge(fix, epoch),
             Err(error) => without_position(error, epoch),
         };
@@ -184,7 +168,8 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         if let Some(solution) = report.solution.as_ref().filter(|_| usable) {
             self.start = solution.position;
         }
-        Report { sigma_check: self.sigma_check(), ..report }
+        report.sigma_check = self.sigma_check();
+        report
     }
 
     fn judge(&mut self, mut fix: Fix<'_, T, N>, epoch: &Epoch<N>) -> Report<N> {
@@ -216,13 +201,13 @@ impl<T: Real, const N: usize> Monitor<T, N> {
                 self.clocks.learn(epoch.time_s(), fix.snapshot());
             }
         }
-        let protection = test.as_ref().map(|test| test.protection);
-        Report { verdict, protection, excluded, ..describe(&fix, epoch, test.map(|test| test.detection)) }
+        describe(&fix, epoch, verdict, test.as_ref(), excluded)
     }
 
     /// Looks for what is wrong and leaves it out: a forecast whose clock has jumped, else the faulty satellites.
     ///
-    /// Not inlined: what the searches need of the stack would else be taken by every epoch.
+    /// Not inlined, nor are the ways it branches into: what one search needs of the stack would else be taken by every
+    /// epoch, and beside what the others need.
     #[inline(never)]
     fn isolate(&mut self, fix: &mut Fix<'_, T, N>, epoch: &Epoch<N>) -> Exclusion<T> {
         if let Some(jump) = self.jump(fix, epoch) {
@@ -232,17 +217,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
             Method::Parity(method) => {
                 parity::exclude(method, fix, &self.thresholds, &parity::Limits::published())
             }
-            Method::Ransac => {
-                // The tables hold both of its probabilities; without them it falls back as without consensus.
-                let Ok(limits) = ransac::Limits::published() else {
-                    return baarda::exclude_sequentially(fix, &self.thresholds);
-                };
-                let subsets = self.subsets.take().filter(|subsets| subsets.are_of(epoch));
-                let subsets = subsets.unwrap_or_else(|| Subsets::of(epoch, fix.snapshot()));
-                let exclusion = ransac::exclude(fix, &subsets.selection, &self.thresholds, &limits);
-                self.subsets = Some(subsets);
-                exclusion
-            }
+            Method::Ransac => self.isolate_by_consensus(fix, epoch),
             Method::Baarda => baarda::exclude_sequentially(fix, &self.thresholds),
         }
     }
@@ -253,7 +228,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     /// whoever correlates with the worst would leave out healthy ones with it.
     fn jump(&self, fix: &mut Fix<'_, T, N>, epoch: &Epoch<N>) -> Option<Exclusion<T>> {
         let is_clock = |aiding: &Aiding| matches!(aiding, Aiding::Clock { .. });
-        let index = epoch.observations().len() + epoch.aiding().iter().position(is_clock)?;
+        let index = epoch.observations().len() + fix.aided().aiding().position(is_clock)?;
         let (_, fit) = fix.snapshot().row(index)?;
         let forecast = Excluded { index, w_test: baarda::w_test(fit) };
         fix.leave_out(index).ok()?;
@@ -265,6 +240,17 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         // What was there a moment ago determines a position.
         let _ = fix.take_back(index);
         None
+    }
+
+    fn isolate_by_consensus(&mut self, fix: &mut Fix<'_, T, N>, epoch: &Epoch<N>) -> Exclusion<T> {
+        // The tables hold both of its probabilities; without them it falls back as without consensus.
+        let Ok(limits) = ransac::Limits::published() else {
+            return baarda::exclude_sequentially(fix, &self.thresholds);
+        };
+        let equations = fix.snapshot().epoch();
+        let kept = self.subsets.take().filter(|subsets| subsets.are_of(epoch, equations.rows().len()));
+        let subsets = self.subsets.insert(kept.unwrap_or_else(|| Subsets::of(epoch, equations)));
+        ransac::exclude(fix, &subsets.selection, &self.thresholds, &limits)
     }
 
     /// The global test of a snapshot under the policy, and the protection levels that go with its threshold.
@@ -327,13 +313,14 @@ struct Subsets<const N: usize> {
 }
 
 impl<const N: usize> Subsets<N> {
-    fn of<T: Real>(epoch: &Epoch<N>, snapshot: &Snapshot<T, N>) -> Self {
+    #[inline(never)]
+    fn of<T: Real>(epoch: &Epoch<N>, equations: &LinearEpoch<T, N>) -> Self {
         let satellites = gather(epoch.observations().iter().map(|observation| observation.satellite));
-        Self { satellites, selection: Selection::choose(snapshot.epoch(), MAX_WORK) }
+        Self { satellites, selection: Selection::choose(equations, MAX_WORK) }
     }
 
-    fn are_of(&self, epoch: &Epoch<N>) -> bool {
-        self.selection.rows() == epoch.observations().len() + epoch.aiding().len()
+    fn are_of(&self, epoch: &Epoch<N>, rows: usize) -> bool {
+        self.selection.rows() == rows
             && self
                 .satellites
                 .iter()
@@ -363,7 +350,7 @@ fn suspects<T: Real, const N: usize>(
     exclusion: &Exclusion<T>,
     fix: &Fix<'_, T, N>,
     epoch: &Epoch<N>,
-) -> Vec<Suspect, { crate::report::MAX_EXCLUDED }> {
+) -> Vec<Suspect, MAX_EXCLUDED> {
     let listed = exclusion.rows.iter().filter_map(|excluded| {
         let observation = epoch.observations().get(excluded.index)?;
         let (row, fit) = fix.snapshot().row(excluded.index)?;
@@ -378,11 +365,16 @@ fn suspects<T: Real, const N: usize>(
     gather(listed)
 }
 
-/// Everything but the verdict: the solution, the satellites in it, the one that fits worst.
+/// The report on a position: the verdict, and what is known about the satellites.
+///
+/// Not inlined: so it is made where the caller wants it, and not moved there.
+#[inline(never)]
 fn describe<T: Real, const N: usize>(
     fix: &Fix<'_, T, N>,
     epoch: &Epoch<N>,
-    detection: Option<Detection<T>>,
+    verdict: Verdict,
+    test: Option<&Test<T>>,
+    excluded: Vec<Suspect, MAX_EXCLUDED>,
 ) -> Report<N> {
     let used = fix.snapshot().rows().zip(epoch.observations()).filter(|((row, _), _)| row.weight > T::zero());
     let mut satellites = Vec::new();
@@ -393,12 +385,12 @@ fn describe<T: Real, const N: usize>(
         squares += fit.residual * fit.residual;
     }
     Report {
-        verdict: Verdict::Unavailable(Unavailable::Redundancy),
+        verdict,
         solution: Some(solution(fix)),
-        test: detection.map(|detection| detection.statistic()),
-        protection: None,
-        excluded: Vec::new(),
-        suspect: detection.and_then(|_| suspect(fix.snapshot(), epoch)),
+        test: test.map(|test| test.detection.statistic()),
+        protection: test.map(|test| test.protection),
+        excluded,
+        suspect: test.and_then(|_| suspect(fix.snapshot(), epoch)),
         residual_rms_m: libm::sqrt(squares.widen() / satellites.len().max(1) as f64),
         used: satellites,
         tracked: epoch.observations().len() as u8,

@@ -114,12 +114,18 @@ fn is_hardly_tested<T: Real, const N: usize>(snapshot: &Snapshot<T, N>, row: &Ro
 }
 
 /// The squared slopes of a row by what the others say of it; `None` where it is untestable.
-fn by_the_others<T: Real, const N: usize>(snapshot: &Snapshot<T, N>, index: usize) -> Option<Squared<T>> {
+///
+/// `room` holds the same rows, solved or not; it ends without this one.
+fn by_the_others<T: Real, const N: usize>(
+    snapshot: &Snapshot<T, N>,
+    room: &mut Snapshot<T, N>,
+    index: usize,
+) -> Option<Squared<T>> {
     let (row, _) = snapshot.row(index)?;
-    let mut others = snapshot.clone();
-    others.leave_out(index).ok()?;
-    let (_, fit) = others.row(index)?;
-    let predicted = others.level_variance(row) + fit.centred.dot(&fit.gain);
+    room.epoch_mut().leave_out(index);
+    room.solve_again().ok()?;
+    let (_, fit) = room.row(index)?;
+    let predicted = room.level_variance(row) + fit.centred.dot(&fit.gain);
     let redundancy = (T::one() + row.weight * predicted).recip();
     if !(redundancy >= T::UNTESTABLE) {
         return None;
@@ -144,17 +150,23 @@ pub fn largest_slopes<T: Real, const N: usize>(snapshot: &Snapshot<T, N>) -> Slo
 
 /// As [`largest_slopes`], where some rows are hardly tested, or not at all.
 ///
-/// Not inlined: only such epochs pay for the copies on the stack.
+/// Not inlined: only such epochs pay for the room on the stack.
 #[inline(never)]
 fn largest_with_care<T: Real, const N: usize>(snapshot: &Snapshot<T, N>) -> Squared<T> {
-    let of = |(index, (row, fit)): (usize, (&Row<T>, &Fit<T>))| {
-        if is_hardly_tested(snapshot, row, fit) {
-            by_the_others(snapshot, index).unwrap_or_else(|| untestable(row, fit))
+    let mut room = Snapshot::unsolved();
+    room.epoch_mut().copy_from(snapshot.epoch());
+    let mut largest = Squared::none();
+    for (index, (row, fit)) in snapshot.rows().enumerate() {
+        let squared = if is_hardly_tested(snapshot, row, fit) {
+            let squared = by_the_others(snapshot, &mut room, index);
+            room.epoch_mut().take_back(index);
+            squared.unwrap_or_else(|| untestable(row, fit))
         } else {
             squared_slopes(row, fit)
-        }
-    };
-    snapshot.rows().enumerate().map(of).fold(Squared::none(), |largest, next| largest.or(&next))
+        };
+        largest = largest.or(&squared);
+    }
+    largest
 }
 
 /// The larger of two numbers; one comparison, where a library call also orders what is not a number.

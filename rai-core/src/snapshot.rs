@@ -76,6 +76,19 @@ pub struct Fit<T: Real> {
     pub gauge: T,
 }
 
+impl<T: Real> Fit<T> {
+    /// Of a row about which nothing has been said.
+    fn nothing() -> Self {
+        Self {
+            centred: Vector3::zeros(),
+            gain: Vector3::zeros(),
+            residual: T::zero(),
+            redundancy: T::zero(),
+            gauge: T::zero(),
+        }
+    }
+}
+
 /// One constellation's weighted means.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Group<T: Real> {
@@ -138,15 +151,19 @@ impl<T: Real, const N: usize> Snapshot<T, N> {
     /// [`SnapshotError::Insufficient`] with fewer rows than unknowns (an empty epoch too),
     /// [`SnapshotError::Singular`] where the rows do not determine them.
     pub fn solve(epoch: LinearEpoch<T, N>) -> Result<Self, SnapshotError> {
-        let mut snapshot = Self::unsolved(epoch);
+        let mut snapshot = Self::unsolved();
+        snapshot.epoch = epoch;
         snapshot.solve_again()?;
         Ok(snapshot)
     }
 
-    /// Room for a solution: nothing in it means anything before [`Self::solve_again`] succeeds.
-    pub(crate) fn unsolved(epoch: LinearEpoch<T, N>) -> Self {
+    /// Room for equations and their solution: nothing in it means anything before [`Self::solve_again`] succeeds.
+    ///
+    /// Not inlined: so it is made where the caller wants it, and not moved there.
+    #[inline(never)]
+    pub(crate) fn unsolved() -> Self {
         Self {
-            epoch,
+            epoch: LinearEpoch::new(),
             fits: Vec::new(),
             groups: [Group::empty(); Constellation::COUNT],
             covariance: Matrix3::zeros(),
@@ -192,19 +209,18 @@ impl<T: Real, const N: usize> Snapshot<T, N> {
     pub(crate) fn solve_again(&mut self) -> Result<(), SnapshotError> {
         let rows = self.epoch.rows();
         let groups = centre(rows, |row| row.weight);
-        let used = rows.iter().filter(|row| row.weight > T::zero()).count();
+        let equations = normal_equations(rows, &groups, |row| row.weight);
         let clocks = groups.iter().filter(|group| group.count > 0).count();
-        let dof = used.checked_sub(3 + clocks).ok_or(SnapshotError::Insufficient)?;
+        let dof = equations.used.checked_sub(3 + clocks).ok_or(SnapshotError::Insufficient)?;
 
-        let (normal, right_hand_side) = normal_equations(rows, &groups, |row| row.weight);
-        let covariance = invert(&normal)?;
-        if !is_determined(rows, &groups, &covariance) {
+        let covariance = invert(&equations.normal)?;
+        if !is_determined(rows, equations.largest_weight, &groups, &covariance) {
             return Err(SnapshotError::Singular);
         }
         self.groups = groups;
         self.covariance = covariance;
-        self.correction = covariance * right_hand_side;
-        self.used = used;
+        self.correction = covariance * equations.right_hand_side;
+        self.used = equations.used;
         self.dof = dof;
         self.fit_rows();
         Ok(())
@@ -214,13 +230,14 @@ impl<T: Real, const N: usize> Snapshot<T, N> {
         // Copies, which the compiler keeps in registers while the fits are written.
         let (covariance, correction) = (self.covariance, self.correction);
         let mut sse = T::zero();
-        self.fits.clear();
-        for row in self.epoch.rows() {
+        // Both vectors hold N: there is always room. One that is long enough is written over, which spares the way round
+        // by the stack.
+        self.fits.truncate(self.epoch.rows().len());
+        while self.fits.len() < self.epoch.rows().len() && self.fits.push(Fit::nothing()).is_ok() {}
+        for (row, slot) in self.epoch.rows().iter().zip(&mut self.fits) {
             let group = row.clock.and_then(|clock| self.groups.get(clock as usize));
-            let fit = fit(row, group, &covariance, &correction);
-            sse += row.weight * fit.residual * fit.residual;
-            // Both vectors hold N: never full here.
-            let _ = self.fits.push(fit);
+            *slot = fit(row, group, &covariance, &correction);
+            sse += row.weight * slot.residual * slot.residual;
         }
         self.sse = sse;
     }
@@ -332,8 +349,8 @@ struct Geometry<T: Real> {
 impl<T: Real> Geometry<T> {
     fn of(rows: &[Row<T>]) -> Result<Self, SnapshotError> {
         let groups = centre(rows, |_| T::one());
-        let (normal, _) = normal_equations(rows, &groups, |_| T::one());
-        Ok(Self { groups, covariance: invert(&normal)? })
+        let equations = normal_equations(rows, &groups, |_| T::one());
+        Ok(Self { groups, covariance: invert(&equations.normal)? })
     }
 
     fn hdop_without(&self, row: &Row<T>) -> T {
@@ -372,14 +389,24 @@ fn centre<T: Real>(rows: &[Row<T>], weight: impl Fn(&Row<T>) -> T) -> Groups<T> 
     groups.map(Group::centre)
 }
 
-/// Normal matrix and right-hand side.
+/// The normal equations of the rows that take part.
+struct NormalEquations<T: Real> {
+    normal: Matrix3<T>,
+    right_hand_side: Vector3<T>,
+    /// Rows that take part.
+    used: usize,
+    /// The largest of their own weights.
+    largest_weight: T,
+}
+
 fn normal_equations<T: Real>(
     rows: &[Row<T>],
     groups: &Groups<T>,
     weight: impl Fn(&Row<T>) -> T,
-) -> (Matrix3<T>, Vector3<T>) {
+) -> NormalEquations<T> {
     let mut normal = Matrix3::zeros();
     let mut right_hand_side = Vector3::zeros();
+    let (mut used, mut largest_weight) = (0, T::zero());
     for row in rows.iter().filter(|row| row.weight > T::zero()) {
         let group = row.clock.and_then(|clock| groups.get(clock as usize));
         let (mean, level) =
@@ -388,17 +415,24 @@ fn normal_equations<T: Real>(
         let weighted = centred * weight(row);
         add_outer_product(&mut normal, &weighted, &centred);
         right_hand_side += weighted * (row.residual - level);
+        used += 1;
+        if row.weight > largest_weight {
+            largest_weight = row.weight;
+        }
     }
-    (normal, right_hand_side)
+    NormalEquations { normal, right_hand_side, used, largest_weight }
 }
 
 /// True when the trace of `(HᵀH)⁻¹`, clocks included, is below [`Real::SINGULAR`].
 ///
 /// No weight being above `w_max`, that trace is at most `w_max` times the trace of the weighted covariance, which is
 /// at hand; only where this bound does not decide is the unweighted geometry worked out.
-fn is_determined<T: Real>(rows: &[Row<T>], groups: &Groups<T>, covariance: &Matrix3<T>) -> bool {
-    let larger = |largest, weight| if weight > largest { weight } else { largest };
-    let largest_weight = rows.iter().map(|row| row.weight).fold(T::zero(), larger);
+fn is_determined<T: Real>(
+    rows: &[Row<T>],
+    largest_weight: T,
+    groups: &Groups<T>,
+    covariance: &Matrix3<T>,
+) -> bool {
     if largest_weight * trace(covariance, groups) < T::SINGULAR {
         return true;
     }

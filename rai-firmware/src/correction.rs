@@ -29,8 +29,7 @@ use crate::rtcm::{RawEpoch, RawSatellite};
 use crate::signal::{Band, choose};
 use crate::time::GpsTime;
 
-/// Most satellites in one epoch: more than three systems show at once anywhere on earth.
-pub const CAPACITY: usize = 48;
+pub use rai_core::single::CAPACITY;
 
 /// Share of the modelled delay that the model misses, one sigma: the broadcast coefficients remove half of the
 /// delay, rms ([Klobuchar1987]).
@@ -88,6 +87,9 @@ pub struct Located {
 pub type Sky = Vec<Located, CAPACITY>;
 
 /// Finds the satellites of an epoch; what cannot be used is counted by reason.
+///
+/// Not inlined: the sky is then made where the caller wants it, and not moved there.
+#[inline(never)]
 pub fn locate(raw: &RawEpoch, store: &Store, tally: &mut Tally) -> Sky {
     let mut sky = Sky::new();
     for satellite in &raw.satellites {
@@ -205,6 +207,9 @@ impl Site {
     }
 
     /// The epoch as this site sees it; what is left out is counted by reason.
+    ///
+    /// Not inlined: the epoch is then made where the caller wants it, and not moved there.
+    #[inline(never)]
     pub fn correct(&self, sky: &Sky, refusals: &mut Refusals) -> Epoch<CAPACITY> {
         let mut epoch = Epoch::new(self.time.to_s());
         for located in sky {

@@ -4,14 +4,14 @@
 //! guess; without one, a coarse fix without atmosphere finds it. An epoch whose position turns out to be far from
 //! the guess is corrected once more about what was found.
 
-use rai_core::fix::Workspace;
 use rai_core::frame::Ecef;
-use rai_core::monitor::{Monitor, MonitorError};
+use rai_core::monitor::MonitorError;
 use rai_core::report::{Report, Unavailable, Verdict};
 use rai_core::requirements::Requirements;
+use rai_core::single::{self, Monitor};
 
 use crate::config::Configuration;
-use crate::correction::{CAPACITY, Refusals, Site, Sky, Tally, coarse, locate};
+use crate::correction::{CAPACITY, Site, Sky, Tally, coarse, locate};
 use crate::ephemeris::{Ephemeris, Insertion, Store};
 use crate::rtcm::RawEpoch;
 use crate::time::GpsTime;
@@ -29,7 +29,7 @@ const MAX_PASSES: usize = 3;
 #[derive(Debug)]
 pub struct Navigator {
     store: Store,
-    monitor: Monitor<f32, CAPACITY>,
+    monitor: Monitor,
     tally: Tally,
 }
 
@@ -75,23 +75,28 @@ impl Navigator {
     }
 
     /// Judges one epoch.
+    ///
+    /// Not inlined: it needs the stack that the sentences need later.
+    #[inline(never)]
     pub fn judge(&mut self, raw: &RawEpoch, configuration: &Configuration) -> Report<CAPACITY> {
         let sky = locate(raw, &self.store, &mut self.tally);
         let mut guess = self.monitor.start();
         if is_unknown(guess) {
             guess = look_around(&sky, raw.time);
         }
-        let (mut report, mut refusals) = self.judge_about(guess, &sky, raw.time, configuration);
+        let before = self.tally.ranges;
+        let mut report = self.judge_about(guess, &sky, raw.time, configuration);
         for _ in 1..MAX_PASSES {
             let found = report.solution.as_ref().map(|solution| solution.position);
             if found.is_some_and(|found| found.distance_m(guess) <= GUESS_HOLDS_M) {
                 break;
             }
             guess = found.unwrap_or_else(|| look_around(&sky, raw.time));
-            (report, refusals) = self.judge_about(guess, &sky, raw.time, configuration);
+            // What was refused about the poorer point does not count.
+            self.tally.ranges = before;
+            report = self.judge_about(guess, &sky, raw.time, configuration);
         }
-        let implausible = refusals.range_implausible != self.tally.ranges.range_implausible;
-        self.tally.ranges = refusals;
+        let implausible = self.tally.ranges.range_implausible != before.range_implausible;
         if report.solution.is_none() && implausible {
             report.verdict = Verdict::Unavailable(Unavailable::Input);
         }
@@ -99,19 +104,21 @@ impl Navigator {
         report
     }
 
-    /// Corrects and judges the sky as seen from a point; returns the counters as they would be then.
+    /// Corrects and judges the sky as seen from a point.
+    ///
+    /// Not inlined: so the epoch leaves the stack with the judgement.
+    #[inline(never)]
     fn judge_about(
         &mut self,
         point: Ecef,
         sky: &Sky,
         time: GpsTime,
         configuration: &Configuration,
-    ) -> (Report<CAPACITY>, Refusals) {
-        let mut refusals = self.tally.ranges;
+    ) -> Report<CAPACITY> {
         let site = Site::new(point, time, configuration.mask_rad, configuration.klobuchar);
-        let epoch = site.correct(sky, &mut refusals);
+        let epoch = site.correct(sky, &mut self.tally.ranges);
         self.monitor.start_from(point);
-        (self.monitor.process(&epoch), refusals)
+        single::process(&mut self.monitor, &epoch)
     }
 }
 
@@ -121,6 +128,5 @@ fn is_unknown(point: Ecef) -> bool {
 
 /// Roughly where a receiver is that sees this sky; the centre of the earth if that cannot be told.
 fn look_around(sky: &Sky, time: GpsTime) -> Ecef {
-    let epoch = coarse(sky, time);
-    Workspace::<f32, CAPACITY>::new().fix(&epoch, Ecef::CENTRE).map_or(Ecef::CENTRE, |fix| fix.position())
+    single::position(&coarse(sky, time), Ecef::CENTRE).unwrap_or(Ecef::CENTRE)
 }

@@ -120,7 +120,10 @@ impl<P: OutputPin> Receiver<P> {
         Ok(Self { boot, decoder, arrival, commands, epochs, last_byte_ms: None, reset_requested: false })
     }
 
+    // Not inlined, nor are the other ways in: what one needs of the stack the others need not have beside theirs.
+
     /// Says what runs here, why it started, and whether its arithmetic is right.
+    #[inline(never)]
     pub fn greet<W: Write>(&mut self, host: &mut W) {
         let selftest = match self.epochs.prove(selftest::run()) {
             Ok(()) => "PASS",
@@ -132,6 +135,7 @@ impl<P: OutputPin> Receiver<P> {
     }
 
     /// Takes bytes of the GNSS port.
+    #[inline(never)]
     pub fn gnss<W: Write>(&mut self, bytes: &[u8], now_ms: u64, host: &mut W) {
         self.last_byte_ms = Some(now_ms);
         for &byte in bytes {
@@ -147,6 +151,7 @@ impl<P: OutputPin> Receiver<P> {
 
     /// Looks at the clock: a cut frame holds nothing back any more after a pause, and a line that is silent for the
     /// time to alert is an alert.
+    #[inline(never)]
     pub fn tick<W: Write>(&mut self, now_ms: u64, host: &mut W) {
         if self.last_byte_ms.is_some_and(|last_ms| now_ms.saturating_sub(last_ms) >= SILENCE_MS) {
             self.last_byte_ms = None;
@@ -159,6 +164,7 @@ impl<P: OutputPin> Receiver<P> {
     }
 
     /// Takes bytes of the host port.
+    #[inline(never)]
     pub fn command<W: Write>(&mut self, bytes: &[u8], host: &mut W) {
         for &byte in bytes {
             let heard = self.commands.push(byte, &mut self.epochs.configuration, host);

@@ -4,19 +4,24 @@
 //! |---|---|
 //! | `TABLE` | [Yang2015]: τ1 of 4 degrees of freedom at 3.33e-7, and T1 = 17.9257 m for a sigma of 6 m |
 //! | `SOLVE` | a geometry whose least squares can be done by hand |
+//! | `FRAME` | WGS 84: the point of the ellipsoid at the parametric latitude of 45° |
 //! | `RTCM` | the example of message 1005 in the standard ([RTCM-10403.3] 4.1) |
 //!
 //! `SOLVE`: four satellites to the east, west, north and south at the elevation with sine 0.6, and one at the zenith.
 //! Residuals `(1, 1, −1, −1, 0)` are orthogonal to every column of the design matrix: the position does not move, they
-//! remain as they are, SSE = 4 with one degree of freedom, and each of the four has the redundancy number 1/4.
+//! remain as they are, SSE = 4 with one degree of freedom, and each of the four has the redundancy number 1/4. The solve is
+//! that of the epochs, in single precision.
+//!
+//! `FRAME` is the test of double precision, by what every epoch does in it. With the semi-axes `a` and `b` the point is
+//! `(a, 0, b)/√2`; its normal is `(b, 0, a)/√(a² + b²)`, and its height 0.
 
 use nalgebra::Vector3;
-use rai_core::frame::Ecef;
+use rai_core::frame::{Ecef, LocalFrame};
 use rai_core::linear::LinearEpoch;
 use rai_core::probability::Probability;
 use rai_core::real::Real;
 use rai_core::satellite::Constellation;
-use rai_core::snapshot::Snapshot;
+use rai_core::single::{self, CAPACITY};
 use rai_core::threshold::Thresholds;
 
 use crate::rtcm::{Decoder, Event};
@@ -27,9 +32,9 @@ pub enum Failure {
     /// The threshold tables.
     Table,
     /// The 3×3 solve in single precision.
-    SolveSingle,
-    /// The 3×3 solve in double precision.
-    SolveDouble,
+    Solve,
+    /// The frame of a point in double precision.
+    Frame,
     /// Framing, CRC and decoding.
     Rtcm,
 }
@@ -39,8 +44,8 @@ impl Failure {
     pub const fn name(self) -> &'static str {
         match self {
             Self::Table => "FAIL TABLE",
-            Self::SolveSingle => "FAIL SOLVE32",
-            Self::SolveDouble => "FAIL SOLVE64",
+            Self::Solve => "FAIL SOLVE",
+            Self::Frame => "FAIL FRAME",
             Self::Rtcm => "FAIL RTCM",
         }
     }
@@ -53,8 +58,8 @@ impl Failure {
 pub fn run() -> Result<(), Failure> {
     let tests = [
         (table_is_right as fn() -> bool, Failure::Table),
-        (solve_is_right::<f32>, Failure::SolveSingle),
-        (solve_is_right::<f64>, Failure::SolveDouble),
+        (solve_is_right, Failure::Solve),
+        (frame_is_right, Failure::Frame),
         (rtcm_is_right, Failure::Rtcm),
     ];
     tests.into_iter().try_for_each(|(test, failure)| if test() { Ok(()) } else { Err(failure) })
@@ -75,20 +80,29 @@ fn table_is_right() -> bool {
         .is_some_and(|tau1| is_close(6.0 * libm::sqrt(tau1 / 4.0), 17.925_711, 1e-6))
 }
 
-fn solve_is_right<T: Real>() -> bool {
+#[inline(never)]
+fn solve_is_right() -> bool {
     let directions = [(0.8, 0.0, 0.6), (-0.8, 0.0, 0.6), (0.0, 0.8, 0.6), (0.0, -0.8, 0.6), (0.0, 0.0, 1.0)];
     let residuals_m = [1.0, 1.0, -1.0, -1.0, 0.0];
-    let mut epoch = LinearEpoch::<T, 5>::new();
+    let mut epoch = LinearEpoch::<f32, CAPACITY>::new();
     for ((east, north, up), residual_m) in directions.into_iter().zip(residuals_m) {
         let direction = Vector3::new(east, north, up);
         if epoch.satellite(Constellation::Gps, direction, residual_m, 1.0).is_err() {
             return false;
         }
     }
-    let Ok(snapshot) = Snapshot::solve(epoch) else { return false };
+    let Ok(snapshot) = single::solve(epoch) else { return false };
     let still = snapshot.correction().iter().all(|component| is_close(component.widen(), 0.0, 1e-5));
     let quarters = snapshot.rows().take(4).all(|(_, fit)| is_close(fit.redundancy.widen(), 0.25, 1e-5));
     still && quarters && snapshot.dof() == 1 && is_close(snapshot.sse().widen(), 4.0, 1e-4)
+}
+
+fn frame_is_right() -> bool {
+    let frame = LocalFrame::at(Ecef::new(4_510_023.924_036_823, 0.0, 4_494_902.667_726_046));
+    let longitude_rad = frame.geodetic().longitude_rad;
+    is_close(frame.sin_latitude(), 0.708_293_170_693_72, 1e-12)
+        && is_close(frame.height_m(), 0.0, 1e-6)
+        && is_close(longitude_rad, 0.0, 1e-15)
 }
 
 fn rtcm_is_right() -> bool {

@@ -68,6 +68,9 @@ impl<T: Real, const L: usize> Clocks<T, L> {
     }
 
     /// The row that aids an epoch; `None` where no constellation observed has a forecast.
+    ///
+    /// Not inlined, nor is what is learnt: a forecast's room on the stack is free again before the epoch is solved.
+    #[inline(never)]
     pub fn aiding<const N: usize>(&self, epoch: &Epoch<N>) -> Option<Aiding> {
         let observed = |constellation: &Constellation| {
             epoch
@@ -86,6 +89,7 @@ impl<T: Real, const L: usize> Clocks<T, L> {
     ///
     /// A forecast that was left out in it was a jump of the clock: that clock starts again from what the satellites
     /// say.
+    #[inline(never)]
     pub fn learn<const N: usize>(&mut self, time_s: f64, snapshot: &Snapshot<T, N>) {
         for (clock, constellation) in self.each.iter_mut().zip(Constellation::ALL) {
             if aiding_row(snapshot, constellation).is_some_and(|(row, _)| left_out(row)) {

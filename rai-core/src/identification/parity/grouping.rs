@@ -10,8 +10,7 @@
 
 use heapless::Vec;
 
-use super::{Finding, Limits, Search};
-use crate::bounded::gather;
+use super::{Finding, Limits, Search, search};
 use crate::identification::{baarda::Identification, tails};
 use crate::real::Real;
 use crate::removal::{NormalisedRow, Removal};
@@ -20,20 +19,18 @@ use crate::snapshot::{Snapshot, infinity};
 use crate::threshold::Thresholds;
 
 /// Looks for the smallest set of rows without which the rest passes.
+#[inline(never)]
 pub fn grouping<T: Real, const N: usize>(
     snapshot: &Snapshot<T, N>,
     thresholds: &Thresholds<'_>,
     limits: &Limits,
 ) -> Finding<T> {
-    match Search::begin(snapshot, thresholds, limits) {
-        Ok(search) => search.grouping(),
-        Err(finding) => finding,
-    }
+    search(snapshot, thresholds, limits, |search: &Search<'_, T, N>| search.grouping())
 }
 
 impl<T: Real, const N: usize> Search<'_, T, N> {
     pub(super) fn grouping(&self) -> Finding<T> {
-        let mut contest = Contest::new(&self.rows, self.limits.sets);
+        let mut contest = Contest::new(self.rows, self.limits.sets);
         // With no degree of freedom left every set would pass, and none would mean anything.
         let largest = self.limits.rows().min(self.snapshot.dof().saturating_sub(1));
         for size in 1..=largest {
@@ -119,11 +116,15 @@ impl<'r, T: Real> Contest<'r, T> {
     }
 
     fn triples<const N: usize>(&mut self) {
+        let mut changed = Vec::<NormalisedRow<T>, N>::new();
         for (first, rest) in tails(self.rows) {
             if !self.cut {
                 let root = first.redundancy.sqrt();
-                let changed: Vec<NormalisedRow<T>, N> =
-                    gather(rest.iter().map(|row| row.without(first, root)));
+                changed.clear();
+                for row in rest {
+                    // Fewer than N: never full here.
+                    let _ = changed.push(row.without(first, root));
+                }
                 self.pairs(first.explained(), [first.index], &changed);
             }
         }

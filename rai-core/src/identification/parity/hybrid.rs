@@ -6,40 +6,37 @@
 //!
 //! Otherwise sequential isolation (method B); where that fails too, grouping (method C).
 
-use super::{Finding, Limits, Search};
+use super::{Finding, Limits, Search, search};
 use crate::real::Real;
 use crate::removal::Removal;
 use crate::snapshot::Snapshot;
 use crate::threshold::Thresholds;
 
 /// Simultaneous, else sequential (method B).
+#[inline(never)]
 pub fn hybrid_without_grouping<T: Real, const N: usize>(
     snapshot: &Snapshot<T, N>,
     thresholds: &Thresholds<'_>,
     limits: &Limits,
 ) -> Finding<T> {
-    match Search::begin(snapshot, thresholds, limits) {
-        Ok(search) => search.hybrid_without_grouping(),
-        Err(finding) => finding,
-    }
+    search(snapshot, thresholds, limits, |search: &Search<'_, T, N>| search.hybrid_without_grouping())
 }
 
 /// Simultaneous, else sequential, else grouping (method C).
+#[inline(never)]
 pub fn hybrid<T: Real, const N: usize>(
     snapshot: &Snapshot<T, N>,
     thresholds: &Thresholds<'_>,
     limits: &Limits,
 ) -> Finding<T> {
-    let search = match Search::begin(snapshot, thresholds, limits) {
-        Ok(search) => search,
-        Err(finding) => return finding,
-    };
-    let cheap = search.hybrid_without_grouping();
-    if cheap.set.is_ok() {
-        return cheap;
-    }
-    let thorough = search.grouping();
-    Finding { sets: cheap.sets + thorough.sets, ..thorough }
+    search(snapshot, thresholds, limits, |search| {
+        let cheap = search.hybrid_without_grouping();
+        if cheap.set.is_ok() {
+            return cheap;
+        }
+        let thorough = search.grouping();
+        Finding { sets: cheap.sets + thorough.sets, ..thorough }
+    })
 }
 
 impl<T: Real, const N: usize> Search<'_, T, N> {

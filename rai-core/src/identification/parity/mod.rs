@@ -23,6 +23,8 @@
 //! In `f32` the ranking of sets resolves differences of about 1e-6 of SSE; the test of the set found does not lose
 //! these digits, so that a wrong set is refused, not believed.
 //!
+//! The searches are not inlined: each takes 2.5 KiB of the stack and more, and one after the other they share it.
+//!
 //! References: \[Parity\] and, for the global test, [Yang2015] §1.
 
 mod correlation;
@@ -104,32 +106,33 @@ pub struct Finding<T: Real> {
     pub sets: usize,
 }
 
-/// A snapshot and what a search in it needs.
+/// A snapshot in which a fault was detected, and what a search in it needs.
 struct Search<'s, T: Real, const N: usize> {
     snapshot: &'s Snapshot<T, N>,
     thresholds: &'s Thresholds<'s>,
     limits: &'s Limits,
-    rows: Vec<NormalisedRow<T>, N>,
+    rows: &'s [NormalisedRow<T>],
 }
 
-impl<'s, T: Real, const N: usize> Search<'s, T, N> {
-    /// Prepares a search; what there is to say where nothing is to be searched for.
-    fn begin(
-        snapshot: &'s Snapshot<T, N>,
-        thresholds: &'s Thresholds<'s>,
-        limits: &'s Limits,
-    ) -> Result<Self, Finding<T>> {
-        match detect(snapshot, thresholds) {
-            None => Err(Finding { set: Err(Identification::NoRedundancy), sets: 0 }),
-            Some(detection) if !detection.fault() => Err(Finding { set: Ok(Removal::none()), sets: 0 }),
-            Some(_) => Ok(Self { snapshot, thresholds, limits, rows: testable_rows(snapshot) }),
-        }
+/// Prepares a search and makes it; says what there is to say where nothing is to be searched for.
+fn search<T: Real, const N: usize>(
+    snapshot: &Snapshot<T, N>,
+    thresholds: &Thresholds<'_>,
+    limits: &Limits,
+    find: impl FnOnce(&Search<'_, T, N>) -> Finding<T>,
+) -> Finding<T> {
+    match detect(snapshot, thresholds) {
+        None => Finding { set: Err(Identification::NoRedundancy), sets: 0 },
+        Some(detection) if !detection.fault() => Finding { set: Ok(Removal::none()), sets: 0 },
+        Some(_) => find(&Search { snapshot, thresholds, limits, rows: &testable_rows(snapshot) }),
     }
+}
 
+impl<T: Real, const N: usize> Search<'_, T, N> {
     /// True when the rest passes the global test without a set.
     fn passes(&self, removal: &Removal<T>) -> bool {
         let threshold = self.thresholds.tau1(removal.dof(self.snapshot));
-        threshold.is_some_and(|threshold| removal.sse(&self.rows) < T::narrow(threshold))
+        threshold.is_some_and(|threshold| removal.sse(self.rows) < T::narrow(threshold))
     }
 
     /// Rows whose correlation reaches its threshold, none with fewer than two degrees of freedom.
@@ -146,15 +149,17 @@ impl<'s, T: Real, const N: usize> Search<'s, T, N> {
 /// Names all rows whose correlation with the parity vector is large, without testing what remains.
 ///
 /// Empty where nothing was detected.
+#[inline(never)]
 pub fn simultaneous<T: Real, const N: usize>(
     snapshot: &Snapshot<T, N>,
     thresholds: &Thresholds<'_>,
     limits: &Limits,
 ) -> Vec<usize, N> {
-    match Search::begin(snapshot, thresholds, limits) {
-        Ok(search) => gather(search.correlated().map(|row| row.index)),
-        Err(_) => Vec::new(),
+    if !detect(snapshot, thresholds).is_some_and(|detection| detection.fault()) {
+        return Vec::new();
     }
+    let search = Search { snapshot, thresholds, limits, rows: &testable_rows(snapshot) };
+    gather(search.correlated().map(|row| row.index))
 }
 
 /// Isolates by one of the methods and leaves the rows found out.
@@ -201,7 +206,7 @@ fn all_at_once<T: Real, const N: usize>(
     if set.len() > limits.rows() {
         return Err(Identification::NoSet);
     }
-    Ok(gather(set))
+    Ok(gather(set.iter().copied()))
 }
 
 /// Leaves a set of rows out of a solution and tests what remains.

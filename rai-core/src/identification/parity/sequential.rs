@@ -4,7 +4,7 @@
 //! removed. Unlike [`crate::identification::baarda::exclude_sequentially`] no threshold is asked of |w|: \[Parity\]
 //! trusts the global test of what remains.
 
-use super::{Finding, Limits, Search};
+use super::{Finding, Limits, Search, search};
 use crate::identification::baarda::Identification;
 use crate::real::Real;
 use crate::removal::Removal;
@@ -12,15 +12,13 @@ use crate::snapshot::Snapshot;
 use crate::threshold::Thresholds;
 
 /// Removes the worst row, again and again, from a snapshot in which a fault was detected.
+#[inline(never)]
 pub fn sequential<T: Real, const N: usize>(
     snapshot: &Snapshot<T, N>,
     thresholds: &Thresholds<'_>,
     limits: &Limits,
 ) -> Finding<T> {
-    match Search::begin(snapshot, thresholds, limits) {
-        Ok(search) => search.sequential(),
-        Err(finding) => finding,
-    }
+    search(snapshot, thresholds, limits, |search: &Search<'_, T, N>| search.sequential())
 }
 
 impl<T: Real, const N: usize> Search<'_, T, N> {
@@ -40,7 +38,7 @@ impl<T: Real, const N: usize> Search<'_, T, N> {
     /// The set with the row of the largest |w|, the first of equals.
     fn without_the_worst(&self, removal: &Removal<T>) -> Option<Removal<T>> {
         let (mut worst, mut largest) = (None, T::zero());
-        for row in &self.rows {
+        for row in self.rows {
             let squared = removal.explains_more(row);
             if squared > largest {
                 (worst, largest) = (Some(row), squared);

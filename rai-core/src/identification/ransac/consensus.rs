@@ -64,7 +64,9 @@ pub fn consensus<T: Real, const N: usize>(
     selection: &Selection<N>,
     limits: &Limits<'_>,
 ) -> Result<Consensus, NoConsensus> {
-    consensus_in(&mut Snapshot::unsolved(epoch.clone()), epoch, selection, limits)
+    let mut room = Snapshot::unsolved();
+    room.epoch_mut().copy_from(epoch);
+    consensus_in(&mut room, epoch, selection, limits)
 }
 
 /// The same in a room that holds the epoch's rows, and then the last subset's solution.

@@ -40,6 +40,7 @@ use super::parity::leave_out;
 use crate::detection::detect;
 use crate::probability::Probability;
 use crate::real::Real;
+use crate::snapshot::Snapshot;
 use crate::threshold::{ThresholdError, Thresholds};
 
 /// What disagreement means.
@@ -83,6 +84,7 @@ const fn certain(tail: f64) -> Probability {
 ///
 /// `selection` must have been made for the same satellites in the same order; one of another length counts as none.
 /// `solution` ends as the solution without the rows listed, solved again and tested again.
+#[inline(never)]
 pub fn exclude<T: Real, const N: usize>(
     solution: &mut impl Reducible<T, N>,
     selection: &Selection<N>,
@@ -94,7 +96,9 @@ pub fn exclude<T: Real, const N: usize>(
     if !detection.is_some_and(|detection| detection.fault()) {
         return exclude_sequentially(solution, thresholds);
     }
-    let mut room = snapshot.clone();
+    // Room to solve in: what the snapshot says of its rows is not needed there.
+    let mut room = Snapshot::unsolved();
+    room.epoch_mut().copy_from(snapshot.epoch());
     let Ok(consensus) = consensus::consensus_in(&mut room, snapshot.epoch(), selection, limits) else {
         return exclude_sequentially(solution, thresholds);
     };

@@ -15,6 +15,8 @@ mod answer;
 #[cfg(target_os = "none")]
 mod epochs;
 #[cfg(target_os = "none")]
+mod precision;
+#[cfg(target_os = "none")]
 mod request;
 #[cfg(target_os = "none")]
 mod semihosting;

@@ -6,19 +6,20 @@ use rai_core::clock::{CoastingClock, WINDOW};
 use rai_core::detection::detect;
 use rai_core::fix::Workspace;
 use rai_core::frame::Ecef;
-use rai_core::identification::{baarda, parity, ransac};
+use rai_core::identification::{parity, ransac};
 use rai_core::linear::LinearEpoch;
 use rai_core::monitor::{Method, Monitor, Strategy};
 use rai_core::protection::largest_slopes;
 use rai_core::real::Real;
 use rai_core::requirements::Requirements;
+use rai_core::single::{self, CAPACITY};
 use rai_core::snapshot::Snapshot;
 use rai_core::threshold::Thresholds;
 use rai_core::threshold::policy::{Demand, Policy};
-use rai_firmware::correction::CAPACITY;
 
 use crate::answer::Answers;
 use crate::epochs::{epoch, point};
+use crate::precision::Precision;
 use crate::request::{Input, Request};
 use crate::stopwatch::Stopwatch;
 use crate::wire;
@@ -32,16 +33,20 @@ pub fn run(request: &Request<'_>, stopwatch: &mut Stopwatch, answers: &mut Answe
     }
 }
 
-fn run_in<T: Real>(request: &Request<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers) -> Option<()> {
+fn run_in<T: Precision>(
+    request: &Request<'_>,
+    stopwatch: &mut Stopwatch,
+    answers: &mut Answers,
+) -> Option<()> {
     let input = request.input;
     match request.stage {
         0 => test::<T>(input, stopwatch, answers),
         1 => test_without_worst::<T>(input, stopwatch, answers),
-        2 => group::<T>(input, stopwatch, answers),
-        3 => vote::<T>(input, stopwatch, answers),
-        4 => select::<T>(input, stopwatch, answers),
-        5 => coast::<T>(input, stopwatch, answers),
-        6 => policy::<T>(input, stopwatch, answers),
+        2 => group(input, stopwatch, answers),
+        3 => vote(input, stopwatch, answers),
+        4 => select(input, stopwatch, answers),
+        5 => coast(input, stopwatch, answers),
+        6 => policy(input, stopwatch, answers),
         7 => judge::<T>(input, stopwatch, answers),
         8 => wire::decode(input, stopwatch, answers),
         9 => wire::locate(input, stopwatch, answers),
@@ -70,7 +75,7 @@ fn linear<T: Real>(mut input: Input<'_>) -> Option<LinearEpoch<T, CAPACITY>> {
 
 /// Snapshot, global test, w-tests, slopes, protection levels.
 #[inline(never)]
-fn test<T: Real>(input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers) -> Option<()> {
+fn test<T: Precision>(input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers) -> Option<()> {
     let (mut snapshot, thresholds) = (Snapshot::solve(linear::<T>(input)?).ok()?, thresholds()?);
     let (found, ticks) = stopwatch.time(|| {
         solve_in_place(&mut snapshot)?;
@@ -80,24 +85,24 @@ fn test<T: Real>(input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answ
 }
 
 /// As a fix does it, pass after pass: the equations stay where they are. No row was out that could be taken back.
-fn solve_in_place<T: Real>(snapshot: &mut Snapshot<T, CAPACITY>) -> Option<()> {
-    black_box(snapshot).take_back(0).ok()
+fn solve_in_place<T: Precision>(snapshot: &mut Snapshot<T, CAPACITY>) -> Option<()> {
+    T::take_back(black_box(snapshot), 0).ok()
 }
 
 /// What a snapshot is asked: statistic, largest w, largest slopes times √λ.
-fn tested<T: Real>(
+fn tested<T: Precision>(
     snapshot: &Snapshot<T, CAPACITY>,
     thresholds: &Thresholds<'_>,
 ) -> Option<(bool, usize, [f64; 3])> {
     let detection = detect(snapshot, thresholds)?;
-    let (worst, largest, _) = baarda::worst_two(snapshot)?;
-    let levels = largest_slopes(snapshot).protect(thresholds.lambda(snapshot.dof())?);
+    let (worst, largest, _) = T::worst_two(snapshot)?;
+    let levels = T::largest_slopes(snapshot).protect(thresholds.lambda(snapshot.dof())?);
     Some((detection.fault(), worst, [largest.widen(), levels.hpl_m, levels.vpl_m]))
 }
 
 /// The same with the worst row left out and the rest tested again.
 #[inline(never)]
-fn test_without_worst<T: Real>(
+fn test_without_worst<T: Precision>(
     input: Input<'_>,
     stopwatch: &mut Stopwatch,
     answers: &mut Answers,
@@ -106,7 +111,7 @@ fn test_without_worst<T: Real>(
     let (found, ticks) = stopwatch.time(|| {
         solve_in_place(&mut snapshot)?;
         let (_, worst, _) = tested(&snapshot, &thresholds)?;
-        snapshot.leave_out(worst).ok()?;
+        T::leave_out(&mut snapshot, worst).ok()?;
         tested(&snapshot, &thresholds)
     });
     answers.write(ticks, &found)
@@ -114,13 +119,13 @@ fn test_without_worst<T: Real>(
 
 /// Grouping up to a number of rows, which the first byte says.
 #[inline(never)]
-fn group<T: Real>(mut input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers) -> Option<()> {
+fn group(mut input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers) -> Option<()> {
     let rows = usize::from(input.byte()?);
-    let (epoch, thresholds) = (linear::<T>(input)?, thresholds()?);
+    let (epoch, thresholds) = (linear::<f32>(input)?, thresholds()?);
     let snapshot = Snapshot::solve(epoch).ok()?;
     let limits = parity::Limits { rows, ..parity::Limits::published() };
     let (found, ticks) = stopwatch.time(|| {
-        let finding = parity::grouping(black_box(&snapshot), &thresholds, &limits);
+        let finding = single::grouping(black_box(&snapshot), &thresholds, &limits);
         (finding.sets, finding.set.is_ok())
     });
     answers.write(ticks, &found)
@@ -128,33 +133,34 @@ fn group<T: Real>(mut input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut
 
 /// Range consensus with a selection that is at hand.
 #[inline(never)]
-fn vote<T: Real>(input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers) -> Option<()> {
-    let (epoch, thresholds) = (linear::<T>(input)?, thresholds()?);
+fn vote(input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers) -> Option<()> {
+    let (epoch, thresholds) = (linear::<f32>(input)?, thresholds()?);
     let limits = ransac::Limits::published().ok()?;
-    let selection = ransac::Selection::choose(&epoch, ransac::MAX_WORK);
+    let selection = single::choose(&epoch, ransac::MAX_WORK);
     let mut snapshot = Snapshot::solve(epoch).ok()?;
-    let (found, ticks) = stopwatch
-        .time(|| ransac::exclude(black_box(&mut snapshot), &selection, &thresholds, &limits).outcome);
+    let (found, ticks) = stopwatch.time(|| {
+        single::exclude_by_consensus(black_box(&mut snapshot), &selection, &thresholds, &limits).outcome
+    });
     answers.write(ticks, &found)
 }
 
 /// Range consensus with a new selection.
 #[inline(never)]
-fn select<T: Real>(input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers) -> Option<()> {
-    let (epoch, thresholds) = (linear::<T>(input)?, thresholds()?);
+fn select(input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers) -> Option<()> {
+    let (epoch, thresholds) = (linear::<f32>(input)?, thresholds()?);
     let limits = ransac::Limits::published().ok()?;
     let mut snapshot = Snapshot::solve(epoch.clone()).ok()?;
     let (found, ticks) = stopwatch.time(|| {
-        let selection = ransac::Selection::choose(black_box(&epoch), ransac::MAX_WORK);
-        ransac::exclude(&mut snapshot, &selection, &thresholds, &limits).outcome
+        let selection = single::choose(black_box(&epoch), ransac::MAX_WORK);
+        single::exclude_by_consensus(&mut snapshot, &selection, &thresholds, &limits).outcome
     });
     answers.write(ticks, &found)
 }
 
 /// One more value into a full window, and the forecast from it. The input is the clock, one double a second.
 #[inline(never)]
-fn coast<T: Real>(mut input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers) -> Option<()> {
-    let mut clock = CoastingClock::<T>::new();
+fn coast(mut input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers) -> Option<()> {
+    let mut clock = CoastingClock::<f32>::new();
     let mut time_s = 0.0;
     for _ in 0..WINDOW {
         clock.observe(time_s, input.double()?, 0.3);
@@ -162,28 +168,28 @@ fn coast<T: Real>(mut input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut
     }
     let next_m = input.double()?;
     let (forecast, ticks) = stopwatch.time(|| {
-        black_box(&mut clock).observe(time_s, next_m, 0.3);
-        clock.forecast(time_s + 1.0)
+        single::observe(black_box(&mut clock), time_s, next_m, 0.3);
+        single::forecast(&clock, time_s + 1.0)
     });
     answers.write(ticks, &forecast)
 }
 
 /// The threshold of a policy for a geometry that is new. The first byte is the policy.
 #[inline(never)]
-fn policy<T: Real>(mut input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers) -> Option<()> {
+fn policy(mut input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers) -> Option<()> {
     let policy = policy_of(input.byte()?)?;
-    let snapshot = Snapshot::solve(linear::<T>(input)?).ok()?;
+    let snapshot = Snapshot::solve(linear::<f32>(input)?).ok()?;
     let (slopes, thresholds) = (largest_slopes(&snapshot), thresholds()?);
     let (found, ticks) = stopwatch.time(|| {
         let demand = Demand::new(black_box(snapshot.dof()), slopes, &requirements(), thresholds);
-        demand.threshold::<T>(policy)
+        single::threshold(&demand, policy)
     });
     answers.write(ticks, &found)
 }
 
 /// One monitor over several epochs: method, policy, clock aiding, start, number of epochs. An answer for each.
 #[inline(never)]
-fn judge<T: Real>(mut input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers) -> Option<()> {
+fn judge<T: Precision>(mut input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers) -> Option<()> {
     let strategy = Strategy {
         method: method_of(input.byte()?)?,
         policy: policy_of(input.byte()?)?,
@@ -194,7 +200,7 @@ fn judge<T: Real>(mut input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut
     monitor.start_from(start(point(&mut input)?));
     for _ in 0..input.byte()? {
         let epoch = epoch(&mut input)?;
-        let (report, ticks) = stopwatch.time(|| monitor.process(black_box(&epoch)));
+        let (report, ticks) = stopwatch.time(|| T::process(&mut monitor, black_box(&epoch)));
         answers.write(ticks, &report)?;
     }
     Some(())

@@ -20,6 +20,7 @@ use rai_core::removal::{self, NormalisedRow, Removal};
 use rai_core::report::Solution;
 use rai_core::requirements::{Requirements, RequirementsError};
 use rai_core::satellite::{Constellation, SatelliteId};
+use rai_core::single;
 use rai_core::snapshot::{Snapshot, SnapshotError};
 use rai_core::threshold::chi2::ChiSquare;
 use rai_core::threshold::policy::{self, Demand, Weights};
@@ -207,11 +208,30 @@ fn the_pipeline<T: Real>() {
 
 /// What is absolute, and so has one precision only, and what computes nothing.
 pub fn reach_what_has_no_precision() {
+    as_a_module_runs_it();
     frames();
     requirements();
     epochs();
     tables();
     errors();
+}
+
+fn as_a_module_runs_it() {
+    reach!(
+        single::process as fn(_, _) -> _,
+        single::position as fn(_, _) -> _,
+        single::solve as fn(_) -> _,
+        single::leave_out as fn(_, _) -> _,
+        single::take_back as fn(_, _) -> _,
+        single::worst_two as fn(_) -> _,
+        single::largest_slopes as fn(_) -> _,
+        single::grouping as fn(_, _, _) -> _,
+        single::choose as fn(_, _) -> _,
+        single::exclude_by_consensus as fn(_, _, _, _) -> _,
+        single::observe as fn(_, _, _, _) -> _,
+        single::forecast as fn(_, _) -> _,
+        single::threshold as fn(_, _) -> _,
+    );
 }
 
 fn frames() {

@@ -1,0 +1,68 @@
+//! The core in either precision: single as the shipped image has it ([`rai_core::single`]), double as compiled here.
+
+use rai_core::epoch::Epoch;
+use rai_core::identification::baarda;
+use rai_core::monitor::Monitor;
+use rai_core::protection::{self, Slopes};
+use rai_core::real::Real;
+use rai_core::report::Report;
+use rai_core::single::{self, CAPACITY};
+use rai_core::snapshot::{Snapshot, SnapshotError};
+
+/// The stages that are measured in both precisions.
+pub trait Precision: Real {
+    /// [`Snapshot::leave_out`].
+    fn leave_out(snapshot: &mut Snapshot<Self, CAPACITY>, index: usize) -> Result<(), SnapshotError>;
+    /// [`Snapshot::take_back`].
+    fn take_back(snapshot: &mut Snapshot<Self, CAPACITY>, index: usize) -> Result<(), SnapshotError>;
+    /// [`baarda::worst_two`].
+    fn worst_two(snapshot: &Snapshot<Self, CAPACITY>) -> Option<(usize, Self, Self)>;
+    /// [`protection::largest_slopes`].
+    fn largest_slopes(snapshot: &Snapshot<Self, CAPACITY>) -> Slopes<Self>;
+    /// [`Monitor::process`].
+    fn process(monitor: &mut Monitor<Self, CAPACITY>, epoch: &Epoch<CAPACITY>) -> Report<CAPACITY>;
+}
+
+impl Precision for f32 {
+    fn leave_out(snapshot: &mut Snapshot<Self, CAPACITY>, index: usize) -> Result<(), SnapshotError> {
+        single::leave_out(snapshot, index)
+    }
+
+    fn take_back(snapshot: &mut Snapshot<Self, CAPACITY>, index: usize) -> Result<(), SnapshotError> {
+        single::take_back(snapshot, index)
+    }
+
+    fn worst_two(snapshot: &Snapshot<Self, CAPACITY>) -> Option<(usize, Self, Self)> {
+        single::worst_two(snapshot)
+    }
+
+    fn largest_slopes(snapshot: &Snapshot<Self, CAPACITY>) -> Slopes<Self> {
+        single::largest_slopes(snapshot)
+    }
+
+    fn process(monitor: &mut Monitor<Self, CAPACITY>, epoch: &Epoch<CAPACITY>) -> Report<CAPACITY> {
+        single::process(monitor, epoch)
+    }
+}
+
+impl Precision for f64 {
+    fn leave_out(snapshot: &mut Snapshot<Self, CAPACITY>, index: usize) -> Result<(), SnapshotError> {
+        snapshot.leave_out(index)
+    }
+
+    fn take_back(snapshot: &mut Snapshot<Self, CAPACITY>, index: usize) -> Result<(), SnapshotError> {
+        snapshot.take_back(index)
+    }
+
+    fn worst_two(snapshot: &Snapshot<Self, CAPACITY>) -> Option<(usize, Self, Self)> {
+        baarda::worst_two(snapshot)
+    }
+
+    fn largest_slopes(snapshot: &Snapshot<Self, CAPACITY>) -> Slopes<Self> {
+        protection::largest_slopes(snapshot)
+    }
+
+    fn process(monitor: &mut Monitor<Self, CAPACITY>, epoch: &Epoch<CAPACITY>) -> Report<CAPACITY> {
+        monitor.process(epoch)
+    }
+}
