@@ -27,8 +27,8 @@
 //! A row of weight 0 is left out: it contributes nothing, keeps its index, and its residual is that of a prediction.
 //! No n×n matrix is stored; [`Snapshot::projection`] gives `S_ij` on demand.
 //!
-//! Cost on a Cortex-M4F in `f32`: 27,000 instructions for 20 satellites, 32,000 for 40. References: [Baarda1968] for the
-//! redundancy numbers; the elimination of nuisance columns is the Frisch–Waugh–Lovell theorem.
+//! Cost of a solve on a Cortex-M4F in `f32`: 3,400 instructions for 20 satellites of two constellations. References:
+//! [Baarda1968] for the redundancy numbers; the elimination of nuisance columns is the Frisch–Waugh–Lovell theorem.
 
 use core::fmt;
 

@@ -14,8 +14,8 @@
 //! unavailable are therefore never stale, however long it lasts: the pin went low with the first of them.
 //!
 //! Deadline: an epoch is judged within the call of [`Receiver::gnss`] that brings its last byte; the pin is set before
-//! a sentence is written. The dearest epoch that is known takes 4.2 million instructions (40 satellites, two of them
-//! faulty, a new selection of range consensus), the dearest first one, which brings all ephemerides, 5.2 million: 25 ms
+//! a sentence is written. The dearest epoch that is known takes 4.1 million instructions (40 satellites, two of them
+//! faulty, a new selection of range consensus), the dearest first one, which brings all ephemerides, 5.3 million: 24 ms
 //! and 31 ms at 168 MHz and one instruction a cycle (`cargo xtask bench`). A silent line is noticed by [`Receiver::tick`], to be called at least ten times a second.
 
 use embedded_hal::digital::OutputPin;

@@ -1,9 +1,12 @@
 //! One sentence: `$address,field,…*CS` CR LF, built field by field in a fixed buffer.
 //!
 //! The checksum is the exclusive or of all characters between `$` and `*`. Each method of [`Sentence`] appends one
-//! field with its leading comma and hands the sentence on, which stays where it is: moving it with each field took a
-//! fifth of the time. Digits come from 32-bit divisions, which the processor has; one by 64 bits costs as much as twenty. A sentence that outgrows 82 characters remembers it and is not sent: whoever
-//! builds one chooses its fields so that it cannot, or falls back to a coarser form.
+//! field with its leading comma and hands the sentence on, which stays where it is. A sentence that outgrows 82
+//! characters remembers it and is not sent: whoever builds one chooses its fields so that it cannot, or falls back to a
+//! coarser form.
+//!
+//! Numbers are rounded to the nearest, halves to the even neighbour, and written by 32-bit divisions where they fit: the
+//! processor has these, and those of 64 bits are long calls.
 
 use embedded_io::Write;
 use heapless::Vec;
