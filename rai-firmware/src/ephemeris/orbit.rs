@@ -17,7 +17,8 @@
 //! | `Δt_r` | `relativity_s` | s |
 //!
 //! On a core without double precision a sine costs as much as thirty multiplications, so angles are carried as sine
-//! and cosine and turned by products, and what is only a correction is worked out in single precision; four `sincos` serve a satellite, five a geostationary one.
+//! and cosine and turned by products, and what is only a correction is worked out in single precision; four `sincos`
+//! serve a satellite, five a geostationary one.
 //!
 //! References: [IS-GPS-200] table 20-IV; [OS-SIS-ICD] table 64; [BDS-SIS-B1I] table 5-11.
 
