@@ -7,6 +7,7 @@ mod geometry;
 mod parity;
 mod removal;
 mod snapshot;
+mod worst;
 
 /// The same second opinion that recordings are held against.
 #[path = "../../../tests-host/src/oracle.rs"]
