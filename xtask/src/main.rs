@@ -10,6 +10,7 @@ mod flash;
 mod fuzz;
 mod miri;
 mod monitor;
+mod mutants;
 mod nightly;
 mod replay;
 mod reproduce;
@@ -47,6 +48,8 @@ enum Command {
     Miri,
     /// Says which lines of the core its tests reach. Needs cargo-llvm-cov.
     Coverage(coverage::Arguments),
+    /// Changes the core, and looks whether a test notices. Needs cargo-mutants, and hours.
+    Mutants(mutants::Arguments),
     /// The papers' tables and figures beside ours.
     Reproduce(reproduce::Arguments),
     /// Judges linearised epochs: JSON lines in, JSON lines out.
@@ -76,6 +79,7 @@ fn main() -> ExitCode {
         Command::Fuzz(arguments) => fuzz::run(&arguments),
         Command::Miri => miri::run(),
         Command::Coverage(arguments) => coverage::run(&arguments),
+        Command::Mutants(arguments) => mutants::run(&arguments),
         Command::Reproduce(arguments) => reproduce::run(&arguments),
         Command::Evaluate(arguments) => evaluate::run(arguments),
         Command::Soak(arguments) => soak::run(&arguments),
