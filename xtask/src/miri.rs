@@ -8,21 +8,12 @@ use anyhow::{Context as _, ensure};
 /// As the chip: 32 bits, little-endian; and square roots are no inline assembly there, which Miri cannot interpret.
 const TARGET: &str = "armv7-unknown-linux-gnueabihf";
 
-/// The tests that are interpreted: small ones that reach every container and every solve.
+/// The tests that are interpreted: small ones that reach every container and every solve, but for the clock's. Its
+/// Cholesky factor is nalgebra's, which borrows one column while it writes to another: more than Miri's stacked borrows
+/// allow.
 const TESTS: [&[&str]; 3] = [
     &["--package", "rai-core", "--lib"],
-    &[
-        "--package",
-        "rai-core",
-        "--test",
-        "epoch",
-        "--test",
-        "frame",
-        "--test",
-        "monitor",
-        "--test",
-        "strategy",
-    ],
+    &["--package", "rai-core", "--test", "epoch", "--test", "frame", "--test", "monitor"],
     &["--package", "rai-firmware", "--lib"],
 ];
 
