@@ -25,7 +25,7 @@ pub(crate) fn run() -> anyhow::Result<()> {
         let mut command =
             crate::nightly::cargo(&["miri", "test", "--target", TARGET, "--target-dir", "target/miri"]);
         // No file is read but by tests that look for reference values, and those are skipped without.
-        command.args(tests).env("MIRIFLAGS", "-Zmiri-disable-isolation");
+        command.args(tests).env("MIRIFLAGS", "-Zmiri-disable-isolation").env("PROPTEST_CASES", "8");
         let status = command.status().context("miri cannot be run")?;
         ensure!(status.success(), "`cargo miri test {}` failed", tests.join(" "));
     }
