@@ -24,7 +24,7 @@
 //! | [`oracle`], [`chi_square`], [`ransac_traditional`], [`gpsd`] | second opinions: dense least squares, exact tails, every subset, another program |
 //! | [`tables`] | the threshold tables and their check |
 //! | [`no_panic`] | the proof that nothing panics, by the linker |
-//! | [`bench`], [`laboratory`] | what each stage costs on the chip; single stages on the emulated core |
+//! | [`bench`](mod@bench), [`laboratory`] | what each stage costs on the chip; single stages on the emulated core |
 //! | [`fuzzing`] | what a fuzzer does to the ports, the orbits and the core |
 //! | [`soak`] | hours on the emulated board with everything that can go wrong |
 //! | [`setup`], [`shared`], [`stations`] | what a machine lacks; where reference files lie, and what they are of |

@@ -1,6 +1,8 @@
 //! `cargo xtask test`: everything that must hold.
 //!
-//! Each step runs whatever became of the ones before it, so that one run tells all that is wrong.
+//! Each step runs whatever became of the ones before it, so that one run tells all that is wrong. There are two lanes of
+//! them, which build in folders of their own: linking an image as a whole keeps one core busy, and leaves the other to the
+//! host.
 
 use std::path::Path;
 use std::process::Command;
@@ -17,24 +19,38 @@ pub(crate) struct Arguments {
     bless: bool,
 }
 
-type Step = (&'static str, Box<dyn Fn() -> anyhow::Result<()>>);
+type Step = (&'static str, Box<dyn Fn() -> anyhow::Result<()> + Send>);
+
+/// What became of a step, and how long it took, s.
+type Outcome = (&'static str, Option<anyhow::Error>, f64);
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     tests_host::setup::ensure()?;
-    let mut outcomes = Vec::new();
-    for (name, step) in steps(arguments.bless) {
+    let (on_host, on_target) = (on_host(arguments.bless), on_target());
+    let outcomes: Vec<Outcome> = std::thread::scope(|scope| {
+        let target = scope.spawn(|| walk(on_target));
+        let host = walk(on_host);
+        let target = target.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+        host.into_iter().chain(target).collect()
+    });
+    summarise(&outcomes)
+}
+
+/// One step after another.
+fn walk(steps: Vec<Step>) -> Vec<Outcome> {
+    let take = |(name, step): Step| {
         let start = Instant::now();
         let failure = step().err();
         if let Some(failure) = &failure {
             eprintln!("{name}: {failure:#}");
         }
-        outcomes.push((name, failure, start.elapsed().as_secs_f64()));
-    }
-    summarise(&outcomes)
+        (name, failure, start.elapsed().as_secs_f64())
+    };
+    steps.into_iter().map(take).collect()
 }
 
-fn summarise(outcomes: &[(&str, Option<anyhow::Error>, f64)]) -> anyhow::Result<()> {
+fn summarise(outcomes: &[Outcome]) -> anyhow::Result<()> {
     println!();
     for (name, failure, seconds) in outcomes {
         let word = if failure.is_some() { "FAILED" } else { "passed" };
@@ -56,26 +72,32 @@ const FIRMWARE: [&str; 7] = [
     "warnings",
 ];
 
-fn steps(bless: bool) -> Vec<Step> {
-    let mut clippy_target = vec!["clippy"];
-    clippy_target.extend(FIRMWARE);
+fn on_host(bless: bool) -> Vec<Step> {
     vec![
         ("format", cargo(&["fmt", "--all", "--check"])),
         ("lints, host", cargo(&["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"])),
+        ("tests", Box::new(move || tests(bless))),
+        ("documentation's examples", cargo(&["test", "--workspace", "--doc"])),
+        ("documentation", Box::new(documentation)),
+    ]
+}
+
+/// And what builds beside both: the fuzzing targets.
+fn on_target() -> Vec<Step> {
+    let mut clippy_target = vec!["clippy"];
+    clippy_target.extend(FIRMWARE);
+    vec![
         ("lints, target", cargo(&clippy_target)),
         ("image", Box::new(|| image::build().map(drop))),
         ("memory of the image", Box::new(sizes)),
         ("no panic", Box::new(tests_host::no_panic::prove)),
         ("costs on the target", Box::new(costs)),
         ("threshold tables", Box::new(tables)),
-        ("tests", Box::new(move || tests(bless))),
         ("hostile input", Box::new(crate::fuzz::smoke)),
-        ("documentation's examples", cargo(&["test", "--workspace", "--doc"])),
-        ("documentation", Box::new(documentation)),
     ]
 }
 
-pub(crate) fn cargo(arguments: &[&str]) -> Box<dyn Fn() -> anyhow::Result<()>> {
+pub(crate) fn cargo(arguments: &[&str]) -> Box<dyn Fn() -> anyhow::Result<()> + Send> {
     let arguments: Vec<String> = arguments.iter().map(ToString::to_string).collect();
     Box::new(move || spawn(&mut command(&arguments)))
 }
