@@ -3,10 +3,17 @@
 use std::path::Path;
 use std::process::Command;
 
+/// The boards, by feature and folder.
+const BOARDS: [(&str, &str); 2] = [("STM32F405", "stm32f405"), ("MPS2_AN500", "mps2_an500")];
+
 fn main() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    println!("cargo::rustc-link-search={}", root.display());
-    println!("cargo::rerun-if-changed=../memory.x");
+    let board =
+        BOARDS.iter().find(|(feature, _)| std::env::var_os(format!("CARGO_FEATURE_{feature}")).is_some());
+    if let Some((_, folder)) = board {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/board").join(folder);
+        println!("cargo::rustc-link-search={}", folder.display());
+        println!("cargo::rerun-if-changed={}", folder.join("memory.x").display());
+    }
     println!("cargo::rustc-env=RAI_GIT={}", commit().unwrap_or_else(|| "unknown".into()));
     // A commit moves HEAD or the branch it names; the log of HEAD grows with either.
     for path in ["HEAD", "logs/HEAD"].into_iter().filter_map(|name| git(&["rev-parse", "--git-path", name])) {

@@ -7,6 +7,7 @@
 //! | symbol | field | unit |
 //! |---|---|---|
 //! | `ρ` | `range_m` | m, corrected for the satellite's clock and for the atmosphere, receiver clock left in |
+//! | `m` | `common_m`, the part of the error that all ranges share ([`crate::integrity::residuals::levels`]) | m at one sigma |
 //! | `σ` | `sigma_m` | m, standard deviation of the corrected range ([`crate::weighting`]) |
 
 use core::fmt;
@@ -15,6 +16,7 @@ use heapless::Vec;
 
 use crate::frame::Ecef;
 use crate::satellite::{Constellation, SatelliteId};
+use crate::weighting::adaptation::Adaptation;
 
 /// Bounds of what a range to a navigation satellite can be, receiver clock included, m.
 ///
@@ -46,6 +48,8 @@ pub struct Observation {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Aiding {
     /// A predicted receiver clock of one constellation ([Chen2009]).
+    ///
+    /// [Chen2009]: crate#references
     Clock {
         /// Whose clock.
         constellation: Constellation,
@@ -98,6 +102,8 @@ impl core::error::Error for EpochError {}
 pub struct Epoch<const N: usize> {
     time_s: f64,
     observations: Vec<Observation, N>,
+    /// As many as observations.
+    common_m: Vec<f32, N>,
     aiding: Vec<Aiding, 2>,
 }
 
@@ -108,7 +114,14 @@ impl<const N: usize> Epoch<N> {
     /// finite counts as 0.
     pub fn new(time_s: f64) -> Self {
         let time_s = if time_s.is_finite() { time_s } else { 0.0 };
-        Self { time_s, observations: Vec::new(), aiding: Vec::new() }
+        Self { time_s, observations: Vec::new(), common_m: Vec::new(), aiding: Vec::new() }
+    }
+
+    /// Empties the epoch for another instant, where it lies: who judges epoch after epoch need not make each anew.
+    pub fn restart(&mut self, time_s: f64) {
+        self.time_s = if time_s.is_finite() { time_s } else { 0.0 };
+        self.observations.clear();
+        self.aiding.clear();
     }
 
     /// Adds a satellite.
@@ -116,6 +129,15 @@ impl<const N: usize> Epoch<N> {
     /// # Errors
     /// [`EpochError`] names what is wrong with it; the epoch is then unchanged.
     pub fn push(&mut self, observation: Observation) -> Result<(), EpochError> {
+        self.push_sharing(observation, 0.0)
+    }
+
+    /// Adds a satellite whose range shares an error with others: `common_m` at one sigma, of one sign in all of them, as
+    /// what a model of the ionosphere misses.
+    ///
+    /// # Errors
+    /// As [`Self::push`]; [`EpochError::Sigma`] also where `common_m` is negative, not finite or absurd.
+    pub fn push_sharing(&mut self, observation: Observation, common_m: f32) -> Result<(), EpochError> {
         // A NaN fails every one of these comparisons.
         if !(observation.range_m.abs() <= RANGE_LIMIT_M) {
             return Err(EpochError::Range);
@@ -123,13 +145,14 @@ impl<const N: usize> Epoch<N> {
         if !RADIUS_M.contains(&observation.position.radius_m()) {
             return Err(EpochError::Position);
         }
-        if !SIGMA_M.contains(&observation.sigma_m) {
+        if !SIGMA_M.contains(&observation.sigma_m) || !(0.0..=1e6).contains(&common_m) {
             return Err(EpochError::Sigma);
         }
         if self.observations.iter().any(|known| known.satellite == observation.satellite) {
             return Err(EpochError::Duplicate);
         }
-        self.observations.push(observation).map_err(|_| EpochError::Full)
+        self.observations.push(observation).map_err(|_| EpochError::Full)?;
+        self.common_m.push(common_m).map_err(|_| EpochError::Full)
     }
 
     /// Adds outside knowledge: one clock and one height at most.
@@ -165,6 +188,11 @@ impl<const N: usize> Epoch<N> {
         &self.observations
     }
 
+    /// What each observation's error shares with the others', one sigma, m, in the same order.
+    pub fn common_m(&self) -> &[f32] {
+        &self.common_m
+    }
+
     /// The aiding rows, in the order they were added.
     pub fn aiding(&self) -> &[Aiding] {
         &self.aiding
@@ -176,18 +204,31 @@ impl<const N: usize> Epoch<N> {
 pub(crate) struct Aided<'e, const N: usize> {
     epoch: &'e Epoch<N>,
     forecast: Option<Aiding>,
+    /// On all sigmas, dimensionless, where there is one.
+    scale: Option<f64>,
 }
 
 impl<'e, const N: usize> Aided<'e, N> {
     /// The epoch by itself.
     pub(crate) fn alone(epoch: &'e Epoch<N>) -> Self {
-        Self { epoch, forecast: None }
+        Self { epoch, forecast: None, scale: None }
     }
 
     /// The epoch with a forecast, where it has room for the row and knows nothing of the kind.
     pub(crate) fn by(epoch: &'e Epoch<N>, forecast: Option<Aiding>) -> Self {
         let has_room = epoch.observations.len() + epoch.aiding.len() < N;
-        Self { epoch, forecast: forecast.filter(|forecast| has_room && epoch.accepts(forecast).is_ok()) }
+        let forecast = forecast.filter(|forecast| has_room && epoch.accepts(forecast).is_ok());
+        Self { epoch, forecast, scale: None }
+    }
+
+    /// The same with all sigmas multiplied by a scale, where there is one.
+    pub(crate) fn scaled(self, scale: Option<f64>) -> Self {
+        Self { scale, ..self }
+    }
+
+    /// Standard deviation of one of the epoch's observations, m.
+    pub(crate) fn sigma_m(&self, observation: &Observation) -> f64 {
+        self.scale.map_or(observation.sigma_m, |scale| Adaptation::sigma_m(scale, observation))
     }
 
     /// The epoch without the forecast.

@@ -19,11 +19,11 @@
 use core::fmt;
 
 use crate::epoch::{Aided, Aiding, Epoch};
+use crate::equations::LinearEpoch;
 use crate::frame::{Ecef, Enu, LocalFrame, Lookout};
-use crate::identification::baarda::Reducible;
-use crate::linear::LinearEpoch;
-use crate::real::Real;
-use crate::snapshot::{Snapshot, SnapshotError};
+use crate::integrity::separation::{Removable, View};
+use crate::numeric::real::Real;
+use crate::snapshot::{Reducible, Snapshot, SnapshotError};
 
 /// A pass whose correction is below this is the last one, m.
 const CONVERGED_M: f64 = 10.0;
@@ -58,7 +58,7 @@ impl fmt::Display for FixError {
 
 impl core::error::Error for FixError {}
 
-/// Room for the equations of a fix and their solution, used again from pass to pass: what is large is never moved.
+/// Memory for the equations of a fix and their solution, used again from pass to pass: what is large is never moved.
 #[derive(Clone, Debug)]
 pub struct Workspace<T: Real, const N: usize>(Snapshot<T, N>);
 
@@ -69,7 +69,7 @@ impl<T: Real, const N: usize> Default for Workspace<T, N> {
 }
 
 impl<T: Real, const N: usize> Workspace<T, N> {
-    /// Empty room.
+    /// Nothing solved yet.
     pub fn new() -> Self {
         Self(Snapshot::unsolved())
     }
@@ -96,7 +96,7 @@ pub struct Fix<'r, T: Real, const N: usize> {
 }
 
 impl<'r, T: Real, const N: usize> Fix<'r, T, N> {
-    /// As [`Workspace::fix`], with a forecast beside the epoch and in any room.
+    /// As [`Workspace::fix`], with a forecast beside the epoch and in any workspace.
     pub(crate) fn about(
         snapshot: &'r mut Snapshot<T, N>,
         aided: Aided<'r, N>,
@@ -107,9 +107,10 @@ impl<'r, T: Real, const N: usize> Fix<'r, T, N> {
         Ok(Self { aided, point, frame, snapshot })
     }
 
-    /// What was solved.
-    pub(crate) fn aided(&self) -> &Aided<'r, N> {
-        &self.aided
+    /// The row of a clock's forecast, or of one that the epoch came with.
+    pub fn clock_row(&self) -> Option<usize> {
+        let is_clock = |aiding: &Aiding| matches!(aiding, Aiding::Clock { .. });
+        Some(self.aided.epoch().observations().len() + self.aided.aiding().position(is_clock)?)
     }
 
     /// The position.
@@ -170,9 +171,32 @@ impl<T: Real, const N: usize> Reducible<T, N> for Fix<'_, T, N> {
         followed
     }
 
-    fn take_back(&mut self, index: usize) -> Result<(), SnapshotError> {
-        // The point stays: what is compared next are exclusions of the same epoch about the same point.
-        self.snapshot.take_back(index)
+    fn take_back(&mut self, rows: &[usize]) -> Result<(), SnapshotError> {
+        Reducible::take_back(self.snapshot, rows)
+    }
+
+    fn set_aside(&mut self, rows: &[usize]) -> Result<(), SnapshotError> {
+        Reducible::set_aside(self.snapshot, rows)
+    }
+}
+
+impl<T: Real, const N: usize> Removable<T> for Fix<'_, T, N> {
+    fn view(&self) -> View<'_, T> {
+        self.snapshot.view()
+    }
+
+    fn leave_out_all(&mut self, rows: u64) -> Result<(), SnapshotError> {
+        let before = self.left_out();
+        self.snapshot.leave_out_all(rows)?;
+        let followed = self.follow();
+        if followed.is_err() {
+            self.restore(before);
+        }
+        followed
+    }
+
+    fn take_back_all(&mut self, rows: u64) {
+        self.snapshot.take_back_all(rows);
     }
 }
 
@@ -195,8 +219,6 @@ fn bit(index: usize) -> u64 {
 }
 
 /// Gauss–Newton: the solution is in the snapshot, the point and frame that it is relative to are returned.
-///
-/// Not inlined: it is called from several places.
 #[inline(never)]
 fn converge<T: Real, const N: usize>(
     snapshot: &mut Snapshot<T, N>,
@@ -237,7 +259,7 @@ fn linearise<T: Real, const N: usize>(
         let sight = lookout.sight(observation.position);
         let longer_m = observation.range_m - sight.distance_m;
         let constellation = observation.satellite.constellation();
-        linear.sighted(constellation, &sight, longer_m, observation.sigma_m).ok()?;
+        linear.sighted(constellation, &sight, longer_m, aided.sigma_m(observation)).ok()?;
     }
     for aiding in aided.aiding() {
         match *aiding {

@@ -10,21 +10,31 @@
 //!
 //! Assumes the WGS 84 ellipsoid; the ellipsoids of the other systems differ by less than 0.1 mm at the surface.
 //! References: [WGS84], [Bowring1985] for the latitude.
+//!
+//! [WGS84]: crate#references
+//! [Bowring1985]: crate#references
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::real::Real;
+use crate::numeric::real::Real;
 
 /// Speed of light in vacuum, m/s (exact by definition of the metre).
 pub const SPEED_OF_LIGHT_M_S: f64 = 299_792_458.0;
 
 /// Rotation rate of the earth in inertial space, rad/s ([WGS84], [IS-GPS-200] table 20-IV).
+///
+/// [WGS84]: crate#references
+/// [IS-GPS-200]: crate#references
 pub const EARTH_ROTATION_RAD_S: f64 = 7.292_115_146_7e-5;
 
 /// Semi-major axis of the ellipsoid, m ([WGS84]).
+///
+/// [WGS84]: crate#references
 pub const SEMI_MAJOR_AXIS_M: f64 = 6_378_137.0;
 
 /// Flattening of the ellipsoid, dimensionless ([WGS84]).
+///
+/// [WGS84]: crate#references
 pub const FLATTENING: f64 = 1.0 / 298.257_223_563;
 
 /// First eccentricity squared, derived.
@@ -148,6 +158,8 @@ impl LocalFrame {
     /// Latitude by one step of [Bowring1985] (error below 1e-11 rad from the ground to 30,000 km), with square
     /// roots only, no trigonometric function. On the earth's axis the longitude is 0; within 1 km of the centre,
     /// where no direction is up, the frame is that of latitude 0, longitude 0.
+    ///
+    /// [Bowring1985]: crate#references
     pub fn at(point: Ecef) -> Self {
         let radius_m = point.radius_m();
         // Also the way out for NaN and infinity, which no range contains.

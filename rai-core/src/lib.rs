@@ -9,14 +9,14 @@
 //! |---|---|---|
 //! | 1 | [`epoch`] | are these ranges numbers at all? |
 //! | 2 | [`fix`] | where are we? |
-//! | 3 | [`linear`], [`snapshot`] | what does each range say of the others? |
-//! | 4 | [`detection`] | is something wrong? |
-//! | 5 | [`identification`] | which satellite is it? |
-//! | 6 | [`protection`] | how wrong could we be without noticing? |
+//! | 3 | [`equations`], [`snapshot`] | what does each range say of the others? |
+//! | 4 | [`detection`](integrity::residuals::detection) | is something wrong? |
+//! | 5 | [`baarda`](integrity::residuals::baarda), [`parity`](integrity::residuals::parity), [`ransac`](integrity::residuals::ransac) | which satellite is it? |
+//! | 6 | [`levels`](integrity::residuals::levels) | how wrong could we be without noticing? |
 //! | 7 | [`monitor`] → [`report`] | may the position be used? |
 //!
 //! beside them [`removal`] (any set of satellites left out by algebra), [`weighting`] (what a sigma is made of),
-//! [`clock`] (a forecast of the receiver clock as one more row), [`threshold`] (committed tables), [`frame`]
+//! [`clock`] (a forecast of the receiver clock as one more row), [`threshold`](integrity::residuals::threshold) (committed tables), [`frame`]
 //! (WGS 84) and [`single`] (all of it as a microcontroller runs it).
 //!
 //! ```
@@ -48,7 +48,7 @@
 //!
 //! # Numeric rule
 //!
-//! What is absolute is `f64`; what is linearised is generic over [`real::Real`]. The Cortex-M4F runs the latter in
+//! What is absolute is `f64`; what is linearised is generic over [`Real`](numeric::real::Real). The Cortex-M4F runs the latter in
 //! `f32`; tests hold both to the same reference. All transcendental functions are libm's, so that the same epochs
 //! give the same reports on every machine, bit for bit.
 //!
@@ -64,14 +64,18 @@
 //! |---|---|
 //! | Abramowitz1964 | M. Abramowitz, I. A. Stegun, *Handbook of mathematical functions*, NBS 1964 |
 //! | Baarda1968 | W. Baarda, *A testing procedure for use in geodetic networks*, Delft 1968 |
+//! | Blanch2015 | J. Blanch et al., *Baseline advanced RAIM user algorithm and possible improvements*, IEEE Trans. AES 51(1) (2015) |
 //! | Bowring1985 | B. R. Bowring, *The accuracy of geodetic latitude and height equations*, Survey Review 28 (1985) |
 //! | Brown1992 | R. G. Brown, *A baseline GPS RAIM scheme*, Navigation 39 (1992) |
 //! | Chen2009 | Chen Xiaoping et al., receiver-clock aided RAIM, J. Astronautics 30(1) (2009) 271–275 |
+//! | Cody1969 | W. J. Cody, *Rational Chebyshev approximations for the error function*, Math. Comp. 23 (1969) 631–637 |
 //! | DLMF | *NIST digital library of mathematical functions*, dlmf.nist.gov |
 //! | DO-229 | RTCA, *Minimum operational performance standards for GPS/WAAS airborne equipment* |
 //! | ICAO-A10 | ICAO Annex 10, Volume I, table 3.7.2.4-1 |
 //! | IS-GPS-200 | *NAVSTAR GPS space segment/navigation user interfaces* |
+//! | Klobuchar1987 | J. A. Klobuchar, *Ionospheric time-delay algorithm for single-frequency GPS users*, IEEE Trans. AES 23(3) (1987) |
 //! | Lin2016 | Lin Xueyuan et al., `BeiDou` RAIM, J. Naval Aeronautical Univ. 31(6) (2016) 619–624 |
+//! | MAAST | Stanford University, *MATLAB algorithm availability simulation tool*, version for ARAIM |
 //! | Montenbruck2018 | O. Montenbruck et al., *Multi-GNSS signal-in-space range error assessment*, Adv. Space Res. 61 (2018) 3020–3038 |
 //! | Parity | `BeiDou` RAIM by parity vectors with isolation by grouping (print without title page) |
 //! | Sankaran1963 | M. Sankaran, *Approximations to the non-central chi-square distribution*, Biometrika 50 (1963) |
@@ -80,34 +84,32 @@
 //! | Ulrych1976 | T. J. Ulrych, R. W. Clayton, *Time series modelling and maximum entropy*, Phys. Earth Planet. Int. 12 (1976) 188–200 |
 //! | Wang1994 | J. Wang, Y. Chen, *On the reliability measure of observations*, Acta Geodaet. Cartograph. (1994) |
 //! | WGS84 | NGA.STND.0036, *World Geodetic System 1984* |
+//! | Wichura1988 | M. J. Wichura, *Algorithm AS 241: the percentage points of the normal distribution*, Appl. Statist. 37 (1988) 477–484 |
 //! | Yang2015 | Yang Lin et al., RAIM threshold optimisation, Electronics Optics & Control 22(7) (2015) 38–42 |
 #![no_std]
+#![forbid(unsafe_code)]
+#![deny(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+#![warn(clippy::missing_panics_doc)]
 
-#[cfg(doctest)]
+#[cfg(any(test, doctest))]
 extern crate std;
 
+pub mod allocation;
 mod bounded;
 pub mod clock;
-pub mod detection;
+pub mod continuity;
 pub mod epoch;
+pub mod equations;
 pub mod fix;
 pub mod frame;
-pub mod identification;
-pub mod linear;
+pub mod integrity;
 pub mod monitor;
-pub mod probability;
-pub mod protection;
-pub mod real;
+pub mod numeric;
 pub mod removal;
 pub mod report;
 pub mod requirements;
 pub mod satellite;
 pub mod single;
 pub mod snapshot;
-pub mod threshold;
+pub mod velocity;
 pub mod weighting;
-
-/// The example of the readme is a test too.
-#[cfg(doctest)]
-#[doc = include_str!("../../README.md")]
-struct Readme;

@@ -1,7 +1,9 @@
 //! The pipeline: one epoch in, one report out, and the little that is remembered between epochs.
 //!
 //! ```text
-//! epoch ─► (clock aiding) ─► fix ─► snapshot ─► detection ─► identification ─► protection ─► report
+//! epoch ─► (clock aiding) ─► fix ─► integrity::judge ─► verdict ─► report        judge: changes nothing
+//!                                                                 └────► lesson        learn: a step, after which the
+//!                                                                                      report is what is said
 //! ```
 //!
 //! A [`Strategy`] says which threshold detects and how the faulty satellite is found. Every policy's threshold is at or
@@ -9,34 +11,41 @@
 //! protection levels are those of the threshold in use.
 //!
 //! Remembered are the last position, as the start of the next fix; a window of SSE/dof, which says whether the
-//! sigmas are right; and, with clock aiding, the receiver clocks of the epochs that passed.
+//! sigmas are right; with clock aiding, the receiver clocks of the epochs that passed; and what was said of the epochs
+//! before ([`crate::continuity`]).
 //!
 //! References: [Yang2015] §1 for the order of the decisions, [Lin2016] §2 for detection and identification.
+//!
+//! [Yang2015]: crate#references
+//! [Lin2016]: crate#references
+
+mod description;
 
 use core::fmt;
 
 use heapless::{Deque, Vec};
 
-use crate::bounded::gather;
-use crate::clock::Clocks;
-use crate::detection::{Detection, detect};
-use crate::epoch::{Aided, Aiding, Epoch};
+use crate::clock::{Clocks, SolvedClocks};
+use crate::continuity::{Continuity, ContinuityError, ContinuitySettings};
+use crate::epoch::{Aided, Epoch};
 use crate::fix::{Fix, FixError};
-use crate::frame::{Ecef, LocalFrame};
-use crate::identification::baarda::{self, Excluded, Exclusion, Identification, Outcome, Reducible as _};
-use crate::identification::parity;
-use crate::identification::ransac::{self, MAX_WORK, Selection};
-use crate::linear::LinearEpoch;
-use crate::protection::largest_slopes;
-use crate::real::Real;
-use crate::report::{
-    Alert, MAX_EXCLUDED, Protected, ProtectionLevels, Report, Solution, Suspect, Unavailable, Verdict,
-};
+use crate::frame::Ecef;
+use crate::integrity::residuals::exclusion::{Outcome, Unidentified};
+use crate::integrity::residuals::levels::{Factors, Levels};
+use crate::integrity::residuals::ransac::Subsets;
+use crate::integrity::residuals::threshold::policy::{NoThreshold, Policy};
+use crate::integrity::residuals::threshold::{ThresholdError, Thresholds};
+use crate::integrity::{Alone, Criteria, Judgement, judge};
+use crate::numeric::real::Real;
+use crate::report::{Alert, Protected, ProtectionLevels, Report, Separation, Unavailable, Verdict};
 use crate::requirements::{Requirements, RequirementsError};
-use crate::satellite::{Constellation, SatelliteId};
 use crate::snapshot::{Snapshot, SnapshotError};
-use crate::threshold::policy::{Demand, Policy, Refusal};
-use crate::threshold::{ThresholdError, Thresholds};
+use crate::weighting::Ism;
+use crate::weighting::adaptation::{Adaptation, Residuals};
+
+use description::{describe, residuals, suspects};
+
+pub use crate::integrity::{Method, Search};
 
 /// Epochs over which SSE/dof is averaged: with 10 degrees of freedom the mean is then known to 6 %.
 pub const SIGMA_CHECK_WINDOW: usize = 60;
@@ -62,18 +71,6 @@ impl fmt::Display for MonitorError {
 
 impl core::error::Error for MonitorError {}
 
-/// How the faulty satellites are found.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Method {
-    /// The largest w-test, again and again.
-    Baarda,
-    /// In parity space.
-    Parity(parity::Method),
-    /// By consensus of disjoint subsets.
-    Ransac,
-}
-
 /// How integrity is monitored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -82,13 +79,50 @@ pub struct Strategy {
     pub policy: Policy,
     /// How the faulty satellites are found.
     pub method: Method,
+    /// What a protection level bounds.
+    pub levels: Levels,
     /// Whether the predicted receiver clock takes a row beside the satellites.
     pub clock_aid: bool,
+    /// Whether the sigmas are scaled by what the residuals of the last minutes say ([`Adaptation`]).
+    pub sigma_adapt: bool,
 }
 
 impl Strategy {
-    /// The classic threshold, sequential exclusion, no aiding.
-    pub const CLASSIC: Self = Self { policy: Policy::T1, method: Method::Baarda, clock_aid: false };
+    /// The classic threshold, the best exclusion that the budget of work allows, levels that bound, no aiding.
+    pub const DEFAULT: Self = Self { method: Method::Auto, ..Self::CLASSIC };
+
+    /// The same with sequential exclusion.
+    pub const CLASSIC: Self = Self {
+        policy: Policy::T1,
+        method: Method::Baarda,
+        levels: Levels::Bound,
+        clock_aid: false,
+        sigma_adapt: false,
+    };
+}
+
+/// What is said of an epoch, and what it teaches.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Assessment<const N: usize> {
+    /// What is said.
+    pub report: Report<N>,
+    /// Whether faulty satellites were searched for: the expensive part.
+    pub searched: bool,
+    lesson: Lesson,
+}
+
+/// What [`Monitor::learn`] takes from an epoch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Lesson {
+    time_s: f64,
+    /// A position that may be used.
+    start: Option<Ecef>,
+    /// SSE/dof of a test that passed: a detected fault says nothing about sigma.
+    ratio: Option<f32>,
+    /// Clocks of satellites that were protected by themselves.
+    clocks: Option<SolvedClocks>,
+    /// Residuals of a test that passed, by the sigmas as they came.
+    residuals: Option<Residuals>,
 }
 
 /// Watches over the positions of one receiver, at most `N` satellites at a time.
@@ -97,10 +131,15 @@ pub struct Monitor<T: Real, const N: usize> {
     requirements: Requirements,
     strategy: Strategy,
     thresholds: Thresholds<'static>,
+    factors: Factors,
+    ism: Ism,
     clocks: Clocks<T>,
-    subsets: Option<Subsets<N>>,
+    adaptation: Adaptation,
+    subsets: Subsets<N>,
     start: Ecef,
     ratios: Deque<f32, SIGMA_CHECK_WINDOW>,
+    continuity: Continuity,
+    continuity_settings: Option<ContinuitySettings>,
 }
 
 impl<T: Real, const N: usize> Monitor<T, N> {
@@ -109,15 +148,20 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     /// # Errors
     /// [`MonitorError`] names the requirement that cannot be met.
     pub fn new(requirements: Requirements) -> Result<Self, MonitorError> {
-        let (requirements, thresholds) = accept(requirements)?;
+        let Accepted { requirements, thresholds, factors } = accept(requirements)?;
         Ok(Self {
             requirements,
-            strategy: Strategy::CLASSIC,
+            strategy: Strategy::DEFAULT,
             thresholds,
+            factors,
+            ism: Ism::ICAO,
             clocks: Clocks::new(),
-            subsets: None,
+            adaptation: Adaptation::new(),
+            subsets: Subsets::new(),
             start: Ecef::CENTRE,
             ratios: Deque::new(),
+            continuity: Continuity::new(),
+            continuity_settings: Some(ContinuitySettings::anywhere()),
         })
     }
 
@@ -126,16 +170,55 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     /// # Errors
     /// As [`Self::new`]; nothing has changed then.
     pub fn require(&mut self, requirements: Requirements) -> Result<(), MonitorError> {
-        (self.requirements, self.thresholds) = accept(requirements)?;
+        let accepted = accept(requirements)?;
+        self.requirements = accepted.requirements;
+        self.thresholds = accepted.thresholds;
+        self.factors = accepted.factors;
         Ok(())
     }
 
-    /// Replaces the strategy; a change of clock aiding forgets the clocks.
-    pub fn pursue(&mut self, strategy: Strategy) {
+    /// Replaces the strategy; a change of clock aiding forgets the clocks, one of adaptation the residuals.
+    pub fn set_strategy(&mut self, strategy: Strategy) {
         if strategy.clock_aid != self.strategy.clock_aid {
             self.clocks.restart();
         }
+        if strategy.sigma_adapt != self.strategy.sigma_adapt {
+            self.adaptation.restart();
+        }
         self.strategy = strategy;
+    }
+
+    /// Replaces what a receiver can do and how long satellites must agree after an alert; what is remembered stays.
+    ///
+    /// # Errors
+    /// [`ContinuityError`] names the setting that is out of its range; nothing has changed then.
+    pub fn set_continuity(&mut self, settings: ContinuitySettings) -> Result<(), ContinuityError> {
+        self.continuity_settings = Some(settings.validate()?);
+        Ok(())
+    }
+
+    /// From now on every epoch is judged by itself, as experiments need that draw each anew: nothing is a jump, nothing
+    /// has to be recovered from.
+    pub fn forgo_continuity(&mut self) {
+        self.continuity_settings = None;
+    }
+
+    /// The last position counts for nothing: the next may be anywhere.
+    pub fn forget_position(&mut self) {
+        self.continuity.forget();
+    }
+
+    /// Replaces what is promised of the satellites ([`Ism::ICAO`] at first), for [`Method::Separation`].
+    pub fn set_ism(&mut self, ism: Ism) {
+        // Nothing is worse than a promise that is no number.
+        if ism.is_valid() {
+            self.ism = ism;
+        }
+    }
+
+    /// What is promised of the satellites.
+    pub fn ism(&self) -> &Ism {
+        &self.ism
     }
 
     /// What is required.
@@ -155,122 +238,154 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         }
     }
 
-    /// Judges one epoch; with clock aiding, with the forecast of a receiver clock beside it.
+    /// Judges one epoch about [`Self::start`] and learns from it.
     pub fn process(&mut self, epoch: &Epoch<N>) -> Report<N> {
-        let forecast = self.clocks.aiding(epoch).filter(|_| self.strategy.clock_aid);
-        let mut room = Snapshot::unsolved();
-        let mut report = match Fix::about(&mut room, Aided::by(epoch, forecast), self.start) {
-            Ok(fix) => self.judge(fix, epoch),
-            Err(error) => without_position(error, epoch),
-        };
-        // A position that must not be used is no start either.
-        let usable = !matches!(report.verdict, Verdict::Alert(_));
-        if let Some(solution) = report.solution.as_ref().filter(|_| usable) {
-            self.start = solution.position;
-        }
-        report.sigma_check = self.sigma_check();
-        report
+        // Taken out while the monitor is read, and put back.
+        let mut subsets = core::mem::take(&mut self.subsets);
+        let mut assessment = self.judge(epoch, self.start, Search::Anew, &mut subsets);
+        self.subsets = subsets;
+        self.learn(&mut assessment, None);
+        assessment.report
     }
 
-    fn judge(&mut self, mut fix: Fix<'_, T, N>, epoch: &Epoch<N>) -> Report<N> {
-        let mut test = self.test(fix.snapshot());
-        let mut exclusion = Exclusion { rows: Vec::new(), outcome: Outcome::Passed };
-        if test.as_ref().is_ok_and(|test| test.detection.fault()) {
-            exclusion = self.isolate(&mut fix, epoch);
-            test = self.test(fix.snapshot());
-        }
-        let excluded = suspects(&exclusion, &fix, epoch);
-        let separable = baarda::separable(&mut fix, &exclusion, &self.thresholds);
-
-        let verdict = match (exclusion.outcome, &test) {
-            (Outcome::NotIsolated(Identification::Ambiguous), _) => Verdict::Alert(Alert::Ambiguous),
-            (Outcome::NotIsolated(Identification::Budget), _) => Verdict::Unavailable(Unavailable::Budget),
-            (Outcome::NotIsolated(_), _) => Verdict::Alert(Alert::Fault),
-            (_, Err(reason)) => Verdict::Unavailable(*reason),
-            (Outcome::Isolated, Ok(_)) if !separable => Verdict::Alert(Alert::Ambiguous),
-            (Outcome::Isolated, Ok(test)) if !excluded.is_empty() => self.bounded(Protected::Excluded, test),
-            // Nothing was left out, or a forecast whose clock has jumped: no satellite's fault.
-            (Outcome::Isolated | Outcome::Passed, Ok(test)) => self.bounded(Protected::Ok, test),
-        };
-        let test = test.ok();
-        // Under a policy above T1 a search can fail although what it left passes: that is no epoch to learn from.
-        let isolated = !matches!(exclusion.outcome, Outcome::NotIsolated(_));
-        if let Some(test) = test.as_ref().filter(|test| isolated && !test.detection.fault()) {
-            self.remember(&test.detection);
-            if separable && self.strategy.clock_aid {
-                self.clocks.learn(epoch.time_s(), fix.snapshot());
-            }
-        }
-        describe(&fix, epoch, verdict, test.as_ref(), excluded)
-    }
-
-    /// Looks for what is wrong and leaves it out: a forecast whose clock has jumped, else the faulty satellites.
+    /// Judges one epoch whose position is near `start`; with clock aiding, with the forecast of a receiver clock beside it.
     ///
-    /// Not inlined, nor are the ways it branches into: what one search needs of the stack would else be taken by every
-    /// epoch, and beside what the others need.
+    /// Changes nothing but `subsets`, which [`Method::Ransac`] keeps from epoch to epoch. Whoever corrects ranges about the
+    /// position may judge about better and better points, and learns once, from the last.
     #[inline(never)]
-    fn isolate(&mut self, fix: &mut Fix<'_, T, N>, epoch: &Epoch<N>) -> Exclusion<T> {
-        if let Some(jump) = self.jump(fix, epoch) {
-            return jump;
-        }
-        match self.strategy.method {
-            Method::Parity(method) => {
-                parity::exclude(method, fix, &self.thresholds, &parity::Limits::published())
+    pub fn judge(
+        &self,
+        epoch: &Epoch<N>,
+        start: Ecef,
+        search: Search<'_>,
+        subsets: &mut Subsets<N>,
+    ) -> Assessment<N> {
+        // Separation knows no forecast that could be wrong.
+        let is_aided = self.strategy.clock_aid && self.strategy.method != Method::Separation;
+        let forecast = self.clocks.aiding(epoch).filter(|_| is_aided);
+        let scale = self.strategy.sigma_adapt.then(|| self.adaptation.scale(epoch.time_s()));
+        let mut workspace = Snapshot::unsolved();
+        match Fix::about(&mut workspace, Aided::by(epoch, forecast).scaled(scale), start) {
+            Ok(mut fix) => {
+                let clock_row = fix.clock_row();
+                let judgement = judge(&mut fix, epoch, clock_row, &self.criteria(), search, subsets);
+                self.assess(&fix, epoch, &judgement)
             }
-            Method::Ransac => self.isolate_by_consensus(fix, epoch),
-            Method::Baarda => baarda::exclude_sequentially(fix, &self.thresholds),
+            Err(error) => self.without_position(error, epoch),
         }
     }
 
-    /// The exclusion of the forecast alone, where that explains everything and no satellite does nearly as well.
+    /// Takes from an epoch what it teaches: where the next fix starts, whether the sigmas are right, and the clocks. What
+    /// the report says is then said in the light of the epochs before.
     ///
-    /// Asked before any method is: a jump of a millisecond shows in every satellite's test, and methods that leave out
-    /// whoever correlates with the worst would leave out healthy ones with it.
-    fn jump(&self, fix: &mut Fix<'_, T, N>, epoch: &Epoch<N>) -> Option<Exclusion<T>> {
-        let is_clock = |aiding: &Aiding| matches!(aiding, Aiding::Clock { .. });
-        let index = epoch.observations().len() + fix.aided().aiding().position(is_clock)?;
-        let (_, fit) = fix.snapshot().row(index)?;
-        let forecast = Excluded { index, w_test: baarda::w_test(fit) };
-        fix.leave_out(index).ok()?;
-        let jump = Exclusion { rows: gather([forecast]), outcome: Outcome::Isolated };
-        let passes = detect(fix.snapshot(), &self.thresholds).is_some_and(|detection| !detection.fault());
-        if passes && baarda::separable(fix, &jump, &self.thresholds) {
-            return Some(jump);
+    /// `own_clock_s` is when the epoch came, by a clock that no signal can set, where the caller has one.
+    #[inline(never)]
+    pub fn learn(&mut self, assessment: &mut Assessment<N>, own_clock_s: Option<f64>) {
+        self.continue_from(assessment, own_clock_s);
+        let Lesson { time_s, start, ratio, clocks, residuals } = &assessment.lesson;
+        if let Some(start) = *start {
+            self.start = start;
         }
-        // What was there a moment ago determines a position.
-        let _ = fix.take_back(index);
-        None
+        if let Some(ratio) = *ratio {
+            if self.ratios.is_full() {
+                self.ratios.pop_front();
+            }
+            let _ = self.ratios.push_back(ratio);
+        }
+        if let Some(clocks) = clocks {
+            self.clocks.learn(*time_s, clocks);
+        }
+        if let Some(residuals) = *residuals {
+            self.adaptation.learn(*time_s, residuals);
+        }
     }
 
-    fn isolate_by_consensus(&mut self, fix: &mut Fix<'_, T, N>, epoch: &Epoch<N>) -> Exclusion<T> {
-        // The tables hold both of its probabilities; without them it falls back as without consensus.
-        let Ok(limits) = ransac::Limits::published() else {
-            return baarda::exclude_sequentially(fix, &self.thresholds);
+    /// Says of an epoch what it comes to after those before; what is not said any more teaches nothing either.
+    fn continue_from(&mut self, assessment: &mut Assessment<N>, own_clock_s: Option<f64>) {
+        let Some(settings) = &self.continuity_settings else { return };
+        let Assessment { report, lesson, .. } = assessment;
+        report.verdict = self.continuity.conclude(settings, lesson.time_s, own_clock_s, report);
+        match report.verdict {
+            Verdict::Alert(Alert::Jump) => {
+                report.protection = None;
+                *lesson = Lesson { start: None, ratio: None, clocks: None, residuals: None, ..*lesson };
+            }
+            Verdict::Unavailable(Unavailable::Place) => {
+                *lesson = Lesson { start: None, ratio: None, clocks: None, residuals: None, ..*lesson };
+            }
+            Verdict::Unavailable(Unavailable::Recovering) => lesson.clocks = None,
+            _ => {}
+        }
+    }
+
+    fn criteria(&self) -> Criteria<'_> {
+        Criteria {
+            requirements: &self.requirements,
+            thresholds: self.thresholds,
+            factors: &self.factors,
+            policy: self.strategy.policy,
+            method: self.strategy.method,
+            levels: self.strategy.levels,
+            ism: &self.ism,
+        }
+    }
+
+    /// Makes of what was found what is said and what is learned.
+    #[inline(never)]
+    fn assess(&self, fix: &Fix<'_, T, N>, epoch: &Epoch<N>, judgement: &Judgement<T>) -> Assessment<N> {
+        let excluded = suspects(judgement, fix, epoch);
+        let verdict = self.verdict(judgement, excluded.is_empty());
+        let passed = !matches!(judgement.outcome, Outcome::NotIsolated(_));
+        // Under a policy above T1 a search can fail although what it left passes: that is no epoch to learn from.
+        let test = judgement.test.as_ref().ok().map(|test| test.detection);
+        let ratio = test.filter(|test| passed && !test.fault());
+        let ratio = ratio.map(|test| (test.sse.widen() / test.dof as f64) as f32);
+        let teaches = self.strategy.clock_aid && self.satellites_are_protected(judgement, verdict);
+        let lesson = Lesson {
+            time_s: epoch.time_s(),
+            // A position that must not be used is no start either.
+            start: (!matches!(verdict, Verdict::Alert(_))).then(|| fix.position()),
+            ratio,
+            clocks: teaches.then(|| SolvedClocks::of(fix.snapshot())),
+            residuals: ratio.filter(|_| self.strategy.sigma_adapt).map(|_| residuals(fix.snapshot(), epoch)),
         };
-        let equations = fix.snapshot().epoch();
-        let kept = self.subsets.take().filter(|subsets| subsets.are_of(epoch, equations.rows().len()));
-        let subsets = self.subsets.insert(kept.unwrap_or_else(|| Subsets::of(epoch, equations)));
-        ransac::exclude(fix, &subsets.selection, &self.thresholds, &limits)
+        let report = describe(fix, epoch, verdict, judgement, excluded, self.sigma_check(ratio));
+        Assessment { report, searched: judgement.searched, lesson }
     }
 
-    /// The global test of a snapshot under the policy, and the protection levels that go with its threshold.
-    fn test(&self, snapshot: &Snapshot<T, N>) -> Result<Test<T>, Unavailable> {
-        let slopes = largest_slopes(snapshot);
-        let demand = Demand::new(snapshot.dof(), slopes, &self.requirements, self.thresholds);
-        let threshold = demand.threshold::<T>(self.strategy.policy).map_err(|refusal| match refusal {
-            Refusal::Redundancy => Unavailable::Redundancy,
-            Refusal::Risk => Unavailable::Risk,
-        })?;
-        let detection =
-            Detection { sse: snapshot.sse(), threshold: T::narrow(threshold.tau), dof: snapshot.dof() };
-        Ok(Test { detection, protection: slopes.protect(threshold.lambda) })
+    fn verdict(&self, judgement: &Judgement<T>, none_excluded: bool) -> Verdict {
+        match (judgement.outcome, &judgement.test) {
+            (Outcome::NotIsolated(Unidentified::Ambiguous), _) => Verdict::Alert(Alert::Ambiguous),
+            (Outcome::NotIsolated(Unidentified::Budget), _) => Verdict::Unavailable(Unavailable::Budget),
+            (Outcome::NotIsolated(_), _) => Verdict::Alert(Alert::Fault),
+            (_, Err(NoThreshold::Redundancy)) => Verdict::Unavailable(Unavailable::Redundancy),
+            (_, Err(NoThreshold::Risk)) => Verdict::Unavailable(Unavailable::Risk),
+            (Outcome::Isolated | Outcome::Passed, Ok(test)) => {
+                // Nothing was left out, or a forecast whose clock has jumped: no satellite's fault.
+                let reason = if none_excluded { Protected::Ok } else { Protected::Excluded };
+                match &judgement.separation {
+                    Some(separation) => self.bounded_by_separation(reason, &test.levels, separation),
+                    None => self.bounded(reason, &judgement.levels().unwrap_or(test.levels)),
+                }
+            }
+        }
+    }
+
+    /// Whether the position would be protected without the forecast too: what only a forecast vouches for teaches none.
+    fn satellites_are_protected(&self, judgement: &Judgement<T>, verdict: Verdict) -> bool {
+        let alone = match &judgement.alone {
+            Alone::Always => true,
+            Alone::Untested => false,
+            Alone::Tested(test) => matches!(self.bounded(Protected::Ok, &test.levels), Verdict::Protected(_)),
+        };
+        alone && matches!(verdict, Verdict::Protected(_))
     }
 
     /// The verdict on a set of satellites that agree: are their protection levels within the limits?
     ///
     /// A policy other than `T1` has decided that already, and fills its share of the limit on purpose.
-    fn bounded(&self, reason: Protected, test: &Test<T>) -> Verdict {
-        let ProtectionLevels { hpl_m, vpl_m } = test.protection;
+    fn bounded(&self, reason: Protected, levels: &ProtectionLevels) -> Verdict {
+        let ProtectionLevels { hpl_m, vpl_m } = *levels;
         let fraction = self.requirements.guard_fraction;
         let decided = self.strategy.policy != Policy::T1;
         // Written so that a level which is not a number is not within a limit.
@@ -286,172 +401,79 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         }
     }
 
-    /// Keeps SSE/dof of an epoch that passed: a detected fault says nothing about sigma.
-    fn remember(&mut self, detection: &Detection<T>) {
-        if self.ratios.is_full() {
-            self.ratios.pop_front();
+    /// As [`Self::bounded`], by ARAIM: with what it asks beside levels, which may fill the limits.
+    fn bounded_by_separation(
+        &self,
+        reason: Protected,
+        levels: &ProtectionLevels,
+        separation: &Separation,
+    ) -> Verdict {
+        let Requirements { hal_m, val_m, allocation, .. } = &self.requirements;
+        // Written so that what is not a number is not within a limit.
+        let within = |value: f64, limit: Option<f64>| limit.is_none_or(|limit| value <= limit);
+        let is_sharp =
+            within(separation.effective_monitor_threshold_m, allocation.effective_threshold_limit_m)
+                && within(separation.accuracy_m, allocation.accuracy_limit_m);
+        if !levels.hpl_m.is_finite() || (val_m.is_some() && !levels.vpl_m.is_finite()) {
+            Verdict::Unavailable(if separation.is_risk_spent {
+                Unavailable::Risk
+            } else {
+                Unavailable::Geometry
+            })
+        } else if !within(levels.hpl_m, Some(*hal_m)) {
+            Verdict::Unavailable(Unavailable::Hpl)
+        } else if !within(levels.vpl_m, *val_m) || !is_sharp {
+            Verdict::Unavailable(Unavailable::Vpl)
+        } else {
+            Verdict::Protected(reason)
         }
-        let ratio = detection.sse.widen() / detection.dof as f64;
-        let _ = self.ratios.push_back(ratio as f32);
     }
 
-    /// Mean of SSE/dof over the last [`SIGMA_CHECK_WINDOW`] tested epochs: about 1 where the sigmas are right.
-    fn sigma_check(&self) -> Option<f64> {
-        if self.ratios.is_empty() {
-            return None;
-        }
-        let sum: f32 = self.ratios.iter().sum();
-        Some(f64::from(sum) / self.ratios.len() as f64)
+    /// Mean of SSE/dof over the last [`SIGMA_CHECK_WINDOW`] tested epochs, this one included: about 1 where the sigmas are
+    /// right.
+    fn sigma_check(&self, latest: Option<f32>) -> Option<f64> {
+        let forgotten = usize::from(latest.is_some() && self.ratios.is_full());
+        let ratios = || self.ratios.iter().skip(forgotten).copied().chain(latest);
+        let count = ratios().count();
+        (count > 0).then(|| f64::from(ratios().sum::<f32>()) / count as f64)
+    }
+
+    /// What is said of an epoch that has no position.
+    fn without_position(&self, error: FixError, epoch: &Epoch<N>) -> Assessment<N> {
+        let reason = match error {
+            FixError::Snapshot(SnapshotError::Singular) => Unavailable::Geometry,
+            FixError::Snapshot(SnapshotError::Insufficient) | FixError::NotConverged => Unavailable::NoFix,
+        };
+        let report = Report {
+            verdict: Verdict::Unavailable(reason),
+            solution: None,
+            test: None,
+            protection: None,
+            excluded: Vec::new(),
+            suspect: None,
+            used: Vec::new(),
+            residual_rms_m: 0.0,
+            tracked: epoch.observations().len() as u8,
+            separation: None,
+            sigma_check: self.sigma_check(None),
+        };
+        let lesson =
+            Lesson { time_s: epoch.time_s(), start: None, ratio: None, clocks: None, residuals: None };
+        Assessment { report, searched: false, lesson }
     }
 }
 
-/// Disjoint subsets of an epoch's satellites, kept while these stay the same.
-#[derive(Clone, Debug)]
-struct Subsets<const N: usize> {
-    satellites: Vec<SatelliteId, N>,
-    selection: Selection<N>,
+/// Requirements that can be met, and what follows from them.
+struct Accepted {
+    requirements: Requirements,
+    thresholds: Thresholds<'static>,
+    factors: Factors,
 }
 
-impl<const N: usize> Subsets<N> {
-    #[inline(never)]
-    fn of<T: Real>(epoch: &Epoch<N>, equations: &LinearEpoch<T, N>) -> Self {
-        let satellites = gather(epoch.observations().iter().map(|observation| observation.satellite));
-        Self { satellites, selection: Selection::choose(equations, MAX_WORK) }
-    }
-
-    fn are_of(&self, epoch: &Epoch<N>, rows: usize) -> bool {
-        self.selection.rows() == rows
-            && self
-                .satellites
-                .iter()
-                .eq(epoch.observations().iter().map(|observation| &observation.satellite))
-    }
-}
-
-/// The global test of a snapshot, and what an undetected fault can do under its threshold.
-#[derive(Clone, Copy, Debug)]
-struct Test<T> {
-    detection: Detection<T>,
-    protection: ProtectionLevels,
-}
-
-fn accept(requirements: Requirements) -> Result<(Requirements, Thresholds<'static>), MonitorError> {
+fn accept(requirements: Requirements) -> Result<Accepted, MonitorError> {
     let requirements = requirements.validate().map_err(MonitorError::Requirements)?;
     let thresholds = Thresholds::from_tables(requirements.false_alarm, requirements.missed_detection)
         .map_err(MonitorError::Threshold)?;
-    Ok((requirements, thresholds))
-}
-
-/// The excluded satellites with the biases that the final solution shows.
-///
-/// A left-out row's residual is that of a prediction: it is the bias. An aiding row that was left out names no
-/// satellite and is not listed.
-fn suspects<T: Real, const N: usize>(
-    exclusion: &Exclusion<T>,
-    fix: &Fix<'_, T, N>,
-    epoch: &Epoch<N>,
-) -> Vec<Suspect, MAX_EXCLUDED> {
-    let listed = exclusion.rows.iter().filter_map(|excluded| {
-        let observation = epoch.observations().get(excluded.index)?;
-        let (row, fit) = fix.snapshot().row(excluded.index)?;
-        let predicted_m2 = fit.centred.dot(&fit.gain).widen();
-        Some(Suspect {
-            satellite: observation.satellite,
-            w_test: excluded.w_test.widen(),
-            bias_m: fit.residual.widen(),
-            bias_sigma_m: libm::sqrt(row.sigma.widen() * row.sigma.widen() + predicted_m2.max(0.0)),
-        })
-    });
-    gather(listed)
-}
-
-/// The report on a position: the verdict, and what is known about the satellites.
-///
-/// Not inlined: so it is made where the caller wants it, and not moved there.
-#[inline(never)]
-fn describe<T: Real, const N: usize>(
-    fix: &Fix<'_, T, N>,
-    epoch: &Epoch<N>,
-    verdict: Verdict,
-    test: Option<&Test<T>>,
-    excluded: Vec<Suspect, MAX_EXCLUDED>,
-) -> Report<N> {
-    let used = fix.snapshot().rows().zip(epoch.observations()).filter(|((row, _), _)| row.weight > T::zero());
-    let mut satellites = Vec::new();
-    let mut squares = T::zero();
-    for ((_, fit), observation) in used {
-        // Both hold N: never full here.
-        let _ = satellites.push(observation.satellite);
-        squares += fit.residual * fit.residual;
-    }
-    Report {
-        verdict,
-        solution: Some(solution(fix)),
-        test: test.map(|test| test.detection.statistic()),
-        protection: test.map(|test| test.protection),
-        excluded,
-        suspect: test.and_then(|_| suspect(fix.snapshot(), epoch)),
-        residual_rms_m: libm::sqrt(squares.widen() / satellites.len().max(1) as f64),
-        used: satellites,
-        tracked: epoch.observations().len() as u8,
-        sigma_check: None,
-    }
-}
-
-fn suspect<T: Real, const N: usize>(snapshot: &Snapshot<T, N>, epoch: &Epoch<N>) -> Option<Suspect> {
-    let (index, _, _) = baarda::worst_two(snapshot)?;
-    let observation = epoch.observations().get(index)?;
-    let (row, fit) = snapshot.row(index)?;
-    if fit.redundancy < T::UNTESTABLE {
-        return None;
-    }
-    Some(Suspect {
-        satellite: observation.satellite,
-        w_test: baarda::w_test(fit).widen(),
-        bias_m: (fit.residual / fit.redundancy).widen(),
-        bias_sigma_m: (row.sigma / fit.redundancy.sqrt()).widen(),
-    })
-}
-
-fn solution<T: Real, const N: usize>(fix: &Fix<'_, T, N>) -> Solution {
-    let snapshot = fix.snapshot();
-    let position = fix.position();
-    let covariance = snapshot.covariance();
-    let (hdop, vdop) = snapshot.dilutions();
-    let element =
-        |row: usize, column: usize| covariance.get((row, column)).map_or(0.0, |value| value.widen());
-    Solution {
-        position,
-        geodetic: LocalFrame::at(position).geodetic(),
-        covariance_m2: [
-            element(0, 0),
-            element(0, 1),
-            element(0, 2),
-            element(1, 1),
-            element(1, 2),
-            element(2, 2),
-        ],
-        clocks_m: Constellation::ALL.map(|constellation| snapshot.clock_m(constellation)),
-        hdop: hdop.widen(),
-        vdop: vdop.widen(),
-    }
-}
-
-fn without_position<const N: usize>(error: FixError, epoch: &Epoch<N>) -> Report<N> {
-    let reason = match error {
-        FixError::Snapshot(SnapshotError::Singular) => Unavailable::Geometry,
-        FixError::Snapshot(SnapshotError::Insufficient) | FixError::NotConverged => Unavailable::NoFix,
-    };
-    Report {
-        verdict: Verdict::Unavailable(reason),
-        solution: None,
-        test: None,
-        protection: None,
-        excluded: Vec::new(),
-        suspect: None,
-        used: Vec::new(),
-        residual_rms_m: 0.0,
-        tracked: epoch.observations().len() as u8,
-        sigma_check: None,
-    }
+    let factors = Factors::new(requirements.missed_detection, requirements.fault_free_risk);
+    Ok(Accepted { requirements, thresholds, factors })
 }

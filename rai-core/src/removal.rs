@@ -41,8 +41,8 @@ use heapless::Vec;
 use nalgebra::{Matrix3, Vector3};
 
 use crate::bounded::gather;
-use crate::linear::Row;
-use crate::real::Real;
+use crate::equations::Row;
+use crate::numeric::real::Real;
 use crate::report::MAX_EXCLUDED;
 use crate::satellite::Constellation;
 use crate::snapshot::{Fit, Snapshot};
@@ -171,7 +171,11 @@ impl<T: Real> Removal<T> {
 
     /// The set of these rows of a snapshot; `None` where it is refused, or a row is not testable or listed twice.
     pub fn of<const N: usize>(snapshot: &Snapshot<T, N>, set: &[usize]) -> Option<Self> {
-        let rows = testable_rows(snapshot);
+        Self::among(&testable_rows(snapshot), set)
+    }
+
+    /// The set of those of `rows` that have these indices; `None` as for [`Self::of`].
+    pub fn among(rows: &[NormalisedRow<T>], set: &[usize]) -> Option<Self> {
         set.iter().try_fold(Self::none(), |removal, &index| {
             removal.and(rows.iter().find(|row| row.index == index)?)
         })

@@ -9,6 +9,8 @@ use crate::frame::{Ecef, Geodetic};
 use crate::satellite::{Constellation, SatelliteId};
 
 /// How many satellites may be left out of one epoch ([Tian2024] treats no more than 3 faults, nor does any source here).
+///
+/// [Tian2024]: crate#references
 pub const MAX_EXCLUDED: usize = 3;
 
 /// May the position be used?
@@ -44,6 +46,11 @@ pub enum Alert {
     Ambiguous,
     /// No epoch came within the time to alert. Said by the receiver around the core, which has a clock.
     Stale,
+    /// The position moved farther than it can since it was last protected: satellites that agree on it agree by chance,
+    /// or on somebody's purpose.
+    Jump,
+    /// The receiver that measures is sure that its signals are counterfeit. Said by the receiver around the core.
+    Spoofed,
 }
 
 /// Why nothing can be promised.
@@ -66,6 +73,16 @@ pub enum Unavailable {
     Budget,
     /// The input was refused as a whole.
     Input,
+    /// The satellites agree again after an alert, not yet for long enough.
+    Recovering,
+    /// No receiver can be at this height or place.
+    Place,
+    /// A known answer was missed. Said by the receiver around the core, as are the next two.
+    SelfTest,
+    /// Ranges came, orbits did not.
+    Ephemeris,
+    /// An unexpected restart: the settings in force are those at start, and nobody has confirmed them.
+    Settings,
 }
 
 /// A position with its uncertainty.
@@ -105,8 +122,8 @@ pub struct TestStatistic {
     pub dof: u8,
 }
 
-/// How far an undetected fault of one satellite moves the position, m; infinite where a satellite moves it but cannot
-/// be tested. The noise on the position is not in it ([`crate::protection`]).
+/// How wrong a position can be, m, that is called good although one satellite is faulty; infinite where a satellite moves
+/// it but cannot be tested ([`crate::integrity::residuals::levels`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ProtectionLevels {
@@ -114,6 +131,57 @@ pub struct ProtectionLevels {
     pub hpl_m: f64,
     /// Vertical protection level, m.
     pub vpl_m: f64,
+}
+
+impl ProtectionLevels {
+    /// Both added.
+    #[must_use]
+    pub fn plus(&self, other: &Self) -> Self {
+        Self { hpl_m: self.hpl_m + other.hpl_m, vpl_m: self.vpl_m + other.vpl_m }
+    }
+
+    /// The larger of each; what is not a number is the largest.
+    #[must_use]
+    pub fn or_larger(&self, other: &Self) -> Self {
+        let larger = |a: f64, b: f64| if a > b || a.is_nan() { a } else { b };
+        Self { hpl_m: larger(self.hpl_m, other.hpl_m), vpl_m: larger(self.vpl_m, other.vpl_m) }
+    }
+}
+
+/// What ARAIM says beside its levels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Separation {
+    /// Watched modes.
+    pub modes: u16,
+    /// Probability of what is not watched.
+    pub not_watched: f64,
+    /// Share of the risk that this outcome has: one of every possible exclusion and of none.
+    pub share: f64,
+    /// The largest separation over its threshold: an alarm from 1 on.
+    pub ratio: f64,
+    /// The largest threshold of a likely mode, up, m.
+    pub effective_monitor_threshold_m: f64,
+    /// Standard deviation of the height for accuracy, m.
+    pub accuracy_m: f64,
+    /// The mode that makes the horizontal level.
+    pub horizontal: Dominant,
+    /// The mode that makes the vertical level.
+    pub vertical: Dominant,
+    /// Constellations left out as a whole, a bit for each id.
+    pub excluded_constellations: u8,
+    /// Whether what is not watched uses up the risk, so that no level exists.
+    pub is_risk_spent: bool,
+}
+
+/// A mode, by what it takes away; nothing where the noise of all satellites makes the level.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Dominant {
+    /// Whole constellations, a bit for each id.
+    pub constellations: u8,
+    /// Satellites of others.
+    pub satellites: [Option<SatelliteId>; 3],
 }
 
 /// A satellite with the bias that its w-test suggests.
@@ -151,6 +219,8 @@ pub struct Report<const N: usize> {
     pub residual_rms_m: f64,
     /// Satellites in the epoch.
     pub tracked: u8,
+    /// What ARAIM says beside its levels, where it judged.
+    pub separation: Option<Separation>,
     /// Mean of SSE/dof over the last epochs: about 1 where sigma is right, `None` before the first test.
     pub sigma_check: Option<f64>,
 }

@@ -3,10 +3,15 @@
 //! A plain struct without `Default`: nobody gets requirements without having chosen them. Presets are those of
 //! the phases of flight ([ICAO-A10] table 3.7.2.4-1 for the limits and times; false-alert and missed-detection
 //! probabilities per sample as in [Yang2015] and [DO-229]).
+//!
+//! [ICAO-A10]: crate#references
+//! [Yang2015]: crate#references
+//! [DO-229]: crate#references
 
 use core::fmt;
 
-use crate::probability::Probability;
+use crate::allocation::Allocation;
+use crate::numeric::probability::Probability;
 
 /// What an operation requires.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,20 +25,35 @@ pub struct Requirements {
     pub false_alarm: Probability,
     /// Probability that a fault which matters is missed.
     pub missed_detection: Probability,
+    /// Probability that the error exceeds a protection level without any fault.
+    pub fault_free_risk: Probability,
     /// Longest silence after an epoch until the alarm, s; what is said of an epoch is said at once.
     pub time_to_alert_s: f64,
-    /// Fraction of the alert limit that the protection level may fill, in (0, 1] ([Yang2015]: 0.95).
+    /// Fraction of the alert limit that the protection level may fill, in (0, 1] ([Yang2015]: 0.95). Levels of ARAIM hold all
+    /// of the risk and may fill it.
     pub guard_fraction: f64,
+    /// How ARAIM spends the risk.
+    pub allocation: Allocation,
 }
 
 /// False-alarm probability per sample of non-precision approach ([Yang2015], [DO-229]: 1/3 of 1e-6).
+///
+/// [Yang2015]: crate#references
 const FALSE_ALARM: Probability = match Probability::new(3.33e-7) {
     Some(probability) => probability,
     None => unreachable!(),
 };
 
 /// Missed-detection probability ([DO-229]).
+///
+/// [DO-229]: crate#references
 const MISSED_DETECTION: Probability = match Probability::new(1e-3) {
+    Some(probability) => probability,
+    None => unreachable!(),
+};
+
+/// Per sample without any fault: `K` is 5.68 horizontally and 5.33 vertically.
+const FAULT_FREE_RISK: Probability = match Probability::new(1e-7) {
     Some(probability) => probability,
     None => unreachable!(),
 };
@@ -45,8 +65,10 @@ impl Requirements {
             val_m: None,
             false_alarm: FALSE_ALARM,
             missed_detection: MISSED_DETECTION,
+            fault_free_risk: FAULT_FREE_RISK,
             time_to_alert_s,
             guard_fraction: 0.95,
+            allocation: Allocation::horizontal(),
         }
     }
 
@@ -69,6 +91,7 @@ impl Requirements {
     pub const fn lpv200() -> Self {
         let mut requirements = Self::horizontal(40.0, 6.0);
         requirements.val_m = Some(35.0);
+        requirements.allocation = Allocation::vertical_guidance();
         requirements
     }
 
@@ -90,6 +113,7 @@ impl Requirements {
         if !(self.guard_fraction > 0.0 && self.guard_fraction <= 1.0) {
             return Err(RequirementsError::GuardFraction);
         }
+        self.allocation.validate().map_err(RequirementsError::Allocation)?;
         Ok(self)
     }
 }
@@ -106,15 +130,18 @@ pub enum RequirementsError {
     TimeToAlert,
     /// `guard_fraction` outside (0, 1].
     GuardFraction,
+    /// A probability of `allocation` outside (0, 0.5), by name.
+    Allocation(&'static str),
 }
 
 impl fmt::Display for RequirementsError {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str(match self {
+        formatter.write_str(match *self {
             Self::HorizontalAlertLimit => "horizontal alert limit outside (0, 1e6] m",
             Self::VerticalAlertLimit => "vertical alert limit outside (0, 1e6] m",
             Self::TimeToAlert => "time to alert outside (0, 3600] s",
             Self::GuardFraction => "guard fraction outside (0, 1]",
+            Self::Allocation(name) => name,
         })
     }
 }

@@ -6,23 +6,33 @@
 
 use crate::clock::{CoastingClock, Forecast, Uptake};
 use crate::epoch::{Aided, Epoch};
+use crate::equations::LinearEpoch;
 use crate::fix::Fix;
 use crate::frame::Ecef;
-use crate::identification::baarda::{self, Exclusion};
-use crate::identification::parity::{self, Finding};
-use crate::identification::ransac::{self, Selection};
-use crate::linear::LinearEpoch;
-use crate::protection::{self, Slopes};
+use crate::integrity::residuals::baarda;
+use crate::integrity::residuals::exclusion::Exclusion;
+use crate::integrity::residuals::levels::{self, Factors, Slopes};
+use crate::integrity::residuals::parity::{self, Finding};
+use crate::integrity::residuals::ransac::{self, Selection};
+use crate::integrity::residuals::threshold::Thresholds;
+use crate::integrity::residuals::threshold::policy::{Demand, NoThreshold, Policy, PolicyThreshold};
+use crate::integrity::separation::{self, Allocation, Judged, Priors, SeparationError};
+use crate::monitor::Search;
 use crate::report::Report;
 use crate::snapshot::SnapshotError;
-use crate::threshold::Thresholds;
-use crate::threshold::policy::{Demand, Policy, PolicyThreshold, Refusal};
+use crate::velocity::{RangeRate, Velocity, VelocityError};
 
 /// Most satellites in one epoch: more than three systems show at once anywhere on earth.
 pub const CAPACITY: usize = 48;
 
 /// [`crate::monitor::Monitor`] of this instance.
 pub type Monitor = crate::monitor::Monitor<f32, CAPACITY>;
+
+/// [`crate::monitor::Assessment`] of this instance.
+pub type Assessment = crate::monitor::Assessment<CAPACITY>;
+
+/// [`crate::integrity::residuals::ransac::Subsets`] of this instance.
+pub type Subsets = ransac::Subsets<CAPACITY>;
 
 /// [`crate::snapshot::Snapshot`] of this instance.
 pub type Snapshot = crate::snapshot::Snapshot<f32, CAPACITY>;
@@ -33,11 +43,23 @@ pub fn process(monitor: &mut Monitor, epoch: &Epoch<CAPACITY>) -> Report<CAPACIT
     monitor.process(epoch)
 }
 
+/// [`Monitor::judge`].
+#[inline(never)]
+pub fn judge(
+    monitor: &Monitor,
+    epoch: &Epoch<CAPACITY>,
+    start: Ecef,
+    search: Search<'_>,
+    subsets: &mut Subsets,
+) -> Assessment {
+    monitor.judge(epoch, start, search, subsets)
+}
+
 /// The position alone, from a start ([`crate::fix::Workspace::fix`]); `None` where there is none.
 #[inline(never)]
 pub fn position(epoch: &Epoch<CAPACITY>, start: Ecef) -> Option<Ecef> {
-    let mut room = Snapshot::unsolved();
-    Some(Fix::about(&mut room, Aided::alone(epoch), start).ok()?.position())
+    let mut workspace = Snapshot::unsolved();
+    Some(Fix::about(&mut workspace, Aided::alone(epoch), start).ok()?.position())
 }
 
 /// [`Snapshot::solve`].
@@ -73,15 +95,32 @@ pub fn worst_two(snapshot: &Snapshot) -> Option<(usize, f32, f32)> {
     baarda::worst_two(snapshot)
 }
 
-/// [`protection::largest_slopes`].
+/// [`levels::largest_slopes`].
 #[inline(never)]
 pub fn largest_slopes(snapshot: &Snapshot) -> Slopes<f32> {
-    protection::largest_slopes(snapshot)
+    levels::largest_slopes(snapshot)
+}
+
+/// [`separation::judge`].
+///
+/// # Errors
+/// As there.
+#[inline(never)]
+pub fn separate(
+    snapshot: &mut Snapshot,
+    priors: &Priors<'_, f32>,
+    allocation: &Allocation,
+) -> Result<Judged<f32>, SeparationError> {
+    separation::judge(snapshot, priors, allocation)
 }
 
 /// [`parity::grouping`].
 #[inline(never)]
-pub fn grouping(snapshot: &Snapshot, thresholds: &Thresholds<'_>, limits: &parity::Limits) -> Finding<f32> {
+pub fn grouping(
+    snapshot: &Snapshot,
+    thresholds: &Thresholds<'_>,
+    limits: &parity::SearchLimits,
+) -> Finding<f32> {
     parity::grouping(snapshot, thresholds, limits)
 }
 
@@ -97,7 +136,7 @@ pub fn exclude_by_consensus(
     snapshot: &mut Snapshot,
     selection: &Selection<CAPACITY>,
     thresholds: &Thresholds<'_>,
-    limits: &ransac::Limits<'_>,
+    limits: &ransac::ConsensusLimits<'_>,
 ) -> Exclusion<f32> {
     ransac::exclude(snapshot, selection, thresholds, limits)
 }
@@ -119,6 +158,19 @@ pub fn forecast(clock: &CoastingClock<f32>, time_s: f64) -> Option<Forecast> {
 /// # Errors
 /// As there.
 #[inline(never)]
-pub fn threshold(demand: &Demand<'_>, policy: Policy) -> Result<PolicyThreshold, Refusal> {
+pub fn threshold(demand: &Demand<'_>, policy: Policy) -> Result<PolicyThreshold, NoThreshold> {
     demand.threshold::<f32>(policy)
+}
+
+/// [`crate::velocity::estimate`].
+///
+/// # Errors
+/// As there.
+#[inline(never)]
+pub fn velocity(
+    rates: &[RangeRate],
+    thresholds: &Thresholds<'_>,
+    factors: &Factors,
+) -> Result<Velocity, VelocityError> {
+    crate::velocity::estimate::<f32, CAPACITY>(rates.iter().copied(), thresholds, factors)
 }

@@ -18,7 +18,7 @@
 //! | `v_i` | [`Fit::residual`] | m |
 //! | `g_i` | [`Fit::gain`] (`w_i g_i` is the row of the least-squares gain) | m² |
 //! | `r_i = S_ii` | [`Fit::redundancy`] number, 0 untestable … 1 fully tested | – |
-//! | `w_i / r_i` | [`Fit::gauge`] | 1/m² |
+//! | `w_i / r_i` | [`Fit::test_weight`] | 1/m² |
 //! | `SSE` | [`Snapshot::sse`] | – |
 //!
 //! Equal to least squares with 3 + C columns in `x`, `v`, `S` and the gain, to rounding. Centring is also what makes
@@ -29,14 +29,16 @@
 //!
 //! Cost of a solve on a Cortex-M4F in `f32`: 3,400 instructions for 20 satellites of two constellations. References:
 //! [Baarda1968] for the redundancy numbers; the elimination of nuisance columns is the Frisch–Waugh–Lovell theorem.
+//!
+//! [Baarda1968]: crate#references
 
 use core::fmt;
 
 use heapless::Vec;
 use nalgebra::{Matrix3, Vector3};
 
-use crate::linear::{LinearEpoch, Row};
-use crate::real::Real;
+use crate::equations::{LinearEpoch, Row};
+use crate::numeric::real::Real;
 use crate::satellite::Constellation;
 
 /// Why an epoch has no position.
@@ -73,10 +75,20 @@ pub struct Fit<T: Real> {
     pub redundancy: T,
     /// `w_i / r_i`, 1/m², by which squared residuals become squared w-tests and squared gains squared slopes; 0 for a
     /// row that cannot be tested, and for one that is left out.
-    pub gauge: T,
+    pub test_weight: T,
 }
 
 impl<T: Real> Fit<T> {
+    /// The w-test of the row, dimensionless; 0 where the row is untestable or left out.
+    pub fn w_test(&self) -> T {
+        self.residual * self.test_weight.sqrt()
+    }
+
+    /// The w-test squared, without the root: the decrease of SSE when the row is left out.
+    pub fn w_squared(&self) -> T {
+        self.residual * self.residual * self.test_weight
+    }
+
     /// Of a row about which nothing has been said.
     fn nothing() -> Self {
         Self {
@@ -84,7 +96,7 @@ impl<T: Real> Fit<T> {
             gain: Vector3::zeros(),
             residual: T::zero(),
             redundancy: T::zero(),
-            gauge: T::zero(),
+            test_weight: T::zero(),
         }
     }
 }
@@ -252,6 +264,11 @@ impl<T: Real, const N: usize> Snapshot<T, N> {
         self.epoch.rows().iter().zip(&self.fits)
     }
 
+    /// What the solution says of each row, in their order.
+    pub fn fits(&self) -> &[Fit<T>] {
+        &self.fits
+    }
+
     /// One row with what the solution says of it.
     pub fn row(&self, index: usize) -> Option<(&Row<T>, &Fit<T>)> {
         self.epoch.rows().get(index).zip(self.fits.get(index))
@@ -334,9 +351,63 @@ impl<T: Real, const N: usize> Snapshot<T, N> {
     ///
     /// The lone satellite of a constellation takes its clock with it and changes nothing; a row without which the
     /// geometry is singular gives infinity. `None` for a row that takes no part.
+    ///
+    /// [Lin2016]: crate#references
     pub fn hdop_without(&self, index: usize) -> Option<T> {
         let (row, _) = self.row(index).filter(|(row, _)| row.weight > T::zero())?;
         Some(Geometry::of(self.epoch.rows()).ok()?.hdop_without(row))
+    }
+}
+
+/// What can be tested, and solved again without one of its rows.
+pub trait Reducible<T: Real, const N: usize> {
+    /// The linearised epoch as it stands.
+    fn snapshot(&self) -> &Snapshot<T, N>;
+
+    /// Leaves one more row out.
+    ///
+    /// # Errors
+    /// What is left does not determine a position; nothing has changed then.
+    fn leave_out(&mut self, index: usize) -> Result<(), SnapshotError>;
+
+    /// Takes rows back, all at once and about the same point: what is compared next are exclusions of the same epoch.
+    ///
+    /// # Errors
+    /// As [`Self::leave_out`].
+    fn take_back(&mut self, rows: &[usize]) -> Result<(), SnapshotError>;
+
+    /// Leaves rows out again that were taken back: the solution is then what it was before.
+    ///
+    /// # Errors
+    /// As [`Self::leave_out`].
+    fn set_aside(&mut self, rows: &[usize]) -> Result<(), SnapshotError>;
+}
+
+impl<T: Real, const N: usize> Reducible<T, N> for Snapshot<T, N> {
+    fn snapshot(&self) -> &Snapshot<T, N> {
+        self
+    }
+
+    fn leave_out(&mut self, index: usize) -> Result<(), SnapshotError> {
+        Snapshot::leave_out(self, index)
+    }
+
+    fn take_back(&mut self, rows: &[usize]) -> Result<(), SnapshotError> {
+        self.epoch.take_all_back(rows);
+        let solved = self.solve_again();
+        if solved.is_err() {
+            self.epoch.leave_all_out(rows);
+        }
+        solved
+    }
+
+    fn set_aside(&mut self, rows: &[usize]) -> Result<(), SnapshotError> {
+        self.epoch.leave_all_out(rows);
+        let solved = self.solve_again();
+        if solved.is_err() {
+            self.epoch.take_all_back(rows);
+        }
+        solved
     }
 }
 
@@ -453,7 +524,7 @@ fn add_outer_product<T: Real>(matrix: &mut Matrix3<T>, a: &Vector3<T>, b: &Vecto
 /// Inverse of a symmetric matrix by `L D Lᵀ`, `P = L⁻ᵀ D⁻¹ L⁻¹`: no root, and a pivot that is not positive is singular.
 ///
 /// Reads the lower triangle.
-fn invert<T: Real>(normal: &Matrix3<T>) -> Result<Matrix3<T>, SnapshotError> {
+pub(crate) fn invert<T: Real>(normal: &Matrix3<T>) -> Result<Matrix3<T>, SnapshotError> {
     // Also the way out for a pivot that is not a number.
     let pivot = |value: T| if value > T::zero() { Ok(value.recip()) } else { Err(SnapshotError::Singular) };
     let d1 = pivot(normal.m11)?;
@@ -502,6 +573,6 @@ fn fit<T: Real>(
         gain,
         residual: row.residual - level - centred.dot(correction),
         redundancy,
-        gauge: if redundancy < T::UNTESTABLE { T::zero() } else { row.weight / redundancy },
+        test_weight: if redundancy < T::UNTESTABLE { T::zero() } else { row.weight / redundancy },
     }
 }

@@ -3,32 +3,68 @@
 //!
 //! ```text
 //! σ² = σ_eph² + (a_noise)² (σ_0² + σ_mp²/sin²el) + (σ_trop / (sin el + 0.05))² + σ_iono²
+//! a_noise = combination · 10^((38 − C/N0)/20) where C/N0 is below 38 dB-Hz
+//! σ_iono  = max(delay/5, F(el) τ(φ_m))          F = 1/√(1 − (R cos el/(R + h))²)
 //! ```
 //!
 //! | symbol | field | unit |
 //! |---|---|---|
 //! | `σ_eph` | `ephemeris_m`, from URA or SISA | m |
-//! | `a_noise` | `noise_gain`: 1 for one frequency, about 3 for the ionosphere-free pair | – |
+//! | `a_noise` | `noise_gain`: 1 for one frequency, about 3 for the ionosphere-free pair; more for a weak signal | – |
 //! | `σ_0`, `σ_mp` | code noise and multipath at the zenith | m |
 //! | `σ_trop` | what the tropospheric model leaves at the zenith | m |
-//! | `σ_iono` | `ionosphere_m`, what the ionospheric model leaves along the path; 0 for the pair | m |
+//! | `σ_iono` | `ionosphere_m`, what the ionospheric model leaves along the path ([`ionosphere_sigma_m`]); 0 for the pair | m |
+//! | `τ` | at the zenith: 9, 4.5, 6 m at geomagnetic latitudes below 20°, 55° and above | m |
+//!
+//! For ARAIM ([`crate::integrity::separation`]) the orbit and clock error is what an integrity support message promises,
+//! and the troposphere's model is that of [Blanch2015]:
+//!
+//! ```text
+//! C_int = URA² + σ_user² + σ_tropo²      C_acc the same with URE      σ_tropo = 0.12 · 1.001/√(0.002001 + sin²el)
+//! ```
+//!
+//! The module receives no such message: an [`Ism`] is a preset, or what a command gave, and is said to be one. Where a
+//! satellite broadcasts a URA above it, the larger counts.
 //!
 //! Assumes independent errors. An integrity test stands and falls with these numbers, so they are on the
 //! large side, and the monitor reports how the residuals compare ([`crate::report::Report::sigma_check`]).
+//!
+//! A sigma is a model, and worked out in single precision.
+
+pub mod adaptation;
 
 use crate::satellite::{Constellation, SatelliteId};
 
 /// Code noise at the zenith, m: a geodetic receiver's 0.3 m.
-const CODE_NOISE_M: f64 = 0.3;
+const CODE_NOISE_M: f32 = 0.3;
 
 /// Code multipath that grows towards the horizon, m at the zenith.
-const MULTIPATH_M: f64 = 0.3;
+const MULTIPATH_M: f32 = 0.3;
 
 /// Tropospheric model error at the zenith, m ([DO-229] appendix A: 0.12 m).
-const TROPOSPHERE_M: f64 = 0.12;
+///
+/// [DO-229]: crate#references
+const TROPOSPHERE_M: f32 = 0.12;
 
 /// The largest error that a satellite in its normal state announces, m: SISA index 107, URA index 1 and below.
-const NORMAL_PROMISE_M: f64 = 3.2;
+const NORMAL_PROMISE_M: f32 = 3.2;
+
+/// Carrier to noise density above which the noise is [`CODE_NOISE_M`], dB-Hz: below, a tracking loop's noise goes with the
+/// inverse root, and reflections are no longer weak beside the signal.
+const STRONG_DBHZ: f32 = 38.0;
+
+/// Sigma of every range while the position is unknown and nothing is corrected, m.
+pub const COARSE_M: f32 = 30.0;
+
+/// One sigma of a group delay that the message does not carry, m: the inter-signal corrections that GPS and `BeiDou`
+/// publish in CNAV scatter by some nanoseconds.
+pub const UNCALIBRATED_DELAY_M: f32 = 2.0;
+
+/// What a range that is not combined like most of its system's differs by, one sigma, m.
+///
+/// A receiver's delay differs between carriers by some metres, and combining amplifies that. Common to all satellites
+/// of a system it is part of the clock; where combinations are mixed it is an error of the few.
+pub const MIXED_CARRIERS_M: f32 = 10.0;
 
 /// Standard deviation of a satellite's broadcast orbit and clock, m.
 ///
@@ -36,7 +72,9 @@ const NORMAL_PROMISE_M: f64 = 3.2;
 /// 3 m for all systems, while their errors differ by ten: 0.2 m for Galileo, 0.6 m for GPS and `BeiDou`-3, 1 to 2 m and more for
 /// `BeiDou`-2 ([Montenbruck2018]). The numbers here are twice these and more, since the test must hold on bad days. A
 /// satellite that announces more than the normal state is believed.
-pub fn ephemeris_sigma_m(satellite: SatelliteId, promised_m: f64) -> f64 {
+///
+/// [Montenbruck2018]: crate#references
+pub fn ephemeris_sigma_m(satellite: SatelliteId, promised_m: f32) -> f32 {
     if promised_m > NORMAL_PROMISE_M {
         return promised_m;
     }
@@ -49,26 +87,165 @@ pub fn ephemeris_sigma_m(satellite: SatelliteId, promised_m: f64) -> f64 {
     }
 }
 
+/// How much noisier a range is than that of a strong signal; 1 where the strength is not known.
+pub fn weakness(cn0_dbhz: Option<f32>) -> f32 {
+    const PER_DB: f32 = core::f32::consts::LN_10 / 20.0;
+    match cn0_dbhz {
+        // A strength that is none counts as that of noise.
+        Some(cn0_dbhz) if !(cn0_dbhz >= STRONG_DBHZ) => {
+            libm::expf(PER_DB * (STRONG_DBHZ - cn0_dbhz.max(0.0)))
+        }
+        _ => 1.0,
+    }
+}
+
+/// What the broadcast model of the ionosphere leaves along the path on L1, one sigma, m.
+///
+/// `delay_m` is what the model says along the path, `geomagnetic_sc` where it is pierced, in semicircles. The floor is
+/// that of [DO-229] appendix J. The model halves the delay, rms ([Klobuchar1987]): without it twice the floor is left.
+///
+/// [DO-229]: crate#references
+/// [Klobuchar1987]: crate#references
+pub fn ionosphere_sigma_m(delay_m: f32, sin_elevation: f32, geomagnetic_sc: f32, is_modelled: bool) -> f32 {
+    let latitude_deg = 180.0 * geomagnetic_sc.abs();
+    let zenith_m = if latitude_deg <= 20.0 {
+        9.0
+    } else if latitude_deg <= 55.0 {
+        4.5
+    } else {
+        6.0
+    };
+    let floor_m = zenith_m * obliquity(sin_elevation);
+    if is_modelled { floor_m.max(0.2 * delay_m) } else { 2.0 * floor_m }
+}
+
+/// How much longer a path through the ionosphere is than straight up: a thin shell at 350 km.
+pub fn obliquity(sin_elevation: f32) -> f32 {
+    /// `(R/(R + h))²` with R = 6378.1363 km ([DO-229] A.4.4.10.4).
+    ///
+    /// [DO-229]: crate#references
+    const RATIO_SQUARED: f32 = 0.898_665_4;
+    let sine = sin_elevation.clamp(0.0, 1.0);
+    1.0 / libm::sqrtf(1.0 - RATIO_SQUARED * (1.0 - sine * sine))
+}
+
+/// With how many sigmas an error that ranges share enters the protection levels.
+///
+/// It is no noise: it stays for hours and does not average out. Three sigmas of the ionosphere's floor are 27, 13.5 and
+/// 18 m at the zenith, what 166, 83 and 111 TECU too many delay L1.
+pub const COMMON_SIGMAS: f32 = 3.0;
+
+/// What is promised of the satellites of one constellation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Support {
+    /// Standard deviation of orbit and clock for integrity, m.
+    pub ura_m: f64,
+    /// The same for accuracy and continuity, m.
+    pub ure_m: f64,
+    /// Largest nominal bias, m.
+    pub bias_m: f64,
+    /// Probability that a satellite is faulty.
+    pub satellite_fault: f64,
+    /// Probability that all of them are faulty together.
+    pub constellation_fault: f64,
+}
+
+impl Support {
+    const fn new([ura_m, ure_m, bias_m, satellite_fault, constellation_fault]: [f64; 5]) -> Self {
+        Self { ura_m, ure_m, bias_m, satellite_fault, constellation_fault }
+    }
+
+    /// Checks every field: sigmas positive and up to 100 m, URE up to URA, bias up to 100 m, probabilities in [0, 0.5).
+    pub fn is_valid(&self) -> bool {
+        let sigma = |value: f64| value > 0.0 && value <= 100.0;
+        let probability = |value: f64| (0.0..0.5).contains(&value);
+        sigma(self.ura_m)
+            && sigma(self.ure_m)
+            && self.ure_m <= self.ura_m
+            && (0.0..=100.0).contains(&self.bias_m)
+            && probability(self.satellite_fault)
+            && probability(self.constellation_fault)
+    }
+}
+
+/// What is promised of the satellites of each constellation (integrity support message).
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Ism {
+    /// In ascending id.
+    pub constellations: [Support; Constellation::COUNT],
+}
+
+impl Ism {
+    /// The draft of ICAO Annex 10, June 2024. It gives `BeiDou` no URA: Galileo's is taken, with the probabilities of the
+    /// draft. Biases are 0.
+    pub const ICAO: Self = Self {
+        constellations: [
+            Support::new([2.4, 2.4, 0.0, 1e-5, 1e-8]),
+            Support::new([6.0, 4.0, 0.0, 1e-5, 1e-4]),
+            Support::new([6.0, 4.0, 0.0, 3e-5, 2e-4]),
+            Support::new([9.0, 8.0, 0.0, 1.02e-4, 1e-4]),
+        ],
+    };
+
+    /// What published studies assume: URA 1 m, URE 0.5 m, a bias of 0.75 m, GPS hardly ever lost as a whole.
+    pub const RESEARCH: Self = Self {
+        constellations: [
+            Support::new([1.0, 0.5, 0.75, 1e-5, 1e-8]),
+            Support::new([1.0, 0.5, 0.75, 1e-5, 1e-4]),
+            Support::new([1.0, 0.5, 0.75, 1e-5, 1e-4]),
+            Support::new([1.0, 0.5, 0.75, 1e-5, 1e-4]),
+        ],
+    };
+
+    /// What is promised of one constellation.
+    pub fn of(&self, constellation: Constellation) -> Support {
+        let [first, ..] = self.constellations;
+        self.constellations.get(constellation as usize).copied().unwrap_or(first)
+    }
+
+    /// Whether every number is in its range.
+    pub fn is_valid(&self) -> bool {
+        self.constellations.iter().all(Support::is_valid)
+    }
+}
+
+/// Standard deviation of the corrected range for integrity, m: `promised_m` is what the satellite announces as URA or SISA.
+pub fn integrity_sigma_m(support: &Support, promised_m: f32, budget: &ErrorBudget) -> f32 {
+    let ura_m = promised_m.max(support.ura_m as f32);
+    let sin_elevation = budget.sin_elevation.max(0.05);
+    let code_m2 = code_m2(sin_elevation);
+    let troposphere_m2 = 0.12 * 0.12 * 1.001 * 1.001 / (0.002_001 + sin_elevation * sin_elevation);
+    let user_m2 = budget.noise_gain * budget.noise_gain * code_m2 + budget.ionosphere_m * budget.ionosphere_m;
+    libm::sqrtf(ura_m * ura_m + user_m2 + troposphere_m2)
+}
+
+/// Code noise and multipath of one frequency, m².
+fn code_m2(sin_elevation: f32) -> f32 {
+    CODE_NOISE_M * CODE_NOISE_M + MULTIPATH_M * MULTIPATH_M / (sin_elevation * sin_elevation)
+}
+
 /// What an error of one range is made of.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ErrorBudget {
     /// Sine of the elevation, −1 to 1.
-    pub sin_elevation: f64,
+    pub sin_elevation: f32,
     /// Orbit and clock error, m.
-    pub ephemeris_m: f64,
+    pub ephemeris_m: f32,
     /// Factor on code noise and multipath, dimensionless.
-    pub noise_gain: f64,
+    pub noise_gain: f32,
     /// Ionospheric error left along the path, m.
-    pub ionosphere_m: f64,
+    pub ionosphere_m: f32,
 }
 
 /// Standard deviation of the corrected range, m.
-pub fn sigma_m(budget: &ErrorBudget) -> f64 {
+pub fn sigma_m(budget: &ErrorBudget) -> f32 {
     // Below 3° nothing here is calibrated: the error stays that of 3°, where masks end.
     let sin_elevation = budget.sin_elevation.max(0.05);
-    let code_m2 = CODE_NOISE_M * CODE_NOISE_M + MULTIPATH_M * MULTIPATH_M / (sin_elevation * sin_elevation);
+    let code_m2 = code_m2(sin_elevation);
     let troposphere_m = TROPOSPHERE_M / (sin_elevation + 0.05);
-    libm::sqrt(
+    libm::sqrtf(
         budget.ephemeris_m * budget.ephemeris_m
             + budget.noise_gain * budget.noise_gain * code_m2
             + troposphere_m * troposphere_m

@@ -8,7 +8,7 @@ use proptest::prelude::*;
 use rai_core::clock::{
     Autoregression, CoastingClock, Forecast, HOLD_OVER_STEPS, INFLATION, MIN_VALUES, Uptake, WINDOW,
 };
-use rai_core::real::Real;
+use rai_core::numeric::real::Real;
 
 /// A level of one second, a drift of 300 m/s, and noise of the rate, 1 m each second; measured exactly.
 fn crystal(seed: u64, values: usize) -> Vec<f64> {

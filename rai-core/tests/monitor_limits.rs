@@ -95,7 +95,7 @@ fn clock_m(second: u32) -> f64 {
 /// A monitor with clock aiding that has seen a minute and a half of the first `count` satellites.
 fn coasting<const N: usize>(count: usize) -> Monitor<f64, N> {
     let mut monitor = Monitor::new(npa()).unwrap();
-    monitor.pursue(Strategy { clock_aid: true, ..Strategy::CLASSIC });
+    monitor.set_strategy(Strategy { clock_aid: true, ..Strategy::CLASSIC });
     for second in 0..90 {
         let observations = seen(&DIRECTIONS[..count], clock_m(second));
         assert_eq!(monitor.process(&epoch(f64::from(second), &observations)).verdict, OK, "{second} s");
@@ -108,11 +108,11 @@ fn clocks_are_forgotten_where_aiding_changes_and_only_there() {
     let mut monitor = coasting::<CAPACITY>(8);
     let four = epoch(90.0, &seen(&DIRECTIONS[..4], clock_m(90)));
     let aided = Strategy { clock_aid: true, ..Strategy::CLASSIC };
-    monitor.pursue(Strategy { method: Method::Ransac, ..aided });
+    monitor.set_strategy(Strategy { method: Method::Ransac, ..aided });
     assert!(monitor.clone().process(&four).test.is_some(), "with the forecast there is something to test");
-    monitor.pursue(Strategy::CLASSIC);
+    monitor.set_strategy(Strategy::CLASSIC);
     assert!(monitor.clone().process(&four).test.is_none());
-    monitor.pursue(aided);
+    monitor.set_strategy(aided);
     assert!(monitor.process(&four).test.is_none(), "forgotten in between");
 }
 
@@ -231,7 +231,7 @@ fn with_fault(directions: &[(f64, f64)], height: bool) -> Epoch<CAPACITY> {
 fn consensus_of_another_sky_is_not_that_of_this_one() {
     let fresh = || {
         let mut monitor = monitor(npa());
-        monitor.pursue(Strategy { method: Method::Ransac, ..Strategy::CLASSIC });
+        monitor.set_strategy(Strategy { method: Method::Ransac, ..Strategy::CLASSIC });
         monitor.start_from(receiver());
         monitor
     };

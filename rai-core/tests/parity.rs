@@ -3,26 +3,26 @@
 
 use nalgebra::Vector3;
 use proptest::prelude::*;
-use rai_core::identification::baarda::{Exclusion, Identification, Outcome};
-use rai_core::identification::parity::{
-    Finding, Limits, MAX_SETS, Method, correlation_threshold, exclude, grouping, hybrid,
+use rai_core::equations::LinearEpoch;
+use rai_core::integrity::residuals::exclusion::{Exclusion, Outcome, Unidentified};
+use rai_core::integrity::residuals::parity::{
+    Finding, Isolation, MAX_SETS, SearchLimits, correlation_threshold, exclude, grouping, hybrid,
     hybrid_without_grouping, sequential, simultaneous,
 };
-use rai_core::linear::LinearEpoch;
-use rai_core::probability::Probability;
-use rai_core::real::Real;
+use rai_core::integrity::residuals::threshold::Thresholds;
+use rai_core::numeric::probability::Probability;
+use rai_core::numeric::real::Real;
 use rai_core::satellite::Constellation;
 use rai_core::snapshot::Snapshot;
-use rai_core::threshold::Thresholds;
 
 type Sky<T> = Snapshot<T, 40>;
 
-const METHODS: [Method; 5] = [
-    Method::Simultaneous,
-    Method::Sequential,
-    Method::HybridWithoutGrouping,
-    Method::Hybrid,
-    Method::Grouping,
+const METHODS: [Isolation; 5] = [
+    Isolation::Simultaneous,
+    Isolation::Sequential,
+    Isolation::HybridWithoutGrouping,
+    Isolation::Hybrid,
+    Isolation::Grouping,
 ];
 
 /// Azimuth and elevation in degrees of well-spread directions.
@@ -65,7 +65,7 @@ fn sky<T: Real>(count: usize, biases_m: &[(usize, f64)]) -> Sky<T> {
     Snapshot::solve(epoch).unwrap()
 }
 
-fn named<T: Real>(finding: &Finding<T>) -> Result<Vec<usize>, Identification> {
+fn named<T: Real>(finding: &Finding<T>) -> Result<Vec<usize>, Unidentified> {
     let mut rows: Vec<usize> = match &finding.set {
         Ok(removal) => removal.rows().iter().map(|row| row.index).collect(),
         Err(why) => return Err(*why),
@@ -114,7 +114,7 @@ fn threshold_in_single_precision_is_that_in_double() {
 
 #[test]
 fn nothing_detected_names_nothing() {
-    let (sky, thresholds, limits) = (sky::<f64>(10, &[]), thresholds(), Limits::published());
+    let (sky, thresholds, limits) = (sky::<f64>(10, &[]), thresholds(), SearchLimits::published());
     for finding in [
         sequential(&sky, &thresholds, &limits),
         hybrid_without_grouping(&sky, &thresholds, &limits),
@@ -136,7 +136,7 @@ fn one_fault_is_named_by_every_method_in_both_precisions() {
     fn check<T: Real>() {
         for method in METHODS {
             let mut sky = sky::<T>(10, &[(6, 120.0)]);
-            let have = exclude(method, &mut sky, &thresholds(), &Limits::published());
+            let have = exclude(method, &mut sky, &thresholds(), &SearchLimits::published());
             assert_eq!((rows(&have), have.outcome), (vec![6], Outcome::Isolated), "{method:?}");
             assert_eq!(sky.used(), 9);
         }
@@ -148,7 +148,8 @@ fn one_fault_is_named_by_every_method_in_both_precisions() {
 #[test]
 fn a_fault_of_a_thousand_kilometres_is_named_in_single_precision() {
     for method in METHODS {
-        let have = exclude(method, &mut sky::<f32>(10, &[(6, 1e6)]), &thresholds(), &Limits::published());
+        let have =
+            exclude(method, &mut sky::<f32>(10, &[(6, 1e6)]), &thresholds(), &SearchLimits::published());
         assert_eq!((rows(&have), have.outcome), (vec![6], Outcome::Isolated), "{method:?}");
     }
 }
@@ -157,7 +158,7 @@ fn a_fault_of_a_thousand_kilometres_is_named_in_single_precision() {
 fn grouping_finds_the_smallest_set_that_brute_force_finds() {
     for biases_m in [[(1, 90.0), (7, -110.0)], [(0, 60.0), (4, 80.0)], [(3, 200.0), (5, 70.0)]] {
         let (sky, thresholds) = (sky::<f64>(10, &biases_m), thresholds());
-        let have = named(&grouping(&sky, &thresholds, &Limits::published()));
+        let have = named(&grouping(&sky, &thresholds, &SearchLimits::published()));
         let mut best = (f64::INFINITY, vec![]);
         for first in 0..10 {
             for second in first + 1..10 {
@@ -177,7 +178,7 @@ fn grouping_finds_the_smallest_set_that_brute_force_finds() {
 #[test]
 fn three_faults_are_grouped() {
     let mut sky = sky::<f64>(10, &[(0, 150.0), (4, -220.0), (7, 300.0)]);
-    let mut have = exclude(Method::Grouping, &mut sky, &thresholds(), &Limits::published());
+    let mut have = exclude(Isolation::Grouping, &mut sky, &thresholds(), &SearchLimits::published());
     have.rows.sort_unstable_by_key(|excluded| excluded.index);
     assert_eq!((rows(&have), have.outcome), (vec![0, 4, 7], Outcome::Isolated));
 }
@@ -185,7 +186,7 @@ fn three_faults_are_grouped() {
 #[test]
 fn grouping_finds_what_hides_from_the_sequential_method() {
     // Two biases that look most like a third row's: the sky is searched for such a pair, the truth is known.
-    let (thresholds, limits) = (thresholds(), Limits { rows: 2, ..Limits::published() });
+    let (thresholds, limits) = (thresholds(), SearchLimits { rows: 2, ..SearchLimits::published() });
     let mut hidden = 0;
     for first in 0..10 {
         for second in first + 1..10 {
@@ -205,7 +206,7 @@ fn grouping_finds_what_hides_from_the_sequential_method() {
 
 #[test]
 fn a_simultaneous_set_that_is_not_minimal_is_not_taken() {
-    let limits = Limits { alpha: Probability::new(0.3).unwrap(), ..Limits::published() };
+    let limits = SearchLimits { alpha: Probability::new(0.3).unwrap(), ..SearchLimits::published() };
     let mut larger_than_the_truth = 0;
     for faulty in 0..8 {
         let sky = sky::<f64>(8, &[(faulty, 500.0)]);
@@ -221,8 +222,8 @@ fn without_redundancy_nothing_is_searched() {
     let sky = sky::<f64>(5, &[(2, 500.0)]);
     assert_eq!(sky.dof(), 0);
     for method in METHODS {
-        let have = exclude(method, &mut sky.clone(), &thresholds(), &Limits::published());
-        assert_eq!(have.outcome, Outcome::NotIsolated(Identification::NoRedundancy), "{method:?}");
+        let have = exclude(method, &mut sky.clone(), &thresholds(), &SearchLimits::published());
+        assert_eq!(have.outcome, Outcome::NotIsolated(Unidentified::NoRedundancy), "{method:?}");
     }
 }
 
@@ -231,18 +232,18 @@ fn with_one_degree_of_freedom_no_row_can_be_named() {
     let sky = sky::<f64>(6, &[(2, 500.0)]);
     assert_eq!(sky.dof(), 1);
     for method in METHODS {
-        let have = exclude(method, &mut sky.clone(), &thresholds(), &Limits::published());
-        assert_eq!(have.outcome, Outcome::NotIsolated(Identification::NoSet), "{method:?}");
+        let have = exclude(method, &mut sky.clone(), &thresholds(), &SearchLimits::published());
+        assert_eq!(have.outcome, Outcome::NotIsolated(Unidentified::NoSet), "{method:?}");
     }
 }
 
 #[test]
 fn a_budget_that_is_used_up_is_said() {
     let sky = sky::<f64>(10, &[(0, 150.0), (4, -220.0), (7, 300.0)]);
-    let limits = Limits { sets: 10 + 45 + 119, ..Limits::published() };
+    let limits = SearchLimits { sets: 10 + 45 + 119, ..SearchLimits::published() };
     let have = grouping(&sky, &thresholds(), &limits);
-    assert_eq!((named(&have), have.sets), (Err(Identification::Budget), limits.sets));
-    let enough = Limits { sets: limits.sets + 1, ..limits };
+    assert_eq!((named(&have), have.sets), (Err(Unidentified::Budget), limits.sets));
+    let enough = SearchLimits { sets: limits.sets + 1, ..limits };
     let have = grouping(&sky, &thresholds(), &enough);
     assert_eq!((named(&have), have.sets), (Ok(vec![0, 4, 7]), enough.sets));
 }
@@ -257,7 +258,7 @@ fn the_lone_satellite_of_a_constellation_is_never_named() {
     }
     let sky = Snapshot::solve(epoch).unwrap();
     for method in METHODS {
-        let have = exclude(method, &mut sky.clone(), &thresholds(), &Limits::published());
+        let have = exclude(method, &mut sky.clone(), &thresholds(), &SearchLimits::published());
         assert_eq!((rows(&have), have.outcome), (vec![2], Outcome::Isolated), "{method:?}");
     }
 }
@@ -272,13 +273,13 @@ proptest! {
     ) {
         for method in METHODS {
             let mut sky = sky::<f32>(count, &biases_m);
-            let have = exclude(method, &mut sky, &thresholds(), &Limits::published());
+            let have = exclude(method, &mut sky, &thresholds(), &SearchLimits::published());
             let passes = thresholds().tau1(sky.dof()).is_some_and(|tau1| f64::from(sky.sse()) < tau1);
             let isolated = matches!(have.outcome, Outcome::Isolated | Outcome::Passed);
             prop_assert_eq!(isolated, passes);
             prop_assert_eq!(sky.used() + have.rows.len(), count);
         }
-        let work = grouping(&sky::<f32>(count, &biases_m), &thresholds(), &Limits::published()).sets;
+        let work = grouping(&sky::<f32>(count, &biases_m), &thresholds(), &SearchLimits::published()).sets;
         prop_assert!(work <= MAX_SETS);
     }
 }

@@ -4,15 +4,16 @@
 use std::path::Path;
 
 use proptest::prelude::*;
-use rai_core::probability::Probability;
-use rai_core::protection::Slopes;
-use rai_core::real::Real;
-use rai_core::requirements::Requirements;
-use rai_core::threshold::Thresholds;
-use rai_core::threshold::chi2::{ChiSquare, LARGEST};
-use rai_core::threshold::policy::{
-    Decision, Demand, Policy, Refusal, Status, Weights, noncentrality_at, range_threshold_m,
+use rai_core::integrity::residuals::levels::Slopes;
+use rai_core::integrity::residuals::levels::noncentrality_at;
+use rai_core::integrity::residuals::threshold::Thresholds;
+use rai_core::integrity::residuals::threshold::policy::{
+    Decision, Demand, NoThreshold, Policy, Status, Weights, range_threshold_m,
 };
+use rai_core::numeric::chi_square::{ChiSquare, LARGEST};
+use rai_core::numeric::probability::Probability;
+use rai_core::numeric::real::Real;
+use rai_core::requirements::Requirements;
 
 /// The relative errors that the functions declare, in double and in single precision.
 const DECLARED: [f64; 2] = [3e-11, 3e-5];
@@ -36,21 +37,15 @@ fn assert_close(have: f64, want: f64, relative: f64, case: &str) {
     assert!((have / want - 1.0).abs() <= relative, "{case}: have {have:e}, want {want:e}");
 }
 
-/// Rows of a gold table with as many columns as `N`, without the heading; `None`, and said so, where there is none.
-fn gold<const N: usize>(table: &str) -> Option<Vec<[f64; N]>> {
-    let root = std::env::var_os("RAI_SHARED")
-        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared"), Into::into);
-    let Ok(text) = std::fs::read_to_string(root.join("gold").join(table)) else {
-        eprintln!(
-            "skipped: needs gold/{table} of the shared reference folder (set RAI_SHARED to where it is)"
-        );
-        return None;
-    };
+/// Rows of a gold table with as many columns as `N`, without the heading.
+fn gold<const N: usize>(table: &str) -> Vec<[f64; N]> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests-host/vectors/gold");
+    let text = std::fs::read_to_string(folder.join(table)).expect("the gold values come with the project");
     let row = |line: &str| {
         let cells: Vec<f64> = line.split(',').map(|cell| cell.parse().expect("a number")).collect();
         cells.try_into().expect("as many columns as the heading says")
     };
-    Some(text.lines().skip(1).map(row).collect())
+    text.lines().skip(1).map(row).collect()
 }
 
 /// Prints the worst relative error over all rows, and holds it against what is declared.
@@ -86,19 +81,19 @@ fn noncentrality<T: Real>(&[dof, _, tail, statistic, _]: &[f64; 5]) -> f64 {
 
 #[test]
 fn quantiles_agree_with_every_row_of_the_gold_table() {
-    let Some(rows) = gold("tau2.csv") else { return };
+    let rows = gold("tau2.csv");
     compare("tau2", &rows, [quantile::<f64>, quantile::<f32>], |row| row[3]);
 }
 
 #[test]
 fn crossings_agree_with_every_row_of_the_gold_table() {
-    let Some(rows) = gold("tau_op.csv") else { return };
+    let rows = gold("tau_op.csv");
     compare("tau_OP", &rows, [crossing::<f64>, crossing::<f32>], |row| row[2]);
 }
 
 #[test]
 fn noncentralities_agree_with_every_row_of_the_gold_table() {
-    let Some(rows) = gold("lambda.csv") else { return };
+    let rows = gold("lambda.csv");
     compare("lambda", &rows, [noncentrality::<f64>, noncentrality::<f32>], |row| row[4]);
 }
 
@@ -249,7 +244,7 @@ fn no_degrees_of_freedom_and_more_than_the_tables_have_are_refused() {
         let demand = demand(dof, 100.0, 1e-5, 1e-3);
         assert_eq!(demand.decide::<f64>(), None);
         for policy in [Policy::T1, Policy::T2, Policy::TOp] {
-            assert_eq!(demand.threshold::<f64>(policy), Err(Refusal::Redundancy));
+            assert_eq!(demand.threshold::<f64>(policy), Err(NoThreshold::Redundancy));
         }
     }
 }
@@ -259,8 +254,8 @@ fn a_poor_geometry_leaves_only_the_classic_threshold() {
     for noncentrality in [0.0, 60.0, f64::NAN] {
         let demand = demand(4, noncentrality, 3.33e-7, 1e-3);
         assert!(demand.threshold::<f32>(Policy::T1).is_ok());
-        assert_eq!(demand.threshold::<f32>(Policy::T2), Err(Refusal::Risk));
-        assert_eq!(demand.threshold::<f32>(Policy::TOp), Err(Refusal::Risk));
+        assert_eq!(demand.threshold::<f32>(Policy::T2), Err(NoThreshold::Risk));
+        assert_eq!(demand.threshold::<f32>(Policy::TOp), Err(NoThreshold::Risk));
     }
 }
 
@@ -335,7 +330,7 @@ fn assert_policies_agree<T: Real>(demand: &Demand, relative: f64) {
     let classic = threshold(Policy::T1).expect("redundancy");
     assert_eq!(classic.tau, decision.tau1);
     let Some(want) = decision.tau_op else {
-        assert_eq!([threshold(Policy::T2), threshold(Policy::TOp)], [Err(Refusal::Risk); 2]);
+        assert_eq!([threshold(Policy::T2), threshold(Policy::TOp)], [Err(NoThreshold::Risk); 2]);
         return;
     };
     let (highest, have) =

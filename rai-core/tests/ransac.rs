@@ -3,16 +3,16 @@
 
 use nalgebra::Vector3;
 use proptest::prelude::*;
-use rai_core::identification::baarda::Outcome;
-use rai_core::identification::ransac::{
-    Limits, MAX_SUBSETS, MAX_WORK, NoConsensus, Selection, consensus, exclude, refine,
+use rai_core::equations::LinearEpoch;
+use rai_core::integrity::residuals::exclusion::Outcome;
+use rai_core::integrity::residuals::ransac::{
+    ConsensusLimits, MAX_SUBSETS, MAX_WORK, NoConsensus, Selection, consensus, exclude, refine,
 };
-use rai_core::linear::LinearEpoch;
-use rai_core::probability::Probability;
-use rai_core::real::Real;
+use rai_core::integrity::residuals::threshold::Thresholds;
+use rai_core::numeric::probability::Probability;
+use rai_core::numeric::real::Real;
 use rai_core::satellite::Constellation;
 use rai_core::snapshot::Snapshot;
-use rai_core::threshold::Thresholds;
 
 type Epoch<T> = LinearEpoch<T, 40>;
 
@@ -119,7 +119,7 @@ proptest! {
         let epoch = sky::<f32>(count, 2, &biases_m);
         let selection = Selection::choose(&epoch, MAX_WORK);
         let mut solution = Snapshot::solve(epoch).unwrap();
-        let have = exclude(&mut solution, &selection, &thresholds(), &Limits::published().unwrap());
+        let have = exclude(&mut solution, &selection, &thresholds(), &ConsensusLimits::published().unwrap());
         let passes = thresholds().tau1(solution.dof()).is_some_and(|tau1| f64::from(solution.sse()) < tau1);
         if matches!(have.outcome, Outcome::Isolated | Outcome::Passed) {
             prop_assert!(passes);
@@ -134,7 +134,7 @@ fn three_faults_among_twenty_are_named_in_both_precisions() {
         let epoch = sky::<T>(20, 2, &[(3, 150.0), (8, -150.0), (17, 150.0)]);
         let selection = Selection::choose(&epoch, MAX_WORK);
         let mut solution = Snapshot::solve(epoch).unwrap();
-        let have = exclude(&mut solution, &selection, &thresholds(), &Limits::published().unwrap());
+        let have = exclude(&mut solution, &selection, &thresholds(), &ConsensusLimits::published().unwrap());
         let mut rows: Vec<usize> = have.rows.iter().map(|excluded| excluded.index).collect();
         rows.sort_unstable();
         assert_eq!((rows, have.outcome), (vec![3, 8, 17], Outcome::Isolated));
@@ -147,7 +147,7 @@ fn three_faults_among_twenty_are_named_in_both_precisions() {
 #[test]
 fn a_fault_too_small_for_a_subset_is_found_by_the_refinement() {
     let epoch = sky::<f64>(20, 1, &[(2, 30.0)]);
-    let limits = Limits::published().unwrap();
+    let limits = ConsensusLimits::published().unwrap();
     let selection = Selection::choose(&epoch, MAX_WORK);
     let snapshot = Snapshot::solve(epoch).unwrap();
     let found = consensus(snapshot.epoch(), &selection, &limits).unwrap();
@@ -158,7 +158,7 @@ fn a_fault_too_small_for_a_subset_is_found_by_the_refinement() {
 #[test]
 fn too_few_satellites_fall_back_to_sequential_exclusion() {
     let epoch = sky::<f64>(9, 2, &[(4, 200.0)]);
-    let limits = Limits::published().unwrap();
+    let limits = ConsensusLimits::published().unwrap();
     let selection = Selection::choose(&epoch, MAX_WORK);
     assert_eq!(selection.subsets(), 1);
     assert_eq!(consensus(&epoch, &selection, &limits), Err(NoConsensus::TooFewSubsets));
@@ -170,7 +170,7 @@ fn too_few_satellites_fall_back_to_sequential_exclusion() {
 #[test]
 fn a_selection_for_other_rows_counts_as_none() {
     let selection = Selection::choose(&sky::<f64>(20, 2, &[]), MAX_WORK);
-    let have = consensus(&sky::<f64>(19, 2, &[]), &selection, &Limits::published().unwrap());
+    let have = consensus(&sky::<f64>(19, 2, &[]), &selection, &ConsensusLimits::published().unwrap());
     assert_eq!(have, Err(NoConsensus::TooFewSubsets));
 }
 

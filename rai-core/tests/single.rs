@@ -4,21 +4,22 @@
 
 use rai_core::clock::{CoastingClock, Uptake};
 use rai_core::epoch::Epoch;
+use rai_core::equations::LinearEpoch;
 use rai_core::fix::Workspace;
 use rai_core::frame::{Ecef, LocalFrame};
-use rai_core::identification::baarda::{self, Outcome, w_test};
-use rai_core::identification::parity;
-use rai_core::identification::ransac::{self, MAX_WORK, Selection};
-use rai_core::linear::LinearEpoch;
+use rai_core::integrity::residuals::baarda;
+use rai_core::integrity::residuals::exclusion::Outcome;
+use rai_core::integrity::residuals::levels;
+use rai_core::integrity::residuals::parity;
+use rai_core::integrity::residuals::ransac::{self, MAX_WORK, Selection};
+use rai_core::integrity::residuals::threshold::policy::{Demand, Policy};
+use rai_core::integrity::residuals::threshold::{Thresholds, false_alarms, missed_detections};
 use rai_core::monitor::Monitor;
-use rai_core::protection;
 use rai_core::report::{Protected, Verdict};
 use rai_core::requirements::Requirements;
 use rai_core::satellite::Constellation;
 use rai_core::single::{self, CAPACITY};
 use rai_core::snapshot::Snapshot;
-use rai_core::threshold::policy::{Demand, Policy};
-use rai_core::threshold::{Thresholds, false_alarms, missed_detections};
 use sky::{observe, receiver, satellite};
 
 mod sky;
@@ -99,9 +100,9 @@ fn fault_is_the_worst_row_and_leaves_with_it() {
     let (worst, squared, _) = single::worst_two(&snapshot).unwrap();
     let (_, fit) = snapshot.row(worst).unwrap();
     assert_eq!(worst, FAULTY);
-    assert!((squared.sqrt() - w_test(fit).abs()).abs() < 1e-3 * squared.sqrt());
+    assert!((squared.sqrt() - fit.w_test().abs()).abs() < 1e-3 * squared.sqrt());
     assert_eq!(single::worst_two(&snapshot), baarda::worst_two(&snapshot));
-    assert_eq!(single::largest_slopes(&snapshot), protection::largest_slopes(&snapshot));
+    assert_eq!(single::largest_slopes(&snapshot), levels::largest_slopes(&snapshot));
 
     let faulty = snapshot.sse();
     single::leave_out(&mut snapshot, FAULTY).unwrap();
@@ -113,7 +114,7 @@ fn fault_is_the_worst_row_and_leaves_with_it() {
 #[test]
 fn searches_name_the_fault() {
     let snapshot = Snapshot::solve(linear(BIAS_M)).unwrap();
-    let limits = parity::Limits::published();
+    let limits = parity::SearchLimits::published();
     let found = single::grouping(&snapshot, &thresholds(), &limits);
     let named = found.set.as_ref().unwrap().rows().iter().map(|row| row.index);
     assert!(named.eq([FAULTY]), "{found:?}");
@@ -121,7 +122,7 @@ fn searches_name_the_fault() {
 
     let selection = single::choose(snapshot.epoch(), MAX_WORK);
     assert_eq!(selection, Selection::choose(snapshot.epoch(), MAX_WORK));
-    let limits = ransac::Limits::published().unwrap();
+    let limits = ransac::ConsensusLimits::published().unwrap();
     let mut voted = snapshot.clone();
     let exclusion = single::exclude_by_consensus(&mut voted, &selection, &thresholds(), &limits);
     assert_eq!(exclusion.outcome, Outcome::Isolated);

@@ -4,12 +4,12 @@
 
 use rai_core::epoch::{Aiding, Epoch, Observation};
 use rai_core::frame::LocalFrame;
-use rai_core::identification::parity;
+use rai_core::integrity::residuals::parity;
+use rai_core::integrity::residuals::threshold::policy::Policy;
 use rai_core::monitor::{Method, Monitor, Strategy};
 use rai_core::report::{Alert, Protected, Report, Unavailable, Verdict};
 use rai_core::requirements::Requirements;
 use rai_core::satellite::{Constellation, SatelliteId};
-use rai_core::threshold::policy::Policy;
 use sky::{observe, receiver, satellite};
 
 mod sky;
@@ -48,7 +48,7 @@ fn clock_m(second: u32) -> f64 {
 /// A monitor with clock aiding that has seen a minute and a half of seven satellites.
 fn coasting() -> (Monitor<f32, CAPACITY>, u32) {
     let mut monitor = Monitor::new(Requirements::non_precision_approach()).unwrap();
-    monitor.pursue(Strategy { clock_aid: true, ..Strategy::CLASSIC });
+    monitor.set_strategy(Strategy { clock_aid: true, ..Strategy::CLASSIC });
     for second in 0..90 {
         let report = judge(&mut monitor, f64::from(second), &visible(7, clock_m(second)));
         assert_eq!(report.verdict, Verdict::Protected(Protected::Ok), "second {second}");
@@ -81,12 +81,12 @@ fn five_satellites_and_a_predicted_clock_name_the_satellite() {
 /// A millisecond shows in every satellite's test, which only some methods see through.
 #[test]
 fn a_jump_of_the_clock_is_no_satellites_fault_by_any_method() {
-    use parity::Method::{Grouping, Hybrid, HybridWithoutGrouping, Sequential, Simultaneous};
+    use parity::Isolation::{Grouping, Hybrid, HybridWithoutGrouping, Sequential, Simultaneous};
     let parity = [Simultaneous, Sequential, HybridWithoutGrouping, Hybrid, Grouping].map(Method::Parity);
     for method in [Method::Baarda, Method::Ransac].into_iter().chain(parity) {
         for jump_m in [300.0, -238_668.0] {
             let (mut monitor, now) = coasting();
-            monitor.pursue(Strategy { method, clock_aid: true, ..Strategy::CLASSIC });
+            monitor.set_strategy(Strategy { method, clock_aid: true, ..Strategy::CLASSIC });
             for second in now..now + 20 {
                 let sky = visible(7, clock_m(second) + jump_m);
                 let report = judge(&mut monitor, f64::from(second), &sky);
@@ -114,8 +114,8 @@ fn a_jump_of_the_clock_is_no_satellites_fault() {
 #[test]
 fn a_jump_of_the_clock_is_the_clocks_beside_a_known_height_too() {
     let (mut monitor, now) = coasting();
-    let method = Method::Parity(parity::Method::Hybrid);
-    monitor.pursue(Strategy { method, clock_aid: true, ..Strategy::CLASSIC });
+    let method = Method::Parity(parity::Isolation::Hybrid);
+    monitor.set_strategy(Strategy { method, clock_aid: true, ..Strategy::CLASSIC });
     let mut epoch = Epoch::new(f64::from(now));
     for observation in visible(7, clock_m(now) - 238_668.0) {
         epoch.push(observation).unwrap();
@@ -143,7 +143,7 @@ fn generous() -> Requirements {
 fn a_higher_threshold_passes_a_fault_that_the_limit_can_bear() {
     let thresholds = [Policy::T1, Policy::TOp, Policy::T2].map(|policy| {
         let mut monitor = Monitor::new(generous()).unwrap();
-        monitor.pursue(Strategy { policy, ..Strategy::CLASSIC });
+        monitor.set_strategy(Strategy { policy, ..Strategy::CLASSIC });
         let report = judge(&mut monitor, 0.0, &visible(7, 0.0));
         assert_eq!(report.verdict, Verdict::Protected(Protected::Ok), "{policy:?}");
         (report.test.unwrap().threshold, report.protection.unwrap().hpl_m)
@@ -165,7 +165,7 @@ fn no_threshold_between_the_risks_is_an_unavailability() {
         [(Policy::T1, Unavailable::Hpl), (Policy::TOp, Unavailable::Risk), (Policy::T2, Unavailable::Risk)]
     {
         let mut monitor = Monitor::new(tight).unwrap();
-        monitor.pursue(Strategy { policy, ..Strategy::CLASSIC });
+        monitor.set_strategy(Strategy { policy, ..Strategy::CLASSIC });
         let report = judge(&mut monitor, 0.0, &visible(7, 0.0));
         assert_eq!(report.verdict, Verdict::Unavailable(want), "{policy:?}");
     }

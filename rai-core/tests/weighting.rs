@@ -2,14 +2,15 @@
 #![allow(clippy::unwrap_used)]
 
 use rai_core::satellite::{Constellation, SatelliteId};
-use rai_core::weighting::{ErrorBudget, ephemeris_sigma_m, sigma_m};
+use rai_core::weighting::{ErrorBudget, ephemeris_sigma_m, ionosphere_sigma_m, obliquity, sigma_m, weakness};
 
 const NOTHING: ErrorBudget =
     ErrorBudget { sin_elevation: 1.0, ephemeris_m: 0.0, noise_gain: 0.0, ionosphere_m: 0.0 };
 
-fn assert_variance(budget: ErrorBudget, want_m2: f64) {
+fn assert_variance(budget: ErrorBudget, want_m2: f32) {
     let have_m2 = sigma_m(&budget).powi(2);
-    assert!((have_m2 / want_m2 - 1.0).abs() < 1e-9, "{budget:?}: have {have_m2}, want {want_m2}");
+    // Some roundings of single precision.
+    assert!((have_m2 / want_m2 - 1.0).abs() < 1e-6, "{budget:?}: have {have_m2}, want {want_m2}");
 }
 
 #[test]
@@ -57,10 +58,39 @@ fn a_normal_promise_is_replaced_and_a_worse_one_believed() {
         for promised_m in [0.1, 2.0, 3.2] {
             let have_m = sigma_m(constellation, number, promised_m);
             assert!(
-                (have_m - want_m).abs() < 1e-12,
+                f32::abs(have_m - want_m) < 1e-6,
                 "{constellation:?} {number}: have {have_m}, want {want_m}"
             );
         }
-        assert!((sigma_m(constellation, number, 3.3) - 3.3).abs() < 1e-12);
+        assert!(f32::abs(sigma_m(constellation, number, 3.3) - 3.3) < 1e-6);
     }
+}
+
+#[test]
+fn the_ionosphere_has_the_floor_of_the_standard_and_a_fifth_of_a_large_delay() {
+    let sc = |degrees: f32| degrees / 180.0;
+    let close = |have: f32, want: f32| assert!((have / want - 1.0).abs() < 1e-5, "have {have}, want {want}");
+    // At the zenith the floor itself: 9 m below 20 degrees of geomagnetic latitude, 4.5 m to 55, 6 m beyond.
+    for (latitude_deg, want_m) in
+        [(0.0, 9.0), (-19.9, 9.0), (20.1, 4.5), (-54.9, 4.5), (55.1, 6.0), (-80.0, 6.0)]
+    {
+        close(ionosphere_sigma_m(0.0, 1.0, sc(latitude_deg), true), want_m);
+        close(ionosphere_sigma_m(0.0, 1.0, sc(latitude_deg), false), 2.0 * want_m);
+    }
+    close(ionosphere_sigma_m(40.0, 1.0, sc(40.0), true), 8.0);
+    // 1/sqrt(1 - (6378.1363 cos 10 deg / 6728.1363)^2), worked out by hand: 2.79037.
+    let sine = 10.0_f32.to_radians().sin();
+    close(obliquity(sine), 2.790_373);
+    close(ionosphere_sigma_m(0.0, sine, sc(40.0), true), 4.5 * 2.790_373);
+}
+
+#[test]
+fn a_weak_signal_is_noisier_and_one_of_unknown_strength_is_not() {
+    let close = |have: f32, want: f32| assert!((have / want - 1.0).abs() < 1e-5, "have {have}, want {want}");
+    close(weakness(None), 1.0);
+    close(weakness(Some(45.0)), 1.0);
+    close(weakness(Some(38.0)), 1.0);
+    // Ten decibels are a tenth of the power, and the root of ten in the noise.
+    close(weakness(Some(28.0)), 10.0_f32.sqrt());
+    assert!(weakness(Some(f32::NAN)) > 10.0 && weakness(Some(f32::NEG_INFINITY)).is_finite());
 }

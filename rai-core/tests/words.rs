@@ -5,14 +5,15 @@
 use std::collections::BTreeSet;
 use std::error::Error;
 
+use rai_core::continuity::ContinuityError;
 use rai_core::epoch::EpochError;
+use rai_core::equations::RowError;
 use rai_core::fix::FixError;
-use rai_core::linear::RowError;
+use rai_core::integrity::residuals::threshold::ThresholdError;
 use rai_core::monitor::MonitorError;
-use rai_core::probability::Probability;
+use rai_core::numeric::probability::Probability;
 use rai_core::requirements::RequirementsError;
 use rai_core::snapshot::SnapshotError;
-use rai_core::threshold::ThresholdError;
 
 /// Lower-case words, no two reasons alike.
 fn check(errors: &[&dyn Error]) {
@@ -34,6 +35,7 @@ fn every_reason_has_words_of_its_own() {
         &EpochError::Duplicate,
         &EpochError::Full,
     ]);
+    check(&[&ContinuityError::Speed, &ContinuityError::Height, &ContinuityError::Recovery]);
     check(&[
         &RequirementsError::HorizontalAlertLimit,
         &RequirementsError::VerticalAlertLimit,

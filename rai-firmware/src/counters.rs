@@ -5,11 +5,15 @@ macro_rules! counters {
     ($(#[$of_struct:meta])* $name:ident { $($(#[$of_field:meta])* $field:ident,)* }) => {
         $(#[$of_struct])*
         #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+        #[cfg_attr(all(target_os = "none", feature = "cortex-m-board"), derive(defmt::Format))]
         pub struct $name {
             $($(#[$of_field])* pub $field: u32,)*
         }
 
         impl $name {
+            /// Nothing has happened yet.
+            pub const NONE: Self = Self { $($field: 0,)* };
+
             /// Name and value of every counter, in the order of the fields.
             pub fn iter(&self) -> impl Iterator<Item = (&'static str, u32)> {
                 [$((stringify!($field), self.$field),)*].into_iter()

@@ -1,4 +1,4 @@
-//! The receiver around the integrity core: RTCM 3 in, sentences and a fail-safe pin out.
+//! The receiver around the integrity core: RTCM 3 and UBX in, sentences and a fail-safe pin out.
 //!
 //! A GNSS receiver measures ranges and passes on what the satellites say of themselves. From these bytes the module
 //! computes its own position, asks [`rai_core`] whether it may be used, and tells the host in NMEA 0183 and everybody
@@ -6,14 +6,14 @@
 //!
 //! | module | from | to |
 //! |---|---|---|
-//! | [`rtcm`] | bytes of the GNSS port | raw epochs and ephemerides, each checked once |
+//! | [`input`] | bytes of the GNSS port | raw epochs and ephemerides, each checked once |
+//! | [`raw`] | | what any receiver measures |
 //! | [`time`] | weeks and seconds of three systems | GPS time |
 //! | [`ephemeris`] | broadcast elements | positions and clocks of satellites |
-//! | [`signal`] | the ranges of one satellite | the one that is used: free of the ionosphere where two can be combined |
-//! | [`atmosphere`] | position, elevation, time | delays |
-//! | [`correction`] | all of that | the core's epoch: corrected ranges with their sigmas |
+//! | [`correction`] | all of that | the core's epoch: one range of each satellite, without delays, with its sigma |
 //! | [`navigator`] | raw epoch | the core's report |
-//! | [`nmea`] | report | sentences |
+//! | [`rates`] | Doppler frequencies | velocity, held to a test of its own |
+//! | [`output`] | report | sentences |
 //! | [`receiver`] | bytes and the time | the loop around all this, the pin, the alarm of a silent line |
 //!
 //! beside them [`config`] (commands of the host), [`selftest`] (known answers), [`reset`] (why the module started),
@@ -28,7 +28,7 @@
 //!
 //! | port | pins | direction | bytes |
 //! |---|---|---|---|
-//! | GNSS | PA3 (USART2 RX), PA2 (TX) | in | RTCM 3 |
+//! | GNSS | PA3 (USART2 RX), PA2 (TX) | in | RTCM 3, UBX |
 //! | host | PA9 (USART1 TX), PA10 (RX) | out and in | sentences; commands |
 //! | log | PB10 (USART3 TX), RTT | out | defmt |
 //! | integrity pin, its LED | PC6, PC7 | out | high while the position may be used |
@@ -38,8 +38,9 @@
 //! # What this crate does not do
 //!
 //! It does not track signals, smooth with carrier phase, use SBAS or corrections of any network, or keep anything over
-//! a reset. GLONASS and QZSS are counted and not used. It holds no geoid: heights are above the ellipsoid. The leap
-//! seconds between GPS time and UTC are a constant of the image ([`nmea::GPS_MINUS_UTC_S`]).
+//! a reset. QZSS is counted and not used; GLONASS is used where `SYSTEMS` says so. It holds no geoid: heights are above
+//! the ellipsoid. The leap seconds between GPS time and UTC are those of the image
+//! ([`output::nmea::GPS_MINUS_UTC_S`]) until a receiver or a satellite says them.
 //!
 //! # References
 //!
@@ -50,6 +51,7 @@
 //! | `BDS-SIS-B3I` | CSNO, *`BeiDou` Signal In Space ICD, Open Service Signal B3I*, version 1.0, 2018 |
 //! | `BDS-SIS-ICD` | the same documents, where they agree |
 //! | `DS8626` | STMicroelectronics, *STM32F405xx STM32F407xx*, data sheet |
+//! | `GLO-ICD` | Russian Institute of Space Device Engineering, *GLONASS Interface Control Document, navigational radio signal in bands L1, L2*, edition 5.1, 2008 |
 //! | `GPSD-NMEA` | E. S. Raymond, *NMEA Revealed*, gpsd project |
 //! | `IS-GPS-200` | *NAVSTAR GPS space segment/navigation user interfaces* |
 //! | `IS-GPS-705` | *NAVSTAR GPS space segment/user segment L5 interfaces* |
@@ -59,25 +61,30 @@
 //! | `RM0090` | STMicroelectronics, *STM32F405/415, STM32F407/417, STM32F427/437 and STM32F429/439*, reference manual |
 //! | `RTCM-10403.3` | RTCM SC104, *Differential GNSS Services, Version 3*, with amendments, 2016 |
 //! | `Saastamoinen1972` | J. Saastamoinen, *Atmospheric correction for the troposphere and stratosphere in radio ranging of satellites*, 1972 |
+//! | `UBX-F9`, `UBX-M8` | u-blox, *F9 HPG 1.32 interface description*; *M8 receiver description including protocol specification* |
 //! | `Yang2015` | Yang Lin et al., RAIM threshold optimisation, Electronics Optics & Control 22(7) (2015) 38–42 |
 #![no_std]
+#![deny(unsafe_code)] // Allowed in the files of a board alone.
+#![warn(clippy::missing_panics_doc)]
 
 #[cfg(test)]
 extern crate std;
 
-mod arrival;
-pub mod atmosphere;
+pub mod board;
 pub mod config;
 pub mod correction;
 pub mod counters;
 pub mod ephemeris;
+pub mod epoch_loop;
+pub mod input;
 pub mod navigator;
-pub mod nmea;
 pub mod outlet;
+pub mod output;
+pub mod publisher;
+pub mod rates;
+pub mod raw;
 pub mod receiver;
-pub mod reset;
 pub mod ring;
-pub mod rtcm;
 pub mod selftest;
-pub mod signal;
 pub mod time;
+pub mod timed_ring;

@@ -1,13 +1,26 @@
-//! Wiring: the board's ports to the receiver, and the epoch loop around it.
+//! Wiring: a board, and the epoch loop on it.
 #![cfg_attr(target_os = "none", no_std, no_main)]
+#![deny(unsafe_code)]
 #![allow(unreachable_pub)] // A binary's modules have no outside.
 
-#[cfg(any(target_os = "none", test))]
-mod board;
+#[cfg(all(target_os = "none", not(any(feature = "stm32f405", feature = "mps2-an500"))))]
+compile_error!("an image is for a board: choose the feature `stm32f405` or `mps2-an500`");
+
 #[cfg(target_os = "none")]
-mod firmware;
-#[cfg(target_os = "none")]
-mod log;
+#[path = "board/arm/mod.rs"]
+mod arm;
+
+#[cfg(any(all(target_os = "none", feature = "stm32f405"), test))]
+#[path = "board/stm32f405/mod.rs"]
+mod stm32f405;
+#[cfg(all(target_os = "none", feature = "stm32f405"))]
+use stm32f405 as chip;
+
+#[cfg(all(target_os = "none", feature = "mps2-an500", not(feature = "stm32f405")))]
+#[path = "board/mps2_an500/mod.rs"]
+mod mps2_an500;
+#[cfg(all(target_os = "none", feature = "mps2-an500", not(feature = "stm32f405")))]
+use mps2_an500 as chip;
 
 /// The image runs on the chip or in the emulator; on a host there is only this advice.
 #[cfg(not(target_os = "none"))]

@@ -4,16 +4,20 @@
 //! guess; without one, a coarse fix without atmosphere finds it. An epoch whose position turns out to be far from
 //! the guess is corrected once more about what was found.
 
+use heapless::Vec;
 use rai_core::frame::Ecef;
-use rai_core::monitor::MonitorError;
-use rai_core::report::{Report, Unavailable, Verdict};
+use rai_core::monitor::{Method, MonitorError, Search};
+use rai_core::report::{MAX_EXCLUDED, Report, Unavailable, Verdict};
 use rai_core::requirements::Requirements;
-use rai_core::single::{self, Monitor};
+use rai_core::satellite::SatelliteId;
+use rai_core::single::{self, Assessment, Monitor, Subsets};
+use rai_core::velocity::Velocity;
 
-use crate::config::Configuration;
-use crate::correction::{CAPACITY, Site, Sky, Tally, coarse, locate};
+use crate::config::{Configuration, Frequencies};
+use crate::correction::{CAPACITY, Located, Preference, Ranges, Site, Sky, Tally, coarse, locate};
 use crate::ephemeris::{Ephemeris, Insertion, Store};
-use crate::rtcm::RawEpoch;
+use crate::rates::{RateTally, Rates};
+use crate::raw::RawEpoch;
 use crate::time::GpsTime;
 
 /// Within this distance corrections hold: 1 km changes an elevation by 0.003° and the zenith delay by at most 0.25 m.
@@ -22,15 +26,28 @@ const GUESS_HOLDS_M: f64 = 1e3;
 /// Closer to the centre of the earth than this is no receiver: the position is unknown.
 const UNKNOWN_RADIUS_M: f64 = 6e6;
 
+/// How long broadcast coefficients are used, ms: they are renewed at least every six days.
+const IONOSPHERE_HOLDS_MS: u64 = 6 * 86_400_000;
+
 /// Guess, better guess, and one more after a gross fault bent the first.
 const MAX_PASSES: usize = 3;
+
+/// Searches for faulty satellites in one epoch: the expensive part.
+const MAX_SEARCHES: usize = 2;
 
 /// Orbits, monitor and counters: everything between a raw epoch and its report.
 #[derive(Debug)]
 pub struct Navigator {
     store: Store,
     monitor: Monitor,
+    /// Kept from epoch to epoch for range consensus.
+    subsets: Subsets,
     tally: Tally,
+    preference: Preference,
+    rates: Rates,
+    velocity: Option<Velocity>,
+    /// Klobuchar's coefficients as the satellites broadcast them, and when they came.
+    ionosphere: Option<([f64; 8], GpsTime)>,
 }
 
 impl Navigator {
@@ -39,12 +56,33 @@ impl Navigator {
     /// # Errors
     /// [`MonitorError`] names the requirement that cannot be met.
     pub fn new(requirements: Requirements) -> Result<Self, MonitorError> {
-        Ok(Self { store: Store::new(), monitor: Monitor::new(requirements)?, tally: Tally::default() })
+        Ok(Self {
+            store: Store::new(),
+            monitor: Monitor::new(requirements)?,
+            subsets: Subsets::new(),
+            tally: Tally::default(),
+            preference: Preference::new(),
+            rates: Rates::new(),
+            velocity: None,
+            ionosphere: None,
+        })
     }
 
     /// Takes an ephemeris that was received at `now`.
     pub fn learn(&mut self, ephemeris: Ephemeris, now: Option<GpsTime>) -> Insertion {
         self.store.insert(ephemeris, now)
+    }
+
+    /// Takes coefficients of the ionosphere that satellites have broadcast. Those of a command outrank them.
+    pub fn hear_ionosphere(&mut self, coefficients: [f64; 8], now: Option<GpsTime>) {
+        self.ionosphere = now.map(|now| (coefficients, now)).or(self.ionosphere);
+    }
+
+    /// The coefficients in force: those of a command, else those that were broadcast not too long ago.
+    fn coefficients(&self, time: GpsTime, configuration: &Configuration) -> Option<[f64; 8]> {
+        let fresh =
+            |(_, came): &([f64; 8], GpsTime)| time.since_ms(*came).unsigned_abs() <= IONOSPHERE_HOLDS_MS;
+        configuration.klobuchar.or(self.ionosphere.filter(fresh).map(|(coefficients, _)| coefficients))
     }
 
     /// Takes a first guess of the position. It counts for nothing once there is a fix.
@@ -60,8 +98,16 @@ impl Navigator {
     /// As [`Self::new`]; nothing has changed then.
     pub fn configure(&mut self, configuration: &Configuration) -> Result<(), MonitorError> {
         self.monitor.require(configuration.requirements)?;
-        self.monitor.pursue(configuration.strategy());
+        self.monitor.set_strategy(configuration.strategy());
+        // Every value within the ranges of the commands is one that the core takes.
+        let _ = self.monitor.set_continuity(configuration.continuity());
+        self.monitor.set_ism(configuration.ism);
         Ok(())
+    }
+
+    /// The last position counts for nothing.
+    pub fn forget_position(&mut self) {
+        self.monitor.forget_position();
     }
 
     /// What is judged by.
@@ -69,57 +115,128 @@ impl Navigator {
         self.monitor.requirements()
     }
 
+    /// The velocity of the last epoch, where there is one that passed its test.
+    pub fn velocity(&self) -> Option<&Velocity> {
+        self.velocity.as_ref()
+    }
+
+    /// What became of the range rates so far.
+    pub fn rate_tally(&self) -> &RateTally {
+        self.rates.tally()
+    }
+
     /// What became of the satellites so far.
     pub fn tally(&self) -> &Tally {
         &self.tally
     }
 
-    /// Judges one epoch.
+    /// Judges one epoch, about better and better points, and learns from the last judgement.
     ///
-    /// Not inlined: it needs the stack that the sentences need later.
+    /// A set of faulty satellites that was found is not searched for again about a better point, and a search that found
+    /// none is repeated once: about a point far off the corrections may have been what did not fit.
+    ///
+    /// `came_ms` is when the epoch came, by the module's own clock.
     #[inline(never)]
-    pub fn judge(&mut self, raw: &RawEpoch, configuration: &Configuration) -> Report<CAPACITY> {
-        let sky = locate(raw, &self.store, &mut self.tally);
+    pub fn judge(&mut self, raw: &RawEpoch, came_ms: u64, configuration: &Configuration) -> Report<CAPACITY> {
+        self.store.observe(raw.satellites.iter().map(|satellite| satellite.satellite));
+        let refused = self.tally.ephemerides;
+        let sky = locate(
+            raw,
+            &self.store,
+            configuration.signal_mask_db_hz as f32,
+            configuration.systems,
+            &mut self.tally,
+        );
+        let without_orbit = self.tally.ephemerides.without_orbit().saturating_sub(refused.without_orbit());
         let mut guess = self.monitor.start();
         if is_unknown(guess) {
-            guess = look_around(&sky, raw.time);
+            guess = coarse_position(&sky, raw.time);
         }
+        let ranges = self.ranges(guess, &sky, raw.time, configuration);
         let before = self.tally.ranges;
-        let mut report = self.judge_about(guess, &sky, raw.time, configuration);
+        let mut known = Vec::<SatelliteId, MAX_EXCLUDED>::new();
+        let mut searches = 0;
+        let mut assessment = self.judge_about(guess, &sky, raw.time, ranges, configuration, Search::Anew);
         for _ in 1..MAX_PASSES {
-            let found = report.solution.as_ref().map(|solution| solution.position);
+            let found = assessment.report.solution.as_ref().map(|solution| solution.position);
             if found.is_some_and(|found| found.distance_m(guess) <= GUESS_HOLDS_M) {
                 break;
             }
-            guess = found.unwrap_or_else(|| look_around(&sky, raw.time));
+            searches += usize::from(assessment.searched);
+            let settled = is_excluded(&assessment.report) || searches >= MAX_SEARCHES;
+            if assessment.searched && settled {
+                known = assessment.report.excluded.iter().fold(Vec::new(), |mut known, suspect| {
+                    // As many as may be excluded: never full here.
+                    let _ = known.push(suspect.satellite);
+                    known
+                });
+            }
+            let search = if settled { Search::Known(&known) } else { Search::Anew };
+            guess = found.unwrap_or_else(|| coarse_position(&sky, raw.time));
             // What was refused about the poorer point does not count.
             self.tally.ranges = before;
-            report = self.judge_about(guess, &sky, raw.time, configuration);
+            assessment = self.judge_about(guess, &sky, raw.time, ranges, configuration, search);
         }
+        self.monitor.learn(&mut assessment, Some(came_ms as f64 * 1e-3));
+        let place = assessment.report.solution.as_ref().map(|solution| solution.position);
+        self.velocity = self.rates.velocity(raw, &sky, place, self.monitor.requirements());
+        let mut report = assessment.report;
         let implausible = self.tally.ranges.range_implausible != before.range_implausible;
         if report.solution.is_none() && implausible {
             report.verdict = Verdict::Unavailable(Unavailable::Input);
+        } else if report.verdict == Verdict::Unavailable(Unavailable::NoFix)
+            && without_orbit as usize > sky.len()
+        {
+            report.verdict = Verdict::Unavailable(Unavailable::Ephemeris);
         }
         report.tracked = raw.satellites.len().min(255) as u8;
         report
     }
 
-    /// Corrects and judges the sky as seen from a point.
+    /// Which ranges are used: as commanded, or those that give the smaller levels.
     ///
-    /// Not inlined: so the epoch leaves the stack with the judgement.
+    /// With clock aiding the set stays: another one moves the clock by the delay between carriers.
+    #[inline(never)]
+    fn ranges(&mut self, point: Ecef, sky: &Sky, time: GpsTime, configuration: &Configuration) -> Ranges {
+        match configuration.frequencies {
+            Frequencies::Dual => return Ranges::Pairs,
+            Frequencies::Single => return Ranges::Singles,
+            Frequencies::Auto if configuration.clock_aid || !sky.iter().any(Located::has_pair) => {}
+            Frequencies::Auto => {
+                let site =
+                    Site::new(point, time, configuration.mask_rad, self.coefficients(time, configuration));
+                let hal_m = configuration.requirements.hal_m as f32;
+                let val_m = configuration.requirements.val_m.map_or(f32::INFINITY, |val_m| val_m as f32);
+                let cost = |ranges| site.spread(sky, ranges).map(|spread| spread.cost(hal_m, val_m));
+                self.preference.weigh(cost);
+            }
+        }
+        self.preference.ranges()
+    }
+
+    /// Corrects and judges the sky as seen from a point. The epoch leaves the stack with the judgement.
     #[inline(never)]
     fn judge_about(
         &mut self,
         point: Ecef,
         sky: &Sky,
         time: GpsTime,
+        ranges: Ranges,
         configuration: &Configuration,
-    ) -> Report<CAPACITY> {
-        let site = Site::new(point, time, configuration.mask_rad, configuration.klobuchar);
+        search: Search<'_>,
+    ) -> Assessment {
+        // ARAIM weighs by what is promised, the other methods by what is expected.
+        let ism = (configuration.strategy().method == Method::Separation).then_some(*self.monitor.ism());
+        let site = Site::new(point, time, configuration.mask_rad, configuration.klobuchar)
+            .with_ranges(ranges)
+            .weighted_by(ism);
         let epoch = site.correct(sky, &mut self.tally.ranges);
-        self.monitor.start_from(point);
-        single::process(&mut self.monitor, &epoch)
+        single::judge(&self.monitor, &epoch, point, search, &mut self.subsets)
     }
+}
+
+fn is_excluded(report: &Report<CAPACITY>) -> bool {
+    !report.excluded.is_empty() && !matches!(report.verdict, Verdict::Alert(_))
 }
 
 fn is_unknown(point: Ecef) -> bool {
@@ -127,6 +244,6 @@ fn is_unknown(point: Ecef) -> bool {
 }
 
 /// Roughly where a receiver is that sees this sky; the centre of the earth if that cannot be told.
-fn look_around(sky: &Sky, time: GpsTime) -> Ecef {
+fn coarse_position(sky: &Sky, time: GpsTime) -> Ecef {
     single::position(&coarse(sky, time), Ecef::CENTRE).unwrap_or(Ecef::CENTRE)
 }

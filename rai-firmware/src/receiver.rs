@@ -1,7 +1,7 @@
 //! The epoch loop: bytes in, sentences and pin out.
 //!
 //! ```text
-//! GNSS bytes ─► rtcm ─► navigator ─► report ─► nmea ─► host bytes
+//! GNSS bytes ─► input ─► navigator ─► report ─► nmea ─► host bytes
 //!                                       └────► integrity pin
 //! ```
 //!
@@ -13,6 +13,9 @@
 //! What is said of an epoch is said at once; the time to alert bounds the silence after it. Epochs that come and are
 //! unavailable are therefore never stale, however long it lasts: the pin went low with the first of them.
 //!
+//! An epoch whose end has waited for more than [`LAG_MS`] is skipped, and counted: where epochs come faster than they can
+//! be judged, the newest is judged and not the oldest.
+//!
 //! Deadline: an epoch is judged within the call of [`Receiver::gnss`] that brings its last byte; the pin is set before
 //! a sentence is written. The dearest epoch that is known takes 4.1 million instructions (40 satellites, two of them
 //! faulty, a new selection of range consensus), the dearest first one, which brings all ephemerides, 5.3 million: 24 ms
@@ -22,17 +25,21 @@ use embedded_hal::digital::OutputPin;
 use embedded_io::Write;
 use rai_core::monitor::MonitorError;
 use rai_core::report::{Alert, Report, Unavailable, Verdict};
+use rai_core::velocity::Velocity;
 
-use crate::arrival::Arrival;
-use crate::config::{Action, CommandPort, Configuration};
+use crate::board::{PortLosses, SEALED_BYTES};
+use crate::config::{Action, CommandPort, Configuration, Unsealed};
 use crate::correction::CAPACITY;
-use crate::counters::{count, counters};
+use crate::counters::{count, count_many, counters};
 use crate::ephemeris::Insertion;
+use crate::input::ubx::Suspicion;
+use crate::input::{Event, Input, LeapSecond};
 use crate::navigator::Navigator;
-use crate::nmea::{
-    GPS_MINUS_UTC_S, write_answer, write_counters, write_epoch, write_refusal, write_stale, write_version,
+use crate::output::nmea::{
+    GPS_MINUS_UTC_S, Losses, write_answer, write_counters, write_refusal, write_version,
 };
-use crate::rtcm::{Decoder, Event};
+use crate::output::{Interference, Motion, Statement};
+use crate::publisher::Publisher;
 use crate::selftest::{self, Failure};
 use crate::time::GpsTime;
 
@@ -56,10 +63,14 @@ counters! {
         epochs_unavailable,
         /// Epochs that were complete only after the time to alert.
         epochs_late,
+        /// Epochs that were not judged because their end had waited too long behind others.
+        epochs_skipped,
         /// Times that the line was silent for the time to alert.
         line_stale,
         /// Ephemerides that told nothing new.
         ephemerides_kept,
+        /// Ephemerides that contradict the one in use.
+        ephemerides_disputed,
         /// Sentences that the host port did not take.
         host_lost,
         /// Times that the pin could not be set.
@@ -70,24 +81,37 @@ counters! {
 /// A pause of the line that no frame has inside, ms; shorter than the second between two epochs.
 const SILENCE_MS: u64 = 500;
 
+/// A pause of the line that no burst has inside, ms.
+const PAUSE_MS: u64 = 100;
+
+/// How long the end of an epoch may have waited to be read, ms. Reading costs a tenth of what judging costs, so whoever is
+/// behind catches up by reading alone.
+pub const LAG_MS: u64 = 40;
+
 /// The module: everything but the hardware.
 #[derive(Debug)]
 pub struct Receiver<P> {
     boot: Boot,
-    decoder: Decoder,
-    arrival: Arrival,
+    input: Input,
     commands: CommandPort,
     epochs: EpochLoop<P>,
     last_byte_ms: Option<u64>,
+    has_paused: bool,
+    /// The counter that a long answer goes on with.
+    next_counter: Option<usize>,
+    losses: PortLosses,
+    /// Whether the settings have changed since they were sealed.
+    is_unsealed: bool,
     reset_requested: bool,
 }
 
-/// What happens to each thing that the decoder finds, and what is remembered of it.
+/// What happens to each thing that comes in, and what is remembered of it.
 #[derive(Debug)]
 struct EpochLoop<P> {
     pin: P,
     navigator: Navigator,
     configuration: Configuration,
+    publisher: Publisher,
     verdicts: Verdicts,
     last_verdict: Option<Verdict>,
     last_time: Option<GpsTime>,
@@ -95,6 +119,13 @@ struct EpochLoop<P> {
     last_epoch_ms: u64,
     sigma_check: Option<f64>,
     is_sound: bool,
+    /// Whether the settings in force are meant: not after an unexpected restart that has lost them.
+    is_confirmed: bool,
+    /// What the receiver said last of noise that hides the signals, and of signals that are none of a satellite.
+    jamming: Suspicion,
+    spoofing: Suspicion,
+    /// GPS time minus UTC, s: that of the image until somebody has said it.
+    gps_minus_utc_s: u8,
 }
 
 impl<P: OutputPin> Receiver<P> {
@@ -108,16 +139,32 @@ impl<P: OutputPin> Receiver<P> {
             pin,
             navigator: Navigator::new(configuration.requirements)?,
             configuration,
+            publisher: Publisher::new(&configuration),
             verdicts: Verdicts::default(),
             last_verdict: None,
             last_time: None,
             last_epoch_ms: 0,
             sigma_check: None,
             is_sound: true,
+            is_confirmed: true,
+            jamming: Suspicion::Unknown,
+            spoofing: Suspicion::Unknown,
+            gps_minus_utc_s: GPS_MINUS_UTC_S,
         };
         epochs.promise(false);
-        let (decoder, arrival, commands) = (Decoder::new(), Arrival::default(), CommandPort::new());
-        Ok(Self { boot, decoder, arrival, commands, epochs, last_byte_ms: None, reset_requested: false })
+        let (input, commands) = (Input::new(), CommandPort::new());
+        Ok(Self {
+            boot,
+            input,
+            commands,
+            epochs,
+            last_byte_ms: None,
+            has_paused: true,
+            next_counter: None,
+            losses: PortLosses::NONE,
+            is_unsealed: true,
+            reset_requested: false,
+        })
     }
 
     // Not inlined, nor are the other ways in: what one needs of the stack the others need not have beside theirs.
@@ -134,58 +181,156 @@ impl<P: OutputPin> Receiver<P> {
         self.epochs.sent(write_version(version, self.boot.git, cause, selftest, host).is_ok());
     }
 
-    /// Takes bytes of the GNSS port.
-    #[inline(never)]
-    pub fn gnss<W: Write>(&mut self, bytes: &[u8], now_ms: u64, host: &mut W) {
-        self.last_byte_ms = Some(now_ms);
-        for &byte in bytes {
-            self.arrival.before_byte(&self.decoder, now_ms);
-            let mut event = self.decoder.push(byte);
-            while let Some(found) = event {
-                self.epochs.handle(&found, &mut self.arrival, now_ms, host);
-                event = self.decoder.pending();
+    /// Takes over the settings that the program before has sealed. Where a restart has damaged them, nothing is promised
+    /// until the host confirms those at start; after power-on they are what is meant.
+    pub fn restore(&mut self, memory: &[u8; SEALED_BYTES], after_power_on: bool) {
+        match Configuration::unseal(memory) {
+            _ if after_power_on => {}
+            Unsealed::Settings(settings) => {
+                self.epochs.configuration = settings;
+                self.epochs.reconfigure();
             }
-            self.arrival.after_byte(&self.decoder);
+            Unsealed::Damaged | Unsealed::Nothing => self.epochs.is_confirmed = false,
         }
+    }
+
+    /// Seals the settings for the next start, if they have changed since the last call.
+    pub fn seal(&mut self, memory: &mut [u8; SEALED_BYTES]) {
+        if core::mem::take(&mut self.is_unsealed) {
+            self.epochs.configuration.seal(memory);
+        }
+    }
+
+    /// Takes bytes of the GNSS port that have come just now. Says whether an epoch was judged.
+    pub fn gnss<W: Write>(&mut self, bytes: &[u8], now_ms: u64, host: &mut W) -> bool {
+        self.gnss_since(bytes, now_ms, now_ms, host)
+    }
+
+    /// Takes bytes of the GNSS port that came at `came_ms`. Says whether an epoch was judged.
+    #[inline(never)]
+    pub fn gnss_since<W: Write>(&mut self, bytes: &[u8], came_ms: u64, now_ms: u64, host: &mut W) -> bool {
+        self.last_byte_ms = Some(came_ms);
+        self.has_paused = false;
+        let is_behind = now_ms.saturating_sub(came_ms) > LAG_MS;
+        let Self { input, epochs, .. } = self;
+        let mut judged = false;
+        input.feed(bytes, came_ms, |event| judged |= epochs.handle(&event, is_behind, now_ms, host));
+        if let Some(leap) = input.leap_second() {
+            epochs.gps_minus_utc_s = leap.seconds;
+        }
+        judged
+    }
+
+    /// Bytes of the GNSS port were lost: what is under way is a part of something.
+    pub fn interrupt(&mut self) {
+        self.input.interrupt();
+    }
+
+    /// Takes over what was lost at the ports.
+    pub fn note_losses(&mut self, losses: &PortLosses) {
+        let before = core::mem::replace(&mut self.losses, *losses).sentences_lost;
+        count_many(
+            &mut self.epochs.verdicts.host_lost,
+            losses.sentences_lost.saturating_sub(before) as usize,
+        );
+    }
+
+    /// What was lost at the ports.
+    pub fn losses(&self) -> &PortLosses {
+        &self.losses
     }
 
     /// Looks at the clock: a cut frame holds nothing back any more after a pause, and a line that is silent for the
-    /// time to alert is an alert.
+    /// time to alert is an alert. Says whether something was said.
     #[inline(never)]
-    pub fn tick<W: Write>(&mut self, now_ms: u64, host: &mut W) {
-        if self.last_byte_ms.is_some_and(|last_ms| now_ms.saturating_sub(last_ms) >= SILENCE_MS) {
+    pub fn tick<W: Write>(&mut self, now_ms: u64, host: &mut W) -> bool {
+        let Self { input, epochs, .. } = self;
+        let mut judged = false;
+        let silent_ms = self.last_byte_ms.map(|last_ms| now_ms.saturating_sub(last_ms));
+        if silent_ms.is_some_and(|silent_ms| silent_ms >= SILENCE_MS) {
             self.last_byte_ms = None;
-            while let Some(found) = self.decoder.silence() {
-                self.epochs.handle(&found, &mut self.arrival, now_ms, host);
-            }
-            self.arrival.after_byte(&self.decoder);
+            input.silence(|event| judged |= epochs.handle(&event, false, now_ms, host));
         }
-        self.epochs.tick(now_ms, host);
+        if !self.has_paused && silent_ms.is_some_and(|silent_ms| silent_ms >= PAUSE_MS) {
+            self.has_paused = true;
+            input.pause(|event| judged |= epochs.handle(&event, false, now_ms, host));
+        }
+        judged |= epochs.tick(now_ms, host);
+        let losses = self.losses_to_say();
+        self.epochs.repeat(now_ms, &losses, host);
+        judged
     }
 
-    /// Takes bytes of the host port.
+    fn losses_to_say(&self) -> Losses {
+        let wire = self.input.counters();
+        let PortLosses { gnss_bytes_lost, gnss_bytes_dropped, command_bytes_lost, .. } = self.losses;
+        Losses {
+            gnss_bytes: gnss_bytes_lost.saturating_add(gnss_bytes_dropped),
+            host_bytes: command_bytes_lost,
+            frames_refused: wire.crc_failures.saturating_add(wire.messages_malformed),
+            epochs_late: self.epochs.verdicts.epochs_late,
+        }
+    }
+
+    /// Takes bytes of the host port, and says all there is to say to them: for a host that waits for nothing else.
     #[inline(never)]
     pub fn command<W: Write>(&mut self, bytes: &[u8], host: &mut W) {
         for &byte in bytes {
-            let heard = self.commands.push(byte, &mut self.epochs.configuration, host);
-            self.epochs.sent(heard.answered.is_ok());
-            if let Some(action) = heard.action {
-                self.act(action, host);
+            self.command_byte(byte, host);
+            while self.has_more_to_say() {
+                self.go_on(host);
             }
         }
+    }
+
+    /// Takes one byte of the host port; says whether it ended a command that was obeyed. None is to be taken while there is
+    /// more to say to the last one.
+    pub fn command_byte<W: Write>(&mut self, byte: u8, host: &mut W) -> bool {
+        let heard = self.commands.push(byte, &mut self.epochs.configuration, host);
+        self.epochs.sent(heard.answered.is_ok());
+        if let Some(action) = heard.action {
+            self.act(action, host);
+        }
+        heard.action.is_some()
+    }
+
+    /// Whether the answer to the last command is not complete.
+    pub fn has_more_to_say(&self) -> bool {
+        self.next_counter.is_some()
+    }
+
+    /// Says the next sentence of a long answer.
+    #[inline(never)]
+    pub fn go_on<W: Write>(&mut self, host: &mut W) {
+        let Some(next) = self.next_counter else { return };
+        let said = write_counters(self.statistics().skip(next), host);
+        self.next_counter = said.as_ref().ok().filter(|&&many| many > 0).map(|many| next + many);
+        self.epochs.sent(said.is_ok());
     }
 
     fn act<W: Write>(&mut self, action: Action, host: &mut W) {
         let written = match action {
             Action::Reconfigured => {
                 self.epochs.reconfigure();
+                self.is_unsealed = true;
                 Ok(())
             }
-            Action::Statistics => write_counters(self.statistics(), host),
+            Action::Confirmed => {
+                self.epochs.is_confirmed = true;
+                Ok(())
+            }
+            Action::Statistics => {
+                self.next_counter = Some(0);
+                Ok(())
+            }
             Action::SelfTest => match self.epochs.prove(selftest::run()) {
-                Ok(()) => write_answer("SELFTEST", core::iter::once("PASS"), host),
+                Ok(()) => write_answer("SELFTEST", core::iter::once("PASS"), None, host),
                 Err(failure) => write_refusal("SELFTEST", failure.name(), host),
             },
+            Action::Forget => {
+                self.epochs.navigator.forget_position();
+                Ok(())
+            }
             Action::Reset => {
                 self.reset_requested = true;
                 self.epochs.promise(false);
@@ -203,6 +348,21 @@ impl<P: OutputPin> Receiver<P> {
     /// What was said of the last epoch, or that there was none for too long.
     pub fn last_verdict(&self) -> Option<Verdict> {
         self.epochs.last_verdict
+    }
+
+    /// The velocity of the last epoch, where there is one that passed its test.
+    pub fn velocity(&self) -> Option<&Velocity> {
+        self.epochs.navigator.velocity()
+    }
+
+    /// What the receiver said last of jamming and of spoofing.
+    pub fn interference(&self) -> (Suspicion, Suspicion) {
+        (self.epochs.jamming, self.epochs.spoofing)
+    }
+
+    /// GPS time minus UTC as it came in, who said so and when.
+    pub fn leap_second(&self) -> Option<LeapSecond> {
+        self.input.leap_second()
     }
 
     /// The configuration in force.
@@ -225,35 +385,57 @@ impl<P: OutputPin> Receiver<P> {
             .verdicts
             .iter()
             .chain(sigma_check)
-            .chain(self.decoder.counters().iter())
+            .chain(self.losses.iter())
+            .chain(self.input.counters().iter())
             .chain(tally.ephemerides.iter())
             .chain(tally.ranges.iter())
+            .chain(self.epochs.navigator.rate_tally().iter())
             .chain(self.commands.counters())
     }
 }
 
 impl<P: OutputPin> EpochLoop<P> {
-    fn handle<W: Write>(&mut self, event: &Event<'_>, arrival: &mut Arrival, now_ms: u64, host: &mut W) {
+    /// Acts on what came in; says whether an epoch was judged.
+    fn handle<W: Write>(&mut self, event: &Event<'_>, is_behind: bool, now_ms: u64, host: &mut W) -> bool {
         match event {
-            Event::Epoch(raw) => {
-                let came_ms = arrival.of_epoch();
-                if now_ms.saturating_sub(came_ms) >= self.time_to_alert_ms() {
-                    return count(&mut self.verdicts.epochs_late);
+            Event::Epoch(raw, came_ms) => {
+                if now_ms.saturating_sub(*came_ms) >= self.time_to_alert_ms() {
+                    count(&mut self.verdicts.epochs_late);
+                    return false;
                 }
-                let mut report = self.navigator.judge(raw, &self.configuration);
+                if is_behind {
+                    count(&mut self.verdicts.epochs_skipped);
+                    return false;
+                }
+                let mut report = self.navigator.judge(raw, *came_ms, &self.configuration);
                 if !self.is_sound {
-                    // What was computed by wrong arithmetic is no input for anybody.
-                    report.verdict = Verdict::Unavailable(Unavailable::Input);
+                    report.verdict = Verdict::Unavailable(Unavailable::SelfTest);
+                } else if !self.is_confirmed {
+                    report.verdict = Verdict::Unavailable(Unavailable::Settings);
                 }
-                self.conclude(&report, raw.time, came_ms, host);
+                // Signals that are none of a satellite may agree with each other as well as they like.
+                if self.spoofing == Suspicion::Sure && matches!(report.verdict, Verdict::Protected(_)) {
+                    report.verdict = Verdict::Alert(Alert::Spoofed);
+                }
+                self.conclude(&report, raw.time, *came_ms, host);
+                return true;
             }
-            Event::Ephemeris(ephemeris) => {
-                if matches!(self.navigator.learn(*ephemeris, self.last_time), Insertion::Older) {
-                    count(&mut self.verdicts.ephemerides_kept);
+            Event::Ephemeris(ephemeris) => match self.navigator.learn(*ephemeris, self.last_time) {
+                Insertion::Taken => {}
+                Insertion::Kept => count(&mut self.verdicts.ephemerides_kept),
+                Insertion::Disputed => count(&mut self.verdicts.ephemerides_disputed),
+            },
+            Event::Position(point) => self.navigator.guess(*point),
+            Event::Ionosphere(coefficients) => self.navigator.hear_ionosphere(*coefficients, self.last_time),
+            Event::Jamming(said) => {
+                self.jamming = said.jamming.unwrap_or(self.jamming);
+                self.spoofing = said.spoofing.unwrap_or(self.spoofing);
+                if self.spoofing == Suspicion::Sure {
+                    self.promise(false);
                 }
             }
-            Event::ReferencePosition(point) => self.navigator.guess(*point),
         }
+        false
     }
 
     /// Acts on a report: the pin first, then the sentences.
@@ -268,20 +450,37 @@ impl<P: OutputPin> EpochLoop<P> {
             Verdict::Alert(_) => &mut self.verdicts.epochs_alert,
             Verdict::Unavailable(_) => &mut self.verdicts.epochs_unavailable,
         });
-        let written = write_epoch(report, time, GPS_MINUS_UTC_S, &self.configuration.requirements, host);
+        let statement = Statement {
+            report,
+            time,
+            gps_minus_utc_s: self.gps_minus_utc_s,
+            requirements: &self.configuration.requirements,
+            motion: self.navigator.velocity().map(Motion::of),
+            interference: Interference { jamming: self.jamming.number(), spoofing: self.spoofing.number() },
+            settings_hash: self.publisher.settings_hash(),
+        };
+        let written = self.publisher.tell(&statement, &self.configuration.outputs, host);
         self.sent(written.is_ok());
     }
 
-    fn tick<W: Write>(&mut self, now_ms: u64, host: &mut W) {
+    fn tick<W: Write>(&mut self, now_ms: u64, host: &mut W) -> bool {
         if now_ms.saturating_sub(self.last_epoch_ms) < self.time_to_alert_ms() {
-            return;
+            return false;
         }
         // Said again after each further time to alert: whoever listens later must hear it too.
         self.last_epoch_ms = now_ms;
         self.last_verdict = Some(Verdict::Alert(Alert::Stale));
         self.promise(false);
         count(&mut self.verdicts.line_stale);
-        let written = write_stale(self.last_time, GPS_MINUS_UTC_S, &self.configuration.requirements, host);
+        let (publisher, configuration) = (&mut self.publisher, &self.configuration);
+        let written = publisher.tell_silence(self.last_time, self.gps_minus_utc_s, configuration, host);
+        self.sent(written.is_ok());
+        true
+    }
+
+    /// Says again what is said from time to time.
+    fn repeat<W: Write>(&mut self, now_ms: u64, losses: &Losses, host: &mut W) {
+        let written = self.publisher.tick(now_ms, &self.configuration, losses, host);
         self.sent(written.is_ok());
     }
 
@@ -299,6 +498,7 @@ impl<P: OutputPin> EpochLoop<P> {
         }
         // Validated against the same tables by the command: it is met.
         let _ = self.navigator.configure(&self.configuration);
+        self.publisher.reconfigured(&self.configuration);
     }
 
     /// Notes how the known-answer tests ended: whoever fails one promises nothing any more.
@@ -405,6 +605,29 @@ mod tests {
         assert!(receiver.pin().high, "the mask is no requirement");
         receiver.command(b"$PRAIC,HAL,40*08\r\n", &mut [0; 100].as_mut_slice());
         assert!(!receiver.pin().high);
+    }
+
+    #[test]
+    fn settings_that_a_restart_has_lost_have_to_be_confirmed() {
+        let mut sealed = [0; SEALED_BYTES];
+        let mut before = promising();
+        before.command(b"$PRAIC,HAL,40*08\r\n", &mut Deaf);
+        before.seal(&mut sealed);
+        let mut restored = promising();
+        restored.restore(&sealed, false);
+        assert_eq!(restored.configuration().hash(), before.configuration().hash());
+        assert!(restored.epochs.is_confirmed);
+
+        sealed[SEALED_BYTES - 1] ^= 1;
+        for (memory, after_power_on, want) in
+            [(sealed, false, false), ([0; SEALED_BYTES], false, false), (sealed, true, true)]
+        {
+            let mut receiver = promising();
+            receiver.restore(&memory, after_power_on);
+            assert_eq!(receiver.epochs.is_confirmed, want);
+            receiver.command(b"$PRAIC,CONFIRM*37\r\n", &mut Deaf);
+            assert!(receiver.epochs.is_confirmed);
+        }
     }
 
     #[test]

@@ -119,6 +119,21 @@ impl<const N: usize> Ring<N> {
         count
     }
 
+    /// Writer's side: the position of the next byte written.
+    pub(crate) fn written(&self) -> usize {
+        self.written.load(Ordering::Relaxed)
+    }
+
+    /// Reader's side: the position of the next byte read.
+    pub(crate) fn read_position(&self) -> usize {
+        self.read.load(Ordering::Relaxed)
+    }
+
+    /// Bytes that there is room for.
+    pub fn room(&self) -> usize {
+        N.saturating_sub(self.len())
+    }
+
     fn slot(&self, position: usize) -> Option<&AtomicU8> {
         self.bytes.get(position & (N - 1))
     }

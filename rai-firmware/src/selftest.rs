@@ -14,17 +14,19 @@
 //!
 //! `FRAME` is the test of double precision, by what every epoch does in it. With the semi-axes `a` and `b` the point is
 //! `(a, 0, b)/√2`; its normal is `(b, 0, a)/√(a² + b²)`, and its height 0.
+//!
+//! [RTCM-10403.3]: crate#references
 
 use nalgebra::Vector3;
+use rai_core::equations::LinearEpoch;
 use rai_core::frame::{Ecef, LocalFrame};
-use rai_core::linear::LinearEpoch;
-use rai_core::probability::Probability;
-use rai_core::real::Real;
+use rai_core::integrity::residuals::threshold::Thresholds;
+use rai_core::numeric::probability::Probability;
+use rai_core::numeric::real::Real;
 use rai_core::satellite::Constellation;
 use rai_core::single::{self, CAPACITY};
-use rai_core::threshold::Thresholds;
 
-use crate::rtcm::{Decoder, Event};
+use crate::input::{Event, Input};
 
 /// Which known answer was missed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -111,13 +113,12 @@ fn rtcm_is_right() -> bool {
         0x09, 0x41, 0x98, 0x6F, 0x33, 0x36, 0x0B, 0x98,
     ];
     let want = Ecef::new(1_114_104.599_9, -4_850_729.710_8, 3_975_521.464_3);
-    let mut decoder = Decoder::new();
     let mut found = false;
-    for byte in FRAME {
-        if let Some(Event::ReferencePosition(have)) = decoder.push(byte) {
+    Input::new().feed(&FRAME, 0, |event| {
+        if let Event::Position(have) = event {
             found = have.distance_m(want) < 1e-3;
         }
-    }
+    });
     found
 }
 

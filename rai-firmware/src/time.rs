@@ -61,6 +61,27 @@ impl GpsTime {
     }
 }
 
+/// Milliseconds in a day.
+const DAY_MS: u64 = 86_400_000;
+
+/// GLONASS time is UTC plus this many milliseconds.
+pub const GLONASS_OFFSET_MS: u64 = 3 * 3_600_000;
+
+/// The instant nearest to `now` at which GLONASS time is `second_of_day`; `None` for a second that no day has.
+///
+/// GLONASS counts as UTC does, so GPS time cannot be told from it without the leap seconds between them.
+pub const fn glonass_time(second_of_day: u32, leap_s: u8, now: GpsTime) -> Option<GpsTime> {
+    if second_of_day >= 86_400 {
+        return None;
+    }
+    let of_day_ms = second_of_day as u64 * 1000 + (DAY_MS - GLONASS_OFFSET_MS) + leap_s as u64 * 1000;
+    let now_ms = now.to_ms();
+    // The first such instant after half a day before now.
+    let earliest_ms = now_ms.saturating_sub(DAY_MS / 2);
+    let wait_ms = (of_day_ms % DAY_MS + DAY_MS - earliest_ms % DAY_MS) % DAY_MS;
+    Some(GpsTime::from_ms(earliest_ms + wait_ms))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -70,6 +91,17 @@ mod tests {
         let reference = GpsTime { week: 2111, tow_ms: WEEK_MS - 1_000 };
         assert_eq!(GpsTime::nearest(0, reference), GpsTime { week: 2112, tow_ms: 0 });
         assert_eq!(GpsTime::nearest(WEEK_MS - 2_000, reference).week, 2111);
+    }
+
+    #[test]
+    fn glonass_counts_as_utc_three_hours_ahead() {
+        // 2020-06-25 00:15 of GLONASS time is 2020-06-24 21:15 UTC, 18 s behind GPS time: day 3 of week 2111.
+        let want = GpsTime { week: 2111, tow_ms: (3 * 86_400 + 21 * 3600 + 15 * 60 + 18) * 1000 };
+        for now_s in [-40_000_i64, -60, 0, 60, 40_000] {
+            let now = GpsTime::from_ms(want.to_ms().wrapping_add_signed(now_s * 1000));
+            assert_eq!(glonass_time(900, 18, now), Some(want), "{now_s}");
+        }
+        assert_eq!(glonass_time(86_400, 18, want), None);
     }
 
     #[test]

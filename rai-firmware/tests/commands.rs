@@ -1,10 +1,10 @@
 //! The host port's commands: what is obeyed, what is refused and why, and that what is refused changes nothing.
 
 use proptest::prelude::*;
-use rai_core::probability::Probability;
+use rai_core::integrity::residuals::threshold::{false_alarms, missed_detections};
+use rai_core::numeric::probability::Probability;
 use rai_core::requirements::Requirements;
-use rai_core::threshold::{false_alarms, missed_detections};
-use rai_firmware::config::{Action, CommandPort, Configuration, MAX_LINE, Phase, scientific};
+use rai_firmware::config::{Action, CommandPort, Configuration, Key, MAX_LINE, Phase, scientific};
 
 /// A command with its checksum and line end.
 fn line(body: &str) -> Vec<u8> {
@@ -71,8 +71,6 @@ fn each_command_is_obeyed_and_its_answer_repeats_it() {
         "TTA,6",
         "MASK,5",
         "POLICY,T1",
-        "POLICY,T2",
-        "POLICY,TOP",
         "METHOD,SIMULTANEOUS",
         "METHOD,SEQUENTIAL",
         "METHOD,HYBRID",
@@ -83,6 +81,9 @@ fn each_command_is_obeyed_and_its_answer_repeats_it() {
         "CLOCKAID,OFF",
         "RESET",
         "IONO,1E-8,0,-6E-8,0,9E4,0,-2E5,0",
+        "OUTPUT,GSA,5",
+        "OUTPUT,GNSS_INTEGRITY,1",
+        "OUTPUT,RMC,0",
     ];
     let mut module = Module::new();
     for command in commands {
@@ -106,7 +107,9 @@ fn what_is_set_is_what_the_configuration_holds() {
         false_alarm: probability(1e-5),
         missed_detection: probability(1e-4),
         time_to_alert_s: 2.5,
+        fault_free_risk: Probability::new(1e-7).unwrap(),
         guard_fraction: 0.95,
+        ..Requirements::non_precision_approach()
     };
     assert_eq!((have.requirements, have.phase), (want, Phase::Custom));
     assert!((have.mask_rad - std::f64::consts::FRAC_PI_6).abs() < 1e-15);
@@ -147,7 +150,6 @@ fn what_cannot_be_obeyed_is_refused_with_the_reason_and_changes_nothing() {
         ("hal,40", "hal,ERR,unknown key"),
         ("A_KEY_WITHOUT_ANY_END,1", "A_KEY_WITHOUT_AN,ERR,unknown key"),
         ("", ",ERR,unknown key"),
-        ("HAL", "HAL,ERR,missing value"),
         ("HAL,", "HAL,ERR,missing value"),
         ("HAL,40,35", "HAL,ERR,extra value"),
         ("HAL,0", "HAL,ERR,out of range"),
@@ -159,7 +161,8 @@ fn what_cannot_be_obeyed_is_refused_with_the_reason_and_changes_nothing() {
         ("HAL,4 0", "HAL,ERR,not a number"),
         ("VAL,on", "VAL,ERR,not a number"),
         ("TTA,0", "TTA,ERR,out of range"),
-        ("TTA,3601", "TTA,ERR,out of range"),
+        ("TTA,10.1", "TTA,ERR,out of range"),
+        ("TTA,3600", "TTA,ERR,out of range"),
         ("MASK,-1", "MASK,ERR,out of range"),
         ("MASK,60.01", "MASK,ERR,out of range"),
         ("PFA,0", "PFA,ERR,out of range"),
@@ -170,13 +173,20 @@ fn what_cannot_be_obeyed_is_refused_with_the_reason_and_changes_nothing() {
         ("PHASE,CRUISE", "PHASE,ERR,unknown value"),
         ("PHASE,npa", "PHASE,ERR,unknown value"),
         ("POLICY,T3", "POLICY,ERR,unknown value"),
-        ("METHOD,SEPARATION", "METHOD,ERR,not in this build"),
+        ("PHASE,", "PHASE,ERR,missing value"),
+        ("IONO,0,0,0,0,0,0,0,0", "IONO,ERR,all zero"),
+        ("IONO,0,-0,0.0,0e5,0,0,0,0", "IONO,ERR,all zero"),
         ("CLOCKAID,YES", "CLOCKAID,ERR,unknown value"),
         ("IONO,0,0,0,0,0,0,0", "IONO,ERR,missing value"),
         ("IONO,0,0,0,,0,0,0,0", "IONO,ERR,missing value"),
         ("IONO,0,0,0,0,0,0,0,0,0", "IONO,ERR,extra value"),
         ("IONO,0,0,0,x,0,0,0,0", "IONO,ERR,not a number"),
         ("IONO,1,0,0,0,0,0,0,0", "IONO,ERR,out of range"),
+        ("OUTPUT,GSA", "OUTPUT,ERR,missing value"),
+        ("OUTPUT,PRAIS,0", "OUTPUT,ERR,unknown value"),
+        ("OUTPUT,GSA,256", "OUTPUT,ERR,out of range"),
+        ("OUTPUT,GSA,1.5", "OUTPUT,ERR,out of range"),
+        ("OUTPUT,GSA,1,1", "OUTPUT,ERR,extra value"),
         ("STATS,ALL", "STATS,ERR,extra value"),
         ("SELFTEST,1", "SELFTEST,ERR,extra value"),
         ("RESET,NOW", "RESET,ERR,extra value"),
@@ -187,6 +197,116 @@ fn what_cannot_be_obeyed_is_refused_with_the_reason_and_changes_nothing() {
         assert_eq!(have, [format!("PRAIA,{want}")], "{command}");
         assert_eq!(module.configuration, Configuration::at_start(), "{command}");
         assert_eq!(module.counter("cmd_refused"), 1, "{command}");
+    }
+}
+
+/// What each phase allows, from the interface's own list.
+#[test]
+fn a_phase_bounds_its_time_to_alert() {
+    let cases = [("ENROUTE", "60"), ("TERMINAL", "30"), ("NPA", "10"), ("LPV200", "6"), ("CUSTOM", "3600")];
+    for (phase, most) in cases {
+        let mut module = Module::new();
+        module.ask(&format!("PRAIC,PHASE,{phase}"));
+        let at_start_s = module.configuration.requirements.time_to_alert_s;
+        assert!(at_start_s <= most.parse().expect("seconds"), "{phase} starts with {at_start_s} s");
+        assert_eq!(module.ask(&format!("PRAIC,TTA,{most}")), [format!("PRAIA,TTA,{most},OK")], "{phase}");
+        let kept = module.configuration;
+        assert_eq!(module.ask(&format!("PRAIC,TTA,{most}.1")), ["PRAIA,TTA,ERR,out of range"], "{phase}");
+        assert_eq!(module.configuration, kept, "{phase}");
+        assert_eq!(module.ask("PRAIC,PHASE"), [format!("PRAIA,PHASE,{phase},OK")]);
+    }
+}
+
+#[test]
+fn thresholds_that_alarm_nothing_are_obeyed_with_a_warning() {
+    let mut module = Module::new();
+    let warned =
+        |name: &str, policy: &str| format!("PRAIA,{name},OK,WARN,{policy} hardly ever alarms at this HAL");
+    assert_eq!(module.ask("PRAIC,POLICY,T2"), [warned("POLICY,T2", "T2")]);
+    assert_eq!(module.ask("PRAIC,POLICY,TOP"), [warned("POLICY,TOP", "TOP")]);
+    assert_eq!(module.ask("PRAIC,PHASE,TERMINAL"), [warned("PHASE,TERMINAL", "TOP")]);
+    assert_eq!(module.ask("PRAIC,MASK,5"), ["PRAIA,MASK,5,OK"]);
+    assert_eq!(module.ask("PRAIC,PHASE,LPV200"), ["PRAIA,PHASE,LPV200,OK"]);
+    assert_eq!(module.ask("PRAIC,HAL,556"), [warned("HAL,556", "TOP")]);
+    assert_eq!(module.ask("PRAIC,POLICY,T1"), ["PRAIA,POLICY,T1,OK"]);
+}
+
+#[test]
+fn a_key_without_a_value_answers_what_is_in_force() {
+    let mut module = Module::new();
+    let at_start = [
+        ("PHASE", "NPA"),
+        ("HAL", "556"),
+        ("VAL", "OFF"),
+        ("PFA", "3.33e-7"),
+        ("PMD", "1e-3"),
+        ("TTA", "10"),
+        ("MASK", "10"),
+        ("POLICY", "T1"),
+        ("METHOD", "AUTO"),
+        ("CLOCKAID", "OFF"),
+        ("IONO", "AUTO"),
+    ];
+    for (key, value) in at_start {
+        assert_eq!(module.ask(&format!("PRAIC,{key}")), [format!("PRAIA,{key},{value},OK")]);
+    }
+    assert_eq!(module.configuration, Configuration::at_start(), "a question changes nothing");
+    for (key, value) in
+        [("VAL", "35.5"), ("PFA", "1e-4"), ("MASK", "5"), ("METHOD", "RANSAC"), ("CLOCKAID", "ON")]
+    {
+        module.ask(&format!("PRAIC,{key},{value}"));
+        assert_eq!(module.ask(&format!("PRAIC,{key}")), [format!("PRAIA,{key},{value},OK")]);
+    }
+}
+
+/// Eight coefficients do not fit into one answer.
+#[test]
+fn a_long_answer_is_continued_in_another() {
+    let mut module = Module::new();
+    let set = "1.024454832E-08,1.490116119E-08,-5.960464478E-08,-1.192092896E-07,88064,32768,-196608,-327680";
+    module.ask(&format!("PRAIC,IONO,{set}"));
+    let answers = module.ask("PRAIC,IONO");
+    assert!(answers.len() > 1, "{answers:?}");
+    let strip = |answer: &String| {
+        answer.strip_prefix("PRAIA,IONO,").and_then(|rest| rest.strip_suffix(",OK")).map(String::from)
+    };
+    let said =
+        answers.iter().map(strip).collect::<Option<Vec<_>>>().expect("key and OK around each part").join(",");
+    let numbers = |text: &str| {
+        text.split(',').map(|number| number.parse::<f64>().expect("a number")).collect::<Vec<_>>()
+    };
+    assert_eq!(numbers(&said), numbers(set));
+}
+
+/// Nothing is accepted that nothing is done about.
+#[test]
+fn what_is_not_built_is_refused_by_name() {
+    let cases = [
+        ("PFF", "PFF,1e-7"),
+        ("LEVELS", "LEVELS,BOUND"),
+        ("SYSTEMS", "SYSTEMS,GE"),
+        ("CN0MASK", "CN0MASK,28"),
+        ("VMAX", "VMAX,100"),
+        ("HEIGHT", "HEIGHT,-500,9000"),
+        ("RECOVER", "RECOVER,3,3"),
+        ("FREQ", "FREQ,DUAL"),
+        ("SIGMA", "SIGMA,ADAPT"),
+        ("BAUD", "BAUD,9600"),
+        ("ISM", "ISM,ICAO"),
+        ("OUTPUT", "OUTPUT,GSA,5"),
+        ("CONFIRM", "CONFIRM"),
+        ("FORGET", "FORGET"),
+    ];
+    for (name, command) in cases {
+        let key = Key::named(name).expect("a key of the interface");
+        let mut module = Module::new();
+        let have = module.ask(&format!("PRAIC,{command}"));
+        if key.is_built() {
+            assert!(!have.concat().contains("not in this build"), "{have:?}");
+        } else {
+            assert_eq!(have, [format!("PRAIA,{name},ERR,not in this build")]);
+            assert_eq!(module.configuration, Configuration::at_start());
+        }
     }
 }
 
@@ -343,12 +463,104 @@ proptest! {
             let before = module.configuration;
             module.answers.clear();
             let actions = module.hear(&[byte]);
-            let said_so = actions == [Action::Reconfigured] && module.bodies().concat().ends_with(",OK");
+            let answer = module.bodies().concat();
+            let said_so =
+                actions == [Action::Reconfigured] && (answer.ends_with(",OK") || answer.contains(",OK,WARN,"));
             prop_assert!(said_so || module.configuration == before);
-            prop_assert!(module.answers.len() <= 82);
+            prop_assert!(module.answers.split_inclusive('\n').all(|answer| answer.len() <= 82));
         }
         let Configuration { requirements, mask_rad, klobuchar, .. } = module.configuration;
         prop_assert!(requirements.validate().is_ok() && (0.0..1.05).contains(&mask_rad));
         prop_assert!(klobuchar.is_none_or(|coefficients| coefficients.iter().all(|c| c.is_finite())));
+    }
+}
+
+mod said {
+    //! `PRAIQ`: everything in force, and its hash.
+
+    use super::*;
+
+    /// The sentences, joined into the fields that they carry, with the hash that all of them name.
+    fn settings(configuration: &Configuration) -> (String, Vec<String>) {
+        let mut room = [0; 1024];
+        let mut free = room.as_mut_slice();
+        configuration.write(&mut free).expect("enough room");
+        let left = free.len();
+        let text = std::str::from_utf8(&room[..1024 - left]).expect("ASCII").to_string();
+        let (mut hash, mut fields) = (String::new(), Vec::new());
+        let count = text.lines().count().to_string();
+        for (index, line) in text.lines().enumerate() {
+            assert!(line.len() + 2 <= 82, "{line}");
+            let body = &line[1..line.len() - 3];
+            let all: Vec<&str> = body.split(',').collect();
+            let [head, middle @ .., number, of] = all.as_slice() else { panic!("{line}") };
+            assert_eq!((*head, *number, *of), ("PRAIQ", (index + 1).to_string().as_str(), count.as_str()));
+            hash = middle[0].to_string();
+            fields.extend(middle[1..].iter().map(ToString::to_string));
+        }
+        (hash, fields)
+    }
+
+    /// CRC-32 by the table of its definition, another way than the module's.
+    fn crc32(text: &str) -> u32 {
+        let table: Vec<u32> = (0..256_u32)
+            .map(|byte| (0..8).fold(byte, |c, _| if c & 1 == 1 { 0xEDB8_8320 ^ (c >> 1) } else { c >> 1 }))
+            .collect();
+        !text.bytes().fold(!0_u32, |crc, byte| table[((crc ^ u32::from(byte)) & 0xFF) as usize] ^ (crc >> 8))
+    }
+
+    #[test]
+    fn all_settings_are_said_in_the_order_of_the_interface() {
+        let (hash, fields) = settings(&Configuration::at_start());
+        assert_eq!(fields[..4], ["NPA", "556", "", "3.33e-7"]);
+        assert_eq!((fields[6].as_str(), fields[7].as_str(), fields[8].as_str()), ("10", "T1", "AUTO"));
+        assert_eq!(hash, format!("{:08X}", crc32(&fields.join(","))));
+    }
+
+    #[test]
+    fn the_longest_settings_take_several_sentences_and_lose_nothing() {
+        let mut module = Module::new();
+        for command in [
+            "PFA,6.666666667e-5",
+            "HAL,99999.9",
+            "VAL,99999.9",
+            "TTA,3599.9",
+            "METHOD,SIMULTANEOUS",
+            "IONO,1.024454832E-08,1.490116119E-08,-5.960464478E-08,-1.192092896E-07,88064,32768,-196608,-327680",
+        ] {
+            module.ask(&format!("PRAIC,{command}"));
+        }
+        let (hash, fields) = settings(&module.configuration);
+        assert_eq!(fields.len(), settings(&Configuration::at_start()).1.len());
+        assert_eq!(fields[26..30], ["88064", "32768", "-196608", "-327680"]);
+        assert_eq!(hash, format!("{:08X}", crc32(&fields.join(","))));
+    }
+
+    #[test]
+    fn every_change_changes_the_hash() {
+        let commands = [
+            "PHASE,LPV200",
+            "HAL,555.9",
+            "VAL,50",
+            "PFA,1e-4",
+            "PMD,1e-4",
+            "TTA,9.9",
+            "MASK,9.9",
+            "POLICY,T2",
+            "METHOD,RANSAC",
+            "CLOCKAID,ON",
+            "OUTPUT,GBS,3",
+            "IONO,1E-8,0,0,0,0,0,0,0",
+        ];
+        let mut hashes = vec![Configuration::at_start().hash()];
+        for command in commands {
+            let mut module = Module::new();
+            module.ask(&format!("PRAIC,{command}"));
+            hashes.push(module.configuration.hash());
+        }
+        let all = hashes.len();
+        hashes.sort_unstable();
+        hashes.dedup();
+        assert_eq!(hashes.len(), all);
     }
 }

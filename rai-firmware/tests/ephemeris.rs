@@ -1,4 +1,4 @@
-//! Orbits, clocks, group delays and the store.
+//! Orbits, clocks and group delays.
 
 mod orbits;
 
@@ -6,10 +6,12 @@ use orbits::{CASES, Case};
 use proptest::prelude::*;
 use rai_core::frame::Ecef;
 use rai_core::satellite::{Constellation, SatelliteId};
+use rai_firmware::correction::choose;
 use rai_firmware::ephemeris::{
-    Broadcast, BroadcastError, CAPACITY, Ephemeris, EphemerisError, GroupDelay, Insertion, Source, Store,
+    Broadcast, BroadcastError, Ephemeris, EphemerisError, GroupDelay, Health, Insertion, Source,
+    StateBroadcast, Store,
 };
-use rai_firmware::signal::{Band, Signal, choose};
+use rai_firmware::raw::{Band, Carrier, RawSignal};
 use rai_firmware::time::GpsTime;
 
 type Spoil = fn(&mut Broadcast, GpsTime);
@@ -73,10 +75,92 @@ fn an_ephemeris_that_no_satellite_sends_is_refused_by_field() {
 #[test]
 fn a_satellite_without_health_or_promise_is_unhealthy() {
     let time = CASES[GALILEO].toe();
-    let ill = changed(&CASES[GALILEO], |b| b.healthy = false).unwrap();
+    let ill = changed(&CASES[GALILEO], |b| b.health = Health::BAD).unwrap();
     let silent = changed(&CASES[GALILEO], |b| b.accuracy_m = None).unwrap();
     assert_eq!(ill.usable_at(time), Err(EphemerisError::Unhealthy));
     assert_eq!(silent.usable_at(time), Err(EphemerisError::Unhealthy));
+}
+
+/// R07 as in the message of 2020-06-25: slot, position, velocity and clock of a real set.
+fn glonass_state() -> StateBroadcast {
+    StateBroadcast {
+        satellite: SatelliteId::new(Constellation::Glonass, 7).unwrap(),
+        health: Health::GOOD,
+        accuracy_m: Some(2.5),
+        toe: CASES[GPS].toe(),
+        position_m: [7_003_008.789e0, -12_206_626.953e0, 21_280_765.625e0],
+        velocity_m_s: [783.542_633, 2_804.429_054, 1_352.515_221],
+        acceleration_m_s2: [0.0, 1.862_645e-6, -2.793_968e-6],
+        clock_s: -2.236_198e-4,
+        clock_s_s: 2.728_484e-12,
+        delay_l2_s: 0.0,
+    }
+}
+
+#[test]
+fn a_state_vector_is_kept_and_moves_with_the_satellite() {
+    let (state, mut store) = (glonass_state(), Store::new());
+    let ephemeris = Ephemeris::of_state(&state).unwrap();
+    assert_eq!(store.insert(ephemeris, Some(state.toe)), Insertion::Taken);
+    let kept = store.get(state.satellite, state.toe).unwrap();
+    // Received when the signal of the reference time arrives, with a clock that is wrong by as much as the satellite's.
+    let travel_s = 2e7 / 299_792_458.0;
+    let moved = kept.at(state.toe, 2e7).unwrap();
+    let [x_m, y_m, z_m] = state.position_m;
+    let [vx, vy, vz] = state.velocity_m_s;
+    let by_s = -travel_s - state.clock_s;
+    let want = Ecef::new(x_m + vx * by_s, y_m + vy * by_s, z_m + vz * by_s);
+    // The acceleration of 0.6 m/s² makes 1.3 mm of it.
+    assert!(moved.position.distance_m(want) < 2e-3, "{moved:?}, want {want:?}");
+    assert!((moved.clock_s - state.clock_s).abs() < 1e-12);
+    assert_eq!(kept.at(after(state.toe, 3600), 2e7), Err(EphemerisError::Stale));
+    assert_eq!(store.get(state.satellite, after(state.toe, 3600)), Err(EphemerisError::Stale));
+}
+
+#[test]
+fn a_glonass_satellite_is_no_gps_satellite_and_has_no_kepler_elements() {
+    let glonass = SatelliteId::new(Constellation::Glonass, 7).unwrap();
+    let as_gps = changed(&CASES[GPS], |b| b.satellite = glonass);
+    assert_eq!(as_gps, Err(BroadcastError::Satellite));
+    let as_elements = changed(&CASES[GPS], |b| (b.satellite, b.source) = (glonass, Source::GlonassStrings));
+    assert_eq!(as_elements, Err(BroadcastError::Form));
+    let gps = CASES[GPS].id();
+    assert_eq!(
+        Ephemeris::of_state(&StateBroadcast { satellite: gps, ..glonass_state() }),
+        Err(BroadcastError::Satellite)
+    );
+}
+
+#[test]
+fn a_state_vector_that_no_satellite_sends_is_refused_by_field() {
+    type SpoilState = fn(&mut StateBroadcast);
+    let spoilt: [(SpoilState, BroadcastError); 6] = [
+        (|b| b.position_m[1] = f64::NAN, BroadcastError::SemiMajorAxis),
+        (|b| b.position_m = [1e6; 3], BroadcastError::SemiMajorAxis),
+        (|b| b.velocity_m_s[0] = f64::INFINITY, BroadcastError::Correction),
+        (|b| b.acceleration_m_s2[2] = 1.0, BroadcastError::Correction),
+        (|b| b.clock_s = f64::NAN, BroadcastError::Clock),
+        (|b| b.toe.tow_ms = u32::MAX, BroadcastError::ReferenceTime),
+    ];
+    for (spoil, want) in spoilt {
+        let mut state = glonass_state();
+        spoil(&mut state);
+        assert_eq!(Ephemeris::of_state(&state), Err(want));
+    }
+}
+
+#[test]
+fn a_carrier_out_of_service_is_not_used_and_the_others_are() {
+    let signals = [signal(Band::E1, 2.4e7), signal(Band::E5b, 2.4e7), signal(Band::E5a, 2.4e7)];
+    let bands = |health: Health| {
+        let ephemeris = changed(&CASES[GALILEO], |b| b.health = health).unwrap();
+        choose(&signals, &ephemeris, 0.0).preferred().map(|choice| choice.bands)
+    };
+    assert_eq!(bands(Health::GOOD.with(Band::E5a, false)), Some((Band::E1, Some(Band::E5b))));
+    assert_eq!(bands(Health::GOOD.with(Band::E5b, false)), Some((Band::E1, Some(Band::E5a))));
+    let e1_out = Health::GOOD.with(Band::E1, false).with(Band::E5a, false);
+    assert_eq!(bands(e1_out), Some((Band::E5b, None)));
+    assert_eq!(bands(e1_out.with(Band::E5b, false)), None);
 }
 
 #[test]
@@ -106,80 +190,6 @@ fn the_orbit_goes_on_over_the_roll_over_of_the_week() {
     let behind = ephemeris.at(GpsTime { week: 2112, tow_ms: 0 }, 0.0).unwrap().position;
     // A geostationary satellite with 1.7° inclination moves by less than 100 m in the second between.
     assert!(before.distance_m(behind) < 100.0, "{before:?} {behind:?}");
-}
-
-#[test]
-fn a_new_issue_in_mid_pass_replaces_and_an_older_one_does_not() {
-    let (mut store, case) = (Store::new(), &CASES[GPS]);
-    let (toe, now) = (case.toe(), Some(case.toe()));
-    let at = |seconds: i64, af0_s: f64| {
-        changed(case, |b| (b.toe, b.toc, b.af0_s) = (after(toe, seconds), after(toe, seconds), af0_s))
-            .unwrap()
-    };
-    assert_eq!(store.get(case.id(), toe), Err(EphemerisError::Missing));
-    assert_eq!(store.insert(at(0, 1e-5), now), Insertion::Taken);
-    assert_eq!(store.insert(at(7200, 2e-5), now), Insertion::Taken);
-    assert_eq!(store.insert(at(0, 1e-5), now), Insertion::Older);
-    assert_eq!(store.insert(at(7200, 3e-5), now), Insertion::Taken);
-    assert_eq!(*store.get(case.id(), toe).unwrap(), at(7200, 3e-5));
-}
-
-#[test]
-fn a_reference_time_in_the_far_future_does_not_block_the_true_one() {
-    let (mut store, case) = (Store::new(), &CASES[GPS]);
-    let far = after(case.toe(), 30 * 86_400);
-    store.insert(changed(case, |b| (b.toe, b.toc) = (far, far)).unwrap(), Some(case.toe()));
-    assert_eq!(store.get(case.id(), case.toe()), Err(EphemerisError::Stale));
-    assert_eq!(store.insert(ephemeris(case), Some(case.toe())), Insertion::Taken);
-    assert!(store.get(case.id(), case.toe()).is_ok());
-}
-
-#[test]
-fn a_reference_time_in_the_far_future_does_not_displace_a_set_in_use() {
-    let (mut store, case) = (Store::new(), &CASES[GPS]);
-    let (satellite, now) = (ephemeris(case).satellite(), after(case.toe(), 600));
-    store.insert(ephemeris(case), Some(now));
-    for hours in [3, 30, 24 * 365] {
-        let far = changed(case, |b| {
-            b.toe = after(b.toe, hours * 3600);
-            b.toc = b.toe;
-        });
-        assert_eq!(store.insert(far.unwrap(), Some(now)), Insertion::Older, "{hours} h ahead");
-        assert_eq!(store.get(satellite, now).unwrap().toe(), case.toe(), "{hours} h ahead");
-    }
-}
-
-#[test]
-fn galileo_fnav_serves_until_inav_comes_and_does_not_replace_it() {
-    let (mut store, case) = (Store::new(), &CASES[GALILEO]);
-    let (toe, now) = (case.toe(), Some(case.toe()));
-    let fnav = |seconds| {
-        let time = after(toe, seconds);
-        changed(case, |b| (b.source, b.toe, b.toc) = (Source::GalileoFnav, time, time)).unwrap()
-    };
-    assert_eq!(store.insert(fnav(0), now), Insertion::Taken);
-    assert_eq!(store.insert(ephemeris(case), now), Insertion::Taken);
-    assert_eq!(store.insert(fnav(600), now), Insertion::Older);
-    assert_eq!(store.insert(fnav(5 * 3600), Some(after(toe, 5 * 3600))), Insertion::Taken);
-}
-
-#[test]
-fn a_full_store_lets_the_oldest_go() {
-    let mut store = Store::new();
-    let toe = CASES[BEIDOU_GEO].toe();
-    let satellites = (1..=32).map(|n| (&CASES[GPS], n)).chain((1..=36).map(|n| (&CASES[GALILEO], n)));
-    let satellites: Vec<_> = satellites.chain((1..=63).map(|n| (&CASES[BEIDOU_GEO], n))).collect();
-    assert!(satellites.len() > CAPACITY);
-    for (age, (case, number)) in (0..).zip(&satellites) {
-        let satellite = SatelliteId::new(case.satellite.0, *number).unwrap();
-        let time = after(toe, age - 200);
-        store.insert(changed(case, |b| (b.satellite, b.toe, b.toc) = (satellite, time, time)).unwrap(), None);
-    }
-    assert_eq!(store.len(), CAPACITY);
-    let first = SatelliteId::new(Constellation::Gps, 1).unwrap();
-    let last = SatelliteId::new(Constellation::Beidou, 63).unwrap();
-    assert_eq!(store.get(first, toe), Err(EphemerisError::Missing));
-    assert!(store.get(last, toe).is_ok());
 }
 
 /// The clock of a band against the broadcast clock, in nanoseconds, as the documents print it.
@@ -214,8 +224,8 @@ fn group_delays_are_those_of_the_interface_documents() {
     assert!(matches!(beidou.group_delay(Band::B2a), Some(GroupDelay::Uncalibrated(_))));
 }
 
-fn signal(band: Band, range_m: f64) -> Signal {
-    Signal { band, cn0_dbhz: 45.0, range_m }
+fn signal(band: Band, range_m: f64) -> RawSignal {
+    RawSignal::new(Carrier::of(band), range_m).with_cn0_dbhz(45.0)
 }
 
 #[test]
@@ -228,7 +238,8 @@ fn the_pair_that_the_clock_refers_to_needs_no_group_delay() {
         (delayed(&CASES[GALILEO], Source::GalileoFnav), Band::E1, Band::E5a),
         (delayed(&CASES[GALILEO], Source::GalileoInav), Band::E1, Band::E5b),
     ] {
-        let have = choose(&[signal(first, 2.2e7), signal(second, 2.2e7)], &ephemeris).unwrap();
+        let have =
+            *choose(&[signal(first, 2.2e7), signal(second, 2.2e7)], &ephemeris, 0.0).preferred().unwrap();
         assert!((have.range_m - 2.2e7).abs() < 1e-6, "{first:?} {second:?}: {have:?}");
         assert_eq!((have.bands, have.uncalibrated_m), ((first, Some(second)), 0.0));
     }
@@ -237,12 +248,13 @@ fn the_pair_that_the_clock_refers_to_needs_no_group_delay() {
 #[test]
 fn the_beidou_pair_b1i_b3i_bears_its_share_of_tgd1() {
     let ephemeris = changed(&CASES[BEIDOU_GEO], |b| b.group_delays_s = [1e-8, 0.0]).unwrap();
-    let have = choose(&[signal(Band::B1I, 3.8e7), signal(Band::B3I, 3.8e7)], &ephemeris).unwrap();
+    let have =
+        *choose(&[signal(Band::B1I, 3.8e7), signal(Band::B3I, 3.8e7)], &ephemeris, 0.0).preferred().unwrap();
     // f1² / (f1² − f3²) = 2.943682..., times 10 ns times c.
     let share = 1561.098f64.powi(2) / (1561.098f64.powi(2) - 1268.52f64.powi(2));
     let want = 3.8e7 - share * 2.997_924_58;
     assert!((have.range_m - want).abs() < 1e-6, "have {have:?}, want {want}");
-    assert!((have.noise_factor - share.hypot(share - 1.0)).abs() < 1e-12, "{have:?}");
+    assert!((f64::from(have.noise_gain) - share.hypot(share - 1.0)).abs() < 1e-6, "{have:?}");
 }
 
 #[test]
@@ -250,7 +262,7 @@ fn galileo_e5a_with_the_inav_clock_is_the_fnav_clock() {
     // The two clocks describe one satellite: E1 at BGD_b after the I/NAV clock is E1 at BGD_a after the F/NAV clock.
     let (bgd_a, bgd_b) = (4e-9, 6e-9);
     let inav = changed(&CASES[GALILEO], |b| b.group_delays_s = [bgd_a, bgd_b]).unwrap();
-    let have = choose(&[signal(Band::E1, 2.4e7), signal(Band::E5a, 2.4e7)], &inav).unwrap();
+    let have = *choose(&[signal(Band::E1, 2.4e7), signal(Band::E5a, 2.4e7)], &inav, 0.0).preferred().unwrap();
     let want = 2.4e7 - f64::from(bgd_b - bgd_a) * 299_792_458.0;
     assert!((have.range_m - want).abs() < 1e-6, "have {have:?}, want {want}");
 }
@@ -258,11 +270,11 @@ fn galileo_e5a_with_the_inav_clock_is_the_fnav_clock() {
 #[test]
 fn one_signal_alone_keeps_the_ionosphere_and_takes_its_group_delay() {
     let ephemeris = changed(&CASES[GPS], |b| b.group_delays_s = [1e-8, 0.0]).unwrap();
-    let have = choose(&[signal(Band::L1, 2.2e7)], &ephemeris).unwrap();
+    let have = *choose(&[signal(Band::L1, 2.2e7)], &ephemeris, 0.0).preferred().unwrap();
     assert!((have.range_m - (2.2e7 - 2.997_924_58)).abs() < 1e-6, "{have:?}");
-    assert_eq!((have.bands, have.noise_factor), ((Band::L1, None), 1.0));
-    assert_eq!(choose(&[], &ephemeris), None);
-    assert_eq!(choose(&[signal(Band::E1, 2.2e7)], &ephemeris), None);
+    assert_eq!((have.bands, have.noise_gain), ((Band::L1, None), 1.0));
+    assert_eq!(choose(&[], &ephemeris, 0.0).preferred(), None);
+    assert_eq!(choose(&[signal(Band::E1, 2.2e7)], &ephemeris, 0.0).preferred(), None);
 }
 
 proptest! {

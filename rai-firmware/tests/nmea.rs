@@ -12,9 +12,12 @@ use rai_core::report::{
 };
 use rai_core::requirements::Requirements;
 use rai_core::satellite::{Constellation, SatelliteId};
-use rai_firmware::nmea::{
-    GPS_MINUS_UTC_S, MAX_LENGTH, write_counters, write_epoch, write_stale, write_version,
+use rai_firmware::output::nmea::{
+    GPS_MINUS_UTC_S, Losses, MAX_LENGTH, write_counters, write_epoch, write_losses, write_stale,
+    write_version,
 };
+use rai_firmware::output::schedule::{Due, Item, Schedule};
+use rai_firmware::output::{Interference, Motion, Statement};
 use rai_firmware::time::GpsTime;
 
 const CAPACITY: usize = 64;
@@ -36,12 +39,31 @@ fn lines(bytes: &[u8]) -> Vec<String> {
     lines
 }
 
+fn statement<'r>(report: &'r Report<CAPACITY>, requirements: &'r Requirements) -> Statement<'r, CAPACITY> {
+    Statement {
+        report,
+        time: NOON,
+        gps_minus_utc_s: GPS_MINUS_UTC_S,
+        requirements,
+        motion: None,
+        interference: Interference { jamming: 1, spoofing: 0 },
+        settings_hash: 0x0123_ABCD,
+    }
+}
+
+fn told(statement: &Statement<'_, CAPACITY>, due: Due) -> Vec<String> {
+    let mut bytes = Vec::new();
+    write_epoch(statement, due, &mut Growing(&mut bytes)).expect("a vector takes all");
+    lines(&bytes)
+}
+
 fn sentences(report: &Report<CAPACITY>, requirements: &Requirements) -> Vec<String> {
-    let mut bytes = [0; 4096];
-    let mut free = bytes.as_mut_slice();
-    write_epoch(report, NOON, GPS_MINUS_UTC_S, requirements, &mut free).expect("enough room");
-    let left = free.len();
-    lines(&bytes[..4096 - left])
+    told(&statement(report, requirements), Schedule::AT_START.due(0))
+}
+
+/// The bodies of sentences, without the checksum.
+fn bodies(lines: &[String]) -> Vec<&str> {
+    lines.iter().filter_map(|line| line.split('*').next()).collect()
 }
 
 /// The fields after the address.
@@ -91,6 +113,7 @@ fn report() -> Report<CAPACITY> {
         used,
         residual_rms_m: 0.9,
         tracked: 17,
+        separation: None,
         sigma_check: None,
     }
 }
@@ -104,15 +127,19 @@ fn an_epoch_is_these_sentences_in_this_order() {
     let have = sentences(&report(), &npa());
     // Each number is the report's, converted by hand.
     let want = [
+        "$GNRMC,120000.00,A,5515.0000000,N,01030.0000000,W,,,060126,,,A,S",
+        "$GNGGA,120000.00,5515.0000000,N,01030.0000000,W,1,16,0.80,55.123,M,0.0,M,,",
         "$GNGNS,120000.00,5515.0000000,N,01030.0000000,W,A,16,0.80,55.123,0.0,,,S",
+        "$GNVTG,,T,,M,,N,,K,N",
+        "$GNZDA,120000.00,06,01,2026,00,00",
         "$GPGSA,A,3,01,02,03,04,05,06,07,08,,,,,1.44,0.80,1.20,1",
         "$GBGSA,A,3,21,22,23,24,25,26,27,28,,,,,1.44,0.80,1.20,4",
         "$GNGST,120000.00,0.900,0.732,0.560,27.1,0.700,0.600,1.400",
         "$GNGBS,120000.00,0.700,0.600,1.400,23,0.001,-2.345,1.500,4,0",
         "$PRAIS,120000.00,P,OK,17,16,11,0.912,1.873,12.3,18.3,556.0,",
+        "$PRAIN,120000.00,0123ABCD,10,1,0",
     ];
-    let have: Vec<&str> = have.iter().filter_map(|line| line.split('*').next()).collect();
-    assert_eq!(have, want);
+    assert_eq!(bodies(&have), want);
 }
 
 #[test]
@@ -125,8 +152,7 @@ fn exclusions_follow_the_verdict() {
         report.excluded.push(suspect).expect("room");
     }
     let lines = sentences(&report, &npa());
-    let have: Vec<&str> =
-        lines.iter().rev().take(2).rev().filter_map(|line| line.split('*').next()).collect();
+    let have = &bodies(&lines)[lines.len() - 3..lines.len() - 1];
     let want = ["$PRAIX,120000.00,2,E05,40.020,80.0", "$PRAIX,120000.00,2,E31,-617.280,-1234.6"];
     assert_eq!(have, want);
     assert_eq!(fields(&lines, "PRAIS")[1..3], ["P", "EXCLUDED"]);
@@ -141,6 +167,8 @@ fn each_verdict_has_its_navigational_status_state_and_reason() {
         (Verdict::Alert(Alert::Fault), true, "U", "A", "FAULT"),
         (Verdict::Alert(Alert::Ambiguous), true, "U", "A", "AMBIGUOUS"),
         (Verdict::Alert(Alert::Stale), false, "U", "A", "STALE"),
+        (Verdict::Alert(Alert::Jump), true, "U", "A", "JUMP"),
+        (Verdict::Alert(Alert::Spoofed), true, "U", "A", "SPOOFED"),
         (unavailable(Unavailable::NoFix), false, "V", "U", "NOFIX"),
         (unavailable(Unavailable::Redundancy), true, "C", "U", "REDUNDANCY"),
         (unavailable(Unavailable::Geometry), true, "C", "U", "GEOMETRY"),
@@ -149,6 +177,11 @@ fn each_verdict_has_its_navigational_status_state_and_reason() {
         (unavailable(Unavailable::Vpl), true, "C", "U", "VPL"),
         (unavailable(Unavailable::Budget), true, "C", "U", "BUDGET"),
         (unavailable(Unavailable::Input), false, "V", "U", "INPUT"),
+        (unavailable(Unavailable::Recovering), true, "C", "U", "RECOVERING"),
+        (unavailable(Unavailable::Place), true, "C", "U", "PLACE"),
+        (unavailable(Unavailable::SelfTest), true, "C", "U", "SELFTEST"),
+        (unavailable(Unavailable::Ephemeris), false, "V", "U", "EPHEMERIS"),
+        (unavailable(Unavailable::Settings), true, "C", "U", "SETTINGS"),
     ];
     for (verdict, has_position, status, state, reason) in cases {
         let mut report = report();
@@ -162,13 +195,19 @@ fn each_verdict_has_its_navigational_status_state_and_reason() {
     }
 }
 
+/// The first `GSA`, as the crate reads it.
+fn gsa(lines: &[String]) -> nmea::sentences::GsaData {
+    let line = lines.iter().find(|line| line.contains("GSA")).expect("a GSA");
+    let ParseResult::GSA(gsa) = parse_str(line).expect("a GSA") else { panic!("{line}") };
+    gsa
+}
+
 #[test]
 fn an_alert_is_no_fix_to_a_reader_of_gsa() {
     let mut report = report();
     report.verdict = Verdict::Alert(Alert::Fault);
     let lines = sentences(&report, &npa());
-    let ParseResult::GSA(gsa) = parse_str(&lines[1]).expect("a GSA") else { panic!("{}", lines[1]) };
-    assert_eq!(gsa.mode2, GsaMode2::NoFix);
+    assert_eq!(gsa(&lines).mode2, GsaMode2::NoFix);
 }
 
 #[test]
@@ -183,12 +222,16 @@ fn without_a_position_every_number_is_missing() {
     report.tracked = 3;
     let have = sentences(&report, &npa());
     let want = [
+        "$GNRMC,120000.00,V,,,,,,,060126,,,N,V",
+        "$GNGGA,120000.00,,,,,0,00,,,M,,M,,",
         "$GNGNS,120000.00,,,,,N,00,,,,,,V",
+        "$GNVTG,,T,,M,,N,,K,N",
         "$GNGST,120000.00,,,,,,,",
         "$PRAIS,120000.00,U,NOFIX,3,0,,,,,,556.0,",
+        "$PRAIN,120000.00,0123ABCD,0,1,0",
     ];
-    assert_eq!(have.iter().filter_map(|line| line.split('*').next()).collect::<Vec<_>>(), want);
-    for line in &have[..2] {
+    assert_eq!(bodies(&have), want);
+    for line in &have[..5] {
         assert!(parse_str(line).is_ok(), "{line}");
     }
 }
@@ -214,8 +257,110 @@ fn glonass_counts_from_65_in_its_own_system() {
     report.used.clear();
     report.used.push(satellite(Constellation::Glonass, 3)).expect("room");
     let lines = sentences(&report, &npa());
-    let ParseResult::GSA(gsa) = parse_str(&lines[1]).expect("a GSA") else { panic!("{}", lines[1]) };
+    let gsa = gsa(&lines);
     assert_eq!((gsa.system_id, gsa.fix_sats_prn.as_slice()), (Some(GnssSystemId::Glonass), &[67][..]));
+}
+
+/// What must not be used is not there to be used.
+#[test]
+fn an_alert_leaves_nothing_that_a_careless_reader_could_use() {
+    for alert in [Alert::Fault, Alert::Ambiguous, Alert::Jump, Alert::Spoofed] {
+        let mut report = report();
+        report.verdict = Verdict::Alert(alert);
+        let motion = Some(Motion { east_m_s: 3.0, north_m_s: 4.0, up_m_s: 0.0, sigma_m_s: 0.1 });
+        let npa = npa();
+        let statement = Statement { motion, ..statement(&report, &npa) };
+        let lines = told(&statement, Schedule::AT_START.due(0));
+        let rmc = fields(&lines, "GNRMC");
+        assert_eq!((rmc[1], &rmc[2..8], rmc[11], rmc[12]), ("V", &[""; 6][..], "N", "U"), "{alert:?}");
+        assert_eq!(fields(&lines, "GNGGA")[1..6], ["", "", "", "", "0"], "{alert:?}");
+        assert_eq!(fields(&lines, "GNGNS")[5], "N", "{alert:?}");
+        assert_eq!(fields(&lines, "GNVTG"), ["", "T", "", "M", "", "N", "", "K", "N"], "{alert:?}");
+        assert!(lines.iter().all(|line| !line.contains("ZDA")), "{alert:?}");
+        // What the verdict rests on is said, what would bound the error is not.
+        assert_eq!(fields(&lines, "PRAIS")[5..10], ["11", "0.912", "1.873", "", ""], "{alert:?}");
+        assert_eq!(fields(&lines, "PRAIN")[2], "0", "{alert:?}");
+    }
+}
+
+#[test]
+fn velocity_is_said_where_there_is_one() {
+    let (report, npa) = (report(), npa());
+    // 30 knots to the west-south-west: 30 · 1852 / 3600 m/s, 240° from north.
+    let (speed_m_s, course) = (30.0_f32 * 1852.0 / 3600.0, 240.0_f32.to_radians());
+    let motion = Motion {
+        east_m_s: speed_m_s * course.sin(),
+        north_m_s: speed_m_s * course.cos(),
+        up_m_s: 0.2,
+        sigma_m_s: 0.1,
+    };
+    let lines =
+        told(&Statement { motion: Some(motion), ..statement(&report, &npa) }, Schedule::AT_START.due(0));
+    let near = |text: &str, want: f64| {
+        let have: f64 = text.parse().expect("a number");
+        assert!((have - want).abs() < 0.011, "have {have}, want {want}");
+    };
+    let rmc = fields(&lines, "GNRMC");
+    near(rmc[6], 30.0);
+    near(rmc[7], 240.0);
+    let vtg = fields(&lines, "GNVTG");
+    near(vtg[0], 240.0);
+    near(vtg[4], 30.0);
+    near(vtg[6], 30.0 * 1.852);
+    assert_eq!(vtg[8], "A");
+    for line in lines.iter().filter(|line| line.contains("RMC") || line.contains("VTG")) {
+        assert!(parse_str(line).is_ok(), "{line}");
+    }
+}
+
+/// At rest the course is that of the noise.
+#[test]
+fn a_receiver_at_rest_has_a_speed_and_no_course() {
+    let (report, npa) = (report(), npa());
+    let motion = Some(Motion { east_m_s: 0.01, north_m_s: -0.02, up_m_s: 0.0, sigma_m_s: 0.1 });
+    let lines = told(&Statement { motion, ..statement(&report, &npa) }, Schedule::AT_START.due(0));
+    assert_eq!(fields(&lines, "GNRMC")[6..8], ["0.043", ""]);
+    assert_eq!(fields(&lines, "GNVTG")[..5], ["", "T", "", "M", "0.043"]);
+}
+
+#[test]
+fn what_is_not_due_is_not_said_and_the_verdict_always_is() {
+    let (mut report, npa) = (report(), npa());
+    report.verdict = Verdict::Unavailable(Unavailable::Hpl);
+    let items = [Item::Rmc, Item::Gga, Item::Gns, Item::Vtg, Item::Zda, Item::Gsa, Item::Gst, Item::Gbs];
+    let none = items.iter().fold(Schedule::AT_START.due(0), |due, item| due.without(*item));
+    let lines = told(&statement(&report, &npa), none);
+    let addresses: Vec<&str> = lines.iter().map(|line| &line[1..6]).collect();
+    assert_eq!(addresses, ["PRAIS", "PRAIN"]);
+    let item_names = ["RMC", "GGA", "GNS", "VTG", "ZDA", "GSA", "GST", "GBS"];
+    for (item, name) in items.into_iter().zip(item_names) {
+        let lines = told(&statement(&report, &npa), Schedule::AT_START.due(0).without(item));
+        assert!(lines.iter().all(|line| !line[3..].starts_with(name)), "{name}");
+    }
+}
+
+#[test]
+fn losses_are_said_in_their_order() {
+    let mut out = Vec::new();
+    let losses = Losses { gnss_bytes: 1, host_bytes: 2, frames_refused: 3, epochs_late: u32::MAX };
+    write_losses(&losses, &mut Growing(&mut out)).expect("a vector takes all");
+    assert_eq!(bodies(&lines(&out)), ["$PRAIL,1,2,3,4294967295"]);
+}
+
+/// Each sentence at its longest.
+#[test]
+fn the_fastest_lowest_and_farthest_receiver_fits_every_sentence() {
+    let mut report = report();
+    report.solution = Some(solution(-89.999_999_999_9, -179.999_999_999_9, -12_345.678));
+    if let Some(solution) = &mut report.solution {
+        (solution.hdop, solution.vdop) = (1e9, 1e9);
+    }
+    let motion = Some(Motion { east_m_s: -9999.0, north_m_s: 0.01, up_m_s: 0.0, sigma_m_s: 1.0 });
+    let npa = npa();
+    let lines = told(&Statement { motion, ..statement(&report, &npa) }, Schedule::AT_START.due(0));
+    for address in ["GNRMC", "GNGGA", "GNGNS", "GNVTG", "GNZDA", "GNGST", "PRAIS", "PRAIN"] {
+        assert!(lines.iter().any(|line| line[1..].starts_with(address)), "{address} was too long");
+    }
 }
 
 #[test]
@@ -268,12 +413,23 @@ fn the_version_line_survives_any_text() {
 }
 
 #[test]
-fn counters_come_two_to_an_answer() {
-    let mut out = Vec::new();
-    let counters = [("epochs", 7), ("crc", u32::MAX), ("skipped", 0)];
-    write_counters(counters.into_iter(), &mut Growing(&mut out)).expect("a vector takes all");
+fn counters_are_said_with_their_whole_names_and_as_many_as_fit() {
+    // The longest names that there are, with the largest values.
+    let counters = [
+        ("travel_time_out_of_bounds", u32::MAX),
+        ("observations_after_end", u32::MAX),
+        ("crc", 7),
+        ("skipped", 0),
+    ];
+    let (mut out, mut next) = (Vec::new(), 0);
+    while let Ok(many @ 1..) = write_counters(counters.into_iter().skip(next), &mut Growing(&mut out)) {
+        next += many;
+    }
     let have = lines(&out);
-    let want = ["$PRAIA,STATS,epochs,7,crc,4294967295,OK", "$PRAIA,STATS,skipped,0,OK"];
+    let want = [
+        "$PRAIA,STATS,travel_time_out_of_bounds,4294967295,OK",
+        "$PRAIA,STATS,observations_after_end,4294967295,crc,7,skipped,0,OK",
+    ];
     assert_eq!(have.iter().filter_map(|line| line.split('*').next()).collect::<Vec<_>>(), want);
 }
 
@@ -380,6 +536,7 @@ prop_compose! {
             used: used.into_iter().collect(),
             residual_rms_m,
             tracked,
+            separation: None,
             sigma_check: None,
         }
     }
@@ -400,6 +557,17 @@ proptest! {
                 ParseResult::GNS(gns) => gns_is_the_reports(&gns, &report)?,
                 ParseResult::GST(gst) => gst_is_the_reports(&gst, &report)?,
                 ParseResult::GSA(gsa) => named.extend(gsa.fix_sats_prn.iter().map(|prn| (gsa.system_id, *prn))),
+                ParseResult::RMC(rmc) => {
+                    let usable = report.solution.is_some() && !matches!(report.verdict, Verdict::Alert(_));
+                    prop_assert_eq!(rmc.lat.is_some(), usable);
+                    prop_assert_eq!(rmc.fix_date.map(|date| date.to_string()), Some(String::from("2026-01-06")));
+                }
+                ParseResult::GGA(gga) => {
+                    let usable = report.solution.is_some() && !matches!(report.verdict, Verdict::Alert(_));
+                    prop_assert_eq!((gga.latitude.is_some(), gga.longitude.is_some()), (usable, usable));
+                }
+                ParseResult::VTG(vtg) => prop_assert_eq!(vtg.speed_over_ground, None),
+                ParseResult::ZDA(zda) => prop_assert_eq!((zda.day, zda.month, zda.year), (Some(6), Some(1), Some(2026))),
                 other => prop_assert!(false, "unexpected {other:?}"),
             }
         }
@@ -420,7 +588,8 @@ proptest! {
         let lines = sentences(&report, &npa());
         let verdicts = lines.iter().filter(|line| line.starts_with("$PRAIS")).count();
         prop_assert_eq!(verdicts, 1);
-        let excluded = lines.iter().rev().take_while(|line| line.starts_with("$PRAIX")).count();
+        prop_assert!(lines.last().is_some_and(|line| line.starts_with("$PRAIN")));
+        let excluded = lines.iter().rev().skip(1).take_while(|line| line.starts_with("$PRAIX")).count();
         prop_assert_eq!(excluded, report.excluded.len());
         let fault = report.suspect.is_some() && report.solution.is_some();
         prop_assert_eq!(lines.iter().filter(|line| line.starts_with("$GNGBS")).count(), usize::from(fault));

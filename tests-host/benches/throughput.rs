@@ -16,14 +16,14 @@ use criterion::{
     BenchmarkGroup, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main,
     measurement::WallTime,
 };
-use rai_core::identification::parity;
+use rai_core::integrity::residuals::parity;
 use rai_core::monitor::{Method, Monitor, Strategy};
-use rai_core::real::Real;
+use rai_core::numeric::real::Real;
 use rai_core::requirements::Requirements;
 use rai_firmware::correction::CAPACITY;
 use rai_firmware::time::GpsTime;
 use tests_host::bench::workload::{Stream, epoch, site};
-use tests_host::replay::{Lump, on_host};
+use tests_host::replay::{Lump, Pace, on_host};
 
 /// Sizes of skies.
 const SIZES: [usize; 3] = [8, 20, 40];
@@ -40,7 +40,7 @@ fn judge<T: Real>(
     let epoch = epoch(count, 2, faults).expect("a sky of so many");
     let mut monitor =
         Monitor::<T, CAPACITY>::new(Requirements::non_precision_approach()).expect("requirements");
-    monitor.pursue(Strategy { method, ..Strategy::CLASSIC });
+    monitor.set_strategy(Strategy { method, ..Strategy::CLASSIC });
     monitor.start_from(site().position);
     group.bench_function(id, |bencher| bencher.iter(|| monitor.process(black_box(&epoch))));
 }
@@ -60,7 +60,7 @@ fn precisions(criterion: &mut Criterion) {
 }
 
 fn methods(criterion: &mut Criterion) {
-    use parity::Method::{Grouping, Hybrid, Sequential, Simultaneous};
+    use parity::Isolation::{Grouping, Hybrid, Sequential, Simultaneous};
     let mut group = criterion.benchmark_group("two faults");
     group.throughput(Throughput::Elements(1));
     let methods = [
@@ -88,7 +88,7 @@ fn module(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("module");
     group.throughput(Throughput::Elements(u64::from(STREAM_EPOCHS)));
     group.bench_function("20 satellites", |bencher| {
-        bencher.iter(|| on_host(black_box(&lumps), &[], |_| ()).expect("sentences"));
+        bencher.iter(|| on_host(black_box(&lumps), &[], Pace::LockStep, |_| ()).expect("sentences"));
     });
     group.finish();
 }

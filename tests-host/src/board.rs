@@ -28,7 +28,7 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, bail, ensure};
 
 use emulator::Emulator;
-pub use emulator::{Pace, Settings, is_installed};
+pub use emulator::{Machine, Pace, Settings, is_installed};
 pub use log::{Judgement, LogLine};
 pub use monitor::{Monitor, MonitorSocket};
 

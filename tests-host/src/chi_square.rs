@@ -18,6 +18,8 @@
 //! Every transcendental comes from `libm`, so that the numbers are the same, bit for bit, on every host.
 //!
 //! Limits: `dof` up to some thousands. References: [NIST DLMF] §8.4, §8.7, §8.8; [Johnson1995] ch. 29.
+//!
+//! [Johnson1995]: crate#references
 
 use libm::{ceil, erfc, exp, fabs, lgamma, log, sqrt};
 

@@ -8,6 +8,8 @@
 //!
 //! `x` are centred differences, as in [`rai_core::clock`]; the variance of a forecast is that of the core's process
 //! with these coefficients. References: [Chen2009] §2 and table 1.
+//!
+//! [Chen2009]: crate#references
 
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 

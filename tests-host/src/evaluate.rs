@@ -13,6 +13,8 @@
 //! whose numbers make no epoch (a sigma of zero, a residual that is not a number) is an answer with the status
 //! `invalid_input`, which also says `why`.
 
+mod araim;
+mod bound;
 mod clock;
 mod clock_raim;
 mod iso;
@@ -27,14 +29,16 @@ use std::io::{self, BufRead, Write};
 
 use anyhow::Context as _;
 use flate2::bufread::MultiGzDecoder;
-use rai_core::identification::ransac::Limits;
-use rai_core::probability::Probability;
-use rai_core::real::Real;
-use rai_core::threshold::Thresholds;
+use rai_core::integrity::residuals::ransac::ConsensusLimits;
+use rai_core::integrity::residuals::threshold::Thresholds;
+use rai_core::numeric::probability::Probability;
+use rai_core::numeric::real::Real;
 use serde::Serialize;
 use serde_json::Value;
 
 use crate::tables::Rows;
+use araim::Araim;
+use bound::Bound;
 use clock::Forecasts;
 use clock_raim::ClockRaim;
 use iso::Iso;
@@ -88,10 +92,22 @@ and out.sigma2, variances of one step of uc, burg and yw, m2.
 With --clock-raim each line is an epoch of one constellation aided by a forecast clock:
 {id, los_enu, sigma: m, y: [m, …], T: forecast, m, sigma_b: its standard deviation, m, pfa}
 Output: out with dof, sse, tau1, test_m = sigma sqrt(sse/dof), T_D_m = sigma sqrt(tau1/dof), detected,
-  d (squared w-tests, the clock last), ident (row or -1), ident_is_clock.";
+  d (squared w-tests, the clock last), ident (row or -1), ident_is_clock.
+
+With --araim each line is an epoch with what integrity knows of each satellite:
+{id, los_enu, con, sigma: m, for integrity, y: [m, …], sigma_acc: [m, …] for accuracy, b_nom: [m, …], p_sat: [...],
+ p_const: {con: probability}}
+Output: out.lpv and out.haraim, for the allocations of approaches with vertical guidance and of horizontal flight:
+  status           ok | insufficient | singular | invalid_input (then also: why)
+  n_options, rho   what may be left out after an alarm, and the share of the risk of each outcome
+  n_modes, p_nm    watched modes, probability of what is not watched
+  K_fa, x, pl      thresholds in sigmas, position, levels: each east, north, up    hpl, vpl  m
+  emt, sigma_v_acc effective monitor threshold, standard deviation of the height for accuracy, m
+  detected, max_ratio (largest separation over its threshold), dominant (rows of the mode with the largest share)
+  excl, hpl_excl, vpl_excl, x_excl, p_nm_excl   where one alarmed: rows left out, or null, and what is found then";
 
 /// Rows that one line may have. The tables of w-tests end there, and so, with four unknowns, do those of `tau1`.
-const MAX_ROWS: usize = rai_core::threshold::MAX_TESTS;
+const MAX_ROWS: usize = rai_core::integrity::residuals::threshold::MAX_TESTS;
 
 /// Which instantiation of the core runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -125,6 +141,8 @@ pub enum Part {
     Clock,
     /// Linearised epochs of one constellation, aided by a forecast clock.
     ClockRaim,
+    /// Linearised epochs with what integrity knows of each satellite.
+    Araim,
 }
 
 /// How a run went.
@@ -144,6 +162,7 @@ enum Answer {
     Thresholds(Box<thresholds::Answered>),
     Clock { id: Value, out: Box<Forecasts> },
     ClockRaim { id: Value, out: Box<ClockRaim> },
+    Araim { id: Value, out: Box<Araim> },
     Error { id: Value, error: String },
 }
 
@@ -151,6 +170,8 @@ enum Answer {
 #[derive(Serialize)]
 struct Out {
     lsr: Lsr,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    bound: Option<Bound>,
     #[serde(skip_serializing_if = "Option::is_none")]
     iso: Option<Iso>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -161,7 +182,7 @@ struct Out {
 
 impl From<Lsr> for Out {
     fn from(lsr: Lsr) -> Self {
-        Self { lsr, iso: None, ransac: None, ransac_trad: None }
+        Self { lsr, bound: None, iso: None, ransac: None, ransac_trad: None }
     }
 }
 
@@ -252,6 +273,10 @@ fn answer_part(
         let out = if single { clock::evaluate::<f32>(object) } else { clock::evaluate::<f64>(object) };
         return Ok(Answer::Clock { id, out: Box::new(out?) });
     }
+    if part == Part::Araim {
+        let out = if single { araim::evaluate::<f32>(object) } else { araim::evaluate::<f64>(object) };
+        return Ok(Answer::Araim { id, out: Box::new(out?) });
+    }
     let out = if single {
         clock_raim::evaluate::<f32>(object, rows)
     } else {
@@ -271,7 +296,7 @@ fn judge(line: &Line, scalar: Scalar, rows: &mut RowCache) -> Result<Out, String
         rows.prepare(alarm, missed_detection);
     }
     let thresholds = rows.thresholds(false_alarm, missed_detection);
-    let limits = Limits {
+    let limits = ConsensusLimits {
         consensus: rows.thresholds(disagreement, missed_detection),
         refinement: rows.thresholds(refinement, missed_detection),
     };
@@ -282,13 +307,18 @@ fn judge(line: &Line, scalar: Scalar, rows: &mut RowCache) -> Result<Out, String
 }
 
 /// Every part of an answer, as far as the status goes.
-fn parts<T: Real>(line: &Line, thresholds: &Thresholds<'_>, limits: &Limits<'_>) -> Result<Out, String> {
+fn parts<T: Real>(
+    line: &Line,
+    thresholds: &Thresholds<'_>,
+    limits: &ConsensusLimits<'_>,
+) -> Result<Out, String> {
     let lsr = lsr::evaluate::<T>(line, thresholds)?;
     let Some(snapshot) = lsr::snapshot::<T>(line).filter(|snapshot| snapshot.dof() > 0) else {
         return Ok(lsr.into());
     };
     Ok(Out {
         lsr,
+        bound: Some(Bound::of(line, &snapshot, thresholds)?),
         iso: Some(iso::evaluate(&line.isolation, &snapshot, thresholds)?),
         ransac: ransac::evaluate(line, &snapshot, limits),
         ransac_trad: ransac::traditional(line, &limits.consensus),

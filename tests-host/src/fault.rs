@@ -19,7 +19,7 @@ use std::fmt;
 
 use rai_core::satellite::{Constellation, SatelliteId};
 
-use crate::recording::RawEpoch;
+use crate::measurement::MeasuredEpoch;
 
 /// Whom a fault befalls.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -87,7 +87,7 @@ pub trait Measured {
     fn lose(&mut self, satellite: SatelliteId);
 }
 
-impl Measured for RawEpoch {
+impl Measured for MeasuredEpoch {
     fn time_s(&self) -> f64 {
         self.time.to_s()
     }

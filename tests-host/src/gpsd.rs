@@ -45,7 +45,7 @@ impl Gpsd {
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0))?;
         let served = free_port()?;
         let Some(daemon) = launch(listener.local_addr()?.port(), served)? else {
-            eprintln!("skipped: needs gpsd (apt-get install gpsd)");
+            crate::skip::say("gpsd (apt-get install gpsd)");
             return Ok(None);
         };
         let sentences = accept(&listener)?;

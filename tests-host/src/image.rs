@@ -10,6 +10,9 @@
 //! is what proves it.
 //!
 //! References: [ARMv7-M] §B1.5.3 (vector table), [DS8626] §4 (memory map).
+//!
+//! [ARMv7-M]: crate#references
+//! [DS8626]: crate#references
 
 use std::fmt;
 use std::ops::Range;
@@ -19,8 +22,11 @@ use std::process::{Command, Stdio};
 use anyhow::{Context, bail, ensure};
 use object::{Object, ObjectSection, ObjectSymbol, SectionFlags, SectionKind};
 
-/// Most that the statics may take: the receiver (20 KiB), the ports' rings (10 KiB), and little more.
-pub const STATIC_RAM_BUDGET_BYTES: u64 = 32 * 1024;
+use crate::board::Machine;
+
+/// Most that the statics may take: the receiver (28 KiB, 4.5 of them for the longest frame and as much again for an epoch's
+/// raw ranges), what assembles navigation bits (7 KiB), the ports' rings (11 KiB), and little more.
+pub const STATIC_RAM_BUDGET_BYTES: u64 = 48 * 1024;
 /// Least that must be left for the stack; the high-water mark that the image logs is far below.
 pub const STACK_BUDGET_BYTES: u64 = 64 * 1024;
 
@@ -97,6 +103,33 @@ pub fn build_with(chosen: &[&str]) -> anyhow::Result<PathBuf> {
         .output()
         .context("cargo cannot be run")?;
     ensure!(output.status.success(), "the image does not build (`cargo image` says why)");
+    executable(&String::from_utf8_lossy(&output.stdout)).context("cargo built no image")
+}
+
+/// Builds the image of a board and returns where it lies. Each board has a folder of its own for what is built with its
+/// processor's flags.
+///
+/// # Errors
+/// As [`build`].
+pub fn build_for(machine: Machine) -> anyhow::Result<PathBuf> {
+    if machine == Machine::Stm32f405 {
+        return build();
+    }
+    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    let output = Command::new(cargo)
+        .current_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join(".."))
+        .args(["build", "--quiet", "--message-format=json-render-diagnostics", "--profile", "firmware"])
+        .args(["--target", "thumbv7em-none-eabihf", "--target-dir", "target/mps2_an500"])
+        .args(["--package", "rai-firmware", "--bin", "rai-firmware", "--features", "mps2-an500"])
+        // These replace what the project's own configuration says, so all of it is said again.
+        .env(
+            "RUSTFLAGS",
+            "-C target-cpu=cortex-m7 -C link-arg=-Tlink.x -C link-arg=-Tdefmt.x -C link-arg=--nmagic",
+        )
+        .stderr(Stdio::inherit())
+        .output()
+        .context("cargo cannot be run")?;
+    ensure!(output.status.success(), "the image of the second board does not build");
     executable(&String::from_utf8_lossy(&output.stdout)).context("cargo built no image")
 }
 
@@ -281,7 +314,7 @@ mod tests {
             (Image { initial_stack_pointer: 0x2001_FFFC, ..good.clone() }, "initial stack pointer"),
             (Image { reset_vector: 0x0800_0400, ..good.clone() }, "Thumb bit"),
             (Image { reset_vector: 0x2000_0401, ..good.clone() }, "outside the flash"),
-            (Image { static_ram_bytes: 32 * 1024 + 1, ..good.clone() }, "budget"),
+            (Image { static_ram_bytes: STATIC_RAM_BUDGET_BYTES + 1, ..good.clone() }, "budget"),
             (Image { stack_bytes: 64 * 1024 - 1, ..good }, "left for the stack"),
         ];
         for (image, want) in flaws {

@@ -48,6 +48,8 @@ pub enum Stage {
     Speak = 11,
     /// Bytes in to bytes out.
     Whole = 12,
+    /// ARAIM on a snapshot: tests and levels.
+    Separate = 13,
 }
 
 /// Which instantiation of the core.

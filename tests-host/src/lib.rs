@@ -1,4 +1,4 @@
-//! Everything around the module that a chip does not need: skies, recordings, faults, the emulated board, experiments.
+//! Everything around the module that a chip does not need: skies, recordings, faults, the emulated board.
 //!
 //! One way leads through it. A source gives raw epochs, faults are put into them, they become RTCM bytes, the module
 //! (in process, or on the emulated board) turns the bytes into sentences, and the sentences are read back:
@@ -10,6 +10,7 @@
 //! | module | what |
 //! |---|---|
 //! | [`sky`] | simulated skies: orbits, noise, receiver clock |
+//! | [`measurement`] | what a receiver measured and satellites broadcast, before any wire format |
 //! | [`recording`], [`sample`] | RINEX 2, 3 and 4; a small real recording for whoever has none |
 //! | [`fault`] | steps, ramps, outages, clock jumps, around any source |
 //! | [`encode`] | raw epochs and ephemerides to RTCM 3 |
@@ -19,15 +20,18 @@
 //! | [`replay`], [`demo`] | a recording, or the demonstration, from one end to the other |
 //! | [`report`] | pictures and pages of it |
 //! | [`evaluate`] | linearised epochs straight into the core |
-//! | [`experiment`] | the papers' tables and figures, beside ours |
 //! | [`clock_models`] | clock series with known predictions |
 //! | [`oracle`], [`chi_square`], [`ransac_traditional`], [`gpsd`] | second opinions: dense least squares, exact tails, every subset, another program |
 //! | [`tables`] | the threshold tables and their check |
 //! | [`no_panic`] | the proof that nothing panics, by the linker |
 //! | [`bench`](mod@bench), [`laboratory`] | what each stage costs on the chip; single stages on the emulated core |
 //! | [`fuzzing`] | what a fuzzer does to the ports, the orbits and the core |
+//! | [`attack`] | everything that was tried to make the pin lie |
 //! | [`soak`] | hours on the emulated board with everything that can go wrong |
-//! | [`setup`], [`shared`], [`stations`] | what a machine lacks; where reference files lie, and what they are of |
+//! | [`setup`], [`skip`] | what a machine lacks; tests that cannot run without it |
+//! | [`vectors`], [`shared`], [`stations`] | reference values; where the recordings of real stations lie |
+//!
+//! The papers' tables and figures are a package of their own, `tests-host/experiments`.
 //!
 //! Nothing here is an algorithm that the module needs: those are in `rai-core` and `rai-firmware`, and what this crate
 //! computes a second time it computes another way.
@@ -57,21 +61,25 @@
 //! | `RTCM-10403.3` | RTCM SC104, *Differential GNSS Services, Version 3*, with amendments, 2016 |
 //! | `Wilson1927` | E. B. Wilson, *Probable inference, the law of succession, and statistical inference*, J. Am. Stat. Assoc. 22, 1927 |
 
+pub mod attack;
 pub mod bench;
 pub mod board;
+pub mod capi;
 pub mod chi_square;
 pub mod clock_models;
+pub mod dashboard;
 pub mod demo;
 pub mod encode;
 pub mod evaluate;
-pub mod experiment;
 pub mod fault;
 pub mod fuzzing;
 pub mod gpsd;
 pub mod image;
 pub mod laboratory;
+pub mod measurement;
 pub mod no_panic;
 pub mod oracle;
+pub mod paced;
 pub mod pin;
 pub mod ransac_traditional;
 pub mod recording;
@@ -81,7 +89,14 @@ pub mod sample;
 pub mod sentence;
 pub mod setup;
 pub mod shared;
+pub mod skip;
 pub mod sky;
 pub mod soak;
 pub mod stations;
 pub mod tables;
+pub mod vectors;
+
+/// The example of the readme is a test.
+#[cfg(doctest)]
+#[doc = include_str!("../../README.md")]
+struct Readme;

@@ -11,6 +11,8 @@
 //! `C(n, m)` subsets are far too many for a microcontroller, or to be worth having there: hence on the host only, in
 //! `f64`, with plain dense matrices. The printed criterion is a root mean square against a limit tuned by hand; counting
 //! the ranges that disagree is the consensus it stands for. Both are here.
+//!
+//! [Tian2024]: crate#references
 
 use nalgebra::{DMatrix, DVector};
 use rai_core::satellite::Constellation;

@@ -9,13 +9,18 @@ use std::process::{Command, Stdio};
 
 use anyhow::{Context, bail, ensure};
 
-/// The processor of the chip, as the compiler names it.
-const TARGET: &str = "thumbv7em-none-eabihf";
+/// Processors that the libraries are compiled for, as the compiler names them; the first is the chip's.
+pub const TARGETS: [&str; 4] = [
+    "thumbv7em-none-eabihf",
+    "thumbv6m-none-eabi",
+    "thumbv8m.main-none-eabihf",
+    "riscv32imac-unknown-none-elf",
+];
 
 /// Something that the commands need.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Need {
-    /// The compiler's library for the chip.
+    /// The compiler's library for the chip and for other processors.
     Target,
     /// clippy and rustfmt.
     Components,
@@ -69,8 +74,8 @@ fn remedy(need: Need, machine: &Machine) -> Vec<Step> {
     };
     match need {
         Need::Target => toolchain(
-            &["rustup", "target", "add", TARGET],
-            "install the standard library for thumbv7em-none-eabihf, or Rust from https://rustup.rs",
+            &["rustup", "target", "add", TARGETS[0], TARGETS[1], TARGETS[2], TARGETS[3]],
+            "install the standard libraries that rust-toolchain.toml lists, or Rust from https://rustup.rs",
         ),
         Need::Components => toolchain(
             &["rustup", "component", "add", "clippy", "rustfmt"],
@@ -105,7 +110,7 @@ impl Machine {
         let has = |relative: &str| sysroot.as_ref().is_some_and(|root| root.join(relative).exists());
         let emulator = on_path("qemu-system-arm");
         let needs = [
-            (Need::Target, has(&format!("lib/rustlib/{TARGET}/lib"))),
+            (Need::Target, TARGETS.iter().all(|target| has(&format!("lib/rustlib/{target}/lib")))),
             (Need::Components, has("bin/cargo-clippy") && has("bin/rustfmt")),
             (Need::Emulator, emulator),
         ];
@@ -205,7 +210,8 @@ mod tests {
             })
             .collect();
         let want = [
-            "rustup target add thumbv7em-none-eabihf",
+            "rustup target add thumbv7em-none-eabihf thumbv6m-none-eabi thumbv8m.main-none-eabihf \
+             riscv32imac-unknown-none-elf",
             "rustup component add clippy rustfmt",
             "apt-get update",
             "apt-get install --yes --no-install-recommends qemu-system-arm",

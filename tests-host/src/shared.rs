@@ -1,9 +1,11 @@
 //! The reference folder that stands beside the project where the project is developed.
 //!
-//! Recordings, gold tables and vectors live there and not in the repository. A test that needs one asks
-//! [`path`] and says aloud that it is skipped where there is none.
+//! Recordings live there and not in the repository. A test that needs one asks [`path_or_skip`], and is counted as
+//! skipped where there is none.
 
 use std::path::{Path, PathBuf};
+
+use crate::skip;
 
 /// The reference folder's entry `relative`, if it is there.
 ///
@@ -15,11 +17,11 @@ pub fn path(relative: &str) -> Option<PathBuf> {
     path.exists().then_some(path)
 }
 
-/// As [`path`], and says that the calling test is skipped where the entry is missing.
+/// As [`path`], and counts the calling test as skipped where the entry is missing.
 pub fn path_or_skip(relative: &str) -> Option<PathBuf> {
     let found = path(relative);
     if found.is_none() {
-        eprintln!("skipped: needs {relative} of the reference folder (set RAI_SHARED to where it is)");
+        skip::say(&format!("{relative} of the reference folder (set RAI_SHARED to where it is)"));
     }
     found
 }

@@ -91,8 +91,7 @@ fn dropped_board_leaves_no_process() {
     let pid = board.process_id();
     let process = PathBuf::from(format!("/proc/{pid}"));
     if !process.parent().is_some_and(|folder| folder.join("self").exists()) {
-        eprintln!("skipped: needs /proc");
-        return;
+        return tests_host::skip::say("/proc");
     }
     assert!(process.exists(), "the emulator runs");
     drop(board);

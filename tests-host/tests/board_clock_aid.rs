@@ -9,7 +9,7 @@ use tests_host::board::is_installed;
 use tests_host::encode::{Frequency, Selection};
 use tests_host::fault::Fault;
 use tests_host::image;
-use tests_host::replay::{self, Lump, Window};
+use tests_host::replay::{self, Lump, Pace, Window};
 use tests_host::sentence::{EpochOutput, epochs};
 use tests_host::sky::raw::Simulation;
 
@@ -79,10 +79,10 @@ fn judged_on_board(lumps: &[Lump]) -> Option<Vec<EpochOutput>> {
         return None;
     }
     let commands = ["CLOCKAID,ON".to_owned()];
-    let host = replay::on_host(lumps, &commands, |_| {}).expect("the host judges");
+    let host = replay::on_host(lumps, &commands, Pace::LockStep, |_| {}).expect("the host judges");
     let image = image::build().expect("the image builds");
     let board = replay::on_board(&image, lumps, &host, &commands, |_| {}).expect("the board judges");
-    assert_eq!(board.sentences, host.concat(), "board and host");
+    assert_eq!(board.sentences, host.sentences(), "board and host");
     let outputs = epochs(&board.sentences).expect("sentences");
     assert_eq!(outputs.len(), END_S as usize, "one verdict a second");
     Some(outputs)
@@ -123,8 +123,8 @@ fn step_on_one_of_four_satellites_is_an_alarm() {
 #[test]
 fn without_the_clock_four_satellites_are_no_test() {
     let lumps = received(&FOUR, &steps(&FOUR));
-    let said = replay::on_host(&lumps, &[], |_| {}).expect("the host judges");
-    for (second, output) in with_few(&epochs(&said.concat()).expect("sentences")) {
+    let said = replay::on_host(&lumps, &[], Pace::LockStep, |_| {}).expect("the host judges");
+    for (second, output) in with_few(&epochs(&said.sentences()).expect("sentences")) {
         assert_eq!(verdict(output), ('U', "REDUNDANCY"), "{second} s");
     }
 }

@@ -9,24 +9,24 @@ use tests_host::encode::{Frequency, Selection};
 use tests_host::fault::Fault;
 use tests_host::gpsd::Gpsd;
 use tests_host::image;
-use tests_host::replay::{self, BoardRun, Lump, Truth, Window};
+use tests_host::replay::{self, BoardRun, HostRun, Lump, Pace, Truth, Window};
 use tests_host::sky::raw::Simulation;
 use tests_host::stations::{ESBC, STATIC_BASE};
 
 /// What an epoch may cost on the chip, the first one with all its ephemerides left out.
 const EPOCH_INSTRUCTIONS: u64 = 4_000_000;
 
-fn on_both(lumps: &[Lump]) -> (Vec<String>, BoardRun) {
+fn on_both(lumps: &[Lump]) -> (HostRun, BoardRun) {
     let commands = ["PHASE,NPA".to_owned()];
-    let host = replay::on_host(lumps, &commands, |_| {}).expect("the host judges");
+    let host = replay::on_host(lumps, &commands, Pace::LockStep, |_| {}).expect("the host judges");
     let image = image::build().expect("the image builds");
     let board = replay::on_board(&image, lumps, &host, &commands, |_| {}).expect("the board judges");
     (host, board)
 }
 
-fn assert_identical(lumps: &[Lump]) -> (Vec<String>, BoardRun) {
+fn assert_identical(lumps: &[Lump]) -> (HostRun, BoardRun) {
     let (host, board) = on_both(lumps);
-    assert_eq!(board.sentences, host.concat());
+    assert_eq!(board.sentences, host.sentences());
     assert_eq!(board.losses, 0, "bytes lost on the board");
     let dearest = board.instructions.iter().skip(1).max().copied().unwrap_or(0);
     println!("{} epochs, identical; at most {dearest} instructions", lumps.len());
@@ -46,7 +46,7 @@ fn a_real_day_with_faults_is_judged_alike() {
     let selection = Selection::new("GCE", Frequency::Dual).unwrap();
     let lumps = replay::encode(&recording, &selection, &faults, &window).unwrap();
     let (host, _) = assert_identical(&lumps);
-    assert!(host.concat().matches("$PRAIX").count() >= 10, "exclusions are part of the comparison");
+    assert!(host.sentences().matches("$PRAIX").count() >= 10, "exclusions are part of the comparison");
 }
 
 #[test]
@@ -117,9 +117,9 @@ fn every_method_and_policy_is_judged_alike() {
         "CLOCKAID,ON",
     ] {
         let commands = [choice.to_owned()];
-        let host = replay::on_host(&lumps, &commands, |_| {}).expect("the host judges");
+        let host = replay::on_host(&lumps, &commands, Pace::LockStep, |_| {}).expect("the host judges");
         let board = replay::on_board(&image, &lumps, &host, &commands, |_| {}).expect("the board judges");
-        assert_eq!(board.sentences, host.concat(), "{choice}");
+        assert_eq!(board.sentences, host.sentences(), "{choice}");
         println!("{choice}: identical; instructions {:?}", board.instructions);
     }
 }

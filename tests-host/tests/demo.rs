@@ -7,6 +7,11 @@ use tests_host::image;
 use tests_host::report::canvas::Ground;
 use tests_host::report::{Moment, Verdict};
 
+/// What `cargo xtask demo` shows where nobody asks for anything else.
+fn shown_by_default() -> Plan {
+    Plan { bias_m: -200.0, ..plan("G15") }
+}
+
 fn plan(name: &str) -> Plan {
     Plan { satellite: satellite(name).unwrap(), bias_m: 80.0, seed: 1 }
 }
@@ -34,9 +39,10 @@ fn drifting_satellite_is_left_out_on_the_board_before_the_error_passes_its_bound
         return;
     }
     let mut shown = Vec::new();
-    let mut live = Live::new(plan("C08"), View::Lines, &mut shown);
+    let mut live = Live::new(shown_by_default(), View::Lines, &mut shown);
     let image = image::build().expect("the image builds");
-    let story = plan("C08").run(&image, |moments| live.show(moments).unwrap()).expect("the board answers");
+    let story =
+        shown_by_default().run(&image, |moments| live.show(moments).unwrap()).expect("the board answers");
     assert_eq!(story.moments.len(), 122);
     // At the end nothing comes any more, and the module says so and drops the pin.
     let silence = story.moments.last().unwrap();
@@ -44,16 +50,16 @@ fn drifting_satellite_is_left_out_on_the_board_before_the_error_passes_its_bound
     assert_eq!(silence.pin_is_high, Some(false));
     assert_eq!(story.misleading(), 0, "{story}");
     let excluded: Vec<String> = story.excluded().iter().map(|(satellite, _)| satellite.to_string()).collect();
-    assert_eq!(excluded, ["C08"], "{story}");
+    assert_eq!(excluded, ["G15"], "{story}");
     let detected_s = story.detection().expect("a detection").time_s;
     assert!((41.0..60.0).contains(&detected_s), "noticed at {detected_s} s");
     // The pin says what the verdict says, and nothing before there is one.
     assert!(!story.pin_at_boot);
     let agrees = |moment: &Moment| moment.pin_is_high == Some(moment.verdict == Verdict::Protected);
     assert!(story.moments.iter().all(agrees), "{story}");
-    // While the whole bias is there, believing it costs several times the error.
+    // While the whole bias is there, accepting it costs more than ten times the error.
     let whole = 70.0..90.0;
-    let believed: Vec<f64> = (story.ordinary.iter())
+    let accepted: Vec<f64> = (story.ordinary.iter())
         .filter(|said| whole.contains(&said.time_s))
         .map(|said| said.horizontal_error_m)
         .collect();
@@ -61,11 +67,11 @@ fn drifting_satellite_is_left_out_on_the_board_before_the_error_passes_its_bound
         .filter(|moment| whole.contains(&moment.time_s))
         .filter_map(|moment| moment.horizontal_error_m)
         .collect();
-    assert_eq!((believed.len(), have.len()), (20, 20));
-    let (have_m, believed_m) = (have.iter().sum::<f64>() / 20.0, believed.iter().sum::<f64>() / 20.0);
-    assert!(believed_m > 2.0 * have_m, "{have_m} m on average, {believed_m} m where all are believed");
+    assert_eq!((accepted.len(), have.len()), (20, 20));
+    let (have_m, accepted_m) = (have.iter().sum::<f64>() / 20.0, accepted.iter().sum::<f64>() / 20.0);
+    assert!(accepted_m > 10.0 * have_m, "{have_m} m on average, {accepted_m} m where all are accepted");
     let shown = String::from_utf8(shown).unwrap();
-    assert!(shown.lines().count() >= 24 && shown.contains("C08 left out"), "{shown}");
+    assert!(shown.lines().count() >= 24 && shown.contains("G15 left out"), "{shown}");
     assert!(story.picture(Ground::Sheet).unwrap().starts_with("<svg"));
-    assert!(story.page().unwrap().html().contains("C08 drifts off"));
+    assert!(story.page().unwrap().html().contains("G15 drifts off"));
 }

@@ -1,7 +1,7 @@
 //! What a real gpsd makes of the module's sentences.
 //!
 //! gpsd takes position and mode from `GNS` and `GSA`, its `GST` object from `GST`, and the errors `epx`, `epy`, `epv`
-//! of its position from `GBS` and from nothing else.
+//! of its position from `GBS` and from nothing else. Its `SKY` needs `GSV`, which the module does not send.
 
 use std::time::Duration;
 
@@ -12,7 +12,9 @@ use rai_core::report::{
 };
 use rai_core::requirements::Requirements;
 use rai_core::satellite::{Constellation, SatelliteId};
-use rai_firmware::nmea::{GPS_MINUS_UTC_S, write_epoch};
+use rai_firmware::output::nmea::{GPS_MINUS_UTC_S, write_epoch};
+use rai_firmware::output::schedule::Schedule;
+use rai_firmware::output::{Interference, Motion, Statement};
 use rai_firmware::time::GpsTime;
 use serde_json::Value;
 use tests_host::gpsd::Gpsd;
@@ -62,6 +64,7 @@ fn report(verdict: Verdict) -> Report<64> {
         used: used.filter_map(|(system, number)| SatelliteId::new(system, number)).collect(),
         residual_rms_m: 0.934,
         tracked: 19,
+        separation: None,
         sigma_check: None,
     }
 }
@@ -69,8 +72,16 @@ fn report(verdict: Verdict) -> Report<64> {
 fn sentences(report: &Report<64>, second: u32) -> Vec<u8> {
     let time = GpsTime { week: 2400, tow_ms: 172_800_000 + second * 1000 };
     let mut bytes = Vec::new();
-    write_epoch(report, time, GPS_MINUS_UTC_S, &Requirements::non_precision_approach(), &mut bytes)
-        .expect("a vector takes all");
+    let statement = Statement {
+        report,
+        time,
+        gps_minus_utc_s: GPS_MINUS_UTC_S,
+        requirements: &Requirements::non_precision_approach(),
+        motion: Some(Motion { east_m_s: 3.0, north_m_s: 4.0, up_m_s: 0.0, sigma_m_s: 0.1 }),
+        interference: Interference::default(),
+        settings_hash: 0,
+    };
+    write_epoch(&statement, Schedule::AT_START.due(0), &mut bytes).expect("a vector takes all");
     bytes
 }
 
@@ -118,6 +129,20 @@ fn gpsd_reports_a_3d_fix_with_position_and_errors() -> Result<()> {
     assert_near(&errors, "lat", north, 0.001);
     assert_near(&errors, "lon", east, 0.001);
     assert_near(&errors, "alt", up, 0.001);
+    Ok(())
+}
+
+/// 2026-01-06 00:00:00 GPS time is 18 s earlier in UTC.
+#[test]
+fn gpsd_knows_date_and_speed() -> Result<()> {
+    let Some(mut gpsd) = Gpsd::start_or_skip()? else { return Ok(()) };
+    let report = report(Verdict::Protected(Protected::Ok));
+    let fix =
+        feed_until(&mut gpsd, &report, 0, |object| has_position(object) && object["speed"].is_number())?;
+    let time = fix["time"].as_str().unwrap_or_default();
+    assert!(time.starts_with("2026-01-05T23:59:") || time.starts_with("2026-01-06T00:00:"), "{fix}");
+    assert_near(&fix, "speed", 5.0, 0.01);
+    assert_near(&fix, "track", 36.87, 0.01);
     Ok(())
 }
 

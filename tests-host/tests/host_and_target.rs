@@ -6,12 +6,12 @@
 
 use rai_core::epoch::{Epoch, Observation};
 use rai_core::frame::{Ecef, Enu, LocalFrame};
-use rai_core::identification::parity;
+use rai_core::integrity::residuals::parity;
+use rai_core::integrity::residuals::threshold::policy::Policy;
 use rai_core::monitor::{Method, Monitor, Strategy};
-use rai_core::real::Real;
+use rai_core::numeric::real::Real;
 use rai_core::requirements::Requirements;
 use rai_core::satellite::{Constellation, SatelliteId};
-use rai_core::threshold::policy::Policy;
 use rai_firmware::correction::CAPACITY;
 use rand::Rng;
 use rand::SeedableRng;
@@ -20,13 +20,14 @@ use tests_host::board::is_installed;
 use tests_host::laboratory::{Bench, Scalar, Stage, epoch_bytes, point_bytes};
 
 /// In the order of the numbers that the image knows them by.
-const METHODS: [Method; 6] = [
+const METHODS: [Method; 7] = [
     Method::Baarda,
-    Method::Parity(parity::Method::Simultaneous),
-    Method::Parity(parity::Method::Sequential),
-    Method::Parity(parity::Method::Hybrid),
-    Method::Parity(parity::Method::Grouping),
+    Method::Parity(parity::Isolation::Simultaneous),
+    Method::Parity(parity::Isolation::Sequential),
+    Method::Parity(parity::Isolation::Hybrid),
+    Method::Parity(parity::Isolation::Grouping),
     Method::Ransac,
+    Method::Separation,
 ];
 const POLICIES: [Policy; 3] = [Policy::T1, Policy::T2, Policy::TOp];
 
@@ -69,7 +70,12 @@ impl Life {
         let (method, policy, clock_aid) = self.strategy;
         let mut monitor =
             Monitor::<T, CAPACITY>::new(Requirements::non_precision_approach()).expect("in the tables");
-        monitor.pursue(Strategy { method: METHODS[method], policy: POLICIES[policy], clock_aid });
+        monitor.set_strategy(Strategy {
+            method: METHODS[method],
+            policy: POLICIES[policy],
+            clock_aid,
+            ..Strategy::CLASSIC
+        });
         monitor.start_from(self.start);
         self.epochs.iter().map(|epoch| format!("{:?}", monitor.process(epoch))).collect()
     }

@@ -2,16 +2,16 @@
 
 use rai_core::frame::{EARTH_ROTATION_RAD_S, Ecef, SPEED_OF_LIGHT_M_S};
 use rai_core::satellite::{Constellation, SatelliteId};
+use rai_firmware::input::{Event, Input};
 use rai_firmware::receiver::{Boot, Receiver};
-use rai_firmware::rtcm::{Decoder, Event};
 use rai_firmware::time::GpsTime;
 use tests_host::encode::{Encoder, Frequency, Selection};
-use tests_host::shared;
 use tests_host::sky::broadcast::SatelliteClock;
 use tests_host::sky::linear::{Sigma, rows};
 use tests_host::sky::orbit::{GEOSYNCHRONOUS_AXIS_M, Orbit};
 use tests_host::sky::raw::Simulation;
 use tests_host::sky::{Fleet, Noise, Oscillator, ReceiverClock, Site, sights};
+use tests_host::vectors;
 
 const DAY_S: f64 = 86_164.090_5;
 
@@ -21,8 +21,7 @@ fn angle_between(a: f64, b: f64) -> f64 {
 
 #[test]
 fn every_fleet_has_the_published_elements() {
-    let Some(path) = shared::path_or_skip("spec/constellations.csv") else { return };
-    let table = std::fs::read_to_string(path).unwrap();
+    let table = std::fs::read_to_string(vectors::path("constellations.csv")).unwrap();
     for fleet in Fleet::ALL {
         let wanted: Vec<Vec<f64>> = table
             .lines()
@@ -211,17 +210,12 @@ fn read_back(simulation: &Simulation) -> Vec<rai_firmware::ephemeris::Ephemeris>
     let recording = simulation.record();
     let selection = Selection::new("GC", Frequency::Dual).unwrap();
     let bytes = Encoder::new(&recording.ephemerides, selection).epoch(&recording.epochs[0]).unwrap();
-    let mut decoder = Decoder::new();
     let mut found = Vec::new();
-    for byte in bytes {
-        let mut event = decoder.push(byte);
-        while let Some(current) = event {
-            if let Event::Ephemeris(ephemeris) = current {
-                found.push(ephemeris);
-            }
-            event = decoder.pending();
+    Input::new().feed(&bytes, 0, |event| {
+        if let Event::Ephemeris(ephemeris) = event {
+            found.push(ephemeris);
         }
-    }
+    });
     found
 }
 

@@ -1,8 +1,8 @@
 //! The committed threshold tables are what their generator writes, and what the gold values say.
 
-use rai_core::probability::Probability;
-use rai_core::threshold::{self, Thresholds};
-use tests_host::{shared, tables};
+use rai_core::integrity::residuals::threshold::{self, Thresholds};
+use rai_core::numeric::probability::Probability;
+use tests_host::{tables, vectors};
 
 #[test]
 fn committed_table_is_what_its_generator_writes() {
@@ -20,13 +20,12 @@ fn a_changed_digit_in_the_committed_table_is_found() {
 
 #[test]
 fn thresholds_of_the_core_agree_with_the_gold_values() {
-    let Some(gold) = shared::path_or_skip("gold") else { return };
     let lookup = |dof, false_alarm, missed_detection: Option<f64>| {
         let missed = Probability::new(missed_detection.unwrap_or(1e-3))?;
         let thresholds = Thresholds::from_tables(Probability::new(false_alarm)?, missed).ok()?;
         if missed_detection.is_some() { thresholds.lambda(dof) } else { thresholds.tau1(dof) }
     };
-    let have = tables::compare_with_gold(&gold, &lookup).expect("readable gold values");
+    let have = tables::compare_with_gold(&vectors::path("gold"), &lookup).expect("readable gold values");
     assert_eq!(have.values, 1400);
     assert!(have.worst_relative <= tables::TOLERANCE, "have {:e}", have.worst_relative);
 }

@@ -6,7 +6,7 @@ use std::io::{BufReader, Read};
 use flate2::read::GzDecoder;
 use serde_json::Value;
 use tests_host::evaluate::{Part, Scalar, run_part};
-use tests_host::shared;
+use tests_host::vectors;
 
 /// Tolerances of the specification: `tau1` and `lambda` 1e-10, what is solved for a geometry 1e-7.
 const FIELDS: [(&str, f64); 5] =
@@ -14,7 +14,7 @@ const FIELDS: [(&str, f64); 5] =
 
 #[test]
 fn policies_agree_in_value_and_status() {
-    let Some(path) = shared::path_or_skip("vectors/thresholds.jsonl.gz") else { return };
+    let path = vectors::path("thresholds.jsonl.gz");
     let mut text = String::new();
     GzDecoder::new(File::open(&path).unwrap()).read_to_string(&mut text).unwrap();
     let mut answers = Vec::new();

@@ -9,7 +9,7 @@ use std::io::{BufRead, BufReader, Read};
 use flate2::read::GzDecoder;
 use serde_json::Value;
 use tests_host::evaluate::{self, Part, Scalar};
-use tests_host::shared;
+use tests_host::vectors::path;
 
 /// What a field may be off by.
 #[derive(Clone, Copy)]
@@ -61,19 +61,18 @@ const F32_MARGIN: f64 = 1e-3;
 /// Smallest singular value of the geometry for which the single-precision tolerances hold.
 const F32_SINGULAR_VALUE: f64 = 0.05;
 
-fn vectors(relative: &str) -> Option<Vec<Value>> {
-    let file = File::open(shared::path_or_skip(relative)?).expect("a readable file");
+fn vectors(name: &str) -> Vec<Value> {
+    let file = File::open(path(name)).expect("a readable file");
     let lines = BufReader::new(GzDecoder::new(file)).lines();
-    Some(lines.map(|line| serde_json::from_str(&line.expect("text")).expect("JSON")).collect())
+    lines.map(|line| serde_json::from_str(&line.expect("text")).expect("JSON")).collect()
 }
 
-fn evaluated(relative: &str, scalar: Scalar) -> Vec<Value> {
-    evaluated_as(Part::Epochs, relative, scalar)
+fn evaluated(name: &str, scalar: Scalar) -> Vec<Value> {
+    evaluated_as(Part::Epochs, name, scalar)
 }
 
-fn evaluated_as(part: Part, relative: &str, scalar: Scalar) -> Vec<Value> {
-    let file =
-        BufReader::new(File::open(shared::path(relative).expect("checked before")).expect("a readable file"));
+fn evaluated_as(part: Part, name: &str, scalar: Scalar) -> Vec<Value> {
+    let file = BufReader::new(File::open(path(name)).expect("a readable file"));
     let mut output = Vec::new();
     let summary =
         evaluate::run_part(part, file, &mut output, Some(scalar)).expect("a run without I/O errors");
@@ -129,8 +128,8 @@ fn compare_decisions(id: &Value, have: &Value, want: &Value) {
 }
 
 fn epochs_agree(scalar: Scalar) {
-    let file = "vectors/epochs.jsonl.gz";
-    let Some(wanted) = vectors(file) else { return };
+    let file = "epochs.jsonl.gz";
+    let wanted = vectors(file);
     let had = evaluated(file, scalar);
     assert_eq!(had.len(), wanted.len());
     let (mut compared, mut decided) = (0, 0);
@@ -192,8 +191,8 @@ fn isolation_agrees(have: &Value, want: &Value, id: &Value) -> usize {
 }
 
 fn isolations_agree(scalar: Scalar) {
-    let file = "vectors/epochs.jsonl.gz";
-    let Some(wanted) = vectors(file) else { return };
+    let file = "epochs.jsonl.gz";
+    let wanted = vectors(file);
     let mut compared = 0;
     for (have, want) in evaluated(file, scalar).iter().zip(&wanted) {
         let tame = want["out"].get("min_sv").map_or(f64::INFINITY, number) >= F32_SINGULAR_VALUE;
@@ -238,8 +237,8 @@ fn epochs_agree_in_single_precision() {
 
 #[test]
 fn edge_cases_get_the_listed_status_in_both_precisions() {
-    let file = "vectors/edge.jsonl.gz";
-    let Some(wanted) = vectors(file) else { return };
+    let file = "edge.jsonl.gz";
+    let wanted = vectors(file);
     for scalar in [Scalar::F64, Scalar::F32] {
         for (have, want) in evaluated(file, scalar).iter().zip(&wanted) {
             compare_decisions(&want["name"], &have["out"]["lsr"], &want["out"]);
@@ -249,8 +248,8 @@ fn edge_cases_get_the_listed_status_in_both_precisions() {
 
 #[test]
 fn edge_cases_have_the_listed_numbers() {
-    let file = "vectors/edge.jsonl.gz";
-    let Some(wanted) = vectors(file) else { return };
+    let file = "edge.jsonl.gz";
+    let wanted = vectors(file);
     let mut compared = 0;
     for (have, want) in evaluated(file, Scalar::F64).iter().zip(&wanted) {
         // A clock of 2.9e8 m leaves 6e-8 m in the residuals, in the file as well.
@@ -265,8 +264,8 @@ fn edge_cases_have_the_listed_numbers() {
 
 #[test]
 fn a_receiver_clock_of_one_second_does_not_move_the_statistic() {
-    let file = "vectors/edge.jsonl.gz";
-    let Some(wanted) = vectors(file) else { return };
+    let file = "edge.jsonl.gz";
+    let wanted = vectors(file);
     let index = wanted.iter().position(|line| line["name"] == "clock 3e8").expect("the case is in the file");
     let want = number(&wanted[index]["out"]["sse"]);
     for (scalar, relative) in [(Scalar::F64, 1e-6), (Scalar::F32, 1e-3)] {
@@ -277,10 +276,9 @@ fn a_receiver_clock_of_one_second_does_not_move_the_statistic() {
 
 #[test]
 fn compressed_and_plain_input_give_the_same_answers() {
-    let file = "vectors/edge.jsonl.gz";
-    let Some(path) = shared::path_or_skip(file) else { return };
+    let file = "edge.jsonl.gz";
     let mut plain = Vec::new();
-    GzDecoder::new(File::open(path).expect("a readable file")).read_to_end(&mut plain).expect("gzip");
+    GzDecoder::new(File::open(path(file)).expect("a readable file")).read_to_end(&mut plain).expect("gzip");
     let mut have = Vec::new();
     evaluate::run(plain.as_slice(), &mut have, Some(Scalar::F64)).expect("a run without I/O errors");
     let have: Vec<Value> =
@@ -290,8 +288,8 @@ fn compressed_and_plain_input_give_the_same_answers() {
 
 /// Every field of every model: the core's, and those it is compared with.
 fn clocks_agree(scalar: Scalar, tolerance: Tolerance) {
-    let file = "vectors/clock.jsonl.gz";
-    let Some(wanted) = vectors(file) else { return };
+    let file = "clock.jsonl.gz";
+    let wanted = vectors(file);
     let had = evaluated_as(Part::Clock, file, scalar);
     assert_eq!(had.len(), wanted.len());
     for (have, want) in had.iter().zip(&wanted) {
@@ -324,8 +322,8 @@ fn clock_forecasts_agree_in_single_precision() {
 }
 
 fn aided_epochs_agree(scalar: Scalar, tolerance: Tolerance) {
-    let file = "vectors/clock_raim.jsonl.gz";
-    let Some(wanted) = vectors(file) else { return };
+    let file = "clock_raim.jsonl.gz";
+    let wanted = vectors(file);
     let had = evaluated_as(Part::ClockRaim, file, scalar);
     assert_eq!(had.len(), wanted.len());
     for (have, want) in had.iter().zip(&wanted) {
@@ -347,4 +345,42 @@ fn clock_aided_epochs_agree_in_double_precision() {
 #[test]
 fn clock_aided_epochs_agree_in_single_precision() {
     aided_epochs_agree(Scalar::F32, within(1e-3, 1e-3));
+}
+
+/// The levels that bound, computed elsewhere for the same epochs; in single precision hardly tested rows are exempt.
+fn bounding_levels_agree(scalar: Scalar, tolerance: Tolerance) {
+    let (epochs, levels) = (vectors("epochs.jsonl.gz"), vectors("levels.jsonl.gz"));
+    let had = evaluated("epochs.jsonl.gz", scalar);
+    let mut compared = 0;
+    for want in &levels {
+        let at = epochs.iter().position(|epoch| epoch["id"] == want["id"]).expect("an epoch of this id");
+        let hardly_tested = numbers(&epochs[at]["out"]["lsr"]["Sii"])
+            .iter()
+            .any(|&redundancy| 0.0 < redundancy && redundancy < 1e-3);
+        let tame = epochs[at]["out"].get("min_sv").map_or(f64::INFINITY, number) >= F32_SINGULAR_VALUE;
+        if scalar == Scalar::F64 || tame && !hardly_tested {
+            for field in ["hpl", "vpl"] {
+                let (have, want_m) =
+                    (number(&had[at]["out"]["bound"][field]), number(&want["out"]["bound"][field]));
+                assert!(
+                    close(have, want_m, tolerance),
+                    "epoch {} {field} {scalar:?}: have {have:e}, want {want_m:e}",
+                    want["id"]
+                );
+                compared += 1;
+            }
+        }
+    }
+    println!("{scalar:?}: {compared} levels");
+    assert!(compared > 150, "{compared} levels");
+}
+
+#[test]
+fn bounding_levels_agree_in_double_precision() {
+    bounding_levels_agree(Scalar::F64, within(1e-8, 1e-9));
+}
+
+#[test]
+fn bounding_levels_agree_in_single_precision() {
+    bounding_levels_agree(Scalar::F32, within(3e-3, 1e-9));
 }

@@ -24,7 +24,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
 }
 
 fn host() -> anyhow::Result<()> {
-    crate::test::cargo(&["bench", "--package", "tests-host", "--bench", "throughput"])()
+    crate::cargo::step(&["bench", "--package", "tests-host", "--bench", "throughput"])()
 }
 
 fn target(arguments: &Arguments) -> anyhow::Result<()> {

@@ -1,6 +1,5 @@
 //! `cargo xtask demo`.
 
-use std::io::IsTerminal;
 use std::path::Path;
 
 use anyhow::Context;
@@ -16,10 +15,10 @@ const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../target/rai-demo");
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
     /// The satellite that drifts off.
-    #[arg(long, default_value = "C08")]
+    #[arg(long, default_value = "G15")]
     sat: String,
     /// How far it drifts, in metres.
-    #[arg(long, default_value_t = 80.0, allow_negative_numbers = true)]
+    #[arg(long, default_value_t = -200.0, allow_negative_numbers = true)]
     bias: f64,
     /// Write plain lines, also on a terminal.
     #[arg(long)]
@@ -29,7 +28,7 @@ pub(crate) struct Arguments {
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let satellite = fault::satellite(&arguments.sat)
-        .with_context(|| format!("--sat {}: not a satellite; write it like C08", arguments.sat))?;
+        .with_context(|| format!("--sat {}: not a satellite; write it like G15", arguments.sat))?;
     let plan = Plan { satellite, bias_m: arguments.bias, seed: 1 };
     plan.simulation().with_context(|| format!("--sat {}", arguments.sat))?;
     setup::ensure()?;
@@ -39,8 +38,9 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         "streaming two minutes of GPS and BeiDou to the emulated board; {satellite} drifts off to {:+} m from 40 s to 90 s",
         plan.bias_m
     );
-    let is_block = std::io::stdout().is_terminal() && !arguments.headless;
-    let view = if is_block { View::Block } else { View::Lines };
+    let terminal = console::Term::stdout();
+    let is_block = terminal.is_term() && !arguments.headless;
+    let view = if is_block { View::Block(usize::from(terminal.size().1)) } else { View::Lines };
     let mut live = Live::new(plan, view, std::io::stdout().lock());
     let mut shown = Ok(());
     let story = plan.run(&image, |moments| {

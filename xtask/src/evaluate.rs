@@ -9,6 +9,7 @@ use tests_host::evaluate::{self, Part, Scalar};
 
 /// Arguments of the command.
 #[derive(clap::Args)]
+#[allow(clippy::struct_excessive_bools, reason = "one flag for each kind of line, and one at most")]
 #[command(after_long_help = evaluate::HELP)]
 pub(crate) struct Arguments {
     /// JSON lines, plain or gzip; standard input without it.
@@ -25,10 +26,16 @@ pub(crate) struct Arguments {
     /// The lines are epochs aided by a forecast receiver clock.
     #[arg(long, conflicts_with = "clock")]
     clock_raim: bool,
+    /// The lines are epochs with what integrity knows of each satellite.
+    #[arg(long, conflicts_with_all = ["thresholds", "clock", "clock_raim"])]
+    araim: bool,
 }
 
 impl Arguments {
     fn part(&self) -> Part {
+        if self.araim {
+            return Part::Araim;
+        }
         match (self.thresholds, self.clock, self.clock_raim) {
             (true, _, _) => Part::Thresholds,
             (_, true, _) => Part::Clock,

@@ -2,16 +2,20 @@
 //!
 //! Thin: each command parses its arguments, calls `tests-host` or a tool, and prints.
 
+mod attack;
 mod bench;
+mod cargo;
 mod coverage;
 mod demo;
 mod evaluate;
 mod flash;
 mod fuzz;
+mod header;
 mod miri;
 mod monitor;
 mod mutants;
 mod nightly;
+mod packages;
 mod replay;
 mod reproduce;
 mod setup;
@@ -54,12 +58,16 @@ enum Command {
     Reproduce(reproduce::Arguments),
     /// Judges linearised epochs: JSON lines in, JSON lines out.
     Evaluate(evaluate::Arguments),
+    /// Everything that tries to make the pin lie, with its outcome.
+    Attack(attack::Arguments),
     /// Hours on the emulated board with everything that can go wrong.
     Soak(soak::Arguments),
     /// What the module costs on the chip: instructions by stage, flash, RAM, stack.
     Bench(bench::Arguments),
     /// Regenerates the threshold tables.
     Tables(tables::Arguments),
+    /// Makes the header of the C interface.
+    Header(header::Arguments),
     /// Writes the image to a chip, or checks that it would fit.
     Flash(flash::Arguments),
     /// Watches a module on a serial port.
@@ -71,7 +79,21 @@ fn main() -> ExitCode {
         Ok(arguments) => arguments,
         Err(error) => return refuse(&error),
     };
-    let result = match arguments.command {
+    quiet_where_nobody_reads();
+    match std::panic::catch_unwind(|| dispatch(arguments.command)) {
+        Ok(Ok(())) => ExitCode::SUCCESS,
+        Ok(Err(error)) if is_closed_pipe(&error) => ExitCode::SUCCESS,
+        Ok(Err(error)) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+        Err(panic) if says_closed_pipe(panic.as_ref()) => ExitCode::SUCCESS,
+        Err(panic) => std::panic::resume_unwind(panic),
+    }
+}
+
+fn dispatch(command: Command) -> anyhow::Result<()> {
+    match command {
         Command::Demo(arguments) => demo::run(&arguments),
         Command::Test(arguments) => test::run(&arguments),
         Command::Setup(arguments) => setup::run(&arguments),
@@ -82,19 +104,36 @@ fn main() -> ExitCode {
         Command::Mutants(arguments) => mutants::run(&arguments),
         Command::Reproduce(arguments) => reproduce::run(&arguments),
         Command::Evaluate(arguments) => evaluate::run(arguments),
+        Command::Attack(arguments) => attack::run(&arguments),
         Command::Soak(arguments) => soak::run(&arguments),
         Command::Bench(arguments) => bench::run(&arguments),
         Command::Tables(arguments) => tables::run(&arguments),
+        Command::Header(arguments) => header::run(&arguments),
         Command::Flash(arguments) => flash::run(&arguments),
         Command::Monitor(arguments) => monitor::run(&arguments),
-    };
-    match result {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error:#}");
-            ExitCode::FAILURE
-        }
     }
+}
+
+/// Who closes our output, as `head` does, has read enough: no word about it.
+fn quiet_where_nobody_reads() {
+    let usual = std::panic::take_hook();
+    std::panic::set_hook(Box::new(move |panic| {
+        if !says_closed_pipe(panic.payload()) {
+            usual(panic);
+        }
+    }));
+}
+
+/// `println!` knows no other way to say that its reader is gone than to panic.
+fn says_closed_pipe(panic: &(dyn std::any::Any + Send)) -> bool {
+    panic
+        .downcast_ref::<String>()
+        .is_some_and(|words| words.starts_with("failed printing to stdout") && words.contains("Broken pipe"))
+}
+
+fn is_closed_pipe(error: &anyhow::Error) -> bool {
+    let is_pipe = |error: &std::io::Error| error.kind() == std::io::ErrorKind::BrokenPipe;
+    error.chain().any(|cause| cause.downcast_ref().is_some_and(is_pipe))
 }
 
 /// Shows the help where it was asked for; else says in one line what is wrong with the arguments.

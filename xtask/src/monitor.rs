@@ -1,81 +1,168 @@
-//! `cargo xtask monitor`: a module on a serial port, as it speaks.
+//! `cargo xtask monitor`: a module, watched while it works.
 
 use std::fs::File;
-use std::io::{BufRead, BufReader};
-use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::io::Write as _;
+use std::path::PathBuf;
+use std::sync::mpsc::RecvTimeoutError;
+use std::time::Duration;
 
-use anyhow::{Context as _, ensure};
-use tests_host::sentence::{self, Sentence, State};
+use anyhow::Context as _;
+use ratatui::crossterm::event::{self, Event, KeyCode, KeyEventKind};
+use tests_host::dashboard::source::{self, Choice, News, Source};
+use tests_host::dashboard::{Dashboard, draw, plain};
+use tests_host::demo::Plan;
+use tests_host::fault::satellite;
+use tests_host::sentence::command;
 
 /// Arguments of the command.
 #[derive(clap::Args)]
+#[command(group = clap::ArgGroup::new("source").required(true))]
 pub(crate) struct Arguments {
     /// The serial port that the module's host port is on, such as /dev/ttyUSB0.
+    #[arg(long, group = "source")]
+    port: Option<PathBuf>,
+    /// A server that passes on the module's host port, HOST:PORT.
+    #[arg(long, group = "source")]
+    tcp: Option<String>,
+    /// What --record wrote, or a capture of a receiver, which the module in process then judges.
+    #[arg(long, group = "source")]
+    file: Option<PathBuf>,
+    /// A simulated sky on the emulated board, one satellite of which drifts off.
+    #[arg(long, group = "source")]
+    demo: bool,
+    /// Writes everything that the module says to a file, for --file.
     #[arg(long)]
-    port: PathBuf,
-    /// Print every sentence as it comes, not only states and exclusions.
+    record: Option<PathBuf>,
+    /// Prints lines instead of a picture: verdicts and exclusions.
     #[arg(long)]
+    plain: bool,
+    /// With --plain, every sentence as it comes.
+    #[arg(long, requires = "plain")]
     raw: bool,
 }
 
+/// How long the picture may be behind.
+const FRAME: Duration = Duration::from_millis(100);
+
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    let port = open(&arguments.port)?;
-    for line in BufReader::new(port).split(b'\n') {
-        let line = line.with_context(|| format!("{} can no longer be read", arguments.port.display()))?;
-        let line = String::from_utf8_lossy(&line);
-        if arguments.raw {
-            println!("{}", line.trim_end());
-        } else if let Some(words) = words(line.trim_end()) {
-            println!("{words}");
+    let mut source = source::open(&arguments.choice()?)?;
+    let mut record = arguments
+        .record
+        .as_ref()
+        .map(|path| File::create(path).with_context(|| format!("{} cannot be written", path.display())))
+        .transpose()?;
+    if arguments.plain {
+        print(&source, record.as_mut(), arguments.raw)
+    } else {
+        watch(&mut source, record.as_mut())
+    }
+}
+
+impl Arguments {
+    fn choice(&self) -> anyhow::Result<Choice> {
+        Ok(match (&self.port, &self.tcp, &self.file) {
+            (Some(path), ..) => Choice::Port(path.clone()),
+            (_, Some(address), _) => Choice::Tcp(address.clone()),
+            (.., Some(path)) => Choice::File(path.clone()),
+            _ => {
+                let satellite = satellite("C08").context("a satellite")?;
+                Choice::Demo(Plan { satellite, bias_m: 80.0, seed: 1 })
+            }
+        })
+    }
+}
+
+fn note(line: &str, record: &mut Option<&mut File>) -> anyhow::Result<()> {
+    record
+        .as_mut()
+        .map_or(Ok(()), |file| file.write_all(line.as_bytes()))
+        .context("the recording cannot go on")
+}
+
+/// Line by line, until there is nothing more.
+fn print(source: &Source, mut record: Option<&mut File>, is_raw: bool) -> anyhow::Result<()> {
+    for news in &source.news {
+        match news {
+            News::Line(line) => {
+                note(&line, &mut record)?;
+                if is_raw {
+                    println!("{}", line.trim_end());
+                } else if let Some(words) = plain::words(line.trim_end()) {
+                    println!("{words}");
+                }
+            }
+            News::End(_) => break,
+            News::PinLevel(_) | News::Heaven(_) => {}
         }
     }
     Ok(())
 }
 
-/// A terminal is set to the module's rate and left alone otherwise; a pipe or a file is read as it is.
-fn open(path: &Path) -> anyhow::Result<File> {
-    use std::os::unix::fs::FileTypeExt as _;
-    let port = File::open(path).with_context(|| format!("{} cannot be opened", path.display()))?;
-    if port.metadata()?.file_type().is_char_device() {
-        let status = Command::new("stty")
-            .args(["115200", "raw", "-echo", "-crtscts"])
-            .stdin(port.try_clone()?)
-            .status()
-            .context("stty cannot be run")?;
-        ensure!(status.success(), "{} is no serial port", path.display());
-    }
-    Ok(port)
-}
-
-fn words(line: &str) -> Option<String> {
-    match sentence::parse(line) {
-        Ok(Sentence::State(state)) => Some(state_words(&state)),
-        Ok(Sentence::Excluded(_)) => Some(format!("           excluded: {line}")),
-        Ok(_) => line.starts_with("$PRAI").then(|| line.to_owned()),
-        // The first line after the port was opened is cut; noise is for `--raw` to show.
-        Err(_) => None,
-    }
-}
-
-fn state_words(state: &State) -> String {
-    let verdict = match state.state {
-        'P' => "protected",
-        'A' => "ALERT",
-        _ => "unavailable",
+/// As a picture, until somebody has seen enough.
+fn watch(source: &mut Source, mut record: Option<&mut File>) -> anyhow::Result<()> {
+    let mut dashboard = Dashboard::of(&source.name);
+    let mut terminal = ratatui::try_init().context("this is no terminal: try --plain")?;
+    let seen = loop {
+        if let Err(error) = hear(source, &mut dashboard, &mut record) {
+            break Err(error);
+        }
+        if let Err(error) = terminal.draw(|frame| draw::draw(frame, &dashboard)) {
+            break Err(error.into());
+        }
+        match key() {
+            Ok(Some('q')) => break Ok(()),
+            Ok(Some(' ')) => dashboard.is_paused = !dashboard.is_paused,
+            Ok(Some('c')) => ask(source),
+            Ok(_) => {}
+            Err(error) => break Err(error),
+        }
     };
-    let number =
-        |value: Option<f64>, unit: &str| value.map_or("–".to_owned(), |value| format!("{value:.1}{unit}"));
-    format!(
-        "{:>9} {verdict:<11} {:<10} {:>2}/{:<2} statistic {} of {}  HPL {}  VPL {}",
-        state.time_s.map_or("–".to_owned(), |time| format!("{time:.1}")),
-        state.reason,
-        state.used,
-        state.tracked,
-        number(state.statistic, ""),
-        number(state.threshold, ""),
-        number(state.hpl_m, " m"),
-        number(state.vpl_m, " m"),
-    )
+    ratatui::restore();
+    seen
+}
+
+/// Takes what has come, for at most as long as the picture may be behind; while it is paused, what comes waits.
+fn hear(source: &Source, dashboard: &mut Dashboard, record: &mut Option<&mut File>) -> anyhow::Result<()> {
+    let mut patience = FRAME;
+    while !dashboard.is_paused {
+        match source.news.recv_timeout(patience) {
+            Ok(News::Line(line)) => {
+                note(&line, record)?;
+                dashboard.hear(&line);
+                if line.starts_with("$PRAIN") {
+                    break;
+                }
+            }
+            Ok(News::PinLevel(is_high)) => dashboard.see_pin(is_high),
+            Ok(News::Heaven(bodies)) => dashboard.heaven = bodies,
+            Ok(News::End(why)) => dashboard.ended = Some(why),
+            Err(RecvTimeoutError::Timeout | RecvTimeoutError::Disconnected) => break,
+        }
+        patience = Duration::from_millis(1);
+    }
+    Ok(())
+}
+
+/// The letter that was pressed, if any.
+fn key() -> anyhow::Result<Option<char>> {
+    if !event::poll(Duration::from_millis(20))? {
+        return Ok(None);
+    }
+    Ok(match event::read()? {
+        Event::Key(key) if key.kind == KeyEventKind::Press => match key.code {
+            KeyCode::Esc => Some('q'),
+            KeyCode::Char(letter) => Some(letter),
+            _ => None,
+        },
+        _ => None,
+    })
+}
+
+/// Asks the module for its counters; one that hears nothing is not asked.
+fn ask(source: &mut Source) {
+    if let Some(commands) = &mut source.commands {
+        // A port that takes no commands goes on being watched.
+        let _ = commands.write_all(command("STATS").as_bytes());
+    }
 }

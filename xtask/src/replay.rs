@@ -10,7 +10,8 @@ use indicatif::{ProgressBar, ProgressStyle};
 use tests_host::encode::{Frequency, Selection};
 use tests_host::fault::Fault;
 use tests_host::recording::Recording;
-use tests_host::replay::{self, BoardRun, Lump, Summary, Track, Truth, Window};
+
+use tests_host::replay::{self, BoardRun, HostRun, Lump, Pace, Summary, Track, Truth, Window};
 use tests_host::{image, sample, setup};
 
 /// Where the module runs.
@@ -31,6 +32,14 @@ pub(crate) enum Frequencies {
     Single,
 }
 
+/// Phases of flight that the module knows.
+const PHASES: [&str; 5] = ["ENROUTE", "TERMINAL", "NPA", "LPV200", "CUSTOM"];
+/// Policies that the module knows.
+const POLICIES: [&str; 3] = ["T1", "T2", "TOP"];
+/// Methods that the module knows; one that is not built in it refuses by name.
+const METHODS: [&str; 8] =
+    ["AUTO", "BAARDA", "SIMULTANEOUS", "SEQUENTIAL", "HYBRID", "GROUPING", "RANSAC", "SEPARATION"];
+
 /// Arguments of the command.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
@@ -43,10 +52,10 @@ pub(crate) struct Arguments {
     /// Fetch a small real recording (60 s, Kamakura, Japan) and use it.
     #[arg(long, conflicts_with_all = ["obs", "nav"])]
     sample: bool,
-    /// Where the antenna was: X,Y,Z in metres, earth-fixed.
+    /// Where the antenna was: X,Y,Z in metres, earth-fixed, or latitude,longitude,height in degrees and metres.
     #[arg(long, value_name = "X,Y,Z", conflicts_with = "truth_csv", allow_hyphen_values = true)]
     truth: Option<String>,
-    /// Where the antenna was when: rows of `week,tow,x_m,y_m,z_m` under a heading.
+    /// Where the antenna was when: a table whose heading names week,tow and `x_m,y_m,z_m` or `lat_deg,lon_deg,height_m`.
     #[arg(long, value_name = "FILE")]
     truth_csv: Option<PathBuf>,
     /// Systems to use: G (GPS), C (`BeiDou`), E (Galileo).
@@ -65,23 +74,26 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "FAULT")]
     ramp: Vec<String>,
     /// Seconds after the first epoch at which to start.
-    #[arg(long, default_value_t = 0.0, value_name = "S")]
+    #[arg(long, default_value_t = 0.0, value_name = "S", value_parser = not_negative, allow_negative_numbers = true)]
     from: f64,
     /// Seconds after the first epoch at which to end.
-    #[arg(long, default_value_t = f64::INFINITY, value_name = "S")]
+    #[arg(long, default_value_t = f64::INFINITY, hide_default_value = true, value_name = "S", value_parser = not_negative, allow_negative_numbers = true)]
     to: f64,
     /// Least time between epochs, s.
-    #[arg(long, default_value_t = 0.0, value_name = "S")]
+    #[arg(long, default_value_t = 0.0, value_name = "S", value_parser = not_negative, allow_negative_numbers = true)]
     every: f64,
-    /// Phase of flight: ENROUTE, TERMINAL, NPA, LPV200.
-    #[arg(long, default_value = "NPA")]
+    /// Phase of flight: sets the alert limits. CUSTOM needs --set HAL=METRES.
+    #[arg(long, default_value = "NPA", ignore_case = true, value_parser = PHASES)]
     phase: String,
-    /// Threshold policy.
-    #[arg(long, default_value = "T1")]
+    /// Threshold of the test: from the false alarms, from the missed detections, or least cost of both.
+    #[arg(long, default_value = "T1", ignore_case = true, value_parser = POLICIES)]
     policy: String,
-    /// Identification method.
-    #[arg(long, default_value = "BAARDA")]
+    /// How a faulty satellite is found.
+    #[arg(long, default_value = "BAARDA", ignore_case = true, value_parser = METHODS)]
     method: String,
+    /// Any other setting of the module, such as HAL=40 or MASK=5; repeatable, in this order.
+    #[arg(long, value_name = "KEY=VALUE")]
+    set: Vec<String>,
     /// Print the summary as JSON.
     #[arg(long)]
     json: bool,
@@ -108,24 +120,31 @@ struct Source {
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
-    let source = source(arguments)?;
     let window = Window { from_s: arguments.from, to_s: arguments.to, every_s: arguments.every };
     let frequency = match arguments.frequency {
         Frequencies::Dual => Frequency::Dual,
         Frequencies::Single => Frequency::Single,
     };
-    let selection = Selection::new(&arguments.systems, frequency)?;
+    let selection = Selection::new(&arguments.systems, frequency).context("--systems")?;
+    let source = source(arguments, &selection)?;
     let lumps = replay::encode(&source.recording, &selection, &source.faults, &window)?;
-    let commands = commands(arguments, &source.recording);
+    let commands = commands(arguments, &source.recording)?;
 
-    let host = replay::on_host(&lumps, &commands, progress(&lumps, "on the host"))?;
-    let board = match arguments.on {
+    let host = replay::on_host(&lumps, &commands, Pace::Recorded, progress(&lumps, "on the host"))?;
+    let on_board = match arguments.on {
         Place::Host => None,
-        Place::Board => Some(run_on_board(&lumps, &host, &commands)?),
+        Place::Board => Some(run_on_board(&lumps, &commands)?),
     };
-    let identical = board.as_ref().map(|board| board.sentences == host.concat());
+    let identical = on_board.as_ref().map(|(host, board)| board.sentences == host.sentences());
+    let board = on_board.map(|(_, board)| board);
     let track = replay::track(&lumps, &host, source.truth.as_ref())?;
-    let summary = Summary { host_target_identical: identical, ..Summary::of(&track, &source.faults) };
+    let counters = host.counters.iter().filter(|(_, count)| *count > 0).cloned().collect();
+    let summary = Summary {
+        host_target_identical: identical,
+        malformed: source.recording.malformed,
+        counters,
+        ..Summary::of(&track, &source.faults, source.truth.is_some())
+    };
     write_files(arguments, &lumps, &host, &track)?;
     if let Some(folder) = &arguments.report {
         let path = replay::write_report(folder, &track, &source.faults, &summary)?;
@@ -136,10 +155,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-fn source(arguments: &Arguments) -> Result<Source> {
+fn source(arguments: &Arguments, selection: &Selection) -> Result<Source> {
     let mut truth = match (&arguments.truth, &arguments.truth_csv) {
-        (Some(text), _) => Some(Truth::parse(text)?),
-        (None, Some(path)) => Some(Truth::from_csv(path)?),
+        (Some(text), _) => Some(Truth::parse(text).context("--truth")?),
+        (None, Some(path)) => Some(Truth::from_csv(path).context("--truth-csv")?),
         (None, None) => None,
     };
     let steps = arguments.inject.iter().map(|text| Fault::parse_inject(text));
@@ -148,15 +167,21 @@ fn source(arguments: &Arguments) -> Result<Source> {
     let recording = if arguments.sample {
         let sample = sample::fetch(Path::new("target"))?;
         truth = truth.or(Some(Truth::Fixed(sample.truth)));
-        Recording::load(&[sample.observations], &[sample.navigation])?
+        Recording::load_of(&[sample.observations], &[sample.navigation], &selection.systems)?
     } else {
-        Recording::load(&arguments.obs, &arguments.nav)?
+        Recording::load_of(&arguments.obs, &arguments.nav, &selection.systems)?
     };
     Ok(Source { recording, truth, faults })
 }
 
+/// A number of seconds that time can have.
+fn not_negative(text: &str) -> Result<f64, String> {
+    let seconds: f64 = text.parse().map_err(|_| "is no number of seconds".to_owned())?;
+    if seconds >= 0.0 { Ok(seconds) } else { Err("seconds are not negative".to_owned()) }
+}
+
 /// Commands that configure the module as asked.
-fn commands(arguments: &Arguments, recording: &Recording) -> Vec<String> {
+fn commands(arguments: &Arguments, recording: &Recording) -> Result<Vec<String>> {
     let mut setup = vec![
         format!("PHASE,{}", arguments.phase),
         format!("POLICY,{}", arguments.policy),
@@ -166,13 +191,26 @@ fn commands(arguments: &Arguments, recording: &Recording) -> Vec<String> {
         let numbers: Vec<String> = coefficients.iter().map(|value| format!("{value:e}")).collect();
         setup.push(format!("IONO,{}", numbers.join(",")));
     }
-    setup
+    for setting in &arguments.set {
+        let (key, value) =
+            setting.split_once('=').with_context(|| format!("--set {setting}: write it like HAL=40"))?;
+        setup.push(format!("{},{value}", key.to_uppercase()));
+    }
+    let has_limit = setup.iter().any(|command| command.starts_with("HAL,"));
+    ensure!(
+        arguments.phase != "CUSTOM" || has_limit,
+        "--phase CUSTOM has no limits of its own: give --set HAL=METRES"
+    );
+    Ok(setup)
 }
 
-fn run_on_board(lumps: &[Lump], host: &[String], commands: &[String]) -> Result<BoardRun> {
+/// The board's run, and the host's in lock step with it, which the board is held against.
+fn run_on_board(lumps: &[Lump], commands: &[String]) -> Result<(HostRun, BoardRun)> {
     setup::ensure()?;
     let image = image::build()?;
-    replay::on_board(&image, lumps, host, commands, progress(lumps, "on the board"))
+    let host = replay::on_host(lumps, commands, Pace::LockStep, |_| ())?;
+    let board = replay::on_board(&image, lumps, &host, commands, progress(lumps, "on the board"))?;
+    Ok((host, board))
 }
 
 /// A bar that shows on a terminal only.
@@ -190,14 +228,15 @@ fn progress(lumps: &[Lump], place: &'static str) -> impl FnMut(usize) {
     }
 }
 
-fn write_files(arguments: &Arguments, lumps: &[Lump], host: &[String], track: &Track) -> Result<()> {
+fn write_files(arguments: &Arguments, lumps: &[Lump], host: &HostRun, track: &Track) -> Result<()> {
     if let Some(path) = &arguments.csv {
         let file = File::create(path).with_context(|| format!("cannot write {}", path.display()))?;
-        replay::write_csv(track, &mut BufWriter::new(file))?;
+        let written = replay::write_csv(track, &mut BufWriter::new(file));
+        written.with_context(|| format!("cannot write {}", path.display()))?;
     }
     let rtcm = || lumps.iter().flat_map(|lump| lump.bytes.iter().copied()).collect::<Vec<u8>>();
     for (path, bytes) in [
-        (&arguments.nmea, &(|| host.concat().into_bytes()) as &dyn Fn() -> Vec<u8>),
+        (&arguments.nmea, &(|| host.sentences().into_bytes()) as &dyn Fn() -> Vec<u8>),
         (&arguments.rtcm, &rtcm),
     ] {
         if let Some(path) = path {
@@ -211,7 +250,11 @@ fn print(arguments: &Arguments, summary: &Summary, board: Option<&BoardRun>) -> 
     if arguments.json {
         println!("{}", serde_json::to_string_pretty(summary)?);
     } else {
-        print_words(summary);
+        print!("{summary}");
+        if let Some(identical) = summary.host_target_identical {
+            let answer = if identical { "yes" } else { "NO" };
+            println!("board and host say the same, byte for byte: {answer}");
+        }
     }
     if let Some(board) = board.filter(|_| !arguments.json) {
         print_board(board);
@@ -220,40 +263,6 @@ fn print(arguments: &Arguments, summary: &Summary, board: Option<&BoardRun>) -> 
         bail!("no epoch gave a position: are --systems and the navigation file those of the recording?");
     }
     Ok(())
-}
-
-fn print_words(summary: &Summary) {
-    let metres = |value: Option<f64>| value.map_or("–".to_owned(), |value| format!("{value:.2} m"));
-    println!(
-        "epochs {}, fixes {}: protected {}, alerts {}, unavailable {}",
-        summary.epochs, summary.fixes, summary.protected, summary.alerts, summary.unavailable
-    );
-    let reasons: Vec<String> =
-        summary.by_reason.iter().map(|(reason, count)| format!("{reason} {count}")).collect();
-    println!("reasons            {}", reasons.join(", "));
-    println!(
-        "error              horizontal {} rms, {} at 95 %; vertical {} rms, {} at 95 %",
-        metres(summary.horizontal_rms_m),
-        metres(summary.horizontal_p95_m),
-        metres(summary.vertical_rms_m),
-        metres(summary.vertical_p95_m)
-    );
-    println!(
-        "protection levels  HPL {}, VPL {} (medians)",
-        metres(summary.hpl_median_m),
-        metres(summary.vpl_median_m)
-    );
-    println!("misleading {}, hazardous {}", summary.misleading, summary.hazardous);
-    for fault in &summary.injected {
-        let noticed = fault.first_alert_or_exclusion_s.map_or("never".to_owned(), |s| format!("after {s} s"));
-        println!(
-            "injected {} {:+.1} m from {} s: noticed {noticed}, excluded in {} epochs, wrong exclusions {}",
-            fault.sat, fault.bias_m, fault.start, fault.excluded_epochs, fault.wrong_exclusions
-        );
-    }
-    if let Some(identical) = summary.host_target_identical {
-        println!("board and host say the same, byte for byte: {}", if identical { "yes" } else { "NO" });
-    }
 }
 
 fn print_board(board: &BoardRun) {

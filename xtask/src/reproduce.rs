@@ -1,12 +1,11 @@
 //! `cargo xtask reproduce`: the papers' tables and figures beside ours.
 
 use std::path::PathBuf;
-use std::process::Command;
 use std::time::Instant;
 
 use anyhow::{Context as _, ensure};
+use experiments::{EXPERIMENTS, Effort, Experiment, Outcome, page};
 use indicatif::{ProgressBar, ProgressStyle};
-use tests_host::experiment::{EXPERIMENTS, Effort, Experiment, Outcome, page};
 use tests_host::report::page::write_file;
 
 /// Arguments of the command.
@@ -57,10 +56,11 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
 
 /// Millions of epochs are worth a build that runs them ten times as fast; the numbers are the same.
 fn again_optimised() -> anyhow::Result<()> {
-    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    let status = Command::new(cargo)
-        .args(["run", "--quiet", "--release", "--package", "xtask", "--"])
+    eprintln!("building with optimisation, which takes some minutes the first time");
+    // From where the caller stands: paths on the command line are relative to it.
+    let status = crate::cargo::command(&["run", "--release", "--package", "xtask", "--"])
         .args(std::env::args_os().skip(1))
+        .current_dir(std::env::current_dir()?)
         .status()
         .context("cargo cannot be run")?;
     ensure!(status.success(), "not everything holds");

@@ -1,7 +1,7 @@
 //! `cargo xtask tables`: regenerates the threshold tables, or checks the committed ones.
 
 use anyhow::{Context as _, ensure};
-use tests_host::{shared, tables};
+use tests_host::{tables, vectors};
 
 /// Arguments of the command.
 #[derive(clap::Args)]
@@ -26,11 +26,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
 }
 
 fn compare_with_gold() -> anyhow::Result<()> {
-    let Some(gold) = shared::path("gold") else {
-        println!("gold values: skipped, needs the shared reference folder (set RAI_SHARED to where it is)");
-        return Ok(());
-    };
-    let comparison = tables::compare_with_gold(&gold, &tables::computed())?;
+    let comparison = tables::compare_with_gold(&vectors::path("gold"), &tables::computed())?;
     let worst = comparison.worst_relative;
     println!("gold values: {} compared, worst relative error {worst:.1e}", comparison.values);
     ensure!(worst <= tables::TOLERANCE, "worst relative error {worst:.1e} exceeds {:.0e}", tables::TOLERANCE);

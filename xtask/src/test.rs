@@ -4,12 +4,15 @@
 //! them, which build in folders of their own: linking an image as a whole keeps one core busy, and leaves the other to the
 //! host.
 
-use std::path::Path;
-use std::process::Command;
+use std::collections::BTreeMap;
+use std::io::ErrorKind;
 use std::time::Instant;
 
 use anyhow::{Context as _, ensure};
 use tests_host::image::{self, Chip, Image};
+use tests_host::{setup, skip};
+
+use crate::cargo::{command, spawn, step as cargo};
 
 /// Arguments of the command.
 #[derive(clap::Args)]
@@ -17,6 +20,9 @@ pub(crate) struct Arguments {
     /// Take what the snapshot tests have now as what they want.
     #[arg(long)]
     bless: bool,
+    /// Fail where a test is skipped for lack of a recording or a program.
+    #[arg(long)]
+    all: bool,
 }
 
 type Step = (&'static str, Box<dyn Fn() -> anyhow::Result<()> + Send>);
@@ -26,8 +32,8 @@ type Outcome = (&'static str, Option<anyhow::Error>, f64);
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    tests_host::setup::ensure()?;
-    let (on_host, on_target) = (on_host(arguments.bless), on_target());
+    setup::ensure()?;
+    let (on_host, on_target) = (on_host(arguments.bless, arguments.all), on_target());
     let outcomes: Vec<Outcome> = std::thread::scope(|scope| {
         let target = scope.spawn(|| walk(on_target));
         let host = walk(on_host);
@@ -72,13 +78,15 @@ const FIRMWARE: [&str; 7] = [
     "warnings",
 ];
 
-fn on_host(bless: bool) -> Vec<Step> {
+fn on_host(bless: bool, all: bool) -> Vec<Step> {
     vec![
         ("format", cargo(&["fmt", "--all", "--check"])),
         ("lints, host", cargo(&["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"])),
-        ("tests", Box::new(move || tests(bless))),
+        ("tests", Box::new(move || tests(bless, all))),
         ("documentation's examples", cargo(&["test", "--workspace", "--doc"])),
         ("documentation", Box::new(documentation)),
+        ("packages", Box::new(crate::packages::verify)),
+        ("licences and advisories of what others wrote", Box::new(dependencies)),
     ]
 }
 
@@ -86,8 +94,12 @@ fn on_host(bless: bool) -> Vec<Step> {
 fn on_target() -> Vec<Step> {
     let mut clippy_target = vec!["clippy"];
     clippy_target.extend(FIRMWARE);
+    let mut libraries =
+        vec!["check", "--profile=firmware", "--package=rai-core", "--package=rai-firmware", "--lib"];
+    libraries.extend(setup::TARGETS.iter().flat_map(|target| ["--target", target]));
     vec![
         ("lints, target", cargo(&clippy_target)),
+        ("libraries on other processors", cargo(&libraries)),
         ("image", Box::new(|| image::build().map(drop))),
         ("memory of the image", Box::new(sizes)),
         ("no panic", Box::new(tests_host::no_panic::prove)),
@@ -97,64 +109,60 @@ fn on_target() -> Vec<Step> {
     ]
 }
 
-pub(crate) fn cargo(arguments: &[&str]) -> Box<dyn Fn() -> anyhow::Result<()> + Send> {
-    let arguments: Vec<String> = arguments.iter().map(ToString::to_string).collect();
-    Box::new(move || spawn(&mut command(&arguments)))
-}
-
-fn command(arguments: &[impl AsRef<std::ffi::OsStr>]) -> Command {
-    let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
-    command.current_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("..")).args(arguments);
-    command
-}
-
-fn spawn(command: &mut Command) -> anyhow::Result<()> {
-    let words: Vec<_> = command.get_args().map(|argument| argument.to_string_lossy().into_owned()).collect();
-    eprintln!("$ cargo {}", words.join(" "));
-    let status = command.status().context("cargo cannot be run")?;
-    ensure!(status.success(), "`cargo {}` failed", words.join(" "));
-    Ok(())
-}
-
-/// The faster runner where it is installed; it runs the same tests.
-fn tests(bless: bool) -> anyhow::Result<()> {
+/// The faster runner where it is installed; it runs the same tests. Those that cannot run here are counted.
+fn tests(bless: bool, all: bool) -> anyhow::Result<()> {
     let nextest = command(&["nextest", "--version"]).output().is_ok_and(|output| output.status.success());
     let arguments: &[&str] = if nextest {
         &["nextest", "run", "--workspace", "--no-fail-fast"]
     } else {
         &["test", "--workspace", "--all-targets", "--no-fail-fast"]
     };
-    spawn(command(arguments).env("INSTA_UPDATE", if bless { "always" } else { "no" }))
-}
-
-/// Every warning counts, but for the tags of the literature: `[Lin2016]` looks like a link and is none.
-fn documentation() -> anyhow::Result<()> {
-    let mut doc = command(&["doc", "--workspace", "--no-deps"]);
-    eprintln!("$ cargo doc --workspace --no-deps");
-    let output = doc
-        .env("RUSTDOCFLAGS", "-A rustdoc::private_intra_doc_links")
-        .output()
-        .context("cargo cannot be run")?;
-    let said = String::from_utf8_lossy(&output.stderr);
-    ensure!(output.status.success(), "`cargo doc` failed:\n{said}");
-    let flaws = documentation_flaws(&said);
-    ensure!(flaws.is_empty(), "{}", flaws.join("\n"));
+    let skips = crate::cargo::root().join("target/skipped-tests");
+    match std::fs::remove_file(&skips) {
+        Err(error) if error.kind() != ErrorKind::NotFound => {
+            return Err(error).with_context(|| skips.display().to_string());
+        }
+        _ => {}
+    }
+    let update = if bless { "always" } else { "no" };
+    let outcome = spawn(command(arguments).env("INSTA_UPDATE", update).env(skip::VARIABLE, &skips));
+    let lines = std::fs::read_to_string(&skips).unwrap_or_default();
+    let skipped = skipped(&lines);
+    for (test, needs) in &skipped {
+        eprintln!("skipped {test}: needs {}", needs.join("; "));
+    }
+    println!("{} tests skipped", skipped.len());
+    outcome?;
+    ensure!(!all || skipped.is_empty(), "{} tests were skipped", skipped.len());
     Ok(())
 }
 
-fn documentation_flaws(said: &str) -> Vec<&str> {
-    let is_tag = |link: &str| {
-        let alphanumeric = link.chars().all(|c| c.is_ascii_alphanumeric());
-        let (digits, lower) =
-            (link.contains(|c: char| c.is_ascii_digit()), link.contains(|c: char| c.is_ascii_lowercase()));
-        alphanumeric && link.starts_with(|c: char| c.is_ascii_uppercase()) && (digits || !lower)
-    };
-    let is_flaw = |line: &&str| match line.strip_prefix("warning: unresolved link to `") {
-        Some(link) => !is_tag(link.trim_end_matches('`')),
-        // Cargo counts the warnings of a crate in a warning of its own.
-        None => line.starts_with("warning: ") && !line.contains(" generated "),
-    };
-    said.lines().filter(is_flaw).collect()
+/// Each skipped test with all that it needs.
+fn skipped(lines: &str) -> BTreeMap<&str, Vec<&str>> {
+    let mut tests = BTreeMap::<&str, Vec<&str>>::new();
+    for (test, needs) in lines.lines().filter_map(|line| line.split_once('\t')) {
+        let all = tests.entry(test).or_default();
+        if !all.contains(&needs) {
+            all.push(needs);
+        }
+    }
+    tests
+}
+
+/// What `deny.toml` allows, where the program that checks it is installed.
+fn dependencies() -> anyhow::Result<()> {
+    let found = command(&["deny", "--version"]).output().is_ok_and(|output| output.status.success());
+    if !found {
+        println!("skipped: needs cargo-deny (cargo install cargo-deny)");
+        return Ok(());
+    }
+    spawn(&mut command(&["deny", "check", "bans", "licenses", "sources"]))
+}
+
+/// Every warning counts; links to what is private are for those who read the source.
+fn documentation() -> anyhow::Result<()> {
+    let flags = "-D warnings -A rustdoc::private_intra_doc_links";
+    spawn(command(&["doc", "--quiet", "--workspace", "--no-deps"]).env("RUSTDOCFLAGS", flags))
 }
 
 fn sizes() -> anyhow::Result<()> {
@@ -175,14 +183,12 @@ fn tables() -> anyhow::Result<()> {
 
 #[cfg(test)]
 mod tests {
-    use super::documentation_flaws;
+    use super::skipped;
 
     #[test]
-    fn tag_of_the_literature_is_no_broken_link_and_a_renamed_item_is() {
-        let said = "warning: unresolved link to `Lin2016`\n  --> src/lib.rs:1\nwarning: unresolved link to `MOPS`\n\
-                    warning: unresolved link to `Ephemeris::new`\nwarning: unresolved link to `Snapshot`\n\
-                    warning: `rai-core` (lib doc) generated 4 warnings\n";
-        let want = ["warning: unresolved link to `Ephemeris::new`", "warning: unresolved link to `Snapshot`"];
-        assert_eq!(documentation_flaws(said), want);
+    fn a_test_that_lacks_two_things_is_skipped_once() {
+        let have = skipped("sky::a\tx\nsky::a\ty\nsky::a\tx\nboard::b\tx\n");
+        assert_eq!(have.len(), 2);
+        assert_eq!(have["sky::a"], ["x", "y"]);
     }
 }

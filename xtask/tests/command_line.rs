@@ -2,7 +2,7 @@
 
 use std::fs;
 use std::path::PathBuf;
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
 
 /// One epoch of two satellites.
 const OBSERVATIONS: &str = "     3.04           OBSERVATION DATA    M                   RINEX VERSION / TYPE
@@ -117,10 +117,15 @@ fn an_unknown_satellite_is_told_with_those_that_there_are() {
 #[test]
 fn a_truth_that_is_no_position_is_told_with_an_example() {
     let files = Files::new("truth");
+    files.write("degrees.csv", "week,tow,lat,lon\n2320,115200,55,8\n");
+    assert_says(
+        &files.replay(&["--truth-csv", "degrees.csv"]),
+        &["week,tow,lat,lon", "lat_deg,lon_deg,height_m"],
+    );
     for truth in ["here", "1,2", "1,2,three", "0,0,0", "nan,0,6400000", "1e9,1e9,1e9", ""] {
         assert_says(&files.replay(&["--truth", truth]), &["truth", &format!("{truth:?}")]);
     }
-    files.write("truth.csv", "week,tow,x_m,y_m,z_m\n2320,115200,1,2,3\n2320,115201,1,2\n");
+    files.write("truth.csv", "week,tow,x_m,y_m,z_m\n2320,115200,6378137,2,3\n2320,115201,6378137,2\n");
     assert_says(&files.replay(&["--truth-csv", "truth.csv"]), &["truth.csv:3"]);
 }
 
@@ -134,7 +139,13 @@ fn usage_errors_are_one_line_that_names_the_argument() {
     assert_says(&files.replay(&["--from", "noon"]), &["noon", "--from"]);
     assert_says(&files.replay(&["--on", "moon"]), &["moon", "host", "board"]);
     assert_says(&files.replay(&["--systems", "GX"]), &["system `X` of `GX`"]);
-    assert_says(&files.replay(&["--phase", "LUNCH"]), &["PHASE,LUNCH"]);
+    assert_says(&files.replay(&["--phase", "LUNCH"]), &["LUNCH", "--phase", "LPV200"]);
+    assert_says(&files.replay(&["--method", "GUESS"]), &["GUESS", "--method", "GROUPING"]);
+    assert_says(&files.replay(&["--policy", "T3"]), &["T3", "--policy", "TOP"]);
+    assert_says(&files.replay(&["--every", "-1"]), &["-1", "--every", "not negative"]);
+    assert_says(&files.replay(&["--phase", "CUSTOM"]), &["--phase CUSTOM", "--set HAL="]);
+    assert_says(&files.replay(&["--set", "HAL"]), &["--set HAL", "HAL=40"]);
+    assert_says(&files.replay(&["--set", "HAL=wide"]), &["HAL=wide"]);
 }
 
 #[test]
@@ -145,4 +156,66 @@ fn help_is_no_error_and_no_command_shows_it() {
     let bare = files.run(&[]);
     assert_eq!(bare.status.code(), Some(1));
     assert!(String::from_utf8_lossy(&bare.stderr).contains("replay"));
+}
+
+#[test]
+fn a_full_disk_is_noticed() {
+    let files = Files::new("full");
+    for option in ["--csv", "--nmea", "--rtcm"] {
+        assert_says(&files.replay(&[option, "/dev/full"]), &["cannot write /dev/full", "No space left"]);
+    }
+}
+
+#[test]
+fn a_line_of_a_system_that_is_not_in_use_is_counted_and_one_in_use_is_an_error() {
+    let files = Files::new("malformed");
+    files.write("day.obs", &OBSERVATIONS.replace("C05  41654777.792", "C05  4165A777.792"));
+    assert_says(&files.replay(&[]), &["day.obs", "line 7", "satellite C05", "4165A777.792"]);
+    let output = files.run(&["replay", "--obs", "day.obs", "--nav", "day.nav", "--systems", "G", "--json"]);
+    let summary: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!((&summary["epochs"], &summary["malformed"]), (&1.into(), &1.into()), "{summary}");
+}
+
+#[test]
+fn without_a_truth_nothing_is_said_of_misleading_epochs() {
+    let files = Files::new("no_truth");
+    let output = files.run(&["replay", "--obs", "day.obs", "--nav", "day.nav"]);
+    let said = String::from_utf8(output.stdout).unwrap();
+    assert!(said.contains("unknown: --truth") && !said.contains("misleading"), "{said}");
+    let output = files.run(&["replay", "--obs", "day.obs", "--nav", "day.nav", "--json"]);
+    let summary: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert!(summary["misleading"].is_null() && summary["hazardous"].is_null(), "{summary}");
+}
+
+#[test]
+fn help_lists_the_values_of_an_option() {
+    let files = Files::new("values");
+    let help = String::from_utf8(files.run(&["replay", "--help"]).stdout).unwrap();
+    for value in ["ENROUTE", "CUSTOM", "TOP", "BAARDA", "RANSAC"] {
+        assert!(help.contains(value), "{value}: {help}");
+    }
+}
+
+#[test]
+fn a_reader_that_goes_away_is_no_error() {
+    let files = Files::new("pipe");
+    for arguments in
+        [&["help"][..], &["replay", "--help"], &["replay", "--obs", "day.obs", "--nav", "day.nav", "--json"]]
+    {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_xtask"))
+            .current_dir(&files.0)
+            .args(arguments)
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        drop(child.stdout.take());
+        let output = child.wait_with_output().unwrap();
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(
+            output.status.success() && said.is_empty(),
+            "{arguments:?}: {:?} {said}",
+            output.status.code()
+        );
+    }
 }

@@ -23,10 +23,13 @@
 //! cancel for a clock that is forecast well.
 //!
 //! References: [Ulrych1976], [Chen2009] §2.
+//!
+//! [Ulrych1976]: crate#references
+//! [Chen2009]: crate#references
 
 use nalgebra::{Cholesky, ComplexField, Matrix3, Vector3};
 
-use crate::real::Real;
+use crate::numeric::real::Real;
 
 /// Differences that the next one is forecast from.
 pub const ORDER: usize = 3;

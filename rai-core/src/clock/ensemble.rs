@@ -17,18 +17,26 @@
 //!
 //! Four windows of 60 values in `f32` take 2.4 kB; each constellation observed costs 5,000 instructions an epoch.
 //! References: [Chen2009] §3.
+//!
+//! [Chen2009]: crate#references
 
 use nalgebra::Vector3;
 
 use super::{CoastingClock, WINDOW};
 use crate::epoch::{Aiding, Epoch};
-use crate::linear::Row;
-use crate::real::Real;
+use crate::equations::Row;
+use crate::numeric::real::Real;
 use crate::satellite::Constellation;
 use crate::snapshot::{Fit, Snapshot};
 
 /// Satellites of a constellation without which its clock is not learned: a lone one determines it untested.
 const MIN_SATELLITES: usize = 2;
+
+/// Longest time that a clock is forecast over after it was learned last, s.
+///
+/// A forecast takes a row without being learned from while the satellites alone cannot be tested. What a temperature or a
+/// shock does to a quartz within a minute is still what the minute before has shown; what it does in ten is not.
+pub const HOLD_OVER_S: f64 = 60.0;
 
 /// A receiver clock as the satellites of an epoch have it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -69,7 +77,7 @@ impl<T: Real, const L: usize> Clocks<T, L> {
 
     /// The row that aids an epoch; `None` where no constellation observed has a forecast.
     ///
-    /// Not inlined, nor is what is learnt: a forecast's room on the stack is free again before the epoch is solved.
+    /// None reaches farther than [`HOLD_OVER_S`] beyond what was learned last: what vouches for itself ends by itself.
     #[inline(never)]
     pub fn aiding<const N: usize>(&self, epoch: &Epoch<N>) -> Option<Aiding> {
         let observed = |constellation: &Constellation| {
@@ -79,25 +87,54 @@ impl<T: Real, const L: usize> Clocks<T, L> {
                 .any(|observation| observation.satellite.constellation() == *constellation)
         };
         let forecasts = Constellation::ALL.into_iter().filter(observed).filter_map(|constellation| {
-            Some((constellation, self.of(constellation)?.forecast(epoch.time_s())?))
+            let clock = self.of(constellation)?;
+            let is_recent = epoch.time_s() - clock.last_time_s()? <= HOLD_OVER_S;
+            Some((constellation, clock.forecast(epoch.time_s()).filter(|_| is_recent)?))
         });
         let (constellation, forecast) = forecasts.min_by(|(_, a), (_, b)| a.sigma_m.total_cmp(&b.sigma_m))?;
         Some(Aiding::Clock { constellation, value_m: forecast.value_m, sigma_m: forecast.sigma_m })
     }
 
-    /// Learns the clocks of an epoch that passed the test, exclusions done; of no other.
+    /// Learns what an epoch says of the clocks.
     ///
     /// A forecast that was left out in it was a jump of the clock: that clock starts again from what the satellites
     /// say.
-    #[inline(never)]
-    pub fn learn<const N: usize>(&mut self, time_s: f64, snapshot: &Snapshot<T, N>) {
-        for (clock, constellation) in self.each.iter_mut().zip(Constellation::ALL) {
-            if aiding_row(snapshot, constellation).is_some_and(|(row, _)| left_out(row)) {
+    pub fn learn(&mut self, time_s: f64, solved: &SolvedClocks) {
+        for (clock, of_epoch) in self.each.iter_mut().zip(&solved.each) {
+            if of_epoch.has_jumped {
                 clock.restart();
             }
-            if let Some(solved) = satellites_alone(snapshot, constellation) {
+            if let Some(solved) = of_epoch.alone {
                 clock.observe(time_s, solved.value_m, solved.sigma_m);
             }
+        }
+    }
+}
+
+/// What an epoch that passed the test says of the receiver clocks, exclusions done.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SolvedClocks {
+    each: [ClockOfEpoch; Constellation::COUNT],
+}
+
+/// What it says of one constellation's.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct ClockOfEpoch {
+    /// Its forecast was left out.
+    has_jumped: bool,
+    /// By the satellites alone.
+    alone: Option<SolvedClock>,
+}
+
+impl SolvedClocks {
+    /// Reads the clocks of a snapshot.
+    #[inline(never)]
+    pub fn of<T: Real, const N: usize>(snapshot: &Snapshot<T, N>) -> Self {
+        Self {
+            each: Constellation::ALL.map(|constellation| ClockOfEpoch {
+                has_jumped: aiding_row(snapshot, constellation).is_some_and(|(row, _)| left_out(row)),
+                alone: satellites_alone(snapshot, constellation),
+            }),
         }
     }
 }

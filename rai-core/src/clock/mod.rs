@@ -20,10 +20,10 @@
 //! | `h` | [`Forecast::steps`] | – |
 //! | `L` | const generic, [`WINDOW`] by default, at least [`MIN_VALUES`] | – |
 //!
-//! **What may enter the window.** Only clocks of epochs that passed the test, and solved without the forecast
-//! itself: a faulty fix would poison the forecasts of a minute, and a forecast that confirms itself would grow ever
-//! surer. [`Clocks::learn`] does the second, its caller the first. A bias that grows too slowly for the
-//! test is learned with the clock.
+//! **What may enter the window.** Only clocks of epochs whose satellites alone would be protected, and solved without the
+//! forecast itself: a faulty fix would poison the forecasts of a minute, and a forecast that confirms itself would follow
+//! a fault wherever it goes. [`SolvedClocks::of`] does the second, its caller the first. A bias that grows too slowly for
+//! the test is learned with the clock: it stays within the protection level of the satellites alone, and that level is kept.
 //!
 //! **Gaps.** The spacing is that of the first two values. A multiple of it is a hold-over: forecasts reach up to
 //! [`HOLD_OVER_STEPS`] ahead with growing variance, and a value after the gap continues the window without a
@@ -45,15 +45,18 @@
 //! fitted to 60 values is that of errors already seen, and one-step errors measured 1.09 to 1.17 of it.
 //!
 //! References: [Chen2009], [Ulrych1976].
+//!
+//! [Chen2009]: crate#references
+//! [Ulrych1976]: crate#references
 
 mod autoregression;
 mod ensemble;
 mod window;
 
 pub use autoregression::{Autoregression, Extrapolation, ORDER};
-pub use ensemble::{Clocks, SolvedClock, satellites_alone};
+pub use ensemble::{Clocks, HOLD_OVER_S, SolvedClock, SolvedClocks, satellites_alone};
 
-use crate::real::Real;
+use crate::numeric::real::Real;
 use window::Window;
 
 /// Values in a window, unless told otherwise.
@@ -222,6 +225,11 @@ impl<T: Real, const L: usize> CoastingClock<T, L> {
         // A NaN is neither.
         let sound = value_m.abs() <= LEVEL_LIMIT_M && variance <= T::narrow(SIGMA_LIMIT_M * SIGMA_LIMIT_M);
         sound.then_some(Ahead { value_m, variance_predict, variance })
+    }
+
+    /// When the last value was taken, s.
+    pub fn last_time_s(&self) -> Option<f64> {
+        self.last.map(|last| last.time_s)
     }
 
     /// The fitted process.

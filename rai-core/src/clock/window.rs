@@ -13,7 +13,7 @@
 
 use heapless::Deque;
 
-use crate::real::Real;
+use crate::numeric::real::Real;
 
 /// Differences of the last `L` values of a clock.
 #[derive(Clone, Debug)]

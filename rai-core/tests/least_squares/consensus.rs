@@ -2,8 +2,10 @@
 
 use nalgebra::{DVector, Matrix4, Vector3, Vector4};
 use proptest::prelude::*;
-use rai_core::identification::ransac::{Limits, MAX_WORK, NoConsensus, Selection, consensus, refine};
-use rai_core::linear::LinearEpoch;
+use rai_core::equations::LinearEpoch;
+use rai_core::integrity::residuals::ransac::{
+    ConsensusLimits, MAX_WORK, NoConsensus, Selection, consensus, refine,
+};
 use rai_core::satellite::Constellation;
 use rai_core::snapshot::Snapshot;
 
@@ -195,7 +197,7 @@ fn sorted(mut subsets: Vec<Vec<usize>>) -> Vec<Vec<usize>> {
 
 /// Holds the vote on an epoch to that of dense solutions; false where it has too few subsets or rounding may decide.
 fn check_vote(ranges: &[Range]) -> bool {
-    let (epoch, limits) = (epoch(ranges), Limits::published().unwrap());
+    let (epoch, limits) = (epoch(ranges), ConsensusLimits::published().unwrap());
     let selection = Selection::choose(&epoch, MAX_WORK);
     let bound = limits.consensus.w_test(ranges.len()).unwrap().powi(2);
     let subsets = members(&selection);
@@ -251,7 +253,7 @@ proptest! {
 
     #[test]
     fn the_refinement_is_that_of_dense_solutions(ranges in prop::collection::vec(any_range(), 14..26)) {
-        let (epoch, limits) = (epoch(&ranges), Limits::published().unwrap());
+        let (epoch, limits) = (epoch(&ranges), ConsensusLimits::published().unwrap());
         let selection = Selection::choose(&epoch, MAX_WORK);
         let found = consensus(&epoch, &selection, &limits);
         prop_assume!(found.is_ok());
@@ -270,7 +272,7 @@ fn refined(
     ranges: &[Range],
     named: &[usize],
     subsets: usize,
-    limits: &Limits<'_>,
+    limits: &ConsensusLimits<'_>,
 ) -> Option<(Vec<usize>, bool)> {
     let mut out = named.to_vec();
     let most = 3.min(subsets - 1).max(out.len());
@@ -338,7 +340,7 @@ fn two_alike(first: [f64; 4], second: [f64; 4]) -> Vec<Range> {
 fn who_is_contradicted_less_is_believed() {
     // A fault in the first subset of two: the second, which has one against it, is the inlier.
     let ranges = two_alike([0.0, 0.0, 400.0, 0.0], [0.0; 4]);
-    let (epoch, limits) = (epoch(&ranges), Limits::published().unwrap());
+    let (epoch, limits) = (epoch(&ranges), ConsensusLimits::published().unwrap());
     let selection = Selection::choose(&epoch, MAX_WORK);
     let home = (0..2).find(|&subset| selection.contains(subset, 2)).unwrap();
     let have = consensus(&epoch, &selection, &limits).unwrap();
@@ -371,7 +373,7 @@ fn pdop_of_the_cluster(ranges: &[Range]) -> f64 {
 
 #[test]
 fn a_position_that_is_hardly_determined_has_no_vote() {
-    let limits = Limits::published().unwrap();
+    let limits = ConsensusLimits::published().unwrap();
     for (pdops, want) in [(850.0..999.0, Ok((1, Vec::new()))), (1001.0..1150.0, Err(NoConsensus::NoInlier))] {
         let skies = (100..400_u16).map(|step| four_and_a_cluster(10.0 / f64::from(step)));
         let ranges = skies.into_iter().find(|ranges| pdops.contains(&pdop_of_the_cluster(ranges))).unwrap();

@@ -2,7 +2,7 @@
 #![allow(clippy::float_cmp)] // Exactly nothing and exactly all are meant.
 
 use nalgebra::Vector3;
-use rai_core::linear::{LinearEpoch, RowError};
+use rai_core::equations::{LinearEpoch, RowError};
 use rai_core::satellite::Constellation;
 use rai_core::snapshot::{Snapshot, SnapshotError};
 
@@ -14,7 +14,7 @@ fn range(azimuth_deg: f64, up: f64, constellation: Constellation, sigma_m: f64) 
     Range { line_of_sight, constellation, residual_m: 7.0 * azimuth.sin(), sigma_m }
 }
 
-fn solve<T: rai_core::real::Real>(ranges: &[Range]) -> Result<Snapshot<T, 20>, SnapshotError> {
+fn solve<T: rai_core::numeric::real::Real>(ranges: &[Range]) -> Result<Snapshot<T, 20>, SnapshotError> {
     let mut epoch = LinearEpoch::new();
     for range in ranges {
         let line_of_sight = Vector3::from(range.line_of_sight);

@@ -2,21 +2,21 @@
 
 use nalgebra::Vector3;
 use proptest::prelude::*;
-use rai_core::identification::baarda::Identification;
-use rai_core::identification::parity::{
-    Finding, Limits, MAX_SETS, correlation_threshold, grouping, hybrid, hybrid_without_grouping, sequential,
-    simultaneous,
+use rai_core::equations::LinearEpoch;
+use rai_core::integrity::residuals::exclusion::Unidentified;
+use rai_core::integrity::residuals::parity::{
+    Finding, MAX_SETS, SearchLimits, correlation_threshold, grouping, hybrid, hybrid_without_grouping,
+    sequential, simultaneous,
 };
-use rai_core::linear::LinearEpoch;
-use rai_core::probability::Probability;
+use rai_core::integrity::residuals::threshold::Thresholds;
+use rai_core::numeric::probability::Probability;
 use rai_core::satellite::Constellation;
 use rai_core::snapshot::Snapshot;
-use rai_core::threshold::Thresholds;
 
 use super::oracle::{self, Range};
 
 /// Who is named, or why nobody, and the sets that were looked at.
-type Answer = (Result<Vec<usize>, Identification>, usize);
+type Answer = (Result<Vec<usize>, Unidentified>, usize);
 
 /// An epoch, what is believed of it, and answers by trying all.
 struct Dense<'d> {
@@ -76,7 +76,7 @@ impl Dense<'_> {
                 return (Ok(sorted(set)), sets);
             }
         }
-        (Err(Identification::NoSet), sets)
+        (Err(Unidentified::NoSet), sets)
     }
 
     /// `|ρ_i| ≥ ρ_T`, with `ρ_i² = w_i²/SSE` and `w_i²` the fall of SSE without the row.
@@ -117,7 +117,7 @@ impl Dense<'_> {
                 return (Ok(best), looked_at);
             }
         }
-        (Err(Identification::NoSet), looked_at)
+        (Err(Unidentified::NoSet), looked_at)
     }
 
     fn hybrid(&self) -> Answer {
@@ -188,7 +188,7 @@ proptest! {
         let alpha = probability(alpha);
         let dense = Dense { ranges: &ranges, thresholds, most, alpha };
         prop_assume!(!is_close(&dense) && !dense.passes(&[]));
-        let limits = Limits { rows: most, sets: MAX_SETS, alpha };
+        let limits = SearchLimits { rows: most, sets: MAX_SETS, alpha };
         prop_assert_eq!(simultaneous(&snapshot, &thresholds, &limits).to_vec(), dense.simultaneous());
         prop_assert_eq!(answer(&sequential(&snapshot, &thresholds, &limits)), dense.sequential(), "sequential");
         let have = answer(&hybrid_without_grouping(&snapshot, &thresholds, &limits));

@@ -2,9 +2,9 @@
 
 use nalgebra::{DMatrix, DVector, Vector3};
 use proptest::prelude::*;
-use rai_core::identification::parity::correlation;
-use rai_core::linear::LinearEpoch;
-use rai_core::real::Real;
+use rai_core::equations::LinearEpoch;
+use rai_core::integrity::residuals::parity::correlation;
+use rai_core::numeric::real::Real;
 use rai_core::removal::{Removal, testable_rows};
 use rai_core::satellite::Constellation;
 use rai_core::snapshot::Snapshot;

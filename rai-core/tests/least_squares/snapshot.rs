@@ -2,8 +2,8 @@
 
 use nalgebra::Vector3;
 use proptest::prelude::*;
-use rai_core::linear::LinearEpoch;
-use rai_core::real::Real;
+use rai_core::equations::LinearEpoch;
+use rai_core::numeric::real::Real;
 use rai_core::satellite::Constellation;
 use rai_core::snapshot::{Snapshot, SnapshotError};
 

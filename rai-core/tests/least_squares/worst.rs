@@ -2,14 +2,15 @@
 
 use nalgebra::Vector3;
 use proptest::prelude::*;
-use rai_core::identification::baarda::{Identification, Outcome, identify, worst_two};
-use rai_core::identification::ransac::{self, MAX_WORK, Selection};
-use rai_core::linear::LinearEpoch;
-use rai_core::probability::Probability;
-use rai_core::protection::Slopes;
+use rai_core::equations::LinearEpoch;
+use rai_core::integrity::residuals::baarda::{identify, worst_two};
+use rai_core::integrity::residuals::exclusion::{Outcome, Unidentified};
+use rai_core::integrity::residuals::levels::Slopes;
+use rai_core::integrity::residuals::ransac::{self, MAX_WORK, Selection};
+use rai_core::integrity::residuals::threshold::Thresholds;
+use rai_core::numeric::probability::Probability;
 use rai_core::satellite::Constellation;
 use rai_core::snapshot::Snapshot;
-use rai_core::threshold::Thresholds;
 
 use super::oracle::{self, Range};
 
@@ -50,7 +51,11 @@ fn ten(fault_m: f64) -> Vec<Range> {
 #[test]
 fn one_of_a_pair_is_never_named() {
     for fault_m in [30.0, -40.0, 300.0, 30_000.0] {
-        assert_eq!(identify(&solve(&ten(fault_m)), &thresholds()), Identification::Ambiguous, "{fault_m} m");
+        assert_eq!(
+            identify(&solve(&ten(fault_m)), &thresholds()),
+            Err(Unidentified::Ambiguous),
+            "{fault_m} m"
+        );
     }
 }
 
@@ -58,7 +63,7 @@ fn one_of_a_pair_is_never_named() {
 fn consensus_is_not_asked_where_nothing_is_detected() {
     let mut solution = solve(&ten(0.0));
     let (selection, limits) =
-        (Selection::choose(solution.epoch(), MAX_WORK), ransac::Limits::published().unwrap());
+        (Selection::choose(solution.epoch(), MAX_WORK), ransac::ConsensusLimits::published().unwrap());
     let exclusion = ransac::exclude(&mut solution, &selection, &thresholds(), &limits);
     assert_eq!((exclusion.outcome, exclusion.rows.len(), solution.used()), (Outcome::Passed, 0, 10));
 }
@@ -104,7 +109,7 @@ proptest! {
                 ranges.iter().map(|range| Range { residual_m: range.residual_m * scale, ..*range }).collect();
             identify(&solve(&scaled), &thresholds())
         };
-        prop_assert_eq!(scaled(0.999 * threshold), Identification::BelowThreshold);
-        prop_assert_eq!(scaled(1.001 * threshold), Identification::Row(worst));
+        prop_assert_eq!(scaled(0.999 * threshold), Err(Unidentified::BelowThreshold));
+        prop_assert_eq!(scaled(1.001 * threshold), Ok(worst));
     }
 }

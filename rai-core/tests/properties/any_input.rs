@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 use rai_core::epoch::{Aiding, Epoch};
 use rai_core::monitor::{Monitor, Strategy as Monitoring};
-use rai_core::real::Real;
+use rai_core::numeric::real::Real;
 use rai_core::report::{Alert, Protected, Report, Verdict};
 use rai_core::requirements::Requirements;
 use rai_core::satellite::{Constellation, SatelliteId};
@@ -80,7 +80,7 @@ fn promise_is_kept(
 
 fn monitor<T: Real>(requirements: Requirements, monitoring: Monitoring) -> Monitor<T, CAPACITY> {
     let mut monitor = Monitor::new(requirements).expect("in the tables");
-    monitor.pursue(monitoring);
+    monitor.set_strategy(monitoring);
     monitor
 }
 

@@ -4,14 +4,15 @@ use nalgebra::Vector3;
 use proptest::prelude::*;
 use proptest::sample::select;
 use rai_core::epoch::{Epoch, Observation};
+use rai_core::equations::LinearEpoch;
 use rai_core::frame::{EARTH_ROTATION_RAD_S, Ecef, Enu, Geodetic, LocalFrame, SPEED_OF_LIGHT_M_S};
-use rai_core::identification::parity;
-use rai_core::linear::LinearEpoch;
+use rai_core::integrity::residuals::levels::Levels;
+use rai_core::integrity::residuals::parity;
+use rai_core::integrity::residuals::threshold::policy::Policy;
 use rai_core::monitor::{Method, Strategy as Monitoring};
-use rai_core::real::Real;
+use rai_core::numeric::real::Real;
 use rai_core::requirements::Requirements;
 use rai_core::satellite::{Constellation, SatelliteId};
-use rai_core::threshold::policy::Policy;
 
 /// Most satellites in an epoch here.
 pub(crate) const CAPACITY: usize = 24;
@@ -85,11 +86,22 @@ fn any_satellite() -> impl Strategy<Value = SatelliteId> {
 
 /// Every way to monitor.
 pub(crate) fn any_monitoring() -> impl Strategy<Value = Monitoring> {
-    use parity::Method::{Grouping, Hybrid, HybridWithoutGrouping, Sequential, Simultaneous};
+    use parity::Isolation::{Grouping, Hybrid, HybridWithoutGrouping, Sequential, Simultaneous};
     let parity = [Simultaneous, Sequential, HybridWithoutGrouping, Hybrid, Grouping].map(Method::Parity);
     let methods = [&[Method::Baarda, Method::Ransac], &parity[..]].concat();
-    (select(&[Policy::T1, Policy::T2, Policy::TOp][..]), select(methods), any::<bool>())
-        .prop_map(|(policy, method, clock_aid)| Monitoring { policy, method, clock_aid })
+    (
+        select(&[Policy::T1, Policy::T2, Policy::TOp][..]),
+        select(methods),
+        select(&[Levels::Bound, Levels::Slope][..]),
+        any::<bool>(),
+    )
+        .prop_map(|(policy, method, levels, clock_aid)| Monitoring {
+            policy,
+            method,
+            levels,
+            clock_aid,
+            sigma_adapt: false,
+        })
 }
 
 /// Every phase of flight.

@@ -1,89 +1,108 @@
-//! The STM32F405 board: the only place that knows registers.
+//! The door for a board: what the module needs of the hardware around it.
 //!
-//! | what | where |
-//! |---|---|
-//! | GNSS port | USART2, PA3 in, PA2 out |
-//! | host port | USART1, PA10 in, PA9 out |
-//! | log port | USART3, PB10 out; RTT for a debug probe |
-//! | integrity pin, LED | PC6, PC7, both low until the receiver raises them |
-//! | time | `SysTick`, one interrupt per millisecond |
-//! | watchdog | IWDG, fed by the epoch loop alone |
+//! [`crate::epoch_loop`] runs on whatever is a [`Board`]: a chip, an emulated one, or a model of the ports on the host
+//! in which time is counted. What a new board takes is one folder here, with
 //!
-//! There is no switch between silicon and emulator. Every wait is bounded, every fallback has a name ([`Source`]), and
-//! a peripheral that does not answer is a fact to report and not a reason to stop.
+//! | what | in `stm32f405` | in `mps2_an500` |
+//! |---|---|---|
+//! | start: pin low first, then the clock, the ports, the watchdog | `mod.rs`, `clock.rs`, `pins.rs` | `mod.rs` |
+//! | three ports through rings, in interrupts | `ports.rs` | `ports.rs` |
+//! | faults: pin low, a record, a reset | `fault.rs` | `fault.rs` |
+//! | the memory map | `memory.x` | `memory.x` |
 //!
-//! References: [RM0090] reference manual of the family, [DS8626] data sheet of the chip.
+//! What all Cortex-M boards share is in `cortex_m`: time from `SysTick`, the guarded stack, the log. These files are part
+//! of the binary and not of this library; each board's crates come with the feature of its name.
 
-pub mod clock;
-#[cfg(target_os = "none")]
-pub mod fault;
-#[cfg(target_os = "none")]
-pub mod pins;
-#[cfg(target_os = "none")]
-pub mod ports;
-#[cfg(target_os = "none")]
-pub mod stack;
-#[cfg(target_os = "none")]
-pub mod time;
-#[cfg(target_os = "none")]
-pub mod watchdog;
+use embedded_hal::digital::OutputPin;
+use embedded_io::Write;
+use rai_core::report::Verdict;
 
-#[cfg(target_os = "none")]
-pub use hardware::{Board, sleep_unless};
+pub mod reset;
 
-#[cfg(target_os = "none")]
-mod hardware {
-    use rai_firmware::reset::ResetCause;
-    use stm32f4::stm32f405::Peripherals;
+use crate::counters::counters;
+use crate::timed_ring::Taken;
+use reset::ResetCause;
 
-    use super::{
-        clock::Clock, fault, pins, pins::IntegrityPin, ports, ports::HostPort, stack, time,
-        watchdog::Watchdog,
-    };
-
-    /// The board after start-up: what the epoch loop needs, and why the module started.
-    pub struct Board {
-        /// The clock that really runs.
-        pub clock: Clock,
-        /// Why the module started.
-        pub reset_cause: ResetCause,
-        /// The output that says that the position may be used.
-        pub pin: IntegrityPin,
-        /// The sentences' way out.
-        pub host: HostPort,
-        /// Resets the module if the epoch loop stops.
-        pub watchdog: Watchdog,
+counters! {
+    /// What was lost at the ports since start.
+    PortLosses {
+        /// GNSS bytes that the port came too late for, or that found no room.
+        gnss_bytes_lost,
+        /// GNSS bytes that had come and were dropped with those, or because they were old.
+        gnss_bytes_dropped,
+        /// Command bytes that the port came too late for, or that found no room.
+        command_bytes_lost,
+        /// Sentences that found no room because the host reads too slowly.
+        sentences_lost,
+        /// Bytes of the log that nobody fetched.
+        log_bytes_lost,
     }
+}
 
-    impl Board {
-        /// Brings the board up; `None` if it was taken before.
-        ///
-        /// The pin comes first, so that it is driven low before anything can go wrong.
-        pub fn take() -> Option<Self> {
-            let mut core = cortex_m::Peripherals::take()?;
-            let chip = Peripherals::take()?;
-            let pin = IntegrityPin::take(&chip.RCC, chip.GPIOC);
-            stack::guard(&core.MPU, &mut core.SCB);
-            let reset_cause = fault::reset_cause(&chip.RCC);
-            let clock = Clock::start(&chip.RCC, &chip.FLASH);
-            time::start(core.SYST, clock);
-            pins::route_ports(&chip.RCC, &chip.GPIOA, &chip.GPIOB);
-            let host = ports::start(&chip.RCC, &chip.USART1, &chip.USART2, &chip.USART3, clock);
-            Some(Self { clock, reset_cause, pin, host, watchdog: Watchdog::start(chip.IWDG) })
-        }
-    }
+/// Bytes of settings that survive a restart.
+pub const SEALED_BYTES: usize = 768;
 
-    /// Sleeps until the next interrupt, unless there is `work`; gives the tick at which an interrupt ended the sleep.
-    ///
-    /// Asked and slept with interrupts held back: one that comes between the question and the sleep ends the sleep at
-    /// once, and is served after it.
-    pub fn sleep_unless(work: impl FnOnce() -> bool) -> Option<u64> {
-        cortex_m::interrupt::free(|_| {
-            if work() {
-                return None;
-            }
-            cortex_m::asm::wfi();
-            Some(time::now_ticks())
-        })
-    }
+/// The hardware around the module. No function of it waits, but for [`Board::sleep`].
+pub trait Board {
+    /// The integrity pin.
+    type Pin: OutputPin;
+    /// The way out to the host.
+    type Host: Write;
+
+    /// Takes bytes that have come at the GNSS port, with their time.
+    fn gnss(&mut self, chunk: &mut [u8]) -> Taken;
+
+    /// Takes one byte that has come at the host port.
+    fn command(&mut self) -> Option<u8>;
+
+    /// The way out to the host.
+    fn host(&mut self) -> &mut Self::Host;
+
+    /// Bytes that the way out to the host has room for.
+    fn host_room(&self) -> usize;
+
+    /// Milliseconds since start.
+    fn now_ms(&self) -> u64;
+
+    /// Ticks of the clock that epochs are measured with, since start.
+    fn now_ticks(&self) -> u64;
+
+    /// When the pin was last driven, in these ticks.
+    fn driven_ticks(&self, pin: &Self::Pin) -> u64;
+
+    /// What was lost at the ports since start.
+    fn losses(&self) -> PortLosses;
+
+    /// Says that the loop came round.
+    fn feed_watchdog(&mut self);
+
+    /// Sleeps until something may have happened, unless bytes wait. Gives the tick at which it woke, where it slept.
+    fn sleep(&mut self) -> Option<u64>;
+
+    /// Why the module started.
+    fn reset_cause(&self) -> ResetCause;
+
+    /// Memory that a restart leaves as it is, and that after power-on holds anything.
+    fn sealed(&mut self) -> &mut [u8; SEALED_BYTES];
+
+    /// Sets the bit rate of the GNSS port.
+    fn set_gnss_rate(&mut self, baud: u32);
+
+    /// Notes what happened, for whoever watches.
+    fn note(&mut self, note: Note);
+}
+
+/// What happened, for the log.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Note {
+    /// An epoch was judged: what was said, and ticks from its last byte to the pin.
+    Judged(Option<Verdict>, u64),
+    /// Something was said without a byte having come.
+    Stale(Option<Verdict>),
+    /// An epoch, its number since start, and the ticks that the module was busy since the last one.
+    Epoch(u32, u64),
+    /// Time to look at the stack and the rings.
+    HighWater,
+    /// Bytes were lost.
+    Lost(PortLosses),
 }

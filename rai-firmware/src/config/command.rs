@@ -1,91 +1,65 @@
-//! Keys and words to commands.
-//!
-//! A word that is known but not built in stands in its table with `None`, so that the answer can tell a wrong word
-//! from a missing feature.
+//! Keys and values to commands.
 
-use rai_core::identification::parity;
-use rai_core::monitor::Method;
-use rai_core::probability::Probability;
-use rai_core::threshold::policy::Policy;
+use rai_core::numeric::probability::Probability;
 
-use super::{Phase, Refusal, decimal};
+use super::key::Key;
+use super::setting::{Heights, Recovery, Setting, Systems};
+use super::words::{
+    BIT_RATES, FREQUENCIES, LEVELS, METHODS, PHASES, POLICIES, SIGMAS, SUPPORTS, SWITCH, meaning,
+};
+use super::{Refusal, decimal};
+use crate::output::schedule::Item;
 
 /// What a line asks for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Command {
     /// Change the configuration.
     Set(Setting),
+    /// A key without a value: say what is in force.
+    Ask(Key),
     /// `STATS`: say the counters.
     Statistics,
     /// `SELFTEST`: run the known-answer tests.
     SelfTest,
+    /// `CONFIRM`.
+    Confirm,
+    /// `FORGET`: the last position counts for nothing.
+    Forget,
     /// `RESET`: start again.
     Reset,
 }
 
-/// One change of the configuration, each number within its range.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Setting {
-    /// `PHASE`.
-    Phase(Phase),
-    /// `HAL`, m.
-    HorizontalAlertLimit(f64),
-    /// `VAL`, m; `None` for `OFF`.
-    VerticalAlertLimit(Option<f64>),
-    /// `PFA`.
-    FalseAlarm(Probability),
-    /// `PMD`.
-    MissedDetection(Probability),
-    /// `TTA`, s.
-    TimeToAlert(f64),
-    /// `MASK`, rad (degrees on the wire).
-    Mask(f64),
-    /// `POLICY`.
-    Policy(Policy),
-    /// `METHOD`.
-    Method(Method),
-    /// `CLOCKAID`.
-    ClockAid(bool),
-    /// `IONO`, α0 to α3 and β0 to β3 as broadcast.
-    Ionosphere([f64; 8]),
-}
-
-/// A key's words, and what each means in this build.
-type Words<T> = [(&'static str, Option<T>)];
-
-const PHASES: &Words<Phase> = &[
-    ("ENROUTE", Some(Phase::EnRoute)),
-    ("TERMINAL", Some(Phase::Terminal)),
-    ("NPA", Some(Phase::NonPrecisionApproach)),
-    ("LPV200", Some(Phase::Lpv200)),
-    ("CUSTOM", Some(Phase::Custom)),
-];
-
-const POLICIES: &Words<Policy> =
-    &[("T1", Some(Policy::T1)), ("T2", Some(Policy::T2)), ("TOP", Some(Policy::TOp))];
-
-const METHODS: &Words<Method> = &[
-    ("BAARDA", Some(Method::Baarda)),
-    ("SIMULTANEOUS", Some(Method::Parity(parity::Method::Simultaneous))),
-    ("SEQUENTIAL", Some(Method::Parity(parity::Method::Sequential))),
-    ("HYBRID", Some(Method::Parity(parity::Method::Hybrid))),
-    ("GROUPING", Some(Method::Parity(parity::Method::Grouping))),
-    ("RANSAC", Some(Method::Ransac)),
-    ("SEPARATION", None),
-];
-
-const SWITCH: &Words<bool> = &[("OFF", Some(false)), ("ON", Some(true))];
-
 /// Alert limits, m: `PRAIS` has room for five digits before the point.
 const LIMIT_M: (f64, f64) = (0.1, 99_999.9);
 
-/// Time to alert, s.
+/// Time to alert, s; each phase has its own greatest one below this.
 const TIME_S: (f64, f64) = (0.1, 3600.0);
 
 /// Elevation mask, degrees: above, no position is left.
 const MASK_DEG: (f64, f64) = (0.0, 60.0);
 
+/// Signal mask, dB-Hz: no receiver shows more than this in the open.
+const SIGNAL_MASK: (f64, f64) = (0.0, 55.0);
+
+/// Greatest speed, m/s: from a walk to an orbit around the earth.
+const SPEED_M_S: (f64, f64) = (1.0, 10_000.0);
+
+/// Heights above the ellipsoid, m: from the deepest trench to below the satellites.
+const HEIGHT_M: (f64, f64) = (-12_000.0, 2_000_000.0);
+
+/// Epochs and seconds of agreement after an alert.
+const RECOVERY_EPOCHS: (f64, f64) = (1.0, 100.0);
+const RECOVERY_S: (f64, f64) = (0.0, 600.0);
+
+/// Every how many epochs something is sent.
+const EVERY: (f64, f64) = (0.0, 255.0);
+
+/// Fault-free risk: beyond, the levels would promise what no sigma is known for, or nothing.
+const FAULT_FREE: (f64, f64) = (1e-12, 1e-2);
+
 /// Largest magnitude of each ionospheric coefficient as broadcast: 128 units of its scale ([IS-GPS-200] table 20-X).
+///
+/// [IS-GPS-200]: crate#references
 const IONOSPHERE_LIMITS: [f64; 8] = {
     const fn units(exponent: u64) -> f64 {
         128.0 / (1_u64 << exponent) as f64
@@ -101,25 +75,61 @@ impl Command {
     ///
     /// # Errors
     /// [`Refusal`] says what is wrong with them.
-    pub fn read<'v>(key: &str, values: impl Iterator<Item = &'v str>) -> Result<Self, Refusal> {
+    pub fn read<'v>(name: &str, values: impl Iterator<Item = &'v str>) -> Result<Self, Refusal> {
+        let mut values = values.peekable();
+        let key = Key::named(name).ok_or(Refusal::UnknownKey)?;
+        if !key.is_built() {
+            return Err(Refusal::NotInBuild);
+        }
+        match key {
+            Key::Statistics => none(values).map(|()| Self::Statistics),
+            Key::SelfTest => none(values).map(|()| Self::SelfTest),
+            Key::Confirm => none(values).map(|()| Self::Confirm),
+            Key::Forget => none(values).map(|()| Self::Forget),
+            Key::Reset => none(values).map(|()| Self::Reset),
+            _ if values.peek().is_none() => Ok(Self::Ask(key)),
+            _ => Setting::read(key, &mut values).map(Self::Set),
+        }
+    }
+}
+
+impl Setting {
+    /// Reads the values of a key that has any.
+    fn read<'v>(key: Key, values: &mut impl Iterator<Item = &'v str>) -> Result<Self, Refusal> {
         let setting = match key {
-            "STATS" => return none(values).map(|()| Self::Statistics),
-            "SELFTEST" => return none(values).map(|()| Self::SelfTest),
-            "RESET" => return none(values).map(|()| Self::Reset),
-            "PHASE" => Setting::Phase(word(one(values)?, PHASES)?),
-            "HAL" => Setting::HorizontalAlertLimit(number(one(values)?, LIMIT_M)?),
-            "VAL" => Setting::VerticalAlertLimit(vertical_limit(one(values)?)?),
-            "PFA" => Setting::FalseAlarm(probability(one(values)?)?),
-            "PMD" => Setting::MissedDetection(probability(one(values)?)?),
-            "TTA" => Setting::TimeToAlert(number(one(values)?, TIME_S)?),
-            "MASK" => Setting::Mask(number(one(values)?, MASK_DEG)? * (core::f64::consts::PI / 180.0)),
-            "POLICY" => Setting::Policy(word(one(values)?, POLICIES)?),
-            "METHOD" => Setting::Method(word(one(values)?, METHODS)?),
-            "CLOCKAID" => Setting::ClockAid(word(one(values)?, SWITCH)?),
-            "IONO" => Setting::Ionosphere(coefficients(values)?),
-            _ => return Err(Refusal::UnknownKey),
+            Key::Heights => Self::Heights(heights(values)?),
+            Key::Recovery => Self::Recovery(recovery(values)?),
+            Key::Ionosphere => Self::Ionosphere(ionosphere(values)?),
+            Key::Output => output(values)?,
+            _ => Self::of_one(key, next(values)?)?,
         };
-        Ok(Self::Set(setting))
+        none(values).map(|()| setting)
+    }
+
+    /// Reads the value of a key that takes one.
+    fn of_one(key: Key, value: &str) -> Result<Self, Refusal> {
+        Ok(match key {
+            Key::Phase => Self::Phase(meaning(value, PHASES)?),
+            Key::HorizontalAlertLimit => Self::HorizontalAlertLimit(number(value, LIMIT_M)?),
+            Key::VerticalAlertLimit => Self::VerticalAlertLimit(vertical_limit(value)?),
+            Key::FalseAlarm => Self::FalseAlarm(probability(value)?),
+            Key::MissedDetection => Self::MissedDetection(probability(value)?),
+            Key::FaultFree => Self::FaultFree(fault_free(value)?),
+            Key::TimeToAlert => Self::TimeToAlert(number(value, TIME_S)?),
+            Key::Policy => Self::Policy(meaning(value, POLICIES)?),
+            Key::Method => Self::Method(meaning(value, METHODS)?),
+            Key::Levels => Self::Levels(meaning(value, LEVELS)?),
+            Key::Systems => Self::Systems(systems(value)?),
+            Key::Mask => Self::Mask(number(value, MASK_DEG)? * (core::f64::consts::PI / 180.0)),
+            Key::ClockAid => Self::ClockAid(meaning(value, SWITCH)?),
+            Key::SignalMask => Self::SignalMask(number(value, SIGNAL_MASK)?),
+            Key::GreatestSpeed => Self::GreatestSpeed(number(value, SPEED_M_S)?),
+            Key::Frequencies => Self::Frequencies(meaning(value, FREQUENCIES)?),
+            Key::Sigma => Self::Sigma(meaning(value, SIGMAS)?),
+            Key::BitRate => Self::BitRate(meaning(value, BIT_RATES)?),
+            Key::Support => Self::Support(meaning(value, SUPPORTS)?),
+            _ => return Err(Refusal::NotInBuild),
+        })
     }
 }
 
@@ -127,19 +137,23 @@ fn none<'v>(mut values: impl Iterator<Item = &'v str>) -> Result<(), Refusal> {
     values.next().map_or(Ok(()), |_| Err(Refusal::ExtraValue))
 }
 
-fn one<'v>(mut values: impl Iterator<Item = &'v str>) -> Result<&'v str, Refusal> {
-    let value = values.next().filter(|value| !value.is_empty()).ok_or(Refusal::MissingValue)?;
-    none(values).map(|()| value)
-}
-
-fn word<T: Copy>(value: &str, words: &Words<T>) -> Result<T, Refusal> {
-    let (_, meaning) = words.iter().find(|(word, _)| *word == value).ok_or(Refusal::UnknownValue)?;
-    meaning.ok_or(Refusal::NotInBuild)
+fn next<'v>(values: &mut impl Iterator<Item = &'v str>) -> Result<&'v str, Refusal> {
+    values.next().filter(|value| !value.is_empty()).ok_or(Refusal::MissingValue)
 }
 
 fn number(value: &str, (lowest, highest): (f64, f64)) -> Result<f64, Refusal> {
     let number = decimal(value).ok_or(Refusal::NotANumber)?;
     if (lowest..=highest).contains(&number) { Ok(number) } else { Err(Refusal::OutOfRange) }
+}
+
+/// A number without a fraction, within a range that a byte holds.
+fn whole(value: &str, range: (f64, f64)) -> Result<u8, Refusal> {
+    let number = number(value, range)?;
+    if libm::floor(number).to_bits() == number.to_bits() {
+        Ok(number as u8)
+    } else {
+        Err(Refusal::OutOfRange)
+    }
 }
 
 fn vertical_limit(value: &str) -> Result<Option<f64>, Refusal> {
@@ -151,11 +165,49 @@ fn probability(value: &str) -> Result<Probability, Refusal> {
     Probability::new(tail).ok_or(Refusal::OutOfRange)
 }
 
-fn coefficients<'v>(mut values: impl Iterator<Item = &'v str>) -> Result<[f64; 8], Refusal> {
+fn fault_free(value: &str) -> Result<Probability, Refusal> {
+    Probability::new(number(value, FAULT_FREE)?).ok_or(Refusal::OutOfRange)
+}
+
+fn heights<'v>(values: &mut impl Iterator<Item = &'v str>) -> Result<Heights, Refusal> {
+    let least_m = number(next(values)?, HEIGHT_M)?;
+    let greatest_m = number(next(values)?, HEIGHT_M)?;
+    if least_m < greatest_m { Ok(Heights { least_m, greatest_m }) } else { Err(Refusal::OutOfRange) }
+}
+
+fn recovery<'v>(values: &mut impl Iterator<Item = &'v str>) -> Result<Recovery, Refusal> {
+    let epochs = whole(next(values)?, RECOVERY_EPOCHS)?;
+    let seconds = number(next(values)?, RECOVERY_S)?;
+    Ok(Recovery { epochs, seconds })
+}
+
+fn output<'v>(values: &mut impl Iterator<Item = &'v str>) -> Result<Setting, Refusal> {
+    let item = Item::named(next(values)?).ok_or(Refusal::UnknownValue)?;
+    Ok(Setting::Output(item, whole(next(values)?, EVERY)?))
+}
+
+/// Letters of systems that the module computes; that of QZSS is known and not built in.
+fn systems(value: &str) -> Result<Systems, Refusal> {
+    let systems = Systems::of(value).ok_or(Refusal::UnknownValue)?;
+    if systems.contains('J') { Err(Refusal::NotInBuild) } else { Ok(systems) }
+}
+
+/// `AUTO`, or eight coefficients of which at least one says something.
+fn ionosphere<'v>(values: &mut impl Iterator<Item = &'v str>) -> Result<Option<[f64; 8]>, Refusal> {
     let mut coefficients = [0.0; 8];
-    for (coefficient, limit) in coefficients.iter_mut().zip(IONOSPHERE_LIMITS) {
-        let value = values.next().filter(|value| !value.is_empty()).ok_or(Refusal::MissingValue)?;
+    let mut value = next(values)?;
+    if value == "AUTO" {
+        return none(values).map(|()| None);
+    }
+    for (index, (coefficient, limit)) in coefficients.iter_mut().zip(IONOSPHERE_LIMITS).enumerate() {
+        if index > 0 {
+            value = next(values)?;
+        }
         *coefficient = number(value, (-limit, limit))?;
     }
-    none(values).map(|()| coefficients)
+    none(&mut *values)?;
+    if coefficients.iter().all(|coefficient| *coefficient == 0.0) {
+        return Err(Refusal::AllZero);
+    }
+    Ok(Some(coefficients))
 }

@@ -121,6 +121,41 @@ pub fn scientific(value: f64) -> String<20> {
     text
 }
 
+/// A number of either sign, or zero, as [`scientific`] where it is below 1 and as [`plain`] else.
+pub(super) fn signed_scientific(value: f64) -> String<24> {
+    let mut text = String::new();
+    let magnitude = libm::fabs(value);
+    if value < 0.0 {
+        // Twenty characters and a sign fit.
+        let _ = text.push('-');
+    }
+    let digits: &str =
+        if magnitude > 0.0 && magnitude < 1.0 { &scientific(magnitude) } else { &plain(magnitude) };
+    let _ = text.push_str(digits);
+    text
+}
+
+/// A number in plain decimals, six at most and no zeros at the end; for what is below 10⁹.
+pub(super) fn plain(value: f64) -> String<24> {
+    const DECIMALS: u32 = 6;
+    const UNIT: u64 = 10_u64.pow(DECIMALS);
+    let scaled = libm::round(libm::fabs(value) * UNIT as f64) as u64;
+    let mut text = String::new();
+    let sign = if value < 0.0 && scaled > 0 { "-" } else { "" };
+    // A sign, twenty digits at most in all, and a point.
+    let _ = write!(text, "{sign}{}", scaled / UNIT);
+    let mut rest = scaled % UNIT;
+    if rest > 0 {
+        let _ = text.write_char('.');
+    }
+    while rest > 0 {
+        rest *= 10;
+        let _ = write!(text, "{}", rest / UNIT);
+        rest %= UNIT;
+    }
+    text
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -188,6 +223,24 @@ mod tests {
             [(1e-3, "1e-3"), (3.33e-7, "3.33e-7"), (1.0 / 15000.0, "6.666666667e-5"), (0.005, "5e-3")];
         for (value, want) in cases {
             assert_eq!(scientific(value), want);
+        }
+    }
+
+    #[test]
+    fn settings_are_said_without_zeros_at_the_end() {
+        let cases = [
+            (556.0, "556"),
+            (35.5, "35.5"),
+            (-500.0, "-500"),
+            (0.0, "0"),
+            (-1e-9, "0"),
+            (99_999.9, "99999.9"),
+        ];
+        for (value, want) in cases {
+            assert_eq!(plain(value), want);
+        }
+        for (value, want) in [(-5.9605e-8, "-5.9605e-8"), (88_064.0, "88064"), (0.0, "0")] {
+            assert_eq!(signed_scientific(value), want);
         }
     }
 

@@ -3,15 +3,29 @@
 /// One sigma of an URA index of GPS or `BeiDou`, m; `None` for 15 and above: no promise.
 ///
 /// The nominal values of [IS-GPS-200] 20.3.3.3.1.3; [BDS-SIS-B1I] 5.2.4.5 uses the same table.
+///
+/// [IS-GPS-200]: crate#references
+/// [BDS-SIS-B1I]: crate#references
 pub fn ura_m(index: u8) -> Option<f32> {
     const URA_M: [f32; 15] =
         [2.0, 2.8, 4.0, 5.7, 8.0, 11.3, 16.0, 32.0, 64.0, 128.0, 256.0, 512.0, 1024.0, 2048.0, 4096.0];
     URA_M.get(usize::from(index)).copied()
 }
 
+/// One sigma of the index `F_T` of GLONASS, m; `None` for 15: no promise.
+///
+/// [GLO-ICD] table 4.4.
+pub fn glonass_accuracy_m(index: u8) -> Option<f32> {
+    const F_T_M: [f32; 15] =
+        [1.0, 2.0, 2.5, 4.0, 5.0, 7.0, 10.0, 12.0, 14.0, 16.0, 32.0, 64.0, 128.0, 256.0, 512.0];
+    F_T_M.get(usize::from(index)).copied()
+}
+
 /// One sigma of a SISA index of Galileo, m; `None` for the spare values and for "no accuracy prediction".
 ///
 /// Four linear pieces, [OS-SIS-ICD] table 76.
+///
+/// [OS-SIS-ICD]: crate#references
 pub fn galileo_sisa_m(index: u8) -> Option<f32> {
     let above = |start: u8| f32::from(index - start);
     match index {

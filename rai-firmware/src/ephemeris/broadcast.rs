@@ -6,7 +6,7 @@ use core::fmt;
 
 use rai_core::satellite::SatelliteId;
 
-use super::Source;
+use super::{Health, Source};
 use crate::time::{GpsTime, WEEK_MS};
 
 /// One satellite's message with the week resolved, in the units of the interface documents.
@@ -18,8 +18,8 @@ pub struct Broadcast {
     pub satellite: SatelliteId,
     /// Which message.
     pub source: Source,
-    /// True when every health and validity flag of the message says so.
-    pub healthy: bool,
+    /// What the health and validity flags of the message say.
+    pub health: Health,
     /// One sigma of the range error as broadcast, m; `None` when the satellite does not promise any.
     pub accuracy_m: Option<f32>,
     /// Reference time of the elements.
@@ -71,11 +71,13 @@ pub struct Broadcast {
 pub enum BroadcastError {
     /// The satellite is none of the message's system.
     Satellite,
+    /// The system's message has no elements of this form.
+    Form,
     /// `toe` or `toc` lies outside the week, or they lie more than a day apart.
     ReferenceTime,
-    /// The eccentricity is not in 0 to 0.5.
+    /// The eccentricity is not in 0 to 0.2: the most eccentric in use are two Galileo satellites, 0.17.
     Eccentricity,
-    /// The semi-major axis is not in 16,000 km to 64,000 km.
+    /// The semi-major axis, or the distance from the centre, is not in 16,000 km to 64,000 km.
     SemiMajorAxis,
     /// An angle is not within ±1 semicircle.
     Angle,
@@ -89,8 +91,9 @@ impl fmt::Display for BroadcastError {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.write_str(match self {
             Self::Satellite => "satellite number outside its system",
+            Self::Form => "no elements of this form in the system's message",
             Self::ReferenceTime => "reference times outside the week or far apart",
-            Self::Eccentricity => "eccentricity outside 0 to 0.5",
+            Self::Eccentricity => "eccentricity outside 0 to 0.2",
             Self::SemiMajorAxis => "semi-major axis outside 16,000 km to 64,000 km",
             Self::Angle => "angle outside one turn",
             Self::Correction => "orbit correction out of bounds",
@@ -106,7 +109,7 @@ pub(super) fn check(broadcast: &Broadcast) -> Result<(), BroadcastError> {
     let verdicts = [
         (is_of_system(broadcast), BroadcastError::Satellite),
         (has_reference_times(broadcast), BroadcastError::ReferenceTime),
-        ((0.0..=0.5).contains(&broadcast.eccentricity), BroadcastError::Eccentricity),
+        ((0.0..=0.2).contains(&broadcast.eccentricity), BroadcastError::Eccentricity),
         ((4_000.0..=8_000.0).contains(&broadcast.sqrt_a_sqrt_m), BroadcastError::SemiMajorAxis),
         (has_angles(broadcast), BroadcastError::Angle),
         (has_corrections(broadcast), BroadcastError::Correction),
@@ -116,8 +119,7 @@ pub(super) fn check(broadcast: &Broadcast) -> Result<(), BroadcastError> {
 }
 
 fn is_of_system(broadcast: &Broadcast) -> bool {
-    broadcast.satellite.constellation() == broadcast.source.constellation()
-        && broadcast.satellite.number() <= broadcast.source.highest_number()
+    broadcast.source.can_name(broadcast.satellite)
 }
 
 fn has_reference_times(broadcast: &Broadcast) -> bool {
@@ -130,18 +132,22 @@ fn has_angles(broadcast: &Broadcast) -> bool {
     angles.iter().all(|angle| angle.abs() <= 1.0)
 }
 
+/// The widest fields are those of `BeiDou`: 18 bits of 2⁻³¹ rad and of 2⁻⁶ m.
 fn has_corrections(broadcast: &Broadcast) -> bool {
+    const WIDEST_RAD: f32 = 1.0 / (1 << 14) as f32;
+    const WIDEST_M: f32 = 2048.0;
     let rates = [broadcast.delta_n_sc_s, broadcast.omegadot_sc_s, broadcast.idot_sc_s];
     let angles = [broadcast.cuc_rad, broadcast.cus_rad, broadcast.cic_rad, broadcast.cis_rad];
     let lengths = [broadcast.crc_m, broadcast.crs_m];
     rates.iter().all(|rate| rate.abs() <= 1e-6)
-        && angles.iter().all(|angle| angle.abs() <= 1e-3)
-        && lengths.iter().all(|length| length.abs() <= 3e3)
+        && angles.iter().all(|angle| angle.abs() <= WIDEST_RAD)
+        && lengths.iter().all(|length| length.abs() <= WIDEST_M)
 }
 
+/// The widest offset is that of Galileo: 31 bits of 2⁻³⁴ s.
 fn has_clock(broadcast: &Broadcast) -> bool {
     let accuracy_m = broadcast.accuracy_m.unwrap_or(0.0);
-    broadcast.af0_s.abs() <= 0.125
+    broadcast.af0_s.abs() <= 0.0625
         && broadcast.af1_s_s.abs() <= 1e-7
         && broadcast.af2_s_s2.abs() <= 1e-12
         && broadcast.group_delays_s.iter().all(|delay| delay.abs() <= 1e-6)

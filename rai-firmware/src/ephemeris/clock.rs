@@ -12,19 +12,23 @@
 //! | Galileo F/NAV | E1/E5a | E1: `BGD_a`, E5a: `γ_15a BGD_a`, E5b: unknown |
 //! | Galileo I/NAV | E1/E5b | E1: `BGD_b`, E5b: `γ_15b BGD_b`, E5a: `BGD_b + (γ_15a − 1) BGD_a` |
 //! | `BeiDou` D1/D2 | B3I | B1I: `TGD1`, B2I: `TGD2`, B3I: 0, B1C and B2a: 0 (their delays are in CNAV only: uncalibrated) |
+//! | GLONASS strings | L1/L2 | L1 and L2: 0 (each receiver delays each channel by itself, some metres: uncalibrated) |
 //!
 //! The ionosphere-free pair of the reference then comes out without delay by itself, every other pair with the
-//! right one ([`crate::signal`]).
+//! right one ([`crate::correction::choose`]).
 //!
 //! References: [IS-GPS-200] 20.3.3.3.3.2; [OS-SIS-ICD] 5.1.5; [BDS-SIS-B1I] 5.2.4.10.
+//!
+//! [IS-GPS-200]: crate#references
+//! [OS-SIS-ICD]: crate#references
+//! [BDS-SIS-B1I]: crate#references
 
+use rai_core::weighting::UNCALIBRATED_DELAY_M;
+
+use super::elapsed::Elapsed;
+use super::fixed::mul_high;
 use super::{Ephemeris, Source};
-use crate::signal::Band;
-
-/// Standard deviation of a group delay that the message does not carry, m.
-///
-/// The inter-signal corrections that GPS and `BeiDou` publish in CNAV scatter by some nanoseconds.
-const UNCALIBRATED_M: f64 = 2.0;
+use crate::raw::Band;
 
 /// How much later than the satellite's clock a band leaves the antenna.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,27 +48,59 @@ impl GroupDelay {
     }
 
     /// Standard deviation of what is not broadcast, m; 0 for a known delay.
-    pub const fn uncalibrated_m(self) -> f64 {
+    pub const fn uncalibrated_m(self) -> f32 {
         match self {
             Self::Known(_) => 0.0,
-            Self::Uncalibrated(_) => UNCALIBRATED_M,
+            Self::Uncalibrated(_) => UNCALIBRATED_DELAY_M,
         }
     }
 }
 
-impl Ephemeris {
-    /// Clock offset without relativity, s, at `since_toe_s` of the satellite's own clock.
-    pub(super) fn clock_polynomial_s(&self, since_toe_s: f64) -> f64 {
-        let since_toc_s = since_toe_s - f64::from(self.toc_offset_s);
-        let drift_s_s = f64::from(self.af1_s_s) + f64::from(self.af2_s_s2) * since_toc_s;
-        self.af0_s + drift_s_s * since_toc_s
+/// A satellite's clock as broadcast, checked; each term in the finest unit in which it is broadcast.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Clock {
+    /// 2⁻³⁴ s.
+    offset_2_34: i32,
+    /// 2⁻⁵⁰ s/s.
+    drift_2_50: i32,
+    /// 2⁻⁶⁶ s/s².
+    ageing_2_66: i32,
+    /// `toc − toe`.
+    toc_offset_s: i32,
+    group_delays_s: [f32; 2],
+}
+
+impl Clock {
+    /// A judged polynomial about an instant `toc_offset_s` after the reference time of the orbit.
+    pub(super) fn new(polynomial: [f64; 3], toc_offset_s: i32, group_delays_s: [f32; 2]) -> Self {
+        const TWO_34: f64 = (1_u64 << 34) as f64;
+        const TWO_50: f64 = (1_u64 << 50) as f64;
+        const TWO_66: f64 = TWO_50 * (1 << 16) as f64;
+        let [af0_s, af1_s_s, af2_s_s2] = polynomial;
+        Self {
+            offset_2_34: libm::round(af0_s * TWO_34) as i32,
+            drift_2_50: libm::round(af1_s_s * TWO_50) as i32,
+            ageing_2_66: libm::round(af2_s_s2 * TWO_66) as i32,
+            toc_offset_s,
+            group_delays_s,
+        }
     }
 
+    /// Clock offset without relativity, 2⁻⁶² s, at an instant of the satellite's own clock.
+    pub(super) fn polynomial_s62(&self, since_toe: Elapsed) -> i64 {
+        let since_toc_2_44 = since_toe.units_2_44() - (i64::from(self.toc_offset_s) << 44);
+        let aged_2_82 = mul_high(i64::from(self.ageing_2_66) << 30, since_toc_2_44) << 6;
+        let drift_2_82 = (i64::from(self.drift_2_50) << 32) + aged_2_82;
+        (i64::from(self.offset_2_34) << 28) + mul_high(drift_2_82, since_toc_2_44)
+    }
+}
+
+impl Ephemeris {
     /// The delay of a band; `None` when the band is another system's, or when this message cannot relate it to
     /// its clock.
     pub fn group_delay(&self, band: Band) -> Option<GroupDelay> {
         use GroupDelay::{Known, Uncalibrated};
-        let [first_s, second_s] = self.group_delays_s.map(f64::from);
+        let [first_s, second_s] = self.clock.group_delays_s.map(f64::from);
         match self.source {
             Source::GpsLnav => match band {
                 Band::L1 => Some(Known(first_s)),
@@ -88,6 +124,10 @@ impl Ephemeris {
                 Band::B2I => Some(Known(second_s)),
                 Band::B3I => Some(Known(0.0)),
                 Band::B1C | Band::B2a => Some(Uncalibrated(0.0)),
+                _ => None,
+            },
+            Source::GlonassStrings => match band {
+                Band::G1 | Band::G2 => Some(Uncalibrated(0.0)),
                 _ => None,
             },
         }

@@ -1,95 +1,67 @@
-//! Broadcast orbits and clocks of GPS, Galileo and `BeiDou`.
+//! Broadcast orbits and clocks.
 //!
 //! ```text
-//! Broadcast ──new()──► Ephemeris ──at(received, travel)──► SatelliteState { position, clock }
+//! Broadcast ────────new()───────┐
+//!                               ├─► Ephemeris { orbit, clock } ──at(received, travel)──► SatelliteState { position, clock }
+//! StateBroadcast ──of_state()───┘
 //! ```
 //!
-//! All three systems broadcast the same sixteen Kepler elements, so there is one [`Ephemeris`]; what differs is
-//! the gravity constant, the earth rate, the time scale of `toe`, and the extra rotation of the geostationary
-//! `BeiDou` satellites ([`orbit`]), and what the clock refers to ([`clock`]).
+//! | form of the orbit | systems | module |
+//! |---|---|---|
+//! | [`Orbit::Kepler`] | GPS, Galileo, `BeiDou`: the same elements; gravity, earth rate, time scale of `toe` and the rotation of the geostationary `BeiDou` satellites differ | [`kepler`] |
+//! | [`Orbit::StateVector`] | GLONASS: integrated over the time since ([`forces`]) | [`state_vector`] |
 //!
-//! - [`Ephemeris::new`] checks every field once: who holds one can compute with it.
-//! - [`Store`] keeps the newest of every satellite and refuses those that are unhealthy or too old, with a reason.
-//! - An entry takes 112 bytes: what is broadcast with at most 24 bits is kept in `f32`, which holds it exactly, and
-//!   32 bit angles stay integers.
+//! What differs by message (age, satellite numbers, what the clock refers to) is [`Source`]'s and [`clock`]'s.
 //!
-//! Accuracy: position and clock follow the interface documents to better than 1 mm; how good the broadcast is
+//! - [`Ephemeris::new`] and [`Ephemeris::of_state`] check every field once: who holds one can compute with it.
+//! - [`Store`] keeps what was received last of every satellite and refuses those that are unhealthy, too old or
+//!   contradicted, with a reason.
+//! - Every element stays the integer that was broadcast, and orbits and clocks are worked out in integers ([`fixed`]).
+//!
+//! Accuracy: position and clock follow the interface documents to better than 0.1 mm; how good the broadcast is
 //! itself (0.5 m to 2 m) is said by [`Ephemeris::accuracy_m`].
 //!
 //! References: [IS-GPS-200] 20.3.3, table 20-IV; [OS-SIS-ICD] 5.1.1 to 5.1.5; [BDS-SIS-B1I] 5.2.4, table 5-11.
+//!
+//! [IS-GPS-200]: crate#references
+//! [OS-SIS-ICD]: crate#references
+//! [BDS-SIS-B1I]: crate#references
 
 mod accuracy;
 mod broadcast;
 mod clock;
+mod elapsed;
+mod fixed;
+mod forces;
+mod health;
+mod kepler;
+mod motion;
 mod orbit;
+mod source;
+mod state_vector;
 mod store;
 
 use core::fmt;
 
 use rai_core::frame::{Ecef, SPEED_OF_LIGHT_M_S};
-use rai_core::satellite::{Constellation, SatelliteId};
+use rai_core::satellite::SatelliteId;
 
 use crate::counters::{count, counters};
-use crate::time::{BEIDOU_OFFSET_MS, GpsTime, WEEK_MS};
+use crate::raw::Band;
+use crate::time::{GpsTime, WEEK_MS};
+use clock::Clock;
 
-pub use accuracy::{galileo_sisa_m, ura_m};
+pub use accuracy::{galileo_sisa_m, glonass_accuracy_m, ura_m};
 pub use broadcast::{Broadcast, BroadcastError};
 pub use clock::GroupDelay;
+pub use elapsed::Elapsed;
+pub use health::Health;
+pub use kepler::Kepler;
+pub use motion::Motion;
+pub use orbit::Orbit;
+pub use source::Source;
+pub use state_vector::{StateBroadcast, StateVector};
 pub use store::{CAPACITY, Insertion, Store};
-
-/// An angle as it is broadcast: 2⁻³¹ semicircles.
-type BinaryAngle = i32;
-
-/// Radians of one [`BinaryAngle`].
-const BINARY_ANGLE_RAD: f64 = core::f64::consts::PI / 2_147_483_648.0;
-
-/// Which navigation message the clock and the group delays come from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Source {
-    /// GPS LNAV: the clock refers to the L1/L2 ionosphere-free combination.
-    GpsLnav,
-    /// Galileo F/NAV: to E1/E5a.
-    GalileoFnav,
-    /// Galileo I/NAV: to E1/E5b.
-    GalileoInav,
-    /// `BeiDou` D1 or D2: to B3I.
-    BeidouD1D2,
-}
-
-impl Source {
-    /// Whose message it is.
-    pub const fn constellation(self) -> Constellation {
-        match self {
-            Self::GpsLnav => Constellation::Gps,
-            Self::GalileoFnav | Self::GalileoInav => Constellation::Galileo,
-            Self::BeidouD1D2 => Constellation::Beidou,
-        }
-    }
-
-    /// The largest distance from `toe` at which the elements are used, ms.
-    ///
-    /// GPS sets are fitted over ±2 h. Galileo renews every 10 min to 3 h and keeps a set valid for 4 h. `BeiDou`
-    /// renews hourly, and what is older than 2 h is wrong by metres. A minute more keeps a set in use until the
-    /// next one has been received.
-    const fn age_limit_ms(self) -> u64 {
-        const HOUR_MS: u64 = 3_600_000;
-        const CHANGEOVER_MS: u64 = 60_000;
-        CHANGEOVER_MS
-            + match self {
-                Self::GpsLnav | Self::BeidouD1D2 => 2 * HOUR_MS,
-                Self::GalileoFnav | Self::GalileoInav => 4 * HOUR_MS,
-            }
-    }
-
-    /// The highest satellite number that the system's own messages can name.
-    const fn highest_number(self) -> u8 {
-        match self {
-            Self::GpsLnav => 32,
-            Self::GalileoFnav | Self::GalileoInav => 36,
-            Self::BeidouD1D2 => 63,
-        }
-    }
-}
 
 /// Why a satellite has no position now.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -102,6 +74,8 @@ pub enum EphemerisError {
     Stale,
     /// The signal's travel time is no travel time.
     TravelTime,
+    /// Its last two sets contradict each other, and no third has decided.
+    Disputed,
 }
 
 impl fmt::Display for EphemerisError {
@@ -111,6 +85,7 @@ impl fmt::Display for EphemerisError {
             Self::Unhealthy => "unhealthy satellite",
             Self::Stale => "stale ephemeris",
             Self::TravelTime => "travel time out of bounds",
+            Self::Disputed => "ephemeris disputed",
         })
     }
 }
@@ -128,10 +103,17 @@ counters! {
         ephemeris_stale,
         /// See [`EphemerisError::TravelTime`].
         travel_time_out_of_bounds,
+        /// See [`EphemerisError::Disputed`].
+        ephemeris_disputed,
     }
 }
 
 impl Refusals {
+    /// Satellites whose orbit was not known, or no longer.
+    pub fn without_orbit(&self) -> u32 {
+        self.ephemeris_missing.saturating_add(self.ephemeris_stale)
+    }
+
     /// Counts one satellite that was left out.
     pub fn count(&mut self, reason: EphemerisError) {
         count(match reason {
@@ -139,6 +121,7 @@ impl Refusals {
             EphemerisError::Unhealthy => &mut self.satellite_unhealthy,
             EphemerisError::Stale => &mut self.ephemeris_stale,
             EphemerisError::TravelTime => &mut self.travel_time_out_of_bounds,
+            EphemerisError::Disputed => &mut self.ephemeris_disputed,
         });
     }
 }
@@ -155,67 +138,58 @@ pub struct SatelliteState {
 /// One satellite's orbit and clock, checked.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ephemeris {
-    sqrt_a_sqrt_m: f64,
-    eccentricity: f64,
-    af0_s: f64,
-    m0: BinaryAngle,
-    omega0: BinaryAngle,
-    i0: BinaryAngle,
-    omega: BinaryAngle,
-    delta_n_sc_s: f32,
-    omegadot_sc_s: f32,
-    idot_sc_s: f32,
-    cuc_rad: f32,
-    cus_rad: f32,
-    crc_m: f32,
-    crs_m: f32,
-    cic_rad: f32,
-    cis_rad: f32,
-    af1_s_s: f32,
-    af2_s_s2: f32,
-    group_delays_s: [f32; 2],
-    accuracy_m: Option<f32>,
+    orbit: Orbit,
+    clock: Clock,
+    /// Of ranges without E5a, and of those with it; what is not finite is no promise.
+    accuracies_m: [f32; 2],
     toe: GpsTime,
-    /// `toc − toe`.
-    toc_offset_s: i32,
+    health: Health,
     satellite: SatelliteId,
     source: Source,
-    healthy: bool,
 }
 
 impl Ephemeris {
-    /// Checks a message, field by field.
+    /// Checks a message of Kepler elements, field by field.
     ///
     /// # Errors
     /// [`BroadcastError`] names the first field that no satellite could have sent.
     pub fn new(broadcast: &Broadcast) -> Result<Self, BroadcastError> {
         broadcast::check(broadcast)?;
         Ok(Self {
-            sqrt_a_sqrt_m: broadcast.sqrt_a_sqrt_m,
-            eccentricity: broadcast.eccentricity,
-            af0_s: broadcast.af0_s,
-            m0: binary_angle(broadcast.m0_sc),
-            omega0: binary_angle(broadcast.omega0_sc),
-            i0: binary_angle(broadcast.i0_sc),
-            omega: binary_angle(broadcast.omega_sc),
-            delta_n_sc_s: broadcast.delta_n_sc_s as f32,
-            omegadot_sc_s: broadcast.omegadot_sc_s as f32,
-            idot_sc_s: broadcast.idot_sc_s as f32,
-            cuc_rad: broadcast.cuc_rad,
-            cus_rad: broadcast.cus_rad,
-            crc_m: broadcast.crc_m,
-            crs_m: broadcast.crs_m,
-            cic_rad: broadcast.cic_rad,
-            cis_rad: broadcast.cis_rad,
-            af1_s_s: broadcast.af1_s_s as f32,
-            af2_s_s2: broadcast.af2_s_s2 as f32,
-            group_delays_s: broadcast.group_delays_s,
-            accuracy_m: broadcast.accuracy_m,
+            orbit: Orbit::Kepler(Kepler::new(broadcast)?),
+            clock: Clock::new(
+                [broadcast.af0_s, broadcast.af1_s_s, broadcast.af2_s_s2],
+                (broadcast.toc.since_ms(broadcast.toe) / 1000) as i32,
+                broadcast.group_delays_s,
+            ),
+            accuracies_m: [broadcast.accuracy_m.unwrap_or(f32::NAN); 2],
             toe: broadcast.toe,
-            toc_offset_s: (broadcast.toc.since_ms(broadcast.toe) / 1000) as i32,
+            health: broadcast.health,
             satellite: broadcast.satellite,
             source: broadcast.source,
-            healthy: broadcast.healthy,
+        })
+    }
+
+    /// Checks a message with a state vector, field by field.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn of_state(broadcast: &StateBroadcast) -> Result<Self, BroadcastError> {
+        let source = Source::GlonassStrings;
+        if !source.can_name(broadcast.satellite) {
+            return Err(BroadcastError::Satellite);
+        }
+        if broadcast.toe.tow_ms >= WEEK_MS {
+            return Err(BroadcastError::ReferenceTime);
+        }
+        Ok(Self {
+            orbit: Orbit::StateVector(StateVector::new(broadcast)?),
+            clock: Clock::new([broadcast.clock_s, broadcast.clock_s_s, 0.0], 0, [0.0, broadcast.delay_l2_s]),
+            accuracies_m: [broadcast.accuracy_m.unwrap_or(f32::NAN); 2],
+            toe: broadcast.toe,
+            health: broadcast.health,
+            satellite: broadcast.satellite,
+            source,
         })
     }
 
@@ -234,9 +208,37 @@ impl Ephemeris {
         self.toe
     }
 
-    /// One sigma of the range error that the satellite promises, m; `None` when it promises nothing.
-    pub fn accuracy_m(&self) -> Option<f64> {
-        self.accuracy_m.map(f64::from)
+    /// One sigma of the error that the satellite promises for a range made of these carriers, m; `None` when it promises
+    /// nothing.
+    pub fn accuracy_m(&self, bands: (Band, Option<Band>)) -> Option<f32> {
+        let [plain_m, with_e5a_m] = self.accuracies_m;
+        let has_e5a = bands.0 == Band::E5a || bands.1 == Some(Band::E5a);
+        let accuracy_m = if has_e5a { with_e5a_m } else { plain_m };
+        accuracy_m.is_finite().then_some(accuracy_m)
+    }
+
+    /// Takes what another message of the satellite says of its own signals: their health, and how good ranges with them
+    /// are.
+    fn merge_health(&mut self, fnav: &Self) {
+        self.health = fnav.health.over(self.health);
+        let [_, with_e5a_m] = &mut self.accuracies_m;
+        [_, *with_e5a_m] = fnav.accuracies_m;
+    }
+
+    /// Keeps what was said before of signals of which this message does not speak.
+    fn inherit_health(&mut self, before: &Self) {
+        if self.source == Source::GalileoInav && before.health.speaks_of(Band::E5a) {
+            let [_, with_e5a_m] = &mut self.accuracies_m;
+            [_, *with_e5a_m] = before.accuracies_m;
+        }
+        self.health = self.health.over(before.health);
+    }
+
+    /// True when both say the same of orbit and clock, whatever they say of health.
+    fn describes_as(&self, other: &Self) -> bool {
+        (self.source, self.toe) == (other.source, other.toe)
+            && self.orbit == other.orbit
+            && self.clock == other.clock
     }
 
     /// Whether it may be used at that time.
@@ -244,10 +246,15 @@ impl Ephemeris {
     /// # Errors
     /// [`EphemerisError::Unhealthy`] or [`EphemerisError::Stale`].
     pub fn usable_at(&self, time: GpsTime) -> Result<(), EphemerisError> {
-        if !self.healthy || self.accuracy_m.is_none() {
+        if self.health.is_bad() || !self.accuracies_m[0].is_finite() {
             return Err(EphemerisError::Unhealthy);
         }
         if self.is_stale(time) { Err(EphemerisError::Stale) } else { Ok(()) }
+    }
+
+    /// True when the satellite promises something for this carrier, and does not say that it is out of service.
+    pub fn serves(&self, band: Band) -> bool {
+        self.health.serves(band) && self.accuracy_m((band, None)).is_some()
     }
 
     /// True when the elements are too far from their reference time.
@@ -262,32 +269,20 @@ impl Ephemeris {
     ///
     /// # Errors
     /// [`EphemerisError::TravelTime`] when the range is not finite, negative or longer than a second of light, or
-    /// when `received` is more than a day from the reference time.
+    /// when `received` is more than a day from the reference time; [`EphemerisError::Stale`] for a state vector that is
+    /// more than half an hour old.
     pub fn at(&self, received: GpsTime, range_m: f64) -> Result<SatelliteState, EphemerisError> {
-        const DAY_MS: u64 = 86_400_000;
+        const PER_METRE_2_46: f64 = (1_u64 << 46) as f64 / SPEED_OF_LIGHT_M_S;
+        const SECONDS_2_62: f64 = 1.0 / (1_u64 << 62) as f64;
         let since_toe_ms = received.since_ms(self.toe);
-        let travel_s = range_m / SPEED_OF_LIGHT_M_S;
-        if !(0.0..=1.0).contains(&travel_s) || since_toe_ms.unsigned_abs() > DAY_MS {
+        let is_travel = (0.0..=SPEED_OF_LIGHT_M_S).contains(&range_m);
+        if !is_travel || since_toe_ms.unsigned_abs() > Elapsed::LIMIT_MS {
             return Err(EphemerisError::TravelTime);
         }
-        // Seconds from the reference time, never seconds since 1980: the latter would cost 0.2 µs in an f64.
-        let shown_s = since_toe_ms as f64 * 1e-3 - travel_s;
-        let polynomial_s = self.clock_polynomial_s(shown_s);
-        let orbit = self.orbit_at(shown_s - polynomial_s);
-        Ok(SatelliteState { position: orbit.position, clock_s: polynomial_s + orbit.relativity_s })
+        let shown = Elapsed::of_ms(since_toe_ms).earlier((range_m * PER_METRE_2_46) as i64);
+        let polynomial_s62 = self.clock.polynomial_s62(shown);
+        let motion = self.orbit.at(shown.earlier(polynomial_s62 >> 16))?;
+        let clock_s = (polynomial_s62 + motion.relativity_s62) as f64 * SECONDS_2_62;
+        Ok(SatelliteState { position: motion.position, clock_s })
     }
-
-    /// Reference time of the elements within the week of the satellite's own system, s.
-    fn toe_of_system_s(&self) -> f64 {
-        let offset_ms = match self.satellite.constellation() {
-            Constellation::Beidou => WEEK_MS - BEIDOU_OFFSET_MS,
-            _ => 0,
-        };
-        f64::from((self.toe.tow_ms + offset_ms) % WEEK_MS) * 1e-3
-    }
-}
-
-/// The nearest [`BinaryAngle`]; exact for what was broadcast.
-fn binary_angle(semicircles: f64) -> BinaryAngle {
-    libm::round(semicircles * 2_147_483_648.0) as BinaryAngle
 }

@@ -1,61 +1,106 @@
-//! The newest ephemeris of every satellite.
+//! The ephemerides in use: what was received last, of the satellites in sight.
 //!
-//! One that is complete stays in use until a newer one is complete; an interrupted upload therefore changes
-//! nothing. Which is newer is said by the reference time and, among equals, by arrival (a corrected set under the
-//! same reference time). Whatever is out of date, in the past or in the future, gives way to what is not, and takes
-//! the place of nothing else: a reference time that is far off, though its message is whole, costs no satellite.
+//! ```text
+//! offered, stale now                         nothing changes, unless all that is known is as useless
+//! known is stale or unknown                  offered is taken
+//! |X − X'| ≤ 30 m and c|Δt − Δt'| ≤ 30 m     offered replaces what is known
+//! else                                       neither is used until a third agrees with one of them
+//! ```
 //!
-//! Galileo sends two messages. I/NAV carries both group delays and so serves every pair of signals; F/NAV takes its
-//! place only when it has become stale.
+//! **Which is better.** What was received last, whatever its reference time: a set that is ahead of its time is worse than
+//! the one for now, though it is newer. Whatever is out of date, in the past or in the future, gives way to what is not,
+//! and takes the place of nothing else.
 //!
-//! Room for [`CAPACITY`] satellites, 11 KiB: twice as many as three systems show at once. When it is full, the one with
-//! the oldest reference time goes, which is one that set hours ago.
+//! **Contradiction.** Two sets of one satellite that are both in date describe one orbit, and differ by a few metres. Where
+//! they differ by more, one is wrong, and nothing says which. The third that decides is a set of its own: one more copy
+//! of what is disputed has nothing new to say. A satellite that has been moved is out of use until its second new set.
+//!
+//! **Galileo** sends two messages. I/NAV carries both group delays and so serves every pair of signals; the orbit of
+//! F/NAV takes its place only when it has become stale. What each says of the health of its own signals counts from then on
+//! ([`Ephemeris::merge_health`]).
+//!
+//! **Room** for [`CAPACITY`] satellites, 11 KiB, more than four systems show at once. When it is full, first goes what is
+//! stale, then what was not observed for longest, then what was received first. Half a dozen contradictions are kept; where
+//! there are more, the set that is known stays, disputed.
 
 use heapless::Vec;
+use rai_core::frame::SPEED_OF_LIGHT_M_S;
 use rai_core::satellite::SatelliteId;
 
 use super::{Ephemeris, EphemerisError, Source};
 use crate::time::GpsTime;
 
 /// How many satellites the store holds.
-pub const CAPACITY: usize = 96;
+pub const CAPACITY: usize = 80;
 
-const _: () = assert!(size_of::<Ephemeris>() <= 120);
+/// How many contradictions are kept.
+const RIVALS: usize = 6;
+
+/// Two sets that are farther apart than this, in position or clock, contradict each other, m: ten sigma of the poorest.
+const AGREEMENT_M: f64 = 30.0;
+
+const _: () = assert!(size_of::<Entry>() <= 144);
 
 /// What became of an ephemeris that was offered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Insertion {
     /// It is the one in use now.
     Taken,
-    /// The one in use is better; nothing changed.
-    Older,
+    /// The one in use is better; nothing changed but what it says of its own signals' health.
+    Kept,
+    /// It contradicts the one in use: neither is used.
+    Disputed,
+}
+
+/// What is known of one satellite.
+#[derive(Clone, Debug)]
+struct Entry {
+    ephemeris: Ephemeris,
+    /// Of which epoch the satellite was last a part, 0 for none.
+    observed: u32,
+    /// The how-manieth ephemeris it was.
+    received: u32,
+    is_disputed: bool,
 }
 
 /// The ephemerides in use.
 #[derive(Clone, Debug, Default)]
 pub struct Store {
-    entries: Vec<Ephemeris, CAPACITY>,
+    entries: Vec<Entry, CAPACITY>,
+    rivals: Vec<Ephemeris, RIVALS>,
+    epochs: u32,
+    received: u32,
 }
 
 impl Store {
     /// A store without ephemerides.
     pub const fn new() -> Self {
-        Self { entries: Vec::new() }
+        Self { entries: Vec::new(), rivals: Vec::new(), epochs: 0, received: 0 }
     }
 
     /// Offers an ephemeris. `now` is the time of the last epoch, if there was one.
     pub fn insert(&mut self, offered: Ephemeris, now: Option<GpsTime>) -> Insertion {
-        let known = self.entries.iter_mut().find(|entry| entry.satellite == offered.satellite);
-        if let Some(entry) = known {
-            if !gives_way(entry, &offered, now) {
-                return Insertion::Older;
-            }
-            *entry = offered;
-            return Insertion::Taken;
+        self.received = self.received.saturating_add(1);
+        let received = self.received;
+        let known = self.entries.iter_mut().find(|entry| entry.ephemeris.satellite == offered.satellite);
+        let Some(entry) = known else {
+            return self.admit(Entry { ephemeris: offered, observed: 0, received, is_disputed: false }, now);
+        };
+        let insertion = entry.consider(offered, now, &mut self.rivals);
+        if insertion == Insertion::Taken {
+            entry.received = received;
         }
-        match self.entries.push(offered) {
-            Ok(()) => Insertion::Taken,
-            Err(offered) => self.replace_oldest(offered),
+        insertion
+    }
+
+    /// Takes note of which satellites an epoch holds.
+    pub fn observe(&mut self, satellites: impl Iterator<Item = SatelliteId>) {
+        self.epochs = self.epochs.saturating_add(1);
+        for satellite in satellites {
+            if let Some(entry) = self.entries.iter_mut().find(|entry| entry.ephemeris.satellite == satellite)
+            {
+                entry.observed = self.epochs;
+            }
         }
     }
 
@@ -64,10 +109,10 @@ impl Store {
     /// # Errors
     /// [`EphemerisError`] says why there is none.
     pub fn get(&self, satellite: SatelliteId, time: GpsTime) -> Result<&Ephemeris, EphemerisError> {
-        let entry = self.entries.iter().find(|entry| entry.satellite == satellite);
-        let ephemeris = entry.ok_or(EphemerisError::Missing)?;
-        ephemeris.usable_at(time)?;
-        Ok(ephemeris)
+        let entry = self.entries.iter().find(|entry| entry.ephemeris.satellite == satellite);
+        let entry = entry.ok_or(EphemerisError::Missing)?;
+        entry.ephemeris.usable_at(time)?;
+        if entry.is_disputed { Err(EphemerisError::Disputed) } else { Ok(&entry.ephemeris) }
     }
 
     /// How many satellites have an ephemeris, usable or not.
@@ -80,25 +125,87 @@ impl Store {
         self.entries.is_empty()
     }
 
-    fn replace_oldest(&mut self, offered: Ephemeris) -> Insertion {
-        match self.entries.iter_mut().min_by_key(|entry| entry.toe) {
-            Some(oldest) if oldest.toe < offered.toe => {
-                *oldest = offered;
+    /// Takes in a satellite of which nothing is known.
+    fn admit(&mut self, entry: Entry, now: Option<GpsTime>) -> Insertion {
+        let Err(entry) = self.entries.push(entry) else {
+            return Insertion::Taken;
+        };
+        if is_stale(&entry.ephemeris, now) {
+            return Insertion::Kept;
+        }
+        let worth = |entry: &&mut Entry| (!is_stale(&entry.ephemeris, now), entry.observed, entry.received);
+        if let Some(least) = self.entries.iter_mut().min_by_key(worth) {
+            forget(&mut self.rivals, least.ephemeris.satellite);
+            *least = entry;
+        }
+        Insertion::Taken
+    }
+}
+
+impl Entry {
+    /// Takes a set in the place of this one, as its rival, or not.
+    fn consider(
+        &mut self,
+        mut offered: Ephemeris,
+        now: Option<GpsTime>,
+        rivals: &mut Vec<Ephemeris, RIVALS>,
+    ) -> Insertion {
+        let known = &mut self.ephemeris;
+        let (is_useless, is_needed) = (is_stale(&offered, now), is_stale(known, now));
+        if is_useless && !is_needed {
+            return Insertion::Kept;
+        }
+        if !is_needed && (known.source, offered.source) == (Source::GalileoInav, Source::GalileoFnav) {
+            known.merge_health(&offered);
+            return Insertion::Kept;
+        }
+        offered.inherit_health(known);
+        if is_needed || agree(known, &offered, now) {
+            forget(rivals, offered.satellite);
+            (self.ephemeris, self.is_disputed) = (offered, false);
+            return Insertion::Taken;
+        }
+        self.is_disputed = true;
+        let rival = rivals.iter_mut().find(|rival| rival.satellite == offered.satellite);
+        match rival {
+            Some(rival) if rival.describes_as(&offered) => Insertion::Disputed,
+            Some(rival) if agree(rival, &offered, now) => {
+                forget(rivals, offered.satellite);
+                (self.ephemeris, self.is_disputed) = (offered, false);
                 Insertion::Taken
             }
-            _ => Insertion::Older,
+            Some(rival) => {
+                *rival = offered;
+                Insertion::Disputed
+            }
+            None => {
+                // Without room the known set alone waits for one that agrees.
+                let _ = rivals.push(offered);
+                Insertion::Disputed
+            }
         }
     }
 }
 
-/// Whether `entry` is replaced by `offered`.
-fn gives_way(entry: &Ephemeris, offered: &Ephemeris, now: Option<GpsTime>) -> bool {
-    match now {
-        Some(now) if entry.is_stale(now) != offered.is_stale(now) => entry.is_stale(now),
-        _ => match (entry.source, offered.source) {
-            (Source::GalileoInav, Source::GalileoFnav) => false,
-            (Source::GalileoFnav, Source::GalileoInav) => true,
-            _ => offered.toe >= entry.toe,
-        },
+/// True when a set is of no use now; without a time none is.
+fn is_stale(ephemeris: &Ephemeris, now: Option<GpsTime>) -> bool {
+    now.is_some_and(|now| ephemeris.is_stale(now))
+}
+
+/// True when two sets of a satellite put it at the same place with the same clock; without a time, half-way between
+/// their reference times. What cannot be computed contradicts nothing.
+fn agree(one: &Ephemeris, other: &Ephemeris, now: Option<GpsTime>) -> bool {
+    if one.describes_as(other) {
+        return true;
     }
+    let when = now.unwrap_or_else(|| GpsTime::from_ms(u64::midpoint(one.toe.to_ms(), other.toe.to_ms())));
+    let (Ok(one), Ok(other)) = (one.at(when, 0.0), other.at(when, 0.0)) else {
+        return true;
+    };
+    let clock_m = SPEED_OF_LIGHT_M_S * (one.clock_s - other.clock_s).abs();
+    one.position.distance_m(other.position) <= AGREEMENT_M && clock_m <= AGREEMENT_M
+}
+
+fn forget(rivals: &mut Vec<Ephemeris, RIVALS>, satellite: SatelliteId) {
+    rivals.retain(|rival| rival.satellite != satellite);
 }

@@ -8,7 +8,7 @@
 use std::f64::consts::PI;
 
 use rai_core::satellite::{Constellation, SatelliteId};
-use rai_firmware::ephemeris::{Broadcast, Source};
+use rai_firmware::ephemeris::{Broadcast, Health, Source};
 use rai_firmware::time::GpsTime;
 
 /// One instant: when the signal arrived, its pseudorange, and the state at transmission.
@@ -65,7 +65,7 @@ impl Case {
         Broadcast {
             satellite: self.id(),
             source: self.source,
-            healthy: true,
+            health: Health::GOOD,
             accuracy_m: Some(2.0),
             toe: self.toe(),
             toc: GpsTime { week: self.week, tow_ms: self.toc_ms },
@@ -89,6 +89,29 @@ impl Case {
             af2_s_s2,
             group_delays_s: [0.0, 0.0],
         }
+    }
+}
+
+/// The same orbit and clock, written about another reference time.
+///
+/// The elements are moved along the orbit by their own rates, so that both sets describe one motion exactly; the harmonic
+/// corrections are functions of the place on the orbit and stay.
+pub(crate) fn later(broadcast: &Broadcast, seconds: i64) -> Broadcast {
+    let mu = if broadcast.source == Source::GpsLnav { 3.986005e14_f64 } else { 3.986004418e14 };
+    let motion_sc_s = mu.sqrt() / broadcast.sqrt_a_sqrt_m.powi(3) / PI + broadcast.delta_n_sc_s;
+    let moved = |time: GpsTime| GpsTime::from_ms(time.to_ms().checked_add_signed(seconds * 1000).unwrap());
+    let turned = |angle: f64, rate: f64| (angle + rate * seconds as f64 + 1.0).rem_euclid(2.0) - 1.0;
+    // The node is counted from the start of the week: over its end, from the next one.
+    let weeks = f64::from(moved(broadcast.toe).week) - f64::from(broadcast.toe.week);
+    assert!(weeks == 0.0, "the orbits here stay within their week");
+    Broadcast {
+        toe: moved(broadcast.toe),
+        toc: moved(broadcast.toc),
+        m0_sc: turned(broadcast.m0_sc, motion_sc_s),
+        omega0_sc: turned(broadcast.omega0_sc, broadcast.omegadot_sc_s),
+        i0_sc: broadcast.i0_sc + broadcast.idot_sc_s * seconds as f64,
+        af0_s: broadcast.af0_s + broadcast.af1_s_s * seconds as f64,
+        ..*broadcast
     }
 }
 

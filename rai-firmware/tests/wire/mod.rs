@@ -2,7 +2,8 @@
 #![allow(dead_code, reason = "each test program uses a part")]
 
 use rai_firmware::ephemeris::Source;
-use rai_firmware::rtcm::{Decoder, Event, RawEpoch};
+use rai_firmware::input::{Event, Input};
+use rai_firmware::raw::RawEpoch;
 
 use crate::orbits::Case;
 
@@ -86,6 +87,13 @@ fn rough(satellite: u8, cells: &[Cell]) -> i64 {
     (cell.2 / 299_792.458 * 1024.0).round() as i64
 }
 
+/// Rate of a satellite in m/s, and what a signal's differs from it in 0.1 mm/s, in levels 5 and 7; satellite 9 has none,
+/// nor has the second signal of satellite 5.
+pub(crate) fn rates(satellite: u8, signal: u8) -> Option<(i64, i64)> {
+    let is_said = satellite != 9 && (satellite, signal) != (5, L2W);
+    is_said.then(|| (i64::from(satellite) * 37 - 500, i64::from(signal) * 1000 - 7001))
+}
+
 /// Levels 5 and 7 carry an extended field and a rate besides.
 fn satellite_fields(bits: Bits, level: u16, satellites: &[u8], cells: &[Cell]) -> Bits {
     let has_rate = matches!(level, 5 | 7);
@@ -95,7 +103,11 @@ fn satellite_fields(bits: Bits, level: u16, satellites: &[u8], cells: &[Cell]) -
         bits = zeros(bits, 4);
     }
     bits = satellites.iter().fold(bits, |bits, &id| bits.put(10, rough(id, cells) % 1024));
-    if has_rate { zeros(bits, 14) } else { bits }
+    if !has_rate {
+        return bits;
+    }
+    let rate = |id| rates(id, L1C).map_or(-8192, |(rough, _)| rough);
+    satellites.iter().fold(bits, |bits, &id| bits.put(14, rate(id)))
 }
 
 /// Levels 6 and 7 have the wider fields, 5 and 7 a rate.
@@ -110,7 +122,11 @@ fn signal_fields(bits: Bits, level: u16, present: &[&Cell], cells: &[Cell]) -> B
     }
     let (cn0, steps) = if is_wide { (10, 16.0) } else { (6, 1.0) };
     bits = present.iter().fold(bits, |bits, cell| bits.put(cn0, (cell.3 * steps) as i64));
-    if matches!(level, 5 | 7) { zeros(bits, 15) } else { bits }
+    if !matches!(level, 5 | 7) {
+        return bits;
+    }
+    let rate = |cell: &Cell| rates(cell.0, cell.1).map_or(-16_384, |(_, fine)| fine);
+    present.iter().fold(bits, |bits, cell| bits.put(15, rate(cell)))
 }
 
 /// The ephemeris message of a case: 1019, 1042, 1045 or 1046.
@@ -121,6 +137,7 @@ pub(crate) fn ephemeris(case: &Case) -> Vec<u8> {
         // F/NAV ends with one delay and one health, I/NAV with two of each.
         Source::GalileoFnav => galileo(case, 1045).put(10, -3).put(3, 0).put(7, 0),
         Source::GalileoInav => galileo(case, 1046).put(10, -3).put(10, 9).put(6, 0).put(2, 0),
+        Source::GlonassStrings => panic!("no message of Kepler elements"),
     };
     frame(&bits.bytes())
 }
@@ -239,20 +256,28 @@ pub(crate) enum Seen {
 }
 
 /// Feeds bytes and collects all events.
-pub(crate) fn feed(decoder: &mut Decoder, bytes: &[u8]) -> Vec<Seen> {
+pub(crate) fn feed(input: &mut Input, bytes: &[u8]) -> Vec<Seen> {
     let mut seen = Vec::new();
-    for &byte in bytes {
-        let mut event = decoder.push(byte);
-        while let Some(happened) = event {
-            seen.push(match happened {
-                Event::Epoch(epoch) => Seen::Epoch(Box::new(epoch.clone())),
-                Event::Ephemeris(ephemeris) => Seen::Ephemeris(ephemeris),
-                Event::ReferencePosition(position) => Seen::Position(position),
-            });
-            event = decoder.pending();
+    input.feed(bytes, 0, |event| seen.push(Seen::from(event)));
+    seen
+}
+
+/// Lets the line be silent and collects all events.
+pub(crate) fn silence(input: &mut Input) -> Vec<Seen> {
+    let mut seen = Vec::new();
+    input.silence(|event| seen.push(Seen::from(event)));
+    seen
+}
+
+impl From<Event<'_>> for Seen {
+    fn from(event: Event<'_>) -> Self {
+        match event {
+            Event::Epoch(epoch, _) => Self::Epoch(Box::new(epoch.clone())),
+            Event::Ephemeris(ephemeris) => Self::Ephemeris(ephemeris),
+            Event::Position(position) => Self::Position(position),
+            Event::Ionosphere(_) | Event::Jamming(_) => unreachable!("RTCM says nothing of them"),
         }
     }
-    seen
 }
 
 /// The epochs among what came out.

@@ -33,7 +33,8 @@ struct Case {
 /// Sizes of skies.
 const SIZES: [usize; 5] = [8, 12, 20, 30, 40];
 /// The methods by name, in the order that a request numbers them.
-pub const METHODS: [&str; 6] = ["BAARDA", "SIMULTANEOUS", "SEQUENTIAL", "HYBRID", "GROUPING", "RANSAC"];
+pub const METHODS: [&str; 7] =
+    ["BAARDA", "SIMULTANEOUS", "SEQUENTIAL", "HYBRID", "GROUPING", "RANSAC", "SEPARATION"];
 
 /// The figure of a method: an epoch of 20 satellites of which so many are faulty, after one like it.
 pub fn of_method(method: &str, faults: usize) -> String {
@@ -55,6 +56,7 @@ pub fn measure() -> Result<Vec<Figure>> {
         cases.extend(tests(count, 2, Scalar::Double)?);
         cases.extend(searches(count)?);
     }
+    cases.extend(separations()?);
     cases.extend(judgements()?);
     cases.extend(methods()?);
     cases.extend(thresholds_and_clock()?);
@@ -138,6 +140,26 @@ fn searches(count: usize) -> Result<Vec<Case>> {
         case("RANSAC, selection kept", Stage::Vote, linear(count, 2, 1)?, 30_000),
         case("RANSAC, new selection", Stage::Select, linear(count, 2, 1)?, 300_000),
     ])
+}
+
+/// ARAIM over the fix's snapshot, without and with nominal biases.
+fn separations() -> Result<Vec<Case>> {
+    let mut cases = Vec::new();
+    for (count, constellations, targets) in
+        [(20, 2, [20_000, 30_000]), (30, 3, [160_000, 350_000]), (40, 4, [400_000, 1_000_000])]
+    {
+        for ((has_bias, words), target) in [(0, "no biases"), (1, "biases")].into_iter().zip(targets) {
+            cases.push(Case {
+                name: format!("ARAIM, {count} satellites of {constellations} constellations, {words}, f32"),
+                stage: Stage::Separate,
+                scalar: Scalar::Single,
+                input: [vec![has_bias], linear(count, constellations, 0)?].concat(),
+                target: Some(target),
+                epochs: 1,
+            });
+        }
+    }
+    Ok(cases)
 }
 
 /// A monitor's input: method, policy, clock aiding, start, an epoch for each number of faults.

@@ -57,7 +57,7 @@ fn spread<T>(list: &[T], count: usize) -> impl Iterator<Item = &T> {
     (0..count).filter_map(move |index| list.get(index * list.len() / count))
 }
 
-/// An epoch of `count` satellites of one or two constellations, `faults` of them wrong.
+/// An epoch of `count` satellites of one to four constellations, `faults` of them wrong.
 ///
 /// # Errors
 /// Where the sky shows fewer, or the core refuses a range.
@@ -84,8 +84,8 @@ fn fault_m(index: usize, faults: usize) -> f64 {
 }
 
 fn named(index: usize, count: usize, constellations: usize) -> Result<SatelliteId> {
-    let is_second = constellations == 2 && index >= count / 2;
-    let constellation = if is_second { Constellation::Beidou } else { Constellation::Gps };
+    let constellation =
+        *Constellation::ALL.get(index * constellations / count).context("no such constellation")?;
     SatelliteId::new(constellation, index as u8 + 1).context("no such number")
 }
 

@@ -12,8 +12,6 @@ use anyhow::{Context, bail};
 
 /// The emulator's program.
 const PROGRAM: &str = "qemu-system-arm";
-/// The machine with the chip of the board.
-const MACHINE: &str = "netduinoplus2";
 /// How long the emulator may take to connect its ports.
 const START_PATIENCE: Duration = Duration::from_secs(20);
 
@@ -28,9 +26,39 @@ pub enum Pace {
     Leap,
 }
 
+/// Which board is emulated.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Machine {
+    /// The STM32F405, a Cortex-M4F.
+    #[default]
+    Stm32f405,
+    /// The MPS2 board with AN500, a Cortex-M7 with doubles in hardware.
+    Mps2An500,
+}
+
+impl Machine {
+    /// The emulator's words for it.
+    const fn arguments(self) -> &'static [&'static str] {
+        match self {
+            Self::Stm32f405 => &["-machine", "netduinoplus2"],
+            Self::Mps2An500 => &["-machine", "mps2-an500", "-cpu", "cortex-m7"],
+        }
+    }
+
+    /// Frequency of the ticks that its image logs, Hz.
+    pub const fn tick_hz(self) -> u64 {
+        match self {
+            Self::Stm32f405 => 168_000_000,
+            Self::Mps2An500 => 25_000_000,
+        }
+    }
+}
+
 /// How to start the emulator.
 #[derive(Clone, Debug, Default)]
 pub struct Settings {
+    /// Which board.
+    pub machine: Machine,
     /// How time runs.
     pub pace: Pace,
     /// Further arguments of the emulator, such as a debugger's socket.
@@ -41,7 +69,7 @@ pub struct Settings {
 pub fn is_installed() -> bool {
     let found = finds(PROGRAM);
     if !found {
-        eprintln!("skipped: needs {PROGRAM} (`cargo xtask setup` installs it)");
+        crate::skip::say(&format!("{PROGRAM} (`cargo xtask setup` installs it)"));
     }
     found
 }
@@ -145,7 +173,8 @@ fn command(image: &Path, settings: &Settings, ports: &[TcpListener; 3]) -> anyho
         Pace::Wall => "shift=0",
         Pace::Leap => "shift=0,sleep=off",
     };
-    command.args(["-machine", MACHINE, "-display", "none", "-monitor", "none", "-icount", icount, "-kernel"]);
+    command.args(settings.machine.arguments());
+    command.args(["-display", "none", "-monitor", "none", "-icount", icount, "-kernel"]);
     command.arg(image);
     for (number, listener) in ports.iter().enumerate() {
         let port = listener.local_addr()?.port();

@@ -1,7 +1,8 @@
 //! What a terminal shows while the module is watched.
 //!
-//! On a terminal one block of lines is redrawn in place; elsewhere, and headless, a line is written every five
-//! epochs and whenever the verdict or the exclusions change.
+//! On a terminal one block of lines is redrawn in place, cut to the terminal's width, for a wrapped line would spoil the
+//! redrawing; elsewhere, and headless, a line is written every five epochs and whenever the verdict or the exclusions
+//! change.
 
 use std::io::{self, Write};
 
@@ -11,13 +12,13 @@ use crate::report::{Moment, Verdict};
 /// How the moments are shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum View {
-    /// A block that is redrawn, with colours.
-    Block,
+    /// A block that is redrawn, with colours, on a terminal of so many columns.
+    Block(usize),
     /// Plain lines.
     Lines,
 }
 
-/// Epochs that a curve shows: a line stays within 80 columns, for a wrapped one would spoil the redrawing.
+/// Epochs that a curve shows: a line stays within 80 columns.
 const CURVE_EPOCHS: usize = 26;
 
 /// Epochs between plain lines.
@@ -46,7 +47,7 @@ impl<W: Write> Live<W> {
     /// What `out` does not take.
     pub fn show(&mut self, moments: &[Moment]) -> io::Result<()> {
         match self.view {
-            View::Block => self.block(moments),
+            View::Block(columns) => self.block(moments, columns),
             View::Lines => self.line(moments),
         }
     }
@@ -73,7 +74,7 @@ impl<W: Write> Live<W> {
         )
     }
 
-    fn block(&mut self, moments: &[Moment]) -> io::Result<()> {
+    fn block(&mut self, moments: &[Moment], columns: usize) -> io::Result<()> {
         let Some(now) = moments.last() else { return Ok(()) };
         if self.is_drawn {
             write!(self.out, "\x1b[{BLOCK_LINES}A")?;
@@ -109,7 +110,9 @@ impl<W: Write> Live<W> {
             format!("verdict    {}", left_out(now)),
         ];
         for line in lines {
-            writeln!(self.out, "\x1b[2K  {line}")?;
+            // Cut in the middle of a colour, it is ended all the same.
+            let line = format!("  {line}");
+            writeln!(self.out, "\x1b[2K{}\x1b[0m", console::truncate_str(&line, columns, ""))?;
         }
         self.out.flush()
     }
@@ -161,4 +164,41 @@ fn curve(
     };
     let drawn: String = moments.iter().map(step).collect();
     format!("{drawn:<CURVE_EPOCHS$}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fault::satellite;
+
+    #[test]
+    fn no_line_of_the_block_is_wider_than_the_terminal() {
+        let moment = Moment {
+            time_s: 70.0,
+            verdict: Verdict::Protected,
+            reason: "EXCLUDED".to_owned(),
+            statistic: Some(0.5),
+            threshold: Some(2.0),
+            hpl_m: Some(13.0),
+            vpl_m: Some(20.0),
+            hal_m: Some(556.0),
+            val_m: None,
+            horizontal_error_m: Some(1.0),
+            vertical_error_m: Some(1.0),
+            pin_is_high: Some(true),
+            used: 14,
+            excluded: vec![satellite("G15").unwrap(); 6],
+        };
+        for columns in [20, 40, 60, 80] {
+            let mut shown = Vec::new();
+            let plan = Plan { satellite: satellite("G15").unwrap(), bias_m: -200.0, seed: 1 };
+            let mut live = Live::new(plan, View::Block(columns), &mut shown);
+            live.show(&vec![moment.clone(); 60]).unwrap();
+            live.show(&vec![moment.clone(); 61]).unwrap();
+            let shown = String::from_utf8(shown).unwrap();
+            let widths: Vec<usize> = shown.lines().map(console::measure_text_width).collect();
+            assert_eq!(widths.len(), 2 * BLOCK_LINES);
+            assert!(widths.iter().all(|width| *width <= columns), "{columns}: {widths:?}");
+        }
+    }
 }

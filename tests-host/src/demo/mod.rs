@@ -13,6 +13,7 @@
 //! | from 120 | the line is silent, until the module says so and drops the pin |
 //!
 //! The next epoch is sent when the module has spoken of the last one, so two minutes pass as fast as the host runs.
+//! Beside the module an ordinary receiver hears the same bytes and accepts every satellite above the same mask.
 //! The silence passes on the board's own clock, with the time to alert set to [`SILENCE_S`].
 
 mod live;
@@ -26,7 +27,7 @@ use anyhow::{Context, Result, ensure};
 use rai_core::satellite::SatelliteId;
 
 pub use live::{Live, View};
-pub(crate) use ordinary::Believer;
+pub(crate) use ordinary::Accepter;
 pub use ordinary::Ordinary;
 pub use story::Story;
 
@@ -50,8 +51,8 @@ const EPOCHS: u32 = 120;
 pub const SILENCE_S: f64 = 3.0;
 /// How high the satellite shall stand at the beginning, degrees.
 const ELEVATION_DEG: f64 = 35.0;
-/// The module's elevation mask at start, degrees.
-const MASK_DEG: f64 = 5.0;
+/// The module's elevation mask at start, degrees; the ordinary receiver beside it has the same.
+const MASK_DEG: f64 = 10.0;
 /// How long the board may take for an epoch.
 const PATIENCE: Duration = Duration::from_secs(20);
 
@@ -119,12 +120,12 @@ impl Plan {
         let mut module = Module::start(image)?;
         let (mut moments, mut ordinary) = (Vec::new(), Vec::new());
         let pin_at_boot = module.board.pin_is_high();
-        let mut believer = Believer::new(MASK_DEG.to_radians());
+        let mut accepter = Accepter::new(MASK_DEG.to_radians());
         let epochs = Injector::new(recording.epochs.into_iter(), vec![self.fault()]);
         for (index, epoch) in (0_u32..).zip(epochs) {
             let bytes = encoder.epoch(&epoch)?;
             let said = module.judge(&bytes).with_context(|| format!("epoch {index}"))?;
-            ordinary.extend(believer.hear(&bytes, f64::from(index), &simulation.site));
+            ordinary.extend(accepter.hear(&bytes, f64::from(index), &simulation.site));
             moments.push(moment(f64::from(index), &said, module.board.pin_is_high(), &simulation.site));
             watch(&moments);
         }

@@ -1,11 +1,13 @@
-//! An ordinary receiver beside the module: the same bytes, the same corrections, and all satellites believed.
+//! An ordinary receiver beside the module: the same bytes, the same corrections, and every satellite accepted.
 //!
 //! What it says is what the module's user would have been told without integrity monitoring.
 
 use rai_core::fix::Workspace;
+use rai_firmware::config::Systems;
 use rai_firmware::correction::{self, CAPACITY, Tally, locate};
 use rai_firmware::ephemeris::Store;
-use rai_firmware::rtcm::{Decoder, Event, RawEpoch};
+use rai_firmware::input::{Event, Input};
+use rai_firmware::raw::RawEpoch;
 
 use crate::sky::Site;
 
@@ -21,36 +23,29 @@ pub struct Ordinary {
 }
 
 /// The receiver.
-pub(crate) struct Believer {
-    decoder: Decoder,
+pub(crate) struct Accepter {
+    input: Input,
     store: Store,
     mask_rad: f64,
 }
 
-impl Believer {
+impl Accepter {
     /// A receiver that has heard nothing and uses satellites above `mask_rad`.
     pub(crate) fn new(mask_rad: f64) -> Self {
-        Self { decoder: Decoder::new(), store: Store::new(), mask_rad }
+        Self { input: Input::new(), store: Store::new(), mask_rad }
     }
 
     /// Takes the bytes of one epoch; `None` where they make no fix with redundancy.
     pub(crate) fn hear(&mut self, bytes: &[u8], time_s: f64, site: &Site) -> Option<Ordinary> {
         let mut said = None;
-        for &byte in bytes {
-            let mut event = self.decoder.push(byte);
-            while let Some(found) = event {
-                match found {
-                    Event::Ephemeris(ephemeris) => {
-                        self.store.insert(ephemeris, None);
-                    }
-                    Event::Epoch(raw) => {
-                        said = judge(raw, &self.store, self.mask_rad, time_s, site);
-                    }
-                    Event::ReferencePosition(_) => {}
-                }
-                event = self.decoder.pending();
+        let Self { input, store, mask_rad } = self;
+        input.feed(bytes, 0, |event| match event {
+            Event::Ephemeris(ephemeris) => {
+                store.insert(ephemeris, None);
             }
-        }
+            Event::Epoch(raw, _) => said = judge(raw, store, *mask_rad, time_s, site),
+            Event::Position(_) | Event::Ionosphere(_) | Event::Jamming(_) => {}
+        });
         said
     }
 }
@@ -58,7 +53,7 @@ impl Believer {
 /// One fix of all satellites, corrected for the air above the true site.
 fn judge(raw: &RawEpoch, store: &Store, mask_rad: f64, time_s: f64, site: &Site) -> Option<Ordinary> {
     let mut tally = Tally::default();
-    let sky = locate(raw, store, &mut tally);
+    let sky = locate(raw, store, 0.0, Systems::AT_START, &mut tally);
     let air = correction::Site::new(site.position, raw.time, mask_rad, None);
     let epoch = air.correct(&sky, &mut tally.ranges);
     let mut workspace = Workspace::<f64, CAPACITY>::new();

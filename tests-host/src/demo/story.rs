@@ -118,7 +118,7 @@ impl Story {
             ("left out".to_owned(), excluded),
             ("largest error of a protected position".to_owned(), format!("{error_m:.1} m")),
             (
-                "largest error, all satellites believed".to_owned(),
+                "largest error, all satellites accepted".to_owned(),
                 format!(
                     "{:.1} m",
                     self.ordinary.iter().map(|said| said.horizontal_error_m).fold(0.0, f64::max)
@@ -137,7 +137,8 @@ impl Story {
         ];
         if let Some(most) = self.instructions.iter().max() {
             let millions = *most as f64 * 1e-6;
-            figures.push(("dearest epoch on the target".to_owned(), format!("{millions:.2} M instructions")));
+            figures
+                .push(("costliest epoch on the target".to_owned(), format!("{millions:.1} M instructions")));
         }
         figures
     }
@@ -151,13 +152,13 @@ impl Story {
         let mut statistic = timeline::statistic(&self.moments, &incidents);
         let mut horizontal = timeline::horizontal(&self.moments, &incidents);
         // Behind the other lines: it is them that the picture is about.
-        statistic.series.insert(0, self.believed("all satellites believed", |ordinary| ordinary.statistic));
-        let believed = self.believed("error, all believed", |ordinary| ordinary.horizontal_error_m);
-        horizontal.series.insert(0, believed);
+        statistic.series.insert(0, self.accepted("all satellites accepted", |ordinary| ordinary.statistic));
+        let accepted = self.accepted("error, all accepted", |ordinary| ordinary.horizontal_error_m);
+        horizontal.series.insert(0, accepted);
         timeline::stacked(&[statistic, horizontal], &self.moments, ground)
     }
 
-    fn believed(&self, name: &str, value: impl Fn(&Ordinary) -> f64) -> Series {
+    fn accepted(&self, name: &str, value: impl Fn(&Ordinary) -> f64) -> Series {
         let point = |ordinary: &Ordinary| (ordinary.time_s, value(ordinary));
         let points = self.ordinary.iter().map(point).collect();
         Series { name: name.to_owned(), colour: GREY, mark: Mark::Line, points }

@@ -11,56 +11,20 @@
 //! | ranges of GPS, Galileo, `BeiDou` | 1077, 1097, 1127 |
 //!
 //! References: [RTCM-10403.3] §3.5.16 for MSM, DF002 ff. for the fields, as implemented by the `rtcm-rs` crate.
+//!
+//! [RTCM-10403.3]: crate#references
 
 mod msm;
 mod schedule;
+pub mod ubx;
 
 use anyhow::{Context, Result, ensure};
-use rai_core::satellite::{Constellation, SatelliteId};
-use rai_firmware::time::GpsTime;
-use rtcm_rs::msg::{Msg1019T, Msg1042T, Msg1045T, Msg1046T};
+use rai_core::satellite::Constellation;
 use rtcm_rs::{Message, MessageBuilder};
 
 pub use self::msm::Frequency;
 use self::schedule::Schedule;
-use crate::recording::RawEpoch;
-
-/// A broadcast ephemeris in the units of its message.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Ephemeris {
-    /// GPS LNAV.
-    Gps(Msg1019T),
-    /// `BeiDou` D1 and D2.
-    Beidou(Msg1042T),
-    /// Galileo F/NAV.
-    GalileoFnav(Msg1045T),
-    /// Galileo I/NAV.
-    GalileoInav(Msg1046T),
-}
-
-impl Ephemeris {
-    fn to_message(&self) -> Message {
-        match self {
-            Self::Gps(message) => Message::Msg1019(message.clone()),
-            Self::Beidou(message) => Message::Msg1042(message.clone()),
-            Self::GalileoFnav(message) => Message::Msg1045(message.clone()),
-            Self::GalileoInav(message) => Message::Msg1046(message.clone()),
-        }
-    }
-}
-
-/// An ephemeris, and when it was broadcast.
-#[derive(Clone, Debug, PartialEq)]
-pub struct TimedEphemeris {
-    /// Which satellite.
-    pub satellite: SatelliteId,
-    /// Reference time of the orbit.
-    pub toe: GpsTime,
-    /// When a receiver could first have known it.
-    pub sent: GpsTime,
-    /// The message.
-    pub message: Ephemeris,
-}
+use crate::measurement::{Ephemeris, MeasuredEpoch, TimedEphemeris};
 
 /// Which measurements are sent.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -123,10 +87,10 @@ impl Encoder {
     ///
     /// # Errors
     /// A number that its message has no room for.
-    pub fn epoch(&mut self, epoch: &RawEpoch) -> Result<Vec<u8>> {
+    pub fn epoch(&mut self, epoch: &MeasuredEpoch) -> Result<Vec<u8>> {
         let mut bytes = Vec::new();
         for ephemeris in self.schedule.news(epoch.time) {
-            append(&mut self.builder, &mut bytes, &ephemeris.message.to_message())
+            append(&mut self.builder, &mut bytes, &broadcast(&ephemeris.message))
                 .with_context(|| format!("ephemeris of {}", ephemeris.satellite))?;
         }
         let ranges = msm::messages(epoch, &self.selection, &mut self.unsendable);
@@ -134,6 +98,16 @@ impl Encoder {
             append(&mut self.builder, &mut bytes, &message).context("ranges")?;
         }
         Ok(bytes)
+    }
+}
+
+/// The message of an ephemeris.
+fn broadcast(ephemeris: &Ephemeris) -> Message {
+    match ephemeris {
+        Ephemeris::Gps(message) => Message::Msg1019(message.clone()),
+        Ephemeris::Beidou(message) => Message::Msg1042(message.clone()),
+        Ephemeris::GalileoFnav(message) => Message::Msg1045(message.clone()),
+        Ephemeris::GalileoInav(message) => Message::Msg1046(message.clone()),
     }
 }
 

@@ -10,13 +10,17 @@
 //! | `mod1` | rough range modulo 1 ms | ms | 2⁻¹⁰ | 0 to 1, per satellite |
 //! | `fine` | fine pseudorange, extended | ms | 2⁻²⁹ (0.6 mm) | ±2⁻¹⁰ (±292 m), per signal |
 //! | | C/N0, extended | dBHz | 2⁻⁴ | 0 to 64, per signal |
+//! | | rough phase range rate | m/s | 1 | ±8191, per satellite |
+//! | | fine phase range rate | m/s | 10⁻⁴ | ±1.6383, per signal |
 //!
 //! A message holds at most 64 cells, the product of the number of satellites and of different signals; what does not
-//! fit goes into further messages of the same kind. Carrier phases and rates are left invalid: RAI does not use them.
+//! fit goes into further messages of the same kind. Carrier phases are left invalid: RAI does not use them.
 //!
 //! Of each satellite the signal of the first band is sent and, for two frequencies, the pair that the receiver
 //! combines; see [`pairs`].
 //! References: [RTCM-10403.3] tables 3.5-78 to 3.5-106.
+//!
+//! [RTCM-10403.3]: crate#references
 
 use rai_core::frame::SPEED_OF_LIGHT_M_S;
 use rai_core::satellite::Constellation;
@@ -28,7 +32,7 @@ use rtcm_rs::msg::{
 };
 
 use super::Selection;
-use crate::recording::{RawEpoch, RawSatellite, RawSignal};
+use crate::measurement::{MeasuredEpoch, MeasuredSatellite, MeasuredSignal};
 
 /// How many frequencies of a satellite are sent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -50,6 +54,10 @@ const FINE_LIMIT_MS: f64 = 1.0 / 1024.0 - 1.0 / 536_870_912.0;
 
 /// Highest whole millisecond of a rough range; 255 means invalid.
 const WHOLE_LIMIT_MS: f64 = 254.0;
+
+/// Largest rough rate, and largest difference of a signal's from it, m/s.
+const ROUGH_RATE_LIMIT_M_S: f64 = 8191.0;
+const FINE_RATE_LIMIT_M_S: f64 = 1.6383;
 
 /// Most cells of a message.
 const CELLS: usize = 64;
@@ -80,13 +88,13 @@ const fn pairs(constellation: Constellation) -> &'static [(Choice, Choice)] {
 const GPS_TRIPLE: [Choice; 3] = [(1, "C"), (1, "WP"), (2, "WP")];
 
 /// The signal of a satellite that is the best of a choice.
-fn find(satellite: &RawSatellite, (band, attributes): Choice) -> Option<&RawSignal> {
+fn find(satellite: &MeasuredSatellite, (band, attributes): Choice) -> Option<&MeasuredSignal> {
     let signal = |attribute| satellite.signals.iter().find(|s| s.band == band && s.attribute == attribute);
     attributes.chars().find_map(signal)
 }
 
 /// The signals of a satellite that are sent.
-fn chosen(satellite: &RawSatellite, frequency: Frequency) -> Vec<&RawSignal> {
+pub(super) fn chosen(satellite: &MeasuredSatellite, frequency: Frequency) -> Vec<&MeasuredSignal> {
     let system = satellite.satellite.constellation();
     let all = |choices: &[Choice]| {
         choices.iter().map(|choice| find(satellite, *choice)).collect::<Option<Vec<_>>>()
@@ -107,6 +115,7 @@ struct Row {
     number: u8,
     whole_ms: u8,
     mod1_ms: f64,
+    rate_m_s: Option<f64>,
     cells: Vec<Cell>,
 }
 
@@ -117,17 +126,25 @@ struct Cell {
     attribute: char,
     fine_ms: f64,
     cn0_dbhz: Option<f64>,
+    fine_rate_m_s: Option<f64>,
 }
 
 impl Row {
     /// Splits the ranges of a satellite; none if no signal is left. Signals without a place are counted.
-    fn new(number: u8, signals: &[&RawSignal], unsendable: &mut u64) -> Option<Self> {
+    fn new(
+        system: Constellation,
+        number: u8,
+        signals: &[&MeasuredSignal],
+        unsendable: &mut u64,
+    ) -> Option<Self> {
         let sendable = |range_ms: f64| (0.0..=WHOLE_LIMIT_MS).contains(&range_ms);
         let first_ms = signals.iter().map(|signal| signal.pseudorange_m / M_PER_MS).find(|ms| sendable(*ms));
         // The rough range is rounded from the first signal, which leaves the others at least half of the room.
         let rough = (first_ms.unwrap_or(0.0) * ROUGH_STEPS).round();
         let rough_ms = rough / ROUGH_STEPS;
-        let cell = |signal: &&RawSignal| {
+        let rates = signals.iter().filter_map(|signal| rate_m_s(system, signal));
+        let rate_m_s = rates.map(f64::round).find(|rate| rate.abs() <= ROUGH_RATE_LIMIT_M_S);
+        let cell = |signal: &&MeasuredSignal| {
             let fine_ms = signal.pseudorange_m / M_PER_MS - rough_ms;
             let place = first_ms.is_some() && fine_ms.abs() < FINE_LIMIT_MS;
             place.then_some(Cell {
@@ -135,17 +152,37 @@ impl Row {
                 attribute: signal.attribute,
                 fine_ms,
                 cn0_dbhz: cn0(signal),
+                fine_rate_m_s: fine_rate_m_s(self::rate_m_s(system, signal), rate_m_s),
             })
         };
         let cells: Vec<Cell> = signals.iter().filter_map(cell).collect();
         *unsendable += (signals.len() - cells.len()) as u64;
         let (whole_ms, mod1_ms) = (rough_ms.floor() as u8, rough_ms.fract());
-        (!cells.is_empty()).then_some(Self { number, whole_ms, mod1_ms, cells })
+        (!cells.is_empty()).then_some(Self { number, whole_ms, mod1_ms, rate_m_s, cells })
     }
 }
 
+/// How fast the phase range of a signal grows, m/s.
+fn rate_m_s(system: Constellation, signal: &MeasuredSignal) -> Option<f64> {
+    let frequency_hz = match (system, signal.band) {
+        (Constellation::Gps | Constellation::Galileo | Constellation::Beidou, 1) => 1_575.42e6,
+        (Constellation::Gps, 2) => 1_227.6e6,
+        (Constellation::Gps | Constellation::Galileo | Constellation::Beidou, 5) => 1_176.45e6,
+        (Constellation::Galileo | Constellation::Beidou, 7) => 1_207.14e6,
+        (Constellation::Beidou, 2) => 1_561.098e6,
+        (Constellation::Beidou, 6) => 1_268.52e6,
+        _ => return None,
+    };
+    Some(-signal.doppler_hz? * SPEED_OF_LIGHT_M_S / frequency_hz)
+}
+
+/// What a signal's rate differs from its satellite's rough one, where the field holds it.
+fn fine_rate_m_s(rate_m_s: Option<f64>, rough_m_s: Option<f64>) -> Option<f64> {
+    rate_m_s.zip(rough_m_s).map(|(rate, rough)| rate - rough).filter(|fine| fine.abs() <= FINE_RATE_LIMIT_M_S)
+}
+
 /// C/N0 within what the field holds; its 0 means invalid.
-fn cn0(signal: &RawSignal) -> Option<f64> {
+fn cn0(signal: &MeasuredSignal) -> Option<f64> {
     signal.cn0_dbhz.filter(|cn0_dbhz| *cn0_dbhz >= 0.0625).map(|cn0_dbhz| cn0_dbhz.min(63.9375))
 }
 
@@ -175,7 +212,7 @@ fn cells(part: &[Row]) -> usize {
 }
 
 /// The messages of an epoch; none for a system without satellites, since a message of nothing is not readable by all.
-pub(super) fn messages(epoch: &RawEpoch, selection: &Selection, unsendable: &mut u64) -> Vec<Message> {
+pub(super) fn messages(epoch: &MeasuredEpoch, selection: &Selection, unsendable: &mut u64) -> Vec<Message> {
     let mut planned: Vec<(Constellation, Vec<Row>)> = Vec::new();
     for system in &selection.systems {
         let rows = rows(epoch, *system, selection.frequency, unsendable);
@@ -187,11 +224,16 @@ pub(super) fn messages(epoch: &RawEpoch, selection: &Selection, unsendable: &mut
     planned.into_iter().enumerate().filter_map(message).collect()
 }
 
-fn rows(epoch: &RawEpoch, system: Constellation, frequency: Frequency, unsendable: &mut u64) -> Vec<Row> {
+fn rows(
+    epoch: &MeasuredEpoch,
+    system: Constellation,
+    frequency: Frequency,
+    unsendable: &mut u64,
+) -> Vec<Row> {
     let of_system = epoch.satellites.iter().filter(|satellite| satellite.satellite.constellation() == system);
     let mut rows: Vec<Row> = of_system
         .filter_map(|satellite| {
-            Row::new(satellite.satellite.number(), &chosen(satellite, frequency), unsendable)
+            Row::new(system, satellite.satellite.number(), &chosen(satellite, frequency), unsendable)
         })
         .filter(|row| row.number <= 64)
         .collect();
@@ -209,6 +251,7 @@ macro_rules! msm7 {
                 satellite_id: row.number,
                 gnss_satellite_rough_range_integer_ms: Some(row.whole_ms),
                 gnss_satellite_rough_range_mod1ms_ms: row.mod1_ms,
+                gnss_satellite_rough_phaserange_rates_m_s: row.rate_m_s.map(|rate| rate as i16),
                 ..Msm57Sat::default()
             });
             for cell in &row.cells {
@@ -217,6 +260,7 @@ macro_rules! msm7 {
                     signal_id: $id::new(cell.band, cell.attribute),
                     gnss_signal_fine_pseudorange_ext_ms: Some(cell.fine_ms),
                     gnss_signal_cnr_ext_dbhz: cell.cn0_dbhz,
+                    gnss_signal_fine_phaserange_rate_m_s: cell.fine_rate_m_s,
                     ..$signal::default()
                 });
             }

@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 use rai_core::satellite::SatelliteId;
 use rai_firmware::time::GpsTime;
 
-use super::{Ephemeris, TimedEphemeris};
+use crate::measurement::{Ephemeris, TimedEphemeris};
 
 /// How far from its reference time an ephemeris is used ahead of its broadcast, ms: 2 h, half of a GPS fit interval.
 const VALIDITY_MS: u64 = 2 * 3_600_000;

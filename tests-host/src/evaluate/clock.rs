@@ -1,7 +1,7 @@
 //! Windows of receiver clocks: the core's process and its forecasts, and others for comparison.
 
 use rai_core::clock::{Autoregression, CoastingClock, MIN_VALUES, Uptake};
-use rai_core::real::Real;
+use rai_core::numeric::real::Real;
 use serde::Serialize;
 use serde_json::{Map, Value};
 

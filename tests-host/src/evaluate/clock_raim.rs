@@ -1,12 +1,12 @@
 //! Epochs of one constellation with a forecast receiver clock as the row after the satellites.
 
-use rai_core::detection::detect;
-use rai_core::identification::baarda::{Identification, identify, w_test};
-use rai_core::linear::LinearEpoch;
-use rai_core::real::Real;
+use rai_core::equations::LinearEpoch;
+use rai_core::integrity::residuals::baarda::identify;
+use rai_core::integrity::residuals::detection::detect;
+use rai_core::integrity::residuals::threshold::Thresholds;
+use rai_core::numeric::real::Real;
 use rai_core::satellite::Constellation;
 use rai_core::snapshot::Snapshot;
-use rai_core::threshold::Thresholds;
 use serde::Serialize;
 use serde_json::{Map, Value};
 
@@ -77,10 +77,10 @@ fn judge<T: Real>(
         detect(snapshot, thresholds).ok_or_else(|| format!("{dof} degrees of freedom: no test"))?;
     let identified = detection.fault().then(|| identify(snapshot, thresholds));
     let named = match identified {
-        Some(Identification::Row(index)) => Some(index),
+        Some(Ok(index)) => Some(index),
         _ => None,
     };
-    let squared = snapshot.rows().map(|(_, fit)| w_test(fit).widen()).map(|w| Number(w * w));
+    let squared = snapshot.rows().map(|(_, fit)| fit.w_test().widen()).map(|w| Number(w * w));
     let statistic = detection.statistic();
     Ok(ClockRaim {
         dof,

@@ -1,12 +1,12 @@
 //! The parity-space part of an answer: correlations and what each isolation method makes of them.
 
-use rai_core::identification::parity::{
-    Finding, Limits, correlation, correlation_threshold, grouping, hybrid, hybrid_without_grouping,
+use rai_core::integrity::residuals::parity::{
+    Finding, SearchLimits, correlation, correlation_threshold, grouping, hybrid, hybrid_without_grouping,
     sequential, simultaneous,
 };
-use rai_core::real::Real;
+use rai_core::integrity::residuals::threshold::Thresholds;
+use rai_core::numeric::real::Real;
 use rai_core::snapshot::Snapshot;
-use rai_core::threshold::Thresholds;
 use serde::Serialize;
 
 use super::MAX_ROWS;
@@ -36,7 +36,7 @@ pub(super) fn evaluate<T: Real>(
     thresholds: &Thresholds<'_>,
 ) -> Result<Iso, String> {
     let alpha = probability("alpha", isolation.alpha)?;
-    let limits = Limits { rows: isolation.kmax, sets: MAX_SETS, alpha };
+    let limits = SearchLimits { rows: isolation.kmax, sets: MAX_SETS, alpha };
     let rho = snapshot.rows().map(|(_, fit)| Number(correlation(snapshot, fit).widen()));
     Ok(Iso {
         rho: rho.collect(),

@@ -4,7 +4,7 @@
 //! is left to the core and to [`Line::probabilities`], and becomes a status.
 
 use nalgebra::Vector3;
-use rai_core::probability::Probability;
+use rai_core::numeric::probability::Probability;
 use rai_core::report::MAX_EXCLUDED;
 use rai_core::satellite::Constellation;
 use serde_json::{Map, Value};
@@ -140,7 +140,7 @@ pub(super) fn scalar(object: &Map<String, Value>) -> Result<Scalar, String> {
     }
 }
 
-fn satellites(object: &Map<String, Value>) -> Result<Vec<Satellite>, String> {
+pub(super) fn satellites(object: &Map<String, Value>) -> Result<Vec<Satellite>, String> {
     let directions = array(object, "los_enu")?;
     let constellations = array(object, "con")?;
     let sigmas = numbers(array(object, "sigma")?, "sigma")?;

@@ -2,15 +2,16 @@
 //!
 //! Nothing is computed here that the core computes; fields carry the names of the published vectors.
 
-use rai_core::detection::{Detection, detect};
-use rai_core::identification::baarda::{Identification, Outcome, exclude_sequentially, identify, w_test};
-use rai_core::linear::{LinearEpoch, Row, RowError};
-use rai_core::protection::{largest_slopes, slopes};
-use rai_core::real::Real;
+use rai_core::equations::{LinearEpoch, Row, RowError};
+use rai_core::integrity::residuals::baarda::{exclude_sequentially, identify};
+use rai_core::integrity::residuals::detection::{Detection, detect};
+use rai_core::integrity::residuals::exclusion::{Outcome, Unidentified};
+use rai_core::integrity::residuals::levels::noncentrality_at;
+use rai_core::integrity::residuals::levels::{largest_slopes, slopes};
+use rai_core::integrity::residuals::threshold::Thresholds;
+use rai_core::numeric::real::Real;
 use rai_core::satellite::Constellation;
 use rai_core::snapshot::{Fit, Snapshot, SnapshotError};
-use rai_core::threshold::Thresholds;
-use rai_core::threshold::policy::noncentrality_at;
 use serde::Serialize;
 
 use super::MAX_ROWS;
@@ -172,7 +173,7 @@ fn test<T: Real>(
         test: statistic.statistic.into(),
         T1n: statistic.threshold.into(),
         detected: detection.fault(),
-        w: each_row(snapshot, |_, fit| w_test(fit)),
+        w: each_row(snapshot, |_, fit| fit.w_test()),
         Td: w_threshold.into(),
         Sii: each_row(snapshot, |_, fit| fit.redundancy),
         slope_h: each_row(snapshot, |row, fit| slopes(row, fit).horizontal),
@@ -197,12 +198,12 @@ fn identification<T: Real>(
         return (-1, "not_detected");
     }
     match identify(snapshot, thresholds) {
-        Identification::Row(index) => (index.cast_signed(), "ok"),
-        Identification::NoRedundancy => (-1, "dof<2"),
-        Identification::BelowThreshold => (-1, "below_threshold"),
-        Identification::Ambiguous => (-1, "ambiguous"),
+        Ok(index) => (index.cast_signed(), "ok"),
+        Err(Unidentified::NoRedundancy) => (-1, "dof<2"),
+        Err(Unidentified::BelowThreshold) => (-1, "below_threshold"),
+        Err(Unidentified::Ambiguous) => (-1, "ambiguous"),
         // Said of sets of rows only.
-        Identification::NoSet | Identification::Budget => (-1, "no_set"),
+        Err(Unidentified::NoSet | Unidentified::Budget) => (-1, "no_set"),
     }
 }
 

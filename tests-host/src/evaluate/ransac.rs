@@ -1,11 +1,11 @@
 //! The range-consensus part of an answer: the improved method by the core, the traditional one as its baseline.
 
-use rai_core::identification::ransac::{
-    Limits, MAX_WORK, NoConsensus, Refinement, Selection, consensus, refine,
+use rai_core::integrity::residuals::ransac::{
+    ConsensusLimits, MAX_WORK, NoConsensus, Refinement, Selection, consensus, refine,
 };
-use rai_core::real::Real;
+use rai_core::integrity::residuals::threshold::Thresholds;
+use rai_core::numeric::real::Real;
 use rai_core::snapshot::Snapshot;
-use rai_core::threshold::Thresholds;
 use serde::Serialize;
 
 use super::MAX_ROWS;
@@ -41,7 +41,7 @@ pub(super) struct Traditional {
 pub(super) fn evaluate<T: Real>(
     line: &Line,
     snapshot: &Snapshot<T, MAX_ROWS>,
-    limits: &Limits<'_>,
+    limits: &ConsensusLimits<'_>,
 ) -> Option<Ransac> {
     if line.satellites.len() < 2 * line.unknowns() {
         return None;

@@ -11,7 +11,7 @@
 use std::f64::consts::PI;
 
 use rai_core::satellite::{Constellation, SatelliteId};
-use rai_firmware::ephemeris::{Broadcast, Ephemeris, EphemerisError, Source};
+use rai_firmware::ephemeris::{Broadcast, Ephemeris, EphemerisError, Health, Source};
 use rai_firmware::time::GpsTime;
 
 use super::tape::Tape;
@@ -22,8 +22,8 @@ const MU_M3_S2: f64 = 3.986e14;
 /// Rotation of the earth, rad/s.
 const EARTH_RATE_RAD_S: f64 = 7.3e-5;
 
-/// What the clock terms can come to within two days, s: 0.125 + 1e-7 t + 1e-12 t², and 2 µs of relativity.
-const CLOCK_S: f64 = 0.125 + 0.0173 + 0.0299 + 2e-6;
+/// What the clock terms can come to within two days, s: 0.0625 + 1e-7 t + 1e-12 t², and 2 µs of relativity.
+const CLOCK_S: f64 = 0.0625 + 0.0173 + 0.0299 + 2e-6;
 
 /// Reads an ephemeris and asks it for positions until the bytes end.
 pub fn run(input: &[u8]) {
@@ -46,12 +46,12 @@ fn broadcast(tape: &mut Tape<'_>) -> Broadcast {
     Broadcast {
         satellite: SatelliteId::new(constellation, number).expect("1 to 99"),
         source: source(constellation, tape),
-        healthy: tape.byte() != 0,
+        health: Health::of_satellite(tape.byte() != 0),
         accuracy_m: (tape.byte() != 0).then(|| tape.number(0.0, 1e4) as f32),
         toc: near(toe, tape),
         toe,
         sqrt_a_sqrt_m: tape.number(4000.0, 8000.0),
-        eccentricity: tape.number(0.0, 0.5),
+        eccentricity: tape.number(0.0, 0.2),
         m0_sc: tape.number(-1.0, 1.0),
         omega0_sc: tape.number(-1.0, 1.0),
         i0_sc: tape.number(-1.0, 1.0),
@@ -59,13 +59,13 @@ fn broadcast(tape: &mut Tape<'_>) -> Broadcast {
         delta_n_sc_s: tape.number(-1e-6, 1e-6),
         omegadot_sc_s: tape.number(-1e-6, 1e-6),
         idot_sc_s: tape.number(-1e-6, 1e-6),
-        cuc_rad: tape.number(-1e-3, 1e-3) as f32,
-        cus_rad: tape.number(-1e-3, 1e-3) as f32,
-        crc_m: tape.number(-3e3, 3e3) as f32,
-        crs_m: tape.number(-3e3, 3e3) as f32,
-        cic_rad: tape.number(-1e-3, 1e-3) as f32,
-        cis_rad: tape.number(-1e-3, 1e-3) as f32,
-        af0_s: tape.number(-0.125, 0.125),
+        cuc_rad: tape.number(-6.1e-5, 6.1e-5) as f32,
+        cus_rad: tape.number(-6.1e-5, 6.1e-5) as f32,
+        crc_m: tape.number(-2048.0, 2048.0) as f32,
+        crs_m: tape.number(-2048.0, 2048.0) as f32,
+        cic_rad: tape.number(-6.1e-5, 6.1e-5) as f32,
+        cis_rad: tape.number(-6.1e-5, 6.1e-5) as f32,
+        af0_s: tape.number(-0.0625, 0.0625),
         af1_s_s: tape.number(-1e-7, 1e-7),
         af2_s_s2: tape.number(-1e-12, 1e-12),
         group_delays_s: [tape.number(-1e-6, 1e-6) as f32, tape.number(-1e-6, 1e-6) as f32],
@@ -121,7 +121,7 @@ fn numbers(broadcast: &Broadcast) -> [f64; 20] {
 }
 
 fn fly(broadcast: &Broadcast, ephemeris: &Ephemeris, received: GpsTime, range_m: f64) {
-    if !broadcast.healthy {
+    if broadcast.health.is_bad() {
         assert_eq!(ephemeris.usable_at(received), Err(EphemerisError::Unhealthy));
     }
     let Ok(here) = ephemeris.at(received, range_m) else { return };

@@ -9,14 +9,15 @@ use std::collections::BTreeSet;
 
 use rai_core::epoch::{Aiding, Epoch, Observation};
 use rai_core::frame::{Ecef, Enu, LocalFrame};
-use rai_core::identification::parity;
+use rai_core::integrity::residuals::parity;
+use rai_core::integrity::residuals::threshold::policy::Policy;
+use rai_core::integrity::separation::Allocation;
 use rai_core::monitor::{Method, Monitor, Strategy};
-use rai_core::probability::Probability;
-use rai_core::real::Real;
+use rai_core::numeric::probability::Probability;
+use rai_core::numeric::real::Real;
 use rai_core::report::{Protected, Report, Unavailable, Verdict};
 use rai_core::requirements::Requirements;
 use rai_core::satellite::{Constellation, SatelliteId};
-use rai_core::threshold::policy::Policy;
 
 use super::tape::Tape;
 
@@ -49,7 +50,7 @@ fn monitor<T: Real>(tape: &mut Tape<'_>) {
     while !tape.is_over() {
         if tape.byte() < 64 {
             strategy = self::strategy(tape);
-            monitor.pursue(strategy);
+            monitor.set_strategy(strategy);
         }
         if tape.byte() < 16 {
             monitor.start_from(point(tape));
@@ -69,19 +70,23 @@ fn requirements(tape: &mut Tape<'_>) -> Requirements {
         val_m: (tape.byte() < 64).then(|| tape.number(1.0, 4e3)),
         false_alarm: probability(tape, &[3.33e-7, 5e-3, 1e-3, 1e-5, 1e-8]),
         missed_detection: probability(tape, &[1e-3, 1e-4, 1e-6]),
+        fault_free_risk: probability(tape, &[1e-7, 1e-3, 1e-12]),
         time_to_alert_s: tape.number(0.1, 3600.0),
         guard_fraction: tape.number(0.01, 1.0),
+        allocation: tape.one_of(&[Allocation::horizontal(), Allocation::vertical_guidance()]),
     }
 }
 
 fn strategy(tape: &mut Tape<'_>) -> Strategy {
-    use parity::Method::{Grouping, Hybrid, HybridWithoutGrouping, Sequential, Simultaneous};
+    use parity::Isolation::{Grouping, Hybrid, HybridWithoutGrouping, Sequential, Simultaneous};
     let parity = [Simultaneous, Sequential, HybridWithoutGrouping, Hybrid, Grouping].map(Method::Parity);
-    let methods = [Method::Baarda, Method::Ransac].into_iter().chain(parity).collect::<Vec<_>>();
+    let methods =
+        [Method::Baarda, Method::Ransac, Method::Separation].into_iter().chain(parity).collect::<Vec<_>>();
     Strategy {
         policy: tape.one_of(&[Policy::T1, Policy::T2, Policy::TOp]),
         method: tape.one_of(&methods),
         clock_aid: tape.byte() & 1 == 1,
+        ..Strategy::CLASSIC
     }
 }
 
@@ -180,7 +185,9 @@ fn check_promise(report: &Report<ROOM>, reason: Protected, requirements: &Requir
     let test = report.test.expect("protected without a test");
     assert!(test.statistic >= 0.0 && test.statistic <= test.threshold, "{report:?}");
     let levels = report.protection.expect("protected without levels");
-    let share = |limit_m: f64| requirements.guard_fraction * limit_m * (1.0 + ROUNDED);
+    // Levels of ARAIM may fill the limits.
+    let fraction = if report.separation.is_some() { 1.0 } else { requirements.guard_fraction };
+    let share = |limit_m: f64| fraction * limit_m * (1.0 + ROUNDED);
     assert!(
         levels.hpl_m >= 0.0 && levels.hpl_m <= share(requirements.hal_m),
         "{report:?} of {requirements:?}"

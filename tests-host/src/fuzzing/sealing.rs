@@ -23,6 +23,8 @@ pub(super) fn seal_frames(bytes: &mut [u8]) {
 }
 
 /// CRC-24Q ([RTCM-10403.3] 4.2), bit by bit.
+///
+/// [RTCM-10403.3]: crate#references
 fn crc24q(bytes: &[u8]) -> u32 {
     let shifted =
         |crc: u32| if crc & 0x80_0000 == 0 { crc << 1 } else { (crc << 1 ^ 0x186_4CFB) & 0xFF_FFFF };

@@ -7,7 +7,7 @@
 //! | in the sources | in the list |
 //! |---|---|
 //! | `pub fn solve` in `impl Snapshot` | `Snapshot::solve` |
-//! | `pub fn slopes` in the module `protection` | `protection::slopes`, or by the module above |
+//! | `pub fn slopes` in the module `levels` | `levels::slopes`, or by the module above |
 //! | `fn fmt` in `impl Display for RowError` | `<RowError as Display>::fmt` |
 //!
 //! Generic arguments do not count; a name that several types share has to be there as often. What a macro or a derive

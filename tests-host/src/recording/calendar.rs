@@ -8,6 +8,9 @@
 //!
 //! RINEX gives dates in the time system of the satellite (ephemerides) or of the header (observations).
 //! References: [RINEX-4.01] §4.1; days by the era method of [Hinnant2013].
+//!
+//! [RINEX-4.01]: crate#references
+//! [Hinnant2013]: crate#references
 
 use anyhow::{Context, Result, ensure};
 use rai_firmware::time::{BEIDOU_OFFSET_MS, GpsTime};

@@ -14,6 +14,8 @@
 //!
 //! Versions 1 (RINEX 2) and 3 (RINEX 3 and 4). Receiver clock offsets on the second line of an epoch are skipped.
 //! References: [Hatanaka2008].
+//!
+//! [Hatanaka2008]: crate#references
 
 use std::collections::HashMap;
 use std::fmt::Write as _;

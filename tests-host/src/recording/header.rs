@@ -3,6 +3,10 @@
 //! A header line holds values in columns 0 to 59 and its label from column 60 on. Labels of RINEX 2, 3 and 4 are
 //! read alike; those that say nothing about ranges or orbits are passed over.
 //! References: [RINEX-2.11] tables A1 and A3, [RINEX-3.05] tables A2 and A5, [RINEX-4.01].
+//!
+//! [RINEX-2.11]: crate#references
+//! [RINEX-3.05]: crate#references
+//! [RINEX-4.01]: crate#references
 
 use std::collections::HashMap;
 

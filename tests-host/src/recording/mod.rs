@@ -1,16 +1,9 @@
 //! Recordings: RINEX 2, 3 and 4 files of a receiver, plain or packed, as epochs of raw measurements.
 //!
 //! ```text
-//! file ──► text (gzip, compact RINEX) ──► header ──► observations ──► RawEpoch ┐
+//! file (gzip, compact RINEX) ──► text ──► header ──► observations ──► MeasuredEpoch ┐
 //!                                             └────► navigation ──► Ephemeris  ┴──► Recording ──► encode
 //! ```
-//!
-//! | quantity | field | unit |
-//! |---|---|---|
-//! | code pseudorange as measured, receiver clock and atmosphere left in | `pseudorange_m` | m |
-//! | carrier phase | `carrier_cycles` | cycles |
-//! | carrier-to-noise density | `cn0_dbhz` | dBHz |
-//! | receiver's time tag | `time` | GPS time, whole ms |
 //!
 //! Nothing is corrected and nothing is judged: a recording is what the receiver saw.
 //!
@@ -19,8 +12,14 @@
 //! the time that a first build of the project would take.
 //!
 //! References: [RINEX-2.11], [RINEX-3.05], [RINEX-4.01], [Hatanaka2008].
+//!
+//! [RINEX-2.11]: crate#references
+//! [RINEX-3.05]: crate#references
+//! [RINEX-4.01]: crate#references
+//! [Hatanaka2008]: crate#references
 
 mod calendar;
+mod file;
 mod hatanaka;
 mod header;
 mod navigation;
@@ -31,13 +30,12 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail, ensure};
 use rai_core::frame::Ecef;
-use rai_core::satellite::SatelliteId;
-use rai_firmware::time::GpsTime;
+use rai_core::satellite::Constellation;
 
 pub use self::calendar::readable;
 use self::header::{Header, Kind};
 use self::text::Lines;
-use crate::encode::TimedEphemeris;
+use crate::measurement::{MeasuredEpoch, TimedEphemeris};
 
 /// How far from its reference time any broadcast ephemeris is of use, ms: 4 h.
 const USEFUL_MS: i64 = 4 * 3_600_000;
@@ -46,46 +44,15 @@ const USEFUL_MS: i64 = 4 * 3_600_000;
 #[derive(Clone, Debug, Default)]
 pub struct Recording {
     /// In the order of time, no time twice.
-    pub epochs: Vec<RawEpoch>,
+    pub epochs: Vec<MeasuredEpoch>,
     /// In the order of the files.
     pub ephemerides: Vec<TimedEphemeris>,
     /// GPS coefficients of the single-frequency ionosphere model, `α0…α3, β0…β3`, in the broadcast's units.
     pub klobuchar: Option<[f64; 8]>,
+    /// Records of systems that nobody asked for and that could not be read.
+    pub malformed: u64,
     /// What the header believes about the antenna; wrong by hundreds of metres in some files.
     pub approximate_position: Option<Ecef>,
-}
-
-/// All measurements of one instant.
-#[derive(Clone, Debug, PartialEq)]
-pub struct RawEpoch {
-    /// The receiver's time tag.
-    pub time: GpsTime,
-    /// In the order of the file.
-    pub satellites: Vec<RawSatellite>,
-}
-
-/// One satellite's signals, each with a pseudorange.
-#[derive(Clone, Debug, PartialEq)]
-pub struct RawSatellite {
-    /// Which satellite.
-    pub satellite: SatelliteId,
-    /// In the order of the file.
-    pub signals: Vec<RawSignal>,
-}
-
-/// One signal's measurements.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RawSignal {
-    /// Frequency band as RINEX 3.05 numbers it; `BeiDou`'s B1I is 2.
-    pub band: u8,
-    /// Component of the signal, the third letter of the RINEX code.
-    pub attribute: char,
-    /// Code pseudorange, m.
-    pub pseudorange_m: f64,
-    /// Carrier phase, cycles.
-    pub carrier_cycles: Option<f64>,
-    /// Carrier-to-noise density, dBHz.
-    pub cn0_dbhz: Option<f64>,
 }
 
 impl Recording {
@@ -95,15 +62,28 @@ impl Recording {
     /// A file that is missing, empty or not RINEX of the expected kind, a line that cannot be read, or a navigation
     /// file of another day: the message says what, where, and what would help.
     pub fn load(observations: &[PathBuf], navigation: &[PathBuf]) -> Result<Self> {
+        Self::load_of(observations, navigation, &Constellation::ALL)
+    }
+
+    /// As [`Recording::load`], where only records of the `wanted` systems must be sound; of the others, those that
+    /// cannot be read are counted in [`Recording::malformed`].
+    ///
+    /// # Errors
+    /// As of [`Recording::load`].
+    pub fn load_of(
+        observations: &[PathBuf],
+        navigation: &[PathBuf],
+        wanted: &[Constellation],
+    ) -> Result<Self> {
         let mut recording = Self::default();
         for path in observations {
             recording
-                .read(path, Kind::Observations)
+                .read(path, Kind::Observations, wanted)
                 .with_context(|| format!("observation file {}", path.display()))?;
         }
         for path in navigation {
             recording
-                .read(path, Kind::Navigation)
+                .read(path, Kind::Navigation, wanted)
                 .with_context(|| format!("navigation file {}", path.display()))?;
         }
         recording.epochs.sort_by_key(|epoch| epoch.time);
@@ -112,19 +92,22 @@ impl Recording {
         Ok(recording)
     }
 
-    fn read(&mut self, path: &Path, expected: Kind) -> Result<()> {
-        let text = text::open(path)?;
+    fn read(&mut self, path: &Path, expected: Kind, wanted: &[Constellation]) -> Result<()> {
+        let text = file::open(path)?;
         let mut lines = Lines::of(&text);
         let header = Header::read(&mut lines)?;
         match (header.kind, expected) {
             (Kind::Observations, Kind::Observations) => {
                 self.approximate_position = self.approximate_position.or(header.approximate_position);
-                self.epochs.append(&mut observations::read(header, &mut lines)?);
+                let (mut epochs, malformed) = observations::read(header, &mut lines, wanted)?;
+                self.epochs.append(&mut epochs);
+                self.malformed += malformed;
             }
             (Kind::Navigation, Kind::Navigation) => {
-                let mut navigation = navigation::read(&header, &mut lines)?;
+                let mut navigation = navigation::read(&header, &mut lines, wanted)?;
                 self.ephemerides.append(&mut navigation.ephemerides);
                 self.klobuchar = self.klobuchar.or(navigation.klobuchar);
+                self.malformed += navigation.malformed;
             }
             (Kind::Observations, Kind::Navigation) => {
                 bail!("holds observations: give it as observation file")

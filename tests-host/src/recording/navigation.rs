@@ -19,6 +19,10 @@
 //!
 //! The modernised messages of RINEX 4 (CNAV and its kin) have other rows and are passed over, as are other systems.
 //! References: [RINEX-2.11] table A4, [RINEX-3.05] tables A6, A8, A14, [RINEX-4.01] tables A8 to A18.
+//!
+//! [RINEX-2.11]: crate#references
+//! [RINEX-3.05]: crate#references
+//! [RINEX-4.01]: crate#references
 
 use std::f64::consts::PI;
 
@@ -30,37 +34,47 @@ use rtcm_rs::msg::{Msg1019T, Msg1042T, Msg1045T, Msg1046T};
 use super::calendar::{self, TimeSystem};
 use super::header::Header;
 use super::text::{Lines, columns, number};
-use crate::encode::{Ephemeris, TimedEphemeris};
+use crate::measurement::{Ephemeris, TimedEphemeris};
 
 /// What a navigation file says about orbits and the ionosphere.
 pub(super) struct Navigation {
     pub(super) ephemerides: Vec<TimedEphemeris>,
     pub(super) klobuchar: Option<[f64; 8]>,
+    /// Records of systems that nobody asked for and that cannot be read.
+    pub(super) malformed: u64,
 }
 
 /// All records after the header.
-pub(super) fn read(header: &Header, lines: &mut Lines<'_>) -> Result<Navigation> {
-    let mut navigation = Navigation { ephemerides: Vec::new(), klobuchar: header.klobuchar.coefficients() };
+pub(super) fn read(header: &Header, lines: &mut Lines<'_>, wanted: &[Constellation]) -> Result<Navigation> {
+    let klobuchar = header.klobuchar.coefficients();
+    let mut navigation = Navigation { ephemerides: Vec::new(), klobuchar, malformed: 0 };
     while let Some(line) = lines.next() {
         let begin = lines.number();
-        navigation.record(header, line, lines).with_context(|| format!("record from line {begin}"))?;
+        navigation
+            .record(header, line, lines, wanted)
+            .with_context(|| format!("record from line {begin}"))?;
     }
     Ok(navigation)
 }
 
 impl Navigation {
     /// Takes the record that `line` begins.
-    fn record(&mut self, header: &Header, line: &str, lines: &mut Lines<'_>) -> Result<()> {
+    fn record(
+        &mut self,
+        header: &Header,
+        line: &str,
+        lines: &mut Lines<'_>,
+        wanted: &[Constellation],
+    ) -> Result<()> {
         let mut words = line.split_ascii_whitespace();
         if words.next() != Some(">") {
-            self.ephemerides.extend(ephemeris(header, line, lines)?);
-            return Ok(());
+            return self.keep(ephemeris(header, line, lines), header, line, wanted);
         }
         // RINEX 4 says what comes before it comes.
         match (words.next(), words.next(), words.next()) {
             (Some("EPH"), _, Some("LNAV" | "INAV" | "FNAV" | "D1" | "D2")) => {
                 let line = lines.within("an ephemeris")?;
-                self.ephemerides.extend(ephemeris(header, line, lines)?);
+                self.keep(ephemeris(header, line, lines), header, line, wanted)?;
             }
             (Some("ION"), Some(name), Some("LNAV")) if name.starts_with('G') => {
                 self.klobuchar = ionosphere(lines)?;
@@ -69,6 +83,30 @@ impl Navigation {
         }
         Ok(())
     }
+}
+
+impl Navigation {
+    /// Keeps what was read; what cannot be read, of a system that nobody asked for, is counted and passed over.
+    fn keep(
+        &mut self,
+        read: Result<Option<TimedEphemeris>>,
+        header: &Header,
+        line: &str,
+        wanted: &[Constellation],
+    ) -> Result<()> {
+        let is_wanted = system(header, line).is_some_and(|system| wanted.contains(&system));
+        match read {
+            Err(_) if !is_wanted => self.malformed += 1,
+            read => self.ephemerides.extend(read?),
+        }
+        Ok(())
+    }
+}
+
+/// The system of the record that `line` begins; RINEX 2 files hold GPS unless their header says otherwise.
+fn system(header: &Header, line: &str) -> Option<Constellation> {
+    let letter = line.chars().next().filter(char::is_ascii_alphabetic);
+    Constellation::from_letter(letter.unwrap_or(if header.version < 300 { 'G' } else { ' ' }))
 }
 
 /// The next line, if it belongs to the record.
@@ -278,6 +316,8 @@ impl Record {
 }
 
 /// The index of a user range accuracy in metres: the first class whose upper bound holds it ([IS-GPS-200] 20.3.3.3.1.3).
+///
+/// [IS-GPS-200]: crate#references
 fn ura_index(accuracy_m: f64) -> u8 {
     const UPPER_M: [f64; 15] =
         [2.4, 3.4, 4.85, 6.85, 9.65, 13.65, 24.0, 48.0, 96.0, 192.0, 384.0, 768.0, 1536.0, 3072.0, 6144.0];
@@ -286,6 +326,8 @@ fn ura_index(accuracy_m: f64) -> u8 {
 }
 
 /// The index of a signal-in-space accuracy in metres ([Galileo-OS-SIS-ICD] §5.1.12); 255 where there is no prediction.
+///
+/// [Galileo-OS-SIS-ICD]: crate#references
 fn sisa_index(accuracy_m: f64) -> u8 {
     let within =
         |from_m: f64, step_m: f64, first: f64| (first + ((accuracy_m - from_m) / step_m).round()) as u8;

@@ -10,6 +10,9 @@
 //! pseudorange. Epochs of events (new site, header lines, cycle slips) carry no ranges; header lines inside them
 //! are obeyed.
 //! References: [RINEX-2.11] table A2, [RINEX-3.05] tables 12 to 18 and A3.
+//!
+//! [RINEX-2.11]: crate#references
+//! [RINEX-3.05]: crate#references
 
 use std::collections::HashMap;
 use std::fmt::Write as _;
@@ -20,21 +23,29 @@ use rai_core::satellite::{Constellation, SatelliteId};
 use super::calendar;
 use super::header::Header;
 use super::text::{Lines, columns, number};
-use super::{RawEpoch, RawSatellite, RawSignal};
+use crate::measurement::{MeasuredEpoch, MeasuredSatellite, MeasuredSignal};
 
-/// All epochs after the header.
-pub(super) fn read(header: Header, lines: &mut Lines<'_>) -> Result<Vec<RawEpoch>> {
-    let mut reader = Reader { fields: fields(&header), header };
+/// All epochs after the header, and how many records of systems that are not `wanted` could not be read.
+pub(super) fn read(
+    header: Header,
+    lines: &mut Lines<'_>,
+    wanted: &[Constellation],
+) -> Result<(Vec<MeasuredEpoch>, u64)> {
+    let mut reader = Reader { fields: fields(&header), header, wanted, malformed: 0 };
     let mut epochs = Vec::new();
     while let Some(line) = lines.next() {
         let begin = lines.number();
         let epoch = reader.epoch(line, lines);
         epochs.extend(epoch.with_context(|| format!("line {}, epoch from line {begin}", lines.number()))?);
     }
-    Ok(epochs)
+    Ok((epochs, reader.malformed))
 }
 
-struct Reader {
+struct Reader<'a> {
+    /// Systems of which every record must be sound.
+    wanted: &'a [Constellation],
+    /// Records of other systems that are not.
+    malformed: u64,
     header: Header,
     fields: HashMap<Constellation, Vec<Option<Field>>>,
 }
@@ -46,9 +57,9 @@ struct Opening<'a> {
     count: usize,
 }
 
-impl Reader {
+impl Reader<'_> {
     /// The epoch that `line` opens; none for an event or a blank line.
-    fn epoch(&mut self, line: &str, lines: &mut Lines<'_>) -> Result<Option<RawEpoch>> {
+    fn epoch(&mut self, line: &str, lines: &mut Lines<'_>) -> Result<Option<MeasuredEpoch>> {
         if line.trim().is_empty() {
             return Ok(None);
         }
@@ -63,7 +74,7 @@ impl Reader {
         } else {
             self.satellites_3(opening.count, lines)?
         };
-        Ok(Some(RawEpoch { time, satellites }))
+        Ok(Some(MeasuredEpoch { time, satellites }))
     }
 
     fn opening<'a>(&self, line: &'a str) -> Result<Opening<'a>> {
@@ -85,18 +96,23 @@ impl Reader {
         Ok(())
     }
 
-    fn satellites_3(&self, count: usize, lines: &mut Lines<'_>) -> Result<Vec<RawSatellite>> {
+    fn satellites_3(&mut self, count: usize, lines: &mut Lines<'_>) -> Result<Vec<MeasuredSatellite>> {
         let mut satellites = Vec::with_capacity(count);
         for _ in 0..count {
             let line = lines.within("an epoch")?;
             let name = columns(line, 0, 3);
             let values = line.get(3..).unwrap_or("");
-            satellites.extend(self.satellite(name, values).with_context(|| format!("satellite {name}"))?);
+            satellites.extend(self.record(name, values)?);
         }
         Ok(satellites)
     }
 
-    fn satellites_2(&self, opening: &str, count: usize, lines: &mut Lines<'_>) -> Result<Vec<RawSatellite>> {
+    fn satellites_2(
+        &mut self,
+        opening: &str,
+        count: usize,
+        lines: &mut Lines<'_>,
+    ) -> Result<Vec<MeasuredSatellite>> {
         let mut line = opening;
         let mut names = Vec::with_capacity(count);
         for index in 0..count {
@@ -114,7 +130,7 @@ impl Reader {
                 // Five fields of 16 columns; trailing blanks may have been cut.
                 let _ = write!(values, "{:80.80}", lines.within("an epoch")?);
             }
-            satellites.extend(self.satellite(name, &values).with_context(|| format!("satellite {name}"))?);
+            satellites.extend(self.record(name, &values)?);
         }
         Ok(satellites)
     }
@@ -128,8 +144,21 @@ impl Reader {
         }
     }
 
+    /// One satellite's record; one that cannot be read, of a system that nobody asked for, is counted and passed over.
+    fn record(&mut self, name: &str, values: &str) -> Result<Option<MeasuredSatellite>> {
+        let system = Constellation::from_letter(self.system(name));
+        let is_wanted = system.is_some_and(|system| self.wanted.contains(&system));
+        match self.satellite(name, values) {
+            Err(_) if !is_wanted => {
+                self.malformed += 1;
+                Ok(None)
+            }
+            read => read.with_context(|| format!("satellite {name}")),
+        }
+    }
+
     /// One satellite from its fields, side by side; none if it is of no use.
-    fn satellite(&self, name: &str, values: &str) -> Result<Option<RawSatellite>> {
+    fn satellite(&self, name: &str, values: &str) -> Result<Option<MeasuredSatellite>> {
         let system = self.system(name);
         let Some(constellation) = Constellation::from_letter(system) else { return Ok(None) };
         let digits = name.trim_start_matches(|letter: char| letter.is_ascii_alphabetic()).trim();
@@ -139,13 +168,13 @@ impl Reader {
         self.header.codes.of(system)?;
         let fields = self.fields.get(&constellation).map_or(&[][..], Vec::as_slice);
         let signals = signals(fields, values)?;
-        Ok((!signals.is_empty()).then_some(RawSatellite { satellite, signals }))
+        Ok((!signals.is_empty()).then_some(MeasuredSatellite { satellite, signals }))
     }
 }
 
 /// The signals of one satellite that have a pseudorange; blank and zero mean none.
-fn signals(fields: &[Option<Field>], values: &str) -> Result<Vec<RawSignal>> {
-    let mut signals: Vec<RawSignal> = Vec::new();
+fn signals(fields: &[Option<Field>], values: &str) -> Result<Vec<MeasuredSignal>> {
+    let mut signals: Vec<MeasuredSignal> = Vec::new();
     let mut others: Vec<(Field, f64)> = Vec::new();
     for (index, field) in fields.iter().enumerate() {
         let (Some(field), column) = (field, 16 * index) else { continue };
@@ -173,6 +202,7 @@ enum Quantity {
     Pseudorange,
     CarrierPhase,
     SignalToNoise,
+    Doppler,
 }
 
 /// What one field of a satellite's record holds.
@@ -196,6 +226,7 @@ impl Field {
             'C' | 'P' => Quantity::Pseudorange,
             'L' => Quantity::CarrierPhase,
             'S' => Quantity::SignalToNoise,
+            'D' => Quantity::Doppler,
             _ => return None,
         };
         let band = letters.next()?.to_digit(10)? as u8;
@@ -213,28 +244,30 @@ impl Field {
         }
     }
 
-    fn belongs_to(self, signal: &RawSignal) -> bool {
+    fn belongs_to(self, signal: &MeasuredSignal) -> bool {
         self.band == signal.band && self.attribute.is_none_or(|attribute| attribute == signal.attribute)
     }
 
     /// A signal of this pseudorange. Until a field says more, C/N0 is what the digit beside the value promises:
     /// class `k` of 2 to 9 begins at `6 k` dBHz.
-    fn signal(self, pseudorange_m: f64, strength: &str) -> Option<RawSignal> {
+    fn signal(self, pseudorange_m: f64, strength: &str) -> Option<MeasuredSignal> {
         let class = strength.parse::<u8>().ok().filter(|class| *class > 0);
         let cn0_dbhz = class.map(|class| 6.0 * f64::from(class));
-        Some(RawSignal {
+        Some(MeasuredSignal {
             band: self.band,
             attribute: self.attribute?,
             pseudorange_m,
             carrier_cycles: None,
             cn0_dbhz,
+            doppler_hz: None,
         })
     }
 
-    fn complete(self, signal: &mut RawSignal, value: f64) {
+    fn complete(self, signal: &mut MeasuredSignal, value: f64) {
         match self.quantity {
             Quantity::CarrierPhase => signal.carrier_cycles = Some(value),
             Quantity::SignalToNoise => signal.cn0_dbhz = Some(value),
+            Quantity::Doppler => signal.doppler_hz = Some(value),
             Quantity::Pseudorange => {}
         }
     }

@@ -64,6 +64,13 @@ pub fn encode(
     Ok(lumps)
 }
 
+/// The recording's own interval: the median time between neighbours, s; 0 where there are none.
+pub fn interval_s(lumps: &[Lump]) -> f64 {
+    let mut steps: Vec<f64> = lumps.windows(2).map(|pair| pair[1].elapsed_s - pair[0].elapsed_s).collect();
+    steps.sort_by(f64::total_cmp);
+    steps.get(steps.len() / 2).copied().unwrap_or(0.0)
+}
+
 /// Every satellite that is measured at least once.
 fn satellites(recording: &Recording) -> Vec<SatelliteId> {
     let measured = recording.epochs.iter().flat_map(|epoch| &epoch.satellites);

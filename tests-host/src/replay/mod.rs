@@ -4,9 +4,10 @@
 //! recording ─► lumps (window, faults, RTCM) ─► on the host │ on the board ─► sentences ─► track ─► summary, CSV, report
 //! ```
 //!
-//! One lump is the RTCM of one epoch. The host runs the firmware's library in process; the board is the emulated
+//! One lump is the RTCM of one epoch. Time runs as it was recorded: where epochs are missing the line is silent, and the
+//! module is left to notice. The host runs the firmware's library in process; the board is the emulated
 //! chip. Both get the same bytes and both are read only through their sentences, so that they can be compared byte
-//! for byte.
+//! for byte; the board is fed the next lump when it has spoken of the last one, and knows no silence.
 
 mod corrected;
 mod host;
@@ -15,11 +16,13 @@ mod page;
 mod summary;
 mod target;
 mod track;
+mod truth;
 
 pub use corrected::corrected;
-pub use host::{Setup, on_host};
-pub use lumps::{Lump, Window, encode};
+pub use host::{HostRun, Pace, Said, Setup, on_host};
+pub use lumps::{Lump, Window, encode, interval_s};
 pub use page::write_report;
 pub use summary::{Injected, Summary};
 pub use target::{BoardRun, on_board};
-pub use track::{Moment, Track, Truth, track, write_csv};
+pub use track::{Moment, Track, track, write_csv};
+pub use truth::Truth;

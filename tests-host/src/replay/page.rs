@@ -6,7 +6,7 @@ use anyhow::Result;
 
 use super::summary::Summary;
 use super::track::Track;
-use crate::fault::Fault;
+use crate::fault::{Fault, Kind};
 use crate::report::canvas::Ground;
 use crate::report::page::Page;
 use crate::report::{Moment, stanford, timeline};
@@ -24,7 +24,10 @@ pub fn write_report(folder: &Path, track: &Track, faults: &[Fault], summary: &Su
     page.picture(&timeline::picture(&moments, &incidents, Ground::Page)?);
     if moments.iter().any(|moment| moment.horizontal_error_m.is_some()) {
         page.heading("Error against protection level");
-        page.paragraph("Below the diagonal the protection level bounds the error, as it must.");
+        page.paragraph(
+            "Above the diagonal the protection level is larger than the error and bounds it, as it must. A violet dot \
+             below it is misleading: a position that was promised to be better than it was.",
+        );
         page.pictures(&[
             stanford::horizontal(&moments, Ground::Page)?,
             stanford::vertical(&moments, Ground::Page)?,
@@ -36,9 +39,12 @@ pub fn write_report(folder: &Path, track: &Track, faults: &[Fault], summary: &Su
 }
 
 fn headline(summary: &Summary) -> String {
+    let misleading = summary
+        .misleading
+        .map_or("error unknown".to_owned(), |misleading| format!("{misleading} misleading"));
     format!(
-        "{} epochs: {} protected, {} alerts, {} unavailable; {} misleading.",
-        summary.epochs, summary.protected, summary.alerts, summary.unavailable, summary.misleading
+        "{} epochs: {} protected, {} alerts, {} unavailable; {misleading}.",
+        summary.epochs, summary.protected, summary.alerts, summary.unavailable
     )
 }
 
@@ -55,7 +61,10 @@ fn figures(summary: &Summary) -> Vec<(String, String)> {
 fn incident(fault: &Fault, track: &Track) -> timeline::Incident {
     let last_s = track.last().map_or(0.0, |moment| moment.elapsed_s);
     timeline::Incident {
-        name: format!("fault of {}", fault.target),
+        name: match fault.kind {
+            Kind::Outage => format!("{} is lost", fault.target),
+            _ => format!("fault of {}", fault.target),
+        },
         range_s: fault.start_s..fault.end_s.min(last_s),
     }
 }

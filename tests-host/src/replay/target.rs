@@ -6,7 +6,7 @@ use std::time::Duration;
 use anyhow::{Context, Result};
 
 use super::Lump;
-use super::host::{Setup, check_answers, command};
+use super::host::{HostRun, Setup, check_answers, command, counters_of};
 use crate::board::EmulatedBoard;
 
 /// The longest that the emulated board may take for an epoch: hundreds of times what it needs.
@@ -27,14 +27,14 @@ pub struct BoardRun {
 
 /// Runs the lumps on the emulated board, in lock step: the next follows the verdict on the last.
 ///
-/// `expected` are the host's sentences; an epoch of which the host says nothing is not waited for.
+/// `expected` is the host's run in lock step; an epoch of which the host says nothing is not waited for.
 ///
 /// # Errors
 /// The board does not start, does not answer in time, or refuses a setup command.
 pub fn on_board(
     image: &Path,
     lumps: &[Lump],
-    expected: &[String],
+    expected: &HostRun,
     setup: &Setup,
     mut progress: impl FnMut(usize),
 ) -> Result<BoardRun> {
@@ -46,9 +46,9 @@ pub fn on_board(
         check_answers(std::slice::from_ref(body), answers.last().map_or("", String::as_str))?;
     }
     let mut lines = Vec::new();
-    for (done, (lump, expected)) in lumps.iter().zip(expected).enumerate() {
+    for (done, (lump, expected)) in lumps.iter().zip(&expected.said).enumerate() {
         board.feed(&lump.bytes)?;
-        if expected.contains("$PRAIS") {
+        if expected.of_epoch.contains("$PRAIS") {
             let epoch = board.read_through("$PRAIS", PATIENCE);
             lines.append(&mut epoch.with_context(|| format!("epoch {done}, {} s", lump.elapsed_s))?);
         }
@@ -65,19 +65,14 @@ pub fn on_board(
     let instructions = board.epoch_instructions();
     let losses = board.log().iter().filter(|line| line.text.contains("bytes lost")).count();
     board.stop()?;
-    let sentences = lines.concat();
+    let sentences = lines.into_iter().filter(|line| !is_said_by_the_clock(line)).collect();
     Ok(BoardRun { sentences, instructions, counters, losses })
+}
+
+/// True for what is said from time to time, whatever epochs come: settings and losses.
+fn is_said_by_the_clock(line: &str) -> bool {
+    line.starts_with("$PRAIQ") || line.starts_with("$PRAIL")
 }
 
 /// The counter that ends the answer to `STATS`.
 const LAST_COUNTER: &str = "cmd_noise";
-
-/// Names and values of one answer to `STATS`.
-fn counters_of(answer: &str) -> Vec<(String, u32)> {
-    let body = answer.split('*').next().unwrap_or("");
-    let fields: Vec<&str> = body.split(',').skip(2).collect();
-    fields
-        .chunks_exact(2)
-        .filter_map(|pair| Some((pair.first()?.to_string(), pair.get(1)?.parse().ok()?)))
-        .collect()
-}

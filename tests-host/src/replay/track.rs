@@ -1,75 +1,17 @@
 //! Where the module said it was, and how wrong that was.
+//!
+//! What it says of a silent line stands beside the last epoch before the silence.
 
 use std::io::Write;
-use std::path::Path;
 
-use anyhow::{Context, Result, ensure};
-use rai_core::frame::{Ecef, Enu, LocalFrame};
+use anyhow::Result;
+use rai_core::frame::{Enu, LocalFrame};
 use rai_firmware::time::GpsTime;
 
-use super::Lump;
+use super::host::Said;
+use super::truth::Truth;
+use super::{HostRun, Lump};
 use crate::sentence::{self, EpochOutput};
-
-/// Where the antenna really was.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Truth {
-    /// A fixed point.
-    Fixed(Ecef),
-    /// A point for each instant, in the order of time.
-    Moving(Vec<(GpsTime, Ecef)>),
-}
-
-impl Truth {
-    /// Reads `X,Y,Z` in metres.
-    ///
-    /// # Errors
-    /// What is wrong with it, and an example.
-    pub fn parse(text: &str) -> Result<Self> {
-        let numbers: Vec<f64> =
-            text.split(',').map(|part| part.trim().parse()).collect::<Result<_, _>>().with_context(|| {
-                format!("truth {text:?} is not X,Y,Z in metres, as in 3582104.9,532590.2,5232755.3")
-            })?;
-        ensure!(numbers.len() == 3, "truth {text:?} has {} numbers, not 3: X,Y,Z in metres", numbers.len());
-        let point = Ecef::new(numbers[0], numbers[1], numbers[2]);
-        let height_m = LocalFrame::at(point).height_m();
-        ensure!(
-            point.is_finite() && height_m.abs() < 1e5,
-            "truth {text:?} is no position near the ground: {:.0} km above the ellipsoid",
-            height_m * 1e-3
-        );
-        Ok(Self::Fixed(point))
-    }
-
-    /// Reads rows of `week,tow,x_m,y_m,z_m`, with a heading line.
-    ///
-    /// # Errors
-    /// The file or the line that cannot be read.
-    pub fn from_csv(path: &Path) -> Result<Self> {
-        let text = std::fs::read_to_string(path).with_context(|| format!("truth file {}", path.display()))?;
-        let mut points = Vec::new();
-        for (index, line) in text.lines().enumerate().skip(1).filter(|(_, line)| !line.trim().is_empty()) {
-            let numbers: Vec<f64> = line.split(',').filter_map(|field| field.trim().parse().ok()).collect();
-            let place = || format!("{}:{}", path.display(), index + 1);
-            ensure!(numbers.len() == 5, "{}: not week,tow,x_m,y_m,z_m: {line:?}", place());
-            let time = GpsTime { week: numbers[0] as u16, tow_ms: (numbers[1] * 1e3).round() as u32 };
-            points.push((time, Ecef::new(numbers[2], numbers[3], numbers[4])));
-        }
-        ensure!(!points.is_empty(), "{} holds no position", path.display());
-        points.sort_by_key(|(time, _)| *time);
-        Ok(Self::Moving(points))
-    }
-
-    /// Where the antenna was at that time; `None` where that is not known.
-    pub fn at(&self, time: GpsTime) -> Option<Ecef> {
-        match self {
-            Self::Fixed(point) => Some(*point),
-            Self::Moving(points) => {
-                let index = points.binary_search_by_key(&time, |(time, _)| *time).ok()?;
-                points.get(index).map(|(_, point)| *point)
-            }
-        }
-    }
-}
 
 /// One epoch of a run.
 #[derive(Clone, Debug)]
@@ -82,6 +24,8 @@ pub struct Moment {
     pub output: Option<EpochOutput>,
     /// Position minus truth, east, north, up, m; `None` without a fix or a truth.
     pub error: Option<Enu>,
+    /// When the module complained that the line was silent after this epoch, seconds after the first epoch.
+    pub stale_s: Option<f64>,
 }
 
 /// All epochs of a run.
@@ -91,16 +35,16 @@ pub type Track = Vec<Moment>;
 ///
 /// # Errors
 /// A sentence that cannot be read.
-pub fn track(lumps: &[Lump], sentences: &[String], truth: Option<&Truth>) -> Result<Track> {
-    let moment = |(lump, text): (&Lump, &String)| {
-        let output = sentence::epochs(text)?.pop();
+pub fn track(lumps: &[Lump], run: &HostRun, truth: Option<&Truth>) -> Result<Track> {
+    let moment = |(lump, said): (&Lump, &Said)| {
+        let output = sentence::epochs(&said.of_epoch)?.pop();
         let position = output.as_ref().and_then(|output| output.position);
         let error = position
             .zip(truth.and_then(|truth| truth.at(lump.time)))
             .map(|(position, truth)| LocalFrame::at(truth).rotate(position.to_ecef() - truth));
-        Ok(Moment { time: lump.time, elapsed_s: lump.elapsed_s, output, error })
+        Ok(Moment { time: lump.time, elapsed_s: lump.elapsed_s, output, error, stale_s: said.stale_s })
     };
-    lumps.iter().zip(sentences).map(moment).collect()
+    lumps.iter().zip(&run.said).map(moment).collect()
 }
 
 /// One row per epoch, in the columns of the interface.
@@ -113,7 +57,20 @@ pub fn write_csv(track: &Track, out: &mut impl Write) -> std::io::Result<()> {
         "week,tow,state,reason,lat_deg,lon_deg,height_m,used,excluded,dof,statistic,threshold,hpl_m,vpl_m,\
          horizontal_error_m,vertical_error_m"
     )?;
-    track.iter().try_for_each(|moment| writeln!(out, "{}", row(moment)))
+    for moment in track {
+        writeln!(out, "{}", row(moment))?;
+        if let Some(stale_s) = moment.stale_s {
+            writeln!(out, "{}", stale_row(moment, stale_s))?;
+        }
+    }
+    // A buffer that is only dropped would keep a full disk to itself.
+    out.flush()
+}
+
+/// The alarm of a silent line: it has a time and a reason, and no position.
+fn stale_row(moment: &Moment, stale_s: f64) -> String {
+    let time = GpsTime::from_ms(moment.time.to_ms() + ((stale_s - moment.elapsed_s) * 1e3).round() as u64);
+    format!("{},{:.3},A,STALE,,,,,,,,,,,,", time.week, f64::from(time.tow_ms) * 1e-3)
 }
 
 fn row(moment: &Moment) -> String {

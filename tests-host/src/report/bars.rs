@@ -33,7 +33,7 @@ impl BarChart {
     /// # Errors
     /// No group, or what plotters could not draw.
     pub fn svg(&self, size: (u32, u32), ground: Ground) -> Result<String> {
-        svg(size, ground, |area| self.draw(area))
+        svg(size, ground, &self.title, |area| self.draw(area))
     }
 
     fn draw(&self, area: &Area<'_>) -> Result<()> {

@@ -1,11 +1,15 @@
 //! Ground, ink and colours that all pictures share.
 //!
-//! Colours keep their meaning everywhere: green may be used, red must not, grey cannot be told.
+//! Colours keep their meaning everywhere: green may be used, red must not, grey cannot be told. Who cannot tell green
+//! from red is told by form: alerts are hatched in bands and crosses among dots. Every picture says what it shows to
+//! those who do not see it.
 
 use anyhow::Result;
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
+
+pub use plotters::style::RGBColor;
 
 use super::Verdict;
 
@@ -53,11 +57,16 @@ pub const fn verdict_colour(verdict: Verdict) -> RGBColor {
     }
 }
 
-/// Draws a picture of the given width and height in pixels.
+/// Draws a picture of the given width and height in pixels; `title` is what a screen reader says of it.
 ///
 /// # Errors
 /// What plotters could not draw.
-pub fn svg(size: (u32, u32), ground: Ground, draw: impl FnOnce(&Area<'_>) -> Result<()>) -> Result<String> {
+pub fn svg(
+    size: (u32, u32),
+    ground: Ground,
+    title: &str,
+    draw: impl FnOnce(&Area<'_>) -> Result<()>,
+) -> Result<String> {
     let mut text = String::new();
     {
         let area = SVGBackend::with_string(&mut text, size).into_drawing_area();
@@ -67,6 +76,8 @@ pub fn svg(size: (u32, u32), ground: Ground, draw: impl FnOnce(&Area<'_>) -> Res
         draw(&area)?;
         area.present()?;
     }
+    let title = title.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;");
+    let text = text.replacen("<svg ", &format!("<svg role=\"img\" aria-label=\"{title}\" "), 1);
     Ok(match ground {
         Ground::Sheet => text,
         Ground::Page => text.replace(&hexadecimal(INK), "currentColor"),
@@ -97,8 +108,14 @@ pub enum Mark {
     Dashed,
     /// Dots.
     Dots,
+    /// Crosses.
+    Crosses,
     /// A filled box.
     Box,
+    /// A hatched box.
+    Hatched,
+    /// A line at the foot of a box: the low level of a pin.
+    Low,
 }
 
 /// Draws the heading of a picture and its legend in one row below: never on top of the lines themselves.
@@ -142,7 +159,31 @@ fn swatch(area: &Area<'_>, x: i32, y: i32, colour: RGBColor, mark: Mark) -> Resu
             [(0, 5), (8, 13), (15, 20)].into_iter().try_for_each(|(from, to)| area.draw(&line(from, to)))?;
         }
         Mark::Dots => area.draw(&Circle::new((x + 10, y), 4, colour.filled()))?,
+        Mark::Crosses => area.draw(&Cross::new((x + 10, y), 4, colour.stroke_width(2)))?,
         Mark::Box => area.draw(&Rectangle::new([(x + 2, y - 6), (x + 18, y + 6)], colour.filled()))?,
+        Mark::Hatched => hatched(area, [(x + 2, y - 6), (x + 18, y + 6)], colour)?,
+        Mark::Low => {
+            area.draw(&PathElement::new(vec![(x + 2, y + 5), (x + 18, y + 5)], colour.stroke_width(2)))?;
+        }
+    }
+    Ok(())
+}
+
+/// Pixels between the lines of a hatching.
+const HATCH_PX: i32 = 7;
+
+/// A box with white lines across, told from a plain one without colours.
+///
+/// # Errors
+/// What plotters could not draw.
+pub fn hatched(area: &Area<'_>, corners: [(i32, i32); 2], colour: RGBColor) -> Result<()> {
+    area.draw(&Rectangle::new(corners, colour.filled()))?;
+    let [(left, top), (right, bottom)] = corners;
+    // Lines of slope one are those of constant x + y.
+    for sum in (left + top..right + bottom).step_by(HATCH_PX as usize) {
+        let (from, to) =
+            ((left.max(sum - bottom), bottom.min(sum - left)), (right.min(sum - top), top.max(sum - right)));
+        area.draw(&PathElement::new(vec![from, to], WHITE.mix(0.8).stroke_width(2)))?;
     }
     Ok(())
 }

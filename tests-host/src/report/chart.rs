@@ -124,7 +124,7 @@ impl LineChart {
     /// # Errors
     /// An empty range, or what plotters could not draw.
     pub fn svg(&self, size: (u32, u32), ground: Ground) -> Result<String> {
-        svg(size, ground, |area| self.draw(area))
+        svg(size, ground, &self.title, |area| self.draw(area))
     }
 
     /// Draws into an area of any picture.
@@ -193,11 +193,15 @@ impl LineChart {
                         let dot = |&point| Circle::new(point, 3, series.colour.mix(0.75).filled());
                         chart.draw_series(run.iter().map(dot))?;
                     }
+                    Mark::Crosses => {
+                        let cross = |&point| Cross::new(point, 3, series.colour.stroke_width(1));
+                        chart.draw_series(run.iter().map(cross))?;
+                    }
                     Mark::Dashed => {
                         let style = series.colour.stroke_width(2);
                         chart.draw_series(DashedLineSeries::new(run, 7, 5, style))?;
                     }
-                    Mark::Line | Mark::Box => {
+                    Mark::Line | Mark::Box | Mark::Hatched | Mark::Low => {
                         chart.draw_series(LineSeries::new(run, series.colour.stroke_width(2)))?;
                     }
                 }

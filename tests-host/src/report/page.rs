@@ -10,26 +10,36 @@ use anyhow::{Context, Result};
 pub struct Page {
     body: String,
     title: String,
+    summary: String,
+    /// Level and words of every heading so far.
+    headings: Vec<(u8, String)>,
 }
+
+/// With more headings than this a page begins with a list of them.
+const CONTENTS: usize = 8;
 
 const STYLE: &str = include_str!("page.css");
 
 impl Page {
     /// An empty page with a title and a sentence below it.
     pub fn new(title: &str, summary: &str) -> Self {
-        let mut page = Self { body: String::new(), title: escaped(title) };
-        let _ = write!(page.body, "<h1>{}</h1>\n<p class=\"lead\">{}</p>\n", page.title, escaped(summary));
-        page
+        Self { body: String::new(), title: escaped(title), summary: escaped(summary), headings: Vec::new() }
+    }
+
+    fn headed(&mut self, level: u8, words: &str) {
+        let words = escaped(words);
+        let _ = writeln!(self.body, "<h{level} id=\"s{}\">{words}</h{level}>", self.headings.len());
+        self.headings.push((level, words));
     }
 
     /// A heading.
     pub fn heading(&mut self, words: &str) {
-        let _ = writeln!(self.body, "<h2>{}</h2>", escaped(words));
+        self.headed(2, words);
     }
 
     /// A heading below a heading.
     pub fn subheading(&mut self, words: &str) {
-        let _ = writeln!(self.body, "<h3>{}</h3>", escaped(words));
+        self.headed(3, words);
     }
 
     /// A paragraph.
@@ -48,13 +58,20 @@ impl Page {
 
     /// A table; numbers stand right.
     pub fn table(&mut self, columns: &[&str], rows: &[Vec<String>]) {
+        let rows: Vec<_> = rows.iter().map(|row| (row.clone(), String::new())).collect();
+        self.table_with_notes(columns, &rows);
+    }
+
+    /// A table in which a row may have a note, which stands below it over the whole width.
+    pub fn table_with_notes(&mut self, columns: &[&str], rows: &[(Vec<String>, String)]) {
         self.body.push_str("<div class=\"wide\"><table>\n<tr>");
         for column in columns {
             let _ = write!(self.body, "<th>{}</th>", escaped(column));
         }
         self.body.push_str("</tr>\n");
-        for row in rows {
-            self.body.push_str("<tr>");
+        for (row, note) in rows {
+            let class = if note.is_empty() { "" } else { " class=\"noted\"" };
+            let _ = write!(self.body, "<tr{class}>");
             for cell in row {
                 let class =
                     if cell.trim_start_matches(['-', '+', '−']).starts_with(|c: char| c.is_ascii_digit()) {
@@ -65,6 +82,10 @@ impl Page {
                 let _ = write!(self.body, "<td{class}>{}</td>", escaped(cell));
             }
             self.body.push_str("</tr>\n");
+            if !note.is_empty() {
+                let (span, note) = (columns.len(), escaped(note));
+                let _ = writeln!(self.body, "<tr class=\"note\"><td colspan=\"{span}\">{note}</td></tr>");
+            }
         }
         self.body.push_str("</table></div>\n");
     }
@@ -83,14 +104,30 @@ impl Page {
         self.body.push_str("</div>\n");
     }
 
+    /// A list of the headings, folded, where there are many.
+    fn contents(&self) -> String {
+        let mut list = String::new();
+        if self.headings.len() > CONTENTS {
+            let _ = writeln!(list, "<details><summary>Contents: {} parts</summary><ul>", self.headings.len());
+            for (index, (level, words)) in self.headings.iter().enumerate() {
+                let _ = writeln!(list, "<li class=\"h{level}\"><a href=\"#s{index}\">{words}</a></li>");
+            }
+            list.push_str("</ul></details>\n");
+        }
+        list
+    }
+
     /// The whole page.
     pub fn html(&self) -> String {
         format!(
             "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-             <meta name=\"color-scheme\" content=\"light dark\">\n<title>{}</title>\n<style>\n{STYLE}</style>\n\
-             </head>\n<body>\n<main>\n{}</main>\n</body>\n</html>\n",
-            self.title, self.body
+             <meta name=\"color-scheme\" content=\"light dark\">\n<title>{0}</title>\n<style>\n{STYLE}</style>\n\
+             </head>\n<body>\n<main>\n<h1>{0}</h1>\n<p class=\"lead\">{1}</p>\n{2}{3}</main>\n</body>\n</html>\n",
+            self.title,
+            self.summary,
+            self.contents(),
+            self.body
         )
     }
 
@@ -119,18 +156,22 @@ fn escaped(words: &str) -> String {
     words.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
-/// Lets a picture shrink with the page: its size in pixels becomes the most it takes.
+/// Lets a picture shrink with the page: its size in pixels becomes the most it takes. It shrinks to four fifths and no
+/// further, so that its words stay legible; a narrower page scrolls it.
 fn scalable(svg: &str) -> String {
     let size = |name: &str| {
         let (_, rest) = svg.split_once(&format!("{name}=\""))?;
         rest.split_once('"').map(|(size, _)| size)
     };
     match (size("width"), size("height")) {
-        (Some(width), Some(height)) => svg.replacen(
-            &format!("width=\"{width}\" height=\"{height}\""),
-            &format!("style=\"width:100%;max-width:{width}px;height:auto\""),
-            1,
-        ),
+        (Some(width), Some(height)) => {
+            let least = width.parse::<u32>().unwrap_or(0) * 4 / 5;
+            svg.replacen(
+                &format!("width=\"{width}\" height=\"{height}\""),
+                &format!("style=\"width:100%;max-width:{width}px;min-width:{least}px;height:auto\""),
+                1,
+            )
+        }
         _ => svg.to_owned(),
     }
 }
@@ -161,9 +202,30 @@ mod tests {
     }
 
     #[test]
+    fn a_long_page_begins_with_its_contents_and_a_short_one_does_not() {
+        let mut page = Page::new("t", "s");
+        for part in 0..=CONTENTS {
+            page.heading(&format!("part <{part}>"));
+        }
+        let html = page.html();
+        assert!(html.contains("<a href=\"#s8\">part &lt;8&gt;</a>"), "{html}");
+        assert!(html.contains("<h2 id=\"s8\">part &lt;8&gt;</h2>"), "{html}");
+        let mut short = Page::new("t", "s");
+        short.heading("one");
+        assert!(!short.html().contains("<details>"));
+    }
+
+    #[test]
+    fn a_note_stands_below_its_row_over_the_whole_table() {
+        let mut page = Page::new("t", "s");
+        page.table_with_notes(&["a", "b"], &[(vec!["1".into(), "2".into()], "why <so>".into())]);
+        assert!(page.html().contains("<td colspan=\"2\">why &lt;so&gt;</td>"), "{}", page.html());
+    }
+
+    #[test]
     fn picture_scales_with_the_page() {
         let have = scalable("<svg width=\"640\" height=\"520\" viewBox=\"0 0 640 520\"></svg>");
-        let want = "<svg style=\"width:100%;max-width:640px;height:auto\" viewBox=\"0 0 640 520\"></svg>";
+        let want = "<svg style=\"width:100%;max-width:640px;min-width:512px;height:auto\" viewBox=\"0 0 640 520\"></svg>";
         assert_eq!(have, want);
     }
 }

@@ -56,7 +56,7 @@ const fn name(constellation: Constellation) -> &'static str {
 /// # Errors
 /// What plotters could not draw.
 pub fn skyplot(bodies: &[Body], mask_rad: f64, ground: Ground) -> Result<String> {
-    svg((SIDE_PX, SIDE_PX + HEADING_PX), ground, |area| {
+    svg((SIDE_PX, SIDE_PX + HEADING_PX), ground, &spoken(bodies), |area| {
         let mask = format!("mask {:.0}°", mask_rad.to_degrees());
         let mut legend = legend(bodies);
         legend.push((&mask, RED, Mark::Line));
@@ -65,6 +65,17 @@ pub fn skyplot(bodies: &[Body], mask_rad: f64, ground: Ground) -> Result<String>
         disc.rings(area, mask_rad)?;
         disc.bodies(area, bodies)
     })
+}
+
+/// The sky in a sentence.
+fn spoken(bodies: &[Body]) -> String {
+    let names = |excluded: bool| {
+        let of = bodies.iter().filter(|body| body.is_excluded == excluded);
+        of.map(|body| body.satellite.to_string()).collect::<Vec<_>>().join(" ")
+    };
+    let left_out = names(true);
+    let others = if left_out.is_empty() { String::new() } else { format!("; left out: {left_out}") };
+    format!("Satellites in the sky by azimuth and elevation: {}{others}", names(false))
 }
 
 fn legend(bodies: &[Body]) -> Vec<(&'static str, RGBColor, Mark)> {

@@ -6,10 +6,12 @@
 //! | below the diagonal | misleading: the error is larger than the bound |
 //! | below the diagonal, error beyond the alert limit | hazardous |
 //! | bound above the alert limit | unavailable |
+//!
+//! Protected epochs are drawn over the others, and misleading ones over all, so that none hides them.
 
 use anyhow::Result;
 
-use super::canvas::{GREEN, GREY, Ground, INK, Mark, RED};
+use super::canvas::{GREEN, GREY, Ground, INK, Mark, RED, VIOLET};
 use super::chart::{Axis, EDGE, LineChart, Series};
 use super::{Moment, Verdict};
 
@@ -56,14 +58,19 @@ fn diagram(
         let corner = vec![(LEAST_M, limit_m), (limit_m, limit_m), (limit_m, LEAST_M)];
         series.push(line("alert limit", RED, Mark::Dashed, corner));
     }
-    for (verdict, colour) in
-        [(Verdict::Protected, GREEN), (Verdict::Alert, RED), (Verdict::Unavailable, GREY)]
-    {
-        let of_verdict = pairs.iter().filter(|pair| pair.0 == verdict);
-        let points: Vec<_> =
-            of_verdict.map(|&(_, error_m, bound_m)| (error_m.max(LEAST_M), bound_m)).collect();
+    let holds = |&&(_, error_m, bound_m): &&(Verdict, f64, f64)| error_m <= bound_m;
+    let of = |verdict: Verdict| pairs.iter().filter(move |pair| pair.0 == verdict);
+    let points = |pairs: &mut dyn Iterator<Item = &(Verdict, f64, f64)>| -> Vec<(f64, f64)> {
+        pairs.map(|&(_, error_m, bound_m)| (error_m.max(LEAST_M), bound_m)).collect()
+    };
+    for (name, colour, mark, points) in [
+        ("unavailable", GREY, Mark::Dots, points(&mut of(Verdict::Unavailable))),
+        ("alert", RED, Mark::Crosses, points(&mut of(Verdict::Alert))),
+        ("protected", GREEN, Mark::Dots, points(&mut of(Verdict::Protected).filter(holds))),
+        ("misleading", VIOLET, Mark::Dots, points(&mut of(Verdict::Protected).filter(|pair| !holds(pair)))),
+    ] {
         if !points.is_empty() {
-            series.push(line(verdict.word(), colour, Mark::Dots, points));
+            series.push(line(name, colour, mark, points));
         }
     }
     let chart = LineChart {

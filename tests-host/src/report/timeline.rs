@@ -9,8 +9,8 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, VPos};
 
 use super::canvas::{
-    Area, BLUE, GREEN, GREY, Ground, HEADING_PX, INK, Mark, ORANGE, RED, TEXT_PX, VIOLET, heading, svg, text,
-    verdict_colour,
+    Area, BLUE, GREEN, GREY, Ground, HEADING_PX, INK, Mark, ORANGE, RED, TEAL, TEXT_PX, VIOLET, hatched,
+    heading, svg, text, verdict_colour,
 };
 use super::chart::{Axis, LineChart, Series, Span, short, ticks};
 use super::{Moment, Verdict};
@@ -39,13 +39,16 @@ fn line(
     Series { name: name.to_owned(), colour, mark, points: moments.iter().map(point).collect() }
 }
 
+/// Tints of incidents, in order: several that overlap can be told apart.
+const TINTS: [RGBColor; 5] = [RED, TEAL, VIOLET, ORANGE, BLUE];
+
 fn spans(incidents: &[Incident]) -> Vec<Span> {
-    let span = |incident: &Incident| Span {
+    let span = |(incident, colour): (&Incident, &RGBColor)| Span {
         name: incident.name.clone(),
         range: incident.range_s.clone(),
-        colour: RED,
+        colour: *colour,
     };
-    incidents.iter().map(span).collect()
+    incidents.iter().zip(TINTS.iter().cycle()).map(span).collect()
 }
 
 /// From the first to the last epoch.
@@ -102,8 +105,8 @@ pub fn vertical(moments: &[Moment], incidents: &[Incident]) -> LineChart {
     }
 }
 
-/// The colour of a band at an epoch; none where it has a gap.
-type Colouring<'a> = &'a dyn Fn(&Moment) -> Option<RGBColor>;
+/// Colour and form of a band at an epoch; none where it has a gap.
+type Colouring<'a> = &'a dyn Fn(&Moment) -> Option<(RGBColor, Mark)>;
 
 /// Verdict, pin and exclusions as bands over time.
 ///
@@ -112,15 +115,20 @@ type Colouring<'a> = &'a dyn Fn(&Moment) -> Option<RGBColor>;
 pub fn bands(area: &Area<'_>, moments: &[Moment]) -> Result<()> {
     let legend = [
         ("protected, pin high", GREEN, Mark::Box),
-        ("alert", RED, Mark::Box),
+        ("alert", RED, Mark::Hatched),
         ("unavailable", GREY, Mark::Box),
+        ("pin low", INK, Mark::Low),
         ("a satellite is left out", ORANGE, Mark::Box),
     ];
     heading(area, "May the position be used?", &legend)?;
     let strip = Strip::of(area, moments);
-    let verdict = |moment: &Moment| Some(verdict_colour(moment.verdict));
-    let pin = |moment: &Moment| moment.pin_is_high.map(|high| if high { GREEN } else { GREY });
-    let excluded = |moment: &Moment| (!moment.excluded.is_empty()).then_some(ORANGE);
+    let verdict = |moment: &Moment| {
+        let mark = if moment.verdict == Verdict::Alert { Mark::Hatched } else { Mark::Box };
+        Some((verdict_colour(moment.verdict), mark))
+    };
+    let level = |high: bool| if high { (GREEN, Mark::Box) } else { (INK, Mark::Low) };
+    let pin = |moment: &Moment| moment.pin_is_high.map(level);
+    let excluded = |moment: &Moment| (!moment.excluded.is_empty()).then_some((ORANGE, Mark::Box));
     let mut rows: Vec<(&str, Colouring<'_>)> = vec![("state", &verdict)];
     if moments.iter().any(|moment| moment.pin_is_high.is_some()) {
         rows.push(("pin", &pin));
@@ -166,7 +174,7 @@ impl Strip {
         name: &str,
         y: i32,
         moments: &[Moment],
-        colour: impl Fn(&Moment) -> Option<RGBColor>,
+        colour: impl Fn(&Moment) -> Option<(RGBColor, Mark)>,
     ) -> Result<()> {
         let label = text(TEXT_PX - 1, INK, HPos::Right, VPos::Center);
         area.draw(&Text::new(name.to_owned(), (self.left - 8, y + ROW_PX / 2), label))?;
@@ -175,9 +183,15 @@ impl Strip {
             let count = rest.iter().take_while(|moment| colour(moment) == colour(first)).count();
             let (run, after) = rest.split_at(count);
             let end = after.first().or(run.last()).map_or(self.right, |moment| self.x(moment.time_s));
-            if let Some(colour) = colour(first) {
-                let corners = [(self.x(first.time_s), y), (end, y + ROW_PX)];
-                area.draw(&Rectangle::new(corners, colour.filled()))?;
+            let corners = [(self.x(first.time_s), y), (end, y + ROW_PX)];
+            match colour(first) {
+                Some((colour, Mark::Hatched)) => hatched(area, corners, colour)?,
+                Some((colour, Mark::Low)) => {
+                    let foot = vec![(corners[0].0, y + ROW_PX - 1), (end, y + ROW_PX - 1)];
+                    area.draw(&PathElement::new(foot, colour.stroke_width(2)))?;
+                }
+                Some((colour, _)) => area.draw(&Rectangle::new(corners, colour.filled()))?,
+                None => {}
             }
             rest = after;
         }
@@ -198,12 +212,20 @@ impl Strip {
     }
 }
 
+/// The bands in a sentence.
+fn spoken(moments: &[Moment]) -> String {
+    let [protected, alerts, unavailable] = tally(moments);
+    format!(
+        "May the position be used? Epochs protected {protected}, alert {alerts}, unavailable {unavailable}"
+    )
+}
+
 /// [`bands`] as a picture.
 ///
 /// # Errors
 /// What plotters could not draw.
 pub fn bands_svg(moments: &[Moment], width_px: u32, ground: Ground) -> Result<String> {
-    svg((width_px, BANDS_PX), ground, |area| bands(area, moments))
+    svg((width_px, BANDS_PX), ground, &spoken(moments), |area| bands(area, moments))
 }
 
 /// Charts over time and the bands above each other: cause, effect and answer in one picture.
@@ -212,7 +234,9 @@ pub fn bands_svg(moments: &[Moment], width_px: u32, ground: Ground) -> Result<St
 /// What plotters could not draw.
 pub fn stacked(charts: &[LineChart], moments: &[Moment], ground: Ground) -> Result<String> {
     const PANEL_PX: u32 = 260;
-    svg((960, charts.len() as u32 * PANEL_PX + BANDS_PX), ground, |area| {
+    let titles: Vec<&str> = charts.iter().map(|chart| chart.title.as_str()).collect();
+    let title = format!("{}. {}", titles.join(". "), spoken(moments));
+    svg((960, charts.len() as u32 * PANEL_PX + BANDS_PX), ground, &title, |area| {
         let mut rest = area.clone();
         for chart in charts {
             let (panel, below) = rest.split_vertically(PANEL_PX);

@@ -1,4 +1,4 @@
-//! A satellite's orbit and clock as it would broadcast them: messages 1019 and 1042.
+//! A satellite's orbit and clock as it would broadcast them: messages 1019, 1042 and 1046.
 //!
 //! The node of a broadcast orbit is counted from the start of the week, that of a simulated one from `t = 0`:
 //!
@@ -16,17 +16,19 @@
 //!
 //! Group delays, harmonic corrections and drifts of the inclination are zero. What the fields of the messages round
 //! off moves a satellite by less than 0.2 m.
+//!
+//! [BDS-SIS-ICD]: crate#references
 
 use core::f64::consts::{PI, TAU};
 
 use rai_core::frame::EARTH_ROTATION_RAD_S;
 use rai_core::satellite::{Constellation, SatelliteId};
-use rai_firmware::time::{BEIDOU_OFFSET_MS, BEIDOU_WEEK_OFFSET, GpsTime};
-use rtcm_rs::msg::{Msg1019T, Msg1042T};
+use rai_firmware::time::{BEIDOU_OFFSET_MS, BEIDOU_WEEK_OFFSET, GALILEO_WEEK_OFFSET, GpsTime};
+use rtcm_rs::msg::{Msg1019T, Msg1042T, Msg1046T};
 
 use super::fleet::Satellite;
 use super::orbit::Orbit;
-use crate::encode::{Ephemeris, TimedEphemeris};
+use crate::measurement::{Ephemeris, TimedEphemeris};
 
 /// What a system's interface document fixes.
 struct Convention {
@@ -35,13 +37,30 @@ struct Convention {
 }
 
 /// [IS-GPS-200] table 20-IV.
+///
+/// [IS-GPS-200]: crate#references
 const GPS: Convention =
     Convention { gravitation_m3_s2: 3.986_005e14, earth_rate_rad_s: EARTH_ROTATION_RAD_S };
 
 /// [BDS-SIS-ICD] 5.2.4.12.
+///
+/// [BDS-SIS-ICD]: crate#references
 const BEIDOU: Convention = Convention { gravitation_m3_s2: 3.986_004_418e14, earth_rate_rad_s: 7.292_115e-5 };
 
+/// [Galileo-OS-SIS-ICD] table 58.
+///
+/// [Galileo-OS-SIS-ICD]: crate#references
+const GALILEO: Convention =
+    Convention { gravitation_m3_s2: 3.986_004_418e14, earth_rate_rad_s: 7.292_115_146_7e-5 };
+
+/// Index of an accuracy of 3.12 m, which satellites send on ordinary days ([Galileo-OS-SIS-ICD] table 76).
+///
+/// [Galileo-OS-SIS-ICD]: crate#references
+const ORDINARY_SISA: u8 = 107;
+
 /// Numbers of the geostationary satellites ([BDS-SIS-ICD] table 4-1).
+///
+/// [BDS-SIS-ICD]: crate#references
 const GEOSTATIONARY: [core::ops::RangeInclusive<u8>; 2] = [1..=5, 59..=63];
 
 /// A satellite's clock against its system's time.
@@ -92,7 +111,11 @@ pub fn ephemeris(satellite: &Satellite, origin: GpsTime, t_s: f64, number: u8) -
             let own = GpsTime::from_ms(toe_ms - u64::from(BEIDOU_OFFSET_MS));
             (toe_ms, Ephemeris::Beidou(beidou(satellite, own, t_s - EARLIER_MS as f64 * 1e-3, number)))
         }
-        Constellation::Galileo | Constellation::Glonass => return None,
+        Constellation::Galileo => {
+            let reference = GpsTime::from_ms(reference_ms);
+            (reference_ms, Ephemeris::GalileoInav(galileo(satellite, reference, t_s, number)))
+        }
+        Constellation::Glonass => return None,
     };
     Some(TimedEphemeris {
         satellite: satellite.id,
@@ -177,6 +200,32 @@ fn gps(satellite: &Satellite, reference: GpsTime, t_s: f64, number: u8) -> Msg10
         i0_sc: angles.i0_sc,
         omega_sc: angles.omega_sc,
         ..Msg1019T::default()
+    }
+}
+
+fn galileo(satellite: &Satellite, reference: GpsTime, t_s: f64, number: u8) -> Msg1046T {
+    let week_s = f64::from(reference.tow_ms) * 1e-3;
+    let orbit = &satellite.orbit;
+    let angles = Angles::of(orbit, t_s, week_s, &GALILEO);
+    let clock = SatelliteClock::of(satellite.id);
+    Msg1046T {
+        gal_satellite_id: satellite.id.number(),
+        gal_week_number: reference.week - GALILEO_WEEK_OFFSET,
+        iodnav: u16::from(number),
+        sisa_e1_e5b_index: ORDINARY_SISA,
+        toc_s: seconds(reference) as _,
+        toe_s: seconds(reference) as _,
+        af1_s_s: clock.drift_s_s as _,
+        af0_s: clock.at(t_s) as _,
+        sqrt_a_sqrt_m: libm::sqrt(orbit.semi_major_axis_m),
+        eccentricity: orbit.eccentricity as _,
+        m0_sc: angles.m0_sc,
+        delta_n_sc_s: angles.delta_n_sc_s as _,
+        omega0_sc: angles.omega0_sc,
+        omegadot_sc_s: angles.omegadot_sc_s as _,
+        i0_sc: angles.i0_sc,
+        omega_sc: angles.omega_sc,
+        ..Msg1046T::default()
     }
 }
 

@@ -10,6 +10,10 @@
 //!
 //! The phase of a whole constellation against the earth is published for none of the `BeiDou` ones; here Greenwich
 //! sidereal time is 0 at `t = 0`. Geostationary satellites are held exactly over the equator.
+//!
+//! [GPS-SPS]: crate#references
+//! [Yang2015]: crate#references
+//! [Tian2024]: crate#references
 
 use rai_core::satellite::{Constellation, SatelliteId};
 
@@ -86,6 +90,8 @@ impl Fleet {
 }
 
 /// Nodes of the six planes A to F and arguments of latitude of their slots 1 to 4, degrees ([GPS-SPS] table 3.2-1).
+///
+/// [GPS-SPS]: crate#references
 const GPS_SLOTS_DEG: [(f64, [f64; 4]); 6] = [
     (272.847, [268.126, 161.786, 11.676, 41.806]),
     (332.847, [80.956, 173.336, 309.976, 204.376]),
@@ -96,9 +102,13 @@ const GPS_SLOTS_DEG: [(f64, [f64; 4]); 6] = [
 ];
 
 /// Semi-major axis of the GPS baseline, m ([GPS-SPS]).
+///
+/// [GPS-SPS]: crate#references
 const GPS_AXIS_M: f64 = 26_559_710.0;
 
 /// Semi-major axis of a medium `BeiDou` orbit, m: 21,528 km above the equator ([BDS-SIS-ICD]).
+///
+/// [BDS-SIS-ICD]: crate#references
 const BEIDOU_AXIS_M: f64 = 27_906_100.0;
 
 /// Inclination of all but the geostationary orbits, degrees.

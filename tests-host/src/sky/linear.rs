@@ -13,9 +13,9 @@
 //! | `b` | `clocks_m` | m, receiver clock of each constellation times the speed of light |
 
 use nalgebra::Vector3;
+use rai_core::equations::{LinearEpoch, RowError};
 use rai_core::frame::Enu;
-use rai_core::linear::{LinearEpoch, RowError};
-use rai_core::real::Real;
+use rai_core::numeric::real::Real;
 use rai_core::satellite::{Constellation, SatelliteId};
 
 use super::noise::Noise;
@@ -25,8 +25,14 @@ use super::sight::Sight;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Sigma {
     /// The same everywhere, m ([Yang2015], [Lin2016], [Chen2009]).
+    ///
+    /// [Yang2015]: crate#references
+    /// [Lin2016]: crate#references
+    /// [Chen2009]: crate#references
     Constant(f64),
     /// `σ₀ / sin(elevation)`, m ([Tian2024]).
+    ///
+    /// [Tian2024]: crate#references
     Cosecant(f64),
 }
 

@@ -11,6 +11,13 @@
 //! positioning service performance standard, 5th edition, [Kasdin1995] discrete simulation of coloured noise,
 //! Proc. IEEE 83(5), [Riley2008] handbook of frequency stability analysis, NIST SP 1065, [Brown1997]
 //! introduction to random signals and applied Kalman filtering, 3rd edition.
+//!
+//! [IS-GPS-200]: crate#references
+//! [BDS-SIS-ICD]: crate#references
+//! [GPS-SPS]: crate#references
+//! [Kasdin1995]: crate#references
+//! [Riley2008]: crate#references
+//! [Brown1997]: crate#references
 
 pub mod atmosphere;
 pub mod broadcast;

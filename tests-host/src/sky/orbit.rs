@@ -17,10 +17,14 @@
 //!
 //! Two bodies and a secular node: right for studying geometry, off by kilometres from a real satellite after a
 //! day. References: [IS-GPS-200] table 20-IV for the form of the equations.
+//!
+//! [IS-GPS-200]: crate#references
 
 use rai_core::frame::{EARTH_ROTATION_RAD_S, Ecef, SPEED_OF_LIGHT_M_S};
 
 /// Gravitational constant times the mass of the earth, m³/s² ([WGS84]).
+///
+/// [WGS84]: crate#references
 pub const GRAVITATION_M3_S2: f64 = 3.986_004_418e14;
 
 /// Semi-major axis at which a satellite goes round with the earth, m.
@@ -83,6 +87,8 @@ impl Orbit {
     }
 
     /// What relativity adds to the satellite's clock on its way between perigee and apogee, s ([IS-GPS-200] 20.3.3.3.3.1).
+    ///
+    /// [IS-GPS-200]: crate#references
     pub fn relativity_s(&self, t_s: f64) -> f64 {
         const FACTOR: f64 = -2.0 / (SPEED_OF_LIGHT_M_S * SPEED_OF_LIGHT_M_S);
         let energy = libm::sqrt(GRAVITATION_M3_S2 * self.semi_major_axis_m);

@@ -17,6 +17,9 @@
 //! `1/(FLICKER_TAPS τ)` and white below.
 //!
 //! References: [Kasdin1995] for the filters, [Riley2008] for the Allan variance.
+//!
+//! [Kasdin1995]: crate#references
+//! [Riley2008]: crate#references
 
 use std::collections::VecDeque;
 
@@ -42,11 +45,15 @@ pub struct Oscillator {
 
 impl Oscillator {
     /// An oven-controlled crystal: quiet enough for its clock to be forecast over ten seconds, as [Chen2009] does.
+    ///
+    /// [Chen2009]: crate#references
     pub const fn oven_controlled() -> Self {
         Self { white_s: 1e-21, flicker: 2e-22, walk_hz: 2e-22, frequency_offset: 1e-7 }
     }
 
     /// The temperature-compensated crystal of an ordinary receiver ([Brown1997] table 10.2).
+    ///
+    /// [Brown1997]: crate#references
     pub const fn temperature_compensated() -> Self {
         Self { white_s: 2e-19, flicker: 7e-21, walk_hz: 2e-20, frequency_offset: 1e-7 }
     }

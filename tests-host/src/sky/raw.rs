@@ -12,7 +12,7 @@
 //! | `b` | what the broadcast orbit and clock are wrong by, constant for each satellite | [`BROADCAST_ERROR_M`] |
 //! | `σ ε` | code noise, independent from signal to signal and epoch to epoch | [`super::noise`] |
 //!
-//! Signals are L1 C/A and L2 P(Y) of GPS, B1I and B3I of `BeiDou`, the latter the signal that its broadcast clock
+//! Signals are L1 C/A and L2 P(Y) of GPS, E1 and E5a of Galileo, B1I and B3I of `BeiDou`, the latter the signal that its broadcast clock
 //! refers to; group delays are zero. The result is a [`Recording`]: all that works on recordings works on it.
 
 use rai_core::frame::SPEED_OF_LIGHT_M_S;
@@ -22,7 +22,8 @@ use rai_firmware::time::GpsTime;
 use super::atmosphere::{ionosphere_m, troposphere_m};
 use super::broadcast::{SatelliteClock, ephemeris};
 use super::{Fleet, Noise, Oscillator, ReceiverClock, Satellite, Sight, Site, sights};
-use crate::recording::{RawEpoch, RawSatellite, RawSignal, Recording};
+use crate::measurement::{MeasuredEpoch, MeasuredSatellite, MeasuredSignal, TimedEphemeris};
+use crate::recording::Recording;
 
 /// Ephemerides are renewed every hour, s.
 const RENEWAL_S: f64 = 3600.0;
@@ -67,12 +68,24 @@ struct Signal {
 }
 
 /// L1 C/A, L2 P(Y) ([IS-GPS-200] 3.3.1.1).
+///
+/// [IS-GPS-200]: crate#references
 const GPS: [Signal; 2] = [
     Signal { band: 1, attribute: 'C', frequency_hz: 1_575.42e6 },
     Signal { band: 2, attribute: 'W', frequency_hz: 1_227.60e6 },
 ];
 
+/// E1 C, E5a Q ([Galileo-OS-SIS-ICD] table 2).
+///
+/// [Galileo-OS-SIS-ICD]: crate#references
+const GALILEO: [Signal; 2] = [
+    Signal { band: 1, attribute: 'C', frequency_hz: 1_575.42e6 },
+    Signal { band: 5, attribute: 'Q', frequency_hz: 1_176.45e6 },
+];
+
 /// B1I, B3I ([BDS-SIS-ICD]).
+///
+/// [BDS-SIS-ICD]: crate#references
 const BEIDOU: [Signal; 2] = [
     Signal { band: 2, attribute: 'I', frequency_hz: 1_561.098e6 },
     Signal { band: 6, attribute: 'I', frequency_hz: 1_268.52e6 },
@@ -103,6 +116,7 @@ impl Simulation {
             epochs: self.raw_epochs(),
             ephemerides: self.ephemerides(),
             klobuchar: None,
+            malformed: 0,
             approximate_position: Some(self.site.position),
         }
     }
@@ -113,7 +127,7 @@ impl Simulation {
         sights(&self.satellites, &self.site, t_s, self.mask_rad)
     }
 
-    fn ephemerides(&self) -> Vec<crate::encode::TimedEphemeris> {
+    fn ephemerides(&self) -> Vec<TimedEphemeris> {
         let first = (self.start_s / RENEWAL_S).floor() as u32;
         let end_s = self.start_s + f64::from(self.epochs) * self.step_s;
         let last = (end_s / RENEWAL_S).floor() as u32 + 1;
@@ -127,7 +141,7 @@ impl Simulation {
         (first..=last).flat_map(of_hour).collect()
     }
 
-    fn raw_epochs(&self) -> Vec<RawEpoch> {
+    fn raw_epochs(&self) -> Vec<MeasuredEpoch> {
         const CLOCK_AT_START_S: f64 = 5e-5;
         let noise = Noise::new(self.seed);
         let mut clock =
@@ -137,7 +151,7 @@ impl Simulation {
             let clock_s = clock.advance();
             let seen = sights(&self.satellites, &self.site, tag_s - clock_s, self.mask_rad);
             let raw = |sight: &Sight| self.raw_satellite(sight, clock_s, &noise, u64::from(epoch));
-            RawEpoch { time: self.time_at(tag_s), satellites: seen.iter().filter_map(raw).collect() }
+            MeasuredEpoch { time: self.time_at(tag_s), satellites: seen.iter().filter_map(raw).collect() }
         };
         (0..self.epochs).map(&mut raw_epoch).collect()
     }
@@ -146,7 +160,13 @@ impl Simulation {
         GpsTime::from_ms(self.origin.to_ms() + (t_s * 1e3).round() as u64)
     }
 
-    fn raw_satellite(&self, sight: &Sight, clock_s: f64, noise: &Noise, epoch: u64) -> Option<RawSatellite> {
+    fn raw_satellite(
+        &self,
+        sight: &Sight,
+        clock_s: f64,
+        noise: &Noise,
+        epoch: u64,
+    ) -> Option<MeasuredSatellite> {
         let satellite = self.satellites.iter().find(|satellite| satellite.id == sight.satellite)?;
         let sin_elevation = sight.line_of_sight.up;
         let satellite_clock_s =
@@ -156,7 +176,7 @@ impl Simulation {
             + error_m
             + SPEED_OF_LIGHT_M_S * (clock_s - satellite_clock_s)
             + troposphere_m(sin_elevation, self.site.frame.height_m());
-        let signal = |(channel, signal): (u8, &Signal)| RawSignal {
+        let signal = |(channel, signal): (u8, &Signal)| MeasuredSignal {
             band: signal.band,
             attribute: signal.attribute,
             pseudorange_m: common_m
@@ -164,9 +184,10 @@ impl Simulation {
                 + code_noise_m(sin_elevation) * noise.normal(satellite.id, channel, epoch),
             carrier_cycles: None,
             cn0_dbhz: Some(36.0 + 14.0 * sin_elevation),
+            doppler_hz: None,
         };
         let signals = signals_of(satellite.id.constellation())?;
-        Some(RawSatellite { satellite: satellite.id, signals: (0..).zip(signals).map(signal).collect() })
+        Some(MeasuredSatellite { satellite: satellite.id, signals: (0..).zip(signals).map(signal).collect() })
     }
 }
 
@@ -174,7 +195,8 @@ fn signals_of(constellation: Constellation) -> Option<&'static [Signal]> {
     match constellation {
         Constellation::Gps => Some(&GPS),
         Constellation::Beidou => Some(&BEIDOU),
-        Constellation::Galileo | Constellation::Glonass => None,
+        Constellation::Galileo => Some(&GALILEO),
+        Constellation::Glonass => None,
     }
 }
 

@@ -19,7 +19,7 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use crate::fault::{Fault, Kind, Target};
-use crate::recording::RawEpoch;
+use crate::measurement::MeasuredEpoch;
 
 /// Epochs that an incident lasts, and the quiet after it.
 const LENGTH_EPOCHS: std::ops::RangeInclusive<u32> = 8..=40;
@@ -67,7 +67,7 @@ impl Incidents {
     }
 
     /// Falsifies an epoch as it is its turn `elapsed_s` after the first one.
-    pub fn befall(&mut self, epoch: &mut RawEpoch, elapsed_s: f64) -> Falsified {
+    pub fn befall(&mut self, epoch: &mut MeasuredEpoch, elapsed_s: f64) -> Falsified {
         if elapsed_s >= self.quiet_until_s && !epoch.satellites.is_empty() {
             self.begin(epoch, elapsed_s);
         }
@@ -76,7 +76,7 @@ impl Incidents {
         falsified
     }
 
-    fn falsified(&self, epoch: &RawEpoch, elapsed_s: f64) -> Falsified {
+    fn falsified(&self, epoch: &MeasuredEpoch, elapsed_s: f64) -> Falsified {
         let is_seen = |satellite| epoch.satellites.iter().any(|seen| seen.satellite == satellite);
         let mut satellites = 0;
         for fault in self.faults.iter().filter(|fault| fault.bias_m(elapsed_s) != 0.0) {
@@ -89,7 +89,7 @@ impl Incidents {
         Falsified::Satellites(satellites)
     }
 
-    fn begin(&mut self, epoch: &RawEpoch, start_s: f64) {
+    fn begin(&mut self, epoch: &MeasuredEpoch, start_s: f64) {
         let satellites: Vec<SatelliteId> = epoch.satellites.iter().map(|seen| seen.satellite).collect();
         let mut span = || f64::from(self.rng.random_range(LENGTH_EPOCHS)) * self.step_s;
         let (length_s, quiet_s) = (span(), span());
@@ -151,7 +151,7 @@ mod tests {
     use super::*;
     use crate::sky::raw::Simulation;
 
-    fn sky() -> Vec<RawEpoch> {
+    fn sky() -> Vec<MeasuredEpoch> {
         Simulation::above_xian(0.0, 40, 3).record().epochs
     }
 
@@ -181,7 +181,7 @@ mod tests {
             let whole = &sky[turn as usize % sky.len()];
             let mut epoch = whole.clone();
             let Falsified::Satellites(said) = incidents.befall(&mut epoch, f64::from(turn)) else { continue };
-            let by_m = |satellite: &crate::recording::RawSatellite| {
+            let by_m = |satellite: &crate::measurement::MeasuredSatellite| {
                 let before =
                     whole.satellites.iter().find(|before| before.satellite == satellite.satellite)?;
                 Some(satellite.signals[0].pseudorange_m - before.signals[0].pseudorange_m)

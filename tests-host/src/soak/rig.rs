@@ -31,7 +31,7 @@ impl Rig {
     /// The emulator does not start, or the image cannot be read.
     pub fn start(image: &Path) -> Result<Self> {
         let socket = MonitorSocket::open()?;
-        let settings = Settings { pace: Pace::Leap, arguments: socket.arguments()? };
+        let settings = Settings { pace: Pace::Leap, arguments: socket.arguments()?, ..Settings::default() };
         let board = EmulatedBoard::start_with(image, &settings)?;
         let monitor = socket.accept(image)?;
         Ok(Self { board, monitor, lines_seen: 0, earlier_starts_ms: 0 })

@@ -22,9 +22,10 @@ use rand_chacha::ChaCha8Rng;
 
 use super::incident::{Falsified, Incidents};
 use super::noise;
-use crate::demo::Believer;
-use crate::encode::{Encoder, Selection, TimedEphemeris};
-use crate::recording::{RawEpoch, Recording};
+use crate::demo::Accepter;
+use crate::encode::{Encoder, Selection};
+use crate::measurement::{MeasuredEpoch, TimedEphemeris};
+use crate::recording::Recording;
 use crate::sky::Site;
 
 /// What the host sets when the module starts: an alert limit so low that false ranges matter.
@@ -187,7 +188,7 @@ struct Sending<'a> {
     passage: &'a Passage,
     encoder: Encoder,
     repeated: VecDeque<Vec<u8>>,
-    believer: Believer,
+    accepter: Accepter,
     site: Site,
 }
 
@@ -226,7 +227,7 @@ impl Scenario {
         Ok(())
     }
 
-    fn turn(&mut self, mut epoch: RawEpoch, sending: &mut Sending<'_>) -> Result<Turn> {
+    fn turn(&mut self, mut epoch: MeasuredEpoch, sending: &mut Sending<'_>) -> Result<Turn> {
         let falsified = self.incidents.befall(&mut epoch, f64::from(self.turn) * self.tempo.step_s);
         let whole = sending.bytes(&epoch, self.tempo.repeated_ephemerides)?;
         self.turn += 1;
@@ -235,7 +236,7 @@ impl Scenario {
         let bytes = self.through_the_cable(&whole);
         let is_due = is_later && bytes == whole;
         let mishap = if self.unplugged.is_none() { self.mishap() } else { None };
-        let believed = sending.believer.hear(&whole, epoch.time.to_s(), &sending.site);
+        let believed = sending.accepter.hear(&whole, epoch.time.to_s(), &sending.site);
         let believed_error_m = believed.map(|believed| believed.horizontal_error_m);
         let truth = sending.passage.truth;
         let offer = Offer { time: epoch.time, truth, falsified, believed_error_m, is_due };
@@ -284,12 +285,12 @@ impl Scenario {
 impl<'a> Sending<'a> {
     fn new(passage: &'a Passage) -> Self {
         let encoder = Encoder::new(&passage.recording.ephemerides, passage.selection.clone());
-        let (believer, site) = (Believer::new(MASK_DEG.to_radians()), Site::at(passage.truth));
-        Self { passage, encoder, repeated: VecDeque::new(), believer, site }
+        let (accepter, site) = (Accepter::new(MASK_DEG.to_radians()), Site::at(passage.truth));
+        Self { passage, encoder, repeated: VecDeque::new(), accepter, site }
     }
 
     /// An epoch behind the ephemerides whose turn it is.
-    fn bytes(&mut self, epoch: &RawEpoch, repeated: usize) -> Result<Vec<u8>> {
+    fn bytes(&mut self, epoch: &MeasuredEpoch, repeated: usize) -> Result<Vec<u8>> {
         let mut bytes = Vec::new();
         for _ in 0..repeated {
             if self.repeated.is_empty() {
@@ -302,13 +303,13 @@ impl<'a> Sending<'a> {
     }
 
     /// A frame for each ephemeris that is known of a satellite in sight.
-    fn known(&self, epoch: &RawEpoch) -> Result<VecDeque<Vec<u8>>> {
+    fn known(&self, epoch: &MeasuredEpoch) -> Result<VecDeque<Vec<u8>>> {
         let is_seen = |ephemeris: &&TimedEphemeris| {
             epoch.satellites.iter().any(|seen| seen.satellite == ephemeris.satellite)
         };
         let seen: Vec<TimedEphemeris> =
             self.passage.recording.ephemerides.iter().filter(is_seen).cloned().collect();
-        let nothing = RawEpoch { time: epoch.time, satellites: Vec::new() };
+        let nothing = MeasuredEpoch { time: epoch.time, satellites: Vec::new() };
         let lump = Encoder::new(&seen, self.passage.selection.clone()).epoch(&nothing)?;
         Ok(noise::frames(&lump).into_iter().map(<[u8]>::to_vec).collect())
     }

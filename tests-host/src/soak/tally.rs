@@ -5,7 +5,7 @@
 use std::collections::{BTreeMap, VecDeque};
 
 use rai_core::frame::{Enu, Geodetic, LocalFrame};
-use rai_firmware::nmea::{GPS_MINUS_UTC_S, TimeOfDay};
+use rai_firmware::output::nmea::{GPS_MINUS_UTC_S, TimeOfDay};
 
 use super::scenario::Offer;
 use crate::recording::readable;

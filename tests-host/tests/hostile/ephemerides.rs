@@ -15,6 +15,9 @@ use crate::module::{Module, Sky};
 /// The highest number of a 32 bit field in units of 2⁻³³.
 const HIGHEST_ECCENTRICITY: f64 = 4_294_967_295.0 / 8_589_934_592.0;
 
+/// The highest of them that is let in.
+const ECCENTRICITY_LET_IN: f64 = 1_717_986_918.0 / 8_589_934_592.0;
+
 type ChangeGps = fn(&mut Msg1019T);
 type ChangeBeidou = fn(&mut Msg1042T);
 
@@ -40,7 +43,12 @@ fn of_one(sky: &Sky, change: impl Fn(&mut Msg1019T)) -> Vec<u8> {
 
 #[test]
 fn orbits_that_cannot_be_are_refused_and_the_known_ones_stay_in_use() {
-    let cases: [(&str, ChangeGps, ChangeBeidou); 4] = [
+    let cases: [(&str, ChangeGps, ChangeBeidou); 5] = [
+        (
+            "the highest eccentricity of a message",
+            |m| m.eccentricity = HIGHEST_ECCENTRICITY,
+            |m| m.eccentricity = HIGHEST_ECCENTRICITY,
+        ),
         ("axis of zero", |m| m.sqrt_a_sqrt_m = 0.0, |m| m.sqrt_a_sqrt_m = 0.0),
         ("axis of 67,000 km", |m| m.sqrt_a_sqrt_m = 8191.0, |m| m.sqrt_a_sqrt_m = 8191.0),
         ("time beyond the week", |m| m.toe_s = 604_800.0, |m| m.toe_s = 604_800.0),
@@ -59,21 +67,22 @@ fn orbits_that_cannot_be_are_refused_and_the_known_ones_stay_in_use() {
 }
 
 #[test]
-fn the_highest_eccentricity_that_a_message_can_say_is_found_out_by_the_ranges() {
+fn the_highest_eccentricity_that_is_let_in_is_found_out_by_the_set_before_it() {
     let sky = Sky::quiet(8);
     let mut module = Module::after(&sky, 3);
-    let said = module
-        .hear(&[of_one(&sky, |m| m.eccentricity = HIGHEST_ECCENTRICITY), sky.lumps[3].clone()].concat());
+    let said =
+        module.hear(&[of_one(&sky, |m| m.eccentricity = ECCENTRICITY_LET_IN), sky.lumps[3].clone()].concat());
     let [only] = said.as_slice() else { panic!("one epoch is one answer: {said:?}") };
     let healthy = Module::after(&sky, 3).hear(&sky.lumps[3]);
     assert_eq!(only.state.used + 1, healthy[0].state.used, "{only:?}");
-    // All of them: nothing is left to contradict them but the ranges themselves.
+    assert_eq!((module.grown("ephemerides_disputed"), module.grown("ephemeris_disputed")), (1, 1));
+    // All of them: every satellite is contradicted.
     module.hear(&spoiled(
         &sky.lumps[0],
-        |m| m.eccentricity = HIGHEST_ECCENTRICITY,
-        |m| m.eccentricity = HIGHEST_ECCENTRICITY,
+        |m| m.eccentricity = ECCENTRICITY_LET_IN,
+        |m| m.eccentricity = ECCENTRICITY_LET_IN,
     ));
-    module.hear(&sky.lumps[4]);
+    module.has_no_fix(&sky.lumps[4]);
     assert!(!module.pin_is_high());
     module.hear(&only_ephemerides(&sky));
     module.recovers(&sky.lumps[5]);
@@ -166,19 +175,19 @@ fn a_new_issue_in_the_middle_of_a_pass_is_taken_without_a_gap() {
 }
 
 #[test]
-fn a_new_issue_that_is_wrong_by_kilometres_is_excluded_by_name() {
+fn a_new_issue_that_is_wrong_by_kilometres_is_contradicted_and_the_satellite_not_used() {
     let sky = Sky::quiet(8);
     let mut module = Module::after(&sky, 3);
-    let seen = gps(&sky.lumps[0]).data_segment.satellite_data[0].satellite_id;
     // 1e-4 semicircles along the orbit are 8 km.
     let wrong = of_one(&sky, |m| {
         m.iode = m.iode.wrapping_add(1);
         m.m0_sc += if m.m0_sc > 0.0 { -1e-4 } else { 1e-4 };
     });
+    module.note();
     let said = module.hear(&[wrong, sky.lumps[3].clone()].concat());
-    let excluded: Vec<String> =
-        said[0].excluded.iter().map(|excluded| excluded.satellite.to_string()).collect();
-    assert_eq!(excluded, [format!("G{seen:02}")], "{said:?}");
+    assert!(said[0].state.is_protected() && said[0].excluded.is_empty(), "{said:?}");
+    assert_eq!((module.grown("ephemerides_disputed"), module.grown("ephemeris_disputed")), (1, 1));
     module.hear(&of_one(&sky, |m| m.iode = m.iode.wrapping_add(2)));
     module.recovers(&sky.lumps[4]);
+    assert_eq!(module.grown("ephemeris_disputed"), 1);
 }

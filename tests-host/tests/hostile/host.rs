@@ -2,8 +2,8 @@
 
 use std::cell::{Cell, RefCell};
 
-use rai_firmware::nmea::MAX_LENGTH;
-use rai_firmware::outlet::{Outlet, PATIENCE_MS};
+use rai_firmware::outlet::Outlet;
+use rai_firmware::output::nmea::MAX_LENGTH;
 use rai_firmware::receiver::{Boot, Receiver};
 use rai_firmware::ring::Ring;
 use tests_host::pin::Pin;
@@ -20,13 +20,12 @@ struct Wire<'r> {
 }
 
 impl Wire<'_> {
-    /// Lets a millisecond pass and gives the time: whoever looks at the clock waits.
-    fn tick(&self) -> u64 {
+    /// Lets a millisecond pass.
+    fn tick(&self) {
         let mut chunk = vec![0; self.bytes_per_ms.get()];
         let count = self.ring.read_into(&mut chunk);
         self.taken.borrow_mut().extend(&chunk[..count]);
         self.now_ms.set(self.now_ms.get() + 1);
-        self.now_ms.get()
     }
 }
 
@@ -47,19 +46,13 @@ fn a_starved_host_misses_whole_sentences_and_the_pin_does_not_suffer() {
         Wire { ring: &ring, bytes_per_ms: Cell::new(11), now_ms: Cell::new(0), taken: RefCell::default() };
     let boot = Boot { git: "slow", reset_cause: heapless::String::new() };
     let mut receiver = Receiver::new(Pin::default(), boot).unwrap();
-    let mut outlet = Outlet::new(&ring, || wire.tick(), || ());
+    let mut outlet = Outlet::new(&ring, || ());
     for (turn, lump) in sky.lumps.iter().enumerate() {
         // 115200 baud are 11 bytes a millisecond; a host that is busy with something else takes none.
         wire.bytes_per_ms.set(if STARVED.contains(&turn) { 0 } else { 11 });
-        let (start_ms, lines) = (wire.now_ms.get(), outlet.lines());
-        receiver.gnss(lump, start_ms, &mut outlet);
-        let (took_ms, lines) = (wire.now_ms.get() - start_ms, u64::from(outlet.lines() - lines));
-        assert!(
-            took_ms <= lines * (PATIENCE_MS + 2),
-            "{lines} sentences held epoch {turn} up for {took_ms} ms"
-        );
+        receiver.gnss(lump, wire.now_ms.get(), &mut outlet);
         assert!(receiver.pin().high, "epoch {turn} is healthy, whoever listens");
-        for _ in 0..500 {
+        for _ in 0..600 {
             wire.tick();
         }
     }

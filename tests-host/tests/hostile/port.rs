@@ -47,7 +47,7 @@ fn a_bad_command_is_refused_with_the_reason_and_changes_nothing() {
         (command("PRAIC,HAL,nan"), "cmd_refused", "not a number"),
         (command("PRAIC,HAL,1e999"), "cmd_refused", "not a number"),
         (command("PRAIC,PHASE,LUNCH"), "cmd_refused", "unknown value"),
-        (command("PRAIC,HAL"), "cmd_refused", "missing value"),
+        (command("PRAIC,HAL,"), "cmd_refused", "missing value"),
     ];
     let sky = Sky::quiet(20);
     let mut module = Module::after(&sky, 3);

@@ -194,5 +194,10 @@ fn a_crowd_before_the_true_ranges_does_not_raise_the_pin() {
     module.hear(&[lies.concat(), sky.lumps[3].clone()].concat());
     assert!(!module.pin_is_high());
     assert!(module.grown("satellites_duplicate") > 0 && module.grown("satellites_surplus") > 0);
-    module.recovers(&sky.lumps[4]);
+    // It was an alert: the satellites have to agree for three seconds.
+    for lump in &sky.lumps[4..7] {
+        module.hear(lump);
+        assert!(!module.pin_is_high());
+    }
+    module.recovers(&sky.lumps[7]);
 }

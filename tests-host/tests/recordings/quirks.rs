@@ -2,8 +2,8 @@
 
 use rai_core::satellite::{Constellation, SatelliteId};
 use rai_firmware::time::GpsTime;
-use tests_host::encode::Ephemeris;
-use tests_host::recording::{RawEpoch, RawSatellite};
+use tests_host::measurement::Ephemeris;
+use tests_host::measurement::{MeasuredEpoch, MeasuredSatellite};
 
 use crate::read;
 
@@ -72,8 +72,9 @@ fn id(name: &str) -> SatelliteId {
 }
 
 /// The pseudoranges of a satellite as RINEX 3.05 codes with metres.
-fn codes(satellite: &RawSatellite) -> Vec<(String, f64)> {
-    let code = |signal: &tests_host::recording::RawSignal| format!("C{}{}", signal.band, signal.attribute);
+fn codes(satellite: &MeasuredSatellite) -> Vec<(String, f64)> {
+    let code =
+        |signal: &tests_host::measurement::MeasuredSignal| format!("C{}{}", signal.band, signal.attribute);
     satellite.signals.iter().map(|signal| (code(signal), signal.pseudorange_m)).collect()
 }
 
@@ -81,7 +82,7 @@ fn named(pairs: &[(&str, f64)]) -> Vec<(String, f64)> {
     pairs.iter().map(|(code, range_m)| ((*code).to_owned(), *range_m)).collect()
 }
 
-fn satellite<'a>(epoch: &'a RawEpoch, name: &str) -> &'a RawSatellite {
+fn satellite<'a>(epoch: &'a MeasuredEpoch, name: &str) -> &'a MeasuredSatellite {
     epoch.satellites.iter().find(|satellite| satellite.satellite == id(name)).unwrap()
 }
 

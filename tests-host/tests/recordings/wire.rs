@@ -7,7 +7,7 @@ use rai_core::satellite::{Constellation, SatelliteId};
 use rai_firmware::time::GpsTime;
 use rtcm_rs::{Message, MsgFrameIter};
 use tests_host::encode::{Encoder, Frequency, Selection};
-use tests_host::recording::{RawEpoch, RawSatellite, RawSignal};
+use tests_host::measurement::{MeasuredEpoch, MeasuredSatellite, MeasuredSignal};
 
 use crate::quirks::{NAVIGATION_3, OBSERVATIONS_3};
 use crate::{DGAR, ESBC, Files, KMS3, STATIC1HZ, TLSE, lumps, read};
@@ -62,23 +62,29 @@ fn selection(letters: &str, frequency: Frequency) -> Selection {
 }
 
 /// A satellite whose signals, RINEX codes without the C, all have one range.
-fn satellite(constellation: Constellation, number: u8, codes: &[&str], pseudorange_m: f64) -> RawSatellite {
-    let signal = |code: &&str| RawSignal {
+fn satellite(
+    constellation: Constellation,
+    number: u8,
+    codes: &[&str],
+    pseudorange_m: f64,
+) -> MeasuredSatellite {
+    let signal = |code: &&str| MeasuredSignal {
         band: code[..1].parse().unwrap(),
         attribute: code.chars().nth(1).unwrap(),
         pseudorange_m,
         carrier_cycles: None,
         cn0_dbhz: Some(45.0),
+        doppler_hz: None,
     };
     let satellite = SatelliteId::new(constellation, number).unwrap();
-    RawSatellite { satellite, signals: codes.iter().map(signal).collect() }
+    MeasuredSatellite { satellite, signals: codes.iter().map(signal).collect() }
 }
 
-fn epoch(satellites: Vec<RawSatellite>) -> RawEpoch {
-    RawEpoch { time: GpsTime { week: 2320, tow_ms: 5_000 }, satellites }
+fn epoch(satellites: Vec<MeasuredSatellite>) -> MeasuredEpoch {
+    MeasuredEpoch { time: GpsTime { week: 2320, tow_ms: 5_000 }, satellites }
 }
 
-fn encoded(epoch: &RawEpoch, selection: Selection) -> (Vec<Msm>, u64) {
+fn encoded(epoch: &MeasuredEpoch, selection: Selection) -> (Vec<Msm>, u64) {
     let mut encoder = Encoder::new(&[], selection);
     let bytes = encoder.epoch(epoch).unwrap();
     (messages(&bytes).iter().filter_map(msm).collect(), encoder.unsendable())
@@ -101,7 +107,7 @@ fn every_range_of_the_recordings_comes_back_within_a_millimetre() {
 }
 
 /// Compares what was sent with what was measured; how many ranges were sent.
-fn compare(epoch: &RawEpoch, messages: &[Message]) -> usize {
+fn compare(epoch: &MeasuredEpoch, messages: &[Message]) -> usize {
     let sent: Vec<Msm> = messages.iter().filter_map(msm).collect();
     let more: Vec<bool> = sent.iter().map(|msm| msm.more).collect();
     let (last, others) = more.split_last().unwrap();
@@ -291,7 +297,7 @@ fn schedule(sent: &[(&str, &str)]) -> Vec<(usize, u8)> {
     });
     let mut recording = read(OBSERVATIONS_3, &(header.to_owned() + &records.collect::<String>())).unwrap();
     let start = GpsTime { week: 2320, tow_ms: 115_200_000 };
-    let minute = |minute: u64| RawEpoch {
+    let minute = |minute: u64| MeasuredEpoch {
         time: GpsTime::from_ms(start.to_ms() + 60_000 * minute),
         satellites: Vec::new(),
     };

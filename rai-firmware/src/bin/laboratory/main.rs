@@ -8,6 +8,7 @@
 //! interrupts, so the ticks of the core clock between two looks at it belong to the stage alone; under `-icount shift=0`
 //! they are its instructions, 168 ticks for each thousand.
 #![cfg_attr(target_os = "none", no_std, no_main)]
+#![deny(unsafe_code)]
 #![allow(unreachable_pub)] // A binary's modules have no outside.
 
 #[cfg(target_os = "none")]
@@ -38,6 +39,7 @@ mod image {
     use cortex_m::singleton;
     use cortex_m_rt::entry;
     // The vector table asks for the chip's interrupts.
+    #[cfg(feature = "stm32f405")]
     use stm32f4 as _;
 
     use crate::request::Requests;

@@ -1,10 +1,11 @@
 //! The core in either precision: single as the shipped image has it ([`rai_core::single`]), double as compiled here.
 
 use rai_core::epoch::Epoch;
-use rai_core::identification::baarda;
+use rai_core::integrity::residuals::baarda;
+use rai_core::integrity::residuals::levels::{self, Slopes};
+use rai_core::integrity::separation::{self, Allocation, Judged, Priors, SeparationError};
 use rai_core::monitor::Monitor;
-use rai_core::protection::{self, Slopes};
-use rai_core::real::Real;
+use rai_core::numeric::real::Real;
 use rai_core::report::Report;
 use rai_core::single::{self, CAPACITY};
 use rai_core::snapshot::{Snapshot, SnapshotError};
@@ -17,13 +18,27 @@ pub trait Precision: Real {
     fn take_back(snapshot: &mut Snapshot<Self, CAPACITY>, index: usize) -> Result<(), SnapshotError>;
     /// [`baarda::worst_two`].
     fn worst_two(snapshot: &Snapshot<Self, CAPACITY>) -> Option<(usize, Self, Self)>;
-    /// [`protection::largest_slopes`].
+    /// [`levels::largest_slopes`].
     fn largest_slopes(snapshot: &Snapshot<Self, CAPACITY>) -> Slopes<Self>;
+    /// [`separation::judge`].
+    fn separate(
+        snapshot: &mut Snapshot<Self, CAPACITY>,
+        priors: &Priors<'_, Self>,
+        allocation: &Allocation,
+    ) -> Result<Judged<Self>, SeparationError>;
     /// [`Monitor::process`].
     fn process(monitor: &mut Monitor<Self, CAPACITY>, epoch: &Epoch<CAPACITY>) -> Report<CAPACITY>;
 }
 
 impl Precision for f32 {
+    fn separate(
+        snapshot: &mut Snapshot<Self, CAPACITY>,
+        priors: &Priors<'_, Self>,
+        allocation: &Allocation,
+    ) -> Result<Judged<Self>, SeparationError> {
+        single::separate(snapshot, priors, allocation)
+    }
+
     fn leave_out(snapshot: &mut Snapshot<Self, CAPACITY>, index: usize) -> Result<(), SnapshotError> {
         single::leave_out(snapshot, index)
     }
@@ -46,6 +61,14 @@ impl Precision for f32 {
 }
 
 impl Precision for f64 {
+    fn separate(
+        snapshot: &mut Snapshot<Self, CAPACITY>,
+        priors: &Priors<'_, Self>,
+        allocation: &Allocation,
+    ) -> Result<Judged<Self>, SeparationError> {
+        separation::judge(snapshot, priors, allocation)
+    }
+
     fn leave_out(snapshot: &mut Snapshot<Self, CAPACITY>, index: usize) -> Result<(), SnapshotError> {
         snapshot.leave_out(index)
     }
@@ -59,7 +82,7 @@ impl Precision for f64 {
     }
 
     fn largest_slopes(snapshot: &Snapshot<Self, CAPACITY>) -> Slopes<Self> {
-        protection::largest_slopes(snapshot)
+        levels::largest_slopes(snapshot)
     }
 
     fn process(monitor: &mut Monitor<Self, CAPACITY>, epoch: &Epoch<CAPACITY>) -> Report<CAPACITY> {

@@ -2,20 +2,23 @@
 
 use core::hint::black_box;
 
+use heapless::Vec;
 use rai_core::clock::{CoastingClock, WINDOW};
-use rai_core::detection::detect;
+use rai_core::equations::LinearEpoch;
 use rai_core::fix::Workspace;
 use rai_core::frame::Ecef;
-use rai_core::identification::{parity, ransac};
-use rai_core::linear::LinearEpoch;
+use rai_core::integrity::residuals::detection::detect;
+use rai_core::integrity::residuals::levels::largest_slopes;
+use rai_core::integrity::residuals::threshold::Thresholds;
+use rai_core::integrity::residuals::threshold::policy::{Demand, Policy};
+use rai_core::integrity::residuals::{parity, ransac};
+use rai_core::integrity::separation::{Allocation, Prior, Priors};
 use rai_core::monitor::{Method, Monitor, Strategy};
-use rai_core::protection::largest_slopes;
-use rai_core::real::Real;
+use rai_core::numeric::real::Real;
 use rai_core::requirements::Requirements;
 use rai_core::single::{self, CAPACITY};
 use rai_core::snapshot::Snapshot;
-use rai_core::threshold::Thresholds;
-use rai_core::threshold::policy::{Demand, Policy};
+use rai_core::weighting::Ism;
 
 use crate::answer::Answers;
 use crate::epochs::{epoch, point};
@@ -53,6 +56,7 @@ fn run_in<T: Precision>(
         10 => wire::correct(input, stopwatch, answers),
         11 => wire::speak(input, stopwatch, answers),
         12 => wire::whole(input, stopwatch, answers),
+        13 => separate::<T>(input, stopwatch, answers),
         _ => None,
     }
 }
@@ -123,7 +127,7 @@ fn group(mut input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers)
     let rows = usize::from(input.byte()?);
     let (epoch, thresholds) = (linear::<f32>(input)?, thresholds()?);
     let snapshot = Snapshot::solve(epoch).ok()?;
-    let limits = parity::Limits { rows, ..parity::Limits::published() };
+    let limits = parity::SearchLimits { rows, ..parity::SearchLimits::published() };
     let (found, ticks) = stopwatch.time(|| {
         let finding = single::grouping(black_box(&snapshot), &thresholds, &limits);
         (finding.sets, finding.set.is_ok())
@@ -135,7 +139,7 @@ fn group(mut input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers)
 #[inline(never)]
 fn vote(input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers) -> Option<()> {
     let (epoch, thresholds) = (linear::<f32>(input)?, thresholds()?);
-    let limits = ransac::Limits::published().ok()?;
+    let limits = ransac::ConsensusLimits::published().ok()?;
     let selection = single::choose(&epoch, ransac::MAX_WORK);
     let mut snapshot = Snapshot::solve(epoch).ok()?;
     let (found, ticks) = stopwatch.time(|| {
@@ -148,13 +152,38 @@ fn vote(input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers) -> O
 #[inline(never)]
 fn select(input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers) -> Option<()> {
     let (epoch, thresholds) = (linear::<f32>(input)?, thresholds()?);
-    let limits = ransac::Limits::published().ok()?;
+    let limits = ransac::ConsensusLimits::published().ok()?;
     let mut snapshot = Snapshot::solve(epoch.clone()).ok()?;
     let (found, ticks) = stopwatch.time(|| {
         let selection = single::choose(black_box(&epoch), ransac::MAX_WORK);
         single::exclude_by_consensus(&mut snapshot, &selection, &thresholds, &limits).outcome
     });
     answers.write(ticks, &found)
+}
+
+/// ARAIM on a snapshot that is at hand, tests and levels. The first byte says whether satellites have nominal biases.
+#[inline(never)]
+fn separate<T: Precision>(
+    mut input: Input<'_>,
+    stopwatch: &mut Stopwatch,
+    answers: &mut Answers,
+) -> Option<()> {
+    let has_bias = input.byte()? == 1;
+    let mut snapshot = Snapshot::solve(linear::<T>(input)?).ok()?;
+    let mut satellites = Vec::<Prior<T>, CAPACITY>::new();
+    for row in snapshot.epoch().rows() {
+        let support = Ism::RESEARCH.of(row.clock?);
+        let accuracy_m = T::narrow(0.8) * row.sigma;
+        let bias_m = T::narrow(if has_bias { support.bias_m } else { 0.0 });
+        satellites.push(Prior { accuracy_m, bias_m, fault: T::narrow(support.satellite_fault) }).ok()?;
+    }
+    let constellations = Ism::RESEARCH.constellations.map(|support| T::narrow(support.constellation_fault));
+    let allocation = Allocation::vertical_guidance();
+    let (found, ticks) = stopwatch.time(|| {
+        let priors = Priors { satellites: &satellites, constellations };
+        T::separate(black_box(&mut snapshot), &priors, &allocation)
+    });
+    answers.write(ticks, &found.ok()?.whole)
 }
 
 /// One more value into a full window, and the forecast from it. The input is the clock, one double a second.
@@ -194,9 +223,10 @@ fn judge<T: Precision>(mut input: Input<'_>, stopwatch: &mut Stopwatch, answers:
         method: method_of(input.byte()?)?,
         policy: policy_of(input.byte()?)?,
         clock_aid: input.byte()? == 1,
+        ..Strategy::CLASSIC
     };
     let mut monitor = Monitor::<T, CAPACITY>::new(requirements()).ok()?;
-    monitor.pursue(strategy);
+    monitor.set_strategy(strategy);
     monitor.start_from(start(point(&mut input)?));
     for _ in 0..input.byte()? {
         let epoch = epoch(&mut input)?;
@@ -216,7 +246,7 @@ fn policy_of(number: u8) -> Option<Policy> {
 }
 
 fn method_of(number: u8) -> Option<Method> {
-    use parity::Method::{Grouping, Hybrid, Sequential, Simultaneous};
+    use parity::Isolation::{Grouping, Hybrid, Sequential, Simultaneous};
     let methods = [
         Method::Baarda,
         Method::Parity(Simultaneous),
@@ -224,6 +254,7 @@ fn method_of(number: u8) -> Option<Method> {
         Method::Parity(Hybrid),
         Method::Parity(Grouping),
         Method::Ransac,
+        Method::Separation,
     ];
     methods.get(usize::from(number)).copied()
 }

@@ -5,13 +5,15 @@ use core::hint::black_box;
 
 use embedded_hal::digital::{ErrorType, OutputPin};
 use embedded_io::Write;
-use rai_firmware::config::Configuration;
+use rai_firmware::config::{Configuration, Systems};
 use rai_firmware::correction::{Site, Sky, Tally};
 use rai_firmware::ephemeris::Store;
+use rai_firmware::input::{Event, Input as Gnss};
 use rai_firmware::navigator::Navigator;
-use rai_firmware::nmea::write_epoch;
+use rai_firmware::output::nmea::write_epoch;
+use rai_firmware::output::{Interference, Motion, Statement};
+use rai_firmware::raw::RawEpoch;
 use rai_firmware::receiver::{Boot, Receiver};
-use rai_firmware::rtcm::{Decoder, Event, RawEpoch};
 
 use crate::answer::Answers;
 use crate::epochs::point;
@@ -24,27 +26,16 @@ fn halves(input: Input<'_>) -> Option<(&[u8], &[u8])> {
     rest.split_at_checked(u32::from_le_bytes(*length) as usize)
 }
 
-/// Hands every event of some bytes to `take`.
-fn follow(decoder: &mut Decoder, bytes: &[u8], mut take: impl FnMut(&Event<'_>)) {
-    for &byte in bytes {
-        let mut event = decoder.push(byte);
-        while let Some(found) = event {
-            take(&found);
-            event = decoder.pending();
-        }
-    }
-}
-
 /// RTCM to raw epochs and ephemerides.
 #[inline(never)]
 pub fn decode(input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers) -> Option<()> {
     let (before, bytes) = halves(input)?;
-    let mut decoder = Decoder::new();
-    follow(&mut decoder, before, |_| ());
+    let mut gnss = Gnss::new();
+    gnss.feed(before, 0, |_| ());
     let mut satellites = 0;
     let ((), ticks) = stopwatch.time(|| {
-        follow(&mut decoder, black_box(bytes), |event| {
-            if let Event::Epoch(raw) = event {
+        gnss.feed(black_box(bytes), 0, |event| {
+            if let Event::Epoch(raw, _) = event {
                 satellites += raw.satellites.len();
             }
         });
@@ -55,13 +46,13 @@ pub fn decode(input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers
 /// Ephemerides and the last epoch of some bytes.
 #[inline(never)]
 fn learn(bytes: &[u8]) -> Option<(Store, RawEpoch)> {
-    let (mut decoder, mut store, mut last) = (Decoder::new(), Store::new(), None);
-    follow(&mut decoder, bytes, |event| match event {
-        Event::Epoch(raw) => last = Some((*raw).clone()),
+    let (mut gnss, mut store, mut last) = (Gnss::new(), Store::new(), None);
+    gnss.feed(bytes, 0, |event| match event {
+        Event::Epoch(raw, _) => last = Some(raw.clone()),
         Event::Ephemeris(ephemeris) => {
-            store.insert(*ephemeris, None);
+            store.insert(ephemeris, None);
         }
-        Event::ReferencePosition(_) => {}
+        Event::Position(_) | Event::Ionosphere(_) | Event::Jamming(_) => {}
     });
     Some((store, last?))
 }
@@ -71,14 +62,15 @@ fn learn(bytes: &[u8]) -> Option<(Store, RawEpoch)> {
 pub fn locate(input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers) -> Option<()> {
     let (store, raw) = learn(input.0)?;
     let mut tally = Tally::default();
-    let (sky, ticks) =
-        stopwatch.time(|| rai_firmware::correction::locate(black_box(&raw), &store, &mut tally));
+    let (sky, ticks) = stopwatch.time(|| {
+        rai_firmware::correction::locate(black_box(&raw), &store, 28.0, Systems::AT_START, &mut tally)
+    });
     answers.write(ticks, &sky.len())
 }
 
 #[inline(never)]
 fn sky(raw: &RawEpoch, store: &Store) -> Sky {
-    rai_firmware::correction::locate(raw, store, &mut Tally::default())
+    rai_firmware::correction::locate(raw, store, 28.0, Systems::AT_START, &mut Tally::default())
 }
 
 /// Atmosphere and sigmas about a point, which comes first.
@@ -99,20 +91,29 @@ pub fn correct(mut input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut An
 /// Sentences of the last epoch's report.
 #[inline(never)]
 pub fn speak(input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers) -> Option<()> {
-    let (mut decoder, mut last) = (Decoder::new(), None);
+    let (mut gnss, mut last) = (Gnss::new(), None);
     let configuration = Configuration::at_start();
     let mut navigator = Navigator::new(configuration.requirements).ok()?;
-    follow(&mut decoder, input.0, |event| match event {
-        Event::Epoch(raw) => last = Some((navigator.judge(raw, &configuration), raw.time)),
+    gnss.feed(input.0, 0, |event| match event {
+        Event::Epoch(raw, _) => last = Some((navigator.judge(raw, 0, &configuration), raw.time)),
         Event::Ephemeris(ephemeris) => {
-            navigator.learn(*ephemeris, None);
+            navigator.learn(ephemeris, None);
         }
-        Event::ReferencePosition(_) => {}
+        Event::Position(_) | Event::Ionosphere(_) | Event::Jamming(_) => {}
     });
     let (report, time) = last?;
     let mut host = Host { bytes: 0 };
-    let (_, ticks) =
-        stopwatch.time(|| write_epoch(black_box(&report), time, 18, &configuration.requirements, &mut host));
+    let statement = Statement {
+        report: &report,
+        time,
+        gps_minus_utc_s: 18,
+        requirements: &configuration.requirements,
+        motion: Some(Motion { east_m_s: 12.0, north_m_s: -7.5, up_m_s: 0.25, sigma_m_s: 0.05 }),
+        interference: Interference::default(),
+        settings_hash: 0x1234_5678,
+    };
+    let due = configuration.outputs.due(0);
+    let (_, ticks) = stopwatch.time(|| write_epoch(black_box(&statement), due, &mut host));
     answers.write(ticks, &host.bytes)
 }
 
@@ -128,7 +129,7 @@ pub fn whole(mut input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answ
     receiver.command(command, &mut host);
     receiver.gnss(before, 0, &mut host);
     let said_before = host.bytes;
-    let ((), ticks) = stopwatch.time(|| receiver.gnss(black_box(bytes), 0, &mut host));
+    let (_, ticks) = stopwatch.time(|| receiver.gnss(black_box(bytes), 0, &mut host));
     answers.write(ticks, &(host.bytes - said_before))
 }
 

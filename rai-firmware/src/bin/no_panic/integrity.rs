@@ -4,27 +4,33 @@ use core::fmt::Display;
 use core::ops::{Add, Sub};
 
 use rai_core::clock::{self, Autoregression, Clocks, CoastingClock, Extrapolation};
-use rai_core::detection::{self, Detection};
+use rai_core::continuity::{Continuity, ContinuityError, ContinuitySettings};
 use rai_core::epoch::{Epoch, EpochError};
+use rai_core::equations::{LinearEpoch, RowError};
 use rai_core::fix::{Fix, FixError, Workspace};
 use rai_core::frame::{Ecef, Enu, Geodetic, LocalFrame};
-use rai_core::identification::baarda::{self, Reducible};
-use rai_core::identification::parity;
-use rai_core::identification::ransac::{self, Selection};
-use rai_core::linear::{LinearEpoch, RowError};
+use rai_core::integrity;
+use rai_core::integrity::residuals::baarda;
+use rai_core::integrity::residuals::detection::{self, Detection};
+use rai_core::integrity::residuals::exclusion;
+use rai_core::integrity::residuals::levels::{self, Slopes};
+use rai_core::integrity::residuals::parity;
+use rai_core::integrity::residuals::ransac::{self, Selection};
+use rai_core::integrity::residuals::threshold::policy::{self, Demand, Weights};
+use rai_core::integrity::residuals::threshold::{self, ThresholdError, Thresholds};
+use rai_core::integrity::separation::{self, Allocation, Finding, Hypothesis, Removable, SeparationError};
 use rai_core::monitor::{Monitor, MonitorError};
-use rai_core::probability::Probability;
-use rai_core::protection::{self, Slopes};
-use rai_core::real::Real;
+use rai_core::numeric::chi_square::ChiSquare;
+use rai_core::numeric::normal;
+use rai_core::numeric::probability::Probability;
+use rai_core::numeric::real::Real;
 use rai_core::removal::{self, NormalisedRow, Removal};
 use rai_core::report::Solution;
 use rai_core::requirements::{Requirements, RequirementsError};
 use rai_core::satellite::{Constellation, SatelliteId};
 use rai_core::single;
-use rai_core::snapshot::{Snapshot, SnapshotError};
-use rai_core::threshold::chi2::ChiSquare;
-use rai_core::threshold::policy::{self, Demand, Weights};
-use rai_core::threshold::{self, ThresholdError, Thresholds};
+use rai_core::snapshot::{Fit, Reducible, Snapshot, SnapshotError};
+use rai_core::velocity::VelocityError;
 use rai_core::weighting;
 use rai_firmware::correction::CAPACITY as N;
 
@@ -38,6 +44,7 @@ pub fn reach_all<T: Real>() {
     identification_by_w_test::<T>();
     identification_in_parity_space::<T>();
     identification_by_consensus::<T>();
+    separation_of_solutions::<T>();
     clocks::<T>();
     thresholds::<T>();
     the_pipeline::<T>();
@@ -62,6 +69,7 @@ fn the_linearised_epoch<T: Real>() {
         Snapshot::<T, N>::epoch as fn(_) -> _,
         (|snapshot| exhaust(Snapshot::<T, N>::rows(snapshot))) as fn(_),
         Snapshot::<T, N>::row as fn(_, _) -> _,
+        Snapshot::<T, N>::fits as fn(_) -> _,
         Snapshot::<T, N>::correction as fn(_) -> _,
         Snapshot::<T, N>::covariance as fn(_) -> _,
         Snapshot::<T, N>::sse as fn(_) -> _,
@@ -77,6 +85,7 @@ fn the_linearised_epoch<T: Real>() {
         <Snapshot<T, N> as Reducible<T, N>>::snapshot as fn(_) -> _,
         <Snapshot<T, N> as Reducible<T, N>>::leave_out as fn(_, _) -> _,
         <Snapshot<T, N> as Reducible<T, N>>::take_back as fn(_, _) -> _,
+        <Snapshot<T, N> as Reducible<T, N>>::set_aside as fn(_, _) -> _,
     );
 }
 
@@ -85,10 +94,17 @@ fn detection_and_protection<T: Real>() {
         detection::detect::<T, N> as fn(_, _) -> _,
         Detection::<T>::fault as fn(_) -> _,
         Detection::<T>::statistic as fn(_) -> _,
-        protection::slopes::<T> as fn(_, _) -> _,
-        protection::largest_slopes::<T, N> as fn(_) -> _,
+        levels::slopes::<T> as fn(_, _) -> _,
+        levels::largest_slopes::<T, N> as fn(_) -> _,
         Slopes::<T>::protect as fn(_, _) -> _,
-        protection::largest_hdop_change::<T, N> as fn(_) -> _,
+        levels::largest_hdop_change::<T, N> as fn(_) -> _,
+        levels::Spread::<T>::of as fn(_) -> _,
+        levels::Exposure::<T>::of::<N> as fn(_, _, _) -> _,
+        levels::Exposure::<T>::protect as fn(_, _) -> _,
+        levels::Exposure::<T>::horizontal_noncentrality as fn(_, _) -> _,
+        levels::Exposure::<T>::vertical_noncentrality as fn(_, _) -> _,
+        Detection::<T>::of as fn(_, _, _) -> _,
+        Detection::<T>::passes::<N> as fn(_, _) -> _,
     );
 }
 
@@ -99,6 +115,7 @@ fn removals<T: Real>() {
         Removal::<T>::none as fn() -> _,
         <Removal<T> as Default>::default as fn() -> _,
         Removal::<T>::of::<N> as fn(_, _) -> _,
+        Removal::<T>::among as fn(_, _) -> _,
         Removal::<T>::and as fn(_, _) -> _,
         Removal::<T>::explains_more as fn(_, _) -> _,
         Removal::<T>::rows as fn(_) -> _,
@@ -112,13 +129,16 @@ fn removals<T: Real>() {
 
 fn identification_by_w_test<T: Real>() {
     reach!(
-        baarda::w_test::<T> as fn(_) -> _,
+        Fit::<T>::w_test as fn(_) -> _,
+        Fit::<T>::w_squared as fn(_) -> _,
         baarda::worst_two::<T, N> as fn(_) -> _,
         baarda::identify::<T, N> as fn(_, _) -> _,
         baarda::exclude_sequentially::<T, N> as fn(&mut Snapshot<T, N>, _) -> _,
         baarda::exclude_sequentially::<T, N> as fn(&mut Fix<'static, T, N>, _) -> _,
-        baarda::separable::<T, N> as fn(&mut Snapshot<T, N>, _, _) -> _,
-        baarda::separable::<T, N> as fn(&mut Fix<'static, T, N>, _, _) -> _,
+        exclusion::separable::<T, N> as fn(&mut Snapshot<T, N>, _, _) -> _,
+        exclusion::separable::<T, N> as fn(&mut Fix<'static, T, N>, _, _) -> _,
+        exclusion::leave_out::<T, N> as fn(&mut Snapshot<T, N>, _, _) -> _,
+        exclusion::leave_out::<T, N> as fn(&mut Fix<'static, T, N>, _, _) -> _,
     );
 }
 
@@ -143,6 +163,26 @@ fn identification_by_consensus<T: Real>() {
         ransac::refine::<T, N> as fn(_, _, _, _) -> _,
         ransac::exclude::<T, N> as fn(&mut Snapshot<T, N>, _, _, _) -> _,
         ransac::exclude::<T, N> as fn(&mut Fix<'static, T, N>, _, _, _) -> _,
+        ransac::exclude_in::<T, N> as fn(&mut Snapshot<T, N>, _, _, _) -> _,
+        ransac::exclude_in::<T, N> as fn(&mut Fix<'static, T, N>, _, _, _) -> _,
+        ransac::Subsets::<N>::of::<T> as fn(_, _, _) -> _,
+    );
+}
+
+fn separation_of_solutions<T: Real>() {
+    reach!(
+        separation::judge::<T> as fn(&mut Snapshot<T, N>, _, _) -> _,
+        separation::judge::<T> as fn(&mut Fix<'static, T, N>, _, _) -> _,
+        <Snapshot<T, N> as Removable<T>>::view as fn(_) -> _,
+        <Snapshot<T, N> as Removable<T>>::leave_out_all as fn(_, _) -> _,
+        <Snapshot<T, N> as Removable<T>>::take_back_all as fn(_, _),
+        <Fix<'_, T, N> as Removable<T>>::view as fn(_) -> _,
+        <Fix<'_, T, N> as Removable<T>>::leave_out_all as fn(_, _) -> _,
+        <Fix<'_, T, N> as Removable<T>>::take_back_all as fn(_, _),
+        Finding::<T>::hpl_m as fn(_) -> _,
+        Finding::<T>::vpl_m as fn(_) -> _,
+        normal::tail::<T> as fn(_) -> _,
+        normal::quantile::<T> as fn(_) -> _,
     );
 }
 
@@ -160,6 +200,7 @@ fn clocks<T: Real>() {
         CoastingClock::<T>::restart as fn(_),
         CoastingClock::<T>::observe as fn(_, _, _, _) -> _,
         CoastingClock::<T>::forecast as fn(_, _) -> _,
+        CoastingClock::<T>::last_time_s as fn(_) -> _,
         CoastingClock::<T>::process as fn(_) -> _,
     );
     reach!(
@@ -168,7 +209,8 @@ fn clocks<T: Real>() {
         Clocks::<T>::restart as fn(_),
         Clocks::<T>::of as fn(_, _) -> _,
         Clocks::<T>::aiding::<N> as fn(_, _) -> _,
-        Clocks::<T>::learn::<N> as fn(_, _, _),
+        Clocks::<T>::learn as fn(_, _, _),
+        clock::SolvedClocks::of::<T, N> as fn(_) -> _,
         clock::satellites_alone::<T, N> as fn(_, _) -> _,
     );
 }
@@ -180,6 +222,7 @@ fn thresholds<T: Real>() {
         ChiSquare::<T>::noncentrality as fn(_, _, _) -> _,
         ChiSquare::<T>::crossing as fn(_, _, _) -> _,
         Demand::new::<T> as fn(_, _, _, _) -> _,
+        Demand::of::<T> as fn(_, _, _, _) -> _,
         Demand::threshold::<T> as fn(_, _) -> _,
         Demand::decide::<T> as fn(_) -> _,
     );
@@ -196,19 +239,33 @@ fn the_pipeline<T: Real>() {
         <Fix<'_, T, N> as Reducible<T, N>>::snapshot as fn(_) -> _,
         <Fix<'_, T, N> as Reducible<T, N>>::leave_out as fn(_, _) -> _,
         <Fix<'_, T, N> as Reducible<T, N>>::take_back as fn(_, _) -> _,
+        <Fix<'_, T, N> as Reducible<T, N>>::set_aside as fn(_, _) -> _,
         Monitor::<T, N>::new as fn(_) -> _,
         Monitor::<T, N>::require as fn(_, _) -> _,
-        Monitor::<T, N>::pursue as fn(_, _),
+        Monitor::<T, N>::set_strategy as fn(_, _),
+        Monitor::<T, N>::set_ism as fn(_, _),
+        Monitor::<T, N>::ism as fn(_) -> _,
         Monitor::<T, N>::requirements as fn(_) -> _,
         Monitor::<T, N>::start as fn(_) -> _,
         Monitor::<T, N>::start_from as fn(_, _),
         Monitor::<T, N>::process as fn(_, _) -> _,
+        Monitor::<T, N>::judge as fn(_, _, _, _, _) -> _,
+        Monitor::<T, N>::learn as fn(_, _, _),
+        Monitor::<T, N>::set_continuity as fn(_, _) -> _,
+        Monitor::<T, N>::forgo_continuity as fn(_),
+        Monitor::<T, N>::forget_position as fn(_),
+        Fix::<T, N>::clock_row as fn(_) -> _,
+        integrity::judge::<T, N> as fn(&mut Snapshot<T, N>, _, _, _, _, _) -> _,
+        integrity::judge::<T, N> as fn(&mut Fix<'static, T, N>, _, _, _, _, _) -> _,
+        integrity::Criteria::test::<T, N> as fn(_, _) -> _,
+        integrity::Judgement::<T>::levels as fn(_) -> _,
     );
 }
 
 /// What is absolute, and so has one precision only, and what computes nothing.
 pub fn reach_what_has_no_precision() {
     as_a_module_runs_it();
+    continuity();
     frames();
     requirements();
     epochs();
@@ -216,9 +273,23 @@ pub fn reach_what_has_no_precision() {
     errors();
 }
 
+fn continuity() {
+    reach!(
+        Continuity::new as fn() -> _,
+        <Continuity as Default>::default as fn() -> _,
+        Continuity::forget as fn(_),
+        Continuity::conclude::<N> as fn(_, _, _, _, _) -> _,
+        ContinuitySettings::anywhere as fn() -> _,
+        ContinuitySettings::validate as fn(_) -> _,
+    );
+}
+
 fn as_a_module_runs_it() {
     reach!(
         single::process as fn(_, _) -> _,
+        single::judge as fn(_, _, _, _, _) -> _,
+        single::velocity as fn(_, _, _) -> _,
+        <VelocityError as Display>::fmt as fn(_, _) -> _,
         single::position as fn(_, _) -> _,
         single::solve as fn(_) -> _,
         single::leave_out as fn(_, _) -> _,
@@ -228,6 +299,7 @@ fn as_a_module_runs_it() {
         single::grouping as fn(_, _, _) -> _,
         single::choose as fn(_, _) -> _,
         single::exclude_by_consensus as fn(_, _, _, _) -> _,
+        single::separate as fn(_, _, _) -> _,
         single::observe as fn(_, _, _, _) -> _,
         single::forecast as fn(_, _) -> _,
         single::threshold as fn(_, _) -> _,
@@ -261,12 +333,23 @@ fn requirements() {
         Requirements::non_precision_approach as fn() -> _,
         Requirements::lpv200 as fn() -> _,
         Requirements::validate as fn(_) -> _,
+        rai_core::report::ProtectionLevels::or_larger as fn(_, _) -> _,
+        Allocation::vertical_guidance as fn() -> _,
+        Allocation::horizontal as fn() -> _,
+        Allocation::integrity as fn(_) -> _,
+        Allocation::validate as fn(_) -> _,
+        (|hypothesis| exhaust(Hypothesis::rows(hypothesis))) as fn(_),
+        Hypothesis::named as fn(_) -> _,
         Probability::new as fn(_) -> _,
         Probability::get as fn(_) -> _,
-        protection::hdop_change_limit as fn(_, _, _) -> _,
+        levels::hdop_change_limit as fn(_, _, _) -> _,
         Solution::pdop as fn(_) -> _,
         <f32 as Real>::narrow as fn(_) -> _,
         <f32 as Real>::widen as fn(_) -> _,
+        <f32 as Real>::normal_tail as fn(_) -> _,
+        <f32 as Real>::normal_quantile as fn(_) -> _,
+        <f64 as Real>::normal_tail as fn(_) -> _,
+        <f64 as Real>::normal_quantile as fn(_) -> _,
         <f64 as Real>::narrow as fn(_) -> _,
         <f64 as Real>::widen as fn(_) -> _,
     );
@@ -281,6 +364,15 @@ fn epochs() {
         SatelliteId::number as fn(_) -> _,
         weighting::ephemeris_sigma_m as fn(_, _) -> _,
         weighting::sigma_m as fn(_) -> _,
+        weighting::integrity_sigma_m as fn(_, _, _) -> _,
+        weighting::Ism::of as fn(_, _) -> _,
+        weighting::Ism::is_valid as fn(_) -> _,
+        weighting::Support::is_valid as fn(_) -> _,
+        weighting::adaptation::Adaptation::new as fn() -> _,
+        weighting::adaptation::Adaptation::restart as fn(_),
+        weighting::adaptation::Adaptation::learn as fn(_, _, _),
+        weighting::adaptation::Adaptation::scale as fn(_, _) -> _,
+        weighting::adaptation::Adaptation::sigma_m as fn(_, _) -> _,
         Epoch::<N>::new as fn(_) -> _,
         Epoch::<N>::push as fn(_, _) -> _,
         Epoch::<N>::aid as fn(_, _) -> _,
@@ -300,10 +392,15 @@ fn tables() {
         Thresholds::lambda as fn(_, _) -> _,
         Thresholds::w_test as fn(_, _) -> _,
         Weights::new as fn(_, _) -> _,
-        policy::noncentrality_at as fn(_, _) -> _,
+        levels::noncentrality_at as fn(_, _) -> _,
+        levels::Factors::new as fn(_, _) -> _,
+        exclusion::leaves_enough as fn(_, _) -> _,
+        rai_core::integrity::residuals::sets::count_up_to as fn(_, _) -> _,
         policy::range_threshold_m as fn(_, _, _) -> _,
-        parity::Limits::published as fn() -> _,
-        ransac::Limits::published as fn() -> _,
+        parity::SearchLimits::published as fn() -> _,
+        ransac::ConsensusLimits::published as fn() -> _,
+        Selection::<N>::none as fn() -> _,
+        ransac::Subsets::<N>::new as fn() -> _,
         Selection::<N>::subsets as fn(_) -> _,
         Selection::<N>::rows as fn(_) -> _,
         Selection::<N>::contains as fn(_, _, _) -> _,
@@ -314,12 +411,14 @@ fn tables() {
 
 fn errors() {
     reach!(
+        <ContinuityError as Display>::fmt as fn(_, _) -> _,
         <EpochError as Display>::fmt as fn(_, _) -> _,
         <FixError as Display>::fmt as fn(_, _) -> _,
         <MonitorError as Display>::fmt as fn(_, _) -> _,
         <RequirementsError as Display>::fmt as fn(_, _) -> _,
         <RowError as Display>::fmt as fn(_, _) -> _,
         <SatelliteId as Display>::fmt as fn(_, _) -> _,
+        <SeparationError as Display>::fmt as fn(_, _) -> _,
         <SnapshotError as Display>::fmt as fn(_, _) -> _,
         <ThresholdError as Display>::fmt as fn(_, _) -> _,
     );

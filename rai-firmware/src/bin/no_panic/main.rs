@@ -11,6 +11,7 @@
 //!
 //! `tests_host::no_panic` builds it, names what stands in the way, and holds the lists in here against the sources.
 #![cfg_attr(target_os = "none", no_std, no_main)]
+#![deny(unsafe_code)]
 #![allow(unreachable_pub)] // A binary's modules have no outside.
 
 #[cfg(target_os = "none")]

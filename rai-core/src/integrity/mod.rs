@@ -1,0 +1,289 @@
+//! Integrity: is something wrong, which satellite is it, and how wrong could the position be without anyone noticing?
+//!
+//! ```text
+//! fix ─► test ─► (search, leave out, test again) ─► is it the only explanation? ─► judgement
+//! ```
+//!
+//! [`judge`] is the only place that knows one [`Method`] from another. A [`Judgement`] is what the method found; what it
+//! means for the user is the monitor's to say ([`crate::monitor`]).
+//!
+//! **A forecast beside the satellites** raises what four satellites can say of each other, and vouches for itself. Where the
+//! satellites can be tested without it they are, too: both tests must pass, and the protection levels are the larger ones.
+
+pub mod residuals;
+pub mod separation;
+
+use heapless::Vec;
+
+use crate::bounded::gather;
+use crate::epoch::Epoch;
+use crate::numeric::real::Real;
+use crate::report::{MAX_EXCLUDED, ProtectionLevels, Separation};
+use crate::requirements::Requirements;
+use crate::satellite::SatelliteId;
+use crate::snapshot::{Reducible, Snapshot};
+use crate::weighting::Ism;
+use residuals::baarda::exclude_sequentially;
+use residuals::detection::Detection;
+use residuals::exclusion::{Excluded, Exclusion, Outcome, Unidentified, leave_out, leaves_enough, separable};
+use residuals::levels::{Exposure, Factors, Levels, common_shift};
+use residuals::sets::count_up_to;
+use residuals::threshold::Thresholds;
+use residuals::threshold::policy::{Demand, NoThreshold, Policy};
+use residuals::{parity, ransac};
+use separation::{Removable, judge_epoch};
+
+/// How the faulty satellites are found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Method {
+    /// Every set of one row, then of two, then of three, where that is within [`AUTOMATIC_SETS`]; else the largest w-test.
+    Auto,
+    /// The largest w-test, again and again.
+    Baarda,
+    /// In parity space.
+    Parity(parity::Isolation),
+    /// By consensus of disjoint subsets.
+    Ransac,
+    /// By solutions with and without every plausible set of them: ARAIM.
+    Separation,
+}
+
+/// Sets that [`Method::Auto`] looks at: all of up to three of 40 rows, some 0.9 million instructions in `f32` on a
+/// Cortex-M4F. Beyond, the largest w-test costs a hundredth.
+pub const AUTOMATIC_SETS: usize = parity::MAX_SETS;
+
+/// What an epoch is judged by.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Criteria<'c> {
+    /// Limits and probabilities.
+    pub requirements: &'c Requirements,
+    /// Thresholds for these probabilities.
+    pub thresholds: Thresholds<'static>,
+    /// Factors of the protection levels for these probabilities.
+    pub factors: &'c Factors,
+    /// Which threshold the global test uses.
+    pub policy: Policy,
+    /// How the faulty satellites are found.
+    pub method: Method,
+    /// What a protection level bounds.
+    pub levels: Levels,
+    /// What is promised of the satellites, for [`Method::Separation`].
+    pub ism: &'c Ism,
+}
+
+/// What may be done once a fault is detected.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Search<'s> {
+    /// Look for the faulty satellites.
+    Anew,
+    /// Leave out those that a search about another point has found, and look for no others.
+    Known(&'s [SatelliteId]),
+}
+
+/// The global test of a snapshot, and what an undetected fault can do under its threshold.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Test<T> {
+    /// The test.
+    pub detection: Detection<T>,
+    /// Protection levels.
+    pub levels: ProtectionLevels,
+}
+
+/// What the satellites say without the forecast beside them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Alone<T> {
+    /// No forecast takes part.
+    Always,
+    /// Without it nothing is left to test.
+    Untested,
+    /// The test of the satellites alone.
+    Tested(Test<T>),
+}
+
+/// What a method found in an epoch.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Judgement<T> {
+    /// How it ended.
+    pub outcome: Outcome,
+    /// Rows left out, in the order of removal.
+    pub excluded: Vec<Excluded<T>, MAX_EXCLUDED>,
+    /// The test of what is left, or why there is none.
+    pub test: Result<Test<T>, NoThreshold>,
+    /// The same without the forecast.
+    pub alone: Alone<T>,
+    /// Whether faulty satellites were searched for.
+    pub searched: bool,
+    /// What only [`Method::Separation`] finds.
+    pub separation: Option<Separation>,
+}
+
+impl<T: Real> Judgement<T> {
+    /// Protection levels: the larger of those with and without the forecast.
+    pub fn levels(&self) -> Option<ProtectionLevels> {
+        let levels = self.test.ok()?.levels;
+        Some(match &self.alone {
+            Alone::Tested(alone) => levels.or_larger(&alone.levels),
+            Alone::Always | Alone::Untested => levels,
+        })
+    }
+}
+
+impl Criteria<'_> {
+    /// The global test of a snapshot under the policy, and the protection levels that go with its threshold.
+    ///
+    /// `common_m` is what the first rows' errors share ([`Epoch::common_m`]).
+    ///
+    /// # Errors
+    /// [`NoThreshold`] says why there is none.
+    pub fn test<T: Real, const N: usize>(
+        &self,
+        snapshot: &Snapshot<T, N>,
+        common_m: &[f32],
+    ) -> Result<Test<T>, NoThreshold> {
+        let exposure = Exposure::of(snapshot, self.levels, self.factors);
+        let demand = Demand::of(snapshot.dof(), &exposure, self.requirements, self.thresholds);
+        let threshold = demand.threshold::<T>(self.policy)?;
+        let detection =
+            Detection { sse: snapshot.sse(), threshold: T::narrow(threshold.tau), dof: snapshot.dof() };
+        let shift = common_shift(snapshot, common_m);
+        Ok(Test { detection, levels: exposure.protect(threshold.lambda).plus(&shift) })
+    }
+}
+
+/// Tests a solution, looks for what is wrong and leaves it out.
+///
+/// `forecast` is the row of a predicted clock, if there is one. `solution` ends as the solution without the rows listed.
+pub fn judge<T: Real, const N: usize>(
+    solution: &mut (impl Reducible<T, N> + Removable<T>),
+    epoch: &Epoch<N>,
+    forecast: Option<usize>,
+    criteria: &Criteria<'_>,
+    search: Search<'_>,
+    subsets: &mut ransac::Subsets<N>,
+) -> Judgement<T> {
+    if criteria.method == Method::Separation {
+        return judge_epoch(solution, epoch, criteria);
+    }
+    let mut test = criteria.test(solution.snapshot(), epoch.common_m());
+    let mut exclusion = Exclusion::passed();
+    let mut searched = false;
+    if test.as_ref().is_ok_and(|test| test.detection.fault()) {
+        let jump = forecast.and_then(|row| jump(solution, row, &criteria.thresholds));
+        searched = jump.is_none() && search == Search::Anew;
+        exclusion = jump.unwrap_or_else(|| isolate(solution, epoch, criteria, search, subsets));
+        test = criteria.test(solution.snapshot(), epoch.common_m());
+    }
+    let alone = forecast.map_or(Alone::Always, |row| without_forecast(solution, row, epoch, criteria));
+    if let Alone::Tested(test) = &alone
+        && test.detection.fault()
+    {
+        exclusion.outcome = Outcome::NotIsolated(Unidentified::NoSet);
+    }
+    if exclusion.outcome == Outcome::Isolated && test.is_ok() {
+        let satellites = exclusion.rows.iter().filter(|excluded| Some(excluded.index) != forecast).count();
+        if !leaves_enough(satellites, solution.snapshot().dof()) {
+            exclusion.outcome = Outcome::NotIsolated(Unidentified::NoRedundancy);
+        } else if !separable(solution, &exclusion, &criteria.thresholds) {
+            exclusion.outcome = Outcome::NotIsolated(Unidentified::Ambiguous);
+        }
+    }
+    Judgement {
+        outcome: exclusion.outcome,
+        excluded: exclusion.rows,
+        test,
+        alone,
+        searched,
+        separation: None,
+    }
+}
+
+/// The test of a solution without its forecast, which ends as it began.
+fn without_forecast<T: Real, const N: usize>(
+    solution: &mut impl Reducible<T, N>,
+    row: usize,
+    epoch: &Epoch<N>,
+    criteria: &Criteria<'_>,
+) -> Alone<T> {
+    let takes_part = solution.snapshot().row(row).is_some_and(|(row, _)| row.weight > T::zero());
+    if !takes_part {
+        return Alone::Always;
+    }
+    if solution.set_aside(&[row]).is_err() {
+        return Alone::Untested;
+    }
+    let test = criteria.test(solution.snapshot(), epoch.common_m());
+    // What was there a moment ago determines a position.
+    let _ = solution.take_back(&[row]);
+    test.map_or(Alone::Untested, Alone::Tested)
+}
+
+/// Looks for the faulty satellites and leaves them out.
+///
+/// A function of its own, as are the ways that it branches into: what one search needs of the stack would else be taken
+/// by every epoch, and beside what the others need.
+#[inline(never)]
+fn isolate<T: Real, const N: usize>(
+    solution: &mut impl Reducible<T, N>,
+    epoch: &Epoch<N>,
+    criteria: &Criteria<'_>,
+    search: Search<'_>,
+    subsets: &mut ransac::Subsets<N>,
+) -> Exclusion<T> {
+    let thresholds = &criteria.thresholds;
+    if let Search::Known(satellites) = search {
+        let listed = epoch.observations().iter().enumerate();
+        let known = listed.filter(|(_, observation)| satellites.contains(&observation.satellite));
+        let rows: Vec<usize, MAX_EXCLUDED> = gather(known.map(|(index, _)| index));
+        return leave_out(solution, &rows, thresholds);
+    }
+    match criteria.method {
+        Method::Auto => isolate_within_budget(solution, thresholds),
+        Method::Parity(isolation) => {
+            parity::exclude(isolation, solution, thresholds, &parity::SearchLimits::published())
+        }
+        Method::Ransac => ransac::exclude_in(solution, epoch, thresholds, subsets),
+        // Separation excludes by its own tests.
+        Method::Baarda | Method::Separation => exclude_sequentially(solution, thresholds),
+    }
+}
+
+/// By every set, as far as sets can be told apart at all, or by the largest w-test where these are too many.
+fn isolate_within_budget<T: Real, const N: usize>(
+    solution: &mut impl Reducible<T, N>,
+    thresholds: &Thresholds<'_>,
+) -> Exclusion<T> {
+    let rows = (solution.snapshot().dof() / 2).min(MAX_EXCLUDED);
+    if count_up_to(rows, solution.snapshot().used()) > AUTOMATIC_SETS {
+        return exclude_sequentially(solution, thresholds);
+    }
+    let limits = parity::SearchLimits { rows, ..parity::SearchLimits::published() };
+    let exclusion = parity::exclude(parity::Isolation::Grouping, solution, thresholds, &limits);
+    if exclusion.rows.is_empty() && exclusion.outcome == Outcome::NotIsolated(Unidentified::NoSet) {
+        // A fault of a thousand kilometres bends what all sets are compared in: leaving out the worst and solving again
+        // about another point does not mind.
+        return exclude_sequentially(solution, thresholds);
+    }
+    exclusion
+}
+
+/// The exclusion of the forecast alone, where that explains everything and no satellite does nearly as well.
+///
+/// Asked before any method is: a jump of a millisecond shows in every satellite's test, and methods that leave out
+/// whoever correlates with the worst would leave out healthy ones with it.
+fn jump<T: Real, const N: usize>(
+    solution: &mut impl Reducible<T, N>,
+    row: usize,
+    thresholds: &Thresholds<'_>,
+) -> Option<Exclusion<T>> {
+    let (_, fit) = solution.snapshot().row(row)?;
+    let forecast = Excluded { index: row, w_test: fit.w_test() };
+    solution.leave_out(row).ok()?;
+    let jump = Exclusion { rows: gather([forecast]), outcome: Outcome::Isolated };
+    if Detection::passes(solution.snapshot(), thresholds) && separable(solution, &jump, thresholds) {
+        return Some(jump);
+    }
+    // What was there a moment ago determines a position.
+    let _ = solution.take_back(&[row]);
+    None
+}

@@ -1,0 +1,171 @@
+//! The vocabulary of exclusions: which rows were left out, how it ended, and whether another set would have done as well.
+//!
+//! **Separability.** The set that explains the data best may consist of healthy satellites: of one where two are strongly
+//! correlated, of several where few are left to contradict. Under a fault of `j`, `w_i² − w_j²` exceeds `κ²` with a
+//! probability of at most `Q(κ)`, whatever the fault's size and the correlation: with `u = w_i − w_j`, `s = w_i + w_j`
+//! and correlation ρ, the product `u s` needs `u ≥ κ²/((1+ρ)δ)`, which is `κ √2/√(1+ρ) ≥ κ` standard deviations from its
+//! mean at the most favourable δ. [`separable`] therefore asks every other set of as many rows or fewer to explain less by
+//! `T_d²`, or to fail the global test: a wrong exclusion is then no likelier than a false alarm. A set within the one that
+//! was found is no rival: who leaves out more than is faulty errs on the safe side.
+//!
+//! **Least redundancy.** `k` biases can be told from any other `k` only where `2k` degrees of freedom show them: an
+//! exclusion of `k` rows must leave `k` of them ([`leaves_enough`]).
+//!
+//! Work of the separability: all sets of up to as many rows; beyond those of [`MAX_ROWS`] rows it is left undone, and the
+//! exclusion counts as ambiguous.
+//!
+//! | symbol | field | unit |
+//! |---|---|---|
+//! | `w_i` | [`Excluded::w_test`] | – |
+//! | `T_d` | [`Thresholds::w_test`] | – |
+//!
+//! References: [Wang1994].
+//!
+//! [Wang1994]: crate#references
+
+use heapless::Vec;
+
+use super::detection::Detection;
+use super::sets::{Work, count_up_to, each_of_size};
+use super::threshold::Thresholds;
+use crate::bounded::gather;
+use crate::numeric::real::Real;
+use crate::removal::{Removal, testable_rows};
+use crate::report::MAX_EXCLUDED;
+use crate::snapshot::{Reducible, Snapshot};
+
+/// Why no row is named although a fault was detected.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Unidentified {
+    /// With fewer than two degrees of freedom all |w| are equal.
+    NoRedundancy,
+    /// No |w| is large enough.
+    BelowThreshold,
+    /// Several sets of rows explain the data nearly equally.
+    Ambiguous,
+    /// No set of rows that may be left out explains it.
+    NoSet,
+    /// The declared work ended the search.
+    Budget,
+}
+
+/// How an exclusion ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Outcome {
+    /// Nothing was detected.
+    Passed,
+    /// What remains passes the test.
+    Isolated,
+    /// The fault remains, and the reason why no row could be named.
+    NotIsolated(Unidentified),
+}
+
+/// A row that was left out, as it stood at that moment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Excluded<T> {
+    /// Index of the row in the epoch.
+    pub index: usize,
+    /// Its w-test, signed, dimensionless.
+    pub w_test: T,
+}
+
+/// Rows left out one after the other.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Exclusion<T> {
+    /// In the order of removal.
+    pub rows: Vec<Excluded<T>, MAX_EXCLUDED>,
+    /// How it ended.
+    pub outcome: Outcome,
+}
+
+impl<T: Real> Exclusion<T> {
+    /// Nothing to leave out.
+    pub const fn passed() -> Self {
+        Self { rows: Vec::new(), outcome: Outcome::Passed }
+    }
+
+    /// Nothing left out although there is a fault.
+    pub const fn not_isolated(reason: Unidentified) -> Self {
+        Self { rows: Vec::new(), outcome: Outcome::NotIsolated(reason) }
+    }
+}
+
+/// Leaves a set of rows out of a solution and tests what remains.
+pub fn leave_out<T: Real, const N: usize>(
+    solution: &mut impl Reducible<T, N>,
+    set: &[usize],
+    thresholds: &Thresholds<'_>,
+) -> Exclusion<T> {
+    let mut rows = Vec::new();
+    for &index in set {
+        let w_test = solution.snapshot().row(index).map_or(T::zero(), |(_, fit)| fit.w_test());
+        // Where no position is left, the test below speaks of the rows that are out so far.
+        if solution.leave_out(index).is_err() || rows.push(Excluded { index, w_test }).is_err() {
+            break;
+        }
+    }
+    let outcome = match (Detection::passes(solution.snapshot(), thresholds), rows.is_empty()) {
+        (true, true) => Outcome::Passed,
+        (true, false) => Outcome::Isolated,
+        (false, _) => Outcome::NotIsolated(Unidentified::NoSet),
+    };
+    Exclusion { rows, outcome }
+}
+
+/// Rows whose sets of up to three are all compared.
+const MAX_ROWS: usize = 48;
+
+/// Whether an exclusion leaves as many degrees of freedom as it has rows.
+pub fn leaves_enough(excluded: usize, dof: usize) -> bool {
+    dof >= excluded
+}
+
+/// True when no other exclusion of as many rows or fewer explains the data nearly as well as the one found.
+///
+/// The rows left out are taken back together, and left out again: `solution` ends as it began.
+#[inline(never)]
+pub fn separable<T: Real, const N: usize>(
+    solution: &mut impl Reducible<T, N>,
+    exclusion: &Exclusion<T>,
+    thresholds: &Thresholds<'_>,
+) -> bool {
+    let set: Vec<usize, MAX_EXCLUDED> = gather(exclusion.rows.iter().map(|excluded| excluded.index));
+    if solution.take_back(&set).is_err() {
+        return false;
+    }
+    let unrivalled = is_unrivalled(solution.snapshot(), &set, thresholds);
+    solution.set_aside(&set).is_ok() && unrivalled
+}
+
+/// True when no other set of as many rows or fewer passes the global test with a sum of squares within `T_d²` of this one's.
+fn is_unrivalled<T: Real, const N: usize>(
+    snapshot: &Snapshot<T, N>,
+    set: &[usize],
+    thresholds: &Thresholds<'_>,
+) -> bool {
+    let rows = testable_rows(snapshot);
+    let (Some(margin), Some(found)) = (thresholds.w_test(snapshot.used()), Removal::among(&rows, set)) else {
+        return false;
+    };
+    let (margin, left) = (T::narrow(margin * margin), found.sse(&rows));
+    let is_rival = |rival: &[usize]| {
+        let removal = Removal::among(&rows, rival).filter(|_| !rival.iter().all(|row| set.contains(row)));
+        removal.is_some_and(|removal| {
+            let sse = removal.sse(&rows);
+            let test = Detection::of(sse, removal.dof(snapshot), thresholds);
+            sse - left < margin && test.is_some_and(|test| !test.fault())
+        })
+    };
+    // What explains less than this by the sums at hand, which lose digits to gross faults, need not be looked at closely.
+    let least = found.explained() - margin - snapshot.sse() * T::UNTESTABLE;
+    let mut work = Work::new(count_up_to(set.len(), MAX_ROWS));
+    let mut has_rival = false;
+    for size in 1..=set.len() {
+        each_of_size::<T, N>(&rows, size, &mut work, |explained, rival| {
+            has_rival |= explained >= least && !has_rival && rival.get(..size).is_some_and(is_rival);
+        });
+    }
+    !has_rival && !work.cut
+}

@@ -1,0 +1,384 @@
+//! Protection levels: how large can the position error be that the test does not see?
+//!
+//! A bias `b` of satellite `i` adds `b²r_i/σ_i²` to the non-centrality of SSE and moves the position by `b A_i`. The bias
+//! that is missed with probability `P_md` has the non-centrality `λ(dof, P_fa, P_md)`; with the noise `σ` on the position
+//!
+//! ```text
+//! slope_h,i = √(w_i (g_iE² + g_iN²) / r_i)     slope_v,i = √w_i |g_iU| / √r_i         s: the largest
+//! BOUND    PL = max( s (√λ − k) + k' √(s² + σ²),  K σ )
+//! SLOPE    PL = s √λ
+//! ```
+//!
+//! | symbol | field | unit |
+//! |---|---|---|
+//! | `slope_h`, `slope_v` | [`Slopes`] | m per unit of `√λ` |
+//! | `σ` | [`Spread`]: `σ_U`, and horizontally the longer semi-axis | m |
+//! | `k = Q⁻¹(P_md)` | [`Factors`] | – |
+//! | `k'`, `K` | the same: `Q⁻¹(P/2)` vertically, `√(2 ln 1/P)` horizontally, of `P_md` and `P_ff` | – |
+//! | `HPL`, `VPL` | [`ProtectionLevels`] | m |
+//!
+//! **Why the bound holds.** Along the fault's direction in parity space the test sees `b + noise`, and the position,
+//! independently, `s b + σ noise` (`b` in units of `√λ`). Up to the bias `√λ` the chance of a miss is at most
+//! `Q(b − (√λ − k))`; beyond, it is below `P_md` by itself. To be missed and to exceed the level are two independent normal
+//! tails, whose product lies in a half-plane through the corner (`√λ − k`, level); turned by `tan θ = σ/s` the bias drops
+//! out of its distance, and what is left is `Q(k') = P_md` for any bias. `√(s² + σ²)` is the standard deviation of
+//! the position without that satellite. The papers' level is the limit of `σ → 0`: it bounds the mean error of the worst
+//! missed bias, and an error beyond it is up to 84 times likelier than `P_md` at 1e-3, and 36,000 times at 1e-6.
+//!
+//! **Shared errors.** What a model of the ionosphere misses has one sign in all ranges: it hides in the clocks and lifts the
+//! position, and no test sees it. [`common_shift`] adds `k_c |Σ_i w_i g_i m_i|` to each level, where `m` is that part of each
+//! range's error at one sigma; as a bias, since it neither averages out over satellites nor over time.
+//!
+//! A satellite without redundancy has slope 0 if it does not move the position (the lone satellite of a
+//! constellation), else an infinite one. By the identity `HDOP_i² − HDOP² = (A_1i² + A_2i²)/S_ii` the change of HDOP
+//! bounds the same thing for a common sigma ([Lin2016] eq. 22–26).
+//!
+//! **Hardly tested rows.** `r_i` is what is left of 1, and where little is left, single precision is too coarse: a slope
+//! would come out as much as a fifth too small. Below a redundancy of 0.1 both are therefore taken from what the other
+//! rows say of this one, where nothing cancels. With `P`, `d_i` and `W_c` of the others, `q_i = 1/W_c + d_i·P d_i` is the
+//! variance of their prediction, and
+//!
+//! ```text
+//! r_i = 1 / (1 + w_i q_i)                      slope_i² = w_i r_i |P d_i|²
+//! ```
+//!
+//! Slopes below 100 m, protection levels of some 700 m, are then understated by 3 % at most in `f32`, and hardly ever by
+//! more than 0.1 %; the guard on the alert limit is 5 %.
+//!
+//! **Not monotone.** A satellite fewer leaves the position less well known, by just the square of its slope
+//! (`P_h` without `i` is `P_h + slope_h,i²`), and every other one less well tested. Yet the protection level may shrink, even
+//! with the same `λ`: the satellite that is hardest to test takes the largest slope with it, and `λ` falls with the
+//! degrees of freedom besides.
+//!
+//! Meaning: the worst bias of a single satellite. It is not an ARAIM protection level. References: [Yang2015] eq. 6–8, [Lin2016] eq. 21–26, [Brown1992].
+//!
+//! [Lin2016]: crate#references
+//! [Yang2015]: crate#references
+//! [Brown1992]: crate#references
+
+use nalgebra::{Matrix3, Vector3};
+
+use crate::equations::Row;
+use crate::numeric::chi_square::LARGEST;
+use crate::numeric::normal;
+use crate::numeric::probability::Probability;
+use crate::numeric::real::Real;
+use crate::report::ProtectionLevels;
+use crate::snapshot::{Fit, Snapshot, infinity};
+use crate::weighting::COMMON_SIGMAS;
+
+/// Redundancy number below which a slope is worked out from the other rows, dimensionless: above, `f32` is good to 0.5 %.
+const HARDLY_TESTED: f64 = 0.1;
+
+/// How far a row's bias moves the position by the time it shows in the test.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Slopes<T> {
+    /// Horizontal, m per unit of `√λ`.
+    pub horizontal: T,
+    /// Vertical, m per unit of `√λ`.
+    pub vertical: T,
+}
+
+/// The slopes of one row; 0 for a row that is left out.
+pub fn slopes<T: Real>(row: &Row<T>, fit: &Fit<T>) -> Slopes<T> {
+    let Squared { horizontal, vertical } = squared_slopes(row, fit);
+    Slopes { horizontal: horizontal.sqrt(), vertical: vertical.sqrt() }
+}
+
+/// Squared slopes: the largest is found without a root for each row.
+struct Squared<T> {
+    horizontal: T,
+    vertical: T,
+}
+
+impl<T: Real> Squared<T> {
+    /// Below all others.
+    fn none() -> Self {
+        Self { horizontal: T::zero(), vertical: T::zero() }
+    }
+
+    /// The larger of both, each component by itself.
+    fn or(&self, other: &Self) -> Self {
+        Self {
+            horizontal: larger(self.horizontal, other.horizontal),
+            vertical: larger(self.vertical, other.vertical),
+        }
+    }
+}
+
+fn squared_slopes<T: Real>(row: &Row<T>, fit: &Fit<T>) -> Squared<T> {
+    let horizontal = fit.gain.x * fit.gain.x + fit.gain.y * fit.gain.y;
+    let vertical = fit.gain.z * fit.gain.z;
+    if fit.test_weight > T::zero() {
+        return Squared { horizontal: horizontal * fit.test_weight, vertical: vertical * fit.test_weight };
+    }
+    if row.weight > T::zero() {
+        return untestable(row, fit);
+    }
+    Squared::none()
+}
+
+/// The squared slopes of a row whose bias never shows.
+fn untestable<T: Real>(row: &Row<T>, fit: &Fit<T>) -> Squared<T> {
+    let unmoved = T::UNMOVED / row.weight;
+    let limit = unmoved * unmoved;
+    let slope = |moved: T| if moved <= limit { T::zero() } else { infinity() };
+    Squared {
+        horizontal: slope(fit.gain.x * fit.gain.x + fit.gain.y * fit.gain.y),
+        vertical: slope(fit.gain.z * fit.gain.z),
+    }
+}
+
+/// Whether too little of 1 is left for a row's redundancy, though others speak of it.
+fn is_hardly_tested<T: Real, const N: usize>(snapshot: &Snapshot<T, N>, row: &Row<T>, fit: &Fit<T>) -> bool {
+    let shares_clock = |other: &Row<T>| other.clock == row.clock && other.weight > T::zero();
+    row.weight > T::zero()
+        && fit.redundancy < T::narrow(HARDLY_TESTED)
+        && snapshot.dof() > 0
+        && (row.clock.is_none() || snapshot.rows().filter(|(other, _)| shares_clock(other)).count() > 1)
+}
+
+/// The squared slopes of a row by what the others say of it; `None` where it is untestable.
+///
+/// `room` holds the same rows, solved or not; it ends without this one.
+fn by_the_others<T: Real, const N: usize>(
+    snapshot: &Snapshot<T, N>,
+    room: &mut Snapshot<T, N>,
+    index: usize,
+) -> Option<Squared<T>> {
+    let (row, _) = snapshot.row(index)?;
+    room.epoch_mut().leave_out(index);
+    room.solve_again().ok()?;
+    let (_, fit) = room.row(index)?;
+    let predicted = room.level_variance(row) + fit.centred.dot(&fit.gain);
+    let redundancy = (T::one() + row.weight * predicted).recip();
+    if !(redundancy >= T::UNTESTABLE) {
+        return None;
+    }
+    let scale = row.weight * redundancy;
+    let horizontal = fit.gain.x * fit.gain.x + fit.gain.y * fit.gain.y;
+    Some(Squared { horizontal: horizontal * scale, vertical: fit.gain.z * fit.gain.z * scale })
+}
+
+/// The largest slopes of a snapshot.
+pub fn largest_slopes<T: Real, const N: usize>(snapshot: &Snapshot<T, N>) -> Slopes<T> {
+    let (mut largest, mut all_are_tested) = (Squared::none(), true);
+    for (row, fit) in snapshot.rows() {
+        largest = largest.or(&squared_slopes(row, fit));
+        all_are_tested &= fit.redundancy >= T::narrow(HARDLY_TESTED);
+    }
+    if !all_are_tested {
+        largest = largest_with_care(snapshot);
+    }
+    Slopes { horizontal: largest.horizontal.sqrt(), vertical: largest.vertical.sqrt() }
+}
+
+/// As [`largest_slopes`], where some rows are hardly tested, or not at all.
+///
+/// Not inlined: only such epochs pay for the room on the stack.
+#[inline(never)]
+fn largest_with_care<T: Real, const N: usize>(snapshot: &Snapshot<T, N>) -> Squared<T> {
+    let mut room = Snapshot::unsolved();
+    room.epoch_mut().copy_from(snapshot.epoch());
+    let mut largest = Squared::none();
+    for (index, (row, fit)) in snapshot.rows().enumerate() {
+        let squared = if is_hardly_tested(snapshot, row, fit) {
+            let squared = by_the_others(snapshot, &mut room, index);
+            room.epoch_mut().take_back(index);
+            squared.unwrap_or_else(|| untestable(row, fit))
+        } else {
+            squared_slopes(row, fit)
+        };
+        largest = largest.or(&squared);
+    }
+    largest
+}
+
+/// The larger of two numbers; one comparison, where a library call also orders what is not a number.
+fn larger<T: Real>(a: T, b: T) -> T {
+    if b > a { b } else { a }
+}
+
+impl<T: Real> Slopes<T> {
+    /// The papers' protection levels for a non-centrality `λ` ([`crate::integrity::residuals::threshold::Thresholds::lambda`]),
+    /// where these slopes are the largest.
+    pub fn protect(&self, lambda: f64) -> ProtectionLevels {
+        let root = libm::sqrt(lambda);
+        ProtectionLevels { hpl_m: self.horizontal.widen() * root, vpl_m: self.vertical.widen() * root }
+    }
+}
+
+/// How far errors that ranges share move the position, `k_c |Σ_i w_i g_i m_i|`, horizontally and vertically, m.
+///
+/// `common_m` are the `m_i` of the first rows; the rows after them share nothing.
+pub fn common_shift<T: Real, const N: usize>(
+    snapshot: &Snapshot<T, N>,
+    common_m: &[f32],
+) -> ProtectionLevels {
+    let mut shift = Vector3::zeros();
+    for ((row, fit), &common_m) in snapshot.rows().zip(common_m) {
+        if common_m > 0.0 {
+            shift += fit.gain * (row.weight * T::narrow(f64::from(common_m)));
+        }
+    }
+    let sigmas = f64::from(COMMON_SIGMAS);
+    ProtectionLevels {
+        hpl_m: sigmas * (shift.x * shift.x + shift.y * shift.y).sqrt().widen(),
+        vpl_m: sigmas * shift.z.abs().widen(),
+    }
+}
+
+/// What a protection level bounds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Levels {
+    /// The error of a position that is called good: fault and noise together.
+    Bound,
+    /// The mean error under the worst missed fault, as in the papers.
+    Slope,
+}
+
+/// Standard deviation of a position along its worst horizontal axis and upwards.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spread<T> {
+    /// Longer semi-axis of the horizontal ellipse, m.
+    pub horizontal: T,
+    /// Vertical, m.
+    pub vertical: T,
+}
+
+impl<T: Real> Spread<T> {
+    /// Of a position with this covariance of east, north, up, m².
+    pub fn of(covariance: &Matrix3<T>) -> Self {
+        let half = T::narrow(0.5);
+        let (mean, difference) =
+            ((covariance.m11 + covariance.m22) * half, (covariance.m11 - covariance.m22) * half);
+        let radius = (difference * difference + covariance.m21 * covariance.m21).sqrt();
+        Self { horizontal: (mean + radius).sqrt(), vertical: covariance.m33.sqrt() }
+    }
+}
+
+/// Factors of one axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct AxisFactors {
+    /// `k'`, of a missed fault.
+    missed: f64,
+    /// `K`, without a fault.
+    fault_free: f64,
+}
+
+/// How many standard deviations go with the probabilities.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Factors {
+    /// `k = Q⁻¹(P_md)`.
+    detection: f64,
+    horizontal: AxisFactors,
+    vertical: AxisFactors,
+}
+
+impl Factors {
+    /// Of a probability of missed detection and one of exceeding the level without any fault.
+    pub fn new(missed_detection: Probability, fault_free: Probability) -> Self {
+        let two_sided = |probability: Probability| normal::quantile(probability.get() / 2.0);
+        // Of a circular normal distribution with the standard deviation of the longer axis.
+        let radial = |probability: Probability| libm::sqrt(-2.0 * libm::log(probability.get()));
+        let axis = |factor: &dyn Fn(Probability) -> f64| AxisFactors {
+            missed: factor(missed_detection),
+            fault_free: factor(fault_free),
+        };
+        Self {
+            detection: normal::quantile(missed_detection.get()),
+            horizontal: axis(&radial),
+            vertical: axis(&two_sided),
+        }
+    }
+}
+
+/// How a position is exposed to faults and noise: what turns a threshold into protection levels, and alert limits into a
+/// threshold.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Exposure<'f, T> {
+    /// The largest slopes.
+    pub slopes: Slopes<T>,
+    /// What the bound needs beside them; `None` for the papers' level.
+    noise: Option<(Spread<T>, &'f Factors)>,
+}
+
+impl<'f, T: Real> Exposure<'f, T> {
+    /// Of a snapshot.
+    pub fn of<const N: usize>(snapshot: &Snapshot<T, N>, levels: Levels, factors: &'f Factors) -> Self {
+        let noise = match levels {
+            Levels::Bound => Some((Spread::of(snapshot.covariance()), factors)),
+            Levels::Slope => None,
+        };
+        Self { slopes: largest_slopes(snapshot), noise }
+    }
+
+    /// Protection levels for a non-centrality `λ` of the threshold in use.
+    pub fn protect(&self, lambda: f64) -> ProtectionLevels {
+        let Some((spread, factors)) = self.noise else { return self.slopes.protect(lambda) };
+        let beyond = T::narrow(lambda).sqrt() - T::narrow(factors.detection);
+        let level = |slope: T, sigma: T, axis: AxisFactors| {
+            let missed = slope * beyond + T::narrow(axis.missed) * (slope * slope + sigma * sigma).sqrt();
+            larger(missed, T::narrow(axis.fault_free) * sigma).widen()
+        };
+        ProtectionLevels {
+            hpl_m: level(self.slopes.horizontal, spread.horizontal, factors.horizontal),
+            vpl_m: level(self.slopes.vertical, spread.vertical, factors.vertical),
+        }
+    }
+
+    /// The largest non-centrality whose horizontal level is within a limit; 0 where none is.
+    pub fn horizontal_noncentrality(&self, limit_m: f64) -> f64 {
+        let noise =
+            self.noise.map(|(spread, factors)| (spread.horizontal, factors.detection, factors.horizontal));
+        noncentrality_within(limit_m, self.slopes.horizontal, noise)
+    }
+
+    /// The same for the vertical level.
+    pub fn vertical_noncentrality(&self, limit_m: f64) -> f64 {
+        let noise =
+            self.noise.map(|(spread, factors)| (spread.vertical, factors.detection, factors.vertical));
+        noncentrality_within(limit_m, self.slopes.vertical, noise)
+    }
+}
+
+/// Non-centrality of the bias that moves the position by `limit_m`, which has the slope `slope_m`.
+///
+/// 0 for an infinite slope, or for one that is not a number; [`LARGEST`] for none.
+pub fn noncentrality_at(limit_m: f64, slope_m: f64) -> f64 {
+    let ratio = limit_m / slope_m;
+    // Written so that a ratio which is not a number is none.
+    if ratio > 0.0 { (ratio * ratio).min(LARGEST) } else { 0.0 }
+}
+
+/// `√δ = (f AL − k' √(s² + σ²)) / s + k`, squared; 0 where the limit is too small for any threshold.
+fn noncentrality_within<T: Real>(limit_m: f64, slope: T, noise: Option<(T, f64, AxisFactors)>) -> f64 {
+    let Some((sigma, detection, axis)) = noise else { return noncentrality_at(limit_m, slope.widen()) };
+    let spread = axis.missed * (slope * slope + sigma * sigma).sqrt().widen();
+    let (slope, sigma) = (slope.widen(), sigma.widen());
+    // Written so that what is not a number makes nothing available; an infinite slope does neither.
+    let suffices = limit_m >= spread - detection * slope && limit_m >= axis.fault_free * sigma;
+    if !(suffices && slope.is_finite()) {
+        return 0.0;
+    }
+    let root = (limit_m - spread) / slope + detection;
+    (root * root).min(LARGEST)
+}
+
+/// The largest change of HDOP that leaving out one satellite brings, `max √(HDOP_i² − HDOP²)`, dimensionless.
+pub fn largest_hdop_change<T: Real, const N: usize>(snapshot: &Snapshot<T, N>) -> T {
+    let (hdop, _) = snapshot.dilutions();
+    let changes = (0..snapshot.rows().count()).filter_map(|index| {
+        let without = snapshot.hdop_without(index)?;
+        Some((without * without - hdop * hdop).max(T::zero()))
+    });
+    changes.fold(T::zero(), T::max).sqrt()
+}
+
+/// The change of HDOP at which the protection level reaches the alert limit, `HAL/(σ√λ)`, dimensionless ([Lin2016] eq. 25).
+///
+/// [Lin2016]: crate#references
+pub fn hdop_change_limit(hal_m: f64, sigma_m: f64, lambda: f64) -> f64 {
+    hal_m / (sigma_m * libm::sqrt(lambda))
+}

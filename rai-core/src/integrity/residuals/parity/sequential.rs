@@ -1,0 +1,49 @@
+//! Sequential isolation: the row with the largest |w| goes, until the rest passes.
+//!
+//! `w²` of a row without the set removed so far is `q²/p` of [`crate::removal`]. Work: at most `n` sets for each row
+//! removed. Unlike [`crate::integrity::residuals::baarda::exclude_sequentially`] no threshold is asked of |w|: \[Parity\]
+//! trusts the global test of what remains.
+
+use super::{Finding, Search, SearchLimits, search};
+use crate::integrity::residuals::exclusion::Unidentified;
+use crate::integrity::residuals::threshold::Thresholds;
+use crate::numeric::real::Real;
+use crate::removal::Removal;
+use crate::snapshot::Snapshot;
+
+/// Removes the worst row, again and again, from a snapshot in which a fault was detected.
+#[inline(never)]
+pub fn sequential<T: Real, const N: usize>(
+    snapshot: &Snapshot<T, N>,
+    thresholds: &Thresholds<'_>,
+    limits: &SearchLimits,
+) -> Finding<T> {
+    search(snapshot, thresholds, limits, |search: &Search<'_, T, N>| search.sequential())
+}
+
+impl<T: Real, const N: usize> Search<'_, T, N> {
+    pub(super) fn sequential(&self) -> Finding<T> {
+        let (mut removal, mut sets) = (Removal::none(), 0);
+        for _ in 0..self.limits.rows() {
+            sets += self.rows.len();
+            let Some(larger) = self.without_the_worst(&removal) else { break };
+            removal = larger;
+            if self.passes(&removal) {
+                return Finding { set: Ok(removal), sets };
+            }
+        }
+        Finding { set: Err(Unidentified::NoSet), sets }
+    }
+
+    /// The set with the row of the largest |w|, the first of equals.
+    fn without_the_worst(&self, removal: &Removal<T>) -> Option<Removal<T>> {
+        let (mut worst, mut largest) = (None, T::zero());
+        for row in self.rows {
+            let squared = removal.explains_more(row);
+            if squared > largest {
+                (worst, largest) = (Some(row), squared);
+            }
+        }
+        removal.and(worst?)
+    }
+}

@@ -1,0 +1,138 @@
+//! An epoch judged by the separation of solutions, as [`super::super::judge`] wants it.
+
+use heapless::Vec;
+
+use super::modes::members;
+use super::{Finding, Hypothesis, Judged, Outcome, Prior, Priors, ROWS, Removable, SeparationError, judge};
+use crate::bounded::gather;
+use crate::epoch::Epoch;
+use crate::integrity::residuals::detection::Detection;
+use crate::integrity::residuals::exclusion as residuals;
+use crate::integrity::residuals::exclusion::{Excluded, Unidentified};
+use crate::integrity::residuals::levels::common_shift;
+use crate::integrity::residuals::threshold::policy::NoThreshold;
+use crate::integrity::{Alone, Criteria, Judgement, Test};
+use crate::numeric::real::Real;
+use crate::report::{MAX_EXCLUDED, ProtectionLevels, Separation};
+use crate::snapshot::{Reducible, infinity};
+use crate::weighting::Ism;
+
+/// Judges an epoch whose sigmas are those for integrity ([`crate::weighting::integrity_sigma_m`]).
+#[inline(never)]
+pub(in crate::integrity) fn judge_epoch<T: Real, const N: usize>(
+    solution: &mut (impl Reducible<T, N> + Removable<T>),
+    epoch: &Epoch<N>,
+    criteria: &Criteria<'_>,
+) -> Judgement<T> {
+    let priors = priors(solution, epoch, criteria.ism);
+    let constellations = criteria.ism.constellations.map(|support| T::narrow(support.constellation_fault));
+    let priors = Priors { satellites: &priors, constellations };
+    if solution.snapshot().dof() == 0 {
+        return refused(residuals::Outcome::Passed, NoThreshold::Redundancy);
+    }
+    match judge(solution, &priors, &criteria.requirements.allocation) {
+        Ok(judged) => judgement(solution, epoch, &judged),
+        Err(SeparationError::Rows | SeparationError::Modes) => {
+            refused(residuals::Outcome::NotIsolated(Unidentified::Budget), NoThreshold::Risk)
+        }
+        Err(SeparationError::Prior) => refused(residuals::Outcome::Passed, NoThreshold::Risk),
+    }
+}
+
+/// What an integrity support message says of each satellite of the epoch.
+///
+/// The accuracy's variance is the row's with the URE in the place of the URA. A row that claims less than the URA was
+/// made by another model, and is as accurate as it says.
+#[inline(never)]
+fn priors<T: Real, const N: usize>(
+    solution: &impl Reducible<T, N>,
+    epoch: &Epoch<N>,
+    ism: &Ism,
+) -> Vec<Prior<T>, ROWS> {
+    let rows = solution.snapshot().epoch().rows();
+    gather(epoch.observations().iter().zip(rows).map(|(observation, row)| {
+        let support = ism.of(observation.satellite.constellation());
+        let [ura, ure] = [support.ura_m, support.ure_m].map(T::narrow);
+        let variance = row.sigma * row.sigma;
+        let accurate = variance - ura * ura + ure * ure;
+        let accuracy_m = if row.sigma >= ura { accurate.sqrt() } else { row.sigma };
+        Prior { accuracy_m, bias_m: T::narrow(support.bias_m), fault: T::narrow(support.satellite_fault) }
+    }))
+}
+
+fn refused<T: Real>(outcome: residuals::Outcome, reason: NoThreshold) -> Judgement<T> {
+    Judgement {
+        outcome,
+        excluded: Vec::new(),
+        test: Err(reason),
+        alone: Alone::Always,
+        searched: false,
+        separation: None,
+    }
+}
+
+#[inline(never)]
+fn judgement<T: Real, const N: usize>(
+    solution: &impl Reducible<T, N>,
+    epoch: &Epoch<N>,
+    judged: &Judged<T>,
+) -> Judgement<T> {
+    let (outcome, excluded, finding) = match &judged.outcome {
+        Outcome::Passed => (residuals::Outcome::Passed, None, &judged.whole),
+        Outcome::Excluded { rows, finding, .. } => (residuals::Outcome::Isolated, Some(*rows), finding),
+        Outcome::NotIsolated => (residuals::Outcome::NotIsolated(Unidentified::NoSet), None, &judged.whole),
+    };
+    let lost = match &judged.outcome {
+        Outcome::Excluded { excluded, .. } => excluded.constellations,
+        Outcome::Passed | Outcome::NotIsolated => 0,
+    };
+    let snapshot = solution.snapshot();
+    // Of a constellation as many as there is room for; the separation's part names it whole.
+    let excluded = members(excluded.unwrap_or(0)).filter_map(|index| {
+        let (_, fit) = snapshot.row(index)?;
+        Some(Excluded { index, w_test: fit.w_test() })
+    });
+    let levels = ProtectionLevels { hpl_m: finding.hpl_m().widen(), vpl_m: finding.vpl_m().widen() };
+    // What ranges share (one frequency's ionosphere) no test sees: it comes on top, as for every method.
+    let levels = levels.plus(&common_shift(snapshot, epoch.common_m()));
+    // The global test decides nothing here; its sum says whether the sigmas are right.
+    let detection = Detection { sse: snapshot.sse(), threshold: infinity(), dof: snapshot.dof() };
+    Judgement {
+        outcome,
+        excluded: gather::<_, MAX_EXCLUDED>(excluded),
+        test: Ok(Test { detection, levels }),
+        alone: Alone::Always,
+        searched: judged.whole.alarm,
+        separation: Some(described(epoch, judged, finding, lost)),
+    }
+}
+
+fn described<T: Real, const N: usize>(
+    epoch: &Epoch<N>,
+    judged: &Judged<T>,
+    finding: &Finding<T>,
+    excluded_constellations: u8,
+) -> Separation {
+    let name = |hypothesis: Hypothesis| {
+        let [first, second, third] = hypothesis.named();
+        [first, second, third].map(|row| Some(epoch.observations().get(row?)?.satellite))
+    };
+    let [east, north, up] = finding.levels_m;
+    let [of_east, of_north, of_up] = finding.dominant;
+    let horizontal = if east > north { of_east } else { of_north };
+    Separation {
+        modes: finding.modes as u16,
+        not_watched: finding.not_watched.widen(),
+        share: judged.share.widen(),
+        ratio: finding.ratio.widen(),
+        effective_monitor_threshold_m: finding.effective_monitor_threshold_m.widen(),
+        accuracy_m: finding.accuracy_m.widen(),
+        horizontal: crate::report::Dominant {
+            constellations: horizontal.constellations,
+            satellites: name(horizontal),
+        },
+        vertical: crate::report::Dominant { constellations: of_up.constellations, satellites: name(of_up) },
+        excluded_constellations,
+        is_risk_spent: !up.is_finite() || !east.is_finite(),
+    }
+}

@@ -1,0 +1,235 @@
+//! After an alarm: which satellite, or which constellation, can be left out so that the others agree?
+//!
+//! Candidates leave at least one satellite more than unknowns. Satellites come first, then constellations, each in
+//! ascending weighted SSE of what remains; the first that does not alarm is taken. Each is judged by all the modes that
+//! were chosen with all satellites in view, restricted to what remains, so that a wrong exclusion is within the risk.
+//!
+//! References: [MAAST] for the order and the shares.
+//!
+//! [MAAST]: crate#references
+
+use super::modes::{Hypothesis, Modes, Set, members, row};
+use super::solutions::Solutions;
+use super::walk::{Purpose, Watch};
+use super::{Finding, Prior, Priors, ROWS, SeparationError, View};
+use crate::allocation::Allocation;
+use crate::numeric::real::Real;
+use crate::satellite::Constellation;
+use crate::snapshot::{Snapshot, SnapshotError};
+
+/// A solved epoch from which rows can be taken, and to which they can be given back.
+pub trait Removable<T: Real> {
+    /// The epoch as it is solved now.
+    fn view(&self) -> View<'_, T>;
+
+    /// Leaves out the rows of a set, by their index, and no others that take part now; solves again.
+    ///
+    /// # Errors
+    /// Where the others determine no position; everything is then as before.
+    fn leave_out_all(&mut self, rows: u64) -> Result<(), SnapshotError>;
+
+    /// Takes the rows of a set back, which have been left out by [`Self::leave_out_all`].
+    fn take_back_all(&mut self, rows: u64);
+}
+
+impl<T: Real, const N: usize> Removable<T> for Snapshot<T, N> {
+    fn view(&self) -> View<'_, T> {
+        View { rows: self.epoch().rows(), fits: self.fits(), covariance: self.covariance(), sse: self.sse() }
+    }
+
+    fn leave_out_all(&mut self, rows: u64) -> Result<(), SnapshotError> {
+        members(rows).for_each(|index| self.epoch_mut().leave_out(index));
+        self.solve_again().inspect_err(|_| members(rows).for_each(|index| self.epoch_mut().take_back(index)))
+    }
+
+    fn take_back_all(&mut self, rows: u64) {
+        members(rows).for_each(|index| self.epoch_mut().take_back(index));
+        // What was solved once can be solved again.
+        let _ = self.solve_again();
+    }
+}
+
+/// How an epoch ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Outcome<T> {
+    /// No test alarms.
+    Passed,
+    /// One alarms; without what is named here, which has been left out, none does.
+    Excluded {
+        /// The satellite or the constellation.
+        excluded: Hypothesis,
+        /// Its rows.
+        rows: u64,
+        /// What is found without it.
+        finding: Finding<T>,
+    },
+    /// One alarms, and so does one without any single satellite or constellation; or exclusion is off.
+    NotIsolated,
+}
+
+/// Everything that was found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Judged<T> {
+    /// What may be left out after an alarm.
+    pub options: usize,
+    /// Share of the risk of each outcome.
+    pub share: T,
+    /// With all satellites.
+    pub whole: Finding<T>,
+    /// What came of it.
+    pub outcome: Outcome<T>,
+}
+
+/// Below this a constellation is not among the options.
+const OPTIONAL: f64 = 1e-7;
+
+/// Judges an epoch, and leaves out what disturbs it.
+///
+/// # Errors
+/// [`SeparationError`] where the declared bounds do not hold: nothing is promised then.
+pub fn judge<T: Real>(
+    epoch: &mut impl Removable<T>,
+    priors: &Priors<'_, T>,
+    allocation: &Allocation,
+) -> Result<Judged<T>, SeparationError> {
+    let mut watch = watch(&epoch.view(), priors, allocation)?;
+    let options = Options::of(&watch, &priors.constellations);
+    if allocation.exclusion {
+        watch.share = T::narrow(1.0 / (options.count() + 1) as f64);
+    }
+    let whole = describe(&mut watch, epoch.view(), priors.satellites, 0, Purpose::Describe)?;
+    let outcome = if !whole.alarm {
+        Outcome::Passed
+    } else if allocation.exclusion {
+        exclude(&mut watch, epoch, priors.satellites, options)?
+    } else {
+        Outcome::NotIsolated
+    };
+    Ok(Judged { options: options.count(), share: watch.share, whole, outcome })
+}
+
+/// Chooses the modes of an epoch.
+#[inline(never)]
+pub(super) fn watch<'a, T: Real>(
+    view: &View<'_, T>,
+    priors: &Priors<'_, T>,
+    allocation: &'a Allocation,
+) -> Result<Watch<'a, T>, SeparationError> {
+    let valid = |probability: T| probability >= T::zero() && probability < T::narrow(0.5);
+    let size = |value: T| value >= T::zero() && value.is_finite();
+    let satellite = |prior: &Prior<T>| valid(prior.fault) && size(prior.accuracy_m) && size(prior.bias_m);
+    if !priors.satellites.iter().all(satellite) || !priors.constellations.into_iter().all(valid) {
+        return Err(SeparationError::Prior);
+    }
+    if view.rows.len() > ROWS {
+        return Err(SeparationError::Rows);
+    }
+    let satellites = view.rows.iter().enumerate().map(|(index, row)| {
+        let prior = priors.satellites.get(index).filter(|_| row.weight > T::zero())?;
+        Some((row.clock?, prior.fault))
+    });
+    let modes = Modes::choose(satellites, priors.constellations, allocation).ok_or(SeparationError::Rows)?;
+    Ok(Watch { modes, allocation, share: T::one(), singular: heapless::Vec::new(), not_watched: T::zero() })
+}
+
+/// What is found of an epoch without the rows of a set.
+#[inline(never)]
+fn describe<T: Real>(
+    watch: &mut Watch<'_, T>,
+    view: View<'_, T>,
+    priors: &[Prior<T>],
+    gone: Set,
+    purpose: Purpose,
+) -> Result<Finding<T>, SeparationError> {
+    watch.judge(&mut Solutions::new(view, priors), gone, purpose)
+}
+
+/// What may be left out.
+#[derive(Clone, Copy, Debug)]
+struct Options {
+    satellites: Set,
+    /// A bit for each constellation id.
+    constellations: u8,
+}
+
+impl Options {
+    fn of<T: Real>(watch: &Watch<'_, T>, faults: &[T; Constellation::COUNT]) -> Self {
+        let modes = &watch.modes;
+        let is_option = |(members, &fault): (&Set, &T)| {
+            // A lone satellite is its constellation: one option.
+            members.count_ones() > 1 && fault > T::narrow(OPTIONAL)
+        };
+        let each = modes.members.iter().zip(faults).map(is_option).enumerate();
+        let constellations = each.fold(0, |set, (id, is_option)| set | u8::from(is_option) << id);
+        Self { satellites: modes.satellites, constellations }
+    }
+
+    fn count(&self) -> usize {
+        (self.satellites.count_ones() + self.constellations.count_ones()) as usize
+    }
+}
+
+/// Tries one option after another.
+#[inline(never)]
+fn exclude<T: Real>(
+    watch: &mut Watch<'_, T>,
+    epoch: &mut impl Removable<T>,
+    priors: &[Prior<T>],
+    options: Options,
+) -> Result<Outcome<T>, SeparationError> {
+    let mut left = options;
+    while let Some(excluded) = next(watch, epoch.view(), priors, &mut left) {
+        let rows = watch.modes.taken_by(excluded);
+        if epoch.leave_out_all(rows).is_err() {
+            continue;
+        }
+        let finding = describe(watch, epoch.view(), priors, rows, Purpose::Accept)?;
+        if !finding.alarm {
+            return Ok(Outcome::Excluded { excluded, rows, finding });
+        }
+        epoch.take_back_all(rows);
+    }
+    Ok(Outcome::NotIsolated)
+}
+
+/// The option that leaves the smallest SSE; it is taken off the list.
+#[inline(never)]
+fn next<T: Real>(
+    watch: &Watch<'_, T>,
+    view: View<'_, T>,
+    priors: &[Prior<T>],
+    left: &mut Options,
+) -> Option<Hypothesis> {
+    let mut solutions = Solutions::new(view, priors);
+    let mut best: Option<(T, Hypothesis)> = None;
+    let satellites = members(left.satellites).map(|index| (row(index), Hypothesis::of_row(index)));
+    let constellations = left.constellations;
+    let whole = (0..Constellation::COUNT).map(|id| 1 << id).filter(|bit| constellations & bit != 0);
+    let mut consider = |hypothesis: Hypothesis, taken: Set| {
+        if !watch.leaves_enough(taken, 1) {
+            return;
+        }
+        let Some(sse) = solutions.sse_without(view.sse, hypothesis) else { return };
+        if best.is_none_or(|(least, _)| sse < least) {
+            best = Some((sse, hypothesis));
+        }
+    };
+    satellites.for_each(|(taken, hypothesis)| consider(hypothesis, taken));
+    if let Some((_, hypothesis)) = best {
+        left.satellites &= !watch.modes.taken_by(hypothesis);
+        return Some(hypothesis);
+    }
+    for bit in whole {
+        let hypothesis = Hypothesis::of_constellations(bit);
+        let taken = watch.modes.taken_by(hypothesis);
+        let sse = solutions.sse_without(view.sse, hypothesis).filter(|_| watch.leaves_enough(taken, 1));
+        if let Some(sse) = sse
+            && best.is_none_or(|(least, _)| sse < least)
+        {
+            best = Some((sse, hypothesis));
+        }
+    }
+    let (_, hypothesis) = best?;
+    left.constellations &= !hypothesis.constellations;
+    Some(hypothesis)
+}

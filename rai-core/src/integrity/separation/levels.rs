@@ -1,0 +1,320 @@
+//! Protection levels: within which distance is the truth, whatever fails, but for the risk?
+//!
+//! ```text
+//! 2 Q((L − b_0)/σ_0) + Σ_k p_k Q((L − T_k − b_k)/σ_k) = R          Q of 0 and below counts as 1
+//! ```
+//!
+//! | symbol | field | unit |
+//! |---|---|---|
+//! | `R` | [`Axis::risk`] | – |
+//! | `T_k + b_k` | [`Term::offset_m`] | m |
+//! | `1/σ_k` | [`Term::inverse_sigma`] | 1/m |
+//! | `p_k` | [`Term::probability`] | – |
+//!
+//! Solved by Newton's method on `ln f`, held in a bracket; what is returned is a distance at which the sum was found to
+//! be at most `R`, and 0.1 mm at most beyond the root.
+//!
+//! Of hundreds of modes a few dozen matter. At a distance that is known to be below the root (the *reference*), terms
+//! are told apart: one whose bound `½ p exp(−u²/2)` is far below `R` is not looked at further, all of these together
+//! being charged a fixed share of `R`; a small one is frozen, that is charged what it is there; the others stay. `Q` falls,
+//! so that all of this is on the safe side. What the frozen terms may cost at most is known in the end, and where it is
+//! too much the modes are walked through once more with a better reference.
+//!
+//! References: [Blanch2015], [MAAST] `compute_protection_level`.
+//!
+//! [Blanch2015]: crate#references
+//! [MAAST]: crate#references
+
+use heapless::Vec;
+
+use super::modes::Hypothesis;
+use crate::numeric::normal::{quantile, tail};
+use crate::numeric::real::Real;
+use crate::snapshot::infinity;
+
+/// Terms that stay: more than [`super::modes::ROWS`] and all constellations.
+const TERMS: usize = 64;
+
+/// Steps to the root; three to six are the rule.
+const MAX_STEPS: usize = 60;
+
+/// A step below this is the last, m: 0.1 mm, in single precision 0.6 mm.
+fn settled_m<T: Real>() -> T {
+    T::narrow(1e-4) + T::narrow(4e3) * T::default_epsilon()
+}
+
+/// Share of `R` that all terms together are charged which are not looked at.
+const CLEAR: f64 = 1e-6;
+
+/// Share of `R` below which a term is frozen.
+const FROZEN: f64 = 1e-5;
+
+/// What the frozen terms may add to a level, m; in single precision 2.4 mm more, and 4e-5 of the level.
+const DEARNESS_M: f64 = 3e-4;
+
+/// One mode's share in the sum.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Term<T> {
+    probability: T,
+    offset_m: T,
+    inverse_sigma: T,
+    hypothesis: Hypothesis,
+}
+
+/// A mode on one axis, before it is known whether it matters.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Candidate<T> {
+    pub(super) probability: T,
+    /// `ln p_k`.
+    pub(super) ln_probability: T,
+    pub(super) threshold_m: T,
+    pub(super) variance: T,
+    pub(super) hypothesis: Hypothesis,
+}
+
+/// The sum on one axis.
+#[derive(Clone, Debug)]
+pub(super) struct Axis<T> {
+    risk: T,
+    terms: Vec<Term<T>, TERMS>,
+    frozen: T,
+    /// Below this a term is frozen.
+    bar: T,
+    /// `−2 ln(2 q)`, where terms of at most `q` are clear.
+    clear: T,
+    /// Below the root.
+    reference_m: T,
+}
+
+/// Where a sum stands.
+struct Sum<T> {
+    value: T,
+    /// How fast it falls.
+    slope: T,
+}
+
+/// A level, and how much above the root it may be.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Level<T> {
+    /// Where the sum is at most the risk.
+    pub(super) distance_m: T,
+    /// A distance below the root.
+    pub(super) below_m: T,
+    /// The mode with the largest share; none of them where that is the noise of all satellites.
+    pub(super) dominant: Hypothesis,
+}
+
+impl<T: Real> Level<T> {
+    /// Where there is no risk to spend.
+    pub(super) fn none() -> Self {
+        Self { distance_m: infinity(), below_m: T::zero(), dominant: Hypothesis::NONE }
+    }
+}
+
+impl<T: Real> Axis<T> {
+    /// For a risk that so many modes share, with the solution of all satellites as the first term.
+    pub(super) fn new(risk: T, modes: usize, sigma_m: T, bias_m: T) -> Self {
+        let two = T::one() + T::one();
+        let clear = risk * T::narrow(CLEAR / modes.max(1) as f64);
+        let mut axis = Self {
+            risk,
+            terms: Vec::new(),
+            frozen: risk * T::narrow(CLEAR),
+            bar: risk * T::narrow(FROZEN),
+            clear: -two * (two * clear).ln(),
+            reference_m: T::zero(),
+        };
+        // There is room for the first.
+        let _ = axis.terms.push(Term {
+            probability: two,
+            offset_m: bias_m,
+            inverse_sigma: sigma_m.recip(),
+            hypothesis: Hypothesis::NONE,
+        });
+        axis
+    }
+
+    /// Whether there is any risk to spend.
+    pub(super) fn is_open(&self) -> bool {
+        self.risk > T::zero()
+    }
+
+    /// Whether a mode is so far below the reference that it need not be looked at, its bias being at most this.
+    #[inline]
+    pub(super) fn is_clear(&self, mode: &Candidate<T>, bias_m: T) -> bool {
+        let margin = self.reference_m - mode.threshold_m - bias_m;
+        let needed = self.clear + mode.ln_probability + mode.ln_probability;
+        margin > T::zero() && margin * margin >= needed * mode.variance
+    }
+
+    /// Takes a mode into the sum.
+    #[inline(never)]
+    pub(super) fn add(&mut self, mode: &Candidate<T>, bias_m: T) {
+        let term = Term {
+            probability: mode.probability,
+            offset_m: mode.threshold_m + bias_m,
+            inverse_sigma: mode.variance.sqrt().recip(),
+            hypothesis: mode.hypothesis,
+        };
+        self.take(term);
+    }
+
+    fn take(&mut self, term: Term<T>) {
+        let charge = term.at(self.reference_m).value;
+        if charge < self.bar {
+            self.frozen += charge;
+            return;
+        }
+        while self.terms.is_full() {
+            self.bar *= T::narrow(4.0);
+            self.sift();
+        }
+        // Room was made.
+        let _ = self.terms.push(term);
+    }
+
+    /// Freezes what is below the bar; the first term stays.
+    fn sift(&mut self) {
+        let (mut frozen, mut is_first) = (self.frozen, true);
+        let (reference_m, bar) = (self.reference_m, self.bar);
+        self.terms.retain(|term| {
+            let charge = term.at(reference_m).value;
+            let stays = core::mem::take(&mut is_first) || !(charge < bar);
+            if !stays {
+                frozen += charge;
+            }
+            stays
+        });
+        self.frozen = frozen;
+    }
+
+    fn sum(&self, level_m: T) -> Sum<T> {
+        let mut sum = Sum { value: self.frozen, slope: T::zero() };
+        for term in &self.terms {
+            let Sum { value, slope } = term.at(level_m);
+            sum.value += value;
+            sum.slope += slope;
+        }
+        sum
+    }
+
+    /// With the modes so far, raises the reference: more modes only raise the root.
+    pub(super) fn settle(&mut self) {
+        let below_m = self.solve(self.lowest()).below_m;
+        self.refer(below_m);
+    }
+
+    /// Starts over with a better reference.
+    pub(super) fn restart(&mut self, below_m: T) {
+        self.terms.truncate(1);
+        self.frozen = self.risk * T::narrow(CLEAR);
+        self.bar = self.risk * T::narrow(FROZEN);
+        self.reference_m = below_m;
+    }
+
+    fn refer(&mut self, below_m: T) {
+        if below_m > self.reference_m {
+            self.reference_m = below_m;
+            self.sift();
+        }
+    }
+
+    /// A distance below which one term alone exceeds the risk.
+    fn lowest(&self) -> T {
+        let mut lowest = self.reference_m;
+        let mut last = (T::zero(), T::zero());
+        for term in &self.terms {
+            let share = self.risk / term.probability;
+            if !(share < T::one()) {
+                continue;
+            }
+            if last.0 != share {
+                last = (share, quantile(share));
+            }
+            let distance = term.offset_m + last.1 / term.inverse_sigma;
+            if distance > lowest {
+                lowest = distance;
+            }
+        }
+        lowest
+    }
+
+    /// The level with all modes.
+    pub(super) fn finish(&self) -> Level<T> {
+        let level = self.solve(self.reference_m);
+        let below_m = if level.below_m > self.reference_m { level.below_m } else { self.reference_m };
+        Level { below_m, ..level }
+    }
+
+    /// Whether another walk with a better reference is worth it.
+    pub(super) fn is_dear(level: &Level<T>) -> bool {
+        let single = T::default_epsilon() * (T::narrow(2e4) + T::narrow(300.0) * level.distance_m);
+        let limit = T::narrow(DEARNESS_M) + single;
+        level.distance_m.is_finite() && level.distance_m - level.below_m > limit
+    }
+
+    fn solve(&self, start_m: T) -> Level<T> {
+        let unknown = Level { below_m: start_m, ..Level::none() };
+        let (mut low_m, mut high) = (start_m, None);
+        let mut at_m = start_m;
+        for _ in 0..MAX_STEPS {
+            let sum = self.sum(at_m);
+            let step = (sum.value / self.risk).ln() * sum.value / sum.slope;
+            let settled = settled_m::<T>() + T::narrow(16.0) * T::default_epsilon() * at_m;
+            if sum.value <= self.risk {
+                let slack = self.frozen / sum.slope;
+                high = Some((at_m, slack));
+                // Where the sum does not fall, neither number means anything.
+                if step.abs() <= settled || at_m - low_m <= settled {
+                    break;
+                }
+            } else {
+                low_m = at_m;
+            }
+            at_m = next(at_m, step, low_m, high.map(|(high_m, _)| high_m), settled);
+        }
+        let Some((level_m, slack)) = high else { return unknown };
+        // Convex beyond every offset: without what is frozen the sum would reach the risk not below this.
+        let below_m = level_m - slack - T::narrow(2.0) * settled_m::<T>();
+        let below_m = if slack.is_finite() && below_m > T::zero() { below_m } else { T::zero() };
+        Level { distance_m: level_m, below_m, dominant: self.dominant(level_m) }
+    }
+
+    fn dominant(&self, level_m: T) -> Hypothesis {
+        let (mut largest, mut dominant) = (T::zero(), Hypothesis::NONE);
+        for term in &self.terms {
+            let share = term.at(level_m).value;
+            if share > largest {
+                (largest, dominant) = (share, term.hypothesis);
+            }
+        }
+        dominant
+    }
+}
+
+/// Newton's step, if it stays between what is known to be too low and to be enough.
+fn next<T: Real>(at_m: T, step: T, low_m: T, high_m: Option<T>, settled: T) -> T {
+    let wanted = at_m + step;
+    match high_m {
+        Some(high_m) if wanted > low_m && wanted < high_m => wanted,
+        Some(high_m) => (low_m + high_m) / T::narrow(2.0),
+        // Never a step so small that it leads nowhere.
+        None if step > settled && step.is_finite() => wanted,
+        None => at_m + at_m + settled,
+    }
+}
+
+impl<T: Real> Term<T> {
+    fn at(&self, level_m: T) -> Sum<T> {
+        let distance = (level_m - self.offset_m) * self.inverse_sigma;
+        if distance > T::zero() {
+            let tail = tail(distance);
+            Sum {
+                value: self.probability * tail.probability,
+                slope: self.probability * tail.density * self.inverse_sigma,
+            }
+        } else {
+            Sum { value: self.probability, slope: T::zero() }
+        }
+    }
+}

@@ -1,0 +1,93 @@
+//! Events that happen together, and how they are listed.
+
+use core::ops::ControlFlow;
+
+use super::sets::{NONE, ROW_EVENTS, Set};
+use crate::numeric::real::Real;
+
+/// What can go wrong by itself.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Event<T> {
+    pub(super) rows: Set,
+    pub(super) bit: Set,
+    pub(super) size: usize,
+    pub(super) constellation: usize,
+    pub(super) odds: T,
+}
+
+/// Events that happen together.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Combination<T> {
+    pub(super) events: Set,
+    pub(super) rows: Set,
+    pub(super) size: usize,
+    /// The only constellation that is touched; none if there are several.
+    pub(super) constellation: usize,
+    pub(super) odds: T,
+    pub(super) bare: T,
+}
+
+impl<T: Real> Combination<T> {
+    pub(super) fn empty() -> Self {
+        Self { events: 0, rows: 0, size: 0, constellation: NONE, odds: T::one(), bare: T::one() }
+    }
+
+    /// Adds an event; `events` and `size` are left to the caller.
+    pub(super) fn add(&mut self, rows: Set, constellation: usize, odds: T) {
+        let is_first = self.rows == 0;
+        self.constellation =
+            if is_first || self.constellation == constellation { constellation } else { NONE };
+        self.rows |= rows;
+        self.odds *= odds;
+        self.bare *= odds / (T::one() + odds);
+    }
+
+    pub(super) fn of_one(event: &Event<T>) -> Self {
+        let Event { rows, bit, size, constellation, odds } = *event;
+        Self { events: bit, rows, size, constellation, odds, bare: odds }
+    }
+
+    pub(super) fn with(&self, event: &Event<T>) -> Self {
+        // A satellite is in a constellation or is not: sets are nested or have nothing in common.
+        let apart = self.rows & event.rows == 0;
+        Self {
+            events: self.events | event.bit,
+            rows: self.rows | event.rows,
+            size: if apart { self.size + event.size } else { (self.rows | event.rows).count_ones() as usize },
+            constellation: if self.constellation == event.constellation { self.constellation } else { NONE },
+            odds: self.odds * event.odds,
+            bare: self.bare,
+        }
+    }
+
+    /// Whether it is the loss of one constellation and nothing else.
+    pub(super) fn is_whole_constellation(&self) -> bool {
+        self.events & ROW_EVENTS == 0 && self.events & self.events.wrapping_sub(1) == 0
+    }
+}
+
+/// Every combination of a number of events, the last one listed first.
+pub(super) fn combinations_backwards<T: Real>(
+    events: &[Event<T>],
+    size: usize,
+    visitor: &mut impl FnMut(Combination<T>) -> ControlFlow<()>,
+) -> ControlFlow<()> {
+    for (index, event) in events.iter().enumerate().rev() {
+        let one = Combination::of_one(event);
+        if size == 1 {
+            visitor(one)?;
+            continue;
+        }
+        for (second, event) in events.iter().enumerate().skip(index + 1).rev() {
+            let two = one.with(event);
+            if size == 2 {
+                visitor(two)?;
+                continue;
+            }
+            for event in events.iter().skip(second + 1).rev() {
+                visitor(two.with(event))?;
+            }
+        }
+    }
+    ControlFlow::Continue(())
+}

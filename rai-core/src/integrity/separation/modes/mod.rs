@@ -1,0 +1,411 @@
+//! Which faults are watched: combinations of events, and how likely each is.
+//!
+//! ```text
+//! p_k  = p_0 Π P_e/(1 − P_e)      over the events of the combination          p_0 = Π (1 − P_e)
+//! P_nm = P(more than r events) + Σ p_k of what is not watched
+//! ```
+//!
+//! | symbol | field | unit |
+//! |---|---|---|
+//! | `P_e/(1 − P_e)` | `odds` | – |
+//! | `p_0` | `healthy` | – |
+//! | `p_k` | [`Mode::probability`] | – |
+//! | `P_nm` | [`Modes::not_watched`] | – |
+//!
+//! An event is a fault of one satellite, or of all satellites of one constellation. Combinations of 1 to `r` events are
+//! listed, `r` being 2, or 3 where more than 2 events are too likely to be left alone. One that lies wholly inside a
+//! constellation and is far less likely than the loss of that constellation is counted with the latter
+//! (consolidation). Of the others every one that alone would break the requirement is watched, and then, from the
+//! smallest set of satellites to the largest, as many as bring `P_nm` down to its share.
+//!
+//! Several combinations may take the same satellites: a constellation with or without one of its satellites, or a lone
+//! satellite with or without its constellation. A [`Mode`] is a set of satellites, with the probability of all watched
+//! combinations that take just these. What it leaves out is written as whole constellations and as rows of the others,
+//! which is how the algebra takes them out.
+//!
+//! Nothing is stored for each mode: they are walked through as often as needed. Sums run over what is *not* watched,
+//! from the rarest on, so that single precision suffices. At most three events at once are looked at.
+//!
+//! References: [MAAST] `determine_subsets`, [Blanch2015].
+//!
+//! [Blanch2015]: crate#references
+//! [MAAST]: crate#references
+
+mod combination;
+mod consolidation;
+mod sets;
+mod visit;
+
+use core::ops::{ControlFlow, RangeInclusive};
+
+use heapless::Vec;
+
+pub use sets::{Hypothesis, ROWS};
+pub(super) use sets::{Set, members, row};
+pub(super) use visit::Mode;
+
+use combination::{Combination, Event, combinations_backwards};
+use consolidation::add_to;
+use sets::{EVENTS, NONE, ROW_EVENTS, above, event, is_listed_after};
+use visit::Walk;
+
+use crate::allocation::Allocation;
+use crate::numeric::real::Real;
+use crate::satellite::Constellation;
+/// A row's odds.
+#[derive(Clone, Copy, Debug)]
+struct Fallible<T> {
+    odds: T,
+    ln: T,
+    constellation: usize,
+}
+
+/// Where watching ends, among what is not watched for its own weight.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Cutoff {
+    /// Satellites that the last watched combination takes; smaller ones are all watched.
+    size: usize,
+    /// Events of the last watched combination of this size.
+    count: u32,
+    /// These events.
+    events: Set,
+}
+
+/// The choice of modes for one epoch.
+#[derive(Clone, Debug)]
+pub(super) struct Modes<T: Real> {
+    odds: Vec<Fallible<T>, ROWS>,
+    constellations: [T; Constellation::COUNT],
+    /// Rows of each constellation, all satellites in view.
+    pub(super) members: [Set; Constellation::COUNT],
+    /// Rows that are satellites.
+    pub(super) satellites: Set,
+    /// Satellites that can fail by themselves.
+    fallible: Set,
+    healthy: T,
+    ln_healthy: T,
+    limit: usize,
+    /// Probability that was consolidated into each constellation's loss.
+    added: [T; Constellation::COUNT],
+    mandatory: T,
+    consolidation: T,
+    cutoff: Cutoff,
+    /// Constellations whose loss takes over every fault within, a bit for each id.
+    swallows: u8,
+    /// `P_nm` as far as the choice goes.
+    pub(super) not_watched: T,
+}
+
+impl<T: Real> Modes<T> {
+    /// Chooses for satellites `(constellation, P_sat)` in the order of their rows and for the constellations' `P_const`.
+    ///
+    /// Probabilities are in [0, 0.5); an event with probability 0 is none. `None` beyond [`ROWS`].
+    pub(super) fn choose(
+        satellites: impl Iterator<Item = Option<(Constellation, T)>>,
+        constellations: [T; Constellation::COUNT],
+        allocation: &Allocation,
+    ) -> Option<Self> {
+        let mut modes = Self::nothing(constellations, allocation);
+        modes.gather(satellites)?;
+        let tail = modes.count_events(T::narrow(allocation.not_watched));
+        modes.cut(tail, T::narrow(allocation.not_watched));
+        Some(modes)
+    }
+
+    fn nothing(constellations: [T; Constellation::COUNT], allocation: &Allocation) -> Self {
+        Self {
+            odds: Vec::new(),
+            constellations,
+            members: [0; Constellation::COUNT],
+            satellites: 0,
+            fallible: 0,
+            healthy: T::one(),
+            ln_healthy: T::zero(),
+            limit: 2,
+            added: [T::zero(); Constellation::COUNT],
+            mandatory: T::narrow(allocation.integrity()),
+            consolidation: T::narrow(allocation.consolidation),
+            cutoff: Cutoff { size: 0, count: 0, events: 0 },
+            swallows: 0,
+            not_watched: T::zero(),
+        }
+    }
+
+    /// Takes over the satellites; a row without one is an aid that never fails.
+    fn gather(&mut self, satellites: impl Iterator<Item = Option<(Constellation, T)>>) -> Option<()> {
+        let mut last = (T::zero(), T::zero());
+        for (index, satellite) in satellites.enumerate() {
+            let Some((constellation, probability)) = satellite else {
+                let absent = Fallible { odds: T::zero(), ln: T::zero(), constellation: NONE };
+                self.odds.push(absent).ok()?;
+                continue;
+            };
+            let odds = probability / (T::one() - probability);
+            if odds > T::zero() {
+                self.fallible |= row(index);
+                // Satellites of one constellation mostly share theirs.
+                if last.0 != odds {
+                    last = (odds, odds.ln());
+                }
+            }
+            let constellation = constellation as usize;
+            self.odds.push(Fallible { odds, ln: last.1, constellation }).ok()?;
+            self.satellites |= row(index);
+            if let Some(members) = self.members.get_mut(constellation) {
+                *members |= row(index);
+            }
+        }
+        for (odds, members) in self.constellations.iter_mut().zip(&self.members) {
+            *odds = if *members == 0 { T::zero() } else { *odds / (T::one() - *odds) };
+        }
+        Some(())
+    }
+
+    /// Everything that can go wrong, satellites first.
+    fn events(&self) -> Vec<Event<T>, { Set::BITS as usize }> {
+        let satellites = self.odds.iter().enumerate().map(|(index, odds)| Event {
+            rows: row(index),
+            bit: row(index),
+            size: 1,
+            constellation: odds.constellation,
+            odds: odds.odds,
+        });
+        let whole = self.constellations.iter().zip(&self.members).enumerate().map(|(id, (&odds, &rows))| {
+            Event { rows, bit: event(id), size: rows.count_ones() as usize, constellation: id, odds }
+        });
+        crate::bounded::gather(satellites.chain(whole).filter(|event| event.odds > T::zero()))
+    }
+
+    /// `p_0`, how many events at once are listed, and the probability of more.
+    fn count_events(&mut self, limit: T) -> T {
+        // Probabilities of 0, 1, 2, 3 and of more events: sums of positive terms.
+        let [mut none, mut one, mut two, mut three, mut more] =
+            [T::one(), T::zero(), T::zero(), T::zero(), T::zero()];
+        let mut count = 0;
+        let satellites = self.odds.iter().map(|row| row.odds);
+        for odds in satellites.chain(self.constellations).filter(|&odds| odds > T::zero()) {
+            let fine = (T::one() + odds).recip();
+            let failed = odds * fine;
+            more += three * failed;
+            three = three * fine + two * failed;
+            two = two * fine + one * failed;
+            one = one * fine + none * failed;
+            none *= fine;
+            count += 1;
+        }
+        self.healthy = none;
+        self.ln_healthy = none.ln();
+        let beyond_two = three + more;
+        self.limit = if beyond_two <= limit { 2 } else { EVENTS };
+        self.limit = self.limit.min(count);
+        if self.limit == EVENTS { more } else { beyond_two }
+    }
+
+    /// Decides where watching ends.
+    fn cut(&mut self, tail: T, share: T) {
+        let events = self.events();
+        let mut sums = [T::zero(); ROWS + 1];
+        if self.sum_by_constellation(&mut sums).is_none() {
+            sums = [T::zero(); ROWS + 1];
+            self.sum_one_by_one(&events, &mut sums);
+        }
+        for event in events.iter().filter(|event| event.bit & ROW_EVENTS == 0) {
+            let probability = self.probability(event.bit);
+            if !(probability > self.mandatory) {
+                add_to(&mut sums, event.size, probability);
+            }
+        }
+        self.not_watched = tail;
+        for (size, &sum) in sums.iter().enumerate().rev() {
+            if self.not_watched + sum <= share {
+                self.not_watched += sum;
+            } else {
+                self.cut_within(&events, size, share);
+                break;
+            }
+        }
+    }
+
+    /// Decides where watching ends among the combinations of one size.
+    fn cut_within(&mut self, events: &[Event<T>], size: usize, share: T) {
+        let (mut sum, mut cutoff) = (self.not_watched, Cutoff { size, count: 0, events: 0 });
+        for count in (1..=self.limit).rev() {
+            let walk = combinations_backwards(events, count, &mut |combination| {
+                let probability = self.probability_of(&combination);
+                let optional = combination.size == size
+                    && !(probability > self.mandatory)
+                    && self.consolidates(&combination, probability).is_none();
+                if optional {
+                    if !(sum + probability <= share) {
+                        (cutoff.count, cutoff.events) = (count as u32, combination.events);
+                        return ControlFlow::Break(());
+                    }
+                    sum += probability;
+                }
+                ControlFlow::Continue(())
+            });
+            if walk.is_break() {
+                break;
+            }
+        }
+        self.not_watched = sum;
+        self.cutoff = cutoff;
+    }
+
+    /// The probability of a combination.
+    fn probability_of(&self, combination: &Combination<T>) -> T {
+        let own = self.healthy * combination.odds;
+        if combination.is_whole_constellation() {
+            own + self.added_to(combination.constellation)
+        } else {
+            own
+        }
+    }
+
+    fn added_to(&self, constellation: usize) -> T {
+        self.added.get(constellation).copied().unwrap_or_else(T::zero)
+    }
+
+    /// Whether a combination is watched by itself.
+    fn is_watched(&self, combination: &Combination<T>, probability: T) -> bool {
+        self.consolidates(combination, probability).is_none()
+            && (probability > self.mandatory
+                || self.comes_before_the_cut(
+                    combination.events,
+                    combination.events.count_ones(),
+                    combination.size,
+                ))
+    }
+
+    #[inline]
+    fn comes_before_the_cut(&self, events: Set, count: u32, size: usize) -> bool {
+        let Cutoff { size: at_size, count: at_count, events: at } = self.cutoff;
+        let is_before = || count < at_count || count == at_count && !is_listed_after(events, at);
+        size < at_size || size == at_size && is_before()
+    }
+
+    /// A set of events as a combination.
+    fn combination(&self, events: Set) -> Combination<T> {
+        let mut combination = Combination::empty();
+        for index in members(events & ROW_EVENTS) {
+            if let Some(odds) = self.odds.get(index) {
+                combination.add(row(index), odds.constellation, odds.odds);
+            }
+        }
+        for (id, (&odds, &rows)) in self.constellations.iter().zip(&self.members).enumerate() {
+            if events & event(id) != 0 {
+                combination.add(rows, id, odds);
+            }
+        }
+        combination.events = events;
+        combination.size = combination.rows.count_ones() as usize;
+        combination
+    }
+
+    /// The probability of a set of events.
+    fn probability(&self, events: Set) -> T {
+        self.probability_of(&self.combination(events))
+    }
+
+    /// Walks through the modes of the satellites that are left without `gone`, of a number of rows and constellations.
+    ///
+    /// `was_monitorable` says of the rows that a combination takes, all satellites in view, whether it counts at all.
+    pub(super) fn visit(
+        &self,
+        gone: Set,
+        sizes: &RangeInclusive<usize>,
+        was_monitorable: &impl Fn(Set) -> bool,
+        visitor: &mut impl FnMut(&Mode<T>) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        for lost in 0..1usize << Constellation::COUNT {
+            let Some(walk) = Walk::without(self, lost, gone) else { continue };
+            walk.visit(sizes, was_monitorable, visitor)?;
+        }
+        ControlFlow::Continue(())
+    }
+
+    /// The largest bare product of probabilities, without `p_0`, among the watched combinations of a mode.
+    pub(super) fn prior(
+        &self,
+        hypothesis: Hypothesis,
+        gone: Set,
+        was_monitorable: &impl Fn(Set) -> bool,
+    ) -> T {
+        let chosen = hypothesis.rows().fold(0, |set, index| set | row(index));
+        if hypothesis.constellations == 0 && gone == 0 {
+            return self.combination(chosen).bare;
+        }
+        let lost_rows = self.rows_of(usize::from(hypothesis.constellations)) & !gone;
+        let mut largest = T::zero();
+        self.causes(lost_rows, chosen, gone, &mut |combination, probability| {
+            if self.is_watched(combination, probability)
+                && was_monitorable(combination.rows)
+                && combination.bare > largest
+            {
+                largest = combination.bare;
+            }
+        });
+        largest
+    }
+
+    /// `p_0`.
+    pub(super) fn healthy(&self) -> T {
+        self.healthy
+    }
+
+    /// The rows that a hypothesis takes, all satellites in view.
+    pub(super) fn taken_by(&self, hypothesis: Hypothesis) -> Set {
+        let rows = hypothesis.rows().fold(0, |set, index| set | row(index));
+        rows | self.rows_of(usize::from(hypothesis.constellations))
+    }
+
+    /// All rows of some constellations.
+    fn rows_of(&self, constellations: usize) -> Set {
+        let chosen = self.members.iter().enumerate().filter(|(id, _)| constellations >> id & 1 != 0);
+        chosen.fold(0, |rows, (_, members)| rows | members)
+    }
+
+    /// Every combination, watched or not, that leaves the same satellites as a mode.
+    fn causes(&self, lost_rows: Set, chosen: Set, gone: Set, cause: &mut impl FnMut(&Combination<T>, T)) {
+        let (target, room) = (lost_rows | chosen, lost_rows | chosen | gone);
+        let mut forced = chosen;
+        let mut pool = (lost_rows | gone) & self.fallible;
+        let left = self.limit.saturating_sub(chosen.count_ones() as usize);
+        for (id, (&odds, &rows)) in self.constellations.iter().zip(&self.members).enumerate() {
+            if odds > T::zero() && rows & !room == 0 {
+                // Too many to go one by one: only the loss of the constellation takes them.
+                let is_forced = (rows & lost_rows).count_ones() as usize > left;
+                *if is_forced { &mut forced } else { &mut pool } |= event(id);
+            }
+        }
+        if self.limit == 2 {
+            // The loss of a constellation with one of its satellites is counted with the loss already.
+            for (id, &rows) in self.members.iter().enumerate() {
+                if forced & event(id) != 0 && self.swallows >> id & 1 != 0 {
+                    pool &= !rows;
+                }
+            }
+        }
+        let left = self.limit.saturating_sub(forced.count_ones() as usize);
+        if forced & ROW_EVENTS & !self.fallible != 0 || forced.count_ones() as usize > self.limit {
+            return;
+        }
+        let mut consider = |events: Set| {
+            let combination = self.combination(events);
+            if events != 0 && combination.rows & target == target {
+                cause(&combination, self.probability_of(&combination));
+            }
+        };
+        consider(forced);
+        for first in members(pool).filter(|_| left > 0) {
+            let after = pool & above(first);
+            consider(forced | 1 << first);
+            for second in members(after).filter(|_| left > 1) {
+                consider(forced | 1 << first | 1 << second);
+                for third in members(after & above(second)).filter(|_| left > 2) {
+                    consider(forced | 1 << first | 1 << second | 1 << third);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,91 @@
+//! Sets of rows and of events, as words; and what a hypothesis takes away.
+
+/// Most rows of an epoch that can be judged: rows and constellations together fill one word.
+pub const ROWS: usize = 60;
+
+/// Most events at once.
+pub(in crate::integrity::separation) const EVENTS: usize = 3;
+
+/// Of a set of rows, or of events: rows by their index, constellations above them.
+pub(in crate::integrity::separation) type Set = u64;
+
+/// The bit of a row.
+pub(in crate::integrity::separation) fn row(index: usize) -> Set {
+    if index < ROWS { 1 << index } else { 0 }
+}
+
+/// The bit of a constellation's event.
+pub(super) fn event(constellation: usize) -> Set {
+    1u64.checked_shl((ROWS + constellation) as u32).unwrap_or(0)
+}
+
+/// Everything above a member.
+pub(super) fn above(index: usize) -> Set {
+    Set::MAX.checked_shl(index as u32 + 1).unwrap_or(0)
+}
+
+/// The rows among a set of events.
+pub(super) const ROW_EVENTS: Set = (1 << ROWS) - 1;
+
+/// The members of a set, ascending.
+pub(in crate::integrity::separation) fn members(mut set: Set) -> impl Iterator<Item = usize> {
+    core::iter::from_fn(move || {
+        let index = set.trailing_zeros() as usize;
+        set &= set.wrapping_sub(1);
+        (index < Set::BITS as usize).then_some(index)
+    })
+}
+
+/// What a hypothesis takes away: whole constellations, and rows of the others.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Hypothesis {
+    /// A bit for each constellation id.
+    pub constellations: u8,
+    rows: [u8; EVENTS],
+}
+
+impl Hypothesis {
+    /// In the place of a row where there is none.
+    const NO_ROW: u8 = u8::MAX;
+
+    /// That nothing is wrong.
+    pub const NONE: Self = Self { constellations: 0, rows: [Self::NO_ROW; EVENTS] };
+
+    pub(super) fn of(constellations: usize, rows: [usize; EVENTS]) -> Self {
+        Self { constellations: constellations as u8, rows: rows.map(|row| row as u8) }
+    }
+
+    /// Indices of the rows of other constellations, ascending.
+    pub fn rows(self) -> impl Iterator<Item = usize> {
+        self.rows.into_iter().take_while(|&row| row != Self::NO_ROW).map(usize::from)
+    }
+
+    /// Indices of the rows of other constellations, `None` where there are no more.
+    pub fn named(self) -> [Option<usize>; EVENTS] {
+        self.rows.map(|row| (row != Self::NO_ROW).then_some(usize::from(row)))
+    }
+
+    /// One row.
+    pub(in crate::integrity::separation) fn of_row(index: usize) -> Self {
+        Self::of(0, [index, NONE, NONE])
+    }
+
+    /// Constellations, a bit for each id.
+    pub(in crate::integrity::separation) fn of_constellations(constellations: u8) -> Self {
+        Self { constellations, ..Self::NONE }
+    }
+
+    pub(in crate::integrity::separation) fn slots(self) -> [usize; EVENTS] {
+        self.rows.map(usize::from)
+    }
+}
+
+/// In the place of a row where there is none.
+pub(super) const NONE: usize = Hypothesis::NO_ROW as usize;
+/// Whether one combination is listed after another of as many events: as words are, satellites first.
+pub(super) fn is_listed_after(events: Set, other: Set) -> bool {
+    let differing = events ^ other;
+    let first = differing & differing.wrapping_neg();
+    other & first != 0
+}

@@ -1,0 +1,159 @@
+//! The walk through the modes: every set of satellites that some watched combination takes, once.
+
+use core::ops::{ControlFlow, RangeInclusive};
+
+use super::Modes;
+use super::sets::{EVENTS, Hypothesis, NONE, Set, above, members, row};
+use crate::numeric::real::Real;
+use crate::satellite::Constellation;
+
+/// One set of satellites that is watched.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::integrity::separation) struct Mode<T> {
+    pub(in crate::integrity::separation) hypothesis: Hypothesis,
+    /// Satellites that it takes.
+    pub(in crate::integrity::separation) taken: usize,
+    /// `p_k`.
+    pub(in crate::integrity::separation) probability: T,
+    /// `ln p_k`, or a little more.
+    pub(in crate::integrity::separation) ln_probability: T,
+}
+
+/// The modes that lose the same constellations.
+pub(super) struct Walk<'m, T: Real> {
+    modes: &'m Modes<T>,
+    lost: usize,
+    lost_rows: Set,
+    lost_count: usize,
+    gone: Set,
+    /// What is left of each constellation.
+    members: [Set; Constellation::COUNT],
+    /// Whether a few rows can be all that is left of a constellation.
+    has_few: bool,
+    /// Rows that can be named: of other constellations, and not alone in theirs.
+    left: Set,
+}
+
+impl<'m, T: Real> Walk<'m, T> {
+    /// `None` where one of them is not in view, or where they are too many.
+    pub(super) fn without(modes: &'m Modes<T>, lost: usize, gone: Set) -> Option<Self> {
+        if lost.count_ones() as usize > modes.limit {
+            return None;
+        }
+        let members = modes.members.map(|members| members & !gone);
+        let in_view = members.iter().enumerate().filter(|&(_, &rows)| rows != 0);
+        let in_view = in_view.fold(0, |set, (id, _)| set | 1 << id);
+        if lost & !in_view != 0 {
+            return None;
+        }
+        let lost_rows = modes.rows_of(lost) & !gone;
+        // Without its only satellite a constellation is lost: that is another mode.
+        let alone = members.iter().filter(|rows| rows.is_power_of_two()).fold(0, |set, rows| set | rows);
+        let left = modes.fallible & !gone & !lost_rows & !alone;
+        let few = |rows: &Set| rows & left != 0 && rows.count_ones() as usize <= EVENTS;
+        let has_few = members.iter().any(few);
+        let lost_count = lost_rows.count_ones() as usize;
+        Some(Self { modes, lost, lost_rows, lost_count, gone, members, has_few, left })
+    }
+
+    pub(super) fn visit(
+        &self,
+        sizes: &RangeInclusive<usize>,
+        was_monitorable: &impl Fn(Set) -> bool,
+        visitor: &mut impl FnMut(&Mode<T>) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        let (lost, size, limit) = (self.lost, self.lost.count_ones() as usize, self.modes.limit);
+        let mut offer = |size: usize, rows: [usize; EVENTS]| match self.mode(size, rows, was_monitorable) {
+            Some(mode) if sizes.contains(&size) => visitor(&mode),
+            _ => ControlFlow::Continue(()),
+        };
+        if lost != 0 && sizes.contains(&size) {
+            offer(size, [NONE; EVENTS])?;
+        }
+        let is_wanted = |more: usize| size + more <= limit && size + more <= *sizes.end();
+        for first in members(self.left).filter(|_| is_wanted(1)) {
+            if sizes.contains(&(size + 1)) {
+                offer(size + 1, [first, NONE, NONE])?;
+            }
+            let after = self.left & above(first);
+            for second in members(after).filter(|_| is_wanted(2)) {
+                if sizes.contains(&(size + 2)) {
+                    offer(size + 2, [first, second, NONE])?;
+                }
+                for third in members(after & above(second)).filter(|_| is_wanted(3)) {
+                    offer(size + 3, [first, second, third])?;
+                }
+            }
+        }
+        ControlFlow::Continue(())
+    }
+
+    /// The mode that takes these rows beside the constellations; `None` where it is not watched, or is another.
+    #[inline]
+    fn mode(
+        &self,
+        size: usize,
+        rows: [usize; EVENTS],
+        was_monitorable: &impl Fn(Set) -> bool,
+    ) -> Option<Mode<T>> {
+        let chosen = rows.iter().fold(0, |set, &index| set | row(index));
+        if self.has_few && size > 1 && self.empties(chosen) {
+            return None;
+        }
+        // With nothing gone, only these very events take just these rows; and beyond the number of events, none more.
+        let is_sole = self.lost == 0 && (self.gone == 0 || size == self.modes.limit);
+        let (probability, ln_probability) = if is_sole {
+            self.sole(chosen, rows, size, was_monitorable)?
+        } else {
+            let probability = self.sum_of_causes(chosen, was_monitorable);
+            (probability, probability.ln())
+        };
+        let hypothesis = Hypothesis::of(self.lost, rows);
+        let taken = self.lost_count + size - self.lost.count_ones() as usize;
+        (probability > T::zero()).then_some(Mode { hypothesis, taken, probability, ln_probability })
+    }
+
+    /// Whether some rows are all that is left of a constellation: that is another mode.
+    fn empties(&self, chosen: Set) -> bool {
+        self.members.iter().any(|&members| members & self.left != 0 && members & !chosen == 0)
+    }
+
+    /// The probability of these rows failing each by itself, and its logarithm.
+    #[inline]
+    fn sole(
+        &self,
+        chosen: Set,
+        rows: [usize; EVENTS],
+        size: usize,
+        was_monitorable: &impl Fn(Set) -> bool,
+    ) -> Option<(T, T)> {
+        let modes = self.modes;
+        let (mut product, mut ln, mut constellation) = (modes.healthy, modes.ln_healthy, NONE);
+        for (position, &index) in rows.iter().take(size).enumerate() {
+            let odds = modes.odds.get(index)?;
+            product *= odds.odds;
+            ln += odds.ln;
+            constellation =
+                if position == 0 || constellation == odds.constellation { odds.constellation } else { NONE };
+        }
+        let odds = modes.constellations.get(constellation);
+        let consolidated = odds.is_some_and(|&odds| product < modes.consolidation * (modes.healthy * odds));
+        let watched = !consolidated
+            && (product > modes.mandatory || modes.comes_before_the_cut(chosen, size as u32, size));
+        (watched && (self.gone == 0 || was_monitorable(chosen))).then_some((product, ln))
+    }
+
+    /// The probability of all watched combinations that leave the same satellites.
+    #[inline(never)]
+    fn sum_of_causes(&self, chosen: Set, was_monitorable: &impl Fn(Set) -> bool) -> T {
+        let mut sum = T::zero();
+        self.modes.causes(self.lost_rows, chosen, self.gone, &mut |combination, probability| {
+            let counts = self.modes.is_watched(combination, probability)
+                && (self.gone == 0 || was_monitorable(combination.rows));
+            if counts {
+                sum += probability;
+            }
+        });
+        sum
+    }
+}

@@ -1,0 +1,120 @@
+//! A mode that leaves a poor geometry: solved by itself, row by row.
+//!
+//! Taking rows out by algebra costs what is left of 1: with a redundancy of 1 % single precision keeps five digits, with
+//! 1e-5 two. Turning the remaining rows one after another into a triangle (Givens) loses as many digits as the dilution
+//! of precision has, not its square:
+//!
+//! ```text
+//! R from rows √w_i (d_i − d̄_c)        U = R⁻¹       P_E = U Uᵀ      x_E − x = U Qᵀ√w v
+//! S_E,i = w_i U (Uᵀ d'_i)             Cov_ss = Σ (S_E,i − S_i)² σ_acc,i²      b = Σ |S_E,i| b_i
+//! ```
+//!
+//! It takes about 120 instructions for each satellite.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::super::modes::{Hypothesis, Set, row};
+use super::{GROUPS, Solution, Solutions, group_of};
+use crate::numeric::real::Real;
+use crate::satellite::Constellation;
+
+/// `w_max` times the trace of a covariance beyond which a geometry counts as singular: the smallest eigenvalue of its
+/// normal matrix is then about 1e-8.
+const SINGULAR: f64 = 1e8;
+
+/// Rows turned into a triangle, with their residuals.
+struct Triangle<T: Real> {
+    rows: [Vector3<T>; 3],
+    right: Vector3<T>,
+}
+
+impl<T: Real> Triangle<T> {
+    fn add(&mut self, mut row: Vector3<T>, mut residual: T) {
+        for (column, (top, right)) in self.rows.iter_mut().zip(self.right.iter_mut()).enumerate() {
+            let [&diagonal, &below] = [top.get(column), row.get(column)].map(|entry| entry.unwrap_or(&top.x));
+            let length = (diagonal * diagonal + below * below).sqrt();
+            if !(length > T::zero()) {
+                continue;
+            }
+            let (cosine, sine) = (diagonal / length, below / length);
+            let turned = *top * cosine + row * sine;
+            row = row * cosine - *top * sine;
+            *top = turned;
+            (*right, residual) = (*right * cosine + residual * sine, residual * cosine - *right * sine);
+        }
+    }
+
+    /// `R⁻¹`; what is not finite is seen by the caller.
+    fn inverse(&self) -> Matrix3<T> {
+        let [first, second, third] = &self.rows;
+        let (u11, u22, u33) = (first.x.recip(), second.y.recip(), third.z.recip());
+        let (u12, u23) = (-(u11 * first.y * u22), -(u22 * second.z * u33));
+        let u13 = -(u11 * (first.y * u23 + first.z * u33));
+        let zero = T::zero();
+        Matrix3::new(u11, u12, u13, zero, u22, u23, zero, zero, u33)
+    }
+}
+
+/// The solution without a mode and its bias; `None` where what is left does not determine it.
+#[inline(never)]
+pub(super) fn solve<T: Real>(
+    solutions: &Solutions<'_, T>,
+    hypothesis: Hypothesis,
+) -> Option<(Solution<T>, Vector3<T>)> {
+    let chosen = hypothesis.rows().fold(0, |set: Set, index| set | row(index));
+    let is_left = |index: usize, group: usize| {
+        let is_lost = group < Constellation::COUNT && hypothesis.constellations >> group & 1 != 0;
+        !is_lost && chosen & row(index) == 0
+    };
+    let means = means(solutions, &is_left);
+    let mean_of = |group: usize| means.get(group).copied().unwrap_or_else(Vector3::zeros);
+    let mut triangle = Triangle { rows: [Vector3::zeros(); 3], right: Vector3::zeros() };
+    for (index, (row, fit, _)) in solutions.rows().enumerate() {
+        let group = group_of(row);
+        if is_left(index, group) && row.weight > T::zero() {
+            let root = row.weight.sqrt();
+            triangle.add((fit.centred - mean_of(group)) * root, fit.residual * root);
+        }
+    }
+    let inverse = triangle.inverse();
+    let variance = inverse.component_mul(&inverse).column_sum();
+    // A sum that is not a number is below nothing.
+    if !(solutions.largest_weight() * variance.sum() < T::narrow(SINGULAR)) {
+        return None;
+    }
+    let (mut separation, mut bias) = (Vector3::zeros(), Vector3::zeros());
+    for (index, (row, fit, own)) in solutions.rows().enumerate() {
+        let group = group_of(row);
+        let gain = if is_left(index, group) {
+            inverse * inverse.tr_mul(&(fit.centred - mean_of(group)))
+        } else {
+            Vector3::zeros()
+        };
+        let moved = gain - fit.gain;
+        separation += moved.component_mul(&moved) * (row.weight * own.share);
+        bias += gain.abs() * own.weighted_bias;
+    }
+    Some((Solution { variance, separation, shift: inverse * triangle.right }, bias))
+}
+
+/// Weighted means of what is left of each constellation.
+fn means<T: Real>(
+    solutions: &Solutions<'_, T>,
+    is_left: &impl Fn(usize, usize) -> bool,
+) -> [Vector3<T>; GROUPS] {
+    let mut sums = [(Vector3::zeros(), T::zero()); GROUPS];
+    for (index, (row, fit, _)) in solutions.rows().enumerate() {
+        let group = group_of(row);
+        if let Some((sum, weight)) = sums.get_mut(group).filter(|_| is_left(index, group)) {
+            *sum += fit.centred * row.weight;
+            *weight += row.weight;
+        }
+    }
+    let mut means =
+        sums.map(|(sum, weight)| if weight > T::zero() { sum / weight } else { Vector3::zeros() });
+    // What touches no clock is not centred.
+    if let Some(mean) = means.last_mut() {
+        *mean = Vector3::zeros();
+    }
+    means
+}

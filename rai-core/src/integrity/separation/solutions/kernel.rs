@@ -1,0 +1,128 @@
+//! Sums over constellations, and the solution without some of them, from which rows are then taken out.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::super::View;
+use super::Solution;
+use crate::equations::Row;
+use crate::numeric::real::Real;
+use crate::satellite::Constellation;
+
+/// Constellations, and a place for rows that touch no clock.
+pub(in crate::integrity::separation) const GROUPS: usize = Constellation::COUNT + 1;
+/// Sums over one constellation.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Group<T: Real> {
+    /// `1/W_c`.
+    pub(super) level: T,
+    /// `U_c/W_c²`.
+    pub(super) accuracy: T,
+    /// `τ_c/W_c`.
+    pub(super) lean: Vector3<T>,
+    pub(super) normal: Matrix3<T>,
+    pub(super) dispersion: Matrix3<T>,
+    /// `Σ w d v`.
+    pub(super) pull: Vector3<T>,
+}
+
+impl<T: Real> Group<T> {
+    pub(super) fn empty() -> Self {
+        Self {
+            level: T::zero(),
+            accuracy: T::zero(),
+            lean: Vector3::zeros(),
+            normal: Matrix3::zeros(),
+            dispersion: Matrix3::zeros(),
+            pull: Vector3::zeros(),
+        }
+    }
+}
+
+/// The solution without some constellations, from which rows are taken out.
+#[derive(Clone, Debug)]
+pub(super) struct Kernel<T: Real> {
+    pub(super) covariance: Matrix3<T>,
+    /// `P' − P`.
+    pub(super) change: Matrix3<T>,
+    /// `D'`.
+    pub(super) dispersion: Matrix3<T>,
+    /// `Γ`.
+    pub(super) gamma: Matrix3<T>,
+    /// `t_c`.
+    pub(super) leans: [Vector3<T>; GROUPS],
+    pub(super) solution: Solution<T>,
+}
+/// What must be left of 1 for algebra: below, single precision keeps less than five digits; 1e-9 in double precision.
+pub(super) fn hardly_left<T: Real>() -> T {
+    let digits = T::default_epsilon() * T::narrow(2e5);
+    if digits > T::UNTESTABLE { digits } else { T::UNTESTABLE }
+}
+
+/// Adds `w a aᵀ`.
+pub(super) fn add_square<T: Real>(matrix: &mut Matrix3<T>, a: &Vector3<T>, weight: T) {
+    let weighted = a * weight;
+    matrix.m11 += weighted.x * a.x;
+    matrix.m21 += weighted.y * a.x;
+    matrix.m22 += weighted.y * a.y;
+    matrix.m31 += weighted.z * a.x;
+    matrix.m32 += weighted.z * a.y;
+    matrix.m33 += weighted.z * a.z;
+}
+
+/// Copies the lower triangle to the upper one.
+pub(super) fn mirror<T: Real>(matrix: &mut Matrix3<T>) {
+    matrix.m12 = matrix.m21;
+    matrix.m13 = matrix.m31;
+    matrix.m23 = matrix.m32;
+}
+
+/// Diagonal of `A M Aᵀ`, `M` symmetric.
+pub(super) fn diagonal_of<T: Real>(a: &Matrix3<T>, m: &Matrix3<T>) -> Vector3<T> {
+    (a * m).component_mul(a).column_sum()
+}
+
+pub(in crate::integrity::separation) fn group_of<T: Real>(row: &Row<T>) -> usize {
+    row.clock.map_or(Constellation::COUNT, |clock| clock as usize)
+}
+impl<T: Real> Kernel<T> {
+    /// Of all satellites.
+    pub(super) fn whole(view: &View<'_, T>) -> Self {
+        Self {
+            covariance: *view.covariance,
+            change: Matrix3::zeros(),
+            dispersion: Matrix3::zeros(),
+            gamma: Matrix3::zeros(),
+            leans: [Vector3::zeros(); GROUPS],
+            solution: Solution {
+                variance: view.covariance.diagonal(),
+                separation: Vector3::zeros(),
+                shift: Vector3::zeros(),
+            },
+        }
+    }
+
+    /// What follows from the covariance and the dispersion.
+    pub(super) fn complete(&mut self, groups: &[Group<T>; GROUPS]) {
+        self.gamma = self.covariance * self.dispersion * self.covariance;
+        for (lean, group) in self.leans.iter_mut().zip(groups) {
+            *lean = self.covariance * group.lean;
+        }
+    }
+
+    /// `κ_jj`.
+    pub(super) fn kappa(
+        &self,
+        groups: &[Group<T>; GROUPS],
+        group: usize,
+        design: &Vector3<T>,
+        gain: &Vector3<T>,
+        weight: T,
+        share: T,
+    ) -> T {
+        let Some((sums, lean)) = groups.get(group).zip(self.leans.get(group)) else { return T::zero() };
+        let coupling = sums.level + design.dot(gain);
+        let two = T::one() + T::one();
+        let own = if weight > T::zero() { share / weight } else { T::zero() };
+        own - two * share * coupling + sums.accuracy + design.dot(&(self.gamma * design + lean * two))
+    }
+}

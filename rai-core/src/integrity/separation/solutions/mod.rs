@@ -1,0 +1,313 @@
+//! The position without a mode's satellites, by algebra on the one 3×3 solve: how uncertain it is, and how far it may
+//! lie from the position with all of them.
+//!
+//! ```text
+//! constellations X     P' = (N − N_X)⁻¹    T = P' − P    D' = D − D_X    x' − x = −P' Σ_X w_i d_i v_i
+//!                      Cov_ss = T D' Tᵀ + P D_X Pᵀ
+//! rows E of others     B_jj = 1/w_j − b_jj,  B_jk = −b_jk       b_jk = [c_j = c_k]/W_c + d_j·P'd_k
+//!                      P_E = P' + A B⁻¹ Aᵀ       A_j = P'd_j    x_E = x' − A B⁻¹ v'_E
+//!                      S_E − S = (S_X − S) − A B⁻¹ M_E          M_ji = δ_ji − w_i b_ji
+//! κ_jk = (M C_acc Mᵀ)_jk = δ_jk a_j/w_j − (a_j + a_k) b_jk + [c_j = c_k] U_c/W_c² + d_jᵀΓd_k + d_j·t_ck + d_k·t_cj
+//! ```
+//!
+//! | symbol | field | unit |
+//! |---|---|---|
+//! | `P`, `d_i`, `g_i = P d_i`, `v_i` | of the snapshot | m², –, m², m |
+//! | `a_i = w_i σ_acc,i²` | `share` | – |
+//! | `B_jj` | `pivot` | m² |
+//! | `κ_jj` | `kappa` | m² |
+//! | `N_c = Σ w d dᵀ`, `D_c = Σ a w d dᵀ`, `U_c = Σ a w`, `τ_c = Σ a w d` | [`Group`] | 1/m² |
+//! | `Γ = P'D'P'`, `t_c = P'τ_c/W_c` | [`Kernel`] | m² |
+//! | diagonal of `P_E` | [`Solution::variance`] | m² |
+//! | diagonal of `Cov_ss` | [`Solution::separation`] | m² |
+//! | `x_E − x` | [`Solution::shift`] | m |
+//! | `Σ |S_qi| b_i` | [`Solutions::bias`] | m |
+//!
+//! Rows are taken out one after another, each from what the ones before it left (elimination): a single costs about 70
+//! operations, a pair another 90, and what a first row shares with its pairs is worked out once. `C_acc` need not be
+//! proportional to `C`. Only the bias is a sum over all rows, and only worked out where a bound on it does not decide.
+//!
+//! Assumes that a set leaves something of every constellation that it does not name. References: [Blanch2015],
+//! [`crate::removal`] for the elimination.
+//!
+//! [Blanch2015]: crate#references
+
+mod bias;
+mod direct;
+mod elimination;
+mod kernel;
+
+use heapless::Vec;
+use nalgebra::{Matrix3, Vector3};
+
+use elimination::{First, Pair, Second, Third};
+pub(super) use kernel::{GROUPS, group_of};
+use kernel::{Group, Kernel, add_square, diagonal_of, hardly_left, mirror};
+
+use super::modes::{Hypothesis, ROWS};
+use super::{Prior, View};
+use crate::equations::Row;
+use crate::numeric::real::Real;
+use crate::satellite::Constellation;
+use crate::snapshot::{Fit, invert};
+/// What one mode's solution is.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Solution<T> {
+    pub(super) variance: Vector3<T>,
+    pub(super) separation: Vector3<T>,
+    pub(super) shift: Vector3<T>,
+}
+
+/// What integrity adds to a row.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Own<T> {
+    pub(super) share: T,
+    pivot: T,
+    kappa: T,
+    /// `w_i b_i`.
+    pub(super) weighted_bias: T,
+    /// `Σ_i |M_ji| b_i`; 0 without biases.
+    spread: T,
+}
+/// Solutions without modes; what neighbouring modes share is kept.
+pub(super) struct Solutions<'v, T: Real> {
+    view: View<'v, T>,
+    own: Vec<Own<T>, ROWS>,
+    groups: [Group<T>; GROUPS],
+    total_dispersion: Matrix3<T>,
+    largest_weight: T,
+    has_bias: bool,
+    kernel: Kernel<T>,
+    /// Of which mode the following are.
+    at: Hypothesis,
+    /// Whether the kernel is good to enough digits for taking rows out of it.
+    is_sound: bool,
+    /// What was solved by itself, where algebra would cost too many digits, and its bias.
+    direct: Option<(Solution<T>, Vector3<T>)>,
+    first: Option<First<T>>,
+    /// Of the pair that was asked for last.
+    pair: Pair<T>,
+    /// Kept for triples.
+    second: Option<Second<T>>,
+    third: Option<Third<T>>,
+}
+impl<'v, T: Real> Solutions<'v, T> {
+    /// Prepares for the modes of a view.
+    pub(super) fn new(view: View<'v, T>, priors: &[Prior<T>]) -> Self {
+        let mut solutions = Self {
+            view,
+            own: Vec::new(),
+            groups: [Group::empty(); GROUPS],
+            total_dispersion: Matrix3::zeros(),
+            largest_weight: T::zero(),
+            has_bias: false,
+            kernel: Kernel::whole(&view),
+            at: Hypothesis::NONE,
+            is_sound: true,
+            direct: None,
+            first: None,
+            pair: Pair { column: Vector3::zeros(), factor: T::zero(), spread: T::zero() },
+            second: None,
+            third: None,
+        };
+        solutions.sum_up(priors);
+        solutions.describe_whole();
+        if solutions.has_bias {
+            solutions.spread_biases(priors);
+        }
+        solutions
+    }
+
+    /// Sums over the rows of each constellation.
+    fn sum_up(&mut self, priors: &[Prior<T>]) {
+        let rows = self.view.rows.iter().zip(self.view.fits).enumerate();
+        for (index, (row, fit)) in rows {
+            let weight = row.weight;
+            let prior = priors.get(index);
+            // An aid is as accurate as its sigma.
+            let share = prior.map_or(T::one(), |prior| weight * prior.accuracy_m * prior.accuracy_m);
+            let bias = prior.map_or(T::zero(), |prior| prior.bias_m);
+            let pivot = if weight > T::zero() { fit.redundancy / weight } else { T::zero() };
+            let own = Own { share, pivot, kappa: T::zero(), weighted_bias: weight * bias, spread: T::zero() };
+            // The view holds no more rows than there is room for.
+            let _ = self.own.push(own);
+            if !(weight > T::zero()) {
+                continue;
+            }
+            self.has_bias |= bias > T::zero();
+            if weight > self.largest_weight {
+                self.largest_weight = weight;
+            }
+            if let Some(group) = self.groups.get_mut(group_of(row)) {
+                let accurate = share * weight;
+                group.level += weight;
+                group.accuracy += accurate;
+                group.lean += fit.centred * accurate;
+                add_square(&mut group.normal, &fit.centred, weight);
+                add_square(&mut group.dispersion, &fit.centred, accurate);
+                group.pull += fit.centred * (weight * fit.residual);
+            }
+        }
+        for (id, group) in self.groups.iter_mut().enumerate() {
+            mirror(&mut group.dispersion);
+            self.total_dispersion += group.dispersion;
+            let has_clock = id < Constellation::COUNT && group.level > T::zero();
+            group.level = if has_clock { group.level.recip() } else { T::zero() };
+            group.accuracy *= group.level * group.level;
+            group.lean *= group.level;
+        }
+    }
+
+    /// The kernel of all satellites, and each row's `κ_jj` there.
+    fn describe_whole(&mut self) {
+        self.kernel = Kernel::whole(&self.view);
+        self.kernel.dispersion = self.total_dispersion;
+        self.kernel.complete(&self.groups);
+        for (index, row) in self.view.rows.iter().enumerate() {
+            let Some((fit, own)) = self.view.fits.get(index).zip(self.own.get_mut(index)) else { continue };
+            own.kappa = self.kernel.kappa(
+                &self.groups,
+                group_of(row),
+                &fit.centred,
+                &fit.gain,
+                row.weight,
+                own.share,
+            );
+        }
+    }
+    /// `1/W_c`.
+    fn level(&self, group: usize) -> T {
+        self.groups.get(group).map_or(T::zero(), |group| group.level)
+    }
+
+    /// Whether any satellite has a nominal bias.
+    pub(super) fn has_bias(&self) -> bool {
+        self.has_bias
+    }
+
+    /// Of all satellites: variances, and the accuracy's in the place of the separation's.
+    pub(super) fn whole(&self) -> Solution<T> {
+        let kernel = Kernel::whole(&self.view);
+        let covariance = self.view.covariance;
+        let accuracy = diagonal_of(covariance, &self.total_dispersion);
+        Solution { separation: accuracy, ..kernel.solution }
+    }
+    /// Rows, what the solution says of each, and what integrity adds.
+    pub(super) fn rows(&self) -> impl Iterator<Item = (&Row<T>, &Fit<T>, &Own<T>)> {
+        self.view.rows.iter().zip(self.view.fits).zip(&self.own).map(|((row, fit), own)| (row, fit, own))
+    }
+
+    /// The largest weight of all rows.
+    pub(super) fn largest_weight(&self) -> T {
+        self.largest_weight
+    }
+
+    /// The solution without a mode; `None` where what is left does not determine it.
+    #[inline]
+    pub(super) fn without(&mut self, hypothesis: Hypothesis) -> Option<Solution<T>> {
+        let by_algebra = self.by_algebra(hypothesis);
+        if by_algebra.is_some() {
+            self.direct = None;
+            return by_algebra;
+        }
+        self.direct = direct::solve(self, hypothesis);
+        self.direct.as_ref().map(|(solution, _)| *solution)
+    }
+
+    /// The solution without a mode; `None` where too many digits would be lost.
+    #[inline]
+    fn by_algebra(&mut self, hypothesis: Hypothesis) -> Option<Solution<T>> {
+        let [first, second, third] = hypothesis.slots();
+        if self.at.constellations != hypothesis.constellations {
+            self.enter(hypothesis.constellations);
+        }
+        let [at_first, at_second, _] = self.at.slots();
+        self.at = hypothesis;
+        if !self.is_sound {
+            return None;
+        }
+        if first >= ROWS {
+            return Some(self.kernel.solution);
+        }
+        if at_first != first {
+            self.first = self.leave_out_first(first);
+            self.second = None;
+        }
+        let taken = self.first.as_ref()?;
+        if second >= ROWS {
+            return Some(taken.solution);
+        }
+        if third >= ROWS {
+            // Another pair than the one that was kept for its triples.
+            self.second = None;
+            let taken = self.leave_out_second(second)?;
+            self.pair = Pair { column: taken.column, factor: taken.factor, spread: taken.point.spread };
+            return Some(taken.solution);
+        }
+        if at_first != first || at_second != second || self.second.is_none() {
+            self.second = self.keep_second(second);
+        }
+        self.leave_out_third(third)
+    }
+
+    /// Goes to the kernel without some constellations.
+    #[inline(never)]
+    fn enter(&mut self, constellations: u8) {
+        self.at = Hypothesis::of_constellations(constellations);
+        self.first = None;
+        self.second = None;
+        if constellations == 0 {
+            self.is_sound = true;
+            self.kernel = Kernel::whole(&self.view);
+            self.kernel.dispersion = self.total_dispersion;
+            self.kernel.complete(&self.groups);
+            return;
+        }
+        self.is_sound = self.kernel_without(constellations).is_some();
+    }
+
+    fn kernel_without(&mut self, constellations: u8) -> Option<()> {
+        let mut normal = Matrix3::zeros();
+        let (mut kept, mut lost, mut pull) = (Matrix3::zeros(), Matrix3::zeros(), Vector3::zeros());
+        for (id, group) in self.groups.iter().enumerate() {
+            if id < Constellation::COUNT && constellations >> id & 1 != 0 {
+                lost += group.dispersion;
+                pull += group.pull;
+            } else {
+                normal += group.normal;
+                kept += group.dispersion;
+            }
+        }
+        let covariance = invert(&normal).ok()?;
+        // A trace that is not a number is below nothing.
+        if !(self.largest_weight * covariance.trace() * hardly_left() < T::one()) {
+            return None;
+        }
+        let whole = self.view.covariance;
+        let change = covariance - whole;
+        let kernel = &mut self.kernel;
+        kernel.solution = Solution {
+            variance: covariance.diagonal(),
+            separation: diagonal_of(&change, &kept) + diagonal_of(whole, &lost),
+            shift: -(covariance * pull),
+        };
+        (kernel.covariance, kernel.change, kernel.dispersion) = (covariance, change, kept);
+        kernel.complete(&self.groups);
+        Some(())
+    }
+    /// Weighted SSE of what is left without one row, or without one constellation.
+    pub(super) fn sse_without(&mut self, sse: T, hypothesis: Hypothesis) -> Option<T> {
+        if let Some(index) = hypothesis.rows().next() {
+            let point = self.point(index)?;
+            let is_tested = point.pivot * point.weight >= T::UNTESTABLE;
+            return is_tested.then(|| sse - point.residual * point.residual / point.pivot);
+        }
+        let shift = self.without(hypothesis)?.shift;
+        let rows = self.view.rows.iter().zip(self.view.fits);
+        let left = rows.filter(|(row, _)| hypothesis.constellations >> group_of(row) & 1 == 0);
+        Some(left.fold(T::zero(), |sum, (row, fit)| {
+            let residual = fit.residual - fit.centred.dot(&shift);
+            sum + row.weight * residual * residual
+        }))
+    }
+}

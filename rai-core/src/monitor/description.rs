@@ -1,0 +1,133 @@
+//! From a judged fix to a report: what is known about the position and its satellites, in plain numbers.
+
+use heapless::Vec;
+
+use crate::bounded::gather;
+use crate::epoch::Epoch;
+use crate::fix::Fix;
+use crate::frame::LocalFrame;
+use crate::integrity::residuals::baarda;
+use crate::integrity::{Judgement, Test};
+use crate::numeric::real::Real;
+use crate::report::{MAX_EXCLUDED, Report, Separation, Solution, Suspect, TestStatistic, Verdict};
+use crate::satellite::Constellation;
+use crate::snapshot::Snapshot;
+use crate::weighting::adaptation::Residuals;
+
+/// The residuals of the satellites used, by the sigmas that they came with.
+pub(super) fn residuals<T: Real, const N: usize>(snapshot: &Snapshot<T, N>, epoch: &Epoch<N>) -> Residuals {
+    let takes_part = |weight: T| weight > T::zero();
+    let used = snapshot.rows().zip(epoch.observations()).filter(|((row, _), _)| takes_part(row.weight));
+    let sse = used.fold(0.0, |sum, ((_, fit), observation)| {
+        let residual = fit.residual.widen() / observation.sigma_m;
+        sum + residual * residual
+    });
+    let aiding = snapshot.rows().skip(epoch.observations().len());
+    let aided = aiding.filter(|(row, _)| takes_part(row.weight)).count();
+    Residuals { sse, dof: snapshot.dof().saturating_sub(aided) as u32 }
+}
+
+/// The excluded satellites with the biases that the final solution shows.
+///
+/// A left-out row's residual is that of a prediction: it is the bias. An aiding row that was left out names no
+/// satellite and is not listed.
+pub(super) fn suspects<T: Real, const N: usize>(
+    judgement: &Judgement<T>,
+    fix: &Fix<'_, T, N>,
+    epoch: &Epoch<N>,
+) -> Vec<Suspect, MAX_EXCLUDED> {
+    let listed = judgement.excluded.iter().filter_map(|excluded| {
+        let observation = epoch.observations().get(excluded.index)?;
+        let (row, fit) = fix.snapshot().row(excluded.index)?;
+        let predicted_m2 = fit.centred.dot(&fit.gain).widen();
+        Some(Suspect {
+            satellite: observation.satellite,
+            w_test: excluded.w_test.widen(),
+            bias_m: fit.residual.widen(),
+            bias_sigma_m: libm::sqrt(row.sigma.widen() * row.sigma.widen() + predicted_m2.max(0.0)),
+        })
+    });
+    gather(listed)
+}
+
+/// The report on a position: the verdict, and what is known about the satellites.
+#[inline(never)]
+pub(super) fn describe<T: Real, const N: usize>(
+    fix: &Fix<'_, T, N>,
+    epoch: &Epoch<N>,
+    verdict: Verdict,
+    judgement: &Judgement<T>,
+    excluded: Vec<Suspect, MAX_EXCLUDED>,
+    sigma_check: Option<f64>,
+) -> Report<N> {
+    let test = judgement.test.as_ref().ok();
+    let used = fix.snapshot().rows().zip(epoch.observations()).filter(|((row, _), _)| row.weight > T::zero());
+    let mut satellites = Vec::new();
+    let mut squares = T::zero();
+    for ((_, fit), observation) in used {
+        // Both hold N: never full here.
+        let _ = satellites.push(observation.satellite);
+        squares += fit.residual * fit.residual;
+    }
+    Report {
+        verdict,
+        solution: Some(solution(fix)),
+        test: test.map(|test| statistic(test, judgement.separation.as_ref())),
+        protection: judgement.levels(),
+        excluded,
+        suspect: test.and_then(|_| suspect(fix.snapshot(), epoch)),
+        residual_rms_m: libm::sqrt(squares.widen() / satellites.len().max(1) as f64),
+        used: satellites,
+        tracked: epoch.observations().len() as u8,
+        separation: judgement.separation,
+        sigma_check,
+    }
+}
+
+/// The global test, or the largest of the separation's tests, held against 1.
+fn statistic<T: Real>(test: &Test<T>, separation: Option<&Separation>) -> TestStatistic {
+    let global = test.detection.statistic();
+    match separation {
+        Some(separation) => TestStatistic { statistic: separation.ratio, threshold: 1.0, ..global },
+        None => global,
+    }
+}
+
+fn suspect<T: Real, const N: usize>(snapshot: &Snapshot<T, N>, epoch: &Epoch<N>) -> Option<Suspect> {
+    let (index, _, _) = baarda::worst_two(snapshot)?;
+    let observation = epoch.observations().get(index)?;
+    let (row, fit) = snapshot.row(index)?;
+    if fit.redundancy < T::UNTESTABLE {
+        return None;
+    }
+    Some(Suspect {
+        satellite: observation.satellite,
+        w_test: fit.w_test().widen(),
+        bias_m: (fit.residual / fit.redundancy).widen(),
+        bias_sigma_m: (row.sigma / fit.redundancy.sqrt()).widen(),
+    })
+}
+
+fn solution<T: Real, const N: usize>(fix: &Fix<'_, T, N>) -> Solution {
+    let snapshot = fix.snapshot();
+    let position = fix.position();
+    let covariance = snapshot.covariance();
+    let (hdop, vdop) = snapshot.dilutions();
+    let element =
+        |row: usize, column: usize| covariance.get((row, column)).map_or(0.0, |value| value.widen());
+    Solution {
+        position,
+        geodetic: LocalFrame::at(position).geodetic(),
+        covariance_m2: [
+            element(0, 0),
+            element(0, 1),
+            element(0, 2),
+            element(1, 1),
+            element(1, 2),
+            element(2, 2),
+        ],
+        clocks_m: Constellation::ALL.map(|constellation| snapshot.clock_m(constellation)),
+        hdop: hdop.widen(),
+        vdop: vdop.widen(),
+    }
+}

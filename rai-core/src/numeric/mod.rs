@@ -1,0 +1,8 @@
+//! Numbers: scalars, probabilities and distributions. Knows nothing of satellites.
+
+pub mod chi_square;
+pub mod normal;
+pub mod precision;
+pub mod probability;
+pub mod real;
+mod scalars;

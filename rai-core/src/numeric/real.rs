@@ -1,0 +1,43 @@
+//! The scalar of everything that is linearised: `f32` or `f64`.
+//!
+//! What is absolute (positions, ranges, times) is `f64` everywhere. What is a small difference, centred on its
+//! constellation's mean, is generic: the Cortex-M4F has `f32` in hardware and emulates `f64` at fifty times the
+//! cost. The constants say what "zero" means at each precision.
+
+use nalgebra::RealField;
+
+use super::precision::Precision;
+
+/// What of the normal distribution lies beyond a point `u`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tail<T> {
+    /// `Q(u)`.
+    pub probability: T,
+    /// `φ(u)`.
+    pub density: T,
+}
+
+/// A floating-point number that a snapshot can be solved in.
+pub trait Real: RealField + Copy {
+    /// Redundancy number below which a satellite counts as untestable, dimensionless.
+    const UNTESTABLE: Self;
+    /// Gain below which a bias counts as not moving the position, m per m.
+    const UNMOVED: Self;
+    /// Trace of `(HᵀH)⁻¹` (GDOP²) beyond which a geometry counts as singular, dimensionless.
+    ///
+    /// The smallest singular value of `H` is between `1/GDOP` and `√(3+C)/GDOP`.
+    const SINGULAR: Self;
+    /// Relative difference below which two test statistics count as equal.
+    const TIE: Self;
+    /// How far the sums of the χ² distributions are carried.
+    const CHI_SQUARE: Precision<Self>;
+
+    /// Rounds a double.
+    fn narrow(value: f64) -> Self;
+    /// Widens to a double, exactly.
+    fn widen(self) -> f64;
+    /// [`tail`](super::normal::tail) for `u ≥ 0`.
+    fn normal_tail(u: Self) -> Tail<Self>;
+    /// [`quantile`](super::normal::quantile) for `0 < p < 0.5`.
+    fn normal_quantile(p: Self) -> Self;
+}

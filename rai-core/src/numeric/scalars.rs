@@ -1,0 +1,49 @@
+//! Single and double precision as scalars of what is linearised.
+
+use super::normal;
+use super::precision::{DOUBLE, Precision, SINGLE};
+use super::real::{Real, Tail};
+
+impl Real for f64 {
+    const UNTESTABLE: Self = 1e-9;
+    const UNMOVED: Self = 1e-6;
+    const SINGULAR: Self = 1e12;
+    const TIE: Self = 1e-9;
+    const CHI_SQUARE: Precision<Self> = DOUBLE;
+
+    fn narrow(value: f64) -> Self {
+        value
+    }
+    fn widen(self) -> f64 {
+        self
+    }
+    fn normal_tail(u: Self) -> Tail<Self> {
+        normal::double_tail(u)
+    }
+    fn normal_quantile(p: Self) -> Self {
+        normal::double_quantile(p)
+    }
+}
+
+impl Real for f32 {
+    // Some hundred units in the last place of the sums over 40 satellites that these are compared with.
+    const UNTESTABLE: Self = 1e-5;
+    const UNMOVED: Self = 1e-4;
+    const SINGULAR: Self = 2e5;
+    // What a w-test is good to: two satellites alone with their clock have equal |w|, and 8e-5 was seen between them.
+    const TIE: Self = 1e-3;
+    const CHI_SQUARE: Precision<Self> = SINGLE;
+
+    fn narrow(value: f64) -> Self {
+        value as f32
+    }
+    fn widen(self) -> f64 {
+        f64::from(self)
+    }
+    fn normal_tail(u: Self) -> Tail<Self> {
+        normal::single_tail(u)
+    }
+    fn normal_quantile(p: Self) -> Self {
+        normal::single_quantile(p)
+    }
+}

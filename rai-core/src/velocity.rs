@@ -1,0 +1,150 @@
+//! Velocity from range rates, with a test and levels of its own.
+//!
+//! ```text
+//! y_i = −e_i · v + ḋ + ε_i            ε_i ~ N(0, σ_i²)
+//! ```
+//!
+//! | symbol | field | unit |
+//! |---|---|---|
+//! | `e_i` | [`RangeRate::line_of_sight`], receiver → satellite, east, north, up | – |
+//! | `y_i` | [`RangeRate::residual_m_s`], measured less what the satellite's motion and clock make of it | m/s |
+//! | `σ_i` | [`RangeRate::sigma_m_s`] | m/s |
+//! | `v` | [`Velocity::east_north_up_m_s`] | m/s |
+//! | `ḋ` | [`Velocity::drift_m_s`], drift of the receiver clock times the speed of light | m/s |
+//!
+//! It is the equation of the position with metres a second for metres, and is solved by the same [`Snapshot`]. One drift
+//! serves all systems, since their times drift against each other by millimetres a second: with `n` satellites
+//! `dof = n − 4`, more redundancy than the position has. The global test, the exclusion of up to three satellites and the
+//! levels are those of the position, with the same probabilities.
+//!
+//! A fault here is none of the position: a range can be false and its rate true. What is returned passed its own test.
+//!
+//! Assumes independent Gaussian errors. References: [Lin2016] §2.2 for the test, [`crate::integrity::residuals::levels`]
+//! for the levels.
+
+use core::fmt;
+
+use heapless::Vec;
+use nalgebra::Vector3;
+
+use crate::equations::LinearEpoch;
+use crate::integrity::residuals::baarda::exclude_sequentially;
+use crate::integrity::residuals::detection::detect;
+use crate::integrity::residuals::exclusion::{Outcome, separable};
+use crate::integrity::residuals::levels::{Exposure, Factors, Levels};
+use crate::integrity::residuals::threshold::Thresholds;
+use crate::numeric::real::Real;
+use crate::report::{MAX_EXCLUDED, ProtectionLevels, TestStatistic};
+use crate::satellite::{Constellation, SatelliteId};
+use crate::snapshot::Snapshot;
+
+/// Stands for the one drift of all systems among the clocks of a snapshot.
+const DRIFT: Constellation = Constellation::Gps;
+
+/// How fast a satellite's range grows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RangeRate {
+    /// Which satellite.
+    pub satellite: SatelliteId,
+    /// Unit vector receiver → satellite, east, north, up.
+    pub line_of_sight: Vector3<f64>,
+    /// Measured rate less that of a receiver at rest with a perfect clock, m/s.
+    pub residual_m_s: f64,
+    /// Standard deviation, m/s.
+    pub sigma_m_s: f64,
+}
+
+/// A velocity that passed its test.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Velocity {
+    /// East, north, up, m/s.
+    pub east_north_up_m_s: [f64; 3],
+    /// Covariance of east, north, up in this order: EE, EN, EU, NN, NU, UU, m²/s².
+    pub covariance_m2_s2: [f64; 6],
+    /// Drift of the receiver clock times the speed of light, m/s.
+    pub drift_m_s: f64,
+    /// The test that it passed.
+    pub test: TestStatistic,
+    /// What bounds its error, a fault of one range rate and the noise together: metres a second in the place of metres.
+    pub levels_m_s: ProtectionLevels,
+    /// Satellites whose rate was left out.
+    pub excluded: Vec<SatelliteId, MAX_EXCLUDED>,
+}
+
+/// Why there is no velocity.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum VelocityError {
+    /// Fewer than five usable rates: nothing to test with.
+    Redundancy,
+    /// The geometry is singular.
+    Geometry,
+    /// The rates contradict each other, and it cannot be told which is wrong.
+    Fault,
+}
+
+impl fmt::Display for VelocityError {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(match self {
+            Self::Redundancy => "too few range rates to test a velocity",
+            Self::Geometry => "geometry of the range rates singular",
+            Self::Fault => "range rates contradict each other",
+        })
+    }
+}
+
+impl core::error::Error for VelocityError {}
+
+/// The velocity that range rates agree on. A rate that is no number, or without a direction, is left aside.
+///
+/// # Errors
+/// [`VelocityError`]: there is none, or none that passes.
+pub fn estimate<T: Real, const N: usize>(
+    rates: impl IntoIterator<Item = RangeRate>,
+    thresholds: &Thresholds<'_>,
+    factors: &Factors,
+) -> Result<Velocity, VelocityError> {
+    let mut equations = LinearEpoch::<T, N>::new();
+    let mut satellites = Vec::<SatelliteId, N>::new();
+    for rate in rates {
+        let taken = equations.satellite(DRIFT, rate.line_of_sight, rate.residual_m_s, rate.sigma_m_s);
+        if taken.is_ok() {
+            // Both hold N.
+            let _ = satellites.push(rate.satellite);
+        }
+    }
+    let mut snapshot = Snapshot::solve(equations).map_err(|_| VelocityError::Geometry)?;
+    let mut excluded = Vec::new();
+    if detect(&snapshot, thresholds).ok_or(VelocityError::Redundancy)?.fault() {
+        let exclusion = exclude_sequentially(&mut snapshot, thresholds);
+        let is_isolated = matches!(exclusion.outcome, Outcome::Isolated | Outcome::Passed);
+        if !is_isolated || !separable(&mut snapshot, &exclusion, thresholds) {
+            return Err(VelocityError::Fault);
+        }
+        let named = exclusion.rows.iter().filter_map(|row| satellites.get(row.index));
+        // As many as can be left out.
+        named.for_each(|satellite| _ = excluded.push(*satellite));
+    }
+    let detection = detect(&snapshot, thresholds).ok_or(VelocityError::Redundancy)?;
+    if detection.fault() {
+        return Err(VelocityError::Fault);
+    }
+    let lambda = thresholds.lambda(snapshot.dof()).ok_or(VelocityError::Redundancy)?;
+    let covariance = snapshot.covariance();
+    let element = |row, column| covariance.get((row, column)).map_or(0.0, |value: &T| value.widen());
+    Ok(Velocity {
+        east_north_up_m_s: snapshot.correction().map(Real::widen).into(),
+        covariance_m2_s2: [
+            element(0, 0),
+            element(0, 1),
+            element(0, 2),
+            element(1, 1),
+            element(1, 2),
+            element(2, 2),
+        ],
+        drift_m_s: snapshot.clock_m(DRIFT).unwrap_or_default(),
+        test: detection.statistic(),
+        levels_m_s: Exposure::of(&snapshot, Levels::Bound, factors).protect(lambda),
+        excluded,
+    })
+}

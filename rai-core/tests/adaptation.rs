@@ -1,0 +1,84 @@
+//! Sigmas that learn from residuals: by what factor, when, and within which bounds.
+#![allow(clippy::unwrap_used, clippy::expect_used)]
+
+use rai_core::epoch::Observation;
+use rai_core::frame::Ecef;
+use rai_core::satellite::{Constellation, SatelliteId};
+use rai_core::weighting::adaptation::{Adaptation, LEAST_DOF, Residuals};
+
+/// One epoch a second with ten degrees of freedom, each with this SSE/dof.
+fn after(epochs: u32, factor: f64) -> Adaptation {
+    let mut adaptation = Adaptation::new();
+    for second in 0..epochs {
+        adaptation.learn(f64::from(second), Residuals { sse: 10.0 * factor, dof: 10 });
+    }
+    adaptation
+}
+
+#[test]
+fn nothing_is_scaled_before_600_degrees_of_freedom() {
+    let few = LEAST_DOF / 10 - 1;
+    assert_eq!(after(few, 0.25).scale(f64::from(few)).to_bits(), 1_f64.to_bits());
+    assert!(after(few + 1, 0.25).scale(f64::from(few + 1)) < 1.0);
+}
+
+#[test]
+fn scale_is_the_upper_bound_of_the_residuals() {
+    // χ² that 0.1 % are below, of 600 and of 6000 degrees of freedom: bisected on the series of the incomplete gamma function.
+    for (epochs, quantile) in [(60, 498.622_873_5), (600, 5_667.173_441)] {
+        let dof = f64::from(epochs) * 10.0;
+        let have = after(epochs, 0.5).scale(f64::from(epochs) - 1.0);
+        let want = (0.5 * dof / quantile).sqrt();
+        assert!((have / want - 1.0).abs() < 1e-4, "{epochs} epochs: have {have}, want {want}");
+    }
+}
+
+#[test]
+fn scale_stays_between_a_half_and_three() {
+    for (factor, want) in [(0.01, 0.5), (100.0, 3.0)] {
+        let have = after(100, factor).scale(99.0);
+        assert!((have - want).abs() < 1e-15, "have {have}, want {want}");
+    }
+}
+
+#[test]
+fn what_is_older_than_ten_minutes_is_forgotten() {
+    let mut adaptation = after(100, 4.0);
+    assert!(adaptation.scale(99.0) > 1.9);
+    assert_eq!(adaptation.scale(800.0).to_bits(), 1_f64.to_bits());
+    for second in 800..900 {
+        adaptation.learn(f64::from(second), Residuals { sse: 2.5, dof: 10 });
+    }
+    assert!(adaptation.scale(899.0) < 0.7, "{}", adaptation.scale(899.0));
+}
+
+#[test]
+fn time_that_goes_back_begins_anew_and_nonsense_is_not_learned() {
+    let mut adaptation = after(100, 0.25);
+    adaptation.learn(99.0, Residuals { sse: f64::NAN, dof: 10 });
+    adaptation.learn(f64::NAN, Residuals { sse: 1.0, dof: 10 });
+    assert!(adaptation.scale(99.0) < 1.0);
+    adaptation.learn(-1000.0, Residuals { sse: 1.0, dof: 10 });
+    assert_eq!(adaptation.scale(99.0).to_bits(), 1_f64.to_bits());
+}
+
+#[test]
+fn no_sigma_falls_below_that_of_the_broadcast_orbit() {
+    let observed = |constellation, sigma_m| Observation {
+        satellite: SatelliteId::new(constellation, 20).unwrap(),
+        position: Ecef::new(2.6e7, 0.0, 0.0),
+        range_m: 2.2e7,
+        sigma_m,
+    };
+    // 0.7 m for Galileo, 1.2 m for GPS (weighting); what was below already stays.
+    for (constellation, sigma_m, scale, want) in [
+        (Constellation::Galileo, 4.0, 0.5, 2.0),
+        (Constellation::Galileo, 1.0, 0.5, 0.7),
+        (Constellation::Gps, 1.5, 0.5, 1.2),
+        (Constellation::Gps, 1.0, 0.5, 1.0),
+        (Constellation::Gps, 1.0, 2.0, 2.0),
+    ] {
+        let have = Adaptation::sigma_m(scale, &observed(constellation, sigma_m));
+        assert!((have - want).abs() < 1e-6, "{constellation:?}: have {have}, want {want}");
+    }
+}

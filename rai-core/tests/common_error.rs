@@ -1,0 +1,102 @@
+//! An error that all ranges share: the levels grow by what it moves the position.
+#![allow(clippy::unwrap_used)]
+
+use rai_core::epoch::{Epoch, EpochError, Observation};
+use rai_core::frame::{Ecef, Enu, Geodetic, LocalFrame};
+use rai_core::monitor::Monitor;
+use rai_core::report::Report;
+use rai_core::requirements::Requirements;
+use rai_core::satellite::{Constellation, SatelliteId};
+
+const N: usize = 20;
+
+/// Azimuth and elevation in degrees: more satellites in the south than in the north.
+const SKY: [(f64, f64); 10] = [
+    (10.0, 75.0),
+    (80.0, 25.0),
+    (120.0, 12.0),
+    (150.0, 40.0),
+    (180.0, 15.0),
+    (200.0, 55.0),
+    (230.0, 20.0),
+    (280.0, 35.0),
+    (300.0, 11.0),
+    (350.0, 30.0),
+];
+
+fn receiver() -> Ecef {
+    Geodetic { latitude_rad: 0.5, longitude_rad: 1.0, height_m: 100.0 }.to_ecef()
+}
+
+/// A delay that grows towards the horizon, m.
+fn delay_m(elevation_deg: f64) -> f64 {
+    5.0 / (elevation_deg.to_radians().sin() + 0.3)
+}
+
+/// The sky, delayed by a multiple of the common error, and told of it or not.
+fn epoch(multiple: f64, is_told: bool) -> Epoch<N> {
+    let (receiver, mut epoch) = (receiver(), Epoch::new(0.0));
+    let frame = LocalFrame::at(receiver);
+    for (number, (azimuth_deg, elevation_deg)) in (1..).zip(SKY) {
+        let (azimuth, elevation) = (azimuth_deg.to_radians(), elevation_deg.to_radians());
+        let direction = Enu {
+            east: elevation.cos() * azimuth.sin(),
+            north: elevation.cos() * azimuth.cos(),
+            up: elevation.sin(),
+        };
+        let sight = frame.unrotate(direction);
+        let position = Ecef::new(
+            receiver.x_m + 2e7 * sight.x_m,
+            receiver.y_m + 2e7 * sight.y_m,
+            receiver.z_m + 2e7 * sight.z_m,
+        );
+        let rotation_m =
+            7.2921151467e-5 / 299_792_458.0 * (position.x_m * receiver.y_m - position.y_m * receiver.x_m);
+        let constellation = if number % 2 == 0 { Constellation::Gps } else { Constellation::Galileo };
+        let observation = Observation {
+            satellite: SatelliteId::new(constellation, number).unwrap(),
+            position,
+            range_m: 2e7 + rotation_m + multiple * delay_m(elevation_deg),
+            sigma_m: 3.0 + delay_m(elevation_deg),
+        };
+        let common_m = if is_told { delay_m(elevation_deg) as f32 } else { 0.0 };
+        epoch.push_sharing(observation, common_m).unwrap();
+    }
+    epoch
+}
+
+fn judged(epoch: &Epoch<N>) -> Report<N> {
+    let mut monitor = Monitor::<f64, N>::new(Requirements::non_precision_approach()).unwrap();
+    monitor.start_from(receiver());
+    monitor.process(epoch)
+}
+
+#[test]
+fn levels_grow_by_three_times_what_one_sigma_moves_the_position() {
+    let (silent, told) = (judged(&epoch(0.0, false)), judged(&epoch(0.0, true)));
+    let moved = judged(&epoch(1.0, false)).solution.unwrap().position - silent.solution.unwrap().position;
+    let moved = LocalFrame::at(receiver()).rotate(moved);
+    let (before, after) = (silent.protection.unwrap(), told.protection.unwrap());
+    let (horizontal_m, vertical_m) = (after.hpl_m - before.hpl_m, after.vpl_m - before.vpl_m);
+    // The position is found in two steps, each linearised: a millimetre.
+    assert!((horizontal_m - 3.0 * moved.horizontal()).abs() < 3e-3, "have {horizontal_m}, want {moved:?}");
+    assert!((vertical_m - 3.0 * moved.up.abs()).abs() < 3e-3, "have {vertical_m}, want {moved:?}");
+    assert!(vertical_m > 5.0, "it lifts: {vertical_m}");
+}
+
+#[test]
+fn a_shared_error_changes_neither_the_position_nor_the_test() {
+    let (silent, told) = (judged(&epoch(0.7, false)), judged(&epoch(0.7, true)));
+    assert_eq!(silent.solution, told.solution);
+    assert_eq!(silent.test, told.test);
+}
+
+#[test]
+fn a_shared_error_that_is_none_is_refused() {
+    let observation = *epoch(0.0, false).observations().first().unwrap();
+    for common_m in [-1.0, f32::NAN, f32::INFINITY] {
+        let mut epoch = Epoch::<N>::new(0.0);
+        assert_eq!(epoch.push_sharing(observation, common_m), Err(EpochError::Sigma));
+        assert!(epoch.observations().is_empty() && epoch.common_m().is_empty());
+    }
+}

@@ -1,0 +1,259 @@
+//! What is said of an epoch in the light of those before it: series of reports whose right ends follow from the rules.
+#![allow(clippy::unwrap_used, clippy::expect_used)]
+
+use heapless::Vec;
+use rai_core::continuity::{Continuity, ContinuityError, ContinuitySettings, Recovery};
+use rai_core::frame::Geodetic;
+use rai_core::report::{
+    Alert, Protected, ProtectionLevels, Report, Solution, TestStatistic, Unavailable, Verdict,
+};
+
+const OK: Verdict = Verdict::Protected(Protected::Ok);
+const EXCLUDED: Verdict = Verdict::Protected(Protected::Excluded);
+const FAULT: Verdict = Verdict::Alert(Alert::Fault);
+const JUMP: Verdict = Verdict::Alert(Alert::Jump);
+const RECOVERING: Verdict = Verdict::Unavailable(Unavailable::Recovering);
+const PLACE: Verdict = Verdict::Unavailable(Unavailable::Place);
+
+/// Metres of a degree of latitude at 45 degrees.
+const DEGREE_M: f64 = 111_132.0;
+
+/// One epoch: what it comes to by itself, where.
+#[derive(Clone, Copy)]
+struct Said {
+    verdict: Verdict,
+    north_m: f64,
+    height_m: f64,
+    dof: u8,
+    hpl_m: f64,
+}
+
+const HERE: Said = Said { verdict: OK, north_m: 0.0, height_m: 100.0, dof: 5, hpl_m: 20.0 };
+
+fn north(north_m: f64) -> Said {
+    Said { north_m, ..HERE }
+}
+
+fn verdict(verdict: Verdict) -> Said {
+    Said { verdict, ..HERE }
+}
+
+fn report(said: Said) -> Report<4> {
+    let latitude_rad = (45.0 + said.north_m / DEGREE_M).to_radians();
+    let geodetic = Geodetic { latitude_rad, longitude_rad: 0.1, height_m: said.height_m };
+    Report {
+        verdict: said.verdict,
+        solution: Some(Solution {
+            position: geodetic.to_ecef(),
+            geodetic,
+            covariance_m2: [1.0; 6],
+            clocks_m: [None; 4],
+            hdop: 1.0,
+            vdop: 1.0,
+        }),
+        test: Some(TestStatistic { statistic: 1.0, threshold: 2.0, dof: said.dof }),
+        protection: Some(ProtectionLevels { hpl_m: said.hpl_m, vpl_m: 30.0 }),
+        excluded: Vec::new(),
+        suspect: None,
+        used: Vec::new(),
+        residual_rms_m: 1.0,
+        tracked: 4,
+        separation: None,
+        sigma_check: None,
+    }
+}
+
+/// What is said in the end of epochs at these times.
+fn series(epochs: &[(f64, Said)]) -> std::vec::Vec<Verdict> {
+    let mut continuity = Continuity::new();
+    let settings = ContinuitySettings::anywhere();
+    epochs
+        .iter()
+        .map(|(time_s, said)| continuity.conclude(&settings, *time_s, None, &report(*said)))
+        .collect()
+}
+
+fn last(epochs: &[(f64, Said)]) -> Verdict {
+    *series(epochs).last().unwrap()
+}
+
+#[test]
+fn promise_returns_after_three_epochs_and_three_seconds() {
+    let epochs = [(0.0, HERE), (1.0, verdict(FAULT)), (2.0, HERE), (3.0, HERE), (4.0, HERE), (5.0, HERE)];
+    assert_eq!(series(&epochs), [OK, FAULT, RECOVERING, RECOVERING, RECOVERING, OK]);
+    let slow = [(0.0, HERE), (30.0, verdict(FAULT)), (60.0, HERE), (90.0, HERE), (120.0, HERE)];
+    assert_eq!(series(&slow), [OK, FAULT, RECOVERING, RECOVERING, OK]);
+}
+
+#[test]
+fn single_agreements_among_alerts_promise_nothing() {
+    let epochs: std::vec::Vec<(f64, Said)> = (0..300)
+        .map(|second| (f64::from(second), if second % 3 == 0 { verdict(FAULT) } else { HERE }))
+        .collect();
+    assert!(series(&epochs).iter().all(|verdict| *verdict == FAULT || *verdict == RECOVERING));
+}
+
+#[test]
+fn agreement_at_places_that_are_out_of_reach_of_each_other_is_none() {
+    let scattered: std::vec::Vec<(f64, Said)> = (0..20)
+        .map(|second| {
+            (
+                f64::from(second),
+                if second == 0 { verdict(FAULT) } else { north(f64::from(second * 3000 % 7000)) },
+            )
+        })
+        .collect();
+    assert!(!series(&scattered).contains(&OK));
+}
+
+#[test]
+fn one_degree_of_freedom_has_to_agree_ten_times() {
+    let weak = Said { dof: 1, ..HERE };
+    let mut epochs = vec![(0.0, verdict(FAULT))];
+    epochs.extend((1..=10).map(|second| (f64::from(second), weak)));
+    assert_eq!(last(&epochs), RECOVERING, "ten epochs, nine seconds");
+    epochs.push((11.0, weak));
+    assert_eq!(last(&epochs), OK);
+    let strong_in_between = [(0.0, verdict(FAULT)), (1.0, weak), (2.0, HERE), (3.0, HERE), (4.0, HERE)];
+    assert_eq!(last(&strong_in_between), RECOVERING);
+}
+
+#[test]
+fn one_degree_of_freedom_alone_is_no_first_promise_but_goes_on_with_one() {
+    let weak = Said { dof: 1, ..HERE };
+    assert_eq!(last(&[(0.0, weak)]), RECOVERING);
+    assert_eq!(last(&[(0.0, HERE), (1.0, weak)]), OK);
+}
+
+#[test]
+fn exclusion_that_leaves_one_degree_of_freedom_is_no_recovery() {
+    let reduced = Said { verdict: EXCLUDED, dof: 1, ..HERE };
+    let mut epochs = vec![(0.0, verdict(FAULT))];
+    epochs.extend((1..=60).map(|second| (f64::from(second), reduced)));
+    assert!(!series(&epochs).contains(&EXCLUDED));
+    let redundant = Said { verdict: EXCLUDED, ..HERE };
+    let mut epochs = vec![(0.0, verdict(FAULT))];
+    epochs.extend((1..=4).map(|second| (f64::from(second), redundant)));
+    assert_eq!(last(&epochs), EXCLUDED);
+}
+
+#[test]
+fn levels_too_large_for_a_while_neither_help_nor_hurt() {
+    let wide = verdict(Verdict::Unavailable(Unavailable::Hpl));
+    let epochs = [(0.0, verdict(FAULT)), (1.0, HERE), (2.0, HERE), (3.0, wide), (4.0, HERE)];
+    assert_eq!(last(&epochs), OK);
+    let none = verdict(Verdict::Unavailable(Unavailable::Redundancy));
+    let epochs = [(0.0, verdict(FAULT)), (1.0, HERE), (2.0, HERE), (3.0, none), (4.0, HERE)];
+    assert_eq!(last(&epochs), RECOVERING);
+}
+
+#[test]
+fn position_farther_than_the_highest_speed_is_a_jump_until_time_has_made_it_reachable() {
+    // 515 m/s and two levels of 20 m: 555 m in a second.
+    assert_eq!(last(&[(0.0, HERE), (1.0, north(550.0))]), OK);
+    assert_eq!(last(&[(0.0, HERE), (1.0, north(560.0))]), JUMP);
+    // 400 km take 777 s.
+    let at = |seconds: f64| last(&[(0.0, HERE), (1.0, north(400e3)), (seconds, north(400e3))]);
+    assert_eq!(at(770.0), JUMP);
+    assert_eq!(at(780.0), RECOVERING);
+    let mut epochs = vec![(0.0, HERE), (1.0, north(400e3))];
+    epochs.extend((0..=3).map(|second| (780.0 + f64::from(second), north(400e3))));
+    assert_eq!(last(&epochs), OK);
+    // Back at the old place it is no jump, but an alert it was.
+    assert_eq!(last(&[(0.0, HERE), (1.0, north(400e3)), (2.0, HERE)]), RECOVERING);
+}
+
+#[test]
+fn leap_in_height_is_a_jump_too() {
+    // 515 m and two levels of 30 m.
+    assert_eq!(last(&[(0.0, HERE), (1.0, Said { height_m: 670.0, ..HERE })]), OK);
+    assert_eq!(last(&[(0.0, HERE), (1.0, Said { height_m: 680.0, ..HERE })]), JUMP);
+}
+
+#[test]
+fn host_that_says_forget_allows_any_place() {
+    let (mut continuity, settings) = (Continuity::new(), ContinuitySettings::anywhere());
+    let conclude = |continuity: &mut Continuity, time_s, said| {
+        continuity.conclude(&settings, time_s, None, &report(said))
+    };
+    assert_eq!(conclude(&mut continuity, 0.0, HERE), OK);
+    continuity.forget();
+    assert_eq!(conclude(&mut continuity, 1.0, north(400e3)), OK);
+    assert_eq!(conclude(&mut continuity, 2.0, HERE), JUMP);
+    continuity.forget();
+    assert_eq!(conclude(&mut continuity, 3.0, HERE), RECOVERING, "an alert is not forgotten with the place");
+}
+
+#[test]
+fn no_receiver_is_below_the_ground_or_among_the_satellites() {
+    for height_m in [-3e6, -501.0, 20_001.0, 2e7, f64::NAN] {
+        let epochs = [(0.0, Said { height_m, ..HERE })];
+        assert_eq!(last(&epochs), PLACE, "{height_m} m");
+    }
+    assert_eq!(last(&[(0.0, Said { height_m: -499.0, ..HERE })]), OK);
+}
+
+#[test]
+fn time_that_goes_back_makes_nothing_reachable() {
+    assert_eq!(last(&[(0.0, HERE), (1.0, HERE), (-3600.0, north(10e3))]), JUMP);
+    // As old as it was: nothing before, ten seconds after.
+    assert_eq!(last(&[(1000.0, HERE), (900.0, HERE), (910.0, north(5100.0))]), OK);
+    assert_eq!(last(&[(1000.0, HERE), (900.0, HERE), (910.0, north(5300.0))]), JUMP);
+}
+
+#[test]
+fn time_that_is_no_number_stands_still() {
+    for time_s in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        assert_eq!(last(&[(10.0, HERE), (time_s, north(1e6))]), JUMP, "{time_s}");
+        assert_eq!(last(&[(10.0, HERE), (time_s, HERE), (11.0, HERE)]), OK, "{time_s}");
+    }
+}
+
+#[test]
+fn clock_of_the_callers_own_bounds_what_a_leap_of_the_time_tag_makes_reachable() {
+    let (mut continuity, settings) = (Continuity::new(), ContinuitySettings::anywhere());
+    let mut conclude =
+        |time_s, own_s, said| continuity.conclude(&settings, time_s, Some(own_s), &report(said));
+    assert_eq!(conclude(0.0, 100.0, HERE), OK);
+    assert_eq!(conclude(3600.0, 101.0, north(400e3)), JUMP);
+    assert_eq!(conclude(3600.0 + 86_401.0, 102.0, north(400e3)), JUMP, "nor is the place forgotten");
+    assert_eq!(last(&[(0.0, HERE), (3600.0, north(400e3))]), OK, "without one it cannot be told");
+}
+
+#[test]
+fn place_is_forgotten_after_a_day_and_agreement_after_a_gap() {
+    let settings = ContinuitySettings { max_speed_m_s: 0.0, ..ContinuitySettings::anywhere() };
+    let judge = |time_s: f64| {
+        let mut continuity = Continuity::new();
+        let _ = continuity.conclude(&settings, 0.0, None, &report(HERE));
+        continuity.conclude(&settings, time_s, None, &report(north(1000.0)))
+    };
+    assert_eq!(judge(86_399.0), JUMP);
+    assert_eq!(judge(86_401.0), OK);
+    let epochs = [(0.0, verdict(FAULT)), (1.0, HERE), (100.0, HERE), (221.0, HERE), (222.0, HERE)];
+    assert_eq!(last(&epochs), RECOVERING);
+}
+
+#[test]
+fn protected_without_a_position_is_not_said() {
+    let mut nowhere = report(HERE);
+    nowhere.solution = None;
+    let said = Continuity::new().conclude(&ContinuitySettings::anywhere(), 0.0, None, &nowhere);
+    assert_eq!(said, Verdict::Unavailable(Unavailable::NoFix));
+}
+
+#[test]
+fn settings_are_checked_by_name() {
+    let start = ContinuitySettings::anywhere();
+    assert_eq!(start.validate(), Ok(start));
+    for max_speed_m_s in [-1.0, 1e6, f64::NAN] {
+        assert_eq!(ContinuitySettings { max_speed_m_s, ..start }.validate(), Err(ContinuityError::Speed));
+    }
+    for (min_height_m, max_height_m) in [(5.0, 5.0), (f64::NAN, 1.0), (0.0, f64::INFINITY), (9.0, 1.0)] {
+        let have = ContinuitySettings { min_height_m, max_height_m, ..start }.validate();
+        assert_eq!(have, Err(ContinuityError::Height));
+    }
+    for recovery in [Recovery { epochs: 0, seconds: 1.0 }, Recovery { epochs: 1, seconds: f64::NAN }] {
+        assert_eq!(ContinuitySettings { recovery, ..start }.validate(), Err(ContinuityError::Recovery));
+    }
+}

@@ -1,0 +1,141 @@
+//! Velocity from range rates: the truth it was made from, who is left out, and when there is none.
+#![allow(clippy::expect_used, clippy::indexing_slicing)]
+
+use nalgebra::Vector3;
+use rai_core::integrity::residuals::levels::Factors;
+use rai_core::integrity::residuals::threshold::Thresholds;
+use rai_core::numeric::probability::Probability;
+use rai_core::satellite::{Constellation, SatelliteId};
+use rai_core::velocity::{RangeRate, Velocity, VelocityError, estimate};
+
+/// Ten satellites all around: azimuth and elevation in degrees.
+const SKY: [(f64, f64); 10] = [
+    (10.0, 20.0),
+    (55.0, 65.0),
+    (80.0, 15.0),
+    (130.0, 35.0),
+    (165.0, 70.0),
+    (200.0, 25.0),
+    (235.0, 50.0),
+    (270.0, 12.0),
+    (310.0, 40.0),
+    (345.0, 80.0),
+];
+
+const VELOCITY: [f64; 3] = [12.5, -7.25, 0.5];
+const DRIFT: f64 = -143.0;
+const SIGMA: f64 = 0.05;
+
+fn thresholds() -> Thresholds<'static> {
+    let tail = |value| Probability::new(value).expect("a tail");
+    Thresholds::from_tables(tail(3.33e-7), tail(1e-3)).expect("in the tables")
+}
+
+fn factors() -> Factors {
+    let tail = |value| Probability::new(value).expect("a tail");
+    Factors::new(tail(1e-3), tail(1e-7))
+}
+
+fn direction(azimuth_deg: f64, elevation_deg: f64) -> Vector3<f64> {
+    let (azimuth, elevation) = (azimuth_deg.to_radians(), elevation_deg.to_radians());
+    Vector3::new(azimuth.sin() * elevation.cos(), azimuth.cos() * elevation.cos(), elevation.sin())
+}
+
+/// Rates of the satellites, with a noise that is small against sigma, and systems that take turns.
+fn rates(count: usize) -> Vec<RangeRate> {
+    let systems = [Constellation::Gps, Constellation::Galileo, Constellation::Beidou];
+    let noise = [0.3, -0.5, 0.1, 0.6, -0.2, -0.4, 0.5, 0.0, -0.6, 0.2];
+    (0..count)
+        .map(|index| {
+            let line_of_sight = direction(SKY[index].0, SKY[index].1);
+            let residual_m_s = DRIFT - line_of_sight.dot(&Vector3::from(VELOCITY)) + SIGMA * noise[index];
+            let satellite = SatelliteId::new(systems[index % 3], index as u8 + 1).expect("a number");
+            RangeRate { satellite, line_of_sight, residual_m_s, sigma_m_s: SIGMA }
+        })
+        .collect()
+}
+
+fn solve(rates: Vec<RangeRate>) -> Result<Velocity, VelocityError> {
+    estimate::<f32, 48>(rates, &thresholds(), &factors())
+}
+
+#[track_caller]
+fn assert_true(have: &Velocity) {
+    for (have, want) in have.east_north_up_m_s.iter().zip(VELOCITY) {
+        assert!((have - want).abs() < 0.1, "have {have}, want {want}");
+    }
+    assert!((have.drift_m_s - DRIFT).abs() < 0.1, "drift {}", have.drift_m_s);
+}
+
+#[test]
+fn the_velocity_behind_the_rates_is_found_with_one_drift_for_all_systems() {
+    let have = solve(rates(10)).expect("a velocity");
+    assert_true(&have);
+    assert_eq!((have.test.dof, have.excluded.len()), (6, 0), "ten rates less three components and one drift");
+}
+
+/// By the dense least squares of the textbook: `(HᵀWH)⁻¹HᵀWy` with four unknowns.
+#[test]
+fn it_is_the_least_squares_of_the_textbook() {
+    let rates = rates(9);
+    let mut normal = nalgebra::Matrix4::zeros();
+    let mut right = nalgebra::Vector4::zeros();
+    for rate in &rates {
+        let e = rate.line_of_sight;
+        let row = nalgebra::Vector4::new(-e.x, -e.y, -e.z, 1.0);
+        normal += row * row.transpose() / (rate.sigma_m_s * rate.sigma_m_s);
+        right += row * rate.residual_m_s / (rate.sigma_m_s * rate.sigma_m_s);
+    }
+    let covariance = normal.try_inverse().expect("regular");
+    let want = covariance * right;
+    let have = estimate::<f64, 48>(rates, &thresholds(), &factors()).expect("a velocity");
+    for (index, have) in have.east_north_up_m_s.iter().enumerate() {
+        assert!((have - want[index]).abs() < 1e-9, "have {have}, want {}", want[index]);
+    }
+    assert!((have.drift_m_s - want[3]).abs() < 1e-9);
+    let diagonal = [have.covariance_m2_s2[0], have.covariance_m2_s2[3], have.covariance_m2_s2[5]];
+    for (index, have) in diagonal.iter().enumerate() {
+        let want = covariance[(index, index)];
+        assert!((have / want - 1.0).abs() < 1e-9, "have {have}, want {want}");
+    }
+}
+
+#[test]
+fn a_fault_of_two_metres_a_second_is_found_whoever_has_it() {
+    for faulty in 0..10 {
+        let mut rates = rates(10);
+        rates[faulty].residual_m_s += 2.0;
+        let satellite = rates[faulty].satellite;
+        let have = solve(rates).expect("a velocity without it");
+        assert_eq!(have.excluded.as_slice(), [satellite]);
+        assert_true(&have);
+    }
+}
+
+/// With five satellites a fault shows, and cannot be told whose it is.
+#[test]
+fn what_cannot_be_isolated_gives_no_velocity() {
+    let mut rates = rates(5);
+    rates[2].residual_m_s += 5.0;
+    assert_eq!(solve(rates), Err(VelocityError::Fault));
+}
+
+#[test]
+fn four_rates_cannot_be_tested_and_three_determine_nothing() {
+    assert_eq!(solve(rates(4)), Err(VelocityError::Redundancy));
+    assert_eq!(solve(rates(3)), Err(VelocityError::Geometry));
+    assert_eq!(solve(Vec::new()), Err(VelocityError::Geometry));
+}
+
+#[test]
+fn what_is_no_number_is_left_aside() {
+    for poison in [f64::NAN, f64::INFINITY] {
+        let mut rates = rates(10);
+        rates[0].residual_m_s = poison;
+        rates[1].sigma_m_s = poison;
+        rates[2].line_of_sight.x = poison;
+        let have = solve(rates).expect("a velocity of the other seven");
+        assert_true(&have);
+        assert_eq!(have.test.dof, 3);
+    }
+}

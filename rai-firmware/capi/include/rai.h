@@ -1,0 +1,867 @@
+/* RAI: receiver autonomous integrity monitoring for microcontrollers. The C interface.
+ *
+ * Two levels, each with storage that the caller allocates: rai_monitor_* takes ranges and satellite positions and gives a
+ * verdict; rai_receiver_* takes the bytes of a GNSS receiver and gives sentences and a pin.
+ *
+ * An object lives in memory of the caller. The library allocates nothing, keeps no globals, calls nothing back and holds no
+ * pointer after a call has returned. Functions that can refuse return a status; a refused call has changed nothing. A struct
+ * begins with its size, set by the caller to sizeof. One object may be used by one thread at a time.
+ */
+
+#ifndef RAI_H
+#define RAI_H
+
+/* Made by `cargo xtask header` from rai-firmware/capi: do not edit. */
+
+#include <stddef.h>
+#include <stdint.h>
+/* A condition that must hold when this is compiled, whatever the standard. */
+#if defined(__cplusplus)
+#define RAI_ASSERT(condition, name) static_assert(condition, #name)
+#elif defined(__STDC_VERSION__) && __STDC_VERSION__ >= 201112L
+#define RAI_ASSERT(condition, name) _Static_assert(condition, #name)
+#else
+#define RAI_ASSERT(condition, name) typedef char rai_assert_##name[(condition) ? 1 : -1]
+#endif
+
+
+/**
+ * The version of this interface. It grows by one with every change that a program compiled against an older header would
+ * misunderstand: a field that moved, a size that grew, a constant that means something else.
+ */
+#define RAI_ABI_VERSION 1
+
+/**
+ * Most satellites in one epoch.
+ */
+#define RAI_MAX_SATELLITES 48
+
+/**
+ * Bytes of a monitor, on every processor at most.
+ */
+#define RAI_MONITOR_SIZE 12288
+
+/**
+ * The same in words of eight bytes.
+ */
+#define RAI_MONITOR_WORDS 1536
+
+/**
+ * Bytes of a receiver, on every processor at most.
+ */
+#define RAI_RECEIVER_SIZE 65536
+
+/**
+ * The same in words of eight bytes.
+ */
+#define RAI_RECEIVER_WORDS 8192
+
+/**
+ * En route: HAL 3,704 m.
+ */
+#define RAI_PHASE_ENROUTE 0
+
+/**
+ * Terminal area: HAL 1,852 m.
+ */
+#define RAI_PHASE_TERMINAL 1
+
+/**
+ * Non-precision approach: HAL 556 m.
+ */
+#define RAI_PHASE_NPA 2
+
+/**
+ * Localiser performance with vertical guidance: HAL 40 m, VAL 35 m.
+ */
+#define RAI_PHASE_LPV200 3
+
+/**
+ * The threshold of the global test follows from the probability of false alarm.
+ */
+#define RAI_POLICY_T1 0
+
+/**
+ * It follows from the probability of missed detection.
+ */
+#define RAI_POLICY_T2 1
+
+/**
+ * Least cost of both errors.
+ */
+#define RAI_POLICY_TOP 2
+
+/**
+ * Every group of satellites where their number allows, else the largest w-test.
+ */
+#define RAI_METHOD_AUTO 0
+
+/**
+ * The largest w-test, again and again.
+ */
+#define RAI_METHOD_BAARDA 1
+
+/**
+ * In parity space, all satellites at once.
+ */
+#define RAI_METHOD_SIMULTANEOUS 2
+
+/**
+ * In parity space, one satellite after the other.
+ */
+#define RAI_METHOD_SEQUENTIAL 3
+
+/**
+ * In parity space, first the one, then the other.
+ */
+#define RAI_METHOD_HYBRID 4
+
+/**
+ * In parity space, every group of satellites.
+ */
+#define RAI_METHOD_GROUPING 5
+
+/**
+ * By consensus of disjoint subsets.
+ */
+#define RAI_METHOD_RANSAC 6
+
+/**
+ * Protection levels bound the error of a position that is called good: fault and noise together.
+ */
+#define RAI_LEVELS_BOUND 0
+
+/**
+ * Protection levels are the mean error under the worst missed fault, as in the papers.
+ */
+#define RAI_LEVELS_SLOPE 1
+
+/**
+ * Nothing has been said yet. It counts as unavailable.
+ */
+#define RAI_STATE_NONE 0
+
+/**
+ * The position may be used: an undetected fault of one satellite stays within the alert limits.
+ */
+#define RAI_STATE_PROTECTED 1
+
+/**
+ * The position must not be used: something is wrong with it.
+ */
+#define RAI_STATE_ALERT 2
+
+/**
+ * Nothing can be promised: the means to tell are missing.
+ */
+#define RAI_STATE_UNAVAILABLE 3
+
+/**
+ * Nothing has been said yet.
+ */
+#define RAI_REASON_NONE 0
+
+/**
+ * Protected: all satellites agree.
+ */
+#define RAI_REASON_OK 1
+
+/**
+ * Protected: the satellites agree after the faulty ones were left out.
+ */
+#define RAI_REASON_EXCLUDED 2
+
+/**
+ * Alert: a fault was detected and could not be isolated.
+ */
+#define RAI_REASON_FAULT 32
+
+/**
+ * Alert: several exclusions explain the data.
+ */
+#define RAI_REASON_AMBIGUOUS 33
+
+/**
+ * Alert: no epoch came within the time to alert.
+ */
+#define RAI_REASON_STALE 34
+
+/**
+ * Alert: the position moved farther than it can.
+ */
+#define RAI_REASON_JUMP 35
+
+/**
+ * Alert: the receiver is sure that its signals are false.
+ */
+#define RAI_REASON_SPOOFED 36
+
+/**
+ * Unavailable: too few satellites for a position, or the fix did not converge.
+ */
+#define RAI_REASON_NOFIX 64
+
+/**
+ * Unavailable: no redundancy to test the position with.
+ */
+#define RAI_REASON_REDUNDANCY 65
+
+/**
+ * Unavailable: the geometry is singular, or leaves a satellite untested that moves the position.
+ */
+#define RAI_REASON_GEOMETRY 66
+
+/**
+ * Unavailable: no threshold meets all probabilities.
+ */
+#define RAI_REASON_RISK 67
+
+/**
+ * Unavailable: the horizontal protection level exceeds its share of the limit.
+ */
+#define RAI_REASON_HPL 68
+
+/**
+ * Unavailable: the vertical protection level exceeds its share of the limit.
+ */
+#define RAI_REASON_VPL 69
+
+/**
+ * Unavailable: the declared work budget cut the search.
+ */
+#define RAI_REASON_BUDGET 70
+
+/**
+ * Unavailable: the input was refused as a whole.
+ */
+#define RAI_REASON_INPUT 71
+
+/**
+ * Unavailable: the satellites agree again, and not for long enough.
+ */
+#define RAI_REASON_RECOVERING 72
+
+/**
+ * Unavailable: no receiver can be at this height or place.
+ */
+#define RAI_REASON_PLACE 73
+
+/**
+ * Unavailable: a known answer was missed.
+ */
+#define RAI_REASON_SELFTEST 74
+
+/**
+ * Unavailable: ranges came, orbits did not.
+ */
+#define RAI_REASON_EPHEMERIS 75
+
+/**
+ * Unavailable: nobody has confirmed the settings after an unexpected restart.
+ */
+#define RAI_REASON_SETTINGS 76
+
+/**
+ * Global Positioning System.
+ */
+#define RAI_SYSTEM_GPS 71
+
+/**
+ * `BeiDou`.
+ */
+#define RAI_SYSTEM_BEIDOU 67
+
+/**
+ * Galileo.
+ */
+#define RAI_SYSTEM_GALILEO 69
+
+/**
+ * GLONASS.
+ */
+#define RAI_SYSTEM_GLONASS 82
+
+/**
+ * Most satellites that are left out of one epoch.
+ */
+#define RAI_MAX_EXCLUDED 3
+
+/**
+ * What became of a call: `RAI_STATUS_OK`, or what was refused.
+ */
+typedef uint8_t rai_status_t;
+
+/**
+ * A monitor's memory. What is in it is the library's affair; all that counts is its size and that it is aligned.
+ */
+typedef struct {
+    /**
+     * Not for reading.
+     */
+    uint64_t opaque[RAI_MONITOR_WORDS];
+} rai_monitor_t;
+
+/**
+ * What is asked of a position, and how it is watched over. Fill it with `rai_settings_preset`, then change what is to differ.
+ */
+typedef struct {
+    /**
+     * `sizeof(rai_settings_t)`, set by the caller.
+     */
+    uint32_t size;
+    /**
+     * Threshold of the global test, `RAI_POLICY_…`.
+     */
+    uint8_t policy;
+    /**
+     * How faulty satellites are found, `RAI_METHOD_…`.
+     */
+    uint8_t method;
+    /**
+     * Not 0: a forecast of the receiver clock takes a row beside the satellites.
+     */
+    uint8_t clock_aid;
+    /**
+     * What a protection level bounds, `RAI_LEVELS_…`.
+     */
+    uint8_t levels;
+    /**
+     * Horizontal alert limit, m.
+     */
+    double hal_m;
+    /**
+     * Vertical alert limit, m; 0 where only the horizontal position matters.
+     */
+    double val_m;
+    /**
+     * Probability of a false alarm per epoch; one of the committed tables.
+     */
+    double false_alarm;
+    /**
+     * Probability that a fault which matters is missed; one of the committed tables.
+     */
+    double missed_detection;
+    /**
+     * Highest speed of the receiver, m/s: a position farther from the last one is an alert, `RAI_REASON_JUMP`.
+     */
+    double max_speed_m_s;
+    /**
+     * Least height above the ellipsoid, m.
+     */
+    double min_height_m;
+    /**
+     * Greatest height above the ellipsoid, m.
+     */
+    double max_height_m;
+    /**
+     * For how long satellites must agree after an alert, s.
+     */
+    double recovery_s;
+    /**
+     * For how many epochs they must.
+     */
+    uint16_t recovery_epochs;
+    /**
+     * For later use; 0.
+     */
+    uint8_t reserved[6];
+} rai_settings_t;
+
+/**
+ * One satellite's corrected range and where the satellite was when it sent the signal.
+ */
+typedef struct {
+    /**
+     * Satellite position in the earth-fixed frame at the instant of transmission, m.
+     */
+    double x_m;
+    /**
+     * The same.
+     */
+    double y_m;
+    /**
+     * The same.
+     */
+    double z_m;
+    /**
+     * Pseudorange corrected for satellite clock, relativity, group delay and atmosphere, m.
+     */
+    double range_m;
+    /**
+     * Standard deviation of `range_m`, m.
+     */
+    double sigma_m;
+    /**
+     * The satellite's system, a letter: `RAI_SYSTEM_…`.
+     */
+    uint8_t system;
+    /**
+     * Its number within the system, 1 to 99.
+     */
+    uint8_t number;
+    /**
+     * For later use; 0.
+     */
+    uint8_t reserved[6];
+} rai_range_t;
+
+/**
+ * A satellite that was left out.
+ */
+typedef struct {
+    /**
+     * Estimated bias of its range, m.
+     */
+    double bias_m;
+    /**
+     * Its w-test when it was suspected, in standard deviations.
+     */
+    double w_test;
+    /**
+     * Its system, a letter: `RAI_SYSTEM_…`.
+     */
+    uint8_t system;
+    /**
+     * Its number within the system.
+     */
+    uint8_t number;
+    /**
+     * For later use.
+     */
+    uint8_t reserved[6];
+} rai_excluded_t;
+
+/**
+ * What is said of one epoch. A number that is not defined is NaN.
+ */
+typedef struct {
+    /**
+     * `sizeof(rai_verdict_t)`, set by the caller.
+     */
+    uint32_t size;
+    /**
+     * May the position be used? `RAI_STATE_…`: only `RAI_STATE_PROTECTED` says yes.
+     */
+    uint8_t state;
+    /**
+     * Why (not), `RAI_REASON_…`.
+     */
+    uint8_t reason;
+    /**
+     * Satellites in the epoch.
+     */
+    uint8_t tracked;
+    /**
+     * Satellites in the position.
+     */
+    uint8_t used;
+    /**
+     * Degrees of freedom of the global test.
+     */
+    uint8_t dof;
+    /**
+     * How many elements of `excluded` are filled.
+     */
+    uint8_t excluded_count;
+    /**
+     * Ranges of the call that were refused, at most 255; the others were judged.
+     */
+    uint8_t refused_count;
+    /**
+     * Why the first of them was, a status.
+     */
+    uint8_t refused_status;
+    /**
+     * For later use.
+     */
+    uint8_t reserved[4];
+    /**
+     * `√(SSE/dof)`.
+     */
+    double statistic;
+    /**
+     * What it was held against.
+     */
+    double threshold;
+    /**
+     * Horizontal protection level, m.
+     */
+    double hpl_m;
+    /**
+     * Vertical protection level, m.
+     */
+    double vpl_m;
+    /**
+     * Earth-fixed position, m.
+     */
+    double x_m;
+    /**
+     * Earth-fixed position, m.
+     */
+    double y_m;
+    /**
+     * Earth-fixed position, m.
+     */
+    double z_m;
+    /**
+     * Geodetic latitude, rad, north positive.
+     */
+    double latitude_rad;
+    /**
+     * Longitude, rad, east positive.
+     */
+    double longitude_rad;
+    /**
+     * Height above the ellipsoid, m.
+     */
+    double height_m;
+    /**
+     * Satellites left out, in the order of exclusion.
+     */
+    rai_excluded_t excluded[RAI_MAX_EXCLUDED];
+} rai_verdict_t;
+
+/**
+ * A receiver's memory. What is in it is the library's affair; all that counts is its size and that it is aligned.
+ */
+typedef struct {
+    /**
+     * Not for reading.
+     */
+    uint64_t opaque[RAI_RECEIVER_WORDS];
+} rai_receiver_t;
+
+/**
+ * Where a call writes sentences: memory of the caller, and how much of it is used.
+ */
+typedef struct {
+    /**
+     * Room for sentences.
+     */
+    uint8_t *bytes;
+    /**
+     * How much room, bytes; 2,048 hold the sentences of any epoch.
+     */
+    size_t capacity;
+    /**
+     * How much of it is used. A call adds behind what is there; the caller sets it to 0 once it has sent the text on.
+     */
+    size_t length;
+    /**
+     * Sentences that found no room since the caller last set it to 0. A sentence is written whole or not at all.
+     */
+    size_t lost;
+} rai_text_t;
+
+/**
+ * Done.
+ */
+#define RAI_STATUS_OK 0
+
+/**
+ * A pointer is null that must not be.
+ */
+#define RAI_STATUS_NULL 1
+
+/**
+ * A pointer is not aligned for what it points to.
+ */
+#define RAI_STATUS_MISALIGNED 2
+
+/**
+ * The memory is shorter than the object.
+ */
+#define RAI_STATUS_SHORT 3
+
+/**
+ * The object has not been initialised, or by another version.
+ */
+#define RAI_STATUS_NOT_INITIALISED 4
+
+/**
+ * The size at the start of a struct is that of no version known here.
+ */
+#define RAI_STATUS_SIZE 5
+
+/**
+ * A time is not finite.
+ */
+#define RAI_STATUS_TIME 6
+
+/**
+ * A count or length is absurd.
+ */
+#define RAI_STATUS_COUNT 7
+
+/**
+ * No such phase of flight.
+ */
+#define RAI_STATUS_PHASE 16
+
+/**
+ * The horizontal alert limit is outside (0, 1e6] m.
+ */
+#define RAI_STATUS_HAL 17
+
+/**
+ * The vertical alert limit is outside (0, 1e6] m.
+ */
+#define RAI_STATUS_VAL 18
+
+/**
+ * The probability of false alarm is not in the committed tables.
+ */
+#define RAI_STATUS_FALSE_ALARM 19
+
+/**
+ * The probability of missed detection is not in the committed tables.
+ */
+#define RAI_STATUS_MISSED_DETECTION 20
+
+/**
+ * No such policy.
+ */
+#define RAI_STATUS_POLICY 21
+
+/**
+ * No such method.
+ */
+#define RAI_STATUS_METHOD 22
+
+/**
+ * No such kind of protection levels.
+ */
+#define RAI_STATUS_LEVELS 23
+
+/**
+ * A setting is out of its range.
+ */
+#define RAI_STATUS_SETTING 24
+
+/**
+ * The highest speed is outside [0, 1e5] m/s.
+ */
+#define RAI_STATUS_SPEED 25
+
+/**
+ * The heights are outside [−1.2e4, 1e8] m, or the least is not below the greatest.
+ */
+#define RAI_STATUS_HEIGHT 26
+
+/**
+ * The recovery is of no epoch, or outside [0, 3600] s.
+ */
+#define RAI_STATUS_RECOVERY 27
+
+/**
+ * No such satellite.
+ */
+#define RAI_STATUS_SATELLITE 32
+
+/**
+ * A range is not finite or beyond any receiver clock.
+ */
+#define RAI_STATUS_RANGE 33
+
+/**
+ * A satellite's position is not finite, inside the earth or beyond 100,000 km.
+ */
+#define RAI_STATUS_POSITION 34
+
+/**
+ * A standard deviation is not finite or outside 1 mm to 1,000 km.
+ */
+#define RAI_STATUS_SIGMA 35
+
+/**
+ * A satellite appears twice.
+ */
+#define RAI_STATUS_DUPLICATE 36
+
+/**
+ * More satellites than the library was built for.
+ */
+#define RAI_STATUS_FULL 37
+
+#ifdef __cplusplus
+extern "C" {
+#endif // __cplusplus
+
+/**
+ * The version of the interface that the library was compiled with; equal to `RAI_ABI_VERSION` of a matching header.
+ */
+uint32_t rai_abi_version(void);
+
+/**
+ * Makes a monitor that knows no position yet in memory of the caller.
+ *
+ * Refuses null and misaligned pointers, less than `rai_monitor_size()` bytes, and settings by what is wrong with them.
+ *
+ * # Safety
+ * `memory` is null or points to `length` bytes that nobody else uses during the call; `settings` is null or points to a struct
+ * of the size that it begins with.
+ */
+rai_status_t rai_monitor_init(rai_monitor_t *memory,
+                              size_t length,
+                              const rai_settings_t *settings);
+
+/**
+ * Replaces the settings; what is remembered stays. Refused settings change nothing.
+ *
+ * # Safety
+ * `monitor` is null or points to memory of that size with initialised contents, not used elsewhere during the call; `settings`
+ * is null or points to a struct of the size that it begins with.
+ */
+rai_status_t rai_monitor_configure(rai_monitor_t *monitor,
+                                   const rai_settings_t *settings);
+
+/**
+ * The last position counts for nothing: the next may be anywhere.
+ *
+ * # Safety
+ * `monitor` is null or points to memory of that size with initialised contents, not used elsewhere during the call.
+ */
+rai_status_t rai_monitor_forget(rai_monitor_t *monitor);
+
+/**
+ * Judges one epoch: `count` ranges of one instant.
+ *
+ * `time_s` counts seconds of any continuous time scale. A range that cannot be one is left out and counted in the verdict; the
+ * others are judged. The verdict is written whenever the status is `RAI_STATUS_OK`, and only then.
+ *
+ * # Safety
+ * `monitor` is null or points to memory of that size with initialised contents, not used elsewhere during the call; `ranges` is
+ * null or points to `count` ranges; `verdict` is null or points to a struct of the size that it begins with.
+ */
+rai_status_t rai_monitor_judge(rai_monitor_t *monitor,
+                               double time_s,
+                               const rai_range_t *ranges,
+                               size_t count,
+                               rai_verdict_t *verdict);
+
+/**
+ * Bytes that a monitor takes here; at most `RAI_MONITOR_SIZE`.
+ */
+size_t rai_monitor_size(void);
+
+/**
+ * The alignment that a monitor needs here, bytes.
+ */
+size_t rai_monitor_align(void);
+
+/**
+ * Makes a receiver that has heard nothing in memory of the caller, and says what runs and whether its arithmetic is right.
+ *
+ * # Safety
+ * `memory` is null or points to `length` bytes that nobody else uses during the call; `out` is null or points to a text whose
+ * `bytes` point to `capacity` bytes.
+ */
+rai_status_t rai_receiver_init(rai_receiver_t *memory,
+                               size_t length,
+                               rai_text_t *out);
+
+/**
+ * Takes bytes of the GNSS port that came at `now_ms`, milliseconds of any clock that does not go back.
+ *
+ * `judged`, where it is not null, becomes 1 if an epoch was judged during the call, else 0. Set the pin after each call.
+ *
+ * # Safety
+ * `receiver` is null or points to memory of that size with initialised contents, not used elsewhere during the call; `bytes` is
+ * null or points to `count` bytes; `out` as for `rai_receiver_init`; `judged` is null or points to a byte.
+ */
+rai_status_t rai_receiver_gnss(rai_receiver_t *receiver,
+                               const uint8_t *bytes,
+                               size_t count,
+                               uint64_t now_ms,
+                               rai_text_t *out,
+                               uint8_t *judged);
+
+/**
+ * Lets time pass: a silent line is noticed here. To be called at least ten times a second; set the pin after each call.
+ *
+ * # Safety
+ * As `rai_receiver_gnss`.
+ */
+rai_status_t rai_receiver_tick(rai_receiver_t *receiver,
+                               uint64_t now_ms,
+                               rai_text_t *out);
+
+/**
+ * Takes bytes of the host port: commands as sentences. Set the pin after each call.
+ *
+ * # Safety
+ * As `rai_receiver_gnss`.
+ */
+rai_status_t rai_receiver_command(rai_receiver_t *receiver,
+                                  const uint8_t *bytes,
+                                  size_t count,
+                                  rai_text_t *out);
+
+/**
+ * The level of the integrity pin: 1 while the position of the last epoch may be used; 0 in every other case, bad handles
+ * included.
+ *
+ * # Safety
+ * `receiver` is null or points to memory of that size with initialised contents, not used elsewhere during the call.
+ */
+uint8_t rai_receiver_pin(const rai_receiver_t *receiver);
+
+/**
+ * Whether the host has asked for a restart by command: 1 if so. The caller then makes the receiver anew.
+ *
+ * # Safety
+ * As `rai_receiver_pin`.
+ */
+uint8_t rai_receiver_reset_requested(const rai_receiver_t *receiver);
+
+/**
+ * What was said last: state in the low byte (`RAI_STATE_…`), reason in the next (`RAI_REASON_…`).
+ *
+ * # Safety
+ * As `rai_receiver_pin`.
+ */
+uint8_t rai_receiver_state(const rai_receiver_t *receiver, uint8_t *reason);
+
+/**
+ * Bytes that a receiver takes here; at most `RAI_RECEIVER_SIZE`.
+ */
+size_t rai_receiver_size(void);
+
+/**
+ * The alignment that a receiver needs here, bytes.
+ */
+size_t rai_receiver_align(void);
+
+/**
+ * Fills settings with those of a phase of flight, `RAI_PHASE_…`, and the method that the module chooses at start.
+ *
+ * Refuses a null or misaligned pointer, an unknown `size` and an unknown phase.
+ *
+ * # Safety
+ * `settings` is null or points to a struct whose `size` says how much of it may be written.
+ */
+rai_status_t rai_settings_preset(rai_settings_t *settings,
+                                 uint8_t phase);
+
+/**
+ * A status in lower-case words, a string that lives as long as the program.
+ */
+const char *rai_status_text(rai_status_t status);
+
+/**
+ * A reason in the word that the sentences use, a string that lives as long as the program; `?` for an unknown one.
+ */
+const char *rai_reason_text(uint8_t reason);
+
+#ifdef __cplusplus
+}  // extern "C"
+#endif  // __cplusplus
+
+#endif  /* RAI_H */
+
+/* The layout that the library was compiled for: if one of these fails, the compiler lays structs out differently. */
+RAI_ASSERT(sizeof(rai_settings_t) == 80, rai_settings_t_has_another_layout);
+RAI_ASSERT(sizeof(rai_range_t) == 48, rai_range_t_has_another_layout);
+RAI_ASSERT(sizeof(rai_verdict_t) == 168, rai_verdict_t_has_another_layout);
+RAI_ASSERT(sizeof(rai_monitor_t) == RAI_MONITOR_SIZE, rai_monitor_t_has_another_layout);
+RAI_ASSERT(sizeof(rai_receiver_t) == RAI_RECEIVER_SIZE, rai_receiver_t_has_another_layout);

@@ -1,0 +1,180 @@
+//! From a caller's pointer to a reference, for the time of one call.
+//!
+//! What can be checked is checked here and nowhere else: null, alignment, length, and whether an object was made at all. An
+//! [`Object`] begins with a mark that only its making writes, last.
+
+use core::mem::MaybeUninit;
+
+use crate::RAI_ABI_VERSION;
+use crate::status::{
+    RAI_STATUS_MISALIGNED, RAI_STATUS_NOT_INITIALISED, RAI_STATUS_NULL, RAI_STATUS_SHORT, RAI_STATUS_SIZE,
+    rai_status_t,
+};
+
+/// Says that memory holds an object: "RAI", the kind, and the version of the interface.
+const fn mark(kind: u8) -> u64 {
+    0x5241_4900_0000_0000 | (kind as u64) << 32 | RAI_ABI_VERSION as u64
+}
+
+/// What a caller's memory holds once an object has been made there.
+#[repr(C)]
+pub(crate) struct Object<V, const KIND: u8> {
+    mark: u64,
+    value: V,
+}
+
+impl<V, const KIND: u8> Object<V, KIND> {
+    /// Room for an object in a caller's memory.
+    ///
+    /// # Safety
+    /// `memory` is null or points to `length` bytes that nobody else uses while the room is.
+    #[allow(unsafe_code)]
+    pub(crate) unsafe fn room<'a>(memory: *mut u8, length: usize) -> Result<Room<'a, V, KIND>, rai_status_t> {
+        let object = memory.cast::<MaybeUninit<Self>>();
+        if object.is_null() {
+            return Err(RAI_STATUS_NULL);
+        }
+        if !object.is_aligned() {
+            return Err(RAI_STATUS_MISALIGNED);
+        }
+        if length < size_of::<Self>() {
+            return Err(RAI_STATUS_SHORT);
+        }
+        // SAFETY: not null, aligned, long enough, for this call nobody else's, and not said to hold anything.
+        Ok(Room(unsafe { &mut *object }))
+    }
+
+    /// The object that a handle points to.
+    ///
+    /// # Safety
+    /// `handle` is null or points to memory in which [`Room::fill`] may have put an object, and which nobody else uses during
+    /// the call; where it made none, the first eight bytes are initialised.
+    #[allow(unsafe_code)]
+    pub(crate) unsafe fn at<'a>(handle: *mut u8) -> Result<&'a mut V, rai_status_t> {
+        let object = handle.cast::<Self>();
+        if object.is_null() {
+            return Err(RAI_STATUS_NULL);
+        }
+        if !object.is_aligned() {
+            return Err(RAI_STATUS_MISALIGNED);
+        }
+        // SAFETY: not null, aligned; the mark is the first field.
+        if unsafe { object.cast::<u64>().read() } != mark(KIND) {
+            return Err(RAI_STATUS_NOT_INITIALISED);
+        }
+        // SAFETY: the mark is written with the whole object, and its memory is only ours during the call.
+        Ok(unsafe { &mut (*object).value })
+    }
+}
+
+/// Memory of a caller that is about to hold an object.
+pub(crate) struct Room<'a, V, const KIND: u8>(&'a mut MaybeUninit<Object<V, KIND>>);
+
+impl<'a, V, const KIND: u8> Room<'a, V, KIND> {
+    /// Puts the object there.
+    pub(crate) fn fill(self, value: V) -> &'a mut V {
+        &mut self.0.write(Object { mark: mark(KIND), value }).value
+    }
+}
+
+/// A struct of the interface that begins with its size.
+///
+/// # Safety
+/// `repr(C)`, its first field is a `u32` with the size that the caller knows, and every pattern of bits is a value of it.
+#[allow(unsafe_code)]
+pub(crate) unsafe trait Versioned: Copy {
+    /// The size of its first version, below which there is none.
+    const FIRST_SIZE: usize;
+}
+
+/// Checks a pointer to a struct that begins with its size, and gives that size.
+///
+/// # Safety
+/// `pointer` is null or points to a struct whose first field is initialised.
+#[allow(unsafe_code)]
+unsafe fn size_at<S: Versioned>(pointer: *const S) -> Result<usize, rai_status_t> {
+    if pointer.is_null() {
+        return Err(RAI_STATUS_NULL);
+    }
+    if !pointer.is_aligned() {
+        return Err(RAI_STATUS_MISALIGNED);
+    }
+    // SAFETY: not null and aligned, and the first field is a `u32`.
+    let size = unsafe { pointer.cast::<u32>().read() } as usize;
+    if size < S::FIRST_SIZE { Err(RAI_STATUS_SIZE) } else { Ok(size) }
+}
+
+/// Takes a struct in; what the caller does not know of it keeps the value it has in `known`.
+///
+/// # Safety
+/// `pointer` is null or points to as many initialised bytes as the struct's first field says.
+#[allow(unsafe_code)]
+pub(crate) unsafe fn take<S: Versioned>(pointer: *const S, mut known: S) -> Result<S, rai_status_t> {
+    // SAFETY: as promised by the caller.
+    let size = unsafe { size_at(pointer) }?;
+    if size > size_of::<S>() {
+        // Settings of a later version would be ignored in silence.
+        return Err(RAI_STATUS_SIZE);
+    }
+    // SAFETY: both are at least `size` bytes long and do not overlap; every pattern of bits is a value.
+    unsafe { core::ptr::copy_nonoverlapping(pointer.cast::<u8>(), (&raw mut known).cast::<u8>(), size) };
+    Ok(known)
+}
+
+/// Gives a struct out, as much of it as the caller knows; its size stays what the caller wrote.
+///
+/// # Safety
+/// `pointer` is null or points to a struct whose first field is initialised and says how many bytes may be written.
+#[allow(unsafe_code)]
+pub(crate) unsafe fn give<S: Versioned>(pointer: *mut S, value: &S) -> Result<(), rai_status_t> {
+    // SAFETY: as promised by the caller.
+    let size = unsafe { size_at(pointer) }?;
+    let skip = size_of::<u32>();
+    let length = size.min(size_of::<S>()) - skip;
+    // SAFETY: behind the size both have `length` bytes, and do not overlap.
+    unsafe {
+        core::ptr::copy_nonoverlapping(
+            core::ptr::from_ref(value).cast::<u8>().add(skip),
+            pointer.cast::<u8>().add(skip),
+            length,
+        );
+    }
+    Ok(())
+}
+
+/// Checks, before any work, that a struct can be given out later.
+///
+/// # Safety
+/// As [`give`].
+#[allow(unsafe_code)]
+pub(crate) unsafe fn can_give<S: Versioned>(pointer: *mut S) -> Result<(), rai_status_t> {
+    // SAFETY: as promised by the caller.
+    unsafe { size_at(pointer.cast_const()) }.map(drop)
+}
+
+/// A caller's array; null is allowed where it has no elements.
+///
+/// # Safety
+/// `pointer` is null or points to `count` initialised elements that nobody writes to during the call.
+#[allow(unsafe_code)]
+pub(crate) unsafe fn slice<'a, E>(pointer: *const E, count: usize) -> Result<&'a [E], rai_status_t> {
+    if count == 0 {
+        return Ok(&[]);
+    }
+    if pointer.is_null() {
+        return Err(RAI_STATUS_NULL);
+    }
+    if !pointer.is_aligned() {
+        return Err(RAI_STATUS_MISALIGNED);
+    }
+    if count > isize::MAX as usize / size_of::<E>().max(1) {
+        return Err(crate::status::RAI_STATUS_COUNT);
+    }
+    // SAFETY: not null, aligned, no longer than memory can be, and initialised as promised by the caller.
+    Ok(unsafe { core::slice::from_raw_parts(pointer, count) })
+}
+
+/// `Ok` as a status.
+pub(crate) fn status_of(result: Result<(), rai_status_t>) -> rai_status_t {
+    result.err().unwrap_or(crate::status::RAI_STATUS_OK)
+}

@@ -1,0 +1,214 @@
+//! What is asked of a position, and how it is watched over.
+
+use rai_core::continuity::{ContinuityError, ContinuitySettings, Recovery};
+use rai_core::integrity::Method;
+use rai_core::integrity::residuals::levels::Levels;
+use rai_core::integrity::residuals::parity::Isolation;
+use rai_core::integrity::residuals::threshold::ThresholdError;
+use rai_core::integrity::residuals::threshold::policy::Policy;
+use rai_core::monitor::{MonitorError, Strategy};
+use rai_core::numeric::probability::Probability;
+use rai_core::requirements::{Requirements, RequirementsError};
+
+use crate::pointer::{Versioned, give, status_of};
+#[allow(clippy::wildcard_imports)] // The statuses are all of the module.
+use crate::status::*;
+
+/// En route: HAL 3,704 m.
+pub const RAI_PHASE_ENROUTE: u8 = 0;
+/// Terminal area: HAL 1,852 m.
+pub const RAI_PHASE_TERMINAL: u8 = 1;
+/// Non-precision approach: HAL 556 m.
+pub const RAI_PHASE_NPA: u8 = 2;
+/// Localiser performance with vertical guidance: HAL 40 m, VAL 35 m.
+pub const RAI_PHASE_LPV200: u8 = 3;
+
+/// The threshold of the global test follows from the probability of false alarm.
+pub const RAI_POLICY_T1: u8 = 0;
+/// It follows from the probability of missed detection.
+pub const RAI_POLICY_T2: u8 = 1;
+/// Least cost of both errors.
+pub const RAI_POLICY_TOP: u8 = 2;
+
+/// Every group of satellites where their number allows, else the largest w-test.
+pub const RAI_METHOD_AUTO: u8 = 0;
+/// The largest w-test, again and again.
+pub const RAI_METHOD_BAARDA: u8 = 1;
+/// In parity space, all satellites at once.
+pub const RAI_METHOD_SIMULTANEOUS: u8 = 2;
+/// In parity space, one satellite after the other.
+pub const RAI_METHOD_SEQUENTIAL: u8 = 3;
+/// In parity space, first the one, then the other.
+pub const RAI_METHOD_HYBRID: u8 = 4;
+/// In parity space, every group of satellites.
+pub const RAI_METHOD_GROUPING: u8 = 5;
+/// By consensus of disjoint subsets.
+pub const RAI_METHOD_RANSAC: u8 = 6;
+
+/// Protection levels bound the error of a position that is called good: fault and noise together.
+pub const RAI_LEVELS_BOUND: u8 = 0;
+/// Protection levels are the mean error under the worst missed fault, as in the papers.
+pub const RAI_LEVELS_SLOPE: u8 = 1;
+
+/// What is asked of a position, and how it is watched over. Fill it with `rai_settings_preset`, then change what is to differ.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct rai_settings_t {
+    /// `sizeof(rai_settings_t)`, set by the caller.
+    pub size: u32,
+    /// Threshold of the global test, `RAI_POLICY_…`.
+    pub policy: u8,
+    /// How faulty satellites are found, `RAI_METHOD_…`.
+    pub method: u8,
+    /// Not 0: a forecast of the receiver clock takes a row beside the satellites.
+    pub clock_aid: u8,
+    /// What a protection level bounds, `RAI_LEVELS_…`.
+    pub levels: u8,
+    /// Horizontal alert limit, m.
+    pub hal_m: f64,
+    /// Vertical alert limit, m; 0 where only the horizontal position matters.
+    pub val_m: f64,
+    /// Probability of a false alarm per epoch; one of the committed tables.
+    pub false_alarm: f64,
+    /// Probability that a fault which matters is missed; one of the committed tables.
+    pub missed_detection: f64,
+    /// Highest speed of the receiver, m/s: a position farther from the last one is an alert, `RAI_REASON_JUMP`.
+    pub max_speed_m_s: f64,
+    /// Least height above the ellipsoid, m.
+    pub min_height_m: f64,
+    /// Greatest height above the ellipsoid, m.
+    pub max_height_m: f64,
+    /// For how long satellites must agree after an alert, s.
+    pub recovery_s: f64,
+    /// For how many epochs they must.
+    pub recovery_epochs: u16,
+    /// For later use; 0.
+    pub reserved: [u8; 6],
+}
+
+#[allow(unsafe_code)]
+// SAFETY: `repr(C)`, its size first, and integers and doubles, of which every pattern of bits is a value.
+unsafe impl Versioned for rai_settings_t {
+    const FIRST_SIZE: usize = 80;
+}
+
+const _: () =
+    assert!(size_of::<rai_settings_t>() == 80, "a field came or moved: raise RAI_ABI_VERSION if it moved");
+
+/// Fills settings with those of a phase of flight, `RAI_PHASE_…`, and the method that the module chooses at start.
+///
+/// Refuses a null or misaligned pointer, an unknown `size` and an unknown phase.
+///
+/// # Safety
+/// `settings` is null or points to a struct whose `size` says how much of it may be written.
+#[allow(unsafe_code)]
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rai_settings_preset(settings: *mut rai_settings_t, phase: u8) -> rai_status_t {
+    let requirements = match phase {
+        RAI_PHASE_ENROUTE => Requirements::en_route(),
+        RAI_PHASE_TERMINAL => Requirements::terminal(),
+        RAI_PHASE_NPA => Requirements::non_precision_approach(),
+        RAI_PHASE_LPV200 => Requirements::lpv200(),
+        _ => return RAI_STATUS_PHASE,
+    };
+    // SAFETY: as promised by the caller.
+    status_of(unsafe { give(settings, &rai_settings_t::of(&requirements)) })
+}
+
+impl rai_settings_t {
+    /// The settings at start: what a struct of an earlier version says nothing of.
+    pub(crate) fn at_start() -> Self {
+        Self::of(&Requirements::non_precision_approach())
+    }
+
+    /// The settings at start, with these requirements.
+    pub(crate) fn of(requirements: &Requirements) -> Self {
+        let continuity = ContinuitySettings::anywhere();
+        Self {
+            size: size_of::<Self>() as u32,
+            policy: RAI_POLICY_T1,
+            method: RAI_METHOD_AUTO,
+            clock_aid: 0,
+            levels: RAI_LEVELS_BOUND,
+            hal_m: requirements.hal_m,
+            val_m: requirements.val_m.unwrap_or(0.0),
+            false_alarm: requirements.false_alarm.get(),
+            missed_detection: requirements.missed_detection.get(),
+            max_speed_m_s: continuity.max_speed_m_s,
+            min_height_m: continuity.min_height_m,
+            max_height_m: continuity.max_height_m,
+            recovery_s: continuity.recovery.seconds,
+            recovery_epochs: continuity.recovery.epochs,
+            reserved: [0; 6],
+        }
+    }
+
+    /// What the core requires.
+    pub(crate) fn requirements(&self) -> Result<Requirements, rai_status_t> {
+        let base = Requirements::non_precision_approach();
+        Ok(Requirements {
+            hal_m: self.hal_m,
+            val_m: (self.val_m != 0.0).then_some(self.val_m),
+            false_alarm: Probability::new(self.false_alarm).ok_or(RAI_STATUS_FALSE_ALARM)?,
+            missed_detection: Probability::new(self.missed_detection).ok_or(RAI_STATUS_MISSED_DETECTION)?,
+            ..base
+        })
+    }
+
+    /// What the receiver can do.
+    pub(crate) fn continuity(&self) -> Result<ContinuitySettings, rai_status_t> {
+        let recovery = Recovery { epochs: self.recovery_epochs, seconds: self.recovery_s };
+        let settings = ContinuitySettings {
+            max_speed_m_s: self.max_speed_m_s,
+            min_height_m: self.min_height_m,
+            max_height_m: self.max_height_m,
+            recovery,
+        };
+        settings.validate().map_err(|error| match error {
+            ContinuityError::Speed => RAI_STATUS_SPEED,
+            ContinuityError::Height => RAI_STATUS_HEIGHT,
+            ContinuityError::Recovery => RAI_STATUS_RECOVERY,
+        })
+    }
+
+    /// How the core watches.
+    pub(crate) fn strategy(&self) -> Result<Strategy, rai_status_t> {
+        Ok(Strategy {
+            policy: match self.policy {
+                RAI_POLICY_T1 => Policy::T1,
+                RAI_POLICY_T2 => Policy::T2,
+                RAI_POLICY_TOP => Policy::TOp,
+                _ => return Err(RAI_STATUS_POLICY),
+            },
+            method: match self.method {
+                RAI_METHOD_AUTO => Method::Auto,
+                RAI_METHOD_BAARDA => Method::Baarda,
+                RAI_METHOD_SIMULTANEOUS => Method::Parity(Isolation::Simultaneous),
+                RAI_METHOD_SEQUENTIAL => Method::Parity(Isolation::Sequential),
+                RAI_METHOD_HYBRID => Method::Parity(Isolation::Hybrid),
+                RAI_METHOD_GROUPING => Method::Parity(Isolation::Grouping),
+                RAI_METHOD_RANSAC => Method::Ransac,
+                _ => return Err(RAI_STATUS_METHOD),
+            },
+            levels: match self.levels {
+                RAI_LEVELS_BOUND => Levels::Bound,
+                RAI_LEVELS_SLOPE => Levels::Slope,
+                _ => return Err(RAI_STATUS_LEVELS),
+            },
+            clock_aid: self.clock_aid != 0,
+            // The settings of C have no word for it yet.
+            sigma_adapt: false,
+        })
+    }
+}
+
+/// What a core's refusal of the requirements is called here.
+pub(crate) fn refusal_of(error: MonitorError) -> rai_status_t {
+    match error {
+        MonitorError::Requirements(RequirementsError::HorizontalAlertLimit) => RAI_STATUS_HAL,
+        MonitorError::Requirements(RequirementsError::VerticalAlertLimit) => RAI_STATUS_VAL,
+        MonitorError::Requirements(_) => RAI_STATUS_SETTING,
+        MonitorError::Threshold(ThresholdError::FalseAlarm { .. }) => RAI_STATUS_FALSE_ALARM,
+        MonitorError::Threshold(ThresholdError::MissedDetection { .. }) => RAI_STATUS_MISSED_DETECTION,
+    }
+}

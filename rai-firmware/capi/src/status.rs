@@ -1,0 +1,125 @@
+//! What became of a call.
+
+use core::ffi::{CStr, c_char};
+
+use rai_core::epoch::EpochError;
+
+/// What became of a call: `RAI_STATUS_OK`, or what was refused.
+pub type rai_status_t = u8;
+
+/// Done.
+pub const RAI_STATUS_OK: rai_status_t = 0;
+/// A pointer is null that must not be.
+pub const RAI_STATUS_NULL: rai_status_t = 1;
+/// A pointer is not aligned for what it points to.
+pub const RAI_STATUS_MISALIGNED: rai_status_t = 2;
+/// The memory is shorter than the object.
+pub const RAI_STATUS_SHORT: rai_status_t = 3;
+/// The object has not been initialised, or by another version.
+pub const RAI_STATUS_NOT_INITIALISED: rai_status_t = 4;
+/// The size at the start of a struct is that of no version known here.
+pub const RAI_STATUS_SIZE: rai_status_t = 5;
+/// A time is not finite.
+pub const RAI_STATUS_TIME: rai_status_t = 6;
+/// A count or length is absurd.
+pub const RAI_STATUS_COUNT: rai_status_t = 7;
+/// No such phase of flight.
+pub const RAI_STATUS_PHASE: rai_status_t = 16;
+/// The horizontal alert limit is outside (0, 1e6] m.
+pub const RAI_STATUS_HAL: rai_status_t = 17;
+/// The vertical alert limit is outside (0, 1e6] m.
+pub const RAI_STATUS_VAL: rai_status_t = 18;
+/// The probability of false alarm is not in the committed tables.
+pub const RAI_STATUS_FALSE_ALARM: rai_status_t = 19;
+/// The probability of missed detection is not in the committed tables.
+pub const RAI_STATUS_MISSED_DETECTION: rai_status_t = 20;
+/// No such policy.
+pub const RAI_STATUS_POLICY: rai_status_t = 21;
+/// No such method.
+pub const RAI_STATUS_METHOD: rai_status_t = 22;
+/// No such kind of protection levels.
+pub const RAI_STATUS_LEVELS: rai_status_t = 23;
+/// A setting is out of its range.
+pub const RAI_STATUS_SETTING: rai_status_t = 24;
+/// The highest speed is outside [0, 1e5] m/s.
+pub const RAI_STATUS_SPEED: rai_status_t = 25;
+/// The heights are outside [−1.2e4, 1e8] m, or the least is not below the greatest.
+pub const RAI_STATUS_HEIGHT: rai_status_t = 26;
+/// The recovery is of no epoch, or outside [0, 3600] s.
+pub const RAI_STATUS_RECOVERY: rai_status_t = 27;
+/// No such satellite.
+pub const RAI_STATUS_SATELLITE: rai_status_t = 32;
+/// A range is not finite or beyond any receiver clock.
+pub const RAI_STATUS_RANGE: rai_status_t = 33;
+/// A satellite's position is not finite, inside the earth or beyond 100,000 km.
+pub const RAI_STATUS_POSITION: rai_status_t = 34;
+/// A standard deviation is not finite or outside 1 mm to 1,000 km.
+pub const RAI_STATUS_SIGMA: rai_status_t = 35;
+/// A satellite appears twice.
+pub const RAI_STATUS_DUPLICATE: rai_status_t = 36;
+/// More satellites than the library was built for.
+pub const RAI_STATUS_FULL: rai_status_t = 37;
+
+fn text(status: rai_status_t) -> &'static CStr {
+    match status {
+        RAI_STATUS_OK => c"done",
+        RAI_STATUS_NULL => c"null pointer",
+        RAI_STATUS_MISALIGNED => c"misaligned pointer",
+        RAI_STATUS_SHORT => c"memory too short for the object",
+        RAI_STATUS_NOT_INITIALISED => c"object not initialised",
+        RAI_STATUS_SIZE => c"unknown size at the start of a struct",
+        RAI_STATUS_TIME => c"time not finite",
+        RAI_STATUS_COUNT => c"count out of bounds",
+        RAI_STATUS_PHASE => c"unknown phase",
+        RAI_STATUS_HAL => c"horizontal alert limit outside (0, 1e6] m",
+        RAI_STATUS_VAL => c"vertical alert limit outside (0, 1e6] m",
+        RAI_STATUS_FALSE_ALARM => c"probability of false alarm not in the tables",
+        RAI_STATUS_MISSED_DETECTION => c"probability of missed detection not in the tables",
+        RAI_STATUS_POLICY => c"unknown policy",
+        RAI_STATUS_METHOD => c"unknown method",
+        RAI_STATUS_LEVELS => c"unknown kind of protection levels",
+        RAI_STATUS_SETTING => c"setting out of its range",
+        RAI_STATUS_SPEED => c"highest speed outside [0, 1e5] m/s",
+        RAI_STATUS_HEIGHT => c"heights outside [-1.2e4, 1e8] m, or the least not below the greatest",
+        RAI_STATUS_RECOVERY => c"recovery of no epoch, or outside [0, 3600] s",
+        RAI_STATUS_SATELLITE => c"no such satellite",
+        RAI_STATUS_RANGE => c"range not finite or out of bounds",
+        RAI_STATUS_POSITION => c"satellite position not finite or out of bounds",
+        RAI_STATUS_SIGMA => c"sigma not finite or out of bounds",
+        RAI_STATUS_DUPLICATE => c"satellite appears twice",
+        RAI_STATUS_FULL => c"more satellites than the library was built for",
+        _ => c"unknown status",
+    }
+}
+
+/// A status in lower-case words, a string that lives as long as the program.
+#[unsafe(no_mangle)]
+pub extern "C" fn rai_status_text(status: rai_status_t) -> *const c_char {
+    text(status).as_ptr()
+}
+
+/// What a core's refusal of one range is called here.
+pub(crate) fn of_refused_range(error: EpochError) -> rai_status_t {
+    match error {
+        EpochError::Range => RAI_STATUS_RANGE,
+        EpochError::Position => RAI_STATUS_POSITION,
+        EpochError::Sigma => RAI_STATUS_SIGMA,
+        EpochError::Duplicate => RAI_STATUS_DUPLICATE,
+        EpochError::Full => RAI_STATUS_FULL,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+
+    #[test]
+    fn every_status_has_words_of_its_own() {
+        let words: BTreeSet<_> = (0..=u8::MAX).map(text).collect();
+        let want = include_str!("status.rs").matches("\npub const RAI_STATUS_").count();
+        // One more for what is unknown.
+        assert_eq!(words.len(), want + 1);
+    }
+}

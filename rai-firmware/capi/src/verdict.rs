@@ -1,0 +1,304 @@
+//! What is said of an epoch: state, reason, position, levels, satellites left out.
+
+use core::ffi::{CStr, c_char};
+
+use rai_core::report::{Alert, MAX_EXCLUDED, Protected, Report, Suspect, Unavailable, Verdict};
+use rai_core::satellite::Constellation;
+
+use crate::pointer::Versioned;
+
+/// Nothing has been said yet. It counts as unavailable.
+pub const RAI_STATE_NONE: u8 = 0;
+/// The position may be used: an undetected fault of one satellite stays within the alert limits.
+pub const RAI_STATE_PROTECTED: u8 = 1;
+/// The position must not be used: something is wrong with it.
+pub const RAI_STATE_ALERT: u8 = 2;
+/// Nothing can be promised: the means to tell are missing.
+pub const RAI_STATE_UNAVAILABLE: u8 = 3;
+
+/// Nothing has been said yet.
+pub const RAI_REASON_NONE: u8 = 0;
+
+/// Protected: all satellites agree.
+pub const RAI_REASON_OK: u8 = 1;
+/// Protected: the satellites agree after the faulty ones were left out.
+pub const RAI_REASON_EXCLUDED: u8 = 2;
+/// Alert: a fault was detected and could not be isolated.
+pub const RAI_REASON_FAULT: u8 = 32;
+/// Alert: several exclusions explain the data.
+pub const RAI_REASON_AMBIGUOUS: u8 = 33;
+/// Alert: no epoch came within the time to alert.
+pub const RAI_REASON_STALE: u8 = 34;
+/// Alert: the position moved farther than it can.
+pub const RAI_REASON_JUMP: u8 = 35;
+/// Alert: the receiver is sure that its signals are false.
+pub const RAI_REASON_SPOOFED: u8 = 36;
+/// Unavailable: too few satellites for a position, or the fix did not converge.
+pub const RAI_REASON_NOFIX: u8 = 64;
+/// Unavailable: no redundancy to test the position with.
+pub const RAI_REASON_REDUNDANCY: u8 = 65;
+/// Unavailable: the geometry is singular, or leaves a satellite untested that moves the position.
+pub const RAI_REASON_GEOMETRY: u8 = 66;
+/// Unavailable: no threshold meets all probabilities.
+pub const RAI_REASON_RISK: u8 = 67;
+/// Unavailable: the horizontal protection level exceeds its share of the limit.
+pub const RAI_REASON_HPL: u8 = 68;
+/// Unavailable: the vertical protection level exceeds its share of the limit.
+pub const RAI_REASON_VPL: u8 = 69;
+/// Unavailable: the declared work budget cut the search.
+pub const RAI_REASON_BUDGET: u8 = 70;
+/// Unavailable: the input was refused as a whole.
+pub const RAI_REASON_INPUT: u8 = 71;
+/// Unavailable: the satellites agree again, and not for long enough.
+pub const RAI_REASON_RECOVERING: u8 = 72;
+/// Unavailable: no receiver can be at this height or place.
+pub const RAI_REASON_PLACE: u8 = 73;
+/// Unavailable: a known answer was missed.
+pub const RAI_REASON_SELFTEST: u8 = 74;
+/// Unavailable: ranges came, orbits did not.
+pub const RAI_REASON_EPHEMERIS: u8 = 75;
+/// Unavailable: nobody has confirmed the settings after an unexpected restart.
+pub const RAI_REASON_SETTINGS: u8 = 76;
+
+fn text(reason: u8) -> &'static CStr {
+    match reason {
+        RAI_REASON_OK => c"OK",
+        RAI_REASON_EXCLUDED => c"EXCLUDED",
+        RAI_REASON_FAULT => c"FAULT",
+        RAI_REASON_AMBIGUOUS => c"AMBIGUOUS",
+        RAI_REASON_STALE => c"STALE",
+        RAI_REASON_JUMP => c"JUMP",
+        RAI_REASON_SPOOFED => c"SPOOFED",
+        RAI_REASON_NOFIX => c"NOFIX",
+        RAI_REASON_REDUNDANCY => c"REDUNDANCY",
+        RAI_REASON_GEOMETRY => c"GEOMETRY",
+        RAI_REASON_RISK => c"RISK",
+        RAI_REASON_HPL => c"HPL",
+        RAI_REASON_VPL => c"VPL",
+        RAI_REASON_BUDGET => c"BUDGET",
+        RAI_REASON_INPUT => c"INPUT",
+        RAI_REASON_RECOVERING => c"RECOVERING",
+        RAI_REASON_PLACE => c"PLACE",
+        RAI_REASON_SELFTEST => c"SELFTEST",
+        RAI_REASON_EPHEMERIS => c"EPHEMERIS",
+        RAI_REASON_SETTINGS => c"SETTINGS",
+        _ => c"?",
+    }
+}
+
+/// The reason of a verdict, as a number.
+pub(crate) fn reason_of(verdict: Verdict) -> u8 {
+    match verdict {
+        Verdict::Protected(Protected::Ok) => RAI_REASON_OK,
+        Verdict::Protected(Protected::Excluded) => RAI_REASON_EXCLUDED,
+        Verdict::Alert(Alert::Fault) => RAI_REASON_FAULT,
+        Verdict::Alert(Alert::Ambiguous) => RAI_REASON_AMBIGUOUS,
+        Verdict::Alert(Alert::Stale) => RAI_REASON_STALE,
+        Verdict::Alert(Alert::Jump) => RAI_REASON_JUMP,
+        Verdict::Alert(Alert::Spoofed) => RAI_REASON_SPOOFED,
+        Verdict::Unavailable(Unavailable::NoFix) => RAI_REASON_NOFIX,
+        Verdict::Unavailable(Unavailable::Redundancy) => RAI_REASON_REDUNDANCY,
+        Verdict::Unavailable(Unavailable::Geometry) => RAI_REASON_GEOMETRY,
+        Verdict::Unavailable(Unavailable::Risk) => RAI_REASON_RISK,
+        Verdict::Unavailable(Unavailable::Hpl) => RAI_REASON_HPL,
+        Verdict::Unavailable(Unavailable::Vpl) => RAI_REASON_VPL,
+        Verdict::Unavailable(Unavailable::Budget) => RAI_REASON_BUDGET,
+        Verdict::Unavailable(Unavailable::Input) => RAI_REASON_INPUT,
+        Verdict::Unavailable(Unavailable::Recovering) => RAI_REASON_RECOVERING,
+        Verdict::Unavailable(Unavailable::Place) => RAI_REASON_PLACE,
+        Verdict::Unavailable(Unavailable::SelfTest) => RAI_REASON_SELFTEST,
+        Verdict::Unavailable(Unavailable::Ephemeris) => RAI_REASON_EPHEMERIS,
+        Verdict::Unavailable(Unavailable::Settings) => RAI_REASON_SETTINGS,
+    }
+}
+
+/// A reason in the word that the sentences use, a string that lives as long as the program; `?` for an unknown one.
+#[unsafe(no_mangle)]
+pub extern "C" fn rai_reason_text(reason: u8) -> *const c_char {
+    text(reason).as_ptr()
+}
+
+/// The state of a verdict, as a number.
+pub(crate) fn state_of(verdict: Verdict) -> u8 {
+    match verdict {
+        Verdict::Protected(_) => RAI_STATE_PROTECTED,
+        Verdict::Alert(_) => RAI_STATE_ALERT,
+        Verdict::Unavailable(_) => RAI_STATE_UNAVAILABLE,
+    }
+}
+
+/// Global Positioning System.
+pub const RAI_SYSTEM_GPS: u8 = b'G';
+/// `BeiDou`.
+pub const RAI_SYSTEM_BEIDOU: u8 = b'C';
+/// Galileo.
+pub const RAI_SYSTEM_GALILEO: u8 = b'E';
+/// GLONASS.
+pub const RAI_SYSTEM_GLONASS: u8 = b'R';
+
+/// Most satellites that are left out of one epoch.
+pub const RAI_MAX_EXCLUDED: usize = 3;
+
+const _: () = assert!(RAI_MAX_EXCLUDED == MAX_EXCLUDED);
+
+/// A satellite that was left out.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct rai_excluded_t {
+    /// Estimated bias of its range, m.
+    pub bias_m: f64,
+    /// Its w-test when it was suspected, in standard deviations.
+    pub w_test: f64,
+    /// Its system, a letter: `RAI_SYSTEM_…`.
+    pub system: u8,
+    /// Its number within the system.
+    pub number: u8,
+    /// For later use.
+    pub reserved: [u8; 6],
+}
+
+impl rai_excluded_t {
+    const NONE: Self = Self { bias_m: 0.0, w_test: 0.0, system: 0, number: 0, reserved: [0; 6] };
+
+    fn of(suspect: &Suspect) -> Self {
+        let satellite = suspect.satellite;
+        Self {
+            bias_m: suspect.bias_m,
+            w_test: suspect.w_test,
+            system: letter(satellite.constellation()),
+            number: satellite.number(),
+            reserved: [0; 6],
+        }
+    }
+}
+
+fn letter(constellation: Constellation) -> u8 {
+    // The letters are ASCII.
+    constellation.letter() as u8
+}
+
+/// What is said of one epoch. A number that is not defined is NaN.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct rai_verdict_t {
+    /// `sizeof(rai_verdict_t)`, set by the caller.
+    pub size: u32,
+    /// May the position be used? `RAI_STATE_…`: only `RAI_STATE_PROTECTED` says yes.
+    pub state: u8,
+    /// Why (not), `RAI_REASON_…`.
+    pub reason: u8,
+    /// Satellites in the epoch.
+    pub tracked: u8,
+    /// Satellites in the position.
+    pub used: u8,
+    /// Degrees of freedom of the global test.
+    pub dof: u8,
+    /// How many elements of `excluded` are filled.
+    pub excluded_count: u8,
+    /// Ranges of the call that were refused, at most 255; the others were judged.
+    pub refused_count: u8,
+    /// Why the first of them was, a status.
+    pub refused_status: u8,
+    /// For later use.
+    pub reserved: [u8; 4],
+    /// `√(SSE/dof)`.
+    pub statistic: f64,
+    /// What it was held against.
+    pub threshold: f64,
+    /// Horizontal protection level, m.
+    pub hpl_m: f64,
+    /// Vertical protection level, m.
+    pub vpl_m: f64,
+    /// Earth-fixed position, m.
+    pub x_m: f64,
+    /// Earth-fixed position, m.
+    pub y_m: f64,
+    /// Earth-fixed position, m.
+    pub z_m: f64,
+    /// Geodetic latitude, rad, north positive.
+    pub latitude_rad: f64,
+    /// Longitude, rad, east positive.
+    pub longitude_rad: f64,
+    /// Height above the ellipsoid, m.
+    pub height_m: f64,
+    /// Satellites left out, in the order of exclusion.
+    pub excluded: [rai_excluded_t; RAI_MAX_EXCLUDED],
+}
+
+#[allow(unsafe_code)]
+// SAFETY: `repr(C)`, its size first, and integers and doubles, of which every pattern of bits is a value.
+unsafe impl Versioned for rai_verdict_t {
+    const FIRST_SIZE: usize = 168;
+}
+
+const _: () =
+    assert!(size_of::<rai_verdict_t>() == 168, "a field came or moved: raise RAI_ABI_VERSION if it moved");
+
+impl rai_verdict_t {
+    /// A verdict without a position.
+    pub(crate) fn without_position(verdict: Verdict) -> Self {
+        Self {
+            size: size_of::<Self>() as u32,
+            state: state_of(verdict),
+            reason: reason_of(verdict),
+            tracked: 0,
+            used: 0,
+            dof: 0,
+            excluded_count: 0,
+            refused_count: 0,
+            refused_status: 0,
+            reserved: [0; 4],
+            statistic: f64::NAN,
+            threshold: f64::NAN,
+            hpl_m: f64::NAN,
+            vpl_m: f64::NAN,
+            x_m: f64::NAN,
+            y_m: f64::NAN,
+            z_m: f64::NAN,
+            latitude_rad: f64::NAN,
+            longitude_rad: f64::NAN,
+            height_m: f64::NAN,
+            excluded: [rai_excluded_t::NONE; RAI_MAX_EXCLUDED],
+        }
+    }
+
+    /// What a report says.
+    pub(crate) fn of<const N: usize>(report: &Report<N>) -> Self {
+        let mut verdict = Self::without_position(report.verdict);
+        verdict.tracked = report.tracked;
+        verdict.used = report.used.len().min(255) as u8;
+        verdict.excluded_count = report.excluded.len() as u8;
+        for (slot, suspect) in verdict.excluded.iter_mut().zip(&report.excluded) {
+            *slot = rai_excluded_t::of(suspect);
+        }
+        if let Some(test) = report.test {
+            (verdict.statistic, verdict.threshold, verdict.dof) = (test.statistic, test.threshold, test.dof);
+        }
+        if let Some(levels) = report.protection {
+            (verdict.hpl_m, verdict.vpl_m) = (levels.hpl_m, levels.vpl_m);
+        }
+        if let Some(solution) = &report.solution {
+            let (position, geodetic) = (solution.position, solution.geodetic);
+            (verdict.x_m, verdict.y_m, verdict.z_m) = (position.x_m, position.y_m, position.z_m);
+            (verdict.latitude_rad, verdict.longitude_rad) = (geodetic.latitude_rad, geodetic.longitude_rad);
+            verdict.height_m = geodetic.height_m;
+        }
+        verdict
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+
+    #[test]
+    fn every_reason_has_a_word_of_its_own() {
+        let words: BTreeSet<_> = (1..=u8::MAX).map(text).collect();
+        let want = include_str!("verdict.rs").matches("\npub const RAI_REASON_").count() - 1;
+        // One more for what is unknown, which `RAI_REASON_NONE` is too.
+        assert_eq!(words.len(), want + 1);
+        assert_eq!(text(RAI_REASON_NONE), c"?");
+    }
+}

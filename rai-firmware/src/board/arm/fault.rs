@@ -1,0 +1,66 @@
+//! What happens when the program fails: pin low, a record, a reset; and the record's reading at the next start.
+//!
+//! The handlers trust nothing but registers: no log, no lock, no stack frame that was not checked to lie in RAM.
+
+use core::mem::MaybeUninit;
+use core::panic::PanicInfo;
+use core::ptr;
+
+use cortex_m::peripheral::SCB;
+use cortex_m_rt::{ExceptionFrame, exception};
+use rai_firmware::board::reset::{Fault, Record, hash};
+
+use crate::chip::{RAM, drop_integrity_pin};
+
+/// Survives a reset: start-up neither clears nor fills this section.
+#[allow(unsafe_code)]
+#[unsafe(link_section = ".uninit.FAULT_RECORD")]
+static mut RECORD: MaybeUninit<Record> = MaybeUninit::uninit();
+
+/// Reads and clears the record of a fault, if there is one.
+pub fn take_record() -> Option<Fault> {
+    let fault = read().fault();
+    write(Record::EMPTY);
+    fault
+}
+
+/// Resets the module because the host asked for it.
+pub fn reset_on_request() -> ! {
+    drop_integrity_pin();
+    SCB::sys_reset()
+}
+
+/// Pin low, a record, a reset.
+pub fn give_up(fault: Fault) -> ! {
+    drop_integrity_pin();
+    write(Record::of(fault));
+    cortex_m::asm::dsb();
+    SCB::sys_reset()
+}
+
+#[allow(unsafe_code)]
+fn read() -> Record {
+    // SAFETY: a record is four integers, for which any bits are a value; at start-up nobody else runs.
+    unsafe { ptr::read_volatile(&raw const RECORD).assume_init() }
+}
+
+#[allow(unsafe_code)]
+fn write(record: Record) {
+    // SAFETY: written at start-up, before interrupts, or by a handler after which nothing runs.
+    unsafe { ptr::write_volatile(&raw mut RECORD, MaybeUninit::new(record)) }
+}
+
+#[panic_handler]
+fn panic(info: &PanicInfo<'_>) -> ! {
+    cortex_m::interrupt::disable();
+    let (file, line) = info.location().map_or((0, 0), |place| (hash(place.file()), place.line()));
+    give_up(Fault::Panic { file, line })
+}
+
+#[exception]
+#[allow(unsafe_code)]
+unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
+    let last = RAM.end - size_of::<ExceptionFrame>();
+    let trusted = (RAM.start..=last).contains(&(ptr::from_ref(frame) as usize));
+    give_up(Fault::Hard { address: if trusted { frame.pc() } else { 0 } })
+}

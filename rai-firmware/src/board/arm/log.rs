@@ -1,0 +1,138 @@
+//! The log: defmt frames to the log port and, for a debug probe, to RTT.
+//!
+//! A frame is gathered whole and then offered to both; where there is no room it is dropped. Logging therefore never
+//! waits, whether a cable or a probe is there or not. The host reads the frames with the table in the image.
+
+use core::cell::UnsafeCell;
+
+use critical_section::RestoreState;
+use rtt_target::{ChannelMode, UpChannel};
+
+use rai_firmware::board::Note;
+
+use super::{stack, time};
+use crate::chip::send_log;
+
+/// Longest frame; a longer one is dropped.
+const FRAME_BYTES: usize = 256;
+
+defmt::timestamp!("{=u64:us}", time::now_us());
+
+#[defmt::global_logger]
+struct Logger;
+
+struct State {
+    restore: RestoreState,
+    encoder: defmt::Encoder,
+    frame: heapless::Vec<u8, FRAME_BYTES>,
+    whole: bool,
+    probe: Option<UpChannel>,
+}
+
+struct Shared(UnsafeCell<State>);
+
+// SAFETY: the state is touched only between `acquire` and `release`, that is with interrupts held back on the one core,
+// and by `start`, which runs before the first log.
+#[allow(unsafe_code)]
+unsafe impl Sync for Shared {}
+
+static SHARED: Shared = Shared(UnsafeCell::new(State {
+    restore: RestoreState::invalid(),
+    encoder: defmt::Encoder::new(),
+    frame: heapless::Vec::new(),
+    whole: true,
+    probe: None,
+}));
+
+/// Opens the channel for a debug probe. To be called once, before the first log.
+#[allow(unsafe_code)]
+pub fn start() {
+    let channels = rtt_target::rtt_init! {
+        up: {
+            0: {
+                size: 1024,
+                mode: ChannelMode::NoBlockSkip,
+                name: "defmt"
+            }
+        }
+    };
+    critical_section::with(|_| {
+        // SAFETY: no log is under way inside a critical section that did not come from one.
+        unsafe { (*SHARED.0.get()).probe = Some(channels.up.0) };
+    });
+}
+
+/// Logs what the epoch loop notes; `rings` logs how full the board's rings have been.
+pub fn note(note: Note, rings: impl FnOnce()) {
+    match note {
+        Note::Judged(verdict, ticks) => {
+            defmt::info!("judged {}: pin {=u64} ticks after the last byte", verdict, ticks);
+        }
+        Note::Stale(verdict) => defmt::info!("judged {}: no byte came", verdict),
+        Note::Epoch(number, ticks) => defmt::info!("epoch {=u32} took {=u64} ticks", number, ticks),
+        Note::HighWater => {
+            defmt::info!("stack high water {=u32} bytes", stack::high_water_bytes());
+            rings();
+        }
+        Note::Lost(losses) => defmt::warn!("bytes lost since start: {}", losses),
+    }
+}
+
+impl State {
+    fn gather(frame: &mut heapless::Vec<u8, FRAME_BYTES>, whole: &mut bool, bytes: &[u8]) {
+        *whole &= frame.extend_from_slice(bytes).is_ok();
+    }
+
+    fn begin(&mut self) {
+        self.frame.clear();
+        self.whole = true;
+        self.encoder.start_frame(|bytes| Self::gather(&mut self.frame, &mut self.whole, bytes));
+    }
+
+    fn append(&mut self, bytes: &[u8]) {
+        self.encoder.write(bytes, |bytes| Self::gather(&mut self.frame, &mut self.whole, bytes));
+    }
+
+    fn finish(&mut self) {
+        self.encoder.end_frame(|bytes| Self::gather(&mut self.frame, &mut self.whole, bytes));
+        if !self.whole {
+            return;
+        }
+        send_log(&self.frame);
+        if let Some(probe) = &mut self.probe {
+            // A probe may have asked for blocking and then left: that must not stop the epoch loop.
+            probe.set_mode(ChannelMode::NoBlockSkip);
+            probe.write(&self.frame);
+        }
+    }
+}
+
+// SAFETY: `acquire` holds interrupts back until `release`; the core is single, so nothing else logs in between.
+#[allow(unsafe_code)]
+unsafe impl defmt::Logger for Logger {
+    fn acquire() {
+        // SAFETY: released in `release`, which defmt calls exactly once for each `acquire`.
+        let restore = unsafe { critical_section::acquire() };
+        // SAFETY: interrupts are held back.
+        let state = unsafe { &mut *SHARED.0.get() };
+        state.restore = restore;
+        state.begin();
+    }
+
+    unsafe fn flush() {
+        // The port's interrupt empties the ring; to wait for it here could last for ever with interrupts held back.
+    }
+
+    unsafe fn write(bytes: &[u8]) {
+        // SAFETY: between `acquire` and `release`.
+        unsafe { (*SHARED.0.get()).append(bytes) };
+    }
+
+    unsafe fn release() {
+        // SAFETY: between `acquire` and `release`.
+        let state = unsafe { &mut *SHARED.0.get() };
+        state.finish();
+        // SAFETY: paired with the `acquire` of `Logger::acquire`.
+        unsafe { critical_section::release(state.restore) };
+    }
+}

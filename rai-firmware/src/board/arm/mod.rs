@@ -1,0 +1,8 @@
+//! What all boards with a Cortex-M share: time, the guarded stack, faults, the log, memory over a restart.
+
+pub mod fault;
+pub mod log;
+pub mod sealed;
+pub mod stack;
+pub mod start;
+pub mod time;

@@ -1,0 +1,27 @@
+//! Memory that start-up neither clears nor fills.
+
+use cortex_m::interrupt;
+use rai_firmware::board::SEALED_BYTES;
+
+#[allow(unsafe_code)]
+#[unsafe(link_section = ".uninit.SEALED")]
+static mut SEALED: core::mem::MaybeUninit<[u8; SEALED_BYTES]> = core::mem::MaybeUninit::uninit();
+
+static mut IS_TAKEN: bool = false;
+
+/// The memory; `None` if it was taken before.
+#[allow(unsafe_code)]
+pub fn take() -> Option<&'static mut [u8; SEALED_BYTES]> {
+    interrupt::free(|_| {
+        // SAFETY: interrupts are held back and the core is single; handed out once, so the reference is the only one. Any
+        // bytes are a value; reading them volatile and writing them back makes them one for the compiler as well.
+        unsafe {
+            if core::mem::replace(&mut *(&raw mut IS_TAKEN), true) {
+                return None;
+            }
+            let bytes = (&raw mut SEALED).cast::<[u8; SEALED_BYTES]>();
+            bytes.write(bytes.read_volatile());
+            Some(&mut *bytes)
+        }
+    })
+}

@@ -1,0 +1,63 @@
+//! From a board that is up to the epoch loop, which never comes back.
+
+use core::fmt::Write as _;
+use core::mem::MaybeUninit;
+
+use rai_firmware::board::reset::{Fault, ResetCause, WORD_BYTES};
+use rai_firmware::board::{Board, SEALED_BYTES};
+use rai_firmware::config::{Configuration, Unsealed};
+use rai_firmware::epoch_loop::EpochLoop;
+use rai_firmware::receiver::{Boot, Receiver};
+
+use super::fault;
+
+/// Greets the host and goes round until it asks for a reset.
+pub fn run<B: Board>(board: &mut B, receiver: &'static mut MaybeUninit<Receiver<B::Pin>>, pin: B::Pin) -> ! {
+    let cause = board.reset_cause();
+    let (version, git) = (env!("CARGO_PKG_VERSION"), env!("RAI_GIT"));
+    defmt::info!("start: {=str} {=str}, reset cause {}", version, git, defmt::Display2Format(&cause));
+    if let ResetCause::Fault(Fault::Panic { file, line }) = cause {
+        defmt::error!("the program before panicked: file {=u32:08x}, line {=u32}", file, line);
+    }
+    board.feed_watchdog();
+    let Some(receiver) = settle(receiver, pin, boot(cause)) else { fault::reset_on_request() };
+    let after_power_on = is_after_power_on(cause, board.sealed());
+    receiver.restore(board.sealed(), after_power_on);
+    receiver.greet(board.host());
+    EpochLoop::new().run(board, receiver);
+    crate::chip::drain();
+    fault::reset_on_request()
+}
+
+/// Whether the settings at start are what is meant: the supply came up, or the chip does not say why it started and its
+/// memory has kept nothing.
+fn is_after_power_on(cause: ResetCause, memory: &[u8; SEALED_BYTES]) -> bool {
+    match cause {
+        ResetCause::PowerOn => true,
+        ResetCause::Unknown => Configuration::unseal(memory) == Unsealed::Nothing,
+        _ => false,
+    }
+}
+
+/// Makes the receiver in its place among the statics.
+///
+/// Not inlined, so that what it takes of the stack is gone before the first epoch needs the room.
+#[inline(never)]
+fn settle<P: embedded_hal::digital::OutputPin>(
+    place: &'static mut MaybeUninit<Receiver<P>>,
+    pin: P,
+    boot: Boot,
+) -> Option<&'static mut Receiver<P>> {
+    let Ok(receiver) = Receiver::new(pin, boot) else {
+        defmt::error!("the requirements at start are not in the threshold tables");
+        return None;
+    };
+    Some(place.write(receiver))
+}
+
+fn boot(cause: ResetCause) -> Boot {
+    let mut reset_cause = heapless::String::<WORD_BYTES>::new();
+    // Every cause fits: the module of the causes promises it, and its tests hold it to that.
+    let _ = write!(reset_cause, "{cause}");
+    Boot { git: env!("RAI_GIT"), reset_cause }
+}

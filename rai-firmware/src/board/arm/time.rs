@@ -1,0 +1,81 @@
+//! Time since start: milliseconds for the receiver, ticks of the core clock for the log.
+//!
+//! `SysTick` counts the core clock down from `f_core / 1000 − 1` and interrupts once per millisecond; the counter's
+//! position inside the millisecond refines it to one tick. The chip's cycle counter is left alone: not every core that
+//! claims one counts.
+
+use core::sync::atomic::{AtomicU32, Ordering};
+
+use cortex_m::peripheral::{SCB, SYST, syst::SystClkSource};
+use cortex_m_rt::exception;
+
+static MS_LOW: AtomicU32 = AtomicU32::new(0);
+static MS_HIGH: AtomicU32 = AtomicU32::new(0);
+static TICKS_PER_MS: AtomicU32 = AtomicU32::new(1);
+
+/// Starts the time base.
+pub fn start(mut syst: SYST, core_hz: u32) {
+    let ticks_per_ms = core_hz / 1000;
+    TICKS_PER_MS.store(ticks_per_ms, Ordering::Relaxed);
+    syst.set_clock_source(SystClkSource::Core);
+    syst.set_reload(ticks_per_ms - 1);
+    syst.clear_current();
+    syst.enable_interrupt();
+    syst.enable_counter();
+}
+
+/// Low word of the milliseconds since start: for interrupts, which have no time for more.
+pub fn now_ms_low() -> u32 {
+    MS_LOW.load(Ordering::Relaxed)
+}
+
+/// Milliseconds since start.
+pub fn now_ms() -> u64 {
+    cortex_m::interrupt::free(|_| milliseconds())
+}
+
+/// Ticks of the core clock since start.
+pub fn now_ticks() -> u64 {
+    cortex_m::interrupt::free(|_| {
+        let per_ms = TICKS_PER_MS.load(Ordering::Relaxed);
+        let (mut ms, mut count) = (milliseconds(), SYST::get_current());
+        // The counter may have passed zero while its interrupt was held back: then the count belongs to the next one.
+        if SCB::is_pendst_pending() {
+            (ms, count) = (ms + 1, SYST::get_current());
+        }
+        let inside = if count == 0 { 0 } else { per_ms.saturating_sub(count) };
+        ms * u64::from(per_ms) + u64::from(inside)
+    })
+}
+
+/// Microseconds since start.
+pub fn now_us() -> u64 {
+    now_ticks() * 1000 / u64::from(TICKS_PER_MS.load(Ordering::Relaxed))
+}
+
+/// Sleeps until the next interrupt, unless there is `work`; gives the tick at which an interrupt ended the sleep.
+///
+/// Asked and slept with interrupts held back: one that comes between the question and the sleep ends the sleep at once,
+/// and is served after it.
+pub fn sleep_unless(work: impl FnOnce() -> bool) -> Option<u64> {
+    cortex_m::interrupt::free(|_| {
+        if work() {
+            return None;
+        }
+        cortex_m::asm::wfi();
+        Some(now_ticks())
+    })
+}
+
+fn milliseconds() -> u64 {
+    u64::from(MS_HIGH.load(Ordering::Relaxed)) << 32 | u64::from(MS_LOW.load(Ordering::Relaxed))
+}
+
+#[exception]
+fn SysTick() {
+    let low = MS_LOW.load(Ordering::Relaxed).wrapping_add(1);
+    MS_LOW.store(low, Ordering::Relaxed);
+    if low == 0 {
+        MS_HIGH.store(MS_HIGH.load(Ordering::Relaxed).wrapping_add(1), Ordering::Relaxed);
+    }
+}

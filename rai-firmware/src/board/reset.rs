@@ -1,0 +1,179 @@
+//! Why the module started: what a chip's flags can mean, and what a dying program left behind.
+//!
+//! A fault cannot be reported by the program that has it. It leaves a [`Record`] in memory that start-up does not
+//! clear, resets the chip, and the next start finds the record and says so. Memory after power-on holds noise; a
+//! record counts only if its seal fits: `seal = magic ⊕ kind ⊕ rotl(place, 8) ⊕ rotl(line, 16)`.
+//!
+//! | symbol | field | unit |
+//! |---|---|---|
+//! | `kind` | what failed | 1 panic, 2 hard fault, 3 clock failure |
+//! | `place` | address of the instruction, or FNV-1a hash of the source file's name | – |
+//! | `line` | line of the source file, 0 where there is none | – |
+
+use core::fmt;
+
+/// Marks a record, chosen to be improbable in memory after power-on.
+const MAGIC: u32 = 0x5241_4921;
+
+/// Longest word for a cause.
+pub const WORD_BYTES: usize = 16;
+
+/// Why the module started, in at most [`WORD_BYTES`] characters when displayed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ResetCause {
+    /// The supply came up.
+    PowerOn,
+    /// The reset line was pulled, by a button or a debug probe.
+    Pin,
+    /// The program asked for it.
+    Software,
+    /// The epoch loop did not feed the watchdog in time.
+    Watchdog,
+    /// The supply dipped.
+    Brownout,
+    /// A low-power mode was entered against the option bytes.
+    LowPower,
+    /// The program before this one failed.
+    Fault(Fault),
+    /// The chip does not say.
+    Unknown,
+}
+
+/// What made the previous program give up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fault {
+    /// A panic, at a line of the file with this hash of its name.
+    Panic {
+        /// [`hash`] of the source file's name.
+        file: u32,
+        /// Line in the file.
+        line: u32,
+    },
+    /// The processor refused the instruction at this address.
+    Hard {
+        /// Program counter at the fault; 0 where the stack frame could not be trusted.
+        address: u32,
+    },
+    /// The crystal stopped while the module ran from it.
+    Clock,
+}
+
+impl fmt::Display for ResetCause {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::PowerOn => "POWERON",
+            Self::Pin => "PIN",
+            Self::Software => "SOFTWARE",
+            Self::Watchdog => "WATCHDOG",
+            Self::Brownout => "BROWNOUT",
+            Self::LowPower => "LOWPOWER",
+            Self::Unknown => "UNKNOWN",
+            Self::Fault(Fault::Clock) => "CLOCKFAIL",
+            Self::Fault(Fault::Panic { file, .. }) => return write!(f, "PANIC-{file:08X}"),
+            Self::Fault(Fault::Hard { address }) => return write!(f, "FAULT-{address:08X}"),
+        })
+    }
+}
+
+/// A fault as it lies in memory across a reset.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(C)]
+pub struct Record {
+    kind: u32,
+    place: u32,
+    line: u32,
+    seal: u32,
+}
+
+impl Record {
+    /// What start-up leaves: no fault.
+    pub const EMPTY: Self = Self { kind: 0, place: 0, line: 0, seal: 0 };
+
+    /// The record of `fault`, sealed.
+    pub const fn of(fault: Fault) -> Self {
+        let (kind, place, line) = match fault {
+            Fault::Panic { file, line } => (1, file, line),
+            Fault::Hard { address } => (2, address, 0),
+            Fault::Clock => (3, 0, 0),
+        };
+        Self { kind, place, line, seal: seal(kind, place, line) }
+    }
+
+    /// The fault, if the seal fits.
+    pub const fn fault(self) -> Option<Fault> {
+        if self.seal != seal(self.kind, self.place, self.line) {
+            return None;
+        }
+        match self.kind {
+            1 => Some(Fault::Panic { file: self.place, line: self.line }),
+            2 => Some(Fault::Hard { address: self.place }),
+            3 => Some(Fault::Clock),
+            _ => None,
+        }
+    }
+}
+
+const fn seal(kind: u32, place: u32, line: u32) -> u32 {
+    MAGIC ^ kind ^ place.rotate_left(8) ^ line.rotate_left(16)
+}
+
+/// FNV-1a over the name of a source file: a panic's place in four bytes.
+pub const fn hash(name: &str) -> u32 {
+    let mut hash = 0x811C_9DC5_u32;
+    let mut rest = name.as_bytes();
+    while let [byte, tail @ ..] = rest {
+        hash = (hash ^ *byte as u32).wrapping_mul(0x0100_0193);
+        rest = tail;
+    }
+    hash
+}
+
+#[cfg(test)]
+mod tests {
+    use std::string::ToString;
+
+    use super::*;
+
+    #[test]
+    fn record_survives_and_noise_is_no_record() {
+        let faults = [
+            Fault::Panic { file: 0xDEAD_BEEF, line: 321 },
+            Fault::Hard { address: 0x0800_1234 },
+            Fault::Clock,
+        ];
+        for want in faults {
+            assert_eq!(Record::of(want).fault(), Some(want));
+        }
+        for noise in [0, u32::MAX, 0xCCCC_CCCC, 0x5555_AAAA] {
+            let record = Record { kind: noise, place: noise, line: noise, seal: noise };
+            assert_eq!(record.fault(), None, "memory full of {noise:#010x}");
+        }
+        assert_eq!(Record::EMPTY.fault(), None);
+    }
+
+    #[test]
+    fn one_flipped_bit_voids_a_record() {
+        for bit in 0..32 {
+            let mut record = Record::of(Fault::Hard { address: 0x0800_1234 });
+            record.place ^= 1 << bit;
+            assert_eq!(record.fault(), None, "bit {bit}");
+        }
+    }
+
+    #[test]
+    fn hash_is_fnv_1a() {
+        // Test vectors of the FNV reference distribution.
+        assert_eq!(hash(""), 0x811C_9DC5);
+        assert_eq!(hash("a"), 0xE40C_292C);
+        assert_eq!(hash("foobar"), 0xBF9C_F968);
+    }
+
+    #[test]
+    fn words_fit_a_field_of_a_sentence() {
+        let panic = ResetCause::Fault(Fault::Panic { file: 0xBF9C_F968, line: 99_999 }).to_string();
+        assert_eq!(panic, "PANIC-BF9CF968");
+        let hard = ResetCause::Fault(Fault::Hard { address: 0x0800_1234 }).to_string();
+        assert_eq!(hard, "FAULT-08001234");
+        assert!(panic.len().max(hard.len()) <= WORD_BYTES);
+    }
+}

@@ -1,0 +1,156 @@
+//! The STM32F405 board: the only place that knows its registers.
+//!
+//! | what | where |
+//! |---|---|
+//! | GNSS port | USART2, PA3 in, PA2 out |
+//! | host port | USART1, PA10 in, PA9 out |
+//! | log port | USART3, PB10 out; RTT for a debug probe |
+//! | integrity pin, LED | PC6, PC7, both low until the receiver raises them |
+//! | time | `SysTick`, one interrupt per millisecond |
+//! | watchdog | IWDG, fed by the epoch loop alone |
+//!
+//! There is no switch between silicon and emulator. Every wait is bounded, every fallback has a name ([`Source`]), and
+//! a peripheral that does not answer is a fact to report and not a reason to stop.
+//!
+//! References: [RM0090] reference manual of the family, [DS8626] data sheet of the chip.
+
+//! PC6 needs a pull-down of 10 kΩ or less, since it floats from reset to start-up. All ports start at 115200 baud, 8N1.
+
+pub mod clock;
+pub mod fault;
+#[cfg(target_os = "none")]
+mod pins;
+#[cfg(target_os = "none")]
+mod ports;
+#[cfg(target_os = "none")]
+mod watchdog;
+
+#[cfg(target_os = "none")]
+pub use hardware::RAM;
+#[cfg(target_os = "none")]
+pub use pins::drop_integrity_pin;
+#[cfg(target_os = "none")]
+pub use ports::{drain, send_log};
+
+#[cfg(target_os = "none")]
+mod hardware {
+    use core::mem::MaybeUninit;
+    use core::ops::Range;
+
+    use cortex_m::singleton;
+    use cortex_m_rt::entry;
+    use rai_firmware::board::reset::ResetCause;
+    use rai_firmware::board::{Board, Note, PortLosses, SEALED_BYTES};
+    use rai_firmware::receiver::Receiver;
+    use rai_firmware::timed_ring::Taken;
+    use stm32f4::stm32f405::Peripherals;
+
+    use super::clock::Clock;
+    use super::pins::{self, IntegrityPin};
+    use super::ports::{self, HostPort};
+    use super::watchdog::Watchdog;
+    use crate::arm::{fault, log, sealed, stack, start, time};
+
+    /// Where the stack may be.
+    pub const RAM: Range<usize> = 0x2000_0000..0x2002_0000;
+
+    /// The board after start-up.
+    struct Stm32f405 {
+        clock: Clock,
+        reset_cause: ResetCause,
+        host: HostPort,
+        watchdog: Watchdog,
+        sealed: &'static mut [u8; SEALED_BYTES],
+    }
+
+    #[entry]
+    fn main() -> ! {
+        let place = singleton!(: MaybeUninit<Receiver<IntegrityPin>> = MaybeUninit::uninit());
+        let (Some((mut board, pin)), Some(place)) = (Stm32f405::take(), place) else {
+            fault::reset_on_request()
+        };
+        log::start();
+        defmt::info!("clock: {}, core at {=u32} Hz", board.clock.source, board.clock.core_hz);
+        start::run(&mut board, place, pin)
+    }
+
+    impl Stm32f405 {
+        /// Brings the board up; `None` if it was taken before.
+        ///
+        /// The pin comes first, so that it is driven low before anything can go wrong.
+        fn take() -> Option<(Self, IntegrityPin)> {
+            let mut core = cortex_m::Peripherals::take()?;
+            let chip = Peripherals::take()?;
+            let pin = IntegrityPin::take(&chip.RCC, chip.GPIOC);
+            stack::guard(&core.MPU, &mut core.SCB);
+            let reset_cause = super::fault::reset_cause(&chip.RCC);
+            let clock = Clock::start(&chip.RCC, &chip.FLASH);
+            time::start(core.SYST, clock.core_hz);
+            pins::route_ports(&chip.RCC, &chip.GPIOA, &chip.GPIOB);
+            let host = ports::start(&chip.RCC, &chip.USART1, &chip.USART2, &chip.USART3, clock);
+            let (watchdog, sealed) = (Watchdog::start(chip.IWDG), sealed::take()?);
+            Some((Self { clock, reset_cause, host, watchdog, sealed }, pin))
+        }
+    }
+
+    impl Board for Stm32f405 {
+        type Pin = IntegrityPin;
+        type Host = HostPort;
+
+        fn gnss(&mut self, chunk: &mut [u8]) -> Taken {
+            ports::take_gnss(chunk)
+        }
+
+        fn command(&mut self) -> Option<u8> {
+            ports::take_command()
+        }
+
+        fn host(&mut self) -> &mut HostPort {
+            &mut self.host
+        }
+
+        fn host_room(&self) -> usize {
+            self.host.room()
+        }
+
+        fn now_ms(&self) -> u64 {
+            time::now_ms()
+        }
+
+        fn now_ticks(&self) -> u64 {
+            time::now_ticks()
+        }
+
+        fn driven_ticks(&self, pin: &IntegrityPin) -> u64 {
+            pin.driven_ticks()
+        }
+
+        fn losses(&self) -> PortLosses {
+            ports::losses(&self.host)
+        }
+
+        fn feed_watchdog(&mut self) {
+            self.watchdog.feed();
+        }
+
+        fn sleep(&mut self) -> Option<u64> {
+            time::sleep_unless(ports::input_waits)
+        }
+
+        fn reset_cause(&self) -> ResetCause {
+            self.reset_cause
+        }
+
+        fn sealed(&mut self) -> &mut [u8; SEALED_BYTES] {
+            self.sealed
+        }
+
+        fn set_gnss_rate(&mut self, baud: u32) {
+            ports::set_gnss_rate(self.clock, baud);
+        }
+
+        fn note(&mut self, note: Note) {
+            log::note(note, || defmt::info!("rings high water {}", ports::high_water()));
+        }
+    }
+}

@@ -1,0 +1,78 @@
+//! Why a command changed nothing, in words that fit an answer.
+
+use embedded_io::Write;
+use rai_core::integrity::residuals::threshold::ThresholdError;
+
+use super::scientific;
+use crate::output::nmea::write_refusal;
+
+/// Why a command changed nothing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Refusal {
+    /// The checksum is missing or does not match.
+    Checksum,
+    /// The line is longer than [`super::MAX_LINE`].
+    TooLong,
+    /// There is no such key.
+    UnknownKey,
+    /// A value is missing.
+    MissingValue,
+    /// There are more values than the key takes.
+    ExtraValue,
+    /// A value is not one of the key's words.
+    UnknownValue,
+    /// Key or word is right, but what it asks for is not built in.
+    NotInBuild,
+    /// A value is not a decimal number.
+    NotANumber,
+    /// A number is outside the key's range.
+    OutOfRange,
+    /// Eight zeros: a receiver's way of saying that it has no coefficients, and no model of an ionosphere.
+    AllZero,
+    /// The probability is not in the tables.
+    NotInTables {
+        /// The one that is, with the closest ratio.
+        nearest: rai_core::numeric::probability::Probability,
+    },
+}
+
+impl From<ThresholdError> for Refusal {
+    fn from(error: ThresholdError) -> Self {
+        match error {
+            ThresholdError::FalseAlarm { nearest } | ThresholdError::MissedDetection { nearest } => {
+                Self::NotInTables { nearest }
+            }
+        }
+    }
+}
+
+impl Refusal {
+    const fn why(self) -> &'static str {
+        match self {
+            Self::Checksum => "checksum",
+            Self::TooLong => "too long",
+            Self::UnknownKey => "unknown key",
+            Self::MissingValue => "missing value",
+            Self::ExtraValue => "extra value",
+            Self::UnknownValue => "unknown value",
+            Self::NotInBuild => "not in this build",
+            Self::NotANumber => "not a number",
+            Self::OutOfRange => "out of range",
+            Self::AllZero => "all zero",
+            Self::NotInTables { .. } => "not in the tables",
+        }
+    }
+
+    pub(super) fn answer<W: Write>(self, key: &str, host: &mut W) -> Result<(), W::Error> {
+        match self {
+            Self::NotInTables { nearest } => {
+                let mut why = heapless::String::<40>::new();
+                // Both pieces fit: at most 8 and 17 characters.
+                let _ = why.push_str("nearest ");
+                let _ = why.push_str(&scientific(nearest.get()));
+                write_refusal(key, &why, host)
+            }
+            other => write_refusal(key, other.why(), host),
+        }
+    }
+}

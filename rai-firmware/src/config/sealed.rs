@@ -1,0 +1,192 @@
+//! Settings in memory that survives a restart.
+//!
+//! They lie there as the commands that make them, one a line, and are obeyed again at the next start: what is read back has
+//! passed every check of a command. Memory after power-on holds anything, so they count only under three conditions: the
+//! mark, the CRC-32 of the text, and the hash that the settings read back must have ([`Configuration::hash`]).
+//!
+//! | bytes | what |
+//! |---|---|
+//! | 0 to 3 | mark |
+//! | 4 to 7 | hash of the settings |
+//! | 8 to 11 | CRC-32 of all behind, and of the hash |
+//! | 12 … | text, to the first 0 |
+
+use heapless::String;
+
+use super::key::Key;
+use super::said::{Crc32, ORDER};
+use super::{Command, Configuration, Phase};
+use crate::board::SEALED_BYTES;
+
+/// Improbable in memory after power-on.
+const MARK: [u8; 4] = *b"RAIs";
+/// Bytes before the text.
+const HEAD: usize = 12;
+/// Longest line: a key and eight coefficients.
+const LINE: usize = 128;
+
+/// What sealed memory holds.
+#[allow(clippy::large_enum_variant)] // There is no heap to put it on, and one lives for a moment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Unsealed {
+    /// The settings of the program before.
+    Settings(Configuration),
+    /// Settings that are damaged.
+    Damaged,
+    /// No trace of any.
+    Nothing,
+}
+
+impl Configuration {
+    /// Seals the settings into memory. Where they do not fit, the memory holds damaged ones.
+    pub fn seal(&self, memory: &mut [u8; SEALED_BYTES]) {
+        memory.fill(0);
+        let mut length = HEAD;
+        let mut whole = true;
+        self.say_commands(|line| {
+            let line = line.as_bytes();
+            match memory.get_mut(length..length + line.len()) {
+                // A zero has to follow.
+                Some(place) if length + line.len() < SEALED_BYTES => {
+                    place.copy_from_slice(line);
+                    length += line.len();
+                }
+                _ => whole = false,
+            }
+        });
+        if let Some((head, text)) = memory.split_first_chunk_mut::<HEAD>() {
+            let hash = self.hash().to_le_bytes();
+            let seal = if whole { checksum(hash, text) } else { !checksum(hash, text) };
+            let bytes = MARK.into_iter().chain(hash).chain(seal.to_le_bytes());
+            head.iter_mut().zip(bytes).for_each(|(place, byte)| *place = byte);
+        }
+    }
+
+    /// Reads what the program before has sealed.
+    pub fn unseal(memory: &[u8; SEALED_BYTES]) -> Unsealed {
+        let Some((&[m0, m1, m2, m3, h0, h1, h2, h3, s0, s1, s2, s3], text)) =
+            memory.split_first_chunk::<HEAD>()
+        else {
+            return Unsealed::Nothing;
+        };
+        if [m0, m1, m2, m3] != MARK {
+            return Unsealed::Nothing;
+        }
+        let hash = [h0, h1, h2, h3];
+        if checksum(hash, text) != u32::from_le_bytes([s0, s1, s2, s3]) {
+            return Unsealed::Damaged;
+        }
+        let settings = text.split(|byte| *byte == 0).next().and_then(obey);
+        match settings.filter(|settings| settings.hash() == u32::from_le_bytes(hash)) {
+            Some(settings) => Unsealed::Settings(settings),
+            None => Unsealed::Damaged,
+        }
+    }
+
+    /// Says the commands that make these settings, line by line. Requirements that come with a phase are not said beside it.
+    fn say_commands(&self, mut take: impl FnMut(&str)) {
+        for key in ORDER {
+            let comes_with_phase = matches!(
+                key,
+                Key::HorizontalAlertLimit
+                    | Key::VerticalAlertLimit
+                    | Key::FalseAlarm
+                    | Key::MissedDetection
+                    | Key::FaultFree
+            );
+            let is_absent = key == Key::Ionosphere && self.klobuchar.is_none();
+            if !key.is_built() || is_absent || comes_with_phase && self.phase != Phase::Custom {
+                continue;
+            }
+            let mut line = String::<LINE>::new();
+            // What does not fit makes a line that is none, and the hash tells.
+            let _ = line.push_str(key.name());
+            let mut fields = 0;
+            self.say_answer(key, &mut |field| {
+                // A rate is set by itself, under its name.
+                if key == Key::Output && fields == 2 {
+                    let _ = line.push('\n');
+                    take(&line);
+                    line.clear();
+                    let _ = line.push_str(key.name());
+                    fields = 0;
+                }
+                let _ = line.push(',');
+                let _ = line.push_str(field);
+                fields += 1;
+            });
+            let _ = line.push('\n');
+            take(&line);
+        }
+    }
+}
+
+/// Obeys lines of commands.
+fn obey(text: &[u8]) -> Option<Configuration> {
+    let text = core::str::from_utf8(text).ok()?;
+    text.lines().try_fold(Configuration::at_start(), |settings, line| {
+        let mut fields = line.split(',');
+        match Command::read(fields.next()?, fields).ok()? {
+            Command::Set(setting) => settings.with(setting).ok(),
+            _ => None,
+        }
+    })
+}
+
+fn checksum(hash: [u8; 4], text: &[u8]) -> u32 {
+    let mut crc = Crc32::new();
+    hash.iter().chain(text).for_each(|byte| crc.push(*byte));
+    crc.value()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Settings that commands make.
+    fn settings(commands: &[&str]) -> Configuration {
+        let text = commands.join("\n");
+        obey(text.as_bytes()).expect("commands that are obeyed")
+    }
+
+    fn cases() -> [Configuration; 4] {
+        [
+            Configuration::at_start(),
+            settings(&["PHASE,LPV200", "TTA,3", "MASK,12.5", "METHOD,RANSAC", "CLOCKAID,ON"]),
+            settings(&["HAL,40", "VAL,35", "PFA,1e-5", "PMD,1e-4", "TTA,3600"]),
+            settings(&["IONO,1.4e-8,2.2e-8,-6e-8,-1.2e-7,9.6e4,1.3e5,-6.5e4,-3.3e5", "POLICY,T2"]),
+        ]
+    }
+
+    #[test]
+    fn what_is_sealed_is_read_back() {
+        for want in cases() {
+            let mut memory = [0xA5; SEALED_BYTES];
+            want.seal(&mut memory);
+            let Unsealed::Settings(have) = Configuration::unseal(&memory) else { panic!("{want:?}") };
+            assert_eq!(have.hash(), want.hash());
+            assert_eq!((have.phase, have.policy, have.method), (want.phase, want.policy, want.method));
+            assert_eq!(have.requirements, want.requirements);
+        }
+    }
+
+    #[test]
+    fn one_flipped_bit_breaks_the_seal() {
+        for want in cases() {
+            let mut memory = [0; SEALED_BYTES];
+            want.seal(&mut memory);
+            for bit in 8 * MARK.len()..8 * SEALED_BYTES {
+                let mut broken = memory;
+                broken[bit / 8] ^= 1 << (bit % 8);
+                assert_eq!(Configuration::unseal(&broken), Unsealed::Damaged, "bit {bit}");
+            }
+        }
+    }
+
+    #[test]
+    fn memory_after_power_on_holds_no_settings() {
+        for noise in [0, 0xFF, 0x55, 0xA5] {
+            assert_eq!(Configuration::unseal(&[noise; SEALED_BYTES]), Unsealed::Nothing);
+        }
+    }
+}

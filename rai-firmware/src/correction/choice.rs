@@ -1,0 +1,164 @@
+//! Which of a satellite's ranges are used.
+//!
+//! Two frequencies remove the ionosphere, at the price of noise:
+//!
+//! ```text
+//! P = k_a P_a + k_b P_b        k_a = f_a² / (f_a² − f_b²)        k_b = 1 − k_a
+//! σ(P) / σ(P_a) = √(k_a² + k_b²)        τ = k_a τ_a + k_b τ_b
+//! ```
+//!
+//! | symbol | field | unit |
+//! |---|---|---|
+//! | `f` | [`Band::frequency_hz`] | Hz |
+//! | `P` | `range_m` | m |
+//! | `τ` | `group_delay_s`: what the satellite's clock differs by from the time on that band | s |
+//! | `√(k_a² + k_b²)` | `noise_gain`, times that of a weak signal | 1 |
+//!
+//! Assumes that both codes are equally noisy and that the ionosphere's delay goes with `1/f²` (the neglected
+//! higher orders are below 0.1 m). References: [IS-GPS-200] 20.3.3.3.3, [IS-GPS-705], [OS-SIS-ICD] 5.1.5,
+//! [BDS-SIS-B1I] 5.2.4.10, [BDS-SIS-B3I].
+//!
+//! [IS-GPS-200]: crate#references
+//! [IS-GPS-705]: crate#references
+//! [OS-SIS-ICD]: crate#references
+//! [BDS-SIS-B1I]: crate#references
+//! [BDS-SIS-B3I]: crate#references
+
+use rai_core::frame::SPEED_OF_LIGHT_M_S;
+use rai_core::weighting::weakness;
+
+use crate::ephemeris::Ephemeris;
+use crate::raw::{Band, RawSignal};
+
+/// The range that is used of a satellite, corrected for group delays.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Choice {
+    /// Pseudorange, corrected for the group delay, m. The satellite clock is still in it.
+    pub range_m: f64,
+    /// How much noisier it is than one code range of a strong signal.
+    pub noise_gain: f32,
+    /// Standard deviation of a group delay that is not broadcast, m; 0 where it is.
+    pub uncalibrated_m: f32,
+    /// The carriers it is made of; with the first alone, its ionospheric delay is still in the range.
+    pub bands: (Band, Option<Band>),
+}
+
+/// Two bands whose ranges combine.
+struct Pair {
+    first: Band,
+    second: Band,
+    /// `k_a`, where `k_b` is what is left of 1.
+    share: f64,
+}
+
+impl Pair {
+    const fn of(first: Band, second: Band) -> Self {
+        Self { first, second, share: ionosphere_free(first, second).0 }
+    }
+}
+
+/// Pairs by preference: what the broadcast clock refers to comes first, what it knows no delay of comes last.
+const PAIRS: [Pair; 8] = [
+    Pair::of(Band::L1, Band::L2),
+    Pair::of(Band::L1, Band::L5),
+    Pair::of(Band::E1, Band::E5a),
+    Pair::of(Band::E1, Band::E5b),
+    Pair::of(Band::B1I, Band::B3I),
+    Pair::of(Band::B1I, Band::B2I),
+    Pair::of(Band::B1C, Band::B2a),
+    // Every channel's frequencies are as 9 to 7.
+    Pair::of(Band::G1, Band::G2),
+];
+
+/// Single bands by preference.
+const SINGLES: [Band; 13] = [
+    Band::L1,
+    Band::L2,
+    Band::L5,
+    Band::E1,
+    Band::E5b,
+    Band::E5a,
+    Band::B1I,
+    Band::B3I,
+    Band::B2I,
+    Band::B1C,
+    Band::B2a,
+    Band::G1,
+    Band::G2,
+];
+
+/// What can be made of a satellite's signals: an ionosphere-free pair, one frequency, or none.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Choices {
+    /// The best pair.
+    pub pair: Option<Choice>,
+    /// The best single range.
+    pub single: Option<Choice>,
+}
+
+impl Choices {
+    /// The pair, or else the single range.
+    pub fn preferred(&self) -> Option<&Choice> {
+        self.pair.as_ref().or(self.single.as_ref())
+    }
+}
+
+/// Chooses among a satellite's signals those that are in service, strong enough, and related to the broadcast clock.
+///
+/// Signals below `mask_dbhz` are left out where the receiver says how strong they are. Its second GPS carrier is
+/// exempt: receivers track the military code on it without knowing it, at a loss of 10 to 20 dB that says nothing of
+/// the signal. It is judged by the first.
+pub fn choose(signals: &[RawSignal], ephemeris: &Ephemeris, mask_dbhz: f32) -> Choices {
+    let is_usable = |signal: &&RawSignal| {
+        let band = signal.carrier.band;
+        ephemeris.serves(band) && strength_dbhz(signal).is_none_or(|strength_dbhz| strength_dbhz >= mask_dbhz)
+    };
+    let find = |band| signals.iter().filter(is_usable).find(|signal| signal.carrier.band == band);
+    let pair = |pair: &Pair| combine(find(pair.first)?, find(pair.second)?, pair, ephemeris);
+    let single = |&band: &Band| alone(find(band)?, ephemeris);
+    Choices { pair: PAIRS.iter().find_map(pair), single: SINGLES.iter().find_map(single) }
+}
+
+/// What the receiver says of a signal's strength, where that says something of the signal, dB-Hz.
+fn strength_dbhz(signal: &RawSignal) -> Option<f32> {
+    if signal.carrier.band == Band::L2 { None } else { signal.cn0_dbhz() }
+}
+
+/// The ionosphere-free combination of two signals.
+fn combine(first: &RawSignal, second: &RawSignal, pair: &Pair, ephemeris: &Ephemeris) -> Option<Choice> {
+    let (delay_first, delay_second) =
+        (ephemeris.group_delay(pair.first)?, ephemeris.group_delay(pair.second)?);
+    // One product each, of the difference: k_a P_a + (1 − k_a) P_b.
+    let delay_s = delay_second.seconds() + pair.share * (delay_first.seconds() - delay_second.seconds());
+    let range_m = second.range_m + pair.share * (first.range_m - second.range_m);
+    let share = pair.share as f32;
+    let strength_dbhz = match (strength_dbhz(first), strength_dbhz(second)) {
+        (Some(first_dbhz), Some(second_dbhz)) => Some(first_dbhz.min(second_dbhz)),
+        (one, other) => one.or(other),
+    };
+    Some(Choice {
+        bands: (pair.first, Some(pair.second)),
+        range_m: range_m - SPEED_OF_LIGHT_M_S * delay_s,
+        noise_gain: weakness(strength_dbhz) * libm::sqrtf(share * share + (1.0 - share) * (1.0 - share)),
+        uncalibrated_m: delay_first.uncalibrated_m().max(delay_second.uncalibrated_m()),
+    })
+}
+
+/// One signal by itself.
+fn alone(signal: &RawSignal, ephemeris: &Ephemeris) -> Option<Choice> {
+    let delay = ephemeris.group_delay(signal.carrier.band)?;
+    Some(Choice {
+        bands: (signal.carrier.band, None),
+        range_m: signal.range_m - SPEED_OF_LIGHT_M_S * delay.seconds(),
+        noise_gain: weakness(strength_dbhz(signal)),
+        uncalibrated_m: delay.uncalibrated_m(),
+    })
+}
+
+/// The two factors `k_a`, `k_b` of the ionosphere-free combination.
+pub const fn ionosphere_free(first: Band, second: Band) -> (f64, f64) {
+    let (first_hz, second_hz) = (first.frequency_hz(), second.frequency_hz());
+    let squared = first_hz * first_hz;
+    let k_first = squared / (squared - second_hz * second_hz);
+    (k_first, 1.0 - k_first)
+}

@@ -1,0 +1,204 @@
+//! One frequency or two: whichever gives the smaller levels.
+//!
+//! A pair of frequencies is free of the ionosphere and three times as noisy; one frequency is quiet and carries what the
+//! model misses. Which is better depends on the place, the sky, the receiver, and which satellites send what:
+//!
+//! ```text
+//! N = Σ_i w_i h_i h_iᵀ − Σ_c (Σ_c w h)(Σ_c w h)ᵀ / Σ_c w        P = N⁻¹
+//! g = P (Σ_i w_i h_i m_i − Σ_c (Σ_c w h)(Σ_c w m) / Σ_c w)
+//! H = K_h √(larger eigenvalue of P_EN) + K_c |g_EN|        V = K_v √P_UU + K_c |g_U|        cost = max(H/HAL, V/VAL)
+//! ```
+//!
+//! | symbol | here | unit |
+//! |---|---|---|
+//! | `h`, `w` | line of sight, `1/σ²`, as the integrity test will use them | –, 1/m² |
+//! | `m` | what the ionospheric model misses of each range, one sigma, all of one sign | m |
+//! | `H`, `V` | [`Spread`]: the fault-free part of the levels | m |
+//!
+//! Residuals take no part: a choice that looked at them would choose the set in which a fault does not show. Levels of
+//! faults go with the same spread, since both sets hold the same satellites.
+//!
+//! **No oscillation.** The set in use stays until the other has been a fifth better for ten epochs on end; while it is not,
+//! a look every tenth epoch is enough, since skies change slowly and a look costs as much as a correction. Each change
+//! moves the receiver clock by the delay between carriers; with clock aiding, whose forecast would call that a jump, the
+//! set stays as it is.
+
+use rai_core::satellite::Constellation;
+use rai_core::weighting::COMMON_SIGMAS;
+
+/// Multiples of the standard deviation in the fault-free part of a level, at 1e-7: `√(2 ln 1e7)` and `Q⁻¹(5e-8)`.
+const HORIZONTAL: f32 = 5.68;
+const VERTICAL: f32 = 5.33;
+
+/// The other set must be this much better.
+const BETTER: f32 = 0.8;
+
+/// For so many epochs on end.
+const PERSISTENT: u8 = 10;
+
+/// Which ranges are used of a satellite that offers both.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ranges {
+    /// Ionosphere-free pairs; one frequency where there is no pair.
+    Pairs,
+    /// One frequency; a pair where there is no other.
+    Singles,
+}
+
+impl Ranges {
+    const fn other(self) -> Self {
+        match self {
+            Self::Pairs => Self::Singles,
+            Self::Singles => Self::Pairs,
+        }
+    }
+}
+
+/// The fault-free part of the protection levels, m.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spread {
+    /// In the worst horizontal direction.
+    pub horizontal_m: f32,
+    /// Upwards.
+    pub vertical_m: f32,
+}
+
+impl Spread {
+    /// The larger share of a limit, 1 where a level is at its limit.
+    pub fn cost(&self, hal_m: f32, val_m: f32) -> f32 {
+        (self.horizontal_m / hal_m).max(self.vertical_m / val_m)
+    }
+}
+
+/// The set in use, and for how long the other one has been better.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Preference {
+    ranges: Ranges,
+    epochs_better: u8,
+    /// Epochs until the next look.
+    rest: u8,
+}
+
+impl Preference {
+    /// Pairs, until singles are better.
+    pub const fn new() -> Self {
+        Self { ranges: Ranges::Pairs, epochs_better: 0, rest: 0 }
+    }
+
+    /// The set in use.
+    pub const fn ranges(&self) -> Ranges {
+        self.ranges
+    }
+
+    /// Takes note of what both sets would cost, and says which to use. `cost` is `None` where a set makes no position.
+    pub fn weigh(&mut self, cost: impl Fn(Ranges) -> Option<f32>) -> Ranges {
+        if let Some(rest) = self.rest.checked_sub(1) {
+            self.rest = rest;
+            return self.ranges;
+        }
+        let is_better = match (cost(self.ranges), cost(self.ranges.other())) {
+            (Some(mine), Some(others)) => others < BETTER * mine,
+            (mine, others) => mine.is_none() && others.is_some(),
+        };
+        self.epochs_better = if is_better { self.epochs_better.saturating_add(1) } else { 0 };
+        self.rest = if is_better { 0 } else { PERSISTENT - 1 };
+        if self.epochs_better >= PERSISTENT {
+            *self = Self { ranges: self.ranges.other(), epochs_better: 0, rest: PERSISTENT - 1 };
+        }
+        self.ranges
+    }
+}
+
+impl Default for Preference {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// Sums over the ranges of one constellation, or over all.
+#[derive(Clone, Copy)]
+struct Sums {
+    weight: f32,
+    /// `Σ w h`.
+    direction: [f32; 3],
+    /// `Σ w m`.
+    common: f32,
+}
+
+/// Normal equations of a set of ranges, without residuals.
+#[derive(Clone, Copy)]
+pub(super) struct Geometry {
+    /// `Σ w h hᵀ`: EE, EN, EU, NN, NU, UU.
+    normal: [f32; 6],
+    /// `Σ w h m`.
+    pull: [f32; 3],
+    systems: [Sums; Constellation::COUNT],
+}
+
+/// The upper triangle of `a bᵀ`.
+fn outer(a: [f32; 3], b: [f32; 3]) -> [f32; 6] {
+    [a[0] * b[0], a[0] * b[1], a[0] * b[2], a[1] * b[1], a[1] * b[2], a[2] * b[2]]
+}
+
+impl Geometry {
+    pub(super) const fn new() -> Self {
+        const NONE: Sums = Sums { weight: 0.0, direction: [0.0; 3], common: 0.0 };
+        Self { normal: [0.0; 6], pull: [0.0; 3], systems: [NONE; Constellation::COUNT] }
+    }
+
+    /// Adds a range with the part of its error that all share.
+    pub(super) fn add(&mut self, system: Constellation, direction: [f32; 3], sigma_m: f32, common_m: f32) {
+        let weight = 1.0 / (sigma_m * sigma_m);
+        accumulate(&mut self.normal, outer(direction, direction), weight);
+        accumulate(&mut self.pull, direction, weight * common_m);
+        let sums = self.systems.iter_mut().zip(Constellation::ALL).find(|(_, known)| *known == system);
+        if let Some((sums, _)) = sums {
+            sums.weight += weight;
+            accumulate(&mut sums.direction, direction, weight);
+            sums.common += weight * common_m;
+        }
+    }
+
+    /// How well the position is known; `None` where it is not.
+    pub(super) fn spread(&self) -> Option<Spread> {
+        let (mut normal, mut pull) = (self.normal, self.pull);
+        for sums in self.systems.iter().filter(|sums| sums.weight > 0.0) {
+            accumulate(&mut normal, outer(sums.direction, sums.direction), -1.0 / sums.weight);
+            accumulate(&mut pull, sums.direction, -sums.common / sums.weight);
+        }
+        let [ee, en, eu, nn, nu, uu] = inverse(normal)?;
+        let shift = [
+            ee * pull[0] + en * pull[1] + eu * pull[2],
+            en * pull[0] + nn * pull[1] + nu * pull[2],
+            eu * pull[0] + nu * pull[1] + uu * pull[2],
+        ];
+        let (mean, half) = (0.5 * (ee + nn), 0.5 * (ee - nn));
+        let major = mean + libm::sqrtf(half * half + en * en);
+        let aside = libm::sqrtf(shift[0] * shift[0] + shift[1] * shift[1]);
+        let spread = Spread {
+            horizontal_m: HORIZONTAL * libm::sqrtf(major) + COMMON_SIGMAS * aside,
+            vertical_m: VERTICAL * libm::sqrtf(uu) + COMMON_SIGMAS * shift[2].abs(),
+        };
+        (spread.horizontal_m.is_finite() && spread.vertical_m.is_finite()).then_some(spread)
+    }
+}
+
+fn accumulate<const N: usize>(sum: &mut [f32; N], terms: [f32; N], weight: f32) {
+    for (sum, term) in sum.iter_mut().zip(terms) {
+        *sum += weight * term;
+    }
+}
+
+/// The inverse of a symmetric matrix that is positive by more than rounding.
+fn inverse([ee, en, eu, nn, nu, uu]: [f32; 6]) -> Option<[f32; 6]> {
+    /// Below this share of what independent axes would have, the determinant is rounding.
+    const SINGULAR: f32 = 1e-5;
+    let (a, b, c) = (nn * uu - nu * nu, eu * nu - en * uu, en * nu - eu * nn);
+    let determinant = ee * a + en * b + eu * c;
+    if !(determinant > SINGULAR * ee * nn * uu && determinant > 0.0) {
+        return None;
+    }
+    let scale = 1.0 / determinant;
+    let minors = [a, b, c, ee * uu - eu * eu, en * eu - ee * nu, ee * nn - en * en];
+    Some(minors.map(|minor| minor * scale))
+}

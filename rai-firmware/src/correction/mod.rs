@@ -1,0 +1,201 @@
+//! From raw ranges to an epoch: which range, which orbit, what delays, how uncertain.
+//!
+//! ```text
+//! ρ = P − τ_b c + c Δt_sat − T(el) − I(el)
+//! ```
+//!
+//! | symbol | field | unit |
+//! |---|---|---|
+//! | `P − τ_b c` | [`Choice::range_m`] | m |
+//! | `Δt_sat` | [`crate::ephemeris::SatelliteState::clock_s`] | s |
+//! | `T`, `I` | tropospheric and ionospheric slant delay ([`atmosphere`]) | m |
+//! | `ρ` | [`Observation::range_m`] | m |
+//!
+//! It happens in two steps, because only the second needs to know where the receiver is: [`locate`] finds the
+//! satellites once for each epoch, which is the expensive part; [`Site::correct`] can be repeated about a better point.
+//! Where two frequencies are at hand, the site also says which ranges give the smaller levels ([`frequency`]).
+//!
+//! References: [Klobuchar1987] J. A. Klobuchar, *Ionospheric time-delay algorithm for single-frequency GPS users*.
+//!
+//! [Klobuchar1987]: crate#references
+
+use heapless::Vec;
+use rai_core::epoch::{Epoch, Observation};
+use rai_core::frame::{Ecef, SPEED_OF_LIGHT_M_S};
+use rai_core::satellite::SatelliteId;
+use rai_core::weighting::COARSE_M;
+
+use crate::config::Systems;
+use crate::counters::{count, counters};
+use crate::ephemeris::{self, EphemerisError, SatelliteState, Store};
+use crate::raw::{RawEpoch, RawSatellite, RawSignal};
+use crate::time::GpsTime;
+
+mod atmosphere;
+mod choice;
+mod frequency;
+mod site;
+
+pub use atmosphere::{Klobuchar, Place, Slant, Troposphere};
+pub use choice::{Choice, Choices, choose, ionosphere_free};
+pub use frequency::{Preference, Ranges, Spread};
+pub use rai_core::single::CAPACITY;
+pub use site::Site;
+
+counters! {
+    /// Why satellites of an epoch were not used.
+    Refusals {
+        /// No signal whose delay is known.
+        signal_unusable,
+        /// More satellites than an epoch holds.
+        epoch_full,
+        /// A corrected range, position or sigma that no satellite can have.
+        range_implausible,
+        /// The same satellite twice.
+        satellite_twice,
+        /// Below the elevation mask. Not a fault.
+        below_mask,
+        /// Of a system that does not take part. Not a fault.
+        system_left_out,
+    }
+}
+
+/// What became of an epoch's satellites, since the start.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Tally {
+    /// Without a usable ephemeris.
+    pub ephemerides: ephemeris::Refusals,
+    /// Refused for another reason.
+    pub ranges: Refusals,
+}
+
+/// A satellite whose position is known and whose ranges lack only what depends on the receiver's position.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Located {
+    satellite: SatelliteId,
+    position: Ecef,
+    /// Satellite clock times the speed of light, m.
+    clock_m: f64,
+    choices: Choices,
+    /// What the satellite promises for the pair and for the single range, m.
+    promised_m: [f32; 2],
+    /// Reference time of its ephemeris.
+    toe: GpsTime,
+}
+
+impl Located {
+    /// True when two of its ranges combine.
+    pub fn has_pair(&self) -> bool {
+        self.choices.pair.is_some()
+    }
+
+    /// Which satellite.
+    pub(crate) const fn satellite(&self) -> SatelliteId {
+        self.satellite
+    }
+
+    /// Where it was, and what its clock showed, when the signal left.
+    pub(crate) fn state(&self) -> SatelliteState {
+        SatelliteState { position: self.position, clock_s: self.clock_m * (1.0 / SPEED_OF_LIGHT_M_S) }
+    }
+
+    /// A range as measured, to some ten metres, m.
+    pub(crate) fn measured_m(&self) -> Option<f64> {
+        self.range(Ranges::Singles).map(|(choice, _)| choice.range_m)
+    }
+
+    /// Reference time of its ephemeris.
+    pub(crate) const fn toe(&self) -> GpsTime {
+        self.toe
+    }
+
+    /// The range that is used, and what its satellite promises of orbit and clock, m.
+    fn range(&self, ranges: Ranges) -> Option<(&Choice, f32)> {
+        let [of_pair_m, of_single_m] = self.promised_m;
+        let pair = self.choices.pair.as_ref().map(|pair| (pair, of_pair_m));
+        let single = self.choices.single.as_ref().map(|single| (single, of_single_m));
+        match ranges {
+            Ranges::Pairs => pair.or(single),
+            Ranges::Singles => single.or(pair),
+        }
+    }
+}
+
+/// `√(a² + b²)`.
+fn root_of_squares(a: f32, b: f32) -> f32 {
+    if b == 0.0 { a } else { libm::sqrtf(a * a + b * b) }
+}
+
+/// The satellites of an epoch whose positions are known.
+pub type Sky = Vec<Located, CAPACITY>;
+
+/// Finds the satellites of an epoch; what cannot be used is counted by reason.
+///
+/// Not inlined: the sky is then made where the caller wants it, and not moved there.
+#[inline(never)]
+pub fn locate(raw: &RawEpoch, store: &Store, mask_dbhz: f32, systems: Systems, tally: &mut Tally) -> Sky {
+    let mut sky = Sky::new();
+    for satellite in &raw.satellites {
+        if !systems.contains(satellite.satellite.constellation().letter()) {
+            count(&mut tally.ranges.system_left_out);
+            continue;
+        }
+        match locate_one(satellite, raw.time, store, mask_dbhz) {
+            Ok(Some(located)) => {
+                if sky.push(located).is_err() {
+                    count(&mut tally.ranges.epoch_full);
+                }
+            }
+            Ok(None) => count(&mut tally.ranges.signal_unusable),
+            Err(reason) => tally.ephemerides.count(reason),
+        }
+    }
+    sky
+}
+
+/// One satellite; `None` without a signal that is strong enough and whose delay is known.
+fn locate_one(
+    satellite: &RawSatellite,
+    time: GpsTime,
+    store: &Store,
+    mask_dbhz: f32,
+) -> Result<Option<Located>, EphemerisError> {
+    let ephemeris = store.get(satellite.satellite, time)?;
+    let choices = choose(&satellite.signals, ephemeris, mask_dbhz);
+    let Some(choice) = choices.preferred() else {
+        let is_served = |signal: &RawSignal| ephemeris.serves(signal.carrier.band);
+        return if satellite.signals.iter().any(is_served) {
+            Ok(None)
+        } else {
+            Err(EphemerisError::Unhealthy)
+        };
+    };
+    // Two ranges of a satellite differ by less than 100 m, in which it moves by a millimetre.
+    let state = ephemeris.at(time, choice.range_m)?;
+    let promise = |choice: Choice| ephemeris.accuracy_m(choice.bands);
+    let promised_m = [choices.pair, choices.single].map(|choice| choice.and_then(promise).unwrap_or(0.0));
+    Ok(Some(Located {
+        satellite: satellite.satellite,
+        position: state.position,
+        clock_m: SPEED_OF_LIGHT_M_S * state.clock_s,
+        choices,
+        promised_m,
+        toe: ephemeris.toe(),
+    }))
+}
+
+/// An epoch without atmosphere and mask, to find out roughly where the receiver is.
+pub fn coarse(sky: &Sky, time: GpsTime) -> Epoch<CAPACITY> {
+    let mut epoch = Epoch::new(time.to_s());
+    for located in sky {
+        let Some((choice, _)) = located.range(Ranges::Pairs) else { continue };
+        // What is refused here is refused, and counted, again by `correct`.
+        let _ = epoch.push(Observation {
+            satellite: located.satellite,
+            position: located.position,
+            range_m: choice.range_m + located.clock_m,
+            sigma_m: f64::from(COARSE_M),
+        });
+    }
+    epoch
+}

@@ -1,0 +1,226 @@
+//! The receiver's place: what it sees of each satellite, and what the air above it adds.
+//!
+//! The difference of two positions is exact in double precision; from there on directions, delays and sigmas are models
+//! or linearised, and single precision has ten times the digits that they need.
+
+use rai_core::epoch::{Epoch, EpochError, Observation};
+use rai_core::frame::{Ecef, LocalFrame};
+use rai_core::satellite::Constellation;
+use rai_core::weighting::{
+    ErrorBudget, Ism, MIXED_CARRIERS_M, ephemeris_sigma_m, integrity_sigma_m, ionosphere_sigma_m, sigma_m,
+};
+
+use super::atmosphere::{Klobuchar, Place, Troposphere};
+use super::frequency::{Geometry, Ranges, Spread};
+use super::{CAPACITY, Choice, Located, Refusals, Sky, root_of_squares};
+use crate::counters::count;
+use crate::raw::Band;
+use crate::time::GpsTime;
+
+/// Where a receiver is, roughly, and what is known of the air above it.
+#[derive(Clone, Copy, Debug)]
+pub struct Site {
+    point: Ecef,
+    /// Unit vectors east, north, up.
+    axes: [[f32; 3]; 3],
+    time: GpsTime,
+    place: Place,
+    sin_mask: f32,
+    troposphere: Troposphere,
+    klobuchar: Option<Klobuchar>,
+    ranges: Ranges,
+    ism: Option<Ism>,
+}
+
+/// A range as it enters the epoch.
+#[derive(Clone, Copy)]
+struct Corrected {
+    line_of_sight: [f32; 3],
+    range_m: f64,
+    sigma_m: f32,
+    /// The part of it that all ranges share, m at one sigma.
+    common_m: f32,
+}
+
+impl Site {
+    /// The site at a point known to some hundred metres.
+    ///
+    /// `mask_rad` is the elevation below which satellites are left out; `coefficients` are Klobuchar's, where they are
+    /// known. It uses pairs of frequencies where there are some, until [`Self::with_ranges`] says otherwise.
+    pub fn new(point: Ecef, time: GpsTime, mask_rad: f64, coefficients: Option<[f64; 8]>) -> Self {
+        let frame = LocalFrame::at(point);
+        let sin_latitude = frame.sin_latitude() as f32;
+        let cos_latitude = libm::sqrtf((1.0 - sin_latitude * sin_latitude).max(0.0));
+        let longitude_rad = libm::atan2f(point.y_m as f32, point.x_m as f32);
+        let (east, outward) = level_axes(point);
+        Self {
+            point,
+            axes: [
+                [east[0], east[1], 0.0],
+                [-sin_latitude * outward[0], -sin_latitude * outward[1], cos_latitude],
+                [cos_latitude * outward[0], cos_latitude * outward[1], sin_latitude],
+            ],
+            time,
+            place: Place::at(libm::atan2f(sin_latitude, cos_latitude), longitude_rad, time),
+            sin_mask: libm::sin(mask_rad) as f32,
+            troposphere: Troposphere::above(frame.height_m() as f32, sin_latitude),
+            klobuchar: coefficients.and_then(Klobuchar::new),
+            ranges: Ranges::Pairs,
+            ism: None,
+        }
+    }
+
+    /// The same site, with these ranges where a satellite offers both.
+    #[must_use]
+    pub fn with_ranges(self, ranges: Ranges) -> Self {
+        Self { ranges, ..self }
+    }
+
+    /// The same site, with sigmas by what is promised of the satellites instead of by what is expected; without it as
+    /// before.
+    #[must_use]
+    pub fn weighted_by(self, ism: Option<Ism>) -> Self {
+        Self { ism, ..self }
+    }
+
+    /// The epoch as this site sees it; what is left out is counted by reason.
+    ///
+    /// Not inlined: the epoch is then made where the caller wants it, and not moved there.
+    #[inline(never)]
+    pub fn correct(&self, sky: &Sky, refusals: &mut Refusals) -> Epoch<CAPACITY> {
+        let mut epoch = Epoch::new(self.time.to_s());
+        let usual = Usual::of(sky, self.ranges);
+        for located in sky {
+            let Some(corrected) = self.observe(located, self.ranges, &usual) else {
+                count(&mut refusals.below_mask);
+                continue;
+            };
+            let observation = Observation {
+                satellite: located.satellite,
+                position: located.position,
+                range_m: corrected.range_m,
+                sigma_m: f64::from(corrected.sigma_m),
+            };
+            if let Err(error) = epoch.push_sharing(observation, corrected.common_m) {
+                count(match error {
+                    EpochError::Range | EpochError::Position | EpochError::Sigma => {
+                        &mut refusals.range_implausible
+                    }
+                    EpochError::Duplicate => &mut refusals.satellite_twice,
+                    EpochError::Full => &mut refusals.epoch_full,
+                });
+            }
+        }
+        epoch
+    }
+
+    /// How well these ranges would determine the position, by geometry and sigmas alone; `None` where they do not.
+    pub fn spread(&self, sky: &Sky, ranges: Ranges) -> Option<Spread> {
+        let (mut geometry, usual) = (Geometry::new(), Usual::of(sky, ranges));
+        for located in sky {
+            if let Some(seen) = self.observe(located, ranges, &usual) {
+                let system = located.satellite.constellation();
+                geometry.add(system, seen.line_of_sight, seen.sigma_m, seen.common_m);
+            }
+        }
+        geometry.spread()
+    }
+
+    /// One satellite from here; `None` below the mask.
+    fn observe(&self, located: &Located, ranges: Ranges, usual: &Usual) -> Option<Corrected> {
+        let line_of_sight = self.line_of_sight(located.position);
+        let [.., sin_elevation] = line_of_sight;
+        if sin_elevation < self.sin_mask {
+            return None;
+        }
+        let (choice, promised_m) = located.range(ranges)?;
+        let (delay_m, common_m) = self.ionosphere(choice, line_of_sight);
+        let mixed_m =
+            if usual.is(located.satellite.constellation(), choice) { 0.0 } else { MIXED_CARRIERS_M };
+        let receiver_m = root_of_squares(choice.uncalibrated_m, mixed_m);
+        let budget = ErrorBudget {
+            sin_elevation,
+            ephemeris_m: root_of_squares(ephemeris_sigma_m(located.satellite, promised_m), receiver_m),
+            noise_gain: choice.noise_gain,
+            ionosphere_m: common_m,
+        };
+        let air_m = self.troposphere.delay_m(sin_elevation) + delay_m;
+        Some(Corrected {
+            line_of_sight,
+            range_m: choice.range_m + located.clock_m - f64::from(air_m),
+            sigma_m: match &self.ism {
+                Some(ism) => {
+                    let support = ism.of(located.satellite.constellation());
+                    root_of_squares(integrity_sigma_m(&support, promised_m, &budget), receiver_m)
+                }
+                None => sigma_m(&budget),
+            },
+            common_m,
+        })
+    }
+
+    /// Unit vector towards a satellite, east, north, up.
+    fn line_of_sight(&self, satellite: Ecef) -> [f32; 3] {
+        let difference = satellite - self.point;
+        let [x, y, z] = [difference.x_m as f32, difference.y_m as f32, difference.z_m as f32];
+        let scale = 1.0 / libm::sqrtf(x * x + y * y + z * z);
+        self.axes.map(|[a, b, c]| scale * (a * x + b * y + c * z))
+    }
+
+    /// What the ionosphere adds to a range, and what the model misses of it, m.
+    fn ionosphere(&self, choice: &Choice, line_of_sight: [f32; 3]) -> (f32, f32) {
+        let (band, None) = choice.bands else {
+            return (0.0, 0.0);
+        };
+        let model = self.klobuchar.unwrap_or(Klobuchar::NIGHT);
+        let slant = model.slant(self.place, line_of_sight);
+        let [.., sin_elevation] = line_of_sight;
+        let missed_m =
+            ionosphere_sigma_m(slant.delay_m, sin_elevation, slant.geomagnetic_sc, self.klobuchar.is_some());
+        let dispersion = dispersion(band);
+        (dispersion * slant.delay_m, dispersion * missed_m)
+    }
+}
+
+/// How much more a band is delayed than L1, `f₁²/f²`.
+fn dispersion(band: Band) -> f32 {
+    let ratio = Band::L1.frequency_hz() as f32 / band.frequency_hz() as f32;
+    ratio * ratio
+}
+
+/// Unit vectors to the east and away from the axis, x and y; on the axis those of longitude 0.
+fn level_axes(point: Ecef) -> ([f32; 2], [f32; 2]) {
+    let (x, y) = (point.x_m as f32, point.y_m as f32);
+    let axial = libm::sqrtf(x * x + y * y);
+    if axial > 1e-6 { ([-y / axial, x / axial], [x / axial, y / axial]) } else { ([0.0, 1.0], [1.0, 0.0]) }
+}
+
+/// The combination that most satellites of each system have; the first of equals.
+struct Usual([Option<(Band, Option<Band>)>; Constellation::COUNT]);
+
+impl Usual {
+    fn of(sky: &Sky, ranges: Ranges) -> Self {
+        Self(Constellation::ALL.map(|constellation| {
+            let of_system = || {
+                let mine = sky.iter().filter(|located| located.satellite.constellation() == constellation);
+                mine.filter_map(|located| located.range(ranges)).map(|(choice, _)| choice.bands)
+            };
+            let mut usual = None;
+            for bands in of_system() {
+                if usual.is_some_and(|(_, known)| known == bands) {
+                    continue;
+                }
+                let votes = of_system().filter(|other| *other == bands).count();
+                if usual.is_none_or(|(most, _)| votes > most) {
+                    usual = Some((votes, bands));
+                }
+            }
+            usual.map(|(_, bands)| bands)
+        }))
+    }
+
+    fn is(&self, constellation: Constellation, choice: &Choice) -> bool {
+        let of_system = Constellation::ALL.iter().zip(&self.0).find(|(known, _)| **known == constellation);
+        of_system.is_none_or(|(_, usual)| *usual == Some(choice.bands))
+    }
+}

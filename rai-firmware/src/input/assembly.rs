@@ -1,0 +1,289 @@
+//! Messages of one instant become one epoch, whatever format they came in.
+//!
+//! An epoch is complete when a message says that none follows, or when a message of another instant arrives. It is
+//! dropped as a whole when its time is refused ([`super::calendar`]).
+//!
+//! | what may go wrong on the wire | what becomes of it |
+//! |---|---|
+//! | systems tag one instant differently, by less than [`SAME_INSTANT_MS`] | one epoch, at the first tag |
+//! | a system says that none follows, and another one follows | that one is late for this epoch; the word of the system that was wrong counts for nothing until it has been right [`FORGIVEN_AFTER`] times, and its epochs end with the next instant or a pause |
+//! | a message without satellites is tagged far ahead | it is passed over: it vouches for nothing |
+//! | bytes are lost | the epoch under way and the rest of the next one are dropped |
+
+use heapless::Vec;
+use rai_core::satellite::SatelliteId;
+
+use super::calendar::{Calendar, LeapSource, TimeError};
+use super::{Counters, Event, Ranges, Series};
+use crate::counters::count;
+use crate::raw::{RawEpoch, RawSatellite, RawSignal};
+use crate::time::{GpsTime, WEEK_MS};
+
+/// What a pseudorange can be, m.
+///
+/// No satellite is nearer than 19,000 km or farther than 43,000 km; a receiver clock may add or take 30 ms.
+const RANGE_M: core::ops::RangeInclusive<f64> = 1.0e7..=5.2e7;
+
+/// Tags that differ by less are of one instant, ms: receivers round each system's own time for itself.
+const SAME_INSTANT_MS: u32 = 10;
+
+/// How often a system has to be right until its word counts again.
+const FORGIVEN_AFTER: u8 = 3;
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Phase {
+    /// Nothing is under way.
+    Idle,
+    /// An epoch is under way. A series whose word does not count may have said that it is complete.
+    Open(Option<Series>),
+    /// What is of this time of week, ms, is passed over.
+    Dropping(u32),
+    /// The epoch of this time of week, ms, has been handed on because this series said that it was complete.
+    Complete(u32, Option<Series>),
+    /// Bytes were lost: whatever comes next is a part of something.
+    Interrupted,
+}
+
+/// The epoch under way.
+#[derive(Debug)]
+pub(super) struct Assembly {
+    epoch: RawEpoch,
+    came_ms: u64,
+    phase: Phase,
+    /// The series that the epoch has had messages of, one bit each.
+    heard: u16,
+    /// How often each series still has to be right.
+    distrust: [u8; 16],
+}
+
+impl Assembly {
+    pub(super) const fn new() -> Self {
+        let epoch = RawEpoch::new(GpsTime { week: 0, tow_ms: 0 });
+        Self { epoch, came_ms: 0, phase: Phase::Idle, heard: 0, distrust: [0; 16] }
+    }
+
+    /// Takes a message, the first byte of which came at `came_ms`, and tells of the epochs that it completes.
+    pub(super) fn take(
+        &mut self,
+        ranges: &Ranges<'_>,
+        came_ms: u64,
+        calendar: &mut Calendar,
+        counters: &mut Counters,
+        tell: &mut impl FnMut(Event<'_>),
+    ) {
+        if let Some((time, leap_s)) = ranges.stated {
+            calendar.suppose(time);
+            if let Some(leap_s) = leap_s {
+                calendar.leap(leap_s, LeapSource::Receiver);
+            }
+        }
+        if let (None, Some(utc_ms), Phase::Open(_)) = (ranges.tow_ms, ranges.of_utc_ms, self.phase) {
+            calendar.infer_leap(self.epoch.time.tow_ms, utc_ms);
+        }
+        match ranges.tow_ms {
+            None if ranges.of_utc_ms.is_some() => count(&mut counters.leap_unknown),
+            None => count(&mut counters.observations_other),
+            Some(tow_ms) => {
+                if self.admits(ranges, tow_ms, came_ms, calendar, counters, tell) {
+                    self.heard |= bit(ranges.series);
+                    self.add_all(ranges, counters);
+                }
+            }
+        }
+        if !ranges.more_follow {
+            self.end(ranges.series, counters, tell);
+        }
+    }
+
+    /// The line pauses: whoever said that the epoch is complete was right.
+    pub(super) fn pause(&mut self, counters: &mut Counters, tell: &mut impl FnMut(Event<'_>)) {
+        if let Phase::Open(Some(series)) = self.phase {
+            self.forgive(series);
+            self.complete(Some(series), counters, tell);
+        }
+    }
+
+    /// Bytes were lost.
+    pub(super) fn interrupt(&mut self, counters: &mut Counters) {
+        if matches!(self.phase, Phase::Open(_)) {
+            count(&mut counters.epochs_broken);
+        }
+        self.phase = Phase::Interrupted;
+    }
+
+    /// Whether a message of this time belongs to the open epoch. Opens one where none is open; one of another time is
+    /// complete.
+    fn admits(
+        &mut self,
+        ranges: &Ranges<'_>,
+        tow_ms: u32,
+        came_ms: u64,
+        calendar: &mut Calendar,
+        counters: &mut Counters,
+        tell: &mut impl FnMut(Event<'_>),
+    ) -> bool {
+        if ranges.measured.is_empty() && calendar.is_far_ahead(tow_ms) {
+            count(&mut counters.observations_ahead);
+            return false;
+        }
+        match self.phase {
+            Phase::Open(ended) if is_same(tow_ms, self.epoch.time.tow_ms) => {
+                if let Some(series) = ended {
+                    self.accuse(series);
+                    self.phase = Phase::Open(None);
+                }
+                return true;
+            }
+            Phase::Open(ended) => {
+                if let Some(series) = ended {
+                    self.forgive(series);
+                }
+                self.complete(None, counters, tell);
+            }
+            Phase::Complete(complete_ms, ended) if is_same(tow_ms, complete_ms) => {
+                if self.has_heard(ranges.series) {
+                    // The epoch over again: nobody was wrong about its end.
+                    count(&mut counters.epochs_backwards);
+                } else {
+                    if let Some(series) = ended {
+                        self.accuse(series);
+                    }
+                    count(&mut counters.observations_after_end);
+                }
+                self.phase = Phase::Dropping(complete_ms);
+                return false;
+            }
+            Phase::Dropping(dropped_ms) if is_same(tow_ms, dropped_ms) => return false,
+            Phase::Interrupted => {
+                count(&mut counters.epochs_broken);
+                self.phase = Phase::Dropping(tow_ms);
+                return false;
+            }
+            Phase::Dropping(_) | Phase::Idle | Phase::Complete(..) => {}
+        }
+        self.open(tow_ms, came_ms, calendar, counters)
+    }
+
+    fn open(&mut self, tow_ms: u32, came_ms: u64, calendar: &mut Calendar, counters: &mut Counters) -> bool {
+        match calendar.advance(tow_ms, counters) {
+            Ok(time) => {
+                self.epoch.time = time;
+                self.epoch.satellites.clear();
+                self.came_ms = came_ms;
+                self.heard = 0;
+                self.phase = Phase::Open(None);
+                return true;
+            }
+            Err(TimeError::WeekUnknown) => count(&mut counters.epochs_without_week),
+            Err(TimeError::Backwards) => count(&mut counters.epochs_backwards),
+        }
+        self.phase = Phase::Dropping(tow_ms);
+        false
+    }
+
+    /// Adds the ranges of a message.
+    fn add_all(&mut self, ranges: &Ranges<'_>, counters: &mut Counters) {
+        let earlier = self.epoch.satellites.len();
+        let epoch = &mut self.epoch;
+        ranges.measured.each(counters, |satellite, signal, is_reference, counters| {
+            add(epoch, satellite, signal, is_reference, earlier, counters);
+        });
+    }
+
+    /// A message says that none follows.
+    fn end(&mut self, series: Option<Series>, counters: &mut Counters, tell: &mut impl FnMut(Event<'_>)) {
+        match (self.phase, series) {
+            (Phase::Open(_), Some(series)) if self.distrust_of(series) > 0 => {
+                self.phase = Phase::Open(Some(series));
+            }
+            (Phase::Open(_), _) => self.complete(series, counters, tell),
+            // What is left of a dropped epoch is dropped too.
+            (Phase::Idle | Phase::Dropping(_) | Phase::Complete(..) | Phase::Interrupted, _) => {}
+        }
+    }
+
+    /// Hands the epoch on.
+    fn complete(
+        &mut self,
+        series: Option<Series>,
+        counters: &mut Counters,
+        tell: &mut impl FnMut(Event<'_>),
+    ) {
+        self.phase = Phase::Complete(self.epoch.time.tow_ms, series);
+        count(&mut counters.epochs);
+        tell(Event::Epoch(&self.epoch, self.came_ms));
+    }
+
+    fn has_heard(&self, series: Option<Series>) -> bool {
+        series.is_none() || self.heard & bit(series) != 0
+    }
+
+    fn distrust_of(&self, series: Series) -> u8 {
+        self.distrust.get(usize::from(series)).copied().unwrap_or(0)
+    }
+
+    fn accuse(&mut self, series: Series) {
+        if let Some(distrust) = self.distrust.get_mut(usize::from(series)) {
+            *distrust = FORGIVEN_AFTER;
+        }
+    }
+
+    fn forgive(&mut self, series: Series) {
+        if let Some(distrust) = self.distrust.get_mut(usize::from(series)) {
+            *distrust = distrust.saturating_sub(1);
+        }
+    }
+}
+
+/// The bit of a series; none where a message speaks for all.
+fn bit(series: Option<Series>) -> u16 {
+    series.map_or(0, |series| 1_u16.checked_shl(u32::from(series)).unwrap_or(0))
+}
+
+/// Whether two times of week are of one instant; the week's end lies between no two of them.
+fn is_same(a_ms: u32, b_ms: u32) -> bool {
+    let apart_ms = a_ms.abs_diff(b_ms);
+    apart_ms.min(WEEK_MS.saturating_sub(apart_ms)) < SAME_INSTANT_MS
+}
+
+/// Adds a signal of a message that began when the epoch held `earlier` satellites.
+///
+/// A satellite that an earlier message of the epoch has brought is a duplicate and keeps its first ranges.
+fn add(
+    epoch: &mut RawEpoch,
+    satellite: SatelliteId,
+    signal: RawSignal,
+    is_reference: bool,
+    earlier: usize,
+    counters: &mut Counters,
+) {
+    if !RANGE_M.contains(&signal.range_m) {
+        return count(&mut counters.ranges_out_of_bounds);
+    }
+    let known = epoch.satellites.iter_mut().enumerate().find(|(_, known)| known.satellite == satellite);
+    match known {
+        Some((index, _)) if index < earlier => count(&mut counters.satellites_duplicate),
+        Some((_, known)) => add_signal(known, signal, is_reference, counters),
+        None => open(epoch, satellite, signal, counters),
+    }
+}
+
+fn open(epoch: &mut RawEpoch, satellite: SatelliteId, signal: RawSignal, counters: &mut Counters) {
+    let mut raw = RawSatellite { satellite, signals: Vec::new() };
+    add_signal(&mut raw, signal, false, counters);
+    if epoch.satellites.push(raw).is_err() {
+        count(&mut counters.satellites_surplus);
+    }
+}
+
+/// Keeps one code of each band: the one that the broadcast clock is of, else the first on the wire.
+fn add_signal(raw: &mut RawSatellite, signal: RawSignal, is_reference: bool, counters: &mut Counters) {
+    if let Some(known) = raw.signals.iter_mut().find(|known| known.carrier.band == signal.carrier.band) {
+        if is_reference {
+            *known = signal;
+        }
+        count(&mut counters.signals_surplus);
+    } else if raw.signals.push(signal).is_err() {
+        count(&mut counters.signals_surplus);
+    }
+}

@@ -1,0 +1,145 @@
+//! Fields of navigation messages: bits in the order of transmission, most significant first.
+//!
+//! Offsets and widths are constants of the decoders' tables and lie inside the pages, whose lengths are those of their
+//! types; what a wrong table would read beyond the end is zeros.
+
+/// The bits of a page.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Bits<'a>(pub(super) &'a [u8]);
+
+impl Bits<'_> {
+    /// An unsigned field of at most 32 bits.
+    pub(super) fn unsigned(self, start: usize, width: usize) -> u32 {
+        let end = start + width;
+        let bytes = self.0.get(start / 8..end.div_ceil(8)).unwrap_or(&[]);
+        let window = bytes.iter().fold(0_u64, |window, &byte| window << 8 | u64::from(byte));
+        let behind = (8 - end % 8) % 8;
+        ((window >> behind) & ((1 << width) - 1)) as u32
+    }
+
+    /// A field in two's complement.
+    pub(super) fn signed(self, start: usize, width: usize) -> i32 {
+        extend(self.unsigned(start, width), width)
+    }
+
+    /// A field whose first bit is the sign and whose others are the magnitude, as GLONASS has them.
+    pub(super) fn sign_magnitude(self, start: usize, width: usize) -> i32 {
+        let magnitude = self.unsigned(start + 1, width - 1).cast_signed();
+        if self.is_set(start) { -magnitude } else { magnitude }
+    }
+
+    /// `sign_magnitude` in units of `2^exponent`.
+    pub(super) fn magnitude(self, start: usize, width: usize, exponent: i32) -> f64 {
+        f64::from(self.sign_magnitude(start, width)) * power_of_two(exponent)
+    }
+
+    /// A single bit.
+    pub(super) fn is_set(self, position: usize) -> bool {
+        self.unsigned(position, 1) == 1
+    }
+
+    /// A small unsigned field.
+    pub(super) fn small(self, start: usize, width: usize) -> u8 {
+        self.unsigned(start, width) as u8
+    }
+
+    /// `signed` in units of `2^exponent`.
+    pub(super) fn scaled(self, start: usize, width: usize, exponent: i32) -> f64 {
+        f64::from(self.signed(start, width)) * power_of_two(exponent)
+    }
+
+    /// `scaled` where single precision holds it exactly: at most 24 bits.
+    pub(super) fn scaled_f32(self, start: usize, width: usize, exponent: i32) -> f32 {
+        self.scaled(start, width, exponent) as f32
+    }
+
+    /// `unsigned` in units of `2^exponent`.
+    pub(super) fn positive(self, start: usize, width: usize, exponent: i32) -> f64 {
+        f64::from(self.unsigned(start, width)) * power_of_two(exponent)
+    }
+
+    /// Eight coefficients of eight bits in a row, in Klobuchar's units: `α0…α3, β0…β3`.
+    pub(super) fn klobuchar(self, start: usize) -> [f64; 8] {
+        const EXPONENTS: [i32; 8] = [-30, -27, -24, -24, 11, 14, 16, 16];
+        let mut offset = start;
+        EXPONENTS.map(|exponent| {
+            let coefficient = self.scaled(offset, 8, exponent);
+            offset += 8;
+            coefficient
+        })
+    }
+}
+
+/// `2^exponent`, exactly; for the exponents of the messages, −66 to 19.
+pub(super) const fn power_of_two(exponent: i32) -> f64 {
+    f64::from_bits(((1023 + exponent) as u64) << 52)
+}
+
+/// A field in two's complement whose upper part stands on another page.
+pub(super) const fn joined(upper: i32, lower: u32, lower_width: usize) -> i32 {
+    upper << lower_width | lower.cast_signed()
+}
+
+/// The value of `width` bits in two's complement.
+const fn extend(field: u32, width: usize) -> i32 {
+    let unused = 32 - width;
+    (field << unused).cast_signed() >> unused
+}
+
+/// Appends fields to a page, most significant bit first; what does not fit is dropped.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Packed<const BYTES: usize> {
+    pub(super) bytes: [u8; BYTES],
+    bits: usize,
+}
+
+impl<const BYTES: usize> Packed<BYTES> {
+    pub(super) const fn new() -> Self {
+        Self { bytes: [0; BYTES], bits: 0 }
+    }
+
+    /// Appends the low `width` bits of `field`, at most 32.
+    pub(super) fn push(&mut self, field: u32, width: usize) {
+        for position in (0..width).rev() {
+            let bit = (field >> position & 1) as u8;
+            if let Some(byte) = self.bytes.get_mut(self.bits / 8) {
+                *byte |= bit << (7 - self.bits % 8);
+            }
+            self.bits += 1;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fields_are_read_across_bytes_and_signed_both_ways() {
+        let bits = Bits(&[0b1010_0111, 0b1100_0001, 0xFF, 0x80, 0x01]);
+        assert_eq!(bits.unsigned(4, 6), 0b01_1111);
+        assert_eq!(bits.signed(0, 4), -6);
+        assert_eq!(bits.sign_magnitude(0, 4), -2);
+        assert_eq!(bits.unsigned(8, 32), 0xC1FF_8001);
+        assert_eq!(bits.signed(8, 32), 0xC1FF_8001_u32.cast_signed());
+        assert_eq!(bits.unsigned(36, 8), 0, "beyond the end");
+    }
+
+    #[test]
+    fn powers_and_joined_fields() {
+        let (have, want) = ([-66, 0, 19].map(power_of_two), [2f64.powi(-66), 1.0, 524_288.0]);
+        assert_eq!(have.map(f64::to_bits), want.map(f64::to_bits));
+        // −3 in ten bits, split after the sixth.
+        assert_eq!(joined(-1, 0b1101, 4), -3);
+    }
+
+    #[test]
+    fn what_is_packed_is_read() {
+        let mut packed = Packed::<5>::new();
+        packed.push(0b101, 3);
+        packed.push(0xFFFF_0001, 32);
+        packed.push(0b11, 2);
+        let bits = Bits(&packed.bytes);
+        assert_eq!((bits.unsigned(0, 3), bits.unsigned(3, 32), bits.unsigned(35, 2)), (5, 0xFFFF_0001, 3));
+    }
+}

@@ -1,0 +1,303 @@
+//! Which week it is, and that time goes forward.
+//!
+//! Observations say only where in the week they are; ephemerides say the week: `BeiDou` with 13 bits (until 2163),
+//! Galileo with 12 (until 2078), GPS with 10. A GPS week is taken in the cycle of 1,024 nearest to the known time,
+//! and before any time is known in the cycle that begins with [`NOT_BEFORE_WEEK`].
+//!
+//! Nothing on the wire is accepted for ever. A time that goes back is dropped, but [`RESTART_RUN`] epochs in a row
+//! that are older and follow each other are the new time. A time that goes on from before a leap of more than
+//! [`LEAP_MS`] is the time at once: the leap was the error, and costs no other epoch.
+//!
+//! The week is the systems' to vote on: what one system says, however often, does not outvote two that agree. It is
+//! corrected when more systems contradict it than confirm it, or as many and with [`DISSENT`] more ephemerides.
+
+use rai_core::satellite::Constellation;
+
+use super::Counters;
+use crate::counters::count;
+use crate::time::{BEIDOU_OFFSET_MS, BEIDOU_WEEK_OFFSET, GALILEO_WEEK_OFFSET, GpsTime, WEEK_MS};
+
+/// The first week that a GPS ephemeris can mean when nothing else tells the time: 2019-04-07, the third cycle.
+///
+/// Right until 2038-11-20; with a Galileo or `BeiDou` ephemeris it is not needed.
+pub const NOT_BEFORE_WEEK: u16 = 2048;
+
+/// A step of time that is longer than a gap between epochs mostly is, ms.
+const LEAP_MS: u64 = 60_000;
+
+/// Epochs in a row that make an older time the time.
+const RESTART_RUN: u8 = 5;
+
+/// Ephemerides that it takes to correct the week.
+const DISSENT: u8 = 4;
+
+/// The votes of one system that count.
+const MOST_VOTES: i8 = 8;
+
+/// How far from the present a reference time confirms the week, ms: three days, for orbits uploaded long ago.
+const AGREEMENT_MS: u64 = 3 * 86_400_000;
+
+/// How far around the end of the week the week number of a message may still or already be the neighbour's, ms.
+const ROLL_OVER_MS: u32 = 4 * 3_600_000;
+
+/// The week of GPS time that a message's week number means.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct MessageWeek {
+    pub(super) constellation: Constellation,
+    pub(super) week: u16,
+}
+
+/// Epochs in a row whose tags have to say the same of leap seconds.
+const LEAP_RUN: u8 = 10;
+
+/// More leap seconds than there will be.
+const MOST_LEAP_S: u32 = 63;
+
+/// Tags of one instant differ by less, ms.
+const TAG_MS: u32 = 10;
+
+/// Who said how many leap seconds there are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LeapSource {
+    /// The receiver.
+    Receiver,
+    /// Satellites, in their navigation bits.
+    Satellites,
+    /// Messages of one instant, tagged with GPS time and with UTC.
+    Tags,
+}
+
+/// How far GPS time is ahead of UTC.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LeapSecond {
+    /// GPS time minus UTC, s.
+    pub seconds: u8,
+    /// Who said so last.
+    pub source: LeapSource,
+    /// When, by the last epoch.
+    pub said: Option<GpsTime>,
+}
+
+/// The time line.
+#[derive(Debug)]
+pub(super) struct Calendar {
+    leap: Option<LeapSecond>,
+    /// What the tags of messages of one epoch say of leap seconds, and how often in a row.
+    inferred: (u32, u8),
+    /// The last epoch, or the reference time of an ephemeris before there was one.
+    reference: Option<GpsTime>,
+    /// The last epoch.
+    last: Option<GpsTime>,
+    /// The last epoch that was dropped because it was older, and how many followed each other.
+    older: Option<(GpsTime, u8)>,
+    /// The last epoch before a leap, until as many have followed the leap as make a time the time.
+    before_leap: Option<(GpsTime, u8)>,
+    /// What each system says of the week: that it is right where positive, that it is wrong where negative.
+    votes: [i8; SYSTEMS],
+}
+
+/// How many systems there are.
+const SYSTEMS: usize = Constellation::ALL.len();
+
+/// Why an epoch's time is refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum TimeError {
+    WeekUnknown,
+    Backwards,
+}
+
+impl Calendar {
+    pub(super) const fn new() -> Self {
+        Self {
+            leap: None,
+            inferred: (0, 0),
+            reference: None,
+            last: None,
+            older: None,
+            before_leap: None,
+            votes: [0; SYSTEMS],
+        }
+    }
+
+    /// The last epoch accepted.
+    pub(super) fn time(&self) -> Option<GpsTime> {
+        self.last
+    }
+
+    /// A receiver says what time it is. Believed where nothing else says it; ephemerides may outvote it.
+    pub(super) fn suppose(&mut self, time: GpsTime) {
+        self.reference.get_or_insert(time);
+    }
+
+    /// Somebody says how many leap seconds there are.
+    pub(super) fn leap(&mut self, seconds: u8, source: LeapSource) {
+        self.leap = Some(LeapSecond { seconds, source, said: self.last });
+    }
+
+    /// A message of the open epoch is tagged with UTC. Where nobody says how many leap seconds there are, the difference
+    /// to the epoch's own tag does, once it has been the same [`LEAP_RUN`] times: a message of a neighbouring epoch, where
+    /// bytes were lost, is wrong by whole seconds.
+    pub(super) fn infer_leap(&mut self, gps_ms: u32, utc_ms: u32) {
+        let difference_ms = (gps_ms + WEEK_MS - utc_ms) % WEEK_MS;
+        let seconds = (difference_ms + 500) / 1000;
+        if seconds > MOST_LEAP_S || difference_ms.abs_diff(1000 * seconds) >= TAG_MS {
+            return;
+        }
+        let (before, run) = self.inferred;
+        self.inferred = (seconds, if before == seconds { run.saturating_add(1) } else { 1 });
+        if self.inferred.1 >= LEAP_RUN {
+            self.leap(seconds as u8, LeapSource::Tags);
+        }
+    }
+
+    /// GPS time minus UTC, who said so and when.
+    pub(super) fn leap_second(&self) -> Option<LeapSecond> {
+        self.leap
+    }
+
+    /// About when it is: the last epoch or, before there was one, the reference time of an ephemeris.
+    pub(super) fn present(&self) -> Option<GpsTime> {
+        self.reference
+    }
+
+    /// The instant of an epoch at `tow_ms`, if time goes forward with it.
+    pub(super) fn advance(&mut self, tow_ms: u32, counters: &mut Counters) -> Result<GpsTime, TimeError> {
+        let reference = self.reference.ok_or(TimeError::WeekUnknown)?;
+        let time = GpsTime::nearest(tow_ms, reference);
+        if self.last.is_some_and(|last| time <= last) {
+            let goes_on = self.before_leap.is_some_and(|(before, _)| follows(time, before));
+            if !goes_on && !self.follows_older(time) {
+                return Err(TimeError::Backwards);
+            }
+            count(&mut counters.time_restarts);
+            self.before_leap = None;
+        } else {
+            self.before_leap = match (self.last, self.before_leap) {
+                (Some(last), _) if !follows(time, last) => Some((last, 0)),
+                (_, Some((before, run))) if run < RESTART_RUN => Some((before, run + 1)),
+                _ => None,
+            };
+        }
+        self.older = None;
+        self.reference = Some(time);
+        self.last = Some(time);
+        Ok(time)
+    }
+
+    /// Whether a time is so far ahead of the last epoch that it wants something to vouch for it.
+    pub(super) fn is_far_ahead(&self, tow_ms: u32) -> bool {
+        self.last.is_some_and(|last| {
+            let time = GpsTime::nearest(tow_ms, last);
+            time > last && !follows(time, last)
+        })
+    }
+
+    /// Notes an epoch older than the last one; true when enough of them have followed each other.
+    fn follows_older(&mut self, time: GpsTime) -> bool {
+        let run = match self.older {
+            Some((before, run)) if time > before => run.saturating_add(1),
+            // The next system's message of the same instant.
+            Some((before, run)) if time == before => run,
+            _ => 1,
+        };
+        self.older = Some((time, run));
+        run >= RESTART_RUN
+    }
+
+    /// Lets an ephemeris of a system vote on the week. The first one says it, and has no vote besides.
+    pub(super) fn learn(&mut self, system: Constellation, toe: GpsTime, counters: &mut Counters) {
+        let Some(reference) = self.reference else {
+            self.reference = Some(toe);
+            return;
+        };
+        let agrees = toe.since_ms(reference).unsigned_abs() <= AGREEMENT_MS;
+        if let Some(vote) = self.votes.get_mut(system as usize) {
+            // Whoever changes its mind begins anew.
+            let next = if agrees { (*vote).max(0) + 1 } else { (*vote).min(0) - 1 };
+            *vote = next.clamp(-MOST_VOTES, MOST_VOTES);
+        }
+        if !agrees && self.is_outvoted() {
+            count(&mut counters.week_corrections);
+            let votes = self.votes.map(|vote| -vote.signum());
+            *self = Self { leap: self.leap, reference: Some(toe), votes, ..Self::new() };
+        }
+    }
+
+    /// Whether more systems contradict the week than confirm it, or as many and more often.
+    fn is_outvoted(&self) -> bool {
+        let sum = |is_of: fn(&i8) -> bool| {
+            let votes = self.votes.iter().copied().filter(is_of);
+            votes.fold((0, 0), |(systems, sum), vote| (systems + 1, sum + vote.unsigned_abs()))
+        };
+        let ((against, dissent), (confirming, agreement)) = (sum(|&vote| vote < 0), sum(|&vote| vote > 0));
+        dissent >= DISSENT
+            && (against > confirming || against == confirming && dissent >= agreement.saturating_add(DISSENT))
+    }
+
+    /// The instant that a message means with its week and `tow_s` of its own system.
+    pub(super) fn resolve(&self, message: MessageWeek, tow_s: f64) -> Option<GpsTime> {
+        if !(0.0..604_800.0).contains(&tow_s) {
+            return None;
+        }
+        let tow_ms = libm::round(tow_s * 1e3) as u32;
+        let week = self.full_week(message)?;
+        let stated = match message.constellation {
+            Constellation::Beidou => {
+                GpsTime::from_ms(GpsTime { week, tow_ms }.to_ms() + BEIDOU_OFFSET_MS as u64)
+            }
+            _ => GpsTime { week, tow_ms },
+        };
+        Some(self.across_roll_over(stated))
+    }
+
+    /// The week without roll-overs; GLONASS counts days, and has none.
+    fn full_week(&self, message: MessageWeek) -> Option<u16> {
+        match message.constellation {
+            Constellation::Beidou => Some(message.week.saturating_add(BEIDOU_WEEK_OFFSET)),
+            Constellation::Galileo => Some(message.week.saturating_add(GALILEO_WEEK_OFFSET)),
+            Constellation::Gps => Some(self.gps_week(message.week % 1024)),
+            Constellation::Glonass => None,
+        }
+    }
+
+    /// The week ≡ `week` modulo 1,024 nearest to the known one.
+    fn gps_week(&self, week: u16) -> u16 {
+        let first = self.reference.map_or(NOT_BEFORE_WEEK, |reference| reference.week.saturating_sub(512));
+        first.saturating_add(week.wrapping_sub(first) % 1024)
+    }
+
+    /// Mends a week number that is that of transmission while the reference time lies beyond the roll-over.
+    ///
+    /// Only near the roll-over, and only when it makes the reference time the present: a set that is a week old
+    /// must not look fresh.
+    fn across_roll_over(&self, stated: GpsTime) -> GpsTime {
+        let Some(reference) = self.reference else {
+            return stated;
+        };
+        let nearest = GpsTime::nearest(stated.tow_ms, reference);
+        let is_at_edge = stated.tow_ms < ROLL_OVER_MS || stated.tow_ms > WEEK_MS - ROLL_OVER_MS;
+        let is_neighbour = nearest.week.abs_diff(stated.week) == 1;
+        let is_present = nearest.since_ms(reference).unsigned_abs() <= u64::from(ROLL_OVER_MS);
+        if is_at_edge && is_neighbour && is_present { nearest } else { stated }
+    }
+}
+
+/// Whether an epoch comes after another one within what is no leap.
+fn follows(time: GpsTime, before: GpsTime) -> bool {
+    time > before && time.since_ms(before).unsigned_abs() <= LEAP_MS
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_older_time_comes_back_though_every_system_ends_its_own_epoch() {
+        let (mut calendar, mut counters) = (Calendar::new(), Counters::default());
+        calendar.learn(Constellation::Gps, GpsTime { week: 2111, tow_ms: 0 }, &mut counters);
+        assert!(calendar.advance(90_000_000, &mut counters).is_ok());
+        let older = (1..=5).flat_map(|second| [second * 1000; 2]);
+        let accepted = older.filter(|&tow_ms| calendar.advance(tow_ms, &mut counters).is_ok()).count();
+        assert_eq!((accepted, calendar.time()), (1, Some(GpsTime { week: 2111, tow_ms: 5000 })));
+    }
+}

@@ -1,0 +1,79 @@
+//! What came in and what was not used.
+
+use crate::counters::counters;
+
+counters! {
+    /// What came in and what was not used, by reason.
+    Counters {
+        /// Frames with a right check.
+        frames,
+        /// Bytes that belong to no good frame.
+        bytes_skipped,
+        /// Frames whose check was wrong.
+        crc_failures,
+        /// Beginnings of frames that were passed over because too many before them had been none.
+        frames_unchecked,
+        /// Frames that had not ended when the line fell silent.
+        frames_cut,
+        /// Messages of a type that is not read.
+        messages_other,
+        /// Observations of systems that are not used: GLONASS, SBAS, QZSS, `NavIC`.
+        observations_other,
+        /// Messages too short for their type, or that contradict themselves.
+        messages_malformed,
+        /// Ephemerides decoded.
+        ephemerides,
+        /// Ephemerides with a value that no satellite sends.
+        ephemerides_invalid,
+        /// Ranges that had come in another format already.
+        observations_doubled,
+        /// GLONASS messages before anything has said how many leap seconds there are.
+        leap_unknown,
+        /// Frames of navigation bits that were read.
+        subframes,
+        /// Frames of navigation bits of signals that are not read.
+        subframes_other,
+        /// Frames of navigation bits with another number of words, preamble or page than theirs.
+        subframes_malformed,
+        /// Navigation bits with a wrong parity or CRC.
+        subframes_parity,
+        /// Navigation bits beyond the sets that are assembled at a time.
+        subframes_surplus,
+        /// Sets of navigation bits whose pages are of different issues.
+        subframes_mixed,
+        /// Reference positions far from the surface of the earth.
+        positions_invalid,
+        /// Epochs handed on.
+        epochs,
+        /// Epochs dropped because no ephemeris has told the week yet.
+        epochs_without_week,
+        /// Epochs dropped because they are not newer than the last one.
+        epochs_backwards,
+        /// Times that went back and were accepted because they went on from there.
+        time_restarts,
+        /// Weeks corrected because the ephemerides agreed on another one.
+        week_corrections,
+        /// Epochs dropped because bytes of them were lost.
+        epochs_broken,
+        /// Observations that came after another message had said that none would follow.
+        observations_after_end,
+        /// Observations without satellites that were tagged far ahead.
+        observations_ahead,
+        /// Observations dropped because their time of week is none.
+        times_out_of_range,
+        /// Satellites that came twice in one epoch; the first is used.
+        satellites_duplicate,
+        /// Satellites with a number that their system does not have.
+        satellites_unknown,
+        /// Satellites beyond the capacity of an epoch.
+        satellites_surplus,
+        /// Signals on bands that are not used.
+        signals_other,
+        /// Signals beyond what is kept of one satellite, or a second code on the same band.
+        signals_surplus,
+        /// Signals without a range.
+        ranges_missing,
+        /// Ranges that no satellite can have.
+        ranges_out_of_bounds,
+    }
+}

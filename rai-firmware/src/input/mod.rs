@@ -1,0 +1,337 @@
+//! Bytes of the GNSS port to events: frames, messages, epochs.
+//!
+//! ```text
+//! bytes ──► framer ──frame──► rtcm, ubx ──Message──► assembly ──► Event::Epoch
+//!           checked once      read once              └─────────► Event::Ephemeris, Event::Position
+//! ```
+//!
+//! | module | what |
+//! |---|---|
+//! | `framer` | finds frames of all formats in the stream, and checks each once |
+//! | `rtcm` | reads the messages of RTCM 3 |
+//! | [`ubx`] | reads those of u-blox receivers, and the navigation bits in them |
+//! | `bits` | fields of navigation messages |
+//! | `preference` | which format's ranges are used where two come |
+//! | `assembly` | messages of one instant become one epoch |
+//! | `calendar` | which week it is, and that time goes forward |
+//! | [`Counters`] | what came in and what was not used |
+//!
+//! Behind [`Message`] no wire format is known. A new one is a folder beside `rtcm`, an arm of the framer that finds its
+//! frames, and an arm of `read` that reads them.
+//!
+//! ```
+//! # use rai_firmware::input::{Event, Input};
+//! # let (bytes, now_ms) = ([0xD3_u8, 0, 0], 0);
+//! let mut input = Input::new();
+//! input.feed(&bytes, now_ms, |event| match event {
+//!     Event::Epoch(raw, came_ms) => drop((raw.time, came_ms)),
+//!     Event::Ephemeris(ephemeris) => drop(ephemeris.satellite()),
+//!     Event::Position(point) => drop(point.radius_m()),
+//!     Event::Ionosphere(coefficients) => drop(coefficients),
+//!     Event::Jamming(jamming) => drop(jamming.spoofing),
+//! });
+//! ```
+//!
+//! All input is hostile. Whatever is not used increments one of the [`Counters`]; the state survives.
+
+mod assembly;
+mod bits;
+mod calendar;
+mod counters;
+mod framer;
+mod preference;
+mod rtcm;
+pub mod ubx;
+
+use rai_core::frame::Ecef;
+use rai_core::satellite::{Constellation, SatelliteId};
+
+use crate::counters::count;
+use crate::ephemeris::{Broadcast, BroadcastError, Ephemeris, StateBroadcast};
+use crate::raw::{RawEpoch, RawSignal};
+use crate::time::GpsTime;
+
+use assembly::Assembly;
+use calendar::Calendar;
+use framer::{Frame, Framer, Protocol};
+use preference::Preference;
+use ubx::{Jamming, Navigation};
+
+pub use calendar::{LeapSecond, LeapSource, NOT_BEFORE_WEEK};
+pub use counters::Counters;
+
+/// What the bytes said.
+#[derive(Debug)]
+pub enum Event<'a> {
+    /// All observations of one instant, and when its first byte came, in ms.
+    Epoch(&'a RawEpoch, u64),
+    /// A checked ephemeris.
+    Ephemeris(Ephemeris),
+    /// Where a station says it is: a first guess.
+    Position(Ecef),
+    /// Coefficients of Klobuchar's model as the GPS satellites broadcast them, `α0…α3, β0…β3`.
+    Ionosphere([f64; 8]),
+    /// What the receiver says of jamming and spoofing.
+    Jamming(Jamming),
+}
+
+/// What one message says, whatever format it came in.
+#[derive(Debug)]
+enum Message<'a> {
+    /// Ranges of one instant, or of a part of it.
+    Ranges(Ranges<'a>),
+    /// An orbit and a clock, not yet judged.
+    Broadcast(Broadcast),
+    /// A position, a velocity and a clock, not yet judged.
+    State(StateBroadcast),
+    /// Where a station says it is.
+    Position(Ecef),
+    /// Klobuchar's coefficients where they are of GPS, and GPS time minus UTC in seconds.
+    Corrections(Option<[f64; 8]>, Option<u8>),
+    /// What the receiver says of jamming and spoofing.
+    Jamming(Jamming),
+}
+
+/// A message of ranges.
+#[derive(Debug)]
+struct Ranges<'a> {
+    /// The system that the message is of; `None` where it speaks for all.
+    series: Option<Series>,
+    /// Milliseconds into the week of GPS time; `None` where the format's own time cannot be told as such.
+    tow_ms: Option<u32>,
+    /// Milliseconds into the week of UTC, where the format counts so.
+    of_utc_ms: Option<u32>,
+    /// The same with its week, and GPS time minus UTC, where the format says them.
+    stated: Option<(GpsTime, Option<u8>)>,
+    /// Whether it says that more of the same instant follows.
+    more_follow: bool,
+    measured: Measured<'a>,
+}
+
+/// A series of messages that says for itself whether more follow: a number that stays the same, below 16.
+type Series = u8;
+
+/// The ranges themselves, still in the format they came in.
+#[derive(Debug)]
+enum Measured<'a> {
+    /// None that are used.
+    Nothing,
+    Msm(rtcm::Msm<'a>),
+    Rawx(ubx::Rawx<'a>),
+}
+
+impl Measured<'_> {
+    /// Whether there is no satellite in it.
+    fn is_empty(&self) -> bool {
+        match self {
+            Self::Nothing => true,
+            Self::Msm(msm) => msm.is_empty(),
+            Self::Rawx(rawx) => rawx.is_empty(),
+        }
+    }
+
+    /// Hands each range to `add`, with whether its code is the one of its band that the broadcast clock is of.
+    fn each(
+        &self,
+        counters: &mut Counters,
+        mut add: impl FnMut(SatelliteId, RawSignal, bool, &mut Counters),
+    ) {
+        match self {
+            Self::Nothing => {}
+            Self::Msm(msm) => msm.each(counters, &mut add),
+            Self::Rawx(rawx) => rawx.each(counters, &mut add),
+        }
+    }
+}
+
+/// The GNSS port's way in.
+#[derive(Debug)]
+pub struct Input {
+    framer: Framer,
+    calendar: Calendar,
+    assembly: Assembly,
+    navigation: Navigation,
+    preference: Preference,
+    counters: Counters,
+}
+
+impl Default for Input {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Input {
+    /// A way in through which nothing has come.
+    pub const fn new() -> Self {
+        Self {
+            framer: Framer::new(),
+            calendar: Calendar::new(),
+            assembly: Assembly::new(),
+            navigation: Navigation::new(),
+            preference: Preference::new(),
+            counters: Counters::NONE,
+        }
+    }
+
+    /// Takes bytes that came at an instant, and tells what they complete, in order.
+    pub fn feed(&mut self, bytes: &[u8], came_ms: u64, mut tell: impl FnMut(Event<'_>)) {
+        let mut rest = bytes;
+        while !rest.is_empty() {
+            rest = self.framer.take(rest, came_ms, &mut self.counters);
+            self.drain(false, &mut tell);
+        }
+    }
+
+    /// The line has been silent for longer than a gap inside a frame can be: what is incomplete stays incomplete.
+    ///
+    /// A cut frame may announce more bytes than are left of the burst it came in, and would hold back the good frames
+    /// behind it until the next burst.
+    pub fn silence(&mut self, mut tell: impl FnMut(Event<'_>)) {
+        self.drain(true, &mut tell);
+    }
+
+    /// The line pauses, for longer than between two messages of one burst: an epoch is complete whose end was said by a
+    /// system that has said so wrongly before.
+    pub fn pause(&mut self, mut tell: impl FnMut(Event<'_>)) {
+        self.assembly.pause(&mut self.counters, &mut tell);
+    }
+
+    /// Bytes were lost: what is under way is dropped, and so is what is left of the next epoch.
+    pub fn interrupt(&mut self) {
+        self.framer.forget(&mut self.counters);
+        self.assembly.interrupt(&mut self.counters);
+    }
+
+    /// What came in and what was not used.
+    pub fn counters(&self) -> &Counters {
+        &self.counters
+    }
+
+    /// The time of the last epoch that was accepted.
+    pub fn time(&self) -> Option<GpsTime> {
+        self.calendar.time()
+    }
+
+    /// GPS time minus UTC, who said so and when; none until somebody has.
+    pub fn leap_second(&self) -> Option<LeapSecond> {
+        self.calendar.leap_second()
+    }
+
+    fn drain(&mut self, is_silent: bool, tell: &mut impl FnMut(Event<'_>)) {
+        let Self { framer, calendar, assembly, navigation, preference, counters } = self;
+        while let Some(frame) = framer.next(is_silent, counters) {
+            match read(&frame, navigation, calendar, counters) {
+                Some(Message::Ranges(ranges)) => {
+                    if preference.takes(frame.protocol, &ranges) {
+                        assembly.take(&ranges, frame.came_ms, calendar, counters, tell);
+                    } else {
+                        count(&mut counters.observations_doubled);
+                    }
+                }
+                Some(Message::Broadcast(broadcast)) => {
+                    judge(Ephemeris::new(&broadcast), calendar, counters, tell);
+                }
+                Some(Message::State(state)) => judge(Ephemeris::of_state(&state), calendar, counters, tell),
+                Some(Message::Position(point)) => tell(Event::Position(point)),
+                Some(Message::Corrections(coefficients, leap_s)) => {
+                    if let Some(leap_s) = leap_s {
+                        calendar.leap(leap_s, LeapSource::Satellites);
+                    }
+                    if let Some(coefficients) = coefficients {
+                        tell(Event::Ionosphere(coefficients));
+                    }
+                }
+                Some(Message::Jamming(jamming)) => tell(Event::Jamming(jamming)),
+                None => {}
+            }
+        }
+    }
+}
+
+/// Reads a frame; what leads to nothing is counted.
+fn read<'a>(
+    frame: &Frame<'a>,
+    navigation: &mut Navigation,
+    calendar: &Calendar,
+    counters: &mut Counters,
+) -> Option<Message<'a>> {
+    let read = match frame.protocol {
+        Protocol::Rtcm => rtcm::read(frame.bytes, frame.payload(), calendar).map(Some),
+        Protocol::Ubx => ubx::read(frame, navigation, calendar, counters),
+    };
+    read.unwrap_or_else(|reason| {
+        count(reason.counter(counters));
+        None
+    })
+}
+
+/// Why a frame leads to no message.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Unread {
+    /// Its type is not read.
+    Other,
+    /// It is too short for its type, or contradicts itself.
+    Malformed,
+    /// A time of week that is none.
+    Time,
+    /// An ephemeris with a number or a time that no satellite has.
+    Ephemeris,
+    /// A position that is none of a receiver.
+    Position,
+    /// The receiver does not know the week yet.
+    WithoutWeek,
+    /// A satellite number that the system does not have.
+    Satellite,
+    /// GLONASS, before anything has said how many leap seconds there are.
+    LeapUnknown,
+    /// Navigation bits of a signal that is not read.
+    BitsOther,
+    /// Navigation bits that are none: wrong number of words, preamble or flags.
+    BitsMalformed,
+    /// Navigation bits with a wrong parity or CRC.
+    BitsParity,
+    /// A set of navigation bits whose pages are of different issues.
+    BitsMixed,
+    /// Navigation bits for which no set is free.
+    BitsSurplus,
+}
+
+impl Unread {
+    fn counter(self, counters: &mut Counters) -> &mut u32 {
+        match self {
+            Self::Other => &mut counters.messages_other,
+            Self::Malformed => &mut counters.messages_malformed,
+            Self::Time => &mut counters.times_out_of_range,
+            Self::Ephemeris => &mut counters.ephemerides_invalid,
+            Self::Position => &mut counters.positions_invalid,
+            Self::WithoutWeek => &mut counters.epochs_without_week,
+            Self::Satellite => &mut counters.satellites_unknown,
+            Self::LeapUnknown => &mut counters.leap_unknown,
+            Self::BitsOther => &mut counters.subframes_other,
+            Self::BitsMalformed => &mut counters.subframes_malformed,
+            Self::BitsParity => &mut counters.subframes_parity,
+            Self::BitsMixed => &mut counters.subframes_mixed,
+            Self::BitsSurplus => &mut counters.subframes_surplus,
+        }
+    }
+}
+
+/// Judges what a satellite says of itself.
+fn judge(
+    ephemeris: Result<Ephemeris, BroadcastError>,
+    calendar: &mut Calendar,
+    counters: &mut Counters,
+    tell: &mut impl FnMut(Event<'_>),
+) {
+    let Ok(ephemeris) = ephemeris else {
+        return count(&mut counters.ephemerides_invalid);
+    };
+    count(&mut counters.ephemerides);
+    calendar.learn(constellation(&ephemeris), ephemeris.toe(), counters);
+    tell(Event::Ephemeris(ephemeris));
+}
+
+fn constellation(ephemeris: &Ephemeris) -> Constellation {
+    ephemeris.satellite().constellation()
+}

@@ -1,0 +1,43 @@
+//! 1020: the state vector of a GLONASS satellite.
+//!
+//! | offset | width | field |
+//! |---|---|---|
+//! | 12, 39, 41 | 6, 1, 7 | satellite, health `B_n`, `t_b` in quarters of an hour of GLONASS time |
+//! | 48, 104, 160 | 24, 27, 5 each | velocity, position, acceleration of x, y, z |
+//! | 217, 230, 231, 253, 264 | 11, 1, 22, 5, 4 | `γ_n`, `l_n`, `τ_n`, `Δτ_n`, `F_T` |
+//!
+//! Numbers are a sign bit and a magnitude, so this one is read here and not by `rtcm-rs`, which would bring half a
+//! kilobyte of text with it. Reference: [RTCM-10403.3] 3.5.11.2, table 3.5-21.
+
+use rai_core::satellite::{Constellation, SatelliteId};
+
+use crate::ephemeris::{Health, StateBroadcast, glonass_accuracy_m};
+use crate::input::Unread;
+use crate::input::bits::Bits;
+use crate::input::calendar::Calendar;
+use crate::time::glonass_time;
+
+/// Bytes of the message.
+const LENGTH: usize = 45;
+
+/// Reads the message. Needs to know what time it is, and the leap seconds.
+pub(super) fn read(payload: &[u8], calendar: &Calendar) -> Result<StateBroadcast, Unread> {
+    const KM: f64 = 1e3;
+    let bits = Bits(payload.get(..LENGTH).ok_or(Unread::Malformed)?);
+    let leap = calendar.leap_second().ok_or(Unread::LeapUnknown)?;
+    let now = calendar.present().ok_or(Unread::WithoutWeek)?;
+    let axes = [48, 104, 160];
+    let is_well = !bits.is_set(39) && !bits.is_set(230);
+    Ok(StateBroadcast {
+        satellite: SatelliteId::new(Constellation::Glonass, bits.small(12, 6)).ok_or(Unread::Satellite)?,
+        health: Health::of_satellite(is_well),
+        accuracy_m: glonass_accuracy_m(bits.small(264, 4)),
+        toe: glonass_time(900 * bits.unsigned(41, 7), leap.seconds, now).ok_or(Unread::Ephemeris)?,
+        velocity_m_s: axes.map(|axis| bits.magnitude(axis, 24, -20) * KM),
+        position_m: axes.map(|axis| bits.magnitude(axis + 24, 27, -11) * KM),
+        acceleration_m_s2: axes.map(|axis| (bits.magnitude(axis + 51, 5, -30) * KM) as f32),
+        clock_s: -bits.magnitude(231, 22, -30),
+        clock_s_s: bits.magnitude(217, 11, -40),
+        delay_l2_s: bits.magnitude(253, 5, -30) as f32,
+    })
+}

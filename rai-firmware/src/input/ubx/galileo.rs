@@ -1,0 +1,193 @@
+//! Galileo I/NAV and F/NAV: pages with a CRC.
+//!
+//! I/NAV comes as an even and an odd part, which make a word of 128 bits; words 1 to 4 are the ephemeris and say which
+//! issue they belong to, word 5 has health, group delays and week and does not. A satellite sends it last in each 30 s,
+//! so it closes the set that came before it. F/NAV has the same in four pages, every one with its issue.
+//!
+//! | I/NAV word | fields |
+//! |---|---|
+//! | 1 | `IODnav` 6, toe 16, M0 30, e 62, √A 94 |
+//! | 2 | `IODnav` 6, Ω0 16, i0 48, ω 80, i̇ 112 |
+//! | 3 | `IODnav` 6, Ω̇ 16, Δn 40, Cuc 56, Cus 72, Crc 88, Crs 104, SISA 120 |
+//! | 4 | `IODnav` 6, satellite 16, Cic 22, Cis 38, toc 54, af0 68, af1 99, af2 120 |
+//! | 5 | BGD E1/E5a 47, E1/E5b 57, health 67 and 69, validity 71 and 72, week 73, TOW 85 |
+//! | 6 | `Δt_LS` 62, week and day of the next 86, 94, `Δt_LSF` 97 |
+//!
+//! References: [OS-SIS-ICD] 4.2, 4.3, 5.1.
+
+use rai_core::satellite::SatelliteId;
+
+use super::Refusal;
+use super::leap::Announcement;
+use super::parity::crc24q;
+use crate::ephemeris::{Broadcast, Health, Source, galileo_sisa_m};
+use crate::input::bits::{Bits, Packed};
+use crate::input::calendar::{Calendar, MessageWeek};
+use crate::raw::Band;
+
+/// Bytes of an I/NAV word.
+pub(super) const INAV_BYTES: usize = 16;
+
+/// Words of an I/NAV ephemeris.
+pub(super) const INAV_PAGES: usize = 5;
+
+/// Bytes kept of an F/NAV page: what is behind bit 192 is its time.
+pub(super) const FNAV_BYTES: usize = 24;
+
+/// Pages of an F/NAV ephemeris.
+pub(super) const FNAV_PAGES: usize = 4;
+
+/// The word of an I/NAV page, from the receiver's eight words: 120 bits of each part, then eight of no meaning.
+pub(super) fn inav_word(words: &[u32; 8]) -> Result<[u8; INAV_BYTES], Refusal> {
+    let page = bytes_of(words);
+    let page = Bits(&page);
+    // Even part, nominal page; odd part, nominal page. An alert page has its bits set.
+    if page.unsigned(0, 2) != 0b00 || page.unsigned(128, 2) != 0b10 {
+        return Err(Refusal::Malformed);
+    }
+    // Leading zeros leave a CRC as it is, so the 114 and 82 bits follow four of them and make whole bytes.
+    let mut covered = Packed::<25>::new();
+    covered.push(0, 4);
+    append(&mut covered, page, 0, 114);
+    append(&mut covered, page, 128, 82);
+    if crc24q(Bits(&covered.bytes), 200) != page.unsigned(210, 24) {
+        return Err(Refusal::Parity);
+    }
+    let mut word = Packed::new();
+    append(&mut word, page, 2, 112);
+    append(&mut word, page, 130, 16);
+    Ok(word.bytes)
+}
+
+/// The front of an F/NAV page, from the receiver's eight words: 238 bits and a tail.
+pub(super) fn fnav_page(words: &[u32; 8]) -> Result<[u8; FNAV_BYTES], Refusal> {
+    let page = bytes_of(words);
+    let bits = Bits(&page);
+    if crc24q(bits, 214) != bits.unsigned(214, 24) {
+        return Err(Refusal::Parity);
+    }
+    page.first_chunk().copied().ok_or(Refusal::Malformed)
+}
+
+fn bytes_of(words: &[u32; 8]) -> [u8; 32] {
+    let mut packed = Packed::new();
+    for &word in words {
+        packed.push(word, 32);
+    }
+    packed.bytes
+}
+
+/// Appends `count` bits from `start` on.
+fn append<const BYTES: usize>(packed: &mut Packed<BYTES>, from: Bits<'_>, start: usize, count: usize) {
+    let mut done = 0;
+    while done < count {
+        let width = (count - done).min(32);
+        packed.push(from.unsigned(start + done, width), width);
+        done += width;
+    }
+}
+
+/// The type of a word or a page: its first six bits.
+pub(super) fn kind(page: Bits<'_>) -> u32 {
+    page.unsigned(0, 6)
+}
+
+/// The ephemeris in words 1 to 5.
+pub(super) fn inav_ephemeris(
+    satellite: SatelliteId,
+    [first, second, third, fourth, fifth]: [Bits<'_>; INAV_PAGES],
+    calendar: &Calendar,
+) -> Result<Broadcast, Refusal> {
+    let issue = first.unsigned(6, 10);
+    if [second, third, fourth].iter().any(|word| word.unsigned(6, 10) != issue) {
+        return Err(Refusal::Mixed);
+    }
+    if fourth.small(16, 6) != satellite.number() {
+        return Err(Refusal::Value);
+    }
+    let week = MessageWeek { constellation: satellite.constellation(), week: fifth.unsigned(73, 12) as u16 };
+    let instant = |minutes: u32| calendar.resolve(week, f64::from(60 * minutes)).ok_or(Refusal::Value);
+    Ok(Broadcast {
+        satellite,
+        source: Source::GalileoInav,
+        health: Health::UNKNOWN
+            .with(Band::E5b, fifth.unsigned(67, 2) == 0 && !fifth.is_set(71))
+            .with(Band::E1, fifth.unsigned(69, 2) == 0 && !fifth.is_set(72)),
+        accuracy_m: galileo_sisa_m(third.small(120, 8)),
+        toe: instant(first.unsigned(16, 14))?,
+        toc: instant(fourth.unsigned(54, 14))?,
+        sqrt_a_sqrt_m: first.positive(94, 32, -19),
+        eccentricity: first.positive(62, 32, -33),
+        m0_sc: first.scaled(30, 32, -31),
+        omega0_sc: second.scaled(16, 32, -31),
+        i0_sc: second.scaled(48, 32, -31),
+        omega_sc: second.scaled(80, 32, -31),
+        delta_n_sc_s: third.scaled(40, 16, -43),
+        omegadot_sc_s: third.scaled(16, 24, -43),
+        idot_sc_s: second.scaled(112, 14, -43),
+        cuc_rad: third.scaled_f32(56, 16, -29),
+        cus_rad: third.scaled_f32(72, 16, -29),
+        crc_m: third.scaled_f32(88, 16, -5),
+        crs_m: third.scaled_f32(104, 16, -5),
+        cic_rad: fourth.scaled_f32(22, 16, -29),
+        cis_rad: fourth.scaled_f32(38, 16, -29),
+        af0_s: fourth.scaled(68, 31, -34),
+        af1_s_s: fourth.scaled(99, 21, -46),
+        af2_s_s2: fourth.scaled(120, 6, -59),
+        group_delays_s: [fifth.scaled_f32(47, 10, -32), fifth.scaled_f32(57, 10, -32)],
+    })
+}
+
+/// The leap seconds in word 6.
+pub(super) fn utc(word: Bits<'_>) -> Announcement {
+    Announcement {
+        now_s: word.signed(62, 8),
+        then_s: word.signed(97, 8),
+        week: word.small(86, 8),
+        day: word.small(94, 3),
+    }
+}
+
+/// The ephemeris in pages 1 to 4 of F/NAV.
+pub(super) fn fnav_ephemeris(
+    satellite: SatelliteId,
+    [first, second, third, fourth]: [Bits<'_>; FNAV_PAGES],
+    calendar: &Calendar,
+) -> Result<Broadcast, Refusal> {
+    let issue = first.unsigned(12, 10);
+    if [second, third, fourth].iter().any(|page| page.unsigned(6, 10) != issue) {
+        return Err(Refusal::Mixed);
+    }
+    if first.small(6, 6) != satellite.number() {
+        return Err(Refusal::Value);
+    }
+    let week = MessageWeek { constellation: satellite.constellation(), week: first.unsigned(155, 12) as u16 };
+    let instant = |minutes: u32| calendar.resolve(week, f64::from(60 * minutes)).ok_or(Refusal::Value);
+    Ok(Broadcast {
+        satellite,
+        source: Source::GalileoFnav,
+        health: Health::UNKNOWN.with(Band::E5a, first.unsigned(153, 2) == 0 && !first.is_set(187)),
+        accuracy_m: galileo_sisa_m(first.small(94, 8)),
+        toe: instant(third.unsigned(160, 14))?,
+        toc: instant(first.unsigned(22, 14))?,
+        sqrt_a_sqrt_m: second.positive(104, 32, -19),
+        eccentricity: second.positive(72, 32, -33),
+        m0_sc: second.scaled(16, 32, -31),
+        omega0_sc: second.scaled(136, 32, -31),
+        i0_sc: third.scaled(16, 32, -31),
+        omega_sc: third.scaled(48, 32, -31),
+        delta_n_sc_s: third.scaled(80, 16, -43),
+        omegadot_sc_s: second.scaled(48, 24, -43),
+        idot_sc_s: second.scaled(168, 14, -43),
+        cuc_rad: third.scaled_f32(96, 16, -29),
+        cus_rad: third.scaled_f32(112, 16, -29),
+        crc_m: third.scaled_f32(128, 16, -5),
+        crs_m: third.scaled_f32(144, 16, -5),
+        cic_rad: fourth.scaled_f32(16, 16, -29),
+        cis_rad: fourth.scaled_f32(32, 16, -29),
+        af0_s: first.scaled(36, 31, -34),
+        af1_s_s: first.scaled(67, 21, -46),
+        af2_s_s2: first.scaled(88, 6, -59),
+        group_delays_s: [first.scaled_f32(143, 10, -32), 0.0],
+    })
+}

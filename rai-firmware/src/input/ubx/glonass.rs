@@ -1,0 +1,78 @@
+//! GLONASS strings: 85 bits every two seconds; one to four are the ephemeris.
+//!
+//! A page here is a string with the idle bit first. Numbers are a sign bit and a magnitude. The strings of one frame
+//! follow each other within eight seconds and say nothing of which set they belong to, so a set is taken only in their
+//! order: a first string begins it, and each other one must follow the one before.
+//!
+//! | string | fields |
+//! |---|---|
+//! | all | number 1 (4) |
+//! | 1 | vx 21, ax 45, x 50 |
+//! | 2 | health 5, `t_b` 9, vy 21, ay 45, y 50 |
+//! | 3 | `γ_n` 6, `l_n` 20, vz 21, az 45, z 50 |
+//! | 4 | `τ_n` 5, `Δτ_n` 27, `F_T` 52, slot 70 |
+//!
+//! References: [GLO-ICD] 4.4, 4.5.
+
+use rai_core::satellite::SatelliteId;
+
+use super::Refusal;
+use super::parity::is_glonass_string;
+use crate::ephemeris::{Health, StateBroadcast, glonass_accuracy_m};
+use crate::input::bits::{Bits, Packed};
+use crate::time::{GpsTime, glonass_time};
+
+/// Bytes of a string.
+pub(super) const BYTES: usize = 11;
+
+/// Strings of an ephemeris.
+pub(super) const PAGES: usize = 4;
+
+/// Steps of the fields: 2⁻¹¹ km, 2⁻²⁰ km/s, 2⁻³⁰ km/s².
+const KM: f64 = 1e3;
+
+/// The string from the receiver's words; a fourth word says which frame, and is not needed.
+pub(super) fn string(words: &[u32; 3]) -> Result<[u8; BYTES], Refusal> {
+    let [first, second, third] = *words;
+    let mut packed = Packed::new();
+    packed.push(first, 32);
+    packed.push(second, 32);
+    packed.push(third >> 11, 21);
+    let bits = Bits(&packed.bytes);
+    if bits.is_set(0) {
+        return Err(Refusal::Malformed);
+    }
+    if is_glonass_string(bits) { Ok(packed.bytes) } else { Err(Refusal::Parity) }
+}
+
+/// The number of a string, 1 to 15.
+pub(super) fn number(string: Bits<'_>) -> u32 {
+    string.unsigned(1, 4)
+}
+
+/// The ephemeris in strings 1 to 4. Needs to know what time it is, and the leap seconds.
+pub(super) fn ephemeris(
+    satellite: SatelliteId,
+    [first, second, third, fourth]: [Bits<'_>; PAGES],
+    now: GpsTime,
+    leap_s: u8,
+) -> Result<StateBroadcast, Refusal> {
+    let slot = fourth.small(70, 5);
+    if slot != 0 && slot != satellite.number() {
+        return Err(Refusal::Value);
+    }
+    let axes = [first, second, third];
+    let is_well = !second.is_set(5) && !third.is_set(20);
+    Ok(StateBroadcast {
+        satellite,
+        health: Health::of_satellite(is_well),
+        accuracy_m: glonass_accuracy_m(fourth.small(52, 4)),
+        toe: glonass_time(second.unsigned(9, 7) * 900, leap_s, now).ok_or(Refusal::Value)?,
+        position_m: axes.map(|axis| axis.magnitude(50, 27, -11) * KM),
+        velocity_m_s: axes.map(|axis| axis.magnitude(21, 24, -20) * KM),
+        acceleration_m_s2: axes.map(|axis| (axis.magnitude(45, 5, -30) * KM) as f32),
+        clock_s: -fourth.magnitude(5, 22, -30),
+        clock_s_s: third.magnitude(6, 11, -40),
+        delay_l2_s: fourth.magnitude(27, 5, -30) as f32,
+    })
+}

@@ -1,0 +1,60 @@
+//! Leap seconds as the satellites announce them: what holds, what will hold, and from when on.
+//!
+//! The week of the change is said with eight bits, so it is the one of 256 that is nearest to the present.
+//! References: [IS-GPS-200] 20.3.3.5.2.4; [OS-SIS-ICD] 5.1.7.
+
+use crate::time::{GpsTime, WEEK_MS};
+
+/// Milliseconds of a day.
+const DAY_MS: u64 = 86_400_000;
+
+/// Seconds that GPS time may be ahead of UTC: 17 since 2015, and no more than one a year for longer than this lives.
+const PLAUSIBLE_S: core::ops::RangeInclusive<i32> = 0..=63;
+
+/// What a satellite says of leap seconds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Announcement {
+    /// Before the change.
+    pub(super) now_s: i32,
+    /// After it.
+    pub(super) then_s: i32,
+    /// Week modulo 256 and day, 1 to 7, at the end of which the change is.
+    pub(super) week: u8,
+    pub(super) day: u8,
+}
+
+impl Announcement {
+    /// GPS time minus UTC at `time`, s; `None` for a number that it cannot be.
+    pub(super) fn at(&self, time: GpsTime) -> Option<u8> {
+        let (before, after) = (time.week.saturating_sub(128), self.week);
+        let week = before.saturating_add(u16::from(after.wrapping_sub(before as u8)));
+        let change_ms = u64::from(week) * u64::from(WEEK_MS) + u64::from(self.day) * DAY_MS;
+        let leap_s = if time.to_ms() < change_ms + self.now_s.unsigned_abs() as u64 * 1000 {
+            self.now_s
+        } else {
+            self.then_s
+        };
+        PLAUSIBLE_S.contains(&leap_s).then_some(leap_s as u8)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The last leap second: at the end of 2016-12-31, which was day 7 (Saturday) of week 1929, GPS − UTC rose from 17 to 18 s.
+    const LAST: Announcement = Announcement { now_s: 17, then_s: 18, week: (1929 % 256) as u8, day: 7 };
+
+    #[test]
+    fn the_leap_second_of_2016() {
+        let midnight_utc_ms = 1930 * u64::from(WEEK_MS) + 17_000;
+        assert_eq!(LAST.at(GpsTime::from_ms(midnight_utc_ms - 1)), Some(17));
+        assert_eq!(LAST.at(GpsTime::from_ms(midnight_utc_ms)), Some(18));
+        assert_eq!(LAST.at(GpsTime { week: 2050, tow_ms: 0 }), Some(18));
+    }
+
+    #[test]
+    fn a_number_that_it_cannot_be_is_none() {
+        assert_eq!(Announcement { then_s: -3, ..LAST }.at(GpsTime { week: 1990, tow_ms: 0 }), None);
+    }
+}

@@ -1,0 +1,130 @@
+//! GPS LNAV: subframes of ten words of 30 bits; one to three are the ephemeris, page 18 of the fourth is the
+//! ionosphere and UTC.
+//!
+//! A page here is a subframe without parities: 240 bits. Offsets in them:
+//!
+//! | subframe | fields |
+//! |---|---|
+//! | all | preamble 0 (8), TOW of the next 24 (17), number 43 (3) |
+//! | 1 | week 48, URA 60, health 64, IODC 70 and 168, TGD 160, toc 176, af2 192, af1 200, af0 216 |
+//! | 2 | IODE 48, Crs 56, Δn 72, M0 88, Cuc 120, e 136, Cus 168, √A 184, toe 216 |
+//! | 3 | Cic 48, Ω0 64, Cis 96, i0 112, Crc 144, ω 160, Ω̇ 192, IODE 216, i̇ 224 |
+//! | 4, page 56 | α 56, β 88, `Δt_LS` 192, week and day of the next 200, 208, `Δt_LSF` 216 |
+//!
+//! References: [IS-GPS-200] 20.3.2 to 20.3.5.
+
+use rai_core::satellite::SatelliteId;
+
+use super::Refusal;
+use super::leap::Announcement;
+use super::parity::is_lnav_word;
+use crate::ephemeris::{Broadcast, Health, Source, ura_m};
+use crate::input::bits::{Bits, Packed};
+use crate::input::calendar::{Calendar, MessageWeek};
+
+/// Bytes of a subframe without parities.
+pub(super) const BYTES: usize = 30;
+
+/// Subframes of an ephemeris.
+pub(super) const PAGES: usize = 3;
+
+/// The first eight bits of every subframe.
+const PREAMBLE: u32 = 0x8B;
+
+/// Between the first and the last subframe of one ephemeris, seconds: two frames, one of them with gaps.
+const SPAN_S: u32 = 90;
+
+/// The identity of the page with ionosphere and UTC.
+const IONOSPHERE_AND_UTC: u32 = 56;
+
+/// A subframe from the words of the receiver, the inversion by the last bit of the word before undone.
+pub(super) fn subframe(words: &[u32; 10]) -> Result<[u8; BYTES], Refusal> {
+    // The last two parity bits of every subframe are zero, so it needs no predecessor.
+    let mut before = 0;
+    let mut packed = Packed::new();
+    for &word in words {
+        if !is_lnav_word(word, before) {
+            return Err(Refusal::Parity);
+        }
+        packed.push(word >> 6, 24);
+        before = word;
+    }
+    if Bits(&packed.bytes).unsigned(0, 8) == PREAMBLE { Ok(packed.bytes) } else { Err(Refusal::Malformed) }
+}
+
+/// The number of a subframe, 1 to 5 in those that are right.
+pub(super) fn number(subframe: Bits<'_>) -> u32 {
+    subframe.unsigned(43, 3)
+}
+
+/// The ephemeris in subframes 1 to 3.
+pub(super) fn ephemeris(
+    satellite: SatelliteId,
+    [first, second, third]: [Bits<'_>; PAGES],
+    calendar: &Calendar,
+) -> Result<Broadcast, Refusal> {
+    let issue = second.unsigned(48, 8);
+    if third.unsigned(216, 8) != issue
+        || first.unsigned(168, 8) != issue
+        || !is_one_frame([first, second, third])
+    {
+        return Err(Refusal::Mixed);
+    }
+    let week = MessageWeek { constellation: satellite.constellation(), week: first.unsigned(48, 10) as u16 };
+    let instant = |sixteens: u32| calendar.resolve(week, f64::from(16 * sixteens)).ok_or(Refusal::Value);
+    Ok(Broadcast {
+        satellite,
+        source: Source::GpsLnav,
+        health: Health::of_satellite(first.unsigned(64, 6) == 0),
+        accuracy_m: ura_m(first.small(60, 4)),
+        toe: instant(second.unsigned(216, 16))?,
+        toc: instant(first.unsigned(176, 16))?,
+        sqrt_a_sqrt_m: second.positive(184, 32, -19),
+        eccentricity: second.positive(136, 32, -33),
+        m0_sc: second.scaled(88, 32, -31),
+        omega0_sc: third.scaled(64, 32, -31),
+        i0_sc: third.scaled(112, 32, -31),
+        omega_sc: third.scaled(160, 32, -31),
+        delta_n_sc_s: second.scaled(72, 16, -43),
+        omegadot_sc_s: third.scaled(192, 24, -43),
+        idot_sc_s: third.scaled(224, 14, -43),
+        cuc_rad: second.scaled_f32(120, 16, -29),
+        cus_rad: second.scaled_f32(168, 16, -29),
+        crc_m: third.scaled_f32(144, 16, -5),
+        crs_m: second.scaled_f32(56, 16, -5),
+        cic_rad: third.scaled_f32(48, 16, -29),
+        cis_rad: third.scaled_f32(96, 16, -29),
+        af0_s: first.scaled(216, 22, -31),
+        af1_s_s: first.scaled(200, 16, -43),
+        af2_s_s2: first.scaled(192, 8, -55),
+        group_delays_s: [first.scaled_f32(160, 8, -31), 0.0],
+    })
+}
+
+/// Whether the subframes are of one time: an issue number comes back after some hours.
+fn is_one_frame(subframes: [Bits<'_>; PAGES]) -> bool {
+    const WEEK: u32 = 604_800 / 6;
+    let [first, second, third] = subframes.map(|subframe| subframe.unsigned(24, 17));
+    let is_near = |a: u32, b: u32| {
+        let distance = a.abs_diff(b);
+        distance.min(WEEK.abs_diff(distance)) * 6 <= SPAN_S
+    };
+    is_near(first, second) && is_near(second, third)
+}
+
+/// Klobuchar's coefficients and the leap seconds, where a fourth subframe is page 18 of the GPS satellites.
+///
+/// The satellites of QZSS send a page of the same identity with coefficients for their own region.
+pub(super) fn ionosphere_and_utc(subframe: Bits<'_>) -> Option<([f64; 8], Announcement)> {
+    const GPS: u32 = 1;
+    let is_page = subframe.unsigned(48, 2) == GPS && subframe.unsigned(50, 6) == IONOSPHERE_AND_UTC;
+    is_page.then(|| {
+        let leap = Announcement {
+            now_s: subframe.signed(192, 8),
+            then_s: subframe.signed(216, 8),
+            week: subframe.small(200, 8),
+            day: subframe.small(208, 8),
+        };
+        (subframe.klobuchar(56), leap)
+    })
+}

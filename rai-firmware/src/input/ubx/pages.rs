@@ -1,0 +1,200 @@
+//! Pages of navigation messages until they make an ephemeris.
+//!
+//! Each satellite's message has a slot until its set is complete. Slots are few: all but the ten pages of a
+//! geostationary `BeiDou` satellite fit into [`SMALL_BYTES`], and those have slots of their own. A slot whose set was
+//! read is free; one that nothing was added to for [`ABANDONED_MS`] is free, too, and what is in it is forgotten, so
+//! that a satellite that comes back does not mix what it says with what it said before.
+//!
+//! 48 satellites and 8 geostationary ones take 6.5 KiB. A satellite for which there is no slot loses the page, with a
+//! count; it sends it again half a minute later, when others have done with theirs.
+
+use heapless::Vec;
+use rai_core::satellite::SatelliteId;
+
+use super::{beidou, galileo, glonass, lnav};
+use crate::input::bits::Bits;
+
+/// Pages of every message but D2 together, bytes: those of F/NAV are the most.
+const SMALL_BYTES: usize = 96;
+
+/// Pages of D2 together, bytes.
+const LARGE_BYTES: usize = beidou::D2_BYTES * beidou::D2_PAGES;
+
+/// How many messages are assembled at a time.
+const SMALL_SLOTS: usize = 48;
+const LARGE_SLOTS: usize = 8;
+
+/// A set takes 30 s to 50 s; with nothing new for this long it is given up.
+const ABANDONED_MS: u64 = 120_000;
+
+/// The messages that come in pages.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    Lnav,
+    Inav,
+    Fnav,
+    D1,
+    D2,
+    Glonass,
+}
+
+impl Kind {
+    /// Bytes of a page, and how many make a set.
+    const fn size(self) -> (usize, usize) {
+        match self {
+            Self::Lnav => (lnav::BYTES, lnav::PAGES),
+            Self::Inav => (galileo::INAV_BYTES, galileo::INAV_PAGES),
+            Self::Fnav => (galileo::FNAV_BYTES, galileo::FNAV_PAGES),
+            Self::D1 => (beidou::D1_BYTES, beidou::D1_PAGES),
+            Self::D2 => (beidou::D2_BYTES, beidou::D2_PAGES),
+            Self::Glonass => (glonass::BYTES, glonass::PAGES),
+        }
+    }
+}
+
+const _: () = {
+    let small = [Kind::Lnav, Kind::Inav, Kind::Fnav, Kind::D1, Kind::Glonass];
+    let mut index = 0;
+    while index < small.len() {
+        let (bytes, pages) = small[index].size();
+        assert!(bytes * pages <= SMALL_BYTES);
+        index += 1;
+    }
+    assert!(size_of::<Pages>() <= 6_656);
+};
+
+/// One satellite's pages of one message.
+#[derive(Clone, Copy, Debug)]
+struct Slot<const BYTES: usize> {
+    satellite: SatelliteId,
+    kind: Kind,
+    /// A bit for each page that is here.
+    present: u16,
+    /// When the last page came, in units that need no eight bytes: 1.024 s.
+    touched: u32,
+    bytes: [u8; BYTES],
+}
+
+/// All sets under way.
+#[derive(Debug)]
+pub(super) struct Pages {
+    small: Vec<Slot<SMALL_BYTES>, SMALL_SLOTS>,
+    large: Vec<Slot<LARGE_BYTES>, LARGE_SLOTS>,
+}
+
+/// A page, and where it belongs.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Page<'a> {
+    pub(super) satellite: SatelliteId,
+    pub(super) kind: Kind,
+    /// From 0.
+    pub(super) index: usize,
+    pub(super) bytes: &'a [u8],
+}
+
+/// A set of pages with one just added.
+pub(super) struct Set<'a> {
+    bytes: &'a [u8],
+    page_bytes: usize,
+    present: &'a mut u16,
+    /// Since the page before came, in the slot's units.
+    gap: u32,
+}
+
+impl Set<'_> {
+    /// The pages, when all `N` are here.
+    pub(super) fn all<const N: usize>(&self) -> Option<[Bits<'_>; N]> {
+        let complete = (1_u32 << N) - 1;
+        if u32::from(*self.present) & complete != complete {
+            return None;
+        }
+        let mut pages = [Bits(&[]); N];
+        for (page, bytes) in pages.iter_mut().zip(self.bytes.chunks_exact(self.page_bytes)) {
+            *page = Bits(bytes);
+        }
+        Some(pages)
+    }
+
+    /// Whether the page just added comes right behind the one before it; a first one does. Else the set begins anew.
+    pub(super) fn follows(&mut self, index: usize) -> bool {
+        /// Two to three of the units of time, 2 s to 3 s.
+        const NEXT: u32 = 3;
+        let before = (1_u16 << index) - 1;
+        if index == 0 {
+            *self.present = 1;
+        } else if !self.has(before) || self.gap > NEXT {
+            *self.present = 0;
+        }
+        *self.present != 0
+    }
+
+    /// Frees the slot: the set has been read.
+    pub(super) fn close(self) {
+        *self.present = 0;
+    }
+
+    /// Whether all of these pages, bits of a mask, are here.
+    pub(super) fn has(&self, mask: u16) -> bool {
+        *self.present & mask == mask
+    }
+}
+
+impl Pages {
+    pub(super) const fn new() -> Self {
+        Self { small: Vec::new(), large: Vec::new() }
+    }
+
+    /// Adds a page to its set; `None` when every slot is in use.
+    pub(super) fn add(&mut self, page: &Page<'_>, now_ms: u64) -> Option<Set<'_>> {
+        match page.kind {
+            Kind::D2 => add(&mut self.large, page, now_ms),
+            _ => add(&mut self.small, page, now_ms),
+        }
+    }
+}
+
+fn add<'a, const BYTES: usize, const SLOTS: usize>(
+    slots: &'a mut Vec<Slot<BYTES>, SLOTS>,
+    page: &Page<'_>,
+    now_ms: u64,
+) -> Option<Set<'a>> {
+    let now = (now_ms >> 10) as u32;
+    let slot = slot_of(slots, page, now)?;
+    let (page_bytes, _) = page.kind.size();
+    if let Some(place) = slot.bytes.chunks_exact_mut(page_bytes).nth(page.index) {
+        place.iter_mut().zip(page.bytes).for_each(|(place, byte)| *place = *byte);
+        slot.present |= 1 << page.index;
+    }
+    let gap = now.wrapping_sub(slot.touched);
+    slot.touched = now;
+    Some(Set { bytes: &slot.bytes, page_bytes, present: &mut slot.present, gap })
+}
+
+/// The slot of a page's message: its own, a new one, or one that is free.
+fn slot_of<'a, const BYTES: usize, const SLOTS: usize>(
+    slots: &'a mut Vec<Slot<BYTES>, SLOTS>,
+    page: &Page<'_>,
+    now: u32,
+) -> Option<&'a mut Slot<BYTES>> {
+    let is_own = |slot: &Slot<BYTES>| slot.satellite == page.satellite && slot.kind == page.kind;
+    let is_abandoned = |slot: &Slot<BYTES>| u64::from(now.wrapping_sub(slot.touched)) << 10 > ABANDONED_MS;
+    let empty =
+        Slot { satellite: page.satellite, kind: page.kind, present: 0, touched: now, bytes: [0; BYTES] };
+    let index = match slots.iter().position(is_own) {
+        Some(own) => {
+            let slot = slots.get_mut(own)?;
+            if is_abandoned(slot) {
+                slot.present = 0;
+            }
+            return Some(slot);
+        }
+        None if slots.is_full() => slots.iter().position(|slot| slot.present == 0 || is_abandoned(slot))?,
+        None => {
+            let _ = slots.push(empty);
+            slots.len() - 1
+        }
+    };
+    let slot = slots.get_mut(index)?;
+    *slot = empty;
+    Some(slot)
+}

@@ -1,0 +1,167 @@
+//! Parities and checksums of the navigation messages.
+//!
+//! The receiver passes on only what it found right; the line between it and the module may still turn a bit, and a
+//! chance of 1 in 65,536 that the frame's own checksum misses is no chance to take with an orbit.
+//!
+//! | message | code | over |
+//! |---|---|---|
+//! | GPS LNAV | extended Hamming (32, 26) | each word and the last two bits of the one before |
+//! | Galileo | CRC-24Q | each page |
+//! | `BeiDou` D1, D2 | BCH (15, 11), `x⁴ + x + 1` | each eleven bits |
+//! | GLONASS | extended Hamming (85, 77) | each string |
+//!
+//! References: [IS-GPS-200] table 20-XIV; [OS-SIS-ICD] 5.1.9.4; [BDS-SIS-B1I] 5.1.3; [GLO-ICD] 4.7.
+
+use crate::input::bits::Bits;
+
+/// Bits of a GPS word and its predecessor that each parity bit covers: `D29* D30* d1 … d24`, then six unused.
+const LNAV: [u32; 6] = [0xBB1F_3480, 0x5D8F_9A40, 0xAEC7_CD00, 0x5763_E680, 0x6BB1_F340, 0x8B7A_89C0];
+
+/// Whether a GPS word of 30 bits, its data not inverted, follows `before`.
+pub(super) fn is_lnav_word(word: u32, before: u32) -> bool {
+    let covered = before << 30 | (word & 0x3FFF_FFC0);
+    let parity = LNAV.iter().fold(0, |parity, mask| parity << 1 | (covered & mask).count_ones() & 1);
+    parity == word & 0x3F
+}
+
+/// CRC-24Q of the first `count` bits.
+pub(super) fn crc24q(bits: Bits<'_>, count: usize) -> u32 {
+    const POLYNOMIAL: u32 = 0x0186_4CFB;
+    (0..count).fold(0, |crc, position| {
+        let shifted = crc << 1 ^ bits.unsigned(position, 1) << 24;
+        if shifted & 0x0100_0000 == 0 { shifted } else { shifted ^ POLYNOMIAL }
+    })
+}
+
+/// Whether a `BeiDou` word of 30 bits is right; the first of a subframe protects its last eleven bits only.
+pub(super) fn is_beidou_word(word: u32, is_first: bool) -> bool {
+    if is_first {
+        return bch(word >> 4 & 0x7FF) == word & 15;
+    }
+    bch(word >> 19 & 0x7FF) == word >> 4 & 15 && bch(word >> 8 & 0x7FF) == word & 15
+}
+
+/// The four parity bits of eleven.
+fn bch(eleven: u32) -> u32 {
+    const POLYNOMIAL: u32 = 0b1_0011;
+    let divide = |rest: u32, position: u32| {
+        if rest >> position & 1 == 1 { rest ^ POLYNOMIAL << (position - 4) } else { rest }
+    };
+    (4..15).rev().fold(eleven << 4, divide)
+}
+
+/// Whether a GLONASS string of 85 bits, the idle bit first, is right.
+///
+/// Seven check bits, the second to eighth from the end backwards, are those of a Hamming code whose 77 data bits are
+/// numbered, from the last one on, by what is no power of two; the last bit but seven is the parity of all.
+pub(super) fn is_glonass_string(bits: Bits<'_>) -> bool {
+    // Bits are numbered from the end in the interface document: the first sent is 85, the check bits are 8 to 1.
+    let bit = |number: usize| bits.is_set(85 - number);
+    let mut syndrome = 0;
+    let mut number = 2;
+    for position in 9..=85 {
+        number += 1;
+        if usize::is_power_of_two(number) {
+            number += 1;
+        }
+        if bit(position) {
+            syndrome ^= number;
+        }
+    }
+    let checks = (1..=7).fold(0, |checks, position| checks | usize::from(bit(position)) << (position - 1));
+    let is_even = (1..=85).filter(|&position| bit(position)).count() % 2 == 0;
+    syndrome == checks && is_even
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::input::bits::Packed;
+
+    /// [IS-GPS-200] table 20-XIV: the data bits in each equation, and whether it begins with D29* or D30*.
+    const EQUATIONS: [(bool, &[u32]); 6] = [
+        (true, &[1, 2, 3, 5, 6, 10, 11, 12, 13, 14, 17, 18, 20, 23]),
+        (false, &[2, 3, 4, 6, 7, 11, 12, 13, 14, 15, 18, 19, 21, 24]),
+        (true, &[1, 3, 4, 5, 7, 8, 12, 13, 14, 15, 16, 19, 20, 22]),
+        (false, &[2, 4, 5, 6, 8, 9, 13, 14, 15, 16, 17, 20, 21, 23]),
+        (false, &[1, 3, 5, 6, 7, 9, 10, 14, 15, 16, 17, 18, 21, 22, 24]),
+        (true, &[3, 5, 6, 8, 9, 10, 11, 13, 15, 19, 22, 23, 24]),
+    ];
+
+    #[test]
+    fn the_masks_are_the_equations_of_the_interface_document() {
+        for (mask, (starts_with_29, terms)) in LNAV.into_iter().zip(EQUATIONS) {
+            let star = if starts_with_29 { 1 << 31 } else { 1 << 30 };
+            let want = terms.iter().fold(star, |mask, term| mask | 1 << (30 - term));
+            assert_eq!(mask, want, "{mask:08x} {want:08x}");
+        }
+    }
+
+    #[test]
+    fn crc_of_the_example_of_the_standard() {
+        // [RTCM-10403.3] 4.2: the reference station message 1005 and its CRC.
+        let frame = [
+            0xD3, 0x00, 0x13, 0x3E, 0xD7, 0xD3, 0x02, 0x02, 0x98, 0x0E, 0xDE, 0xEF, 0x34, 0xB4, 0xBD, 0x62,
+            0xAC, 0x09, 0x41, 0x98, 0x6F, 0x33,
+        ];
+        assert_eq!(crc24q(Bits(&frame), 8 * frame.len()), 0x36_0B98);
+    }
+
+    #[test]
+    fn every_single_and_double_error_of_eleven_bits_is_seen() {
+        let right = |eleven: u32| 0b101_0101_0101_0101 << 15 | eleven << 4 | bch(eleven);
+        let word = right(0b110_0110_0111);
+        assert!(is_beidou_word(word, true));
+        for first in 0..15 {
+            assert!(!is_beidou_word(word ^ 1 << first, true), "{first}");
+        }
+        assert!(is_beidou_word(0, false), "a linear code has the zero word");
+    }
+
+    /// The masks that the interface document's sums of positions make, in hexadecimal, as receivers' software has them.
+    const GLONASS: [[u8; 11]; 8] = [
+        [0x55, 0x55, 0x5A, 0xAA, 0xAA, 0xAA, 0xB5, 0x55, 0x6A, 0xD8, 0x08],
+        [0x66, 0x66, 0x6C, 0xCC, 0xCC, 0xCC, 0xD9, 0x99, 0xB3, 0x68, 0x10],
+        [0x87, 0x87, 0x8F, 0x0F, 0x0F, 0x0F, 0x1E, 0x1E, 0x3C, 0x70, 0x20],
+        [0x07, 0xF8, 0x0F, 0xF0, 0x0F, 0xF0, 0x1F, 0xE0, 0x3F, 0x80, 0x40],
+        [0xF8, 0x00, 0x0F, 0xFF, 0xF0, 0x00, 0x1F, 0xFF, 0xC0, 0x00, 0x80],
+        [0x00, 0x00, 0x0F, 0xFF, 0xFF, 0xFF, 0xE0, 0x00, 0x00, 0x01, 0x00],
+        [0xFF, 0xFF, 0xF0, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x02, 0x00],
+        [0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xF8],
+    ];
+
+    fn masks_hold(bytes: &[u8; 11]) -> bool {
+        GLONASS.iter().all(|mask| {
+            mask.iter().zip(bytes).map(|(mask, byte)| (mask & byte).count_ones()).sum::<u32>() % 2 == 0
+        })
+    }
+
+    #[test]
+    fn glonass_strings_are_judged_as_by_the_masks() {
+        let mut random = 0x2545_F491_u32;
+        let mut next = || {
+            random ^= random << 13;
+            random ^= random >> 17;
+            random ^= random << 5;
+            random
+        };
+        let mut right = 0;
+        for _ in 0..20_000 {
+            let mut packed = Packed::<11>::new();
+            packed.push(next(), 32);
+            packed.push(next(), 32);
+            packed.push(next(), 21);
+            // Mend the check bits by the masks half of the time, so that both answers occur.
+            let mut bytes = packed.bytes;
+            if next() & 1 == 0 {
+                for (mask, bit) in GLONASS.iter().zip([84, 83, 82, 81, 80, 79, 78, 77]) {
+                    let odd = mask.iter().zip(&bytes).map(|(m, b)| (m & b).count_ones()).sum::<u32>() % 2;
+                    bytes[bit / 8] ^= (odd as u8) << (7 - bit % 8);
+                }
+            }
+            right += usize::from(masks_hold(&bytes));
+            assert_eq!(is_glonass_string(Bits(&bytes)), masks_hold(&bytes), "{bytes:02x?}");
+        }
+        assert!(right > 5_000, "{right}");
+    }
+}

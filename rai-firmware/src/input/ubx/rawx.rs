@@ -1,0 +1,209 @@
+//! RXM-RAWX: the ranges of one epoch.
+//!
+//! | offset | type | field |
+//! |---|---|---|
+//! | 0, 8 | f64, u16 | time of week, s; week, 0 until the receiver knows it |
+//! | 10, 12 | i8, bits | leap seconds; bit 0: they are known |
+//! | 11 | u8 | how many measurements follow, 32 bytes each |
+//! | 16 + 0 | f64 | pseudorange, m |
+//! | 16 + 16 | f32 | Doppler, Hz, positive when approaching |
+//! | 16 + 20 to 23 | u8 | system, satellite, signal, GLONASS channel + 7 |
+//! | 16 + 24, 26 | u16, u8 | lock time, ms; C/N0, dB-Hz |
+//! | 16 + 27, low 4 bits `n` | | sigma of the range, 0.01·2ⁿ m |
+//! | 16 + 30 | bits | 0: range valid, 2: half cycle resolved |
+//!
+//! The time tag need not be a whole millisecond, and an epoch's is: ranges are moved to it, `P − c δ`, which leaves the
+//! instant of transmission where it was and is common to all.
+//!
+//! Doubles are hostile numbers: a time or a range that is not finite or no time or range is refused here.
+//!
+//! Reference: [UBX-F9] RXM-RAWX.
+
+use rai_core::frame::SPEED_OF_LIGHT_M_S;
+use rai_core::satellite::{Constellation, SatelliteId};
+
+use crate::counters::count;
+use crate::input::{Counters, Unread};
+use crate::raw::{Band, Carrier, RawSignal};
+use crate::time::{GpsTime, WEEK_MS};
+
+/// Bytes before the measurements, and of each.
+const HEADER: usize = 16;
+const MEASUREMENT: usize = 32;
+
+/// A time of week in a double is rounded by a tenth of this, s; an offset as small is none.
+const ROUNDING_S: f64 = 1e-9;
+
+/// A message whose header and length are right.
+#[derive(Debug)]
+pub(in crate::input) struct Rawx<'a> {
+    measurements: &'a [u8],
+    /// The epoch, to the next millisecond.
+    pub(super) time: GpsTime,
+    /// What the time tag is later than that, m of range.
+    offset_m: f64,
+    /// GPS time minus UTC, s, where the receiver knows it.
+    pub(super) leap_s: Option<u8>,
+}
+
+impl<'a> Rawx<'a> {
+    /// Reads the header.
+    pub(super) fn new(payload: &'a [u8]) -> Result<Self, Unread> {
+        const VERSION: u8 = 1;
+        let (header, measurements) = payload.split_first_chunk::<HEADER>().ok_or(Unread::Malformed)?;
+        let &[t0, t1, t2, t3, t4, t5, t6, t7, w0, w1, leap_s, many, status, version, _, _] = header;
+        // Some receivers set the highest bit of the count besides; the length tells.
+        let says = [usize::from(many), usize::from(many & 0x7F)].map(|many| many * MEASUREMENT);
+        if version != VERSION || !says.contains(&measurements.len()) {
+            return Err(Unread::Malformed);
+        }
+        let week = u16::from_le_bytes([w0, w1]);
+        if week == 0 {
+            return Err(Unread::WithoutWeek);
+        }
+        let tow_s = f64::from_le_bytes([t0, t1, t2, t3, t4, t5, t6, t7]);
+        if !(0.0..604_800.0).contains(&tow_s) {
+            return Err(Unread::Time);
+        }
+        let tow_ms = libm::round(tow_s * 1e3);
+        let offset_s = tow_s - tow_ms * 1e-3;
+        let is_whole = offset_s.abs() < ROUNDING_S;
+        let offset_m = if is_whole { 0.0 } else { offset_s * SPEED_OF_LIGHT_M_S };
+        let time = GpsTime::from_ms(u64::from(week) * u64::from(WEEK_MS) + tow_ms as u64);
+        let leap_s = (status & 1 == 1 && leap_s <= 63).then_some(leap_s);
+        Ok(Self { measurements, time, offset_m, leap_s })
+    }
+
+    /// Whether it has no measurement.
+    pub(in crate::input) fn is_empty(&self) -> bool {
+        self.measurements.is_empty()
+    }
+
+    /// Hands every measurement that can be used to `add`, none as the code that a broadcast clock is of: these receivers
+    /// measure one code a band. The others are counted.
+    pub(in crate::input) fn each(
+        &self,
+        counters: &mut Counters,
+        add: &mut impl FnMut(SatelliteId, RawSignal, bool, &mut Counters),
+    ) {
+        for measurement in self.measurements.chunks_exact(MEASUREMENT) {
+            if let Some((satellite, signal)) = read(measurement, self.offset_m, counters) {
+                add(satellite, signal, false, counters);
+            }
+        }
+    }
+}
+
+/// One measurement; what cannot be used is counted.
+fn read(measurement: &[u8], offset_m: f64, counters: &mut Counters) -> Option<(SatelliteId, RawSignal)> {
+    let &[
+        p0,
+        p1,
+        p2,
+        p3,
+        p4,
+        p5,
+        p6,
+        p7, //
+        _,
+        _,
+        _,
+        _,
+        _,
+        _,
+        _,
+        _, //
+        d0,
+        d1,
+        d2,
+        d3,
+        system,
+        number,
+        signal,
+        channel, //
+        l0,
+        l1,
+        cn0_dbhz,
+        sigma,
+        _,
+        _,
+        status,
+        _,
+    ] = measurement.first_chunk::<MEASUREMENT>()?;
+    let Some(constellation) = constellation(system) else {
+        count(&mut counters.observations_other);
+        return None;
+    };
+    let Some(satellite) = satellite_id(constellation, number) else {
+        count(&mut counters.satellites_unknown);
+        return None;
+    };
+    let Some(carrier) = carrier(constellation, signal, channel) else {
+        count(&mut counters.signals_other);
+        return None;
+    };
+    let range_m = f64::from_le_bytes([p0, p1, p2, p3, p4, p5, p6, p7]);
+    if status & 1 == 0 {
+        count(&mut counters.ranges_missing);
+        return None;
+    }
+    if !range_m.is_finite() {
+        count(&mut counters.ranges_out_of_bounds);
+        return None;
+    }
+    let sigma_m = 0.01 * f32::from(1_u16 << (sigma & 15));
+    let signal = RawSignal::new(carrier, range_m - offset_m)
+        .with_cn0_dbhz(f32::from(cn0_dbhz))
+        .with_doppler_hz(f32::from_le_bytes([d0, d1, d2, d3]))
+        .with_range_sigma_m(sigma_m)
+        .with_lock_time_s(f32::from(u16::from_le_bytes([l0, l1])) * 1e-3)
+        .with_half_cycle(status & 4 == 0);
+    Some((satellite, signal))
+}
+
+/// The systems that are used, by the number that UBX gives them.
+pub(super) const fn constellation(system: u8) -> Option<Constellation> {
+    match system {
+        0 => Some(Constellation::Gps),
+        2 => Some(Constellation::Galileo),
+        3 => Some(Constellation::Beidou),
+        6 => Some(Constellation::Glonass),
+        _ => None,
+    }
+}
+
+/// The satellite of a number; `None` for one that its system does not have, or the 255 of an unknown GLONASS slot.
+pub(super) fn satellite_id(constellation: Constellation, number: u8) -> Option<SatelliteId> {
+    let highest = match constellation {
+        Constellation::Gps => 32,
+        Constellation::Galileo => 36,
+        Constellation::Beidou => 63,
+        Constellation::Glonass => 24,
+    };
+    if number <= highest { SatelliteId::new(constellation, number) } else { None }
+}
+
+/// The carrier of a signal; `None` for those that are not used. Signal 0 is what receivers of one band write for all.
+const fn carrier(constellation: Constellation, signal: u8, channel: u8) -> Option<Carrier> {
+    let band = match (constellation, signal) {
+        (Constellation::Gps, 0) => Band::L1,
+        (Constellation::Gps, 3 | 4) => Band::L2,
+        (Constellation::Gps, 6 | 7) => Band::L5,
+        (Constellation::Galileo, 0 | 1) => Band::E1,
+        (Constellation::Galileo, 3 | 4) => Band::E5a,
+        (Constellation::Galileo, 5 | 6) => Band::E5b,
+        (Constellation::Beidou, 0 | 1) => Band::B1I,
+        (Constellation::Beidou, 2 | 3) => Band::B2I,
+        (Constellation::Beidou, 4 | 10) => Band::B3I,
+        (Constellation::Beidou, 5 | 6) => Band::B1C,
+        (Constellation::Beidou, 7 | 8) => Band::B2a,
+        (Constellation::Glonass, 0) => Band::G1,
+        (Constellation::Glonass, 2) => Band::G2,
+        _ => return None,
+    };
+    match constellation {
+        Constellation::Glonass if channel > 13 => None,
+        Constellation::Glonass => Some(Carrier { band, channel: channel.cast_signed() - 7 }),
+        _ => Some(Carrier::of(band)),
+    }
+}

@@ -1,0 +1,242 @@
+//! `MAVLink` 2: the epoch for an autopilot.
+//!
+//! | message | id | what it tells |
+//! |---|---|---|
+//! | `HEARTBEAT` | 0 | somebody is there: active while protected, critical in an alert, else on standby |
+//! | `GPS_INPUT` | 232 | position and velocity, or that there is no fix |
+//! | `GNSS_INTEGRITY` | 441 | whether the position may be used, protection levels, jamming and spoofing |
+//!
+//! Autopilots act on `GPS_INPUT` as they are: fix type 3 only while the position is protected, else 1, or 0 without a
+//! position, and then no coordinates at all. Its accuracies are one sigma and never say less than the protection levels
+//! do: `max(σ, PL / 5.33)`, where 5.33 sigmas are what a level of 1e-7 means. The altitude is above the ellipsoid, since
+//! the module holds no geoid.
+//!
+//! `GNSS_INTEGRITY` carries the protection levels in `raim_hfom` and `raim_vfom`, rounded up to a centimetre; the layout is
+//! that of the dialect named by [`DIALECT`], and will change ([`dialect`] is the only place that knows it). Protected is
+//! `OK`; alert and unavailable are `FAILED` with both figures invalid; without a position it is `UNKNOWN`.
+//!
+//! References: `MAVLink` serialization guide; `common.xml` and `development.xml`.
+
+use embedded_io::Write;
+use rai_core::report::{Solution, Unavailable, Verdict};
+
+use super::schedule::{Due, Item};
+use super::{Interference, Statement};
+
+pub mod dialect;
+mod frame;
+
+pub use dialect::DIALECT;
+use dialect::{GNSS_INTEGRITY, GPS_INPUT, HEARTBEAT};
+use frame::Frame;
+
+/// What a level is divided by to be a sigma: the quantile of 1e-7, two-sided.
+const SIGMAS_OF_A_LEVEL: f64 = 5.33;
+
+/// 1980-01-06 in UNIX time, ms.
+const GPS_EPOCH_UNIX_MS: u64 = 315_964_800_000;
+
+/// Milliseconds in a week.
+const WEEK_MS: u64 = crate::time::WEEK_MS as u64;
+
+/// A figure of `GNSS_INTEGRITY` that is none.
+const INVALID: u64 = 65_535;
+
+/// A quality of `GNSS_INTEGRITY` that is not known.
+const UNKNOWN_QUALITY: u64 = 255;
+
+/// All parts of `GPS_INPUT` that its ignore flags speak of but height: the dilutions, velocities and accuracies.
+const IGNORE_ALL: u64 = 0xFF;
+const IGNORE_VELOCITY: u64 = 8 | 16 | 32;
+
+/// Fix types of `GPS_INPUT`.
+const NO_RECEIVER: u64 = 0;
+const NO_FIX: u64 = 1;
+const FIX_3D: u64 = 3;
+
+/// Sends frames, each with its number.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Sender {
+    sequence: u8,
+}
+
+impl Sender {
+    /// Writes the messages of an epoch that are due.
+    ///
+    /// # Errors
+    /// The writer's own.
+    pub fn write_epoch<W: Write, const N: usize>(
+        &mut self,
+        statement: &Statement<'_, N>,
+        due: Due,
+        out: &mut W,
+    ) -> Result<(), W::Error> {
+        let verdict = statement.report.verdict;
+        if due.has(Item::Heartbeat) {
+            self.send(&heartbeat(verdict), out)?;
+        }
+        if due.has(Item::GpsInput) {
+            self.send(&gps_input(statement), out)?;
+        }
+        if due.has(Item::GnssIntegrity) {
+            self.send(&gnss_integrity(verdict, statement.levels_m(), statement.interference), out)?;
+        }
+        Ok(())
+    }
+
+    /// Writes what is due where no epoch came: that there is no fix, and that it may not be used.
+    ///
+    /// # Errors
+    /// The writer's own.
+    pub fn write_stale<W: Write>(&mut self, verdict: Verdict, due: Due, out: &mut W) -> Result<(), W::Error> {
+        if due.has(Item::Heartbeat) {
+            self.send(&heartbeat(verdict), out)?;
+        }
+        if due.has(Item::GpsInput) {
+            self.send(&Frame::of(&GPS_INPUT, &nowhere(0, 0, NO_RECEIVER, 0)), out)?;
+        }
+        if due.has(Item::GnssIntegrity) {
+            self.send(&gnss_integrity(verdict, (None, None), Interference::default()), out)?;
+        }
+        Ok(())
+    }
+
+    fn send<W: Write>(&mut self, frame: &Frame, out: &mut W) -> Result<(), W::Error> {
+        let bytes = frame.numbered(self.sequence);
+        self.sequence = self.sequence.wrapping_add(1);
+        let mut rest = bytes.as_slice();
+        while !rest.is_empty() {
+            let taken = out.write(rest)?;
+            rest = rest.get(taken.max(1)..).unwrap_or_default();
+        }
+        // A frame does not end in a line feed, which is what a sentence is sent by.
+        out.flush()
+    }
+}
+
+/// That somebody is there, and how it is.
+fn heartbeat(verdict: Verdict) -> Frame {
+    const TYPE_GPS: u64 = 29;
+    const NO_AUTOPILOT: u64 = 8;
+    const VERSION: u64 = 3;
+    let state = match verdict {
+        Verdict::Unavailable(_) => 3,
+        Verdict::Protected(_) => 4,
+        Verdict::Alert(_) => 5,
+    };
+    Frame::of(&HEARTBEAT, &[0, TYPE_GPS, NO_AUTOPILOT, 0, state, VERSION])
+}
+
+/// Whether the position may be used.
+fn gnss_integrity(
+    verdict: Verdict,
+    levels_m: (Option<f64>, Option<f64>),
+    interference: Interference,
+) -> Frame {
+    const UNKNOWN: u64 = 0;
+    const OK: u64 = 2;
+    const FAILED: u64 = 3;
+    const SOFTWARE_ERROR: u64 = 4;
+    let is_protected = matches!(verdict, Verdict::Protected(_));
+    let state = match verdict {
+        Verdict::Protected(_) => OK,
+        Verdict::Unavailable(Unavailable::NoFix) => UNKNOWN,
+        Verdict::Alert(_) | Verdict::Unavailable(_) => FAILED,
+    };
+    let errors =
+        if matches!(verdict, Verdict::Unavailable(Unavailable::SelfTest)) { SOFTWARE_ERROR } else { 0 };
+    let figure = |level_m: Option<f64>| level_m.filter(|_| is_protected).map_or(INVALID, centimetres);
+    Frame::of(
+        &GNSS_INTEGRITY,
+        &[
+            errors,
+            figure(levels_m.0),
+            figure(levels_m.1),
+            0,
+            0,
+            u64::from(interference.jamming),
+            u64::from(interference.spoofing),
+            state,
+            UNKNOWN_QUALITY,
+            UNKNOWN_QUALITY,
+            UNKNOWN_QUALITY,
+            UNKNOWN_QUALITY,
+        ],
+    )
+}
+
+/// Rounded up; what is beyond the field is invalid, as is what is no number.
+fn centimetres(level_m: f64) -> u64 {
+    let level_cm = libm::ceil(level_m * 100.0);
+    if level_cm >= 0.0 && level_cm < INVALID as f64 { level_cm as u64 } else { INVALID }
+}
+
+/// The position for an autopilot, if it may be used.
+fn gps_input<const N: usize>(statement: &Statement<'_, N>) -> Frame {
+    let unix_us = (statement.time.to_ms() + GPS_EPOCH_UNIX_MS)
+        .saturating_sub(u64::from(statement.gps_minus_utc_s) * 1000)
+        * 1000;
+    let time_ms = statement.time.to_ms();
+    let satellites = statement.report.used.len() as u64;
+    let is_protected = matches!(statement.report.verdict, Verdict::Protected(_));
+    let values = match &statement.report.solution {
+        Some(solution) if is_protected => position(statement, solution, unix_us),
+        Some(_) => nowhere(unix_us, time_ms, NO_FIX, satellites),
+        None => nowhere(unix_us, time_ms, NO_RECEIVER, satellites),
+    };
+    Frame::of(&GPS_INPUT, &values)
+}
+
+/// `GPS_INPUT` without a position.
+fn nowhere(unix_us: u64, time_ms: u64, fix_type: u64, satellites: u64) -> [u64; 18] {
+    let mut values = [0; 18];
+    values[0] = unix_us;
+    values[1] = time_ms % WEEK_MS;
+    values[13] = IGNORE_ALL;
+    values[14] = time_ms / WEEK_MS;
+    values[16] = fix_type;
+    values[17] = satellites;
+    values
+}
+
+fn position<const N: usize>(statement: &Statement<'_, N>, solution: &Solution, unix_us: u64) -> [u64; 18] {
+    let float = |value: f64| u64::from((value as f32).to_bits());
+    let [east, _, _, north, _, up] = solution.covariance_m2;
+    let (hpl_m, vpl_m) = statement.levels_m();
+    let accuracy = |variance: f64, level_m: Option<f64>| {
+        let sigma_m = libm::sqrt(variance.max(0.0));
+        float(sigma_m.max(level_m.unwrap_or(f64::MAX) / SIGMAS_OF_A_LEVEL))
+    };
+    let motion = statement.motion;
+    let along = |component: f32| u64::from(component.to_bits());
+    let [north_m_s, east_m_s, down_m_s, speed_sigma] = match motion {
+        Some(motion) => [motion.north_m_s, motion.east_m_s, -motion.up_m_s, motion.sigma_m_s].map(along),
+        None => [0; 4],
+    };
+    [
+        unix_us,
+        statement.time.to_ms() % WEEK_MS,
+        degrees_e7(solution.geodetic.latitude_rad),
+        degrees_e7(solution.geodetic.longitude_rad),
+        float(solution.geodetic.height_m),
+        float(solution.hdop),
+        float(solution.vdop),
+        north_m_s,
+        east_m_s,
+        down_m_s,
+        speed_sigma,
+        accuracy(east + north, hpl_m),
+        accuracy(up, vpl_m),
+        if motion.is_some() { 0 } else { IGNORE_VELOCITY },
+        statement.time.to_ms() / WEEK_MS,
+        0,
+        FIX_3D,
+        statement.report.used.len() as u64,
+    ]
+}
+
+/// Degrees times 1e7, as a signed integer in the low 32 bits.
+fn degrees_e7(angle_rad: f64) -> u64 {
+    let scaled = libm::round(angle_rad * (180.0e7 / core::f64::consts::PI));
+    u64::from((scaled as i32).cast_unsigned())
+}

@@ -1,0 +1,102 @@
+//! Reports to bytes: what the host is told, in which form, how often.
+//!
+//! | module | for |
+//! |---|---|
+//! | [`nmea`] | everything that reads sentences |
+//! | [`mavlink`] | autopilots |
+//! | [`nic`] | aviation: the integrity category of a level |
+//! | [`schedule`] | how often each of them is told |
+//!
+//! Who tells, and remembers what was told, is [`crate::publisher`].
+//!
+//! One epoch is told by one [`Statement`]. What must not be used is not there to be used: in an alert no sentence but
+//! `GNS` has a position, none has a protection level, and every mode says so.
+
+use rai_core::report::{Report, Verdict};
+use rai_core::requirements::Requirements;
+use rai_core::velocity::Velocity;
+
+use crate::time::GpsTime;
+
+pub mod mavlink;
+pub mod nic;
+pub mod nmea;
+pub mod schedule;
+
+/// Velocity of the receiver's antenna, held to its own test.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motion {
+    /// To the east, m/s.
+    pub east_m_s: f32,
+    /// To the north, m/s.
+    pub north_m_s: f32,
+    /// Up, m/s.
+    pub up_m_s: f32,
+    /// Standard deviation of the horizontal velocity along its worst direction, m/s.
+    pub sigma_m_s: f32,
+}
+
+impl Motion {
+    /// What is told of a velocity.
+    pub fn of(velocity: &Velocity) -> Self {
+        let [east_m_s, north_m_s, up_m_s] = velocity.east_north_up_m_s.map(|component| component as f32);
+        let [east, covariance, _, north, _, _] = velocity.covariance_m2_s2.map(|element| element as f32);
+        let (mean, difference) = (0.5 * (east + north), 0.5 * (east - north));
+        let spread = libm::sqrtf(difference * difference + covariance * covariance);
+        Self { east_m_s, north_m_s, up_m_s, sigma_m_s: libm::sqrtf((mean + spread).max(0.0)) }
+    }
+
+    /// Speed over ground, m/s.
+    pub fn speed_m_s(&self) -> f32 {
+        libm::sqrtf(self.east_m_s * self.east_m_s + self.north_m_s * self.north_m_s)
+    }
+}
+
+/// How sure the receiver that measures is of an interference, as `PRAIN` says it: 0 unknown, 1 none, 2 suspected or
+/// mitigated, 3 sure.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Interference {
+    /// Noise that hides the signals.
+    pub jamming: u8,
+    /// Signals that are none of a satellite.
+    pub spoofing: u8,
+}
+
+/// Everything that is told of one epoch.
+#[derive(Clone, Copy, Debug)]
+pub struct Statement<'r, const N: usize> {
+    /// What was found.
+    pub report: &'r Report<N>,
+    /// The receiver's time tag.
+    pub time: GpsTime,
+    /// GPS time minus UTC, s.
+    pub gps_minus_utc_s: u8,
+    /// What is required.
+    pub requirements: &'r Requirements,
+    /// Velocity, where there is one that passed its test.
+    pub motion: Option<Motion>,
+    /// What the receiver says of its signals.
+    pub interference: Interference,
+    /// Hash of the settings in force.
+    pub settings_hash: u32,
+}
+
+impl<const N: usize> Statement<'_, N> {
+    /// True where the position must not be used.
+    fn is_alert(&self) -> bool {
+        matches!(self.report.verdict, Verdict::Alert(_))
+    }
+
+    /// True where there is a position and nobody says that it must not be used.
+    fn is_usable(&self) -> bool {
+        self.report.solution.is_some() && !self.is_alert()
+    }
+
+    /// The horizontal and the vertical protection level, m; none in an alert.
+    fn levels_m(&self) -> (Option<f64>, Option<f64>) {
+        match self.report.protection.filter(|_| !self.is_alert()) {
+            Some(levels) => (Some(levels.hpl_m), Some(levels.vpl_m)),
+            None => (None, None),
+        }
+    }
+}

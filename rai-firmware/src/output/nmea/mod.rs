@@ -1,0 +1,103 @@
+//! Sentences for the host: NMEA 0183 v4.11 and the proprietary `PRAI` ones.
+//!
+//! One epoch is, in this order and as far as [`super::schedule`] wants it, `RMC`, `GGA`, `GNS`, `VTG`, `ZDA` (once a second),
+//! `GSA` (one per system used, and another where it has more than 12 satellites), `GST`, `GBS` (where there is redundancy),
+//! and always `PRAIS`, one `PRAIX` per excluded satellite, `PRAIM` where ARAIM judged, and `PRAIN`, which ends the epoch.
+//!
+//! | verdict | navigational status of `GNS` | fix mode of `GSA` | state of `PRAIS` |
+//! |---|---|---|---|
+//! | protected | `S` safe | 3 | `P` |
+//! | alert | `U` unsafe, mode `N` | 1: a position that must not be used is no fix | `A` |
+//! | unavailable, with a position | `C` caution | 3 | `U` |
+//! | unavailable, no position | `V` not valid | no `GSA` | `U` |
+//!
+//! Decisions where the standard leaves room or its readers differ:
+//!
+//! - **Altitude** is the height above the WGS 84 ellipsoid, and the geoid separation is `0.0`. The module holds
+//!   no geoid model; with an empty separation a reader (gpsd) would add its own and report a wrong height
+//!   above the ellipsoid.
+//! - **Mode of `GNS`** is one character, `A` or `N`. The standard gives each system its character, but gpsd reads
+//!   the first only, and takes `N` there (no GPS) for no fix; the `nmea` crate refuses more than two. Which
+//!   systems are used is told by the `GSA` sentences.
+//! - **`GBS`** gives as expected errors the standard deviations of `GST`, which is how gpsd reads them. The
+//!   satellite named is the one *used* that fits worst; what was left out is in `PRAIX`.
+//! - **A number that does not fit** loses decimals; one that is infinite, or beyond its field, leaves the field
+//!   empty (a protection level without bound is not defined), except that the dilutions of precision stop at
+//!   99.99 and the test statistic at 99999, where only "large" matters.
+//!
+//! Every sentence has at most 82 characters, the line end included; numbers are formatted as fixed-point
+//! integers, since formatting floats is large and slow on the target.
+//!
+//! References: NMEA 0183 v4.11; [GPSD-NMEA] "NMEA Revealed", gpsd project.
+//!
+//! [GPSD-NMEA]: crate#references
+
+use embedded_io::Write;
+use rai_core::requirements::Requirements;
+
+use super::Statement;
+use super::schedule::{Due, Item};
+use crate::time::GpsTime;
+
+mod flow;
+mod position;
+mod proprietary;
+mod sentence;
+mod standard;
+mod time;
+
+pub(crate) use flow::{Flow, write_flow};
+pub use proprietary::{Losses, write_answer, write_counters, write_losses, write_refusal, write_version};
+pub use sentence::{MAX_LENGTH, Sentence, write_sentence};
+pub use time::{GPS_MINUS_UTC_S, TimeOfDay};
+
+/// Writes the sentences of one epoch that are due, and those that always are.
+///
+/// # Errors
+/// The writer's own; what was written before stays written.
+pub fn write_epoch<W: Write, const N: usize>(
+    statement: &Statement<'_, N>,
+    due: Due,
+    out: &mut W,
+) -> Result<(), W::Error> {
+    let time = TimeOfDay::new(statement.time, statement.gps_minus_utc_s);
+    position::write_position(statement, time, due, out)?;
+    if due.has(Item::Vtg) {
+        position::write_velocity(statement, out)?;
+    }
+    // A time that comes with a position that must not be used is as little worth as that, and `ZDA` has no mode to say so.
+    if due.has(Item::Zda) && statement.is_usable() {
+        write_sentence(&standard::date_and_time(time), out)?;
+    }
+    if due.has(Item::Gsa) {
+        standard::write_satellites(statement, out)?;
+    }
+    if due.has(Item::Gst) {
+        standard::write_errors(statement.report, time, out)?;
+    }
+    if due.has(Item::Gbs) {
+        standard::write_suspect(statement.report, time, statement.requirements, out)?;
+    }
+    proprietary::write_state(statement, time, out)?;
+    proprietary::write_exclusions(statement.report, time, out)?;
+    if let Some(separation) = &statement.report.separation {
+        proprietary::write_separation(separation, time, out)?;
+    }
+    proprietary::write_settings_and_interference(statement, time, out)
+}
+
+/// Writes that no epoch came within the time to alert. `last` is the time of the last epoch, if there was one.
+///
+/// The standard sentences are left out: they would have to speak of a position that does not exist.
+///
+/// # Errors
+/// The writer's own.
+pub fn write_stale<W: Write>(
+    last: Option<GpsTime>,
+    gps_minus_utc_s: u8,
+    requirements: &Requirements,
+    out: &mut W,
+) -> Result<(), W::Error> {
+    let last = last.map(|time| TimeOfDay::new(time, gps_minus_utc_s));
+    proprietary::write_staleness(last, requirements, out)
+}

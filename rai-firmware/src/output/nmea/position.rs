@@ -1,0 +1,183 @@
+//! Where and how fast: `RMC`, `GGA`, `GNS`, `VTG`.
+//!
+//! | sentence | in an alert | unavailable, with a position |
+//! |---|---|---|
+//! | `RMC` | status `V`, mode `N`, no position | status `A`, mode `A` |
+//! | `GGA` | quality 0, no position | quality 1 |
+//! | `GNS` | mode `N`; the position stays, for whoever asks why | mode `A` |
+//! | `VTG` | mode `N`, no velocity | mode `A` |
+//!
+//! `RMC` and `GNS` end with the navigational status, which tells the rest. Readers of `RMC` and `GGA` are the plainest
+//! ones, some of which never look at a status: they get no position that must not be used.
+//!
+//! Position and time are written once and stand in several sentences.
+
+use embedded_io::Write;
+use rai_core::report::{Solution, Verdict};
+
+use super::{Sentence, TimeOfDay, write_sentence};
+use crate::output::schedule::{Due, Item};
+use crate::output::{Motion, Statement};
+
+/// The largest dilution of precision that is written; readers take it for "unusable".
+const MAX_DOP: f64 = 99.99;
+
+/// Below this speed the course is that of the noise, m/s.
+const COURSE_FROM_M_S: f32 = 0.3;
+
+/// Knots and kilometres an hour in a metre a second.
+const KNOTS: f32 = 3600.0 / 1852.0;
+const KILOMETRES_AN_HOUR: f32 = 3.6;
+
+/// Radians in degrees.
+pub(super) fn degrees(angle_rad: f64) -> f64 {
+    angle_rad * (180.0 / core::f64::consts::PI)
+}
+
+/// A dilution of precision that fits into five characters.
+pub(super) fn dilution(value: f64) -> f64 {
+    if value < MAX_DOP { value } else { MAX_DOP }
+}
+
+/// `RMC`, `GGA`, `GNS` and `VTG`, as far as they are due.
+pub(super) fn write_position<W: Write, const N: usize>(
+    statement: &Statement<'_, N>,
+    time: TimeOfDay,
+    due: Due,
+    out: &mut W,
+) -> Result<(), W::Error> {
+    let solution = statement.report.solution.as_ref();
+    let mut place = Sentence::new("");
+    if let Some(solution) = solution {
+        place.angle(degrees(solution.geodetic.latitude_rad), 2, ["N", "S"]).angle(
+            degrees(solution.geodetic.longitude_rad),
+            3,
+            ["E", "W"],
+        );
+    }
+    let is_usable = statement.is_usable();
+    let told = Told {
+        time,
+        status: navigational_status(statement.report.verdict, solution.is_some()),
+        place: place.fields(),
+        is_usable,
+        solution,
+        used: statement.report.used.len().min(99) as u32,
+        motion: statement.motion.filter(|_| is_usable),
+    };
+    if due.has(Item::Rmc) {
+        write_sentence(&told.rmc(), out)?;
+    }
+    if due.has(Item::Gga) {
+        write_sentence(&told.gga(), out)?;
+    }
+    if due.has(Item::Gns) {
+        write_sentence(&told.gns(), out)?;
+    }
+    Ok(())
+}
+
+/// `VTG`, which needs no position.
+pub(super) fn write_velocity<W: Write, const N: usize>(
+    statement: &Statement<'_, N>,
+    out: &mut W,
+) -> Result<(), W::Error> {
+    let mut sentence = Sentence::new("GNVTG");
+    let motion = statement.motion.filter(|_| statement.is_usable());
+    course(&mut sentence, motion.as_ref()).ready(b"T").empty().ready(b"M");
+    speed(&mut sentence, motion.as_ref(), KNOTS).ready(b"N");
+    speed(&mut sentence, motion.as_ref(), KILOMETRES_AN_HOUR).ready(b"K");
+    write_sentence(sentence.ready(if motion.is_some() { b"A" } else { b"N" }), out)
+}
+
+const fn navigational_status(verdict: Verdict, has_position: bool) -> &'static [u8] {
+    match (verdict, has_position) {
+        (Verdict::Protected(_), _) => b"S",
+        (Verdict::Alert(_), _) => b"U",
+        (Verdict::Unavailable(_), true) => b"C",
+        (Verdict::Unavailable(_), false) => b"V",
+    }
+}
+
+/// What several sentences say.
+struct Told<'t> {
+    time: TimeOfDay,
+    status: &'static [u8],
+    /// Latitude, hemisphere, longitude, hemisphere; empty without a position.
+    place: &'t [u8],
+    is_usable: bool,
+    solution: Option<&'t Solution>,
+    used: u32,
+    motion: Option<Motion>,
+}
+
+impl Told<'_> {
+    fn rmc(&self) -> Sentence {
+        let mut sentence = Sentence::new("GNRMC");
+        sentence.time(Some(self.time)).ready(if self.is_usable { b"A" } else { b"V" });
+        self.usable_place(&mut sentence);
+        speed(&mut sentence, self.motion.as_ref(), KNOTS);
+        course(&mut sentence, self.motion.as_ref());
+        let [year, month, day] = self.time.date();
+        sentence.integer(day * 10_000 + month * 100 + year % 100, 6);
+        sentence.empty().empty().ready(self.mode()).ready(self.status);
+        sentence
+    }
+
+    fn gga(&self) -> Sentence {
+        let mut sentence = Sentence::new("GNGGA");
+        sentence.time(Some(self.time));
+        self.usable_place(&mut sentence);
+        sentence.ready(if self.is_usable { b"1" } else { b"0" }).integer(self.used, 2);
+        match self.solution.filter(|_| self.is_usable) {
+            Some(solution) => sentence
+                .number(dilution(solution.hdop), 2, 5)
+                .number(solution.geodetic.height_m, 3, 8)
+                .ready(b"M,0.0,M,,"),
+            None => sentence.ready(b",,M,,M,,"),
+        };
+        sentence
+    }
+
+    fn gns(&self) -> Sentence {
+        let mut sentence = Sentence::new("GNGNS");
+        sentence.time(Some(self.time));
+        match self.solution {
+            Some(solution) => sentence
+                .ready(self.place)
+                .ready(self.mode())
+                .integer(self.used, 2)
+                .number(dilution(solution.hdop), 2, 5)
+                .number(solution.geodetic.height_m, 3, 10)
+                .ready(b"0.0,,"),
+            None => sentence.ready(b",,,,N,00,,,,,"),
+        };
+        sentence.ready(self.status);
+        sentence
+    }
+
+    fn usable_place(&self, sentence: &mut Sentence) {
+        sentence.ready(if self.is_usable { self.place } else { b",,," });
+    }
+
+    fn mode(&self) -> &'static [u8] {
+        if self.is_usable { b"A" } else { b"N" }
+    }
+}
+
+/// Speed over ground in the unit of which there are `units` in a metre a second.
+fn speed<'s>(sentence: &'s mut Sentence, motion: Option<&Motion>, units: f32) -> &'s mut Sentence {
+    sentence.optional(motion.map(|motion| f64::from(motion.speed_m_s() * units)), 3, 7)
+}
+
+/// Course over ground, degrees from true north; none where the speed says nothing about it.
+fn course<'s>(sentence: &'s mut Sentence, motion: Option<&Motion>) -> &'s mut Sentence {
+    let moving = motion.filter(|motion| motion.speed_m_s() >= COURSE_FROM_M_S);
+    let course_deg = moving.map(|motion| {
+        let angle_deg = libm::atan2f(motion.east_m_s, motion.north_m_s) * (180.0 / core::f32::consts::PI);
+        let course_deg = if angle_deg < 0.0 { angle_deg + 360.0 } else { angle_deg };
+        // What would round to 360.00 is north.
+        f64::from(if course_deg < 359.995 { course_deg } else { 0.0 })
+    });
+    sentence.optional(course_deg, 2, 6)
+}

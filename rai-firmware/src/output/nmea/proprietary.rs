@@ -1,0 +1,309 @@
+//! The proprietary sentences: verdict, exclusions, version, answers.
+//!
+//! | sentence | fields |
+//! |---|---|
+//! | `PRAIS` | time, state, reason, satellites tracked, used, degrees of freedom, statistic, threshold, HPL, VPL, HAL, VAL |
+//! | `PRAIX` | time, how many are excluded, satellite, w-test, bias |
+//! | `PRAIM` | time, watched modes, probability of what is not watched, EMT, σ of the height for accuracy, mode that makes the vertical level, share of the risk |
+//! | `PRAIN` | time, hash of the settings, NIC, jamming, spoofing |
+//! | `PRAIL` | bytes lost at the GNSS port and at the host port, frames refused, epochs late; since start |
+//! | `PRAIV` | version, git, reset cause, self-test |
+//! | `PRAIA` | key, values, `OK`; or key, `ERR`, why |
+//!
+//! In an alert `PRAIS` has the statistic and the threshold that it missed, and no protection level; `PRAIN` then has NIC 0, as
+//! wherever a level bounds nothing. `PRAIQ` is told by [`crate::config`].
+//!
+//! A mode is named by what it takes away: `E` a whole system, `G05` a satellite, `EG05` both; empty where the noise of all
+//! satellites makes the level.
+//!
+//! `PRAIS` gives the statistic and its threshold to 3 decimals and metres to 1. Where extreme values would make it
+//! longer than 82 characters, both drop to 1 and 0.
+
+use embedded_io::Write;
+use heapless::String;
+use rai_core::report::{Alert, Dominant, Protected, Report, Separation, Unavailable, Verdict};
+use rai_core::requirements::Requirements;
+use rai_core::satellite::Constellation;
+
+use super::{Sentence, TimeOfDay, write_sentence};
+use crate::output::{Statement, nic};
+
+/// The largest statistic that is written.
+const MAX_STATISTIC: f64 = 99_999.0;
+
+/// Longest text that a field of `PRAIV` has: four of them fit into a sentence.
+const TEXT_WIDTH: usize = 16;
+
+/// How many decimals `PRAIS` affords.
+#[derive(Clone, Copy)]
+struct Precision {
+    ratio_decimals: usize,
+    ratio_width: usize,
+    metre_decimals: usize,
+    metre_width: usize,
+}
+
+/// What the interface promises.
+const FULL: Precision = Precision { ratio_decimals: 3, ratio_width: 9, metre_decimals: 1, metre_width: 9 };
+
+/// What fits whatever the values are.
+const COARSE: Precision = Precision { ratio_decimals: 1, ratio_width: 5, metre_decimals: 0, metre_width: 6 };
+
+/// State and reason of `PRAIS`.
+const fn words(verdict: Verdict) -> (&'static str, &'static str) {
+    match verdict {
+        Verdict::Protected(Protected::Ok) => ("P", "OK"),
+        Verdict::Protected(Protected::Excluded) => ("P", "EXCLUDED"),
+        Verdict::Alert(Alert::Fault) => ("A", "FAULT"),
+        Verdict::Alert(Alert::Ambiguous) => ("A", "AMBIGUOUS"),
+        Verdict::Alert(Alert::Stale) => ("A", "STALE"),
+        Verdict::Alert(Alert::Jump) => ("A", "JUMP"),
+        Verdict::Alert(Alert::Spoofed) => ("A", "SPOOFED"),
+        Verdict::Unavailable(Unavailable::NoFix) => ("U", "NOFIX"),
+        Verdict::Unavailable(Unavailable::Redundancy) => ("U", "REDUNDANCY"),
+        Verdict::Unavailable(Unavailable::Geometry) => ("U", "GEOMETRY"),
+        Verdict::Unavailable(Unavailable::Risk) => ("U", "RISK"),
+        Verdict::Unavailable(Unavailable::Hpl) => ("U", "HPL"),
+        Verdict::Unavailable(Unavailable::Vpl) => ("U", "VPL"),
+        Verdict::Unavailable(Unavailable::Budget) => ("U", "BUDGET"),
+        Verdict::Unavailable(Unavailable::Input) => ("U", "INPUT"),
+        Verdict::Unavailable(Unavailable::Recovering) => ("U", "RECOVERING"),
+        Verdict::Unavailable(Unavailable::Place) => ("U", "PLACE"),
+        Verdict::Unavailable(Unavailable::SelfTest) => ("U", "SELFTEST"),
+        Verdict::Unavailable(Unavailable::Ephemeris) => ("U", "EPHEMERIS"),
+        Verdict::Unavailable(Unavailable::Settings) => ("U", "SETTINGS"),
+    }
+}
+
+/// `PRAIS`: the verdict and the numbers behind it.
+pub(super) fn write_state<W: Write, const N: usize>(
+    statement: &Statement<'_, N>,
+    time: TimeOfDay,
+    out: &mut W,
+) -> Result<(), W::Error> {
+    let mut sentence = state(statement, time, FULL);
+    if !sentence.fits() {
+        sentence = state(statement, time, COARSE);
+    }
+    write_sentence(&sentence, out)
+}
+
+fn state<const N: usize>(statement: &Statement<'_, N>, time: TimeOfDay, precision: Precision) -> Sentence {
+    let Precision { ratio_decimals, ratio_width, metre_decimals, metre_width } = precision;
+    let (report, required) = (statement.report, statement.requirements);
+    let statistic = report.test.map(|test| test.statistic.min(MAX_STATISTIC));
+    let threshold = report.test.map(|test| test.threshold.min(MAX_STATISTIC));
+    let (hpl_m, vpl_m) = statement.levels_m();
+    let mut sentence = heading(Some(time), report.verdict);
+    sentence.integer(u32::from(report.tracked.min(99)), 1).integer(report.used.len().min(99) as u32, 1);
+    match report.test {
+        Some(test) => sentence.integer(u32::from(test.dof.min(99)), 1),
+        None => sentence.empty(),
+    };
+    for ratio in [statistic, threshold] {
+        sentence.optional(ratio, ratio_decimals, ratio_width);
+    }
+    for metres in [hpl_m, vpl_m, Some(required.hal_m), required.val_m] {
+        sentence.optional(metres, metre_decimals, metre_width);
+    }
+    sentence
+}
+
+/// `PRAIM`: what ARAIM says beside its levels.
+pub(super) fn write_separation<W: Write>(
+    separation: &Separation,
+    time: TimeOfDay,
+    out: &mut W,
+) -> Result<(), W::Error> {
+    let mut sentence = Sentence::new("PRAIM");
+    sentence
+        .time(Some(time))
+        .integer(u32::from(separation.modes), 1)
+        .probability(separation.not_watched)
+        .number(separation.effective_monitor_threshold_m, 2, 9)
+        .number(separation.accuracy_m, 2, 9)
+        .text(&named(separation.vertical))
+        .number(separation.share, 4, 9);
+    write_sentence(&sentence, out)
+}
+
+/// A mode by what it takes away.
+fn named(mode: Dominant) -> String<16> {
+    let mut name = String::new();
+    let lost = Constellation::ALL.into_iter().filter(|system| mode.constellations >> *system as u8 & 1 != 0);
+    for system in lost {
+        // Four letters and three satellites fit.
+        let _ = name.push(system.letter());
+    }
+    for satellite in mode.satellites.iter().flatten() {
+        let digit = |value: u8| char::from(b'0' + value % 10);
+        let (letter, number) = (satellite.constellation().letter(), satellite.number());
+        for character in [letter, digit(number / 10), digit(number)] {
+            let _ = name.push(character);
+        }
+    }
+    name
+}
+
+/// `PRAIN`: the settings in force, what the level is good for, and what the receiver says of its signals.
+pub(super) fn write_settings_and_interference<W: Write, const N: usize>(
+    statement: &Statement<'_, N>,
+    time: TimeOfDay,
+    out: &mut W,
+) -> Result<(), W::Error> {
+    // A level that was refused for its size is a level; one that is there for want of anything better is none.
+    let bounds = matches!(
+        statement.report.verdict,
+        Verdict::Protected(_) | Verdict::Unavailable(Unavailable::Hpl | Unavailable::Vpl)
+    );
+    let mut sentence = Sentence::new("PRAIN");
+    sentence
+        .time(Some(time))
+        .hexadecimal(statement.settings_hash)
+        .integer(u32::from(nic::category(statement.levels_m().0.filter(|_| bounds))), 1)
+        .integer(u32::from(statement.interference.jamming), 1)
+        .integer(u32::from(statement.interference.spoofing), 1);
+    write_sentence(&sentence, out)
+}
+
+/// What did not reach the module, or not in time, since it started.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Losses {
+    /// Bytes lost at the GNSS port.
+    pub gnss_bytes: u32,
+    /// Bytes lost at the host port.
+    pub host_bytes: u32,
+    /// Frames refused.
+    pub frames_refused: u32,
+    /// Epochs late.
+    pub epochs_late: u32,
+}
+
+/// `PRAIL`: what was lost.
+///
+/// # Errors
+/// The writer's own.
+pub fn write_losses<W: Write>(losses: &Losses, out: &mut W) -> Result<(), W::Error> {
+    let Losses { gnss_bytes, host_bytes, frames_refused, epochs_late } = *losses;
+    let mut sentence = Sentence::new("PRAIL");
+    for count in [gnss_bytes, host_bytes, frames_refused, epochs_late] {
+        sentence.integer(count, 1);
+    }
+    write_sentence(&sentence, out)
+}
+
+/// Time, state and reason.
+fn heading(time: Option<TimeOfDay>, verdict: Verdict) -> Sentence {
+    let (state, reason) = words(verdict);
+    let mut sentence = Sentence::new("PRAIS");
+    sentence.time(time).ready(state.as_bytes()).ready(reason.as_bytes());
+    sentence
+}
+
+/// `PRAIS` where no epoch came: nothing is tracked, nothing is tested.
+pub(super) fn write_staleness<W: Write>(
+    last: Option<TimeOfDay>,
+    requirements: &Requirements,
+    out: &mut W,
+) -> Result<(), W::Error> {
+    let mut sentence = heading(last, Verdict::Alert(Alert::Stale));
+    sentence.integer(0, 1).integer(0, 1).empty().empty().empty().empty().empty();
+    for metres in [Some(requirements.hal_m), requirements.val_m] {
+        sentence.optional(metres, FULL.metre_decimals, FULL.metre_width);
+    }
+    write_sentence(&sentence, out)
+}
+
+/// `PRAIX`: what was left out, in the order of exclusion.
+pub(super) fn write_exclusions<W: Write, const N: usize>(
+    report: &Report<N>,
+    time: TimeOfDay,
+    out: &mut W,
+) -> Result<(), W::Error> {
+    let count = report.excluded.len() as u32;
+    report.excluded.iter().try_for_each(|excluded| {
+        let mut sentence = Sentence::new("PRAIX");
+        sentence
+            .time(Some(time))
+            .integer(count, 1)
+            .satellite(excluded.satellite)
+            .number(excluded.w_test, 3, 14)
+            .number(excluded.bias_m, 1, 14);
+        write_sentence(&sentence, out)
+    })
+}
+
+/// `PRAIV`: what runs here and why it started. Texts are cut to 16 characters.
+///
+/// # Errors
+/// The writer's own.
+pub fn write_version<W: Write>(
+    version: &str,
+    git: &str,
+    reset_cause: &str,
+    selftest: &str,
+    out: &mut W,
+) -> Result<(), W::Error> {
+    let mut sentence = Sentence::new("PRAIV");
+    for text in [version, git, reset_cause, selftest] {
+        sentence.clipped(text, TEXT_WIDTH);
+    }
+    write_sentence(&sentence, out)
+}
+
+/// `PRAIA,key,value…,OK`, and `WARN,why` behind it where there is a warning. Values that would make the answer longer
+/// than 82 characters are left out together.
+///
+/// # Errors
+/// The writer's own.
+pub fn write_answer<'v, W: Write>(
+    key: &str,
+    values: impl Iterator<Item = &'v str>,
+    warning: Option<&str>,
+    out: &mut W,
+) -> Result<(), W::Error> {
+    let mut sentence = Sentence::new("PRAIA");
+    values.fold(sentence.text(key), |sentence, value| sentence.text(value)).text("OK");
+    if !sentence.fits() {
+        sentence = Sentence::new("PRAIA");
+        sentence.text(key).text("OK");
+    }
+    if let Some(why) = warning {
+        sentence.text("WARN").text(why);
+    }
+    write_sentence(&sentence, out)
+}
+
+/// `PRAIA,key,ERR,why`.
+///
+/// # Errors
+/// The writer's own.
+pub fn write_refusal<W: Write>(key: &str, why: &str, out: &mut W) -> Result<(), W::Error> {
+    write_sentence(Sentence::new("PRAIA").text(key).text("ERR").text(why), out)
+}
+
+/// `PRAIA,STATS,name,value…,OK`: one answer with as many of the counters as it has room for. Says how many.
+///
+/// # Errors
+/// The writer's own.
+pub fn write_counters<W: Write>(
+    counters: impl Iterator<Item = (&'static str, u32)>,
+    out: &mut W,
+) -> Result<usize, W::Error> {
+    let mut sentence = Sentence::new("PRAIA");
+    sentence.ready(b"STATS");
+    let mut said = 0;
+    for (name, count) in counters {
+        let mut longer = sentence.clone();
+        longer.text(name).integer(count, 1);
+        if !longer.clone().ready(b"OK").fits() && said > 0 {
+            break;
+        }
+        sentence = longer;
+        said += 1;
+    }
+    if said > 0 {
+        write_sentence(sentence.ready(b"OK"), out)?;
+    }
+    Ok(said)
+}

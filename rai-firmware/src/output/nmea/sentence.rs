@@ -1,0 +1,408 @@
+//! One sentence: `$address,field,…*CS` CR LF, built field by field in a fixed buffer.
+//!
+//! The checksum is the exclusive or of all characters between `$` and `*`. Each method of [`Sentence`] appends one
+//! field with its leading comma and hands the sentence on, which stays where it is. A sentence that outgrows 82
+//! characters remembers it and is not sent: whoever builds one chooses its fields so that it cannot, or falls back to a
+//! coarser form.
+//!
+//! Numbers are rounded to the nearest, halves to the even neighbour, and written by 32-bit divisions where they fit: the
+//! processor has these, and those of 64 bits are long calls.
+
+use embedded_io::Write;
+use heapless::Vec;
+use rai_core::satellite::{Constellation, SatelliteId};
+
+use super::TimeOfDay;
+
+/// Longest sentence, `$` and CR LF included (NMEA 0183 v4.11 §5.3).
+pub const MAX_LENGTH: usize = 82;
+
+/// Length of checksum and line end: `*CS` CR LF.
+pub(super) const ENDING: usize = 5;
+
+/// Powers of ten up to the largest number of decimals that a field has.
+const SCALE: [u32; 10] =
+    [1, 10, 100, 1000, 10_000, 100_000, 1_000_000, 10_000_000, 100_000_000, 1_000_000_000];
+
+/// Scaled numbers beyond this are not representable as integers; every field ends far below.
+const SCALED_LIMIT: f64 = 1e15;
+
+/// A sentence in the making.
+#[derive(Clone, Debug)]
+pub struct Sentence {
+    bytes: Vec<u8, MAX_LENGTH>,
+    overflown: bool,
+}
+
+/// A number rounded to a fixed count of decimals, in integers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Fixed {
+    negative: bool,
+    whole: u64,
+    fraction: u32,
+    decimals: usize,
+}
+
+impl Fixed {
+    /// `None` where the value is not finite or beyond [`SCALED_LIMIT`]. What rounds to zero has no sign.
+    fn new(value: f64, decimals: usize) -> Option<Self> {
+        let scale = *SCALE.get(decimals)?;
+        let scaled = nearest_integer(libm::fabs(value) * f64::from(scale))?;
+        let (whole, fraction) = divided(scaled, scale);
+        Some(Self { negative: value.is_sign_negative() && scaled > 0, whole, fraction, decimals })
+    }
+
+    /// As [`Self::new`] in single precision, which the processor calculates with; `None` where its seven digits are too
+    /// few to round as doubles do, but for numbers within 1e-4 of a half.
+    fn short(value: f64, decimals: usize) -> Option<Self> {
+        const LIMIT: u64 = 512_f64.to_bits();
+        // Beside 2²³ there is no room for a fraction in single precision.
+        const BESIDE: f32 = (1_u32 << 23) as f32;
+        let scale = *SCALE.get(decimals).filter(|_| decimals <= 3)?;
+        if libm::fabs(value).to_bits() >= LIMIT {
+            return None;
+        }
+        let scaled = (libm::fabsf(value as f32) * scale as f32 + BESIDE).to_bits() - BESIDE.to_bits();
+        let (whole, fraction) = (scaled / scale, scaled % scale);
+        Some(Self {
+            negative: value.is_sign_negative() && scaled > 0,
+            whole: u64::from(whole),
+            fraction,
+            decimals,
+        })
+    }
+
+    /// The value with as many decimals, up to `decimals`, as leave it within `width` characters.
+    fn fitting(value: f64, decimals: usize, width: usize) -> Option<Self> {
+        let fits = |fixed: &Self| fixed.width() <= width;
+        let long = || (0..=decimals).rev().filter_map(|count| Self::new(value, count)).find(fits);
+        Self::short(value, decimals).filter(fits).or_else(long)
+    }
+
+    fn width(self) -> usize {
+        let point = if self.decimals > 0 { self.decimals + 1 } else { 0 };
+        usize::from(self.negative) + digits(self.whole) + point
+    }
+}
+
+/// The integer nearest to a number from 0 to [`SCALED_LIMIT`], to the even one of two; `None` beyond.
+///
+/// Both steps work on the bits, since comparing and converting doubles are calls on this processor: those of positive
+/// numbers have the order of the numbers, with what is no number at the end, and beside 2⁵² there is no room for a fraction.
+fn nearest_integer(value: f64) -> Option<u64> {
+    const BESIDE: f64 = (1_u64 << 52) as f64;
+    let is_within = value.to_bits() < SCALED_LIMIT.to_bits();
+    is_within.then(|| (value + BESIDE).to_bits() - BESIDE.to_bits())
+}
+
+/// Quotient and remainder; the processor divides what has 32 bits, and the rest is a long call.
+fn divided(value: u64, by: u32) -> (u64, u32) {
+    match u32::try_from(value) {
+        Ok(short) => (u64::from(short / by), short % by),
+        Err(_) => (value / u64::from(by), (value % u64::from(by)) as u32),
+    }
+}
+
+/// Digits of the lower part of a number that is split.
+const LOW_DIGITS: usize = 9;
+
+/// What is above the last nine digits, and these.
+fn split(value: u64) -> (u64, u32) {
+    divided(value, SCALE[LOW_DIGITS])
+}
+
+/// How many digits a number has.
+fn digits(value: u64) -> usize {
+    match split(value) {
+        (0, low) => 1 + SCALE.iter().skip(1).take_while(|&&power| low >= power).count(),
+        (high, _) => digits(high) + LOW_DIGITS,
+    }
+}
+
+/// True for a character that may stand inside a field: printable, and not one that the format reserves.
+pub(crate) fn is_field_character(byte: u8) -> bool {
+    matches!(byte, b' '..=b'~') && !matches!(byte, b'!' | b'$' | b'*' | b',' | b'\\' | b'^' | b'~')
+}
+
+impl Sentence {
+    /// A sentence with its address (talker and formatter), without fields.
+    pub fn new(address: &str) -> Self {
+        let mut sentence = Self { bytes: Vec::new(), overflown: false };
+        sentence.push(b"$");
+        sentence.push(address.as_bytes());
+        sentence
+    }
+
+    /// A field of text; characters that the format reserves are left out.
+    pub fn text(&mut self, text: &str) -> &mut Self {
+        self.clipped(text, MAX_LENGTH)
+    }
+
+    /// As [`Sentence::text`], cut to `width` characters.
+    pub fn clipped(&mut self, text: &str, width: usize) -> &mut Self {
+        self.push(b",");
+        let kept = text.bytes().filter(|byte| is_field_character(*byte)).take(width);
+        kept.for_each(|byte| self.push(&[byte]));
+        self
+    }
+
+    /// A field or several that are known to hold no reserved character, but for commas between them.
+    pub(crate) fn ready(&mut self, fields: &[u8]) -> &mut Self {
+        self.push(b",");
+        self.push(fields);
+        self
+    }
+
+    /// A field without content: not known or not defined.
+    pub fn empty(&mut self) -> &mut Self {
+        self.ready(b"")
+    }
+
+    /// A whole number, with leading zeros up to `width` digits.
+    pub fn integer(&mut self, value: u32, width: usize) -> &mut Self {
+        self.push(b",");
+        self.push_digits(u64::from(value), width);
+        self
+    }
+
+    /// Eight hexadecimal digits.
+    pub fn hexadecimal(&mut self, value: u32) -> &mut Self {
+        let digits = [28, 24, 20, 16, 12, 8, 4, 0].map(|shift| hexadecimal((value >> shift) as u8 & 0xF));
+        self.ready(&digits)
+    }
+
+    /// A number with as many decimals, up to `decimals`, as leave it within `width` characters; an empty field where
+    /// even its whole part does not fit, or where it is infinite.
+    pub fn number(&mut self, value: f64, decimals: usize, width: usize) -> &mut Self {
+        self.push(b",");
+        if let Some(fixed) = Fixed::fitting(value, decimals, width) {
+            self.push_fixed(fixed);
+        }
+        self
+    }
+
+    /// As [`Sentence::number`], and empty where there is none.
+    pub fn optional(&mut self, value: Option<f64>, decimals: usize, width: usize) -> &mut Self {
+        match value {
+            Some(value) => self.number(value, decimals, width),
+            None => self.empty(),
+        }
+    }
+
+    /// A probability in plain decimals, nine at most and no zeros at the end: readers know no exponents.
+    pub fn probability(&mut self, value: f64) -> &mut Self {
+        self.push(b",");
+        if let Some(mut fixed) = Fixed::new(value, SCALE.len() - 1) {
+            while fixed.decimals > 1 && fixed.fraction.is_multiple_of(10) {
+                fixed.fraction /= 10;
+                fixed.decimals -= 1;
+            }
+            self.push_fixed(fixed);
+        }
+        self
+    }
+
+    /// `hhmmss.ss`, or an empty field.
+    pub fn time(&mut self, time: Option<TimeOfDay>) -> &mut Self {
+        self.push(b",");
+        if let Some([hours, minutes, seconds, hundredths]) = time.map(TimeOfDay::parts) {
+            for part in [hours, minutes, seconds] {
+                self.push_digits(u64::from(part), 2);
+            }
+            self.push(b".");
+            self.push_digits(u64::from(hundredths), 2);
+        }
+        self
+    }
+
+    /// Degrees and minutes to seven decimals (0.2 mm), then the hemisphere: two fields.
+    pub fn angle(&mut self, degrees: f64, degree_digits: usize, hemispheres: [&str; 2]) -> &mut Self {
+        let Some(minutes) = Fixed::new(degrees * 60.0, 7) else { return self.empty().empty() };
+        // 180° are 10,800 minutes: 32 bits hold them.
+        let whole_minutes = minutes.whole as u32;
+        self.push(b",");
+        self.push_digits(u64::from(whole_minutes / 60), degree_digits);
+        self.push_digits(u64::from(whole_minutes % 60), 2);
+        self.push(b".");
+        self.push_digits(u64::from(minutes.fraction), 7);
+        let [positive, negative] = hemispheres;
+        self.ready(if minutes.negative { negative } else { positive }.as_bytes())
+    }
+
+    /// What has been written behind the address, for other sentences that say the same.
+    pub(super) fn fields(&self) -> &[u8] {
+        let from =
+            self.bytes.iter().position(|byte| *byte == b',').map_or(self.bytes.len(), |comma| comma + 1);
+        self.bytes.get(from..).unwrap_or_default()
+    }
+
+    /// A satellite as in RINEX: `G05`.
+    pub fn satellite(&mut self, satellite: SatelliteId) -> &mut Self {
+        self.push(b",");
+        self.push(&[satellite.constellation().letter() as u8]);
+        self.push_digits(u64::from(satellite.number()), 2);
+        self
+    }
+
+    /// A satellite's number in the numbering of NMEA 0183 v4.11, which goes with a system id.
+    pub fn satellite_number(&mut self, satellite: SatelliteId) -> &mut Self {
+        let offset = if satellite.constellation() == Constellation::Glonass { 64 } else { 0 };
+        self.integer(u32::from(satellite.number()) + offset, 2)
+    }
+
+    /// The sentence with checksum and line end; `None` if it would exceed [`MAX_LENGTH`].
+    pub fn finish(&self) -> Option<Vec<u8, MAX_LENGTH>> {
+        // What the sum starts with takes the `$` out.
+        let checksum = self.bytes.iter().fold(b'$', |sum, byte| sum ^ byte);
+        let mut bytes = self.bytes.clone();
+        let [high, low] = [checksum >> 4, checksum & 0xF].map(hexadecimal);
+        let ended = bytes.extend_from_slice(&[b'*', high, low, b'\r', b'\n']).is_ok();
+        (ended && !self.overflown).then_some(bytes)
+    }
+
+    /// Whether there is room for checksum and line end.
+    pub(super) fn fits(&self) -> bool {
+        !self.overflown && self.bytes.len() + ENDING <= MAX_LENGTH
+    }
+
+    fn push_fixed(&mut self, fixed: Fixed) {
+        if fixed.negative {
+            self.push(b"-");
+        }
+        self.push_digits(fixed.whole, 1);
+        if fixed.decimals > 0 {
+            self.push(b".");
+            self.push_digits(u64::from(fixed.fraction), fixed.decimals);
+        }
+    }
+
+    // Not inlined, nor is `push`: both are called in many places, and flash is dearer than the calls.
+    #[inline(never)]
+    fn push_digits(&mut self, value: u64, width: usize) {
+        let (high, mut low) = split(value);
+        let mut width = width.max(1);
+        if high > 0 {
+            self.push_digits(high, width.saturating_sub(LOW_DIGITS));
+            width = LOW_DIGITS;
+        }
+        // From the last digit on; nine are all that the lower part has, and the widest field.
+        let mut written = [b'0'; LOW_DIGITS];
+        let mut first = LOW_DIGITS;
+        for digit in written.iter_mut().rev() {
+            if low == 0 && LOW_DIGITS - first >= width {
+                break;
+            }
+            *digit += (low % 10) as u8;
+            low /= 10;
+            first -= 1;
+        }
+        self.push(written.get(first..).unwrap_or_default());
+    }
+
+    #[inline(never)]
+    fn push(&mut self, bytes: &[u8]) {
+        self.overflown |= self.bytes.extend_from_slice(bytes).is_err();
+    }
+}
+
+const fn hexadecimal(nibble: u8) -> u8 {
+    if nibble < 10 { b'0' + nibble } else { b'A' + (nibble - 10) }
+}
+
+/// Sends a finished sentence; one that did not fit is not sent.
+///
+/// # Errors
+/// The writer's own. A writer that takes nothing and calls it success ends the sentence: the contract of
+/// [`Write`] forbids it, and waiting for it would have no bound.
+pub fn write_sentence<W: Write>(sentence: &Sentence, out: &mut W) -> Result<(), W::Error> {
+    let Some(bytes) = sentence.finish() else { return Ok(()) };
+    let mut rest = bytes.as_slice();
+    while !rest.is_empty() {
+        let taken = out.write(rest)?;
+        rest = rest.get(taken.max(1)..).unwrap_or_default();
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::time::GpsTime;
+    use std::string::String;
+
+    fn body(sentence: &Sentence) -> String {
+        let bytes = sentence.finish().expect("fits");
+        let text = std::str::from_utf8(&bytes).expect("ASCII");
+        String::from(text.split('*').next().unwrap_or_default())
+    }
+
+    #[test]
+    fn checksum_of_a_printed_example() {
+        // GNGST of a receiver log, quoted in ros-drivers/nmea_navsat_driver#86.
+        let fields = ["130358.60", "36", "", "", "", "0.046", "0.041", "0.057"];
+        let mut sentence = Sentence::new("GNGST");
+        fields.into_iter().fold(&mut sentence, |sentence, field| sentence.text(field));
+        let want = b"$GNGST,130358.60,36,,,,0.046,0.041,0.057*43\r\n";
+        assert_eq!(sentence.finish().as_deref(), Some(want.as_slice()));
+    }
+
+    #[test]
+    fn numbers_lose_decimals_before_they_leave_the_field_empty() {
+        let cases = [
+            (1.0, "$T,1.000"),
+            (-1.2346, "$T,-1.235"),
+            (-0.0004, "$T,0.000"),
+            (9999.9999, "$T,10000.000"),
+            (1_234_567.0, "$T,1234567.0"),
+            (99_999_999.4, "$T,99999999"),
+            (99_999_999.6, "$T,100000000"),
+            (1e12, "$T,"),
+            (f64::INFINITY, "$T,"),
+            (f64::NAN, "$T,"),
+        ];
+        for (value, want) in cases {
+            assert_eq!(body(Sentence::new("T").number(value, 3, 9)), want, "{value}");
+        }
+    }
+
+    #[test]
+    fn angles_carry_into_the_degree_and_keep_their_hemisphere() {
+        let latitude = |degrees| body(Sentence::new("T").angle(degrees, 2, ["N", "S"]));
+        assert_eq!(latitude(89.999_999_999_99), "$T,9000.0000000,N");
+        assert_eq!(latitude(-0.5), "$T,0030.0000000,S");
+        assert_eq!(latitude(-1e-12), "$T,0000.0000000,N");
+        assert_eq!(latitude(f64::NAN), "$T,,");
+        let longitude = body(Sentence::new("T").angle(-180.0, 3, ["E", "W"]));
+        assert_eq!(longitude, "$T,18000.0000000,W");
+    }
+
+    #[test]
+    fn probabilities_end_at_their_last_digit() {
+        let have = |value| body(Sentence::new("T").probability(value));
+        assert_eq!(have(1e-3), "$T,0.001");
+        assert_eq!(have(1.0 / 15000.0), "$T,0.000066667");
+        assert_eq!(have(0.0), "$T,0.0");
+    }
+
+    #[test]
+    fn time_of_day_rounds_into_the_next_day() {
+        let midnight_utc = GpsTime { week: 2400, tow_ms: 18_000 };
+        let at = |ms| GpsTime::from_ms(midnight_utc.to_ms().saturating_add_signed(ms));
+        let have = |ms| body(Sentence::new("T").time(Some(TimeOfDay::new(at(ms), 18))));
+        assert_eq!(have(0), "$T,000000.00");
+        assert_eq!(have(-6), "$T,235959.99");
+        assert_eq!(have(-5), "$T,000000.00");
+        assert_eq!(have(43_200_970), "$T,120000.97");
+        assert_eq!(have(86_399_994), "$T,235959.99");
+    }
+
+    #[test]
+    fn what_outgrows_a_sentence_is_not_sent() {
+        assert_eq!(Sentence::new("TEST").text(&"x".repeat(80)).finish(), None);
+    }
+
+    #[test]
+    fn reserved_characters_cannot_break_the_frame() {
+        assert_eq!(body(Sentence::new("T").text("a,b*c$d\r\ne")), "$T,abcde");
+    }
+}

@@ -1,0 +1,183 @@
+//! What the position is made of, and how good it is: `GSA`, `GST`, `GBS`.
+//!
+//! | sentence | symbol | meaning | unit |
+//! |---|---|---|---|
+//! | `GST` | `a`, `b` | semi-axes of the error ellipse, 1 sigma: `a², b² = (N+E)/2 ± √(((N−E)/2)² + C²)` | m |
+//! | `GST` | `θ` | its orientation from true north over east: `½ atan2(C, (N−E)/2)` | ° |
+//! | `GBS` | | bias of the satellite that fits worst, with its standard deviation | m |
+//!
+//! `E`, `N`, `C` are the variances of east and north and their covariance. The root mean square of `GST` is that of
+//! the residuals.
+
+use embedded_io::Write;
+use rai_core::report::{Report, Solution, Suspect};
+use rai_core::requirements::Requirements;
+use rai_core::satellite::{Constellation, SatelliteId};
+
+use super::position::dilution;
+use super::{Sentence, TimeOfDay, write_sentence};
+use crate::output::Statement;
+
+/// Satellites that one `GSA` names.
+const PER_GSA: usize = 12;
+
+/// Identifies "all signals" of a system (NMEA 0183 v4.11 table 20): a combination of frequencies is no single signal.
+const ALL_SIGNALS: u32 = 0;
+
+/// Talker and system id of a constellation.
+const fn system(constellation: Constellation) -> (&'static str, u32) {
+    match constellation {
+        Constellation::Gps => ("GPGSA", 1),
+        Constellation::Glonass => ("GLGSA", 2),
+        Constellation::Galileo => ("GAGSA", 3),
+        Constellation::Beidou => ("GBGSA", 4),
+    }
+}
+
+/// `GSA`: the satellites used, by system, and the dilutions of precision of the whole solution.
+pub(super) fn write_satellites<W: Write, const N: usize>(
+    statement: &Statement<'_, N>,
+    out: &mut W,
+) -> Result<(), W::Error> {
+    const SYSTEMS: [Constellation; Constellation::COUNT] =
+        [Constellation::Gps, Constellation::Glonass, Constellation::Galileo, Constellation::Beidou];
+    let report = statement.report;
+    let Some(solution) = &report.solution else { return Ok(()) };
+    let mode = if statement.is_alert() { 1 } else { 3 };
+    let dilutions = [solution.pdop(), solution.hdop, solution.vdop].map(dilution);
+    for constellation in SYSTEMS {
+        let of_system = || report.used.iter().filter(|used| used.constellation() == constellation);
+        for first in (0..of_system().count()).step_by(PER_GSA) {
+            let satellites = of_system().skip(first).copied();
+            write_sentence(&active(constellation, mode, satellites, dilutions), out)?;
+        }
+    }
+    Ok(())
+}
+
+/// One `GSA` with the first 12 of the satellites.
+fn active(
+    constellation: Constellation,
+    mode: u32,
+    mut satellites: impl Iterator<Item = SatelliteId>,
+    dilutions: [f64; 3],
+) -> Sentence {
+    let (address, id) = system(constellation);
+    let mut sentence = Sentence::new(address);
+    sentence.text("A").integer(mode, 1);
+    for _ in 0..PER_GSA {
+        match satellites.next() {
+            Some(satellite) => sentence.satellite_number(satellite),
+            None => sentence.empty(),
+        };
+    }
+    for value in dilutions {
+        sentence.number(value, 2, 5);
+    }
+    sentence.integer(id, 1);
+    sentence
+}
+
+/// `GST`: the standard deviations that the covariance promises.
+pub(super) fn write_errors<W: Write, const N: usize>(
+    report: &Report<N>,
+    time: TimeOfDay,
+    out: &mut W,
+) -> Result<(), W::Error> {
+    let mut sentence = Sentence::new("GNGST");
+    sentence.time(Some(time));
+    let Some(solution) = &report.solution else {
+        (0..7).for_each(|_| _ = sentence.empty());
+        return write_sentence(&sentence, out);
+    };
+    let ellipse = ErrorEllipse::new(solution);
+    let [latitude_m, longitude_m, height_m] = standard_deviations(solution);
+    sentence
+        .number(report.residual_rms_m, 3, 8)
+        .number(ellipse.semi_major_m, 3, 8)
+        .number(ellipse.semi_minor_m, 3, 8)
+        .number(ellipse.orientation_deg, 1, 5)
+        .number(latitude_m, 3, 8)
+        .number(longitude_m, 3, 8)
+        .number(height_m, 3, 8);
+    write_sentence(&sentence, out)
+}
+
+/// Of latitude, longitude and height, m.
+fn standard_deviations(solution: &Solution) -> [f64; 3] {
+    let [east, _, _, north, _, up] = solution.covariance_m2;
+    [north, east, up].map(|variance| f64::from(libm::sqrtf((variance as f32).max(0.0))))
+}
+
+/// The ellipse of one standard deviation in the horizontal plane.
+///
+/// In single precision, which the processor calculates with: millimetres of some metres are four digits.
+struct ErrorEllipse {
+    semi_major_m: f64,
+    semi_minor_m: f64,
+    /// Of the major axis, from true north over east, 0 to 180.
+    orientation_deg: f64,
+}
+
+impl ErrorEllipse {
+    fn new(solution: &Solution) -> Self {
+        let [east, covariance, _, north, _, _] = solution.covariance_m2.map(|element| element as f32);
+        let (mean, difference) = (0.5 * (north + east), 0.5 * (north - east));
+        let spread = libm::sqrtf(difference * difference + covariance * covariance);
+        let orientation_deg = libm::atan2f(covariance, difference) * (90.0 / core::f32::consts::PI);
+        let axis = |variance: f32| f64::from(libm::sqrtf(variance.max(0.0)));
+        Self {
+            semi_major_m: axis(mean + spread),
+            semi_minor_m: axis(mean - spread),
+            // An axis has no sense of direction.
+            orientation_deg: f64::from(if orientation_deg < 0.0 {
+                orientation_deg + 180.0
+            } else {
+                orientation_deg
+            }),
+        }
+    }
+}
+
+/// `GBS`: the satellite used that fits worst, where there is redundancy to tell.
+pub(super) fn write_suspect<W: Write, const N: usize>(
+    report: &Report<N>,
+    time: TimeOfDay,
+    requirements: &Requirements,
+    out: &mut W,
+) -> Result<(), W::Error> {
+    match (&report.solution, &report.suspect) {
+        (Some(solution), Some(suspect)) => {
+            let mut sentence = Sentence::new("GNGBS");
+            write_sentence(fault(sentence.time(Some(time)), solution, suspect, requirements), out)
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Expected errors to signal id.
+fn fault<'s>(
+    sentence: &'s mut Sentence,
+    solution: &Solution,
+    suspect: &Suspect,
+    requirements: &Requirements,
+) -> &'s mut Sentence {
+    let (_, system_id) = system(suspect.satellite.constellation());
+    standard_deviations(solution)
+        .into_iter()
+        .fold(sentence, |sentence, deviation_m| sentence.number(deviation_m, 3, 7))
+        .satellite_number(suspect.satellite)
+        .probability(requirements.missed_detection.get())
+        .number(suspect.bias_m, 3, 8)
+        .number(suspect.bias_sigma_m, 3, 8)
+        .integer(system_id, 1)
+        .integer(ALL_SIGNALS, 1)
+}
+
+/// `ZDA`: time and date, and that the local zone is UTC.
+pub(super) fn date_and_time(time: TimeOfDay) -> Sentence {
+    let [year, month, day] = time.date();
+    let mut sentence = Sentence::new("GNZDA");
+    sentence.time(Some(time)).integer(day, 2).integer(month, 2).integer(year, 4).ready(b"00").ready(b"00");
+    sentence
+}

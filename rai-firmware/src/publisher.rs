@@ -1,0 +1,117 @@
+//! Who tells the host, and remembers what has been told: what is due, what was said when.
+//!
+//! | said | when |
+//! |---|---|
+//! | the items of the [`Schedule`] | with their epochs |
+//! | `PRAIS`, `PRAIX`, `PRAIN` | with every epoch |
+//! | `PRAIQ` | at start, after every change, every 60 s |
+//! | `PRAIL` | every 60 s |
+
+use embedded_io::Write;
+use rai_core::report::{Alert, Verdict};
+
+use crate::config::Configuration;
+use crate::output::Statement;
+use crate::output::mavlink::Sender;
+use crate::output::nmea::{Losses, TimeOfDay, write_epoch, write_losses, write_stale};
+use crate::output::schedule::{Item, Schedule};
+use crate::time::GpsTime;
+
+/// How often settings and losses are said again, ms.
+const AGAIN_MS: u64 = 60_000;
+
+/// What is remembered between epochs.
+#[derive(Clone, Debug)]
+pub struct Publisher {
+    epochs: u32,
+    /// The last second that `ZDA` has told.
+    told_second: Option<u32>,
+    sender: Sender,
+    settings_hash: u32,
+    settings_due_ms: u64,
+    losses_due_ms: u64,
+}
+
+impl Publisher {
+    /// One that has told nothing.
+    pub fn new(configuration: &Configuration) -> Self {
+        Self {
+            epochs: 0,
+            told_second: None,
+            sender: Sender::default(),
+            settings_hash: configuration.hash(),
+            settings_due_ms: 0,
+            losses_due_ms: AGAIN_MS,
+        }
+    }
+
+    /// Takes note of other settings, which are then said at the next look at the clock.
+    pub fn reconfigured(&mut self, configuration: &Configuration) {
+        self.settings_hash = configuration.hash();
+        self.settings_due_ms = 0;
+    }
+
+    /// Hash of the settings in force.
+    pub fn settings_hash(&self) -> u32 {
+        self.settings_hash
+    }
+
+    /// Tells an epoch.
+    ///
+    /// # Errors
+    /// The writer's own, of the first sentence that it did not take.
+    pub fn tell<W: Write, const N: usize>(
+        &mut self,
+        statement: &Statement<'_, N>,
+        schedule: &Schedule,
+        out: &mut W,
+    ) -> Result<(), W::Error> {
+        let mut due = schedule.due(self.epochs);
+        self.epochs = self.epochs.wrapping_add(1);
+        if due.has(Item::Zda) {
+            let second = TimeOfDay::new(statement.time, statement.gps_minus_utc_s).second();
+            if self.told_second.replace(second) == Some(second) {
+                due = due.without(Item::Zda);
+            }
+        }
+        write_epoch(statement, due, out)?;
+        self.sender.write_epoch(statement, due, out)
+    }
+
+    /// Tells that no epoch came within the time to alert.
+    ///
+    /// # Errors
+    /// The writer's own.
+    pub fn tell_silence<W: Write>(
+        &mut self,
+        last: Option<GpsTime>,
+        gps_minus_utc_s: u8,
+        configuration: &Configuration,
+        out: &mut W,
+    ) -> Result<(), W::Error> {
+        write_stale(last, gps_minus_utc_s, &configuration.requirements, out)?;
+        self.sender.write_stale(Verdict::Alert(Alert::Stale), configuration.outputs.due(0), out)
+    }
+
+    /// Says again what is said again from time to time.
+    ///
+    /// # Errors
+    /// The writer's own.
+    pub fn tick<W: Write>(
+        &mut self,
+        now_ms: u64,
+        configuration: &Configuration,
+        losses: &Losses,
+        out: &mut W,
+    ) -> Result<(), W::Error> {
+        if now_ms >= self.settings_due_ms {
+            self.settings_due_ms = now_ms + AGAIN_MS;
+            configuration.write(out)?;
+        }
+        if now_ms >= self.losses_due_ms {
+            self.losses_due_ms = now_ms + AGAIN_MS;
+            write_losses(losses, out)?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,278 @@
+//! Velocity: from Doppler frequencies to range rates, and from these to what may be told.
+//!
+//! ```text
+//! y = −λ D − e · v_s (1 − e · v_s / c) + c Δt'_sat        v_s = (r_k − r_{k−1}) / Δt + (2 a_k + a_{k−1}) Δt / 6
+//! ```
+//!
+//! | symbol | meaning | unit |
+//! |---|---|---|
+//! | `D`, `λ` | Doppler frequency, positive when approaching, and wavelength | Hz, m |
+//! | `r_k`, `Δt` | place of the satellite as its signal of this epoch left, and of the last; the time between | m, s |
+//! | `a` | its acceleration in the earth-fixed frame: gravity, centrifugal, Coriolis | m/s² |
+//! | `e` | unit vector receiver → satellite | – |
+//! | `Δt'_sat` | drift of its clock | s/s |
+//!
+//! Satellites are located once an epoch anyhow, which is the dear part; two epochs give their velocity for nothing. It is
+//! exact while the acceleration changes evenly: what is left is below 1 mm/s up to [`LONGEST_MS`]. A satellite whose ephemeris has
+//! changed between the epochs has no velocity in this one: sets differ by metres.
+//!
+//! The velocity has a test of its own ([`rai_core::velocity`]) with the probabilities of the position. One that does not
+//! pass is none. Where the negative of all rates would pass, the receiver sends them with the wrong sign, as early firmware
+//! of a common one does; that is counted by its name, and the rates are not used.
+//!
+//! Sigma is 0.05 m/s at 45 dB-Hz and above and grows below as the noise of a frequency lock does, with the root of the
+//! noise density.
+
+use heapless::Vec;
+use nalgebra::Vector3;
+use rai_core::frame::{EARTH_ROTATION_RAD_S, Ecef, Enu, LocalFrame, SPEED_OF_LIGHT_M_S};
+use rai_core::integrity::residuals::levels::Factors;
+use rai_core::integrity::residuals::threshold::Thresholds;
+use rai_core::requirements::Requirements;
+use rai_core::satellite::SatelliteId;
+use rai_core::single;
+use rai_core::velocity::{RangeRate, Velocity, VelocityError};
+
+use crate::correction::{CAPACITY, Located, Sky};
+use crate::counters::{count, count_many, counters};
+use crate::ephemeris::SatelliteState;
+use crate::raw::{RawEpoch, RawSatellite};
+use crate::time::GpsTime;
+
+/// Longest time between two epochs whose difference is a velocity, ms.
+const LONGEST_MS: i64 = 60_000;
+
+/// The earth's gravitational constant, m³/s² (WGS 84).
+const GRAVITY_M3_S2: f32 = 3.986_004_4e14;
+
+/// Sigma of a strong signal's rate, m/s, and the strength from which on it is that, dB-Hz.
+const SIGMA_M_S: f32 = 0.05;
+const STRONG_DBHZ: f32 = 45.0;
+
+/// Strength that is assumed where none is said, dB-Hz.
+const UNSAID_DBHZ: f32 = 35.0;
+
+/// The noise of a rate doubles with every 6 dB.
+const DOUBLINGS_PER_DB: f32 = 1.0 / 6.02;
+
+/// Rates below this elevation bend through the troposphere's gradient, sine.
+const SIN_MASK: f64 = 0.087;
+
+counters! {
+    /// What became of range rates.
+    RateTally {
+        /// Epochs with a velocity.
+        velocities,
+        /// Epochs whose rates contradict each other.
+        velocities_refused,
+        /// Of these, such that would agree with the opposite sign: a receiver's mistake.
+        rates_of_wrong_sign,
+        /// Range rates left out.
+        rates_excluded,
+    }
+}
+
+/// A rate as measured, and the part of it that the satellite makes.
+#[derive(Clone, Copy, Debug)]
+struct Measured {
+    satellite: SatelliteId,
+    direction: Enu,
+    /// Of the range, as the receiver has it, m/s.
+    rate_m_s: f32,
+    /// Of a receiver at rest with a perfect clock, m/s.
+    expected_m_s: f32,
+    sigma_m_s: f32,
+}
+
+impl Measured {
+    /// The equation that it gives, with the measured rate or with its negative.
+    fn equation(&self, sign: f32) -> RangeRate {
+        RangeRate {
+            satellite: self.satellite,
+            line_of_sight: Vector3::new(self.direction.east, self.direction.north, self.direction.up),
+            residual_m_s: f64::from(sign * self.rate_m_s - self.expected_m_s),
+            sigma_m_s: f64::from(self.sigma_m_s),
+        }
+    }
+}
+
+/// A satellite when its signal left.
+#[derive(Clone, Copy, Debug)]
+struct Seen {
+    satellite: SatelliteId,
+    state: SatelliteState,
+    /// Range, m: it says when the signal left.
+    range_m: f64,
+    /// Reference time of the ephemeris.
+    toe: GpsTime,
+}
+
+/// Remembers where satellites were, and makes velocities of it.
+#[derive(Clone, Debug, Default)]
+pub struct Rates {
+    last: Vec<Seen, CAPACITY>,
+    time: Option<GpsTime>,
+    /// Of these requirements; they take longer to work out than a velocity.
+    factors: Option<(Requirements, Factors)>,
+    tally: RateTally,
+}
+
+impl Rates {
+    /// One that has seen nothing.
+    pub const fn new() -> Self {
+        Self { last: Vec::new(), time: None, factors: None, tally: RateTally::NONE }
+    }
+
+    /// What became of the rates so far.
+    pub fn tally(&self) -> &RateTally {
+        &self.tally
+    }
+
+    /// The velocity of a receiver at a place, where the rates of this epoch agree on one.
+    ///
+    /// Not inlined: what it needs of the stack nobody else needs beside his own.
+    #[inline(never)]
+    pub fn velocity(
+        &mut self,
+        raw: &RawEpoch,
+        sky: &Sky,
+        place: Option<Ecef>,
+        requirements: &Requirements,
+    ) -> Option<Velocity> {
+        let before = self.time.replace(raw.time);
+        let elapsed_ms = before.map_or(0, |before| raw.time.since_ms(before));
+        let is_near = (1..=LONGEST_MS).contains(&elapsed_ms);
+        let measured = place.filter(|_| is_near).map(|place| self.measure(raw, sky, place, elapsed_ms));
+        self.last.clear();
+        // Both hold as many.
+        self.last.extend(sky.iter().filter_map(Seen::of).take(CAPACITY));
+        self.judge(&measured?, requirements)
+    }
+
+    /// The rates of an epoch, each less what the satellite makes of it.
+    fn measure(&self, raw: &RawEpoch, sky: &Sky, place: Ecef, elapsed_ms: i64) -> Vec<Measured, CAPACITY> {
+        let frame = LocalFrame::at(place);
+        let elapsed_s = elapsed_ms as f64 * 1e-3;
+        let rates = sky.iter().filter_map(|located| {
+            let now = Seen::of(located)?;
+            let before =
+                self.last.iter().find(|seen| seen.satellite == now.satellite && seen.toe == now.toe)?;
+            let satellite = raw.satellites.iter().find(|one| one.satellite == now.satellite)?;
+            let (rate_m_s, sigma_m_s) = rate(satellite)?;
+            let (expected_m_s, direction) = now.range_rate_since(before, elapsed_s, place, &frame)?;
+            Some(Measured { satellite: now.satellite, direction, rate_m_s, expected_m_s, sigma_m_s })
+        });
+        // The sky holds as many.
+        rates.take(CAPACITY).collect()
+    }
+
+    fn judge(&mut self, rates: &[Measured], requirements: &Requirements) -> Option<Velocity> {
+        let thresholds =
+            Thresholds::from_tables(requirements.false_alarm, requirements.missed_detection).ok()?;
+        let factors = self.factors_of(requirements);
+        let equations = |sign| rates.iter().map(|rate| rate.equation(sign)).collect::<Vec<_, CAPACITY>>();
+        match single::velocity(&equations(1.0), &thresholds, &factors) {
+            Ok(velocity) => {
+                count(&mut self.tally.velocities);
+                count_many(&mut self.tally.rates_excluded, velocity.excluded.len());
+                Some(velocity)
+            }
+            Err(VelocityError::Fault) => {
+                count(&mut self.tally.velocities_refused);
+                if single::velocity(&equations(-1.0), &thresholds, &factors).is_ok() {
+                    count(&mut self.tally.rates_of_wrong_sign);
+                }
+                None
+            }
+            Err(VelocityError::Redundancy | VelocityError::Geometry) => None,
+        }
+    }
+
+    fn factors_of(&mut self, requirements: &Requirements) -> Factors {
+        match self.factors {
+            Some((of, factors)) if of == *requirements => factors,
+            _ => {
+                let factors = Factors::new(requirements.missed_detection, requirements.fault_free_risk);
+                self.factors = Some((*requirements, factors));
+                factors
+            }
+        }
+    }
+}
+
+/// How fast a satellite's range grows by its best signal, and with which sigma, m/s.
+fn rate(satellite: &RawSatellite) -> Option<(f32, f32)> {
+    satellite.signals.iter().find_map(|signal| {
+        let wavelength_m = (SPEED_OF_LIGHT_M_S / signal.carrier.frequency_hz()) as f32;
+        let weaker_db = (STRONG_DBHZ - signal.cn0_dbhz().unwrap_or(UNSAID_DBHZ)).max(0.0);
+        Some((-wavelength_m * signal.doppler_hz()?, SIGMA_M_S * libm::exp2f(weaker_db * DOUBLINGS_PER_DB)))
+    })
+}
+
+impl Seen {
+    fn of(located: &Located) -> Option<Self> {
+        let (satellite, state) = (located.satellite(), located.state());
+        Some(Self { satellite, state, range_m: located.measured_m()?, toe: located.toe() })
+    }
+
+    /// How fast the range of a receiver at rest would grow, with a perfect clock of its own, m/s, and the direction of the
+    /// satellite; `None` below the mask.
+    fn range_rate_since(
+        &self,
+        before: &Self,
+        elapsed_s: f64,
+        place: Ecef,
+        frame: &LocalFrame,
+    ) -> Option<(f32, Enu)> {
+        // The signals left as much less apart as the range has shrunk.
+        let flight_s = self.range_m * (1.0 / SPEED_OF_LIGHT_M_S);
+        let apart_s = (elapsed_s - (self.range_m - before.range_m) * (1.0 / SPEED_OF_LIGHT_M_S)) as f32;
+        if !(apart_s > 0.0) {
+            return None;
+        }
+        let moved = self.state.position - before.state.position;
+        let mean = [moved.x_m, moved.y_m, moved.z_m].map(|metres| metres as f32 / apart_s);
+        let [x, y, z] = velocity_at_the_end(before.state.position, self.state.position, mean, apart_s);
+        // The earth turns while the signal is under way.
+        let angle = (EARTH_ROTATION_RAD_S * flight_s) as f32;
+        let velocity = Ecef::new(f64::from(x + angle * y), f64::from(y - angle * x), f64::from(z));
+        let Ecef { x_m, y_m, z_m } = self.state.position;
+        let angle = EARTH_ROTATION_RAD_S * flight_s;
+        let difference = Ecef::new(x_m + angle * y_m, y_m - angle * x_m, z_m) - place;
+        let scale = 1.0 / difference.radius_m();
+        let Enu { east, north, up } = frame.rotate(difference);
+        let direction = Enu { east: east * scale, north: north * scale, up: up * scale };
+        if direction.up < SIN_MASK {
+            return None;
+        }
+        let away = frame.rotate(velocity);
+        let away_m_s =
+            (away.east * direction.east + away.north * direction.north + away.up * direction.up) as f32;
+        let clock_m_s = ((self.state.clock_s - before.state.clock_s) * SPEED_OF_LIGHT_M_S) as f32 / apart_s;
+        let light = SPEED_OF_LIGHT_M_S as f32;
+        Some((away_m_s * (1.0 - away_m_s / light) - clock_m_s, direction))
+    }
+}
+
+/// Velocity at the end of a time over which it was `mean` on average, m/s. Where the acceleration is needs the velocity, a
+/// little: the second round is good to a micrometre a second.
+fn velocity_at_the_end(from: Ecef, to: Ecef, mean: [f32; 3], apart_s: f32) -> [f32; 3] {
+    let mut end = mean;
+    for _ in 0..2 {
+        let [m, e] = [mean, end].map(Vector3::from);
+        let begin = m + m - e;
+        let change = acceleration_m_s2(to, e) * 2.0 + acceleration_m_s2(from, begin);
+        end = (m + change * (apart_s / 6.0)).into();
+    }
+    end
+}
+
+/// Acceleration of a satellite in the frame that turns with the earth, m/s².
+fn acceleration_m_s2(position: Ecef, velocity_m_s: Vector3<f32>) -> Vector3<f32> {
+    let turn = EARTH_ROTATION_RAD_S as f32;
+    let position_m = Vector3::new(position.x_m as f32, position.y_m as f32, position.z_m as f32);
+    let squared = position_m.dot(&position_m);
+    let outward = Vector3::new(position_m.x, position_m.y, 0.0) * (turn * turn);
+    let sideways = Vector3::new(velocity_m_s.y, -velocity_m_s.x, 0.0) * (2.0 * turn);
+    position_m * (-GRAVITY_M3_S2 / (squared * libm::sqrtf(squared))) + outward + sideways
+}

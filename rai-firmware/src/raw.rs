@@ -1,0 +1,285 @@
+//! What any receiver measures: ranges of signals on carriers, satellite by satellite, all at one instant.
+//!
+//! No wire format is known here. What a format does not carry is `None`, and never zero.
+//!
+//! | symbol | field | unit |
+//! |---|---|---|
+//! | `P` | [`RawSignal::range_m`] | m |
+//! | `f` | [`Carrier::frequency_hz`] | Hz |
+//! | `k` | [`Carrier::channel`] | – |
+//!
+//! A signal takes 24 bytes and an epoch 5 KiB, so what is coarse on every wire is kept coarse, in steps that hold all
+//! that a format can say exactly: carrier to noise density in 1/16 dB-Hz, Doppler in 1/1024 Hz, the receiver's own sigma
+//! in cm, lock time in ms up to a minute. References: [IS-GPS-200] 3.3.1.1, [BDS-SIS-B1I] 4.1, GLONASS ICD 5.1 (2008) 3.3.1.1.
+//!
+//! [IS-GPS-200]: crate#references
+//! [BDS-SIS-B1I]: crate#references
+
+use heapless::Vec;
+use rai_core::satellite::SatelliteId;
+
+use crate::time::GpsTime;
+
+/// How many satellites an epoch holds.
+pub const EPOCH_CAPACITY: usize = 64;
+
+/// How many signals are kept of one satellite, the first in the order of the wire.
+pub const SIGNAL_CAPACITY: usize = 3;
+
+/// A carrier of one system. The order within a system is that of the wire.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Band {
+    /// GPS or QZSS L1, any of its codes.
+    L1,
+    /// GPS or QZSS L2.
+    L2,
+    /// GPS or QZSS L5.
+    L5,
+    /// Galileo E1.
+    E1,
+    /// Galileo E5a.
+    E5a,
+    /// Galileo E5b.
+    E5b,
+    /// `BeiDou` B1I.
+    B1I,
+    /// `BeiDou` B1C.
+    B1C,
+    /// `BeiDou` B2a.
+    B2a,
+    /// `BeiDou` B2I.
+    B2I,
+    /// `BeiDou` B3I.
+    B3I,
+    /// GLONASS G1, of channel 0; see [`Carrier`].
+    G1,
+    /// GLONASS G2, of channel 0; see [`Carrier`].
+    G2,
+}
+
+/// What all carriers but those of GLONASS are multiples of, or of a tenth of, Hz.
+const CHIP_RATE_HZ: f64 = 10.23e6;
+
+impl Band {
+    /// Carrier frequency, Hz; for GLONASS that of channel 0.
+    pub const fn frequency_hz(self) -> f64 {
+        match self {
+            Self::L1 | Self::E1 | Self::B1C => 154.0 * CHIP_RATE_HZ,
+            Self::L2 => 120.0 * CHIP_RATE_HZ,
+            Self::L5 | Self::E5a | Self::B2a => 115.0 * CHIP_RATE_HZ,
+            Self::E5b | Self::B2I => 118.0 * CHIP_RATE_HZ,
+            Self::B1I => 152.6 * CHIP_RATE_HZ,
+            Self::B3I => 124.0 * CHIP_RATE_HZ,
+            Self::G1 => 1602.0e6,
+            Self::G2 => 1246.0e6,
+        }
+    }
+
+    /// Distance between the channels of a band, Hz; 0 where all satellites share one frequency.
+    const fn channel_hz(self) -> f64 {
+        match self {
+            Self::G1 => 562.5e3,
+            Self::G2 => 437.5e3,
+            _ => 0.0,
+        }
+    }
+}
+
+/// A band and the channel within it: what says on which frequency a satellite sends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Carrier {
+    /// Which band.
+    pub band: Band,
+    /// The frequency slot of a GLONASS satellite, −7 to 6; 0 for all others.
+    pub channel: i8,
+}
+
+impl Carrier {
+    /// The carrier of a band that all satellites of a system share.
+    pub const fn of(band: Band) -> Self {
+        Self { band, channel: 0 }
+    }
+
+    /// Carrier frequency, Hz: `f = f₀ + k Δf`.
+    pub const fn frequency_hz(self) -> f64 {
+        self.band.frequency_hz() + self.channel as f64 * self.band.channel_hz()
+    }
+}
+
+/// One code range of one satellite, and what the receiver says of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RawSignal {
+    /// Pseudorange as measured, m.
+    pub range_m: f64,
+    /// Steps of 1/1024 Hz; [`NO_DOPPLER`] where there is none.
+    doppler: i32,
+    /// Sixteenths of a dB-Hz; 0 where there is none.
+    cn0: u16,
+    /// Centimetres; 0 where there is none.
+    range_sigma_cm: u16,
+    /// [`NO_LOCK_TIME`] where there is none.
+    lock_time_ms: u16,
+    /// On which carrier.
+    pub carrier: Carrier,
+    /// Whether the carrier phase may still be off by half a cycle.
+    pub half_cycle: bool,
+}
+
+const _: () = assert!(size_of::<RawSignal>() == 24);
+
+/// Stands for a Doppler frequency that is not known.
+const NO_DOPPLER: i32 = i32::MIN;
+
+/// Stands for a lock time that is not known. What is known saturates below it.
+const NO_LOCK_TIME: u16 = u16::MAX;
+
+impl RawSignal {
+    /// A range of which nothing else is known.
+    pub const fn new(carrier: Carrier, range_m: f64) -> Self {
+        Self {
+            range_m,
+            doppler: NO_DOPPLER,
+            cn0: 0,
+            range_sigma_cm: 0,
+            lock_time_ms: NO_LOCK_TIME,
+            carrier,
+            half_cycle: false,
+        }
+    }
+
+    /// With the carrier to noise density, kept to 1/16 dB-Hz; what is not positive is none.
+    #[must_use]
+    pub const fn with_cn0_dbhz(self, cn0_dbhz: f32) -> Self {
+        Self { cn0: (cn0_dbhz * 16.0 + 0.5) as u16, ..self }
+    }
+
+    /// With the Doppler frequency, positive when approaching, kept to 1/1024 Hz (0.2 mm/s); what no satellite can have,
+    /// above 1 MHz, is none.
+    #[must_use]
+    pub const fn with_doppler_hz(self, doppler_hz: f32) -> Self {
+        let doppler = if doppler_hz.abs() <= 1e6 { (doppler_hz * 1024.0) as i32 } else { NO_DOPPLER };
+        Self { doppler, ..self }
+    }
+
+    /// With the receiver's own one sigma of the range, kept to 1 cm below 655 m; what is not positive is none.
+    #[must_use]
+    pub const fn with_range_sigma_m(self, sigma_m: f32) -> Self {
+        Self { range_sigma_cm: (sigma_m * 100.0 + 0.5) as u16, ..self }
+    }
+
+    /// With the time for which the carrier has been tracked without a slip, kept to 1 ms below 65 s; what is negative
+    /// or not finite is none.
+    #[must_use]
+    pub const fn with_lock_time_s(self, lock_time_s: f32) -> Self {
+        let lock_time_ms = if lock_time_s >= 0.0 {
+            let ms = (lock_time_s * 1e3 + 0.5) as u16;
+            if ms == NO_LOCK_TIME { NO_LOCK_TIME - 1 } else { ms }
+        } else {
+            NO_LOCK_TIME
+        };
+        Self { lock_time_ms, ..self }
+    }
+
+    /// With the word on whether the carrier phase may be off by half a cycle.
+    #[must_use]
+    pub const fn with_half_cycle(self, half_cycle: bool) -> Self {
+        Self { half_cycle, ..self }
+    }
+
+    /// Carrier to noise density, dB-Hz.
+    pub const fn cn0_dbhz(&self) -> Option<f32> {
+        if self.cn0 == 0 { None } else { Some(self.cn0 as f32 / 16.0) }
+    }
+
+    /// Doppler frequency, Hz, positive when approaching.
+    pub const fn doppler_hz(&self) -> Option<f32> {
+        if self.doppler == NO_DOPPLER { None } else { Some(self.doppler as f32 / 1024.0) }
+    }
+
+    /// The receiver's own one sigma of the range, m.
+    pub const fn range_sigma_m(&self) -> Option<f32> {
+        if self.range_sigma_cm == 0 { None } else { Some(self.range_sigma_cm as f32 / 100.0) }
+    }
+
+    /// For how long the carrier has been tracked without a slip, s.
+    pub const fn lock_time_s(&self) -> Option<f32> {
+        if self.lock_time_ms == NO_LOCK_TIME { None } else { Some(self.lock_time_ms as f32 / 1e3) }
+    }
+}
+
+/// The signals of one satellite.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RawSatellite {
+    /// Which satellite.
+    pub satellite: SatelliteId,
+    /// At most one per band.
+    pub signals: Vec<RawSignal, SIGNAL_CAPACITY>,
+}
+
+/// All ranges of one instant, as measured.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RawEpoch {
+    /// The receiver's time tag.
+    pub time: GpsTime,
+    /// The satellites, in the order of arrival, none twice.
+    pub satellites: Vec<RawSatellite, EPOCH_CAPACITY>,
+}
+
+impl RawEpoch {
+    /// An epoch without satellites.
+    pub const fn new(time: GpsTime) -> Self {
+        Self { time, satellites: Vec::new() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const BARE: RawSignal = RawSignal::new(Carrier::of(Band::L1), 2.2e7);
+
+    #[test]
+    fn channels_of_glonass_are_those_of_its_document() {
+        // GLONASS ICD 5.1 (2008), table 3.1: k = −7 and 6 on L1 and L2, MHz.
+        for (band, channel, want_mhz) in [
+            (Band::G1, -7, 1598.0625),
+            (Band::G1, 6, 1605.375),
+            (Band::G2, -7, 1242.9375),
+            (Band::G2, 6, 1248.625),
+        ] {
+            let have = Carrier { band, channel }.frequency_hz();
+            assert!((have - want_mhz * 1e6).abs() < 1e-3, "{band:?} {channel}: {have}");
+        }
+    }
+
+    #[test]
+    fn what_a_format_does_not_say_is_none() {
+        let bare = (BARE.cn0_dbhz(), BARE.doppler_hz(), BARE.range_sigma_m(), BARE.lock_time_s());
+        assert_eq!(bare, (None, None, None, None));
+        let nothing = BARE.with_cn0_dbhz(0.0).with_doppler_hz(f32::NAN).with_range_sigma_m(-1.0);
+        assert_eq!(nothing.with_lock_time_s(f32::NAN).lock_time_s(), None);
+        assert_eq!((nothing.cn0_dbhz(), nothing.doppler_hz(), nothing.range_sigma_m()), (None, None, None));
+    }
+
+    #[test]
+    fn every_step_of_every_format_is_kept() {
+        // MSM7 says C/N0 in 1/16 dB-Hz, RXM-RAWX the range's sigma as 0.01·2ⁿ m and the lock time in ms to 64,500.
+        for sixteenths in 1..1024_u16 {
+            let want = f32::from(sixteenths) / 16.0;
+            assert_eq!(BARE.with_cn0_dbhz(want).cn0_dbhz(), Some(want));
+        }
+        for n in 0..16 {
+            let want = 0.01 * f32::from(1_u16 << n);
+            let have = BARE.with_range_sigma_m(want).range_sigma_m().expect("positive");
+            assert!((have - want).abs() < 1e-4, "have {have}, want {want}");
+        }
+        for ms in [0_u16, 1, 999, 64_500] {
+            let want = f32::from(ms) / 1e3;
+            assert_eq!(BARE.with_lock_time_s(want).lock_time_s(), Some(want));
+        }
+        for want in [-5_432.125, 0.0, 4_999.5] {
+            assert_eq!(BARE.with_doppler_hz(want).doppler_hz(), Some(want));
+        }
+        assert_eq!(BARE.with_lock_time_s(1e6).lock_time_s(), Some(65.534));
+    }
+}

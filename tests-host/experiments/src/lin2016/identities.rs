@@ -1,0 +1,143 @@
+//! What must be equal for the algorithms to mean what they say, over the whole day.
+//!
+//! ```text
+//! p·p = SSE      PᵀP = S      ρ_i = p·p_i / (|p| |p_i|) = w_i / √SSE
+//! HDOP_i² − HDOP² = (A_1i² + A_2i²) / S_ii
+//! τ1 < τ2  ⇔  HPL < f HAL
+//! ```
+//!
+//! | symbol | meaning | here from |
+//! |---|---|---|
+//! | `P` | orthonormal basis of what the design does not reach | dense matrices |
+//! | `p = P y / σ` | parity vector; `p_i` its columns | dense matrices |
+//! | `SSE`, `S`, `ρ`, `A` | see [`rai_core::snapshot`], [`rai_core::integrity::residuals::parity`] | the core |
+//! | `HDOP_i` | dilution without satellite `i` | the core, solved again without it |
+//! | `τ1`, `τ2` | see [`rai_core::integrity::residuals::threshold::policy`] | the core |
+
+use anyhow::Context as _;
+use nalgebra::{DMatrix, DVector};
+use rai_core::integrity::residuals::levels::largest_slopes;
+use rai_core::integrity::residuals::levels::noncentrality_at;
+use rai_core::integrity::residuals::parity::correlation;
+use rai_core::integrity::residuals::threshold::policy::{Demand, Weights};
+use rai_core::numeric::probability::Probability;
+use rai_core::snapshot::Snapshot;
+
+use super::{Day, EPOCHS, Finding, HAL_M, Judgement, MISSED_DETECTION, ROWS, Row, SIGMA_M, Section};
+use tests_host::sky::linear;
+
+/// Largest relative difference that still is rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// Differences that one epoch shows.
+struct Differences {
+    sse: f64,
+    projection: f64,
+    correlation: f64,
+    dilution: f64,
+    /// Alert limits for which the thresholds and the protection level disagree.
+    limits: usize,
+}
+
+/// The table of all identities.
+pub(super) fn section(day: &Day) -> anyhow::Result<Section> {
+    let epochs: Vec<Differences> =
+        (0..EPOCHS).map(|epoch| differences(day, &day.rows(epoch, 0))).collect::<anyhow::Result<_>>()?;
+    let row = |what: &str, difference: fn(&Differences) -> f64| {
+        // Written so that a difference which is not a number is one.
+        let differing = epochs.iter().filter(|epoch| !(difference(epoch) <= ROUNDING)).count();
+        let ours = Finding::exact(differing as f64, 0);
+        Row::new(what, "", ours, Judgement::Ours).held_to(4, 0.0, 0.0)
+    };
+    let rows = vec![
+        row("p·p = SSE", |epoch| epoch.sse),
+        row("PᵀP = S", |epoch| epoch.projection),
+        row("p·p_i / (|p| |p_i|) = w_i / √SSE", |epoch| epoch.correlation),
+        row("HDOP_i² − HDOP² = (A_1i² + A_2i²) / S_ii", |epoch| epoch.dilution),
+        row("tau1 < tau2 where HPL < f HAL, and nowhere else", |epoch| epoch.limits as f64),
+    ];
+    let title = format!("Identities: epochs of {EPOCHS} that differ by more than 1e-9, relatively");
+    Ok(Section { title, rows })
+}
+
+fn differences(day: &Day, rows: &[linear::Row]) -> anyhow::Result<Differences> {
+    let snapshot = super::solve::<f64>(rows)?;
+    let basis = parity_matrix(rows);
+    let residuals = DVector::from_iterator(rows.len(), rows.iter().map(|row| row.y_m / SIGMA_M));
+    let parity = &basis * residuals;
+    Ok(Differences {
+        sse: relative(parity.norm_squared(), snapshot.sse()),
+        projection: worst(pairs(rows.len()).map(|(i, j)| {
+            let core = snapshot.projection(i, j).unwrap_or(f64::NAN);
+            (basis.column(i).dot(&basis.column(j)) - core).abs()
+        })),
+        correlation: worst((0..).zip(snapshot.rows()).map(|(index, (_, fit))| {
+            let column = basis.column(index);
+            let cosine = parity.dot(&column) / (parity.norm() * column.norm());
+            (cosine - correlation(&snapshot, fit)).abs()
+        })),
+        dilution: worst((0..rows.len()).map(|index| dilution(&snapshot, index))),
+        limits: disagreements(day, &snapshot)?,
+    })
+}
+
+/// Rows that span, at right angles and with unit length, what four columns cannot reach.
+fn parity_matrix(rows: &[linear::Row]) -> DMatrix<f64> {
+    let design = DMatrix::from_fn(rows.len(), 4, |row, column| {
+        let direction = rows[row].line_of_sight;
+        [-direction.east, -direction.north, -direction.up, 1.0][column]
+    });
+    let reached = design.qr().q();
+    let projection = DMatrix::identity(rows.len(), rows.len()) - &reached * reached.transpose();
+    let eigen = projection.symmetric_eigen();
+    let kept: Vec<usize> = (0..rows.len()).filter(|&index| eigen.eigenvalues[index] > 0.5).collect();
+    eigen.eigenvectors.select_columns(&kept).transpose()
+}
+
+/// The increase of HDOP², solved again and by the identity, relative to what it increases.
+fn dilution(snapshot: &Snapshot<f64, ROWS>, index: usize) -> f64 {
+    let by_identity = snapshot.row(index).map_or(f64::NAN, |(row, fit)| {
+        let moved = fit.gain.x.powi(2) + fit.gain.y.powi(2);
+        row.weight.powi(2) * moved / fit.redundancy
+    });
+    let mut without = snapshot.clone();
+    if without.leave_out(index).is_err() {
+        return f64::NAN;
+    }
+    let ((with, _), (without, _)) = (snapshot.dilutions(), without.dilutions());
+    (without * without - with * with - by_identity).abs() / (with * with)
+}
+
+/// Alert limits around the protection level, and the paper's own.
+fn disagreements(day: &Day, snapshot: &Snapshot<f64, ROWS>) -> anyhow::Result<usize> {
+    let slopes = largest_slopes(snapshot);
+    let dof = snapshot.dof();
+    let hpl_m = slopes.protect(day.thresholds.lambda(dof).context("beyond the tables")?).hpl_m;
+    let limits_m = [0.5, 0.9, 0.999, 1.001, 1.1, 2.0].map(|factor| factor * hpl_m);
+    let disagrees = |limit_m: f64| {
+        let demand = Demand {
+            dof,
+            noncentrality: noncentrality_at(limit_m, slopes.horizontal),
+            thresholds: day.thresholds,
+            missed_detection: Probability::new(MISSED_DETECTION)?,
+            weights: Weights::EQUAL,
+        };
+        let decision = demand.decide::<f64>()?;
+        Some((decision.tau1 < decision.tau2) != (hpl_m < limit_m))
+    };
+    let disagree = limits_m.into_iter().chain([HAL_M]).map(disagrees).collect::<Option<Vec<_>>>();
+    Ok(disagree.context("beyond the tables")?.into_iter().filter(|&disagrees| disagrees).count())
+}
+
+fn relative(have: f64, want: f64) -> f64 {
+    (have / want - 1.0).abs()
+}
+
+/// The largest, where anything that is not a number is larger.
+fn worst(differences: impl Iterator<Item = f64>) -> f64 {
+    differences.max_by(f64::total_cmp).unwrap_or(0.0)
+}
+
+fn pairs(count: usize) -> impl Iterator<Item = (usize, usize)> {
+    (0..count).flat_map(move |i| (0..count).map(move |j| (i, j)))
+}

@@ -1,0 +1,239 @@
+//! A day of hazards: how often a protected position is farther off than it was promised.
+//!
+//! | word | a protected epoch whose horizontal error is |
+//! |---|---|
+//! | misleading | larger than its HPL |
+//! | hazardous | larger than the alert limit |
+//!
+//! The protection level bounds what a bias does to the position. The noise on the position comes on top, and with it the
+//! worst bias, missed, ends beyond the level about every other time. Position and residuals being independent, what is to be
+//! expected where nobody is left out is, epoch by epoch,
+//!
+//! ```text
+//! without a fault    P(|x| > HPL)           with the worst    P_md · P(|m + x| > HPL)      |m| = HPL
+//! ```
+//!
+//! and the same with the alert limit in place of the level; `x` is the noise on the position, `m` what the bias
+//! adds. A healthy satellite that is left out in the faulty one's place is not part of it, and is counted apart.
+
+use anyhow::{Context as _, Result};
+use nalgebra::{Matrix2, Vector2};
+use rai_core::epoch::{Epoch, Observation};
+use rai_core::frame::Enu;
+use rai_core::integrity::residuals::threshold::Thresholds;
+use rai_core::monitor::Monitor;
+use rai_core::report::{Protected, Report, Verdict};
+use rai_core::requirements::Requirements;
+use rand_distr::{Distribution as _, StandardNormal};
+use rayon::prelude::*;
+
+use super::disc::beyond;
+use super::geometry::{Geometry, Worst, clock_m, satellites};
+use super::{CAPACITY, MASK_DEG};
+use crate::draw::generator;
+use tests_host::report::{self, Moment};
+use tests_host::sky::{Satellite, Sight, Site, sights};
+
+/// Epochs that one thread judges in sequence.
+const CHUNK: usize = 120;
+/// Seconds between the epochs that a picture shows.
+const PICTURED_S: f64 = 60.0;
+
+/// Where, how often and against what.
+pub(super) struct Day<'t> {
+    pub(super) site: Site,
+    pub(super) requirements: Requirements,
+    pub(super) thresholds: Thresholds<'t>,
+    pub(super) epochs: usize,
+    pub(super) step_s: f64,
+    /// Whether the worst satellite is wrong in every epoch.
+    pub(super) is_faulty: bool,
+    pub(super) seed: u64,
+}
+
+/// What became of the day.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Tally {
+    /// Protected, nobody left out.
+    pub(super) whole: Promise,
+    /// Protected, somebody left out.
+    pub(super) reduced: Promise,
+    pub(super) alerts: usize,
+    pub(super) unavailable: usize,
+    /// Smallest and largest level of the day, m.
+    pub(super) levels_m: Option<(f64, f64)>,
+    /// Expected number of epochs that are protected although the fault is there.
+    pub(super) missed: f64,
+    /// Expected number of misleading epochs with nobody left out.
+    pub(super) misleading: f64,
+    /// Expected number of hazardous epochs with nobody left out.
+    pub(super) hazardous: f64,
+    pub(super) moments: Vec<Moment>,
+}
+
+/// Promises made and broken.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Promise {
+    pub(super) epochs: usize,
+    pub(super) misleading: usize,
+    pub(super) hazardous: usize,
+}
+
+impl Promise {
+    fn add(self, other: Self) -> Self {
+        Self {
+            epochs: self.epochs + other.epochs,
+            misleading: self.misleading + other.misleading,
+            hazardous: self.hazardous + other.hazardous,
+        }
+    }
+}
+
+impl Tally {
+    fn add(mut self, other: Self) -> Self {
+        let widest = |a: (f64, f64), b: (f64, f64)| (a.0.min(b.0), a.1.max(b.1));
+        self.whole = self.whole.add(other.whole);
+        self.reduced = self.reduced.add(other.reduced);
+        self.alerts += other.alerts;
+        self.unavailable += other.unavailable;
+        self.levels_m = match (self.levels_m, other.levels_m) {
+            (Some(a), Some(b)) => Some(widest(a, b)),
+            (one, other) => one.or(other),
+        };
+        self.missed += other.missed;
+        self.misleading += other.misleading;
+        self.hazardous += other.hazardous;
+        self.moments.extend(other.moments);
+        self
+    }
+}
+
+/// One epoch of the day.
+struct Instant {
+    t_s: f64,
+    sights: Vec<Sight>,
+    geometry: Geometry,
+    worst: Worst,
+    /// The level by dense least squares, m.
+    hpl_m: f64,
+}
+
+impl Day<'_> {
+    /// Judges every epoch.
+    pub(super) fn tally(&self) -> Result<Tally> {
+        let satellites = satellites();
+        let starts: Vec<usize> = (0..self.epochs).step_by(CHUNK).collect();
+        let chunk = |&start: &usize| {
+            let mut monitor = Monitor::<f32, CAPACITY>::new(self.requirements)?;
+            monitor.forgo_continuity();
+            let mut tally = Tally::default();
+            for number in start..(start + CHUNK).min(self.epochs) {
+                let instant = self.instant(&satellites, number)?;
+                self.expect(&instant, &mut tally)?;
+                let report = monitor.process(&self.epoch(&instant, number)?);
+                self.count(&instant, &report, &mut tally);
+            }
+            Ok(tally)
+        };
+        let chunks: Vec<Tally> = starts.par_iter().map(chunk).collect::<Result<_>>()?;
+        Ok(chunks.into_iter().fold(Tally::default(), Tally::add))
+    }
+
+    fn instant(&self, satellites: &[Satellite], number: usize) -> Result<Instant> {
+        let t_s = number as f64 * self.step_s;
+        let sights = sights(satellites, &self.site, t_s, MASK_DEG.to_radians());
+        let geometry = Geometry::seen(&sights).context("a redundant sky")?;
+        let worst = geometry.worst().context("a testable satellite")?;
+        let lambda = self.thresholds.lambda(geometry.dof()).context("beyond the tables")?;
+        Ok(Instant { t_s, sights, geometry, worst, hpl_m: worst.slope_m * lambda.sqrt() })
+    }
+
+    /// The ranges as the module gets them.
+    fn epoch(&self, instant: &Instant, number: usize) -> Result<Epoch<CAPACITY>> {
+        let mut generator = generator(self.seed, number as u64);
+        let mut epoch = Epoch::new(instant.t_s);
+        for (index, (sight, row)) in instant.sights.iter().zip(&instant.geometry.rows).enumerate() {
+            let noise: f64 = StandardNormal.sample(&mut generator);
+            let is_wrong = self.is_faulty && index == instant.worst.index;
+            let bias_m = if is_wrong { instant.hpl_m / instant.worst.moved.norm() } else { 0.0 };
+            let error_m = clock_m(sight.satellite.constellation()) + row.sigma_m * noise + bias_m;
+            let Sight { satellite, position, range_m, .. } = *sight;
+            epoch.push(Observation {
+                satellite,
+                position,
+                range_m: range_m + error_m,
+                sigma_m: row.sigma_m,
+            })?;
+        }
+        Ok(epoch)
+    }
+
+    fn expect(&self, instant: &Instant, tally: &mut Tally) -> Result<()> {
+        let Requirements { hal_m, guard_fraction, missed_detection, .. } = self.requirements;
+        if instant.hpl_m >= guard_fraction * hal_m {
+            return Ok(());
+        }
+        let covariance_m2: Matrix2<f64> =
+            instant.geometry.dense.covariance_m2.fixed_view::<2, 2>(0, 0).into_owned();
+        let (passed, moved_m) = if self.is_faulty {
+            let direction = instant.worst.moved.try_normalize(0.0).context("a direction")?;
+            (missed_detection.get(), direction * instant.hpl_m)
+        } else {
+            (1.0, Vector2::zeros())
+        };
+        tally.missed += passed;
+        tally.misleading += passed * beyond(instant.hpl_m, moved_m, covariance_m2);
+        tally.hazardous += passed * beyond(hal_m, moved_m, covariance_m2);
+        Ok(())
+    }
+
+    fn count(&self, instant: &Instant, report: &Report<CAPACITY>, tally: &mut Tally) {
+        let error = report
+            .solution
+            .as_ref()
+            .map(|solution| self.site.frame.rotate(solution.position - self.site.position));
+        let error_m = error.map_or(f64::NAN, Enu::horizontal);
+        let level_m = report.protection.map_or(f64::NAN, |protection| protection.hpl_m);
+        let is_protected = matches!(report.verdict, Verdict::Protected(_));
+        let promise = Promise {
+            epochs: 1,
+            misleading: usize::from(error_m > level_m),
+            hazardous: usize::from(error_m > self.requirements.hal_m),
+        };
+        match report.verdict {
+            Verdict::Protected(Protected::Ok) => tally.whole = tally.whole.add(promise),
+            Verdict::Protected(Protected::Excluded) => tally.reduced = tally.reduced.add(promise),
+            Verdict::Alert(_) => tally.alerts += 1,
+            Verdict::Unavailable(_) => tally.unavailable += 1,
+        }
+        let (low_m, high_m) = tally.levels_m.unwrap_or((f64::INFINITY, 0.0));
+        tally.levels_m = Some((low_m.min(instant.hpl_m), high_m.max(instant.hpl_m)));
+        if instant.t_s % PICTURED_S == 0.0 || (is_protected && promise.misleading > 0) {
+            tally.moments.push(self.moment(instant.t_s, report, error));
+        }
+    }
+
+    fn moment(&self, time_s: f64, report: &Report<CAPACITY>, error: Option<Enu>) -> Moment {
+        let verdict = match report.verdict {
+            Verdict::Protected(_) => report::Verdict::Protected,
+            Verdict::Alert(_) => report::Verdict::Alert,
+            Verdict::Unavailable(_) => report::Verdict::Unavailable,
+        };
+        Moment {
+            time_s,
+            verdict,
+            reason: String::new(),
+            statistic: report.test.map(|test| test.statistic),
+            threshold: report.test.map(|test| test.threshold),
+            hpl_m: report.protection.map(|protection| protection.hpl_m),
+            vpl_m: report.protection.map(|protection| protection.vpl_m),
+            hal_m: Some(self.requirements.hal_m),
+            val_m: None,
+            horizontal_error_m: error.map(Enu::horizontal),
+            vertical_error_m: error.map(|error| error.up),
+            pin_is_high: None,
+            used: report.used.len(),
+            excluded: report.excluded.iter().map(|suspect| suspect.satellite).collect(),
+        }
+    }
+}

@@ -1,0 +1,105 @@
+//! Table 1 by expectation: no chance, the day in steps of 300 s.
+//!
+//! ```text
+//! false alarms = Σ samples · Q(τ; ν)      missed = Σ samples · mean_i G(τ; ν, (b/σ)² S_ii)
+//! ```
+//!
+//! | symbol | meaning | unit |
+//! |---|---|---|
+//! | `Q`, `G` | upper tail of χ², lower tail of the non-central one ([`tests_host::chi_square`]) | – |
+//! | `τ` | threshold of the core | – |
+//! | `S_ii` | redundancy number of the faulty satellite, each in view as likely as the others | – |
+//! | `b` | fault | m |
+//!
+//! The geometry of a step stands for its 300 samples of one second.
+
+use std::ops::Range;
+
+use rai_core::snapshot::Snapshot;
+use rayon::prelude::*;
+
+use super::case::{CASES, Case, Errors, FAULT_M, FAULT_S, POLICIES, Tally};
+use super::grid::{CELLS, Cell, Sky, solve};
+use super::{ROWS, SIGMA_M};
+use tests_host::chi_square::{noncentral_lower_tail, upper_tail};
+
+/// Seconds that one geometry stands for.
+const STEP_S: f64 = 300.0;
+/// Steps of a day.
+const STEPS: usize = 288;
+
+/// What is expected of table 1.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Expectation {
+    /// Its counts.
+    pub(super) tally: Tally,
+    /// Geometries in which no threshold meets both probabilities, of each case.
+    pub(super) unavailable: [usize; CASES],
+}
+
+impl Expectation {
+    /// All geometries.
+    pub(super) const GEOMETRIES: usize = STEPS * CELLS;
+
+    /// Over a day.
+    pub(super) fn of_day(cases: &[Case], sky: &Sky, cells: &[Cell]) -> anyhow::Result<Self> {
+        of_steps(0..STEPS, |t_s| Self::of_step(cases, sky, cells, 0.0, t_s))
+    }
+
+    /// Time counts from a day's origin, which the fault follows.
+    fn of_step(cases: &[Case], sky: &Sky, cells: &[Cell], origin_s: f64, t_s: f64) -> anyhow::Result<Self> {
+        let positions = sky.positions(origin_s + t_s);
+        let mut step = Self::default();
+        for cell in cells {
+            let snapshot = solve::<f64>(&cell.directions(sky, &positions), |_| 0.0)?;
+            for (index, case) in cases.iter().enumerate() {
+                step.unavailable[index] += usize::from(!case.is_available(&snapshot));
+                for (policy_index, &policy) in POLICIES.iter().enumerate() {
+                    let errors =
+                        errors(case.threshold(policy, &snapshot)?, &snapshot, FAULT_S.contains(&t_s));
+                    step.tally.add(index, policy_index, cell.row, errors);
+                }
+            }
+        }
+        Ok(step)
+    }
+
+    fn plus(&self, other: &Self) -> Self {
+        let unavailable = std::array::from_fn(|case| self.unavailable[case] + other.unavailable[case]);
+        Self { tally: self.tally.plus(&other.tally), unavailable }
+    }
+}
+
+/// What each threshold of one case is expected to miss while the fault lasts, on the day that begins at `origin_s`.
+pub(super) fn missed_on(case: &Case, sky: &Sky, cells: &[Cell], origin_s: f64) -> anyhow::Result<[f64; 2]> {
+    let steps = (FAULT_S.start / STEP_S) as usize..(FAULT_S.end / STEP_S) as usize;
+    let cases = std::slice::from_ref(case);
+    let tally = of_steps(steps, |t_s| Expectation::of_step(cases, sky, cells, origin_s, t_s))?.tally;
+    Ok([0, 1].map(|policy| tally.total(0, policy).missed))
+}
+
+fn of_steps(
+    steps: Range<usize>,
+    of_step: impl Fn(f64) -> anyhow::Result<Expectation> + Sync,
+) -> anyhow::Result<Expectation> {
+    let each = steps.into_par_iter().map(|step| of_step(step as f64 * STEP_S));
+    let each: Vec<Expectation> = each.collect::<anyhow::Result<_>>()?;
+    // In order, so that rounding is the same on every machine.
+    Ok(each.iter().fold(Expectation::default(), |sum, step| sum.plus(step)))
+}
+
+/// What is expected of the samples that one geometry stands for.
+fn errors(tau: f64, snapshot: &Snapshot<f64, ROWS>, faulty: bool) -> Errors {
+    if faulty {
+        Errors { missed: STEP_S * missed(tau, snapshot), false_alarms: 0.0 }
+    } else {
+        Errors { false_alarms: STEP_S * upper_tail(tau, snapshot.dof()), missed: 0.0 }
+    }
+}
+
+/// Probability to miss the fault, the mean over the satellites that may have it.
+fn missed(tau: f64, snapshot: &Snapshot<f64, ROWS>) -> f64 {
+    let size = (FAULT_M / SIGMA_M).powi(2);
+    let of_satellite = |redundancy: f64| noncentral_lower_tail(tau, snapshot.dof(), size * redundancy).0;
+    snapshot.rows().map(|(_, fit)| of_satellite(fit.redundancy)).sum::<f64>() / snapshot.used() as f64
+}

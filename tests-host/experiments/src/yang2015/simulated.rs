@@ -1,0 +1,82 @@
+//! Table 1 by simulation: every second of the day in every cell through the core, as the target runs it.
+//!
+//! Each second has a stream of random numbers of its own, so that the counts do not depend on who computes which.
+
+use indicatif::ProgressBar;
+use rai_core::integrity::residuals::detection::Detection;
+use rai_core::integrity::residuals::threshold::policy::Policy;
+use rai_core::numeric::real::Real as _;
+use rai_core::snapshot::Snapshot;
+use rand::Rng as _;
+use rand_distr::{Distribution as _, StandardNormal};
+use rayon::prelude::*;
+
+use super::case::{Case, Errors, FAULT_M, FAULT_S, Tally};
+use super::grid::{CELLS, Cell, Sky, solve};
+use super::{ROWS, SIGMA_M};
+use crate::draw::generator;
+
+/// All chance follows from it.
+pub(super) const SEED: u64 = 2015;
+/// A day, s.
+pub(super) const DAY_S: f64 = 86_400.0;
+
+/// Seconds that are simulated, every `stride_s`-th of the day.
+pub(super) fn seconds(stride_s: usize) -> usize {
+    (DAY_S as usize).div_ceil(stride_s)
+}
+
+/// Samples among them with the fault, in all cells.
+pub(super) fn faulty_samples(stride_s: usize) -> usize {
+    let times = (0..seconds(stride_s)).map(|number| (number * stride_s) as f64);
+    CELLS * times.filter(|t_s| FAULT_S.contains(t_s)).count()
+}
+
+/// Errors counted in every `stride_s`-th second.
+pub(super) fn tally(
+    cases: &[Case],
+    sky: &Sky,
+    cells: &[Cell],
+    stride_s: usize,
+    bar: &ProgressBar,
+) -> anyhow::Result<Tally> {
+    let second = |number: usize| {
+        let tally = of_second(cases, sky, cells, number * stride_s);
+        bar.inc(1);
+        tally
+    };
+    (0..seconds(stride_s)).into_par_iter().map(second).try_reduce(Tally::default, |a, b| Ok(a.plus(&b)))
+}
+
+fn of_second(cases: &[Case], sky: &Sky, cells: &[Cell], second: usize) -> anyhow::Result<Tally> {
+    let positions = sky.positions(second as f64);
+    let faulty = FAULT_S.contains(&(second as f64));
+    let mut random = generator(SEED, second as u64);
+    let mut tally = Tally::default();
+    for cell in cells {
+        let directions = cell.directions(sky, &positions);
+        let chosen = faulty.then(|| random.random_range(0..directions.len()));
+        let snapshot = solve::<f32>(&directions, |index| {
+            let noise: f64 = StandardNormal.sample(&mut random);
+            SIGMA_M * noise + if chosen == Some(index) { FAULT_M } else { 0.0 }
+        })?;
+        for (index, case) in cases.iter().enumerate() {
+            let classic = detects(case, Policy::T1, &snapshot)?;
+            // T_OP is never below T1: what T1 does not detect, it does not detect either.
+            let optimal = classic && detects(case, Policy::TOp, &snapshot)?;
+            tally.add(index, 0, cell.row, errors(faulty, classic));
+            tally.add(index, 1, cell.row, errors(faulty, optimal));
+        }
+    }
+    Ok(tally)
+}
+
+fn detects(case: &Case, policy: Policy, snapshot: &Snapshot<f32, ROWS>) -> anyhow::Result<bool> {
+    let threshold = f32::narrow(case.threshold(policy, snapshot)?);
+    Ok(Detection { sse: snapshot.sse(), threshold, dof: snapshot.dof() }.fault())
+}
+
+fn errors(faulty: bool, detected: bool) -> Errors {
+    let one = |counted: bool| f64::from(u8::from(counted));
+    Errors { false_alarms: one(!faulty && detected), missed: one(faulty && !detected) }
+}

@@ -1,0 +1,55 @@
+//! The papers' experiments in their quick form: every bound holds, and the tables are the committed ones.
+//!
+//! What is of a recording has a snapshot of its own, since not everybody has the recording.
+
+use experiments::{EXPERIMENTS, Effort};
+use indicatif::ProgressBar;
+
+fn holds(name: &str) {
+    let experiment = EXPERIMENTS.iter().find(|experiment| experiment.name == name).expect("an experiment");
+    let mut outcome = (experiment.run)(Effort::Quick, &ProgressBar::hidden()).expect("an outcome");
+    let failures: Vec<_> = outcome.failures().collect();
+    assert!(failures.is_empty(), "{failures:#?}");
+    let mut recorded = outcome.clone();
+    outcome.sections.retain(|section| !section.title.contains("recording"));
+    recorded.sections.retain(|section| section.title.contains("recording") && !section.rows.is_empty());
+    insta::assert_snapshot!(name, outcome.to_string());
+    if !recorded.sections.is_empty() {
+        insta::assert_snapshot!(format!("{name}_recording"), recorded.to_string());
+    }
+}
+
+#[test]
+fn chen2009() {
+    holds("chen2009");
+}
+
+#[test]
+fn yang2015() {
+    holds("yang2015");
+}
+
+#[test]
+fn lin2016() {
+    holds("lin2016");
+}
+
+#[test]
+fn methods() {
+    holds("methods");
+}
+
+#[test]
+fn parity() {
+    holds("parity");
+}
+
+#[test]
+fn tian2024() {
+    holds("tian2024");
+}
+
+#[test]
+fn probabilities() {
+    holds("probabilities");
+}

@@ -1,0 +1,68 @@
+//! What an adversary needs: skies as bytes, epoch by epoch, with something changed on the way.
+
+use anyhow::Result;
+use rai_core::frame::Ecef;
+use rai_core::satellite::{Constellation, SatelliteId};
+
+use crate::encode::{Encoder, Frequency, Selection};
+use crate::fault::Measured as _;
+use crate::measurement::MeasuredEpoch;
+use crate::recording::Recording;
+use crate::sky::Site;
+use crate::sky::raw::Simulation;
+
+/// A sky that is sent.
+pub(super) struct Sky {
+    pub(super) recording: Recording,
+    pub(super) truth: Ecef,
+    selection: Selection,
+}
+
+impl Sky {
+    /// What a simulation records, GPS and `BeiDou`.
+    pub(super) fn of(simulation: &Simulation, frequency: Frequency) -> Result<Self> {
+        let selection = Selection::new("GC", frequency)?;
+        Ok(Self { recording: simulation.record(), truth: simulation.site.position, selection })
+    }
+
+    /// Two frequencies above Xi'an, an epoch a second, in the middle between two changes of ephemerides.
+    pub(super) fn quiet(epochs: u32, seed: u64) -> Result<Self> {
+        Self::of(&Simulation::above_xian(3600.0, epochs, seed), Frequency::Dual)
+    }
+
+    /// The bytes of each epoch, changed first by `change`.
+    pub(super) fn bytes(&self, mut change: impl FnMut(usize, &mut MeasuredEpoch)) -> Result<Vec<Vec<u8>>> {
+        let mut encoder = self.encoder();
+        let bytes = |(index, epoch): (usize, &MeasuredEpoch)| {
+            let mut epoch = epoch.clone();
+            change(index, &mut epoch);
+            encoder.epoch(&epoch)
+        };
+        self.recording.epochs.iter().enumerate().map(bytes).collect()
+    }
+
+    /// Ephemerides and ranges as they are due.
+    pub(super) fn encoder(&self) -> Encoder {
+        Encoder::new(&self.recording.ephemerides, self.selection.clone())
+    }
+}
+
+/// The same sky from another place.
+pub(super) fn elsewhere(simulation: &Simulation, north_deg: f64) -> Simulation {
+    let geodetic = simulation.site.frame.geodetic();
+    let site = Site::geodetic(
+        geodetic.latitude_rad.to_degrees() + north_deg,
+        geodetic.longitude_rad.to_degrees(),
+        geodetic.height_m,
+    );
+    Simulation { site, ..simulation.clone() }
+}
+
+/// Keeps the first satellites of one system, in the order of their numbers, and no others.
+pub(super) fn keep_first(epoch: &mut MeasuredEpoch, constellation: Constellation, count: usize) {
+    let mut kept: Vec<SatelliteId> =
+        epoch.satellites().into_iter().filter(|id| id.constellation() == constellation).collect();
+    kept.sort_unstable();
+    kept.truncate(count);
+    epoch.satellites.retain(|raw| kept.contains(&raw.satellite));
+}

@@ -1,0 +1,105 @@
+//! One satellite wrong by a step or a ramp, of any size, under every method, policy and aid.
+//!
+//! Sizes run from what nothing shows to what nothing hides. A level holds with a probability: while the fault is
+//! there, epochs beyond it may be as many as missed detections.
+
+use anyhow::Result;
+use rai_core::satellite::SatelliteId;
+use rand::seq::IndexedRandom as _;
+use rand::{Rng as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+
+use super::forgery::Sky;
+use super::tally::Tally;
+use super::victim::Victim;
+use super::{Attack, Effort, Figure};
+use crate::fault::{Fault, Kind, Measured as _, Target};
+
+/// Steps.
+pub(super) const STEPS: Attack = Attack {
+    name: "step",
+    about: "one satellite wrong by 2 m to 2 km, every method, policy and aid",
+    run: |effort| run(effort, |bias_m| Kind::Step { bias_m }),
+};
+
+/// Ramps.
+pub(super) const RAMPS: Attack = Attack {
+    name: "ramp",
+    about: "one satellite drifting off, to 2 m to 2 km within a minute, every method, policy and aid",
+    run: |effort| {
+        run(effort, |bias_m| Kind::Ramp { rate_m_s: bias_m / f64::from(FAULTY), limit_m: bias_m.abs() })
+    },
+};
+
+/// Sizes of faults, m, each decade as likely.
+const SIZES_M: std::ops::Range<f64> = 2.0..2000.0;
+
+/// Healthy epochs, then faulty ones.
+const HEALTHY: u32 = 20;
+const FAULTY: u32 = 60;
+
+/// Probability of missed detection at start.
+const MISSED: f64 = 1e-3;
+
+/// How the module may be set. Limits near the levels are where a fault matters.
+const SETTINGS: [&[&str]; 11] = [
+    &["METHOD,BAARDA"],
+    &["METHOD,SIMULTANEOUS"],
+    &["METHOD,SEQUENTIAL"],
+    &["METHOD,HYBRID"],
+    &["METHOD,GROUPING"],
+    &["METHOD,RANSAC"],
+    &["METHOD,GROUPING", "CLOCKAID,ON"],
+    &["CLOCKAID,ON", "HAL,40"],
+    &["HAL,40", "VAL,50"],
+    &["POLICY,T2", "HAL,60"],
+    &["POLICY,TOP", "HAL,60"],
+];
+
+fn run(effort: Effort, kind: fn(f64) -> Kind) -> Result<Vec<Figure>> {
+    let runs: Vec<(usize, u64)> =
+        (0..SETTINGS.len()).flat_map(|set| (0..effort.pick(2, 60)).map(move |seed| (set, seed))).collect();
+    let tallies: Vec<Tally> =
+        runs.par_iter().map(|&(set, seed)| attempt(SETTINGS[set], seed, kind)).collect::<Result<_>>()?;
+    let all = tallies.iter().fold(Tally::default(), Tally::with);
+    let mut figures = all.figures_by_rate(MISSED);
+    for (set, commands) in SETTINGS.iter().enumerate() {
+        let of_set = runs.iter().zip(&tallies).filter(|((of, _), _)| *of == set).map(|(_, tally)| tally);
+        let tally = of_set.fold(Tally::default(), Tally::with);
+        if tally.misleading > 0 {
+            figures.push(Figure::plain(format!("of these {}", commands.join(" ")), tally.misleading as f64));
+        }
+    }
+    Ok(figures)
+}
+
+fn attempt(commands: &[&str], seed: u64, kind: fn(f64) -> Kind) -> Result<Tally> {
+    let sky = Sky::quiet(HEALTHY + FAULTY, seed)?;
+    let mut chance = ChaCha8Rng::seed_from_u64(seed);
+    let seen: Vec<SatelliteId> = sky.recording.epochs[0].satellites();
+    let size_m = chance.random_range(SIZES_M.start.ln()..SIZES_M.end.ln()).exp();
+    let bias_m = if chance.random() { size_m } else { -size_m };
+    // From all in sight down to hardly a redundant one.
+    let kept = chance.random_range(7..=seen.len().max(8));
+    let kept: Vec<SatelliteId> = seen.choose_multiple(&mut chance, kept).copied().collect();
+    let faulty = *kept.choose(&mut chance).unwrap_or(&seen[0]);
+    let fault = Fault {
+        target: Target::Satellite(faulty),
+        kind: kind(bias_m),
+        start_s: f64::from(HEALTHY),
+        end_s: f64::INFINITY,
+    };
+    let bytes = sky.bytes(|index, epoch| {
+        epoch.satellites.retain(|raw| kept.contains(&raw.satellite));
+        fault.apply(epoch, index as f64);
+    })?;
+    let (mut victim, mut tally) = (Victim::new(commands, 1.0)?, Tally::default());
+    for (index, bytes) in bytes.iter().enumerate() {
+        let seen = victim.hear(bytes, sky.truth)?;
+        if index >= HEALTHY as usize {
+            tally.add_all(&seen);
+        }
+    }
+    Ok(tally)
+}

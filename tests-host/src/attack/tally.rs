@@ -1,0 +1,124 @@
+//! What an attack came to, counted.
+
+use std::collections::BTreeMap;
+
+use super::Figure;
+use super::victim::Seen;
+
+/// Epochs, and what became of them.
+#[derive(Clone, Debug, Default)]
+pub struct Tally {
+    /// Epochs judged.
+    pub epochs: usize,
+    /// With the pin high.
+    pub promised: usize,
+    /// Of these, beyond a level.
+    pub misleading: usize,
+    /// Of these, beyond a limit.
+    pub hazardous: usize,
+    /// Alerts.
+    pub alerts: usize,
+    /// Satellites left out of promised epochs, all added.
+    pub left_out: usize,
+    /// Largest error of a promised epoch over the ground, m.
+    pub worst_horizontal_m: f64,
+    /// Largest error in height of a promised epoch, m.
+    pub worst_vertical_m: f64,
+    /// Reasons.
+    pub reasons: BTreeMap<String, usize>,
+}
+
+impl Tally {
+    /// Counts what was seen; a silence is no epoch.
+    pub fn add(&mut self, seen: &Seen) {
+        let state = &seen.said.state;
+        if state.reason == "STALE" {
+            return;
+        }
+        self.epochs += 1;
+        *self.reasons.entry(state.reason.clone()).or_default() += 1;
+        self.alerts += usize::from(state.state == 'A');
+        if seen.is_promised {
+            self.promised += 1;
+            self.misleading += usize::from(seen.is_misleading());
+            self.hazardous += usize::from(seen.is_hazardous());
+            self.left_out += seen.said.excluded.len();
+            self.worst_horizontal_m = self.worst_horizontal_m.max(seen.horizontal_error_m);
+            self.worst_vertical_m = self.worst_vertical_m.max(seen.vertical_error_m);
+        }
+    }
+
+    /// Counts all that was seen.
+    pub fn add_all(&mut self, seen: &[Seen]) {
+        for seen in seen {
+            self.add(seen);
+        }
+    }
+
+    /// Adds another count.
+    #[must_use]
+    pub fn with(mut self, other: &Self) -> Self {
+        self.epochs += other.epochs;
+        self.promised += other.promised;
+        self.misleading += other.misleading;
+        self.hazardous += other.hazardous;
+        self.alerts += other.alerts;
+        self.left_out += other.left_out;
+        self.worst_horizontal_m = self.worst_horizontal_m.max(other.worst_horizontal_m);
+        self.worst_vertical_m = self.worst_vertical_m.max(other.worst_vertical_m);
+        for (reason, count) in &other.reasons {
+            *self.reasons.entry(reason.clone()).or_default() += count;
+        }
+        self
+    }
+
+    /// How many epochs had this reason.
+    pub fn of_reason(&self, reason: &str) -> usize {
+        self.reasons.get(reason).copied().unwrap_or(0)
+    }
+
+    /// Epochs, promises, the largest error of them, and that at most `misleading` of them are beyond their level.
+    pub fn figures(&self, misleading: f64) -> Vec<Figure> {
+        vec![
+            Figure::plain("epochs", self.epochs as f64),
+            Figure::plain("protected", self.promised as f64),
+            Figure::at_most("beyond their level", self.misleading as f64, misleading),
+            Figure::plain("largest error of them, m", self.worst_horizontal_m.max(self.worst_vertical_m)),
+        ]
+    }
+
+    /// The same where misleading epochs are allowed with a probability: the rate is too high only if chance does not
+    /// explain it (95 %).
+    pub fn figures_by_rate(&self, probability: f64) -> Vec<Figure> {
+        let rate = least_rate(self.misleading, self.epochs);
+        let mut figures = self.figures(f64::INFINITY);
+        figures.push(Figure::at_most("their rate is above", rate, probability));
+        figures
+    }
+}
+
+/// The lower end of the 95 % interval of a probability, after `hits` in `trials` ([Wilson1927]).
+///
+/// [Wilson1927]: crate#references
+pub fn least_rate(hits: usize, trials: usize) -> f64 {
+    /// Two-sided 95 % point of the normal distribution.
+    const NORMAL: f64 = 1.96;
+    if hits == 0 {
+        return 0.0;
+    }
+    let (count, rate) = (trials as f64, hits as f64 / trials as f64);
+    let square = NORMAL * NORMAL / count;
+    let half = NORMAL * (rate * (1.0 - rate) / count + square / (4.0 * count)).sqrt();
+    (rate + square / 2.0 - half) / (1.0 + square)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::least_rate;
+
+    #[test]
+    fn lower_end_is_that_of_the_formula_worked_by_hand() {
+        assert!((least_rate(8, 10) - 0.4902).abs() < 1e-3, "{}", least_rate(8, 10));
+        assert!(least_rate(0, 100) <= 0.0);
+    }
+}

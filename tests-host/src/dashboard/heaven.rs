@@ -1,0 +1,60 @@
+//! Where satellites stand, from the bytes that a module hears: their orbits and the ranges, and the module's position.
+//!
+//! The module's sentences have no directions; whoever sees only these sees no sky.
+
+use std::collections::BTreeMap;
+
+use rai_core::frame::{Ecef, LocalFrame};
+use rai_core::satellite::SatelliteId;
+use rai_firmware::ephemeris::Ephemeris;
+use rai_firmware::input::{Event, Input};
+
+/// One satellite in the sky.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Body {
+    /// Which satellite.
+    pub satellite: SatelliteId,
+    /// Angle above the horizon, rad.
+    pub elevation_rad: f64,
+    /// Angle from north over east, rad.
+    pub azimuth_rad: f64,
+}
+
+/// Listens to the GNSS port beside the module.
+#[derive(Debug, Default)]
+pub struct Heaven {
+    input: Input,
+    orbits: BTreeMap<SatelliteId, Ephemeris>,
+}
+
+impl Heaven {
+    /// One that has heard nothing.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Takes bytes; where the satellites of the last epoch in them stand, as seen from `place`.
+    pub fn hear(&mut self, bytes: &[u8], now_ms: u64, place: Ecef) -> Option<Vec<Body>> {
+        let Self { input, orbits } = self;
+        let mut bodies = None;
+        input.feed(bytes, now_ms, |event| match event {
+            Event::Ephemeris(ephemeris) => {
+                orbits.insert(ephemeris.satellite(), ephemeris);
+            }
+            Event::Epoch(raw, _) => {
+                let frame = LocalFrame::at(place);
+                let seen = raw.satellites.iter().filter_map(|satellite| {
+                    let orbit = orbits.get(&satellite.satellite)?;
+                    let state = orbit.at(raw.time, satellite.signals.first()?.range_m).ok()?;
+                    let toward = frame.rotate(state.position - place);
+                    let azimuth_rad = toward.east.atan2(toward.north);
+                    let elevation_rad = toward.up.atan2(toward.east.hypot(toward.north));
+                    Some(Body { satellite: satellite.satellite, elevation_rad, azimuth_rad })
+                });
+                bodies = Some(seen.collect());
+            }
+            Event::Position(_) | Event::Ionosphere(_) | Event::Jamming(_) => {}
+        });
+        bodies
+    }
+}

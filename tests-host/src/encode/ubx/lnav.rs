@@ -1,0 +1,129 @@
+//! GPS LNAV subframes as a receiver passes them on: ten words of 24 bits and six parities.
+//!
+//! References: [IS-GPS-200] figure 20-1, table 20-XIV.
+
+use anyhow::Result;
+use rtcm_rs::msg::Msg1019T;
+
+use super::bits::{Row, number};
+
+/// The source bits of each parity, and whether bit 29 or 30 of the word before belongs to it ([IS-GPS-200] table 20-XIV).
+const PARITIES: [(usize, &[usize]); 6] = [
+    (29, &[1, 2, 3, 5, 6, 10, 11, 12, 13, 14, 17, 18, 20, 23]),
+    (30, &[2, 3, 4, 6, 7, 11, 12, 13, 14, 15, 18, 19, 21, 24]),
+    (29, &[1, 3, 4, 5, 7, 8, 12, 13, 14, 15, 16, 19, 20, 22]),
+    (30, &[2, 4, 5, 6, 8, 9, 13, 14, 15, 16, 17, 20, 21, 23]),
+    (30, &[1, 3, 5, 6, 7, 9, 10, 14, 15, 16, 17, 18, 21, 22, 24]),
+    (29, &[3, 5, 6, 8, 9, 10, 11, 13, 15, 19, 22, 23, 24]),
+];
+
+/// What a broadcast of the ionosphere and UTC says.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct IonosphereAndUtc {
+    /// Klobuchar's coefficients, `α0…α3, β0…β3`.
+    pub klobuchar: [f64; 8],
+    /// GPS time minus UTC, s, before and after the change.
+    pub leap_s: (i8, i8),
+    /// Week and day (1 to 7) of the change.
+    pub change: (u16, u8),
+}
+
+/// Subframes 1 to 3, the first of which begins `frame` × 30 s into the week.
+pub(super) fn ephemeris(m: &Msg1019T, frame: u32) -> Result<Vec<Vec<u32>>> {
+    let first = opening(frame, 1)?
+        .unsigned(u64::from(m.gps_week_number), 10)?
+        .unsigned(u64::from(m.code_on_l2_ind), 2)?
+        .unsigned(u64::from(m.ura_index), 4)?
+        .unsigned(u64::from(m.sv_health_ind), 6)?
+        .unsigned(u64::from(m.iodc >> 8), 2)?
+        .unsigned(u64::from(m.l2_p_data_flag), 1)?
+        .until(160)?
+        .scaled(f64::from(m.tgd_s), 8, -31)?
+        .unsigned(u64::from(m.iodc & 255), 8)?
+        .positive(f64::from(m.toc_s), 16, 4)?
+        .scaled(f64::from(m.af2_s_s2), 8, -55)?
+        .scaled(f64::from(m.af1_s_s), 16, -43)?
+        .scaled(m.af0_s, 22, -31)?;
+    let second = opening(frame, 2)?
+        .unsigned(u64::from(m.iode), 8)?
+        .scaled(f64::from(m.crs_m), 16, -5)?
+        .scaled(f64::from(m.delta_n_sc_s), 16, -43)?
+        .scaled(m.m0_sc, 32, -31)?
+        .scaled(f64::from(m.cuc_rad), 16, -29)?
+        .positive(m.eccentricity, 32, -33)?
+        .scaled(f64::from(m.cus_rad), 16, -29)?
+        .positive(m.sqrt_a_sqrt_m, 32, -19)?
+        .positive(f64::from(m.toe_s), 16, 4)?
+        .unsigned(u64::from(m.fit_interval_ind), 1)?;
+    let third = opening(frame, 3)?
+        .scaled(f64::from(m.cic_rad), 16, -29)?
+        .scaled(m.omega0_sc, 32, -31)?
+        .scaled(f64::from(m.cis_rad), 16, -29)?
+        .scaled(m.i0_sc, 32, -31)?
+        .scaled(f64::from(m.crc_m), 16, -5)?
+        .scaled(m.omega_sc, 32, -31)?
+        .scaled(m.omegadot_sc_s, 24, -43)?
+        .unsigned(u64::from(m.iode), 8)?
+        .scaled(m.idot_sc_s, 14, -43)?;
+    [first, second, third].into_iter().map(words).collect()
+}
+
+/// Page 18 of subframe 4.
+pub(super) fn ionosphere_and_utc(said: &IonosphereAndUtc, frame: u32) -> Result<Vec<u32>> {
+    const EXPONENTS: [i32; 8] = [-30, -27, -24, -24, 11, 14, 16, 16];
+    let mut row = opening(frame, 4)?.unsigned(1, 2)?.unsigned(56, 6)?;
+    for (coefficient, exponent) in said.klobuchar.into_iter().zip(EXPONENTS) {
+        row = row.scaled(coefficient, 8, exponent)?;
+    }
+    let (before_s, after_s) = said.leap_s;
+    let (week, day) = said.change;
+    words(
+        row.until(192)?
+            .signed(f64::from(before_s), 8)?
+            .unsigned(u64::from(week % 256), 8)?
+            .unsigned(u64::from(day), 8)?
+            .signed(f64::from(after_s), 8)?,
+    )
+}
+
+/// The first two words: preamble; time of the next subframe and number of this one.
+fn opening(frame: u32, number: u32) -> Result<Row> {
+    let next = (5 * frame + number) % 100_800;
+    Row::default()
+        .unsigned(0x8B, 8)?
+        .until(24)?
+        .unsigned(u64::from(next), 17)?
+        .until(43)?
+        .unsigned(u64::from(number), 3)?
+        .until(48)
+}
+
+/// Words of 30 bits. In the second and the last, two bits are such that the last two parities are zero.
+fn words(row: Row) -> Result<Vec<u32>> {
+    let row = row.until(240)?;
+    let mut before = (false, false);
+    let mut words = Vec::with_capacity(10);
+    for (index, source) in row.bits().chunks(24).enumerate() {
+        let mut source = source.to_vec();
+        if index == 1 || index == 9 {
+            for fill in 0..4 {
+                (source[22], source[23]) = (fill & 2 == 2, fill & 1 == 1);
+                if parities(&source, before)[4..] == [false, false] {
+                    break;
+                }
+            }
+        }
+        let parities = parities(&source, before);
+        before = (parities[4], parities[5]);
+        words.push(number(&source) << 6 | number(&parities));
+    }
+    Ok(words)
+}
+
+fn parities(source: &[bool], (before_29, before_30): (bool, bool)) -> Vec<bool> {
+    let parity = |(star, terms): &(usize, &[usize])| {
+        let star = if *star == 29 { before_29 } else { before_30 };
+        terms.iter().fold(star, |sum, term| sum ^ source[term - 1])
+    };
+    PARITIES.iter().map(parity).collect()
+}

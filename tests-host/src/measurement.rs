@@ -1,0 +1,76 @@
+//! What a receiver measured and what the satellites broadcast, before any wire format.
+//!
+//! | quantity | field | unit |
+//! |---|---|---|
+//! | code pseudorange as measured, receiver clock and atmosphere left in | `pseudorange_m` | m |
+//! | carrier phase | `carrier_cycles` | cycles |
+//! | carrier-to-noise density | `cn0_dbhz` | dBHz |
+//! | Doppler frequency, positive when approaching | `doppler_hz` | Hz |
+//! | receiver's time tag | `time` | GPS time, whole ms |
+//!
+//! [`crate::recording`] and [`crate::sky`] make these values, [`crate::fault`] changes them, [`crate::encode`] sends them.
+
+use rai_core::satellite::SatelliteId;
+use rai_firmware::time::GpsTime;
+use rtcm_rs::msg::{Msg1019T, Msg1042T, Msg1045T, Msg1046T};
+
+/// All measurements of one instant.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeasuredEpoch {
+    /// The receiver's time tag.
+    pub time: GpsTime,
+    /// In the order of the file.
+    pub satellites: Vec<MeasuredSatellite>,
+}
+
+/// One satellite's signals, each with a pseudorange.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeasuredSatellite {
+    /// Which satellite.
+    pub satellite: SatelliteId,
+    /// In the order of the file.
+    pub signals: Vec<MeasuredSignal>,
+}
+
+/// One signal's measurements.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MeasuredSignal {
+    /// Frequency band as RINEX 3.05 numbers it; `BeiDou`'s B1I is 2.
+    pub band: u8,
+    /// Component of the signal, the third letter of the RINEX code.
+    pub attribute: char,
+    /// Code pseudorange, m.
+    pub pseudorange_m: f64,
+    /// Carrier phase, cycles.
+    pub carrier_cycles: Option<f64>,
+    /// Carrier-to-noise density, dBHz.
+    pub cn0_dbhz: Option<f64>,
+    /// Doppler frequency, positive when approaching, Hz.
+    pub doppler_hz: Option<f64>,
+}
+
+/// A broadcast ephemeris in the units of its message.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Ephemeris {
+    /// GPS LNAV.
+    Gps(Msg1019T),
+    /// `BeiDou` D1 and D2.
+    Beidou(Msg1042T),
+    /// Galileo F/NAV.
+    GalileoFnav(Msg1045T),
+    /// Galileo I/NAV.
+    GalileoInav(Msg1046T),
+}
+
+/// An ephemeris, and when it was broadcast.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TimedEphemeris {
+    /// Which satellite.
+    pub satellite: SatelliteId,
+    /// Reference time of the orbit.
+    pub toe: GpsTime,
+    /// When a receiver could first have known it.
+    pub sent: GpsTime,
+    /// The message.
+    pub message: Ephemeris,
+}

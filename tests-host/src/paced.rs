@@ -1,0 +1,401 @@
+//! The module on a model of its ports: bytes at the rates of the lines, in a time that is counted.
+//!
+//! The emulator's ports are not paced: a burst is there at once, and a host that floods the module floods it at the
+//! rate of a socket. Here the epoch loop of the firmware, the same that runs on the chip, runs on a board of which every
+//! call costs time:
+//!
+//! ```text
+//! t += instructions / f_core          a byte comes 10/baud after the one before it
+//! ```
+//!
+//! | symbol | field | unit |
+//! |---|---|---|
+//! | `f_core` | [`Costs::core_hz`] | Hz, one instruction a cycle |
+//! | instructions | the other fields of [`Costs`] | 1 |
+//! | baud | [`Lines`] | bit/s, 10 bits a byte |
+//!
+//! What an epoch costs is charged when the pin is driven, so that the pin is as late as it would be.
+
+use std::cell::RefCell;
+use std::collections::VecDeque;
+use std::convert::Infallible;
+use std::rc::Rc;
+
+use embedded_hal::digital::{ErrorType, OutputPin};
+use rai_firmware::board::reset::ResetCause;
+use rai_firmware::board::{Board, Note, PortLosses, SEALED_BYTES};
+use rai_firmware::epoch_loop::EpochLoop;
+use rai_firmware::outlet::Outlet;
+use rai_firmware::receiver::{Boot, Receiver};
+use rai_firmware::ring::Ring;
+use rai_firmware::timed_ring::{Taken, TimedRing};
+
+/// What the module's work costs.
+#[derive(Clone, Copy, Debug)]
+pub struct Costs {
+    /// Frequency of the core, Hz.
+    pub core_hz: u64,
+    /// Reading a byte of the GNSS port, with its share of decoding.
+    pub gnss_byte: u64,
+    /// Judging an epoch.
+    pub epoch: u64,
+    /// Writing a byte of a sentence.
+    pub sentence_byte: u64,
+    /// Taking a byte of a command.
+    pub command_byte: u64,
+    /// A pass of the loop by itself.
+    pub pass: u64,
+}
+
+impl Costs {
+    /// As `bench` counts them, rounded up: 167 k for an epoch's 900 bytes of RTCM, 51 k for its 600 bytes of sentences.
+    pub const fn measured(core_hz: u64, epoch: u64) -> Self {
+        Self { core_hz, gnss_byte: 200, epoch, sentence_byte: 100, command_byte: 400, pass: 1000 }
+    }
+
+    const fn nanoseconds(&self, instructions: u64) -> u64 {
+        instructions * 1_000_000_000 / self.core_hz
+    }
+}
+
+/// The lines to and from the module.
+#[derive(Clone, Copy, Debug)]
+pub struct Lines<'l> {
+    /// Rate of the GNSS port.
+    pub gnss_baud: u64,
+    /// Rate of the host port, both ways.
+    pub host_baud: u64,
+    /// From epoch to epoch, ns.
+    pub period_ns: u64,
+    /// What the host sends, over and over, without a pause.
+    pub flood: &'l [u8],
+    /// Whether the host reads what it is sent.
+    pub host_reads: bool,
+}
+
+/// What came of a run.
+#[derive(Clone, Debug, Default)]
+pub struct Outcome {
+    /// From the last byte of each judged epoch to the pin, ns.
+    pub lateness_ns: Vec<u64>,
+    /// Longest time between two passes of the loop, ns.
+    pub longest_pass_ns: u64,
+    /// The module's counters at the end.
+    pub counters: Vec<(&'static str, u32)>,
+    /// What the host read.
+    pub heard: Vec<u8>,
+}
+
+impl Outcome {
+    /// A counter at the end.
+    ///
+    /// # Panics
+    /// There is no counter of this name.
+    pub fn counter(&self, name: &str) -> u32 {
+        self.counters.iter().find(|(known, _)| *known == name).expect(name).1
+    }
+
+    /// The latest pin, ms.
+    pub fn latest_ms(&self) -> f64 {
+        self.lateness_ns.iter().max().map_or(0.0, |latest| *latest as f64 * 1e-6)
+    }
+}
+
+/// Time, and whose turn it is.
+#[allow(clippy::struct_field_names)] // Nanoseconds all of them.
+#[derive(Debug, Default)]
+struct Instant {
+    now_ns: u64,
+    /// What driving the pin costs.
+    epoch_ns: u64,
+    /// When the last byte came of the epoch that was handed over last; `None` once the pin has been driven for it.
+    complete_ns: Option<u64>,
+    lateness_ns: Vec<u64>,
+}
+
+type Clock = Rc<RefCell<Instant>>;
+
+/// A pin that costs what the judgement before it costs.
+struct Pin {
+    clock: Clock,
+}
+
+impl Pin {
+    fn drive(&self) {
+        let mut clock = self.clock.borrow_mut();
+        clock.now_ns += clock.epoch_ns;
+        if let Some(complete_ns) = clock.complete_ns.take() {
+            let late_ns = clock.now_ns - complete_ns;
+            clock.lateness_ns.push(late_ns);
+        }
+    }
+}
+
+impl ErrorType for Pin {
+    type Error = Infallible;
+}
+
+impl OutputPin for Pin {
+    fn set_low(&mut self) -> Result<(), Infallible> {
+        self.drive();
+        Ok(())
+    }
+
+    fn set_high(&mut self) -> Result<(), Infallible> {
+        self.drive();
+        Ok(())
+    }
+}
+
+/// A way out of which every byte costs time.
+struct Metered<'r> {
+    outlet: Outlet<'r, 4096, fn()>,
+    clock: Clock,
+    byte_ns: u64,
+}
+
+impl embedded_io::ErrorType for Metered<'_> {
+    type Error = Infallible;
+}
+
+impl embedded_io::Write for Metered<'_> {
+    fn write(&mut self, bytes: &[u8]) -> Result<usize, Infallible> {
+        self.clock.borrow_mut().now_ns += bytes.len() as u64 * self.byte_ns;
+        self.outlet.write(bytes)
+    }
+
+    fn flush(&mut self) -> Result<(), Infallible> {
+        self.outlet.flush()
+    }
+}
+
+/// The bytes of a line, each with the instant at which it comes, and whether an epoch ends with it.
+type Coming = VecDeque<(u64, u8, bool)>;
+
+/// The model.
+struct Model<'l> {
+    clock: Clock,
+    costs: Costs,
+    lines: Lines<'l>,
+    coming: Coming,
+    /// Instants of last bytes that the ring holds, with how many bytes come before them.
+    ends: VecDeque<(usize, u64)>,
+    pushed: usize,
+    read: usize,
+    gnss: &'l TimedRing<4096, 64>,
+    commands: &'l Ring<256>,
+    out: &'l Ring<4096>,
+    host: Metered<'l>,
+    flooded: u64,
+    sent_ns: u64,
+    last_pass_ns: u64,
+    outcome: Outcome,
+    sealed: [u8; SEALED_BYTES],
+}
+
+/// From one byte to the next, ns.
+const fn byte_ns(baud: u64) -> u64 {
+    10_000_000_000 / baud
+}
+
+impl Model<'_> {
+    fn spend(&mut self, instructions: u64) {
+        self.clock.borrow_mut().now_ns += self.costs.nanoseconds(instructions);
+        self.catch_up();
+    }
+
+    fn now_ns(&self) -> u64 {
+        self.clock.borrow().now_ns
+    }
+
+    /// What the lines have done until now, as the interrupts would have seen it.
+    fn catch_up(&mut self) {
+        let now_ns = self.now_ns();
+        while let Some(&(at_ns, byte, is_end)) = self.coming.front()
+            && at_ns <= now_ns
+        {
+            self.coming.pop_front();
+            let lost = self.gnss.lost();
+            self.gnss.push(byte, (at_ns / 1_000_000) as u32);
+            if self.gnss.lost() == lost {
+                self.pushed += 1;
+                if is_end {
+                    self.ends.push_back((self.pushed, at_ns));
+                }
+            }
+        }
+        if !self.lines.flood.is_empty() {
+            let due = now_ns / byte_ns(self.lines.host_baud);
+            for number in self.flooded..due {
+                let at = (number % self.lines.flood.len() as u64) as usize;
+                self.commands.push(self.lines.flood[at]);
+            }
+            self.flooded = self.flooded.max(due);
+        }
+        let byte_ns = byte_ns(self.lines.host_baud);
+        while self.lines.host_reads && self.sent_ns + byte_ns <= now_ns {
+            let Some(byte) = self.out.pop() else {
+                self.sent_ns = now_ns;
+                break;
+            };
+            self.outcome.heard.push(byte);
+            self.sent_ns += byte_ns;
+        }
+    }
+}
+
+impl<'l> Board for Model<'l> {
+    type Pin = Pin;
+    type Host = Metered<'l>;
+
+    fn gnss(&mut self, chunk: &mut [u8]) -> Taken {
+        self.spend(self.costs.pass);
+        let now_ns = self.now_ns();
+        self.outcome.longest_pass_ns = self.outcome.longest_pass_ns.max(now_ns - self.last_pass_ns);
+        self.last_pass_ns = now_ns;
+        let given_up = self.gnss.given_up();
+        let taken = self.gnss.take(chunk, now_ns / 1_000_000);
+        self.read += (self.gnss.given_up() - given_up) as usize;
+        if let Taken::Bytes { count, .. } = taken {
+            self.read += count;
+            self.spend(count as u64 * self.costs.gnss_byte);
+        }
+        while let Some(&(position, at_ns)) = self.ends.front()
+            && position <= self.read
+        {
+            self.ends.pop_front();
+            self.clock.borrow_mut().complete_ns = Some(at_ns);
+        }
+        taken
+    }
+
+    fn command(&mut self) -> Option<u8> {
+        let byte = self.commands.pop()?;
+        self.spend(self.costs.command_byte);
+        Some(byte)
+    }
+
+    fn host(&mut self) -> &mut Metered<'l> {
+        self.catch_up();
+        &mut self.host
+    }
+
+    fn host_room(&self) -> usize {
+        self.out.room()
+    }
+
+    fn now_ms(&self) -> u64 {
+        self.now_ns() / 1_000_000
+    }
+
+    fn now_ticks(&self) -> u64 {
+        self.now_ns()
+    }
+
+    fn driven_ticks(&self, _: &Pin) -> u64 {
+        self.now_ns()
+    }
+
+    fn losses(&self) -> PortLosses {
+        PortLosses {
+            gnss_bytes_lost: self.gnss.lost(),
+            gnss_bytes_dropped: self.gnss.given_up(),
+            command_bytes_lost: self.commands.dropped(),
+            sentences_lost: self.host.outlet.lost(),
+            log_bytes_lost: 0,
+        }
+    }
+
+    fn feed_watchdog(&mut self) {}
+
+    /// Until the next byte or the next millisecond.
+    fn sleep(&mut self) -> Option<u64> {
+        self.catch_up();
+        if !self.gnss.is_empty() || !self.commands.is_empty() {
+            return None;
+        }
+        let next_ms = (self.now_ns() / 1_000_000 + 1) * 1_000_000;
+        let next_byte = self.coming.front().map_or(next_ms, |(at_ns, ..)| *at_ns);
+        let now_ns = self.now_ns();
+        self.clock.borrow_mut().now_ns = now_ns.max(next_ms.min(next_byte));
+        self.catch_up();
+        Some(self.now_ns())
+    }
+
+    fn reset_cause(&self) -> ResetCause {
+        ResetCause::PowerOn
+    }
+
+    fn sealed(&mut self) -> &mut [u8; SEALED_BYTES] {
+        &mut self.sealed
+    }
+
+    fn set_gnss_rate(&mut self, _: u32) {}
+
+    fn note(&mut self, _: Note) {}
+}
+
+/// Sends lumps to a module that has the first `quiet` of them behind it, and lets the lines rest for a second afterwards.
+///
+/// # Panics
+/// The module does not start.
+pub fn run(lumps: &[Vec<u8>], quiet: usize, lines: Lines<'_>, costs: Costs) -> Outcome {
+    let clock = Clock::default();
+    let boot = Boot { git: "paced", reset_cause: heapless::String::new() };
+    let pin = Pin { clock: Rc::clone(&clock) };
+    let mut receiver = Receiver::new(pin, boot).expect("the module starts");
+    // What comes first brings all orbits and a search for the position: it is not what is measured.
+    let (before, timed) = lumps.split_at(quiet);
+    for lump in before {
+        receiver.gnss(lump, 0, &mut Vec::new());
+    }
+    let (gnss, commands, out) = (TimedRing::new(), Ring::new(), Ring::new());
+    let host = Metered {
+        outlet: Outlet::new(&out, || ()),
+        clock: Rc::clone(&clock),
+        byte_ns: costs.nanoseconds(costs.sentence_byte),
+    };
+    let mut model = Model {
+        coming: coming(timed, lines),
+        clock: Rc::clone(&clock),
+        costs,
+        lines,
+        ends: VecDeque::new(),
+        pushed: 0,
+        read: 0,
+        gnss: &gnss,
+        commands: &commands,
+        out: &out,
+        host,
+        flooded: 0,
+        sent_ns: 0,
+        last_pass_ns: 0,
+        outcome: Outcome::default(),
+        sealed: [0; SEALED_BYTES],
+    };
+    *clock.borrow_mut() = Instant { epoch_ns: costs.nanoseconds(costs.epoch), ..Instant::default() };
+    let end_ns = model.coming.back().map_or(0, |(at_ns, ..)| *at_ns) + 1_000_000_000;
+    let mut epoch_loop = EpochLoop::new();
+    while model.now_ns() < end_ns {
+        epoch_loop.pass(&mut model, &mut receiver);
+    }
+    let mut outcome = model.outcome;
+    outcome.lateness_ns = std::mem::take(&mut clock.borrow_mut().lateness_ns);
+    outcome.counters = receiver.statistics().collect();
+    outcome
+}
+
+/// When the bytes of the lumps come: a lump each period, or behind the one before where the line is too slow.
+fn coming(lumps: &[Vec<u8>], lines: Lines<'_>) -> Coming {
+    let mut coming = Coming::new();
+    let mut free_ns = 0;
+    for (number, lump) in lumps.iter().enumerate() {
+        let mut at_ns = free_ns.max(number as u64 * lines.period_ns);
+        for (index, byte) in lump.iter().enumerate() {
+            at_ns += byte_ns(lines.gnss_baud);
+            coming.push_back((at_ns, *byte, index + 1 == lump.len()));
+        }
+        free_ns = at_ns;
+    }
+    coming
+}

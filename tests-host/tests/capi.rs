@@ -1,0 +1,134 @@
+//! The C interface, used from C: compiled strictly, sanitised, on the host and on the emulated chip.
+
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use rai_firmware::receiver::{Boot, Receiver};
+use tests_host::capi::{self, folder, library, run};
+use tests_host::encode::{Frequency, Selection};
+use tests_host::pin::Pin;
+use tests_host::replay::{self, Window};
+use tests_host::skip;
+use tests_host::sky::raw::Simulation;
+
+/// Every warning that a careful C programmer turns on.
+const STRICT: [&str; 6] = ["-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror", "-O1"];
+
+/// What the static library needs of a host's system.
+const SYSTEM: [&str; 3] = ["-lpthread", "-ldl", "-lm"];
+
+fn example(name: &str) -> PathBuf {
+    folder().join("examples/c").join(name)
+}
+
+/// Compiles a C program against the library and gives the path of the program.
+fn compile(compiler: &str, source: &Path, library: &Path, flags: &[&str], out: &Path) -> PathBuf {
+    let program = out.join("program");
+    let mut command = Command::new(compiler);
+    command
+        .args(STRICT)
+        .args(flags)
+        .arg("-I")
+        .arg(folder().join("include"))
+        .arg("-o")
+        .arg(&program)
+        .arg(source);
+    command.arg("-x").arg("none").arg(library).args(SYSTEM);
+    run(&mut command).expect("the example compiles without a warning");
+    program
+}
+
+/// Whether these programs are there; says aloud that the calling test is skipped where one is not.
+fn has(programs: &[&str]) -> bool {
+    let missing = programs.iter().find(|program| run(Command::new(program).arg("--version")).is_err());
+    if let Some(program) = missing {
+        skip::say(&format!("the program {program}"));
+    }
+    missing.is_none()
+}
+
+#[test]
+fn header_is_what_the_sources_say() {
+    let committed = std::fs::read_to_string(capi::header_path()).expect("the header is committed");
+    let header = capi::header().expect("the sources make a header");
+    assert!(committed == header, "{}", capi::STALE_HEADER);
+}
+
+#[test]
+fn monitor_from_c_names_the_satellite_that_is_wrong() {
+    if !has(&["gcc", "g++"]) {
+        return;
+    }
+    let library = library("staticlib", None, "receiver").expect("the library builds");
+    let out = tempfile::tempdir().expect("a folder");
+    let modes: [(&str, &[&str]); 3] = [
+        ("gcc", &["-std=c99"]),
+        ("g++", &["-std=c++17", "-x", "c++"]),
+        ("gcc", &["-std=c11", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]),
+    ];
+    for (compiler, flags) in modes {
+        let program = compile(compiler, &example("monitor.c"), &library, flags, out.path());
+        let said = String::from_utf8(run(&mut Command::new(&program)).expect("protected")).expect("text");
+        // The first example of the README, with its numbers: G05 is left out, and nothing else.
+        assert!(said.starts_with("EXCLUDED: 6 of 7 satellites, HPL "), "{said}");
+        assert!(said.contains("left out: G05, off by 80.0 m"), "{said}");
+    }
+}
+
+#[test]
+fn monitor_from_python_says_what_it_says_from_c() {
+    if !has(&["gcc", "python3"]) {
+        return;
+    }
+    let shared = library("cdylib", None, "receiver").expect("the library builds");
+    let fixed = library("staticlib", None, "receiver").expect("the library builds");
+    let out = tempfile::tempdir().expect("a folder");
+    let program = compile("gcc", &example("monitor.c"), &fixed, &["-std=c99"], out.path());
+    let want = run(&mut Command::new(program)).expect("protected");
+    let mut python = Command::new("python3");
+    python.arg(folder().join("examples/python/monitor.py")).arg(shared);
+    let have = run(&mut python).expect("protected");
+    assert_eq!(String::from_utf8_lossy(&have), String::from_utf8_lossy(&want));
+}
+
+#[test]
+fn receiver_from_c_says_every_byte_that_it_says_from_rust() {
+    if !has(&["gcc"]) {
+        return;
+    }
+    let library = library("staticlib", None, "receiver").expect("the library builds");
+    let out = tempfile::tempdir().expect("a folder");
+    let flags = ["-std=c11", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"];
+    let program = compile("gcc", &example("receiver.c"), &library, &flags, out.path());
+
+    let bytes = stream();
+    let mut child =
+        Command::new(program).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().expect("it runs");
+    child.stdin.take().expect("piped").write_all(&bytes).expect("it reads");
+    let output = child.wait_with_output().expect("it ends");
+    assert!(output.status.success(), "{}", output.status);
+    let want = from_rust(&bytes);
+    assert!(want.matches(",P,OK,").count() >= 10, "the comparison is of something:\n{want}");
+    assert_eq!(String::from_utf8_lossy(&output.stdout), want);
+}
+
+/// What a receiver of a simulated sky sends.
+fn stream() -> Vec<u8> {
+    let selection = Selection::new("G", Frequency::Dual).expect("a system");
+    let recording = Simulation::above_xian(7200.0, 20, 3).record();
+    let lumps = replay::encode(&recording, &selection, &[], &Window::ALL).expect("a recording");
+    lumps.into_iter().flat_map(|lump| lump.bytes).collect()
+}
+
+/// What the module says of a stream when it is called from Rust at the times at which the C program calls it.
+fn from_rust(bytes: &[u8]) -> String {
+    let boot = Boot { git: "library", reset_cause: heapless::String::new() };
+    let mut receiver = Receiver::new(Pin::default(), boot).expect("in the tables");
+    let mut said = Vec::new();
+    receiver.greet(&mut said);
+    for (count, byte) in (1_u64..).zip(bytes) {
+        receiver.gnss(&[*byte], count * 1000 / 11520, &mut said);
+    }
+    String::from_utf8(said).expect("ASCII")
+}

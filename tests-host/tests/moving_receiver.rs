@@ -1,0 +1,50 @@
+//! A fast receiver with a forecast clock: it moves farther between two epochs than corrections hold, so that every epoch
+//! is corrected and judged more than once, and is learned from once.
+//!
+//! What is wanted is arithmetic: `dof = n − 3 − C`, and one more where the forecast of a clock takes a row.
+
+use rai_core::frame::Enu;
+use tests_host::encode::{Frequency, Selection};
+use tests_host::recording::Recording;
+use tests_host::replay::{self, Pace, Window};
+use tests_host::sentence::epochs;
+use tests_host::sky::Site;
+use tests_host::sky::raw::Simulation;
+
+/// An airliner's, m/s.
+const SPEED_M_S: f64 = 250.0;
+
+/// Time between epochs, s: 1250 m.
+const STEP_S: f64 = 5.0;
+
+/// Epochs: more than the twelve without which no clock is forecast.
+const EPOCHS: u32 = 30;
+
+/// GPS as an airliner above Xi'an records it, eastward.
+fn flight() -> Recording {
+    let still = Simulation { step_s: STEP_S, ..Simulation::above_xian(7200.0, EPOCHS, 3) };
+    let at = |epoch: u32| {
+        let east = SPEED_M_S * STEP_S * f64::from(epoch);
+        let moved = still.site.frame.unrotate(Enu { east, north: 0.0, up: 0.0 });
+        Simulation { site: Site::at(still.site.position + moved), ..still.clone() }
+    };
+    // The clock goes on from epoch to epoch whatever the site is: it follows from the seed.
+    let epochs = (0..EPOCHS).filter_map(|epoch| at(epoch).record().epochs.into_iter().nth(epoch as usize));
+    Recording { epochs: epochs.collect(), ..still.record() }
+}
+
+#[test]
+fn receiver_at_250_m_s_gets_a_forecast_once_twelve_epochs_are_learned() {
+    let selection = Selection::new("G", Frequency::Dual).expect("a system");
+    let lumps = replay::encode(&flight(), &selection, &[], &Window::ALL).expect("a recording");
+    let said = replay::on_host(&lumps, &["CLOCKAID,ON".to_owned()], Pace::Recorded, |_| {})
+        .expect("the host judges");
+    let outputs = epochs(&said.sentences()).expect("sentences");
+    assert_eq!(outputs.len(), EPOCHS as usize);
+    for (number, output) in outputs.iter().enumerate() {
+        let alone = output.state.used - 4;
+        let want = if number < 12 { alone } else { alone + 1 };
+        let have = output.state.dof;
+        assert_eq!(have, Some(want), "epoch {number}: {:?}", output.state);
+    }
+}

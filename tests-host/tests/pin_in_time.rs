@@ -1,0 +1,130 @@
+//! The promise in time: the pin is driven soon after an epoch's last byte, whatever the host does and however fast
+//! epochs come.
+
+use tests_host::encode::{Encoder, Frequency, Selection};
+use tests_host::paced::{Costs, Lines, Outcome, run};
+use tests_host::sentence::command;
+use tests_host::sky::raw::Simulation;
+
+const FULL_HZ: u64 = 168_000_000;
+const INTERNAL_HZ: u64 = 16_000_000;
+
+/// What an epoch may cost, and the worst of all, instructions.
+const EPOCH: u64 = 1_100_000;
+const WORST: u64 = 4_000_000;
+
+/// Epochs before the measurement, in which orbits come.
+const QUIET: usize = 3;
+
+fn lumps(epochs: u32) -> Vec<Vec<u8>> {
+    let recording = Simulation::above_xian(3600.0, epochs, 11).record();
+    let mut encoder = Encoder::new(&recording.ephemerides, Selection::new("GC", Frequency::Dual).unwrap());
+    recording.epochs.iter().map(|epoch| encoder.epoch(epoch).unwrap()).collect()
+}
+
+fn every(period_ms: u64) -> Lines<'static> {
+    Lines {
+        gnss_baud: 115_200,
+        host_baud: 115_200,
+        period_ns: period_ms * 1_000_000,
+        flood: &[],
+        host_reads: true,
+    }
+}
+
+#[test]
+fn whatever_the_host_sends_the_pin_is_in_time() {
+    let lumps = lumps(13);
+    let statistics = command("STATS");
+    let floods = [
+        statistics.clone(),
+        command("SELFTEST"),
+        command("HAL,nan"),
+        command("MASK,10"),
+        command("IONO"),
+        "$".to_owned(),
+        "\r\n".to_owned(),
+        [statistics, command("HAL,556")].concat(),
+    ];
+    for flood in &floods {
+        for host_reads in [true, false] {
+            for (core_hz, epoch, limit_ms) in
+                [(FULL_HZ, EPOCH, 20.0), (INTERNAL_HZ, EPOCH, 300.0), (INTERNAL_HZ, WORST, 300.0)]
+            {
+                let lines = Lines { flood: flood.as_bytes(), host_reads, ..every(1000) };
+                let have = run(&lumps, QUIET, lines, Costs::measured(core_hz, epoch));
+                let case = format!("{:?} at {core_hz} Hz, host reads {host_reads}", flood.trim_end());
+                assert_eq!(have.lateness_ns.len(), lumps.len() - QUIET, "{case}: every epoch is judged");
+                assert!(have.latest_ms() <= limit_ms, "{case}: {:.1} ms late", have.latest_ms());
+                let longest_ms = have.longest_pass_ns as f64 * 1e-6;
+                assert!(
+                    longest_ms < 680.0,
+                    "{case}: a pass of {longest_ms:.0} ms, half of what the watchdog waits"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn a_host_that_reads_nothing_is_told_how_many_sentences_it_missed() {
+    let have =
+        run(&lumps(13), QUIET, Lines { host_reads: false, ..every(1000) }, Costs::measured(FULL_HZ, EPOCH));
+    assert!(have.counter("host_lost") > 0, "{:?}", have.counters);
+    assert_eq!(have.counter("host_lost"), have.counter("sentences_lost"));
+    assert_eq!(have.lateness_ns.len(), 10);
+}
+
+#[test]
+fn a_long_answer_is_whole_though_it_is_said_piece_by_piece() {
+    let statistics = [command("STATS").into_bytes(), vec![b' '; 20_000]].concat();
+    let have =
+        run(&lumps(6), QUIET, Lines { flood: &statistics, ..every(1000) }, Costs::measured(FULL_HZ, EPOCH));
+    let text = String::from_utf8(have.heard.clone()).expect("sentences are ASCII");
+    let answers = text.lines().filter_map(|line| line.strip_prefix("$PRAIA,STATS,")?.split(",OK*").next());
+    let names: Vec<&str> = answers.flat_map(|answer| answer.split(',').step_by(2)).collect();
+    let want: Vec<&str> = have.counters.iter().map(|(name, _)| *name).collect();
+    assert!(names.len() >= want.len() && names[..want.len()] == want[..], "have {names:?}, want {want:?}");
+}
+
+fn skipped(have: &Outcome) -> u32 {
+    have.counter("epochs_skipped") + have.counter("epochs_broken")
+}
+
+#[test]
+fn epochs_that_come_too_fast_are_skipped_whole_and_the_pin_stays_timely() {
+    let lumps = lumps(60);
+    for (core_hz, gnss_baud, period_ms, limit_ms) in [
+        (INTERNAL_HZ, 115_200, 50, 300.0),
+        (INTERNAL_HZ, 921_600, 50, 300.0),
+        (INTERNAL_HZ, 921_600, 20, 300.0),
+        (FULL_HZ, 921_600, 5, 60.0),
+    ] {
+        let lines = Lines { gnss_baud, ..every(period_ms) };
+        let have = run(&lumps, QUIET, lines, Costs::measured(core_hz, EPOCH));
+        let case = format!("{core_hz} Hz, {gnss_baud} baud, every {period_ms} ms");
+        let judged = have.lateness_ns.len();
+        assert!(skipped(&have) > 0 && judged > 5, "{case}: {judged} judged, {:?}", have.counters);
+        assert!(have.latest_ms() <= limit_ms, "{case}: {:.1} ms late", have.latest_ms());
+        // None is judged with a part of its satellites.
+        assert_eq!(have.counter("epochs_protected") as usize, judged + QUIET, "{case}: {:?}", have.counters);
+    }
+}
+
+/// The highest rates at which no epoch is skipped, as the README states them.
+#[test]
+fn highest_epoch_rates() {
+    let lumps = lumps(43);
+    for (core_hz, gnss_baud, want_hz) in
+        [(FULL_HZ, 115_200, 1), (FULL_HZ, 921_600, 1), (INTERNAL_HZ, 115_200, 1), (INTERNAL_HZ, 921_600, 1)]
+    {
+        let is_kept = |rate_hz: u64| {
+            let lines = Lines { gnss_baud, period_ns: 1_000_000_000 / rate_hz, ..every(0) };
+            let have = run(&lumps, QUIET, lines, Costs::measured(core_hz, EPOCH));
+            skipped(&have) == 0 && have.latest_ms() < if core_hz == FULL_HZ { 20.0 } else { 300.0 }
+        };
+        let highest = (1..=200).take_while(|&rate_hz| is_kept(rate_hz)).last();
+        println!("{core_hz} Hz, {gnss_baud} baud: {highest:?} epochs a second");
+        assert!(highest >= Some(want_hz));
+    }
+}

@@ -1,0 +1,158 @@
+//! Navigation messages of random content: UBX says the same as RTCM, bit for bit.
+
+use rai_core::satellite::{Constellation, SatelliteId};
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rtcm_rs::msg::{Msg1019T, Msg1042T, Msg1045T, Msg1046T};
+use tests_host::encode::ubx;
+use tests_host::measurement::{Ephemeris, TimedEphemeris};
+
+use super::{NOON, by_rtcm, said};
+
+/// A number of that many bits in two's complement, in units of `2^exponent`.
+fn signed(random: &mut ChaCha8Rng, width: u32, exponent: i32) -> f64 {
+    let half = 1_i64 << (width - 1);
+    random.random_range(-half..half) as f64 * 2f64.powi(exponent)
+}
+
+/// The same without a sign, between limits.
+fn unsigned(random: &mut ChaCha8Rng, least: f64, most: f64, exponent: i32) -> f64 {
+    let unit = 2f64.powi(exponent);
+    (random.random_range(least..most) / unit).floor() * unit
+}
+
+/// The elements that all messages have, with the widths of their fields: harmonics of angles and of the radius.
+macro_rules! message {
+    ($type:ident, $random:ident, angles: $angle:expr, lengths: $length:expr, clock: [$($field:ident: $clock:expr),*],
+     $($other:ident: $value:expr),* $(; ..$base:expr)?) => {{
+        let toe_s = (NOON.tow_ms / 1000) as f32;
+        $type {
+            toe_s,
+            m0_sc: signed($random, 32, -31),
+            omega0_sc: signed($random, 32, -31),
+            i0_sc: signed($random, 32, -31),
+            omega_sc: signed($random, 32, -31),
+            eccentricity: unsigned($random, 0.0, 0.199, -33),
+            sqrt_a_sqrt_m: unsigned($random, 5000.0, 7000.0, -19),
+            delta_n_sc_s: signed($random, 16, -43) as f32,
+            omegadot_sc_s: signed($random, 24, -43),
+            idot_sc_s: signed($random, 14, -43) as _,
+            cuc_rad: signed($random, $angle.0, $angle.1) as f32,
+            cus_rad: signed($random, $angle.0, $angle.1) as f32,
+            cic_rad: signed($random, $angle.0, $angle.1) as f32,
+            cis_rad: signed($random, $angle.0, $angle.1) as f32,
+            crc_m: signed($random, $length.0, $length.1) as f32,
+            crs_m: signed($random, $length.0, $length.1) as f32,
+            $($field: signed($random, $clock.0, $clock.1) as _,)*
+            $($other: $value,)*
+            $(..$base)?
+        }
+    }};
+}
+
+pub(super) fn gps(random: &mut ChaCha8Rng) -> TimedEphemeris {
+    let iodc = random.random_range(0..1024_u16);
+    let number = random.random_range(1..=32);
+    let message = message!(Msg1019T, random, angles: (16, -29), lengths: (16, -5),
+        clock: [af0_s: (22, -31), af1_s_s: (16, -43), af2_s_s2: (8, -55)],
+        gps_satellite_id: number, gps_week_number: NOON.week % 1024, iodc: iodc, iode: iodc as u8,
+        toc_s: (NOON.tow_ms / 1000) as f32, ura_index: random.random_range(0..15),
+        // The most negative one says that there is none.
+        tgd_s: random.random_range(-127..128) as f32 * 2f32.powi(-31),
+        sv_health_ind: if random.random_bool(0.2) { random.random_range(1..64) } else { 0 }; ..Msg1019T::default());
+    timed(Constellation::Gps, number, Ephemeris::Gps(message))
+}
+
+pub(super) fn beidou(random: &mut ChaCha8Rng) -> TimedEphemeris {
+    // A third of them geostationary.
+    let number = [random.random_range(6..=58), random.random_range(1..=5), random.random_range(6..=58)]
+        [random.random_range(0..3)];
+    let delay = |random: &mut ChaCha8Rng| random.random_range(-512..512) as f32 * 1e-10;
+    let (tgd1_s, tgd2_s) = (delay(random), delay(random));
+    let message = message!(Msg1042T, random, angles: (18, -31), lengths: (18, -6),
+        clock: [a0_s: (24, -33), a1_s_s: (22, -50), a2_s_s2: (11, -66)],
+        bds_satellite_id: number, bds_week_number: NOON.week - 1356, tgd1_s: tgd1_s, tgd2_s: tgd2_s,
+        toc_s: (NOON.tow_ms / 1000) as f32, ura_index: random.random_range(0..15),
+        aode: random.random_range(0..32), aodc: random.random_range(0..32),
+        sv_health_flag: u8::from(random.random_bool(0.2)));
+    timed(Constellation::Beidou, number, Ephemeris::Beidou(message))
+}
+
+pub(super) fn inav(random: &mut ChaCha8Rng) -> TimedEphemeris {
+    let number = random.random_range(1..=36);
+    let message = message!(Msg1046T, random, angles: (16, -29), lengths: (16, -5),
+        clock: [af0_s: (31, -34), af1_s_s: (21, -46), af2_s_s2: (6, -59),
+                bgd_e1_e5a_s: (10, -32), bgd_e1_e5b_s: (10, -32)],
+        gal_satellite_id: number, gal_week_number: NOON.week - 1024, iodnav: random.random_range(0..1024),
+        toc_s: (NOON.tow_ms / 1000) as f32, sisa_e1_e5b_index: random.random_range(0..126),
+        e5b_sig_health_ind: random.random_range(0..4), e1_b_sig_health_ind: random.random_range(0..4),
+        e5b_data_validity_flag: random.random_range(0..2), e1_b_data_validity_flag: random.random_range(0..2); ..Msg1046T::default());
+    timed(Constellation::Galileo, number, Ephemeris::GalileoInav(message))
+}
+
+pub(super) fn fnav(random: &mut ChaCha8Rng) -> TimedEphemeris {
+    let number = random.random_range(1..=36);
+    let message = message!(Msg1045T, random, angles: (16, -29), lengths: (16, -5),
+        clock: [af0_s: (31, -34), af1_s_s: (21, -46), af2_s_s2: (6, -59), bgd_e1_e5a_s: (10, -32)],
+        gal_satellite_id: number, gal_week_number: NOON.week - 1024, iodnav: random.random_range(0..1024),
+        toc_s: (NOON.tow_ms / 1000) as f32, sisa_e1_e5a_index: random.random_range(0..126),
+        e5a_sig_health_ind: random.random_range(0..4), e5a_data_validity_flag: random.random_range(0..2); ..Msg1045T::default());
+    timed(Constellation::Galileo, number, Ephemeris::GalileoFnav(message))
+}
+
+fn timed(constellation: Constellation, number: u8, message: Ephemeris) -> TimedEphemeris {
+    let satellite = SatelliteId::new(constellation, number).unwrap();
+    let toe = match constellation {
+        // Its seconds of the week are 14 s behind.
+        Constellation::Beidou => rai_firmware::time::GpsTime::from_ms(NOON.to_ms() + 14_000),
+        _ => NOON,
+    };
+    TimedEphemeris { satellite, toe, sent: toe, message }
+}
+
+/// A source of random messages of one kind.
+type Source = fn(&mut ChaCha8Rng) -> TimedEphemeris;
+
+/// All of them.
+pub(super) const SOURCES: [(&str, Source); 4] =
+    [("LNAV", gps), ("D1 and D2", beidou), ("I/NAV", inav), ("F/NAV", fnav)];
+
+#[test]
+fn every_bit_of_every_ephemeris_is_as_rtcm_says_it() {
+    let mut random = ChaCha8Rng::seed_from_u64(1);
+    for (name, source) in SOURCES {
+        for _ in 0..250 {
+            let ephemeris = source(&mut random);
+            let want = by_rtcm(&ephemeris);
+            assert_eq!(want.len(), 1, "{name}: {ephemeris:?}");
+            let (have, counters) = said(&ubx::pages(&ephemeris, NOON).unwrap());
+            assert_eq!(have.ephemerides, want, "{name}: {ephemeris:?} {counters:?}");
+        }
+    }
+}
+
+#[test]
+fn ionosphere_and_leap_second_come_from_the_bits() {
+    let mut random = ChaCha8Rng::seed_from_u64(2);
+    let klobuchar = [-30, -27, -24, -24, 11, 14, 16, 16].map(|exponent| signed(&mut random, 8, exponent));
+    // A change that is past, no more than 128 weeks ago as the eight bits of its week want it.
+    let spoken = ubx::IonosphereAndUtc { klobuchar, leap_s: (17, 18), change: (2000, 7) };
+    let gps = gps(&mut random);
+    let selection = tests_host::encode::Selection::new("G", tests_host::encode::Frequency::Single).unwrap();
+    let mut encoder = ubx::Encoder::new(std::slice::from_ref(&gps), selection, Some(spoken));
+    let nothing = tests_host::measurement::MeasuredEpoch { time: NOON, satellites: Vec::new() };
+    let bytes = encoder.epoch(&nothing).unwrap();
+    let mut input = rai_firmware::input::Input::new();
+    let mut heard = super::Said::default();
+    input.feed(&bytes, 0, |event| heard.hear(&event));
+    assert_eq!(heard.ionosphere, Some(klobuchar));
+    assert_eq!(input.leap_second().map(|leap| leap.seconds), Some(18));
+    // Galileo says the same in a word of its own, once the date is known.
+    let galileo = SatelliteId::new(Constellation::Galileo, 5).unwrap();
+    let word = ubx::utc(galileo, &ubx::IonosphereAndUtc { leap_s: (18, 19), change: (2120, 1), ..spoken });
+    input.feed(&word.unwrap(), 0, |_| ());
+    assert_eq!(input.leap_second().map(|leap| leap.seconds), Some(18), "the change is to come");
+    let word = ubx::utc(galileo, &ubx::IonosphereAndUtc { leap_s: (18, 19), change: (2111, 1), ..spoken });
+    input.feed(&word.unwrap(), 0, |_| ());
+    assert_eq!(input.leap_second().map(|leap| leap.seconds), Some(19), "the change is past");
+}

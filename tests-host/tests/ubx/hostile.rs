@@ -1,0 +1,357 @@
+//! UBX that is wrong: each kind is counted by its name, nothing wrong is believed, and what is right beside it is read.
+
+use rai_core::satellite::{Constellation, SatelliteId};
+use rai_firmware::input::Counters;
+use rand::SeedableRng;
+use rand::seq::SliceRandom;
+use rand_chacha::ChaCha8Rng;
+use rtcm_rs::{Message, MessageBuilder};
+use tests_host::encode::ubx;
+use tests_host::measurement::{Ephemeris, TimedEphemeris};
+
+use super::bits::{SOURCES, beidou, gps, inav};
+use super::{NOON, by_rtcm, said};
+
+const RAWX: [u8; 2] = [0x02, 0x15];
+const SFRBX: [u8; 2] = [0x02, 0x13];
+
+/// The frames in a run of good ones.
+fn frames(bytes: &[u8]) -> Vec<Vec<u8>> {
+    let mut frames = Vec::new();
+    let mut rest = bytes;
+    while let [_, _, _, _, low, high, ..] = rest {
+        let length = 8 + usize::from(*low) + 256 * usize::from(*high);
+        let (frame, behind) = rest.split_at(length);
+        frames.push(frame.to_vec());
+        rest = behind;
+    }
+    frames
+}
+
+fn payload(frame: &[u8]) -> Vec<u8> {
+    frame[6..frame.len() - 2].to_vec()
+}
+
+/// One measurement of GPS L1 C/A.
+fn measurement(range_m: f64, satellite: [u8; 3]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    bytes.extend_from_slice(&range_m.to_le_bytes());
+    bytes.extend_from_slice(&(-0.5_f64).to_le_bytes());
+    bytes.extend_from_slice(&0_f32.to_le_bytes());
+    bytes.extend_from_slice(&satellite);
+    bytes.extend_from_slice(&[0, 0xF4, 0xFB, 45, 5, 1, 5, 1, 0]);
+    bytes
+}
+
+/// An epoch of these measurements.
+fn rawx(tow_s: f64, week: u16, many: u8, version: u8, measurements: &[Vec<u8>]) -> Vec<u8> {
+    let mut payload = tow_s.to_le_bytes().to_vec();
+    payload.extend_from_slice(&week.to_le_bytes());
+    payload.extend_from_slice(&[18, many, 1, version, 0, 0]);
+    payload.extend(measurements.concat());
+    ubx::frame(RAWX, &payload)
+}
+
+fn epoch_of(measurements: &[Vec<u8>]) -> Vec<u8> {
+    rawx(432_000.0, 2111, measurements.len() as u8, 1, measurements)
+}
+
+#[test]
+fn no_wrong_bit_of_a_page_makes_another_ephemeris() {
+    let mut random = ChaCha8Rng::seed_from_u64(5);
+    for (name, source) in SOURCES {
+        let ephemeris = source(&mut random);
+        let want = by_rtcm(&ephemeris);
+        let pages = frames(&ubx::pages(&ephemeris, NOON).unwrap());
+        let (mut refused, mut harmless) = (0, 0);
+        for wrong in 0..pages.len() {
+            let original = payload(&pages[wrong]);
+            for bit in 64..8 * original.len() {
+                let mut page = original.clone();
+                page[bit / 8] ^= 1 << (bit % 8);
+                let mut stream = pages.clone();
+                stream[wrong] = ubx::frame(SFRBX, &page);
+                let (have, counters) = said(&stream.concat());
+                if have.ephemerides.is_empty() {
+                    let counted = counters.subframes_parity + counters.subframes_malformed;
+                    assert_eq!(counted, 1, "{name}: page {wrong}, bit {bit}: {counters:?}");
+                    refused += 1;
+                } else {
+                    assert_eq!(have.ephemerides, want, "{name}: page {wrong}, bit {bit}");
+                    harmless += 1;
+                }
+            }
+        }
+        // What is harmless is padding, or bits that the code does not cover and nobody reads.
+        println!("{name}: {refused} wrong bits refused, {harmless} harmless");
+        assert!(refused > 5 * harmless / 2, "{name}: {refused} refused, {harmless} harmless");
+    }
+}
+
+#[test]
+fn pages_out_of_order_make_the_same_ephemeris() {
+    let mut random = ChaCha8Rng::seed_from_u64(6);
+    for (name, source) in SOURCES {
+        for _ in 0..20 {
+            let ephemeris = source(&mut random);
+            let mut pages = frames(&ubx::pages(&ephemeris, NOON).unwrap());
+            // I/NAV closes a set with its last word.
+            let is_inav = matches!(ephemeris.message, Ephemeris::GalileoInav(_));
+            let movable = pages.len() - usize::from(is_inav);
+            pages[..movable].shuffle(&mut random);
+            let (have, counters) = said(&pages.concat());
+            assert_eq!(have.ephemerides, by_rtcm(&ephemeris), "{name}: {counters:?}");
+        }
+    }
+}
+
+#[test]
+fn pages_of_two_issues_make_none() {
+    let mut random = ChaCha8Rng::seed_from_u64(7);
+    for (name, source) in SOURCES {
+        let first = source(&mut random);
+        let number = first.satellite;
+        let second = loop {
+            let other = source(&mut random);
+            if other.satellite == number {
+                break other;
+            }
+        };
+        // Half a minute later, so that those of BeiDou, which say of no issue, do not follow each other.
+        let later = rai_firmware::time::GpsTime::from_ms(NOON.to_ms() + 30_000);
+        let (first, second) =
+            (frames(&ubx::pages(&first, NOON).unwrap()), frames(&ubx::pages(&second, later).unwrap()));
+        for taken in 1..first.len() - 1 {
+            let mixed = [&first[..taken], &second[taken..]].concat().concat();
+            let (have, counters) = said(&mixed);
+            assert!(have.ephemerides.is_empty(), "{name}, {taken} of the first");
+            assert!(counters.subframes_mixed >= 1, "{name}, {taken} of the first: {counters:?}");
+        }
+    }
+}
+
+#[test]
+fn a_missing_page_makes_none_until_it_comes() {
+    let mut random = ChaCha8Rng::seed_from_u64(8);
+    for (name, source) in SOURCES {
+        let ephemeris = source(&mut random);
+        let pages = frames(&ubx::pages(&ephemeris, NOON).unwrap());
+        for missing in 0..pages.len() {
+            let mut some = pages.clone();
+            let late = some.remove(missing);
+            assert!(said(&some.concat()).0.ephemerides.is_empty(), "{name}: without page {missing}");
+            some.push(late);
+            // The last word of I/NAV comes again in any case.
+            some.push(pages[pages.len() - 1].clone());
+            assert!(!said(&some.concat()).0.ephemerides.is_empty(), "{name}: page {missing} late");
+        }
+    }
+}
+
+#[test]
+fn every_number_of_words_but_the_right_one_is_refused() {
+    for (system, signal, right) in
+        [(0, 0, 10..=63), (2, 1, 8..=63), (2, 3, 8..=63), (3, 0, 10..=10), (6, 0, 4..=4)]
+    {
+        for words in 0..=16_u8 {
+            let mut payload = vec![system, 7, signal, 0, words, 0, 2, 0];
+            payload.resize(8 + 4 * usize::from(words), 0x55);
+            let (have, counters) = said(&ubx::frame(SFRBX, &payload));
+            assert!(have.ephemerides.is_empty());
+            let refused = counters.subframes_malformed + counters.subframes_other + counters.subframes_parity;
+            assert_eq!(refused, 1, "{system}, {words} words: {counters:?}");
+            if !right.contains(&words) {
+                assert_eq!(counters.subframes_parity, 0, "{system}, {words} words: {counters:?}");
+            }
+            // A count that is not that of the bytes.
+            payload[4] = words + 1;
+            let (_, counters) = said(&ubx::frame(SFRBX, &payload));
+            assert_eq!(counters.subframes_malformed, 1, "{system}, {words} words");
+        }
+    }
+}
+
+#[test]
+fn systems_satellites_and_signals_that_are_none_are_counted() {
+    let words = [0_u32; 10];
+    let frame = |system: u8, satellite: u8, signal: u8| {
+        let mut payload = vec![system, satellite, signal, 0, 10, 0, 2, 0];
+        for word in words {
+            payload.extend_from_slice(&u32::to_le_bytes(word));
+        }
+        said(&ubx::frame(SFRBX, &payload)).1
+    };
+    for system in [1, 4, 5, 7, 8, 255] {
+        assert_eq!(frame(system, 1, 0).subframes_other, 1, "system {system}");
+    }
+    for (system, satellite) in [(0, 0), (0, 33), (0, 255), (2, 37), (3, 64), (6, 25), (6, 255)] {
+        assert_eq!(frame(system, satellite, 0).satellites_unknown, 1, "{system} {satellite}");
+    }
+    // L2C's CNAV has ten words, too.
+    assert_eq!(frame(0, 1, 3).subframes_other, 1);
+    let of =
+        |system, satellite, signal| said(&epoch_of(&[measurement(2.2e7, [system, satellite, signal])])).1;
+    assert_eq!(of(5, 1, 0).observations_other, 1);
+    assert_eq!(of(0, 33, 0).satellites_unknown, 1);
+    assert_eq!(of(0, 1, 9).signals_other, 1);
+}
+
+/// How many satellites an epoch has, and the counters.
+fn satellites(frame: &[u8]) -> (Option<usize>, Counters) {
+    let (said, counters) = said(frame);
+    (said.epochs.first().map(|epoch| epoch.satellites.len()), counters)
+}
+
+#[test]
+fn doubles_are_hostile_numbers() {
+    for range_m in [f64::NAN, f64::INFINITY, -f64::INFINITY, -2.2e7, 0.0, 1e300, f64::MIN_POSITIVE] {
+        let (have, counters) = satellites(&epoch_of(&[measurement(range_m, [0, 5, 0])]));
+        assert_eq!((have, counters.ranges_out_of_bounds), (Some(0), 1), "{range_m}");
+    }
+    let good = [measurement(2.2e7, [0, 5, 0])];
+    for tow_s in [f64::NAN, f64::INFINITY, -1.0, 604_800.0, 1e300] {
+        let (have, counters) = satellites(&rawx(tow_s, 2111, 1, 1, &good));
+        assert_eq!((have, counters.times_out_of_range), (None, 1), "{tow_s}");
+    }
+    // The last half millisecond of a week is the next week.
+    let (have, _) = said(&rawx(604_799.999_8, 2111, 1, 1, &good));
+    assert_eq!(have.epochs[0].time, rai_firmware::time::GpsTime { week: 2112, tow_ms: 0 });
+    let moved_m = have.epochs[0].satellites[0].signals[0].range_m - 2.2e7;
+    assert!((moved_m - 0.000_2 * 299_792_458.0).abs() < 0.01, "{moved_m}");
+}
+
+#[test]
+fn headers_that_lie_are_refused() {
+    let good = [measurement(2.2e7, [0, 5, 0])];
+    assert_eq!(satellites(&rawx(432_000.0, 0, 1, 1, &good)).1.epochs_without_week, 1);
+    assert_eq!(satellites(&rawx(432_000.0, 2111, 1, 0, &good)).1.messages_malformed, 1);
+    assert_eq!(satellites(&rawx(432_000.0, 2111, 2, 1, &good)).1.messages_malformed, 1);
+    assert_eq!(satellites(&rawx(432_000.0, 2111, 0, 1, &good)).1.messages_malformed, 1);
+    // A receiver was seen to set the highest bit of the count.
+    assert_eq!(satellites(&rawx(432_000.0, 2111, 0x81, 1, &good)).0, Some(1));
+    for length in 0..16 {
+        let counters = satellites(&ubx::frame(RAWX, &vec![0; length])).1;
+        assert_eq!(counters.messages_malformed, 1, "{length} bytes");
+    }
+    assert_eq!(satellites(&epoch_of(&[])).0, Some(0));
+}
+
+#[test]
+fn an_epoch_holds_what_it_can_and_counts_the_rest() {
+    // 64 satellites with one signal each, of systems that have as many.
+    let all =
+        (1..=32).map(|n| [0, n, 0]).chain((1..=36).map(|n| [2, n, 0])).chain((1..=63).map(|n| [3, n, 0]));
+    let measurements: Vec<Vec<u8>> = all.map(|satellite| measurement(2.2e7, satellite)).collect();
+    let (have, counters) = satellites(&epoch_of(&measurements[..64]));
+    assert_eq!((have, counters.satellites_surplus), (Some(64), 0));
+    let (have, counters) = satellites(&epoch_of(&measurements));
+    assert_eq!((have, counters.satellites_surplus as usize), (Some(64), measurements.len() - 64));
+    // 255 are more than the module reads: that frame is none.
+    let surplus: Vec<Vec<u8>> = measurements.iter().cycle().take(255).cloned().collect();
+    let (have, counters) = satellites(&[epoch_of(&surplus), epoch_of(&measurements[..5])].concat());
+    assert!(have == Some(5) && counters.bytes_skipped > 8_000, "{have:?} {counters:?}");
+    // The same signal twice: the first counts.
+    let twice = [measurement(2.2e7, [0, 5, 0]), measurement(2.3e7, [0, 5, 0])];
+    let (said, counters) = said(&epoch_of(&twice));
+    let signals = &said.epochs[0].satellites[0].signals;
+    assert_eq!((signals.len(), counters.signals_surplus), (1, 1));
+    assert!((signals[0].range_m - 2.2e7).abs() < 1e-6);
+}
+
+/// A stream in which all formats are mixed, and what is in it.
+fn mixture() -> (Vec<Vec<u8>>, TimedEphemeris) {
+    let mut random = ChaCha8Rng::seed_from_u64(9);
+    let ephemeris = gps(&mut random);
+    let mut builder = MessageBuilder::new();
+    let Ephemeris::Gps(message) = &ephemeris.message else { unreachable!() };
+    let rtcm = builder.build_message(&Message::Msg1019(message.clone())).unwrap().to_vec();
+    let nmea = b"$GNGGA,092725.00,4717.11399,N,00833.91590,E,1,08,1.01,499.6,M,48.0,M,,*5B\r\n".to_vec();
+    let mut parts = vec![nmea.clone()];
+    for frame in frames(&ubx::pages(&ephemeris, NOON).unwrap()) {
+        parts.extend([frame, rtcm.clone(), nmea.clone()]);
+    }
+    parts.push(epoch_of(&[measurement(2.2e7, [0, 5, 0])]));
+    (parts, ephemeris)
+}
+
+#[test]
+fn formats_that_are_mixed_are_read_however_the_bytes_arrive() {
+    let (parts, ephemeris) = mixture();
+    let stream = parts.concat();
+    // Three by RTCM and one by UBX.
+    let want = [by_rtcm(&ephemeris), by_rtcm(&ephemeris), by_rtcm(&ephemeris), by_rtcm(&ephemeris)].concat();
+    for cut in 0..=stream.len() {
+        let mut input = rai_firmware::input::Input::new();
+        let mut heard = super::Said::default();
+        let (front, back) = stream.split_at(cut);
+        input.feed(front, 0, |event| heard.hear(&event));
+        input.feed(back, 1, |event| heard.hear(&event));
+        assert_eq!((heard.ephemerides.len(), heard.epochs.len()), (4, 1), "cut at {cut}");
+        assert_eq!(heard.ephemerides, want, "cut at {cut}");
+    }
+}
+
+#[test]
+fn a_frame_that_is_cut_at_any_byte_costs_itself_alone() {
+    let (parts, ephemeris) = mixture();
+    let want = by_rtcm(&ephemeris);
+    let victim = epoch_of(&[measurement(2.1e7, [0, 6, 0]), measurement(2.1e7, [0, 7, 0])]);
+    let stream = parts.concat();
+    for cut in 1..victim.len() {
+        let mut input = rai_firmware::input::Input::new();
+        let mut heard = super::Said::default();
+        input.feed(&[&victim[..cut], &stream[..]].concat(), 0, |event| heard.hear(&event));
+        input.silence(|event| heard.hear(&event));
+        assert_eq!(heard.ephemerides.len(), 4, "cut at {cut}: {:?}", input.counters());
+        assert!(heard.ephemerides.iter().all(|ephemeris| *ephemeris == want[0]), "cut at {cut}");
+        assert_eq!(heard.epochs.len(), 1, "cut at {cut}");
+    }
+}
+
+#[test]
+fn a_satellite_that_comes_back_begins_anew() {
+    let mut random = ChaCha8Rng::seed_from_u64(10);
+    for source in [gps, inav, beidou] {
+        let ephemeris = source(&mut random);
+        let pages = frames(&ubx::pages(&ephemeris, NOON).unwrap());
+        let mut input = rai_firmware::input::Input::new();
+        let mut heard = super::Said::default();
+        let (last, others) = pages.split_last().unwrap();
+        input.feed(&others.concat(), 0, |event| heard.hear(&event));
+        // Three minutes later its last page comes, and belongs to nothing.
+        input.feed(last, 180_000, |event| heard.hear(&event));
+        assert!(heard.ephemerides.is_empty(), "{ephemeris:?}");
+        input.feed(&pages.concat(), 190_000, |event| heard.hear(&event));
+        assert_eq!(heard.ephemerides, by_rtcm(&ephemeris));
+    }
+}
+
+#[test]
+fn more_satellites_than_there_is_room_for_are_heard_later() {
+    let mut random = ChaCha8Rng::seed_from_u64(12);
+    let mut ephemerides: Vec<TimedEphemeris> = Vec::new();
+    while ephemerides.len() < 60 {
+        let next = [gps, inav][ephemerides.len() % 2](&mut random);
+        if ephemerides.iter().all(|known| known.satellite != next.satellite) {
+            ephemerides.push(next);
+        }
+    }
+    let pages: Vec<Vec<Vec<u8>>> =
+        ephemerides.iter().map(|ephemeris| frames(&ubx::pages(ephemeris, NOON).unwrap())).collect();
+    let (mut input, mut heard) = (rai_firmware::input::Input::new(), super::Said::default());
+    // All send their pages side by side, twice.
+    for turn in 0..10 {
+        for pages in &pages {
+            if let Some(page) = pages.get(turn % 5) {
+                input.feed(page, 6_000 * turn as u64, |event| heard.hear(&event));
+            }
+        }
+    }
+    let mut satellites: Vec<SatelliteId> =
+        heard.ephemerides.iter().map(rai_firmware::ephemeris::Ephemeris::satellite).collect();
+    satellites.sort_unstable();
+    satellites.dedup();
+    assert!(input.counters().subframes_surplus > 0);
+    assert_eq!(satellites.len(), 60, "{:?}", input.counters());
+    assert!(satellites.iter().any(|satellite| satellite.constellation() == Constellation::Galileo));
+}

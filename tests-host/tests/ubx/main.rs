@@ -1,0 +1,60 @@
+//! UBX as a u-blox receiver sends it: what the module makes of it, against RTCM of the same, against other programs, and
+//! against everything that can be wrong with it.
+//!
+//! | what | where |
+//! |---|---|
+//! | every bit of every navigation message, as RTCM says it | [`bits`] |
+//! | streams of an independent program against the recordings that they were made of | [`streams`] |
+//! | the same epochs as RTCM and as UBX: verdicts, positions | [`module`] |
+//! | what RTKLIB reads in what the encoder wrote | [`rtklib`] |
+//! | wrong parities, lengths, times, doubles; pages mixed, missing and out of order; frames cut and interleaved | [`hostile`] |
+
+mod bits;
+mod hostile;
+mod module;
+mod rtklib;
+mod streams;
+
+use rai_firmware::ephemeris::Ephemeris;
+use rai_firmware::input::{Counters, Event, Input};
+use rai_firmware::raw::RawEpoch;
+use rai_firmware::time::GpsTime;
+use tests_host::encode::{Encoder, Frequency, Selection};
+use tests_host::measurement::{MeasuredEpoch, TimedEphemeris};
+
+/// What bytes have said.
+#[derive(Default)]
+struct Said {
+    ephemerides: Vec<Ephemeris>,
+    epochs: Vec<RawEpoch>,
+    ionosphere: Option<[f64; 8]>,
+}
+
+impl Said {
+    fn hear(&mut self, event: &Event<'_>) {
+        match event {
+            Event::Epoch(epoch, _) => self.epochs.push((*epoch).clone()),
+            Event::Ephemeris(ephemeris) => self.ephemerides.push(*ephemeris),
+            Event::Ionosphere(coefficients) => self.ionosphere = Some(*coefficients),
+            Event::Position(_) | Event::Jamming(_) => {}
+        }
+    }
+}
+
+/// What bytes say to a module that has heard nothing before.
+fn said(bytes: &[u8]) -> (Said, Counters) {
+    let (mut input, mut said) = (Input::new(), Said::default());
+    input.feed(bytes, 0, |event| said.hear(&event));
+    (said, *input.counters())
+}
+
+/// An ephemeris as RTCM says it.
+fn by_rtcm(ephemeris: &TimedEphemeris) -> Vec<Ephemeris> {
+    let selection = Selection::new("GCE", Frequency::Dual).unwrap();
+    let nothing = MeasuredEpoch { time: ephemeris.toe, satellites: Vec::new() };
+    let bytes = Encoder::new(std::slice::from_ref(ephemeris), selection).epoch(&nothing).unwrap();
+    said(&bytes).0.ephemerides
+}
+
+/// The day of the messages made here: 2020-06-25, noon.
+const NOON: GpsTime = GpsTime { week: 2111, tow_ms: (4 * 86_400 + 43_200) * 1000 };

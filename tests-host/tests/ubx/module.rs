@@ -1,0 +1,110 @@
+//! The same epochs as RTCM and as UBX through the module: the same verdicts, the same positions.
+
+use rai_core::frame::Ecef;
+use rai_core::report::Verdict;
+use rai_firmware::config::Configuration;
+use rai_firmware::input::{Event, Input};
+use rai_firmware::navigator::Navigator;
+use tests_host::encode::{self, Frequency, Selection, ubx};
+use tests_host::recording::Recording;
+use tests_host::shared;
+
+/// A step of a range in MSM7, m: 2⁻²⁹ ms of light.
+const MSM7_STEP_M: f64 = 299_792.458 / 536_870_912.0;
+
+/// How far positions may be apart where RAWX is finer than MSM7: its rounding error, 0.28 mm at most, is tripled by the
+/// combination of two frequencies and amplified by the geometry.
+const UNROUNDED_M: f64 = 3e-3;
+
+/// What the module finds in the bytes of an epoch.
+type Found = (Verdict, Option<Ecef>, usize);
+
+/// A module from bytes to reports.
+struct Module {
+    input: Input,
+    navigator: Navigator,
+    configuration: Configuration,
+}
+
+impl Module {
+    fn new() -> Self {
+        let configuration = Configuration::at_start();
+        let navigator = Navigator::new(configuration.requirements).unwrap();
+        Self { input: Input::new(), navigator, configuration }
+    }
+
+    fn hear(&mut self, bytes: &[u8]) -> Option<Found> {
+        let Self { input, navigator, configuration } = self;
+        let mut found = None;
+        input.feed(bytes, 0, |event| match event {
+            Event::Epoch(raw, came_ms) => {
+                let report = navigator.judge(raw, came_ms, configuration);
+                let position = report.solution.as_ref().map(|solution| solution.position);
+                found = Some((report.verdict, position, raw.satellites.len()));
+            }
+            Event::Ephemeris(ephemeris) => drop(navigator.learn(ephemeris, None)),
+            Event::Position(_) | Event::Ionosphere(_) | Event::Jamming(_) => {}
+        });
+        found
+    }
+}
+
+/// What a u-blox receiver could have measured, in both formats: how many epochs, and how far the positions are apart
+/// at most, in metres.
+fn compare(name: &str, recording: &Recording, every: usize, is_rounded: bool) -> (usize, f64) {
+    let selection = Selection::new("GCE", Frequency::Dual).unwrap();
+    let mut rtcm = (encode::Encoder::new(&recording.ephemerides, selection.clone()), Module::new());
+    let mut ubx = (ubx::Encoder::new(&recording.ephemerides, selection, None), Module::new());
+    let (mut fixes, mut farthest_m) = (0, 0.0_f64);
+    for epoch in recording.epochs.iter().step_by(every) {
+        let mut epoch = ubx::measurable(epoch);
+        // What both formats can say: whole dB-Hz in RAWX, ranges of 0.56 mm in MSM7.
+        for signal in epoch.satellites.iter_mut().flat_map(|satellite| &mut satellite.signals) {
+            signal.cn0_dbhz = signal.cn0_dbhz.map(f64::round);
+            if is_rounded {
+                signal.pseudorange_m = (signal.pseudorange_m / MSM7_STEP_M).round() * MSM7_STEP_M;
+            }
+        }
+        let want = rtcm.1.hear(&rtcm.0.epoch(&epoch).unwrap());
+        let have = ubx.1.hear(&ubx.0.epoch(&epoch).unwrap());
+        let (Some(want), Some(have)) = (want, have) else {
+            panic!("{name}: {:?}: {want:?} {have:?}", epoch.time)
+        };
+        assert_eq!((have.0, have.2), (want.0, want.2), "{name}: {:?}", epoch.time);
+        if let (Some(have), Some(want)) = (have.1, want.1) {
+            farthest_m = farthest_m.max(have.distance_m(want));
+            fixes += 1;
+        }
+    }
+    println!("{name}, rounded {is_rounded}: {fixes} fixes, at most {:.3} mm apart", farthest_m * 1e3);
+    (fixes, farthest_m)
+}
+
+#[test]
+fn a_simulated_sky_is_judged_the_same_in_both_formats() {
+    let recording = tests_host::sky::raw::Simulation::above_xian(0.0, 60, 3).record();
+    let (fixes, farthest_m) = compare("sky", &recording, 1, true);
+    assert!(fixes == 60 && farthest_m < 1e-5, "{fixes} fixes, {farthest_m} m");
+    let (fixes, farthest_m) = compare("sky", &recording, 1, false);
+    assert!(fixes == 60 && farthest_m < UNROUNDED_M, "{fixes} fixes, {farthest_m} m");
+}
+
+#[test]
+fn recordings_are_judged_the_same_in_both_formats() {
+    let sources = [
+        ("esbc/ESBC00DNK_R_20201770000_01D_30S_MO.crx.gz", "esbc/ESBC00DNK_R_20201770000_01D_MN.rnx.gz", 6),
+        ("static1hz/base.obs.gz", "static1hz/base.nav.gz", 1),
+        ("tlse/TLSE00FRA_R_20240011200_15M_01S_MO.crx.gz", "tlse/BRDC00IGS_R_20240010000_01D_MN.rnx.gz", 3),
+    ];
+    for (observations, navigation, every) in sources {
+        let path = |name: &str| shared::path_or_skip(&format!("data/{name}"));
+        let (Some(observations_path), Some(navigation)) = (path(observations), path(navigation)) else {
+            return;
+        };
+        let recording = Recording::load(&[observations_path], &[navigation]).unwrap();
+        let (fixes, farthest_m) = compare(observations, &recording, every, true);
+        assert!(fixes > 290 && farthest_m < 1e-5, "{observations}: {fixes} fixes, {farthest_m} m");
+        let (fixes, farthest_m) = compare(observations, &recording, every, false);
+        assert!(fixes > 290 && farthest_m < UNROUNDED_M, "{observations}: {fixes} fixes, {farthest_m} m");
+    }
+}

@@ -1,0 +1,164 @@
+//! Streams that an independent program made of the recordings: the same epochs, the same ephemerides.
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::Read;
+use std::path::PathBuf;
+
+use flate2::read::GzDecoder;
+use rai_core::satellite::{Constellation, SatelliteId};
+use rai_firmware::ephemeris::Ephemeris;
+use rai_firmware::input::{Counters, Input};
+use rai_firmware::raw::{Band, RawEpoch};
+use tests_host::measurement::MeasuredEpoch;
+use tests_host::recording::Recording;
+use tests_host::shared;
+
+use super::{Said, by_rtcm};
+
+/// A stream, and the files that it was made of.
+pub(super) struct Stream {
+    pub(super) name: &'static str,
+    pub(super) observations: &'static str,
+    pub(super) navigation: &'static [&'static str],
+}
+
+const STREAMS: [Stream; 5] = [
+    Stream {
+        name: "esbc_4h",
+        observations: "esbc/ESBC00DNK_R_20201770000_01D_30S_MO.crx.gz",
+        navigation: &["esbc/ESBC00DNK_R_20201770000_01D_MN.rnx.gz"],
+    },
+    Stream {
+        name: "static1hz_base",
+        observations: "static1hz/base.obs.gz",
+        navigation: &["static1hz/base.nav.gz"],
+    },
+    Stream {
+        name: "static1hz_rover_f9p_noise",
+        observations: "static1hz/rover.obs.gz",
+        navigation: &["static1hz/base.nav.gz"],
+    },
+    Stream {
+        name: "tlse_x20p_fnav",
+        observations: "tlse/TLSE00FRA_R_20240011200_15M_01S_MO.crx.gz",
+        navigation: &["tlse/BRDC00IGS_R_20240010000_01D_MN.rnx.gz"],
+    },
+    Stream {
+        name: "urban_m8t",
+        observations: "urban/car.obs.gz",
+        navigation: &["urban/gps.nav.gz", "urban/beidou.nav.gz"],
+    },
+];
+
+impl Stream {
+    /// The bytes; says that it is skipped where they are not there.
+    pub(super) fn bytes(&self) -> Option<Vec<u8>> {
+        let path = shared::path_or_skip(&format!("data/ubx/{}.ubx.gz", self.name))?;
+        let mut bytes = Vec::new();
+        GzDecoder::new(File::open(path).unwrap()).read_to_end(&mut bytes).unwrap();
+        Some(bytes)
+    }
+
+    pub(super) fn recording(&self) -> Recording {
+        let path = |name: &&str| -> PathBuf { shared::path(&format!("data/{name}")).unwrap() };
+        let navigation: Vec<PathBuf> = self.navigation.iter().map(path).collect();
+        Recording::load(&[path(&self.observations)], &navigation).unwrap()
+    }
+}
+
+/// Feeds a stream in lumps that end with an epoch's ranges, a lump a second of the clock.
+fn hear(bytes: &[u8]) -> (Said, Counters, Input) {
+    let (mut input, mut said, mut epochs) = (Input::new(), Said::default(), 0);
+    for lump in bytes.chunks(200) {
+        input.feed(lump, 1000 * epochs, |event| said.hear(&event));
+        epochs = said.epochs.len() as u64;
+    }
+    let counters = *input.counters();
+    (said, counters, input)
+}
+
+/// The bands of a satellite's RINEX signal that both sides have a name for.
+fn band(constellation: Constellation, number: u8, attribute: char) -> Option<Band> {
+    Some(match (constellation, number, attribute) {
+        (Constellation::Gps, 1, 'C') => Band::L1,
+        (Constellation::Gps, 2, 'L' | 'S' | 'X') => Band::L2,
+        (Constellation::Gps, 5, 'I' | 'Q' | 'X') => Band::L5,
+        (Constellation::Galileo, 1, _) => Band::E1,
+        (Constellation::Galileo, 5, _) => Band::E5a,
+        (Constellation::Galileo, 7, _) => Band::E5b,
+        (Constellation::Beidou, 2, _) => Band::B1I,
+        (Constellation::Beidou, 7, 'I') => Band::B2I,
+        (Constellation::Beidou, 6, _) => Band::B3I,
+        (Constellation::Beidou, 1, _) => Band::B1C,
+        (Constellation::Beidou, 5, _) => Band::B2a,
+        _ => return None,
+    })
+}
+
+/// Holds every range of an epoch against the recording's; gives how many there were.
+fn compare(have: &RawEpoch, want: &MeasuredEpoch) -> usize {
+    /// Light of a microsecond.
+    const MOST_MOVED_M: f64 = 300.0;
+    let (mut compared, mut moved_m) = (0, None);
+    for satellite in &have.satellites {
+        let constellation = satellite.satellite.constellation();
+        if constellation == Constellation::Glonass {
+            continue;
+        }
+        let measured = want.satellites.iter().find(|measured| measured.satellite == satellite.satellite);
+        let measured = measured.unwrap_or_else(|| panic!("{}: not recorded", satellite.satellite));
+        for signal in &satellite.signals {
+            let ranges = measured.signals.iter().filter(|recorded| {
+                band(constellation, recorded.band, recorded.attribute) == Some(signal.carrier.band)
+            });
+            // A tag that is no whole millisecond moves all ranges alike; the recording's reader rounds it away.
+            let differences = ranges.clone().map(|recorded| signal.range_m - recorded.pseudorange_m);
+            let moved_m = *moved_m.get_or_insert(differences.clone().next().unwrap_or(f64::NAN));
+            assert!(moved_m.abs() < MOST_MOVED_M, "{}: {moved_m} m", satellite.satellite);
+            let found = differences.clone().any(|difference_m| (difference_m - moved_m).abs() < 1e-6);
+            assert!(found, "{} {:?}: {} of {:?}", satellite.satellite, signal, signal.range_m, measured);
+            compared += 1;
+        }
+    }
+    compared
+}
+
+#[test]
+fn streams_of_an_independent_program_hold_the_epochs_and_ephemerides_of_their_recordings() {
+    for stream in STREAMS {
+        let Some(bytes) = stream.bytes() else { return };
+        let recording = stream.recording();
+        let mut want: BTreeMap<SatelliteId, Vec<Ephemeris>> = BTreeMap::new();
+        for ephemeris in &recording.ephemerides {
+            want.entry(ephemeris.satellite).or_default().extend(by_rtcm(ephemeris));
+        }
+        let (said, counters, input) = hear(&bytes);
+        let of_kepler = said
+            .ephemerides
+            .iter()
+            .filter(|ephemeris| ephemeris.satellite().constellation() != Constellation::Glonass);
+        let mut ephemerides = 0;
+        for have in of_kepler {
+            let known = want.get(&have.satellite()).is_some_and(|known| known.contains(have));
+            assert!(known, "{}: not broadcast: {have:?}", stream.name);
+            ephemerides += 1;
+        }
+        let mut ranges = 0;
+        for have in &said.epochs {
+            let recorded = recording.epochs.iter().find(|epoch| epoch.time == have.time);
+            ranges += compare(have, recorded.unwrap_or_else(|| panic!("{:?} is no epoch", have.time)));
+        }
+        println!(
+            "{}: {} epochs with {ranges} ranges, {ephemerides} ephemerides, leap second {:?}",
+            stream.name,
+            said.epochs.len(),
+            input.leap_second()
+        );
+        let nonzero: Vec<_> = counters.iter().filter(|(_, count)| *count > 0).collect();
+        println!("    {nonzero:?}");
+        assert!(ephemerides > 400 && ranges > 9_000, "{}", stream.name);
+        assert_eq!(counters.subframes_parity + counters.subframes_surplus, 0, "{}", stream.name);
+        assert_eq!(input.leap_second().map(|leap| leap.seconds), Some(18), "{}", stream.name);
+    }
+}

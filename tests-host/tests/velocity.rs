@@ -1,0 +1,192 @@
+//! Velocity of the module from Doppler frequencies that are made another way: by how the simulated sky's ranges change.
+
+use rai_core::frame::{Enu, SPEED_OF_LIGHT_M_S};
+use rai_core::requirements::Requirements;
+use rai_core::satellite::SatelliteId;
+use rai_core::velocity::Velocity;
+use rai_firmware::config::Systems;
+use rai_firmware::correction::{Tally, locate};
+use rai_firmware::ephemeris::Store;
+use rai_firmware::input::{Event, Input};
+use rai_firmware::rates::Rates;
+use rai_firmware::raw::RawEpoch;
+use rai_firmware::receiver::{Boot, Receiver};
+use tests_host::encode::{Encoder, Frequency, Selection};
+use tests_host::pin::Pin;
+use tests_host::recording::Recording;
+use tests_host::sky::raw::Simulation;
+use tests_host::sky::sights;
+use tests_host::stations::{ESBC, STATIC_BASE, TLSE};
+
+/// Epochs of a sky, each a second after the other.
+const EPOCHS: u32 = 8;
+
+/// Half of the time over which a range's change is its rate, s: the jerk leaves a micrometre a second.
+const HALF_S: f64 = 0.25;
+
+/// A sky with its epochs and orbits as the module gets them.
+struct Heard {
+    simulation: Simulation,
+    store: Store,
+    epochs: Vec<RawEpoch>,
+}
+
+fn hear() -> Heard {
+    let simulation = Simulation::above_xian(0.0, EPOCHS, 7);
+    let recording = simulation.record();
+    let selection = Selection::new("GC", Frequency::Dual).expect("systems");
+    let mut encoder = Encoder::new(&recording.ephemerides, selection);
+    let (mut input, mut store, mut epochs) = (Input::new(), Store::new(), Vec::new());
+    for epoch in &recording.epochs {
+        let bytes = encoder.epoch(epoch).expect("bytes");
+        input.feed(&bytes, 0, |event| match event {
+            Event::Ephemeris(ephemeris) => {
+                store.insert(ephemeris, None);
+            }
+            Event::Epoch(raw, _) => epochs.push(raw.clone()),
+            Event::Position(_) | Event::Ionosphere(_) | Event::Jamming(_) => {}
+        });
+    }
+    assert!(epochs.len() >= 3, "{} epochs", epochs.len());
+    Heard { simulation, store, epochs }
+}
+
+impl Heard {
+    /// How fast a satellite's range grows for a receiver at this velocity, m/s, at the time of an epoch's tag.
+    fn rate_m_s(&self, raw: &RawEpoch, satellite: SatelliteId, velocity: Enu) -> Option<f64> {
+        let t_s = raw.time.since_ms(self.simulation.origin) as f64 * 1e-3;
+        let at = |t_s: f64| {
+            let seen = sights(&self.simulation.satellites, &self.simulation.site, t_s, -1.0);
+            seen.into_iter().find(|sight| sight.satellite == satellite)
+        };
+        let (before, now, after) = (at(t_s - HALF_S)?, at(t_s)?, at(t_s + HALF_S)?);
+        let toward = now.line_of_sight;
+        let own = velocity.east * toward.east + velocity.north * toward.north + velocity.up * toward.up;
+        Some((after.range_m - before.range_m) / (2.0 * HALF_S) - own)
+    }
+
+    /// Velocities of all epochs, with rates that `spoil` may change.
+    fn velocities(&self, velocity: Enu, spoil: impl Fn(SatelliteId, f64) -> f64) -> (Vec<Velocity>, Rates) {
+        let mut rates = Rates::new();
+        let mut found = Vec::new();
+        for raw in &self.epochs {
+            let mut raw = raw.clone();
+            let with_rates = raw.clone();
+            for satellite in &mut raw.satellites {
+                let Some(rate) = self.rate_m_s(&with_rates, satellite.satellite, velocity) else { continue };
+                for signal in &mut satellite.signals {
+                    let wavelength_m = SPEED_OF_LIGHT_M_S / signal.carrier.frequency_hz();
+                    let doppler_hz = -spoil(satellite.satellite, rate) / wavelength_m;
+                    *signal = signal.with_doppler_hz(doppler_hz as f32);
+                }
+            }
+            let sky = locate(&raw, &self.store, 0.0, Systems::AT_START, &mut Tally::default());
+            let place = Some(self.simulation.site.position);
+            let required = Requirements::non_precision_approach();
+            found.extend(rates.velocity(&raw, &sky, place, &required));
+        }
+        (found, rates)
+    }
+}
+
+const REST: Enu = Enu { east: 0.0, north: 0.0, up: 0.0 };
+
+/// The bars for recordings are 5 cm/s horizontally and 10 cm/s vertically; a sky without noise leaves what the method costs,
+/// and the drift of the satellites' clocks, which the geometry does not have.
+#[track_caller]
+fn assert_near(have: &Velocity, want: Enu) {
+    let [east, north, up] = have.east_north_up_m_s;
+    let horizontal = (east - want.east).hypot(north - want.north);
+    assert!(horizontal < 0.02 && (up - want.up).abs() < 0.03, "have {have:?}, want {want:?}");
+}
+
+#[test]
+fn a_receiver_at_rest_is_at_rest() {
+    let heard = hear();
+    let (have, rates) = heard.velocities(REST, |_, rate| rate);
+    assert_eq!(have.len(), heard.epochs.len() - 1, "all but the first: {:?}", rates.tally());
+    for have in &have {
+        assert_near(have, REST);
+    }
+}
+
+#[test]
+fn a_flying_receiver_flies() {
+    let velocity = Enu { east: 180.0, north: -140.0, up: 12.0 };
+    let (have, _) = hear().velocities(velocity, |_, rate| rate);
+    assert!(!have.is_empty());
+    for have in &have {
+        assert_near(have, velocity);
+    }
+}
+
+#[test]
+fn a_receiver_clock_that_drifts_is_no_velocity() {
+    let (have, _) = hear().velocities(REST, |_, rate| rate + 250.0);
+    for have in &have {
+        assert_near(have, REST);
+        assert!((have.drift_m_s - 250.0).abs() < 0.05, "{}", have.drift_m_s);
+    }
+}
+
+#[test]
+fn two_metres_a_second_in_one_rate_are_found() {
+    let heard = hear();
+    let faulty = heard.epochs[0].satellites[2].satellite;
+    let (have, rates) =
+        heard.velocities(REST, |satellite, rate| rate + if satellite == faulty { 2.0 } else { 0.0 });
+    assert!(!have.is_empty(), "{:?}", rates.tally());
+    for have in &have {
+        assert_eq!(have.excluded.as_slice(), [faulty]);
+        assert_near(have, REST);
+    }
+    assert_eq!(rates.tally().rates_excluded as usize, have.len());
+}
+
+/// Early firmware of a common receiver sends rates with the wrong sign.
+#[test]
+fn rates_of_the_wrong_sign_are_named_and_give_no_velocity() {
+    let heard = hear();
+    let (have, rates) = heard.velocities(REST, |_, rate| -rate);
+    assert!(have.is_empty(), "{have:?}");
+    assert_eq!(rates.tally().rates_of_wrong_sign as usize, heard.epochs.len() - 1, "{:?}", rates.tally());
+}
+
+/// Errors of the velocity of a receiver that does not move, horizontally and vertically, rms, m/s; and how many epochs had
+/// a position and a velocity.
+fn at_rest(recording: &Recording, systems: &str) -> (f64, f64, usize, usize) {
+    let selection = Selection::new(systems, Frequency::Dual).expect("systems");
+    let mut encoder = Encoder::new(&recording.ephemerides, selection);
+    let boot = Boot { git: "test", reset_cause: heapless::String::new() };
+    let mut module = Receiver::new(Pin::default(), boot).expect("it starts");
+    let (mut horizontal, mut vertical, mut fixes, mut velocities) = (0.0, 0.0, 0, 0);
+    for (index, epoch) in (0_u64..).zip(recording.epochs.iter().take(600)) {
+        let bytes = encoder.epoch(epoch).expect("bytes");
+        let mut said = Vec::new();
+        module.gnss(&bytes, index * 1000, &mut said);
+        fixes += usize::from(String::from_utf8_lossy(&said).contains("$GNRMC") && !said.is_empty());
+        if let Some(velocity) = module.velocity() {
+            let [east, north, up] = velocity.east_north_up_m_s;
+            horizontal += east * east + north * north;
+            vertical += up * up;
+            velocities += 1;
+        }
+    }
+    let mean = |sum: f64| (sum / f64::from(velocities.max(1))).sqrt();
+    (mean(horizontal), mean(vertical), fixes, velocities as usize)
+}
+
+/// Real receivers that stand still: within 5 cm/s horizontally and 10 cm/s vertically, rms.
+#[test]
+fn real_receivers_at_rest_are_at_rest() {
+    for (station, systems) in [(&STATIC_BASE, "GEC"), (&TLSE, "GEC"), (&ESBC, "GEC")] {
+        let Some(recording) = station.load() else { return };
+        let (horizontal, vertical, fixes, velocities) = at_rest(&recording, systems);
+        println!(
+            "{}: {horizontal:.3} m/s horizontally, {vertical:.3} m/s vertically, {velocities} of {fixes} epochs",
+            station.folder
+        );
+        assert!(horizontal <= 0.05 && vertical <= 0.10, "{}", station.folder);
+        assert!(velocities * 100 >= fixes * 95, "{}: {velocities} of {fixes}", station.folder);
+    }
+}

@@ -1,0 +1,106 @@
+//! `cargo xtask attack`: everything that tries to make the pin lie, with its outcome.
+
+use std::process::Command;
+use std::time::Instant;
+
+use anyhow::{Context as _, ensure};
+use tests_host::attack::several_faults::{self, Passing};
+use tests_host::attack::{ATTACKS, Attack, Effort};
+
+/// Arguments of the command.
+#[derive(clap::Args)]
+pub(crate) struct Arguments {
+    /// Which attacks; none means all.
+    attacks: Vec<String>,
+    /// Many more epochs, and the table of several faults at once.
+    #[arg(long)]
+    long: bool,
+    /// One JSON object an attack instead of a line.
+    #[arg(long)]
+    json: bool,
+    /// Rows of a table in Markdown instead of lines.
+    #[arg(long, conflicts_with = "json")]
+    markdown: bool,
+    /// How often two to four faults pass, from so many epochs of each kind.
+    #[arg(long, value_name = "EPOCHS")]
+    several: Option<u64>,
+}
+
+/// Runs the command.
+pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    if cfg!(debug_assertions) {
+        return again_optimised();
+    }
+    if let Some(epochs) = arguments.several {
+        print_passing(&several_faults::table(epochs)?);
+        return Ok(());
+    }
+    let effort = if arguments.long { Effort::Long } else { Effort::Quick };
+    let attacks = chosen(&arguments.attacks)?;
+    let mut lost = Vec::new();
+    for attack in &attacks {
+        let start = Instant::now();
+        let outcome = attack.attempt(effort).with_context(|| format!("attack {}", attack.name))?;
+        let word = if outcome.is_held() { "held" } else { "NOT HELD" };
+        if arguments.json {
+            println!("{}", serde_json::to_string(&outcome)?);
+        } else if arguments.markdown {
+            println!("| `{}` | {} | {word} | {} |", outcome.name, outcome.about, outcome.words());
+        } else {
+            println!("{word:<8}  {:<18} {}\n          {}", outcome.name, outcome.about, outcome.words());
+        }
+        eprintln!("          {:.1} s", start.elapsed().as_secs_f64());
+        if !outcome.is_held() {
+            lost.push(outcome.name);
+        }
+    }
+    ensure!(lost.is_empty(), "{} of {} attacks not held: {}", lost.len(), attacks.len(), lost.join(", "));
+    Ok(())
+}
+
+fn chosen(names: &[String]) -> anyhow::Result<Vec<&'static Attack>> {
+    if names.is_empty() || names.iter().any(|name| name == "all") {
+        return Ok(ATTACKS.to_vec());
+    }
+    names.iter().map(|name| named(name)).collect()
+}
+
+fn named(name: &str) -> anyhow::Result<&'static Attack> {
+    let known = || ATTACKS.iter().map(|attack| attack.name).collect::<Vec<_>>().join(", ");
+    let found = ATTACKS.iter().find(|attack| attack.name == name).copied();
+    found.with_context(|| format!("no attack is called `{name}`; there are {}, or all", known()))
+}
+
+/// As a table in Markdown: a row a method and number of faults, a column a number of satellites.
+fn print_passing(cells: &[Passing]) {
+    let mut numbers: Vec<usize> = cells.iter().map(|cell| cell.satellites).collect();
+    numbers.sort_unstable();
+    numbers.dedup();
+    let heads: Vec<String> = numbers.iter().map(|number| format!("{number} satellites")).collect();
+    println!("| method | faults | {} |\n|---|---|{}", heads.join(" | "), "---|".repeat(numbers.len()));
+    let mut rows: Vec<(&str, usize)> = cells.iter().map(|cell| (cell.method, cell.faults)).collect();
+    rows.dedup();
+    for (method, faults) in rows {
+        let of_row = cells.iter().filter(|cell| (cell.method, cell.faults) == (method, faults));
+        let percent = |count: usize, of: usize| 100.0 * count as f64 / of.max(1) as f64;
+        let cell = |cell: &Passing| {
+            let [beyond, hazardous] =
+                [cell.misleading, cell.hazardous].map(|count| percent(count, cell.epochs));
+            format!("{beyond:.1} ({hazardous:.1}) of {:.0}", percent(cell.promised, cell.epochs))
+        };
+        let row: Vec<String> = of_row.map(cell).collect();
+        println!("| `{method}` | {faults} | {} |", row.join(" | "));
+    }
+}
+
+/// Thousands of epochs are worth a build that runs them ten times as fast; the outcome is the same.
+fn again_optimised() -> anyhow::Result<()> {
+    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    let status = Command::new(cargo)
+        .args(["run", "--quiet", "--release", "--package", "xtask", "--"])
+        .args(std::env::args_os().skip(1))
+        .status()
+        .context("cargo cannot be run")?;
+    ensure!(status.success(), "not everything holds");
+    Ok(())
+}

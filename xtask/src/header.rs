@@ -1,0 +1,26 @@
+//! `cargo xtask header`: makes the header of the C interface, or holds the committed one against the sources.
+
+use anyhow::{Context as _, ensure};
+use tests_host::capi;
+
+/// Arguments of the command.
+#[derive(clap::Args)]
+pub(crate) struct Arguments {
+    /// Write nothing; fail where the committed header differs from what the sources say.
+    #[arg(long)]
+    check: bool,
+}
+
+/// Runs the command.
+pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
+    let (path, header) = (capi::header_path(), capi::header()?);
+    if arguments.check {
+        let committed = std::fs::read_to_string(&path).with_context(|| path.display().to_string())?;
+        ensure!(committed == header, "{}", capi::STALE_HEADER);
+        println!("committed header: identical to what the sources say");
+    } else {
+        std::fs::write(&path, header).with_context(|| path.display().to_string())?;
+        println!("wrote {}", path.display());
+    }
+    Ok(())
+}
