@@ -2,15 +2,16 @@
 //! sigma is made of.
 //!
 //! ```text
-//! σ² = σ_eph² + (a_noise)² (σ_0² + σ_mp²/sin²el) + (σ_trop / (sin el + 0.05))² + σ_iono²
-//! a_noise = combination · 10^((38 − C/N0)/20) where C/N0 is below 38 dB-Hz
+//! σ² = σ_eph² + a² σ_code² + (σ_trop / (sin el + 0.05))² + σ_iono²
+//! σ_code² = max(σ_0² + σ_mp²/sin²el, w² (σ_0² + σ_mp²))      w = 10^((42 − C/N0)/20), at least 1
 //! σ_iono  = max(delay/5, F(el) τ(φ_m))          F = 1/√(1 − (R cos el/(R + h))²)
 //! ```
 //!
 //! | symbol | field | unit |
 //! |---|---|---|
 //! | `σ_eph` | `ephemeris_m`, from URA or SISA | m |
-//! | `a_noise` | `noise_gain`: 1 for one frequency, about 3 for the ionosphere-free pair; more for a weak signal | – |
+//! | `a` | `noise_gain`: 1 for one frequency, about 3 for the ionosphere-free pair | – |
+//! | `w` | `weakness`: how much noisier than a strong signal ([`weakness`]) | – |
 //! | `σ_0`, `σ_mp` | code noise and multipath at the zenith | m |
 //! | `σ_trop` | what the tropospheric model leaves at the zenith | m |
 //! | `σ_iono` | `ionosphere_m`, what the ionospheric model leaves along the path ([`ionosphere_sigma_m`]); 0 for the pair | m |
@@ -25,6 +26,9 @@
 //!
 //! The module receives no such message: an [`Ism`] is a preset, or what a command gave, and is said to be one. Where a
 //! satellite broadcasts a URA above it, the larger counts.
+//!
+//! Under an open sky a signal is weak because it is low: the elevation and the strength tell of the same error twice, and
+//! the larger of the two counts. A high satellite whose signal is weak is one behind a roof or a tree.
 //!
 //! Assumes independent errors. An integrity test stands and falls with these numbers, so they are on the
 //! large side, and the monitor reports how the residuals compare ([`crate::report::Report::sigma_check`]).
@@ -49,9 +53,9 @@ const TROPOSPHERE_M: f32 = 0.12;
 /// The largest error that a satellite in its normal state announces, m: SISA index 107, URA index 1 and below.
 const NORMAL_PROMISE_M: f32 = 3.2;
 
-/// Carrier to noise density above which the noise is [`CODE_NOISE_M`], dB-Hz: below, a tracking loop's noise goes with the
-/// inverse root, and reflections are no longer weak beside the signal.
-const STRONG_DBHZ: f32 = 38.0;
+/// Carrier to noise density of a signal near the zenith in the open, at the weak end, dB-Hz: below, a tracking loop's noise
+/// goes with the inverse root, and reflections are no longer weak beside the signal.
+const STRONG_DBHZ: f32 = 42.0;
 
 /// Sigma of every range while the position is unknown and nothing is corrected, m.
 pub const COARSE_M: f32 = 30.0;
@@ -215,15 +219,18 @@ impl Ism {
 pub fn integrity_sigma_m(support: &Support, promised_m: f32, budget: &ErrorBudget) -> f32 {
     let ura_m = promised_m.max(support.ura_m as f32);
     let sin_elevation = budget.sin_elevation.max(0.05);
-    let code_m2 = code_m2(sin_elevation);
+    let code_m2 = code_m2(sin_elevation, budget.weakness);
     let troposphere_m2 = 0.12 * 0.12 * 1.001 * 1.001 / (0.002_001 + sin_elevation * sin_elevation);
     let user_m2 = budget.noise_gain * budget.noise_gain * code_m2 + budget.ionosphere_m * budget.ionosphere_m;
     libm::sqrtf(ura_m * ura_m + user_m2 + troposphere_m2)
 }
 
 /// Code noise and multipath of one frequency, m².
-fn code_m2(sin_elevation: f32) -> f32 {
-    CODE_NOISE_M * CODE_NOISE_M + MULTIPATH_M * MULTIPATH_M / (sin_elevation * sin_elevation)
+fn code_m2(sin_elevation: f32, weakness: f32) -> f32 {
+    const NOISE_M2: f32 = CODE_NOISE_M * CODE_NOISE_M;
+    const MULTIPATH_M2: f32 = MULTIPATH_M * MULTIPATH_M;
+    let by_elevation = NOISE_M2 + MULTIPATH_M2 / (sin_elevation * sin_elevation);
+    by_elevation.max(weakness * weakness * (NOISE_M2 + MULTIPATH_M2))
 }
 
 /// What an error of one range is made of.
@@ -235,6 +242,8 @@ pub struct ErrorBudget {
     pub ephemeris_m: f32,
     /// Factor on code noise and multipath, dimensionless.
     pub noise_gain: f32,
+    /// How much noisier the signal is than a strong one, at least 1.
+    pub weakness: f32,
     /// Ionospheric error left along the path, m.
     pub ionosphere_m: f32,
 }
@@ -243,7 +252,7 @@ pub struct ErrorBudget {
 pub fn sigma_m(budget: &ErrorBudget) -> f32 {
     // Below 3° nothing here is calibrated: the error stays that of 3°, where masks end.
     let sin_elevation = budget.sin_elevation.max(0.05);
-    let code_m2 = code_m2(sin_elevation);
+    let code_m2 = code_m2(sin_elevation, budget.weakness);
     let troposphere_m = TROPOSPHERE_M / (sin_elevation + 0.05);
     libm::sqrtf(
         budget.ephemeris_m * budget.ephemeris_m

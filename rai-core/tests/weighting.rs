@@ -5,7 +5,7 @@ use rai_core::satellite::{Constellation, SatelliteId};
 use rai_core::weighting::{ErrorBudget, ephemeris_sigma_m, ionosphere_sigma_m, obliquity, sigma_m, weakness};
 
 const NOTHING: ErrorBudget =
-    ErrorBudget { sin_elevation: 1.0, ephemeris_m: 0.0, noise_gain: 0.0, ionosphere_m: 0.0 };
+    ErrorBudget { sin_elevation: 1.0, ephemeris_m: 0.0, noise_gain: 0.0, weakness: 1.0, ionosphere_m: 0.0 };
 
 fn assert_variance(budget: ErrorBudget, want_m2: f32) {
     let have_m2 = sigma_m(&budget).powi(2);
@@ -89,8 +89,17 @@ fn a_weak_signal_is_noisier_and_one_of_unknown_strength_is_not() {
     let close = |have: f32, want: f32| assert!((have / want - 1.0).abs() < 1e-5, "have {have}, want {want}");
     close(weakness(None), 1.0);
     close(weakness(Some(45.0)), 1.0);
-    close(weakness(Some(38.0)), 1.0);
+    close(weakness(Some(42.0)), 1.0);
     // Ten decibels are a tenth of the power, and the root of ten in the noise.
-    close(weakness(Some(28.0)), 10.0_f32.sqrt());
+    close(weakness(Some(32.0)), 10.0_f32.sqrt());
     assert!(weakness(Some(f32::NAN)) > 10.0 && weakness(Some(f32::NEG_INFINITY)).is_finite());
+}
+
+#[test]
+fn elevation_and_weakness_tell_of_the_same_error_and_the_larger_counts() {
+    let troposphere_m2 = 0.0144 / 0.3025;
+    let budget = |weakness| ErrorBudget { sin_elevation: 0.5, noise_gain: 1.0, weakness, ..NOTHING };
+    // By elevation 0.09 + 0.09/0.25 = 0.45 m²; 1.5² x 0.18 = 0.405 m² are less, 2² x 0.18 = 0.72 m² are more.
+    assert_variance(budget(1.5), 0.45 + troposphere_m2);
+    assert_variance(budget(2.0), 0.72 + troposphere_m2);
 }

@@ -227,7 +227,8 @@ impl Navigator {
     ) -> Assessment {
         // ARAIM weighs by what is promised, the other methods by what is expected.
         let ism = (configuration.strategy().method == Method::Separation).then_some(*self.monitor.ism());
-        let site = Site::new(point, time, configuration.mask_rad, configuration.klobuchar)
+        let coefficients = self.coefficients(time, configuration);
+        let site = Site::new(point, time, configuration.mask_rad, coefficients)
             .with_ranges(ranges)
             .weighted_by(ism);
         let epoch = site.correct(sky, &mut self.tally.ranges);

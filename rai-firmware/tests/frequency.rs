@@ -127,12 +127,15 @@ fn a_signal_below_the_mask_is_not_used_and_a_weak_one_weighs_less() {
 }
 
 #[test]
-fn the_second_gps_carrier_is_judged_by_the_first() {
-    let both = |first_dbhz, second_dbhz| {
+fn a_pair_needs_both_carriers_to_be_strong_where_the_receiver_says_how_strong_they_are() {
+    let both = |first_dbhz: f32, second_dbhz: f32| {
         move |_, range_m| vec![on(Band::L1, range_m, first_dbhz), on(Band::L2, range_m, second_dbhz)]
     };
-    let (military, _) = sky(both(45.0, 18.0), 28.0);
-    assert!(military.iter().all(rai_firmware::correction::Located::has_pair));
-    let (weak, _) = sky(both(20.0, 45.0), 28.0);
-    assert!(!weak.iter().any(rai_firmware::correction::Located::has_pair));
+    // 0 is no strength at all: that of a code which is tracked without knowing it.
+    let (codeless, _) = sky(both(45.0, 0.0), 28.0);
+    assert!(codeless.iter().all(rai_firmware::correction::Located::has_pair));
+    for (first_dbhz, second_dbhz) in [(20.0, 45.0), (45.0, 18.0)] {
+        let (weak, _) = sky(both(first_dbhz, second_dbhz), 28.0);
+        assert!(!weak.iter().any(rai_firmware::correction::Located::has_pair));
+    }
 }

@@ -55,15 +55,16 @@ fn an_epoch_of_three_systems_holds_the_ranges_that_were_sent() {
         })
         .collect();
     let want = [
-        ("G05", Band::L1, 45.0, 2.2e7),
-        ("G05", Band::L2, 40.0, 2.2e7 + 5.0),
-        ("E31", Band::E1, 50.0, 2.5e7),
-        ("C06", Band::B1I, 42.5, 3.8e7),
-        ("C06", Band::B3I, 44.0, 3.8e7 + 9.0),
+        ("G05", Band::L1, Some(45.0), 2.2e7),
+        // P(Y), tracked without knowing it: its 40 dB-Hz say nothing of the signal.
+        ("G05", Band::L2, None, 2.2e7 + 5.0),
+        ("E31", Band::E1, Some(50.0), 2.5e7),
+        ("C06", Band::B1I, Some(42.5), 3.8e7),
+        ("C06", Band::B3I, Some(44.0), 3.8e7 + 9.0),
     ];
     assert_eq!(flat.len(), want.len());
     for (have, want) in flat.iter().zip(want) {
-        assert_eq!((have.0.as_str(), have.1, have.2), (want.0, want.1, Some(want.2)));
+        assert_eq!((have.0.as_str(), have.1, have.2), (want.0, want.1, want.2));
         // A step of the fine range is 2⁻²⁹ ms, 0.56 mm.
         assert!((have.3 - want.3).abs() < 3e-4, "have {have:?}, want {want:?}");
     }
@@ -395,9 +396,10 @@ fn of_two_codes_on_one_band_the_one_that_the_clock_is_of_is_used() {
     ] {
         let mut input = knowing();
         let have = epochs(feed(&mut input, &msm(1077, TOW_MS, false, &cells)));
-        let ranges: Vec<f64> =
-            have[0].satellites[0].signals.iter().map(|signal| signal.range_m.round()).collect();
-        assert_eq!(ranges, [want]);
+        let signals = have[0].satellites[0].signals.iter();
+        let signals: Vec<_> = signals.map(|signal| (signal.range_m.round(), signal.cn0_dbhz())).collect();
+        // C/A lends P(Y) its strength.
+        assert_eq!(signals, [(want, Some(45.0))]);
         assert_eq!(names_of_nonzero(input.counters()), [("signals_surplus", 1)]);
     }
 }

@@ -12,7 +12,7 @@
 //! | `f` | [`Band::frequency_hz`] | Hz |
 //! | `P` | `range_m` | m |
 //! | `τ` | `group_delay_s`: what the satellite's clock differs by from the time on that band | s |
-//! | `√(k_a² + k_b²)` | `noise_gain`, times that of a weak signal | 1 |
+//! | `√(k_a² + k_b²)` | `noise_gain` | 1 |
 //!
 //! Assumes that both codes are equally noisy and that the ionosphere's delay goes with `1/f²` (the neglected
 //! higher orders are below 0.1 m). References: [IS-GPS-200] 20.3.3.3.3, [IS-GPS-705], [OS-SIS-ICD] 5.1.5,
@@ -35,8 +35,10 @@ use crate::raw::{Band, RawSignal};
 pub struct Choice {
     /// Pseudorange, corrected for the group delay, m. The satellite clock is still in it.
     pub range_m: f64,
-    /// How much noisier it is than one code range of a strong signal.
+    /// How much noisier it is than one code range.
     pub noise_gain: f32,
+    /// How much noisier its weakest signal is than a strong one.
+    pub weakness: f32,
     /// Standard deviation of a group delay that is not broadcast, m; 0 where it is.
     pub uncalibrated_m: f32,
     /// The carriers it is made of; with the first alone, its ionospheric delay is still in the range.
@@ -105,23 +107,16 @@ impl Choices {
 
 /// Chooses among a satellite's signals those that are in service, strong enough, and related to the broadcast clock.
 ///
-/// Signals below `mask_dbhz` are left out where the receiver says how strong they are. Its second GPS carrier is
-/// exempt: receivers track the military code on it without knowing it, at a loss of 10 to 20 dB that says nothing of
-/// the signal. It is judged by the first.
+/// Signals below `mask_dbhz` are left out where the receiver says how strong they are.
 pub fn choose(signals: &[RawSignal], ephemeris: &Ephemeris, mask_dbhz: f32) -> Choices {
     let is_usable = |signal: &&RawSignal| {
         let band = signal.carrier.band;
-        ephemeris.serves(band) && strength_dbhz(signal).is_none_or(|strength_dbhz| strength_dbhz >= mask_dbhz)
+        ephemeris.serves(band) && signal.cn0_dbhz().is_none_or(|strength_dbhz| strength_dbhz >= mask_dbhz)
     };
     let find = |band| signals.iter().filter(is_usable).find(|signal| signal.carrier.band == band);
     let pair = |pair: &Pair| combine(find(pair.first)?, find(pair.second)?, pair, ephemeris);
     let single = |&band: &Band| alone(find(band)?, ephemeris);
     Choices { pair: PAIRS.iter().find_map(pair), single: SINGLES.iter().find_map(single) }
-}
-
-/// What the receiver says of a signal's strength, where that says something of the signal, dB-Hz.
-fn strength_dbhz(signal: &RawSignal) -> Option<f32> {
-    if signal.carrier.band == Band::L2 { None } else { signal.cn0_dbhz() }
 }
 
 /// The ionosphere-free combination of two signals.
@@ -132,14 +127,15 @@ fn combine(first: &RawSignal, second: &RawSignal, pair: &Pair, ephemeris: &Ephem
     let delay_s = delay_second.seconds() + pair.share * (delay_first.seconds() - delay_second.seconds());
     let range_m = second.range_m + pair.share * (first.range_m - second.range_m);
     let share = pair.share as f32;
-    let strength_dbhz = match (strength_dbhz(first), strength_dbhz(second)) {
+    let strength_dbhz = match (first.cn0_dbhz(), second.cn0_dbhz()) {
         (Some(first_dbhz), Some(second_dbhz)) => Some(first_dbhz.min(second_dbhz)),
         (one, other) => one.or(other),
     };
     Some(Choice {
         bands: (pair.first, Some(pair.second)),
         range_m: range_m - SPEED_OF_LIGHT_M_S * delay_s,
-        noise_gain: weakness(strength_dbhz) * libm::sqrtf(share * share + (1.0 - share) * (1.0 - share)),
+        noise_gain: libm::sqrtf(share * share + (1.0 - share) * (1.0 - share)),
+        weakness: weakness(strength_dbhz),
         uncalibrated_m: delay_first.uncalibrated_m().max(delay_second.uncalibrated_m()),
     })
 }
@@ -150,7 +146,8 @@ fn alone(signal: &RawSignal, ephemeris: &Ephemeris) -> Option<Choice> {
     Some(Choice {
         bands: (signal.carrier.band, None),
         range_m: signal.range_m - SPEED_OF_LIGHT_M_S * delay.seconds(),
-        noise_gain: weakness(strength_dbhz(signal)),
+        noise_gain: 1.0,
+        weakness: weakness(signal.cn0_dbhz()),
         uncalibrated_m: delay.uncalibrated_m(),
     })
 }

@@ -142,6 +142,7 @@ impl Site {
             sin_elevation,
             ephemeris_m: root_of_squares(ephemeris_sigma_m(located.satellite, promised_m), receiver_m),
             noise_gain: choice.noise_gain,
+            weakness: choice.weakness,
             ionosphere_m: common_m,
         };
         let air_m = self.troposphere.delay_m(sin_elevation) + delay_m;

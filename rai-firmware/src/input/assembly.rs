@@ -276,11 +276,15 @@ fn open(epoch: &mut RawEpoch, satellite: SatelliteId, signal: RawSignal, counter
     }
 }
 
-/// Keeps one code of each band: the one that the broadcast clock is of, else the first on the wire.
+/// Keeps one code of each band: the one that the broadcast clock is of, else the first on the wire. Of a code whose
+/// strength says nothing the strength is that of the other.
 fn add_signal(raw: &mut RawSatellite, signal: RawSignal, is_reference: bool, counters: &mut Counters) {
     if let Some(known) = raw.signals.iter_mut().find(|known| known.carrier.band == signal.carrier.band) {
         if is_reference {
-            *known = signal;
+            *known = match known.cn0_dbhz() {
+                Some(cn0_dbhz) if signal.cn0_dbhz().is_none() => signal.with_cn0_dbhz(cn0_dbhz),
+                _ => signal,
+            };
         }
         count(&mut counters.signals_surplus);
     } else if raw.signals.push(signal).is_err() {

@@ -248,11 +248,11 @@ impl Field {
         self.band == signal.band && self.attribute.is_none_or(|attribute| attribute == signal.attribute)
     }
 
-    /// A signal of this pseudorange. Until a field says more, C/N0 is what the digit beside the value promises:
-    /// class `k` of 2 to 9 begins at `6 k` dBHz.
+    /// A signal of this pseudorange. Until a field says more, C/N0 is the middle of the class that the digit beside the
+    /// value names: class `k` of 2 to 9 goes from `6 k` to `6 k + 6` dB-Hz.
     fn signal(self, pseudorange_m: f64, strength: &str) -> Option<MeasuredSignal> {
         let class = strength.parse::<u8>().ok().filter(|class| *class > 0);
-        let cn0_dbhz = class.map(|class| 6.0 * f64::from(class));
+        let cn0_dbhz = class.map(|class| 6.0 * f64::from(class) + 3.0);
         Some(MeasuredSignal {
             band: self.band,
             attribute: self.attribute?,

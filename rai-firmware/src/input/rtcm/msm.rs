@@ -174,8 +174,9 @@ impl Msm<'_> {
         let (rough, fine) = self.layout.rough_ms(row).zip(self.layout.fine_ms(cell)).ok_or(Unused::Range)?;
         let channel = if self.constellation == Constellation::Glonass { self.layout.channel(row) } else { 0 };
         let carrier = Carrier { band, channel };
-        let signal = RawSignal::new(carrier, (rough + fine) * M_PER_MS);
-        let signal = signal.with_cn0_dbhz(self.layout.cn0_dbhz(cell));
+        let is_codeless = signals::is_codeless(self.constellation, signal);
+        let cn0_dbhz = if is_codeless { 0.0 } else { self.layout.cn0_dbhz(cell) };
+        let signal = RawSignal::new(carrier, (rough + fine) * M_PER_MS).with_cn0_dbhz(cn0_dbhz);
         // A range that grows comes with a frequency that falls.
         let doppler_hz = self.layout.rate_m_s(row, cell).map(|rate| -rate * doppler_of_a_metre(carrier));
         Ok((satellite, doppler_hz.map_or(signal, |doppler_hz| signal.with_doppler_hz(doppler_hz))))

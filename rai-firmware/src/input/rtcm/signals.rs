@@ -35,3 +35,9 @@ pub(super) const fn band(constellation: Constellation, signal: u8) -> Option<Ban
 pub(super) const fn is_reference(constellation: Constellation, signal: u8) -> bool {
     matches!((constellation, signal), (Constellation::Gps, 3 | 4))
 }
+
+/// Whether receivers track the code without knowing it: P and Y of GPS. What is left of its strength, 10 to 20 dB less,
+/// says nothing of the signal.
+pub(super) const fn is_codeless(constellation: Constellation, signal: u8) -> bool {
+    matches!((constellation, signal), (Constellation::Gps, 3 | 4 | 9 | 10))
+}

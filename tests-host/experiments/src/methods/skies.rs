@@ -134,6 +134,7 @@ fn sigma_at(sight: &Sight) -> f64 {
         sin_elevation: sight.line_of_sight.up as f32,
         ephemeris_m: EPHEMERIS_M,
         noise_gain: NOISE_GAIN,
+        weakness: 1.0,
         ionosphere_m: 0.0,
     }))
 }
