@@ -91,7 +91,8 @@ fn glonass_state() -> StateBroadcast {
         position_m: [7_003_008.789e0, -12_206_626.953e0, 21_280_765.625e0],
         velocity_m_s: [783.542_633, 2_804.429_054, 1_352.515_221],
         acceleration_m_s2: [0.0, 1.862_645e-6, -2.793_968e-6],
-        clock_s: -2.236_198e-4,
+        // The message has steps of 2⁻³⁰ s.
+        clock_s: -240_112.0 / 1_073_741_824.0,
         clock_s_s: 2.728_484e-12,
         delay_l2_s: 0.0,
     }
@@ -112,7 +113,7 @@ fn a_state_vector_is_kept_and_moves_with_the_satellite() {
     let want = Ecef::new(x_m + vx * by_s, y_m + vy * by_s, z_m + vz * by_s);
     // The acceleration of 0.6 m/s² makes 1.3 mm of it.
     assert!(moved.position.distance_m(want) < 2e-3, "{moved:?}, want {want:?}");
-    assert!((moved.clock_s - state.clock_s).abs() < 1e-12);
+    assert!((moved.clock_s - state.clock_s).abs() < 1e-12, "{moved:?}");
     assert_eq!(kept.at(after(state.toe, 3600), 2e7), Err(EphemerisError::Stale));
     assert_eq!(store.get(state.satellite, after(state.toe, 3600)), Err(EphemerisError::Stale));
 }

@@ -301,7 +301,8 @@ fn an_epoch_without_end_mark_is_complete_when_another_begins() {
 fn a_system_that_is_not_used_still_ends_the_epoch() {
     let mut input = knowing();
     let mut bytes = gps(TOW_MS, true);
-    bytes.extend(msm(1087, 12_345, false, &[Cell(3, 2, 2.0e7, 50.0)]));
+    // SBAS.
+    bytes.extend(msm(1107, TOW_MS, false, &[Cell(3, 2, 2.0e7, 50.0)]));
     assert_eq!(epochs(feed(&mut input, &bytes)).len(), 1);
     assert_eq!(names_of_nonzero(input.counters()), [("observations_other", 1)]);
 }

@@ -16,7 +16,7 @@ pub fn take() -> Option<&'static mut [u8; SEALED_BYTES]> {
         // SAFETY: interrupts are held back and the core is single; handed out once, so the reference is the only one. Any
         // bytes are a value; reading them volatile and writing them back makes them one for the compiler as well.
         unsafe {
-            if core::mem::replace(&mut *(&raw mut IS_TAKEN), true) {
+            if (&raw mut IS_TAKEN).replace(true) {
                 return None;
             }
             let bytes = (&raw mut SEALED).cast::<[u8; SEALED_BYTES]>();
