@@ -62,29 +62,29 @@
 //!
 //! | tag | source |
 //! |---|---|
-//! | Abramowitz1964 | M. Abramowitz, I. A. Stegun, *Handbook of mathematical functions*, NBS 1964 |
-//! | Baarda1968 | W. Baarda, *A testing procedure for use in geodetic networks*, Delft 1968 |
-//! | Blanch2015 | J. Blanch et al., *Baseline advanced RAIM user algorithm and possible improvements*, IEEE Trans. AES 51(1) (2015) |
-//! | Bowring1985 | B. R. Bowring, *The accuracy of geodetic latitude and height equations*, Survey Review 28 (1985) |
-//! | Brown1992 | R. G. Brown, *A baseline GPS RAIM scheme*, Navigation 39 (1992) |
+//! | Abramowitz1964 | M. Abramowitz, I. A. Stegun (eds.), *Handbook of mathematical functions*, NBS Applied Mathematics Series 55, 1964 |
+//! | Baarda1968 | W. Baarda, *A testing procedure for use in geodetic networks*, Netherlands Geodetic Commission, Publications on Geodesy 2(5), Delft 1968 |
+//! | Blanch2015 | J. Blanch et al., *Baseline advanced RAIM user algorithm and possible improvements*, IEEE Trans. AES 51(1) (2015) 713–732 |
+//! | Bowring1985 | B. R. Bowring, *The accuracy of geodetic latitude and height equations*, Survey Review 28(218) (1985) 202–206 |
+//! | Brown1992 | R. G. Brown, *A baseline GPS RAIM scheme and a note on the equivalence of three RAIM methods*, Navigation 39(3) (1992) 301–316 |
 //! | Chen2009 | Chen Xiaoping et al., receiver-clock aided RAIM, J. Astronautics 30(1) (2009) 271–275 |
-//! | Cody1969 | W. J. Cody, *Rational Chebyshev approximations for the error function*, Math. Comp. 23 (1969) 631–637 |
-//! | DLMF | *NIST digital library of mathematical functions*, dlmf.nist.gov |
-//! | DO-229 | RTCA, *Minimum operational performance standards for GPS/WAAS airborne equipment* |
-//! | ICAO-A10 | ICAO Annex 10, Volume I, table 3.7.2.4-1 |
-//! | IS-GPS-200 | *NAVSTAR GPS space segment/navigation user interfaces* |
-//! | Klobuchar1987 | J. A. Klobuchar, *Ionospheric time-delay algorithm for single-frequency GPS users*, IEEE Trans. AES 23(3) (1987) |
+//! | Cody1969 | W. J. Cody, *Rational Chebyshev approximations for the error function*, Math. Comp. 23(107) (1969) 631–637 |
+//! | DLMF | *NIST digital library of mathematical functions*, <https://dlmf.nist.gov> |
+//! | DO-229 | RTCA DO-229, *Minimum operational performance standards for global positioning system/wide area augmentation system airborne equipment* |
+//! | ICAO-A10 | ICAO, Annex 10 to the Convention on International Civil Aviation, *Aeronautical telecommunications*, Volume I, *Radio navigation aids*, table 3.7.2.4-1 |
+//! | IS-GPS-200 | *NAVSTAR GPS space segment/navigation user segment interfaces*, interface specification of the US Space Force |
+//! | Klobuchar1987 | J. A. Klobuchar, *Ionospheric time-delay algorithm for single-frequency GPS users*, IEEE Trans. AES 23(3) (1987) 325–331 |
 //! | Lin2016 | Lin Xueyuan et al., `BeiDou` RAIM, J. Naval Aeronautical Univ. 31(6) (2016) 619–624 |
-//! | MAAST | Stanford University, *MATLAB algorithm availability simulation tool*, version for ARAIM |
-//! | Montenbruck2018 | O. Montenbruck et al., *Multi-GNSS signal-in-space range error assessment*, Adv. Space Res. 61 (2018) 3020–3038 |
+//! | MAAST | Stanford University GPS Laboratory, *MATLAB algorithm availability simulation tool*, version for ARAIM |
+//! | Montenbruck2018 | O. Montenbruck, P. Steigenberger, A. Hauschild, *Multi-GNSS signal-in-space range error assessment: methodology and results*, Adv. Space Res. 61(12) (2018) 3020–3038 |
 //! | Parity | `BeiDou` RAIM by parity vectors with isolation by grouping (print without title page) |
-//! | Sankaran1963 | M. Sankaran, *Approximations to the non-central chi-square distribution*, Biometrika 50 (1963) |
-//! | Schroth2008 | G. Schroth et al., *Failure detection and exclusion via range consensus*, ENC-GNSS 2008 |
+//! | Sankaran1963 | M. Sankaran, *Approximations to the non-central chi-square distribution*, Biometrika 50(1–2) (1963) 199–204 |
+//! | Schroth2008 | G. Schroth et al., *Failure detection and exclusion via range consensus*, European Navigation Conference ENC-GNSS, Toulouse 2008 |
 //! | Tian2024 | Tian Binpeng et al., improved RANSAC RAIM, Navigation Positioning & Timing 11(3) (2024) 101–108 |
-//! | Ulrych1976 | T. J. Ulrych, R. W. Clayton, *Time series modelling and maximum entropy*, Phys. Earth Planet. Int. 12 (1976) 188–200 |
-//! | Wang1994 | J. Wang, Y. Chen, *On the reliability measure of observations*, Acta Geodaet. Cartograph. (1994) |
-//! | WGS84 | NGA.STND.0036, *World Geodetic System 1984* |
-//! | Wichura1988 | M. J. Wichura, *Algorithm AS 241: the percentage points of the normal distribution*, Appl. Statist. 37 (1988) 477–484 |
+//! | Ulrych1976 | T. J. Ulrych, R. W. Clayton, *Time series modelling and maximum entropy*, Phys. Earth Planet. Inter. 12(2–3) (1976) 188–200 |
+//! | Wang1994 | J. Wang, Y. Chen, *On the reliability measure of observations*, Acta Geodaet. Cartograph. Sinica, English edition (1994) 42–51 |
+//! | WGS84 | NGA.STND.0036, *Department of Defense World Geodetic System 1984*, version 1.0.0, 2014 |
+//! | Wichura1988 | M. J. Wichura, *Algorithm AS 241: the percentage points of the normal distribution*, Appl. Statist. 37(3) (1988) 477–484 |
 //! | Yang2015 | Yang Lin et al., RAIM threshold optimisation, Electronics Optics & Control 22(7) (2015) 38–42 |
 #![no_std]
 #![forbid(unsafe_code)]

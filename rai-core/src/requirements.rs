@@ -31,6 +31,8 @@ pub struct Requirements {
     pub time_to_alert_s: f64,
     /// Fraction of the alert limit that the protection level may fill, in (0, 1] ([Yang2015]: 0.95). Levels of ARAIM hold all
     /// of the risk and may fill it.
+    ///
+    /// [Yang2015]: crate#references
     pub guard_fraction: f64,
     /// How ARAIM spends the risk.
     pub allocation: Allocation,
@@ -39,6 +41,7 @@ pub struct Requirements {
 /// False-alarm probability per sample of non-precision approach ([Yang2015], [DO-229]: 1/3 of 1e-6).
 ///
 /// [Yang2015]: crate#references
+/// [DO-229]: crate#references
 const FALSE_ALARM: Probability = match Probability::new(3.33e-7) {
     Some(probability) => probability,
     None => unreachable!(),

@@ -21,6 +21,8 @@
 //!
 //! Assumes independent Gaussian errors. References: [Lin2016] §2.2 for the test, [`crate::integrity::residuals::levels`]
 //! for the levels.
+//!
+//! [Lin2016]: crate#references
 
 use core::fmt;
 

@@ -34,6 +34,8 @@
 //! large side, and the monitor reports how the residuals compare ([`crate::report::Report::sigma_check`]).
 //!
 //! A sigma is a model, and worked out in single precision.
+//!
+//! [Blanch2015]: crate#references
 
 pub mod adaptation;
 

@@ -16,7 +16,7 @@
 //! | [`output`] | report | sentences |
 //! | [`receiver`] | bytes and the time | the loop around all this, the pin, the alarm of a silent line |
 //!
-//! beside them [`config`] (commands of the host), [`selftest`] (known answers), [`reset`] (why the module started),
+//! beside them [`config`] (commands of the host), [`selftest`] (known answers), [`board::reset`] (why the module started),
 //! [`ring`] (bytes between an interrupt and the loop), [`outlet`] (sentences through a ring) and [`counters`] (whatever
 //! is not used is counted by name).
 //!
@@ -46,22 +46,30 @@
 //!
 //! | tag | source |
 //! |---|---|
-//! | `ARMv7-M` | ARM DDI 0403, *ARMv7-M Architecture Reference Manual* |
-//! | `BDS-SIS-B1I` | CSNO, *`BeiDou` Signal In Space ICD, Open Service Signal B1I*, version 3.0, 2019 |
-//! | `BDS-SIS-B3I` | CSNO, *`BeiDou` Signal In Space ICD, Open Service Signal B3I*, version 1.0, 2018 |
-//! | `BDS-SIS-ICD` | the same documents, where they agree |
-//! | `DS8626` | STMicroelectronics, *STM32F405xx STM32F407xx*, data sheet |
+//! | `AN500` | Arm DAI 0500, *Application Note AN500*, for the MPS2 board |
+//! | `ARMv7-M` | Arm DDI 0403, *ARMv7-M Architecture Reference Manual* |
+//! | `BDS-SIS-B1I` | China Satellite Navigation Office, *`BeiDou` navigation satellite system signal in space interface control document, open service signal B1I*, version 3.0, 2019 |
+//! | `BDS-SIS-B3I` | China Satellite Navigation Office, *`BeiDou` navigation satellite system signal in space interface control document, open service signal B3I*, version 1.0, 2018 |
+//! | `BDS-SIS-ICD` | these two documents, where they agree |
+//! | `CMSDK` | Arm DDI 0479, *Cortex-M System Design Kit technical reference manual* |
+//! | `DO-229` | RTCA DO-229, *Minimum operational performance standards for global positioning system/wide area augmentation system airborne equipment* |
+//! | `DO-260B` | RTCA DO-260B, *Minimum operational performance standards for 1090 MHz extended squitter ADS-B and TIS-B* |
+//! | `DS8626` | STMicroelectronics, DS8626, *STM32F405xx, STM32F407xx*, data sheet |
 //! | `GLO-ICD` | Russian Institute of Space Device Engineering, *GLONASS Interface Control Document, navigational radio signal in bands L1, L2*, edition 5.1, 2008 |
-//! | `GPSD-NMEA` | E. S. Raymond, *NMEA Revealed*, gpsd project |
-//! | `IS-GPS-200` | *NAVSTAR GPS space segment/navigation user interfaces* |
-//! | `IS-GPS-705` | *NAVSTAR GPS space segment/user segment L5 interfaces* |
-//! | `Klobuchar1987` | J. A. Klobuchar, *Ionospheric time-delay algorithm for single-frequency GPS users*, IEEE Trans. AES 23(3), 1987 |
-//! | `MOPS` | RTCA DO-229, *Minimum operational performance standards for GPS/WAAS airborne equipment* |
-//! | `OS-SIS-ICD` | European Union, *Galileo Open Service Signal In Space ICD* |
-//! | `RM0090` | STMicroelectronics, *STM32F405/415, STM32F407/417, STM32F427/437 and STM32F429/439*, reference manual |
-//! | `RTCM-10403.3` | RTCM SC104, *Differential GNSS Services, Version 3*, with amendments, 2016 |
-//! | `Saastamoinen1972` | J. Saastamoinen, *Atmospheric correction for the troposphere and stratosphere in radio ranging of satellites*, 1972 |
-//! | `UBX-F9`, `UBX-M8` | u-blox, *F9 HPG 1.32 interface description*; *M8 receiver description including protocol specification* |
+//! | `GPSD-NMEA` | E. S. Raymond, *NMEA Revealed*, gpsd project, <https://gpsd.gitlab.io/gpsd/NMEA.html> |
+//! | `ICAO-9871` | ICAO Doc 9871, *Technical provisions for Mode S services and extended squitter* |
+//! | `ICAO-A10` | ICAO, Annex 10 to the Convention on International Civil Aviation, *Aeronautical telecommunications*, Volume I, *Radio navigation aids*, table 3.7.2.4-1 |
+//! | `IS-GPS-200` | *NAVSTAR GPS space segment/navigation user segment interfaces*, interface specification of the US Space Force |
+//! | `IS-GPS-705` | *NAVSTAR GPS space segment/user segment L5 interfaces*, interface specification of the US Space Force |
+//! | `Klobuchar1987` | J. A. Klobuchar, *Ionospheric time-delay algorithm for single-frequency GPS users*, IEEE Trans. AES 23(3) (1987) 325–331 |
+//! | `MAVLINK` | `MAVLink` developer guide, *Serialization*, <https://mavlink.io/en/guide/serialization.html>, and the message definitions `common.xml` and `development.xml` |
+//! | `NMEA-0183` | National Marine Electronics Association, *NMEA 0183, standard for interfacing marine electronic devices*, version 4.11, 2018 |
+//! | `OS-SIS-ICD` | European Union, *European GNSS (Galileo) open service signal-in-space interface control document* |
+//! | `RM0090` | STMicroelectronics, RM0090, *STM32F405/415, STM32F407/417, STM32F427/437 and STM32F429/439 advanced Arm-based 32-bit MCUs*, reference manual |
+//! | `RTCM-10403.3` | RTCM Special Committee 104, RTCM 10403.3, *Differential GNSS (Global Navigation Satellite Systems) services, version 3*, 2016, with amendments |
+//! | `Saastamoinen1972` | J. Saastamoinen, *Atmospheric correction for the troposphere and stratosphere in radio ranging of satellites*, in *The use of artificial satellites for geodesy*, AGU Geophysical Monograph 15 (1972) 247–251 |
+//! | `UBX-F9` | u-blox UBX-22008968, *u-blox F9 HPG 1.32 interface description* |
+//! | `UBX-M8` | u-blox UBX-13003221, *u-blox 8/u-blox M8 receiver description including protocol specification* |
 //! | `Yang2015` | Yang Lin et al., RAIM threshold optimisation, Electronics Optics & Control 22(7) (2015) 38–42 |
 #![no_std]
 #![deny(unsafe_code)] // Allowed in the files of a board alone.

@@ -10,10 +10,11 @@
 //!
 //! A signal takes 24 bytes and an epoch 5 KiB, so what is coarse on every wire is kept coarse, in steps that hold all
 //! that a format can say exactly: carrier to noise density in 1/16 dB-Hz, Doppler in 1/1024 Hz, the receiver's own sigma
-//! in cm, lock time in ms up to a minute. References: [IS-GPS-200] 3.3.1.1, [BDS-SIS-B1I] 4.1, GLONASS ICD 5.1 (2008) 3.3.1.1.
+//! in cm, lock time in ms up to a minute. References: [IS-GPS-200] 3.3.1.1, [BDS-SIS-B1I] 4.1, [GLO-ICD] 3.3.1.1.
 //!
 //! [IS-GPS-200]: crate#references
 //! [BDS-SIS-B1I]: crate#references
+//! [GLO-ICD]: crate#references
 
 use heapless::Vec;
 use rai_core::satellite::SatelliteId;

@@ -16,6 +16,7 @@
 //! `(a, 0, b)/√2`; its normal is `(b, 0, a)/√(a² + b²)`, and its height 0.
 //!
 //! [RTCM-10403.3]: crate#references
+//! [Yang2015]: crate#references
 
 use nalgebra::Vector3;
 use rai_core::equations::LinearEpoch;

@@ -7,6 +7,8 @@
 pub const WEEK_MS: u32 = 604_800_000;
 
 /// `BeiDou` time is GPS time minus this many milliseconds ([BDS-SIS-ICD]: leap seconds from 1980 to 2006).
+///
+/// [BDS-SIS-ICD]: crate#references
 pub const BEIDOU_OFFSET_MS: u32 = 14_000;
 
 /// Week of GPS time at which `BeiDou` week 0 began, 2006-01-01.

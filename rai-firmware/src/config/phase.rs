@@ -11,7 +11,7 @@
 //! [ICAO-A10] allows an oceanic flight 300 s. A pin that stays high through five minutes of silence helps nobody who
 //! can be told earlier: whoever wants it says `CUSTOM`.
 //!
-//! [ICAO-A10]: rai_core#references
+//! [ICAO-A10]: crate#references
 
 use rai_core::requirements::Requirements;
 

@@ -1,6 +1,6 @@
 //! Atmosphere: what the troposphere and, on one frequency, the ionosphere add to a range.
 //!
-//! Troposphere, [Saastamoinen1972] zenith delay in a standard atmosphere, mapped as in [MOPS] (after Black and
+//! Troposphere, [Saastamoinen1972] zenith delay in a standard atmosphere, mapped as in [DO-229] (after Black and
 //! Eisner):
 //!
 //! ```text
@@ -22,10 +22,10 @@
 //! Models of some per cent are worked out in single precision, which is right to 0.01 mm.
 //!
 //! Assumes 70 % relative humidity. Good to about 5 % of the zenith's wet part (some centimetres) and, down to 4° of
-//! elevation, to 0.2 m. References: [Saastamoinen1972], [MOPS] A.4.2.4, [Klobuchar1987], [IS-GPS-200] 20.3.3.5.2.5.
+//! elevation, to 0.2 m. References: [Saastamoinen1972], [DO-229] A.4.2.4, [Klobuchar1987], [IS-GPS-200] 20.3.3.5.2.5.
 //!
 //! [Saastamoinen1972]: crate#references
-//! [MOPS]: crate#references
+//! [DO-229]: crate#references
 //! [Klobuchar1987]: crate#references
 //! [IS-GPS-200]: crate#references
 

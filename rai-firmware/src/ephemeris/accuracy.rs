@@ -15,6 +15,8 @@ pub fn ura_m(index: u8) -> Option<f32> {
 /// One sigma of the index `F_T` of GLONASS, m; `None` for 15: no promise.
 ///
 /// [GLO-ICD] table 4.4.
+///
+/// [GLO-ICD]: crate#references
 pub fn glonass_accuracy_m(index: u8) -> Option<f32> {
     const F_T_M: [f32; 15] =
         [1.0, 2.0, 2.5, 4.0, 5.0, 7.0, 10.0, 12.0, 14.0, 16.0, 32.0, 64.0, 128.0, 256.0, 512.0];

@@ -17,6 +17,8 @@
 //! hour the steps have made an error of 2 cm. PZ-90.11 is ITRF to some centimetres, so nothing is turned.
 //!
 //! Reference: [GLO-ICD] appendix J, simplified algorithm.
+//!
+//! [GLO-ICD]: crate#references
 
 /// Gravity of the earth, m³/s².
 const MU_M3_S2: f64 = 3.986004418e14;

@@ -12,9 +12,10 @@
 //! therefore pays for [`CREDIT_PER_BYTE`] bytes of checking, and [`CREDIT_MOST`] can be saved up, enough for a dozen of
 //! the longest RTCM frames that fail in a row. A candidate that cannot be paid for is passed over and counted.
 //!
-//! References: [RTCM-10403.3] 4; u-blox F9 interface description, 3.2 and 3.4.
+//! References: [RTCM-10403.3] 4; [UBX-F9] 3.2 and 3.4.
 //!
 //! [RTCM-10403.3]: crate#references
+//! [UBX-F9]: crate#references
 
 use heapless::Vec;
 

@@ -7,7 +7,10 @@
 //! |---|---|---|---|---|---|---|---|---|---|---|---|
 //! | below, m | 7.5 | 25 | 75 | 185.2 | 370.4 | 1111.2 | 1852 | 3704 | 7408 | 14816 | 37040 |
 //!
-//! References: RTCA DO-260B, and ICAO Doc 9871, which give the same limits.
+//! References: [DO-260B] and [ICAO-9871], which give the same limits.
+//!
+//! [DO-260B]: crate#references
+//! [ICAO-9871]: crate#references
 
 /// Radius of containment in m and its category, the smallest first.
 const CATEGORIES: [(f32, u8); 11] = [

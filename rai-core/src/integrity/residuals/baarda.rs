@@ -72,7 +72,7 @@ pub fn identify<T: Real, const N: usize>(
     if runner_up < largest * unique * unique { Ok(index) } else { Err(Unidentified::Ambiguous) }
 }
 
-/// Leaves out the worst row until the rest passes the global test, at most [`MAX_EXCLUDED`] of them.
+/// Leaves out the worst row until the rest passes the global test, at most [`MAX_EXCLUDED`](crate::report::MAX_EXCLUDED) of them.
 ///
 /// `solution` ends as the solution without the rows listed. A snapshot without redundancy passes nothing: it ends
 /// as [`Outcome::NotIsolated`].

@@ -10,6 +10,8 @@
 //! | `_stack_start` | top of RAM | address |
 //!
 //! References: [ARMv7-M] §B3.5.
+//!
+//! [ARMv7-M]: rai_firmware#references
 
 use core::ptr;
 

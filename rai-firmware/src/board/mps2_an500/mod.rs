@@ -10,7 +10,10 @@
 //! The emulator keeps no reset flags, so a start without the record of a fault says `UNKNOWN`. The LED register is written
 //! and not emulated; the log tells of the pin.
 //!
-//! References: Arm DAI 0500 *Application Note AN500*; Arm DDI 0479 *Cortex-M System Design Kit* (UART, watchdog).
+//! References: [AN500]; [CMSDK] (UART, watchdog).
+//!
+//! [AN500]: rai_firmware#references
+//! [CMSDK]: rai_firmware#references
 
 mod ports;
 mod registers;

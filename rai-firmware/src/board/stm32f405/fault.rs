@@ -1,6 +1,8 @@
 //! Why the chip was reset, and the one exception that is its own.
 //!
 //! References: [RM0090] §7.3.21 (flags of `RCC_CSR`).
+//!
+//! [RM0090]: rai_firmware#references
 
 use rai_firmware::board::reset::ResetCause;
 

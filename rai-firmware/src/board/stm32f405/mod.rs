@@ -13,6 +13,9 @@
 //! a peripheral that does not answer is a fact to report and not a reason to stop.
 //!
 //! References: [RM0090] reference manual of the family, [DS8626] data sheet of the chip.
+//!
+//! [RM0090]: rai_firmware#references
+//! [DS8626]: rai_firmware#references
 
 //! PC6 needs a pull-down of 10 kΩ or less, since it floats from reset to start-up. All ports start at 115200 baud, 8N1.
 

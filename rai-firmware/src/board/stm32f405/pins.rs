@@ -4,6 +4,8 @@
 //! it floating, so the circuit needs a pull-down of 10 kΩ or less: then it is low when the chip is not there at all.
 //!
 //! References: [DS8626] table 9 (alternate functions).
+//!
+//! [DS8626]: rai_firmware#references
 
 use core::convert::Infallible;
 

@@ -15,6 +15,8 @@
 //! late from the receiver (the hardware's overrun) are lost, and counted together.
 //!
 //! References: [RM0090] §30.
+//!
+//! [RM0090]: rai_firmware#references
 
 use core::sync::atomic::{AtomicU32, Ordering};
 

@@ -9,6 +9,9 @@
 //! | `T` | 1.4 to 3.8 | s |
 //!
 //! References: [RM0090] §21, [DS8626] table 35.
+//!
+//! [RM0090]: rai_firmware#references
+//! [DS8626]: rai_firmware#references
 
 use stm32f4::stm32f405::IWDG;
 

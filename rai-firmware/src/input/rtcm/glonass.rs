@@ -8,6 +8,8 @@
 //!
 //! Numbers are a sign bit and a magnitude, so this one is read here and not by `rtcm-rs`, which would bring half a
 //! kilobyte of text with it. Reference: [RTCM-10403.3] 3.5.11.2, table 3.5-21.
+//!
+//! [RTCM-10403.3]: crate#references
 
 use rai_core::satellite::{Constellation, SatelliteId};
 

@@ -19,6 +19,9 @@
 //! The coefficients of the ionosphere that they carry are of another model than that of GPS, and are not read.
 //!
 //! References: [BDS-SIS-B1I] 5.2, 5.3; [BDS-SIS-B3I] 5.
+//!
+//! [BDS-SIS-B1I]: crate#references
+//! [BDS-SIS-B3I]: crate#references
 
 use rai_core::satellite::SatelliteId;
 

@@ -14,6 +14,8 @@
 //! | 6 | `Δt_LS` 62, week and day of the next 86, 94, `Δt_LSF` 97 |
 //!
 //! References: [OS-SIS-ICD] 4.2, 4.3, 5.1.
+//!
+//! [OS-SIS-ICD]: crate#references
 
 use rai_core::satellite::SatelliteId;
 

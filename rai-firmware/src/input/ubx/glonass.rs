@@ -13,6 +13,8 @@
 //! | 4 | `τ_n` 5, `Δτ_n` 27, `F_T` 52, slot 70 |
 //!
 //! References: [GLO-ICD] 4.4, 4.5.
+//!
+//! [GLO-ICD]: crate#references
 
 use rai_core::satellite::SatelliteId;
 

@@ -2,6 +2,9 @@
 //!
 //! The week of the change is said with eight bits, so it is the one of 256 that is nearest to the present.
 //! References: [IS-GPS-200] 20.3.3.5.2.4; [OS-SIS-ICD] 5.1.7.
+//!
+//! [IS-GPS-200]: crate#references
+//! [OS-SIS-ICD]: crate#references
 
 use crate::time::{GpsTime, WEEK_MS};
 

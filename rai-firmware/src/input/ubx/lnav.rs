@@ -12,6 +12,8 @@
 //! | 4, page 56 | α 56, β 88, `Δt_LS` 192, week and day of the next 200, 208, `Δt_LSF` 216 |
 //!
 //! References: [IS-GPS-200] 20.3.2 to 20.3.5.
+//!
+//! [IS-GPS-200]: crate#references
 
 use rai_core::satellite::SatelliteId;
 

@@ -14,7 +14,10 @@
 //! These receivers send no ephemerides in RTCM: the bits are where orbits come from. To be switched on at the receiver:
 //! `CFG-MSGOUT-UBX_RXM_RAWX`, `-UBX_RXM_SFRBX` and, where there is one, `-UBX_SEC_SIG`, and 115200 baud or more.
 //!
-//! References: [UBX-F9] u-blox F9 HPG 1.32 interface description, [UBX-M8] u-blox M8 protocol specification.
+//! References: [UBX-F9], [UBX-M8].
+//!
+//! [UBX-F9]: crate#references
+//! [UBX-M8]: crate#references
 
 mod beidou;
 mod galileo;

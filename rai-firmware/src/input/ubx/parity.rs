@@ -11,6 +11,11 @@
 //! | GLONASS | extended Hamming (85, 77) | each string |
 //!
 //! References: [IS-GPS-200] table 20-XIV; [OS-SIS-ICD] 5.1.9.4; [BDS-SIS-B1I] 5.1.3; [GLO-ICD] 4.7.
+//!
+//! [IS-GPS-200]: crate#references
+//! [OS-SIS-ICD]: crate#references
+//! [BDS-SIS-B1I]: crate#references
+//! [GLO-ICD]: crate#references
 
 use crate::input::bits::Bits;
 
@@ -79,6 +84,8 @@ mod tests {
     use crate::input::bits::Packed;
 
     /// [IS-GPS-200] table 20-XIV: the data bits in each equation, and whether it begins with D29* or D30*.
+    ///
+    /// [IS-GPS-200]: crate#references
     const EQUATIONS: [(bool, &[u32]); 6] = [
         (true, &[1, 2, 3, 5, 6, 10, 11, 12, 13, 14, 17, 18, 20, 23]),
         (false, &[2, 3, 4, 6, 7, 11, 12, 13, 14, 15, 18, 19, 21, 24]),

@@ -18,6 +18,8 @@
 //! Doubles are hostile numbers: a time or a range that is not finite or no time or range is refused here.
 //!
 //! Reference: [UBX-F9] RXM-RAWX.
+//!
+//! [UBX-F9]: crate#references
 
 use rai_core::frame::SPEED_OF_LIGHT_M_S;
 use rai_core::satellite::{Constellation, SatelliteId};

@@ -8,6 +8,8 @@
 //! | NAV-STATUS | 7 | bits 3, 4: spoofing 1 none, 2 indicated, 3 indicated by several means |
 //!
 //! References: [UBX-F9] SEC-SIG, NAV-STATUS.
+//!
+//! [UBX-F9]: crate#references
 
 use crate::input::Unread;
 

@@ -19,6 +19,8 @@
 //! `BeiDou`'s newer messages, SBAS, QZSS) are counted.
 //!
 //! Reference: [UBX-F9] RXM-SFRBX.
+//!
+//! [UBX-F9]: crate#references
 
 use rai_core::satellite::{Constellation, SatelliteId};
 

@@ -3,7 +3,9 @@
 //! The payload is cut behind its last byte that is not zero, but never to nothing. The checksum is CRC-16/MCRF4XX of
 //! everything behind `FD`, and of one byte that stands for the layout.
 //!
-//! References: `MAVLink` serialization guide.
+//! References: [MAVLINK], the guide.
+//!
+//! [MAVLINK]: crate#references
 
 use heapless::Vec;
 

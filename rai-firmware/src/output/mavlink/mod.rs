@@ -15,7 +15,9 @@
 //! that of the dialect named by [`DIALECT`], and will change ([`dialect`] is the only place that knows it). Protected is
 //! `OK`; alert and unavailable are `FAILED` with both figures invalid; without a position it is `UNKNOWN`.
 //!
-//! References: `MAVLink` serialization guide; `common.xml` and `development.xml`.
+//! References: [MAVLINK], the guide, `common.xml` and `development.xml`.
+//!
+//! [MAVLINK]: crate#references
 
 use embedded_io::Write;
 use rai_core::report::{Solution, Unavailable, Verdict};

@@ -28,9 +28,10 @@
 //! Every sentence has at most 82 characters, the line end included; numbers are formatted as fixed-point
 //! integers, since formatting floats is large and slow on the target.
 //!
-//! References: NMEA 0183 v4.11; [GPSD-NMEA] "NMEA Revealed", gpsd project.
+//! References: [NMEA-0183] v4.11; [GPSD-NMEA].
 //!
 //! [GPSD-NMEA]: crate#references
+//! [NMEA-0183]: crate#references
 
 use embedded_io::Write;
 use rai_core::requirements::Requirements;

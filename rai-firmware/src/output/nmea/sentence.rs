@@ -14,7 +14,9 @@ use rai_core::satellite::{Constellation, SatelliteId};
 
 use super::TimeOfDay;
 
-/// Longest sentence, `$` and CR LF included (NMEA 0183 v4.11 §5.3).
+/// Longest sentence, `$` and CR LF included ([NMEA-0183] v4.11 §5.3).
+///
+/// [NMEA-0183]: crate#references
 pub const MAX_LENGTH: usize = 82;
 
 /// Length of checksum and line end: `*CS` CR LF.
@@ -244,7 +246,9 @@ impl Sentence {
         self
     }
 
-    /// A satellite's number in the numbering of NMEA 0183 v4.11, which goes with a system id.
+    /// A satellite's number in the numbering of [NMEA-0183] v4.11, which goes with a system id.
+    ///
+    /// [NMEA-0183]: crate#references
     pub fn satellite_number(&mut self, satellite: SatelliteId) -> &mut Self {
         let offset = if satellite.constellation() == Constellation::Glonass { 64 } else { 0 };
         self.integer(u32::from(satellite.number()) + offset, 2)

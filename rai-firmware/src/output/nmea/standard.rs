@@ -21,7 +21,9 @@ use crate::output::Statement;
 /// Satellites that one `GSA` names.
 const PER_GSA: usize = 12;
 
-/// Identifies "all signals" of a system (NMEA 0183 v4.11 table 20): a combination of frequencies is no single signal.
+/// Identifies "all signals" of a system ([NMEA-0183] v4.11 table 20): a combination of frequencies is no single signal.
+///
+/// [NMEA-0183]: crate#references
 const ALL_SIGNALS: u32 = 0;
 
 /// Talker and system id of a constellation.

@@ -25,9 +25,10 @@
 //! Accuracy: in `f64` relative 1e-9 for `α ≥ 1e-6`, in `f32` 5e-5 for `α ≥ 1e-3`. It is computed once a fault was
 //! detected, not before; in some ten Newton steps of `ν/2` terms.
 //!
-//! \[Parity\] leaves the threshold's form open; Student's is the exact one under equal sigmas and any geometry.
+//! [Parity] leaves the threshold's form open; Student's is the exact one under equal sigmas and any geometry.
 //!
 //! [Abramowitz1964]: crate#references
+//! [Parity]: crate#references
 
 use crate::numeric::probability::Probability;
 use crate::numeric::real::Real;

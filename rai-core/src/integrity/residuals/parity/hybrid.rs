@@ -1,10 +1,12 @@
 //! Hybrid isolation: the cheap guess first, the search only where the guess fails.
 //!
 //! The simultaneous set is taken when it is not empty, not too large, passes the test, and is **minimal**: no set with
-//! one row less passes. \[Parity\] does not state the last rule, but without it collinear rows are removed together
+//! one row less passes. [Parity] does not state the last rule, but without it collinear rows are removed together
 //! with the faulty one, and its own rate for single faults cannot be reached (0.923 instead of 0.993).
 //!
 //! Otherwise sequential isolation (method B); where that fails too, grouping (method C).
+//!
+//! [Parity]: crate#references
 
 use super::{Finding, Search, SearchLimits, search};
 use crate::integrity::residuals::threshold::Thresholds;

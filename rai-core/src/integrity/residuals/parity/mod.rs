@@ -25,9 +25,10 @@
 //!
 //! The searches are not inlined: each takes 2.5 KiB of the stack and more, and one after the other they share it.
 //!
-//! References: \[Parity\] and, for the global test, [Yang2015] §1.
+//! References: [Parity] and, for the global test, [Yang2015] §1.
 //!
 //! [Yang2015]: crate#references
+//! [Parity]: crate#references
 
 mod correlation;
 mod grouping;
@@ -55,7 +56,9 @@ use crate::snapshot::{Reducible, Snapshot};
 pub const MAX_SETS: usize = 40 + 40 * 39 / 2 + 40 * 39 * 38 / 6;
 const _: () = assert!(MAX_SETS == 10_700);
 
-/// `α` of \[Parity\].
+/// `α` of [Parity].
+///
+/// [Parity]: crate#references
 const ALPHA: Probability = match Probability::new(0.01) {
     Some(alpha) => alpha,
     None => unreachable!(),
@@ -89,7 +92,9 @@ pub struct SearchLimits {
 }
 
 impl SearchLimits {
-    /// As in \[Parity\]: `α = 0.01`; up to [`MAX_EXCLUDED`] rows, with the work that 40 rows need.
+    /// As in [Parity]: `α = 0.01`; up to [`MAX_EXCLUDED`] rows, with the work that 40 rows need.
+    ///
+    /// [Parity]: crate#references
     pub const fn published() -> Self {
         Self { rows: MAX_EXCLUDED, sets: MAX_SETS, alpha: ALPHA }
     }

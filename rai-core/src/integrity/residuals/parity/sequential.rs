@@ -1,8 +1,10 @@
 //! Sequential isolation: the row with the largest |w| goes, until the rest passes.
 //!
 //! `w²` of a row without the set removed so far is `q²/p` of [`crate::removal`]. Work: at most `n` sets for each row
-//! removed. Unlike [`crate::integrity::residuals::baarda::exclude_sequentially`] no threshold is asked of |w|: \[Parity\]
+//! removed. Unlike [`crate::integrity::residuals::baarda::exclude_sequentially`] no threshold is asked of |w|: [Parity]
 //! trusts the global test of what remains.
+//!
+//! [Parity]: crate#references
 
 use super::{Finding, Search, SearchLimits, search};
 use crate::integrity::residuals::exclusion::Unidentified;
