@@ -153,7 +153,8 @@ impl Framer {
             self.front = 1;
         }
         let left = self.buffer.len().saturating_sub(self.front);
-        self.buffer.copy_within(self.front.., 0);
+        let from = self.front.min(self.buffer.len());
+        self.buffer.copy_within(from.., 0);
         self.buffer.truncate(left);
         self.fresh = self.fresh.saturating_sub(self.front);
         self.front = 0;

@@ -10,9 +10,11 @@
 //! | `pub fn slopes` in the module `levels` | `levels::slopes`, or by the module above |
 //! | `fn fmt` in `impl Display for RowError` | `<RowError as Display>::fmt` |
 //!
-//! Generic arguments do not count; a name that several types share has to be there as often. What a macro or a derive
-//! makes is not seen.
+//! Generic arguments do not count; a name that several types share has to be there as often. What a type that is nowhere
+//! public does for a trait cannot be called from outside, and need not be there. What a macro or a derive makes is not
+//! seen.
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
@@ -23,10 +25,59 @@ use anyhow::Context;
 /// # Errors
 /// Where a source file cannot be read.
 pub fn missing(library: &Path, list: &str) -> anyhow::Result<Vec<String>> {
-    let mut functions = Vec::new();
+    let mut found = Found::default();
     let folder = library.parent().context("a library lies in a folder")?;
-    follow(library, folder, "crate", &mut functions)?;
-    Ok(not_in(list, &functions))
+    follow(library, folder, "crate", &mut found)?;
+    Ok(not_in(list, &found.functions()))
+}
+
+/// What the sources hold, as far as they were read.
+#[derive(Default)]
+struct Found {
+    functions: Vec<Function>,
+    public_types: BTreeSet<String>,
+    private_types: BTreeSet<String>,
+}
+
+/// A function that is public, or a trait's, by the type that the trait is for.
+struct Function {
+    names: Names,
+    trait_of: Option<String>,
+}
+
+impl Found {
+    /// The functions that can be called from outside.
+    fn functions(self) -> Vec<Names> {
+        let Self { functions, public_types, private_types } = self;
+        let is_hidden = |name: &String| private_types.contains(name) && !public_types.contains(name);
+        let outside =
+            functions.into_iter().filter(|function| !function.trait_of.as_ref().is_some_and(is_hidden));
+        outside.map(|function| function.names).collect()
+    }
+
+    fn read(&mut self, text: &str, module: &str) {
+        let code = text.split("#[cfg(test)]\nmod ").next().unwrap_or_default();
+        for line in code.lines() {
+            if let Some(name) = line.strip_prefix("pub ").and_then(type_declared) {
+                self.public_types.insert(name.to_owned());
+            } else if let Some(name) = type_declared(without_visibility(line)) {
+                self.private_types.insert(name.to_owned());
+            }
+        }
+        self.functions.extend(functions_of(code, module));
+    }
+}
+
+/// The name of the type that a line declares.
+fn type_declared(line: &str) -> Option<&str> {
+    let rest = ["struct ", "enum ", "union "].iter().find_map(|word| line.strip_prefix(word))?;
+    rest.split(|character| !is_in_name(character)).next()
+}
+
+/// The line without a visibility that ends in this library.
+fn without_visibility(line: &str) -> &str {
+    let rest = line.strip_prefix("pub(").and_then(|rest| rest.split_once(") "));
+    rest.map_or(line, |(_, rest)| rest)
 }
 
 /// A public function: the names that a list may hold it under.
@@ -41,13 +92,13 @@ fn not_in(list: &str, functions: &[Names]) -> Vec<String> {
 }
 
 /// Collects the public functions of a module and of those below it.
-fn follow(file: &Path, below: &Path, module: &str, functions: &mut Vec<Names>) -> anyhow::Result<()> {
+fn follow(file: &Path, below: &Path, module: &str, found: &mut Found) -> anyhow::Result<()> {
     let text = fs::read_to_string(file).with_context(|| format!("{} cannot be read", file.display()))?;
-    functions.extend(functions_of(&text, module));
+    found.read(&text, module);
     for name in text.lines().filter_map(module_declared) {
         let flat = below.join(format!("{name}.rs"));
         let file = if flat.exists() { flat } else { below.join(name).join("mod.rs") };
-        follow(&file, &below.join(name), &format!("{module}::{name}"), functions)?;
+        follow(&file, &below.join(name), &format!("{module}::{name}"), found)?;
     }
     Ok(())
 }
@@ -56,8 +107,7 @@ fn module_declared(line: &str) -> Option<&str> {
     line.strip_prefix("pub ").unwrap_or(line).strip_prefix("mod ")?.strip_suffix(';')
 }
 
-fn functions_of(text: &str, module: &str) -> Vec<Names> {
-    let code = text.split("#[cfg(test)]\nmod ").next().unwrap_or_default();
+fn functions_of(code: &str, module: &str) -> Vec<Function> {
     let mut functions = Vec::new();
     let mut owner = None;
     for line in code.lines() {
@@ -71,7 +121,8 @@ fn functions_of(text: &str, module: &str) -> Vec<Names> {
             None => public_function(line)
                 .map(|name| module.rsplit("::").take(2).map(|module| format!("{module}::{name}")).collect()),
         };
-        functions.extend(names);
+        let trait_of = owner.as_ref().and_then(|owner| owner.trait_of.clone());
+        functions.extend(names.map(|names| Function { names, trait_of }));
     }
     functions
 }
@@ -79,7 +130,7 @@ fn functions_of(text: &str, module: &str) -> Vec<Names> {
 /// Whose functions follow: a type's own, or those of a trait.
 struct Owner {
     path: String,
-    of_trait: bool,
+    trait_of: Option<String>,
 }
 
 impl Owner {
@@ -89,13 +140,15 @@ impl Owner {
         let header = header.strip_prefix("impl")?.trim();
         let last = |path: &str| path.rsplit("::").next().unwrap_or_default().trim().to_owned();
         Some(match header.split_once(" for ") {
-            Some((of, name)) => Self { path: format!("<{} as {}>", last(name), last(of)), of_trait: true },
-            None => Self { path: last(header), of_trait: false },
+            Some((of, name)) => {
+                Self { path: format!("<{} as {}>", last(name), last(of)), trait_of: Some(last(name)) }
+            }
+            None => Self { path: last(header), trait_of: None },
         })
     }
 
     fn function(&self, line: &str) -> Option<Names> {
-        let name = if self.of_trait { function(line) } else { public_function(line) };
+        let name = if self.trait_of.is_some() { function(line) } else { public_function(line) };
         Some(vec![format!("{}::{}", self.path, name?)])
     }
 }
@@ -154,8 +207,14 @@ mod tests {
                           impl core::error::Error for Fix {}\n\
                           #[cfg(test)]\nmod tests {\n    pub fn only_here() {}\n}\n";
 
+    fn functions(source: &str, module: &str) -> Vec<Names> {
+        let mut found = Found::default();
+        found.read(source, module);
+        found.functions()
+    }
+
     fn missing_from(list: &str) -> Vec<String> {
-        not_in(list, &functions_of(SOURCE, "core::snapshot"))
+        not_in(list, &functions(SOURCE, "core::snapshot"))
     }
 
     #[test]
@@ -178,12 +237,26 @@ mod tests {
 
     #[test]
     fn name_shared_by_two_types_has_to_be_there_twice() {
-        let limits = || functions_of("impl Limits {\n    pub fn published() {}\n}\n", "crate");
+        let limits = || functions("impl Limits {\n    pub fn published() {}\n}\n", "crate");
         let both = [limits(), limits()].concat();
         assert_eq!(not_in("parity::Limits::published", &both).len(), 2);
         assert_eq!(
             not_in("parity::Limits::published, ransac::Limits::published", &both),
             Vec::<String>::new()
         );
+    }
+
+    #[test]
+    fn what_a_type_without_an_outside_does_for_a_trait_is_no_public_function() {
+        let with = |declaration: &str| {
+            let source =
+                format!("{declaration} {{\n}}\nimpl From<Refusal> for Unread {{\n    fn from() {{}}\n}}\n");
+            functions(&source, "crate").len()
+        };
+        assert_eq!(with("enum Unread"), 0);
+        assert_eq!(with("pub(super) struct Unread<'a>"), 0);
+        assert_eq!(with("pub enum Unread"), 1);
+        assert_eq!(with("enum Unread {\n}\npub enum Unread"), 1, "either may be meant");
+        assert_eq!(with("pub enum Other"), 1, "declared by a macro, or elsewhere");
     }
 }

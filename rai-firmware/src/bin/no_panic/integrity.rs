@@ -30,7 +30,7 @@ use rai_core::requirements::{Requirements, RequirementsError};
 use rai_core::satellite::{Constellation, SatelliteId};
 use rai_core::single;
 use rai_core::snapshot::{Fit, Reducible, Snapshot, SnapshotError};
-use rai_core::velocity::VelocityError;
+use rai_core::velocity::{self, RangeRate, VelocityError};
 use rai_core::weighting;
 use rai_firmware::correction::CAPACITY as N;
 
@@ -47,6 +47,7 @@ pub fn reach_all<T: Real>() {
     separation_of_solutions::<T>();
     clocks::<T>();
     thresholds::<T>();
+    velocity::<T>();
     the_pipeline::<T>();
 }
 
@@ -99,6 +100,7 @@ fn detection_and_protection<T: Real>() {
         Slopes::<T>::protect as fn(_, _) -> _,
         levels::largest_hdop_change::<T, N> as fn(_) -> _,
         levels::Spread::<T>::of as fn(_) -> _,
+        levels::common_shift::<T, N> as fn(_, _) -> _,
         levels::Exposure::<T>::of::<N> as fn(_, _, _) -> _,
         levels::Exposure::<T>::protect as fn(_, _) -> _,
         levels::Exposure::<T>::horizontal_noncentrality as fn(_, _) -> _,
@@ -137,6 +139,8 @@ fn identification_by_w_test<T: Real>() {
         baarda::exclude_sequentially::<T, N> as fn(&mut Fix<'static, T, N>, _) -> _,
         exclusion::separable::<T, N> as fn(&mut Snapshot<T, N>, _, _) -> _,
         exclusion::separable::<T, N> as fn(&mut Fix<'static, T, N>, _, _) -> _,
+        exclusion::Exclusion::<T>::passed as fn() -> _,
+        exclusion::Exclusion::<T>::not_isolated as fn(_) -> _,
         exclusion::leave_out::<T, N> as fn(&mut Snapshot<T, N>, _, _) -> _,
         exclusion::leave_out::<T, N> as fn(&mut Fix<'static, T, N>, _, _) -> _,
     );
@@ -228,6 +232,13 @@ fn thresholds<T: Real>() {
     );
 }
 
+fn velocity<T: Real>() {
+    reach!(
+        (|rates, thresholds, factors| velocity::estimate::<T, N>(rates.iter().copied(), thresholds, factors))
+            as fn(&[RangeRate], _, _) -> _,
+    );
+}
+
 fn the_pipeline<T: Real>() {
     reach!(
         Workspace::<T, N>::new as fn() -> _,
@@ -257,7 +268,7 @@ fn the_pipeline<T: Real>() {
         Fix::<T, N>::clock_row as fn(_) -> _,
         integrity::judge::<T, N> as fn(&mut Snapshot<T, N>, _, _, _, _, _) -> _,
         integrity::judge::<T, N> as fn(&mut Fix<'static, T, N>, _, _, _, _, _) -> _,
-        integrity::Criteria::test::<T, N> as fn(_, _) -> _,
+        integrity::Criteria::test::<T, N> as fn(_, _, _) -> _,
         integrity::Judgement::<T>::levels as fn(_) -> _,
     );
 }
@@ -333,6 +344,7 @@ fn requirements() {
         Requirements::non_precision_approach as fn() -> _,
         Requirements::lpv200 as fn() -> _,
         Requirements::validate as fn(_) -> _,
+        rai_core::report::ProtectionLevels::plus as fn(_, _) -> _,
         rai_core::report::ProtectionLevels::or_larger as fn(_, _) -> _,
         Allocation::vertical_guidance as fn() -> _,
         Allocation::horizontal as fn() -> _,
@@ -364,6 +376,9 @@ fn epochs() {
         SatelliteId::number as fn(_) -> _,
         weighting::ephemeris_sigma_m as fn(_, _) -> _,
         weighting::sigma_m as fn(_) -> _,
+        weighting::weakness as fn(_) -> _,
+        weighting::ionosphere_sigma_m as fn(_, _, _, _) -> _,
+        weighting::obliquity as fn(_) -> _,
         weighting::integrity_sigma_m as fn(_, _, _) -> _,
         weighting::Ism::of as fn(_, _) -> _,
         weighting::Ism::is_valid as fn(_) -> _,
@@ -374,10 +389,13 @@ fn epochs() {
         weighting::adaptation::Adaptation::scale as fn(_, _) -> _,
         weighting::adaptation::Adaptation::sigma_m as fn(_, _) -> _,
         Epoch::<N>::new as fn(_) -> _,
+        Epoch::<N>::restart as fn(_, _),
         Epoch::<N>::push as fn(_, _) -> _,
+        Epoch::<N>::push_sharing as fn(_, _, _) -> _,
         Epoch::<N>::aid as fn(_, _) -> _,
         Epoch::<N>::time_s as fn(_) -> _,
         Epoch::<N>::observations as fn(_) -> _,
+        Epoch::<N>::common_m as fn(_) -> _,
         Epoch::<N>::aiding as fn(_) -> _,
     );
 }

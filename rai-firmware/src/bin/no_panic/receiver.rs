@@ -15,6 +15,7 @@ use rai_firmware::ephemeris::{
     self, BroadcastError, Elapsed, Ephemeris, EphemerisError, GroupDelay, Health, Refusals, Source, Store,
 };
 use rai_firmware::epoch_loop::EpochLoop;
+use rai_firmware::input::ubx::Suspicion;
 use rai_firmware::input::{Counters, Event, Input};
 use rai_firmware::navigator::Navigator;
 use rai_firmware::outlet::Outlet;
@@ -28,7 +29,7 @@ use rai_firmware::raw::{Band, Carrier, RawEpoch, RawSignal};
 use rai_firmware::receiver::{Receiver, Verdicts};
 use rai_firmware::ring::Ring;
 use rai_firmware::selftest::{self, Failure};
-use rai_firmware::time::GpsTime;
+use rai_firmware::time::{self, GpsTime};
 use rai_firmware::timed_ring::{Taken, TimedRing};
 
 use crate::{exhaust, reach};
@@ -78,6 +79,7 @@ fn bytes() {
         GpsTime::since_ms as fn(_, _) -> _,
         GpsTime::to_s as fn(_) -> _,
         GpsTime::nearest as fn(_, _) -> _,
+        time::glonass_time as fn(_, _, _) -> _,
     );
 }
 
@@ -85,12 +87,15 @@ fn wire() {
     reach!(
         Input::new as fn() -> _,
         <Input as Default>::default as fn() -> _,
-        Input::feed::<Tell> as fn(_, _, _, _),
-        Input::silence::<Tell> as fn(_, _),
-        Input::pause::<Tell> as fn(_, _),
+        (|input, bytes, came_ms, tell| Input::feed(input, bytes, came_ms, tell)) as fn(_, _, _, Tell),
+        (|input, tell| Input::silence(input, tell)) as fn(_, Tell),
+        (|input, tell| Input::pause(input, tell)) as fn(_, Tell),
         Input::interrupt as fn(_),
         Input::counters as fn(_) -> _,
         Input::time as fn(_) -> _,
+        Input::leap_second as fn(_) -> _,
+        Suspicion::number as fn(_) -> _,
+        Suspicion::from_number as fn(_) -> _,
         (|counters| exhaust(Counters::iter(counters))) as fn(_),
         Band::frequency_hz as fn(_) -> _,
         Carrier::of as fn(_) -> _,
@@ -113,6 +118,7 @@ fn ephemerides() {
     reach!(
         ephemeris::ura_m as fn(_) -> _,
         ephemeris::galileo_sisa_m as fn(_) -> _,
+        ephemeris::glonass_accuracy_m as fn(_) -> _,
         Source::constellation as fn(_) -> _,
         Health::of_satellite as fn(_) -> _,
         Health::with as fn(_, _, _) -> _,
@@ -149,7 +155,7 @@ fn ephemerides() {
 
 fn corrections() {
     reach!(
-        correction::choose as fn(_, _) -> _,
+        correction::choose as fn(_, _, _) -> _,
         correction::ionosphere_free as fn(_, _) -> _,
         Troposphere::above as fn(_, _) -> _,
         Troposphere::zenith_m as fn(_) -> _,
@@ -158,14 +164,16 @@ fn corrections() {
         Klobuchar::slant as fn(_, _, _) -> _,
         Place::at as fn(_, _, _) -> _,
         Preference::new as fn() -> _,
+        <Preference as Default>::default as fn() -> _,
         Preference::ranges as fn(_) -> _,
         (|preference, cost| Preference::weigh(preference, cost)) as fn(_, fn(Ranges) -> Option<f32>) -> _,
         Site::with_ranges as fn(_, _) -> _,
+        Site::weighted_by as fn(_, _) -> _,
         Site::spread as fn(_, _, _) -> _,
         Spread::cost as fn(_, _, _) -> _,
         correction::Choices::preferred as fn(_) -> _,
         correction::Located::has_pair as fn(_) -> _,
-        correction::locate as fn(_, _, _) -> _,
+        correction::locate as fn(_, _, _, _, _) -> _,
         correction::coarse as fn(_, _) -> _,
         Site::new as fn(_, _, _, _) -> _,
         Site::correct as fn(_, _, _) -> _,
@@ -173,6 +181,7 @@ fn corrections() {
         Navigator::new as fn(_) -> _,
         Navigator::learn as fn(_, _, _) -> _,
         Navigator::guess as fn(_, _),
+        Navigator::hear_ionosphere as fn(_, _, _),
         Navigator::configure as fn(_, _) -> _,
         Navigator::requirements as fn(_) -> _,
         Navigator::tally as fn(_) -> _,
@@ -258,6 +267,7 @@ fn commands() {
         Configuration::unseal as fn(_) -> _,
         Configuration::strategy as fn(_) -> _,
         Configuration::warning as fn(_) -> _,
+        Configuration::continuity as fn(_) -> _,
         Configuration::hash as fn(_) -> _,
         Configuration::write::<Host> as fn(_, _) -> _,
         CommandPort::new as fn() -> _,
@@ -289,6 +299,8 @@ fn the_loop() {
         Receiver::<Pin>::reset_requested as fn(_) -> _,
         Receiver::<Pin>::last_verdict as fn(_) -> _,
         Receiver::<Pin>::configuration as fn(_) -> _,
+        Receiver::<Pin>::interference as fn(_) -> _,
+        Receiver::<Pin>::leap_second as fn(_) -> _,
         Receiver::<Pin>::velocity as fn(_) -> _,
         Receiver::<Pin>::pin as fn(_) -> _,
         (|receiver| exhaust(Receiver::<Pin>::statistics(receiver))) as fn(_),

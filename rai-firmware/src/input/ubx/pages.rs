@@ -109,7 +109,7 @@ impl Set<'_> {
             return None;
         }
         let mut pages = [Bits(&[]); N];
-        for (page, bytes) in pages.iter_mut().zip(self.bytes.chunks_exact(self.page_bytes)) {
+        for (page, bytes) in pages.iter_mut().zip(self.bytes.chunks_exact(self.page_bytes.max(1))) {
             *page = Bits(bytes);
         }
         Some(pages)
