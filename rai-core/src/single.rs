@@ -168,9 +168,9 @@ pub fn threshold(demand: &Demand<'_>, policy: Policy) -> Result<PolicyThreshold,
 /// As there.
 #[inline(never)]
 pub fn velocity(
-    rates: &[RangeRate],
+    rates: &mut dyn Iterator<Item = RangeRate>,
     thresholds: &Thresholds<'_>,
     factors: &Factors,
 ) -> Result<Velocity, VelocityError> {
-    crate::velocity::estimate::<f32, CAPACITY>(rates.iter().copied(), thresholds, factors)
+    crate::velocity::estimate::<f32, CAPACITY>(rates, thresholds, factors)
 }

@@ -29,7 +29,6 @@ use core::fmt;
 use heapless::Vec;
 use nalgebra::Vector3;
 
-use crate::equations::LinearEpoch;
 use crate::integrity::residuals::baarda::exclude_sequentially;
 use crate::integrity::residuals::detection::detect;
 use crate::integrity::residuals::exclusion::{Outcome, separable};
@@ -106,7 +105,8 @@ pub fn estimate<T: Real, const N: usize>(
     thresholds: &Thresholds<'_>,
     factors: &Factors,
 ) -> Result<Velocity, VelocityError> {
-    let mut equations = LinearEpoch::<T, N>::new();
+    let mut snapshot = Snapshot::<T, N>::unsolved();
+    let equations = snapshot.epoch_mut();
     let mut satellites = Vec::<SatelliteId, N>::new();
     for rate in rates {
         let taken = equations.satellite(DRIFT, rate.line_of_sight, rate.residual_m_s, rate.sigma_m_s);
@@ -115,7 +115,7 @@ pub fn estimate<T: Real, const N: usize>(
             let _ = satellites.push(rate.satellite);
         }
     }
-    let mut snapshot = Snapshot::solve(equations).map_err(|_| VelocityError::Geometry)?;
+    snapshot.solve_again().map_err(|_| VelocityError::Geometry)?;
     let mut excluded = Vec::new();
     if detect(&snapshot, thresholds).ok_or(VelocityError::Redundancy)?.fault() {
         let exclusion = exclude_sequentially(&mut snapshot, thresholds);

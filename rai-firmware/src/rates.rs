@@ -170,8 +170,10 @@ impl Rates {
         let thresholds =
             Thresholds::from_tables(requirements.false_alarm, requirements.missed_detection).ok()?;
         let factors = self.factors_of(requirements);
-        let equations = |sign| rates.iter().map(|rate| rate.equation(sign)).collect::<Vec<_, CAPACITY>>();
-        match single::velocity(&equations(1.0), &thresholds, &factors) {
+        let agree_on = |sign| {
+            single::velocity(&mut rates.iter().map(|rate| rate.equation(sign)), &thresholds, &factors)
+        };
+        match agree_on(1.0) {
             Ok(velocity) => {
                 count(&mut self.tally.velocities);
                 count_many(&mut self.tally.rates_excluded, velocity.excluded.len());
@@ -179,7 +181,7 @@ impl Rates {
             }
             Err(VelocityError::Fault) => {
                 count(&mut self.tally.velocities_refused);
-                if single::velocity(&equations(-1.0), &thresholds, &factors).is_ok() {
+                if agree_on(-1.0).is_ok() {
                     count(&mut self.tally.rates_of_wrong_sign);
                 }
                 None

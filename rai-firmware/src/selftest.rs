@@ -27,7 +27,7 @@ use rai_core::numeric::real::Real;
 use rai_core::satellite::Constellation;
 use rai_core::single::{self, CAPACITY};
 
-use crate::input::{Event, Input};
+use crate::input;
 
 /// Which known answer was missed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -114,13 +114,7 @@ fn rtcm_is_right() -> bool {
         0x09, 0x41, 0x98, 0x6F, 0x33, 0x36, 0x0B, 0x98,
     ];
     let want = Ecef::new(1_114_104.599_9, -4_850_729.710_8, 3_975_521.464_3);
-    let mut found = false;
-    Input::new().feed(&FRAME, 0, |event| {
-        if let Event::Position(have) = event {
-            found = have.distance_m(want) < 1e-3;
-        }
-    });
-    found
+    input::station(&FRAME).is_some_and(|have| have.distance_m(want) < 1e-3)
 }
 
 #[cfg(test)]

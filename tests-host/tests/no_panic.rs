@@ -1,7 +1,10 @@
 //! The proof that nothing panics is complete, and can fail.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
+use tests_host::capi;
+use tests_host::no_panic::static_library::{HANDLER, StaticLibrary};
 use tests_host::no_panic::{self, coverage};
 
 /// The sources of a crate of this repository.
@@ -33,4 +36,22 @@ fn reachable_panic_is_found_and_named() {
     let want = "rai-firmware/src/bin/no_panic/main.rs:";
     assert!(error.starts_with("a panic is reachable from\n") && error.contains(want), "have {error}");
     assert_eq!(error.lines().count(), 2, "one place: have {error}");
+}
+
+#[test]
+fn every_function_of_the_header_is_in_the_proof_of_the_library_for_c() {
+    let library = StaticLibrary::build().expect("the library");
+    let header = std::fs::read_to_string(capi::header_path()).expect("the header is committed");
+    let declared: BTreeSet<String> = header.lines().filter_map(function_declared).collect();
+    assert_eq!(*library.exports(), declared);
+    assert_eq!(library.offences(&[]).expect("the library links"), []);
+    let error = library.offences(&[HANDLER]).expect_err("where a panic would end is called");
+    println!("{error:#}");
+}
+
+/// The name of the function that a line of the header declares.
+fn function_declared(line: &str) -> Option<String> {
+    let is_code = line.starts_with(|first: char| first.is_ascii_lowercase()) && !line.starts_with("typedef");
+    let (declared, _) = line.split_once('(').filter(|_| is_code)?;
+    declared.rsplit([' ', '*']).next().map(str::to_owned)
 }

@@ -69,6 +69,12 @@ pub(super) struct Frame<'a> {
 }
 
 impl<'a> Frame<'a> {
+    /// Bytes that are one frame of RTCM and nothing else, where they pass its check.
+    pub(super) fn of_rtcm(bytes: &'a [u8]) -> Option<Self> {
+        let is_whole = bytes.first() == Some(&RTCM) && crc24q(bytes) == 0;
+        is_whole.then_some(Self { protocol: Protocol::Rtcm, bytes, came_ms: 0 })
+    }
+
     /// What is between the header and the check; of a UBX frame, class and id go before.
     pub(super) fn payload(&self) -> &'a [u8] {
         let (header, parity) = self.protocol.overhead();

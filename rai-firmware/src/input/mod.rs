@@ -249,6 +249,15 @@ impl Input {
     }
 }
 
+/// Where the station of a single RTCM frame says it is: checked and read as in a stream, without the memory of one.
+pub(crate) fn station(frame: &[u8]) -> Option<Ecef> {
+    let frame = Frame::of_rtcm(frame)?;
+    match rtcm::read(frame.bytes, frame.payload(), &Calendar::new()) {
+        Ok(Message::Position(point)) => Some(point),
+        _ => None,
+    }
+}
+
 /// Reads a frame; what leads to nothing is counted.
 fn read<'a>(
     frame: &Frame<'a>,

@@ -13,7 +13,8 @@ use crate::board::EmulatedBoard;
 use crate::image::{self, Image};
 
 const PATIENCE: Duration = Duration::from_mins(1);
-const METHODS: [&str; 6] = ["SIMULTANEOUS", "SEQUENTIAL", "HYBRID", "GROUPING", "RANSAC", "BAARDA"];
+const METHODS: [&str; 8] =
+    ["SIMULTANEOUS", "SEQUENTIAL", "HYBRID", "GROUPING", "RANSAC", "BAARDA", "AUTO", "SEPARATION"];
 const POLICIES: [&str; 3] = ["TOP", "T2", "T1"];
 /// Epochs until the stack is looked at again.
 const EPOCHS: u32 = 61;

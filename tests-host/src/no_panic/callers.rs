@@ -15,7 +15,7 @@ use anyhow::{Context as _, ensure};
 use object::{Object, ObjectSection, ObjectSymbol, RelocationTarget, SymbolKind};
 
 /// Where the product's own sources lie.
-const OWN: [&str; 2] = ["rai-core/src/", "rai-firmware/src/"];
+const OWN: [&str; 3] = ["rai-core/src/", "rai-firmware/src/", "rai-firmware/capi/src/"];
 
 /// A line of the product's source from which a panic is reachable.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]

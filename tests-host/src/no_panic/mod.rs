@@ -10,12 +10,14 @@
 //! | fails for the lack of [`SYMBOL`] | some do: the image is linked once more with the symbol given, and [`callers`] names them |
 //!
 //! [`coverage`] holds the lists in that image against the sources, so that the proof stays complete as functions come.
+//! The library for C compiles the same functions behind pointers and exports of its own: [`static_library`].
 //!
 //! The shipped image inlines differently and has the board around the library. Its panic handler must exist, for
 //! the sake of what nobody foresaw; who calls it is looked up the same way, and only [`TOLERATED`] may.
 
 pub mod callers;
 pub mod coverage;
+pub mod static_library;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -23,6 +25,7 @@ use std::process::{Command, Output};
 use anyhow::{Context, ensure};
 
 use callers::Offence;
+use static_library::StaticLibrary;
 
 /// What the panic handler of the image calls.
 pub const SYMBOL: &str = "rai_a_panic_is_reachable_here";
@@ -30,12 +33,13 @@ pub const SYMBOL: &str = "rai_a_panic_is_reachable_here";
 /// Where the shipped image may panic: RTT refuses to be set up twice, and is set up once, at start.
 pub const TOLERATED: [&str; 1] = ["rai-firmware/src/board/arm/log.rs"];
 
-/// Holds both images to it.
+/// Holds both images to it, and the library for C.
 ///
 /// # Errors
 /// Names each place from which a panic is reachable; or says why an image does not even compile.
 pub fn prove() -> anyhow::Result<()> {
     prove_library("probe")?;
+    refuse(&StaticLibrary::build()?.offences(&[])?)?;
     let places = offences("rai-firmware", "stm32f405", &[])?;
     let tolerated = |place: &Offence| TOLERATED.contains(&place.file.as_str());
     refuse(&places.into_iter().filter(|place| !tolerated(place)).collect::<Vec<_>>())

@@ -23,6 +23,6 @@ pub use host::{HostRun, Pace, Said, Setup, on_host};
 pub use lumps::{Lump, Window, encode, interval_s};
 pub use page::write_report;
 pub use summary::{Injected, Summary};
-pub use target::{BoardRun, on_board};
+pub use target::{BoardRun, is_said_by_the_clock, on_board};
 pub use track::{Moment, Track, track, write_csv};
 pub use truth::Truth;

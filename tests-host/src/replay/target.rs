@@ -70,7 +70,7 @@ pub fn on_board(
 }
 
 /// True for what is said from time to time, whatever epochs come: settings and losses.
-fn is_said_by_the_clock(line: &str) -> bool {
+pub fn is_said_by_the_clock(line: &str) -> bool {
     line.starts_with("$PRAIQ") || line.starts_with("$PRAIL")
 }
 

@@ -45,7 +45,7 @@ use anyhow::{Result, anyhow};
 use noise::{Carried, Disturbance, Line, Piece};
 pub use plan::Plan;
 use rig::Rig;
-use scenario::{FIRST_SETTING, Mishap, Scenario, Tempo, Turn};
+use scenario::{Mishap, Scenario, Tempo, Turn};
 use tally::{Heard, Tally};
 use watch::Watch;
 
@@ -146,7 +146,7 @@ impl<P: FnMut(u64)> Bench<P> {
             is_whole &= self.send(&piece)? <= noise::HARMLESS_PAUSE_MS;
         }
         self.tally.offer(turn.offer, is_whole, self.rig.now_ms()? as f64 * 1e-3);
-        self.suffer(turn.mishap)?;
+        self.suffer(turn.mishap.as_ref())?;
         self.pass_interval()?;
         (self.progress)(self.tally.offered);
         Ok(())
@@ -163,14 +163,14 @@ impl<P: FnMut(u64)> Bench<P> {
         Ok(self.rig.now_ms()? - start_ms)
     }
 
-    fn suffer(&mut self, mishap: Option<Mishap>) -> Result<()> {
+    fn suffer(&mut self, mishap: Option<&Mishap>) -> Result<()> {
         match mishap {
-            Some(Mishap::PowerOn { after_ms }) => {
+            Some(&Mishap::PowerOn { after_ms }) => {
                 self.rig.wait_until(self.next_ms + after_ms)?;
                 self.tally.expect_start();
                 self.rig.reset()
             }
-            Some(Mishap::Unread { epochs }) => {
+            Some(&Mishap::Unread { epochs }) => {
                 self.rig.listen(false);
                 self.tally.stop_listening();
                 (self.unread_left, self.unread) = (epochs, self.unread + 1);
@@ -198,8 +198,10 @@ impl<P: FnMut(u64)> Bench<P> {
     fn hear(&mut self) -> Result<()> {
         for line in self.rig.heard() {
             if self.tally.hear(&line) == Heard::Greeting {
+                // No other phase waits as long as the hours of a recording ask for.
+                self.rig.command("PHASE,CUSTOM")?;
                 self.rig.command(&format!("TTA,{}", self.tempo.time_to_alert_s))?;
-                self.rig.command(FIRST_SETTING)?;
+                self.rig.command(&format!("HAL,{}", self.tempo.alert_limits_m[0]))?;
             }
         }
         self.rig.logged().iter().for_each(|line| self.watch.see(line));

@@ -16,7 +16,6 @@ use std::collections::VecDeque;
 use anyhow::Result;
 use rai_core::frame::Ecef;
 use rai_firmware::time::GpsTime;
-use rand::seq::IndexedRandom;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -28,22 +27,16 @@ use crate::measurement::{MeasuredEpoch, TimedEphemeris};
 use crate::recording::Recording;
 use crate::sky::Site;
 
-/// What the host sets when the module starts: an alert limit so low that false ranges matter.
-pub const FIRST_SETTING: &str = "HAL,25";
-
-/// What the host sets by turns: alert limits from hardly above the protection levels to non-precision approach, and
-/// every method.
-const SETTINGS: [&str; 12] = [
-    "HAL,20",
-    FIRST_SETTING,
-    "HAL,40",
-    "HAL,556",
+/// What the host sets by turns besides alert limits: every method, and the forecast clock.
+const SETTINGS: [&str; 10] = [
     "METHOD,BAARDA",
     "METHOD,SIMULTANEOUS",
     "METHOD,SEQUENTIAL",
     "METHOD,HYBRID",
     "METHOD,GROUPING",
     "METHOD,RANSAC",
+    "METHOD,SEPARATION",
+    "METHOD,AUTO",
     "CLOCKAID,ON",
     "CLOCKAID,OFF",
 ];
@@ -66,6 +59,9 @@ pub struct Tempo {
     pub interval_ms: u64,
     /// Time to alert that the host sets, s.
     pub time_to_alert_s: f64,
+    /// Horizontal alert limits that the host sets by turns, m, from hardly above the protection levels; it starts with the
+    /// first, which is so low that false ranges matter.
+    pub alert_limits_m: [u32; 4],
     /// Epochs between two mishaps of one kind, in the mean.
     pub calm_epochs: u32,
     /// Probability of each kind of disturbance of an epoch's bytes.
@@ -101,7 +97,7 @@ pub struct Offer {
 }
 
 /// What happens while an epoch is sent.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Mishap {
     /// The module is reset so many milliseconds after the first byte.
     PowerOn {
@@ -114,7 +110,7 @@ pub enum Mishap {
         epochs: u32,
     },
     /// The host sets something: key and value of the command.
-    Setting(&'static str),
+    Setting(String),
 }
 
 /// One epoch's turn.
@@ -276,7 +272,11 @@ impl Scenario {
             return Some(Mishap::Unread { epochs: rng.random_range(5..=15) });
         }
         if self.diary.setting.is_due(turn, rng) {
-            return SETTINGS.choose(rng).copied().map(Mishap::Setting);
+            let limits = self.tempo.alert_limits_m;
+            let number = rng.random_range(0..limits.len() + SETTINGS.len());
+            let limit = limits.get(number).map(|limit_m| format!("HAL,{limit_m}"));
+            let setting = || SETTINGS[number - limits.len()].to_owned();
+            return Some(Mishap::Setting(limit.unwrap_or_else(setting)));
         }
         None
     }
@@ -325,6 +325,7 @@ mod tests {
         step_s: 1.0,
         interval_ms: 1000,
         time_to_alert_s: 10.0,
+        alert_limits_m: [25, 20, 40, 556],
         calm_epochs: 40,
         disturbance: 0.05,
         repeated_ephemerides: 2,

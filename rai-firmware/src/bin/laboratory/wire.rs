@@ -14,6 +14,7 @@ use rai_firmware::output::nmea::write_epoch;
 use rai_firmware::output::{Interference, Motion, Statement};
 use rai_firmware::raw::RawEpoch;
 use rai_firmware::receiver::{Boot, Receiver};
+use rai_firmware::time::GpsTime;
 
 use crate::answer::Answers;
 use crate::epochs::point;
@@ -43,24 +44,32 @@ pub fn decode(input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers
     answers.write(ticks, &satellites)
 }
 
-/// Ephemerides and the last epoch of some bytes.
+/// Ephemerides and the last epoch of some bytes, put where the caller has room for them.
 #[inline(never)]
-fn learn(bytes: &[u8]) -> Option<(Store, RawEpoch)> {
-    let (mut gnss, mut store, mut last) = (Gnss::new(), Store::new(), None);
+fn learn(bytes: &[u8], store: &mut Store, last: &mut RawEpoch) {
+    let mut gnss = Gnss::new();
     gnss.feed(bytes, 0, |event| match event {
-        Event::Epoch(raw, _) => last = Some(raw.clone()),
+        Event::Epoch(raw, _) => {
+            last.time = raw.time;
+            last.satellites.clone_from(&raw.satellites);
+        }
         Event::Ephemeris(ephemeris) => {
             store.insert(ephemeris, None);
         }
         Event::Position(_) | Event::Ionosphere(_) | Event::Jamming(_) => {}
     });
-    Some((store, last?))
+}
+
+/// An epoch of no time, to be filled.
+const fn nothing() -> RawEpoch {
+    RawEpoch::new(GpsTime { week: 0, tow_ms: 0 })
 }
 
 /// Satellite positions and clocks of the last epoch.
 #[inline(never)]
 pub fn locate(input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers) -> Option<()> {
-    let (store, raw) = learn(input.0)?;
+    let (mut store, mut raw) = (Store::new(), nothing());
+    learn(input.0, &mut store, &mut raw);
     let mut tally = Tally::default();
     let (sky, ticks) = stopwatch.time(|| {
         rai_firmware::correction::locate(black_box(&raw), &store, 28.0, Systems::AT_START, &mut tally)
@@ -77,7 +86,8 @@ fn sky(raw: &RawEpoch, store: &Store) -> Sky {
 #[inline(never)]
 pub fn correct(mut input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers) -> Option<()> {
     let point = point(&mut input)?;
-    let (store, raw) = learn(input.0)?;
+    let (mut store, mut raw) = (Store::new(), nothing());
+    learn(input.0, &mut store, &mut raw);
     let sky = sky(&raw, &store);
     let configuration = Configuration::at_start();
     let mut refusals = Tally::default().ranges;
@@ -124,7 +134,9 @@ pub fn whole(mut input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answ
     let (command, rest) = input.0.split_at_checked(length)?;
     let (before, bytes) = halves(Input(rest))?;
     let boot = Boot { git: "laboratory", reset_cause: heapless::String::new() };
-    let mut receiver = Receiver::new(Pin, boot).ok()?;
+    // Borrowed and not taken out: there is no room for two.
+    let mut receiver = Receiver::new(Pin, boot);
+    let receiver = receiver.as_mut().ok()?;
     let mut host = Host { bytes: 0 };
     receiver.command(command, &mut host);
     receiver.gnss(before, 0, &mut host);

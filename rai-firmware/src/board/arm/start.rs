@@ -7,12 +7,16 @@ use rai_firmware::board::reset::{Fault, ResetCause, WORD_BYTES};
 use rai_firmware::board::{Board, SEALED_BYTES};
 use rai_firmware::config::{Configuration, Unsealed};
 use rai_firmware::epoch_loop::EpochLoop;
+use rai_core::monitor::MonitorError;
 use rai_firmware::receiver::{Boot, Receiver};
 
 use super::fault;
 
+/// A place for the receiver among the statics, with what came of making it.
+pub type Place<P> = MaybeUninit<Result<Receiver<P>, MonitorError>>;
+
 /// Greets the host and goes round until it asks for a reset.
-pub fn run<B: Board>(board: &mut B, receiver: &'static mut MaybeUninit<Receiver<B::Pin>>, pin: B::Pin) -> ! {
+pub fn run<B: Board>(board: &mut B, receiver: &'static mut Place<B::Pin>, pin: B::Pin) -> ! {
     let cause = board.reset_cause();
     let (version, git) = (env!("CARGO_PKG_VERSION"), env!("RAI_GIT"));
     defmt::info!("start: {=str} {=str}, reset cause {}", version, git, defmt::Display2Format(&cause));
@@ -39,20 +43,20 @@ fn is_after_power_on(cause: ResetCause, memory: &[u8; SEALED_BYTES]) -> bool {
     }
 }
 
-/// Makes the receiver in its place among the statics.
+/// Makes the receiver in its place among the statics: taken out of its result it would be on the stack first.
 ///
 /// Not inlined, so that what it takes of the stack is gone before the first epoch needs the room.
 #[inline(never)]
 fn settle<P: embedded_hal::digital::OutputPin>(
-    place: &'static mut MaybeUninit<Receiver<P>>,
+    place: &'static mut Place<P>,
     pin: P,
     boot: Boot,
 ) -> Option<&'static mut Receiver<P>> {
-    let Ok(receiver) = Receiver::new(pin, boot) else {
+    let made = place.write(Receiver::new(pin, boot)).as_mut();
+    if made.is_err() {
         defmt::error!("the requirements at start are not in the threshold tables");
-        return None;
-    };
-    Some(place.write(receiver))
+    }
+    made.ok()
 }
 
 fn boot(cause: ResetCause) -> Boot {

@@ -27,7 +27,6 @@ use cortex_m_rt::entry;
 use embedded_hal::digital::{ErrorType, OutputPin};
 use rai_firmware::board::reset::ResetCause;
 use rai_firmware::board::{Board, Note, PortLosses, SEALED_BYTES};
-use rai_firmware::receiver::Receiver;
 use rai_firmware::timed_ring::Taken;
 
 use crate::arm::{fault, log, sealed, stack, start, time};
@@ -60,7 +59,7 @@ pub struct IntegrityPin {
 
 #[entry]
 fn main() -> ! {
-    let place = singleton!(: MaybeUninit<Receiver<IntegrityPin>> = MaybeUninit::uninit());
+    let place = singleton!(: start::Place<IntegrityPin> = MaybeUninit::uninit());
     let (Some((mut board, pin)), Some(place)) = (Mps2An500::take(), place) else { fault::reset_on_request() };
     log::start();
     defmt::info!("clock: {=str}, core at {=u32} Hz", "Board", CORE_HZ);

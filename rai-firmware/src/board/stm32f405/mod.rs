@@ -44,7 +44,6 @@ mod hardware {
     use cortex_m_rt::entry;
     use rai_firmware::board::reset::ResetCause;
     use rai_firmware::board::{Board, Note, PortLosses, SEALED_BYTES};
-    use rai_firmware::receiver::Receiver;
     use rai_firmware::timed_ring::Taken;
     use stm32f4::stm32f405::Peripherals;
 
@@ -68,7 +67,7 @@ mod hardware {
 
     #[entry]
     fn main() -> ! {
-        let place = singleton!(: MaybeUninit<Receiver<IntegrityPin>> = MaybeUninit::uninit());
+        let place = singleton!(: start::Place<IntegrityPin> = MaybeUninit::uninit());
         let (Some((mut board, pin)), Some(place)) = (Stm32f405::take(), place) else {
             fault::reset_on_request()
         };
