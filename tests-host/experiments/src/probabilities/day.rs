@@ -5,8 +5,8 @@
 //! | misleading | larger than its HPL |
 //! | hazardous | larger than the alert limit |
 //!
-//! The protection level bounds what a bias does to the position. The noise on the position comes on top, and with it the
-//! worst bias, missed, ends beyond the level about every other time. Position and residuals being independent, what is to be
+//! The level of the papers (`SLOPE`) bounds what a bias does to the position. The noise on the position comes on top, and
+//! with it the worst bias, missed, ends beyond the level about every other time. Position and residuals being independent, what is to be
 //! expected where nobody is left out is, epoch by epoch,
 //!
 //! ```text
@@ -18,17 +18,18 @@
 
 use anyhow::{Context as _, Result};
 use nalgebra::{Matrix2, Vector2};
-use rai_core::epoch::{Epoch, Observation};
+use rai_core::epoch::Epoch;
 use rai_core::frame::Enu;
+use rai_core::integrity::residuals::levels::Levels;
 use rai_core::integrity::residuals::threshold::Thresholds;
-use rai_core::monitor::Monitor;
+use rai_core::monitor::{Monitor, Strategy};
 use rai_core::report::{Protected, Report, Verdict};
 use rai_core::requirements::Requirements;
-use rand_distr::{Distribution as _, StandardNormal};
 use rayon::prelude::*;
 
 use super::disc::beyond;
-use super::geometry::{Geometry, Worst, clock_m, satellites};
+use super::geometry::{Geometry, Worst, epoch, satellites};
+use super::sampling::normal;
 use super::{CAPACITY, MASK_DEG};
 use crate::draw::generator;
 use tests_host::report::{self, Moment};
@@ -125,6 +126,8 @@ impl Day<'_> {
         let starts: Vec<usize> = (0..self.epochs).step_by(CHUNK).collect();
         let chunk = |&start: &usize| {
             let mut monitor = Monitor::<f32, CAPACITY>::new(self.requirements)?;
+            // The level of the papers, whose misleading epochs theory foretells.
+            monitor.set_strategy(Strategy { levels: Levels::Slope, ..Strategy::CLASSIC });
             monitor.forgo_continuity();
             let mut tally = Tally::default();
             for number in start..(start + CHUNK).min(self.epochs) {
@@ -150,22 +153,10 @@ impl Day<'_> {
 
     /// The ranges as the module gets them.
     fn epoch(&self, instant: &Instant, number: usize) -> Result<Epoch<CAPACITY>> {
-        let mut generator = generator(self.seed, number as u64);
-        let mut epoch = Epoch::new(instant.t_s);
-        for (index, (sight, row)) in instant.sights.iter().zip(&instant.geometry.rows).enumerate() {
-            let noise: f64 = StandardNormal.sample(&mut generator);
-            let is_wrong = self.is_faulty && index == instant.worst.index;
-            let bias_m = if is_wrong { instant.hpl_m / instant.worst.moved.norm() } else { 0.0 };
-            let error_m = clock_m(sight.satellite.constellation()) + row.sigma_m * noise + bias_m;
-            let Sight { satellite, position, range_m, .. } = *sight;
-            epoch.push(Observation {
-                satellite,
-                position,
-                range_m: range_m + error_m,
-                sigma_m: row.sigma_m,
-            })?;
-        }
-        Ok(epoch)
+        let noise = normal(instant.sights.len(), &mut generator(self.seed, number as u64));
+        let bias_m = instant.hpl_m / instant.worst.moved.norm();
+        let bias = self.is_faulty.then_some((instant.worst.index, bias_m));
+        epoch(instant.t_s, &instant.sights, &instant.geometry.noisy(&noise, bias))
     }
 
     fn expect(&self, instant: &Instant, tally: &mut Tally) -> Result<()> {

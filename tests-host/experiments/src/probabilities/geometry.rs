@@ -4,7 +4,7 @@
 
 use anyhow::Result;
 use nalgebra::{DVector, Vector2};
-use rai_core::epoch::Epoch;
+use rai_core::epoch::{Epoch, Observation};
 use rai_core::satellite::Constellation;
 
 use super::{CAPACITY, CLOCKS_M, MASK_DEG, SIGMA};
@@ -109,6 +109,16 @@ impl Geometry {
 /// Receiver clock times the speed of light, m.
 pub(super) fn clock_m(constellation: Constellation) -> f64 {
     CLOCKS_M[constellation as usize]
+}
+
+/// What the module gets of these sights, whose clocks, noise and faults are in the rows.
+pub(super) fn epoch(t_s: f64, sights: &[Sight], rows: &[Row]) -> Result<Epoch<CAPACITY>> {
+    let mut epoch = Epoch::new(t_s);
+    for (sight, row) in sights.iter().zip(rows) {
+        let Sight { satellite, position, range_m, .. } = *sight;
+        epoch.push(Observation { satellite, position, range_m: range_m + row.y_m, sigma_m: row.sigma_m })?;
+    }
+    Ok(epoch)
 }
 
 /// A day of the simulated sky: GPS alone, and with `BeiDou`.

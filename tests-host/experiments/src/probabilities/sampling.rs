@@ -74,15 +74,37 @@ pub(super) fn false_alarms(
 ) -> Result<Sample> {
     Sample::draw(geometries.len(), draws, seed, |index, generator| {
         let geometry = &geometries[index];
-        let dof = geometry.dof() as f64;
-        let tau = thresholds.tau1(geometry.dof()).context("beyond the tables")?;
-        let scale = (tau / dof).max(1.0).sqrt();
-        let noise = normal(geometry.rows.len(), generator);
-        let shown = geometry.parity(&noise);
-        let exponent = dof * scale.ln() - (scale * scale - 1.0) * shown.norm_squared() / 2.0;
-        let rows = geometry.noisy(&(noise + shown * (scale - 1.0)), None);
-        let weigh = |alarm: bool| if alarm { exponent.exp() } else { 0.0 };
+        let Alarming { noise, weight, .. } = alarming(geometry, thresholds, generator)?;
+        let rows = geometry.noisy(&noise, None);
+        let weigh = |alarm: bool| if alarm { weight } else { 0.0 };
         Ok([weigh(alarms::<f32>(&rows, thresholds)?), weigh(alarms::<f64>(&rows, thresholds)?)])
+    })
+}
+
+/// Noise that alarms about every other time.
+pub(super) struct Alarming {
+    pub(super) noise: DVector<f64>,
+    pub(super) weight: f64,
+    /// The largest weight of any noise that alarms: that at the threshold.
+    pub(super) heaviest: f64,
+}
+
+/// Draws noise whose share in the residuals is `s` times too large.
+pub(super) fn alarming(
+    geometry: &Geometry,
+    thresholds: &Thresholds<'_>,
+    generator: &mut ChaCha8Rng,
+) -> Result<Alarming> {
+    let dof = geometry.dof() as f64;
+    let tau = thresholds.tau1(geometry.dof()).context("beyond the tables")?;
+    let scale = (tau / dof).max(1.0).sqrt();
+    let noise = normal(geometry.rows.len(), generator);
+    let shown = geometry.parity(&noise);
+    let weight = |shown: f64| (dof * scale.ln() - (scale * scale - 1.0) * shown / 2.0).exp();
+    Ok(Alarming {
+        weight: weight(shown.norm_squared()),
+        heaviest: weight(tau / (scale * scale)),
+        noise: noise + shown * (scale - 1.0),
     })
 }
 
@@ -149,7 +171,8 @@ impl Fault {
     }
 }
 
-fn normal(count: usize, generator: &mut ChaCha8Rng) -> DVector<f64> {
+/// Normalised noise.
+pub(super) fn normal(count: usize, generator: &mut ChaCha8Rng) -> DVector<f64> {
     DVector::from_fn(count, |_, _| StandardNormal.sample(generator))
 }
 

@@ -25,20 +25,17 @@ use rai_core::integrity::residuals::levels::{Exposure, Factors, Levels};
 use rai_core::integrity::residuals::threshold::Thresholds;
 use rai_core::numeric::probability::Probability;
 use rai_core::report::ProtectionLevels;
-use rai_core::satellite::{Constellation, SatelliteId};
 use rai_core::snapshot::Snapshot;
-use rand::Rng as _;
-use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
 use super::CAPACITY;
 use super::disc::beyond;
 use super::geometry::Geometry;
-use crate::draw::{distinct, generator};
+use super::skies::{KINDS, Scene, scene, steepest, systems_in_words};
 use crate::{Effort, Finding, Judgement, Row, Section};
 use tests_host::chi_square::noncentral_lower_tail;
+use tests_host::sky::Site;
 use tests_host::sky::linear::equations;
-use tests_host::sky::{Fleet, Satellite, Sight, Site, sights};
 
 /// Sizes of the bias that are tried, as shares of the one behind `√λ`.
 const SHARES: std::ops::RangeInclusive<u32> = 4..=26;
@@ -47,18 +44,8 @@ const SHARE: f64 = 0.05;
 /// Satellites of a geometry that are tried: those with the largest slopes.
 const TRIED: usize = 4;
 
-/// A redundancy number below which dense inversion says little of a row.
-const UNTESTABLE: f64 = 1e-6;
-
-/// Elevation below which nothing is used, degrees: low, for skies of many satellites.
-const MASK_DEG: f64 = 5.0;
-
 /// Geometries with a level above this promise nothing in any phase, m.
 const USELESS_M: f64 = 3704.0;
-
-/// Numbers of satellites, by the number of constellations.
-const KINDS: [(usize, &[usize]); 3] =
-    [(1, &[6, 8, 10, 12]), (2, &[8, 10, 14, 20, 26]), (3, &[10, 16, 24, 32, 40])];
 
 /// Probabilities of false alarm and missed detection.
 const ASKED: [(f64, f64); 3] = [(3.33e-7, 1e-3), (1e-3, 1e-3), (1e-5, 1e-6)];
@@ -82,34 +69,38 @@ impl Passing {
 }
 
 /// A section for each pair of probabilities.
-pub(super) fn sections(effort: Effort) -> Result<Vec<Section>> {
-    let geometries = effort.pick(2, 60);
-    ASKED.iter().map(|&(false_alarm, missed)| section(geometries, false_alarm, missed)).collect()
+pub(super) fn sections(effort: Effort, site: &Site) -> Result<Vec<Section>> {
+    let skies = effort.pick(2, 60);
+    ASKED.iter().map(|&(false_alarm, missed)| section(site, skies, false_alarm, missed)).collect()
 }
 
-fn section(geometries: u64, false_alarm: f64, missed: f64) -> Result<Section> {
+fn section(site: &Site, skies: u64, false_alarm: f64, missed: f64) -> Result<Section> {
     let probability = |value| Probability::new(value).context("a probability");
     let thresholds = Thresholds::from_tables(probability(false_alarm)?, probability(missed)?)?;
     let mut rows = Vec::new();
     for (constellations, counts) in KINDS {
         for &count in counts {
-            let scenes: Vec<u64> = (0..geometries).collect();
-            let geometries: Vec<Geometry> =
-                scenes.par_iter().filter_map(|&scene| geometry(constellations, count, scene)).collect();
-            ensure!(!geometries.is_empty(), "no sky of {count} satellites of {constellations} systems");
+            let numbers: Vec<u64> = (0..skies).collect();
+            let scenes: Vec<Scene> =
+                numbers.par_iter().filter_map(|&number| scene(site, constellations, count, number)).collect();
+            ensure!(!scenes.is_empty(), "no sky of {count} satellites of {constellations} systems");
             for (levels, name) in [(Levels::Slope, "SLOPE"), (Levels::Bound, "BOUND")] {
-                let passing: Vec<Passing> = geometries
+                let passing: Vec<Passing> = scenes
                     .par_iter()
-                    .map(|geometry| of_geometry(geometry, &thresholds, levels, missed))
+                    .map(|scene| of_geometry(&scene.geometry, &thresholds, levels, missed))
                     .collect::<Result<_>>()?;
                 let worst = passing.into_iter().fold(Passing::default(), Passing::worse);
-                rows.push(row(&format!("{count} of {constellations} systems, {name}"), levels, worst));
+                rows.push(row(
+                    &format!("{count} satellites, {}, {name}", systems_in_words(constellations)),
+                    levels,
+                    worst,
+                ));
             }
         }
     }
     Ok(Section {
         title: format!(
-            "Promised and beyond the level over what was asked, at the worst bias of the worst of {geometries} skies, \
+            "Promised and beyond the level over what was asked, at the worst bias of the worst of {skies} skies, \
              P_fa {false_alarm:e}, P_md {missed:e}, P_ff {FAULT_FREE:e}"
         ),
         rows,
@@ -128,48 +119,6 @@ fn row(what: &str, levels: Levels, worst: Passing) -> Row {
         Levels::Bound => row.holding("at most 1", largest <= 1.0 && fault_free <= 1.01),
         Levels::Slope => row,
     }
-}
-
-/// So many satellites of so many constellations, drawn from those in view at an instant; `None` where there is no sky
-/// like that.
-fn geometry(constellations: usize, count: usize, scene: u64) -> Option<Geometry> {
-    const ATTEMPTS: u32 = 200;
-    let mut chance = generator(3000 + (constellations * 100 + count) as u64, scene);
-    let fleet: Vec<Satellite> = fleets().into_iter().take(constellations).flatten().collect();
-    let site = Site::geodetic(34.17, 108.57, 400.0);
-    (0..ATTEMPTS).find_map(|_| {
-        let t_s = chance.random_range(0.0..86_400.0);
-        let seen = sights(&fleet, &site, t_s, MASK_DEG.to_radians());
-        chosen(&seen, constellations, count, &mut chance)
-    })
-}
-
-fn chosen(seen: &[Sight], constellations: usize, count: usize, chance: &mut ChaCha8Rng) -> Option<Geometry> {
-    if seen.len() < count {
-        return None;
-    }
-    let sights: Vec<Sight> = distinct(chance, count, seen.len())
-        .into_iter()
-        .filter_map(|index| seen.get(index).copied())
-        .collect();
-    let mut systems: Vec<Constellation> =
-        sights.iter().map(|sight| sight.satellite.constellation()).collect();
-    systems.sort_unstable();
-    systems.dedup();
-    if systems.len() == constellations { Geometry::seen(&sights) } else { None }
-}
-
-/// GPS, `BeiDou`, and the baseline of GPS in the place of Galileo: a third system is another clock, whatever its orbits.
-fn fleets() -> [Vec<Satellite>; 3] {
-    let renamed = |satellite: Satellite| {
-        let id = SatelliteId::new(Constellation::Galileo, satellite.id.number())?;
-        Some(Satellite { id, ..satellite })
-    };
-    [
-        Fleet::Gps31.satellites(),
-        Fleet::Beidou44.satellites(),
-        Fleet::Gps24.satellites().into_iter().filter_map(renamed).collect(),
-    ]
 }
 
 fn of_geometry(
@@ -197,7 +146,7 @@ fn of_geometry(
         fault_free: over_the_ground(Vector2::zeros()).max(in_height(0.0)) / FAULT_FREE,
         ..Passing::default()
     };
-    for index in steepest(geometry) {
+    for index in steepest(geometry, TRIED) {
         let per_share_m = lambda.sqrt() / geometry.visibility(index) * SHARE;
         for share in SHARES {
             let bias_m = f64::from(share) * per_share_m;
@@ -215,26 +164,7 @@ fn of_geometry(
 }
 
 /// Risk without a fault that a level has to bound.
-const FAULT_FREE: f64 = 1e-7;
-
-/// The satellites with the largest slopes, horizontal and vertical.
-fn steepest(geometry: &Geometry) -> Vec<usize> {
-    let testable =
-        (0..geometry.rows.len()).filter(|&index| geometry.dense.projection[(index, index)] > UNTESTABLE);
-    let slope = |index: usize, rows: &[usize]| {
-        let moved: f64 = rows.iter().map(|&row| geometry.dense.gain[(row, index)].powi(2)).sum();
-        moved.sqrt() / geometry.visibility(index)
-    };
-    let mut chosen = Vec::new();
-    for rows in [&[0, 1][..], &[2]] {
-        let mut order: Vec<usize> = testable.clone().collect();
-        order.sort_by(|&a, &b| slope(b, rows).total_cmp(&slope(a, rows)));
-        chosen.extend(order.into_iter().take(TRIED));
-    }
-    chosen.sort_unstable();
-    chosen.dedup();
-    chosen
-}
+pub(super) const FAULT_FREE: f64 = 1e-7;
 
 /// What the core promises of it.
 fn promised(geometry: &Geometry, levels: Levels, lambda: f64, missed: f64) -> Result<ProtectionLevels> {
