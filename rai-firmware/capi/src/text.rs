@@ -51,7 +51,7 @@ impl Write for Lines<'_> {
             *self.lost = self.lost.saturating_add(1);
             return Err(ErrorKind::OutOfMemory);
         };
-        place.copy_from_slice(sentence);
+        place.iter_mut().zip(sentence).for_each(|(place, byte)| *place = *byte);
         *self.length = end;
         Ok(sentence.len())
     }
