@@ -121,6 +121,7 @@ impl<const N: usize> Epoch<N> {
     pub fn restart(&mut self, time_s: f64) {
         self.time_s = if time_s.is_finite() { time_s } else { 0.0 };
         self.observations.clear();
+        self.common_m.clear();
         self.aiding.clear();
     }
 
@@ -228,7 +229,8 @@ impl<'e, const N: usize> Aided<'e, N> {
 
     /// Standard deviation of one of the epoch's observations, m.
     pub(crate) fn sigma_m(&self, observation: &Observation) -> f64 {
-        self.scale.map_or(observation.sigma_m, |scale| Adaptation::sigma_m(scale, observation))
+        let Observation { satellite, sigma_m, .. } = *observation;
+        self.scale.map_or(sigma_m, |scale| Adaptation::sigma_m(scale, satellite, sigma_m))
     }
 
     /// The epoch without the forecast.

@@ -1,8 +1,6 @@
 //! Sigmas that learn from residuals: by what factor, when, and within which bounds.
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
-use rai_core::epoch::Observation;
-use rai_core::frame::Ecef;
 use rai_core::satellite::{Constellation, SatelliteId};
 use rai_core::weighting::adaptation::{Adaptation, LEAST_DOF, Residuals};
 
@@ -64,12 +62,6 @@ fn time_that_goes_back_begins_anew_and_nonsense_is_not_learned() {
 
 #[test]
 fn no_sigma_falls_below_that_of_the_broadcast_orbit() {
-    let observed = |constellation, sigma_m| Observation {
-        satellite: SatelliteId::new(constellation, 20).unwrap(),
-        position: Ecef::new(2.6e7, 0.0, 0.0),
-        range_m: 2.2e7,
-        sigma_m,
-    };
     // 0.7 m for Galileo, 1.2 m for GPS (weighting); what was below already stays.
     for (constellation, sigma_m, scale, want) in [
         (Constellation::Galileo, 4.0, 0.5, 2.0),
@@ -78,7 +70,8 @@ fn no_sigma_falls_below_that_of_the_broadcast_orbit() {
         (Constellation::Gps, 1.0, 0.5, 1.0),
         (Constellation::Gps, 1.0, 2.0, 2.0),
     ] {
-        let have = Adaptation::sigma_m(scale, &observed(constellation, sigma_m));
+        let satellite = SatelliteId::new(constellation, 20).unwrap();
+        let have = Adaptation::sigma_m(scale, satellite, sigma_m);
         assert!((have - want).abs() < 1e-6, "{constellation:?}: have {have}, want {want}");
     }
 }

@@ -63,3 +63,19 @@ fn one_clock_and_one_height_may_aid() {
     assert_eq!(epoch.aid(Aiding::Height { value_m: f64::NAN, sigma_m: 5.0 }), Err(EpochError::Range));
     assert_eq!(epoch.aiding().len(), 2);
 }
+
+#[test]
+fn an_epoch_that_is_begun_anew_holds_nothing_of_the_one_before() {
+    let mut reused = Epoch::<4>::new(0.0);
+    for second in 1..=5 {
+        let mut fresh = Epoch::<4>::new(f64::from(second));
+        reused.restart(f64::from(second));
+        for number in 1..=4 {
+            let common_m = f32::from(number) + second as f32;
+            for epoch in [&mut reused, &mut fresh] {
+                assert_eq!(epoch.push_sharing(observation(number), common_m), Ok(()), "{second}: {number}");
+            }
+        }
+        assert_eq!(reused, fresh);
+    }
+}

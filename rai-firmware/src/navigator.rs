@@ -228,9 +228,8 @@ impl Navigator {
         // ARAIM weighs by what is promised, the other methods by what is expected.
         let ism = (configuration.strategy().method == Method::Separation).then_some(*self.monitor.ism());
         let coefficients = self.coefficients(time, configuration);
-        let site = Site::new(point, time, configuration.mask_rad, coefficients)
-            .with_ranges(ranges)
-            .weighted_by(ism);
+        let site =
+            Site::new(point, time, configuration.mask_rad, coefficients).with_ranges(ranges).weighted_by(ism);
         let epoch = site.correct(sky, &mut self.tally.ranges);
         single::judge(&self.monitor, &epoch, point, search, &mut self.subsets)
     }

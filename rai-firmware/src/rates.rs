@@ -170,9 +170,8 @@ impl Rates {
         let thresholds =
             Thresholds::from_tables(requirements.false_alarm, requirements.missed_detection).ok()?;
         let factors = self.factors_of(requirements);
-        let agree_on = |sign| {
-            single::velocity(&mut rates.iter().map(|rate| rate.equation(sign)), &thresholds, &factors)
-        };
+        let agree_on =
+            |sign| single::velocity(&mut rates.iter().map(|rate| rate.equation(sign)), &thresholds, &factors);
         match agree_on(1.0) {
             Ok(velocity) => {
                 count(&mut self.tally.velocities);

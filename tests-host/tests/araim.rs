@@ -187,10 +187,8 @@ fn a_published_run_agrees_within_its_bisection() {
     const EXACT: f64 = 4.299_530_399_475_412e-8;
     assert!((found.not_watched / EXACT - 1.0).abs() < 1e-12, "have {:e}", found.not_watched);
     assert!((number(&published["p_nm"]) - EXACT).abs() < 25.0 * f64::EPSILON);
-    let cases = [
-        (found.effective_monitor_threshold_m, "emt_m", 1e-8),
-        (found.accuracy_m, "sigma_v_acc_m", 1e-7),
-    ];
+    let cases =
+        [(found.effective_monitor_threshold_m, "emt_m", 1e-8), (found.accuracy_m, "sigma_v_acc_m", 1e-7)];
     for (have, field, relative) in cases {
         let want = number(&published[field]);
         assert!((have / want - 1.0).abs() < relative, "{field}: have {have:e}, want {want:e}");

@@ -20,7 +20,7 @@ use tests_host::board::is_installed;
 use tests_host::laboratory::{Bench, Scalar, Stage, epoch_bytes, point_bytes};
 
 /// In the order of the numbers that the image knows them by.
-const METHODS: [Method; 7] = [
+const METHODS: [Method; 8] = [
     Method::Baarda,
     Method::Parity(parity::Isolation::Simultaneous),
     Method::Parity(parity::Isolation::Sequential),
@@ -28,6 +28,7 @@ const METHODS: [Method; 7] = [
     Method::Parity(parity::Isolation::Grouping),
     Method::Ransac,
     Method::Separation,
+    Method::Auto,
 ];
 const POLICIES: [Policy; 3] = [Policy::T1, Policy::T2, Policy::TOp];
 

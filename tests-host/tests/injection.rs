@@ -38,7 +38,7 @@ fn run(recording: &Recording, faults: &[Fault], window: &Window) -> (Vec<Lump>, 
 
 /// The satellites of each epoch with their smallest detectable biases, m.
 fn detectable_biases(lumps: &[Lump]) -> Vec<Vec<(SatelliteId, f64)>> {
-    let epochs = replay::corrected(lumps, TRUTH, MASK_RAD);
+    let epochs = replay::corrected(lumps, TRUTH, MASK_RAD, None);
     epochs.iter().map(|epoch| biases_of(epoch.observations())).collect()
 }
 

@@ -25,7 +25,7 @@
 use heapless::Deque;
 
 use super::ephemeris_sigma_m;
-use crate::epoch::Observation;
+use crate::satellite::SatelliteId;
 
 /// Minutes that are remembered.
 const MINUTES: usize = 10;
@@ -120,9 +120,9 @@ impl Adaptation {
     }
 
     /// A scaled sigma, m: never below what is assumed of the satellite's orbit and clock, unless it was below already.
-    pub fn sigma_m(scale: f64, observation: &Observation) -> f64 {
-        let floor_m = f64::from(ephemeris_sigma_m(observation.satellite, 0.0)).min(observation.sigma_m);
-        (scale * observation.sigma_m).max(floor_m)
+    pub fn sigma_m(scale: f64, satellite: SatelliteId, sigma_m: f64) -> f64 {
+        let floor_m = f64::from(ephemeris_sigma_m(satellite, 0.0)).min(sigma_m);
+        (scale * sigma_m).max(floor_m)
     }
 }
 

@@ -19,7 +19,7 @@
 //! F/NAV takes its place only when it has become stale. What each says of the health of its own signals counts from then on
 //! ([`Ephemeris::merge_health`]).
 //!
-//! **Room** for [`CAPACITY`] satellites, 11 KiB, more than four systems show at once. When it is full, first goes what is
+//! **Room** for [`CAPACITY`] satellites, 9 KiB: as many as an epoch has, and more than four systems show at once. When it is full, first goes what is
 //! stale, then what was not observed for longest, then what was received first. Half a dozen contradictions are kept; where
 //! there are more, the set that is known stays, disputed.
 
@@ -31,7 +31,7 @@ use super::{Ephemeris, EphemerisError, Source};
 use crate::time::GpsTime;
 
 /// How many satellites the store holds.
-pub const CAPACITY: usize = 80;
+pub const CAPACITY: usize = 64;
 
 /// How many contradictions are kept.
 const RIVALS: usize = 6;

@@ -44,7 +44,7 @@ const UBX_RANGES_PAYLOAD: usize = 16 + 160 * 32;
 const UBX_PAYLOAD: usize = 1023;
 
 /// The longest frame, and as much again as makes moving it to the front rare.
-const CAPACITY: usize = UBX_HEADER + UBX_RANGES_PAYLOAD + UBX_PARITY + 256;
+const CAPACITY: usize = UBX_HEADER + UBX_RANGES_PAYLOAD + UBX_PARITY + 128;
 
 /// Bytes of checking that each byte on the wire pays for.
 const CREDIT_PER_BYTE: usize = 4;

@@ -44,7 +44,8 @@ pub(super) const CHOSEN: Attack = Attack {
 };
 
 /// Methods of the module by the name of the command.
-pub const METHODS: [&str; 6] = ["BAARDA", "SIMULTANEOUS", "SEQUENTIAL", "HYBRID", "GROUPING", "RANSAC"];
+pub const METHODS: [&str; 7] =
+    ["BAARDA", "SIMULTANEOUS", "SEQUENTIAL", "HYBRID", "GROUPING", "RANSAC", "AUTO"];
 
 /// Sizes of faults, m, each decade as likely.
 const SIZES_M: std::ops::Range<f64> = 20.0..2000.0;

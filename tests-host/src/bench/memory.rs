@@ -7,14 +7,12 @@ use std::time::Duration;
 
 use anyhow::{Context, Result};
 
-use super::stages::Figure;
+use super::stages::{Figure, METHODS};
 use super::workload::Stream;
 use crate::board::EmulatedBoard;
 use crate::image::{self, Image};
 
 const PATIENCE: Duration = Duration::from_mins(1);
-const METHODS: [&str; 8] =
-    ["SIMULTANEOUS", "SEQUENTIAL", "HYBRID", "GROUPING", "RANSAC", "BAARDA", "AUTO", "SEPARATION"];
 const POLICIES: [&str; 3] = ["TOP", "T2", "T1"];
 /// Epochs until the stack is looked at again.
 const EPOCHS: u32 = 61;

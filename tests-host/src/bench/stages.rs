@@ -33,8 +33,8 @@ struct Case {
 /// Sizes of skies.
 const SIZES: [usize; 5] = [8, 12, 20, 30, 40];
 /// The methods by name, in the order that a request numbers them.
-pub const METHODS: [&str; 7] =
-    ["BAARDA", "SIMULTANEOUS", "SEQUENTIAL", "HYBRID", "GROUPING", "RANSAC", "SEPARATION"];
+pub const METHODS: [&str; 8] =
+    ["BAARDA", "SIMULTANEOUS", "SEQUENTIAL", "HYBRID", "GROUPING", "RANSAC", "SEPARATION", "AUTO"];
 
 /// The figure of a method: an epoch of 20 satellites of which so many are faulty, after one like it.
 pub fn of_method(method: &str, faults: usize) -> String {

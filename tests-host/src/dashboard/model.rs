@@ -275,7 +275,7 @@ mod tests {
             dashboard.hear(line);
         }
         assert!(dashboard.settings.contains(&("HAL", "556".to_owned())), "{:?}", dashboard.settings);
-        assert!(dashboard.settings.contains(&("IONO", "NONE".to_owned())), "{:?}", dashboard.settings);
+        assert!(dashboard.settings.contains(&("IONO", "AUTO".to_owned())), "{:?}", dashboard.settings);
     }
 
     #[test]

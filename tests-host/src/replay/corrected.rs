@@ -13,8 +13,14 @@ use super::Lump;
 /// As the module starts, dB-Hz.
 const SIGNAL_MASK_DBHZ: f32 = 28.0;
 
-/// The epochs of the lumps, of the satellites above the mask.
-pub fn corrected(lumps: &[Lump], antenna: Ecef, mask_rad: f64) -> Vec<Epoch<CAPACITY>> {
+/// The epochs of the lumps, of the satellites above the mask; `klobuchar` are the coefficients of the ionosphere that
+/// ranges on one frequency are corrected with.
+pub fn corrected(
+    lumps: &[Lump],
+    antenna: Ecef,
+    mask_rad: f64,
+    klobuchar: Option<[f64; 8]>,
+) -> Vec<Epoch<CAPACITY>> {
     let (mut input, mut store, mut tally) = (Input::new(), Store::new(), Tally::default());
     let mut epochs = Vec::new();
     for lump in lumps {
@@ -23,7 +29,7 @@ pub fn corrected(lumps: &[Lump], antenna: Ecef, mask_rad: f64) -> Vec<Epoch<CAPA
             Event::Position(_) | Event::Ionosphere(_) | Event::Jamming(_) => {}
             Event::Epoch(raw, _) => {
                 let sky = locate(raw, &store, SIGNAL_MASK_DBHZ, Systems::AT_START, &mut tally);
-                let site = Site::new(antenna, raw.time, mask_rad, None);
+                let site = Site::new(antenna, raw.time, mask_rad, klobuchar);
                 epochs.push(site.correct(&sky, &mut tally.ranges));
             }
         });

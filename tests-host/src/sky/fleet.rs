@@ -12,6 +12,7 @@
 //! sidereal time is 0 at `t = 0`. Geostationary satellites are held exactly over the equator.
 //!
 //! [GPS-SPS]: crate#references
+//! [Lin2016]: crate#references
 //! [Yang2015]: crate#references
 //! [Tian2024]: crate#references
 

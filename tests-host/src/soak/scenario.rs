@@ -361,7 +361,7 @@ mod tests {
         let passage = passage(600);
         let turns = turns(&passage, 1);
         let has =
-            |wanted: fn(&Mishap) -> bool| turns.iter().filter_map(|turn| turn.mishap).any(|m| wanted(&m));
+            |wanted: fn(&Mishap) -> bool| turns.iter().filter_map(|turn| turn.mishap.as_ref()).any(wanted);
         assert!(has(|mishap| matches!(mishap, Mishap::PowerOn { .. })));
         assert!(has(|mishap| matches!(mishap, Mishap::Unread { .. })));
         assert!(has(|mishap| matches!(mishap, Mishap::Setting(_))));

@@ -255,6 +255,7 @@ fn method_of(number: u8) -> Option<Method> {
         Method::Parity(Grouping),
         Method::Ransac,
         Method::Separation,
+        Method::Auto,
     ];
     methods.get(usize::from(number)).copied()
 }

@@ -3,11 +3,11 @@
 use core::fmt::Write as _;
 use core::mem::MaybeUninit;
 
+use rai_core::monitor::MonitorError;
 use rai_firmware::board::reset::{Fault, ResetCause, WORD_BYTES};
 use rai_firmware::board::{Board, SEALED_BYTES};
 use rai_firmware::config::{Configuration, Unsealed};
 use rai_firmware::epoch_loop::EpochLoop;
-use rai_core::monitor::MonitorError;
 use rai_firmware::receiver::{Boot, Receiver};
 
 use super::fault;

@@ -145,7 +145,7 @@ pub(super) fn recorded() -> Result<Option<Vec<Geometry>>> {
         let selection = Selection::new(systems, Frequency::Dual)?;
         let window = Window { every_s: STEP_S, ..Window::ALL };
         let lumps = replay::encode(&recording, &selection, &[], &window)?;
-        let epochs = replay::corrected(&lumps, station.truth, MASK_DEG.to_radians());
+        let epochs = replay::corrected(&lumps, station.truth, MASK_DEG.to_radians(), None);
         geometries.extend(epochs.iter().filter_map(|epoch| of_epoch(station, epoch)));
     }
     Ok(Some(geometries))

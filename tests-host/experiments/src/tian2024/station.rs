@@ -14,10 +14,6 @@ use rai_core::frame::Ecef;
 use rai_core::integrity::residuals::exclusion::{Outcome, separable};
 use rai_core::integrity::residuals::parity;
 use rai_core::integrity::residuals::ransac::{MAX_WORK, Selection};
-use rai_firmware::config::Systems;
-use rai_firmware::correction::{Site, Tally, locate};
-use rai_firmware::ephemeris::Store;
-use rai_firmware::input::{Event, Input};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
@@ -27,7 +23,7 @@ use super::method::{Answer, Limits, Method, ROWS, Score, Traditional};
 use super::{BIAS_M, MASK_RAD, Sky, faults_in_words, most_subsets};
 use tests_host::encode::{self, Frequency};
 use tests_host::recording::Recording;
-use tests_host::replay::{self, Lump, Window};
+use tests_host::replay::{self, Window};
 use tests_host::report::bars::BarChart;
 use tests_host::shared;
 
@@ -36,8 +32,6 @@ const OBSERVATIONS: &str = "ESBC00DNK_R_20201770000_01D_30S_MO.crx.gz";
 const NAVIGATION: &str = "ESBC00DNK_R_20201770000_01D_MN.rnx.gz";
 /// Surveyed position of the antenna.
 const TRUTH: Ecef = Ecef::new(3_582_104.925_4, 532_590.238_1, 5_232_755.266_9);
-/// Signals below are left out, as the module starts, dB-Hz.
-const SIGNAL_MASK_DBHZ: f32 = 28.0;
 const SEED: u64 = 0xE5BC;
 
 const CASES: [(Sky, usize); 8] = [
@@ -91,7 +85,9 @@ pub(super) fn recorded(effort: Effort, bar: &ProgressBar) -> Result<(Section, Op
     let selection = encode::Selection::new("GC", Frequency::Dual)?;
     let window = Window { every_s: step_s(effort), ..Window::ALL };
     let lumps = replay::encode(&recording, &selection, &[], &window)?;
-    let epochs = corrected(&lumps, recording.klobuchar);
+    // Of a third of the `BeiDou` satellites the receiver tracks one frequency. Without coefficients the sigma of these is
+    // 20 to 40 m (`weighting::ionosphere_sigma_m`), and no method could see 150 m in them.
+    let epochs = replay::corrected(&lumps, TRUTH, MASK_RAD, recording.klobuchar);
     let of = |(index, epoch): (usize, &Epoch<ROWS>)| {
         let scores = judge(effort, &limits, index, epoch);
         bar.inc(1);
@@ -105,27 +101,6 @@ pub(super) fn recorded(effort: Effort, bar: &ProgressBar) -> Result<(Section, Op
         }
     }
     Ok((section(&sum), Some(picture(&sum)?)))
-}
-
-/// The epochs as the firmware corrects them at the antenna, with the coefficients that the satellites broadcast.
-///
-/// Of a third of the `BeiDou` satellites the receiver tracks one frequency. Without coefficients the sigma of these is
-/// 20 to 40 m (`weighting::ionosphere_sigma_m`), and no method could see 150 m in them.
-fn corrected(lumps: &[Lump], coefficients: Option<[f64; 8]>) -> Vec<Epoch<ROWS>> {
-    let (mut input, mut store, mut tally) = (Input::new(), Store::new(), Tally::default());
-    let mut epochs = Vec::new();
-    for lump in lumps {
-        input.feed(&lump.bytes, 0, |event| match event {
-            Event::Ephemeris(ephemeris) => drop(store.insert(ephemeris, None)),
-            Event::Epoch(raw, _) => {
-                let sky = locate(raw, &store, SIGNAL_MASK_DBHZ, Systems::AT_START, &mut tally);
-                let site = Site::new(TRUTH, raw.time, MASK_RAD, coefficients);
-                epochs.push(site.correct(&sky, &mut tally.ranges));
-            }
-            Event::Position(_) | Event::Ionosphere(_) | Event::Jamming(_) => {}
-        });
-    }
-    epochs
 }
 
 fn judge(effort: Effort, limits: &Limits, index: usize, epoch: &Epoch<ROWS>) -> Result<Scores> {
