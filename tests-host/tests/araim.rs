@@ -148,6 +148,8 @@ fn araim_agrees_in_single_precision() {
 /// What MAAST reports is the upper end of at most ten halvings of its bracket, which is 2.3 m wide here.
 #[test]
 fn a_published_run_agrees_within_its_bisection() {
+    /// `P_nm` of the run, by the rules of the specification in exact fractions.
+    const EXACT: f64 = 4.299_530_399_475_412e-8;
     let Some(path) = shared::path_or_skip("vectors/araim_maast.json") else { return };
     let run: Value = serde_json::from_reader(File::open(path).expect("a readable file")).expect("JSON");
     let constant = |name: &str| number(&run["constants"][name]);
@@ -182,10 +184,8 @@ fn a_published_run_agrees_within_its_bisection() {
     let (found, published) = (judged.whole, &run["published"]);
     assert_eq!(judged.outcome, Outcome::Passed);
     assert_eq!(Some(found.modes as u64), published["n_modes"].as_u64());
-    // The rules of the specification in exact fractions. The published run takes sums from one, and loses digits: it may be
-    // off by a rounding of one for each of its 25 modes.
-    const EXACT: f64 = 4.299_530_399_475_412e-8;
     assert!((found.not_watched / EXACT - 1.0).abs() < 1e-12, "have {:e}", found.not_watched);
+    // The published run takes sums from one, and may lose a rounding of one for each of its 25 modes.
     assert!((number(&published["p_nm"]) - EXACT).abs() < 25.0 * f64::EPSILON);
     let cases =
         [(found.effective_monitor_threshold_m, "emt_m", 1e-8), (found.accuracy_m, "sigma_v_acc_m", 1e-7)];

@@ -109,8 +109,8 @@ fn a_satellite_with_a_blank_in_its_number_is_read_with_all_it_measured() {
     assert_eq!(codes(have), named(&[("C1C", 24503597.381), ("C2W", 24503599.481)]));
     assert_eq!(have.signals[0].carrier_cycles, Some(127596785.1));
     assert_eq!(have.signals[0].cn0_dbhz, Some(44.25));
-    // No S2W: the digit beside the pseudorange, 6, promises 36 dBHz.
-    assert_eq!((have.signals[1].carrier_cycles, have.signals[1].cn0_dbhz), (None, Some(36.0)));
+    // No S2W: the digit beside the pseudorange, 6, is the class from 36 to 42 dB-Hz.
+    assert_eq!((have.signals[1].carrier_cycles, have.signals[1].cn0_dbhz), (None, Some(39.0)));
 }
 
 #[test]
