@@ -4,9 +4,21 @@
 //! ascending weighted SSE of what remains; the first that does not alarm is taken. Each is judged by all the modes that
 //! were chosen with all satellites in view, restricted to what remains, so that a wrong exclusion is within the risk.
 //!
+//! To judge a candidate costs as much as to judge the epoch, and most candidates need no judgement: another satellite is
+//! still so far off that its own test alarms. That test is algebra on the solution with all satellites:
+//!
+//! ```text
+//! contradicted    |A_k v_k| > (1 + margin) K |A_k| √κ_kk     on any axis, for any single satellite k that remains
+//! ```
+//!
+//! with `A_k`, `v_k`, `κ_kk` as the candidate leaves them ([`super::solutions`]). `K` is that of the modes with all
+//! satellites; the candidate's has no more of them and is no larger, so that what is contradicted here would alarm there.
+//!
 //! References: [MAAST] for the order and the shares.
 //!
 //! [MAAST]: crate#references
+
+use nalgebra::Vector3;
 
 use super::modes::{Hypothesis, Modes, Set, members, row};
 use super::solutions::Solutions;
@@ -101,7 +113,7 @@ pub fn judge<T: Real>(
     let outcome = if !whole.alarm {
         Outcome::Passed
     } else if allocation.exclusion {
-        exclude(&mut watch, epoch, priors.satellites, options)?
+        exclude(&mut watch, epoch, priors.satellites, options, whole.factors)?
     } else {
         Outcome::NotIsolated
     };
@@ -164,10 +176,25 @@ impl Options {
         Self { satellites: modes.satellites, constellations }
     }
 
+    /// Each constellation among them.
+    fn constellations(&self) -> impl Iterator<Item = Hypothesis> {
+        let bits = (0..Constellation::COUNT).map(|id| 1 << id);
+        bits.filter(|bit| self.constellations & bit != 0).map(Hypothesis::of_constellations)
+    }
+
+    /// Takes one off the list.
+    fn drop(&mut self, option: Hypothesis) {
+        self.constellations &= !option.constellations;
+        self.satellites &= option.rows().fold(Set::MAX, |left, index| left & !row(index));
+    }
+
     fn count(&self) -> usize {
         (self.satellites.count_ones() + self.constellations.count_ones()) as usize
     }
 }
+
+/// By how much more than rounding can do the square of a test exceeds that of its threshold.
+const MARGIN: f64 = 1e-2;
 
 /// Tries one option after another.
 #[inline(never)]
@@ -176,10 +203,13 @@ fn exclude<T: Real>(
     epoch: &mut impl Removable<T>,
     priors: &[Prior<T>],
     options: Options,
+    factors: [T; 3],
 ) -> Result<Outcome<T>, SeparationError> {
     let mut left = options;
-    while let Some(excluded) = next(watch, epoch.view(), priors, &mut left) {
+    let limits = Vector3::from(factors).map(|factor| factor * factor * T::narrow(1.0 + MARGIN));
+    while let Some(excluded) = next(watch, epoch.view(), priors, &left, &limits) {
         let rows = watch.modes.taken_by(excluded);
+        left.drop(excluded);
         if epoch.leave_out_all(rows).is_err() {
             continue;
         }
@@ -192,44 +222,35 @@ fn exclude<T: Real>(
     Ok(Outcome::NotIsolated)
 }
 
-/// The option that leaves the smallest SSE; it is taken off the list.
+/// The option that leaves the smallest SSE, of those that no single satellite contradicts.
 #[inline(never)]
 fn next<T: Real>(
     watch: &Watch<'_, T>,
     view: View<'_, T>,
     priors: &[Prior<T>],
-    left: &mut Options,
+    left: &Options,
+    limits: &Vector3<T>,
 ) -> Option<Hypothesis> {
-    let mut solutions = Solutions::new(view, priors);
-    let mut best: Option<(T, Hypothesis)> = None;
-    let satellites = members(left.satellites).map(|index| (row(index), Hypothesis::of_row(index)));
-    let constellations = left.constellations;
-    let whole = (0..Constellation::COUNT).map(|id| 1 << id).filter(|bit| constellations & bit != 0);
-    let mut consider = |hypothesis: Hypothesis, taken: Set| {
-        if !watch.leaves_enough(taken, 1) {
-            return;
-        }
-        let Some(sse) = solutions.sse_without(view.sse, hypothesis) else { return };
-        if best.is_none_or(|(least, _)| sse < least) {
-            best = Some((sse, hypothesis));
-        }
+    let mut solutions = Solutions::without_biases(view, priors);
+    let mut agreeing = |option: Hypothesis, least: Option<T>| {
+        let taken = watch.modes.taken_by(option);
+        let is_left = watch.leaves_enough(taken, 1);
+        let sse = if is_left { solutions.sse_without(view.sse, option)? } else { return None };
+        let is_better = least.is_none_or(|least| sse < least);
+        (is_better && !solutions.contradict(option, watch.singles(taken), limits)).then_some((sse, option))
     };
-    satellites.for_each(|(taken, hypothesis)| consider(hypothesis, taken));
-    if let Some((_, hypothesis)) = best {
-        left.satellites &= !watch.modes.taken_by(hypothesis);
-        return Some(hypothesis);
-    }
-    for bit in whole {
-        let hypothesis = Hypothesis::of_constellations(bit);
-        let taken = watch.modes.taken_by(hypothesis);
-        let sse = solutions.sse_without(view.sse, hypothesis).filter(|_| watch.leaves_enough(taken, 1));
-        if let Some(sse) = sse
-            && best.is_none_or(|(least, _)| sse < least)
-        {
-            best = Some((sse, hypothesis));
-        }
-    }
-    let (_, hypothesis) = best?;
-    left.constellations &= !hypothesis.constellations;
-    Some(hypothesis)
+    let satellites = members(left.satellites).map(Hypothesis::of_row);
+    let satellite = last_of(satellites, &mut agreeing);
+    satellite.or_else(|| last_of(left.constellations(), &mut agreeing))
+}
+
+/// The last option that is better than those before it.
+fn last_of<T: Real>(
+    options: impl Iterator<Item = Hypothesis>,
+    better: &mut impl FnMut(Hypothesis, Option<T>) -> Option<(T, Hypothesis)>,
+) -> Option<Hypothesis> {
+    let best = options.fold(None, |best: Option<(T, Hypothesis)>, option| {
+        better(option, best.map(|(least, _)| least)).or(best)
+    });
+    best.map(|(_, option)| option)
 }

@@ -9,7 +9,7 @@ use heapless::Vec;
 use nalgebra::Vector3;
 
 use super::levels::{Axis, Candidate, Level};
-use super::modes::{Mode, Modes, Set};
+use super::modes::{Mode, Modes, Set, members, row};
 use super::solutions::{Solution, Solutions};
 use super::{Finding, MAX_MODES, SeparationError};
 use crate::allocation::Allocation;
@@ -57,6 +57,13 @@ impl<T: Real> Watch<'_, T> {
     pub(super) fn leaves_enough(&self, taken: Set, more: u32) -> bool {
         let clocks = self.modes.members.iter().filter(|&&members| members & !taken != 0).count() as u32;
         (self.modes.satellites & !taken).count_ones() >= 3 + clocks + more
+    }
+
+    /// Rows of which each by itself is watched without `gone`, where that leaves one satellite more than unknowns.
+    pub(super) fn singles(&self, gone: Set) -> Set {
+        let watched = |&index: &usize| self.modes.watches(index) && self.is_monitorable(row(index));
+        let left = self.modes.not_alone(gone) & !gone;
+        members(left).filter(watched).fold(0, |set, index| set | row(index))
     }
 
     /// Judges what is left without `gone`, of which `solutions` is the solution.

@@ -284,6 +284,19 @@ impl<T: Real> Modes<T> {
         size < at_size || size == at_size && is_before()
     }
 
+    /// Whether the fault of one satellite is watched by itself.
+    pub(super) fn watches(&self, index: usize) -> bool {
+        let combination = self.combination(row(index));
+        let probability = self.probability_of(&combination);
+        probability > T::zero() && self.is_watched(&combination, probability)
+    }
+
+    /// Satellites that are not the only ones of their constellation which are left without `gone`.
+    pub(super) fn not_alone(&self, gone: Set) -> Set {
+        let left = self.members.iter().map(|members| members & !gone);
+        left.filter(|left| !left.is_power_of_two()).fold(0, |set, left| set | left)
+    }
+
     /// A set of events as a combination.
     fn combination(&self, events: Set) -> Combination<T> {
         let mut combination = Combination::empty();

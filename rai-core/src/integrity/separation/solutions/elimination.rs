@@ -69,7 +69,42 @@ pub(super) struct Third<T: Real> {
     pub(super) design: Vector3<T>,
     pub(super) group: usize,
 }
+
+/// A row's test: `A_k v_k` is how far the position moves without it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Tested<T: Real> {
+    column: Vector3<T>,
+    residual: T,
+    kappa: T,
+}
+
+impl<T: Real> Tested<T> {
+    /// Whether the position moves by more than its threshold on any axis.
+    #[inline]
+    pub(super) fn exceeds(&self, limits: &Vector3<T>) -> bool {
+        let squared = self.residual * self.residual;
+        let moves = self.column.component_mul(&self.column);
+        let mut axes = moves.iter().zip(limits);
+        self.kappa > T::zero() && axes.any(|(&moved, &limit)| moved * squared > limit * (moved * self.kappa))
+    }
+}
+
 impl<T: Real> Solutions<'_, T> {
+    /// The test of a row without the first row.
+    #[inline]
+    pub(super) fn left_by_first(&self, index: usize) -> Option<Tested<T>> {
+        let Second { column, residual, kappa, .. } = self.leave_out_second(index)?;
+        Some(Tested { column, residual, kappa })
+    }
+
+    /// The test of a row without the constellations that the kernel has lost.
+    #[inline]
+    pub(super) fn left_by_kernel(&self, index: usize) -> Option<Tested<T>> {
+        let point = self.point_here(index)?;
+        let is_sound = point.pivot * point.weight >= hardly_left();
+        is_sound.then_some(Tested { column: point.gain, residual: point.residual, kappa: point.kappa })
+    }
+
     /// The row of the view as the kernel of all satellites sees it; `None` where it takes no part.
     pub(super) fn point(&self, index: usize) -> Option<Point<T>> {
         let (row, fit) = self.view.rows.get(index).zip(self.view.fits.get(index))?;

@@ -44,7 +44,7 @@ use elimination::{First, Pair, Second, Third};
 pub(super) use kernel::{GROUPS, group_of};
 use kernel::{Group, Kernel, add_square, diagonal_of, hardly_left, mirror};
 
-use super::modes::{Hypothesis, ROWS};
+use super::modes::{Hypothesis, ROWS, Set, members};
 use super::{Prior, View};
 use crate::equations::Row;
 use crate::numeric::real::Real;
@@ -94,6 +94,18 @@ pub(super) struct Solutions<'v, T: Real> {
 impl<'v, T: Real> Solutions<'v, T> {
     /// Prepares for the modes of a view.
     pub(super) fn new(view: View<'v, T>, priors: &[Prior<T>]) -> Self {
+        let mut solutions = Self::without_biases(view, priors);
+        let has_bias =
+            |(own, prior): (&Own<T>, &Prior<T>)| prior.bias_m > T::zero() && own.weighted_bias > T::zero();
+        solutions.has_bias = solutions.own.iter().zip(priors).any(has_bias);
+        if solutions.has_bias {
+            solutions.spread_biases(priors);
+        }
+        solutions
+    }
+
+    /// As [`Self::new`], as if no satellite had a nominal bias: for tests, which know none.
+    pub(super) fn without_biases(view: View<'v, T>, priors: &[Prior<T>]) -> Self {
         let mut solutions = Self {
             view,
             own: Vec::new(),
@@ -112,9 +124,6 @@ impl<'v, T: Real> Solutions<'v, T> {
         };
         solutions.sum_up(priors);
         solutions.describe_whole();
-        if solutions.has_bias {
-            solutions.spread_biases(priors);
-        }
         solutions
     }
 
@@ -134,7 +143,6 @@ impl<'v, T: Real> Solutions<'v, T> {
             if !(weight > T::zero()) {
                 continue;
             }
-            self.has_bias |= bias > T::zero();
             if weight > self.largest_weight {
                 self.largest_weight = weight;
             }
@@ -295,6 +303,21 @@ impl<'v, T: Real> Solutions<'v, T> {
         kernel.complete(&self.groups);
         Some(())
     }
+    /// Whether the test of any of some single rows alarms without a hypothesis, `limits` being the squares of `K`.
+    ///
+    /// One row or constellations are left out; rows whose loss would leave too poor a geometry for algebra are not tested.
+    #[inline(never)]
+    pub(super) fn contradict(&mut self, hypothesis: Hypothesis, singles: Set, limits: &Vector3<T>) -> bool {
+        if self.by_algebra(hypothesis).is_none() {
+            return false;
+        }
+        let is_of_row = hypothesis.rows().next().is_some();
+        members(singles).any(|index| {
+            let left = if is_of_row { self.left_by_first(index) } else { self.left_by_kernel(index) };
+            left.is_some_and(|left| left.exceeds(limits))
+        })
+    }
+
     /// Weighted SSE of what is left without one row, or without one constellation.
     pub(super) fn sse_without(&mut self, sse: T, hypothesis: Hypothesis) -> Option<T> {
         if let Some(index) = hypothesis.rows().next() {
