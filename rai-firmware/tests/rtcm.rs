@@ -323,8 +323,26 @@ fn a_system_without_satellites_still_ends_the_epoch() {
 #[test]
 fn an_empty_sky_is_an_epoch_too() {
     let mut input = knowing();
-    let have = epochs(feed(&mut input, &msm(1077, TOW_MS, false, &[])));
+    feed(&mut input, &gps(TOW_MS, false));
+    let have = epochs(feed(&mut input, &msm(1077, TOW_MS + 1000, false, &[])));
     assert!(matches!(have.as_slice(), [epoch] if epoch.satellites.is_empty()), "{have:?}");
+}
+
+#[test]
+fn a_message_without_satellites_moves_no_clock() {
+    for ahead_ms in [0, 1000, 30_000, 3_600_000] {
+        let mut input = knowing();
+        let mut whole = 0;
+        for epoch in 0..10 {
+            let tow_ms = TOW_MS + 1000 * epoch;
+            let bytes = [msm(1077, tow_ms + ahead_ms, true, &[]), gps(tow_ms, false)].concat();
+            whole += sizes(&epochs(feed(&mut input, &bytes)))
+                .iter()
+                .filter(|(_, satellites)| *satellites > 0)
+                .count();
+        }
+        assert_eq!(whole, 10, "{ahead_ms} ms ahead: {:?}", names_of_nonzero(input.counters()));
+    }
 }
 
 #[test]

@@ -7,7 +7,7 @@
 //! |---|---|
 //! | systems tag one instant differently, by less than [`SAME_INSTANT_MS`] | one epoch, at the first tag |
 //! | a system says that none follows, and another one follows | that one is late for this epoch; the word of the system that was wrong counts for nothing until it has been right [`FORGIVEN_AFTER`] times, and its epochs end with the next instant or a pause |
-//! | a message without satellites is tagged far ahead | it is passed over: it vouches for nothing |
+//! | a message without satellites is tagged ahead | it moves no clock, for it vouches for nothing; far ahead it is passed over |
 //! | bytes are lost | the epoch under way and the rest of the next one are dropped |
 
 use heapless::Vec;
@@ -49,6 +49,8 @@ enum Phase {
 pub(super) struct Assembly {
     epoch: RawEpoch,
     came_ms: u64,
+    /// Whether the epoch has had a message with satellites: only then has the time gone on to it.
+    is_vouched: bool,
     phase: Phase,
     /// The series that the epoch has had messages of, one bit each.
     heard: u16,
@@ -59,7 +61,7 @@ pub(super) struct Assembly {
 impl Assembly {
     pub(super) const fn new() -> Self {
         let epoch = RawEpoch::new(GpsTime { week: 0, tow_ms: 0 });
-        Self { epoch, came_ms: 0, phase: Phase::Idle, heard: 0, distrust: [0; 16] }
+        Self { epoch, came_ms: 0, is_vouched: false, phase: Phase::Idle, heard: 0, distrust: [0; 16] }
     }
 
     /// Takes a message, the first byte of which came at `came_ms`, and tells of the epochs that it completes.
@@ -122,8 +124,12 @@ impl Assembly {
         counters: &mut Counters,
         tell: &mut impl FnMut(Event<'_>),
     ) -> bool {
-        if ranges.measured.is_empty() && calendar.is_far_ahead(tow_ms) {
-            count(&mut counters.observations_ahead);
+        let is_empty = ranges.measured.is_empty();
+        if is_empty
+            && !self.is_at(tow_ms)
+            && let Err(reason) = calendar.foresee(tow_ms)
+        {
+            count(reason.counter(counters));
             return false;
         }
         match self.phase {
@@ -132,7 +138,7 @@ impl Assembly {
                     self.accuse(series);
                     self.phase = Phase::Open(None);
                 }
-                return true;
+                return is_empty || self.is_vouched || self.vouch(tow_ms, calendar, counters);
             }
             Phase::Open(ended) => {
                 if let Some(series) = ended {
@@ -161,24 +167,45 @@ impl Assembly {
             }
             Phase::Dropping(_) | Phase::Idle | Phase::Complete(..) => {}
         }
-        self.open(tow_ms, came_ms, calendar, counters)
+        self.epoch.satellites.clear();
+        self.came_ms = came_ms;
+        self.heard = 0;
+        if !is_empty {
+            return self.vouch(tow_ms, calendar, counters);
+        }
+        let foreseen = calendar.foresee(tow_ms);
+        self.is_vouched = false;
+        self.begin(foreseen, tow_ms, counters)
     }
 
-    fn open(&mut self, tow_ms: u32, came_ms: u64, calendar: &mut Calendar, counters: &mut Counters) -> bool {
-        match calendar.advance(tow_ms, counters) {
+    /// Whether what is under way, or what was last, is of this time.
+    fn is_at(&self, tow_ms: u32) -> bool {
+        match self.phase {
+            Phase::Open(_) => is_same(tow_ms, self.epoch.time.tow_ms),
+            Phase::Complete(last_ms, _) | Phase::Dropping(last_ms) => is_same(tow_ms, last_ms),
+            Phase::Idle | Phase::Interrupted => false,
+        }
+    }
+
+    /// The epoch has satellites: time goes on to it, or it is dropped.
+    fn vouch(&mut self, tow_ms: u32, calendar: &mut Calendar, counters: &mut Counters) -> bool {
+        let time = calendar.advance(tow_ms, counters);
+        self.is_vouched = time.is_ok();
+        self.begin(time, tow_ms, counters)
+    }
+
+    fn begin(&mut self, time: Result<GpsTime, TimeError>, tow_ms: u32, counters: &mut Counters) -> bool {
+        match time {
             Ok(time) => {
                 self.epoch.time = time;
-                self.epoch.satellites.clear();
-                self.came_ms = came_ms;
-                self.heard = 0;
                 self.phase = Phase::Open(None);
-                return true;
             }
-            Err(TimeError::WeekUnknown) => count(&mut counters.epochs_without_week),
-            Err(TimeError::Backwards) => count(&mut counters.epochs_backwards),
+            Err(reason) => {
+                count(reason.counter(counters));
+                self.phase = Phase::Dropping(tow_ms);
+            }
         }
-        self.phase = Phase::Dropping(tow_ms);
-        false
+        time.is_ok()
     }
 
     /// Adds the ranges of a message.

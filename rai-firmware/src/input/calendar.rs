@@ -104,6 +104,18 @@ const SYSTEMS: usize = Constellation::ALL.len();
 pub(super) enum TimeError {
     WeekUnknown,
     Backwards,
+    /// So far ahead that something has to vouch for it, and nothing does.
+    Ahead,
+}
+
+impl TimeError {
+    pub(super) fn counter(self, counters: &mut Counters) -> &mut u32 {
+        match self {
+            Self::WeekUnknown => &mut counters.epochs_without_week,
+            Self::Backwards => &mut counters.epochs_backwards,
+            Self::Ahead => &mut counters.observations_ahead,
+        }
+    }
 }
 
 impl Calendar {
@@ -184,12 +196,16 @@ impl Calendar {
         Ok(time)
     }
 
-    /// Whether a time is so far ahead of the last epoch that it wants something to vouch for it.
-    pub(super) fn is_far_ahead(&self, tow_ms: u32) -> bool {
-        self.last.is_some_and(|last| {
-            let time = GpsTime::nearest(tow_ms, last);
-            time > last && !follows(time, last)
-        })
+    /// The instant of an epoch at `tow_ms` that has no satellites to vouch for it: time does not go on to it, and it is none
+    /// before an epoch that has satellites.
+    pub(super) fn foresee(&self, tow_ms: u32) -> Result<GpsTime, TimeError> {
+        let last = self.last.ok_or(TimeError::Ahead)?;
+        let time = GpsTime::nearest(tow_ms, last);
+        match time > last {
+            true if follows(time, last) => Ok(time),
+            true => Err(TimeError::Ahead),
+            false => Err(TimeError::Backwards),
+        }
     }
 
     /// Notes an epoch older than the last one; true when enough of them have followed each other.

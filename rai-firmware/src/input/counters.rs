@@ -57,7 +57,7 @@ counters! {
         epochs_broken,
         /// Observations that came after another message had said that none would follow.
         observations_after_end,
-        /// Observations without satellites that were tagged far ahead.
+        /// Observations without satellites that were tagged far ahead, or came before all others.
         observations_ahead,
         /// Observations dropped because their time of week is none.
         times_out_of_range,
