@@ -20,7 +20,7 @@
 
 use nalgebra::Vector3;
 
-use super::modes::{Hypothesis, Modes, Set, members, row};
+use super::modes::{Hypothesis, Set, members, row};
 use super::solutions::Solutions;
 use super::walk::{Purpose, Watch};
 use super::{Finding, Prior, Priors, ROWS, SeparationError, View};
@@ -104,7 +104,8 @@ pub fn judge<T: Real>(
     priors: &Priors<'_, T>,
     allocation: &Allocation,
 ) -> Result<Judged<T>, SeparationError> {
-    let mut watch = watch(&epoch.view(), priors, allocation)?;
+    let mut watch = Watch::nothing(priors.constellations, allocation);
+    choose(&mut watch, &epoch.view(), priors)?;
     let options = Options::of(&watch, &priors.constellations);
     if allocation.exclusion {
         watch.share = T::narrow(1.0 / (options.count() + 1) as f64);
@@ -122,11 +123,11 @@ pub fn judge<T: Real>(
 
 /// Chooses the modes of an epoch.
 #[inline(never)]
-pub(super) fn watch<'a, T: Real>(
+pub(super) fn choose<T: Real>(
+    watch: &mut Watch<'_, T>,
     view: &View<'_, T>,
     priors: &Priors<'_, T>,
-    allocation: &'a Allocation,
-) -> Result<Watch<'a, T>, SeparationError> {
+) -> Result<(), SeparationError> {
     let valid = |probability: T| probability >= T::zero() && probability < T::narrow(0.5);
     let size = |value: T| value >= T::zero() && value.is_finite();
     let satellite = |prior: &Prior<T>| valid(prior.fault) && size(prior.accuracy_m) && size(prior.bias_m);
@@ -140,8 +141,7 @@ pub(super) fn watch<'a, T: Real>(
         let prior = priors.satellites.get(index).filter(|_| row.weight > T::zero())?;
         Some((row.clock?, prior.fault))
     });
-    let modes = Modes::choose(satellites, priors.constellations, allocation).ok_or(SeparationError::Rows)?;
-    Ok(Watch { modes, allocation, share: T::one(), singular: heapless::Vec::new(), not_watched: T::zero() })
+    watch.modes.choose(satellites, watch.allocation).ok_or(SeparationError::Rows)
 }
 
 /// What is found of an epoch without the rows of a set.
@@ -153,7 +153,9 @@ fn describe<T: Real>(
     gone: Set,
     purpose: Purpose,
 ) -> Result<Finding<T>, SeparationError> {
-    watch.judge(&mut Solutions::new(view, priors), gone, purpose)
+    let mut solutions = Solutions::of(view);
+    solutions.prepare(priors);
+    watch.judge(&mut solutions, gone, purpose)
 }
 
 /// What may be left out.
@@ -231,7 +233,8 @@ fn next<T: Real>(
     left: &Options,
     limits: &Vector3<T>,
 ) -> Option<Hypothesis> {
-    let mut solutions = Solutions::without_biases(view, priors);
+    let mut solutions = Solutions::of(view);
+    solutions.prepare_without_biases(priors);
     let mut agreeing = |option: Hypothesis, least: Option<T>| {
         let taken = watch.modes.taken_by(option);
         let is_left = watch.leaves_enough(taken, 1);

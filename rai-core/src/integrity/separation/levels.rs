@@ -26,8 +26,9 @@
 //! [MAAST]: crate#references
 
 use heapless::Vec;
+use nalgebra::Vector3;
 
-use super::modes::Hypothesis;
+use super::modes::{Hypothesis, Mode};
 use crate::numeric::normal::{quantile, tail};
 use crate::numeric::real::Real;
 use crate::snapshot::infinity;
@@ -43,8 +44,11 @@ fn settled_m<T: Real>() -> T {
     T::narrow(1e-4) + T::narrow(4e3) * T::default_epsilon()
 }
 
-/// Share of `R` that all terms together are charged which are not looked at.
-const CLEAR: f64 = 1e-6;
+/// Share of `R` that all terms together are charged which are not looked at; in single precision 2e-4 more, which is 0.1 mm
+/// of a level where `σ` is 2 m.
+fn clear<T: Real>() -> T {
+    T::narrow(1e-6) + T::narrow(1.7e3) * T::default_epsilon()
+}
 
 /// Share of `R` below which a term is frozen.
 const FROZEN: f64 = 1e-5;
@@ -67,9 +71,18 @@ pub(super) struct Candidate<T> {
     pub(super) probability: T,
     /// `ln p_k`.
     pub(super) ln_probability: T,
-    pub(super) threshold_m: T,
+    /// `T_k²`, m².
+    pub(super) threshold: T,
     pub(super) variance: T,
     pub(super) hypothesis: Hypothesis,
+}
+
+impl<T: Real> Candidate<T> {
+    #[inline]
+    pub(super) fn of(mode: &Mode<T>, threshold: T, variance: T) -> Self {
+        let Mode { hypothesis, probability, ln_probability, .. } = *mode;
+        Self { probability, ln_probability, threshold, variance, hypothesis }
+    }
 }
 
 /// The sum on one axis.
@@ -86,10 +99,66 @@ pub(super) struct Axis<T> {
     reference_m: T,
 }
 
+/// Where modes are clear on every axis: [`Axis::is_clear`] of all three at once.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Gate<T> {
+    references_m: Vector3<T>,
+    /// Of east and north, and of up.
+    clear: [T; 2],
+}
+
+impl<T: Real> Gate<T> {
+    /// Of axes without risk.
+    pub(super) fn closed() -> Self {
+        Self { references_m: Vector3::repeat(infinity()), clear: [T::zero(); 2] }
+    }
+
+    pub(super) fn of(axes: &[Axis<T>; 3]) -> Self {
+        let [east, north, up] = axes;
+        // Both horizontal axes have the same risk.
+        Self {
+            references_m: Vector3::new(east.reference_m, north.reference_m, up.reference_m),
+            clear: [east.clear, up.clear],
+        }
+    }
+
+    /// Whether a mode need not be looked at, its biases being at most these.
+    #[inline(always)]
+    pub(super) fn is_clear(
+        &self,
+        mode: &Mode<T>,
+        thresholds: &Vector3<T>,
+        variance: &Vector3<T>,
+        bias_m: &Vector3<T>,
+    ) -> bool {
+        let [horizontal, vertical] = self.clear.map(|clear| {
+            let needed = clear + mode.ln_probability + mode.ln_probability;
+            if needed > T::zero() { needed } else { T::zero() }
+        });
+        // A margin below nothing leaves a rest below nothing.
+        let is_clear = |margin: T, threshold: T, spread: T| {
+            let rest = margin * margin.abs() - threshold - spread;
+            rest * rest.abs() > T::narrow(4.0) * threshold * spread
+        };
+        let margins = self.references_m - bias_m;
+        is_clear(margins.x, thresholds.x, horizontal * variance.x)
+            && is_clear(margins.y, thresholds.y, horizontal * variance.y)
+            && is_clear(margins.z, thresholds.z, vertical * variance.z)
+    }
+}
+
 /// Where a sum stands.
 struct Sum<T> {
     value: T,
     /// How fast it falls.
+    slope: T,
+    /// Its largest term.
+    dominant: Hypothesis,
+}
+
+/// Where a term stands.
+struct Share<T> {
+    value: T,
     slope: T,
 }
 
@@ -112,26 +181,37 @@ impl<T: Real> Level<T> {
 }
 
 impl<T: Real> Axis<T> {
-    /// For a risk that so many modes share, with the solution of all satellites as the first term.
-    pub(super) fn new(risk: T, modes: usize, sigma_m: T, bias_m: T) -> Self {
-        let two = T::one() + T::one();
-        let clear = risk * T::narrow(CLEAR / modes.max(1) as f64);
-        let mut axis = Self {
-            risk,
+    /// Without risk, without terms.
+    #[inline(always)]
+    pub(super) fn closed() -> Self {
+        Self {
+            risk: T::zero(),
             terms: Vec::new(),
-            frozen: risk * T::narrow(CLEAR),
-            bar: risk * T::narrow(FROZEN),
-            clear: -two * (two * clear).ln(),
-            reference_m: T::zero(),
-        };
+            frozen: T::zero(),
+            bar: T::zero(),
+            clear: T::zero(),
+            reference_m: infinity(),
+        }
+    }
+
+    /// For a risk that so many modes share, with the solution of all satellites as the first term. Without risk there is
+    /// no level, and nothing to look at.
+    pub(super) fn open(&mut self, risk: T, modes: usize, sigma_m: T, bias_m: T) {
+        self.risk = risk;
+        if !self.is_open() {
+            return;
+        }
+        let two = T::one() + T::one();
+        let each = risk * clear::<T>() / T::narrow(modes.max(1) as f64);
+        self.clear = -two * (two * each).ln();
         // There is room for the first.
-        let _ = axis.terms.push(Term {
+        let _ = self.terms.push(Term {
             probability: two,
             offset_m: bias_m,
             inverse_sigma: sigma_m.recip(),
             hypothesis: Hypothesis::NONE,
         });
-        axis
+        self.restart(T::zero());
     }
 
     /// Whether there is any risk to spend.
@@ -140,19 +220,32 @@ impl<T: Real> Axis<T> {
     }
 
     /// Whether a mode is so far below the reference that it need not be looked at, its bias being at most this.
+    ///
+    /// That is `T + √C ≤ m` with `C = u²σ²`, without a root: `m² − T² − C ≥ 0` and its square `≥ 4 T² C`.
     #[inline]
     pub(super) fn is_clear(&self, mode: &Candidate<T>, bias_m: T) -> bool {
-        let margin = self.reference_m - mode.threshold_m - bias_m;
+        let margin = self.reference_m - bias_m;
         let needed = self.clear + mode.ln_probability + mode.ln_probability;
-        margin > T::zero() && margin * margin >= needed * mode.variance
+        let spread = if needed > T::zero() { needed * mode.variance } else { T::zero() };
+        let rest = margin * margin - mode.threshold - spread;
+        margin > T::zero() && rest >= T::zero() && rest * rest >= T::narrow(4.0) * mode.threshold * spread
     }
 
-    /// Takes a mode into the sum.
-    #[inline(never)]
+    /// Takes a mode into the sum, unless it is clear.
+    #[inline]
     pub(super) fn add(&mut self, mode: &Candidate<T>, bias_m: T) {
+        if !self.is_clear(mode, bias_m) {
+            self.add_term(mode, bias_m);
+        }
+    }
+
+    #[inline(never)]
+    fn add_term(&mut self, mode: &Candidate<T>, bias_m: T) {
+        // Rounding can take a variance of nothing below nothing.
+        let threshold_m = if mode.threshold > T::zero() { mode.threshold.sqrt() } else { T::zero() };
         let term = Term {
             probability: mode.probability,
-            offset_m: mode.threshold_m + bias_m,
+            offset_m: threshold_m + bias_m,
             inverse_sigma: mode.variance.sqrt().recip(),
             hypothesis: mode.hypothesis,
         };
@@ -189,25 +282,38 @@ impl<T: Real> Axis<T> {
     }
 
     fn sum(&self, level_m: T) -> Sum<T> {
-        let mut sum = Sum { value: self.frozen, slope: T::zero() };
+        let mut sum = Sum { value: self.frozen, slope: T::zero(), dominant: Hypothesis::NONE };
+        let mut largest = T::zero();
         for term in &self.terms {
-            let Sum { value, slope } = term.at(level_m);
+            let Share { value, slope } = term.at(level_m);
             sum.value += value;
             sum.slope += slope;
+            if value > largest {
+                (largest, sum.dominant) = (value, term.hypothesis);
+            }
         }
         sum
     }
 
-    /// With the modes so far, raises the reference: more modes only raise the root.
+    /// Freezes what is small where one mode alone spends the risk.
+    pub(super) fn sort_out(&mut self) {
+        let lowest_m = self.lowest();
+        self.refer(lowest_m);
+    }
+
+    /// With the modes so far, raises the reference for those to come: more modes only raise the root.
     pub(super) fn settle(&mut self) {
-        let below_m = self.solve(self.lowest()).below_m;
+        let below_m = self.solve().below_m;
         self.refer(below_m);
     }
 
     /// Starts over with a better reference.
     pub(super) fn restart(&mut self, below_m: T) {
+        if !self.is_open() {
+            return;
+        }
         self.terms.truncate(1);
-        self.frozen = self.risk * T::narrow(CLEAR);
+        self.frozen = self.risk * clear::<T>();
         self.bar = self.risk * T::narrow(FROZEN);
         self.reference_m = below_m;
     }
@@ -241,7 +347,7 @@ impl<T: Real> Axis<T> {
 
     /// The level with all modes.
     pub(super) fn finish(&self) -> Level<T> {
-        let level = self.solve(self.reference_m);
+        let level = self.solve();
         let below_m = if level.below_m > self.reference_m { level.below_m } else { self.reference_m };
         Level { below_m, ..level }
     }
@@ -253,7 +359,10 @@ impl<T: Real> Axis<T> {
         level.distance_m.is_finite() && level.distance_m - level.below_m > limit
     }
 
-    fn solve(&self, start_m: T) -> Level<T> {
+    /// Newton's method from the reference on.
+    #[inline(never)]
+    fn solve(&self) -> Level<T> {
+        let start_m = self.reference_m;
         let unknown = Level { below_m: start_m, ..Level::none() };
         let (mut low_m, mut high) = (start_m, None);
         let mut at_m = start_m;
@@ -263,7 +372,7 @@ impl<T: Real> Axis<T> {
             let settled = settled_m::<T>() + T::narrow(16.0) * T::default_epsilon() * at_m;
             if sum.value <= self.risk {
                 let slack = self.frozen / sum.slope;
-                high = Some((at_m, slack));
+                high = Some((at_m, slack, sum.dominant));
                 // Where the sum does not fall, neither number means anything.
                 if step.abs() <= settled || at_m - low_m <= settled {
                     break;
@@ -271,24 +380,13 @@ impl<T: Real> Axis<T> {
             } else {
                 low_m = at_m;
             }
-            at_m = next(at_m, step, low_m, high.map(|(high_m, _)| high_m), settled);
+            at_m = next(at_m, step, low_m, high.map(|(high_m, ..)| high_m), settled);
         }
-        let Some((level_m, slack)) = high else { return unknown };
+        let Some((level_m, slack, dominant)) = high else { return unknown };
         // Convex beyond every offset: without what is frozen the sum would reach the risk not below this.
         let below_m = level_m - slack - T::narrow(2.0) * settled_m::<T>();
         let below_m = if slack.is_finite() && below_m > T::zero() { below_m } else { T::zero() };
-        Level { distance_m: level_m, below_m, dominant: self.dominant(level_m) }
-    }
-
-    fn dominant(&self, level_m: T) -> Hypothesis {
-        let (mut largest, mut dominant) = (T::zero(), Hypothesis::NONE);
-        for term in &self.terms {
-            let share = term.at(level_m).value;
-            if share > largest {
-                (largest, dominant) = (share, term.hypothesis);
-            }
-        }
-        dominant
+        Level { distance_m: level_m, below_m, dominant }
     }
 }
 
@@ -305,16 +403,16 @@ fn next<T: Real>(at_m: T, step: T, low_m: T, high_m: Option<T>, settled: T) -> T
 }
 
 impl<T: Real> Term<T> {
-    fn at(&self, level_m: T) -> Sum<T> {
+    fn at(&self, level_m: T) -> Share<T> {
         let distance = (level_m - self.offset_m) * self.inverse_sigma;
         if distance > T::zero() {
             let tail = tail(distance);
-            Sum {
+            Share {
                 value: self.probability * tail.probability,
                 slope: self.probability * tail.density * self.inverse_sigma,
             }
         } else {
-            Sum { value: self.probability, slope: T::zero() }
+            Share { value: self.probability, slope: T::zero() }
         }
     }
 }

@@ -8,13 +8,14 @@ use core::ops::ControlFlow;
 use heapless::Vec;
 use nalgebra::Vector3;
 
-use super::levels::{Axis, Candidate, Level};
+use super::levels::{Axis, Candidate, Gate, Level};
 use super::modes::{Mode, Modes, Set, members, row};
 use super::solutions::{Solution, Solutions};
 use super::{Finding, MAX_MODES, SeparationError};
 use crate::allocation::Allocation;
 use crate::numeric::normal::quantile;
 use crate::numeric::real::Real;
+use crate::satellite::Constellation;
 
 /// Modes that are kept in mind because the geometry cannot do without them, though enough satellites would be left.
 const SINGULAR: usize = 16;
@@ -47,7 +48,18 @@ pub(super) enum Purpose {
     Accept,
 }
 
-impl<T: Real> Watch<'_, T> {
+impl<'a, T: Real> Watch<'a, T> {
+    /// With nothing chosen yet.
+    #[inline(always)]
+    pub(super) fn nothing(constellations: [T; Constellation::COUNT], allocation: &'a Allocation) -> Self {
+        Self {
+            modes: Modes::nothing(constellations, allocation),
+            allocation,
+            share: T::one(),
+            singular: Vec::new(),
+            not_watched: T::zero(),
+        }
+    }
     /// Whether enough satellites are left without a set of rows, and are known to determine a position.
     pub(super) fn is_monitorable(&self, taken: Set) -> bool {
         self.leaves_enough(taken, 0) && !self.singular.contains(&taken)
@@ -103,7 +115,14 @@ impl<T: Real> Watch<'_, T> {
         let mut count = Count { modes: 0, unmonitorable: T::zero(), singular: false };
         let clocks = self.modes.members.iter().filter(|&&members| members & !gone != 0).count();
         let ample = ((self.modes.satellites & !gone).count_ones() as usize).saturating_sub(3 + clocks);
-        let _ = self.modes.visit(gone, &(1..=3), &|taken| self.is_monitorable(taken), &mut |mode| {
+        let mut plain = 0;
+        let mut is_counted = |taken: usize, pairs: usize| {
+            let is_ample = taken <= ample;
+            plain += if is_ample { pairs } else { 0 };
+            is_ample
+        };
+        let was_monitorable = |taken| self.is_monitorable(taken);
+        let _ = self.modes.visit_but(gone, &(1..=3), &was_monitorable, &mut is_counted, &mut |mode| {
             if mode.taken <= ample || self.leaves_enough(gone | self.modes.taken_by(mode.hypothesis), 0) {
                 count.modes += 1;
             } else {
@@ -111,6 +130,7 @@ impl<T: Real> Watch<'_, T> {
             }
             ControlFlow::Continue(())
         });
+        count.modes += plain;
         count
     }
 }
@@ -137,14 +157,22 @@ struct Pass<'p, 'a, 'v, T: Real> {
     solutions: &'p mut Solutions<'v, T>,
     gone: Set,
     modes: usize,
+    /// Modes taken, in this walk and those before.
+    taken: usize,
     skips_singular: bool,
     not_watched: T,
     factors: Vector3<T>,
     axes: [Axis<T>; 3],
+    gate: Gate<T>,
+    /// Whether the gate lets anything pass.
+    has_reference: bool,
     levels: [Level<T>; 3],
+    squared_factors: Vector3<T>,
     accuracy_m: T,
-    threshold_m: T,
+    /// The largest of a likely mode, up, squared.
+    threshold: T,
     likely: T,
+    /// A separation and its threshold, both squared.
     worst: (T, T),
     alarm: bool,
     singular: Singular<T>,
@@ -167,31 +195,37 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
         let horizontal = left * T::narrow(allocation.integrity_horizontal / 2.0);
         let whole = solutions.whole();
         let bias = if solutions.has_bias() { solutions.whole_bias() } else { Vector3::zeros() };
-        let axis = |risk: T, variance: T, bias: T| Axis::new(risk, count.modes, variance.sqrt(), bias);
         let modes = count.modes.max(1) as f64;
         let horizontal_factor = quantile(T::narrow(allocation.alarm_horizontal / (4.0 * modes)));
         let vertical_factor = quantile(T::narrow(allocation.alarm_vertical / (2.0 * modes)));
-        Self {
+        let factors = Vector3::new(horizontal_factor, horizontal_factor, vertical_factor);
+        let mut pass = Self {
             watch,
             solutions,
             gone,
             modes: count.modes,
+            taken: 0,
             skips_singular: count.singular,
             not_watched: watch.not_watched + newly,
-            factors: Vector3::new(horizontal_factor, horizontal_factor, vertical_factor),
-            axes: [
-                axis(horizontal, whole.variance.x, bias.x),
-                axis(horizontal, whole.variance.y, bias.y),
-                axis(vertical, whole.variance.z, bias.z),
-            ],
+            factors,
+            squared_factors: factors.component_mul(&factors),
+            gate: Gate::closed(),
+            has_reference: false,
+            axes: [Axis::closed(), Axis::closed(), Axis::closed()],
             levels: [Level::none(); 3],
             accuracy_m: whole.separation.z.sqrt(),
-            threshold_m: T::zero(),
+            threshold: T::zero(),
             likely: T::narrow(allocation.effective_prior * (1.0 - PRIOR_ROUNDING)),
             worst: (T::zero(), T::one()),
             alarm: false,
             singular: Singular { modes: 0, probability: T::zero(), sets: Vec::new() },
-        }
+        };
+        let [east, north, up] = &mut pass.axes;
+        east.open(horizontal, count.modes, whole.variance.x.sqrt(), bias.x);
+        north.open(horizontal, count.modes, whole.variance.y.sqrt(), bias.y);
+        up.open(vertical, count.modes, whole.variance.z.sqrt(), bias.z);
+        pass.gate = Gate::of(&pass.axes);
+        pass
     }
 
     fn run(&mut self, purpose: Purpose) -> Option<Finding<T>> {
@@ -210,6 +244,7 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
             for (axis, level) in self.axes.iter_mut().zip(&self.levels) {
                 axis.restart(level.below_m);
             }
+            self.gate = Gate::of(&self.axes);
         }
         Some(self.finding())
     }
@@ -231,35 +266,71 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
                 return;
             }
             if is_first && *sizes.end() == 1 {
-                self.axes.iter_mut().filter(|axis| axis.is_open()).for_each(Axis::settle);
+                self.settle();
             }
         }
     }
 
+    /// With singles and constellations at hand.
+    fn settle(&mut self) {
+        self.sort_out();
+        if self.taken < self.modes {
+            self.axes.iter_mut().filter(|axis| axis.is_open()).for_each(Axis::settle);
+            self.gate = Gate::of(&self.axes);
+        }
+    }
+
+    /// Looks for a reference in what one mode alone spends.
+    #[inline(never)]
+    fn sort_out(&mut self) {
+        self.axes.iter_mut().filter(|axis| axis.is_open()).for_each(Axis::sort_out);
+        self.gate = Gate::of(&self.axes);
+        self.has_reference = true;
+    }
+
+    /// Tests and thresholds by their squares: few modes need the roots.
     #[inline]
     fn take(&mut self, mode: &Mode<T>) {
         let Some(solution) = self.solutions.without(mode.hypothesis) else {
             self.note_singular(mode);
             return;
         };
-        let sigma = solution
-            .separation
-            .map(|variance| if variance > T::zero() { variance.sqrt() } else { T::zero() });
-        let threshold = sigma.component_mul(&self.factors);
-        for (shift, threshold) in solution.shift.iter().zip(&threshold) {
-            let distance = shift.abs();
-            // Written so that what is not a number alarms.
-            if !(distance <= *threshold) {
+        self.taken += 1;
+        let thresholds = solution.separation.component_mul(&self.squared_factors);
+        let distances = solution.shift.component_mul(&solution.shift);
+        let (worst, of) = self.worst;
+        // What is no worse than the worst so far alarms no more than it does. What is not a number is worse.
+        let is_worse = |distance: T, threshold: T| !(distance * of <= worst * threshold);
+        if is_worse(distances.x, thresholds.x)
+            || is_worse(distances.y, thresholds.y)
+            || is_worse(distances.z, thresholds.z)
+        {
+            self.note(&distances, &thresholds);
+        }
+        if thresholds.z > self.threshold && self.is_likely(mode) {
+            self.threshold = thresholds.z;
+        }
+        let none = Vector3::zeros();
+        if self.solutions.has_bias() {
+            self.add_biased(mode, &solution, &thresholds);
+        } else if !self.gate.is_clear(mode, &thresholds, &solution.variance, &none) {
+            self.add(mode, &solution, &thresholds, &none);
+        }
+    }
+
+    /// Takes note of the largest separation so far.
+    #[inline(never)]
+    fn note(&mut self, distances: &Vector3<T>, thresholds: &Vector3<T>) {
+        for (&distance, &threshold) in distances.iter().zip(thresholds) {
+            // Rounding can take a variance of nothing below nothing.
+            let threshold = if threshold < T::zero() { T::zero() } else { threshold };
+            if !(distance <= threshold) {
                 self.alarm = true;
             }
-            if distance * self.worst.1 > self.worst.0 * *threshold {
-                self.worst = (distance, *threshold);
+            if distance * self.worst.1 > self.worst.0 * threshold {
+                self.worst = (distance, threshold);
             }
         }
-        if threshold.z > self.threshold_m && self.is_likely(mode) {
-            self.threshold_m = threshold.z;
-        }
-        self.add(mode, &solution, &threshold);
     }
 
     fn is_likely(&self, mode: &Mode<T>) -> bool {
@@ -270,32 +341,26 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
                 >= self.likely
     }
 
-    #[inline]
-    fn add(&mut self, mode: &Mode<T>, solution: &Solution<T>, threshold: &Vector3<T>) {
-        let candidate = |(&threshold_m, &variance): (&T, &T)| Candidate {
-            probability: mode.probability,
-            ln_probability: mode.ln_probability,
-            threshold_m,
-            variance,
-            hypothesis: mode.hypothesis,
-        };
-        let has_bias = self.solutions.has_bias();
-        let bound = if has_bias { self.solutions.bias_bound() } else { Some(Vector3::zeros()) };
-        let candidates = threshold.iter().zip(&solution.variance).map(candidate);
-        let is_clear = |axis: &Axis<T>, candidate: &Candidate<T>, bias_m: T| {
-            !axis.is_open() || axis.is_clear(candidate, bias_m)
-        };
-        if let Some(bound) = &bound {
-            let mut all = self.axes.iter().zip(candidates.clone()).zip(bound);
-            if all.all(|((axis, candidate), &bias_m)| is_clear(axis, &candidate, bias_m)) {
-                return;
-            }
+    /// Adds the mode to the sums in which it may matter.
+    #[inline(never)]
+    fn add(&mut self, mode: &Mode<T>, solution: &Solution<T>, thresholds: &Vector3<T>, bias: &Vector3<T>) {
+        if !self.has_reference && mode.hypothesis.constellations == 0 {
+            self.sort_out();
         }
-        let bias = if has_bias { self.solutions.bias() } else { Vector3::zeros() };
-        for ((axis, candidate), &bias_m) in self.axes.iter_mut().zip(candidates).zip(&bias) {
-            if !is_clear(axis, &candidate, bias_m) {
-                axis.add(&candidate, bias_m);
-            }
+        let [east, north, up] = &mut self.axes;
+        let variance = &solution.variance;
+        east.add(&Candidate::of(mode, thresholds.x, variance.x), bias.x);
+        north.add(&Candidate::of(mode, thresholds.y, variance.y), bias.y);
+        up.add(&Candidate::of(mode, thresholds.z, variance.z), bias.z);
+    }
+
+    /// The same with biases, which are worked out only where a bound on them does not decide.
+    #[inline(never)]
+    fn add_biased(&mut self, mode: &Mode<T>, solution: &Solution<T>, thresholds: &Vector3<T>) {
+        let bound = self.solutions.bias_bound();
+        if !bound.is_some_and(|bound| self.gate.is_clear(mode, thresholds, &solution.variance, &bound)) {
+            let bias = self.solutions.bias();
+            self.add(mode, solution, thresholds, &bias);
         }
     }
 
@@ -326,10 +391,10 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
             not_watched: self.not_watched,
             factors: self.factors.into(),
             levels_m: self.levels.map(|level| level.distance_m),
-            effective_monitor_threshold_m: self.threshold_m,
+            effective_monitor_threshold_m: self.threshold.sqrt(),
             accuracy_m: self.accuracy_m,
             alarm: self.alarm,
-            ratio: distance / threshold,
+            ratio: (distance / threshold).sqrt(),
             dominant: self.levels.map(|level| level.dominant),
         }
     }

@@ -88,6 +88,7 @@ impl<T: Real> Modes<T> {
                 add_to(sums, size, with_loss);
             }
             self.swallows |= u8::from(nested) << id;
+            self.swallows_pairs |= u8::from(pair) << id;
             for (other, (there, &other_loss)) in alike.iter().zip(&losses).enumerate() {
                 if other != id {
                     add_to(sums, size + 1, self.healthy * (loss * there.sum));

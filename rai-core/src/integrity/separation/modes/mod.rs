@@ -33,6 +33,7 @@
 
 mod combination;
 mod consolidation;
+mod pairs;
 mod sets;
 mod visit;
 
@@ -92,6 +93,11 @@ pub(super) struct Modes<T: Real> {
     cutoff: Cutoff,
     /// Constellations whose loss takes over every fault within, a bit for each id.
     swallows: u8,
+    /// Constellations whose loss stands for every pair within, likewise.
+    swallows_pairs: u8,
+    /// Whether at most two events are listed, and constellations are alike within: what is watched of pairs then depends
+    /// on [`Self::swallows_pairs`] and on the cut alone.
+    is_regular: bool,
     /// `P_nm` as far as the choice goes.
     pub(super) not_watched: T,
 }
@@ -101,18 +107,19 @@ impl<T: Real> Modes<T> {
     ///
     /// Probabilities are in [0, 0.5); an event with probability 0 is none. `None` beyond [`ROWS`].
     pub(super) fn choose(
+        &mut self,
         satellites: impl Iterator<Item = Option<(Constellation, T)>>,
-        constellations: [T; Constellation::COUNT],
         allocation: &Allocation,
-    ) -> Option<Self> {
-        let mut modes = Self::nothing(constellations, allocation);
-        modes.gather(satellites)?;
-        let tail = modes.count_events(T::narrow(allocation.not_watched));
-        modes.cut(tail, T::narrow(allocation.not_watched));
-        Some(modes)
+    ) -> Option<()> {
+        self.gather(satellites)?;
+        let tail = self.count_events(T::narrow(allocation.not_watched));
+        self.cut(tail, T::narrow(allocation.not_watched));
+        Some(())
     }
 
-    fn nothing(constellations: [T; Constellation::COUNT], allocation: &Allocation) -> Self {
+    /// Before the choice.
+    #[inline(always)]
+    pub(super) fn nothing(constellations: [T; Constellation::COUNT], allocation: &Allocation) -> Self {
         Self {
             odds: Vec::new(),
             constellations,
@@ -127,6 +134,8 @@ impl<T: Real> Modes<T> {
             consolidation: T::narrow(allocation.consolidation),
             cutoff: Cutoff { size: 0, count: 0, events: 0 },
             swallows: 0,
+            swallows_pairs: 0,
+            is_regular: false,
             not_watched: T::zero(),
         }
     }
@@ -162,7 +171,8 @@ impl<T: Real> Modes<T> {
     }
 
     /// Everything that can go wrong, satellites first.
-    fn events(&self) -> Vec<Event<T>, { Set::BITS as usize }> {
+    #[inline(always)]
+    fn events(&self) -> impl Iterator<Item = Event<T>> {
         let satellites = self.odds.iter().enumerate().map(|(index, odds)| Event {
             rows: row(index),
             bit: row(index),
@@ -173,7 +183,7 @@ impl<T: Real> Modes<T> {
         let whole = self.constellations.iter().zip(&self.members).enumerate().map(|(id, (&odds, &rows))| {
             Event { rows, bit: event(id), size: rows.count_ones() as usize, constellation: id, odds }
         });
-        crate::bounded::gather(satellites.chain(whole).filter(|event| event.odds > T::zero()))
+        satellites.chain(whole).filter(|event| event.odds > T::zero())
     }
 
     /// `p_0`, how many events at once are listed, and the probability of more.
@@ -203,9 +213,14 @@ impl<T: Real> Modes<T> {
 
     /// Decides where watching ends.
     fn cut(&mut self, tail: T, share: T) {
-        let events = self.events();
+        let mut events = Vec::<Event<T>, { Set::BITS as usize }>::new();
+        for event in self.events() {
+            // There is room for all.
+            let _ = events.push(event);
+        }
         let mut sums = [T::zero(); ROWS + 1];
-        if self.sum_by_constellation(&mut sums).is_none() {
+        self.is_regular = self.sum_by_constellation(&mut sums).is_some();
+        if !self.is_regular {
             sums = [T::zero(); ROWS + 1];
             self.sum_one_by_one(&events, &mut sums);
         }
@@ -330,9 +345,30 @@ impl<T: Real> Modes<T> {
         was_monitorable: &impl Fn(Set) -> bool,
         visitor: &mut impl FnMut(&Mode<T>) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
-        for lost in 0..1usize << Constellation::COUNT {
-            let Some(walk) = Walk::without(self, lost, gone) else { continue };
-            walk.visit(sizes, was_monitorable, visitor)?;
+        self.visit_but(gone, sizes, was_monitorable, &mut |_, _| false, visitor)
+    }
+
+    /// As [`Self::visit`], but for modes of which it suffices to count them: of some it is asked how many rows each takes
+    /// and how many they are; they are not visited where that is all.
+    #[inline]
+    pub(super) fn visit_but(
+        &self,
+        gone: Set,
+        sizes: &RangeInclusive<usize>,
+        was_monitorable: &impl Fn(Set) -> bool,
+        is_counted: &mut impl FnMut(usize, usize) -> bool,
+        visitor: &mut impl FnMut(&Mode<T>) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        let in_view = self.members.iter().enumerate().filter(|&(_, members)| members & !gone != 0);
+        let in_view = in_view.fold(0, |set, (id, _)| set | 1 << id);
+        let most = self.limit.min(*sizes.end()) as u32;
+        // Constellations first: what they add to the levels is mostly the largest part.
+        for lost in (0..1usize << Constellation::COUNT).rev() {
+            if lost & !in_view != 0 || lost.count_ones() > most {
+                continue;
+            }
+            let walk = Walk::without(self, lost, gone);
+            walk.visit(sizes, was_monitorable, is_counted, visitor)?;
         }
         ControlFlow::Continue(())
     }

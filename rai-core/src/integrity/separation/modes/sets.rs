@@ -76,6 +76,14 @@ impl Hypothesis {
         Self { constellations, ..Self::NONE }
     }
 
+    /// Whether it is two rows and nothing else, the first of them the first of another one, which is rows alone too.
+    #[inline]
+    pub(in crate::integrity::separation) fn is_pair_after(self, other: Self) -> bool {
+        let ([first, second, third], [of_other, ..]) = (self.rows, other.rows);
+        let is_pair = second != Self::NO_ROW && third == Self::NO_ROW;
+        is_pair && first == of_other && self.constellations | other.constellations == 0
+    }
+
     pub(in crate::integrity::separation) fn slots(self) -> [usize; EVENTS] {
         self.rows.map(usize::from)
     }

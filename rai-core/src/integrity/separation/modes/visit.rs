@@ -3,6 +3,7 @@
 use core::ops::{ControlFlow, RangeInclusive};
 
 use super::Modes;
+use super::pairs::Pairs;
 use super::sets::{EVENTS, Hypothesis, NONE, Set, above, members, row};
 use crate::numeric::real::Real;
 use crate::satellite::Constellation;
@@ -21,31 +22,23 @@ pub(in crate::integrity::separation) struct Mode<T> {
 
 /// The modes that lose the same constellations.
 pub(super) struct Walk<'m, T: Real> {
-    modes: &'m Modes<T>,
-    lost: usize,
+    pub(super) modes: &'m Modes<T>,
+    pub(super) lost: usize,
     lost_rows: Set,
-    lost_count: usize,
-    gone: Set,
+    pub(super) lost_count: usize,
+    pub(super) gone: Set,
     /// What is left of each constellation.
-    members: [Set; Constellation::COUNT],
+    pub(super) members: [Set; Constellation::COUNT],
     /// Whether a few rows can be all that is left of a constellation.
     has_few: bool,
     /// Rows that can be named: of other constellations, and not alone in theirs.
-    left: Set,
+    pub(super) left: Set,
 }
 
 impl<'m, T: Real> Walk<'m, T> {
-    /// `None` where one of them is not in view, or where they are too many.
-    pub(super) fn without(modes: &'m Modes<T>, lost: usize, gone: Set) -> Option<Self> {
-        if lost.count_ones() as usize > modes.limit {
-            return None;
-        }
+    /// The constellations are in view, and no more than are lost at once.
+    pub(super) fn without(modes: &'m Modes<T>, lost: usize, gone: Set) -> Self {
         let members = modes.members.map(|members| members & !gone);
-        let in_view = members.iter().enumerate().filter(|&(_, &rows)| rows != 0);
-        let in_view = in_view.fold(0, |set, (id, _)| set | 1 << id);
-        if lost & !in_view != 0 {
-            return None;
-        }
         let lost_rows = modes.rows_of(lost) & !gone;
         // Without its only satellite a constellation is lost: that is another mode.
         let alone = members.iter().filter(|rows| rows.is_power_of_two()).fold(0, |set, rows| set | rows);
@@ -53,13 +46,14 @@ impl<'m, T: Real> Walk<'m, T> {
         let few = |rows: &Set| rows & left != 0 && rows.count_ones() as usize <= EVENTS;
         let has_few = members.iter().any(few);
         let lost_count = lost_rows.count_ones() as usize;
-        Some(Self { modes, lost, lost_rows, lost_count, gone, members, has_few, left })
+        Self { modes, lost, lost_rows, lost_count, gone, members, has_few, left }
     }
 
     pub(super) fn visit(
         &self,
         sizes: &RangeInclusive<usize>,
         was_monitorable: &impl Fn(Set) -> bool,
+        is_counted: &mut impl FnMut(usize, usize) -> bool,
         visitor: &mut impl FnMut(&Mode<T>) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
         let (lost, size, limit) = (self.lost, self.lost.count_ones() as usize, self.modes.limit);
@@ -69,6 +63,16 @@ impl<'m, T: Real> Walk<'m, T> {
         };
         if lost != 0 && sizes.contains(&size) {
             offer(size, [NONE; EVENTS])?;
+        }
+        if let Some(pairs) = Pairs::of(self) {
+            if lost == 0 && sizes.contains(&1) {
+                members(self.left).try_for_each(|first| offer(1, [first, NONE, NONE]))?;
+            }
+            return if sizes.contains(&2) {
+                pairs.visit(was_monitorable, is_counted, visitor)
+            } else {
+                ControlFlow::Continue(())
+            };
         }
         let is_wanted = |more: usize| size + more <= limit && size + more <= *sizes.end();
         for first in members(self.left).filter(|_| is_wanted(1)) {

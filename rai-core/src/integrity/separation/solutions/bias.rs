@@ -4,9 +4,9 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::super::Prior;
 use super::super::modes::ROWS;
-use super::Solutions;
-use super::elimination::{Pair, Point};
+use super::elimination::Point;
 use super::kernel::{GROUPS, group_of};
+use super::{Own, Solutions};
 use crate::numeric::real::Real;
 use crate::satellite::Constellation;
 
@@ -38,23 +38,24 @@ impl<T: Real> Solutions<'_, T> {
 
     /// Bias of the solution with all satellites.
     pub(in crate::integrity::separation) fn whole_bias(&self) -> Vector3<T> {
-        self.summed_bias(
-            0,
-            &[],
-            &Matrix3::identity(),
-            &[Vector3::zeros(); GROUPS],
-            self.view.covariance,
-            true,
-        )
+        self.summed_bias(&NOTHING, &Matrix3::identity(), &[Vector3::zeros(); GROUPS])
     }
-    /// The bias without one row.
-    pub(super) fn bias_without(&self, index: usize, column: &Vector3<T>, point: &Point<T>) -> Vector3<T> {
+
+    /// The bias without one row, all constellations in view; worked out once.
+    pub(super) fn bias_without(&mut self, index: usize, column: &Vector3<T>, point: &Point<T>) -> Vector3<T> {
+        if let Some(bias) = self.own.get(index).and_then(|own| own.alone) {
+            return bias;
+        }
         let mut steps = [Vector3::zeros(); GROUPS];
         if let Some(step) = steps.get_mut(point.group) {
             *step = column * self.level(point.group);
         }
         let turn = Matrix3::identity() + column * point.design.transpose();
-        self.summed_bias(0, &[index], &turn, &steps, self.view.covariance, true)
+        let bias = self.summed_bias(&[index, NONE, NONE], &turn, &steps);
+        if let Some(own) = self.own.get_mut(index) {
+            own.alone = Some(bias);
+        }
+        bias
     }
 
     /// A bound on the bias of the mode that was asked for last, where one is cheap: for rows of all constellations.
@@ -97,7 +98,7 @@ impl<T: Real> Solutions<'_, T> {
             *of_second -= taken.column * by_second;
             *of_first -= taken.column * by_first;
             take(of_third, &taken.design, taken.group);
-            pair = Pair { column: kept.column, factor: kept.factor, spread: kept.point.spread };
+            pair = kept.pair();
         }
         if let Some((design, group)) = point(second) {
             *of_second += pair.column;
@@ -108,34 +109,73 @@ impl<T: Real> Solutions<'_, T> {
             *of_first += taken.column;
             take(of_first, &taken.point.design, taken.point.group);
         }
-        let is_whole = self.at.constellations == 0;
         let rows = [first, second, third];
-        self.summed_bias(self.at.constellations, &rows, &turn, &steps, &self.kernel.covariance, is_whole)
+        if self.at.constellations == 0 {
+            self.summed_bias(&rows, &turn, &steps)
+        } else {
+            self.summed_bias_beyond(&rows, &turn, &steps)
+        }
     }
 
-    /// `Σ w_i b_i |Z P'd_i + s_c|` over what is left.
-    fn summed_bias(
-        &self,
-        constellations: u8,
-        out: &[usize],
-        turn: &Matrix3<T>,
-        steps: &[Vector3<T>; GROUPS],
-        covariance: &Matrix3<T>,
-        is_whole: bool,
-    ) -> Vector3<T> {
-        let turned = turn * covariance;
-        let rows = self.view.rows.iter().zip(self.view.fits).zip(&self.own).enumerate();
+    /// `Σ w_i b_i |Z P d_i + s_c|` over all rows but three, all constellations in view.
+    #[inline(never)]
+    fn summed_bias(&self, out: &[usize; 3], turn: &Matrix3<T>, steps: &[Vector3<T>; GROUPS]) -> Vector3<T> {
         let mut sum = Vector3::zeros();
-        for (index, ((row, fit), own)) in rows {
-            let group = group_of(row);
-            let is_lost = group < Constellation::COUNT && constellations >> group & 1 != 0;
-            if is_lost || out.contains(&index) {
-                continue;
+        for (index, (row, fit, own)) in self.rows().enumerate() {
+            if !is_out(out, index) {
+                sum += share(turn, &fit.gain, steps.get(group_of(row)), own);
             }
-            let step = steps.get(group).copied().unwrap_or_else(Vector3::zeros);
-            let gain = if is_whole { turn * fit.gain } else { turned * fit.centred };
-            sum += (gain + step).abs() * own.weighted_bias;
         }
         sum
     }
+
+    /// `Σ w_i b_i |Z P'd_i + s_c|` over what is left, without the constellations that the kernel has lost.
+    #[inline(never)]
+    fn summed_bias_beyond(
+        &self,
+        out: &[usize; 3],
+        turn: &Matrix3<T>,
+        steps: &[Vector3<T>; GROUPS],
+    ) -> Vector3<T> {
+        let (turned, constellations) = (turn * self.kernel.covariance, self.at.constellations);
+        let mut sum = Vector3::zeros();
+        for (index, (row, fit, own)) in self.rows().enumerate() {
+            let group = group_of(row);
+            let is_lost = group < Constellation::COUNT && constellations >> group & 1 != 0;
+            if !is_lost && !is_out(out, index) {
+                sum += share(&turned, &fit.centred, steps.get(group), own);
+            }
+        }
+        sum
+    }
+}
+
+/// In the place of a row where there is none.
+const NONE: usize = usize::MAX;
+/// No rows.
+const NOTHING: [usize; 3] = [NONE; 3];
+
+#[inline(always)]
+fn is_out(&[first, second, third]: &[usize; 3], index: usize) -> bool {
+    index == first || index == second || index == third
+}
+
+/// What one row's bias can do.
+#[inline(always)]
+fn share<T: Real>(
+    turn: &Matrix3<T>,
+    lever: &Vector3<T>,
+    step: Option<&Vector3<T>>,
+    own: &Own<T>,
+) -> Vector3<T> {
+    // Every group has its step.
+    let Some(step) = step else { return Vector3::zeros() };
+    let axis = |first: T, second: T, third: T, step: T| {
+        (first * lever.x + (second * lever.y + (third * lever.z + step))).abs() * own.weighted_bias
+    };
+    Vector3::new(
+        axis(turn.m11, turn.m12, turn.m13, step.x),
+        axis(turn.m21, turn.m22, turn.m23, step.y),
+        axis(turn.m31, turn.m32, turn.m33, step.z),
+    )
 }

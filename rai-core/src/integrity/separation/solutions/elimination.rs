@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use super::super::modes::Hypothesis;
 use super::kernel::{group_of, hardly_left};
 use super::{Solution, Solutions};
 use crate::numeric::real::Real;
@@ -39,18 +40,43 @@ pub(super) struct First<T: Real> {
 /// The second row, as the first leaves it, and the solution without both.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Second<T: Real> {
-    pub(super) point: Point<T>,
-    pub(super) towards: Vector3<T>,
-    pub(super) coupling: T,
-    pub(super) factor: T,
-    pub(super) inverse: T,
-    pub(super) direction: Vector3<T>,
-    pub(super) column: Vector3<T>,
-    pub(super) residual: T,
-    pub(super) lag: Vector3<T>,
-    pub(super) kappa: T,
-    pub(super) kappa_first: T,
+    point: Point<T>,
+    left: Beside<T>,
     pub(super) solution: Solution<T>,
+}
+
+impl<T: Real> Second<T> {
+    pub(super) fn pair(&self) -> Pair<T> {
+        Pair { column: self.left.column, factor: self.left.factor, spread: self.point.spread }
+    }
+}
+
+/// What a first row leaves of another.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Beside<T: Real> {
+    coupling: T,
+    pub(super) factor: T,
+    inverse: T,
+    direction: Vector3<T>,
+    pub(super) column: Vector3<T>,
+    residual: T,
+    lag: Vector3<T>,
+    kappa: T,
+    kappa_first: T,
+}
+
+impl<T: Real> Beside<T> {
+    #[inline(always)]
+    fn solution(&self, first: &First<T>) -> Solution<T> {
+        let two = T::one() + T::one();
+        let cross = first.column * (two * self.kappa_first) - self.lag - self.lag;
+        let Solution { variance, separation, shift } = &first.solution;
+        Solution {
+            variance: variance + self.direction.component_mul(&self.column),
+            separation: separation + self.column.component_mul(&(self.column * self.kappa + cross)),
+            shift: shift - self.column * self.residual,
+        }
+    }
 }
 
 /// What a bias needs of a pair's second row.
@@ -90,10 +116,11 @@ impl<T: Real> Tested<T> {
 }
 
 impl<T: Real> Solutions<'_, T> {
-    /// The test of a row without the first row.
+    /// The test of a row without the first row, all constellations in view.
     #[inline]
     pub(super) fn left_by_first(&self, index: usize) -> Option<Tested<T>> {
-        let Second { column, residual, kappa, .. } = self.leave_out_second(index)?;
+        let (first, point) = (self.first.as_ref()?, self.point(index)?);
+        let Beside { column, residual, kappa, .. } = self.beside(first, &point, Vector3::zeros())?;
         Some(Tested { column, residual, kappa })
     }
 
@@ -106,6 +133,7 @@ impl<T: Real> Solutions<'_, T> {
     }
 
     /// The row of the view as the kernel of all satellites sees it; `None` where it takes no part.
+    #[inline]
     pub(super) fn point(&self, index: usize) -> Option<Point<T>> {
         let (row, fit) = self.view.rows.get(index).zip(self.view.fits.get(index))?;
         let own = self.own.get(index)?;
@@ -131,6 +159,7 @@ impl<T: Real> Solutions<'_, T> {
     }
 
     /// The row without the constellations that the kernel has lost.
+    #[inline(never)]
     pub(super) fn point_beyond(&self, mut point: Point<T>) -> Point<T> {
         let kernel = &self.kernel;
         point.gain = kernel.covariance * point.design;
@@ -144,19 +173,19 @@ impl<T: Real> Solutions<'_, T> {
         point
     }
 
-    pub(super) fn leave_out_first(&self, index: usize) -> Option<First<T>> {
+    pub(super) fn leave_out_first(&mut self, index: usize) -> Option<First<T>> {
         let point = self.point_here(index)?;
         if !(point.pivot * point.weight >= hardly_left()) {
             return None;
         }
         let inverse = point.pivot.recip();
         let column = point.gain * inverse;
-        let base = &self.kernel.solution;
         let bias = if self.has_bias && self.at.constellations == 0 {
             self.bias_without(index, &column, &point)
         } else {
             Vector3::zeros()
         };
+        let base = &self.kernel.solution;
         let lean = self.kernel.leans.get(point.group).copied().unwrap_or_else(Vector3::zeros);
         Some(First {
             towards: self.kernel.gamma * point.design + lean,
@@ -174,7 +203,7 @@ impl<T: Real> Solutions<'_, T> {
     }
 
     /// `b_jk` and `κ_jk` of two rows, by what one of them is.
-    #[inline]
+    #[inline(always)]
     pub(super) fn pair(&self, one: &Point<T>, towards: &Vector3<T>, other: &Point<T>) -> (T, T) {
         let lean = self.kernel.leans.get(other.group).copied().unwrap_or_else(Vector3::zeros);
         let (mut coupling, mut kappa) = (one.design.dot(&other.gain), T::zero());
@@ -188,11 +217,10 @@ impl<T: Real> Solutions<'_, T> {
         (coupling, kappa)
     }
 
-    #[inline]
-    pub(super) fn leave_out_second(&self, index: usize) -> Option<Second<T>> {
-        let first = self.first.as_ref()?;
-        let point = self.point_here(index)?;
-        let (coupling, kappa) = self.pair(&first.point, &first.towards, &point);
+    /// What the first row leaves of another one.
+    #[inline(always)]
+    fn beside(&self, first: &First<T>, point: &Point<T>, lag: Vector3<T>) -> Option<Beside<T>> {
+        let (coupling, kappa) = self.pair(&first.point, &first.towards, point);
         let factor = -coupling * first.inverse;
         let pivot = point.pivot + factor * coupling;
         if !(pivot * point.weight >= hardly_left()) {
@@ -200,71 +228,76 @@ impl<T: Real> Solutions<'_, T> {
         }
         let inverse = pivot.recip();
         let kappa_first = kappa - factor * first.point.kappa;
-        let own_kappa = point.kappa - factor * (kappa + kappa_first);
         let direction = point.gain - first.point.gain * factor;
-        let column = direction * inverse;
-        let residual = point.residual - factor * first.point.residual;
-        let lag = point.lag - first.point.lag * factor;
-        let two = T::one() + T::one();
-        let cross = first.column * (two * kappa_first) - lag - lag;
-        Some(Second {
-            point,
-            // Only a third row asks for it.
-            towards: Vector3::zeros(),
+        Some(Beside {
             coupling,
             factor,
             inverse,
             direction,
-            column,
-            residual,
+            column: direction * inverse,
+            residual: point.residual - factor * first.point.residual,
             lag,
-            kappa: own_kappa,
+            kappa: point.kappa - factor * (kappa + kappa_first),
             kappa_first,
-            solution: Solution {
-                variance: first.solution.variance + direction.component_mul(&column),
-                separation: first.solution.separation + column.component_mul(&(column * own_kappa + cross)),
-                shift: first.solution.shift - column * residual,
-            },
         })
     }
 
-    /// As [`Self::leave_out_second`], for third rows to follow.
+    /// The solution without a pair whose first row is out already, all constellations in view: nothing lags then.
+    #[inline(always)]
+    pub(super) fn leave_out_pair(&mut self, pair: Hypothesis) -> Option<Solution<T>> {
+        let [_, second, _] = pair.slots();
+        let (first, point) = (self.first.as_ref()?, self.point(second)?);
+        let left = self.beside(first, &point, Vector3::zeros())?;
+        let solution = left.solution(first);
+        if self.has_bias {
+            self.pair = Pair { column: left.column, factor: left.factor, spread: point.spread };
+        }
+        Some(solution)
+    }
+
     #[inline(never)]
-    pub(super) fn keep_second(&self, index: usize) -> Option<Second<T>> {
-        self.leave_out_second(index)
+    pub(super) fn leave_out_second(&self, index: usize) -> Option<Second<T>> {
+        let first = self.first.as_ref()?;
+        let point = self.point_here(index)?;
+        let (coupling, _) = self.pair(&first.point, &first.towards, &point);
+        let lag = point.lag + first.point.lag * (coupling * first.inverse);
+        let left = self.beside(first, &point, lag)?;
+        let solution = left.solution(first);
+        Some(Second { point, left, solution })
     }
 
     #[inline(never)]
     pub(super) fn leave_out_third(&mut self, index: usize) -> Option<Solution<T>> {
         self.third = None;
-        let (first, mut second) = (self.first?, self.second?);
+        let (first, second) = (self.first?, self.second?);
+        let left = second.left;
         let lean = self.kernel.leans.get(second.point.group).copied().unwrap_or_else(Vector3::zeros);
-        second.towards = self.kernel.gamma * second.point.design + lean;
+        let towards_second = self.kernel.gamma * second.point.design + lean;
         let point = self.point_here(index)?;
         let (to_first, kappa_first) = self.pair(&first.point, &first.towards, &point);
-        let (to_second, kappa_second) = self.pair(&second.point, &second.towards, &point);
+        let (to_second, kappa_second) = self.pair(&second.point, &towards_second, &point);
         // What couples it to the second, the first gone.
-        let left = -to_second - second.coupling * to_first * first.inverse;
-        let factors = [-to_first * first.inverse, left * second.inverse];
+        let rest = -to_second - left.coupling * to_first * first.inverse;
+        let factors = [-to_first * first.inverse, rest * left.inverse];
         let [by_first, by_second] = factors;
-        let pivot = point.pivot + by_first * to_first - by_second * left;
+        let pivot = point.pivot + by_first * to_first - by_second * rest;
         if !(pivot * point.weight >= hardly_left()) {
             return None;
         }
-        let with_second = kappa_second - second.factor * kappa_first;
+        let with_second = kappa_second - left.factor * kappa_first;
         let two = T::one() + T::one();
         let kappa =
-            point.kappa + by_first * by_first * first.point.kappa + by_second * by_second * second.kappa
+            point.kappa + by_first * by_first * first.point.kappa + by_second * by_second * left.kappa
                 - two
                     * (by_first * kappa_first + by_second * with_second
-                        - by_first * by_second * second.kappa_first);
-        let across_first = kappa_first - by_first * first.point.kappa - by_second * second.kappa_first;
-        let across_second = with_second - by_first * second.kappa_first - by_second * second.kappa;
-        let direction = point.gain - first.point.gain * by_first - second.direction * by_second;
-        let residual = point.residual - by_first * first.point.residual - by_second * second.residual;
-        let lag = point.lag - first.point.lag * by_first - second.lag * by_second;
+                        - by_first * by_second * left.kappa_first);
+        let across_first = kappa_first - by_first * first.point.kappa - by_second * left.kappa_first;
+        let across_second = with_second - by_first * left.kappa_first - by_second * left.kappa;
+        let direction = point.gain - first.point.gain * by_first - left.direction * by_second;
+        let residual = point.residual - by_first * first.point.residual - by_second * left.residual;
+        let lag = point.lag - first.point.lag * by_first - left.lag * by_second;
         let column = direction / pivot;
-        let cross = (first.column * across_first + second.column * across_second - lag) * two;
+        let cross = (first.column * across_first + left.column * across_second - lag) * two;
         self.third = Some(Third { factors, column, design: point.design, group: point.group });
         Some(Solution {
             variance: second.solution.variance + direction.component_mul(&column),

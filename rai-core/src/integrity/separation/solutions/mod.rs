@@ -68,6 +68,8 @@ pub(super) struct Own<T> {
     pub(super) weighted_bias: T,
     /// `Σ_i |M_ji| b_i`; 0 without biases.
     spread: T,
+    /// Bias of the solution without this row alone, once it is known.
+    alone: Option<Vector3<T>>,
 }
 /// Solutions without modes; what neighbouring modes share is kept.
 pub(super) struct Solutions<'v, T: Real> {
@@ -92,21 +94,10 @@ pub(super) struct Solutions<'v, T: Real> {
     third: Option<Third<T>>,
 }
 impl<'v, T: Real> Solutions<'v, T> {
-    /// Prepares for the modes of a view.
-    pub(super) fn new(view: View<'v, T>, priors: &[Prior<T>]) -> Self {
-        let mut solutions = Self::without_biases(view, priors);
-        let has_bias =
-            |(own, prior): (&Own<T>, &Prior<T>)| prior.bias_m > T::zero() && own.weighted_bias > T::zero();
-        solutions.has_bias = solutions.own.iter().zip(priors).any(has_bias);
-        if solutions.has_bias {
-            solutions.spread_biases(priors);
-        }
-        solutions
-    }
-
-    /// As [`Self::new`], as if no satellite had a nominal bias: for tests, which know none.
-    pub(super) fn without_biases(view: View<'v, T>, priors: &[Prior<T>]) -> Self {
-        let mut solutions = Self {
+    /// Of a view, to be prepared where it is: it is large.
+    #[inline(always)]
+    pub(super) fn of(view: View<'v, T>) -> Self {
+        Self {
             view,
             own: Vec::new(),
             groups: [Group::empty(); GROUPS],
@@ -121,10 +112,26 @@ impl<'v, T: Real> Solutions<'v, T> {
             pair: Pair { column: Vector3::zeros(), factor: T::zero(), spread: T::zero() },
             second: None,
             third: None,
-        };
-        solutions.sum_up(priors);
-        solutions.describe_whole();
-        solutions
+        }
+    }
+
+    /// Prepares for the modes.
+    #[inline(never)]
+    pub(super) fn prepare(&mut self, priors: &[Prior<T>]) {
+        self.prepare_without_biases(priors);
+        let has_bias =
+            |(own, prior): (&Own<T>, &Prior<T>)| prior.bias_m > T::zero() && own.weighted_bias > T::zero();
+        self.has_bias = self.own.iter().zip(priors).any(has_bias);
+        if self.has_bias {
+            self.spread_biases(priors);
+        }
+    }
+
+    /// As [`Self::prepare`], as if no satellite had a nominal bias: for tests, which know none.
+    #[inline(never)]
+    pub(super) fn prepare_without_biases(&mut self, priors: &[Prior<T>]) {
+        self.sum_up(priors);
+        self.describe_whole();
     }
 
     /// Sums over the rows of each constellation.
@@ -137,7 +144,14 @@ impl<'v, T: Real> Solutions<'v, T> {
             let share = prior.map_or(T::one(), |prior| weight * prior.accuracy_m * prior.accuracy_m);
             let bias = prior.map_or(T::zero(), |prior| prior.bias_m);
             let pivot = if weight > T::zero() { fit.redundancy / weight } else { T::zero() };
-            let own = Own { share, pivot, kappa: T::zero(), weighted_bias: weight * bias, spread: T::zero() };
+            let own = Own {
+                share,
+                pivot,
+                kappa: T::zero(),
+                weighted_bias: weight * bias,
+                spread: T::zero(),
+                alone: None,
+            };
             // The view holds no more rows than there is room for.
             let _ = self.own.push(own);
             if !(weight > T::zero()) {
@@ -211,11 +225,20 @@ impl<'v, T: Real> Solutions<'v, T> {
     }
 
     /// The solution without a mode; `None` where what is left does not determine it.
-    #[inline]
+    #[inline(always)]
     pub(super) fn without(&mut self, hypothesis: Hypothesis) -> Option<Solution<T>> {
-        let by_algebra = self.by_algebra(hypothesis);
+        let by_algebra = if hypothesis.is_pair_after(self.at) {
+            self.at = hypothesis;
+            // Another pair than the one that was kept for its triples.
+            self.second = None;
+            self.leave_out_pair(hypothesis)
+        } else {
+            self.by_algebra(hypothesis)
+        };
         if by_algebra.is_some() {
-            self.direct = None;
+            if self.has_bias {
+                self.direct = None;
+            }
             return by_algebra;
         }
         self.direct = direct::solve(self, hypothesis);
@@ -223,7 +246,7 @@ impl<'v, T: Real> Solutions<'v, T> {
     }
 
     /// The solution without a mode; `None` where too many digits would be lost.
-    #[inline]
+    #[inline(never)]
     fn by_algebra(&mut self, hypothesis: Hypothesis) -> Option<Solution<T>> {
         let [first, second, third] = hypothesis.slots();
         if self.at.constellations != hypothesis.constellations {
@@ -249,11 +272,11 @@ impl<'v, T: Real> Solutions<'v, T> {
             // Another pair than the one that was kept for its triples.
             self.second = None;
             let taken = self.leave_out_second(second)?;
-            self.pair = Pair { column: taken.column, factor: taken.factor, spread: taken.point.spread };
+            self.pair = taken.pair();
             return Some(taken.solution);
         }
         if at_first != first || at_second != second || self.second.is_none() {
-            self.second = self.keep_second(second);
+            self.second = self.leave_out_second(second);
         }
         self.leave_out_third(third)
     }

@@ -1,0 +1,152 @@
+//! Pairs of events, where sets say which of them are watched: no pair that is not is looked at.
+//!
+//! Where constellations are alike within ([`super::Modes::is_regular`]), a pair of satellites is watched unless both are of a
+//! constellation that its loss stands for, or it comes after the cut; a constellation's loss with a satellite of another
+//! unless it comes after the cut. Each such pair is the only cause of its mode.
+
+use core::cmp::Ordering;
+use core::ops::ControlFlow;
+
+use super::sets::{Hypothesis, NONE, Set, above, event, members, row};
+use super::visit::{Mode, Walk};
+use crate::numeric::real::Real;
+
+/// The pairs among a walk's modes.
+pub(super) struct Pairs<'w, 'm, T: Real> {
+    walk: &'w Walk<'m, T>,
+}
+
+/// What all pairs with the same first event have in common.
+struct First<T> {
+    /// Its place in the hypothesis, where it is a row.
+    row: usize,
+    event: Set,
+    /// Rows that it takes with all satellites in view.
+    rows: Set,
+    /// Rows that pairs with it take of those that are left.
+    taken: usize,
+    /// `p_0 P/(1 − P)`.
+    probability: T,
+    ln_probability: T,
+}
+
+impl<'w, 'm, T: Real> Pairs<'w, 'm, T> {
+    /// `None` where modes of two events are to be looked at one by one.
+    pub(super) fn of(walk: &'w Walk<'m, T>) -> Option<Self> {
+        let lost = walk.lost;
+        // The last row of a constellation is lost with it as well as by itself.
+        let is_alone = |(id, rows): (usize, &Set)| lost >> id & 1 != 0 && rows.is_power_of_two();
+        let has_one_cause = !walk.members.iter().enumerate().any(is_alone);
+        (walk.modes.is_regular && lost.count_ones() < 2 && has_one_cause).then_some(Self { walk })
+    }
+
+    #[inline]
+    pub(super) fn visit(
+        &self,
+        was_monitorable: &impl Fn(Set) -> bool,
+        is_counted: &mut impl FnMut(usize, usize) -> bool,
+        visitor: &mut impl FnMut(&Mode<T>) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        let Walk { lost, left, .. } = *self.walk;
+        if lost != 0 {
+            let Some(first) = self.constellation() else { return ControlFlow::Continue(()) };
+            return self.visit_with(&first, left, was_monitorable, is_counted, visitor);
+        }
+        members(left).try_for_each(|index| {
+            let Some(first) = self.row(index) else { return ControlFlow::Continue(()) };
+            let others = left & above(index) & !self.swallowed_with(index);
+            self.visit_with(&first, others, was_monitorable, is_counted, visitor)
+        })
+    }
+
+    /// The lost constellation as the first event.
+    fn constellation(&self) -> Option<First<T>> {
+        let Walk { modes, lost, lost_count, .. } = *self.walk;
+        let id = lost.trailing_zeros() as usize;
+        let probability = modes.healthy * *modes.constellations.get(id)?;
+        Some(First {
+            row: NONE,
+            event: event(id),
+            rows: *modes.members.get(id)?,
+            taken: lost_count + 1,
+            probability,
+            ln_probability: probability.ln(),
+        })
+    }
+
+    fn row(&self, index: usize) -> Option<First<T>> {
+        let modes = self.walk.modes;
+        let odds = modes.odds.get(index)?;
+        Some(First {
+            row: index,
+            event: row(index),
+            rows: row(index),
+            taken: 2,
+            probability: modes.healthy * odds.odds,
+            ln_probability: modes.ln_healthy + odds.ln,
+        })
+    }
+
+    /// Rows that are watched in no pair with a row: those of its constellation, where its loss stands for such pairs, or
+    /// where both are all that is left of it.
+    fn swallowed_with(&self, index: usize) -> Set {
+        let Walk { modes, members, .. } = self.walk;
+        let fellows = modes
+            .odds
+            .get(index)
+            .and_then(|odds| Some((odds.constellation, members.get(odds.constellation)?)));
+        let Some((id, &fellows)) = fellows else { return 0 };
+        let is_swallowed = modes.swallows_pairs >> id & 1 != 0 || fellows.count_ones() == 2;
+        if is_swallowed { fellows } else { 0 }
+    }
+
+    /// Visits what is watched of the pairs with a first event.
+    #[inline]
+    fn visit_with(
+        &self,
+        first: &First<T>,
+        others: Set,
+        was_monitorable: &impl Fn(Set) -> bool,
+        is_counted: &mut impl FnMut(usize, usize) -> bool,
+        visitor: &mut impl FnMut(&Mode<T>) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        let Walk { modes, lost, gone, .. } = *self.walk;
+        let watched = self.before_the_cut(first, others);
+        if gone == 0 && is_counted(first.taken, watched.count_ones() as usize) {
+            return ControlFlow::Continue(());
+        }
+        members(watched).try_for_each(|index| {
+            let Some(odds) = modes.odds.get(index) else { return ControlFlow::Continue(()) };
+            if gone != 0 && !was_monitorable(first.rows | row(index)) {
+                return ControlFlow::Continue(());
+            }
+            let rows = if first.row == NONE { [index, NONE, NONE] } else { [first.row, index, NONE] };
+            visitor(&Mode {
+                hypothesis: Hypothesis::of(lost, rows),
+                taken: first.taken,
+                probability: first.probability * odds.odds,
+                ln_probability: first.ln_probability + odds.ln,
+            })
+        })
+    }
+
+    /// Those of some rows whose pairs with the first event come before the cut.
+    fn before_the_cut(&self, first: &First<T>, others: Set) -> Set {
+        let modes = self.walk.modes;
+        let (size, at) = (first.rows.count_ones() as usize + 1, &modes.cutoff);
+        if size != at.size || at.count != 2 {
+            return if modes.comes_before_the_cut(first.event, 2, size) { others } else { 0 };
+        }
+        // The last pair that is watched; pairs are listed as words are.
+        let (least, largest) = (at.events & at.events.wrapping_neg(), at.events & at.events.wrapping_sub(1));
+        if first.row == NONE {
+            let lesser = others & (least.wrapping_sub(1));
+            return if first.event <= largest { lesser | others & least } else { lesser };
+        }
+        match first.event.cmp(&least) {
+            Ordering::Less => others,
+            Ordering::Equal => others & (largest | (largest.wrapping_sub(1))),
+            Ordering::Greater => 0,
+        }
+    }
+}
