@@ -123,7 +123,7 @@ impl<T: Real> Gate<T> {
     }
 
     /// Whether a mode need not be looked at, its biases being at most these.
-    #[inline(always)]
+    #[inline]
     pub(super) fn is_clear(
         &self,
         mode: &Mode<T>,
@@ -182,7 +182,7 @@ impl<T: Real> Level<T> {
 
 impl<T: Real> Axis<T> {
     /// Without risk, without terms.
-    #[inline(always)]
+    #[inline]
     pub(super) fn closed() -> Self {
         Self {
             risk: T::zero(),

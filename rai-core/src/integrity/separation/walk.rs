@@ -50,7 +50,7 @@ pub(super) enum Purpose {
 
 impl<'a, T: Real> Watch<'a, T> {
     /// With nothing chosen yet.
-    #[inline(always)]
+    #[inline]
     pub(super) fn nothing(constellations: [T; Constellation::COUNT], allocation: &'a Allocation) -> Self {
         Self {
             modes: Modes::nothing(constellations, allocation),

@@ -118,7 +118,7 @@ impl<T: Real> Modes<T> {
     }
 
     /// Before the choice.
-    #[inline(always)]
+    #[inline]
     pub(super) fn nothing(constellations: [T; Constellation::COUNT], allocation: &Allocation) -> Self {
         Self {
             odds: Vec::new(),
@@ -171,7 +171,7 @@ impl<T: Real> Modes<T> {
     }
 
     /// Everything that can go wrong, satellites first.
-    #[inline(always)]
+    #[inline]
     fn events(&self) -> impl Iterator<Item = Event<T>> {
         let satellites = self.odds.iter().enumerate().map(|(index, odds)| Event {
             rows: row(index),

@@ -155,13 +155,13 @@ const NONE: usize = usize::MAX;
 /// No rows.
 const NOTHING: [usize; 3] = [NONE; 3];
 
-#[inline(always)]
+#[inline]
 fn is_out(&[first, second, third]: &[usize; 3], index: usize) -> bool {
     index == first || index == second || index == third
 }
 
 /// What one row's bias can do.
-#[inline(always)]
+#[inline]
 fn share<T: Real>(
     turn: &Matrix3<T>,
     lever: &Vector3<T>,

@@ -66,7 +66,7 @@ pub(super) struct Beside<T: Real> {
 }
 
 impl<T: Real> Beside<T> {
-    #[inline(always)]
+    #[inline]
     fn solution(&self, first: &First<T>) -> Solution<T> {
         let two = T::one() + T::one();
         let cross = first.column * (two * self.kappa_first) - self.lag - self.lag;
@@ -203,7 +203,7 @@ impl<T: Real> Solutions<'_, T> {
     }
 
     /// `b_jk` and `κ_jk` of two rows, by what one of them is.
-    #[inline(always)]
+    #[inline]
     pub(super) fn pair(&self, one: &Point<T>, towards: &Vector3<T>, other: &Point<T>) -> (T, T) {
         let lean = self.kernel.leans.get(other.group).copied().unwrap_or_else(Vector3::zeros);
         let (mut coupling, mut kappa) = (one.design.dot(&other.gain), T::zero());
@@ -218,7 +218,7 @@ impl<T: Real> Solutions<'_, T> {
     }
 
     /// What the first row leaves of another one.
-    #[inline(always)]
+    #[inline]
     fn beside(&self, first: &First<T>, point: &Point<T>, lag: Vector3<T>) -> Option<Beside<T>> {
         let (coupling, kappa) = self.pair(&first.point, &first.towards, point);
         let factor = -coupling * first.inverse;
@@ -243,7 +243,7 @@ impl<T: Real> Solutions<'_, T> {
     }
 
     /// The solution without a pair whose first row is out already, all constellations in view: nothing lags then.
-    #[inline(always)]
+    #[inline]
     pub(super) fn leave_out_pair(&mut self, pair: Hypothesis) -> Option<Solution<T>> {
         let [_, second, _] = pair.slots();
         let (first, point) = (self.first.as_ref()?, self.point(second)?);

@@ -95,7 +95,7 @@ pub(super) struct Solutions<'v, T: Real> {
 }
 impl<'v, T: Real> Solutions<'v, T> {
     /// Of a view, to be prepared where it is: it is large.
-    #[inline(always)]
+    #[inline]
     pub(super) fn of(view: View<'v, T>) -> Self {
         Self {
             view,
@@ -225,7 +225,7 @@ impl<'v, T: Real> Solutions<'v, T> {
     }
 
     /// The solution without a mode; `None` where what is left does not determine it.
-    #[inline(always)]
+    #[inline]
     pub(super) fn without(&mut self, hypothesis: Hypothesis) -> Option<Solution<T>> {
         let by_algebra = if hypothesis.is_pair_after(self.at) {
             self.at = hypothesis;
