@@ -12,6 +12,7 @@
 //! | [`sky`] | simulated skies: orbits, noise, receiver clock |
 //! | [`measurement`] | what a receiver measured and satellites broadcast, before any wire format |
 //! | [`recording`], [`sample`] | RINEX 2, 3 and 4; a small real recording for whoever has none |
+//! | [`capture`] | what a receiver sent: UBX and RTCM 3, cut into epochs |
 //! | [`fault`] | steps, ramps, outages, clock jumps, around any source |
 //! | [`encode`] | raw epochs and ephemerides to RTCM 3 |
 //! | [`image`](mod@image), [`board`] | the firmware's image; the chip in the emulator: start, feed, read, stop |
@@ -65,6 +66,7 @@ pub mod attack;
 pub mod bench;
 pub mod board;
 pub mod capi;
+pub mod capture;
 pub mod chi_square;
 pub mod clock_models;
 pub mod dashboard;

@@ -1,4 +1,4 @@
-//! `cargo xtask replay`: a recording through the module.
+//! `cargo xtask replay`: a recording, or a capture of a receiver, through the module.
 
 use std::fs::{self, File};
 use std::io::BufWriter;
@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail, ensure};
 use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressStyle};
+use tests_host::capture::{self, Capture, Orbits};
 use tests_host::encode::{Frequency, Selection};
 use tests_host::fault::Fault;
 use tests_host::recording::Recording;
@@ -22,6 +23,9 @@ pub(crate) enum Place {
     /// On the emulated board, and in process for comparison.
     Board,
 }
+
+/// Systems that are used unless others are asked for.
+const SYSTEMS: &str = "GCE";
 
 /// How many frequencies the module gets to see.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -43,11 +47,15 @@ const METHODS: [&str; 8] =
 /// Arguments of the command.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// Observation files: RINEX 2, 3 or 4; plain, gz, crx or crx.gz.
-    #[arg(long, num_args = 1.., value_name = "FILE", required_unless_present = "sample")]
+    /// What a receiver sent, UBX or RTCM 3, with text in between or not: a file (.ubx, .rtcm3, any; gz too), - for
+    /// standard input, tcp://HOST:PORT, or serial:PATH@BAUD. The last two need --to.
+    #[arg(value_name = "CAPTURE", conflicts_with_all = ["obs", "sample"])]
+    capture: Option<String>,
+    /// Observation files instead of a capture: RINEX 2, 3 or 4; plain, gz, crx or crx.gz.
+    #[arg(long, num_args = 1.., value_name = "FILE")]
     obs: Vec<PathBuf>,
-    /// Navigation files of the same time.
-    #[arg(long, num_args = 1.., value_name = "FILE", required_unless_present = "sample")]
+    /// Navigation files of the same time. A capture needs none, and takes from them what it lacks.
+    #[arg(long, num_args = 1.., value_name = "FILE")]
     nav: Vec<PathBuf>,
     /// Fetch a small real recording (60 s, Kamakura, Japan) and use it.
     #[arg(long, conflicts_with_all = ["obs", "nav"])]
@@ -58,9 +66,9 @@ pub(crate) struct Arguments {
     /// Where the antenna was when: a table whose heading names week,tow and `x_m,y_m,z_m` or `lat_deg,lon_deg,height_m`.
     #[arg(long, value_name = "FILE")]
     truth_csv: Option<PathBuf>,
-    /// Systems to use: G (GPS), C (`BeiDou`), E (Galileo).
-    #[arg(long, default_value = "GCE", value_name = "LETTERS")]
-    systems: String,
+    /// Systems to use: G (GPS), C (`BeiDou`), E (Galileo); all three unless given. Of a capture also R (GLONASS).
+    #[arg(long, value_name = "LETTERS")]
+    systems: Option<String>,
     /// Frequencies to use.
     #[arg(long, value_enum, default_value = "dual")]
     frequency: Frequencies,
@@ -82,15 +90,16 @@ pub(crate) struct Arguments {
     /// Least time between epochs, s.
     #[arg(long, default_value_t = 0.0, value_name = "S", value_parser = not_negative, allow_negative_numbers = true)]
     every: f64,
-    /// Phase of flight: sets the alert limits. CUSTOM needs --set HAL=METRES.
-    #[arg(long, default_value = "NPA", ignore_case = true, value_parser = PHASES)]
-    phase: String,
-    /// Threshold of the test: from the false alarms, from the missed detections, or least cost of both.
-    #[arg(long, default_value = "T1", ignore_case = true, value_parser = POLICIES)]
-    policy: String,
-    /// How a faulty satellite is found.
-    #[arg(long, default_value = "BAARDA", ignore_case = true, value_parser = METHODS)]
-    method: String,
+    /// Phase of flight: sets the alert limits. CUSTOM needs --set HAL=METRES. Unless given, as the module starts: NPA.
+    #[arg(long, ignore_case = true, value_parser = PHASES)]
+    phase: Option<String>,
+    /// Threshold of the test: from the false alarms, from the missed detections, or least cost of both. Unless given, as
+    /// the module starts: T1.
+    #[arg(long, ignore_case = true, value_parser = POLICIES)]
+    policy: Option<String>,
+    /// How a faulty satellite is found. Unless given, as the module starts: AUTO.
+    #[arg(long, ignore_case = true, value_parser = METHODS)]
+    method: Option<String>,
     /// Any other setting of the module, such as HAL=40 or MASK=5; repeatable, in this order.
     #[arg(long, value_name = "KEY=VALUE")]
     set: Vec<String>,
@@ -103,7 +112,7 @@ pub(crate) struct Arguments {
     /// Write the sentences.
     #[arg(long, value_name = "FILE")]
     nmea: Option<PathBuf>,
-    /// Write the RTCM stream.
+    /// Write the stream that the module heard: RTCM, or what is left of the capture, with the faults in it.
     #[arg(long, value_name = "FILE")]
     rtcm: Option<PathBuf>,
     /// Write an HTML report with plots into this folder.
@@ -113,65 +122,140 @@ pub(crate) struct Arguments {
 
 /// What to replay, read and checked.
 struct Source {
-    recording: Recording,
+    lumps: Vec<Lump>,
+    /// Coefficients of the ionosphere that the module is told.
+    klobuchar: Option<[f64; 8]>,
+    /// Records that could not be read.
+    malformed: u64,
     truth: Option<Truth>,
     faults: Vec<Fault>,
+    /// What a capture lacks for a position.
+    missing: Option<String>,
 }
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
-    let window = Window { from_s: arguments.from, to_s: arguments.to, every_s: arguments.every };
-    let frequency = match arguments.frequency {
-        Frequencies::Dual => Frequency::Dual,
-        Frequencies::Single => Frequency::Single,
-    };
-    let selection = Selection::new(&arguments.systems, frequency).context("--systems")?;
-    let source = source(arguments, &selection)?;
-    let lumps = replay::encode(&source.recording, &selection, &source.faults, &window)?;
-    let commands = commands(arguments, &source.recording)?;
+    let source = source(arguments)?;
+    let Source { lumps, faults, .. } = &source;
+    let commands = commands(arguments, source.klobuchar)?;
 
-    let host = replay::on_host(&lumps, &commands, Pace::Recorded, progress(&lumps, "on the host"))?;
+    let host = replay::on_host(lumps, &commands, Pace::Recorded, progress(lumps, "on the host"))?;
     let on_board = match arguments.on {
         Place::Host => None,
-        Place::Board => Some(run_on_board(&lumps, &commands)?),
+        Place::Board => Some(run_on_board(lumps, &commands)?),
     };
     let identical = on_board.as_ref().map(|(host, board)| board.sentences == host.sentences());
     let board = on_board.map(|(_, board)| board);
-    let track = replay::track(&lumps, &host, source.truth.as_ref())?;
+    let track = replay::track(lumps, &host, source.truth.as_ref())?;
     let counters = host.counters.iter().filter(|(_, count)| *count > 0).cloned().collect();
     let summary = Summary {
         host_target_identical: identical,
-        malformed: source.recording.malformed,
+        malformed: source.malformed,
         counters,
-        ..Summary::of(&track, &source.faults, source.truth.is_some())
+        ..Summary::of(&track, faults, source.truth.is_some())
     };
-    write_files(arguments, &lumps, &host, &track)?;
+    write_files(arguments, lumps, &host, &track)?;
     if let Some(folder) = &arguments.report {
-        let path = replay::write_report(folder, &track, &source.faults, &summary)?;
+        let path = replay::write_report(folder, &track, faults, &summary)?;
         eprintln!("report: {}", path.display());
     }
-    print(arguments, &summary, board.as_ref())?;
+    print(arguments, &summary, board.as_ref(), source.missing.as_deref())?;
     ensure!(identical != Some(false), "the board's sentences differ from the host's");
     Ok(())
 }
 
-fn source(arguments: &Arguments, selection: &Selection) -> Result<Source> {
-    let mut truth = match (&arguments.truth, &arguments.truth_csv) {
+fn source(arguments: &Arguments) -> Result<Source> {
+    let truth = match (&arguments.truth, &arguments.truth_csv) {
         (Some(text), _) => Some(Truth::parse(text).context("--truth")?),
         (None, Some(path)) => Some(Truth::from_csv(path).context("--truth-csv")?),
         (None, None) => None,
     };
     let steps = arguments.inject.iter().map(|text| Fault::parse_inject(text));
     let ramps = arguments.ramp.iter().map(|text| Fault::parse_ramp(text));
-    let faults = steps.chain(ramps).collect::<Result<_, _>>()?;
+    let faults: Vec<Fault> = steps.chain(ramps).collect::<Result<_, _>>()?;
+    let window = Window { from_s: arguments.from, to_s: arguments.to, every_s: arguments.every };
+    let has_files = !arguments.obs.is_empty() && !arguments.nav.is_empty();
+    ensure!(
+        arguments.capture.is_some() || arguments.sample || has_files,
+        "give a CAPTURE of a receiver, or both --obs FILE and --nav FILE, or --sample"
+    );
+    match &arguments.capture {
+        Some(name) => of_capture(arguments, name, truth, faults, &window),
+        None => of_recording(arguments, truth, faults, &window),
+    }
+}
+
+/// RINEX, as RTCM.
+fn of_recording(
+    arguments: &Arguments,
+    mut truth: Option<Truth>,
+    faults: Vec<Fault>,
+    window: &Window,
+) -> Result<Source> {
+    let selection = selection(arguments, arguments.systems.as_deref().unwrap_or(SYSTEMS))?;
     let recording = if arguments.sample {
         let sample = sample::fetch(Path::new("target"))?;
         truth = truth.or(Some(Truth::Fixed(sample.truth)));
         Recording::load_of(&[sample.observations], &[sample.navigation], &selection.systems)?
     } else {
-        Recording::load_of(&arguments.obs, &arguments.nav, &selection.systems)?
+        let loaded = Recording::load_of(&arguments.obs, &arguments.nav, &selection.systems);
+        match (loaded.as_ref().err().and_then(|_| capture_among(arguments)), loaded) {
+            (Some(path), _) => {
+                bail!(
+                    "{path} is a capture of a receiver and no RINEX: give it alone, cargo xtask replay {path}"
+                )
+            }
+            (None, loaded) => loaded?,
+        }
     };
-    Ok(Source { recording, truth, faults })
+    let lumps = replay::encode(&recording, &selection, &faults, window)?;
+    let (klobuchar, malformed) = (recording.klobuchar, recording.malformed);
+    Ok(Source { lumps, klobuchar, malformed, truth, faults, missing: None })
+}
+
+/// The bytes of a receiver, as they came.
+fn of_capture(
+    arguments: &Arguments,
+    name: &str,
+    truth: Option<Truth>,
+    faults: Vec<Fault>,
+    window: &Window,
+) -> Result<Source> {
+    let is_here = Path::new(name).is_file();
+    if !is_here && arguments.to.is_finite() {
+        eprintln!("taking {} s from {name}", arguments.to);
+    }
+    let bytes = capture::read(name, arguments.to).with_context(|| name.to_owned())?;
+    // What a navigation file may add: GLONASS is not among it.
+    let systems = arguments.systems.as_deref().unwrap_or(SYSTEMS).replace('R', "");
+    let orbits = match arguments.nav.as_slice() {
+        [] => None,
+        files => Some(Orbits::load(files, &selection(arguments, &systems)?)?),
+    };
+    let capture = Capture::of(bytes, orbits).with_context(|| name.to_owned())?;
+    let prepared = capture.lumps(&faults, window)?;
+    let missing = capture.missing();
+    if !arguments.json {
+        eprintln!("{name}: {}", capture.content());
+        if let Some(missing) = &missing {
+            eprintln!("note: {missing}");
+        }
+    }
+    Ok(Source { lumps: prepared.lumps, klobuchar: prepared.klobuchar, malformed: 0, truth, faults, missing })
+}
+
+fn selection(arguments: &Arguments, systems: &str) -> Result<Selection> {
+    let frequency = match arguments.frequency {
+        Frequencies::Dual => Frequency::Dual,
+        Frequencies::Single => Frequency::Single,
+    };
+    Selection::new(systems, frequency).context("--systems")
+}
+
+/// The first of the files given as RINEX that is a capture.
+fn capture_among(arguments: &Arguments) -> Option<String> {
+    let mut files = arguments.obs.iter().chain(&arguments.nav);
+    files.find(|path| capture::is_capture(path)).map(|path| path.display().to_string())
 }
 
 /// A number of seconds that time can have.
@@ -180,14 +264,19 @@ fn not_negative(text: &str) -> Result<f64, String> {
     if seconds >= 0.0 { Ok(seconds) } else { Err("seconds are not negative".to_owned()) }
 }
 
-/// Commands that configure the module as asked.
-fn commands(arguments: &Arguments, recording: &Recording) -> Result<Vec<String>> {
-    let mut setup = vec![
-        format!("PHASE,{}", arguments.phase),
-        format!("POLICY,{}", arguments.policy),
-        format!("METHOD,{}", arguments.method),
-    ];
-    if let Some(coefficients) = recording.klobuchar {
+/// Commands that configure the module as asked; what is not asked for stays as the module starts.
+fn commands(arguments: &Arguments, klobuchar: Option<[f64; 8]>) -> Result<Vec<String>> {
+    let given = [("PHASE", &arguments.phase), ("POLICY", &arguments.policy), ("METHOD", &arguments.method)];
+    let mut setup: Vec<String> = given
+        .iter()
+        .filter_map(|(key, value)| value.as_ref().map(|value| format!("{key},{value}")))
+        .collect();
+    // Of a recording only what is asked for is sent; a capture holds what it holds, and the module chooses.
+    if arguments.capture.is_some() {
+        setup.extend(arguments.systems.as_ref().map(|letters| format!("SYSTEMS,{letters}")));
+        setup.extend((arguments.frequency == Frequencies::Single).then(|| "FREQ,SINGLE".to_owned()));
+    }
+    if let Some(coefficients) = klobuchar {
         let numbers: Vec<String> = coefficients.iter().map(|value| format!("{value:e}")).collect();
         setup.push(format!("IONO,{}", numbers.join(",")));
     }
@@ -198,7 +287,7 @@ fn commands(arguments: &Arguments, recording: &Recording) -> Result<Vec<String>>
     }
     let has_limit = setup.iter().any(|command| command.starts_with("HAL,"));
     ensure!(
-        arguments.phase != "CUSTOM" || has_limit,
+        arguments.phase.as_deref() != Some("CUSTOM") || has_limit,
         "--phase CUSTOM has no limits of its own: give --set HAL=METRES"
     );
     Ok(setup)
@@ -246,7 +335,12 @@ fn write_files(arguments: &Arguments, lumps: &[Lump], host: &HostRun, track: &Tr
     Ok(())
 }
 
-fn print(arguments: &Arguments, summary: &Summary, board: Option<&BoardRun>) -> Result<()> {
+fn print(
+    arguments: &Arguments,
+    summary: &Summary,
+    board: Option<&BoardRun>,
+    missing: Option<&str>,
+) -> Result<()> {
     if arguments.json {
         println!("{}", serde_json::to_string_pretty(summary)?);
     } else {
@@ -258,6 +352,14 @@ fn print(arguments: &Arguments, summary: &Summary, board: Option<&BoardRun>) -> 
     }
     if let Some(board) = board.filter(|_| !arguments.json) {
         print_board(board);
+    }
+    if let (0, Some(missing)) = (summary.fixes, missing) {
+        bail!("no epoch gave a position: {missing}");
+    }
+    if summary.fixes == 0 && arguments.capture.is_some() {
+        bail!(
+            "no epoch gave a position: is the capture long enough for ephemerides to come (30 s to a minute), or is --nav of its day there?"
+        );
     }
     if summary.fixes == 0 {
         bail!("no epoch gave a position: are --systems and the navigation file those of the recording?");

@@ -4,6 +4,7 @@ use anyhow::{Context, Result, ensure};
 use rai_firmware::receiver::{Boot, Receiver};
 
 use super::lumps::{Lump, interval_s};
+use super::pieces;
 use crate::pin::Pin;
 use crate::sentence;
 
@@ -67,6 +68,9 @@ impl HostRun {
 /// Least time between two looks at a silent line, ms: what the module asks for.
 const TICK_MS: u64 = 100;
 
+/// A pause after which the module waits for the rest of a frame no more, ms.
+const QUIET_MS: u64 = 500;
+
 /// How much longer than usual an interval is that counts as a silence.
 const SILENCE: f64 = 1.5;
 
@@ -116,7 +120,11 @@ impl Module {
     /// What it says of an epoch. Where it says nothing, because no range came, the last verdict stands until it is stale.
     fn hear(&mut self, lump: &Lump) -> Result<String> {
         let mut said = Vec::new();
-        self.0.gnss(&lump.bytes, ms(lump.elapsed_s), &mut said);
+        let is_judged = self.0.gnss(&lump.bytes, ms(lump.elapsed_s), &mut said);
+        if !is_judged && pieces::have_ranges(&lump.bytes) {
+            // Noise that looks like the beginning of a frame holds the epoch back until the line falls silent.
+            self.0.tick(ms(lump.elapsed_s) + QUIET_MS, &mut said);
+        }
         let text = String::from_utf8(said)?;
         if let Some(epoch) = sentence::epochs(&text)?.last() {
             let agree = self.0.pin().high == epoch.state.is_protected();

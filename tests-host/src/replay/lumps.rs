@@ -24,14 +24,14 @@ impl Window {
     pub const ALL: Self = Self { from_s: 0.0, to_s: f64::INFINITY, every_s: 0.0 };
 }
 
-/// The RTCM of one epoch.
+/// The bytes of one epoch.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lump {
     /// Time tag of the epoch.
     pub time: GpsTime,
     /// Seconds after the first epoch of the recording.
     pub elapsed_s: f64,
-    /// Ephemerides that have become known, then ranges.
+    /// Ephemerides that have become known, then ranges, in any format that the module reads.
     pub bytes: Vec<u8>,
 }
 

@@ -1,10 +1,10 @@
 //! A recording through the module, and what came of it.
 //!
 //! ```text
-//! recording ─► lumps (window, faults, RTCM) ─► on the host │ on the board ─► sentences ─► track ─► summary, CSV, report
+//! recording, capture ─► lumps (window, faults) ─► on the host │ on the board ─► sentences ─► track ─► summary, CSV, report
 //! ```
 //!
-//! One lump is the RTCM of one epoch. Time runs as it was recorded: where epochs are missing the line is silent, and the
+//! One lump is the bytes of one epoch: the RTCM that a recording becomes, or what a receiver sent ([`crate::capture`]). Time runs as it was recorded: where epochs are missing the line is silent, and the
 //! module is left to notice. The host runs the firmware's library in process; the board is the emulated
 //! chip. Both get the same bytes and both are read only through their sentences, so that they can be compared byte
 //! for byte; the board is fed the next lump when it has spoken of the last one, and knows no silence.
@@ -13,6 +13,7 @@ mod corrected;
 mod host;
 mod lumps;
 mod page;
+pub mod pieces;
 mod summary;
 mod target;
 mod track;

@@ -14,7 +14,7 @@ use super::{HostRun, Lump};
 use crate::sentence::{self, EpochOutput};
 
 /// One epoch of a run.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Moment {
     /// Its time tag.
     pub time: GpsTime,

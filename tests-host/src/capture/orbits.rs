@@ -1,0 +1,134 @@
+//! Ephemerides of RINEX navigation files, for where a capture has none.
+//!
+//! A capture's own ephemerides go before: a satellite of which it has said one lately gets none from the files.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use anyhow::{Context, Result, ensure};
+use rai_core::satellite::SatelliteId;
+use rai_firmware::ephemeris::Ephemeris;
+use rai_firmware::time::GpsTime;
+
+use crate::encode::{Encoder, Selection};
+use crate::measurement::{MeasuredEpoch, TimedEphemeris};
+use crate::recording::{Recording, readable};
+
+/// How far from its reference time an ephemeris is of use, ms: 4 h.
+const USEFUL_MS: i64 = 4 * 3_600_000;
+
+/// How far from its reference time a capture's own ephemeris leaves no room for another, ms: 2 h.
+const LATELY_MS: u64 = 2 * 3_600_000;
+
+/// Observations of no receiver, from the beginning of GPS time to its end: files are read together with some.
+const ALL_TIMES: &str = "     3.04           OBSERVATION DATA    G                   RINEX VERSION / TYPE
+G    1 C1C                                                  SYS / # / OBS TYPES
+                                                            END OF HEADER
+> 1980 01 06 00 00  0.0000000  0  1
+G01  20000000.000
+> 2079 01 01 00 00  0.0000000  0  1
+G01  20000000.000
+";
+
+/// What navigation files say.
+pub struct Orbits {
+    ephemerides: Vec<TimedEphemeris>,
+    /// GPS coefficients of the ionosphere, `α0…α3, β0…β3`.
+    pub klobuchar: Option<[f64; 8]>,
+    selection: Selection,
+}
+
+impl Orbits {
+    /// Reads the files, of which the selected systems are taken.
+    ///
+    /// # Errors
+    /// A file that cannot be read or holds no ephemeris, by name.
+    pub fn load(files: &[PathBuf], selection: &Selection) -> Result<Self> {
+        static CALLS: AtomicUsize = AtomicUsize::new(0);
+        let (process, call) = (std::process::id(), CALLS.fetch_add(1, Ordering::Relaxed));
+        let folder = std::env::temp_dir().join(format!("rai-orbits-{process}-{call}"));
+        std::fs::create_dir_all(&folder)?;
+        let observations = folder.join("all_times.obs");
+        std::fs::write(&observations, ALL_TIMES)?;
+        let recording = Recording::load_of(&[observations], files, &selection.systems);
+        std::fs::remove_dir_all(&folder)?;
+        let Recording { ephemerides, klobuchar, .. } = recording?;
+        Ok(Self { ephemerides, klobuchar, selection: selection.clone() })
+    }
+
+    /// The satellites that they are of.
+    pub fn satellites(&self) -> BTreeSet<SatelliteId> {
+        self.ephemerides.iter().map(|ephemeris| ephemeris.satellite).collect()
+    }
+
+    /// One ephemeris, which says the week.
+    pub(super) fn week(&self) -> Result<Vec<u8>> {
+        let first = self.ephemerides.first().context("no ephemeris")?;
+        Encoder::new(std::slice::from_ref(first), self.selection.clone()).epoch(&nothing(first.toe))
+    }
+
+    /// That some of it is of the time of the capture.
+    pub(super) fn check(&self, first: GpsTime, last: GpsTime) -> Result<()> {
+        let toes = || self.ephemerides.iter().map(|ephemeris| ephemeris.toe);
+        let is_useful = |toe: GpsTime| toe.since_ms(first) > -USEFUL_MS && toe.since_ms(last) < USEFUL_MS;
+        ensure!(
+            toes().any(is_useful),
+            "no ephemeris is of the time of the capture ({} to {}), all are for {} to {}; take the navigation file of that day",
+            readable(first),
+            readable(last),
+            toes().min().map_or_else(String::new, readable),
+            toes().max().map_or_else(String::new, readable),
+        );
+        Ok(())
+    }
+
+    /// What of it is sent when.
+    pub(super) fn feeder(&self) -> Feeder {
+        let mut by_satellite: BTreeMap<SatelliteId, Vec<TimedEphemeris>> = BTreeMap::new();
+        for ephemeris in &self.ephemerides {
+            by_satellite.entry(ephemeris.satellite).or_default().push(ephemeris.clone());
+        }
+        let encoders = by_satellite
+            .into_iter()
+            .map(|(satellite, known)| (satellite, Encoder::new(&known, self.selection.clone())))
+            .collect();
+        Feeder { encoders, own: BTreeMap::new(), has_begun: false }
+    }
+}
+
+/// An instant at which nothing is measured.
+const fn nothing(time: GpsTime) -> MeasuredEpoch {
+    MeasuredEpoch { time, satellites: Vec::new() }
+}
+
+/// Ephemerides in the order of time.
+pub(super) struct Feeder {
+    encoders: Vec<(SatelliteId, Encoder)>,
+    /// Reference times of what the capture has said last.
+    own: BTreeMap<SatelliteId, GpsTime>,
+    has_begun: bool,
+}
+
+impl Feeder {
+    /// The capture says this one.
+    pub(super) fn hear(&mut self, ephemeris: &Ephemeris) {
+        self.own.insert(ephemeris.satellite(), ephemeris.toe());
+    }
+
+    /// What is to be sent before an epoch. The first one gets all, since they say the week.
+    pub(super) fn before(&mut self, time: GpsTime) -> Result<Vec<u8>> {
+        let Self { encoders, own, has_begun } = self;
+        let mut bytes = Vec::new();
+        for (satellite, encoder) in encoders {
+            let news = encoder.epoch(&nothing(time))?;
+            let is_known =
+                own.get(satellite).is_some_and(|toe| toe.since_ms(time).unsigned_abs() <= LATELY_MS);
+            if !(*has_begun && is_known) {
+                bytes.extend(news);
+            }
+        }
+        *has_begun = true;
+        Ok(bytes)
+    }
+}

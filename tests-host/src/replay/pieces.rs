@@ -1,0 +1,187 @@
+//! A stream in pieces: frames whose check is right, lines of text, and what is neither.
+//!
+//! ```text
+//! UBX      B5 62 | class | id | length (16 bit) | payload | sums over all from class on (2 × 8 bit)
+//! RTCM 3   D3 | 000000 | length (10 bit) | payload | CRC-24Q over all before (24 bit)
+//! text     $ or ! | printable | * | two digits, the exclusive or of all between | CR LF
+//! ```
+//!
+//! The module's own framer is not asked: it passes text over, and this is a second opinion on where frames are.
+//! References: [RTCM-10403.3] 4; u-blox F9 HPG 1.32 interface description 3.2 and 3.4.
+//!
+//! [RTCM-10403.3]: crate#references
+
+/// The longest line of text, bytes; longer ones are of no receiver.
+const LINE: usize = 400;
+
+/// The longest payload of a UBX frame: RXM-RAWX with 255 measurements.
+const UBX_PAYLOAD: usize = 16 + 255 * 32;
+
+/// What a piece is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Kind {
+    /// A UBX frame: class and id.
+    Ubx([u8; 2]),
+    /// An RTCM 3 frame: number of the message.
+    Rtcm(u16),
+    /// A line of text with a right checksum, as NMEA 0183 has it.
+    Line,
+    /// Bytes that are none of these.
+    Rest,
+}
+
+impl Kind {
+    /// Ranges of u-blox receivers.
+    pub const RAWX: Self = Self::Ubx([0x02, 0x15]);
+    /// Navigation bits of u-blox receivers.
+    pub const SFRBX: Self = Self::Ubx([0x02, 0x13]);
+
+    /// Whether it holds ranges of which the module uses some or takes the time.
+    pub fn has_ranges(self) -> bool {
+        self == Self::RAWX || matches!(self, Self::Rtcm(1071..=1137))
+    }
+
+    /// Whether its ranges are whole: those of MSM1 to MSM3 are not.
+    pub fn has_whole_ranges(self) -> bool {
+        self == Self::RAWX
+            || matches!(self, Self::Rtcm(number @ 1071..=1137) if (4..=7).contains(&(number % 10)))
+    }
+}
+
+/// Whether there are ranges in a stream.
+pub fn have_ranges(bytes: &[u8]) -> bool {
+    pieces(bytes).any(|piece| piece.kind.has_ranges())
+}
+
+/// A part of a stream.
+#[derive(Clone, Copy, Debug)]
+pub struct Piece<'a> {
+    /// What it is.
+    pub kind: Kind,
+    /// All of it.
+    pub bytes: &'a [u8],
+}
+
+/// The pieces of a stream, in order and without a gap.
+pub fn pieces(bytes: &[u8]) -> impl Iterator<Item = Piece<'_>> {
+    let mut rest = bytes;
+    std::iter::from_fn(move || {
+        let (kind, length) = first(rest)?;
+        let (bytes, behind) = rest.split_at_checked(length)?;
+        rest = behind;
+        Some(Piece { kind, bytes })
+    })
+}
+
+/// What stands at the front, and how long it is.
+fn first(bytes: &[u8]) -> Option<(Kind, usize)> {
+    if bytes.is_empty() {
+        return None;
+    }
+    let known = |at: usize| bytes.get(at..).and_then(frame);
+    known(0).or_else(|| {
+        let end = (1..bytes.len()).find(|at| known(*at).is_some());
+        Some((Kind::Rest, end.unwrap_or(bytes.len())))
+    })
+}
+
+/// The frame or line at the front, if there is a whole one.
+fn frame(bytes: &[u8]) -> Option<(Kind, usize)> {
+    match bytes {
+        [0xB5, 0x62, class, id, low, high, ..] => {
+            let payload = usize::from(*high) << 8 | usize::from(*low);
+            let length = 6 + payload + 2;
+            let sums = bytes.get(length - 2..length).filter(|_| payload <= UBX_PAYLOAD)?;
+            (fletcher(bytes.get(2..length - 2)?) == sums).then_some((Kind::Ubx([*class, *id]), length))
+        }
+        [0xD3, high, low, ..] if high & 0b1111_1100 == 0 => {
+            let length = 3 + (usize::from(*high) << 8 | usize::from(*low)) + 3;
+            let parity = bytes.get(length - 3..length)?;
+            let number = match bytes.get(3..length - 3)? {
+                [high, low, ..] => u16::from(*high) << 4 | u16::from(*low) >> 4,
+                _ => 0,
+            };
+            (crc24q(bytes.get(..length - 3)?) == parity).then_some((Kind::Rtcm(number), length))
+        }
+        [b'$' | b'!', ..] => {
+            let end = bytes.iter().take(LINE).position(|byte| *byte == b'\n')?;
+            is_sentence(bytes.get(1..end)?).then_some((Kind::Line, end + 1))
+        }
+        _ => None,
+    }
+}
+
+/// Whether what stands between the first character and the line feed checks.
+fn is_sentence(text: &[u8]) -> bool {
+    let text = text.strip_suffix(b"\r").unwrap_or(text);
+    let star = text.iter().rposition(|byte| *byte == b'*').unwrap_or(0);
+    let (body, digits) = text.split_at_checked(star).unwrap_or((text, &[]));
+    let digits = digits.get(1..).and_then(|digits| std::str::from_utf8(digits).ok()).unwrap_or("");
+    let sum = body.iter().fold(0, |sum, byte| sum ^ byte);
+    digits.len() == 2 && u8::from_str_radix(digits, 16) == Ok(sum)
+}
+
+/// The two sums that end a UBX frame.
+fn fletcher(bytes: &[u8]) -> [u8; 2] {
+    let (mut a, mut b) = (0_u8, 0_u8);
+    for byte in bytes {
+        a = a.wrapping_add(*byte);
+        b = b.wrapping_add(a);
+    }
+    [a, b]
+}
+
+/// The parity that ends an RTCM frame.
+pub fn crc24q(bytes: &[u8]) -> [u8; 3] {
+    const POLYNOMIAL: u32 = 0x0186_4CFB;
+    let crc = bytes.iter().fold(0_u32, |crc, byte| {
+        (0..8).fold(crc ^ u32::from(*byte) << 16, |crc, _| {
+            let shifted = crc << 1;
+            if shifted & 0x0100_0000 == 0 { shifted } else { shifted ^ POLYNOMIAL }
+        })
+    });
+    let [_, parity @ ..] = crc.to_be_bytes();
+    parity
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// UBX-MON-VER poll and RTCM 1005, as their standards print them.
+    const UBX: [u8; 8] = [0xB5, 0x62, 0x0A, 0x04, 0x00, 0x00, 0x0E, 0x34];
+    const RTCM: [u8; 25] = [
+        0xD3, 0x00, 0x13, 0x3E, 0xD7, 0xD3, 0x02, 0x02, 0x98, 0x0E, 0xDE, 0xEF, 0x34, 0xB4, 0xBD, 0x62, 0xAC,
+        0x09, 0x41, 0x98, 0x6F, 0x33, 0x36, 0x0B, 0x98,
+    ];
+    const LINE: &[u8] = b"$GPGLL,4916.45,N,12311.12,W,225444,A,*1D\r\n";
+
+    fn kinds(bytes: &[u8]) -> Vec<(Kind, usize)> {
+        pieces(bytes).map(|piece| (piece.kind, piece.bytes.len())).collect()
+    }
+
+    #[test]
+    fn frames_lines_and_noise_are_told_apart() {
+        let stream = [&UBX[..], LINE, &[0xB5, 0x62, 0x02], &RTCM, b"hello", &UBX[..5]].concat();
+        let want = [
+            (Kind::Ubx([0x0A, 0x04]), 8),
+            (Kind::Line, LINE.len()),
+            (Kind::Rest, 3),
+            (Kind::Rtcm(1005), 25),
+            (Kind::Rest, 10),
+        ];
+        assert_eq!(kinds(&stream), want);
+        assert_eq!(kinds(b""), []);
+    }
+
+    #[test]
+    fn what_does_not_check_is_no_frame() {
+        for frame in [&UBX[..], &RTCM, LINE] {
+            for at in 0..frame.len() - 2 {
+                let mut broken = frame.to_vec();
+                broken[at] ^= 0x10;
+                assert_eq!(kinds(&broken), [(Kind::Rest, frame.len())], "{at}");
+            }
+        }
+    }
+}
