@@ -182,7 +182,8 @@ impl<T: Real> Level<T> {
 
 impl<T: Real> Axis<T> {
     /// Without risk, without terms.
-    #[inline]
+    #[allow(clippy::inline_always, reason = "made where it stays: it is large")]
+    #[inline(always)]
     pub(super) fn closed() -> Self {
         Self {
             risk: T::zero(),

@@ -50,7 +50,8 @@ pub(super) enum Purpose {
 
 impl<'a, T: Real> Watch<'a, T> {
     /// With nothing chosen yet.
-    #[inline]
+    #[allow(clippy::inline_always, reason = "made where it stays: it is large")]
+    #[inline(always)]
     pub(super) fn nothing(constellations: [T; Constellation::COUNT], allocation: &'a Allocation) -> Self {
         Self {
             modes: Modes::nothing(constellations, allocation),

@@ -118,7 +118,8 @@ impl<T: Real> Modes<T> {
     }
 
     /// Before the choice.
-    #[inline]
+    #[allow(clippy::inline_always, reason = "made where it stays: it is large")]
+    #[inline(always)]
     pub(super) fn nothing(constellations: [T; Constellation::COUNT], allocation: &Allocation) -> Self {
         Self {
             odds: Vec::new(),

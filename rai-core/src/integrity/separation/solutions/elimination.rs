@@ -243,7 +243,8 @@ impl<T: Real> Solutions<'_, T> {
     }
 
     /// The solution without a pair whose first row is out already, all constellations in view: nothing lags then.
-    #[inline]
+    #[allow(clippy::inline_always, reason = "called in one place, once for every mode")]
+    #[inline(always)]
     pub(super) fn leave_out_pair(&mut self, pair: Hypothesis) -> Option<Solution<T>> {
         let [_, second, _] = pair.slots();
         let (first, point) = (self.first.as_ref()?, self.point(second)?);

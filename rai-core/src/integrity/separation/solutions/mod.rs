@@ -95,7 +95,8 @@ pub(super) struct Solutions<'v, T: Real> {
 }
 impl<'v, T: Real> Solutions<'v, T> {
     /// Of a view, to be prepared where it is: it is large.
-    #[inline]
+    #[allow(clippy::inline_always, reason = "made where it stays: it is large")]
+    #[inline(always)]
     pub(super) fn of(view: View<'v, T>) -> Self {
         Self {
             view,
@@ -225,7 +226,8 @@ impl<'v, T: Real> Solutions<'v, T> {
     }
 
     /// The solution without a mode; `None` where what is left does not determine it.
-    #[inline]
+    #[allow(clippy::inline_always, reason = "called in one place, once for every mode")]
+    #[inline(always)]
     pub(super) fn without(&mut self, hypothesis: Hypothesis) -> Option<Solution<T>> {
         let by_algebra = if hypothesis.is_pair_after(self.at) {
             self.at = hypothesis;
