@@ -37,7 +37,7 @@ pub(super) const ABSENT: Attack = Attack {
 /// Satellites in a stream.
 pub(super) const CROWD: Attack = Attack {
     name: "crowd",
-    about: "ephemerides of 112 satellites over and over, between those of the satellites in view",
+    about: "ephemerides of a hundred satellites over and over, between those of the satellites in view",
     run: crowd,
 };
 
@@ -108,8 +108,10 @@ fn absent(_: Effort) -> Result<Vec<Figure>> {
 fn crowd(effort: Effort) -> Result<Vec<Figure>> {
     let (simulation, sky) = sky(effort.pick(20, 240))?;
     let mut victim = Victim::new(SETTINGS, STEP_S)?;
-    let in_view: Vec<SatelliteId> = sky.recording.epochs[0].satellites();
-    let strangers = strangers(&simulation, START_S, |satellite| !in_view.contains(&satellite))?;
+    // Who rises later is none of them: a false orbit under its name would be in dispute, as in the attack before.
+    let is_ever_seen =
+        |satellite| sky.recording.epochs.iter().any(|epoch| epoch.satellites().contains(&satellite));
+    let strangers = strangers(&simulation, START_S, |satellite| !is_ever_seen(satellite))?;
     figures_of(&mut victim, &sky, KEPT, |_| strangers.concat())
 }
 

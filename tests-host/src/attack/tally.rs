@@ -14,6 +14,8 @@ pub struct Tally {
     pub promised: usize,
     /// Of these, beyond a level.
     pub misleading: usize,
+    /// Of these, with more than one satellite left out.
+    pub misled_by_several: usize,
     /// Of these, beyond a limit.
     pub hazardous: usize,
     /// Alerts.
@@ -41,6 +43,7 @@ impl Tally {
         if seen.is_promised {
             self.promised += 1;
             self.misleading += usize::from(seen.is_misleading());
+            self.misled_by_several += usize::from(seen.is_misleading() && seen.said.excluded.len() > 1);
             self.hazardous += usize::from(seen.is_hazardous());
             self.left_out += seen.said.excluded.len();
             self.worst_horizontal_m = self.worst_horizontal_m.max(seen.horizontal_error_m);
@@ -61,6 +64,7 @@ impl Tally {
         self.epochs += other.epochs;
         self.promised += other.promised;
         self.misleading += other.misleading;
+        self.misled_by_several += other.misled_by_several;
         self.hazardous += other.hazardous;
         self.alerts += other.alerts;
         self.left_out += other.left_out;

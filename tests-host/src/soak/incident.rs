@@ -9,7 +9,8 @@
 //! | one constellation, a step | 0.10 | the same, one for all |
 //! | one constellation, an outage | 0.05 | |
 //! | one satellite, an outage | 0.08 | |
-//! | the receiver's clock, a jump | 0.12 | up to 300 km, a millisecond |
+//! | every satellite, as with false tracking | 0.05 | the same, each its own |
+//! | the receiver's clock, a jump | 0.07 | up to 300 km, a millisecond |
 //!
 //! An incident and the quiet after it last 8 to 40 epochs each.
 
@@ -110,6 +111,7 @@ impl Incidents {
             65..75 => vec![(self.constellation(satellites), self.step())],
             75..80 => vec![(self.constellation(satellites), Kind::Outage)],
             80..88 => self.some(satellites, 1).into_iter().map(|target| (target, Kind::Outage)).collect(),
+            88..93 => self.steps(satellites, satellites.len()),
             _ => {
                 let bias_m = self.rng.random_range(-CLOCK_JUMP_M..CLOCK_JUMP_M);
                 vec![(Target::Receiver, Kind::Step { bias_m })]
@@ -162,12 +164,23 @@ mod tests {
         for turn in 0..20_000_u32 {
             let mut epoch = sky[turn as usize % sky.len()].clone();
             let falsified = incidents.befall(&mut epoch, f64::from(turn));
-            *seen.entry(format!("{falsified:?}")).or_default() += 1;
+            let name = match falsified {
+                Falsified::Satellites(4..) => "false tracking".to_owned(),
+                few => format!("{few:?}"),
+            };
+            *seen.entry(name).or_default() += 1;
         }
         let names: Vec<&str> = seen.keys().map(String::as_str).collect();
         assert_eq!(
             names,
-            ["Constellation", "Satellites(0)", "Satellites(1)", "Satellites(2)", "Satellites(3)"],
+            [
+                "Constellation",
+                "Satellites(0)",
+                "Satellites(1)",
+                "Satellites(2)",
+                "Satellites(3)",
+                "false tracking"
+            ],
             "{seen:?}"
         );
         // Half of the time is quiet, and of the rest a quarter falsifies no satellite by itself.

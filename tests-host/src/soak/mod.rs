@@ -8,7 +8,7 @@
 //! | module | what |
 //! |---|---|
 //! | [`plan`] | which epochs, how fast, how eventful |
-//! | [`scenario`], [`incident`] | what is offered when: false ranges, pulled cables, resets, times that go back |
+//! | [`scenario`], [`incident`] | what is offered when: false ranges, pulled cables, resets, times that go back, a host that asks without end |
 //! | [`noise`] | what the line does to the bytes |
 //! | [`rig`] | the board, its clock, its reset button |
 //! | [`tally`], [`watch`] | what the module said, and what the pin did when |
@@ -177,6 +177,7 @@ impl<P: FnMut(u64)> Bench<P> {
                 Ok(())
             }
             Some(Mishap::Setting(setting)) => self.rig.command(setting),
+            Some(&Mishap::Questions { count }) => (0..count).try_for_each(|_| self.rig.command("STATS")),
             None => Ok(()),
         }
     }
