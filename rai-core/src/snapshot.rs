@@ -170,8 +170,6 @@ impl<T: Real, const N: usize> Snapshot<T, N> {
     }
 
     /// Room for equations and their solution: nothing in it means anything before [`Self::solve_again`] succeeds.
-    ///
-    /// Not inlined: so it is made where the caller wants it, and not moved there.
     #[inline(never)]
     pub(crate) fn unsolved() -> Self {
         Self {

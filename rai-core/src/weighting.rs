@@ -77,7 +77,7 @@ pub const MIXED_CARRIERS_M: f32 = 10.0;
 /// `promised_m` is what it announces as URA or SISA. In the normal state that is the coarsest step of a scale, 2 to
 /// 3 m for all systems, while their errors differ by ten: 0.2 m for Galileo, 0.6 m for GPS and `BeiDou`-3, 1 to 2 m and more for
 /// `BeiDou`-2 ([Montenbruck2018]). The numbers here are twice these and more, since the test must hold on bad days. A
-/// satellite that announces more than the normal state is believed.
+/// satellite that announces more than the normal state is accepted.
 ///
 /// [Montenbruck2018]: crate#references
 pub fn ephemeris_sigma_m(satellite: SatelliteId, promised_m: f32) -> f32 {

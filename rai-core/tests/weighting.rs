@@ -40,7 +40,7 @@ fn below_three_degrees_the_error_stays() {
 }
 
 #[test]
-fn a_normal_promise_is_replaced_and_a_worse_one_believed() {
+fn a_normal_promise_is_replaced_and_a_worse_one_accepted() {
     use Constellation::{Beidou, Galileo, Glonass, Gps};
     let sigma_m = |constellation, number, promised_m| {
         ephemeris_sigma_m(SatelliteId::new(constellation, number).unwrap(), promised_m)

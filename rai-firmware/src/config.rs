@@ -12,7 +12,7 @@
 //! | `PFF` | 1e-12 to 0.01 | 1e-7 | |
 //! | `TTA` | 0.1 to what the phase allows: 60, 30, 10, 6, 3600 in the order above | 10 | s |
 //! | `POLICY` | `T1`, `T2`, `TOP` | `T1` | |
-//! | `METHOD` | `AUTO`, `BAARDA`, `SIMULTANEOUS`, `SEQUENTIAL`, `HYBRID`, `GROUPING`, `RANSAC`, `SEPARATION` | `BAARDA` | |
+//! | `METHOD` | `AUTO`, `BAARDA`, `SIMULTANEOUS`, `SEQUENTIAL`, `HYBRID`, `GROUPING`, `RANSAC`, `SEPARATION` | `AUTO` | |
 //! | `LEVELS` | `BOUND`, `SLOPE` | `BOUND` | |
 //! | `SYSTEMS` | letters of `GREC`; GLONASS widens ARAIM levels, for it is the least sure of its own health | `GEC` | |
 //! | `MASK` | 0 to 60 | 10 | ° |

@@ -129,8 +129,6 @@ impl Rates {
     }
 
     /// The velocity of a receiver at a place, where the rates of this epoch agree on one.
-    ///
-    /// Not inlined: what it needs of the stack nobody else needs beside his own.
     #[inline(never)]
     pub fn velocity(
         &mut self,

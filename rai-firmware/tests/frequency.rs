@@ -123,7 +123,7 @@ fn a_signal_below_the_mask_is_not_used_and_a_weak_one_weighs_less() {
         weak_m.iter().zip(&strong_m).all(|(weak_m, strong_m)| weak_m > strong_m),
         "{weak_m:?} {strong_m:?}"
     );
-    assert_eq!(sigma_m(&unknown), strong_m, "who says nothing is believed");
+    assert_eq!(sigma_m(&unknown), strong_m, "who says nothing is accepted");
 }
 
 #[test]

@@ -74,7 +74,7 @@ Output: {id, out: {lsr: {…}, iso: {…}, ransac: {…}, ransac_trad: {…}}} o
 Fields of iso, with the status ok: rho, rho_T, and the rows named by the methods
   A simultaneous, seq sequential, B, C hybrid without and with grouping, D grouping: null failed, [] nothing detected
 Fields of ransac, with two satellites for each unknown
-  subsets, best (the subset believed), fault, status    ok | too_few_subsets | no_inlier_subset
+  subsets, best (the subset accepted), fault, status    ok | too_few_subsets | no_inlier_subset
   fault_refined, status_refined                         also refine_fail
 Fields of ransac_trad, with at most 1500 minimal subsets: K valid and n_out contradicted ones; f, tot for each row; fault
 NaN is null, infinity \"inf\". Probabilities outside the committed tables get rows computed on the host.

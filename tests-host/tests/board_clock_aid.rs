@@ -140,7 +140,7 @@ fn step_on_one_of_five_satellites_is_excluded() {
                 assert_eq!(verdict(output), ('U', "RECOVERING"), "{second} s");
             }
             None => assert_eq!(verdict(output), ('P', "OK"), "{second} s"),
-            // Its fault and one of another look alike: the alarm says so, and nobody is believed.
+            // Its fault and one of another look alike: the alarm says so, and nobody is accepted.
             Some(&"G13") => assert_eq!(verdict(output), ('A', "AMBIGUOUS"), "{second} s"),
             Some(&faulty) => {
                 assert_eq!(verdict(output), ('P', "EXCLUDED"), "{second} s");

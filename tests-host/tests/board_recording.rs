@@ -28,9 +28,9 @@ fn assert_identical(lumps: &[Lump]) -> (HostRun, BoardRun) {
     let (host, board) = on_both(lumps);
     assert_eq!(board.sentences, host.sentences());
     assert_eq!(board.losses, 0, "bytes lost on the board");
-    let dearest = board.instructions.iter().skip(1).max().copied().unwrap_or(0);
-    println!("{} epochs, identical; at most {dearest} instructions", lumps.len());
-    assert!(dearest > 0 && dearest <= EPOCH_INSTRUCTIONS, "{:?}", board.instructions);
+    let costliest = board.instructions.iter().skip(1).max().copied().unwrap_or(0);
+    println!("{} epochs, identical; at most {costliest} instructions", lumps.len());
+    assert!(costliest > 0 && costliest <= EPOCH_INSTRUCTIONS, "{:?}", board.instructions);
     (host, board)
 }
 

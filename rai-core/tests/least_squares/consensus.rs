@@ -163,7 +163,7 @@ fn deviations(ranges: &[Range], members: &[usize]) -> Option<Vec<(usize, f64)>> 
     Some(outside.map(|index| (index, squared(index))).collect())
 }
 
-/// The subset believed and who disagrees with it; `None` where nobody is believed.
+/// The subset accepted and who disagrees with it; `None` where nobody is accepted.
 fn vote(ranges: &[Range], subsets: &[Vec<usize>], bound: f64) -> Option<(usize, Vec<usize>)> {
     let most = 3.min(subsets.len() - 1);
     let votes = subsets.iter().enumerate().filter_map(|(number, members)| {
@@ -337,7 +337,7 @@ fn two_alike(first: [f64; 4], second: [f64; 4]) -> Vec<Range> {
 }
 
 #[test]
-fn who_is_contradicted_less_is_believed() {
+fn who_is_contradicted_less_is_accepted() {
     // A fault in the first subset of two: the second, which has one against it, is the inlier.
     let ranges = two_alike([0.0, 0.0, 400.0, 0.0], [0.0; 4]);
     let (epoch, limits) = (epoch(&ranges), ConsensusLimits::published().unwrap());

@@ -18,7 +18,7 @@ use super::oracle::{self, Range};
 /// Who is named, or why nobody, and the sets that were looked at.
 type Answer = (Result<Vec<usize>, Unidentified>, usize);
 
-/// An epoch, what is believed of it, and answers by trying all.
+/// An epoch, what is accepted of it, and answers by trying all.
 struct Dense<'d> {
     ranges: &'d [Range],
     thresholds: Thresholds<'static>,

@@ -130,8 +130,6 @@ fn root_of_squares(a: f32, b: f32) -> f32 {
 pub type Sky = Vec<Located, CAPACITY>;
 
 /// Finds the satellites of an epoch; what cannot be used is counted by reason.
-///
-/// Not inlined: the sky is then made where the caller wants it, and not moved there.
 #[inline(never)]
 pub fn locate(raw: &RawEpoch, store: &Store, mask_dbhz: f32, systems: Systems, tally: &mut Tally) -> Sky {
     let mut sky = Sky::new();

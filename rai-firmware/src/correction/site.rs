@@ -84,8 +84,6 @@ impl Site {
     }
 
     /// The epoch as this site sees it; what is left out is counted by reason.
-    ///
-    /// Not inlined: the epoch is then made where the caller wants it, and not moved there.
     #[inline(never)]
     pub fn correct(&self, sky: &Sky, refusals: &mut Refusals) -> Epoch<CAPACITY> {
         let mut epoch = Epoch::new(self.time.to_s());

@@ -1,4 +1,4 @@
-//! A satellite's message before it is believed, and the judgement.
+//! A satellite's message before it is accepted, and the judgement.
 //!
 //! Bounds are those of the orbits that exist (with room) and of the widest fields of the three systems' messages.
 

@@ -33,8 +33,8 @@ impl Measurement {
     pub fn take(mut progress: impl FnMut(&str)) -> Result<Self> {
         progress("stages on the emulated core");
         let mut figures = stages::measure()?;
-        progress("the dearest epoch");
-        figures.extend(stages::dearest()?);
+        progress("the worst-case epoch");
+        figures.extend(stages::worst_case()?);
         progress("memory of the shipped image");
         figures.extend(memory::measure()?);
         Ok(Self { figures })

@@ -107,7 +107,7 @@ fn tests(count: usize, constellations: usize, scalar: Scalar) -> Result<Vec<Case
             stage: Stage::Test,
             scalar,
             input: linear(count, constellations, 0)?,
-            target: target(4_000, Some(7_500)),
+            target: target(3_600, Some(6_600)),
             epochs: 1,
         },
         Case {
@@ -115,7 +115,7 @@ fn tests(count: usize, constellations: usize, scalar: Scalar) -> Result<Vec<Case
             stage: Stage::TestWithoutWorst,
             scalar,
             input: linear(count, constellations, 1)?,
-            target: target(6_000, None),
+            target: target(5_200, None),
             epochs: 1,
         },
     ])
@@ -182,11 +182,11 @@ fn judgements() -> Result<Vec<Case>> {
         Ok(())
     };
     let single = Scalar::Single;
-    add("from 1 km", single, (start(), 20, 0), Some(120_000))?;
-    add("from 1 km, one fault", single, (start(), 20, 1), Some(130_000))?;
-    add("from 1 km, two faults", single, (start(), 20, 2), Some(150_000))?;
+    add("from 1 km", single, (start(), 20, 0), Some(60_000))?;
+    add("from 1 km, one fault", single, (start(), 20, 1), Some(68_000))?;
+    add("from 1 km, two faults", single, (start(), 20, 2), Some(75_000))?;
     add("from 1 km, three faults", single, (start(), 20, 3), None)?;
-    add("from the last position", single, (site().position, 20, 0), None)?;
+    add("from the last position", single, (site().position, 20, 0), Some(32_000))?;
     add("from the earth's centre", single, (Ecef::CENTRE, 20, 0), Some(600_000))?;
     for count in [8, 12, 30, 40] {
         add("from 1 km", single, (start(), count, 0), None)?;
@@ -252,11 +252,11 @@ fn wire() -> Result<Vec<Case>> {
     };
     let here = point_bytes(site().position);
     Ok(vec![
-        case("RTCM of one epoch, two MSM7", Stage::Decode, halves(&before, last), Some(200_000)),
-        case("orbits and clocks", Stage::Locate, all.clone(), Some(600_000)),
-        case("atmosphere and sigmas", Stage::Correct, [here, all.clone()].concat(), None),
-        case("sentences", Stage::Speak, all, Some(60_000)),
-        case("whole epoch, bytes in to bytes out", Stage::Whole, whole("", &before, last), Some(1_200_000)),
+        case("RTCM of one epoch, two MSM7", Stage::Decode, halves(&before, last), Some(65_000)),
+        case("orbits and clocks", Stage::Locate, all.clone(), Some(100_000)),
+        case("atmosphere and sigmas", Stage::Correct, [here, all.clone()].concat(), Some(40_000)),
+        case("sentences", Stage::Speak, all, Some(45_000)),
+        case("whole epoch, bytes in to bytes out", Stage::Whole, whole("", &before, last), Some(340_000)),
     ])
 }
 
@@ -270,12 +270,12 @@ fn whole(command: &str, before: &[u8], last: &[u8]) -> Vec<u8> {
     [vec![sentence.len() as u8], sentence.into_bytes(), halves(before, last)].concat()
 }
 
-/// The dearest epoch: 40 satellites, up to three of them faulty, any method; in the midst of a stream, and the first
+/// The worst-case epoch: 40 satellites, up to three of them faulty, any method; in the midst of a stream, and the first
 /// of one, which brings the ephemerides and knows no position.
 ///
 /// # Errors
 /// As [`measure`].
-pub fn dearest() -> Result<[Figure; 2]> {
+pub fn worst_case() -> Result<[Figure; 2]> {
     let mut later = Vec::new();
     let mut first = Vec::new();
     for method in METHODS {
@@ -291,18 +291,18 @@ pub fn dearest() -> Result<[Figure; 2]> {
             };
             let stream = Stream::new(3, 40, (faults, 2.0))?;
             let (before, last) = stream.split()?;
-            later.push(case(whole(&command, &before, last), "dearest epoch of a stream"));
+            later.push(case(whole(&command, &before, last), "worst-case epoch of a stream"));
             let stream = Stream::new(1, 40, (faults, 0.0))?;
             let (before, only) = stream.split()?;
-            first.push(case(whole(&command, &before, only), "dearest first epoch"));
+            first.push(case(whole(&command, &before, only), "worst-case first epoch"));
         }
     }
-    Ok([worst(&later)?, worst(&first)?])
+    Ok([worst(&later, 2_500_000)?, worst(&first, 3_000_000)?])
 }
 
-fn worst(cases: &[Case]) -> Result<Figure> {
+fn worst(cases: &[Case], target: u64) -> Result<Figure> {
     let answers = run(cases)?;
     let figures = cases.iter().zip(answers);
     let (case, answer) = figures.max_by_key(|(_, answer)| answer.instructions).context("no cases")?;
-    Ok(Figure { name: case.name.clone(), value: answer.instructions, target: None })
+    Ok(Figure { name: case.name.clone(), value: answer.instructions, target: Some(target) })
 }

@@ -111,6 +111,8 @@ struct Bench<P> {
     /// When the next epoch is to be sent, board time, ms.
     next_ms: u64,
     was_reset: bool,
+    /// Whether the host has set what it wants.
+    is_set_up: bool,
     unread_left: u32,
     unread: u64,
 }
@@ -126,6 +128,7 @@ impl<P: FnMut(u64)> Bench<P> {
             progress,
             next_ms: 0,
             was_reset: false,
+            is_set_up: false,
             unread_left: 0,
             unread: 0,
         };
@@ -176,10 +179,17 @@ impl<P: FnMut(u64)> Bench<P> {
                 (self.unread_left, self.unread) = (epochs, self.unread + 1);
                 Ok(())
             }
-            Some(Mishap::Setting(setting)) => self.rig.command(setting),
+            Some(Mishap::Setting(setting)) => self.set(setting),
             Some(&Mishap::Questions { count }) => (0..count).try_for_each(|_| self.rig.command("STATS")),
             None => Ok(()),
         }
+    }
+
+    fn set(&mut self, setting: &str) -> Result<()> {
+        if let Some(limit_m) = setting.strip_prefix("HAL,").and_then(|limit_m| limit_m.parse().ok()) {
+            self.tally.expect_limit(limit_m);
+        }
+        self.rig.command(setting)
     }
 
     /// Lets time pass until the next epoch is due; listens meanwhile.
@@ -198,11 +208,12 @@ impl<P: FnMut(u64)> Bench<P> {
 
     fn hear(&mut self) -> Result<()> {
         for line in self.rig.heard() {
-            if self.tally.hear(&line) == Heard::Greeting {
+            // What is set once survives every restart.
+            if self.tally.hear(&line) == Heard::Greeting && !std::mem::replace(&mut self.is_set_up, true) {
                 // No other phase waits as long as the hours of a recording ask for.
                 self.rig.command("PHASE,CUSTOM")?;
                 self.rig.command(&format!("TTA,{}", self.tempo.time_to_alert_s))?;
-                self.rig.command(&format!("HAL,{}", self.tempo.alert_limits_m[0]))?;
+                self.set(&format!("HAL,{}", self.tempo.alert_limits_m[0]))?;
             }
         }
         self.rig.logged().iter().for_each(|line| self.watch.see(line));

@@ -91,7 +91,7 @@ pub struct Offer {
     /// Whose ranges are false.
     pub falsified: Falsified,
     /// Distance from the truth over the ground of a position from all satellites, on a good line, m.
-    pub believed_error_m: Option<f64>,
+    pub accepted_error_m: Option<f64>,
     /// Whether all of it was sent, and its time is later than any before.
     pub is_due: bool,
 }
@@ -239,10 +239,10 @@ impl Scenario {
         let bytes = self.through_the_cable(&whole);
         let is_due = is_later && bytes == whole;
         let mishap = if self.unplugged.is_none() { self.mishap() } else { None };
-        let believed = sending.accepter.hear(&whole, epoch.time.to_s(), &sending.site);
-        let believed_error_m = believed.map(|believed| believed.horizontal_error_m);
+        let accepted = sending.accepter.hear(&whole, epoch.time.to_s(), &sending.site);
+        let accepted_error_m = accepted.map(|accepted| accepted.horizontal_error_m);
         let truth = sending.passage.truth;
-        let offer = Offer { time: epoch.time, truth, falsified, believed_error_m, is_due };
+        let offer = Offer { time: epoch.time, truth, falsified, accepted_error_m, is_due };
         Ok(Turn { offer, bytes, mishap })
     }
 

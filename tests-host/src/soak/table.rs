@@ -65,6 +65,7 @@ impl Outcome {
             ("whole epochs never judged", tally.unspoken.len() as u64),
             ("epochs judged that nobody sent", tally.invented),
             ("commands refused", tally.refused.len() as u64),
+            ("settings lost by a restart", tally.settings_lost.len() as u64),
             ("reports of lost bytes or faults", watch.complaints.len() as u64),
         ]
     }
@@ -84,6 +85,7 @@ impl Outcome {
             &tally.damaged,
             &tally.starts_unasked,
             &tally.refused,
+            &tally.settings_lost,
             &watch.complaints,
         ] {
             broken.extend(heard.iter().take(3).map(|words| format!("{}: {words}", self.name)));
@@ -115,10 +117,10 @@ impl Outcome {
         vec![
             ("alerts without a false range", tally.false_alerts.to_string()),
             ("one satellite false: epochs", one.to_string()),
-            ("… beyond the limit, had it been believed", tally.believed[0].to_string()),
+            ("… beyond the limit, had it been accepted", tally.accepted[0].to_string()),
             ("… pin high, error above the protection level", tally.misleading[0].to_string()),
             ("beyond the promise, several false: epochs", tally.beyond_promise.to_string()),
-            ("… beyond the limit, had they been believed", tally.believed[1].to_string()),
+            ("… beyond the limit, had they been accepted", tally.accepted[1].to_string()),
             ("… pin high, error above the protection level", tally.misleading[1].to_string()),
             ("… pin high, error beyond the alert limit", tally.hazardous_beyond_promise.to_string()),
         ]

@@ -46,6 +46,9 @@ pub struct Tally {
     position: Option<Geodetic>,
     resets_awaited: u64,
     is_catching_up: bool,
+    /// The horizontal alert limit that the host set last, m.
+    limit_m: Option<f64>,
+    has_just_started: bool,
     /// Epochs offered.
     pub offered: u64,
     /// Of these, epochs that came whole and later than all before.
@@ -59,7 +62,7 @@ pub struct Tally {
     /// Of these, with the pin high while the error exceeded the alert limit.
     pub hazardous_beyond_promise: u64,
     /// Epochs within the promise, and beyond it, whose position from all satellites exceeded the alert limit.
-    pub believed: [u64; 2],
+    pub accepted: [u64; 2],
     /// Epochs within the promise with the pin high while the error exceeded the alert limit.
     pub hazardous: u64,
     /// Epochs within the promise, and beyond it, with the pin high and an error above the protection level.
@@ -86,6 +89,8 @@ pub struct Tally {
     pub starts_asked: u64,
     /// Greetings heard that nobody had asked for, or that tell of a fault.
     pub starts_unasked: Vec<String>,
+    /// Epochs after a restart that were judged by other settings than those before it, in words.
+    pub settings_lost: Vec<String>,
     /// Epochs at which the pin was high and should not have been, in words.
     pub wrongly_promised: Vec<String>,
     /// Every epoch judged, for pictures; the time is that of its offer, s.
@@ -107,6 +112,11 @@ impl Tally {
         for open in self.open.iter_mut().rev().take(IN_FLIGHT_EPOCHS) {
             open.offer.is_due = false;
         }
+    }
+
+    /// The host sets a horizontal alert limit.
+    pub fn expect_limit(&mut self, limit_m: f64) {
+        self.limit_m = Some(limit_m);
     }
 
     /// Nobody listens for a while: what is heard next may be old.
@@ -177,10 +187,21 @@ impl Tally {
             self.starts_unasked.push(line.trim_end().to_owned());
         }
         self.resets_awaited = self.resets_awaited.saturating_sub(1);
+        self.has_just_started = true;
+    }
+
+    /// What was in force before a restart is in force after it.
+    fn look_at_settings(&mut self, state: &State) {
+        let is_other = std::mem::take(&mut self.has_just_started) && self.limit_m != state.hal_m;
+        if is_other || state.reason == "SETTINGS" {
+            let (have, want) = (state.hal_m, self.limit_m);
+            self.settings_lost.push(format!("{}: HAL {have:?}, set was {want:?}", state.reason));
+        }
     }
 
     fn judged(&mut self, state: State) {
         let position = self.position.take();
+        self.look_at_settings(&state);
         if state.reason == "STALE" {
             self.silences += 1;
             return;
@@ -206,9 +227,9 @@ impl Tally {
         self.falsified += u64::from(offer.falsified.is_any());
         self.beyond_promise += u64::from(!is_promised);
         self.false_alerts += u64::from(state.state == 'A' && !offer.falsified.is_any());
-        let believed =
-            offer.believed_error_m.zip(state.hal_m).is_some_and(|(error_m, hal_m)| error_m > hal_m);
-        self.believed[usize::from(!is_promised)] += u64::from(believed);
+        let accepted =
+            offer.accepted_error_m.zip(state.hal_m).is_some_and(|(error_m, hal_m)| error_m > hal_m);
+        self.accepted[usize::from(!is_promised)] += u64::from(accepted);
         if !state.is_protected() {
             return;
         }
@@ -261,7 +282,7 @@ mod tests {
     fn offer(tow_s: u32, falsified: Falsified) -> Offer {
         let truth: Ecef = TRUTH.to_ecef();
         let time = GpsTime { week: 2300, tow_ms: tow_s * 1000 };
-        Offer { time, truth, falsified, believed_error_m: Some(70.0), is_due: true }
+        Offer { time, truth, falsified, accepted_error_m: Some(70.0), is_due: true }
     }
 
     fn sealed(body: &str) -> Vec<u8> {
@@ -299,7 +320,7 @@ mod tests {
         assert_eq!((within.hazardous_beyond_promise, within.misleading), (0, [0, 1]));
         let warned = after(Falsified::Satellites(1), 50.0, "A,FAULT");
         assert_eq!((warned.hazardous, warned.misleading, warned.false_alerts), (0, [0, 0], 0));
-        assert_eq!(warned.believed, [1, 0], "70 m, had every satellite been believed");
+        assert_eq!(warned.accepted, [1, 0], "70 m, had every satellite been accepted");
         assert_eq!(after(Falsified::Satellites(0), 1.0, "A,FAULT").false_alerts, 1);
     }
 

@@ -1,4 +1,4 @@
-//! UBX that is wrong: each kind is counted by its name, nothing wrong is believed, and what is right beside it is read.
+//! UBX that is wrong: each kind is counted by its name, nothing wrong is accepted, and what is right beside it is read.
 
 use rai_core::satellite::{Constellation, SatelliteId};
 use rai_firmware::input::Counters;

@@ -140,17 +140,17 @@ fn is_hardly_tested<T: Real, const N: usize>(snapshot: &Snapshot<T, N>, row: &Ro
 
 /// The squared slopes of a row by what the others say of it; `None` where it is untestable.
 ///
-/// `room` holds the same rows, solved or not; it ends without this one.
+/// `workspace` holds the same rows, solved or not; it ends without this one.
 fn by_the_others<T: Real, const N: usize>(
     snapshot: &Snapshot<T, N>,
-    room: &mut Snapshot<T, N>,
+    workspace: &mut Snapshot<T, N>,
     index: usize,
 ) -> Option<Squared<T>> {
     let (row, _) = snapshot.row(index)?;
-    room.epoch_mut().leave_out(index);
-    room.solve_again().ok()?;
-    let (_, fit) = room.row(index)?;
-    let predicted = room.level_variance(row) + fit.centred.dot(&fit.gain);
+    workspace.epoch_mut().leave_out(index);
+    workspace.solve_again().ok()?;
+    let (_, fit) = workspace.row(index)?;
+    let predicted = workspace.level_variance(row) + fit.centred.dot(&fit.gain);
     let redundancy = (T::one() + row.weight * predicted).recip();
     if !(redundancy >= T::UNTESTABLE) {
         return None;
@@ -174,17 +174,15 @@ pub fn largest_slopes<T: Real, const N: usize>(snapshot: &Snapshot<T, N>) -> Slo
 }
 
 /// As [`largest_slopes`], where some rows are hardly tested, or not at all.
-///
-/// Not inlined: only such epochs pay for the room on the stack.
 #[inline(never)]
 fn largest_with_care<T: Real, const N: usize>(snapshot: &Snapshot<T, N>) -> Squared<T> {
-    let mut room = Snapshot::unsolved();
-    room.epoch_mut().copy_from(snapshot.epoch());
+    let mut workspace = Snapshot::unsolved();
+    workspace.epoch_mut().copy_from(snapshot.epoch());
     let mut largest = Squared::none();
     for (index, (row, fit)) in snapshot.rows().enumerate() {
         let squared = if is_hardly_tested(snapshot, row, fit) {
-            let squared = by_the_others(snapshot, &mut room, index);
-            room.epoch_mut().take_back(index);
+            let squared = by_the_others(snapshot, &mut workspace, index);
+            workspace.epoch_mut().take_back(index);
             squared.unwrap_or_else(|| untestable(row, fit))
         } else {
             squared_slopes(row, fit)

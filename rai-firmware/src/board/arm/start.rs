@@ -44,8 +44,6 @@ fn is_after_power_on(cause: ResetCause, memory: &[u8; SEALED_BYTES]) -> bool {
 }
 
 /// Makes the receiver in its place among the statics: taken out of its result it would be on the stack first.
-///
-/// Not inlined, so that what it takes of the stack is gone before the first epoch needs the room.
 #[inline(never)]
 fn settle<P: embedded_hal::digital::OutputPin>(
     place: &'static mut Place<P>,

@@ -154,9 +154,9 @@ fn answer(
     limits: &Limits,
 ) -> Answer {
     let exclusion = method.exclude(&mut fix, selection, limits);
-    let believed =
+    let accepted =
         exclusion.outcome != Outcome::Isolated || separable(&mut fix, &exclusion, &limits.thresholds);
-    if believed { Answer::of(&exclusion) } else { Answer::Unresolved }
+    if accepted { Answer::of(&exclusion) } else { Answer::Unresolved }
 }
 
 fn section(scores: &Scores) -> Section {

@@ -66,14 +66,14 @@ pub fn consensus<T: Real, const N: usize>(
     selection: &Selection<N>,
     limits: &ConsensusLimits<'_>,
 ) -> Result<Consensus, NoConsensus> {
-    let mut room = Snapshot::unsolved();
-    room.epoch_mut().copy_from(epoch);
-    consensus_in(&mut room, epoch, selection, limits)
+    let mut workspace = Snapshot::unsolved();
+    workspace.epoch_mut().copy_from(epoch);
+    consensus_in(&mut workspace, epoch, selection, limits)
 }
 
-/// The same in a room that holds the epoch's rows, and then the last subset's solution.
+/// The same in a workspace that holds the epoch's rows, and then the last subset's solution.
 pub(super) fn consensus_in<T: Real, const N: usize>(
-    room: &mut Snapshot<T, N>,
+    workspace: &mut Snapshot<T, N>,
     epoch: &LinearEpoch<T, N>,
     selection: &Selection<N>,
     limits: &ConsensusLimits<'_>,
@@ -84,7 +84,7 @@ pub(super) fn consensus_in<T: Real, const N: usize>(
     let bound = disagreement(epoch, limits).ok_or(NoConsensus::TooFewSubsets)?;
     let mut best: Option<(Vote<T>, usize)> = None;
     for subset in 0..selection.subsets() {
-        let vote = vote(room, epoch, selection, subset, bound);
+        let vote = vote(workspace, epoch, selection, subset, bound);
         let inlier = vote.filter(|vote| vote.against <= most_faults(selection));
         if let Some(vote) = inlier.filter(|vote| best.as_ref().is_none_or(|(best, _)| vote.beats(best))) {
             best = Some((vote, subset));

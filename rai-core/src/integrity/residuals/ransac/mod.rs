@@ -103,12 +103,12 @@ pub fn exclude<T: Real, const N: usize>(
         return exclude_sequentially(solution, thresholds);
     }
     // Room to solve in: what the snapshot says of its rows is not needed there.
-    let mut room = Snapshot::unsolved();
-    room.epoch_mut().copy_from(snapshot.epoch());
-    let Ok(consensus) = consensus::consensus_in(&mut room, snapshot.epoch(), selection, limits) else {
+    let mut workspace = Snapshot::unsolved();
+    workspace.epoch_mut().copy_from(snapshot.epoch());
+    let Ok(consensus) = consensus::consensus_in(&mut workspace, snapshot.epoch(), selection, limits) else {
         return exclude_sequentially(solution, thresholds);
     };
-    let refinement = refinement::refine_in(&mut room, snapshot.epoch(), selection, &consensus, limits);
+    let refinement = refinement::refine_in(&mut workspace, snapshot.epoch(), selection, &consensus, limits);
     let exclusion = leave_out(solution, &refinement.rows, thresholds);
     if refinement.passed || exclusion.outcome != Outcome::Isolated {
         return exclusion;

@@ -36,24 +36,24 @@ pub fn refine<T: Real, const N: usize>(
     refine_in(&mut snapshot.clone(), snapshot.epoch(), selection, consensus, limits)
 }
 
-/// The same in a room that holds the epoch's rows, whichever of them took part there.
+/// The same in a workspace that holds the epoch's rows, whichever of them took part there.
 pub(super) fn refine_in<T: Real, const N: usize>(
-    room: &mut Snapshot<T, N>,
+    workspace: &mut Snapshot<T, N>,
     epoch: &LinearEpoch<T, N>,
     selection: &Selection<N>,
     consensus: &Consensus,
     limits: &ConsensusLimits<'_>,
 ) -> Refinement {
     let mut rows = consensus.rows.clone();
-    room.epoch_mut().keep_only(|index| {
+    workspace.epoch_mut().keep_only(|index| {
         let takes_part = epoch.rows().get(index).is_some_and(|row| row.weight > T::zero());
         takes_part && !consensus.rows.contains(&index)
     });
-    let left_out = room.solve_again().is_ok();
+    let left_out = workspace.solve_again().is_ok();
     let most = most_faults(selection).max(rows.len());
-    let passed = left_out && exclude_until_passed(room, &mut rows, most, limits);
+    let passed = left_out && exclude_until_passed(workspace, &mut rows, most, limits);
     if let Some(bound) = disagreement(epoch, limits).filter(|_| passed) {
-        rows.retain(|&index| disagrees(room, index, bound));
+        rows.retain(|&index| disagrees(workspace, index, bound));
     }
     Refinement { rows, passed }
 }
