@@ -173,15 +173,21 @@ mod fault {
         Some((board, debugger))
     }
 
+    /// How often a jump is tried.
+    const TRIES: u32 = 3;
+
     /// Lets the running program go on at `address`, and returns what it says of itself when it starts again.
     fn greeting_after_jump_to(address: u32) -> Option<String> {
         let (mut board, mut debugger) = debugged()?;
-        debugger.stop();
-        debugger.jump(address);
-        debugger.go_on();
-        let lines = board.read_through("$PRAIV", PATIENCE).expect("it starts again");
+        // Seldom, on a busy machine, the emulator goes on where it was and not where it was told to.
+        let lines = (0..TRIES).find_map(|_| {
+            debugger.stop();
+            debugger.jump(address);
+            debugger.go_on();
+            board.read_through("$PRAIV", PATIENCE / TRIES).ok()
+        });
         assert!(!board.pin_is_high(), "the pin stays low through a fault");
-        lines.last().cloned()
+        lines.expect("it starts again").last().cloned()
     }
 
     #[test]
