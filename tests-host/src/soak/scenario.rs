@@ -279,7 +279,7 @@ impl Scenario {
             return Some(Mishap::Unread { epochs: rng.random_range(5..=15) });
         }
         if self.diary.questions.is_due(turn, rng) {
-            return Some(Mishap::Questions { count: rng.random_range(2..=20) });
+            return Some(Mishap::Questions { count: rng.random_range(2..=10) });
         }
         if self.diary.setting.is_due(turn, rng) {
             let limits = self.tempo.alert_limits_m;

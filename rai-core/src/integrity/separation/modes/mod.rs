@@ -33,7 +33,6 @@
 
 mod combination;
 mod consolidation;
-mod pairs;
 mod sets;
 mod visit;
 

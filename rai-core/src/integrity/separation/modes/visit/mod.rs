@@ -1,12 +1,14 @@
 //! The walk through the modes: every set of satellites that some watched combination takes, once.
 
+mod pairs;
+
 use core::ops::{ControlFlow, RangeInclusive};
 
 use super::Modes;
-use super::pairs::Pairs;
 use super::sets::{EVENTS, Hypothesis, NONE, Set, above, members, row};
 use crate::numeric::real::Real;
 use crate::satellite::Constellation;
+use pairs::Pairs;
 
 /// One set of satellites that is watched.
 #[derive(Clone, Copy, Debug)]

@@ -1,14 +1,14 @@
 //! Pairs of events, where sets say which of them are watched: no pair that is not is looked at.
 //!
-//! Where constellations are alike within ([`super::Modes::is_regular`]), a pair of satellites is watched unless both are of a
+//! Where constellations are alike within ([`super::super::Modes::is_regular`]), a pair of satellites is watched unless both are of a
 //! constellation that its loss stands for, or it comes after the cut; a constellation's loss with a satellite of another
 //! unless it comes after the cut. Each such pair is the only cause of its mode.
 
 use core::cmp::Ordering;
 use core::ops::ControlFlow;
 
-use super::sets::{Hypothesis, NONE, Set, above, event, members, row};
-use super::visit::{Mode, Walk};
+use super::super::sets::{Hypothesis, NONE, Set, above, event, members, row};
+use super::{Mode, Walk};
 use crate::numeric::real::Real;
 
 /// The pairs among a walk's modes.
