@@ -10,7 +10,7 @@
 //! | faults: pin low, a record, a reset | `fault.rs` | `fault.rs` |
 //! | the memory map | `memory.x` | `memory.x` |
 //!
-//! What all Cortex-M boards share is in `cortex_m`: time from `SysTick`, the guarded stack, the log. These files are part
+//! What all Cortex-M boards share is in `arm`: time from `SysTick`, the rings of the ports, the guarded stack, the log. These files are part
 //! of the binary and not of this library; each board's crates come with the feature of its name.
 
 use embedded_hal::digital::OutputPin;

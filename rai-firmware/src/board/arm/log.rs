@@ -10,7 +10,7 @@ use rtt_target::{ChannelMode, UpChannel};
 
 use rai_firmware::board::Note;
 
-use super::{stack, time};
+use super::{rings, stack, time};
 use crate::chip::send_log;
 
 /// Longest frame; a longer one is dropped.
@@ -62,8 +62,8 @@ pub fn start() {
     });
 }
 
-/// Logs what the epoch loop notes; `rings` logs how full the board's rings have been.
-pub fn note(note: Note, rings: impl FnOnce()) {
+/// Logs what the epoch loop notes.
+pub fn note(note: Note) {
     match note {
         Note::Judged(verdict, ticks) => {
             defmt::info!("judged {}: pin {=u64} ticks after the last byte", verdict, ticks);
@@ -72,7 +72,7 @@ pub fn note(note: Note, rings: impl FnOnce()) {
         Note::Epoch(number, ticks) => defmt::info!("epoch {=u32} took {=u64} ticks", number, ticks),
         Note::HighWater => {
             defmt::info!("stack high water {=u32} bytes", stack::high_water_bytes());
-            rings();
+            defmt::info!("rings high water {}", rings::high_water());
         }
         Note::Lost(losses) => defmt::warn!("bytes lost since start: {}", losses),
     }

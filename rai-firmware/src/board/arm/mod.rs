@@ -1,7 +1,9 @@
-//! What all boards with a Cortex-M share: time, the guarded stack, faults, the log, memory over a restart.
+//! What all boards with a Cortex-M share: time, the guarded stack, faults, the log, the rings of the ports, memory over a
+//! restart.
 
 pub mod fault;
 pub mod log;
+pub mod rings;
 pub mod sealed;
 pub mod stack;
 pub mod start;

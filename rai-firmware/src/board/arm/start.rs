@@ -10,7 +10,7 @@ use rai_firmware::config::{Configuration, Unsealed};
 use rai_firmware::epoch_loop::EpochLoop;
 use rai_firmware::receiver::{Boot, Receiver};
 
-use super::fault;
+use super::{fault, rings};
 
 /// A place for the receiver among the statics, with what came of making it.
 pub type Place<P> = MaybeUninit<Result<Receiver<P>, MonitorError>>;
@@ -29,7 +29,7 @@ pub fn run<B: Board>(board: &mut B, receiver: &'static mut Place<B::Pin>, pin: B
     receiver.restore(board.sealed(), after_power_on);
     receiver.greet(board.host());
     EpochLoop::new().run(board, receiver);
-    crate::chip::drain();
+    rings::drain();
     fault::reset_on_request()
 }
 

@@ -29,11 +29,11 @@ use rai_firmware::board::reset::ResetCause;
 use rai_firmware::board::{Board, Note, PortLosses, SEALED_BYTES};
 use rai_firmware::timed_ring::Taken;
 
+use crate::arm::rings::{self, HostPort};
 use crate::arm::{fault, log, sealed, stack, start, time};
-use ports::HostPort;
 use registers::{LED, WATCHDOG};
 
-pub use ports::{drain, send_log};
+pub use ports::send_log;
 
 /// Where the stack may be.
 pub const RAM: Range<usize> = 0x2000_0000..0x2040_0000;
@@ -122,11 +122,11 @@ impl Board for Mps2An500 {
     type Host = HostPort;
 
     fn gnss(&mut self, chunk: &mut [u8]) -> Taken {
-        ports::take_gnss(chunk)
+        rings::take_gnss(chunk)
     }
 
     fn command(&mut self) -> Option<u8> {
-        ports::take_command()
+        rings::take_command()
     }
 
     fn host(&mut self) -> &mut HostPort {
@@ -150,7 +150,7 @@ impl Board for Mps2An500 {
     }
 
     fn losses(&self) -> PortLosses {
-        ports::losses(&self.host)
+        rings::losses(&self.host)
     }
 
     fn feed_watchdog(&mut self) {
@@ -158,7 +158,7 @@ impl Board for Mps2An500 {
     }
 
     fn sleep(&mut self) -> Option<u64> {
-        time::sleep_unless(ports::input_waits)
+        time::sleep_unless(rings::input_waits)
     }
 
     fn reset_cause(&self) -> ResetCause {
@@ -174,6 +174,6 @@ impl Board for Mps2An500 {
     }
 
     fn note(&mut self, note: Note) {
-        log::note(note, || defmt::info!("rings high water {}", ports::high_water()));
+        log::note(note);
     }
 }

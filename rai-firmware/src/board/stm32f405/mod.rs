@@ -12,12 +12,12 @@
 //! There is no switch between silicon and emulator. Every wait is bounded, every fallback has a name ([`Source`]), and
 //! a peripheral that does not answer is a fact to report and not a reason to stop.
 //!
+//! PC6 needs a pull-down of 10 kΩ or less, since it floats from reset to start-up. All ports start at 115200 baud, 8N1.
+//!
 //! References: [RM0090] reference manual of the family, [DS8626] data sheet of the chip.
 //!
 //! [RM0090]: rai_firmware#references
 //! [DS8626]: rai_firmware#references
-
-//! PC6 needs a pull-down of 10 kΩ or less, since it floats from reset to start-up. All ports start at 115200 baud, 8N1.
 
 pub mod clock;
 pub mod fault;
@@ -33,7 +33,7 @@ pub use hardware::RAM;
 #[cfg(target_os = "none")]
 pub use pins::drop_integrity_pin;
 #[cfg(target_os = "none")]
-pub use ports::{drain, send_log};
+pub use ports::send_log;
 
 #[cfg(target_os = "none")]
 mod hardware {
@@ -49,8 +49,9 @@ mod hardware {
 
     use super::clock::Clock;
     use super::pins::{self, IntegrityPin};
-    use super::ports::{self, HostPort};
+    use super::ports;
     use super::watchdog::Watchdog;
+    use crate::arm::rings::{self, HostPort};
     use crate::arm::{fault, log, sealed, stack, start, time};
 
     /// Where the stack may be.
@@ -100,11 +101,11 @@ mod hardware {
         type Host = HostPort;
 
         fn gnss(&mut self, chunk: &mut [u8]) -> Taken {
-            ports::take_gnss(chunk)
+            rings::take_gnss(chunk)
         }
 
         fn command(&mut self) -> Option<u8> {
-            ports::take_command()
+            rings::take_command()
         }
 
         fn host(&mut self) -> &mut HostPort {
@@ -128,7 +129,7 @@ mod hardware {
         }
 
         fn losses(&self) -> PortLosses {
-            ports::losses(&self.host)
+            rings::losses(&self.host)
         }
 
         fn feed_watchdog(&mut self) {
@@ -136,7 +137,7 @@ mod hardware {
         }
 
         fn sleep(&mut self) -> Option<u64> {
-            time::sleep_unless(ports::input_waits)
+            time::sleep_unless(rings::input_waits)
         }
 
         fn reset_cause(&self) -> ResetCause {
@@ -152,7 +153,7 @@ mod hardware {
         }
 
         fn note(&mut self, note: Note) {
-            log::note(note, || defmt::info!("rings high water {}", ports::high_water()));
+            log::note(note);
         }
     }
 }

@@ -2,32 +2,19 @@
 //!
 //! A port's interrupt moves what has come into its ring and what waits out of the other. Who puts bytes into a ring
 //! pends the interrupt once; from there the transmitter's own interrupt goes on. So sending starts the same way on a
-//! transmitter that interrupts when it is empty and on one that never is busy.
-//!
-//! | ring | bytes | holds |
-//! |---|---|---|
-//! | GNSS in | 4096 | more than the longest epoch (64 satellites with four signals: under 4 KB), a third of a second at 115,200 baud |
-//! | host in | 256 | three commands |
-//! | host out | 4096 | three epochs of sentences |
-//! | log out | 2048 | a burst of forty frames |
-//!
-//! GNSS bytes go in with the time at which they came. Bytes for which the ring had no room and bytes that were taken too
-//! late from the receiver (the hardware's overrun) are lost, and counted together.
+//! transmitter that interrupts when it is empty and on one that never is busy. The rings are in `arm/rings.rs`.
 //!
 //! References: [RM0090] §30.
 //!
 //! [RM0090]: rai_firmware#references
 
-use core::sync::atomic::{AtomicU32, Ordering};
-
 use cortex_m::peripheral::NVIC;
-use rai_firmware::board::PortLosses;
 use rai_firmware::outlet::Outlet;
 use rai_firmware::ring::Ring;
-use rai_firmware::timed_ring::{Taken, TimedRing};
 use stm32f4::stm32f405::{Interrupt, RCC, USART1, USART2, USART3, interrupt, usart1::RegisterBlock};
 
 use super::clock::{Clock, divider};
+use crate::arm::rings::{GNSS_IN, HOST_IN, HOST_OUT, HostPort, LOG_OUT, note_host_overrun};
 use crate::arm::time;
 
 /// Rate of all three ports.
@@ -36,52 +23,8 @@ const BAUD: u32 = 115_200;
 /// Bytes that one interrupt may take in: bounds the time in the handler, whatever the peripheral says.
 const BYTES_PER_INTERRUPT: usize = 64;
 
-static GNSS_IN: TimedRing<4096, 64> = TimedRing::new();
-static HOST_IN: Ring<256> = Ring::new();
-static HOST_OUT: Ring<4096> = Ring::new();
-static LOG_OUT: Ring<2048> = Ring::new();
 /// Nothing is sent to the GNSS receiver; its transmitter has an empty ring.
 static GNSS_OUT: Ring<1> = Ring::new();
-/// Nothing is expected on the log port.
-static LOG_IN: Ring<1> = Ring::new();
-
-static HOST_OVERRUNS: AtomicU32 = AtomicU32::new(0);
-/// Noise on a line that is not connected is no loss; it is counted and not reported.
-static LOG_OVERRUNS: AtomicU32 = AtomicU32::new(0);
-
-/// What was lost since start; the way out to the host counts its own.
-pub fn losses(host: &HostPort) -> PortLosses {
-    PortLosses {
-        gnss_bytes_lost: GNSS_IN.lost(),
-        gnss_bytes_dropped: GNSS_IN.given_up(),
-        command_bytes_lost: HOST_IN.dropped().saturating_add(HOST_OVERRUNS.load(Ordering::Relaxed)),
-        sentences_lost: host.lost(),
-        log_bytes_lost: LOG_OUT.dropped(),
-    }
-}
-
-/// Most bytes that ever waited in each ring since start.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, defmt::Format)]
-pub struct HighWater {
-    /// GNSS bytes for the epoch loop.
-    pub gnss_in: usize,
-    /// Command bytes for the epoch loop.
-    pub host_in: usize,
-    /// Sentences for the host.
-    pub host_out: usize,
-    /// Frames for the log port.
-    pub log_out: usize,
-}
-
-/// How full the rings have been.
-pub fn high_water() -> HighWater {
-    HighWater {
-        gnss_in: GNSS_IN.high_water(),
-        host_in: HOST_IN.high_water(),
-        host_out: HOST_OUT.high_water(),
-        log_out: LOG_OUT.high_water(),
-    }
-}
 
 /// Starts the ports and their interrupts; returns the way out to the host.
 pub fn start(rcc: &RCC, host: &USART1, gnss: &USART2, log: &USART3, clock: Clock) -> HostPort {
@@ -122,38 +65,11 @@ pub fn set_gnss_rate(clock: Clock, baud: u32) {
     }
 }
 
-/// Takes GNSS bytes that have come.
-pub fn take_gnss(chunk: &mut [u8]) -> Taken {
-    GNSS_IN.take(chunk, time::now_ms())
-}
-
-/// Takes one command byte that has come.
-pub fn take_command() -> Option<u8> {
-    HOST_IN.pop()
-}
-
-/// Whether bytes wait for the epoch loop.
-pub fn input_waits() -> bool {
-    !GNSS_IN.is_empty() || !HOST_IN.is_empty()
-}
-
 /// Queues one frame of the log, whole or not at all; never waits. To be called with interrupts held back, since every
 /// context logs and a ring has one writer.
 pub fn send_log(frame: &[u8]) {
     LOG_OUT.push_whole(frame);
     NVIC::pend(Interrupt::USART3);
-}
-
-/// The way out to the host.
-pub type HostPort = Outlet<'static, 4096, fn()>;
-
-/// Waits until all has left the chip, a second at most: before a reset that was asked for.
-pub fn drain() {
-    let deadline_ms = time::now_ms() + 1000;
-    while !(HOST_OUT.is_empty() && LOG_OUT.is_empty()) && time::now_ms() < deadline_ms {}
-    // The last two bytes are still in the transmitter, where a character takes 87 µs.
-    let last_ms = time::now_ms() + 2;
-    while time::now_ms() < last_ms {}
 }
 
 /// Takes in what has come; tells of a hardware overrun, which reading the data register also clears.
@@ -171,10 +87,6 @@ fn receive(port: &RegisterBlock, mut push: impl FnMut(u8), mut overrun: impl FnM
             push(byte);
         }
     }
-}
-
-fn count(counter: &AtomicU32) {
-    counter.store(counter.load(Ordering::Relaxed).saturating_add(1), Ordering::Relaxed);
 }
 
 /// Sends while the transmitter takes bytes, then asks to be called again, or not if nothing is left.
@@ -196,7 +108,7 @@ fn transmit<const N: usize>(port: &RegisterBlock, ring: &Ring<N>) {
 fn USART1() {
     // SAFETY: after start-up only this handler touches the port's registers.
     let port = unsafe { USART1::steal() };
-    receive(&port, |byte| _ = HOST_IN.push(byte), || count(&HOST_OVERRUNS));
+    receive(&port, |byte| _ = HOST_IN.push(byte), note_host_overrun);
     transmit(&port, &HOST_OUT);
 }
 
@@ -215,6 +127,7 @@ fn USART2() {
 fn USART3() {
     // SAFETY: after start-up only this handler touches the port's registers.
     let port = unsafe { USART3::steal() };
-    receive(&port, |byte| _ = LOG_IN.push(byte), || count(&LOG_OVERRUNS));
+    // Nothing is expected here, and noise on a line that is not connected is no loss.
+    receive(&port, |_| (), || ());
     transmit(&port, &LOG_OUT);
 }
