@@ -9,13 +9,14 @@
 //!
 //! Reference: the request and answer formats stand in the image's own modules, `rai-firmware/src/bin/laboratory/`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use anyhow::{Context, Result, ensure};
 use rai_core::epoch::Epoch;
 use rai_core::frame::Ecef;
 
+use crate::bench::profile::Profile;
 use crate::board::instructions;
 use crate::image;
 
@@ -91,16 +92,7 @@ impl Bench {
     /// Where the emulator is missing or the image did not come to its end: a panic, or a request that makes no sense.
     pub fn run(&self) -> Result<Vec<Answer>> {
         let folder = Folder::new()?;
-        std::fs::write(folder.0.join("requests.bin"), &self.requests)?;
-        let image = build()?;
-        let output = Command::new("qemu-system-arm")
-            .current_dir(&folder.0)
-            .args(["-machine", "netduinoplus2", "-display", "none", "-monitor", "none", "-serial", "none"])
-            .args(["-icount", "shift=0", "-semihosting-config", "enable=on,target=native", "-kernel"])
-            .arg(&image)
-            .stdin(Stdio::null())
-            .output()
-            .context("qemu-system-arm cannot be run (`cargo xtask setup` installs it)")?;
+        let output = self.emulator(&folder, &build()?)?.output().context(MISSING)?;
         let bytes = std::fs::read(folder.0.join("answers.bin")).unwrap_or_default();
         let answers = answers(&bytes);
         ensure!(
@@ -111,7 +103,44 @@ impl Bench {
         );
         Ok(answers)
     }
+
+    /// Where the instructions of the `number`th of all epochs in the requests go, the first being 0.
+    ///
+    /// # Errors
+    /// As [`Self::run`].
+    pub fn profile(&self, number: usize) -> Result<Profile> {
+        let folder = Folder::new()?;
+        let image = build()?;
+        let mut emulator = self
+            .emulator(&folder, &image)?
+            .args(["-singlestep", "-d", "exec,nochain"])
+            .stderr(Stdio::piped())
+            .spawn()
+            .context(MISSING)?;
+        let log = emulator.stderr.take().context("the emulator has no log")?;
+        let profile = Profile::read(&image, log, number);
+        // What comes behind the stage is not waited for.
+        emulator.kill()?;
+        emulator.wait()?;
+        profile
+    }
+
+    /// The emulator with the measuring image and the requests in its folder.
+    fn emulator(&self, folder: &Folder, image: &Path) -> Result<Command> {
+        std::fs::write(folder.0.join("requests.bin"), &self.requests)?;
+        let mut emulator = Command::new("qemu-system-arm");
+        emulator
+            .current_dir(&folder.0)
+            .args(["-machine", "netduinoplus2", "-display", "none", "-monitor", "none", "-serial", "none"])
+            .args(["-icount", "shift=0", "-semihosting-config", "enable=on,target=native", "-kernel"])
+            .arg(image)
+            .stdin(Stdio::null());
+        Ok(emulator)
+    }
 }
+
+/// What to do where the emulator does not start.
+const MISSING: &str = "qemu-system-arm cannot be run (`cargo xtask setup` installs it)";
 
 /// Builds the measuring image; in release form, like the shipped one.
 fn build() -> Result<PathBuf> {

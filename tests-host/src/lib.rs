@@ -94,6 +94,7 @@ pub mod shared;
 pub mod skip;
 pub mod sky;
 pub mod soak;
+mod source_lines;
 pub mod stations;
 pub mod tables;
 pub mod vectors;

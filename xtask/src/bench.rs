@@ -1,11 +1,11 @@
 //! `cargo xtask bench`: what the module costs on the chip.
 
 use anyhow::{Context as _, ensure};
-use tests_host::bench::{Measurement, budget};
+use tests_host::bench::{Measurement, budget, stages};
 use tests_host::board;
 
 /// Arguments of the command.
-#[derive(clap::Args)]
+#[derive(clap::Args, Default)]
 pub(crate) struct Arguments {
     /// Fail where a figure has grown by more than 2 % since it was committed.
     #[arg(long, conflicts_with = "save")]
@@ -16,11 +16,25 @@ pub(crate) struct Arguments {
     /// Measure the epochs a second of this machine instead, which nothing is held to.
     #[arg(long, conflicts_with_all = ["check", "save"])]
     pub(crate) host: bool,
+    /// Show where the instructions of a stage go, by function and on whose behalf; a part of its name chooses it.
+    #[arg(long, value_name = "STAGE", conflicts_with_all = ["check", "save", "host"])]
+    pub(crate) profile: Option<String>,
 }
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    if arguments.host { host() } else { target(arguments) }
+    match &arguments.profile {
+        Some(stage) => profile(stage),
+        None if arguments.host => host(),
+        None => target(arguments),
+    }
+}
+
+fn profile(stage: &str) -> anyhow::Result<()> {
+    ensure!(board::is_installed(), "nothing can be counted without the emulator");
+    let (name, profile) = stages::profile(stage)?;
+    println!("{name}\n\n{profile}");
+    Ok(())
 }
 
 fn host() -> anyhow::Result<()> {

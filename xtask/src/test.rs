@@ -174,7 +174,7 @@ fn sizes() -> anyhow::Result<()> {
 }
 
 fn costs() -> anyhow::Result<()> {
-    crate::bench::run(&crate::bench::Arguments { check: true, save: false, host: false })
+    crate::bench::run(&crate::bench::Arguments { check: true, ..Default::default() })
 }
 
 fn tables() -> anyhow::Result<()> {

@@ -9,6 +9,7 @@
 
 pub mod budget;
 pub mod memory;
+pub mod profile;
 pub mod stages;
 pub mod workload;
 

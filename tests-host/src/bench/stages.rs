@@ -5,6 +5,7 @@
 use anyhow::{Context, Result};
 use rai_core::frame::Ecef;
 
+use super::profile::Profile;
 use super::workload::{Stream, epoch, site, start};
 use crate::laboratory::{Answer, Bench, Scalar, Stage, epoch_bytes, point_bytes};
 
@@ -46,6 +47,29 @@ pub fn of_method(method: &str, faults: usize) -> String {
 /// # Errors
 /// Where the measuring image does not come to its end.
 pub fn measure() -> Result<Vec<Figure>> {
+    let cases = cases()?;
+    let answers = run(&cases)?;
+    let figures = cases.into_iter().zip(answers);
+    Ok(figures
+        .map(|(case, answer)| Figure { name: case.name, value: answer.instructions, target: case.target })
+        .collect())
+}
+
+/// Where the instructions of a stage go, which a part of its name chooses: the first that has it.
+///
+/// # Errors
+/// As [`measure`]; also where no stage has such a name, which the message then lists.
+pub fn profile(words: &str) -> Result<(String, Profile)> {
+    let cases = cases()?;
+    let names = || cases.iter().map(|case| case.name.as_str()).collect::<Vec<_>>().join("\n  ");
+    let case = cases.iter().find(|case| case.name.contains(words));
+    let case = case.with_context(|| format!("no stage is called `{words}`; there are\n  {}", names()))?;
+    let mut bench = Bench::default();
+    bench.request(case.stage, case.scalar, &case.input);
+    Ok((case.name.clone(), bench.profile(case.epochs - 1)?))
+}
+
+fn cases() -> Result<Vec<Case>> {
     let mut cases = Vec::new();
     for constellations in [1, 2] {
         for count in SIZES {
@@ -61,11 +85,7 @@ pub fn measure() -> Result<Vec<Figure>> {
     cases.extend(methods()?);
     cases.extend(thresholds_and_clock()?);
     cases.extend(wire()?);
-    let answers = run(&cases)?;
-    let figures = cases.into_iter().zip(answers);
-    Ok(figures
-        .map(|(case, answer)| Figure { name: case.name, value: answer.instructions, target: case.target })
-        .collect())
+    Ok(cases)
 }
 
 fn run(cases: &[Case]) -> Result<Vec<Answer>> {

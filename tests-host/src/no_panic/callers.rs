@@ -5,17 +5,13 @@
 //! belongs to this product is the offender. Where the whole function is the standard library's or a dependency's,
 //! its callers are looked at instead.
 
-use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 
-use addr2line::Context;
-use addr2line::gimli::{Dwarf, EndianSlice, LittleEndian};
 use anyhow::{Context as _, ensure};
 use object::{Object, ObjectSection, ObjectSymbol, RelocationTarget, SymbolKind};
 
-/// Where the product's own sources lie.
-const OWN: [&str; 3] = ["rai-core/src/", "rai-firmware/src/", "rai-firmware/capi/src/"];
+use crate::source_lines::{Frame, Lines};
 
 /// A line of the product's source from which a panic is reachable.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -37,20 +33,6 @@ impl fmt::Display for Offence {
             write!(f, " → {callee}")?;
         }
         Ok(())
-    }
-}
-
-/// One line of source at an instruction, with the function it is in.
-struct Frame {
-    file: String,
-    line: u32,
-    function: String,
-}
-
-impl Frame {
-    /// The file from the root of the repository, if it is one of the product's.
-    fn own_file(&self) -> Option<&str> {
-        OWN.iter().find_map(|folder| self.file.find(folder)).and_then(|start| self.file.get(start..))
     }
 }
 
@@ -131,34 +113,4 @@ fn references(elf: &object::File<'_>, functions: &BTreeMap<u64, String>) -> BTre
 /// The address of a function without the bit that says Thumb.
 fn code(address: u64) -> u64 {
     address & !1
-}
-
-/// The lines of source of an image.
-struct Lines<'a>(Context<EndianSlice<'a, LittleEndian>>);
-
-impl<'a> Lines<'a> {
-    fn of(elf: &object::File<'a>) -> anyhow::Result<Self> {
-        let load = |id: addr2line::gimli::SectionId| -> Result<_, addr2line::gimli::Error> {
-            let section = elf.section_by_name(id.name());
-            let bytes = section.and_then(|section| section.data().ok()).unwrap_or_default();
-            Ok(EndianSlice::new(bytes, LittleEndian))
-        };
-        Ok(Self(Context::from_dwarf(Dwarf::load(load)?)?))
-    }
-
-    /// What was inlined at an instruction, innermost first.
-    fn at(&self, address: u64) -> anyhow::Result<Vec<Frame>> {
-        let mut frames = self.0.find_frames(address).skip_all_loads()?;
-        let mut found = Vec::new();
-        while let Some(frame) = frames.next()? {
-            let location = frame.location;
-            let name = frame.function.as_ref().and_then(|function| function.demangle().ok());
-            found.push(Frame {
-                file: location.as_ref().and_then(|at| at.file).unwrap_or_default().to_owned(),
-                line: location.and_then(|at| at.line).unwrap_or_default(),
-                function: name.map_or_else(|| "?".to_owned(), Cow::into_owned),
-            });
-        }
-        Ok(found)
-    }
 }

@@ -1,0 +1,222 @@
+//! Where the instructions of a stage go: every one that the emulated core executes, by function and on whose behalf.
+//!
+//! ```text
+//! measuring image ──one instruction a block──► program counters ──DWARF──► innermost function of ours
+//!                                                       └──symbols──► runtime: soft floats, memory, libm
+//! ```
+//!
+//! What a function costs is what its own instructions cost, and what the runtime does on its behalf: the soft-float routines,
+//! copies of memory and the elementary functions of `libm` count for whoever of ours was executed last before them. Inlined
+//! functions are told apart by the debugger's information, so that a stage which the compiler made one function of is
+//! still seen in its parts.
+//!
+//! | symbol | field | unit |
+//! |---|---|---|
+//! | own | [`Share::own`] | instructions in the function's own lines |
+//! | behalf | [`Share::behalf`] | instructions of the runtime for it |
+//! | calls | [`Share::calls`] | calls of the runtime |
+//!
+//! Reference: [ARMv7-M] for what a branch is; the emulator's `exec` log names the first instruction of each block, and
+//! `-singlestep` makes every instruction a block.
+//!
+//! [ARMv7-M]: crate#references
+
+use std::collections::{BTreeMap, HashMap};
+use std::fmt;
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+
+use anyhow::Result;
+use object::{Object, ObjectSymbol, SymbolKind};
+
+use crate::source_lines::Lines;
+
+/// Most functions that are listed.
+const LISTED: usize = 40;
+
+/// What one function costs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Share {
+    /// Instructions of its own.
+    pub own: u64,
+    /// Instructions of the runtime on its behalf.
+    pub behalf: u64,
+    /// Calls of the runtime.
+    pub calls: u64,
+}
+
+/// Where the instructions of one stage went.
+#[derive(Clone, Debug, Default)]
+pub struct Profile {
+    /// By function of the product.
+    pub functions: BTreeMap<String, Share>,
+    /// Instructions and calls of each routine of the runtime.
+    pub runtime: BTreeMap<String, (u64, u64)>,
+}
+
+impl Profile {
+    /// All of them.
+    pub fn total(&self) -> u64 {
+        self.functions.values().map(|share| share.own + share.behalf).sum()
+    }
+
+    /// Reads what the emulator executed between the first and the last instruction of the stopwatch's `number`th use, the
+    /// first being 0.
+    ///
+    /// # Errors
+    /// Where the image holds no stopwatch, or the stage was never reached.
+    pub fn read(image: &Path, log: impl std::io::Read, number: usize) -> Result<Self> {
+        let bytes = std::fs::read(image)?;
+        let elf = object::File::parse(bytes.as_slice())?;
+        let mut reader = Reader {
+            map: Map::of(&elf)?,
+            profile: Self::default(),
+            known: HashMap::new(),
+            last: String::new(),
+        };
+        let mut window = Window::new(number);
+        for line in BufReader::new(log).split(b'\n') {
+            let line = line?;
+            let Some(address) = program_counter(&line) else { continue };
+            match window.moves(&reader.map, address) {
+                Place::Before => {}
+                Place::Inside => reader.take(address)?,
+                Place::Behind => break,
+            }
+        }
+        anyhow::ensure!(!reader.profile.functions.is_empty(), "the stage was never reached");
+        Ok(reader.profile)
+    }
+}
+
+/// The address that a line `Trace 0: … [cs/pc/flags/…]` of the log names.
+fn program_counter(line: &[u8]) -> Option<u64> {
+    let line = std::str::from_utf8(line).ok()?.strip_prefix("Trace")?;
+    let (_, bracket) = line.split_once('[')?;
+    u64::from_str_radix(bracket.split('/').nth(1)?, 16).ok()
+}
+
+/// The functions of an image by address.
+struct Map<'a> {
+    /// End, name.
+    functions: BTreeMap<u64, (u64, String)>,
+    lines: Lines<'a>,
+}
+
+impl<'a> Map<'a> {
+    fn of(elf: &object::File<'a>) -> Result<Self> {
+        let mut functions = BTreeMap::new();
+        for symbol in elf.symbols().filter(|symbol| symbol.kind() == SymbolKind::Text && symbol.size() > 0) {
+            let (address, name) = (symbol.address() & !1, symbol.name().unwrap_or_default());
+            let name = format!("{:#}", addr2line::demangle_auto(name.into(), None));
+            functions.insert(address, (address + symbol.size(), name));
+        }
+        Ok(Self { functions, lines: Lines::of(elf)? })
+    }
+
+    /// Address and name of the function that an instruction is in.
+    fn function(&self, address: u64) -> Option<(u64, &str)> {
+        let (&start, (end, name)) = self.functions.range(..=address).next_back()?;
+        (address < *end).then_some((start, name.as_str()))
+    }
+
+    /// The innermost function of the product that was inlined at an instruction; `None` where all is the runtime's.
+    fn own_function(&self, address: u64) -> Result<Option<String>> {
+        let frames = self.lines.at(address)?;
+        let own = frames.into_iter().find(|frame| frame.own_file().is_some()).map(|frame| frame.function);
+        // A function's first and last instructions may belong to no line.
+        let symbol = || self.function(address).map(|(_, name)| name.to_owned());
+        Ok(own.or_else(|| symbol().filter(|name| name.contains("rai_"))))
+    }
+}
+
+/// Where an instruction is beside the stage.
+enum Place {
+    Before,
+    Inside,
+    Behind,
+}
+
+/// From the entry of the stopwatch to its return.
+struct Window {
+    uses_left: usize,
+    /// The function that called it, once it has been entered.
+    caller: Option<u64>,
+    last: Option<u64>,
+}
+
+impl Window {
+    fn new(number: usize) -> Self {
+        // The stopwatch first measures what it costs itself.
+        Self { uses_left: number + 1, caller: None, last: None }
+    }
+
+    fn moves(&mut self, map: &Map<'_>, address: u64) -> Place {
+        let Some((start, name)) = map.function(address) else { return Place::Before };
+        let is_entry = address == start && name.contains("Stopwatch::time");
+        if self.caller.is_none() && is_entry {
+            self.caller = self.last;
+        } else if self.caller == Some(start) {
+            self.caller = None;
+            if self.uses_left == 0 {
+                return Place::Behind;
+            }
+            self.uses_left -= 1;
+        }
+        self.last = Some(start);
+        if self.caller.is_some() && self.uses_left == 0 { Place::Inside } else { Place::Before }
+    }
+}
+
+/// A profile as it grows.
+struct Reader<'a> {
+    map: Map<'a>,
+    profile: Profile,
+    /// The innermost function of ours at an instruction, where one is.
+    known: HashMap<u64, Option<String>>,
+    /// The function of ours that was executed last.
+    last: String,
+}
+
+impl Reader<'_> {
+    fn take(&mut self, address: u64) -> Result<()> {
+        if !self.known.contains_key(&address) {
+            self.known.insert(address, self.map.own_function(address)?);
+        }
+        match self.known.get(&address).cloned().flatten() {
+            Some(function) => {
+                self.profile.functions.entry(function.clone()).or_default().own += 1;
+                self.last = function;
+            }
+            None => self.take_runtime(address),
+        }
+        Ok(())
+    }
+
+    fn take_runtime(&mut self, address: u64) {
+        let Some((start, symbol)) = self.map.function(address) else { return };
+        let calls = u64::from(address == start);
+        let (instructions, entered) = self.profile.runtime.entry(symbol.to_owned()).or_default();
+        (*instructions, *entered) = (*instructions + 1, *entered + calls);
+        let share = self.profile.functions.entry(self.last.clone()).or_default();
+        (share.behalf, share.calls) = (share.behalf + 1, share.calls + calls);
+    }
+}
+
+impl fmt::Display for Profile {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut functions: Vec<_> = self.functions.iter().collect();
+        functions.sort_by_key(|(_, share)| std::cmp::Reverse(share.own + share.behalf));
+        writeln!(formatter, "{:>9} {:>9} {:>9} {:>6}  function", "together", "own", "runtime", "calls")?;
+        for (name, Share { own, behalf, calls }) in functions.iter().take(LISTED) {
+            writeln!(formatter, "{:>9} {own:>9} {behalf:>9} {calls:>6}  {name}", own + behalf)?;
+        }
+        let mut runtime: Vec<_> = self.runtime.iter().collect();
+        runtime.sort_by_key(|(_, (instructions, _))| std::cmp::Reverse(*instructions));
+        writeln!(formatter, "\n{:>9} {:>6} {:>6}  of the runtime", "together", "calls", "each")?;
+        for (name, (instructions, calls)) in runtime.iter().take(LISTED) {
+            writeln!(formatter, "{instructions:>9} {calls:>6} {:>6}  {name}", instructions / (*calls).max(1))?;
+        }
+        writeln!(formatter, "\n{:>9}  instructions", self.total())
+    }
+}
