@@ -4,13 +4,12 @@
 //! somebody counterfeits a whole sky, they agree perfectly. What came before tells:
 //!
 //! ```text
-//! ground(p, pₐ) ≤ v Δt + HPL + HPLₐ     and     |h − hₐ| ≤ v Δt + VPL + VPLₐ       else a jump
+//! √(|p − pₐ|² − (h − hₐ)²) ≤ v Δt + HPL + HPLₐ     and     |h − hₐ| ≤ v Δt + VPL + VPLₐ       else a jump
 //! ```
 //!
 //! | symbol | field | unit |
 //! |---|---|---|
 //! | `p`, `h`; `pₐ`, `hₐ` | position and height of the epoch; of the last protected one, the anchor | m |
-//! | `ground` | distance on the ellipsoid, as a chord | m |
 //! | `v` | [`ContinuitySettings::max_speed_m_s`] | m/s |
 //! | `Δt` | time since the anchor, by the epochs, and by the caller's own clock where it has one: the shorter | s |
 //!
@@ -29,7 +28,7 @@
 //! **Limits.** A counterfeit that leads a position away slower than `v` is not seen here, nor one that is there from
 //! the start. A time tag that leaps ahead makes everything reachable unless the caller has a clock of its own.
 
-use crate::frame::{Ecef, Geodetic};
+use crate::frame::Ecef;
 use crate::report::{Alert, Protected, ProtectionLevels, Report, Unavailable, Verdict};
 
 /// The longest time for which the last protected position says where the next can be, s: at the start's highest speed
@@ -155,8 +154,7 @@ impl Instant {
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Place {
     instant: Instant,
-    /// The point of the ellipsoid below.
-    ground: Ecef,
+    position: Ecef,
     height_m: f64,
     levels: ProtectionLevels,
 }
@@ -165,11 +163,19 @@ impl Place {
     /// Whether a receiver can have come from there to here. A distance that is no number is beyond reach.
     fn is_within_reach_of(&self, from: &Self, max_speed_m_s: f64) -> bool {
         let way_m = max_speed_m_s * self.instant.since_s(from.instant);
-        let ground_m = self.ground.distance_m(from.ground);
         let climb_m = (self.height_m - from.height_m).abs();
+        let ground_m = across_m(self.position - from.position, climb_m);
         ground_m <= way_m + self.levels.hpl_m + from.levels.hpl_m
             && climb_m <= way_m + self.levels.vpl_m + from.levels.vpl_m
     }
+}
+
+/// What of the way between two points is not climbed, m. Metres suffice: levels are no smaller.
+fn across_m(way: Ecef, climb_m: f64) -> f64 {
+    let [x, y, z, climb] = [way.x_m, way.y_m, way.z_m, climb_m].map(|length_m| length_m as f32);
+    let squared = x * x + y * y + z * z - climb * climb;
+    // A square that is not a number stays none, and is no distance within reach.
+    f64::from(libm::sqrtf(if squared < 0.0 { 0.0 } else { squared }))
 }
 
 /// Epochs in a row that agree.
@@ -246,7 +252,7 @@ impl Continuity {
         let instant = self.pass_time(Instant { epoch_s: time_s, own_s });
         let place = report.solution.as_ref().zip(report.protection).map(|(solution, levels)| Place {
             instant,
-            ground: Geodetic { height_m: 0.0, ..solution.geodetic }.to_ecef(),
+            position: solution.position,
             height_m: solution.geodetic.height_m,
             levels,
         });

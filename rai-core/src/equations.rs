@@ -22,6 +22,7 @@ use heapless::Vec;
 use nalgebra::Vector3;
 
 use crate::frame::Sight;
+use crate::numeric::absolute::Absolute;
 use crate::numeric::real::Real;
 use crate::satellite::Constellation;
 
@@ -79,9 +80,10 @@ impl core::error::Error for RowError {}
 
 /// The equations of one instant, satellites first, then aiding rows; at most `N`.
 #[derive(Clone, Debug, PartialEq)]
-pub struct LinearEpoch<T, const N: usize> {
+pub struct LinearEpoch<T: Real, const N: usize> {
     rows: Vec<Row<T>, N>,
-    reference_m: [Option<f64>; Constellation::COUNT],
+    /// What the residuals of each constellation are relative to.
+    references: [Option<T::Absolute>; Constellation::COUNT],
 }
 
 impl<T: Real, const N: usize> Default for LinearEpoch<T, N> {
@@ -93,7 +95,7 @@ impl<T: Real, const N: usize> Default for LinearEpoch<T, N> {
 impl<T: Real, const N: usize> LinearEpoch<T, N> {
     /// No equations yet.
     pub fn new() -> Self {
-        Self { rows: Vec::new(), reference_m: [None; Constellation::COUNT] }
+        Self { rows: Vec::new(), references: [None; Constellation::COUNT] }
     }
 
     /// Adds a satellite: its direction (east, north, up), its residual and its standard deviation in metres.
@@ -114,7 +116,7 @@ impl<T: Real, const N: usize> LinearEpoch<T, N> {
         self.push(Some(constellation), -line_of_sight.map(T::narrow), residual, sigma_m)
     }
 
-    /// Adds a satellite as it is seen, by how much its range is longer than the straight distance.
+    /// Adds a satellite as it is seen, with its range.
     ///
     /// # Errors
     /// As [`Self::satellite`].
@@ -122,13 +124,14 @@ impl<T: Real, const N: usize> LinearEpoch<T, N> {
         &mut self,
         constellation: Constellation,
         sight: &Sight<T>,
-        longer_m: f64,
+        range_m: f64,
         sigma_m: f64,
     ) -> Result<(), RowError> {
-        let reference_m = self.reference_m(constellation).unwrap_or(longer_m);
-        // The earth's rotation is small enough for the scalar, and is taken off where doubles are no longer needed.
-        let residual = T::narrow(longer_m - reference_m) - sight.rotation;
-        self.push(Some(constellation), -sight.direction, (residual, reference_m), sigma_m)
+        let longer = T::Absolute::of(range_m).less(sight.distance.whole);
+        let reference = self.reference(constellation).unwrap_or(longer);
+        // What is small enough for the scalar is taken off where no more digits are needed.
+        let residual = longer.less(reference).narrow() - (sight.distance.rest + sight.rotation);
+        self.push(Some(constellation), -sight.direction, (residual, reference), sigma_m)
     }
 
     /// Adds a predicted clock of a constellation, on the same scale as its residuals.
@@ -150,20 +153,24 @@ impl<T: Real, const N: usize> LinearEpoch<T, N> {
     /// # Errors
     /// As [`Self::satellite`].
     pub fn height(&mut self, residual_m: f64, sigma_m: f64) -> Result<(), RowError> {
-        self.push(None, Vector3::z(), (T::narrow(residual_m), 0.0), sigma_m)
+        self.push(None, Vector3::z(), (T::narrow(residual_m), T::Absolute::of(0.0)), sigma_m)
     }
 
-    /// A residual less the reference of its constellation, and that reference: the first residual itself.
-    fn relative(&self, constellation: Constellation, residual_m: f64) -> (T, f64) {
-        let reference_m = self.reference_m(constellation).unwrap_or(residual_m);
-        (T::narrow(residual_m - reference_m), reference_m)
+    /// A residual less the reference of its constellation, and that reference: nearly the first residual itself.
+    fn relative(&self, constellation: Constellation, residual_m: f64) -> (T, T::Absolute) {
+        let reference = self.reference(constellation).unwrap_or_else(|| T::Absolute::of(residual_m));
+        (T::narrow(residual_m - reference.widen()), reference)
+    }
+
+    fn reference(&self, constellation: Constellation) -> Option<T::Absolute> {
+        self.references.get(constellation as usize).copied().flatten()
     }
 
     fn push(
         &mut self,
         clock: Option<Constellation>,
         design: Vector3<T>,
-        (residual, reference_m): (T, f64),
+        (residual, reference): (T, T::Absolute),
         sigma_m: f64,
     ) -> Result<(), RowError> {
         // Neither is a difference of two infinities.
@@ -178,8 +185,8 @@ impl<T: Real, const N: usize> LinearEpoch<T, N> {
         }
         let row = Row { clock, design, residual, sigma, weight };
         self.rows.push(row).map_err(|_| RowError::Full)?;
-        if let Some(reference) = clock.and_then(|clock| self.reference_m.get_mut(clock as usize)) {
-            *reference = Some(reference_m);
+        if let Some(slot) = clock.and_then(|clock| self.references.get_mut(clock as usize)) {
+            *slot = Some(reference);
         }
         Ok(())
     }
@@ -191,13 +198,13 @@ impl<T: Real, const N: usize> LinearEpoch<T, N> {
 
     /// What a constellation's residuals are relative to, m; `None` where it has no row.
     pub fn reference_m(&self, constellation: Constellation) -> Option<f64> {
-        self.reference_m.get(constellation as usize).copied().flatten()
+        self.reference(constellation).map(Absolute::widen)
     }
 
     /// Makes room for the equations of another instant.
     pub(crate) fn clear(&mut self) {
         self.rows.clear();
-        self.reference_m = [None; Constellation::COUNT];
+        self.references = [None; Constellation::COUNT];
     }
 
     /// Takes over the equations of another epoch, row by row: a clone is made elsewhere on the stack first, and then moved.
@@ -207,7 +214,7 @@ impl<T: Real, const N: usize> LinearEpoch<T, N> {
             // Both hold N: never full here.
             let _ = self.rows.push(row);
         }
-        self.reference_m = other.reference_m;
+        self.references = other.references;
     }
 
     /// Leaves a row out of everything computed from now on; its index stays taken.

@@ -1,8 +1,8 @@
 //! The position fix: Gauss–Newton in ECEF, whose last pass is the snapshot.
 //!
 //! ```text
-//! y_i = ρ_i − |s_i − p| − ω/c (x_s y_p − y_s x_p)        residuals in f64
-//! p  ← p + R x                                            x from the 3×3 solve in T
+//! y_i = ρ_i − |s_i − p| − ω/c (x_s y_p − y_s x_p)        by differences of absolute lengths
+//! p  ← p + R x                                            x from the 3×3 solve in T, p in f64
 //! ```
 //!
 //! | symbol | field | unit |
@@ -20,7 +20,7 @@ use core::fmt;
 
 use crate::epoch::{Aided, Aiding, Epoch};
 use crate::equations::LinearEpoch;
-use crate::frame::{Ecef, Enu, LocalFrame, Lookout};
+use crate::frame::{Ecef, LocalFrame, Lookout};
 use crate::integrity::separation::{Removable, View};
 use crate::numeric::real::Real;
 use crate::snapshot::{Reducible, Snapshot, SnapshotError};
@@ -90,8 +90,8 @@ impl<T: Real, const N: usize> Workspace<T, N> {
 #[derive(Debug)]
 pub struct Fix<'r, T: Real, const N: usize> {
     aided: Aided<'r, N>,
-    point: Ecef,
-    frame: LocalFrame,
+    /// The linearisation point.
+    lookout: Lookout<T>,
     snapshot: &'r mut Snapshot<T, N>,
 }
 
@@ -102,9 +102,9 @@ impl<'r, T: Real, const N: usize> Fix<'r, T, N> {
         aided: Aided<'r, N>,
         start: Ecef,
     ) -> Result<Self, FixError> {
-        let (point, frame) =
+        let lookout =
             converge(snapshot, &aided, start, 0).or_else(|_| converge(snapshot, &aided, Ecef::CENTRE, 0))?;
-        Ok(Self { aided, point, frame, snapshot })
+        Ok(Self { aided, lookout, snapshot })
     }
 
     /// The row of a clock's forecast, or of one that the epoch came with.
@@ -115,12 +115,7 @@ impl<'r, T: Real, const N: usize> Fix<'r, T, N> {
 
     /// The position.
     pub fn position(&self) -> Ecef {
-        self.point + displacement(self.snapshot, &self.frame)
-    }
-
-    /// The tangent frame in which the snapshot's east, north, up are.
-    pub fn frame(&self) -> &LocalFrame {
-        &self.frame
+        self.lookout.beside(&self.snapshot.correction())
     }
 
     /// The linearised epoch at the position.
@@ -141,7 +136,7 @@ impl<'r, T: Real, const N: usize> Fix<'r, T, N> {
         }
         let (position, left_out) = (self.position(), self.left_out());
         let found = converge(self.snapshot, &self.aided, position, left_out);
-        (self.point, self.frame) = found.map_err(|error| match error {
+        self.lookout = found.map_err(|error| match error {
             FixError::Snapshot(error) => error,
             FixError::NotConverged => SnapshotError::Singular,
         })?;
@@ -151,7 +146,7 @@ impl<'r, T: Real, const N: usize> Fix<'r, T, N> {
     /// Back to rows that have been solved before, about the same point.
     fn restore(&mut self, left_out: u64) {
         // What could be formed and solved once can be so again.
-        let _ = linearise(self.snapshot.epoch_mut(), &self.aided, self.point, &self.frame, left_out);
+        let _ = linearise(self.snapshot.epoch_mut(), &self.aided, &self.lookout, left_out);
         let _ = self.snapshot.solve_again();
     }
 }
@@ -200,13 +195,6 @@ impl<T: Real, const N: usize> Removable<T> for Fix<'_, T, N> {
     }
 }
 
-/// The solution's correction, earth-fixed.
-fn displacement<T: Real, const N: usize>(snapshot: &Snapshot<T, N>, frame: &LocalFrame) -> Ecef {
-    let correction = snapshot.correction();
-    let (east, north, up) = (correction.x.widen(), correction.y.widen(), correction.z.widen());
-    frame.unrotate(Enu { east, north, up })
-}
-
 /// Whether the correction is no longer than this, m: its length is the same in every frame, and needs no double.
 fn is_within<T: Real, const N: usize>(snapshot: &Snapshot<T, N>, limit_m: f64) -> bool {
     let correction = snapshot.correction();
@@ -218,23 +206,23 @@ fn bit(index: usize) -> u64 {
     1u64.checked_shl(index as u32).unwrap_or(0)
 }
 
-/// Gauss–Newton: the solution is in the snapshot, the point and frame that it is relative to are returned.
+/// Gauss–Newton: the solution is in the snapshot, the point that it is relative to is returned.
 #[inline(never)]
 fn converge<T: Real, const N: usize>(
     snapshot: &mut Snapshot<T, N>,
     aided: &Aided<'_, N>,
     start: Ecef,
     left_out: u64,
-) -> Result<(Ecef, LocalFrame), FixError> {
+) -> Result<Lookout<T>, FixError> {
     let mut point = if start.is_finite() { start } else { Ecef::CENTRE };
     for _ in 0..MAX_PASSES {
-        let frame = LocalFrame::at(point);
-        linearise(snapshot.epoch_mut(), aided, point, &frame, left_out).ok_or(FixError::NotConverged)?;
+        let lookout = Lookout::at(point);
+        linearise(snapshot.epoch_mut(), aided, &lookout, left_out).ok_or(FixError::NotConverged)?;
         snapshot.solve_again().map_err(FixError::Snapshot)?;
         if is_within(snapshot, CONVERGED_M) {
-            return Ok((point, frame));
+            return Ok(lookout);
         }
-        point = point + displacement(snapshot, &frame);
+        point = lookout.beside(&snapshot.correction());
         // Also the way out for a position that is not a number.
         if !(point.radius_m() < MAX_RADIUS_M) {
             return Err(FixError::NotConverged);
@@ -249,17 +237,14 @@ fn converge<T: Real, const N: usize>(
 fn linearise<T: Real, const N: usize>(
     linear: &mut LinearEpoch<T, N>,
     aided: &Aided<'_, N>,
-    point: Ecef,
-    frame: &LocalFrame,
+    lookout: &Lookout<T>,
     left_out: u64,
 ) -> Option<()> {
     linear.clear();
-    let lookout = Lookout::at(point, frame);
     for observation in aided.epoch().observations() {
         let sight = lookout.sight(observation.position);
-        let longer_m = observation.range_m - sight.distance_m;
         let constellation = observation.satellite.constellation();
-        linear.sighted(constellation, &sight, longer_m, aided.sigma_m(observation)).ok()?;
+        linear.sighted(constellation, &sight, observation.range_m, aided.sigma_m(observation)).ok()?;
     }
     for aiding in aided.aiding() {
         match *aiding {
@@ -267,7 +252,7 @@ fn linearise<T: Real, const N: usize>(
                 linear.clock(constellation, value_m, sigma_m).ok()?;
             }
             Aiding::Height { value_m, sigma_m } => {
-                linear.height(value_m - frame.height_m(), sigma_m).ok()?;
+                linear.height(value_m - LocalFrame::at(lookout.point()).height_m(), sigma_m).ok()?;
             }
         }
     }

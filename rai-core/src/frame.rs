@@ -16,6 +16,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use crate::numeric::absolute::{Absolute, Length};
 use crate::numeric::real::Real;
 
 /// Speed of light in vacuum, m/s (exact by definition of the metre).
@@ -141,14 +142,59 @@ impl Enu {
     }
 }
 
+/// The directions east, north and up at a point, by the sines and cosines of its geodetic latitude and longitude.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+struct Directions<T> {
+    sin_latitude: T,
+    cos_latitude: T,
+    sin_longitude: T,
+    cos_longitude: T,
+}
+
+impl<T: Real> Directions<T> {
+    /// At an earth-fixed point; see [`LocalFrame::at`]. Where no direction is up, those of latitude 0, longitude 0.
+    fn at(point: &Vector3<T>) -> Option<Self> {
+        let radius = point.norm_squared().sqrt();
+        // Also the way out for NaN and infinity, which are within no bounds.
+        if !(radius >= T::narrow(1e3) && radius <= T::narrow(1e15)) {
+            return None;
+        }
+        let axial = (point.x * point.x + point.y * point.y).sqrt();
+        let (sin_longitude, cos_longitude) =
+            if axial > T::narrow(1e-6) { (point.y / axial, point.x / axial) } else { (T::zero(), T::one()) };
+        let (sin_latitude, cos_latitude) = latitude(axial, point.z, radius);
+        Some(Self { sin_latitude, cos_latitude, sin_longitude, cos_longitude })
+    }
+
+    /// Latitude 0, longitude 0.
+    fn of_origin() -> Self {
+        Self {
+            sin_latitude: T::zero(),
+            cos_latitude: T::one(),
+            sin_longitude: T::zero(),
+            cos_longitude: T::one(),
+        }
+    }
+
+    /// Rows east, north, up.
+    fn axes(&self) -> Matrix3<T> {
+        let Self { sin_latitude, cos_latitude, sin_longitude, cos_longitude } = *self;
+        #[rustfmt::skip]
+        let axes = Matrix3::new(
+            -sin_longitude, cos_longitude, T::zero(),
+            -sin_latitude * cos_longitude, -sin_latitude * sin_longitude, cos_latitude,
+            cos_latitude * cos_longitude, cos_latitude * sin_longitude, sin_latitude,
+        );
+        axes
+    }
+}
+
 /// The tangent frame at a point: rotates earth-fixed vectors into east, north, up.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct LocalFrame {
-    sin_latitude: f64,
-    cos_latitude: f64,
-    sin_longitude: f64,
-    cos_longitude: f64,
+    directions: Directions<f64>,
     height_m: f64,
 }
 
@@ -161,32 +207,22 @@ impl LocalFrame {
     ///
     /// [Bowring1985]: crate#references
     pub fn at(point: Ecef) -> Self {
-        let radius_m = point.radius_m();
-        // Also the way out for NaN and infinity, which no range contains.
-        if !(1e3..=1e15).contains(&radius_m) {
-            let height_m = -SEMI_MAJOR_AXIS_M;
-            return Self {
-                sin_latitude: 0.0,
-                cos_latitude: 1.0,
-                sin_longitude: 0.0,
-                cos_longitude: 1.0,
-                height_m,
-            };
-        }
+        let Some(directions) = Directions::at(&Vector3::new(point.x_m, point.y_m, point.z_m)) else {
+            return Self { directions: Directions::of_origin(), height_m: -SEMI_MAJOR_AXIS_M };
+        };
+        let Directions { sin_latitude, cos_latitude, .. } = directions;
         let axial_m = libm::sqrt(point.x_m * point.x_m + point.y_m * point.y_m);
-        let (sin_longitude, cos_longitude) =
-            if axial_m > 1e-6 { (point.y_m / axial_m, point.x_m / axial_m) } else { (0.0, 1.0) };
-        let (sin_latitude, cos_latitude) = latitude(axial_m, point.z_m, radius_m);
         let curvature = libm::sqrt(1.0 - ECCENTRICITY_SQUARED * sin_latitude * sin_latitude);
         let height_m = axial_m * cos_latitude + point.z_m * sin_latitude - SEMI_MAJOR_AXIS_M * curvature;
-        Self { sin_latitude, cos_latitude, sin_longitude, cos_longitude, height_m }
+        Self { directions, height_m }
     }
 
     /// The origin's coordinates on the ellipsoid.
     pub fn geodetic(&self) -> Geodetic {
+        let Directions { sin_latitude, cos_latitude, sin_longitude, cos_longitude } = self.directions;
         Geodetic {
-            latitude_rad: libm::atan2(self.sin_latitude, self.cos_latitude),
-            longitude_rad: libm::atan2(self.sin_longitude, self.cos_longitude),
+            latitude_rad: libm::atan2(sin_latitude, cos_latitude),
+            longitude_rad: libm::atan2(sin_longitude, cos_longitude),
             height_m: self.height_m,
         }
     }
@@ -198,52 +234,54 @@ impl LocalFrame {
 
     /// Sine of the origin's geodetic latitude.
     pub fn sin_latitude(&self) -> f64 {
-        self.sin_latitude
+        self.directions.sin_latitude
     }
 
     /// An earth-fixed vector in east, north, up.
     pub fn rotate(&self, vector: Ecef) -> Enu {
-        let outward = self.cos_longitude * vector.x_m + self.sin_longitude * vector.y_m;
+        let Directions { sin_latitude, cos_latitude, sin_longitude, cos_longitude } = self.directions;
+        let outward = cos_longitude * vector.x_m + sin_longitude * vector.y_m;
         Enu {
-            east: self.cos_longitude * vector.y_m - self.sin_longitude * vector.x_m,
-            north: self.cos_latitude * vector.z_m - self.sin_latitude * outward,
-            up: self.cos_latitude * outward + self.sin_latitude * vector.z_m,
+            east: cos_longitude * vector.y_m - sin_longitude * vector.x_m,
+            north: cos_latitude * vector.z_m - sin_latitude * outward,
+            up: cos_latitude * outward + sin_latitude * vector.z_m,
         }
     }
 
     /// An east, north, up vector back in the earth-fixed frame.
     pub fn unrotate(&self, vector: Enu) -> Ecef {
-        let outward = self.cos_latitude * vector.up - self.sin_latitude * vector.north;
+        let Directions { sin_latitude, cos_latitude, sin_longitude, cos_longitude } = self.directions;
+        let outward = cos_latitude * vector.up - sin_latitude * vector.north;
         Ecef::new(
-            self.cos_longitude * outward - self.sin_longitude * vector.east,
-            self.sin_longitude * outward + self.cos_longitude * vector.east,
-            self.cos_latitude * vector.north + self.sin_latitude * vector.up,
+            cos_longitude * outward - sin_longitude * vector.east,
+            sin_longitude * outward + cos_longitude * vector.east,
+            cos_latitude * vector.north + sin_latitude * vector.up,
         )
     }
 }
 
-/// Sine and cosine of the geodetic latitude, from the distance to the axis and the height over the equator.
-fn latitude(axial_m: f64, z_m: f64, radius_m: f64) -> (f64, f64) {
+/// Sine and cosine of the geodetic latitude, from the distance to the axis, the height over the equator and the distance
+/// to the centre, m.
+fn latitude<T: Real>(axial: T, z: T, radius: T) -> (T, T) {
     const SECOND_ECCENTRICITY_SQUARED: f64 = ECCENTRICITY_SQUARED / (1.0 - ECCENTRICITY_SQUARED);
+    let [semi_major, semi_minor] = [SEMI_MAJOR_AXIS_M, SEMI_MINOR_AXIS_M].map(T::narrow);
+    let [first, second] = [ECCENTRICITY_SQUARED, SECOND_ECCENTRICITY_SQUARED].map(T::narrow);
     // Reduced latitude, Bowring's improved start.
-    let tangent_top =
-        z_m * SEMI_MINOR_AXIS_M * (1.0 + SECOND_ECCENTRICITY_SQUARED * SEMI_MINOR_AXIS_M / radius_m);
-    let tangent_bottom = SEMI_MAJOR_AXIS_M * axial_m;
-    let length = libm::sqrt(tangent_top * tangent_top + tangent_bottom * tangent_bottom);
-    let (sin_reduced, cos_reduced) = (tangent_top / length, tangent_bottom / length);
-    let north =
-        z_m + SECOND_ECCENTRICITY_SQUARED * SEMI_MINOR_AXIS_M * sin_reduced * sin_reduced * sin_reduced;
-    let outward =
-        axial_m - ECCENTRICITY_SQUARED * SEMI_MAJOR_AXIS_M * cos_reduced * cos_reduced * cos_reduced;
-    let length = libm::sqrt(north * north + outward * outward);
-    if length > 0.0 { (north / length, outward / length) } else { (0.0, 1.0) }
+    let top = z * semi_minor * (T::one() + second * semi_minor / radius);
+    let bottom = semi_major * axial;
+    let length = (top * top + bottom * bottom).sqrt();
+    let (sin_reduced, cos_reduced) = (top / length, bottom / length);
+    let north = z + second * semi_minor * sin_reduced * sin_reduced * sin_reduced;
+    let outward = axial - first * semi_major * cos_reduced * cos_reduced * cos_reduced;
+    let length = (north * north + outward * outward).sqrt();
+    if length > T::zero() { (north / length, outward / length) } else { (T::zero(), T::one()) }
 }
 
 /// What a receiver sees of a satellite.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Sight<T> {
-    /// Straight distance between the satellite at transmission and the receiver, m.
-    pub(crate) distance_m: f64,
+pub(crate) struct Sight<T: Real> {
+    /// Straight distance between the satellite at transmission and the receiver.
+    pub(crate) distance: Length<T::Absolute, T>,
     /// What the earth's rotation adds to the distance while the signal travels, m.
     pub(crate) rotation: T,
     /// Unit vector receiver → satellite, east, north, up.
@@ -252,12 +290,13 @@ pub(crate) struct Sight<T> {
 
 /// A receiver's place as a scalar of directions has it.
 ///
-/// A range must be right to a millimetre in 26,000 km and is a double. A direction that is right to 1e-7 moves no
-/// residual, nor do the 40 m of the earth's rotation with as many digits: both are worked out in what the processor
-/// has in hardware.
+/// A range must be right to a millimetre in 26,000 km ([`Absolute`]). A direction that is right to 1e-7 moves no
+/// residual, nor do the 40 m of the earth's rotation with as many digits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Lookout<T: Real> {
     point: Ecef,
+    /// The same, x, y, z.
+    place: [T::Absolute; 3],
     /// Rows east, north, up.
     axes: Matrix3<T>,
     /// `ω/c (x, y)` of the receiver, dimensionless.
@@ -265,18 +304,23 @@ pub(crate) struct Lookout<T: Real> {
 }
 
 impl<T: Real> Lookout<T> {
-    /// A receiver at `point`, whose frame is `frame`.
-    pub(crate) fn at(point: Ecef, frame: &LocalFrame) -> Self {
+    /// A receiver at a point.
+    pub(crate) fn at(point: Ecef) -> Self {
         const RATE: f64 = EARTH_ROTATION_RAD_S / SPEED_OF_LIGHT_M_S;
-        let [sin_latitude, cos_latitude, sin_longitude, cos_longitude] =
-            [frame.sin_latitude, frame.cos_latitude, frame.sin_longitude, frame.cos_longitude].map(T::narrow);
-        #[rustfmt::skip]
-        let axes = Matrix3::new(
-            -sin_longitude, cos_longitude, T::zero(),
-            -sin_latitude * cos_longitude, -sin_latitude * sin_longitude, cos_latitude,
-            cos_latitude * cos_longitude, cos_latitude * sin_longitude, sin_latitude,
-        );
-        Self { point, axes, turning: [RATE * point.x_m, RATE * point.y_m].map(T::narrow) }
+        let position = Vector3::new(point.x_m, point.y_m, point.z_m).map(T::narrow);
+        let directions = Directions::at(&position).unwrap_or_else(Directions::of_origin);
+        let rate = T::narrow(RATE);
+        Self {
+            point,
+            place: coordinates::<T>(point),
+            axes: directions.axes(),
+            turning: [rate * position.x, rate * position.y],
+        }
+    }
+
+    /// Where the receiver is.
+    pub(crate) fn point(&self) -> Ecef {
+        self.point
     }
 
     /// What is seen of a satellite that sent its signal from `satellite`.
@@ -285,16 +329,28 @@ impl<T: Real> Lookout<T> {
     /// the earth turns; to first order in the angle this adds `ω/c (x_s y_r − y_s x_r)` to the range (second
     /// order: 0.3 mm). The difference of the positions gives the same product as the satellite's position.
     pub(crate) fn sight(&self, satellite: Ecef) -> Sight<T> {
-        let difference = satellite - self.point;
-        let distance_m = difference.radius_m();
-        let sight = Vector3::new(difference.x_m, difference.y_m, difference.z_m).map(T::narrow);
+        let [x, y, z] = coordinates::<T>(satellite);
+        let [here_x, here_y, here_z] = self.place;
+        let difference = [x.less(here_x), y.less(here_y), z.less(here_z)];
+        let sight = Vector3::from(T::Absolute::vector(difference));
+        let distance = T::Absolute::length(difference);
         let [turning_x, turning_y] = self.turning;
         Sight {
-            distance_m,
+            distance,
             rotation: sight.x * turning_y - sight.y * turning_x,
-            direction: self.axes * sight * T::narrow(distance_m).recip(),
+            direction: self.axes * sight * distance.whole.narrow().recip(),
         }
     }
+
+    /// The point that is a vector of east, north, up away, m.
+    pub(crate) fn beside(&self, vector: &Vector3<T>) -> Ecef {
+        let away = self.axes.tr_mul(vector).map(T::widen);
+        self.point + Ecef::new(away.x, away.y, away.z)
+    }
+}
+
+fn coordinates<T: Real>(point: Ecef) -> [T::Absolute; 3] {
+    [point.x_m, point.y_m, point.z_m].map(T::Absolute::of)
 }
 
 impl LocalFrame {

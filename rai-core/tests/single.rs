@@ -79,7 +79,7 @@ fn position_is_where_the_receiver_is() {
     let mut room = Workspace::<f32, CAPACITY>::default();
     let fix = room.fix(&epoch, Ecef::CENTRE).unwrap();
     assert_eq!(fix.position(), position);
-    assert!((fix.frame().height_m() - 150.0).abs() < 0.1);
+    assert!((LocalFrame::at(fix.position()).height_m() - 150.0).abs() < 0.1);
 }
 
 #[test]

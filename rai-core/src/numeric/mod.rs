@@ -1,5 +1,6 @@
 //! Numbers: scalars, probabilities and distributions. Knows nothing of satellites.
 
+pub mod absolute;
 pub mod chi_square;
 pub mod normal;
 pub mod precision;

@@ -6,6 +6,7 @@
 
 use nalgebra::RealField;
 
+use super::absolute::Absolute;
 use super::precision::Precision;
 
 /// What of the normal distribution lies beyond a point `u`.
@@ -19,6 +20,9 @@ pub struct Tail<T> {
 
 /// A floating-point number that a snapshot can be solved in.
 pub trait Real: RealField + Copy {
+    /// What coordinates and ranges are held in whose differences become small numbers of this scalar.
+    type Absolute: Absolute<Self>;
+
     /// Redundancy number below which a satellite counts as untestable, dimensionless.
     const UNTESTABLE: Self;
     /// Gain below which a bias counts as not moving the position, m per m.

@@ -1,10 +1,13 @@
 //! Single and double precision as scalars of what is linearised.
 
+use super::absolute::Grid;
 use super::normal;
 use super::precision::{DOUBLE, Precision, SINGLE};
 use super::real::{Real, Tail};
 
 impl Real for f64 {
+    type Absolute = f64;
+
     const UNTESTABLE: Self = 1e-9;
     const UNMOVED: Self = 1e-6;
     const SINGULAR: Self = 1e12;
@@ -26,6 +29,8 @@ impl Real for f64 {
 }
 
 impl Real for f32 {
+    type Absolute = Grid;
+
     // Some hundred units in the last place of the sums over 40 satellites that these are compared with.
     const UNTESTABLE: Self = 1e-5;
     const UNMOVED: Self = 1e-4;

@@ -215,7 +215,11 @@ impl fmt::Display for Profile {
         runtime.sort_by_key(|(_, (instructions, _))| std::cmp::Reverse(*instructions));
         writeln!(formatter, "\n{:>9} {:>6} {:>6}  of the runtime", "together", "calls", "each")?;
         for (name, (instructions, calls)) in runtime.iter().take(LISTED) {
-            writeln!(formatter, "{instructions:>9} {calls:>6} {:>6}  {name}", instructions / (*calls).max(1))?;
+            writeln!(
+                formatter,
+                "{instructions:>9} {calls:>6} {:>6}  {name}",
+                instructions / (*calls).max(1)
+            )?;
         }
         writeln!(formatter, "\n{:>9}  instructions", self.total())
     }

@@ -1,0 +1,153 @@
+//! Absolute lengths, where what a scalar works with are their small differences.
+//!
+//! A range of 26,000 km must be right to a millimetre, twelve digits; what is left of it once the distance to the satellite is
+//! taken off needs seven. Beside `f64` stand doubles. Beside `f32`, on a processor that emulates doubles, stand whole
+//! multiples of 2⁻¹⁴ m: 64-bit integers add exactly, and multiply in five instructions where a double takes seventy.
+//!
+//! ```text
+//! |v| = D + ρ        D ≈ √(v·v), worked out in f32 and then exact as it is        ρ = (v·v − D²) / 2D
+//! ```
+//!
+//! `v·v − D²` is exact: its terms wrap round in 64 bits, their sum does not. What `ρ` leaves out is `ρ²/2D`.
+//!
+//! | symbol | where | unit |
+//! |---|---|---|
+//! | `D` | [`Length::whole`] | m, in steps of 1/8 m beside `f32` |
+//! | `ρ` | [`Length::rest`] | m, beside `f32` below 8·10⁻⁷ of `D` |
+//!
+//! Beside `f32` a coordinate is rounded by 31 µm at most, and `ρ²/2D` is below 1 µm for a satellite of any navigation
+//! system. Lengths up to [`Grid::LONGEST_M`] are right; longer ones are some number, and no harm.
+
+use core::fmt::Debug;
+
+use super::real::Real;
+
+/// A length in parts: what is large, and what is small.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Length<A, T> {
+    /// Nearly all of it, exactly.
+    pub whole: A,
+    /// The rest, m.
+    pub rest: T,
+}
+
+/// A coordinate or a range, m, beside a scalar `T`.
+pub trait Absolute<T: Real>: Copy + Debug + PartialEq {
+    /// Of a number of metres. One that is none, or is beyond all lengths, becomes the largest or the smallest there is.
+    fn of(metres: f64) -> Self;
+    /// By how much it is more than another.
+    fn less(self, other: Self) -> Self;
+    /// The number of metres, exactly.
+    fn widen(self) -> f64;
+    /// A difference, m.
+    fn narrow(self) -> T;
+    /// A vector for directions, m.
+    fn vector(coordinates: [Self; 3]) -> [T; 3];
+    /// Length of a vector.
+    fn length(coordinates: [Self; 3]) -> Length<Self, T>;
+}
+
+impl Absolute<f64> for f64 {
+    fn of(metres: f64) -> Self {
+        metres
+    }
+
+    fn less(self, other: Self) -> Self {
+        self - other
+    }
+
+    fn widen(self) -> f64 {
+        self
+    }
+
+    fn narrow(self) -> f64 {
+        self
+    }
+
+    fn vector(coordinates: [Self; 3]) -> [f64; 3] {
+        coordinates
+    }
+
+    fn length([x, y, z]: [Self; 3]) -> Length<Self, f64> {
+        Length { whole: libm::sqrt(x * x + y * y + z * z), rest: 0.0 }
+    }
+}
+
+/// A multiple of 2⁻¹⁴ m.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Grid(i64);
+
+impl Grid {
+    /// Longest vector whose length is right, m: twice the distance at which a satellite, or a receiver, may be.
+    pub const LONGEST_M: f64 = 2e8;
+
+    /// Binary digits behind the point.
+    const DIGITS: i32 = 14;
+
+    /// The largest number, beyond 10¹¹ m: sums of a few do not wrap.
+    const LARGEST: i64 = 1 << 51;
+
+    /// Binary digits that a coordinate loses so that it fits 32 bits, and what is left of those behind the point.
+    const COARSER: i32 = 11;
+    const COARSE_DIGITS: i32 = Self::DIGITS - Self::COARSER;
+}
+
+// The longest vector, in units of its coarse form, fits 32 bits.
+const _: () = assert!(Grid::LONGEST_M * ((1 << Grid::COARSE_DIGITS) as f64) < i32::MAX as f64);
+
+impl Absolute<f32> for Grid {
+    /// Rounds to the nearest multiple, halves away from 0.
+    fn of(metres: f64) -> Self {
+        const MANTISSA_BITS: i32 = 52;
+        const BIAS: i32 = 1023;
+        let bits = metres.to_bits();
+        let exponent = (bits >> MANTISSA_BITS) as i32 & 0x7FF;
+        let mantissa = (bits & ((1 << MANTISSA_BITS) - 1) | 1 << MANTISSA_BITS) as i64;
+        let shift = BIAS + MANTISSA_BITS - Self::DIGITS - exponent;
+        let magnitude = match shift {
+            // Infinity and what is no number have the largest exponent.
+            ..=1 => Self::LARGEST,
+            2..=53 => (mantissa + (1 << (shift - 1))) >> shift,
+            _ => 0,
+        };
+        Self(if metres.is_sign_negative() { -magnitude } else { magnitude })
+    }
+
+    fn less(self, other: Self) -> Self {
+        Self(self.0.wrapping_sub(other.0))
+    }
+
+    fn widen(self) -> f64 {
+        self.0 as f64 / f64::from(1 << Self::DIGITS)
+    }
+
+    fn narrow(self) -> f32 {
+        const STEP_M: f32 = 1.0 / (1 << Grid::DIGITS) as f32;
+        self.0 as f32 * STEP_M
+    }
+
+    fn vector(coordinates: [Self; 3]) -> [f32; 3] {
+        const STEP_M: f32 = 1.0 / (1 << Grid::COARSE_DIGITS) as f32;
+        coordinates.map(|coordinate| coarse(coordinate) * STEP_M)
+    }
+
+    fn length(coordinates: [Self; 3]) -> Length<Self, f32> {
+        let [x, y, z] = coordinates.map(coarse);
+        let approximate = (libm::sqrtf(x * x + y * y + z * z) as u32).max(1);
+        let whole = i64::from(approximate) << Self::COARSER;
+        let squares =
+            coordinates.iter().fold(whole.wrapping_mul(whole).wrapping_neg(), |sum, Self(value)| {
+                sum.wrapping_add(value.wrapping_mul(*value))
+            });
+        // Half of the digits suffice: the lower ones are below a nanometre. 2D in the same unit, and both to metres.
+        const LOWER: u32 = 31;
+        const SCALE: f32 = (1_u64 << LOWER) as f32 / (1_u64 << (Grid::DIGITS + Grid::COARSER + 1)) as f32;
+        let rest = (squares >> LOWER) as i32 as f32 * SCALE / approximate as f32;
+        Length { whole: Self(whole), rest }
+    }
+}
+
+/// A coordinate with as many digits as 32 bits hold, in units of 2⁻³ m.
+fn coarse(Grid(value): Grid) -> f32 {
+    (value >> Grid::COARSER) as i32 as f32
+}
