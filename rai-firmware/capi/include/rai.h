@@ -102,7 +102,7 @@
 #define RAI_METHOD_BAARDA 1
 
 /**
- * In parity space, all satellites at once.
+ * In parity space, all satellites at once. This one and those up to RANSAC need the library's feature `searches`.
  */
 #define RAI_METHOD_SIMULTANEOUS 2
 
@@ -125,6 +125,12 @@
  * By consensus of disjoint subsets.
  */
 #define RAI_METHOD_RANSAC 6
+
+/**
+ * By solutions with and without every plausible set of satellites: ARAIM, with the probabilities of faults that the ICAO's
+ * standards assume. Needs the library's feature `araim`.
+ */
+#define RAI_METHOD_SEPARATION 7
 
 /**
  * Protection levels bound the error of a position that is called good: fault and noise together.
@@ -624,7 +630,7 @@ typedef struct {
 #define RAI_STATUS_POLICY 21
 
 /**
- * No such method.
+ * No such method in this library.
  */
 #define RAI_STATUS_METHOD 22
 
