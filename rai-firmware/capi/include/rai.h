@@ -829,6 +829,19 @@ uint8_t rai_receiver_reset_requested(const rai_receiver_t *receiver);
 uint8_t rai_receiver_state(const rai_receiver_t *receiver, uint8_t *reason);
 
 /**
+ * What was said last, whole: state and reason, and of the last epoch its position, levels and the satellites left out.
+ *
+ * Before the first epoch the state is `RAI_STATE_NONE`; after a silence no position is there. Whether the position may be used
+ * now says `rai_receiver_pin`: other settings take the promise back before the next epoch. Ranges are counted by the
+ * sentences; `refused_count` is 0 here.
+ *
+ * # Safety
+ * As `rai_receiver_pin`; `verdict` is null or points to a struct of the size that it begins with.
+ */
+rai_status_t rai_receiver_report(const rai_receiver_t *receiver,
+                                 rai_verdict_t *verdict);
+
+/**
  * Bytes that a receiver takes here; at most `RAI_RECEIVER_SIZE`.
  */
 size_t rai_receiver_size(void);
