@@ -260,8 +260,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         search: Search<'_>,
         subsets: &mut Subsets<N>,
     ) -> Assessment<N> {
-        // Separation knows no forecast that could be wrong.
-        let is_aided = self.strategy.clock_aid && self.strategy.method != Method::Separation;
+        let is_aided = self.strategy.clock_aid && self.strategy.method.takes_a_forecast();
         let forecast = self.clocks.aiding(epoch).filter(|_| is_aided);
         let scale = self.strategy.sigma_adapt.then(|| self.adaptation.scale(epoch.time_s()));
         let mut workspace = Snapshot::unsolved();

@@ -42,7 +42,7 @@ pub struct Requirements {
 ///
 /// [Yang2015]: crate#references
 /// [DO-229]: crate#references
-const FALSE_ALARM: Probability = match Probability::new(3.33e-7) {
+pub(crate) const FALSE_ALARM: Probability = match Probability::new(3.33e-7) {
     Some(probability) => probability,
     None => unreachable!(),
 };
@@ -50,7 +50,7 @@ const FALSE_ALARM: Probability = match Probability::new(3.33e-7) {
 /// Missed-detection probability ([DO-229]).
 ///
 /// [DO-229]: crate#references
-const MISSED_DETECTION: Probability = match Probability::new(1e-3) {
+pub(crate) const MISSED_DETECTION: Probability = match Probability::new(1e-3) {
     Some(probability) => probability,
     None => unreachable!(),
 };

@@ -24,6 +24,17 @@
 //! C_int = URA² + σ_user² + σ_tropo²      C_acc the same with URE      σ_tropo = 0.12 · 1.001/√(0.002001 + sin²el)
 //! ```
 //!
+//! What a receiver's own noise and multipath are depends on where its antenna is ([`UserModel`]):
+//!
+//! ```text
+//! ground      σ_user² = a² σ_code²
+//! airborne    σ_user² = 0.4² + (0.34 + 0.40 e^(−el/14°))² + (0.018 + 40/(261 + el²))²     el in degrees, of the pair only
+//! ```
+//!
+//! The second is [ED-259A]'s of smoothed ranges of two frequencies behind a certified antenna on a fuselage, with what the
+//! pair leaves of the ionosphere. An antenna on a roof or a car has two to five times the multipath: who takes the airborne
+//! numbers there promises what he does not have.
+//!
 //! The module receives no such message: an [`Ism`] is a preset, or what a command gave, and is said to be one. Where a
 //! satellite broadcasts a URA above it, the larger counts.
 //!
@@ -36,6 +47,7 @@
 //! A sigma is a model, and worked out in single precision.
 //!
 //! [Blanch2015]: crate#references
+//! [ED-259A]: crate#references
 
 pub mod adaptation;
 
@@ -175,12 +187,24 @@ impl Support {
     }
 }
 
-/// What is promised of the satellites of each constellation (integrity support message).
+/// What is assumed of the receiver's own noise and multipath.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum UserModel {
+    /// An antenna on the ground, ranges that are not smoothed: the module's own numbers.
+    Ground,
+    /// An antenna on an aircraft, ranges of two frequencies smoothed over 100 s; one frequency as on the ground.
+    Airborne,
+}
+
+/// What is promised of the satellites of each constellation (integrity support message), and what is assumed beside it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Ism {
     /// In ascending id.
     pub constellations: [Support; Constellation::COUNT],
+    /// The receiver's part.
+    pub user: UserModel,
 }
 
 impl Ism {
@@ -193,7 +217,11 @@ impl Ism {
             Support::new([6.0, 4.0, 0.0, 3e-5, 2e-4]),
             Support::new([9.0, 8.0, 0.0, 1.02e-4, 1e-4]),
         ],
+        user: UserModel::Ground,
     };
+
+    /// The same aboard an aircraft.
+    pub const ICAO_AIRBORNE: Self = Self { user: UserModel::Airborne, ..Self::ICAO };
 
     /// What published studies assume: URA 1 m, URE 0.5 m, a bias of 0.75 m, GPS hardly ever lost as a whole.
     pub const RESEARCH: Self = Self {
@@ -203,7 +231,11 @@ impl Ism {
             Support::new([1.0, 0.5, 0.75, 1e-5, 1e-4]),
             Support::new([1.0, 0.5, 0.75, 1e-5, 1e-4]),
         ],
+        user: UserModel::Ground,
     };
+
+    /// The same aboard an aircraft.
+    pub const RESEARCH_AIRBORNE: Self = Self { user: UserModel::Airborne, ..Self::RESEARCH };
 
     /// What is promised of one constellation.
     pub fn of(&self, constellation: Constellation) -> Support {
@@ -221,10 +253,34 @@ impl Ism {
 pub fn integrity_sigma_m(support: &Support, promised_m: f32, budget: &ErrorBudget) -> f32 {
     let ura_m = promised_m.max(support.ura_m as f32);
     let sin_elevation = budget.sin_elevation.max(0.05);
-    let code_m2 = code_m2(sin_elevation, budget.weakness);
     let troposphere_m2 = 0.12 * 0.12 * 1.001 * 1.001 / (0.002_001 + sin_elevation * sin_elevation);
-    let user_m2 = budget.noise_gain * budget.noise_gain * code_m2 + budget.ionosphere_m * budget.ionosphere_m;
+    let user_m2 = user_m2(sin_elevation, budget) + budget.ionosphere_m * budget.ionosphere_m;
     libm::sqrtf(ura_m * ura_m + user_m2 + troposphere_m2)
+}
+
+/// The receiver's own part, m².
+fn user_m2(sin_elevation: f32, budget: &ErrorBudget) -> f32 {
+    let is_pair = budget.noise_gain > 1.0;
+    if budget.user == UserModel::Airborne && is_pair {
+        airborne_m2(sin_elevation, budget.weakness)
+    } else {
+        budget.noise_gain * budget.noise_gain * code_m2(sin_elevation, budget.weakness)
+    }
+}
+
+/// Noise, multipath and what is left of the ionosphere, of a pair aboard an aircraft, m² ([ED-259A]).
+///
+/// A weak signal is noisier here too: as in [`code_m2`], the larger of the two counts.
+///
+/// [ED-259A]: crate#references
+fn airborne_m2(sin_elevation: f32, weakness: f32) -> f32 {
+    const NOISE_M2: f32 = 0.4 * 0.4;
+    const DEGREES: f32 = 180.0 / core::f32::consts::PI;
+    let elevation_deg = DEGREES * libm::asinf(sin_elevation.clamp(0.0, 1.0));
+    let multipath_m = |elevation_deg: f32| 0.34 + 0.40 * libm::expf(elevation_deg / -14.0);
+    let model_m2 = |elevation_deg: f32| NOISE_M2 + multipath_m(elevation_deg) * multipath_m(elevation_deg);
+    let ionosphere_m = 0.018 + 40.0 / (261.0 + elevation_deg * elevation_deg);
+    model_m2(elevation_deg).max(weakness * weakness * model_m2(90.0)) + ionosphere_m * ionosphere_m
 }
 
 /// Code noise and multipath of one frequency, m².
@@ -248,17 +304,18 @@ pub struct ErrorBudget {
     pub weakness: f32,
     /// Ionospheric error left along the path, m.
     pub ionosphere_m: f32,
+    /// Where the antenna is.
+    pub user: UserModel,
 }
 
 /// Standard deviation of the corrected range, m.
 pub fn sigma_m(budget: &ErrorBudget) -> f32 {
     // Below 3° nothing here is calibrated: the error stays that of 3°, where masks end.
     let sin_elevation = budget.sin_elevation.max(0.05);
-    let code_m2 = code_m2(sin_elevation, budget.weakness);
     let troposphere_m = TROPOSPHERE_M / (sin_elevation + 0.05);
     libm::sqrtf(
         budget.ephemeris_m * budget.ephemeris_m
-            + budget.noise_gain * budget.noise_gain * code_m2
+            + user_m2(sin_elevation, budget)
             + troposphere_m * troposphere_m
             + budget.ionosphere_m * budget.ionosphere_m,
     )

@@ -2,15 +2,28 @@
 #![allow(clippy::unwrap_used)]
 
 use rai_core::satellite::{Constellation, SatelliteId};
-use rai_core::weighting::{ErrorBudget, ephemeris_sigma_m, ionosphere_sigma_m, obliquity, sigma_m, weakness};
+use rai_core::weighting::{
+    ErrorBudget, Ism, UserModel, ephemeris_sigma_m, integrity_sigma_m, ionosphere_sigma_m, obliquity,
+    sigma_m, weakness,
+};
 
-const NOTHING: ErrorBudget =
-    ErrorBudget { sin_elevation: 1.0, ephemeris_m: 0.0, noise_gain: 0.0, weakness: 1.0, ionosphere_m: 0.0 };
+const NOTHING: ErrorBudget = ErrorBudget {
+    sin_elevation: 1.0,
+    ephemeris_m: 0.0,
+    noise_gain: 0.0,
+    weakness: 1.0,
+    ionosphere_m: 0.0,
+    user: UserModel::Ground,
+};
 
 fn assert_variance(budget: ErrorBudget, want_m2: f32) {
-    let have_m2 = sigma_m(&budget).powi(2);
     // Some roundings of single precision.
-    assert!((have_m2 / want_m2 - 1.0).abs() < 1e-6, "{budget:?}: have {have_m2}, want {want_m2}");
+    assert_close(budget, want_m2, 1e-6);
+}
+
+fn assert_close(budget: ErrorBudget, want_m2: f32, within: f32) {
+    let have_m2 = sigma_m(&budget).powi(2);
+    assert!((have_m2 / want_m2 - 1.0).abs() < within, "{budget:?}: have {have_m2}, want {want_m2}");
 }
 
 #[test]
@@ -29,6 +42,37 @@ fn terms_add_in_squares() {
 #[test]
 fn zenith_has_noise_and_multipath_alike() {
     assert_variance(ErrorBudget { noise_gain: 1.0, ..NOTHING }, 0.18 + 0.0144 / 1.1025);
+}
+
+/// By hand: at 30° e^(−30/14) = 0.117319, so that the multipath is 0.386928 m and the ionosphere 0.018 + 40/1161 m; at
+/// the zenith 0.340646 m and 0.018 + 40/8361 m.
+#[test]
+fn the_airborne_model_is_that_of_the_standard_for_the_pair_and_the_grounds_for_one_frequency() {
+    let airborne = ErrorBudget { user: UserModel::Airborne, ..NOTHING };
+    let pair = ErrorBudget { noise_gain: 2.59, ..airborne };
+    let zenith_m2 = 0.16 + 0.340_646_1_f32.powi(2) + (0.018_f32 + 40.0 / 8361.0).powi(2);
+    assert_close(pair, zenith_m2 + 0.0144 / 1.1025, 2e-6);
+    let low_m2 = 0.16 + 0.386_928_f32.powi(2) + (0.018_f32 + 40.0 / 1161.0).powi(2);
+    assert_close(ErrorBudget { sin_elevation: 0.5, ..pair }, low_m2 + 0.0144 / 0.3025, 2e-6);
+    assert_variance(ErrorBudget { noise_gain: 1.0, ..airborne }, 0.18 + 0.0144 / 1.1025);
+    // Three times as noisy as a strong signal: the zenith's own noise and multipath count nine times.
+    let weak_m2 = 9.0 * (0.16 + 0.340_646_1_f32.powi(2)) + (0.018_f32 + 40.0 / 8361.0).powi(2);
+    assert_close(ErrorBudget { weakness: 3.0, ..pair }, weak_m2 + 0.0144 / 1.1025, 2e-6);
+}
+
+/// URA² + σ_user² + 0.12² 1.001²/(0.002001 + sin² el), the user's part as above.
+#[test]
+fn what_integrity_is_told_has_the_users_part_of_where_the_antenna_is() {
+    let support = Ism::ICAO_AIRBORNE.of(Constellation::Gps);
+    let budget =
+        ErrorBudget { sin_elevation: 0.5, noise_gain: 2.59, user: Ism::ICAO_AIRBORNE.user, ..NOTHING };
+    let user_m2 = 0.16 + 0.386_928_f32.powi(2) + (0.018_f32 + 40.0 / 1161.0).powi(2);
+    let want_m2 = 2.4 * 2.4 + user_m2 + 0.014_428_8 / 0.252_001;
+    let have_m2 = integrity_sigma_m(&support, 0.0, &budget).powi(2);
+    assert!((have_m2 / want_m2 - 1.0).abs() < 1e-5, "have {have_m2}, want {want_m2}");
+    let on_ground = integrity_sigma_m(&support, 0.0, &ErrorBudget { user: Ism::ICAO.user, ..budget }).powi(2);
+    let want_m2 = 2.4 * 2.4 + 2.59 * 2.59 * 0.45 + 0.014_428_8 / 0.252_001;
+    assert!((on_ground / want_m2 - 1.0).abs() < 1e-5, "have {on_ground}, want {want_m2}");
 }
 
 #[test]

@@ -25,7 +25,7 @@
 //! | `SIGMA` | `FIXED`, `ADAPT` | `FIXED` | |
 //! | `BAUD` | `AUTO`, 9600, 38400, 115200, 230400, 460800, 921600 | `AUTO` | bit/s |
 //! | `IONO` | 4 α, 4 β, not all zero; or `AUTO`: what satellites broadcast | `AUTO` | s, s/semicircle, … as broadcast |
-//! | `ISM` | `ICAO`, `RESEARCH`: presets of [`rai_core::weighting::Ism`], for `SEPARATION` | `ICAO` | |
+//! | `ISM` | `ICAO`, `RESEARCH`: presets of [`rai_core::weighting::Ism`], for `SEPARATION`; with `-AIR` the noise is that of an antenna on an aircraft | `ICAO` | |
 //! | `OUTPUT` | an item of [`crate::output::schedule`], every how many epochs: 0 (never) to 255 | as there | |
 //! | `STATS`, `SELFTEST`, `CONFIRM`, `FORGET`, `RESET` | none: an [`Action`] | | |
 //!

@@ -114,6 +114,8 @@ struct EpochLoop<P> {
     publisher: Publisher,
     verdicts: Verdicts,
     last_verdict: Option<Verdict>,
+    #[cfg(feature = "report")]
+    last_report: Option<Report<CAPACITY>>,
     last_time: Option<GpsTime>,
     /// When it came, or when its silence was last complained of.
     last_epoch_ms: u64,
@@ -142,6 +144,8 @@ impl<P: OutputPin> Receiver<P> {
             publisher: Publisher::new(&configuration),
             verdicts: Verdicts::default(),
             last_verdict: None,
+            #[cfg(feature = "report")]
+            last_report: None,
             last_time: None,
             last_epoch_ms: 0,
             sigma_check: None,
@@ -350,6 +354,12 @@ impl<P: OutputPin> Receiver<P> {
         self.epochs.last_verdict
     }
 
+    /// The report of the last epoch, unless a silence has been said since.
+    #[cfg(feature = "report")]
+    pub fn last_report(&self) -> Option<&Report<CAPACITY>> {
+        self.epochs.last_report.as_ref()
+    }
+
     /// The velocity of the last epoch, where there is one that passed its test.
     pub fn velocity(&self) -> Option<&Velocity> {
         self.epochs.navigator.velocity()
@@ -442,6 +452,10 @@ impl<P: OutputPin> EpochLoop<P> {
     fn conclude<W: Write>(&mut self, report: &Report<CAPACITY>, time: GpsTime, came_ms: u64, host: &mut W) {
         self.drive_pin(matches!(report.verdict, Verdict::Protected(_)));
         self.last_verdict = Some(report.verdict);
+        #[cfg(feature = "report")]
+        {
+            self.last_report = Some(report.clone());
+        }
         self.last_time = Some(time);
         self.last_epoch_ms = came_ms;
         self.sigma_check = report.sigma_check;
@@ -470,6 +484,10 @@ impl<P: OutputPin> EpochLoop<P> {
         // Said again after each further time to alert: whoever listens later must hear it too.
         self.last_epoch_ms = now_ms;
         self.last_verdict = Some(Verdict::Alert(Alert::Stale));
+        #[cfg(feature = "report")]
+        {
+            self.last_report = None;
+        }
         self.drive_pin(false);
         count(&mut self.verdicts.line_stale);
         let (publisher, configuration) = (&mut self.publisher, &self.configuration);

@@ -292,7 +292,7 @@ fn what_is_not_built_is_refused_by_name() {
         ("FREQ", "FREQ,DUAL"),
         ("SIGMA", "SIGMA,ADAPT"),
         ("BAUD", "BAUD,9600"),
-        ("ISM", "ISM,ICAO"),
+        ("ISM", "ISM,ICAO-AIR"),
         ("OUTPUT", "OUTPUT,GSA,5"),
         ("CONFIRM", "CONFIRM"),
         ("FORGET", "FORGET"),

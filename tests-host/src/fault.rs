@@ -5,7 +5,12 @@
 //!
 //! ```text
 //! step   Δρ = b                     ramp   Δρ = r (t − t₀), at most b           outage   no measurement
+//! shift  Δρ = −LOS · d
 //! ```
+//!
+//! A shift moves the place that the satellites of a constellation agree on by `d`: orbits in a wrong frame, or a clock
+//! upload that all satellites share, look like this. Each range is as plausible as the next, and only who compares
+//! constellations sees it. A step of a whole constellation, in contrast, is its clock, which the receiver estimates.
 //!
 //! | written as | means |
 //! |---|---|
@@ -13,10 +18,12 @@
 //! | `C:-12@600..` | every BeiDou satellite is 12 m short from 600 s on |
 //! | `*:+300` | every range is 300 m long: the receiver's clock has jumped by 1 µs |
 //! | `E31:lost@..60` | E31 is not received during the first minute |
+//! | `E:shift=60,0,-45@600..` | all Galileo satellites agree on a place 60 m to the east and 45 m below from 600 s on |
 //! | `G05:0.5@600..` as a ramp | G05 drifts off by 0.5 m each second from 600 s on |
 
 use std::fmt;
 
+use rai_core::frame::Enu;
 use rai_core::satellite::{Constellation, SatelliteId};
 
 use crate::measurement::MeasuredEpoch;
@@ -58,6 +65,8 @@ pub enum Kind {
         /// Where it stops to grow, m; infinite where it does not.
         limit_m: f64,
     },
+    /// The ranges fit a place that is wrong by this, m.
+    Shift(Enu),
     /// Nothing is measured.
     Outage,
 }
@@ -114,11 +123,13 @@ impl Fault {
         (self.start_s..self.end_s).contains(&elapsed_s)
     }
 
-    /// What the fault adds to a range `elapsed_s` after the first epoch, m; 0 during an outage.
+    /// What the fault adds to a range `elapsed_s` after the first epoch, m; 0 during an outage. Of a shift, the most that
+    /// it adds to any range.
     pub fn bias_m(&self, elapsed_s: f64) -> f64 {
         match self.kind {
             _ if !self.is_active(elapsed_s) => 0.0,
             Kind::Step { bias_m } => bias_m,
+            Kind::Shift(Enu { east, north, up }) => libm::hypot(libm::hypot(east, north), up),
             Kind::Ramp { rate_m_s, limit_m } => {
                 (rate_m_s * (elapsed_s - self.start_s)).clamp(-limit_m.abs(), limit_m.abs())
             }
@@ -126,8 +137,36 @@ impl Fault {
         }
     }
 
-    /// Falsifies one epoch.
+    /// What the fault adds to the range of a satellite in this direction, m.
+    pub fn bias_towards_m(&self, line_of_sight: Enu, elapsed_s: f64) -> f64 {
+        match self.kind {
+            Kind::Shift(Enu { east, north, up }) if self.is_active(elapsed_s) => {
+                -(east * line_of_sight.east + north * line_of_sight.north + up * line_of_sight.up)
+            }
+            _ => self.bias_m(elapsed_s),
+        }
+    }
+
+    /// Whether the fault needs to know in which direction a satellite stands.
+    pub fn needs_directions(&self) -> bool {
+        matches!(self.kind, Kind::Shift(_))
+    }
+
+    /// Falsifies one epoch. A shift needs [`Self::apply_towards`]; without directions its satellites are lost.
     pub fn apply(&self, epoch: &mut impl Measured, elapsed_s: f64) {
+        self.apply_towards(epoch, elapsed_s, |_| None);
+    }
+
+    /// Falsifies one epoch whose satellites stand in these directions.
+    ///
+    /// A satellite that a shift befalls and whose direction nobody knows is lost: half a constellation that does not
+    /// move would be another fault than the one asked for.
+    pub fn apply_towards(
+        &self,
+        epoch: &mut impl Measured,
+        elapsed_s: f64,
+        direction: impl Fn(SatelliteId) -> Option<Enu>,
+    ) {
         if !self.is_active(elapsed_s) {
             return;
         }
@@ -135,18 +174,23 @@ impl Fault {
             match self.kind {
                 Kind::Outage => epoch.lose(satellite),
                 Kind::Step { .. } | Kind::Ramp { .. } => epoch.lengthen(satellite, self.bias_m(elapsed_s)),
+                Kind::Shift(_) => match direction(satellite) {
+                    Some(towards) => epoch.lengthen(satellite, self.bias_towards_m(towards, elapsed_s)),
+                    None => epoch.lose(satellite),
+                },
             }
         }
     }
 
-    /// Reads a step or an outage: `G05:+80@600..1200`, `G05:lost@600..`.
+    /// Reads a step, a shift or an outage: `G05:+80@600..1200`, `E:shift=60,0,-45@600..`, `G05:lost@600..`.
     ///
     /// # Errors
     /// What is wrong, where, and what would be right.
     pub fn parse_inject(text: &str) -> Result<Self, FaultError> {
-        Self::parse(text, INJECT_EXAMPLE, |what, at| match what {
-            "lost" => Ok(Kind::Outage),
-            _ => number(text, what, at, "a number of metres, or `lost`", INJECT_EXAMPLE)
+        Self::parse(text, INJECT_EXAMPLE, |what, at| match (what, what.strip_prefix("shift=")) {
+            ("lost", _) => Ok(Kind::Outage),
+            (_, Some(metres)) => shift(text, metres, at + "shift=".len()),
+            _ => number(text, what, at, "a number of metres, `shift=` or `lost`", INJECT_EXAMPLE)
                 .map(|bias_m| Kind::Step { bias_m }),
         })
     }
@@ -209,6 +253,7 @@ impl Fault {
 }
 
 const INJECT_EXAMPLE: &str = "G05:+80@600..1200";
+const SHIFT_EXAMPLE: &str = "E:shift=60,0,-45@600..";
 const RAMP_EXAMPLE: &str = "G05:0.5@600..";
 
 /// A satellite's name as in RINEX, the number with one digit or two.
@@ -229,6 +274,21 @@ fn target(name: &str) -> Option<Target> {
         }
         _ => satellite(name).map(Target::Satellite),
     }
+}
+
+/// East, north and up, in metres.
+fn shift(text: &str, metres: &str, at: usize) -> Result<Kind, FaultError> {
+    let parts: Vec<&str> = metres.split(',').collect();
+    let &[east, north, up] = parts.as_slice() else {
+        return Err(FaultError::syntax(text, at, metres, "three numbers east,north,up", SHIFT_EXAMPLE));
+    };
+    let read = |part, at| number(text, part, at, "a number of metres", SHIFT_EXAMPLE);
+    let north_at = at + east.len() + 1;
+    Ok(Kind::Shift(Enu {
+        east: read(east, at)?,
+        north: read(north, north_at)?,
+        up: read(up, north_at + north.len() + 1)?,
+    }))
 }
 
 fn number(
@@ -277,18 +337,47 @@ impl fmt::Display for Target {
     }
 }
 
+/// Where the satellites stand in the sky of a source: by time, and unit vectors receiver → satellite.
+#[derive(Clone, Debug, Default)]
+pub struct Directions {
+    epochs: Vec<(f64, Vec<(SatelliteId, Enu)>)>,
+}
+
+impl Directions {
+    /// Of epochs in the order of time, s.
+    pub const fn new(epochs: Vec<(f64, Vec<(SatelliteId, Enu)>)>) -> Self {
+        Self { epochs }
+    }
+
+    /// Of a satellite at the epoch of this time.
+    fn of(&self, time_s: f64, satellite: SatelliteId) -> Option<Enu> {
+        // Time tags are whole milliseconds.
+        const SAME_S: f64 = 5e-4;
+        let next = self.epochs.partition_point(|(other_s, _)| *other_s < time_s - SAME_S);
+        let (_, seen) = self.epochs.get(next).filter(|(other_s, _)| *other_s < time_s + SAME_S)?;
+        seen.iter().find(|(other, _)| *other == satellite).map(|(_, direction)| *direction)
+    }
+}
+
 /// A source of epochs with faults.
 #[derive(Clone, Debug)]
 pub struct Injector<I> {
     source: I,
     faults: Vec<Fault>,
+    directions: Directions,
     start_s: Option<f64>,
 }
 
 impl<I> Injector<I> {
     /// Wraps a source; the faults' clock starts with its first epoch.
-    pub const fn new(source: I, faults: Vec<Fault>) -> Self {
-        Self { source, faults, start_s: None }
+    pub fn new(source: I, faults: Vec<Fault>) -> Self {
+        Self { source, faults, directions: Directions::default(), start_s: None }
+    }
+
+    /// The same, with what a shift needs to know.
+    #[must_use]
+    pub fn towards(self, directions: Directions) -> Self {
+        Self { directions, ..self }
     }
 }
 
@@ -301,9 +390,10 @@ where
 
     fn next(&mut self) -> Option<I::Item> {
         let mut epoch = self.source.next()?;
-        let elapsed_s = epoch.time_s() - *self.start_s.get_or_insert(epoch.time_s());
+        let time_s = epoch.time_s();
+        let elapsed_s = time_s - *self.start_s.get_or_insert(time_s);
         for fault in &self.faults {
-            fault.apply(&mut epoch, elapsed_s);
+            fault.apply_towards(&mut epoch, elapsed_s, |satellite| self.directions.of(time_s, satellite));
         }
         Some(epoch)
     }

@@ -13,7 +13,7 @@
 //! | [`measurement`] | what a receiver measured and satellites broadcast, before any wire format |
 //! | [`recording`], [`sample`] | RINEX 2, 3 and 4; a small real recording for whoever has none |
 //! | [`capture`] | what a receiver sent: UBX and RTCM 3, cut into epochs |
-//! | [`fault`] | steps, ramps, outages, clock jumps, around any source |
+//! | [`fault`] | steps, ramps, shifts of a constellation, outages, clock jumps, around any source |
 //! | [`encode`] | raw epochs and ephemerides to RTCM 3 |
 //! | [`image`](mod@image), [`board`] | the firmware's image; the chip in the emulator: start, feed, read, stop |
 //! | [`sentence`] | what the module said |
@@ -47,7 +47,9 @@
 //! | `Chen2009`, `Lin2016`, `Parity`, `Tian2024`, `Yang2015`, `DO-229`, `WGS84` | see the crate [`rai_core`] |
 //! | `DS8626` | STMicroelectronics, *STM32F405xx STM32F407xx*, data sheet |
 //! | `Galileo-OS-SIS-ICD` | European Union, *Galileo Open Service Signal In Space ICD* |
+//! | `Galileo-OS-SDD` | European Union, *Galileo Open Service Service Definition Document*, issue 1.3, 2023 |
 //! | `Garwood1936` | F. Garwood, *Fiducial limits for the Poisson distribution*, Biometrika 28, 1936 |
+//! | `GLONASS-ICD` | *GLONASS Interface Control Document*, edition 5.1, 2008 |
 //! | `GPS-SPS` | *GPS Standard Positioning Service Performance Standard*, 5th ed., 2020 |
 //! | `Hatanaka2008` | Y. Hatanaka, *A Compression Format and Tools for GNSS Observation Data*, Bulletin of the GSI 55, 2008 |
 //! | `Hinnant2013` | H. Hinnant, *chrono-Compatible Low-Level Date Algorithms*, 2013 |

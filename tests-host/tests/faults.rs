@@ -1,7 +1,8 @@
 //! Faults: what they do to ranges, and what they say when they are written wrongly.
 
+use rai_core::frame::Enu;
 use rai_core::satellite::{Constellation, SatelliteId};
-use tests_host::fault::{Fault, Injector, Kind, Measured, Target, satellite};
+use tests_host::fault::{Directions, Fault, Injector, Kind, Measured, Target, satellite};
 
 /// The simplest epoch: a range per satellite.
 #[derive(Clone, Debug, PartialEq)]
@@ -78,6 +79,45 @@ fn constellation_fault_spares_the_other_systems() {
     }
 }
 
+/// Of unit vectors to the east and to the zenith, `−LOS · d` is read off.
+#[test]
+fn shift_moves_each_range_of_the_constellation_by_where_it_stands() {
+    let fault = Fault::parse_inject("G:shift=60,0,-45@3..5").unwrap();
+    assert_eq!(fault.bias_m(3.0), 75.0);
+    let east = Enu { east: 1.0, north: 0.0, up: 0.0 };
+    let zenith = Enu { east: 0.0, north: 0.0, up: 1.0 };
+    let seen = [("G05", east), ("G07", zenith)].map(|(name, towards)| (satellite(name).unwrap(), towards));
+    let directions = Directions::new((1000..1006).map(|time| (f64::from(time), seen.to_vec())).collect());
+    let injector = || Injector::new(source(), vec![fault]).towards(directions.clone());
+    let of = |index: usize| injector().map(|epoch| epoch.ranges_m[index].1).collect::<Vec<f64>>();
+    assert_eq!(of(0), [0.0, 0.0, 0.0, -60.0, -60.0, 0.0]);
+    assert_eq!(of(1), [0.0, 0.0, 0.0, 45.0, 45.0, 0.0]);
+    assert_eq!(of(2), [0.0; 6], "another system");
+}
+
+#[test]
+fn satellite_whose_direction_is_unknown_is_lost_to_a_shift() {
+    let fault = Fault::parse_inject("G:shift=60,0,0@4..").unwrap();
+    let want = [Some(0.0), Some(0.0), Some(0.0), Some(0.0), None, None];
+    assert_eq!(history(fault, "G05"), want);
+    assert_eq!(history(fault, "C12"), present([0.0; 6]));
+}
+
+#[test]
+fn shift_that_is_written_wrongly_is_told_what_and_where() {
+    for (text, want) in [
+        ("E:shift=60", "`60` at character 9 is not three numbers east,north,up"),
+        ("E:shift=", "`` at character 9 is not three numbers"),
+        ("E:shift=1,2,3,4@0..", "`1,2,3,4` at character 9 is not three numbers"),
+        ("E:shift=60,x,0", "`x` at character 12 is not a number of metres"),
+        ("E:shift=60,0,inf", "`inf` at character 14 is not a number of metres"),
+    ] {
+        let have = Fault::parse_inject(text).unwrap_err().to_string();
+        assert!(have.contains(want), "{text}: have {have}, want {want}");
+        assert!(have.ends_with("write it like E:shift=60,0,-45@600.."), "{text}: have {have}");
+    }
+}
+
 #[test]
 fn clock_jump_moves_every_range() {
     let fault = Fault::parse_inject("*:+300@5..").unwrap();
@@ -117,7 +157,7 @@ fn wrong_text_is_told_what_and_where() {
         ("G005:80", "`G005` at character 1 is not a satellite"),
         ("G+5:80", "`G+5` at character 1 is not a satellite"),
         ("é5:80", "`é5` at character 1 is not a satellite"),
-        ("G05:eighty@600..", "`eighty` at character 5 is not a number of metres, or `lost`"),
+        ("G05:eighty@600..", "`eighty` at character 5 is not a number of metres, `shift=` or `lost`"),
         ("G05:nan@600..", "`nan` at character 5 is not a number of metres"),
         ("G05:inf", "`inf` at character 5 is not a number of metres"),
         ("G05:+80@600", "`600` at character 9 is not a span of seconds start..end"),

@@ -31,7 +31,9 @@ use residuals::sets::count_up_to;
 use residuals::threshold::Thresholds;
 use residuals::threshold::policy::{Demand, NoThreshold, Policy};
 use residuals::{parity, ransac};
-use separation::{Removable, judge_epoch};
+use separation::Removable;
+#[cfg(feature = "araim")]
+use separation::judge_epoch;
 
 /// How the faulty satellites are found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,11 +44,25 @@ pub enum Method {
     /// The largest w-test, again and again.
     Baarda,
     /// In parity space.
+    #[cfg(feature = "searches")]
     Parity(parity::Isolation),
     /// By consensus of disjoint subsets.
+    #[cfg(feature = "searches")]
     Ransac,
     /// By solutions with and without every plausible set of them: ARAIM.
+    #[cfg(feature = "araim")]
     Separation,
+}
+
+impl Method {
+    /// Whether a forecast may stand beside the satellites: separation knows none that could be wrong.
+    pub fn takes_a_forecast(self) -> bool {
+        #[cfg(feature = "araim")]
+        if self == Self::Separation {
+            return false;
+        }
+        true
+    }
 }
 
 /// Sets that [`Method::Auto`] looks at: all of up to three of 40 rows, some 0.9 million instructions in `f32` on a
@@ -162,6 +178,7 @@ pub fn judge<T: Real, const N: usize>(
     search: Search<'_>,
     subsets: &mut ransac::Subsets<N>,
 ) -> Judgement<T> {
+    #[cfg(feature = "araim")]
     if criteria.method == Method::Separation {
         return judge_epoch(solution, epoch, criteria);
     }
@@ -228,7 +245,7 @@ fn isolate<T: Real, const N: usize>(
     epoch: &Epoch<N>,
     criteria: &Criteria<'_>,
     search: Search<'_>,
-    subsets: &mut ransac::Subsets<N>,
+    #[cfg_attr(not(feature = "searches"), expect(unused_variables))] subsets: &mut ransac::Subsets<N>,
 ) -> Exclusion<T> {
     let thresholds = &criteria.thresholds;
     if let Search::Known(satellites) = search {
@@ -239,12 +256,16 @@ fn isolate<T: Real, const N: usize>(
     }
     match criteria.method {
         Method::Auto => isolate_within_budget(solution, thresholds),
+        #[cfg(feature = "searches")]
         Method::Parity(isolation) => {
             parity::exclude(isolation, solution, thresholds, &parity::SearchLimits::published())
         }
+        #[cfg(feature = "searches")]
         Method::Ransac => ransac::exclude_in(solution, epoch, thresholds, subsets),
+        Method::Baarda => exclude_sequentially(solution, thresholds),
         // Separation excludes by its own tests.
-        Method::Baarda | Method::Separation => exclude_sequentially(solution, thresholds),
+        #[cfg(feature = "araim")]
+        Method::Separation => exclude_sequentially(solution, thresholds),
     }
 }
 

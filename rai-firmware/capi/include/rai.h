@@ -102,7 +102,7 @@
 #define RAI_METHOD_BAARDA 1
 
 /**
- * In parity space, all satellites at once.
+ * In parity space, all satellites at once. This one and those up to RANSAC need the library's feature `searches`.
  */
 #define RAI_METHOD_SIMULTANEOUS 2
 
@@ -125,6 +125,12 @@
  * By consensus of disjoint subsets.
  */
 #define RAI_METHOD_RANSAC 6
+
+/**
+ * By solutions with and without every plausible set of satellites: ARAIM, with the probabilities of faults that the ICAO's
+ * standards assume. Needs the library's feature `araim`.
+ */
+#define RAI_METHOD_SEPARATION 7
 
 /**
  * Protection levels bound the error of a position that is called good: fault and noise together.
@@ -624,7 +630,7 @@ typedef struct {
 #define RAI_STATUS_POLICY 21
 
 /**
- * No such method.
+ * No such method in this library.
  */
 #define RAI_STATUS_METHOD 22
 
@@ -821,6 +827,19 @@ uint8_t rai_receiver_reset_requested(const rai_receiver_t *receiver);
  * As `rai_receiver_pin`.
  */
 uint8_t rai_receiver_state(const rai_receiver_t *receiver, uint8_t *reason);
+
+/**
+ * What was said last, whole: state and reason, and of the last epoch its position, levels and the satellites left out.
+ *
+ * Before the first epoch the state is `RAI_STATE_NONE`; after a silence no position is there. Whether the position may be used
+ * now says `rai_receiver_pin`: other settings take the promise back before the next epoch. Ranges are counted by the
+ * sentences; `refused_count` is 0 here.
+ *
+ * # Safety
+ * As `rai_receiver_pin`; `verdict` is null or points to a struct of the size that it begins with.
+ */
+rai_status_t rai_receiver_report(const rai_receiver_t *receiver,
+                                 rai_verdict_t *verdict);
 
 /**
  * Bytes that a receiver takes here; at most `RAI_RECEIVER_SIZE`.

@@ -5,11 +5,11 @@ use core::convert::Infallible;
 use embedded_hal::digital::{ErrorType, OutputPin};
 use rai_firmware::receiver::{Boot, Receiver};
 
-use crate::pointer::{Object, slice, status_of};
+use crate::pointer::{Object, give, slice, status_of};
 #[allow(clippy::wildcard_imports)] // The statuses are all of the module.
 use crate::status::*;
 use crate::text::Lines;
-use crate::verdict::{RAI_REASON_NONE, RAI_STATE_NONE, reason_of, state_of};
+use crate::verdict::{RAI_REASON_NONE, RAI_STATE_NONE, rai_verdict_t, reason_of, state_of};
 
 /// Bytes of a receiver, on every processor at most.
 pub const RAI_RECEIVER_SIZE: usize = 65536;
@@ -200,6 +200,34 @@ pub unsafe extern "C" fn rai_receiver_state(receiver: *const rai_receiver_t, rea
         *reason = verdict.map_or(RAI_REASON_NONE, reason_of);
     }
     verdict.map_or(RAI_STATE_NONE, state_of)
+}
+
+/// What was said last, whole: state and reason, and of the last epoch its position, levels and the satellites left out.
+///
+/// Before the first epoch the state is `RAI_STATE_NONE`; after a silence no position is there. Whether the position may be used
+/// now says `rai_receiver_pin`: other settings take the promise back before the next epoch. Ranges are counted by the
+/// sentences; `refused_count` is 0 here.
+///
+/// # Safety
+/// As `rai_receiver_pin`; `verdict` is null or points to a struct of the size that it begins with.
+#[allow(unsafe_code)]
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn rai_receiver_report(
+    receiver: *const rai_receiver_t,
+    verdict: *mut rai_verdict_t,
+) -> rai_status_t {
+    // SAFETY: as promised by the caller.
+    let receiver = unsafe { Stored::at(receiver.cast_mut().cast()) };
+    // SAFETY: as promised by the caller.
+    status_of(receiver.and_then(|receiver| unsafe { give(verdict, &said_last(receiver)) }))
+}
+
+fn said_last(receiver: &Receiver<Level>) -> rai_verdict_t {
+    match (receiver.last_report(), receiver.last_verdict()) {
+        (Some(report), _) => rai_verdict_t::of(report),
+        (None, Some(verdict)) => rai_verdict_t::without_position(verdict),
+        (None, None) => rai_verdict_t::none(),
+    }
 }
 
 /// Bytes that a receiver takes here; at most `RAI_RECEIVER_SIZE`.

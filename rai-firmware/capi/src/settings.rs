@@ -1,8 +1,10 @@
 //! What is asked of a position, and how it is watched over.
 
+use rai_core::allocation::Allocation;
 use rai_core::continuity::{ContinuityError, ContinuitySettings, Recovery};
 use rai_core::integrity::Method;
 use rai_core::integrity::residuals::levels::Levels;
+#[cfg(feature = "searches")]
 use rai_core::integrity::residuals::parity::Isolation;
 use rai_core::integrity::residuals::threshold::ThresholdError;
 use rai_core::integrity::residuals::threshold::policy::Policy;
@@ -34,7 +36,7 @@ pub const RAI_POLICY_TOP: u8 = 2;
 pub const RAI_METHOD_AUTO: u8 = 0;
 /// The largest w-test, again and again.
 pub const RAI_METHOD_BAARDA: u8 = 1;
-/// In parity space, all satellites at once.
+/// In parity space, all satellites at once. This one and those up to RANSAC need the library's feature `searches`.
 pub const RAI_METHOD_SIMULTANEOUS: u8 = 2;
 /// In parity space, one satellite after the other.
 pub const RAI_METHOD_SEQUENTIAL: u8 = 3;
@@ -44,6 +46,9 @@ pub const RAI_METHOD_HYBRID: u8 = 4;
 pub const RAI_METHOD_GROUPING: u8 = 5;
 /// By consensus of disjoint subsets.
 pub const RAI_METHOD_RANSAC: u8 = 6;
+/// By solutions with and without every plausible set of satellites: ARAIM, with the probabilities of faults that the ICAO's
+/// standards assume. Needs the library's feature `araim`.
+pub const RAI_METHOD_SEPARATION: u8 = 7;
 
 /// Protection levels bound the error of a position that is called good: fault and noise together.
 pub const RAI_LEVELS_BOUND: u8 = 0;
@@ -146,9 +151,11 @@ impl rai_settings_t {
     /// What the core requires.
     pub(crate) fn requirements(&self) -> Result<Requirements, rai_status_t> {
         let base = Requirements::non_precision_approach();
+        let val_m = (self.val_m != 0.0).then_some(self.val_m);
         Ok(Requirements {
             hal_m: self.hal_m,
-            val_m: (self.val_m != 0.0).then_some(self.val_m),
+            val_m,
+            allocation: val_m.map_or(base.allocation, |_| Allocation::vertical_guidance()),
             false_alarm: Probability::new(self.false_alarm).ok_or(RAI_STATUS_FALSE_ALARM)?,
             missed_detection: Probability::new(self.missed_detection).ok_or(RAI_STATUS_MISSED_DETECTION)?,
             ..base
@@ -183,11 +190,18 @@ impl rai_settings_t {
             method: match self.method {
                 RAI_METHOD_AUTO => Method::Auto,
                 RAI_METHOD_BAARDA => Method::Baarda,
+                #[cfg(feature = "searches")]
                 RAI_METHOD_SIMULTANEOUS => Method::Parity(Isolation::Simultaneous),
+                #[cfg(feature = "searches")]
                 RAI_METHOD_SEQUENTIAL => Method::Parity(Isolation::Sequential),
+                #[cfg(feature = "searches")]
                 RAI_METHOD_HYBRID => Method::Parity(Isolation::Hybrid),
+                #[cfg(feature = "searches")]
                 RAI_METHOD_GROUPING => Method::Parity(Isolation::Grouping),
+                #[cfg(feature = "searches")]
                 RAI_METHOD_RANSAC => Method::Ransac,
+                #[cfg(feature = "araim")]
+                RAI_METHOD_SEPARATION => Method::Separation,
                 _ => return Err(RAI_STATUS_METHOD),
             },
             levels: match self.levels {

@@ -35,7 +35,7 @@ pub const RAI_STATUS_FALSE_ALARM: rai_status_t = 19;
 pub const RAI_STATUS_MISSED_DETECTION: rai_status_t = 20;
 /// No such policy.
 pub const RAI_STATUS_POLICY: rai_status_t = 21;
-/// No such method.
+/// No such method in this library.
 pub const RAI_STATUS_METHOD: rai_status_t = 22;
 /// No such kind of protection levels.
 pub const RAI_STATUS_LEVELS: rai_status_t = 23;
@@ -76,7 +76,7 @@ fn text(status: rai_status_t) -> &'static CStr {
         RAI_STATUS_FALSE_ALARM => c"probability of false alarm not in the tables",
         RAI_STATUS_MISSED_DETECTION => c"probability of missed detection not in the tables",
         RAI_STATUS_POLICY => c"unknown policy",
-        RAI_STATUS_METHOD => c"unknown method",
+        RAI_STATUS_METHOD => c"no such method in this library",
         RAI_STATUS_LEVELS => c"unknown kind of protection levels",
         RAI_STATUS_SETTING => c"setting out of its range",
         RAI_STATUS_SPEED => c"highest speed outside [0, 1e5] m/s",

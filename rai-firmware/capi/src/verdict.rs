@@ -235,12 +235,12 @@ const _: () =
     assert!(size_of::<rai_verdict_t>() == 168, "a field came or moved: raise RAI_ABI_VERSION if it moved");
 
 impl rai_verdict_t {
-    /// A verdict without a position.
-    pub(crate) fn without_position(verdict: Verdict) -> Self {
+    /// Nothing has been said yet.
+    pub(crate) fn none() -> Self {
         Self {
             size: size_of::<Self>() as u32,
-            state: state_of(verdict),
-            reason: reason_of(verdict),
+            state: RAI_STATE_NONE,
+            reason: RAI_REASON_NONE,
             tracked: 0,
             used: 0,
             dof: 0,
@@ -260,6 +260,11 @@ impl rai_verdict_t {
             height_m: f64::NAN,
             excluded: [rai_excluded_t::NONE; RAI_MAX_EXCLUDED],
         }
+    }
+
+    /// A verdict without a position.
+    pub(crate) fn without_position(verdict: Verdict) -> Self {
+        Self { state: state_of(verdict), reason: reason_of(verdict), ..Self::none() }
     }
 
     /// What a report says.

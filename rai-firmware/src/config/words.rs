@@ -47,7 +47,12 @@ pub(super) const FREQUENCIES: &Words<Frequencies> = &[
 pub(super) const SIGMAS: &Words<Sigma> = &[("FIXED", Some(Sigma::Fixed)), ("ADAPT", Some(Sigma::Adapted))];
 
 /// What is promised of the satellites: the module receives no integrity support message.
-pub(super) const SUPPORTS: &Words<Ism> = &[("ICAO", Some(Ism::ICAO)), ("RESEARCH", Some(Ism::RESEARCH))];
+pub(super) const SUPPORTS: &Words<Ism> = &[
+    ("ICAO", Some(Ism::ICAO)),
+    ("RESEARCH", Some(Ism::RESEARCH)),
+    ("ICAO-AIR", Some(Ism::ICAO_AIRBORNE)),
+    ("RESEARCH-AIR", Some(Ism::RESEARCH_AIRBORNE)),
+];
 
 pub(super) const SWITCH: &Words<bool> = &[("OFF", Some(false)), ("ON", Some(true))];
 

@@ -7,7 +7,8 @@ use rai_core::epoch::{Epoch, EpochError, Observation};
 use rai_core::frame::{Ecef, LocalFrame};
 use rai_core::satellite::Constellation;
 use rai_core::weighting::{
-    ErrorBudget, Ism, MIXED_CARRIERS_M, ephemeris_sigma_m, integrity_sigma_m, ionosphere_sigma_m, sigma_m,
+    ErrorBudget, Ism, MIXED_CARRIERS_M, UserModel, ephemeris_sigma_m, integrity_sigma_m, ionosphere_sigma_m,
+    sigma_m,
 };
 
 use super::atmosphere::{Klobuchar, Place, Troposphere};
@@ -142,6 +143,7 @@ impl Site {
             noise_gain: choice.noise_gain,
             weakness: choice.weakness,
             ionosphere_m: common_m,
+            user: self.ism.map_or(UserModel::Ground, |ism| ism.user),
         };
         let air_m = self.troposphere.delay_m(sin_elevation) + delay_m;
         Some(Corrected {

@@ -112,6 +112,11 @@ impl Capture {
             fault.check_against(&self.content.satellites())?;
         }
         ensure!(
+            !faults.iter().any(Fault::needs_directions),
+            "a shift needs to know where the satellites stand, which a capture is not asked for: use a recording, --obs and \
+             --nav"
+        );
+        ensure!(
             window.every_s == 0.0 || !self.cuts.iter().any(|cut| cut.ends_with_next),
             "--every: epochs of this capture end only with the first message of the next one, and cannot be left out; leave \
              --every away"

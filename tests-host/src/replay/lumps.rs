@@ -1,11 +1,14 @@
 //! From a recording to the bytes of each epoch: which epochs, with which faults.
 
-use anyhow::{Result, ensure};
+use anyhow::{Context as _, Result, ensure};
+use rai_core::frame::{Ecef, Enu, LocalFrame};
 use rai_core::satellite::SatelliteId;
 use rai_firmware::time::GpsTime;
 
+use super::corrected;
 use crate::encode::{Encoder, Selection};
-use crate::fault::{Fault, Injector};
+use crate::fault::{Directions, Fault, Injector};
+use crate::measurement::MeasuredEpoch;
 use crate::recording::Recording;
 
 /// Which part of a recording is used; seconds after its first epoch.
@@ -49,10 +52,23 @@ pub fn encode(
     for fault in faults {
         fault.check_against(&satellites)?;
     }
+    let is_directed = faults.iter().any(Fault::needs_directions);
+    let directions = if is_directed { directions(recording, selection)? } else { Directions::default() };
+    let source = Injector::new(recording.epochs.iter().cloned(), faults.to_vec()).towards(directions);
+    lumps(recording, selection, window, source)
+}
+
+/// The epochs of a source within the window.
+fn lumps(
+    recording: &Recording,
+    selection: &Selection,
+    window: &Window,
+    source: impl Iterator<Item = MeasuredEpoch>,
+) -> Result<Vec<Lump>> {
     let Some(first) = recording.epochs.first().map(|epoch| epoch.time) else { return Ok(Vec::new()) };
     let mut encoder = Encoder::new(&recording.ephemerides, selection.clone());
     let mut lumps: Vec<Lump> = Vec::new();
-    for epoch in Injector::new(recording.epochs.iter().cloned(), faults.to_vec()) {
+    for epoch in source {
         let elapsed_s = epoch.time.since_ms(first) as f64 * 1e-3;
         // Half a millisecond of grace: time tags are rounded to milliseconds.
         let is_next = lumps.last().is_none_or(|last| elapsed_s - last.elapsed_s >= window.every_s - 5e-4);
@@ -62,6 +78,25 @@ pub fn encode(
     }
     ensure!(!lumps.is_empty(), "no epoch between {} s and {} s of the recording", window.from_s, window.to_s);
     Ok(lumps)
+}
+
+/// Where the satellites stand, as the module itself locates them, seen from where the recording says that it is.
+fn directions(recording: &Recording, selection: &Selection) -> Result<Directions> {
+    let antenna =
+        recording.approximate_position.context("a shift needs the antenna's approximate position")?;
+    let lumps = lumps(recording, selection, &Window::ALL, recording.epochs.iter().cloned())?;
+    let frame = LocalFrame::at(antenna);
+    let epochs = corrected(&lumps, antenna, 0.0, recording.klobuchar).into_iter().map(|epoch| {
+        let towards = |position: Ecef| {
+            let difference = position - antenna;
+            let distance_m = difference.radius_m();
+            let Enu { east, north, up } = frame.rotate(difference);
+            Enu { east: east / distance_m, north: north / distance_m, up: up / distance_m }
+        };
+        let seen = epoch.observations().iter();
+        (epoch.time_s(), seen.map(|one| (one.satellite, towards(one.position))).collect())
+    });
+    Ok(Directions::new(epochs.collect()))
 }
 
 /// The recording's own interval: the median time between neighbours, s; 0 where there are none.

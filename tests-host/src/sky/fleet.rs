@@ -7,10 +7,16 @@
 //! | [`Fleet::BeidouRegional`] | 5 GEO, 5 IGSO, 4 MEO | [Yang2015], [Lin2016]: the regional system of 2012 |
 //! | [`Fleet::BeidouGlobal`] | 5 GEO, 3 IGSO, 24 MEO and 3 spares | [Yang2015]: the system as planned |
 //! | [`Fleet::Beidou44`] | 7 GEO, 10 IGSO, 27 MEO | [Tian2024], about February 2022 |
+//! | [`Fleet::Beidou24`] | 24 MEO in three planes: what is seen everywhere | [BDS-SIS-ICD] |
+//! | [`Fleet::Galileo24`] | 24 MEO in three planes, Walker 24/3/1 | [Galileo-OS-SDD] |
+//! | [`Fleet::Glonass24`] | 24 MEO in three planes, Walker 24/3/1 | [GLONASS-ICD] |
 //!
 //! The phase of a whole constellation against the earth is published for none of the `BeiDou` ones; here Greenwich
-//! sidereal time is 0 at `t = 0`. Geostationary satellites are held exactly over the equator.
+//! sidereal time is 0 at `t = 0`, for Galileo and GLONASS too. Geostationary satellites are held exactly over the equator.
 //!
+//! [BDS-SIS-ICD]: crate#references
+//! [Galileo-OS-SDD]: crate#references
+//! [GLONASS-ICD]: crate#references
 //! [GPS-SPS]: crate#references
 //! [Lin2016]: crate#references
 //! [Yang2015]: crate#references
@@ -33,6 +39,12 @@ pub enum Fleet {
     BeidouGlobal,
     /// `BeiDou`, 44 satellites of 2022.
     Beidou44,
+    /// `BeiDou`, the 24 medium orbits alone.
+    Beidou24,
+    /// Galileo, 24 slots.
+    Galileo24,
+    /// GLONASS, 24 slots.
+    Glonass24,
 }
 
 /// A satellite on its orbit.
@@ -46,7 +58,19 @@ pub struct Satellite {
 
 impl Fleet {
     /// All fleets.
-    pub const ALL: [Self; 5] =
+    pub const ALL: [Self; 8] = [
+        Self::Gps24,
+        Self::Gps31,
+        Self::BeidouRegional,
+        Self::BeidouGlobal,
+        Self::Beidou44,
+        Self::Beidou24,
+        Self::Galileo24,
+        Self::Glonass24,
+    ];
+
+    /// Those of the papers, whose elements a table holds satellite by satellite.
+    pub const OF_PAPERS: [Self; 5] =
         [Self::Gps24, Self::Gps31, Self::BeidouRegional, Self::BeidouGlobal, Self::Beidou44];
 
     /// Name on command lines and in tables.
@@ -57,6 +81,9 @@ impl Fleet {
             Self::BeidouRegional => "bds_regional",
             Self::BeidouGlobal => "bds_global",
             Self::Beidou44 => "bds44",
+            Self::Beidou24 => "bds24",
+            Self::Galileo24 => "galileo24",
+            Self::Glonass24 => "glonass24",
         }
     }
 
@@ -64,7 +91,11 @@ impl Fleet {
     pub const fn constellation(self) -> Constellation {
         match self {
             Self::Gps24 | Self::Gps31 => Constellation::Gps,
-            Self::BeidouRegional | Self::BeidouGlobal | Self::Beidou44 => Constellation::Beidou,
+            Self::BeidouRegional | Self::BeidouGlobal | Self::Beidou44 | Self::Beidou24 => {
+                Constellation::Beidou
+            }
+            Self::Galileo24 => Constellation::Galileo,
+            Self::Glonass24 => Constellation::Glonass,
         }
     }
 
@@ -86,6 +117,9 @@ impl Fleet {
             Self::BeidouRegional => beidou_regional(),
             Self::BeidouGlobal => beidou_global(),
             Self::Beidou44 => beidou44(),
+            Self::Beidou24 => walker(BEIDOU_AXIS_M, INCLINATION_DEG).collect(),
+            Self::Galileo24 => walker(GALILEO_AXIS_M, GALILEO_INCLINATION_DEG).collect(),
+            Self::Glonass24 => walker(GLONASS_AXIS_M, GLONASS_INCLINATION_DEG).collect(),
         }
     }
 }
@@ -112,7 +146,19 @@ const GPS_AXIS_M: f64 = 26_559_710.0;
 /// [BDS-SIS-ICD]: crate#references
 const BEIDOU_AXIS_M: f64 = 27_906_100.0;
 
-/// Inclination of all but the geostationary orbits, degrees.
+/// Semi-major axis of a Galileo orbit, m, and its inclination, degrees ([Galileo-OS-SDD]).
+///
+/// [Galileo-OS-SDD]: crate#references
+const GALILEO_AXIS_M: f64 = 29_599_801.0;
+const GALILEO_INCLINATION_DEG: f64 = 56.0;
+
+/// Semi-major axis of a GLONASS orbit, m: 19,100 km above the ground, and its inclination, degrees ([GLONASS-ICD]).
+///
+/// [GLONASS-ICD]: crate#references
+const GLONASS_AXIS_M: f64 = 25_508_000.0;
+const GLONASS_INCLINATION_DEG: f64 = 64.8;
+
+/// Inclination of the orbits of GPS and `BeiDou` but the geostationary ones, degrees.
 const INCLINATION_DEG: f64 = 55.0;
 
 fn gps24() -> Vec<Orbit> {
@@ -161,19 +207,20 @@ fn inclined(node_deg: f64, knot_deg: f64) -> Orbit {
 }
 
 /// Slot of the Walker constellation 24/3/1, planes from 1, slots from 1; spares stand between slots.
-fn medium(plane: f64, slot: f64) -> Orbit {
+fn slot(axis_m: f64, inclination_deg: f64, plane: f64, slot: f64) -> Orbit {
     let node_deg = 120.0 * (plane - 1.0);
     let argument_deg = 45.0 * (slot - 1.0) + 15.0 * (plane - 1.0);
-    Orbit::circular(
-        BEIDOU_AXIS_M,
-        INCLINATION_DEG.to_radians(),
-        node_deg.to_radians(),
-        argument_deg.to_radians(),
-    )
+    Orbit::circular(axis_m, inclination_deg.to_radians(), node_deg.to_radians(), argument_deg.to_radians())
 }
 
-fn walker() -> impl Iterator<Item = Orbit> {
-    (0..24).map(|index| medium(f64::from(1 + index / 8), f64::from(1 + index % 8)))
+/// A medium orbit of `BeiDou`.
+fn medium(plane: f64, number: f64) -> Orbit {
+    slot(BEIDOU_AXIS_M, INCLINATION_DEG, plane, number)
+}
+
+fn walker(axis_m: f64, inclination_deg: f64) -> impl Iterator<Item = Orbit> {
+    (0..24)
+        .map(move |index| slot(axis_m, inclination_deg, f64::from(1 + index / 8), f64::from(1 + index % 8)))
 }
 
 const GEOSTATIONARY_DEG: [f64; 5] = [58.75, 80.0, 110.5, 140.0, 160.0];
@@ -189,7 +236,12 @@ fn beidou_global() -> Vec<Orbit> {
     let inclined = [0.0, 120.0, 240.0].map(|node_deg| inclined(node_deg, 118.0));
     let spares = [1.0, 2.0, 3.0].map(|plane| medium(plane, 8.5));
     let stationary = GEOSTATIONARY_DEG.map(geostationary);
-    stationary.into_iter().chain(inclined).chain(walker()).chain(spares).collect()
+    stationary
+        .into_iter()
+        .chain(inclined)
+        .chain(walker(BEIDOU_AXIS_M, INCLINATION_DEG))
+        .chain(spares)
+        .collect()
 }
 
 fn beidou44() -> Vec<Orbit> {
@@ -206,7 +258,7 @@ fn beidou44() -> Vec<Orbit> {
         .chain(second.map(tilted))
         .chain(third.map(tilted))
         .chain(spares)
-        .chain(walker())
+        .chain(walker(BEIDOU_AXIS_M, INCLINATION_DEG))
         .chain(last.map(tilted))
         .chain([140.1, 80.1].map(geostationary))
         .collect()

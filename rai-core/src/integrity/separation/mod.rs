@@ -34,6 +34,7 @@
 //! [Blanch2015]: crate#references
 //! [MAAST]: crate#references
 
+#[cfg(feature = "araim")]
 mod epoch;
 mod exclusion;
 mod levels;
@@ -49,6 +50,7 @@ use core::fmt;
 use nalgebra::Matrix3;
 
 pub use crate::allocation::Allocation;
+#[cfg(feature = "araim")]
 pub(super) use epoch::judge_epoch;
 pub use exclusion::{Judged, Outcome, Removable, judge};
 pub use modes::{Hypothesis, ROWS};

@@ -13,7 +13,7 @@
 
 use rai_core::epoch::{Epoch, Observation};
 use rai_core::frame::Ecef;
-use rai_core::weighting::{ErrorBudget, sigma_m};
+use rai_core::weighting::{ErrorBudget, UserModel, sigma_m};
 use rand::Rng as _;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
@@ -136,5 +136,6 @@ fn sigma_at(sight: &Sight) -> f64 {
         noise_gain: NOISE_GAIN,
         weakness: 1.0,
         ionosphere_m: 0.0,
+        user: UserModel::Ground,
     }))
 }

@@ -17,7 +17,7 @@
 //!
 //! The table is generated (`cargo xtask tables`) and exact to 1e-12 relative. Nothing is interpolated between
 //! probabilities and nothing is extrapolated: a probability that is not in the table is an error that names
-//! the nearest one, and a row's end is `None`.
+//! the nearest one, and a row's end is `None`. Without the feature `tables` those of the phases of flight alone are there.
 //!
 //! What tables cannot hold, because it depends on the geometry, is solved for in [`chi_square`](crate::numeric::chi_square); [`policy`] chooses.
 //!
@@ -29,7 +29,13 @@
 use core::fmt;
 
 use crate::numeric::probability::Probability;
+#[cfg(not(feature = "tables"))]
+use phases as rows;
+#[cfg(feature = "tables")]
+use table as rows;
 
+#[cfg(not(feature = "tables"))]
+mod phases;
 pub mod policy;
 mod table;
 
@@ -78,12 +84,12 @@ impl core::error::Error for ThresholdError {}
 
 /// The probabilities of false alarm in the tables, largest first.
 pub fn false_alarms() -> &'static [Probability] {
-    &table::FALSE_ALARM
+    &rows::FALSE_ALARM
 }
 
 /// The probabilities of missed detection in the tables, largest first.
 pub fn missed_detections() -> &'static [Probability] {
-    &table::MISSED_DETECTION
+    &rows::MISSED_DETECTION
 }
 
 impl Thresholds<'static> {
@@ -95,10 +101,10 @@ impl Thresholds<'static> {
         false_alarm: Probability,
         missed_detection: Probability,
     ) -> Result<Self, ThresholdError> {
-        let alarm_rows = table::TAU1.iter().zip(&table::LAMBDA).zip(&table::W_TEST);
-        let ((tau1, lambdas), w_test) = matching(&table::FALSE_ALARM, alarm_rows, false_alarm)
+        let alarm_rows = rows::TAU1.iter().zip(&rows::LAMBDA).zip(&rows::W_TEST);
+        let ((tau1, lambdas), w_test) = matching(&rows::FALSE_ALARM, alarm_rows, false_alarm)
             .map_err(|nearest| ThresholdError::FalseAlarm { nearest })?;
-        let lambda = matching(&table::MISSED_DETECTION, lambdas.iter(), missed_detection)
+        let lambda = matching(&rows::MISSED_DETECTION, lambdas.iter(), missed_detection)
             .map_err(|nearest| ThresholdError::MissedDetection { nearest })?;
         Ok(Self { tau1, lambda, w_test })
     }
