@@ -179,6 +179,12 @@ impl<const N: usize> Epoch<N> {
         if self.aiding.iter().any(same_kind) { Err(EpochError::Duplicate) } else { Ok(()) }
     }
 
+    /// All of it, whatever its capacity.
+    pub fn view(&self) -> EpochView<'_> {
+        let Self { time_s, observations, common_m, aiding } = self;
+        EpochView { time_s: *time_s, observations, common_m, aiding }
+    }
+
     /// Seconds of the caller's continuous time scale.
     pub fn time_s(&self) -> f64 {
         self.time_s
@@ -200,26 +206,52 @@ impl<const N: usize> Epoch<N> {
     }
 }
 
-/// An epoch as it is solved: with a forecast beside its own outside knowledge, and without a copy.
+/// One instant's ranges wherever they are kept: what is judged.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EpochView<'e> {
+    time_s: f64,
+    observations: &'e [Observation],
+    common_m: &'e [f32],
+    aiding: &'e [Aiding],
+}
+
+impl<'e> EpochView<'e> {
+    /// As [`Epoch::time_s`].
+    pub fn time_s(&self) -> f64 {
+        self.time_s
+    }
+
+    /// As [`Epoch::observations`].
+    pub fn observations(&self) -> &'e [Observation] {
+        self.observations
+    }
+
+    /// As [`Epoch::common_m`].
+    pub fn common_m(&self) -> &'e [f32] {
+        self.common_m
+    }
+}
+
+/// Ranges as they are solved: with a forecast beside their own outside knowledge, and without a copy.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Aided<'e, const N: usize> {
-    epoch: &'e Epoch<N>,
+pub(crate) struct Aided<'e> {
+    view: EpochView<'e>,
     forecast: Option<Aiding>,
     /// On all sigmas, dimensionless, where there is one.
     scale: Option<f64>,
 }
 
-impl<'e, const N: usize> Aided<'e, N> {
+impl<'e> Aided<'e> {
     /// The epoch by itself.
-    pub(crate) fn alone(epoch: &'e Epoch<N>) -> Self {
-        Self { epoch, forecast: None, scale: None }
+    pub(crate) fn alone<const N: usize>(epoch: &'e Epoch<N>) -> Self {
+        Self { view: epoch.view(), forecast: None, scale: None }
     }
 
     /// The epoch with a forecast, where it has room for the row and knows nothing of the kind.
-    pub(crate) fn by(epoch: &'e Epoch<N>, forecast: Option<Aiding>) -> Self {
+    pub(crate) fn by<const N: usize>(epoch: &'e Epoch<N>, forecast: Option<Aiding>) -> Self {
         let has_room = epoch.observations.len() + epoch.aiding.len() < N;
         let forecast = forecast.filter(|forecast| has_room && epoch.accepts(forecast).is_ok());
-        Self { epoch, forecast, scale: None }
+        Self { forecast, ..Self::alone(epoch) }
     }
 
     /// The same with all sigmas multiplied by a scale, where there is one.
@@ -233,13 +265,13 @@ impl<'e, const N: usize> Aided<'e, N> {
         self.scale.map_or(sigma_m, |scale| Adaptation::sigma_m(scale, satellite, sigma_m))
     }
 
-    /// The epoch without the forecast.
-    pub(crate) fn epoch(&self) -> &'e Epoch<N> {
-        self.epoch
+    /// The satellites.
+    pub(crate) fn observations(&self) -> &'e [Observation] {
+        self.view.observations
     }
 
     /// All aiding rows, the forecast last.
     pub(crate) fn aiding(&self) -> impl Iterator<Item = &Aiding> {
-        self.epoch.aiding.iter().chain(&self.forecast)
+        self.view.aiding.iter().chain(&self.forecast)
     }
 }

@@ -29,6 +29,10 @@ use crate::satellite::Constellation;
 /// Squared length of what passes as a unit vector: the length may be off by 1e-3.
 const UNIT_SQUARED: core::ops::RangeInclusive<f64> = 0.999 * 0.999..=1.001 * 1.001;
 
+/// Most equations of one instant: more satellites than are ever in view of all systems, and what the searches for faulty
+/// ones have room for. Sets of them fit one word.
+pub const MAX_ROWS: usize = 64;
+
 /// One equation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Row<T> {
@@ -45,9 +49,38 @@ pub struct Row<T> {
 }
 
 impl<T: Real> Row<T> {
-    /// `1/σ²`: the weight of a row that takes part.
-    fn full_weight(&self) -> T {
-        (self.sigma * self.sigma).recip()
+    fn new(
+        clock: Option<Constellation>,
+        design: Vector3<T>,
+        residual: T,
+        sigma_m: f64,
+    ) -> Result<Self, RowError> {
+        // Neither is a difference of two infinities.
+        if !residual.is_finite() {
+            return Err(RowError::Residual);
+        }
+        let sigma = T::narrow(sigma_m);
+        let weight = (sigma * sigma).recip();
+        // Beyond the scalar's range a row would silently weigh nothing, or everything.
+        if !(sigma > T::zero() && weight > T::zero() && weight.is_finite()) {
+            return Err(RowError::Sigma);
+        }
+        Ok(Self { clock, design, residual, sigma, weight })
+    }
+
+    /// A known height.
+    pub(crate) fn height(residual_m: f64, sigma_m: f64) -> Result<Self, RowError> {
+        Self::new(None, Vector3::z(), T::narrow(residual_m), sigma_m)
+    }
+
+    /// Leaves the row out of everything computed from now on.
+    pub(crate) fn leave_out(&mut self) {
+        self.weight = T::zero();
+    }
+
+    /// Takes it back.
+    pub(crate) fn take_back(&mut self) {
+        self.weight = (self.sigma * self.sigma).recip();
     }
 }
 
@@ -78,12 +111,87 @@ impl fmt::Display for RowError {
 
 impl core::error::Error for RowError {}
 
+/// What the residuals of each constellation are relative to: nearly the first of them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct References<T: Real>([Option<T::Absolute>; Constellation::COUNT]);
+
+impl<T: Real> References<T> {
+    /// Of no rows.
+    pub(crate) const fn none() -> Self {
+        Self([None; Constellation::COUNT])
+    }
+
+    /// A constellation's; `None` where it has no row.
+    pub(crate) fn of(&self, constellation: Constellation) -> Option<T::Absolute> {
+        self.0.get(constellation as usize).copied().flatten()
+    }
+
+    fn satellite(
+        &mut self,
+        constellation: Constellation,
+        line_of_sight: Vector3<f64>,
+        residual_m: f64,
+        sigma_m: f64,
+    ) -> Result<Row<T>, RowError> {
+        if !UNIT_SQUARED.contains(&line_of_sight.dot(&line_of_sight)) {
+            return Err(RowError::LineOfSight);
+        }
+        self.relative(constellation, -line_of_sight.map(T::narrow), residual_m, sigma_m)
+    }
+
+    /// A satellite as it is seen, with its range.
+    pub(crate) fn sighted(
+        &mut self,
+        constellation: Constellation,
+        sight: &Sight<T>,
+        range_m: f64,
+        sigma_m: f64,
+    ) -> Result<Row<T>, RowError> {
+        let longer = T::Absolute::of(range_m).less(sight.distance.whole);
+        let reference = self.of(constellation).unwrap_or(longer);
+        // What is small enough for the scalar is taken off where no more digits are needed.
+        let residual = longer.less(reference).narrow() - (sight.distance.rest + sight.rotation);
+        let row = Row::new(Some(constellation), -sight.direction, residual, sigma_m)?;
+        self.keep(constellation, reference);
+        Ok(row)
+    }
+
+    /// A predicted clock of a constellation, on the same scale as its residuals.
+    pub(crate) fn clock(
+        &mut self,
+        constellation: Constellation,
+        residual_m: f64,
+        sigma_m: f64,
+    ) -> Result<Row<T>, RowError> {
+        self.relative(constellation, Vector3::zeros(), residual_m, sigma_m)
+    }
+
+    fn relative(
+        &mut self,
+        constellation: Constellation,
+        design: Vector3<T>,
+        residual_m: f64,
+        sigma_m: f64,
+    ) -> Result<Row<T>, RowError> {
+        let reference = self.of(constellation).unwrap_or_else(|| T::Absolute::of(residual_m));
+        let residual = T::narrow(residual_m - reference.widen());
+        let row = Row::new(Some(constellation), design, residual, sigma_m)?;
+        self.keep(constellation, reference);
+        Ok(row)
+    }
+
+    fn keep(&mut self, constellation: Constellation, reference: T::Absolute) {
+        if let Some(slot) = self.0.get_mut(constellation as usize) {
+            *slot = Some(reference);
+        }
+    }
+}
+
 /// The equations of one instant, satellites first, then aiding rows; at most `N`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LinearEpoch<T: Real, const N: usize> {
     rows: Vec<Row<T>, N>,
-    /// What the residuals of each constellation are relative to.
-    references: [Option<T::Absolute>; Constellation::COUNT],
+    references: References<T>,
 }
 
 impl<T: Real, const N: usize> Default for LinearEpoch<T, N> {
@@ -95,7 +203,8 @@ impl<T: Real, const N: usize> Default for LinearEpoch<T, N> {
 impl<T: Real, const N: usize> LinearEpoch<T, N> {
     /// No equations yet.
     pub fn new() -> Self {
-        Self { rows: Vec::new(), references: [None; Constellation::COUNT] }
+        const { assert!(N <= MAX_ROWS, "more rows than the searches have room for") };
+        Self { rows: Vec::new(), references: References::none() }
     }
 
     /// Adds a satellite: its direction (east, north, up), its residual and its standard deviation in metres.
@@ -109,29 +218,7 @@ impl<T: Real, const N: usize> LinearEpoch<T, N> {
         residual_m: f64,
         sigma_m: f64,
     ) -> Result<(), RowError> {
-        if !UNIT_SQUARED.contains(&line_of_sight.dot(&line_of_sight)) {
-            return Err(RowError::LineOfSight);
-        }
-        let residual = self.relative(constellation, residual_m);
-        self.push(Some(constellation), -line_of_sight.map(T::narrow), residual, sigma_m)
-    }
-
-    /// Adds a satellite as it is seen, with its range.
-    ///
-    /// # Errors
-    /// As [`Self::satellite`].
-    pub(crate) fn sighted(
-        &mut self,
-        constellation: Constellation,
-        sight: &Sight<T>,
-        range_m: f64,
-        sigma_m: f64,
-    ) -> Result<(), RowError> {
-        let longer = T::Absolute::of(range_m).less(sight.distance.whole);
-        let reference = self.reference(constellation).unwrap_or(longer);
-        // What is small enough for the scalar is taken off where no more digits are needed.
-        let residual = longer.less(reference).narrow() - (sight.distance.rest + sight.rotation);
-        self.push(Some(constellation), -sight.direction, (residual, reference), sigma_m)
+        self.add(|references| references.satellite(constellation, line_of_sight, residual_m, sigma_m))
     }
 
     /// Adds a predicted clock of a constellation, on the same scale as its residuals.
@@ -144,8 +231,7 @@ impl<T: Real, const N: usize> LinearEpoch<T, N> {
         residual_m: f64,
         sigma_m: f64,
     ) -> Result<(), RowError> {
-        let residual = self.relative(constellation, residual_m);
-        self.push(Some(constellation), Vector3::zeros(), residual, sigma_m)
+        self.add(|references| references.clock(constellation, residual_m, sigma_m))
     }
 
     /// Adds a known height: how far it is above the linearisation point.
@@ -153,42 +239,30 @@ impl<T: Real, const N: usize> LinearEpoch<T, N> {
     /// # Errors
     /// As [`Self::satellite`].
     pub fn height(&mut self, residual_m: f64, sigma_m: f64) -> Result<(), RowError> {
-        self.push(None, Vector3::z(), (T::narrow(residual_m), T::Absolute::of(0.0)), sigma_m)
+        self.add(|_| Row::height(residual_m, sigma_m))
     }
 
-    /// A residual less the reference of its constellation, and that reference: nearly the first residual itself.
-    fn relative(&self, constellation: Constellation, residual_m: f64) -> (T, T::Absolute) {
-        let reference = self.reference(constellation).unwrap_or_else(|| T::Absolute::of(residual_m));
-        (T::narrow(residual_m - reference.widen()), reference)
-    }
-
-    fn reference(&self, constellation: Constellation) -> Option<T::Absolute> {
-        self.references.get(constellation as usize).copied().flatten()
-    }
-
-    fn push(
+    /// Replaces all equations by those that `write` makes relative to the references it is handed; `None` where it gives up
+    /// or there are too many of them.
+    pub(crate) fn refill(
         &mut self,
-        clock: Option<Constellation>,
-        design: Vector3<T>,
-        (residual, reference): (T, T::Absolute),
-        sigma_m: f64,
+        write: impl FnOnce(&mut References<T>, &mut dyn FnMut(Row<T>) -> Option<()>) -> Option<()>,
+    ) -> Option<()> {
+        self.clear();
+        let Self { rows, references } = self;
+        write(references, &mut |row| rows.push(row).ok())
+    }
+
+    /// Adds a row that is made relative to the references.
+    fn add(
+        &mut self,
+        make: impl FnOnce(&mut References<T>) -> Result<Row<T>, RowError>,
     ) -> Result<(), RowError> {
-        // Neither is a difference of two infinities.
-        if !residual.is_finite() {
-            return Err(RowError::Residual);
+        if self.rows.is_full() {
+            return Err(RowError::Full);
         }
-        let sigma = T::narrow(sigma_m);
-        let weight = (sigma * sigma).recip();
-        // Beyond the scalar's range a row would silently weigh nothing, or everything.
-        if !(sigma > T::zero() && weight > T::zero() && weight.is_finite()) {
-            return Err(RowError::Sigma);
-        }
-        let row = Row { clock, design, residual, sigma, weight };
-        self.rows.push(row).map_err(|_| RowError::Full)?;
-        if let Some(slot) = clock.and_then(|clock| self.references.get_mut(clock as usize)) {
-            *slot = Some(reference);
-        }
-        Ok(())
+        let row = make(&mut self.references)?;
+        self.rows.push(row).map_err(|_| RowError::Full)
     }
 
     /// The equations, in the order they were added.
@@ -198,57 +272,38 @@ impl<T: Real, const N: usize> LinearEpoch<T, N> {
 
     /// What a constellation's residuals are relative to, m; `None` where it has no row.
     pub fn reference_m(&self, constellation: Constellation) -> Option<f64> {
-        self.reference(constellation).map(Absolute::widen)
+        self.references.of(constellation).map(Absolute::widen)
+    }
+
+    /// Replaces all equations; `None` where they are more than `N`.
+    pub(crate) fn copy_from(&mut self, rows: &[Row<T>], references: &References<T>) -> Option<()> {
+        self.rows.clear();
+        self.references = *references;
+        self.rows.extend_from_slice(rows).ok()
+    }
+
+    /// The equations and what they are relative to, to be solved where they are.
+    pub(crate) fn parts_mut(&mut self) -> (&mut [Row<T>], &mut References<T>) {
+        (&mut self.rows, &mut self.references)
     }
 
     /// Makes room for the equations of another instant.
-    pub(crate) fn clear(&mut self) {
+    pub fn clear(&mut self) {
         self.rows.clear();
-        self.references = [None; Constellation::COUNT];
-    }
-
-    /// Takes over the equations of another epoch, row by row: a clone is made elsewhere on the stack first, and then moved.
-    pub(crate) fn copy_from(&mut self, other: &Self) {
-        self.rows.clear();
-        for &row in &other.rows {
-            // Both hold N: never full here.
-            let _ = self.rows.push(row);
-        }
-        self.references = other.references;
+        self.references = References::none();
     }
 
     /// Leaves a row out of everything computed from now on; its index stays taken.
     pub fn leave_out(&mut self, index: usize) {
         if let Some(row) = self.rows.get_mut(index) {
-            row.weight = T::zero();
+            row.leave_out();
         }
     }
 
     /// Takes a left-out row back.
     pub fn take_back(&mut self, index: usize) {
         if let Some(row) = self.rows.get_mut(index) {
-            row.weight = row.full_weight();
-        }
-    }
-
-    /// Leaves several rows out.
-    pub(crate) fn leave_all_out(&mut self, rows: &[usize]) {
-        for &index in rows {
-            self.leave_out(index);
-        }
-    }
-
-    /// Takes several rows back.
-    pub(crate) fn take_all_back(&mut self, rows: &[usize]) {
-        for &index in rows {
-            self.take_back(index);
-        }
-    }
-
-    /// Leaves out all rows but those chosen, which take part.
-    pub(crate) fn keep_only(&mut self, is_chosen: impl Fn(usize) -> bool) {
-        for (index, row) in self.rows.iter_mut().enumerate() {
-            row.weight = if is_chosen(index) { row.full_weight() } else { T::zero() };
+            row.take_back();
         }
     }
 }

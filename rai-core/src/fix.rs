@@ -18,12 +18,14 @@
 
 use core::fmt;
 
+use nalgebra::Vector3;
+
 use crate::epoch::{Aided, Aiding, Epoch};
-use crate::equations::LinearEpoch;
+use crate::equations::{References, Row};
 use crate::frame::{Ecef, LocalFrame, Lookout};
 use crate::integrity::separation::{Removable, View};
 use crate::numeric::real::Real;
-use crate::snapshot::{Reducible, Snapshot, SnapshotError};
+use crate::snapshot::{Reducible, Snapshot, SnapshotError, Solved, Workspace};
 
 /// A pass whose correction is below this is the last one, m.
 const CONVERGED_M: f64 = 10.0;
@@ -58,22 +60,7 @@ impl fmt::Display for FixError {
 
 impl core::error::Error for FixError {}
 
-/// Memory for the equations of a fix and their solution, used again from pass to pass: what is large is never moved.
-#[derive(Clone, Debug)]
-pub struct Workspace<T: Real, const N: usize>(Snapshot<T, N>);
-
-impl<T: Real, const N: usize> Default for Workspace<T, N> {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
 impl<T: Real, const N: usize> Workspace<T, N> {
-    /// Nothing solved yet.
-    pub fn new() -> Self {
-        Self(Snapshot::unsolved())
-    }
-
     /// Solves an epoch, starting at a point near the position, or at [`Ecef::CENTRE`].
     ///
     /// A start far from the truth may lead astray. The centre of the earth is the same distance from all places, and is
@@ -81,36 +68,43 @@ impl<T: Real, const N: usize> Workspace<T, N> {
     ///
     /// # Errors
     /// [`FixError`] says what is missing.
-    pub fn fix<'r>(&'r mut self, epoch: &'r Epoch<N>, start: Ecef) -> Result<Fix<'r, T, N>, FixError> {
-        Fix::about(&mut self.0, Aided::alone(epoch), start)
+    pub fn fix<'r>(&'r mut self, epoch: &'r Epoch<N>, start: Ecef) -> Result<Fix<'r, T>, FixError> {
+        Fix::about(self, Aided::alone(epoch), start)
     }
 }
 
 /// A converged position together with the linearised epoch it came from.
 #[derive(Debug)]
-pub struct Fix<'r, T: Real, const N: usize> {
-    aided: Aided<'r, N>,
+pub struct Fix<'r, T: Real> {
+    aided: Aided<'r>,
     /// The linearisation point.
     lookout: Lookout<T>,
-    snapshot: &'r mut Snapshot<T, N>,
+    snapshot: Snapshot<'r, T>,
 }
 
-impl<'r, T: Real, const N: usize> Fix<'r, T, N> {
-    /// As [`Workspace::fix`], with a forecast beside the epoch and in any workspace.
-    pub(crate) fn about(
-        snapshot: &'r mut Snapshot<T, N>,
-        aided: Aided<'r, N>,
+impl<'r, T: Real> Fix<'r, T> {
+    /// As [`Workspace::fix`], with a forecast beside the epoch.
+    pub(crate) fn about<const N: usize>(
+        workspace: &'r mut Workspace<T, N>,
+        aided: Aided<'r>,
         start: Ecef,
     ) -> Result<Self, FixError> {
-        let lookout =
-            converge(snapshot, &aided, start, 0).or_else(|_| converge(snapshot, &aided, Ecef::CENTRE, 0))?;
-        Ok(Self { aided, lookout, snapshot })
+        let mut solve_about = |lookout: &Lookout<T>| {
+            let equations = workspace.equations_mut();
+            let written = equations.refill(|references, put| write(references, &aided, lookout, put));
+            written.ok_or(FixError::NotConverged)?;
+            workspace.solve_rows().map_err(FixError::Snapshot)
+        };
+        let found = converge(start, &mut solve_about, Solved::correction);
+        let (lookout, solved) =
+            found.or_else(|_| converge(Ecef::CENTRE, &mut solve_about, Solved::correction))?;
+        Ok(Self { aided, lookout, snapshot: workspace.lend(solved) })
     }
 
     /// The row of a clock's forecast, or of one that the epoch came with.
     pub fn clock_row(&self) -> Option<usize> {
         let is_clock = |aiding: &Aiding| matches!(aiding, Aiding::Clock { .. });
-        Some(self.aided.epoch().observations().len() + self.aided.aiding().position(is_clock)?)
+        Some(self.aided.observations().len() + self.aided.aiding().position(is_clock)?)
     }
 
     /// The position.
@@ -119,24 +113,28 @@ impl<'r, T: Real, const N: usize> Fix<'r, T, N> {
     }
 
     /// The linearised epoch at the position.
-    pub fn snapshot(&self) -> &Snapshot<T, N> {
-        self.snapshot
+    pub fn snapshot(&self) -> &Snapshot<'r, T> {
+        &self.snapshot
     }
 
     /// Rows of weight 0, as a bit set.
     fn left_out(&self) -> u64 {
-        let rows = self.snapshot.rows().enumerate();
-        rows.fold(0, |set, (index, (row, _))| if row.weight > T::zero() { set } else { set | bit(index) })
+        let rows = self.snapshot.equations().iter().enumerate();
+        rows.fold(0, |set, (index, row)| if row.weight > T::zero() { set } else { set | bit(index) })
     }
 
     /// After a change of the rows: solves again from the new position if that is far from the linearisation point.
     fn follow(&mut self) -> Result<(), SnapshotError> {
-        if is_within(self.snapshot, RELINEARISE_M) {
+        if is_within(&self.snapshot.correction(), RELINEARISE_M) {
             return Ok(());
         }
         let (position, left_out) = (self.position(), self.left_out());
-        let found = converge(self.snapshot, &self.aided, position, left_out);
-        self.lookout = found.map_err(|error| match error {
+        let solve_about = |lookout: &Lookout<T>| {
+            rewrite(&mut self.snapshot, &self.aided, lookout, left_out).map_err(FixError::Snapshot)?;
+            Ok(self.snapshot.correction())
+        };
+        let found = converge(position, solve_about, |correction| correction);
+        (self.lookout, _) = found.map_err(|error| match error {
             FixError::Snapshot(error) => error,
             FixError::NotConverged => SnapshotError::Singular,
         })?;
@@ -146,14 +144,13 @@ impl<'r, T: Real, const N: usize> Fix<'r, T, N> {
     /// Back to rows that have been solved before, about the same point.
     fn restore(&mut self, left_out: u64) {
         // What could be formed and solved once can be so again.
-        let _ = linearise(self.snapshot.epoch_mut(), &self.aided, &self.lookout, left_out);
-        let _ = self.snapshot.solve_again();
+        let _ = rewrite(&mut self.snapshot, &self.aided, &self.lookout, left_out);
     }
 }
 
-impl<T: Real, const N: usize> Reducible<T, N> for Fix<'_, T, N> {
-    fn snapshot(&self) -> &Snapshot<T, N> {
-        self.snapshot
+impl<T: Real> Reducible<T> for Fix<'_, T> {
+    fn snapshot(&self) -> &Snapshot<'_, T> {
+        &self.snapshot
     }
 
     fn leave_out(&mut self, index: usize) -> Result<(), SnapshotError> {
@@ -167,15 +164,15 @@ impl<T: Real, const N: usize> Reducible<T, N> for Fix<'_, T, N> {
     }
 
     fn take_back(&mut self, rows: &[usize]) -> Result<(), SnapshotError> {
-        Reducible::take_back(self.snapshot, rows)
+        Reducible::take_back(&mut self.snapshot, rows)
     }
 
     fn set_aside(&mut self, rows: &[usize]) -> Result<(), SnapshotError> {
-        Reducible::set_aside(self.snapshot, rows)
+        Reducible::set_aside(&mut self.snapshot, rows)
     }
 }
 
-impl<T: Real, const N: usize> Removable<T> for Fix<'_, T, N> {
+impl<T: Real> Removable<T> for Fix<'_, T> {
     fn view(&self) -> View<'_, T> {
         self.snapshot.view()
     }
@@ -195,10 +192,9 @@ impl<T: Real, const N: usize> Removable<T> for Fix<'_, T, N> {
     }
 }
 
-/// Whether the correction is no longer than this, m: its length is the same in every frame, and needs no double.
-fn is_within<T: Real, const N: usize>(snapshot: &Snapshot<T, N>, limit_m: f64) -> bool {
-    let correction = snapshot.correction();
-    correction.dot(&correction) <= T::narrow(limit_m * limit_m)
+/// Whether a correction is no longer than this, m: its length is the same in every frame, and needs no double.
+fn is_within<T: Real>(correction: &Vector3<T>, limit_m: f64) -> bool {
+    correction.dot(correction) <= T::narrow(limit_m * limit_m)
 }
 
 /// A row's bit in a set; a row beyond the set is in no set.
@@ -206,23 +202,22 @@ fn bit(index: usize) -> u64 {
     1u64.checked_shl(index as u32).unwrap_or(0)
 }
 
-/// Gauss–Newton: the solution is in the snapshot, the point that it is relative to is returned.
+/// Gauss–Newton: solves about better and better points, until the correction is small. The last point is returned, with
+/// what was solved about it.
 #[inline(never)]
-fn converge<T: Real, const N: usize>(
-    snapshot: &mut Snapshot<T, N>,
-    aided: &Aided<'_, N>,
+fn converge<T: Real, S>(
     start: Ecef,
-    left_out: u64,
-) -> Result<Lookout<T>, FixError> {
+    mut solve_about: impl FnMut(&Lookout<T>) -> Result<S, FixError>,
+    correction: impl Fn(&S) -> &Vector3<T>,
+) -> Result<(Lookout<T>, S), FixError> {
     let mut point = if start.is_finite() { start } else { Ecef::CENTRE };
     for _ in 0..MAX_PASSES {
         let lookout = Lookout::at(point);
-        linearise(snapshot.epoch_mut(), aided, &lookout, left_out).ok_or(FixError::NotConverged)?;
-        snapshot.solve_again().map_err(FixError::Snapshot)?;
-        if is_within(snapshot, CONVERGED_M) {
-            return Ok(lookout);
+        let solved = solve_about(&lookout)?;
+        if is_within(correction(&solved), CONVERGED_M) {
+            return Ok((lookout, solved));
         }
-        point = lookout.beside(&snapshot.correction());
+        point = lookout.beside(correction(&solved));
         // Also the way out for a position that is not a number.
         if !(point.radius_m() < MAX_RADIUS_M) {
             return Err(FixError::NotConverged);
@@ -231,33 +226,50 @@ fn converge<T: Real, const N: usize>(
     Err(FixError::NotConverged)
 }
 
+/// The equations about another point, without the rows of a set.
+fn rewrite<T: Real>(
+    snapshot: &mut Snapshot<'_, T>,
+    aided: &Aided<'_>,
+    lookout: &Lookout<T>,
+    left_out: u64,
+) -> Result<(), SnapshotError> {
+    snapshot.rewrite(|references, put| {
+        let mut set = left_out;
+        write(references, aided, lookout, &mut |mut row| {
+            if set & 1 != 0 {
+                row.leave_out();
+            }
+            set >>= 1;
+            put(row)
+        })
+    })
+}
+
 /// The equations of an epoch about a point: row `i` is observation `i`, aiding rows follow.
 ///
 /// `None` where a row cannot be formed, as at a point that coincides with a satellite: rows never move up.
-fn linearise<T: Real, const N: usize>(
-    linear: &mut LinearEpoch<T, N>,
-    aided: &Aided<'_, N>,
+fn write<T: Real>(
+    references: &mut References<T>,
+    aided: &Aided<'_>,
     lookout: &Lookout<T>,
-    left_out: u64,
+    put: &mut dyn FnMut(Row<T>) -> Option<()>,
 ) -> Option<()> {
-    linear.clear();
-    for observation in aided.epoch().observations() {
+    for observation in aided.observations() {
         let sight = lookout.sight(observation.position);
         let constellation = observation.satellite.constellation();
-        linear.sighted(constellation, &sight, observation.range_m, aided.sigma_m(observation)).ok()?;
+        let sigma_m = aided.sigma_m(observation);
+        put(references.sighted(constellation, &sight, observation.range_m, sigma_m).ok()?)?;
     }
     for aiding in aided.aiding() {
-        match *aiding {
+        let row = match *aiding {
             Aiding::Clock { constellation, value_m, sigma_m } => {
-                linear.clock(constellation, value_m, sigma_m).ok()?;
+                references.clock(constellation, value_m, sigma_m)
             }
             Aiding::Height { value_m, sigma_m } => {
-                linear.height(value_m - LocalFrame::at(lookout.point()).height_m(), sigma_m).ok()?;
+                Row::height(value_m - LocalFrame::at(lookout.point()).height_m(), sigma_m)
             }
-        }
-    }
-    if left_out != 0 {
-        (0..N).filter(|&index| left_out & bit(index) != 0).for_each(|index| linear.leave_out(index));
+        };
+        put(row.ok()?)?;
     }
     Some(())
 }

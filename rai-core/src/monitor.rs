@@ -27,7 +27,7 @@ use heapless::{Deque, Vec};
 
 use crate::clock::{Clocks, SolvedClocks};
 use crate::continuity::{Continuity, ContinuityError, ContinuitySettings};
-use crate::epoch::{Aided, Epoch};
+use crate::epoch::{Aided, Epoch, EpochView};
 use crate::fix::{Fix, FixError};
 use crate::frame::Ecef;
 use crate::integrity::residuals::exclusion::{Outcome, Unidentified};
@@ -39,7 +39,7 @@ use crate::integrity::{Alone, Criteria, Judgement, judge};
 use crate::numeric::real::Real;
 use crate::report::{Alert, Protected, ProtectionLevels, Report, Separation, Unavailable, Verdict};
 use crate::requirements::{Requirements, RequirementsError};
-use crate::snapshot::{Snapshot, SnapshotError};
+use crate::snapshot::{SnapshotError, Workspace};
 use crate::weighting::Ism;
 use crate::weighting::adaptation::{Adaptation, Residuals};
 
@@ -101,6 +101,26 @@ impl Strategy {
     };
 }
 
+/// Room that judging takes. Nothing in it is remembered but the subsets of the satellites, which [`Method::Ransac`] keeps from
+/// epoch to epoch.
+#[derive(Clone, Debug, Default)]
+pub struct Memory<T: Real, const N: usize> {
+    workspace: Workspace<T, N>,
+    subsets: Subsets,
+}
+
+impl<T: Real, const N: usize> Memory<T, N> {
+    /// Of no epoch yet.
+    pub fn new() -> Self {
+        Self { workspace: Workspace::new(), subsets: Subsets::new() }
+    }
+
+    /// The room for equations, while nothing is judged.
+    pub fn workspace(&mut self) -> &mut Workspace<T, N> {
+        &mut self.workspace
+    }
+}
+
 /// What is said of an epoch, and what it teaches.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Assessment<const N: usize> {
@@ -135,7 +155,7 @@ pub struct Monitor<T: Real, const N: usize> {
     ism: Ism,
     clocks: Clocks<T>,
     adaptation: Adaptation,
-    subsets: Subsets<N>,
+    subsets: Subsets,
     start: Ecef,
     ratios: Deque<f32, SIGMA_CHECK_WINDOW>,
     continuity: Continuity,
@@ -241,16 +261,17 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     /// Judges one epoch about [`Self::start`] and learns from it.
     pub fn process(&mut self, epoch: &Epoch<N>) -> Report<N> {
         // Taken out while the monitor is read, and put back.
-        let mut subsets = core::mem::take(&mut self.subsets);
-        let mut assessment = self.judge(epoch, self.start, Search::Anew, &mut subsets);
-        self.subsets = subsets;
+        let subsets = core::mem::take(&mut self.subsets);
+        let mut memory = Memory { workspace: Workspace::new(), subsets };
+        let mut assessment = self.judge(epoch, self.start, Search::Anew, &mut memory);
+        self.subsets = memory.subsets;
         self.learn(&mut assessment, None);
         assessment.report
     }
 
     /// Judges one epoch whose position is near `start`; with clock aiding, with the forecast of a receiver clock beside it.
     ///
-    /// Changes nothing but `subsets`, which [`Method::Ransac`] keeps from epoch to epoch. Whoever corrects ranges about the
+    /// Changes nothing but `memory`, which who has little stack keeps elsewhere. Whoever corrects ranges about the
     /// position may judge about better and better points, and learns once, from the last.
     #[inline(never)]
     pub fn judge(
@@ -258,17 +279,17 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         epoch: &Epoch<N>,
         start: Ecef,
         search: Search<'_>,
-        subsets: &mut Subsets<N>,
+        memory: &mut Memory<T, N>,
     ) -> Assessment<N> {
         let is_aided = self.strategy.clock_aid && self.strategy.method.takes_a_forecast();
-        let forecast = self.clocks.aiding(epoch).filter(|_| is_aided);
+        let forecast = self.clocks.aiding(&epoch.view()).filter(|_| is_aided);
         let scale = self.strategy.sigma_adapt.then(|| self.adaptation.scale(epoch.time_s()));
-        let mut workspace = Snapshot::unsolved();
-        match Fix::about(&mut workspace, Aided::by(epoch, forecast).scaled(scale), start) {
+        let Memory { workspace, subsets } = memory;
+        match Fix::about(workspace, Aided::by(epoch, forecast).scaled(scale), start) {
             Ok(mut fix) => {
                 let clock_row = fix.clock_row();
-                let judgement = judge(&mut fix, epoch, clock_row, &self.criteria(), search, subsets);
-                self.assess(&fix, epoch, &judgement)
+                let judgement = judge(&mut fix, &epoch.view(), clock_row, &self.criteria(), search, subsets);
+                self.assess(&fix, &epoch.view(), &judgement)
             }
             Err(error) => self.without_position(error, epoch),
         }
@@ -331,7 +352,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
 
     /// Makes of what was found what is said and what is learned.
     #[inline(never)]
-    fn assess(&self, fix: &Fix<'_, T, N>, epoch: &Epoch<N>, judgement: &Judgement<T>) -> Assessment<N> {
+    fn assess(&self, fix: &Fix<'_, T>, epoch: &EpochView<'_>, judgement: &Judgement<T>) -> Assessment<N> {
         let excluded = suspects(judgement, fix, epoch);
         let verdict = self.verdict(judgement, excluded.is_empty());
         let passed = !matches!(judgement.outcome, Outcome::NotIsolated(_));

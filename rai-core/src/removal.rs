@@ -41,7 +41,7 @@ use heapless::Vec;
 use nalgebra::{Matrix3, Vector3};
 
 use crate::bounded::gather;
-use crate::equations::Row;
+use crate::equations::{MAX_ROWS, Row};
 use crate::numeric::real::Real;
 use crate::report::MAX_EXCLUDED;
 use crate::satellite::Constellation;
@@ -68,7 +68,7 @@ pub struct NormalisedRow<T: Real> {
 }
 
 impl<T: Real> NormalisedRow<T> {
-    fn new<const N: usize>(index: usize, row: &Row<T>, fit: &Fit<T>, snapshot: &Snapshot<T, N>) -> Self {
+    fn new(index: usize, row: &Row<T>, fit: &Fit<T>, snapshot: &Snapshot<'_, T>) -> Self {
         let root = row.sigma.recip();
         Self {
             index,
@@ -127,7 +127,7 @@ fn squared_w_test<T: Real>(residual: T, redundancy: T) -> T {
 /// The rows of a snapshot that take part and can be tested, in the order of the epoch.
 ///
 /// Any other row is untestable in every set.
-pub fn testable_rows<T: Real, const N: usize>(snapshot: &Snapshot<T, N>) -> Vec<NormalisedRow<T>, N> {
+pub fn testable_rows<T: Real>(snapshot: &Snapshot<'_, T>) -> Vec<NormalisedRow<T>, MAX_ROWS> {
     let testable = snapshot
         .rows()
         .enumerate()
@@ -170,7 +170,7 @@ impl<T: Real> Removal<T> {
     }
 
     /// The set of these rows of a snapshot; `None` where it is refused, or a row is not testable or listed twice.
-    pub fn of<const N: usize>(snapshot: &Snapshot<T, N>, set: &[usize]) -> Option<Self> {
+    pub fn of(snapshot: &Snapshot<'_, T>, set: &[usize]) -> Option<Self> {
         Self::among(&testable_rows(snapshot), set)
     }
 
@@ -257,17 +257,17 @@ impl<T: Real> Removal<T> {
     }
 
     /// Degrees of freedom without the set.
-    pub fn dof<const N: usize>(&self, snapshot: &Snapshot<T, N>) -> usize {
+    pub fn dof(&self, snapshot: &Snapshot<'_, T>) -> usize {
         snapshot.dof().saturating_sub(self.rows.len())
     }
 
     /// Correction of the position without the set, east, north, up, m.
-    pub fn correction<const N: usize>(&self, snapshot: &Snapshot<T, N>) -> Vector3<T> {
+    pub fn correction(&self, snapshot: &Snapshot<'_, T>) -> Vector3<T> {
         snapshot.correction() - self.gains() * self.solved
     }
 
     /// Covariance of that correction, m².
-    pub fn covariance<const N: usize>(&self, snapshot: &Snapshot<T, N>) -> Matrix3<T> {
+    pub fn covariance(&self, snapshot: &Snapshot<'_, T>) -> Matrix3<T> {
         let gains = self.gains();
         snapshot.covariance() + gains * self.inverse * gains.transpose()
     }

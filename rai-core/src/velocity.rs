@@ -37,7 +37,7 @@ use crate::integrity::residuals::threshold::Thresholds;
 use crate::numeric::real::Real;
 use crate::report::{MAX_EXCLUDED, ProtectionLevels, TestStatistic};
 use crate::satellite::{Constellation, SatelliteId};
-use crate::snapshot::Snapshot;
+use crate::snapshot::Workspace;
 
 /// Stands for the one drift of all systems among the clocks of a snapshot.
 const DRIFT: Constellation = Constellation::Gps;
@@ -101,21 +101,22 @@ impl core::error::Error for VelocityError {}
 /// # Errors
 /// [`VelocityError`]: there is none, or none that passes.
 pub fn estimate<T: Real, const N: usize>(
+    workspace: &mut Workspace<T, N>,
     rates: impl IntoIterator<Item = RangeRate>,
     thresholds: &Thresholds<'_>,
     factors: &Factors,
 ) -> Result<Velocity, VelocityError> {
-    let mut snapshot = Snapshot::<T, N>::unsolved();
-    let equations = snapshot.epoch_mut();
+    workspace.equations_mut().clear();
     let mut satellites = Vec::<SatelliteId, N>::new();
     for rate in rates {
-        let taken = equations.satellite(DRIFT, rate.line_of_sight, rate.residual_m_s, rate.sigma_m_s);
+        let taken =
+            workspace.equations_mut().satellite(DRIFT, rate.line_of_sight, rate.residual_m_s, rate.sigma_m_s);
         if taken.is_ok() {
             // Both hold N.
             let _ = satellites.push(rate.satellite);
         }
     }
-    snapshot.solve_again().map_err(|_| VelocityError::Geometry)?;
+    let mut snapshot = workspace.solve().map_err(|_| VelocityError::Geometry)?;
     let mut excluded = Vec::new();
     if detect(&snapshot, thresholds).ok_or(VelocityError::Redundancy)?.fault() {
         let exclusion = exclude_sequentially(&mut snapshot, thresholds);

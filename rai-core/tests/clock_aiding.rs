@@ -3,11 +3,13 @@
 
 mod noise;
 
+mod solved;
+
 use nalgebra::Vector3;
 use noise::Noise;
 use rai_core::clock::{Clocks, Forecast, HOLD_OVER_STEPS, SolvedClocks, satellites_alone};
 use rai_core::epoch::{Aiding, Epoch, Observation};
-use rai_core::equations::LinearEpoch;
+use rai_core::equations::{LinearEpoch, MAX_ROWS};
 use rai_core::frame::Ecef;
 use rai_core::integrity::residuals::baarda::{exclude_sequentially, identify};
 use rai_core::integrity::residuals::detection::detect;
@@ -17,6 +19,8 @@ use rai_core::numeric::probability::Probability;
 use rai_core::numeric::real::Real;
 use rai_core::satellite::{Constellation, SatelliteId};
 use rai_core::snapshot::Snapshot;
+
+use solved::solved;
 
 const GPS: Constellation = Constellation::Gps;
 const BEIDOU: Constellation = Constellation::Beidou;
@@ -35,7 +39,7 @@ const SKY: [(f64, f64); 8] = [
     (240.0, 40.0),
 ];
 
-type Sky<T> = Snapshot<T, 12>;
+type Sky<T> = Snapshot<'static, T>;
 
 fn thresholds() -> Thresholds<'static> {
     let probability = |tail| Probability::new(tail).expect("a tail");
@@ -86,7 +90,7 @@ impl Receiver {
         if let Some(forecast) = aid {
             epoch.clock(GPS, forecast.value_m, forecast.sigma_m).expect("a sound row");
         }
-        Snapshot::solve(epoch).expect("a usable sky")
+        solved(epoch).expect("a usable sky")
     }
 }
 
@@ -252,11 +256,11 @@ fn clock_is_learned_as_the_satellites_alone_have_it() {
 
 #[test]
 fn clock_of_four_satellites_on_the_horizon_and_one_above_is_the_mean_of_the_four() {
-    let mut epoch = LinearEpoch::<f64, 12>::new();
+    let mut epoch = LinearEpoch::<f64, MAX_ROWS>::new();
     for place in [(0.0, 0.0), (90.0, 0.0), (180.0, 0.0), (270.0, 0.0), (0.0, 90.0)] {
         epoch.satellite(GPS, direction(place), 0.0, SIGMA_M).expect("a sound row");
     }
-    let snapshot = Snapshot::solve(epoch).expect("a usable sky");
+    let snapshot = solved(epoch).expect("a usable sky");
     // Those on the horizon say nothing of the height, and the one above is all that does.
     let have = snapshot.clock_variance(GPS).expect("a clock");
     assert!((have - SIGMA_M * SIGMA_M / 4.0).abs() < 1e-12, "have {have}");
@@ -267,12 +271,12 @@ fn lone_satellite_of_a_constellation_teaches_no_clock() {
     let (mut receiver, mut clocks) = (Receiver::new(13), Clocks::<f32>::new());
     for _ in 0..20 {
         receiver.wait(1);
-        let mut epoch = LinearEpoch::<f32, 12>::new();
+        let mut epoch = LinearEpoch::<f32, MAX_ROWS>::new();
         for (index, &place) in SKY.iter().enumerate() {
             let constellation = if index == 0 { BEIDOU } else { GPS };
             epoch.satellite(constellation, direction(place), receiver.clock_m, SIGMA_M).expect("a sound row");
         }
-        clocks.learn(receiver.time_s(), &SolvedClocks::of(&Snapshot::solve(epoch).expect("a usable sky")));
+        clocks.learn(receiver.time_s(), &SolvedClocks::of(&solved(epoch).expect("a usable sky")));
     }
     let forecasts = |constellation| clocks.of(constellation).and_then(|clock| clock.forecast(21.0)).is_some();
     assert!(forecasts(GPS) && !forecasts(BEIDOU));
@@ -283,12 +287,12 @@ fn two_constellations() -> Clocks<f32> {
     let mut clocks = Clocks::new();
     for second in 1..=20 {
         let clock_m = 300.0 * f64::from(second);
-        let mut epoch = LinearEpoch::<f32, 12>::new();
+        let mut epoch = LinearEpoch::<f32, MAX_ROWS>::new();
         for (index, &place) in SKY.iter().enumerate() {
             let (constellation, sigma_m) = if index % 2 == 0 { (GPS, 1.0) } else { (BEIDOU, 10.0) };
             epoch.satellite(constellation, direction(place), clock_m, sigma_m).expect("a sound row");
         }
-        clocks.learn(f64::from(second), &SolvedClocks::of(&Snapshot::solve(epoch).expect("a usable sky")));
+        clocks.learn(f64::from(second), &SolvedClocks::of(&solved(epoch).expect("a usable sky")));
     }
     clocks
 }
@@ -308,7 +312,7 @@ fn observed(constellations: &[Constellation]) -> Epoch<12> {
 #[test]
 fn surest_clock_of_those_observed_aids_the_epoch() {
     let clocks = two_constellations();
-    let aid = |constellations: &[Constellation]| match clocks.aiding(&observed(constellations)) {
+    let aid = |constellations: &[Constellation]| match clocks.aiding(&observed(constellations).view()) {
         Some(Aiding::Clock { constellation, value_m, .. }) => {
             assert!((value_m - 6300.0).abs() < 0.01, "{value_m} m");
             Some(constellation)

@@ -1,9 +1,11 @@
 //! Isolation in parity space, on skies whose faults are known by construction.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing)]
 
+mod solved;
+
 use nalgebra::Vector3;
 use proptest::prelude::*;
-use rai_core::equations::LinearEpoch;
+use rai_core::equations::{LinearEpoch, MAX_ROWS};
 use rai_core::integrity::residuals::exclusion::{Exclusion, Outcome, Unidentified};
 use rai_core::integrity::residuals::parity::{
     Finding, Isolation, MAX_SETS, SearchLimits, correlation_threshold, exclude, grouping, hybrid,
@@ -15,7 +17,9 @@ use rai_core::numeric::real::Real;
 use rai_core::satellite::Constellation;
 use rai_core::snapshot::Snapshot;
 
-type Sky<T> = Snapshot<T, 40>;
+use solved::{copied, solved};
+
+type Sky<T> = Snapshot<'static, T>;
 
 const METHODS: [Isolation; 5] = [
     Isolation::Simultaneous,
@@ -62,7 +66,7 @@ fn sky<T: Real>(count: usize, biases_m: &[(usize, f64)]) -> Sky<T> {
         let clock = if index % 2 == 0 { Constellation::Gps } else { Constellation::Beidou };
         epoch.satellite(clock, direction(azimuth, elevation), noise_m + bias_m, 3.0).unwrap();
     }
-    Snapshot::solve(epoch).unwrap()
+    solved(epoch).unwrap()
 }
 
 fn named<T: Real>(finding: &Finding<T>) -> Result<Vec<usize>, Unidentified> {
@@ -126,7 +130,7 @@ fn nothing_detected_names_nothing() {
     }
     assert!(simultaneous(&sky, &thresholds, &limits).is_empty());
     for method in METHODS {
-        let have = exclude(method, &mut sky.clone(), &thresholds, &limits);
+        let have = exclude(method, &mut copied(&sky), &thresholds, &limits);
         assert_eq!((rows(&have), have.outcome), (vec![], Outcome::Passed));
     }
 }
@@ -162,7 +166,7 @@ fn grouping_finds_the_smallest_set_that_brute_force_finds() {
         let mut best = (f64::INFINITY, vec![]);
         for first in 0..10 {
             for second in first + 1..10 {
-                let mut rest = sky.clone();
+                let mut rest = copied(&sky);
                 rest.leave_out(first).unwrap();
                 rest.leave_out(second).unwrap();
                 if rest.sse() < best.0 {
@@ -222,7 +226,7 @@ fn without_redundancy_nothing_is_searched() {
     let sky = sky::<f64>(5, &[(2, 500.0)]);
     assert_eq!(sky.dof(), 0);
     for method in METHODS {
-        let have = exclude(method, &mut sky.clone(), &thresholds(), &SearchLimits::published());
+        let have = exclude(method, &mut copied(&sky), &thresholds(), &SearchLimits::published());
         assert_eq!(have.outcome, Outcome::NotIsolated(Unidentified::NoRedundancy), "{method:?}");
     }
 }
@@ -232,7 +236,7 @@ fn with_one_degree_of_freedom_no_row_can_be_named() {
     let sky = sky::<f64>(6, &[(2, 500.0)]);
     assert_eq!(sky.dof(), 1);
     for method in METHODS {
-        let have = exclude(method, &mut sky.clone(), &thresholds(), &SearchLimits::published());
+        let have = exclude(method, &mut copied(&sky), &thresholds(), &SearchLimits::published());
         assert_eq!(have.outcome, Outcome::NotIsolated(Unidentified::NoSet), "{method:?}");
     }
 }
@@ -250,15 +254,15 @@ fn a_budget_that_is_used_up_is_said() {
 
 #[test]
 fn the_lone_satellite_of_a_constellation_is_never_named() {
-    let mut epoch = LinearEpoch::<f64, 40>::new();
+    let mut epoch = LinearEpoch::<f64, MAX_ROWS>::new();
     for (index, (azimuth, elevation)) in DIRECTIONS.into_iter().enumerate() {
         let clock = if index == 3 { Constellation::Galileo } else { Constellation::Gps };
         let bias_m = [0.0, 0.0, 150.0, 900.0][index.min(3)] * f64::from(u8::from(index < 4));
         epoch.satellite(clock, direction(azimuth, elevation), bias_m, 3.0).unwrap();
     }
-    let sky = Snapshot::solve(epoch).unwrap();
+    let sky = solved(epoch).unwrap();
     for method in METHODS {
-        let have = exclude(method, &mut sky.clone(), &thresholds(), &SearchLimits::published());
+        let have = exclude(method, &mut copied(&sky), &thresholds(), &SearchLimits::published());
         assert_eq!((rows(&have), have.outcome), (vec![2], Outcome::Isolated), "{method:?}");
     }
 }

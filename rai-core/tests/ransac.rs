@@ -1,9 +1,11 @@
 //! Range consensus on skies whose faults are known by construction.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing)]
 
+mod solved;
+
 use nalgebra::Vector3;
 use proptest::prelude::*;
-use rai_core::equations::LinearEpoch;
+use rai_core::equations::{LinearEpoch, MAX_ROWS};
 use rai_core::integrity::residuals::exclusion::Outcome;
 use rai_core::integrity::residuals::ransac::{
     ConsensusLimits, MAX_SUBSETS, MAX_WORK, NoConsensus, Selection, consensus, exclude, refine,
@@ -12,9 +14,10 @@ use rai_core::integrity::residuals::threshold::Thresholds;
 use rai_core::numeric::probability::Probability;
 use rai_core::numeric::real::Real;
 use rai_core::satellite::Constellation;
-use rai_core::snapshot::Snapshot;
 
-type Epoch<T> = LinearEpoch<T, 40>;
+use solved::solved;
+
+type Epoch<T> = LinearEpoch<T, MAX_ROWS>;
 
 fn thresholds() -> Thresholds<'static> {
     let probability = |tail| Probability::new(tail).unwrap();
@@ -41,7 +44,7 @@ fn sky<T: Real>(count: usize, constellations: usize, biases_m: &[(usize, f64)]) 
     epoch
 }
 
-fn members(selection: &Selection<40>, subset: usize) -> Vec<usize> {
+fn members(selection: &Selection, subset: usize) -> Vec<usize> {
     (0..selection.rows()).filter(|&row| selection.contains(subset, row)).collect()
 }
 
@@ -83,7 +86,7 @@ proptest! {
         for &direction in &directions {
             epoch.satellite(Constellation::Gps, direction, 0.0, 1.0).unwrap();
         }
-        let selection = Selection::choose(&epoch, MAX_WORK);
+        let selection = Selection::choose(epoch.rows(), MAX_WORK);
         let rows = members(&selection, 0);
         let four: Vec<Vector3<f64>> = rows.iter().map(|&row| directions[row]).collect();
         let have = largest_by_brute_force(&four);
@@ -94,7 +97,7 @@ proptest! {
     #[test]
     fn subsets_share_out_all_satellites(count in 8usize..=40, constellations in 1usize..=4) {
         let epoch = sky::<f32>(count, constellations, &[]);
-        let selection = Selection::choose(&epoch, MAX_WORK);
+        let selection = Selection::choose(epoch.rows(), MAX_WORK);
         prop_assert_eq!(selection.subsets(), count / (3 + constellations));
         prop_assert!(selection.subsets() <= MAX_SUBSETS && !selection.cut());
         prop_assert!(selection.work() <= MAX_WORK);
@@ -117,8 +120,8 @@ proptest! {
         count in 5usize..=20,
     ) {
         let epoch = sky::<f32>(count, 2, &biases_m);
-        let selection = Selection::choose(&epoch, MAX_WORK);
-        let mut solution = Snapshot::solve(epoch).unwrap();
+        let selection = Selection::choose(epoch.rows(), MAX_WORK);
+        let mut solution = solved(epoch).unwrap();
         let have = exclude(&mut solution, &selection, &thresholds(), &ConsensusLimits::published().unwrap());
         let passes = thresholds().tau1(solution.dof()).is_some_and(|tau1| f64::from(solution.sse()) < tau1);
         if matches!(have.outcome, Outcome::Isolated | Outcome::Passed) {
@@ -132,8 +135,8 @@ proptest! {
 fn three_faults_among_twenty_are_named_in_both_precisions() {
     fn check<T: Real>() {
         let epoch = sky::<T>(20, 2, &[(3, 150.0), (8, -150.0), (17, 150.0)]);
-        let selection = Selection::choose(&epoch, MAX_WORK);
-        let mut solution = Snapshot::solve(epoch).unwrap();
+        let selection = Selection::choose(epoch.rows(), MAX_WORK);
+        let mut solution = solved(epoch).unwrap();
         let have = exclude(&mut solution, &selection, &thresholds(), &ConsensusLimits::published().unwrap());
         let mut rows: Vec<usize> = have.rows.iter().map(|excluded| excluded.index).collect();
         rows.sort_unstable();
@@ -148,10 +151,10 @@ fn three_faults_among_twenty_are_named_in_both_precisions() {
 fn a_fault_too_small_for_a_subset_is_found_by_the_refinement() {
     let epoch = sky::<f64>(20, 1, &[(2, 30.0)]);
     let limits = ConsensusLimits::published().unwrap();
-    let selection = Selection::choose(&epoch, MAX_WORK);
-    let snapshot = Snapshot::solve(epoch).unwrap();
-    let found = consensus(snapshot.epoch(), &selection, &limits).unwrap();
-    let have = refine(&snapshot, &selection, &found, &limits);
+    let selection = Selection::choose(epoch.rows(), MAX_WORK);
+    let snapshot = solved(epoch).unwrap();
+    let found = consensus(snapshot.equations(), &selection, &limits).unwrap();
+    let have = refine(snapshot.equations(), &selection, &found, &limits);
     assert_eq!((have.rows.to_vec(), have.passed), (vec![2], true));
 }
 
@@ -159,30 +162,30 @@ fn a_fault_too_small_for_a_subset_is_found_by_the_refinement() {
 fn too_few_satellites_fall_back_to_sequential_exclusion() {
     let epoch = sky::<f64>(9, 2, &[(4, 200.0)]);
     let limits = ConsensusLimits::published().unwrap();
-    let selection = Selection::choose(&epoch, MAX_WORK);
+    let selection = Selection::choose(epoch.rows(), MAX_WORK);
     assert_eq!(selection.subsets(), 1);
-    assert_eq!(consensus(&epoch, &selection, &limits), Err(NoConsensus::TooFewSubsets));
-    let mut solution = Snapshot::solve(epoch).unwrap();
+    assert_eq!(consensus(epoch.rows(), &selection, &limits), Err(NoConsensus::TooFewSubsets));
+    let mut solution = solved(epoch).unwrap();
     let have = exclude(&mut solution, &selection, &thresholds(), &limits);
     assert_eq!((have.rows[0].index, have.outcome), (4, Outcome::Isolated));
 }
 
 #[test]
 fn a_selection_for_other_rows_counts_as_none() {
-    let selection = Selection::choose(&sky::<f64>(20, 2, &[]), MAX_WORK);
-    let have = consensus(&sky::<f64>(19, 2, &[]), &selection, &ConsensusLimits::published().unwrap());
+    let selection = Selection::choose(sky::<f64>(20, 2, &[]).rows(), MAX_WORK);
+    let have = consensus(sky::<f64>(19, 2, &[]).rows(), &selection, &ConsensusLimits::published().unwrap());
     assert_eq!(have, Err(NoConsensus::TooFewSubsets));
 }
 
 #[test]
 fn work_that_is_used_up_is_said() {
     let epoch = sky::<f64>(20, 1, &[]);
-    let enough = Selection::choose(&epoch, MAX_WORK);
-    let have = Selection::choose(&epoch, enough.work() / 2);
+    let enough = Selection::choose(epoch.rows(), MAX_WORK);
+    let have = Selection::choose(epoch.rows(), enough.work() / 2);
     assert!(have.cut() && !enough.cut());
     assert!(have.subsets() < enough.subsets() && have.work() <= enough.work() / 2);
-    assert!(Selection::choose(&epoch, 0).cut());
-    assert!(!Selection::choose(&epoch, enough.work()).cut());
+    assert!(Selection::choose(epoch.rows(), 0).cut());
+    assert!(!Selection::choose(epoch.rows(), enough.work()).cut());
 }
 
 #[test]
@@ -190,7 +193,7 @@ fn aiding_rows_are_in_no_subset() {
     let mut epoch = sky::<f64>(12, 1, &[]);
     epoch.clock(Constellation::Gps, 0.5, 3.0).unwrap();
     epoch.height(0.2, 3.0).unwrap();
-    let selection = Selection::choose(&epoch, MAX_WORK);
+    let selection = Selection::choose(epoch.rows(), MAX_WORK);
     assert_eq!((selection.subsets(), selection.rows()), (3, 14));
     for subset in 0..3 {
         assert_eq!(members(&selection, subset).len(), 4);

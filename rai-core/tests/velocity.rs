@@ -6,6 +6,7 @@ use rai_core::integrity::residuals::levels::Factors;
 use rai_core::integrity::residuals::threshold::Thresholds;
 use rai_core::numeric::probability::Probability;
 use rai_core::satellite::{Constellation, SatelliteId};
+use rai_core::snapshot::Workspace;
 use rai_core::velocity::{RangeRate, Velocity, VelocityError, estimate};
 
 /// Ten satellites all around: azimuth and elevation in degrees.
@@ -56,7 +57,7 @@ fn rates(count: usize) -> Vec<RangeRate> {
 }
 
 fn solve(rates: Vec<RangeRate>) -> Result<Velocity, VelocityError> {
-    estimate::<f32, 48>(rates, &thresholds(), &factors())
+    estimate(&mut Workspace::<f32, 48>::new(), rates, &thresholds(), &factors())
 }
 
 #[track_caller]
@@ -88,7 +89,8 @@ fn it_is_the_least_squares_of_the_textbook() {
     }
     let covariance = normal.try_inverse().expect("regular");
     let want = covariance * right;
-    let have = estimate::<f64, 48>(rates, &thresholds(), &factors()).expect("a velocity");
+    let have =
+        estimate(&mut Workspace::<f64, 48>::new(), rates, &thresholds(), &factors()).expect("a velocity");
     for (index, have) in have.east_north_up_m_s.iter().enumerate() {
         assert!((have - want[index]).abs() < 1e-9, "have {have}, want {}", want[index]);
     }

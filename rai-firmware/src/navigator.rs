@@ -10,7 +10,7 @@ use rai_core::monitor::{Method, MonitorError, Search};
 use rai_core::report::{MAX_EXCLUDED, Report, Unavailable, Verdict};
 use rai_core::requirements::Requirements;
 use rai_core::satellite::SatelliteId;
-use rai_core::single::{self, Assessment, Monitor, Subsets};
+use rai_core::single::{self, Assessment, Memory, Monitor, Workspace};
 use rai_core::velocity::Velocity;
 
 use crate::config::{Configuration, Frequencies};
@@ -40,8 +40,8 @@ const MAX_SEARCHES: usize = 2;
 pub struct Navigator {
     store: Store,
     monitor: Monitor,
-    /// Kept from epoch to epoch for range consensus.
-    subsets: Subsets,
+    /// Room that judging takes, and so not the stack's.
+    memory: Memory,
     tally: Tally,
     preference: Preference,
     rates: Rates,
@@ -59,7 +59,7 @@ impl Navigator {
         Ok(Self {
             store: Store::new(),
             monitor: Monitor::new(requirements)?,
-            subsets: Subsets::new(),
+            memory: Memory::new(),
             tally: Tally::default(),
             preference: Preference::new(),
             rates: Rates::new(),
@@ -150,7 +150,7 @@ impl Navigator {
         let without_orbit = self.tally.ephemerides.without_orbit().saturating_sub(refused.without_orbit());
         let mut guess = self.monitor.start();
         if is_unknown(guess) {
-            guess = coarse_position(&sky, raw.time);
+            guess = coarse_position(self.memory.workspace(), &sky, raw.time);
         }
         let ranges = self.ranges(guess, &sky, raw.time, configuration);
         let before = self.tally.ranges;
@@ -172,14 +172,15 @@ impl Navigator {
                 });
             }
             let search = if settled { Search::Known(&known) } else { Search::Anew };
-            guess = found.unwrap_or_else(|| coarse_position(&sky, raw.time));
+            guess = found.unwrap_or_else(|| coarse_position(self.memory.workspace(), &sky, raw.time));
             // What was refused about the poorer point does not count.
             self.tally.ranges = before;
             assessment = self.judge_about(guess, &sky, raw.time, ranges, configuration, search);
         }
         self.monitor.learn(&mut assessment, Some(came_ms as f64 * 1e-3));
         let place = assessment.report.solution.as_ref().map(|solution| solution.position);
-        self.velocity = self.rates.velocity(raw, &sky, place, self.monitor.requirements());
+        self.velocity =
+            self.rates.velocity(raw, &sky, place, self.monitor.requirements(), self.memory.workspace());
         let mut report = assessment.report;
         let implausible = self.tally.ranges.range_implausible != before.range_implausible;
         if report.solution.is_none() && implausible {
@@ -231,7 +232,7 @@ impl Navigator {
         let site =
             Site::new(point, time, configuration.mask_rad, coefficients).with_ranges(ranges).weighted_by(ism);
         let epoch = site.correct(sky, &mut self.tally.ranges);
-        single::judge(&self.monitor, &epoch, point, search, &mut self.subsets)
+        single::judge(&self.monitor, &epoch, point, search, &mut self.memory)
     }
 }
 
@@ -244,6 +245,7 @@ fn is_unknown(point: Ecef) -> bool {
 }
 
 /// Roughly where a receiver is that sees this sky; the centre of the earth if that cannot be told.
-fn coarse_position(sky: &Sky, time: GpsTime) -> Ecef {
-    single::position(&coarse(sky, time), Ecef::CENTRE).unwrap_or(Ecef::CENTRE)
+#[inline(never)]
+fn coarse_position(workspace: &mut Workspace, sky: &Sky, time: GpsTime) -> Ecef {
+    single::position(workspace, &coarse(sky, time), Ecef::CENTRE).unwrap_or(Ecef::CENTRE)
 }

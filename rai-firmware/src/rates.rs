@@ -30,7 +30,7 @@ use rai_core::integrity::residuals::levels::Factors;
 use rai_core::integrity::residuals::threshold::Thresholds;
 use rai_core::requirements::Requirements;
 use rai_core::satellite::SatelliteId;
-use rai_core::single;
+use rai_core::single::{self, Workspace};
 use rai_core::velocity::{RangeRate, Velocity, VelocityError};
 
 use crate::correction::{CAPACITY, Located, Sky};
@@ -136,6 +136,7 @@ impl Rates {
         sky: &Sky,
         place: Option<Ecef>,
         requirements: &Requirements,
+        workspace: &mut Workspace,
     ) -> Option<Velocity> {
         let before = self.time.replace(raw.time);
         let elapsed_ms = before.map_or(0, |before| raw.time.since_ms(before));
@@ -144,7 +145,7 @@ impl Rates {
         self.last.clear();
         // Both hold as many.
         self.last.extend(sky.iter().filter_map(Seen::of).take(CAPACITY));
-        self.judge(&measured?, requirements)
+        self.judge(&measured?, requirements, workspace)
     }
 
     /// The rates of an epoch, each less what the satellite makes of it.
@@ -164,12 +165,19 @@ impl Rates {
         rates.take(CAPACITY).collect()
     }
 
-    fn judge(&mut self, rates: &[Measured], requirements: &Requirements) -> Option<Velocity> {
+    fn judge(
+        &mut self,
+        rates: &[Measured],
+        requirements: &Requirements,
+        workspace: &mut Workspace,
+    ) -> Option<Velocity> {
         let thresholds =
             Thresholds::from_tables(requirements.false_alarm, requirements.missed_detection).ok()?;
         let factors = self.factors_of(requirements);
-        let agree_on =
-            |sign| single::velocity(&mut rates.iter().map(|rate| rate.equation(sign)), &thresholds, &factors);
+        let mut agree_on = |sign| {
+            let equations = &mut rates.iter().map(|rate| rate.equation(sign));
+            single::velocity(workspace, equations, &thresholds, &factors)
+        };
         match agree_on(1.0) {
             Ok(velocity) => {
                 count(&mut self.tally.velocities);

@@ -19,13 +19,12 @@
 //! [Yang2015]: crate#references
 
 use nalgebra::Vector3;
-use rai_core::equations::LinearEpoch;
 use rai_core::frame::{Ecef, LocalFrame};
 use rai_core::integrity::residuals::threshold::Thresholds;
 use rai_core::numeric::probability::Probability;
 use rai_core::numeric::real::Real;
 use rai_core::satellite::Constellation;
-use rai_core::single::{self, CAPACITY};
+use rai_core::single::{self, Workspace};
 
 use crate::input;
 
@@ -87,14 +86,14 @@ fn table_is_right() -> bool {
 fn solve_is_right() -> bool {
     let directions = [(0.8, 0.0, 0.6), (-0.8, 0.0, 0.6), (0.0, 0.8, 0.6), (0.0, -0.8, 0.6), (0.0, 0.0, 1.0)];
     let residuals_m = [1.0, 1.0, -1.0, -1.0, 0.0];
-    let mut epoch = LinearEpoch::<f32, CAPACITY>::new();
+    let mut workspace = Workspace::new();
     for ((east, north, up), residual_m) in directions.into_iter().zip(residuals_m) {
         let direction = Vector3::new(east, north, up);
-        if epoch.satellite(Constellation::Gps, direction, residual_m, 1.0).is_err() {
+        if workspace.equations_mut().satellite(Constellation::Gps, direction, residual_m, 1.0).is_err() {
             return false;
         }
     }
-    let Ok(snapshot) = single::solve(epoch) else { return false };
+    let Ok(snapshot) = single::solve(&mut workspace) else { return false };
     let still = snapshot.correction().iter().all(|component| is_close(component.widen(), 0.0, 1e-5));
     let quarters = snapshot.rows().take(4).all(|(_, fit)| is_close(fit.redundancy.widen(), 0.25, 1e-5));
     still && quarters && snapshot.dof() == 1 && is_close(snapshot.sse().widen(), 4.0, 1e-4)

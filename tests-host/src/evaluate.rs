@@ -313,9 +313,9 @@ fn parts<T: Real>(
     limits: &ConsensusLimits<'_>,
 ) -> Result<Out, String> {
     let lsr = lsr::evaluate::<T>(line, thresholds)?;
-    let Some(snapshot) = lsr::snapshot::<T>(line).filter(|snapshot| snapshot.dof() > 0) else {
-        return Ok(lsr.into());
-    };
+    let mut workspace = lsr::workspace::<T>(line);
+    let snapshot = workspace.as_mut().and_then(|workspace| workspace.solve().ok());
+    let Some(snapshot) = snapshot.filter(|snapshot| snapshot.dof() > 0) else { return Ok(lsr.into()) };
     Ok(Out {
         lsr,
         bound: Some(Bound::of(line, &snapshot, thresholds)?),

@@ -11,7 +11,7 @@ use nalgebra::Vector3;
 use rai_core::equations::LinearEpoch;
 use rai_core::integrity::separation::{Allocation, Outcome, Prior, Priors, ROWS, judge};
 use rai_core::satellite::Constellation;
-use rai_core::snapshot::Snapshot;
+use rai_core::snapshot::Workspace;
 use serde_json::Value;
 use tests_host::evaluate::{self, Part, Scalar};
 use tests_host::shared;
@@ -178,7 +178,8 @@ fn a_published_run_agrees_within_its_bisection() {
         fault: number(&run["p_sat"]),
     };
     let constellations = [0, 1, 2, 3].map(|id| run["p_const"].get(id.to_string()).map_or(0.0, number));
-    let mut snapshot = Snapshot::solve(epoch).expect("a position");
+    let mut workspace = Workspace::of(epoch);
+    let mut snapshot = workspace.solve().expect("a position");
     let priors = Priors { satellites: &vec![prior; sights.len()], constellations };
     let judged = judge(&mut snapshot, &priors, &allocation).expect("a judgement");
     let (found, published) = (judged.whole, &run["published"]);

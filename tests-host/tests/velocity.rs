@@ -3,6 +3,7 @@
 use rai_core::frame::{Enu, SPEED_OF_LIGHT_M_S};
 use rai_core::requirements::Requirements;
 use rai_core::satellite::SatelliteId;
+use rai_core::single::Workspace;
 use rai_core::velocity::Velocity;
 use rai_firmware::config::Systems;
 use rai_firmware::correction::{Tally, locate};
@@ -67,7 +68,7 @@ impl Heard {
 
     /// Velocities of all epochs, with rates that `spoil` may change.
     fn velocities(&self, velocity: Enu, spoil: impl Fn(SatelliteId, f64) -> f64) -> (Vec<Velocity>, Rates) {
-        let mut rates = Rates::new();
+        let (mut rates, mut workspace) = (Rates::new(), Workspace::new());
         let mut found = Vec::new();
         for raw in &self.epochs {
             let mut raw = raw.clone();
@@ -83,7 +84,7 @@ impl Heard {
             let sky = locate(&raw, &self.store, 0.0, Systems::AT_START, &mut Tally::default());
             let place = Some(self.simulation.site.position);
             let required = Requirements::non_precision_approach();
-            found.extend(rates.velocity(&raw, &sky, place, &required));
+            found.extend(rates.velocity(&raw, &sky, place, &required, &mut workspace));
         }
         (found, rates)
     }

@@ -23,7 +23,7 @@
 use nalgebra::Vector3;
 
 use super::{CoastingClock, WINDOW};
-use crate::epoch::{Aiding, Epoch};
+use crate::epoch::{Aiding, EpochView};
 use crate::equations::Row;
 use crate::numeric::real::Real;
 use crate::satellite::Constellation;
@@ -79,7 +79,7 @@ impl<T: Real, const L: usize> Clocks<T, L> {
     ///
     /// None reaches farther than [`HOLD_OVER_S`] beyond what was learned last: what vouches for itself ends by itself.
     #[inline(never)]
-    pub fn aiding<const N: usize>(&self, epoch: &Epoch<N>) -> Option<Aiding> {
+    pub fn aiding(&self, epoch: &EpochView<'_>) -> Option<Aiding> {
         let observed = |constellation: &Constellation| {
             epoch
                 .observations()
@@ -129,7 +129,7 @@ struct ClockOfEpoch {
 impl SolvedClocks {
     /// Reads the clocks of a snapshot.
     #[inline(never)]
-    pub fn of<T: Real, const N: usize>(snapshot: &Snapshot<T, N>) -> Self {
+    pub fn of<T: Real>(snapshot: &Snapshot<'_, T>) -> Self {
         Self {
             each: Constellation::ALL.map(|constellation| ClockOfEpoch {
                 has_jumped: aiding_row(snapshot, constellation).is_some_and(|(row, _)| left_out(row)),
@@ -141,8 +141,8 @@ impl SolvedClocks {
 
 /// A constellation's receiver clock without its forecast; `None` where fewer than two of its satellites, or the
 /// satellites alone, do not determine it.
-pub fn satellites_alone<T: Real, const N: usize>(
-    snapshot: &Snapshot<T, N>,
+pub fn satellites_alone<T: Real>(
+    snapshot: &Snapshot<'_, T>,
     constellation: Constellation,
 ) -> Option<SolvedClock> {
     let belongs = |row: &Row<T>| row.clock == Some(constellation) && !is_forecast(row) && !left_out(row);
@@ -164,10 +164,10 @@ pub fn satellites_alone<T: Real, const N: usize>(
     Some(SolvedClock { value_m, sigma_m: variance.sqrt().widen() })
 }
 
-fn aiding_row<T: Real, const N: usize>(
-    snapshot: &Snapshot<T, N>,
+fn aiding_row<'s, T: Real>(
+    snapshot: &'s Snapshot<'_, T>,
     constellation: Constellation,
-) -> Option<(&Row<T>, &Fit<T>)> {
+) -> Option<(&'s Row<T>, &'s Fit<T>)> {
     snapshot.rows().find(|(row, _)| row.clock == Some(constellation) && is_forecast(row))
 }
 

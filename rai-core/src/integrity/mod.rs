@@ -16,7 +16,7 @@ pub mod separation;
 use heapless::Vec;
 
 use crate::bounded::gather;
-use crate::epoch::Epoch;
+use crate::epoch::EpochView;
 use crate::numeric::real::Real;
 use crate::report::{MAX_EXCLUDED, ProtectionLevels, Separation};
 use crate::requirements::Requirements;
@@ -152,9 +152,9 @@ impl Criteria<'_> {
     ///
     /// # Errors
     /// [`NoThreshold`] says why there is none.
-    pub fn test<T: Real, const N: usize>(
+    pub fn test<T: Real>(
         &self,
-        snapshot: &Snapshot<T, N>,
+        snapshot: &Snapshot<'_, T>,
         common_m: &[f32],
     ) -> Result<Test<T>, NoThreshold> {
         let exposure = Exposure::of(snapshot, self.levels, self.factors);
@@ -170,13 +170,13 @@ impl Criteria<'_> {
 /// Tests a solution, looks for what is wrong and leaves it out.
 ///
 /// `forecast` is the row of a predicted clock, if there is one. `solution` ends as the solution without the rows listed.
-pub fn judge<T: Real, const N: usize>(
-    solution: &mut (impl Reducible<T, N> + Removable<T>),
-    epoch: &Epoch<N>,
+pub fn judge<T: Real>(
+    solution: &mut (impl Reducible<T> + Removable<T>),
+    epoch: &EpochView<'_>,
     forecast: Option<usize>,
     criteria: &Criteria<'_>,
     search: Search<'_>,
-    subsets: &mut ransac::Subsets<N>,
+    subsets: &mut ransac::Subsets,
 ) -> Judgement<T> {
     #[cfg(feature = "araim")]
     if criteria.method == Method::Separation {
@@ -216,10 +216,10 @@ pub fn judge<T: Real, const N: usize>(
 }
 
 /// The test of a solution without its forecast, which ends as it began.
-fn without_forecast<T: Real, const N: usize>(
-    solution: &mut impl Reducible<T, N>,
+fn without_forecast<T: Real>(
+    solution: &mut impl Reducible<T>,
     row: usize,
-    epoch: &Epoch<N>,
+    epoch: &EpochView<'_>,
     criteria: &Criteria<'_>,
 ) -> Alone<T> {
     let takes_part = solution.snapshot().row(row).is_some_and(|(row, _)| row.weight > T::zero());
@@ -240,12 +240,12 @@ fn without_forecast<T: Real, const N: usize>(
 /// A function of its own, as are the ways that it branches into: what one search needs of the stack would else be taken
 /// by every epoch, and beside what the others need.
 #[inline(never)]
-fn isolate<T: Real, const N: usize>(
-    solution: &mut impl Reducible<T, N>,
-    epoch: &Epoch<N>,
+fn isolate<T: Real>(
+    solution: &mut impl Reducible<T>,
+    epoch: &EpochView<'_>,
     criteria: &Criteria<'_>,
     search: Search<'_>,
-    #[cfg_attr(not(feature = "searches"), expect(unused_variables))] subsets: &mut ransac::Subsets<N>,
+    #[cfg_attr(not(feature = "searches"), expect(unused_variables))] subsets: &mut ransac::Subsets,
 ) -> Exclusion<T> {
     let thresholds = &criteria.thresholds;
     if let Search::Known(satellites) = search {
@@ -270,8 +270,8 @@ fn isolate<T: Real, const N: usize>(
 }
 
 /// By every set, as far as sets can be told apart at all, or by the largest w-test where these are too many.
-fn isolate_within_budget<T: Real, const N: usize>(
-    solution: &mut impl Reducible<T, N>,
+fn isolate_within_budget<T: Real>(
+    solution: &mut impl Reducible<T>,
     thresholds: &Thresholds<'_>,
 ) -> Exclusion<T> {
     let rows = (solution.snapshot().dof() / 2).min(MAX_EXCLUDED);
@@ -292,8 +292,8 @@ fn isolate_within_budget<T: Real, const N: usize>(
 ///
 /// Asked before any method is: a jump of a millisecond shows in every satellite's test, and methods that leave out
 /// whoever correlates with the worst would leave out healthy ones with it.
-fn jump<T: Real, const N: usize>(
-    solution: &mut impl Reducible<T, N>,
+fn jump<T: Real>(
+    solution: &mut impl Reducible<T>,
     row: usize,
     thresholds: &Thresholds<'_>,
 ) -> Option<Exclusion<T>> {

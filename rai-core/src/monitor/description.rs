@@ -3,7 +3,7 @@
 use heapless::Vec;
 
 use crate::bounded::gather;
-use crate::epoch::Epoch;
+use crate::epoch::EpochView;
 use crate::fix::Fix;
 use crate::frame::LocalFrame;
 use crate::integrity::residuals::baarda;
@@ -15,7 +15,7 @@ use crate::snapshot::Snapshot;
 use crate::weighting::adaptation::Residuals;
 
 /// The residuals of the satellites used, by the sigmas that they came with.
-pub(super) fn residuals<T: Real, const N: usize>(snapshot: &Snapshot<T, N>, epoch: &Epoch<N>) -> Residuals {
+pub(super) fn residuals<T: Real>(snapshot: &Snapshot<'_, T>, epoch: &EpochView<'_>) -> Residuals {
     let takes_part = |weight: T| weight > T::zero();
     let used = snapshot.rows().zip(epoch.observations()).filter(|((row, _), _)| takes_part(row.weight));
     let sse = used.fold(0.0, |sum, ((_, fit), observation)| {
@@ -31,10 +31,10 @@ pub(super) fn residuals<T: Real, const N: usize>(snapshot: &Snapshot<T, N>, epoc
 ///
 /// A left-out row's residual is that of a prediction: it is the bias. An aiding row that was left out names no
 /// satellite and is not listed.
-pub(super) fn suspects<T: Real, const N: usize>(
+pub(super) fn suspects<T: Real>(
     judgement: &Judgement<T>,
-    fix: &Fix<'_, T, N>,
-    epoch: &Epoch<N>,
+    fix: &Fix<'_, T>,
+    epoch: &EpochView<'_>,
 ) -> Vec<Suspect, MAX_EXCLUDED> {
     let listed = judgement.excluded.iter().filter_map(|excluded| {
         let observation = epoch.observations().get(excluded.index)?;
@@ -53,8 +53,8 @@ pub(super) fn suspects<T: Real, const N: usize>(
 /// The report on a position: the verdict, and what is known about the satellites.
 #[inline(never)]
 pub(super) fn describe<T: Real, const N: usize>(
-    fix: &Fix<'_, T, N>,
-    epoch: &Epoch<N>,
+    fix: &Fix<'_, T>,
+    epoch: &EpochView<'_>,
     verdict: Verdict,
     judgement: &Judgement<T>,
     excluded: Vec<Suspect, MAX_EXCLUDED>,
@@ -93,7 +93,7 @@ fn statistic<T: Real>(test: &Test<T>, separation: Option<&Separation>) -> TestSt
     }
 }
 
-fn suspect<T: Real, const N: usize>(snapshot: &Snapshot<T, N>, epoch: &Epoch<N>) -> Option<Suspect> {
+fn suspect<T: Real>(snapshot: &Snapshot<'_, T>, epoch: &EpochView<'_>) -> Option<Suspect> {
     let (index, _, _) = baarda::worst_two(snapshot)?;
     let observation = epoch.observations().get(index)?;
     let (row, fit) = snapshot.row(index)?;
@@ -108,7 +108,7 @@ fn suspect<T: Real, const N: usize>(snapshot: &Snapshot<T, N>, epoch: &Epoch<N>)
     })
 }
 
-fn solution<T: Real, const N: usize>(fix: &Fix<'_, T, N>) -> Solution {
+fn solution<T: Real>(fix: &Fix<'_, T>) -> Solution {
     let snapshot = fix.snapshot();
     let position = fix.position();
     let covariance = snapshot.covariance();

@@ -2,16 +2,17 @@
 
 use nalgebra::{DVector, Matrix4, Vector3, Vector4};
 use proptest::prelude::*;
-use rai_core::equations::LinearEpoch;
+use rai_core::equations::{LinearEpoch, MAX_ROWS};
 use rai_core::integrity::residuals::ransac::{
     ConsensusLimits, MAX_WORK, NoConsensus, Selection, consensus, refine,
 };
 use rai_core::satellite::Constellation;
-use rai_core::snapshot::Snapshot;
+
+use crate::solved::solved;
 
 use super::oracle::{self, Dense, Range};
 
-type Epoch = LinearEpoch<f64, 40>;
+type Epoch = LinearEpoch<f64, MAX_ROWS>;
 
 fn epoch(ranges: &[Range]) -> Epoch {
     let mut epoch = Epoch::new();
@@ -183,7 +184,7 @@ fn is_close(ranges: &[Range], subsets: &[Vec<usize>], bound: f64) -> bool {
     all.into_iter().any(|(_, z)| (z / bound - 1.0).abs() < 1e-6)
 }
 
-fn members(selection: &Selection<40>) -> Vec<Vec<usize>> {
+fn members(selection: &Selection) -> Vec<Vec<usize>> {
     let of_subset = |subset| (0..selection.rows()).filter(|&row| selection.contains(subset, row)).collect();
     (0..selection.subsets()).map(of_subset).collect()
 }
@@ -198,13 +199,13 @@ fn sorted(mut subsets: Vec<Vec<usize>>) -> Vec<Vec<usize>> {
 /// Holds the vote on an epoch to that of dense solutions; false where it has too few subsets or rounding may decide.
 fn check_vote(ranges: &[Range]) -> bool {
     let (epoch, limits) = (epoch(ranges), ConsensusLimits::published().unwrap());
-    let selection = Selection::choose(&epoch, MAX_WORK);
+    let selection = Selection::choose(epoch.rows(), MAX_WORK);
     let bound = limits.consensus.w_test(ranges.len()).unwrap().powi(2);
     let subsets = members(&selection);
     if subsets.len() < 2 || is_close(ranges, &subsets, bound) {
         return false;
     }
-    let have = consensus(&epoch, &selection, &limits).map(|found| (found.subset, found.rows.to_vec()));
+    let have = consensus(epoch.rows(), &selection, &limits).map(|found| (found.subset, found.rows.to_vec()));
     assert_eq!(have, vote(ranges, &subsets, bound).ok_or(NoConsensus::NoInlier));
     true
 }
@@ -214,7 +215,7 @@ proptest! {
 
     #[test]
     fn satellites_are_dealt_as_by_trying_all(ranges in prop::collection::vec(any_range(), 5..22)) {
-        let selection = Selection::choose(&epoch(&ranges), MAX_WORK);
+        let selection = Selection::choose(epoch(&ranges).rows(), MAX_WORK);
         prop_assert_eq!(members(&selection), sorted(deal(&ranges)));
     }
 
@@ -227,7 +228,7 @@ proptest! {
         kept.remove(left_out);
         let mut epoch = epoch(&ranges);
         epoch.leave_out(left_out);
-        let have = members(&Selection::choose(&epoch, MAX_WORK));
+        let have = members(&Selection::choose(epoch.rows(), MAX_WORK));
         let shifted = |index: usize| if index < left_out { index } else { index + 1 };
         let want: Vec<Vec<usize>> =
             deal(&kept).into_iter().map(|subset| subset.into_iter().map(shifted).collect()).collect();
@@ -254,13 +255,13 @@ proptest! {
     #[test]
     fn the_refinement_is_that_of_dense_solutions(ranges in prop::collection::vec(any_range(), 14..26)) {
         let (epoch, limits) = (epoch(&ranges), ConsensusLimits::published().unwrap());
-        let selection = Selection::choose(&epoch, MAX_WORK);
-        let found = consensus(&epoch, &selection, &limits);
+        let selection = Selection::choose(epoch.rows(), MAX_WORK);
+        let found = consensus(epoch.rows(), &selection, &limits);
         prop_assume!(found.is_ok());
         let found = found.unwrap();
-        let snapshot = Snapshot::solve(epoch);
+        let snapshot = solved(epoch);
         prop_assume!(snapshot.is_ok());
-        let have = refine(&snapshot.unwrap(), &selection, &found, &limits);
+        let have = refine(snapshot.unwrap().equations(), &selection, &found, &limits);
         let want = refined(&ranges, &found.rows, selection.subsets(), &limits);
         prop_assume!(want.is_some());
         prop_assert_eq!((have.rows.to_vec(), have.passed), want.unwrap());
@@ -341,9 +342,9 @@ fn who_is_contradicted_less_is_accepted() {
     // A fault in the first subset of two: the second, which has one against it, is the inlier.
     let ranges = two_alike([0.0, 0.0, 400.0, 0.0], [0.0; 4]);
     let (epoch, limits) = (epoch(&ranges), ConsensusLimits::published().unwrap());
-    let selection = Selection::choose(&epoch, MAX_WORK);
+    let selection = Selection::choose(epoch.rows(), MAX_WORK);
     let home = (0..2).find(|&subset| selection.contains(subset, 2)).unwrap();
-    let have = consensus(&epoch, &selection, &limits).unwrap();
+    let have = consensus(epoch.rows(), &selection, &limits).unwrap();
     assert_eq!((have.subset, have.rows.to_vec()), (1 - home, vec![2]));
 }
 
@@ -378,10 +379,11 @@ fn a_position_that_is_hardly_determined_has_no_vote() {
         let skies = (100..400_u16).map(|step| four_and_a_cluster(10.0 / f64::from(step)));
         let ranges = skies.into_iter().find(|ranges| pdops.contains(&pdop_of_the_cluster(ranges))).unwrap();
         let epoch = epoch(&ranges);
-        let selection = Selection::choose(&epoch, MAX_WORK);
+        let selection = Selection::choose(epoch.rows(), MAX_WORK);
         assert_eq!(members(&selection), [[0, 1, 2, 3], [4, 5, 6, 7]]);
         // The spread ones are spoiled by the first; the cluster, where it may, finds that everybody is right.
-        let have = consensus(&epoch, &selection, &limits).map(|found| (found.subset, found.rows.to_vec()));
+        let have =
+            consensus(epoch.rows(), &selection, &limits).map(|found| (found.subset, found.rows.to_vec()));
         assert_eq!(have, want);
     }
 }

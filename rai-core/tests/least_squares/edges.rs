@@ -6,6 +6,8 @@ use rai_core::equations::{LinearEpoch, RowError};
 use rai_core::satellite::Constellation;
 use rai_core::snapshot::{Snapshot, SnapshotError};
 
+use crate::solved::solved;
+
 use super::oracle::{self, Range};
 
 fn range(azimuth_deg: f64, up: f64, constellation: Constellation, sigma_m: f64) -> Range {
@@ -14,13 +16,13 @@ fn range(azimuth_deg: f64, up: f64, constellation: Constellation, sigma_m: f64) 
     Range { line_of_sight, constellation, residual_m: 7.0 * azimuth.sin(), sigma_m }
 }
 
-fn solve<T: rai_core::numeric::real::Real>(ranges: &[Range]) -> Result<Snapshot<T, 20>, SnapshotError> {
+fn solve<T: rai_core::numeric::real::Real>(ranges: &[Range]) -> Result<Snapshot<'static, T>, SnapshotError> {
     let mut epoch = LinearEpoch::new();
     for range in ranges {
         let line_of_sight = Vector3::from(range.line_of_sight);
         epoch.satellite(range.constellation, line_of_sight, range.residual_m, range.sigma_m).unwrap();
     }
-    Snapshot::solve(epoch)
+    solved(epoch)
 }
 
 /// Seven of GPS, well spread, of differing quality.
@@ -114,7 +116,7 @@ fn a_singular_geometry_is_no_better_for_good_ranges() {
 
 #[test]
 fn a_sigma_whose_weight_the_scalar_cannot_hold_is_refused() {
-    let mut epoch = LinearEpoch::<f32, 4>::new();
+    let mut epoch = LinearEpoch::<f32, 20>::new();
     for sigma_m in [0.0, -1.0, 1e-30, 1e30, f64::NAN, f64::INFINITY, 1e-50, 1e50] {
         let have = epoch.satellite(Constellation::Gps, Vector3::z(), 0.0, sigma_m);
         assert_eq!(have, Err(RowError::Sigma), "{sigma_m}");

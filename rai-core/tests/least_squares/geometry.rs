@@ -8,6 +8,8 @@ use rai_core::numeric::real::Real;
 use rai_core::satellite::Constellation;
 use rai_core::snapshot::{Snapshot, SnapshotError};
 
+use crate::solved::solved;
+
 use super::oracle::{self, Range};
 
 fn range((azimuth, up): (f64, f64), constellation: Constellation, sigma_m: f64) -> Range {
@@ -20,13 +22,13 @@ fn range((azimuth, up): (f64, f64), constellation: Constellation, sigma_m: f64) 
     }
 }
 
-fn solve<T: Real>(ranges: &[Range]) -> Result<Snapshot<T, 20>, SnapshotError> {
+fn solve<T: Real>(ranges: &[Range]) -> Result<Snapshot<'static, T>, SnapshotError> {
     let mut epoch = LinearEpoch::new();
     for range in ranges {
         let line_of_sight = Vector3::from(range.line_of_sight);
         epoch.satellite(range.constellation, line_of_sight, range.residual_m, range.sigma_m).unwrap();
     }
-    Snapshot::solve(epoch)
+    solved(epoch)
 }
 
 /// Satellites on a cone, one of which stands off it by `off` in the sine of its elevation.

@@ -13,3 +13,6 @@ mod worst;
 #[path = "../../../tests-host/src/oracle.rs"]
 #[allow(unreachable_pub, reason = "public where it is at home")]
 mod oracle;
+
+#[path = "../solved/mod.rs"]
+mod solved;

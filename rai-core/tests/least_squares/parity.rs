@@ -13,6 +13,8 @@ use rai_core::numeric::probability::Probability;
 use rai_core::satellite::Constellation;
 use rai_core::snapshot::Snapshot;
 
+use crate::solved::solved;
+
 use super::oracle::{self, Range};
 
 /// Who is named, or why nobody, and the sets that were looked at.
@@ -153,13 +155,13 @@ fn answer(finding: &Finding<f64>) -> Answer {
     (finding.set.as_ref().map(indices).map_err(|why| *why), finding.sets)
 }
 
-fn snapshot(ranges: &[Range]) -> Option<Snapshot<f64, 40>> {
+fn snapshot(ranges: &[Range]) -> Option<Snapshot<'static, f64>> {
     let mut epoch = LinearEpoch::new();
     for range in ranges {
         let line_of_sight = Vector3::from(range.line_of_sight);
         epoch.satellite(range.constellation, line_of_sight, range.residual_m, range.sigma_m).unwrap();
     }
-    Snapshot::solve(epoch).ok()
+    solved(epoch).ok()
 }
 
 /// True where rounding may decide whether some set passes, or where a set is hardly determined.

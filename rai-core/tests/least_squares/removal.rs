@@ -9,15 +9,17 @@ use rai_core::removal::{Removal, testable_rows};
 use rai_core::satellite::Constellation;
 use rai_core::snapshot::Snapshot;
 
+use crate::solved::solved;
+
 use super::oracle::{self, Dense, Range};
 
-fn snapshot<T: Real>(ranges: &[Range]) -> Snapshot<T, 40> {
+fn snapshot<T: Real>(ranges: &[Range]) -> Snapshot<'static, T> {
     let mut epoch = LinearEpoch::new();
     for range in ranges {
         let line_of_sight = Vector3::from(range.line_of_sight);
         epoch.satellite(range.constellation, line_of_sight, range.residual_m, range.sigma_m).unwrap();
     }
-    Snapshot::solve(epoch).unwrap()
+    solved(epoch).unwrap()
 }
 
 fn any_range(constellations: usize) -> impl Strategy<Value = Range> {

@@ -2,14 +2,16 @@
 
 use nalgebra::Vector3;
 use proptest::prelude::*;
-use rai_core::equations::LinearEpoch;
+use rai_core::equations::{LinearEpoch, MAX_ROWS};
 use rai_core::numeric::real::Real;
 use rai_core::satellite::Constellation;
 use rai_core::snapshot::{Snapshot, SnapshotError};
 
+use crate::solved::{copied, solved};
+
 use super::oracle::{self, Range};
 
-type Snapshot40<T> = Snapshot<T, 40>;
+type Snapshot40<T> = Snapshot<'static, T>;
 
 fn snapshot<T: Real>(ranges: &[Range]) -> Result<Snapshot40<T>, SnapshotError> {
     let mut epoch = LinearEpoch::new();
@@ -17,7 +19,7 @@ fn snapshot<T: Real>(ranges: &[Range]) -> Result<Snapshot40<T>, SnapshotError> {
         let line_of_sight = Vector3::from(range.line_of_sight);
         epoch.satellite(range.constellation, line_of_sight, range.residual_m, range.sigma_m).unwrap();
     }
-    Snapshot::solve(epoch)
+    solved(epoch)
 }
 
 /// A direction above the horizon, a constellation, a residual with a large clock, and a sigma.
@@ -104,7 +106,7 @@ proptest! {
         prop_assume!(oracle::solve(&ranges).is_some());
         let want = dense.unwrap();
         let mut have = snapshot::<f64>(&ranges).unwrap();
-        let full = have.clone();
+        let full = copied(&have);
         have.leave_out(index).unwrap();
         prop_assert_eq!(have.dof(), want.dof);
         assert_close("sse", have.sse(), want.sse, 1e-9, 1e-7);
@@ -150,15 +152,15 @@ fn a_cone_of_satellites_is_singular() {
 #[test]
 fn a_known_height_replaces_a_satellite() {
     // Three satellites at the horizon's corners and the zenith-less geometry: with a height, four unknowns have four rows.
-    let mut epoch = LinearEpoch::<f64, 8>::new();
+    let mut epoch = LinearEpoch::<f64, MAX_ROWS>::new();
     for azimuth in [0.0_f64, 2.1, 4.2] {
         let (sin, cos) = azimuth.sin_cos();
         let line_of_sight = Vector3::new(0.8 * sin, 0.8 * cos, 0.6);
         epoch.satellite(Constellation::Gps, line_of_sight, 7.0, 1.0).unwrap();
     }
-    assert_eq!(Snapshot::solve(epoch.clone()).unwrap_err(), SnapshotError::Insufficient);
+    assert_eq!(solved(epoch.clone()).unwrap_err(), SnapshotError::Insufficient);
     epoch.height(5.0, 1.0).unwrap();
-    let have = Snapshot::solve(epoch).unwrap();
+    let have = solved(epoch).unwrap();
     assert_eq!(have.dof(), 0);
     // Equal ranges at equal elevations: no horizontal shift; up is the height; the clock takes the rest.
     assert_close("up", have.correction().z, 5.0, 0.0, 1e-9);

@@ -12,6 +12,8 @@ use rai_core::numeric::probability::Probability;
 use rai_core::satellite::Constellation;
 use rai_core::snapshot::Snapshot;
 
+use crate::solved::solved;
+
 use super::oracle::{self, Range};
 
 fn thresholds() -> Thresholds<'static> {
@@ -25,13 +27,13 @@ fn range(azimuth: f64, up: f64, constellation: Constellation, residual_m: f64) -
     Range { line_of_sight, constellation, residual_m, sigma_m: 2.0 }
 }
 
-fn solve(ranges: &[Range]) -> Snapshot<f64, 20> {
+fn solve(ranges: &[Range]) -> Snapshot<'static, f64> {
     let mut epoch = LinearEpoch::new();
     for range in ranges {
         let line_of_sight = Vector3::from(range.line_of_sight);
         epoch.satellite(range.constellation, line_of_sight, range.residual_m, range.sigma_m).unwrap();
     }
-    Snapshot::solve(epoch).unwrap()
+    solved(epoch).unwrap()
 }
 
 /// Eight of GPS; two of Galileo, the second off by `fault_m`.
@@ -63,7 +65,7 @@ fn one_of_a_pair_is_never_named() {
 fn consensus_is_not_asked_where_nothing_is_detected() {
     let mut solution = solve(&ten(0.0));
     let (selection, limits) =
-        (Selection::choose(solution.epoch(), MAX_WORK), ransac::ConsensusLimits::published().unwrap());
+        (Selection::choose(solution.equations(), MAX_WORK), ransac::ConsensusLimits::published().unwrap());
     let exclusion = ransac::exclude(&mut solution, &selection, &thresholds(), &limits);
     assert_eq!((exclusion.outcome, exclusion.rows.len(), solution.used()), (Outcome::Passed, 0, 10));
 }

@@ -6,3 +6,6 @@ mod precision;
 mod removal;
 mod skies;
 mod symmetries;
+
+#[path = "../solved/mod.rs"]
+mod solved;

@@ -8,14 +8,16 @@ use rai_core::numeric::real::Real;
 use rai_core::satellite::Constellation;
 use rai_core::snapshot::Snapshot;
 
-use crate::skies::{CAPACITY, Sky, any_sky};
+use crate::solved::solved;
+
+use crate::skies::{Sky, any_sky};
 
 /// Largest slope that is compared, m: a protection level of some 700 m.
 const LARGEST_SLOPE_M: f64 = 100.0;
 
 fn slopes_are_not_understated(sky: &Sky) -> Result<(), TestCaseError> {
-    let single = Snapshot::<f32, CAPACITY>::solve(sky.linearised(1.0));
-    let double = Snapshot::<f64, CAPACITY>::solve(sky.linearised(1.0));
+    let single = solved::<f32>(sky.linearised(1.0));
+    let double = solved::<f64>(sky.linearised(1.0));
     let (Ok(single), Ok(double)) = (single, double) else { return Ok(()) };
     let (hdop, vdop) = double.dilutions();
     if double.dof() == 0 || hdop.max(vdop) > 20.0 {
@@ -40,7 +42,7 @@ proptest! {
 }
 
 /// Two satellites that are good to 0.5 m among four that are good to 30 m.
-fn two_precise_ones<T: Real>() -> Snapshot<T, CAPACITY> {
+fn two_precise_ones<T: Real>() -> Snapshot<'static, T> {
     let directions_deg = [
         (10.0, 75.0, 30.0),
         (50.0, 20.0, 0.5),
@@ -56,7 +58,7 @@ fn two_precise_ones<T: Real>() -> Snapshot<T, CAPACITY> {
         let direction = Vector3::new(east, north, elevation.sin());
         epoch.satellite(Constellation::Gps, direction, 0.0, sigma_m).unwrap();
     }
-    Snapshot::solve(epoch).unwrap()
+    solved(epoch).unwrap()
 }
 
 /// From the redundancy numbers in single precision, 2e-5 as what is left of 1, the slope came out a fifth too small.

@@ -6,32 +6,34 @@
 
 use nalgebra::{Matrix3, Vector3};
 use proptest::prelude::*;
-use rai_core::equations::LinearEpoch;
+use rai_core::equations::{LinearEpoch, MAX_ROWS};
 use rai_core::integrity::residuals::levels::{largest_slopes, slopes};
 use rai_core::numeric::real::Real;
 use rai_core::satellite::Constellation;
 use rai_core::snapshot::Snapshot;
 
-use crate::skies::{CAPACITY, Sky, any_sky};
+use crate::solved::{copied, solved};
+
+use crate::skies::{Sky, any_sky};
 
 /// Variances east + north and up, m².
 fn variances<T: Real>(covariance: &Matrix3<T>) -> [f64; 2] {
     [(covariance.m11 + covariance.m22).widen(), covariance.m33.widen()]
 }
 
-fn redundancies<T: Real>(snapshot: &Snapshot<T, CAPACITY>) -> Vec<f64> {
+fn redundancies<T: Real>(snapshot: &Snapshot<'_, T>) -> Vec<f64> {
     snapshot.rows().map(|(_, fit)| fit.redundancy.widen()).collect()
 }
 
 /// Where rounding is multiplied by more than a hundred.
-fn is_hardly_solved<T: Real>(snapshot: &Snapshot<T, CAPACITY>) -> bool {
+fn is_hardly_solved<T: Real>(snapshot: &Snapshot<'_, T>) -> bool {
     let (hdop, vdop) = snapshot.dilutions();
     hdop.widen().max(vdop.widen()) > 10.0
 }
 
 /// Leaves each row out in turn; `rounding` is relative.
 fn every_row_helps<T: Real>(sky: &Sky, rounding: f64) -> Result<(), TestCaseError> {
-    let Ok(all) = Snapshot::<T, CAPACITY>::solve(sky.linearised(1.0)) else { return Ok(()) };
+    let Ok(all) = solved::<T>(sky.linearised(1.0)) else { return Ok(()) };
     for index in 0..sky.observations.len() {
         let (row, fit) = all.row(index).unwrap();
         // What is left of 1 is too little to compare with.
@@ -40,7 +42,7 @@ fn every_row_helps<T: Real>(sky: &Sky, rounding: f64) -> Result<(), TestCaseErro
         }
         let slope = slopes(row, fit);
         let growth = [slope.horizontal, slope.vertical].map(|slope| slope.widen() * slope.widen());
-        let mut rest = all.clone();
+        let mut rest = copied(&all);
         if rest.leave_out(index).is_err() || is_hardly_solved(&rest) {
             continue;
         }
@@ -77,11 +79,11 @@ fn a_protection_level_can_shrink_with_the_satellite_that_is_hardest_to_test() {
     };
     let high = [0.0, 60.0, 120.0, 180.0, 240.0, 300.0].map(|azimuth_deg| at(azimuth_deg, 75.0));
     let low = [0.0, 5.0, 175.0, 180.0].map(|azimuth_deg| at(azimuth_deg, 10.0));
-    let mut epoch = LinearEpoch::<f64, CAPACITY>::new();
+    let mut epoch = LinearEpoch::<f64, MAX_ROWS>::new();
     for direction in [at(90.0, 10.0)].into_iter().chain(high).chain(low) {
         epoch.satellite(Constellation::Gps, direction, 0.0, 3.0).unwrap();
     }
-    let mut snapshot = Snapshot::solve(epoch).unwrap();
+    let mut snapshot = solved(epoch).unwrap();
     let (with, known_with) = (largest_slopes(&snapshot), variances(snapshot.covariance()));
     snapshot.leave_out(0).unwrap();
     let (without, known_without) = (largest_slopes(&snapshot), variances(snapshot.covariance()));

@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 use proptest::prelude::*;
 use proptest::sample::select;
 use rai_core::epoch::{Epoch, Observation};
-use rai_core::equations::LinearEpoch;
+use rai_core::equations::{LinearEpoch, MAX_ROWS};
 use rai_core::frame::{EARTH_ROTATION_RAD_S, Ecef, Enu, Geodetic, LocalFrame, SPEED_OF_LIGHT_M_S};
 use rai_core::integrity::residuals::levels::Levels;
 use rai_core::integrity::residuals::parity;
@@ -33,7 +33,7 @@ impl Sky {
     }
 
     /// Its equations about the receiver, residuals less 20,000 km, in a unit of length of which a metre has so many.
-    pub(crate) fn linearised<T: Real>(&self, units_per_m: f64) -> LinearEpoch<T, CAPACITY> {
+    pub(crate) fn linearised<T: Real>(&self, units_per_m: f64) -> LinearEpoch<T, MAX_ROWS> {
         let frame = LocalFrame::at(self.receiver);
         let mut epoch = LinearEpoch::new();
         for observation in &self.observations {

@@ -10,7 +10,8 @@ use rai_core::numeric::real::Real;
 use rai_core::report::{Alert, Protected, ProtectionLevels, Report, Solution, Verdict};
 use rai_core::requirements::Requirements;
 use rai_core::satellite::{Constellation, SatelliteId};
-use rai_core::snapshot::Snapshot;
+
+use crate::solved::solved;
 
 use crate::skies::{CAPACITY, Sky, any_sky, turned};
 
@@ -248,7 +249,7 @@ fn excluded_as_if_absent(sky: &Sky) -> Result<(), TestCaseError> {
 
 /// In a unit that is a power of two everything is the same to the last bit.
 fn unit_does_not_matter<T: Real>(sky: &Sky) -> Result<(), TestCaseError> {
-    let solve = |unit| Snapshot::<T, CAPACITY>::solve(sky.linearised(unit));
+    let solve = |unit| solved::<T>(sky.linearised(unit));
     let (Ok(want), Ok(have)) = (solve(1.0), solve(4.0)) else {
         prop_assert_eq!(solve(1.0).err(), solve(4.0).err());
         return Ok(());

@@ -2,7 +2,7 @@
 //!
 //! What it says is what the module's user would have been told without integrity monitoring.
 
-use rai_core::fix::Workspace;
+use rai_core::snapshot::Workspace;
 use rai_firmware::config::Systems;
 use rai_firmware::correction::{self, CAPACITY, Tally, locate};
 use rai_firmware::ephemeris::Store;

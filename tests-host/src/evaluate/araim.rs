@@ -6,7 +6,7 @@ use rai_core::integrity::separation::{
 };
 use rai_core::numeric::real::Real;
 use rai_core::satellite::Constellation;
-use rai_core::snapshot::{Snapshot, SnapshotError};
+use rai_core::snapshot::{Snapshot, SnapshotError, Workspace};
 use serde::Serialize;
 use serde_json::{Map, Value};
 
@@ -151,7 +151,8 @@ fn judge<T: Real>(line: &Line, allocation: &Allocation) -> Judgement {
         Ok(epoch) => epoch,
         Err(why) => return without("invalid_input", Some(why)),
     };
-    let mut snapshot = match Snapshot::solve(epoch) {
+    let mut workspace = Workspace::of(epoch);
+    let mut snapshot = match workspace.solve() {
         Ok(snapshot) => snapshot,
         Err(SnapshotError::Insufficient) => return without("insufficient", None),
         Err(SnapshotError::Singular) => return without("singular", None),
@@ -168,7 +169,7 @@ fn judge<T: Real>(line: &Line, allocation: &Allocation) -> Judgement {
     }
 }
 
-fn found<T: Real>(line: &Line, judged: &Judged<T>, x: Vec<Number>, after: &Snapshot<T, ROWS>) -> Found {
+fn found<T: Real>(line: &Line, judged: &Judged<T>, x: Vec<Number>, after: &Snapshot<'_, T>) -> Found {
     let whole = &judged.whole;
     Found {
         n_options: judged.options,
@@ -189,7 +190,7 @@ fn found<T: Real>(line: &Line, judged: &Judged<T>, x: Vec<Number>, after: &Snaps
     }
 }
 
-fn excluded<T: Real>(line: &Line, outcome: &Outcome<T>, after: &Snapshot<T, ROWS>) -> Option<Excluded> {
+fn excluded<T: Real>(line: &Line, outcome: &Outcome<T>, after: &Snapshot<'_, T>) -> Option<Excluded> {
     let level = |finding: &Finding<T>, level: fn(&Finding<T>) -> T| Some(wide(level(finding)));
     match outcome {
         Outcome::Passed => None,
@@ -207,7 +208,7 @@ fn excluded<T: Real>(line: &Line, outcome: &Outcome<T>, after: &Snapshot<T, ROWS
 }
 
 /// East, north, up.
-fn unknowns<T: Real>(snapshot: &Snapshot<T, ROWS>) -> Vec<Number> {
+fn unknowns<T: Real>(snapshot: &Snapshot<'_, T>) -> Vec<Number> {
     snapshot.correction().iter().map(|&coordinate| wide(coordinate)).collect()
 }
 

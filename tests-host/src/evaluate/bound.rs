@@ -7,7 +7,6 @@ use rai_core::numeric::real::Real;
 use rai_core::snapshot::Snapshot;
 use serde::Serialize;
 
-use super::MAX_ROWS;
 use super::line::{self, Line};
 use super::number::Number;
 
@@ -27,7 +26,7 @@ impl Bound {
     /// The error names what the tables do not reach.
     pub(super) fn of<T: Real>(
         line: &Line,
-        snapshot: &Snapshot<T, MAX_ROWS>,
+        snapshot: &Snapshot<'_, T>,
         thresholds: &Thresholds<'_>,
     ) -> Result<Self, String> {
         let dof = snapshot.dof();

@@ -6,7 +6,7 @@ use rai_core::integrity::residuals::detection::detect;
 use rai_core::integrity::residuals::threshold::Thresholds;
 use rai_core::numeric::real::Real;
 use rai_core::satellite::Constellation;
-use rai_core::snapshot::Snapshot;
+use rai_core::snapshot::{Snapshot, Workspace};
 use serde::Serialize;
 use serde_json::{Map, Value};
 
@@ -40,7 +40,8 @@ pub(super) fn evaluate<T: Real>(
     rows: &mut RowCache,
 ) -> Result<ClockRaim, String> {
     let sigma_m = number(object, "sigma")?;
-    let snapshot = Snapshot::solve(epoch::<T>(object, sigma_m)?).map_err(|error| error.to_string())?;
+    let mut workspace = Workspace::of(epoch::<T>(object, sigma_m)?);
+    let snapshot = workspace.solve().map_err(|error| error.to_string())?;
     let false_alarm = probability("pfa", number(object, "pfa")?)?;
     let missed_detection = probability("pmd", MISSED_DETECTION)?;
     rows.prepare(false_alarm, missed_detection);
@@ -68,7 +69,7 @@ fn epoch<T: Real>(object: &Map<String, Value>, sigma_m: f64) -> Result<LinearEpo
 }
 
 fn judge<T: Real>(
-    snapshot: &Snapshot<T, MAX_ROWS>,
+    snapshot: &Snapshot<'_, T>,
     sigma_m: f64,
     thresholds: &Thresholds<'_>,
 ) -> Result<ClockRaim, String> {

@@ -32,7 +32,7 @@ pub(super) struct Iso {
 /// Runs all methods on one snapshot.
 pub(super) fn evaluate<T: Real>(
     isolation: &Isolation,
-    snapshot: &Snapshot<T, MAX_ROWS>,
+    snapshot: &Snapshot<'_, T>,
     thresholds: &Thresholds<'_>,
 ) -> Result<Iso, String> {
     let alpha = probability("alpha", isolation.alpha)?;

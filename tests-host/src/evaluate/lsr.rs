@@ -11,7 +11,7 @@ use rai_core::integrity::residuals::levels::{largest_slopes, slopes};
 use rai_core::integrity::residuals::threshold::Thresholds;
 use rai_core::numeric::real::Real;
 use rai_core::satellite::Constellation;
-use rai_core::snapshot::{Fit, Snapshot, SnapshotError};
+use rai_core::snapshot::{Fit, Snapshot, SnapshotError, Workspace};
 use serde::Serialize;
 
 use super::MAX_ROWS;
@@ -104,7 +104,8 @@ pub(super) fn evaluate<T: Real>(line: &Line, thresholds: &Thresholds<'_>) -> Res
         Ok(epoch) => epoch,
         Err(why) => return Ok(Lsr::invalid(line, why)),
     };
-    let snapshot = match Snapshot::solve(epoch) {
+    let mut workspace = Workspace::of(epoch);
+    let snapshot = match workspace.solve() {
         Ok(snapshot) => snapshot,
         Err(SnapshotError::Insufficient) => return Ok(Lsr::status("insufficient", line)),
         Err(SnapshotError::Singular) => return Ok(Lsr::status("singular", line)),
@@ -118,9 +119,9 @@ pub(super) fn evaluate<T: Real>(line: &Line, thresholds: &Thresholds<'_>) -> Res
     Ok(Lsr { solution, test, exclusion, ..Lsr::status("ok", line) })
 }
 
-/// The solution of a line; `None` where its status says why there is none.
-pub(super) fn snapshot<T: Real>(line: &Line) -> Option<Snapshot<T, MAX_ROWS>> {
-    Snapshot::solve(rows(line).ok()?).ok()
+/// The equations of a line, to be solved; `None` where its status says why there are none.
+pub(super) fn workspace<T: Real>(line: &Line) -> Option<Workspace<T, MAX_ROWS>> {
+    Some(Workspace::of(rows(line).ok()?))
 }
 
 fn rows<T: Real>(line: &Line) -> Result<LinearEpoch<T, MAX_ROWS>, String> {
@@ -138,7 +139,7 @@ fn rows<T: Real>(line: &Line) -> Result<LinearEpoch<T, MAX_ROWS>, String> {
     Ok(epoch)
 }
 
-fn solution<T: Real>(snapshot: &Snapshot<T, MAX_ROWS>) -> Solution {
+fn solution<T: Real>(snapshot: &Snapshot<'_, T>) -> Solution {
     let (hdop, vdop) = snapshot.dilutions();
     Solution {
         x: unknowns(snapshot),
@@ -151,7 +152,7 @@ fn solution<T: Real>(snapshot: &Snapshot<T, MAX_ROWS>) -> Solution {
 
 fn test<T: Real>(
     line: &Line,
-    snapshot: &Snapshot<T, MAX_ROWS>,
+    snapshot: &Snapshot<'_, T>,
     thresholds: &Thresholds<'_>,
 ) -> Result<Test, String> {
     let dof = snapshot.dof();
@@ -190,7 +191,7 @@ fn test<T: Real>(
 }
 
 fn identification<T: Real>(
-    snapshot: &Snapshot<T, MAX_ROWS>,
+    snapshot: &Snapshot<'_, T>,
     detection: &Detection<T>,
     thresholds: &Thresholds<'_>,
 ) -> (isize, &'static str) {
@@ -207,7 +208,7 @@ fn identification<T: Real>(
     }
 }
 
-fn exclude<T: Real>(mut snapshot: Snapshot<T, MAX_ROWS>, thresholds: &Thresholds<'_>) -> Exclusion {
+fn exclude<T: Real>(mut snapshot: Snapshot<'_, T>, thresholds: &Thresholds<'_>) -> Exclusion {
     let exclusion = exclude_sequentially(&mut snapshot, thresholds);
     let (fde_status, settled) = match exclusion.outcome {
         Outcome::Passed => ("passed", true),
@@ -224,13 +225,13 @@ fn exclude<T: Real>(mut snapshot: Snapshot<T, MAX_ROWS>, thresholds: &Thresholds
 }
 
 /// East, north, up, then the clocks in ascending id.
-fn unknowns<T: Real>(snapshot: &Snapshot<T, MAX_ROWS>) -> Vec<Number> {
+fn unknowns<T: Real>(snapshot: &Snapshot<'_, T>) -> Vec<Number> {
     let position = snapshot.correction();
     let clocks = Constellation::ALL.into_iter().filter_map(|constellation| snapshot.clock_m(constellation));
     position.iter().map(|&coordinate| wide(coordinate)).chain(clocks.map(Number)).collect()
 }
 
-fn each_row<T: Real>(snapshot: &Snapshot<T, MAX_ROWS>, value: impl Fn(&Row<T>, &Fit<T>) -> T) -> Vec<Number> {
+fn each_row<T: Real>(snapshot: &Snapshot<'_, T>, value: impl Fn(&Row<T>, &Fit<T>) -> T) -> Vec<Number> {
     snapshot.rows().map(|(row, fit)| wide(value(row, fit))).collect()
 }
 

@@ -8,7 +8,6 @@ use rai_core::numeric::real::Real;
 use rai_core::snapshot::Snapshot;
 use serde::Serialize;
 
-use super::MAX_ROWS;
 use super::line::Line;
 use crate::ransac_traditional::{Criterion, RATIO, combination_count, combinations, vote};
 
@@ -40,19 +39,19 @@ pub(super) struct Traditional {
 /// Runs the improved method; `None` with too few satellites for two subsets.
 pub(super) fn evaluate<T: Real>(
     line: &Line,
-    snapshot: &Snapshot<T, MAX_ROWS>,
+    snapshot: &Snapshot<'_, T>,
     limits: &ConsensusLimits<'_>,
 ) -> Option<Ransac> {
     if line.satellites.len() < 2 * line.unknowns() {
         return None;
     }
     // Enough for 40 rows is not enough for the rows that a line may have; on the host time is no matter.
-    let selection = Selection::choose(snapshot.epoch(), 8 * MAX_WORK);
+    let selection = Selection::choose(snapshot.equations(), 8 * MAX_WORK);
     let members = |subset| (0..line.rows()).filter(|&row| selection.contains(subset, row)).collect();
     let subsets = (0..selection.subsets()).map(members).collect();
-    let (status, best, fault, refined) = match consensus(snapshot.epoch(), &selection, limits) {
+    let (status, best, fault, refined) = match consensus(snapshot.equations(), &selection, limits) {
         Ok(found) => {
-            let refined = refine(snapshot, &selection, &found, limits);
+            let refined = refine(snapshot.equations(), &selection, &found, limits);
             ("ok", Some(found.subset), found.rows.to_vec(), Some(refined))
         }
         Err(NoConsensus::TooFewSubsets) => ("too_few_subsets", None, Vec::new(), None),

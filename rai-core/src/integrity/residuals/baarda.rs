@@ -31,18 +31,21 @@ use crate::numeric::real::Real;
 use crate::snapshot::{Reducible, Snapshot};
 
 /// The row with the largest |w| and its w², and the w² of the runner-up. First of equals wins.
-pub fn worst_two<T: Real, const N: usize>(snapshot: &Snapshot<T, N>) -> Option<(usize, T, T)> {
+pub fn worst_two<T: Real>(snapshot: &Snapshot<'_, T>) -> Option<(usize, T, T)> {
+    let rows = snapshot.rows().enumerate().filter(|(_, (row, _))| row.weight > T::zero());
+    largest_two(rows.map(|(index, (_, fit))| (index, fit.w_squared())))
+}
+
+/// The same of squared w-tests, each with the index of its row.
+pub(super) fn largest_two<T: Real>(tests: impl Iterator<Item = (usize, T)>) -> Option<(usize, T, T)> {
     let mut worst = None;
-    for (index, (row, fit)) in snapshot.rows().enumerate() {
-        if row.weight > T::zero() {
-            let squared = fit.w_squared();
-            worst = Some(match worst {
-                Some((_, largest, _)) if squared > largest => (index, squared, largest),
-                Some((known, largest, runner_up)) if squared > runner_up => (known, largest, squared),
-                Some(worst) => worst,
-                None => (index, squared, T::zero()),
-            });
-        }
+    for (index, squared) in tests {
+        worst = Some(match worst {
+            Some((_, largest, _)) if squared > largest => (index, squared, largest),
+            Some((known, largest, runner_up)) if squared > runner_up => (known, largest, squared),
+            Some(worst) => worst,
+            None => (index, squared, T::zero()),
+        });
     }
     worst
 }
@@ -51,8 +54,8 @@ pub fn worst_two<T: Real, const N: usize>(snapshot: &Snapshot<T, N>) -> Option<(
 ///
 /// # Errors
 /// [`Unidentified`] says why no row is named.
-pub fn identify<T: Real, const N: usize>(
-    snapshot: &Snapshot<T, N>,
+pub fn identify<T: Real>(
+    snapshot: &Snapshot<'_, T>,
     thresholds: &Thresholds<'_>,
 ) -> Result<usize, Unidentified> {
     if snapshot.dof() < 2 {
@@ -76,8 +79,8 @@ pub fn identify<T: Real, const N: usize>(
 ///
 /// `solution` ends as the solution without the rows listed. A snapshot without redundancy passes nothing: it ends
 /// as [`Outcome::NotIsolated`].
-pub fn exclude_sequentially<T: Real, const N: usize>(
-    solution: &mut impl Reducible<T, N>,
+pub fn exclude_sequentially<T: Real>(
+    solution: &mut impl Reducible<T>,
     thresholds: &Thresholds<'_>,
 ) -> Exclusion<T> {
     let mut rows = Vec::new();

@@ -45,7 +45,7 @@ impl<T: Real> Detection<T> {
     }
 
     /// True when a snapshot can be tested and no fault is detected in it.
-    pub fn passes<const N: usize>(snapshot: &Snapshot<T, N>, thresholds: &Thresholds<'_>) -> bool {
+    pub fn passes(snapshot: &Snapshot<'_, T>, thresholds: &Thresholds<'_>) -> bool {
         detect(snapshot, thresholds).is_some_and(|detection| !detection.fault())
     }
 
@@ -59,9 +59,6 @@ impl<T: Real> Detection<T> {
 /// Tests a snapshot; `None` without redundancy, or beyond the table's degrees of freedom.
 ///
 /// With `dof = 0` the residuals vanish whatever the ranges are: that is not a pass, it is no test.
-pub fn detect<T: Real, const N: usize>(
-    snapshot: &Snapshot<T, N>,
-    thresholds: &Thresholds<'_>,
-) -> Option<Detection<T>> {
+pub fn detect<T: Real>(snapshot: &Snapshot<'_, T>, thresholds: &Thresholds<'_>) -> Option<Detection<T>> {
     Detection::of(snapshot.sse(), snapshot.dof(), thresholds)
 }

@@ -11,8 +11,7 @@
 //! **Least redundancy.** `k` biases can be told from any other `k` only where `2k` degrees of freedom show them: an
 //! exclusion of `k` rows must leave `k` of them ([`leaves_enough`]).
 //!
-//! Work of the separability: all sets of up to as many rows; beyond those of [`MAX_ROWS`] rows it is left undone, and the
-//! exclusion counts as ambiguous.
+//! Work of the separability: all sets of up to as many of [`MAX_ROWS`] rows.
 //!
 //! | symbol | field | unit |
 //! |---|---|---|
@@ -29,6 +28,7 @@ use super::detection::Detection;
 use super::sets::{Work, count_up_to, each_of_size};
 use super::threshold::Thresholds;
 use crate::bounded::gather;
+use crate::equations::MAX_ROWS;
 use crate::numeric::real::Real;
 use crate::removal::{Removal, testable_rows};
 use crate::report::MAX_EXCLUDED;
@@ -93,8 +93,8 @@ impl<T: Real> Exclusion<T> {
 }
 
 /// Leaves a set of rows out of a solution and tests what remains.
-pub fn leave_out<T: Real, const N: usize>(
-    solution: &mut impl Reducible<T, N>,
+pub fn leave_out<T: Real>(
+    solution: &mut impl Reducible<T>,
     set: &[usize],
     thresholds: &Thresholds<'_>,
 ) -> Exclusion<T> {
@@ -114,9 +114,6 @@ pub fn leave_out<T: Real, const N: usize>(
     Exclusion { rows, outcome }
 }
 
-/// Rows whose sets of up to three are all compared.
-const MAX_ROWS: usize = 48;
-
 /// Whether an exclusion leaves as many degrees of freedom as it has rows.
 pub fn leaves_enough(excluded: usize, dof: usize) -> bool {
     dof >= excluded
@@ -126,8 +123,8 @@ pub fn leaves_enough(excluded: usize, dof: usize) -> bool {
 ///
 /// The rows left out are taken back together, and left out again: `solution` ends as it began.
 #[inline(never)]
-pub fn separable<T: Real, const N: usize>(
-    solution: &mut impl Reducible<T, N>,
+pub fn separable<T: Real>(
+    solution: &mut impl Reducible<T>,
     exclusion: &Exclusion<T>,
     thresholds: &Thresholds<'_>,
 ) -> bool {
@@ -140,11 +137,7 @@ pub fn separable<T: Real, const N: usize>(
 }
 
 /// True when no other set of as many rows or fewer passes the global test with a sum of squares within `T_d²` of this one's.
-fn is_unrivalled<T: Real, const N: usize>(
-    snapshot: &Snapshot<T, N>,
-    set: &[usize],
-    thresholds: &Thresholds<'_>,
-) -> bool {
+fn is_unrivalled<T: Real>(snapshot: &Snapshot<'_, T>, set: &[usize], thresholds: &Thresholds<'_>) -> bool {
     let rows = testable_rows(snapshot);
     let (Some(margin), Some(found)) = (thresholds.w_test(snapshot.used()), Removal::among(&rows, set)) else {
         return false;
@@ -163,7 +156,7 @@ fn is_unrivalled<T: Real, const N: usize>(
     let mut work = Work::new(count_up_to(set.len(), MAX_ROWS));
     let mut has_rival = false;
     for size in 1..=set.len() {
-        each_of_size::<T, N>(&rows, size, &mut work, |explained, rival| {
+        each_of_size(&rows, size, &mut work, |explained, rival| {
             has_rival |= explained >= least && !has_rival && rival.get(..size).is_some_and(is_rival);
         });
     }

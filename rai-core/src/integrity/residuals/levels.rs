@@ -64,7 +64,7 @@ use crate::numeric::normal;
 use crate::numeric::probability::Probability;
 use crate::numeric::real::Real;
 use crate::report::ProtectionLevels;
-use crate::snapshot::{Fit, Snapshot, infinity};
+use crate::snapshot::{Fit, Snapshot, Solution, infinity};
 use crate::weighting::COMMON_SIGMAS;
 
 /// Redundancy number below which a slope is worked out from the other rows, dimensionless: above, `f32` is good to 0.5 %.
@@ -130,7 +130,7 @@ fn untestable<T: Real>(row: &Row<T>, fit: &Fit<T>) -> Squared<T> {
 }
 
 /// Whether too little of 1 is left for a row's redundancy, though others speak of it.
-fn is_hardly_tested<T: Real, const N: usize>(snapshot: &Snapshot<T, N>, row: &Row<T>, fit: &Fit<T>) -> bool {
+fn is_hardly_tested<T: Real>(snapshot: &Snapshot<'_, T>, row: &Row<T>, fit: &Fit<T>) -> bool {
     let shares_clock = |other: &Row<T>| other.clock == row.clock && other.weight > T::zero();
     row.weight > T::zero()
         && fit.redundancy < T::narrow(HARDLY_TESTED)
@@ -139,18 +139,12 @@ fn is_hardly_tested<T: Real, const N: usize>(snapshot: &Snapshot<T, N>, row: &Ro
 }
 
 /// The squared slopes of a row by what the others say of it; `None` where it is untestable.
-///
-/// `workspace` holds the same rows, solved or not; it ends without this one.
-fn by_the_others<T: Real, const N: usize>(
-    snapshot: &Snapshot<T, N>,
-    workspace: &mut Snapshot<T, N>,
-    index: usize,
-) -> Option<Squared<T>> {
+fn by_the_others<T: Real>(snapshot: &Snapshot<'_, T>, index: usize) -> Option<Squared<T>> {
     let (row, _) = snapshot.row(index)?;
-    workspace.epoch_mut().leave_out(index);
-    workspace.solve_again().ok()?;
-    let (_, fit) = workspace.row(index)?;
-    let predicted = workspace.level_variance(row) + fit.centred.dot(&fit.gain);
+    let others = snapshot.equations().iter().enumerate().filter(|&(other, _)| other != index);
+    let solution = Solution::of(others.map(|(_, other)| other)).ok()?;
+    let fit = solution.fit(row);
+    let predicted = solution.level_variance(row) + fit.centred.dot(&fit.gain);
     let redundancy = (T::one() + row.weight * predicted).recip();
     if !(redundancy >= T::UNTESTABLE) {
         return None;
@@ -161,7 +155,7 @@ fn by_the_others<T: Real, const N: usize>(
 }
 
 /// The largest slopes of a snapshot.
-pub fn largest_slopes<T: Real, const N: usize>(snapshot: &Snapshot<T, N>) -> Slopes<T> {
+pub fn largest_slopes<T: Real>(snapshot: &Snapshot<'_, T>) -> Slopes<T> {
     let (mut largest, mut all_are_tested) = (Squared::none(), true);
     for (row, fit) in snapshot.rows() {
         largest = largest.or(&squared_slopes(row, fit));
@@ -175,15 +169,11 @@ pub fn largest_slopes<T: Real, const N: usize>(snapshot: &Snapshot<T, N>) -> Slo
 
 /// As [`largest_slopes`], where some rows are hardly tested, or not at all.
 #[inline(never)]
-fn largest_with_care<T: Real, const N: usize>(snapshot: &Snapshot<T, N>) -> Squared<T> {
-    let mut workspace = Snapshot::unsolved();
-    workspace.epoch_mut().copy_from(snapshot.epoch());
+fn largest_with_care<T: Real>(snapshot: &Snapshot<'_, T>) -> Squared<T> {
     let mut largest = Squared::none();
     for (index, (row, fit)) in snapshot.rows().enumerate() {
         let squared = if is_hardly_tested(snapshot, row, fit) {
-            let squared = by_the_others(snapshot, &mut workspace, index);
-            workspace.epoch_mut().take_back(index);
-            squared.unwrap_or_else(|| untestable(row, fit))
+            by_the_others(snapshot, index).unwrap_or_else(|| untestable(row, fit))
         } else {
             squared_slopes(row, fit)
         };
@@ -209,10 +199,7 @@ impl<T: Real> Slopes<T> {
 /// How far errors that ranges share move the position, `k_c |Σ_i w_i g_i m_i|`, horizontally and vertically, m.
 ///
 /// `common_m` are the `m_i` of the first rows; the rows after them share nothing.
-pub fn common_shift<T: Real, const N: usize>(
-    snapshot: &Snapshot<T, N>,
-    common_m: &[f32],
-) -> ProtectionLevels {
+pub fn common_shift<T: Real>(snapshot: &Snapshot<'_, T>, common_m: &[f32]) -> ProtectionLevels {
     let mut shift = Vector3::zeros();
     for ((row, fit), &common_m) in snapshot.rows().zip(common_m) {
         if common_m > 0.0 {
@@ -304,7 +291,7 @@ pub struct Exposure<'f, T> {
 
 impl<'f, T: Real> Exposure<'f, T> {
     /// Of a snapshot.
-    pub fn of<const N: usize>(snapshot: &Snapshot<T, N>, levels: Levels, factors: &'f Factors) -> Self {
+    pub fn of(snapshot: &Snapshot<'_, T>, levels: Levels, factors: &'f Factors) -> Self {
         let noise = match levels {
             Levels::Bound => Some((Spread::of(snapshot.covariance()), factors)),
             Levels::Slope => None,
@@ -365,7 +352,7 @@ fn noncentrality_within<T: Real>(limit_m: f64, slope: T, noise: Option<(T, f64, 
 }
 
 /// The largest change of HDOP that leaving out one satellite brings, `max √(HDOP_i² − HDOP²)`, dimensionless.
-pub fn largest_hdop_change<T: Real, const N: usize>(snapshot: &Snapshot<T, N>) -> T {
+pub fn largest_hdop_change<T: Real>(snapshot: &Snapshot<'_, T>) -> T {
     let (hdop, _) = snapshot.dilutions();
     let changes = (0..snapshot.rows().count()).filter_map(|index| {
         let without = snapshot.hdop_without(index)?;

@@ -6,6 +6,7 @@
 use heapless::Vec;
 
 use super::tails;
+use crate::equations::MAX_ROWS;
 use crate::numeric::real::Real;
 use crate::removal::NormalisedRow;
 use crate::report::MAX_EXCLUDED;
@@ -44,7 +45,7 @@ impl Work {
 }
 
 /// Shows each set of a size, in lexicographic order: what it explains, and the indices of its rows, as many as its size says.
-pub(super) fn each_of_size<T: Real, const N: usize>(
+pub(super) fn each_of_size<T: Real>(
     rows: &[NormalisedRow<T>],
     size: usize,
     work: &mut Work,
@@ -57,7 +58,7 @@ pub(super) fn each_of_size<T: Real, const N: usize>(
             }
         }
         2 => pairs(T::zero(), [], rows, work, &mut show),
-        _ => triples::<T, N>(rows, work, &mut show),
+        _ => triples(rows, work, &mut show),
     }
 }
 
@@ -84,18 +85,18 @@ fn pairs<T: Real, const GONE: usize>(
     }
 }
 
-fn triples<T: Real, const N: usize>(
+fn triples<T: Real>(
     rows: &[NormalisedRow<T>],
     work: &mut Work,
     show: &mut impl FnMut(T, [usize; MAX_EXCLUDED]),
 ) {
-    let mut changed = Vec::<NormalisedRow<T>, N>::new();
+    let mut changed = Vec::<NormalisedRow<T>, MAX_ROWS>::new();
     for (first, rest) in tails(rows) {
         if !work.cut {
             let root = first.redundancy.sqrt();
             changed.clear();
             for row in rest {
-                // Fewer than N: never full here.
+                // Fewer than there are rows: never full here.
                 let _ = changed.push(row.without(first, root));
             }
             pairs(first.explained(), [first.index], &changed, work, show);

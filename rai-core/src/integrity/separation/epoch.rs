@@ -5,7 +5,7 @@ use heapless::Vec;
 use super::modes::members;
 use super::{Finding, Hypothesis, Judged, Outcome, Prior, Priors, ROWS, Removable, SeparationError, judge};
 use crate::bounded::gather;
-use crate::epoch::Epoch;
+use crate::epoch::EpochView;
 use crate::integrity::residuals::detection::Detection;
 use crate::integrity::residuals::exclusion as residuals;
 use crate::integrity::residuals::exclusion::{Excluded, Unidentified};
@@ -19,9 +19,9 @@ use crate::weighting::Ism;
 
 /// Judges an epoch whose sigmas are those for integrity ([`crate::weighting::integrity_sigma_m`]).
 #[inline(never)]
-pub(in crate::integrity) fn judge_epoch<T: Real, const N: usize>(
-    solution: &mut (impl Reducible<T, N> + Removable<T>),
-    epoch: &Epoch<N>,
+pub(in crate::integrity) fn judge_epoch<T: Real>(
+    solution: &mut (impl Reducible<T> + Removable<T>),
+    epoch: &EpochView<'_>,
     criteria: &Criteria<'_>,
 ) -> Judgement<T> {
     let priors = priors(solution, epoch, criteria.ism);
@@ -44,12 +44,8 @@ pub(in crate::integrity) fn judge_epoch<T: Real, const N: usize>(
 /// The accuracy's variance is the row's with the URE in the place of the URA. A row that claims less than the URA was
 /// made by another model, and is as accurate as it says.
 #[inline(never)]
-fn priors<T: Real, const N: usize>(
-    solution: &impl Reducible<T, N>,
-    epoch: &Epoch<N>,
-    ism: &Ism,
-) -> Vec<Prior<T>, ROWS> {
-    let rows = solution.snapshot().epoch().rows();
+fn priors<T: Real>(solution: &impl Reducible<T>, epoch: &EpochView<'_>, ism: &Ism) -> Vec<Prior<T>, ROWS> {
+    let rows = solution.snapshot().equations();
     gather(epoch.observations().iter().zip(rows).map(|(observation, row)| {
         let support = ism.of(observation.satellite.constellation());
         let [ura, ure] = [support.ura_m, support.ure_m].map(T::narrow);
@@ -72,9 +68,9 @@ fn refused<T: Real>(outcome: residuals::Outcome, reason: NoThreshold) -> Judgeme
 }
 
 #[inline(never)]
-fn judgement<T: Real, const N: usize>(
-    solution: &impl Reducible<T, N>,
-    epoch: &Epoch<N>,
+fn judgement<T: Real>(
+    solution: &impl Reducible<T>,
+    epoch: &EpochView<'_>,
     judged: &Judged<T>,
 ) -> Judgement<T> {
     let (outcome, excluded, finding) = match &judged.outcome {
@@ -107,8 +103,8 @@ fn judgement<T: Real, const N: usize>(
     }
 }
 
-fn described<T: Real, const N: usize>(
-    epoch: &Epoch<N>,
+fn described<T: Real>(
+    epoch: &EpochView<'_>,
     judged: &Judged<T>,
     finding: &Finding<T>,
     excluded_constellations: u8,

@@ -44,20 +44,18 @@ pub trait Removable<T: Real> {
     fn take_back_all(&mut self, rows: u64);
 }
 
-impl<T: Real, const N: usize> Removable<T> for Snapshot<T, N> {
+impl<T: Real> Removable<T> for Snapshot<'_, T> {
     fn view(&self) -> View<'_, T> {
-        View { rows: self.epoch().rows(), fits: self.fits(), covariance: self.covariance(), sse: self.sse() }
+        View { rows: self.equations(), fits: self.fits(), covariance: self.covariance(), sse: self.sse() }
     }
 
     fn leave_out_all(&mut self, rows: u64) -> Result<(), SnapshotError> {
-        members(rows).for_each(|index| self.epoch_mut().leave_out(index));
-        self.solve_again().inspect_err(|_| members(rows).for_each(|index| self.epoch_mut().take_back(index)))
+        self.reduce(members(rows))
     }
 
     fn take_back_all(&mut self, rows: u64) {
-        members(rows).for_each(|index| self.epoch_mut().take_back(index));
         // What was solved once can be solved again.
-        let _ = self.solve_again();
+        let _ = self.restore(members(rows));
     }
 }
 

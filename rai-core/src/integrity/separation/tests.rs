@@ -13,7 +13,7 @@ use super::walk::Watch;
 use super::{Allocation, Outcome, Prior, Priors, Removable as _, judge};
 use crate::equations::LinearEpoch;
 use crate::satellite::Constellation;
-use crate::snapshot::Snapshot;
+use crate::snapshot::{Snapshot, Workspace};
 
 type Epoch = LinearEpoch<f64, ROWS>;
 
@@ -72,7 +72,7 @@ fn close(what: &str, have: f64, want: f64, within: f64) {
 
 /// The choice of modes.
 fn watched<'a>(
-    snapshot: &Snapshot<f64, ROWS>,
+    snapshot: &Snapshot<'_, f64>,
     priors: &Priors<'_, f64>,
     allocation: &'a Allocation,
 ) -> Watch<'a, f64> {
@@ -82,7 +82,7 @@ fn watched<'a>(
 }
 
 /// Ready for the modes.
-fn solutions<'s>(snapshot: &'s Snapshot<f64, ROWS>, priors: &[Prior<f64>]) -> Solutions<'s, f64> {
+fn solutions<'s>(snapshot: &'s Snapshot<'_, f64>, priors: &[Prior<f64>]) -> Solutions<'s, f64> {
     let mut solutions = Solutions::of(snapshot.view());
     solutions.prepare(priors);
     solutions
@@ -91,7 +91,8 @@ fn solutions<'s>(snapshot: &'s Snapshot<f64, ROWS>, priors: &[Prior<f64>]) -> So
 #[test]
 fn the_worked_example_has_the_published_levels() {
     let (epoch, priors) = example();
-    let mut snapshot = Snapshot::solve(epoch).expect("a position");
+    let mut workspace = Workspace::of(epoch);
+    let mut snapshot = workspace.solve().expect("a position");
     let priors = Priors { satellites: &priors, constellations: EXAMPLE_CONSTELLATIONS };
     let judged = judge(&mut snapshot, &priors, &example_allocation()).expect("a judgement");
     let found = judged.whole;
@@ -112,7 +113,8 @@ fn the_worked_example_has_the_published_levels() {
 #[test]
 fn the_worked_example_has_the_published_intermediates() {
     let (epoch, priors) = example();
-    let snapshot = Snapshot::solve(epoch).expect("a position");
+    let mut workspace = Workspace::of(epoch);
+    let snapshot = workspace.solve().expect("a position");
     let constellations = EXAMPLE_CONSTELLATIONS;
     let all = Priors { satellites: &priors, constellations };
     let allocation = example_allocation();
@@ -258,7 +260,8 @@ fn every_set_of_three_events_is_as_dense_least_squares_has_it() {
     let mut compared = 0;
     for _ in 0..6 {
         let sky = sky(&mut dice, 15);
-        let snapshot = Snapshot::solve(sky.epoch.clone()).expect("a position");
+        let mut workspace = Workspace::of(sky.epoch.clone());
+        let snapshot = workspace.solve().expect("a position");
         let constellations = [1e-4, 1e-4, 1e-4, 1e-4];
         // Faults so likely that three at once must be watched, and one that is not watched is hardly allowed.
         let priors: Vec<_> = sky.priors.iter().map(|&prior| Prior { fault: 0.05, ..prior }).collect();
@@ -295,7 +298,8 @@ fn the_choice_is_that_of_the_rule_read_literally() {
     let mut dice = Dice(5);
     for count in [5, 7, 9, 12] {
         let sky = sky(&mut dice, count);
-        let snapshot = Snapshot::solve(sky.epoch.clone());
+        let mut workspace = Workspace::of(sky.epoch.clone());
+        let snapshot = workspace.solve();
         let Ok(snapshot) = snapshot else { continue };
         for (fault, consolidation) in [(1e-5, 0.01), (3e-4, 0.05), (1e-2, 0.0), (0.05, 0.02)] {
             let priors: Vec<_> = sky
@@ -414,7 +418,8 @@ fn levels_do_not_depend_on_the_order_of_the_satellites() {
                 .expect("a row");
         }
         let priors: Vec<_> = order.iter().map(|&index| sky.priors[index]).collect();
-        let mut snapshot = Snapshot::solve(epoch).expect("a position");
+        let mut workspace = Workspace::of(epoch);
+        let mut snapshot = workspace.solve().expect("a position");
         let priors = Priors { satellites: &priors, constellations: [1e-4; 4] };
         judge(&mut snapshot, &priors, &Allocation::vertical_guidance()).expect("a judgement").whole
     };

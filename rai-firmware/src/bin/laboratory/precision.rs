@@ -7,22 +7,22 @@ use rai_core::integrity::separation::{self, Allocation, Judged, Priors, Separati
 use rai_core::monitor::Monitor;
 use rai_core::numeric::real::Real;
 use rai_core::report::Report;
-use rai_core::single::{self, CAPACITY};
+use rai_core::single::{self, CAPACITY, stages};
 use rai_core::snapshot::{Snapshot, SnapshotError};
 
 /// The stages that are measured in both precisions.
 pub trait Precision: Real {
     /// [`Snapshot::leave_out`].
-    fn leave_out(snapshot: &mut Snapshot<Self, CAPACITY>, index: usize) -> Result<(), SnapshotError>;
+    fn leave_out(snapshot: &mut Snapshot<'_, Self>, index: usize) -> Result<(), SnapshotError>;
     /// [`Snapshot::take_back`].
-    fn take_back(snapshot: &mut Snapshot<Self, CAPACITY>, index: usize) -> Result<(), SnapshotError>;
+    fn take_back(snapshot: &mut Snapshot<'_, Self>, index: usize) -> Result<(), SnapshotError>;
     /// [`baarda::worst_two`].
-    fn worst_two(snapshot: &Snapshot<Self, CAPACITY>) -> Option<(usize, Self, Self)>;
+    fn worst_two(snapshot: &Snapshot<'_, Self>) -> Option<(usize, Self, Self)>;
     /// [`levels::largest_slopes`].
-    fn largest_slopes(snapshot: &Snapshot<Self, CAPACITY>) -> Slopes<Self>;
+    fn largest_slopes(snapshot: &Snapshot<'_, Self>) -> Slopes<Self>;
     /// [`separation::judge`].
     fn separate(
-        snapshot: &mut Snapshot<Self, CAPACITY>,
+        snapshot: &mut Snapshot<'_, Self>,
         priors: &Priors<'_, Self>,
         allocation: &Allocation,
     ) -> Result<Judged<Self>, SeparationError>;
@@ -32,27 +32,27 @@ pub trait Precision: Real {
 
 impl Precision for f32 {
     fn separate(
-        snapshot: &mut Snapshot<Self, CAPACITY>,
+        snapshot: &mut Snapshot<'_, Self>,
         priors: &Priors<'_, Self>,
         allocation: &Allocation,
     ) -> Result<Judged<Self>, SeparationError> {
-        single::separate(snapshot, priors, allocation)
+        stages::separate(snapshot, priors, allocation)
     }
 
-    fn leave_out(snapshot: &mut Snapshot<Self, CAPACITY>, index: usize) -> Result<(), SnapshotError> {
-        single::leave_out(snapshot, index)
+    fn leave_out(snapshot: &mut Snapshot<'_, Self>, index: usize) -> Result<(), SnapshotError> {
+        stages::leave_out(snapshot, index)
     }
 
-    fn take_back(snapshot: &mut Snapshot<Self, CAPACITY>, index: usize) -> Result<(), SnapshotError> {
-        single::take_back(snapshot, index)
+    fn take_back(snapshot: &mut Snapshot<'_, Self>, index: usize) -> Result<(), SnapshotError> {
+        stages::take_back(snapshot, index)
     }
 
-    fn worst_two(snapshot: &Snapshot<Self, CAPACITY>) -> Option<(usize, Self, Self)> {
-        single::worst_two(snapshot)
+    fn worst_two(snapshot: &Snapshot<'_, Self>) -> Option<(usize, Self, Self)> {
+        stages::worst_two(snapshot)
     }
 
-    fn largest_slopes(snapshot: &Snapshot<Self, CAPACITY>) -> Slopes<Self> {
-        single::largest_slopes(snapshot)
+    fn largest_slopes(snapshot: &Snapshot<'_, Self>) -> Slopes<Self> {
+        stages::largest_slopes(snapshot)
     }
 
     fn process(monitor: &mut Monitor<Self, CAPACITY>, epoch: &Epoch<CAPACITY>) -> Report<CAPACITY> {
@@ -62,26 +62,26 @@ impl Precision for f32 {
 
 impl Precision for f64 {
     fn separate(
-        snapshot: &mut Snapshot<Self, CAPACITY>,
+        snapshot: &mut Snapshot<'_, Self>,
         priors: &Priors<'_, Self>,
         allocation: &Allocation,
     ) -> Result<Judged<Self>, SeparationError> {
         separation::judge(snapshot, priors, allocation)
     }
 
-    fn leave_out(snapshot: &mut Snapshot<Self, CAPACITY>, index: usize) -> Result<(), SnapshotError> {
+    fn leave_out(snapshot: &mut Snapshot<'_, Self>, index: usize) -> Result<(), SnapshotError> {
         snapshot.leave_out(index)
     }
 
-    fn take_back(snapshot: &mut Snapshot<Self, CAPACITY>, index: usize) -> Result<(), SnapshotError> {
+    fn take_back(snapshot: &mut Snapshot<'_, Self>, index: usize) -> Result<(), SnapshotError> {
         snapshot.take_back(index)
     }
 
-    fn worst_two(snapshot: &Snapshot<Self, CAPACITY>) -> Option<(usize, Self, Self)> {
+    fn worst_two(snapshot: &Snapshot<'_, Self>) -> Option<(usize, Self, Self)> {
         baarda::worst_two(snapshot)
     }
 
-    fn largest_slopes(snapshot: &Snapshot<Self, CAPACITY>) -> Slopes<Self> {
+    fn largest_slopes(snapshot: &Snapshot<'_, Self>) -> Slopes<Self> {
         levels::largest_slopes(snapshot)
     }
 

@@ -4,8 +4,6 @@ use core::hint::black_box;
 
 use heapless::Vec;
 use rai_core::clock::{CoastingClock, WINDOW};
-use rai_core::equations::LinearEpoch;
-use rai_core::fix::Workspace;
 use rai_core::frame::Ecef;
 use rai_core::integrity::residuals::detection::detect;
 use rai_core::integrity::residuals::levels::largest_slopes;
@@ -16,8 +14,8 @@ use rai_core::integrity::separation::{Allocation, Prior, Priors};
 use rai_core::monitor::{Method, Monitor, Strategy};
 use rai_core::numeric::real::Real;
 use rai_core::requirements::Requirements;
-use rai_core::single::{self, CAPACITY};
-use rai_core::snapshot::Snapshot;
+use rai_core::single::{CAPACITY, stages};
+use rai_core::snapshot::{Snapshot, Workspace};
 use rai_core::weighting::Ism;
 
 use crate::answer::Answers;
@@ -71,16 +69,19 @@ fn thresholds() -> Option<Thresholds<'static>> {
 
 /// Start and epoch to the equations about the position.
 #[inline(never)]
-fn linear<T: Real>(mut input: Input<'_>) -> Option<LinearEpoch<T, CAPACITY>> {
+fn linear<T: Real>(mut input: Input<'_>) -> Option<Workspace<T, CAPACITY>> {
     let start = point(&mut input)?;
     let epoch = epoch(&mut input)?;
-    Some(Workspace::<T, CAPACITY>::new().fix(&epoch, start).ok()?.snapshot().epoch().clone())
+    let mut workspace = Workspace::new();
+    workspace.fix(&epoch, start).ok()?;
+    Some(workspace)
 }
 
 /// Snapshot, global test, w-tests, slopes, protection levels.
 #[inline(never)]
 fn test<T: Precision>(input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers) -> Option<()> {
-    let (mut snapshot, thresholds) = (Snapshot::solve(linear::<T>(input)?).ok()?, thresholds()?);
+    let (mut workspace, thresholds) = (linear::<T>(input)?, thresholds()?);
+    let mut snapshot = workspace.solve().ok()?;
     let (found, ticks) = stopwatch.time(|| {
         solve_in_place(&mut snapshot)?;
         tested(&snapshot, &thresholds)
@@ -89,13 +90,13 @@ fn test<T: Precision>(input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut
 }
 
 /// As a fix does it, pass after pass: the equations stay where they are. No row was out that could be taken back.
-fn solve_in_place<T: Precision>(snapshot: &mut Snapshot<T, CAPACITY>) -> Option<()> {
+fn solve_in_place<T: Precision>(snapshot: &mut Snapshot<'_, T>) -> Option<()> {
     T::take_back(black_box(snapshot), 0).ok()
 }
 
 /// What a snapshot is asked: statistic, largest w, largest slopes times √λ.
 fn tested<T: Precision>(
-    snapshot: &Snapshot<T, CAPACITY>,
+    snapshot: &Snapshot<'_, T>,
     thresholds: &Thresholds<'_>,
 ) -> Option<(bool, usize, [f64; 3])> {
     let detection = detect(snapshot, thresholds)?;
@@ -111,7 +112,8 @@ fn test_without_worst<T: Precision>(
     stopwatch: &mut Stopwatch,
     answers: &mut Answers,
 ) -> Option<()> {
-    let (mut snapshot, thresholds) = (Snapshot::solve(linear::<T>(input)?).ok()?, thresholds()?);
+    let (mut workspace, thresholds) = (linear::<T>(input)?, thresholds()?);
+    let mut snapshot = workspace.solve().ok()?;
     let (found, ticks) = stopwatch.time(|| {
         solve_in_place(&mut snapshot)?;
         let (_, worst, _) = tested(&snapshot, &thresholds)?;
@@ -125,11 +127,11 @@ fn test_without_worst<T: Precision>(
 #[inline(never)]
 fn group(mut input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers) -> Option<()> {
     let rows = usize::from(input.byte()?);
-    let (epoch, thresholds) = (linear::<f32>(input)?, thresholds()?);
-    let snapshot = Snapshot::solve(epoch).ok()?;
+    let (mut workspace, thresholds) = (linear::<f32>(input)?, thresholds()?);
+    let snapshot = workspace.solve().ok()?;
     let limits = parity::SearchLimits { rows, ..parity::SearchLimits::published() };
     let (found, ticks) = stopwatch.time(|| {
-        let finding = single::grouping(black_box(&snapshot), &thresholds, &limits);
+        let finding = stages::grouping(black_box(&snapshot), &thresholds, &limits);
         (finding.sets, finding.set.is_ok())
     });
     answers.write(ticks, &found)
@@ -138,12 +140,12 @@ fn group(mut input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers)
 /// Range consensus with a selection that is at hand.
 #[inline(never)]
 fn vote(input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers) -> Option<()> {
-    let (epoch, thresholds) = (linear::<f32>(input)?, thresholds()?);
+    let (mut workspace, thresholds) = (linear::<f32>(input)?, thresholds()?);
     let limits = ransac::ConsensusLimits::published().ok()?;
-    let selection = single::choose(&epoch, ransac::MAX_WORK);
-    let mut snapshot = Snapshot::solve(epoch).ok()?;
+    let mut snapshot = workspace.solve().ok()?;
+    let selection = stages::choose(snapshot.equations(), ransac::MAX_WORK);
     let (found, ticks) = stopwatch.time(|| {
-        single::exclude_by_consensus(black_box(&mut snapshot), &selection, &thresholds, &limits).outcome
+        stages::exclude_by_consensus(black_box(&mut snapshot), &selection, &thresholds, &limits).outcome
     });
     answers.write(ticks, &found)
 }
@@ -151,12 +153,12 @@ fn vote(input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers) -> O
 /// Range consensus with a new selection.
 #[inline(never)]
 fn select(input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers) -> Option<()> {
-    let (epoch, thresholds) = (linear::<f32>(input)?, thresholds()?);
+    let (mut workspace, thresholds) = (linear::<f32>(input)?, thresholds()?);
     let limits = ransac::ConsensusLimits::published().ok()?;
-    let mut snapshot = Snapshot::solve(epoch.clone()).ok()?;
+    let mut snapshot = workspace.solve().ok()?;
     let (found, ticks) = stopwatch.time(|| {
-        let selection = single::choose(black_box(&epoch), ransac::MAX_WORK);
-        single::exclude_by_consensus(&mut snapshot, &selection, &thresholds, &limits).outcome
+        let selection = stages::choose(black_box(snapshot.equations()), ransac::MAX_WORK);
+        stages::exclude_by_consensus(&mut snapshot, &selection, &thresholds, &limits).outcome
     });
     answers.write(ticks, &found)
 }
@@ -169,9 +171,10 @@ fn separate<T: Precision>(
     answers: &mut Answers,
 ) -> Option<()> {
     let has_bias = input.byte()? == 1;
-    let mut snapshot = Snapshot::solve(linear::<T>(input)?).ok()?;
+    let mut workspace = linear::<T>(input)?;
+    let mut snapshot = workspace.solve().ok()?;
     let mut satellites = Vec::<Prior<T>, CAPACITY>::new();
-    for row in snapshot.epoch().rows() {
+    for row in snapshot.equations() {
         let support = Ism::RESEARCH.of(row.clock?);
         let accuracy_m = T::narrow(0.8) * row.sigma;
         let bias_m = T::narrow(if has_bias { support.bias_m } else { 0.0 });
@@ -197,8 +200,8 @@ fn coast(mut input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers)
     }
     let next_m = input.double()?;
     let (forecast, ticks) = stopwatch.time(|| {
-        single::observe(black_box(&mut clock), time_s, next_m, 0.3);
-        single::forecast(&clock, time_s + 1.0)
+        stages::observe(black_box(&mut clock), time_s, next_m, 0.3);
+        stages::forecast(&clock, time_s + 1.0)
     });
     answers.write(ticks, &forecast)
 }
@@ -207,11 +210,12 @@ fn coast(mut input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers)
 #[inline(never)]
 fn policy(mut input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers) -> Option<()> {
     let policy = policy_of(input.byte()?)?;
-    let snapshot = Snapshot::solve(linear::<f32>(input)?).ok()?;
+    let mut workspace = linear::<f32>(input)?;
+    let snapshot = workspace.solve().ok()?;
     let (slopes, thresholds) = (largest_slopes(&snapshot), thresholds()?);
     let (found, ticks) = stopwatch.time(|| {
         let demand = Demand::new(black_box(snapshot.dof()), slopes, &requirements(), thresholds);
-        single::threshold(&demand, policy)
+        stages::threshold(&demand, policy)
     });
     answers.write(ticks, &found)
 }

@@ -7,7 +7,7 @@ use rai_core::clock::{self, Autoregression, Clocks, CoastingClock, Extrapolation
 use rai_core::continuity::{Continuity, ContinuityError, ContinuitySettings};
 use rai_core::epoch::{Epoch, EpochError};
 use rai_core::equations::{LinearEpoch, RowError};
-use rai_core::fix::{Fix, FixError, Workspace};
+use rai_core::fix::{Fix, FixError};
 use rai_core::frame::{Ecef, Enu, Geodetic, LocalFrame};
 use rai_core::integrity;
 use rai_core::integrity::residuals::baarda;
@@ -28,8 +28,8 @@ use rai_core::removal::{self, NormalisedRow, Removal};
 use rai_core::report::Solution;
 use rai_core::requirements::{Requirements, RequirementsError};
 use rai_core::satellite::{Constellation, SatelliteId};
-use rai_core::single;
-use rai_core::snapshot::{Fit, Reducible, Snapshot, SnapshotError};
+use rai_core::single::{self, stages};
+use rai_core::snapshot::{Fit, Reducible, Snapshot, SnapshotError, Workspace};
 use rai_core::velocity::{self, RangeRate, VelocityError};
 use rai_core::weighting;
 use rai_firmware::correction::CAPACITY as N;
@@ -60,72 +60,78 @@ fn the_linearised_epoch<T: Real>() {
         LinearEpoch::<T, N>::height as fn(_, _, _) -> _,
         LinearEpoch::<T, N>::rows as fn(_) -> _,
         LinearEpoch::<T, N>::reference_m as fn(_, _) -> _,
+        LinearEpoch::<T, N>::clear as fn(_),
         LinearEpoch::<T, N>::leave_out as fn(_, _),
         LinearEpoch::<T, N>::take_back as fn(_, _),
     );
     reach!(
-        Snapshot::<T, N>::solve as fn(_) -> _,
-        Snapshot::<T, N>::leave_out as fn(_, _) -> _,
-        Snapshot::<T, N>::take_back as fn(_, _) -> _,
-        Snapshot::<T, N>::epoch as fn(_) -> _,
-        (|snapshot| exhaust(Snapshot::<T, N>::rows(snapshot))) as fn(_),
-        Snapshot::<T, N>::row as fn(_, _) -> _,
-        Snapshot::<T, N>::fits as fn(_) -> _,
-        Snapshot::<T, N>::correction as fn(_) -> _,
-        Snapshot::<T, N>::covariance as fn(_) -> _,
-        Snapshot::<T, N>::sse as fn(_) -> _,
-        Snapshot::<T, N>::used as fn(_) -> _,
-        Snapshot::<T, N>::dof as fn(_) -> _,
-        Snapshot::<T, N>::determines as fn(_, _) -> _,
-        Snapshot::<T, N>::clock_m as fn(_, _) -> _,
-        Snapshot::<T, N>::clock_variance as fn(_, _) -> _,
-        Snapshot::<T, N>::level_variance as fn(_, _) -> _,
-        Snapshot::<T, N>::projection as fn(_, _, _) -> _,
-        Snapshot::<T, N>::dilutions as fn(_) -> _,
-        Snapshot::<T, N>::hdop_without as fn(_, _) -> _,
-        <Snapshot<T, N> as Reducible<T, N>>::snapshot as fn(_) -> _,
-        <Snapshot<T, N> as Reducible<T, N>>::leave_out as fn(_, _) -> _,
-        <Snapshot<T, N> as Reducible<T, N>>::take_back as fn(_, _) -> _,
-        <Snapshot<T, N> as Reducible<T, N>>::set_aside as fn(_, _) -> _,
+        Workspace::<T, N>::of as fn(_) -> _,
+        Workspace::<T, N>::equations as fn(_) -> _,
+        Workspace::<T, N>::equations_mut as fn(_) -> _,
+        Workspace::<T, N>::solve as fn(_) -> _,
+        Workspace::<T, N>::copy_of as fn(_, _) -> _,
+        Snapshot::<T>::leave_out as fn(_, _) -> _,
+        Snapshot::<T>::take_back as fn(_, _) -> _,
+        Snapshot::<T>::equations as fn(_) -> _,
+        Snapshot::<T>::reference_m as fn(_, _) -> _,
+        (|snapshot| exhaust(Snapshot::<T>::rows(snapshot))) as fn(&_),
+        Snapshot::<T>::row as fn(_, _) -> _,
+        Snapshot::<T>::fits as fn(_) -> _,
+        Snapshot::<T>::correction as fn(_) -> _,
+        Snapshot::<T>::covariance as fn(_) -> _,
+        Snapshot::<T>::sse as fn(_) -> _,
+        Snapshot::<T>::used as fn(_) -> _,
+        Snapshot::<T>::dof as fn(_) -> _,
+        Snapshot::<T>::determines as fn(_, _) -> _,
+        Snapshot::<T>::clock_m as fn(_, _) -> _,
+        Snapshot::<T>::clock_variance as fn(_, _) -> _,
+        Snapshot::<T>::level_variance as fn(_, _) -> _,
+        Snapshot::<T>::projection as fn(_, _, _) -> _,
+        Snapshot::<T>::dilutions as fn(_) -> _,
+        Snapshot::<T>::hdop_without as fn(_, _) -> _,
+        <Snapshot<'_, T> as Reducible<T>>::snapshot as fn(_) -> _,
+        <Snapshot<'_, T> as Reducible<T>>::leave_out as fn(_, _) -> _,
+        <Snapshot<'_, T> as Reducible<T>>::take_back as fn(_, _) -> _,
+        <Snapshot<'_, T> as Reducible<T>>::set_aside as fn(_, _) -> _,
     );
 }
 
 fn detection_and_protection<T: Real>() {
     reach!(
-        detection::detect::<T, N> as fn(_, _) -> _,
+        detection::detect::<T> as fn(_, _) -> _,
         Detection::<T>::fault as fn(_) -> _,
         Detection::<T>::statistic as fn(_) -> _,
         levels::slopes::<T> as fn(_, _) -> _,
-        levels::largest_slopes::<T, N> as fn(_) -> _,
+        levels::largest_slopes::<T> as fn(_) -> _,
         Slopes::<T>::protect as fn(_, _) -> _,
-        levels::largest_hdop_change::<T, N> as fn(_) -> _,
+        levels::largest_hdop_change::<T> as fn(_) -> _,
         levels::Spread::<T>::of as fn(_) -> _,
-        levels::common_shift::<T, N> as fn(_, _) -> _,
-        levels::Exposure::<T>::of::<N> as fn(_, _, _) -> _,
+        levels::common_shift::<T> as fn(_, _) -> _,
+        levels::Exposure::<T>::of as fn(_, _, _) -> _,
         levels::Exposure::<T>::protect as fn(_, _) -> _,
         levels::Exposure::<T>::horizontal_noncentrality as fn(_, _) -> _,
         levels::Exposure::<T>::vertical_noncentrality as fn(_, _) -> _,
         Detection::<T>::of as fn(_, _, _) -> _,
-        Detection::<T>::passes::<N> as fn(_, _) -> _,
+        Detection::<T>::passes as fn(_, _) -> _,
     );
 }
 
 fn removals<T: Real>() {
     reach!(
-        removal::testable_rows::<T, N> as fn(_) -> _,
+        removal::testable_rows::<T> as fn(_) -> _,
         NormalisedRow::<T>::projection as fn(_, _) -> _,
         Removal::<T>::none as fn() -> _,
         <Removal<T> as Default>::default as fn() -> _,
-        Removal::<T>::of::<N> as fn(_, _) -> _,
+        Removal::<T>::of as fn(_, _) -> _,
         Removal::<T>::among as fn(_, _) -> _,
         Removal::<T>::and as fn(_, _) -> _,
         Removal::<T>::explains_more as fn(_, _) -> _,
         Removal::<T>::rows as fn(_) -> _,
         Removal::<T>::explained as fn(_) -> _,
         Removal::<T>::sse as fn(_, _) -> _,
-        Removal::<T>::dof::<N> as fn(_, _) -> _,
-        Removal::<T>::correction::<N> as fn(_, _) -> _,
-        Removal::<T>::covariance::<N> as fn(_, _) -> _,
+        Removal::<T>::dof as fn(_, _) -> _,
+        Removal::<T>::correction as fn(_, _) -> _,
+        Removal::<T>::covariance as fn(_, _) -> _,
     );
 }
 
@@ -133,56 +139,56 @@ fn identification_by_w_test<T: Real>() {
     reach!(
         Fit::<T>::w_test as fn(_) -> _,
         Fit::<T>::w_squared as fn(_) -> _,
-        baarda::worst_two::<T, N> as fn(_) -> _,
-        baarda::identify::<T, N> as fn(_, _) -> _,
-        baarda::exclude_sequentially::<T, N> as fn(&mut Snapshot<T, N>, _) -> _,
-        baarda::exclude_sequentially::<T, N> as fn(&mut Fix<'static, T, N>, _) -> _,
-        exclusion::separable::<T, N> as fn(&mut Snapshot<T, N>, _, _) -> _,
-        exclusion::separable::<T, N> as fn(&mut Fix<'static, T, N>, _, _) -> _,
+        baarda::worst_two::<T> as fn(_) -> _,
+        baarda::identify::<T> as fn(_, _) -> _,
+        baarda::exclude_sequentially::<T> as fn(&mut Snapshot<'static, T>, _) -> _,
+        baarda::exclude_sequentially::<T> as fn(&mut Fix<'static, T>, _) -> _,
+        exclusion::separable::<T> as fn(&mut Snapshot<'static, T>, _, _) -> _,
+        exclusion::separable::<T> as fn(&mut Fix<'static, T>, _, _) -> _,
         exclusion::Exclusion::<T>::passed as fn() -> _,
         exclusion::Exclusion::<T>::not_isolated as fn(_) -> _,
-        exclusion::leave_out::<T, N> as fn(&mut Snapshot<T, N>, _, _) -> _,
-        exclusion::leave_out::<T, N> as fn(&mut Fix<'static, T, N>, _, _) -> _,
+        exclusion::leave_out::<T> as fn(&mut Snapshot<'static, T>, _, _) -> _,
+        exclusion::leave_out::<T> as fn(&mut Fix<'static, T>, _, _) -> _,
     );
 }
 
 fn identification_in_parity_space<T: Real>() {
     reach!(
-        parity::correlation::<T, N> as fn(_, _) -> _,
+        parity::correlation::<T> as fn(_, _) -> _,
         parity::correlation_threshold::<T> as fn(_, _) -> _,
-        parity::simultaneous::<T, N> as fn(_, _, _) -> _,
-        parity::sequential::<T, N> as fn(_, _, _) -> _,
-        parity::hybrid_without_grouping::<T, N> as fn(_, _, _) -> _,
-        parity::hybrid::<T, N> as fn(_, _, _) -> _,
-        parity::grouping::<T, N> as fn(_, _, _) -> _,
-        parity::exclude::<T, N> as fn(_, &mut Snapshot<T, N>, _, _) -> _,
-        parity::exclude::<T, N> as fn(_, &mut Fix<'static, T, N>, _, _) -> _,
+        parity::simultaneous::<T> as fn(_, _, _) -> _,
+        parity::sequential::<T> as fn(_, _, _) -> _,
+        parity::hybrid_without_grouping::<T> as fn(_, _, _) -> _,
+        parity::hybrid::<T> as fn(_, _, _) -> _,
+        parity::grouping::<T> as fn(_, _, _) -> _,
+        parity::exclude::<T> as fn(_, &mut Snapshot<'static, T>, _, _) -> _,
+        parity::exclude::<T> as fn(_, &mut Fix<'static, T>, _, _) -> _,
     );
 }
 
 fn identification_by_consensus<T: Real>() {
     reach!(
-        Selection::<N>::choose::<T> as fn(_, _) -> _,
-        ransac::consensus::<T, N> as fn(_, _, _) -> _,
-        ransac::refine::<T, N> as fn(_, _, _, _) -> _,
-        ransac::exclude::<T, N> as fn(&mut Snapshot<T, N>, _, _, _) -> _,
-        ransac::exclude::<T, N> as fn(&mut Fix<'static, T, N>, _, _, _) -> _,
-        ransac::exclude_in::<T, N> as fn(&mut Snapshot<T, N>, _, _, _) -> _,
-        ransac::exclude_in::<T, N> as fn(&mut Fix<'static, T, N>, _, _, _) -> _,
-        ransac::Subsets::<N>::of::<T> as fn(_, _, _) -> _,
+        Selection::choose::<T> as fn(_, _) -> _,
+        ransac::consensus::<T> as fn(_, _, _) -> _,
+        ransac::refine::<T> as fn(_, _, _, _) -> _,
+        ransac::exclude::<T> as fn(&mut Snapshot<'static, T>, _, _, _) -> _,
+        ransac::exclude::<T> as fn(&mut Fix<'static, T>, _, _, _) -> _,
+        ransac::exclude_in::<T> as fn(&mut Snapshot<'static, T>, _, _, _) -> _,
+        ransac::exclude_in::<T> as fn(&mut Fix<'static, T>, _, _, _) -> _,
+        ransac::Subsets::of::<T> as fn(_, _, _) -> _,
     );
 }
 
 fn separation_of_solutions<T: Real>() {
     reach!(
-        separation::judge::<T> as fn(&mut Snapshot<T, N>, _, _) -> _,
-        separation::judge::<T> as fn(&mut Fix<'static, T, N>, _, _) -> _,
-        <Snapshot<T, N> as Removable<T>>::view as fn(_) -> _,
-        <Snapshot<T, N> as Removable<T>>::leave_out_all as fn(_, _) -> _,
-        <Snapshot<T, N> as Removable<T>>::take_back_all as fn(_, _),
-        <Fix<'_, T, N> as Removable<T>>::view as fn(_) -> _,
-        <Fix<'_, T, N> as Removable<T>>::leave_out_all as fn(_, _) -> _,
-        <Fix<'_, T, N> as Removable<T>>::take_back_all as fn(_, _),
+        separation::judge::<T> as fn(&mut Snapshot<'static, T>, _, _) -> _,
+        separation::judge::<T> as fn(&mut Fix<'static, T>, _, _) -> _,
+        <Snapshot<'_, T> as Removable<T>>::view as fn(_) -> _,
+        <Snapshot<'_, T> as Removable<T>>::leave_out_all as fn(_, _) -> _,
+        <Snapshot<'_, T> as Removable<T>>::take_back_all as fn(_, _),
+        <Fix<'_, T> as Removable<T>>::view as fn(_) -> _,
+        <Fix<'_, T> as Removable<T>>::leave_out_all as fn(_, _) -> _,
+        <Fix<'_, T> as Removable<T>>::take_back_all as fn(_, _),
         Finding::<T>::hpl_m as fn(_) -> _,
         Finding::<T>::vpl_m as fn(_) -> _,
         normal::tail::<T> as fn(_) -> _,
@@ -212,10 +218,10 @@ fn clocks<T: Real>() {
         <Clocks<T> as Default>::default as fn() -> _,
         Clocks::<T>::restart as fn(_),
         Clocks::<T>::of as fn(_, _) -> _,
-        Clocks::<T>::aiding::<N> as fn(_, _) -> _,
+        Clocks::<T>::aiding as fn(_, _) -> _,
         Clocks::<T>::learn as fn(_, _, _),
-        clock::SolvedClocks::of::<T, N> as fn(_) -> _,
-        clock::satellites_alone::<T, N> as fn(_, _) -> _,
+        clock::SolvedClocks::of::<T> as fn(_) -> _,
+        clock::satellites_alone::<T> as fn(_, _) -> _,
     );
 }
 
@@ -234,8 +240,9 @@ fn thresholds<T: Real>() {
 
 fn velocity<T: Real>() {
     reach!(
-        (|rates, thresholds, factors| velocity::estimate::<T, N>(rates.iter().copied(), thresholds, factors))
-            as fn(&[RangeRate], _, _) -> _,
+        (|workspace, rates, thresholds, factors| {
+            velocity::estimate::<T, N>(workspace, rates.iter().copied(), thresholds, factors)
+        }) as fn(_, &[RangeRate], _, _) -> _,
     );
 }
 
@@ -244,13 +251,12 @@ fn the_pipeline<T: Real>() {
         Workspace::<T, N>::new as fn() -> _,
         <Workspace<T, N> as Default>::default as fn() -> _,
         Workspace::<T, N>::fix as fn(_, _, _) -> _,
-        Fix::<T, N>::position as fn(_) -> _,
-        Fix::<T, N>::frame as fn(_) -> _,
-        Fix::<T, N>::snapshot as fn(_) -> _,
-        <Fix<'_, T, N> as Reducible<T, N>>::snapshot as fn(_) -> _,
-        <Fix<'_, T, N> as Reducible<T, N>>::leave_out as fn(_, _) -> _,
-        <Fix<'_, T, N> as Reducible<T, N>>::take_back as fn(_, _) -> _,
-        <Fix<'_, T, N> as Reducible<T, N>>::set_aside as fn(_, _) -> _,
+        Fix::<T>::position as fn(_) -> _,
+        Fix::<T>::snapshot as fn(_) -> _,
+        <Fix<'_, T> as Reducible<T>>::snapshot as fn(_) -> _,
+        <Fix<'_, T> as Reducible<T>>::leave_out as fn(_, _) -> _,
+        <Fix<'_, T> as Reducible<T>>::take_back as fn(_, _) -> _,
+        <Fix<'_, T> as Reducible<T>>::set_aside as fn(_, _) -> _,
         Monitor::<T, N>::new as fn(_) -> _,
         Monitor::<T, N>::require as fn(_, _) -> _,
         Monitor::<T, N>::set_strategy as fn(_, _),
@@ -265,10 +271,10 @@ fn the_pipeline<T: Real>() {
         Monitor::<T, N>::set_continuity as fn(_, _) -> _,
         Monitor::<T, N>::forgo_continuity as fn(_),
         Monitor::<T, N>::forget_position as fn(_),
-        Fix::<T, N>::clock_row as fn(_) -> _,
-        integrity::judge::<T, N> as fn(&mut Snapshot<T, N>, _, _, _, _, _) -> _,
-        integrity::judge::<T, N> as fn(&mut Fix<'static, T, N>, _, _, _, _, _) -> _,
-        integrity::Criteria::test::<T, N> as fn(_, _, _) -> _,
+        Fix::<T>::clock_row as fn(_) -> _,
+        integrity::judge::<T> as fn(&mut Snapshot<'static, T>, _, _, _, _, _) -> _,
+        integrity::judge::<T> as fn(&mut Fix<'static, T>, _, _, _, _, _) -> _,
+        integrity::Criteria::test::<T> as fn(_, _, _) -> _,
         integrity::Judgement::<T>::levels as fn(_) -> _,
     );
 }
@@ -299,21 +305,21 @@ fn as_a_module_runs_it() {
     reach!(
         single::process as fn(_, _) -> _,
         single::judge as fn(_, _, _, _, _) -> _,
-        single::velocity as fn(_, _, _) -> _,
+        single::velocity as fn(_, _, _, _) -> _,
         <VelocityError as Display>::fmt as fn(_, _) -> _,
-        single::position as fn(_, _) -> _,
+        single::position as fn(_, _, _) -> _,
         single::solve as fn(_) -> _,
-        single::leave_out as fn(_, _) -> _,
-        single::take_back as fn(_, _) -> _,
-        single::worst_two as fn(_) -> _,
-        single::largest_slopes as fn(_) -> _,
-        single::grouping as fn(_, _, _) -> _,
-        single::choose as fn(_, _) -> _,
-        single::exclude_by_consensus as fn(_, _, _, _) -> _,
-        single::separate as fn(_, _, _) -> _,
-        single::observe as fn(_, _, _, _) -> _,
-        single::forecast as fn(_, _) -> _,
-        single::threshold as fn(_, _) -> _,
+        stages::leave_out as fn(_, _) -> _,
+        stages::take_back as fn(_, _) -> _,
+        stages::worst_two as fn(_) -> _,
+        stages::largest_slopes as fn(_) -> _,
+        stages::grouping as fn(_, _, _) -> _,
+        stages::choose as fn(_, _) -> _,
+        stages::exclude_by_consensus as fn(_, _, _, _) -> _,
+        stages::separate as fn(_, _, _) -> _,
+        stages::observe as fn(_, _, _, _) -> _,
+        stages::forecast as fn(_, _) -> _,
+        stages::threshold as fn(_, _) -> _,
     );
 }
 
@@ -417,13 +423,13 @@ fn tables() {
         policy::range_threshold_m as fn(_, _, _) -> _,
         parity::SearchLimits::published as fn() -> _,
         ransac::ConsensusLimits::published as fn() -> _,
-        Selection::<N>::none as fn() -> _,
-        ransac::Subsets::<N>::new as fn() -> _,
-        Selection::<N>::subsets as fn(_) -> _,
-        Selection::<N>::rows as fn(_) -> _,
-        Selection::<N>::contains as fn(_, _, _) -> _,
-        Selection::<N>::work as fn(_) -> _,
-        Selection::<N>::cut as fn(_) -> _,
+        Selection::none as fn() -> _,
+        ransac::Subsets::new as fn() -> _,
+        Selection::subsets as fn(_) -> _,
+        Selection::rows as fn(_) -> _,
+        Selection::contains as fn(_, _, _) -> _,
+        Selection::work as fn(_) -> _,
+        Selection::cut as fn(_) -> _,
     );
 }
 

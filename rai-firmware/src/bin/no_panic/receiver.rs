@@ -191,7 +191,7 @@ fn corrections() {
         Navigator::rate_tally as fn(_) -> _,
         Rates::new as fn() -> _,
         Rates::tally as fn(_) -> _,
-        Rates::velocity as fn(_, _, _, _, _) -> _,
+        Rates::velocity as fn(_, _, _, _, _, _) -> _,
         (|tally| exhaust(RateTally::iter(tally))) as fn(_),
     );
 }

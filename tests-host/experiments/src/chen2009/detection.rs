@@ -25,7 +25,7 @@ use rai_core::equations::LinearEpoch;
 use rai_core::integrity::residuals::threshold::Thresholds;
 use rai_core::numeric::probability::Probability;
 use rai_core::satellite::Constellation::Gps;
-use rai_core::snapshot::Snapshot;
+use rai_core::snapshot::Workspace;
 use rayon::prelude::*;
 
 use super::super::{Finding, Judgement, Picture, Row, Section};
@@ -108,7 +108,8 @@ fn cases(seen: &[Sight], most: Option<usize>, sigma_m: f64, clock: Clock) -> Vec
         let rai_core::frame::Enu { east, north, up } = sight.line_of_sight;
         epoch.satellite(Gps, Vector3::new(east, north, up), 0.0, sigma_m).expect("a sight is a sound row");
     }
-    let Ok(alone) = Snapshot::solve(epoch.clone()) else { return Vec::new() };
+    let mut workspace = Workspace::of(epoch.clone());
+    let Ok(alone) = workspace.solve() else { return Vec::new() };
     let solved_m2 = alone.clock_variance(Gps).unwrap_or(f64::INFINITY);
     let sigma_b_m = match clock {
         Clock::Unknown => None,
@@ -118,7 +119,8 @@ fn cases(seen: &[Sight], most: Option<usize>, sigma_m: f64, clock: Clock) -> Vec
     if let Some(sigma_b_m) = sigma_b_m {
         epoch.clock(Gps, 0.0, sigma_b_m).expect("a sound row");
     }
-    let Some(snapshot) = Snapshot::solve(epoch).ok().filter(|snapshot| snapshot.dof() > 0) else {
+    let mut workspace = Workspace::of(epoch);
+    let Some(snapshot) = workspace.solve().ok().filter(|snapshot| snapshot.dof() > 0) else {
         return Vec::new();
     };
     let of_satellites = snapshot.rows().take(chosen.len());

@@ -21,7 +21,7 @@ use rai_core::integrity::residuals::levels::noncentrality_at;
 use rai_core::integrity::residuals::parity::correlation;
 use rai_core::integrity::residuals::threshold::policy::{Demand, Weights};
 use rai_core::numeric::probability::Probability;
-use rai_core::snapshot::Snapshot;
+use rai_core::snapshot::{Snapshot, Workspace};
 
 use super::{Day, EPOCHS, Finding, HAL_M, Judgement, MISSED_DETECTION, ROWS, Row, SIGMA_M, Section};
 use tests_host::sky::linear;
@@ -61,7 +61,8 @@ pub(super) fn section(day: &Day) -> anyhow::Result<Section> {
 }
 
 fn differences(day: &Day, rows: &[linear::Row]) -> anyhow::Result<Differences> {
-    let snapshot = super::solve::<f64>(rows)?;
+    let mut workspace = super::pose::<f64>(rows)?;
+    let snapshot = workspace.solve()?;
     let basis = parity_matrix(rows);
     let residuals = DVector::from_iterator(rows.len(), rows.iter().map(|row| row.y_m / SIGMA_M));
     let parity = &basis * residuals;
@@ -95,12 +96,13 @@ fn parity_matrix(rows: &[linear::Row]) -> DMatrix<f64> {
 }
 
 /// The increase of HDOP², solved again and by the identity, relative to what it increases.
-fn dilution(snapshot: &Snapshot<f64, ROWS>, index: usize) -> f64 {
+fn dilution(snapshot: &Snapshot<'_, f64>, index: usize) -> f64 {
     let by_identity = snapshot.row(index).map_or(f64::NAN, |(row, fit)| {
         let moved = fit.gain.x.powi(2) + fit.gain.y.powi(2);
         row.weight.powi(2) * moved / fit.redundancy
     });
-    let mut without = snapshot.clone();
+    let mut workspace = Workspace::<f64, ROWS>::new();
+    let Some(mut without) = workspace.copy_of(snapshot) else { return f64::NAN };
     if without.leave_out(index).is_err() {
         return f64::NAN;
     }
@@ -109,7 +111,7 @@ fn dilution(snapshot: &Snapshot<f64, ROWS>, index: usize) -> f64 {
 }
 
 /// Alert limits around the protection level, and the paper's own.
-fn disagreements(day: &Day, snapshot: &Snapshot<f64, ROWS>) -> anyhow::Result<usize> {
+fn disagreements(day: &Day, snapshot: &Snapshot<'_, f64>) -> anyhow::Result<usize> {
     let slopes = largest_slopes(snapshot);
     let dof = snapshot.dof();
     let hpl_m = slopes.protect(day.thresholds.lambda(dof).context("beyond the tables")?).hpl_m;

@@ -21,7 +21,7 @@ use rai_core::integrity::residuals::threshold::policy::range_threshold_m;
 use rai_core::numeric::probability::Probability;
 use rai_core::numeric::real::Real;
 use rai_core::satellite::Constellation;
-use rai_core::snapshot::Snapshot;
+use rai_core::snapshot::Workspace;
 
 use super::{Effort, Experiment, Finding, Judgement, Outcome, Picture, Row, Section};
 use tests_host::report::canvas::{BLUE, Mark, ORANGE};
@@ -75,14 +75,15 @@ impl Day {
         linear::rows(&self.views[epoch], Sigma::Constant(SIGMA_M), clocks_m, &self.noise, number as u64)
     }
 
-    /// Every epoch of the day, solved in double precision.
-    fn snapshots(&self) -> impl Iterator<Item = anyhow::Result<Snapshot<f64, ROWS>>> {
-        (0..EPOCHS).map(|epoch| solve(&self.rows(epoch, 0)))
+    /// Every epoch of the day in double precision, to be solved.
+    fn workspaces(&self) -> impl Iterator<Item = anyhow::Result<Workspace<f64, ROWS>>> {
+        (0..EPOCHS).map(|epoch| pose(&self.rows(epoch, 0)))
     }
 }
 
-fn solve<T: Real>(rows: &[linear::Row]) -> anyhow::Result<Snapshot<T, ROWS>> {
-    Ok(Snapshot::solve(equations(rows)?)?)
+/// Equations of rows, to be solved.
+fn pose<T: Real>(rows: &[linear::Row]) -> anyhow::Result<Workspace<T, ROWS>> {
+    Ok(Workspace::of(equations(rows)?))
 }
 
 /// The same rows with a bias on one of them.
@@ -144,8 +145,9 @@ struct Protection {
 }
 
 fn availability(day: &Day) -> anyhow::Result<(Section, Picture)> {
-    let protection = |snapshot: anyhow::Result<Snapshot<f64, ROWS>>| {
-        let snapshot = snapshot?;
+    let protection = |workspace: anyhow::Result<Workspace<f64, ROWS>>| {
+        let mut workspace = workspace?;
+        let snapshot = workspace.solve()?;
         let lambda = day.thresholds.lambda(snapshot.dof()).context("beyond the tables")?;
         Ok(Protection {
             hpl_m: largest_slopes(&snapshot).protect(lambda).hpl_m,
@@ -153,7 +155,7 @@ fn availability(day: &Day) -> anyhow::Result<(Section, Picture)> {
             hdop_change_limit: hdop_change_limit(HAL_M, SIGMA_M, lambda),
         })
     };
-    let protections: Vec<Protection> = day.snapshots().map(protection).collect::<anyhow::Result<_>>()?;
+    let protections: Vec<Protection> = day.workspaces().map(protection).collect::<anyhow::Result<_>>()?;
     let count = |available: fn(&Protection) -> bool| {
         let count = protections.iter().filter(|&protection| available(protection)).count();
         Finding::Words(format!("{count} of {EPOCHS}"))

@@ -23,7 +23,7 @@ use rai_core::integrity::residuals::detection::detect;
 use rand::Rng as _;
 use rayon::prelude::*;
 
-use super::{Day, EPOCHS, Finding, Judgement, Picture, Row, SEED, SIGMA_M, Section, faulty, solve};
+use super::{Day, EPOCHS, Finding, Judgement, Picture, Row, SEED, SIGMA_M, Section, faulty, pose};
 use crate::draw::generator;
 
 use tests_host::chi_square;
@@ -71,7 +71,8 @@ fn exact(day: &Day) -> anyhow::Result<Vec<Exact>> {
 
 /// Mean and variance of `P_D` over the satellites of one epoch, for every bias.
 fn moments(day: &Day, epoch: usize) -> anyhow::Result<[(f64, f64); BIASES]> {
-    let snapshot = solve::<f64>(&day.rows(epoch, 0))?;
+    let mut workspace = pose::<f64>(&day.rows(epoch, 0))?;
+    let snapshot = workspace.solve()?;
     let tau = day.thresholds.tau1(snapshot.dof()).context("beyond the tables")?;
     Ok(std::array::from_fn(|step| {
         let detection = |redundancy: f64| {
@@ -116,7 +117,8 @@ fn try_all_biases(day: &Day, number: usize) -> anyhow::Result<[Counts; BIASES]> 
     let chosen = generator(SEED, number as u64).random_range(0..rows.len());
     let mut counts = [Counts::default(); BIASES];
     for (step, counts) in counts.iter_mut().enumerate() {
-        let snapshot = solve::<f32>(&faulty(&rows, chosen, bias_m(step)))?;
+        let mut workspace = pose::<f32>(&faulty(&rows, chosen, bias_m(step)))?;
+        let snapshot = workspace.solve()?;
         let detected = detect(&snapshot, &day.thresholds).context("beyond the tables")?.fault();
         let named = identify(&snapshot, &day.thresholds) == Ok(chosen);
         let one = usize::from;

@@ -8,8 +8,8 @@ use rand::Rng as _;
 
 use anyhow::Context as _;
 
-use super::{Day, EPOCHS, FALSE_ALARM, Finding, Judgement, Picture, ROWS, Row, SEED, SIGMA_M, Section};
-use super::{faulty, solve};
+use super::{Day, EPOCHS, FALSE_ALARM, Finding, Judgement, Picture, Row, SEED, SIGMA_M, Section};
+use super::{faulty, pose};
 use crate::draw::generator;
 use tests_host::report::canvas::{BLUE, GREY, Mark, ORANGE};
 use tests_host::report::chart::{Axis, LineChart, Series};
@@ -31,8 +31,9 @@ struct Tested {
 }
 
 fn test(day: &Day, rows: &[linear::Row]) -> anyhow::Result<Tested> {
-    let mut snapshot = solve::<f32>(rows)?;
-    let detect = |snapshot: &Snapshot<f32, ROWS>| -> anyhow::Result<Detection<f32>> {
+    let mut workspace = pose::<f32>(rows)?;
+    let mut snapshot = workspace.solve()?;
+    let detect = |snapshot: &Snapshot<'_, f32>| -> anyhow::Result<Detection<f32>> {
         detect(snapshot, &day.thresholds).context("beyond the tables")
     };
     let before = detect(&snapshot)?;

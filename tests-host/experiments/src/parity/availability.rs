@@ -7,7 +7,7 @@ use anyhow::Result;
 use indicatif::ProgressBar;
 use rai_core::integrity::residuals::levels::largest_slopes;
 use rai_core::integrity::residuals::threshold::Thresholds;
-use rai_core::snapshot::Snapshot;
+use rai_core::snapshot::Workspace;
 use rayon::prelude::*;
 
 use super::super::{Effort, Finding, Judgement, Picture, Row, Section};
@@ -87,7 +87,8 @@ fn unit_hpl_m<'s>(seen: impl Iterator<Item = &'s Sight>, thresholds: &Thresholds
         y_m: 0.0,
     };
     let rows: Vec<linear::Row> = seen.map(row).collect();
-    let solved = Snapshot::solve(linear::equations::<f32, MOST_ROWS>(&rows)?).ok();
+    let mut workspace = Workspace::of(linear::equations::<f32, MOST_ROWS>(&rows)?);
+    let solved = workspace.solve().ok();
     let hpl_m = solved.and_then(|snapshot| {
         let lambda = thresholds.lambda(snapshot.dof())?;
         Some(largest_slopes(&snapshot).protect(lambda).hpl_m)

@@ -8,7 +8,7 @@ use anyhow::Result;
 use indicatif::ProgressBar;
 use rai_core::integrity::residuals::parity::hybrid;
 use rai_core::satellite::Constellation;
-use rai_core::snapshot::Snapshot;
+use rai_core::snapshot::Workspace;
 use rand_distr::{Distribution as _, StandardNormal};
 use rayon::prelude::*;
 
@@ -86,7 +86,8 @@ fn add(curve: &mut Curve, seen: &[(&Sight, f64)], faulty: usize, sigma_m: f64) -
             linear::Row { satellite: sight.satellite, line_of_sight: sight.line_of_sight, sigma_m, y_m }
         };
         let rows: Vec<linear::Row> = seen.iter().enumerate().map(row).collect();
-        let Ok(snapshot) = Snapshot::solve(linear::equations::<f32, MOST_ROWS>(&rows)?) else {
+        let mut workspace = Workspace::of(linear::equations::<f32, MOST_ROWS>(&rows)?);
+        let Ok(snapshot) = workspace.solve() else {
             return Ok(());
         };
         let (dof, Some(threshold)) = (snapshot.dof(), thresholds.tau1(snapshot.dof())) else { return Ok(()) };

@@ -14,7 +14,7 @@ use rai_core::integrity::residuals::parity::{
     Finding as Found, grouping, hybrid, hybrid_without_grouping, simultaneous,
 };
 use rai_core::satellite::Constellation;
-use rai_core::snapshot::Snapshot;
+use rai_core::snapshot::Workspace;
 use rand::Rng as _;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
@@ -125,7 +125,8 @@ fn run(geometry: &Geometry, faults: usize, generator: &mut ChaCha8Rng, tally: &m
         let bias_m = if faulty.contains(&index) { BIAS_M } else { 0.0 };
         epoch.satellite(Constellation::Beidou, *direction, bias_m + SIGMA_M * noise, SIGMA_M)?;
     }
-    let snapshot = Snapshot::solve(epoch).context("a random geometry is singular")?;
+    let mut workspace = Workspace::of(epoch);
+    let snapshot = workspace.solve().context("a random geometry is singular")?;
     let (thresholds, limits) = (thresholds()?, limits());
     let named = simultaneous(&snapshot, &thresholds, &limits);
     tally.add(0, if *named == *faulty { Fate::Correct } else { Fate::Wrong });

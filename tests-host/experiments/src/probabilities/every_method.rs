@@ -25,9 +25,8 @@ use anyhow::{Context as _, Result, ensure};
 use nalgebra::DVector;
 use rai_core::epoch::Epoch;
 use rai_core::integrity::residuals::parity::Isolation;
-use rai_core::integrity::residuals::ransac::Subsets;
 use rai_core::integrity::residuals::threshold::Thresholds;
-use rai_core::monitor::{Method, Monitor, Search, Strategy};
+use rai_core::monitor::{Memory, Method, Monitor, Search, Strategy};
 use rai_core::report::{Protected, Report, Verdict};
 use rai_core::requirements::Requirements;
 use rai_core::weighting::Ism;
@@ -178,7 +177,7 @@ impl Watched {
         let monitors = METHODS.iter().map(|&(_, method)| {
             let approach = Requirements::non_precision_approach();
             let usual = monitor(approach, method)?;
-            let report = usual.judge(&noiseless, site.position, Search::Anew, &mut Subsets::new()).report;
+            let report = usual.judge(&noiseless, site.position, Search::Anew, &mut Memory::new()).report;
             let levels = report.protection.context("a sky with levels")?;
             let limit = |level_m: f64| (level_m * ABOVE / approach.guard_fraction).min(approach.hal_m);
             let (hal_m, val_m) = (limit(levels.hpl_m), Some(limit(levels.vpl_m)));
@@ -198,10 +197,10 @@ impl Watched {
         method: usize,
         limit: usize,
         epoch: &Epoch<CAPACITY>,
-        subsets: &mut Subsets<CAPACITY>,
+        memory: &mut Memory<f32, CAPACITY>,
     ) -> Fate {
         let monitor = &self.monitors[method][limit];
-        self.fate(&monitor.judge(epoch, self.site.position, Search::Anew, subsets).report)
+        self.fate(&monitor.judge(epoch, self.site.position, Search::Anew, memory).report)
     }
 
     fn fate(&self, report: &Report<CAPACITY>) -> Fate {
@@ -228,15 +227,15 @@ impl Watched {
     ) -> Result<Counts> {
         let Scene { geometry, .. } = &self.scene;
         let root = thresholds.lambda(geometry.dof()).context("beyond the tables")?.sqrt();
-        let mut subsets = [const { Subsets::new() }; METHODS.len()];
+        let mut memory = core::array::from_fn::<_, { METHODS.len() }, _>(|_| Memory::new());
         let mut counts = Counts::default();
         for (draw, &index) in draws.zip(self.faulty.iter().cycle()) {
             let bias_m = SIZES[size] * root / geometry.visibility(index);
             let mut chance = generator(SEED + size as u64, draw as u64);
             let epoch = self.epoch(&normal(geometry.rows.len(), &mut chance), Some((index, bias_m)))?;
             for (limit, counts) in counts.iter_mut().enumerate() {
-                for (method, (count, subsets)) in counts.iter_mut().zip(&mut subsets).enumerate() {
-                    *count = count.add(Count::of(&self.judge(method, limit, &epoch, subsets)));
+                for (method, (count, memory)) in counts.iter_mut().zip(&mut memory).enumerate() {
+                    *count = count.add(Count::of(&self.judge(method, limit, &epoch, memory)));
                 }
             }
         }
@@ -279,15 +278,15 @@ struct FaultFree {
 fn judged_without_fault(watched: &[Watched], draws: usize) -> Result<FaultFree> {
     let thresholds = thresholds()?;
     let of_sky = |sky: usize| -> Result<Vec<([f64; METHODS.len()], f64)>> {
-        let mut subsets = [const { Subsets::new() }; METHODS.len()];
+        let mut memory = core::array::from_fn::<_, { METHODS.len() }, _>(|_| Memory::new());
         let of_draw = |draw: usize| {
             let mut chance = generator(SEED + SIZES.len() as u64, draw as u64);
             let drawn = alarming(&watched[sky].scene.geometry, &thresholds, &mut chance)?;
             let Alarming { noise, weight, heaviest } = drawn;
             let epoch = watched[sky].epoch(&noise, None)?;
             let mut weights = [0.0; METHODS.len()];
-            for (method, (weighed, subsets)) in weights.iter_mut().zip(&mut subsets).enumerate() {
-                let fate = watched[sky].judge(method, 0, &epoch, subsets);
+            for (method, (weighed, memory)) in weights.iter_mut().zip(&mut memory).enumerate() {
+                let fate = watched[sky].judge(method, 0, &epoch, memory);
                 if fate.promise == Some(Protected::Excluded) && fate.beyond != [false; 2] {
                     *weighed = weight;
                 }

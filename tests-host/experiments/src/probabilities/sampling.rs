@@ -24,7 +24,7 @@ use rai_core::integrity::residuals::detection::detect;
 use rai_core::integrity::residuals::levels::largest_slopes;
 use rai_core::integrity::residuals::threshold::Thresholds;
 use rai_core::numeric::real::Real;
-use rai_core::snapshot::Snapshot;
+use rai_core::snapshot::Workspace;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
 use rayon::prelude::*;
@@ -177,15 +177,15 @@ pub(super) fn normal(count: usize, generator: &mut ChaCha8Rng) -> DVector<f64> {
 }
 
 fn alarms<T: Real>(rows: &[Row], thresholds: &Thresholds<'_>) -> Result<bool> {
-    let detection = detect(&solve::<T>(rows)?, thresholds).context("beyond the tables")?;
+    let detection = detect(&pose::<T>(rows)?.solve()?, thresholds).context("beyond the tables")?;
     Ok(detection.fault())
 }
 
 fn hpl_m<T: Real>(geometry: &Geometry, thresholds: &Thresholds<'_>) -> Result<f64> {
     let lambda = thresholds.lambda(geometry.dof()).context("beyond the tables")?;
-    Ok(largest_slopes(&solve::<T>(&geometry.rows)?).protect(lambda).hpl_m)
+    Ok(largest_slopes(&pose::<T>(&geometry.rows)?.solve()?).protect(lambda).hpl_m)
 }
 
-fn solve<T: Real>(rows: &[Row]) -> Result<Snapshot<T, CAPACITY>> {
-    Ok(Snapshot::solve(equations(rows)?)?)
+fn pose<T: Real>(rows: &[Row]) -> Result<Workspace<T, CAPACITY>> {
+    Ok(Workspace::of(equations(rows)?))
 }

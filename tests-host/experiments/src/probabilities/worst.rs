@@ -25,7 +25,7 @@ use rai_core::integrity::residuals::levels::{Exposure, Factors, Levels};
 use rai_core::integrity::residuals::threshold::Thresholds;
 use rai_core::numeric::probability::Probability;
 use rai_core::report::ProtectionLevels;
-use rai_core::snapshot::Snapshot;
+use rai_core::snapshot::Workspace;
 use rayon::prelude::*;
 
 use super::CAPACITY;
@@ -169,7 +169,8 @@ pub(super) const FAULT_FREE: f64 = 1e-7;
 /// What the core promises of it.
 fn promised(geometry: &Geometry, levels: Levels, lambda: f64, missed: f64) -> Result<ProtectionLevels> {
     let probability = |value| Probability::new(value).context("a probability");
-    let snapshot: Snapshot<f32, CAPACITY> = Snapshot::solve(equations(&geometry.rows)?)?;
+    let mut workspace = Workspace::<f32, CAPACITY>::of(equations(&geometry.rows)?);
+    let snapshot = workspace.solve()?;
     let factors = Factors::new(probability(missed)?, probability(FAULT_FREE)?);
     Ok(Exposure::of(&snapshot, levels, &factors).protect(lambda))
 }

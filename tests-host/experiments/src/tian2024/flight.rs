@@ -10,7 +10,7 @@ use anyhow::{Context as _, Result};
 use indicatif::ProgressBar;
 use rai_core::integrity::residuals::parity;
 use rai_core::integrity::residuals::ransac::{MAX_WORK, Selection};
-use rai_core::snapshot::Snapshot;
+use rai_core::snapshot::{Snapshot, Workspace};
 use rayon::prelude::*;
 
 use super::super::draw::{distinct, generator};
@@ -152,8 +152,10 @@ impl Flight {
         for &row in &faulty {
             rows[row].y_m += BIAS_M;
         }
-        let snapshot = Snapshot::solve(equations(&rows)?).context("an aircraft without a position")?;
-        let selection = Selection::choose(snapshot.epoch(), 2 * MAX_WORK);
+        let posed = Workspace::of(equations(&rows)?);
+        let mut workspace = posed.clone();
+        let snapshot = workspace.solve().context("an aircraft without a position")?;
+        let selection = Selection::choose(snapshot.equations(), 2 * MAX_WORK);
         let sets = parity::sequential(&snapshot, &self.limits.thresholds, &self.limits.parity).sets;
         let minimal = combination_count(sights.len(), sights.len() - snapshot.dof());
         let work = Work {
@@ -163,18 +165,20 @@ impl Flight {
             chosen: selection.subsets(),
             minimal,
         };
-        let opinions = self.opinions(second, &snapshot, &selection)?;
+        let opinions = self.opinions(second, &posed, &snapshot, &selection)?;
         Ok(Sample { second, faulty, opinions, work })
     }
 
     fn opinions(
         &self,
         second: u64,
-        snapshot: &Snapshot<f32, ROWS>,
-        selection: &Selection<ROWS>,
+        posed: &Workspace<f32, ROWS>,
+        snapshot: &Snapshot<'_, f32>,
+        selection: &Selection,
     ) -> Result<[Option<Opinion>; JUDGES.len()]> {
         let by = |method: Method| {
-            let mut solution = snapshot.clone();
+            let mut workspace = posed.clone();
+            let mut solution = workspace.solve().ok()?;
             let answer = Answer::of(&method.exclude(&mut solution, selection, &self.limits));
             Some(Opinion::at(answer, &solution))
         };
@@ -184,8 +188,8 @@ impl Flight {
             }
             let mut subsets = generator(SEED + 16, second);
             let most = most_subsets(self.effort);
-            let answer = traditional.judge(snapshot.epoch(), &self.limits, most, &mut subsets)?;
-            anyhow::Ok(Some(Opinion::without(answer, snapshot)))
+            let answer = traditional.judge(snapshot.equations(), &self.limits, most, &mut subsets)?;
+            anyhow::Ok(Some(Opinion::without(answer, posed)?))
         };
         Ok([
             Some(Opinion::at(Answer::Nothing, snapshot)),
@@ -199,21 +203,22 @@ impl Flight {
 
 impl Opinion {
     /// With the position of a solution; the linearisation point is the truth, hence its correction is its error.
-    fn at(answer: Answer, solution: &Snapshot<f32, ROWS>) -> Self {
+    fn at(answer: Answer, solution: &Snapshot<'_, f32>) -> Self {
         let error = solution.correction().map(f64::from);
         Self { answer, horizontal_m: error.x.hypot(error.y), up_m: error.z }
     }
 
     /// With the position that is left without the rows named, as far as one is.
-    fn without(answer: Answer, snapshot: &Snapshot<f32, ROWS>) -> Self {
-        let mut solution = snapshot.clone();
+    fn without(answer: Answer, posed: &Workspace<f32, ROWS>) -> Result<Self> {
+        let mut workspace = posed.clone();
+        let mut solution = workspace.solve()?;
         if let Answer::Rows(rows) = &answer {
             for &row in rows {
                 // What cannot be left out stays.
                 let _ = solution.leave_out(row);
             }
         }
-        Self::at(answer, &solution)
+        Ok(Self::at(answer, &solution))
     }
 }
 

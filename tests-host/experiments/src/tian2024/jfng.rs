@@ -2,9 +2,10 @@
 
 use anyhow::{Context as _, Result};
 use indicatif::ProgressBar;
+use rai_core::equations::Row as Equation;
 use rai_core::integrity::residuals::parity;
 use rai_core::integrity::residuals::ransac::{MAX_WORK, Selection};
-use rai_core::snapshot::Snapshot;
+use rai_core::snapshot::Workspace;
 use rayon::prelude::*;
 
 use super::super::draw::{distinct, generator};
@@ -143,56 +144,59 @@ impl Day {
         cases: impl Iterator<Item = (&'t Case, &'t mut [[Score; COLUMNS.len()]; ZENITH_M.len()])>,
     ) -> Result<()> {
         // The subsets depend on the geometry alone, which is the same for all of them.
-        let healthy = self.snapshot(index, sights, ZENITH_M[0], &[])?;
-        let selection = Selection::choose(healthy.epoch(), 2 * MAX_WORK);
+        let healthy = self.workspace(index, sights, ZENITH_M[0], &[])?;
+        let selection = Selection::choose(healthy.equations().rows(), 2 * MAX_WORK);
         for (case, by_sigma) in cases {
             let mut draw = generator(SEED + case.faults as u64, index);
             let faulty = distinct(&mut draw, case.faults, sights.len());
             for (zenith_m, scores) in ZENITH_M.into_iter().zip(&mut *by_sigma) {
-                let snapshot = self.snapshot(index, sights, zenith_m, &faulty)?;
-                self.exclude(&snapshot, &selection, &faulty, scores);
+                let posed = self.workspace(index, sights, zenith_m, &faulty)?;
+                self.exclude(&posed, &selection, &faulty, scores)?;
             }
             if case.sky == Sky::Gps || index.is_multiple_of(stride(self.effort)) {
-                let snapshot = self.snapshot(index, sights, ZENITH_M[0], &faulty)?;
-                self.vote(index, case, &snapshot, &faulty, &mut by_sigma[0])?;
+                let posed = self.workspace(index, sights, ZENITH_M[0], &faulty)?;
+                self.vote(index, case, posed.equations().rows(), &faulty, &mut by_sigma[0])?;
             }
         }
         Ok(())
     }
 
-    fn snapshot(
+    fn workspace(
         &self,
         index: u64,
         sights: &[Sight],
         zenith_m: f64,
         faulty: &[usize],
-    ) -> Result<Snapshot<f32, ROWS>> {
+    ) -> Result<Workspace<f32, ROWS>> {
         let mut rows = rows(sights, Sigma::Cosecant(zenith_m), CLOCKS_M, &self.noise, index);
         for &row in faulty {
             rows[row].y_m += BIAS_M;
         }
-        Snapshot::solve(equations(&rows)?).context("a sky without a position")
+        Ok(Workspace::of(equations(&rows)?))
     }
 
     fn exclude(
         &self,
-        snapshot: &Snapshot<f32, ROWS>,
-        selection: &Selection<ROWS>,
+        posed: &Workspace<f32, ROWS>,
+        selection: &Selection,
         faulty: &[usize],
         scores: &mut [Score; COLUMNS.len()],
-    ) {
+    ) -> Result<()> {
         let methods = [(PARITY, Method::Parity(parity::Isolation::Sequential)), (IMPROVED, Method::Improved)];
         for (column, method) in methods {
-            let exclusion = method.exclude(&mut snapshot.clone(), selection, &self.limits);
+            let mut workspace = posed.clone();
+            let mut snapshot = workspace.solve().context("a sky without a position")?;
+            let exclusion = method.exclude(&mut snapshot, selection, &self.limits);
             scores[column].add(&Answer::of(&exclusion), faulty);
         }
+        Ok(())
     }
 
     fn vote(
         &self,
         index: u64,
         case: &Case,
-        snapshot: &Snapshot<f32, ROWS>,
+        rows: &[Equation<f32>],
         faulty: &[usize],
         scores: &mut [Score; COLUMNS.len()],
     ) -> Result<()> {
@@ -201,7 +205,7 @@ impl Day {
             // The same subsets for both criteria.
             let mut subsets = generator(SEED + 16 + case.faults as u64, index);
             let most = most_subsets(self.effort);
-            let answer = traditional.judge(snapshot.epoch(), &self.limits, most, &mut subsets)?;
+            let answer = traditional.judge(rows, &self.limits, most, &mut subsets)?;
             scores[CONSENSUS + offset].add(&answer, faulty);
         }
         Ok(())

@@ -10,7 +10,7 @@
 //! The paper's "wrong" is wrong or unresolved here.
 
 use anyhow::{Context as _, Result};
-use rai_core::equations::LinearEpoch;
+use rai_core::equations::Row;
 use rai_core::integrity::residuals::baarda::exclude_sequentially;
 use rai_core::integrity::residuals::exclusion::{Exclusion, Outcome};
 use rai_core::integrity::residuals::threshold::Thresholds;
@@ -73,8 +73,8 @@ impl Method {
     /// Isolates, and leaves the rows found out of `solution`.
     pub(super) fn exclude(
         self,
-        solution: &mut impl Reducible<f32, ROWS>,
-        selection: &ransac::Selection<ROWS>,
+        solution: &mut impl Reducible<f32>,
+        selection: &ransac::Selection,
         limits: &Limits,
     ) -> Exclusion<f32> {
         match self {
@@ -192,12 +192,12 @@ impl Traditional {
     /// What the subsets say; `most` of them are drawn where there are more.
     pub(super) fn judge(
         self,
-        epoch: &LinearEpoch<f32, ROWS>,
+        rows: &[Row<f32>],
         limits: &Limits,
         most: usize,
         generator: &mut ChaCha8Rng,
     ) -> Result<Answer> {
-        let ranges = ranges(epoch);
+        let ranges = ranges(rows);
         let (count, size) = (ranges.len(), unknowns(&ranges));
         let threshold = limits.consensus.consensus.w_test(count).context("more rows than the tables have")?;
         let (criterion, ratio) = match self {
@@ -214,11 +214,11 @@ impl Traditional {
 }
 
 /// The rows of an epoch as the plain method takes them.
-fn ranges(epoch: &LinearEpoch<f32, ROWS>) -> Vec<Range> {
-    let range = |row: &rai_core::equations::Row<f32>| {
+fn ranges(rows: &[Row<f32>]) -> Vec<Range> {
+    let range = |row: &Row<f32>| {
         let line_of_sight = [-row.design.x, -row.design.y, -row.design.z].map(f64::from);
         let (residual_m, sigma_m) = (f64::from(row.residual), f64::from(row.sigma));
         row.clock.map(|constellation| Range { line_of_sight, constellation, residual_m, sigma_m })
     };
-    epoch.rows().iter().filter_map(range).collect()
+    rows.iter().filter_map(range).collect()
 }

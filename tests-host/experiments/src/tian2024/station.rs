@@ -9,11 +9,12 @@
 use anyhow::{Context as _, Result};
 use indicatif::ProgressBar;
 use rai_core::epoch::{Epoch, Observation};
-use rai_core::fix::{Fix, Workspace};
+use rai_core::fix::Fix;
 use rai_core::frame::Ecef;
 use rai_core::integrity::residuals::exclusion::{Outcome, separable};
 use rai_core::integrity::residuals::parity;
 use rai_core::integrity::residuals::ransac::{MAX_WORK, Selection};
+use rai_core::snapshot::Workspace;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
@@ -111,7 +112,7 @@ fn judge(effort: Effort, limits: &Limits, index: usize, epoch: &Epoch<ROWS>) -> 
         let mut workspace = Workspace::<f32, ROWS>::new();
         // Without a position there is nothing to isolate, with any method.
         let Ok(fix) = workspace.fix(&epoch, TRUTH) else { continue };
-        let rows = &fix.snapshot().epoch().clone();
+        let rows = &fix.snapshot().equations().to_vec();
         let selection = Selection::choose(rows, 2 * MAX_WORK);
         for ((_, method), score) in METHODS.iter().zip(&mut *scores) {
             // Each method has the position to itself: leaving out changes it.
@@ -147,12 +148,7 @@ fn with_faults(
 }
 
 /// What a method says of a position, as the module reports it.
-fn answer(
-    method: Method,
-    mut fix: Fix<'_, f32, ROWS>,
-    selection: &Selection<ROWS>,
-    limits: &Limits,
-) -> Answer {
+fn answer(method: Method, mut fix: Fix<'_, f32>, selection: &Selection, limits: &Limits) -> Answer {
     let exclusion = method.exclude(&mut fix, selection, limits);
     let accepted =
         exclusion.outcome != Outcome::Isolated || separable(&mut fix, &exclusion, &limits.thresholds);

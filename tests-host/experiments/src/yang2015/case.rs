@@ -9,7 +9,7 @@ use rai_core::requirements::Requirements;
 use rai_core::snapshot::Snapshot;
 
 use super::grid::LATITUDES;
-use super::{FALSE_ALARM, LIMIT_M, ROWS, thresholds};
+use super::{FALSE_ALARM, LIMIT_M, thresholds};
 
 /// The fault, m.
 pub(super) const FAULT_M: f64 = 100.0;
@@ -54,7 +54,7 @@ impl Case {
     pub(super) fn threshold<T: Real>(
         &self,
         policy: Policy,
-        snapshot: &Snapshot<T, ROWS>,
+        snapshot: &Snapshot<'_, T>,
     ) -> anyhow::Result<f64> {
         let classic = self.thresholds.tau1(snapshot.dof()).context("beyond the tables")?;
         if policy == Policy::T1 {
@@ -68,11 +68,11 @@ impl Case {
     }
 
     /// Whether any threshold meets both probabilities.
-    pub(super) fn is_available(&self, snapshot: &Snapshot<f64, ROWS>) -> bool {
+    pub(super) fn is_available(&self, snapshot: &Snapshot<'_, f64>) -> bool {
         self.demand(snapshot).threshold::<f64>(Policy::TOp).is_ok()
     }
 
-    fn demand<T: Real>(&self, snapshot: &Snapshot<T, ROWS>) -> Demand<'static> {
+    fn demand<T: Real>(&self, snapshot: &Snapshot<'_, T>) -> Demand<'static> {
         Demand::new(snapshot.dof(), largest_slopes(snapshot), &self.requirements, self.thresholds)
     }
 }

@@ -18,9 +18,9 @@ use std::ops::Range;
 use rai_core::snapshot::Snapshot;
 use rayon::prelude::*;
 
+use super::SIGMA_M;
 use super::case::{CASES, Case, Errors, FAULT_M, FAULT_S, POLICIES, Tally};
-use super::grid::{CELLS, Cell, Sky, solve};
-use super::{ROWS, SIGMA_M};
+use super::grid::{CELLS, Cell, Sky, pose};
 use tests_host::chi_square::{noncentral_lower_tail, upper_tail};
 
 /// Seconds that one geometry stands for.
@@ -51,7 +51,8 @@ impl Expectation {
         let positions = sky.positions(origin_s + t_s);
         let mut step = Self::default();
         for cell in cells {
-            let snapshot = solve::<f64>(&cell.directions(sky, &positions), |_| 0.0)?;
+            let mut workspace = pose::<f64>(&cell.directions(sky, &positions), |_| 0.0)?;
+            let snapshot = workspace.solve()?;
             for (index, case) in cases.iter().enumerate() {
                 step.unavailable[index] += usize::from(!case.is_available(&snapshot));
                 for (policy_index, &policy) in POLICIES.iter().enumerate() {
@@ -89,7 +90,7 @@ fn of_steps(
 }
 
 /// What is expected of the samples that one geometry stands for.
-fn errors(tau: f64, snapshot: &Snapshot<f64, ROWS>, faulty: bool) -> Errors {
+fn errors(tau: f64, snapshot: &Snapshot<'_, f64>, faulty: bool) -> Errors {
     if faulty {
         Errors { missed: STEP_S * missed(tau, snapshot), false_alarms: 0.0 }
     } else {
@@ -98,7 +99,7 @@ fn errors(tau: f64, snapshot: &Snapshot<f64, ROWS>, faulty: bool) -> Errors {
 }
 
 /// Probability to miss the fault, the mean over the satellites that may have it.
-fn missed(tau: f64, snapshot: &Snapshot<f64, ROWS>) -> f64 {
+fn missed(tau: f64, snapshot: &Snapshot<'_, f64>) -> f64 {
     let size = (FAULT_M / SIGMA_M).powi(2);
     let of_satellite = |redundancy: f64| noncentral_lower_tail(tau, snapshot.dof(), size * redundancy).0;
     snapshot.rows().map(|(_, fit)| of_satellite(fit.redundancy)).sum::<f64>() / snapshot.used() as f64

@@ -8,7 +8,7 @@ use rai_core::equations::LinearEpoch;
 use rai_core::frame::{Ecef, Enu};
 use rai_core::numeric::real::Real;
 use rai_core::satellite::Constellation;
-use rai_core::snapshot::Snapshot;
+use rai_core::snapshot::Workspace;
 
 use super::{MASK_DEG, ROWS, SIGMA_M};
 use tests_host::sky::{Fleet, Satellite, Site};
@@ -68,15 +68,15 @@ impl Sky {
     }
 }
 
-/// Ranges with the given errors, in metres, solved.
-pub(super) fn solve<T: Real>(
+/// Ranges with the given errors, in metres, to be solved.
+pub(super) fn pose<T: Real>(
     directions: &[Enu],
     mut error_m: impl FnMut(usize) -> f64,
-) -> anyhow::Result<Snapshot<T, ROWS>> {
+) -> anyhow::Result<Workspace<T, ROWS>> {
     let mut epoch = LinearEpoch::new();
     for (index, direction) in directions.iter().enumerate() {
         let direction = Vector3::new(direction.east, direction.north, direction.up);
         epoch.satellite(Constellation::Beidou, direction, error_m(index), SIGMA_M)?;
     }
-    Ok(Snapshot::solve(epoch)?)
+    Ok(Workspace::of(epoch))
 }

@@ -11,9 +11,9 @@ use rand::Rng as _;
 use rand_distr::{Distribution as _, StandardNormal};
 use rayon::prelude::*;
 
+use super::SIGMA_M;
 use super::case::{Case, Errors, FAULT_M, FAULT_S, Tally};
-use super::grid::{CELLS, Cell, Sky, solve};
-use super::{ROWS, SIGMA_M};
+use super::grid::{CELLS, Cell, Sky, pose};
 use crate::draw::generator;
 
 /// All chance follows from it.
@@ -56,10 +56,11 @@ fn of_second(cases: &[Case], sky: &Sky, cells: &[Cell], second: usize) -> anyhow
     for cell in cells {
         let directions = cell.directions(sky, &positions);
         let chosen = faulty.then(|| random.random_range(0..directions.len()));
-        let snapshot = solve::<f32>(&directions, |index| {
+        let mut workspace = pose::<f32>(&directions, |index| {
             let noise: f64 = StandardNormal.sample(&mut random);
             SIGMA_M * noise + if chosen == Some(index) { FAULT_M } else { 0.0 }
         })?;
+        let snapshot = workspace.solve()?;
         for (index, case) in cases.iter().enumerate() {
             let classic = detects(case, Policy::T1, &snapshot)?;
             // T_OP is never below T1: what T1 does not detect, it does not detect either.
@@ -71,7 +72,7 @@ fn of_second(cases: &[Case], sky: &Sky, cells: &[Cell], second: usize) -> anyhow
     Ok(tally)
 }
 
-fn detects(case: &Case, policy: Policy, snapshot: &Snapshot<f32, ROWS>) -> anyhow::Result<bool> {
+fn detects(case: &Case, policy: Policy, snapshot: &Snapshot<'_, f32>) -> anyhow::Result<bool> {
     let threshold = f32::narrow(case.threshold(policy, snapshot)?);
     Ok(Detection { sse: snapshot.sse(), threshold, dof: snapshot.dof() }.fault())
 }

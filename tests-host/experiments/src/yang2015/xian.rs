@@ -13,7 +13,7 @@ use rai_core::integrity::residuals::levels::noncentrality_at;
 use rai_core::integrity::residuals::threshold::policy::{Decision, Demand, Weights, range_threshold_m};
 use rai_core::numeric::probability::Probability;
 
-use super::grid::solve;
+use super::grid::pose;
 use super::{FALSE_ALARM, LIMIT_M, MASK_DEG, MISSED_DETECTION, SIGMA_M, thresholds};
 use crate::{Finding, Judgement, Picture, Row, Section};
 use tests_host::report::canvas::{BLUE, INK, Mark, ORANGE, RED, VIOLET};
@@ -83,7 +83,8 @@ impl Day {
 }
 
 fn judge(directions: &[Enu], limit_m: f64) -> anyhow::Result<Minute> {
-    let snapshot = solve::<f64>(directions, |_| 0.0)?;
+    let mut workspace = pose::<f64>(directions, |_| 0.0)?;
+    let snapshot = workspace.solve()?;
     let (dof, slopes, thresholds) = (snapshot.dof(), largest_slopes(&snapshot), thresholds(FALSE_ALARM)?);
     let demand = Demand {
         dof,

@@ -38,7 +38,7 @@ use crate::snapshot::{Fit, Snapshot};
 const MAX_STEPS: usize = 64;
 
 /// `ρ_i` of one row, dimensionless; 0 where the row is untestable or nothing is left to explain.
-pub fn correlation<T: Real, const N: usize>(snapshot: &Snapshot<T, N>, fit: &Fit<T>) -> T {
+pub fn correlation<T: Real>(snapshot: &Snapshot<'_, T>, fit: &Fit<T>) -> T {
     let length = snapshot.sse().sqrt();
     if length > T::zero() { fit.w_test() / length } else { T::zero() }
 }

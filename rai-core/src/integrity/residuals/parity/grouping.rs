@@ -18,22 +18,22 @@ use crate::snapshot::{Snapshot, infinity};
 
 /// Looks for the smallest set of rows without which the rest passes.
 #[inline(never)]
-pub fn grouping<T: Real, const N: usize>(
-    snapshot: &Snapshot<T, N>,
+pub fn grouping<T: Real>(
+    snapshot: &Snapshot<'_, T>,
     thresholds: &Thresholds<'_>,
     limits: &SearchLimits,
 ) -> Finding<T> {
-    search(snapshot, thresholds, limits, |search: &Search<'_, T, N>| search.grouping())
+    search(snapshot, thresholds, limits, |search: &Search<'_, T>| search.grouping())
 }
 
-impl<T: Real, const N: usize> Search<'_, T, N> {
+impl<T: Real> Search<'_, T> {
     pub(super) fn grouping(&self) -> Finding<T> {
         let mut contest = Contest { rows: self.rows, work: Work::new(self.limits.sets) };
         let sets = |contest: &Contest<'_, T>| self.limits.sets - contest.work.left;
         // With no degree of freedom left every set would pass, and none would mean anything.
         let largest = self.limits.rows().min(self.snapshot.dof().saturating_sub(1));
         for size in 1..=largest {
-            let best = contest.best_of_size::<N>(size);
+            let best = contest.best_of_size(size);
             if contest.work.cut {
                 return Finding { set: Err(Unidentified::Budget), sets: sets(&contest) };
             }
@@ -61,12 +61,12 @@ struct Entrant<T> {
 impl<T: Real> Contest<'_, T> {
     /// The best set of a size that is not refused. The best are rarely refused: it is cheaper to look through all sets
     /// again than to examine each that leads for a while.
-    fn best_of_size<const N: usize>(&mut self, size: usize) -> Option<Removal<T>> {
+    fn best_of_size(&mut self, size: usize) -> Option<Removal<T>> {
         // Sets that explain as much as this are refused.
         let mut ceiling = infinity();
         loop {
             let mut best: Option<Entrant<T>> = None;
-            each_of_size::<T, N>(self.rows, size, &mut self.work, |explained, set| {
+            each_of_size(self.rows, size, &mut self.work, |explained, set| {
                 let leads = best.is_none_or(|best| explained > best.explained);
                 if leads && explained < ceiling {
                     best = Some(Entrant { explained, set });

@@ -16,18 +16,18 @@ use crate::snapshot::Snapshot;
 
 /// Simultaneous, else sequential (method B).
 #[inline(never)]
-pub fn hybrid_without_grouping<T: Real, const N: usize>(
-    snapshot: &Snapshot<T, N>,
+pub fn hybrid_without_grouping<T: Real>(
+    snapshot: &Snapshot<'_, T>,
     thresholds: &Thresholds<'_>,
     limits: &SearchLimits,
 ) -> Finding<T> {
-    search(snapshot, thresholds, limits, |search: &Search<'_, T, N>| search.hybrid_without_grouping())
+    search(snapshot, thresholds, limits, |search: &Search<'_, T>| search.hybrid_without_grouping())
 }
 
 /// Simultaneous, else sequential, else grouping (method C).
 #[inline(never)]
-pub fn hybrid<T: Real, const N: usize>(
-    snapshot: &Snapshot<T, N>,
+pub fn hybrid<T: Real>(
+    snapshot: &Snapshot<'_, T>,
     thresholds: &Thresholds<'_>,
     limits: &SearchLimits,
 ) -> Finding<T> {
@@ -41,7 +41,7 @@ pub fn hybrid<T: Real, const N: usize>(
     })
 }
 
-impl<T: Real, const N: usize> Search<'_, T, N> {
+impl<T: Real> Search<'_, T> {
     fn hybrid_without_grouping(&self) -> Finding<T> {
         match self.correlated_set() {
             Some(removal) => {

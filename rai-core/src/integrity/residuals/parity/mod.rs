@@ -46,6 +46,7 @@ use super::detection::{Detection, detect};
 use super::exclusion::{Exclusion, Unidentified, leave_out};
 use super::threshold::Thresholds;
 use crate::bounded::gather;
+use crate::equations::MAX_ROWS;
 use crate::numeric::probability::Probability;
 use crate::numeric::real::Real;
 use crate::removal::{NormalisedRow, Removal, testable_rows};
@@ -114,19 +115,19 @@ pub struct Finding<T: Real> {
 }
 
 /// A snapshot in which a fault was detected, and what a search in it needs.
-struct Search<'s, T: Real, const N: usize> {
-    snapshot: &'s Snapshot<T, N>,
+struct Search<'s, T: Real> {
+    snapshot: &'s Snapshot<'s, T>,
     thresholds: &'s Thresholds<'s>,
     limits: &'s SearchLimits,
     rows: &'s [NormalisedRow<T>],
 }
 
 /// Prepares a search and makes it; says what there is to say where nothing is to be searched for.
-fn search<T: Real, const N: usize>(
-    snapshot: &Snapshot<T, N>,
+fn search<T: Real>(
+    snapshot: &Snapshot<'_, T>,
     thresholds: &Thresholds<'_>,
     limits: &SearchLimits,
-    find: impl FnOnce(&Search<'_, T, N>) -> Finding<T>,
+    find: impl FnOnce(&Search<'_, T>) -> Finding<T>,
 ) -> Finding<T> {
     match detect(snapshot, thresholds) {
         None => Finding { set: Err(Unidentified::NoRedundancy), sets: 0 },
@@ -135,7 +136,7 @@ fn search<T: Real, const N: usize>(
     }
 }
 
-impl<T: Real, const N: usize> Search<'_, T, N> {
+impl<T: Real> Search<'_, T> {
     /// True when the rest passes the global test without a set.
     fn passes(&self, removal: &Removal<T>) -> bool {
         let test = Detection::of(removal.sse(self.rows), removal.dof(self.snapshot), self.thresholds);
@@ -157,11 +158,11 @@ impl<T: Real, const N: usize> Search<'_, T, N> {
 ///
 /// Empty where nothing was detected.
 #[inline(never)]
-pub fn simultaneous<T: Real, const N: usize>(
-    snapshot: &Snapshot<T, N>,
+pub fn simultaneous<T: Real>(
+    snapshot: &Snapshot<'_, T>,
     thresholds: &Thresholds<'_>,
     limits: &SearchLimits,
-) -> Vec<usize, N> {
+) -> Vec<usize, MAX_ROWS> {
     if !detect(snapshot, thresholds).is_some_and(|detection| detection.fault()) {
         return Vec::new();
     }
@@ -173,9 +174,9 @@ pub fn simultaneous<T: Real, const N: usize>(
 ///
 /// `solution` ends as the solution without the rows listed, solved again and tested again: whatever a method
 /// names, [`Outcome::Isolated`](super::exclusion::Outcome::Isolated) means that the rest passes.
-pub fn exclude<T: Real, const N: usize>(
+pub fn exclude<T: Real>(
     method: Isolation,
-    solution: &mut impl Reducible<T, N>,
+    solution: &mut impl Reducible<T>,
     thresholds: &Thresholds<'_>,
     limits: &SearchLimits,
 ) -> Exclusion<T> {
@@ -201,8 +202,8 @@ fn indices<T: Real>(finding: Finding<T>) -> Result<Set, Unidentified> {
 }
 
 /// The simultaneous set; more rows than may be left out are none.
-fn all_at_once<T: Real, const N: usize>(
-    snapshot: &Snapshot<T, N>,
+fn all_at_once<T: Real>(
+    snapshot: &Snapshot<'_, T>,
     thresholds: &Thresholds<'_>,
     limits: &SearchLimits,
 ) -> Result<Set, Unidentified> {

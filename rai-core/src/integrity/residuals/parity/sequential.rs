@@ -15,15 +15,15 @@ use crate::snapshot::Snapshot;
 
 /// Removes the worst row, again and again, from a snapshot in which a fault was detected.
 #[inline(never)]
-pub fn sequential<T: Real, const N: usize>(
-    snapshot: &Snapshot<T, N>,
+pub fn sequential<T: Real>(
+    snapshot: &Snapshot<'_, T>,
     thresholds: &Thresholds<'_>,
     limits: &SearchLimits,
 ) -> Finding<T> {
-    search(snapshot, thresholds, limits, |search: &Search<'_, T, N>| search.sequential())
+    search(snapshot, thresholds, limits, |search: &Search<'_, T>| search.sequential())
 }
 
-impl<T: Real, const N: usize> Search<'_, T, N> {
+impl<T: Real> Search<'_, T> {
     pub(super) fn sequential(&self) -> Finding<T> {
         let (mut removal, mut sets) = (Removal::none(), 0);
         for _ in 0..self.limits.rows() {

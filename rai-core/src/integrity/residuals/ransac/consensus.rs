@@ -1,21 +1,21 @@
 //! Consensus: which subset do the other satellites agree with, and who disagrees?
 //!
-//! A subset's solution is a [`Snapshot`] with all other rows left out; their residuals are then those of a prediction.
+//! A subset's solution is that of its rows alone; the residuals of all others are then those of a prediction.
 //! A constellation that a subset lacks has no clock in it: its residuals are referred to their median, which up to
 //! half of them may not move.
 //!
 //! Of several subsets that are inliers, the one with the fewest disagreements wins, then the one with the smallest sum
-//! of `min(z_i², T_r²)`, then the first. Cost: one snapshot for each subset.
+//! of `min(z_i², T_r²)`, then the first. Cost: one solve for each subset.
 
 use heapless::Vec;
 
 use super::{ConsensusLimits, Selection};
 use crate::bounded::gather;
-use crate::equations::{LinearEpoch, Row};
+use crate::equations::{MAX_ROWS, Row};
 use crate::numeric::real::Real;
 use crate::report::MAX_EXCLUDED;
 use crate::satellite::Constellation;
-use crate::snapshot::{Fit, Snapshot};
+use crate::snapshot::Solution;
 
 /// Largest position variance of a subset that still votes, in units of its mean variance of a range (`PDOP²`).
 ///
@@ -44,16 +44,13 @@ pub struct Consensus {
 }
 
 /// Satellites that may disagree with an inlier.
-pub(super) fn most_faults<const N: usize>(selection: &Selection<N>) -> usize {
+pub(super) fn most_faults(selection: &Selection) -> usize {
     selection.subsets().saturating_sub(1).min(MAX_EXCLUDED)
 }
 
 /// `T_r²` for the rows that take part; `None` beyond the table.
-pub(super) fn disagreement<T: Real, const N: usize>(
-    epoch: &LinearEpoch<T, N>,
-    limits: &ConsensusLimits<'_>,
-) -> Option<T> {
-    let used = epoch.rows().iter().filter(|row| row.weight > T::zero()).count();
+pub(super) fn disagreement<T: Real>(rows: &[Row<T>], limits: &ConsensusLimits<'_>) -> Option<T> {
+    let used = rows.iter().filter(|row| row.weight > T::zero()).count();
     limits.consensus.w_test(used).map(|threshold| T::narrow(threshold * threshold))
 }
 
@@ -61,30 +58,18 @@ pub(super) fn disagreement<T: Real, const N: usize>(
 ///
 /// # Errors
 /// [`NoConsensus`] where no subset is an inlier.
-pub fn consensus<T: Real, const N: usize>(
-    epoch: &LinearEpoch<T, N>,
-    selection: &Selection<N>,
+pub fn consensus<T: Real>(
+    rows: &[Row<T>],
+    selection: &Selection,
     limits: &ConsensusLimits<'_>,
 ) -> Result<Consensus, NoConsensus> {
-    let mut workspace = Snapshot::unsolved();
-    workspace.epoch_mut().copy_from(epoch);
-    consensus_in(&mut workspace, epoch, selection, limits)
-}
-
-/// The same in a workspace that holds the epoch's rows, and then the last subset's solution.
-pub(super) fn consensus_in<T: Real, const N: usize>(
-    workspace: &mut Snapshot<T, N>,
-    epoch: &LinearEpoch<T, N>,
-    selection: &Selection<N>,
-    limits: &ConsensusLimits<'_>,
-) -> Result<Consensus, NoConsensus> {
-    if selection.subsets() < 2 || selection.rows() != epoch.rows().len() {
+    if selection.subsets() < 2 || selection.rows() != rows.len() {
         return Err(NoConsensus::TooFewSubsets);
     }
-    let bound = disagreement(epoch, limits).ok_or(NoConsensus::TooFewSubsets)?;
+    let bound = disagreement(rows, limits).ok_or(NoConsensus::TooFewSubsets)?;
     let mut best: Option<(Vote<T>, usize)> = None;
     for subset in 0..selection.subsets() {
-        let vote = vote(workspace, epoch, selection, subset, bound);
+        let vote = vote(rows, selection, subset, bound);
         let inlier = vote.filter(|vote| vote.against <= most_faults(selection));
         if let Some(vote) = inlier.filter(|vote| best.as_ref().is_none_or(|(best, _)| vote.beats(best))) {
             best = Some((vote, subset));
@@ -109,27 +94,21 @@ impl<T: Real> Vote<T> {
 }
 
 /// `None` where a subset gives no position worth a vote.
-fn vote<T: Real, const N: usize>(
-    alone: &mut Snapshot<T, N>,
-    epoch: &LinearEpoch<T, N>,
-    selection: &Selection<N>,
-    subset: usize,
-    bound: T,
-) -> Option<Vote<T>> {
-    alone.epoch_mut().keep_only(|index| selection.contains(subset, index));
-    alone.solve_again().ok()?;
-    let solution = &*alone;
-    if !is_worth_a_vote(solution) {
+fn vote<T: Real>(rows: &[Row<T>], selection: &Selection, subset: usize, bound: T) -> Option<Vote<T>> {
+    let members = rows.iter().enumerate().filter(|&(index, _)| selection.contains(subset, index));
+    let members = members.map(|(_, row)| row);
+    let solution = Solution::of(members.clone()).ok()?;
+    if !is_worth_a_vote(members, &solution) {
         return None;
     }
-    let levels = Constellation::ALL.map(|clock| median_without_clock(epoch, solution, clock));
+    let levels = Constellation::ALL.map(|clock| median_without_clock(rows, &solution, clock));
     let mut vote = Vote { against: 0, rows: Vec::new(), misfit: T::zero() };
-    for (index, (row, (_, fit))) in epoch.rows().iter().zip(solution.rows()).enumerate() {
+    for (index, row) in rows.iter().enumerate() {
         if !(row.weight > T::zero()) || selection.contains(subset, index) {
             continue;
         }
         let level = row.clock.and_then(|clock| levels.get(clock as usize)).copied().flatten();
-        let squared = deviation_squared(row, fit, solution, level.unwrap_or(T::zero()));
+        let squared = deviation_squared(row, &solution, level.unwrap_or(T::zero()));
         // Written so that what is not a number disagrees.
         if squared < bound {
             vote.misfit += squared;
@@ -143,37 +122,28 @@ fn vote<T: Real, const N: usize>(
 }
 
 /// False for a position that a subset determines too badly.
-fn is_worth_a_vote<T: Real, const N: usize>(solution: &Snapshot<T, N>) -> bool {
-    let members = solution.rows().filter(|(row, _)| row.weight > T::zero());
-    let sum = members.fold(T::zero(), |sum, (row, _)| sum + row.sigma);
+fn is_worth_a_vote<'r, T: Real>(members: impl Iterator<Item = &'r Row<T>>, solution: &Solution<T>) -> bool {
+    let members = members.filter(|row| row.weight > T::zero());
+    let sum = members.fold(T::zero(), |sum, row| sum + row.sigma);
     let mean = sum / T::narrow(solution.used() as f64);
     solution.covariance().trace() <= mean * mean * T::narrow(MAX_DILUTION)
 }
 
 /// `z_i²` of a row that is left out of a solution, its residual first referred to a level.
-pub(super) fn deviation_squared<T: Real, const N: usize>(
-    row: &Row<T>,
-    fit: &Fit<T>,
-    solution: &Snapshot<T, N>,
-    level: T,
-) -> T {
+pub(super) fn deviation_squared<T: Real>(row: &Row<T>, solution: &Solution<T>, level: T) -> T {
+    let fit = solution.fit(row);
     let residual = fit.residual - level;
     let variance = row.sigma * row.sigma + solution.level_variance(row) + fit.centred.dot(&fit.gain);
     residual * residual / variance
 }
 
 /// Median of the residuals of a constellation that takes part in the epoch, but not in the solution.
-fn median_without_clock<T: Real, const N: usize>(
-    epoch: &LinearEpoch<T, N>,
-    solution: &Snapshot<T, N>,
-    clock: Constellation,
-) -> Option<T> {
+fn median_without_clock<T: Real>(rows: &[Row<T>], solution: &Solution<T>, clock: Constellation) -> Option<T> {
     if solution.determines(clock) {
         return None;
     }
-    let rows = epoch.rows().iter().zip(solution.rows());
-    let of_clock = rows.filter(|(row, _)| row.clock == Some(clock) && row.weight > T::zero());
-    let residuals: Vec<T, N> = gather(of_clock.map(|(_, (_, fit))| fit.residual));
+    let of_clock = rows.iter().filter(|row| row.clock == Some(clock) && row.weight > T::zero());
+    let residuals: Vec<T, MAX_ROWS> = gather(of_clock.map(|row| solution.fit(row).residual));
     let last = residuals.len().checked_sub(1)?;
     Some((ranked(&residuals, last / 2)? + ranked(&residuals, last.div_ceil(2))?) / T::narrow(2.0))
 }

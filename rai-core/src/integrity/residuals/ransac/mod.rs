@@ -44,10 +44,10 @@ use super::baarda::exclude_sequentially;
 use super::detection::detect;
 use super::exclusion::{Exclusion, Outcome, Unidentified, leave_out};
 use super::threshold::{ThresholdError, Thresholds};
-use crate::epoch::Epoch;
+use crate::epoch::EpochView;
 use crate::numeric::probability::Probability;
 use crate::numeric::real::Real;
-use crate::snapshot::{Reducible, Snapshot};
+use crate::snapshot::Reducible;
 
 /// What disagreement means.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -91,9 +91,9 @@ const fn certain(tail: f64) -> Probability {
 /// `selection` must have been made for the same satellites in the same order; one of another length counts as none.
 /// `solution` ends as the solution without the rows listed, solved again and tested again.
 #[inline(never)]
-pub fn exclude<T: Real, const N: usize>(
-    solution: &mut impl Reducible<T, N>,
-    selection: &Selection<N>,
+pub fn exclude<T: Real>(
+    solution: &mut impl Reducible<T>,
+    selection: &Selection,
     thresholds: &Thresholds<'_>,
     limits: &ConsensusLimits<'_>,
 ) -> Exclusion<T> {
@@ -102,13 +102,11 @@ pub fn exclude<T: Real, const N: usize>(
     if !detection.is_some_and(|detection| detection.fault()) {
         return exclude_sequentially(solution, thresholds);
     }
-    // Room to solve in: what the snapshot says of its rows is not needed there.
-    let mut workspace = Snapshot::unsolved();
-    workspace.epoch_mut().copy_from(snapshot.epoch());
-    let Ok(consensus) = consensus::consensus_in(&mut workspace, snapshot.epoch(), selection, limits) else {
+    let rows = snapshot.equations();
+    let Ok(consensus) = consensus(rows, selection, limits) else {
         return exclude_sequentially(solution, thresholds);
     };
-    let refinement = refinement::refine_in(&mut workspace, snapshot.epoch(), selection, &consensus, limits);
+    let refinement = refine(rows, selection, &consensus, limits);
     let exclusion = leave_out(solution, &refinement.rows, thresholds);
     if refinement.passed || exclusion.outcome != Outcome::Isolated {
         return exclusion;
@@ -118,11 +116,11 @@ pub fn exclude<T: Real, const N: usize>(
 
 /// As [`exclude`], with the subsets that are kept while the satellites stay the same.
 #[inline(never)]
-pub fn exclude_in<T: Real, const N: usize>(
-    solution: &mut impl Reducible<T, N>,
-    epoch: &Epoch<N>,
+pub fn exclude_in<T: Real>(
+    solution: &mut impl Reducible<T>,
+    epoch: &EpochView<'_>,
     thresholds: &Thresholds<'_>,
-    subsets: &mut Subsets<N>,
+    subsets: &mut Subsets,
 ) -> Exclusion<T> {
     // The tables hold both of its probabilities; without them it falls back as without consensus.
     let Ok(published) = ConsensusLimits::published() else {
@@ -130,6 +128,6 @@ pub fn exclude_in<T: Real, const N: usize>(
     };
     // What is left must pass the test that it will be held to, not the paper's.
     let limits = ConsensusLimits { refinement: *thresholds, ..published };
-    let selection = subsets.of(epoch, solution.snapshot().epoch());
+    let selection = subsets.of(epoch, solution.snapshot().equations());
     exclude(solution, selection, thresholds, &limits)
 }

@@ -10,12 +10,12 @@ use heapless::Vec;
 
 use super::consensus::{deviation_squared, disagreement, most_faults};
 use super::{Consensus, ConsensusLimits, Selection};
-use crate::equations::LinearEpoch;
-use crate::integrity::residuals::baarda::worst_two;
+use crate::equations::Row;
+use crate::integrity::residuals::baarda::largest_two;
 use crate::integrity::residuals::detection::Detection;
 use crate::numeric::real::Real;
 use crate::report::MAX_EXCLUDED;
-use crate::snapshot::Snapshot;
+use crate::snapshot::Solution;
 
 /// The rows to leave out.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,62 +27,48 @@ pub struct Refinement {
 }
 
 /// Settles what a consensus left open.
-pub fn refine<T: Real, const N: usize>(
-    snapshot: &Snapshot<T, N>,
-    selection: &Selection<N>,
+pub fn refine<T: Real>(
+    rows: &[Row<T>],
+    selection: &Selection,
     consensus: &Consensus,
     limits: &ConsensusLimits<'_>,
 ) -> Refinement {
-    refine_in(&mut snapshot.clone(), snapshot.epoch(), selection, consensus, limits)
-}
-
-/// The same in a workspace that holds the epoch's rows, whichever of them took part there.
-pub(super) fn refine_in<T: Real, const N: usize>(
-    workspace: &mut Snapshot<T, N>,
-    epoch: &LinearEpoch<T, N>,
-    selection: &Selection<N>,
-    consensus: &Consensus,
-    limits: &ConsensusLimits<'_>,
-) -> Refinement {
-    let mut rows = consensus.rows.clone();
-    workspace.epoch_mut().keep_only(|index| {
-        let takes_part = epoch.rows().get(index).is_some_and(|row| row.weight > T::zero());
-        takes_part && !consensus.rows.contains(&index)
-    });
-    let left_out = workspace.solve_again().is_ok();
-    let most = most_faults(selection).max(rows.len());
-    let passed = left_out && exclude_until_passed(workspace, &mut rows, most, limits);
-    if let Some(bound) = disagreement(epoch, limits).filter(|_| passed) {
-        rows.retain(|&index| disagrees(workspace, index, bound));
+    let mut left_out = consensus.rows.clone();
+    let most = most_faults(selection).max(left_out.len());
+    let solution = exclude_until_passed(rows, &mut left_out, most, limits);
+    if let Some((solution, bound)) = solution.as_ref().zip(disagreement(rows, limits)) {
+        left_out.retain(|&index| rows.get(index).is_none_or(|row| disagrees(row, solution, bound)));
     }
-    Refinement { rows, passed }
+    Refinement { rows: left_out, passed: solution.is_some() }
 }
 
-/// Leaves the worst rows out; false where there are more of them than `most`, or none is left to test with.
-fn exclude_until_passed<T: Real, const N: usize>(
-    solution: &mut Snapshot<T, N>,
-    rows: &mut Vec<usize, MAX_EXCLUDED>,
+/// Leaves the worst rows out; `None` where there are more of them than `most`, or none is left to test with.
+fn exclude_until_passed<T: Real>(
+    rows: &[Row<T>],
+    left_out: &mut Vec<usize, MAX_EXCLUDED>,
     most: usize,
     limits: &ConsensusLimits<'_>,
-) -> bool {
+) -> Option<Solution<T>> {
     loop {
-        if Detection::passes(solution, &limits.refinement) {
-            return true;
+        let stay = rows.iter().enumerate().filter(|(index, _)| !left_out.contains(index));
+        let solution = Solution::of(stay.clone().map(|(_, row)| row)).ok()?;
+        let stay = stay.filter(|(_, row)| row.weight > T::zero());
+        let fits = stay.map(|(index, row)| (index, row.weight, solution.fit(row)));
+        let sse =
+            fits.clone().fold(T::zero(), |sum, (_, weight, fit)| sum + weight * fit.residual * fit.residual);
+        if Detection::of(sse, solution.dof(), &limits.refinement).is_some_and(|test| !test.fault()) {
+            return Some(solution);
         }
-        if rows.len() >= most || solution.dof() < 2 {
-            return false;
+        if left_out.len() >= most || solution.dof() < 2 {
+            return None;
         }
-        let Some((index, _, _)) = worst_two(solution) else { return false };
-        if solution.leave_out(index).is_err() || rows.push(index).is_err() {
-            return false;
-        }
+        let (worst, _, _) = largest_two(fits.map(|(index, _, fit)| (index, fit.w_squared())))?;
+        left_out.push(worst).ok()?;
     }
 }
 
 /// True where a row that was left out does not fit, or has no clock left to be compared with.
-fn disagrees<T: Real, const N: usize>(solution: &Snapshot<T, N>, index: usize, bound: T) -> bool {
-    solution.row(index).is_none_or(|(row, fit)| {
-        let comparable = row.clock.is_none_or(|clock| solution.determines(clock));
-        !comparable || !(deviation_squared(row, fit, solution, T::zero()) < bound)
-    })
+fn disagrees<T: Real>(row: &Row<T>, solution: &Solution<T>, bound: T) -> bool {
+    let comparable = row.clock.is_none_or(|clock| solution.determines(clock));
+    !comparable || !(deviation_squared(row, solution, T::zero()) < bound)
 }

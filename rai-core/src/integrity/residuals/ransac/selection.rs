@@ -34,7 +34,7 @@ use heapless::Vec;
 use nalgebra::{Cholesky, Matrix4, Vector3, Vector4};
 
 use crate::bounded::gather;
-use crate::equations::LinearEpoch;
+use crate::equations::{MAX_ROWS, Row};
 use crate::integrity::residuals::tails;
 use crate::numeric::real::Real;
 use crate::satellite::Constellation;
@@ -61,14 +61,14 @@ const LENGTH: f64 = 1.002;
 
 /// Which subset each row of an epoch belongs to.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Selection<const N: usize> {
-    members: Vec<Option<u8>, N>,
+pub struct Selection {
+    members: Vec<Option<u8>, MAX_ROWS>,
     subsets: usize,
     work: usize,
     cut: bool,
 }
 
-impl<const N: usize> Selection<N> {
+impl Selection {
     /// Of no rows.
     pub const fn none() -> Self {
         Self { members: Vec::new(), subsets: 0, work: 0, cut: false }
@@ -77,12 +77,12 @@ impl<const N: usize> Selection<N> {
     /// Deals the rows of an epoch that take part; aiding rows are in no subset.
     ///
     /// `work` bounds the search for tetrahedra: [`MAX_WORK`], unless time is shorter.
-    pub fn choose<T: Real>(epoch: &LinearEpoch<T, N>, work: usize) -> Self {
-        let mut dealer = Dealer::new(epoch, work);
+    pub fn choose<T: Real>(rows: &[Row<T>], work: usize) -> Self {
+        let mut dealer = Dealer::new(rows, work);
         dealer.span_tetrahedra();
         dealer.complete_constellations();
         dealer.deal_the_rest();
-        let mut members: Vec<Option<u8>, N> = gather(epoch.rows().iter().map(|_| None));
+        let mut members: Vec<Option<u8>, MAX_ROWS> = gather(rows.iter().map(|_| None));
         for candidate in &dealer.candidates {
             if let Some(member) = members.get_mut(candidate.index) {
                 *member = candidate.subset;
@@ -161,16 +161,16 @@ impl<T: Real> Subset<T> {
 }
 
 /// The satellites, the subsets so far, and the work that is left.
-struct Dealer<T: Real, const N: usize> {
-    candidates: Vec<Candidate<T>, N>,
+struct Dealer<T: Real> {
+    candidates: Vec<Candidate<T>, MAX_ROWS>,
     subsets: Vec<Subset<T>, MAX_SUBSETS>,
     left: usize,
     cut: bool,
 }
 
-impl<T: Real, const N: usize> Dealer<T, N> {
-    fn new(epoch: &LinearEpoch<T, N>, work: usize) -> Self {
-        let satellites = epoch.rows().iter().enumerate().filter_map(|(index, row)| {
+impl<T: Real> Dealer<T> {
+    fn new(rows: &[Row<T>], work: usize) -> Self {
+        let satellites = rows.iter().enumerate().filter_map(|(index, row)| {
             let takes_part = row.weight > T::zero() && row.design != Vector3::zeros();
             let clock = row.clock.filter(|_| takes_part)?;
             Some(Candidate { index, clock, design: row.design, subset: None })
@@ -203,7 +203,7 @@ impl<T: Real, const N: usize> Dealer<T, N> {
     /// Row indices of the four free satellites that span the largest tetrahedron.
     fn largest_tetrahedron(&mut self) -> Option<[usize; 4]> {
         let free = self.candidates.iter().filter(|candidate| candidate.subset.is_none());
-        let corners: Vec<_, N> = gather(free.map(|candidate| (candidate.index, candidate.design)));
+        let corners: Vec<_, MAX_ROWS> = gather(free.map(|candidate| (candidate.index, candidate.design)));
         let mut search = Tetrahedra { largest: T::zero(), corners: None, left: self.left, cut: false };
         for (a, rest) in tails(&corners) {
             for (b, rest) in tails(rest) {

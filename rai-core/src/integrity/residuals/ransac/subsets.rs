@@ -4,8 +4,8 @@ use heapless::Vec;
 
 use super::{MAX_WORK, Selection};
 use crate::bounded::gather;
-use crate::epoch::Epoch;
-use crate::equations::LinearEpoch;
+use crate::epoch::EpochView;
+use crate::equations::{MAX_ROWS, Row};
 use crate::numeric::real::Real;
 use crate::satellite::SatelliteId;
 
@@ -13,12 +13,12 @@ use crate::satellite::SatelliteId;
 ///
 /// Kept by whoever judges, so that judging changes nothing else.
 #[derive(Clone, Debug, Default)]
-pub struct Subsets<const N: usize> {
-    satellites: Vec<SatelliteId, N>,
-    selection: Selection<N>,
+pub struct Subsets {
+    satellites: Vec<SatelliteId, MAX_ROWS>,
+    selection: Selection,
 }
 
-impl<const N: usize> Subsets<N> {
+impl Subsets {
     /// Of no satellites yet.
     pub const fn new() -> Self {
         Self { satellites: Vec::new(), selection: Selection::none() }
@@ -26,13 +26,12 @@ impl<const N: usize> Subsets<N> {
 
     /// The subsets of an epoch: those known, if they are of the same satellites.
     #[inline(never)]
-    pub fn of<T: Real>(&mut self, epoch: &Epoch<N>, equations: &LinearEpoch<T, N>) -> &Selection<N> {
+    pub fn of<T: Real>(&mut self, epoch: &EpochView<'_>, rows: &[Row<T>]) -> &Selection {
         let satellites = || epoch.observations().iter().map(|observation| observation.satellite);
-        let known = self.selection.rows() == equations.rows().len()
-            && self.satellites.iter().copied().eq(satellites());
+        let known = self.selection.rows() == rows.len() && self.satellites.iter().copied().eq(satellites());
         if !known {
             self.satellites = gather(satellites());
-            self.selection = Selection::choose(equations, MAX_WORK);
+            self.selection = Selection::choose(rows, MAX_WORK);
         }
         &self.selection
     }

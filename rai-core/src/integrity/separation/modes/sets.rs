@@ -1,7 +1,9 @@
 //! Sets of rows and of events, as words; and what a hypothesis takes away.
 
-/// Most rows of an epoch that can be judged: rows and constellations together fill one word.
-pub const ROWS: usize = 60;
+use crate::satellite::Constellation;
+
+/// Most rows of an epoch that can be judged: rows and constellations together fit one word.
+pub const ROWS: usize = Set::BITS as usize - Constellation::COUNT;
 
 /// Most events at once.
 pub(in crate::integrity::separation) const EVENTS: usize = 3;
@@ -28,7 +30,7 @@ pub(super) fn above(index: usize) -> Set {
 pub(super) const ROW_EVENTS: Set = (1 << ROWS) - 1;
 
 /// The members of a set, ascending.
-pub(in crate::integrity::separation) fn members(mut set: Set) -> impl Iterator<Item = usize> {
+pub(in crate::integrity::separation) fn members(mut set: Set) -> impl Iterator<Item = usize> + Clone {
     core::iter::from_fn(move || {
         let index = set.trailing_zeros() as usize;
         set &= set.wrapping_sub(1);

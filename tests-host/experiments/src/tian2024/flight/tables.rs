@@ -5,7 +5,7 @@ use std::time::Instant;
 use anyhow::Result;
 use rai_core::integrity::residuals::parity;
 use rai_core::integrity::residuals::ransac::{MAX_WORK, Selection};
-use rai_core::snapshot::Snapshot;
+use rai_core::snapshot::Workspace;
 
 use super::super::super::draw::generator;
 use super::super::super::{Finding, Interval, Judgement, Picture, Row, Section};
@@ -228,19 +228,21 @@ fn taken_s(
     second: u64,
 ) -> Result<[f64; 3]> {
     let start = Instant::now();
-    let mut snapshot = Snapshot::solve(epoch.clone())?;
+    let mut workspace = Workspace::of(epoch.clone());
+    let mut snapshot = workspace.solve()?;
     parity::exclude(parity::Isolation::Sequential, &mut snapshot, &limits.thresholds, &limits.parity);
     let parity_s = start.elapsed().as_secs_f64();
 
     let start = Instant::now();
-    Traditional::Consensus.judge(epoch, limits, TIMED_SUBSETS, &mut generator(0, second))?;
-    let (count, size) = (snapshot.epoch().rows().len(), 5);
+    Traditional::Consensus.judge(epoch.rows(), limits, TIMED_SUBSETS, &mut generator(0, second))?;
+    let (count, size) = (epoch.rows().len(), 5);
     let share = tests_host::ransac_traditional::combination_count(count, size) / TIMED_SUBSETS as f64;
     let traditional_s = start.elapsed().as_secs_f64() * share;
 
     let start = Instant::now();
-    let mut snapshot = Snapshot::solve(epoch.clone())?;
-    let selection = Selection::choose(snapshot.epoch(), 2 * MAX_WORK);
+    let mut workspace = Workspace::of(epoch.clone());
+    let mut snapshot = workspace.solve()?;
+    let selection = Selection::choose(snapshot.equations(), 2 * MAX_WORK);
     Method::Improved.exclude(&mut snapshot, &selection, limits);
     Ok([parity_s, traditional_s, start.elapsed().as_secs_f64()])
 }

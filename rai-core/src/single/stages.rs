@@ -1,0 +1,106 @@
+//! The stages of this instance one by one, for whoever measures them: as they are in the shipped image, compiled for speed.
+//!
+//! Each function is the generic one of its name, and no more.
+
+use crate::clock::{CoastingClock, Forecast, Uptake};
+use crate::equations::Row;
+use crate::integrity::residuals::baarda;
+use crate::integrity::residuals::exclusion::Exclusion;
+use crate::integrity::residuals::levels::{self, Slopes};
+use crate::integrity::residuals::parity::{self, Finding};
+use crate::integrity::residuals::ransac::{self, Selection};
+use crate::integrity::residuals::threshold::Thresholds;
+use crate::integrity::residuals::threshold::policy::{Demand, NoThreshold, Policy, PolicyThreshold};
+use crate::integrity::separation::{self, Allocation, Judged, Priors, SeparationError};
+use crate::snapshot::{Snapshot, SnapshotError};
+
+/// [`Snapshot::leave_out`].
+///
+/// # Errors
+/// As there.
+#[inline(never)]
+pub fn leave_out(snapshot: &mut Snapshot<'_, f32>, index: usize) -> Result<(), SnapshotError> {
+    snapshot.leave_out(index)
+}
+
+/// [`Snapshot::take_back`].
+///
+/// # Errors
+/// As there.
+#[inline(never)]
+pub fn take_back(snapshot: &mut Snapshot<'_, f32>, index: usize) -> Result<(), SnapshotError> {
+    snapshot.take_back(index)
+}
+
+/// [`baarda::worst_two`].
+#[inline(never)]
+pub fn worst_two(snapshot: &Snapshot<'_, f32>) -> Option<(usize, f32, f32)> {
+    baarda::worst_two(snapshot)
+}
+
+/// [`levels::largest_slopes`].
+#[inline(never)]
+pub fn largest_slopes(snapshot: &Snapshot<'_, f32>) -> Slopes<f32> {
+    levels::largest_slopes(snapshot)
+}
+
+/// [`separation::judge`].
+///
+/// # Errors
+/// As there.
+#[inline(never)]
+pub fn separate(
+    snapshot: &mut Snapshot<'_, f32>,
+    priors: &Priors<'_, f32>,
+    allocation: &Allocation,
+) -> Result<Judged<f32>, SeparationError> {
+    separation::judge(snapshot, priors, allocation)
+}
+
+/// [`parity::grouping`].
+#[inline(never)]
+pub fn grouping(
+    snapshot: &Snapshot<'_, f32>,
+    thresholds: &Thresholds<'_>,
+    limits: &parity::SearchLimits,
+) -> Finding<f32> {
+    parity::grouping(snapshot, thresholds, limits)
+}
+
+/// [`Selection::choose`].
+#[inline(never)]
+pub fn choose(rows: &[Row<f32>], work: usize) -> Selection {
+    Selection::choose(rows, work)
+}
+
+/// [`ransac::exclude`].
+#[inline(never)]
+pub fn exclude_by_consensus(
+    snapshot: &mut Snapshot<'_, f32>,
+    selection: &Selection,
+    thresholds: &Thresholds<'_>,
+    limits: &ransac::ConsensusLimits<'_>,
+) -> Exclusion<f32> {
+    ransac::exclude(snapshot, selection, thresholds, limits)
+}
+
+/// [`CoastingClock::observe`].
+#[inline(never)]
+pub fn observe(clock: &mut CoastingClock<f32>, time_s: f64, clock_m: f64, clock_sigma_m: f64) -> Uptake {
+    clock.observe(time_s, clock_m, clock_sigma_m)
+}
+
+/// [`CoastingClock::forecast`].
+#[inline(never)]
+pub fn forecast(clock: &CoastingClock<f32>, time_s: f64) -> Option<Forecast> {
+    clock.forecast(time_s)
+}
+
+/// [`Demand::threshold`].
+///
+/// # Errors
+/// As there.
+#[inline(never)]
+pub fn threshold(demand: &Demand<'_>, policy: Policy) -> Result<PolicyThreshold, NoThreshold> {
+    demand.threshold::<f32>(policy)
+}

@@ -1,0 +1,79 @@
+//! Memory for equations and what a solution says of each: it is lent solved, or not at all.
+
+use heapless::Vec;
+
+use super::{Fit, Snapshot, SnapshotError, Solved};
+use crate::equations::LinearEpoch;
+use crate::numeric::real::Real;
+
+/// Room for at most `N` equations and their solution, used again from epoch to epoch: what is large is never moved.
+#[derive(Clone, Debug)]
+pub struct Workspace<T: Real, const N: usize> {
+    equations: LinearEpoch<T, N>,
+    fits: Vec<Fit<T>, N>,
+}
+
+impl<T: Real, const N: usize> Default for Workspace<T, N> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<T: Real, const N: usize> Workspace<T, N> {
+    /// Room without equations.
+    pub fn new() -> Self {
+        Self::of(LinearEpoch::new())
+    }
+
+    /// Room that holds these equations.
+    pub fn of(equations: LinearEpoch<T, N>) -> Self {
+        Self { equations, fits: Vec::new() }
+    }
+
+    /// The equations.
+    pub fn equations(&self) -> &LinearEpoch<T, N> {
+        &self.equations
+    }
+
+    /// The equations, to be added to or replaced.
+    pub fn equations_mut(&mut self) -> &mut LinearEpoch<T, N> {
+        &mut self.equations
+    }
+
+    /// Solves the equations.
+    ///
+    /// # Errors
+    /// [`SnapshotError::Insufficient`] with fewer rows than unknowns (without any, too),
+    /// [`SnapshotError::Singular`] where the rows do not determine them.
+    pub fn solve(&mut self) -> Result<Snapshot<'_, T>, SnapshotError> {
+        let solved = self.solve_rows()?;
+        Ok(self.lend(solved))
+    }
+
+    /// Takes a copy of a snapshot, to leave rows out of while the other stays; `None` where it has more than `N`.
+    pub fn copy_of(&mut self, snapshot: &Snapshot<'_, T>) -> Option<Snapshot<'_, T>> {
+        self.equations.copy_from(snapshot.rows, snapshot.references)?;
+        self.fits.clear();
+        self.fits.extend_from_slice(snapshot.fits).ok()?;
+        Some(self.lend(snapshot.solved))
+    }
+
+    /// Solves the equations where they are.
+    ///
+    /// # Errors
+    /// As [`Self::solve`].
+    pub(crate) fn solve_rows(&mut self) -> Result<Solved<T>, SnapshotError> {
+        let rows = self.equations.rows();
+        // Both vectors hold N: there is always room. One that is long enough is written over, which spares the way round
+        // by the stack.
+        self.fits.truncate(rows.len());
+        while self.fits.len() < rows.len() && self.fits.push(Fit::nothing()).is_ok() {}
+        Solved::of(rows, &mut self.fits)
+    }
+
+    /// Lends what [`Self::solve_rows`] solved last.
+    pub(crate) fn lend(&mut self, solved: Solved<T>) -> Snapshot<'_, T> {
+        let (rows, references) = self.equations.parts_mut();
+        Snapshot { rows, references, fits: &mut self.fits, solved }
+    }
+}
