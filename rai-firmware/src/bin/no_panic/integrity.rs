@@ -5,7 +5,7 @@ use core::ops::{Add, Sub};
 
 use rai_core::clock::{self, Autoregression, Clocks, CoastingClock, Extrapolation};
 use rai_core::continuity::{Continuity, ContinuityError, ContinuitySettings};
-use rai_core::epoch::{Epoch, EpochError};
+use rai_core::epoch::{Epoch, EpochError, EpochView};
 use rai_core::equations::{LinearEpoch, RowError};
 use rai_core::fix::{Fix, FixError};
 use rai_core::frame::{Ecef, Enu, Geodetic, LocalFrame};
@@ -19,7 +19,8 @@ use rai_core::integrity::residuals::ransac::{self, Selection};
 use rai_core::integrity::residuals::threshold::policy::{self, Demand, Weights};
 use rai_core::integrity::residuals::threshold::{self, ThresholdError, Thresholds};
 use rai_core::integrity::separation::{self, Allocation, Finding, Hypothesis, Removable, SeparationError};
-use rai_core::monitor::{Monitor, MonitorError};
+use rai_core::monitor::{Memory, Monitor, MonitorError};
+use rai_core::numeric::absolute::{Absolute, Grid};
 use rai_core::numeric::chi_square::ChiSquare;
 use rai_core::numeric::normal;
 use rai_core::numeric::probability::Probability;
@@ -225,6 +226,23 @@ fn clocks<T: Real>() {
     );
 }
 
+fn absolute_lengths() {
+    reach!(
+        <f64 as Absolute<f64>>::of as fn(_) -> _,
+        <f64 as Absolute<f64>>::less as fn(_, _) -> _,
+        <f64 as Absolute<f64>>::widen as fn(_) -> _,
+        <f64 as Absolute<f64>>::narrow as fn(_) -> _,
+        <f64 as Absolute<f64>>::vector as fn(_) -> _,
+        <f64 as Absolute<f64>>::length as fn(_) -> _,
+        <Grid as Absolute<f32>>::of as fn(_) -> _,
+        <Grid as Absolute<f32>>::less as fn(_, _) -> _,
+        <Grid as Absolute<f32>>::widen as fn(_) -> _,
+        <Grid as Absolute<f32>>::narrow as fn(_) -> _,
+        <Grid as Absolute<f32>>::vector as fn(_) -> _,
+        <Grid as Absolute<f32>>::length as fn(_) -> _,
+    );
+}
+
 fn thresholds<T: Real>() {
     reach!(
         ChiSquare::<T>::new as fn(_) -> _,
@@ -257,6 +275,9 @@ fn the_pipeline<T: Real>() {
         <Fix<'_, T> as Reducible<T>>::leave_out as fn(_, _) -> _,
         <Fix<'_, T> as Reducible<T>>::take_back as fn(_, _) -> _,
         <Fix<'_, T> as Reducible<T>>::set_aside as fn(_, _) -> _,
+        Memory::<T, N>::new as fn() -> _,
+        <Memory<T, N> as Default>::default as fn() -> _,
+        Memory::<T, N>::workspace as fn(_) -> _,
         Monitor::<T, N>::new as fn(_) -> _,
         Monitor::<T, N>::require as fn(_, _) -> _,
         Monitor::<T, N>::set_strategy as fn(_, _),
@@ -282,6 +303,7 @@ fn the_pipeline<T: Real>() {
 /// What is absolute, and so has one precision only, and what computes nothing.
 pub fn reach_what_has_no_precision() {
     as_a_module_runs_it();
+    absolute_lengths();
     continuity();
     frames();
     requirements();
@@ -399,6 +421,10 @@ fn epochs() {
         Epoch::<N>::push as fn(_, _) -> _,
         Epoch::<N>::push_sharing as fn(_, _, _) -> _,
         Epoch::<N>::aid as fn(_, _) -> _,
+        Epoch::<N>::view as fn(_) -> _,
+        EpochView::time_s as fn(_) -> _,
+        EpochView::observations as fn(_) -> _,
+        EpochView::common_m as fn(_) -> _,
         Epoch::<N>::time_s as fn(_) -> _,
         Epoch::<N>::observations as fn(_) -> _,
         Epoch::<N>::common_m as fn(_) -> _,
