@@ -103,10 +103,16 @@ impl Strategy {
 
 /// Room that judging takes. Nothing in it is remembered but the subsets of the satellites, which [`Method::Ransac`] keeps from
 /// epoch to epoch.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Memory<T: Real, const N: usize> {
     workspace: Workspace<T, N>,
     subsets: Subsets,
+}
+
+impl<T: Real, const N: usize> Default for Memory<T, N> {
+    fn default() -> Self {
+        Self::new()
+    }
 }
 
 impl<T: Real, const N: usize> Memory<T, N> {

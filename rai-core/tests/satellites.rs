@@ -19,9 +19,25 @@ fn satellite_is_written_with_two_digits() {
         (Constellation::Gps, 7, "G07"),
         (Constellation::Beidou, 61, "C61"),
         (Constellation::Galileo, 1, "E01"),
+        (Constellation::Gps, 193, "J01"),
+        (Constellation::Gps, 202, "J10"),
     ] {
         let satellite = SatelliteId::new(constellation, number).unwrap();
         assert_eq!(satellite.to_string(), want);
         assert_eq!((satellite.constellation(), satellite.number()), (constellation, number));
+        let (letter, number) = satellite.name();
+        assert_eq!(SatelliteId::from_name(letter, number), Some(satellite));
+    }
+}
+
+#[test]
+fn numbers_that_no_system_has_are_none() {
+    for (constellation, number) in
+        [(Constellation::Gps, 192), (Constellation::Gps, 203), (Constellation::Galileo, 193)]
+    {
+        assert_eq!(SatelliteId::new(constellation, number), None, "{constellation:?} {number}");
+    }
+    for (letter, number) in [('J', 0), ('J', 11), ('J', 193), ('G', 193), ('G', 0), ('S', 20)] {
+        assert_eq!(SatelliteId::from_name(letter, number), None, "{letter} {number}");
     }
 }

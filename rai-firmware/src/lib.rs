@@ -38,7 +38,7 @@
 //! # What this crate does not do
 //!
 //! It does not track signals, smooth with carrier phase, use SBAS or corrections of any network, or keep anything over
-//! a reset. QZSS is counted and not used; GLONASS is used where `SYSTEMS` says so. It holds no geoid: heights are above
+//! a reset. GLONASS and QZSS are used where `SYSTEMS` says so. It holds no geoid: heights are above
 //! the ellipsoid. The leap seconds between GPS time and UTC are those of the image
 //! ([`output::nmea::GPS_MINUS_UTC_S`]) until a receiver or a satellite says them.
 //!
@@ -61,6 +61,7 @@
 //! | `ICAO-A10` | ICAO, Annex 10 to the Convention on International Civil Aviation, *Aeronautical telecommunications*, Volume I, *Radio navigation aids*, table 3.7.2.4-1 |
 //! | `IS-GPS-200` | *NAVSTAR GPS space segment/navigation user segment interfaces*, interface specification of the US Space Force |
 //! | `IS-GPS-705` | *NAVSTAR GPS space segment/user segment L5 interfaces*, interface specification of the US Space Force |
+//! | `IS-QZSS-PNT` | Cabinet Office of Japan, *Quasi-Zenith Satellite System interface specification, satellite positioning, navigation and timing service* |
 //! | `Klobuchar1987` | J. A. Klobuchar, *Ionospheric time-delay algorithm for single-frequency GPS users*, IEEE Trans. AES 23(3) (1987) 325–331 |
 //! | `MAVLINK` | `MAVLink` developer guide, *Serialization*, <https://mavlink.io/en/guide/serialization.html>, and the message definitions `common.xml` and `development.xml` |
 //! | `NMEA-0183` | National Marine Electronics Association, *NMEA 0183, standard for interfacing marine electronic devices*, version 4.11, 2018 |

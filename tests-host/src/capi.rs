@@ -11,6 +11,12 @@ use std::process::Command;
 
 use anyhow::{Context as _, ensure};
 
+use crate::board::Machine;
+use crate::image;
+
+pub mod calls;
+pub mod program;
+
 /// What to do where the committed header is not that of the sources.
 pub const STALE_HEADER: &str = "the C interface has changed and its header has not: run `cargo xtask header`, and raise \
                                 RAI_ABI_VERSION if a program compiled against the old header would misunderstand the new library";
@@ -38,37 +44,92 @@ pub fn header() -> anyhow::Result<String> {
     Ok(String::from_utf8(header)?)
 }
 
-/// Builds the library of the C interface and gives its path.
-///
-/// `kind` is `staticlib` or `cdylib`, `target` a Rust target, or none for the host.
+/// The boards' instruction set.
+const TARGET: &str = "thumbv7em-none-eabihf";
+
+/// What kind of library.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// What a C program is linked with.
+    Static,
+    /// What a program of another language loads.
+    Shared,
+}
+
+impl Kind {
+    const fn words(self) -> (&'static str, &'static str) {
+        match self {
+            Self::Static => ("staticlib", "librai.a"),
+            Self::Shared => ("cdylib", "librai.so"),
+        }
+    }
+}
+
+/// Builds the library of the host, with debug assertions, and gives its path.
 ///
 /// # Errors
 /// Where it does not build; the message is cargo's.
-pub fn library(kind: &str, target: Option<&str>, features: &str) -> anyhow::Result<PathBuf> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    let folder = root.join("target/capi").join(features.replace(',', "-"));
-    let profile = if target.is_some() { "firmware" } else { "dev" };
-    let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
-    cargo
-        .current_dir(&root)
-        .args([
-            "rustc",
-            "--quiet",
-            "--package=rai-capi",
-            "--lib",
-            "--crate-type",
-            kind,
-            "--no-default-features",
-        ])
-        .args(["--features", features, "--profile", profile, "--target-dir"])
-        .arg(&folder);
-    if let Some(target) = target {
-        cargo.args(["--target", target]);
+pub fn library(kind: Kind, features: &str) -> anyhow::Result<PathBuf> {
+    let (crate_type, name) = kind.words();
+    let folder = root().join("target/capi");
+    let mut cargo = rustc(crate_type, features, &folder);
+    run(&mut cargo)?;
+    Ok(folder.join("debug").join(name))
+}
+
+/// Builds the library of a board's processor, as it ships, and gives its path.
+///
+/// # Errors
+/// As [`library`].
+pub fn library_for(machine: Machine, features: &str) -> anyhow::Result<PathBuf> {
+    let folder = root().join(match machine {
+        Machine::Stm32f405 => "target/capi",
+        Machine::Mps2An500 => "target/mps2_an500",
+    });
+    let mut cargo = rustc("staticlib", features, &folder);
+    cargo.args(["--profile", "firmware", "--target", TARGET]);
+    if machine == Machine::Mps2An500 {
+        // The flags of the second board's image: one folder holds what is built with them.
+        cargo.env("RUSTFLAGS", image::SECOND_BOARD_FLAGS);
     }
     run(&mut cargo)?;
-    let name = if kind == "cdylib" { "librai.so" } else { "librai.a" };
-    let profile_folder = if profile == "dev" { "debug" } else { profile };
-    Ok(folder.join(target.unwrap_or("")).join(profile_folder).join(name))
+    Ok(folder.join(TARGET).join("firmware/librai.a"))
+}
+
+/// What a library is compiled for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Optimised {
+    /// The integrity core for speed, as in the shipped image, and the rest for size.
+    Speed,
+    /// All of it for size.
+    Size,
+}
+
+/// Builds the library of the chip with only these features and gives its path.
+///
+/// # Errors
+/// As [`library`].
+pub fn library_of(features: &str, optimised: Optimised) -> anyhow::Result<PathBuf> {
+    let folder = root().join("target/capi");
+    let mut cargo = rustc("staticlib", &format!("panic-handler,{features}"), &folder);
+    cargo.args(["--profile", "firmware", "--target", TARGET]);
+    if optimised == Optimised::Size {
+        cargo.args(["--config", "profile.firmware.package.rai-core.opt-level='s'"]);
+    }
+    run(&mut cargo)?;
+    Ok(folder.join(TARGET).join("firmware/librai.a"))
+}
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+fn rustc(crate_type: &str, features: &str, target_folder: &Path) -> Command {
+    let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    cargo.current_dir(root()).args(["rustc", "--quiet", "--package=rai-capi", "--lib", "--crate-type"]);
+    cargo.args([crate_type, "--no-default-features", "--features", features, "--target-dir"]);
+    cargo.arg(target_folder);
+    cargo
 }
 
 /// Runs a command and gives what it wrote to standard output.

@@ -259,10 +259,10 @@ const RAMP_EXAMPLE: &str = "G05:0.5@600..";
 /// A satellite's name as in RINEX, the number with one digit or two.
 pub fn satellite(name: &str) -> Option<SatelliteId> {
     let mut letters = name.chars();
-    let constellation = Constellation::from_letter(letters.next()?.to_ascii_uppercase())?;
+    let letter = letters.next()?.to_ascii_uppercase();
     let digits = letters.as_str();
     let plain = (1..=2).contains(&digits.len()) && digits.bytes().all(|digit| digit.is_ascii_digit());
-    if plain { SatelliteId::new(constellation, digits.parse().ok()?) } else { None }
+    if plain { SatelliteId::from_name(letter, digits.parse().ok()?) } else { None }
 }
 
 fn target(name: &str) -> Option<Target> {

@@ -106,6 +106,10 @@ pub fn build_with(chosen: &[&str]) -> anyhow::Result<PathBuf> {
     executable(&String::from_utf8_lossy(&output.stdout)).context("cargo built no image")
 }
 
+/// What the compiler is told for the second board's processor.
+pub(crate) const SECOND_BOARD_FLAGS: &str =
+    "-C target-cpu=cortex-m7 -C link-arg=-Tlink.x -C link-arg=-Tdefmt.x -C link-arg=--nmagic";
+
 /// Builds the image of a board and returns where it lies. Each board has a folder of its own for what is built with its
 /// processor's flags.
 ///
@@ -122,10 +126,7 @@ pub fn build_for(machine: Machine) -> anyhow::Result<PathBuf> {
         .args(["--target", "thumbv7em-none-eabihf", "--target-dir", "target/mps2_an500"])
         .args(["--package", "rai-firmware", "--bin", "rai-firmware", "--features", "mps2-an500"])
         // These replace what the project's own configuration says, so all of it is said again.
-        .env(
-            "RUSTFLAGS",
-            "-C target-cpu=cortex-m7 -C link-arg=-Tlink.x -C link-arg=-Tdefmt.x -C link-arg=--nmagic",
-        )
+        .env("RUSTFLAGS", SECOND_BOARD_FLAGS)
         .stderr(Stdio::inherit())
         .output()
         .context("cargo cannot be run")?;

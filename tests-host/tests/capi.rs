@@ -5,18 +5,13 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use rai_firmware::receiver::{Boot, Receiver};
-use tests_host::capi::{self, folder, library, run};
+use tests_host::capi::program::{STRICT, SYSTEM};
+use tests_host::capi::{self, Kind, folder, library, run};
 use tests_host::encode::{Frequency, Selection};
 use tests_host::pin::Pin;
 use tests_host::replay::{self, Window};
 use tests_host::skip;
 use tests_host::sky::raw::Simulation;
-
-/// Every warning that a careful C programmer turns on.
-const STRICT: [&str; 6] = ["-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror", "-O1"];
-
-/// What the static library needs of a host's system.
-const SYSTEM: [&str; 3] = ["-lpthread", "-ldl", "-lm"];
 
 fn example(name: &str) -> PathBuf {
     folder().join("examples/c").join(name)
@@ -60,7 +55,7 @@ fn monitor_from_c_names_the_satellite_that_is_wrong() {
     if !has(&["gcc", "g++"]) {
         return;
     }
-    let library = library("staticlib", None, "receiver").expect("the library builds");
+    let library = library(Kind::Static, "receiver").expect("the library builds");
     let out = tempfile::tempdir().expect("a folder");
     let modes: [(&str, &[&str]); 3] = [
         ("gcc", &["-std=c99"]),
@@ -81,8 +76,8 @@ fn monitor_from_python_says_what_it_says_from_c() {
     if !has(&["gcc", "python3"]) {
         return;
     }
-    let shared = library("cdylib", None, "receiver").expect("the library builds");
-    let fixed = library("staticlib", None, "receiver").expect("the library builds");
+    let shared = library(Kind::Shared, "receiver").expect("the library builds");
+    let fixed = library(Kind::Static, "receiver").expect("the library builds");
     let out = tempfile::tempdir().expect("a folder");
     let program = compile("gcc", &example("monitor.c"), &fixed, &["-std=c99"], out.path());
     let want = run(&mut Command::new(program)).expect("protected");
@@ -97,7 +92,7 @@ fn receiver_from_c_says_every_byte_that_it_says_from_rust() {
     if !has(&["gcc"]) {
         return;
     }
-    let library = library("staticlib", None, "receiver").expect("the library builds");
+    let library = library(Kind::Static, "receiver").expect("the library builds");
     let out = tempfile::tempdir().expect("a folder");
     let flags = ["-std=c11", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"];
     let program = compile("gcc", &example("receiver.c"), &library, &flags, out.path());

@@ -66,7 +66,8 @@ pub(crate) struct Arguments {
     /// Where the antenna was when: a table whose heading names week,tow and `x_m,y_m,z_m` or `lat_deg,lon_deg,height_m`.
     #[arg(long, value_name = "FILE")]
     truth_csv: Option<PathBuf>,
-    /// Systems to use: G (GPS), C (`BeiDou`), E (Galileo); all three unless given. Of a capture also R (GLONASS).
+    /// Systems to use: G (GPS), C (`BeiDou`), E (Galileo), R (GLONASS); the first three unless given. Of a capture also J
+    /// (QZSS).
     #[arg(long, value_name = "LETTERS")]
     systems: Option<String>,
     /// Frequencies to use.
@@ -226,8 +227,8 @@ fn of_capture(
         eprintln!("taking {} s from {name}", arguments.to);
     }
     let bytes = capture::read(name, arguments.to).with_context(|| name.to_owned())?;
-    // What a navigation file may add: GLONASS is not among it.
-    let systems = arguments.systems.as_deref().unwrap_or(SYSTEMS).replace('R', "");
+    // What a navigation file may add: QZSS is not among it.
+    let systems = arguments.systems.as_deref().unwrap_or(SYSTEMS).replace('J', "");
     let orbits = match arguments.nav.as_slice() {
         [] => None,
         files => Some(Orbits::load(files, &selection(arguments, &systems)?)?),
@@ -271,9 +272,11 @@ fn commands(arguments: &Arguments, klobuchar: Option<[f64; 8]>) -> Result<Vec<St
         .iter()
         .filter_map(|(key, value)| value.as_ref().map(|value| format!("{key},{value}")))
         .collect();
-    // Of a recording only what is asked for is sent; a capture holds what it holds, and the module chooses.
+    // Of a recording only what is asked for is sent; a capture holds what it holds, and the module chooses. GLONASS takes
+    // part in neither unless the module is told.
+    let says_systems = |letters: &&String| arguments.capture.is_some() || letters.contains('R');
+    setup.extend(arguments.systems.as_ref().filter(says_systems).map(|letters| format!("SYSTEMS,{letters}")));
     if arguments.capture.is_some() {
-        setup.extend(arguments.systems.as_ref().map(|letters| format!("SYSTEMS,{letters}")));
         setup.extend((arguments.frequency == Frequencies::Single).then(|| "FREQ,SINGLE".to_owned()));
     }
     if let Some(coefficients) = klobuchar {

@@ -56,7 +56,7 @@ pub enum Method {
 
 impl Method {
     /// Whether a forecast may stand beside the satellites: separation knows none that could be wrong.
-    pub fn takes_a_forecast(self) -> bool {
+    pub(crate) fn takes_a_forecast(self) -> bool {
         #[cfg(feature = "araim")]
         if self == Self::Separation {
             return false;

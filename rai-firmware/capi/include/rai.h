@@ -32,31 +32,6 @@
 #define RAI_ABI_VERSION 1
 
 /**
- * Most satellites in one epoch.
- */
-#define RAI_MAX_SATELLITES 48
-
-/**
- * Bytes of a monitor, on every processor at most.
- */
-#define RAI_MONITOR_SIZE 12288
-
-/**
- * The same in words of eight bytes.
- */
-#define RAI_MONITOR_WORDS 1536
-
-/**
- * Bytes of a receiver, on every processor at most.
- */
-#define RAI_RECEIVER_SIZE 65536
-
-/**
- * The same in words of eight bytes.
- */
-#define RAI_RECEIVER_WORDS 8192
-
-/**
  * En route: HAL 3,704 m.
  */
 #define RAI_PHASE_ENROUTE 0
@@ -141,6 +116,79 @@
  * Protection levels are the mean error under the worst missed fault, as in the papers.
  */
 #define RAI_LEVELS_SLOPE 1
+
+#if defined(RAI_SATELLITES_16)
+/**
+ * Most satellites in one epoch.
+ */
+#define RAI_MAX_SATELLITES 16
+#endif
+
+#if (defined(RAI_SATELLITES_32) && !defined(RAI_SATELLITES_16))
+/**
+ * Most satellites in one epoch.
+ */
+#define RAI_MAX_SATELLITES 32
+#endif
+
+#if !(defined(RAI_SATELLITES_16) || defined(RAI_SATELLITES_32))
+/**
+ * Most satellites in one epoch.
+ */
+#define RAI_MAX_SATELLITES 48
+#endif
+
+#if defined(RAI_SATELLITES_16)
+/**
+ * Words of eight bytes that a monitor takes, on every processor at most.
+ */
+#define RAI_MONITOR_WORDS 768
+#endif
+
+#if (defined(RAI_SATELLITES_32) && !defined(RAI_SATELLITES_16))
+/**
+ * Words of eight bytes that a monitor takes, on every processor at most.
+ */
+#define RAI_MONITOR_WORDS 1152
+#endif
+
+#if !(defined(RAI_SATELLITES_16) || defined(RAI_SATELLITES_32))
+/**
+ * Words of eight bytes that a monitor takes, on every processor at most.
+ */
+#define RAI_MONITOR_WORDS 1536
+#endif
+
+/**
+ * Bytes of a monitor.
+ */
+#define RAI_MONITOR_SIZE (RAI_MONITOR_WORDS * 8)
+
+#if defined(RAI_SATELLITES_16)
+/**
+ * Words of eight bytes that a receiver takes, on every processor at most.
+ */
+#define RAI_RECEIVER_WORDS 5120
+#endif
+
+#if (defined(RAI_SATELLITES_32) && !defined(RAI_SATELLITES_16))
+/**
+ * Words of eight bytes that a receiver takes, on every processor at most.
+ */
+#define RAI_RECEIVER_WORDS 5632
+#endif
+
+#if !(defined(RAI_SATELLITES_16) || defined(RAI_SATELLITES_32))
+/**
+ * Words of eight bytes that a receiver takes, on every processor at most.
+ */
+#define RAI_RECEIVER_WORDS 6144
+#endif
+
+/**
+ * Bytes of a receiver.
+ */
+#define RAI_RECEIVER_SIZE (RAI_RECEIVER_WORDS * 8)
 
 /**
  * Nothing has been said yet. It counts as unavailable.

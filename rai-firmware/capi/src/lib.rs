@@ -40,6 +40,7 @@ mod pointer;
 mod receiver;
 mod settings;
 mod status;
+mod storage;
 #[cfg(feature = "receiver")]
 mod text;
 mod verdict;
@@ -49,6 +50,7 @@ pub use monitor::*;
 pub use receiver::*;
 pub use settings::*;
 pub use status::*;
+pub use storage::*;
 pub use verdict::*;
 
 /// The version of this interface. It grows by one with every change that a program compiled against an older header would

@@ -2,6 +2,7 @@
 
 use rai_core::epoch::{Epoch, Observation};
 use rai_core::frame::Ecef;
+use rai_core::monitor::MonitorError;
 use rai_core::satellite::{Constellation, SatelliteId};
 use rai_core::single::{self, CAPACITY, Monitor};
 
@@ -9,20 +10,10 @@ use crate::pointer::{Object, can_give, give, slice, status_of, take};
 use crate::settings::{rai_settings_t, refusal_of};
 #[allow(clippy::wildcard_imports)] // The statuses are all of the module.
 use crate::status::*;
+use crate::storage::{RAI_MAX_SATELLITES, RAI_MONITOR_SIZE, RAI_MONITOR_WORDS};
 use crate::verdict::rai_verdict_t;
 
-/// Most satellites in one epoch.
-pub const RAI_MAX_SATELLITES: usize = 48;
-
 const _: () = assert!(RAI_MAX_SATELLITES == CAPACITY);
-
-/// Bytes of a monitor, on every processor at most.
-pub const RAI_MONITOR_SIZE: usize = 12288;
-
-/// The same in words of eight bytes.
-pub const RAI_MONITOR_WORDS: usize = 1536;
-
-const _: () = assert!(RAI_MONITOR_WORDS * size_of::<u64>() == RAI_MONITOR_SIZE);
 
 /// A monitor's memory. What is in it is the library's affair; all that counts is its size and that it is aligned.
 #[repr(C)]
@@ -35,13 +26,28 @@ type Stored = Object<Watch, 1>;
 
 /// A monitor with the epoch that is being judged, so that the epoch takes no stack.
 struct Watch {
-    monitor: Monitor,
+    /// As it was made, or was not: to take it out of the result would lay it out on the stack.
+    made: Result<Monitor, MonitorError>,
     epoch: Epoch<CAPACITY>,
+}
+
+impl Watch {
+    fn monitor(&mut self) -> Result<&mut Monitor, rai_status_t> {
+        self.made.as_mut().map_err(|&mut error| refusal_of(error))
+    }
 }
 
 const _: () = assert!(
     size_of::<Stored>() <= RAI_MONITOR_SIZE && align_of::<Stored>() <= align_of::<rai_monitor_t>(),
     "the monitor has outgrown RAI_MONITOR_SIZE: raise it, and RAI_ABI_VERSION with it"
+);
+
+// The same for linker scripts, and for whoever reads the library without running it.
+#[cfg(target_os = "none")]
+core::arch::global_asm!(
+    ".globl __rai_monitor_bytes",
+    ".set __rai_monitor_bytes, {}",
+    const size_of::<Stored>()
 );
 
 /// One satellite's corrected range and where the satellite was when it sent the signal.
@@ -86,15 +92,19 @@ pub unsafe extern "C" fn rai_monitor_init(
     let (room, settings) =
         unsafe { (Stored::room(memory.cast(), length), take(settings, rai_settings_t::at_start())) };
     status_of(room.and_then(|room| {
-        room.fill(watch(&settings?)?);
-        Ok(())
+        let settings = settings?;
+        let requirements = settings.requirements()?;
+        // SAFETY: both fields are written.
+        unsafe {
+            room.fill(
+                |watch: *mut Watch| {
+                    (&raw mut (*watch).made).write(Monitor::new(requirements));
+                    (&raw mut (*watch).epoch).write(Epoch::new(0.0));
+                },
+                |watch| configure(watch.monitor()?, &settings),
+            )
+        }
     }))
-}
-
-fn watch(settings: &rai_settings_t) -> Result<Watch, rai_status_t> {
-    let mut monitor = Monitor::new(settings.requirements()?).map_err(refusal_of)?;
-    configure(&mut monitor, settings)?;
-    Ok(Watch { monitor, epoch: Epoch::new(0.0) })
 }
 
 /// Replaces the settings; what is remembered stays. Refused settings change nothing.
@@ -112,7 +122,7 @@ pub unsafe extern "C" fn rai_monitor_configure(
     let watch = unsafe { Stored::at(monitor.cast()) };
     // SAFETY: as promised by the caller.
     let settings = unsafe { take(settings, rai_settings_t::at_start()) };
-    status_of(watch.and_then(|watch| configure(&mut watch.monitor, &settings?)))
+    status_of(watch.and_then(|watch| configure(watch.monitor()?, &settings?)))
 }
 
 fn configure(monitor: &mut Monitor, settings: &rai_settings_t) -> Result<(), rai_status_t> {
@@ -131,7 +141,10 @@ fn configure(monitor: &mut Monitor, settings: &rai_settings_t) -> Result<(), rai
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rai_monitor_forget(monitor: *mut rai_monitor_t) -> rai_status_t {
     // SAFETY: as promised by the caller.
-    status_of(unsafe { Stored::at(monitor.cast()) }.map(|watch| watch.monitor.forget_position()))
+    status_of(unsafe { Stored::at(monitor.cast()) }.and_then(|watch| {
+        watch.monitor()?.forget_position();
+        Ok(())
+    }))
 }
 
 /// Judges one epoch: `count` ranges of one instant.
@@ -160,12 +173,14 @@ pub unsafe extern "C" fn rai_monitor_judge(
     if !time_s.is_finite() {
         return RAI_STATUS_TIME;
     }
-    let judged = judge(watch, time_s, ranges);
-    // SAFETY: as promised by the caller.
-    status_of(unsafe { give(verdict, &judged) })
+    status_of(judge(watch, time_s, ranges).and_then(|judged| {
+        // SAFETY: as promised by the caller.
+        unsafe { give(verdict, &judged) }
+    }))
 }
 
-fn judge(watch: &mut Watch, time_s: f64, ranges: &[rai_range_t]) -> rai_verdict_t {
+fn judge(watch: &mut Watch, time_s: f64, ranges: &[rai_range_t]) -> Result<rai_verdict_t, rai_status_t> {
+    let monitor = watch.made.as_mut().map_err(|&mut error| refusal_of(error))?;
     watch.epoch.restart(time_s);
     let (mut refused_count, mut refused_status) = (0_u8, RAI_STATUS_OK);
     for range in ranges {
@@ -176,8 +191,8 @@ fn judge(watch: &mut Watch, time_s: f64, ranges: &[rai_range_t]) -> rai_verdict_
             refused_count = refused_count.saturating_add(1);
         }
     }
-    let report = single::process(&mut watch.monitor, &watch.epoch);
-    rai_verdict_t { refused_count, refused_status, ..rai_verdict_t::of(&report) }
+    let report = single::process(monitor, &watch.epoch);
+    Ok(rai_verdict_t { refused_count, refused_status, ..rai_verdict_t::of(&report) })
 }
 
 fn add(epoch: &mut Epoch<CAPACITY>, range: &rai_range_t) -> Result<(), rai_status_t> {

@@ -70,10 +70,28 @@ impl<V, const KIND: u8> Object<V, KIND> {
 /// Memory of a caller that is about to hold an object.
 pub(crate) struct Room<'a, V, const KIND: u8>(&'a mut MaybeUninit<Object<V, KIND>>);
 
-impl<'a, V, const KIND: u8> Room<'a, V, KIND> {
-    /// Puts the object there.
-    pub(crate) fn fill(self, value: V) -> &'a mut V {
-        &mut self.0.write(Object { mark: mark(KIND), value }).value
+impl<V, const KIND: u8> Room<'_, V, KIND> {
+    /// Makes an object there: `make` writes it part by part, so that the whole is not laid out on the stack first. Where `finish`
+    /// refuses it, none has been made.
+    ///
+    /// # Safety
+    /// `make` writes every field of the value that it is given the place of.
+    #[allow(unsafe_code)]
+    pub(crate) unsafe fn fill(
+        self,
+        make: impl FnOnce(*mut V),
+        finish: impl FnOnce(&mut V) -> Result<(), rai_status_t>,
+    ) -> Result<(), rai_status_t> {
+        let object = self.0.as_mut_ptr();
+        // SAFETY: both fields are inside the room, which is aligned and only ours; the value is written before it is referred to.
+        unsafe {
+            (&raw mut (*object).mark).write(0);
+            let value = &raw mut (*object).value;
+            make(value);
+            finish(&mut *value)?;
+            (&raw mut (*object).mark).write(mark(KIND));
+        }
+        Ok(())
     }
 }
 

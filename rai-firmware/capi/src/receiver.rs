@@ -3,21 +3,16 @@
 use core::convert::Infallible;
 
 use embedded_hal::digital::{ErrorType, OutputPin};
+use rai_core::monitor::MonitorError;
 use rai_firmware::receiver::{Boot, Receiver};
 
 use crate::pointer::{Object, give, slice, status_of};
+use crate::settings::refusal_of;
 #[allow(clippy::wildcard_imports)] // The statuses are all of the module.
 use crate::status::*;
+use crate::storage::{RAI_RECEIVER_SIZE, RAI_RECEIVER_WORDS};
 use crate::text::Lines;
 use crate::verdict::{RAI_REASON_NONE, RAI_STATE_NONE, rai_verdict_t, reason_of, state_of};
-
-/// Bytes of a receiver, on every processor at most.
-pub const RAI_RECEIVER_SIZE: usize = 65536;
-
-/// The same in words of eight bytes.
-pub const RAI_RECEIVER_WORDS: usize = 8192;
-
-const _: () = assert!(RAI_RECEIVER_WORDS * size_of::<u64>() == RAI_RECEIVER_SIZE);
 
 /// A receiver's memory. What is in it is the library's affair; all that counts is its size and that it is aligned.
 #[repr(C)]
@@ -26,11 +21,38 @@ pub struct rai_receiver_t {
     pub opaque: [u64; RAI_RECEIVER_WORDS],
 }
 
-type Stored = Object<Receiver<Level>, 2>;
+/// A receiver as it was made, or was not: to take it out of the result would lay it out on the stack.
+type Made = Result<Receiver<Level>, MonitorError>;
+
+type Stored = Object<Made, 2>;
+
+// Not inlined: else its parts are laid out beside the whole.
+#[inline(never)]
+fn make() -> Made {
+    Receiver::new(Level { is_high: false }, Boot { git: "library", reset_cause: heapless::String::new() })
+}
+
+/// The receiver that a handle points to.
+///
+/// # Safety
+/// As `Stored::at`.
+#[allow(unsafe_code)]
+unsafe fn at<'a>(handle: *const rai_receiver_t) -> Result<&'a mut Receiver<Level>, rai_status_t> {
+    // SAFETY: as promised by the caller.
+    unsafe { Stored::at(handle.cast_mut().cast()) }?.as_mut().map_err(|&mut error| refusal_of(error))
+}
 
 const _: () = assert!(
     size_of::<Stored>() <= RAI_RECEIVER_SIZE && align_of::<Stored>() <= align_of::<rai_receiver_t>(),
     "the receiver has outgrown RAI_RECEIVER_SIZE: raise it, and RAI_ABI_VERSION with it"
+);
+
+// The same for linker scripts, and for whoever reads the library without running it.
+#[cfg(target_os = "none")]
+core::arch::global_asm!(
+    ".globl __rai_receiver_bytes",
+    ".set __rai_receiver_bytes, {}",
+    const size_of::<Stored>()
 );
 
 /// The level of a pin that the caller drives.
@@ -84,12 +106,16 @@ pub unsafe extern "C" fn rai_receiver_init(
     // SAFETY: as promised by the caller.
     let lines = unsafe { Lines::at(out) };
     let placed = lines.and_then(|mut lines| {
-        let boot = Boot { git: "library", reset_cause: heapless::String::new() };
-        // SAFETY: as promised by the caller.
-        let place = unsafe { Stored::room(memory.cast(), length) }?;
-        let receiver = Receiver::new(Level { is_high: false }, boot).map_err(|_| RAI_STATUS_SETTING)?;
-        place.fill(receiver).greet(&mut lines);
-        Ok(())
+        // SAFETY: as promised by the caller; all of the result is written.
+        unsafe {
+            Stored::room(memory.cast(), length)?.fill(
+                |place: *mut Made| place.write(make()),
+                |made| {
+                    made.as_mut().map_err(|&mut error| refusal_of(error))?.greet(&mut lines);
+                    Ok(())
+                },
+            )
+        }
     });
     status_of(placed)
 }
@@ -112,8 +138,7 @@ pub unsafe extern "C" fn rai_receiver_gnss(
     judged: *mut u8,
 ) -> rai_status_t {
     // SAFETY: as promised by the caller.
-    let (receiver, bytes, lines) =
-        unsafe { (Stored::at(receiver.cast()), slice(bytes, count), Lines::at(out)) };
+    let (receiver, bytes, lines) = unsafe { (at(receiver), slice(bytes, count), Lines::at(out)) };
     let taken = receiver.and_then(|receiver| Ok(receiver.gnss(bytes?, now_ms, &mut lines?)));
     // SAFETY: as promised by the caller.
     if let (Ok(taken), Some(judged)) = (taken, unsafe { judged.as_mut() }) {
@@ -134,7 +159,7 @@ pub unsafe extern "C" fn rai_receiver_tick(
     out: *mut rai_text_t,
 ) -> rai_status_t {
     // SAFETY: as promised by the caller.
-    let (receiver, lines) = unsafe { (Stored::at(receiver.cast()), Lines::at(out)) };
+    let (receiver, lines) = unsafe { (at(receiver), Lines::at(out)) };
     status_of(receiver.and_then(|receiver| {
         receiver.tick(now_ms, &mut lines?);
         Ok(())
@@ -154,8 +179,7 @@ pub unsafe extern "C" fn rai_receiver_command(
     out: *mut rai_text_t,
 ) -> rai_status_t {
     // SAFETY: as promised by the caller.
-    let (receiver, bytes, lines) =
-        unsafe { (Stored::at(receiver.cast()), slice(bytes, count), Lines::at(out)) };
+    let (receiver, bytes, lines) = unsafe { (at(receiver), slice(bytes, count), Lines::at(out)) };
     status_of(receiver.and_then(|receiver| {
         receiver.command(bytes?, &mut lines?);
         Ok(())
@@ -171,7 +195,7 @@ pub unsafe extern "C" fn rai_receiver_command(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rai_receiver_pin(receiver: *const rai_receiver_t) -> u8 {
     // SAFETY: as promised by the caller.
-    unsafe { Stored::at(receiver.cast_mut().cast()) }.is_ok_and(|receiver| receiver.pin().is_high).into()
+    unsafe { at(receiver) }.is_ok_and(|receiver| receiver.pin().is_high).into()
 }
 
 /// Whether the host has asked for a restart by command: 1 if so. The caller then makes the receiver anew.
@@ -182,7 +206,7 @@ pub unsafe extern "C" fn rai_receiver_pin(receiver: *const rai_receiver_t) -> u8
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rai_receiver_reset_requested(receiver: *const rai_receiver_t) -> u8 {
     // SAFETY: as promised by the caller.
-    unsafe { Stored::at(receiver.cast_mut().cast()) }.is_ok_and(|receiver| receiver.reset_requested()).into()
+    unsafe { at(receiver) }.is_ok_and(|receiver| receiver.reset_requested()).into()
 }
 
 /// What was said last: state in the low byte (`RAI_STATE_…`), reason in the next (`RAI_REASON_…`).
@@ -193,8 +217,7 @@ pub unsafe extern "C" fn rai_receiver_reset_requested(receiver: *const rai_recei
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rai_receiver_state(receiver: *const rai_receiver_t, reason: *mut u8) -> u8 {
     // SAFETY: as promised by the caller.
-    let verdict =
-        unsafe { Stored::at(receiver.cast_mut().cast()) }.ok().and_then(|receiver| receiver.last_verdict());
+    let verdict = unsafe { at(receiver) }.ok().and_then(|receiver| receiver.last_verdict());
     // SAFETY: as promised by the caller.
     if let Some(reason) = unsafe { reason.as_mut() } {
         *reason = verdict.map_or(RAI_REASON_NONE, reason_of);
@@ -217,7 +240,7 @@ pub unsafe extern "C" fn rai_receiver_report(
     verdict: *mut rai_verdict_t,
 ) -> rai_status_t {
     // SAFETY: as promised by the caller.
-    let receiver = unsafe { Stored::at(receiver.cast_mut().cast()) };
+    let receiver = unsafe { at(receiver) };
     // SAFETY: as promised by the caller.
     status_of(receiver.and_then(|receiver| unsafe { give(verdict, &said_last(receiver)) }))
 }

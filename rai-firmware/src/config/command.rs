@@ -186,10 +186,9 @@ fn output<'v>(values: &mut impl Iterator<Item = &'v str>) -> Result<Setting, Ref
     Ok(Setting::Output(item, whole(next(values)?, EVERY)?))
 }
 
-/// Letters of systems that the module computes; that of QZSS is known and not built in.
+/// Letters of systems.
 fn systems(value: &str) -> Result<Systems, Refusal> {
-    let systems = Systems::of(value).ok_or(Refusal::UnknownValue)?;
-    if systems.contains('J') { Err(Refusal::NotInBuild) } else { Ok(systems) }
+    Systems::of(value).ok_or(Refusal::UnknownValue)
 }
 
 /// `AUTO`, or eight coefficients of which at least one says something.

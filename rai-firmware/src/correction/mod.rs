@@ -134,7 +134,8 @@ pub type Sky = Vec<Located, CAPACITY>;
 pub fn locate(raw: &RawEpoch, store: &Store, mask_dbhz: f32, systems: Systems, tally: &mut Tally) -> Sky {
     let mut sky = Sky::new();
     for satellite in &raw.satellites {
-        if !systems.contains(satellite.satellite.constellation().letter()) {
+        let (letter, _) = satellite.satellite.name();
+        if !systems.contains(letter) {
             count(&mut tally.ranges.system_left_out);
             continue;
         }

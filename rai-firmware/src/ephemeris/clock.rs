@@ -9,6 +9,7 @@
 //! | message | clock refers to | `τ` |
 //! |---|---|---|
 //! | GPS LNAV | L1/L2 | L1: `TGD`, L2: `γ_12 TGD`, L5: `TGD` (the inter-signal correction is in CNAV only: uncalibrated) |
+//! | QZSS LNAV | L1/L2C | as GPS; where the satellite does not know `TGD`: 0 (uncalibrated) |
 //! | Galileo F/NAV | E1/E5a | E1: `BGD_a`, E5a: `γ_15a BGD_a`, E5b: unknown |
 //! | Galileo I/NAV | E1/E5b | E1: `BGD_b`, E5b: `γ_15b BGD_b`, E5a: `BGD_b + (γ_15a − 1) BGD_a` |
 //! | `BeiDou` D1/D2 | B3I | B1I: `TGD1`, B2I: `TGD2`, B3I: 0, B1C and B2a: 0 (their delays are in CNAV only: uncalibrated) |
@@ -17,9 +18,10 @@
 //! The ionosphere-free pair of the reference then comes out without delay by itself, every other pair with the
 //! right one ([`crate::correction::choose`]).
 //!
-//! References: [IS-GPS-200] 20.3.3.3.3.2; [OS-SIS-ICD] 5.1.5; [BDS-SIS-B1I] 5.2.4.10.
+//! References: [IS-GPS-200] 20.3.3.3.3.2; [IS-QZSS-PNT] 5.3; [OS-SIS-ICD] 5.1.5; [BDS-SIS-B1I] 5.2.4.10.
 //!
 //! [IS-GPS-200]: crate#references
+//! [IS-QZSS-PNT]: crate#references
 //! [OS-SIS-ICD]: crate#references
 //! [BDS-SIS-B1I]: crate#references
 
@@ -55,6 +57,12 @@ impl GroupDelay {
         }
     }
 }
+
+/// The most negative number of the field, −128 · 2⁻³¹ s, by which a QZSS satellite says that it knows no `TGD`
+/// ([IS-QZSS-PNT] 4.1.2.3). GPS reserves no number of this field: there it is one like the others.
+///
+/// [IS-QZSS-PNT]: crate#references
+const QZSS_UNKNOWN_S: f32 = -1.0 / (1 << 24) as f32;
 
 /// A satellite's clock as broadcast, checked; each term in the finest unit in which it is broadcast.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -102,7 +110,11 @@ impl Ephemeris {
         use GroupDelay::{Known, Uncalibrated};
         let [first_s, second_s] = self.clock.group_delays_s.map(f64::from);
         match self.source {
-            Source::GpsLnav => match band {
+            Source::QzssLnav if self.clock.group_delays_s == [QZSS_UNKNOWN_S, 0.0] => match band {
+                Band::L1 | Band::L2 | Band::L5 => Some(Uncalibrated(0.0)),
+                _ => None,
+            },
+            Source::GpsLnav | Source::QzssLnav => match band {
                 Band::L1 => Some(Known(first_s)),
                 Band::L2 => Some(Known(squared_ratio(Band::L1, Band::L2) * first_s)),
                 Band::L5 => Some(Uncalibrated(first_s)),

@@ -1,6 +1,6 @@
 //! What a satellite says about the service of its signals.
 //!
-//! GPS, `BeiDou` and GLONASS speak of the satellite as a whole. Galileo's I/NAV speaks of E1 and E5b, its F/NAV of E5a:
+//! GPS, QZSS, `BeiDou` and GLONASS speak of the satellite as a whole. Galileo's I/NAV speaks of E1 and E5b, its F/NAV of E5a:
 //! only both together say what a pair of signals is worth, so what one says stays when the other comes
 //! ([`Health::over`]).
 
@@ -28,6 +28,16 @@ impl Health {
     /// Good or bad as a whole, for messages that know no more.
     pub const fn of_satellite(is_good: bool) -> Self {
         if is_good { Self::GOOD } else { Self::BAD }
+    }
+
+    /// By the six bits of QZSS's LNAV: each stands for one signal or for the message, but the last, which is of the L1 code
+    /// that a satellite does not send beside C/A and stays set.
+    ///
+    /// [IS-QZSS-PNT] table 4.1.2-4.
+    ///
+    /// [IS-QZSS-PNT]: crate#references
+    pub const fn of_qzss(field: u8) -> Self {
+        Self::of_satellite(field & 0b11_1110 == 0)
     }
 
     /// The same, and this carrier in or out of service.

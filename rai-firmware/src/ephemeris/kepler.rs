@@ -331,7 +331,7 @@ impl Reading {
 /// Whose elements these are; a message without elements is none.
 fn reading(broadcast: &Broadcast) -> Result<Reading, BroadcastError> {
     match broadcast.source {
-        Source::GpsLnav => Ok(Reading::Gps),
+        Source::GpsLnav | Source::QzssLnav => Ok(Reading::Gps),
         Source::GalileoFnav | Source::GalileoInav => Ok(Reading::Galileo),
         Source::BeidouD1D2 if is_geostationary(broadcast.satellite) => Ok(Reading::BeidouGeostationary),
         Source::BeidouD1D2 => Ok(Reading::Beidou),

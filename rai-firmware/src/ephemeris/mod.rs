@@ -8,7 +8,7 @@
 //!
 //! | form of the orbit | systems | module |
 //! |---|---|---|
-//! | [`Orbit::Kepler`] | GPS, Galileo, `BeiDou`: the same elements; gravity, earth rate, time scale of `toe` and the rotation of the geostationary `BeiDou` satellites differ | [`kepler`] |
+//! | [`Orbit::Kepler`] | GPS, QZSS, Galileo, `BeiDou`: the same elements; gravity, earth rate, time scale of `toe` and the rotation of the geostationary `BeiDou` satellites differ | [`kepler`] |
 //! | [`Orbit::StateVector`] | GLONASS: integrated over the time since ([`forces`]) | [`state_vector`] |
 //!
 //! What differs by message (age, satellite numbers, what the clock refers to) is [`Source`]'s and [`clock`]'s.

@@ -7,6 +7,8 @@ use rai_core::satellite::{Constellation, SatelliteId};
 pub enum Source {
     /// GPS LNAV: the clock refers to the L1/L2 ionosphere-free combination.
     GpsLnav,
+    /// QZSS LNAV: to L1 C/A and L2C.
+    QzssLnav,
     /// Galileo F/NAV: to E1/E5a.
     GalileoFnav,
     /// Galileo I/NAV: to E1/E5b.
@@ -24,7 +26,7 @@ impl Source {
     /// Whose message it is.
     pub const fn constellation(self) -> Constellation {
         match self {
-            Self::GpsLnav => Constellation::Gps,
+            Self::GpsLnav | Self::QzssLnav => Constellation::Gps,
             Self::GalileoFnav | Self::GalileoInav => Constellation::Galileo,
             Self::BeidouD1D2 => Constellation::Beidou,
             Self::GlonassStrings => Constellation::Glonass,
@@ -33,13 +35,13 @@ impl Source {
 
     /// The largest distance from `toe` at which the elements are used, ms.
     ///
-    /// GPS sets are fitted over ±2 h. Galileo renews every 10 min to 3 h and keeps a set valid for 4 h. `BeiDou`
+    /// GPS sets are fitted over ±2 h, and those of QZSS, which renews hourly, too. Galileo renews every 10 min to 3 h and keeps a set valid for 4 h. `BeiDou`
     /// renews hourly, and what is older than 2 h is wrong by metres. GLONASS renews every half hour, and its model of
     /// the forces holds for a quarter of an hour either way. Some minutes more keep a set in use until the next one
     /// has been received.
     pub(super) const fn age_limit_ms(self) -> u64 {
         match self {
-            Self::GpsLnav | Self::BeidouD1D2 => 2 * HOUR_MS + MINUTE_MS,
+            Self::GpsLnav | Self::QzssLnav | Self::BeidouD1D2 => 2 * HOUR_MS + MINUTE_MS,
             Self::GalileoFnav | Self::GalileoInav => 4 * HOUR_MS + MINUTE_MS,
             Self::GlonassStrings => 20 * MINUTE_MS,
         }
@@ -47,13 +49,16 @@ impl Source {
 
     /// True for the satellites that this message can be of.
     pub(super) fn can_name(self, satellite: SatelliteId) -> bool {
-        satellite.constellation() == self.constellation() && satellite.number() <= self.highest_number()
+        satellite.constellation() == self.constellation()
+            && satellite.is_qzss() == matches!(self, Self::QzssLnav)
+            && satellite.number() <= self.highest_number()
     }
 
     /// The highest satellite number that the system's own messages can name.
     const fn highest_number(self) -> u8 {
         match self {
             Self::GpsLnav => 32,
+            Self::QzssLnav => 202,
             Self::GalileoFnav | Self::GalileoInav => 36,
             Self::BeidouD1D2 => 63,
             Self::GlonassStrings => 24,

@@ -17,7 +17,7 @@ counters! {
         frames_cut,
         /// Messages of a type that is not read.
         messages_other,
-        /// Observations of systems that are not used: GLONASS, SBAS, QZSS, `NavIC`.
+        /// Observations of systems that are not used: SBAS, `NavIC`.
         observations_other,
         /// Messages too short for their type, or that contradict themselves.
         messages_malformed,

@@ -13,6 +13,7 @@
 //! | `bits` | fields of navigation messages |
 //! | `preference` | which format's ranges are used where two come |
 //! | `assembly` | messages of one instant become one epoch |
+//! | `system` | how each system numbers its satellites |
 //! | `calendar` | which week it is, and that time goes forward |
 //! | [`Counters`] | what came in and what was not used |
 //!
@@ -41,6 +42,7 @@ mod counters;
 mod framer;
 mod preference;
 mod rtcm;
+mod system;
 pub mod ubx;
 
 use rai_core::frame::Ecef;

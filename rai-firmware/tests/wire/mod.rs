@@ -137,7 +137,7 @@ pub(crate) fn ephemeris(case: &Case) -> Vec<u8> {
         // F/NAV ends with one delay and one health, I/NAV with two of each.
         Source::GalileoFnav => galileo(case, 1045).put(10, -3).put(3, 0).put(7, 0),
         Source::GalileoInav => galileo(case, 1046).put(10, -3).put(10, 9).put(6, 0).put(2, 0),
-        Source::GlonassStrings => panic!("no message of Kepler elements"),
+        Source::QzssLnav | Source::GlonassStrings => panic!("not written here"),
     };
     frame(&bits.bytes())
 }

@@ -211,6 +211,7 @@ fn frame(set: &TimedEphemeris) -> Result<Vec<u8>> {
         Ephemeris::Beidou(message) => Message::Msg1042(message.clone()),
         Ephemeris::GalileoFnav(message) => Message::Msg1045(message.clone()),
         Ephemeris::GalileoInav(message) => Message::Msg1046(message.clone()),
+        Ephemeris::Glonass(message) => Message::Msg1020(message.clone()),
     };
     let mut builder = MessageBuilder::new();
     let built = builder.build_message(&message).map_err(|error| anyhow::anyhow!("{error:?}"))?;

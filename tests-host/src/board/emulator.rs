@@ -38,7 +38,7 @@ pub enum Machine {
 
 impl Machine {
     /// The emulator's words for it.
-    const fn arguments(self) -> &'static [&'static str] {
+    pub(crate) const fn arguments(self) -> &'static [&'static str] {
         match self {
             Self::Stm32f405 => &["-machine", "netduinoplus2"],
             Self::Mps2An500 => &["-machine", "mps2-an500", "-cpu", "cortex-m7"],

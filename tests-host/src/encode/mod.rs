@@ -8,12 +8,14 @@
 //! | GPS ephemeris | 1019 |
 //! | `BeiDou` ephemeris | 1042 |
 //! | Galileo ephemeris F/NAV, I/NAV | 1045, 1046 |
-//! | ranges of GPS, Galileo, `BeiDou` | 1077, 1097, 1127 |
+//! | GLONASS ephemeris | 1020 |
+//! | ranges of GPS, GLONASS, Galileo, `BeiDou` | 1077, 1087, 1097, 1127 |
 //!
 //! References: [RTCM-10403.3] §3.5.16 for MSM, DF002 ff. for the fields, as implemented by the `rtcm-rs` crate.
 //!
 //! [RTCM-10403.3]: crate#references
 
+mod channels;
 mod msm;
 mod schedule;
 pub mod ubx;
@@ -22,6 +24,7 @@ use anyhow::{Context, Result, ensure};
 use rai_core::satellite::Constellation;
 use rtcm_rs::{Message, MessageBuilder};
 
+use self::channels::Channels;
 pub use self::msm::Frequency;
 use self::schedule::Schedule;
 use crate::measurement::{Ephemeris, MeasuredEpoch, TimedEphemeris};
@@ -36,17 +39,17 @@ pub struct Selection {
 }
 
 impl Selection {
-    /// The systems of RINEX letters such as `GCE`.
+    /// The systems of RINEX letters such as `GCER`.
     ///
     /// # Errors
-    /// A letter that is not G, C or E, or none at all; the message names it.
+    /// A letter that is not G, C, E or R, or none at all; the message names it.
     pub fn new(letters: &str, frequency: Frequency) -> Result<Self> {
         let mut systems = Vec::new();
         for letter in letters.chars() {
-            let system =
-                Constellation::from_letter(letter).filter(|system| *system != Constellation::Glonass);
-            let system = system.with_context(|| {
-                format!("system `{letter}` of `{letters}` is not G (GPS), C (BeiDou) or E (Galileo)")
+            let system = Constellation::from_letter(letter).with_context(|| {
+                format!(
+                    "system `{letter}` of `{letters}` is not G (GPS), C (BeiDou), E (Galileo) or R (GLONASS)"
+                )
             })?;
             if !systems.contains(&system) {
                 systems.push(system);
@@ -54,7 +57,7 @@ impl Selection {
         }
         ensure!(
             !systems.is_empty(),
-            "no system is selected: name some of G (GPS), C (BeiDou) and E (Galileo)"
+            "no system is selected: name some of G (GPS), C (BeiDou), E (Galileo) and R (GLONASS)"
         );
         Ok(Self { systems, frequency })
     }
@@ -64,6 +67,7 @@ impl Selection {
 pub struct Encoder {
     selection: Selection,
     schedule: Schedule,
+    channels: Channels,
     builder: MessageBuilder,
     unsendable: u64,
 }
@@ -74,11 +78,13 @@ impl Encoder {
         let selected =
             |ephemeris: &&TimedEphemeris| selection.systems.contains(&ephemeris.satellite.constellation());
         let schedule = Schedule::new(ephemerides.iter().filter(selected).cloned());
-        Self { selection, schedule, builder: MessageBuilder::new(), unsendable: 0 }
+        let channels = Channels::of(ephemerides);
+        Self { selection, schedule, channels, builder: MessageBuilder::new(), unsendable: 0 }
     }
 
     /// How many signals could not be sent so far: their pseudorange is negative, 255 ms or more, or more than 200 m
-    /// away from the satellite's other one, which the message has no numbers for.
+    /// away from the satellite's other one, or of a GLONASS satellite whose frequency slot is unknown, which the message
+    /// has no numbers for.
     pub fn unsendable(&self) -> u64 {
         self.unsendable
     }
@@ -93,7 +99,7 @@ impl Encoder {
             append(&mut self.builder, &mut bytes, &broadcast(&ephemeris.message))
                 .with_context(|| format!("ephemeris of {}", ephemeris.satellite))?;
         }
-        let ranges = msm::messages(epoch, &self.selection, &mut self.unsendable);
+        let ranges = msm::messages(epoch, &self.selection, &self.channels, &mut self.unsendable);
         for message in ranges {
             append(&mut self.builder, &mut bytes, &message).context("ranges")?;
         }
@@ -108,6 +114,7 @@ fn broadcast(ephemeris: &Ephemeris) -> Message {
         Ephemeris::Beidou(message) => Message::Msg1042(message.clone()),
         Ephemeris::GalileoFnav(message) => Message::Msg1045(message.clone()),
         Ephemeris::GalileoInav(message) => Message::Msg1046(message.clone()),
+        Ephemeris::Glonass(message) => Message::Msg1020(message.clone()),
     }
 }
 

@@ -23,15 +23,17 @@
 //! [RTCM-10403.3]: crate#references
 
 use rai_core::frame::SPEED_OF_LIGHT_M_S;
-use rai_core::satellite::Constellation;
-use rai_firmware::time::{BEIDOU_OFFSET_MS, GpsTime, WEEK_MS};
+use rai_core::satellite::{Constellation, SatelliteId};
+use rai_firmware::output::nmea::GPS_MINUS_UTC_S;
+use rai_firmware::time::{BEIDOU_OFFSET_MS, GLONASS_OFFSET_MS, GpsTime, WEEK_MS};
 use rtcm_rs::Message;
 use rtcm_rs::msg::{
-    BdsSigId, GalSigId, GpsSigId, Msg1077Data, Msg1077Sig, Msg1077T, Msg1097Data, Msg1097Sig, Msg1097T,
-    Msg1127Data, Msg1127Sig, Msg1127T, Msm57Sat,
+    BdsSigId, GalSigId, GloSigId, GpsSigId, Msg1077Data, Msg1077Sig, Msg1077T, Msg1087Data, Msg1087Sig,
+    Msg1087T, Msg1097Data, Msg1097Sig, Msg1097T, Msg1127Data, Msg1127Sig, Msg1127T, Msm57GloSat, Msm57Sat,
 };
 
 use super::Selection;
+use super::channels::Channels;
 use crate::measurement::{MeasuredEpoch, MeasuredSatellite, MeasuredSignal};
 
 /// How many frequencies of a satellite are sent.
@@ -78,7 +80,7 @@ const fn pairs(constellation: Constellation) -> &'static [(Choice, Choice)] {
         Constellation::Gps => &[(L1, (2, "WPLXSC")), (L1, (5, "QXI"))],
         Constellation::Galileo => &[(E1, (5, "QXI")), (E1, (7, "QXI"))],
         Constellation::Beidou => &[(B1I, (6, "IXQ")), (B1I, (7, "IXQ")), (B1C, (5, "PXD"))],
-        Constellation::Glonass => &[],
+        Constellation::Glonass => &[((1, "CP"), (2, "CP"))],
     }
 }
 
@@ -113,6 +115,8 @@ pub(super) fn chosen(satellite: &MeasuredSatellite, frequency: Frequency) -> Vec
 #[derive(Clone, Debug)]
 struct Row {
     number: u8,
+    /// The frequency slot, of GLONASS satellites.
+    slot: i8,
     whole_ms: u8,
     mod1_ms: f64,
     rate_m_s: Option<f64>,
@@ -132,17 +136,22 @@ struct Cell {
 impl Row {
     /// Splits the ranges of a satellite; none if no signal is left. Signals without a place are counted.
     fn new(
-        system: Constellation,
-        number: u8,
+        satellite: SatelliteId,
         signals: &[&MeasuredSignal],
+        channels: &Channels,
         unsendable: &mut u64,
     ) -> Option<Self> {
+        let system = satellite.constellation();
+        let Some(slot) = channels.slot(satellite) else {
+            *unsendable += signals.len() as u64;
+            return None;
+        };
         let sendable = |range_ms: f64| (0.0..=WHOLE_LIMIT_MS).contains(&range_ms);
         let first_ms = signals.iter().map(|signal| signal.pseudorange_m / M_PER_MS).find(|ms| sendable(*ms));
         // The rough range is rounded from the first signal, which leaves the others at least half of the room.
         let rough = (first_ms.unwrap_or(0.0) * ROUGH_STEPS).round();
         let rough_ms = rough / ROUGH_STEPS;
-        let rates = signals.iter().filter_map(|signal| rate_m_s(system, signal));
+        let rates = signals.iter().filter_map(|signal| rate_m_s(system, slot, signal));
         let rate_m_s = rates.map(f64::round).find(|rate| rate.abs() <= ROUGH_RATE_LIMIT_M_S);
         let cell = |signal: &&MeasuredSignal| {
             let fine_ms = signal.pseudorange_m / M_PER_MS - rough_ms;
@@ -152,18 +161,19 @@ impl Row {
                 attribute: signal.attribute,
                 fine_ms,
                 cn0_dbhz: cn0(signal),
-                fine_rate_m_s: fine_rate_m_s(self::rate_m_s(system, signal), rate_m_s),
+                fine_rate_m_s: fine_rate_m_s(self::rate_m_s(system, slot, signal), rate_m_s),
             })
         };
         let cells: Vec<Cell> = signals.iter().filter_map(cell).collect();
         *unsendable += (signals.len() - cells.len()) as u64;
         let (whole_ms, mod1_ms) = (rough_ms.floor() as u8, rough_ms.fract());
-        (!cells.is_empty()).then_some(Self { number, whole_ms, mod1_ms, rate_m_s, cells })
+        let number = satellite.number();
+        (!cells.is_empty()).then_some(Self { number, slot, whole_ms, mod1_ms, rate_m_s, cells })
     }
 }
 
 /// How fast the phase range of a signal grows, m/s.
-fn rate_m_s(system: Constellation, signal: &MeasuredSignal) -> Option<f64> {
+fn rate_m_s(system: Constellation, slot: i8, signal: &MeasuredSignal) -> Option<f64> {
     let frequency_hz = match (system, signal.band) {
         (Constellation::Gps | Constellation::Galileo | Constellation::Beidou, 1) => 1_575.42e6,
         (Constellation::Gps, 2) => 1_227.6e6,
@@ -171,6 +181,8 @@ fn rate_m_s(system: Constellation, signal: &MeasuredSignal) -> Option<f64> {
         (Constellation::Galileo | Constellation::Beidou, 7) => 1_207.14e6,
         (Constellation::Beidou, 2) => 1_561.098e6,
         (Constellation::Beidou, 6) => 1_268.52e6,
+        (Constellation::Glonass, 1) => 1602.0e6 + f64::from(slot) * 562.5e3,
+        (Constellation::Glonass, 2) => 1246.0e6 + f64::from(slot) * 437.5e3,
         _ => return None,
     };
     Some(-signal.doppler_hz? * SPEED_OF_LIGHT_M_S / frequency_hz)
@@ -212,28 +224,34 @@ fn cells(part: &[Row]) -> usize {
 }
 
 /// The messages of an epoch; none for a system without satellites, since a message of nothing is not readable by all.
-pub(super) fn messages(epoch: &MeasuredEpoch, selection: &Selection, unsendable: &mut u64) -> Vec<Message> {
+pub(super) fn messages(
+    epoch: &MeasuredEpoch,
+    selection: &Selection,
+    channels: &Channels,
+    unsendable: &mut u64,
+) -> Vec<Message> {
     let mut planned: Vec<(Constellation, Vec<Row>)> = Vec::new();
     for system in &selection.systems {
-        let rows = rows(epoch, *system, selection.frequency, unsendable);
+        let rows = rows(epoch, *system, selection.frequency, channels, unsendable);
         planned.extend(parts(rows).into_iter().filter(|part| !part.is_empty()).map(|part| (*system, part)));
     }
     let last = planned.len().saturating_sub(1);
     let message =
         |(index, (system, rows)): (usize, (_, Vec<Row>))| message(system, epoch.time, index < last, &rows);
-    planned.into_iter().enumerate().filter_map(message).collect()
+    planned.into_iter().enumerate().map(message).collect()
 }
 
 fn rows(
     epoch: &MeasuredEpoch,
     system: Constellation,
     frequency: Frequency,
+    channels: &Channels,
     unsendable: &mut u64,
 ) -> Vec<Row> {
     let of_system = epoch.satellites.iter().filter(|satellite| satellite.satellite.constellation() == system);
     let mut rows: Vec<Row> = of_system
         .filter_map(|satellite| {
-            Row::new(system, satellite.satellite.number(), &chosen(satellite, frequency), unsendable)
+            Row::new(satellite.satellite, &chosen(satellite, frequency), channels, unsendable)
         })
         .filter(|row| row.number <= 64)
         .collect();
@@ -242,17 +260,18 @@ fn rows(
     rows
 }
 
-/// The three messages differ in names only.
+/// The messages differ in names only, and in what stands beside the time and beside a satellite's range.
 macro_rules! msm7 {
-    ($message:ident: $type:ident, $data:ident, $signal:ident, $id:ident, $time:ident = $time_ms:expr, $more:expr, $rows:expr) => {{
+    ($message:ident: $type:ident, $data:ident, $satellite:ident { $extended:ident: $of:expr }, $signal:ident, $id:ident,
+     $($time:ident = $time_value:expr),+; $more:expr, $rows:expr) => {{
         let mut data = $data::default();
         for row in $rows {
-            data.satellite_data.push(Msm57Sat {
+            data.satellite_data.push($satellite {
                 satellite_id: row.number,
                 gnss_satellite_rough_range_integer_ms: Some(row.whole_ms),
                 gnss_satellite_rough_range_mod1ms_ms: row.mod1_ms,
                 gnss_satellite_rough_phaserange_rates_m_s: row.rate_m_s.map(|rate| rate as i16),
-                ..Msm57Sat::default()
+                $extended: $of(row),
             });
             for cell in &row.cells {
                 data.signal_data.push($signal {
@@ -267,7 +286,7 @@ macro_rules! msm7 {
         }
         let more = u8::from($more);
         Message::$message($type {
-            $time: $time_ms,
+            $($time: $time_value,)+
             msm_multiple_message_flag: more,
             data_segment: data,
             ..$type::default()
@@ -276,15 +295,33 @@ macro_rules! msm7 {
 }
 
 /// One message; `more` of the same epoch follow.
-fn message(system: Constellation, time: GpsTime, more: bool, rows: &[Row]) -> Option<Message> {
+fn message(system: Constellation, time: GpsTime, more: bool, rows: &[Row]) -> Message {
     let beidou_ms = (time.tow_ms + WEEK_MS - BEIDOU_OFFSET_MS) % WEEK_MS;
     match system {
-        Constellation::Gps => Some(msm7!(Msg1077: Msg1077T, Msg1077Data, Msg1077Sig, GpsSigId,
-            gps_epoch_time_ms = time.tow_ms, more, rows)),
-        Constellation::Galileo => Some(msm7!(Msg1097: Msg1097T, Msg1097Data, Msg1097Sig, GalSigId,
-            gal_epoch_time_ms = time.tow_ms, more, rows)),
-        Constellation::Beidou => Some(msm7!(Msg1127: Msg1127T, Msg1127Data, Msg1127Sig, BdsSigId,
-            bds_epoch_time_ms = beidou_ms, more, rows)),
-        Constellation::Glonass => None,
+        Constellation::Gps => {
+            msm7!(Msg1077: Msg1077T, Msg1077Data, Msm57Sat { reserved_8_4: |_| 0 }, Msg1077Sig, GpsSigId,
+            gps_epoch_time_ms = time.tow_ms; more, rows)
+        }
+        Constellation::Galileo => {
+            msm7!(Msg1097: Msg1097T, Msg1097Data, Msm57Sat { reserved_8_4: |_| 0 }, Msg1097Sig, GalSigId,
+            gal_epoch_time_ms = time.tow_ms; more, rows)
+        }
+        Constellation::Beidou => {
+            msm7!(Msg1127: Msg1127T, Msg1127Data, Msm57Sat { reserved_8_4: |_| 0 }, Msg1127Sig, BdsSigId,
+            bds_epoch_time_ms = beidou_ms; more, rows)
+        }
+        Constellation::Glonass => {
+            let (day, of_day_ms) = glonass_time(time);
+            msm7!(Msg1087: Msg1087T, Msg1087Data, Msm57GloSat { glonass_satellite_frequency_channel_number: |row: &Row| Some(row.slot) },
+                Msg1087Sig, GloSigId, glo_day_of_week = day, glo_epoch_time_ms = of_day_ms; more, rows)
+        }
     }
+}
+
+/// Day of the week and time of day as GLONASS counts them: three hours ahead of UTC.
+fn glonass_time(time: GpsTime) -> (Option<u8>, u32) {
+    const DAY_MS: u32 = 86_400_000;
+    let utc_ms = time.tow_ms + WEEK_MS - 1000 * u32::from(GPS_MINUS_UTC_S);
+    let of_week_ms = (utc_ms + GLONASS_OFFSET_MS as u32) % WEEK_MS;
+    (Some((of_week_ms / DAY_MS) as u8), of_week_ms % DAY_MS)
 }

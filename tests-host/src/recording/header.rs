@@ -32,6 +32,8 @@ pub(super) struct Header {
     /// Letter of the only system, or `M`. Some files claim one and hold many, so it only names the unnamed.
     pub(super) system: char,
     pub(super) time_system: TimeSystem,
+    /// GPS time minus UTC, s: that of since 2017 where the file does not say.
+    pub(super) leap_s: u8,
     pub(super) codes: ObservationCodes,
     pub(super) approximate_position: Option<Ecef>,
     pub(super) klobuchar: Klobuchar,
@@ -41,7 +43,7 @@ impl Header {
     /// Reads up to and including `END OF HEADER`.
     pub(super) fn read(lines: &mut Lines<'_>) -> Result<Self> {
         let mut header = Self::begin(lines.next().unwrap_or(""))?;
-        let (mut time_system, mut leap_s) = (String::new(), 18);
+        let mut time_system = String::new();
         loop {
             let line = lines.next().context("END OF HEADER is missing")?;
             let place = || format!("line {} of the header", lines.number());
@@ -50,7 +52,7 @@ impl Header {
             match columns(line, 60, 80) {
                 "APPROX POSITION XYZ" => header.approximate_position = position(line).with_context(place)?,
                 "TIME OF FIRST OBS" => columns(line, 48, 51).clone_into(&mut time_system),
-                "LEAP SECONDS" => leap_s = columns(line, 0, 6).parse().unwrap_or(leap_s),
+                "LEAP SECONDS" => header.leap_s = columns(line, 0, 6).parse().unwrap_or(header.leap_s),
                 "SYS / SCALE FACTOR" => bail!("scaled observations (SYS / SCALE FACTOR) are not supported"),
                 "END OF HEADER" => break,
                 _ => {}
@@ -58,7 +60,7 @@ impl Header {
         }
         header.time_system = match (time_system.as_str(), header.system) {
             ("BDT", _) | ("", 'C') => TimeSystem::Beidou,
-            ("GLO" | "UTC", _) | ("", 'R') => TimeSystem::Utc { leap_s },
+            ("GLO" | "UTC", _) | ("", 'R') => TimeSystem::Utc { leap_s: header.leap_s },
             _ => TimeSystem::Gps,
         };
         Ok(header)
@@ -84,6 +86,7 @@ impl Header {
             kind,
             system: columns(line, 40, 41).chars().next().unwrap_or('G'),
             time_system: TimeSystem::Gps,
+            leap_s: 18,
             codes: ObservationCodes::default(),
             approximate_position: None,
             klobuchar: Klobuchar::default(),

@@ -20,6 +20,7 @@
 
 mod calendar;
 mod file;
+mod glonass;
 mod hatanaka;
 mod header;
 mod navigation;
@@ -123,7 +124,7 @@ impl Recording {
             bail!("the observation files hold no epoch");
         };
         let names = navigation.iter().map(|path| path.display().to_string()).collect::<Vec<_>>().join(", ");
-        ensure!(!self.ephemerides.is_empty(), "{names}: no GPS, Galileo or BeiDou ephemeris");
+        ensure!(!self.ephemerides.is_empty(), "{names}: no ephemeris of GPS, Galileo, BeiDou or GLONASS");
         let applicable = |ephemeris: &TimedEphemeris| {
             ephemeris.toe.since_ms(first.time) > -USEFUL_MS && ephemeris.toe.since_ms(last.time) < USEFUL_MS
         };

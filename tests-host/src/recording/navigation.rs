@@ -17,8 +17,10 @@
 //! the date of the time of clock, which is unambiguous, and not from row 5, where files differ in what they count
 //! from. Times that a file does not know (0.9999e9 s) or that are half a week off are replaced by the time of clock.
 //!
+//! GLONASS has rows of its own ([`glonass`]).
+//!
 //! The modernised messages of RINEX 4 (CNAV and its kin) have other rows and are passed over, as are other systems.
-//! References: [RINEX-2.11] table A4, [RINEX-3.05] tables A6, A8, A14, [RINEX-4.01] tables A8 to A18.
+//! References: [RINEX-2.11] table A4, [RINEX-3.05] tables A6, A8, A10, A14, [RINEX-4.01] tables A8 to A18.
 //!
 //! [RINEX-2.11]: crate#references
 //! [RINEX-3.05]: crate#references
@@ -32,6 +34,7 @@ use rai_firmware::time::{BEIDOU_OFFSET_MS, BEIDOU_WEEK_OFFSET, GALILEO_WEEK_OFFS
 use rtcm_rs::msg::{Msg1019T, Msg1042T, Msg1045T, Msg1046T};
 
 use super::calendar::{self, TimeSystem};
+use super::glonass;
 use super::header::Header;
 use super::text::{Lines, columns, number};
 use crate::measurement::{Ephemeris, TimedEphemeris};
@@ -72,7 +75,7 @@ impl Navigation {
         }
         // RINEX 4 says what comes before it comes.
         match (words.next(), words.next(), words.next()) {
-            (Some("EPH"), _, Some("LNAV" | "INAV" | "FNAV" | "D1" | "D2")) => {
+            (Some("EPH"), _, Some("LNAV" | "INAV" | "FNAV" | "D1" | "D2" | "FDMA")) => {
                 let line = lines.within("an ephemeris")?;
                 self.keep(ephemeris(header, line, lines), header, line, wanted)?;
             }
@@ -150,17 +153,23 @@ fn ephemeris(header: &Header, line: &str, lines: &mut Lines<'_>) -> Result<Optio
         return Ok(None);
     }
     let letter = name.chars().next().filter(char::is_ascii_alphabetic).unwrap_or('G');
-    let Some(constellation) = Constellation::from_letter(letter).filter(|of| *of != Constellation::Glonass)
-    else {
+    let Some(constellation) = Constellation::from_letter(letter) else {
         return Ok(None);
     };
     let digits = name.trim_start_matches(letter).trim();
     let satellite = digits.parse().ok().and_then(|number| SatelliteId::new(constellation, number));
     let satellite = satellite.with_context(|| format!("`{name}` is not a satellite"))?;
-    let system = if constellation == Constellation::Beidou { TimeSystem::Beidou } else { TimeSystem::Gps };
+    let (system, least) = match constellation {
+        Constellation::Beidou => (TimeSystem::Beidou, 7),
+        Constellation::Glonass => (TimeSystem::Utc { leap_s: header.leap_s }, 4),
+        Constellation::Gps | Constellation::Galileo => (TimeSystem::Gps, 7),
+    };
     let toc = calendar::instant(columns(line, date.start, date.end), system)?;
-    ensure!(rows.len() >= 7, "{satellite}: {} lines, where an ephemeris has 8", rows.len());
+    ensure!(rows.len() >= least, "{satellite}: {} lines, where an ephemeris has more", rows.len());
     let values = values(&rows).with_context(|| format!("ephemeris of {satellite}"))?;
+    if constellation == Constellation::Glonass {
+        return Ok(Some(glonass::ephemeris(satellite, toc, header.leap_s, &values)));
+    }
     Record { satellite, toc, system, values }.timed().map(Some)
 }
 

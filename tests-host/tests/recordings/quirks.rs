@@ -165,7 +165,10 @@ G05";
 #[test]
 fn an_ephemeris_with_cut_lines_keeps_what_is_there() {
     let recording = read(OBSERVATIONS_3, NAVIGATION_3).unwrap();
-    let [ephemeris] = recording.ephemerides.as_slice() else { panic!("{:?}", recording.ephemerides) };
+    let [ephemeris, glonass] = recording.ephemerides.as_slice() else {
+        panic!("{:?}", recording.ephemerides)
+    };
+    assert_eq!((glonass.satellite, glonass.toe), (id("R07"), GpsTime { week: 2320, tow_ms: 116_118_000 }));
     assert_eq!(ephemeris.toe, GpsTime { week: 2320, tow_ms: 122_400_000 });
     assert_eq!(ephemeris.sent, GpsTime { week: 2320, tow_ms: 115_218_000 });
     let Ephemeris::Gps(have) = &ephemeris.message else { panic!("{ephemeris:?}") };

@@ -297,6 +297,7 @@ fn the_loop() {
         EpochLoop::pass::<AnyBoard> as fn(_, _, _),
         (|losses| exhaust(PortLosses::iter(losses))) as fn(_),
         Receiver::<Pin>::reset_requested as fn(_) -> _,
+        Receiver::<Pin>::last_report as fn(_) -> _,
         Receiver::<Pin>::last_verdict as fn(_) -> _,
         Receiver::<Pin>::configuration as fn(_) -> _,
         Receiver::<Pin>::interference as fn(_) -> _,

@@ -1,6 +1,6 @@
 //! RTCM 3: one frame to one message.
 //!
-//! What is read: MSM4 to MSM7 of GPS, GLONASS, Galileo and `BeiDou`; 1019, 1020, 1042, 1045, 1046; 1005 and 1006. MSM of
+//! What is read: MSM4 to MSM7 of GPS, GLONASS, Galileo, QZSS and `BeiDou`; 1019, 1020, 1042, 1044, 1045, 1046; 1005 and 1006. MSM of
 //! the other systems are counted, and still say when an epoch is complete. Everything else is counted.
 //!
 //! The small messages are read by `rtcm-rs`, which checks them once more on the way.
@@ -12,6 +12,7 @@
 mod broadcast;
 mod glonass;
 mod msm;
+mod qzss;
 mod signals;
 
 use rai_core::frame::Ecef;
@@ -28,6 +29,7 @@ pub(super) fn read<'a>(frame: &[u8], payload: &'a [u8], calendar: &Calendar) -> 
         1005 | 1006 => read_position(frame).map(Message::Position),
         1019 | 1042 | 1045 | 1046 => broadcast::read(&small(frame), calendar).map(Message::Broadcast),
         1020 => glonass::read(payload, calendar).map(Message::State),
+        1044 => qzss::read(payload, calendar).map(Message::Broadcast),
         number => msm::read(number, payload, calendar).map(Message::Ranges),
     }
 }

@@ -32,11 +32,12 @@
 //! [RTCM-10403.3]: crate#references
 
 use rai_core::frame::SPEED_OF_LIGHT_M_S;
-use rai_core::satellite::{Constellation, SatelliteId};
+use rai_core::satellite::SatelliteId;
 
 use super::signals;
 use crate::counters::count;
 use crate::input::calendar::Calendar;
+use crate::input::system::System;
 use crate::input::{Counters, Measured, Ranges, Unread};
 use crate::raw::{Carrier, RawSignal};
 use crate::time::{BEIDOU_OFFSET_MS, GLONASS_OFFSET_MS, WEEK_MS};
@@ -59,39 +60,40 @@ const MOST_CELLS: usize = 64;
 ///
 /// A message that contradicts itself is refused before it can move time.
 pub(super) fn read<'a>(number: u16, payload: &'a [u8], calendar: &Calendar) -> Result<Ranges<'a>, Unread> {
-    let (system, level) = match number {
+    let (series, level) = match number {
         1071..=1137 => ((number - 1070) / 10, (number - 1070) % 10),
         _ => return Err(Unread::Other),
     };
     // Levels 1 to 3 carry no full range.
-    let constellation = match (system, level) {
+    let system = match (series, level) {
         (_, 0 | 8 | 9) => return Err(Unread::Other),
-        (0, 4..) => Some(Constellation::Gps),
-        (1, 4..) => Some(Constellation::Glonass),
-        (2, 4..) => Some(Constellation::Galileo),
-        (5, 4..) => Some(Constellation::Beidou),
+        (0, 4..) => Some(System::Gps),
+        (1, 4..) => Some(System::Glonass),
+        (2, 4..) => Some(System::Galileo),
+        (4, 4..) => Some(System::Qzss),
+        (5, 4..) => Some(System::Beidou),
         _ => None,
     };
     let field = |start, length| bits(payload, start, length).ok_or(Unread::Malformed);
     let (time_ms, more) = (field(24, 30)?, field(54, 1)?);
     let mut of_utc_ms = None;
-    let (tow_ms, measured) = match constellation {
-        Some(constellation) => {
+    let (tow_ms, measured) = match system {
+        Some(system) => {
             let layout = Layout::new(payload, level).ok_or(Unread::Malformed)?;
-            let tow_ms = match (constellation, calendar.leap_second()) {
-                (Constellation::Glonass, leap) => {
+            let tow_ms = match (system, calendar.leap_second()) {
+                (System::Glonass, leap) => {
                     let utc_ms = utc_week_ms(time_ms).ok_or(Unread::Time)?;
                     of_utc_ms = Some(utc_ms);
                     leap.map(|leap| (utc_ms + 1000 * u32::from(leap.seconds)) % WEEK_MS)
                 }
-                _ => Some(gps_tow_ms(constellation, time_ms).ok_or(Unread::Time)?),
+                _ => Some(gps_tow_ms(system, time_ms).ok_or(Unread::Time)?),
             };
-            (tow_ms, Measured::Msm(Msm { constellation, layout }))
+            (tow_ms, Measured::Msm(Msm { system, layout }))
         }
         None => (None, Measured::Nothing),
     };
     Ok(Ranges {
-        series: Some(system as u8),
+        series: Some(series as u8),
         tow_ms,
         of_utc_ms,
         stated: None,
@@ -101,9 +103,9 @@ pub(super) fn read<'a>(number: u16, payload: &'a [u8], calendar: &Calendar) -> R
 }
 
 /// Milliseconds into the week of GPS time; `None` when the field is beyond the week.
-fn gps_tow_ms(constellation: Constellation, time_ms: u32) -> Option<u32> {
-    let offset_ms = match constellation {
-        Constellation::Beidou => BEIDOU_OFFSET_MS,
+fn gps_tow_ms(system: System, time_ms: u32) -> Option<u32> {
+    let offset_ms = match system {
+        System::Beidou => BEIDOU_OFFSET_MS,
         _ => 0,
     };
     (time_ms < WEEK_MS).then_some((time_ms + offset_ms) % WEEK_MS)
@@ -123,7 +125,7 @@ fn utc_week_ms(time: u32) -> Option<u32> {
 /// A message whose masks are allowed and whose payload is long enough for them.
 #[derive(Debug)]
 pub(in crate::input) struct Msm<'a> {
-    constellation: Constellation,
+    system: System,
     layout: Layout<'a>,
 }
 
@@ -152,7 +154,7 @@ impl Msm<'_> {
             // The masks count from 1.
             match self.one((satellite + 1, signal + 1), index, cell) {
                 Ok((satellite, range)) => {
-                    add(satellite, range, signals::is_reference(self.constellation, signal + 1), counters);
+                    add(satellite, range, signals::is_reference(self.system, signal + 1), counters);
                 }
                 Err(Unused::Satellite) => count(&mut counters.satellites_unknown),
                 Err(Unused::Signal) => count(&mut counters.signals_other),
@@ -169,12 +171,12 @@ impl Msm<'_> {
         row: usize,
         cell: usize,
     ) -> Result<(SatelliteId, RawSignal), Unused> {
-        let satellite = satellite_id(self.constellation, satellite).ok_or(Unused::Satellite)?;
-        let band = signals::band(self.constellation, signal).ok_or(Unused::Signal)?;
+        let satellite = self.system.satellite(satellite).ok_or(Unused::Satellite)?;
+        let band = signals::band(self.system, signal).ok_or(Unused::Signal)?;
         let (rough, fine) = self.layout.rough_ms(row).zip(self.layout.fine_ms(cell)).ok_or(Unused::Range)?;
-        let channel = if self.constellation == Constellation::Glonass { self.layout.channel(row) } else { 0 };
+        let channel = if self.system == System::Glonass { self.layout.channel(row) } else { 0 };
         let carrier = Carrier { band, channel };
-        let is_codeless = signals::is_codeless(self.constellation, signal);
+        let is_codeless = signals::is_codeless(self.system, signal);
         let cn0_dbhz = if is_codeless { 0.0 } else { self.layout.cn0_dbhz(cell) };
         let signal = RawSignal::new(carrier, (rough + fine) * M_PER_MS).with_cn0_dbhz(cn0_dbhz);
         // A range that grows comes with a frequency that falls.
@@ -339,15 +341,4 @@ fn signed(payload: &[u8], start: usize, length: usize) -> Option<i32> {
     }
     // The sign bit at the top, and back.
     Some((field << (32 - length)).cast_signed() >> (32 - length))
-}
-
-/// The satellite of a position in the mask.
-fn satellite_id(constellation: Constellation, number: u8) -> Option<SatelliteId> {
-    let highest = match constellation {
-        Constellation::Gps => 32,
-        Constellation::Galileo => 36,
-        Constellation::Beidou => 63,
-        Constellation::Glonass => 24,
-    };
-    if number <= highest { SatelliteId::new(constellation, number) } else { None }
 }

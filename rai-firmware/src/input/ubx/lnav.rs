@@ -1,4 +1,4 @@
-//! GPS LNAV: subframes of ten words of 30 bits; one to three are the ephemeris, page 18 of the fourth is the
+//! LNAV of GPS and QZSS: subframes of ten words of 30 bits; one to three are the ephemeris, page 18 of the fourth is the
 //! ionosphere and UTC.
 //!
 //! A page here is a subframe without parities: 240 bits. Offsets in them:
@@ -11,9 +11,10 @@
 //! | 3 | Cic 48, Ω0 64, Cis 96, i0 112, Crc 144, ω 160, Ω̇ 192, IODE 216, i̇ 224 |
 //! | 4, page 56 | α 56, β 88, `Δt_LS` 192, week and day of the next 200, 208, `Δt_LSF` 216 |
 //!
-//! References: [IS-GPS-200] 20.3.2 to 20.3.5.
+//! References: [IS-GPS-200] 20.3.2 to 20.3.5; [IS-QZSS-PNT] 4.1.
 //!
 //! [IS-GPS-200]: crate#references
+//! [IS-QZSS-PNT]: crate#references
 
 use rai_core::satellite::SatelliteId;
 
@@ -74,10 +75,14 @@ pub(super) fn ephemeris(
     }
     let week = MessageWeek { constellation: satellite.constellation(), week: first.unsigned(48, 10) as u16 };
     let instant = |sixteens: u32| calendar.resolve(week, f64::from(16 * sixteens)).ok_or(Refusal::Value);
+    let (source, health) = match (satellite.is_qzss(), first.small(64, 6)) {
+        (true, field) => (Source::QzssLnav, Health::of_qzss(field)),
+        (false, field) => (Source::GpsLnav, Health::of_satellite(field == 0)),
+    };
     Ok(Broadcast {
         satellite,
-        source: Source::GpsLnav,
-        health: Health::of_satellite(first.unsigned(64, 6) == 0),
+        source,
+        health,
         accuracy_m: ura_m(first.small(60, 4)),
         toe: instant(second.unsigned(216, 16))?,
         toc: instant(first.unsigned(176, 16))?,

@@ -22,9 +22,10 @@
 //! [UBX-F9]: crate#references
 
 use rai_core::frame::SPEED_OF_LIGHT_M_S;
-use rai_core::satellite::{Constellation, SatelliteId};
+use rai_core::satellite::SatelliteId;
 
 use crate::counters::count;
+use crate::input::system::System;
 use crate::input::{Counters, Unread};
 use crate::raw::{Band, Carrier, RawSignal};
 use crate::time::{GpsTime, WEEK_MS};
@@ -132,15 +133,15 @@ fn read(measurement: &[u8], offset_m: f64, counters: &mut Counters) -> Option<(S
         status,
         _,
     ] = measurement.first_chunk::<MEASUREMENT>()?;
-    let Some(constellation) = constellation(system) else {
+    let Some(system) = system_of(system) else {
         count(&mut counters.observations_other);
         return None;
     };
-    let Some(satellite) = satellite_id(constellation, number) else {
+    let Some(satellite) = system.satellite(number) else {
         count(&mut counters.satellites_unknown);
         return None;
     };
-    let Some(carrier) = carrier(constellation, signal, channel) else {
+    let Some(carrier) = carrier(system, signal, channel) else {
         count(&mut counters.signals_other);
         return None;
     };
@@ -164,48 +165,38 @@ fn read(measurement: &[u8], offset_m: f64, counters: &mut Counters) -> Option<(S
 }
 
 /// The systems that are used, by the number that UBX gives them.
-pub(super) const fn constellation(system: u8) -> Option<Constellation> {
-    match system {
-        0 => Some(Constellation::Gps),
-        2 => Some(Constellation::Galileo),
-        3 => Some(Constellation::Beidou),
-        6 => Some(Constellation::Glonass),
+pub(super) const fn system_of(number: u8) -> Option<System> {
+    match number {
+        0 => Some(System::Gps),
+        2 => Some(System::Galileo),
+        3 => Some(System::Beidou),
+        5 => Some(System::Qzss),
+        6 => Some(System::Glonass),
         _ => None,
     }
 }
 
-/// The satellite of a number; `None` for one that its system does not have, or the 255 of an unknown GLONASS slot.
-pub(super) fn satellite_id(constellation: Constellation, number: u8) -> Option<SatelliteId> {
-    let highest = match constellation {
-        Constellation::Gps => 32,
-        Constellation::Galileo => 36,
-        Constellation::Beidou => 63,
-        Constellation::Glonass => 24,
-    };
-    if number <= highest { SatelliteId::new(constellation, number) } else { None }
-}
-
 /// The carrier of a signal; `None` for those that are not used. Signal 0 is what receivers of one band write for all.
-const fn carrier(constellation: Constellation, signal: u8, channel: u8) -> Option<Carrier> {
-    let band = match (constellation, signal) {
-        (Constellation::Gps, 0) => Band::L1,
-        (Constellation::Gps, 3 | 4) => Band::L2,
-        (Constellation::Gps, 6 | 7) => Band::L5,
-        (Constellation::Galileo, 0 | 1) => Band::E1,
-        (Constellation::Galileo, 3 | 4) => Band::E5a,
-        (Constellation::Galileo, 5 | 6) => Band::E5b,
-        (Constellation::Beidou, 0 | 1) => Band::B1I,
-        (Constellation::Beidou, 2 | 3) => Band::B2I,
-        (Constellation::Beidou, 4 | 10) => Band::B3I,
-        (Constellation::Beidou, 5 | 6) => Band::B1C,
-        (Constellation::Beidou, 7 | 8) => Band::B2a,
-        (Constellation::Glonass, 0) => Band::G1,
-        (Constellation::Glonass, 2) => Band::G2,
+const fn carrier(system: System, signal: u8, channel: u8) -> Option<Carrier> {
+    let band = match (system, signal) {
+        (System::Gps | System::Qzss, 0) => Band::L1,
+        (System::Gps, 3 | 4) | (System::Qzss, 4 | 5) => Band::L2,
+        (System::Gps, 6 | 7) | (System::Qzss, 8 | 9) => Band::L5,
+        (System::Galileo, 0 | 1) => Band::E1,
+        (System::Galileo, 3 | 4) => Band::E5a,
+        (System::Galileo, 5 | 6) => Band::E5b,
+        (System::Beidou, 0 | 1) => Band::B1I,
+        (System::Beidou, 2 | 3) => Band::B2I,
+        (System::Beidou, 4 | 10) => Band::B3I,
+        (System::Beidou, 5 | 6) => Band::B1C,
+        (System::Beidou, 7 | 8) => Band::B2a,
+        (System::Glonass, 0) => Band::G1,
+        (System::Glonass, 2) => Band::G2,
         _ => return None,
     };
-    match constellation {
-        Constellation::Glonass if channel > 13 => None,
-        Constellation::Glonass => Some(Carrier { band, channel: channel.cast_signed() - 7 }),
+    match system {
+        System::Glonass if channel > 13 => None,
+        System::Glonass => Some(Carrier { band, channel: channel.cast_signed() - 7 }),
         _ => Some(Carrier::of(band)),
     }
 }

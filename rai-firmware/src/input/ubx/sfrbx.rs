@@ -9,20 +9,20 @@
 //!
 //! | signal | words | read by |
 //! |---|---|---|
-//! | GPS L1 C/A (0) | 10 | [`lnav`] |
+//! | GPS, QZSS L1 C/A (0) | 10 | [`lnav`] |
 //! | Galileo E1 (0, 1) | 8 or 9 | [`galileo`], I/NAV |
 //! | Galileo E5a (3, 4) | 8 or 9 | [`galileo`], F/NAV |
 //! | `BeiDou` B1I, B2I, B3I (0 to 4, 10) | 10 | [`beidou`], D1 of most and D2 of the geostationary satellites |
 //! | GLONASS L1, L2 (0, 2) | 4 | [`glonass`] |
 //!
 //! I/NAV of E5b has its words in another order and would close sets too early; that of E1 says the same. Others (CNAV,
-//! `BeiDou`'s newer messages, SBAS, QZSS) are counted.
+//! `BeiDou`'s newer messages, SBAS) are counted.
 //!
 //! Reference: [UBX-F9] RXM-SFRBX.
 //!
 //! [UBX-F9]: crate#references
 
-use rai_core::satellite::{Constellation, SatelliteId};
+use rai_core::satellite::SatelliteId;
 
 use super::leap::Announcement;
 use super::pages::{Kind, Page, Pages};
@@ -30,6 +30,7 @@ use super::{Refusal, beidou, galileo, glonass, lnav, rawx};
 use crate::ephemeris::Broadcast;
 use crate::input::bits::Bits;
 use crate::input::calendar::Calendar;
+use crate::input::system::System;
 use crate::input::{Message, Unread};
 
 /// The navigation messages under way.
@@ -74,6 +75,7 @@ impl From<Refusal> for Unread {
 
 /// A frame whose header and length are right.
 struct Frame<'a> {
+    system: System,
     satellite: SatelliteId,
     signal: u8,
     words: &'a [u8],
@@ -87,9 +89,9 @@ impl<'a> Frame<'a> {
         if !VERSIONS.contains(&version) || words.len() != 4 * usize::from(many) {
             return Err(Refusal::Malformed.into());
         }
-        let constellation = rawx::constellation(system).ok_or(Unread::BitsOther)?;
-        let satellite = rawx::satellite_id(constellation, number).ok_or(Unread::Satellite)?;
-        Ok(Self { satellite, signal, words })
+        let system = rawx::system_of(system).ok_or(Unread::BitsOther)?;
+        let satellite = system.satellite(number).ok_or(Unread::Satellite)?;
+        Ok(Self { system, satellite, signal, words })
     }
 
     /// The first `N` words of a frame that has them.
@@ -111,13 +113,14 @@ impl<'a> Frame<'a> {
 
 impl Context<'_> {
     fn read<'a>(&mut self, frame: &Frame<'_>) -> Result<Option<Message<'a>>, Unread> {
-        match (frame.satellite.constellation(), frame.signal, frame.count()) {
-            (Constellation::Gps, 0, _) => self.lnav(frame),
-            (Constellation::Galileo, 0 | 1, _) => self.inav(frame),
-            (Constellation::Galileo, 3 | 4, _) => self.fnav(frame),
+        match (frame.system, frame.signal, frame.count()) {
+            // A frame of L1S has another length under the same number.
+            (System::Gps, 0, _) | (System::Qzss, 0, 10) => self.lnav(frame),
+            (System::Galileo, 0 | 1, _) => self.inav(frame),
+            (System::Galileo, 3 | 4, _) => self.fnav(frame),
             // Frames of newer signals have other lengths under the same numbers.
-            (Constellation::Beidou, 0..=4 | 10, 10) => self.beidou(frame),
-            (Constellation::Glonass, 0 | 2, 4) => self.glonass(frame),
+            (System::Beidou, 0..=4 | 10, 10) => self.beidou(frame),
+            (System::Glonass, 0 | 2, 4) => self.glonass(frame),
             _ => Err(Unread::BitsOther),
         }
     }

@@ -137,7 +137,7 @@ fn named(mode: Dominant) -> String<16> {
     }
     for satellite in mode.satellites.iter().flatten() {
         let digit = |value: u8| char::from(b'0' + value % 10);
-        let (letter, number) = (satellite.constellation().letter(), satellite.number());
+        let (letter, number) = satellite.name();
         for character in [letter, digit(number / 10), digit(number)] {
             let _ = name.push(character);
         }

@@ -10,7 +10,7 @@
 
 use embedded_io::Write;
 use heapless::Vec;
-use rai_core::satellite::{Constellation, SatelliteId};
+use rai_core::satellite::SatelliteId;
 
 use super::TimeOfDay;
 
@@ -241,8 +241,9 @@ impl Sentence {
     /// A satellite as in RINEX: `G05`.
     pub fn satellite(&mut self, satellite: SatelliteId) -> &mut Self {
         self.push(b",");
-        self.push(&[satellite.constellation().letter() as u8]);
-        self.push_digits(u64::from(satellite.number()), 2);
+        let (letter, number) = satellite.name();
+        self.push(&[letter as u8]);
+        self.push_digits(u64::from(number), 2);
         self
     }
 
@@ -250,8 +251,9 @@ impl Sentence {
     ///
     /// [NMEA-0183]: crate#references
     pub fn satellite_number(&mut self, satellite: SatelliteId) -> &mut Self {
-        let offset = if satellite.constellation() == Constellation::Glonass { 64 } else { 0 };
-        self.integer(u32::from(satellite.number()) + offset, 2)
+        let (letter, number) = satellite.name();
+        let offset = if letter == 'R' { 64 } else { 0 };
+        self.integer(u32::from(number) + offset, 2)
     }
 
     /// The sentence with checksum and line end; `None` if it would exceed [`MAX_LENGTH`].

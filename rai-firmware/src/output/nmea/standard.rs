@@ -12,7 +12,7 @@
 use embedded_io::Write;
 use rai_core::report::{Report, Solution, Suspect};
 use rai_core::requirements::Requirements;
-use rai_core::satellite::{Constellation, SatelliteId};
+use rai_core::satellite::SatelliteId;
 
 use super::position::dilution;
 use super::{Sentence, TimeOfDay, write_sentence};
@@ -26,14 +26,14 @@ const PER_GSA: usize = 12;
 /// [NMEA-0183]: crate#references
 const ALL_SIGNALS: u32 = 0;
 
-/// Talker and system id of a constellation.
-const fn system(constellation: Constellation) -> (&'static str, u32) {
-    match constellation {
-        Constellation::Gps => ("GPGSA", 1),
-        Constellation::Glonass => ("GLGSA", 2),
-        Constellation::Galileo => ("GAGSA", 3),
-        Constellation::Beidou => ("GBGSA", 4),
-    }
+/// Talker and system id of each system, by the letter of its satellites.
+const SYSTEMS: [(char, &str, u32); 5] =
+    [('G', "GPGSA", 1), ('R', "GLGSA", 2), ('E', "GAGSA", 3), ('C', "GBGSA", 4), ('J', "GQGSA", 5)];
+
+/// The system id of a satellite.
+fn system_id(satellite: SatelliteId) -> u32 {
+    let own = SYSTEMS.into_iter().find(|(letter, ..)| *letter == satellite.name().0);
+    own.map_or(0, |(.., id)| id)
 }
 
 /// `GSA`: the satellites used, by system, and the dilutions of precision of the whole solution.
@@ -41,17 +41,15 @@ pub(super) fn write_satellites<W: Write, const N: usize>(
     statement: &Statement<'_, N>,
     out: &mut W,
 ) -> Result<(), W::Error> {
-    const SYSTEMS: [Constellation; Constellation::COUNT] =
-        [Constellation::Gps, Constellation::Glonass, Constellation::Galileo, Constellation::Beidou];
     let report = statement.report;
     let Some(solution) = &report.solution else { return Ok(()) };
     let mode = if statement.is_alert() { 1 } else { 3 };
     let dilutions = [solution.pdop(), solution.hdop, solution.vdop].map(dilution);
-    for constellation in SYSTEMS {
-        let of_system = || report.used.iter().filter(|used| used.constellation() == constellation);
+    for (letter, address, id) in SYSTEMS {
+        let of_system = || report.used.iter().filter(|used| used.name().0 == letter);
         for first in (0..of_system().count()).step_by(PER_GSA) {
             let satellites = of_system().skip(first).copied();
-            write_sentence(&active(constellation, mode, satellites, dilutions), out)?;
+            write_sentence(&active((address, id), mode, satellites, dilutions), out)?;
         }
     }
     Ok(())
@@ -59,12 +57,11 @@ pub(super) fn write_satellites<W: Write, const N: usize>(
 
 /// One `GSA` with the first 12 of the satellites.
 fn active(
-    constellation: Constellation,
+    (address, id): (&str, u32),
     mode: u32,
     mut satellites: impl Iterator<Item = SatelliteId>,
     dilutions: [f64; 3],
 ) -> Sentence {
-    let (address, id) = system(constellation);
     let mut sentence = Sentence::new(address);
     sentence.text("A").integer(mode, 1);
     for _ in 0..PER_GSA {
@@ -164,7 +161,6 @@ fn fault<'s>(
     suspect: &Suspect,
     requirements: &Requirements,
 ) -> &'s mut Sentence {
-    let (_, system_id) = system(suspect.satellite.constellation());
     standard_deviations(solution)
         .into_iter()
         .fold(sentence, |sentence, deviation_m| sentence.number(deviation_m, 3, 7))
@@ -172,7 +168,7 @@ fn fault<'s>(
         .probability(requirements.missed_detection.get())
         .number(suspect.bias_m, 3, 8)
         .number(suspect.bias_sigma_m, 3, 8)
-        .integer(system_id, 1)
+        .integer(system_id(suspect.satellite), 1)
         .integer(ALL_SIGNALS, 1)
 }
 

@@ -102,7 +102,7 @@ fn health_and_clock(row: Row, m: &Msg1042T) -> Result<Row> {
 }
 
 /// Ten words: 15 bits as they are and eleven with four parities, then twice eleven and their parities in each.
-fn words(row: Row) -> Result<Vec<u32>> {
+pub(super) fn words(row: Row) -> Result<Vec<u32>> {
     let row = row.until(26 + 9 * 22)?;
     let (first, others) = row.bits().split_at(26);
     let protected = |elevens: &[&[bool]]| -> Vec<bool> {

@@ -84,7 +84,7 @@ pub(super) fn utc(said: &IonosphereAndUtc) -> Result<Vec<u32>> {
     inav_page(row)
 }
 
-fn inav_page(word: Row) -> Result<Vec<u32>> {
+pub(super) fn inav_page(word: Row) -> Result<Vec<u32>> {
     let word = word.until(128)?;
     let (front, back) = word.bits().split_at(112);
     let even = Row::default().unsigned(0b00, 2)?.then(front);
@@ -136,7 +136,7 @@ pub(super) fn fnav(m: &Msg1045T, sent: SystemTime) -> Result<Vec<Vec<u32>>> {
     pages.into_iter().map(fnav_page).collect()
 }
 
-fn fnav_page(page: Row) -> Result<Vec<u32>> {
+pub(super) fn fnav_page(page: Row) -> Result<Vec<u32>> {
     let page = page.until(214)?;
     let crc = crc24q(page.bits());
     Ok(page.then(&crc).until(256)?.words())

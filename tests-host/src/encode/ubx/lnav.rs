@@ -99,7 +99,7 @@ fn opening(frame: u32, number: u32) -> Result<Row> {
 }
 
 /// Words of 30 bits. In the second and the last, two bits are such that the last two parities are zero.
-fn words(row: Row) -> Result<Vec<u32>> {
+pub(super) fn words(row: Row) -> Result<Vec<u32>> {
     let row = row.until(240)?;
     let mut before = (false, false);
     let mut words = Vec::with_capacity(10);

@@ -9,24 +9,29 @@
 //! | GPS ephemeris | LNAV subframes 1 to 3 ([`lnav`]); ionosphere and UTC: page 18 of subframe 4 |
 //! | Galileo ephemeris | I/NAV words 1 to 5 or F/NAV pages 1 to 4 ([`galileo`]); UTC: word 6 |
 //! | `BeiDou` ephemeris | D1 subframes 1 to 3 or D2 pages 1 to 10 ([`beidou`]) |
+//! | GLONASS ephemeris | strings 1 to 4 ([`glonass`]) |
 //!
 //! References: u-blox F9 HPG 1.32 interface description, RXM-RAWX and RXM-SFRBX.
 
 mod beidou;
 mod bits;
 mod galileo;
+mod glonass;
 mod lnav;
+mod sealing;
 
 use anyhow::{Context, Result};
 use rai_core::satellite::{Constellation, SatelliteId};
 use rai_firmware::time::{BEIDOU_OFFSET_MS, GpsTime, WEEK_MS};
 
 use super::Selection;
+use super::channels::Channels;
 use super::msm::chosen;
 use super::schedule::Schedule;
 use crate::measurement::{Ephemeris, MeasuredEpoch, MeasuredSatellite, MeasuredSignal, TimedEphemeris};
 
 pub use lnav::IonosphereAndUtc;
+pub use sealing::Form;
 
 /// Class and number of a message.
 type Kind = [u8; 2];
@@ -52,8 +57,16 @@ pub fn frame(kind: Kind, payload: &[u8]) -> Vec<u8> {
 
 /// A frame of navigation bits of a satellite's signal.
 pub fn subframe(satellite: SatelliteId, signal: u8, words: &[u32]) -> Vec<u8> {
-    let system = system(satellite.constellation());
-    let mut payload = vec![system, satellite.number(), signal, 0, words.len() as u8, 0, 2, 0];
+    subframe_on(satellite, signal, 0, words)
+}
+
+/// The same of a GLONASS satellite; `channel` is its frequency slot and 7.
+fn subframe_on(satellite: SatelliteId, signal: u8, channel: u8, words: &[u32]) -> Vec<u8> {
+    let (system, number) = match satellite.name() {
+        ('J', number) => (5, number),
+        (_, number) => (system(satellite.constellation()), number),
+    };
+    let mut payload = vec![system, number, signal, channel, words.len() as u8, 0, 2, 0];
     for word in words {
         payload.extend_from_slice(&word.to_le_bytes());
     }
@@ -70,14 +83,22 @@ const fn system(constellation: Constellation) -> u8 {
     }
 }
 
+/// A frequency slot as it is written; 0 where all satellites of a system share their carriers.
+const fn channel(constellation: Constellation, slot: i8) -> u8 {
+    match constellation {
+        Constellation::Glonass => (slot + 7) as u8,
+        _ => 0,
+    }
+}
+
 /// The number of a signal by its RINEX band and attribute; none for what a u-blox receiver does not measure.
 const fn signal(constellation: Constellation, signal: &MeasuredSignal) -> Option<u8> {
     match (constellation, signal.band, signal.attribute) {
-        (Constellation::Gps, 1, 'C')
+        (Constellation::Gps | Constellation::Glonass, 1, 'C')
         | (Constellation::Galileo, 1, 'C' | 'X')
         | (Constellation::Beidou, 2, 'I') => Some(0),
         (Constellation::Galileo, 1, 'B') => Some(1),
-        (Constellation::Beidou, 7, 'I') => Some(2),
+        (Constellation::Beidou, 7, 'I') | (Constellation::Glonass, 2, 'C') => Some(2),
         (Constellation::Gps, 2, 'L' | 'X') | (Constellation::Galileo, 5, 'I') => Some(3),
         (Constellation::Gps, 2, 'S')
         | (Constellation::Galileo, 5, 'Q' | 'X')
@@ -104,6 +125,7 @@ pub fn measurable(epoch: &MeasuredEpoch) -> MeasuredEpoch {
 pub struct Encoder {
     selection: Selection,
     schedule: Schedule,
+    channels: Channels,
     ionosphere_and_utc: Option<IonosphereAndUtc>,
 }
 
@@ -117,7 +139,7 @@ impl Encoder {
         let selected =
             |ephemeris: &&TimedEphemeris| selection.systems.contains(&ephemeris.satellite.constellation());
         let schedule = Schedule::new(ephemerides.iter().filter(selected).cloned());
-        Self { selection, schedule, ionosphere_and_utc }
+        Self { selection, schedule, channels: Channels::of(ephemerides), ionosphere_and_utc }
     }
 
     /// The bytes of an epoch, of the signals that were chosen.
@@ -135,7 +157,7 @@ impl Encoder {
                 bytes.extend(subframe(ephemeris.satellite, 0, &words));
             }
         }
-        bytes.extend(rawx(&measurable(epoch), &self.selection));
+        bytes.extend(rawx(&measurable(epoch), &self.selection, &self.channels));
         Ok(bytes)
     }
 }
@@ -154,14 +176,20 @@ pub fn pages(ephemeris: &TimedEphemeris, time: GpsTime) -> Result<Vec<u8>> {
     let system_time = galileo::SystemTime { week: time.week.saturating_sub(1024), tow_s: 30 * frame };
     let beidou_s = (time.tow_ms + WEEK_MS - BEIDOU_OFFSET_MS) % WEEK_MS / 30_000 * 30;
     let is_geostationary = matches!(ephemeris.satellite.number(), 1..=5 | 59..=63);
+    let mut slot = 0;
     let (signal, pages) = match &ephemeris.message {
         Ephemeris::Gps(message) => (0, lnav::ephemeris(message, frame)?),
         Ephemeris::GalileoInav(message) => (1, galileo::inav(message, system_time)?),
         Ephemeris::GalileoFnav(message) => (3, galileo::fnav(message, system_time)?),
         Ephemeris::Beidou(message) if is_geostationary => (1, beidou::d2(message, beidou_s)?),
         Ephemeris::Beidou(message) => (0, beidou::d1(message, beidou_s)?),
+        Ephemeris::Glonass(message) => {
+            slot = message.glo_satellite_freq_chan_number;
+            (0, glonass::ephemeris(message)?)
+        }
     };
-    Ok(pages.iter().flat_map(|words| subframe(ephemeris.satellite, signal, words)).collect())
+    let channel = channel(ephemeris.satellite.constellation(), slot);
+    Ok(pages.iter().flat_map(|words| subframe_on(ephemeris.satellite, signal, channel, words)).collect())
 }
 
 /// The leap seconds as a Galileo satellite says them.
@@ -173,7 +201,7 @@ pub fn utc(satellite: SatelliteId, said: &IonosphereAndUtc) -> Result<Vec<u8>> {
 }
 
 /// The ranges of an epoch.
-fn rawx(epoch: &MeasuredEpoch, selection: &Selection) -> Vec<u8> {
+fn rawx(epoch: &MeasuredEpoch, selection: &Selection, channels: &Channels) -> Vec<u8> {
     /// A time of one second of lock or more, as most have it.
     const LOCK_MS: u16 = 64_500;
     /// Sigma of a range 0.01·2⁵ m.
@@ -183,6 +211,10 @@ fn rawx(epoch: &MeasuredEpoch, selection: &Selection) -> Vec<u8> {
         |satellite: &&MeasuredSatellite| selection.systems.contains(&satellite.satellite.constellation());
     for satellite in epoch.satellites.iter().filter(selected) {
         let constellation = satellite.satellite.constellation();
+        let Some(channel) = channels.slot(satellite.satellite).map(|slot| channel(constellation, slot))
+        else {
+            continue;
+        };
         for measured in chosen(satellite, selection.frequency) {
             let Some(number) = signal(constellation, measured) else { continue };
             let phase = measured.carrier_cycles;
@@ -191,7 +223,12 @@ fn rawx(epoch: &MeasuredEpoch, selection: &Selection) -> Vec<u8> {
             // Not a number says that there is none.
             let doppler_hz = measured.doppler_hz.map_or(f32::NAN, |doppler_hz| doppler_hz as f32);
             measurements.extend_from_slice(&doppler_hz.to_le_bytes());
-            measurements.extend_from_slice(&[system(constellation), satellite.satellite.number(), number, 0]);
+            measurements.extend_from_slice(&[
+                system(constellation),
+                satellite.satellite.number(),
+                number,
+                channel,
+            ]);
             measurements.extend_from_slice(&LOCK_MS.to_le_bytes());
             let cn0 = measured.cn0_dbhz.map_or(0, |cn0_dbhz| cn0_dbhz.round() as u8);
             let valid = if phase.is_some() { 0b111 } else { 0b001 };

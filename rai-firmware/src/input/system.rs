@@ -1,0 +1,43 @@
+//! Systems as wire formats tell them apart, and how each numbers its satellites.
+//!
+//! | system | numbers | the core's constellation |
+//! |---|---|---|
+//! | GPS | 1 to 32 | GPS |
+//! | QZSS | 1 to 10, on the air 193 to 202 | GPS, whose clock its ranges touch ([`rai_core::satellite`]) |
+//! | Galileo, `BeiDou`, GLONASS | 1 to 36, 63, 24 | their own |
+
+use rai_core::satellite::{Constellation, SatelliteId};
+
+/// A system that is read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum System {
+    Gps,
+    Qzss,
+    Galileo,
+    Beidou,
+    Glonass,
+}
+
+impl System {
+    /// Whose clock its ranges touch.
+    pub(super) const fn constellation(self) -> Constellation {
+        match self {
+            Self::Gps | Self::Qzss => Constellation::Gps,
+            Self::Galileo => Constellation::Galileo,
+            Self::Beidou => Constellation::Beidou,
+            Self::Glonass => Constellation::Glonass,
+        }
+    }
+
+    /// The satellite of a number; `None` for one that the system does not have.
+    pub(super) const fn satellite(self, number: u8) -> Option<SatelliteId> {
+        let highest = match self {
+            Self::Gps => 32,
+            Self::Qzss => return SatelliteId::qzss(number),
+            Self::Galileo => 36,
+            Self::Beidou => 63,
+            Self::Glonass => 24,
+        };
+        if number <= highest { SatelliteId::new(self.constellation(), number) } else { None }
+    }
+}

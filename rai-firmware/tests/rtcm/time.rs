@@ -1,0 +1,136 @@
+//! Which week it is, and that time goes forward.
+
+use super::TOW_MS;
+use super::gps;
+use super::knowing;
+use super::names_of_nonzero;
+use crate::orbits::CASES;
+use crate::wire::B1I;
+use crate::wire::Cell;
+use crate::wire::E1C;
+use crate::wire::Seen;
+use crate::wire::ephemeris;
+use crate::wire::epochs;
+use crate::wire::feed;
+use crate::wire::msm;
+use rai_firmware::input::Input;
+use rai_firmware::time::WEEK_MS;
+
+#[test]
+fn without_an_ephemeris_the_week_is_unknown_and_epochs_are_dropped() {
+    let mut input = Input::new();
+    assert!(feed(&mut input, &gps(TOW_MS, false)).is_empty());
+    assert_eq!(names_of_nonzero(input.counters()), [("epochs_without_week", 1)]);
+}
+
+#[test]
+fn a_gps_ephemeris_alone_tells_the_week_of_the_third_cycle() {
+    let mut input = Input::new();
+    feed(&mut input, &ephemeris(&CASES[0]));
+    assert_eq!(epochs(feed(&mut input, &gps(TOW_MS, false)))[0].time.week, 2111);
+}
+
+#[test]
+fn an_epoch_that_goes_back_is_dropped_whole() {
+    let mut input = knowing();
+    feed(&mut input, &gps(TOW_MS, false));
+    let mut back = gps(TOW_MS - 1000, true);
+    back.extend(msm(1097, TOW_MS - 1000, false, &[Cell(31, E1C, 2.5e7, 50.0)]));
+    back.extend(gps(TOW_MS, false));
+    assert!(feed(&mut input, &back).is_empty());
+    assert_eq!(names_of_nonzero(input.counters()), [("epochs_backwards", 2)]);
+    assert_eq!(epochs(feed(&mut input, &gps(TOW_MS + 1000, false))).len(), 1);
+}
+
+#[test]
+fn one_time_far_ahead_does_not_silence_the_receiver() {
+    let mut input = knowing();
+    feed(&mut input, &gps(TOW_MS, false));
+    assert_eq!(epochs(feed(&mut input, &gps(TOW_MS + 5 * 3_600_000, false))).len(), 1);
+    let later: Vec<usize> =
+        (1..=7).map(|n| epochs(feed(&mut input, &gps(TOW_MS + n * 1000, false))).len()).collect();
+    assert_eq!(later, [1, 1, 1, 1, 1, 1, 1]);
+    assert_eq!(names_of_nonzero(input.counters()), [("time_restarts", 1)]);
+}
+
+#[test]
+fn the_week_rolls_over_between_two_epochs() {
+    let mut input = knowing();
+    let mut times = Vec::new();
+    for tow_ms in [TOW_MS, WEEK_MS - 2000, WEEK_MS - 1000, 0, 1000, 15_000] {
+        // BeiDou's own week ends 14 s later.
+        let beidou_ms = (tow_ms + WEEK_MS - 14_000) % WEEK_MS;
+        let mut bytes = gps(tow_ms, true);
+        bytes.extend(msm(1127, beidou_ms, false, &[Cell(6, B1I, 3.8e7, 42.0)]));
+        let have = epochs(feed(&mut input, &bytes));
+        assert_eq!(have[0].satellites.len(), 2, "at {tow_ms}");
+        times.push((have[0].time.week, have[0].time.tow_ms));
+    }
+    let second = WEEK_MS - 1000;
+    assert_eq!(times[2..], [(2111, second), (2112, 0), (2112, 1000), (2112, 15_000)]);
+}
+
+#[test]
+fn ephemerides_that_agree_correct_a_wrong_week() {
+    let mut input = Input::new();
+    let mut wrong = CASES[4];
+    wrong.week += 700;
+    feed(&mut input, &ephemeris(&wrong));
+    assert_eq!(epochs(feed(&mut input, &gps(TOW_MS, false)))[0].time.week, 2811);
+    for _ in 0..4 {
+        feed(&mut input, &ephemeris(&CASES[2]));
+    }
+    assert_eq!(epochs(feed(&mut input, &gps(TOW_MS + 1000, false)))[0].time.week, 2111);
+    assert_eq!(names_of_nonzero(input.counters()), [("week_corrections", 1)]);
+}
+
+#[test]
+fn a_time_beyond_the_week_is_counted() {
+    let mut input = knowing();
+    assert!(feed(&mut input, &gps(WEEK_MS, false)).is_empty());
+    assert_eq!(names_of_nonzero(input.counters()), [("times_out_of_range", 1)]);
+}
+
+#[test]
+fn a_week_old_ephemeris_does_not_look_fresh() {
+    let mut input = knowing();
+    feed(&mut input, &gps(TOW_MS, false));
+    let mut old = CASES[0];
+    old.week -= 1;
+    let seen = feed(&mut input, &ephemeris(&old));
+    let [Seen::Ephemeris(have)] = seen.as_slice() else { panic!("{seen:?}") };
+    assert_eq!(have.toe().week, 2110);
+}
+
+#[test]
+fn a_wrong_gps_week_does_not_outvote_two_systems_that_agree() {
+    let mut input = knowing();
+    feed(&mut input, &gps(TOW_MS, false));
+    let mut wrong = CASES[0];
+    wrong.week += 3;
+    for _ in 0..2 {
+        // Galileo and BeiDou say the right week once, and 32 GPS satellites a wrong one.
+        for right in [&CASES[2], &CASES[4]] {
+            feed(&mut input, &ephemeris(right));
+        }
+        for _ in 0..32 {
+            feed(&mut input, &ephemeris(&wrong));
+        }
+    }
+    assert_eq!(input.counters().week_corrections, 0);
+    assert_eq!(epochs(feed(&mut input, &gps(TOW_MS + 1000, false)))[0].time.week, 2111);
+}
+
+#[test]
+fn two_systems_that_agree_correct_the_week_of_a_third_that_came_first() {
+    let mut input = Input::new();
+    let mut wrong = CASES[0];
+    wrong.week += 3;
+    for _ in 0..32 {
+        feed(&mut input, &ephemeris(&wrong));
+    }
+    for right in [&CASES[2], &CASES[4], &CASES[2], &CASES[4]] {
+        feed(&mut input, &ephemeris(right));
+    }
+    assert_eq!(epochs(feed(&mut input, &gps(TOW_MS, false)))[0].time.week, 2111);
+}

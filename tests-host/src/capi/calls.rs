@@ -1,0 +1,124 @@
+//! Calls of the C interface as bytes, for the C program that makes them, and what it answers.
+//!
+//! The formats stand at the top of `rai-firmware/capi/tests/calls.c`.
+
+use anyhow::{Context as _, Result, ensure};
+use rai_core::epoch::Epoch;
+
+/// Calls in the order in which they are to be made.
+#[derive(Clone, Debug, Default)]
+pub struct Calls {
+    bytes: Vec<u8>,
+}
+
+impl Calls {
+    fn add(&mut self, kind: u8, payload: &[&[u8]]) {
+        let length: usize = payload.iter().map(|part| part.len()).sum();
+        self.bytes.push(kind);
+        self.bytes.extend((length as u32).to_le_bytes());
+        for part in payload {
+            self.bytes.extend(*part);
+        }
+    }
+
+    /// Asks for version, sizes and alignments.
+    pub fn sizes(&mut self) {
+        self.add(b's', &[]);
+    }
+
+    /// Makes a monitor: phase, method, policy, clock aiding, as the header numbers them.
+    pub fn prepare(&mut self, [phase, method, policy, clock_aid]: [u8; 4]) {
+        self.add(b'p', &[&[phase, method, policy, clock_aid]]);
+    }
+
+    /// Judges an epoch.
+    pub fn judge<const N: usize>(&mut self, epoch: &Epoch<N>) {
+        let mut ranges = Vec::new();
+        for observation in epoch.observations() {
+            let position = observation.position;
+            let numbers =
+                [position.x_m, position.y_m, position.z_m, observation.range_m, observation.sigma_m];
+            ranges.extend(numbers.iter().flat_map(|number| number.to_le_bytes()));
+            let satellite = observation.satellite;
+            ranges.extend([satellite.constellation().letter() as u8, satellite.number(), 0, 0, 0, 0, 0, 0]);
+        }
+        self.add(b'm', &[&epoch.time_s().to_le_bytes(), &ranges]);
+    }
+
+    /// Forgets the last position.
+    pub fn forget(&mut self) {
+        self.add(b'f', &[]);
+    }
+
+    /// Makes a receiver.
+    pub fn start(&mut self) {
+        self.add(b'i', &[]);
+    }
+
+    /// Brings bytes of the GNSS port.
+    pub fn gnss(&mut self, now_ms: u64, bytes: &[u8]) {
+        self.add(b'g', &[&now_ms.to_le_bytes(), bytes]);
+    }
+
+    /// Lets time pass.
+    pub fn tick(&mut self, now_ms: u64) {
+        self.add(b't', &[&now_ms.to_le_bytes()]);
+    }
+
+    /// Brings bytes of the host port.
+    pub fn command(&mut self, bytes: &[u8]) {
+        self.add(b'c', &[bytes]);
+    }
+
+    /// All calls, as the program reads them.
+    pub fn as_bytes(&self) -> &[u8] {
+        &self.bytes
+    }
+}
+
+/// What a call gave.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Answer {
+    /// The kind of the call.
+    pub kind: u8,
+    /// Its status.
+    pub status: u8,
+    /// How deep the stack went below the caller, bytes; 0 on a host.
+    pub stack_bytes: u32,
+    /// What it gave.
+    pub given: Vec<u8>,
+}
+
+impl Answer {
+    /// The name of the function that was called.
+    pub fn function(&self) -> &'static str {
+        match self.kind {
+            b'p' => "rai_monitor_init",
+            b'm' => "rai_monitor_judge",
+            b'f' => "rai_monitor_forget",
+            b'i' => "rai_receiver_init",
+            b'g' => "rai_receiver_gnss",
+            b't' => "rai_receiver_tick",
+            b'c' => "rai_receiver_command",
+            _ => "",
+        }
+    }
+}
+
+/// The answers in a file of the program.
+///
+/// # Errors
+/// Where the file ends within an answer.
+pub fn answers(mut bytes: &[u8]) -> Result<Vec<Answer>> {
+    let mut answers = Vec::new();
+    while let Some((head, rest)) = bytes.split_first_chunk::<10>() {
+        let [kind, status, s0, s1, s2, s3, l0, l1, l2, l3] = *head;
+        let length = u32::from_le_bytes([l0, l1, l2, l3]) as usize;
+        let (given, rest) = rest.split_at_checked(length).context("the last answer is cut short")?;
+        let stack_bytes = u32::from_le_bytes([s0, s1, s2, s3]);
+        answers.push(Answer { kind, status, stack_bytes, given: given.to_vec() });
+        bytes = rest;
+    }
+    ensure!(bytes.is_empty(), "the answers end within one");
+    Ok(answers)
+}

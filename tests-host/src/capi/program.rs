@@ -1,0 +1,127 @@
+//! The C program that makes calls: compiled strictly, for the host and for the emulated boards, and run.
+//!
+//! | machine | compiler | library |
+//! |---|---|---|
+//! | host | gcc, g++, either with sanitisers | of the host, with debug assertions |
+//! | STM32F405 | arm-none-eabi-gcc for a Cortex-M4F | of the chip, as it ships |
+//! | MPS2 AN500 | the same for a Cortex-M7 with doubles | the same, for that processor |
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::{Context as _, Result, ensure};
+
+use super::calls::{Answer, Calls, answers};
+use super::{Kind, folder, library, library_for, run};
+use crate::board::Machine;
+
+/// Every warning that a careful C programmer turns on.
+pub const STRICT: [&str; 6] = ["-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror", "-O1"];
+
+/// What the static library needs of a host's system.
+pub const SYSTEM: [&str; 3] = ["-lpthread", "-ldl", "-lm"];
+
+/// What ends a program at the first thing that no standard defines.
+pub const SANITISED: [&str; 3] = ["-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"];
+
+/// The compiler for the boards.
+pub const ARM: &str = "arm-none-eabi-gcc";
+
+/// A language that the header is written for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Language {
+    /// C99.
+    C,
+    /// C++17.
+    Cpp,
+}
+
+impl Language {
+    const fn flags(self) -> &'static [&'static str] {
+        match self {
+            Self::C => &["-std=c99", "-x", "c"],
+            Self::Cpp => &["-std=c++17", "-x", "c++", "-fno-exceptions", "-fno-rtti"],
+        }
+    }
+
+    /// The name of a compiler of it.
+    const fn host_compiler(self) -> &'static str {
+        match self {
+            Self::C => "gcc",
+            Self::Cpp => "g++",
+        }
+    }
+}
+
+fn source(name: &str) -> PathBuf {
+    folder().join("tests").join(name)
+}
+
+fn compiler(name: &str) -> Command {
+    let mut command = Command::new(name);
+    command.args(STRICT).arg("-I").arg(folder().join("include")).arg("-I").arg(folder().join("tests"));
+    command
+}
+
+/// An object file of `name`, compiled in `language`.
+fn object(
+    compiler_name: &str,
+    language: Language,
+    flags: &[&str],
+    name: &str,
+    out: &Path,
+) -> Result<PathBuf> {
+    let object = out.join(name).with_extension("o");
+    let mut command = compiler(compiler_name);
+    command.args(language.flags()).args(flags).arg("-c").arg(source(name)).arg("-o").arg(&object);
+    run(&mut command)?;
+    Ok(object)
+}
+
+/// Makes the calls on the host in a folder, the program compiled with further flags.
+///
+/// # Errors
+/// Where something does not compile, or the program fails.
+pub fn on_host(calls: &Calls, language: Language, flags: &[&str], out: &Path) -> Result<Vec<Answer>> {
+    let mut link = Command::new(language.host_compiler());
+    link.args(flags).arg("-o").arg(out.join("program"));
+    link.arg(object(language.host_compiler(), language, flags, "calls.c", out)?);
+    // The machine's own part is C, whatever the program is.
+    link.arg(object("gcc", Language::C, flags, "host.c", out)?)
+        .arg(library(Kind::Static, "receiver")?)
+        .args(SYSTEM);
+    run(&mut link)?;
+    std::fs::write(out.join("calls.bin"), calls.as_bytes())?;
+    run(Command::new(out.join("program")).current_dir(out))?;
+    answers(&std::fs::read(out.join("answers.bin"))?)
+}
+
+/// Makes the calls on an emulated board, with files in a folder.
+///
+/// # Errors
+/// Where something does not compile, the emulator is missing, or the program fails.
+pub fn on_board(calls: &Calls, machine: Machine, language: Language, out: &Path) -> Result<Vec<Answer>> {
+    let (processor, memory) = match machine {
+        Machine::Stm32f405 => (["-mcpu=cortex-m4", "-mfpu=fpv4-sp-d16"], "stm32f405"),
+        Machine::Mps2An500 => (["-mcpu=cortex-m7", "-mfpu=fpv5-d16"], "mps2_an500"),
+    };
+    let mut flags = vec!["-mthumb", "-mfloat-abi=hard", "-ffreestanding"];
+    flags.extend(processor);
+    let mut link = Command::new(ARM);
+    link.args(&flags).args(["-nostdlib", "-Wl,--gc-sections", "-o"]).arg(out.join("program"));
+    link.arg(object(ARM, language, &flags, "calls.c", out)?);
+    link.arg(object(ARM, Language::C, &flags, "board.c", out)?);
+    link.arg("-T").arg(source("board.ld"));
+    link.arg("-L").arg(folder().join("../src/board").join(memory));
+    link.arg(library_for(machine, "receiver,panic-handler")?).arg("-lgcc");
+    run(&mut link)?;
+    std::fs::write(out.join("calls.bin"), calls.as_bytes())?;
+    let mut emulator = Command::new("qemu-system-arm");
+    emulator.current_dir(out).args(machine.arguments());
+    emulator.args(["-display", "none", "-monitor", "none", "-serial", "none"]);
+    emulator.args(["-semihosting-config", "enable=on,target=native", "-kernel", "program"]);
+    run(&mut emulator).context("the program on the board")?;
+    let answers = answers(&std::fs::read(out.join("answers.bin"))?)?;
+    ensure!(!answers.is_empty(), "the program on the board answered nothing");
+    Ok(answers)
+}

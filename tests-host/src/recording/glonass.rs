@@ -1,0 +1,58 @@
+//! GLONASS records: a state vector in three rows, and from RINEX 3.05 on a fourth that may say how good it is.
+//!
+//! | row | |
+//! |---|---|
+//! | 0 | `−τ_n`, `γ_n`, time of the message |
+//! | 1 | x (km), its rate, its acceleration, health |
+//! | 2 | y, its rate, its acceleration, frequency slot |
+//! | 3 | z, its rate, its acceleration, age |
+//! | 4 | status, L2 later than L1, `F_T`, health of the strings |
+//!
+//! Dates are UTC. References: [RINEX-3.05] table A10.
+//!
+//! [RINEX-3.05]: crate#references
+
+use rai_core::satellite::SatelliteId;
+use rai_firmware::time::{GLONASS_OFFSET_MS, GpsTime};
+use rtcm_rs::msg::Msg1020T;
+
+use crate::measurement::{Ephemeris, TimedEphemeris};
+
+/// `F_T` where a file does not know it, and most write 15 then, which on the air promises nothing: 4 m, an assumption of
+/// the size of what such orbits err.
+const ASSUMED_FT: u8 = 3;
+
+/// How long before its reference time a set is sent first, ms: its first quarter of an hour.
+const LEAD_MS: u64 = 15 * 60_000;
+
+/// A record's numbers, three in the first row and four in each other, as a message. `toe` is GPS time.
+pub(super) fn ephemeris(satellite: SatelliteId, toe: GpsTime, leap_s: u8, values: &[f64]) -> TimedEphemeris {
+    let at = |row: usize, column: usize| values.get(4 * row - 1 + column).copied().unwrap_or(0.0);
+    let known = |value: f64| if value.abs() < 0.999e9 { value } else { 0.0 };
+    let utc_ms = toe.to_ms() - u64::from(leap_s) * 1000;
+    let of_day_min = (utc_ms + GLONASS_OFFSET_MS) / 60_000 % 1440;
+    let ft = at(4, 2) as u8;
+    let message = Msg1020T {
+        glo_satellite_id: satellite.number(),
+        glo_satellite_freq_chan_number: at(2, 3) as i8,
+        glo_eph_health_flag: u8::from(at(1, 3) != 0.0),
+        tb_min: of_day_min as u16,
+        tau_n_s: -values[0],
+        gamma_n: values[1] as f32,
+        xn_km: at(1, 0),
+        xn_first_deriv_km_s: at(1, 1),
+        xn_second_deriv_km_s2: at(1, 2) as f32,
+        yn_km: at(2, 0),
+        yn_first_deriv_km_s: at(2, 1),
+        yn_second_deriv_km_s2: at(2, 2) as f32,
+        zn_km: at(3, 0),
+        zn_first_deriv_km_s: at(3, 1),
+        zn_second_deriv_km_s2: at(3, 2) as f32,
+        en_d: known(at(3, 3)) as u8 & 31,
+        glo_m_delta_tau_n_s: known(at(4, 1)) as f32,
+        glo_m_ft_ind: if (1..15).contains(&ft) { ft } else { ASSUMED_FT },
+        ..Msg1020T::default()
+    };
+    let sent = GpsTime::from_ms(toe.to_ms() - LEAD_MS);
+    TimedEphemeris { satellite, toe, sent, message: Ephemeris::Glonass(message) }
+}

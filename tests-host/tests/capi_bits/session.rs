@@ -1,0 +1,210 @@
+//! A session held twice: as calls for the C program, and in Rust, whose results are laid out as the header says.
+
+use rai_core::continuity::ContinuitySettings;
+use rai_core::epoch::Epoch;
+use rai_core::integrity::Method;
+use rai_core::integrity::residuals::parity::Isolation;
+use rai_core::integrity::residuals::threshold::policy::Policy;
+use rai_core::monitor::Strategy;
+use rai_core::report::{Report, Verdict};
+use rai_core::requirements::Requirements;
+use rai_core::single::{self, CAPACITY, Monitor};
+use rai_firmware::receiver::{Boot, Receiver};
+use tests_host::capi::{self, calls::Calls};
+use tests_host::pin::Pin;
+use tests_host::sentence;
+
+/// Calls, and what each has to give.
+pub(crate) struct Session {
+    calls: Calls,
+    want: Vec<Vec<u8>>,
+    header: String,
+    monitor: Option<Monitor>,
+    receiver: Option<Receiver<Pin>>,
+    protected: usize,
+}
+
+impl Session {
+    pub(crate) fn new() -> Self {
+        let header = std::fs::read_to_string(capi::header_path()).expect("the header is committed");
+        Self {
+            calls: Calls::default(),
+            want: Vec::new(),
+            header,
+            monitor: None,
+            receiver: None,
+            protected: 0,
+        }
+    }
+
+    pub(crate) fn calls(&self) -> &Calls {
+        &self.calls
+    }
+
+    pub(crate) fn want(&self) -> &[Vec<u8>] {
+        &self.want
+    }
+
+    /// Epochs of the receiver after which the pin was high.
+    pub(crate) fn protected(&self) -> usize {
+        self.protected
+    }
+
+    /// A constant of the header.
+    fn constant(&self, name: &str) -> u8 {
+        let line = self.header.lines().find_map(|line| line.strip_prefix(&format!("#define {name} ")));
+        line.and_then(|value| value.parse().ok()).unwrap_or_else(|| panic!("the header has no {name}"))
+    }
+
+    pub(crate) fn prepare(&mut self, [phase, method, policy, clock_aid]: [u8; 4]) {
+        self.calls.prepare([phase, method, policy, clock_aid]);
+        let requirements = match phase {
+            0 => Requirements::en_route(),
+            1 => Requirements::terminal(),
+            2 => Requirements::non_precision_approach(),
+            _ => Requirements::lpv200(),
+        };
+        // The C interface asks for the time to alert and the guard fraction of non-precision approach in any phase.
+        let base = Requirements::non_precision_approach();
+        let asked = Requirements { time_to_alert_s: base.time_to_alert_s, ..requirements };
+        let mut monitor = Monitor::new(asked).expect("in the tables");
+        monitor.set_strategy(Strategy {
+            policy: [Policy::T1, Policy::T2, Policy::TOp][usize::from(policy)],
+            method: [
+                Method::Auto,
+                Method::Baarda,
+                Method::Parity(Isolation::Simultaneous),
+                Method::Parity(Isolation::Sequential),
+                Method::Parity(Isolation::Hybrid),
+                Method::Parity(Isolation::Grouping),
+                Method::Ransac,
+                Method::Separation,
+            ][usize::from(method)],
+            clock_aid: clock_aid != 0,
+            ..Strategy::DEFAULT
+        });
+        self.monitor = Some(monitor);
+        let continuity = ContinuitySettings::anywhere();
+        let mut settings = 80_u32.to_le_bytes().to_vec();
+        settings.extend([policy, method, clock_aid, self.constant("RAI_LEVELS_BOUND")]);
+        settings.extend(doubles([
+            requirements.hal_m,
+            requirements.val_m.unwrap_or(0.0),
+            requirements.false_alarm.get(),
+            requirements.missed_detection.get(),
+            continuity.max_speed_m_s,
+            continuity.min_height_m,
+            continuity.max_height_m,
+            continuity.recovery.seconds,
+        ]));
+        settings.extend(continuity.recovery.epochs.to_le_bytes());
+        settings.extend([0; 6]);
+        self.want.push(settings);
+    }
+
+    pub(crate) fn judge(&mut self, epoch: &Epoch<CAPACITY>) {
+        self.calls.judge(epoch);
+        let report = single::process(self.monitor.as_mut().expect("prepared"), epoch);
+        self.want.push(self.of_report(&report));
+    }
+
+    pub(crate) fn forget(&mut self) {
+        self.calls.forget();
+        self.monitor.as_mut().expect("prepared").forget_position();
+        self.want.push(Vec::new());
+    }
+
+    pub(crate) fn start(&mut self) {
+        self.calls.start();
+        let boot = Boot { git: "library", reset_cause: heapless::String::new() };
+        let receiver = self.receiver.insert(Receiver::new(Pin::default(), boot).expect("in the tables"));
+        let mut said = Vec::new();
+        receiver.greet(&mut said);
+        self.want.push(said);
+    }
+
+    pub(crate) fn gnss(&mut self, now_ms: u64, bytes: &[u8]) {
+        self.calls.gnss(now_ms, bytes);
+        self.hear(|receiver, said| receiver.gnss(bytes, now_ms, said));
+    }
+
+    pub(crate) fn tick(&mut self, now_ms: u64) {
+        self.calls.tick(now_ms);
+        self.hear(|receiver, said| {
+            receiver.tick(now_ms, said);
+            false
+        });
+    }
+
+    pub(crate) fn command(&mut self, text: &str) {
+        let line = sentence::command(text);
+        self.calls.command(line.as_bytes());
+        self.hear(|receiver, said| {
+            receiver.command(line.as_bytes(), said);
+            false
+        });
+    }
+
+    fn hear(&mut self, call: impl FnOnce(&mut Receiver<Pin>, &mut Vec<u8>) -> bool) {
+        let mut receiver = self.receiver.take().expect("started");
+        let mut said = Vec::new();
+        let judged = call(&mut receiver, &mut said);
+        self.protected += usize::from(judged && receiver.pin().high);
+        let (state, reason) =
+            receiver.last_verdict().map_or((0, 0), |verdict| self.state_and_reason(verdict));
+        let mut want = vec![judged.into(), receiver.pin().high.into(), state, reason];
+        want.extend(match receiver.last_report() {
+            Some(report) => self.of_report(report),
+            None => without_position(state, reason),
+        });
+        want.extend(said);
+        self.want.push(want);
+        self.receiver = Some(receiver);
+    }
+
+    fn state_and_reason(&self, verdict: Verdict) -> (u8, u8) {
+        let (state, reason) = match verdict {
+            Verdict::Protected(reason) => ("PROTECTED", format!("{reason:?}")),
+            Verdict::Alert(reason) => ("ALERT", format!("{reason:?}")),
+            Verdict::Unavailable(reason) => ("UNAVAILABLE", format!("{reason:?}")),
+        };
+        let reason = self.constant(&format!("RAI_REASON_{}", reason.to_uppercase()));
+        (self.constant(&format!("RAI_STATE_{state}")), reason)
+    }
+
+    /// `rai_verdict_t` as the header has it.
+    fn of_report(&self, report: &Report<CAPACITY>) -> Vec<u8> {
+        let (state, reason) = self.state_and_reason(report.verdict);
+        let mut bytes = 168_u32.to_le_bytes().to_vec();
+        let dof = report.test.map_or(0, |test| test.dof);
+        let (used, excluded) = (report.used.len() as u8, report.excluded.len() as u8);
+        bytes.extend([state, reason, report.tracked, used, dof, excluded, 0, 0, 0, 0, 0, 0]);
+        bytes.extend(doubles(report.test.map_or([f64::NAN; 2], |test| [test.statistic, test.threshold])));
+        bytes.extend(doubles(report.protection.map_or([f64::NAN; 2], |levels| [levels.hpl_m, levels.vpl_m])));
+        bytes.extend(doubles(report.solution.as_ref().map_or([f64::NAN; 6], |solution| {
+            let (place, geodetic) = (solution.position, solution.geodetic);
+            let angles = [geodetic.latitude_rad, geodetic.longitude_rad];
+            [place.x_m, place.y_m, place.z_m, angles[0], angles[1], geodetic.height_m]
+        })));
+        for suspect in &report.excluded {
+            bytes.extend(doubles([suspect.bias_m, suspect.w_test]));
+            let satellite = suspect.satellite;
+            bytes.extend([satellite.constellation().letter() as u8, satellite.number(), 0, 0, 0, 0, 0, 0]);
+        }
+        bytes.resize(168, 0);
+        bytes
+    }
+}
+
+fn doubles<const K: usize>(numbers: [f64; K]) -> impl Iterator<Item = u8> {
+    numbers.into_iter().flat_map(f64::to_le_bytes)
+}
+
+/// `rai_verdict_t` where there is no position.
+fn without_position(state: u8, reason: u8) -> Vec<u8> {
+    let mut bytes = 168_u32.to_le_bytes().to_vec();
+    bytes.extend([state, reason, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]);
+    bytes.extend(doubles([f64::NAN; 10]));
+    bytes.resize(168, 0);
+    bytes
+}

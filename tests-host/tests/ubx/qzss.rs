@@ -1,0 +1,162 @@
+//! QZSS: the bits of GPS under another number, and whose clock its ranges touch.
+
+use rai_core::frame::{Ecef, SPEED_OF_LIGHT_M_S};
+use rai_core::satellite::SatelliteId;
+use rai_firmware::config::{Configuration, Systems};
+use rai_firmware::correction::{Site, Tally, locate};
+use rai_firmware::ephemeris::Store;
+use rai_firmware::input::{Event, Input};
+use rai_firmware::navigator::Navigator;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rtcm_rs::msg::{Msg1019T, Msg1044T};
+use rtcm_rs::{Message, MessageBuilder};
+use tests_host::encode::ubx;
+use tests_host::measurement::{Ephemeris, TimedEphemeris};
+use tests_host::stations::{ESBC, STATIC_BASE, Station};
+
+use super::bits::gps;
+use super::streams::{STREAMS, Stream};
+use super::{NOON, said};
+
+/// The same elements as a satellite of QZSS says them by RTCM.
+fn message_1044(number: u8, m: &Msg1019T) -> Msg1044T {
+    Msg1044T {
+        qzss_satellite_id: number,
+        toc_s: m.toc_s,
+        af2_s_s2: m.af2_s_s2,
+        af1_s_s: m.af1_s_s,
+        af0_s: m.af0_s,
+        iode: m.iode,
+        crs_m: m.crs_m,
+        delta_n_sc_s: m.delta_n_sc_s,
+        m0_sc: m.m0_sc,
+        cuc_rad: m.cuc_rad,
+        eccentricity: m.eccentricity,
+        cus_rad: m.cus_rad,
+        sqrt_a_sqrt_m: m.sqrt_a_sqrt_m,
+        toe_s: m.toe_s,
+        cic_rad: m.cic_rad,
+        omega0_sc: m.omega0_sc,
+        cis_rad: m.cis_rad,
+        i0_sc: m.i0_sc,
+        crc_m: m.crc_m,
+        omega_sc: m.omega_sc,
+        omegadot_sc_s: m.omegadot_sc_s,
+        idot_sc_s: m.idot_sc_s,
+        code_on_l2_ind: m.code_on_l2_ind,
+        qzss_week_number: m.gps_week_number,
+        ura_index: m.ura_index,
+        sv_health_ind: m.sv_health_ind,
+        tgd_s: m.tgd_s,
+        iodc: m.iodc,
+        fit_interval_ind: m.fit_interval_ind,
+    }
+}
+
+#[test]
+fn every_bit_of_lnav_is_as_rtcm_says_it() {
+    let mut random = ChaCha8Rng::seed_from_u64(12);
+    for index in 0..250_u32 {
+        let number = (index % 10 + 1) as u8;
+        let broadcast = gps(&mut random);
+        let Ephemeris::Gps(elements) = &broadcast.message else { unreachable!("of GPS") };
+        let mut builder = MessageBuilder::new();
+        let frame = builder.build_message(&Message::Msg1044(message_1044(number, elements))).unwrap();
+        let (want, counters) = said(frame);
+        assert_eq!(want.ephemerides.len(), 1, "{broadcast:?} {counters:?}");
+        let satellite = SatelliteId::qzss(number).unwrap();
+        let as_qzss = TimedEphemeris { satellite, ..broadcast.clone() };
+        let (have, counters) = said(&ubx::pages(&as_qzss, NOON).unwrap());
+        assert_eq!(have.ephemerides, want.ephemerides, "{broadcast:?} {counters:?}");
+        assert_eq!(have.ephemerides[0].satellite().to_string(), format!("J{number:02}"));
+    }
+}
+
+/// Three degrees: from Denmark QZSS stands low.
+const MASK_RAD: f64 = 0.0524;
+
+/// The mean, in m, of what the ranges of QZSS are longer than those of GPS once each is corrected, and how many there
+/// were: pairs of L1 and L2C, whose delays the broadcast clocks know.
+fn beside_gps(stream: &Stream, station: &Station) -> Option<(f64, usize)> {
+    let bytes = stream.bytes()?;
+    let (mut input, mut store, mut tally) = (Input::new(), Store::new(), Tally::default());
+    let systems = Systems::of("GJ").unwrap();
+    let (mut sum_m, mut count) = (0.0, 0);
+    input.feed(&bytes, 0, |event| match event {
+        Event::Ephemeris(ephemeris) => {
+            store.insert(ephemeris, Some(ephemeris.toe()));
+        }
+        Event::Epoch(raw, _) => {
+            let sky = locate(raw, &store, 28.0, systems, &mut tally);
+            let pairs = sky.into_iter().filter(rai_firmware::correction::Located::has_pair).collect();
+            let site = Site::new(station.truth, raw.time, MASK_RAD, None);
+            let epoch = site.correct(&pairs, &mut tally.ranges);
+            let clocks = epoch.observations().iter().map(|seen| {
+                (seen.satellite.is_qzss(), seen.range_m - distance_m(seen.position, station.truth))
+            });
+            let (qzss, gps): (Vec<_>, Vec<_>) = clocks.partition(|(is_qzss, _)| *is_qzss);
+            if qzss.is_empty() || gps.len() < 4 {
+                return;
+            }
+            let clock_m = gps.iter().map(|(_, clock_m)| clock_m).sum::<f64>() / gps.len() as f64;
+            sum_m += qzss.iter().map(|(_, own_m)| own_m - clock_m).sum::<f64>();
+            count += qzss.len();
+        }
+        _ => {}
+    });
+    Some((sum_m / count as f64, count))
+}
+
+/// How far the signal went while the earth turned.
+fn distance_m(satellite: Ecef, receiver: Ecef) -> f64 {
+    const EARTH_RATE_RAD_S: f64 = 7.292_115e-5;
+    let turned_m =
+        EARTH_RATE_RAD_S / SPEED_OF_LIGHT_M_S * (satellite.x_m * receiver.y_m - satellite.y_m * receiver.x_m);
+    satellite.distance_m(receiver) + turned_m
+}
+
+/// Orbits and clocks of the two systems err by half a metre each: the mean of a satellite or two over minutes is good to
+/// 2 m at three sigmas. Receiver clocks of two systems that do not belong together differ by tens to hundreds.
+#[test]
+fn its_ranges_touch_the_clock_of_gps() {
+    for (name, station) in [("static1hz_base", &STATIC_BASE), ("esbc_4h", &ESBC)] {
+        let stream = STREAMS.iter().find(|stream| stream.name == name).unwrap();
+        let Some((mean_m, count)) = beside_gps(stream, station) else { return };
+        println!("{name}: {count} ranges of QZSS are {mean_m:.2} m longer than those of GPS");
+        assert!(count > 100 && mean_m.abs() < 2.0, "{name}: {mean_m} m, {count} ranges");
+    }
+}
+
+/// Root of the mean square of the distance to the truth, in m, and how many satellites of QZSS were used.
+fn error_m(bytes: &[u8], truth: Ecef, systems: &str) -> (f64, usize) {
+    let mut configuration = Configuration::at_start();
+    configuration.systems = Systems::of(systems).unwrap();
+    let mut navigator = Navigator::new(configuration.requirements).unwrap();
+    let (mut input, mut squares_m2, mut fixes, mut used) = (Input::new(), 0.0, 0, 0);
+    input.feed(bytes, 0, |event| match event {
+        Event::Epoch(raw, came_ms) => {
+            let report = navigator.judge(raw, came_ms, &configuration);
+            used += report.used.iter().filter(|satellite| satellite.is_qzss()).count();
+            if let Some(solution) = &report.solution {
+                squares_m2 += solution.position.distance_m(truth).powi(2);
+                fixes += 1;
+            }
+        }
+        Event::Ephemeris(ephemeris) => drop(navigator.learn(ephemeris, None)),
+        _ => {}
+    });
+    ((squares_m2 / f64::from(fixes)).sqrt(), used)
+}
+
+#[test]
+fn positions_with_it_are_no_worse_than_without() {
+    let stream = STREAMS.iter().find(|stream| stream.name == "static1hz_base").unwrap();
+    let Some(bytes) = stream.bytes() else { return };
+    for (without, with) in [("G", "GJ"), ("GCE", "GCEJ")] {
+        let (want_m, _) = error_m(&bytes, STATIC_BASE.truth, without);
+        let (have_m, used) = error_m(&bytes, STATIC_BASE.truth, with);
+        println!("{without}: {want_m:.2} m; {with}: {have_m:.2} m, {used} times a satellite of QZSS");
+        assert!(used > 300 && have_m < 1.1 * want_m, "{with}: {have_m} m instead of {want_m} m");
+    }
+}
