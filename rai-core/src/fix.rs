@@ -25,7 +25,7 @@ use crate::equations::{References, Row};
 use crate::frame::{Ecef, LocalFrame, Lookout};
 use crate::integrity::separation::{Removable, View};
 use crate::numeric::real::Real;
-use crate::snapshot::{Reducible, Snapshot, SnapshotError, Solved, Workspace};
+use crate::snapshot::{Reducible, Snapshot, SnapshotError, Workspace};
 
 /// A pass whose correction is below this is the last one, m.
 const CONVERGED_M: f64 = 10.0;
@@ -95,10 +95,9 @@ impl<'r, T: Real> Fix<'r, T> {
             written.ok_or(FixError::NotConverged)?;
             workspace.solve_rows().map_err(FixError::Snapshot)
         };
-        let found = converge(start, &mut solve_about, Solved::correction);
-        let (lookout, solved) =
-            found.or_else(|_| converge(Ecef::CENTRE, &mut solve_about, Solved::correction))?;
-        Ok(Self { aided, lookout, snapshot: workspace.lend(solved) })
+        let lookout =
+            converge(start, &mut solve_about).or_else(|_| converge(Ecef::CENTRE, &mut solve_about))?;
+        Ok(Self { aided, lookout, snapshot: workspace.lend() })
     }
 
     /// The row of a clock's forecast, or of one that the epoch came with.
@@ -133,8 +132,7 @@ impl<'r, T: Real> Fix<'r, T> {
             rewrite(&mut self.snapshot, &self.aided, lookout, left_out).map_err(FixError::Snapshot)?;
             Ok(self.snapshot.correction())
         };
-        let found = converge(position, solve_about, |correction| correction);
-        (self.lookout, _) = found.map_err(|error| match error {
+        self.lookout = converge(position, solve_about).map_err(|error| match error {
             FixError::Snapshot(error) => error,
             FixError::NotConverged => SnapshotError::Singular,
         })?;
@@ -202,22 +200,20 @@ fn bit(index: usize) -> u64 {
     1u64.checked_shl(index as u32).unwrap_or(0)
 }
 
-/// Gauss–Newton: solves about better and better points, until the correction is small. The last point is returned, with
-/// what was solved about it.
+/// Gauss–Newton: solves about better and better points, until the correction is small. The last point is returned.
 #[inline(never)]
-fn converge<T: Real, S>(
+fn converge<T: Real>(
     start: Ecef,
-    mut solve_about: impl FnMut(&Lookout<T>) -> Result<S, FixError>,
-    correction: impl Fn(&S) -> &Vector3<T>,
-) -> Result<(Lookout<T>, S), FixError> {
+    mut solve_about: impl FnMut(&Lookout<T>) -> Result<Vector3<T>, FixError>,
+) -> Result<Lookout<T>, FixError> {
     let mut point = if start.is_finite() { start } else { Ecef::CENTRE };
     for _ in 0..MAX_PASSES {
         let lookout = Lookout::at(point);
-        let solved = solve_about(&lookout)?;
-        if is_within(correction(&solved), CONVERGED_M) {
-            return Ok((lookout, solved));
+        let correction = solve_about(&lookout)?;
+        if is_within(&correction, CONVERGED_M) {
+            return Ok(lookout);
         }
-        point = lookout.beside(correction(&solved));
+        point = lookout.beside(&correction);
         // Also the way out for a position that is not a number.
         if !(point.radius_m() < MAX_RADIUS_M) {
             return Err(FixError::NotConverged);

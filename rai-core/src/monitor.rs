@@ -267,8 +267,8 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     /// Judges one epoch about [`Self::start`] and learns from it.
     pub fn process(&mut self, epoch: &Epoch<N>) -> Report<N> {
         // Taken out while the monitor is read, and put back.
-        let subsets = core::mem::take(&mut self.subsets);
-        let mut memory = Memory { workspace: Workspace::new(), subsets };
+        let mut memory = Memory::new();
+        core::mem::swap(&mut memory.subsets, &mut self.subsets);
         let mut assessment = self.judge(epoch, self.start, Search::Anew, &mut memory);
         self.subsets = memory.subsets;
         self.learn(&mut assessment, None);

@@ -118,31 +118,27 @@ pub struct Snapshot<'w, T: Real> {
     rows: &'w mut [Row<T>],
     references: &'w mut References<T>,
     fits: &'w mut [Fit<T>],
-    solved: Solved<T>,
+    solved: &'w mut Solved<T>,
 }
 
 /// The solution of rows whose fits are written.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Solved<T: Real> {
+struct Solved<T: Real> {
     solution: Solution<T>,
     sse: T,
 }
 
 impl<T: Real> Solved<T> {
-    /// One solve over the rows, and what it says of each; writes nothing unless it succeeds.
-    fn of(rows: &[Row<T>], fits: &mut [Fit<T>]) -> Result<Self, SnapshotError> {
-        let solution = Solution::of(rows.iter())?;
-        let mut sse = T::zero();
-        for (row, slot) in rows.iter().zip(fits) {
-            *slot = solution.fit(row);
-            sse += row.weight * slot.residual * slot.residual;
-        }
-        Ok(Self { solution, sse })
+    /// Of no rows.
+    fn none() -> Self {
+        Self { solution: Solution::none(), sse: T::zero() }
     }
 
-    /// Correction of the position, east, north, up, m.
-    pub(crate) fn correction(&self) -> &Vector3<T> {
-        &self.solution.correction
+    /// One solve over the rows, and what it says of each; writes nothing unless it succeeds.
+    fn solve(&mut self, rows: &[Row<T>], fits: &mut [Fit<T>]) -> Result<(), SnapshotError> {
+        self.solution.solve(rows.iter())?;
+        self.sse = self.solution.fit_all(rows, fits);
+        Ok(())
     }
 }
 
@@ -191,8 +187,7 @@ impl<T: Real> Snapshot<'_, T> {
 
     /// One 3×3 solve over the rows as they stand now; changes nothing unless it succeeds.
     fn solve_again(&mut self) -> Result<(), SnapshotError> {
-        self.solved = Solved::of(self.rows, self.fits)?;
-        Ok(())
+        self.solved.solve(self.rows, self.fits)
     }
 
     /// Writes the equations anew, as many as there are, and solves them.

@@ -102,11 +102,35 @@ pub(crate) struct Solution<T: Real> {
 }
 
 impl<T: Real> Solution<T> {
+    /// Of no rows.
+    pub(super) fn none() -> Self {
+        Self {
+            groups: Groups([Group::empty(); Constellation::COUNT]),
+            covariance: Matrix3::zeros(),
+            correction: Vector3::zeros(),
+            used: 0,
+            dof: 0,
+        }
+    }
+
     /// Solves for the rows that take part.
     ///
     /// # Errors
     /// As [`super::Workspace::solve`].
     pub(crate) fn of<'r>(rows: impl Iterator<Item = &'r Row<T>> + Clone) -> Result<Self, SnapshotError> {
+        let mut solution = Self::none();
+        solution.solve(rows)?;
+        Ok(solution)
+    }
+
+    /// Solves in place: what is large is not moved. Writes nothing unless it succeeds.
+    ///
+    /// # Errors
+    /// As [`Self::of`].
+    pub(super) fn solve<'r>(
+        &mut self,
+        rows: impl Iterator<Item = &'r Row<T>> + Clone,
+    ) -> Result<(), SnapshotError> {
         let groups = Groups::of(rows.clone(), |row| row.weight);
         let equations = NormalEquations::of(rows.clone(), &groups, |row| row.weight);
         let dof = equations.used.checked_sub(3 + groups.clocks()).ok_or(SnapshotError::Insufficient)?;
@@ -114,8 +138,12 @@ impl<T: Real> Solution<T> {
         if !is_determined(rows, equations.largest_weight, &groups, &covariance) {
             return Err(SnapshotError::Singular);
         }
-        let correction = covariance * equations.right_hand_side;
-        Ok(Self { groups, covariance, correction, used: equations.used, dof })
+        self.groups = groups;
+        self.covariance = covariance;
+        self.correction = covariance * equations.right_hand_side;
+        self.used = equations.used;
+        self.dof = dof;
+        Ok(())
     }
 
     /// Covariance of the correction, m².
@@ -145,24 +173,44 @@ impl<T: Real> Solution<T> {
 
     /// What is said of a row, whether it takes part or not.
     pub(crate) fn fit(&self, row: &Row<T>) -> Fit<T> {
-        let group = self.groups.of_row(row);
-        let (mean, level, variance) = group.map_or((Vector3::zeros(), T::zero(), T::zero()), |group| {
-            (group.design, group.residual, group.variance)
-        });
-        let centred = row.design - mean;
-        let gain = self.covariance * centred;
-        // A lone satellite determines its clock: exactly nothing is left to test.
-        let is_lone = group.is_some_and(|group| group.count == 1) && row.weight > T::zero();
-        let redundancy = T::one() - row.weight * (variance + centred.dot(&gain));
-        // Also the way out for what is not a number.
-        let redundancy = if redundancy > T::zero() && !is_lone { redundancy } else { T::zero() };
-        Fit {
-            centred,
-            gain,
-            residual: row.residual - level - centred.dot(&self.correction),
-            redundancy,
-            test_weight: if redundancy < T::UNTESTABLE { T::zero() } else { row.weight / redundancy },
+        fit(row, self.groups.of_row(row), &self.covariance, &self.correction)
+    }
+
+    /// Says it of each row, in their order; the weighted sum of squared residuals.
+    pub(super) fn fit_all(&self, rows: &[Row<T>], fits: &mut [Fit<T>]) -> T {
+        // Copies, which the compiler keeps in registers while the fits are written.
+        let (covariance, correction) = (self.covariance, self.correction);
+        let mut sse = T::zero();
+        for (row, slot) in rows.iter().zip(fits) {
+            *slot = fit(row, self.groups.of_row(row), &covariance, &correction);
+            sse += row.weight * slot.residual * slot.residual;
         }
+        sse
+    }
+}
+
+fn fit<T: Real>(
+    row: &Row<T>,
+    group: Option<&Group<T>>,
+    covariance: &Matrix3<T>,
+    correction: &Vector3<T>,
+) -> Fit<T> {
+    let (mean, level, variance) = group.map_or((Vector3::zeros(), T::zero(), T::zero()), |group| {
+        (group.design, group.residual, group.variance)
+    });
+    let centred = row.design - mean;
+    let gain = covariance * centred;
+    // A lone satellite determines its clock: exactly nothing is left to test.
+    let is_lone = group.is_some_and(|group| group.count == 1) && row.weight > T::zero();
+    let redundancy = T::one() - row.weight * (variance + centred.dot(&gain));
+    // Also the way out for what is not a number.
+    let redundancy = if redundancy > T::zero() && !is_lone { redundancy } else { T::zero() };
+    Fit {
+        centred,
+        gain,
+        residual: row.residual - level - centred.dot(correction),
+        redundancy,
+        test_weight: if redundancy < T::UNTESTABLE { T::zero() } else { row.weight / redundancy },
     }
 }
 

@@ -1,6 +1,7 @@
 //! Memory for equations and what a solution says of each: it is lent solved, or not at all.
 
 use heapless::Vec;
+use nalgebra::Vector3;
 
 use super::{Fit, Snapshot, SnapshotError, Solved};
 use crate::equations::LinearEpoch;
@@ -11,6 +12,7 @@ use crate::numeric::real::Real;
 pub struct Workspace<T: Real, const N: usize> {
     equations: LinearEpoch<T, N>,
     fits: Vec<Fit<T>, N>,
+    solved: Solved<T>,
 }
 
 impl<T: Real, const N: usize> Default for Workspace<T, N> {
@@ -27,7 +29,7 @@ impl<T: Real, const N: usize> Workspace<T, N> {
 
     /// Room that holds these equations.
     pub fn of(equations: LinearEpoch<T, N>) -> Self {
-        Self { equations, fits: Vec::new() }
+        Self { equations, fits: Vec::new(), solved: Solved::none() }
     }
 
     /// The equations.
@@ -46,8 +48,8 @@ impl<T: Real, const N: usize> Workspace<T, N> {
     /// [`SnapshotError::Insufficient`] with fewer rows than unknowns (without any, too),
     /// [`SnapshotError::Singular`] where the rows do not determine them.
     pub fn solve(&mut self) -> Result<Snapshot<'_, T>, SnapshotError> {
-        let solved = self.solve_rows()?;
-        Ok(self.lend(solved))
+        self.solve_rows()?;
+        Ok(self.lend())
     }
 
     /// Takes a copy of a snapshot, to leave rows out of while the other stays; `None` where it has more than `N`.
@@ -55,25 +57,28 @@ impl<T: Real, const N: usize> Workspace<T, N> {
         self.equations.copy_from(snapshot.rows, snapshot.references)?;
         self.fits.clear();
         self.fits.extend_from_slice(snapshot.fits).ok()?;
-        Some(self.lend(snapshot.solved))
+        self.solved = *snapshot.solved;
+        Some(self.lend())
     }
 
-    /// Solves the equations where they are.
+    /// Solves the equations where they are; the correction of the position, east, north, up, m.
     ///
     /// # Errors
     /// As [`Self::solve`].
-    pub(crate) fn solve_rows(&mut self) -> Result<Solved<T>, SnapshotError> {
+    pub(crate) fn solve_rows(&mut self) -> Result<Vector3<T>, SnapshotError> {
         let rows = self.equations.rows();
         // Both vectors hold N: there is always room. One that is long enough is written over, which spares the way round
         // by the stack.
         self.fits.truncate(rows.len());
         while self.fits.len() < rows.len() && self.fits.push(Fit::nothing()).is_ok() {}
-        Solved::of(rows, &mut self.fits)
+        self.solved.solve(rows, &mut self.fits)?;
+        Ok(self.solved.solution.correction)
     }
 
     /// Lends what [`Self::solve_rows`] solved last.
-    pub(crate) fn lend(&mut self, solved: Solved<T>) -> Snapshot<'_, T> {
-        let (rows, references) = self.equations.parts_mut();
-        Snapshot { rows, references, fits: &mut self.fits, solved }
+    pub(crate) fn lend(&mut self) -> Snapshot<'_, T> {
+        let Self { equations, fits, solved } = self;
+        let (rows, references) = equations.parts_mut();
+        Snapshot { rows, references, fits, solved }
     }
 }
