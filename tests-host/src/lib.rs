@@ -21,6 +21,7 @@
 //! | [`replay`], [`demo`] | a recording, or the demonstration, from one end to the other |
 //! | [`report`] | pictures and pages of it |
 //! | [`evaluate`] | linearised epochs straight into the core |
+//! | [`campaign`] | availability and integrity over places, times, skies and methods |
 //! | [`clock_models`] | clock series with known predictions |
 //! | [`oracle`], [`chi_square`], [`ransac_traditional`], [`gpsd`] | second opinions: dense least squares, exact tails, every subset, another program |
 //! | [`tables`] | the threshold tables and their check |
@@ -67,6 +68,7 @@
 pub mod attack;
 pub mod bench;
 pub mod board;
+pub mod campaign;
 pub mod capi;
 pub mod capture;
 pub mod chi_square;

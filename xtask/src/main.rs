@@ -4,6 +4,7 @@
 
 mod attack;
 mod bench;
+mod campaign;
 mod cargo;
 mod coverage;
 mod demo;
@@ -56,6 +57,8 @@ enum Command {
     Mutants(mutants::Arguments),
     /// The papers' tables and figures beside ours.
     Reproduce(reproduce::Arguments),
+    /// Availability and integrity over places and times: maps, curves, tables.
+    Campaign(Box<campaign::Arguments>),
     /// Judges linearised epochs: JSON lines in, JSON lines out.
     Evaluate(evaluate::Arguments),
     /// Everything that tries to make the pin lie, with its outcome.
@@ -103,6 +106,7 @@ fn dispatch(command: Command) -> anyhow::Result<()> {
         Command::Coverage(arguments) => coverage::run(&arguments),
         Command::Mutants(arguments) => mutants::run(&arguments),
         Command::Reproduce(arguments) => reproduce::run(&arguments),
+        Command::Campaign(arguments) => campaign::run(&arguments),
         Command::Evaluate(arguments) => evaluate::run(arguments),
         Command::Attack(arguments) => attack::run(&arguments),
         Command::Soak(arguments) => soak::run(&arguments),

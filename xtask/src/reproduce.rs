@@ -28,7 +28,7 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let experiments = chosen(&arguments.experiments)?;
     if cfg!(debug_assertions) {
-        return again_optimised();
+        return crate::cargo::again_optimised("not everything holds");
     }
     let effort = if arguments.quick { Effort::Quick } else { Effort::Full };
     let mut outcomes = Vec::new();
@@ -51,19 +51,6 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         eprintln!("does not hold: {} is {}", row.quantity, row.ours.text());
     }
     ensure!(failures.is_empty(), "{} values are not within their bounds", failures.len());
-    Ok(())
-}
-
-/// Millions of epochs are worth a build that runs them ten times as fast; the numbers are the same.
-fn again_optimised() -> anyhow::Result<()> {
-    eprintln!("building with optimisation, which takes some minutes the first time");
-    // From where the caller stands: paths on the command line are relative to it.
-    let status = crate::cargo::command(&["run", "--release", "--package", "xtask", "--"])
-        .args(std::env::args_os().skip(1))
-        .current_dir(std::env::current_dir()?)
-        .status()
-        .context("cargo cannot be run")?;
-    ensure!(status.success(), "not everything holds");
     Ok(())
 }
 

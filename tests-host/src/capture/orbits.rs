@@ -57,6 +57,11 @@ impl Orbits {
         Ok(Self { ephemerides, klobuchar, selection: selection.clone() })
     }
 
+    /// What was read, in the order of the files.
+    pub fn ephemerides(&self) -> &[TimedEphemeris] {
+        &self.ephemerides
+    }
+
     /// The satellites that they are of.
     pub fn satellites(&self) -> BTreeSet<SatelliteId> {
         self.ephemerides.iter().map(|ephemeris| ephemeris.satellite).collect()

@@ -99,7 +99,8 @@ impl Fleet {
         }
     }
 
-    /// The satellites, numbered from 1 in the order of their slots.
+    /// The satellites, numbered from 1 in the order of their slots; the medium orbits of `BeiDou` by themselves from 19,
+    /// where its third generation begins.
     ///
     /// Numbers are slots, not the codes that real satellites send: in the regional and the global fleet 1 to 5
     /// are geostationary as in reality, beyond that the agreement is by chance.
@@ -107,7 +108,8 @@ impl Fleet {
         let numbered = |(number, orbit)| {
             SatelliteId::new(self.constellation(), number).map(|id| Satellite { id, orbit })
         };
-        (1..).zip(self.orbits()).filter_map(numbered).collect()
+        let first = if self == Self::Beidou24 { 19 } else { 1 };
+        (first..).zip(self.orbits()).filter_map(numbered).collect()
     }
 
     fn orbits(self) -> Vec<Orbit> {

@@ -1,0 +1,66 @@
+//! Satellites of RINEX navigation files, located by the module's own orbits.
+//!
+//! At each instant the ephemeris nearest in time is asked, where it may be used. A sky's `t = 0` is the first full hour
+//! that any ephemeris is of.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use anyhow::{Context as _, Result, ensure};
+use rai_core::frame::Ecef;
+use rai_core::satellite::SatelliteId;
+use rai_firmware::ephemeris::Ephemeris;
+use rai_firmware::input::{Event, Input};
+use rai_firmware::time::GpsTime;
+
+use crate::capture::Orbits;
+use crate::encode::{Encoder, Frequency, Selection};
+use crate::measurement::MeasuredEpoch;
+
+/// Milliseconds of an hour.
+const HOUR_MS: u64 = 3_600_000;
+
+/// What is asked for where no position says how far a satellite is, m: its signal left about 75 ms before.
+const RANGE_M: f64 = 2.25e7;
+
+/// What the files say of each satellite.
+pub struct Broadcast {
+    ephemerides: BTreeMap<SatelliteId, Vec<Ephemeris>>,
+    origin: GpsTime,
+}
+
+impl Broadcast {
+    /// Reads files, of which the systems by these letters are taken.
+    ///
+    /// # Errors
+    /// A letter, a file, or no ephemeris: by name.
+    pub fn load(files: &[PathBuf], systems: &str) -> Result<Self> {
+        let selection = Selection::new(systems, Frequency::Dual).context("skies.systems")?;
+        let orbits = Orbits::load(files, &selection)?;
+        let mut ephemerides: BTreeMap<SatelliteId, Vec<Ephemeris>> = BTreeMap::new();
+        for timed in orbits.ephemerides() {
+            let mut encoder = Encoder::new(std::slice::from_ref(timed), selection.clone());
+            let bytes = encoder.epoch(&MeasuredEpoch { time: timed.toe, satellites: Vec::new() })?;
+            Input::new().feed(&bytes, 0, |event| {
+                if let Event::Ephemeris(ephemeris) = event {
+                    ephemerides.entry(ephemeris.satellite()).or_default().push(ephemeris);
+                }
+            });
+        }
+        let first = ephemerides.values().flatten().map(Ephemeris::toe).min();
+        let first = first.context("the navigation files hold no ephemeris of these systems")?;
+        ensure!(ephemerides.len() >= 4, "the navigation files hold {} satellites only", ephemerides.len());
+        Ok(Self { ephemerides, origin: GpsTime::from_ms(first.to_ms() / HOUR_MS * HOUR_MS) })
+    }
+
+    /// Where each satellite is, seconds after the sky's beginning.
+    pub fn positions(&self, t_s: f64) -> Vec<(SatelliteId, Ecef)> {
+        let time = GpsTime::from_ms(self.origin.to_ms() + (t_s * 1e3).round() as u64);
+        let located = |(&satellite, known): (&SatelliteId, &Vec<Ephemeris>)| {
+            let usable = known.iter().filter(|ephemeris| ephemeris.usable_at(time).is_ok());
+            let nearest = usable.min_by_key(|ephemeris| ephemeris.toe().since_ms(time).abs())?;
+            Some((satellite, nearest.at(time, RANGE_M).ok()?.position))
+        };
+        self.ephemerides.iter().filter_map(located).collect()
+    }
+}

@@ -1,0 +1,270 @@
+//! All cells of a campaign, or a share of them, from the beginning or from where a run was left.
+
+use std::fs::{File, OpenOptions};
+use std::io::{Seek as _, SeekFrom, Write as _};
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context as _, Result, bail, ensure};
+use rai_core::monitor::Method;
+use rai_firmware::config::{Command, Configuration};
+use rayon::prelude::*;
+
+use super::cell::{Bench, Judge};
+use super::errors::ErrorModel;
+use super::place::{self, Place};
+use super::sky::{Heaven, Sky};
+use super::spec::Spec;
+use super::table::{Identity, Table};
+
+/// Cells that are worked on at a time; what a run that is cut short loses.
+const TOGETHER: usize = 32;
+
+/// A part of the cells: those whose number leaves `index` when divided by `of`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Share {
+    /// From 0.
+    pub index: usize,
+    /// How many parts there are.
+    pub of: usize,
+}
+
+impl Share {
+    /// Everything.
+    pub const ALL: Self = Self { index: 0, of: 1 };
+
+    /// Reads `k/n`, `k` from 1.
+    ///
+    /// # Errors
+    /// What to write instead.
+    pub fn parse(text: &str) -> Result<Self> {
+        let numbers = text.split_once('/').and_then(|(k, n)| Some((k.parse().ok()?, n.parse().ok()?)));
+        match numbers {
+            Some((k, n)) if (1..=n).contains(&k) && n <= 100_000 => Ok(Self { index: k - 1, of: n }),
+            _ => bail!("`{text}` is no share: write k/n with k from 1 to n, as 3/16"),
+        }
+    }
+
+    /// The name of its table.
+    pub fn file_name(self, name: &str) -> String {
+        match self {
+            Self::ALL => format!("{name}.csv"),
+            Self { index, of } => format!("{name}.{}-of-{of}.csv", index + 1),
+        }
+    }
+}
+
+/// A campaign with everything that it needs.
+pub struct Campaign {
+    spec: Spec,
+    skies: Vec<Vec<(f64, Heaven)>>,
+    places: Vec<Place>,
+    judges: Vec<Judge>,
+    /// Whose tables these are.
+    pub identity: Identity,
+}
+
+impl Campaign {
+    /// Reads a specification and the files that it names, which stand beside it.
+    ///
+    /// # Errors
+    /// What is wrong, where, and what to write instead.
+    pub fn load(path: &Path) -> Result<Self> {
+        let spec = Spec::read(path)?;
+        let folder = path.parent().unwrap_or_else(|| Path::new("."));
+        Self::of(spec, folder).with_context(|| path.display().to_string())
+    }
+
+    /// A checked specification; files are looked for in the folder.
+    ///
+    /// # Errors
+    /// As [`Self::load`].
+    pub fn of(spec: Spec, folder: &Path) -> Result<Self> {
+        let places = place::all(&spec.places, folder)?;
+        let judges = judges(&spec)?;
+        let instants = instants(&spec, &places);
+        let located = |sky: Sky| instants.par_iter().map(|&t_s| (t_s, sky.at(t_s))).collect();
+        let skies: Vec<Vec<(f64, Heaven)>> =
+            spec.skies.iter().map(|sky| Ok(located(Sky::load(sky, folder)?))).collect::<Result<_>>()?;
+        let identity = Identity {
+            name: spec.name.clone(),
+            seed: spec.seed,
+            hash: fingerprint(&spec, &skies, &places),
+            cells: skies.len() * spec.masks_deg.len() * spec.errors.len() * places.len(),
+            rows: spec.faults.len() * judges.len(),
+        };
+        Ok(Self { spec, skies, places, judges, identity })
+    }
+
+    /// Works a share into a folder and gives the table's path. `progress` hears how many cells are done, of how many.
+    ///
+    /// # Errors
+    /// A table that is there already where nothing is to be resumed, or that is of another campaign; what cannot be written.
+    pub fn work(
+        &self,
+        folder: &Path,
+        share: Share,
+        resume: bool,
+        mut progress: impl FnMut(usize, usize),
+    ) -> Result<PathBuf> {
+        std::fs::create_dir_all(folder).with_context(|| format!("cannot make {}", folder.display()))?;
+        let path = folder.join(share.file_name(&self.identity.name));
+        let cells: Vec<usize> = (share.index..self.identity.cells).step_by(share.of).collect();
+        let (mut file, mut done) = self.begin(&path, &cells, resume)?;
+        progress(done, cells.len());
+        for chunk in cells.get(done..).unwrap_or_default().chunks(TOGETHER) {
+            let texts: Vec<String> = chunk.par_iter().map(|&cell| self.rows(cell)).collect();
+            file.write_all(texts.concat().as_bytes())
+                .and_then(|()| file.flush())
+                .with_context(|| format!("cannot write {}", path.display()))?;
+            done += chunk.len();
+            progress(done, cells.len());
+        }
+        Ok(path)
+    }
+
+    /// A share as text, without a file.
+    pub fn text(&self, share: Share) -> String {
+        let cells: Vec<usize> = (share.index..self.identity.cells).step_by(share.of).collect();
+        let texts: Vec<String> = cells.par_iter().map(|&cell| self.rows(cell)).collect();
+        self.identity.heading() + &texts.concat()
+    }
+
+    /// Opens a table behind its last whole cell, and says how many are there.
+    fn begin(&self, path: &Path, cells: &[usize], resume: bool) -> Result<(File, usize)> {
+        let shown = path.display();
+        if !path.exists() {
+            let mut file = File::create(path).with_context(|| format!("cannot write {shown}"))?;
+            file.write_all(self.identity.heading().as_bytes())?;
+            return Ok((file, 0));
+        }
+        ensure!(resume, "{shown} is there already: go on with --resume, or name another folder with --out");
+        let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {shown}"))?;
+        let heading = self.identity.heading();
+        // A run that was cut within its heading has done nothing.
+        if heading.starts_with(&text) {
+            let mut file = File::create(path)?;
+            file.write_all(heading.as_bytes())?;
+            return Ok((file, 0));
+        }
+        let table = Table::read(&text).with_context(|| shown.to_string())?;
+        ensure!(
+            table.identity == self.identity,
+            "{shown} is of another specification: name another folder with --out"
+        );
+        let done: Vec<usize> = table.cells().collect();
+        ensure!(cells.starts_with(&done), "{shown} does not hold the cells of this share in their order");
+        let mut file = OpenOptions::new().write(true).open(path)?;
+        file.set_len(table.whole_bytes as u64)?;
+        file.seek(SeekFrom::End(0))?;
+        Ok((file, done.len()))
+    }
+
+    /// The rows of a cell, each with its end.
+    fn rows(&self, cell: usize) -> String {
+        let (rest, place) = (cell / self.places.len(), cell % self.places.len());
+        let (rest, errors) = (rest / self.spec.errors.len(), rest % self.spec.errors.len());
+        let (sky, mask) = (rest / self.spec.masks_deg.len(), rest % self.spec.masks_deg.len());
+        let (site, mask_deg) = (&self.places[place], self.spec.masks_deg[mask]);
+        let bench = Bench {
+            instants: &self.skies[sky],
+            place: site,
+            mask_deg,
+            model: ErrorModel::of(&self.spec.errors[errors]),
+            noise: self.spec.noise,
+            // The same noise under every sky, mask and error model.
+            seed: self.spec.seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ place as u64,
+        };
+        let tallies = bench.judge(&self.spec.faults, &self.judges);
+        let cases =
+            self.spec.faults.iter().flat_map(|fault| self.judges.iter().map(move |judge| (fault, judge)));
+        let row = |((fault, judge), tally): (_, super::tally::Tally)| {
+            let (fault, judge): (&super::spec::FaultSpec, &Judge) = (fault, judge);
+            let Place { name, latitude_deg, longitude_deg, height_m, .. } = site;
+            format!(
+                "{cell},{},{mask_deg},{},{},{},{name},{latitude_deg},{longitude_deg},{height_m},{}\n",
+                self.spec.skies[sky].name,
+                self.spec.errors[errors].name,
+                fault.name(),
+                judge.words.join(","),
+                tally.cells()
+            )
+        };
+        cases.zip(tallies).map(row).collect()
+    }
+}
+
+/// Instants of the specification, or those of the track.
+fn instants(spec: &Spec, places: &[Place]) -> Vec<f64> {
+    let of_track: Vec<f64> = places.iter().filter_map(|place| place.time_s).collect();
+    if of_track.is_empty() {
+        let times = &spec.times;
+        return (0..times.count).map(|index| times.start_s + f64::from(index) * times.step_s).collect();
+    }
+    let mut instants = of_track;
+    instants.sort_by(f64::total_cmp);
+    instants.dedup();
+    instants
+}
+
+/// Methods × policies × levels, as the commands make them.
+fn judges(spec: &Spec) -> Result<Vec<Judge>> {
+    let judgement = &spec.judgement;
+    let common = judgement
+        .set
+        .iter()
+        .try_fold(Configuration::at_start(), |configuration, line| commanded(&configuration, line))
+        .context("judgement.set")?;
+    let mut judges: Vec<Judge> = Vec::new();
+    for method in &judgement.methods {
+        let configuration = commanded(&common, &format!("METHOD,{method}")).context("judgement.methods")?;
+        for policy in &judgement.policies {
+            let configuration =
+                commanded(&configuration, &format!("POLICY,{policy}")).context("judgement.policies")?;
+            for levels in &judgement.levels {
+                let configuration =
+                    commanded(&configuration, &format!("LEVELS,{levels}")).context("judgement.levels")?;
+                let is_separation = configuration.method == Method::Separation;
+                let word = |word: &String| if is_separation { "-".to_owned() } else { word.clone() };
+                let words = [method.clone(), word(policy), word(levels)];
+                if judges.iter().all(|judge| judge.words != words) {
+                    judges.push(Judge::new(words, configuration)?);
+                }
+            }
+        }
+    }
+    Ok(judges)
+}
+
+/// The configuration after a command of the module, `KEY,value`.
+fn commanded(configuration: &Configuration, line: &str) -> Result<Configuration> {
+    let mut fields = line.split(',');
+    let key = fields.next().unwrap_or("");
+    let refused = |refusal: rai_firmware::config::Refusal| {
+        anyhow::anyhow!("the module refuses `{line}` ({refusal:?}): write it as in its command, PHASE,LPV200")
+    };
+    match Command::read(key, fields).map_err(refused)? {
+        Command::Set(setting) => configuration.with(setting).map_err(refused),
+        _ => bail!("`{line}` sets nothing: write a key and its value, as PHASE,LPV200"),
+    }
+}
+
+/// FNV-1a over everything that a row depends on.
+fn fingerprint(spec: &Spec, skies: &[Vec<(f64, Heaven)>], places: &[Place]) -> u64 {
+    let mut hash = 0xCBF2_9CE4_8422_2325_u64;
+    let mut take = |bytes: &[u8]| {
+        for byte in bytes {
+            hash = (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01B3);
+        }
+    };
+    take(format!("{spec:?}{places:?}").as_bytes());
+    for (t_s, heaven) in skies.iter().flatten() {
+        take(&t_s.to_le_bytes());
+        for (satellite, position) in heaven {
+            take(format!("{satellite}").as_bytes());
+            for metres in [position.x_m, position.y_m, position.z_m] {
+                take(&metres.to_le_bytes());
+            }
+        }
+    }
+    hash
+}

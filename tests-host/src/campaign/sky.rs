@@ -1,0 +1,77 @@
+//! Where a sky's satellites are at each instant: worked out once, for all places.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context as _, Result, ensure};
+use rai_core::frame::Ecef;
+use rai_core::satellite::{Constellation, SatelliteId};
+
+use super::almanac;
+use super::navigation::Broadcast;
+use super::spec::SkySpec;
+use crate::sky::{Fleet, Satellite};
+
+/// What is above at one instant.
+pub type Heaven = Vec<(SatelliteId, Ecef)>;
+
+/// A sky whose satellites can be located.
+pub enum Sky {
+    /// On orbits of their own.
+    Orbits(Vec<Satellite>),
+    /// By what they broadcast.
+    Broadcast(Box<Broadcast>),
+}
+
+impl Sky {
+    /// Reads what a sky is made of; files are looked for beside the specification.
+    ///
+    /// # Errors
+    /// A name that is none, a file that cannot be read, a satellite twice: by name.
+    pub fn load(spec: &SkySpec, folder: &Path) -> Result<Self> {
+        Self::of(spec, folder).with_context(|| format!("sky \"{}\"", spec.name))
+    }
+
+    fn of(spec: &SkySpec, folder: &Path) -> Result<Self> {
+        if !spec.navigation.is_empty() {
+            let files: Vec<PathBuf> = spec.navigation.iter().map(|file| folder.join(file)).collect();
+            let systems = spec.systems.as_deref().unwrap_or("GEC");
+            return Ok(Self::Broadcast(Box::new(Broadcast::load(&files, systems)?)));
+        }
+        let mut satellites: Vec<Satellite> = Vec::new();
+        for name in &spec.fleets {
+            satellites.extend(fleet(name)?.satellites());
+        }
+        for listed in &spec.almanacs {
+            let letter = listed.system.chars().next().filter(|_| listed.system.len() == 1);
+            let constellation = letter.and_then(Constellation::from_letter);
+            let constellation =
+                constellation.with_context(|| format!("system \"{}\": write G, E, C or R", listed.system))?;
+            let path = folder.join(&listed.file);
+            let text =
+                std::fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))?;
+            let read = almanac::read(&text, constellation).with_context(|| path.display().to_string())?;
+            satellites.extend(read);
+        }
+        satellites.sort_by_key(|satellite| satellite.id);
+        for pair in satellites.windows(2) {
+            ensure!(pair[0].id != pair[1].id, "{} stands twice: name one constellation a system", pair[0].id);
+        }
+        Ok(Self::Orbits(satellites))
+    }
+
+    /// Where the satellites are at an instant, in the order of their names.
+    pub fn at(&self, t_s: f64) -> Heaven {
+        match self {
+            Self::Orbits(satellites) => {
+                satellites.iter().map(|satellite| (satellite.id, satellite.orbit.position(t_s))).collect()
+            }
+            Self::Broadcast(broadcast) => broadcast.positions(t_s),
+        }
+    }
+}
+
+fn fleet(name: &str) -> Result<Fleet> {
+    let names = || Fleet::ALL.map(Fleet::name).join(", ");
+    let found = Fleet::ALL.into_iter().find(|fleet| fleet.name() == name);
+    found.with_context(|| format!("no fleet is called \"{name}\"; there are {}", names()))
+}

@@ -1,0 +1,118 @@
+//! What becomes of a cell's epochs, under one fault and one judge.
+
+use rai_core::frame::Enu;
+use rai_core::report::{Report, Verdict};
+use rai_core::requirements::Requirements;
+
+/// Counts, levels and errors of many epochs.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Tally {
+    epochs: u64,
+    protected: u64,
+    alerts: u64,
+    excluded: u64,
+    misleading: u64,
+    hazardous: u64,
+    hpl_m: Vec<f32>,
+    vpl_m: Vec<f32>,
+    horizontal_m2: f64,
+    vertical_m2: f64,
+    fixes: u64,
+}
+
+/// The columns that a tally fills.
+pub const COLUMNS: [&str; 14] = [
+    "epochs",
+    "protected",
+    "alerts",
+    "unavailable",
+    "excluded",
+    "misleading",
+    "hazardous",
+    "availability",
+    "hpl_median_m",
+    "hpl_99_m",
+    "vpl_median_m",
+    "vpl_99_m",
+    "horizontal_rms_m",
+    "vertical_rms_m",
+];
+
+impl Tally {
+    /// Takes an epoch; `error` is by how much the position is wrong.
+    pub fn add<const N: usize>(&mut self, report: &Report<N>, error: Option<Enu>, limits: &Requirements) {
+        let is_protected = matches!(report.verdict, Verdict::Protected(_));
+        self.epochs += 1;
+        self.protected += u64::from(is_protected);
+        self.alerts += u64::from(matches!(report.verdict, Verdict::Alert(_)));
+        self.excluded += u64::from(!report.excluded.is_empty());
+        let levels = report.protection.map(|levels| (levels.hpl_m, levels.vpl_m));
+        let (hpl_m, vpl_m) = levels.unwrap_or((f64::INFINITY, f64::INFINITY));
+        self.hpl_m.push(hpl_m as f32);
+        self.vpl_m.push(vpl_m as f32);
+        let Some(error) = error else { return };
+        let (horizontal_m, vertical_m) = (error.horizontal(), error.up.abs());
+        self.fixes += 1;
+        self.horizontal_m2 += horizontal_m * horizontal_m;
+        self.vertical_m2 += vertical_m * vertical_m;
+        if is_protected {
+            let is_vertical = limits.val_m.is_some();
+            let misleads = horizontal_m > hpl_m || (is_vertical && vertical_m > vpl_m);
+            let is_hazard =
+                horizontal_m > limits.hal_m || limits.val_m.is_some_and(|val_m| vertical_m > val_m);
+            self.misleading += u64::from(misleads);
+            self.hazardous += u64::from(is_hazard);
+        }
+    }
+
+    /// The cells of a row, as [`COLUMNS`] names them.
+    pub fn cells(mut self) -> String {
+        let unavailable = self.epochs - self.protected - self.alerts;
+        let share = self.protected as f64 / self.epochs.max(1) as f64;
+        let rms = |sum_m2: f64| if self.fixes == 0 { f64::NAN } else { (sum_m2 / self.fixes as f64).sqrt() };
+        let (horizontal_m, vertical_m) = (rms(self.horizontal_m2), rms(self.vertical_m2));
+        let hpl = [0.5, 0.99].map(|share| quantile(&mut self.hpl_m, share)).map(metres);
+        let vpl = [0.5, 0.99].map(|share| quantile(&mut self.vpl_m, share)).map(metres);
+        format!(
+            "{},{},{},{unavailable},{},{},{},{share:.6},{},{},{},{},{},{}",
+            self.epochs,
+            self.protected,
+            self.alerts,
+            self.excluded,
+            self.misleading,
+            self.hazardous,
+            hpl[0],
+            hpl[1],
+            vpl[0],
+            vpl[1],
+            metres(horizontal_m),
+            metres(vertical_m),
+        )
+    }
+}
+
+/// The smallest value that so large a share of all does not exceed; NaN of none.
+fn quantile(values: &mut [f32], share: f64) -> f64 {
+    values.sort_by(f32::total_cmp);
+    let rank = (share * values.len() as f64).ceil() as usize;
+    values.get(rank.max(1) - 1).map_or(f64::NAN, |&value| f64::from(value))
+}
+
+/// Centimetres; `inf` where there is no level, nothing where there is no number.
+fn metres(value: f64) -> String {
+    if value.is_nan() { String::new() } else { format!("{value:.2}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{metres, quantile};
+
+    #[test]
+    fn quantiles_are_values_that_occur() {
+        let mut values = [4.0, 1.0, 3.0, 2.0, f32::INFINITY];
+        assert_eq!(metres(quantile(&mut values, 0.5)), "3.00");
+        assert_eq!(metres(quantile(&mut values, 0.8)), "4.00");
+        assert_eq!(metres(quantile(&mut values, 0.99)), "inf");
+        assert!(quantile(&mut [], 0.5).is_nan());
+    }
+}

@@ -1,0 +1,119 @@
+//! `cargo xtask campaign`: availability and integrity over places, times, skies and methods.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use anyhow::{Context as _, Result, ensure};
+use clap::Subcommand;
+use indicatif::{ProgressBar, ProgressStyle};
+use tests_host::campaign::page::summary_lines;
+use tests_host::campaign::picture::cases;
+use tests_host::campaign::{Campaign, Share, Table, merge, write_report};
+use tests_host::report::page::write_file;
+
+/// Arguments of the command.
+#[derive(clap::Args)]
+#[command(args_conflicts_with_subcommands = true)]
+pub(crate) struct Arguments {
+    #[command(subcommand)]
+    action: Option<Action>,
+    /// What is to be done, a TOML file; tests-host/campaigns holds examples.
+    #[arg(value_name = "SPEC.toml")]
+    spec: Option<PathBuf>,
+    /// Work only on the k-th of n shares; all of them, merged, are the same bytes as one run.
+    #[arg(long, value_name = "k/n", value_parser = share)]
+    shard: Option<Share>,
+    /// Go on where a run was cut short.
+    #[arg(long)]
+    resume: bool,
+    /// Where table, maps, curves and page go.
+    #[arg(long, value_name = "FOLDER", default_value = "target/campaign")]
+    out: PathBuf,
+    /// Write its value into each box of a map.
+    #[arg(long)]
+    numbers: bool,
+}
+
+#[derive(Subcommand)]
+enum Action {
+    /// Puts the tables of all shares together, and draws what they show.
+    Merge {
+        /// The CSV files of all shares.
+        #[arg(required = true)]
+        files: Vec<PathBuf>,
+        /// Where table, maps, curves and page go.
+        #[arg(long, value_name = "FOLDER", default_value = "target/campaign")]
+        out: PathBuf,
+        /// Write its value into each box of a map.
+        #[arg(long)]
+        numbers: bool,
+    },
+}
+
+/// Runs the command.
+pub(crate) fn run(arguments: &Arguments) -> Result<()> {
+    if let Some(Action::Merge { files, out, numbers }) = &arguments.action {
+        let text = merge(files)?;
+        let table = Table::read(&text)?;
+        write_file(&out.join(Share::ALL.file_name(&table.identity.name)), &text)?;
+        return show(&table, out, *numbers);
+    }
+    let spec = arguments.spec.as_deref().context(
+        "give a specification, as tests-host/campaigns/lpv200.toml, or `merge` and the tables of all shares",
+    )?;
+    // What is wrong with a specification is said before minutes of building.
+    let campaign = Campaign::load(spec)?;
+    if cfg!(debug_assertions) {
+        return crate::cargo::again_optimised("the campaign was not finished");
+    }
+    let share = arguments.shard.unwrap_or(Share::ALL);
+    let start = Instant::now();
+    let path = campaign.work(&arguments.out, share, arguments.resume, progress())?;
+    eprintln!("{}: {:.1} s", path.display(), start.elapsed().as_secs_f64());
+    if share == Share::ALL { finish(&path, arguments) } else { Ok(()) }
+}
+
+fn finish(path: &Path, arguments: &Arguments) -> Result<()> {
+    let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+    let table = Table::read(&text)?;
+    ensure!(table.is_whole(), "{} is not whole: go on with --resume", path.display());
+    show(&table, &arguments.out, arguments.numbers)
+}
+
+/// Draws a whole table, and prints a line for each case.
+fn show(table: &Table, folder: &Path, numbers: bool) -> Result<()> {
+    let page = write_report(table, folder, numbers)?;
+    let (columns, lines) = summary_lines(&cases(table));
+    for line in lines {
+        for (column, cell) in columns.iter().zip(line).filter(|(_, cell)| !cell.is_empty()) {
+            println!("{column:<28} {cell}");
+        }
+        println!();
+    }
+    eprintln!("page: {}", page.display());
+    Ok(())
+}
+
+fn share(text: &str) -> Result<Share, String> {
+    Share::parse(text).map_err(|error| error.to_string())
+}
+
+/// A bar on a terminal; a line every tenth where there is none, for the logs of a batch.
+fn progress() -> impl FnMut(usize, usize) {
+    let bar = ProgressBar::new(1);
+    if let Ok(style) = ProgressStyle::with_template("{bar:40} {pos}/{len} cells ({eta} to go)") {
+        bar.set_style(style);
+    }
+    let mut tenth = 0;
+    move |done, all| {
+        bar.set_length(all as u64);
+        bar.set_position(done as u64);
+        if bar.is_hidden() && done * 10 / all.max(1) > tenth {
+            tenth = done * 10 / all.max(1);
+            eprintln!("{done} of {all} cells");
+        }
+        if done == all {
+            bar.finish_and_clear();
+        }
+    }
+}
