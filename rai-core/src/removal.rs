@@ -40,7 +40,6 @@
 use heapless::Vec;
 use nalgebra::{Matrix3, Vector3};
 
-use crate::bounded::gather;
 use crate::equations::{MAX_ROWS, Row};
 use crate::numeric::real::Real;
 use crate::report::MAX_EXCLUDED;
@@ -124,15 +123,21 @@ fn squared_w_test<T: Real>(residual: T, redundancy: T) -> T {
     if redundancy < T::UNTESTABLE { T::zero() } else { residual * residual / redundancy }
 }
 
-/// The rows of a snapshot that take part and can be tested, in the order of the epoch.
+/// Room for the rows of a search.
+pub type NormalisedRows<T> = Vec<NormalisedRow<T>, MAX_ROWS>;
+
+/// Finds the rows of a snapshot that take part and can be tested, in the order of the epoch.
 ///
-/// Any other row is untestable in every set.
-pub fn testable_rows<T: Real>(snapshot: &Snapshot<'_, T>) -> Vec<NormalisedRow<T>, MAX_ROWS> {
-    let testable = snapshot
-        .rows()
-        .enumerate()
-        .filter(|(_, (row, fit))| row.weight > T::zero() && fit.redundancy >= T::UNTESTABLE);
-    gather(testable.map(|(index, (row, fit))| NormalisedRow::new(index, row, fit, snapshot)))
+/// Any other row is untestable in every set. They are written where the caller wants them: as a result they would be moved,
+/// and be on the stack twice.
+pub fn testable_rows<T: Real>(snapshot: &Snapshot<'_, T>, rows: &mut NormalisedRows<T>) {
+    rows.clear();
+    for (index, (row, fit)) in snapshot.rows().enumerate() {
+        if row.weight > T::zero() && fit.redundancy >= T::UNTESTABLE {
+            // There are no more rows than there is room for.
+            let _ = rows.push(NormalisedRow::new(index, row, fit, snapshot));
+        }
+    }
 }
 
 /// A set of at most [`MAX_EXCLUDED`] rows to leave out, with the inverse of its `S_EE`.
@@ -171,7 +176,9 @@ impl<T: Real> Removal<T> {
 
     /// The set of these rows of a snapshot; `None` where it is refused, or a row is not testable or listed twice.
     pub fn of(snapshot: &Snapshot<'_, T>, set: &[usize]) -> Option<Self> {
-        Self::among(&testable_rows(snapshot), set)
+        let mut rows = Vec::new();
+        testable_rows(snapshot, &mut rows);
+        Self::among(&rows, set)
     }
 
     /// The set of those of `rows` that have these indices; `None` as for [`Self::of`].

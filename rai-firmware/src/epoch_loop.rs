@@ -118,6 +118,8 @@ fn look_at_clock<B: Board>(board: &mut B, receiver: &mut Receiver<B::Pin>) {
 
 /// Takes bytes of the host port up to the end of one command, and says one sentence of a long answer. While one is
 /// under way no other command is taken.
+// Not inlined: what a command needs of the stack an epoch need not have beside it.
+#[inline(never)]
 fn take_command<B: Board>(board: &mut B, receiver: &mut Receiver<B::Pin>) {
     if receiver.has_more_to_say() {
         if may_answer(board, receiver) {

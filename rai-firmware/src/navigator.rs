@@ -5,12 +5,13 @@
 //! the guess is corrected once more about what was found.
 
 use heapless::Vec;
+use rai_core::epoch::Epoch;
 use rai_core::frame::Ecef;
 use rai_core::monitor::{Method, MonitorError, Search};
 use rai_core::report::{MAX_EXCLUDED, Report, Unavailable, Verdict};
 use rai_core::requirements::Requirements;
 use rai_core::satellite::SatelliteId;
-use rai_core::single::{self, Assessment, Memory, Monitor, Workspace};
+use rai_core::single::{self, Assessment, Memory, Monitor};
 use rai_core::velocity::Velocity;
 
 use crate::config::{Configuration, Frequencies};
@@ -40,8 +41,7 @@ const MAX_SEARCHES: usize = 2;
 pub struct Navigator {
     store: Store,
     monitor: Monitor,
-    /// Room that judging takes, and so not the stack's.
-    memory: Memory,
+    room: Room,
     tally: Tally,
     preference: Preference,
     rates: Rates,
@@ -50,22 +50,37 @@ pub struct Navigator {
     ionosphere: Option<([f64; 8], GpsTime)>,
 }
 
+/// What one epoch needs of memory while it is judged, and leaves behind: here, so that it is not the stack's.
+#[derive(Debug)]
+struct Room {
+    sky: Sky,
+    epoch: Epoch<CAPACITY>,
+    memory: Memory,
+}
+
 impl Navigator {
     /// A navigator without ephemerides.
     ///
     /// # Errors
     /// [`MonitorError`] names the requirement that cannot be met.
     pub fn new(requirements: Requirements) -> Result<Self, MonitorError> {
-        Ok(Self {
+        Ok(Self::around(Monitor::new(requirements)?))
+    }
+
+    /// A navigator around a monitor.
+    // Inlined, so that it is made where it is to stay, and not on the stack first.
+    #[inline(always)]
+    pub(crate) fn around(monitor: Monitor) -> Self {
+        Self {
             store: Store::new(),
-            monitor: Monitor::new(requirements)?,
-            memory: Memory::new(),
+            monitor,
+            room: Room { sky: Sky::new(), epoch: Epoch::new(0.0), memory: Memory::new() },
             tally: Tally::default(),
             preference: Preference::new(),
             rates: Rates::new(),
             velocity: None,
             ionosphere: None,
-        })
+        }
     }
 
     /// Takes an ephemeris that was received at `now`.
@@ -140,23 +155,18 @@ impl Navigator {
     pub fn judge(&mut self, raw: &RawEpoch, came_ms: u64, configuration: &Configuration) -> Report<CAPACITY> {
         self.store.observe(raw.satellites.iter().map(|satellite| satellite.satellite));
         let refused = self.tally.ephemerides;
-        let sky = locate(
-            raw,
-            &self.store,
-            configuration.signal_mask_db_hz as f32,
-            configuration.systems,
-            &mut self.tally,
-        );
+        let mask_dbhz = configuration.signal_mask_db_hz as f32;
+        locate(raw, &self.store, mask_dbhz, configuration.systems, &mut self.tally, &mut self.room.sky);
         let without_orbit = self.tally.ephemerides.without_orbit().saturating_sub(refused.without_orbit());
         let mut guess = self.monitor.start();
         if is_unknown(guess) {
-            guess = coarse_position(self.memory.workspace(), &sky, raw.time);
+            guess = self.coarse_position(raw.time);
         }
-        let ranges = self.ranges(guess, &sky, raw.time, configuration);
+        let ranges = self.ranges(guess, raw.time, configuration);
         let before = self.tally.ranges;
         let mut known = Vec::<SatelliteId, MAX_EXCLUDED>::new();
         let mut searches = 0;
-        let mut assessment = self.judge_about(guess, &sky, raw.time, ranges, configuration, Search::Anew);
+        let mut assessment = self.judge_about(guess, raw.time, ranges, configuration, Search::Anew);
         for _ in 1..MAX_PASSES {
             let found = assessment.report.solution.as_ref().map(|solution| solution.position);
             if found.is_some_and(|found| found.distance_m(guess) <= GUESS_HOLDS_M) {
@@ -172,21 +182,21 @@ impl Navigator {
                 });
             }
             let search = if settled { Search::Known(&known) } else { Search::Anew };
-            guess = found.unwrap_or_else(|| coarse_position(self.memory.workspace(), &sky, raw.time));
+            guess = found.unwrap_or_else(|| self.coarse_position(raw.time));
             // What was refused about the poorer point does not count.
             self.tally.ranges = before;
-            assessment = self.judge_about(guess, &sky, raw.time, ranges, configuration, search);
+            assessment = self.judge_about(guess, raw.time, ranges, configuration, search);
         }
         self.monitor.learn(&mut assessment, Some(came_ms as f64 * 1e-3));
         let place = assessment.report.solution.as_ref().map(|solution| solution.position);
-        self.velocity =
-            self.rates.velocity(raw, &sky, place, self.monitor.requirements(), self.memory.workspace());
+        let Room { sky, memory, .. } = &mut self.room;
+        self.velocity = self.rates.velocity(raw, sky, place, self.monitor.requirements(), memory.workspace());
         let mut report = assessment.report;
         let implausible = self.tally.ranges.range_implausible != before.range_implausible;
         if report.solution.is_none() && implausible {
             report.verdict = Verdict::Unavailable(Unavailable::Input);
         } else if report.verdict == Verdict::Unavailable(Unavailable::NoFix)
-            && without_orbit as usize > sky.len()
+            && without_orbit as usize > self.room.sky.len()
         {
             report.verdict = Verdict::Unavailable(Unavailable::Ephemeris);
         }
@@ -198,7 +208,8 @@ impl Navigator {
     ///
     /// With clock aiding the set stays: another one moves the clock by the delay between carriers.
     #[inline(never)]
-    fn ranges(&mut self, point: Ecef, sky: &Sky, time: GpsTime, configuration: &Configuration) -> Ranges {
+    fn ranges(&mut self, point: Ecef, time: GpsTime, configuration: &Configuration) -> Ranges {
+        let sky = &self.room.sky;
         match configuration.frequencies {
             Frequencies::Dual => return Ranges::Pairs,
             Frequencies::Single => return Ranges::Singles,
@@ -215,12 +226,11 @@ impl Navigator {
         self.preference.ranges()
     }
 
-    /// Corrects and judges the sky as seen from a point. The epoch leaves the stack with the judgement.
+    /// Corrects and judges the sky as seen from a point.
     #[inline(never)]
     fn judge_about(
         &mut self,
         point: Ecef,
-        sky: &Sky,
         time: GpsTime,
         ranges: Ranges,
         configuration: &Configuration,
@@ -231,8 +241,17 @@ impl Navigator {
         let coefficients = self.coefficients(time, configuration);
         let site =
             Site::new(point, time, configuration.mask_rad, coefficients).with_ranges(ranges).weighted_by(ism);
-        let epoch = site.correct(sky, &mut self.tally.ranges);
-        single::judge(&self.monitor, &epoch, point, search, &mut self.memory)
+        let Room { sky, epoch, memory } = &mut self.room;
+        site.correct(sky, &mut self.tally.ranges, epoch);
+        single::judge(&self.monitor, epoch, point, search, memory)
+    }
+
+    /// Roughly where a receiver is that sees this sky; the centre of the earth if that cannot be told.
+    #[inline(never)]
+    fn coarse_position(&mut self, time: GpsTime) -> Ecef {
+        let Room { sky, epoch, memory } = &mut self.room;
+        coarse(sky, time, epoch);
+        single::position(memory.workspace(), epoch, Ecef::CENTRE).unwrap_or(Ecef::CENTRE)
     }
 }
 
@@ -242,10 +261,4 @@ fn is_excluded(report: &Report<CAPACITY>) -> bool {
 
 fn is_unknown(point: Ecef) -> bool {
     point.radius_m() < UNKNOWN_RADIUS_M
-}
-
-/// Roughly where a receiver is that sees this sky; the centre of the earth if that cannot be told.
-#[inline(never)]
-fn coarse_position(workspace: &mut Workspace, sky: &Sky, time: GpsTime) -> Ecef {
-    single::position(workspace, &coarse(sky, time), Ecef::CENTRE).unwrap_or(Ecef::CENTRE)
 }

@@ -25,6 +25,7 @@ use embedded_hal::digital::OutputPin;
 use embedded_io::Write;
 use rai_core::monitor::MonitorError;
 use rai_core::report::{Alert, Report, Unavailable, Verdict};
+use rai_core::single::Monitor;
 use rai_core::velocity::Velocity;
 
 use crate::board::{PortLosses, SEALED_BYTES};
@@ -135,33 +136,36 @@ impl<P: OutputPin> Receiver<P> {
     ///
     /// # Errors
     /// [`MonitorError`] if the thresholds of the requirements at start are not in the tables.
-    pub fn new(pin: P, boot: Boot) -> Result<Self, MonitorError> {
+    pub fn new(mut pin: P, boot: Boot) -> Result<Self, MonitorError> {
         let configuration = Configuration::at_start();
-        let mut epochs = EpochLoop {
-            pin,
-            navigator: Navigator::new(configuration.requirements)?,
-            configuration,
-            publisher: Publisher::new(&configuration),
-            verdicts: Verdicts::default(),
-            last_verdict: None,
-            #[cfg(feature = "report")]
-            last_report: None,
-            last_time: None,
-            last_epoch_ms: 0,
-            sigma_check: None,
-            is_sound: true,
-            is_confirmed: true,
-            jamming: Suspicion::Unknown,
-            spoofing: Suspicion::Unknown,
-            gps_minus_utc_s: GPS_MINUS_UTC_S,
-        };
-        epochs.drive_pin(false);
-        let (input, commands) = (Input::new(), CommandPort::new());
+        let mut verdicts = Verdicts::default();
+        if pin.set_low().is_err() {
+            count(&mut verdicts.pin_failures);
+        }
+        let monitor = Monitor::new(configuration.requirements)?;
+        // In one piece: what is large is written where it is to stay.
         Ok(Self {
             boot,
-            input,
-            commands,
-            epochs,
+            input: Input::new(),
+            commands: CommandPort::new(),
+            epochs: EpochLoop {
+                pin,
+                navigator: Navigator::around(monitor),
+                configuration,
+                publisher: Publisher::new(&configuration),
+                verdicts,
+                last_verdict: None,
+                last_time: None,
+                last_epoch_ms: 0,
+                sigma_check: None,
+                is_sound: true,
+                is_confirmed: true,
+                jamming: Suspicion::Unknown,
+                spoofing: Suspicion::Unknown,
+                gps_minus_utc_s: GPS_MINUS_UTC_S,
+                #[cfg(feature = "report")]
+                last_report: None,
+            },
             last_byte_ms: None,
             has_paused: true,
             next_counter: None,

@@ -2,6 +2,7 @@
 
 mod walker;
 
+use rai_core::epoch::Epoch;
 use rai_firmware::correction::{Preference, Ranges, Site, Sky, Tally, locate};
 use rai_firmware::ephemeris::{Ephemeris, Store};
 use rai_firmware::raw::{Band, Carrier, RawEpoch, RawSatellite, RawSignal};
@@ -23,7 +24,9 @@ fn sky(signals: impl Fn(usize, f64) -> Vec<RawSignal>, mask_dbhz: f32) -> (Sky, 
         let signals = signals(raw.satellites.len(), range_m).into_iter().collect();
         raw.satellites.push(RawSatellite { satellite: ephemeris.satellite(), signals }).unwrap();
     }
-    (locate(&raw, &store, mask_dbhz, rai_firmware::config::Systems::AT_START, &mut tally), tally)
+    let mut sky = Sky::new();
+    locate(&raw, &store, mask_dbhz, rai_firmware::config::Systems::AT_START, &mut tally, &mut sky);
+    (sky, tally)
 }
 
 fn receiver() -> rai_core::frame::Ecef {
@@ -115,7 +118,8 @@ fn a_signal_below_the_mask_is_not_used_and_a_weak_one_weighs_less() {
     let sigma_m = |sky: &Sky| {
         let mut refusals = Tally::default().ranges;
         let site = Site::new(receiver(), TOE, NO_MASK_RAD, Some(CALM));
-        let epoch = site.correct(sky, &mut refusals);
+        let mut epoch = Epoch::new(0.0);
+        site.correct(sky, &mut refusals, &mut epoch);
         epoch.observations().iter().map(|observation| observation.sigma_m).collect::<Vec<_>>()
     };
     let (weak_m, strong_m) = (sigma_m(&at_mask), sigma_m(&strong));

@@ -6,7 +6,7 @@ use rai_core::satellite::SatelliteId;
 use rai_core::single::Workspace;
 use rai_core::velocity::Velocity;
 use rai_firmware::config::Systems;
-use rai_firmware::correction::{Tally, locate};
+use rai_firmware::correction::{Sky, Tally, locate};
 use rai_firmware::ephemeris::Store;
 use rai_firmware::input::{Event, Input};
 use rai_firmware::rates::Rates;
@@ -81,7 +81,8 @@ impl Heard {
                     *signal = signal.with_doppler_hz(doppler_hz as f32);
                 }
             }
-            let sky = locate(&raw, &self.store, 0.0, Systems::AT_START, &mut Tally::default());
+            let mut sky = Sky::new();
+            locate(&raw, &self.store, 0.0, Systems::AT_START, &mut Tally::default(), &mut sky);
             let place = Some(self.simulation.site.position);
             let required = Requirements::non_precision_approach();
             found.extend(rates.velocity(&raw, &sky, place, &required, &mut workspace));

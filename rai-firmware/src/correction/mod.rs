@@ -129,10 +129,17 @@ fn root_of_squares(a: f32, b: f32) -> f32 {
 /// The satellites of an epoch whose positions are known.
 pub type Sky = Vec<Located, CAPACITY>;
 
-/// Finds the satellites of an epoch; what cannot be used is counted by reason.
+/// Finds the satellites of an epoch, in place of those in `sky`; what cannot be used is counted by reason.
 #[inline(never)]
-pub fn locate(raw: &RawEpoch, store: &Store, mask_dbhz: f32, systems: Systems, tally: &mut Tally) -> Sky {
-    let mut sky = Sky::new();
+pub fn locate(
+    raw: &RawEpoch,
+    store: &Store,
+    mask_dbhz: f32,
+    systems: Systems,
+    tally: &mut Tally,
+    sky: &mut Sky,
+) {
+    sky.clear();
     for satellite in &raw.satellites {
         let (letter, _) = satellite.satellite.name();
         if !systems.contains(letter) {
@@ -149,7 +156,6 @@ pub fn locate(raw: &RawEpoch, store: &Store, mask_dbhz: f32, systems: Systems, t
             Err(reason) => tally.ephemerides.count(reason),
         }
     }
-    sky
 }
 
 /// One satellite; `None` without a signal that is strong enough and whose delay is known.
@@ -183,9 +189,9 @@ fn locate_one(
     }))
 }
 
-/// An epoch without atmosphere and mask, to find out roughly where the receiver is.
-pub fn coarse(sky: &Sky, time: GpsTime) -> Epoch<CAPACITY> {
-    let mut epoch = Epoch::new(time.to_s());
+/// Makes an epoch without atmosphere and mask, to find out roughly where the receiver is.
+pub fn coarse(sky: &Sky, time: GpsTime, epoch: &mut Epoch<CAPACITY>) {
+    epoch.restart(time.to_s());
     for located in sky {
         let Some((choice, _)) = located.range(Ranges::Pairs) else { continue };
         // What is refused here is refused, and counted, again by `correct`.
@@ -196,5 +202,4 @@ pub fn coarse(sky: &Sky, time: GpsTime) -> Epoch<CAPACITY> {
             sigma_m: f64::from(COARSE_M),
         });
     }
-    epoch
 }

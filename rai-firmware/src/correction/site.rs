@@ -84,10 +84,10 @@ impl Site {
         Self { ism, ..self }
     }
 
-    /// The epoch as this site sees it; what is left out is counted by reason.
+    /// Makes the epoch as this site sees it; what is left out is counted by reason.
     #[inline(never)]
-    pub fn correct(&self, sky: &Sky, refusals: &mut Refusals) -> Epoch<CAPACITY> {
-        let mut epoch = Epoch::new(self.time.to_s());
+    pub fn correct(&self, sky: &Sky, refusals: &mut Refusals, epoch: &mut Epoch<CAPACITY>) {
+        epoch.restart(self.time.to_s());
         let usual = Usual::of(sky, self.ranges);
         for located in sky {
             let Some(corrected) = self.observe(located, self.ranges, &usual) else {
@@ -110,7 +110,6 @@ impl Site {
                 });
             }
         }
-        epoch
     }
 
     /// How well these ranges would determine the position, by geometry and sigmas alone; `None` where they do not.

@@ -2,9 +2,10 @@
 //!
 //! What it says is what the module's user would have been told without integrity monitoring.
 
+use rai_core::epoch::Epoch;
 use rai_core::snapshot::Workspace;
 use rai_firmware::config::Systems;
-use rai_firmware::correction::{self, CAPACITY, Tally, locate};
+use rai_firmware::correction::{self, CAPACITY, Sky, Tally, locate};
 use rai_firmware::ephemeris::Store;
 use rai_firmware::input::{Event, Input};
 use rai_firmware::raw::RawEpoch;
@@ -53,9 +54,10 @@ impl Accepter {
 /// One fix of all satellites, corrected for the air above the true site.
 fn judge(raw: &RawEpoch, store: &Store, mask_rad: f64, time_s: f64, site: &Site) -> Option<Ordinary> {
     let mut tally = Tally::default();
-    let sky = locate(raw, store, 0.0, Systems::AT_START, &mut tally);
+    let (mut sky, mut epoch) = (Sky::new(), Epoch::new(0.0));
+    locate(raw, store, 0.0, Systems::AT_START, &mut tally, &mut sky);
     let air = correction::Site::new(site.position, raw.time, mask_rad, None);
-    let epoch = air.correct(&sky, &mut tally.ranges);
+    air.correct(&sky, &mut tally.ranges, &mut epoch);
     let mut workspace = Workspace::<f64, CAPACITY>::new();
     let fix = workspace.fix(&epoch, site.position).ok()?;
     let snapshot = fix.snapshot();

@@ -4,7 +4,7 @@
 use rai_core::epoch::Epoch;
 use rai_core::frame::Ecef;
 use rai_firmware::config::Systems;
-use rai_firmware::correction::{CAPACITY, Site, Tally, locate};
+use rai_firmware::correction::{CAPACITY, Site, Sky, Tally, locate};
 use rai_firmware::ephemeris::Store;
 use rai_firmware::input::{Event, Input};
 
@@ -22,15 +22,17 @@ pub fn corrected(
     klobuchar: Option<[f64; 8]>,
 ) -> Vec<Epoch<CAPACITY>> {
     let (mut input, mut store, mut tally) = (Input::new(), Store::new(), Tally::default());
-    let mut epochs = Vec::new();
+    let (mut sky, mut epochs) = (Sky::new(), Vec::new());
     for lump in lumps {
         input.feed(&lump.bytes, 0, |event| match event {
             Event::Ephemeris(ephemeris) => drop(store.insert(ephemeris, None)),
             Event::Position(_) | Event::Ionosphere(_) | Event::Jamming(_) => {}
             Event::Epoch(raw, _) => {
-                let sky = locate(raw, &store, SIGNAL_MASK_DBHZ, Systems::AT_START, &mut tally);
+                locate(raw, &store, SIGNAL_MASK_DBHZ, Systems::AT_START, &mut tally, &mut sky);
                 let site = Site::new(antenna, raw.time, mask_rad, klobuchar);
-                epochs.push(site.correct(&sky, &mut tally.ranges));
+                let mut epoch = Epoch::new(0.0);
+                site.correct(&sky, &mut tally.ranges, &mut epoch);
+                epochs.push(epoch);
             }
         });
     }

@@ -1,9 +1,10 @@
 //! QZSS: the bits of GPS under another number, and whose clock its ranges touch.
 
+use rai_core::epoch::Epoch;
 use rai_core::frame::{Ecef, SPEED_OF_LIGHT_M_S};
 use rai_core::satellite::SatelliteId;
 use rai_firmware::config::{Configuration, Systems};
-use rai_firmware::correction::{Site, Tally, locate};
+use rai_firmware::correction::{Site, Sky, Tally, locate};
 use rai_firmware::ephemeris::Store;
 use rai_firmware::input::{Event, Input};
 use rai_firmware::navigator::Navigator;
@@ -88,10 +89,11 @@ fn beside_gps(stream: &Stream, station: &Station) -> Option<(f64, usize)> {
             store.insert(ephemeris, Some(ephemeris.toe()));
         }
         Event::Epoch(raw, _) => {
-            let sky = locate(raw, &store, 28.0, systems, &mut tally);
+            let (mut sky, mut epoch) = (Sky::new(), Epoch::new(0.0));
+            locate(raw, &store, 28.0, systems, &mut tally, &mut sky);
             let pairs = sky.into_iter().filter(rai_firmware::correction::Located::has_pair).collect();
             let site = Site::new(station.truth, raw.time, MASK_RAD, None);
-            let epoch = site.correct(&pairs, &mut tally.ranges);
+            site.correct(&pairs, &mut tally.ranges, &mut epoch);
             let clocks = epoch.observations().iter().map(|seen| {
                 (seen.satellite.is_qzss(), seen.range_m - distance_m(seen.position, station.truth))
             });

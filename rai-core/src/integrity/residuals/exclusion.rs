@@ -138,7 +138,8 @@ pub fn separable<T: Real>(
 
 /// True when no other set of as many rows or fewer passes the global test with a sum of squares within `T_d²` of this one's.
 fn is_unrivalled<T: Real>(snapshot: &Snapshot<'_, T>, set: &[usize], thresholds: &Thresholds<'_>) -> bool {
-    let rows = testable_rows(snapshot);
+    let mut rows = Vec::new();
+    testable_rows(snapshot, &mut rows);
     let (Some(margin), Some(found)) = (thresholds.w_test(snapshot.used()), Removal::among(&rows, set)) else {
         return false;
     };

@@ -5,6 +5,7 @@ use core::hint::black_box;
 
 use embedded_hal::digital::{ErrorType, OutputPin};
 use embedded_io::Write;
+use rai_core::epoch::Epoch;
 use rai_firmware::config::{Configuration, Systems};
 use rai_firmware::correction::{Site, Sky, Tally};
 use rai_firmware::ephemeris::Store;
@@ -71,15 +72,19 @@ pub fn locate(input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers
     let (mut store, mut raw) = (Store::new(), nothing());
     learn(input.0, &mut store, &mut raw);
     let mut tally = Tally::default();
-    let (sky, ticks) = stopwatch.time(|| {
-        rai_firmware::correction::locate(black_box(&raw), &store, 28.0, Systems::AT_START, &mut tally)
+    let mut sky = Sky::new();
+    let ((), ticks) = stopwatch.time(|| {
+        let raw = black_box(&raw);
+        rai_firmware::correction::locate(raw, &store, 28.0, Systems::AT_START, &mut tally, &mut sky);
     });
     answers.write(ticks, &sky.len())
 }
 
 #[inline(never)]
 fn sky(raw: &RawEpoch, store: &Store) -> Sky {
-    rai_firmware::correction::locate(raw, store, 28.0, Systems::AT_START, &mut Tally::default())
+    let mut sky = Sky::new();
+    rai_firmware::correction::locate(raw, store, 28.0, Systems::AT_START, &mut Tally::default(), &mut sky);
+    sky
 }
 
 /// Atmosphere and sigmas about a point, which comes first.
@@ -91,9 +96,10 @@ pub fn correct(mut input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut An
     let sky = sky(&raw, &store);
     let configuration = Configuration::at_start();
     let mut refusals = Tally::default().ranges;
-    let (epoch, ticks) = stopwatch.time(|| {
+    let mut epoch = Epoch::new(0.0);
+    let ((), ticks) = stopwatch.time(|| {
         let site = Site::new(black_box(point), raw.time, configuration.mask_rad, configuration.klobuchar);
-        site.correct(&sky, &mut refusals)
+        site.correct(&sky, &mut refusals, &mut epoch);
     });
     answers.write(ticks, &epoch.observations().len())
 }

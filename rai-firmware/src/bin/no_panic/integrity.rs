@@ -119,7 +119,7 @@ fn detection_and_protection<T: Real>() {
 
 fn removals<T: Real>() {
     reach!(
-        removal::testable_rows::<T> as fn(_) -> _,
+        removal::testable_rows::<T> as fn(_, _),
         NormalisedRow::<T>::projection as fn(_, _) -> _,
         Removal::<T>::none as fn() -> _,
         <Removal<T> as Default>::default as fn() -> _,

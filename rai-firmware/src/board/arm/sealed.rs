@@ -20,7 +20,11 @@ pub fn take() -> Option<&'static mut [u8; SEALED_BYTES]> {
                 return None;
             }
             let bytes = (&raw mut SEALED).cast::<[u8; SEALED_BYTES]>();
-            bytes.write(bytes.read_volatile());
+            // Byte by byte: as a whole it would go by way of the stack, in three thousand instructions without a loop.
+            for index in 0..SEALED_BYTES {
+                let byte = bytes.cast::<u8>().add(index);
+                byte.write(byte.read_volatile());
+            }
             Some(&mut *bytes)
         }
     })

@@ -132,7 +132,11 @@ fn search<T: Real>(
     match detect(snapshot, thresholds) {
         None => Finding { set: Err(Unidentified::NoRedundancy), sets: 0 },
         Some(detection) if !detection.fault() => Finding { set: Ok(Removal::none()), sets: 0 },
-        Some(_) => find(&Search { snapshot, thresholds, limits, rows: &testable_rows(snapshot) }),
+        Some(_) => {
+            let mut rows = Vec::new();
+            testable_rows(snapshot, &mut rows);
+            find(&Search { snapshot, thresholds, limits, rows: &rows })
+        }
     }
 }
 
@@ -166,7 +170,9 @@ pub fn simultaneous<T: Real>(
     if !detect(snapshot, thresholds).is_some_and(|detection| detection.fault()) {
         return Vec::new();
     }
-    let search = Search { snapshot, thresholds, limits, rows: &testable_rows(snapshot) };
+    let mut rows = Vec::new();
+    testable_rows(snapshot, &mut rows);
+    let search = Search { snapshot, thresholds, limits, rows: &rows };
     gather(search.correlated().map(|row| row.index))
 }
 
