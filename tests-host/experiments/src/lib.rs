@@ -13,6 +13,7 @@
 //!
 //! Seeds are fixed: the same build gives the same numbers.
 
+mod araim;
 mod chen2009;
 mod draw;
 mod interval;
@@ -59,6 +60,7 @@ pub const EXPERIMENTS: &[Experiment] = &[
     tian2024::EXPERIMENT,
     methods::EXPERIMENT,
     probabilities::EXPERIMENT,
+    araim::EXPERIMENT,
 ];
 
 /// One paper's experiments.

@@ -53,3 +53,8 @@ fn tian2024() {
 fn probabilities() {
     holds("probabilities");
 }
+
+#[test]
+fn araim() {
+    holds("araim");
+}

@@ -1,0 +1,470 @@
+//! The integrity risk: how often the core in `f32` promises a position that is beyond its level, by importance sampling.
+//!
+//! ```text
+//! share = Σ_k p_k Σ_outcomes max over b of P(|x_q| > L_q, outcome not alarmed | k, b) / PHMI
+//! ```
+//!
+//! Outcomes are: nobody left out; the right set left out; one of the sets that are taken most easily for it. Noise is drawn
+//! about the most likely one that does it, and weighed with how much more often:
+//!
+//! ```text
+//! z* = the shortest z with a·z ≥ α and d·z ≤ β           w = exp(|z*|²/2 − z*·z)
+//! a = (S C^½)_q      α = L_q − S_q f b        d = ((S − S^k) C^½)_q      β = T_k,q − S_q f b
+//! ```
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | `S`, `S^k` | gains with the satellites that the outcome leaves, and without mode `k` besides; of dense least squares |
+//! | `f`, `b` | a range of the satellite, or a shift of the constellation along the axis; its size, about `T_k,q` |
+//! | `C` | variances for integrity; nominal biases stand where they are worst |
+//! | `L`, `T` | as the core says them |
+//!
+//! What happens is decided by the core, from ranges; the dense part only says where to look. Too poor a place to look
+//! makes the interval wide, not the estimate wrong.
+
+use anyhow::Result;
+use nalgebra::{DMatrix, DVector};
+use rai_core::integrity::separation::{Allocation, Judged, Outcome, Priors, judge};
+use rai_core::satellite::Constellation;
+use rai_core::snapshot::Snapshot;
+use rai_core::weighting::Ism;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution as _, StandardNormal};
+use rayon::prelude::*;
+use tests_host::sky::Site;
+
+use super::scene::{Scene, spread};
+use super::{Effort, Finding, Interval, Judgement, Row, Section};
+use crate::draw::generator;
+
+/// Below this a constellation is not watched as a whole.
+const WATCHED: f64 = 1e-7;
+
+/// Sizes of the fault, as multiples of the one that moves the position by the threshold.
+const SIZES: [f64; 4] = [0.6, 0.9, 1.2, 1.6];
+
+/// Multiples of it at which the fault is left out.
+const EXCLUDED: [f64; 2] = [1.6, 2.5];
+
+/// Sets that are taken most easily for the faulty one.
+const CONFUSED: usize = 2;
+
+/// A metre that is beyond every test.
+const FAR_M: f64 = 2000.0;
+
+/// Where the skies are.
+pub(super) fn site() -> Site {
+    Site::geodetic(48.0, 11.0, 500.0)
+}
+
+/// A mode that can be wrong.
+#[derive(Clone, Debug)]
+pub(super) struct Mode {
+    /// Its satellites.
+    pub(super) taken: Vec<usize>,
+    probability: f64,
+    constellation: Option<Constellation>,
+}
+
+/// Single satellites, and constellations that are watched as a whole.
+pub(super) fn hypotheses(scene: &Scene) -> Vec<Mode> {
+    let single = |(index, one): (usize, &super::scene::Sighted)| Mode {
+        taken: vec![index],
+        probability: one.fault,
+        constellation: None,
+    };
+    let singles = scene.satellites.iter().enumerate().map(single);
+    let whole = Constellation::ALL.into_iter().zip(scene.constellations);
+    let whole = whole.filter(|(constellation, p)| *p > WATCHED && !scene.members(*constellation).is_empty());
+    let whole = whole.map(|(constellation, probability)| Mode {
+        taken: scene.members(constellation),
+        probability,
+        constellation: Some(constellation),
+    });
+    singles.chain(whole).collect()
+}
+
+/// Normalised noise.
+pub(super) fn normal(count: usize, generator: &mut ChaCha8Rng) -> DVector<f64> {
+    DVector::from_fn(count, |_, _| StandardNormal.sample(generator))
+}
+
+/// A mean of weights, and the variance of the mean.
+#[derive(Clone, Copy, Debug, Default)]
+struct Estimate {
+    mean: f64,
+    variance: f64,
+}
+
+impl Estimate {
+    fn of(weights: &[f64]) -> Self {
+        let count = weights.len() as f64;
+        let mean = weights.iter().sum::<f64>() / count;
+        let squares: f64 = weights.iter().map(|weight| (weight - mean).powi(2)).sum();
+        Self { mean, variance: squares / (count * (count - 1.0).max(1.0)) }
+    }
+
+    fn plus(self, other: Self) -> Self {
+        Self { mean: self.mean + other.mean, variance: self.variance + other.variance }
+    }
+
+    fn times(self, factor: f64) -> Self {
+        Self { mean: factor * self.mean, variance: factor * factor * self.variance }
+    }
+
+    fn larger(self, other: Self) -> Self {
+        if other.mean > self.mean { other } else { self }
+    }
+
+    fn finding(self) -> Finding {
+        let half = 1.96 * self.variance.sqrt();
+        let interval = Interval { low: (self.mean - half).max(0.0), high: self.mean + half };
+        Finding::Number { value: self.mean, decimals: 6, interval: Some(interval) }
+    }
+}
+
+/// A sky under one allocation, and which error is looked at.
+struct Trial<'s> {
+    scene: &'s Scene,
+    allocation: Allocation,
+    is_vertical: bool,
+    draws: u64,
+    modes: Vec<Mode>,
+    factors: [f64; 3],
+}
+
+/// Where to draw: the fault, the centre, and the outcome that counts.
+struct Aim {
+    fault_m: DVector<f64>,
+    centre: DVector<f64>,
+    left_out: u64,
+}
+
+/// The sections.
+pub(super) fn sections(effort: Effort) -> Result<Vec<Section>> {
+    [
+        ("vertical, LPV-200", Allocation::vertical_guidance(), true),
+        ("horizontal", Allocation::horizontal(), false),
+    ]
+    .into_iter()
+    .map(|(name, allocation, is_vertical)| section(effort, name, allocation, is_vertical))
+    .collect()
+}
+
+fn section(effort: Effort, name: &str, allocation: Allocation, is_vertical: bool) -> Result<Section> {
+    let draws = effort.pick(60, 2000);
+    let mut rows = Vec::new();
+    for (promise, ism) in [("RESEARCH", Ism::RESEARCH), ("ICAO", Ism::ICAO)] {
+        for (constellations, t_s) in [(2, 7200.0), (2, 30_000.0), (3, 7200.0)] {
+            let scene = Scene::above(&site(), constellations, t_s, &ism);
+            let words =
+                format!("{promise}, {} satellites of {constellations} systems", scene.satellites.len());
+            rows.extend(trial(&scene, allocation, is_vertical, draws, &words)?);
+        }
+    }
+    Ok(Section {
+        title: format!(
+            "Risk, {name}: promised and beyond the level over PHMI, {draws} draws for each fault and outcome"
+        ),
+        rows,
+    })
+}
+
+fn trial(
+    scene: &Scene,
+    allocation: Allocation,
+    is_vertical: bool,
+    draws: u64,
+    words: &str,
+) -> Result<Vec<Row>> {
+    let mut trial =
+        Trial { scene, allocation, is_vertical, draws, modes: hypotheses(scene), factors: [0.0; 3] };
+    let (judged, _) = trial.judge(&DVector::zeros(scene.satellites.len()))?;
+    trial.factors = judged.whole.factors.map(f64::from);
+    let budget = if is_vertical { allocation.integrity_vertical } else { allocation.integrity_horizontal };
+    let healthy = trial.fault_free(&judged)?.times(1.0 / budget);
+    let (mut satellite, mut constellation, mut total) = (Estimate::default(), Estimate::default(), healthy);
+    for mode in &trial.modes {
+        let share = trial.risk_of(mode, &judged)?.times(mode.probability / budget);
+        total = total.plus(share);
+        match mode.constellation {
+            None => satellite = satellite.larger(share),
+            Some(_) => constellation = constellation.larger(share),
+        }
+    }
+    let row = |what: &str, estimate: Estimate| {
+        let high = estimate.mean + 1.96 * estimate.variance.sqrt();
+        Row::new(format!("{words}: {what}"), "", estimate.finding(), Judgement::Ours)
+            .holding("interval below 1", high < 1.0)
+    };
+    let unwatched = f64::from(judged.whole.not_watched) / allocation.integrity();
+    let mut rows =
+        if is_vertical { vec![against_the_closed_form(&trial, &judged, words)?] } else { Vec::new() };
+    rows.extend([
+        row("no fault", healthy),
+        row("the worst satellite", satellite),
+        row("the worst constellation", constellation),
+        row("all of them", total).because(format!("beside what is not watched, {unwatched:.3} of PHMI")),
+    ]);
+    Ok(rows)
+}
+
+/// That the weights are right: without a fault the height is normal, and `P(|x_U| > L) = 2 Q((L − b)/σ)`.
+fn against_the_closed_form(trial: &Trial<'_>, judged: &Judged<f32>, words: &str) -> Result<Row> {
+    /// Of six rows of this kind none may miss by chance.
+    const WIDE: f64 = 4.0;
+    let gains = trial.scene.gains(&[])?;
+    let bias_m = gains.row(2).dot(&trial.nominal(&gains, 2).transpose());
+    let beyond = (f64::from(judged.whole.levels_m[2]) - bias_m) / trial.noise_gain(&gains, 2).norm();
+    let exact = libm::erfc(beyond / std::f64::consts::SQRT_2);
+    let ratio = trial.fault_free(judged)?.times(1.0 / exact);
+    let holds = (ratio.mean - 1.0).abs() <= WIDE * ratio.variance.sqrt();
+    let row = Row::new(
+        format!("{words}: no fault, sampled over closed form"),
+        "",
+        ratio.finding(),
+        Judgement::Ours,
+    );
+    Ok(row.holding("1 within four sigmas", holds))
+}
+
+impl Trial<'_> {
+    /// What the core makes of these ranges, and where it puts the position.
+    fn judge(&self, ranges_m: &DVector<f64>) -> Result<(Judged<f32>, [f64; 3])> {
+        let mut snapshot = Snapshot::solve(self.scene.epoch::<f32>(ranges_m)?)?;
+        let priors = Priors {
+            satellites: &self.scene.priors::<f32>(),
+            constellations: self.scene.constellations.map(|p| p as f32),
+        };
+        let judged = judge(&mut snapshot, &priors, &self.allocation)?;
+        let position = snapshot.correction();
+        Ok((judged, [0, 1, 2].map(|axis| f64::from(position[axis]))))
+    }
+
+    /// Axes along which a fault is aimed.
+    fn axes(&self) -> &'static [usize] {
+        if self.is_vertical { &[2] } else { &[0, 1] }
+    }
+
+    /// Whether the position is beyond the level.
+    fn is_beyond(&self, position_m: [f64; 3], levels_m: [f32; 3]) -> bool {
+        let [east, north, up] = position_m;
+        let [level_e, level_n, level_u] = levels_m.map(f64::from);
+        if self.is_vertical { up.abs() > level_u } else { east.hypot(north) > level_e.hypot(level_n) }
+    }
+
+    /// The level that an error along an axis has to exceed.
+    fn level_m(&self, levels_m: [f32; 3]) -> f64 {
+        let [east, north, up] = levels_m.map(f64::from);
+        if self.is_vertical { up } else { east.hypot(north) }
+    }
+
+    fn fault_free(&self, judged: &Judged<f32>) -> Result<Estimate> {
+        let gains = self.scene.gains(&[])?;
+        let mut largest = Estimate::default();
+        for &axis in self.axes() {
+            let towards = self.noise_gain(&gains, axis);
+            let nominal = self.nominal(&gains, axis);
+            let missing_m = self.level_m(judged.whole.levels_m) - gains.row(axis).dot(&nominal.transpose());
+            let centre = &towards * (missing_m / towards.norm_squared());
+            let aim = Aim { fault_m: nominal, centre, left_out: 0 };
+            // To either side.
+            largest = largest.larger(self.estimate(&aim, axis as u64)?.times(2.0));
+        }
+        Ok(largest)
+    }
+
+    /// Of all outcomes under a mode, the largest over the size of the fault each.
+    fn risk_of(&self, mode: &Mode, judged: &Judged<f32>) -> Result<Estimate> {
+        let mut largest = Estimate::default();
+        for &axis in self.axes() {
+            let mut sum = self.largest(mode, &[], judged.whole.levels_m, axis, &SIZES)?;
+            for left_out in self.likely_exclusions(mode, axis)? {
+                if let Some(levels_m) = self.levels_without(&left_out)? {
+                    let sizes = if left_out == mode.taken { &EXCLUDED[..] } else { &SIZES[1..] };
+                    sum = sum.plus(self.largest(mode, &left_out, levels_m, axis, sizes)?);
+                }
+            }
+            largest = largest.larger(sum);
+        }
+        Ok(largest)
+    }
+
+    /// The largest over the size of the fault, for one outcome.
+    fn largest(
+        &self,
+        mode: &Mode,
+        left_out: &[usize],
+        levels_m: [f32; 3],
+        axis: usize,
+        sizes: &[f64],
+    ) -> Result<Estimate> {
+        let mut largest = Estimate::default();
+        for (number, &size) in (0..).zip(sizes) {
+            let Some(aim) = self.aim(mode, left_out, levels_m, axis, size)? else { continue };
+            largest = largest.larger(self.estimate(&aim, number << 8 | axis as u64)?);
+        }
+        Ok(largest)
+    }
+
+    /// The mode itself, and those whose separation looks most like its own.
+    fn likely_exclusions(&self, mode: &Mode, axis: usize) -> Result<Vec<Vec<usize>>> {
+        let all = self.scene.gains(&[])?;
+        let moved = |taken: &[usize]| -> Result<DVector<f64>> {
+            Ok(self.noise_gain(&(self.scene.gains(taken)? - &all), axis).normalize())
+        };
+        let own = moved(&mode.taken)?;
+        let mut others: Vec<(f64, &Mode)> = Vec::new();
+        for other in self.modes.iter().filter(|other| other.taken != mode.taken) {
+            others.push((moved(&other.taken)?.dot(&own).abs(), other));
+        }
+        others.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let confused = others.into_iter().take(CONFUSED).map(|(_, other)| other.taken.clone());
+        Ok(std::iter::once(mode.taken.clone()).chain(confused).collect())
+    }
+
+    /// The levels that the core says after it has left out a set, where it does.
+    fn levels_without(&self, left_out: &[usize]) -> Result<Option<[f32; 3]>> {
+        let mut ranges_m = DVector::zeros(self.scene.satellites.len());
+        for &index in left_out {
+            // One satellite is far off; several agree on a place that is.
+            let along = if left_out.len() == 1 { 1.0 } else { -self.scene.satellites[index].direction.x };
+            ranges_m[index] = FAR_M * along;
+        }
+        let (judged, _) = self.judge(&ranges_m)?;
+        Ok(match judged.outcome {
+            Outcome::Excluded { rows, finding, .. } if rows == set(left_out) => Some(finding.levels_m),
+            _ => None,
+        })
+    }
+
+    /// Where to draw so that the position is beyond the level and the tests of what is left see nothing.
+    fn aim(
+        &self,
+        mode: &Mode,
+        left_out: &[usize],
+        levels_m: [f32; 3],
+        axis: usize,
+        size: f64,
+    ) -> Result<Option<Aim>> {
+        let (is_right, all) = (left_out == mode.taken, self.scene.gains(&[])?);
+        let kept = self.scene.gains(left_out)?;
+        let both: Vec<usize> = left_out.iter().chain(&mode.taken).copied().collect();
+        let Ok(without) = self.scene.gains(&both) else { return Ok(None) };
+        // The threshold of the mode in what its fault has to pass, or to exceed.
+        let moved = if is_right { &kept - &all } else { &without - &kept };
+        let accuracies_m = self.scene.satellites.iter().map(|one| one.accuracy_m);
+        let threshold_m = self.factors[axis] * spread(moved.row(axis).iter().copied(), accuracies_m);
+        let unit = self.unit_fault(mode, axis);
+        let per_metre = (if is_right { &all } else { &kept }).row(axis).dot(&unit.transpose());
+        if per_metre.abs() < 1e-6 {
+            return Ok(None);
+        }
+        let nominal = self.nominal(&without, axis);
+        let fault_m = &unit * (size * threshold_m / per_metre) + nominal;
+        let missing_m = self.level_m(levels_m) - kept.row(axis).dot(&fault_m.transpose());
+        let towards = self.noise_gain(&kept, axis);
+        let seen = self.noise_gain(&(&kept - &without), axis);
+        let room_m = threshold_m - (&kept - &without).row(axis).dot(&fault_m.transpose());
+        let centre = if is_right {
+            &towards * (missing_m.max(0.0) / towards.norm_squared())
+        } else {
+            nearest(&towards, missing_m, &seen, room_m)
+        };
+        Ok(Some(Aim { fault_m, centre, left_out: set(left_out) }))
+    }
+
+    /// A metre of the fault: of one range, or of a shift along the axis that all members share.
+    fn unit_fault(&self, mode: &Mode, axis: usize) -> DVector<f64> {
+        let mut fault = DVector::zeros(self.scene.satellites.len());
+        for &index in &mode.taken {
+            fault[index] = match mode.constellation {
+                None => 1.0,
+                Some(_) => -self.scene.satellites[index].direction[axis],
+            };
+        }
+        fault
+    }
+
+    /// `(S C^½)_q`.
+    fn noise_gain(&self, gains: &DMatrix<f64>, axis: usize) -> DVector<f64> {
+        DVector::from_fn(gains.ncols(), |index, _| {
+            gains[(axis, index)] * self.scene.satellites[index].sigma_m
+        })
+    }
+
+    /// Nominal biases where they move the position most.
+    fn nominal(&self, gains: &DMatrix<f64>, axis: usize) -> DVector<f64> {
+        DVector::from_fn(gains.ncols(), |index, _| {
+            gains[(axis, index)].signum() * self.scene.satellites[index].bias_m
+        })
+    }
+
+    /// Draws about the centre, and counts what the core does.
+    fn estimate(&self, aim: &Aim, stream: u64) -> Result<Estimate> {
+        let count = self.scene.satellites.len();
+        let half = aim.centre.norm_squared() / 2.0;
+        let weight = |number: u64| -> Result<f64> {
+            let drawn = normal(count, &mut generator(6000 + stream, number)) + &aim.centre;
+            let noise =
+                DVector::from_fn(count, |index, _| drawn[index] * self.scene.satellites[index].sigma_m);
+            let (judged, position_m) = self.judge(&(noise + &aim.fault_m))?;
+            let (left_out, levels_m) = match &judged.outcome {
+                Outcome::Passed => (0, judged.whole.levels_m),
+                Outcome::Excluded { rows, finding, .. } => (*rows, finding.levels_m),
+                Outcome::NotIsolated => return Ok(0.0),
+            };
+            let counts = left_out == aim.left_out && self.is_beyond(position_m, levels_m);
+            Ok(if counts { (half - aim.centre.dot(&drawn)).exp() } else { 0.0 })
+        };
+        let weights: Vec<f64> = (0..self.draws).into_par_iter().map(weight).collect::<Result<_>>()?;
+        Ok(Estimate::of(&weights))
+    }
+}
+
+/// A bit for each row.
+fn set(rows: &[usize]) -> u64 {
+    rows.iter().fold(0, |set, index| set | 1 << index)
+}
+
+/// The shortest `z` with `a·z ≥ α` and `d·z ≤ β`.
+fn nearest(a: &DVector<f64>, alpha: f64, d: &DVector<f64>, beta: f64) -> DVector<f64> {
+    let zero = DVector::zeros(a.len());
+    let far = if alpha > 0.0 { a * (alpha / a.norm_squared()) } else { zero.clone() };
+    if d.dot(&far) <= beta {
+        return far;
+    }
+    let quiet = d * (beta.min(0.0) / d.norm_squared());
+    if a.dot(&quiet) >= alpha {
+        return quiet;
+    }
+    let (aa, ad, dd) = (a.norm_squared(), a.dot(d), d.norm_squared());
+    let determinant = aa * dd - ad * ad;
+    if determinant <= 1e-9 * aa * dd {
+        return far;
+    }
+    a * ((alpha * dd - beta * ad) / determinant) + d * ((beta * aa - alpha * ad) / determinant)
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::DVector;
+
+    use super::nearest;
+
+    /// In the plane, by hand: alone `a` asks for (2, 0); `d` along (1, 1) allows 1 of the sum, so that the corner is (2, −1).
+    #[test]
+    fn the_nearest_point_is_on_the_borders_that_bind() {
+        let vector = |x, y| DVector::from_vec(vec![x, y]);
+        let (a, d) = (vector(1.0, 0.0), vector(1.0, 1.0));
+        for (alpha, beta, want) in [
+            (2.0, 5.0, vector(2.0, 0.0)),
+            (2.0, 1.0, vector(2.0, -1.0)),
+            (-3.0, 1.0, vector(0.0, 0.0)),
+            (-3.0, -2.0, vector(-1.0, -1.0)),
+        ] {
+            let have = nearest(&a, alpha, &d, beta);
+            assert!((&have - &want).norm() < 1e-12, "{alpha} {beta}: have {have}, want {want}");
+        }
+    }
+}
