@@ -13,7 +13,7 @@ use rai_core::equations::LinearEpoch;
 use rai_core::integrity::separation::{Allocation, Finding, Judged, Outcome, Prior, Priors, ROWS, judge};
 use rai_core::numeric::real::Real;
 use rai_core::satellite::Constellation;
-use rai_core::snapshot::Snapshot;
+use rai_core::snapshot::{Snapshot, Workspace};
 
 /// Probability that a constellation fails.
 const CONSTELLATION: f64 = 5e-5;
@@ -71,14 +71,15 @@ fn priors<T: Real>(sky: &[Sighted]) -> Vec<Prior<T>> {
     sky.iter().map(prior).collect()
 }
 
-fn judged<T: Real>(snapshot: &mut Snapshot<T, ROWS>, sky: &[Sighted]) -> Judged<T> {
+fn judged<T: Real>(snapshot: &mut Snapshot<'_, T>, sky: &[Sighted]) -> Judged<T> {
     let constellations = [T::narrow(CONSTELLATION); Constellation::COUNT];
     judge(snapshot, &Priors { satellites: &priors(sky), constellations }, &allocation()).unwrap()
 }
 
 /// Of geometries that determine a position well enough to compare roundings.
 fn solved(sky: &[Sighted], turned: f64) -> Option<Judged<f64>> {
-    let mut snapshot = Snapshot::solve(epoch(sky, turned)).ok()?;
+    let mut workspace = Workspace::of(epoch(sky, turned));
+    let mut snapshot = workspace.solve().ok()?;
     Some(judged(&mut snapshot, sky))
 }
 
@@ -159,7 +160,8 @@ proptest! {
     #[test]
     fn a_satellite_that_is_left_out_is_as_one_that_never_was(sky in sky(), choice in any::<prop::sample::Index>()) {
         let gone = choice.index(sky.len());
-        let Ok(mut snapshot) = Snapshot::solve(epoch(&sky, 0.0)) else { return Ok(()) };
+        let mut workspace = Workspace::of(epoch(&sky, 0.0));
+        let Ok(mut snapshot) = workspace.solve() else { return Ok(()) };
         if snapshot.leave_out(gone).is_err() {
             return Ok(());
         }
@@ -221,7 +223,8 @@ proptest! {
 }
 
 fn check_numbers<T: Real>(sky: &[Sighted]) -> Result<(), TestCaseError> {
-    let Ok(mut snapshot) = Snapshot::<T, ROWS>::solve(epoch(sky, 0.0)) else { return Ok(()) };
+    let mut workspace = Workspace::<T, ROWS>::of(epoch(sky, 0.0));
+    let Ok(mut snapshot) = workspace.solve() else { return Ok(()) };
     let constellations = [T::narrow(CONSTELLATION); Constellation::COUNT];
     let priors = Priors { satellites: &priors(sky), constellations };
     let Ok(judged) = judge(&mut snapshot, &priors, &allocation()) else { return Ok(()) };

@@ -10,7 +10,7 @@
 use anyhow::Result;
 use nalgebra::DVector;
 use rai_core::integrity::separation::{Allocation, Priors, judge};
-use rai_core::snapshot::Snapshot;
+use rai_core::snapshot::Workspace;
 use rai_core::weighting::Ism;
 use rand::Rng as _;
 use rayon::prelude::*;
@@ -61,7 +61,8 @@ fn weights(scene: &Scene, allocation: &Allocation, draws: u64) -> Result<Vec<f64
     let count = scene.satellites.len();
     let priors =
         Priors { satellites: &scene.priors::<f32>(), constellations: scene.constellations.map(|p| p as f32) };
-    let mut snapshot = Snapshot::solve(scene.epoch::<f32>(&DVector::zeros(count))?)?;
+    let mut workspace = Workspace::of(scene.epoch::<f32>(&DVector::zeros(count))?);
+    let mut snapshot = workspace.solve()?;
     let factors = judge(&mut snapshot, &priors, allocation)?.whole.factors;
     let all = scene.gains(&[])?;
     let mut centres: Vec<DVector<f64>> = Vec::new();
@@ -81,7 +82,8 @@ fn weights(scene: &Scene, allocation: &Allocation, draws: u64) -> Result<Vec<f64
             let sign = if chance.random() { 1.0 } else { -1.0 };
             let drawn = normal(count, &mut chance) + centre * sign;
             let noise = DVector::from_fn(count, |index, _| drawn[index] * scene.satellites[index].accuracy_m);
-            let mut snapshot = Snapshot::solve(scene.epoch::<f32>(&noise)?)?;
+            let mut workspace = Workspace::of(scene.epoch::<f32>(&noise)?);
+            let mut snapshot = workspace.solve()?;
             if !judge(&mut snapshot, &priors, allocation)?.whole.alarm {
                 return Ok(0.0);
             }

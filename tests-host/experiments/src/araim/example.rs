@@ -7,7 +7,7 @@ use anyhow::{Context as _, Result};
 use nalgebra::{DVector, Vector3};
 use rai_core::integrity::separation::{Allocation, Priors, judge};
 use rai_core::satellite::Constellation;
-use rai_core::snapshot::Snapshot;
+use rai_core::snapshot::{Snapshot, Workspace};
 
 use super::scene::{Scene, Sighted, spread};
 use super::{Finding, Judgement, Row, Section};
@@ -74,7 +74,8 @@ fn scene() -> Scene {
 /// The section.
 pub(super) fn section() -> Result<Section> {
     let scene = scene();
-    let mut snapshot = Snapshot::<f64, 64>::solve(widened(&scene)?)?;
+    let mut workspace = Workspace::of(widened(&scene)?);
+    let mut snapshot = workspace.solve()?;
     let mut rows = residuals(&scene, &snapshot)?;
     rows.extend(modes(&scene, &mut snapshot)?);
     rows.extend(levels(&scene)?);
@@ -109,7 +110,7 @@ fn row(quantity: String, have: &[f64], want: &[f64], decimals: u8) -> Row {
 }
 
 /// Redundancy and gauge of the core, the variance of the residual of dense least squares.
-fn residuals(scene: &Scene, snapshot: &Snapshot<f64, 64>) -> Result<Vec<Row>> {
+fn residuals(scene: &Scene, snapshot: &Snapshot<'_, f64>) -> Result<Vec<Row>> {
     let all = scene.gains(&[])?;
     let mut rows = Vec::new();
     for (index, want) in RESIDUALS.iter().enumerate() {
@@ -135,7 +136,7 @@ fn row_of_six(quantity: String, have: &[f64], want: &[f64]) -> Row {
 }
 
 /// Sigmas of the core, separations and biases of dense least squares.
-fn modes(scene: &Scene, snapshot: &mut Snapshot<f64, 64>) -> Result<Vec<Row>> {
+fn modes(scene: &Scene, snapshot: &mut Snapshot<'_, f64>) -> Result<Vec<Row>> {
     let all = scene.gains(&[])?;
     let sets = (0..10).map(|index| vec![index]).chain([0, 1].map(|id| scene.members(Constellation::ALL[id])));
     let mut rows = Vec::new();
@@ -177,7 +178,8 @@ fn levels(scene: &Scene) -> Result<Vec<Row>> {
         ..Allocation::vertical_guidance()
     };
     let priors = Priors { satellites: &scene.priors::<f64>(), constellations: scene.constellations };
-    let mut snapshot = Snapshot::solve(scene.epoch::<f64>(&DVector::zeros(10))?)?;
+    let mut workspace = Workspace::of(scene.epoch::<f64>(&DVector::zeros(10))?);
+    let mut snapshot = workspace.solve()?;
     let found = judge(&mut snapshot, &priors, &allocation)?.whole;
     let number = |name: &str, printed: &str, have: f64, want: f64, decimals: usize, within: f64| {
         Row::new(name, printed, Finding::exact(have, decimals), Judgement::Reproduced)

@@ -9,7 +9,7 @@ use anyhow::{Context as _, Result};
 use nalgebra::{DVector, Vector3};
 use rai_core::integrity::separation::{Allocation, Priors, judge};
 use rai_core::satellite::Constellation;
-use rai_core::snapshot::Snapshot;
+use rai_core::snapshot::Workspace;
 use serde_json::Value;
 
 use super::scene::{Scene, Sighted};
@@ -37,7 +37,8 @@ pub(super) fn section() -> Result<Section> {
         exclusion: false,
     };
     let scene = scene(&run)?;
-    let mut snapshot = Snapshot::solve(scene.epoch::<f64>(&DVector::zeros(scene.satellites.len()))?)?;
+    let mut workspace = Workspace::of(scene.epoch::<f64>(&DVector::zeros(scene.satellites.len()))?);
+    let mut snapshot = workspace.solve()?;
     let priors = Priors { satellites: &scene.priors::<f64>(), constellations: scene.constellations };
     let found = judge(&mut snapshot, &priors, &allocation)?.whole;
     let published = |name: &str| number(&run["published"][name]);

@@ -26,7 +26,7 @@ use anyhow::Result;
 use nalgebra::{DMatrix, DVector};
 use rai_core::integrity::separation::{Allocation, Judged, Outcome, Priors, judge};
 use rai_core::satellite::Constellation;
-use rai_core::snapshot::Snapshot;
+use rai_core::snapshot::Workspace;
 use rai_core::weighting::Ism;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
@@ -231,7 +231,8 @@ fn against_the_closed_form(trial: &Trial<'_>, judged: &Judged<f32>, words: &str)
 impl Trial<'_> {
     /// What the core makes of these ranges, and where it puts the position.
     fn judge(&self, ranges_m: &DVector<f64>) -> Result<(Judged<f32>, [f64; 3])> {
-        let mut snapshot = Snapshot::solve(self.scene.epoch::<f32>(ranges_m)?)?;
+        let mut workspace = Workspace::of(self.scene.epoch::<f32>(ranges_m)?);
+        let mut snapshot = workspace.solve()?;
         let priors = Priors {
             satellites: &self.scene.priors::<f32>(),
             constellations: self.scene.constellations.map(|p| p as f32),
