@@ -22,7 +22,7 @@ use rai_core::numeric::real::Real;
 use rai_core::requirements::Requirements;
 use rai_firmware::correction::CAPACITY;
 use rai_firmware::time::GpsTime;
-use tests_host::bench::workload::{Stream, epoch, site};
+use tests_host::bench::workload::{Stream, Wrong, epoch, site};
 use tests_host::replay::{Lump, Pace, on_host};
 
 /// Sizes of skies.
@@ -78,7 +78,7 @@ fn methods(criterion: &mut Criterion) {
 }
 
 fn module(criterion: &mut Criterion) {
-    let stream = Stream::new(STREAM_EPOCHS, 20, (0, 0.0)).expect("a stream of so many satellites");
+    let stream = Stream::with(STREAM_EPOCHS, 20, Wrong::NOTHING).expect("a stream of so many satellites");
     let lump = |(number, bytes): (u32, Vec<u8>)| Lump {
         time: GpsTime { week: 2295, tow_ms: 86_400_000 + 1000 * number },
         elapsed_s: f64::from(number),

@@ -8,7 +8,7 @@ use std::time::Duration;
 use anyhow::{Context, Result};
 
 use super::stages::{Figure, METHODS};
-use super::workload::Stream;
+use super::workload::{Stream, Wrong};
 use crate::board::EmulatedBoard;
 use crate::image::{self, Image};
 
@@ -33,7 +33,7 @@ pub fn measure() -> Result<Vec<Figure>> {
 }
 
 fn stack_bytes(image: &std::path::Path) -> Result<u64> {
-    let stream = Stream::new(EPOCHS, 40, (3, 5.0))?;
+    let stream = Stream::with(EPOCHS, 40, Wrong { faults: 3, scale: 1.0, from_s: 5.0 })?;
     let mut board = EmulatedBoard::start(image)?;
     board.read_through("$PRAIV", PATIENCE)?;
     board.command("CLOCKAID,ON")?;

@@ -6,7 +6,8 @@ use anyhow::{Context, Result};
 use rai_core::frame::Ecef;
 
 use super::profile::Profile;
-use super::workload::{Stream, epoch, site, start};
+use super::workload::{Stream, Wrong, epoch, site, start};
+use super::{budget, worst};
 use crate::laboratory::{Answer, Bench, Scalar, Stage, epoch_bytes, point_bytes};
 
 /// One figure: what it is of, and what it came to.
@@ -60,6 +61,12 @@ pub fn measure() -> Result<Vec<Figure>> {
 /// # Errors
 /// As [`measure`]; also where no stage has such a name, which the message then lists.
 pub fn profile(words: &str) -> Result<(String, Profile)> {
+    // Those that a search has found are among the committed figures only.
+    if let Some(found) = budget::committed()?.into_keys().find(|name| name.contains(words))
+        && let Some(profile) = worst::profile(&found)?
+    {
+        return Ok((found, profile));
+    }
     let cases = cases()?;
     let names = || cases.iter().map(|case| case.name.as_str()).collect::<Vec<_>>().join("\n  ");
     let case = cases.iter().find(|case| case.name.contains(words));
@@ -258,7 +265,7 @@ fn thresholds_and_clock() -> Result<Vec<Case>> {
 }
 
 fn wire() -> Result<Vec<Case>> {
-    let stream = Stream::new(3, 20, (0, 0.0))?;
+    let stream = Stream::with(3, 20, Wrong::NOTHING)?;
     let on = format!("{} satellites", stream.satellites);
     let (before, last) = stream.split()?;
     let all = stream.epochs.concat();
@@ -276,7 +283,7 @@ fn wire() -> Result<Vec<Case>> {
         case("orbits and clocks", Stage::Locate, all.clone(), Some(100_000)),
         case("atmosphere and sigmas", Stage::Correct, [here, all.clone()].concat(), Some(40_000)),
         case("sentences", Stage::Speak, all, Some(45_000)),
-        case("whole epoch, bytes in to bytes out", Stage::Whole, whole("", &before, last), Some(340_000)),
+        case("whole epoch, bytes in to bytes out", Stage::Whole, whole(&[], &before, last), Some(340_000)),
     ])
 }
 
@@ -284,45 +291,8 @@ fn halves(before: &[u8], last: &[u8]) -> Vec<u8> {
     [&(before.len() as u32).to_le_bytes(), before, last].concat()
 }
 
-/// A command, what came before, the epoch.
-fn whole(command: &str, before: &[u8], last: &[u8]) -> Vec<u8> {
-    let sentence = if command.is_empty() { String::new() } else { crate::sentence::command(command) };
-    [vec![sentence.len() as u8], sentence.into_bytes(), halves(before, last)].concat()
-}
-
-/// The worst-case epoch: 40 satellites, up to three of them faulty, any method; in the midst of a stream, and the first
-/// of one, which brings the ephemerides and knows no position.
-///
-/// # Errors
-/// As [`measure`].
-pub fn worst_case() -> Result<[Figure; 2]> {
-    let mut later = Vec::new();
-    let mut first = Vec::new();
-    for method in METHODS {
-        for faults in 0..=3 {
-            let command = format!("METHOD,{method}");
-            let case = |input, place: &str| Case {
-                name: format!("{place}: {method}, {faults} faults"),
-                stage: Stage::Whole,
-                scalar: Scalar::Single,
-                input,
-                target: None,
-                epochs: 1,
-            };
-            let stream = Stream::new(3, 40, (faults, 2.0))?;
-            let (before, last) = stream.split()?;
-            later.push(case(whole(&command, &before, last), "worst-case epoch of a stream"));
-            let stream = Stream::new(1, 40, (faults, 0.0))?;
-            let (before, only) = stream.split()?;
-            first.push(case(whole(&command, &before, only), "worst-case first epoch"));
-        }
-    }
-    Ok([worst(&later, 2_500_000)?, worst(&first, 3_000_000)?])
-}
-
-fn worst(cases: &[Case], target: u64) -> Result<Figure> {
-    let answers = run(cases)?;
-    let figures = cases.iter().zip(answers);
-    let (case, answer) = figures.max_by_key(|(_, answer)| answer.instructions).context("no cases")?;
-    Ok(Figure { name: case.name.clone(), value: answer.instructions, target: Some(target) })
+/// Commands, what came before, the epoch.
+pub(super) fn whole(commands: &[String], before: &[u8], last: &[u8]) -> Vec<u8> {
+    let sentences: String = commands.iter().map(|command| crate::sentence::command(command)).collect();
+    [vec![sentences.len() as u8], sentences.into_bytes(), halves(before, last)].concat()
 }

@@ -89,6 +89,33 @@ fn named(index: usize, count: usize, constellations: usize) -> Result<SatelliteI
     SatelliteId::new(constellation, index as u8 + 1).context("no such number")
 }
 
+/// Which satellites of a stream are wrong, and since when.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wrong {
+    /// How many, evenly spread; never two next to each other while there are few.
+    pub faults: usize,
+    /// Of the biases, which without it are some hundred metres, and differ.
+    pub scale: f64,
+    /// Seconds into the stream.
+    pub from_s: f64,
+}
+
+impl Wrong {
+    /// None of them.
+    pub const NOTHING: Self = Self { faults: 0, scale: 0.0, from_s: 0.0 };
+
+    /// Bias of one of `count` satellites, m.
+    fn of_m(&self, index: usize, count: usize) -> f64 {
+        let before = |index: usize| index * self.faults / count;
+        if before(index) == before(index + 1) {
+            return 0.0;
+        }
+        let number = before(index);
+        let size_m = FAULTS_M.get(number % FAULTS_M.len()).copied().unwrap_or_default();
+        self.scale * size_m * (1 + number / FAULTS_M.len()) as f64
+    }
+}
+
 /// RTCM of a receiver of two systems, in epochs of one second; the first brings the ephemerides.
 pub struct Stream {
     /// Bytes of each epoch.
@@ -98,18 +125,18 @@ pub struct Stream {
 }
 
 impl Stream {
-    /// A stream over a sky of `count` satellites, `faults` of them wrong from `from_s` on.
+    /// A stream over a sky of `count` satellites, some of them wrong.
     ///
     /// # Errors
     /// Where a message cannot be encoded.
-    pub fn new(epochs: u32, count: usize, (faults, from_s): (usize, f64)) -> Result<Self> {
+    pub fn with(epochs: u32, count: usize, wrong: Wrong) -> Result<Self> {
         let simulation = simulation(epochs, count);
         let seen = simulation.sights_at(0);
         let mut recording = simulation.record();
         for (index, sight) in seen.iter().enumerate() {
-            let kind = Kind::Step { bias_m: fault_m(index, faults) };
+            let kind = Kind::Step { bias_m: wrong.of_m(index, seen.len()) };
             let target = Target::Satellite(sight.satellite);
-            let fault = Fault { target, kind, start_s: from_s, end_s: f64::INFINITY };
+            let fault = Fault { target, kind, start_s: wrong.from_s, end_s: f64::INFINITY };
             for (number, epoch) in recording.epochs.iter_mut().enumerate() {
                 fault.apply(epoch, number as f64);
             }

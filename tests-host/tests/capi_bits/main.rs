@@ -5,7 +5,7 @@
 mod session;
 
 use session::Session;
-use tests_host::bench::workload::{self, Stream};
+use tests_host::bench::workload::{self, Stream, Wrong};
 use tests_host::board::Machine;
 use tests_host::capi::calls::Answer;
 use tests_host::capi::program::{ARM, Language, SANITISED, on_board, on_host};
@@ -52,7 +52,7 @@ fn monitored(session: &mut Session) {
 
 /// A receiver's first epochs, commands between them, and a silence.
 fn received(session: &mut Session) {
-    let stream = Stream::new(8, 40, (3, 3.0)).expect("a stream");
+    let stream = Stream::with(8, 40, Wrong { faults: 3, scale: 1.0, from_s: 3.0 }).expect("a stream");
     session.start();
     let commands =
         ["CLOCKAID,ON", "METHOD,RANSAC", "METHOD,SEPARATION", "PHASE,LPV200", "METHOD,GROUPING", "STATS"];

@@ -63,7 +63,7 @@ pub fn consensus<T: Real>(
     selection: &Selection,
     limits: &ConsensusLimits<'_>,
 ) -> Result<Consensus, NoConsensus> {
-    if selection.subsets() < 2 || selection.rows() != rows.len() {
+    if selection.subsets() < 2 || selection.rows() > rows.len() {
         return Err(NoConsensus::TooFewSubsets);
     }
     let bound = disagreement(rows, limits).ok_or(NoConsensus::TooFewSubsets)?;

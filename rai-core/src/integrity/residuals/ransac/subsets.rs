@@ -28,10 +28,11 @@ impl Subsets {
     #[inline(never)]
     pub fn of<T: Real>(&mut self, epoch: &EpochView<'_>, rows: &[Row<T>]) -> &Selection {
         let satellites = || epoch.observations().iter().map(|observation| observation.satellite);
-        let known = self.selection.rows() == rows.len() && self.satellites.iter().copied().eq(satellites());
-        if !known {
+        if !self.satellites.iter().copied().eq(satellites()) {
             self.satellites = gather(satellites());
-            self.selection = Selection::choose(rows, MAX_WORK);
+            // Without the aiding rows behind them, which come and go.
+            let of_satellites = rows.get(..self.satellites.len()).unwrap_or(rows);
+            self.selection = Selection::choose(of_satellites, MAX_WORK);
         }
         &self.selection
     }
