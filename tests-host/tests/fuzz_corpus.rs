@@ -53,3 +53,8 @@ fn mutations_of_ephemerides_pass() {
 fn mutations_of_epochs_pass() {
     mutate("epoch");
 }
+
+#[test]
+fn mutations_of_calls_from_c_pass() {
+    mutate("capi");
+}

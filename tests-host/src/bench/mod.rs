@@ -8,6 +8,7 @@
 //! a cycle or a few, and at 168 MHz a million of them about 7 ms.
 
 pub mod budget;
+pub mod library;
 pub mod memory;
 pub mod stages;
 pub mod workload;
@@ -37,6 +38,8 @@ impl Measurement {
         figures.extend(stages::worst_case()?);
         progress("memory of the shipped image");
         figures.extend(memory::measure()?);
+        progress("flash and objects of the library for C");
+        figures.extend(library::measure()?);
         Ok(Self { figures })
     }
 

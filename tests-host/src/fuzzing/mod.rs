@@ -10,10 +10,12 @@
 //! | [`command`] | the host port: `$PRAIC` lines, then a sky | [`overheard`]; a refused line changes nothing |
 //! | [`ephemeris`] | an ephemeris' fields and instants | radius, speed and clock within what Kepler and the fields allow |
 //! | [`epoch`] | requirements, strategies, epochs with anything in them | what a report promises |
+//! | [`capi`] | calls of the C interface with arguments of every kind | a refusal changes nothing; nothing is written beyond what was handed in |
 //!
 //! The folder `fuzz` holds the corpus, a few hundred small files a target, and the crate that cargo-fuzz builds.
 //! The seeds behind them are of simulated skies ([`seeds`]); no recording is among them.
 
+pub mod capi;
 pub mod command;
 pub mod ephemeris;
 pub mod epoch;
@@ -36,9 +38,10 @@ pub struct Target {
 }
 
 /// All targets.
-pub const TARGETS: [Target; 4] = [
+pub const TARGETS: [Target; 5] = [
     Target { name: "stream", run: stream::run },
     Target { name: "command", run: command::run },
     Target { name: "ephemeris", run: ephemeris::run },
     Target { name: "epoch", run: epoch::run },
+    Target { name: "capi", run: capi::run },
 ];
