@@ -74,6 +74,7 @@ pub fn note(note: Note, rings: impl FnOnce()) {
             defmt::info!("stack high water {=u32} bytes", stack::high_water_bytes());
             rings();
         }
+        Note::GnssRate(baud) => defmt::info!("GNSS port at {=u32} baud", baud),
         Note::Lost(losses) => defmt::warn!("bytes lost since start: {}", losses),
     }
 }
