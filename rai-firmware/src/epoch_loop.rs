@@ -13,6 +13,7 @@
 //! What an epoch costs is noted with it: ticks that the receiver was busy since the last epoch, and ticks from its last
 //! byte to the pin. That byte came no earlier than the loop last found nothing waiting or was woken.
 
+use crate::bit_rate::BitRate;
 use crate::board::{Board, Note, PortLosses};
 use crate::receiver::Receiver;
 use crate::timed_ring::Taken;
@@ -37,12 +38,19 @@ pub struct EpochLoop {
     /// What waits came after this instant.
     silent_until_ticks: u64,
     losses: PortLosses,
+    rate: BitRate,
 }
 
 impl EpochLoop {
     /// A loop before its first pass.
     pub const fn new() -> Self {
-        Self { busy_ticks: 0, epochs: 0, silent_until_ticks: 0, losses: PortLosses::NONE }
+        Self {
+            busy_ticks: 0,
+            epochs: 0,
+            silent_until_ticks: 0,
+            losses: PortLosses::NONE,
+            rate: BitRate::new(),
+        }
     }
 
     /// Goes round until the host asks for a reset.
@@ -56,6 +64,7 @@ impl EpochLoop {
     pub fn pass<B: Board>(&mut self, board: &mut B, receiver: &mut Receiver<B::Pin>) {
         self.take_gnss(board, receiver);
         take_command(board, receiver);
+        self.set_rate(board, receiver);
         receiver.seal(board.sealed());
         look_at_clock(board, receiver);
         self.note_losses(board, receiver);
@@ -73,9 +82,13 @@ impl EpochLoop {
         let start_ticks = board.now_ticks();
         match board.gnss(&mut chunk) {
             Taken::Nothing => self.silent_until_ticks = start_ticks,
-            Taken::Lost => receiver.interrupt(),
+            Taken::Lost => {
+                self.rate.hear(board.now_ms());
+                receiver.interrupt();
+            }
             Taken::Bytes { count, came_ms } => {
                 let now_ms = board.now_ms();
+                self.rate.hear(now_ms);
                 let bytes = chunk.get(..count).unwrap_or_default();
                 let judged = receiver.gnss_since(bytes, came_ms, now_ms, board.host());
                 self.busy_ticks += board.now_ticks().saturating_sub(start_ticks);
@@ -95,6 +108,15 @@ impl EpochLoop {
         self.epochs = self.epochs.wrapping_add(1);
         board.note(Note::Epoch(self.epochs, self.busy_ticks));
         self.busy_ticks = 0;
+    }
+
+    /// Lets the GNSS port listen at another rate, where a command wants it or nothing can be read at this one.
+    fn set_rate<B: Board>(&mut self, board: &mut B, receiver: &mut Receiver<B::Pin>) {
+        if let Some(baud) = self.rate.next(receiver.frames(), receiver.configuration().bit_rate) {
+            board.set_gnss_rate(baud);
+            board.note(Note::GnssRate(baud));
+            receiver.interrupt();
+        }
     }
 
     fn note_losses<B: Board>(&mut self, board: &mut B, receiver: &mut Receiver<B::Pin>) {

@@ -16,7 +16,7 @@
 //! | [`output`] | report | sentences |
 //! | [`receiver`] | bytes and the time | the loop around all this, the pin, the alarm of a silent line |
 //!
-//! beside them [`config`] (commands of the host), [`selftest`] (known answers), [`board::reset`] (why the module started),
+//! beside them [`bit_rate`] (how fast the GNSS port listens), [`config`] (commands of the host), [`selftest`] (known answers), [`board::reset`] (why the module started),
 //! [`ring`] (bytes between an interrupt and the loop), [`outlet`] (sentences through a ring) and [`counters`] (whatever
 //! is not used is counted by name).
 //!
@@ -79,6 +79,7 @@
 #[cfg(test)]
 extern crate std;
 
+pub mod bit_rate;
 pub mod board;
 pub mod config;
 pub mod correction;

@@ -234,6 +234,11 @@ impl<P: OutputPin> Receiver<P> {
         self.input.interrupt();
     }
 
+    /// Frames of the GNSS port with a right check, since start.
+    pub fn frames(&self) -> u32 {
+        self.input.counters().frames
+    }
+
     /// Takes over what was lost at the ports.
     pub fn note_losses(&mut self, losses: &PortLosses) {
         let before = core::mem::replace(&mut self.losses, *losses).sentences_lost;

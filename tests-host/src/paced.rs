@@ -15,6 +15,11 @@
 //! | baud | [`Lines`] | bit/s, 10 bits a byte |
 //!
 //! What an epoch costs is charged when the pin is driven, so that the pin is as late as it would be.
+//!
+//! The GNSS port listens at the sender's rate ([`run`]), or has to find it ([`search`]): until it has, it reads what a port
+//! of the wrong rate reads on such a line ([`wire`]).
+
+mod wire;
 
 use std::cell::RefCell;
 use std::collections::VecDeque;
@@ -22,6 +27,7 @@ use std::convert::Infallible;
 use std::rc::Rc;
 
 use embedded_hal::digital::{ErrorType, OutputPin};
+use rai_firmware::bit_rate::RATES;
 use rai_firmware::board::reset::ResetCause;
 use rai_firmware::board::{Board, Note, PortLosses, SEALED_BYTES};
 use rai_firmware::epoch_loop::EpochLoop;
@@ -29,6 +35,8 @@ use rai_firmware::outlet::Outlet;
 use rai_firmware::receiver::{Boot, Receiver};
 use rai_firmware::ring::Ring;
 use rai_firmware::timed_ring::{Taken, TimedRing};
+
+use wire::{Sent, Wire, byte_ns};
 
 /// What the module's work costs.
 #[derive(Clone, Copy, Debug)]
@@ -84,6 +92,8 @@ pub struct Outcome {
     pub counters: Vec<(&'static str, u32)>,
     /// What the host read.
     pub heard: Vec<u8>,
+    /// Rates that the GNSS port was set to, and when, ns.
+    pub rates: Vec<(u64, u32)>,
 }
 
 impl Outcome {
@@ -169,15 +179,14 @@ impl embedded_io::Write for Metered<'_> {
     }
 }
 
-/// The bytes of a line, each with the instant at which it comes, and whether an epoch ends with it.
-type Coming = VecDeque<(u64, u8, bool)>;
-
 /// The model.
 struct Model<'l> {
     clock: Clock,
     costs: Costs,
     lines: Lines<'l>,
-    coming: Coming,
+    wire: Wire,
+    /// At which the GNSS port listens.
+    port_baud: u64,
     /// Instants of last bytes that the ring holds, with how many bytes come before them.
     ends: VecDeque<(usize, u64)>,
     pushed: usize,
@@ -193,11 +202,6 @@ struct Model<'l> {
     sealed: [u8; SEALED_BYTES],
 }
 
-/// From one byte to the next, ns.
-const fn byte_ns(baud: u64) -> u64 {
-    10_000_000_000 / baud
-}
-
 impl Model<'_> {
     fn spend(&mut self, instructions: u64) {
         self.clock.borrow_mut().now_ns += self.costs.nanoseconds(instructions);
@@ -211,10 +215,10 @@ impl Model<'_> {
     /// What the lines have done until now, as the interrupts would have seen it.
     fn catch_up(&mut self) {
         let now_ns = self.now_ns();
-        while let Some(&(at_ns, byte, is_end)) = self.coming.front()
+        while let Some((at_ns, byte, is_end)) = self.wire.next(self.port_baud)
             && at_ns <= now_ns
         {
-            self.coming.pop_front();
+            self.wire.pass(self.port_baud);
             let lost = self.gnss.lost();
             self.gnss.push(byte, (at_ns / 1_000_000) as u32);
             if self.gnss.lost() == lost {
@@ -315,7 +319,7 @@ impl<'l> Board for Model<'l> {
             return None;
         }
         let next_ms = (self.now_ns() / 1_000_000 + 1) * 1_000_000;
-        let next_byte = self.coming.front().map_or(next_ms, |(at_ns, ..)| *at_ns);
+        let next_byte = self.wire.next(self.port_baud).map_or(next_ms, |(at_ns, ..)| at_ns);
         let now_ns = self.now_ns();
         self.clock.borrow_mut().now_ns = now_ns.max(next_ms.min(next_byte));
         self.catch_up();
@@ -330,7 +334,10 @@ impl<'l> Board for Model<'l> {
         &mut self.sealed
     }
 
-    fn set_gnss_rate(&mut self, _: u32) {}
+    fn set_gnss_rate(&mut self, baud: u32) {
+        self.port_baud = u64::from(baud);
+        self.outcome.rates.push((self.now_ns(), baud));
+    }
 
     fn note(&mut self, _: Note) {}
 }
@@ -340,6 +347,19 @@ impl<'l> Board for Model<'l> {
 /// # Panics
 /// The module does not start.
 pub fn run(lumps: &[Vec<u8>], quiet: usize, lines: Lines<'_>, costs: Costs) -> Outcome {
+    play(lumps, quiet, lines, costs, lines.gnss_baud)
+}
+
+/// Sends lumps to a module that has just started, with its port at the rate at start, and lets the lines rest for a second
+/// afterwards.
+///
+/// # Panics
+/// The module does not start.
+pub fn search(lumps: &[Vec<u8>], lines: Lines<'_>, costs: Costs) -> Outcome {
+    play(lumps, 0, lines, costs, u64::from(RATES[0]))
+}
+
+fn play(lumps: &[Vec<u8>], quiet: usize, lines: Lines<'_>, costs: Costs, port_baud: u64) -> Outcome {
     let clock = Clock::default();
     let boot = Boot { git: "paced", reset_cause: heapless::String::new() };
     let pin = Pin { clock: Rc::clone(&clock) };
@@ -356,7 +376,8 @@ pub fn run(lumps: &[Vec<u8>], quiet: usize, lines: Lines<'_>, costs: Costs) -> O
         byte_ns: costs.nanoseconds(costs.sentence_byte),
     };
     let mut model = Model {
-        coming: coming(timed, lines),
+        wire: wire(timed, lines),
+        port_baud,
         clock: Rc::clone(&clock),
         costs,
         lines,
@@ -374,7 +395,7 @@ pub fn run(lumps: &[Vec<u8>], quiet: usize, lines: Lines<'_>, costs: Costs) -> O
         sealed: [0; SEALED_BYTES],
     };
     *clock.borrow_mut() = Instant { epoch_ns: costs.nanoseconds(costs.epoch), ..Instant::default() };
-    let end_ns = model.coming.back().map_or(0, |(at_ns, ..)| *at_ns) + 1_000_000_000;
+    let end_ns = model.wire.end_ns() + 1_000_000_000;
     let mut epoch_loop = EpochLoop::new();
     while model.now_ns() < end_ns {
         epoch_loop.pass(&mut model, &mut receiver);
@@ -386,16 +407,15 @@ pub fn run(lumps: &[Vec<u8>], quiet: usize, lines: Lines<'_>, costs: Costs) -> O
 }
 
 /// When the bytes of the lumps come: a lump each period, or behind the one before where the line is too slow.
-fn coming(lumps: &[Vec<u8>], lines: Lines<'_>) -> Coming {
-    let mut coming = Coming::new();
+fn wire(lumps: &[Vec<u8>], lines: Lines<'_>) -> Wire {
+    let mut sent = Vec::new();
     let mut free_ns = 0;
     for (number, lump) in lumps.iter().enumerate() {
-        let mut at_ns = free_ns.max(number as u64 * lines.period_ns);
-        for (index, byte) in lump.iter().enumerate() {
-            at_ns += byte_ns(lines.gnss_baud);
-            coming.push_back((at_ns, *byte, index + 1 == lump.len()));
+        free_ns = free_ns.max(number as u64 * lines.period_ns);
+        for (index, &byte) in lump.iter().enumerate() {
+            sent.push(Sent { start_ns: free_ns, byte, is_end: index + 1 == lump.len() });
+            free_ns += byte_ns(lines.gnss_baud);
         }
-        free_ns = at_ns;
     }
-    coming
+    Wire::new(sent, lines.gnss_baud)
 }

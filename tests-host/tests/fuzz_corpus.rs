@@ -40,6 +40,16 @@ fn mutations_of_the_gnss_port_pass() {
 }
 
 #[test]
+fn mutations_of_the_gnss_port_of_a_u_blox_receiver_pass() {
+    mutate("ubx");
+}
+
+#[test]
+fn mutations_of_navigation_bits_pass() {
+    mutate("navigation_bits");
+}
+
+#[test]
 fn mutations_of_the_host_port_pass() {
     mutate("command");
 }
@@ -52,4 +62,9 @@ fn mutations_of_ephemerides_pass() {
 #[test]
 fn mutations_of_epochs_pass() {
     mutate("epoch");
+}
+
+#[test]
+fn mutations_of_calls_from_c_pass() {
+    mutate("capi");
 }

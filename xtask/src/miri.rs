@@ -1,7 +1,7 @@
 //! `cargo xtask miri`: the core and the firmware's library in an interpreter that notices undefined behaviour.
 //!
-//! Neither has an unsafe line of its own outside the board files; what they build on has. The tests that stay out say
-//! why where they stand.
+//! Neither has an unsafe line of its own outside the board files; what they build on has, and the C interface around them. The
+//! tests that stay out say why where they stand.
 
 use anyhow::{Context as _, ensure};
 
@@ -11,10 +11,11 @@ const TARGET: &str = "armv7-unknown-linux-gnueabihf";
 /// The tests that are interpreted: small ones that reach every container and every solve, but for the clock's. Its
 /// Cholesky factor is nalgebra's, which borrows one column while it writes to another: more than Miri's stacked borrows
 /// allow.
-const TESTS: [&[&str]; 3] = [
+const TESTS: [&[&str]; 4] = [
     &["--package", "rai-core", "--lib"],
     &["--package", "rai-core", "--test", "epoch", "--test", "frame", "--test", "monitor"],
     &["--package", "rai-firmware", "--lib"],
+    &["--package", "rai-capi"],
 ];
 
 /// Runs the command.

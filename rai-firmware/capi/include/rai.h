@@ -749,7 +749,8 @@ uint32_t rai_abi_version(void);
 /**
  * Makes a monitor that knows no position yet in memory of the caller.
  *
- * Refuses null and misaligned pointers, less than `rai_monitor_size()` bytes, and settings by what is wrong with them.
+ * Refuses null and misaligned pointers, less than `rai_monitor_size()` bytes, and settings by what is wrong with them; memory that
+ * held a monitor holds it still then.
  *
  * # Safety
  * `memory` is null or points to `length` bytes that nobody else uses during the call; `settings` is null or points to a struct

@@ -76,7 +76,8 @@ const _: () = assert!(size_of::<rai_range_t>() == 48, "a field came or moved: ra
 
 /// Makes a monitor that knows no position yet in memory of the caller.
 ///
-/// Refuses null and misaligned pointers, less than `rai_monitor_size()` bytes, and settings by what is wrong with them.
+/// Refuses null and misaligned pointers, less than `rai_monitor_size()` bytes, and settings by what is wrong with them; memory that
+/// held a monitor holds it still then.
 ///
 /// # Safety
 /// `memory` is null or points to `length` bytes that nobody else uses during the call; `settings` is null or points to a struct
@@ -93,7 +94,7 @@ pub unsafe extern "C" fn rai_monitor_init(
         unsafe { (Stored::room(memory.cast(), length), take(settings, rai_settings_t::at_start())) };
     status_of(room.and_then(|room| {
         let settings = settings?;
-        let requirements = settings.requirements()?;
+        let requirements = settings.checked()?;
         // SAFETY: both fields are written.
         unsafe {
             room.fill(

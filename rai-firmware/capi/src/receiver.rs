@@ -55,6 +55,9 @@ core::arch::global_asm!(
     const size_of::<Stored>()
 );
 
+/// Where a caller's clock ends, ms: sums with what is later by days do not overflow. It is 292 million years.
+const LAST_MS: u64 = u64::MAX / 2;
+
 /// The level of a pin that the caller drives.
 #[derive(Debug)]
 struct Level {
@@ -139,7 +142,7 @@ pub unsafe extern "C" fn rai_receiver_gnss(
 ) -> rai_status_t {
     // SAFETY: as promised by the caller.
     let (receiver, bytes, lines) = unsafe { (at(receiver), slice(bytes, count), Lines::at(out)) };
-    let taken = receiver.and_then(|receiver| Ok(receiver.gnss(bytes?, now_ms, &mut lines?)));
+    let taken = receiver.and_then(|receiver| Ok(receiver.gnss(bytes?, now_ms.min(LAST_MS), &mut lines?)));
     // SAFETY: as promised by the caller.
     if let (Ok(taken), Some(judged)) = (taken, unsafe { judged.as_mut() }) {
         *judged = taken.into();
@@ -161,7 +164,7 @@ pub unsafe extern "C" fn rai_receiver_tick(
     // SAFETY: as promised by the caller.
     let (receiver, lines) = unsafe { (at(receiver), Lines::at(out)) };
     status_of(receiver.and_then(|receiver| {
-        receiver.tick(now_ms, &mut lines?);
+        receiver.tick(now_ms.min(LAST_MS), &mut lines?);
         Ok(())
     }))
 }

@@ -6,8 +6,8 @@ use rai_core::integrity::Method;
 use rai_core::integrity::residuals::levels::Levels;
 #[cfg(feature = "searches")]
 use rai_core::integrity::residuals::parity::Isolation;
-use rai_core::integrity::residuals::threshold::ThresholdError;
 use rai_core::integrity::residuals::threshold::policy::Policy;
+use rai_core::integrity::residuals::threshold::{ThresholdError, Thresholds};
 use rai_core::monitor::{MonitorError, Strategy};
 use rai_core::numeric::probability::Probability;
 use rai_core::requirements::{Requirements, RequirementsError};
@@ -160,6 +160,17 @@ impl rai_settings_t {
             missed_detection: Probability::new(self.missed_detection).ok_or(RAI_STATUS_MISSED_DETECTION)?,
             ..base
         })
+    }
+
+    /// What the core requires, if it takes these settings as a whole.
+    pub(crate) fn checked(&self) -> Result<Requirements, rai_status_t> {
+        self.strategy()?;
+        self.continuity()?;
+        let requirements = self.requirements()?;
+        let valid = requirements.validate().map_err(|error| refusal_of(MonitorError::Requirements(error)))?;
+        Thresholds::from_tables(valid.false_alarm, valid.missed_detection)
+            .map_err(|error| refusal_of(MonitorError::Threshold(error)))?;
+        Ok(valid)
     }
 
     /// What the receiver can do.

@@ -1,5 +1,7 @@
 //! Sentences into memory of the caller, whole or not at all.
 
+use core::mem::MaybeUninit;
+
 use embedded_io::{ErrorKind, ErrorType, Write};
 
 use crate::receiver::rai_text_t;
@@ -7,7 +9,8 @@ use crate::status::{RAI_STATUS_COUNT, RAI_STATUS_MISALIGNED, RAI_STATUS_NULL, ra
 
 /// A caller's text for the time of one call.
 pub(crate) struct Lines<'t> {
-    room: &'t mut [u8],
+    /// Only written to: the caller need not have initialised it.
+    room: &'t mut [MaybeUninit<u8>],
     length: &'t mut usize,
     lost: &'t mut usize,
 }
@@ -33,8 +36,8 @@ impl Lines<'_> {
         if text.length > text.capacity || text.capacity > isize::MAX as usize {
             return Err(RAI_STATUS_COUNT);
         }
-        // SAFETY: not null, of bytes, and as long as said. The caller's bytes need not be initialised: they are only written to.
-        let room = unsafe { core::slice::from_raw_parts_mut(text.bytes, text.capacity) };
+        // SAFETY: not null, of bytes that may be anything, and as long as said.
+        let room = unsafe { core::slice::from_raw_parts_mut(text.bytes.cast(), text.capacity) };
         Ok(Self { room, length: &mut text.length, lost: &mut text.lost })
     }
 }
@@ -51,7 +54,9 @@ impl Write for Lines<'_> {
             *self.lost = self.lost.saturating_add(1);
             return Err(ErrorKind::OutOfMemory);
         };
-        place.iter_mut().zip(sentence).for_each(|(place, byte)| *place = *byte);
+        for (place, byte) in place.iter_mut().zip(sentence) {
+            place.write(*byte);
+        }
         *self.length = end;
         Ok(sentence.len())
     }

@@ -105,4 +105,6 @@ pub enum Note {
     HighWater,
     /// Bytes were lost.
     Lost(PortLosses),
+    /// The GNSS port listens at another rate, bits a second.
+    GnssRate(u32),
 }

@@ -83,7 +83,7 @@ const KEYS: [(&str, Key, bool); 28] = [
     ("RECOVER", Key::Recovery, true),
     ("FREQ", Key::Frequencies, true),
     ("SIGMA", Key::Sigma, true),
-    ("BAUD", Key::BitRate, false),
+    ("BAUD", Key::BitRate, true),
     ("IONO", Key::Ionosphere, true),
     ("ISM", Key::Support, true),
     ("OUTPUT", Key::Output, true),

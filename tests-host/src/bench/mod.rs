@@ -8,6 +8,7 @@
 //! a cycle or a few, and at 168 MHz a million of them about 7 ms.
 
 pub mod budget;
+pub mod library;
 pub mod memory;
 pub mod profile;
 pub mod stages;
@@ -41,6 +42,8 @@ impl Measurement {
         figures.push(worst::search(Place::First, 3_000_000)?);
         progress("memory of the shipped image");
         figures.extend(memory::measure()?);
+        progress("flash and objects of the library for C");
+        figures.extend(library::measure()?);
         Ok(Self { figures })
     }
 

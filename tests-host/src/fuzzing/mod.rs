@@ -6,25 +6,32 @@
 //!
 //! | target | bytes are | what must hold |
 //! |---|---|---|
-//! | [`stream`] | the GNSS port: RTCM 3 | [`overheard`]; counters add up |
+//! | [`stream`] | the GNSS port: RTCM 3, UBX | [`overheard`]; counters add up |
+//! | [`ubx`] | the GNSS port of a u-blox receiver: UBX | the same |
+//! | [`navigation_bits`] | pages of all navigation messages, each with its own parities | one outcome a page; orbits where orbits are |
 //! | [`command`] | the host port: `$PRAIC` lines, then a sky | [`overheard`]; a refused line changes nothing |
 //! | [`ephemeris`] | an ephemeris' fields and instants | radius, speed and clock within what Kepler and the fields allow |
 //! | [`epoch`] | requirements, strategies, epochs with anything in them | what a report promises |
+//! | [`capi`] | calls of the C interface with arguments of every kind | a refusal changes nothing; nothing is written beyond what was handed in |
 //!
 //! The folder `fuzz` holds the corpus, a few hundred small files a target, and the crate that cargo-fuzz builds.
 //! The seeds behind them are of simulated skies ([`seeds`]); no recording is among them.
 
+mod broadcasts;
+pub mod capi;
 pub mod command;
 pub mod ephemeris;
 pub mod epoch;
 mod module;
 mod mutation;
+pub mod navigation_bits;
 pub mod overheard;
 pub mod replay;
 mod sealing;
 pub mod seeds;
 pub mod stream;
 mod tape;
+pub mod ubx;
 
 /// One way into the module.
 #[derive(Clone, Copy, Debug)]
@@ -36,9 +43,12 @@ pub struct Target {
 }
 
 /// All targets.
-pub const TARGETS: [Target; 4] = [
+pub const TARGETS: [Target; 7] = [
     Target { name: "stream", run: stream::run },
+    Target { name: "ubx", run: ubx::run },
+    Target { name: "navigation_bits", run: navigation_bits::run },
     Target { name: "command", run: command::run },
     Target { name: "ephemeris", run: ephemeris::run },
     Target { name: "epoch", run: epoch::run },
+    Target { name: "capi", run: capi::run },
 ];

@@ -8,7 +8,8 @@ use rand_chacha::ChaCha8Rng;
 const LONGEST: usize = 4096;
 
 /// Bytes at which something changes: signs, ends of ranges, preambles, separators.
-const REMARKABLE: [u8; 12] = [0x00, 0x01, 0x7F, 0x80, 0xFE, 0xFF, 0xD3, b'$', b',', b'*', b'\r', b'\n'];
+const REMARKABLE: [u8; 14] =
+    [0x00, 0x01, 0x7F, 0x80, 0xFE, 0xFF, 0xD3, 0xB5, 0x62, b'$', b',', b'*', b'\r', b'\n'];
 
 /// Makes inputs out of inputs.
 pub(super) struct Mutator<'c> {

@@ -1,25 +1,53 @@
 //! Checksums put right: without them a mutation would hardly ever get past the first test.
 
-/// First byte of an RTCM frame.
-const PREAMBLE: u8 = 0xD3;
+/// First byte of an RTCM frame; bytes before and after its payload.
+const RTCM: u8 = 0xD3;
+const RTCM_HEADER: usize = 3;
+const RTCM_PARITY: usize = 3;
 
-/// Bytes before and after the payload of a frame.
-const HEADER: usize = 3;
-const PARITY: usize = 3;
+/// First bytes of a UBX frame; bytes before and after its payload.
+const UBX: [u8; 2] = [0xB5, 0x62];
+const UBX_HEADER: usize = 6;
+const UBX_PARITY: usize = 2;
 
-/// Gives every frame, as far as its length field lets one tell, the CRC-24Q that belongs to it.
+/// Gives every frame, as far as its length field lets one tell, the check that belongs to it.
 pub(super) fn seal_frames(bytes: &mut [u8]) {
-    let mut at = 0;
-    while let Some(rest) = bytes.get_mut(at..) {
-        let Some(&[first, high, low]) = rest.first_chunk::<HEADER>() else { return };
-        let end = HEADER + (usize::from(high & 0b11) << 8 | usize::from(low));
-        let is_frame = first == PREAMBLE && high & 0b1111_1100 == 0 && rest.len() >= end + PARITY;
-        if is_frame {
-            let (covered, parity) = rest.split_at_mut(end);
-            parity[..PARITY].copy_from_slice(&crc24q(covered).to_be_bytes()[1..]);
-        }
-        at += if is_frame { end + PARITY } else { 1 };
+    let mut rest = bytes;
+    while !rest.is_empty() {
+        let length = seal_first(rest).unwrap_or(1);
+        rest = &mut rest[length..];
     }
+}
+
+/// Seals the frame that the bytes begin with; its length, where they begin with a whole one.
+fn seal_first(bytes: &mut [u8]) -> Option<usize> {
+    match *bytes {
+        [RTCM, high, low, ..] if high & 0b1111_1100 == 0 => {
+            let covered = RTCM_HEADER + usize::from(u16::from_be_bytes([high, low]));
+            let frame = bytes.get_mut(..covered + RTCM_PARITY)?;
+            let (covered, parity) = frame.split_at_mut(covered);
+            parity.copy_from_slice(&crc24q(covered).to_be_bytes()[1..]);
+            Some(frame.len())
+        }
+        [first, second, _, _, low, high, ..] if [first, second] == UBX => {
+            let covered = UBX_HEADER + usize::from(u16::from_le_bytes([low, high]));
+            let frame = bytes.get_mut(..covered + UBX_PARITY)?;
+            let (covered, parity) = frame.split_at_mut(covered);
+            parity.copy_from_slice(&fletcher(&covered[2..]));
+            Some(frame.len())
+        }
+        _ => None,
+    }
+}
+
+/// The two sums of UBX frames ([UBX-F9] 3.4).
+///
+/// [UBX-F9]: crate#references
+fn fletcher(bytes: &[u8]) -> [u8; 2] {
+    let sum = |bytes: &[u8]| bytes.iter().fold(0_u8, |sum, byte| sum.wrapping_add(*byte));
+    // The second is the sum of the first over all beginnings.
+    let sums: Vec<u8> = (1..=bytes.len()).map(|end| sum(&bytes[..end])).collect();
+    [sum(bytes), sum(&sums)]
 }
 
 /// CRC-24Q ([RTCM-10403.3] 4.2), bit by bit.
@@ -58,6 +86,14 @@ mod tests {
         have[23..].fill(0);
         seal_frames(&mut have);
         assert_eq!(have[1..], STATION);
+    }
+
+    #[test]
+    fn ubx_frame_gets_the_sums_of_the_makers_example() {
+        // MON-VER polled, `B5 62 0A 04 00 00 0E 34`, behind an accident.
+        let mut have = [0xB5, 0xB5, 0x62, 0x0A, 0x04, 0, 0, 0, 0];
+        seal_frames(&mut have);
+        assert_eq!(have, [0xB5, 0xB5, 0x62, 0x0A, 0x04, 0, 0, 0x0E, 0x34]);
     }
 
     #[test]

@@ -1,9 +1,14 @@
-//! What fuzzing starts from: a simulated sky as RTCM, the commands of the interface, and noise.
+//! What fuzzing starts from: a simulated sky as RTCM and as UBX, its navigation bits, the commands of the interface, and
+//! noise.
 
 use rand::{RngCore, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use crate::encode::{Encoder, Frequency, Selection};
+use super::broadcasts;
+use super::navigation_bits::MESSAGES;
+use crate::encode::{Encoder, Frequency, Selection, ubx};
+use crate::measurement::TimedEphemeris;
+use crate::recording::Recording;
 use crate::sky::raw::Simulation;
 
 /// Station coordinates, message 1005: the example of [RTCM-10403.3] 4.1.
@@ -40,17 +45,38 @@ impl Sky {
 
     /// RTCM: one lump for each epoch, ephemerides in the first.
     pub fn lumps(self) -> Vec<Vec<u8>> {
+        let recording = self.recording();
+        let mut encoder = Encoder::new(&recording.ephemerides, self.selection());
+        recording.epochs.iter().map(|epoch| encoder.epoch(epoch).expect("numbers that fit")).collect()
+    }
+
+    /// The same as UBX.
+    fn lumps_of_ubx(self) -> Vec<Vec<u8>> {
+        let recording = self.recording();
+        let mut encoder = ubx::Encoder::new(&recording.ephemerides, self.selection(), Some(SAID));
+        recording.epochs.iter().map(|epoch| encoder.epoch(epoch).expect("numbers that fit")).collect()
+    }
+
+    fn selection(self) -> Selection {
+        Selection::new(self.systems, self.frequency).expect("systems that are known")
+    }
+
+    fn recording(self) -> Recording {
         let mut simulation = Simulation::above_xian(3600.0, self.epochs, 11);
         let seen = simulation.sights_at(0);
         let spread = |index| seen.get(index * seen.len() / self.satellites);
         let kept: Vec<_> = (0..self.satellites).filter_map(spread).collect();
         simulation.satellites.retain(|satellite| kept.iter().any(|sight| sight.satellite == satellite.id));
-        let recording = simulation.record();
-        let selection = Selection::new(self.systems, self.frequency).expect("systems that are known");
-        let mut encoder = Encoder::new(&recording.ephemerides, selection);
-        recording.epochs.iter().map(|epoch| encoder.epoch(epoch).expect("numbers that fit")).collect()
+        simulation.record()
     }
 }
+
+/// What the satellites say of the ionosphere, in round numbers, and of the last leap second.
+const SAID: ubx::IonosphereAndUtc = ubx::IonosphereAndUtc {
+    klobuchar: [1.12e-8, 1.49e-8, -5.96e-8, -1.19e-7, 8.19e4, 9.83e4, -6.55e4, -5.24e5],
+    leap_s: (17, 18),
+    change: (1929, 7),
+};
 
 /// The seeds of a target, by its name.
 pub fn of(target: &str) -> Vec<Vec<u8>> {
@@ -58,9 +84,45 @@ pub fn of(target: &str) -> Vec<Vec<u8>> {
         "stream" => {
             skies().map(|sky| streamed(&sky.lumps())).chain([streamed(&[STATION.to_vec()])]).collect()
         }
+        "ubx" => skies()
+            .map(|sky| streamed(&sky.lumps_of_ubx()))
+            .chain([streamed(&broadcasts::of_each().map(|broadcast| pages(&broadcast)))])
+            .chain([streamed(&SECURITY.map(|(kind, payload)| ubx::frame(kind, payload)))])
+            .collect(),
+        "navigation_bits" => navigation_bits().collect(),
         "command" => COMMANDS.split_inclusive('\n').chain([COMMANDS]).map(commanded).collect(),
         _ => (0..40).map(|seed| noise(seed, 200 + 20 * seed as usize)).collect(),
     }
+}
+
+/// SEC-SIG of both versions and NAV-STATUS, with jamming and spoofing noticed.
+const SECURITY: [([u8; 2], &[u8]); 3] = [
+    ([0x27, 0x09], &[1, 0, 0, 0, 0b111, 0, 0, 0, 0b0101, 0, 0, 0]),
+    ([0x27, 0x09], &[2, 0b0010_1111, 0, 0]),
+    ([0x01, 0x03], &[0, 0, 0, 0, 3, 0xDD, 0, 0b1_0000, 0, 0, 0, 0, 0, 0, 0, 0]),
+];
+
+fn pages(broadcast: &TimedEphemeris) -> Vec<u8> {
+    ubx::pages(broadcast, broadcasts::NOON).expect("numbers that fit")
+}
+
+/// The sets of each message, alone and one after another; the words of the frames as the target reads them.
+fn navigation_bits() -> impl Iterator<Item = Vec<u8>> {
+    /// Header, fields before the words, and sums.
+    const AROUND: usize = 6 + 8 + 2;
+    let sets: Vec<Vec<u8>> = broadcasts::of_each()
+        .iter()
+        .enumerate()
+        .map(|(index, broadcast)| {
+            let length = 4 * MESSAGES[index].0.words();
+            let opening = [index as u8, broadcast.satellite.number() - 1];
+            let bytes = pages(broadcast);
+            let frames = bytes.chunks(AROUND + length);
+            frames.flat_map(|frame| [&opening[..], &frame[14..14 + length]].concat()).collect()
+        })
+        .collect();
+    let all = sets.concat();
+    sets.into_iter().chain([all])
 }
 
 /// Each system alone and both, one signal and two, from a lone satellite to more than a fix needs.

@@ -2,7 +2,7 @@
 //!
 //! | byte | meaning |
 //! |---|---|
-//! | 0 | bit 0: frames keep the CRC they came with; else each gets its own |
+//! | 0 | bit 0: frames keep the check they came with; else each gets its own |
 //! | 1 | pause after each 512 bytes, in 16 ms: up to four seconds |
 //! | 2 … | what comes in |
 
@@ -16,9 +16,9 @@ const CHUNK: usize = 512;
 /// Sends the bytes.
 pub fn run(input: &[u8]) {
     let mut tape = Tape::new(input);
-    let (keeps_crc, pause_ms) = (tape.byte() & 1 == 1, u64::from(tape.byte()) * 16);
+    let (keeps_check, pause_ms) = (tape.byte() & 1 == 1, u64::from(tape.byte()) * 16);
     let mut bytes = tape.rest().to_vec();
-    if !keeps_crc {
+    if !keeps_check {
         seal_frames(&mut bytes);
     }
     let mut module = Module::new();

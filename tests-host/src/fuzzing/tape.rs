@@ -21,6 +21,11 @@ impl<'t> Tape<'t> {
         self.rest.is_empty()
     }
 
+    /// How much has not been read, bytes.
+    pub(super) fn left(&self) -> usize {
+        self.rest.len()
+    }
+
     /// All that has not been read.
     pub(super) fn rest(self) -> &'t [u8] {
         self.rest

@@ -96,7 +96,7 @@ fn archive(messages: &str) -> Option<PathBuf> {
 }
 
 /// The linker that comes with the compiler, which is what links the images.
-fn linker() -> anyhow::Result<PathBuf> {
+pub(crate) fn linker() -> anyhow::Result<PathBuf> {
     let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
     let said = String::from_utf8(run(Command::new(rustc).args(["--print", "target-libdir"]))?)?;
     let folder = Path::new(said.trim()).parent().context("the compiler lies nowhere")?;

@@ -25,6 +25,15 @@ const ASSUMED_FT: u8 = 3;
 /// How long before its reference time a set is sent first, ms: its first quarter of an hour.
 const LEAD_MS: u64 = 15 * 60_000;
 
+/// The first of the four years that GLONASS counts days in.
+fn first_year(time: GpsTime) -> u16 {
+    /// From 1980-01-06 to 1996-01-01, and of four years, days.
+    const TO_1996: u64 = 5839;
+    const FOUR_YEARS: u64 = 1461;
+    let day = time.to_ms() / 86_400_000;
+    1996 + 4 * (day.saturating_sub(TO_1996) / FOUR_YEARS) as u16
+}
+
 /// A record's numbers, three in the first row and four in each other, as a message. `toe` is GPS time.
 pub(super) fn ephemeris(satellite: SatelliteId, toe: GpsTime, leap_s: u8, values: &[f64]) -> TimedEphemeris {
     let at = |row: usize, column: usize| values.get(4 * row - 1 + column).copied().unwrap_or(0.0);
@@ -51,6 +60,7 @@ pub(super) fn ephemeris(satellite: SatelliteId, toe: GpsTime, leap_s: u8, values
         en_d: known(at(3, 3)) as u8 & 31,
         glo_m_delta_tau_n_s: known(at(4, 1)) as f32,
         glo_m_ft_ind: if (1..15).contains(&ft) { ft } else { ASSUMED_FT },
+        glo_m_n4_year: first_year(toe),
         ..Msg1020T::default()
     };
     let sent = GpsTime::from_ms(toe.to_ms() - LEAD_MS);

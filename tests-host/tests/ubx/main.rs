@@ -6,11 +6,13 @@
 //! | every bit of every navigation message, as RTCM says it | [`bits`] |
 //! | streams of an independent program against the recordings that they were made of | [`streams`] |
 //! | the same epochs as RTCM and as UBX: verdicts, positions | [`module`] |
+//! | GLONASS: strings, and what it does to positions | [`glonass`] |
 //! | QZSS: the bits of GPS, and the clock of GPS | [`qzss`] |
 //! | what RTKLIB reads in what the encoder wrote | [`rtklib`] |
 //! | wrong parities, lengths, times, doubles; pages mixed, missing and out of order; frames cut and interleaved | [`hostile`] |
 
 mod bits;
+mod glonass;
 mod hostile;
 mod module;
 mod qzss;

@@ -5,6 +5,7 @@ use core::fmt::Display;
 use embedded_hal::digital::{self, OutputPin};
 use embedded_io::Write;
 use rai_core::integrity::residuals::threshold::ThresholdError;
+use rai_firmware::bit_rate::BitRate;
 use rai_firmware::board::reset::{self, Record, ResetCause};
 use rai_firmware::board::{Board, Note, PortLosses, SEALED_BYTES};
 use rai_firmware::config::{self, Command, CommandPort, Configuration, Phase, Refusal};
@@ -121,6 +122,7 @@ fn ephemerides() {
         ephemeris::glonass_accuracy_m as fn(_) -> _,
         Source::constellation as fn(_) -> _,
         Health::of_satellite as fn(_) -> _,
+        Health::of_qzss as fn(_) -> _,
         Health::with as fn(_, _, _) -> _,
         Health::over as fn(_, _) -> _,
         Health::speaks_of as fn(_, _) -> _,
@@ -285,6 +287,10 @@ fn the_loop() {
         Receiver::<Pin>::restore as fn(_, _, _),
         Receiver::<Pin>::seal as fn(_, _),
         Receiver::<Pin>::interrupt as fn(_),
+        Receiver::<Pin>::frames as fn(_) -> _,
+        BitRate::new as fn() -> _,
+        BitRate::hear as fn(_, _),
+        BitRate::next as fn(_, _, _) -> _,
         Receiver::<Pin>::note_losses as fn(_, _),
         Receiver::<Pin>::losses as fn(_) -> _,
         Receiver::<Pin>::tick::<Host> as fn(_, _, _) -> _,

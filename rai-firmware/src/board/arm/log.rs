@@ -74,6 +74,7 @@ pub fn note(note: Note) {
             defmt::info!("stack high water {=u32} bytes", stack::high_water_bytes());
             defmt::info!("rings high water {}", rings::high_water());
         }
+        Note::GnssRate(baud) => defmt::info!("GNSS port at {=u32} baud", baud),
         Note::Lost(losses) => defmt::warn!("bytes lost since start: {}", losses),
     }
 }

@@ -1,0 +1,289 @@
+//! The exported functions, called as a C program calls them: what they give, what they refuse, what they leave alone.
+//!
+//! Under an interpreter (`cargo xtask miri`) this is also the proof that no call does what the language does not define.
+#![allow(unsafe_code)]
+
+use std::mem::MaybeUninit;
+use std::ptr;
+
+use rai::*;
+
+type Monitor = Box<MaybeUninit<rai_monitor_t>>;
+
+fn settings() -> rai_settings_t {
+    let mut settings = MaybeUninit::<rai_settings_t>::zeroed();
+    // SAFETY: zeros are a value of integers and doubles.
+    let settings = unsafe { settings.assume_init_mut() };
+    settings.size = size_of::<rai_settings_t>() as u32;
+    // SAFETY: a struct as long as it says.
+    assert_eq!(unsafe { rai_settings_preset(settings, RAI_PHASE_NPA) }, RAI_STATUS_OK);
+    *settings
+}
+
+fn verdict() -> rai_verdict_t {
+    // SAFETY: zeros are a value of integers and doubles.
+    let mut verdict: rai_verdict_t = unsafe { MaybeUninit::zeroed().assume_init() };
+    verdict.size = size_of::<rai_verdict_t>() as u32;
+    verdict
+}
+
+/// A monitor in memory that nobody has written to before.
+fn monitor() -> Monitor {
+    let mut memory: Monitor = Box::new_uninit();
+    let settings = settings();
+    // SAFETY: memory as long as said, settings as long as they say.
+    let status = unsafe { rai_monitor_init(memory.as_mut_ptr(), RAI_MONITOR_SIZE, &raw const settings) };
+    assert_eq!(status, RAI_STATUS_OK);
+    memory
+}
+
+/// The seven satellites of the README, of which G05 is wrong by 80 m.
+fn ranges() -> [rai_range_t; 7] {
+    const POSITIONS: [[f64; 3]; 7] = [
+        [15909567.8, 2365446.2, 23362131.7],
+        [-3367221.5, -500641.0, 26080759.6],
+        [25324386.9, 3765248.4, 6140002.4],
+        [8390254.2, 19040938.2, 16110381.0],
+        [13566911.3, -15776330.8, 16110381.0],
+        [922952.3, 13482327.0, 22817783.2],
+        [1054936.5, -10519232.7, 24086683.9],
+    ];
+    let mut number = 0;
+    POSITIONS.map(|[x_m, y_m, z_m]| {
+        number += 1;
+        let range_m = if number == 5 { 22e6 + 80.0 } else { 22e6 };
+        rai_range_t { x_m, y_m, z_m, range_m, sigma_m: 2.0, system: RAI_SYSTEM_GPS, number, reserved: [0; 6] }
+    })
+}
+
+fn judge(monitor: &mut Monitor, ranges: &[rai_range_t]) -> rai_verdict_t {
+    let mut verdict = verdict();
+    // SAFETY: an object, as many ranges as said, a verdict as long as it says.
+    let status = unsafe {
+        rai_monitor_judge(monitor.as_mut_ptr(), 0.0, ranges.as_ptr(), ranges.len(), &raw mut verdict)
+    };
+    assert_eq!(status, RAI_STATUS_OK);
+    verdict
+}
+
+fn assert_is_the_example(verdict: &rai_verdict_t) {
+    assert_eq!((verdict.state, verdict.reason), (RAI_STATE_PROTECTED, RAI_REASON_EXCLUDED));
+    assert_eq!((verdict.tracked, verdict.used, verdict.excluded_count), (7, 6, 1));
+    let [excluded, ..] = verdict.excluded;
+    assert_eq!((excluded.system, excluded.number), (b'G', 5));
+    // All other ranges are exact, to the decimetre that their satellites' positions are rounded to.
+    assert!((excluded.bias_m - 80.0).abs() < 0.5, "{}", excluded.bias_m);
+}
+
+#[test]
+fn the_satellite_that_is_wrong_is_named() {
+    assert_is_the_example(&judge(&mut monitor(), &ranges()));
+}
+
+#[test]
+fn a_monitor_may_be_moved_between_calls() {
+    let before = monitor();
+    let mut after: Monitor = Box::new_uninit();
+    // SAFETY: both are as long, and do not overlap; what is not initialised stays so.
+    unsafe { ptr::copy_nonoverlapping(before.as_ptr(), after.as_mut_ptr(), 1) };
+    drop(before);
+    assert_is_the_example(&judge(&mut after, &ranges()));
+}
+
+#[test]
+fn ranges_that_cannot_be_any_are_counted_and_the_others_judged() {
+    let mut ranges = ranges();
+    let [first, second, ..] = &mut ranges;
+    first.range_m = f64::NAN;
+    second.system = b'X';
+    let verdict = judge(&mut monitor(), &ranges);
+    assert_eq!((verdict.refused_count, verdict.refused_status), (2, RAI_STATUS_RANGE));
+    assert_eq!(verdict.tracked, 5);
+    let nothing = judge(&mut monitor(), &[]);
+    assert_eq!((nothing.state, nothing.reason), (RAI_STATE_UNAVAILABLE, RAI_REASON_NOFIX));
+    assert!(nothing.hpl_m.is_nan() && nothing.x_m.is_nan());
+}
+
+#[test]
+fn pointers_and_lengths_are_refused_by_name() {
+    let mut memory: Monitor = Box::new_uninit();
+    let (at, settings) = (memory.as_mut_ptr(), settings());
+    let beside = at.wrapping_byte_add(4);
+    // SAFETY: what is refused is not looked at.
+    unsafe {
+        let init = |memory, length, settings| rai_monitor_init(memory, length, settings);
+        assert_eq!(init(ptr::null_mut(), RAI_MONITOR_SIZE, &raw const settings), RAI_STATUS_NULL);
+        assert_eq!(init(at, RAI_MONITOR_SIZE, ptr::null()), RAI_STATUS_NULL);
+        assert_eq!(init(beside, RAI_MONITOR_SIZE, &raw const settings), RAI_STATUS_MISALIGNED);
+        assert_eq!(init(at, rai_monitor_size() - 1, &raw const settings), RAI_STATUS_SHORT);
+    }
+    let (mut monitor, mut verdict) = (self::monitor(), verdict());
+    let (at, ranges, given) = (monitor.as_mut_ptr(), ranges(), &raw mut verdict);
+    // SAFETY: as above.
+    unsafe {
+        let judge = |at, time_s, ranges, count, given| rai_monitor_judge(at, time_s, ranges, count, given);
+        let first = ranges.as_ptr();
+        assert_eq!(judge(ptr::null_mut(), 0.0, first, 7, given), RAI_STATUS_NULL);
+        assert_eq!(judge(at, 0.0, ptr::null(), 7, given), RAI_STATUS_NULL);
+        assert_eq!(judge(at, 0.0, first.wrapping_byte_add(1), 7, given), RAI_STATUS_MISALIGNED);
+        assert_eq!(judge(at, 0.0, first, usize::MAX, given), RAI_STATUS_COUNT);
+        assert_eq!(judge(at, 0.0, first, 7, ptr::null_mut()), RAI_STATUS_NULL);
+        assert_eq!(judge(at, f64::NAN, first, 7, given), RAI_STATUS_TIME);
+    }
+    assert_eq!(verdict.state, RAI_STATE_NONE, "nothing has been written");
+}
+
+#[test]
+fn memory_without_an_object_is_refused() {
+    let mut monitor = Box::new(rai_monitor_t { opaque: [0; RAI_MONITOR_WORDS] });
+    let mut words = vec![0_u64; RAI_RECEIVER_WORDS];
+    let receiver: *mut rai_receiver_t = words.as_mut_ptr().cast();
+    let mut verdict = verdict();
+    let not_initialised = RAI_STATUS_NOT_INITIALISED;
+    // SAFETY: initialised memory, a verdict as long as it says.
+    unsafe {
+        assert_eq!(rai_monitor_forget(&raw mut *monitor), not_initialised);
+        assert_eq!(rai_receiver_report(receiver, &raw mut verdict), not_initialised);
+        assert_eq!(rai_receiver_pin(receiver), 0);
+        assert_eq!(rai_receiver_state(receiver, ptr::null_mut()), RAI_STATE_NONE);
+        // A monitor is no receiver.
+        let settings = settings();
+        let made = rai_monitor_init(receiver.cast(), RAI_MONITOR_SIZE, &raw const settings);
+        assert_eq!(made, RAI_STATUS_OK);
+        assert_eq!(rai_receiver_report(receiver, &raw mut verdict), not_initialised);
+    }
+}
+
+#[test]
+fn refused_settings_leave_the_monitor_as_it_was() {
+    let mut monitor = monitor();
+    let refused = [
+        (rai_settings_t { hal_m: -1.0, ..settings() }, RAI_STATUS_HAL),
+        (rai_settings_t { val_m: f64::NAN, ..settings() }, RAI_STATUS_VAL),
+        (rai_settings_t { false_alarm: 0.3, ..settings() }, RAI_STATUS_FALSE_ALARM),
+        (rai_settings_t { missed_detection: 0.3, ..settings() }, RAI_STATUS_MISSED_DETECTION),
+        (rai_settings_t { policy: 9, ..settings() }, RAI_STATUS_POLICY),
+        (rai_settings_t { method: 99, ..settings() }, RAI_STATUS_METHOD),
+        (rai_settings_t { levels: 9, ..settings() }, RAI_STATUS_LEVELS),
+        (rai_settings_t { max_speed_m_s: f64::INFINITY, ..settings() }, RAI_STATUS_SPEED),
+        (rai_settings_t { min_height_m: 1e9, ..settings() }, RAI_STATUS_HEIGHT),
+        (rai_settings_t { recovery_epochs: 0, ..settings() }, RAI_STATUS_RECOVERY),
+        (rai_settings_t { size: 81, ..settings() }, RAI_STATUS_SIZE),
+        (rai_settings_t { size: 79, ..settings() }, RAI_STATUS_SIZE),
+    ];
+    for (settings, want) in refused {
+        // SAFETY: an object, settings that are no longer than they are.
+        let have = unsafe {
+            let at = monitor.as_mut_ptr();
+            [
+                rai_monitor_configure(at, &raw const settings),
+                rai_monitor_init(at, RAI_MONITOR_SIZE, &raw const settings),
+            ]
+        };
+        assert_eq!(have, [want; 2]);
+    }
+    assert_is_the_example(&judge(&mut monitor, &ranges()));
+}
+
+#[test]
+fn a_caller_that_knows_more_keeps_what_the_library_does_not_know() {
+    #[repr(C)]
+    struct Later {
+        verdict: rai_verdict_t,
+        more: [u8; 8],
+    }
+    let mut later = Later { verdict: verdict(), more: [7; 8] };
+    later.verdict.size = size_of::<Later>() as u32;
+    let (mut monitor, ranges) = (monitor(), ranges());
+    // SAFETY: an object, as many ranges as said, a verdict as long as it says.
+    let status =
+        unsafe { rai_monitor_judge(monitor.as_mut_ptr(), 0.0, ranges.as_ptr(), 7, (&raw mut later).cast()) };
+    assert_eq!((status, later.more, later.verdict.size), (RAI_STATUS_OK, [7; 8], size_of::<Later>() as u32));
+    assert_is_the_example(&later.verdict);
+}
+
+/// Room for sentences that nobody has written to.
+struct Room {
+    bytes: Box<[MaybeUninit<u8>]>,
+}
+
+impl Room {
+    fn new(capacity: usize) -> Self {
+        Self { bytes: Box::new_uninit_slice(capacity) }
+    }
+
+    fn text(&mut self) -> rai_text_t {
+        rai_text_t { bytes: self.bytes.as_mut_ptr().cast(), capacity: self.bytes.len(), length: 0, lost: 0 }
+    }
+
+    fn said(&self, text: &rai_text_t) -> String {
+        // SAFETY: so much has been written.
+        let bytes = self.bytes.iter().take(text.length).map(|byte| unsafe { byte.assume_init() });
+        String::from_utf8(bytes.collect()).expect("ASCII")
+    }
+}
+
+fn receiver(text: &mut rai_text_t) -> Box<MaybeUninit<rai_receiver_t>> {
+    let mut memory = Box::new_uninit();
+    // SAFETY: memory as long as said, a text as long as it says.
+    let status = unsafe { rai_receiver_init(memory.as_mut_ptr(), RAI_RECEIVER_SIZE, text) };
+    assert_eq!(status, RAI_STATUS_OK);
+    memory
+}
+
+#[test]
+fn a_receiver_speaks_obeys_and_notices_silence() {
+    let mut room = Room::new(4096);
+    let mut text = room.text();
+    let mut memory = receiver(&mut text);
+    assert!(room.said(&text).starts_with("$PRAIV,"), "{}", room.said(&text));
+    let (at, mut judged, mut verdict) = (memory.as_mut_ptr(), 7, verdict());
+    // SAFETY: an object, as many bytes as said, a text as long as it says.
+    unsafe {
+        assert_eq!(rai_receiver_report(at, &raw mut verdict), RAI_STATUS_OK);
+        assert_eq!(verdict.state, RAI_STATE_NONE);
+        text.length = 0;
+        let noise = [0xD3, 0x00, 0x13, 0xB5, 0x62, 0x02, 0x15, 0x00];
+        let status = rai_receiver_gnss(at, noise.as_ptr(), noise.len(), 10, &raw mut text, &raw mut judged);
+        assert_eq!((status, judged, text.length), (RAI_STATUS_OK, 0, 0));
+        let command = b"$PRAIC,HAL,40*08\r\n";
+        let status = rai_receiver_command(at, command.as_ptr(), command.len(), &raw mut text);
+        assert_eq!(status, RAI_STATUS_OK);
+        assert!(room.said(&text).starts_with("$PRAIA,HAL,40"), "{}", room.said(&text));
+        text.length = 0;
+        assert_eq!(rai_receiver_tick(at, u64::MAX, &raw mut text), RAI_STATUS_OK);
+        let mut reason = 0;
+        assert_eq!(rai_receiver_state(at, &raw mut reason), RAI_STATE_ALERT);
+        assert_eq!(
+            (reason, rai_receiver_pin(at), rai_receiver_reset_requested(at)),
+            (RAI_REASON_STALE, 0, 0)
+        );
+        assert_eq!(rai_receiver_report(at, &raw mut verdict), RAI_STATUS_OK);
+    }
+    assert_eq!((verdict.state, verdict.reason), (RAI_STATE_ALERT, RAI_REASON_STALE));
+    assert!(verdict.hpl_m.is_nan() && verdict.x_m.is_nan() && verdict.excluded_count == 0);
+}
+
+#[test]
+fn sentences_without_room_are_counted_and_none_is_cut() {
+    let mut room = Room::new(20);
+    let mut text = room.text();
+    let mut memory = receiver(&mut text);
+    assert_eq!((text.length, text.lost), (0, 1));
+    let at = memory.as_mut_ptr();
+    let broken = |change: fn(&mut rai_text_t), text: &rai_text_t| {
+        let mut text = rai_text_t { ..*text };
+        change(&mut text);
+        // SAFETY: what is refused is not looked at.
+        unsafe { rai_receiver_tick(at, 0, &raw mut text) }
+    };
+    assert_eq!(broken(|text| text.bytes = ptr::null_mut(), &text), RAI_STATUS_NULL);
+    assert_eq!(broken(|text| text.length = 21, &text), RAI_STATUS_COUNT);
+    assert_eq!(broken(|text| text.capacity = usize::MAX, &text), RAI_STATUS_COUNT);
+    // SAFETY: as above.
+    unsafe {
+        assert_eq!(rai_receiver_tick(at, 0, ptr::null_mut()), RAI_STATUS_NULL);
+        let beside = (&raw mut text).wrapping_byte_add(1);
+        assert_eq!(rai_receiver_tick(at, 0, beside), RAI_STATUS_MISALIGNED);
+    }
+}

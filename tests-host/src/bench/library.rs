@@ -1,0 +1,108 @@
+//! What the library for C takes of a chip, by what is built into it.
+//!
+//! A program that calls one level of the interface is linked with everything else thrown out; what is left of the library is
+//! its flash. The memory of an object the library states itself, as a symbol for linker scripts.
+//!
+//! | symbol | field | unit |
+//! |---|---|---|
+//! | code and constants | `flash` | bytes |
+//! | `rai_monitor_size()`, `rai_receiver_size()` | `object` | bytes |
+
+use std::path::Path;
+use std::process::Command;
+
+use anyhow::{Context as _, Result};
+use object::{Object as _, ObjectSection as _, ObjectSymbol as _, SectionFlags, SectionKind};
+
+use super::stages::Figure;
+use crate::capi::{Optimised, library_of, run};
+use crate::no_panic::static_library::linker;
+
+/// What a program with classic RAIM may take of the flash, bytes.
+const CLASSIC_BYTES: u64 = 64 * 1024;
+
+/// A level of the interface: what a program calls of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Level {
+    Monitor,
+    Receiver,
+}
+
+impl Level {
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Monitor => "monitor",
+            Self::Receiver => "receiver",
+        }
+    }
+
+    const fn calls(self) -> &'static [&'static str] {
+        match self {
+            Self::Monitor => &["rai_settings_preset", "rai_monitor_init", "rai_monitor_judge"],
+            Self::Receiver => &[
+                "rai_receiver_init",
+                "rai_receiver_gnss",
+                "rai_receiver_tick",
+                "rai_receiver_command",
+                "rai_receiver_pin",
+                "rai_receiver_report",
+            ],
+        }
+    }
+}
+
+/// What is built: its words, its level, its features, what it is compiled for, and the most that its flash may be.
+type Build = (&'static str, Level, &'static str, Optimised, Option<u64>);
+
+const BUILDS: [Build; 9] = [
+    ("classic, 16 satellites", Level::Monitor, "satellites-16", Optimised::Size, Some(CLASSIC_BYTES)),
+    ("classic, 32 satellites", Level::Monitor, "satellites-32", Optimised::Size, Some(CLASSIC_BYTES)),
+    ("classic, 48 satellites", Level::Monitor, "", Optimised::Size, Some(CLASSIC_BYTES)),
+    ("classic, 48 satellites, for speed", Level::Monitor, "", Optimised::Speed, None),
+    ("all tables and searches, 48 satellites", Level::Monitor, "searches", Optimised::Size, None),
+    ("all and ARAIM, 48 satellites", Level::Monitor, "searches,araim", Optimised::Size, None),
+    ("16 satellites", Level::Receiver, "receiver,satellites-16", Optimised::Size, None),
+    ("32 satellites", Level::Receiver, "receiver,satellites-32", Optimised::Size, None),
+    ("48 satellites", Level::Receiver, "receiver", Optimised::Size, None),
+];
+
+/// Flash and object of every build.
+///
+/// # Errors
+/// Where one does not build or link.
+pub fn measure() -> Result<Vec<Figure>> {
+    let linker = linker()?;
+    let mut figures = Vec::new();
+    for (words, level, features, optimised, most) in BUILDS {
+        let archive = library_of(features, optimised)?;
+        let (flash, object) =
+            sizes(&linker, &archive, level).with_context(|| format!("{}, {words}", level.name()))?;
+        let figure = |of: &str, value, target| Figure {
+            name: format!("C library, {}, {words}: {of}, bytes", level.name()),
+            value,
+            target,
+        };
+        figures.extend([figure("flash", flash, most), figure("object", object, None)]);
+    }
+    Ok(figures)
+}
+
+/// Flash of a program that calls a level, and the memory of its object.
+fn sizes(linker: &Path, archive: &Path, level: Level) -> Result<(u64, u64)> {
+    let size = format!("__rai_{}_bytes", level.name());
+    let mut command = Command::new(linker);
+    command.args(["-flavor", "gnu", "--gc-sections", "--no-warnings", "--entry=0", "-o", "-"]);
+    command.args(level.calls().iter().chain([&size.as_str()]).map(|name| format!("--undefined={name}")));
+    let program = run(command.arg(archive))?;
+    let elf = object::File::parse(&*program)?;
+    let object = elf.symbols().find(|symbol| symbol.name() == Ok(&size)).context("it states no size")?;
+    let loaded = elf.sections().filter(is_loaded);
+    Ok((loaded.map(|section| section.size()).sum(), object.address()))
+}
+
+/// Whether a section goes to flash.
+fn is_loaded<'a>(section: &impl object::ObjectSection<'a>) -> bool {
+    let allocated = u64::from(object::elf::SHF_ALLOC);
+    matches!(section.flags(), SectionFlags::Elf { sh_flags } if sh_flags & allocated != 0)
+        && section.kind() != SectionKind::UninitializedData
+}

@@ -1,0 +1,179 @@
+//! GLONASS: strings as RTCM says them, and positions with it against positions without.
+
+use rai_core::frame::Ecef;
+use rai_core::satellite::{Constellation, SatelliteId};
+use rai_firmware::config::{Configuration, Systems};
+use rai_firmware::ephemeris::Ephemeris as Read;
+use rai_firmware::input::{Event, Input};
+use rai_firmware::navigator::Navigator;
+use rai_firmware::time::GpsTime;
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rtcm_rs::msg::Msg1020T;
+use rtcm_rs::{Message, MessageBuilder};
+use tests_host::encode::{self, Frequency, Selection, ubx};
+use tests_host::measurement::{Ephemeris, TimedEphemeris};
+use tests_host::stations::ESBC;
+
+use super::NOON;
+
+/// A sign and a magnitude of so many bits together, in units of `2^exponent`.
+fn magnitude(random: &mut ChaCha8Rng, width: u32, exponent: i32) -> f64 {
+    let most = (1_i64 << (width - 1)) - 1;
+    random.random_range(-most..=most) as f64 * 2f64.powi(exponent)
+}
+
+/// A message of random content whose orbit is one; reference times within half a day of noon.
+fn broadcast(random: &mut ChaCha8Rng) -> TimedEphemeris {
+    let number = random.random_range(1..=24);
+    let mut axis =
+        || (magnitude(random, 24, -20), magnitude(random, 26, -11), magnitude(random, 5, -30) as f32);
+    let [(vx, x, ax), (vy, y, ay), (vz, _, az)] = [axis(), axis(), axis()];
+    let message = Msg1020T {
+        glo_satellite_id: number,
+        glo_satellite_freq_chan_number: random.random_range(-7..=6),
+        glo_eph_health_flag: u8::from(random.random_bool(0.2)),
+        glo_m_3str_ln_flag: u8::from(random.random_bool(0.2)),
+        tb_min: 15 * random.random_range(0..96),
+        xn_km: x,
+        yn_km: y,
+        // Far enough out, whatever the others are.
+        zn_km: if random.random() { 20_000.0 } else { -20_000.0 },
+        xn_first_deriv_km_s: vx,
+        yn_first_deriv_km_s: vy,
+        zn_first_deriv_km_s: vz,
+        xn_second_deriv_km_s2: ax,
+        yn_second_deriv_km_s2: ay,
+        zn_second_deriv_km_s2: az,
+        tau_n_s: magnitude(random, 22, -30),
+        gamma_n: magnitude(random, 11, -40) as f32,
+        glo_m_delta_tau_n_s: magnitude(random, 5, -30) as f32,
+        glo_m_ft_ind: random.random_range(0..16),
+        glo_m_n4_year: 2020,
+        ..Msg1020T::default()
+    };
+    let satellite = SatelliteId::new(Constellation::Glonass, number).unwrap();
+    TimedEphemeris { satellite, toe: NOON, sent: NOON, message: Ephemeris::Glonass(message) }
+}
+
+/// What a module reads that knows the time and the leap seconds.
+fn read(bytes: &[u8]) -> Vec<Read> {
+    let mut input = Input::new();
+    let mut dated = (f64::from(NOON.tow_ms) * 1e-3).to_le_bytes().to_vec();
+    dated.extend_from_slice(&NOON.week.to_le_bytes());
+    dated.extend_from_slice(&[18, 0, 1, 1, 0, 0]);
+    input.feed(&ubx::frame([0x02, 0x15], &dated), 0, |_| ());
+    let mut ephemerides = Vec::new();
+    input.feed(bytes, 0, |event| {
+        if let Event::Ephemeris(ephemeris) = event {
+            ephemerides.push(ephemeris);
+        }
+    });
+    ephemerides
+}
+
+#[test]
+fn every_bit_of_the_strings_is_as_rtcm_says_it() {
+    let mut random = ChaCha8Rng::seed_from_u64(20);
+    let mut taken = 0;
+    for _ in 0..500 {
+        let ephemeris = broadcast(&mut random);
+        let Ephemeris::Glonass(message) = &ephemeris.message else { unreachable!("of GLONASS") };
+        let mut builder = MessageBuilder::new();
+        let want = read(builder.build_message(&Message::Msg1020(message.clone())).unwrap());
+        let have = read(&ubx::pages(&ephemeris, NOON).unwrap());
+        // As text: an accuracy that is not promised is not a number, and that is not equal to itself.
+        assert_eq!(format!("{have:?}"), format!("{want:?}"), "{message:?}");
+        taken += have.len();
+    }
+    // Some are beyond the distance of any satellite, or too fast.
+    assert!(taken > 100, "{taken} of 500 taken");
+}
+
+/// What a module is fed with and what it makes of it.
+struct Module {
+    input: Input,
+    navigator: Navigator,
+    configuration: Configuration,
+    squares_m2: [f64; 2],
+    fixes: u32,
+    used: usize,
+}
+
+impl Module {
+    fn new(systems: &str) -> Self {
+        let mut configuration = Configuration::at_start();
+        configuration.systems = Systems::of(systems).unwrap();
+        let navigator = Navigator::new(configuration.requirements).unwrap();
+        Self { input: Input::new(), navigator, configuration, squares_m2: [0.0; 2], fixes: 0, used: 0 }
+    }
+
+    fn hear(&mut self, bytes: &[u8], truth: Ecef) {
+        let Self { input, navigator, configuration, squares_m2, fixes, used } = self;
+        let mut now: Option<GpsTime> = None;
+        input.feed(bytes, 0, |event| match event {
+            Event::Ephemeris(ephemeris) => drop(navigator.learn(ephemeris, now)),
+            Event::Epoch(raw, came_ms) => {
+                now = Some(raw.time);
+                let report = navigator.judge(raw, came_ms, configuration);
+                let of_glonass =
+                    |satellite: &&SatelliteId| satellite.constellation() == Constellation::Glonass;
+                *used += report.used.iter().filter(of_glonass).count();
+                if let Some(solution) = &report.solution {
+                    let error = rai_core::frame::LocalFrame::at(truth).rotate(solution.position - truth);
+                    squares_m2[0] += error.east.powi(2) + error.north.powi(2);
+                    squares_m2[1] += error.up.powi(2);
+                    *fixes += 1;
+                }
+            }
+            _ => {}
+        });
+    }
+
+    /// Root mean square of the horizontal and of the vertical error, m.
+    fn errors_m(&self) -> [f64; 2] {
+        self.squares_m2.map(|squares_m2| (squares_m2 / f64::from(self.fixes)).sqrt())
+    }
+}
+
+/// Errors with GLONASS may be this much larger than without.
+const LARGER: f64 = 1.1;
+
+fn compare(name: &str, without: &Module, with: &Module, least: usize) {
+    let ([have_h, have_v], [want_h, want_v]) = (with.errors_m(), without.errors_m());
+    println!(
+        "{name}: {want_h:.3} m and {want_v:.3} m without, {have_h:.3} m and {have_v:.3} m with GLONASS, \
+         {} times a satellite of it in {} epochs",
+        with.used, with.fixes
+    );
+    assert!(with.used > least && with.fixes >= without.fixes, "{name}: {} used", with.used);
+    assert!(have_h < LARGER * want_h && have_v < LARGER * want_v, "{name}");
+}
+
+/// Of a geodetic receiver, that is. One whose channels are delayed differently by metres is worse with GLONASS: the reason
+/// why the module leaves it out until it is told.
+#[test]
+fn a_day_with_it_is_no_worse_than_without() {
+    let Some(recording) = ESBC.load() else { return };
+    for (without, with) in [("G", "GR"), ("GCE", "GCER")] {
+        for format in ["RTCM", "UBX"] {
+            let play = |systems: &str| {
+                let selection = Selection::new(systems, Frequency::Dual).unwrap();
+                let mut module = Module::new(systems);
+                let said = ubx::IonosphereAndUtc {
+                    klobuchar: recording.klobuchar.unwrap(),
+                    leap_s: (18, 18),
+                    change: (1929, 7),
+                };
+                let mut rtcm = encode::Encoder::new(&recording.ephemerides, selection.clone());
+                let mut ubx = ubx::Encoder::new(&recording.ephemerides, selection, Some(said));
+                for epoch in recording.epochs.iter().step_by(4) {
+                    let bytes = if format == "UBX" { ubx.epoch(epoch) } else { rtcm.epoch(epoch) }.unwrap();
+                    module.hear(&bytes, ESBC.truth);
+                }
+                module
+            };
+            compare(&format!("esbc, {with} by {format}"), &play(without), &play(with), 2000);
+        }
+    }
+}
