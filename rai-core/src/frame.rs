@@ -17,6 +17,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use crate::numeric::absolute::{Absolute, Length};
+use crate::numeric::angle;
 use crate::numeric::real::Real;
 
 /// Speed of light in vacuum, m/s (exact by definition of the metre).
@@ -221,8 +222,8 @@ impl LocalFrame {
     pub fn geodetic(&self) -> Geodetic {
         let Directions { sin_latitude, cos_latitude, sin_longitude, cos_longitude } = self.directions;
         Geodetic {
-            latitude_rad: libm::atan2(sin_latitude, cos_latitude),
-            longitude_rad: libm::atan2(sin_longitude, cos_longitude),
+            latitude_rad: angle::of_unit_vector(sin_latitude, cos_latitude),
+            longitude_rad: angle::of_unit_vector(sin_longitude, cos_longitude),
             height_m: self.height_m,
         }
     }

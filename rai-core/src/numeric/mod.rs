@@ -1,6 +1,7 @@
 //! Numbers: scalars, probabilities and distributions. Knows nothing of satellites.
 
 pub mod absolute;
+pub mod angle;
 pub mod chi_square;
 pub mod normal;
 pub mod precision;

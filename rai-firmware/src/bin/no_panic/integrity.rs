@@ -21,6 +21,7 @@ use rai_core::integrity::residuals::threshold::{self, ThresholdError, Thresholds
 use rai_core::integrity::separation::{self, Allocation, Finding, Hypothesis, Removable, SeparationError};
 use rai_core::monitor::{Memory, Monitor, MonitorError};
 use rai_core::numeric::absolute::{Absolute, Grid};
+use rai_core::numeric::angle;
 use rai_core::numeric::chi_square::ChiSquare;
 use rai_core::numeric::normal;
 use rai_core::numeric::probability::Probability;
@@ -228,6 +229,7 @@ fn clocks<T: Real>() {
 
 fn absolute_lengths() {
     reach!(
+        angle::of_unit_vector as fn(_, _) -> _,
         <f64 as Absolute<f64>>::of as fn(_) -> _,
         <f64 as Absolute<f64>>::less as fn(_, _) -> _,
         <f64 as Absolute<f64>>::widen as fn(_) -> _,
