@@ -60,7 +60,7 @@ fn the_airborne_model_is_that_of_the_standard_for_the_pair_and_the_grounds_for_o
     assert_close(ErrorBudget { weakness: 3.0, ..pair }, weak_m2 + 0.0144 / 1.1025, 2e-6);
 }
 
-/// URA² + σ_user² + 0.12² 1.001²/(0.002001 + sin² el), the user's part as above.
+/// `URA² + σ_user² + 0.12² 1.001²/(0.002001 + sin² el)`, the part of the user as above.
 #[test]
 fn what_integrity_is_told_has_the_users_part_of_where_the_antenna_is() {
     let support = Ism::ICAO_AIRBORNE.of(Constellation::Gps);

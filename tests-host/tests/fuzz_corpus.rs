@@ -68,3 +68,8 @@ fn mutations_of_epochs_pass() {
 fn mutations_of_calls_from_c_pass() {
     mutate("capi");
 }
+
+#[test]
+fn mutations_of_linearised_epochs_pass() {
+    mutate("separation");
+}

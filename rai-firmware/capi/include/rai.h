@@ -6,6 +6,17 @@
  * An object lives in memory of the caller. The library allocates nothing, keeps no globals, calls nothing back and holds no
  * pointer after a call has returned. Functions that can refuse return a status; a refused call has changed nothing. A struct
  * begins with its size, set by the caller to sizeof. One object may be used by one thread at a time.
+ *
+ * Stack that a call needs on a Cortex-M4F, KiB, with room for 16, 32 and 48 satellites:
+ *
+ *   rai_monitor_init                                    8     8     8
+ *   rai_monitor_judge, classic RAIM                     8    11    14
+ *   rai_monitor_judge, every search and ARAIM                      17
+ *   rai_receiver_gnss                                              27
+ *   rai_receiver_command                                           15
+ *   rai_receiver_tick                                               2
+ *   rai_receiver_init, once, before any task runs                  50
+ *   all others                                          1     1     1
  */
 
 #ifndef RAI_H

@@ -23,6 +23,25 @@
 //!   with constants, so that a value from a later version is only an unknown number.
 //! - **Threads.** One object, one thread at a time; different objects do not know of each other.
 //!
+//! - **Stack.** What each call needs stands at the top of the header, and is held to it on the emulated chip
+//!   (`tests-host/tests/capi_bits`).
+//!
+//! # What is built in
+//!
+//! The receiver brings everything. A library of `rai_monitor_*` alone holds classic RAIM (the global test under every policy, the
+//! search of up to three satellites, protection levels, clock aiding) with the thresholds of the phases of flight; its features
+//! add to that.
+//!
+//! | feature | adds |
+//! |---|---|
+//! | `receiver` | `rai_receiver_*`, and all below |
+//! | `tables` | thresholds for all committed probabilities |
+//! | `searches` | `RAI_METHOD_SIMULTANEOUS` to `RAI_METHOD_RANSAC` |
+//! | `araim` | `RAI_METHOD_SEPARATION` |
+//! | `satellites-16`, `satellites-32` | room for fewer satellites than 48 |
+//!
+//! `cargo xtask bench` prints what each takes of the flash, and the memory of the objects.
+//!
 //! # Safety
 //!
 //! This package is the only place beside the board files where `unsafe` stands, and it holds no logic: pointers are checked for

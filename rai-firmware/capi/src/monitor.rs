@@ -2,9 +2,9 @@
 
 use rai_core::epoch::{Epoch, Observation};
 use rai_core::frame::Ecef;
-use rai_core::monitor::MonitorError;
+use rai_core::monitor::{MonitorError, Search};
 use rai_core::satellite::{Constellation, SatelliteId};
-use rai_core::single::{self, CAPACITY, Monitor};
+use rai_core::single::{self, CAPACITY, Memory, Monitor};
 
 use crate::pointer::{Object, can_give, give, slice, status_of, take};
 use crate::settings::{rai_settings_t, refusal_of};
@@ -24,10 +24,11 @@ pub struct rai_monitor_t {
 
 type Stored = Object<Watch, 1>;
 
-/// A monitor with the epoch that is being judged, so that the epoch takes no stack.
+/// A monitor with the epoch that is being judged and what a search keeps, so that neither takes stack.
 struct Watch {
     /// As it was made, or was not: to take it out of the result would lay it out on the stack.
     made: Result<Monitor, MonitorError>,
+    memory: Memory,
     epoch: Epoch<CAPACITY>,
 }
 
@@ -95,11 +96,12 @@ pub unsafe extern "C" fn rai_monitor_init(
     status_of(room.and_then(|room| {
         let settings = settings?;
         let requirements = settings.checked()?;
-        // SAFETY: both fields are written.
+        // SAFETY: all fields are written.
         unsafe {
             room.fill(
                 |watch: *mut Watch| {
                     (&raw mut (*watch).made).write(Monitor::new(requirements));
+                    (&raw mut (*watch).memory).write(Memory::new());
                     (&raw mut (*watch).epoch).write(Epoch::new(0.0));
                 },
                 |watch| configure(watch.monitor()?, &settings),
@@ -126,6 +128,8 @@ pub unsafe extern "C" fn rai_monitor_configure(
     status_of(watch.and_then(|watch| configure(watch.monitor()?, &settings?)))
 }
 
+// Not inlined, as what checks the settings.
+#[inline(never)]
 fn configure(monitor: &mut Monitor, settings: &rai_settings_t) -> Result<(), rai_status_t> {
     // All is read before anything is changed.
     let (strategy, continuity) = (settings.strategy()?, settings.continuity()?);
@@ -192,8 +196,10 @@ fn judge(watch: &mut Watch, time_s: f64, ranges: &[rai_range_t]) -> Result<rai_v
             refused_count = refused_count.saturating_add(1);
         }
     }
-    let report = single::process(monitor, &watch.epoch);
-    Ok(rai_verdict_t { refused_count, refused_status, ..rai_verdict_t::of(&report) })
+    let start = monitor.start();
+    let mut assessment = single::judge(monitor, &watch.epoch, start, Search::Anew, &mut watch.memory);
+    monitor.learn(&mut assessment, None);
+    Ok(rai_verdict_t { refused_count, refused_status, ..rai_verdict_t::of(&assessment.report) })
 }
 
 fn add(epoch: &mut Epoch<CAPACITY>, range: &rai_range_t) -> Result<(), rai_status_t> {

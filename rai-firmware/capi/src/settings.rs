@@ -163,6 +163,8 @@ impl rai_settings_t {
     }
 
     /// What the core requires, if it takes these settings as a whole.
+    // Not inlined: what it needs of the stack is not needed beside what makes the monitor.
+    #[inline(never)]
     pub(crate) fn checked(&self) -> Result<Requirements, rai_status_t> {
         self.strategy()?;
         self.continuity()?;

@@ -12,6 +12,8 @@
  *   'g'   time (8), bytes                                       judged, pin, state, reason, the report, sentences
  *   't'   time (8)                                              the same
  *   'c'   bytes                                                 the same
+ *
+ * With MONITOR_ALONE it is a program for a library without the receiver.
  */
 #include "port.h"
 #include "rai.h"
@@ -19,11 +21,13 @@
 #define MOST 8192u
 
 static rai_monitor_t monitor;
-static rai_receiver_t receiver;
 static rai_range_t ranges[RAI_MAX_SATELLITES];
 static uint8_t payload[MOST];
+#ifndef MONITOR_ALONE
+static rai_receiver_t receiver;
 static uint8_t sentences[4096];
 static rai_text_t text;
+#endif
 
 static void copy(void *to, const void *from, size_t count)
 {
@@ -60,14 +64,16 @@ static void answer_whole(uint8_t kind, rai_status_t status, uint32_t stack, cons
 
 static void sizes(void)
 {
-    uint32_t said[7];
+    uint32_t said[7] = {0};
     said[0] = rai_abi_version();
     said[1] = (uint32_t)rai_monitor_size();
     said[2] = (uint32_t)rai_monitor_align();
-    said[3] = (uint32_t)rai_receiver_size();
-    said[4] = (uint32_t)rai_receiver_align();
-    said[5] = RAI_MONITOR_SIZE;
+    said[3] = RAI_MONITOR_SIZE;
+#ifndef MONITOR_ALONE
+    said[4] = (uint32_t)rai_receiver_size();
+    said[5] = (uint32_t)rai_receiver_align();
     said[6] = RAI_RECEIVER_SIZE;
+#endif
     answer_whole('s', RAI_STATUS_OK, 0, said, sizeof said);
 }
 
@@ -115,6 +121,7 @@ static void forget(void)
     answer('f', status, stack, 0);
 }
 
+#ifndef MONITOR_ALONE
 static void start(void)
 {
     rai_status_t status;
@@ -160,6 +167,7 @@ static void hear(uint8_t kind, uint32_t length)
     port_write((const uint8_t *)&report, sizeof report);
     port_write(sentences, text.length);
 }
+#endif
 
 #ifdef __cplusplus
 extern "C"
@@ -182,10 +190,12 @@ int program(void)
         case 'p': prepare(); break;
         case 'm': judge(length); break;
         case 'f': forget(); break;
+#ifndef MONITOR_ALONE
         case 'i': start(); break;
         case 'g':
         case 't':
         case 'c': hear(head[0], length); break;
+#endif
         default: return 1;
         }
     }

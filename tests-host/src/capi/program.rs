@@ -12,7 +12,7 @@ use std::process::Command;
 use anyhow::{Context as _, Result, ensure};
 
 use super::calls::{Answer, Calls, answers};
-use super::{Kind, folder, library, library_for, run};
+use super::{Kind, Optimised, folder, library, library_for, library_of, run};
 use crate::board::Machine;
 
 /// Every warning that a careful C programmer turns on.
@@ -101,6 +101,31 @@ pub fn on_host(calls: &Calls, language: Language, flags: &[&str], out: &Path) ->
 /// # Errors
 /// Where something does not compile, the emulator is missing, or the program fails.
 pub fn on_board(calls: &Calls, machine: Machine, language: Language, out: &Path) -> Result<Vec<Answer>> {
+    run_on(calls, machine, language, &[], &library_for(machine, "receiver,panic-handler")?, out)
+}
+
+/// Makes the calls on the first board, with the smallest library that has room for so many satellites: classic RAIM alone,
+/// compiled for size.
+///
+/// # Errors
+/// As [`on_board`].
+pub fn classic_on_board(calls: &Calls, satellites: u8, out: &Path) -> Result<Vec<Answer>> {
+    let (feature, definition) = match satellites {
+        48 => (String::new(), "-DRAI_SATELLITES=48".to_owned()),
+        fewer => (format!("satellites-{fewer}"), format!("-DRAI_SATELLITES_{fewer}")),
+    };
+    let library = library_of(&feature, Optimised::Size)?;
+    run_on(calls, Machine::Stm32f405, Language::C, &["-DMONITOR_ALONE", &definition], &library, out)
+}
+
+fn run_on(
+    calls: &Calls,
+    machine: Machine,
+    language: Language,
+    definitions: &[&str],
+    library: &Path,
+    out: &Path,
+) -> Result<Vec<Answer>> {
     let (processor, memory) = match machine {
         Machine::Stm32f405 => (["-mcpu=cortex-m4", "-mfpu=fpv4-sp-d16"], "stm32f405"),
         Machine::Mps2An500 => (["-mcpu=cortex-m7", "-mfpu=fpv5-d16"], "mps2_an500"),
@@ -109,11 +134,12 @@ pub fn on_board(calls: &Calls, machine: Machine, language: Language, out: &Path)
     flags.extend(processor);
     let mut link = Command::new(ARM);
     link.args(&flags).args(["-nostdlib", "-Wl,--gc-sections", "-o"]).arg(out.join("program"));
+    flags.extend(definitions);
     link.arg(object(ARM, language, &flags, "calls.c", out)?);
     link.arg(object(ARM, Language::C, &flags, "board.c", out)?);
     link.arg("-T").arg(source("board.ld"));
     link.arg("-L").arg(folder().join("../src/board").join(memory));
-    link.arg(library_for(machine, "receiver,panic-handler")?).arg("-lgcc");
+    link.arg(library).arg("-lgcc");
     run(&mut link)?;
     std::fs::write(out.join("calls.bin"), calls.as_bytes())?;
     let mut emulator = Command::new("qemu-system-arm");

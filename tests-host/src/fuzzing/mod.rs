@@ -13,6 +13,7 @@
 //! | [`ephemeris`] | an ephemeris' fields and instants | radius, speed and clock within what Kepler and the fields allow |
 //! | [`epoch`] | requirements, strategies, epochs with anything in them | what a report promises |
 //! | [`capi`] | calls of the C interface with arguments of every kind | a refusal changes nothing; nothing is written beyond what was handed in |
+//! | [`separation`] | linearised epochs, priors and allocations with anything in them | numbers are numbers; an outcome is what the tests say |
 //!
 //! The folder `fuzz` holds the corpus, a few hundred small files a target, and the crate that cargo-fuzz builds.
 //! The seeds behind them are of simulated skies ([`seeds`]); no recording is among them.
@@ -29,6 +30,7 @@ pub mod overheard;
 pub mod replay;
 mod sealing;
 pub mod seeds;
+pub mod separation;
 pub mod stream;
 mod tape;
 pub mod ubx;
@@ -43,12 +45,13 @@ pub struct Target {
 }
 
 /// All targets.
-pub const TARGETS: [Target; 7] = [
+pub const TARGETS: [Target; 8] = [
     Target { name: "stream", run: stream::run },
     Target { name: "ubx", run: ubx::run },
     Target { name: "navigation_bits", run: navigation_bits::run },
     Target { name: "command", run: command::run },
     Target { name: "ephemeris", run: ephemeris::run },
     Target { name: "epoch", run: epoch::run },
+    Target { name: "separation", run: separation::run },
     Target { name: "capi", run: capi::run },
 ];

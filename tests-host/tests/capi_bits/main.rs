@@ -8,7 +8,7 @@ use session::Session;
 use tests_host::bench::workload::{self, Stream, Wrong};
 use tests_host::board::Machine;
 use tests_host::capi::calls::Answer;
-use tests_host::capi::program::{ARM, Language, SANITISED, on_board, on_host};
+use tests_host::capi::program::{ARM, Language, SANITISED, classic_on_board, on_board, on_host};
 use tests_host::capi::run;
 use tests_host::{board, capture, shared, skip};
 
@@ -16,10 +16,10 @@ use tests_host::{board, capture, shared, skip};
 const STACK_BYTES: [(&str, u32); 7] = [
     ("rai_monitor_init", 8 * 1024),
     ("rai_monitor_forget", 128),
-    ("rai_monitor_judge", 18 * 1024),
+    ("rai_monitor_judge", 17 * 1024),
     ("rai_receiver_init", 50 * 1024),
     ("rai_receiver_gnss", 27 * 1024),
-    ("rai_receiver_tick", 27 * 1024),
+    ("rai_receiver_tick", 2 * 1024),
     ("rai_receiver_command", 15 * 1024),
 ];
 
@@ -145,6 +145,36 @@ fn assert_same_on(machine: Machine) {
             println!("{bytes:>8} of {most:>8} {function}");
             assert!(bytes <= most, "{function} takes {bytes} bytes of the stack, above its {most}");
         }
+    }
+}
+
+/// Classic RAIM alone: what a judgement needs of the stack by the satellites that there is room for, bytes.
+const CLASSIC_STACK_BYTES: [(u8, u32); 3] = [(16, 8 * 1024), (32, 11 * 1024), (48, 14 * 1024)];
+
+#[test]
+fn the_smallest_library_gives_the_bits_of_rust() {
+    if !board::is_installed() || !has(&[ARM]) {
+        return;
+    }
+    let out = tempfile::tempdir().expect("a folder");
+    for (satellites, most) in CLASSIC_STACK_BYTES {
+        let mut session = Session::new();
+        for strategy in [[2, 0, 0, 0], [2, 1, 0, 0], [0, 0, 1, 0], [1, 0, 2, 1]] {
+            session.prepare(strategy);
+            for (count, faults) in
+                [(6, 0), (8, 0), (8, 1), (12, 1), (16, 3), (16, 0), (satellites.min(40), 3)]
+            {
+                session.judge(&workload::epoch(count.into(), 2, faults).expect("a sky"));
+            }
+        }
+        let have = classic_on_board(session.calls(), satellites, out.path()).expect("it runs to its end");
+        assert_same(&have, &session);
+        let deepest = deepest(&have);
+        println!("room for {satellites} satellites, stack in bytes: {deepest:?}");
+        assert!(
+            deepest["rai_monitor_judge"] <= most && deepest["rai_monitor_init"] <= 8 * 1024,
+            "{deepest:?}"
+        );
     }
 }
 

@@ -25,6 +25,7 @@ use super::solutions::Solutions;
 use super::walk::{Purpose, Watch};
 use super::{Finding, Prior, Priors, ROWS, SeparationError, View};
 use crate::allocation::Allocation;
+use crate::equations::Row;
 use crate::numeric::real::Real;
 use crate::satellite::Constellation;
 use crate::snapshot::{Snapshot, SnapshotError};
@@ -119,6 +120,11 @@ pub fn judge<T: Real>(
     Ok(Judged { options: options.count(), share: watch.share, whole, outcome })
 }
 
+/// Sigmas and biases beyond these are no promise, and squares of squares of them no numbers, m: as for a range
+/// ([`crate::epoch::Epoch::push`]).
+const LEAST_M: f64 = 1e-3;
+const LARGEST_M: f64 = 1e6;
+
 /// Chooses the modes of an epoch.
 #[inline(never)]
 pub(super) fn choose<T: Real>(
@@ -127,8 +133,13 @@ pub(super) fn choose<T: Real>(
     priors: &Priors<'_, T>,
 ) -> Result<(), SeparationError> {
     let valid = |probability: T| probability >= T::zero() && probability < T::narrow(0.5);
-    let size = |value: T| value >= T::zero() && value.is_finite();
+    let size = |value: T| value >= T::zero() && value <= T::narrow(LARGEST_M);
     let satellite = |prior: &Prior<T>| valid(prior.fault) && size(prior.accuracy_m) && size(prior.bias_m);
+    let takes_part = |row: &&Row<T>| row.weight > T::zero();
+    let measured = |row: &Row<T>| row.sigma >= T::narrow(LEAST_M) && row.sigma <= T::narrow(LARGEST_M);
+    if !view.rows.iter().filter(takes_part).all(measured) {
+        return Err(SeparationError::Prior);
+    }
     if !priors.satellites.iter().all(satellite) || !priors.constellations.into_iter().all(valid) {
         return Err(SeparationError::Prior);
     }

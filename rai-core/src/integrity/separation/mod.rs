@@ -104,7 +104,7 @@ pub enum SeparationError {
     Rows,
     /// More modes to watch than [`MAX_MODES`].
     Modes,
-    /// A probability outside [0, 0.5), or a sigma or bias that is negative or not finite.
+    /// A probability outside [0, 0.5), or a bias or sigma that no range has: below 1 mm, above 1000 km.
     Prior,
 }
 

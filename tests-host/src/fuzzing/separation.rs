@@ -1,0 +1,129 @@
+//! Target: linearised epochs with anything in them, straight into the separation of solutions, in both scalars.
+//!
+//! [`super::epoch`] reaches it through a position; here geometry, residuals, sigmas, priors and allocations are free, and
+//! any number may be any pattern of bits. What must hold: what is said are numbers; what is watched and what is not are
+//! within their bounds; an outcome is what the tests say; what is left out is left out, and nothing else.
+
+use nalgebra::Vector3;
+use rai_core::equations::LinearEpoch;
+use rai_core::integrity::separation::{
+    Allocation, Finding, Judged, MAX_MODES, Outcome, Prior, Priors, ROWS, SeparationError, judge,
+};
+use rai_core::numeric::real::Real;
+use rai_core::satellite::Constellation;
+use rai_core::snapshot::Snapshot;
+
+use super::tape::Tape;
+
+/// Reads which scalar, and then epochs until the bytes end.
+pub fn run(input: &[u8]) {
+    let mut tape = Tape::new(input);
+    if tape.byte() & 1 == 0 { epochs::<f32>(&mut tape) } else { epochs::<f64>(&mut tape) }
+}
+
+fn epochs<T: Real>(tape: &mut Tape<'_>) {
+    while !tape.is_over() {
+        let allocation = allocation(tape);
+        let (epoch, priors) = epoch::<T>(tape);
+        let constellations = [(); Constellation::COUNT].map(|()| T::narrow(probability(tape)));
+        let priors = Priors { satellites: &priors, constellations };
+        let Ok(mut snapshot) = Snapshot::<T, ROWS>::solve(epoch) else { continue };
+        match judge(&mut snapshot, &priors, &allocation) {
+            Ok(judged) => check(&judged, &snapshot, &allocation),
+            Err(SeparationError::Prior) => assert!(!are_sound(&priors, &snapshot), "refused: {priors:?}"),
+            Err(SeparationError::Rows | SeparationError::Modes) => {}
+        }
+    }
+}
+
+/// One of the two that are used, with some of its numbers moved.
+fn allocation(tape: &mut Tape<'_>) -> Allocation {
+    let base = tape.one_of(&[Allocation::horizontal(), Allocation::vertical_guidance()]);
+    Allocation {
+        not_watched: tape.one_of(&[base.not_watched, 1e-12, 1e-4]),
+        consolidation: tape.one_of(&[base.consolidation, 0.0, 1.0]),
+        exclusion: tape.byte() < 200,
+        ..base
+    }
+}
+
+fn epoch<T: Real>(tape: &mut Tape<'_>) -> (LinearEpoch<T, ROWS>, Vec<Prior<T>>) {
+    let (mut epoch, mut priors) = (LinearEpoch::new(), Vec::new());
+    let is_quiet = tape.byte() < 128;
+    for _ in 0..tape.byte() % 42 {
+        let (azimuth, up) = (tape.within(0.0, std::f64::consts::TAU), tape.within(-1.0, 1.0));
+        let level = (1.0 - up * up).sqrt();
+        let direction = Vector3::new(level * azimuth.sin(), level * azimuth.cos(), up);
+        let sigma_m = tape.number(0.1, 20.0);
+        let fault_m = if is_quiet || tape.byte() < 200 { 0.0 } else { tape.number(-1e4, 1e4) };
+        let residual_m = sigma_m * tape.within(-1.5, 1.5) + fault_m;
+        let constellation = tape.one_of(&Constellation::ALL);
+        let prior = Prior {
+            accuracy_m: T::narrow(tape.number(0.1, 20.0)),
+            bias_m: T::narrow(tape.number(0.0, 5.0)),
+            fault: T::narrow(probability(tape)),
+        };
+        // What is refused has no row, and so no prior.
+        if epoch.satellite(constellation, direction, residual_m, sigma_m).is_ok() {
+            priors.push(prior);
+        }
+    }
+    (epoch, priors)
+}
+
+/// Mostly one that is promised, sometimes any number.
+fn probability(tape: &mut Tape<'_>) -> f64 {
+    match tape.byte() {
+        0..8 => tape.number(0.0, 1.0),
+        8..24 => tape.within(0.0, 0.49),
+        _ => tape.one_of(&[1e-5, 1e-4, 1e-8, 0.0, 3e-3]),
+    }
+}
+
+fn are_sound<T: Real>(priors: &Priors<'_, T>, snapshot: &Snapshot<T, ROWS>) -> bool {
+    let probability = |value: T| value >= T::zero() && value < T::narrow(0.5);
+    let size = |value: T| value >= T::zero() && value <= T::narrow(1e6);
+    let satellite =
+        |prior: &Prior<T>| probability(prior.fault) && size(prior.accuracy_m) && size(prior.bias_m);
+    let measured = |sigma_m: T| sigma_m >= T::narrow(1e-3) && sigma_m <= T::narrow(1e6);
+    snapshot.epoch().rows().iter().all(|row| measured(row.sigma))
+        && priors.satellites.iter().all(satellite)
+        && priors.constellations.into_iter().all(probability)
+}
+
+fn check<T: Real>(judged: &Judged<T>, after: &Snapshot<T, ROWS>, allocation: &Allocation) {
+    check_finding(&judged.whole, judged);
+    let share = judged.share.widen();
+    let want = if allocation.exclusion { 1.0 / (judged.options + 1) as f64 } else { 1.0 };
+    assert!((share / want - 1.0).abs() < 1e-6, "{judged:?}");
+    assert_eq!(judged.outcome == Outcome::Passed, !judged.whole.alarm, "{judged:?}");
+    let left_out = after.epoch().rows().iter().enumerate().filter(|(_, row)| row.weight <= T::zero());
+    let left_out = left_out.fold(0_u64, |set, (index, _)| set | 1 << index);
+    match &judged.outcome {
+        Outcome::Passed | Outcome::NotIsolated => assert_eq!(left_out, 0, "{judged:?}"),
+        Outcome::Excluded { rows, finding, .. } => {
+            assert!(allocation.exclusion && *rows != 0, "{judged:?}");
+            assert_eq!(left_out, *rows, "{judged:?}");
+            assert!(!finding.alarm && finding.not_watched >= judged.whole.not_watched, "{judged:?}");
+            check_finding(finding, judged);
+        }
+    }
+}
+
+fn check_finding<T: Real>(finding: &Finding<T>, judged: &Judged<T>) {
+    let [east, north, up] = finding.levels_m;
+    let numbers = [
+        east,
+        north,
+        up,
+        finding.hpl_m(),
+        finding.not_watched,
+        finding.effective_monitor_threshold_m,
+        finding.accuracy_m,
+        finding.ratio,
+    ];
+    // A NaN is not at least zero.
+    assert!(numbers.iter().all(|number| *number >= T::zero()), "{judged:?}");
+    assert!(finding.modes <= MAX_MODES, "{judged:?}");
+    assert!(finding.factors.iter().all(|factor| factor.is_finite() && *factor > T::zero()), "{judged:?}");
+}
