@@ -153,7 +153,7 @@
 /**
  * Words of eight bytes that a monitor takes, on every processor at most.
  */
-#define RAI_MONITOR_WORDS 768
+#define RAI_MONITOR_WORDS 896
 #endif
 
 #if (defined(RAI_SATELLITES_32) && !defined(RAI_SATELLITES_16))

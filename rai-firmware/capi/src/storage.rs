@@ -22,7 +22,7 @@ pub const RAI_MAX_SATELLITES: usize = 48;
 
 /// Words of eight bytes that a monitor takes, on every processor at most.
 #[cfg(feature = "satellites-16")]
-pub const RAI_MONITOR_WORDS: usize = 768;
+pub const RAI_MONITOR_WORDS: usize = 896;
 /// Words of eight bytes that a monitor takes, on every processor at most.
 #[cfg(all(feature = "satellites-32", not(feature = "satellites-16")))]
 pub const RAI_MONITOR_WORDS: usize = 1152;

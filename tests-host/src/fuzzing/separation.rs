@@ -11,7 +11,7 @@ use rai_core::integrity::separation::{
 };
 use rai_core::numeric::real::Real;
 use rai_core::satellite::Constellation;
-use rai_core::snapshot::Snapshot;
+use rai_core::snapshot::{Snapshot, Workspace};
 
 use super::tape::Tape;
 
@@ -27,7 +27,8 @@ fn epochs<T: Real>(tape: &mut Tape<'_>) {
         let (epoch, priors) = epoch::<T>(tape);
         let constellations = [(); Constellation::COUNT].map(|()| T::narrow(probability(tape)));
         let priors = Priors { satellites: &priors, constellations };
-        let Ok(mut snapshot) = Snapshot::<T, ROWS>::solve(epoch) else { continue };
+        let mut workspace = Workspace::<T, ROWS>::of(epoch);
+        let Ok(mut snapshot) = workspace.solve() else { continue };
         match judge(&mut snapshot, &priors, &allocation) {
             Ok(judged) => check(&judged, &snapshot, &allocation),
             Err(SeparationError::Prior) => assert!(!are_sound(&priors, &snapshot), "refused: {priors:?}"),
@@ -80,24 +81,24 @@ fn probability(tape: &mut Tape<'_>) -> f64 {
     }
 }
 
-fn are_sound<T: Real>(priors: &Priors<'_, T>, snapshot: &Snapshot<T, ROWS>) -> bool {
+fn are_sound<T: Real>(priors: &Priors<'_, T>, snapshot: &Snapshot<'_, T>) -> bool {
     let probability = |value: T| value >= T::zero() && value < T::narrow(0.5);
     let size = |value: T| value >= T::zero() && value <= T::narrow(1e6);
     let satellite =
         |prior: &Prior<T>| probability(prior.fault) && size(prior.accuracy_m) && size(prior.bias_m);
     let measured = |sigma_m: T| sigma_m >= T::narrow(1e-3) && sigma_m <= T::narrow(1e6);
-    snapshot.epoch().rows().iter().all(|row| measured(row.sigma))
+    snapshot.equations().iter().all(|row| measured(row.sigma))
         && priors.satellites.iter().all(satellite)
         && priors.constellations.into_iter().all(probability)
 }
 
-fn check<T: Real>(judged: &Judged<T>, after: &Snapshot<T, ROWS>, allocation: &Allocation) {
+fn check<T: Real>(judged: &Judged<T>, after: &Snapshot<'_, T>, allocation: &Allocation) {
     check_finding(&judged.whole, judged);
     let share = judged.share.widen();
     let want = if allocation.exclusion { 1.0 / (judged.options + 1) as f64 } else { 1.0 };
     assert!((share / want - 1.0).abs() < 1e-6, "{judged:?}");
     assert_eq!(judged.outcome == Outcome::Passed, !judged.whole.alarm, "{judged:?}");
-    let left_out = after.epoch().rows().iter().enumerate().filter(|(_, row)| row.weight <= T::zero());
+    let left_out = after.equations().iter().enumerate().filter(|(_, row)| row.weight <= T::zero());
     let left_out = left_out.fold(0_u64, |set, (index, _)| set | 1 << index);
     match &judged.outcome {
         Outcome::Passed | Outcome::NotIsolated => assert_eq!(left_out, 0, "{judged:?}"),
