@@ -288,6 +288,7 @@ fn the_loop() {
         Receiver::<Pin>::seal as fn(_, _),
         Receiver::<Pin>::interrupt as fn(_),
         Receiver::<Pin>::frames as fn(_) -> _,
+        <BitRate as Default>::default as fn() -> _,
         BitRate::new as fn() -> _,
         BitRate::hear as fn(_, _),
         BitRate::next as fn(_, _, _) -> _,
