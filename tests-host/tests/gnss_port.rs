@@ -17,7 +17,7 @@ fn lines(gnss_baud: u64, rate_hz: u64) -> Lines<'static> {
     Lines { gnss_baud, host_baud: 115_200, period_ns: 1_000_000_000 / rate_hz, flood: &[], host_reads: true }
 }
 
-/// Five minutes of a sky of three systems on two bands.
+/// A sky of three systems on two bands.
 fn sky(epochs: u32) -> Recording {
     Simulation::above_xian(3600.0, epochs, 11).record()
 }

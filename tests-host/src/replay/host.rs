@@ -3,7 +3,8 @@
 use anyhow::{Context, Result, ensure};
 use rai_firmware::receiver::{Boot, Receiver};
 
-use super::lumps::{Lump, interval_s};
+use super::lump::Lump;
+use super::lumps::interval_s;
 use super::pieces;
 use crate::pin::Pin;
 use crate::sentence;

@@ -3,9 +3,9 @@
 use anyhow::{Context as _, Result, ensure};
 use rai_core::frame::{Ecef, Enu, LocalFrame};
 use rai_core::satellite::SatelliteId;
-use rai_firmware::time::GpsTime;
 
 use super::corrected;
+use super::lump::Lump;
 use crate::encode::{Encoder, Selection};
 use crate::fault::{Directions, Fault, Injector};
 use crate::measurement::MeasuredEpoch;
@@ -25,17 +25,6 @@ pub struct Window {
 impl Window {
     /// Everything.
     pub const ALL: Self = Self { from_s: 0.0, to_s: f64::INFINITY, every_s: 0.0 };
-}
-
-/// The bytes of one epoch.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Lump {
-    /// Time tag of the epoch.
-    pub time: GpsTime,
-    /// Seconds after the first epoch of the recording.
-    pub elapsed_s: f64,
-    /// Ephemerides that have become known, then ranges, in any format that the module reads.
-    pub bytes: Vec<u8>,
 }
 
 /// Encodes a recording. Faults are timed from the recording's first epoch, whatever the window is.

@@ -11,6 +11,7 @@
 
 mod corrected;
 mod host;
+mod lump;
 mod lumps;
 mod page;
 pub mod pieces;
@@ -21,7 +22,8 @@ mod truth;
 
 pub use corrected::corrected;
 pub use host::{HostRun, Pace, Said, Setup, on_host};
-pub use lumps::{Lump, Window, encode, interval_s};
+pub use lump::Lump;
+pub use lumps::{Window, encode, interval_s};
 pub use page::write_report;
 pub use summary::{Injected, Summary};
 pub use target::{BoardRun, is_said_by_the_clock, on_board};

@@ -1,0 +1,14 @@
+//! One lump: what a receiver would send of an epoch.
+
+use rai_firmware::time::GpsTime;
+
+/// The bytes of one epoch.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Lump {
+    /// Time tag of the epoch.
+    pub time: GpsTime,
+    /// Seconds after the first epoch of the recording.
+    pub elapsed_s: f64,
+    /// Ephemerides that have become known, then ranges, in any format that the module reads.
+    pub bytes: Vec<u8>,
+}
