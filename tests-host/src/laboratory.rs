@@ -16,9 +16,12 @@ use anyhow::{Context, Result, ensure};
 use rai_core::epoch::Epoch;
 use rai_core::frame::Ecef;
 
-use crate::bench::profile::Profile;
 use crate::board::instructions;
 use crate::image;
+
+pub mod profile;
+
+use profile::Profile;
 
 /// Something the image can run. The number is the request's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,7 +1,7 @@
 //! `cargo xtask bench`: what the module costs on the chip.
 
 use anyhow::{Context as _, ensure};
-use tests_host::bench::{Measurement, budget, stages};
+use tests_host::bench::{self, Measurement, budget};
 use tests_host::board;
 
 /// Arguments of the command.
@@ -32,7 +32,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
 
 fn profile(stage: &str) -> anyhow::Result<()> {
     ensure!(board::is_installed(), "nothing can be counted without the emulator");
-    let (name, profile) = stages::profile(stage)?;
+    let (name, profile) = bench::profile(stage)?;
     println!("{name}\n\n{profile}");
     Ok(())
 }

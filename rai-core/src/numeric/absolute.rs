@@ -20,8 +20,6 @@
 
 use core::fmt::Debug;
 
-use super::real::Real;
-
 /// A length in parts: what is large, and what is small.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Length<A, T> {
@@ -32,7 +30,7 @@ pub struct Length<A, T> {
 }
 
 /// A coordinate or a range, m, beside a scalar `T`.
-pub trait Absolute<T: Real>: Copy + Debug + PartialEq {
+pub trait Absolute<T>: Copy + Debug + PartialEq {
     /// Of a number of metres. One that is none, or is beyond all lengths, becomes the largest or the smallest there is.
     fn of(metres: f64) -> Self;
     /// By how much it is more than another.

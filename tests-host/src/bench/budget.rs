@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 
-use super::stages::Figure;
+use super::figure::Figure;
 
 /// Growth that is let through: 2 %.
 const GROWTH: f64 = 1.02;

@@ -14,7 +14,7 @@ use std::process::Command;
 use anyhow::{Context as _, Result};
 use object::{Object as _, ObjectSection as _, ObjectSymbol as _, SectionFlags, SectionKind};
 
-use super::stages::Figure;
+use super::figure::Figure;
 use crate::capi::{Optimised, library_of, run};
 use crate::no_panic::static_library::linker;
 

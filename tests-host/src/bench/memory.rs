@@ -7,7 +7,8 @@ use std::time::Duration;
 
 use anyhow::{Context, Result};
 
-use super::stages::{Figure, METHODS};
+use super::figure::Figure;
+use super::stages::METHODS;
 use super::workload::{Stream, Wrong};
 use crate::board::EmulatedBoard;
 use crate::image::{self, Image};

@@ -8,19 +8,35 @@
 //! a cycle or a few, and at 168 MHz a million of them about 7 ms.
 
 pub mod budget;
+mod figure;
 pub mod library;
 pub mod memory;
-pub mod profile;
 pub mod stages;
 pub mod workload;
 pub mod worst;
 
-pub use stages::Figure;
+pub use figure::Figure;
 use worst::Place;
 
 use std::fmt;
 
 use anyhow::Result;
+
+use crate::laboratory::profile::Profile;
+
+/// Where the instructions of a stage go, which a part of its name chooses: the first that has it. What a search has found is
+/// among the committed figures.
+///
+/// # Errors
+/// Where no stage has such a name, or the measuring image does not come to its end.
+pub fn profile(words: &str) -> Result<(String, Profile)> {
+    if let Some(found) = budget::committed()?.into_keys().find(|name| name.contains(words))
+        && let Some(profile) = worst::profile(&found)?
+    {
+        return Ok((found, profile));
+    }
+    stages::profile(words)
+}
 
 /// All figures of one state of the program.
 #[derive(Clone, Debug)]

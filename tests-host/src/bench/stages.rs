@@ -5,21 +5,10 @@
 use anyhow::{Context, Result};
 use rai_core::frame::Ecef;
 
-use super::profile::Profile;
+use super::figure::Figure;
 use super::workload::{Stream, Wrong, epoch, site, start};
-use super::{budget, worst};
+use crate::laboratory::profile::Profile;
 use crate::laboratory::{Answer, Bench, Scalar, Stage, epoch_bytes, point_bytes};
-
-/// One figure: what it is of, and what it came to.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Figure {
-    /// What was measured, on what; unique.
-    pub name: String,
-    /// Instructions, or bytes.
-    pub value: u64,
-    /// The most it should be, where that was set.
-    pub target: Option<u64>,
-}
 
 /// A stage with its input.
 struct Case {
@@ -56,17 +45,11 @@ pub fn measure() -> Result<Vec<Figure>> {
         .collect())
 }
 
-/// Where the instructions of a stage go, which a part of its name chooses: the first that has it.
+/// Where the instructions of the first stage go whose name has these words in it.
 ///
 /// # Errors
 /// As [`measure`]; also where no stage has such a name, which the message then lists.
 pub fn profile(words: &str) -> Result<(String, Profile)> {
-    // Those that a search has found are among the committed figures only.
-    if let Some(found) = budget::committed()?.into_keys().find(|name| name.contains(words))
-        && let Some(profile) = worst::profile(&found)?
-    {
-        return Ok((found, profile));
-    }
     let cases = cases()?;
     let names = || cases.iter().map(|case| case.name.as_str()).collect::<Vec<_>>().join("\n  ");
     let case = cases.iter().find(|case| case.name.contains(words));

@@ -17,9 +17,10 @@
 
 use anyhow::{Context, Result};
 
-use super::profile::Profile;
-use super::stages::{Figure, METHODS, whole};
+use super::figure::Figure;
+use super::stages::{METHODS, whole};
 use super::workload::{Stream, Wrong};
+use crate::laboratory::profile::Profile;
 use crate::laboratory::{Bench, Scalar, Stage};
 
 /// Values of each circumstance, by its name.
