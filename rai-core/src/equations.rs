@@ -30,8 +30,14 @@ use crate::satellite::Constellation;
 const UNIT_SQUARED: core::ops::RangeInclusive<f64> = 0.999 * 0.999..=1.001 * 1.001;
 
 /// Most equations of one instant: more satellites than are ever in view of all systems, and what the searches for faulty
-/// ones have room for. Sets of them fit one word.
-pub const MAX_ROWS: usize = 64;
+/// ones have room for. Sets of them fit one word. Fewer where memory is scarce, as [`crate::single::CAPACITY`].
+pub const MAX_ROWS: usize = if cfg!(feature = "satellites-16") {
+    16
+} else if cfg!(feature = "satellites-32") {
+    32
+} else {
+    64
+};
 
 /// One equation.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -202,6 +208,7 @@ impl<T: Real, const N: usize> Default for LinearEpoch<T, N> {
 
 impl<T: Real, const N: usize> LinearEpoch<T, N> {
     /// No equations yet.
+    #[inline(always)] // Made where it stays.
     pub fn new() -> Self {
         const { assert!(N <= MAX_ROWS, "more rows than the searches have room for") };
         Self { rows: Vec::new(), references: References::none() }

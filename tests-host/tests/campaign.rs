@@ -155,6 +155,26 @@ fn without_noise_there_is_no_error() {
     }
 }
 
+/// The maps of the first campaign, which the readme shows, are those that it draws.
+#[test]
+fn the_pictures_of_the_first_campaign_are_those_that_it_draws() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let campaign = Campaign::load(&root.join("campaigns/lpv200.toml")).unwrap();
+    let table = Table::read(&campaign.text(Share::ALL)).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    write_report(&table, folder.path(), false).unwrap();
+    for (drawn, kept) in [("map-availability", "availability"), ("map-vpl_99_m", "vpl")] {
+        let drawn = fs::read_to_string(folder.path().join(format!("lpv200-{drawn}.svg"))).unwrap();
+        let kept = root.join(format!("pictures/lpv200-{kept}.svg"));
+        let is_same = fs::read_to_string(&kept).is_ok_and(|text| text == drawn);
+        assert!(
+            is_same,
+            "{} is not what `cargo xtask campaign` draws now: copy its map there",
+            kept.display()
+        );
+    }
+}
+
 /// What a row says adds up, and a fault that is there is noticed.
 #[test]
 fn rows_say_what_their_names_promise() {

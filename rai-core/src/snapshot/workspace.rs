@@ -23,8 +23,9 @@ impl<T: Real, const N: usize> Default for Workspace<T, N> {
 
 impl<T: Real, const N: usize> Workspace<T, N> {
     /// Room without equations.
+    #[inline(always)] // Made where it stays, and not on the stack first.
     pub fn new() -> Self {
-        Self::of(LinearEpoch::new())
+        Self { equations: LinearEpoch::new(), fits: Vec::new(), solved: Solved::none() }
     }
 
     /// Room that holds these equations.

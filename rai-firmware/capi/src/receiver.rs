@@ -1,5 +1,7 @@
 //! Bytes of a GNSS receiver in, sentences and pin out: the whole module.
 
+use core::mem::MaybeUninit;
+
 use core::convert::Infallible;
 
 use embedded_hal::digital::{ErrorType, OutputPin};
@@ -26,10 +28,11 @@ type Made = Result<Receiver<Level>, MonitorError>;
 
 type Stored = Object<Made, 2>;
 
-// Not inlined: else its parts are laid out beside the whole.
+/// Makes a receiver where it is to stay: behind a reference that is the only one, it need not be on the stack first.
 #[inline(never)]
-fn make() -> Made {
-    Receiver::new(Level { is_high: false }, Boot { git: "library", reset_cause: heapless::String::new() })
+fn make(place: &mut MaybeUninit<Made>) {
+    let boot = Boot { git: "library", reset_cause: heapless::String::new() };
+    place.write(Receiver::new(Level { is_high: false }, boot));
 }
 
 /// The receiver that a handle points to.
@@ -112,7 +115,7 @@ pub unsafe extern "C" fn rai_receiver_init(
         // SAFETY: as promised by the caller; all of the result is written.
         unsafe {
             Stored::room(memory.cast(), length)?.fill(
-                |place: *mut Made| place.write(make()),
+                |place: *mut Made| make(&mut *place.cast()),
                 |made| {
                     made.as_mut().map_err(|&mut error| refusal_of(error))?.greet(&mut lines);
                     Ok(())

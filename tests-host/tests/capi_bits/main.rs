@@ -16,11 +16,11 @@ use tests_host::{board, capture, shared, skip};
 const STACK_BYTES: [(&str, u32); 7] = [
     ("rai_monitor_init", 8 * 1024),
     ("rai_monitor_forget", 128),
-    ("rai_monitor_judge", 17 * 1024),
-    ("rai_receiver_init", 50 * 1024),
-    ("rai_receiver_gnss", 27 * 1024),
+    ("rai_monitor_judge", 14 * 1024),
+    ("rai_receiver_init", 22 * 1024),
+    ("rai_receiver_gnss", 15 * 1024),
     ("rai_receiver_tick", 2 * 1024),
-    ("rai_receiver_command", 15 * 1024),
+    ("rai_receiver_command", 7 * 1024),
 ];
 
 /// Phase, method, policy, clock aiding: every method, every policy.
@@ -149,7 +149,7 @@ fn assert_same_on(machine: Machine) {
 }
 
 /// Classic RAIM alone: what a judgement needs of the stack by the satellites that there is room for, bytes.
-const CLASSIC_STACK_BYTES: [(u8, u32); 3] = [(16, 8 * 1024), (32, 11 * 1024), (48, 14 * 1024)];
+const CLASSIC_STACK_BYTES: [(u8, u32); 3] = [(16, 7 * 1024), (32, 9 * 1024), (48, 12 * 1024)];
 
 #[test]
 fn the_smallest_library_gives_the_bits_of_rust() {
