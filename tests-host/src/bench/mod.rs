@@ -16,7 +16,7 @@ pub mod workload;
 pub mod worst;
 
 pub use figure::Figure;
-use worst::Place;
+use worst::{Found, Place};
 
 use std::fmt;
 
@@ -24,18 +24,15 @@ use anyhow::Result;
 
 use crate::laboratory::profile::Profile;
 
-/// Where the instructions of a stage go, which a part of its name chooses: the first that has it. What a search has found is
-/// among the committed figures.
+/// Where the instructions of a stage go, which a part of its name chooses: the first that has it.
 ///
 /// # Errors
 /// Where no stage has such a name, or the measuring image does not come to its end.
 pub fn profile(words: &str) -> Result<(String, Profile)> {
-    if let Some(found) = budget::committed()?.into_keys().find(|name| name.contains(words))
-        && let Some(profile) = worst::profile(&found)?
-    {
-        return Ok((found, profile));
+    match worst::profile(words)? {
+        Some(found) => Ok(found),
+        None => stages::profile(words),
     }
-    stages::profile(words)
 }
 
 /// All figures of one state of the program.
@@ -43,10 +40,12 @@ pub fn profile(words: &str) -> Result<(String, Profile)> {
 pub struct Measurement {
     /// Each with its name.
     pub figures: Vec<Figure>,
+    /// What the worst-case epochs were.
+    pub worst: Vec<String>,
 }
 
 impl Measurement {
-    /// Measures everything, in half a minute; says what it is at.
+    /// Measures everything, in two minutes; says what it is at.
     ///
     /// # Errors
     /// Where an image does not build, or the emulator does not run it to its end.
@@ -54,13 +53,14 @@ impl Measurement {
         progress("stages on the emulated core");
         let mut figures = stages::measure()?;
         progress("the worst-case epoch");
-        figures.push(worst::search(Place::Later, 2_500_000)?);
-        figures.push(worst::search(Place::First, 3_000_000)?);
+        let worst = [worst::search(Place::Later)?, worst::search(Place::First)?];
+        let targets = [2_500_000, 3_000_000];
+        figures.extend(worst.iter().zip(targets).map(|(found, target)| found.figure(target)));
         progress("memory of the shipped image");
         figures.extend(memory::measure()?);
         progress("flash and objects of the library for C");
         figures.extend(library::measure()?);
-        Ok(Self { figures })
+        Ok(Self { figures, worst: worst.iter().map(Found::circumstances).collect() })
     }
 
     /// What has grown beyond its budget.
@@ -86,6 +86,6 @@ impl fmt::Display for Measurement {
             };
             writeln!(formatter, "{:>10} {budget:>10} {target:>10}  {}{mark}", figure.value, figure.name)?;
         }
-        Ok(())
+        self.worst.iter().try_for_each(|found| writeln!(formatter, "{found}"))
     }
 }

@@ -67,11 +67,32 @@ impl Place {
     }
 }
 
-/// Finds the worst-case epoch; its name says what it was.
+/// An epoch that a search has found.
+#[derive(Clone, Debug)]
+pub struct Found {
+    place: Place,
+    point: Point,
+    instructions: u64,
+}
+
+impl Found {
+    /// What it cost, under a name that does not depend on what it was.
+    pub fn figure(&self, target: u64) -> Figure {
+        Figure { name: self.place.words().to_owned(), value: self.instructions, target: Some(target) }
+    }
+
+    /// What it was.
+    pub fn circumstances(&self) -> String {
+        let each = words(&self.point).map(|(name, value)| format!("{name} {value}"));
+        format!("{}: {}", self.place.words(), each.collect::<Vec<_>>().join(", "))
+    }
+}
+
+/// Finds the worst-case epoch.
 ///
 /// # Errors
 /// Where the measuring image does not come to its end.
-pub fn search(place: Place, target: u64) -> Result<Figure> {
+pub fn search(place: Place) -> Result<Found> {
     let mut point = START;
     let mut dearest = 0;
     for _ in 0..ROUNDS {
@@ -88,30 +109,23 @@ pub fn search(place: Place, target: u64) -> Result<Figure> {
             break;
         }
     }
-    let name = format!("{}: {}", place.words(), name(&point));
-    Ok(Figure { name, value: dearest, target: Some(target) })
+    Ok(Found { place, point, instructions: dearest })
 }
 
-/// Where the instructions of an epoch go that a search has found, by the name of its figure; `None` where it is no such.
+/// Where the instructions of the worst-case epoch go whose name has these words in it, which is searched for first; `None` where
+/// it is neither.
 ///
 /// # Errors
 /// As [`search`].
-pub fn profile(figure: &str) -> Result<Option<Profile>> {
+pub fn profile(wanted: &str) -> Result<Option<(String, Profile)>> {
     let places = [Place::Later, Place::First];
-    let Some((place, said)) =
-        places.iter().find_map(|place| Some((*place, figure.strip_prefix(place.words())?)))
-    else {
+    let Some(place) = places.into_iter().find(|place| place.words().contains(wanted)) else {
         return Ok(None);
     };
-    let mut point = START;
-    for (slot, (name, values)) in point.iter_mut().zip(CIRCUMSTANCES) {
-        let value = said.split([':', ',']).find_map(|word| word.trim().strip_prefix(name)?.strip_prefix(' '));
-        let value = value.with_context(|| format!("`{figure}` says no {name}"))?;
-        *slot = values.iter().position(|known| *known == value).context("no such value")?;
-    }
+    let found = search(place)?;
     let mut bench = Bench::default();
-    bench.request(Stage::Whole, Scalar::Single, &input(place, &point)?);
-    bench.profile(0).map(Some)
+    bench.request(Stage::Whole, Scalar::Single, &input(place, &found.point)?);
+    Ok(Some((found.circumstances(), bench.profile(0)?)))
 }
 
 fn with(mut point: Point, axis: usize, value: usize) -> Point {
@@ -151,8 +165,4 @@ fn words(point: &Point) -> impl Iterator<Item = (&'static str, &'static str)> {
 
 fn value(point: &Point, wanted: &str) -> Result<&'static str> {
     words(point).find(|(name, _)| *name == wanted).map(|(_, value)| value).context("no such circumstance")
-}
-
-fn name(point: &Point) -> String {
-    words(point).map(|(name, value)| format!("{name} {value}")).collect::<Vec<_>>().join(", ")
 }
