@@ -208,7 +208,8 @@ impl<T: Real, const N: usize> Default for LinearEpoch<T, N> {
 
 impl<T: Real, const N: usize> LinearEpoch<T, N> {
     /// No equations yet.
-    #[inline(always)] // Made where it stays.
+    #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
+    #[inline(always)]
     pub fn new() -> Self {
         const { assert!(N <= MAX_ROWS, "more rows than the searches have room for") };
         Self { rows: Vec::new(), references: References::none() }

@@ -117,7 +117,8 @@ impl<T: Real, const N: usize> Default for Memory<T, N> {
 
 impl<T: Real, const N: usize> Memory<T, N> {
     /// Of no epoch yet.
-    #[inline(always)] // Made where it stays, and not on the stack first.
+    #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
+    #[inline(always)]
     pub fn new() -> Self {
         Self { workspace: Workspace::new(), subsets: Subsets::new() }
     }

@@ -1,5 +1,7 @@
 //! Lengths on the grid beside `f32`, against exact integers, over the whole range of what a position or a range can be.
 
+#![allow(clippy::float_cmp, reason = "steps of the grid are exact")]
+
 use proptest::prelude::*;
 use rai_core::numeric::absolute::{Absolute, Grid};
 

@@ -68,7 +68,7 @@ impl Navigator {
     }
 
     /// A navigator around a monitor.
-    // Inlined, so that it is made where it is to stay, and not on the stack first.
+    #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
     #[inline(always)]
     pub(crate) fn around(monitor: Monitor) -> Self {
         Self {

@@ -6,6 +6,7 @@
 //! | static and shared library of the host, static library of the chip | cargo |
 //! | program, for the host and for the chip | gcc, arm-none-eabi-gcc |
 
+use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -73,8 +74,7 @@ pub fn library(kind: Kind, features: &str) -> anyhow::Result<PathBuf> {
     let (crate_type, name) = kind.words();
     let folder = root().join("target/capi");
     let mut cargo = rustc(crate_type, features, &folder);
-    run(&mut cargo)?;
-    Ok(folder.join("debug").join(name))
+    kept(&mut cargo, &folder, &Path::new("debug").join(name), features)
 }
 
 /// Builds the library of a board's processor, as it ships, and gives its path.
@@ -92,8 +92,7 @@ pub fn library_for(machine: Machine, features: &str) -> anyhow::Result<PathBuf> 
         // The flags of the second board's image: one folder holds what is built with them.
         cargo.env("RUSTFLAGS", image::SECOND_BOARD_FLAGS);
     }
-    run(&mut cargo)?;
-    Ok(folder.join(TARGET).join("firmware/librai.a"))
+    kept(&mut cargo, &folder, &shipped(), features)
 }
 
 /// What a library is compiled for.
@@ -111,13 +110,34 @@ pub enum Optimised {
 /// As [`library`].
 pub fn library_of(features: &str, optimised: Optimised) -> anyhow::Result<PathBuf> {
     let folder = root().join("target/capi");
-    let mut cargo = rustc("staticlib", &format!("panic-handler,{features}"), &folder);
+    let features = format!("panic-handler,{features}");
+    let mut cargo = rustc("staticlib", &features, &folder);
     cargo.args(["--profile", "firmware", "--target", TARGET]);
     if optimised == Optimised::Size {
         cargo.args(["--config", "profile.firmware.package.rai-core.opt-level='s'"]);
     }
-    run(&mut cargo)?;
-    Ok(folder.join(TARGET).join("firmware/librai.a"))
+    kept(&mut cargo, &folder, &shipped(), &format!("{features}-{optimised:?}"))
+}
+
+/// Where a library of the chip lies in its folder.
+fn shipped() -> PathBuf {
+    Path::new(TARGET).join("firmware/librai.a")
+}
+
+/// Builds a library and puts it aside under a name of its own: another one, with other features, is built to the same place,
+/// and may be at any moment, by another process too.
+fn kept(cargo: &mut Command, folder: &Path, built: &Path, name: &str) -> anyhow::Result<PathBuf> {
+    std::fs::create_dir_all(folder)?;
+    let lock = File::create(folder.join("building"))?;
+    lock.lock()?;
+    run(cargo)?;
+    let place = folder.join("kept").join(name).join(built);
+    std::fs::create_dir_all(place.parent().context("a folder")?)?;
+    // Whoever uses the one that is there goes on with it.
+    let fresh = place.with_extension("fresh");
+    std::fs::copy(folder.join(built), &fresh)?;
+    std::fs::rename(&fresh, &place)?;
+    Ok(place)
 }
 
 fn root() -> PathBuf {

@@ -118,7 +118,7 @@ fn a_rate_that_a_command_fixes_is_set_at_once() {
     let lumps = lumps(10, 1);
     let command = tests_host::sentence::command("BAUD,230400");
     // Said once, and then nothing that the module could read.
-    let flood = [command.as_bytes(), &[b' '; 300_000]].concat();
+    let flood = [command.as_bytes(), vec![b' '; 300_000].as_slice()].concat();
     let have = search(&lumps, Lines { flood: &flood, ..lines(230_400, 1) }, COSTS);
     assert_eq!(have.rates.iter().map(|(_, rate)| *rate).collect::<Vec<_>>(), [230_400]);
     assert!(have.counter("epochs") >= 8, "{:?}", have.counters);

@@ -34,6 +34,7 @@ pub trait Absolute<T>: Copy + Debug + PartialEq {
     /// Of a number of metres. One that is none, or is beyond all lengths, becomes the largest or the smallest there is.
     fn of(metres: f64) -> Self;
     /// By how much it is more than another.
+    #[must_use]
     fn less(self, other: Self) -> Self;
     /// The number of metres, exactly.
     fn widen(self) -> f64;
@@ -100,7 +101,7 @@ impl Absolute<f32> for Grid {
         const BIAS: i32 = 1023;
         let bits = metres.to_bits();
         let exponent = (bits >> MANTISSA_BITS) as i32 & 0x7FF;
-        let mantissa = (bits & ((1 << MANTISSA_BITS) - 1) | 1 << MANTISSA_BITS) as i64;
+        let mantissa = (bits & ((1 << MANTISSA_BITS) - 1) | 1 << MANTISSA_BITS).cast_signed();
         let shift = BIAS + MANTISSA_BITS - Self::DIGITS - exponent;
         let magnitude = match shift {
             // Infinity and what is no number have the largest exponent.
@@ -130,6 +131,9 @@ impl Absolute<f32> for Grid {
     }
 
     fn length(coordinates: [Self; 3]) -> Length<Self, f32> {
+        // Half of the digits suffice: the lower ones are below a nanometre. 2D in the same unit, and both to metres.
+        const LOWER: u32 = 31;
+        const SCALE: f32 = (1_u64 << LOWER) as f32 / (1_u64 << (Grid::DIGITS + Grid::COARSER + 1)) as f32;
         let [x, y, z] = coordinates.map(coarse);
         let approximate = (libm::sqrtf(x * x + y * y + z * z) as u32).max(1);
         let whole = i64::from(approximate) << Self::COARSER;
@@ -137,9 +141,6 @@ impl Absolute<f32> for Grid {
             coordinates.iter().fold(whole.wrapping_mul(whole).wrapping_neg(), |sum, Self(value)| {
                 sum.wrapping_add(value.wrapping_mul(*value))
             });
-        // Half of the digits suffice: the lower ones are below a nanometre. 2D in the same unit, and both to metres.
-        const LOWER: u32 = 31;
-        const SCALE: f32 = (1_u64 << LOWER) as f32 / (1_u64 << (Grid::DIGITS + Grid::COARSER + 1)) as f32;
         let rest = (squares >> LOWER) as i32 as f32 * SCALE / approximate as f32;
         Length { whole: Self(whole), rest }
     }

@@ -12,6 +12,7 @@
 use core::f64::consts::{FRAC_PI_2, PI};
 
 /// `α_k`, its sine and its cosine.
+#[allow(clippy::approx_constant, reason = "a table is read as one")]
 const DIRECTIONS: [(f64, f64, f64); 17] = [
     (0.0, 0.0, 1.0),
     (0.049_087_385_212_340_52, 0.049_067_674_327_418_015, 0.998_795_456_205_172_4),

@@ -23,7 +23,8 @@ impl<T: Real, const N: usize> Default for Workspace<T, N> {
 
 impl<T: Real, const N: usize> Workspace<T, N> {
     /// Room without equations.
-    #[inline(always)] // Made where it stays, and not on the stack first.
+    #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
+    #[inline(always)]
     pub fn new() -> Self {
         Self { equations: LinearEpoch::new(), fits: Vec::new(), solved: Solved::none() }
     }

@@ -84,6 +84,20 @@ impl<'a> Frame<'a> {
 }
 
 impl Protocol {
+    const ALL: [Self; 2] = [Self::Rtcm, Self::Ubx];
+
+    /// Whether a frame of any begins with this byte.
+    fn may_begin_with(byte: u8) -> bool {
+        Self::ALL.iter().any(|protocol| protocol.first() == byte)
+    }
+
+    const fn first(self) -> u8 {
+        match self {
+            Self::Rtcm => RTCM,
+            Self::Ubx => UBX[0],
+        }
+    }
+
     const fn overhead(self) -> (usize, usize) {
         match self {
             Self::Rtcm => (RTCM_HEADER, RTCM_PARITY),
@@ -265,7 +279,7 @@ impl Framer {
     /// Drops the first byte and all up to the next that may begin a frame.
     fn resynchronise(&mut self, counters: &mut Counters) {
         let waiting = self.waiting();
-        let next = waiting.iter().skip(1).position(|&byte| byte == RTCM || byte == UBX[0]);
+        let next = waiting.iter().skip(1).position(|&byte| Protocol::may_begin_with(byte));
         let skipped = next.map_or(waiting.len(), |position| position + 1);
         count_many(&mut counters.bytes_skipped, skipped);
         self.front += skipped;
