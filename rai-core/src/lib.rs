@@ -71,7 +71,7 @@
 //! | Cody1969 | W. J. Cody, *Rational Chebyshev approximations for the error function*, Math. Comp. 23(107) (1969) 631–637 |
 //! | DLMF | *NIST digital library of mathematical functions*, <https://dlmf.nist.gov> |
 //! | DO-229 | RTCA DO-229, *Minimum operational performance standards for global positioning system/wide area augmentation system airborne equipment* |
-//! | ED-259A | EUROCAE ED-259A, *Minimum operational performance standard for dual-frequency multi-constellation satellite-based augmentation system airborne equipment*; its noise model as [MAAST] has it |
+//! | ED-259A | EUROCAE ED-259A, *Minimum operational performance standard for dual-frequency multi-constellation satellite-based augmentation system airborne equipment*; its noise model as MAAST has it |
 //! | ICAO-A10 | ICAO, Annex 10 to the Convention on International Civil Aviation, *Aeronautical telecommunications*, Volume I, *Radio navigation aids*, table 3.7.2.4-1 |
 //! | IS-GPS-200 | *NAVSTAR GPS space segment/navigation user segment interfaces*, interface specification of the US Space Force |
 //! | Klobuchar1987 | J. A. Klobuchar, *Ionospheric time-delay algorithm for single-frequency GPS users*, IEEE Trans. AES 23(3) (1987) 325–331 |

@@ -12,7 +12,7 @@
 //! | `v` | [`Velocity::east_north_up_m_s`] | m/s |
 //! | `ḋ` | [`Velocity::drift_m_s`], drift of the receiver clock times the speed of light | m/s |
 //!
-//! It is the equation of the position with metres a second for metres, and is solved by the same [`Snapshot`]. One drift
+//! It is the equation of the position with metres a second for metres, and is solved by the same [`Snapshot`](crate::snapshot::Snapshot). One drift
 //! serves all systems, since their times drift against each other by millimetres a second: with `n` satellites
 //! `dof = n − 4`, more redundancy than the position has. The global test, the exclusion of up to three satellites and the
 //! levels are those of the position, with the same probabilities.

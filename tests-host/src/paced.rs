@@ -17,7 +17,7 @@
 //! What an epoch costs is charged when the pin is driven, so that the pin is as late as it would be.
 //!
 //! The GNSS port listens at the sender's rate ([`run`]), or has to find it ([`search`]): until it has, it reads what a port
-//! of the wrong rate reads on such a line ([`wire`]).
+//! of the wrong rate reads on such a line (`wire`).
 
 mod wire;
 

@@ -148,7 +148,7 @@ impl<T: Real> Judgement<T> {
 impl Criteria<'_> {
     /// The global test of a snapshot under the policy, and the protection levels that go with its threshold.
     ///
-    /// `common_m` is what the first rows' errors share ([`Epoch::common_m`]).
+    /// `common_m` is what the first rows' errors share ([`EpochView::common_m`]).
     ///
     /// # Errors
     /// [`NoThreshold`] says why there is none.

@@ -70,9 +70,13 @@ impl Clock {
     }
 }
 
-/// Divider of a port's bus clock for `baud`, rounded to the nearest; mantissa and fraction as `BRR` wants them.
+/// Divider of a port's bus clock for `baud`, rounded to the nearest; mantissa and fraction as `BRR` wants them. For a rate that
+/// is none, the slowest.
 pub const fn divider(bus_hz: u32, baud: u32) -> u16 {
-    ((bus_hz + baud / 2) / baud) as u16
+    match bus_hz.saturating_add(baud / 2).checked_div(baud) {
+        Some(divider) if divider <= u16::MAX as u32 => divider as u16,
+        _ => u16::MAX,
+    }
 }
 
 #[cfg(target_os = "none")]
