@@ -16,6 +16,7 @@ use crate::allocation::Allocation;
 use crate::numeric::normal::quantile;
 use crate::numeric::real::Real;
 use crate::satellite::Constellation;
+use crate::snapshot::infinity;
 
 /// Modes that are kept in mind because the geometry cannot do without them, though enough satellites would be left.
 const SINGULAR: usize = 16;
@@ -152,6 +153,11 @@ struct Singular<T> {
     sets: Vec<Set, SINGULAR>,
 }
 
+/// The root of a variance. Where a geometry is so poor that rounding leaves none of it, nothing is known, and it is infinite.
+fn deviation<T: Real>(variance: T) -> T {
+    if variance >= T::zero() { variance.sqrt() } else { infinity() }
+}
+
 /// One walk.
 struct Pass<'p, 'a, 'v, T: Real> {
     watch: &'p Watch<'a, T>,
@@ -214,7 +220,7 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
             has_reference: false,
             axes: [Axis::closed(), Axis::closed(), Axis::closed()],
             levels: [Level::none(); 3],
-            accuracy_m: whole.separation.z.sqrt(),
+            accuracy_m: deviation(whole.separation.z),
             threshold: T::zero(),
             likely: T::narrow(allocation.effective_prior * (1.0 - PRIOR_ROUNDING)),
             worst: (T::zero(), T::one()),
