@@ -47,8 +47,8 @@
 //! | `Brown1997` | R. G. Brown, P. Y. C. Hwang, *Introduction to Random Signals and Applied Kalman Filtering*, 3rd ed., 1997 |
 //! | `Chen2009`, `Lin2016`, `Parity`, `Tian2024`, `Yang2015`, `DO-229`, `WGS84` | see the crate [`rai_core`] |
 //! | `DS8626` | STMicroelectronics, *STM32F405xx STM32F407xx*, data sheet |
+//! | `Galileo-OS-SDD` | European Union, *Galileo Open Service: Service Definition Document*, version 1.3, 2023 |
 //! | `Galileo-OS-SIS-ICD` | European Union, *Galileo Open Service Signal In Space ICD* |
-//! | `Galileo-OS-SDD` | European Union, *Galileo Open Service Service Definition Document*, issue 1.3, 2023 |
 //! | `Garwood1936` | F. Garwood, *Fiducial limits for the Poisson distribution*, Biometrika 28, 1936 |
 //! | `GLONASS-ICD` | *GLONASS Interface Control Document*, edition 5.1, 2008 |
 //! | `GPS-SPS` | *GPS Standard Positioning Service Performance Standard*, 5th ed., 2020 |
