@@ -217,8 +217,9 @@ impl Spec {
     /// # Errors
     /// What is wrong, where, and what to write instead.
     pub fn read(path: &Path) -> Result<Self> {
-        let text =
-            std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+        let text = std::fs::read_to_string(path).with_context(|| {
+            format!("cannot read {}; tests-host/campaigns/lpv200.toml is one to begin with", path.display())
+        })?;
         Self::parse(&text).with_context(|| path.display().to_string())
     }
 
