@@ -17,6 +17,7 @@
 //! [GLO-ICD]: crate#references
 
 use heapless::Vec;
+use rai_core::frame::SPEED_OF_LIGHT_M_S;
 use rai_core::satellite::SatelliteId;
 
 use crate::time::GpsTime;
@@ -76,6 +77,23 @@ impl Band {
         }
     }
 
+    /// All of them, in order.
+    const ALL: [Self; 13] = [
+        Self::L1,
+        Self::L2,
+        Self::L5,
+        Self::E1,
+        Self::E5a,
+        Self::E5b,
+        Self::B1I,
+        Self::B1C,
+        Self::B2a,
+        Self::B2I,
+        Self::B3I,
+        Self::G1,
+        Self::G2,
+    ];
+
     /// Distance between the channels of a band, Hz; 0 where all satellites share one frequency.
     const fn channel_hz(self) -> f64 {
         match self {
@@ -104,6 +122,23 @@ impl Carrier {
     /// Carrier frequency, Hz: `f = f₀ + k Δf`.
     pub const fn frequency_hz(self) -> f64 {
         self.band.frequency_hz() + self.channel as f64 * self.band.channel_hz()
+    }
+
+    /// What a metre a second shifts it by, Hz.
+    pub(crate) fn doppler_of_a_metre_hz(self) -> f32 {
+        /// Of channel 0, so that no range needs a division of doubles.
+        const OF_BANDS: [f32; Band::ALL.len()] = {
+            let (mut shifts, mut index) = ([0.0; Band::ALL.len()], 0);
+            while index < shifts.len() {
+                shifts[index] = (Band::ALL[index].frequency_hz() / SPEED_OF_LIGHT_M_S) as f32;
+                index += 1;
+            }
+            shifts
+        };
+        match OF_BANDS.get(self.band as usize) {
+            Some(shift_hz) if self.channel == 0 => *shift_hz,
+            _ => (self.frequency_hz() / SPEED_OF_LIGHT_M_S) as f32,
+        }
     }
 }
 

@@ -14,7 +14,8 @@
 //! | [`recording`], [`sample`] | RINEX 2, 3 and 4; a small real recording for whoever has none |
 //! | [`capture`] | what a receiver sent: UBX and RTCM 3, cut into epochs |
 //! | [`fault`] | steps, ramps, shifts of a constellation, outages, clock jumps, around any source |
-//! | [`encode`] | raw epochs and ephemerides to RTCM 3 |
+//! | [`encode`] | raw epochs and ephemerides to RTCM 3 and UBX |
+//! | [`checksum`] | the checks that end frames and sentences |
 //! | [`image`](mod@image), [`board`] | the firmware's image; the chip in the emulator: start, feed, read, stop |
 //! | [`sentence`] | what the module said |
 //! | [`pin`] | the integrity pin of a module in process |
@@ -71,6 +72,7 @@ pub mod board;
 pub mod campaign;
 pub mod capi;
 pub mod capture;
+pub mod checksum;
 pub mod chi_square;
 pub mod clock_models;
 pub mod dashboard;

@@ -216,19 +216,15 @@ fn excluded(fields: &[&str]) -> anyhow::Result<Excluded> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// The checksum by hand, so that the text below reads as the interface does.
-    fn sealed(body: &str) -> String {
-        format!("${body}*{:02X}\r\n", body.bytes().fold(0u8, |sum, byte| sum ^ byte))
-    }
+    use crate::checksum::nmea_line;
 
     #[test]
     fn an_epoch_is_put_together_from_its_sentences() {
         let stream = [
-            sealed("GNGNS,120000.50,5530.00000000,S,00829.00000000,W,A,20,0.70,53.100,0.5,,,S"),
-            sealed("GNGST,120000.50,1.0,,,,1.0,1.0,2.0"),
-            sealed("PRAIS,120000.50,P,EXCLUDED,21,20,15,0.912,1.764,12.3,,556.0,"),
-            sealed("PRAIX,120000.50,1,G05,-23.400,81.2"),
+            nmea_line("GNGNS,120000.50,5530.00000000,S,00829.00000000,W,A,20,0.70,53.100,0.5,,,S"),
+            nmea_line("GNGST,120000.50,1.0,,,,1.0,1.0,2.0"),
+            nmea_line("PRAIS,120000.50,P,EXCLUDED,21,20,15,0.912,1.764,12.3,,556.0,"),
+            nmea_line("PRAIX,120000.50,1,G05,-23.400,81.2"),
         ]
         .concat();
         let have = epochs(&stream).unwrap();

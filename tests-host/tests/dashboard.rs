@@ -3,19 +3,16 @@
 use rai_core::satellite::{Constellation, SatelliteId};
 use ratatui::Terminal;
 use ratatui::backend::TestBackend;
+use tests_host::checksum::nmea_line;
 use tests_host::dashboard::heaven::Body;
 use tests_host::dashboard::{Dashboard, draw};
 
 const SIZES: [(u16, u16); 2] = [(80, 24), (120, 40)];
 
-fn sealed(body: &str) -> String {
-    format!("${body}*{:02X}\r\n", body.bytes().fold(0_u8, |sum, byte| sum ^ byte))
-}
-
 /// Twenty epochs: sound ones, one with a satellite left out, and an alert at the end.
 fn story() -> Dashboard {
     let mut dashboard = Dashboard::of("a test");
-    dashboard.hear(&sealed("PRAIV,0.1.0,1a2b3c4,POWER-ON,PASS"));
+    dashboard.hear(&nmea_line("PRAIV,0.1.0,1a2b3c4,POWER-ON,PASS"));
     let mut said = Vec::new();
     rai_firmware::config::Configuration::at_start().write(&mut said).expect("a vector takes all");
     for line in String::from_utf8(said).expect("ASCII").lines() {
@@ -23,20 +20,22 @@ fn story() -> Dashboard {
     }
     for second in 0..20 {
         let time = format!("1200{second:02}.00");
-        dashboard
-            .hear(&sealed(&format!("GNGNS,{time},5529.6227407,N,00827.4073407,E,A,18,0.80,59.874,0.0,,,S")));
+        dashboard.hear(&nmea_line(&format!(
+            "GNGNS,{time},5529.6227407,N,00827.4073407,E,A,18,0.80,59.874,0.0,,,S"
+        )));
         let state = match second {
             0..10 => "P,OK,19,18,12,0.912,1.873,12.3,18.2,556.0,",
             10..15 => "P,EXCLUDED,19,17,11,0.912,1.873,13.4,19.7,556.0,",
             _ => "A,FAULT,19,18,12,7.034,1.873,,,556.0,",
         };
-        dashboard.hear(&sealed(&format!("PRAIS,{time},{state}")));
+        dashboard.hear(&nmea_line(&format!("PRAIS,{time},{state}")));
         if (10..15).contains(&second) {
-            dashboard.hear(&sealed(&format!("PRAIX,{time},1,C12,-23.400,81.2")));
+            dashboard.hear(&nmea_line(&format!("PRAIX,{time},1,C12,-23.400,81.2")));
         }
-        dashboard.hear(&sealed(&format!("PRAIN,{time},0123ABCD,{},1,0", if second < 15 { 10 } else { 0 })));
+        dashboard
+            .hear(&nmea_line(&format!("PRAIN,{time},0123ABCD,{},1,0", if second < 15 { 10 } else { 0 })));
     }
-    dashboard.hear(&sealed("PRAIL,0,0,3,1"));
+    dashboard.hear(&nmea_line("PRAIL,0,0,3,1"));
     dashboard.see_pin(false);
     dashboard.heaven = [(Constellation::Gps, 5, 0.6, 0.9), (Constellation::Beidou, 12, 1.2, -2.0)]
         .into_iter()
@@ -82,8 +81,8 @@ fn an_alert_is_seen_at_a_glance_at_every_size() {
 #[test]
 fn what_is_left_out_now_is_marked_in_the_sky() {
     let mut dashboard = story();
-    dashboard.hear(&sealed("PRAIS,120020.00,P,EXCLUDED,19,17,11,0.912,1.873,13.4,19.7,556.0,"));
-    dashboard.hear(&sealed("PRAIX,120020.00,1,C12,-23.400,81.2"));
+    dashboard.hear(&nmea_line("PRAIS,120020.00,P,EXCLUDED,19,17,11,0.912,1.873,13.4,19.7,556.0,"));
+    dashboard.hear(&nmea_line("PRAIX,120020.00,1,C12,-23.400,81.2"));
     let have = picture(&dashboard, SIZES[0]);
     assert!(have.contains("C12!") && !have.contains("G05!"), "{have}");
 }

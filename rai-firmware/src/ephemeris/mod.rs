@@ -273,7 +273,6 @@ impl Ephemeris {
     /// more than half an hour old.
     pub fn at(&self, received: GpsTime, range_m: f64) -> Result<SatelliteState, EphemerisError> {
         const PER_METRE_2_46: f64 = (1_u64 << 46) as f64 / SPEED_OF_LIGHT_M_S;
-        const SECONDS_2_62: f64 = 1.0 / (1_u64 << 62) as f64;
         let since_toe_ms = received.since_ms(self.toe);
         let is_travel = (0.0..=SPEED_OF_LIGHT_M_S).contains(&range_m);
         if !is_travel || since_toe_ms.unsigned_abs() > Elapsed::LIMIT_MS {
@@ -282,7 +281,7 @@ impl Ephemeris {
         let shown = Elapsed::of_ms(since_toe_ms).earlier((range_m * PER_METRE_2_46) as i64);
         let polynomial_s62 = self.clock.polynomial_s62(shown);
         let motion = self.orbit.at(shown.earlier(polynomial_s62 >> 16))?;
-        let clock_s = (polynomial_s62 + motion.relativity_s62) as f64 * SECONDS_2_62;
+        let clock_s = fixed::scaled(polynomial_s62 + motion.relativity_s62, -62);
         Ok(SatelliteState { position: motion.position, clock_s })
     }
 }

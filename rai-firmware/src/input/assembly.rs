@@ -284,10 +284,13 @@ fn add(
     earlier: usize,
     counters: &mut Counters,
 ) {
-    if !RANGE_M.contains(&signal.range_m) {
+    // Positive numbers have the order of their bits, and what is none or negative lies beyond: comparing doubles is a call.
+    let (least, most) = (RANGE_M.start().to_bits(), RANGE_M.end().to_bits());
+    if !(least..=most).contains(&signal.range_m.to_bits()) {
         return count(&mut counters.ranges_out_of_bounds);
     }
-    let known = epoch.satellites.iter_mut().enumerate().find(|(_, known)| known.satellite == satellite);
+    // Signals of a satellite come one after the other.
+    let known = epoch.satellites.iter_mut().enumerate().rev().find(|(_, known)| known.satellite == satellite);
     match known {
         Some((index, _)) if index < earlier => count(&mut counters.satellites_duplicate),
         Some((_, known)) => add_signal(known, signal, is_reference, counters),

@@ -25,9 +25,10 @@ use rai_core::satellite::{Constellation, SatelliteId};
 use rai_firmware::output::nmea::GPS_MINUS_UTC_S;
 use rai_firmware::time::{BEIDOU_OFFSET_MS, GLONASS_OFFSET_MS, GpsTime, WEEK_MS};
 
+use crate::checksum::crc24q;
 use crate::encode::ubx;
 use crate::fault::{Fault, Kind as What};
-use crate::replay::pieces::{Kind, Piece, crc24q};
+use crate::replay::pieces::{Kind, Piece};
 
 /// Metres that light travels in a millisecond.
 const M_PER_MS: f64 = SPEED_OF_LIGHT_M_S * 1e-3;

@@ -218,15 +218,12 @@ impl Dashboard {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn sealed(body: &str) -> String {
-        format!("${body}*{:02X}\r\n", body.bytes().fold(0_u8, |sum, byte| sum ^ byte))
-    }
+    use crate::checksum::nmea_line;
 
     fn heard(bodies: &[&str]) -> Dashboard {
         let mut dashboard = Dashboard::of("a test");
         for body in bodies {
-            dashboard.hear(&sealed(body));
+            dashboard.hear(&nmea_line(body));
         }
         dashboard
     }
@@ -252,7 +249,7 @@ mod tests {
     fn a_pin_that_is_seen_is_not_implied() {
         let mut have = heard(&[]);
         have.see_pin(false);
-        have.hear(&sealed("PRAIS,120000.00,P,OK,10,9,5,0.912,1.764,12.3,18.4,40.0,35.0"));
+        have.hear(&nmea_line("PRAIS,120000.00,P,OK,10,9,5,0.912,1.764,12.3,18.4,40.0,35.0"));
         assert_eq!(have.pin, Pin::Seen(false));
     }
 

@@ -43,16 +43,14 @@ fn state_words(state: &State) -> String {
 #[cfg(test)]
 mod tests {
     use super::words;
-
-    fn sealed(body: &str) -> String {
-        format!("${body}*{:02X}", body.bytes().fold(0_u8, |sum, byte| sum ^ byte))
-    }
+    use crate::checksum::nmea_line;
 
     #[test]
     fn a_verdict_is_said_in_words_and_noise_is_not() {
-        let have = words(&sealed("PRAIS,120000.00,A,FAULT,10,9,5,3.912,1.764,,,40.0,35.0")).expect("words");
+        let have = words(nmea_line("PRAIS,120000.00,A,FAULT,10,9,5,3.912,1.764,,,40.0,35.0").trim_end())
+            .expect("words");
         assert_eq!(have, "  43200.0 ALERT       FAULT       9/10 statistic 3.9 of 1.8  HPL –  VPL –");
         assert_eq!(words("$PRAIS,1*00"), None);
-        assert_eq!(words(&sealed("PRAIN,120000.00,0123ABCD,10,1,0")), None);
+        assert_eq!(words(nmea_line("PRAIN,120000.00,0123ABCD,10,1,0").trim_end()), None);
     }
 }

@@ -1,5 +1,7 @@
 //! Checksums put right: without them a mutation would hardly ever get past the first test.
 
+use crate::checksum::{crc24q, fletcher};
+
 /// First byte of an RTCM frame; bytes before and after its payload.
 const RTCM: u8 = 0xD3;
 const RTCM_HEADER: usize = 3;
@@ -26,7 +28,7 @@ fn seal_first(bytes: &mut [u8]) -> Option<usize> {
             let covered = RTCM_HEADER + usize::from(u16::from_be_bytes([high, low]));
             let frame = bytes.get_mut(..covered + RTCM_PARITY)?;
             let (covered, parity) = frame.split_at_mut(covered);
-            parity.copy_from_slice(&crc24q(covered).to_be_bytes()[1..]);
+            parity.copy_from_slice(&crc24q(covered));
             Some(frame.len())
         }
         [first, second, _, _, low, high, ..] if [first, second] == UBX => {
@@ -38,25 +40,6 @@ fn seal_first(bytes: &mut [u8]) -> Option<usize> {
         }
         _ => None,
     }
-}
-
-/// The two sums of UBX frames ([UBX-F9] 3.4).
-///
-/// [UBX-F9]: crate#references
-fn fletcher(bytes: &[u8]) -> [u8; 2] {
-    let sum = |bytes: &[u8]| bytes.iter().fold(0_u8, |sum, byte| sum.wrapping_add(*byte));
-    // The second is the sum of the first over all beginnings.
-    let sums: Vec<u8> = (1..=bytes.len()).map(|end| sum(&bytes[..end])).collect();
-    [sum(bytes), sum(&sums)]
-}
-
-/// CRC-24Q ([RTCM-10403.3] 4.2), bit by bit.
-///
-/// [RTCM-10403.3]: crate#references
-fn crc24q(bytes: &[u8]) -> u32 {
-    let shifted =
-        |crc: u32| if crc & 0x80_0000 == 0 { crc << 1 } else { (crc << 1 ^ 0x186_4CFB) & 0xFF_FFFF };
-    bytes.iter().fold(0, |crc, &byte| (0..8).fold(crc ^ u32::from(byte) << 16, |crc, _| shifted(crc)))
 }
 
 /// Gives every line that has a star the checksum that belongs to what stands before it.

@@ -11,6 +11,8 @@
 //!
 //! [RTCM-10403.3]: crate#references
 
+use crate::checksum::{crc24q, fletcher};
+
 /// The longest line of text, bytes; longer ones are of no receiver.
 const LINE: usize = 400;
 
@@ -119,29 +121,6 @@ fn is_sentence(text: &[u8]) -> bool {
     let digits = digits.get(1..).and_then(|digits| std::str::from_utf8(digits).ok()).unwrap_or("");
     let sum = body.iter().fold(0, |sum, byte| sum ^ byte);
     digits.len() == 2 && u8::from_str_radix(digits, 16) == Ok(sum)
-}
-
-/// The two sums that end a UBX frame.
-fn fletcher(bytes: &[u8]) -> [u8; 2] {
-    let (mut a, mut b) = (0_u8, 0_u8);
-    for byte in bytes {
-        a = a.wrapping_add(*byte);
-        b = b.wrapping_add(a);
-    }
-    [a, b]
-}
-
-/// The parity that ends an RTCM frame.
-pub fn crc24q(bytes: &[u8]) -> [u8; 3] {
-    const POLYNOMIAL: u32 = 0x0186_4CFB;
-    let crc = bytes.iter().fold(0_u32, |crc, byte| {
-        (0..8).fold(crc ^ u32::from(*byte) << 16, |crc, _| {
-            let shifted = crc << 1;
-            if shifted & 0x0100_0000 == 0 { shifted } else { shifted ^ POLYNOMIAL }
-        })
-    });
-    let [_, parity @ ..] = crc.to_be_bytes();
-    parity
 }
 
 #[cfg(test)]

@@ -276,6 +276,7 @@ mod tests {
 
     use super::super::incident::Falsified;
     use super::*;
+    use crate::checksum::nmea_line;
 
     const TRUTH: Geodetic = Geodetic { latitude_rad: 0.5, longitude_rad: 0.25, height_m: 100.0 };
 
@@ -283,10 +284,6 @@ mod tests {
         let truth: Ecef = TRUTH.to_ecef();
         let time = GpsTime { week: 2300, tow_ms: tow_s * 1000 };
         Offer { time, truth, falsified, accepted_error_m: Some(70.0), is_due: true }
-    }
-
-    fn sealed(body: &str) -> Vec<u8> {
-        format!("${body}*{:02X}\r\n", body.bytes().fold(0_u8, |sum, byte| sum ^ byte)).into_bytes()
     }
 
     /// Position `north_m` beside the truth, and a verdict with a limit of 40 m, at 18 s of GPS time: midnight UTC.
@@ -297,10 +294,11 @@ mod tests {
             angle_deg.floor() * 100.0 + angle_deg.fract() * 60.0
         };
         let (latitude, longitude) = (degrees_minutes(latitude_rad), degrees_minutes(TRUTH.longitude_rad));
-        tally.hear(&sealed(&format!(
-            "GNGNS,000000.00,{latitude:.7},N,{longitude:.7},E,A,9,1.0,100.0,0.0,,,S"
-        )));
-        tally.hear(&sealed(&format!("PRAIS,000000.00,{state},9,9,4,0.5,2.0,12.0,20.0,40.0,")));
+        tally.hear(
+            nmea_line(&format!("GNGNS,000000.00,{latitude:.7},N,{longitude:.7},E,A,9,1.0,100.0,0.0,,,S"))
+                .as_bytes(),
+        );
+        tally.hear(nmea_line(&format!("PRAIS,000000.00,{state},9,9,4,0.5,2.0,12.0,20.0,40.0,")).as_bytes());
     }
 
     fn after(falsified: Falsified, north_m: f64, state: &str) -> Tally {
@@ -328,7 +326,7 @@ mod tests {
     fn protected_without_a_position_is_as_bad_as_a_wrong_one() {
         let mut tally = Tally::new(10.0);
         tally.offer(offer(18, Falsified::Satellites(0)), true, 0.0);
-        tally.hear(&sealed("PRAIS,000000.00,P,OK,9,9,4,0.5,2.0,12.0,20.0,40.0,"));
+        tally.hear(nmea_line("PRAIS,000000.00,P,OK,9,9,4,0.5,2.0,12.0,20.0,40.0,").as_bytes());
         assert_eq!(tally.hazardous, 1);
     }
 
@@ -344,7 +342,7 @@ mod tests {
     #[test]
     fn epoch_that_nobody_offered_and_epoch_never_spoken_of() {
         let mut tally = after(Falsified::Satellites(0), 0.0, "P,OK");
-        tally.hear(&sealed("PRAIS,000001.00,U,NOFIX,9,0,,,,,,40.0,"));
+        tally.hear(nmea_line("PRAIS,000001.00,U,NOFIX,9,0,,,,,,40.0,").as_bytes());
         assert_eq!(tally.invented, 1);
         (100..129).for_each(|tow_s| tally.offer(offer(tow_s, Falsified::Satellites(0)), false, 0.0));
         assert_eq!(tally.unspoken.len(), 0, "the first was judged");
@@ -365,16 +363,16 @@ mod tests {
     #[test]
     fn damaged_sentence_and_unasked_start_are_told_from_a_reset() {
         let mut tally = Tally::new(10.0);
-        assert_eq!(tally.hear(&sealed("PRAIV,0.1.0,abc,UNKNOWN,PASS")), Heard::Greeting);
+        assert_eq!(tally.hear(nmea_line("PRAIV,0.1.0,abc,UNKNOWN,PASS").as_bytes()), Heard::Greeting);
         tally.expect_start();
-        let cut = [b"$GNGNS,0000".as_slice(), &sealed("PRAIV,0.1.0,abc,UNKNOWN,PASS")].concat();
+        let cut = [b"$GNGNS,0000".as_slice(), nmea_line("PRAIV,0.1.0,abc,UNKNOWN,PASS").as_bytes()].concat();
         assert_eq!(tally.hear(&cut), Heard::Greeting);
         assert_eq!((tally.cut_off, tally.damaged.len(), tally.starts_unasked.len()), (1, 0, 0));
         tally.hear(&cut);
         assert_eq!((tally.cut_off, tally.damaged.len()), (1, 1), "nobody had asked");
-        tally.hear(&sealed("PRAIV,0.1.0,abc,UNKNOWN,PASS"));
+        tally.hear(nmea_line("PRAIV,0.1.0,abc,UNKNOWN,PASS").as_bytes());
         tally.expect_start();
-        tally.hear(&sealed("PRAIV,0.1.0,abc,PANIC-0BADF00D,PASS"));
+        tally.hear(nmea_line("PRAIV,0.1.0,abc,PANIC-0BADF00D,PASS").as_bytes());
         assert_eq!(tally.starts_unasked.len(), 2);
     }
 }

@@ -8,8 +8,9 @@ use rand::{RngCore, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rtcm_rs::Message;
 use rtcm_rs::msg::{Msg1019T, Msg1042T};
+use tests_host::checksum::rtcm_frame;
 
-use crate::frames::{changed, claiming, gps, is_ephemeris, only, sealed};
+use crate::frames::{changed, claiming, gps, is_ephemeris, only};
 use crate::module::{Module, Sky};
 
 /// The highest number of a 32 bit field in units of 2⁻³³.
@@ -102,7 +103,7 @@ fn ephemerides_of_random_bits_make_no_number_that_is_none() {
         let mut random = |number: u16| {
             let mut payload = claiming(number, 80, 0);
             rng.fill_bytes(&mut payload[2..]);
-            sealed(&payload)
+            rtcm_frame(&payload)
         };
         let burst: Vec<u8> = [1019, 1042, 1045, 1046].repeat(8).into_iter().flat_map(&mut random).collect();
         assert!(module.hear(&burst).is_empty());

@@ -24,19 +24,6 @@ pub(crate) fn payload(frame: &[u8]) -> &[u8] {
     &frame[HEADER..frame.len() - PARITY]
 }
 
-/// A payload with preamble, length and CRC-24Q, whatever it says.
-pub(crate) fn sealed(payload: &[u8]) -> Vec<u8> {
-    let mut bytes = vec![0xD3, (payload.len() >> 8) as u8, payload.len() as u8];
-    bytes.extend_from_slice(payload);
-    let crc = bytes.iter().fold(0_u32, |crc, &byte| {
-        (0..8).fold(crc ^ u32::from(byte) << 16, |crc, _| {
-            if crc & 0x80_0000 == 0 { crc << 1 } else { (crc << 1 ^ 0x186_4CFB) & 0xFF_FFFF }
-        })
-    });
-    bytes.extend_from_slice(&crc.to_be_bytes()[1..]);
-    bytes
-}
-
 /// A payload of `length` bytes that names a message type and is `fill` besides.
 pub(crate) fn claiming(number: u16, length: usize, fill: u8) -> Vec<u8> {
     let mut payload = vec![fill; length];

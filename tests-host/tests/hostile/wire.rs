@@ -3,7 +3,9 @@
 use rand::{RngCore, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use crate::frames::{claiming, frames, payload, sealed};
+use tests_host::checksum::rtcm_frame;
+
+use crate::frames::{claiming, frames, payload};
 use crate::module::{Module, Sky};
 
 fn noise(rng: &mut ChaCha8Rng, length: usize) -> Vec<u8> {
@@ -87,7 +89,7 @@ fn the_longest_frame_is_read_through_whatever_it_claims_to_be() {
     ];
     for ((number, fill, counter), lump) in cases.into_iter().zip(&sky.lumps[3..]) {
         module.note();
-        let said = module.hear(&sealed(&claiming(number, 1023, fill)));
+        let said = module.hear(&rtcm_frame(&claiming(number, 1023, fill)));
         assert!(said.is_empty(), "{number}: {said:?}");
         assert_eq!(module.grown(counter), 1, "{number} of {fill:#x}");
         module.recovers(lump);
@@ -101,7 +103,7 @@ fn messages_shorter_than_their_type_are_malformed() {
     let mut module = Module::after(&sky, 3);
     for (number, lump) in TYPES.into_iter().zip(&sky.lumps[3..]) {
         module.note();
-        let short = [2, 3, 7, 9].map(|length| sealed(&claiming(number, length, 0)));
+        let short = [2, 3, 7, 9].map(|length| rtcm_frame(&claiming(number, length, 0)));
         assert!(module.hear(&short.concat()).is_empty());
         assert_eq!(module.grown("messages_malformed") as usize, short.len(), "{number}");
         module.recovers(lump);
@@ -109,7 +111,7 @@ fn messages_shorter_than_their_type_are_malformed() {
     module.note();
     let halves: Vec<Vec<u8>> = frames(&sky.lumps[18])
         .iter()
-        .map(|frame| sealed(&payload(frame)[..payload(frame).len() / 2]))
+        .map(|frame| rtcm_frame(&payload(frame)[..payload(frame).len() / 2]))
         .collect();
     assert!(module.hear(&halves.concat()).is_empty(), "half a message is no epoch");
     assert_eq!(module.grown("messages_malformed") as usize, halves.len());
@@ -120,7 +122,7 @@ fn messages_shorter_than_their_type_are_malformed() {
 fn an_empty_frame_is_malformed() {
     let sky = Sky::quiet(4);
     let mut module = Module::after(&sky, 3);
-    assert!(module.hear(&[sealed(&[]), sealed(&[0x43])].concat()).is_empty());
+    assert!(module.hear(&[rtcm_frame(&[]), rtcm_frame(&[0x43])].concat()).is_empty());
     assert_eq!(module.grown("messages_malformed"), 2);
     module.recovers(&sky.lumps[3]);
 }

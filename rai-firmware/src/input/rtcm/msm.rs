@@ -36,14 +36,15 @@ use rai_core::satellite::SatelliteId;
 
 use super::signals;
 use crate::counters::count;
+use crate::input::bits::Bits;
 use crate::input::calendar::Calendar;
 use crate::input::system::System;
 use crate::input::{Counters, Measured, Ranges, Unread};
 use crate::raw::{Carrier, RawSignal};
 use crate::time::{BEIDOU_OFFSET_MS, GLONASS_OFFSET_MS, WEEK_MS};
 
-/// Metres of range per millisecond.
-const M_PER_MS: f64 = SPEED_OF_LIGHT_M_S * 1e-3;
+/// Metres of range in a step of level 6 and 7, 2⁻²⁹ ms.
+const STEP_M: f64 = SPEED_OF_LIGHT_M_S * 1e-3 / (1 << 29) as f64;
 
 /// Metres a second of a step of a cell's rate; a satellite's rough rate has whole ones.
 const FINE_RATE_M_S: f32 = 1e-4;
@@ -74,8 +75,10 @@ pub(super) fn read<'a>(number: u16, payload: &'a [u8], calendar: &Calendar) -> R
         (5, 4..) => Some(System::Beidou),
         _ => None,
     };
-    let field = |start, length| bits(payload, start, length).ok_or(Unread::Malformed);
-    let (time_ms, more) = (field(24, 30)?, field(54, 1)?);
+    if payload.len() * 8 < SATELLITE_MASK {
+        return Err(Unread::Malformed);
+    }
+    let (time_ms, more_follow) = (Bits(payload).unsigned(24, 30), Bits(payload).is_set(54));
     let mut of_utc_ms = None;
     let (tow_ms, measured) = match system {
         Some(system) => {
@@ -92,14 +95,7 @@ pub(super) fn read<'a>(number: u16, payload: &'a [u8], calendar: &Calendar) -> R
         }
         None => (None, Measured::Nothing),
     };
-    Ok(Ranges {
-        series: Some(series as u8),
-        tow_ms,
-        of_utc_ms,
-        stated: None,
-        more_follow: more == 1,
-        measured,
-    })
+    Ok(Ranges { series: Some(series as u8), tow_ms, of_utc_ms, stated: None, more_follow, measured })
 }
 
 /// Milliseconds into the week of GPS time; `None` when the field is beyond the week.
@@ -132,7 +128,7 @@ pub(in crate::input) struct Msm<'a> {
 impl Msm<'_> {
     /// Whether it has no satellite.
     pub(in crate::input) fn is_empty(&self) -> bool {
-        self.layout.satellites == 0
+        self.layout.satellites == Mask(0)
     }
 
     /// Hands every range to `add`, with whether its code is the one that the broadcast clock is of; what cannot be used
@@ -142,25 +138,26 @@ impl Msm<'_> {
         counters: &mut Counters,
         add: &mut impl FnMut(SatelliteId, RawSignal, bool, &mut Counters),
     ) {
-        let layout = &self.layout;
-        let grid = layout.ones(SATELLITE_MASK, 64).enumerate();
-        let grid =
-            grid.flat_map(|satellite| layout.ones(SIGNAL_MASK, 32).map(move |signal| (satellite, signal)));
-        let mut cell = 0;
-        for (position, ((index, satellite), signal)) in grid.enumerate() {
-            if bits(layout.payload, CELL_MASK + position, 1) != Some(1) {
-                continue;
-            }
-            // The masks count from 1.
-            match self.one((satellite + 1, signal + 1), index, cell) {
-                Ok((satellite, range)) => {
-                    add(satellite, range, signals::is_reference(self.system, signal + 1), counters);
+        let (mut position, mut cell) = (0, 0);
+        for (index, satellite) in self.layout.satellites.positions().enumerate() {
+            let row = self.layout.row(index);
+            for signal in self.layout.signals.positions() {
+                let is_there = self.layout.cells.has(position);
+                position += 1;
+                if !is_there {
+                    continue;
                 }
-                Err(Unused::Satellite) => count(&mut counters.satellites_unknown),
-                Err(Unused::Signal) => count(&mut counters.signals_other),
-                Err(Unused::Range) => count(&mut counters.ranges_missing),
+                // The masks count from 1.
+                match self.one((satellite + 1, signal + 1), &row, cell) {
+                    Ok((satellite, range)) => {
+                        add(satellite, range, signals::is_reference(self.system, signal + 1), counters);
+                    }
+                    Err(Unused::Satellite) => count(&mut counters.satellites_unknown),
+                    Err(Unused::Signal) => count(&mut counters.signals_other),
+                    Err(Unused::Range) => count(&mut counters.ranges_missing),
+                }
+                cell += 1;
             }
-            cell += 1;
         }
     }
 
@@ -168,26 +165,21 @@ impl Msm<'_> {
     fn one(
         &self,
         (satellite, signal): (u8, u8),
-        row: usize,
+        row: &Row,
         cell: usize,
     ) -> Result<(SatelliteId, RawSignal), Unused> {
         let satellite = self.system.satellite(satellite).ok_or(Unused::Satellite)?;
         let band = signals::band(self.system, signal).ok_or(Unused::Signal)?;
-        let (rough, fine) = self.layout.rough_ms(row).zip(self.layout.fine_ms(cell)).ok_or(Unused::Range)?;
-        let channel = if self.system == System::Glonass { self.layout.channel(row) } else { 0 };
+        let (rough, fine) = row.rough.zip(self.layout.fine(cell)).ok_or(Unused::Range)?;
+        let channel = if self.system == System::Glonass { row.channel } else { 0 };
         let carrier = Carrier { band, channel };
         let is_codeless = signals::is_codeless(self.system, signal);
         let cn0_dbhz = if is_codeless { 0.0 } else { self.layout.cn0_dbhz(cell) };
-        let signal = RawSignal::new(carrier, (rough + fine) * M_PER_MS).with_cn0_dbhz(cn0_dbhz);
+        let signal = RawSignal::new(carrier, (rough + fine) as f64 * STEP_M).with_cn0_dbhz(cn0_dbhz);
         // A range that grows comes with a frequency that falls.
-        let doppler_hz = self.layout.rate_m_s(row, cell).map(|rate| -rate * doppler_of_a_metre(carrier));
+        let doppler_hz = self.layout.rate_m_s(row, cell).map(|rate| -rate * carrier.doppler_of_a_metre_hz());
         Ok((satellite, doppler_hz.map_or(signal, |doppler_hz| signal.with_doppler_hz(doppler_hz))))
     }
-}
-
-/// Hertz that a metre a second shifts a carrier by.
-fn doppler_of_a_metre(carrier: Carrier) -> f32 {
-    (carrier.frequency_hz() / SPEED_OF_LIGHT_M_S) as f32
 }
 
 /// Why a cell is no range.
@@ -208,8 +200,8 @@ struct Widths {
     /// Phase, lock time and half cycle indicator.
     between: usize,
     cn0: usize,
-    /// Milliseconds of a step of the fine range.
-    fine_ms: f64,
+    /// How many steps of level 7 a step of the fine range is, as a power of two.
+    fine_power: u32,
     /// dB-Hz of a step of the carrier to noise density.
     cn0_dbhz: f32,
 }
@@ -218,127 +210,141 @@ impl Widths {
     fn of(level: u16) -> Self {
         let (extended, satellite_rate, cell_rate) =
             if matches!(level, 5 | 7) { (4, 14, 15) } else { (0, 0, 0) };
-        let (fine, between, cn0, fine_ms, cn0_dbhz) = if level >= 6 {
-            (20, 24 + 10 + 1, 10, 1.0 / 536_870_912.0, 1.0 / 16.0)
-        } else {
-            (15, 22 + 4 + 1, 6, 1.0 / 16_777_216.0, 1.0)
-        };
-        Self { extended, satellite_rate, cell_rate, fine, between, cn0, fine_ms, cn0_dbhz }
+        let (fine, between, cn0, fine_power, cn0_dbhz) =
+            if level >= 6 { (20, 24 + 10 + 1, 10, 0, 1.0 / 16.0) } else { (15, 22 + 4 + 1, 6, 5, 1.0) };
+        Self { extended, satellite_rate, cell_rate, fine, between, cn0, fine_power, cn0_dbhz }
     }
 }
 
 /// Where the fields of a message are.
 #[derive(Debug)]
 struct Layout<'a> {
-    payload: &'a [u8],
+    payload: Bits<'a>,
     widths: Widths,
-    satellites: usize,
-    signals: usize,
-    cells: usize,
+    satellites: Mask,
+    signals: Mask,
+    cells: Mask,
+    /// Where the fields of the satellites begin, and those of the cells, bits.
+    rough_start: usize,
+    cell_start: usize,
+}
+
+/// What the fields of one satellite say.
+struct Row {
+    /// Rough range, steps of 2⁻²⁹ ms; `None` when the message does not say.
+    rough: Option<i64>,
+    /// Rough rate, m/s; `None` where the level has none, or the message does not say.
+    rate_m_s: Option<i32>,
+    /// Frequency channel of GLONASS; 0 when the message does not say.
+    channel: i8,
 }
 
 impl<'a> Layout<'a> {
     fn new(payload: &'a [u8], level: u16) -> Option<Self> {
-        let ones = |start, length| Some(bits(payload, start, length)?.count_ones() as usize);
-        let satellites = ones(SATELLITE_MASK, 32)? + ones(SATELLITE_MASK + 32, 32)?;
-        let signals = ones(SIGNAL_MASK, 32)?;
-        let grid = satellites * signals;
+        let is_within = |end: usize| (end <= payload.len() * 8).then_some(Bits(payload));
+        let header = is_within(CELL_MASK)?;
+        let satellites = Mask::of(header, SATELLITE_MASK, 64);
+        let signals = Mask::of(header, SIGNAL_MASK, 32);
+        let grid = satellites.count() * signals.count();
         if grid > MOST_CELLS {
             return None;
         }
-        let low = grid.min(32);
-        let cells = ones(CELL_MASK, low)? + ones(CELL_MASK + low, grid - low)?;
-        let layout = Self { payload, widths: Widths::of(level), satellites, signals, cells };
-        if layout.end() <= payload.len() * 8 { Some(layout) } else { None }
+        let rough_start = CELL_MASK + grid;
+        let cells = Mask::of(is_within(rough_start)?, CELL_MASK, grid);
+        let widths = Widths::of(level);
+        let satellite = 8 + widths.extended + 10 + widths.satellite_rate;
+        let cell_start = rough_start + satellites.count() * satellite;
+        let cell = widths.fine + widths.between + widths.cn0 + widths.cell_rate;
+        let payload = is_within(cell_start + cells.count() * cell)?;
+        Some(Self { payload, widths, satellites, signals, cells, rough_start, cell_start })
     }
 
-    fn rough_start(&self) -> usize {
-        CELL_MASK + self.satellites * self.signals
-    }
-
-    fn cell_start(&self) -> usize {
-        let satellite = 8 + self.widths.extended + 10 + self.widths.satellite_rate;
-        self.rough_start() + self.satellites * satellite
-    }
-
-    fn end(&self) -> usize {
-        let widths = &self.widths;
-        self.cell_start() + self.cells * (widths.fine + widths.between + widths.cn0 + widths.cell_rate)
-    }
-
-    /// Rough range of the `index`th satellite, ms; `None` when the message does not say.
-    fn rough_ms(&self, index: usize) -> Option<f64> {
-        let whole = bits(self.payload, self.rough_start() + 8 * index, 8)?;
-        let part_start = self.rough_start() + self.satellites * (8 + self.widths.extended);
-        let part = bits(self.payload, part_start + 10 * index, 10)?;
-        if whole == 255 { None } else { Some(f64::from(whole * 1024 + part) / 1024.0) }
-    }
-
-    /// Frequency channel of the `index`th satellite, of GLONASS; 0 when the message does not say.
-    fn channel(&self, index: usize) -> i8 {
-        let width = self.widths.extended;
-        let start = self.rough_start() + 8 * self.satellites + width * index;
-        match bits(self.payload, start, width) {
-            Some(field @ 0..=13) if width > 0 => field as i8 - 7,
-            _ => 0,
+    /// The fields of the `index`th satellite.
+    fn row(&self, index: usize) -> Row {
+        let (extended, rate) = (self.widths.extended, self.widths.satellite_rate);
+        let whole_start = self.rough_start;
+        let extended_start = whole_start + 8 * self.satellites.count();
+        let part_start = extended_start + extended * self.satellites.count();
+        let rate_start = part_start + 10 * self.satellites.count();
+        let whole = self.payload.unsigned(whole_start + 8 * index, 8);
+        let part = self.payload.unsigned(part_start + 10 * index, 10);
+        let channel = match extended {
+            0 => None,
+            width => {
+                Some(self.payload.small(extended_start + width * index, width)).filter(|field| *field <= 13)
+            }
+        };
+        Row {
+            rough: (whole != 255).then_some(i64::from(whole << 10 | part) << 19),
+            rate_m_s: self.optional(rate_start + rate * index, rate),
+            channel: channel.map_or(0, |field| field as i8 - 7),
         }
     }
 
-    /// Fine range of the `index`th cell, ms; `None` when the message does not say.
-    fn fine_ms(&self, index: usize) -> Option<f64> {
+    /// Fine range of the `index`th cell, steps of 2⁻²⁹ ms; `None` when the message does not say.
+    fn fine(&self, index: usize) -> Option<i64> {
         let width = self.widths.fine;
-        let field = bits(self.payload, self.cell_start() + width * index, width)?;
-        let half = 1 << (width - 1);
-        if field == half {
-            return None;
-        }
-        let signed = if field > half { f64::from(field) - f64::from(2 * half) } else { f64::from(field) };
-        Some(signed * self.widths.fine_ms)
+        let steps = self.optional(self.cell_start + width * index, width)?;
+        Some(i64::from(steps << self.widths.fine_power))
     }
 
     /// Carrier to noise density of the `index`th cell, dB-Hz; 0 when the message does not say.
     fn cn0_dbhz(&self, index: usize) -> f32 {
-        let start = self.cell_start() + self.cells * (self.widths.fine + self.widths.between);
-        let field = bits(self.payload, start + self.widths.cn0 * index, self.widths.cn0).unwrap_or(0);
+        let start = self.cell_start + self.cells.count() * (self.widths.fine + self.widths.between);
+        let field = self.payload.unsigned(start + self.widths.cn0 * index, self.widths.cn0);
         field as f32 * self.widths.cn0_dbhz
     }
 
     /// How fast the range of a cell grows, m/s; `None` where the level has no rates, or the message does not say.
-    fn rate_m_s(&self, row: usize, cell: usize) -> Option<f32> {
-        let widths = &self.widths;
-        if widths.cell_rate == 0 {
+    fn rate_m_s(&self, row: &Row, cell: usize) -> Option<f32> {
+        let Widths { fine, between, cn0, cell_rate, .. } = self.widths;
+        let start = self.cell_start + self.cells.count() * (fine + between + cn0);
+        let fine = self.optional(start + cell_rate * cell, cell_rate)?;
+        Some(row.rate_m_s? as f32 + fine as f32 * FINE_RATE_M_S)
+    }
+
+    /// A number with a sign; `None` for the most negative one, which says that there is none, and for no bits.
+    fn optional(&self, start: usize, width: usize) -> Option<i32> {
+        if width == 0 {
             return None;
         }
-        let rough_start = self.cell_start() - self.satellites * widths.satellite_rate;
-        let rough = signed(self.payload, rough_start + widths.satellite_rate * row, widths.satellite_rate)?;
-        let fine_start = self.end() - self.cells * widths.cell_rate;
-        let fine = signed(self.payload, fine_start + widths.cell_rate * cell, widths.cell_rate)?;
-        Some(rough as f32 + fine as f32 * FINE_RATE_M_S)
-    }
-
-    /// Positions of the ones in a mask, from 0.
-    fn ones(&self, start: usize, length: usize) -> impl Iterator<Item = u8> {
-        let is_one = move |&position: &u8| bits(self.payload, start + usize::from(position), 1) == Some(1);
-        (0..length as u8).filter(is_one)
+        let number = self.payload.signed(start, width);
+        (number != -1 << (width - 1)).then_some(number)
     }
 }
 
-/// Bits of a payload, most significant first, at most 32; `None` beyond its end.
-fn bits(payload: &[u8], start: usize, length: usize) -> Option<u32> {
-    let end = start + length;
-    let bytes = payload.get(start / 8..end.div_ceil(8))?;
-    let window = bytes.iter().fold(0_u64, |window, &byte| window << 8 | u64::from(byte));
-    let behind = end.div_ceil(8) * 8 - end;
-    Some(((window >> behind) & ((1 << length) - 1)) as u32)
-}
+/// A mask, its first bit on top.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Mask(u64);
 
-/// A number with a sign; `None` for the most negative one, which says that there is none.
-fn signed(payload: &[u8], start: usize, length: usize) -> Option<i32> {
-    let field = bits(payload, start, length)?;
-    let half = 1_u32 << (length - 1);
-    if field == half {
-        return None;
+impl Mask {
+    /// The first `length` bits from `start` on, at most 64.
+    fn of(payload: Bits<'_>, start: usize, length: usize) -> Self {
+        let half = |start, length: usize| match length {
+            0 => 0,
+            _ => u64::from(payload.unsigned(start, length)) << (32 - length),
+        };
+        let first = length.min(32);
+        Self(half(start, first) << 32 | half(start + first, length - first))
     }
-    // The sign bit at the top, and back.
-    Some((field << (32 - length)).cast_signed() >> (32 - length))
+
+    /// How many ones.
+    const fn count(self) -> usize {
+        self.0.count_ones() as usize
+    }
+
+    /// Whether there is a one at a position below 64.
+    const fn has(self, position: usize) -> bool {
+        (self.0 << position) >> 63 == 1
+    }
+
+    /// Positions of the ones, from 0.
+    fn positions(self) -> impl Iterator<Item = u8> {
+        let mut left = self.0;
+        core::iter::from_fn(move || {
+            let position = left.leading_zeros();
+            left &= !(1_u64 << 63).checked_shr(position)?;
+            Some(position as u8)
+        })
+    }
 }

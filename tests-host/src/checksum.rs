@@ -1,0 +1,64 @@
+//! The checks that end frames and sentences, from the texts of their standards and without a line of the firmware's.
+//!
+//! | format | check |
+//! |---|---|
+//! | RTCM 3 | CRC-24Q over header and payload ([RTCM-10403.3] 4.2) |
+//! | UBX | two sums from the class on ([UBX-F9] 3.4) |
+//! | NMEA 0183 | exclusive or of what stands between `$` and `*` |
+//!
+//! [RTCM-10403.3]: crate#references
+//! [UBX-F9]: crate#references
+
+/// The parity that ends an RTCM frame, bit by bit.
+pub fn crc24q(bytes: &[u8]) -> [u8; 3] {
+    const POLYNOMIAL: u32 = 0x0186_4CFB;
+    let crc = bytes.iter().fold(0_u32, |crc, byte| {
+        (0..8).fold(crc ^ u32::from(*byte) << 16, |crc, _| {
+            let shifted = crc << 1;
+            if shifted & 0x0100_0000 == 0 { shifted } else { shifted ^ POLYNOMIAL }
+        })
+    });
+    let [_, parity @ ..] = crc.to_be_bytes();
+    parity
+}
+
+/// The two sums that end a UBX frame, over the bytes from its class on.
+pub fn fletcher(bytes: &[u8]) -> [u8; 2] {
+    let (mut a, mut b) = (0_u8, 0_u8);
+    for byte in bytes {
+        a = a.wrapping_add(*byte);
+        b = b.wrapping_add(a);
+    }
+    [a, b]
+}
+
+/// A payload of at most 1023 bytes with preamble, length and parity, whatever it says.
+pub fn rtcm_frame(payload: &[u8]) -> Vec<u8> {
+    let mut bytes = vec![0xD3, (payload.len() >> 8) as u8, payload.len() as u8];
+    bytes.extend_from_slice(payload);
+    let parity = crc24q(&bytes);
+    bytes.extend_from_slice(&parity);
+    bytes
+}
+
+/// A sentence with `$`, checksum and line end.
+pub fn nmea_line(body: &str) -> String {
+    format!("${body}*{:02X}\r\n", body.bytes().fold(0_u8, |sum, byte| sum ^ byte))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn checks_are_those_that_the_standards_print() {
+        // RTCM's example of a message 1005, u-blox's of a poll of MON-VER, and the sentence of many descriptions of NMEA.
+        let station = [
+            0x3E, 0xD7, 0xD3, 0x02, 0x02, 0x98, 0x0E, 0xDE, 0xEF, 0x34, 0xB4, 0xBD, 0x62, 0xAC, 0x09, 0x41,
+            0x98, 0x6F, 0x33,
+        ];
+        assert_eq!(rtcm_frame(&station)[22..], [0x36, 0x0B, 0x98]);
+        assert_eq!(fletcher(&[0x0A, 0x04, 0, 0]), [0x0E, 0x34]);
+        assert!(nmea_line("GPGLL,4916.45,N,12311.12,W,225444,A,").ends_with("*1D\r\n"));
+    }
+}
