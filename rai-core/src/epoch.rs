@@ -15,6 +15,7 @@ use core::fmt;
 use heapless::Vec;
 
 use crate::frame::Ecef;
+use crate::numeric::bounds::is_within;
 use crate::satellite::{Constellation, SatelliteId};
 use crate::weighting::adaptation::Adaptation;
 
@@ -24,7 +25,7 @@ use crate::weighting::adaptation::Adaptation;
 const RANGE_LIMIT_M: f64 = 1e9;
 
 /// Bounds of a satellite's distance from the centre of the earth, m: the ground to well beyond geostationary.
-const RADIUS_M: core::ops::RangeInclusive<f64> = 6.3e6..=1e8;
+const RADIUS_M: core::ops::RangeInclusive<f32> = 6.3e6..=1e8;
 
 /// Bounds of a standard deviation, m. Below, `f32` weights overflow the dynamic of the solve; above, a row says nothing.
 const SIGMA_M: core::ops::RangeInclusive<f64> = 1e-3..=1e6;
@@ -81,6 +82,13 @@ pub enum EpochError {
     Duplicate,
     /// The epoch holds `N` satellites already.
     Full,
+}
+
+/// Whether a satellite can be there. Single precision has a hundred times the digits that the bounds need.
+fn is_plausible(position: Ecef) -> bool {
+    let [x, y, z] = [position.x_m, position.y_m, position.z_m].map(|coordinate| coordinate as f32);
+    let squares = |radius: &f32| radius * radius;
+    (squares(RADIUS_M.start())..=squares(RADIUS_M.end())).contains(&(x * x + y * y + z * z))
 }
 
 impl fmt::Display for EpochError {
@@ -140,13 +148,13 @@ impl<const N: usize> Epoch<N> {
     /// As [`Self::push`]; [`EpochError::Sigma`] also where `common_m` is negative, not finite or absurd.
     pub fn push_sharing(&mut self, observation: Observation, common_m: f32) -> Result<(), EpochError> {
         // A NaN fails every one of these comparisons.
-        if !(observation.range_m.abs() <= RANGE_LIMIT_M) {
+        if !is_within(observation.range_m.abs(), &(0.0..=RANGE_LIMIT_M)) {
             return Err(EpochError::Range);
         }
-        if !RADIUS_M.contains(&observation.position.radius_m()) {
+        if !is_plausible(observation.position) {
             return Err(EpochError::Position);
         }
-        if !SIGMA_M.contains(&observation.sigma_m) || !(0.0..=1e6).contains(&common_m) {
+        if !is_within(observation.sigma_m, &SIGMA_M) || !(0.0..=1e6).contains(&common_m) {
             return Err(EpochError::Sigma);
         }
         if self.observations.iter().any(|known| known.satellite == observation.satellite) {
@@ -169,10 +177,10 @@ impl<const N: usize> Epoch<N> {
     /// What is wrong with outside knowledge, if anything is.
     fn accepts(&self, aiding: &Aiding) -> Result<(), EpochError> {
         let (Aiding::Clock { value_m, sigma_m, .. } | Aiding::Height { value_m, sigma_m }) = *aiding;
-        if !(value_m.abs() <= RANGE_LIMIT_M) {
+        if !is_within(value_m.abs(), &(0.0..=RANGE_LIMIT_M)) {
             return Err(EpochError::Range);
         }
-        if !SIGMA_M.contains(&sigma_m) {
+        if !is_within(sigma_m, &SIGMA_M) {
             return Err(EpochError::Sigma);
         }
         let same_kind = |known: &Aiding| core::mem::discriminant(known) == core::mem::discriminant(aiding);

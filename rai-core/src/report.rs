@@ -106,7 +106,8 @@ pub struct Solution {
 impl Solution {
     /// Position dilution of precision, dimensionless.
     pub fn pdop(&self) -> f64 {
-        libm::hypot(self.hdop, self.vdop)
+        let (hdop, vdop) = (self.hdop as f32, self.vdop as f32);
+        f64::from(libm::sqrtf(hdop * hdop + vdop * vdop))
     }
 }
 

@@ -217,7 +217,7 @@ fn group_delays_are_those_of_the_interface_documents() {
         (&beidou, Band::B3I, Some(0.0)),
     ];
     for (ephemeris, band, want) in want {
-        let have = ephemeris.group_delay(band).map(|delay| delay.seconds() * 1e9);
+        let have = ephemeris.group_delay(band).map(|delay| f64::from(delay.seconds()) * 1e9);
         assert!(have.is_some() == want.is_some(), "{band:?}: have {have:?}, want {want:?}");
         assert!((have.unwrap_or(0.0) - want.unwrap_or(0.0)).abs() < 1e-6, "{band:?}: {have:?}, {want:?}");
     }

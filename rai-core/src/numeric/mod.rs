@@ -2,6 +2,7 @@
 
 pub mod absolute;
 pub mod angle;
+pub mod bounds;
 pub mod chi_square;
 pub mod normal;
 pub mod precision;

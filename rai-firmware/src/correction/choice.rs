@@ -45,17 +45,20 @@ pub struct Choice {
     pub bands: (Band, Option<Band>),
 }
 
+/// Metres of a delay of a second.
+const LIGHT_M_S: f32 = SPEED_OF_LIGHT_M_S as f32;
+
 /// Two bands whose ranges combine.
 struct Pair {
     first: Band,
     second: Band,
     /// `k_a`, where `k_b` is what is left of 1.
-    share: f64,
+    share: f32,
 }
 
 impl Pair {
     const fn of(first: Band, second: Band) -> Self {
-        Self { first, second, share: ionosphere_free(first, second).0 }
+        Self { first, second, share: ionosphere_free(first, second).0 as f32 }
     }
 }
 
@@ -113,7 +116,7 @@ pub fn choose(signals: &[RawSignal], ephemeris: &Ephemeris, mask_dbhz: f32) -> C
         let band = signal.carrier.band;
         ephemeris.serves(band) && signal.cn0_dbhz().is_none_or(|strength_dbhz| strength_dbhz >= mask_dbhz)
     };
-    let find = |band| signals.iter().filter(is_usable).find(|signal| signal.carrier.band == band);
+    let find = |band| signals.iter().find(|signal| signal.carrier.band == band).filter(is_usable);
     let pair = |pair: &Pair| combine(find(pair.first)?, find(pair.second)?, pair, ephemeris);
     let single = |&band: &Band| alone(find(band)?, ephemeris);
     Choices { pair: PAIRS.iter().find_map(pair), single: SINGLES.iter().find_map(single) }
@@ -123,18 +126,18 @@ pub fn choose(signals: &[RawSignal], ephemeris: &Ephemeris, mask_dbhz: f32) -> C
 fn combine(first: &RawSignal, second: &RawSignal, pair: &Pair, ephemeris: &Ephemeris) -> Option<Choice> {
     let (delay_first, delay_second) =
         (ephemeris.group_delay(pair.first)?, ephemeris.group_delay(pair.second)?);
-    // One product each, of the difference: k_a P_a + (1 − k_a) P_b.
+    // k_a P_a + (1 − k_a) P_b = P_b + k_a (P_a − P_b): what is added to a range is small, and single precision holds it.
     let delay_s = delay_second.seconds() + pair.share * (delay_first.seconds() - delay_second.seconds());
-    let range_m = second.range_m + pair.share * (first.range_m - second.range_m);
-    let share = pair.share as f32;
+    let apart_m = (first.range_m - second.range_m) as f32;
+    let added_m = pair.share * apart_m - LIGHT_M_S * delay_s;
     let strength_dbhz = match (first.cn0_dbhz(), second.cn0_dbhz()) {
         (Some(first_dbhz), Some(second_dbhz)) => Some(first_dbhz.min(second_dbhz)),
         (one, other) => one.or(other),
     };
     Some(Choice {
         bands: (pair.first, Some(pair.second)),
-        range_m: range_m - SPEED_OF_LIGHT_M_S * delay_s,
-        noise_gain: libm::sqrtf(share * share + (1.0 - share) * (1.0 - share)),
+        range_m: second.range_m + f64::from(added_m),
+        noise_gain: libm::sqrtf(pair.share * pair.share + (1.0 - pair.share) * (1.0 - pair.share)),
         weakness: weakness(strength_dbhz),
         uncalibrated_m: delay_first.uncalibrated_m().max(delay_second.uncalibrated_m()),
     })
@@ -145,7 +148,7 @@ fn alone(signal: &RawSignal, ephemeris: &Ephemeris) -> Option<Choice> {
     let delay = ephemeris.group_delay(signal.carrier.band)?;
     Some(Choice {
         bands: (signal.carrier.band, None),
-        range_m: signal.range_m - SPEED_OF_LIGHT_M_S * delay.seconds(),
+        range_m: signal.range_m - f64::from(LIGHT_M_S * delay.seconds()),
         noise_gain: 1.0,
         weakness: weakness(signal.cn0_dbhz()),
         uncalibrated_m: delay.uncalibrated_m(),

@@ -146,47 +146,58 @@ pub fn locate(
             count(&mut tally.ranges.system_left_out);
             continue;
         }
-        match locate_one(satellite, raw.time, store, mask_dbhz) {
-            Ok(Some(located)) => {
-                if sky.push(located).is_err() {
-                    count(&mut tally.ranges.epoch_full);
-                }
-            }
-            Ok(None) => count(&mut tally.ranges.signal_unusable),
+        match locate_one(satellite, raw.time, store, mask_dbhz, sky) {
+            Ok(Placed::Yes) => {}
+            Ok(Placed::Full) => count(&mut tally.ranges.epoch_full),
+            Ok(Placed::WithoutSignal) => count(&mut tally.ranges.signal_unusable),
             Err(reason) => tally.ephemerides.count(reason),
         }
     }
 }
 
-/// One satellite; `None` without a signal that is strong enough and whose delay is known.
+/// What became of a satellite whose ephemeris may be used.
+enum Placed {
+    /// It is in the sky.
+    Yes,
+    /// The sky is full.
+    Full,
+    /// No signal is strong enough and has a delay that is known.
+    WithoutSignal,
+}
+
+/// Puts one satellite into the sky.
 fn locate_one(
     satellite: &RawSatellite,
     time: GpsTime,
     store: &Store,
     mask_dbhz: f32,
-) -> Result<Option<Located>, EphemerisError> {
+    sky: &mut Sky,
+) -> Result<Placed, EphemerisError> {
     let ephemeris = store.get(satellite.satellite, time)?;
     let choices = choose(&satellite.signals, ephemeris, mask_dbhz);
     let Some(choice) = choices.preferred() else {
         let is_served = |signal: &RawSignal| ephemeris.serves(signal.carrier.band);
         return if satellite.signals.iter().any(is_served) {
-            Ok(None)
+            Ok(Placed::WithoutSignal)
         } else {
             Err(EphemerisError::Unhealthy)
         };
     };
     // Two ranges of a satellite differ by less than 100 m, in which it moves by a millimetre.
     let state = ephemeris.at(time, choice.range_m)?;
-    let promise = |choice: Choice| ephemeris.accuracy_m(choice.bands);
-    let promised_m = [choices.pair, choices.single].map(|choice| choice.and_then(promise).unwrap_or(0.0));
-    Ok(Some(Located {
+    let promise = |choice: &Option<Choice>| {
+        choice.as_ref().and_then(|choice| ephemeris.accuracy_m(choice.bands)).unwrap_or(0.0)
+    };
+    let promised_m = [promise(&choices.pair), promise(&choices.single)];
+    let pushed = sky.push(Located {
         satellite: satellite.satellite,
         position: state.position,
         clock_m: SPEED_OF_LIGHT_M_S * state.clock_s,
         choices,
         promised_m,
         toe: ephemeris.toe(),
-    }))
+    });
+    Ok(if pushed.is_ok() { Placed::Yes } else { Placed::Full })
 }
 
 /// Makes an epoch without atmosphere and mask, to find out roughly where the receiver is.

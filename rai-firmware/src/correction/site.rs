@@ -1,7 +1,6 @@
 //! The receiver's place: what it sees of each satellite, and what the air above it adds.
 //!
-//! The difference of two positions is exact in double precision; from there on directions, delays and sigmas are models
-//! or linearised, and single precision has ten times the digits that they need.
+//! Directions, delays and sigmas are models or linearised, and single precision has ten times the digits that they need.
 
 use rai_core::epoch::{Epoch, EpochError, Observation};
 use rai_core::frame::{Ecef, LocalFrame};
@@ -161,8 +160,9 @@ impl Site {
 
     /// Unit vector towards a satellite, east, north, up.
     fn line_of_sight(&self, satellite: Ecef) -> [f32; 3] {
-        let difference = satellite - self.point;
-        let [x, y, z] = [difference.x_m as f32, difference.y_m as f32, difference.z_m as f32];
+        let [x, y, z] = coordinates(satellite);
+        let [from_x, from_y, from_z] = coordinates(self.point);
+        let (x, y, z) = (x - from_x, y - from_y, z - from_z);
         let scale = 1.0 / libm::sqrtf(x * x + y * y + z * z);
         self.axes.map(|[a, b, c]| scale * (a * x + b * y + c * z))
     }
@@ -180,6 +180,11 @@ impl Site {
         let dispersion = dispersion(band);
         (dispersion * slant.delay_m, dispersion * missed_m)
     }
+}
+
+/// A point to 2 m, which turns no direction by more than 1e-7.
+fn coordinates(point: Ecef) -> [f32; 3] {
+    [point.x_m, point.y_m, point.z_m].map(|coordinate_m| coordinate_m as f32)
 }
 
 /// How much more a band is delayed than L1, `f₁²/f²`.

@@ -36,14 +36,14 @@ use crate::raw::Band;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum GroupDelay {
     /// As broadcast, s.
-    Known(f64),
+    Known(f32),
     /// The best that the message allows, s; the remainder is some nanoseconds.
-    Uncalibrated(f64),
+    Uncalibrated(f32),
 }
 
 impl GroupDelay {
     /// The delay, s.
-    pub const fn seconds(self) -> f64 {
+    pub const fn seconds(self) -> f32 {
         match self {
             Self::Known(delay_s) | Self::Uncalibrated(delay_s) => delay_s,
         }
@@ -108,7 +108,7 @@ impl Ephemeris {
     /// its clock.
     pub fn group_delay(&self, band: Band) -> Option<GroupDelay> {
         use GroupDelay::{Known, Uncalibrated};
-        let [first_s, second_s] = self.clock.group_delays_s.map(f64::from);
+        let [first_s, second_s] = self.clock.group_delays_s;
         match self.source {
             Source::QzssLnav if self.clock.group_delays_s == [QZSS_UNKNOWN_S, 0.0] => match band {
                 Band::L1 | Band::L2 | Band::L5 => Some(Uncalibrated(0.0)),
@@ -116,19 +116,21 @@ impl Ephemeris {
             },
             Source::GpsLnav | Source::QzssLnav => match band {
                 Band::L1 => Some(Known(first_s)),
-                Band::L2 => Some(Known(squared_ratio(Band::L1, Band::L2) * first_s)),
+                Band::L2 => Some(Known(const { squared_ratio(Band::L1, Band::L2) } * first_s)),
                 Band::L5 => Some(Uncalibrated(first_s)),
                 _ => None,
             },
             Source::GalileoFnav => match band {
                 Band::E1 => Some(Known(first_s)),
-                Band::E5a => Some(Known(squared_ratio(Band::E1, Band::E5a) * first_s)),
+                Band::E5a => Some(Known(const { squared_ratio(Band::E1, Band::E5a) } * first_s)),
                 _ => None,
             },
             Source::GalileoInav => match band {
                 Band::E1 => Some(Known(second_s)),
-                Band::E5b => Some(Known(squared_ratio(Band::E1, Band::E5b) * second_s)),
-                Band::E5a => Some(Known(second_s + (squared_ratio(Band::E1, Band::E5a) - 1.0) * first_s)),
+                Band::E5b => Some(Known(const { squared_ratio(Band::E1, Band::E5b) } * second_s)),
+                Band::E5a => {
+                    Some(Known(second_s + (const { squared_ratio(Band::E1, Band::E5a) } - 1.0) * first_s))
+                }
                 _ => None,
             },
             Source::BeidouD1D2 => match band {
@@ -147,7 +149,7 @@ impl Ephemeris {
 }
 
 /// `γ_ab = f_a²/f_b²`.
-const fn squared_ratio(a: Band, b: Band) -> f64 {
+const fn squared_ratio(a: Band, b: Band) -> f32 {
     let ratio = a.frequency_hz() / b.frequency_hz();
-    ratio * ratio
+    (ratio * ratio) as f32
 }

@@ -44,6 +44,7 @@ mod store;
 use core::fmt;
 
 use rai_core::frame::{Ecef, SPEED_OF_LIGHT_M_S};
+use rai_core::numeric::bounds::is_within;
 use rai_core::satellite::SatelliteId;
 
 use crate::counters::{count, counters};
@@ -274,7 +275,7 @@ impl Ephemeris {
     pub fn at(&self, received: GpsTime, range_m: f64) -> Result<SatelliteState, EphemerisError> {
         const PER_METRE_2_46: f64 = (1_u64 << 46) as f64 / SPEED_OF_LIGHT_M_S;
         let since_toe_ms = received.since_ms(self.toe);
-        let is_travel = (0.0..=SPEED_OF_LIGHT_M_S).contains(&range_m);
+        let is_travel = is_within(range_m, &(0.0..=SPEED_OF_LIGHT_M_S));
         if !is_travel || since_toe_ms.unsigned_abs() > Elapsed::LIMIT_MS {
             return Err(EphemerisError::TravelTime);
         }

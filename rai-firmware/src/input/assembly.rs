@@ -11,6 +11,7 @@
 //! | bytes are lost | the epoch under way and the rest of the next one are dropped |
 
 use heapless::Vec;
+use rai_core::numeric::bounds::is_within;
 use rai_core::satellite::SatelliteId;
 
 use super::calendar::{Calendar, LeapSource, TimeError};
@@ -284,9 +285,7 @@ fn add(
     earlier: usize,
     counters: &mut Counters,
 ) {
-    // Positive numbers have the order of their bits, and what is none or negative lies beyond: comparing doubles is a call.
-    let (least, most) = (RANGE_M.start().to_bits(), RANGE_M.end().to_bits());
-    if !(least..=most).contains(&signal.range_m.to_bits()) {
+    if !is_within(signal.range_m, &RANGE_M) {
         return count(&mut counters.ranges_out_of_bounds);
     }
     // Signals of a satellite come one after the other.

@@ -8,7 +8,6 @@ use crate::wire::ephemeris;
 use crate::wire::feed;
 use crate::wire::frame;
 use rai_core::frame::Ecef;
-use rai_firmware::ephemeris::GroupDelay;
 use rai_firmware::ephemeris::Source;
 use rai_firmware::input::Input;
 use rai_firmware::raw::Band;
@@ -31,7 +30,7 @@ fn the_two_galileo_messages_differ_in_what_their_clock_refers_to() {
         assert_eq!(have.source(), source);
         assert!((have.accuracy_m((Band::E1, None)).unwrap() - 3.12).abs() < 1e-6);
         for (band, want) in want {
-            let have = have.group_delay(band).map(GroupDelay::seconds);
+            let have = have.group_delay(band).map(|delay| f64::from(delay.seconds()));
             assert_eq!(have.is_some(), want.is_some(), "{band:?}");
             assert!((have.unwrap_or(0.0) - want.unwrap_or(0.0)).abs() < 1e-15, "{band:?} {have:?} {want:?}");
         }

@@ -165,7 +165,7 @@ fn only_the_last_bit_of_health_says_nothing() {
 #[test]
 fn a_group_delay_that_the_satellite_does_not_know_is_uncalibrated() {
     for (field, want) in
-        [(-128, GroupDelay::Uncalibrated(0.0)), (-127, GroupDelay::Known(-127.0 / 2f64.powi(31)))]
+        [(-128, GroupDelay::Uncalibrated(0.0)), (-127, GroupDelay::Known(-127.0 / 2f32.powi(31)))]
     {
         let mut fields = ORDINARY;
         fields[TGD] = field;

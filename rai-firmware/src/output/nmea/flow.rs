@@ -77,7 +77,7 @@ pub(crate) fn write_flow<W: Write>(flow: &Flow<'_>, say: Say<'_>, out: &mut W) -
         if cutter.cuts_before(field) {
             flow.end(&mut sentence, number, count);
             if written.is_ok() {
-                written = write_sentence(&sentence, out);
+                written = write_sentence(&mut sentence, out);
             }
             sentence = flow.begin();
             number += 1;
@@ -85,5 +85,5 @@ pub(crate) fn write_flow<W: Write>(flow: &Flow<'_>, say: Say<'_>, out: &mut W) -
         sentence.text(field);
     });
     flow.end(&mut sentence, number, count);
-    written.and_then(|()| write_sentence(&sentence, out))
+    written.and_then(|()| write_sentence(&mut sentence, out))
 }

@@ -68,7 +68,7 @@ pub fn write_epoch<W: Write, const N: usize>(
     }
     // A time that comes with a position that must not be used is as little worth as that, and `ZDA` has no mode to say so.
     if due.has(Item::Zda) && statement.is_usable() {
-        write_sentence(&standard::date_and_time(time), out)?;
+        write_sentence(&mut standard::date_and_time(time), out)?;
     }
     if due.has(Item::Gsa) {
         standard::write_satellites(statement, out)?;

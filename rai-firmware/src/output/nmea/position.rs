@@ -66,13 +66,13 @@ pub(super) fn write_position<W: Write, const N: usize>(
         motion: statement.motion.filter(|_| is_usable),
     };
     if due.has(Item::Rmc) {
-        write_sentence(&told.rmc(), out)?;
+        write_sentence(&mut told.rmc(), out)?;
     }
     if due.has(Item::Gga) {
-        write_sentence(&told.gga(), out)?;
+        write_sentence(&mut told.gga(), out)?;
     }
     if due.has(Item::Gns) {
-        write_sentence(&told.gns(), out)?;
+        write_sentence(&mut told.gns(), out)?;
     }
     Ok(())
 }

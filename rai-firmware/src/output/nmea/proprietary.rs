@@ -85,7 +85,7 @@ pub(super) fn write_state<W: Write, const N: usize>(
     if !sentence.fits() {
         sentence = state(statement, time, COARSE);
     }
-    write_sentence(&sentence, out)
+    write_sentence(&mut sentence, out)
 }
 
 fn state<const N: usize>(statement: &Statement<'_, N>, time: TimeOfDay, precision: Precision) -> Sentence {
@@ -124,7 +124,7 @@ pub(super) fn write_separation<W: Write>(
         .number(separation.accuracy_m, 2, 9)
         .text(&named(separation.vertical))
         .number(separation.share, 4, 9);
-    write_sentence(&sentence, out)
+    write_sentence(&mut sentence, out)
 }
 
 /// A mode by what it takes away.
@@ -163,7 +163,7 @@ pub(super) fn write_settings_and_interference<W: Write, const N: usize>(
         .integer(u32::from(nic::category(statement.levels_m().0.filter(|_| bounds))), 1)
         .integer(u32::from(statement.interference.jamming), 1)
         .integer(u32::from(statement.interference.spoofing), 1);
-    write_sentence(&sentence, out)
+    write_sentence(&mut sentence, out)
 }
 
 /// What did not reach the module, or not in time, since it started.
@@ -189,7 +189,7 @@ pub fn write_losses<W: Write>(losses: &Losses, out: &mut W) -> Result<(), W::Err
     for count in [gnss_bytes, host_bytes, frames_refused, epochs_late] {
         sentence.integer(count, 1);
     }
-    write_sentence(&sentence, out)
+    write_sentence(&mut sentence, out)
 }
 
 /// Time, state and reason.
@@ -211,7 +211,7 @@ pub(super) fn write_staleness<W: Write>(
     for metres in [Some(requirements.hal_m), requirements.val_m] {
         sentence.optional(metres, FULL.metre_decimals, FULL.metre_width);
     }
-    write_sentence(&sentence, out)
+    write_sentence(&mut sentence, out)
 }
 
 /// `PRAIX`: what was left out, in the order of exclusion.
@@ -229,7 +229,7 @@ pub(super) fn write_exclusions<W: Write, const N: usize>(
             .satellite(excluded.satellite)
             .number(excluded.w_test, 3, 14)
             .number(excluded.bias_m, 1, 14);
-        write_sentence(&sentence, out)
+        write_sentence(&mut sentence, out)
     })
 }
 
@@ -248,7 +248,7 @@ pub fn write_version<W: Write>(
     for text in [version, git, reset_cause, selftest] {
         sentence.clipped(text, TEXT_WIDTH);
     }
-    write_sentence(&sentence, out)
+    write_sentence(&mut sentence, out)
 }
 
 /// `PRAIA,key,value…,OK`, and `WARN,why` behind it where there is a warning. Values that would make the answer longer
@@ -271,7 +271,7 @@ pub fn write_answer<'v, W: Write>(
     if let Some(why) = warning {
         sentence.text("WARN").text(why);
     }
-    write_sentence(&sentence, out)
+    write_sentence(&mut sentence, out)
 }
 
 /// `PRAIA,key,ERR,why`.

@@ -130,7 +130,7 @@ impl Sentence {
     /// A sentence with its address (talker and formatter), without fields.
     pub fn new(address: &str) -> Self {
         let mut sentence = Self { bytes: Vec::new(), overflown: false };
-        sentence.push(b"$");
+        sentence.push_one(b'$');
         sentence.push(address.as_bytes());
         sentence
     }
@@ -142,27 +142,28 @@ impl Sentence {
 
     /// As [`Sentence::text`], cut to `width` characters.
     pub fn clipped(&mut self, text: &str, width: usize) -> &mut Self {
-        self.push(b",");
+        self.push_one(b',');
         let kept = text.bytes().filter(|byte| is_field_character(*byte)).take(width);
-        kept.for_each(|byte| self.push(&[byte]));
+        kept.for_each(|byte| self.push_one(byte));
         self
     }
 
     /// A field or several that are known to hold no reserved character, but for commas between them.
     pub(crate) fn ready(&mut self, fields: &[u8]) -> &mut Self {
-        self.push(b",");
+        self.push_one(b',');
         self.push(fields);
         self
     }
 
     /// A field without content: not known or not defined.
     pub fn empty(&mut self) -> &mut Self {
-        self.ready(b"")
+        self.push_one(b',');
+        self
     }
 
     /// A whole number, with leading zeros up to `width` digits.
     pub fn integer(&mut self, value: u32, width: usize) -> &mut Self {
-        self.push(b",");
+        self.push_one(b',');
         self.push_digits(u64::from(value), width);
         self
     }
@@ -176,7 +177,7 @@ impl Sentence {
     /// A number with as many decimals, up to `decimals`, as leave it within `width` characters; an empty field where
     /// even its whole part does not fit, or where it is infinite.
     pub fn number(&mut self, value: f64, decimals: usize, width: usize) -> &mut Self {
-        self.push(b",");
+        self.push_one(b',');
         if let Some(fixed) = Fixed::fitting(value, decimals, width) {
             self.push_fixed(fixed);
         }
@@ -193,7 +194,7 @@ impl Sentence {
 
     /// A probability in plain decimals, nine at most and no zeros at the end: readers know no exponents.
     pub fn probability(&mut self, value: f64) -> &mut Self {
-        self.push(b",");
+        self.push_one(b',');
         if let Some(mut fixed) = Fixed::new(value, SCALE.len() - 1) {
             while fixed.decimals > 1 && fixed.fraction.is_multiple_of(10) {
                 fixed.fraction /= 10;
@@ -206,12 +207,12 @@ impl Sentence {
 
     /// `hhmmss.ss`, or an empty field.
     pub fn time(&mut self, time: Option<TimeOfDay>) -> &mut Self {
-        self.push(b",");
+        self.push_one(b',');
         if let Some([hours, minutes, seconds, hundredths]) = time.map(TimeOfDay::parts) {
             for part in [hours, minutes, seconds] {
                 self.push_digits(u64::from(part), 2);
             }
-            self.push(b".");
+            self.push_one(b'.');
             self.push_digits(u64::from(hundredths), 2);
         }
         self
@@ -222,10 +223,10 @@ impl Sentence {
         let Some(minutes) = Fixed::new(degrees * 60.0, 7) else { return self.empty().empty() };
         // 180° are 10,800 minutes: 32 bits hold them.
         let whole_minutes = minutes.whole as u32;
-        self.push(b",");
+        self.push_one(b',');
         self.push_digits(u64::from(whole_minutes / 60), degree_digits);
         self.push_digits(u64::from(whole_minutes % 60), 2);
-        self.push(b".");
+        self.push_one(b'.');
         self.push_digits(u64::from(minutes.fraction), 7);
         let [positive, negative] = hemispheres;
         self.ready(if minutes.negative { negative } else { positive }.as_bytes())
@@ -240,9 +241,9 @@ impl Sentence {
 
     /// A satellite as in RINEX: `G05`.
     pub fn satellite(&mut self, satellite: SatelliteId) -> &mut Self {
-        self.push(b",");
+        self.push_one(b',');
         let (letter, number) = satellite.name();
-        self.push(&[letter as u8]);
+        self.push_one(letter as u8);
         self.push_digits(u64::from(number), 2);
         self
     }
@@ -256,14 +257,17 @@ impl Sentence {
         self.integer(u32::from(number) + offset, 2)
     }
 
-    /// The sentence with checksum and line end; `None` if it would exceed [`MAX_LENGTH`].
-    pub fn finish(&self) -> Option<Vec<u8, MAX_LENGTH>> {
+    /// The sentence, ended by checksum and line end; `None` if it would exceed [`MAX_LENGTH`]. One that has ended takes no
+    /// more fields.
+    pub fn finish(&mut self) -> Option<&[u8]> {
+        if !self.fits() {
+            return None;
+        }
         // What the sum starts with takes the `$` out.
         let checksum = self.bytes.iter().fold(b'$', |sum, byte| sum ^ byte);
-        let mut bytes = self.bytes.clone();
         let [high, low] = [checksum >> 4, checksum & 0xF].map(hexadecimal);
-        let ended = bytes.extend_from_slice(&[b'*', high, low, b'\r', b'\n']).is_ok();
-        (ended && !self.overflown).then_some(bytes)
+        self.push(&[b'*', high, low, b'\r', b'\n']);
+        Some(&self.bytes)
     }
 
     /// Whether there is room for checksum and line end.
@@ -273,16 +277,17 @@ impl Sentence {
 
     fn push_fixed(&mut self, fixed: Fixed) {
         if fixed.negative {
-            self.push(b"-");
+            self.push_one(b'-');
         }
         self.push_digits(fixed.whole, 1);
         if fixed.decimals > 0 {
-            self.push(b".");
+            self.push_one(b'.');
             self.push_digits(u64::from(fixed.fraction), fixed.decimals);
         }
     }
 
-    // Not inlined, nor is `push`: both are called in many places, and flash is dearer than the calls.
+    /// Writes the digits of a number, with leading zeros up to `width`.
+    // Not inlined, nor are the two below: they are called in many places, and flash is dearer than the calls.
     #[inline(never)]
     fn push_digits(&mut self, value: u64, width: usize) {
         let (high, mut low) = split(value);
@@ -306,6 +311,11 @@ impl Sentence {
     }
 
     #[inline(never)]
+    fn push_one(&mut self, byte: u8) {
+        self.overflown |= self.bytes.push(byte).is_err();
+    }
+
+    #[inline(never)]
     fn push(&mut self, bytes: &[u8]) {
         self.overflown |= self.bytes.extend_from_slice(bytes).is_err();
     }
@@ -320,9 +330,8 @@ const fn hexadecimal(nibble: u8) -> u8 {
 /// # Errors
 /// The writer's own. A writer that takes nothing and calls it success ends the sentence: the contract of
 /// [`Write`] forbids it, and waiting for it would have no bound.
-pub fn write_sentence<W: Write>(sentence: &Sentence, out: &mut W) -> Result<(), W::Error> {
-    let Some(bytes) = sentence.finish() else { return Ok(()) };
-    let mut rest = bytes.as_slice();
+pub fn write_sentence<W: Write>(sentence: &mut Sentence, out: &mut W) -> Result<(), W::Error> {
+    let Some(mut rest) = sentence.finish() else { return Ok(()) };
     while !rest.is_empty() {
         let taken = out.write(rest)?;
         rest = rest.get(taken.max(1)..).unwrap_or_default();
@@ -336,9 +345,9 @@ mod tests {
     use crate::time::GpsTime;
     use std::string::String;
 
-    fn body(sentence: &Sentence) -> String {
+    fn body(sentence: &mut Sentence) -> String {
         let bytes = sentence.finish().expect("fits");
-        let text = std::str::from_utf8(&bytes).expect("ASCII");
+        let text = std::str::from_utf8(bytes).expect("ASCII");
         String::from(text.split('*').next().unwrap_or_default())
     }
 
@@ -349,7 +358,7 @@ mod tests {
         let mut sentence = Sentence::new("GNGST");
         fields.into_iter().fold(&mut sentence, |sentence, field| sentence.text(field));
         let want = b"$GNGST,130358.60,36,,,,0.046,0.041,0.057*43\r\n";
-        assert_eq!(sentence.finish().as_deref(), Some(want.as_slice()));
+        assert_eq!(sentence.finish(), Some(want.as_slice()));
     }
 
     #[test]

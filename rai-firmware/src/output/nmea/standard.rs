@@ -49,7 +49,7 @@ pub(super) fn write_satellites<W: Write, const N: usize>(
         let of_system = || report.used.iter().filter(|used| used.name().0 == letter);
         for first in (0..of_system().count()).step_by(PER_GSA) {
             let satellites = of_system().skip(first).copied();
-            write_sentence(&active((address, id), mode, satellites, dilutions), out)?;
+            write_sentence(&mut active((address, id), mode, satellites, dilutions), out)?;
         }
     }
     Ok(())
@@ -87,7 +87,7 @@ pub(super) fn write_errors<W: Write, const N: usize>(
     sentence.time(Some(time));
     let Some(solution) = &report.solution else {
         (0..7).for_each(|_| _ = sentence.empty());
-        return write_sentence(&sentence, out);
+        return write_sentence(&mut sentence, out);
     };
     let ellipse = ErrorEllipse::new(solution);
     let [latitude_m, longitude_m, height_m] = standard_deviations(solution);
@@ -99,7 +99,7 @@ pub(super) fn write_errors<W: Write, const N: usize>(
         .number(latitude_m, 3, 8)
         .number(longitude_m, 3, 8)
         .number(height_m, 3, 8);
-    write_sentence(&sentence, out)
+    write_sentence(&mut sentence, out)
 }
 
 /// Of latitude, longitude and height, m.

@@ -144,10 +144,17 @@ fn matching<Row>(
     rows: impl Iterator<Item = Row>,
     wanted: Probability,
 ) -> Result<Row, Probability> {
+    // That it is written alike costs a comparison, that it means the same a logarithm of each.
+    let (exact, grid) = (grid.iter().position(|known| *known == wanted), grid.iter());
     let distance = |known: &Probability| libm::fabs(libm::log(known.get() / wanted.get()));
     let same = |(known, _): &(&Probability, Row)| distance(known) <= SAME_PROBABILITY;
-    let nearest = || grid.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
-    grid.iter().zip(rows).find(same).map(|(_, row)| row).ok_or_else(|| nearest().copied().unwrap_or(wanted))
+    let nearest = || grid.clone().min_by(|a, b| distance(a).total_cmp(&distance(b)));
+    let mut rows = grid.clone().zip(rows);
+    let row = match exact {
+        Some(index) => rows.nth(index),
+        None => rows.find(same),
+    };
+    row.map(|(_, row)| row).ok_or_else(|| nearest().copied().unwrap_or(wanted))
 }
 
 /// A probability of the generated table, checked while compiling.
