@@ -199,7 +199,7 @@ impl EmulatedBoard {
 
 /// Instructions that pass in `ticks` of the core clock: one each nanosecond.
 pub const fn instructions(ticks: u64) -> u64 {
-    ticks * (1_000_000_000 / 1_000_000) / (CORE_HZ / 1_000_000)
+    Machine::Stm32f405.instructions(ticks)
 }
 
 /// Whether the host port is read.

@@ -82,12 +82,15 @@ pub struct Image {
     ram_extents: Vec<Range<u64>>,
 }
 
+/// What chooses the image that is shipped.
+pub const SHIPPED: [&str; 2] = ["--bin", "rai-firmware"];
+
 /// Builds the image and returns where it lies.
 ///
 /// # Errors
 /// Where cargo cannot be run or the build fails; cargo has then said why.
 pub fn build() -> anyhow::Result<PathBuf> {
-    build_with(&["--bin", "rai-firmware"])
+    build_with(&SHIPPED)
 }
 
 /// Builds one of the images, which the arguments choose, the way the shipped one is built.
@@ -111,21 +114,22 @@ pub fn build_with(chosen: &[&str]) -> anyhow::Result<PathBuf> {
 pub(crate) const SECOND_BOARD_FLAGS: &str =
     "-C target-cpu=cortex-m7 -C link-arg=-Tlink.x -C link-arg=-Tdefmt.x -C link-arg=--nmagic";
 
-/// Builds the image of a board and returns where it lies. Each board has a folder of its own for what is built with its
-/// processor's flags.
+/// Builds one of the images, which the arguments choose, for a board and returns where it lies. Each board has a folder of
+/// its own for what is built with its processor's flags.
 ///
 /// # Errors
 /// As [`build`].
-pub fn build_for(machine: Machine) -> anyhow::Result<PathBuf> {
+pub fn build_for(machine: Machine, chosen: &[&str]) -> anyhow::Result<PathBuf> {
     if machine == Machine::Stm32f405 {
-        return build();
+        return build_with(chosen);
     }
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let output = Command::new(cargo)
         .current_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join(".."))
         .args(["build", "--quiet", "--message-format=json-render-diagnostics", "--profile", "firmware"])
         .args(["--target", "thumbv7em-none-eabihf", "--target-dir", "target/mps2_an500"])
-        .args(["--package", "rai-firmware", "--bin", "rai-firmware", "--features", "mps2-an500"])
+        .args(["--package", "rai-firmware", "--features", "mps2-an500"])
+        .args(chosen)
         // These replace what the project's own configuration says, so all of it is said again.
         .env("RUSTFLAGS", SECOND_BOARD_FLAGS)
         .stderr(Stdio::inherit())

@@ -16,7 +16,7 @@ use anyhow::{Context, Result, ensure};
 use rai_core::epoch::Epoch;
 use rai_core::frame::Ecef;
 
-use crate::board::instructions;
+use crate::board::Machine;
 use crate::image;
 
 pub mod profile;
@@ -94,10 +94,18 @@ impl Bench {
     /// # Errors
     /// Where the emulator is missing or the image did not come to its end: a panic, or a request that makes no sense.
     pub fn run(&self) -> Result<Vec<Answer>> {
+        self.run_on(Machine::Stm32f405)
+    }
+
+    /// The same on a board. The ticks of the second one are 40 instructions long, and so is what its figures may miss.
+    ///
+    /// # Errors
+    /// As [`Self::run`].
+    pub fn run_on(&self, machine: Machine) -> Result<Vec<Answer>> {
         let folder = Folder::new()?;
-        let output = self.emulator(&folder, &build()?)?.output().context(MISSING)?;
+        let output = self.emulator(&folder, machine, &build(machine)?)?.output().context(MISSING)?;
         let bytes = std::fs::read(folder.0.join("answers.bin")).unwrap_or_default();
-        let answers = answers(&bytes);
+        let answers = answers(&bytes, machine);
         ensure!(
             output.status.success(),
             "the measuring image stopped after {} answers: {}",
@@ -113,9 +121,9 @@ impl Bench {
     /// As [`Self::run`].
     pub fn profile(&self, number: usize) -> Result<Profile> {
         let folder = Folder::new()?;
-        let image = build()?;
+        let image = build(Machine::Stm32f405)?;
         let mut emulator = self
-            .emulator(&folder, &image)?
+            .emulator(&folder, Machine::Stm32f405, &image)?
             .args(["-singlestep", "-d", "exec,nochain"])
             .stderr(Stdio::piped())
             .spawn()
@@ -129,12 +137,13 @@ impl Bench {
     }
 
     /// The emulator with the measuring image and the requests in its folder.
-    fn emulator(&self, folder: &Folder, image: &Path) -> Result<Command> {
+    fn emulator(&self, folder: &Folder, machine: Machine, image: &Path) -> Result<Command> {
         std::fs::write(folder.0.join("requests.bin"), &self.requests)?;
         let mut emulator = Command::new("qemu-system-arm");
         emulator
             .current_dir(&folder.0)
-            .args(["-machine", "netduinoplus2", "-display", "none", "-monitor", "none", "-serial", "none"])
+            .args(machine.arguments())
+            .args(["-display", "none", "-monitor", "none", "-serial", "none"])
             .args(["-icount", "shift=0", "-semihosting-config", "enable=on,target=native", "-kernel"])
             .arg(image)
             .stdin(Stdio::null());
@@ -146,12 +155,11 @@ impl Bench {
 const MISSING: &str = "qemu-system-arm cannot be run (`cargo xtask setup` installs it)";
 
 /// Builds the measuring image; in release form, like the shipped one.
-fn build() -> Result<PathBuf> {
-    let features = ["--features", "laboratory", "--bin", "laboratory"];
-    image::build_with(&features)
+fn build(machine: Machine) -> Result<PathBuf> {
+    image::build_for(machine, &["--features", "laboratory", "--bin", "laboratory"])
 }
 
-fn answers(bytes: &[u8]) -> Vec<Answer> {
+fn answers(bytes: &[u8], machine: Machine) -> Vec<Answer> {
     let mut rest = bytes;
     let mut answers = Vec::new();
     while let Some((head, tail)) = rest.split_first_chunk::<8>() {
@@ -159,7 +167,7 @@ fn answers(bytes: &[u8]) -> Vec<Answer> {
         let length = u32::from_le_bytes([l0, l1, l2, l3]) as usize;
         let Some((result, tail)) = tail.split_at_checked(length) else { break };
         answers.push(Answer {
-            instructions: instructions(u64::from(u32::from_le_bytes([t0, t1, t2, t3]))),
+            instructions: machine.instructions(u64::from(u32::from_le_bytes([t0, t1, t2, t3]))),
             result: String::from_utf8_lossy(result).into_owned(),
         });
         rest = tail;

@@ -106,7 +106,7 @@ impl Absolute<f32> for Grid {
         let magnitude = match shift {
             // Infinity and what is no number have the largest exponent.
             ..=1 => Self::LARGEST,
-            2..=53 => (mantissa + (1 << (shift - 1))) >> shift,
+            2..=53 => ((mantissa >> (shift - 1)) + 1) >> 1,
             _ => 0,
         };
         Self(if metres.is_sign_negative() { -magnitude } else { magnitude })

@@ -2,7 +2,8 @@
 //!
 //! Instructions are counted by the emulated core, to the instruction and the same every time ([`crate::laboratory`]);
 //! bytes are those of the shipped image. Each figure stands beside a committed one ([`budget`]), beyond which it may not
-//! grow, and beside the target that the stage was given.
+//! grow, and beside the target that the stage was given. The stages of an epoch are run on the second board too: what a
+//! processor with doubles saves.
 //!
 //! Cost is never time: a second on one machine is two on another, an instruction is an instruction. On the chip one takes
 //! a cycle or a few, and at 168 MHz a million of them about 7 ms.
@@ -52,6 +53,8 @@ impl Measurement {
     pub fn take(mut progress: impl FnMut(&str)) -> Result<Self> {
         progress("stages on the emulated core");
         let mut figures = stages::measure()?;
+        progress("stages of an epoch on the second board");
+        figures.extend(stages::measure_second_board()?);
         progress("the worst-case epoch");
         let worst = [worst::search(Place::Later)?, worst::search(Place::First)?];
         let targets = [2_500_000, 3_000_000];
@@ -75,8 +78,15 @@ impl Measurement {
 impl fmt::Display for Measurement {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         let committed = budget::committed().unwrap_or_default();
-        writeln!(formatter, "{:>10} {:>10} {:>10}  instructions, unless said", "now", "committed", "target")?;
-        for figure in &self.figures {
+        writeln!(
+            formatter,
+            "{:>10} {:>10} {:>10} {:>10}  instructions, unless said",
+            "now", "committed", "target", "Cortex-M7"
+        )?;
+        for figure in self.figures.iter().filter(|figure| !figure.is_of_second_board()) {
+            let second = figure::on_second_board(&figure.name);
+            let second = self.figures.iter().find(|figure| figure.name == second);
+            let second = second.map_or("-".to_owned(), |figure| figure.value.to_string());
             let budget = committed.get(&figure.name).map_or("-".to_owned(), ToString::to_string);
             let target = figure.target.map_or("-".to_owned(), |target| target.to_string());
             let mark = if figure.target.is_some_and(|target| figure.value > target) {
@@ -84,7 +94,11 @@ impl fmt::Display for Measurement {
             } else {
                 ""
             };
-            writeln!(formatter, "{:>10} {budget:>10} {target:>10}  {}{mark}", figure.value, figure.name)?;
+            writeln!(
+                formatter,
+                "{:>10} {budget:>10} {target:>10} {second:>10}  {}{mark}",
+                figure.value, figure.name
+            )?;
         }
         self.worst.iter().try_for_each(|found| writeln!(formatter, "{found}"))
     }

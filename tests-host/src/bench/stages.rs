@@ -5,12 +5,14 @@
 use anyhow::{Context, Result};
 use rai_core::frame::Ecef;
 
-use super::figure::Figure;
+use super::figure::{self, Figure};
 use super::workload::{Stream, Wrong, epoch, site, start};
+use crate::board::Machine;
 use crate::laboratory::profile::Profile;
 use crate::laboratory::{Answer, Bench, Scalar, Stage, epoch_bytes, point_bytes};
 
 /// A stage with its input.
+#[derive(Clone)]
 struct Case {
     name: String,
     stage: Stage,
@@ -38,11 +40,30 @@ pub fn of_method(method: &str, faults: usize) -> String {
 /// Where the measuring image does not come to its end.
 pub fn measure() -> Result<Vec<Figure>> {
     let cases = cases()?;
-    let answers = run(&cases)?;
+    let answers = run(&cases, Machine::Stm32f405)?;
     let figures = cases.into_iter().zip(answers);
     Ok(figures
         .map(|(case, answer)| Figure { name: case.name, value: answer.instructions, target: case.target })
         .collect())
+}
+
+/// Runs the stages of one epoch on the second board, whose processor has doubles.
+///
+/// # Errors
+/// As [`measure`].
+pub fn measure_second_board() -> Result<Vec<Figure>> {
+    let cases = [linear_tests()?, judgements()?, wire()?].concat();
+    let answers = run(&cases, Machine::Mps2An500)?;
+    let name = |case: Case| figure::on_second_board(&case.name);
+    let figures = cases.into_iter().zip(answers);
+    Ok(figures
+        .map(|(case, answer)| Figure { name: name(case), value: answer.instructions, target: None })
+        .collect())
+}
+
+/// The tests of 20 satellites in single and in double precision.
+fn linear_tests() -> Result<Vec<Case>> {
+    Ok([tests(20, 2, Scalar::Single)?, tests(20, 2, Scalar::Double)?].concat())
 }
 
 /// Where the instructions of the first stage go whose name has these words in it.
@@ -78,12 +99,12 @@ fn cases() -> Result<Vec<Case>> {
     Ok(cases)
 }
 
-fn run(cases: &[Case]) -> Result<Vec<Answer>> {
+fn run(cases: &[Case], machine: Machine) -> Result<Vec<Answer>> {
     let mut bench = Bench::default();
     for case in cases {
         bench.request(case.stage, case.scalar, &case.input);
     }
-    let mut answers = bench.run()?.into_iter();
+    let mut answers = bench.run_on(machine)?.into_iter();
     let last =
         |case: &Case| answers.nth(case.epochs - 1).with_context(|| format!("{}: no answer", case.name));
     let measured = cases.iter().map(last).collect::<Result<_>>()?;

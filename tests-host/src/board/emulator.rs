@@ -52,6 +52,11 @@ impl Machine {
             Self::Mps2An500 => 25_000_000,
         }
     }
+
+    /// Instructions that pass in `ticks` of it: one each nanosecond.
+    pub const fn instructions(self, ticks: u64) -> u64 {
+        ticks * (1_000_000_000 / 1_000_000) / (self.tick_hz() / 1_000_000)
+    }
 }
 
 /// How to start the emulator.
