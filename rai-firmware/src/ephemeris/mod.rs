@@ -32,12 +32,14 @@ mod broadcast;
 mod clock;
 mod elapsed;
 mod fixed;
+#[cfg(feature = "glonass")]
 mod forces;
 mod health;
 mod kepler;
 mod motion;
 mod orbit;
 mod source;
+#[cfg(feature = "glonass")]
 mod state_vector;
 mod store;
 
@@ -60,6 +62,7 @@ pub use kepler::Kepler;
 pub use motion::Motion;
 pub use orbit::Orbit;
 pub use source::Source;
+#[cfg(feature = "glonass")]
 pub use state_vector::{StateBroadcast, StateVector};
 pub use store::{CAPACITY, Insertion, Store};
 
@@ -174,6 +177,7 @@ impl Ephemeris {
     ///
     /// # Errors
     /// As [`Self::new`].
+    #[cfg(feature = "glonass")]
     pub fn of_state(broadcast: &StateBroadcast) -> Result<Self, BroadcastError> {
         let source = Source::GlonassStrings;
         if !source.can_name(broadcast.satellite) {
