@@ -50,7 +50,9 @@ use rai_core::satellite::SatelliteId;
 
 use crate::counters::{count, counters};
 use crate::raw::Band;
-use crate::time::{GpsTime, WEEK_MS};
+use crate::time::GpsTime;
+#[cfg(feature = "glonass")]
+use crate::time::WEEK_MS;
 use clock::Clock;
 
 pub use accuracy::{galileo_sisa_m, glonass_accuracy_m, ura_m};
