@@ -30,11 +30,14 @@ use crate::satellite::Constellation;
 const UNIT_SQUARED: core::ops::RangeInclusive<f64> = 0.999 * 0.999..=1.001 * 1.001;
 
 /// Most equations of one instant: more satellites than are ever in view of all systems, and what the searches for faulty
-/// ones have room for. Sets of them fit one word. Fewer where memory is scarce, as [`crate::single::CAPACITY`].
+/// ones have room for. Sets of them fit one word. Fewer where memory is scarce: on a microcontroller as
+/// [`crate::single::CAPACITY`].
 pub const MAX_ROWS: usize = if cfg!(feature = "satellites-16") {
     16
 } else if cfg!(feature = "satellites-32") {
     32
+} else if cfg!(target_os = "none") {
+    48
 } else {
     64
 };

@@ -23,7 +23,7 @@ mod description;
 
 use core::fmt;
 
-use heapless::{Deque, Vec};
+use heapless::Deque;
 
 use crate::clock::{Clocks, SolvedClocks};
 use crate::continuity::{Continuity, ContinuityError, ContinuitySettings};
@@ -35,7 +35,7 @@ use crate::integrity::residuals::levels::{Factors, Levels};
 use crate::integrity::residuals::ransac::Subsets;
 use crate::integrity::residuals::threshold::policy::{NoThreshold, Policy};
 use crate::integrity::residuals::threshold::{ThresholdError, Thresholds};
-use crate::integrity::{Alone, Criteria, Judgement, judge};
+use crate::integrity::{Alone, Criteria, Judgement, Scratch, judge};
 use crate::numeric::real::Real;
 use crate::report::{Alert, Protected, ProtectionLevels, Report, Separation, Unavailable, Verdict};
 use crate::requirements::{Requirements, RequirementsError};
@@ -101,12 +101,13 @@ impl Strategy {
     };
 }
 
-/// Room that judging takes. Nothing in it is remembered but the subsets of the satellites, which [`Method::Ransac`] keeps from
-/// epoch to epoch.
+/// Room that judging takes, and where it says what it found. Nothing in it is remembered but the subsets of the satellites,
+/// which [`Method::Ransac`] keeps from epoch to epoch.
 #[derive(Clone, Debug)]
 pub struct Memory<T: Real, const N: usize> {
     workspace: Workspace<T, N>,
-    subsets: Subsets,
+    scratch: Scratch<T>,
+    assessment: Assessment<N>,
 }
 
 impl<T: Real, const N: usize> Default for Memory<T, N> {
@@ -120,7 +121,17 @@ impl<T: Real, const N: usize> Memory<T, N> {
     #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
     #[inline(always)]
     pub fn new() -> Self {
-        Self { workspace: Workspace::new(), subsets: Subsets::new() }
+        Self { workspace: Workspace::new(), scratch: Scratch::new(), assessment: Assessment::nothing() }
+    }
+
+    /// What is said of the epoch that was judged last.
+    pub fn assessment(&self) -> &Assessment<N> {
+        &self.assessment
+    }
+
+    /// The same, to be learned from, or revised by who knows more.
+    pub fn assessment_mut(&mut self) -> &mut Assessment<N> {
+        &mut self.assessment
     }
 
     /// The room for equations, while nothing is judged.
@@ -139,6 +150,15 @@ pub struct Assessment<const N: usize> {
     lesson: Lesson,
 }
 
+impl<const N: usize> Assessment<N> {
+    /// Of no epoch.
+    #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
+    #[inline(always)]
+    fn nothing() -> Self {
+        Self { report: Report::nothing(), searched: false, lesson: Lesson::none(0.0) }
+    }
+}
+
 /// What [`Monitor::learn`] takes from an epoch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Lesson {
@@ -153,13 +173,18 @@ struct Lesson {
     residuals: Option<Residuals>,
 }
 
+impl Lesson {
+    /// That teaches nothing.
+    const fn none(time_s: f64) -> Self {
+        Self { time_s, start: None, ratio: None, clocks: None, residuals: None }
+    }
+}
+
 /// Watches over the positions of one receiver, at most `N` satellites at a time.
 #[derive(Clone, Debug)]
 pub struct Monitor<T: Real, const N: usize> {
-    requirements: Requirements,
+    accepted: Accepted,
     strategy: Strategy,
-    thresholds: Thresholds<'static>,
-    factors: Factors,
     ism: Ism,
     clocks: Clocks<T>,
     adaptation: Adaptation,
@@ -176,12 +201,16 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     /// # Errors
     /// [`MonitorError`] names the requirement that cannot be met.
     pub fn new(requirements: Requirements) -> Result<Self, MonitorError> {
-        let Accepted { requirements, thresholds, factors } = accept(requirements)?;
-        Ok(Self {
-            requirements,
+        Ok(Self::of(Accepted::new(requirements)?))
+    }
+
+    /// As [`Self::new`], of requirements that are known to be met.
+    #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
+    #[inline(always)]
+    pub fn of(accepted: Accepted) -> Self {
+        Self {
+            accepted,
             strategy: Strategy::DEFAULT,
-            thresholds,
-            factors,
             ism: Ism::ICAO,
             clocks: Clocks::new(),
             adaptation: Adaptation::new(),
@@ -190,7 +219,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
             ratios: Deque::new(),
             continuity: Continuity::new(),
             continuity_settings: Some(ContinuitySettings::anywhere()),
-        })
+        }
     }
 
     /// Replaces the requirements; what is remembered stays.
@@ -198,10 +227,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     /// # Errors
     /// As [`Self::new`]; nothing has changed then.
     pub fn require(&mut self, requirements: Requirements) -> Result<(), MonitorError> {
-        let accepted = accept(requirements)?;
-        self.requirements = accepted.requirements;
-        self.thresholds = accepted.thresholds;
-        self.factors = accepted.factors;
+        self.accepted = Accepted::new(requirements)?;
         Ok(())
     }
 
@@ -251,7 +277,12 @@ impl<T: Real, const N: usize> Monitor<T, N> {
 
     /// What is required.
     pub fn requirements(&self) -> &Requirements {
-        &self.requirements
+        &self.accepted.requirements
+    }
+
+    /// What is required, with what follows from it.
+    pub fn accepted(&self) -> &Accepted {
+        &self.accepted
     }
 
     /// Where the next fix starts: the last position, or what [`Self::start_from`] said.
@@ -270,37 +301,38 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     pub fn process(&mut self, epoch: &Epoch<N>) -> Report<N> {
         // Taken out while the monitor is read, and put back.
         let mut memory = Memory::new();
-        core::mem::swap(&mut memory.subsets, &mut self.subsets);
-        let mut assessment = self.judge(epoch, self.start, Search::Anew, &mut memory);
-        self.subsets = memory.subsets;
-        self.learn(&mut assessment, None);
-        assessment.report
+        core::mem::swap(&mut memory.scratch.subsets, &mut self.subsets);
+        self.judge(epoch, self.start, Search::Anew, &mut memory);
+        core::mem::swap(&mut memory.scratch.subsets, &mut self.subsets);
+        self.learn(&mut memory.assessment, None);
+        memory.assessment.report
     }
 
     /// Judges one epoch whose position is near `start`; with clock aiding, with the forecast of a receiver clock beside it.
     ///
-    /// Changes nothing but `memory`, which who has little stack keeps elsewhere. Whoever corrects ranges about the
-    /// position may judge about better and better points, and learns once, from the last.
+    /// Changes nothing but `memory`, which who has little stack keeps elsewhere, and leaves the [`Assessment`] in it. Whoever
+    /// corrects ranges about the position may judge about better and better points, and learns once, from the last.
     #[inline(never)]
-    pub fn judge(
+    pub fn judge<'m>(
         &self,
         epoch: &Epoch<N>,
         start: Ecef,
         search: Search<'_>,
-        memory: &mut Memory<T, N>,
-    ) -> Assessment<N> {
+        memory: &'m mut Memory<T, N>,
+    ) -> &'m mut Assessment<N> {
         let is_aided = self.strategy.clock_aid && self.strategy.method.takes_a_forecast();
         let forecast = self.clocks.aiding(&epoch.view()).filter(|_| is_aided);
         let scale = self.strategy.sigma_adapt.then(|| self.adaptation.scale(epoch.time_s()));
-        let Memory { workspace, subsets } = memory;
+        let Memory { workspace, scratch, assessment } = memory;
         match Fix::about(workspace, Aided::by(epoch, forecast).scaled(scale), start) {
             Ok(mut fix) => {
                 let clock_row = fix.clock_row();
-                let judgement = judge(&mut fix, &epoch.view(), clock_row, &self.criteria(), search, subsets);
-                self.assess(&fix, &epoch.view(), &judgement)
+                let judgement = judge(&mut fix, &epoch.view(), clock_row, &self.criteria(), search, scratch);
+                self.assess(&fix, &epoch.view(), &judgement, assessment);
             }
-            Err(error) => self.without_position(error, epoch),
+            Err(error) => self.assess_without_position(error, epoch, assessment),
         }
+        assessment
     }
 
     /// Takes from an epoch what it teaches: where the next fix starts, whether the sigmas are right, and the clocks. What
@@ -336,10 +368,10 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         match report.verdict {
             Verdict::Alert(Alert::Jump) => {
                 report.protection = None;
-                *lesson = Lesson { start: None, ratio: None, clocks: None, residuals: None, ..*lesson };
+                *lesson = Lesson::none(lesson.time_s);
             }
             Verdict::Unavailable(Unavailable::Place) => {
-                *lesson = Lesson { start: None, ratio: None, clocks: None, residuals: None, ..*lesson };
+                *lesson = Lesson::none(lesson.time_s);
             }
             Verdict::Unavailable(Unavailable::Recovering) => lesson.clocks = None,
             _ => {}
@@ -348,9 +380,9 @@ impl<T: Real, const N: usize> Monitor<T, N> {
 
     fn criteria(&self) -> Criteria<'_> {
         Criteria {
-            requirements: &self.requirements,
-            thresholds: self.thresholds,
-            factors: &self.factors,
+            requirements: &self.accepted.requirements,
+            thresholds: self.accepted.thresholds,
+            factors: &self.accepted.factors,
             policy: self.strategy.policy,
             method: self.strategy.method,
             levels: self.strategy.levels,
@@ -359,8 +391,15 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     }
 
     /// Makes of what was found what is said and what is learned.
+    // Not inlined: what it needs of the stack the search before it need not have beside its own.
     #[inline(never)]
-    fn assess(&self, fix: &Fix<'_, T>, epoch: &EpochView<'_>, judgement: &Judgement<T>) -> Assessment<N> {
+    fn assess(
+        &self,
+        fix: &Fix<'_, T>,
+        epoch: &EpochView<'_>,
+        judgement: &Judgement<T>,
+        assessment: &mut Assessment<N>,
+    ) {
         let excluded = suspects(judgement, fix, epoch);
         let verdict = self.verdict(judgement, excluded.is_empty());
         let passed = !matches!(judgement.outcome, Outcome::NotIsolated(_));
@@ -369,7 +408,8 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         let ratio = test.filter(|test| passed && !test.fault());
         let ratio = ratio.map(|test| (test.sse.widen() / test.dof as f64) as f32);
         let teaches = self.strategy.clock_aid && self.satellites_are_protected(judgement, verdict);
-        let lesson = Lesson {
+        let Assessment { report, searched, lesson } = assessment;
+        *lesson = Lesson {
             time_s: epoch.time_s(),
             // A position that must not be used is no start either.
             start: (!matches!(verdict, Verdict::Alert(_))).then(|| fix.position()),
@@ -377,8 +417,10 @@ impl<T: Real, const N: usize> Monitor<T, N> {
             clocks: teaches.then(|| SolvedClocks::of(fix.snapshot())),
             residuals: ratio.filter(|_| self.strategy.sigma_adapt).map(|_| residuals(fix.snapshot(), epoch)),
         };
-        let report = describe(fix, epoch, verdict, judgement, excluded, self.sigma_check(ratio));
-        Assessment { report, searched: judgement.searched, lesson }
+        *searched = judgement.searched;
+        report.excluded = excluded;
+        report.sigma_check = self.sigma_check(ratio);
+        describe(fix, epoch, verdict, judgement, report);
     }
 
     fn verdict(&self, judgement: &Judgement<T>, none_excluded: bool) -> Verdict {
@@ -414,15 +456,15 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     /// A policy other than `T1` has decided that already, and fills its share of the limit on purpose.
     fn bounded(&self, reason: Protected, levels: &ProtectionLevels) -> Verdict {
         let ProtectionLevels { hpl_m, vpl_m } = *levels;
-        let fraction = self.requirements.guard_fraction;
+        let fraction = self.accepted.requirements.guard_fraction;
         let decided = self.strategy.policy != Policy::T1;
         // Written so that a level which is not a number is not within a limit.
         let within = |level_m: f64, limit_m: f64| decided || level_m < fraction * limit_m;
-        if !hpl_m.is_finite() || (self.requirements.val_m.is_some() && !vpl_m.is_finite()) {
+        if !hpl_m.is_finite() || (self.accepted.requirements.val_m.is_some() && !vpl_m.is_finite()) {
             Verdict::Unavailable(Unavailable::Geometry)
-        } else if !within(hpl_m, self.requirements.hal_m) {
+        } else if !within(hpl_m, self.accepted.requirements.hal_m) {
             Verdict::Unavailable(Unavailable::Hpl)
-        } else if !self.requirements.val_m.is_none_or(|val_m| within(vpl_m, val_m)) {
+        } else if !self.accepted.requirements.val_m.is_none_or(|val_m| within(vpl_m, val_m)) {
             Verdict::Unavailable(Unavailable::Vpl)
         } else {
             Verdict::Protected(reason)
@@ -436,7 +478,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         levels: &ProtectionLevels,
         separation: &Separation,
     ) -> Verdict {
-        let Requirements { hal_m, val_m, allocation, .. } = &self.requirements;
+        let Requirements { hal_m, val_m, allocation, .. } = &self.accepted.requirements;
         // Written so that what is not a number is not within a limit.
         let within = |value: f64, limit: Option<f64>| limit.is_none_or(|limit| value <= limit);
         let is_sharp =
@@ -467,41 +509,50 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     }
 
     /// What is said of an epoch that has no position.
-    fn without_position(&self, error: FixError, epoch: &Epoch<N>) -> Assessment<N> {
+    #[inline(never)]
+    fn assess_without_position(&self, error: FixError, epoch: &Epoch<N>, assessment: &mut Assessment<N>) {
         let reason = match error {
             FixError::Snapshot(SnapshotError::Singular) => Unavailable::Geometry,
             FixError::Snapshot(SnapshotError::Insufficient) | FixError::NotConverged => Unavailable::NoFix,
         };
-        let report = Report {
-            verdict: Verdict::Unavailable(reason),
-            solution: None,
-            test: None,
-            protection: None,
-            excluded: Vec::new(),
-            suspect: None,
-            used: Vec::new(),
-            residual_rms_m: 0.0,
-            tracked: epoch.observations().len() as u8,
-            separation: None,
-            sigma_check: self.sigma_check(None),
-        };
-        let lesson =
-            Lesson { time_s: epoch.time_s(), start: None, ratio: None, clocks: None, residuals: None };
-        Assessment { report, searched: false, lesson }
+        assessment.searched = false;
+        assessment.lesson = Lesson::none(epoch.time_s());
+        let report = &mut assessment.report;
+        report.clear();
+        report.verdict = Verdict::Unavailable(reason);
+        report.tracked = epoch.observations().len() as u8;
+        report.sigma_check = self.sigma_check(None);
     }
 }
 
 /// Requirements that can be met, and what follows from them.
-struct Accepted {
+#[derive(Clone, Copy, Debug)]
+pub struct Accepted {
     requirements: Requirements,
     thresholds: Thresholds<'static>,
     factors: Factors,
 }
 
-fn accept(requirements: Requirements) -> Result<Accepted, MonitorError> {
-    let requirements = requirements.validate().map_err(MonitorError::Requirements)?;
-    let thresholds = Thresholds::from_tables(requirements.false_alarm, requirements.missed_detection)
-        .map_err(MonitorError::Threshold)?;
-    let factors = Factors::new(requirements.missed_detection, requirements.fault_free_risk);
-    Ok(Accepted { requirements, thresholds, factors })
+impl Accepted {
+    /// Looks whether they can be met.
+    ///
+    /// # Errors
+    /// [`MonitorError`] names the requirement that cannot.
+    pub fn new(requirements: Requirements) -> Result<Self, MonitorError> {
+        let requirements = requirements.validate().map_err(MonitorError::Requirements)?;
+        let thresholds = Thresholds::from_tables(requirements.false_alarm, requirements.missed_detection)
+            .map_err(MonitorError::Threshold)?;
+        let factors = Factors::new(requirements.missed_detection, requirements.fault_free_risk);
+        Ok(Self { requirements, thresholds, factors })
+    }
+
+    /// Thresholds for their probabilities.
+    pub fn thresholds(&self) -> &Thresholds<'static> {
+        &self.thresholds
+    }
+
+    /// Factors of the protection levels for their probabilities.
+    pub fn factors(&self) -> &Factors {
+        &self.factors
+    }
 }

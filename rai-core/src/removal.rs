@@ -30,10 +30,11 @@
 //! apart, or are needed for a position. A set that empties a constellation is such a set.
 //!
 //! Gone for good, as in a search over pairs with the same third row `k`, a row changes the others instead: with
-//! `a_i = S_ik/√S_kk` each keeps `r_i − a_i r_k/√S_kk` and `S_ij − a_i a_j` ([`NormalisedRow::without`]).
+//! `a_i = S_ik/√S_kk` each keeps `r_i − a_i r_k/√S_kk` and `S_ij − a_i a_j` (`Standing::without`).
 //!
 //! In parity space `S_ij = p_i·p_j` and `r_i = p·p_i`: the rows here are the parity vectors, up to a rotation that no
-//! test sees. No n×n matrix is stored. Each row costs 48 bytes in `f32`, each `S_ij` about 10 instructions.
+//! test sees. No n×n matrix is stored. Each row costs 48 bytes in `f32` and another 16 while triples are looked at, each `S_ij`
+//! about 10 instructions.
 //!
 //! Linear: for a fix that was linearised elsewhere, solve again without the set before a position is used.
 
@@ -62,8 +63,6 @@ pub struct NormalisedRow<T: Real> {
     root: T,
     /// `1/(σ_i W_c)`: times another's root it is what the two share by their clock.
     level: T,
-    /// `a_i` of the row that is gone for good, 0 without one.
-    shed: T,
 }
 
 impl<T: Real> NormalisedRow<T> {
@@ -78,7 +77,6 @@ impl<T: Real> NormalisedRow<T> {
             clock: row.clock,
             root,
             level: root * snapshot.level_variance(row),
-            shed: T::zero(),
         }
     }
 
@@ -87,34 +85,70 @@ impl<T: Real> NormalisedRow<T> {
         if self.index == other.index {
             return self.redundancy;
         }
+        self.coupling(other, T::zero())
+    }
+
+    /// The same of two rows, of which another one that is gone for good has taken `a_i a_j`.
+    fn coupling(&self, other: &Self, shed: T) -> T {
         let shared = if self.clock == other.clock { self.level * other.root } else { T::zero() };
-        -(self.design.dot(&other.gain) + self.shed * other.shed + shared)
-    }
-
-    /// The row as another one leaves it that is gone for good: one at most, and both as the snapshot has them.
-    ///
-    /// `root` is the root of that one's redundancy, taken once for all rows.
-    pub(crate) fn without(&self, gone: &Self, root: T) -> Self {
-        let shed = gone.projection(self) / root;
-        Self {
-            residual: self.residual - shed * gone.residual / root,
-            redundancy: self.redundancy - shed * shed,
-            shed,
-            ..*self
-        }
-    }
-
-    /// By how much SSE falls without this row and another: squared w-test of this row, then of the other.
-    pub(crate) fn explained_with(&self, other: &Self) -> T {
-        let share = self.projection(other) / self.redundancy;
-        let residual = other.residual - share * self.residual;
-        let redundancy = other.redundancy - share * share * self.redundancy;
-        self.explained() + squared_w_test(residual, redundancy)
+        -(self.design.dot(&other.gain) + shed + shared)
     }
 
     /// By how much SSE falls without this row: its w-test squared.
     pub(crate) fn explained(&self) -> T {
         squared_w_test(self.residual, self.redundancy)
+    }
+}
+
+/// A row as it stands beside a set that is looked at: as the snapshot has it, or as another row leaves it that is gone for
+/// good. Only what differs is in it, since there are as many as rows.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Standing<'r, T: Real> {
+    row: &'r NormalisedRow<T>,
+    residual: T,
+    redundancy: T,
+    /// `a_i` of the row that is gone for good, 0 without one.
+    shed: T,
+}
+
+/// Room for as many as there are rows.
+pub(crate) type Standings<'r, T> = Vec<Standing<'r, T>, MAX_ROWS>;
+
+impl<'r, T: Real> Standing<'r, T> {
+    /// As the snapshot has it.
+    pub(crate) fn of(row: &'r NormalisedRow<T>) -> Self {
+        Self { row, residual: row.residual, redundancy: row.redundancy, shed: T::zero() }
+    }
+
+    /// As another row leaves it that is gone for good.
+    ///
+    /// `root` is the root of that one's redundancy, taken once for all rows.
+    pub(crate) fn without(row: &'r NormalisedRow<T>, gone: &NormalisedRow<T>, root: T) -> Self {
+        let shed = gone.projection(row) / root;
+        Self {
+            row,
+            residual: row.residual - shed * gone.residual / root,
+            redundancy: row.redundancy - shed * shed,
+            shed,
+        }
+    }
+
+    /// Index in the epoch.
+    pub(crate) fn index(&self) -> usize {
+        self.row.index
+    }
+
+    /// Whether nothing is left to test it with.
+    pub(crate) fn is_untestable(&self) -> bool {
+        self.redundancy < T::UNTESTABLE
+    }
+
+    /// By how much SSE falls without this row and another: squared w-test of this row, then of the other.
+    pub(crate) fn explained_with(&self, other: &Self) -> T {
+        let share = self.row.coupling(other.row, self.shed * other.shed) / self.redundancy;
+        let residual = other.residual - share * self.residual;
+        let redundancy = other.redundancy - share * share * self.redundancy;
+        squared_w_test(self.residual, self.redundancy) + squared_w_test(residual, redundancy)
     }
 }
 
@@ -183,13 +217,24 @@ impl<T: Real> Removal<T> {
 
     /// The set of those of `rows` that have these indices; `None` as for [`Self::of`].
     pub fn among(rows: &[NormalisedRow<T>], set: &[usize]) -> Option<Self> {
-        set.iter().try_fold(Self::none(), |removal, &index| {
-            removal.and(rows.iter().find(|row| row.index == index)?)
-        })
+        let mut removal = Self::none();
+        for &index in set {
+            removal.grow(rows.iter().find(|row| row.index == index)?)?;
+        }
+        Some(removal)
     }
 
     /// The set with one more row; `None` where it is refused or full.
     pub fn and(&self, row: &NormalisedRow<T>) -> Option<Self> {
+        let mut larger = self.clone();
+        larger.grow(row)?;
+        Some(larger)
+    }
+
+    /// Takes one more row into the set; `None` where it is refused or full, and nothing has changed then.
+    // In place and not inlined: a set is large, and several of one search would be on the stack at once.
+    #[inline(never)]
+    pub(crate) fn grow(&mut self, row: &NormalisedRow<T>) -> Option<()> {
         let couplings = self.couplings(row);
         let (gains, left) = self.left_to(row, &couplings);
         let mut unit = Vector3::zeros();
@@ -202,17 +247,14 @@ impl<T: Real> Removal<T> {
         if !(shifted.determinant() > T::zero() && left.redundancy > T::zero()) {
             return None;
         }
-        let mut rows = self.rows.clone();
-        rows.push(*row).ok()?;
+        self.rows.push(*row).ok()?;
         let direction = gains - unit;
         let bias = left.residual / left.redundancy;
-        Some(Self {
-            rows,
-            projection,
-            inverse: self.inverse + direction * direction.transpose() / left.redundancy,
-            solved: self.solved - direction * bias,
-            explained: self.explained + left.residual * bias,
-        })
+        self.projection = projection;
+        self.inverse += direction * direction.transpose() / left.redundancy;
+        self.solved -= direction * bias;
+        self.explained += left.residual * bias;
+        Some(())
     }
 
     /// Squared w-test of a row without this set: by how much SSE falls when the row goes too.

@@ -225,3 +225,35 @@ pub struct Report<const N: usize> {
     /// Mean of SSE/dof over the last epochs: about 1 where sigma is right, `None` before the first test.
     pub sigma_check: Option<f64>,
 }
+
+impl<const N: usize> Report<N> {
+    /// On no epoch.
+    #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
+    #[inline(always)]
+    pub(crate) fn nothing() -> Self {
+        Self {
+            verdict: Verdict::Unavailable(Unavailable::NoFix),
+            solution: None,
+            test: None,
+            protection: None,
+            excluded: Vec::new(),
+            suspect: None,
+            used: Vec::new(),
+            residual_rms_m: 0.0,
+            tracked: 0,
+            separation: None,
+            sigma_check: None,
+        }
+    }
+
+    /// Back to that.
+    pub(crate) fn clear(&mut self) {
+        let Self { excluded, used, .. } = self;
+        excluded.clear();
+        used.clear();
+        (self.verdict, self.residual_rms_m, self.tracked) =
+            (Verdict::Unavailable(Unavailable::NoFix), 0.0, 0);
+        (self.solution, self.test, self.protection) = (None, None, None);
+        (self.suspect, self.separation, self.sigma_check) = (None, None, None);
+    }
+}

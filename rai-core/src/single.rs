@@ -45,13 +45,13 @@ pub fn process(monitor: &mut Monitor, epoch: &Epoch<CAPACITY>) -> Report<CAPACIT
 
 /// [`Monitor::judge`].
 #[inline(never)]
-pub fn judge(
+pub fn judge<'m>(
     monitor: &Monitor,
     epoch: &Epoch<CAPACITY>,
     start: Ecef,
     search: Search<'_>,
-    memory: &mut Memory,
-) -> Assessment {
+    memory: &'m mut Memory,
+) -> &'m mut Assessment {
     monitor.judge(epoch, start, search, memory)
 }
 

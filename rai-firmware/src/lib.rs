@@ -35,6 +35,19 @@
 //!
 //! All ports run at 115200 baud, 8N1. PC6 needs a pull-down of 10 kΩ or less, since it floats from reset to start-up.
 //!
+//! # What is built in
+//!
+//! Without a choice everything is (`whole`), and no board. A small build has RTCM 3 in, sentences out and classic RAIM with the
+//! thresholds of the phases of flight, and names what it wants beside: `ubx`, `glonass`, `mavlink`, `araim`, `searches`, `tables`. What
+//! it lacks it refuses by name, with `not in this build`. `stm32f405` and `mps2-an500` are the boards; the crates of a Cortex-M
+//! come with them alone.
+//!
+//! # What the receiver writes to
+//!
+//! Any [`embedded_io::Write`]: a ring to an interrupt ([`outlet`]), a port's driver, a `&mut [u8]`, or on a host a `Vec<u8>`, for
+//! which `embedded-io` wants its feature `alloc` (or `std`) from whoever uses it. Sentences are handed over whole, each by one
+//! `write_all`.
+//!
 //! # What this crate does not do
 //!
 //! It does not track signals, smooth with carrier phase, use SBAS or corrections of any network, or keep anything over
@@ -75,6 +88,8 @@
 #![no_std]
 #![deny(unsafe_code)] // Allowed in the files of a board alone.
 #![warn(clippy::missing_panics_doc)]
+// A small build needs fewer of the parts that features share, and nobody is to mark each with those that need it.
+#![cfg_attr(not(feature = "whole"), allow(dead_code))]
 
 #[cfg(test)]
 extern crate std;

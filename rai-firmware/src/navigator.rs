@@ -7,12 +7,15 @@
 use heapless::Vec;
 use rai_core::epoch::Epoch;
 use rai_core::frame::Ecef;
-use rai_core::monitor::{Method, MonitorError, Search};
+#[cfg(feature = "araim")]
+use rai_core::monitor::Method;
+use rai_core::monitor::{Accepted, MonitorError, Search};
 use rai_core::report::{MAX_EXCLUDED, Report, Unavailable, Verdict};
 use rai_core::requirements::Requirements;
 use rai_core::satellite::SatelliteId;
-use rai_core::single::{self, Assessment, Memory, Monitor};
+use rai_core::single::{self, Memory, Monitor, Workspace};
 use rai_core::velocity::Velocity;
+use rai_core::weighting::Ism;
 
 use crate::config::{Configuration, Frequencies};
 use crate::correction::{CAPACITY, Located, Preference, Ranges, Site, Sky, Tally, coarse, locate};
@@ -64,16 +67,16 @@ impl Navigator {
     /// # Errors
     /// [`MonitorError`] names the requirement that cannot be met.
     pub fn new(requirements: Requirements) -> Result<Self, MonitorError> {
-        Ok(Self::around(Monitor::new(requirements)?))
+        Ok(Self::of(Accepted::new(requirements)?))
     }
 
-    /// A navigator around a monitor.
+    /// As [`Self::new`], of requirements that are known to be met.
     #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
     #[inline(always)]
-    pub(crate) fn around(monitor: Monitor) -> Self {
+    pub(crate) fn of(requirements: Accepted) -> Self {
         Self {
             store: Store::new(),
-            monitor,
+            monitor: Monitor::of(requirements),
             room: Room { sky: Sky::new(), epoch: Epoch::new(0.0), memory: Memory::new() },
             tally: Tally::default(),
             preference: Preference::new(),
@@ -125,6 +128,16 @@ impl Navigator {
         self.monitor.forget_position();
     }
 
+    /// What was said of the epoch that was judged last.
+    pub fn report(&self) -> &Report<CAPACITY> {
+        &self.room.memory.assessment().report
+    }
+
+    /// The room for equations, while nothing is judged.
+    pub(crate) fn workspace(&mut self) -> &mut Workspace {
+        self.room.memory.workspace()
+    }
+
     /// What is judged by.
     pub fn requirements(&self) -> &Requirements {
         self.monitor.requirements()
@@ -152,7 +165,12 @@ impl Navigator {
     ///
     /// `came_ms` is when the epoch came, by the module's own clock.
     #[inline(never)]
-    pub fn judge(&mut self, raw: &RawEpoch, came_ms: u64, configuration: &Configuration) -> Report<CAPACITY> {
+    pub fn judge(
+        &mut self,
+        raw: &RawEpoch,
+        came_ms: u64,
+        configuration: &Configuration,
+    ) -> &mut Report<CAPACITY> {
         self.store.observe(raw.satellites.iter().map(|satellite| satellite.satellite));
         let refused = self.tally.ephemerides;
         let mask_dbhz = configuration.signal_mask_db_hz as f32;
@@ -166,9 +184,10 @@ impl Navigator {
         let before = self.tally.ranges;
         let mut known = Vec::<SatelliteId, MAX_EXCLUDED>::new();
         let mut searches = 0;
-        let mut assessment = self.judge_about(guess, raw.time, ranges, configuration, Search::Anew);
+        self.judge_about(guess, raw.time, ranges, configuration, Search::Anew);
         for _ in 1..MAX_PASSES {
-            let found = assessment.report.solution.as_ref().map(|solution| solution.position);
+            let assessment = self.room.memory.assessment();
+            let found = found(&assessment.report);
             if found.is_some_and(|found| found.distance_m(guess) <= GUESS_HOLDS_M) {
                 break;
             }
@@ -185,18 +204,18 @@ impl Navigator {
             guess = found.unwrap_or_else(|| self.coarse_position(raw.time));
             // What was refused about the poorer point does not count.
             self.tally.ranges = before;
-            assessment = self.judge_about(guess, raw.time, ranges, configuration, search);
+            self.judge_about(guess, raw.time, ranges, configuration, search);
         }
-        self.monitor.learn(&mut assessment, Some(came_ms as f64 * 1e-3));
-        let place = assessment.report.solution.as_ref().map(|solution| solution.position);
         let Room { sky, memory, .. } = &mut self.room;
-        self.velocity = self.rates.velocity(raw, sky, place, self.monitor.requirements(), memory.workspace());
-        let mut report = assessment.report;
+        self.monitor.learn(memory.assessment_mut(), Some(came_ms as f64 * 1e-3));
+        let place = found(&memory.assessment().report);
+        self.velocity = self.rates.velocity(raw, sky, place, self.monitor.accepted(), memory.workspace());
+        let report = &mut memory.assessment_mut().report;
         let implausible = self.tally.ranges.range_implausible != before.range_implausible;
         if report.solution.is_none() && implausible {
             report.verdict = Verdict::Unavailable(Unavailable::Input);
         } else if report.verdict == Verdict::Unavailable(Unavailable::NoFix)
-            && without_orbit as usize > self.room.sky.len()
+            && without_orbit as usize > sky.len()
         {
             report.verdict = Verdict::Unavailable(Unavailable::Ephemeris);
         }
@@ -235,15 +254,24 @@ impl Navigator {
         ranges: Ranges,
         configuration: &Configuration,
         search: Search<'_>,
-    ) -> Assessment {
-        // ARAIM weighs by what is promised, the other methods by what is expected.
-        let ism = (configuration.strategy().method == Method::Separation).then_some(*self.monitor.ism());
+    ) {
+        let ism = self.promise(configuration);
         let coefficients = self.coefficients(time, configuration);
         let site =
             Site::new(point, time, configuration.mask_rad, coefficients).with_ranges(ranges).weighted_by(ism);
         let Room { sky, epoch, memory } = &mut self.room;
         site.correct(sky, &mut self.tally.ranges, epoch);
-        single::judge(&self.monitor, epoch, point, search, memory)
+        single::judge(&self.monitor, epoch, point, search, memory);
+    }
+
+    /// What the ranges are weighed by: ARAIM by what is promised, the other methods by what is expected.
+    fn promise(&self, configuration: &Configuration) -> Option<Ism> {
+        #[cfg(feature = "araim")]
+        if configuration.method == Method::Separation {
+            return Some(*self.monitor.ism());
+        }
+        let _ = configuration;
+        None
     }
 
     /// Roughly where a receiver is that sees this sky; the centre of the earth if that cannot be told.
@@ -253,6 +281,10 @@ impl Navigator {
         coarse(sky, time, epoch);
         single::position(memory.workspace(), epoch, Ecef::CENTRE).unwrap_or(Ecef::CENTRE)
     }
+}
+
+fn found(report: &Report<CAPACITY>) -> Option<Ecef> {
+    report.solution.as_ref().map(|solution| solution.position)
 }
 
 fn is_excluded(report: &Report<CAPACITY>) -> bool {

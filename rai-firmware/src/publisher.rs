@@ -8,10 +8,12 @@
 //! | `PRAIL` | every 60 s |
 
 use embedded_io::Write;
+#[cfg(feature = "mavlink")]
 use rai_core::report::{Alert, Verdict};
 
 use crate::config::Configuration;
 use crate::output::Statement;
+#[cfg(feature = "mavlink")]
 use crate::output::mavlink::Sender;
 use crate::output::nmea::{Losses, TimeOfDay, write_epoch, write_losses, write_stale};
 use crate::output::schedule::{Item, Schedule};
@@ -26,6 +28,7 @@ pub struct Publisher {
     epochs: u32,
     /// The last second that `ZDA` has told.
     told_second: Option<u32>,
+    #[cfg(feature = "mavlink")]
     sender: Sender,
     settings_hash: u32,
     settings_due_ms: u64,
@@ -33,21 +36,22 @@ pub struct Publisher {
 }
 
 impl Publisher {
-    /// One that has told nothing.
-    pub fn new(configuration: &Configuration) -> Self {
+    /// One that has told nothing, with the hash of the settings in force.
+    pub fn new(settings_hash: u32) -> Self {
         Self {
             epochs: 0,
             told_second: None,
+            #[cfg(feature = "mavlink")]
             sender: Sender::default(),
-            settings_hash: configuration.hash(),
+            settings_hash,
             settings_due_ms: 0,
             losses_due_ms: AGAIN_MS,
         }
     }
 
-    /// Takes note of other settings, which are then said at the next look at the clock.
-    pub fn reconfigured(&mut self, configuration: &Configuration) {
-        self.settings_hash = configuration.hash();
+    /// Takes note of other settings by their hash, which are then said at the next look at the clock.
+    pub fn reconfigured(&mut self, settings_hash: u32) {
+        self.settings_hash = settings_hash;
         self.settings_due_ms = 0;
     }
 
@@ -75,7 +79,9 @@ impl Publisher {
             }
         }
         write_epoch(statement, due, out)?;
-        self.sender.write_epoch(statement, due, out)
+        #[cfg(feature = "mavlink")]
+        self.sender.write_epoch(statement, due, out)?;
+        Ok(())
     }
 
     /// Tells that no epoch came within the time to alert.
@@ -90,7 +96,9 @@ impl Publisher {
         out: &mut W,
     ) -> Result<(), W::Error> {
         write_stale(last, gps_minus_utc_s, &configuration.requirements, out)?;
-        self.sender.write_stale(Verdict::Alert(Alert::Stale), configuration.outputs.due(0), out)
+        #[cfg(feature = "mavlink")]
+        self.sender.write_stale(Verdict::Alert(Alert::Stale), configuration.outputs.due(0), out)?;
+        Ok(())
     }
 
     /// Says again what is said again from time to time.

@@ -26,9 +26,7 @@
 use heapless::Vec;
 use nalgebra::Vector3;
 use rai_core::frame::{EARTH_ROTATION_RAD_S, Ecef, Enu, LocalFrame, SPEED_OF_LIGHT_M_S};
-use rai_core::integrity::residuals::levels::Factors;
-use rai_core::integrity::residuals::threshold::Thresholds;
-use rai_core::requirements::Requirements;
+use rai_core::monitor::Accepted;
 use rai_core::satellite::SatelliteId;
 use rai_core::single::{self, Workspace};
 use rai_core::velocity::{RangeRate, Velocity, VelocityError};
@@ -112,15 +110,15 @@ struct Seen {
 pub struct Rates {
     last: Vec<Seen, CAPACITY>,
     time: Option<GpsTime>,
-    /// Of these requirements; they take longer to work out than a velocity.
-    factors: Option<(Requirements, Factors)>,
     tally: RateTally,
 }
 
 impl Rates {
     /// One that has seen nothing.
+    #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
+    #[inline(always)]
     pub const fn new() -> Self {
-        Self { last: Vec::new(), time: None, factors: None, tally: RateTally::NONE }
+        Self { last: Vec::new(), time: None, tally: RateTally::NONE }
     }
 
     /// What became of the rates so far.
@@ -135,75 +133,75 @@ impl Rates {
         raw: &RawEpoch,
         sky: &Sky,
         place: Option<Ecef>,
-        requirements: &Requirements,
+        required: &Accepted,
         workspace: &mut Workspace,
     ) -> Option<Velocity> {
         let before = self.time.replace(raw.time);
         let elapsed_ms = before.map_or(0, |before| raw.time.since_ms(before));
         let is_near = (1..=LONGEST_MS).contains(&elapsed_ms);
-        let measured = place.filter(|_| is_near).map(|place| self.measure(raw, sky, place, elapsed_ms));
+        let velocity = place
+            .filter(|_| is_near)
+            .and_then(|place| self.judge(raw, sky, place, elapsed_ms, required, workspace));
         self.last.clear();
         // Both hold as many.
         self.last.extend(sky.iter().filter_map(Seen::of).take(CAPACITY));
-        self.judge(&measured?, requirements, workspace)
-    }
-
-    /// The rates of an epoch, each less what the satellite makes of it.
-    fn measure(&self, raw: &RawEpoch, sky: &Sky, place: Ecef, elapsed_ms: i64) -> Vec<Measured, CAPACITY> {
-        let frame = LocalFrame::at(place);
-        let elapsed_s = elapsed_ms as f64 * 1e-3;
-        let rates = sky.iter().filter_map(|located| {
-            let now = Seen::of(located)?;
-            let before =
-                self.last.iter().find(|seen| seen.satellite == now.satellite && seen.toe == now.toe)?;
-            let satellite = raw.satellites.iter().find(|one| one.satellite == now.satellite)?;
-            let (rate_m_s, sigma_m_s) = rate(satellite)?;
-            let (expected_m_s, direction) = now.range_rate_since(before, elapsed_s, place, &frame)?;
-            Some(Measured { satellite: now.satellite, direction, rate_m_s, expected_m_s, sigma_m_s })
-        });
-        // The sky holds as many.
-        rates.take(CAPACITY).collect()
+        velocity
     }
 
     fn judge(
         &mut self,
-        rates: &[Measured],
-        requirements: &Requirements,
+        raw: &RawEpoch,
+        sky: &Sky,
+        place: Ecef,
+        elapsed_ms: i64,
+        required: &Accepted,
         workspace: &mut Workspace,
     ) -> Option<Velocity> {
-        let thresholds =
-            Thresholds::from_tables(requirements.false_alarm, requirements.missed_detection).ok()?;
-        let factors = self.factors_of(requirements);
+        let Self { last, tally, .. } = self;
+        let since = Since { last, raw, place, frame: LocalFrame::at(place), seconds: elapsed_ms as f64 * 1e-3 };
+        // Worked out as they are asked for, and nothing is stored: a second time only where the first has failed.
         let mut agree_on = |sign| {
-            let equations = &mut rates.iter().map(|rate| rate.equation(sign));
-            single::velocity(workspace, equations, &thresholds, &factors)
+            let rates = sky.iter().filter_map(|located| since.measure(located));
+            let equations = &mut rates.map(|rate| rate.equation(sign));
+            single::velocity(workspace, equations, required.thresholds(), required.factors())
         };
         match agree_on(1.0) {
             Ok(velocity) => {
-                count(&mut self.tally.velocities);
-                count_many(&mut self.tally.rates_excluded, velocity.excluded.len());
+                count(&mut tally.velocities);
+                count_many(&mut tally.rates_excluded, velocity.excluded.len());
                 Some(velocity)
             }
             Err(VelocityError::Fault) => {
-                count(&mut self.tally.velocities_refused);
+                count(&mut tally.velocities_refused);
                 if agree_on(-1.0).is_ok() {
-                    count(&mut self.tally.rates_of_wrong_sign);
+                    count(&mut tally.rates_of_wrong_sign);
                 }
                 None
             }
             Err(VelocityError::Redundancy | VelocityError::Geometry) => None,
         }
     }
+}
 
-    fn factors_of(&mut self, requirements: &Requirements) -> Factors {
-        match self.factors {
-            Some((of, factors)) if of == *requirements => factors,
-            _ => {
-                let factors = Factors::new(requirements.missed_detection, requirements.fault_free_risk);
-                self.factors = Some((*requirements, factors));
-                factors
-            }
-        }
+/// The last epoch, and where the receiver is now.
+struct Since<'r> {
+    last: &'r [Seen],
+    raw: &'r RawEpoch,
+    place: Ecef,
+    frame: LocalFrame,
+    seconds: f64,
+}
+
+impl Since<'_> {
+    /// The rate of a satellite, less what the satellite makes of it.
+    fn measure(&self, located: &Located) -> Option<Measured> {
+        let now = Seen::of(located)?;
+        let before = self.last.iter().find(|seen| seen.satellite == now.satellite && seen.toe == now.toe)?;
+        let satellite = self.raw.satellites.iter().find(|one| one.satellite == now.satellite)?;
+        let (rate_m_s, sigma_m_s) = rate(satellite)?;
+        let (expected_m_s, direction) =
+            now.range_rate_since(before, self.seconds, self.place, &self.frame)?;
+        Some(Measured { satellite: now.satellite, direction, rate_m_s, expected_m_s, sigma_m_s })
     }
 }
 

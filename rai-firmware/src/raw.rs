@@ -263,6 +263,8 @@ pub struct RawEpoch {
 
 impl RawEpoch {
     /// An epoch without satellites.
+    #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
+    #[inline(always)]
     pub const fn new(time: GpsTime) -> Self {
         Self { time, satellites: Vec::new() }
     }

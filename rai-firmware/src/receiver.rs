@@ -24,9 +24,8 @@
 
 use embedded_hal::digital::OutputPin;
 use embedded_io::Write;
-use rai_core::monitor::MonitorError;
+use rai_core::monitor::{Accepted, MonitorError};
 use rai_core::report::{Alert, Report, Unavailable, Verdict};
-use rai_core::single::Monitor;
 use rai_core::velocity::Velocity;
 
 use crate::board::{PortLosses, SEALED_BYTES};
@@ -34,8 +33,7 @@ use crate::config::{Action, CommandPort, Configuration, Unsealed};
 use crate::correction::CAPACITY;
 use crate::counters::{count, count_many, counters};
 use crate::ephemeris::Insertion;
-use crate::input::ubx::Suspicion;
-use crate::input::{Event, Input, LeapSecond};
+use crate::input::{Event, Input, LeapSecond, Suspicion};
 use crate::navigator::Navigator;
 use crate::output::nmea::{
     GPS_MINUS_UTC_S, Losses, write_answer, write_counters, write_refusal, write_version,
@@ -116,8 +114,8 @@ struct EpochLoop<P> {
     publisher: Publisher,
     verdicts: Verdicts,
     last_verdict: Option<Verdict>,
-    #[cfg(feature = "report")]
-    last_report: Option<Report<CAPACITY>>,
+    /// Whether the last verdict is that of a report, and not of a silence.
+    has_report: bool,
     last_time: Option<GpsTime>,
     /// When it came, or when its silence was last complained of.
     last_epoch_ms: u64,
@@ -143,7 +141,8 @@ impl<P: OutputPin> Receiver<P> {
         if pin.set_low().is_err() {
             count(&mut verdicts.pin_failures);
         }
-        let monitor = Monitor::new(configuration.requirements)?;
+        let requirements = Accepted::new(configuration.requirements)?;
+        let settings_hash = configuration.hash();
         // In one piece: what is large is written where it is to stay.
         Ok(Self {
             boot,
@@ -151,9 +150,9 @@ impl<P: OutputPin> Receiver<P> {
             commands: CommandPort::new(),
             epochs: EpochLoop {
                 pin,
-                navigator: Navigator::around(monitor),
+                navigator: Navigator::of(requirements),
                 configuration,
-                publisher: Publisher::new(&configuration),
+                publisher: Publisher::new(settings_hash),
                 verdicts,
                 last_verdict: None,
                 last_time: None,
@@ -164,8 +163,7 @@ impl<P: OutputPin> Receiver<P> {
                 jamming: Suspicion::Unknown,
                 spoofing: Suspicion::Unknown,
                 gps_minus_utc_s: GPS_MINUS_UTC_S,
-                #[cfg(feature = "report")]
-                last_report: None,
+                has_report: false,
             },
             last_byte_ms: None,
             has_paused: true,
@@ -181,7 +179,7 @@ impl<P: OutputPin> Receiver<P> {
     /// Says what runs here, why it started, and whether its arithmetic is right.
     #[inline(never)]
     pub fn greet<W: Write>(&mut self, host: &mut W) {
-        let selftest = match self.epochs.record_self_test(selftest::run()) {
+        let selftest = match self.epochs.test_self() {
             Ok(()) => "PASS",
             Err(failure) => failure.name(),
         };
@@ -337,7 +335,7 @@ impl<P: OutputPin> Receiver<P> {
                 self.next_counter = Some(0);
                 Ok(())
             }
-            Action::SelfTest => match self.epochs.record_self_test(selftest::run()) {
+            Action::SelfTest => match self.epochs.test_self() {
                 Ok(()) => write_answer("SELFTEST", core::iter::once("PASS"), None, host),
                 Err(failure) => write_refusal("SELFTEST", failure.name(), host),
             },
@@ -365,9 +363,8 @@ impl<P: OutputPin> Receiver<P> {
     }
 
     /// The report of the last epoch, unless a silence has been said since.
-    #[cfg(feature = "report")]
     pub fn last_report(&self) -> Option<&Report<CAPACITY>> {
-        self.epochs.last_report.as_ref()
+        self.epochs.has_report.then(|| self.epochs.navigator.report())
     }
 
     /// The velocity of the last epoch, where there is one that passed its test.
@@ -427,7 +424,7 @@ impl<P: OutputPin> EpochLoop<P> {
                     count(&mut self.verdicts.epochs_skipped);
                     return false;
                 }
-                let mut report = self.navigator.judge(raw, *came_ms, &self.configuration);
+                let report = self.navigator.judge(raw, *came_ms, &self.configuration);
                 if !self.is_sound {
                     report.verdict = Verdict::Unavailable(Unavailable::SelfTest);
                 } else if !self.is_confirmed {
@@ -437,7 +434,7 @@ impl<P: OutputPin> EpochLoop<P> {
                 if self.spoofing == Suspicion::Sure && matches!(report.verdict, Verdict::Protected(_)) {
                     report.verdict = Verdict::Alert(Alert::Spoofed);
                 }
-                self.conclude(&report, raw.time, *came_ms, host);
+                self.conclude(raw.time, *came_ms, host);
                 return true;
             }
             Event::Ephemeris(ephemeris) => match self.navigator.learn(*ephemeris, self.last_time) {
@@ -458,18 +455,17 @@ impl<P: OutputPin> EpochLoop<P> {
         false
     }
 
-    /// Acts on a report: the pin first, then the sentences.
-    fn conclude<W: Write>(&mut self, report: &Report<CAPACITY>, time: GpsTime, came_ms: u64, host: &mut W) {
-        self.drive_pin(matches!(report.verdict, Verdict::Protected(_)));
-        self.last_verdict = Some(report.verdict);
-        #[cfg(feature = "report")]
-        {
-            self.last_report = Some(report.clone());
-        }
+    /// Acts on the navigator's report: the pin first, then the sentences.
+    fn conclude<W: Write>(&mut self, time: GpsTime, came_ms: u64, host: &mut W) {
+        let verdict = self.navigator.report().verdict;
+        self.drive_pin(matches!(verdict, Verdict::Protected(_)));
+        let report = self.navigator.report();
+        self.last_verdict = Some(verdict);
+        self.has_report = true;
         self.last_time = Some(time);
         self.last_epoch_ms = came_ms;
         self.sigma_check = report.sigma_check;
-        count(match report.verdict {
+        count(match verdict {
             Verdict::Protected(_) => &mut self.verdicts.epochs_protected,
             Verdict::Alert(_) => &mut self.verdicts.epochs_alert,
             Verdict::Unavailable(_) => &mut self.verdicts.epochs_unavailable,
@@ -494,10 +490,7 @@ impl<P: OutputPin> EpochLoop<P> {
         // Said again after each further time to alert: whoever listens later must hear it too.
         self.last_epoch_ms = now_ms;
         self.last_verdict = Some(Verdict::Alert(Alert::Stale));
-        #[cfg(feature = "report")]
-        {
-            self.last_report = None;
-        }
+        self.has_report = false;
         self.drive_pin(false);
         count(&mut self.verdicts.line_stale);
         let (publisher, configuration) = (&mut self.publisher, &self.configuration);
@@ -526,7 +519,13 @@ impl<P: OutputPin> EpochLoop<P> {
         }
         // Validated against the same tables by the command: it is met.
         let _ = self.navigator.configure(&self.configuration);
-        self.publisher.reconfigured(&self.configuration);
+        self.publisher.reconfigured(self.configuration.hash());
+    }
+
+    /// Makes the known-answer tests.
+    fn test_self(&mut self) -> Result<(), Failure> {
+        let outcome = selftest::run(self.navigator.workspace());
+        self.record_self_test(outcome)
     }
 
     /// Notes how the known-answer tests ended: whoever fails one promises nothing any more.

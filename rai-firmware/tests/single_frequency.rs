@@ -37,7 +37,7 @@ fn judged(
         let signals = [signal].into_iter().collect();
         raw.satellites.push(RawSatellite { satellite: ephemeris.satellite(), signals }).unwrap();
     }
-    navigator.judge(&raw, raw.time.to_ms(), &configuration)
+    navigator.judge(&raw, raw.time.to_ms(), &configuration).clone()
 }
 
 /// The largest share of its level that an error takes, horizontal and vertical, over an hour and four latitudes.

@@ -61,13 +61,18 @@ impl<T: Real, const L: usize> Default for Clocks<T, L> {
 
 impl<T: Real, const L: usize> Clocks<T, L> {
     /// Clocks of which nothing is known.
+    #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
+    #[inline(always)]
     pub fn new() -> Self {
-        Self { each: core::array::from_fn(|_| CoastingClock::new()) }
+        // One by one, and not by a loop, which would make them beside where they stay.
+        Self {
+            each: [CoastingClock::new(), CoastingClock::new(), CoastingClock::new(), CoastingClock::new()],
+        }
     }
 
     /// Forgets everything.
     pub fn restart(&mut self) {
-        *self = Self::new();
+        self.each.iter_mut().for_each(CoastingClock::restart);
     }
 
     /// One constellation's clock.

@@ -173,6 +173,8 @@ impl<T: Real, const L: usize> Default for CoastingClock<T, L> {
 
 impl<T: Real, const L: usize> CoastingClock<T, L> {
     /// A clock of which nothing is known.
+    #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
+    #[inline(always)]
     pub fn new() -> Self {
         const { assert!(L >= MIN_VALUES, "a window too short for any forecast") }
         Self {
@@ -187,7 +189,11 @@ impl<T: Real, const L: usize> CoastingClock<T, L> {
 
     /// Forgets everything: the clock has jumped, or its values are not to be trusted.
     pub fn restart(&mut self) {
-        *self = Self::new();
+        // Field by field: a new one would be on the stack first.
+        self.window.clear();
+        (self.spacing_s, self.last) = (None, None);
+        (self.recent, self.mean) = ([T::zero(); ORDER], T::zero());
+        self.process = Autoregression::white();
     }
 
     /// Takes the clock of an epoch that passed the test.

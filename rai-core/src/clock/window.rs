@@ -23,8 +23,16 @@ pub(super) struct Window<T, const L: usize> {
 }
 
 impl<T: Real, const L: usize> Window<T, L> {
+    #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
+    #[inline(always)]
     pub(super) fn new() -> Self {
         Self { reference_m: None, differences: Deque::new() }
+    }
+
+    /// Forgets everything.
+    pub(super) fn clear(&mut self) {
+        self.reference_m = None;
+        self.differences.clear();
     }
 
     /// What every difference is relative to, m.

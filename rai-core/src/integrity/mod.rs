@@ -88,6 +88,46 @@ pub struct Criteria<'c> {
     pub ism: &'c Ism,
 }
 
+/// Room that methods take beside the equations, and the subsets that [`Method::Ransac`] keeps from epoch to epoch.
+#[derive(Clone, Debug)]
+pub struct Scratch<T: Real> {
+    /// For [`Method::Ransac`].
+    pub subsets: ransac::Subsets,
+    /// Made when it is asked for first: it is large, and empty it need not be on the stack before it is where it stays.
+    #[cfg(feature = "araim")]
+    separation: Option<separation::Room<T>>,
+    #[cfg(not(feature = "araim"))]
+    scalar: core::marker::PhantomData<T>,
+}
+
+impl<T: Real> Default for Scratch<T> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<T: Real> Scratch<T> {
+    /// Of no epoch yet.
+    #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
+    #[inline(always)]
+    pub fn new() -> Self {
+        Self {
+            subsets: ransac::Subsets::new(),
+            #[cfg(feature = "araim")]
+            separation: None,
+            #[cfg(not(feature = "araim"))]
+            scalar: core::marker::PhantomData,
+        }
+    }
+
+    // Not inlined: what its making takes of the stack is not needed beside the judging.
+    #[cfg(feature = "araim")]
+    #[inline(never)]
+    fn separation(&mut self) -> &mut separation::Room<T> {
+        self.separation.get_or_insert_with(separation::Room::new)
+    }
+}
+
 /// What may be done once a fault is detected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Search<'s> {
@@ -176,11 +216,11 @@ pub fn judge<T: Real>(
     forecast: Option<usize>,
     criteria: &Criteria<'_>,
     search: Search<'_>,
-    subsets: &mut ransac::Subsets,
+    scratch: &mut Scratch<T>,
 ) -> Judgement<T> {
     #[cfg(feature = "araim")]
     if criteria.method == Method::Separation {
-        return judge_epoch(solution, epoch, criteria);
+        return judge_epoch(solution, epoch, criteria, scratch.separation());
     }
     let mut test = criteria.test(solution.snapshot(), epoch.common_m());
     let mut exclusion = Exclusion::passed();
@@ -188,7 +228,7 @@ pub fn judge<T: Real>(
     if test.as_ref().is_ok_and(|test| test.detection.fault()) {
         let jump = forecast.and_then(|row| jump(solution, row, &criteria.thresholds));
         searched = jump.is_none() && search == Search::Anew;
-        exclusion = jump.unwrap_or_else(|| isolate(solution, epoch, criteria, search, subsets));
+        exclusion = jump.unwrap_or_else(|| isolate(solution, epoch, criteria, search, &mut scratch.subsets));
         test = criteria.test(solution.snapshot(), epoch.common_m());
     }
     let alone = forecast.map_or(Alone::Always, |row| without_forecast(solution, row, epoch, criteria));

@@ -50,38 +50,33 @@ pub(super) fn suspects<T: Real>(
     gather(listed)
 }
 
-/// The report on a position: the verdict, and what is known about the satellites.
+/// The report on a position: the verdict, and what is known about the satellites. Who is left out, and what is known of the
+/// sigmas, stands in it already.
 #[inline(never)]
 pub(super) fn describe<T: Real, const N: usize>(
     fix: &Fix<'_, T>,
     epoch: &EpochView<'_>,
     verdict: Verdict,
     judgement: &Judgement<T>,
-    excluded: Vec<Suspect, MAX_EXCLUDED>,
-    sigma_check: Option<f64>,
-) -> Report<N> {
+    report: &mut Report<N>,
+) {
     let test = judgement.test.as_ref().ok();
     let used = fix.snapshot().rows().zip(epoch.observations()).filter(|((row, _), _)| row.weight > T::zero());
-    let mut satellites = Vec::new();
+    report.used.clear();
     let mut squares = T::zero();
     for ((_, fit), observation) in used {
         // Both hold N: never full here.
-        let _ = satellites.push(observation.satellite);
+        let _ = report.used.push(observation.satellite);
         squares += fit.residual * fit.residual;
     }
-    Report {
-        verdict,
-        solution: Some(solution(fix)),
-        test: test.map(|test| statistic(test, judgement.separation.as_ref())),
-        protection: judgement.levels(),
-        excluded,
-        suspect: test.and_then(|_| suspect(fix.snapshot(), epoch)),
-        residual_rms_m: libm::sqrt(squares.widen() / satellites.len().max(1) as f64),
-        used: satellites,
-        tracked: epoch.observations().len() as u8,
-        separation: judgement.separation,
-        sigma_check,
-    }
+    report.verdict = verdict;
+    report.solution = Some(solution(fix));
+    report.test = test.map(|test| statistic(test, judgement.separation.as_ref()));
+    report.protection = judgement.levels();
+    report.suspect = test.and_then(|_| suspect(fix.snapshot(), epoch));
+    report.residual_rms_m = libm::sqrt(squares.widen() / report.used.len().max(1) as f64);
+    report.tracked = epoch.observations().len() as u8;
+    report.separation = judgement.separation;
 }
 
 /// The global test, or the largest of the separation's tests, held against 1.

@@ -28,16 +28,18 @@
 //!
 //! # What is built in
 //!
-//! The receiver brings everything. A library of `rai_monitor_*` alone holds classic RAIM (the global test under every policy, the
-//! search of up to three satellites, protection levels, clock aiding) with the thresholds of the phases of flight; its features
-//! add to that.
+//! The smallest library is one of `rai_monitor_*` alone and holds classic RAIM (the global test under every policy, the search of
+//! up to three satellites, protection levels, clock aiding) with the thresholds of the phases of flight. Features add to that;
+//! without a choice all are in.
 //!
 //! | feature | adds |
 //! |---|---|
-//! | `receiver` | `rai_receiver_*`, and all below |
+//! | `receiver` | `rai_receiver_*`: RTCM 3 in, sentences and pin out |
+//! | `ubx`, `glonass`, `mavlink` | messages of u-blox receivers, orbits of GLONASS, messages for autopilots |
 //! | `tables` | thresholds for all committed probabilities |
 //! | `searches` | `RAI_METHOD_SIMULTANEOUS` to `RAI_METHOD_RANSAC` |
 //! | `araim` | `RAI_METHOD_SEPARATION` |
+//! | `whole` | all of these |
 //! | `satellites-16`, `satellites-32` | room for fewer satellites than 48 |
 //!
 //! `cargo xtask bench` prints what each takes of the flash, and the memory of the objects.

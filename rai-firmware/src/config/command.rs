@@ -183,12 +183,19 @@ fn recovery<'v>(values: &mut impl Iterator<Item = &'v str>) -> Result<Recovery, 
 
 fn output<'v>(values: &mut impl Iterator<Item = &'v str>) -> Result<Setting, Refusal> {
     let item = Item::named(next(values)?).ok_or(Refusal::UnknownValue)?;
+    if !item.is_built() {
+        return Err(Refusal::NotInBuild);
+    }
     Ok(Setting::Output(item, whole(next(values)?, EVERY)?))
 }
 
 /// Letters of systems.
 fn systems(value: &str) -> Result<Systems, Refusal> {
-    Systems::of(value).ok_or(Refusal::UnknownValue)
+    let systems = Systems::of(value).ok_or(Refusal::UnknownValue)?;
+    if systems.contains('R') && !cfg!(feature = "glonass") {
+        return Err(Refusal::NotInBuild);
+    }
+    Ok(systems)
 }
 
 /// `AUTO`, or eight coefficients of which at least one says something.

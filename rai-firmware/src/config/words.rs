@@ -3,7 +3,8 @@
 //! A word that is known but not built in stands in its table with `None`, so that an answer can tell a wrong word from a
 //! missing feature. The same table reads a word and says it again.
 
-use rai_core::integrity::residuals::parity;
+#[cfg(feature = "searches")]
+use rai_core::integrity::residuals::parity::Isolation;
 use rai_core::integrity::residuals::threshold::policy::Policy;
 use rai_core::monitor::Method;
 use rai_core::weighting::Ism;
@@ -25,15 +26,26 @@ pub(super) const PHASES: &Words<Phase> = &[
 pub(super) const POLICIES: &Words<Policy> =
     &[("T1", Some(Policy::T1)), ("T2", Some(Policy::T2)), ("TOP", Some(Policy::TOp))];
 
+/// What a word means where a feature is built in, and `None` where it is not.
+macro_rules! with {
+    ($feature:literal, $meaning:expr) => {{
+        #[cfg(feature = $feature)]
+        let meaning = Some($meaning);
+        #[cfg(not(feature = $feature))]
+        let meaning = None;
+        meaning
+    }};
+}
+
 pub(super) const METHODS: &Words<Method> = &[
     ("AUTO", Some(Method::Auto)),
     ("BAARDA", Some(Method::Baarda)),
-    ("SIMULTANEOUS", Some(Method::Parity(parity::Isolation::Simultaneous))),
-    ("SEQUENTIAL", Some(Method::Parity(parity::Isolation::Sequential))),
-    ("HYBRID", Some(Method::Parity(parity::Isolation::Hybrid))),
-    ("GROUPING", Some(Method::Parity(parity::Isolation::Grouping))),
-    ("RANSAC", Some(Method::Ransac)),
-    ("SEPARATION", Some(Method::Separation)),
+    ("SIMULTANEOUS", with!("searches", Method::Parity(Isolation::Simultaneous))),
+    ("SEQUENTIAL", with!("searches", Method::Parity(Isolation::Sequential))),
+    ("HYBRID", with!("searches", Method::Parity(Isolation::Hybrid))),
+    ("GROUPING", with!("searches", Method::Parity(Isolation::Grouping))),
+    ("RANSAC", with!("searches", Method::Ransac)),
+    ("SEPARATION", with!("araim", Method::Separation)),
 ];
 
 pub(super) const LEVELS: &Words<Levels> = &[("BOUND", Some(Levels::Bound)), ("SLOPE", Some(Levels::Slope))];

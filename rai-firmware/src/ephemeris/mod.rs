@@ -32,12 +32,14 @@ mod broadcast;
 mod clock;
 mod elapsed;
 mod fixed;
+#[cfg(feature = "glonass")]
 mod forces;
 mod health;
 mod kepler;
 mod motion;
 mod orbit;
 mod source;
+#[cfg(feature = "glonass")]
 mod state_vector;
 mod store;
 
@@ -49,7 +51,9 @@ use rai_core::satellite::SatelliteId;
 
 use crate::counters::{count, counters};
 use crate::raw::Band;
-use crate::time::{GpsTime, WEEK_MS};
+use crate::time::GpsTime;
+#[cfg(feature = "glonass")]
+use crate::time::WEEK_MS;
 use clock::Clock;
 
 pub use accuracy::{galileo_sisa_m, glonass_accuracy_m, ura_m};
@@ -61,6 +65,7 @@ pub use kepler::Kepler;
 pub use motion::Motion;
 pub use orbit::Orbit;
 pub use source::Source;
+#[cfg(feature = "glonass")]
 pub use state_vector::{StateBroadcast, StateVector};
 pub use store::{CAPACITY, Insertion, Store};
 
@@ -175,6 +180,7 @@ impl Ephemeris {
     ///
     /// # Errors
     /// As [`Self::new`].
+    #[cfg(feature = "glonass")]
     pub fn of_state(broadcast: &StateBroadcast) -> Result<Self, BroadcastError> {
         let source = Source::GlonassStrings;
         if !source.can_name(broadcast.satellite) {

@@ -8,6 +8,7 @@ use super::EphemerisError;
 use super::elapsed::Elapsed;
 use super::kepler::Kepler;
 use super::motion::Motion;
+#[cfg(feature = "glonass")]
 use super::state_vector::StateVector;
 
 /// How a satellite describes its motion.
@@ -16,6 +17,7 @@ pub enum Orbit {
     /// Sixteen elements of an ellipse with corrections: GPS, Galileo, `BeiDou`, QZSS.
     Kepler(Kepler),
     /// Position, velocity and the pull of sun and moon at one instant: GLONASS, SBAS.
+    #[cfg(feature = "glonass")]
     StateVector(StateVector),
 }
 
@@ -24,6 +26,7 @@ impl Orbit {
     pub(super) fn at(&self, since_toe: Elapsed) -> Result<Motion, EphemerisError> {
         match self {
             Self::Kepler(kepler) => Ok(kepler.at(since_toe)),
+            #[cfg(feature = "glonass")]
             Self::StateVector(state) => state.at(since_toe).ok_or(EphemerisError::Stale),
         }
     }

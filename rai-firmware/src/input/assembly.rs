@@ -60,9 +60,17 @@ pub(super) struct Assembly {
 }
 
 impl Assembly {
+    #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
+    #[inline(always)]
     pub(super) const fn new() -> Self {
-        let epoch = RawEpoch::new(GpsTime { week: 0, tow_ms: 0 });
-        Self { epoch, came_ms: 0, is_vouched: false, phase: Phase::Idle, heard: 0, distrust: [0; 16] }
+        Self {
+            epoch: RawEpoch::new(GpsTime { week: 0, tow_ms: 0 }),
+            came_ms: 0,
+            is_vouched: false,
+            phase: Phase::Idle,
+            heard: 0,
+            distrust: [0; 16],
+        }
     }
 
     /// Takes a message, the first byte of which came at `came_ms`, and tells of the epochs that it completes.

@@ -35,6 +35,9 @@ const RTCM_PARITY: usize = 3;
 const UBX_HEADER: usize = 6;
 const UBX_PARITY: usize = 2;
 
+/// Whether this build looks for frames of UBX.
+const UBX_IS_READ: bool = cfg!(feature = "ubx");
+
 /// Class and id of the ranges, and the longest payload that is read of them: 160 measurements, of which 64 satellites
 /// hardly send more.
 const UBX_RANGES: [u8; 2] = [0x02, 0x15];
@@ -44,7 +47,11 @@ const UBX_RANGES_PAYLOAD: usize = 16 + 160 * 32;
 const UBX_PAYLOAD: usize = 1023;
 
 /// The longest frame, and as much again as makes moving it to the front rare.
-const CAPACITY: usize = UBX_HEADER + UBX_RANGES_PAYLOAD + UBX_PARITY + 128;
+const CAPACITY: usize = if UBX_IS_READ {
+    UBX_HEADER + UBX_RANGES_PAYLOAD + UBX_PARITY + 128
+} else {
+    RTCM_HEADER + 1023 + RTCM_PARITY + 1024
+};
 
 /// Bytes of checking that each byte on the wire pays for.
 const CREDIT_PER_BYTE: usize = 4;
@@ -84,7 +91,7 @@ impl<'a> Frame<'a> {
 }
 
 impl Protocol {
-    const ALL: [Self; 2] = [Self::Rtcm, Self::Ubx];
+    const ALL: &[Self] = if UBX_IS_READ { &[Self::Rtcm, Self::Ubx] } else { &[Self::Rtcm] };
 
     /// Whether a frame of any begins with this byte.
     fn may_begin_with(byte: u8) -> bool {
@@ -239,8 +246,8 @@ impl Framer {
                 let length = RTCM_HEADER + (usize::from(*high) << 8 | usize::from(*low)) + RTCM_PARITY;
                 self.whole(Protocol::Rtcm, length)
             }
-            [first] if *first == UBX[0] => Front::Incomplete,
-            [first, second, rest @ ..] if [*first, *second] == UBX => match rest {
+            [first] if UBX_IS_READ && *first == UBX[0] => Front::Incomplete,
+            [first, second, rest @ ..] if UBX_IS_READ && [*first, *second] == UBX => match rest {
                 [class, id, low, high, ..] => {
                     let payload = usize::from(*high) << 8 | usize::from(*low);
                     if !may_have([*class, *id], payload) {

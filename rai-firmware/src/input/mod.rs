@@ -13,6 +13,7 @@
 //! | `bits` | fields of navigation messages |
 //! | `preference` | which format's ranges are used where two come |
 //! | `assembly` | messages of one instant become one epoch |
+//! | `suspicion` | what a receiver says of jamming and spoofing |
 //! | `system` | how each system numbers its satellites |
 //! | `calendar` | which week it is, and that time goes forward |
 //! | [`Counters`] | what came in and what was not used |
@@ -42,14 +43,18 @@ mod counters;
 mod framer;
 mod preference;
 mod rtcm;
+mod suspicion;
 mod system;
+#[cfg(feature = "ubx")]
 pub mod ubx;
 
 use rai_core::frame::Ecef;
 use rai_core::satellite::{Constellation, SatelliteId};
 
 use crate::counters::count;
-use crate::ephemeris::{Broadcast, BroadcastError, Ephemeris, StateBroadcast};
+#[cfg(feature = "glonass")]
+use crate::ephemeris::StateBroadcast;
+use crate::ephemeris::{Broadcast, BroadcastError, Ephemeris};
 use crate::raw::{RawEpoch, RawSignal};
 use crate::time::GpsTime;
 
@@ -57,10 +62,12 @@ use assembly::Assembly;
 use calendar::Calendar;
 use framer::{Frame, Framer, Protocol};
 use preference::Preference;
-use ubx::{Jamming, Navigation};
+#[cfg(feature = "ubx")]
+use ubx::Navigation;
 
 pub use calendar::{LeapSecond, LeapSource, NOT_BEFORE_WEEK};
 pub use counters::Counters;
+pub use suspicion::{Jamming, Suspicion};
 
 /// What the bytes said.
 #[derive(Debug)]
@@ -85,12 +92,15 @@ enum Message<'a> {
     /// An orbit and a clock, not yet judged.
     Broadcast(Broadcast),
     /// A position, a velocity and a clock, not yet judged.
+    #[cfg(feature = "glonass")]
     State(StateBroadcast),
     /// Where a station says it is.
     Position(Ecef),
     /// Klobuchar's coefficients where they are of GPS, and GPS time minus UTC in seconds.
+    #[cfg(feature = "ubx")]
     Corrections(Option<[f64; 8]>, Option<u8>),
     /// What the receiver says of jamming and spoofing.
+    #[cfg(feature = "ubx")]
     Jamming(Jamming),
 }
 
@@ -119,6 +129,7 @@ enum Measured<'a> {
     /// None that are used.
     Nothing,
     Msm(rtcm::Msm<'a>),
+    #[cfg(feature = "ubx")]
     Rawx(ubx::Rawx<'a>),
 }
 
@@ -128,6 +139,7 @@ impl Measured<'_> {
         match self {
             Self::Nothing => true,
             Self::Msm(msm) => msm.is_empty(),
+            #[cfg(feature = "ubx")]
             Self::Rawx(rawx) => rawx.is_empty(),
         }
     }
@@ -141,8 +153,21 @@ impl Measured<'_> {
         match self {
             Self::Nothing => {}
             Self::Msm(msm) => msm.each(counters, &mut add),
+            #[cfg(feature = "ubx")]
             Self::Rawx(rawx) => rawx.each(counters, &mut add),
         }
+    }
+}
+
+/// What is under way of navigation bits: nothing without UBX, in which they come.
+#[cfg(not(feature = "ubx"))]
+#[derive(Debug)]
+struct Navigation;
+
+#[cfg(not(feature = "ubx"))]
+impl Navigation {
+    const fn new() -> Self {
+        Self
     }
 }
 
@@ -234,8 +259,10 @@ impl Input {
                 Some(Message::Broadcast(broadcast)) => {
                     judge(Ephemeris::new(&broadcast), calendar, counters, tell);
                 }
+                #[cfg(feature = "glonass")]
                 Some(Message::State(state)) => judge(Ephemeris::of_state(&state), calendar, counters, tell),
                 Some(Message::Position(point)) => tell(Event::Position(point)),
+                #[cfg(feature = "ubx")]
                 Some(Message::Corrections(coefficients, leap_s)) => {
                     if let Some(leap_s) = leap_s {
                         calendar.leap(leap_s, LeapSource::Satellites);
@@ -244,6 +271,7 @@ impl Input {
                         tell(Event::Ionosphere(coefficients));
                     }
                 }
+                #[cfg(feature = "ubx")]
                 Some(Message::Jamming(jamming)) => tell(Event::Jamming(jamming)),
                 None => {}
             }
@@ -263,13 +291,16 @@ pub(crate) fn station(frame: &[u8]) -> Option<Ecef> {
 /// Reads a frame; what leads to nothing is counted.
 fn read<'a>(
     frame: &Frame<'a>,
-    navigation: &mut Navigation,
+    #[cfg_attr(not(feature = "ubx"), expect(unused_variables))] navigation: &mut Navigation,
     calendar: &Calendar,
     counters: &mut Counters,
 ) -> Option<Message<'a>> {
     let read = match frame.protocol {
         Protocol::Rtcm => rtcm::read(frame.bytes, frame.payload(), calendar).map(Some),
+        #[cfg(feature = "ubx")]
         Protocol::Ubx => ubx::read(frame, navigation, calendar, counters),
+        #[cfg(not(feature = "ubx"))]
+        Protocol::Ubx => Err(Unread::Other),
     };
     read.unwrap_or_else(|reason| {
         count(reason.counter(counters));

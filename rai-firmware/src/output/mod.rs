@@ -18,6 +18,7 @@ use rai_core::velocity::Velocity;
 
 use crate::time::GpsTime;
 
+#[cfg(feature = "mavlink")]
 pub mod mavlink;
 pub mod nic;
 pub mod nmea;

@@ -52,6 +52,11 @@ const ITEMS: [(&str, Item); Schedule::ITEMS] = [
 ];
 
 impl Item {
+    /// Is it built in?
+    pub const fn is_built(self) -> bool {
+        !matches!(self, Self::Heartbeat | Self::GpsInput | Self::GnssIntegrity) || cfg!(feature = "mavlink")
+    }
+
     /// The item of this name.
     pub fn named(name: &str) -> Option<Self> {
         ITEMS.iter().find(|(known, _)| *known == name).map(|(_, item)| *item)

@@ -54,16 +54,18 @@ impl Level {
 /// What is built: its words, its level, its features, what it is compiled for, and the most that its flash may be.
 type Build = (&'static str, Level, &'static str, Optimised, Option<u64>);
 
-const BUILDS: [Build; 9] = [
+const BUILDS: [Build; 11] = [
     ("classic, 16 satellites", Level::Monitor, "satellites-16", Optimised::Size, Some(CLASSIC_BYTES)),
     ("classic, 32 satellites", Level::Monitor, "satellites-32", Optimised::Size, Some(CLASSIC_BYTES)),
     ("classic, 48 satellites", Level::Monitor, "", Optimised::Size, Some(CLASSIC_BYTES)),
     ("classic, 48 satellites, for speed", Level::Monitor, "", Optimised::Speed, None),
     ("all tables and searches, 48 satellites", Level::Monitor, "searches", Optimised::Size, None),
     ("all and ARAIM, 48 satellites", Level::Monitor, "searches,araim", Optimised::Size, None),
-    ("16 satellites", Level::Receiver, "receiver,satellites-16", Optimised::Size, None),
-    ("32 satellites", Level::Receiver, "receiver,satellites-32", Optimised::Size, None),
-    ("48 satellites", Level::Receiver, "receiver", Optimised::Size, None),
+    ("RTCM and classic, 16 satellites", Level::Receiver, "receiver,satellites-16", Optimised::Size, None),
+    ("RTCM and classic, 48 satellites", Level::Receiver, "receiver", Optimised::Size, None),
+    ("16 satellites", Level::Receiver, "whole,satellites-16", Optimised::Size, None),
+    ("32 satellites", Level::Receiver, "whole,satellites-32", Optimised::Size, None),
+    ("48 satellites", Level::Receiver, "whole", Optimised::Size, None),
 ];
 
 /// Flash and object of every build.

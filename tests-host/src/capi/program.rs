@@ -88,7 +88,7 @@ pub fn on_host(calls: &Calls, language: Language, flags: &[&str], out: &Path) ->
     link.arg(object(language.host_compiler(), language, flags, "calls.c", out)?);
     // The machine's own part is C, whatever the program is.
     link.arg(object("gcc", Language::C, flags, "host.c", out)?)
-        .arg(library(Kind::Static, "receiver")?)
+        .arg(library(Kind::Static, "whole")?)
         .args(SYSTEM);
     run(&mut link)?;
     std::fs::write(out.join("calls.bin"), calls.as_bytes())?;
@@ -101,7 +101,7 @@ pub fn on_host(calls: &Calls, language: Language, flags: &[&str], out: &Path) ->
 /// # Errors
 /// Where something does not compile, the emulator is missing, or the program fails.
 pub fn on_board(calls: &Calls, machine: Machine, language: Language, out: &Path) -> Result<Vec<Answer>> {
-    run_on(calls, machine, language, &[], &library_for(machine, "receiver,panic-handler")?, out)
+    run_on(calls, machine, language, &[], &library_for(machine, "whole,panic-handler")?, out)
 }
 
 /// Makes the calls on the first board, with the smallest library that has room for so many satellites: classic RAIM alone,

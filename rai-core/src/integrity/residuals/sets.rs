@@ -3,12 +3,9 @@
 //! Work: `n + n(n−1)/2 + n(n−1)(n−2)/6` sets, 10,700 for 40 rows. A set costs a dozen products: a third row that two
 //! others are tried with is taken out of all rows first ([`crate::removal`]).
 
-use heapless::Vec;
-
 use super::tails;
-use crate::equations::MAX_ROWS;
 use crate::numeric::real::Real;
-use crate::removal::NormalisedRow;
+use crate::removal::{NormalisedRow, Standing, Standings};
 use crate::report::MAX_EXCLUDED;
 
 /// Sets of up to `largest` of `rows` rows; no more than [`MAX_EXCLUDED`] are ever left out.
@@ -45,61 +42,70 @@ impl Work {
 }
 
 /// Shows each set of a size, in lexicographic order: what it explains, and the indices of its rows, as many as its size says.
+// Not inlined: the room for the rows as they stand is not needed beside what is made of the sets.
+#[inline(never)]
 pub(super) fn each_of_size<T: Real>(
     rows: &[NormalisedRow<T>],
     size: usize,
     work: &mut Work,
     mut show: impl FnMut(T, [usize; MAX_EXCLUDED]),
 ) {
+    // Once for pairs and triples: it is large.
+    let mut standings = Standings::new();
     match size {
         1 => {
             for row in work.granted(rows) {
                 show(row.explained(), [row.index, 0, 0]);
             }
         }
-        2 => pairs(T::zero(), [], rows, work, &mut show),
-        _ => triples(rows, work, &mut show),
+        2 => {
+            stand(&mut standings, rows.iter().map(Standing::of));
+            pairs(T::zero(), [], &standings, work, &mut show);
+        }
+        _ => triples(rows, &mut standings, work, &mut show),
     }
 }
 
-/// All pairs of `rows`, each together with a row that is gone already, if one is, and explains so much.
+/// Writes rows as they stand where there is room for them: never more than there are.
+fn stand<'r, T: Real>(place: &mut Standings<'r, T>, standings: impl Iterator<Item = Standing<'r, T>>) {
+    place.clear();
+    standings.for_each(|standing| _ = place.push(standing));
+}
+
+/// All pairs of rows, each together with a row that is gone already, if one is, and explains so much.
 fn pairs<T: Real, const GONE: usize>(
     explained: T,
     gone: [usize; GONE],
-    rows: &[NormalisedRow<T>],
+    rows: &[Standing<'_, T>],
     work: &mut Work,
     show: &mut impl FnMut(T, [usize; MAX_EXCLUDED]),
 ) {
     for (first, rest) in tails(rows) {
-        if first.redundancy < T::UNTESTABLE {
+        if first.is_untestable() {
             continue;
         }
         for second in work.granted(rest) {
             let explained = explained + first.explained_with(second);
-            let mut set = [first.index, second.index, 0];
+            let mut set = [first.index(), second.index(), 0];
             if let Some(&gone) = gone.first() {
-                set = [gone, first.index, second.index];
+                set = [gone, first.index(), second.index()];
             }
             show(explained, set);
         }
     }
 }
 
-fn triples<T: Real>(
-    rows: &[NormalisedRow<T>],
+fn triples<'r, T: Real>(
+    rows: &'r [NormalisedRow<T>],
+    standings: &mut Standings<'r, T>,
     work: &mut Work,
     show: &mut impl FnMut(T, [usize; MAX_EXCLUDED]),
 ) {
-    let mut changed = Vec::<NormalisedRow<T>, MAX_ROWS>::new();
     for (first, rest) in tails(rows) {
         if !work.cut {
             let root = first.redundancy.sqrt();
-            changed.clear();
-            for row in rest {
-                // Fewer than there are rows: never full here.
-                let _ = changed.push(row.without(first, root));
-            }
-            pairs(first.explained(), [first.index], &changed, work, show);
+            stand(standings, rest.iter().map(|row| Standing::without(row, first, root)));
+            pairs(first.explained(), [first.index], standings, work, show);
         }
     }
 }

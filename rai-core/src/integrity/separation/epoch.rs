@@ -2,8 +2,8 @@
 
 use heapless::Vec;
 
-use super::modes::members;
-use super::{Finding, Hypothesis, Judged, Outcome, Prior, Priors, ROWS, Removable, SeparationError, judge};
+use super::modes::{ROOM, members};
+use super::{Finding, Hypothesis, Judged, Outcome, Prior, Priors, Removable, Room, SeparationError, judge_in};
 use crate::bounded::gather;
 use crate::epoch::EpochView;
 use crate::integrity::residuals::detection::Detection;
@@ -23,6 +23,7 @@ pub(in crate::integrity) fn judge_epoch<T: Real>(
     solution: &mut (impl Reducible<T> + Removable<T>),
     epoch: &EpochView<'_>,
     criteria: &Criteria<'_>,
+    room: &mut Room<T>,
 ) -> Judgement<T> {
     let priors = priors(solution, epoch, criteria.ism);
     let constellations = criteria.ism.constellations.map(|support| T::narrow(support.constellation_fault));
@@ -30,7 +31,7 @@ pub(in crate::integrity) fn judge_epoch<T: Real>(
     if solution.snapshot().dof() == 0 {
         return refused(residuals::Outcome::Passed, NoThreshold::Redundancy);
     }
-    match judge(solution, &priors, &criteria.requirements.allocation) {
+    match judge_in(solution, &priors, &criteria.requirements.allocation, room) {
         Ok(judged) => judgement(solution, epoch, &judged),
         Err(SeparationError::Rows | SeparationError::Modes) => {
             refused(residuals::Outcome::NotIsolated(Unidentified::Budget), NoThreshold::Risk)
@@ -44,7 +45,7 @@ pub(in crate::integrity) fn judge_epoch<T: Real>(
 /// The accuracy's variance is the row's with the URE in the place of the URA. A row that claims less than the URA was
 /// made by another model, and is as accurate as it says.
 #[inline(never)]
-fn priors<T: Real>(solution: &impl Reducible<T>, epoch: &EpochView<'_>, ism: &Ism) -> Vec<Prior<T>, ROWS> {
+fn priors<T: Real>(solution: &impl Reducible<T>, epoch: &EpochView<'_>, ism: &Ism) -> Vec<Prior<T>, ROOM> {
     let rows = solution.snapshot().equations();
     gather(epoch.observations().iter().zip(rows).map(|(observation, row)| {
         let support = ism.of(observation.satellite.constellation());

@@ -18,10 +18,12 @@
 //!
 //! [MAAST]: crate#references
 
+use heapless::Vec;
 use nalgebra::Vector3;
 
-use super::modes::{Hypothesis, Set, members, row};
-use super::solutions::Solutions;
+use super::levels::Axis;
+use super::modes::{Hypothesis, ROOM, Set, members, row};
+use super::solutions::{Own, Solutions};
 use super::walk::{Purpose, Watch};
 use super::{Finding, Prior, Priors, ROWS, SeparationError, View};
 use crate::allocation::Allocation;
@@ -94,6 +96,28 @@ pub struct Judged<T> {
 /// Below this a constellation is not among the options.
 const OPTIONAL: f64 = 1e-7;
 
+/// Room for what judging has for each row and each term. It keeps nothing.
+#[derive(Clone, Debug)]
+pub struct Room<T: Real> {
+    own: Vec<Own<T>, ROOM>,
+    axes: [Axis<T>; 3],
+}
+
+impl<T: Real> Default for Room<T> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<T: Real> Room<T> {
+    /// Of no epoch yet.
+    #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
+    #[inline(always)]
+    pub fn new() -> Self {
+        Self { own: Vec::new(), axes: [Axis::closed(), Axis::closed(), Axis::closed()] }
+    }
+}
+
 /// Judges an epoch, and leaves out what disturbs it.
 ///
 /// # Errors
@@ -103,17 +127,30 @@ pub fn judge<T: Real>(
     priors: &Priors<'_, T>,
     allocation: &Allocation,
 ) -> Result<Judged<T>, SeparationError> {
+    judge_in(epoch, priors, allocation, &mut Room::new())
+}
+
+/// As [`judge`], with room that who has little stack keeps elsewhere.
+///
+/// # Errors
+/// As there.
+pub fn judge_in<T: Real>(
+    epoch: &mut impl Removable<T>,
+    priors: &Priors<'_, T>,
+    allocation: &Allocation,
+    room: &mut Room<T>,
+) -> Result<Judged<T>, SeparationError> {
     let mut watch = Watch::nothing(priors.constellations, allocation);
     choose(&mut watch, &epoch.view(), priors)?;
     let options = Options::of(&watch, &priors.constellations);
     if allocation.exclusion {
         watch.share = T::narrow(1.0 / (options.count() + 1) as f64);
     }
-    let whole = describe(&mut watch, epoch.view(), priors.satellites, 0, Purpose::Describe)?;
+    let whole = describe(&mut watch, room, epoch.view(), priors.satellites, 0, Purpose::Describe)?;
     let outcome = if !whole.alarm {
         Outcome::Passed
     } else if allocation.exclusion {
-        exclude(&mut watch, epoch, priors.satellites, options, whole.factors)?
+        exclude(&mut watch, room, epoch, priors.satellites, options, whole.factors)?
     } else {
         Outcome::NotIsolated
     };
@@ -157,14 +194,16 @@ pub(super) fn choose<T: Real>(
 #[inline(never)]
 fn describe<T: Real>(
     watch: &mut Watch<'_, T>,
+    room: &mut Room<T>,
     view: View<'_, T>,
     priors: &[Prior<T>],
     gone: Set,
     purpose: Purpose,
 ) -> Result<Finding<T>, SeparationError> {
-    let mut solutions = Solutions::of(view);
+    let Room { own, axes } = room;
+    let mut solutions = Solutions::of(view, own);
     solutions.prepare(priors);
-    watch.judge(&mut solutions, gone, purpose)
+    watch.judge(&mut solutions, axes, gone, purpose)
 }
 
 /// What may be left out.
@@ -211,6 +250,7 @@ const MARGIN: f64 = 1e-2;
 #[inline(never)]
 fn exclude<T: Real>(
     watch: &mut Watch<'_, T>,
+    room: &mut Room<T>,
     epoch: &mut impl Removable<T>,
     priors: &[Prior<T>],
     options: Options,
@@ -218,13 +258,13 @@ fn exclude<T: Real>(
 ) -> Result<Outcome<T>, SeparationError> {
     let mut left = options;
     let limits = Vector3::from(factors).map(|factor| factor * factor * T::narrow(1.0 + MARGIN));
-    while let Some(excluded) = next(watch, epoch.view(), priors, &left, &limits) {
+    while let Some(excluded) = next(watch, room, epoch.view(), priors, &left, &limits) {
         let rows = watch.modes.taken_by(excluded);
         left.drop(excluded);
         if epoch.leave_out_all(rows).is_err() {
             continue;
         }
-        let finding = describe(watch, epoch.view(), priors, rows, Purpose::Accept)?;
+        let finding = describe(watch, room, epoch.view(), priors, rows, Purpose::Accept)?;
         if !finding.alarm {
             return Ok(Outcome::Excluded { excluded, rows, finding });
         }
@@ -237,12 +277,13 @@ fn exclude<T: Real>(
 #[inline(never)]
 fn next<T: Real>(
     watch: &Watch<'_, T>,
+    room: &mut Room<T>,
     view: View<'_, T>,
     priors: &[Prior<T>],
     left: &Options,
     limits: &Vector3<T>,
 ) -> Option<Hypothesis> {
-    let mut solutions = Solutions::of(view);
+    let mut solutions = Solutions::of(view, &mut room.own);
     solutions.prepare_without_biases(priors);
     let mut agreeing = |option: Hypothesis, least: Option<T>| {
         let taken = watch.modes.taken_by(option);

@@ -195,9 +195,17 @@ impl<T: Real> Axis<T> {
         }
     }
 
+    /// Back to that, where it is.
+    fn close(&mut self) {
+        self.terms.clear();
+        (self.risk, self.frozen, self.bar, self.clear) = (T::zero(), T::zero(), T::zero(), T::zero());
+        self.reference_m = infinity();
+    }
+
     /// For a risk that so many modes share, with the solution of all satellites as the first term. Without risk there is
     /// no level, and nothing to look at.
     pub(super) fn open(&mut self, risk: T, modes: usize, sigma_m: T, bias_m: T) {
+        self.close();
         self.risk = risk;
         if !self.is_open() {
             return;

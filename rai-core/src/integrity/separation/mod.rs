@@ -52,7 +52,7 @@ use nalgebra::Matrix3;
 pub use crate::allocation::Allocation;
 #[cfg(feature = "araim")]
 pub(super) use epoch::judge_epoch;
-pub use exclusion::{Judged, Outcome, Removable, judge};
+pub use exclusion::{Judged, Outcome, Removable, Room, judge, judge_in};
 pub use modes::{Hypothesis, ROWS};
 
 use crate::equations::Row;

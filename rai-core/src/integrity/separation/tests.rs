@@ -83,7 +83,7 @@ fn watched<'a>(
 
 /// Ready for the modes.
 fn solutions<'s>(snapshot: &'s Snapshot<'_, f64>, priors: &[Prior<f64>]) -> Solutions<'s, f64> {
-    let mut solutions = Solutions::of(snapshot.view());
+    let mut solutions = Solutions::of(snapshot.view(), std::boxed::Box::leak(std::boxed::Box::default()));
     solutions.prepare(priors);
     solutions
 }

@@ -84,6 +84,7 @@ impl<'a, T: Real> Watch<'a, T> {
     pub(super) fn judge(
         &mut self,
         solutions: &mut Solutions<'_, T>,
+        axes: &mut [Axis<T>; 3],
         gone: Set,
         purpose: Purpose,
     ) -> Result<Finding<T>, SeparationError> {
@@ -96,7 +97,7 @@ impl<'a, T: Real> Watch<'a, T> {
             if gone == 0 {
                 self.not_watched = self.modes.not_watched + count.unmonitorable;
             }
-            let mut pass = Pass::new(self, solutions, gone, &count);
+            let mut pass = Pass::new(self, solutions, axes, gone, &count);
             if let Some(finding) = pass.run(purpose) {
                 return Ok(finding);
             }
@@ -169,7 +170,7 @@ struct Pass<'p, 'a, 'v, T: Real> {
     skips_singular: bool,
     not_watched: T,
     factors: Vector3<T>,
-    axes: [Axis<T>; 3],
+    axes: &'p mut [Axis<T>; 3],
     gate: Gate<T>,
     /// Whether the gate lets anything pass.
     has_reference: bool,
@@ -190,6 +191,7 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
     fn new(
         watch: &'p Watch<'a, T>,
         solutions: &'p mut Solutions<'v, T>,
+        axes: &'p mut [Axis<T>; 3],
         gone: Set,
         count: &Count<T>,
     ) -> Self {
@@ -218,7 +220,7 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
             squared_factors: factors.component_mul(&factors),
             gate: Gate::closed(),
             has_reference: false,
-            axes: [Axis::closed(), Axis::closed(), Axis::closed()],
+            axes,
             levels: [Level::none(); 3],
             accuracy_m: deviation(whole.separation.z),
             threshold: T::zero(),
@@ -227,11 +229,11 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
             alarm: false,
             singular: Singular { modes: 0, probability: T::zero(), sets: Vec::new() },
         };
-        let [east, north, up] = &mut pass.axes;
+        let [east, north, up] = &mut *pass.axes;
         east.open(horizontal, count.modes, whole.variance.x.sqrt(), bias.x);
         north.open(horizontal, count.modes, whole.variance.y.sqrt(), bias.y);
         up.open(vertical, count.modes, whole.variance.z.sqrt(), bias.z);
-        pass.gate = Gate::of(&pass.axes);
+        pass.gate = Gate::of(pass.axes);
         pass
     }
 
@@ -251,7 +253,7 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
             for (axis, level) in self.axes.iter_mut().zip(&self.levels) {
                 axis.restart(level.below_m);
             }
-            self.gate = Gate::of(&self.axes);
+            self.gate = Gate::of(self.axes);
         }
         Some(self.finding())
     }
@@ -283,7 +285,7 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
         self.sort_out();
         if self.taken < self.modes {
             self.axes.iter_mut().filter(|axis| axis.is_open()).for_each(Axis::settle);
-            self.gate = Gate::of(&self.axes);
+            self.gate = Gate::of(self.axes);
         }
     }
 
@@ -291,7 +293,7 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
     #[inline(never)]
     fn sort_out(&mut self) {
         self.axes.iter_mut().filter(|axis| axis.is_open()).for_each(Axis::sort_out);
-        self.gate = Gate::of(&self.axes);
+        self.gate = Gate::of(self.axes);
         self.has_reference = true;
     }
 
@@ -354,7 +356,7 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
         if !self.has_reference && mode.hypothesis.constellations == 0 {
             self.sort_out();
         }
-        let [east, north, up] = &mut self.axes;
+        let [east, north, up] = &mut *self.axes;
         let variance = &solution.variance;
         east.add(&Candidate::of(mode, thresholds.x, variance.x), bias.x);
         north.add(&Candidate::of(mode, thresholds.y, variance.y), bias.y);
@@ -386,7 +388,7 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
     /// The levels with all modes.
     #[inline(never)]
     fn solve(&mut self) {
-        for (level, axis) in self.levels.iter_mut().zip(&self.axes) {
+        for (level, axis) in self.levels.iter_mut().zip(&*self.axes) {
             *level = if axis.is_open() { axis.finish() } else { Level::none() };
         }
     }

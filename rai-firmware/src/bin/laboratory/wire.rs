@@ -111,16 +111,19 @@ pub fn speak(input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers)
     let configuration = Configuration::at_start();
     let mut navigator = Navigator::new(configuration.requirements).ok()?;
     gnss.feed(input.0, 0, |event| match event {
-        Event::Epoch(raw, _) => last = Some((navigator.judge(raw, 0, &configuration), raw.time)),
+        Event::Epoch(raw, _) => {
+            navigator.judge(raw, 0, &configuration);
+            last = Some(raw.time);
+        }
         Event::Ephemeris(ephemeris) => {
             navigator.learn(ephemeris, None);
         }
         Event::Position(_) | Event::Ionosphere(_) | Event::Jamming(_) => {}
     });
-    let (report, time) = last?;
+    let time = last?;
     let mut host = Host { bytes: 0 };
     let statement = Statement {
-        report: &report,
+        report: navigator.report(),
         time,
         gps_minus_utc_s: 18,
         requirements: &configuration.requirements,

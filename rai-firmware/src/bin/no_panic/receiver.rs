@@ -16,7 +16,7 @@ use rai_firmware::ephemeris::{
     self, BroadcastError, Elapsed, Ephemeris, EphemerisError, GroupDelay, Health, Refusals, Source, Store,
 };
 use rai_firmware::epoch_loop::EpochLoop;
-use rai_firmware::input::ubx::Suspicion;
+use rai_firmware::input::Suspicion;
 use rai_firmware::input::{Counters, Event, Input};
 use rai_firmware::navigator::Navigator;
 use rai_firmware::outlet::Outlet;
@@ -188,6 +188,7 @@ fn corrections() {
         Navigator::requirements as fn(_) -> _,
         Navigator::tally as fn(_) -> _,
         Navigator::judge as fn(_, _, _, _) -> _,
+        Navigator::report as fn(_) -> _,
         Navigator::forget_position as fn(_),
         Navigator::velocity as fn(_) -> _,
         Navigator::rate_tally as fn(_) -> _,
@@ -312,7 +313,7 @@ fn the_loop() {
         Receiver::<Pin>::velocity as fn(_) -> _,
         Receiver::<Pin>::pin as fn(_) -> _,
         (|receiver| exhaust(Receiver::<Pin>::statistics(receiver))) as fn(_),
-        selftest::run as fn() -> _,
+        selftest::run as fn(_) -> _,
         Failure::name as fn(_) -> _,
         reset::hash as fn(_) -> _,
         <ResetCause as Display>::fmt as fn(_, _) -> _,

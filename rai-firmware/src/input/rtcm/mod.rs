@@ -10,6 +10,7 @@
 //! [RTCM-10403.3]: crate#references
 
 mod broadcast;
+#[cfg(feature = "glonass")]
 mod glonass;
 mod msm;
 mod qzss;
@@ -28,6 +29,7 @@ pub(super) fn read<'a>(frame: &[u8], payload: &'a [u8], calendar: &Calendar) -> 
     match message_number(payload).ok_or(Unread::Malformed)? {
         1005 | 1006 => read_position(frame).map(Message::Position),
         1019 | 1042 | 1045 | 1046 => broadcast::read(&small(frame), calendar).map(Message::Broadcast),
+        #[cfg(feature = "glonass")]
         1020 => glonass::read(payload, calendar).map(Message::State),
         1044 => qzss::read(payload, calendar).map(Message::Broadcast),
         number => msm::read(number, payload, calendar).map(Message::Ranges),

@@ -21,6 +21,7 @@
 
 mod beidou;
 mod galileo;
+#[cfg(feature = "glonass")]
 mod glonass;
 mod leap;
 mod lnav;
@@ -36,7 +37,6 @@ use super::{Counters, Measured, Message, Ranges, Unread};
 use crate::counters::count;
 
 pub(super) use rawx::Rawx;
-pub use security::{Jamming, Suspicion};
 pub(super) use sfrbx::Navigation;
 
 /// Reads one frame whose check is right; `None` when it only adds to what others have said.

@@ -11,7 +11,9 @@
 use heapless::Vec;
 use rai_core::satellite::SatelliteId;
 
-use super::{beidou, galileo, glonass, lnav};
+#[cfg(feature = "glonass")]
+use super::glonass;
+use super::{beidou, galileo, lnav};
 use crate::input::bits::Bits;
 
 /// Pages of every message but D2 together, bytes: those of F/NAV are the most.
@@ -35,6 +37,7 @@ pub(super) enum Kind {
     Fnav,
     D1,
     D2,
+    #[cfg(feature = "glonass")]
     Glonass,
 }
 
@@ -47,13 +50,21 @@ impl Kind {
             Self::Fnav => (galileo::FNAV_BYTES, galileo::FNAV_PAGES),
             Self::D1 => (beidou::D1_BYTES, beidou::D1_PAGES),
             Self::D2 => (beidou::D2_BYTES, beidou::D2_PAGES),
+            #[cfg(feature = "glonass")]
             Self::Glonass => (glonass::BYTES, glonass::PAGES),
         }
     }
 }
 
 const _: () = {
-    let small = [Kind::Lnav, Kind::Inav, Kind::Fnav, Kind::D1, Kind::Glonass];
+    let small = [
+        Kind::Lnav,
+        Kind::Inav,
+        Kind::Fnav,
+        Kind::D1,
+        #[cfg(feature = "glonass")]
+        Kind::Glonass,
+    ];
     let mut index = 0;
     while index < small.len() {
         let (bytes, pages) = small[index].size();

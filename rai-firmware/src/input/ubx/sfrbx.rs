@@ -26,7 +26,9 @@ use rai_core::satellite::SatelliteId;
 
 use super::leap::Announcement;
 use super::pages::{Kind, Page, Pages};
-use super::{Refusal, beidou, galileo, glonass, lnav, rawx};
+#[cfg(feature = "glonass")]
+use super::glonass;
+use super::{Refusal, beidou, galileo, lnav, rawx};
 use crate::ephemeris::Broadcast;
 use crate::input::bits::Bits;
 use crate::input::calendar::Calendar;
@@ -120,6 +122,7 @@ impl Context<'_> {
             (System::Galileo, 3 | 4, _) => self.fnav(frame),
             // Frames of newer signals have other lengths under the same numbers.
             (System::Beidou, 0..=4 | 10, 10) => self.beidou(frame),
+            #[cfg(feature = "glonass")]
             (System::Glonass, 0 | 2, 4) => self.glonass(frame),
             _ => Err(Unread::BitsOther),
         }
@@ -191,6 +194,7 @@ impl Context<'_> {
         }
     }
 
+    #[cfg(feature = "glonass")]
     fn glonass<'a>(&mut self, frame: &Frame<'_>) -> Result<Option<Message<'a>>, Unread> {
         let string = glonass::string(&frame.words()?)?;
         let number @ 1..=4 = glonass::number(Bits(&string)) else {

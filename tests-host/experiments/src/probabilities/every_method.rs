@@ -177,7 +177,8 @@ impl Watched {
         let monitors = METHODS.iter().map(|&(_, method)| {
             let approach = Requirements::non_precision_approach();
             let usual = monitor(approach, method)?;
-            let report = usual.judge(&noiseless, site.position, Search::Anew, &mut Memory::new()).report;
+            let mut memory = Memory::new();
+            let report = &usual.judge(&noiseless, site.position, Search::Anew, &mut memory).report;
             let levels = report.protection.context("a sky with levels")?;
             let limit = |level_m: f64| (level_m * ABOVE / approach.guard_fraction).min(approach.hal_m);
             let (hal_m, val_m) = (limit(levels.hpl_m), Some(limit(levels.vpl_m)));

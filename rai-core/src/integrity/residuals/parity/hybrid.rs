@@ -58,20 +58,27 @@ impl<T: Real> Search<'_, T> {
     }
 
     /// The simultaneous set; `None` where it is empty, larger than may be left out, or refused.
+    // Not inlined, nor is the next: sets are large, and these need not be on the stack beside those that follow.
+    #[inline(never)]
     fn correlated_set(&self) -> Option<Removal<T>> {
         if self.correlated().count() > self.limits.rows() {
             return None;
         }
-        let set = self.correlated().try_fold(Removal::none(), |removal, row| removal.and(row))?;
-        Some(set).filter(|set| !set.rows().is_empty())
+        let mut set = Removal::none();
+        for row in self.correlated() {
+            set.grow(row)?;
+        }
+        if set.rows().is_empty() { None } else { Some(set) }
     }
 
     /// True when every row of a set is needed.
+    #[inline(never)]
     fn is_minimal(&self, removal: &Removal<T>) -> bool {
         removal.rows().iter().all(|spared| {
             let mut others = removal.rows().iter().filter(|row| row.index != spared.index);
-            let smaller = others.try_fold(Removal::none(), |smaller, row| smaller.and(row));
-            !smaller.is_some_and(|smaller| self.passes(&smaller))
+            let mut smaller = Removal::none();
+            let is_refused = others.any(|row| smaller.grow(row).is_none());
+            is_refused || !self.passes(&smaller)
         })
     }
 }

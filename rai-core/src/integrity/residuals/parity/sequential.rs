@@ -28,8 +28,9 @@ impl<T: Real> Search<'_, T> {
         let (mut removal, mut sets) = (Removal::none(), 0);
         for _ in 0..self.limits.rows() {
             sets += self.rows.len();
-            let Some(larger) = self.without_the_worst(&removal) else { break };
-            removal = larger;
+            if self.leave_out_worst(&mut removal).is_none() {
+                break;
+            }
             if self.passes(&removal) {
                 return Finding { set: Ok(removal), sets };
             }
@@ -37,8 +38,8 @@ impl<T: Real> Search<'_, T> {
         Finding { set: Err(Unidentified::NoSet), sets }
     }
 
-    /// The set with the row of the largest |w|, the first of equals.
-    fn without_the_worst(&self, removal: &Removal<T>) -> Option<Removal<T>> {
+    /// Takes the row of the largest |w| into the set, the first of equals; `None` where it is refused.
+    fn leave_out_worst(&self, removal: &mut Removal<T>) -> Option<()> {
         let (mut worst, mut largest) = (None, T::zero());
         for row in self.rows {
             let squared = removal.explains_more(row);
@@ -46,6 +47,6 @@ impl<T: Real> Search<'_, T> {
                 (worst, largest) = (Some(row), squared);
             }
         }
-        removal.and(worst?)
+        removal.grow(worst?)
     }
 }

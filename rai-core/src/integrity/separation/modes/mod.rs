@@ -41,7 +41,7 @@ use core::ops::{ControlFlow, RangeInclusive};
 use heapless::Vec;
 
 pub use sets::{Hypothesis, ROWS};
-pub(super) use sets::{Set, members, row};
+pub(super) use sets::{ROOM, Set, members, row};
 pub(super) use visit::Mode;
 
 use combination::{Combination, Event, combinations_backwards};
@@ -74,7 +74,7 @@ struct Cutoff {
 /// The choice of modes for one epoch.
 #[derive(Clone, Debug)]
 pub(super) struct Modes<T: Real> {
-    odds: Vec<Fallible<T>, ROWS>,
+    odds: Vec<Fallible<T>, ROOM>,
     constellations: [T; Constellation::COUNT],
     /// Rows of each constellation, all satellites in view.
     pub(super) members: [Set; Constellation::COUNT],
@@ -213,7 +213,7 @@ impl<T: Real> Modes<T> {
 
     /// Decides where watching ends.
     fn cut(&mut self, tail: T, share: T) {
-        let mut events = Vec::<Event<T>, { Set::BITS as usize }>::new();
+        let mut events = Vec::<Event<T>, { ROOM + Constellation::COUNT }>::new();
         for event in self.events() {
             // There is room for all.
             let _ = events.push(event);

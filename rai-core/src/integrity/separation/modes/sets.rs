@@ -1,9 +1,13 @@
 //! Sets of rows and of events, as words; and what a hypothesis takes away.
 
+use crate::equations::MAX_ROWS;
 use crate::satellite::Constellation;
 
 /// Most rows of an epoch that can be judged: rows and constellations together fit one word.
 pub const ROWS: usize = Set::BITS as usize - Constellation::COUNT;
+
+/// What there is room for: as many, or fewer where no epoch has as many.
+pub(in crate::integrity::separation) const ROOM: usize = if MAX_ROWS < ROWS { MAX_ROWS } else { ROWS };
 
 /// Most events at once.
 pub(in crate::integrity::separation) const EVENTS: usize = 3;

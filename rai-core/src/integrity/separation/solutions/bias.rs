@@ -29,7 +29,7 @@ impl<T: Real> Solutions<'_, T> {
     /// `Σ w_i b_i |b_ji|` over all rows.
     fn coupled_bias(&self, design: &Vector3<T>, group: usize) -> T {
         let level = self.level(group);
-        let rows = self.view.rows.iter().zip(self.view.fits).zip(&self.own);
+        let rows = self.view.rows.iter().zip(self.view.fits).zip(&*self.own);
         rows.fold(T::zero(), |sum, ((row, fit), own)| {
             let shared = if group_of(row) == group { level } else { T::zero() };
             sum + own.weighted_bias * (shared + design.dot(&fit.gain)).abs()

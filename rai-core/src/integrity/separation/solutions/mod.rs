@@ -44,7 +44,7 @@ use elimination::{First, Pair, Second, Third};
 pub(super) use kernel::{GROUPS, group_of};
 use kernel::{Group, Kernel, add_square, diagonal_of, hardly_left, mirror};
 
-use super::modes::{Hypothesis, ROWS, Set, members};
+use super::modes::{Hypothesis, ROOM, ROWS, Set, members};
 use super::{Prior, View};
 use crate::equations::Row;
 use crate::numeric::real::Real;
@@ -74,7 +74,7 @@ pub(super) struct Own<T> {
 /// Solutions without modes; what neighbouring modes share is kept.
 pub(super) struct Solutions<'v, T: Real> {
     view: View<'v, T>,
-    own: Vec<Own<T>, ROWS>,
+    own: &'v mut Vec<Own<T>, ROOM>,
     groups: [Group<T>; GROUPS],
     total_dispersion: Matrix3<T>,
     largest_weight: T,
@@ -97,10 +97,11 @@ impl<'v, T: Real> Solutions<'v, T> {
     /// Of a view, to be prepared where it is: it is large.
     #[allow(clippy::inline_always, reason = "made where it stays: it is large")]
     #[inline(always)]
-    pub(super) fn of(view: View<'v, T>) -> Self {
+    pub(super) fn of(view: View<'v, T>, own: &'v mut Vec<Own<T>, ROOM>) -> Self {
+        own.clear();
         Self {
             view,
-            own: Vec::new(),
+            own,
             groups: [Group::empty(); GROUPS],
             total_dispersion: Matrix3::zeros(),
             largest_weight: T::zero(),
@@ -217,7 +218,7 @@ impl<'v, T: Real> Solutions<'v, T> {
     }
     /// Rows, what the solution says of each, and what integrity adds.
     pub(super) fn rows(&self) -> impl Iterator<Item = (&Row<T>, &Fit<T>, &Own<T>)> {
-        self.view.rows.iter().zip(self.view.fits).zip(&self.own).map(|((row, fit), own)| (row, fit, own))
+        self.view.rows.iter().zip(self.view.fits).zip(&*self.own).map(|((row, fit), own)| (row, fit, own))
     }
 
     /// The largest weight of all rows.
