@@ -10,12 +10,12 @@ use rai_core::frame::Ecef;
 use rai_core::monitor::{Method, MonitorError, Search};
 use rai_core::report::{MAX_EXCLUDED, Report, Unavailable, Verdict};
 use rai_core::requirements::Requirements;
-use rai_core::satellite::SatelliteId;
+use rai_core::satellite::{Constellation, SatelliteId};
 use rai_core::single::{self, Assessment, Memory, Monitor};
 use rai_core::velocity::Velocity;
 
 use crate::config::{Configuration, Frequencies};
-use crate::correction::{CAPACITY, Located, Preference, Ranges, Site, Sky, Tally, coarse, locate};
+use crate::correction::{CAPACITY, Klobuchar, Located, Preference, Ranges, Site, Sky, Tally, coarse, locate};
 use crate::ephemeris::{Ephemeris, Insertion, Store};
 use crate::rates::{RateTally, Rates};
 use crate::raw::RawEpoch;
@@ -46,8 +46,8 @@ pub struct Navigator {
     preference: Preference,
     rates: Rates,
     velocity: Option<Velocity>,
-    /// Klobuchar's coefficients as the satellites broadcast them, and when they came.
-    ionosphere: Option<([f64; 8], GpsTime)>,
+    /// The models of the ionosphere that GPS and `BeiDou` satellites broadcast, and when they came.
+    ionosphere: [Option<(Klobuchar, GpsTime)>; 2],
 }
 
 /// What one epoch needs of memory while it is judged, and leaves behind: here, so that it is not the stack's.
@@ -79,7 +79,7 @@ impl Navigator {
             preference: Preference::new(),
             rates: Rates::new(),
             velocity: None,
-            ionosphere: None,
+            ionosphere: [None; 2],
         }
     }
 
@@ -88,16 +88,29 @@ impl Navigator {
         self.store.insert(ephemeris, now)
     }
 
-    /// Takes coefficients of the ionosphere that satellites have broadcast. Those of a command outrank them.
-    pub fn hear_ionosphere(&mut self, coefficients: [f64; 8], now: Option<GpsTime>) {
-        self.ionosphere = now.map(|now| (coefficients, now)).or(self.ionosphere);
+    /// Takes coefficients of the ionosphere that satellites of a constellation have broadcast, of the model that is theirs.
+    /// What says nothing of it changes nothing, and those of a command outrank them.
+    pub fn hear_ionosphere(
+        &mut self,
+        constellation: Constellation,
+        coefficients: [f64; 8],
+        now: Option<GpsTime>,
+    ) {
+        let [of_gps, of_beidou] = &mut self.ionosphere;
+        let (known, heard) = match constellation {
+            Constellation::Beidou => (of_beidou, Klobuchar::of_beidou(coefficients)),
+            _ => (of_gps, Klobuchar::new(coefficients)),
+        };
+        *known = heard.zip(now).or(*known);
     }
 
-    /// The coefficients in force: those of a command, else those that were broadcast not too long ago.
-    fn coefficients(&self, time: GpsTime, configuration: &Configuration) -> Option<[f64; 8]> {
+    /// The model in force: that of a command, else what GPS has broadcast not too long ago, else what `BeiDou` has.
+    fn klobuchar(&self, time: GpsTime, configuration: &Configuration) -> Option<Klobuchar> {
         let fresh =
-            |(_, came): &([f64; 8], GpsTime)| time.since_ms(*came).unsigned_abs() <= IONOSPHERE_HOLDS_MS;
-        configuration.klobuchar.or(self.ionosphere.filter(fresh).map(|(coefficients, _)| coefficients))
+            |(_, came): &(Klobuchar, GpsTime)| time.since_ms(*came).unsigned_abs() <= IONOSPHERE_HOLDS_MS;
+        let [of_gps, of_beidou] =
+            self.ionosphere.map(|heard| heard.filter(fresh).map(|(klobuchar, _)| klobuchar));
+        configuration.klobuchar.and_then(Klobuchar::new).or(of_gps).or(of_beidou)
     }
 
     /// Takes a first guess of the position. It counts for nothing once there is a fix.
@@ -154,6 +167,9 @@ impl Navigator {
     #[inline(never)]
     pub fn judge(&mut self, raw: &RawEpoch, came_ms: u64, configuration: &Configuration) -> Report<CAPACITY> {
         self.store.observe(raw.satellites.iter().map(|satellite| satellite.satellite));
+        if configuration.systems.contains('R') {
+            self.store.advance(raw.time);
+        }
         let refused = self.tally.ephemerides;
         let mask_dbhz = configuration.signal_mask_db_hz as f32;
         locate(raw, &self.store, mask_dbhz, configuration.systems, &mut self.tally, &mut self.room.sky);
@@ -216,7 +232,7 @@ impl Navigator {
             Frequencies::Auto if configuration.clock_aid || !sky.iter().any(Located::has_pair) => {}
             Frequencies::Auto => {
                 let site =
-                    Site::new(point, time, configuration.mask_rad, self.coefficients(time, configuration));
+                    Site::new(point, time, configuration.mask_rad, self.klobuchar(time, configuration));
                 let hal_m = configuration.requirements.hal_m as f32;
                 let val_m = configuration.requirements.val_m.map_or(f32::INFINITY, |val_m| val_m as f32);
                 let cost = |ranges| site.spread(sky, ranges).map(|spread| spread.cost(hal_m, val_m));
@@ -238,9 +254,9 @@ impl Navigator {
     ) -> Assessment {
         // ARAIM weighs by what is promised, the other methods by what is expected.
         let ism = (configuration.strategy().method == Method::Separation).then_some(*self.monitor.ism());
-        let coefficients = self.coefficients(time, configuration);
+        let klobuchar = self.klobuchar(time, configuration);
         let site =
-            Site::new(point, time, configuration.mask_rad, coefficients).with_ranges(ranges).weighted_by(ism);
+            Site::new(point, time, configuration.mask_rad, klobuchar).with_ranges(ranges).weighted_by(ism);
         let Room { sky, epoch, memory } = &mut self.room;
         site.correct(sky, &mut self.tally.ranges, epoch);
         single::judge(&self.monitor, epoch, point, search, memory)

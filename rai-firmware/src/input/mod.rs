@@ -28,7 +28,7 @@
 //!     Event::Epoch(raw, came_ms) => drop((raw.time, came_ms)),
 //!     Event::Ephemeris(ephemeris) => drop(ephemeris.satellite()),
 //!     Event::Position(point) => drop(point.radius_m()),
-//!     Event::Ionosphere(coefficients) => drop(coefficients),
+//!     Event::Ionosphere(constellation, coefficients) => drop((constellation, coefficients)),
 //!     Event::Jamming(jamming) => drop(jamming.spoofing),
 //! });
 //! ```
@@ -71,8 +71,9 @@ pub enum Event<'a> {
     Ephemeris(Ephemeris),
     /// Where a station says it is: a first guess.
     Position(Ecef),
-    /// Coefficients of Klobuchar's model as the GPS satellites broadcast them, `α0…α3, β0…β3`.
-    Ionosphere([f64; 8]),
+    /// Coefficients of the ionosphere as the satellites of GPS or `BeiDou` broadcast them, each for its own model,
+    /// `α0…α3, β0…β3`.
+    Ionosphere(Constellation, [f64; 8]),
     /// What the receiver says of jamming and spoofing.
     Jamming(Jamming),
 }
@@ -88,8 +89,8 @@ enum Message<'a> {
     State(StateBroadcast),
     /// Where a station says it is.
     Position(Ecef),
-    /// Klobuchar's coefficients where they are of GPS, and GPS time minus UTC in seconds.
-    Corrections(Option<[f64; 8]>, Option<u8>),
+    /// Coefficients of the ionosphere and whose they are, and GPS time minus UTC in seconds.
+    Corrections(Option<(Constellation, [f64; 8])>, Option<u8>),
     /// What the receiver says of jamming and spoofing.
     Jamming(Jamming),
 }
@@ -240,8 +241,8 @@ impl Input {
                     if let Some(leap_s) = leap_s {
                         calendar.leap(leap_s, LeapSource::Satellites);
                     }
-                    if let Some(coefficients) = coefficients {
-                        tell(Event::Ionosphere(coefficients));
+                    if let Some((constellation, coefficients)) = coefficients {
+                        tell(Event::Ionosphere(constellation, coefficients));
                     }
                 }
                 Some(Message::Jamming(jamming)) => tell(Event::Jamming(jamming)),

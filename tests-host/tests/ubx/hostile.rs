@@ -2,6 +2,7 @@
 
 use rai_core::satellite::{Constellation, SatelliteId};
 use rai_firmware::input::Counters;
+use rai_firmware::raw::Band;
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
@@ -260,6 +261,28 @@ fn an_epoch_holds_what_it_can_and_counts_the_rest() {
     let signals = &said.epochs[0].satellites[0].signals;
     assert_eq!((signals.len(), counters.signals_surplus), (1, 1));
     assert!((signals[0].range_m - 2.2e7).abs() < 1e-6);
+}
+
+#[test]
+fn of_five_signals_of_beidou_those_with_known_delays_are_kept() {
+    // B1I, B2I, B3I, B1C, B2a as RAWX numbers them, in every order.
+    let signals = [0_u8, 2, 4, 5, 7];
+    let mut random = ChaCha8Rng::seed_from_u64(13);
+    for many in 4..=5 {
+        for _ in 0..60 {
+            let mut order = signals;
+            order.shuffle(&mut random);
+            let measurements: Vec<Vec<u8>> =
+                order[..many].iter().map(|signal| measurement(2.2e7, [3, 20, *signal])).collect();
+            let (said, counters) = said(&epoch_of(&measurements));
+            let kept: Vec<Band> =
+                said.epochs[0].satellites[0].signals.iter().map(|signal| signal.carrier.band).collect();
+            assert_eq!((kept.len(), counters.signals_surplus as usize), (3, many - 3), "{order:?}");
+            for (signal, band) in [(0, Band::B1I), (2, Band::B2I), (4, Band::B3I)] {
+                assert_eq!(kept.contains(&band), order[..many].contains(&signal), "{order:?}: {kept:?}");
+            }
+        }
+    }
 }
 
 /// A stream in which all formats are mixed, and what is in it.

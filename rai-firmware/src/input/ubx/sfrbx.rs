@@ -22,7 +22,7 @@
 //!
 //! [UBX-F9]: crate#references
 
-use rai_core::satellite::SatelliteId;
+use rai_core::satellite::{Constellation, SatelliteId};
 
 use super::leap::Announcement;
 use super::pages::{Kind, Page, Pages};
@@ -134,8 +134,9 @@ impl Context<'_> {
             }
             4 => {
                 let said = lnav::ionosphere_and_utc(Bits(&subframe));
-                Ok(said
-                    .map(|(coefficients, leap)| Message::Corrections(Some(coefficients), self.leap_s(&leap))))
+                Ok(said.map(|(coefficients, leap)| {
+                    Message::Corrections(Some((Constellation::Gps, coefficients)), self.leap_s(&leap))
+                }))
             }
             5 => Ok(None),
             _ => Err(Refusal::Malformed.into()),
@@ -179,16 +180,21 @@ impl Context<'_> {
         let subframe = beidou::subframe(&frame.words()?)?;
         let bits = Bits(&subframe);
         let is_geostationary = matches!(frame.satellite.number(), 1..=5 | 59..=63);
-        match (is_geostationary, beidou::number(bits), beidou::page(bits)) {
-            (false, number @ 1..=3, _) => {
-                self.complete(&page(frame, Kind::D1, number - 1, &subframe), beidou::d1_ephemeris)
-            }
-            (true, 1, number @ 1..=10) => {
-                self.complete(&page(frame, Kind::D2, number - 1, &subframe), beidou::d2_ephemeris)
-            }
-            (_, 1..=5, _) => Ok(None),
-            _ => Err(Refusal::Malformed.into()),
-        }
+        let (told, ionosphere) = match (is_geostationary, beidou::number(bits), beidou::page(bits)) {
+            (false, number @ 1..=3, _) => (
+                self.complete(&page(frame, Kind::D1, number - 1, &subframe), beidou::d1_ephemeris)?,
+                (number == 1).then(|| beidou::d1_ionosphere(bits)),
+            ),
+            (true, 1, number @ 1..=10) => (
+                self.complete(&page(frame, Kind::D2, number - 1, &subframe), beidou::d2_ephemeris)?,
+                (number == 2).then(|| beidou::d2_ionosphere(bits)),
+            ),
+            (_, 1..=5, _) => (None, None),
+            _ => return Err(Refusal::Malformed.into()),
+        };
+        // A page that completes an ephemeris says that; the coefficients on it come again.
+        let coefficients = || Some(Message::Corrections(Some((Constellation::Beidou, ionosphere?)), None));
+        Ok(told.or_else(coefficients))
     }
 
     fn glonass<'a>(&mut self, frame: &Frame<'_>) -> Result<Option<Message<'a>>, Unread> {
