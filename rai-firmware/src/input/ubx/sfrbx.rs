@@ -44,6 +44,11 @@ impl Navigation {
         Self { pages: Pages::new() }
     }
 
+    /// How many sets were given up incomplete.
+    pub(super) const fn abandoned(&self) -> u32 {
+        self.pages.abandoned()
+    }
+
     /// Reads one frame's payload; `None` when it only adds to what others have said.
     pub(super) fn read<'a>(
         &mut self,
