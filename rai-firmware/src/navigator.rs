@@ -46,8 +46,9 @@ pub struct Navigator {
     preference: Preference,
     rates: Rates,
     velocity: Option<Velocity>,
-    /// The models of the ionosphere that GPS and `BeiDou` satellites broadcast, and when they came.
-    ionosphere: [Option<(Klobuchar, GpsTime)>; 2],
+    /// The models of the ionosphere that GPS and `BeiDou` satellites broadcast, and when they came; none before the first epoch,
+    /// which then dates them.
+    ionosphere: [Option<(Klobuchar, Option<GpsTime>)>; 2],
 }
 
 /// What one epoch needs of memory while it is judged, and leaves behind: here, so that it is not the stack's.
@@ -101,13 +102,14 @@ impl Navigator {
             Constellation::Beidou => (of_beidou, Klobuchar::of_beidou(coefficients)),
             _ => (of_gps, Klobuchar::new(coefficients)),
         };
-        *known = heard.zip(now).or(*known);
+        *known = heard.map(|klobuchar| (klobuchar, now)).or(*known);
     }
 
     /// The model in force: that of a command, else what GPS has broadcast not too long ago, else what `BeiDou` has.
     fn klobuchar(&self, time: GpsTime, configuration: &Configuration) -> Option<Klobuchar> {
-        let fresh =
-            |(_, came): &(Klobuchar, GpsTime)| time.since_ms(*came).unsigned_abs() <= IONOSPHERE_HOLDS_MS;
+        let fresh = |(_, came): &(Klobuchar, Option<GpsTime>)| {
+            came.is_none_or(|came| time.since_ms(came).unsigned_abs() <= IONOSPHERE_HOLDS_MS)
+        };
         let [of_gps, of_beidou] =
             self.ionosphere.map(|heard| heard.filter(fresh).map(|(klobuchar, _)| klobuchar));
         configuration.klobuchar.and_then(Klobuchar::new).or(of_gps).or(of_beidou)
@@ -169,6 +171,9 @@ impl Navigator {
         self.store.observe(raw.satellites.iter().map(|satellite| satellite.satellite));
         if configuration.systems.contains('R') {
             self.store.advance(raw.time);
+        }
+        for (_, came) in self.ionosphere.iter_mut().flatten() {
+            came.get_or_insert(raw.time);
         }
         let refused = self.tally.ephemerides;
         let mask_dbhz = configuration.signal_mask_db_hz as f32;

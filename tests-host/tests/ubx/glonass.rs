@@ -241,25 +241,36 @@ fn a_receiver_that_delays_channels_differently_is_worse_with_it() {
     assert!(with[0] - of_delays[0] > 0.7 * (with[0] - without[0]), "{of_delays:?} m less the delays");
 }
 
-/// Instructions on the chip of an epoch of GPS and GLONASS, as the module is told to use them, 590 s after the reference time.
-fn instructions(systems: &str) -> Option<u64> {
+/// Instructions on the chip of these epochs of GPS and GLONASS, each the fourth that the module hears.
+fn instructions(numbers: [usize; 4]) -> Option<Vec<u64>> {
     let (Some(recording), true) = (STATIC_BASE.load(), laboratory::is_installed()) else { return None };
-    let selection = Selection::new("GR", Frequency::Dual).unwrap();
-    let mut encoder = ubx::Encoder::new(&recording.ephemerides, selection, Some(said(&recording)));
-    let epochs: Vec<Vec<u8>> =
-        recording.epochs[287..291].iter().map(|epoch| encoder.epoch(epoch).unwrap()).collect();
-    let (last, before) = epochs.split_last().unwrap();
-    let (command, before) = (sentence::command(&format!("SYSTEMS,{systems}")), before.concat());
+    let command = sentence::command("SYSTEMS,GR");
     let mut bench = Bench::default();
-    let input =
-        [&[command.len() as u8], command.as_bytes(), &(before.len() as u32).to_le_bytes(), &before, last];
-    bench.request(Stage::Whole, Scalar::Single, &input.concat());
-    Some(bench.run().unwrap()[0].instructions)
+    for number in numbers {
+        let selection = Selection::new("GR", Frequency::Dual).unwrap();
+        let mut encoder = ubx::Encoder::new(&recording.ephemerides, selection, Some(said(&recording)));
+        let epochs = recording.epochs[number - 3..=number].iter();
+        let epochs: Vec<Vec<u8>> = epochs.map(|epoch| encoder.epoch(epoch).unwrap()).collect();
+        let (last, before) = epochs.split_last().unwrap();
+        let before = before.concat();
+        let lengths = ([command.len() as u8], (before.len() as u32).to_le_bytes());
+        let input = [&lengths.0, command.as_bytes(), &lengths.1, &before, last];
+        bench.request(Stage::Whole, Scalar::Single, &input.concat());
+    }
+    Some(bench.run().unwrap().into_iter().map(|answer| answer.instructions).collect())
 }
 
-/// An orbit of state vectors is integrated over one step of Runge and Kutta, and not over all since the reference time.
+/// However far from their reference time, satellites with state vectors are integrated over one step in an epoch, and over one
+/// more in the epoch that goes on to the next node. The recording begins 282 s after the reference time; nodes are 150 s apart.
 #[test]
 fn an_epoch_with_it_costs_one_step_a_satellite() {
-    let (Some(without), Some(with)) = (instructions("G"), instructions("GR")) else { return };
-    println!("whole epoch of GPS: {without} instructions, with eight satellites of GLONASS: {with}");
+    const SATELLITES: u64 = 8;
+    let Some(costs) = instructions([15, 19, 22, 290]) else { return };
+    println!("297 s, 301 s, 304 s and 572 s after the reference time: {costs:?} instructions");
+    let [before, at_node, behind, far] = costs[..] else { unreachable!("four") };
+    let step = at_node.saturating_sub(behind) / SATELLITES;
+    println!("a step: {step} instructions a satellite; kept nodes save {} at 572 s", 3 * SATELLITES * step);
+    // Half a step a satellite is more than epochs differ by otherwise.
+    let same = |a: u64, b: u64| a.abs_diff(b) < SATELLITES * step / 2;
+    assert!(step > 2_000 && same(before, behind) && same(far, behind), "{costs:?}");
 }
