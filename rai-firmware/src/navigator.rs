@@ -12,13 +12,13 @@ use rai_core::monitor::Method;
 use rai_core::monitor::{Accepted, MonitorError, Search};
 use rai_core::report::{MAX_EXCLUDED, Report, Unavailable, Verdict};
 use rai_core::requirements::Requirements;
-use rai_core::satellite::SatelliteId;
+use rai_core::satellite::{Constellation, SatelliteId};
 use rai_core::single::{self, Memory, Monitor, Workspace};
 use rai_core::velocity::Velocity;
 use rai_core::weighting::Ism;
 
 use crate::config::{Configuration, Frequencies};
-use crate::correction::{CAPACITY, Located, Preference, Ranges, Site, Sky, Tally, coarse, locate};
+use crate::correction::{CAPACITY, Klobuchar, Located, Preference, Ranges, Site, Sky, Tally, coarse, locate};
 use crate::ephemeris::{Ephemeris, Insertion, Store};
 use crate::rates::{RateTally, Rates};
 use crate::raw::RawEpoch;
@@ -49,8 +49,9 @@ pub struct Navigator {
     preference: Preference,
     rates: Rates,
     velocity: Option<Velocity>,
-    /// Klobuchar's coefficients as the satellites broadcast them, and when they came.
-    ionosphere: Option<([f64; 8], GpsTime)>,
+    /// The models of the ionosphere that GPS and `BeiDou` satellites broadcast, and when they came; none before the first epoch,
+    /// which then dates them.
+    ionosphere: [Option<(Klobuchar, Option<GpsTime>)>; 2],
 }
 
 /// What one epoch needs of memory while it is judged, and leaves behind: here, so that it is not the stack's.
@@ -82,7 +83,7 @@ impl Navigator {
             preference: Preference::new(),
             rates: Rates::new(),
             velocity: None,
-            ionosphere: None,
+            ionosphere: [None; 2],
         }
     }
 
@@ -91,16 +92,30 @@ impl Navigator {
         self.store.insert(ephemeris, now)
     }
 
-    /// Takes coefficients of the ionosphere that satellites have broadcast. Those of a command outrank them.
-    pub fn hear_ionosphere(&mut self, coefficients: [f64; 8], now: Option<GpsTime>) {
-        self.ionosphere = now.map(|now| (coefficients, now)).or(self.ionosphere);
+    /// Takes coefficients of the ionosphere that satellites of a constellation have broadcast, of the model that is theirs.
+    /// What says nothing of it changes nothing, and those of a command outrank them.
+    pub fn hear_ionosphere(
+        &mut self,
+        constellation: Constellation,
+        coefficients: [f64; 8],
+        now: Option<GpsTime>,
+    ) {
+        let [of_gps, of_beidou] = &mut self.ionosphere;
+        let (known, heard) = match constellation {
+            Constellation::Beidou => (of_beidou, Klobuchar::of_beidou(coefficients)),
+            _ => (of_gps, Klobuchar::new(coefficients)),
+        };
+        *known = heard.map(|klobuchar| (klobuchar, now)).or(*known);
     }
 
-    /// The coefficients in force: those of a command, else those that were broadcast not too long ago.
-    fn coefficients(&self, time: GpsTime, configuration: &Configuration) -> Option<[f64; 8]> {
-        let fresh =
-            |(_, came): &([f64; 8], GpsTime)| time.since_ms(*came).unsigned_abs() <= IONOSPHERE_HOLDS_MS;
-        configuration.klobuchar.or(self.ionosphere.filter(fresh).map(|(coefficients, _)| coefficients))
+    /// The model in force: that of a command, else what GPS has broadcast not too long ago, else what `BeiDou` has.
+    fn klobuchar(&self, time: GpsTime, configuration: &Configuration) -> Option<Klobuchar> {
+        let fresh = |(_, came): &(Klobuchar, Option<GpsTime>)| {
+            came.is_none_or(|came| time.since_ms(came).unsigned_abs() <= IONOSPHERE_HOLDS_MS)
+        };
+        let [of_gps, of_beidou] =
+            self.ionosphere.map(|heard| heard.filter(fresh).map(|(klobuchar, _)| klobuchar));
+        configuration.klobuchar.and_then(Klobuchar::new).or(of_gps).or(of_beidou)
     }
 
     /// Takes a first guess of the position. It counts for nothing once there is a fix.
@@ -172,6 +187,12 @@ impl Navigator {
         configuration: &Configuration,
     ) -> &mut Report<CAPACITY> {
         self.store.observe(raw.satellites.iter().map(|satellite| satellite.satellite));
+        if configuration.systems.contains('R') {
+            self.store.advance(raw.time);
+        }
+        for (_, came) in self.ionosphere.iter_mut().flatten() {
+            came.get_or_insert(raw.time);
+        }
         let refused = self.tally.ephemerides;
         let mask_dbhz = configuration.signal_mask_db_hz as f32;
         locate(raw, &self.store, mask_dbhz, configuration.systems, &mut self.tally, &mut self.room.sky);
@@ -235,7 +256,7 @@ impl Navigator {
             Frequencies::Auto if configuration.clock_aid || !sky.iter().any(Located::has_pair) => {}
             Frequencies::Auto => {
                 let site =
-                    Site::new(point, time, configuration.mask_rad, self.coefficients(time, configuration));
+                    Site::new(point, time, configuration.mask_rad, self.klobuchar(time, configuration));
                 let hal_m = configuration.requirements.hal_m as f32;
                 let val_m = configuration.requirements.val_m.map_or(f32::INFINITY, |val_m| val_m as f32);
                 let cost = |ranges| site.spread(sky, ranges).map(|spread| spread.cost(hal_m, val_m));
@@ -256,9 +277,9 @@ impl Navigator {
         search: Search<'_>,
     ) {
         let ism = self.promise(configuration);
-        let coefficients = self.coefficients(time, configuration);
+        let klobuchar = self.klobuchar(time, configuration);
         let site =
-            Site::new(point, time, configuration.mask_rad, coefficients).with_ranges(ranges).weighted_by(ism);
+            Site::new(point, time, configuration.mask_rad, klobuchar).with_ranges(ranges).weighted_by(ism);
         let Room { sky, epoch, memory } = &mut self.room;
         site.correct(sky, &mut self.tally.ranges, epoch);
         single::judge(&self.monitor, epoch, point, search, memory);

@@ -25,7 +25,7 @@ use crate::time::GpsTime;
 /// How many satellites an epoch holds.
 pub const EPOCH_CAPACITY: usize = 64;
 
-/// How many signals are kept of one satellite, the first in the order of the wire.
+/// How many signals are kept of one satellite. Only `BeiDou`'s have more bands than that; see [`Band::is_spare`].
 pub const SIGNAL_CAPACITY: usize = 3;
 
 /// A carrier of one system. The order within a system is that of the wire.
@@ -93,6 +93,14 @@ impl Band {
         Self::G1,
         Self::G2,
     ];
+
+    /// Whether a signal on it gives way to one that is not spare, where a satellite sends more than are kept.
+    ///
+    /// The five of `BeiDou` make three pairs. D1 and D2 say no delays of B1C and B2a, so that these are worth less than
+    /// any of the others, and the pair that is chosen of all five is among the three that are kept.
+    pub const fn is_spare(self) -> bool {
+        matches!(self, Self::B1C | Self::B2a)
+    }
 
     /// Distance between the channels of a band, Hz; 0 where all satellites share one frequency.
     const fn channel_hz(self) -> f64 {

@@ -443,7 +443,9 @@ impl<P: OutputPin> EpochLoop<P> {
                 Insertion::Disputed => count(&mut self.verdicts.ephemerides_disputed),
             },
             Event::Position(point) => self.navigator.guess(*point),
-            Event::Ionosphere(coefficients) => self.navigator.hear_ionosphere(*coefficients, self.last_time),
+            Event::Ionosphere(constellation, coefficients) => {
+                self.navigator.hear_ionosphere(*constellation, *coefficients, self.last_time);
+            }
             Event::Jamming(said) => {
                 self.jamming = said.jamming.unwrap_or(self.jamming);
                 self.spoofing = said.spoofing.unwrap_or(self.spoofing);

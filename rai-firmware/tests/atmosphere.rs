@@ -35,6 +35,31 @@ fn the_ionosphere_at_night_is_five_nanoseconds_upwards() {
 }
 
 #[test]
+fn the_model_of_beidou_is_that_of_programs_with_another_ancestor() {
+    // What C05 broadcast on 2024-01-01. Wanted is the delay on B1I, m, of the equations in the interface document as programs
+    // that descend from RTKLIB have them, in double precision.
+    let steps = [31.0, 16.0, -20.0, 31.0, 68.0, -24.0, 15.0, 1.0];
+    let units = [-30, -27, -24, -24, 11, 14, 16, 16].map(|exponent| 2f64.powi(exponent));
+    let model = Klobuchar::of_beidou(std::array::from_fn(|index| steps[index] * units[index])).unwrap();
+    let to_l1 = (1_561.098_f64 / 1_575.42).powi(2);
+    for (latitude_deg, longitude_deg, azimuth_deg, elevation_deg, time_of_day_s, want_m) in [
+        (30.5, 114.5, 210.0, 20.0, 21_600, 21.265_667),
+        (30.5, 114.5, 45.0, 75.0, 21_600, 8.765_059),
+        (-33.9, 151.2, 330.0, 15.0, 10_800, 22.587_863),
+        (43.56, 1.48, 100.0, 30.0, 43_920, 10.078_629),
+        (55.5, 8.5, 180.0, 10.0, 32_400, 10.393_264),
+        // At night five nanoseconds, straight up.
+        (30.5, 114.5, 0.0, 90.0, 64_800, 1.498_962),
+    ] {
+        let time = GpsTime { week: 2295, tow_ms: 86_400_000 + 1000 * time_of_day_s };
+        let from = place(latitude_deg, longitude_deg, time);
+        let have_m = f64::from(model.slant(from, towards(azimuth_deg, elevation_deg)).delay_m) / to_l1;
+        assert!((have_m - want_m).abs() < 1e-3, "have {have_m}, want {want_m}");
+    }
+    assert_eq!(Klobuchar::of_beidou([0.0; 8]), None);
+}
+
+#[test]
 fn coefficients_that_no_satellite_sends_are_refused() {
     assert_eq!(Klobuchar::new([f64::NAN; 8]), None);
     assert_eq!(Klobuchar::new([1.0, 0.0, 0.0, 0.0, 1e5, 0.0, 0.0, 0.0]), None);
@@ -83,7 +108,7 @@ proptest! {
     ) {
         let troposphere = Troposphere::above(height_m, sine);
         prop_assert!((0.0..200.0).contains(&troposphere.delay_m(sine)));
-        if let Some(model) = Klobuchar::new(coefficients) {
+        for model in [Klobuchar::new(coefficients), Klobuchar::of_beidou(coefficients)].into_iter().flatten() {
             let receiver = Place::at(angles[0], angles[1], GpsTime { week: 2111, tow_ms });
             let line_of_sight = towards(angles[2].to_degrees(), angles[3].to_degrees());
             let delay_m = model.slant(receiver, line_of_sight).delay_m;

@@ -3,7 +3,7 @@
 mod walker;
 
 use rai_core::epoch::Epoch;
-use rai_firmware::correction::{Preference, Ranges, Site, Sky, Tally, locate};
+use rai_firmware::correction::{Klobuchar, Preference, Ranges, Site, Sky, Tally, locate};
 use rai_firmware::ephemeris::{Ephemeris, Store};
 use rai_firmware::raw::{Band, Carrier, RawEpoch, RawSatellite, RawSignal};
 use walker::{Ionosphere, TOE, range_m, satellite};
@@ -38,7 +38,7 @@ fn on(band: Band, range_m: f64, cn0_dbhz: f32) -> RawSignal {
 }
 
 fn cost(sky: &Sky, ranges: Ranges) -> f32 {
-    let site = Site::new(receiver(), TOE, NO_MASK_RAD, Some(CALM));
+    let site = Site::new(receiver(), TOE, NO_MASK_RAD, Klobuchar::new(CALM));
     site.spread(sky, ranges).unwrap().cost(40.0, 50.0)
 }
 
@@ -117,7 +117,7 @@ fn a_signal_below_the_mask_is_not_used_and_a_weak_one_weighs_less() {
     assert_eq!((at_mask.len(), unknown.len()), (strong.len(), strong.len()));
     let sigma_m = |sky: &Sky| {
         let mut refusals = Tally::default().ranges;
-        let site = Site::new(receiver(), TOE, NO_MASK_RAD, Some(CALM));
+        let site = Site::new(receiver(), TOE, NO_MASK_RAD, Klobuchar::new(CALM));
         let mut epoch = Epoch::new(0.0);
         site.correct(sky, &mut refusals, &mut epoch);
         epoch.observations().iter().map(|observation| observation.sigma_m).collect::<Vec<_>>()

@@ -42,7 +42,7 @@ pub enum Stage {
     Policy = 6,
     /// Fix and complete integrity, from satellite positions and ranges.
     Judge = 7,
-    /// RTCM to raw epoch.
+    /// Bytes of a receiver to raw epoch.
     Decode = 8,
     /// Orbits and clocks.
     Locate = 9,

@@ -85,14 +85,22 @@ fn remedy(need: Need, machine: &Machine) -> Vec<Step> {
     }
 }
 
-fn emulator(packages: Packages) -> Vec<Step> {
-    const INSTALL: [&str; 5] = ["apt-get", "install", "--yes", "--no-install-recommends", "qemu-system-arm"];
+/// How packages of Debian come here; where that is not its way, words.
+fn install(packages: Packages, names: &[&'static str]) -> Vec<Step> {
     // A fresh machine knows no package at all before its lists are fetched.
     let update = ["apt-get", "update"];
+    let install = [&["apt-get", "install", "--yes", "--no-install-recommends"], names].concat();
     let sudo = |command: &[&'static str]| Step::Run([&["sudo", "-n"], command].concat());
     match packages {
-        Packages::Apt => vec![Step::Run(update.to_vec()), Step::Run(INSTALL.to_vec())],
-        Packages::AptSudo => vec![sudo(&update), sudo(&INSTALL)],
+        Packages::Apt => vec![Step::Run(update.to_vec()), Step::Run(install)],
+        Packages::AptSudo => vec![sudo(&update), sudo(&install)],
+        _ => vec![Step::Ask("install gpsd, RTKLIB (for convbin) and Python with venv")],
+    }
+}
+
+fn emulator(packages: Packages) -> Vec<Step> {
+    match packages {
+        Packages::Apt | Packages::AptSudo => install(packages, &["qemu-system-arm"]),
         Packages::AptAsk => {
             vec![Step::Ask(
                 "sudo apt-get update && sudo apt-get install --no-install-recommends qemu-system-arm",
@@ -137,11 +145,44 @@ pub fn ensure() -> anyhow::Result<()> {
     Ok(())
 }
 
+/// Packages of Python that read what the module says.
+const PYTHON_PACKAGES: [&str; 2] = ["pynmea2", "pymavlink"];
+
+/// Installs the programs that tests hold the module against: gpsd, RTKLIB's `convbin`, and packages of Python in a folder of
+/// their own below `target`. Nothing but these tests needs them.
+///
+/// # Errors
+/// As of [`ensure()`].
+pub fn consumers() -> anyhow::Result<()> {
+    let python = python_of_consumers();
+    let (folder, python) = (root().join("target/consumers"), python.display().to_string());
+    let folder = folder.display().to_string();
+    if !["gpsd", "convbin", "python3"].into_iter().all(on_path) {
+        install(packages(), &["gpsd", "rtklib", "python3-venv"]).iter().try_for_each(take)?;
+    }
+    run(&["python3", "-m", "venv", &folder])?;
+    run(&[&[&python, "-m", "pip", "install", "--quiet"], &PYTHON_PACKAGES[..]].concat())
+}
+
+/// The Python that has the consumers' packages: the one that [`consumers`] has made, or else that of the system.
+pub fn python() -> PathBuf {
+    let made = python_of_consumers();
+    if made.is_file() { made } else { PathBuf::from("python3") }
+}
+
+fn python_of_consumers() -> PathBuf {
+    root().join("target/consumers/bin/python3")
+}
+
 fn take(step: &Step) -> anyhow::Result<()> {
     let command = match step {
         Step::Ask(words) => bail!("something is missing that only you can install:\n\n    {words}\n"),
         Step::Run(command) => command,
     };
+    run(command)
+}
+
+fn run(command: &[&str]) -> anyhow::Result<()> {
     eprintln!("$ {}", command.join(" "));
     let (program, arguments) = command.split_first().context("a step without a program")?;
     let status = Command::new(program)

@@ -5,27 +5,32 @@ use std::time::Duration;
 
 use rai_core::frame::LocalFrame;
 use tests_host::board::is_installed;
+use tests_host::capture::{self, Capture};
 use tests_host::encode::{Frequency, Selection};
 use tests_host::fault::Fault;
 use tests_host::gpsd::Gpsd;
 use tests_host::image;
 use tests_host::replay::{self, BoardRun, HostRun, Lump, Pace, Truth, Window};
+use tests_host::shared;
 use tests_host::sky::raw::Simulation;
 use tests_host::stations::{ESBC, STATIC_BASE};
+
+/// A command that changes nothing.
+const AS_IT_STARTS: &str = "PHASE,NPA";
 
 /// What an epoch may cost on the chip, the first one with all its ephemerides left out.
 const EPOCH_INSTRUCTIONS: u64 = 4_000_000;
 
-fn on_both(lumps: &[Lump]) -> (HostRun, BoardRun) {
-    let commands = ["PHASE,NPA".to_owned()];
+fn on_both(lumps: &[Lump], command: &str) -> (HostRun, BoardRun) {
+    let commands = [command.to_owned()];
     let host = replay::on_host(lumps, &commands, Pace::LockStep, |_| {}).expect("the host judges");
     let image = image::build().expect("the image builds");
     let board = replay::on_board(&image, lumps, &host, &commands, |_| {}).expect("the board judges");
     (host, board)
 }
 
-fn assert_identical(lumps: &[Lump]) -> (HostRun, BoardRun) {
-    let (host, board) = on_both(lumps);
+fn assert_identical(lumps: &[Lump], command: &str) -> (HostRun, BoardRun) {
+    let (host, board) = on_both(lumps, command);
     assert_eq!(board.sentences, host.sentences());
     assert_eq!(board.losses, 0, "bytes lost on the board");
     let costliest = board.instructions.iter().skip(1).max().copied().unwrap_or(0);
@@ -45,7 +50,7 @@ fn a_real_day_with_faults_is_judged_alike() {
     let window = Window { to_s: 900.0, ..Window::ALL };
     let selection = Selection::new("GCE", Frequency::Dual).unwrap();
     let lumps = replay::encode(&recording, &selection, &faults, &window).unwrap();
-    let (host, _) = assert_identical(&lumps);
+    let (host, _) = assert_identical(&lumps, AS_IT_STARTS);
     assert!(host.sentences().matches("$PRAIX").count() >= 10, "exclusions are part of the comparison");
 }
 
@@ -57,7 +62,23 @@ fn geostationary_satellites_at_one_hertz_are_judged_alike() {
     let Some(recording) = STATIC_BASE.load() else { return };
     let window = Window { to_s: 20.0, ..Window::ALL };
     let selection = Selection::new("GCE", Frequency::Dual).unwrap();
-    assert_identical(&replay::encode(&recording, &selection, &[], &window).unwrap());
+    assert_identical(&replay::encode(&recording, &selection, &[], &window).unwrap(), AS_IT_STARTS);
+}
+
+/// Navigation bits of five systems, state vectors that are integrated, and ranges as doubles.
+#[test]
+fn a_u_blox_stream_of_five_systems_is_judged_alike() {
+    let Some(path) = shared::path_or_skip("data/ubx/static1hz_base.ubx.gz") else { return };
+    if !is_installed() {
+        return;
+    }
+    let bytes = capture::read(&path.display().to_string(), 0.0).unwrap();
+    let window = Window { to_s: 60.0, ..Window::ALL };
+    let lumps = Capture::of(bytes, None).unwrap().lumps(&[], &window).unwrap().lumps;
+    let (host, _) = assert_identical(&lumps, "SYSTEMS,GCERJ");
+    let said = host.sentences();
+    let (last, of_glonass) = (said.rfind("$PRAIS").unwrap(), said.rfind("$GLGSA").unwrap());
+    assert!(last > of_glonass && said[last..].contains(",P,OK,"), "{}", &said[last..]);
 }
 
 #[test]
@@ -69,7 +90,7 @@ fn gpsd_behind_the_board_has_a_3d_fix_and_its_errors() {
     let recording = Simulation::above_xian(0.0, 30, 7).record();
     let selection = Selection::new("GC", Frequency::Dual).unwrap();
     let lumps = replay::encode(&recording, &selection, &[], &Window::ALL).unwrap();
-    let (host, board) = on_both(&lumps);
+    let (host, board) = on_both(&lumps, AS_IT_STARTS);
     let track = replay::track(&lumps, &host, None::<&Truth>).unwrap();
     let want =
         track.last().and_then(|moment| moment.output.as_ref()).and_then(|output| output.position).unwrap();

@@ -7,7 +7,10 @@
 //! | `ArduPilot` | the rules of its NMEA driver restated, `libraries/AP_GPS/AP_GPS_NMEA.cpp` (`_have_new_message`, `_term_complete`) |
 //! | PX4 | the rules of its NMEA driver restated, PX4-GPSDrivers `src/nmea.cpp` |
 //!
-//! gpsd has tests of its own. The packages of Python are asked for, and the test skipped with a word, where they are absent.
+//! | ROS | the rules of `nmea_navsat_driver` restated, `src/libnmea_navsat_driver/driver.py` (`add_sentence`), `parser.py` |
+//!
+//! gpsd has tests of its own. `cargo xtask setup --consumers` brings gpsd and the packages of Python; without these a test is
+//! skipped with a word, and counted.
 
 use std::io::Write as _;
 use std::process::{Command, Stdio};
@@ -24,6 +27,7 @@ use rai_firmware::output::schedule::{Due, Item, Schedule};
 use rai_firmware::output::{Interference, Motion, Statement};
 use rai_firmware::time::GpsTime;
 use serde_json::Value;
+use tests_host::{setup, skip};
 
 /// 2026-01-06, 12:00:00 UTC.
 const NOON: GpsTime = GpsTime { week: 2400, tow_ms: (2 * 86_400 + 12 * 3600 + 18) * 1000 };
@@ -94,12 +98,13 @@ fn frames(report: &Report<64>, motion: Option<Motion>) -> Vec<u8> {
 
 /// Runs Python with something on its standard input; `None`, said aloud, where it or a package is missing.
 fn python(package: &str, script: &str, input: &[u8]) -> Option<Value> {
-    let has_package = Command::new("python3").args(["-c", &format!("import {package}")]).output();
+    let python = setup::python();
+    let has_package = Command::new(&python).args(["-c", &format!("import {package}")]).output();
     if !has_package.is_ok_and(|output| output.status.success()) {
-        eprintln!("skipped: needs {package} for python3 (pip install {})", package.split('.').next()?);
+        skip::say(&format!("{package} for Python (cargo xtask setup --consumers)"));
         return None;
     }
-    let mut child = Command::new("python3")
+    let mut child = Command::new(&python)
         .args(["-c", script])
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())
@@ -285,4 +290,29 @@ fn px4_gets_position_and_velocity_while_protected_and_no_fix_in_an_alert() {
     assert!(has_fix(&protected) && has_velocity(&protected));
     let alert = sentences(&report(Verdict::Alert(Alert::Fault)), Some(MOTION));
     assert!(!has_fix(&alert) && !has_velocity(&alert));
+}
+
+/// What ROS publishes of an epoch: status of the fix by the quality of `GGA` (−1 for 0, 0 for 1), which it takes of talkers GP
+/// and GN only; a velocity of `RMC` with status `A`. A field that is empty becomes no number.
+fn ros(text: &str) -> (i8, bool) {
+    let heard: String = text
+        .lines()
+        .filter(|line| line.starts_with("$GN") || line.starts_with("$GP"))
+        .fold(String::new(), |heard, line| heard + line + "\n");
+    let status = match fields(&heard, "GGA").map(|gga| gga[5].to_owned()).as_deref() {
+        Some("1") => 0,
+        _ => -1,
+    };
+    let velocity = fields(&heard, "RMC").filter(|rmc| rmc[1] == "A");
+    (status, velocity.is_some_and(|rmc| rmc[6].parse::<f64>().is_ok() && rmc[7].parse::<f64>().is_ok()))
+}
+
+#[test]
+fn ros_gets_a_fix_and_a_velocity_while_protected_and_neither_in_an_alert() {
+    let protected = sentences(&report(Verdict::Protected(Protected::Ok)), Some(MOTION));
+    assert_eq!(ros(&protected), (0, true));
+    let alert = sentences(&report(Verdict::Alert(Alert::Fault)), Some(MOTION));
+    assert_eq!(ros(&alert), (-1, false));
+    let still = sentences(&report(Verdict::Protected(Protected::Ok)), None);
+    assert_eq!(ros(&still), (0, false));
 }

@@ -45,7 +45,7 @@ fn hear() -> Heard {
                 store.insert(ephemeris, None);
             }
             Event::Epoch(raw, _) => epochs.push(raw.clone()),
-            Event::Position(_) | Event::Ionosphere(_) | Event::Jamming(_) => {}
+            Event::Position(_) | Event::Ionosphere(..) | Event::Jamming(_) => {}
         });
     }
     assert!(epochs.len() >= 3, "{} epochs", epochs.len());

@@ -1,7 +1,7 @@
 //! `cargo xtask setup`: what the Rust toolchain does not bring.
 
 use anyhow::ensure;
-use tests_host::setup::{Machine, Step, ensure as ensure_set_up, plan};
+use tests_host::setup::{Machine, Step, consumers, ensure as ensure_set_up, plan};
 
 /// Arguments of the command.
 #[derive(clap::Args)]
@@ -9,12 +9,18 @@ pub(crate) struct Arguments {
     /// Install nothing; say what is missing, and fail if anything is.
     #[arg(long)]
     check: bool,
+    /// Also what tests hold the module against: gpsd, RTKLIB, and pynmea2 and pymavlink in a folder of their own.
+    #[arg(long, conflicts_with = "check")]
+    consumers: bool,
 }
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if !arguments.check {
         ensure_set_up()?;
+        if arguments.consumers {
+            consumers()?;
+        }
         println!("everything is there");
         return Ok(());
     }

@@ -10,7 +10,17 @@
 //! ```
 //!
 //! Ionosphere, [Klobuchar1987] with the eight coefficients that GPS broadcasts; it removes about half of the delay.
-//! Delays on another frequency go with `1/f²`.
+//! Delays on another frequency go with `1/f²`. What `BeiDou` broadcasts are eight coefficients of another model
+//! ([BDS-SIS-B1I] 5.2.4.7), half a cosine over the day, too:
+//!
+//! | | GPS | `BeiDou` |
+//! |---|---|---|
+//! | carrier | L1 | B1I |
+//! | pierced at | 350 km, approximated | 375 km, on the sphere |
+//! | polynomials in | geomagnetic latitude | geographic latitude, northern or southern alike |
+//! | period | 20 h or more | 20 h to 48 h |
+//! | cosine | its series | itself |
+//! | path | `1 + 16 (0.53 − E)³`, `E` in semicircles | `1/√(1 − (R cos E/(R + h))²)` |
 //!
 //! | symbol | here | unit |
 //! |---|---|---|
@@ -22,8 +32,10 @@
 //! Models of some per cent are worked out in single precision, which is right to 0.01 mm.
 //!
 //! Assumes 70 % relative humidity. Good to about 5 % of the zenith's wet part (some centimetres) and, down to 4° of
-//! elevation, to 0.2 m. References: [Saastamoinen1972], [DO-229] A.4.2.4, [Klobuchar1987], [IS-GPS-200] 20.3.3.5.2.5.
+//! elevation, to 0.2 m. References: [Saastamoinen1972], [DO-229] A.4.2.4, [Klobuchar1987], [IS-GPS-200] 20.3.3.5.2.5,
+//! [BDS-SIS-B1I] 5.2.4.7.
 //!
+//! [BDS-SIS-B1I]: crate#references
 //! [Saastamoinen1972]: crate#references
 //! [DO-229]: crate#references
 //! [Klobuchar1987]: crate#references
@@ -33,7 +45,8 @@ use core::f32::consts::PI;
 
 use rai_core::frame::SPEED_OF_LIGHT_M_S;
 
-use crate::time::GpsTime;
+use crate::raw::Band;
+use crate::time::{BEIDOU_OFFSET_MS, GpsTime};
 
 /// Heights between which the standard atmosphere is used, m: below the lowest land, above the highest aircraft.
 const HEIGHT_M: core::ops::RangeInclusive<f32> = -500.0..=20_000.0;
@@ -83,14 +96,28 @@ fn wet_zenith_m(height_m: f32) -> f32 {
     0.002277 * (1255.0 / temperature_k + 0.05) * RELATIVE_HUMIDITY * saturation_hpa
 }
 
-/// The coefficients of the single-frequency ionosphere, as GPS broadcasts them.
+/// Whose model of the ionosphere coefficients belong to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Model {
+    Gps,
+    Beidou,
+}
+
+/// The coefficients of the single-frequency ionosphere, as satellites broadcast them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Klobuchar {
+    model: Model,
     /// Amplitude polynomial: s, s/semicircle, s/semicircle², s/semicircle³.
     alpha: [f32; 4],
     /// Period polynomial: the same units.
     beta: [f32; 4],
 }
+
+/// Delay at night straight up, s.
+const NIGHT_S: f32 = 5e-9;
+
+/// The earth's radius over that of the shell that `BeiDou`'s model puts the ionosphere in, 375 km above it.
+const SHELL_RATIO: f32 = 6378.0 / (6378.0 + 375.0);
 
 /// What the model says of one line of sight.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -103,19 +130,28 @@ pub struct Slant {
 
 impl Klobuchar {
     /// Without coefficients: the night-time constant at all hours.
-    pub const NIGHT: Self = Self { alpha: [0.0; 4], beta: [0.0; 4] };
+    pub const NIGHT: Self = Self { model: Model::Gps, alpha: [0.0; 4], beta: [0.0; 4] };
 
-    /// Coefficients in the order of the message: four of the amplitude, four of the period.
+    /// Coefficients of GPS in the order of the message: four of the amplitude, four of the period.
     ///
     /// `None` when one is not finite or larger than its field in the message (2⁻²³ s, 2²³ s, with room for
     /// the steeper powers), and when all of an amplitude or a period are zero, which says that nothing is known.
     pub fn new(coefficients: [f64; 8]) -> Option<Self> {
+        Self::of(Model::Gps, coefficients)
+    }
+
+    /// Coefficients of `BeiDou`'s model, under the same conditions.
+    pub fn of_beidou(coefficients: [f64; 8]) -> Option<Self> {
+        Self::of(Model::Beidou, coefficients)
+    }
+
+    fn of(model: Model, coefficients: [f64; 8]) -> Option<Self> {
         let [a0, a1, a2, a3, b0, b1, b2, b3] = coefficients;
         let (alpha, beta) = ([a0, a1, a2, a3], [b0, b1, b2, b3]);
         let is_sound = alpha.iter().all(|a| a.abs() <= 1e-4) && beta.iter().all(|b| b.abs() <= 1e7);
         let says_something = alpha.iter().any(|a| *a != 0.0) && beta.iter().any(|b| *b != 0.0);
         let narrow = |terms: [f64; 4]| terms.map(|term| term as f32);
-        (is_sound && says_something).then(|| Self { alpha: narrow(alpha), beta: narrow(beta) })
+        (is_sound && says_something).then(|| Self { model, alpha: narrow(alpha), beta: narrow(beta) })
     }
 
     /// Delay towards a satellite.
@@ -127,17 +163,48 @@ impl Klobuchar {
         let horizontal = libm::sqrtf(east * east + north * north);
         let elevation_sc = libm::atan2f(up.max(0.0), horizontal) / PI;
         let pierce = PiercePoint::of(place, [east, north], horizontal, elevation_sc);
-        let local_s = local_time_s(pierce.longitude_sc, place.time_of_day_s);
-        let lower = 0.53 - elevation_sc;
-        let longer = 1.0 + 16.0 * lower * lower * lower;
-        let delay_m = SPEED_OF_LIGHT_M_S as f32 * longer * self.vertical_s(pierce.geomagnetic_sc, local_s);
+        let (vertical_s, longer) = match self.model {
+            Model::Gps => {
+                let local_s = local_time_s(pierce.longitude_sc, place.time_of_day_s);
+                let lower = 0.53 - elevation_sc;
+                (self.vertical_s(pierce.geomagnetic_sc, local_s), 1.0 + 16.0 * lower * lower * lower)
+            }
+            Model::Beidou => self.beidou(place, [east, north, up.max(0.0)], horizontal),
+        };
+        let delay_m = SPEED_OF_LIGHT_M_S as f32 * longer * vertical_s;
         let delay_m = if delay_m.is_finite() { delay_m } else { 0.0 };
         Slant { delay_m, geomagnetic_sc: pierce.geomagnetic_sc }
     }
 
+    /// What `BeiDou`'s model says of a line of sight: delay straight up on L1, s, and how much longer the path is.
+    fn beidou(&self, place: Place, [east, north, up]: [f32; 3], horizontal: f32) -> (f32, f32) {
+        /// B1I to L1: `f²/f₁²`.
+        const TO_L1: f32 = {
+            let ratio = Band::B1I.frequency_hz() / Band::L1.frequency_hz();
+            (ratio * ratio) as f32
+        };
+        // The cosine of the elevation, of what is a unit vector above the horizon.
+        let cos_elevation = (horizontal / libm::sqrtf(horizontal * horizontal + up * up)).min(1.0);
+        let (latitude_sc, longitude_sc) = on_the_sphere(place, [east, north], horizontal, cos_elevation);
+        let local_s = local_time_s(longitude_sc, place.time_of_day_s - BEIDOU_OFFSET_MS as f32 * 1e-3);
+        let slanted = SHELL_RATIO * cos_elevation;
+        let vertical_s = TO_L1 * self.beidou_vertical_s(latitude_sc.abs(), local_s);
+        (vertical_s, 1.0 / libm::sqrtf(1.0 - slanted * slanted))
+    }
+
+    /// Vertical delay on B1I by `BeiDou`'s model, s; the latitude is geographic, without its sign.
+    fn beidou_vertical_s(&self, latitude_sc: f32, local_s: f32) -> f32 {
+        let amplitude_s = polynomial(&self.alpha, latitude_sc).max(0.0);
+        let period_s = polynomial(&self.beta, latitude_sc).clamp(72_000.0, 172_800.0);
+        let since_peak_s = local_s - 50_400.0;
+        if since_peak_s.abs() >= 0.25 * period_s {
+            return NIGHT_S;
+        }
+        NIGHT_S + amplitude_s * cosine(2.0 * since_peak_s / period_s)
+    }
+
     /// Vertical delay on L1, s: 5 ns at night, half a cosine around two in the afternoon.
     fn vertical_s(&self, geomagnetic_sc: f32, local_s: f32) -> f32 {
-        const NIGHT_S: f32 = 5e-9;
         let amplitude_s = polynomial(&self.alpha, geomagnetic_sc).max(0.0);
         let period_s = polynomial(&self.beta, geomagnetic_sc).max(72_000.0);
         let phase_rad = 2.0 * PI * (local_s - 50_400.0) / period_s;
@@ -189,6 +256,20 @@ impl PiercePoint {
         let geomagnetic_sc = latitude_sc + 0.064 * cosine(longitude_sc - 1.617);
         Self { longitude_sc, geomagnetic_sc }
     }
+}
+
+/// Latitude and longitude of where a line of sight crosses the shell of `BeiDou`'s model, semicircles.
+fn on_the_sphere(place: Place, [east, north]: [f32; 2], horizontal: f32, cos_elevation: f32) -> (f32, f32) {
+    // A right angle less the elevation is the arc sine of its cosine.
+    let central_rad = libm::asinf(cos_elevation) - libm::asinf(SHELL_RATIO * cos_elevation);
+    let [(sin_central, cos_central), (sin_latitude, cos_latitude)] =
+        [central_rad / PI, place.latitude_sc].map(|angle_sc| (cosine(angle_sc - 0.5), cosine(angle_sc)));
+    // Straight up has no azimuth, and nothing to turn by.
+    let scale = if horizontal > 1e-6 { 1.0 / horizontal } else { 0.0 };
+    let sine = sin_latitude * cos_central + cos_latitude * sin_central * north * scale;
+    let latitude_sc = libm::asinf(sine.clamp(-1.0, 1.0)) / PI;
+    let turn = (sin_central * east * scale / cosine(latitude_sc)).clamp(-1.0, 1.0);
+    (latitude_sc, place.longitude_sc + libm::asinf(turn) / PI)
 }
 
 /// Local solar time at the pierce point, s in 0..86,400.

@@ -45,9 +45,9 @@ struct Corrected {
 impl Site {
     /// The site at a point known to some hundred metres.
     ///
-    /// `mask_rad` is the elevation below which satellites are left out; `coefficients` are Klobuchar's, where they are
-    /// known. It uses pairs of frequencies where there are some, until [`Self::with_ranges`] says otherwise.
-    pub fn new(point: Ecef, time: GpsTime, mask_rad: f64, coefficients: Option<[f64; 8]>) -> Self {
+    /// `mask_rad` is the elevation below which satellites are left out; `klobuchar` is the model of the ionosphere, where its
+    /// coefficients are known. It uses pairs of frequencies where there are some, until [`Self::with_ranges`] says otherwise.
+    pub fn new(point: Ecef, time: GpsTime, mask_rad: f64, klobuchar: Option<Klobuchar>) -> Self {
         let frame = LocalFrame::at(point);
         let sin_latitude = frame.sin_latitude() as f32;
         let cos_latitude = libm::sqrtf((1.0 - sin_latitude * sin_latitude).max(0.0));
@@ -64,7 +64,7 @@ impl Site {
             place: Place::at(libm::atan2f(sin_latitude, cos_latitude), longitude_rad, time),
             sin_mask: libm::sin(mask_rad) as f32,
             troposphere: Troposphere::above(frame.height_m() as f32, sin_latitude),
-            klobuchar: coefficients.and_then(Klobuchar::new),
+            klobuchar,
             ranges: Ranges::Pairs,
             ism: None,
         }

@@ -2,7 +2,8 @@
 
 /// One sigma of an URA index of GPS or `BeiDou`, m; `None` for 15 and above: no promise.
 ///
-/// The nominal values of [IS-GPS-200] 20.3.3.3.1.3; [BDS-SIS-B1I] 5.2.4.5 uses the same table.
+/// The nominal values of [IS-GPS-200] 20.3.3.3.1.3 and of the URAI of [BDS-SIS-B1I] 5.2.4.5, which are the same: `2^(1+N/2)`
+/// below 6 with 2.8, 5.7 and 11.3 for the odd ones, `2^(N−2)` from there on.
 ///
 /// [IS-GPS-200]: crate#references
 /// [BDS-SIS-B1I]: crate#references
@@ -25,7 +26,7 @@ pub fn glonass_accuracy_m(index: u8) -> Option<f32> {
 
 /// One sigma of a SISA index of Galileo, m; `None` for the spare values and for "no accuracy prediction".
 ///
-/// Four linear pieces, [OS-SIS-ICD] table 76.
+/// Four linear pieces, [OS-SIS-ICD] 5.1.12, "SISA index values": table 76 of issue 1.3, table 89 of issue 2.1.
 ///
 /// [OS-SIS-ICD]: crate#references
 pub fn galileo_sisa_m(index: u8) -> Option<f32> {
@@ -47,6 +48,17 @@ mod tests {
     fn galileo_index_107_is_the_usual_3_12_metres() {
         // Index and metres as they stand in receivers' RINEX files: 107 is 3.12 m.
         assert!((galileo_sisa_m(107).unwrap() - 3.12).abs() < 1e-6);
+    }
+
+    #[test]
+    fn accuracies_of_gps_and_beidou_follow_the_rule_of_their_documents() {
+        for index in 0..15_u8 {
+            let n = f32::from(index);
+            let rule = if index < 6 { libm::exp2f(1.0 + n / 2.0) } else { libm::exp2f(n - 2.0) };
+            let have = ura_m(index).unwrap();
+            // 2.828, 5.657 and 11.314 are printed with one digit.
+            assert!((have - rule).abs() < 0.05, "{index}: have {have}, want {rule}");
+        }
     }
 
     #[test]

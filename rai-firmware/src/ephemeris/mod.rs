@@ -224,6 +224,11 @@ impl Ephemeris {
         accuracy_m.is_finite().then_some(accuracy_m)
     }
 
+    /// Works out ahead what epochs soon after this one have in common; no position changes.
+    fn advance(&mut self, received: GpsTime) {
+        self.orbit.advance(received.since_ms(self.toe) as f64 * 1e-3);
+    }
+
     /// Takes what another message of the satellite says of its own signals: their health, and how good ranges with them
     /// are.
     fn merge_health(&mut self, fnav: &Self) {

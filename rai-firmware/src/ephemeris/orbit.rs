@@ -30,4 +30,13 @@ impl Orbit {
             Self::StateVector(state) => state.at(since_toe).ok_or(EphemerisError::Stale),
         }
     }
+
+    /// Works out ahead what instants soon after this one have in common. It changes no motion.
+    pub(super) fn advance(&mut self, received_s: f64) {
+        match self {
+            // All at once: an instant of an ellipse has nothing in common with another.
+            Self::Kepler(_) => {}
+            Self::StateVector(state) => state.advance(received_s),
+        }
+    }
 }

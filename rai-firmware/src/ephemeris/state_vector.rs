@@ -8,6 +8,12 @@
 //!
 //! Where the satellite is at another instant follows from the forces on it ([`super::forces`]). Relativity is in `γ_n`.
 //!
+//! To integrate from `t_b` takes up to seven steps. The last whole step that [`StateVector::advance`] has reached is kept,
+//! and an instant soon after it takes one. What is kept is a function of the message alone and changes no result.
+//!
+//! Every element stays the integer that was broadcast. In single precision a velocity would lose up to 0.1 mm/s, which a
+//! quarter of an hour makes a decimetre of.
+//!
 //! Reference: [GLO-ICD] 5.1, appendix J.1.
 //!
 //! [GLO-ICD]: crate#references
@@ -16,10 +22,15 @@ use rai_core::frame::Ecef;
 use rai_core::satellite::SatelliteId;
 
 use super::elapsed::Elapsed;
-use super::forces::State;
+use super::forces::{Node, State};
 use super::motion::Motion;
 use super::{BroadcastError, Health};
 use crate::time::GpsTime;
+
+/// Steps of the message: 2⁻¹¹ km, 2⁻²⁰ km/s, 2⁻³⁰ km/s².
+const POSITION_STEP_M: f64 = 1e3 / (1 << 11) as f64;
+const VELOCITY_STEP_M_S: f64 = 1e3 / (1 << 20) as f64;
+const ACCELERATION_STEP_M_S2: f64 = 1e3 / (1 << 30) as f64;
 
 /// One GLONASS satellite's message with the day resolved. Any value may stand here;
 /// [`Ephemeris::of_state`](super::Ephemeris::of_state) judges.
@@ -47,32 +58,82 @@ pub struct StateBroadcast {
     pub delay_l2_s: f32,
 }
 
-/// A state vector, checked.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// A state vector, checked; each element in the steps of the message.
+#[derive(Clone, Copy, Debug)]
 pub struct StateVector {
-    position_m: [f64; 3],
-    velocity_m_s: [f32; 3],
-    acceleration_m_s2: [f32; 3],
+    /// The node that was reached last, and how many steps from the reference time it is.
+    node: State,
+    node_steps: i8,
+    acceleration: [i8; 3],
+    position: [i32; 3],
+    velocity: [i32; 3],
+}
+
+/// By what was broadcast; the node says nothing that is not in it.
+impl PartialEq for StateVector {
+    fn eq(&self, other: &Self) -> bool {
+        (self.position, self.velocity, self.acceleration)
+            == (other.position, other.velocity, other.acceleration)
+    }
 }
 
 impl StateVector {
-    /// The judged elements.
+    /// The judged elements, rounded to the steps of the message.
     pub(super) fn new(broadcast: &StateBroadcast) -> Result<Self, BroadcastError> {
         check(broadcast)?;
-        Ok(Self {
-            position_m: broadcast.position_m,
-            // Multiples of 2⁻²⁰ km/s with 24 bits: exact.
-            velocity_m_s: broadcast.velocity_m_s.map(|velocity| velocity as f32),
-            acceleration_m_s2: broadcast.acceleration_m_s2,
-        })
+        let steps = |value: f64, step: f64| libm::round(value / step) as i32;
+        let mut vector = Self {
+            node: State { position: [0.0; 3], velocity: [0.0; 3] },
+            node_steps: 0,
+            // At most 107 of its steps.
+            acceleration: broadcast
+                .acceleration_m_s2
+                .map(|pull_m_s2| steps(f64::from(pull_m_s2), ACCELERATION_STEP_M_S2) as i8),
+            position: broadcast.position_m.map(|position_m| steps(position_m, POSITION_STEP_M)),
+            velocity: broadcast.velocity_m_s.map(|velocity_m_s| steps(velocity_m_s, VELOCITY_STEP_M_S)),
+        };
+        vector.keep(vector.reference());
+        Ok(vector)
     }
 
     /// The motion at an instant counted from the reference time; none where that is too far off.
     pub(super) fn at(&self, since_toe: Elapsed) -> Option<Motion> {
-        let start = State { position: self.position_m, velocity: self.velocity_m_s.map(f64::from) };
-        let pull_m_s2 = self.acceleration_m_s2.map(f64::from);
-        let [x_m, y_m, z_m] = start.after(since_toe.to_s(), pull_m_s2)?.position;
+        let seconds = since_toe.to_s();
+        let state = self.node_of(Node::steps_to(seconds)?).state_at(seconds, self.pull_m_s2());
+        let [x_m, y_m, z_m] = state.position;
         Some(Motion { position: Ecef::new(x_m, y_m, z_m), relativity_s62: 0 })
+    }
+
+    /// Keeps the node at which the way to signals begins that are received this long after the reference time.
+    pub(super) fn advance(&mut self, received_s: f64) {
+        /// A signal leaves up to so much earlier, s; the node must be on the way to both.
+        const TRAVEL_S: f64 = 0.15;
+        let nearest_s = if received_s > 0.0 { (received_s - TRAVEL_S).max(0.0) } else { received_s };
+        if let Some(steps) = Node::steps_to(nearest_s).filter(|steps| *steps != self.node_steps) {
+            self.keep(self.node_of(steps));
+        }
+    }
+
+    /// The node of so many steps: from the one that is kept where that is on the way, else from the reference time.
+    fn node_of(&self, steps: i8) -> Node {
+        let kept = Node { steps: self.node_steps, state: self.node };
+        let start = if kept.is_on_the_way_to(steps) { kept } else { self.reference() };
+        start.advanced(steps, self.pull_m_s2())
+    }
+
+    fn keep(&mut self, node: Node) {
+        (self.node, self.node_steps) = (node.state, node.steps);
+    }
+
+    fn reference(&self) -> Node {
+        Node::at_reference(State {
+            position: self.position.map(|steps| POSITION_STEP_M * f64::from(steps)),
+            velocity: self.velocity.map(|steps| VELOCITY_STEP_M_S * f64::from(steps)),
+        })
+    }
+
+    fn pull_m_s2(&self) -> [f64; 3] {
+        self.acceleration.map(|steps| ACCELERATION_STEP_M_S2 * f64::from(steps))
     }
 }
 

@@ -19,9 +19,11 @@
 //! F/NAV takes its place only when it has become stale. What each says of the health of its own signals counts from then on
 //! ([`Ephemeris::merge_health`]).
 //!
-//! **Room** for [`CAPACITY`] satellites, 9 KiB: as many as an epoch has, and more than four systems show at once. When it is full, first goes what is
-//! stale, then what was not observed for longest, then what was received first. Half a dozen contradictions are kept; where
-//! there are more, the set that is known stays, disputed.
+//! **Room** for [`CAPACITY`] satellites, 10 KiB: as many as an epoch has, and more than four systems show at once. When it
+//! is full, first goes what is stale, then what was not observed for longest, then what was received first. Half a dozen
+//! contradictions are kept; where there are more, the set that is known stays, disputed.
+//!
+//! **State vectors** are integrated, and what the next epochs have in common with this one is kept ([`Store::advance`]).
 
 use heapless::Vec;
 use rai_core::frame::SPEED_OF_LIGHT_M_S;
@@ -39,7 +41,7 @@ const RIVALS: usize = 6;
 /// Two sets that are farther apart than this, in position or clock, contradict each other, m: ten sigma of the poorest.
 const AGREEMENT_M: f64 = 30.0;
 
-const _: () = assert!(size_of::<Entry>() <= 144);
+const _: () = assert!(size_of::<Entry>() <= 152);
 
 /// What became of an ephemeris that was offered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -102,6 +104,13 @@ impl Store {
                 entry.observed = self.epochs;
             }
         }
+    }
+
+    /// Integrates the state vectors of the satellites that were observed last up to an instant, so that where they are
+    /// then and soon after is a matter of one step. It changes no position.
+    pub fn advance(&mut self, time: GpsTime) {
+        let observed = self.entries.iter_mut().filter(|entry| entry.observed == self.epochs);
+        observed.for_each(|entry| entry.ephemeris.advance(time));
     }
 
     /// The ephemeris of a satellite, if it may be used at that time.

@@ -314,7 +314,7 @@ fn open(epoch: &mut RawEpoch, satellite: SatelliteId, signal: RawSignal, counter
 }
 
 /// Keeps one code of each band: the one that the broadcast clock is of, else the first on the wire. Of a code whose
-/// strength says nothing the strength is that of the other.
+/// strength says nothing the strength is that of the other. Of more bands than there is room for, spare ones go.
 fn add_signal(raw: &mut RawSatellite, signal: RawSignal, is_reference: bool, counters: &mut Counters) {
     if let Some(known) = raw.signals.iter_mut().find(|known| known.carrier.band == signal.carrier.band) {
         if is_reference {
@@ -326,5 +326,9 @@ fn add_signal(raw: &mut RawSatellite, signal: RawSignal, is_reference: bool, cou
         count(&mut counters.signals_surplus);
     } else if raw.signals.push(signal).is_err() {
         count(&mut counters.signals_surplus);
+        let spare = raw.signals.iter_mut().rev().find(|known| known.carrier.band.is_spare());
+        if let Some(spare) = spare.filter(|_| !signal.carrier.band.is_spare()) {
+            *spare = signal;
+        }
     }
 }

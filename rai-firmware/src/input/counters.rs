@@ -41,6 +41,8 @@ counters! {
         subframes_surplus,
         /// Sets of navigation bits whose pages are of different issues.
         subframes_mixed,
+        /// Sets of navigation bits that lacked a page and were given up when none had come for two minutes.
+        subframes_abandoned,
         /// Reference positions far from the surface of the earth.
         positions_invalid,
         /// Epochs handed on.

@@ -29,7 +29,7 @@
 //!     Event::Epoch(raw, came_ms) => drop((raw.time, came_ms)),
 //!     Event::Ephemeris(ephemeris) => drop(ephemeris.satellite()),
 //!     Event::Position(point) => drop(point.radius_m()),
-//!     Event::Ionosphere(coefficients) => drop(coefficients),
+//!     Event::Ionosphere(constellation, coefficients) => drop((constellation, coefficients)),
 //!     Event::Jamming(jamming) => drop(jamming.spoofing),
 //! });
 //! ```
@@ -78,8 +78,9 @@ pub enum Event<'a> {
     Ephemeris(Ephemeris),
     /// Where a station says it is: a first guess.
     Position(Ecef),
-    /// Coefficients of Klobuchar's model as the GPS satellites broadcast them, `α0…α3, β0…β3`.
-    Ionosphere([f64; 8]),
+    /// Coefficients of the ionosphere as the satellites of GPS or `BeiDou` broadcast them, each for its own model,
+    /// `α0…α3, β0…β3`.
+    Ionosphere(Constellation, [f64; 8]),
     /// What the receiver says of jamming and spoofing.
     Jamming(Jamming),
 }
@@ -96,9 +97,9 @@ enum Message<'a> {
     State(StateBroadcast),
     /// Where a station says it is.
     Position(Ecef),
-    /// Klobuchar's coefficients where they are of GPS, and GPS time minus UTC in seconds.
+    /// Coefficients of the ionosphere and whose they are, and GPS time minus UTC in seconds.
     #[cfg(feature = "ubx")]
-    Corrections(Option<[f64; 8]>, Option<u8>),
+    Corrections(Option<(Constellation, [f64; 8])>, Option<u8>),
     /// What the receiver says of jamming and spoofing.
     #[cfg(feature = "ubx")]
     Jamming(Jamming),
@@ -267,8 +268,8 @@ impl Input {
                     if let Some(leap_s) = leap_s {
                         calendar.leap(leap_s, LeapSource::Satellites);
                     }
-                    if let Some(coefficients) = coefficients {
-                        tell(Event::Ionosphere(coefficients));
+                    if let Some((constellation, coefficients)) = coefficients {
+                        tell(Event::Ionosphere(constellation, coefficients));
                     }
                 }
                 #[cfg(feature = "ubx")]

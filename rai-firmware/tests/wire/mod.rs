@@ -275,7 +275,7 @@ impl From<Event<'_>> for Seen {
             Event::Epoch(epoch, _) => Self::Epoch(Box::new(epoch.clone())),
             Event::Ephemeris(ephemeris) => Self::Ephemeris(ephemeris),
             Event::Position(position) => Self::Position(position),
-            Event::Ionosphere(_) | Event::Jamming(_) => unreachable!("RTCM says nothing of them"),
+            Event::Ionosphere(..) | Event::Jamming(_) => unreachable!("RTCM says nothing of them"),
         }
     }
 }

@@ -96,6 +96,7 @@ fn cases() -> Result<Vec<Case>> {
     cases.extend(methods()?);
     cases.extend(thresholds_and_clock()?);
     cases.extend(wire()?);
+    cases.extend(wire_of_ubx()?);
     Ok(cases)
 }
 
@@ -288,6 +289,24 @@ fn wire() -> Result<Vec<Case>> {
         case("atmosphere and sigmas", Stage::Correct, [here, all.clone()].concat(), Some(40_000)),
         case("sentences", Stage::Speak, all, Some(45_000)),
         case("whole epoch, bytes in to bytes out", Stage::Whole, whole(&[], &before, last), Some(340_000)),
+    ])
+}
+
+/// The same sky by UBX: two signals of each satellite.
+fn wire_of_ubx() -> Result<Vec<Case>> {
+    let stream = Stream::of_ubx(3, 20)?;
+    let (before, last) = stream.split()?;
+    let case = |name: &str, stage, input, target| Case {
+        name: format!("{name}, {} satellites", stream.satellites),
+        stage,
+        scalar: Scalar::Single,
+        input,
+        target: Some(target),
+        epochs: 1,
+    };
+    Ok(vec![
+        case("UBX of one epoch, RAWX of 40 signals", Stage::Decode, halves(&before, last), 40_000),
+        case("whole epoch by UBX, bytes in to bytes out", Stage::Whole, whole(&[], &before, last), 1_000_000),
     ])
 }
 

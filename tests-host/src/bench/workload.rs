@@ -11,8 +11,9 @@ use rai_core::satellite::{Constellation, SatelliteId};
 use rai_firmware::correction::CAPACITY;
 use rai_firmware::time::GpsTime;
 
-use crate::encode::{Encoder, Frequency, Selection};
+use crate::encode::{Encoder, Frequency, Selection, ubx};
 use crate::fault::{Fault, Kind, Target};
+use crate::measurement::MeasuredSignal;
 use crate::sky::raw::Simulation;
 use crate::sky::{Fleet, Noise, Oscillator, Satellite, Sight, Site, sights};
 
@@ -116,7 +117,7 @@ impl Wrong {
     }
 }
 
-/// RTCM of a receiver of two systems, in epochs of one second; the first brings the ephemerides.
+/// What a receiver of two systems and two frequencies sends, in epochs of one second; the first brings the ephemerides.
 pub struct Stream {
     /// Bytes of each epoch.
     pub epochs: Vec<Vec<u8>>,
@@ -125,7 +126,26 @@ pub struct Stream {
 }
 
 impl Stream {
-    /// A stream over a sky of `count` satellites, some of them wrong.
+    /// UBX over a sky of `count` satellites: RXM-RAWX with two signals of each, and RXM-SFRBX before.
+    ///
+    /// # Errors
+    /// Where a message cannot be encoded, or a satellite has not two signals that such a receiver measures.
+    pub fn of_ubx(epochs: u32, count: usize) -> Result<Self> {
+        let simulation = simulation(epochs, count);
+        let satellites = simulation.sights_at(0).len();
+        let mut recording = simulation.record();
+        for epoch in &mut recording.epochs {
+            epoch.satellites.iter_mut().flat_map(|one| &mut one.signals).for_each(as_civil);
+            let signals: usize = ubx::measurable(epoch).satellites.iter().map(|one| one.signals.len()).sum();
+            anyhow::ensure!(signals == 2 * satellites, "{signals} signals of {satellites} satellites");
+        }
+        let selection = Selection::new("GC", Frequency::Dual)?;
+        let mut encoder = ubx::Encoder::new(&recording.ephemerides, selection, None);
+        let epochs = recording.epochs.iter().map(|epoch| encoder.epoch(epoch)).collect::<Result<_>>()?;
+        Ok(Self { epochs, satellites })
+    }
+
+    /// RTCM over a sky of `count` satellites, some of them wrong.
     ///
     /// # Errors
     /// Where a message cannot be encoded.
@@ -153,6 +173,13 @@ impl Stream {
     pub fn split(&self) -> Result<(Vec<u8>, &[u8])> {
         let (last, before) = self.epochs.split_last().context("a stream without epochs")?;
         Ok((before.concat(), last))
+    }
+}
+
+/// The encrypted code as the civil one on the same carrier, which is what these receivers measure.
+fn as_civil(signal: &mut MeasuredSignal) {
+    if signal.attribute == 'W' {
+        signal.attribute = 'L';
     }
 }
 

@@ -4,6 +4,7 @@
 //! back; on a line they do so until it falls silent, which it does between two epochs. Here the line counts as silent behind
 //! a frame of ranges that says that it is the last, and the module is left as long to notice when the lump is replayed.
 
+use rai_core::satellite::Constellation;
 use rai_firmware::ephemeris::Ephemeris;
 use rai_firmware::input::{Event, Input};
 use rai_firmware::time::GpsTime;
@@ -64,8 +65,8 @@ impl Cutter {
                 content.known.insert(ephemeris.satellite());
                 open.ephemerides.push(ephemeris);
             }
-            Event::Ionosphere(coefficients) => open.ionosphere = Some(coefficients),
-            Event::Position(_) | Event::Jamming(_) => {}
+            Event::Ionosphere(Constellation::Gps, coefficients) => open.ionosphere = Some(coefficients),
+            Event::Ionosphere(..) | Event::Position(_) | Event::Jamming(_) => {}
             Event::Epoch(epoch, _) => {
                 content.ranged.extend(epoch.satellites.iter().map(|satellite| satellite.satellite));
                 let Open { ephemerides, ionosphere } = std::mem::take(open);

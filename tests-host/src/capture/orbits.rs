@@ -4,7 +4,6 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 use anyhow::{Context, Result, ensure};
 use rai_core::satellite::SatelliteId;
@@ -21,16 +20,6 @@ const USEFUL_MS: i64 = 4 * 3_600_000;
 /// How far from its reference time a capture's own ephemeris leaves no room for another, ms: 2 h.
 const LATELY_MS: u64 = 2 * 3_600_000;
 
-/// Observations of no receiver, from the beginning of GPS time to its end: files are read together with some.
-const ALL_TIMES: &str = "     3.04           OBSERVATION DATA    G                   RINEX VERSION / TYPE
-G    1 C1C                                                  SYS / # / OBS TYPES
-                                                            END OF HEADER
-> 1980 01 06 00 00  0.0000000  0  1
-G01  20000000.000
-> 2079 01 01 00 00  0.0000000  0  1
-G01  20000000.000
-";
-
 /// What navigation files say.
 pub struct Orbits {
     ephemerides: Vec<TimedEphemeris>,
@@ -45,15 +34,8 @@ impl Orbits {
     /// # Errors
     /// A file that cannot be read or holds no ephemeris, by name.
     pub fn load(files: &[PathBuf], selection: &Selection) -> Result<Self> {
-        static CALLS: AtomicUsize = AtomicUsize::new(0);
-        let (process, call) = (std::process::id(), CALLS.fetch_add(1, Ordering::Relaxed));
-        let folder = std::env::temp_dir().join(format!("rai-orbits-{process}-{call}"));
-        std::fs::create_dir_all(&folder)?;
-        let observations = folder.join("all_times.obs");
-        std::fs::write(&observations, ALL_TIMES)?;
-        let recording = Recording::load_of(&[observations], files, &selection.systems);
-        std::fs::remove_dir_all(&folder)?;
-        let Recording { ephemerides, klobuchar, .. } = recording?;
+        let recording = Recording::of_navigation(files, &selection.systems)?;
+        let Recording { ephemerides, klobuchar, .. } = recording;
         Ok(Self { ephemerides, klobuchar, selection: selection.clone() })
     }
 

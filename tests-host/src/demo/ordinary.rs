@@ -45,7 +45,7 @@ impl Accepter {
                 store.insert(ephemeris, None);
             }
             Event::Epoch(raw, _) => said = judge(raw, store, *mask_rad, time_s, site),
-            Event::Position(_) | Event::Ionosphere(_) | Event::Jamming(_) => {}
+            Event::Position(_) | Event::Ionosphere(..) | Event::Jamming(_) => {}
         });
         said
     }

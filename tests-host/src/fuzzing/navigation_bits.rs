@@ -103,7 +103,7 @@ fn check(event: &Event<'_>, satellite: SatelliteId) {
             assert_eq!(ephemeris.satellite(), satellite);
             check_orbit(ephemeris);
         }
-        Event::Ionosphere(coefficients) => {
+        Event::Ionosphere(_, coefficients) => {
             // Eight bits in two's complement, of units that stand in every interface document.
             let units = [-30, -27, -24, -24, 11, 14, 16, 16].map(|exponent| 2f64.powi(exponent));
             let steps = coefficients.iter().zip(units).map(|(coefficient, unit)| coefficient / unit);

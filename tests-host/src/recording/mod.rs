@@ -82,15 +82,29 @@ impl Recording {
                 .read(path, Kind::Observations, wanted)
                 .with_context(|| format!("observation file {}", path.display()))?;
         }
-        for path in navigation {
-            recording
-                .read(path, Kind::Navigation, wanted)
-                .with_context(|| format!("navigation file {}", path.display()))?;
-        }
+        recording.read_navigation(navigation, wanted)?;
         recording.epochs.sort_by_key(|epoch| epoch.time);
         recording.epochs.dedup_by_key(|epoch| epoch.time);
         recording.check(navigation)?;
         Ok(recording)
+    }
+
+    /// What navigation files say, where there is no receiver's file beside them: a recording without epochs.
+    ///
+    /// # Errors
+    /// As of [`Recording::load_of`], but that no day is the wrong one.
+    pub fn of_navigation(navigation: &[PathBuf], wanted: &[Constellation]) -> Result<Self> {
+        let mut recording = Self::default();
+        recording.read_navigation(navigation, wanted)?;
+        recording.check_ephemerides(&names(navigation))?;
+        Ok(recording)
+    }
+
+    fn read_navigation(&mut self, files: &[PathBuf], wanted: &[Constellation]) -> Result<()> {
+        files.iter().try_for_each(|path| {
+            let place = || format!("navigation file {}", path.display());
+            self.read(path, Kind::Navigation, wanted).with_context(place)
+        })
     }
 
     fn read(&mut self, path: &Path, expected: Kind, wanted: &[Constellation]) -> Result<()> {
@@ -123,8 +137,8 @@ impl Recording {
         let (Some(first), Some(last)) = (self.epochs.first(), self.epochs.last()) else {
             bail!("the observation files hold no epoch");
         };
-        let names = navigation.iter().map(|path| path.display().to_string()).collect::<Vec<_>>().join(", ");
-        ensure!(!self.ephemerides.is_empty(), "{names}: no ephemeris of GPS, Galileo, BeiDou or GLONASS");
+        let names = names(navigation);
+        self.check_ephemerides(&names)?;
         let applicable = |ephemeris: &TimedEphemeris| {
             ephemeris.toe.since_ms(first.time) > -USEFUL_MS && ephemeris.toe.since_ms(last.time) < USEFUL_MS
         };
@@ -140,4 +154,15 @@ impl Recording {
         );
         Ok(())
     }
+
+    /// That there is an orbit at all.
+    fn check_ephemerides(&self, names: &str) -> Result<()> {
+        ensure!(!self.ephemerides.is_empty(), "{names}: no ephemeris of GPS, Galileo, BeiDou or GLONASS");
+        Ok(())
+    }
+}
+
+/// The names of files in a message.
+fn names(files: &[PathBuf]) -> String {
+    files.iter().map(|path| path.display().to_string()).collect::<Vec<_>>().join(", ")
 }

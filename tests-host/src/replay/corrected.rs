@@ -4,7 +4,7 @@
 use rai_core::epoch::Epoch;
 use rai_core::frame::Ecef;
 use rai_firmware::config::Systems;
-use rai_firmware::correction::{CAPACITY, Site, Sky, Tally, locate};
+use rai_firmware::correction::{CAPACITY, Klobuchar, Site, Sky, Tally, locate};
 use rai_firmware::ephemeris::Store;
 use rai_firmware::input::{Event, Input};
 
@@ -26,10 +26,10 @@ pub fn corrected(
     for lump in lumps {
         input.feed(&lump.bytes, 0, |event| match event {
             Event::Ephemeris(ephemeris) => drop(store.insert(ephemeris, None)),
-            Event::Position(_) | Event::Ionosphere(_) | Event::Jamming(_) => {}
+            Event::Position(_) | Event::Ionosphere(..) | Event::Jamming(_) => {}
             Event::Epoch(raw, _) => {
                 locate(raw, &store, SIGNAL_MASK_DBHZ, Systems::AT_START, &mut tally, &mut sky);
-                let site = Site::new(antenna, raw.time, mask_rad, klobuchar);
+                let site = Site::new(antenna, raw.time, mask_rad, klobuchar.and_then(Klobuchar::new));
                 let mut epoch = Epoch::new(0.0);
                 site.correct(&sky, &mut tally.ranges, &mut epoch);
                 epochs.push(epoch);

@@ -145,7 +145,7 @@ fn ionosphere_and_leap_second_come_from_the_bits() {
     let mut input = rai_firmware::input::Input::new();
     let mut heard = super::Said::default();
     input.feed(&bytes, 0, |event| heard.hear(&event));
-    assert_eq!(heard.ionosphere, Some(klobuchar));
+    assert_eq!(heard.ionosphere, [(Constellation::Gps, klobuchar)]);
     assert_eq!(input.leap_second().map(|leap| leap.seconds), Some(18));
     // Galileo says the same in a word of its own, once the date is known.
     let galileo = SatelliteId::new(Constellation::Galileo, 5).unwrap();

@@ -2,6 +2,7 @@
 
 use rai_core::satellite::{Constellation, SatelliteId};
 use rai_firmware::input::Counters;
+use rai_firmware::raw::Band;
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
@@ -223,6 +224,47 @@ fn doubles_are_hostile_numbers() {
 }
 
 #[test]
+fn every_wrong_bit_of_a_frame_is_counted_and_costs_that_frame_alone() {
+    let (good, victim) = (
+        epoch_of(&[measurement(2.2e7, [0, 5, 0])]),
+        frames(&ubx::pages(&gps(&mut ChaCha8Rng::seed_from_u64(1)), NOON).unwrap()),
+    );
+    let victim = &victim[0];
+    for bit in 0..8 * victim.len() {
+        let mut wrong = victim.clone();
+        wrong[bit / 8] ^= 1 << (bit % 8);
+        let mut input = rai_firmware::input::Input::new();
+        let mut heard = super::Said::default();
+        input.feed(&[&wrong[..], &good[..]].concat(), 0, |event| heard.hear(&event));
+        // A length that has become longer waits for bytes that never come.
+        input.silence(|event| heard.hear(&event));
+        let counters = input.counters();
+        assert_eq!(heard.epochs.len(), 1, "bit {bit}: {counters:?}");
+        assert_eq!((counters.frames, counters.subframes), (1, 0), "bit {bit}: {counters:?}");
+        assert_eq!(counters.bytes_skipped as usize, wrong.len(), "bit {bit}: {counters:?}");
+        // The first two bytes make it a frame, the next four choose the message and its length.
+        let named = counters.crc_failures + counters.frames_cut;
+        assert!(bit < 16 || named >= 1 || (32..48).contains(&bit), "bit {bit}: {counters:?}");
+    }
+}
+
+#[test]
+fn a_set_that_is_never_completed_is_counted_when_it_is_given_up() {
+    let mut random = ChaCha8Rng::seed_from_u64(14);
+    for (name, source) in SOURCES {
+        let ephemeris = source(&mut random);
+        let pages = frames(&ubx::pages(&ephemeris, NOON).unwrap());
+        let (last, others) = pages.split_last().unwrap();
+        let mut input = rai_firmware::input::Input::new();
+        let mut heard = super::Said::default();
+        input.feed(&others.concat(), 0, |event| heard.hear(&event));
+        input.feed(last, 180_000, |event| heard.hear(&event));
+        assert!(heard.ephemerides.is_empty(), "{name}");
+        assert_eq!(input.counters().subframes_abandoned, 1, "{name}: {:?}", input.counters());
+    }
+}
+
+#[test]
 fn headers_that_lie_are_refused() {
     let good = [measurement(2.2e7, [0, 5, 0])];
     assert_eq!(satellites(&rawx(432_000.0, 0, 1, 1, &good)).1.epochs_without_week, 1);
@@ -260,6 +302,28 @@ fn an_epoch_holds_what_it_can_and_counts_the_rest() {
     let signals = &said.epochs[0].satellites[0].signals;
     assert_eq!((signals.len(), counters.signals_surplus), (1, 1));
     assert!((signals[0].range_m - 2.2e7).abs() < 1e-6);
+}
+
+#[test]
+fn of_five_signals_of_beidou_those_with_known_delays_are_kept() {
+    // B1I, B2I, B3I, B1C, B2a as RAWX numbers them, in every order.
+    let signals = [0_u8, 2, 4, 5, 7];
+    let mut random = ChaCha8Rng::seed_from_u64(13);
+    for many in 4..=5 {
+        for _ in 0..60 {
+            let mut order = signals;
+            order.shuffle(&mut random);
+            let measurements: Vec<Vec<u8>> =
+                order[..many].iter().map(|signal| measurement(2.2e7, [3, 20, *signal])).collect();
+            let (said, counters) = said(&epoch_of(&measurements));
+            let kept: Vec<Band> =
+                said.epochs[0].satellites[0].signals.iter().map(|signal| signal.carrier.band).collect();
+            assert_eq!((kept.len(), counters.signals_surplus as usize), (3, many - 3), "{order:?}");
+            for (signal, band) in [(0, Band::B1I), (2, Band::B2I), (4, Band::B3I)] {
+                assert_eq!(kept.contains(&band), order[..many].contains(&signal), "{order:?}: {kept:?}");
+            }
+        }
+    }
 }
 
 /// A stream in which all formats are mixed, and what is in it.

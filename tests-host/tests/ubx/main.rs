@@ -19,6 +19,7 @@ mod qzss;
 mod rtklib;
 mod streams;
 
+use rai_core::satellite::Constellation;
 use rai_firmware::ephemeris::Ephemeris;
 use rai_firmware::input::{Counters, Event, Input};
 use rai_firmware::raw::RawEpoch;
@@ -31,7 +32,7 @@ use tests_host::measurement::{MeasuredEpoch, TimedEphemeris};
 struct Said {
     ephemerides: Vec<Ephemeris>,
     epochs: Vec<RawEpoch>,
-    ionosphere: Option<[f64; 8]>,
+    ionosphere: Vec<(Constellation, [f64; 8])>,
 }
 
 impl Said {
@@ -39,7 +40,7 @@ impl Said {
         match event {
             Event::Epoch(epoch, _) => self.epochs.push((*epoch).clone()),
             Event::Ephemeris(ephemeris) => self.ephemerides.push(*ephemeris),
-            Event::Ionosphere(coefficients) => self.ionosphere = Some(*coefficients),
+            Event::Ionosphere(of, coefficients) => self.ionosphere.push((*of, *coefficients)),
             Event::Position(_) | Event::Jamming(_) => {}
         }
     }

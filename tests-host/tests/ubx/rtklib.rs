@@ -13,7 +13,7 @@ use tests_host::sky::raw::Simulation;
 /// Writes bytes, lets `convbin` make RINEX of them and reads that; none where there is no `convbin`.
 fn converted(bytes: &[u8], week: u16) -> Option<Recording> {
     if Command::new("convbin").output().is_err() {
-        eprintln!("skipped: needs convbin (Debian's package rtklib)");
+        tests_host::skip::say("convbin (Debian's package rtklib)");
         return None;
     }
     let folder = tempfile::tempdir().unwrap();

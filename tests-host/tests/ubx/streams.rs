@@ -7,11 +7,14 @@ use std::path::PathBuf;
 
 use flate2::read::GzDecoder;
 use rai_core::satellite::{Constellation, SatelliteId};
+use rai_firmware::config::{Configuration, Frequencies, Systems};
 use rai_firmware::ephemeris::Ephemeris;
-use rai_firmware::input::{Counters, Input};
+use rai_firmware::input::{Counters, Event, Input};
+use rai_firmware::navigator::Navigator;
 use rai_firmware::raw::{Band, RawEpoch};
 use tests_host::measurement::MeasuredEpoch;
 use tests_host::recording::Recording;
+use tests_host::replay::pieces::{Kind, Piece, pieces};
 use tests_host::shared;
 
 use super::{Said, by_rtcm};
@@ -164,4 +167,61 @@ fn streams_of_an_independent_program_hold_the_epochs_and_ephemerides_of_their_re
         assert_eq!(counters.subframes_parity + counters.subframes_surplus, 0, "{}", stream.name);
         assert_eq!(input.leap_second().map(|leap| leap.seconds), Some(18), "{}", stream.name);
     }
+}
+
+/// The frames of navigation bits of `BeiDou` satellites, and all ranges.
+fn of_beidou_alone(bytes: &[u8]) -> Vec<u8> {
+    let is_kept = |piece: &Piece<'_>| match (piece.kind, piece.bytes.get(6)) {
+        (Kind::Ubx([0x02, 0x13]), Some(system)) => *system == 3,
+        (kind, _) => kind == Kind::RAWX,
+    };
+    pieces(bytes).filter(is_kept).flat_map(|piece| piece.bytes).copied().collect()
+}
+
+#[test]
+fn beidou_says_its_own_coefficients_of_the_ionosphere() {
+    // C02's in the header of the navigation file, and those of the file that has no others.
+    let toulouse = [3.1665e-8, 9.6858e-8, -1.1325e-6, 1.7285e-6, 1.3107e5, -2.1299e5, 1.3107e5, 5.8982e5];
+    let nagoya = [1.8626e-8, 2.2352e-8, -1.1921e-7, -5.9605e-8, 1.2902e5, 1.6384e5, -1.9661e5, -2.6214e5];
+    for (stream, want) in [(&STREAMS[3], toulouse), (&STREAMS[1], nagoya)] {
+        let Some(bytes) = stream.bytes() else { return };
+        let (said, _, _) = hear(&of_beidou_alone(&bytes));
+        assert!(said.ionosphere.len() > 100, "{}: {}", stream.name, said.ionosphere.len());
+        for (of, have) in said.ionosphere {
+            assert_eq!(of, Constellation::Beidou);
+            // The file has five digits.
+            let is_same = have.iter().zip(want).all(|(have, want)| (have / want - 1.0).abs() < 1e-4);
+            assert!(is_same, "{}: have {have:?}, want {want:?}", stream.name);
+        }
+    }
+}
+
+/// One frequency of `BeiDou` and nothing else: half of what the ionosphere could be is gone when the satellites have spoken.
+#[test]
+fn a_receiver_of_beidou_alone_has_a_model_of_the_ionosphere() {
+    let Some(bytes) = STREAMS[1].bytes() else { return };
+    let bytes = of_beidou_alone(&bytes);
+    let last_hpl_m = |hears: bool| {
+        let mut configuration = Configuration::at_start();
+        configuration.systems = Systems::of("C").unwrap();
+        configuration.frequencies = Frequencies::Single;
+        let mut navigator = Navigator::new(configuration.requirements).unwrap();
+        let (mut input, mut now, mut hpl_m) = (Input::new(), None, None);
+        input.feed(&bytes, 0, |event| match event {
+            Event::Ephemeris(ephemeris) => drop(navigator.learn(ephemeris, now)),
+            Event::Ionosphere(of, coefficients) if hears => {
+                navigator.hear_ionosphere(of, coefficients, now);
+            }
+            Event::Epoch(raw, came_ms) => {
+                now = Some(raw.time);
+                let levels = navigator.judge(raw, came_ms, &configuration).protection;
+                hpl_m = levels.map(|levels| levels.hpl_m).or(hpl_m);
+            }
+            Event::Ionosphere(..) | Event::Position(_) | Event::Jamming(_) => {}
+        });
+        hpl_m.unwrap()
+    };
+    let (with_m, without_m) = (last_hpl_m(true), last_hpl_m(false));
+    println!("HPL {with_m:.1} m with the coefficients of BeiDou, {without_m:.1} m without");
+    assert!(with_m < 0.7 * without_m, "{with_m} m with, {without_m} m without");
 }

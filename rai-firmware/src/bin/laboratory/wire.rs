@@ -7,7 +7,7 @@ use embedded_hal::digital::{ErrorType, OutputPin};
 use embedded_io::Write;
 use rai_core::epoch::Epoch;
 use rai_firmware::config::{Configuration, Systems};
-use rai_firmware::correction::{Site, Sky, Tally};
+use rai_firmware::correction::{Klobuchar, Site, Sky, Tally};
 use rai_firmware::ephemeris::Store;
 use rai_firmware::input::{Event, Input as Gnss};
 use rai_firmware::navigator::Navigator;
@@ -28,7 +28,7 @@ fn halves(input: Input<'_>) -> Option<(&[u8], &[u8])> {
     rest.split_at_checked(u32::from_le_bytes(*length) as usize)
 }
 
-/// RTCM to raw epochs and ephemerides.
+/// Bytes of a receiver, in whatever format, to raw epochs and ephemerides.
 #[inline(never)]
 pub fn decode(input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers) -> Option<()> {
     let (before, bytes) = halves(input)?;
@@ -57,7 +57,7 @@ fn learn(bytes: &[u8], store: &mut Store, last: &mut RawEpoch) {
         Event::Ephemeris(ephemeris) => {
             store.insert(ephemeris, None);
         }
-        Event::Position(_) | Event::Ionosphere(_) | Event::Jamming(_) => {}
+        Event::Position(_) | Event::Ionosphere(..) | Event::Jamming(_) => {}
     });
 }
 
@@ -98,7 +98,8 @@ pub fn correct(mut input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut An
     let mut refusals = Tally::default().ranges;
     let mut epoch = Epoch::new(0.0);
     let ((), ticks) = stopwatch.time(|| {
-        let site = Site::new(black_box(point), raw.time, configuration.mask_rad, configuration.klobuchar);
+        let klobuchar = configuration.klobuchar.and_then(Klobuchar::new);
+        let site = Site::new(black_box(point), raw.time, configuration.mask_rad, klobuchar);
         site.correct(&sky, &mut refusals, &mut epoch);
     });
     answers.write(ticks, &epoch.observations().len())
@@ -118,7 +119,7 @@ pub fn speak(input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers)
         Event::Ephemeris(ephemeris) => {
             navigator.learn(ephemeris, None);
         }
-        Event::Position(_) | Event::Ionosphere(_) | Event::Jamming(_) => {}
+        Event::Position(_) | Event::Ionosphere(..) | Event::Jamming(_) => {}
     });
     let time = last?;
     let mut host = Host { bytes: 0 };

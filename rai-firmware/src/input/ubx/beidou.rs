@@ -8,15 +8,16 @@
 //! | | fields |
 //! |---|---|
 //! | all | subframe 15 (3), SOW 18 (20) |
-//! | D1, 1 | health 38, URAI 44, week 48, toc 61, TGD1 78, TGD2 88, a2 162, a0 173, a1 197 |
+//! | D1, 1 | health 38, URAI 44, week 48, toc 61, TGD1 78, TGD2 88, α 98, β 130, a2 162, a0 173, a1 197 |
 //! | D1, 2 | Δn 38, Cuc 54, M0 72, e 104, Cus 136, Crc 154, Crs 172, √A 190, toe's upper 222 |
 //! | D1, 3 | toe's lower 38, i0 53, Cic 85, Ω̇ 103, Cis 127, i̇ 145, Ω0 159, ω 191 |
+//! | D2, 2 | α 42, β 74 |
 //! | D2, 1, 3, 4 | page 38; health 42, URAI 48, week 52, toc 65, TGD1 82, TGD2 92; a0 80, a1 104 and 42, a2 60, Δn 76, Cuc 92 |
 //! | D2, 5, 6 | Cuc 42, M0 46, Cus 78, e 96 and 42, √A 64, Cic 96 |
 //! | D2, 7, 8 | Cic 42, Cis 50, toe 68, i0 85 and 42, Crc 53, Crs 71, Ω̇ 89 |
 //! | D2, 9, 10 | Ω̇ 42, Ω0 47, ω 79 and 42, i̇ 47 |
 //!
-//! The coefficients of the ionosphere that they carry are of another model than that of GPS, and are not read.
+//! The coefficients of the ionosphere are of another model than those of GPS ([`crate::correction::Klobuchar`]).
 //!
 //! References: [BDS-SIS-B1I] 5.2, 5.3; [BDS-SIS-B3I] 5.
 //!
@@ -87,6 +88,16 @@ fn follow_each_other(pages: &[Bits<'_>], step_s: u32) -> bool {
         let expected = second_of_week(before) + step_s;
         second_of_week(after) == if expected >= WEEK_S { expected - WEEK_S } else { expected }
     })
+}
+
+/// The coefficients of the ionosphere in subframe 1 of D1.
+pub(super) fn d1_ionosphere(subframe: Bits<'_>) -> [f64; 8] {
+    subframe.klobuchar(98)
+}
+
+/// The same on page 2 of D2.
+pub(super) fn d2_ionosphere(page: Bits<'_>) -> [f64; 8] {
+    page.klobuchar(42)
 }
 
 /// The ephemeris in subframes 1 to 3 of D1.

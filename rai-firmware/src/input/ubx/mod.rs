@@ -60,7 +60,9 @@ pub(super) fn read<'a>(
             })))
         }
         [_, _, 0x02, 0x13, ..] => {
-            let told = navigation.read(payload, frame.came_ms, calendar)?;
+            let told = navigation.read(payload, frame.came_ms, calendar);
+            counters.subframes_abandoned = navigation.abandoned();
+            let told = told?;
             count(&mut counters.subframes);
             Ok(told)
         }

@@ -14,6 +14,7 @@ use rai_core::satellite::SatelliteId;
 #[cfg(feature = "glonass")]
 use super::glonass;
 use super::{beidou, galileo, lnav};
+use crate::counters::count;
 use crate::input::bits::Bits;
 
 /// Pages of every message but D2 together, bytes: those of F/NAV are the most.
@@ -91,6 +92,8 @@ struct Slot<const BYTES: usize> {
 pub(super) struct Pages {
     small: Vec<Slot<SMALL_BYTES>, SMALL_SLOTS>,
     large: Vec<Slot<LARGE_BYTES>, LARGE_SLOTS>,
+    /// How many sets were given up incomplete.
+    abandoned: u32,
 }
 
 /// A page, and where it belongs.
@@ -152,14 +155,19 @@ impl Set<'_> {
 
 impl Pages {
     pub(super) const fn new() -> Self {
-        Self { small: Vec::new(), large: Vec::new() }
+        Self { small: Vec::new(), large: Vec::new(), abandoned: 0 }
+    }
+
+    /// How many sets were given up incomplete.
+    pub(super) const fn abandoned(&self) -> u32 {
+        self.abandoned
     }
 
     /// Adds a page to its set; `None` when every slot is in use.
     pub(super) fn add(&mut self, page: &Page<'_>, now_ms: u64) -> Option<Set<'_>> {
         match page.kind {
-            Kind::D2 => add(&mut self.large, page, now_ms),
-            _ => add(&mut self.small, page, now_ms),
+            Kind::D2 => add(&mut self.large, page, now_ms, &mut self.abandoned),
+            _ => add(&mut self.small, page, now_ms, &mut self.abandoned),
         }
     }
 }
@@ -168,9 +176,10 @@ fn add<'a, const BYTES: usize, const SLOTS: usize>(
     slots: &'a mut Vec<Slot<BYTES>, SLOTS>,
     page: &Page<'_>,
     now_ms: u64,
+    abandoned: &mut u32,
 ) -> Option<Set<'a>> {
     let now = (now_ms >> 10) as u32;
-    let slot = slot_of(slots, page, now)?;
+    let slot = slot_of(slots, page, now, abandoned)?;
     let (page_bytes, _) = page.kind.size();
     if let Some(place) = slot.bytes.chunks_exact_mut(page_bytes).nth(page.index) {
         place.iter_mut().zip(page.bytes).for_each(|(place, byte)| *place = *byte);
@@ -186,6 +195,7 @@ fn slot_of<'a, const BYTES: usize, const SLOTS: usize>(
     slots: &'a mut Vec<Slot<BYTES>, SLOTS>,
     page: &Page<'_>,
     now: u32,
+    abandoned: &mut u32,
 ) -> Option<&'a mut Slot<BYTES>> {
     let is_own = |slot: &Slot<BYTES>| slot.satellite == page.satellite && slot.kind == page.kind;
     let is_abandoned = |slot: &Slot<BYTES>| u64::from(now.wrapping_sub(slot.touched)) << 10 > ABANDONED_MS;
@@ -195,7 +205,7 @@ fn slot_of<'a, const BYTES: usize, const SLOTS: usize>(
         Some(own) => {
             let slot = slots.get_mut(own)?;
             if is_abandoned(slot) {
-                slot.present = 0;
+                give_up(slot, abandoned);
             }
             return Some(slot);
         }
@@ -206,6 +216,14 @@ fn slot_of<'a, const BYTES: usize, const SLOTS: usize>(
         }
     };
     let slot = slots.get_mut(index)?;
+    give_up(slot, abandoned);
     *slot = empty;
     Some(slot)
+}
+
+/// Forgets the pages of a set, and counts it where there were some.
+fn give_up<const BYTES: usize>(slot: &mut Slot<BYTES>, abandoned: &mut u32) {
+    if core::mem::take(&mut slot.present) != 0 {
+        count(abandoned);
+    }
 }

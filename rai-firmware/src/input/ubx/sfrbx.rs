@@ -22,7 +22,7 @@
 //!
 //! [UBX-F9]: crate#references
 
-use rai_core::satellite::SatelliteId;
+use rai_core::satellite::{Constellation, SatelliteId};
 
 use super::leap::Announcement;
 use super::pages::{Kind, Page, Pages};
@@ -44,6 +44,11 @@ pub(in crate::input) struct Navigation {
 impl Navigation {
     pub(in crate::input) const fn new() -> Self {
         Self { pages: Pages::new() }
+    }
+
+    /// How many sets were given up incomplete.
+    pub(super) const fn abandoned(&self) -> u32 {
+        self.pages.abandoned()
     }
 
     /// Reads one frame's payload; `None` when it only adds to what others have said.
@@ -137,8 +142,9 @@ impl Context<'_> {
             }
             4 => {
                 let said = lnav::ionosphere_and_utc(Bits(&subframe));
-                Ok(said
-                    .map(|(coefficients, leap)| Message::Corrections(Some(coefficients), self.leap_s(&leap))))
+                Ok(said.map(|(coefficients, leap)| {
+                    Message::Corrections(Some((Constellation::Gps, coefficients)), self.leap_s(&leap))
+                }))
             }
             5 => Ok(None),
             _ => Err(Refusal::Malformed.into()),
@@ -182,16 +188,21 @@ impl Context<'_> {
         let subframe = beidou::subframe(&frame.words()?)?;
         let bits = Bits(&subframe);
         let is_geostationary = matches!(frame.satellite.number(), 1..=5 | 59..=63);
-        match (is_geostationary, beidou::number(bits), beidou::page(bits)) {
-            (false, number @ 1..=3, _) => {
-                self.complete(&page(frame, Kind::D1, number - 1, &subframe), beidou::d1_ephemeris)
-            }
-            (true, 1, number @ 1..=10) => {
-                self.complete(&page(frame, Kind::D2, number - 1, &subframe), beidou::d2_ephemeris)
-            }
-            (_, 1..=5, _) => Ok(None),
-            _ => Err(Refusal::Malformed.into()),
-        }
+        let (told, ionosphere) = match (is_geostationary, beidou::number(bits), beidou::page(bits)) {
+            (false, number @ 1..=3, _) => (
+                self.complete(&page(frame, Kind::D1, number - 1, &subframe), beidou::d1_ephemeris)?,
+                (number == 1).then(|| beidou::d1_ionosphere(bits)),
+            ),
+            (true, 1, number @ 1..=10) => (
+                self.complete(&page(frame, Kind::D2, number - 1, &subframe), beidou::d2_ephemeris)?,
+                (number == 2).then(|| beidou::d2_ionosphere(bits)),
+            ),
+            (_, 1..=5, _) => (None, None),
+            _ => return Err(Refusal::Malformed.into()),
+        };
+        // A page that completes an ephemeris says that; the coefficients on it come again.
+        let coefficients = || Some(Message::Corrections(Some((Constellation::Beidou, ionosphere?)), None));
+        Ok(told.or_else(coefficients))
     }
 
     #[cfg(feature = "glonass")]
