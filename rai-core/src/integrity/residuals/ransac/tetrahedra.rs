@@ -16,8 +16,8 @@
 //! | `g_ii` | leverage of a direction | – |
 //! | `w` | its weight in the metric, at first 1 | – |
 //!
-//! 1. One corner after another is exchanged for the best in its place, until none is better. What that ends with is some
-//!    percent below the largest as a rule, a third at worst.
+//! 1. One corner after another is exchanged for the best in its place, until none is better; once from the first four on, once
+//!    from the last four. The larger of both is hardly below the largest as a rule.
 //! 2. The weights bring the leverages of those that matter together, as in the design of experiments
 //!    ([Kiefer1960]). The bound holds for any weights; with these it is tight.
 //! 3. Two directions whose bound is below what the exchange found are in no largest tetrahedron together. Only fours of
@@ -41,8 +41,8 @@ use crate::bounded::gather;
 use crate::equations::MAX_ROWS;
 use crate::numeric::real::Real;
 
-/// Exchanges of a corner at most; in a sky of 40 it takes nine.
-const EXCHANGES: usize = 16;
+/// Exchanges of a corner at most; in a sky of 40 it takes nine as a rule.
+const EXCHANGES: usize = 32;
 
 /// An exchange has to enlarge the volume by so much, so that rounding does not keep it going.
 const ENLARGED: f64 = 1.001;
@@ -82,11 +82,15 @@ impl Work {
 
 /// Row indices of the four that span the largest tetrahedron; `None` where all of them lie in one plane.
 pub(super) fn largest<T: Real>(corners: &[Corner<T>], work: &mut Work) -> Option<[usize; 4]> {
-    let start = exchanged(corners);
+    let start = start(corners);
     let volume = start.as_ref().map_or(T::zero(), |start| start.volume);
     let least = volume * T::narrow(REACHED);
-    let mut search =
-        Search { corners, companions: companions(corners, least), largest: least, found: start.map(|start| start.rows) };
+    let mut search = Search {
+        corners,
+        companions: companions(corners, least),
+        largest: least,
+        found: start.map(|start| start.rows),
+    };
     search.run(work);
     search.found
 }
@@ -116,10 +120,16 @@ struct Start<T> {
     rows: [usize; 4],
 }
 
-/// Exchanges corners until none of the four has a better in its place; `None` where no four are off a plane.
-fn exchanged<T: Real>(corners: &[Corner<T>]) -> Option<Start<T>> {
-    let [a, b, c, d, ..] = corners else { return None };
-    let mut four = [a, b, c, d];
+/// The larger of what the exchange ends with from the first four on and from the last four on; `None` where no four are off
+/// a plane.
+fn start<T: Real>(corners: &[Corner<T>]) -> Option<Start<T>> {
+    let ends = [corners.first_chunk(), corners.last_chunk()];
+    let ended = ends.into_iter().flatten().filter_map(|four| exchanged(corners, four.each_ref()));
+    ended.reduce(|one, other| if other.volume > one.volume { other } else { one })
+}
+
+/// Exchanges corners until none of the four has a better in its place.
+fn exchanged<'c, T: Real>(corners: &'c [Corner<T>], mut four: [&'c Corner<T>; 4]) -> Option<Start<T>> {
     let (mut volume, mut unchanged) = (T::zero(), 0);
     for _ in 0..EXCHANGES {
         let [_, b, c, d] = four;
@@ -186,7 +196,9 @@ impl<T: Real> Metric<T> {
 
     fn weighted(corners: &[Corner<T>], weights: &[T]) -> Option<Self> {
         let rows = || corners.iter().map(|(_, direction)| with_clock(direction));
-        let normal = rows().zip(weights).fold(Matrix4::zeros(), |sum, (row, &weight)| sum + row * (row * weight).transpose());
+        let normal = rows()
+            .zip(weights)
+            .fold(Matrix4::zeros(), |sum, (row, &weight)| sum + row * (row * weight).transpose());
         let factor = Cholesky::new(normal)?;
         let (inverse, determinant) = (factor.inverse(), factor.determinant());
         let is_sound = normal.trace() * inverse.trace() <= T::narrow(MAX_CONDITION);

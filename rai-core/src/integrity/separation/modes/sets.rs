@@ -1,7 +1,7 @@
 //! Sets of rows and of events, as words; and what a hypothesis takes away.
 
-pub(in crate::integrity::separation) use crate::bit_set::members;
 pub(super) use crate::bit_set::above;
+pub(in crate::integrity::separation) use crate::bit_set::members;
 use crate::satellite::Constellation;
 
 /// Most rows of an epoch that can be judged: rows and constellations together fit one word.
