@@ -84,9 +84,11 @@ impl<T: Real> NormalisedRow<T> {
 
     /// `S_ij`: how far an error of one row shows in the other's residual, dimensionless.
     pub fn projection(&self, other: &Self) -> T {
-        if self.index == other.index {
-            return self.redundancy;
-        }
+        if self.index == other.index { self.redundancy } else { self.coupling(other) }
+    }
+
+    /// `S_ij` of two different rows.
+    fn coupling(&self, other: &Self) -> T {
         let shared = if self.clock == other.clock { self.level * other.root } else { T::zero() };
         -(self.design.dot(&other.gain) + self.shed * other.shed + shared)
     }
@@ -104,17 +106,34 @@ impl<T: Real> NormalisedRow<T> {
         }
     }
 
-    /// By how much SSE falls without this row and another: squared w-test of this row, then of the other.
-    pub(crate) fn explained_with(&self, other: &Self) -> T {
-        let share = self.projection(other) / self.redundancy;
-        let residual = other.residual - share * self.residual;
-        let redundancy = other.redundancy - share * share * self.redundancy;
-        self.explained() + squared_w_test(residual, redundancy)
-    }
-
     /// By how much SSE falls without this row: its w-test squared.
     pub(crate) fn explained(&self) -> T {
         squared_w_test(self.residual, self.redundancy)
+    }
+}
+
+/// A row that is to go with any of many others, with what is the same for all of these.
+pub(crate) struct Going<'r, T: Real> {
+    row: &'r NormalisedRow<T>,
+    explained: T,
+    /// `1/S_ii`.
+    share: T,
+    /// `r_i/S_ii`.
+    bias: T,
+}
+
+impl<'r, T: Real> Going<'r, T> {
+    pub(crate) fn new(row: &'r NormalisedRow<T>) -> Self {
+        let share = row.redundancy.recip();
+        Self { row, explained: row.explained(), share, bias: row.residual * share }
+    }
+
+    /// By how much SSE falls without this row and another one: squared w-test of this row, then of the other.
+    pub(crate) fn explains_with(&self, other: &NormalisedRow<T>) -> T {
+        let coupling = self.row.coupling(other);
+        let residual = other.residual - coupling * self.bias;
+        let redundancy = other.redundancy - coupling * coupling * self.share;
+        self.explained + squared_w_test(residual, redundancy)
     }
 }
 

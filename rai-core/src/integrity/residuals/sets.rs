@@ -8,7 +8,7 @@ use heapless::Vec;
 use super::tails;
 use crate::equations::MAX_ROWS;
 use crate::numeric::real::Real;
-use crate::removal::NormalisedRow;
+use crate::removal::{Going, NormalisedRow};
 use crate::report::MAX_EXCLUDED;
 
 /// Sets of up to `largest` of `rows` rows; no more than [`MAX_EXCLUDED`] are ever left out.
@@ -74,8 +74,9 @@ fn pairs<T: Real, const GONE: usize>(
         if first.redundancy < T::UNTESTABLE {
             continue;
         }
+        let going = Going::new(first);
         for second in work.granted(rest) {
-            let explained = explained + first.explained_with(second);
+            let explained = explained + going.explains_with(second);
             let mut set = [first.index, second.index, 0];
             if let Some(&gone) = gone.first() {
                 set = [gone, first.index, second.index];
