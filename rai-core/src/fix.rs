@@ -20,6 +20,7 @@ use core::fmt;
 
 use nalgebra::Vector3;
 
+use crate::bit_set::bit;
 use crate::epoch::{Aided, Aiding, Epoch};
 use crate::equations::{References, Row};
 use crate::frame::{Ecef, LocalFrame, Lookout};
@@ -193,11 +194,6 @@ impl<T: Real> Removable<T> for Fix<'_, T> {
 /// Whether a correction is no longer than this, m: its length is the same in every frame, and needs no double.
 fn is_within<T: Real>(correction: &Vector3<T>, limit_m: f64) -> bool {
     correction.dot(correction) <= T::narrow(limit_m * limit_m)
-}
-
-/// A row's bit in a set; a row beyond the set is in no set.
-fn bit(index: usize) -> u64 {
-    1u64.checked_shl(index as u32).unwrap_or(0)
 }
 
 /// Gauss–Newton: solves about better and better points, until the correction is small. The last point is returned.

@@ -74,6 +74,7 @@
 //! | ED-259A | EUROCAE ED-259A, *Minimum operational performance standard for dual-frequency multi-constellation satellite-based augmentation system airborne equipment*; its noise model as MAAST has it |
 //! | ICAO-A10 | ICAO, Annex 10 to the Convention on International Civil Aviation, *Aeronautical telecommunications*, Volume I, *Radio navigation aids*, table 3.7.2.4-1 |
 //! | IS-GPS-200 | *NAVSTAR GPS space segment/navigation user segment interfaces*, interface specification of the US Space Force |
+//! | Kiefer1960 | J. Kiefer, J. Wolfowitz, *The equivalence of two extremum problems*, Canadian J. Math. 12 (1960) 363–366 |
 //! | Klobuchar1987 | J. A. Klobuchar, *Ionospheric time-delay algorithm for single-frequency GPS users*, IEEE Trans. AES 23(3) (1987) 325–331 |
 //! | Lin2016 | Lin Xueyuan et al., `BeiDou` RAIM, J. Naval Aeronautical Univ. 31(6) (2016) 619–624 |
 //! | MAAST | Stanford University GPS Laboratory, *MATLAB algorithm availability simulation tool*, version for ARAIM |
@@ -96,6 +97,7 @@
 extern crate std;
 
 pub mod allocation;
+mod bit_set;
 mod bounded;
 pub mod clock;
 pub mod continuity;

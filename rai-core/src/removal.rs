@@ -142,13 +142,31 @@ impl<'r, T: Real> Standing<'r, T> {
     pub(crate) fn is_untestable(&self) -> bool {
         self.redundancy < T::UNTESTABLE
     }
+}
 
-    /// By how much SSE falls without this row and another: squared w-test of this row, then of the other.
-    pub(crate) fn explained_with(&self, other: &Self) -> T {
-        let share = self.row.coupling(other.row, self.shed * other.shed) / self.redundancy;
-        let residual = other.residual - share * self.residual;
-        let redundancy = other.redundancy - share * share * self.redundancy;
-        squared_w_test(self.residual, self.redundancy) + squared_w_test(residual, redundancy)
+/// A row that is to go with any of many others, with what is the same for all of these.
+pub(crate) struct Going<'s, 'r, T: Real> {
+    standing: &'s Standing<'r, T>,
+    explained: T,
+    /// `1/S_ii`.
+    share: T,
+    /// `r_i/S_ii`.
+    bias: T,
+}
+
+impl<'s, 'r, T: Real> Going<'s, 'r, T> {
+    pub(crate) fn new(standing: &'s Standing<'r, T>) -> Self {
+        let share = standing.redundancy.recip();
+        let explained = squared_w_test(standing.residual, standing.redundancy);
+        Self { standing, explained, share, bias: standing.residual * share }
+    }
+
+    /// By how much SSE falls without this row and another one: squared w-test of this row, then of the other.
+    pub(crate) fn explains_with(&self, other: &Standing<'_, T>) -> T {
+        let coupling = self.standing.row.coupling(other.row, self.standing.shed * other.shed);
+        let residual = other.residual - coupling * self.bias;
+        let redundancy = other.redundancy - coupling * coupling * self.share;
+        self.explained + squared_w_test(residual, redundancy)
     }
 }
 

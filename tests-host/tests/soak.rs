@@ -19,6 +19,7 @@ fn assert_all_happened(outcome: &Outcome) {
     assert!(outcome.disturbances.iter().all(|(_, count)| *count > 0), "{:?}", outcome.disturbances);
     assert!(tally.starts_asked > 2 && watch.starts == tally.starts_asked, "{} starts", watch.starts);
     assert!(!watch.to_alert_s.is_empty(), "the line fell silent under a high pin");
+    assert!(tally.early > 0, "ephemerides came too early");
     assert!(outcome.unread > 0, "the host port was left unread");
     assert!(tally.falsified > 0 && tally.beyond_promise > 0, "false ranges");
     assert!(tally.accepted.iter().sum::<u64>() > 0, "false ranges that matter");

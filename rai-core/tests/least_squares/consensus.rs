@@ -211,6 +211,41 @@ fn check_vote(ranges: &[Range]) -> bool {
 }
 
 proptest! {
+    // All fours of forty satellites take a while.
+    #![proptest_config(ProptestConfig::with_cases(12))]
+
+    #[test]
+    fn forty_satellites_are_dealt_as_by_trying_all(ranges in prop::collection::vec(any_range(), 36..=40)) {
+        let selection = Selection::choose(epoch(&ranges).rows(), MAX_WORK);
+        // Ten such skies go into the work; twelve thousand looked at took a fifth of it at most.
+        prop_assert!(!selection.cut(), "{} looked at", selection.work());
+        prop_assert_eq!(members(&selection), sorted(deal(&ranges)));
+    }
+
+    #[test]
+    fn satellites_near_four_directions_are_dealt_as_by_trying_all(
+        spread in 1e-4f64..0.3,
+        ranges in prop::collection::vec(any_range(), 20..=24),
+    ) {
+        let corners = [(0.0, 0.1), (2.1, 0.1), (4.2, 0.1), (1.0, 0.99)];
+        let mut ranges = ranges;
+        for (range, (azimuth, up)) in ranges.iter_mut().zip(corners.into_iter().cycle()) {
+            let level = f64::sqrt(1.0 - up * up);
+            let [east, north, height] = range.line_of_sight;
+            let near = Vector3::new(
+                level * f64::sin(azimuth) + spread * east,
+                level * f64::cos(azimuth) + spread * north,
+                up + spread * height,
+            );
+            range.line_of_sight = near.normalize().into();
+        }
+        let selection = Selection::choose(epoch(&ranges).rows(), MAX_WORK);
+        prop_assert!(!selection.cut());
+        prop_assert_eq!(members(&selection), sorted(deal(&ranges)));
+    }
+}
+
+proptest! {
     #![proptest_config(ProptestConfig::with_cases(120))]
 
     #[test]

@@ -5,7 +5,6 @@
 //! reference time keeps the early one.
 
 use anyhow::{Result, bail};
-use rai_core::frame::SPEED_OF_LIGHT_M_S;
 use rai_core::satellite::{Constellation, SatelliteId};
 use rtcm_rs::msg::{Msg1019T, Msg1042T, Msg1046T};
 use rtcm_rs::{Message, MessageBuilder};
@@ -17,7 +16,7 @@ use super::{Attack, Effort, Figure};
 use crate::encode::Frequency;
 use crate::fault::Measured as _;
 use crate::measurement::{Ephemeris, TimedEphemeris};
-use crate::sky::broadcast::ephemeris;
+use crate::sky::broadcast::{drifting, ephemeris};
 use crate::sky::raw::Simulation;
 
 /// Sets that are early.
@@ -78,20 +77,12 @@ fn early(effort: Effort) -> Result<Vec<Figure>> {
             continue;
         };
         if let Some(set) = ephemeris(satellite, simulation.origin, START_S + ahead_s, 77) {
-            first.extend(frame(&degraded(set))?);
+            first.extend(frame(&drifting(set, WRONG_M, BEFORE_S))?);
         }
     }
     let mut victim = Victim::new(SETTINGS, STEP_S)?;
     let _ = victim.hear(&first, sky.truth)?;
     figures_of(&mut victim, &sky, DISPUTED, |_| Vec::new())
-}
-
-/// A set that is right at its reference time only: the drift of its clock is not the satellite's.
-fn degraded(mut set: TimedEphemeris) -> TimedEphemeris {
-    if let Ephemeris::Gps(message) = &mut set.message {
-        message.af1_s_s += (WRONG_M / SPEED_OF_LIGHT_M_S / BEFORE_S) as f32;
-    }
-    set
 }
 
 fn absent(_: Effort) -> Result<Vec<Figure>> {

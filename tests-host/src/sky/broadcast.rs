@@ -21,7 +21,7 @@
 
 use core::f64::consts::{PI, TAU};
 
-use rai_core::frame::EARTH_ROTATION_RAD_S;
+use rai_core::frame::{EARTH_ROTATION_RAD_S, SPEED_OF_LIGHT_M_S};
 use rai_core::satellite::{Constellation, SatelliteId};
 use rai_firmware::time::{BEIDOU_OFFSET_MS, BEIDOU_WEEK_OFFSET, GALILEO_WEEK_OFFSET, GpsTime};
 use rtcm_rs::msg::{Msg1019T, Msg1042T, Msg1046T};
@@ -123,6 +123,16 @@ pub fn ephemeris(satellite: &Satellite, origin: GpsTime, t_s: f64, number: u8) -
         sent: GpsTime::from_ms(reference_ms - LEAD_MS),
         message,
     })
+}
+
+/// The same set with a clock that is right at its reference time only: it drifts by so much in so long. Of GPS; the sets of
+/// other systems stay as they are.
+#[must_use]
+pub fn drifting(mut set: TimedEphemeris, error_m: f64, time_s: f64) -> TimedEphemeris {
+    if let Ephemeris::Gps(message) = &mut set.message {
+        message.af1_s_s += (error_m / SPEED_OF_LIGHT_M_S / time_s) as f32;
+    }
+    set
 }
 
 /// The angles of an orbit at its reference time, in semicircles as the messages have them.

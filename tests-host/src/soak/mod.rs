@@ -8,7 +8,7 @@
 //! | module | what |
 //! |---|---|
 //! | [`plan`] | which epochs, how fast, how eventful |
-//! | [`scenario`], [`incident`] | what is offered when: false ranges, pulled cables, resets, times that go back, a host that asks without end |
+//! | [`scenario`], [`incident`], `early` | what is offered when: false ranges, pulled cables, resets, times that go back, ephemerides that come too early, a host that asks without end |
 //! | [`noise`] | what the line does to the bytes |
 //! | [`rig`] | the board, its clock, its reset button |
 //! | [`tally`], [`watch`] | what the module said, and what the pin did when |
@@ -28,6 +28,7 @@
 //! - Several satellites false at once, or a whole constellation, are beyond the promise of the protection levels. They are
 //!   part of the soak and counted apart.
 
+mod early;
 pub mod incident;
 pub mod noise;
 pub mod page;

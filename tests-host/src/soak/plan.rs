@@ -3,6 +3,7 @@
 use anyhow::Result;
 use rai_core::frame::Ecef;
 
+use super::early;
 use super::scenario::{Passage, Tempo};
 use crate::encode::{Frequency, Selection};
 use crate::recording::Recording;
@@ -108,10 +109,13 @@ impl Plan {
             Source::Sky(stretches) => Box::new((self.seed..).zip(stretches).map(move |(seed, stretch)| {
                 let simulation = Simulation::above_xian(stretch.0, stretch.1, seed);
                 let truth = simulation.site.position;
-                Ok(Passage { recording: simulation.record(), selection: dual("GC")?, truth })
+                let (recording, early) = (simulation.record(), early::of_sky(&simulation));
+                Ok(Passage { recording, early, selection: dual("GC")?, truth })
             })),
             Source::Recording(recording, truth) => Box::new(std::iter::once_with(move || {
-                Ok(Passage { recording: *recording, selection: dual("GCE")?, truth })
+                // Each of its own ephemerides is early once.
+                let early = recording.ephemerides.clone();
+                Ok(Passage { recording: *recording, early, selection: dual("GCE")?, truth })
             })),
         }
     }

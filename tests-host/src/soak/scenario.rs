@@ -6,6 +6,7 @@
 //! | power-on | the module is reset in the middle of an epoch |
 //! | rewind | the receiver's time goes back by some epochs and on from there |
 //! | unread | nobody reads the host port for some epochs |
+//! | early ephemeris | before an epoch comes what a satellite in view will broadcast hours later |
 //! | setting | the host sets another horizontal alert limit, another method, or the clock aiding |
 //!
 //! The receiver sends an ephemeris when it becomes known, and between, a few in each epoch by turns: a module that was
@@ -15,12 +16,14 @@ use std::collections::VecDeque;
 
 use anyhow::Result;
 use rai_core::frame::Ecef;
+use rai_core::satellite::SatelliteId;
 use rai_firmware::time::GpsTime;
+use rand::seq::IndexedRandom;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::incident::{Falsified, Incidents};
-use super::noise;
+use super::{early, noise};
 use crate::demo::Accepter;
 use crate::encode::{Encoder, Selection};
 use crate::measurement::{MeasuredEpoch, TimedEphemeris};
@@ -75,6 +78,8 @@ pub struct Tempo {
 pub struct Passage {
     /// Epochs and ephemerides.
     pub recording: Recording,
+    /// Ephemerides that may come hours too early.
+    pub early: Vec<TimedEphemeris>,
     /// What of it is sent.
     pub selection: Selection,
     /// Where the antenna is.
@@ -92,6 +97,8 @@ pub struct Offer {
     pub falsified: Falsified,
     /// Distance from the truth over the ground of a position from all satellites, on a good line, m.
     pub accepted_error_m: Option<f64>,
+    /// Of which satellite an ephemeris for hours later comes before it.
+    pub early: Option<SatelliteId>,
     /// Whether all of it was sent, and its time is later than any before.
     pub is_due: bool,
 }
@@ -165,6 +172,7 @@ struct Diary {
     unread: Recurring,
     setting: Recurring,
     questions: Recurring,
+    early: Recurring,
 }
 
 /// A cable that is out.
@@ -207,6 +215,7 @@ impl Scenario {
             unread: each(calm * 2),
             setting: each(calm / 4),
             questions: each(calm),
+            early: each(calm),
         };
         let incidents = Incidents::new(tempo.step_s, seed ^ 0x5EED);
         Self { tempo, rng, incidents, diary, unplugged: None, turn: 0, latest: None }
@@ -232,18 +241,34 @@ impl Scenario {
 
     fn turn(&mut self, mut epoch: MeasuredEpoch, sending: &mut Sending<'_>) -> Result<Turn> {
         let falsified = self.incidents.befall(&mut epoch, f64::from(self.turn) * self.tempo.step_s);
-        let whole = sending.bytes(&epoch, self.tempo.repeated_ephemerides)?;
+        let sent = sending.bytes(&epoch, self.tempo.repeated_ephemerides)?;
+        let (early, first) = self.early(&epoch, sending)?.unzip();
+        let whole = [first.unwrap_or_default(), sent.clone()].concat();
         self.turn += 1;
         let is_later = self.latest.is_none_or(|latest| epoch.time > latest);
         self.latest = self.latest.max(Some(epoch.time));
         let bytes = self.through_the_cable(&whole);
         let is_due = is_later && bytes == whole;
         let mishap = if self.unplugged.is_none() { self.mishap() } else { None };
-        let accepted = sending.accepter.hear(&whole, epoch.time.to_s(), &sending.site);
+        let accepted = sending.accepter.hear(&sent, epoch.time.to_s(), &sending.site);
         let accepted_error_m = accepted.map(|accepted| accepted.horizontal_error_m);
         let truth = sending.passage.truth;
-        let offer = Offer { time: epoch.time, truth, falsified, accepted_error_m, is_due };
+        let offer = Offer { time: epoch.time, truth, falsified, accepted_error_m, early, is_due };
         Ok(Turn { offer, bytes, mishap })
+    }
+
+    /// Now and then an ephemeris that comes too early, and of whom.
+    fn early(
+        &mut self,
+        epoch: &MeasuredEpoch,
+        sending: &Sending<'_>,
+    ) -> Result<Option<(SatelliteId, Vec<u8>)>> {
+        let sets = early::at(epoch, &sending.passage.early);
+        if sets.is_empty() || !self.diary.early.is_due(self.turn, &mut self.rng) {
+            return Ok(None);
+        }
+        let set = sets.choose(&mut self.rng);
+        set.map(|set| Ok((set.satellite, sending.frames(epoch, std::slice::from_ref(set))?))).transpose()
     }
 
     /// Cuts off what is sent while the cable is out.
@@ -319,9 +344,13 @@ impl<'a> Sending<'a> {
         };
         let seen: Vec<TimedEphemeris> =
             self.passage.recording.ephemerides.iter().filter(is_seen).cloned().collect();
-        let nothing = MeasuredEpoch { time: epoch.time, satellites: Vec::new() };
-        let lump = Encoder::new(&seen, self.passage.selection.clone()).epoch(&nothing)?;
+        let lump = self.frames(epoch, &seen)?;
         Ok(noise::frames(&lump).into_iter().map(<[u8]>::to_vec).collect())
+    }
+    /// The frames of ephemerides as they are sent at an epoch.
+    fn frames(&self, epoch: &MeasuredEpoch, sets: &[TimedEphemeris]) -> Result<Vec<u8>> {
+        let nothing = MeasuredEpoch { time: epoch.time, satellites: Vec::new() };
+        Encoder::new(sets, self.passage.selection.clone()).epoch(&nothing)
     }
 }
 
@@ -344,7 +373,8 @@ mod tests {
     fn passage(epochs: u32) -> Passage {
         let simulation = Simulation::above_xian(3600.0, epochs, 2);
         let selection = Selection::new("GC", Frequency::Dual).unwrap();
-        Passage { recording: simulation.record(), selection, truth: simulation.site.position }
+        let early = early::of_sky(&simulation);
+        Passage { recording: simulation.record(), early, selection, truth: simulation.site.position }
     }
 
     fn turns(passage: &Passage, seed: u64) -> Vec<Turn> {
@@ -377,6 +407,7 @@ mod tests {
         assert!(has(|mishap| matches!(mishap, Mishap::Setting(_))));
         assert!(has(|mishap| matches!(mishap, Mishap::Questions { .. })));
         assert!(turns.iter().any(|turn| turn.bytes.is_empty()), "a silent line");
+        assert!(turns.iter().any(|turn| turn.offer.early.is_some()), "an early ephemeris");
         assert!(turns.len() > passage.recording.epochs.len(), "time goes back, and is lived again");
         let due = turns.iter().filter(|turn| turn.offer.is_due).count();
         // Cables are out for 17 epochs in the mean after 40 with the plug in, and of 80 epochs 14 are lived again.

@@ -62,6 +62,7 @@ impl Outcome {
             ("pin high on a stale epoch", tally.stale + watch.stale),
             ("pin against the verdict", watch.contradictions),
             ("pin later than 10 ms after the last byte", late as u64),
+            ("satellites left out without a false range", tally.left_out_sound.len() as u64),
             ("whole epochs never judged", tally.unspoken.len() as u64),
             ("epochs judged that nobody sent", tally.invented),
             ("commands refused", tally.refused.len() as u64),
@@ -81,6 +82,7 @@ impl Outcome {
         let (tally, watch) = (&self.tally, &self.watch);
         for heard in [
             &tally.wrongly_promised,
+            &tally.left_out_sound,
             &tally.unspoken,
             &tally.damaged,
             &tally.starts_unasked,
@@ -105,6 +107,7 @@ impl Outcome {
             ("disturbances of the line", disturbed.to_string()),
             ("resets, silences under a high pin", format!("{}, {silences}", tally.starts_asked - 1)),
             ("times that nobody read the host port", self.unread.to_string()),
+            ("ephemerides that came too early", tally.early.to_string()),
             ("epochs judged", judged.to_string()),
             ("protected, alert, unavailable", format!("{protected}, {alert}, {unavailable}")),
             ("sentences", tally.sentences.to_string()),

@@ -5,6 +5,7 @@
 use std::collections::{BTreeMap, VecDeque};
 
 use rai_core::frame::{Enu, Geodetic, LocalFrame};
+use rai_core::satellite::SatelliteId;
 use rai_firmware::output::nmea::{GPS_MINUS_UTC_S, TimeOfDay};
 
 use super::scenario::Offer;
@@ -26,6 +27,10 @@ pub enum Heard {
     /// Anything else.
     Speech,
 }
+
+/// Epochs within which every ephemeris in use is sent again: for so long an early one may be all that is known after a
+/// restart, and its satellite is left out with good reason.
+const RENEWAL_EPOCHS: u64 = 60;
 
 /// Epochs whose bytes may still be on their way: a reset costs them.
 const IN_FLIGHT_EPOCHS: usize = 6;
@@ -49,6 +54,14 @@ pub struct Tally {
     /// The horizontal alert limit that the host set last, m.
     limit_m: Option<f64>,
     has_just_started: bool,
+    /// Whether the epoch judged last was offered without a false range.
+    is_sound: bool,
+    /// The how-manieth epoch an ephemeris of a satellite last came too early with.
+    early_at: BTreeMap<SatelliteId, u64>,
+    /// Ephemerides that came too early.
+    pub early: u64,
+    /// Satellites left out of epochs in which no range was false, and none of their own ephemerides had just come too early, in words.
+    pub left_out_sound: Vec<String>,
     /// Epochs offered.
     pub offered: u64,
     /// Of these, epochs that came whole and later than all before.
@@ -134,6 +147,10 @@ impl Tally {
         let offer = Offer { is_due: offer.is_due && is_whole, ..offer };
         self.offered += 1;
         self.due += u64::from(offer.is_due);
+        if let Some(satellite) = offer.early {
+            self.early += 1;
+            self.early_at.insert(satellite, self.offered);
+        }
         self.open.push_back(Open { offer, offered_s: board_s, is_judged: false });
         let old = self.open.len().checked_sub(PATIENCE_EPOCHS).and_then(|at| self.open.get(at));
         if let Some(old) = old.filter(|old| old.offer.is_due && !old.is_judged) {
@@ -153,6 +170,7 @@ impl Tally {
             Ok(Sentence::Position(position)) => self.position = position,
             Ok(Sentence::State(state)) => self.judged(state),
             Ok(Sentence::Excluded(excluded)) => {
+                self.left_out(excluded.satellite);
                 if let Some(moment) = self.moments.last_mut() {
                     moment.excluded.push(excluded.satellite);
                 }
@@ -199,8 +217,18 @@ impl Tally {
         }
     }
 
+    /// A satellite is left out of the epoch that was judged last.
+    fn left_out(&mut self, satellite: SatelliteId) {
+        let is_misled = self.early_at.get(&satellite).is_some_and(|at| self.offered - at <= RENEWAL_EPOCHS);
+        if self.is_sound && !is_misled {
+            let time = self.moments.last().map_or(0.0, |moment| moment.time_s);
+            self.left_out_sound.push(format!("{satellite} left out at {time:.0} s, no range false"));
+        }
+    }
+
     fn judged(&mut self, state: State) {
         let position = self.position.take();
+        self.is_sound = false;
         self.look_at_settings(&state);
         if state.reason == "STALE" {
             self.silences += 1;
@@ -214,6 +242,7 @@ impl Tally {
             return;
         };
         open.is_judged = true;
+        self.is_sound = !open.offer.falsified.is_any();
         let (offer, age_s) = (open.offer, now_s - open.offered_s);
         let error = position.map(|position| error(position, &offer));
         let said = EpochOutput { position, state, excluded: Vec::new() };
@@ -272,6 +301,7 @@ fn is_of(state: &State, offer: &Offer) -> bool {
 #[cfg(test)]
 mod tests {
     use rai_core::frame::Ecef;
+    use rai_core::satellite::Constellation;
     use rai_firmware::time::GpsTime;
 
     use super::super::incident::Falsified;
@@ -283,7 +313,7 @@ mod tests {
     fn offer(tow_s: u32, falsified: Falsified) -> Offer {
         let truth: Ecef = TRUTH.to_ecef();
         let time = GpsTime { week: 2300, tow_ms: tow_s * 1000 };
-        Offer { time, truth, falsified, accepted_error_m: Some(70.0), is_due: true }
+        Offer { time, truth, falsified, accepted_error_m: Some(70.0), early: None, is_due: true }
     }
 
     /// Position `north_m` beside the truth, and a verdict with a limit of 40 m, at 18 s of GPS time: midnight UTC.
@@ -328,6 +358,36 @@ mod tests {
         tally.offer(offer(18, Falsified::Satellites(0)), true, 0.0);
         tally.hear(nmea_line("PRAIS,000000.00,P,OK,9,9,4,0.5,2.0,12.0,20.0,40.0,").as_bytes());
         assert_eq!(tally.hazardous, 1);
+    }
+
+    #[test]
+    fn satellite_left_out_is_counted_where_no_range_was_false_and_none_of_its_ephemerides_was_early() {
+        let left_out = |falsified, early: Option<u8>| {
+            let mut tally = Tally::new(10.0);
+            let early = early.and_then(|number| SatelliteId::new(Constellation::Gps, number));
+            tally.offer(Offer { early, ..offer(18, falsified) }, true, 0.0);
+            says(&mut tally, 0.0, "P,EXCLUDED");
+            tally.hear(&sealed("PRAIX,000000.00,1,G05,5.2,61.0"));
+            (tally.early, tally.left_out_sound.len())
+        };
+        assert_eq!(left_out(Falsified::Satellites(0), None), (0, 1));
+        assert_eq!(left_out(Falsified::Satellites(1), None), (0, 0));
+        assert_eq!(left_out(Falsified::Satellites(0), Some(5)), (1, 0));
+        assert_eq!(left_out(Falsified::Satellites(0), Some(6)), (1, 1));
+    }
+
+    #[test]
+    fn early_ephemeris_excuses_its_satellite_for_as_long_as_the_true_one_may_be_away() {
+        for (later, want) in [(RENEWAL_EPOCHS, 0), (RENEWAL_EPOCHS + 1, 1)] {
+            let mut tally = Tally::new(10.0);
+            let early = SatelliteId::new(Constellation::Gps, 5);
+            tally.offer(Offer { early, ..offer(17, Falsified::Satellites(0)) }, false, 0.0);
+            (1..later).for_each(|_| tally.offer(offer(17, Falsified::Satellites(0)), false, 0.0));
+            tally.offer(offer(18, Falsified::Satellites(0)), true, 0.0);
+            says(&mut tally, 0.0, "P,EXCLUDED");
+            tally.hear(&sealed("PRAIX,000000.00,1,G05,5.2,61.0"));
+            assert_eq!(tally.left_out_sound.len(), want, "{later} epochs later");
+        }
     }
 
     #[test]

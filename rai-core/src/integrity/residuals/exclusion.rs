@@ -30,7 +30,7 @@ use super::threshold::Thresholds;
 use crate::bounded::gather;
 use crate::equations::MAX_ROWS;
 use crate::numeric::real::Real;
-use crate::removal::{Removal, testable_rows};
+use crate::removal::{NormalisedRow, Removal, testable_rows};
 use crate::report::MAX_EXCLUDED;
 use crate::snapshot::{Reducible, Snapshot};
 
@@ -143,23 +143,45 @@ fn is_unrivalled<T: Real>(snapshot: &Snapshot<'_, T>, set: &[usize], thresholds:
     let (Some(margin), Some(found)) = (thresholds.w_test(snapshot.used()), Removal::among(&rows, set)) else {
         return false;
     };
-    let (margin, left) = (T::narrow(margin * margin), found.sse(&rows));
-    let is_rival = |rival: &[usize]| {
-        let removal = Removal::among(&rows, rival).filter(|_| !rival.iter().all(|row| set.contains(row)));
-        removal.is_some_and(|removal| {
-            let sse = removal.sse(&rows);
-            let test = Detection::of(sse, removal.dof(snapshot), thresholds);
-            sse - left < margin && test.is_some_and(|test| !test.fault())
-        })
-    };
+    let margin = T::narrow(margin * margin);
+    let contest = Contest { snapshot, thresholds, rows: &rows, set, left: found.sse(&rows), margin };
     // What explains less than this by the sums at hand, which lose digits to gross faults, need not be looked at closely.
     let least = found.explained() - margin - snapshot.sse() * T::UNTESTABLE;
     let mut work = Work::new(count_up_to(set.len(), MAX_ROWS));
     let mut has_rival = false;
     for size in 1..=set.len() {
         each_of_size(&rows, size, &mut work, |explained, rival| {
-            has_rival |= explained >= least && !has_rival && rival.get(..size).is_some_and(is_rival);
+            if explained >= least && !has_rival {
+                has_rival = rival.get(..size).is_some_and(|rival| contest.has(rival));
+            }
         });
     }
     !has_rival && !work.cut
+}
+
+/// A set that was found, and what another has to reach to be its rival.
+struct Contest<'c, T: Real> {
+    snapshot: &'c Snapshot<'c, T>,
+    thresholds: &'c Thresholds<'c>,
+    rows: &'c [NormalisedRow<T>],
+    set: &'c [usize],
+    /// Sum of squares that it leaves.
+    left: T,
+    /// How much more a rival leaves at most.
+    margin: T,
+}
+
+impl<T: Real> Contest<'_, T> {
+    /// Looks closely at a set. Never inlined: hardly one in a thousand gets here, and the search over all is to stay small.
+    #[inline(never)]
+    fn has(&self, rival: &[usize]) -> bool {
+        if rival.iter().all(|row| self.set.contains(row)) {
+            return false;
+        }
+        Removal::among(self.rows, rival).is_some_and(|removal| {
+            let sse = removal.sse(self.rows);
+            let test = Detection::of(sse, removal.dof(self.snapshot), self.thresholds);
+            sse - self.left < self.margin && test.is_some_and(|test| !test.fault())
+        })
+    }
 }

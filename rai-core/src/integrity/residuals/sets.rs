@@ -5,7 +5,7 @@
 
 use super::tails;
 use crate::numeric::real::Real;
-use crate::removal::{NormalisedRow, Standing, Standings};
+use crate::removal::{Going, NormalisedRow, Standing, Standings};
 use crate::report::MAX_EXCLUDED;
 
 /// Sets of up to `largest` of `rows` rows; no more than [`MAX_EXCLUDED`] are ever left out.
@@ -84,8 +84,9 @@ fn pairs<T: Real, const GONE: usize>(
         if first.is_untestable() {
             continue;
         }
+        let going = Going::new(first);
         for second in work.granted(rest) {
-            let explained = explained + first.explained_with(second);
+            let explained = explained + going.explains_with(second);
             let mut set = [first.index(), second.index(), 0];
             if let Some(&gone) = gone.first() {
                 set = [gone, first.index(), second.index()];

@@ -34,6 +34,7 @@ mod consensus;
 mod refinement;
 mod selection;
 mod subsets;
+mod tetrahedra;
 
 pub use consensus::{Consensus, NoConsensus, consensus};
 pub use refinement::{Refinement, refine};

@@ -18,33 +18,31 @@
 //! Ties go to the first in lexicographic order, the lowest index, the lowest subset. Geometry is judged with one common
 //! clock and without weights, as [Tian2024] does: a subset needs its constellations' clocks only to be solved.
 //!
-//! **Work.** The largest of `n` over four is searched for exactly. One cross product serves all tetrahedra over a
-//! triangle `(a, b, c)`, and no unit vector is farther from its plane than `|N| + |N·a|`, `N` the cross product: where that is
-//! not enough, the triangle is passed over. Triangles and tetrahedra together count as work; [`MAX_WORK`] suffices
-//! for 40 satellites whatever their geometry. Work that is used up leaves the best found so far, begins no
-//! further subset, and [`Selection::cut`] says so.
+//! **Work.** The largest of `n` over four is found exactly, and most are never looked at: a bound on what two directions can
+//! span rules them out (`tetrahedra.rs`). What is looked at counts as work. [`MAX_WORK`] suffices for 24 satellites
+//! whatever their geometry, and for 40 over a sky twenty times. Work that is used up leaves subsets that no exchange of one
+//! corner enlarges by much, as many as otherwise, and [`Selection::cut`] says so.
 //!
 //! The result depends on geometry alone, which hardly changes in minutes: keep it while the same satellites are
-//! visible. In `f32` on a Cortex-M4F it takes 0.3 million instructions for 20 satellites of two constellations, 4.2
-//! million for 40.
+//! visible.
 //!
 //! [Tian2024]: crate#references
 
 use heapless::Vec;
 use nalgebra::{Cholesky, Matrix4, Vector3, Vector4};
 
+use super::tetrahedra::{Corner, Work, largest};
 use crate::bounded::gather;
 use crate::equations::{MAX_ROWS, Row};
-use crate::integrity::residuals::tails;
 use crate::numeric::real::Real;
 use crate::satellite::Constellation;
 
 /// Subsets at most: those of 64 satellites of one constellation.
 pub const MAX_SUBSETS: usize = 16;
 
-/// Triangles and tetrahedra of all subsets of 40 satellites.
-pub const MAX_WORK: usize = work_for(40);
-const _: () = assert!(MAX_WORK == 253_847);
+/// Triangles and tetrahedra of all subsets of 24 satellites.
+pub const MAX_WORK: usize = work_for(24);
+const _: () = assert!(MAX_WORK == 21_861);
 
 /// `Σ C(s, 3) + C(s, 4) = Σ C(s + 1, 4)` over the free satellites `s` of each subset.
 const fn work_for(satellites: usize) -> usize {
@@ -55,9 +53,6 @@ const fn work_for(satellites: usize) -> usize {
     }
     work
 }
-
-/// How a unit vector's length may exceed 1, twice over: [`LinearEpoch`] lets 1e-3 pass.
-const LENGTH: f64 = 1.002;
 
 /// Which subset each row of an epoch belongs to.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -88,7 +83,7 @@ impl Selection {
                 *member = candidate.subset;
             }
         }
-        Self { members, subsets: dealer.subsets.len(), work: work - dealer.left, cut: dealer.cut }
+        Self { members, subsets: dealer.subsets.len(), work: work - dealer.work.left, cut: dealer.work.cut }
     }
 
     /// Number of subsets.
@@ -164,8 +159,7 @@ impl<T: Real> Subset<T> {
 struct Dealer<T: Real> {
     candidates: Vec<Candidate<T>, MAX_ROWS>,
     subsets: Vec<Subset<T>, MAX_SUBSETS>,
-    left: usize,
-    cut: bool,
+    work: Work,
 }
 
 impl<T: Real> Dealer<T> {
@@ -175,7 +169,7 @@ impl<T: Real> Dealer<T> {
             let clock = row.clock.filter(|_| takes_part)?;
             Some(Candidate { index, clock, design: row.design, subset: None })
         });
-        Self { candidates: gather(satellites), subsets: Vec::new(), left: work, cut: false }
+        Self { candidates: gather(satellites), subsets: Vec::new(), work: Work { left: work, cut: false } }
     }
 
     fn constellations(&self) -> impl Iterator<Item = Constellation> {
@@ -203,18 +197,9 @@ impl<T: Real> Dealer<T> {
     /// Row indices of the four free satellites that span the largest tetrahedron.
     fn largest_tetrahedron(&mut self) -> Option<[usize; 4]> {
         let free = self.candidates.iter().filter(|candidate| candidate.subset.is_none());
-        let corners: Vec<_, MAX_ROWS> = gather(free.map(|candidate| (candidate.index, candidate.design)));
-        let mut search = Tetrahedra { largest: T::zero(), corners: None, left: self.left, cut: false };
-        for (a, rest) in tails(&corners) {
-            for (b, rest) in tails(rest) {
-                for (c, rest) in tails(rest) {
-                    search.over_triangle([a, b, c], rest);
-                }
-            }
-        }
-        self.left = search.left;
-        self.cut |= search.cut;
-        search.corners
+        let corners: Vec<Corner<T>, MAX_ROWS> =
+            gather(free.map(|candidate| (candidate.index, candidate.design)));
+        largest(&corners, &mut self.work)
     }
 
     fn complete_constellations(&mut self) {
@@ -254,50 +239,5 @@ impl<T: Real> Dealer<T> {
             subset.add(&candidate.row());
             candidate.subset = Some(number as u8);
         }
-    }
-}
-
-/// A satellite's row index and direction.
-type Corner<T> = (usize, Vector3<T>);
-
-/// The largest tetrahedron so far.
-struct Tetrahedra<T: Real> {
-    largest: T,
-    corners: Option<[usize; 4]>,
-    left: usize,
-    cut: bool,
-}
-
-impl<T: Real> Tetrahedra<T> {
-    /// All tetrahedra over one triangle.
-    fn over_triangle(&mut self, [a, b, c]: [&Corner<T>; 3], tips: &[Corner<T>]) {
-        let normal = (b.1 - a.1).cross(&(c.1 - a.1));
-        let level = normal.dot(&a.1);
-        let tips = if self.is_out_of_reach(&normal, level) { &[] } else { tips };
-        if !self.spend(1 + tips.len()) {
-            return;
-        }
-        for tip in tips {
-            let volume = (normal.dot(&tip.1) - level).abs();
-            if volume > self.largest {
-                self.largest = volume;
-                self.corners = Some([a.0, b.0, c.0, tip.0]);
-            }
-        }
-    }
-
-    /// `|N| + |N·a|` is below the largest volume: squared, so that no root is taken.
-    fn is_out_of_reach(&self, normal: &Vector3<T>, level: T) -> bool {
-        let missing = self.largest - level.abs();
-        missing > T::zero() && normal.dot(normal) * T::narrow(LENGTH * LENGTH) < missing * missing
-    }
-
-    /// Takes from the work that is left; false when there is not enough.
-    fn spend(&mut self, work: usize) -> bool {
-        match self.left.checked_sub(work) {
-            Some(left) => self.left = left,
-            None => self.cut = true,
-        }
-        !self.cut
     }
 }

@@ -1,5 +1,7 @@
 //! Sets of rows and of events, as words; and what a hypothesis takes away.
 
+pub(super) use crate::bit_set::above;
+pub(in crate::integrity::separation) use crate::bit_set::members;
 use crate::equations::MAX_ROWS;
 use crate::satellite::Constellation;
 
@@ -25,22 +27,8 @@ pub(super) fn event(constellation: usize) -> Set {
     1u64.checked_shl((ROWS + constellation) as u32).unwrap_or(0)
 }
 
-/// Everything above a member.
-pub(super) fn above(index: usize) -> Set {
-    Set::MAX.checked_shl(index as u32 + 1).unwrap_or(0)
-}
-
 /// The rows among a set of events.
 pub(super) const ROW_EVENTS: Set = (1 << ROWS) - 1;
-
-/// The members of a set, ascending.
-pub(in crate::integrity::separation) fn members(mut set: Set) -> impl Iterator<Item = usize> + Clone {
-    core::iter::from_fn(move || {
-        let index = set.trailing_zeros() as usize;
-        set &= set.wrapping_sub(1);
-        (index < Set::BITS as usize).then_some(index)
-    })
-}
 
 /// What a hypothesis takes away: whole constellations, and rows of the others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
