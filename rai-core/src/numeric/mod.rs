@@ -7,4 +7,5 @@ pub mod normal;
 pub mod precision;
 pub mod probability;
 pub mod real;
+mod root;
 mod scalars;
