@@ -25,7 +25,7 @@
 //! | `SIGMA` | `FIXED`, `ADAPT` | `FIXED` | |
 //! | `BAUD` | `AUTO`, 9600, 38400, 115200, 230400, 460800, 921600 | `AUTO` | bit/s |
 //! | `IONO` | 4 α, 4 β, not all zero; or `AUTO`: what satellites broadcast | `AUTO` | s, s/semicircle, … as broadcast |
-//! | `ISM` | `ICAO`, `RESEARCH`: presets of [`rai_core::weighting::Ism`], for `SEPARATION`; with `-AIR` the noise is that of an antenna on an aircraft | `ICAO` | |
+//! | `ISM` | `ICAO`, `RESEARCH`: presets of [`rai_core::weighting::Ism`], for `SEPARATION`; with `-AIR` the noise is that of an antenna on an aircraft. Or one system: its letter (of `GREC`), URA, URE, `b_nom`, `P_sat`, `P_const`, until the next preset ([`Promises`]) | `ICAO` | m, –, as there |
 //! | `OUTPUT` | an item of [`crate::output::schedule`], every how many epochs: 0 (never) to 255 | as there | |
 //! | `STATS`, `SELFTEST`, `CONFIRM`, `FORGET`, `RESET` | none: an [`Action`] | | |
 //!
@@ -55,6 +55,7 @@ mod line;
 mod number;
 mod phase;
 mod port;
+mod promises;
 mod refusal;
 mod said;
 mod sealed;
@@ -67,6 +68,7 @@ pub use line::MAX_LINE;
 pub use number::{decimal, scientific};
 pub use phase::Phase;
 pub use port::{Action, CommandPort, Heard};
+pub use promises::Promises;
 pub use refusal::Refusal;
 pub use sealed::Unsealed;
 pub use setting::{Frequencies, Heights, Levels, Recovery, Setting, Sigma, Systems};
@@ -107,7 +109,7 @@ pub struct Configuration {
     /// Bit rate of the GNSS port; `None` finds out.
     pub bit_rate: Option<u32>,
     /// What is promised of the satellites, for [`Method::Separation`].
-    pub ism: Ism,
+    pub promises: Promises,
     /// What is sent, how often.
     pub outputs: Schedule,
 }
@@ -139,7 +141,7 @@ impl Configuration {
             frequencies: Frequencies::Auto,
             sigma: Sigma::Fixed,
             bit_rate: None,
-            ism: Ism::ICAO,
+            promises: Promises::preset(Ism::ICAO),
             outputs: Schedule::AT_START,
         }
     }
@@ -182,7 +184,10 @@ impl Configuration {
             Setting::Sigma(sigma) => self.sigma = sigma,
             Setting::BitRate(bit_rate) => self.bit_rate = bit_rate,
             Setting::Ionosphere(coefficients) => self.klobuchar = coefficients,
-            Setting::Support(ism) => self.ism = ism,
+            Setting::Support(ism) => self.promises = Promises::preset(ism),
+            Setting::SupportOf(constellation, support) => {
+                self.promises = self.promises.with(constellation, support);
+            }
             Setting::Output(item, every) => self.outputs = self.outputs.with(item, every),
             Setting::Phase(_)
             | Setting::TimeToAlert(_)

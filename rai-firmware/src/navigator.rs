@@ -134,7 +134,7 @@ impl Navigator {
         self.monitor.set_strategy(configuration.strategy());
         // Every value within the ranges of the commands is one that the core takes.
         let _ = self.monitor.set_continuity(configuration.continuity());
-        self.monitor.set_ism(configuration.ism);
+        self.monitor.set_ism(configuration.promises.ism());
         Ok(())
     }
 

@@ -4,6 +4,8 @@ use proptest::prelude::*;
 use rai_core::integrity::residuals::threshold::{false_alarms, missed_detections};
 use rai_core::numeric::probability::Probability;
 use rai_core::requirements::Requirements;
+use rai_core::satellite::Constellation;
+use rai_core::weighting::{Ism, Support};
 use rai_firmware::config::{Action, CommandPort, Configuration, Key, MAX_LINE, Phase, scientific};
 
 /// A command with its checksum and line end.
@@ -84,6 +86,8 @@ fn each_command_is_obeyed_and_its_answer_repeats_it() {
         "OUTPUT,GSA,5",
         "OUTPUT,GNSS_INTEGRITY,1",
         "OUTPUT,RMC,0",
+        "ISM,RESEARCH",
+        "ISM,G,2.4,2.4,0,1e-5,1e-4",
     ];
     let mut module = Module::new();
     for command in commands {
@@ -276,6 +280,53 @@ fn a_long_answer_is_continued_in_another() {
         text.split(',').map(|number| number.parse::<f64>().expect("a number")).collect::<Vec<_>>()
     };
     assert_eq!(numbers(&said), numbers(set));
+}
+
+#[test]
+fn the_promises_of_one_system_replace_those_of_the_preset_until_the_next_preset() {
+    let mut module = Module::new();
+    for command in ["ISM,RESEARCH-AIR", "ISM,E,6,4.5,0.75,0,2e-4", "ISM,G,2.4,2.4,0,1e-5,1e-4"] {
+        module.ask(&format!("PRAIC,{command}"));
+    }
+    let mut want = Ism::RESEARCH_AIRBORNE;
+    let support = |ura_m, ure_m, bias_m, satellite_fault, constellation_fault| Support {
+        ura_m,
+        ure_m,
+        bias_m,
+        satellite_fault,
+        constellation_fault,
+    };
+    want.constellations[Constellation::Gps as usize] = support(2.4, 2.4, 0.0, 1e-5, 1e-4);
+    want.constellations[Constellation::Galileo as usize] = support(6.0, 4.5, 0.75, 0.0, 2e-4);
+    assert_eq!(module.configuration.promises.ism(), want);
+    let said = "PRAIA,ISM,RESEARCH-AIR,G,2.4,2.4,0,1e-5,1e-4,E,6,4.5,0.75,0,2e-4,OK";
+    assert_eq!(module.ask("PRAIC,ISM"), [said]);
+    module.ask("PRAIC,ISM,ICAO");
+    assert_eq!(module.configuration.promises.ism(), Ism::ICAO);
+    assert_eq!(module.ask("PRAIC,ISM"), ["PRAIA,ISM,ICAO,OK"]);
+}
+
+#[test]
+fn promises_that_no_system_makes_are_refused() {
+    let cases = [
+        ("ISM,G", "missing value"),
+        ("ISM,G,2.4,2.4,0,1e-5", "missing value"),
+        ("ISM,G,2.4,2.4,0,1e-5,1e-4,1", "extra value"),
+        ("ISM,J,2.4,2.4,0,1e-5,1e-4", "unknown value"),
+        ("ISM,GE,2.4,2.4,0,1e-5,1e-4", "unknown value"),
+        ("ISM,G,0,0,0,1e-5,1e-4", "out of range"),
+        ("ISM,G,101,2.4,0,1e-5,1e-4", "out of range"),
+        ("ISM,G,2.4,2.5,0,1e-5,1e-4", "out of range"),
+        ("ISM,G,2.4,2.4,-1,1e-5,1e-4", "out of range"),
+        ("ISM,G,2.4,2.4,0,0.2,1e-4", "out of range"),
+        ("ISM,G,2.4,2.4,0,1e-5,1e-13", "out of range"),
+        ("ISM,G,2.4,2.4,0,1e-5,x", "not a number"),
+    ];
+    for (command, why) in cases {
+        let mut module = Module::new();
+        assert_eq!(module.ask(&format!("PRAIC,{command}")), [format!("PRAIA,ISM,ERR,{why}")], "{command}");
+        assert_eq!(module.configuration, Configuration::at_start());
+    }
 }
 
 /// Nothing is accepted that nothing is done about.
@@ -551,6 +602,8 @@ mod said {
             "CLOCKAID,ON",
             "OUTPUT,GBS,3",
             "IONO,1E-8,0,0,0,0,0,0,0",
+            "ISM,RESEARCH",
+            "ISM,G,2.4,2.4,0,1e-5,1e-4",
         ];
         let mut hashes = vec![Configuration::at_start().hash()];
         for command in commands {

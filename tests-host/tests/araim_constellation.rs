@@ -2,7 +2,8 @@
 //!
 //! The module gets RTCM and is read by its sentences. Where the antenna is is known: of the recording by survey, of the
 //! simulated sky by construction. The promises are those at start, `ISM,ICAO`: there Galileo and `BeiDou` may fail as a
-//! whole. GPS, by its promise of 1e-8, may not: a shift of GPS is taken for one of the others, and nobody watches for it.
+//! whole. GPS, by its promise of 1e-8, may not: a shift of GPS is taken for one of the others, and nobody watches for it, unless a
+//! command promises less of GPS.
 
 use rai_core::frame::Ecef;
 use rai_firmware::time::GpsTime;
@@ -19,10 +20,18 @@ const SIDEWAYS: &str = "60,0,0";
 const UPWARDS: &str = "0,0,60";
 const SHIFTS: [&str; 3] = [SIDEWAYS, UPWARDS, "36,0,-48"];
 
+/// Less than the preset promises of GPS: as often lost as a whole as others are.
+const DOUBTED: &str = "ISM,G,2.4,2.4,0,1e-5,1e-4";
+
 fn run(recording: &Recording, systems: &str, faults: &[Fault], truth: Ecef) -> Track {
+    run_set(recording, systems, faults, truth, &[])
+}
+
+fn run_set(recording: &Recording, systems: &str, faults: &[Fault], truth: Ecef, set: &[&str]) -> Track {
     let selection = Selection::new(systems, Frequency::Dual).unwrap();
     let lumps = replay::encode(recording, &selection, faults, &Window::ALL).unwrap();
-    let setup = ["PHASE,NPA", "METHOD,SEPARATION"].map(str::to_owned);
+    let setup: Vec<_> =
+        ["PHASE,NPA", "METHOD,SEPARATION"].iter().chain(set).map(ToString::to_string).collect();
     let run = replay::on_host(&lumps, &setup, Pace::Recorded, |_| {}).unwrap();
     replay::track(&lumps, &run, Some(&Truth::Fixed(truth))).unwrap()
 }
@@ -64,6 +73,31 @@ fn a_simulated_constellation_that_is_shifted_by_60_m_is_seen_at_once_and_never_m
         assert_eq!(Summary::of(&track, &[fault], true).misleading, Some(0), "{fault:?}");
         if shift == SIDEWAYS {
             assert!(faulty.into_iter().all(is_seen), "{fault:?}");
+        }
+    }
+}
+
+#[test]
+fn a_shift_of_gps_is_seen_at_once_where_a_command_promises_less_of_gps() {
+    const START_S: f64 = 600.0;
+    let (recording, truth) = simulated();
+    for shift in SHIFTS {
+        let fault = Fault::parse_inject(&format!("G:shift={shift}@{START_S}..")).unwrap();
+        let misled = |set: &[&str]| {
+            let track = run_set(&recording, "GE", &[fault], truth, set);
+            let (healthy, faulty): (Vec<_>, Vec<_>) =
+                track.iter().partition(|moment| moment.elapsed_s < START_S);
+            assert!(healthy.len() == 20 && !healthy.into_iter().any(is_seen), "an alarm without a fault");
+            let unseen = faulty.into_iter().filter(|moment| !is_seen(moment)).count();
+            (Summary::of(&track, &[fault], true).misleading.unwrap(), unseen)
+        };
+        let (misleading, unseen) = misled(&[DOUBTED]);
+        println!("GE, G shifted by {shift} m: {unseen} of 40 epochs unseen, misleading {misleading}");
+        assert_eq!(misleading, 0, "{fault:?}");
+        if shift == SIDEWAYS {
+            assert_eq!(unseen, 0, "{fault:?}");
+            // What the preset's promise of GPS costs where it is broken.
+            assert!(misled(&[]).0 > 0, "{fault:?}");
         }
     }
 }

@@ -8,4 +8,5 @@ pub mod normal;
 pub mod precision;
 pub mod probability;
 pub mod real;
+mod root;
 mod scalars;

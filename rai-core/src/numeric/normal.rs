@@ -24,6 +24,7 @@
 //! [Cody1969]: crate#references
 
 use super::real::Real;
+use super::root::single_inverse;
 
 pub use super::real::Tail;
 
@@ -192,7 +193,8 @@ pub(super) fn single_quantile(p: f32) -> f32 {
     if distance <= CENTRE as f32 {
         return distance * quotient(&SINGLE_CENTRE, (CENTRE * CENTRE) as f32 - distance * distance);
     }
-    let root = libm::sqrtf(-libm::logf(p));
+    let squared = -libm::logf(p);
+    let root = squared * single_inverse(squared);
     let (near, far) = (root - 1.6, root - FAR as f32);
     if far <= 0.0 { quotient(&SINGLE_TAIL, near) } else { quotient(&SINGLE_FAR, far) }
 }

@@ -40,6 +40,8 @@ pub trait Real: RealField + Copy {
     fn narrow(value: f64) -> Self;
     /// Widens to a double, exactly.
     fn widen(self) -> f64;
+    /// `1/√x` for `x > 0`, to a few units in the last place.
+    fn inverse_root(self) -> Self;
     /// [`tail`](super::normal::tail) for `u ≥ 0`.
     fn normal_tail(u: Self) -> Tail<Self>;
     /// [`quantile`](super::normal::quantile) for `0 < p < 0.5`.

@@ -4,6 +4,7 @@ use super::absolute::Grid;
 use super::normal;
 use super::precision::{DOUBLE, Precision, SINGLE};
 use super::real::{Real, Tail};
+use super::root;
 
 impl Real for f64 {
     type Absolute = f64;
@@ -19,6 +20,9 @@ impl Real for f64 {
     }
     fn widen(self) -> f64 {
         self
+    }
+    fn inverse_root(self) -> Self {
+        libm::sqrt(self).recip()
     }
     fn normal_tail(u: Self) -> Tail<Self> {
         normal::double_tail(u)
@@ -44,6 +48,10 @@ impl Real for f32 {
     }
     fn widen(self) -> f64 {
         f64::from(self)
+    }
+    #[inline]
+    fn inverse_root(self) -> Self {
+        root::single_inverse(self)
     }
     fn normal_tail(u: Self) -> Tail<Self> {
         normal::single_tail(u)

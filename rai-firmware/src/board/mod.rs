@@ -40,7 +40,7 @@ counters! {
 }
 
 /// Bytes of settings that survive a restart.
-pub const SEALED_BYTES: usize = 768;
+pub const SEALED_BYTES: usize = 1024;
 
 /// The hardware around the module. No function of it waits, but for [`Board::sleep`].
 pub trait Board {

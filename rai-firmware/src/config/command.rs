@@ -3,6 +3,7 @@
 use rai_core::numeric::probability::Probability;
 
 use super::key::Key;
+use super::promises::{support, system};
 use super::setting::{Heights, Recovery, Setting, Systems};
 use super::words::{
     BIT_RATES, FREQUENCIES, LEVELS, METHODS, PHASES, POLICIES, SIGMAS, SUPPORTS, SWITCH, meaning,
@@ -101,6 +102,7 @@ impl Setting {
             Key::Recovery => Self::Recovery(recovery(values)?),
             Key::Ionosphere => Self::Ionosphere(ionosphere(values)?),
             Key::Output => output(values)?,
+            Key::Support => promise(values)?,
             _ => Self::of_one(key, next(values)?)?,
         };
         none(values).map(|()| setting)
@@ -127,7 +129,6 @@ impl Setting {
             Key::Frequencies => Self::Frequencies(meaning(value, FREQUENCIES)?),
             Key::Sigma => Self::Sigma(meaning(value, SIGMAS)?),
             Key::BitRate => Self::BitRate(meaning(value, BIT_RATES)?),
-            Key::Support => Self::Support(meaning(value, SUPPORTS)?),
             _ => return Err(Refusal::NotInBuild),
         })
     }
@@ -137,11 +138,11 @@ fn none<'v>(mut values: impl Iterator<Item = &'v str>) -> Result<(), Refusal> {
     values.next().map_or(Ok(()), |_| Err(Refusal::ExtraValue))
 }
 
-fn next<'v>(values: &mut impl Iterator<Item = &'v str>) -> Result<&'v str, Refusal> {
+pub(super) fn next<'v>(values: &mut impl Iterator<Item = &'v str>) -> Result<&'v str, Refusal> {
     values.next().filter(|value| !value.is_empty()).ok_or(Refusal::MissingValue)
 }
 
-fn number(value: &str, (lowest, highest): (f64, f64)) -> Result<f64, Refusal> {
+pub(super) fn number(value: &str, (lowest, highest): (f64, f64)) -> Result<f64, Refusal> {
     let number = decimal(value).ok_or(Refusal::NotANumber)?;
     if (lowest..=highest).contains(&number) { Ok(number) } else { Err(Refusal::OutOfRange) }
 }
@@ -187,6 +188,15 @@ fn output<'v>(values: &mut impl Iterator<Item = &'v str>) -> Result<Setting, Ref
         return Err(Refusal::NotInBuild);
     }
     Ok(Setting::Output(item, whole(next(values)?, EVERY)?))
+}
+
+/// A preset, or a system with its five values.
+fn promise<'v>(values: &mut impl Iterator<Item = &'v str>) -> Result<Setting, Refusal> {
+    let value = next(values)?;
+    match system(value) {
+        Some(constellation) => Ok(Setting::SupportOf(constellation, support(values)?)),
+        None => Ok(Setting::Support(meaning(value, SUPPORTS)?)),
+    }
 }
 
 /// Letters of systems.

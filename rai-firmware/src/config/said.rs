@@ -15,13 +15,15 @@
 //! | 20 to 22 | `FREQ`, `SIGMA`, `BAUD` |
 //! | 23 to 30 | `IONO`: eight coefficients, or `AUTO` (what satellites broadcast) and seven empty fields |
 //! | 31 to 41 | `OUTPUT`: every how many epochs, in the order of [`crate::output::schedule`] |
-//! | 42 | `ISM` |
+//! | 42 | `ISM`: the preset |
+//! | 43 to 62 | `ISM`: the five values of G, C, E and R; empty where the preset's count |
 
 use embedded_io::Write;
 use heapless::String;
 
 use super::key::Key;
 use super::number::{plain, signed_scientific};
+use super::promises::{VALUES, say as say_support};
 use super::words::{
     BIT_RATES, FREQUENCIES, LEVELS, METHODS, PHASES, POLICIES, SIGMAS, SUPPORTS, SWITCH, word,
 };
@@ -103,6 +105,14 @@ impl Configuration {
                     take(&plain(f64::from(every)));
                 }
             }
+            (Key::Support, _) => {
+                take(word(self.promises.base(), SUPPORTS));
+                for (constellation, support) in self.promises.own() {
+                    let Some(support) = support else { continue };
+                    take(constellation.letter().encode_utf8(&mut [0; 4]));
+                    say_support(&support, take);
+                }
+            }
             (Key::VerticalAlertLimit, _) if self.requirements.val_m.is_none() => take("OFF"),
             _ => self.say(key, take),
         }
@@ -151,7 +161,15 @@ impl Configuration {
             Key::BitRate => take(word(self.bit_rate, BIT_RATES)),
             Key::Ionosphere => self.say_ionosphere(take),
             Key::Output => self.outputs.rates().for_each(|(_, every)| take(&plain(f64::from(every)))),
-            Key::Support => take(word(self.ism, SUPPORTS)),
+            Key::Support => {
+                take(word(self.promises.base(), SUPPORTS));
+                for (_, support) in self.promises.own() {
+                    match support {
+                        Some(support) => say_support(&support, take),
+                        None => (0..VALUES).for_each(|_| take("")),
+                    }
+                }
+            }
             _ => {}
         }
     }

@@ -14,6 +14,7 @@
 use heapless::String;
 
 use super::key::Key;
+use super::promises::VALUES;
 use super::said::{Crc32, ORDER};
 use super::{Command, Configuration, Phase};
 use crate::board::SEALED_BYTES;
@@ -22,8 +23,8 @@ use crate::board::SEALED_BYTES;
 const MARK: [u8; 4] = *b"RAIs";
 /// Bytes before the text.
 const HEAD: usize = 12;
-/// Longest line: a key and eight coefficients.
-const LINE: usize = 128;
+/// Longest line: a key and eight coefficients of all their digits, 141 bytes.
+const LINE: usize = 144;
 
 /// What sealed memory holds.
 #[allow(clippy::large_enum_variant)] // There is no heap to put it on, and one lives for a moment.
@@ -101,10 +102,10 @@ impl Configuration {
             let mut line = String::<LINE>::new();
             // What does not fit makes a line that is none, and the hash tells.
             let _ = line.push_str(key.name());
-            let mut fields = 0;
+            let (mut fields, mut is_first) = (0, true);
             self.say_answer(key, &mut |field| {
-                // A rate is set by itself, under its name.
-                if key == Key::Output && fields == 2 {
+                if fields == fields_of(key, is_first) {
+                    is_first = false;
                     let _ = line.push('\n');
                     take(&line);
                     line.clear();
@@ -118,6 +119,17 @@ impl Configuration {
             let _ = line.push('\n');
             take(&line);
         }
+    }
+}
+
+/// Fields of a command that only some of what is said of its key fits: a rate is set by itself, under its name, and so are the
+/// promises of a system, after their preset.
+fn fields_of(key: Key, is_first: bool) -> usize {
+    match key {
+        Key::Output => 2,
+        Key::Support if is_first => 1,
+        Key::Support => 1 + VALUES,
+        _ => usize::MAX,
     }
 }
 
@@ -142,6 +154,11 @@ fn checksum(hash: [u8; 4], text: &[u8]) -> u32 {
 
 #[cfg(test)]
 mod tests {
+    use std::borrow::ToOwned;
+    use std::format;
+    use std::string::String;
+    use std::vec::Vec;
+
     use super::*;
 
     /// Settings that commands make.
@@ -150,13 +167,46 @@ mod tests {
         obey(text.as_bytes()).expect("commands that are obeyed")
     }
 
-    fn cases() -> [Configuration; 4] {
+    fn cases() -> [Configuration; 6] {
         [
             Configuration::at_start(),
             settings(&["PHASE,LPV200", "TTA,3", "MASK,12.5", "METHOD,RANSAC", "CLOCKAID,ON"]),
             settings(&["HAL,40", "VAL,35", "PFA,1e-5", "PMD,1e-4", "TTA,3600"]),
             settings(&["IONO,1.4e-8,2.2e-8,-6e-8,-1.2e-7,9.6e4,1.3e5,-6.5e4,-3.3e5", "POLICY,T2"]),
+            settings(&["ISM,RESEARCH-AIR", "ISM,G,2.4,2.4,0,1e-5,1e-4", "ISM,E,6,4.5,0.75,0,2e-4"]),
+            longest(),
         ]
+    }
+
+    /// Settings that take the most room.
+    fn longest() -> Configuration {
+        let numbers = [
+            "HAL,99998.123456",
+            "VAL,99998.123456",
+            "PFA,6.666666667e-5",
+            "PFF,1.234567891e-12",
+            "TTA,3599.123456",
+            "MASK,59.123456",
+            "METHOD,SIMULTANEOUS",
+            "SYSTEMS,GRECJ",
+            "CN0MASK,54.123456",
+            "VMAX,9999.123456",
+            "HEIGHT,-11999.123456,1999999.123456",
+            "RECOVER,100,599.123456",
+            "FREQ,SINGLE",
+            "BAUD,921600",
+            "IONO,-1.234567891e-100,-1.234567891e-100,-1.234567891e-100,-1.234567891e-100,\
+             -99999.123456,-999999.123456,-999999.123456,-999999.123456",
+            "ISM,RESEARCH-AIR",
+        ];
+        let outputs = Configuration::at_start().outputs;
+        let outputs = outputs.rates().map(|(name, _)| format!("OUTPUT,{name},255"));
+        let promise =
+            |letter| format!("ISM,{letter},99.123456,98.123456,97.123456,1.234567891e-12,1.234567891e-12");
+        let lines =
+            numbers.map(str::to_owned).into_iter().chain(outputs).chain(["G", "R", "E", "C"].map(promise));
+        let lines: Vec<String> = lines.collect();
+        settings(&lines.iter().map(String::as_str).collect::<Vec<_>>())
     }
 
     #[test]
@@ -168,6 +218,7 @@ mod tests {
             assert_eq!(have.hash(), want.hash());
             assert_eq!((have.phase, have.policy, have.method), (want.phase, want.policy, want.method));
             assert_eq!(have.requirements, want.requirements);
+            assert_eq!(have.promises, want.promises);
         }
     }
 

@@ -5,7 +5,8 @@
 use rai_core::integrity::residuals::threshold::policy::Policy;
 use rai_core::monitor::Method;
 use rai_core::numeric::probability::Probability;
-use rai_core::weighting::Ism;
+use rai_core::satellite::Constellation;
+use rai_core::weighting::{Ism, Support};
 
 use super::Phase;
 use crate::output::schedule::Item;
@@ -125,8 +126,10 @@ pub enum Setting {
     BitRate(Option<u32>),
     /// `IONO`, α0 to α3 and β0 to β3 as broadcast; `None` for `AUTO`, what the satellites say.
     Ionosphere(Option<[f64; 8]>),
-    /// `ISM`: what is promised of the satellites.
+    /// `ISM`: what is promised of the satellites, by a preset.
     Support(Ism),
+    /// `ISM`: what is promised of one system's.
+    SupportOf(Constellation, Support),
     /// `OUTPUT`: something that is sent, and with every how many epochs.
     Output(Item, u8),
 }

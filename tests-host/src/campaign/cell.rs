@@ -67,7 +67,7 @@ impl Bench<'_> {
             .iter()
             .map(|judge| {
                 let mut monitor = judge.monitor.clone();
-                monitor.set_ism(self.model.promises(judge.configuration.ism));
+                monitor.set_ism(self.model.promises(judge.configuration.promises.ism()));
                 monitor
             })
             .collect();

@@ -68,7 +68,7 @@ impl ErrorModel {
     fn said_m(self, judge: &Configuration, satellite: SatelliteId, sin_elevation: f64) -> f64 {
         match self {
             Self::User(user) if judge.method == Method::Separation => {
-                let support = judge.ism.of(satellite.constellation());
+                let support = judge.promises.ism().of(satellite.constellation());
                 f64::from(integrity_sigma_m(&support, 0.0, &budget(user, satellite, sin_elevation)))
             }
             _ => self.expected_m(satellite, sin_elevation),

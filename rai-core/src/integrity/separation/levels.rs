@@ -103,6 +103,8 @@ pub(super) struct Axis<T> {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Gate<T> {
     references_m: Vector3<T>,
+    /// Their squares.
+    references_m2: Vector3<T>,
     /// Of east and north, and of up.
     clear: [T; 2],
 }
@@ -110,37 +112,58 @@ pub(super) struct Gate<T> {
 impl<T: Real> Gate<T> {
     /// Of axes without risk.
     pub(super) fn closed() -> Self {
-        Self { references_m: Vector3::repeat(infinity()), clear: [T::zero(); 2] }
+        let everywhere = Vector3::repeat(infinity());
+        Self { references_m: everywhere, references_m2: everywhere, clear: [T::zero(); 2] }
     }
 
     pub(super) fn of(axes: &[Axis<T>; 3]) -> Self {
         let [east, north, up] = axes;
+        let references_m = Vector3::new(east.reference_m, north.reference_m, up.reference_m);
         // Both horizontal axes have the same risk.
         Self {
-            references_m: Vector3::new(east.reference_m, north.reference_m, up.reference_m),
+            references_m,
+            references_m2: references_m.component_mul(&references_m),
             clear: [east.clear, up.clear],
         }
     }
 
-    /// Whether a mode need not be looked at, its biases being at most these.
+    /// Whether a mode without biases need not be looked at.
     #[inline]
-    pub(super) fn is_clear(
+    pub(super) fn is_clear(&self, mode: &Mode<T>, thresholds: &Vector3<T>, variance: &Vector3<T>) -> bool {
+        self.clears(mode, thresholds, variance, &self.references_m2)
+    }
+
+    /// The same, its biases being at most these.
+    #[inline]
+    pub(super) fn is_clear_with(
         &self,
         mode: &Mode<T>,
         thresholds: &Vector3<T>,
         variance: &Vector3<T>,
         bias_m: &Vector3<T>,
     ) -> bool {
+        // A margin below nothing leaves a rest below nothing.
+        let margins = (self.references_m - bias_m).map(|margin| margin * margin.abs());
+        self.clears(mode, thresholds, variance, &margins)
+    }
+
+    /// By the squares of what is left up to the references.
+    #[inline]
+    fn clears(
+        &self,
+        mode: &Mode<T>,
+        thresholds: &Vector3<T>,
+        variance: &Vector3<T>,
+        margins: &Vector3<T>,
+    ) -> bool {
         let [horizontal, vertical] = self.clear.map(|clear| {
             let needed = clear + mode.ln_probability + mode.ln_probability;
             if needed > T::zero() { needed } else { T::zero() }
         });
-        // A margin below nothing leaves a rest below nothing.
         let is_clear = |margin: T, threshold: T, spread: T| {
-            let rest = margin * margin.abs() - threshold - spread;
+            let rest = margin - threshold - spread;
             rest * rest.abs() > T::narrow(4.0) * threshold * spread
         };
-        let margins = self.references_m - bias_m;
         is_clear(margins.x, thresholds.x, horizontal * variance.x)
             && is_clear(margins.y, thresholds.y, horizontal * variance.y)
             && is_clear(margins.z, thresholds.z, vertical * variance.z)
@@ -251,11 +274,12 @@ impl<T: Real> Axis<T> {
     #[inline(never)]
     fn add_term(&mut self, mode: &Candidate<T>, bias_m: T) {
         // Rounding can take a variance of nothing below nothing.
-        let threshold_m = if mode.threshold > T::zero() { mode.threshold.sqrt() } else { T::zero() };
+        let is_spread = mode.threshold > T::zero();
+        let threshold_m = if is_spread { mode.threshold * mode.threshold.inverse_root() } else { T::zero() };
         let term = Term {
             probability: mode.probability,
             offset_m: threshold_m + bias_m,
-            inverse_sigma: mode.variance.sqrt().recip(),
+            inverse_sigma: mode.variance.inverse_root(),
             hypothesis: mode.hypothesis,
         };
         self.take(term);
@@ -375,6 +399,8 @@ impl<T: Real> Axis<T> {
         let unknown = Level { below_m: start_m, ..Level::none() };
         let (mut low_m, mut high) = (start_m, None);
         let mut at_m = start_m;
+        // Never a step so small that it leads nowhere: in vain, twice as far the next time.
+        let mut least_m = settled_m::<T>();
         for _ in 0..MAX_STEPS {
             let sum = self.sum(at_m);
             let step = (sum.value / self.risk).ln() * sum.value / sum.slope;
@@ -389,7 +415,11 @@ impl<T: Real> Axis<T> {
             } else {
                 low_m = at_m;
             }
-            at_m = next(at_m, step, low_m, high.map(|(high_m, ..)| high_m), settled);
+            if settled > least_m {
+                least_m = settled;
+            }
+            at_m = next(at_m, step, low_m, high.map(|(high_m, ..)| high_m), least_m);
+            least_m += least_m;
         }
         let Some((level_m, slack, dominant)) = high else { return unknown };
         // Convex beyond every offset: without what is frozen the sum would reach the risk not below this.
@@ -400,14 +430,14 @@ impl<T: Real> Axis<T> {
 }
 
 /// Newton's step, if it stays between what is known to be too low and to be enough.
-fn next<T: Real>(at_m: T, step: T, low_m: T, high_m: Option<T>, settled: T) -> T {
+fn next<T: Real>(at_m: T, step: T, low_m: T, high_m: Option<T>, least_m: T) -> T {
     let wanted = at_m + step;
     match high_m {
         Some(high_m) if wanted > low_m && wanted < high_m => wanted,
         Some(high_m) => (low_m + high_m) / T::narrow(2.0),
-        // Never a step so small that it leads nowhere.
-        None if step > settled && step.is_finite() => wanted,
-        None => at_m + at_m + settled,
+        None if step > least_m && step.is_finite() => wanted,
+        None if step.is_finite() => at_m + least_m,
+        None => at_m + at_m + least_m,
     }
 }
 

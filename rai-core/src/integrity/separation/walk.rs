@@ -180,8 +180,8 @@ struct Pass<'p, 'a, 'v, T: Real> {
     /// The largest of a likely mode, up, squared.
     threshold: T,
     likely: T,
-    /// A separation and its threshold, both squared.
-    worst: (T, T),
+    /// The largest separation over its threshold, squared.
+    worst: T,
     alarm: bool,
     singular: Singular<T>,
 }
@@ -200,13 +200,15 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
         // With all satellites what cannot be watched is part of P_nm; after an exclusion it can fall on this outcome whole.
         let newly = if gone == 0 { T::zero() } else { count.unmonitorable };
         let left = (watch.share * (phmi - watch.not_watched) - newly) / phmi;
+        let two = T::one() + T::one();
         let vertical = left * T::narrow(allocation.integrity_vertical);
-        let horizontal = left * T::narrow(allocation.integrity_horizontal / 2.0);
+        let horizontal = left * T::narrow(allocation.integrity_horizontal) / two;
         let whole = solutions.whole();
         let bias = if solutions.has_bias() { solutions.whole_bias() } else { Vector3::zeros() };
-        let modes = count.modes.max(1) as f64;
-        let horizontal_factor = quantile(T::narrow(allocation.alarm_horizontal / (4.0 * modes)));
-        let vertical_factor = quantile(T::narrow(allocation.alarm_vertical / (2.0 * modes)));
+        // Both sides of a test.
+        let tests = two * T::narrow(count.modes.max(1) as f64);
+        let horizontal_factor = quantile(T::narrow(allocation.alarm_horizontal) / (two * tests));
+        let vertical_factor = quantile(T::narrow(allocation.alarm_vertical) / tests);
         let factors = Vector3::new(horizontal_factor, horizontal_factor, vertical_factor);
         let mut pass = Self {
             watch,
@@ -225,7 +227,7 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
             accuracy_m: deviation(whole.separation.z),
             threshold: T::zero(),
             likely: T::narrow(allocation.effective_prior * (1.0 - PRIOR_ROUNDING)),
-            worst: (T::zero(), T::one()),
+            worst: T::zero(),
             alarm: false,
             singular: Singular { modes: 0, probability: T::zero(), sets: Vec::new() },
         };
@@ -261,15 +263,12 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
     /// Singles and constellations first: they say where the levels are, about.
     fn walk(&mut self, is_first: bool, purpose: Purpose) {
         let (watch, gone) = (self.watch, self.gone);
+        let ends_at_alarm = purpose == Purpose::Accept;
         let was_monitorable = |taken: Set| watch.is_monitorable(taken);
         for sizes in [1..=1, 2..=3] {
             let walked = watch.modes.visit(gone, &sizes, &was_monitorable, &mut |mode| {
                 self.take(mode);
-                if self.alarm && purpose == Purpose::Accept {
-                    ControlFlow::Break(())
-                } else {
-                    ControlFlow::Continue(())
-                }
+                if self.alarm && ends_at_alarm { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
             });
             if walked.is_break() {
                 return;
@@ -307,9 +306,9 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
         self.taken += 1;
         let thresholds = solution.separation.component_mul(&self.squared_factors);
         let distances = solution.shift.component_mul(&solution.shift);
-        let (worst, of) = self.worst;
+        let worst = self.worst;
         // What is no worse than the worst so far alarms no more than it does. What is not a number is worse.
-        let is_worse = |distance: T, threshold: T| !(distance * of <= worst * threshold);
+        let is_worse = |distance: T, threshold: T| !(distance <= worst * threshold);
         if is_worse(distances.x, thresholds.x)
             || is_worse(distances.y, thresholds.y)
             || is_worse(distances.z, thresholds.z)
@@ -319,11 +318,10 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
         if thresholds.z > self.threshold && self.is_likely(mode) {
             self.threshold = thresholds.z;
         }
-        let none = Vector3::zeros();
         if self.solutions.has_bias() {
             self.add_biased(mode, &solution, &thresholds);
-        } else if !self.gate.is_clear(mode, &thresholds, &solution.variance, &none) {
-            self.add(mode, &solution, &thresholds, &none);
+        } else if !self.gate.is_clear(mode, &thresholds, &solution.variance) {
+            self.add(mode, &solution, &thresholds, &Vector3::zeros());
         }
     }
 
@@ -336,8 +334,9 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
             if !(distance <= threshold) {
                 self.alarm = true;
             }
-            if distance * self.worst.1 > self.worst.0 * threshold {
-                self.worst = (distance, threshold);
+            let ratio = distance / threshold;
+            if ratio > self.worst {
+                self.worst = ratio;
             }
         }
     }
@@ -367,7 +366,7 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
     #[inline(never)]
     fn add_biased(&mut self, mode: &Mode<T>, solution: &Solution<T>, thresholds: &Vector3<T>) {
         let bound = self.solutions.bias_bound();
-        if !bound.is_some_and(|bound| self.gate.is_clear(mode, thresholds, &solution.variance, &bound)) {
+        if !bound.is_some_and(|bound| self.gate.is_clear_with(mode, thresholds, &solution.variance, &bound)) {
             let bias = self.solutions.bias();
             self.add(mode, solution, thresholds, &bias);
         }
@@ -394,7 +393,6 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
     }
 
     fn finding(&self) -> Finding<T> {
-        let (distance, threshold) = self.worst;
         Finding {
             modes: self.modes,
             not_watched: self.not_watched,
@@ -403,7 +401,7 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
             effective_monitor_threshold_m: self.threshold.sqrt(),
             accuracy_m: self.accuracy_m,
             alarm: self.alarm,
-            ratio: (distance / threshold).sqrt(),
+            ratio: self.worst.sqrt(),
             dominant: self.levels.map(|level| level.dominant),
         }
     }

@@ -3,7 +3,7 @@
 use core::ops::ControlFlow;
 
 use super::Modes;
-use super::combination::{Combination, Event, combinations_backwards};
+use super::combination::{Combination, combinations_backwards};
 use super::sets::ROWS;
 use crate::numeric::real::Real;
 use crate::satellite::Constellation;
@@ -23,10 +23,11 @@ impl<T: Real> Modes<T> {
 
     /// Sums of what is not watched for its own weight, the losses of single constellations apart; and what is consolidated.
     #[inline(never)]
-    pub(super) fn sum_one_by_one(&mut self, events: &[Event<T>], sums: &mut Sums<T>) {
+    pub(super) fn sum_one_by_one(&mut self, sums: &mut Sums<T>) {
+        let events = self.gathered();
         let mut added = [T::zero(); Constellation::COUNT];
         for size in 1..=self.limit {
-            let _ = combinations_backwards(events, size, &mut |combination| {
+            let _ = combinations_backwards(&events, size, &mut |combination| {
                 let probability = self.healthy * combination.odds;
                 if let Some(constellation) = self.consolidates(&combination, probability) {
                     if let Some(sum) = added.get_mut(constellation) {

@@ -186,6 +186,12 @@ impl<T: Real> Modes<T> {
         satellites.chain(whole).filter(|event| event.odds > T::zero())
     }
 
+    /// The same as a list.
+    fn gathered(&self) -> Vec<Event<T>, { ROOM + Constellation::COUNT }> {
+        // There is room for all.
+        crate::bounded::gather(self.events())
+    }
+
     /// `p_0`, how many events at once are listed, and the probability of more.
     fn count_events(&mut self, limit: T) -> T {
         // Probabilities of 0, 1, 2, 3 and of more events: sums of positive terms.
@@ -213,39 +219,43 @@ impl<T: Real> Modes<T> {
 
     /// Decides where watching ends.
     fn cut(&mut self, tail: T, share: T) {
-        let mut events = Vec::<Event<T>, { ROOM + Constellation::COUNT }>::new();
-        for event in self.events() {
-            // There is room for all.
-            let _ = events.push(event);
-        }
         let mut sums = [T::zero(); ROWS + 1];
         self.is_regular = self.sum_by_constellation(&mut sums).is_some();
         if !self.is_regular {
             sums = [T::zero(); ROWS + 1];
-            self.sum_one_by_one(&events, &mut sums);
+            self.sum_one_by_one(&mut sums);
         }
-        for event in events.iter().filter(|event| event.bit & ROW_EVENTS == 0) {
-            let probability = self.probability(event.bit);
-            if !(probability > self.mandatory) {
-                add_to(&mut sums, event.size, probability);
+        for (id, rows) in self.members.iter().enumerate() {
+            let probability = self.loss(id);
+            if probability > T::zero() && !(probability > self.mandatory) {
+                add_to(&mut sums, rows.count_ones() as usize, probability);
             }
         }
         self.not_watched = tail;
-        for (size, &sum) in sums.iter().enumerate().rev() {
+        // No combination takes more satellites than there are.
+        for (size, &sum) in sums.iter().enumerate().take(self.odds.len() + 1).rev() {
             if self.not_watched + sum <= share {
                 self.not_watched += sum;
             } else {
-                self.cut_within(&events, size, share);
+                self.cut_within(size, share);
                 break;
             }
         }
     }
 
+    /// The probability that a constellation is lost, with what is counted with it.
+    fn loss(&self, id: usize) -> T {
+        let odds = self.constellations.get(id).copied().unwrap_or_else(T::zero);
+        if odds > T::zero() { self.healthy * odds + self.added_to(id) } else { T::zero() }
+    }
+
     /// Decides where watching ends among the combinations of one size.
-    fn cut_within(&mut self, events: &[Event<T>], size: usize, share: T) {
+    #[inline(never)]
+    fn cut_within(&mut self, size: usize, share: T) {
+        let events = self.gathered();
         let (mut sum, mut cutoff) = (self.not_watched, Cutoff { size, count: 0, events: 0 });
         for count in (1..=self.limit).rev() {
-            let walk = combinations_backwards(events, count, &mut |combination| {
+            let walk = combinations_backwards(&events, count, &mut |combination| {
                 let probability = self.probability_of(&combination);
                 let optional = combination.size == size
                     && !(probability > self.mandatory)
@@ -330,11 +340,6 @@ impl<T: Real> Modes<T> {
         combination
     }
 
-    /// The probability of a set of events.
-    fn probability(&self, events: Set) -> T {
-        self.probability_of(&self.combination(events))
-    }
-
     /// Walks through the modes of the satellites that are left without `gone`, of a number of rows and constellations.
     ///
     /// `was_monitorable` says of the rows that a combination takes, all satellites in view, whether it counts at all.
@@ -406,6 +411,12 @@ impl<T: Real> Modes<T> {
     pub(super) fn taken_by(&self, hypothesis: Hypothesis) -> Set {
         let rows = hypothesis.rows().fold(0, |set, index| set | row(index));
         rows | self.rows_of(usize::from(hypothesis.constellations))
+    }
+
+    /// The losses of some constellations.
+    fn events_of(&self, constellations: usize) -> Set {
+        let ids = (0..Constellation::COUNT).filter(|id| constellations >> id & 1 != 0);
+        ids.fold(0, |events, id| events | event(id))
     }
 
     /// All rows of some constellations.

@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use super::super::modes::Hypothesis;
-use super::kernel::{group_of, hardly_left};
+use super::kernel::{GROUPS, group_of, hardly_left};
 use super::{Solution, Solutions};
 use crate::numeric::real::Real;
 
@@ -23,12 +23,32 @@ pub(super) struct Point<T: Real> {
     pub(super) spread: T,
 }
 
+/// What one row says of its `b` and `κ` with any other.
+#[derive(Clone, Copy, Debug)]
+struct Reach<T: Real> {
+    design: Vector3<T>,
+    share: T,
+    /// `Γd + t_c`.
+    towards: Vector3<T>,
+    /// What depends on nothing but the other's group: `[c_j = c_k]/W_c`, and `d·t_c + [c_j = c_k] U_c/W_c²`.
+    groups: [[T; 2]; GROUPS],
+}
+
+impl<T: Real> Reach<T> {
+    /// `b_jk` and `κ_jk`.
+    #[inline]
+    fn with(&self, other: &Point<T>) -> (T, T) {
+        let [level, accuracy] = self.groups.get(other.group).copied().unwrap_or([T::zero(); 2]);
+        let coupling = self.design.dot(&other.gain) + level;
+        (coupling, other.design.dot(&self.towards) + accuracy - (self.share + other.share) * coupling)
+    }
+}
+
 /// The first row taken out, and the solution without it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct First<T: Real> {
     pub(super) point: Point<T>,
-    /// `Γd + t_c`.
-    pub(super) towards: Vector3<T>,
+    reach: Reach<T>,
     pub(super) inverse: T,
     /// `A/B`.
     pub(super) column: Vector3<T>,
@@ -41,6 +61,7 @@ pub(super) struct First<T: Real> {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Second<T: Real> {
     point: Point<T>,
+    reach: Reach<T>,
     left: Beside<T>,
     pub(super) solution: Solution<T>,
 }
@@ -120,7 +141,7 @@ impl<T: Real> Solutions<'_, T> {
     #[inline]
     pub(super) fn left_by_first(&self, index: usize) -> Option<Tested<T>> {
         let (first, point) = (self.first.as_ref()?, self.point(index)?);
-        let Beside { column, residual, kappa, .. } = self.beside(first, &point, Vector3::zeros())?;
+        let Beside { column, residual, kappa, .. } = Self::beside(first, &point, Vector3::zeros())?;
         Some(Tested { column, residual, kappa })
     }
 
@@ -180,47 +201,51 @@ impl<T: Real> Solutions<'_, T> {
         }
         let inverse = point.pivot.recip();
         let column = point.gain * inverse;
+        let solution = self.alone(&point, &column);
         let bias = if self.has_bias && self.at.constellations == 0 {
             self.bias_without(index, &column, &point)
         } else {
             Vector3::zeros()
         };
-        let base = &self.kernel.solution;
-        let lean = self.kernel.leans.get(point.group).copied().unwrap_or_else(Vector3::zeros);
-        Some(First {
-            towards: self.kernel.gamma * point.design + lean,
-            inverse,
-            column,
-            bias,
-            solution: Solution {
-                variance: base.variance + point.gain.component_mul(&column),
-                separation: base.separation
-                    + column.component_mul(&(column * point.kappa - point.lag - point.lag)),
-                shift: base.shift - column * point.residual,
-            },
-            point,
-        })
+        Some(First { reach: self.reach(&point), inverse, column, bias, solution, point })
     }
 
-    /// `b_jk` and `κ_jk` of two rows, by what one of them is.
+    /// The solution without a row and nothing else of what the kernel has.
+    #[inline(never)]
+    pub(super) fn leave_out_alone(&self, index: usize) -> Option<Solution<T>> {
+        let point = self.point_here(index)?;
+        let is_sound = point.pivot * point.weight >= hardly_left();
+        is_sound.then(|| self.alone(&point, &(point.gain * point.pivot.recip())))
+    }
+
+    /// The same by the row's column `A/B`.
     #[inline]
-    pub(super) fn pair(&self, one: &Point<T>, towards: &Vector3<T>, other: &Point<T>) -> (T, T) {
-        let lean = self.kernel.leans.get(other.group).copied().unwrap_or_else(Vector3::zeros);
-        let (mut coupling, mut kappa) = (one.design.dot(&other.gain), T::zero());
-        if one.group == other.group
-            && let Some(group) = self.groups.get(one.group)
-        {
-            coupling += group.level;
-            kappa = group.accuracy;
+    fn alone(&self, point: &Point<T>, column: &Vector3<T>) -> Solution<T> {
+        let base = &self.kernel.solution;
+        let across = column * point.kappa - point.lag - point.lag;
+        Solution {
+            variance: base.variance + point.gain.component_mul(column),
+            separation: base.separation + column.component_mul(&across),
+            shift: base.shift - column * point.residual,
         }
-        kappa += other.design.dot(towards) + one.design.dot(&lean) - (one.share + other.share) * coupling;
-        (coupling, kappa)
+    }
+
+    fn reach(&self, point: &Point<T>) -> Reach<T> {
+        let lean = self.kernel.leans.get(point.group).copied().unwrap_or_else(Vector3::zeros);
+        let mut groups = [[T::zero(); 2]; GROUPS];
+        for (id, (slot, lean)) in groups.iter_mut().zip(&self.kernel.leans).enumerate() {
+            let own = self.groups.get(id).filter(|_| id == point.group);
+            let [level, accuracy] = own.map_or([T::zero(); 2], |own| [own.level, own.accuracy]);
+            *slot = [level, point.design.dot(lean) + accuracy];
+        }
+        let towards = self.kernel.gamma * point.design + lean;
+        Reach { design: point.design, share: point.share, towards, groups }
     }
 
     /// What the first row leaves of another one.
     #[inline]
-    fn beside(&self, first: &First<T>, point: &Point<T>, lag: Vector3<T>) -> Option<Beside<T>> {
-        let (coupling, kappa) = self.pair(&first.point, &first.towards, point);
+    fn beside(first: &First<T>, point: &Point<T>, lag: Vector3<T>) -> Option<Beside<T>> {
+        let (coupling, kappa) = first.reach.with(point);
         let factor = -coupling * first.inverse;
         let pivot = point.pivot + factor * coupling;
         if !(pivot * point.weight >= hardly_left()) {
@@ -248,7 +273,7 @@ impl<T: Real> Solutions<'_, T> {
     pub(super) fn leave_out_pair(&mut self, pair: Hypothesis) -> Option<Solution<T>> {
         let [_, second, _] = pair.slots();
         let (first, point) = (self.first.as_ref()?, self.point(second)?);
-        let left = self.beside(first, &point, Vector3::zeros())?;
+        let left = Self::beside(first, &point, Vector3::zeros())?;
         let solution = left.solution(first);
         if self.has_bias {
             self.pair = Pair { column: left.column, factor: left.factor, spread: point.spread };
@@ -260,11 +285,11 @@ impl<T: Real> Solutions<'_, T> {
     pub(super) fn leave_out_second(&self, index: usize) -> Option<Second<T>> {
         let first = self.first.as_ref()?;
         let point = self.point_here(index)?;
-        let (coupling, _) = self.pair(&first.point, &first.towards, &point);
+        let (coupling, _) = first.reach.with(&point);
         let lag = point.lag + first.point.lag * (coupling * first.inverse);
-        let left = self.beside(first, &point, lag)?;
+        let left = Self::beside(first, &point, lag)?;
         let solution = left.solution(first);
-        Some(Second { point, left, solution })
+        Some(Second { reach: self.reach(&point), point, left, solution })
     }
 
     #[inline(never)]
@@ -272,11 +297,9 @@ impl<T: Real> Solutions<'_, T> {
         self.third = None;
         let (first, second) = (self.first?, self.second?);
         let left = second.left;
-        let lean = self.kernel.leans.get(second.point.group).copied().unwrap_or_else(Vector3::zeros);
-        let towards_second = self.kernel.gamma * second.point.design + lean;
         let point = self.point_here(index)?;
-        let (to_first, kappa_first) = self.pair(&first.point, &first.towards, &point);
-        let (to_second, kappa_second) = self.pair(&second.point, &towards_second, &point);
+        let (to_first, kappa_first) = first.reach.with(&point);
+        let (to_second, kappa_second) = second.reach.with(&point);
         // What couples it to the second, the first gone.
         let rest = -to_second - left.coupling * to_first * first.inverse;
         let factors = [-to_first * first.inverse, rest * left.inverse];

@@ -263,13 +263,21 @@ impl<'v, T: Real> Solutions<'v, T> {
         if first >= ROWS {
             return Some(self.kernel.solution);
         }
-        if at_first != first {
+        if second >= ROWS && !self.has_bias {
+            self.first = None;
+            return self.leave_out_alone(first);
+        }
+        if at_first != first || self.first.is_none() {
             self.first = self.leave_out_first(first);
             self.second = None;
         }
         let taken = self.first.as_ref()?;
         if second >= ROWS {
             return Some(taken.solution);
+        }
+        if third >= ROWS && hypothesis.constellations == 0 {
+            self.second = None;
+            return self.leave_out_pair(hypothesis);
         }
         if third >= ROWS {
             // Another pair than the one that was kept for its triples.

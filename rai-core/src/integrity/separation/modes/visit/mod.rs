@@ -67,7 +67,9 @@ impl<'m, T: Real> Walk<'m, T> {
             offer(size, [NONE; EVENTS])?;
         }
         if let Some(pairs) = Pairs::of(self) {
-            if lost == 0 && sizes.contains(&1) {
+            if lost == 0 && sizes.contains(&1) && self.gone == 0 {
+                pairs.visit_singles(is_counted, visitor)?;
+            } else if lost == 0 && sizes.contains(&1) {
                 members(self.left).try_for_each(|first| offer(1, [first, NONE, NONE]))?;
             }
             return if sizes.contains(&2) {
@@ -149,9 +151,26 @@ impl<'m, T: Real> Walk<'m, T> {
         (watched && (self.gone == 0 || was_monitorable(chosen))).then_some((product, ln))
     }
 
+    /// Whether only the loss of these constellations takes their satellites and no others: they have more of them than can
+    /// fail at once, and a satellite that fails beside its constellation is counted with that, or is one too many.
+    fn has_one_cause(&self) -> bool {
+        let Modes { limit, swallows, .. } = *self.modes;
+        let is_large = |rows: &Set| rows.count_ones() as usize > limit;
+        let mut lost = self.modes.members.iter().enumerate().filter(|(id, _)| self.lost >> id & 1 != 0);
+        let is_alone = self.lost.count_ones() as usize == limit
+            || limit == 2 && usize::from(swallows) & self.lost == self.lost;
+        self.gone == 0 && is_alone && lost.all(|(_, rows)| is_large(rows))
+    }
+
     /// The probability of all watched combinations that leave the same satellites.
     #[inline(never)]
     fn sum_of_causes(&self, chosen: Set, was_monitorable: &impl Fn(Set) -> bool) -> T {
+        if chosen == 0 && self.has_one_cause() {
+            let combination = self.modes.combination(self.modes.events_of(self.lost));
+            let probability = self.modes.probability_of(&combination);
+            let is_watched = self.modes.is_watched(&combination, probability);
+            return if is_watched { probability } else { T::zero() };
+        }
         let mut sum = T::zero();
         self.modes.causes(self.lost_rows, chosen, self.gone, &mut |combination, probability| {
             let counts = self.modes.is_watched(combination, probability)

@@ -48,6 +48,9 @@ impl<'w, 'm, T: Real> Pairs<'w, 'm, T> {
         visitor: &mut impl FnMut(&Mode<T>) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
         let Walk { lost, left, .. } = *self.walk;
+        if !self.reach_the_cut() {
+            return ControlFlow::Continue(());
+        }
         if lost != 0 {
             let Some(first) = self.constellation() else { return ControlFlow::Continue(()) };
             return self.visit_with(&first, left, was_monitorable, is_counted, visitor);
@@ -57,6 +60,33 @@ impl<'w, 'm, T: Real> Pairs<'w, 'm, T> {
             let others = left & above(index) & !self.swallowed_with(index);
             self.visit_with(&first, others, was_monitorable, is_counted, visitor)
         })
+    }
+
+    /// Visits rows that are watched each by itself, nothing gone: none of them is counted with its constellation's loss.
+    pub(super) fn visit_singles(
+        &self,
+        is_counted: &mut impl FnMut(usize, usize) -> bool,
+        visitor: &mut impl FnMut(&Mode<T>) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        let Walk { modes, left, .. } = *self.walk;
+        members(left).try_for_each(|index| {
+            let Some(odds) = modes.odds.get(index) else { return ControlFlow::Continue(()) };
+            let probability = modes.healthy * odds.odds;
+            let is_watched = probability > modes.mandatory || modes.comes_before_the_cut(row(index), 1, 1);
+            if !is_watched || is_counted(1, 1) {
+                return ControlFlow::Continue(());
+            }
+            let hypothesis = Hypothesis::of_row(index);
+            visitor(&Mode { hypothesis, taken: 1, probability, ln_probability: modes.ln_healthy + odds.ln })
+        })
+    }
+
+    /// Whether any of the pairs comes before the cut.
+    fn reach_the_cut(&self) -> bool {
+        let Walk { modes, lost, .. } = *self.walk;
+        let rows = modes.members.get(lost.trailing_zeros() as usize).filter(|_| lost != 0);
+        let size = rows.map_or(2, |rows| rows.count_ones() as usize + 1);
+        size < modes.cutoff.size || size == modes.cutoff.size && modes.cutoff.count >= 2
     }
 
     /// The lost constellation as the first event.

