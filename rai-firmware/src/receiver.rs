@@ -22,26 +22,22 @@
 //! instruction a cycle (`cargo xtask bench`). A silent line is noticed by [`Receiver::tick`], to be called at least ten times
 //! a second.
 
+mod epochs;
+
 use embedded_hal::digital::OutputPin;
 use embedded_io::Write;
-use rai_core::monitor::{Accepted, MonitorError};
-use rai_core::report::{Alert, Report, Unavailable, Verdict};
+use rai_core::monitor::MonitorError;
+use rai_core::report::{Report, Verdict};
 use rai_core::velocity::Velocity;
 
+use self::epochs::EpochLoop;
+pub use self::epochs::Verdicts;
 use crate::board::{PortLosses, SEALED_BYTES};
 use crate::config::{Action, CommandPort, Configuration, Unsealed};
 use crate::correction::CAPACITY;
-use crate::counters::{count, count_many, counters};
-use crate::ephemeris::Insertion;
-use crate::input::{Event, Input, LeapSecond, Suspicion};
-use crate::navigator::Navigator;
-use crate::output::nmea::{
-    GPS_MINUS_UTC_S, Losses, write_answer, write_counters, write_refusal, write_version,
-};
-use crate::output::{Interference, Motion, Statement};
-use crate::publisher::Publisher;
-use crate::selftest::{self, Failure};
-use crate::time::GpsTime;
+use crate::counters::count_many;
+use crate::input::{Input, LeapSecond, Suspicion};
+use crate::output::nmea::{Losses, write_answer, write_counters, write_refusal, write_version};
 
 /// What the board knows when it starts.
 #[derive(Clone, Debug)]
@@ -50,32 +46,6 @@ pub struct Boot {
     pub git: &'static str,
     /// Why it started, in the words of `PRAIV`.
     pub reset_cause: heapless::String<16>,
-}
-
-counters! {
-    /// What the epochs came to.
-    Verdicts {
-        /// Position usable.
-        epochs_protected,
-        /// Position not to be used.
-        epochs_alert,
-        /// Nothing to be promised.
-        epochs_unavailable,
-        /// Epochs that were complete only after the time to alert.
-        epochs_late,
-        /// Epochs that were not judged because their end had waited too long behind others.
-        epochs_skipped,
-        /// Times that the line was silent for the time to alert.
-        line_stale,
-        /// Ephemerides that told nothing new.
-        ephemerides_kept,
-        /// Ephemerides that contradict the one in use.
-        ephemerides_disputed,
-        /// Sentences that the host port did not take.
-        host_lost,
-        /// Times that the pin could not be set.
-        pin_failures,
-    }
 }
 
 /// A pause of the line that no frame has inside, ms; shorter than the second between two epochs.
@@ -105,66 +75,18 @@ pub struct Receiver<P> {
     reset_requested: bool,
 }
 
-/// What happens to each thing that comes in, and what is remembered of it.
-#[derive(Debug)]
-struct EpochLoop<P> {
-    pin: P,
-    navigator: Navigator,
-    configuration: Configuration,
-    publisher: Publisher,
-    verdicts: Verdicts,
-    last_verdict: Option<Verdict>,
-    /// Whether the last verdict is that of a report, and not of a silence.
-    has_report: bool,
-    last_time: Option<GpsTime>,
-    /// When it came, or when its silence was last complained of.
-    last_epoch_ms: u64,
-    sigma_check: Option<f64>,
-    is_sound: bool,
-    /// Whether the settings in force are meant: not after an unexpected restart that has lost them.
-    is_confirmed: bool,
-    /// What the receiver said last of noise that hides the signals, and of signals that are none of a satellite.
-    jamming: Suspicion,
-    spoofing: Suspicion,
-    /// GPS time minus UTC, s: that of the image until somebody has said it.
-    gps_minus_utc_s: u8,
-}
-
 impl<P: OutputPin> Receiver<P> {
     /// A module that has heard nothing; the pin goes low.
     ///
     /// # Errors
     /// [`MonitorError`] if the thresholds of the requirements at start are not in the tables.
-    pub fn new(mut pin: P, boot: Boot) -> Result<Self, MonitorError> {
-        let configuration = Configuration::at_start();
-        let mut verdicts = Verdicts::default();
-        if pin.set_low().is_err() {
-            count(&mut verdicts.pin_failures);
-        }
-        let requirements = Accepted::new(configuration.requirements)?;
-        let settings_hash = configuration.hash();
+    pub fn new(pin: P, boot: Boot) -> Result<Self, MonitorError> {
         // In one piece: what is large is written where it is to stay.
         Ok(Self {
             boot,
             input: Input::new(),
             commands: CommandPort::new(),
-            epochs: EpochLoop {
-                pin,
-                navigator: Navigator::of(requirements),
-                configuration,
-                publisher: Publisher::new(settings_hash),
-                verdicts,
-                last_verdict: None,
-                last_time: None,
-                last_epoch_ms: 0,
-                sigma_check: None,
-                is_sound: true,
-                is_confirmed: true,
-                jamming: Suspicion::Unknown,
-                spoofing: Suspicion::Unknown,
-                gps_minus_utc_s: GPS_MINUS_UTC_S,
-                has_report: false,
-            },
+            epochs: EpochLoop::new(pin)?,
             last_byte_ms: None,
             has_paused: true,
             next_counter: None,
@@ -411,260 +333,5 @@ impl<P: OutputPin> Receiver<P> {
     }
 }
 
-impl<P: OutputPin> EpochLoop<P> {
-    /// Acts on what came in; says whether an epoch was judged.
-    fn handle<W: Write>(&mut self, event: &Event<'_>, is_behind: bool, now_ms: u64, host: &mut W) -> bool {
-        match event {
-            Event::Epoch(raw, came_ms) => {
-                if now_ms.saturating_sub(*came_ms) >= self.time_to_alert_ms() {
-                    count(&mut self.verdicts.epochs_late);
-                    return false;
-                }
-                if is_behind {
-                    count(&mut self.verdicts.epochs_skipped);
-                    return false;
-                }
-                let report = self.navigator.judge(raw, *came_ms, &self.configuration);
-                if !self.is_sound {
-                    report.verdict = Verdict::Unavailable(Unavailable::SelfTest);
-                } else if !self.is_confirmed {
-                    report.verdict = Verdict::Unavailable(Unavailable::Settings);
-                }
-                // Signals that are none of a satellite may agree with each other as well as they like.
-                if self.spoofing == Suspicion::Sure && matches!(report.verdict, Verdict::Protected(_)) {
-                    report.verdict = Verdict::Alert(Alert::Spoofed);
-                }
-                self.conclude(raw.time, *came_ms, host);
-                return true;
-            }
-            Event::Ephemeris(ephemeris) => match self.navigator.learn(*ephemeris, self.last_time) {
-                Insertion::Taken => {}
-                Insertion::Kept => count(&mut self.verdicts.ephemerides_kept),
-                Insertion::Disputed => count(&mut self.verdicts.ephemerides_disputed),
-            },
-            Event::Position(point) => self.navigator.guess(*point),
-            Event::Ionosphere(constellation, coefficients) => {
-                self.navigator.hear_ionosphere(*constellation, *coefficients, self.last_time);
-            }
-            Event::Jamming(said) => {
-                self.jamming = said.jamming.unwrap_or(self.jamming);
-                self.spoofing = said.spoofing.unwrap_or(self.spoofing);
-                if self.spoofing == Suspicion::Sure {
-                    self.drive_pin(false);
-                }
-            }
-        }
-        false
-    }
-
-    /// Acts on the navigator's report: the pin first, then the sentences.
-    fn conclude<W: Write>(&mut self, time: GpsTime, came_ms: u64, host: &mut W) {
-        let verdict = self.navigator.report().verdict;
-        self.drive_pin(matches!(verdict, Verdict::Protected(_)));
-        let report = self.navigator.report();
-        self.last_verdict = Some(verdict);
-        self.has_report = true;
-        self.last_time = Some(time);
-        self.last_epoch_ms = came_ms;
-        self.sigma_check = report.sigma_check;
-        count(match verdict {
-            Verdict::Protected(_) => &mut self.verdicts.epochs_protected,
-            Verdict::Alert(_) => &mut self.verdicts.epochs_alert,
-            Verdict::Unavailable(_) => &mut self.verdicts.epochs_unavailable,
-        });
-        let statement = Statement {
-            report,
-            time,
-            gps_minus_utc_s: self.gps_minus_utc_s,
-            requirements: &self.configuration.requirements,
-            motion: self.navigator.velocity().map(Motion::of),
-            interference: Interference { jamming: self.jamming.number(), spoofing: self.spoofing.number() },
-            settings_hash: self.publisher.settings_hash(),
-        };
-        let written = self.publisher.tell(&statement, &self.configuration.outputs, host);
-        self.sent(written.is_ok());
-    }
-
-    fn tick<W: Write>(&mut self, now_ms: u64, host: &mut W) -> bool {
-        if now_ms.saturating_sub(self.last_epoch_ms) < self.time_to_alert_ms() {
-            return false;
-        }
-        // Said again after each further time to alert: whoever listens later must hear it too.
-        self.last_epoch_ms = now_ms;
-        self.last_verdict = Some(Verdict::Alert(Alert::Stale));
-        self.has_report = false;
-        self.drive_pin(false);
-        count(&mut self.verdicts.line_stale);
-        let (publisher, configuration) = (&mut self.publisher, &self.configuration);
-        let written = publisher.tell_silence(self.last_time, self.gps_minus_utc_s, configuration, host);
-        self.sent(written.is_ok());
-        true
-    }
-
-    /// Says again what is said from time to time.
-    fn repeat<W: Write>(&mut self, now_ms: u64, losses: &Losses, host: &mut W) {
-        let written = self.publisher.tick(now_ms, &self.configuration, losses, host);
-        self.sent(written.is_ok());
-    }
-
-    fn time_to_alert_ms(&self) -> u64 {
-        (self.configuration.requirements.time_to_alert_s * 1e3) as u64
-    }
-
-    /// Takes over what a command has changed. A promise under other requirements is none under these.
-    fn reconfigure(&mut self) {
-        let (judged_by, mut wanted) = (self.navigator.requirements(), self.configuration.requirements);
-        // A promise says nothing about the time to alert, which holds at once.
-        wanted.time_to_alert_s = judged_by.time_to_alert_s;
-        if *judged_by != wanted {
-            self.drive_pin(false);
-        }
-        // Validated against the same tables by the command: it is met.
-        let _ = self.navigator.configure(&self.configuration);
-        self.publisher.reconfigured(self.configuration.hash());
-    }
-
-    /// Makes the known-answer tests.
-    fn test_self(&mut self) -> Result<(), Failure> {
-        let outcome = selftest::run(self.navigator.workspace());
-        self.record_self_test(outcome)
-    }
-
-    /// Notes how the known-answer tests ended: whoever fails one promises nothing any more.
-    fn record_self_test(&mut self, outcome: Result<(), Failure>) -> Result<(), Failure> {
-        if outcome.is_err() {
-            self.is_sound = false;
-            self.drive_pin(false);
-        }
-        outcome
-    }
-
-    /// Sets the integrity pin.
-    fn drive_pin(&mut self, usable: bool) {
-        let set = if usable && self.is_sound { self.pin.set_high() } else { self.pin.set_low() };
-        if set.is_err() {
-            count(&mut self.verdicts.pin_failures);
-        }
-    }
-
-    fn sent(&mut self, written: bool) {
-        if !written {
-            count(&mut self.verdicts.host_lost);
-        }
-    }
-}
-
 #[cfg(test)]
-mod tests {
-    use core::convert::Infallible;
-
-    use embedded_hal::digital::ErrorType;
-    use embedded_io::ErrorKind;
-    use rai_core::requirements::Requirements;
-
-    use super::*;
-
-    #[derive(Debug)]
-    struct Level {
-        high: bool,
-    }
-
-    impl ErrorType for Level {
-        type Error = Infallible;
-    }
-
-    impl OutputPin for Level {
-        fn set_low(&mut self) -> Result<(), Infallible> {
-            self.high = false;
-            Ok(())
-        }
-
-        fn set_high(&mut self) -> Result<(), Infallible> {
-            self.high = true;
-            Ok(())
-        }
-    }
-
-    /// A host that takes nothing.
-    struct Deaf;
-
-    impl embedded_io::ErrorType for Deaf {
-        type Error = ErrorKind;
-    }
-
-    impl Write for Deaf {
-        fn write(&mut self, _: &[u8]) -> Result<usize, ErrorKind> {
-            Err(ErrorKind::TimedOut)
-        }
-
-        fn flush(&mut self) -> Result<(), ErrorKind> {
-            Ok(())
-        }
-    }
-
-    fn promising() -> Receiver<Level> {
-        let boot = Boot { git: "test", reset_cause: heapless::String::new() };
-        let mut receiver = Receiver::new(Level { high: true }, boot).expect("in the tables");
-        receiver.epochs.drive_pin(true);
-        receiver
-    }
-
-    #[test]
-    fn a_change_whose_answer_is_lost_is_judged_by_nevertheless() {
-        let mut receiver = promising();
-        receiver.command(b"$PRAIC,HAL,40*08\r\n", &mut Deaf);
-        let want = Requirements { hal_m: 40.0, ..Requirements::non_precision_approach() };
-        assert_eq!(receiver.configuration().requirements, want);
-        assert_eq!(*receiver.epochs.navigator.requirements(), want);
-    }
-
-    #[test]
-    fn a_reset_whose_answer_is_lost_is_made_nevertheless() {
-        let mut receiver = promising();
-        receiver.command(b"$PRAIC,RESET*30\r\n", &mut Deaf);
-        assert!(receiver.reset_requested());
-        assert!(!receiver.pin().high);
-        assert_eq!(receiver.epochs.verdicts.host_lost, 1);
-    }
-
-    #[test]
-    fn other_requirements_take_the_promise_back() {
-        let mut receiver = promising();
-        receiver.command(b"$PRAIC,MASK,5*68\r\n", &mut [0; 100].as_mut_slice());
-        assert!(receiver.pin().high, "the mask is no requirement");
-        receiver.command(b"$PRAIC,HAL,40*08\r\n", &mut [0; 100].as_mut_slice());
-        assert!(!receiver.pin().high);
-    }
-
-    #[test]
-    fn settings_that_a_restart_has_lost_have_to_be_confirmed() {
-        let mut sealed = [0; SEALED_BYTES];
-        let mut before = promising();
-        before.command(b"$PRAIC,HAL,40*08\r\n", &mut Deaf);
-        before.seal(&mut sealed);
-        let mut restored = promising();
-        restored.restore(&sealed, false);
-        assert_eq!(restored.configuration().hash(), before.configuration().hash());
-        assert!(restored.epochs.is_confirmed);
-
-        sealed[SEALED_BYTES - 1] ^= 1;
-        for (memory, after_power_on, want) in
-            [(sealed, false, false), ([0; SEALED_BYTES], false, false), (sealed, true, true)]
-        {
-            let mut receiver = promising();
-            receiver.restore(&memory, after_power_on);
-            assert_eq!(receiver.epochs.is_confirmed, want);
-            receiver.command(b"$PRAIC,CONFIRM*37\r\n", &mut Deaf);
-            assert!(receiver.epochs.is_confirmed);
-        }
-    }
-
-    #[test]
-    fn whoever_misses_a_known_answer_promises_nothing() {
-        let mut receiver = promising();
-        let _ = receiver.epochs.record_self_test(Err(Failure::Table));
-        assert!(!receiver.pin().high);
-        receiver.epochs.drive_pin(true);
-        assert!(!receiver.pin().high);
-    }
-}
+mod tests;

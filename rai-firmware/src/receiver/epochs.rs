@@ -1,0 +1,247 @@
+//! What happens to each thing that comes in: an epoch is judged, the pin set, the report said; all else is remembered.
+
+use embedded_hal::digital::OutputPin;
+use embedded_io::Write;
+use rai_core::monitor::{Accepted, MonitorError};
+use rai_core::report::{Alert, Unavailable, Verdict};
+
+use crate::config::Configuration;
+use crate::counters::{count, counters};
+use crate::ephemeris::Insertion;
+use crate::input::{Event, Suspicion};
+use crate::navigator::Navigator;
+use crate::output::nmea::{GPS_MINUS_UTC_S, Losses};
+use crate::output::{Interference, Motion, Statement};
+use crate::publisher::Publisher;
+use crate::selftest::{self, Failure};
+use crate::time::GpsTime;
+
+counters! {
+    /// What the epochs came to.
+    Verdicts {
+        /// Position usable.
+        epochs_protected,
+        /// Position not to be used.
+        epochs_alert,
+        /// Nothing to be promised.
+        epochs_unavailable,
+        /// Epochs that were complete only after the time to alert.
+        epochs_late,
+        /// Epochs that were not judged because their end had waited too long behind others.
+        epochs_skipped,
+        /// Times that the line was silent for the time to alert.
+        line_stale,
+        /// Ephemerides that told nothing new.
+        ephemerides_kept,
+        /// Ephemerides that contradict the one in use.
+        ephemerides_disputed,
+        /// Sentences that the host port did not take.
+        host_lost,
+        /// Times that the pin could not be set.
+        pin_failures,
+    }
+}
+
+/// What happens to each thing that comes in, and what is remembered of it.
+#[derive(Debug)]
+pub(super) struct EpochLoop<P> {
+    pub(super) pin: P,
+    pub(super) navigator: Navigator,
+    pub(super) configuration: Configuration,
+    publisher: Publisher,
+    pub(super) verdicts: Verdicts,
+    pub(super) last_verdict: Option<Verdict>,
+    /// Whether the last verdict is that of a report, and not of a silence.
+    pub(super) has_report: bool,
+    last_time: Option<GpsTime>,
+    /// When it came, or when its silence was last complained of.
+    last_epoch_ms: u64,
+    pub(super) sigma_check: Option<f64>,
+    is_sound: bool,
+    /// Whether the settings in force are meant: not after an unexpected restart that has lost them.
+    pub(super) is_confirmed: bool,
+    /// What the receiver said last of noise that hides the signals, and of signals that are none of a satellite.
+    pub(super) jamming: Suspicion,
+    pub(super) spoofing: Suspicion,
+    /// GPS time minus UTC, s: that of the image until somebody has said it.
+    pub(super) gps_minus_utc_s: u8,
+}
+
+impl<P: OutputPin> EpochLoop<P> {
+    /// One that has heard nothing; the pin goes low.
+    // Inlined: what is large is written where it is to stay.
+    #[inline(always)]
+    pub(super) fn new(mut pin: P) -> Result<Self, MonitorError> {
+        let configuration = Configuration::at_start();
+        let mut verdicts = Verdicts::NONE;
+        if pin.set_low().is_err() {
+            count(&mut verdicts.pin_failures);
+        }
+        let requirements = Accepted::new(configuration.requirements)?;
+        let settings_hash = configuration.hash();
+        Ok(Self {
+            pin,
+            navigator: Navigator::of(requirements),
+            configuration,
+            publisher: Publisher::new(settings_hash),
+            verdicts,
+            last_verdict: None,
+            has_report: false,
+            last_time: None,
+            last_epoch_ms: 0,
+            sigma_check: None,
+            is_sound: true,
+            is_confirmed: true,
+            jamming: Suspicion::Unknown,
+            spoofing: Suspicion::Unknown,
+            gps_minus_utc_s: GPS_MINUS_UTC_S,
+        })
+    }
+
+    /// Acts on what came in; says whether an epoch was judged.
+    pub(super) fn handle<W: Write>(
+        &mut self,
+        event: &Event<'_>,
+        is_behind: bool,
+        now_ms: u64,
+        host: &mut W,
+    ) -> bool {
+        match event {
+            Event::Epoch(raw, came_ms) => {
+                if now_ms.saturating_sub(*came_ms) >= self.time_to_alert_ms() {
+                    count(&mut self.verdicts.epochs_late);
+                    return false;
+                }
+                if is_behind {
+                    count(&mut self.verdicts.epochs_skipped);
+                    return false;
+                }
+                let report = self.navigator.judge(raw, *came_ms, &self.configuration);
+                if !self.is_sound {
+                    report.verdict = Verdict::Unavailable(Unavailable::SelfTest);
+                } else if !self.is_confirmed {
+                    report.verdict = Verdict::Unavailable(Unavailable::Settings);
+                }
+                // Signals that are none of a satellite may agree with each other as well as they like.
+                if self.spoofing == Suspicion::Sure && matches!(report.verdict, Verdict::Protected(_)) {
+                    report.verdict = Verdict::Alert(Alert::Spoofed);
+                }
+                self.conclude(raw.time, *came_ms, host);
+                return true;
+            }
+            Event::Ephemeris(ephemeris) => match self.navigator.learn(*ephemeris, self.last_time) {
+                Insertion::Taken => {}
+                Insertion::Kept => count(&mut self.verdicts.ephemerides_kept),
+                Insertion::Disputed => count(&mut self.verdicts.ephemerides_disputed),
+            },
+            Event::Position(point) => self.navigator.guess(*point),
+            Event::Ionosphere(constellation, coefficients) => {
+                self.navigator.hear_ionosphere(*constellation, *coefficients, self.last_time);
+            }
+            Event::Jamming(said) => {
+                self.jamming = said.jamming.unwrap_or(self.jamming);
+                self.spoofing = said.spoofing.unwrap_or(self.spoofing);
+                if self.spoofing == Suspicion::Sure {
+                    self.drive_pin(false);
+                }
+            }
+        }
+        false
+    }
+
+    /// Acts on the navigator's report: the pin first, then the sentences.
+    fn conclude<W: Write>(&mut self, time: GpsTime, came_ms: u64, host: &mut W) {
+        let verdict = self.navigator.report().verdict;
+        self.drive_pin(matches!(verdict, Verdict::Protected(_)));
+        let report = self.navigator.report();
+        self.last_verdict = Some(verdict);
+        self.has_report = true;
+        self.last_time = Some(time);
+        self.last_epoch_ms = came_ms;
+        self.sigma_check = report.sigma_check;
+        count(match verdict {
+            Verdict::Protected(_) => &mut self.verdicts.epochs_protected,
+            Verdict::Alert(_) => &mut self.verdicts.epochs_alert,
+            Verdict::Unavailable(_) => &mut self.verdicts.epochs_unavailable,
+        });
+        let statement = Statement {
+            report,
+            time,
+            gps_minus_utc_s: self.gps_minus_utc_s,
+            requirements: &self.configuration.requirements,
+            motion: self.navigator.velocity().map(Motion::of),
+            interference: Interference { jamming: self.jamming.number(), spoofing: self.spoofing.number() },
+            settings_hash: self.publisher.settings_hash(),
+        };
+        let written = self.publisher.tell(&statement, &self.configuration.outputs, host);
+        self.sent(written.is_ok());
+    }
+
+    pub(super) fn tick<W: Write>(&mut self, now_ms: u64, host: &mut W) -> bool {
+        if now_ms.saturating_sub(self.last_epoch_ms) < self.time_to_alert_ms() {
+            return false;
+        }
+        // Said again after each further time to alert: whoever listens later must hear it too.
+        self.last_epoch_ms = now_ms;
+        self.last_verdict = Some(Verdict::Alert(Alert::Stale));
+        self.has_report = false;
+        self.drive_pin(false);
+        count(&mut self.verdicts.line_stale);
+        let (publisher, configuration) = (&mut self.publisher, &self.configuration);
+        let written = publisher.tell_silence(self.last_time, self.gps_minus_utc_s, configuration, host);
+        self.sent(written.is_ok());
+        true
+    }
+
+    /// Says again what is said from time to time.
+    pub(super) fn repeat<W: Write>(&mut self, now_ms: u64, losses: &Losses, host: &mut W) {
+        let written = self.publisher.tick(now_ms, &self.configuration, losses, host);
+        self.sent(written.is_ok());
+    }
+
+    fn time_to_alert_ms(&self) -> u64 {
+        (self.configuration.requirements.time_to_alert_s * 1e3) as u64
+    }
+
+    /// Takes over what a command has changed. A promise under other requirements is none under these.
+    pub(super) fn reconfigure(&mut self) {
+        let (judged_by, mut wanted) = (self.navigator.requirements(), self.configuration.requirements);
+        // A promise says nothing about the time to alert, which holds at once.
+        wanted.time_to_alert_s = judged_by.time_to_alert_s;
+        if *judged_by != wanted {
+            self.drive_pin(false);
+        }
+        // Validated against the same tables by the command: it is met.
+        let _ = self.navigator.configure(&self.configuration);
+        self.publisher.reconfigured(self.configuration.hash());
+    }
+
+    /// Makes the known-answer tests.
+    pub(super) fn test_self(&mut self) -> Result<(), Failure> {
+        let outcome = selftest::run(self.navigator.workspace());
+        self.record_self_test(outcome)
+    }
+
+    /// Notes how the known-answer tests ended: whoever fails one promises nothing any more.
+    pub(super) fn record_self_test(&mut self, outcome: Result<(), Failure>) -> Result<(), Failure> {
+        if outcome.is_err() {
+            self.is_sound = false;
+            self.drive_pin(false);
+        }
+        outcome
+    }
+
+    /// Sets the integrity pin.
+    pub(super) fn drive_pin(&mut self, usable: bool) {
+        let set = if usable && self.is_sound { self.pin.set_high() } else { self.pin.set_low() };
+        if set.is_err() {
+            count(&mut self.verdicts.pin_failures);
+        }
+    }
+
+    pub(super) fn sent(&mut self, written: bool) {
+        if !written {
+            count(&mut self.verdicts.host_lost);
+        }
+    }
+}
