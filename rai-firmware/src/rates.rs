@@ -158,7 +158,8 @@ impl Rates {
         workspace: &mut Workspace,
     ) -> Option<Velocity> {
         let Self { last, tally, .. } = self;
-        let since = Since { last, raw, place, frame: LocalFrame::at(place), seconds: elapsed_ms as f64 * 1e-3 };
+        let since =
+            Since { last, raw, place, frame: LocalFrame::at(place), seconds: elapsed_ms as f64 * 1e-3 };
         // Worked out as they are asked for, and nothing is stored: a second time only where the first has failed.
         let mut agree_on = |sign| {
             let rates = sky.iter().filter_map(|located| since.measure(located));

@@ -26,6 +26,8 @@ pub enum Need {
     Components,
     /// The emulator.
     Emulator,
+    /// The compiler of C for the chip, which the tests of the library for C need.
+    CCompiler,
 }
 
 /// Facts about this machine.
@@ -81,45 +83,64 @@ fn remedy(need: Need, machine: &Machine) -> Vec<Step> {
             &["rustup", "component", "add", "clippy", "rustfmt"],
             "install clippy and rustfmt, or Rust from https://rustup.rs",
         ),
-        Need::Emulator => emulator(machine.packages),
+        Need::Emulator => packaged("qemu-system-arm", machine.packages),
+        Need::CCompiler => packaged("gcc-arm-none-eabi", machine.packages),
     }
 }
 
-fn emulator(packages: Packages) -> Vec<Step> {
-    const INSTALL: [&str; 5] = ["apt-get", "install", "--yes", "--no-install-recommends", "qemu-system-arm"];
+/// How a package of the system is installed, by its name at Debian.
+fn packaged(name: &'static str, packages: Packages) -> Vec<Step> {
+    let install = ["apt-get", "install", "--yes", "--no-install-recommends", name];
     // A fresh machine knows no package at all before its lists are fetched.
     let update = ["apt-get", "update"];
     let sudo = |command: &[&'static str]| Step::Run([&["sudo", "-n"], command].concat());
+    let is_emulator = name == "qemu-system-arm";
     match packages {
-        Packages::Apt => vec![Step::Run(update.to_vec()), Step::Run(INSTALL.to_vec())],
-        Packages::AptSudo => vec![sudo(&update), sudo(&INSTALL)],
-        Packages::AptAsk => {
-            vec![Step::Ask(
-                "sudo apt-get update && sudo apt-get install --no-install-recommends qemu-system-arm",
-            )]
+        Packages::Apt => vec![Step::Run(update.to_vec()), Step::Run(install.to_vec())],
+        Packages::AptSudo => vec![sudo(&update), sudo(&install)],
+        Packages::AptAsk => vec![Step::Ask(if is_emulator {
+            "sudo apt-get update && sudo apt-get install --no-install-recommends qemu-system-arm"
+        } else {
+            "sudo apt-get update && sudo apt-get install --no-install-recommends gcc-arm-none-eabi"
+        })],
+        Packages::Brew => {
+            vec![Step::Run(vec!["brew", "install", if is_emulator { "qemu" } else { "arm-none-eabi-gcc" }])]
         }
-        Packages::Brew => vec![Step::Run(vec!["brew", "install", "qemu"])],
-        Packages::Unknown => vec![Step::Ask("install QEMU so that qemu-system-arm is on the path")],
+        Packages::Unknown => vec![Step::Ask(if is_emulator {
+            "install QEMU so that qemu-system-arm is on the path"
+        } else {
+            "install GCC for bare Arm so that arm-none-eabi-gcc is on the path"
+        })],
     }
 }
 
 impl Machine {
-    /// Looks at this machine.
+    /// Looks at this machine for what every command needs.
     pub fn look() -> Self {
         let sysroot = sysroot();
         let has = |relative: &str| sysroot.as_ref().is_some_and(|root| root.join(relative).exists());
-        let emulator = on_path("qemu-system-arm");
         let needs = [
             (Need::Target, TARGETS.iter().all(|target| has(&format!("lib/rustlib/{target}/lib")))),
             (Need::Components, has("bin/cargo-clippy") && has("bin/rustfmt")),
-            (Need::Emulator, emulator),
+            (Need::Emulator, on_path("qemu-system-arm")),
         ];
-        Self {
-            lacks: needs.into_iter().filter(|(_, there)| !there).map(|(need, _)| need).collect(),
-            rustup: on_path("rustup"),
-            // Only asked where it matters, since to ask `sudo` takes a while.
-            packages: if emulator { Packages::Unknown } else { packages() },
+        Self::lacking(needs.into_iter().filter(|(_, there)| !there).map(|(need, _)| need).collect())
+    }
+
+    /// The same, and what some tests are skipped without.
+    pub fn look_for_all() -> Self {
+        let Self { mut lacks, .. } = Self::look();
+        if !on_path("arm-none-eabi-gcc") {
+            lacks.push(Need::CCompiler);
         }
+        Self::lacking(lacks)
+    }
+
+    fn lacking(lacks: Vec<Need>) -> Self {
+        // Only asked where it matters, since to ask `sudo` takes a while.
+        let is_packaged = lacks.iter().any(|need| matches!(need, Need::Emulator | Need::CCompiler));
+        let packages = if is_packaged { packages() } else { Packages::Unknown };
+        Self { lacks, rustup: on_path("rustup"), packages }
     }
 }
 
@@ -128,11 +149,23 @@ impl Machine {
 /// # Errors
 /// Where a step fails, or only the user can take it: the message is then the command to type.
 pub fn ensure() -> anyhow::Result<()> {
-    let steps = plan(&Machine::look());
+    settle(Machine::look)
+}
+
+/// The same, with what some tests are skipped without.
+///
+/// # Errors
+/// As [`ensure()`].
+pub fn ensure_all() -> anyhow::Result<()> {
+    settle(Machine::look_for_all)
+}
+
+fn settle(look: fn() -> Machine) -> anyhow::Result<()> {
+    let steps = plan(&look());
     for step in &steps {
         take(step)?;
     }
-    let left = if steps.is_empty() { Vec::new() } else { plan(&Machine::look()) };
+    let left = if steps.is_empty() { Vec::new() } else { plan(&look()) };
     ensure!(left.is_empty(), "the set-up ran, and this is still missing: {left:?}");
     Ok(())
 }
@@ -217,6 +250,18 @@ mod tests {
             "apt-get install --yes --no-install-recommends qemu-system-arm",
         ];
         assert_eq!(have, want);
+    }
+
+    #[test]
+    fn compiler_for_the_tests_in_c_is_installed_or_asked_for() {
+        let have = plan(&lacking(&[Need::CCompiler], Packages::Apt));
+        let Some(Step::Run(command)) = have.last() else { panic!("it must install: {have:?}") };
+        assert_eq!(command.last(), Some(&"gcc-arm-none-eabi"));
+        for packages in [Packages::AptAsk, Packages::Unknown] {
+            let have = plan(&lacking(&[Need::CCompiler], packages));
+            let [Step::Ask(words)] = &have[..] else { panic!("it must ask: {have:?}") };
+            assert!(words.contains("arm-none-eabi"), "{words}");
+        }
     }
 
     #[test]

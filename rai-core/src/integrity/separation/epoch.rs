@@ -3,7 +3,9 @@
 use heapless::Vec;
 
 use super::modes::{ROOM, members};
-use super::{Finding, Hypothesis, Judged, Outcome, Prior, Priors, Removable, Room, SeparationError, judge_in};
+use super::{
+    Finding, Hypothesis, Judged, Outcome, Prior, Priors, Removable, Room, SeparationError, judge_in,
+};
 use crate::bounded::gather;
 use crate::epoch::EpochView;
 use crate::integrity::residuals::detection::Detection;

@@ -24,10 +24,10 @@
 
 use rai_core::satellite::SatelliteId;
 
-use super::leap::Announcement;
-use super::pages::{Kind, Page, Pages};
 #[cfg(feature = "glonass")]
 use super::glonass;
+use super::leap::Announcement;
+use super::pages::{Kind, Page, Pages};
 use super::{Refusal, beidou, galileo, lnav, rawx};
 use crate::ephemeris::Broadcast;
 use crate::input::bits::Bits;
