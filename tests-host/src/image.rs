@@ -24,10 +24,10 @@ use object::{Object, ObjectSection, ObjectSymbol, SectionFlags, SectionKind};
 
 use crate::board::Machine;
 
-/// Most that the statics may take: the receiver (40 KiB, of them 12 for an epoch's satellites, equations and solution, which
-/// are here and not on the stack, 10 for the longest frame and an epoch's raw ranges, 7 for navigation bits), the ports'
-/// rings (11 KiB), and little more.
-pub const STATIC_RAM_BUDGET_BYTES: u64 = 60 * 1024;
+/// Most that the statics may take: the receiver (52 KiB, of them 17 for an epoch's satellites, equations, solution and what
+/// ARAIM has for each row and term, which are here and not on the stack, 10 for the longest frame and an epoch's raw ranges,
+/// 10 for ephemerides, 7 for navigation bits), the ports' rings (11 KiB), and little more.
+pub const STATIC_RAM_BUDGET_BYTES: u64 = 64 * 1024;
 /// Least that must be left for the stack; the high-water mark that the image logs is far below.
 pub const STACK_BUDGET_BYTES: u64 = 64 * 1024;
 
@@ -108,6 +108,15 @@ pub fn build_with(chosen: &[&str]) -> anyhow::Result<PathBuf> {
         .context("cargo cannot be run")?;
     ensure!(output.status.success(), "the image does not build (`cargo image` says why)");
     executable(&String::from_utf8_lossy(&output.stdout)).context("cargo built no image")
+}
+
+/// Builds the smallest image that judges: RTCM 3 in, sentences out, classic RAIM. In a folder of its own, since what it leaves out
+/// of the libraries the shipped image has.
+///
+/// # Errors
+/// As [`build`].
+pub fn build_small() -> anyhow::Result<PathBuf> {
+    build_with(&["--bin", "rai-firmware", "--no-default-features", "--target-dir", "target/small"])
 }
 
 /// What the compiler is told for the second board's processor.

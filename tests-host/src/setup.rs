@@ -26,6 +26,8 @@ pub enum Need {
     Components,
     /// The emulator.
     Emulator,
+    /// The compiler of C for the chip, which the tests of the library for C need.
+    CCompiler,
 }
 
 /// Facts about this machine.
@@ -81,53 +83,82 @@ fn remedy(need: Need, machine: &Machine) -> Vec<Step> {
             &["rustup", "component", "add", "clippy", "rustfmt"],
             "install clippy and rustfmt, or Rust from https://rustup.rs",
         ),
-        Need::Emulator => emulator(machine.packages),
+        Need::Emulator => install(&EMULATOR, machine.packages),
+        Need::CCompiler => install(&C_COMPILER, machine.packages),
     }
 }
 
-/// How packages of Debian come here; where that is not its way, words.
-fn install(packages: Packages, names: &[&'static str]) -> Vec<Step> {
+/// What is installed together, by its names at Debian, and how else one comes to it.
+struct Package {
+    debian: &'static [&'static str],
+    brew: Option<&'static str>,
+    /// The command to type where only the user may, and words where the system is not Debian's.
+    command: &'static str,
+    words: &'static str,
+}
+
+const EMULATOR: Package = Package {
+    debian: &["qemu-system-arm"],
+    brew: Some("qemu"),
+    command: "sudo apt-get update && sudo apt-get install --no-install-recommends qemu-system-arm",
+    words: "install QEMU so that qemu-system-arm is on the path",
+};
+
+const C_COMPILER: Package = Package {
+    debian: &["gcc-arm-none-eabi"],
+    brew: Some("arm-none-eabi-gcc"),
+    command: "sudo apt-get update && sudo apt-get install --no-install-recommends gcc-arm-none-eabi",
+    words: "install GCC for bare Arm so that arm-none-eabi-gcc is on the path",
+};
+
+const CONSUMERS: Package = Package {
+    debian: &["gpsd", "rtklib", "python3-venv"],
+    brew: None,
+    command: "sudo apt-get update && sudo apt-get install --no-install-recommends gpsd rtklib python3-venv",
+    words: "install gpsd, RTKLIB (for convbin) and Python with venv",
+};
+
+fn install(package: &Package, packages: Packages) -> Vec<Step> {
     // A fresh machine knows no package at all before its lists are fetched.
     let update = ["apt-get", "update"];
-    let install = [&["apt-get", "install", "--yes", "--no-install-recommends"], names].concat();
+    let install = [&["apt-get", "install", "--yes", "--no-install-recommends"], package.debian].concat();
     let sudo = |command: &[&'static str]| Step::Run([&["sudo", "-n"], command].concat());
-    match packages {
-        Packages::Apt => vec![Step::Run(update.to_vec()), Step::Run(install)],
-        Packages::AptSudo => vec![sudo(&update), sudo(&install)],
-        _ => vec![Step::Ask("install gpsd, RTKLIB (for convbin) and Python with venv")],
-    }
-}
-
-fn emulator(packages: Packages) -> Vec<Step> {
-    match packages {
-        Packages::Apt | Packages::AptSudo => install(packages, &["qemu-system-arm"]),
-        Packages::AptAsk => {
-            vec![Step::Ask(
-                "sudo apt-get update && sudo apt-get install --no-install-recommends qemu-system-arm",
-            )]
-        }
-        Packages::Brew => vec![Step::Run(vec!["brew", "install", "qemu"])],
-        Packages::Unknown => vec![Step::Ask("install QEMU so that qemu-system-arm is on the path")],
+    match (packages, package.brew) {
+        (Packages::Apt, _) => vec![Step::Run(update.to_vec()), Step::Run(install)],
+        (Packages::AptSudo, _) => vec![sudo(&update), sudo(&install)],
+        (Packages::AptAsk, _) => vec![Step::Ask(package.command)],
+        (Packages::Brew, Some(name)) => vec![Step::Run(vec!["brew", "install", name])],
+        (Packages::Brew | Packages::Unknown, _) => vec![Step::Ask(package.words)],
     }
 }
 
 impl Machine {
-    /// Looks at this machine.
+    /// Looks at this machine for what every command needs.
     pub fn look() -> Self {
         let sysroot = sysroot();
         let has = |relative: &str| sysroot.as_ref().is_some_and(|root| root.join(relative).exists());
-        let emulator = on_path("qemu-system-arm");
         let needs = [
             (Need::Target, TARGETS.iter().all(|target| has(&format!("lib/rustlib/{target}/lib")))),
             (Need::Components, has("bin/cargo-clippy") && has("bin/rustfmt")),
-            (Need::Emulator, emulator),
+            (Need::Emulator, on_path("qemu-system-arm")),
         ];
-        Self {
-            lacks: needs.into_iter().filter(|(_, there)| !there).map(|(need, _)| need).collect(),
-            rustup: on_path("rustup"),
-            // Only asked where it matters, since to ask `sudo` takes a while.
-            packages: if emulator { Packages::Unknown } else { packages() },
+        Self::lacking(needs.into_iter().filter(|(_, there)| !there).map(|(need, _)| need).collect())
+    }
+
+    /// The same, and what some tests are skipped without.
+    pub fn look_for_all() -> Self {
+        let Self { mut lacks, .. } = Self::look();
+        if !on_path("arm-none-eabi-gcc") {
+            lacks.push(Need::CCompiler);
         }
+        Self::lacking(lacks)
+    }
+
+    fn lacking(lacks: Vec<Need>) -> Self {
+        // Only asked where it matters, since to ask `sudo` takes a while.
+        let is_packaged = lacks.iter().any(|need| matches!(need, Need::Emulator | Need::CCompiler));
+        let packages = if is_packaged { packages() } else { Packages::Unknown };
+        Self { lacks, rustup: on_path("rustup"), packages }
     }
 }
 
@@ -136,11 +167,23 @@ impl Machine {
 /// # Errors
 /// Where a step fails, or only the user can take it: the message is then the command to type.
 pub fn ensure() -> anyhow::Result<()> {
-    let steps = plan(&Machine::look());
+    settle(Machine::look)
+}
+
+/// The same, with what some tests are skipped without.
+///
+/// # Errors
+/// As [`ensure()`].
+pub fn ensure_all() -> anyhow::Result<()> {
+    settle(Machine::look_for_all)
+}
+
+fn settle(look: fn() -> Machine) -> anyhow::Result<()> {
+    let steps = plan(&look());
     for step in &steps {
         take(step)?;
     }
-    let left = if steps.is_empty() { Vec::new() } else { plan(&Machine::look()) };
+    let left = if steps.is_empty() { Vec::new() } else { plan(&look()) };
     ensure!(left.is_empty(), "the set-up ran, and this is still missing: {left:?}");
     Ok(())
 }
@@ -158,7 +201,7 @@ pub fn consumers() -> anyhow::Result<()> {
     let (folder, python) = (root().join("target/consumers"), python.display().to_string());
     let folder = folder.display().to_string();
     if !["gpsd", "convbin", "python3"].into_iter().all(on_path) {
-        install(packages(), &["gpsd", "rtklib", "python3-venv"]).iter().try_for_each(take)?;
+        install(&CONSUMERS, packages()).iter().try_for_each(take)?;
     }
     run(&["python3", "-m", "venv", &folder])?;
     run(&[&[&python, "-m", "pip", "install", "--quiet"], &PYTHON_PACKAGES[..]].concat())
@@ -258,6 +301,18 @@ mod tests {
             "apt-get install --yes --no-install-recommends qemu-system-arm",
         ];
         assert_eq!(have, want);
+    }
+
+    #[test]
+    fn compiler_for_the_tests_in_c_is_installed_or_asked_for() {
+        let have = plan(&lacking(&[Need::CCompiler], Packages::Apt));
+        let Some(Step::Run(command)) = have.last() else { panic!("it must install: {have:?}") };
+        assert_eq!(command.last(), Some(&"gcc-arm-none-eabi"));
+        for packages in [Packages::AptAsk, Packages::Unknown] {
+            let have = plan(&lacking(&[Need::CCompiler], packages));
+            let [Step::Ask(words)] = &have[..] else { panic!("it must ask: {have:?}") };
+            assert!(words.contains("arm-none-eabi"), "{words}");
+        }
     }
 
     #[test]

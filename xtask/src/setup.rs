@@ -1,7 +1,7 @@
 //! `cargo xtask setup`: what the Rust toolchain does not bring.
 
 use anyhow::ensure;
-use tests_host::setup::{Machine, Step, consumers, ensure as ensure_set_up, plan};
+use tests_host::setup::{Machine, Step, consumers, ensure_all, plan};
 
 /// Arguments of the command.
 #[derive(clap::Args)]
@@ -17,14 +17,14 @@ pub(crate) struct Arguments {
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if !arguments.check {
-        ensure_set_up()?;
+        ensure_all()?;
         if arguments.consumers {
             consumers()?;
         }
         println!("everything is there");
         return Ok(());
     }
-    let steps = plan(&Machine::look());
+    let steps = plan(&Machine::look_for_all());
     for step in &steps {
         match step {
             Step::Run(command) => println!("missing: {}", command.join(" ")),

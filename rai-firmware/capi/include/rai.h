@@ -40,7 +40,7 @@
  * The version of this interface. It grows by one with every change that a program compiled against an older header would
  * misunderstand: a field that moved, a size that grew, a constant that means something else.
  */
-#define RAI_ABI_VERSION 1
+#define RAI_ABI_VERSION 2
 
 /**
  * En route: HAL 3,704 m.
@@ -153,21 +153,21 @@
 /**
  * Words of eight bytes that a monitor takes, on every processor at most.
  */
-#define RAI_MONITOR_WORDS 896
+#define RAI_MONITOR_WORDS 1408
 #endif
 
 #if (defined(RAI_SATELLITES_32) && !defined(RAI_SATELLITES_16))
 /**
  * Words of eight bytes that a monitor takes, on every processor at most.
  */
-#define RAI_MONITOR_WORDS 1152
+#define RAI_MONITOR_WORDS 1792
 #endif
 
 #if !(defined(RAI_SATELLITES_16) || defined(RAI_SATELLITES_32))
 /**
  * Words of eight bytes that a monitor takes, on every processor at most.
  */
-#define RAI_MONITOR_WORDS 1536
+#define RAI_MONITOR_WORDS 2176
 #endif
 
 /**
@@ -179,21 +179,21 @@
 /**
  * Words of eight bytes that a receiver takes, on every processor at most.
  */
-#define RAI_RECEIVER_WORDS 5120
+#define RAI_RECEIVER_WORDS 5632
 #endif
 
 #if (defined(RAI_SATELLITES_32) && !defined(RAI_SATELLITES_16))
 /**
  * Words of eight bytes that a receiver takes, on every processor at most.
  */
-#define RAI_RECEIVER_WORDS 5632
+#define RAI_RECEIVER_WORDS 6272
 #endif
 
 #if !(defined(RAI_SATELLITES_16) || defined(RAI_SATELLITES_32))
 /**
  * Words of eight bytes that a receiver takes, on every processor at most.
  */
-#define RAI_RECEIVER_WORDS 6144
+#define RAI_RECEIVER_WORDS 6912
 #endif
 
 /**
@@ -345,6 +345,11 @@
  * GLONASS.
  */
 #define RAI_SYSTEM_GLONASS 82
+
+/**
+ * QZSS, numbered 1 to 10. Its ranges have the receiver clock of GPS.
+ */
+#define RAI_SYSTEM_QZSS 74
 
 /**
  * Most satellites that are left out of one epoch.

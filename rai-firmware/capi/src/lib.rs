@@ -76,7 +76,7 @@ pub use verdict::*;
 
 /// The version of this interface. It grows by one with every change that a program compiled against an older header would
 /// misunderstand: a field that moved, a size that grew, a constant that means something else.
-pub const RAI_ABI_VERSION: u32 = 1;
+pub const RAI_ABI_VERSION: u32 = 2;
 
 /// The version of the interface that the library was compiled with; equal to `RAI_ABI_VERSION` of a matching header.
 #[unsafe(no_mangle)]

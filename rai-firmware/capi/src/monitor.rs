@@ -3,7 +3,7 @@
 use rai_core::epoch::{Epoch, Observation};
 use rai_core::frame::Ecef;
 use rai_core::monitor::{MonitorError, Search};
-use rai_core::satellite::{Constellation, SatelliteId};
+use rai_core::satellite::SatelliteId;
 use rai_core::single::{self, CAPACITY, Memory, Monitor};
 
 use crate::pointer::{Object, can_give, give, slice, status_of, take};
@@ -203,8 +203,7 @@ fn judge(watch: &mut Watch, time_s: f64, ranges: &[rai_range_t]) -> Result<rai_v
 }
 
 fn add(epoch: &mut Epoch<CAPACITY>, range: &rai_range_t) -> Result<(), rai_status_t> {
-    let constellation = Constellation::from_letter(range.system.into()).ok_or(RAI_STATUS_SATELLITE)?;
-    let satellite = SatelliteId::new(constellation, range.number).ok_or(RAI_STATUS_SATELLITE)?;
+    let satellite = SatelliteId::from_name(range.system.into(), range.number).ok_or(RAI_STATUS_SATELLITE)?;
     let position = Ecef::new(range.x_m, range.y_m, range.z_m);
     let observation = Observation { satellite, position, range_m: range.range_m, sigma_m: range.sigma_m };
     epoch.push(observation).map_err(of_refused_range)

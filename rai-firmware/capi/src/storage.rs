@@ -22,26 +22,26 @@ pub const RAI_MAX_SATELLITES: usize = 48;
 
 /// Words of eight bytes that a monitor takes, on every processor at most.
 #[cfg(feature = "satellites-16")]
-pub const RAI_MONITOR_WORDS: usize = 896;
+pub const RAI_MONITOR_WORDS: usize = 1408;
 /// Words of eight bytes that a monitor takes, on every processor at most.
 #[cfg(all(feature = "satellites-32", not(feature = "satellites-16")))]
-pub const RAI_MONITOR_WORDS: usize = 1152;
+pub const RAI_MONITOR_WORDS: usize = 1792;
 /// Words of eight bytes that a monitor takes, on every processor at most.
 #[cfg(not(any(feature = "satellites-16", feature = "satellites-32")))]
-pub const RAI_MONITOR_WORDS: usize = 1536;
+pub const RAI_MONITOR_WORDS: usize = 2176;
 
 /// Bytes of a monitor.
 pub const RAI_MONITOR_SIZE: usize = RAI_MONITOR_WORDS * 8;
 
 /// Words of eight bytes that a receiver takes, on every processor at most.
 #[cfg(feature = "satellites-16")]
-pub const RAI_RECEIVER_WORDS: usize = 5120;
-/// Words of eight bytes that a receiver takes, on every processor at most.
-#[cfg(all(feature = "satellites-32", not(feature = "satellites-16")))]
 pub const RAI_RECEIVER_WORDS: usize = 5632;
 /// Words of eight bytes that a receiver takes, on every processor at most.
+#[cfg(all(feature = "satellites-32", not(feature = "satellites-16")))]
+pub const RAI_RECEIVER_WORDS: usize = 6272;
+/// Words of eight bytes that a receiver takes, on every processor at most.
 #[cfg(not(any(feature = "satellites-16", feature = "satellites-32")))]
-pub const RAI_RECEIVER_WORDS: usize = 6144;
+pub const RAI_RECEIVER_WORDS: usize = 6912;
 
 /// Bytes of a receiver.
 pub const RAI_RECEIVER_SIZE: usize = RAI_RECEIVER_WORDS * 8;

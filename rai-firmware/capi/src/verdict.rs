@@ -3,7 +3,6 @@
 use core::ffi::{CStr, c_char};
 
 use rai_core::report::{Alert, MAX_EXCLUDED, Protected, Report, Suspect, Unavailable, Verdict};
-use rai_core::satellite::Constellation;
 
 use crate::pointer::Versioned;
 
@@ -135,6 +134,8 @@ pub const RAI_SYSTEM_BEIDOU: u8 = b'C';
 pub const RAI_SYSTEM_GALILEO: u8 = b'E';
 /// GLONASS.
 pub const RAI_SYSTEM_GLONASS: u8 = b'R';
+/// QZSS, numbered 1 to 10. Its ranges have the receiver clock of GPS.
+pub const RAI_SYSTEM_QZSS: u8 = b'J';
 
 /// Most satellites that are left out of one epoch.
 pub const RAI_MAX_EXCLUDED: usize = 3;
@@ -161,20 +162,16 @@ impl rai_excluded_t {
     const NONE: Self = Self { bias_m: 0.0, w_test: 0.0, system: 0, number: 0, reserved: [0; 6] };
 
     fn of(suspect: &Suspect) -> Self {
-        let satellite = suspect.satellite;
+        // The letters are ASCII.
+        let (letter, number) = suspect.satellite.name();
         Self {
             bias_m: suspect.bias_m,
             w_test: suspect.w_test,
-            system: letter(satellite.constellation()),
-            number: satellite.number(),
+            system: letter as u8,
+            number,
             reserved: [0; 6],
         }
     }
-}
-
-fn letter(constellation: Constellation) -> u8 {
-    // The letters are ASCII.
-    constellation.letter() as u8
 }
 
 /// What is said of one epoch. A number that is not defined is NaN.

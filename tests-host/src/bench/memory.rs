@@ -25,11 +25,14 @@ const EPOCHS: u32 = 61;
 pub fn measure() -> Result<Vec<Figure>> {
     let path = image::build()?;
     let image = Image::open(&path)?;
+    let small = Image::open(&image::build_small()?)?;
     let figure = |name: &str, value, target| Figure { name: name.to_owned(), value, target: Some(target) };
     Ok(vec![
         figure("flash, bytes", image.flash_bytes, 160 * 1024),
         figure("static RAM, bytes", image.static_ram_bytes, 32 * 1024),
         figure("stack high water, bytes", stack_bytes(&path)?, 12 * 1024),
+        figure("image of RTCM and classic RAIM alone: flash, bytes", small.flash_bytes, 96 * 1024),
+        figure("image of RTCM and classic RAIM alone: static RAM, bytes", small.static_ram_bytes, 32 * 1024),
     ])
 }
 

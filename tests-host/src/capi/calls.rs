@@ -40,7 +40,8 @@ impl Calls {
                 [position.x_m, position.y_m, position.z_m, observation.range_m, observation.sigma_m];
             ranges.extend(numbers.iter().flat_map(|number| number.to_le_bytes()));
             let satellite = observation.satellite;
-            ranges.extend([satellite.constellation().letter() as u8, satellite.number(), 0, 0, 0, 0, 0, 0]);
+            let (letter, number) = satellite.name();
+            ranges.extend([letter as u8, number, 0, 0, 0, 0, 0, 0]);
         }
         self.add(b'm', &[&epoch.time_s().to_le_bytes(), &ranges]);
     }

@@ -189,7 +189,8 @@ impl Session {
         for suspect in &report.excluded {
             bytes.extend(doubles([suspect.bias_m, suspect.w_test]));
             let satellite = suspect.satellite;
-            bytes.extend([satellite.constellation().letter() as u8, satellite.number(), 0, 0, 0, 0, 0, 0]);
+            let (letter, number) = satellite.name();
+            bytes.extend([letter as u8, number, 0, 0, 0, 0, 0, 0]);
         }
         bytes.resize(168, 0);
         bytes

@@ -19,7 +19,7 @@ use rai_core::integrity::residuals::ransac::{self, Selection};
 use rai_core::integrity::residuals::threshold::policy::{self, Demand, Weights};
 use rai_core::integrity::residuals::threshold::{self, ThresholdError, Thresholds};
 use rai_core::integrity::separation::{self, Allocation, Finding, Hypothesis, Removable, SeparationError};
-use rai_core::monitor::{Memory, Monitor, MonitorError};
+use rai_core::monitor::{Accepted, Memory, Monitor, MonitorError};
 use rai_core::numeric::absolute::{Absolute, Grid};
 use rai_core::numeric::angle;
 use rai_core::numeric::chi_square::ChiSquare;
@@ -185,6 +185,9 @@ fn separation_of_solutions<T: Real>() {
     reach!(
         separation::judge::<T> as fn(&mut Snapshot<'static, T>, _, _) -> _,
         separation::judge::<T> as fn(&mut Fix<'static, T>, _, _) -> _,
+        separation::judge_in::<T> as fn(&mut Fix<'static, T>, _, _, _) -> _,
+        separation::Room::<T>::new as fn() -> _,
+        <separation::Room<T> as Default>::default as fn() -> _,
         <Snapshot<'_, T> as Removable<T>>::view as fn(_) -> _,
         <Snapshot<'_, T> as Removable<T>>::leave_out_all as fn(_, _) -> _,
         <Snapshot<'_, T> as Removable<T>>::take_back_all as fn(_, _),
@@ -280,6 +283,13 @@ fn the_pipeline<T: Real>() {
         Memory::<T, N>::new as fn() -> _,
         <Memory<T, N> as Default>::default as fn() -> _,
         Memory::<T, N>::workspace as fn(_) -> _,
+        Memory::<T, N>::assessment as fn(_) -> _,
+        Memory::<T, N>::assessment_mut as fn(_) -> _,
+        Accepted::new as fn(_) -> _,
+        Accepted::thresholds as fn(_) -> _,
+        Accepted::factors as fn(_) -> _,
+        Monitor::<T, N>::of as fn(_) -> _,
+        Monitor::<T, N>::accepted as fn(_) -> _,
         Monitor::<T, N>::new as fn(_) -> _,
         Monitor::<T, N>::require as fn(_, _) -> _,
         Monitor::<T, N>::set_strategy as fn(_, _),
@@ -295,6 +305,8 @@ fn the_pipeline<T: Real>() {
         Monitor::<T, N>::forgo_continuity as fn(_),
         Monitor::<T, N>::forget_position as fn(_),
         Fix::<T>::clock_row as fn(_) -> _,
+        integrity::Scratch::<T>::new as fn() -> _,
+        <integrity::Scratch<T> as Default>::default as fn() -> _,
         integrity::judge::<T> as fn(&mut Snapshot<'static, T>, _, _, _, _, _) -> _,
         integrity::judge::<T> as fn(&mut Fix<'static, T>, _, _, _, _, _) -> _,
         integrity::Criteria::test::<T> as fn(_, _, _) -> _,

@@ -234,6 +234,7 @@ fn sentences() {
         Motion::of as fn(_) -> _,
         Motion::speed_m_s as fn(_) -> _,
         Item::named as fn(_) -> _,
+        Item::is_built as fn(_) -> _,
         Schedule::with as fn(_, _, _) -> _,
         (|schedule| exhaust(Schedule::rates(schedule))) as fn(_),
         Schedule::due as fn(_, _) -> _,
