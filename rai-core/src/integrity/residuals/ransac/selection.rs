@@ -29,9 +29,9 @@
 //! [Tian2024]: crate#references
 
 use heapless::Vec;
-use nalgebra::{Cholesky, Matrix4, Vector3, Vector4};
+use nalgebra::{Matrix4, Vector3, Vector4};
 
-use super::tetrahedra::{Corner, Work, largest};
+use super::tetrahedra::{Corner, Work, inverted, largest};
 use crate::bounded::gather;
 use crate::equations::{MAX_ROWS, Row};
 use crate::numeric::real::Real;
@@ -138,7 +138,7 @@ impl<T: Real> Subset<T> {
     fn of(rows: impl Iterator<Item = Vector4<T>>) -> Self {
         let (size, normal) =
             rows.fold((0, Matrix4::zeros()), |(size, sum), row| (size + 1, sum + row * row.transpose()));
-        let covariance = Cholesky::new(normal).map_or(Matrix4::zeros(), |factor| factor.inverse());
+        let covariance = inverted(normal).map_or(Matrix4::zeros(), |(inverse, _)| inverse);
         Self { size, covariance }
     }
 

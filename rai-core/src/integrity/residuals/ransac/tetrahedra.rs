@@ -194,18 +194,24 @@ impl<T: Real> Metric<T> {
         Self::weighted(corners, &weights)
     }
 
+    #[inline(never)]
     fn weighted(corners: &[Corner<T>], weights: &[T]) -> Option<Self> {
         let rows = || corners.iter().map(|(_, direction)| with_clock(direction));
         let normal = rows()
             .zip(weights)
             .fold(Matrix4::zeros(), |sum, (row, &weight)| sum + row * (row * weight).transpose());
-        let factor = Cholesky::new(normal)?;
-        let (inverse, determinant) = (factor.inverse(), factor.determinant());
+        let (inverse, determinant) = inverted(normal)?;
         let is_sound = normal.trace() * inverse.trace() <= T::narrow(MAX_CONDITION);
         let leverages: Vec<T, MAX_ROWS> = gather(rows().map(|row| row.dot(&(inverse * row))));
         let largest = leverages.iter().fold(T::zero(), |largest, &leverage| largest.max(leverage));
         is_sound.then_some(Self { inverse, determinant, leverages, largest })
     }
+}
+
+/// Inverse and determinant of a normal matrix; `None` where it has none. In one place, since it is long.
+#[inline(never)]
+pub(super) fn inverted<T: Real>(normal: Matrix4<T>) -> Option<(Matrix4<T>, T)> {
+    Cholesky::new(normal).map(|factor| (factor.inverse(), factor.determinant()))
 }
 
 /// The search over what may be together.
