@@ -119,6 +119,23 @@ fn a_state_vector_is_kept_and_moves_with_the_satellite() {
 }
 
 #[test]
+fn where_a_state_vector_is_does_not_depend_on_what_was_asked_before() {
+    let (state, mut store) = (glonass_state(), Store::new());
+    let fresh = Ephemeris::of_state(&state).unwrap();
+    store.insert(fresh, Some(state.toe));
+    store.observe([state.satellite].into_iter());
+    for seconds in [0, 149, 150, 151, 899, 301, -1, -150, -900, -751, 600, 0, 450] {
+        store.advance(after(state.toe, seconds));
+        let kept = store.get(state.satellite, state.toe).unwrap();
+        assert_eq!(*kept, fresh);
+        for later in [-160, -1, 0, 1, 30, 160] {
+            let when = after(state.toe, seconds + later);
+            assert_eq!(kept.at(when, 2e7), fresh.at(when, 2e7), "{seconds} s, then {later} s");
+        }
+    }
+}
+
+#[test]
 fn a_glonass_satellite_is_no_gps_satellite_and_has_no_kepler_elements() {
     let glonass = SatelliteId::new(Constellation::Glonass, 7).unwrap();
     let as_gps = changed(&CASES[GPS], |b| b.satellite = glonass);

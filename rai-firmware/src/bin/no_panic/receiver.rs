@@ -13,7 +13,8 @@ use rai_firmware::correction::{
     self, CAPACITY as N, Klobuchar, Place, Preference, Ranges, Site, Spread, Troposphere,
 };
 use rai_firmware::ephemeris::{
-    self, BroadcastError, Elapsed, Ephemeris, EphemerisError, GroupDelay, Health, Refusals, Source, Store,
+    self, BroadcastError, Elapsed, Ephemeris, EphemerisError, GroupDelay, Health, Refusals, Source,
+    StateVector, Store,
 };
 use rai_firmware::epoch_loop::EpochLoop;
 use rai_firmware::input::Suspicion;
@@ -145,6 +146,7 @@ fn ephemerides() {
         Ephemeris::at as fn(_, _, _) -> _,
         Elapsed::to_s as fn(_) -> _,
         Ephemeris::group_delay as fn(_, _) -> _,
+        <StateVector as PartialEq>::eq as fn(_, _) -> _,
         Store::new as fn() -> _,
         Store::insert as fn(_, _, _) -> _,
         (|store, satellites| Store::observe(store, satellites)) as fn(_, core::array::IntoIter<_, 4>),
