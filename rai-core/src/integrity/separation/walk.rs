@@ -91,12 +91,13 @@ impl<'a, T: Real> Watch<'a, T> {
         if count.modes > MAX_MODES {
             return Err(SeparationError::Modes);
         }
+        let mut axes = [Axis::closed(), Axis::closed(), Axis::closed()];
         // The second time nothing is found that is not counted already.
         for _ in 0..2 {
             if gone == 0 {
                 self.not_watched = self.modes.not_watched + count.unmonitorable;
             }
-            let mut pass = Pass::new(self, solutions, gone, &count);
+            let mut pass = Pass::new(self, solutions, gone, &count, &mut axes);
             if let Some(finding) = pass.run(purpose) {
                 return Ok(finding);
             }
@@ -169,7 +170,7 @@ struct Pass<'p, 'a, 'v, T: Real> {
     skips_singular: bool,
     not_watched: T,
     factors: Vector3<T>,
-    axes: [Axis<T>; 3],
+    axes: &'p mut [Axis<T>; 3],
     gate: Gate<T>,
     /// Whether the gate lets anything pass.
     has_reference: bool,
@@ -192,6 +193,7 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
         solutions: &'p mut Solutions<'v, T>,
         gone: Set,
         count: &Count<T>,
+        axes: &'p mut [Axis<T>; 3],
     ) -> Self {
         let allocation = watch.allocation;
         let phmi = T::narrow(allocation.integrity());
@@ -220,7 +222,7 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
             squared_factors: factors.component_mul(&factors),
             gate: Gate::closed(),
             has_reference: false,
-            axes: [Axis::closed(), Axis::closed(), Axis::closed()],
+            axes,
             levels: [Level::none(); 3],
             accuracy_m: deviation(whole.separation.z),
             threshold: T::zero(),
@@ -229,11 +231,11 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
             alarm: false,
             singular: Singular { modes: 0, probability: T::zero(), sets: Vec::new() },
         };
-        let [east, north, up] = &mut pass.axes;
+        let [east, north, up] = &mut *pass.axes;
         east.open(horizontal, count.modes, whole.variance.x.sqrt(), bias.x);
         north.open(horizontal, count.modes, whole.variance.y.sqrt(), bias.y);
         up.open(vertical, count.modes, whole.variance.z.sqrt(), bias.z);
-        pass.gate = Gate::of(&pass.axes);
+        pass.gate = Gate::of(pass.axes);
         pass
     }
 
@@ -253,7 +255,7 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
             for (axis, level) in self.axes.iter_mut().zip(&self.levels) {
                 axis.restart(level.below_m);
             }
-            self.gate = Gate::of(&self.axes);
+            self.gate = Gate::of(self.axes);
         }
         Some(self.finding())
     }
@@ -261,6 +263,7 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
     /// Singles and constellations first: they say where the levels are, about.
     fn walk(&mut self, is_first: bool, purpose: Purpose) {
         let (watch, gone) = (self.watch, self.gone);
+        let taken_before = self.taken;
         let ends_at_alarm = purpose == Purpose::Accept;
         let was_monitorable = |taken: Set| watch.is_monitorable(taken);
         for sizes in [1..=1, 2..=3] {
@@ -271,26 +274,28 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
             if walked.is_break() {
                 return;
             }
+            if self.taken - taken_before + self.singular.modes >= self.modes {
+                // What is left cannot be watched.
+                break;
+            }
             if is_first && *sizes.end() == 1 {
                 self.settle();
             }
         }
     }
 
-    /// With singles and constellations at hand.
+    /// With singles and constellations at hand, and more to come.
     fn settle(&mut self) {
         self.sort_out();
-        if self.taken < self.modes {
-            self.axes.iter_mut().filter(|axis| axis.is_open()).for_each(Axis::settle);
-            self.gate = Gate::of(&self.axes);
-        }
+        self.axes.iter_mut().filter(|axis| axis.is_open()).for_each(Axis::settle);
+        self.gate = Gate::of(self.axes);
     }
 
     /// Looks for a reference in what one mode alone spends.
     #[inline(never)]
     fn sort_out(&mut self) {
         self.axes.iter_mut().filter(|axis| axis.is_open()).for_each(Axis::sort_out);
-        self.gate = Gate::of(&self.axes);
+        self.gate = Gate::of(self.axes);
         self.has_reference = true;
     }
 
@@ -353,7 +358,7 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
         if !self.has_reference && mode.hypothesis.constellations == 0 {
             self.sort_out();
         }
-        let [east, north, up] = &mut self.axes;
+        let [east, north, up] = &mut *self.axes;
         let variance = &solution.variance;
         east.add(&Candidate::of(mode, thresholds.x, variance.x), bias.x);
         north.add(&Candidate::of(mode, thresholds.y, variance.y), bias.y);
@@ -385,7 +390,7 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
     /// The levels with all modes.
     #[inline(never)]
     fn solve(&mut self) {
-        for (level, axis) in self.levels.iter_mut().zip(&self.axes) {
+        for (level, axis) in self.levels.iter_mut().zip(self.axes.iter()) {
             *level = if axis.is_open() { axis.finish() } else { Level::none() };
         }
     }

@@ -73,6 +73,14 @@ impl Hypothesis {
         Self::of(0, [index, NONE, NONE])
     }
 
+    /// The same with another row behind those that it has, of which it has one at most.
+    #[inline]
+    pub(super) fn and(mut self, index: usize) -> Self {
+        let [first, second, _] = &mut self.rows;
+        *if *first == Self::NO_ROW { first } else { second } = index as u8;
+        self
+    }
+
     /// Constellations, a bit for each id.
     pub(in crate::integrity::separation) fn of_constellations(constellations: u8) -> Self {
         Self { constellations, ..Self::NONE }

@@ -45,7 +45,8 @@ impl<'m, T: Real> Walk<'m, T> {
         // Without its only satellite a constellation is lost: that is another mode.
         let alone = members.iter().filter(|rows| rows.is_power_of_two()).fold(0, |set, rows| set | rows);
         let left = modes.fallible & !gone & !lost_rows & !alone;
-        let few = |rows: &Set| rows & left != 0 && rows.count_ones() as usize <= EVENTS;
+        let without_one = |rows: Set| rows & rows.wrapping_sub(1);
+        let few = |rows: &Set| rows & left != 0 && (0..EVENTS).fold(*rows, |rows, _| without_one(rows)) == 0;
         let has_few = members.iter().any(few);
         let lost_count = lost_rows.count_ones() as usize;
         Self { modes, lost, lost_rows, lost_count, gone, members, has_few, left }
