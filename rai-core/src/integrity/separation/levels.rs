@@ -33,7 +33,7 @@ use crate::numeric::normal::{quantile, tail};
 use crate::numeric::real::Real;
 use crate::snapshot::infinity;
 
-/// Terms that stay, where more would: those that matter most, and a step less is frozen.
+/// Terms that stay, at most; where more would, the smallest are frozen.
 const TERMS: usize = 48;
 
 /// Steps to the root; three to six are the rule.
