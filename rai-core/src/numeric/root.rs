@@ -20,7 +20,7 @@ pub(super) fn single_inverse(x: f32) -> f32 {
         return libm::sqrtf(x).recip();
     }
     let half = 0.5 * x;
-    let mut root = f32::from_bits(MAGIC - (x.to_bits() >> 1));
+    let mut root = f32::from_bits(MAGIC.wrapping_sub(x.to_bits() >> 1));
     for _ in 0..3 {
         root *= 1.5 - half * root * root;
     }

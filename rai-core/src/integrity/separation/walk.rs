@@ -274,7 +274,7 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
             if walked.is_break() {
                 return;
             }
-            if self.taken - taken_before + self.singular.modes >= self.modes {
+            if self.taken + self.singular.modes >= taken_before + self.modes {
                 // What is left cannot be watched.
                 break;
             }
