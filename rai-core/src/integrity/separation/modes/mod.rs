@@ -416,12 +416,6 @@ impl<T: Real> Modes<T> {
         rows | self.rows_of(usize::from(hypothesis.constellations))
     }
 
-    /// The losses of some constellations.
-    fn events_of(&self, constellations: usize) -> Set {
-        let ids = (0..Constellation::COUNT).filter(|id| constellations >> id & 1 != 0);
-        ids.fold(0, |events, id| events | event(id))
-    }
-
     /// All rows of some constellations.
     fn rows_of(&self, constellations: usize) -> Set {
         let chosen = self.members.iter().enumerate().filter(|(id, _)| constellations >> id & 1 != 0);

@@ -21,6 +21,12 @@ pub(super) fn event(constellation: usize) -> Set {
     1u64.checked_shl((ROWS + constellation) as u32).unwrap_or(0)
 }
 
+/// The events of some constellations, which are named by a bit for each id.
+pub(super) fn losses(constellations: usize) -> Set {
+    let ids = (0..Constellation::COUNT).filter(|id| constellations >> id & 1 != 0);
+    ids.fold(0, |events, id| events | event(id))
+}
+
 /// Everything above a member.
 pub(super) fn above(index: usize) -> Set {
     Set::MAX.checked_shl(index as u32 + 1).unwrap_or(0)

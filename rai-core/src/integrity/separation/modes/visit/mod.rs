@@ -5,7 +5,7 @@ mod pairs;
 use core::ops::{ControlFlow, RangeInclusive};
 
 use super::Modes;
-use super::sets::{EVENTS, Hypothesis, NONE, Set, above, members, row};
+use super::sets::{EVENTS, Hypothesis, NONE, Set, above, losses, members, row};
 use crate::numeric::real::Real;
 use crate::satellite::Constellation;
 use pairs::Pairs;
@@ -167,7 +167,7 @@ impl<'m, T: Real> Walk<'m, T> {
     #[inline(never)]
     fn sum_of_causes(&self, chosen: Set, was_monitorable: &impl Fn(Set) -> bool) -> T {
         if chosen == 0 && self.has_one_cause() {
-            let combination = self.modes.combination(self.modes.events_of(self.lost));
+            let combination = self.modes.combination(losses(self.lost));
             let probability = self.modes.probability_of(&combination);
             let is_watched = self.modes.is_watched(&combination, probability);
             return if is_watched { probability } else { T::zero() };
