@@ -30,8 +30,8 @@ fn run(recording: &Recording, systems: &str, faults: &[Fault], truth: Ecef) -> T
 fn run_set(recording: &Recording, systems: &str, faults: &[Fault], truth: Ecef, set: &[&str]) -> Track {
     let selection = Selection::new(systems, Frequency::Dual).unwrap();
     let lumps = replay::encode(recording, &selection, faults, &Window::ALL).unwrap();
-    let setup: Vec<_> =
-        ["PHASE,NPA", "METHOD,SEPARATION"].iter().chain(set).map(ToString::to_string).collect();
+    let setup = ["PHASE,NPA", "METHOD,SEPARATION"].iter().chain(set).map(|&command| command.to_owned());
+    let setup: Vec<_> = setup.collect();
     let run = replay::on_host(&lumps, &setup, Pace::Recorded, |_| {}).unwrap();
     replay::track(&lumps, &run, Some(&Truth::Fixed(truth))).unwrap()
 }

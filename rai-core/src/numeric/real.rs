@@ -41,6 +41,7 @@ pub trait Real: RealField + Copy {
     /// Widens to a double, exactly.
     fn widen(self) -> f64;
     /// `1/√x` for `x > 0`, to a few units in the last place.
+    #[must_use]
     fn inverse_root(self) -> Self;
     /// [`tail`](super::normal::tail) for `u ≥ 0`.
     fn normal_tail(u: Self) -> Tail<Self>;

@@ -16,11 +16,11 @@
 pub(super) fn single_inverse(x: f32) -> f32 {
     const MAGIC: u32 = 0x5f37_5a86;
     // Half of it has to be a normal number too.
-    if !(x >= 2.0 * f32::MIN_POSITIVE && x <= f32::MAX) {
+    if !(2.0 * f32::MIN_POSITIVE..=f32::MAX).contains(&x) {
         return libm::sqrtf(x).recip();
     }
     let half = 0.5 * x;
-    let mut root = f32::from_bits(MAGIC - (x.to_bits() >> 1));
+    let mut root = f32::from_bits(MAGIC.wrapping_sub(x.to_bits() >> 1));
     for _ in 0..3 {
         root *= 1.5 - half * root * root;
     }

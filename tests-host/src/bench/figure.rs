@@ -4,7 +4,7 @@
 const SECOND_BOARD: &str = ", Cortex-M7";
 
 /// The name of the figure that the second board has for this one.
-pub fn on_second_board(name: &str) -> String {
+pub(super) fn on_second_board(name: &str) -> String {
     format!("{name}{SECOND_BOARD}")
 }
 

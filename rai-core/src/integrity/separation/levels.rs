@@ -33,8 +33,8 @@ use crate::numeric::normal::{quantile, tail};
 use crate::numeric::real::Real;
 use crate::snapshot::infinity;
 
-/// Terms that stay: more than [`super::modes::ROWS`] and all constellations.
-const TERMS: usize = 64;
+/// Terms that stay, at most; where more would, the smallest are frozen.
+const TERMS: usize = 48;
 
 /// Steps to the root; three to six are the rule.
 const MAX_STEPS: usize = 60;
@@ -230,6 +230,8 @@ impl<T: Real> Axis<T> {
     pub(super) fn open(&mut self, risk: T, modes: usize, sigma_m: T, bias_m: T) {
         self.close();
         self.risk = risk;
+        self.terms.clear();
+        self.reference_m = infinity();
         if !self.is_open() {
             return;
         }

@@ -97,7 +97,7 @@ impl<'a, T: Real> Watch<'a, T> {
             if gone == 0 {
                 self.not_watched = self.modes.not_watched + count.unmonitorable;
             }
-            let mut pass = Pass::new(self, solutions, axes, gone, &count);
+            let mut pass = Pass::new(self, solutions, gone, &count, axes);
             if let Some(finding) = pass.run(purpose) {
                 return Ok(finding);
             }
@@ -191,9 +191,9 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
     fn new(
         watch: &'p Watch<'a, T>,
         solutions: &'p mut Solutions<'v, T>,
-        axes: &'p mut [Axis<T>; 3],
         gone: Set,
         count: &Count<T>,
+        axes: &'p mut [Axis<T>; 3],
     ) -> Self {
         let allocation = watch.allocation;
         let phmi = T::narrow(allocation.integrity());
@@ -263,6 +263,7 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
     /// Singles and constellations first: they say where the levels are, about.
     fn walk(&mut self, is_first: bool, purpose: Purpose) {
         let (watch, gone) = (self.watch, self.gone);
+        let taken_before = self.taken;
         let ends_at_alarm = purpose == Purpose::Accept;
         let was_monitorable = |taken: Set| watch.is_monitorable(taken);
         for sizes in [1..=1, 2..=3] {
@@ -273,19 +274,21 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
             if walked.is_break() {
                 return;
             }
+            if self.taken + self.singular.modes >= taken_before + self.modes {
+                // What is left cannot be watched.
+                break;
+            }
             if is_first && *sizes.end() == 1 {
                 self.settle();
             }
         }
     }
 
-    /// With singles and constellations at hand.
+    /// With singles and constellations at hand, and more to come.
     fn settle(&mut self) {
         self.sort_out();
-        if self.taken < self.modes {
-            self.axes.iter_mut().filter(|axis| axis.is_open()).for_each(Axis::settle);
-            self.gate = Gate::of(self.axes);
-        }
+        self.axes.iter_mut().filter(|axis| axis.is_open()).for_each(Axis::settle);
+        self.gate = Gate::of(self.axes);
     }
 
     /// Looks for a reference in what one mode alone spends.
@@ -387,7 +390,7 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
     /// The levels with all modes.
     #[inline(never)]
     fn solve(&mut self) {
-        for (level, axis) in self.levels.iter_mut().zip(&*self.axes) {
+        for (level, axis) in self.levels.iter_mut().zip(self.axes.iter()) {
             *level = if axis.is_open() { axis.finish() } else { Level::none() };
         }
     }

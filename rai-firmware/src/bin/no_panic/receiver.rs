@@ -268,6 +268,8 @@ fn commands() {
         config::Key::named as fn(_) -> _,
         config::Key::name as fn(_) -> _,
         config::Key::is_built as fn(_) -> _,
+        config::Promises::preset as fn(_) -> _,
+        config::Promises::ism as fn(_) -> _,
         config::Systems::of as fn(_) -> _,
         config::Systems::contains as fn(_, _) -> _,
         Configuration::at_start as fn() -> _,

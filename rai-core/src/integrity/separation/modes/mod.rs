@@ -143,7 +143,10 @@ impl<T: Real> Modes<T> {
     /// Takes over the satellites; a row without one is an aid that never fails.
     fn gather(&mut self, satellites: impl Iterator<Item = Option<(Constellation, T)>>) -> Option<()> {
         let mut last = (T::zero(), T::zero());
-        for (index, satellite) in satellites.enumerate() {
+        let mut bit = row(0);
+        for satellite in satellites {
+            let own = bit;
+            bit <<= 1;
             let Some((constellation, probability)) = satellite else {
                 let absent = Fallible { odds: T::zero(), ln: T::zero(), constellation: NONE };
                 self.odds.push(absent).ok()?;
@@ -151,7 +154,7 @@ impl<T: Real> Modes<T> {
             };
             let odds = probability / (T::one() - probability);
             if odds > T::zero() {
-                self.fallible |= row(index);
+                self.fallible |= own;
                 // Satellites of one constellation mostly share theirs.
                 if last.0 != odds {
                     last = (odds, odds.ln());
@@ -159,9 +162,9 @@ impl<T: Real> Modes<T> {
             }
             let constellation = constellation as usize;
             self.odds.push(Fallible { odds, ln: last.1, constellation }).ok()?;
-            self.satellites |= row(index);
+            self.satellites |= own;
             if let Some(members) = self.members.get_mut(constellation) {
-                *members |= row(index);
+                *members |= own;
             }
         }
         for (odds, members) in self.constellations.iter_mut().zip(&self.members) {
@@ -411,12 +414,6 @@ impl<T: Real> Modes<T> {
     pub(super) fn taken_by(&self, hypothesis: Hypothesis) -> Set {
         let rows = hypothesis.rows().fold(0, |set, index| set | row(index));
         rows | self.rows_of(usize::from(hypothesis.constellations))
-    }
-
-    /// The losses of some constellations.
-    fn events_of(&self, constellations: usize) -> Set {
-        let ids = (0..Constellation::COUNT).filter(|id| constellations >> id & 1 != 0);
-        ids.fold(0, |events, id| events | event(id))
     }
 
     /// All rows of some constellations.

@@ -27,6 +27,12 @@ pub(super) fn event(constellation: usize) -> Set {
     1u64.checked_shl((ROWS + constellation) as u32).unwrap_or(0)
 }
 
+/// The events of some constellations, which are named by a bit for each id.
+pub(super) fn losses(constellations: usize) -> Set {
+    let ids = (0..Constellation::COUNT).filter(|id| constellations >> id & 1 != 0);
+    ids.fold(0, |events, id| events | event(id))
+}
+
 /// The rows among a set of events.
 pub(super) const ROW_EVENTS: Set = (1 << ROWS) - 1;
 
@@ -63,6 +69,14 @@ impl Hypothesis {
     /// One row.
     pub(in crate::integrity::separation) fn of_row(index: usize) -> Self {
         Self::of(0, [index, NONE, NONE])
+    }
+
+    /// The same with another row behind those that it has, of which it has one at most.
+    #[inline]
+    pub(super) fn and(mut self, index: usize) -> Self {
+        let [first, second, _] = &mut self.rows;
+        *if *first == Self::NO_ROW { first } else { second } = index as u8;
+        self
     }
 
     /// Constellations, a bit for each id.

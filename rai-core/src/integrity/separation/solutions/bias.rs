@@ -41,21 +41,14 @@ impl<T: Real> Solutions<'_, T> {
         self.summed_bias(&NOTHING, &Matrix3::identity(), &[Vector3::zeros(); GROUPS])
     }
 
-    /// The bias without one row, all constellations in view; worked out once.
-    pub(super) fn bias_without(&mut self, index: usize, column: &Vector3<T>, point: &Point<T>) -> Vector3<T> {
-        if let Some(bias) = self.own.get(index).and_then(|own| own.alone) {
-            return bias;
-        }
+    /// The bias without one row, all constellations in view.
+    pub(super) fn bias_without(&self, index: usize, column: &Vector3<T>, point: &Point<T>) -> Vector3<T> {
         let mut steps = [Vector3::zeros(); GROUPS];
         if let Some(step) = steps.get_mut(point.group) {
             *step = column * self.level(point.group);
         }
         let turn = Matrix3::identity() + column * point.design.transpose();
-        let bias = self.summed_bias(&[index, NONE, NONE], &turn, &steps);
-        if let Some(own) = self.own.get_mut(index) {
-            own.alone = Some(bias);
-        }
-        bias
+        self.summed_bias(&[index, NONE, NONE], &turn, &steps)
     }
 
     /// A bound on the bias of the mode that was asked for last, where one is cheap: for rows of all constellations.

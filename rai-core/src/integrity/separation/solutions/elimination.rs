@@ -194,7 +194,7 @@ impl<T: Real> Solutions<'_, T> {
         point
     }
 
-    pub(super) fn leave_out_first(&mut self, index: usize) -> Option<First<T>> {
+    pub(super) fn leave_out_first(&self, index: usize) -> Option<First<T>> {
         let point = self.point_here(index)?;
         if !(point.pivot * point.weight >= hardly_left()) {
             return None;

@@ -68,8 +68,6 @@ pub(super) struct Own<T> {
     pub(super) weighted_bias: T,
     /// `Σ_i |M_ji| b_i`; 0 without biases.
     spread: T,
-    /// Bias of the solution without this row alone, once it is known.
-    alone: Option<Vector3<T>>,
 }
 /// Solutions without modes; what neighbouring modes share is kept.
 pub(super) struct Solutions<'v, T: Real> {
@@ -146,14 +144,7 @@ impl<'v, T: Real> Solutions<'v, T> {
             let share = prior.map_or(T::one(), |prior| weight * prior.accuracy_m * prior.accuracy_m);
             let bias = prior.map_or(T::zero(), |prior| prior.bias_m);
             let pivot = if weight > T::zero() { fit.redundancy / weight } else { T::zero() };
-            let own = Own {
-                share,
-                pivot,
-                kappa: T::zero(),
-                weighted_bias: weight * bias,
-                spread: T::zero(),
-                alone: None,
-            };
+            let own = Own { share, pivot, kappa: T::zero(), weighted_bias: weight * bias, spread: T::zero() };
             // The view holds no more rows than there is room for.
             let _ = self.own.push(own);
             if !(weight > T::zero()) {

@@ -5,7 +5,7 @@ mod pairs;
 use core::ops::{ControlFlow, RangeInclusive};
 
 use super::Modes;
-use super::sets::{EVENTS, Hypothesis, NONE, Set, above, members, row};
+use super::sets::{EVENTS, Hypothesis, NONE, Set, above, losses, members, row};
 use crate::numeric::real::Real;
 use crate::satellite::Constellation;
 use pairs::Pairs;
@@ -45,7 +45,8 @@ impl<'m, T: Real> Walk<'m, T> {
         // Without its only satellite a constellation is lost: that is another mode.
         let alone = members.iter().filter(|rows| rows.is_power_of_two()).fold(0, |set, rows| set | rows);
         let left = modes.fallible & !gone & !lost_rows & !alone;
-        let few = |rows: &Set| rows & left != 0 && rows.count_ones() as usize <= EVENTS;
+        let without_one = |rows: Set| rows & rows.wrapping_sub(1);
+        let few = |rows: &Set| rows & left != 0 && (0..EVENTS).fold(*rows, |rows, _| without_one(rows)) == 0;
         let has_few = members.iter().any(few);
         let lost_count = lost_rows.count_ones() as usize;
         Self { modes, lost, lost_rows, lost_count, gone, members, has_few, left }
@@ -166,7 +167,7 @@ impl<'m, T: Real> Walk<'m, T> {
     #[inline(never)]
     fn sum_of_causes(&self, chosen: Set, was_monitorable: &impl Fn(Set) -> bool) -> T {
         if chosen == 0 && self.has_one_cause() {
-            let combination = self.modes.combination(self.modes.events_of(self.lost));
+            let combination = self.modes.combination(losses(self.lost));
             let probability = self.modes.probability_of(&combination);
             let is_watched = self.modes.is_watched(&combination, probability);
             return if is_watched { probability } else { T::zero() };

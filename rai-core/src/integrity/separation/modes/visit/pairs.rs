@@ -7,7 +7,7 @@
 use core::cmp::Ordering;
 use core::ops::ControlFlow;
 
-use super::super::sets::{Hypothesis, NONE, Set, above, event, members, row};
+use super::super::sets::{Hypothesis, Set, above, event, members, row};
 use super::{Mode, Walk};
 use crate::numeric::real::Real;
 
@@ -18,8 +18,8 @@ pub(super) struct Pairs<'w, 'm, T: Real> {
 
 /// What all pairs with the same first event have in common.
 struct First<T> {
-    /// Its place in the hypothesis, where it is a row.
-    row: usize,
+    /// It and nothing else.
+    hypothesis: Hypothesis,
     event: Set,
     /// Rows that it takes with all satellites in view.
     rows: Set,
@@ -95,7 +95,7 @@ impl<'w, 'm, T: Real> Pairs<'w, 'm, T> {
         let id = lost.trailing_zeros() as usize;
         let probability = modes.healthy * *modes.constellations.get(id)?;
         Some(First {
-            row: NONE,
+            hypothesis: Hypothesis::of_constellations(lost as u8),
             event: event(id),
             rows: *modes.members.get(id)?,
             taken: lost_count + 1,
@@ -108,7 +108,7 @@ impl<'w, 'm, T: Real> Pairs<'w, 'm, T> {
         let modes = self.walk.modes;
         let odds = modes.odds.get(index)?;
         Some(First {
-            row: index,
+            hypothesis: Hypothesis::of_row(index),
             event: row(index),
             rows: row(index),
             taken: 2,
@@ -140,7 +140,7 @@ impl<'w, 'm, T: Real> Pairs<'w, 'm, T> {
         is_counted: &mut impl FnMut(usize, usize) -> bool,
         visitor: &mut impl FnMut(&Mode<T>) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
-        let Walk { modes, lost, gone, .. } = *self.walk;
+        let Walk { modes, gone, .. } = *self.walk;
         let watched = self.before_the_cut(first, others);
         if gone == 0 && is_counted(first.taken, watched.count_ones() as usize) {
             return ControlFlow::Continue(());
@@ -150,9 +150,8 @@ impl<'w, 'm, T: Real> Pairs<'w, 'm, T> {
             if gone != 0 && !was_monitorable(first.rows | row(index)) {
                 return ControlFlow::Continue(());
             }
-            let rows = if first.row == NONE { [index, NONE, NONE] } else { [first.row, index, NONE] };
             visitor(&Mode {
-                hypothesis: Hypothesis::of(lost, rows),
+                hypothesis: first.hypothesis.and(index),
                 taken: first.taken,
                 probability: first.probability * odds.odds,
                 ln_probability: first.ln_probability + odds.ln,
@@ -169,7 +168,7 @@ impl<'w, 'm, T: Real> Pairs<'w, 'm, T> {
         }
         // The last pair that is watched; pairs are listed as words are.
         let (least, largest) = (at.events & at.events.wrapping_neg(), at.events & at.events.wrapping_sub(1));
-        if first.row == NONE {
+        if first.hypothesis.constellations != 0 {
             let lesser = others & (least.wrapping_sub(1));
             return if first.event <= largest { lesser | others & least } else { lesser };
         }
