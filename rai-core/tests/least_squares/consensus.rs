@@ -217,7 +217,6 @@ proptest! {
     #[test]
     fn forty_satellites_are_dealt_as_by_trying_all(ranges in prop::collection::vec(any_range(), 36..=40)) {
         let selection = Selection::choose(epoch(&ranges).rows(), MAX_WORK);
-        // Ten such skies go into the work; twelve thousand looked at took a fifth of it at most.
         prop_assert!(!selection.cut(), "{} looked at", selection.work());
         prop_assert_eq!(members(&selection), sorted(deal(&ranges)));
     }

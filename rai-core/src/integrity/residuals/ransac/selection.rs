@@ -20,8 +20,8 @@
 //!
 //! **Work.** The largest of `n` over four is found exactly, and most are never looked at: a bound on what two directions can
 //! span rules them out (`tetrahedra.rs`). What is looked at counts as work. [`MAX_WORK`] suffices for 24 satellites
-//! whatever their geometry, and for 40 over a sky twenty times. Work that is used up leaves subsets that no exchange of one
-//! corner enlarges by much, as many as otherwise, and [`Selection::cut`] says so.
+//! whatever their geometry; 40 of them, in 300 random skies, took 1,400 in the mean and 8,700 at most. Work that is used up
+//! leaves subsets that no exchange of one corner enlarges by much, as many as otherwise, and [`Selection::cut`] says so.
 //!
 //! The result depends on geometry alone, which hardly changes in minutes: keep it while the same satellites are
 //! visible.
