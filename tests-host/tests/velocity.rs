@@ -1,6 +1,7 @@
 //! Velocity of the module from Doppler frequencies that are made another way: by how the simulated sky's ranges change.
 
 use rai_core::frame::{Enu, SPEED_OF_LIGHT_M_S};
+use rai_core::monitor::Accepted;
 use rai_core::requirements::Requirements;
 use rai_core::satellite::SatelliteId;
 use rai_core::single::Workspace;
@@ -85,6 +86,7 @@ impl Heard {
             locate(&raw, &self.store, 0.0, Systems::AT_START, &mut Tally::default(), &mut sky);
             let place = Some(self.simulation.site.position);
             let required = Requirements::non_precision_approach();
+            let required = Accepted::new(required).expect("in the tables");
             found.extend(rates.velocity(&raw, &sky, place, &required, &mut workspace));
         }
         (found, rates)
