@@ -172,7 +172,6 @@ struct Diary {
     unread: Recurring,
     setting: Recurring,
     questions: Recurring,
-    early: Recurring,
 }
 
 /// A cable that is out.
@@ -188,6 +187,8 @@ pub struct Scenario {
     rng: ChaCha8Rng,
     incidents: Incidents,
     diary: Diary,
+    early: Recurring,
+    early_rng: ChaCha8Rng,
     unplugged: Option<Unplugged>,
     turn: u32,
     latest: Option<GpsTime>,
@@ -215,10 +216,12 @@ impl Scenario {
             unread: each(calm * 2),
             setting: each(calm / 4),
             questions: each(calm),
-            early: each(calm),
         };
+        // Of their own, so that they change nothing else of a run.
+        let mut early_rng = ChaCha8Rng::seed_from_u64(seed ^ 0xEA71);
+        let early = Recurring::new(calm, &mut early_rng);
         let incidents = Incidents::new(tempo.step_s, seed ^ 0x5EED);
-        Self { tempo, rng, incidents, diary, unplugged: None, turn: 0, latest: None }
+        Self { tempo, rng, incidents, diary, early, early_rng, unplugged: None, turn: 0, latest: None }
     }
 
     /// Plays a passage: `play` gets each turn, and says what went wrong with it.
@@ -264,10 +267,10 @@ impl Scenario {
         sending: &Sending<'_>,
     ) -> Result<Option<(SatelliteId, Vec<u8>)>> {
         let sets = early::at(epoch, &sending.passage.early);
-        if sets.is_empty() || !self.diary.early.is_due(self.turn, &mut self.rng) {
+        if sets.is_empty() || !self.early.is_due(self.turn, &mut self.early_rng) {
             return Ok(None);
         }
-        let set = sets.choose(&mut self.rng);
+        let set = sets.choose(&mut self.early_rng);
         set.map(|set| Ok((set.satellite, sending.frames(epoch, std::slice::from_ref(set))?))).transpose()
     }
 
