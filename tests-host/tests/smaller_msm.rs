@@ -12,9 +12,10 @@
 //! [RTCM-10403.3]: tests_host#references
 
 use tests_host::capture::Capture;
+use tests_host::checksum::crc24q;
 use tests_host::encode::{Frequency, Selection};
 use tests_host::fault::Fault;
-use tests_host::replay::pieces::{Kind, crc24q, pieces};
+use tests_host::replay::pieces::{Kind, pieces};
 use tests_host::replay::{self, Lump, Pace, Track, Window};
 use tests_host::stations::STATIC_BASE;
 

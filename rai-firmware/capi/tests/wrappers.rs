@@ -135,14 +135,15 @@ fn pointers_and_lengths_are_refused_by_name() {
 
 #[test]
 fn memory_without_an_object_is_refused() {
-    let mut monitor = Box::new(rai_monitor_t { opaque: [0; RAI_MONITOR_WORDS] });
+    let mut monitor_words = vec![0_u64; RAI_MONITOR_WORDS];
+    let monitor: *mut rai_monitor_t = monitor_words.as_mut_ptr().cast();
     let mut words = vec![0_u64; RAI_RECEIVER_WORDS];
     let receiver: *mut rai_receiver_t = words.as_mut_ptr().cast();
     let mut verdict = verdict();
     let not_initialised = RAI_STATUS_NOT_INITIALISED;
     // SAFETY: initialised memory, a verdict as long as it says.
     unsafe {
-        assert_eq!(rai_monitor_forget(&raw mut *monitor), not_initialised);
+        assert_eq!(rai_monitor_forget(monitor), not_initialised);
         assert_eq!(rai_receiver_report(receiver, &raw mut verdict), not_initialised);
         assert_eq!(rai_receiver_pin(receiver), 0);
         assert_eq!(rai_receiver_state(receiver, ptr::null_mut()), RAI_STATE_NONE);

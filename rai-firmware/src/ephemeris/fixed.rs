@@ -110,7 +110,8 @@ const SINES_Q62: [i64; 65] = {
     while step < 65 {
         // Of the upper half of the quarter, which the series does not reach, as cosines from its end.
         let (from_end, is_upper) = (64 - step, step > 32);
-        let x_q62 = mul_high((if is_upper { from_end } else { step } as i64) << 57, TURN_RAD_Q60) << 1;
+        let steps = (if is_upper { from_end } else { step } as u64) << 57;
+        let x_q62 = mul_high(steps.cast_signed(), TURN_RAD_Q60) << 1;
         let square_q62 = times_q62(x_q62, x_q62);
         sines[step] = if is_upper {
             series(&COSINE_Q62, square_q62)

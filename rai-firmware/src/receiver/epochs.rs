@@ -69,7 +69,7 @@ pub(super) struct EpochLoop<P> {
 
 impl<P: OutputPin> EpochLoop<P> {
     /// One that has heard nothing; the pin goes low.
-    // Inlined: what is large is written where it is to stay.
+    #[allow(clippy::inline_always, reason = "what is large is written where it is to stay")]
     #[inline(always)]
     pub(super) fn new(mut pin: P) -> Result<Self, MonitorError> {
         let configuration = Configuration::at_start();

@@ -367,7 +367,7 @@ mod tests {
             let early = early.and_then(|number| SatelliteId::new(Constellation::Gps, number));
             tally.offer(Offer { early, ..offer(18, falsified) }, true, 0.0);
             says(&mut tally, 0.0, "P,EXCLUDED");
-            tally.hear(&sealed("PRAIX,000000.00,1,G05,5.2,61.0"));
+            tally.hear(nmea_line("PRAIX,000000.00,1,G05,5.2,61.0").as_bytes());
             (tally.early, tally.left_out_sound.len())
         };
         assert_eq!(left_out(Falsified::Satellites(0), None), (0, 1));
@@ -385,7 +385,7 @@ mod tests {
             (1..later).for_each(|_| tally.offer(offer(17, Falsified::Satellites(0)), false, 0.0));
             tally.offer(offer(18, Falsified::Satellites(0)), true, 0.0);
             says(&mut tally, 0.0, "P,EXCLUDED");
-            tally.hear(&sealed("PRAIX,000000.00,1,G05,5.2,61.0"));
+            tally.hear(nmea_line("PRAIX,000000.00,1,G05,5.2,61.0").as_bytes());
             assert_eq!(tally.left_out_sound.len(), want, "{later} epochs later");
         }
     }

@@ -277,7 +277,7 @@ impl<'a> Layout<'a> {
         Row {
             rough: (whole != 255).then_some(i64::from(whole << 10 | part) << 19),
             rate_m_s: self.optional(rate_start + rate * index, rate),
-            channel: channel.map_or(0, |field| field as i8 - 7),
+            channel: channel.map_or(0, |field| field.cast_signed() - 7),
         }
     }
 
