@@ -45,8 +45,8 @@
 //! # What the receiver writes to
 //!
 //! Any [`embedded_io::Write`]: a ring to an interrupt ([`outlet`]), a port's driver, a `&mut [u8]`, or on a host a `Vec<u8>`, for
-//! which `embedded-io` wants its feature `alloc` (or `std`) from whoever uses it. Sentences are handed over whole, each by one
-//! `write_all`.
+//! which `embedded-io` wants its feature `alloc` (or `std`) from whoever uses it. A sentence is handed over when it is
+//! complete, by `write` until all of it is taken.
 //!
 //! # What this crate does not do
 //!

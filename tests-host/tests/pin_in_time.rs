@@ -13,7 +13,7 @@ const INTERNAL_HZ: u64 = 16_000_000;
 /// What an epoch may cost, instructions.
 const EPOCH: u64 = 1_100_000;
 
-/// What the dearest one costs that `bench` finds in the midst of a stream, and the dearest of all, which is the first:
+/// What the worst-case one costs that `bench` finds in the midst of a stream, and the worst of all, which is the first:
 /// there the pin is low already. `cargo xtask bench --check` holds them.
 fn worst() -> (u64, u64) {
     let committed = budget::committed().expect("the committed figures");

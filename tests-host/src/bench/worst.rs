@@ -1,6 +1,6 @@
 //! The worst-case epoch, found by a search: what the pin may have to wait for.
 //!
-//! A setting or a circumstance at a time is varied over all of its values and left at the dearest, round after round, until
+//! A setting or a circumstance at a time is varied over all of its values and left at the highest, round after round, until
 //! none makes the epoch dearer. That finds a summit, not surely the highest: circumstances that only together are dear
 //! may be missed. It starts from every method, so that at least these are all looked at.
 //!
@@ -94,22 +94,22 @@ impl Found {
 /// Where the measuring image does not come to its end.
 pub fn search(place: Place) -> Result<Found> {
     let mut point = START;
-    let mut dearest = 0;
+    let mut highest = 0;
     for _ in 0..ROUNDS {
-        let before = dearest;
+        let before = highest;
         for (axis, (_, values)) in CIRCUMSTANCES.iter().enumerate() {
             let along: Vec<Point> = (0..values.len()).map(|value| with(point, axis, value)).collect();
             let costs = measure(place, &along)?;
             let best = costs.into_iter().zip(along).max_by_key(|(cost, _)| *cost).context("no values")?;
-            if best.0 > dearest {
-                (dearest, point) = best;
+            if best.0 > highest {
+                (highest, point) = best;
             }
         }
-        if dearest == before {
+        if highest == before {
             break;
         }
     }
-    Ok(Found { place, point, instructions: dearest })
+    Ok(Found { place, point, instructions: highest })
 }
 
 /// Where the instructions of the worst-case epoch go whose name has these words in it, which is searched for first; `None` where
