@@ -9,7 +9,6 @@ use rai_core::epoch::{Epoch, EpochError, EpochView};
 use rai_core::equations::{LinearEpoch, RowError};
 use rai_core::fix::{Fix, FixError};
 use rai_core::frame::{Ecef, Enu, Geodetic, LocalFrame};
-use rai_core::integrity;
 use rai_core::integrity::residuals::baarda;
 use rai_core::integrity::residuals::detection::{self, Detection};
 use rai_core::integrity::residuals::exclusion;
@@ -18,14 +17,17 @@ use rai_core::integrity::residuals::parity;
 use rai_core::integrity::residuals::ransac::{self, Selection};
 use rai_core::integrity::residuals::threshold::policy::{self, Demand, Weights};
 use rai_core::integrity::residuals::threshold::{self, ThresholdError, Thresholds};
-use rai_core::integrity::separation::{self, Allocation, Finding, Hypothesis, Removable, SeparationError};
+use rai_core::integrity::separation::{
+    self, Allocation, Finding, Hypothesis, Removable, Room, SeparationError,
+};
+use rai_core::integrity::{self, Scratch};
 use rai_core::monitor::{Accepted, Memory, Monitor, MonitorError};
 use rai_core::numeric::absolute::{Absolute, Grid};
-use rai_core::numeric::angle;
 use rai_core::numeric::chi_square::ChiSquare;
 use rai_core::numeric::normal;
 use rai_core::numeric::probability::Probability;
 use rai_core::numeric::real::Real;
+use rai_core::numeric::{angle, bounds};
 use rai_core::removal::{self, NormalisedRow, Removal};
 use rai_core::report::Solution;
 use rai_core::requirements::{Requirements, RequirementsError};
@@ -186,8 +188,8 @@ fn separation_of_solutions<T: Real>() {
         separation::judge::<T> as fn(&mut Snapshot<'static, T>, _, _) -> _,
         separation::judge::<T> as fn(&mut Fix<'static, T>, _, _) -> _,
         separation::judge_in::<T> as fn(&mut Fix<'static, T>, _, _, _) -> _,
-        separation::Room::<T>::new as fn() -> _,
-        <separation::Room<T> as Default>::default as fn() -> _,
+        Room::<T>::new as fn() -> _,
+        <Room<T> as Default>::default as fn() -> _,
         <Snapshot<'_, T> as Removable<T>>::view as fn(_) -> _,
         <Snapshot<'_, T> as Removable<T>>::leave_out_all as fn(_, _) -> _,
         <Snapshot<'_, T> as Removable<T>>::take_back_all as fn(_, _),
@@ -233,6 +235,7 @@ fn clocks<T: Real>() {
 fn absolute_lengths() {
     reach!(
         angle::of_unit_vector as fn(_, _) -> _,
+        bounds::is_within as fn(_, _) -> _,
         <f64 as Absolute<f64>>::of as fn(_) -> _,
         <f64 as Absolute<f64>>::less as fn(_, _) -> _,
         <f64 as Absolute<f64>>::widen as fn(_) -> _,
@@ -305,8 +308,8 @@ fn the_pipeline<T: Real>() {
         Monitor::<T, N>::forgo_continuity as fn(_),
         Monitor::<T, N>::forget_position as fn(_),
         Fix::<T>::clock_row as fn(_) -> _,
-        integrity::Scratch::<T>::new as fn() -> _,
-        <integrity::Scratch<T> as Default>::default as fn() -> _,
+        Scratch::<T>::new as fn() -> _,
+        <Scratch<T> as Default>::default as fn() -> _,
         integrity::judge::<T> as fn(&mut Snapshot<'static, T>, _, _, _, _, _) -> _,
         integrity::judge::<T> as fn(&mut Fix<'static, T>, _, _, _, _, _) -> _,
         integrity::Criteria::test::<T> as fn(_, _, _) -> _,
@@ -400,8 +403,10 @@ fn requirements() {
         Solution::pdop as fn(_) -> _,
         <f32 as Real>::narrow as fn(_) -> _,
         <f32 as Real>::widen as fn(_) -> _,
+        <f32 as Real>::inverse_root as fn(_) -> _,
         <f32 as Real>::normal_tail as fn(_) -> _,
         <f32 as Real>::normal_quantile as fn(_) -> _,
+        <f64 as Real>::inverse_root as fn(_) -> _,
         <f64 as Real>::normal_tail as fn(_) -> _,
         <f64 as Real>::normal_quantile as fn(_) -> _,
         <f64 as Real>::narrow as fn(_) -> _,
