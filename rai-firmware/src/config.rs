@@ -60,6 +60,7 @@ mod refusal;
 mod said;
 mod sealed;
 mod setting;
+mod value;
 mod words;
 
 pub use command::Command;

@@ -5,6 +5,7 @@ use rai_core::numeric::probability::Probability;
 use super::key::Key;
 use super::promises::{support, system};
 use super::setting::{Heights, Recovery, Setting, Systems};
+use super::value::{next, none, number, whole};
 use super::words::{
     BIT_RATES, FREQUENCIES, LEVELS, METHODS, PHASES, POLICIES, SIGMAS, SUPPORTS, SWITCH, meaning,
 };
@@ -131,29 +132,6 @@ impl Setting {
             Key::BitRate => Self::BitRate(meaning(value, BIT_RATES)?),
             _ => return Err(Refusal::NotInBuild),
         })
-    }
-}
-
-fn none<'v>(mut values: impl Iterator<Item = &'v str>) -> Result<(), Refusal> {
-    values.next().map_or(Ok(()), |_| Err(Refusal::ExtraValue))
-}
-
-pub(super) fn next<'v>(values: &mut impl Iterator<Item = &'v str>) -> Result<&'v str, Refusal> {
-    values.next().filter(|value| !value.is_empty()).ok_or(Refusal::MissingValue)
-}
-
-pub(super) fn number(value: &str, (lowest, highest): (f64, f64)) -> Result<f64, Refusal> {
-    let number = decimal(value).ok_or(Refusal::NotANumber)?;
-    if (lowest..=highest).contains(&number) { Ok(number) } else { Err(Refusal::OutOfRange) }
-}
-
-/// A number without a fraction, within a range that a byte holds.
-fn whole(value: &str, range: (f64, f64)) -> Result<u8, Refusal> {
-    let number = number(value, range)?;
-    if libm::floor(number).to_bits() == number.to_bits() {
-        Ok(number as u8)
-    } else {
-        Err(Refusal::OutOfRange)
     }
 }
 

@@ -14,8 +14,8 @@ use rai_core::satellite::Constellation;
 use rai_core::weighting::{Ism, Support};
 
 use super::Refusal;
-use super::command::{next, number};
 use super::number::{plain, signed_scientific};
+use super::value::{next, number};
 
 /// How many values a system has.
 pub(super) const VALUES: usize = 5;

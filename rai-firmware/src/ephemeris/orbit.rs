@@ -35,7 +35,8 @@ impl Orbit {
     pub(super) fn advance(&mut self, received_s: f64) {
         match self {
             // All at once: an instant of an ellipse has nothing in common with another.
-            Self::Kepler(_) => {}
+            Self::Kepler(_) => _ = received_s,
+            #[cfg(feature = "glonass")]
             Self::StateVector(state) => state.advance(received_s),
         }
     }

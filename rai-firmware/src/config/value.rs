@@ -1,0 +1,26 @@
+//! One value of a command after the other: there or not, a number or not, within its range or not.
+
+use super::{Refusal, decimal};
+
+pub(super) fn none<'v>(mut values: impl Iterator<Item = &'v str>) -> Result<(), Refusal> {
+    values.next().map_or(Ok(()), |_| Err(Refusal::ExtraValue))
+}
+
+pub(super) fn next<'v>(values: &mut impl Iterator<Item = &'v str>) -> Result<&'v str, Refusal> {
+    values.next().filter(|value| !value.is_empty()).ok_or(Refusal::MissingValue)
+}
+
+pub(super) fn number(value: &str, (lowest, highest): (f64, f64)) -> Result<f64, Refusal> {
+    let number = decimal(value).ok_or(Refusal::NotANumber)?;
+    if (lowest..=highest).contains(&number) { Ok(number) } else { Err(Refusal::OutOfRange) }
+}
+
+/// A number without a fraction, within a range that a byte holds.
+pub(super) fn whole(value: &str, range: (f64, f64)) -> Result<u8, Refusal> {
+    let number = number(value, range)?;
+    if libm::floor(number).to_bits() == number.to_bits() {
+        Ok(number as u8)
+    } else {
+        Err(Refusal::OutOfRange)
+    }
+}
