@@ -4,8 +4,8 @@
 //! ascending weighted SSE of what remains; the first that does not alarm is taken. Each is judged by all the modes that
 //! were chosen with all satellites in view, restricted to what remains, so that a wrong exclusion is within the risk.
 //!
-//! To judge a candidate costs as much as to judge the epoch, and most candidates need no judgement: another satellite is
-//! still so far off that its own test alarms. That test is algebra on the solution with all satellites:
+//! To judge a candidate costs as much as to judge the epoch: no more than two satellites and a constellation are. Most
+//! candidates need no judgement, since another satellite is still so far off that its own test alarms. That test is algebra on the solution with all satellites:
 //!
 //! ```text
 //! contradicted    |A_k v_k| > (1 + margin) K |A_k| √κ_kk     on any axis, for any single satellite k that remains
@@ -246,6 +246,11 @@ impl Options {
 /// By how much more than rounding can do the square of a test exceeds that of its threshold.
 const MARGIN: f64 = 1e-2;
 
+/// Options that are tried, the best first, and how many of them may be satellites. Each costs nearly as much as the epoch
+/// itself; what these do not explain is several faults, and an alert.
+const MOST_TRIED: usize = 3;
+const SATELLITES_TRIED: usize = 2;
+
 /// Tries one option after another.
 #[inline(never)]
 fn exclude<T: Real>(
@@ -258,9 +263,13 @@ fn exclude<T: Real>(
 ) -> Result<Outcome<T>, SeparationError> {
     let mut left = options;
     let limits = Vector3::from(factors).map(|factor| factor * factor * T::narrow(1.0 + MARGIN));
-    while let Some(excluded) = next(watch, room, epoch.view(), priors, &left, &limits) {
+    for tried in 1..=MOST_TRIED {
+        let Some(excluded) = next(watch, room, epoch.view(), priors, &left, &limits) else { break };
         let rows = watch.modes.taken_by(excluded);
         left.drop(excluded);
+        if tried == SATELLITES_TRIED {
+            left.satellites = 0;
+        }
         if epoch.leave_out_all(rows).is_err() {
             continue;
         }
