@@ -219,7 +219,7 @@ impl Scenario {
         };
         // Of their own, so that they change nothing else of a run.
         let mut early_rng = ChaCha8Rng::seed_from_u64(seed ^ 0xEA71);
-        let early = Recurring::new(calm, &mut early_rng);
+        let early = Recurring::new(calm * 2, &mut early_rng);
         let incidents = Incidents::new(tempo.step_s, seed ^ 0x5EED);
         Self { tempo, rng, incidents, diary, early, early_rng, unplugged: None, turn: 0, latest: None }
     }
@@ -359,6 +359,7 @@ impl<'a> Sending<'a> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::tally::RENEWAL_EPOCHS;
     use super::*;
     use crate::encode::Frequency;
     use crate::sky::raw::Simulation;
@@ -418,8 +419,8 @@ mod tests {
     }
 
     #[test]
-    fn every_satellite_in_sight_is_told_again_within_a_minute() {
-        let passage = passage(60);
+    fn every_satellite_in_sight_is_told_again_while_an_early_ephemeris_is_excused() {
+        let passage = passage(RENEWAL_EPOCHS);
         let mut sending = Sending::new(&passage);
         // The first epoch brings all that is known; what is repeated comes from the second on.
         let lumps: Vec<Vec<u8>> =

@@ -30,7 +30,7 @@ pub enum Heard {
 
 /// Epochs within which every ephemeris in use is sent again: for so long an early one may be all that is known after a
 /// restart, and its satellite is left out with good reason.
-const RENEWAL_EPOCHS: u64 = 60;
+pub(super) const RENEWAL_EPOCHS: u32 = 30;
 
 /// Epochs whose bytes may still be on their way: a reset costs them.
 const IN_FLIGHT_EPOCHS: usize = 6;
@@ -219,7 +219,8 @@ impl Tally {
 
     /// A satellite is left out of the epoch that was judged last.
     fn left_out(&mut self, satellite: SatelliteId) {
-        let is_misled = self.early_at.get(&satellite).is_some_and(|at| self.offered - at <= RENEWAL_EPOCHS);
+        let is_misled =
+            self.early_at.get(&satellite).is_some_and(|at| self.offered - at <= u64::from(RENEWAL_EPOCHS));
         if self.is_sound && !is_misled {
             let time = self.moments.last().map_or(0.0, |moment| moment.time_s);
             self.left_out_sound.push(format!("{satellite} left out at {time:.0} s, no range false"));
