@@ -115,6 +115,21 @@ fn two_sets_that_contradict_each_other_are_not_used_until_a_third_agrees_with_on
 }
 
 #[test]
+fn a_copy_of_the_known_set_takes_back_a_contradiction_that_came_once_and_none_that_is_repeated() {
+    use Insertion::{Disputed, Taken};
+    let (mut store, case) = (Store::new(), &CASES[GPS]);
+    let now = after(case.toe(), 600);
+    let (known, other) = (sound(case, 0), astray(case, 16));
+    let stream = [(known, Taken), (other, Disputed), (known, Taken), (other, Disputed)];
+    for (index, (set, want)) in stream.into_iter().chain([(known, Disputed), (other, Disputed)]).enumerate() {
+        assert_eq!(store.insert(set, Some(now)), want, "message {index}");
+        assert_eq!(store.get(case.id(), now).is_ok(), want == Taken, "message {index}");
+    }
+    assert_eq!(store.insert(sound(case, 32), Some(now)), Taken);
+    assert!(store.get(case.id(), now).is_ok());
+}
+
+#[test]
 fn a_clock_that_contradicts_is_a_contradiction_and_one_within_some_metres_is_none() {
     let case = &CASES[GPS];
     let now = after(case.toe(), 600);

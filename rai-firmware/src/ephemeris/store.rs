@@ -13,7 +13,9 @@
 //!
 //! **Contradiction.** Two sets of one satellite that are both in date describe one orbit, and differ by a few metres. Where
 //! they differ by more, one is wrong, and nothing says which. The third that decides is a set of its own: one more copy
-//! of what is disputed has nothing new to say. A satellite that has been moved is out of use until its second new set.
+//! of what contradicts has nothing new to say. A copy of what was known takes back a contradiction that came once, as by a
+//! message spoilt on its way; where the contradiction is repeated as well, copies decide nothing. A satellite that has been
+//! moved is out of use until its second new set.
 //!
 //! **Galileo** sends two messages. I/NAV carries both group delays and so serves every pair of signals; the orbit of
 //! F/NAV takes its place only when it has become stale. What each says of the health of its own signals counts from then on
@@ -65,11 +67,19 @@ struct Entry {
     is_disputed: bool,
 }
 
+/// What contradicts the set that is known of a satellite.
+#[derive(Clone, Debug)]
+struct Rival {
+    ephemeris: Ephemeris,
+    /// It was received more than once.
+    is_repeated: bool,
+}
+
 /// The ephemerides in use.
 #[derive(Clone, Debug, Default)]
 pub struct Store {
     entries: Vec<Entry, CAPACITY>,
-    rivals: Vec<Ephemeris, RIVALS>,
+    rivals: Vec<Rival, RIVALS>,
     epochs: u32,
     received: u32,
 }
@@ -157,7 +167,7 @@ impl Entry {
         &mut self,
         mut offered: Ephemeris,
         now: Option<GpsTime>,
-        rivals: &mut Vec<Ephemeris, RIVALS>,
+        rivals: &mut Vec<Rival, RIVALS>,
     ) -> Insertion {
         let known = &mut self.ephemeris;
         let (is_useless, is_needed) = (is_stale(&offered, now), is_stale(known, now));
@@ -169,30 +179,32 @@ impl Entry {
             return Insertion::Kept;
         }
         offered.inherit_health(known);
+        let rival = rivals.iter_mut().find(|rival| rival.ephemeris.satellite == offered.satellite);
+        if !is_needed && known.describes_as(&offered) {
+            // The contradiction is kept in mind: it may be repeated.
+            self.is_disputed &= rival.is_some_and(|rival| rival.is_repeated);
+            *known = offered;
+            return if self.is_disputed { Insertion::Disputed } else { Insertion::Taken };
+        }
         if is_needed || agree(known, &offered, now) {
-            forget(rivals, offered.satellite);
-            (self.ephemeris, self.is_disputed) = (offered, false);
-            return Insertion::Taken;
+            return self.settle(offered, rivals);
         }
         self.is_disputed = true;
-        let rival = rivals.iter_mut().find(|rival| rival.satellite == offered.satellite);
         match rival {
-            Some(rival) if rival.describes_as(&offered) => Insertion::Disputed,
-            Some(rival) if agree(rival, &offered, now) => {
-                forget(rivals, offered.satellite);
-                (self.ephemeris, self.is_disputed) = (offered, false);
-                Insertion::Taken
-            }
-            Some(rival) => {
-                *rival = offered;
-                Insertion::Disputed
-            }
-            None => {
-                // Without room the known set alone waits for one that agrees.
-                let _ = rivals.push(offered);
-                Insertion::Disputed
-            }
+            Some(rival) if rival.ephemeris.describes_as(&offered) => rival.is_repeated = true,
+            Some(rival) if agree(&rival.ephemeris, &offered, now) => return self.settle(offered, rivals),
+            Some(rival) => *rival = Rival { ephemeris: offered, is_repeated: false },
+            // Without room the known set alone waits for one that agrees.
+            None => _ = rivals.push(Rival { ephemeris: offered, is_repeated: false }),
         }
+        Insertion::Disputed
+    }
+
+    /// Takes a set that nothing contradicts any longer.
+    fn settle(&mut self, agreed: Ephemeris, rivals: &mut Vec<Rival, RIVALS>) -> Insertion {
+        forget(rivals, agreed.satellite);
+        (self.ephemeris, self.is_disputed) = (agreed, false);
+        Insertion::Taken
     }
 }
 
@@ -215,6 +227,6 @@ fn agree(one: &Ephemeris, other: &Ephemeris, now: Option<GpsTime>) -> bool {
     one.position.distance_m(other.position) <= AGREEMENT_M && clock_m <= AGREEMENT_M
 }
 
-fn forget(rivals: &mut Vec<Ephemeris, RIVALS>, satellite: SatelliteId) {
-    rivals.retain(|rival| rival.satellite != satellite);
+fn forget(rivals: &mut Vec<Rival, RIVALS>, satellite: SatelliteId) {
+    rivals.retain(|rival| rival.ephemeris.satellite != satellite);
 }

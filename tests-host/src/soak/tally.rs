@@ -53,6 +53,8 @@ pub struct Tally {
     is_catching_up: bool,
     /// The horizontal alert limit that the host set last, m.
     limit_m: Option<f64>,
+    /// The same when the reset line was pulled last.
+    limit_at_reset_m: Option<f64>,
     has_just_started: bool,
     /// Whether the epoch judged last was offered without a false range.
     is_sound: bool,
@@ -122,6 +124,7 @@ impl Tally {
     pub fn expect_start(&mut self) {
         self.starts_asked += 1;
         self.resets_awaited += 1;
+        self.limit_at_reset_m = self.limit_m;
         for open in self.open.iter_mut().rev().take(IN_FLIGHT_EPOCHS) {
             open.offer.is_due = false;
         }
@@ -210,7 +213,11 @@ impl Tally {
 
     /// What was in force before a restart is in force after it.
     fn look_at_settings(&mut self, state: &State) {
-        let is_other = std::mem::take(&mut self.has_just_started) && self.limit_m != state.hal_m;
+        let is_first = std::mem::take(&mut self.has_just_started);
+        // Before the first start nothing was set; and what is set after one may cross what the module says first.
+        let is_other = is_first
+            && self.limit_at_reset_m.is_some()
+            && ![self.limit_at_reset_m, self.limit_m].contains(&state.hal_m);
         if is_other || state.reason == "SETTINGS" {
             let (have, want) = (state.hal_m, self.limit_m);
             self.settings_lost.push(format!("{}: HAL {have:?}, set was {want:?}", state.reason));
@@ -419,6 +426,20 @@ mod tests {
         tally.expect_start();
         (100..140).for_each(|tow_s| tally.offer(offer(tow_s, Falsified::Satellites(0)), false, 0.0));
         assert_eq!(tally.unspoken.len(), 8 - IN_FLIGHT_EPOCHS);
+    }
+
+    #[test]
+    fn limit_that_is_neither_of_before_the_restart_nor_set_since_is_lost() {
+        let lost_at = |limit_m: &str| {
+            let mut tally = Tally::new(10.0);
+            tally.expect_limit(40.0);
+            tally.expect_start();
+            tally.hear(nmea_line("PRAIV,0.1.0,abc,UNKNOWN,PASS").as_bytes());
+            tally.expect_limit(25.0);
+            tally.hear(nmea_line(&format!("PRAIS,000000.00,A,STALE,9,9,4,0.5,2.0,,,{limit_m},")).as_bytes());
+            tally.settings_lost.len()
+        };
+        assert_eq!(["40.0", "25.0", "556.0", ""].map(lost_at), [0, 0, 1, 1]);
     }
 
     #[test]
