@@ -1,0 +1,153 @@
+//! What single precision costs: every epoch of the recordings judged by the core in both precisions.
+//!
+//! ```text
+//! |x_f32 − x_f64| ≤ 1 mm      |HPL_f32 − HPL_f64| ≤ 1e-4 HPL      |VPL_f32 − VPL_f64| ≤ 1e-4 VPL
+//! ```
+//!
+//! Both take the same corrected ranges and go their own ways from there, each from its own last position. Orbits and clocks,
+//! integers in either, have a double-precision reference of their own beside them (`rai-firmware/tests/orbit_reference.rs`).
+
+use rai_core::epoch::Epoch;
+use rai_core::frame::Ecef;
+use rai_core::monitor::Monitor;
+use rai_core::report::Report;
+use rai_core::requirements::Requirements;
+use rai_core::single;
+use rai_firmware::config::Systems;
+use rai_firmware::correction::{CAPACITY, Klobuchar, Ranges, Site, Sky, Tally, locate};
+use rai_firmware::ephemeris::Store;
+use rai_firmware::input::{Event, Input};
+use rai_firmware::raw::RawEpoch;
+use tests_host::encode::{Frequency, Selection};
+use tests_host::fault::Fault;
+use tests_host::replay::{self, Window};
+use tests_host::stations::{DGAR, ESBC, KMS3, STATIC_BASE, Station, TLSE};
+
+const POSITION_M: f64 = 1e-3;
+const LEVEL: f64 = 1e-4;
+const MASK_RAD: f64 = 10.0 * std::f64::consts::PI / 180.0;
+
+/// The core in both precisions behind the module's own decoding and corrections.
+struct Pair {
+    input: Input,
+    store: Store,
+    truth: Ecef,
+    klobuchar: Option<Klobuchar>,
+    ranges: Ranges,
+    singly: single::Monitor,
+    doubly: Monitor<f64, CAPACITY>,
+    seen: Differences,
+}
+
+/// The largest differences so far, and how many epochs were judged.
+#[derive(Debug, Default)]
+struct Differences {
+    epochs: u32,
+    left_out: u32,
+    position_m: f64,
+    levels: f64,
+    verdicts: u32,
+}
+
+impl Pair {
+    fn new(truth: Ecef, klobuchar: Option<Klobuchar>, ranges: Ranges) -> Self {
+        let requirements = Requirements::non_precision_approach();
+        Self {
+            input: Input::new(),
+            store: Store::new(),
+            truth,
+            klobuchar,
+            ranges,
+            singly: single::Monitor::new(requirements).unwrap(),
+            doubly: Monitor::new(requirements).unwrap(),
+            seen: Differences::default(),
+        }
+    }
+
+    fn hear(&mut self, bytes: &[u8]) {
+        let mut epochs = Vec::new();
+        let Self { input, store, truth, klobuchar, ranges, .. } = self;
+        input.feed(bytes, 0, |event| match event {
+            Event::Ephemeris(ephemeris) => _ = store.insert(ephemeris, None),
+            Event::Epoch(raw, _) => {
+                let site = Site::new(*truth, raw.time, MASK_RAD, *klobuchar).with_ranges(*ranges);
+                epochs.push(corrected(raw, store, &site));
+            }
+            Event::Position(_) | Event::Ionosphere(..) | Event::Jamming(_) => {}
+        });
+        for epoch in &epochs {
+            let (one, other) = (single::process(&mut self.singly, epoch), self.doubly.process(epoch));
+            self.seen.compare(&one, &other);
+        }
+    }
+}
+
+fn corrected(raw: &RawEpoch, store: &Store, site: &Site) -> Epoch<CAPACITY> {
+    let (mut tally, mut sky, mut epoch) = (Tally::default(), Sky::new(), Epoch::new(0.0));
+    locate(raw, store, 0.0, Systems::AT_START, &mut tally, &mut sky);
+    site.correct(&sky, &mut tally.ranges, &mut epoch);
+    epoch
+}
+
+impl Differences {
+    fn compare(&mut self, one: &Report<CAPACITY>, other: &Report<CAPACITY>) {
+        self.epochs += 1;
+        if (one.verdict, excluded(one)) != (other.verdict, excluded(other)) {
+            self.verdicts += 1;
+            return;
+        }
+        self.left_out += u32::from(!one.excluded.is_empty());
+        if let (Some(one), Some(other)) = (&one.solution, &other.solution) {
+            self.position_m = self.position_m.max(one.position.distance_m(other.position));
+        }
+        if let (Some(one), Some(other)) = (&one.protection, &other.protection) {
+            let relative = |one: f64, other: f64| if one == other { 0.0 } else { (one / other - 1.0).abs() };
+            let largest = relative(one.hpl_m, other.hpl_m).max(relative(one.vpl_m, other.vpl_m));
+            self.levels = self.levels.max(largest);
+        }
+    }
+}
+
+fn excluded(report: &Report<CAPACITY>) -> Vec<rai_core::satellite::SatelliteId> {
+    report.excluded.iter().map(|suspect| suspect.satellite).collect()
+}
+
+/// Every epoch of a recording, with faults in it, by pairs of ranges and by single ones.
+fn differ_by_rounding_alone(station: &Station, faults: &[&str]) {
+    let Some(recording) = station.load() else { return };
+    let selection = Selection::new("GCE", Frequency::Dual).unwrap();
+    let faults: Vec<Fault> = faults.iter().map(|fault| Fault::parse_inject(fault).unwrap()).collect();
+    let lumps = replay::encode(&recording, &selection, &faults, &Window::ALL).unwrap();
+    for ranges in [Ranges::Pairs, Ranges::Singles] {
+        let klobuchar = recording.klobuchar.and_then(Klobuchar::new);
+        let mut pair = Pair::new(station.truth, klobuchar, ranges);
+        lumps.iter().for_each(|lump| pair.hear(&lump.bytes));
+        let seen = pair.seen;
+        println!("{} {ranges:?}: {seen:?}", station.folder);
+        assert!(seen.epochs as usize >= lumps.len() - 1, "{seen:?}");
+        assert_eq!(seen.left_out > 0, !faults.is_empty(), "{seen:?}");
+        assert_eq!(seen.verdicts, 0, "{seen:?}");
+        assert!(seen.position_m <= POSITION_M && seen.levels <= LEVEL, "{seen:?}");
+    }
+}
+
+#[test]
+fn single_precision_moves_no_epoch_of_a_day_with_three_systems() {
+    differ_by_rounding_alone(&ESBC, &[]);
+}
+
+#[test]
+fn single_precision_moves_no_epoch_with_faults() {
+    differ_by_rounding_alone(&STATIC_BASE, &["G05:+80@60..120", "C06:-300@100..200"]);
+}
+
+#[test]
+fn single_precision_moves_no_epoch_of_a_day_near_the_equator() {
+    differ_by_rounding_alone(&DGAR, &[]);
+}
+
+#[test]
+fn single_precision_moves_no_epoch_of_the_short_recordings() {
+    differ_by_rounding_alone(&TLSE, &[]);
+    differ_by_rounding_alone(&KMS3, &[]);
+}
