@@ -3,6 +3,7 @@
 //! The daemon connects to a port of ours for the sentences, as it would to a serial line, and serves its JSON on
 //! another one. Every wait has a deadline, and the daemon is killed when the [`Gpsd`] is dropped.
 
+use std::ffi::OsString;
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::{Ipv4Addr, TcpListener, TcpStream};
 use std::process::{Child, Command, Stdio};
@@ -26,7 +27,7 @@ pub struct Gpsd {
 }
 
 /// Kills the process when dropped, also where the start fails half-way.
-struct Daemon(Child);
+pub(crate) struct Daemon(pub(crate) Child);
 
 impl Drop for Daemon {
     fn drop(&mut self) {
@@ -42,9 +43,29 @@ impl Gpsd {
     /// # Errors
     /// Where it is installed and does not start or connect within ten seconds.
     pub fn start_or_skip() -> Result<Option<Self>> {
+        Self::launched_by(Command::new("gpsd"))
+    }
+
+    /// As [`Self::start_or_skip`], with shared memory that no other process sees but those that are sent there: only the
+    /// superuser can.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn start_apart_or_skip() -> Result<Option<Self>> {
+        let mut command = Command::new("unshare");
+        command.args(["--ipc", "gpsd"]);
+        Self::launched_by(command)
+    }
+
+    /// Number of the process.
+    pub(crate) fn process(&self) -> u32 {
+        self.daemon.0.id()
+    }
+
+    fn launched_by(command: Command) -> Result<Option<Self>> {
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0))?;
         let served = free_port()?;
-        let Some(daemon) = launch(listener.local_addr()?.port(), served)? else {
+        let Some(daemon) = launch(command, listener.local_addr()?.port(), served)? else {
             crate::skip::say("gpsd (apt-get install gpsd)");
             return Ok(None);
         };
@@ -114,24 +135,27 @@ fn is_not_yet(error: &io::Error) -> bool {
 }
 
 /// A port that was free a moment ago: gpsd cannot be asked which one it took.
-fn free_port() -> io::Result<u16> {
+pub(crate) fn free_port() -> io::Result<u16> {
     Ok(TcpListener::bind((Ipv4Addr::LOCALHOST, 0))?.local_addr()?.port())
 }
 
 /// `None` where there is no such program.
-fn launch(source: u16, served: u16) -> Result<Option<Daemon>> {
-    let mut command = Command::new("gpsd");
+fn launch(mut command: Command, source: u16, served: u16) -> Result<Option<Daemon>> {
     // In the foreground, reading without a client, serving on a port of its own.
     command.args(["-N", "-n", "-S", &served.to_string(), &format!("tcp://127.0.0.1:{source}")]);
-    // Debian puts it where the path of an ordinary user does not look.
-    let path = std::env::var_os("PATH").unwrap_or_default();
-    let with_sbin = std::env::split_paths(&path).chain(["/usr/sbin".into(), "/usr/local/sbin".into()]);
-    command.env("PATH", std::env::join_paths(with_sbin)?);
+    command.env("PATH", path_of_daemons()?);
     match command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).spawn() {
         Ok(child) => Ok(Some(Daemon(child))),
         Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),
         Err(error) => Err(error).context("starting gpsd"),
     }
+}
+
+/// Where programs are looked for: Debian puts daemons where the path of an ordinary user does not look.
+pub(crate) fn path_of_daemons() -> Result<OsString> {
+    let path = std::env::var_os("PATH").unwrap_or_default();
+    let with_sbin = std::env::split_paths(&path).chain(["/usr/sbin".into(), "/usr/local/sbin".into()]);
+    Ok(std::env::join_paths(with_sbin)?)
 }
 
 fn accept(listener: &TcpListener) -> Result<TcpStream> {

@@ -74,6 +74,7 @@ pub mod capi;
 pub mod capture;
 pub mod checksum;
 pub mod chi_square;
+pub mod chrony;
 pub mod clock_models;
 pub mod dashboard;
 pub mod demo;

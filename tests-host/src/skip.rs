@@ -34,7 +34,7 @@ fn test() -> String {
     let program = program.rsplit('/').next().unwrap_or("");
     // Behind the last hyphen stands what cargo tells builds apart by.
     let program = program.rsplit_once('-').map_or(program, |(name, _)| name);
-    let named = arguments.by_ref().find(|word| word == "--exact").and_then(|_| std::env::args().nth(1));
+    let named = arguments.find(|word| word == "--exact").and_then(|_| arguments.next());
     let thread = std::thread::current();
     let name = named.or_else(|| thread.name().map(str::to_owned)).unwrap_or_default();
     format!("{program}::{name}")

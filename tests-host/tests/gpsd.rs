@@ -3,9 +3,9 @@
 //! gpsd takes position and mode from `GNS` and `GSA`, its `GST` object from `GST`, and the errors `epx`, `epy`, `epv`
 //! of its position from `GBS` and from nothing else. Its `SKY` needs `GSV`, which the module does not send.
 
-use std::time::Duration;
+use std::time::{Duration, SystemTime};
 
-use anyhow::Result;
+use anyhow::{Context, Result};
 use rai_core::frame::Geodetic;
 use rai_core::report::{
     Alert, Protected, ProtectionLevels, Report, Solution, Suspect, TestStatistic, Unavailable, Verdict,
@@ -17,7 +17,9 @@ use rai_firmware::output::schedule::Schedule;
 use rai_firmware::output::{Interference, Motion, Statement};
 use rai_firmware::time::GpsTime;
 use serde_json::Value;
+use tests_host::chrony::{self, Chronyd, Source};
 use tests_host::gpsd::Gpsd;
+use tests_host::skip;
 
 const LATITUDE_DEG: f64 = 55.493_712_345;
 const LONGITUDE_DEG: f64 = -8.456_789_012;
@@ -70,7 +72,10 @@ fn report(verdict: Verdict) -> Report<64> {
 }
 
 fn sentences(report: &Report<64>, second: u32) -> Vec<u8> {
-    let time = GpsTime { week: 2400, tow_ms: 172_800_000 + second * 1000 };
+    sentences_at(report, GpsTime { week: 2400, tow_ms: 172_800_000 + second * 1000 })
+}
+
+fn sentences_at(report: &Report<64>, time: GpsTime) -> Vec<u8> {
     let mut bytes = Vec::new();
     let statement = Statement {
         report,
@@ -168,5 +173,38 @@ fn gpsd_drops_the_fix_when_there_is_none() -> Result<()> {
     nothing.used.clear();
     feed_until(&mut gpsd, &nothing, 100, |object| object["class"] == "TPV" && object["mode"] == 1)?;
     feed_until(&mut gpsd, &protected, 200, has_position)?;
+    Ok(())
+}
+
+/// GPS time began at 1980-01-06 00:00:00 UTC.
+const GPS_BEGAN: Duration = Duration::from_secs(315_964_800);
+
+/// Says each full second as it begins, for so many seconds; what chronyd makes of its source then.
+fn tell_the_time(gpsd: &mut Gpsd, chronyd: &Chronyd, report: &Report<64>, seconds: u32) -> Result<Source> {
+    for _ in 0..seconds {
+        let since_began = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH)? - GPS_BEGAN;
+        let next = Duration::from_secs(since_began.as_secs() + 1);
+        std::thread::sleep(next - since_began);
+        let ms = u64::try_from(next.as_millis())? + u64::from(GPS_MINUS_UTC_S) * 1000;
+        gpsd.feed(&sentences_at(report, GpsTime::from_ms(ms)))?;
+        let _ = gpsd.objects()?;
+    }
+    chronyd.source()?.context("chronyd does not answer")
+}
+
+/// From the sentences over gpsd and its shared memory to the clock of a server. It follows them under an alert as well: gpsd hands on
+/// the time of a `RMC` that is void, and of a `ZDA`, which has no status.
+#[test]
+fn chrony_follows_the_time_of_the_sentences() -> Result<()> {
+    if !chrony::is_possible() {
+        skip::say("chrony (apt-get install chrony) and the rights of the superuser");
+        return Ok(());
+    }
+    let Some(mut gpsd) = Gpsd::start_apart_or_skip()? else { return Ok(()) };
+    let chronyd = Chronyd::beside(&gpsd)?;
+    let told = tell_the_time(&mut gpsd, &chronyd, &report(Verdict::Protected(Protected::Ok)), 14)?;
+    assert!(told.is_followed && told.reach.count_ones() >= 4, "{told:?}");
+    // Said as the second begins: behind by what the line takes, and not by a leap second.
+    assert!(told.ahead_s.abs() < 0.5, "{told:?}");
     Ok(())
 }
