@@ -364,6 +364,20 @@ fn used(bytes: &[u8], quiet: &Track) -> Vec<SatelliteId> {
 }
 
 #[test]
+fn fault_of_a_satellite_of_qzss_is_put_into_the_stream_and_found() {
+    let Some(bytes) = epochs(115) else { return };
+    let fault = Fault::parse_inject("J03:+100@100..110").unwrap();
+    let lumps = Capture::of(bytes, None).unwrap().lumps(&[fault], &Window::ALL).unwrap().lumps;
+    let track = run_with(&lumps, None, &["SYSTEMS,GCEJ".to_owned()]);
+    let injected = &Summary::of(&track, &[fault], true).injected[0];
+    assert_eq!(
+        (injected.epochs, injected.excluded_epochs, injected.wrong_exclusions),
+        (10, 10, 0),
+        "{injected:?}"
+    );
+}
+
+#[test]
 fn a_hundred_metres_on_a_satellite_are_found_and_nothing_where_there_is_no_fault() {
     let selection = Selection::new("GCE", Frequency::Dual).unwrap();
     for stream in [&STREAMS[1], &STREAMS[3]] {

@@ -21,7 +21,7 @@
 
 use anyhow::{Result, ensure};
 use rai_core::frame::SPEED_OF_LIGHT_M_S;
-use rai_core::satellite::{Constellation, SatelliteId};
+use rai_core::satellite::SatelliteId;
 use rai_firmware::output::nmea::GPS_MINUS_UTC_S;
 use rai_firmware::time::{BEIDOU_OFFSET_MS, GLONASS_OFFSET_MS, GpsTime, WEEK_MS};
 
@@ -135,14 +135,15 @@ fn rawx(payload: &[u8], change: impl Fn(SatelliteId) -> Option<Change>) -> Optio
 }
 
 fn ubx_satellite(system: u8, number: u8) -> Option<SatelliteId> {
-    let constellation = match system {
-        0 => Constellation::Gps,
-        2 => Constellation::Galileo,
-        3 => Constellation::Beidou,
-        6 => Constellation::Glonass,
+    let letter = match system {
+        0 => 'G',
+        2 => 'E',
+        3 => 'C',
+        5 => 'J',
+        6 => 'R',
         _ => return None,
     };
-    SatelliteId::new(constellation, number)
+    SatelliteId::from_name(letter, number)
 }
 
 /// Where the ranges of an MSM stand.
@@ -244,11 +245,12 @@ impl Layout {
 }
 
 fn msm(number: u16, frame: &[u8], change: impl Fn(SatelliteId) -> Option<Change>) -> Result<Option<Vec<u8>>> {
-    let constellation = match (number - 1070) / 10 {
-        0 => Constellation::Gps,
-        1 => Constellation::Glonass,
-        2 => Constellation::Galileo,
-        5 => Constellation::Beidou,
+    let letter = match (number - 1070) / 10 {
+        0 => 'G',
+        1 => 'R',
+        2 => 'E',
+        4 => 'J',
+        5 => 'C',
         _ => return Ok(None),
     };
     let mut altered = frame.to_vec();
@@ -262,7 +264,7 @@ fn msm(number: u16, frame: &[u8], change: impl Fn(SatelliteId) -> Option<Change>
     };
     let mut is_altered = false;
     for (row, satellite) in layout.satellites.iter().enumerate() {
-        let Some(satellite) = SatelliteId::new(constellation, *satellite) else { continue };
+        let Some(satellite) = SatelliteId::from_name(letter, *satellite) else { continue };
         match change(satellite) {
             None => continue,
             Some(Change::Lost) => layout.lose(payload, row),
