@@ -45,9 +45,11 @@ use crate::numeric::real::Real;
 use crate::satellite::Constellation;
 
 mod solution;
+mod statistics;
 mod workspace;
 
 pub(crate) use solution::{Solution, infinity, invert};
+pub(crate) use statistics::{SquaredSlopes, Statistics, Worst, larger};
 pub use workspace::Workspace;
 
 use solution::Geometry;
@@ -125,20 +127,25 @@ pub struct Snapshot<'w, T: Real> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Solved<T: Real> {
     solution: Solution<T>,
-    sse: T,
+    statistics: Statistics<T>,
 }
 
 impl<T: Real> Solved<T> {
     /// Of no rows.
     fn none() -> Self {
-        Self { solution: Solution::none(), sse: T::zero() }
+        Self { solution: Solution::none(), statistics: Statistics::none() }
     }
 
-    /// One solve over the rows, and what it says of each; writes nothing unless it succeeds.
+    /// One solve over the rows, and what it says of each. Unless it succeeds, what is there then is of no use.
     fn solve(&mut self, rows: &[Row<T>], fits: &mut [Fit<T>]) -> Result<(), SnapshotError> {
         self.solution.solve(rows.iter())?;
-        self.sse = self.solution.fit_all(rows, fits);
+        self.fit_all(rows, fits);
         Ok(())
+    }
+
+    /// Says of each row what the solution says of it.
+    fn fit_all(&mut self, rows: &[Row<T>], fits: &mut [Fit<T>]) {
+        self.statistics = self.solution.fit_all(rows, fits);
     }
 }
 
@@ -164,8 +171,7 @@ impl<T: Real> Snapshot<'_, T> {
         &mut self,
         rows: impl IntoIterator<Item = usize> + Clone,
     ) -> Result<(), SnapshotError> {
-        self.each(rows.clone(), Row::leave_out);
-        self.solve_again().inspect_err(|_| self.each(rows, Row::take_back))
+        self.change(rows, Row::leave_out, Row::take_back)
     }
 
     /// Takes rows back, all at once.
@@ -173,8 +179,23 @@ impl<T: Real> Snapshot<'_, T> {
         &mut self,
         rows: impl IntoIterator<Item = usize> + Clone,
     ) -> Result<(), SnapshotError> {
-        self.each(rows.clone(), Row::take_back);
-        self.solve_again().inspect_err(|_| self.each(rows, Row::leave_out))
+        self.change(rows, Row::take_back, Row::leave_out)
+    }
+
+    /// Changes rows and solves again; where that fails, changes them back to what has been solved before.
+    fn change(
+        &mut self,
+        rows: impl IntoIterator<Item = usize> + Clone,
+        change: fn(&mut Row<T>),
+        change_back: fn(&mut Row<T>),
+    ) -> Result<(), SnapshotError> {
+        self.each(rows.clone(), change);
+        let solved = self.solve_again();
+        if solved.is_err() {
+            self.each(rows, change_back);
+            let _ = self.solve_again();
+        }
+        solved
     }
 
     fn each(&mut self, rows: impl IntoIterator<Item = usize>, change: impl Fn(&mut Row<T>)) {
@@ -185,7 +206,7 @@ impl<T: Real> Snapshot<'_, T> {
         }
     }
 
-    /// One 3×3 solve over the rows as they stand now; changes nothing unless it succeeds.
+    /// One 3×3 solve over the rows as they stand now.
     fn solve_again(&mut self) -> Result<(), SnapshotError> {
         self.solved.solve(self.rows, self.fits)
     }
@@ -246,7 +267,12 @@ impl<T: Real> Snapshot<'_, T> {
 
     /// Weighted sum of squared residuals, dimensionless.
     pub fn sse(&self) -> T {
-        self.solved.sse
+        self.solved.statistics.sse
+    }
+
+    /// What the rows say together.
+    pub(crate) fn statistics(&self) -> &Statistics<T> {
+        &self.solved.statistics
     }
 
     /// Rows that take part.

@@ -5,12 +5,12 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::{Fit, SnapshotError};
+use super::{Fit, SnapshotError, Statistics};
 use crate::equations::Row;
 use crate::numeric::real::Real;
 use crate::satellite::Constellation;
 
-/// One constellation's weighted means.
+/// The weighted means of the rows that touch one clock.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Group<T: Real> {
     pub(super) count: usize,
@@ -32,6 +32,7 @@ impl<T: Real> Group<T> {
         }
     }
 
+    #[inline]
     fn add(&mut self, row: &Row<T>, weight: T) {
         self.count += 1;
         self.weight += weight;
@@ -40,30 +41,69 @@ impl<T: Real> Group<T> {
     }
 
     /// Sums to means.
-    fn centre(mut self) -> Self {
+    fn centre(&mut self) {
         if self.count > 0 {
             self.variance = self.weight.recip();
             self.design *= self.variance;
             self.residual *= self.variance;
         }
-        self
     }
 }
 
-/// All constellations' means.
+/// Where the group of a clock stands, or that of the rows without one.
+fn place(clock: Option<Constellation>) -> usize {
+    clock.map_or(CLOCKLESS, |clock| clock as usize)
+}
+
+/// The place of the rows that touch no clock, after those of the constellations.
+const CLOCKLESS: usize = Constellation::COUNT;
+
+/// All constellations' means, and what is counted of the rows without a clock, whose means are 0: they are not centred.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Groups<T: Real>([Group<T>; Constellation::COUNT]);
+pub(super) struct Groups<T: Real>([Group<T>; CLOCKLESS + 1]);
 
 impl<T: Real> Groups<T> {
+    fn empty() -> Self {
+        Self([Group::empty(); CLOCKLESS + 1])
+    }
+
     /// Rows of weight 0 take no part, whatever weight the others are given.
     fn of<'r>(rows: impl Iterator<Item = &'r Row<T>>, weight: impl Fn(&Row<T>) -> T) -> Self {
-        let mut groups = [Group::empty(); Constellation::COUNT];
+        let mut groups = Self::empty();
+        groups.fill(rows, weight);
+        groups
+    }
+
+    /// The same, in place.
+    #[inline]
+    fn fill<'r>(&mut self, rows: impl Iterator<Item = &'r Row<T>>, weight: impl Fn(&Row<T>) -> T) {
+        *self = Self::empty();
+        // Rows of a constellation mostly stand together: while they do, their sums stay in registers.
+        let (mut clock, mut sums) = (None, Group::empty());
         for row in rows.filter(|row| row.weight > T::zero()) {
-            if let Some(group) = row.clock.and_then(|clock| groups.get_mut(clock as usize)) {
-                group.add(row, weight(row));
+            if row.clock != clock {
+                self.set(clock, &sums);
+                (clock, sums) = (row.clock, self.get(row.clock));
             }
+            sums.add(row, weight(row));
         }
-        Self(groups.map(Group::centre))
+        self.set(clock, &sums);
+        let [of_clocks @ .., clockless] = &mut self.0;
+        of_clocks.iter_mut().for_each(Group::centre);
+        (clockless.design, clockless.residual) = (Vector3::zeros(), T::zero());
+    }
+
+    /// That of a clock, or of none.
+    #[inline]
+    fn get(&self, clock: Option<Constellation>) -> Group<T> {
+        self.0.get(place(clock)).copied().unwrap_or_else(Group::empty)
+    }
+
+    #[inline]
+    fn set(&mut self, clock: Option<Constellation>, group: &Group<T>) {
+        if let Some(slot) = self.0.get_mut(place(clock)) {
+            *slot = *group;
+        }
     }
 
     /// A constellation's, if one of its rows takes part.
@@ -71,23 +111,48 @@ impl<T: Real> Groups<T> {
         self.0.get(clock as usize).filter(|group| group.count > 0)
     }
 
-    /// That of a row; one without rows has means, level and variance 0.
-    pub(super) fn of_row(&self, row: &Row<T>) -> Option<&Group<T>> {
-        self.0.get(row.clock? as usize)
+    /// That of each row that is asked for; one without rows has means, level and variance 0.
+    fn of_rows(&self) -> GroupOfRow<'_, T> {
+        GroupOfRow { groups: self, clock: None, group: self.get(None) }
     }
 
-    fn clocks(&self) -> usize {
-        self.0.iter().filter(|group| group.count > 0).count()
+    fn of_clocks(&self) -> impl Iterator<Item = &Group<T>> {
+        self.0.iter().take(CLOCKLESS).filter(|group| group.count > 0)
+    }
+
+    /// Rows that take part.
+    fn used(&self) -> usize {
+        self.0.iter().map(|group| group.count).sum()
+    }
+
+    /// The sum of their weights.
+    fn weight(&self) -> T {
+        self.0.iter().fold(T::zero(), |sum, group| sum + group.weight)
     }
 
     /// Trace of the covariance of all unknowns, clocks included.
     fn trace(&self, covariance: &Matrix3<T>) -> T {
         let clocks = self
-            .0
-            .iter()
-            .filter(|group| group.count > 0)
+            .of_clocks()
             .map(|group| group.variance + group.design.dot(&(covariance * group.design)));
         clocks.fold(covariance.trace(), |sum, term| sum + term)
+    }
+}
+
+/// The group of the row at hand. Rows of a constellation mostly stand together: while they do, it stays in registers.
+struct GroupOfRow<'g, T: Real> {
+    groups: &'g Groups<T>,
+    clock: Option<Constellation>,
+    group: Group<T>,
+}
+
+impl<T: Real> GroupOfRow<'_, T> {
+    #[inline]
+    fn of(&mut self, row: &Row<T>) -> &Group<T> {
+        if row.clock != self.clock {
+            (self.clock, self.group) = (row.clock, self.groups.get(row.clock));
+        }
+        &self.group
     }
 }
 
@@ -105,7 +170,7 @@ impl<T: Real> Solution<T> {
     /// Of no rows.
     pub(super) fn none() -> Self {
         Self {
-            groups: Groups([Group::empty(); Constellation::COUNT]),
+            groups: Groups::empty(),
             covariance: Matrix3::zeros(),
             correction: Vector3::zeros(),
             used: 0,
@@ -123,7 +188,7 @@ impl<T: Real> Solution<T> {
         Ok(solution)
     }
 
-    /// Solves in place: what is large is not moved. Writes nothing unless it succeeds.
+    /// Solves in place: what is large is not moved. Unless it succeeds, what is there then is of no use.
     ///
     /// # Errors
     /// As [`Self::of`].
@@ -131,19 +196,14 @@ impl<T: Real> Solution<T> {
         &mut self,
         rows: impl Iterator<Item = &'r Row<T>> + Clone,
     ) -> Result<(), SnapshotError> {
-        let groups = Groups::of(rows.clone(), |row| row.weight);
-        let equations = NormalEquations::of(rows.clone(), &groups, |row| row.weight);
-        let dof = equations.used.checked_sub(3 + groups.clocks()).ok_or(SnapshotError::Insufficient)?;
-        let covariance = invert(&equations.normal)?;
-        if !is_determined(rows, equations.largest_weight, &groups, &covariance) {
-            return Err(SnapshotError::Singular);
-        }
-        self.groups = groups;
-        self.covariance = covariance;
-        self.correction = covariance * equations.right_hand_side;
-        self.used = equations.used;
-        self.dof = dof;
-        Ok(())
+        self.groups.fill(rows.clone(), |row| row.weight);
+        let groups = &self.groups;
+        self.used = groups.used();
+        self.dof = self.used.checked_sub(3 + groups.of_clocks().count()).ok_or(SnapshotError::Insufficient)?;
+        let equations = NormalEquations::of(rows.clone(), groups, |row| row.weight);
+        self.covariance = invert(&equations.normal)?;
+        self.correction = self.covariance * equations.right_hand_side;
+        if is_determined(rows, groups, &self.covariance) { Ok(()) } else { Err(SnapshotError::Singular) }
     }
 
     /// Covariance of the correction, m².
@@ -168,50 +228,52 @@ impl<T: Real> Solution<T> {
 
     /// Variance `1/W_c` of the clock that a row touches, the position known, m²; 0 where no row determines it.
     pub(crate) fn level_variance(&self, row: &Row<T>) -> T {
-        self.groups.of_row(row).map_or(T::zero(), |group| group.variance)
+        self.groups.get(row.clock).variance
     }
 
     /// What is said of a row, whether it takes part or not.
     pub(crate) fn fit(&self, row: &Row<T>) -> Fit<T> {
-        fit(row, self.groups.of_row(row), &self.covariance, &self.correction)
+        fit(row, &self.groups.get(row.clock), &self.covariance, &self.correction)
     }
 
-    /// Says it of each row, in their order; the weighted sum of squared residuals.
-    pub(super) fn fit_all(&self, rows: &[Row<T>], fits: &mut [Fit<T>]) -> T {
+    /// Says it of each row, in their order; what they say together.
+    pub(super) fn fit_all(&self, rows: &[Row<T>], fits: &mut [Fit<T>]) -> Statistics<T> {
         // Copies, which the compiler keeps in registers while the fits are written.
         let (covariance, correction) = (self.covariance, self.correction);
-        let mut sse = T::zero();
-        for (row, slot) in rows.iter().zip(fits) {
-            *slot = fit(row, self.groups.of_row(row), &covariance, &correction);
-            sse += row.weight * slot.residual * slot.residual;
+        let (mut groups, mut statistics) = (self.groups.of_rows(), Statistics::none());
+        for (index, (row, slot)) in rows.iter().zip(fits).enumerate() {
+            let fit = fit(row, groups.of(row), &covariance, &correction);
+            statistics.add(index, row, &fit);
+            *slot = fit;
         }
-        sse
+        statistics
     }
 }
 
+#[inline]
 fn fit<T: Real>(
     row: &Row<T>,
-    group: Option<&Group<T>>,
+    group: &Group<T>,
     covariance: &Matrix3<T>,
     correction: &Vector3<T>,
 ) -> Fit<T> {
-    let (mean, level, variance) = group.map_or((Vector3::zeros(), T::zero(), T::zero()), |group| {
-        (group.design, group.residual, group.variance)
-    });
-    let centred = row.design - mean;
+    let centred = row.design - group.design;
     let gain = covariance * centred;
-    // A lone satellite determines its clock: exactly nothing is left to test.
-    let is_lone = group.is_some_and(|group| group.count == 1) && row.weight > T::zero();
-    let redundancy = T::one() - row.weight * (variance + centred.dot(&gain));
-    // Also the way out for what is not a number.
-    let redundancy = if redundancy > T::zero() && !is_lone { redundancy } else { T::zero() };
-    Fit {
-        centred,
-        gain,
-        residual: row.residual - level - centred.dot(correction),
-        redundancy,
-        test_weight: if redundancy < T::UNTESTABLE { T::zero() } else { row.weight / redundancy },
-    }
+    let left = T::one() - row.weight * (group.variance + centred.dot(&gain));
+    // The other way is also the one out for what is not a number.
+    let (redundancy, test_weight) = if left >= T::UNTESTABLE {
+        (left, row.weight / left)
+    } else {
+        (hardly_anything(left, row, group), T::zero())
+    };
+    let residual = row.residual - group.residual - centred.dot(correction);
+    Fit { centred, gain, residual, redundancy, test_weight }
+}
+
+/// The redundancy of an untestable row: of a lone satellite, which determines its clock, exactly nothing is left to test.
+fn hardly_anything<T: Real>(left: T, row: &Row<T>, group: &Group<T>) -> T {
+    let is_lone = row.clock.is_some() && group.count == 1;
+    if left > T::zero() && !is_lone { left } else { T::zero() }
 }
 
 /// The geometry of the rows that take part, all with the same weight.
@@ -228,12 +290,10 @@ impl<T: Real> Geometry<T> {
     }
 
     pub(super) fn hdop_without(&self, row: &Row<T>) -> T {
-        let group = self.groups.of_row(row);
-        let (mean, share) =
-            group.map_or((Vector3::zeros(), T::zero()), |group| (group.design, group.variance));
-        let centred = row.design - mean;
+        let group = self.groups.get(row.clock);
+        let centred = row.design - group.design;
         let gain = self.covariance * centred;
-        let redundancy = T::one() - share - centred.dot(&gain);
+        let redundancy = T::one() - group.variance - centred.dot(&gain);
         let moved = gain.x * gain.x + gain.y * gain.y;
         let increase = if redundancy > T::UNTESTABLE {
             moved / redundancy
@@ -256,49 +316,38 @@ pub(crate) fn infinity<T: Real>() -> T {
 struct NormalEquations<T: Real> {
     normal: Matrix3<T>,
     right_hand_side: Vector3<T>,
-    /// Rows that take part.
-    used: usize,
-    /// The largest of their own weights.
-    largest_weight: T,
 }
 
 impl<T: Real> NormalEquations<T> {
+    #[inline]
     fn of<'r>(
         rows: impl Iterator<Item = &'r Row<T>>,
         groups: &Groups<T>,
         weight: impl Fn(&Row<T>) -> T,
     ) -> Self {
-        let mut normal = Matrix3::zeros();
-        let mut right_hand_side = Vector3::zeros();
-        let (mut used, mut largest_weight) = (0, T::zero());
+        let (mut normal, mut right_hand_side) = (Matrix3::zeros(), Vector3::zeros());
+        let mut groups = groups.of_rows();
         for row in rows.filter(|row| row.weight > T::zero()) {
-            let (mean, level) = groups
-                .of_row(row)
-                .map_or((Vector3::zeros(), T::zero()), |group| (group.design, group.residual));
-            let centred = row.design - mean;
+            let group = groups.of(row);
+            let centred = row.design - group.design;
             let weighted = centred * weight(row);
             add_outer_product(&mut normal, &weighted, &centred);
-            right_hand_side += weighted * (row.residual - level);
-            used += 1;
-            if row.weight > largest_weight {
-                largest_weight = row.weight;
-            }
+            right_hand_side += weighted * (row.residual - group.residual);
         }
-        Self { normal, right_hand_side, used, largest_weight }
+        Self { normal, right_hand_side }
     }
 }
 
 /// True when the trace of `(HᵀH)⁻¹`, clocks included, is below [`Real::SINGULAR`].
 ///
-/// No weight being above `w_max`, that trace is at most `w_max` times the trace of the weighted covariance, which is
+/// No weight being above the sum of all, that trace is at most that sum times the trace of the weighted covariance, which is
 /// at hand; only where this bound does not decide is the unweighted geometry worked out.
 fn is_determined<'r, T: Real>(
     rows: impl Iterator<Item = &'r Row<T>> + Clone,
-    largest_weight: T,
     groups: &Groups<T>,
     covariance: &Matrix3<T>,
 ) -> bool {
-    if largest_weight * groups.trace(covariance) < T::SINGULAR {
+    if groups.weight() * groups.trace(covariance) < T::SINGULAR {
         return true;
     }
     // A trace that is not a number is below nothing.
