@@ -150,11 +150,18 @@ impl<T: Real> Solved<T> {
 }
 
 impl<T: Real> Snapshot<'_, T> {
-    /// Leaves one more row out and solves again, in place.
+    /// Leaves one more row out, in place: by algebra on the solution, or solves again where that would cost digits.
     ///
     /// # Errors
     /// As [`Workspace::solve`]; the snapshot is then unchanged.
     pub fn leave_out(&mut self, index: usize) -> Result<(), SnapshotError> {
+        if let (Some(row), Some(fit)) = (self.rows.get_mut(index), self.fits.get(index))
+            && self.solved.solution.leave_out(row, fit)
+        {
+            row.leave_out();
+            self.solved.fit_all(self.rows, self.fits);
+            return Ok(());
+        }
         self.reduce([index])
     }
 

@@ -48,11 +48,28 @@ impl<T: Real> Group<T> {
             self.residual *= self.variance;
         }
     }
+
+    /// Without one of several rows.
+    fn without(mut self, row: &Row<T>, centred: &Vector3<T>) -> Self {
+        self.count = self.count.saturating_sub(1);
+        self.weight -= row.weight;
+        if row.clock.is_some() {
+            self.variance = self.weight.recip();
+            let share = row.weight * self.variance;
+            self.design -= centred * share;
+            self.residual -= (row.residual - self.residual) * share;
+        }
+        self
+    }
 }
 
-/// Where the group of a clock stands, or that of the rows without one.
-fn place(clock: Option<Constellation>) -> usize {
-    clock.map_or(CLOCKLESS, |clock| clock as usize)
+/// Squared w-test from which on a fault is gross, and what it moved is worked out anew: below, `f32` takes it back within a
+/// ten-thousandth of a standard deviation.
+const GROSS: f64 = 1e6;
+
+/// Where the group of a row stands.
+fn place<T>(row: &Row<T>) -> usize {
+    row.clock.map_or(CLOCKLESS, |clock| clock as usize)
 }
 
 /// The place of the rows that touch no clock, after those of the constellations.
@@ -79,31 +96,37 @@ impl<T: Real> Groups<T> {
     fn fill<'r>(&mut self, rows: impl Iterator<Item = &'r Row<T>>, weight: impl Fn(&Row<T>) -> T) {
         *self = Self::empty();
         // Rows of a constellation mostly stand together: while they do, their sums stay in registers.
-        let (mut clock, mut sums) = (None, Group::empty());
+        let (mut here, mut sums) = (CLOCKLESS, Group::empty());
         for row in rows.filter(|row| row.weight > T::zero()) {
-            if row.clock != clock {
-                self.set(clock, &sums);
-                (clock, sums) = (row.clock, self.get(row.clock));
+            let place = place(row);
+            if place != here {
+                self.set(here, &sums);
+                (here, sums) = (place, self.get(place));
             }
             sums.add(row, weight(row));
         }
-        self.set(clock, &sums);
+        self.set(here, &sums);
         let [of_clocks @ .., clockless] = &mut self.0;
         of_clocks.iter_mut().for_each(Group::centre);
         (clockless.design, clockless.residual) = (Vector3::zeros(), T::zero());
     }
 
-    /// That of a clock, or of none.
+    /// That of a place.
     #[inline]
-    fn get(&self, clock: Option<Constellation>) -> Group<T> {
-        self.0.get(place(clock)).copied().unwrap_or_else(Group::empty)
+    fn get(&self, place: usize) -> Group<T> {
+        self.0.get(place).copied().unwrap_or_else(Group::empty)
     }
 
     #[inline]
-    fn set(&mut self, clock: Option<Constellation>, group: &Group<T>) {
-        if let Some(slot) = self.0.get_mut(place(clock)) {
+    fn set(&mut self, place: usize, group: &Group<T>) {
+        if let Some(slot) = self.0.get_mut(place) {
             *slot = *group;
         }
+    }
+
+    /// That of a row; one without rows has means, level and variance 0.
+    fn of_row(&self, row: &Row<T>) -> Group<T> {
+        self.get(place(row))
     }
 
     /// A constellation's, if one of its rows takes part.
@@ -113,7 +136,7 @@ impl<T: Real> Groups<T> {
 
     /// That of each row that is asked for; one without rows has means, level and variance 0.
     fn of_rows(&self) -> GroupOfRow<'_, T> {
-        GroupOfRow { groups: self, clock: None, group: self.get(None) }
+        GroupOfRow { groups: self, place: CLOCKLESS, group: self.get(CLOCKLESS) }
     }
 
     fn of_clocks(&self) -> impl Iterator<Item = &Group<T>> {
@@ -125,16 +148,18 @@ impl<T: Real> Groups<T> {
         self.0.iter().map(|group| group.count).sum()
     }
 
-    /// The sum of their weights.
-    fn weight(&self) -> T {
-        self.0.iter().fold(T::zero(), |sum, group| sum + group.weight)
+    /// Sum of their weights, and of the variances of the clocks.
+    fn totals(&self) -> (T, T) {
+        let zero = (T::zero(), T::zero());
+        self.0
+            .iter()
+            .fold(zero, |(weight, variance), group| (weight + group.weight, variance + group.variance))
     }
 
     /// Trace of the covariance of all unknowns, clocks included.
     fn trace(&self, covariance: &Matrix3<T>) -> T {
-        let clocks = self
-            .of_clocks()
-            .map(|group| group.variance + group.design.dot(&(covariance * group.design)));
+        let clocks =
+            self.of_clocks().map(|group| group.variance + group.design.dot(&(covariance * group.design)));
         clocks.fold(covariance.trace(), |sum, term| sum + term)
     }
 }
@@ -142,15 +167,16 @@ impl<T: Real> Groups<T> {
 /// The group of the row at hand. Rows of a constellation mostly stand together: while they do, it stays in registers.
 struct GroupOfRow<'g, T: Real> {
     groups: &'g Groups<T>,
-    clock: Option<Constellation>,
+    place: usize,
     group: Group<T>,
 }
 
 impl<T: Real> GroupOfRow<'_, T> {
     #[inline]
     fn of(&mut self, row: &Row<T>) -> &Group<T> {
-        if row.clock != self.clock {
-            (self.clock, self.group) = (row.clock, self.groups.get(row.clock));
+        let place = place(row);
+        if place != self.place {
+            (self.place, self.group) = (place, self.groups.get(place));
         }
         &self.group
     }
@@ -199,11 +225,37 @@ impl<T: Real> Solution<T> {
         self.groups.fill(rows.clone(), |row| row.weight);
         let groups = &self.groups;
         self.used = groups.used();
-        self.dof = self.used.checked_sub(3 + groups.of_clocks().count()).ok_or(SnapshotError::Insufficient)?;
+        self.dof =
+            self.used.checked_sub(3 + groups.of_clocks().count()).ok_or(SnapshotError::Insufficient)?;
         let equations = NormalEquations::of(rows.clone(), groups, |row| row.weight);
         self.covariance = invert(&equations.normal)?;
         self.correction = self.covariance * equations.right_hand_side;
         if is_determined(rows, groups, &self.covariance) { Ok(()) } else { Err(SnapshotError::Singular) }
+    }
+
+    /// Leaves a row out by what is said of it ([`crate::removal`]):
+    ///
+    /// ```text
+    /// P' = P + w/r g gᵀ   x' = x − w v/r g   W' = W − w   h̄' = h̄ − w/W' d   ȳ' = ȳ − w/W' (y − ȳ)
+    /// ```
+    ///
+    /// False, and nothing has changed, where that would cost digits: of a row that is hardly tested or takes no part, of a
+    /// gross fault, and where the geometry is hardly determined.
+    pub(super) fn leave_out(&mut self, row: &Row<T>, fit: &Fit<T>) -> bool {
+        let keeps_digits =
+            fit.test_weight > T::zero() && !fit.is_hardly_tested() && fit.w_squared() < T::narrow(GROSS);
+        let Some(dof) = self.dof.checked_sub(1).filter(|_| keeps_digits) else { return false };
+        let covariance = self.covariance + fit.gain * (fit.gain * fit.test_weight).transpose();
+        let group = self.groups.of_row(row);
+        self.groups.set(place(row), &group.without(row, &fit.centred));
+        if !is_well_determined(&self.groups, &covariance) {
+            self.groups.set(place(row), &group);
+            return false;
+        }
+        self.covariance = covariance;
+        self.correction -= fit.gain * (fit.test_weight * fit.residual);
+        (self.used, self.dof) = (self.groups.used(), dof);
+        true
     }
 
     /// Covariance of the correction, m².
@@ -228,12 +280,12 @@ impl<T: Real> Solution<T> {
 
     /// Variance `1/W_c` of the clock that a row touches, the position known, m²; 0 where no row determines it.
     pub(crate) fn level_variance(&self, row: &Row<T>) -> T {
-        self.groups.get(row.clock).variance
+        self.groups.of_row(row).variance
     }
 
     /// What is said of a row, whether it takes part or not.
     pub(crate) fn fit(&self, row: &Row<T>) -> Fit<T> {
-        fit(row, &self.groups.get(row.clock), &self.covariance, &self.correction)
+        fit(row, &self.groups.of_row(row), &self.covariance, &self.correction)
     }
 
     /// Says it of each row, in their order; what they say together.
@@ -251,14 +303,9 @@ impl<T: Real> Solution<T> {
 }
 
 #[inline]
-fn fit<T: Real>(
-    row: &Row<T>,
-    group: &Group<T>,
-    covariance: &Matrix3<T>,
-    correction: &Vector3<T>,
-) -> Fit<T> {
+fn fit<T: Real>(row: &Row<T>, group: &Group<T>, covariance: &Matrix3<T>, correction: &Vector3<T>) -> Fit<T> {
     let centred = row.design - group.design;
-    let gain = covariance * centred;
+    let gain = symmetric_product(covariance, &centred);
     let left = T::one() - row.weight * (group.variance + centred.dot(&gain));
     // The other way is also the one out for what is not a number.
     let (redundancy, test_weight) = if left >= T::UNTESTABLE {
@@ -290,7 +337,7 @@ impl<T: Real> Geometry<T> {
     }
 
     pub(super) fn hdop_without(&self, row: &Row<T>) -> T {
-        let group = self.groups.get(row.clock);
+        let group = self.groups.of_row(row);
         let centred = row.design - group.design;
         let gain = self.covariance * centred;
         let redundancy = T::one() - group.variance - centred.dot(&gain);
@@ -339,19 +386,32 @@ impl<T: Real> NormalEquations<T> {
 }
 
 /// True when the trace of `(HᵀH)⁻¹`, clocks included, is below [`Real::SINGULAR`].
-///
-/// No weight being above the sum of all, that trace is at most that sum times the trace of the weighted covariance, which is
-/// at hand; only where this bound does not decide is the unweighted geometry worked out.
 fn is_determined<'r, T: Real>(
     rows: impl Iterator<Item = &'r Row<T>> + Clone,
     groups: &Groups<T>,
     covariance: &Matrix3<T>,
 ) -> bool {
-    if groups.weight() * groups.trace(covariance) < T::SINGULAR {
-        return true;
-    }
     // A trace that is not a number is below nothing.
-    Geometry::of(rows).is_ok_and(|plain| plain.groups.trace(&plain.covariance) < T::SINGULAR)
+    is_well_determined(groups, covariance)
+        || Geometry::of(rows).is_ok_and(|plain| plain.groups.trace(&plain.covariance) < T::SINGULAR)
+}
+
+/// True where that shows without working out the unweighted geometry.
+///
+/// No weight being above the sum of all, that trace is at most that sum times the trace of the weighted covariance; and there
+/// `h̄_c P h̄_cᵀ` of a clock is at most the trace of `P`, no mean of unit vectors being longer than 1.
+fn is_well_determined<T: Real>(groups: &Groups<T>, covariance: &Matrix3<T>) -> bool {
+    let (weight, variance) = groups.totals();
+    weight * (variance + covariance.trace() * T::narrow((Constellation::COUNT + 1) as f64)) < T::SINGULAR
+}
+
+/// `S v` of a symmetric matrix, whose lower triangle alone is read: six numbers stay in registers where nine do not.
+fn symmetric_product<T: Real>(matrix: &Matrix3<T>, vector: &Vector3<T>) -> Vector3<T> {
+    Vector3::new(
+        matrix.m11 * vector.x + matrix.m21 * vector.y + matrix.m31 * vector.z,
+        matrix.m21 * vector.x + matrix.m22 * vector.y + matrix.m32 * vector.z,
+        matrix.m31 * vector.x + matrix.m32 * vector.y + matrix.m33 * vector.z,
+    )
 }
 
 /// Adds `a bᵀ`, lower triangle only: all that the inversion reads.

@@ -148,13 +148,13 @@ fn largest_with_care<T: Real>(snapshot: &Snapshot<'_, T>) -> SquaredSlopes<T> {
 
 impl<T: Real> Slopes<T> {
     fn of(squared: &SquaredSlopes<T>) -> Self {
-        Self { horizontal: squared.horizontal.sqrt(), vertical: squared.vertical.sqrt() }
+        Self { horizontal: squared.horizontal.root(), vertical: squared.vertical.root() }
     }
 
     /// The papers' protection levels for a non-centrality `λ` ([`crate::integrity::residuals::threshold::Thresholds::lambda`]),
     /// where these slopes are the largest.
     pub fn protect(&self, lambda: f64) -> ProtectionLevels {
-        let root = T::narrow(lambda).sqrt();
+        let root = T::narrow(lambda).root();
         ProtectionLevels { hpl_m: (self.horizontal * root).widen(), vpl_m: (self.vertical * root).widen() }
     }
 }
