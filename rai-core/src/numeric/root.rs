@@ -25,7 +25,8 @@ pub(super) fn single(x: f32) -> f32 {
 
 /// Whether half of it is a normal number too.
 fn is_normal(x: f32) -> bool {
-    (2.0 * f32::MIN_POSITIVE..=f32::MAX).contains(&x)
+    // Of positive numbers the patterns are in order; those of negative ones are beyond.
+    (2 * f32::MIN_POSITIVE.to_bits()..=f32::MAX.to_bits()).contains(&x.to_bits())
 }
 
 #[inline]

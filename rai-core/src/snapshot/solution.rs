@@ -84,7 +84,7 @@ impl<T: Real> Groups<T> {
         Self([Group::empty(); CLOCKLESS + 1])
     }
 
-    /// Rows of weight 0 take no part, whatever weight the others are given.
+    /// Of the rows that have a weight.
     fn of<'r>(rows: impl Iterator<Item = &'r Row<T>>, weight: impl Fn(&Row<T>) -> T) -> Self {
         let mut groups = Self::empty();
         groups.fill(rows, weight);
@@ -97,13 +97,13 @@ impl<T: Real> Groups<T> {
         *self = Self::empty();
         // Rows of a constellation mostly stand together: while they do, their sums stay in registers.
         let (mut here, mut sums) = (CLOCKLESS, Group::empty());
-        for row in rows.filter(|row| row.weight > T::zero()) {
+        for (row, weight) in rows.map(|row| (row, weight(row))).filter(|&(_, weight)| weight > T::zero()) {
             let place = place(row);
             if place != here {
                 self.set(here, &sums);
                 (here, sums) = (place, self.get(place));
             }
-            sums.add(row, weight(row));
+            sums.add(row, weight);
         }
         self.set(here, &sums);
         let [of_clocks @ .., clockless] = &mut self.0;
@@ -285,7 +285,10 @@ impl<T: Real> Solution<T> {
 
     /// What is said of a row, whether it takes part or not.
     pub(crate) fn fit(&self, row: &Row<T>) -> Fit<T> {
-        fit(row, &self.groups.of_row(row), &self.covariance, &self.correction)
+        let group = self.groups.of_row(row);
+        let mut fit = compare(row, &group, &self.covariance, &self.correction);
+        fit.weigh(row, &group);
+        fit
     }
 
     /// Says it of each row, in their order; what they say together.
@@ -294,7 +297,11 @@ impl<T: Real> Solution<T> {
         let (covariance, correction) = (self.covariance, self.correction);
         let (mut groups, mut statistics) = (self.groups.of_rows(), Statistics::none());
         for (index, (row, slot)) in rows.iter().zip(fits).enumerate() {
-            let fit = fit(row, groups.of(row), &covariance, &correction);
+            let group = groups.of(row);
+            let mut fit = compare(row, group, &covariance, &correction);
+            if !fit.weigh(row, group) {
+                statistics.all_are_tested = false;
+            }
             statistics.add(index, row, &fit);
             *slot = fit;
         }
@@ -302,25 +309,50 @@ impl<T: Real> Solution<T> {
     }
 }
 
+/// Compares a row with the solution; its redundancy is then whatever the subtraction leaves, and its test has no weight yet.
 #[inline]
-fn fit<T: Real>(row: &Row<T>, group: &Group<T>, covariance: &Matrix3<T>, correction: &Vector3<T>) -> Fit<T> {
+fn compare<T: Real>(
+    row: &Row<T>,
+    group: &Group<T>,
+    covariance: &Matrix3<T>,
+    correction: &Vector3<T>,
+) -> Fit<T> {
     let centred = row.design - group.design;
     let gain = symmetric_product(covariance, &centred);
-    let left = T::one() - row.weight * (group.variance + centred.dot(&gain));
-    // The other way is also the one out for what is not a number.
-    let (redundancy, test_weight) = if left >= T::UNTESTABLE {
-        (left, row.weight / left)
-    } else {
-        (hardly_anything(left, row, group), T::zero())
-    };
-    let residual = row.residual - group.residual - centred.dot(correction);
-    Fit { centred, gain, residual, redundancy, test_weight }
+    Fit {
+        centred,
+        gain,
+        residual: row.residual - group.residual - centred.dot(correction),
+        redundancy: T::one() - row.weight * (group.variance + centred.dot(&gain)),
+        test_weight: T::zero(),
+    }
 }
 
-/// The redundancy of an untestable row: of a lone satellite, which determines its clock, exactly nothing is left to test.
-fn hardly_anything<T: Real>(left: T, row: &Row<T>, group: &Group<T>) -> T {
-    let is_lone = row.clock.is_some() && group.count == 1;
-    if left > T::zero() && !is_lone { left } else { T::zero() }
+impl<T: Real> Fit<T> {
+    /// Gives the test its weight; false for a row that is hardly tested.
+    #[inline]
+    fn weigh(&mut self, row: &Row<T>, group: &Group<T>) -> bool {
+        // One comparison for nearly all rows.
+        let is_tested = !self.is_hardly_tested();
+        if is_tested {
+            self.test_weight = row.weight / self.redundancy;
+        } else {
+            self.weigh_with_care(row, group);
+        }
+        is_tested
+    }
+
+    fn weigh_with_care(&mut self, row: &Row<T>, group: &Group<T>) {
+        // A lone satellite determines its clock: exactly nothing is left to test.
+        let is_lone = row.clock.is_some() && group.count == 1 && row.weight > T::zero();
+        // Also the way out for what is not a number.
+        if is_lone || !(self.redundancy > T::zero()) {
+            self.redundancy = T::zero();
+        }
+        if self.redundancy >= T::UNTESTABLE {
+            self.test_weight = row.weight / self.redundancy;
+        }
+    }
 }
 
 /// The geometry of the rows that take part, all with the same weight.
@@ -331,8 +363,9 @@ pub(super) struct Geometry<T: Real> {
 
 impl<T: Real> Geometry<T> {
     pub(super) fn of<'r>(rows: impl Iterator<Item = &'r Row<T>> + Clone) -> Result<Self, SnapshotError> {
-        let groups = Groups::of(rows.clone(), |_| T::one());
-        let equations = NormalEquations::of(rows, &groups, |_| T::one());
+        let equal = |row: &Row<T>| if row.weight > T::zero() { T::one() } else { T::zero() };
+        let groups = Groups::of(rows.clone(), equal);
+        let equations = NormalEquations::of(rows, &groups, equal);
         Ok(Self { groups, covariance: invert(&equations.normal)? })
     }
 
@@ -374,7 +407,8 @@ impl<T: Real> NormalEquations<T> {
     ) -> Self {
         let (mut normal, mut right_hand_side) = (Matrix3::zeros(), Vector3::zeros());
         let mut groups = groups.of_rows();
-        for row in rows.filter(|row| row.weight > T::zero()) {
+        // One without weight adds nothing, for which it need not be asked.
+        for row in rows {
             let group = groups.of(row);
             let centred = row.design - group.design;
             let weighted = centred * weight(row);

@@ -33,16 +33,13 @@ impl<T: Real> Statistics<T> {
         Self { sse: T::zero(), worst: Worst::none(), slopes: SquaredSlopes::none(), all_are_tested: true }
     }
 
-    /// Takes one more row. One that is left out has weights of 0 and a redundancy of 1, and so says nothing.
+    /// Takes one more row, but for whether it is hardly tested. One that is left out has weights of 0, and so says nothing.
     #[inline]
     pub(super) fn add(&mut self, index: usize, row: &Row<T>, fit: &Fit<T>) {
         let squared = fit.residual * fit.residual;
         self.sse += row.weight * squared;
         self.worst.add(index, squared * fit.test_weight);
         self.slopes = self.slopes.or(&fit.squared_slopes());
-        if fit.is_hardly_tested() {
-            self.all_are_tested = false;
-        }
     }
 }
 
@@ -68,7 +65,9 @@ impl<T: Real> Worst<T> {
     pub(crate) fn add(&mut self, index: usize, squared: T) {
         if squared > self.runner_up {
             if squared > self.largest {
-                *self = Self { index: Some(index), largest: squared, runner_up: self.largest };
+                self.runner_up = self.largest;
+                self.largest = squared;
+                self.index = Some(index);
             } else {
                 self.runner_up = squared;
             }
@@ -120,8 +119,8 @@ impl<T: Real> Fit<T> {
         (self.gain.x * self.gain.x + self.gain.y * self.gain.y, self.gain.z * self.gain.z)
     }
 
-    /// Whether too little of 1 is left for the redundancy; never of a row that is left out.
+    /// Whether too little of 1 is left for the redundancy, or what is not a number; never of a row that is left out.
     pub(crate) fn is_hardly_tested(&self) -> bool {
-        self.redundancy < T::narrow(HARDLY_TESTED)
+        !(self.redundancy >= T::narrow(HARDLY_TESTED))
     }
 }
