@@ -49,8 +49,7 @@ impl<T: Real> Group<T> {
         }
     }
 
-    /// Without one of several rows.
-    fn without(mut self, row: &Row<T>, centred: &Vector3<T>) -> Self {
+    fn leave_out(&mut self, row: &Row<T>, centred: &Vector3<T>) {
         self.count = self.count.saturating_sub(1);
         self.weight -= row.weight;
         if row.clock.is_some() {
@@ -59,7 +58,6 @@ impl<T: Real> Group<T> {
             self.design -= centred * share;
             self.residual -= (row.residual - self.residual) * share;
         }
-        self
     }
 }
 
@@ -124,6 +122,13 @@ impl<T: Real> Groups<T> {
         }
     }
 
+    /// Without one of several rows of a clock, or one that has none.
+    fn leave_out(&mut self, row: &Row<T>, centred: &Vector3<T>) {
+        if let Some(group) = self.0.get_mut(place(row)) {
+            group.leave_out(row, centred);
+        }
+    }
+
     /// That of a row; one without rows has means, level and variance 0.
     fn of_row(&self, row: &Row<T>) -> Group<T> {
         self.get(place(row))
@@ -148,12 +153,14 @@ impl<T: Real> Groups<T> {
         self.0.iter().map(|group| group.count).sum()
     }
 
-    /// Sum of their weights, and of the variances of the clocks.
-    fn totals(&self) -> (T, T) {
-        let zero = (T::zero(), T::zero());
-        self.0
-            .iter()
-            .fold(zero, |(weight, variance), group| (weight + group.weight, variance + group.variance))
+    /// Bound on the trace of `(HᵀH)⁻¹`, clocks included, that needs no unweighted geometry.
+    ///
+    /// No weight being above the sum of all, it is at most that sum times the trace of the weighted covariance; and there
+    /// `h̄_c P h̄_cᵀ` of a clock is at most the trace of `P`, no mean of unit vectors being longer than 1.
+    fn largest_trace(&self, covariance: &Matrix3<T>) -> T {
+        let sum = |of: fn(&Group<T>) -> T| self.0.iter().fold(T::zero(), |sum, group| sum + of(group));
+        let positions = T::narrow((Constellation::COUNT + 1) as f64) * covariance.trace();
+        sum(|group| group.weight) * (sum(|group| group.variance) + positions)
     }
 
     /// Trace of the covariance of all unknowns, clocks included.
@@ -188,6 +195,8 @@ pub(crate) struct Solution<T: Real> {
     pub(super) groups: Groups<T>,
     pub(super) covariance: Matrix3<T>,
     pub(super) correction: Vector3<T>,
+    /// Bound on the trace of `(HᵀH)⁻¹`, clocks included, dimensionless.
+    largest_trace: T,
     pub(super) used: usize,
     pub(super) dof: usize,
 }
@@ -199,6 +208,7 @@ impl<T: Real> Solution<T> {
             groups: Groups::empty(),
             covariance: Matrix3::zeros(),
             correction: Vector3::zeros(),
+            largest_trace: T::zero(),
             used: 0,
             dof: 0,
         }
@@ -230,7 +240,12 @@ impl<T: Real> Solution<T> {
         let equations = NormalEquations::of(rows.clone(), groups, |row| row.weight);
         self.covariance = invert(&equations.normal)?;
         self.correction = self.covariance * equations.right_hand_side;
-        if is_determined(rows, groups, &self.covariance) { Ok(()) } else { Err(SnapshotError::Singular) }
+        self.largest_trace = groups.largest_trace(&self.covariance);
+        if self.largest_trace < T::SINGULAR || is_determined(rows) {
+            Ok(())
+        } else {
+            Err(SnapshotError::Singular)
+        }
     }
 
     /// Leaves a row out by what is said of it ([`crate::removal`]):
@@ -239,22 +254,23 @@ impl<T: Real> Solution<T> {
     /// P' = P + w/r g gᵀ   x' = x − w v/r g   W' = W − w   h̄' = h̄ − w/W' d   ȳ' = ȳ − w/W' (y − ȳ)
     /// ```
     ///
+    /// With `w d·g ≤ 1 − r` and `w/W ≤ 1 − r` no variance grows by more than `1/r`.
+    ///
     /// False, and nothing has changed, where that would cost digits: of a row that is hardly tested or takes no part, of a
-    /// gross fault, and where the geometry is hardly determined.
+    /// gross fault, and where the geometry might be hardly determined.
     pub(super) fn leave_out(&mut self, row: &Row<T>, fit: &Fit<T>) -> bool {
         let keeps_digits =
             fit.test_weight > T::zero() && !fit.is_hardly_tested() && fit.w_squared() < T::narrow(GROSS);
-        let Some(dof) = self.dof.checked_sub(1).filter(|_| keeps_digits) else { return false };
-        let covariance = self.covariance + fit.gain * (fit.gain * fit.test_weight).transpose();
-        let group = self.groups.of_row(row);
-        self.groups.set(place(row), &group.without(row, &fit.centred));
-        if !is_well_determined(&self.groups, &covariance) {
-            self.groups.set(place(row), &group);
+        let largest_trace = self.largest_trace / fit.redundancy;
+        let Some(dof) = self.dof.checked_sub(1).filter(|_| keeps_digits && largest_trace < T::SINGULAR)
+        else {
             return false;
-        }
-        self.covariance = covariance;
+        };
+        self.groups.leave_out(row, &fit.centred);
+        self.covariance += fit.gain * (fit.gain * fit.test_weight).transpose();
         self.correction -= fit.gain * (fit.test_weight * fit.residual);
-        (self.used, self.dof) = (self.groups.used(), dof);
+        self.largest_trace = largest_trace;
+        (self.used, self.dof) = (self.used.saturating_sub(1), dof);
         true
     }
 
@@ -420,23 +436,9 @@ impl<T: Real> NormalEquations<T> {
 }
 
 /// True when the trace of `(HᵀH)⁻¹`, clocks included, is below [`Real::SINGULAR`].
-fn is_determined<'r, T: Real>(
-    rows: impl Iterator<Item = &'r Row<T>> + Clone,
-    groups: &Groups<T>,
-    covariance: &Matrix3<T>,
-) -> bool {
+fn is_determined<'r, T: Real>(rows: impl Iterator<Item = &'r Row<T>> + Clone) -> bool {
     // A trace that is not a number is below nothing.
-    is_well_determined(groups, covariance)
-        || Geometry::of(rows).is_ok_and(|plain| plain.groups.trace(&plain.covariance) < T::SINGULAR)
-}
-
-/// True where that shows without working out the unweighted geometry.
-///
-/// No weight being above the sum of all, that trace is at most that sum times the trace of the weighted covariance; and there
-/// `h̄_c P h̄_cᵀ` of a clock is at most the trace of `P`, no mean of unit vectors being longer than 1.
-fn is_well_determined<T: Real>(groups: &Groups<T>, covariance: &Matrix3<T>) -> bool {
-    let (weight, variance) = groups.totals();
-    weight * (variance + covariance.trace() * T::narrow((Constellation::COUNT + 1) as f64)) < T::SINGULAR
+    Geometry::of(rows).is_ok_and(|plain| plain.groups.trace(&plain.covariance) < T::SINGULAR)
 }
 
 /// `S v` of a symmetric matrix, whose lower triangle alone is read: six numbers stay in registers where nine do not.

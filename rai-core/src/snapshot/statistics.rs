@@ -64,12 +64,10 @@ impl<T: Real> Worst<T> {
     #[inline]
     pub(crate) fn add(&mut self, index: usize, squared: T) {
         if squared > self.runner_up {
+            self.runner_up = smaller(self.largest, squared);
             if squared > self.largest {
-                self.runner_up = self.largest;
                 self.largest = squared;
                 self.index = Some(index);
-            } else {
-                self.runner_up = squared;
             }
         }
     }
@@ -103,6 +101,10 @@ impl<T: Real> SquaredSlopes<T> {
 /// The larger of two numbers; one comparison, where a library call also orders what is not a number.
 pub(crate) fn larger<T: Real>(a: T, b: T) -> T {
     if b > a { b } else { a }
+}
+
+fn smaller<T: Real>(a: T, b: T) -> T {
+    if b < a { b } else { a }
 }
 
 impl<T: Real> Fit<T> {
