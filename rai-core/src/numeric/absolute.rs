@@ -128,8 +128,11 @@ impl Absolute<f32> for Grid {
 
     fn narrow(self) -> f32 {
         const STEP_M: f32 = 1.0 / (1 << Grid::DIGITS) as f32;
-        // Nearly always it fits one word, and the processor converts it.
-        i32::try_from(self.0).map_or_else(|_| self.0 as f32, |word| word as f32) * STEP_M
+        // In two words, which the processor converts: below 2³² m both exactly, so that one rounding is left.
+        const LOWER: u32 = 22;
+        let upper = (self.0 >> LOWER) as i32 as f32 * (1 << LOWER) as f32;
+        let lower = (self.0 & ((1 << LOWER) - 1)) as i32 as f32;
+        (upper + lower) * STEP_M
     }
 
     fn vector(coordinates: [Self; 3]) -> [f32; 3] {

@@ -171,7 +171,7 @@ pub fn common_shift<T: Real>(snapshot: &Snapshot<'_, T>, common_m: &[f32]) -> Pr
     }
     let sigmas = f64::from(COMMON_SIGMAS);
     ProtectionLevels {
-        hpl_m: sigmas * (shift.x * shift.x + shift.y * shift.y).sqrt().widen(),
+        hpl_m: sigmas * (shift.x * shift.x + shift.y * shift.y).root().widen(),
         vpl_m: sigmas * shift.z.abs().widen(),
     }
 }
@@ -201,8 +201,8 @@ impl<T: Real> Spread<T> {
         let half = T::narrow(0.5);
         let (mean, difference) =
             ((covariance.m11 + covariance.m22) * half, (covariance.m11 - covariance.m22) * half);
-        let radius = (difference * difference + covariance.m21 * covariance.m21).sqrt();
-        Self { horizontal: (mean + radius).sqrt(), vertical: covariance.m33.sqrt() }
+        let radius = (difference * difference + covariance.m21 * covariance.m21).root();
+        Self { horizontal: (mean + radius).root(), vertical: covariance.m33.root() }
     }
 }
 
@@ -265,9 +265,9 @@ impl<'f, T: Real> Exposure<'f, T> {
     /// Protection levels for a non-centrality `λ` of the threshold in use.
     pub fn protect(&self, lambda: f64) -> ProtectionLevels {
         let Some((spread, factors)) = self.noise else { return self.slopes.protect(lambda) };
-        let beyond = T::narrow(lambda).sqrt() - T::narrow(factors.detection);
+        let beyond = T::narrow(lambda).root() - T::narrow(factors.detection);
         let level = |slope: T, sigma: T, axis: AxisFactors| {
-            let missed = slope * beyond + T::narrow(axis.missed) * (slope * slope + sigma * sigma).sqrt();
+            let missed = slope * beyond + T::narrow(axis.missed) * (slope * slope + sigma * sigma).root();
             larger(missed, T::narrow(axis.fault_free) * sigma).widen()
         };
         ProtectionLevels {
@@ -303,15 +303,15 @@ pub fn noncentrality_at(limit_m: f64, slope_m: f64) -> f64 {
 /// `√δ = (f AL − k' √(s² + σ²)) / s + k`, squared; 0 where the limit is too small for any threshold.
 fn noncentrality_within<T: Real>(limit_m: f64, slope: T, noise: Option<(T, f64, AxisFactors)>) -> f64 {
     let Some((sigma, detection, axis)) = noise else { return noncentrality_at(limit_m, slope.widen()) };
-    let spread = axis.missed * (slope * slope + sigma * sigma).sqrt().widen();
-    let (slope, sigma) = (slope.widen(), sigma.widen());
+    let [limit, detection] = [limit_m, detection].map(T::narrow);
+    let spread = T::narrow(axis.missed) * (slope * slope + sigma * sigma).root();
     // Written so that what is not a number makes nothing available; an infinite slope does neither.
-    let suffices = limit_m >= spread - detection * slope && limit_m >= axis.fault_free * sigma;
+    let suffices = limit >= spread - detection * slope && limit >= T::narrow(axis.fault_free) * sigma;
     if !(suffices && slope.is_finite()) {
         return 0.0;
     }
-    let root = (limit_m - spread) / slope + detection;
-    (root * root).min(LARGEST)
+    let root = (limit - spread) / slope + detection;
+    (root * root).widen().min(LARGEST)
 }
 
 /// The largest change of HDOP that leaving out one satellite brings, `max √(HDOP_i² − HDOP²)`, dimensionless.
