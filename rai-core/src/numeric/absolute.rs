@@ -13,9 +13,10 @@
 //! | symbol | where | unit |
 //! |---|---|---|
 //! | `D` | [`Length::whole`] | m, in steps of 1/8 m beside `f32` |
+//! | `D`, rounded | [`Length::rounded`] | m |
 //! | `ρ` | [`Length::rest`] | m, beside `f32` below 8·10⁻⁷ of `D` |
 //!
-//! Beside `f32` a coordinate is rounded by 31 µm at most, and `ρ²/2D` is below 1 µm for a satellite of any navigation
+//! Beside `f32` a coordinate is rounded by 31 µm at most, and `ρ²/2D` is below 2 µm for a satellite of any navigation
 //! system. Lengths up to [`Grid::LONGEST_M`] are right; longer ones are some number, and no harm.
 
 use core::fmt::Debug;

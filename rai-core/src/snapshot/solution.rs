@@ -49,6 +49,7 @@ impl<T: Real> Group<T> {
         }
     }
 
+    /// Takes a row out of the means.
     fn leave_out(&mut self, row: &Row<T>, centred: &Vector3<T>) {
         self.count = self.count.saturating_sub(1);
         self.weight -= row.weight;
@@ -61,17 +62,13 @@ impl<T: Real> Group<T> {
     }
 }
 
-/// Squared w-test from which on a fault is gross, and what it moved is worked out anew: below, `f32` takes it back within a
-/// ten-thousandth of a standard deviation.
-const GROSS: f64 = 1e6;
+/// The place of the rows that touch no clock, after those of the constellations.
+const CLOCKLESS: usize = Constellation::COUNT;
 
 /// Where the group of a row stands.
 fn place<T>(row: &Row<T>) -> usize {
     row.clock.map_or(CLOCKLESS, |clock| clock as usize)
 }
-
-/// The place of the rows that touch no clock, after those of the constellations.
-const CLOCKLESS: usize = Constellation::COUNT;
 
 /// All constellations' means, and what is counted of the rows without a clock, whose means are 0: they are not centred.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -122,7 +119,7 @@ impl<T: Real> Groups<T> {
         }
     }
 
-    /// Without one of several rows of a clock, or one that has none.
+    /// Takes a row out that is not the only one of its clock.
     fn leave_out(&mut self, row: &Row<T>, centred: &Vector3<T>) {
         if let Some(group) = self.0.get_mut(place(row)) {
             group.leave_out(row, centred);
@@ -188,6 +185,10 @@ impl<T: Real> GroupOfRow<'_, T> {
         &self.group
     }
 }
+
+/// Squared w-test from which on a fault is gross, and what it moved is worked out anew: below, `f32` takes it back within a
+/// ten-thousandth of a standard deviation.
+const GROSS: f64 = 1e6;
 
 /// What rows say of the position: everything of a snapshot but what it says of each row.
 #[derive(Clone, Copy, Debug, PartialEq)]
