@@ -154,18 +154,18 @@ struct Directions<T> {
 }
 
 impl<T: Real> Directions<T> {
-    /// At an earth-fixed point; see [`LocalFrame::at`]. Where no direction is up, those of latitude 0, longitude 0.
-    fn at(point: &Vector3<T>) -> Option<Self> {
-        let radius = point.norm_squared().sqrt();
+    /// At an earth-fixed point, and its distance to the axis, m; see [`LocalFrame::at`]. `None` where no direction is up.
+    fn at(point: &Vector3<T>) -> Option<(Self, T)> {
+        let radius = point.norm_squared().root();
         // Also the way out for NaN and infinity, which are within no bounds.
         if !(radius >= T::narrow(1e3) && radius <= T::narrow(1e15)) {
             return None;
         }
-        let axial = (point.x * point.x + point.y * point.y).sqrt();
+        let axial = (point.x * point.x + point.y * point.y).root();
         let (sin_longitude, cos_longitude) =
             if axial > T::narrow(1e-6) { (point.y / axial, point.x / axial) } else { (T::zero(), T::one()) };
         let (sin_latitude, cos_latitude) = latitude(axial, point.z, radius);
-        Some(Self { sin_latitude, cos_latitude, sin_longitude, cos_longitude })
+        Some((Self { sin_latitude, cos_latitude, sin_longitude, cos_longitude }, axial))
     }
 
     /// Latitude 0, longitude 0.
@@ -208,11 +208,11 @@ impl LocalFrame {
     ///
     /// [Bowring1985]: crate#references
     pub fn at(point: Ecef) -> Self {
-        let Some(directions) = Directions::at(&Vector3::new(point.x_m, point.y_m, point.z_m)) else {
+        let Some((directions, axial_m)) = Directions::at(&Vector3::new(point.x_m, point.y_m, point.z_m))
+        else {
             return Self { directions: Directions::of_origin(), height_m: -SEMI_MAJOR_AXIS_M };
         };
         let Directions { sin_latitude, cos_latitude, .. } = directions;
-        let axial_m = libm::sqrt(point.x_m * point.x_m + point.y_m * point.y_m);
         let curvature = libm::sqrt(1.0 - ECCENTRICITY_SQUARED * sin_latitude * sin_latitude);
         let height_m = axial_m * cos_latitude + point.z_m * sin_latitude - SEMI_MAJOR_AXIS_M * curvature;
         Self { directions, height_m }
@@ -270,11 +270,11 @@ fn latitude<T: Real>(axial: T, z: T, radius: T) -> (T, T) {
     // Reduced latitude, Bowring's improved start.
     let top = z * semi_minor * (T::one() + second * semi_minor / radius);
     let bottom = semi_major * axial;
-    let length = (top * top + bottom * bottom).sqrt();
+    let length = (top * top + bottom * bottom).root();
     let (sin_reduced, cos_reduced) = (top / length, bottom / length);
     let north = z + second * semi_minor * sin_reduced * sin_reduced * sin_reduced;
     let outward = axial - first * semi_major * cos_reduced * cos_reduced * cos_reduced;
-    let length = (north * north + outward * outward).sqrt();
+    let length = (north * north + outward * outward).root();
     if length > T::zero() { (north / length, outward / length) } else { (T::zero(), T::one()) }
 }
 
@@ -309,7 +309,8 @@ impl<T: Real> Lookout<T> {
     pub(crate) fn at(point: Ecef) -> Self {
         const RATE: f64 = EARTH_ROTATION_RAD_S / SPEED_OF_LIGHT_M_S;
         let position = Vector3::new(point.x_m, point.y_m, point.z_m).map(T::narrow);
-        let directions = Directions::at(&position).unwrap_or_else(Directions::of_origin);
+        let directions =
+            Directions::at(&position).map_or_else(Directions::of_origin, |(directions, _)| directions);
         let rate = T::narrow(RATE);
         Self {
             point,
@@ -339,7 +340,7 @@ impl<T: Real> Lookout<T> {
         Sight {
             distance,
             rotation: sight.x * turning_y - sight.y * turning_x,
-            direction: self.axes * sight * distance.whole.narrow().recip(),
+            direction: self.axes * sight * distance.rounded.recip(),
         }
     }
 

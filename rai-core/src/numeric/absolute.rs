@@ -13,18 +13,23 @@
 //! | symbol | where | unit |
 //! |---|---|---|
 //! | `D` | [`Length::whole`] | m, in steps of 1/8 m beside `f32` |
+//! | `D`, rounded | [`Length::rounded`] | m |
 //! | `ρ` | [`Length::rest`] | m, beside `f32` below 8·10⁻⁷ of `D` |
 //!
-//! Beside `f32` a coordinate is rounded by 31 µm at most, and `ρ²/2D` is below 1 µm for a satellite of any navigation
+//! Beside `f32` a coordinate is rounded by 31 µm at most, and `ρ²/2D` is below 2 µm for a satellite of any navigation
 //! system. Lengths up to [`Grid::LONGEST_M`] are right; longer ones are some number, and no harm.
 
 use core::fmt::Debug;
+
+use super::root;
 
 /// A length in parts: what is large, and what is small.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Length<A, T> {
     /// Nearly all of it, exactly.
     pub whole: A,
+    /// The same as far as the scalar has digits, m.
+    pub rounded: T,
     /// The rest, m.
     pub rest: T,
 }
@@ -68,7 +73,8 @@ impl Absolute<f64> for f64 {
     }
 
     fn length([x, y, z]: [Self; 3]) -> Length<Self, f64> {
-        Length { whole: libm::sqrt(x * x + y * y + z * z), rest: 0.0 }
+        let length = libm::sqrt(x * x + y * y + z * z);
+        Length { whole: length, rounded: length, rest: 0.0 }
     }
 }
 
@@ -89,6 +95,7 @@ impl Grid {
     /// Binary digits that a coordinate loses so that it fits 32 bits, and what is left of those behind the point.
     const COARSER: i32 = 11;
     const COARSE_DIGITS: i32 = Self::DIGITS - Self::COARSER;
+    const COARSE_STEP_M: f32 = 1.0 / (1 << Self::COARSE_DIGITS) as f32;
 }
 
 // The longest vector, in units of its coarse form, fits 32 bits.
@@ -122,12 +129,15 @@ impl Absolute<f32> for Grid {
 
     fn narrow(self) -> f32 {
         const STEP_M: f32 = 1.0 / (1 << Grid::DIGITS) as f32;
-        self.0 as f32 * STEP_M
+        // In two words, which the processor converts: below 2³² m both exactly, so that one rounding is left.
+        const LOWER: u32 = 22;
+        let upper = (self.0 >> LOWER) as i32 as f32 * (1 << LOWER) as f32;
+        let lower = (self.0 & ((1 << LOWER) - 1)) as i32 as f32;
+        (upper + lower) * STEP_M
     }
 
     fn vector(coordinates: [Self; 3]) -> [f32; 3] {
-        const STEP_M: f32 = 1.0 / (1 << Grid::COARSE_DIGITS) as f32;
-        coordinates.map(|coordinate| coarse(coordinate) * STEP_M)
+        coordinates.map(|coordinate| coarse(coordinate) * Self::COARSE_STEP_M)
     }
 
     fn length(coordinates: [Self; 3]) -> Length<Self, f32> {
@@ -135,14 +145,15 @@ impl Absolute<f32> for Grid {
         const LOWER: u32 = 31;
         const SCALE: f32 = (1_u64 << LOWER) as f32 / (1_u64 << (Grid::DIGITS + Grid::COARSER + 1)) as f32;
         let [x, y, z] = coordinates.map(coarse);
-        let approximate = (libm::sqrtf(x * x + y * y + z * z) as u32).max(1);
+        let approximate = (root::single(x * x + y * y + z * z) as u32).max(1);
         let whole = i64::from(approximate) << Self::COARSER;
         let squares =
             coordinates.iter().fold(whole.wrapping_mul(whole).wrapping_neg(), |sum, Self(value)| {
                 sum.wrapping_add(value.wrapping_mul(*value))
             });
-        let rest = (squares >> LOWER) as i32 as f32 * SCALE / approximate as f32;
-        Length { whole: Self(whole), rest }
+        let rounded = approximate as f32;
+        let rest = (squares >> LOWER) as i32 as f32 * SCALE / rounded;
+        Length { whole: Self(whole), rounded: rounded * Self::COARSE_STEP_M, rest }
     }
 }
 

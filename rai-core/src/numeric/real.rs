@@ -40,6 +40,9 @@ pub trait Real: RealField + Copy {
     fn narrow(value: f64) -> Self;
     /// Widens to a double, exactly.
     fn widen(self) -> f64;
+    /// `√x` for `x ≥ 0`, to a few units in the last place.
+    #[must_use]
+    fn root(self) -> Self;
     /// `1/√x` for `x > 0`, to a few units in the last place.
     #[must_use]
     fn inverse_root(self) -> Self;

@@ -21,6 +21,9 @@ impl Real for f64 {
     fn widen(self) -> f64 {
         self
     }
+    fn root(self) -> Self {
+        libm::sqrt(self)
+    }
     fn inverse_root(self) -> Self {
         libm::sqrt(self).recip()
     }
@@ -48,6 +51,10 @@ impl Real for f32 {
     }
     fn widen(self) -> f64 {
         f64::from(self)
+    }
+    #[inline]
+    fn root(self) -> Self {
+        root::single(self)
     }
     #[inline]
     fn inverse_root(self) -> Self {

@@ -5,12 +5,12 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::{Fit, SnapshotError};
+use super::{Fit, SnapshotError, Statistics};
 use crate::equations::Row;
 use crate::numeric::real::Real;
 use crate::satellite::Constellation;
 
-/// One constellation's weighted means.
+/// The weighted means of the rows that touch one clock.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Group<T: Real> {
     pub(super) count: usize,
@@ -32,6 +32,7 @@ impl<T: Real> Group<T> {
         }
     }
 
+    #[inline]
     fn add(&mut self, row: &Row<T>, weight: T) {
         self.count += 1;
         self.weight += weight;
@@ -40,30 +41,94 @@ impl<T: Real> Group<T> {
     }
 
     /// Sums to means.
-    fn centre(mut self) -> Self {
+    fn centre(&mut self) {
         if self.count > 0 {
             self.variance = self.weight.recip();
             self.design *= self.variance;
             self.residual *= self.variance;
         }
-        self
+    }
+
+    /// Takes a row out of the means.
+    fn leave_out(&mut self, row: &Row<T>, centred: &Vector3<T>) {
+        self.count = self.count.saturating_sub(1);
+        self.weight -= row.weight;
+        if row.clock.is_some() {
+            self.variance = self.weight.recip();
+            let share = row.weight * self.variance;
+            self.design -= centred * share;
+            self.residual -= (row.residual - self.residual) * share;
+        }
     }
 }
 
-/// All constellations' means.
+/// The place of the rows that touch no clock, after those of the constellations.
+const CLOCKLESS: usize = Constellation::COUNT;
+
+/// Where the group of a row stands.
+fn place<T>(row: &Row<T>) -> usize {
+    row.clock.map_or(CLOCKLESS, |clock| clock as usize)
+}
+
+/// All constellations' means, and what is counted of the rows without a clock, whose means are 0: they are not centred.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Groups<T: Real>([Group<T>; Constellation::COUNT]);
+pub(super) struct Groups<T: Real>([Group<T>; CLOCKLESS + 1]);
 
 impl<T: Real> Groups<T> {
-    /// Rows of weight 0 take no part, whatever weight the others are given.
+    fn empty() -> Self {
+        Self([Group::empty(); CLOCKLESS + 1])
+    }
+
+    /// Of the rows that have a weight.
     fn of<'r>(rows: impl Iterator<Item = &'r Row<T>>, weight: impl Fn(&Row<T>) -> T) -> Self {
-        let mut groups = [Group::empty(); Constellation::COUNT];
-        for row in rows.filter(|row| row.weight > T::zero()) {
-            if let Some(group) = row.clock.and_then(|clock| groups.get_mut(clock as usize)) {
-                group.add(row, weight(row));
+        let mut groups = Self::empty();
+        groups.fill(rows, weight);
+        groups
+    }
+
+    /// The same, in place.
+    #[inline]
+    fn fill<'r>(&mut self, rows: impl Iterator<Item = &'r Row<T>>, weight: impl Fn(&Row<T>) -> T) {
+        *self = Self::empty();
+        // Rows of a constellation mostly stand together: while they do, their sums stay in registers.
+        let (mut here, mut sums) = (CLOCKLESS, Group::empty());
+        for (row, weight) in rows.map(|row| (row, weight(row))).filter(|&(_, weight)| weight > T::zero()) {
+            let place = place(row);
+            if place != here {
+                self.set(here, &sums);
+                (here, sums) = (place, self.get(place));
             }
+            sums.add(row, weight);
         }
-        Self(groups.map(Group::centre))
+        self.set(here, &sums);
+        let [of_clocks @ .., clockless] = &mut self.0;
+        of_clocks.iter_mut().for_each(Group::centre);
+        (clockless.design, clockless.residual) = (Vector3::zeros(), T::zero());
+    }
+
+    /// That of a place.
+    #[inline]
+    fn get(&self, place: usize) -> Group<T> {
+        self.0.get(place).copied().unwrap_or_else(Group::empty)
+    }
+
+    #[inline]
+    fn set(&mut self, place: usize, group: &Group<T>) {
+        if let Some(slot) = self.0.get_mut(place) {
+            *slot = *group;
+        }
+    }
+
+    /// Takes a row out that is not the only one of its clock.
+    fn leave_out(&mut self, row: &Row<T>, centred: &Vector3<T>) {
+        if let Some(group) = self.0.get_mut(place(row)) {
+            group.leave_out(row, centred);
+        }
+    }
+
+    /// That of a row; one without rows has means, level and variance 0.
+    fn of_row(&self, row: &Row<T>) -> Group<T> {
+        self.get(place(row))
     }
 
     /// A constellation's, if one of its rows takes part.
@@ -71,25 +136,59 @@ impl<T: Real> Groups<T> {
         self.0.get(clock as usize).filter(|group| group.count > 0)
     }
 
-    /// That of a row; one without rows has means, level and variance 0.
-    pub(super) fn of_row(&self, row: &Row<T>) -> Option<&Group<T>> {
-        self.0.get(row.clock? as usize)
+    /// That of each row that is asked for; one without rows has means, level and variance 0.
+    fn of_rows(&self) -> GroupOfRow<'_, T> {
+        GroupOfRow { groups: self, place: CLOCKLESS, group: self.get(CLOCKLESS) }
     }
 
-    fn clocks(&self) -> usize {
-        self.0.iter().filter(|group| group.count > 0).count()
+    fn of_clocks(&self) -> impl Iterator<Item = &Group<T>> {
+        self.0.iter().take(CLOCKLESS).filter(|group| group.count > 0)
+    }
+
+    /// Rows that take part.
+    fn used(&self) -> usize {
+        self.0.iter().map(|group| group.count).sum()
+    }
+
+    /// Bound on the trace of `(HᵀH)⁻¹`, clocks included, that needs no unweighted geometry.
+    ///
+    /// No weight being above the sum of all, it is at most that sum times the trace of the weighted covariance; and there
+    /// `h̄_c P h̄_cᵀ` of a clock is at most the trace of `P`, no mean of unit vectors being longer than 1.
+    fn largest_trace(&self, covariance: &Matrix3<T>) -> T {
+        let sum = |of: fn(&Group<T>) -> T| self.0.iter().fold(T::zero(), |sum, group| sum + of(group));
+        let positions = T::narrow((Constellation::COUNT + 1) as f64) * covariance.trace();
+        sum(|group| group.weight) * (sum(|group| group.variance) + positions)
     }
 
     /// Trace of the covariance of all unknowns, clocks included.
     fn trace(&self, covariance: &Matrix3<T>) -> T {
-        let clocks = self
-            .0
-            .iter()
-            .filter(|group| group.count > 0)
-            .map(|group| group.variance + group.design.dot(&(covariance * group.design)));
+        let clocks =
+            self.of_clocks().map(|group| group.variance + group.design.dot(&(covariance * group.design)));
         clocks.fold(covariance.trace(), |sum, term| sum + term)
     }
 }
+
+/// The group of the row at hand. Rows of a constellation mostly stand together: while they do, it stays in registers.
+struct GroupOfRow<'g, T: Real> {
+    groups: &'g Groups<T>,
+    place: usize,
+    group: Group<T>,
+}
+
+impl<T: Real> GroupOfRow<'_, T> {
+    #[inline]
+    fn of(&mut self, row: &Row<T>) -> &Group<T> {
+        let place = place(row);
+        if place != self.place {
+            (self.place, self.group) = (place, self.groups.get(place));
+        }
+        &self.group
+    }
+}
+
+/// Squared w-test from which on a fault is gross, and what it moved is worked out anew: below, `f32` takes it back within a
+/// ten-thousandth of a standard deviation.
+const GROSS: f64 = 1e6;
 
 /// What rows say of the position: everything of a snapshot but what it says of each row.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -97,6 +196,8 @@ pub(crate) struct Solution<T: Real> {
     pub(super) groups: Groups<T>,
     pub(super) covariance: Matrix3<T>,
     pub(super) correction: Vector3<T>,
+    /// Bound on the trace of `(HᵀH)⁻¹`, clocks included, dimensionless.
+    largest_trace: T,
     pub(super) used: usize,
     pub(super) dof: usize,
 }
@@ -105,9 +206,10 @@ impl<T: Real> Solution<T> {
     /// Of no rows.
     pub(super) fn none() -> Self {
         Self {
-            groups: Groups([Group::empty(); Constellation::COUNT]),
+            groups: Groups::empty(),
             covariance: Matrix3::zeros(),
             correction: Vector3::zeros(),
+            largest_trace: T::zero(),
             used: 0,
             dof: 0,
         }
@@ -123,7 +225,7 @@ impl<T: Real> Solution<T> {
         Ok(solution)
     }
 
-    /// Solves in place: what is large is not moved. Writes nothing unless it succeeds.
+    /// Solves in place: what is large is not moved. Unless it succeeds, what is there then is of no use.
     ///
     /// # Errors
     /// As [`Self::of`].
@@ -131,19 +233,46 @@ impl<T: Real> Solution<T> {
         &mut self,
         rows: impl Iterator<Item = &'r Row<T>> + Clone,
     ) -> Result<(), SnapshotError> {
-        let groups = Groups::of(rows.clone(), |row| row.weight);
-        let equations = NormalEquations::of(rows.clone(), &groups, |row| row.weight);
-        let dof = equations.used.checked_sub(3 + groups.clocks()).ok_or(SnapshotError::Insufficient)?;
-        let covariance = invert(&equations.normal)?;
-        if !is_determined(rows, equations.largest_weight, &groups, &covariance) {
-            return Err(SnapshotError::Singular);
+        self.groups.fill(rows.clone(), |row| row.weight);
+        let groups = &self.groups;
+        self.used = groups.used();
+        self.dof =
+            self.used.checked_sub(3 + groups.of_clocks().count()).ok_or(SnapshotError::Insufficient)?;
+        let equations = NormalEquations::of(rows.clone(), groups, |row| row.weight);
+        self.covariance = invert(&equations.normal)?;
+        self.correction = self.covariance * equations.right_hand_side;
+        self.largest_trace = groups.largest_trace(&self.covariance);
+        if self.largest_trace < T::SINGULAR || is_determined(rows) {
+            Ok(())
+        } else {
+            Err(SnapshotError::Singular)
         }
-        self.groups = groups;
-        self.covariance = covariance;
-        self.correction = covariance * equations.right_hand_side;
-        self.used = equations.used;
-        self.dof = dof;
-        Ok(())
+    }
+
+    /// Leaves a row out by what is said of it ([`crate::removal`]):
+    ///
+    /// ```text
+    /// P' = P + w/r g gᵀ   x' = x − w v/r g   W' = W − w   h̄' = h̄ − w/W' d   ȳ' = ȳ − w/W' (y − ȳ)
+    /// ```
+    ///
+    /// With `w d·g ≤ 1 − r` and `w/W ≤ 1 − r` no variance grows by more than `1/r`.
+    ///
+    /// False, and nothing has changed, where that would cost digits: of a row that is hardly tested or takes no part, of a
+    /// gross fault, and where the geometry might be hardly determined.
+    pub(super) fn leave_out(&mut self, row: &Row<T>, fit: &Fit<T>) -> bool {
+        let keeps_digits =
+            fit.test_weight > T::zero() && !fit.is_hardly_tested() && fit.w_squared() < T::narrow(GROSS);
+        let largest_trace = self.largest_trace / fit.redundancy;
+        let Some(dof) = self.dof.checked_sub(1).filter(|_| keeps_digits && largest_trace < T::SINGULAR)
+        else {
+            return false;
+        };
+        self.groups.leave_out(row, &fit.centred);
+        self.covariance += fit.gain * (fit.gain * fit.test_weight).transpose();
+        self.correction -= fit.gain * (fit.test_weight * fit.residual);
+        self.largest_trace = largest_trace;
+        (self.used, self.dof) = (self.used.saturating_sub(1), dof);
+        true
     }
 
     /// Covariance of the correction, m².
@@ -168,49 +297,78 @@ impl<T: Real> Solution<T> {
 
     /// Variance `1/W_c` of the clock that a row touches, the position known, m²; 0 where no row determines it.
     pub(crate) fn level_variance(&self, row: &Row<T>) -> T {
-        self.groups.of_row(row).map_or(T::zero(), |group| group.variance)
+        self.groups.of_row(row).variance
     }
 
     /// What is said of a row, whether it takes part or not.
     pub(crate) fn fit(&self, row: &Row<T>) -> Fit<T> {
-        fit(row, self.groups.of_row(row), &self.covariance, &self.correction)
+        let group = self.groups.of_row(row);
+        let mut fit = compare(row, &group, &self.covariance, &self.correction);
+        fit.weigh(row, &group);
+        fit
     }
 
-    /// Says it of each row, in their order; the weighted sum of squared residuals.
-    pub(super) fn fit_all(&self, rows: &[Row<T>], fits: &mut [Fit<T>]) -> T {
+    /// Says it of each row, in their order; what they say together.
+    pub(super) fn fit_all(&self, rows: &[Row<T>], fits: &mut [Fit<T>]) -> Statistics<T> {
         // Copies, which the compiler keeps in registers while the fits are written.
         let (covariance, correction) = (self.covariance, self.correction);
-        let mut sse = T::zero();
-        for (row, slot) in rows.iter().zip(fits) {
-            *slot = fit(row, self.groups.of_row(row), &covariance, &correction);
-            sse += row.weight * slot.residual * slot.residual;
+        let (mut groups, mut statistics) = (self.groups.of_rows(), Statistics::none());
+        for (index, (row, slot)) in rows.iter().zip(fits).enumerate() {
+            let group = groups.of(row);
+            let mut fit = compare(row, group, &covariance, &correction);
+            if !fit.weigh(row, group) {
+                statistics.all_are_tested = false;
+            }
+            statistics.add(index, row, &fit);
+            *slot = fit;
         }
-        sse
+        statistics
     }
 }
 
-fn fit<T: Real>(
+/// Compares a row with the solution; its redundancy is then whatever the subtraction leaves, and its test has no weight yet.
+#[inline]
+fn compare<T: Real>(
     row: &Row<T>,
-    group: Option<&Group<T>>,
+    group: &Group<T>,
     covariance: &Matrix3<T>,
     correction: &Vector3<T>,
 ) -> Fit<T> {
-    let (mean, level, variance) = group.map_or((Vector3::zeros(), T::zero(), T::zero()), |group| {
-        (group.design, group.residual, group.variance)
-    });
-    let centred = row.design - mean;
-    let gain = covariance * centred;
-    // A lone satellite determines its clock: exactly nothing is left to test.
-    let is_lone = group.is_some_and(|group| group.count == 1) && row.weight > T::zero();
-    let redundancy = T::one() - row.weight * (variance + centred.dot(&gain));
-    // Also the way out for what is not a number.
-    let redundancy = if redundancy > T::zero() && !is_lone { redundancy } else { T::zero() };
+    let centred = row.design - group.design;
+    let gain = symmetric_product(covariance, &centred);
     Fit {
         centred,
         gain,
-        residual: row.residual - level - centred.dot(correction),
-        redundancy,
-        test_weight: if redundancy < T::UNTESTABLE { T::zero() } else { row.weight / redundancy },
+        residual: row.residual - group.residual - centred.dot(correction),
+        redundancy: T::one() - row.weight * (group.variance + centred.dot(&gain)),
+        test_weight: T::zero(),
+    }
+}
+
+impl<T: Real> Fit<T> {
+    /// Gives the test its weight; false for a row that is hardly tested.
+    #[inline]
+    fn weigh(&mut self, row: &Row<T>, group: &Group<T>) -> bool {
+        // One comparison for nearly all rows.
+        let is_tested = !self.is_hardly_tested();
+        if is_tested {
+            self.test_weight = row.weight / self.redundancy;
+        } else {
+            self.weigh_with_care(row, group);
+        }
+        is_tested
+    }
+
+    fn weigh_with_care(&mut self, row: &Row<T>, group: &Group<T>) {
+        // A lone satellite determines its clock: exactly nothing is left to test.
+        let is_lone = row.clock.is_some() && group.count == 1 && row.weight > T::zero();
+        // Also the way out for what is not a number.
+        if is_lone || !(self.redundancy > T::zero()) {
+            self.redundancy = T::zero();
+        }
+        if self.redundancy >= T::UNTESTABLE {
+            self.test_weight = row.weight / self.redundancy;
+        }
     }
 }
 
@@ -222,18 +380,17 @@ pub(super) struct Geometry<T: Real> {
 
 impl<T: Real> Geometry<T> {
     pub(super) fn of<'r>(rows: impl Iterator<Item = &'r Row<T>> + Clone) -> Result<Self, SnapshotError> {
-        let groups = Groups::of(rows.clone(), |_| T::one());
-        let equations = NormalEquations::of(rows, &groups, |_| T::one());
+        let equal = |row: &Row<T>| if row.weight > T::zero() { T::one() } else { T::zero() };
+        let groups = Groups::of(rows.clone(), equal);
+        let equations = NormalEquations::of(rows, &groups, equal);
         Ok(Self { groups, covariance: invert(&equations.normal)? })
     }
 
     pub(super) fn hdop_without(&self, row: &Row<T>) -> T {
         let group = self.groups.of_row(row);
-        let (mean, share) =
-            group.map_or((Vector3::zeros(), T::zero()), |group| (group.design, group.variance));
-        let centred = row.design - mean;
+        let centred = row.design - group.design;
         let gain = self.covariance * centred;
-        let redundancy = T::one() - share - centred.dot(&gain);
+        let redundancy = T::one() - group.variance - centred.dot(&gain);
         let moved = gain.x * gain.x + gain.y * gain.y;
         let increase = if redundancy > T::UNTESTABLE {
             moved / redundancy
@@ -256,53 +413,42 @@ pub(crate) fn infinity<T: Real>() -> T {
 struct NormalEquations<T: Real> {
     normal: Matrix3<T>,
     right_hand_side: Vector3<T>,
-    /// Rows that take part.
-    used: usize,
-    /// The largest of their own weights.
-    largest_weight: T,
 }
 
 impl<T: Real> NormalEquations<T> {
+    #[inline]
     fn of<'r>(
         rows: impl Iterator<Item = &'r Row<T>>,
         groups: &Groups<T>,
         weight: impl Fn(&Row<T>) -> T,
     ) -> Self {
-        let mut normal = Matrix3::zeros();
-        let mut right_hand_side = Vector3::zeros();
-        let (mut used, mut largest_weight) = (0, T::zero());
-        for row in rows.filter(|row| row.weight > T::zero()) {
-            let (mean, level) = groups
-                .of_row(row)
-                .map_or((Vector3::zeros(), T::zero()), |group| (group.design, group.residual));
-            let centred = row.design - mean;
+        let (mut normal, mut right_hand_side) = (Matrix3::zeros(), Vector3::zeros());
+        let mut groups = groups.of_rows();
+        // One without weight adds nothing, for which it need not be asked.
+        for row in rows {
+            let group = groups.of(row);
+            let centred = row.design - group.design;
             let weighted = centred * weight(row);
             add_outer_product(&mut normal, &weighted, &centred);
-            right_hand_side += weighted * (row.residual - level);
-            used += 1;
-            if row.weight > largest_weight {
-                largest_weight = row.weight;
-            }
+            right_hand_side += weighted * (row.residual - group.residual);
         }
-        Self { normal, right_hand_side, used, largest_weight }
+        Self { normal, right_hand_side }
     }
 }
 
 /// True when the trace of `(HᵀH)⁻¹`, clocks included, is below [`Real::SINGULAR`].
-///
-/// No weight being above `w_max`, that trace is at most `w_max` times the trace of the weighted covariance, which is
-/// at hand; only where this bound does not decide is the unweighted geometry worked out.
-fn is_determined<'r, T: Real>(
-    rows: impl Iterator<Item = &'r Row<T>> + Clone,
-    largest_weight: T,
-    groups: &Groups<T>,
-    covariance: &Matrix3<T>,
-) -> bool {
-    if largest_weight * groups.trace(covariance) < T::SINGULAR {
-        return true;
-    }
+fn is_determined<'r, T: Real>(rows: impl Iterator<Item = &'r Row<T>> + Clone) -> bool {
     // A trace that is not a number is below nothing.
     Geometry::of(rows).is_ok_and(|plain| plain.groups.trace(&plain.covariance) < T::SINGULAR)
+}
+
+/// `S v` of a symmetric matrix, whose lower triangle alone is read: six numbers stay in registers where nine do not.
+fn symmetric_product<T: Real>(matrix: &Matrix3<T>, vector: &Vector3<T>) -> Vector3<T> {
+    Vector3::new(
+        matrix.m11 * vector.x + matrix.m21 * vector.y + matrix.m31 * vector.z,
+        matrix.m21 * vector.x + matrix.m22 * vector.y + matrix.m32 * vector.z,
+        matrix.m31 * vector.x + matrix.m32 * vector.y + matrix.m33 * vector.z,
+    )
 }
 
 /// Adds `a bᵀ`, lower triangle only: all that the inversion reads.

@@ -57,30 +57,28 @@ impl<T: Real, const N: usize> Workspace<T, N> {
     /// Takes a copy of a snapshot, to leave rows out of while the other stays; `None` where it has more than `N`.
     pub fn copy_of(&mut self, snapshot: &Snapshot<'_, T>) -> Option<Snapshot<'_, T>> {
         self.equations.copy_from(snapshot.rows, snapshot.references)?;
-        self.fits.clear();
-        self.fits.extend_from_slice(snapshot.fits).ok()?;
         self.solved = *snapshot.solved;
         Some(self.lend())
     }
 
-    /// Solves the equations where they are; the correction of the position, east, north, up, m.
+    /// Solves the equations where they are, and says nothing of each; the correction of the position, east, north, up, m.
     ///
     /// # Errors
     /// As [`Self::solve`].
     pub(crate) fn solve_rows(&mut self) -> Result<Vector3<T>, SnapshotError> {
-        let rows = self.equations.rows();
-        // Both vectors hold N: there is always room. One that is long enough is written over, which spares the way round
-        // by the stack.
-        self.fits.truncate(rows.len());
-        while self.fits.len() < rows.len() && self.fits.push(Fit::nothing()).is_ok() {}
-        self.solved.solve(rows, &mut self.fits)?;
+        self.solved.solution.solve(self.equations.rows().iter())?;
         Ok(self.solved.solution.correction)
     }
 
-    /// Lends what [`Self::solve_rows`] solved last.
+    /// Lends what [`Self::solve_rows`] solved last, with what it says of each row.
     pub(crate) fn lend(&mut self) -> Snapshot<'_, T> {
         let Self { equations, fits, solved } = self;
         let (rows, references) = equations.parts_mut();
+        // Both vectors hold N: there is always room. One that is long enough is written over, which spares the way round
+        // by the stack.
+        fits.truncate(rows.len());
+        while fits.len() < rows.len() && fits.push(Fit::nothing()).is_ok() {}
+        solved.fit_all(rows, fits);
         Snapshot { rows, references, fits, solved }
     }
 }

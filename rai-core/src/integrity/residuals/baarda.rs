@@ -28,26 +28,13 @@ use super::detection::Detection;
 use super::exclusion::{Excluded, Exclusion, Outcome, Unidentified};
 use super::threshold::Thresholds;
 use crate::numeric::real::Real;
-use crate::snapshot::{Reducible, Snapshot};
+use crate::snapshot::{Reducible, Snapshot, Worst};
 
 /// The row with the largest |w| and its w², and the w² of the runner-up. First of equals wins.
 pub fn worst_two<T: Real>(snapshot: &Snapshot<'_, T>) -> Option<(usize, T, T)> {
-    let rows = snapshot.rows().enumerate().filter(|(_, (row, _))| row.weight > T::zero());
-    largest_two(rows.map(|(index, (_, fit))| (index, fit.w_squared())))
-}
-
-/// The same of squared w-tests, each with the index of its row.
-pub(super) fn largest_two<T: Real>(tests: impl Iterator<Item = (usize, T)>) -> Option<(usize, T, T)> {
-    let mut worst = None;
-    for (index, squared) in tests {
-        worst = Some(match worst {
-            Some((_, largest, _)) if squared > largest => (index, squared, largest),
-            Some((known, largest, runner_up)) if squared > runner_up => (known, largest, squared),
-            Some(worst) => worst,
-            None => (index, squared, T::zero()),
-        });
-    }
-    worst
+    let Worst { index, largest, runner_up } = snapshot.statistics().worst;
+    let first = || snapshot.equations().iter().position(|row| row.weight > T::zero());
+    Some((index.or_else(first)?, largest, runner_up))
 }
 
 /// Names the faulty row of a snapshot in which a fault was detected.

@@ -51,7 +51,7 @@ impl<T: Real> Detection<T> {
 
     /// The test as root mean squares: `√(SSE/dof)` against `√(τ/dof)`.
     pub fn statistic(&self) -> TestStatistic {
-        let root = |value: T| libm::sqrt(value.widen() / self.dof as f64);
+        let root = |value: T| (value / T::narrow(self.dof as f64)).root().widen();
         TestStatistic { statistic: root(self.sse), threshold: root(self.threshold), dof: self.dof as u8 }
     }
 }

@@ -64,11 +64,8 @@ use crate::numeric::normal;
 use crate::numeric::probability::Probability;
 use crate::numeric::real::Real;
 use crate::report::ProtectionLevels;
-use crate::snapshot::{Fit, Snapshot, Solution, infinity};
+use crate::snapshot::{Fit, Snapshot, Solution, SquaredSlopes, infinity, larger};
 use crate::weighting::COMMON_SIGMAS;
-
-/// Redundancy number below which a slope is worked out from the other rows, dimensionless: above, `f32` is good to 0.5 %.
-const HARDLY_TESTED: f64 = 0.1;
 
 /// How far a row's bias moves the position by the time it shows in the test.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -81,65 +78,36 @@ pub struct Slopes<T> {
 
 /// The slopes of one row; 0 for a row that is left out.
 pub fn slopes<T: Real>(row: &Row<T>, fit: &Fit<T>) -> Slopes<T> {
-    let Squared { horizontal, vertical } = squared_slopes(row, fit);
-    Slopes { horizontal: horizontal.sqrt(), vertical: vertical.sqrt() }
+    Slopes::of(&squared_slopes(row, fit))
 }
 
-/// Squared slopes: the largest is found without a root for each row.
-struct Squared<T> {
-    horizontal: T,
-    vertical: T,
-}
-
-impl<T: Real> Squared<T> {
-    /// Below all others.
-    fn none() -> Self {
-        Self { horizontal: T::zero(), vertical: T::zero() }
-    }
-
-    /// The larger of both, each component by itself.
-    fn or(&self, other: &Self) -> Self {
-        Self {
-            horizontal: larger(self.horizontal, other.horizontal),
-            vertical: larger(self.vertical, other.vertical),
-        }
-    }
-}
-
-fn squared_slopes<T: Real>(row: &Row<T>, fit: &Fit<T>) -> Squared<T> {
-    let horizontal = fit.gain.x * fit.gain.x + fit.gain.y * fit.gain.y;
-    let vertical = fit.gain.z * fit.gain.z;
-    if fit.test_weight > T::zero() {
-        return Squared { horizontal: horizontal * fit.test_weight, vertical: vertical * fit.test_weight };
-    }
-    if row.weight > T::zero() {
+fn squared_slopes<T: Real>(row: &Row<T>, fit: &Fit<T>) -> SquaredSlopes<T> {
+    if row.weight > T::zero() && !(fit.test_weight > T::zero()) {
         return untestable(row, fit);
     }
-    Squared::none()
+    fit.squared_slopes()
 }
 
 /// The squared slopes of a row whose bias never shows.
-fn untestable<T: Real>(row: &Row<T>, fit: &Fit<T>) -> Squared<T> {
+fn untestable<T: Real>(row: &Row<T>, fit: &Fit<T>) -> SquaredSlopes<T> {
     let unmoved = T::UNMOVED / row.weight;
     let limit = unmoved * unmoved;
     let slope = |moved: T| if moved <= limit { T::zero() } else { infinity() };
-    Squared {
-        horizontal: slope(fit.gain.x * fit.gain.x + fit.gain.y * fit.gain.y),
-        vertical: slope(fit.gain.z * fit.gain.z),
-    }
+    let (horizontal, vertical) = fit.squared_gains();
+    SquaredSlopes { horizontal: slope(horizontal), vertical: slope(vertical) }
 }
 
 /// Whether too little of 1 is left for a row's redundancy, though others speak of it.
 fn is_hardly_tested<T: Real>(snapshot: &Snapshot<'_, T>, row: &Row<T>, fit: &Fit<T>) -> bool {
     let shares_clock = |other: &Row<T>| other.clock == row.clock && other.weight > T::zero();
     row.weight > T::zero()
-        && fit.redundancy < T::narrow(HARDLY_TESTED)
+        && fit.is_hardly_tested()
         && snapshot.dof() > 0
         && (row.clock.is_none() || snapshot.rows().filter(|(other, _)| shares_clock(other)).count() > 1)
 }
 
 /// The squared slopes of a row by what the others say of it; `None` where it is untestable.
-fn by_the_others<T: Real>(snapshot: &Snapshot<'_, T>, index: usize) -> Option<Squared<T>> {
+fn by_the_others<T: Real>(snapshot: &Snapshot<'_, T>, index: usize) -> Option<SquaredSlopes<T>> {
     let (row, _) = snapshot.row(index)?;
     let others = snapshot.equations().iter().enumerate().filter(|&(other, _)| other != index);
     let solution = Solution::of(others.map(|(_, other)| other)).ok()?;
@@ -150,27 +118,23 @@ fn by_the_others<T: Real>(snapshot: &Snapshot<'_, T>, index: usize) -> Option<Sq
         return None;
     }
     let scale = row.weight * redundancy;
-    let horizontal = fit.gain.x * fit.gain.x + fit.gain.y * fit.gain.y;
-    Some(Squared { horizontal: horizontal * scale, vertical: fit.gain.z * fit.gain.z * scale })
+    let (horizontal, vertical) = fit.squared_gains();
+    Some(SquaredSlopes { horizontal: horizontal * scale, vertical: vertical * scale })
 }
 
 /// The largest slopes of a snapshot.
 pub fn largest_slopes<T: Real>(snapshot: &Snapshot<'_, T>) -> Slopes<T> {
-    let (mut largest, mut all_are_tested) = (Squared::none(), true);
-    for (row, fit) in snapshot.rows() {
-        largest = largest.or(&squared_slopes(row, fit));
-        all_are_tested &= fit.redundancy >= T::narrow(HARDLY_TESTED);
+    let statistics = snapshot.statistics();
+    if statistics.all_are_tested {
+        return Slopes::of(&statistics.slopes);
     }
-    if !all_are_tested {
-        largest = largest_with_care(snapshot);
-    }
-    Slopes { horizontal: largest.horizontal.sqrt(), vertical: largest.vertical.sqrt() }
+    Slopes::of(&largest_with_care(snapshot))
 }
 
 /// As [`largest_slopes`], where some rows are hardly tested, or not at all.
 #[inline(never)]
-fn largest_with_care<T: Real>(snapshot: &Snapshot<'_, T>) -> Squared<T> {
-    let mut largest = Squared::none();
+fn largest_with_care<T: Real>(snapshot: &Snapshot<'_, T>) -> SquaredSlopes<T> {
+    let mut largest = SquaredSlopes::none();
     for (index, (row, fit)) in snapshot.rows().enumerate() {
         let squared = if is_hardly_tested(snapshot, row, fit) {
             by_the_others(snapshot, index).unwrap_or_else(|| untestable(row, fit))
@@ -182,17 +146,16 @@ fn largest_with_care<T: Real>(snapshot: &Snapshot<'_, T>) -> Squared<T> {
     largest
 }
 
-/// The larger of two numbers; one comparison, where a library call also orders what is not a number.
-fn larger<T: Real>(a: T, b: T) -> T {
-    if b > a { b } else { a }
-}
-
 impl<T: Real> Slopes<T> {
+    fn of(squared: &SquaredSlopes<T>) -> Self {
+        Self { horizontal: squared.horizontal.root(), vertical: squared.vertical.root() }
+    }
+
     /// The papers' protection levels for a non-centrality `λ` ([`crate::integrity::residuals::threshold::Thresholds::lambda`]),
     /// where these slopes are the largest.
     pub fn protect(&self, lambda: f64) -> ProtectionLevels {
-        let root = libm::sqrt(lambda);
-        ProtectionLevels { hpl_m: self.horizontal.widen() * root, vpl_m: self.vertical.widen() * root }
+        let root = T::narrow(lambda).root();
+        ProtectionLevels { hpl_m: (self.horizontal * root).widen(), vpl_m: (self.vertical * root).widen() }
     }
 }
 
@@ -208,7 +171,7 @@ pub fn common_shift<T: Real>(snapshot: &Snapshot<'_, T>, common_m: &[f32]) -> Pr
     }
     let sigmas = f64::from(COMMON_SIGMAS);
     ProtectionLevels {
-        hpl_m: sigmas * (shift.x * shift.x + shift.y * shift.y).sqrt().widen(),
+        hpl_m: sigmas * (shift.x * shift.x + shift.y * shift.y).root().widen(),
         vpl_m: sigmas * shift.z.abs().widen(),
     }
 }
@@ -238,8 +201,8 @@ impl<T: Real> Spread<T> {
         let half = T::narrow(0.5);
         let (mean, difference) =
             ((covariance.m11 + covariance.m22) * half, (covariance.m11 - covariance.m22) * half);
-        let radius = (difference * difference + covariance.m21 * covariance.m21).sqrt();
-        Self { horizontal: (mean + radius).sqrt(), vertical: covariance.m33.sqrt() }
+        let radius = (difference * difference + covariance.m21 * covariance.m21).root();
+        Self { horizontal: (mean + radius).root(), vertical: covariance.m33.root() }
     }
 }
 
@@ -302,9 +265,9 @@ impl<'f, T: Real> Exposure<'f, T> {
     /// Protection levels for a non-centrality `λ` of the threshold in use.
     pub fn protect(&self, lambda: f64) -> ProtectionLevels {
         let Some((spread, factors)) = self.noise else { return self.slopes.protect(lambda) };
-        let beyond = T::narrow(lambda).sqrt() - T::narrow(factors.detection);
+        let beyond = T::narrow(lambda).root() - T::narrow(factors.detection);
         let level = |slope: T, sigma: T, axis: AxisFactors| {
-            let missed = slope * beyond + T::narrow(axis.missed) * (slope * slope + sigma * sigma).sqrt();
+            let missed = slope * beyond + T::narrow(axis.missed) * (slope * slope + sigma * sigma).root();
             larger(missed, T::narrow(axis.fault_free) * sigma).widen()
         };
         ProtectionLevels {
@@ -340,15 +303,15 @@ pub fn noncentrality_at(limit_m: f64, slope_m: f64) -> f64 {
 /// `√δ = (f AL − k' √(s² + σ²)) / s + k`, squared; 0 where the limit is too small for any threshold.
 fn noncentrality_within<T: Real>(limit_m: f64, slope: T, noise: Option<(T, f64, AxisFactors)>) -> f64 {
     let Some((sigma, detection, axis)) = noise else { return noncentrality_at(limit_m, slope.widen()) };
-    let spread = axis.missed * (slope * slope + sigma * sigma).sqrt().widen();
-    let (slope, sigma) = (slope.widen(), sigma.widen());
+    let [limit, detection] = [limit_m, detection].map(T::narrow);
+    let spread = T::narrow(axis.missed) * (slope * slope + sigma * sigma).root();
     // Written so that what is not a number makes nothing available; an infinite slope does neither.
-    let suffices = limit_m >= spread - detection * slope && limit_m >= axis.fault_free * sigma;
+    let suffices = limit >= spread - detection * slope && limit >= T::narrow(axis.fault_free) * sigma;
     if !(suffices && slope.is_finite()) {
         return 0.0;
     }
-    let root = (limit_m - spread) / slope + detection;
-    (root * root).min(LARGEST)
+    let root = (limit - spread) / slope + detection;
+    (root * root).widen().min(LARGEST)
 }
 
 /// The largest change of HDOP that leaving out one satellite brings, `max √(HDOP_i² − HDOP²)`, dimensionless.

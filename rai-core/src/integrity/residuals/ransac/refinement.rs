@@ -11,11 +11,10 @@ use heapless::Vec;
 use super::consensus::{deviation_squared, disagreement, most_faults};
 use super::{Consensus, ConsensusLimits, Selection};
 use crate::equations::Row;
-use crate::integrity::residuals::baarda::largest_two;
 use crate::integrity::residuals::detection::Detection;
 use crate::numeric::real::Real;
 use crate::report::MAX_EXCLUDED;
-use crate::snapshot::Solution;
+use crate::snapshot::{Solution, Worst};
 
 /// The rows to leave out.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,8 +61,9 @@ fn exclude_until_passed<T: Real>(
         if left_out.len() >= most || solution.dof() < 2 {
             return None;
         }
-        let (worst, _, _) = largest_two(fits.map(|(index, _, fit)| (index, fit.w_squared())))?;
-        left_out.push(worst).ok()?;
+        let mut worst = Worst::none();
+        fits.for_each(|(index, _, fit)| worst.add(index, fit.w_squared()));
+        left_out.push(worst.index?).ok()?;
     }
 }
 
