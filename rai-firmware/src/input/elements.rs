@@ -148,7 +148,7 @@ impl Place {
 impl Layout {
     /// The message that has these pages.
     #[inline(never)]
-    pub(super) fn read(&self, head: Head, pages: &[Bits<'_>]) -> Broadcast {
+    pub(super) fn read(&self, head: &Head, pages: &[Bits<'_>]) -> Broadcast {
         let form = self.form;
         let scaled = |place: Place, number| place.scaled(pages, number);
         let [sqrt_a, eccentricity] = self.ellipse;

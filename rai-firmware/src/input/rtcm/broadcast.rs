@@ -147,7 +147,7 @@ pub(super) fn read(number: u16, payload: &[u8], calendar: &Calendar) -> Result<B
         toe: instant(table.toe)?,
         toc: instant(table.toc)?,
     };
-    Ok(table.layout.read(head, &[bits]))
+    Ok(table.layout.read(&head, &[bits]))
 }
 
 impl Table {

@@ -143,7 +143,7 @@ pub(super) fn inav_ephemeris(
         toe: instant(first.unsigned(16, 14))?,
         toc: instant(fourth.unsigned(54, 14))?,
     };
-    Ok(const { INAV }.read(head, pages))
+    Ok(const { INAV }.read(&head, pages))
 }
 
 /// The leap seconds in word 6.
@@ -180,5 +180,5 @@ pub(super) fn fnav_ephemeris(
         toe: instant(third.unsigned(160, 14))?,
         toc: instant(first.unsigned(22, 14))?,
     };
-    Ok(const { FNAV }.read(head, pages))
+    Ok(const { FNAV }.read(&head, pages))
 }

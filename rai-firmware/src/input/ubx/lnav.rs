@@ -100,7 +100,7 @@ pub(super) fn ephemeris(
         toe: instant(second.unsigned(216, 16))?,
         toc: instant(first.unsigned(176, 16))?,
     };
-    Ok(const { LAYOUT }.read(head, pages))
+    Ok(const { LAYOUT }.read(&head, pages))
 }
 
 /// Whether the subframes are of one time: an issue number comes back after some hours.

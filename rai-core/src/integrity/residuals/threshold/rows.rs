@@ -3,6 +3,7 @@
 //! Without the feature `tables` it is the phases of flight alone, which all ask for the same two probabilities
 //! ([`crate::requirements`]). With the feature `short-tables` rows end where [`single`](crate::single) has no room for more
 //! satellites: who runs nothing else has no use for what is behind. All rows take 26 KB of flash, short ones 20, one pair 1.5.
+#![allow(clippy::indexing_slicing, reason = "while compiling, where an index beyond the end is an error")]
 
 use super::table;
 use crate::numeric::probability::Probability;
