@@ -66,6 +66,7 @@ mod words;
 pub use command::Command;
 pub use key::Key;
 pub use line::MAX_LINE;
+pub(crate) use number::hexadecimal;
 pub use number::{decimal, scientific};
 pub use phase::Phase;
 pub use port::{Action, CommandPort, Heard};

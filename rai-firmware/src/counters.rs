@@ -14,15 +14,35 @@ macro_rules! counters {
             /// Nothing has happened yet.
             pub const NONE: Self = Self { $($field: 0,)* };
 
+            const NAMES: &'static [&'static str] = &[$(stringify!($field),)*];
+
             /// Name and value of every counter, in the order of the fields.
             pub fn iter(&self) -> impl Iterator<Item = (&'static str, u32)> {
-                [$((stringify!($field), self.$field),)*].into_iter()
+                Self::NAMES.iter().copied().zip(self.values())
+            }
+
+            /// The values in the order of the fields.
+            fn values(&self) -> [u32; Self::NAMES.len()] {
+                [$(self.$field,)*]
+            }
+
+            /// The counter of a number; where there are not as many, the number falls by how many there are.
+            pub(crate) fn at(&self, number: &mut usize) -> Option<(&'static str, u32)> {
+                $crate::counters::at(Self::NAMES, &self.values(), number)
             }
         }
     };
 }
 
 pub(crate) use counters;
+
+/// The counter of a number; where there are not as many, the number falls by how many there are.
+#[inline(never)]
+pub(crate) fn at(names: &[&'static str], values: &[u32], number: &mut usize) -> Option<(&'static str, u32)> {
+    let found = names.get(*number).copied().zip(values.get(*number).copied());
+    *number = number.saturating_sub(names.len());
+    found
+}
 
 /// One more, stopping at the largest value: a counter that wraps would tell that nothing happened.
 pub(crate) fn count(counter: &mut u32) {

@@ -34,7 +34,7 @@ pub use self::epochs::Verdicts;
 use crate::board::{PortLosses, SEALED_BYTES};
 use crate::config::{Action, CommandPort, Configuration, Unsealed};
 use crate::correction::CAPACITY;
-use crate::counters::count_many;
+use crate::counters::{at, count_many};
 use crate::input::{Input, LeapSecond, Suspicion};
 use crate::output::nmea::{Losses, write_answer, write_counters, write_refusal, write_version};
 
@@ -236,7 +236,7 @@ impl<P: OutputPin> Receiver<P> {
     #[inline(never)]
     pub fn go_on<W: Write>(&mut self, host: &mut W) {
         let Some(next) = self.next_counter else { return };
-        let said = write_counters(self.statistics().skip(next), host);
+        let said = write_counters(self.statistics_from(next), host);
         self.next_counter = said.as_ref().ok().filter(|&&many| many > 0).map(|many| next + many);
         self.epochs.sent(said.is_ok());
     }
@@ -316,19 +316,32 @@ impl<P: OutputPin> Receiver<P> {
     /// Every counter by name: verdicts, wire, satellites, commands; and the mean of SSE/dof in percent, which is
     /// about 100 where the sigmas are right.
     pub fn statistics(&self) -> impl Iterator<Item = (&'static str, u32)> {
+        self.statistics_from(0)
+    }
+
+    fn statistics_from(&self, first: usize) -> impl Iterator<Item = (&'static str, u32)> {
+        (first..).map_while(|number| self.statistic(number))
+    }
+
+    /// The counter of a number.
+    #[inline(never)]
+    fn statistic(&self, mut number: usize) -> Option<(&'static str, u32)> {
+        let number = &mut number;
         let sigma_check =
             self.epochs.sigma_check.map(|mean| ("sigma_check_pct", libm::round(mean * 100.0) as u32));
         let tally = self.epochs.navigator.tally();
-        self.epochs
-            .verdicts
-            .iter()
-            .chain(sigma_check)
-            .chain(self.losses.iter())
-            .chain(self.input.counters().iter())
-            .chain(tally.ephemerides.iter())
-            .chain(tally.ranges.iter())
-            .chain(self.epochs.navigator.rate_tally().iter())
-            .chain(self.commands.counters())
+        let verdict = self.epochs.verdicts.at(number);
+        verdict
+            .or_else(|| match sigma_check {
+                Some((name, percent)) => at(&[name], &[percent], number),
+                None => None,
+            })
+            .or_else(|| self.losses.at(number))
+            .or_else(|| self.input.counters().at(number))
+            .or_else(|| tally.ephemerides.at(number))
+            .or_else(|| tally.ranges.at(number))
+            .or_else(|| self.epochs.navigator.rate_tally().at(number))
+            .or_else(|| self.commands.counter(*number))
     }
 }
 

@@ -19,7 +19,8 @@ use crate::numeric::real::Real;
 #[derive(Clone, Debug)]
 pub(super) struct Window<T, const L: usize> {
     reference_m: Option<f64>,
-    differences: Deque<Option<T>, L>,
+    /// Not a number where one is missing: an [`Option`] of each would take twice the room.
+    differences: Deque<T, L>,
 }
 
 impl<T: Real, const L: usize> Window<T, L> {
@@ -54,14 +55,14 @@ impl<T: Real, const L: usize> Window<T, L> {
             }
         }
         // Room was made above.
-        let _ = self.differences.push_back(difference);
+        let _ = self.differences.push_back(difference.unwrap_or(T::narrow(f64::NAN)));
     }
 
     /// Oldest first.
     fn each(&self) -> impl Iterator<Item = Option<T>> + Clone {
         // Two slices are walked with one test of their border each, the ring with one for each element.
         let (older, newer) = self.differences.as_slices();
-        older.iter().chain(newer).copied()
+        older.iter().chain(newer).map(|&x| x.is_finite().then_some(x))
     }
 
     /// Mean of the relative differences that are there; 0 without any.

@@ -10,7 +10,9 @@
 //! | `place` | address of the instruction, or FNV-1a hash of the source file's name | – |
 //! | `line` | line of the source file, 0 where there is none | – |
 
-use core::fmt;
+use heapless::String;
+
+use crate::config::hexadecimal;
 
 /// Marks a record, chosen to be improbable in memory after power-on.
 const MAGIC: u32 = 0x5241_4921;
@@ -18,7 +20,7 @@ const MAGIC: u32 = 0x5241_4921;
 /// Longest word for a cause.
 pub const WORD_BYTES: usize = 16;
 
-/// Why the module started, in at most [`WORD_BYTES`] characters when displayed.
+/// Why the module started, in at most [`WORD_BYTES`] characters when said.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ResetCause {
     /// The supply came up.
@@ -58,20 +60,26 @@ pub enum Fault {
     Clock,
 }
 
-impl fmt::Display for ResetCause {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::PowerOn => "POWERON",
-            Self::Pin => "PIN",
-            Self::Software => "SOFTWARE",
-            Self::Watchdog => "WATCHDOG",
-            Self::Brownout => "BROWNOUT",
-            Self::LowPower => "LOWPOWER",
-            Self::Unknown => "UNKNOWN",
-            Self::Fault(Fault::Clock) => "CLOCKFAIL",
-            Self::Fault(Fault::Panic { file, .. }) => return write!(f, "PANIC-{file:08X}"),
-            Self::Fault(Fault::Hard { address }) => return write!(f, "FAULT-{address:08X}"),
-        })
+impl ResetCause {
+    /// Its word.
+    pub fn word(self) -> String<WORD_BYTES> {
+        let (word, number) = match self {
+            Self::PowerOn => ("POWERON", None),
+            Self::Pin => ("PIN", None),
+            Self::Software => ("SOFTWARE", None),
+            Self::Watchdog => ("WATCHDOG", None),
+            Self::Brownout => ("BROWNOUT", None),
+            Self::LowPower => ("LOWPOWER", None),
+            Self::Unknown => ("UNKNOWN", None),
+            Self::Fault(Fault::Clock) => ("CLOCKFAIL", None),
+            Self::Fault(Fault::Panic { file, .. }) => ("PANIC-", Some(file)),
+            Self::Fault(Fault::Hard { address }) => ("FAULT-", Some(address)),
+        };
+        let mut text = String::new();
+        // Every cause fits.
+        let _ = text.push_str(word);
+        let _ = number.map(|number| text.push_str(&hexadecimal(number)));
+        text
     }
 }
 
@@ -130,8 +138,6 @@ pub const fn hash(name: &str) -> u32 {
 
 #[cfg(test)]
 mod tests {
-    use std::string::ToString;
-
     use super::*;
 
     #[test]
@@ -170,9 +176,9 @@ mod tests {
 
     #[test]
     fn words_fit_a_field_of_a_sentence() {
-        let panic = ResetCause::Fault(Fault::Panic { file: 0xBF9C_F968, line: 99_999 }).to_string();
+        let panic = ResetCause::Fault(Fault::Panic { file: 0xBF9C_F968, line: 99_999 }).word();
         assert_eq!(panic, "PANIC-BF9CF968");
-        let hard = ResetCause::Fault(Fault::Hard { address: 0x0800_1234 }).to_string();
+        let hard = ResetCause::Fault(Fault::Hard { address: 0x0800_1234 }).word();
         assert_eq!(hard, "FAULT-08001234");
         assert!(panic.len().max(hard.len()) <= WORD_BYTES);
     }

@@ -5,7 +5,7 @@ use rai_core::numeric::probability::Probability;
 use super::key::Key;
 use super::promises::{support, system};
 use super::setting::{Heights, Recovery, Setting, Systems};
-use super::value::{next, none, number, whole};
+use super::value::{Values, next, none, number, whole};
 use super::words::{
     BIT_RATES, FREQUENCIES, LEVELS, METHODS, PHASES, POLICIES, SIGMAS, SUPPORTS, SWITCH, meaning,
 };
@@ -77,8 +77,13 @@ impl Command {
     ///
     /// # Errors
     /// [`Refusal`] says what is wrong with them.
-    pub fn read<'v>(name: &str, values: impl Iterator<Item = &'v str>) -> Result<Self, Refusal> {
-        let mut values = values.peekable();
+    pub fn read<'v>(name: &str, mut values: impl Iterator<Item = &'v str>) -> Result<Self, Refusal> {
+        Self::of(name, &mut values)
+    }
+
+    /// As [`Self::read`], once for all that values may come from.
+    #[inline(never)]
+    fn of(name: &str, values: Values<'_, '_>) -> Result<Self, Refusal> {
         let key = Key::named(name).ok_or(Refusal::UnknownKey)?;
         if !key.is_built() {
             return Err(Refusal::NotInBuild);
@@ -89,15 +94,17 @@ impl Command {
             Key::Confirm => none(values).map(|()| Self::Confirm),
             Key::Forget => none(values).map(|()| Self::Forget),
             Key::Reset => none(values).map(|()| Self::Reset),
-            _ if values.peek().is_none() => Ok(Self::Ask(key)),
-            _ => Setting::read(key, &mut values).map(Self::Set),
+            _ => match values.next() {
+                Some(first) => Setting::read(key, &mut core::iter::once(first).chain(values)).map(Self::Set),
+                None => Ok(Self::Ask(key)),
+            },
         }
     }
 }
 
 impl Setting {
     /// Reads the values of a key that has any.
-    fn read<'v>(key: Key, values: &mut impl Iterator<Item = &'v str>) -> Result<Self, Refusal> {
+    fn read(key: Key, values: Values<'_, '_>) -> Result<Self, Refusal> {
         let setting = match key {
             Key::Heights => Self::Heights(heights(values)?),
             Key::Recovery => Self::Recovery(recovery(values)?),
@@ -148,19 +155,19 @@ fn fault_free(value: &str) -> Result<Probability, Refusal> {
     Probability::new(number(value, FAULT_FREE)?).ok_or(Refusal::OutOfRange)
 }
 
-fn heights<'v>(values: &mut impl Iterator<Item = &'v str>) -> Result<Heights, Refusal> {
+fn heights(values: Values<'_, '_>) -> Result<Heights, Refusal> {
     let least_m = number(next(values)?, HEIGHT_M)?;
     let greatest_m = number(next(values)?, HEIGHT_M)?;
     if least_m < greatest_m { Ok(Heights { least_m, greatest_m }) } else { Err(Refusal::OutOfRange) }
 }
 
-fn recovery<'v>(values: &mut impl Iterator<Item = &'v str>) -> Result<Recovery, Refusal> {
+fn recovery(values: Values<'_, '_>) -> Result<Recovery, Refusal> {
     let epochs = whole(next(values)?, RECOVERY_EPOCHS)?;
     let seconds = number(next(values)?, RECOVERY_S)?;
     Ok(Recovery { epochs, seconds })
 }
 
-fn output<'v>(values: &mut impl Iterator<Item = &'v str>) -> Result<Setting, Refusal> {
+fn output(values: Values<'_, '_>) -> Result<Setting, Refusal> {
     let item = Item::named(next(values)?).ok_or(Refusal::UnknownValue)?;
     if !item.is_built() {
         return Err(Refusal::NotInBuild);
@@ -169,7 +176,7 @@ fn output<'v>(values: &mut impl Iterator<Item = &'v str>) -> Result<Setting, Ref
 }
 
 /// A preset, or a system with its five values.
-fn promise<'v>(values: &mut impl Iterator<Item = &'v str>) -> Result<Setting, Refusal> {
+fn promise(values: Values<'_, '_>) -> Result<Setting, Refusal> {
     let value = next(values)?;
     match system(value) {
         Some(constellation) => Ok(Setting::SupportOf(constellation, support(values)?)),
@@ -187,7 +194,7 @@ fn systems(value: &str) -> Result<Systems, Refusal> {
 }
 
 /// `AUTO`, or eight coefficients of which at least one says something.
-fn ionosphere<'v>(values: &mut impl Iterator<Item = &'v str>) -> Result<Option<[f64; 8]>, Refusal> {
+fn ionosphere(values: Values<'_, '_>) -> Result<Option<[f64; 8]>, Refusal> {
     let mut coefficients = [0.0; 8];
     let mut value = next(values)?;
     if value == "AUTO" {
@@ -199,7 +206,7 @@ fn ionosphere<'v>(values: &mut impl Iterator<Item = &'v str>) -> Result<Option<[
         }
         *coefficient = number(value, (-limit, limit))?;
     }
-    none(&mut *values)?;
+    none(values)?;
     if coefficients.iter().all(|coefficient| *coefficient == 0.0) {
         return Err(Refusal::AllZero);
     }

@@ -4,9 +4,8 @@
 //! Numbers of up to 15 digits with a decimal exponent within ±22 are read to the nearest `f64`; others to a few units in the
 //! last place.
 
-use core::fmt::Write;
-
 use heapless::String;
+use heapless::string::StringView;
 
 /// Largest power of ten that a `f64` holds exactly.
 const EXACT_POWER: u32 = 22;
@@ -107,17 +106,9 @@ pub fn scientific(value: f64) -> String<20> {
     }
     let mut text = String::new();
     // Never longer than d.ddddddddde-ddd.
-    let _ = write!(text, "{}", digits / UNIT);
-    let mut rest = digits % UNIT;
-    if rest > 0 {
-        let _ = text.write_char('.');
-    }
-    while rest > 0 {
-        rest *= 10;
-        let _ = write!(text, "{}", rest / UNIT);
-        rest %= UNIT;
-    }
-    let _ = write!(text, "e-{exponent}");
+    push_decimals::<UNIT>(&mut text, digits);
+    let _ = text.push_str("e-");
+    push_whole(&mut text, exponent.unsigned_abs().into());
     text
 }
 
@@ -141,19 +132,54 @@ pub(super) fn plain(value: f64) -> String<24> {
     const UNIT: u64 = 10_u64.pow(DECIMALS);
     let scaled = libm::round(libm::fabs(value) * UNIT as f64) as u64;
     let mut text = String::new();
-    let sign = if value < 0.0 && scaled > 0 { "-" } else { "" };
     // A sign, twenty digits at most in all, and a point.
-    let _ = write!(text, "{sign}{}", scaled / UNIT);
-    let mut rest = scaled % UNIT;
+    if value < 0.0 && scaled > 0 {
+        let _ = text.push('-');
+    }
+    push_decimals::<UNIT>(&mut text, scaled);
+    text
+}
+
+/// Eight hexadecimal digits.
+pub(crate) fn hexadecimal(value: u32) -> String<8> {
+    let mut text = String::new();
+    for shift in (0..8).rev() {
+        let digit = char::from_digit(value >> (4 * shift) & 0xF, 16).unwrap_or('0');
+        // Eight fit.
+        let _ = text.push(digit.to_ascii_uppercase());
+    }
+    text
+}
+
+/// A number of so many parts of a unit, without zeros at the end. What does not fit is left out, here and below.
+fn push_decimals<const UNIT: u64>(text: &mut StringView, parts: u64) {
+    push_whole(text, parts / UNIT);
+    let mut rest = parts % UNIT;
     if rest > 0 {
-        let _ = text.write_char('.');
+        let _ = text.push('.');
     }
     while rest > 0 {
         rest *= 10;
-        let _ = write!(text, "{}", rest / UNIT);
+        push_whole(text, rest / UNIT);
         rest %= UNIT;
     }
-    text
+}
+
+#[inline(never)]
+fn push_whole(text: &mut StringView, mut number: u64) {
+    let mut digits = [b'0'; 20];
+    let mut many = 0;
+    for digit in digits.iter_mut().rev() {
+        *digit += (number % 10) as u8;
+        number /= 10;
+        many += 1;
+        if number == 0 {
+            break;
+        }
+    }
+    for digit in digits.iter().skip(20 - many) {
+        let _ = text.push(char::from(*digit));
+    }
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@ use embedded_io::Write;
 use super::key::Key;
 use super::line::{Line, LineAssembler, LineError};
 use super::{Command, Configuration, Refusal};
+use crate::counters;
 use crate::output::nmea::write_answer;
 
 /// What a command asks of the receiver, beyond the answer that it got already.
@@ -100,19 +101,24 @@ impl CommandPort {
     /// What came in, by name: commands obeyed and refused (the next three among them), sentences that are no
     /// command, and breaks by characters that belong to none.
     pub fn counters(&self) -> impl Iterator<Item = (&'static str, u32)> + use<> {
+        COUNTERS.into_iter().zip(self.counts())
+    }
+
+    /// The counter of a number.
+    pub(crate) fn counter(&self, mut number: usize) -> Option<(&'static str, u32)> {
+        counters::at(&COUNTERS, &self.counts(), &mut number)
+    }
+
+    /// In the order of [`COUNTERS`].
+    const fn counts(&self) -> [u32; COUNTERS.len()] {
         let Counters { obeyed, refused, checksum, too_long, unknown_key, foreign, noise } = self.counters;
-        [
-            ("cmd_ok", obeyed),
-            ("cmd_refused", refused),
-            ("cmd_checksum", checksum),
-            ("cmd_unknown_key", unknown_key),
-            ("cmd_too_long", too_long),
-            ("cmd_foreign", foreign),
-            ("cmd_noise", noise),
-        ]
-        .into_iter()
+        [obeyed, refused, checksum, unknown_key, too_long, foreign, noise]
     }
 }
+
+/// What the counters are called.
+const COUNTERS: [&str; 7] =
+    ["cmd_ok", "cmd_refused", "cmd_checksum", "cmd_unknown_key", "cmd_too_long", "cmd_foreign", "cmd_noise"];
 
 fn count(counter: &mut u32) {
     *counter = counter.saturating_add(1);

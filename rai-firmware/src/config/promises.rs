@@ -15,7 +15,7 @@ use rai_core::weighting::{Ism, Support};
 
 use super::Refusal;
 use super::number::{plain, signed_scientific};
-use super::value::{next, number};
+use super::value::{Values, next, number};
 
 /// How many values a system has.
 pub(super) const VALUES: usize = 5;
@@ -78,7 +78,7 @@ pub(super) fn system(value: &str) -> Option<Constellation> {
 }
 
 /// Reads the five values of a system.
-pub(super) fn support<'v>(values: &mut impl Iterator<Item = &'v str>) -> Result<Support, Refusal> {
+pub(super) fn support(values: Values<'_, '_>) -> Result<Support, Refusal> {
     let support = Support {
         ura_m: number(next(values)?, SIGMA_M)?,
         ure_m: number(next(values)?, SIGMA_M)?,

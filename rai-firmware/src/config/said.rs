@@ -22,7 +22,7 @@ use embedded_io::Write;
 use heapless::String;
 
 use super::key::Key;
-use super::number::{plain, signed_scientific};
+use super::number::{hexadecimal, plain, signed_scientific};
 use super::promises::{VALUES, say as say_support};
 use super::words::{
     BIT_RATES, FREQUENCIES, LEVELS, METHODS, PHASES, POLICIES, SIGMAS, SUPPORTS, SWITCH, word,
@@ -180,17 +180,6 @@ impl Configuration {
             None => ["AUTO", "", "", "", "", "", "", ""].iter().for_each(|field| take(field)),
         }
     }
-}
-
-/// Eight hexadecimal digits.
-fn hexadecimal(value: u32) -> String<8> {
-    let mut text = String::new();
-    for shift in (0..8).rev() {
-        let digit = char::from_digit(value >> (4 * shift) & 0xF, 16).unwrap_or('0');
-        // Eight fit.
-        let _ = text.push(digit.to_ascii_uppercase());
-    }
-    text
 }
 
 /// CRC-32 of IEEE 802.3, bit by bit: settings change seldom, and a table would take a kilobyte.

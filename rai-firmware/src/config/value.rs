@@ -2,11 +2,14 @@
 
 use super::{Refusal, decimal};
 
-pub(super) fn none<'v>(mut values: impl Iterator<Item = &'v str>) -> Result<(), Refusal> {
+/// What follows a key.
+pub(super) type Values<'i, 'v> = &'i mut dyn Iterator<Item = &'v str>;
+
+pub(super) fn none(values: Values<'_, '_>) -> Result<(), Refusal> {
     values.next().map_or(Ok(()), |_| Err(Refusal::ExtraValue))
 }
 
-pub(super) fn next<'v>(values: &mut impl Iterator<Item = &'v str>) -> Result<&'v str, Refusal> {
+pub(super) fn next<'v>(values: Values<'_, 'v>) -> Result<&'v str, Refusal> {
     values.next().filter(|value| !value.is_empty()).ok_or(Refusal::MissingValue)
 }
 

@@ -358,11 +358,13 @@ const TWO_43: f64 = 1024.0 * TWO_33;
 const TWO_76: f64 = TWO_43 * TWO_33;
 
 /// The nearest multiple of a unit of `1/per` that an `i32` holds; exact for what was broadcast.
+#[inline(never)]
 fn units(value: f64, per: f64) -> i32 {
     libm::round(value * per) as i32
 }
 
 /// Semicircles to 2⁻³² turns; a full semicircle is minus one.
+#[inline(never)]
 fn angle(semicircles: f64) -> i32 {
     libm::round(semicircles * TWO_31) as i64 as i32
 }

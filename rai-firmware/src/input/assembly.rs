@@ -80,7 +80,7 @@ impl Assembly {
         came_ms: u64,
         calendar: &mut Calendar,
         counters: &mut Counters,
-        tell: &mut impl FnMut(Event<'_>),
+        tell: &mut dyn FnMut(Event<'_>),
     ) {
         if let Some((time, leap_s)) = ranges.stated {
             calendar.suppose(time);
@@ -107,7 +107,7 @@ impl Assembly {
     }
 
     /// The line pauses: whoever said that the epoch is complete was right.
-    pub(super) fn pause(&mut self, counters: &mut Counters, tell: &mut impl FnMut(Event<'_>)) {
+    pub(super) fn pause(&mut self, counters: &mut Counters, tell: &mut dyn FnMut(Event<'_>)) {
         if let Phase::Open(Some(series)) = self.phase {
             self.forgive(series);
             self.complete(Some(series), counters, tell);
@@ -131,7 +131,7 @@ impl Assembly {
         came_ms: u64,
         calendar: &mut Calendar,
         counters: &mut Counters,
-        tell: &mut impl FnMut(Event<'_>),
+        tell: &mut dyn FnMut(Event<'_>),
     ) -> bool {
         let is_empty = ranges.measured.is_empty();
         if is_empty
@@ -227,7 +227,7 @@ impl Assembly {
     }
 
     /// A message says that none follows.
-    fn end(&mut self, series: Option<Series>, counters: &mut Counters, tell: &mut impl FnMut(Event<'_>)) {
+    fn end(&mut self, series: Option<Series>, counters: &mut Counters, tell: &mut dyn FnMut(Event<'_>)) {
         match (self.phase, series) {
             (Phase::Open(_), Some(series)) if self.distrust_of(series) > 0 => {
                 self.phase = Phase::Open(Some(series));
@@ -239,12 +239,7 @@ impl Assembly {
     }
 
     /// Hands the epoch on.
-    fn complete(
-        &mut self,
-        series: Option<Series>,
-        counters: &mut Counters,
-        tell: &mut impl FnMut(Event<'_>),
-    ) {
+    fn complete(&mut self, series: Option<Series>, counters: &mut Counters, tell: &mut dyn FnMut(Event<'_>)) {
         self.phase = Phase::Complete(self.epoch.time.tow_ms, series);
         count(&mut counters.epochs);
         tell(Event::Epoch(&self.epoch, self.came_ms));

@@ -60,16 +60,6 @@ impl Bits<'_> {
         f64::from(self.signed(start, width)) * power_of_two(exponent)
     }
 
-    /// `scaled` where single precision holds it exactly: at most 24 bits.
-    pub(super) fn scaled_f32(self, start: usize, width: usize, exponent: i32) -> f32 {
-        self.scaled(start, width, exponent) as f32
-    }
-
-    /// `unsigned` in units of `2^exponent`.
-    pub(super) fn positive(self, start: usize, width: usize, exponent: i32) -> f64 {
-        f64::from(self.unsigned(start, width)) * power_of_two(exponent)
-    }
-
     /// Eight coefficients of eight bits in a row, in Klobuchar's units: `α0…α3, β0…β3`.
     pub(super) fn klobuchar(self, start: usize) -> [f64; 8] {
         const EXPONENTS: [i32; 8] = [-30, -27, -24, -24, 11, 14, 16, 16];
@@ -112,14 +102,21 @@ impl<const BYTES: usize> Packed<BYTES> {
 
     /// Appends the low `width` bits of `field`, at most 32.
     pub(super) fn push(&mut self, field: u32, width: usize) {
-        for position in (0..width).rev() {
-            let bit = (field >> position & 1) as u8;
-            if let Some(byte) = self.bytes.get_mut(self.bits / 8) {
-                *byte |= bit << (7 - self.bits % 8);
-            }
-            self.bits += 1;
-        }
+        self.bits = append(&mut self.bytes, self.bits, field, width);
     }
+}
+
+/// Writes the low `width` bits of `field` behind the first `bits`; says how many there are then.
+#[inline(never)]
+fn append(bytes: &mut [u8], mut bits: usize, field: u32, width: usize) -> usize {
+    for position in (0..width).rev() {
+        let bit = (field >> position & 1) as u8;
+        if let Some(byte) = bytes.get_mut(bits / 8) {
+            *byte |= bit << (7 - bits % 8);
+        }
+        bits += 1;
+    }
+    bits
 }
 
 #[cfg(test)]

@@ -78,7 +78,10 @@ pub(super) struct Frame<'a> {
 impl<'a> Frame<'a> {
     /// Bytes that are one frame of RTCM and nothing else, where they pass its check.
     pub(super) fn of_rtcm(bytes: &'a [u8]) -> Option<Self> {
-        let is_whole = bytes.first() == Some(&RTCM) && crc24q(bytes) == 0;
+        let is_whole = match *bytes {
+            [RTCM, high, low, ..] => bytes.len() == rtcm_length(high, low) && crc24q(bytes) == 0,
+            _ => false,
+        };
         is_whole.then_some(Self { protocol: Protocol::Rtcm, bytes, came_ms: 0 })
     }
 
@@ -243,8 +246,7 @@ impl Framer {
         match self.waiting() {
             [] | [RTCM] | [RTCM, _] => Front::Incomplete,
             [RTCM, high, low, ..] if high & 0b1111_1100 == 0 => {
-                let length = RTCM_HEADER + (usize::from(*high) << 8 | usize::from(*low)) + RTCM_PARITY;
-                self.whole(Protocol::Rtcm, length)
+                self.whole(Protocol::Rtcm, rtcm_length(*high, *low))
             }
             [first] if UBX_IS_READ && *first == UBX[0] => Front::Incomplete,
             [first, second, rest @ ..] if UBX_IS_READ && [*first, *second] == UBX => match rest {
@@ -291,6 +293,11 @@ impl Framer {
         count_many(&mut counters.bytes_skipped, skipped);
         self.front += skipped;
     }
+}
+
+/// Bytes of an RTCM frame, from the two bytes of its header that say so.
+fn rtcm_length(high: u8, low: u8) -> usize {
+    RTCM_HEADER + (usize::from(high) << 8 | usize::from(low)) + RTCM_PARITY
 }
 
 /// Whether a message can have that long a payload. An accident of two bytes must not hold back half a second's frames,

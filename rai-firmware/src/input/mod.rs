@@ -11,6 +11,7 @@
 //! | `rtcm` | reads the messages of RTCM 3 |
 //! | [`ubx`] | reads those of u-blox receivers, and the navigation bits in them |
 //! | `bits` | fields of navigation messages |
+//! | `elements` | where each message has its orbital elements |
 //! | `preference` | which format's ranges are used where two come |
 //! | `assembly` | messages of one instant become one epoch |
 //! | `suspicion` | what a receiver says of jamming and spoofing |
@@ -40,6 +41,7 @@ mod assembly;
 mod bits;
 mod calendar;
 mod counters;
+mod elements;
 mod framer;
 mod preference;
 mod rtcm;
@@ -246,7 +248,7 @@ impl Input {
         self.calendar.leap_second()
     }
 
-    fn drain(&mut self, is_silent: bool, tell: &mut impl FnMut(Event<'_>)) {
+    fn drain(&mut self, is_silent: bool, tell: &mut dyn FnMut(Event<'_>)) {
         let Self { framer, calendar, assembly, navigation, preference, counters } = self;
         while let Some(frame) = framer.next(is_silent, counters) {
             match read(&frame, navigation, calendar, counters) {
@@ -283,7 +285,7 @@ impl Input {
 /// Where the station of a single RTCM frame says it is: checked and read as in a stream, without the memory of one.
 pub(crate) fn station(frame: &[u8]) -> Option<Ecef> {
     let frame = Frame::of_rtcm(frame)?;
-    match rtcm::read(frame.bytes, frame.payload(), &Calendar::new()) {
+    match rtcm::read(frame.payload(), &Calendar::new()) {
         Ok(Message::Position(point)) => Some(point),
         _ => None,
     }
@@ -297,7 +299,7 @@ fn read<'a>(
     counters: &mut Counters,
 ) -> Option<Message<'a>> {
     let read = match frame.protocol {
-        Protocol::Rtcm => rtcm::read(frame.bytes, frame.payload(), calendar).map(Some),
+        Protocol::Rtcm => rtcm::read(frame.payload(), calendar).map(Some),
         #[cfg(feature = "ubx")]
         Protocol::Ubx => ubx::read(frame, navigation, calendar, counters),
         #[cfg(not(feature = "ubx"))]
@@ -365,7 +367,7 @@ fn judge(
     ephemeris: Result<Ephemeris, BroadcastError>,
     calendar: &mut Calendar,
     counters: &mut Counters,
-    tell: &mut impl FnMut(Event<'_>),
+    tell: &mut dyn FnMut(Event<'_>),
 ) {
     let Ok(ephemeris) = ephemeris else {
         return count(&mut counters.ephemerides_invalid);

@@ -324,7 +324,7 @@ fn the_loop() {
         selftest::run as fn(_) -> _,
         Failure::name as fn(_) -> _,
         reset::hash as fn(_) -> _,
-        <ResetCause as Display>::fmt as fn(_, _) -> _,
+        ResetCause::word as fn(_) -> _,
         Record::of as fn(_) -> _,
         Record::fault as fn(_) -> _,
     );

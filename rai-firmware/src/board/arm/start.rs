@@ -1,10 +1,9 @@
 //! From a board that is up to the epoch loop, which never comes back.
 
-use core::fmt::Write as _;
 use core::mem::MaybeUninit;
 
 use rai_core::monitor::MonitorError;
-use rai_firmware::board::reset::{Fault, ResetCause, WORD_BYTES};
+use rai_firmware::board::reset::{Fault, ResetCause};
 use rai_firmware::board::{Board, SEALED_BYTES};
 use rai_firmware::config::{Configuration, Unsealed};
 use rai_firmware::epoch_loop::EpochLoop;
@@ -19,7 +18,7 @@ pub type Place<P> = MaybeUninit<Result<Receiver<P>, MonitorError>>;
 pub fn run<B: Board>(board: &mut B, receiver: &'static mut Place<B::Pin>, pin: B::Pin) -> ! {
     let cause = board.reset_cause();
     let (version, git) = (env!("CARGO_PKG_VERSION"), env!("RAI_GIT"));
-    defmt::info!("start: {=str} {=str}, reset cause {}", version, git, defmt::Display2Format(&cause));
+    defmt::info!("start: {=str} {=str}, reset cause {=str}", version, git, cause.word());
     if let ResetCause::Fault(Fault::Panic { file, line }) = cause {
         defmt::error!("the program before panicked: file {=u32:08x}, line {=u32}", file, line);
     }
@@ -58,8 +57,5 @@ fn settle<P: embedded_hal::digital::OutputPin>(
 }
 
 fn boot(cause: ResetCause) -> Boot {
-    let mut reset_cause = heapless::String::<WORD_BYTES>::new();
-    // Every cause fits: the module of the causes promises it, and its tests hold it to that.
-    let _ = write!(reset_cause, "{cause}");
-    Boot { git: env!("RAI_GIT"), reset_cause }
+    Boot { git: env!("RAI_GIT"), reset_cause: cause.word() }
 }

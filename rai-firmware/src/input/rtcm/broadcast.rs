@@ -1,81 +1,183 @@
-//! The four ephemeris messages as one [`Broadcast`].
+//! The messages of Kepler elements: 1019 of GPS, 1042 of `BeiDou`, 1044 of QZSS, 1045 and 1046 of Galileo.
+//!
+//! All begin with the number of the satellite and have the elements of their system's own message, in another order; the
+//! tables below are those of the standard. Reference: [RTCM-10403.3] 3.5.12.
+//!
+//! [RTCM-10403.3]: crate#references
 
 use rai_core::satellite::SatelliteId;
-use rtcm_rs::Message;
 
 use crate::ephemeris::{Broadcast, Health, Source, galileo_sisa_m, ura_m};
 use crate::input::Unread;
+use crate::input::bits::Bits;
 use crate::input::calendar::{Calendar, MessageWeek};
+use crate::input::elements::{BEIDOU, GALILEO, GPS, Head, Layout, Place, at, on};
 use crate::raw::Band;
 
-/// The elements all four messages name alike, with the system's own fields given by the caller.
-macro_rules! broadcast {
-    ($message:ident, $calendar:ident, $source:expr, $number:ident, $week:ident,
-     clock: [$af0:ident, $af1:ident, $af2:ident], health: $health:expr, accuracy_m: $accuracy_m:expr,
-     group_delays_s: $group_delays_s:expr) => {{
-        let constellation = $source.constellation();
-        let week = MessageWeek { constellation, week: $message.$week };
-        let instant = |tow_s: f32| $calendar.resolve(week, f64::from(tow_s)).ok_or(Unread::Ephemeris);
-        Ok(Broadcast {
-            satellite: SatelliteId::new(constellation, $message.$number).ok_or(Unread::Ephemeris)?,
-            source: $source,
-            health: $health,
-            accuracy_m: $accuracy_m,
-            toe: instant($message.toe_s)?,
-            toc: instant($message.toc_s)?,
-            sqrt_a_sqrt_m: $message.sqrt_a_sqrt_m,
-            eccentricity: $message.eccentricity,
-            m0_sc: $message.m0_sc,
-            omega0_sc: $message.omega0_sc,
-            i0_sc: $message.i0_sc,
-            omega_sc: $message.omega_sc,
-            delta_n_sc_s: f64::from($message.delta_n_sc_s),
-            omegadot_sc_s: f64::from($message.omegadot_sc_s),
-            idot_sc_s: f64::from($message.idot_sc_s),
-            cuc_rad: $message.cuc_rad,
-            cus_rad: $message.cus_rad,
-            crc_m: $message.crc_m,
-            crs_m: $message.crs_m,
-            cic_rad: $message.cic_rad,
-            cis_rad: $message.cis_rad,
-            af0_s: f64::from($message.$af0),
-            af1_s_s: f64::from($message.$af1),
-            af2_s_s2: f64::from($message.$af2),
-            group_delays_s: $group_delays_s,
-        })
-    }};
+/// Where the satellite's number begins.
+const SATELLITE: usize = 12;
+
+/// A message of elements.
+struct Table {
+    source: Source,
+    bytes: usize,
+    satellite_bits: usize,
+    /// First bit and width.
+    week: (usize, usize),
+    toe: (usize, usize),
+    toc: (usize, usize),
+    /// Of the reference times, s.
+    step_s: u32,
+    layout: Layout,
 }
 
-/// Reads an ephemeris message.
-#[inline(never)]
-pub(super) fn read(message: &Message, calendar: &Calendar) -> Result<Broadcast, Unread> {
-    match message {
-        Message::Msg1019(m) => broadcast!(m, calendar, Source::GpsLnav, gps_satellite_id, gps_week_number,
-            clock: [af0_s, af1_s_s, af2_s_s2],
-            health: Health::of_satellite(m.sv_health_ind == 0),
-            accuracy_m: ura_m(m.ura_index),
-            group_delays_s: [m.tgd_s, 0.0]),
-        Message::Msg1042(m) => broadcast!(m, calendar, Source::BeidouD1D2, bds_satellite_id, bds_week_number,
-            clock: [a0_s, a1_s_s, a2_s_s2],
-            health: Health::of_satellite(m.sv_health_flag == 0),
-            accuracy_m: ura_m(m.ura_index),
-            group_delays_s: [m.tgd1_s, m.tgd2_s]),
-        Message::Msg1045(m) => {
-            broadcast!(m, calendar, Source::GalileoFnav, gal_satellite_id, gal_week_number,
-            clock: [af0_s, af1_s_s, af2_s_s2],
-            health: Health::UNKNOWN.with(Band::E5a, m.e5a_sig_health_ind == 0 && m.e5a_data_validity_flag == 0),
-            accuracy_m: galileo_sisa_m(m.sisa_e1_e5a_index),
-            group_delays_s: [m.bgd_e1_e5a_s, 0.0])
-        }
-        Message::Msg1046(m) => {
-            broadcast!(m, calendar, Source::GalileoInav, gal_satellite_id, gal_week_number,
-            clock: [af0_s, af1_s_s, af2_s_s2],
-            health: Health::UNKNOWN
-                .with(Band::E5b, m.e5b_sig_health_ind == 0 && m.e5b_data_validity_flag == 0)
-                .with(Band::E1, m.e1_b_sig_health_ind == 0 && m.e1_b_data_validity_flag == 0),
-            accuracy_m: galileo_sisa_m(m.sisa_e1_e5b_index),
-            group_delays_s: [m.bgd_e1_e5a_s, m.bgd_e1_e5b_s])
-        }
-        _ => Err(Unread::Malformed),
+const GPS_1019: Table = Table {
+    source: Source::GpsLnav,
+    bytes: 61,
+    satellite_bits: 6,
+    week: (18, 10),
+    toe: (288, 16),
+    toc: (56, 16),
+    step_s: 16,
+    layout: Layout {
+        form: &GPS,
+        ellipse: at([256, 208]),
+        angles: at([160, 320, 368, 416]),
+        rates: at([144, 448, 34]),
+        angle_corrections: at([192, 240, 304, 352]),
+        length_corrections: at([400, 128]),
+        clock: at([96, 80, 72]),
+        group_delays: [Some(on(0, 472)), None],
+    },
+};
+
+const BEIDOU_1042: Table = Table {
+    source: Source::BeidouD1D2,
+    bytes: 64,
+    satellite_bits: 6,
+    week: (18, 13),
+    toe: (299, 17),
+    toc: (54, 17),
+    step_s: 8,
+    layout: Layout {
+        form: &BEIDOU,
+        ellipse: at([267, 217]),
+        angles: at([167, 334, 384, 434]),
+        rates: at([151, 466, 35]),
+        angle_corrections: at([199, 249, 316, 366]),
+        length_corrections: at([416, 133]),
+        clock: at([104, 82, 71]),
+        group_delays: [Some(on(0, 490)), Some(on(0, 500))],
+    },
+};
+
+const QZSS_1044: Table = Table {
+    source: Source::QzssLnav,
+    bytes: 61,
+    satellite_bits: 4,
+    week: (446, 10),
+    toe: (246, 16),
+    toc: (16, 16),
+    step_s: 16,
+    layout: Layout {
+        form: &GPS,
+        ellipse: at([214, 166]),
+        angles: at([118, 278, 326, 374]),
+        rates: at([102, 406, 430]),
+        angle_corrections: at([150, 198, 262, 310]),
+        length_corrections: at([358, 86]),
+        clock: at([56, 40, 32]),
+        group_delays: [Some(on(0, 466)), None],
+    },
+};
+
+const GALILEO_1045: Table = Table {
+    source: Source::GalileoFnav,
+    bytes: 62,
+    satellite_bits: 6,
+    week: (18, 12),
+    toe: (294, 14),
+    toc: (62, 14),
+    step_s: 60,
+    layout: galileo([Some(on(0, 476)), None]),
+};
+
+const GALILEO_1046: Table = Table {
+    source: Source::GalileoInav,
+    bytes: 63,
+    layout: galileo([Some(on(0, 476)), Some(on(0, 486))]),
+    ..GALILEO_1045
+};
+
+const fn galileo(group_delays: [Option<Place>; 2]) -> Layout {
+    Layout {
+        form: &GALILEO,
+        ellipse: at([262, 214]),
+        angles: at([166, 324, 372, 420]),
+        rates: at([150, 452, 48]),
+        angle_corrections: at([198, 246, 308, 356]),
+        length_corrections: at([404, 134]),
+        clock: at([103, 82, 76]),
+        group_delays,
     }
+}
+
+/// Reads a message of one of these numbers.
+pub(super) fn read(number: u16, payload: &[u8], calendar: &Calendar) -> Result<Broadcast, Unread> {
+    let table = match number {
+        1019 => &const { GPS_1019 },
+        1042 => &const { BEIDOU_1042 },
+        1044 => &const { QZSS_1044 },
+        1045 => &const { GALILEO_1045 },
+        _ => &const { GALILEO_1046 },
+    };
+    let bits = Bits(payload.get(..table.bytes).ok_or(Unread::Malformed)?);
+    let satellite = table.satellite(bits)?;
+    let week = MessageWeek { constellation: satellite.constellation(), week: field(bits, table.week) as u16 };
+    let instant = |place| {
+        let tow_s = f64::from(table.step_s * field(bits, place));
+        calendar.resolve(week, tow_s).ok_or(Unread::Ephemeris)
+    };
+    let (health, accuracy_m) = promises(table.source, bits);
+    let head = Head {
+        satellite,
+        source: table.source,
+        health,
+        accuracy_m,
+        toe: instant(table.toe)?,
+        toc: instant(table.toc)?,
+    };
+    Ok(table.layout.read(&head, &[bits]))
+}
+
+impl Table {
+    fn satellite(&self, bits: Bits<'_>) -> Result<SatelliteId, Unread> {
+        let number = bits.small(SATELLITE, self.satellite_bits);
+        if self.source == Source::QzssLnav {
+            return SatelliteId::qzss(number).ok_or(Unread::Satellite);
+        }
+        SatelliteId::new(self.source.constellation(), number).ok_or(Unread::Ephemeris)
+    }
+}
+
+/// What is said of the health, and one sigma of the ranges, m.
+fn promises(source: Source, bits: Bits<'_>) -> (Health, Option<f32>) {
+    // Two bits of the signal's health, and one of its data.
+    let is_well = |start| bits.unsigned(start, 3) == 0;
+    match source {
+        Source::GpsLnav => (Health::of_satellite(bits.unsigned(480, 6) == 0), ura_m(bits.small(28, 4))),
+        Source::QzssLnav => (Health::of_qzss(bits.small(460, 6)), ura_m(bits.small(456, 4))),
+        Source::BeidouD1D2 => (Health::of_satellite(!bits.is_set(510)), ura_m(bits.small(31, 4))),
+        Source::GalileoFnav => {
+            (Health::UNKNOWN.with(Band::E5a, is_well(486)), galileo_sisa_m(bits.small(40, 8)))
+        }
+        _ => (
+            Health::UNKNOWN.with(Band::E5b, is_well(496)).with(Band::E1, is_well(499)),
+            galileo_sisa_m(bits.small(40, 8)),
+        ),
+    }
+}
+
+fn field(bits: Bits<'_>, (start, width): (usize, usize)) -> u32 {
+    bits.unsigned(start, width)
 }

@@ -6,8 +6,7 @@
 //! | 48, 104, 160 | 24, 27, 5 each | velocity, position, acceleration of x, y, z |
 //! | 217, 230, 231, 253, 264 | 11, 1, 22, 5, 4 | `γ_n`, `l_n`, `τ_n`, `Δτ_n`, `F_T` |
 //!
-//! Numbers are a sign bit and a magnitude, so this one is read here and not by `rtcm-rs`, which would bring half a
-//! kilobyte of text with it. Reference: [RTCM-10403.3] 3.5.11.2, table 3.5-21.
+//! Numbers are a sign bit and a magnitude. Reference: [RTCM-10403.3] 3.5.11.2, table 3.5-21.
 //!
 //! [RTCM-10403.3]: crate#references
 

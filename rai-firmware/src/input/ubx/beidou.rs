@@ -29,8 +29,10 @@ use rai_core::satellite::SatelliteId;
 use super::Refusal;
 use super::parity::is_beidou_word;
 use crate::ephemeris::{Broadcast, Health, Source, ura_m};
-use crate::input::bits::{Bits, Packed, joined, power_of_two};
+use crate::input::bits::{Bits, Packed};
 use crate::input::calendar::{Calendar, MessageWeek};
+use crate::input::elements::{BEIDOU, Head, Layout, on};
+use crate::time::GpsTime;
 
 /// Bytes of the information in a subframe.
 pub(super) const D1_BYTES: usize = 28;
@@ -50,8 +52,27 @@ const PREAMBLE: u32 = 0b111_0001_0010;
 /// Seconds of a step of the reference times.
 const REFERENCE_STEP_S: u32 = 8;
 
-/// Seconds of a step of the group delays.
-const GROUP_DELAY_STEP_S: f32 = 1e-10;
+const D1: Layout = Layout {
+    form: &BEIDOU,
+    ellipse: [on(1, 190), on(1, 104)],
+    angles: [on(1, 72), on(2, 159), on(2, 53), on(2, 191)],
+    rates: [on(1, 38), on(2, 103), on(2, 145)],
+    angle_corrections: [on(1, 54), on(1, 136), on(2, 85), on(2, 127)],
+    length_corrections: [on(1, 154), on(1, 172)],
+    clock: [on(0, 173), on(0, 197), on(0, 162)],
+    group_delays: [Some(on(0, 78)), Some(on(0, 88))],
+};
+
+const D2: Layout = Layout {
+    form: &BEIDOU,
+    ellipse: [on(5, 64), on(4, 96).behind(22)],
+    angles: [on(4, 46), on(8, 47), on(6, 85).behind(11), on(8, 79).behind(5)],
+    rates: [on(3, 76), on(7, 89).behind(5), on(9, 47)],
+    angle_corrections: [on(3, 92).behind(4), on(4, 78), on(5, 96).behind(8), on(6, 50)],
+    length_corrections: [on(7, 53), on(7, 71)],
+    clock: [on(2, 80), on(2, 104).behind(18), on(3, 60)],
+    group_delays: [Some(on(0, 82)), Some(on(0, 92))],
+};
 
 /// The information in a subframe.
 pub(super) fn subframe(words: &[u32; 10]) -> Result<[u8; D1_BYTES], Refusal> {
@@ -103,92 +124,45 @@ pub(super) fn d2_ionosphere(page: Bits<'_>) -> [f64; 8] {
 /// The ephemeris in subframes 1 to 3 of D1.
 pub(super) fn d1_ephemeris(
     satellite: SatelliteId,
-    pages: [Bits<'_>; D1_PAGES],
+    pages: &[Bits<'_>],
     calendar: &Calendar,
 ) -> Result<Broadcast, Refusal> {
-    let [first, second, third] = pages;
+    let &[first, second, third] = pages else { return Err(Refusal::Malformed) };
     let toe = second.unsigned(222, 2) << 15 | third.unsigned(38, 15);
     let toc = first.unsigned(61, 17);
-    if !follow_each_other(&pages, 6) || toe != toc {
+    if !follow_each_other(pages, 6) || toe != toc {
         return Err(Refusal::Mixed);
     }
     let week = MessageWeek { constellation: satellite.constellation(), week: first.unsigned(48, 13) as u16 };
     let reference = calendar.resolve(week, f64::from(REFERENCE_STEP_S * toe)).ok_or(Refusal::Value)?;
-    Ok(Broadcast {
-        satellite,
-        source: Source::BeidouD1D2,
-        health: Health::of_satellite(!first.is_set(38)),
-        accuracy_m: ura_m(first.small(44, 4)),
-        toe: reference,
-        toc: reference,
-        sqrt_a_sqrt_m: second.positive(190, 32, -19),
-        eccentricity: second.positive(104, 32, -33),
-        m0_sc: second.scaled(72, 32, -31),
-        omega0_sc: third.scaled(159, 32, -31),
-        i0_sc: third.scaled(53, 32, -31),
-        omega_sc: third.scaled(191, 32, -31),
-        delta_n_sc_s: second.scaled(38, 16, -43),
-        omegadot_sc_s: third.scaled(103, 24, -43),
-        idot_sc_s: third.scaled(145, 14, -43),
-        cuc_rad: second.scaled_f32(54, 18, -31),
-        cus_rad: second.scaled_f32(136, 18, -31),
-        crc_m: second.scaled_f32(154, 18, -6),
-        crs_m: second.scaled_f32(172, 18, -6),
-        cic_rad: third.scaled_f32(85, 18, -31),
-        cis_rad: third.scaled_f32(127, 18, -31),
-        af0_s: first.scaled(173, 24, -33),
-        af1_s_s: first.scaled(197, 22, -50),
-        af2_s_s2: first.scaled(162, 11, -66),
-        group_delays_s: [group_delay_s(first, 78), group_delay_s(first, 88)],
-    })
+    let health = Health::of_satellite(!first.is_set(38));
+    Ok(const { D1 }.read(&head(satellite, health, first.small(44, 4), reference), pages))
 }
 
 /// The ephemeris in the ten pages of D2.
 pub(super) fn d2_ephemeris(
     satellite: SatelliteId,
-    pages: [Bits<'_>; D2_PAGES],
+    pages: &[Bits<'_>],
     calendar: &Calendar,
 ) -> Result<Broadcast, Refusal> {
-    let [p1, _, p3, p4, p5, p6, p7, p8, p9, p10] = pages;
-    let (toe, toc) = (p7.unsigned(68, 17), p1.unsigned(65, 17));
-    if !follow_each_other(&pages, 3) || toe != toc {
+    let &[first, _, _, _, _, _, seventh, ..] = pages else { return Err(Refusal::Malformed) };
+    let (toe, toc) = (seventh.unsigned(68, 17), first.unsigned(65, 17));
+    if !follow_each_other(pages, 3) || toe != toc {
         return Err(Refusal::Mixed);
     }
-    let week = MessageWeek { constellation: satellite.constellation(), week: p1.unsigned(52, 13) as u16 };
+    let week = MessageWeek { constellation: satellite.constellation(), week: first.unsigned(52, 13) as u16 };
     let reference = calendar.resolve(week, f64::from(REFERENCE_STEP_S * toe)).ok_or(Refusal::Value)?;
-    let split = |upper: i32, lower: Bits<'_>, width: usize, exponent: i32| {
-        f64::from(joined(upper, lower.unsigned(42, width), width)) * power_of_two(exponent)
-    };
-    let eccentricity = p5.unsigned(96, 10) << 22 | p6.unsigned(42, 22);
-    Ok(Broadcast {
-        satellite,
-        source: Source::BeidouD1D2,
-        health: Health::of_satellite(!p1.is_set(42)),
-        accuracy_m: ura_m(p1.small(48, 4)),
-        toe: reference,
-        toc: reference,
-        sqrt_a_sqrt_m: p6.positive(64, 32, -19),
-        eccentricity: f64::from(eccentricity) * power_of_two(-33),
-        m0_sc: p5.scaled(46, 32, -31),
-        omega0_sc: p9.scaled(47, 32, -31),
-        i0_sc: split(p7.signed(85, 21), p8, 11, -31),
-        omega_sc: split(p9.signed(79, 27), p10, 5, -31),
-        delta_n_sc_s: p4.scaled(76, 16, -43),
-        omegadot_sc_s: split(p8.signed(89, 19), p9, 5, -43),
-        idot_sc_s: p10.scaled(47, 14, -43),
-        cuc_rad: split(p4.signed(92, 14), p5, 4, -31) as f32,
-        cus_rad: p5.scaled_f32(78, 18, -31),
-        crc_m: p8.scaled_f32(53, 18, -6),
-        crs_m: p8.scaled_f32(71, 18, -6),
-        cic_rad: split(p6.signed(96, 10), p7, 8, -31) as f32,
-        cis_rad: p7.scaled_f32(50, 18, -31),
-        af0_s: p3.scaled(80, 24, -33),
-        af1_s_s: split(p3.signed(104, 4), p4, 18, -50),
-        af2_s_s2: p4.scaled(60, 11, -66),
-        group_delays_s: [group_delay_s(p1, 82), group_delay_s(p1, 92)],
-    })
+    let health = Health::of_satellite(!first.is_set(42));
+    Ok(const { D2 }.read(&head(satellite, health, first.small(48, 4), reference), pages))
 }
 
-fn group_delay_s(page: Bits<'_>, start: usize) -> f32 {
-    page.signed(start, 10) as f32 * GROUP_DELAY_STEP_S
+fn head(satellite: SatelliteId, health: Health, accuracy: u8, reference: GpsTime) -> Head {
+    Head {
+        satellite,
+        source: Source::BeidouD1D2,
+        health,
+        accuracy_m: ura_m(accuracy),
+        toe: reference,
+        toc: reference,
+    }
 }

@@ -25,6 +25,7 @@ use super::parity::crc24q;
 use crate::ephemeris::{Broadcast, Health, Source, galileo_sisa_m};
 use crate::input::bits::{Bits, Packed};
 use crate::input::calendar::{Calendar, MessageWeek};
+use crate::input::elements::{GALILEO, Head, Layout, on};
 use crate::raw::Band;
 
 /// Bytes of an I/NAV word.
@@ -38,6 +39,28 @@ pub(super) const FNAV_BYTES: usize = 24;
 
 /// Pages of an F/NAV ephemeris.
 pub(super) const FNAV_PAGES: usize = 4;
+
+const INAV: Layout = Layout {
+    form: &GALILEO,
+    ellipse: [on(0, 94), on(0, 62)],
+    angles: [on(0, 30), on(1, 16), on(1, 48), on(1, 80)],
+    rates: [on(2, 40), on(2, 16), on(1, 112)],
+    angle_corrections: [on(2, 56), on(2, 72), on(3, 22), on(3, 38)],
+    length_corrections: [on(2, 88), on(2, 104)],
+    clock: [on(3, 68), on(3, 99), on(3, 120)],
+    group_delays: [Some(on(4, 47)), Some(on(4, 57))],
+};
+
+const FNAV: Layout = Layout {
+    form: &GALILEO,
+    ellipse: [on(1, 104), on(1, 72)],
+    angles: [on(1, 16), on(1, 136), on(2, 16), on(2, 48)],
+    rates: [on(2, 80), on(1, 48), on(1, 168)],
+    angle_corrections: [on(2, 96), on(2, 112), on(3, 16), on(3, 32)],
+    length_corrections: [on(2, 128), on(2, 144)],
+    clock: [on(0, 36), on(0, 67), on(0, 88)],
+    group_delays: [Some(on(0, 143)), None],
+};
 
 /// The word of an I/NAV page, from the receiver's eight words: 120 bits of each part, then eight of no meaning.
 pub(super) fn inav_word(words: &[u32; 8]) -> Result<[u8; INAV_BYTES], Refusal> {
@@ -97,9 +120,10 @@ pub(super) fn kind(page: Bits<'_>) -> u32 {
 /// The ephemeris in words 1 to 5.
 pub(super) fn inav_ephemeris(
     satellite: SatelliteId,
-    [first, second, third, fourth, fifth]: [Bits<'_>; INAV_PAGES],
+    pages: &[Bits<'_>],
     calendar: &Calendar,
 ) -> Result<Broadcast, Refusal> {
+    let &[first, second, third, fourth, fifth] = pages else { return Err(Refusal::Malformed) };
     let issue = first.unsigned(6, 10);
     if [second, third, fourth].iter().any(|word| word.unsigned(6, 10) != issue) {
         return Err(Refusal::Mixed);
@@ -109,7 +133,7 @@ pub(super) fn inav_ephemeris(
     }
     let week = MessageWeek { constellation: satellite.constellation(), week: fifth.unsigned(73, 12) as u16 };
     let instant = |minutes: u32| calendar.resolve(week, f64::from(60 * minutes)).ok_or(Refusal::Value);
-    Ok(Broadcast {
+    let head = Head {
         satellite,
         source: Source::GalileoInav,
         health: Health::UNKNOWN
@@ -118,26 +142,8 @@ pub(super) fn inav_ephemeris(
         accuracy_m: galileo_sisa_m(third.small(120, 8)),
         toe: instant(first.unsigned(16, 14))?,
         toc: instant(fourth.unsigned(54, 14))?,
-        sqrt_a_sqrt_m: first.positive(94, 32, -19),
-        eccentricity: first.positive(62, 32, -33),
-        m0_sc: first.scaled(30, 32, -31),
-        omega0_sc: second.scaled(16, 32, -31),
-        i0_sc: second.scaled(48, 32, -31),
-        omega_sc: second.scaled(80, 32, -31),
-        delta_n_sc_s: third.scaled(40, 16, -43),
-        omegadot_sc_s: third.scaled(16, 24, -43),
-        idot_sc_s: second.scaled(112, 14, -43),
-        cuc_rad: third.scaled_f32(56, 16, -29),
-        cus_rad: third.scaled_f32(72, 16, -29),
-        crc_m: third.scaled_f32(88, 16, -5),
-        crs_m: third.scaled_f32(104, 16, -5),
-        cic_rad: fourth.scaled_f32(22, 16, -29),
-        cis_rad: fourth.scaled_f32(38, 16, -29),
-        af0_s: fourth.scaled(68, 31, -34),
-        af1_s_s: fourth.scaled(99, 21, -46),
-        af2_s_s2: fourth.scaled(120, 6, -59),
-        group_delays_s: [fifth.scaled_f32(47, 10, -32), fifth.scaled_f32(57, 10, -32)],
-    })
+    };
+    Ok(const { INAV }.read(&head, pages))
 }
 
 /// The leap seconds in word 6.
@@ -153,9 +159,10 @@ pub(super) fn utc(word: Bits<'_>) -> Announcement {
 /// The ephemeris in pages 1 to 4 of F/NAV.
 pub(super) fn fnav_ephemeris(
     satellite: SatelliteId,
-    [first, second, third, fourth]: [Bits<'_>; FNAV_PAGES],
+    pages: &[Bits<'_>],
     calendar: &Calendar,
 ) -> Result<Broadcast, Refusal> {
+    let &[first, second, third, fourth] = pages else { return Err(Refusal::Malformed) };
     let issue = first.unsigned(12, 10);
     if [second, third, fourth].iter().any(|page| page.unsigned(6, 10) != issue) {
         return Err(Refusal::Mixed);
@@ -165,31 +172,13 @@ pub(super) fn fnav_ephemeris(
     }
     let week = MessageWeek { constellation: satellite.constellation(), week: first.unsigned(155, 12) as u16 };
     let instant = |minutes: u32| calendar.resolve(week, f64::from(60 * minutes)).ok_or(Refusal::Value);
-    Ok(Broadcast {
+    let head = Head {
         satellite,
         source: Source::GalileoFnav,
         health: Health::UNKNOWN.with(Band::E5a, first.unsigned(153, 2) == 0 && !first.is_set(187)),
         accuracy_m: galileo_sisa_m(first.small(94, 8)),
         toe: instant(third.unsigned(160, 14))?,
         toc: instant(first.unsigned(22, 14))?,
-        sqrt_a_sqrt_m: second.positive(104, 32, -19),
-        eccentricity: second.positive(72, 32, -33),
-        m0_sc: second.scaled(16, 32, -31),
-        omega0_sc: second.scaled(136, 32, -31),
-        i0_sc: third.scaled(16, 32, -31),
-        omega_sc: third.scaled(48, 32, -31),
-        delta_n_sc_s: third.scaled(80, 16, -43),
-        omegadot_sc_s: second.scaled(48, 24, -43),
-        idot_sc_s: second.scaled(168, 14, -43),
-        cuc_rad: third.scaled_f32(96, 16, -29),
-        cus_rad: third.scaled_f32(112, 16, -29),
-        crc_m: third.scaled_f32(128, 16, -5),
-        crs_m: third.scaled_f32(144, 16, -5),
-        cic_rad: fourth.scaled_f32(16, 16, -29),
-        cis_rad: fourth.scaled_f32(32, 16, -29),
-        af0_s: first.scaled(36, 31, -34),
-        af1_s_s: first.scaled(67, 21, -46),
-        af2_s_s2: first.scaled(88, 6, -59),
-        group_delays_s: [first.scaled_f32(143, 10, -32), 0.0],
-    })
+    };
+    Ok(const { FNAV }.read(&head, pages))
 }

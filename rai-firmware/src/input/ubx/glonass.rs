@@ -55,10 +55,11 @@ pub(super) fn number(string: Bits<'_>) -> u32 {
 /// The ephemeris in strings 1 to 4. Needs to know what time it is, and the leap seconds.
 pub(super) fn ephemeris(
     satellite: SatelliteId,
-    [first, second, third, fourth]: [Bits<'_>; PAGES],
+    pages: &[Bits<'_>],
     now: GpsTime,
     leap_s: u8,
 ) -> Result<StateBroadcast, Refusal> {
+    let &[first, second, third, fourth] = pages else { return Err(Refusal::Malformed) };
     let slot = fourth.small(70, 5);
     if slot != 0 && slot != satellite.number() {
         return Err(Refusal::Value);

@@ -24,6 +24,7 @@ use super::parity::is_lnav_word;
 use crate::ephemeris::{Broadcast, Health, Source, ura_m};
 use crate::input::bits::{Bits, Packed};
 use crate::input::calendar::{Calendar, MessageWeek};
+use crate::input::elements::{GPS, Head, Layout, on};
 
 /// Bytes of a subframe without parities.
 pub(super) const BYTES: usize = 30;
@@ -39,6 +40,17 @@ const SPAN_S: u32 = 90;
 
 /// The identity of the page with ionosphere and UTC.
 const IONOSPHERE_AND_UTC: u32 = 56;
+
+const LAYOUT: Layout = Layout {
+    form: &GPS,
+    ellipse: [on(1, 184), on(1, 136)],
+    angles: [on(1, 88), on(2, 64), on(2, 112), on(2, 160)],
+    rates: [on(1, 72), on(2, 192), on(2, 224)],
+    angle_corrections: [on(1, 120), on(1, 168), on(2, 48), on(2, 96)],
+    length_corrections: [on(2, 144), on(1, 56)],
+    clock: [on(0, 216), on(0, 200), on(0, 192)],
+    group_delays: [Some(on(0, 160)), None],
+};
 
 /// A subframe from the words of the receiver, the inversion by the last bit of the word before undone.
 pub(super) fn subframe(words: &[u32; 10]) -> Result<[u8; BYTES], Refusal> {
@@ -63,9 +75,10 @@ pub(super) fn number(subframe: Bits<'_>) -> u32 {
 /// The ephemeris in subframes 1 to 3.
 pub(super) fn ephemeris(
     satellite: SatelliteId,
-    [first, second, third]: [Bits<'_>; PAGES],
+    pages: &[Bits<'_>],
     calendar: &Calendar,
 ) -> Result<Broadcast, Refusal> {
+    let &[first, second, third] = pages else { return Err(Refusal::Malformed) };
     let issue = second.unsigned(48, 8);
     if third.unsigned(216, 8) != issue
         || first.unsigned(168, 8) != issue
@@ -79,33 +92,15 @@ pub(super) fn ephemeris(
         (true, field) => (Source::QzssLnav, Health::of_qzss(field)),
         (false, field) => (Source::GpsLnav, Health::of_satellite(field == 0)),
     };
-    Ok(Broadcast {
+    let head = Head {
         satellite,
         source,
         health,
         accuracy_m: ura_m(first.small(60, 4)),
         toe: instant(second.unsigned(216, 16))?,
         toc: instant(first.unsigned(176, 16))?,
-        sqrt_a_sqrt_m: second.positive(184, 32, -19),
-        eccentricity: second.positive(136, 32, -33),
-        m0_sc: second.scaled(88, 32, -31),
-        omega0_sc: third.scaled(64, 32, -31),
-        i0_sc: third.scaled(112, 32, -31),
-        omega_sc: third.scaled(160, 32, -31),
-        delta_n_sc_s: second.scaled(72, 16, -43),
-        omegadot_sc_s: third.scaled(192, 24, -43),
-        idot_sc_s: third.scaled(224, 14, -43),
-        cuc_rad: second.scaled_f32(120, 16, -29),
-        cus_rad: second.scaled_f32(168, 16, -29),
-        crc_m: third.scaled_f32(144, 16, -5),
-        crs_m: second.scaled_f32(56, 16, -5),
-        cic_rad: third.scaled_f32(48, 16, -29),
-        cis_rad: third.scaled_f32(96, 16, -29),
-        af0_s: first.scaled(216, 22, -31),
-        af1_s_s: first.scaled(200, 16, -43),
-        af2_s_s2: first.scaled(192, 8, -55),
-        group_delays_s: [first.scaled_f32(160, 8, -31), 0.0],
-    })
+    };
+    Ok(const { LAYOUT }.read(&head, pages))
 }
 
 /// Whether the subframes are of one time: an issue number comes back after some hours.

@@ -110,23 +110,27 @@ pub(super) struct Page<'a> {
 pub(super) struct Set<'a> {
     bytes: &'a [u8],
     page_bytes: usize,
+    /// How many make the set.
+    pages: usize,
     present: &'a mut u16,
     /// Since the page before came, in the slot's units.
     gap: u32,
 }
 
 impl Set<'_> {
-    /// The pages, when all `N` are here.
-    pub(super) fn all<const N: usize>(&self) -> Option<[Bits<'_>; N]> {
-        let complete = (1_u32 << N) - 1;
+    /// The pages, when all are here.
+    #[inline(never)]
+    pub(super) fn all(&self) -> Option<Vec<Bits<'_>, { beidou::D2_PAGES }>> {
+        let complete = (1_u32 << self.pages) - 1;
         if u32::from(*self.present) & complete != complete {
             return None;
         }
-        let mut pages = [Bits(&[]); N];
-        for (page, bytes) in pages.iter_mut().zip(self.bytes.chunks_exact(self.page_bytes.max(1))) {
-            *page = Bits(bytes);
-        }
-        Some(pages)
+        let places = self.bytes.chunks_exact(self.page_bytes.max(1));
+        // No set has more pages than there is room for.
+        Some(places.take(self.pages).map(Bits).fold(Vec::new(), |mut pages, page| {
+            let _ = pages.push(page);
+            pages
+        }))
     }
 
     /// Whether the page just added comes right behind the one before it; a first one does. Else the set begins anew.
@@ -180,14 +184,14 @@ fn add<'a, const BYTES: usize, const SLOTS: usize>(
 ) -> Option<Set<'a>> {
     let now = (now_ms >> 10) as u32;
     let slot = slot_of(slots, page, now, abandoned)?;
-    let (page_bytes, _) = page.kind.size();
+    let (page_bytes, pages) = page.kind.size();
     if let Some(place) = slot.bytes.chunks_exact_mut(page_bytes).nth(page.index) {
         place.iter_mut().zip(page.bytes).for_each(|(place, byte)| *place = *byte);
         slot.present |= 1 << page.index;
     }
     let gap = now.wrapping_sub(slot.touched);
     slot.touched = now;
-    Some(Set { bytes: &slot.bytes, page_bytes, present: &mut slot.present, gap })
+    Some(Set { bytes: &slot.bytes, page_bytes, pages, present: &mut slot.present, gap })
 }
 
 /// The slot of a page's message: its own, a new one, or one that is free.

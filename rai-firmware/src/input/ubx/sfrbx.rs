@@ -221,22 +221,25 @@ impl Context<'_> {
         };
         let leap = self.calendar.leap_second().ok_or(Unread::LeapUnknown)?;
         let now = self.calendar.present().ok_or(Unread::WithoutWeek)?;
-        let state = glonass::ephemeris(page.satellite, strings, now, leap.seconds)?;
+        let state = glonass::ephemeris(page.satellite, &strings, now, leap.seconds)?;
+        drop(strings);
         set.close();
         Ok(Some(Message::State(state)))
     }
 
     /// Adds a page, and reads the set when that completes it.
-    fn complete<'a, const N: usize>(
+    #[inline(never)]
+    fn complete<'a>(
         &mut self,
         page: &Page<'_>,
-        read: impl Fn(SatelliteId, [Bits<'_>; N], &Calendar) -> Result<Broadcast, Refusal>,
+        read: fn(SatelliteId, &[Bits<'_>], &Calendar) -> Result<Broadcast, Refusal>,
     ) -> Result<Option<Message<'a>>, Unread> {
         let set = self.pages.add(page, self.now_ms).ok_or(Unread::BitsSurplus)?;
-        let Some(pages) = set.all::<N>() else {
+        let Some(pages) = set.all() else {
             return Ok(None);
         };
-        let ephemeris = read(page.satellite, pages, self.calendar)?;
+        let ephemeris = read(page.satellite, &pages, self.calendar)?;
+        drop(pages);
         set.close();
         Ok(Some(Message::Broadcast(ephemeris)))
     }

@@ -130,6 +130,7 @@ fn is_worth_a_vote<'r, T: Real>(members: impl Iterator<Item = &'r Row<T>>, solut
 }
 
 /// `z_i²` of a row that is left out of a solution, its residual first referred to a level.
+#[inline(never)]
 pub(super) fn deviation_squared<T: Real>(row: &Row<T>, solution: &Solution<T>, level: T) -> T {
     let fit = solution.fit(row);
     let residual = fit.residual - level;
@@ -138,6 +139,7 @@ pub(super) fn deviation_squared<T: Real>(row: &Row<T>, solution: &Solution<T>, l
 }
 
 /// Median of the residuals of a constellation that takes part in the epoch, but not in the solution.
+#[inline(never)]
 fn median_without_clock<T: Real>(rows: &[Row<T>], solution: &Solution<T>, clock: Constellation) -> Option<T> {
     if solution.determines(clock) {
         return None;

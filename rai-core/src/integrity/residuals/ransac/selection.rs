@@ -135,6 +135,7 @@ struct Subset<T: Real> {
 }
 
 impl<T: Real> Subset<T> {
+    #[inline(never)]
     fn of(rows: impl Iterator<Item = Vector4<T>>) -> Self {
         let (size, normal) =
             rows.fold((0, Matrix4::zeros()), |(size, sum), row| (size + 1, sum + row * row.transpose()));
@@ -210,7 +211,7 @@ impl<T: Real> Dealer<T> {
                     candidate.clock == clock && candidate.subset == Some(number as u8)
                 };
                 if !self.candidates.iter().any(known) {
-                    self.take_best(number, |candidate| candidate.clock == clock);
+                    self.take_best(number, Some(clock));
                 }
             }
         }
@@ -220,16 +221,17 @@ impl<T: Real> Dealer<T> {
         for _ in 0..self.candidates.len() {
             let smallest = self.subsets.iter().enumerate().min_by_key(|(_, subset)| subset.size);
             let Some((number, _)) = smallest else { return };
-            self.take_best(number, |_| true);
+            self.take_best(number, None);
         }
     }
 
-    /// Gives a subset the free satellite that contributes most, if there is one.
-    fn take_best(&mut self, number: usize, wanted: impl Fn(&Candidate<T>) -> bool) {
+    /// Gives a subset the free satellite that contributes most, of one clock or of any, if there is one.
+    #[inline(never)]
+    fn take_best(&mut self, number: usize, clock: Option<Constellation>) {
         let Some(subset) = self.subsets.get_mut(number) else { return };
         let free = self.candidates.iter_mut().filter(|candidate| candidate.subset.is_none());
         let mut best: Option<(T, &mut Candidate<T>)> = None;
-        for candidate in free.filter(|candidate| wanted(candidate)) {
+        for candidate in free.filter(|candidate| clock.is_none_or(|clock| candidate.clock == clock)) {
             let contribution = subset.contribution(&candidate.row());
             if best.as_ref().is_none_or(|(largest, _)| contribution > *largest) {
                 best = Some((contribution, candidate));

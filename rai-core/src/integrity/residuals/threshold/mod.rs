@@ -17,7 +17,7 @@
 //!
 //! The table is generated (`cargo xtask tables`) and exact to 1e-12 relative. Nothing is interpolated between
 //! probabilities and nothing is extrapolated: a probability that is not in the table is an error that names
-//! the nearest one, and a row's end is `None`. Without the feature `tables` those of the phases of flight alone are there.
+//! the nearest one, and a row's end is `None`. Without the feature `tables` those of the phases of flight alone are there, and with `short-tables` rows end earlier.
 //!
 //! What tables cannot hold, because it depends on the geometry, is solved for in [`chi_square`](crate::numeric::chi_square); [`policy`] chooses.
 //!
@@ -29,14 +29,9 @@
 use core::fmt;
 
 use crate::numeric::probability::Probability;
-#[cfg(not(feature = "tables"))]
-use phases as rows;
-#[cfg(feature = "tables")]
-use table as rows;
 
-#[cfg(not(feature = "tables"))]
-mod phases;
 pub mod policy;
+mod rows;
 mod table;
 
 pub use crate::numeric::chi_square::MAX_DOF;
@@ -101,11 +96,14 @@ impl Thresholds<'static> {
         false_alarm: Probability,
         missed_detection: Probability,
     ) -> Result<Self, ThresholdError> {
-        let alarm_rows = rows::TAU1.iter().zip(&rows::LAMBDA).zip(&rows::W_TEST);
-        let ((tau1, lambdas), w_test) = matching(&rows::FALSE_ALARM, alarm_rows, false_alarm)
+        let alarm = matching(&rows::FALSE_ALARM, false_alarm)
             .map_err(|nearest| ThresholdError::FalseAlarm { nearest })?;
-        let lambda = matching(&rows::MISSED_DETECTION, lambdas.iter(), missed_detection)
+        let miss = matching(&rows::MISSED_DETECTION, missed_detection)
             .map_err(|nearest| ThresholdError::MissedDetection { nearest })?;
+        // As many rows as probabilities: there is always one.
+        let tau1 = rows::TAU1.get(alarm).map_or(&[][..], |row| row);
+        let w_test = rows::W_TEST.get(alarm).map_or(&[][..], |row| row);
+        let lambda = rows::LAMBDA.get(alarm).and_then(|rows| rows.get(miss)).map_or(&[][..], |row| row);
         Ok(Self { tau1, lambda, w_test })
     }
 }
@@ -138,23 +136,20 @@ fn element(row: &[f64], number: usize) -> Option<f64> {
     row.get(number.checked_sub(1)?).copied()
 }
 
-/// The row whose probability is `wanted`, or the nearest probability.
-fn matching<Row>(
-    grid: &[Probability],
-    rows: impl Iterator<Item = Row>,
-    wanted: Probability,
-) -> Result<Row, Probability> {
+/// Where the probabilities have `wanted`, or the nearest of them.
+#[inline(never)]
+fn matching(grid: &[Probability], wanted: Probability) -> Result<usize, Probability> {
     // That it is written alike costs a comparison, that it means the same a logarithm of each.
-    let (exact, grid) = (grid.iter().position(|known| *known == wanted), grid.iter());
+    if let Some(index) = grid.iter().position(|known| *known == wanted) {
+        return Ok(index);
+    }
     let distance = |known: &Probability| libm::fabs(libm::log(known.get() / wanted.get()));
-    let same = |(known, _): &(&Probability, Row)| distance(known) <= SAME_PROBABILITY;
-    let nearest = || grid.clone().min_by(|a, b| distance(a).total_cmp(&distance(b)));
-    let mut rows = grid.clone().zip(rows);
-    let row = match exact {
-        Some(index) => rows.nth(index),
-        None => rows.find(same),
-    };
-    row.map(|(_, row)| row).ok_or_else(|| nearest().copied().unwrap_or(wanted))
+    let nearest = grid.iter().enumerate().min_by(|(_, a), (_, b)| distance(a).total_cmp(&distance(b)));
+    match nearest {
+        Some((index, known)) if distance(known) <= SAME_PROBABILITY => Ok(index),
+        Some((_, known)) => Err(*known),
+        None => Err(wanted),
+    }
 }
 
 /// A probability of the generated table, checked while compiling.

@@ -1,0 +1,77 @@
+//! What a build takes of the committed tables.
+//!
+//! Without the feature `tables` it is the phases of flight alone, which all ask for the same two probabilities
+//! ([`crate::requirements`]). With the feature `short-tables` rows end where [`single`](crate::single) has no room for more
+//! satellites: who runs nothing else has no use for what is behind. All rows take 26 KB of flash, short ones 20, one pair 1.5.
+#![allow(clippy::indexing_slicing, reason = "while compiling, where an index beyond the end is an error")]
+
+use super::table;
+use crate::numeric::probability::Probability;
+
+/// Degrees of freedom, and tests, that the rows are for.
+const DOF: usize = if cfg!(feature = "short-tables") { crate::single::CAPACITY } else { super::MAX_DOF };
+const TESTS: usize = if cfg!(feature = "short-tables") { crate::single::CAPACITY } else { super::MAX_TESTS };
+
+#[cfg(feature = "tables")]
+mod taken {
+    pub(super) const ALARMS: [usize; 9] = [0, 1, 2, 3, 4, 5, 6, 7, 8];
+    pub(super) const MISSES: [usize; 4] = [0, 1, 2, 3];
+}
+
+#[cfg(not(feature = "tables"))]
+mod taken {
+    use super::super::table;
+    use crate::requirements;
+
+    /// Where the tables have the phases' probability of false alarm, and where that of missed detection.
+    pub(super) const ALARMS: [usize; 1] = [6];
+    pub(super) const MISSES: [usize; 1] = [0];
+
+    const _: () =
+        assert!(table::FALSE_ALARM[ALARMS[0]].get().to_bits() == requirements::FALSE_ALARM.get().to_bits());
+    const _: () = assert!(
+        table::MISSED_DETECTION[MISSES[0]].get().to_bits() == requirements::MISSED_DETECTION.get().to_bits()
+    );
+}
+
+use taken::{ALARMS, MISSES};
+
+pub(super) static FALSE_ALARM: [Probability; ALARMS.len()] = probabilities(&table::FALSE_ALARM, ALARMS);
+pub(super) static MISSED_DETECTION: [Probability; MISSES.len()] =
+    probabilities(&table::MISSED_DETECTION, MISSES);
+pub(super) static TAU1: [[f64; DOF]; ALARMS.len()] = fronts(&table::TAU1, ALARMS);
+pub(super) static W_TEST: [[f64; TESTS]; ALARMS.len()] = fronts(&table::W_TEST, ALARMS);
+pub(super) static LAMBDA: [[[f64; DOF]; MISSES.len()]; ALARMS.len()] = {
+    let (mut blocks, mut alarm) = ([[[0.0; DOF]; MISSES.len()]; ALARMS.len()], 0);
+    while alarm < ALARMS.len() {
+        blocks[alarm] = fronts(&table::LAMBDA[ALARMS[alarm]], MISSES);
+        alarm += 1;
+    }
+    blocks
+};
+
+const fn probabilities<const N: usize>(all: &[Probability], taken: [usize; N]) -> [Probability; N] {
+    let (mut probabilities, mut index) = ([all[0]; N], 0);
+    while index < N {
+        probabilities[index] = all[taken[index]];
+        index += 1;
+    }
+    probabilities
+}
+
+/// The fronts of the rows that are taken.
+const fn fronts<const LONG: usize, const SHORT: usize, const N: usize>(
+    rows: &[[f64; LONG]],
+    taken: [usize; N],
+) -> [[f64; SHORT]; N] {
+    let (mut fronts, mut index) = ([[0.0; SHORT]; N], 0);
+    while index < N {
+        let mut column = 0;
+        while column < SHORT {
+            fronts[index][column] = rows[taken[index]][column];
+            column += 1;
+        }
+        index += 1;
+    }
+    fronts
+}
