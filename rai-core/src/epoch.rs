@@ -19,6 +19,15 @@ use crate::numeric::bounds::is_within;
 use crate::satellite::{Constellation, SatelliteId};
 use crate::weighting::adaptation::Adaptation;
 
+/// Most satellites in one epoch of [`single`](crate::single): more than three systems show at once anywhere on earth, or fewer where memory is scarce.
+pub const CAPACITY: usize = if cfg!(feature = "satellites-16") {
+    16
+} else if cfg!(feature = "satellites-32") {
+    32
+} else {
+    48
+};
+
 /// Bounds of what a range to a navigation satellite can be, receiver clock included, m.
 ///
 /// A receiver clock may be off by a second and more; nothing physical is beyond.

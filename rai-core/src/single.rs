@@ -7,6 +7,8 @@
 #[cfg(feature = "stages")]
 pub mod stages;
 
+pub use crate::epoch::CAPACITY;
+
 use crate::epoch::Epoch;
 use crate::frame::Ecef;
 use crate::integrity::residuals::levels::Factors;
@@ -15,15 +17,6 @@ use crate::monitor::Search;
 use crate::report::Report;
 use crate::snapshot::{Snapshot, SnapshotError};
 use crate::velocity::{RangeRate, Velocity, VelocityError};
-
-/// Most satellites in one epoch: more than three systems show at once anywhere on earth, or fewer where memory is scarce.
-pub const CAPACITY: usize = if cfg!(feature = "satellites-16") {
-    16
-} else if cfg!(feature = "satellites-32") {
-    32
-} else {
-    48
-};
 
 /// [`crate::monitor::Monitor`] of this instance.
 pub type Monitor = crate::monitor::Monitor<f32, CAPACITY>;

@@ -72,7 +72,7 @@ pub use phase::Phase;
 pub use port::{Action, CommandPort, Heard};
 pub use promises::Promises;
 pub use refusal::Refusal;
-pub use sealed::Unsealed;
+pub use sealed::{SEALED_BYTES, Unsealed};
 pub use setting::{Frequencies, Heights, Levels, Recovery, Setting, Sigma, Systems};
 
 /// Everything that a command can change.

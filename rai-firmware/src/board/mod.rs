@@ -19,6 +19,8 @@ use rai_core::report::Verdict;
 
 pub mod reset;
 
+pub use crate::config::SEALED_BYTES;
+
 use crate::counters::counters;
 use crate::timed_ring::Taken;
 use reset::ResetCause;
@@ -38,9 +40,6 @@ counters! {
         log_bytes_lost,
     }
 }
-
-/// Bytes of settings that survive a restart.
-pub const SEALED_BYTES: usize = 1024;
 
 /// The hardware around the module. No function of it waits, but for [`Board::sleep`].
 pub trait Board {

@@ -17,7 +17,9 @@ use super::key::Key;
 use super::promises::VALUES;
 use super::said::{Crc32, ORDER};
 use super::{Command, Configuration, Phase};
-use crate::board::SEALED_BYTES;
+
+/// Bytes of settings that survive a restart.
+pub const SEALED_BYTES: usize = 1024;
 
 /// Improbable in memory after power-on.
 const MARK: [u8; 4] = *b"RAIs";

@@ -6,11 +6,12 @@
 #![allow(clippy::indexing_slicing, reason = "while compiling, where an index beyond the end is an error")]
 
 use super::table;
+use crate::epoch::CAPACITY;
 use crate::numeric::probability::Probability;
 
 /// Degrees of freedom, and tests, that the rows are for.
-const DOF: usize = if cfg!(feature = "short-tables") { crate::single::CAPACITY } else { super::MAX_DOF };
-const TESTS: usize = if cfg!(feature = "short-tables") { crate::single::CAPACITY } else { super::MAX_TESTS };
+const DOF: usize = if cfg!(feature = "short-tables") { CAPACITY } else { super::MAX_DOF };
+const TESTS: usize = if cfg!(feature = "short-tables") { CAPACITY } else { super::MAX_TESTS };
 
 #[cfg(feature = "tables")]
 mod taken {
