@@ -176,17 +176,18 @@ fn gpsd_drops_the_fix_when_there_is_none() -> Result<()> {
     Ok(())
 }
 
-/// GPS time began at 1980-01-06 00:00:00 UTC.
-const GPS_BEGAN: Duration = Duration::from_secs(315_964_800);
+/// GPS time began at 1980-01-06 00:00:00 UTC, ms of Unix time.
+const GPS_BEGAN_MS: u64 = 315_964_800_000;
 
 /// Says each full second as it begins, for so many seconds; what chronyd makes of its source then.
 fn tell_the_time(gpsd: &mut Gpsd, chronyd: &Chronyd, report: &Report<64>, seconds: u32) -> Result<Source> {
     for _ in 0..seconds {
-        let since_began = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH)? - GPS_BEGAN;
-        let next = Duration::from_secs(since_began.as_secs() + 1);
-        std::thread::sleep(next - since_began);
-        let ms = u64::try_from(next.as_millis())? + u64::from(GPS_MINUS_UTC_S) * 1000;
-        gpsd.feed(&sentences_at(report, GpsTime::from_ms(ms)))?;
+        let now_ms = u64::try_from(SystemTime::now().duration_since(SystemTime::UNIX_EPOCH)?.as_millis())?;
+        let to_next_ms = 1000 - now_ms % 1000;
+        std::thread::sleep(Duration::from_millis(to_next_ms));
+        let utc_ms = now_ms + to_next_ms - GPS_BEGAN_MS;
+        let time = GpsTime::from_ms(utc_ms + u64::from(GPS_MINUS_UTC_S) * 1000);
+        gpsd.feed(&sentences_at(report, time))?;
         let _ = gpsd.objects()?;
     }
     chronyd.source()?.context("chronyd does not answer")

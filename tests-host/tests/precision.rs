@@ -101,7 +101,10 @@ impl Differences {
             self.position_m = self.position_m.max(one.position.distance_m(other.position));
         }
         if let (Some(one), Some(other)) = (&one.protection, &other.protection) {
-            let relative = |one: f64, other: f64| if one == other { 0.0 } else { (one / other - 1.0).abs() };
+            // Two that are infinite differ by nothing.
+            let is_same = |one: f64, other: f64| one.to_bits() == other.to_bits();
+            let relative =
+                |one: f64, other: f64| if is_same(one, other) { 0.0 } else { (one / other - 1.0).abs() };
             let largest = relative(one.hpl_m, other.hpl_m).max(relative(one.vpl_m, other.vpl_m));
             self.levels = self.levels.max(largest);
         }
@@ -121,7 +124,9 @@ fn differ_by_rounding_alone(station: &Station, faults: &[&str]) {
     for ranges in [Ranges::Pairs, Ranges::Singles] {
         let klobuchar = recording.klobuchar.and_then(Klobuchar::new);
         let mut pair = Pair::new(station.truth, klobuchar, ranges);
-        lumps.iter().for_each(|lump| pair.hear(&lump.bytes));
+        for lump in &lumps {
+            pair.hear(&lump.bytes);
+        }
         let seen = pair.seen;
         println!("{} {ranges:?}: {seen:?}", station.folder);
         assert!(seen.epochs as usize >= lumps.len() - 1, "{seen:?}");

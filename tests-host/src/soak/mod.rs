@@ -211,6 +211,8 @@ impl<P: FnMut(u64)> Bench<P> {
         for line in self.rig.heard() {
             // What is set once survives every restart.
             if self.tally.hear(&line) == Heard::Greeting && !std::mem::replace(&mut self.is_set_up, true) {
+                // A line has one rate: noise on it for seconds would have the module look for another, and lose an epoch.
+                self.rig.command("BAUD,115200")?;
                 // No other phase waits as long as the hours of a recording ask for.
                 self.rig.command("PHASE,CUSTOM")?;
                 self.rig.command(&format!("TTA,{}", self.tempo.time_to_alert_s))?;
