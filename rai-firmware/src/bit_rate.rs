@@ -1,7 +1,9 @@
 //! The bit rate of the GNSS port: fixed by command, or found.
 //!
 //! A receiver that sends at another rate is heard as bytes without a frame. While they come and [`PATIENCE_MS`] pass
-//! without a frame whose check is right, the next of [`RATES`] is tried, round and round.
+//! without a frame whose check is right, the next of [`RATES`] is tried, round and round. Noise on a line that somebody
+//! has pulled sounds the same: the rate of the last frame is tried again between any two others, and who comes back is heard
+//! within as long.
 //!
 //! A silent line tells nothing of its rate, so the last one stays: who comes back is heard at once. Bytes after a silence
 //! of as long begin the time anew, or what a receiver says between two rare epochs would count against it; one that says
@@ -17,6 +19,10 @@ pub const PATIENCE_MS: u64 = 5_000;
 #[derive(Debug)]
 pub struct BitRate {
     in_force: u32,
+    /// The one at which a frame was read last.
+    proven: Option<u32>,
+    /// The last of [`RATES`] that was tried.
+    tried: u32,
     /// Frames that have been counted.
     frames: u32,
     /// First and last byte without a frame, ms since start.
@@ -33,7 +39,7 @@ impl BitRate {
     /// The rate at which every port starts.
     pub const fn new() -> Self {
         let [at_start, ..] = RATES;
-        Self { in_force: at_start, frames: 0, unread_ms: None }
+        Self { in_force: at_start, proven: None, tried: at_start, frames: 0, unread_ms: None }
     }
 
     /// Bytes have come.
@@ -51,6 +57,9 @@ impl BitRate {
     /// `frames` counts those with a right check since start; `fixed` is what a command has said, bits a second.
     pub fn next(&mut self, frames: u32, fixed: Option<u32>) -> Option<u32> {
         let is_read = core::mem::replace(&mut self.frames, frames) != frames;
+        if is_read {
+            self.proven = Some(self.in_force);
+        }
         if is_read || fixed.is_some() {
             self.unread_ms = None;
         }
@@ -68,11 +77,15 @@ impl BitRate {
         Some(wanted)
     }
 
-    /// The rate after the one in force; the first after the last, and after one that is none of them.
-    fn following(&self) -> u32 {
-        let [first, ..] = RATES;
-        let behind = RATES.into_iter().skip_while(|baud| *baud != self.in_force).nth(1);
-        behind.unwrap_or(first)
+    /// The rate to try instead of the one in force: the proven one, and from there the one behind what was tried last.
+    fn following(&mut self) -> u32 {
+        if let Some(proven) = self.proven.filter(|proven| *proven != self.in_force) {
+            return proven;
+        }
+        let behind = RATES.iter().skip_while(|baud| **baud != self.tried).skip(1);
+        let others = |baud: &&u32| **baud != self.in_force;
+        self.tried = behind.chain(&RATES).find(others).copied().unwrap_or(self.in_force);
+        self.tried
     }
 }
 
@@ -131,6 +144,26 @@ mod tests {
             rate.hear(now_ms + 100);
             assert_eq!(rate.next(epoch, None), None);
         }
+    }
+
+    #[test]
+    fn noise_moves_from_a_proven_rate_for_as_long_as_the_patience_at_most() {
+        let (mut rate, mut baud) = (BitRate::new(), RATES[0]);
+        let (mut away_since_ms, mut tried) = (None, Vec::new());
+        // A frame at 38400, then noise for two minutes.
+        assert_eq!(rate.next(0, Some(RATES[1])), Some(RATES[1]));
+        assert_eq!(rate.next(1, None), None);
+        for now_ms in (0..120_000).step_by(100) {
+            rate.hear(now_ms);
+            if let Some(next) = rate.next(1, None) {
+                baud = next;
+                away_since_ms = (next != RATES[1]).then_some(now_ms);
+                tried.extend((next != RATES[1]).then_some(next));
+            }
+            assert!(away_since_ms.is_none_or(|since_ms| now_ms - since_ms <= PATIENCE_MS + 200), "{baud}");
+        }
+        // All others all the same: a receiver that was set to another rate is found.
+        assert!(RATES.iter().all(|baud| *baud == RATES[1] || tried.contains(baud)), "{tried:?}");
     }
 
     #[test]
