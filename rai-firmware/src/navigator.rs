@@ -88,6 +88,7 @@ impl Navigator {
     }
 
     /// Takes an ephemeris that was received at `now`.
+    #[inline(never)]
     pub fn learn(&mut self, ephemeris: Ephemeris, now: Option<GpsTime>) -> Insertion {
         self.store.insert(ephemeris, now)
     }
@@ -267,7 +268,6 @@ impl Navigator {
     }
 
     /// Corrects and judges the sky as seen from a point.
-    #[inline(never)]
     fn judge_about(
         &mut self,
         point: Ecef,
@@ -276,13 +276,22 @@ impl Navigator {
         configuration: &Configuration,
         search: Search<'_>,
     ) {
+        self.correct_about(point, time, ranges, configuration);
+        let Room { epoch, memory, .. } = &mut self.room;
+        single::judge(&self.monitor, epoch, point, search, memory);
+    }
+
+    /// Makes the epoch that is judged of the sky as seen from a point.
+    ///
+    /// Not inlined: the models of a site need the stack no longer when the epoch is judged.
+    #[inline(never)]
+    fn correct_about(&mut self, point: Ecef, time: GpsTime, ranges: Ranges, configuration: &Configuration) {
         let ism = self.promise(configuration);
         let klobuchar = self.klobuchar(time, configuration);
         let site =
             Site::new(point, time, configuration.mask_rad, klobuchar).with_ranges(ranges).weighted_by(ism);
-        let Room { sky, epoch, memory } = &mut self.room;
+        let Room { sky, epoch, .. } = &mut self.room;
         site.correct(sky, &mut self.tally.ranges, epoch);
-        single::judge(&self.monitor, epoch, point, search, memory);
     }
 
     /// What the ranges are weighed by: ARAIM by what is promised, the other methods by what is expected.

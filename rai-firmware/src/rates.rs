@@ -106,11 +106,18 @@ struct Seen {
 }
 
 /// Remembers where satellites were, and makes velocities of it.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Rates {
     last: Vec<Seen, CAPACITY>,
-    time: Option<GpsTime>,
+    /// Of the last epoch; before the first it is long ago. Not an option: with one the whole would be made on the stack first.
+    time: GpsTime,
     tally: RateTally,
+}
+
+impl Default for Rates {
+    fn default() -> Self {
+        Self::new()
+    }
 }
 
 impl Rates {
@@ -118,7 +125,7 @@ impl Rates {
     #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
     #[inline(always)]
     pub const fn new() -> Self {
-        Self { last: Vec::new(), time: None, tally: RateTally::NONE }
+        Self { last: Vec::new(), time: GpsTime::from_ms(0), tally: RateTally::NONE }
     }
 
     /// What became of the rates so far.
@@ -136,8 +143,8 @@ impl Rates {
         required: &Accepted,
         workspace: &mut Workspace,
     ) -> Option<Velocity> {
-        let before = self.time.replace(raw.time);
-        let elapsed_ms = before.map_or(0, |before| raw.time.since_ms(before));
+        let elapsed_ms = raw.time.since_ms(self.time);
+        self.time = raw.time;
         let is_near = (1..=LONGEST_MS).contains(&elapsed_ms);
         let velocity = place
             .filter(|_| is_near)

@@ -107,6 +107,7 @@ impl Adaptation {
     }
 
     /// What all sigmas are to be multiplied by at a time; 1 while too little is known.
+    #[inline(never)]
     pub fn scale(&self, time_s: f64) -> f64 {
         let now = libm::floor(time_s / MINUTE_S);
         let is_recent = |minute: &&Minute| minute.number <= now && minute.number + MINUTES as f64 > now;

@@ -72,17 +72,18 @@ impl<P: OutputPin> EpochLoop<P> {
     #[allow(clippy::inline_always, reason = "what is large is written where it is to stay")]
     #[inline(always)]
     pub(super) fn new(mut pin: P) -> Result<Self, MonitorError> {
-        let configuration = Configuration::at_start();
+        // Read where the program lies: a copy of its own would be on the stack.
+        static AT_START: Configuration = Configuration::at_start();
         let mut verdicts = Verdicts::NONE;
         if pin.set_low().is_err() {
             count(&mut verdicts.pin_failures);
         }
-        let requirements = Accepted::new(configuration.requirements)?;
-        let settings_hash = configuration.hash();
+        let requirements = Accepted::new(AT_START.requirements)?;
+        let settings_hash = AT_START.hash();
         Ok(Self {
             pin,
             navigator: Navigator::of(requirements),
-            configuration,
+            configuration: AT_START,
             publisher: Publisher::new(settings_hash),
             verdicts,
             last_verdict: None,
@@ -150,6 +151,9 @@ impl<P: OutputPin> EpochLoop<P> {
     }
 
     /// Acts on the navigator's report: the pin first, then the sentences.
+    ///
+    /// Not inlined: what the sentences take of the stack is not needed beside the judging.
+    #[inline(never)]
     fn conclude<W: Write>(&mut self, time: GpsTime, came_ms: u64, host: &mut W) {
         let verdict = self.navigator.report().verdict;
         self.drive_pin(matches!(verdict, Verdict::Protected(_)));
@@ -177,6 +181,7 @@ impl<P: OutputPin> EpochLoop<P> {
         self.sent(written.is_ok());
     }
 
+    #[inline(never)]
     pub(super) fn tick<W: Write>(&mut self, now_ms: u64, host: &mut W) -> bool {
         if now_ms.saturating_sub(self.last_epoch_ms) < self.time_to_alert_ms() {
             return false;
@@ -194,6 +199,7 @@ impl<P: OutputPin> EpochLoop<P> {
     }
 
     /// Says again what is said from time to time.
+    #[inline(never)]
     pub(super) fn repeat<W: Write>(&mut self, now_ms: u64, losses: &Losses, host: &mut W) {
         let written = self.publisher.tick(now_ms, &self.configuration, losses, host);
         self.sent(written.is_ok());

@@ -32,13 +32,13 @@ use heapless::Vec;
 use nalgebra::{Matrix4, Vector3, Vector4};
 
 use super::tetrahedra::{Corner, Work, inverted, largest};
-use crate::bounded::gather;
+use crate::bounded::{fill, gather};
 use crate::equations::{MAX_ROWS, Row};
 use crate::numeric::real::Real;
 use crate::satellite::Constellation;
 
-/// Subsets at most: those of 64 satellites of one constellation.
-pub const MAX_SUBSETS: usize = 16;
+/// Subsets at most: those of satellites of one constellation.
+pub const MAX_SUBSETS: usize = MAX_ROWS / 4;
 
 /// Triangles and tetrahedra of all subsets of 24 satellites.
 pub const MAX_WORK: usize = work_for(24);
@@ -73,17 +73,30 @@ impl Selection {
     ///
     /// `work` bounds the search for tetrahedra: [`MAX_WORK`], unless time is shorter.
     pub fn choose<T: Real>(rows: &[Row<T>], work: usize) -> Self {
-        let mut dealer = Dealer::new(rows, work);
+        let mut selection = Self::none();
+        selection.deal(rows, work);
+        selection
+    }
+
+    /// As [`Self::choose`], in the place of the selection before.
+    #[inline(never)]
+    pub(super) fn deal<T: Real>(&mut self, rows: &[Row<T>], work: usize) {
+        let mut dealer = Dealer::new(work);
+        dealer.take_candidates(rows);
         dealer.span_tetrahedra();
         dealer.complete_constellations();
         dealer.deal_the_rest();
-        let mut members: Vec<Option<u8>, MAX_ROWS> = gather(rows.iter().map(|_| None));
+        self.members.clear();
+        // As many as there are rows at most: never full here.
+        let _ = self.members.resize(rows.len(), None);
         for candidate in &dealer.candidates {
-            if let Some(member) = members.get_mut(candidate.index) {
+            if let Some(member) = self.members.get_mut(candidate.index) {
                 *member = candidate.subset;
             }
         }
-        Self { members, subsets: dealer.subsets.len(), work: work - dealer.work.left, cut: dealer.work.cut }
+        self.subsets = dealer.subsets.len();
+        self.work = work - dealer.work.left;
+        self.cut = dealer.work.cut;
     }
 
     /// Number of subsets.
@@ -164,13 +177,17 @@ struct Dealer<T: Real> {
 }
 
 impl<T: Real> Dealer<T> {
-    fn new(rows: &[Row<T>], work: usize) -> Self {
+    fn new(work: usize) -> Self {
+        Self { candidates: Vec::new(), subsets: Vec::new(), work: Work { left: work, cut: false } }
+    }
+
+    fn take_candidates(&mut self, rows: &[Row<T>]) {
         let satellites = rows.iter().enumerate().filter_map(|(index, row)| {
             let takes_part = row.weight > T::zero() && row.design != Vector3::zeros();
             let clock = row.clock.filter(|_| takes_part)?;
             Some(Candidate { index, clock, design: row.design, subset: None })
         });
-        Self { candidates: gather(satellites), subsets: Vec::new(), work: Work { left: work, cut: false } }
+        fill(&mut self.candidates, satellites);
     }
 
     fn constellations(&self) -> impl Iterator<Item = Constellation> {
@@ -198,8 +215,8 @@ impl<T: Real> Dealer<T> {
     /// Row indices of the four free satellites that span the largest tetrahedron.
     fn largest_tetrahedron(&mut self) -> Option<[usize; 4]> {
         let free = self.candidates.iter().filter(|candidate| candidate.subset.is_none());
-        let corners: Vec<Corner<T>, MAX_ROWS> =
-            gather(free.map(|candidate| (candidate.index, candidate.design)));
+        let mut corners = Vec::<Corner<'_, T>, MAX_ROWS>::new();
+        fill(&mut corners, free.map(|candidate| (candidate.index, &candidate.design)));
         largest(&corners, &mut self.work)
     }
 

@@ -32,7 +32,7 @@ impl Subsets {
             self.satellites = gather(satellites());
             // Without the aiding rows behind them, which come and go.
             let of_satellites = rows.get(..self.satellites.len()).unwrap_or(rows);
-            self.selection = Selection::choose(of_satellites, MAX_WORK);
+            self.selection.deal(of_satellites, MAX_WORK);
         }
         &self.selection
     }

@@ -37,7 +37,7 @@ use heapless::Vec;
 use nalgebra::{Cholesky, Matrix4, Vector3, Vector4};
 
 use crate::bit_set::{above, bit, members};
-use crate::bounded::gather;
+use crate::bounded::{fill, gather};
 use crate::equations::MAX_ROWS;
 use crate::numeric::real::Real;
 
@@ -60,7 +60,7 @@ const MAX_CONDITION: f64 = 1e4;
 const REACHED: f64 = 0.98;
 
 /// A satellite's row index and direction.
-pub(super) type Corner<T> = (usize, Vector3<T>);
+pub(super) type Corner<'r, T> = (usize, &'r Vector3<T>);
 
 /// Triangles and tetrahedra that may still be looked at.
 pub(super) struct Work {
@@ -81,16 +81,13 @@ impl Work {
 }
 
 /// Row indices of the four that span the largest tetrahedron; `None` where all of them lie in one plane.
-pub(super) fn largest<T: Real>(corners: &[Corner<T>], work: &mut Work) -> Option<[usize; 4]> {
+pub(super) fn largest<T: Real>(corners: &[Corner<'_, T>], work: &mut Work) -> Option<[usize; 4]> {
     let start = start(corners);
     let volume = start.as_ref().map_or(T::zero(), |start| start.volume);
     let least = volume * T::narrow(REACHED);
-    let mut search = Search {
-        corners,
-        companions: companions(corners, least),
-        largest: least,
-        found: start.map(|start| start.rows),
-    };
+    let mut search =
+        Search { corners, companions: Vec::new(), largest: least, found: start.map(|start| start.rows) };
+    find_companions(corners, least, &mut search.companions);
     search.run(work);
     search.found
 }
@@ -103,14 +100,14 @@ struct Plane<T: Real> {
 }
 
 impl<T: Real> Plane<T> {
-    fn through([a, b, c]: [&Corner<T>; 3]) -> Self {
+    fn through([a, b, c]: [&Corner<'_, T>; 3]) -> Self {
         let normal = (b.1 - a.1).cross(&(c.1 - a.1));
-        Self { normal, level: normal.dot(&a.1) }
+        Self { normal, level: normal.dot(a.1) }
     }
 
     /// Six volumes of the tetrahedron from the triangle to a tip.
-    fn volume(&self, tip: &Corner<T>) -> T {
-        (self.normal.dot(&tip.1) - self.level).abs()
+    fn volume(&self, tip: &Corner<'_, T>) -> T {
+        (self.normal.dot(tip.1) - self.level).abs()
     }
 }
 
@@ -122,14 +119,17 @@ struct Start<T> {
 
 /// The larger of what the exchange ends with from the first four on and from the last four on; `None` where no four are off
 /// a plane.
-fn start<T: Real>(corners: &[Corner<T>]) -> Option<Start<T>> {
+fn start<T: Real>(corners: &[Corner<'_, T>]) -> Option<Start<T>> {
     let ends = [corners.first_chunk(), corners.last_chunk()];
     let ended = ends.into_iter().flatten().filter_map(|four| exchanged(corners, four.each_ref()));
     ended.reduce(|one, other| if other.volume > one.volume { other } else { one })
 }
 
 /// Exchanges corners until none of the four has a better in its place.
-fn exchanged<'c, T: Real>(corners: &'c [Corner<T>], mut four: [&'c Corner<T>; 4]) -> Option<Start<T>> {
+fn exchanged<'c, T: Real>(
+    corners: &'c [Corner<'c, T>],
+    mut four: [&'c Corner<'c, T>; 4],
+) -> Option<Start<T>> {
     let (mut volume, mut unchanged) = (T::zero(), 0);
     for _ in 0..EXCHANGES {
         let [_, b, c, d] = four;
@@ -147,10 +147,13 @@ fn exchanged<'c, T: Real>(corners: &'c [Corner<T>], mut four: [&'c Corner<T>; 4]
     (volume > T::zero()).then_some(Start { volume, rows: four.map(|corner| corner.0) })
 }
 
-/// For each direction the later ones beside which it may span a volume of at least `least`, as a set.
-fn companions<T: Real>(corners: &[Corner<T>], least: T) -> Vec<u64, MAX_ROWS> {
+/// Finds for each direction the later ones beside which it may span a volume of at least `least`, as a set.
+///
+/// Not inlined: the metric needs the stack no longer when the search begins.
+#[inline(never)]
+fn find_companions<T: Real>(corners: &[Corner<'_, T>], least: T, companions: &mut Vec<u64, MAX_ROWS>) {
     let Some(metric) = Metric::over(corners) else {
-        return gather((0..corners.len()).map(above));
+        return fill(companions, (0..corners.len()).map(above));
     };
     let needed = least * least / (metric.determinant * metric.largest * metric.largest);
     let later = |index: usize, row: &Vector4<T>, leverage: T| {
@@ -162,7 +165,10 @@ fn companions<T: Real>(corners: &[Corner<T>], least: T) -> Vec<u64, MAX_ROWS> {
         })
     };
     let each = corners.iter().zip(&metric.leverages).enumerate();
-    gather(each.map(|(index, ((_, direction), &leverage))| later(index, &with_clock(direction), leverage)))
+    fill(
+        companions,
+        each.map(|(index, ((_, direction), &leverage))| later(index, &with_clock(direction), leverage)),
+    );
 }
 
 /// `h`.
@@ -182,7 +188,7 @@ struct Metric<T: Real> {
 
 impl<T: Real> Metric<T> {
     /// The metric in which the directions that matter are about as long; `None` where they nearly lie in a plane.
-    fn over(corners: &[Corner<T>]) -> Option<Self> {
+    fn over(corners: &[Corner<'_, T>]) -> Option<Self> {
         let mut weights: Vec<T, MAX_ROWS> = gather(corners.iter().map(|_| T::one()));
         for _ in 0..IMPROVEMENTS {
             let metric = Self::weighted(corners, &weights)?;
@@ -195,7 +201,7 @@ impl<T: Real> Metric<T> {
     }
 
     #[inline(never)]
-    fn weighted(corners: &[Corner<T>], weights: &[T]) -> Option<Self> {
+    fn weighted(corners: &[Corner<'_, T>], weights: &[T]) -> Option<Self> {
         let rows = || corners.iter().map(|(_, direction)| with_clock(direction));
         let normal = rows()
             .zip(weights)
@@ -216,7 +222,7 @@ pub(super) fn inverted<T: Real>(normal: Matrix4<T>) -> Option<(Matrix4<T>, T)> {
 
 /// The search over what may be together.
 struct Search<'c, T: Real> {
-    corners: &'c [Corner<T>],
+    corners: &'c [Corner<'c, T>],
     companions: Vec<u64, MAX_ROWS>,
     largest: T,
     found: Option<[usize; 4]>,
