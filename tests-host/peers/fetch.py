@@ -19,8 +19,8 @@ def download(address, archive):
         while block := source.read(1 << 20):
             to.write(block)
             done += len(block)
-            print(f"\r{done >> 20} of {size >> 20} MiB", end="", file=sys.stderr, flush=True)
-    print(file=sys.stderr)
+            if sys.stderr.isatty():
+                print(f"\r{done >> 20} of {size >> 20} MiB ", end="\n" if done == size else "", file=sys.stderr, flush=True)
     os.replace(part, archive)
 
 

@@ -96,6 +96,12 @@ pub(super) const PEERS: [Peer; 3] = [
     },
 ];
 
+/// The compiler and its version.
+pub(super) fn compiler() -> Result<String> {
+    let version = run(Command::new(ARM).arg("-dumpfullversion"))?;
+    Ok(format!("{ARM} {}", String::from_utf8_lossy(&version).trim()))
+}
+
 /// Compiles and runs a peer.
 ///
 /// # Errors
