@@ -8,7 +8,7 @@ use tests_host::{board, setup};
 
 /// Arguments of the command.
 #[derive(clap::Args, Default)]
-#[allow(clippy::struct_excessive_bools)] // Each is a flag of the command line.
+#[allow(clippy::struct_excessive_bools, reason = "each is another thing to do")]
 pub(crate) struct Arguments {
     /// Fail where a figure has grown by more than 2 % since it was committed.
     #[arg(long, conflicts_with = "save")]
