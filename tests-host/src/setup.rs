@@ -118,6 +118,15 @@ const CONSUMERS: Package = Package {
     words: "install gpsd, RTKLIB (for convbin) and Python with venv",
 };
 
+const PEERS: Package = Package {
+    debian: &["gcc-arm-none-eabi", "libnewlib-arm-none-eabi", "python3"],
+    // GCC there comes without a C library.
+    brew: None,
+    command: "sudo apt-get update && sudo apt-get install --no-install-recommends gcc-arm-none-eabi \
+              libnewlib-arm-none-eabi python3",
+    words: "install GCC for bare Arm with newlib (arm-none-eabi-gcc on the path), and Python 3",
+};
+
 fn install(package: &Package, packages: Packages) -> Vec<Step> {
     // A fresh machine knows no package at all before its lists are fetched.
     let update = ["apt-get", "update"];
@@ -205,6 +214,25 @@ pub fn consumers() -> anyhow::Result<()> {
     }
     run(&["python3", "-m", "venv", &folder])?;
     run(&[&[&python, "-m", "pip", "install", "--quiet"], &PYTHON_PACKAGES[..]].concat())
+}
+
+/// Installs what programs that ours is measured beside are fetched and compiled with.
+///
+/// # Errors
+/// As of [`ensure()`].
+pub fn peers() -> anyhow::Result<()> {
+    if !can_compile_peers() || !on_path("python3") {
+        install(&PEERS, packages()).iter().try_for_each(take)?;
+    }
+    ensure!(can_compile_peers(), "the set-up ran, and newlib for arm-none-eabi-gcc is still missing");
+    Ok(())
+}
+
+/// Whether the compiler of C for the chip is there with a C library.
+pub fn can_compile_peers() -> bool {
+    // A file that is not found is answered by its bare name.
+    let library = Command::new("arm-none-eabi-gcc").arg("-print-file-name=nosys.specs").output();
+    library.is_ok_and(|output| output.stdout.contains(&b'/'))
 }
 
 /// The Python that has the consumers' packages: the one that [`consumers`] has made, or else that of the system.

@@ -1,11 +1,14 @@
 //! `cargo xtask bench`: what the module costs on the chip.
 
 use anyhow::{Context as _, ensure};
+use tests_host::bench::peers::Comparison;
+use tests_host::bench::peers::sources::Sources;
 use tests_host::bench::{self, Measurement, budget};
-use tests_host::board;
+use tests_host::{board, setup};
 
 /// Arguments of the command.
 #[derive(clap::Args, Default)]
+#[allow(clippy::struct_excessive_bools, reason = "each is another thing to do")]
 pub(crate) struct Arguments {
     /// Fail where a figure has grown by more than 2 % since it was committed.
     #[arg(long, conflicts_with = "save")]
@@ -16,8 +19,11 @@ pub(crate) struct Arguments {
     /// Measure the epochs a second of this machine instead, which nothing is held to.
     #[arg(long, conflicts_with_all = ["check", "save"])]
     pub(crate) host: bool,
+    /// Measure libswiftnav and RTKLIB on the same epochs beside ours; fetches their sources, and the compiler of C.
+    #[arg(long, conflicts_with_all = ["check", "save", "host"])]
+    pub(crate) peers: bool,
     /// Show where the instructions of a stage go, by function and on whose behalf; a part of its name chooses it.
-    #[arg(long, value_name = "STAGE", conflicts_with_all = ["check", "save", "host"])]
+    #[arg(long, value_name = "STAGE", conflicts_with_all = ["check", "save", "host", "peers"])]
     pub(crate) profile: Option<String>,
 }
 
@@ -26,6 +32,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     match &arguments.profile {
         Some(stage) => profile(stage),
         None if arguments.host => host(),
+        None if arguments.peers => peers(),
         None => target(arguments),
     }
 }
@@ -39,6 +46,14 @@ fn profile(stage: &str) -> anyhow::Result<()> {
 
 fn host() -> anyhow::Result<()> {
     crate::cargo::step(&["bench", "--package", "tests-host", "--bench", "throughput"])()
+}
+
+fn peers() -> anyhow::Result<()> {
+    ensure!(board::is_installed(), "nothing can be counted without the emulator");
+    setup::peers()?;
+    let sources = Sources::fetch(|what| eprintln!("fetching {what}"))?;
+    println!("{}", Comparison::take(&sources, |at| eprintln!("measuring {at}"))?);
+    Ok(())
 }
 
 fn target(arguments: &Arguments) -> anyhow::Result<()> {

@@ -12,6 +12,7 @@ pub mod budget;
 mod figure;
 pub mod library;
 pub mod memory;
+pub mod peers;
 pub mod stages;
 pub mod workload;
 pub mod worst;

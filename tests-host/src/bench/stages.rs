@@ -194,8 +194,8 @@ fn separations() -> Result<Vec<Case>> {
     Ok(cases)
 }
 
-/// A monitor's input: method, policy, clock aiding, start, an epoch for each number of faults.
-fn judgement(method: usize, start: Ecef, count: usize, faults: &[usize]) -> Result<Vec<u8>> {
+/// A monitor's input: method, policy, clock aiding, start, an epoch of two constellations for each number of faults.
+pub(super) fn judgement(method: usize, start: Ecef, count: usize, faults: &[usize]) -> Result<Vec<u8>> {
     let mut input = vec![method as u8, 0, 0];
     input.extend(point_bytes(start));
     input.push(faults.len() as u8);

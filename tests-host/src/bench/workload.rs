@@ -4,6 +4,8 @@
 //! takes every second, every third of the list; for one constellation all are called GPS. Faults are in every third
 //! satellite, as far apart as the list allows.
 
+use std::sync::LazyLock;
+
 use anyhow::{Context, Result};
 use rai_core::epoch::{Epoch, Observation};
 use rai_core::frame::Ecef;
@@ -47,10 +49,14 @@ fn fullest_s(satellites: &[Satellite]) -> f64 {
     quarters.rev().max_by_key(|&t_s| count(t_s)).unwrap_or(0.0)
 }
 
-fn full_sky() -> Vec<Sight> {
-    let satellites = satellites();
-    // Some more than the mask lets through, so that there are always 40.
-    sights(&satellites, &site(), fullest_s(&satellites), 0.0)
+/// All satellites of the fullest moment; searched for once.
+fn full_sky() -> &'static [Sight] {
+    static SKY: LazyLock<Vec<Sight>> = LazyLock::new(|| {
+        let satellites = satellites();
+        // Some more than the mask lets through, so that there are always 40.
+        sights(&satellites, &site(), fullest_s(&satellites), 0.0)
+    });
+    &SKY
 }
 
 /// `count` of a list, evenly spread.
@@ -65,7 +71,7 @@ fn spread<T>(list: &[T], count: usize) -> impl Iterator<Item = &T> {
 pub fn epoch(count: usize, constellations: usize, faults: usize) -> Result<Epoch<CAPACITY>> {
     let noise = Noise::new(count as u64);
     let mut epoch = Epoch::new(0.0);
-    for (index, sight) in spread(&full_sky(), count).enumerate() {
+    for (index, sight) in spread(full_sky(), count).enumerate() {
         let satellite = named(index, count, constellations)?;
         let error_m = SIGMA_M * noise.normal(satellite, 0, 0) + fault_m(index, faults);
         epoch.push(Observation {

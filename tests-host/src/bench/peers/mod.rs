@@ -1,0 +1,252 @@
+//! What the same epochs cost other programs: libswiftnav and RTKLIB on the processors that ours is measured on.
+//!
+//! ```text
+//! workload ──epochs as a C table──► board.c ──► libswiftnav: calc_PVT        ──┐
+//!        │                               └────► RTKLIB: estpos, raim_fde     ──┼──► instructions, answer ──► table
+//!        └──────────requests─────────► measuring image: fix and integrity    ──┘
+//! ```
+//!
+//! All get the positions of 20 satellites and corrected ranges, with standard deviations of 2 m: no fault, 120 m on G03, or
+//! that and −95 m on G06. What a program would do before or after (orbits, atmosphere, velocity) is not counted, and
+//! whatever it does between is. An answer stands beside each cost, since a refusal is cheap.
+//!
+//! What each was told, and how it was compiled, stands in [`SETTINGS`], which the comparison ends with.
+//!
+//! The peers' sources are fetched ([`sources`]) and compiled ([`program`]), never kept here.
+//!
+//! Limits: the system timer of the boards AN386 and AN500 ticks every 40 instructions, so their figures are good to 40.
+//! Ours differ by up to 0.3 % from those of [`stages`](super::stages), where other stages ran before.
+
+mod ours;
+mod program;
+pub mod sources;
+
+use std::fmt::{self, Write as _};
+
+use anyhow::Result;
+use rai_core::epoch::Epoch;
+use rai_core::frame::Ecef;
+use rai_firmware::correction::CAPACITY;
+
+use super::workload;
+use crate::board::Machine;
+use sources::Sources;
+
+/// In which setting each program is measured.
+const SETTINGS: &str = "\
+All: 20 satellites of GPS and BeiDou, their positions at the instant of sending, corrected ranges with a sigma of 2 m; one fault is
+120 m on G03, two are that and -95 m on G06. Orbits, atmosphere and velocity are neither needed nor counted.
+
+RAI: the method BAARDA with the requirements of a non-precision approach, thresholds from its tables; up to three satellites out;
+HPL and VPL of what is left. Each epoch is the first of its monitor. Compiled as shipped, the core at opt-level 3.
+
+libswiftnav, of swiftnav-sys 0.10.0: calc_PVT, RAIM on, velocity off, all constellations, no mask; its log and its assertions off.
+Its noise model gives a sigma of 2 m by the strength of the signals, all at the zenith. A fault is an rms of the residuals above 2.5
+sigma; up to two satellites out. Every solution starts from the earth's centre, which cannot be chosen.
+
+RTKLIB 2.4.3 b34: estpos, and raim_fde where that refuses, as pntpos calls them, with five constellations' clocks as always; no mask,
+GDOP up to 30. Its options for the atmosphere are EST and ZTD, for which these functions have neither a model nor a variance; its error
+factors are 0, and the satellites' variances make up the sigma of 2 m. A fault is a sum of squares above the 99.9 % quantile; one
+satellite out, the one without which the rms is least. Calls of trace do nothing, but their arguments are made, times as text among
+them: as it comes, and with the calls taken out. What its first pass reads and nothing has set is zero by a flag of the compiler.";
+
+/// Satellites of an epoch.
+const SATELLITES: usize = 20;
+/// Constellations that they are of: GPS and `BeiDou`.
+const CONSTELLATIONS: usize = 2;
+/// The name of our rows.
+pub const OURS: &str = "RAI";
+/// Faulty satellites of the epochs.
+const FAULTS: [usize; 3] = [0, 1, 2];
+
+/// Which processor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Core {
+    /// Cortex-M4F, which has single precision.
+    M4,
+    /// Cortex-M7, which has doubles as well.
+    M7,
+}
+
+impl Core {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::M4, Self::M7];
+
+    /// The board that ours is measured on.
+    const fn machine(self) -> Machine {
+        match self {
+            Self::M4 => Machine::Stm32f405,
+            Self::M7 => Machine::Mps2An500,
+        }
+    }
+}
+
+impl fmt::Display for Core {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(match self {
+            Self::M4 => "Cortex-M4F",
+            Self::M7 => "Cortex-M7, doubles in hardware",
+        })
+    }
+}
+
+/// Where a solution starts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Start {
+    /// 1 km from the antenna.
+    Near,
+    /// The centre of the earth.
+    Centre,
+}
+
+impl Start {
+    const ALL: [Self; 2] = [Self::Near, Self::Centre];
+
+    fn position(self) -> Ecef {
+        match self {
+            Self::Near => workload::start(),
+            Self::Centre => Ecef::CENTRE,
+        }
+    }
+}
+
+impl fmt::Display for Start {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(match self {
+            Self::Near => "from 1 km",
+            Self::Centre => "from the earth's centre",
+        })
+    }
+}
+
+/// What became of one epoch.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outcome {
+    /// What it cost.
+    pub instructions: u64,
+    /// Distance from the truth, m, where a position was given as good.
+    pub error_m: Option<f64>,
+    /// Satellites left out, by name.
+    pub left_out: Vec<String>,
+}
+
+impl fmt::Display for Outcome {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Some(error_m) = self.error_m else { return formatter.write_str("refused") };
+        match self.left_out.as_slice() {
+            [] => write!(formatter, "{error_m:.1} m"),
+            names => write!(formatter, "{error_m:.1} m without {}", names.join(", ")),
+        }
+    }
+}
+
+/// A program in one setting over the epochs of [`FAULTS`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Row {
+    /// Which program.
+    pub program: &'static str,
+    /// How it was built.
+    pub setting: &'static str,
+    /// On what.
+    pub core: Core,
+    /// From where.
+    pub start: Start,
+    /// With no fault, one, and two.
+    pub outcomes: Vec<Outcome>,
+}
+
+/// All programs beside each other.
+#[derive(Clone, Debug)]
+pub struct Comparison {
+    /// By processor.
+    pub rows: Vec<Row>,
+    /// The peers' compiler and its version.
+    pub compiler: String,
+}
+
+impl Comparison {
+    /// Measures ours and the peers', in some seconds once all is compiled; says what it is at.
+    ///
+    /// # Errors
+    /// Where a program does not compile, or does not come to its end in the emulator.
+    pub fn take(sources: &Sources, mut progress: impl FnMut(&str)) -> Result<Self> {
+        let mut rows = Vec::new();
+        for core in Core::ALL {
+            rows.extend(Self::take_on(core, sources, &mut progress)?.rows);
+        }
+        Ok(Self { rows, compiler: program::compiler()? })
+    }
+
+    /// The same on one processor.
+    ///
+    /// # Errors
+    /// As [`Self::take`].
+    pub fn take_on(core: Core, sources: &Sources, mut progress: impl FnMut(&str)) -> Result<Self> {
+        progress(&format!("our fix and integrity, {core}"));
+        let mut rows = ours::measure(core)?;
+        for peer in program::PEERS {
+            progress(&format!("{}, {}, {core}", peer.name, peer.setting));
+            rows.extend(program::measure(&peer, sources, core)?);
+        }
+        Ok(Self { rows, compiler: program::compiler()? })
+    }
+}
+
+impl fmt::Display for Comparison {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for core in Core::ALL {
+            writeln!(formatter, "{core}: instructions, and the error of the position\n")?;
+            writeln!(formatter, "| program | setting | no fault | one fault | two faults | answers |")?;
+            writeln!(formatter, "|---|---|---|---|---|---|")?;
+            for row in self.rows.iter().filter(|row| row.core == core) {
+                writeln!(formatter, "{row}")?;
+            }
+            writeln!(formatter)?;
+        }
+        write!(formatter, "{SETTINGS}\n\nThe peers are compiled by {} -O2, with newlib.", self.compiler)
+    }
+}
+
+impl fmt::Display for Row {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(formatter, "| {} | {}, {} |", self.program, self.setting, self.start)?;
+        for outcome in &self.outcomes {
+            write!(formatter, " {} |", in_thousands(outcome.instructions))?;
+        }
+        let answers: Vec<String> = self.outcomes.iter().map(ToString::to_string).collect();
+        write!(formatter, " {} |", answers.join(" / "))
+    }
+}
+
+/// A figure with a comma after each third digit from the right.
+fn in_thousands(value: u64) -> String {
+    let digits = value.to_string();
+    digits.char_indices().fold(String::new(), |mut text, (index, digit)| {
+        if index > 0 && (digits.len() - index).is_multiple_of(3) {
+            text.push(',');
+        }
+        let _ = text.write_char(digit);
+        text
+    })
+}
+
+fn epoch(faults: usize) -> Result<Epoch<CAPACITY>> {
+    workload::epoch(SATELLITES, CONSTELLATIONS, faults)
+}
+
+/// Distance of a position from the antenna, m.
+fn error_m(position: Ecef) -> f64 {
+    (position - workload::site().position).radius_m()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn figures_are_written_with_commas() {
+        for (value, want) in [(0, "0"), (999, "999"), (1_000, "1,000"), (12_345_678, "12,345,678")] {
+            assert_eq!(in_thousands(value), want);
+        }
+    }
+}

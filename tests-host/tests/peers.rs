@@ -1,0 +1,61 @@
+//! The programs that ours is measured beside do what the comparison says they do, and cost more.
+
+use std::collections::BTreeMap;
+
+use tests_host::bench::peers::sources::Sources;
+use tests_host::bench::peers::{Comparison, Core, OURS, Outcome, Row};
+use tests_host::{board, setup, skip};
+
+/// Farther from the truth than noise of 2 m on 18 satellites can move a position, m.
+const FAR_M: f64 = 10.0;
+
+/// The sources of an earlier `cargo xtask bench --peers`: a test downloads nothing.
+fn sources() -> Option<Sources> {
+    if !setup::can_compile_peers() {
+        skip::say("arm-none-eabi-gcc with newlib (`cargo xtask bench --peers` installs it)");
+        return None;
+    }
+    let sources = Sources::at_hand();
+    if sources.is_none() {
+        skip::say("the sources of libswiftnav and RTKLIB (`cargo xtask bench --peers` fetches them)");
+    }
+    sources.filter(|_| board::is_installed())
+}
+
+/// What is right: a position near the truth without the satellites that are wrong.
+fn is_right(outcome: &Outcome, wrong: &[&str]) -> bool {
+    outcome.error_m.is_some_and(|error_m| error_m < FAR_M) && outcome.left_out == wrong
+}
+
+/// Which epochs of a row are answered right, and which refused.
+fn answers(row: &Row) -> Vec<&'static str> {
+    let wrong: [&[&str]; 3] = [&[], &["G03"], &["G03", "G06"]];
+    let answer = |(outcome, wrong): (&Outcome, &[&str])| match outcome.error_m {
+        None => "refused",
+        Some(_) if is_right(outcome, wrong) => "right",
+        Some(_) => "wrong",
+    };
+    row.outcomes.iter().zip(wrong).map(answer).collect()
+}
+
+#[test]
+fn peers_answer_right_or_refuse_and_cost_more_than_ours() {
+    let Some(sources) = sources() else { return };
+    let comparison = Comparison::take_on(Core::M4, &sources, |_| ()).expect("everything compiles and runs");
+    println!("{comparison}");
+    let want = BTreeMap::from([
+        (OURS, ["right", "right", "right"]),
+        ("libswiftnav", ["right", "right", "right"]),
+        // Its search leaves out one.
+        ("RTKLIB 2.4.3 b34", ["right", "right", "refused"]),
+    ]);
+    let (ours, theirs): (Vec<&Row>, Vec<&Row>) = comparison.rows.iter().partition(|row| row.program == OURS);
+    for row in ours.iter().chain(&theirs) {
+        assert_eq!(answers(row), want[row.program], "{row}");
+    }
+    for (row, ours) in theirs.iter().flat_map(|row| ours.iter().map(move |ours| (row, ours))) {
+        for (have, their) in ours.outcomes.iter().zip(&row.outcomes).filter(|_| row.start == ours.start) {
+            assert!(have.instructions < their.instructions, "{ours}\n{row}");
+        }
+    }
+}
