@@ -31,8 +31,10 @@ const RESERVE_BYTES: usize = 1536;
 const EPOCHS_PER_HIGH_WATER: u32 = 60;
 
 /// What the loop remembers.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct EpochLoop {
+    /// Kept from pass to pass, most of which find nothing: clearing it would be a fifth of such a pass.
+    chunk: [u8; CHUNK_BYTES],
     busy_ticks: u64,
     epochs: u32,
     /// What waits came after this instant.
@@ -41,10 +43,17 @@ pub struct EpochLoop {
     rate: BitRate,
 }
 
+impl Default for EpochLoop {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 impl EpochLoop {
     /// A loop before its first pass.
     pub const fn new() -> Self {
         Self {
+            chunk: [0; CHUNK_BYTES],
             busy_ticks: 0,
             epochs: 0,
             silent_until_ticks: 0,
@@ -78,9 +87,8 @@ impl EpochLoop {
 
     /// Hands over one chunk.
     fn take_gnss<B: Board>(&mut self, board: &mut B, receiver: &mut Receiver<B::Pin>) {
-        let mut chunk = [0; CHUNK_BYTES];
         let start_ticks = board.now_ticks();
-        match board.gnss(&mut chunk) {
+        match board.gnss(&mut self.chunk) {
             Taken::Nothing => self.silent_until_ticks = start_ticks,
             Taken::Lost => {
                 self.rate.hear(board.now_ms());
@@ -89,7 +97,7 @@ impl EpochLoop {
             Taken::Bytes { count, came_ms } => {
                 let now_ms = board.now_ms();
                 self.rate.hear(now_ms);
-                let bytes = chunk.get(..count).unwrap_or_default();
+                let bytes = self.chunk.get(..count).unwrap_or_default();
                 let judged = receiver.gnss_since(bytes, came_ms, now_ms, board.host());
                 self.busy_ticks += board.now_ticks().saturating_sub(start_ticks);
                 if judged {

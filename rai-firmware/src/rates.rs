@@ -25,12 +25,14 @@
 
 use heapless::Vec;
 use nalgebra::Vector3;
-use rai_core::frame::{EARTH_ROTATION_RAD_S, Ecef, Enu, LocalFrame, SPEED_OF_LIGHT_M_S};
+use rai_core::frame::{EARTH_ROTATION_RAD_S, Ecef, LocalFrame, SPEED_OF_LIGHT_M_S};
 use rai_core::monitor::Accepted;
+use rai_core::numeric::real::Real;
 use rai_core::satellite::SatelliteId;
 use rai_core::single::{self, Workspace};
 use rai_core::velocity::{RangeRate, Velocity, VelocityError};
 
+use crate::correction::horizon::{Horizon, coordinates_m};
 use crate::correction::{CAPACITY, Located, Sky};
 use crate::counters::{count, count_many, counters};
 use crate::ephemeris::SatelliteState;
@@ -54,7 +56,11 @@ const UNSAID_DBHZ: f32 = 35.0;
 const DOUBLINGS_PER_DB: f32 = 1.0 / 6.02;
 
 /// Rates below this elevation bend through the troposphere's gradient, sine.
-const SIN_MASK: f64 = 0.087;
+const SIN_MASK: f32 = 0.087;
+
+/// What is small enough for single precision is worked out in it.
+const LIGHT_M_S: f32 = SPEED_OF_LIGHT_M_S as f32;
+const TURN_RAD_S: f32 = EARTH_ROTATION_RAD_S as f32;
 
 counters! {
     /// What became of range rates.
@@ -74,7 +80,8 @@ counters! {
 #[derive(Clone, Copy, Debug)]
 struct Measured {
     satellite: SatelliteId,
-    direction: Enu,
+    /// Unit vector receiver → satellite, east, north, up.
+    direction: [f32; 3],
     /// Of the range, as the receiver has it, m/s.
     rate_m_s: f32,
     /// Of a receiver at rest with a perfect clock, m/s.
@@ -87,7 +94,7 @@ impl Measured {
     fn equation(&self, sign: f32) -> RangeRate {
         RangeRate {
             satellite: self.satellite,
-            line_of_sight: Vector3::new(self.direction.east, self.direction.north, self.direction.up),
+            line_of_sight: Vector3::from(self.direction).map(f64::from),
             residual_m_s: f64::from(sign * self.rate_m_s - self.expected_m_s),
             sigma_m_s: f64::from(self.sigma_m_s),
         }
@@ -165,8 +172,8 @@ impl Rates {
         workspace: &mut Workspace,
     ) -> Option<Velocity> {
         let Self { last, tally, .. } = self;
-        let since =
-            Since { last, raw, place, frame: LocalFrame::at(place), seconds: elapsed_ms as f64 * 1e-3 };
+        let horizon = Horizon::at(place, &LocalFrame::at(place));
+        let since = Since { last, raw, horizon, elapsed_s: elapsed_ms as f32 * 1e-3 };
         // Worked out as they are asked for, and nothing is stored: a second time only where the first has failed.
         let mut agree_on = |sign| {
             let rates = sky.iter().filter_map(|located| since.measure(located));
@@ -195,9 +202,8 @@ impl Rates {
 struct Since<'r> {
     last: &'r [Seen],
     raw: &'r RawEpoch,
-    place: Ecef,
-    frame: LocalFrame,
-    seconds: f64,
+    horizon: Horizon,
+    elapsed_s: f32,
 }
 
 impl Since<'_> {
@@ -207,8 +213,7 @@ impl Since<'_> {
         let before = self.last.iter().find(|seen| seen.satellite == now.satellite && seen.toe == now.toe)?;
         let satellite = self.raw.satellites.iter().find(|one| one.satellite == now.satellite)?;
         let (rate_m_s, sigma_m_s) = rate(satellite)?;
-        let (expected_m_s, direction) =
-            now.range_rate_since(before, self.seconds, self.place, &self.frame)?;
+        let (expected_m_s, direction) = now.range_rate_since(before, self.elapsed_s, &self.horizon)?;
         Some(Measured { satellite: now.satellite, direction, rate_m_s, expected_m_s, sigma_m_s })
     }
 }
@@ -216,10 +221,18 @@ impl Since<'_> {
 /// How fast a satellite's range grows by its best signal, and with which sigma, m/s.
 fn rate(satellite: &RawSatellite) -> Option<(f32, f32)> {
     satellite.signals.iter().find_map(|signal| {
-        let wavelength_m = (SPEED_OF_LIGHT_M_S / signal.carrier.frequency_hz()) as f32;
         let weaker_db = (STRONG_DBHZ - signal.cn0_dbhz().unwrap_or(UNSAID_DBHZ)).max(0.0);
-        Some((-wavelength_m * signal.doppler_hz()?, SIGMA_M_S * libm::exp2f(weaker_db * DOUBLINGS_PER_DB)))
+        let rate_m_s = -signal.doppler_hz()? / signal.carrier.doppler_of_a_metre_hz();
+        Some((rate_m_s, SIGMA_M_S * power_of_two(weaker_db * DOUBLINGS_PER_DB)))
     })
+}
+
+/// `2^x` for `x` from 0 to 60, within 0.4 %, which is more than enough for a sigma.
+fn power_of_two(x: f32) -> f32 {
+    let whole = x.min(60.0) as u32;
+    let rest = x.min(60.0) - whole as f32;
+    // Right at both ends, so that it is continuous.
+    f32::from_bits((127 + whole) << 23) * (1.0 + rest * (0.6565 + 0.3435 * rest))
 }
 
 impl Seen {
@@ -230,62 +243,74 @@ impl Seen {
 
     /// How fast the range of a receiver at rest would grow, with a perfect clock of its own, m/s, and the direction of the
     /// satellite; `None` below the mask.
-    fn range_rate_since(
-        &self,
-        before: &Self,
-        elapsed_s: f64,
-        place: Ecef,
-        frame: &LocalFrame,
-    ) -> Option<(f32, Enu)> {
-        // The signals left as much less apart as the range has shrunk.
-        let flight_s = self.range_m * (1.0 / SPEED_OF_LIGHT_M_S);
-        let apart_s = (elapsed_s - (self.range_m - before.range_m) * (1.0 / SPEED_OF_LIGHT_M_S)) as f32;
-        if !(apart_s > 0.0) {
-            return None;
-        }
-        let moved = self.state.position - before.state.position;
-        let mean = [moved.x_m, moved.y_m, moved.z_m].map(|metres| metres as f32 / apart_s);
-        let [x, y, z] = velocity_at_the_end(before.state.position, self.state.position, mean, apart_s);
+    fn range_rate_since(&self, before: &Self, elapsed_s: f32, horizon: &Horizon) -> Option<(f32, [f32; 3])> {
+        let position_m = coordinates_m(self.state.position);
         // The earth turns while the signal is under way.
-        let angle = (EARTH_ROTATION_RAD_S * flight_s) as f32;
-        let velocity = Ecef::new(f64::from(x + angle * y), f64::from(y - angle * x), f64::from(z));
-        let Ecef { x_m, y_m, z_m } = self.state.position;
-        let angle = EARTH_ROTATION_RAD_S * flight_s;
-        let difference = Ecef::new(x_m + angle * y_m, y_m - angle * x_m, z_m) - place;
-        let scale = 1.0 / difference.radius_m();
-        let Enu { east, north, up } = frame.rotate(difference);
-        let direction = Enu { east: east * scale, north: north * scale, up: up * scale };
-        if direction.up < SIN_MASK {
+        let angle_rad = TURN_RAD_S / LIGHT_M_S * self.range_m as f32;
+        let way = horizon.way_to(turned(position_m, angle_rad));
+        let direction = horizon.direction(&way);
+        // The signals left as much less apart as the range has shrunk.
+        let apart_s = elapsed_s - (self.range_m - before.range_m) as f32 / LIGHT_M_S;
+        let [.., up] = direction;
+        if !(apart_s > 0.0 && up >= SIN_MASK) {
             return None;
         }
-        let away = frame.rotate(velocity);
-        let away_m_s =
-            (away.east * direction.east + away.north * direction.north + away.up * direction.up) as f32;
-        let clock_m_s = ((self.state.clock_s - before.state.clock_s) * SPEED_OF_LIGHT_M_S) as f32 / apart_s;
-        let light = SPEED_OF_LIGHT_M_S as f32;
-        Some((away_m_s * (1.0 - away_m_s / light) - clock_m_s, direction))
+        let moved_m = coordinates_m(self.state.position - before.state.position);
+        let velocity_m_s = turned(velocity_at_the_end(position_m, moved_m, apart_s), angle_rad);
+        let away_m_s = way.inverse_length * dot(way.difference_m, velocity_m_s);
+        let drift = (self.state.clock_s - before.state.clock_s) as f32 / apart_s;
+        Some((away_m_s * (1.0 - away_m_s / LIGHT_M_S) - LIGHT_M_S * drift, direction))
     }
 }
 
-/// Velocity at the end of a time over which it was `mean` on average, m/s. Where the acceleration is needs the velocity, a
-/// little: the second round is good to a micrometre a second.
-fn velocity_at_the_end(from: Ecef, to: Ecef, mean: [f32; 3], apart_s: f32) -> [f32; 3] {
+/// An earth-fixed vector in axes that have turned eastwards by a small angle.
+fn turned([x, y, z]: [f32; 3], angle_rad: f32) -> [f32; 3] {
+    [x + angle_rad * y, y - angle_rad * x, z]
+}
+
+fn dot([a, b, c]: [f32; 3], [x, y, z]: [f32; 3]) -> f32 {
+    a * x + b * y + c * z
+}
+
+/// Velocity at the end of a way, m/s. What turns with the frame needs the velocity, a little: the second round is good to a
+/// micrometre a second.
+fn velocity_at_the_end(end_m: [f32; 3], moved_m: [f32; 3], apart_s: f32) -> [f32; 3] {
+    let (end_m, moved_m) = (Vector3::from(end_m), Vector3::from(moved_m));
+    let (at_end, at_begin) = (pull_m_s2(&end_m), pull_m_s2(&(end_m - moved_m)));
+    let mean = moved_m / apart_s;
     let mut end = mean;
     for _ in 0..2 {
-        let [m, e] = [mean, end].map(Vector3::from);
-        let begin = m + m - e;
-        let change = acceleration_m_s2(to, e) * 2.0 + acceleration_m_s2(from, begin);
-        end = (m + change * (apart_s / 6.0)).into();
+        let begin = mean + mean - end;
+        let change = (at_end + sideways_m_s2(&end)) * 2.0 + (at_begin + sideways_m_s2(&begin));
+        end = mean + change * (apart_s / 6.0);
     }
-    end
+    end.into()
 }
 
-/// Acceleration of a satellite in the frame that turns with the earth, m/s².
-fn acceleration_m_s2(position: Ecef, velocity_m_s: Vector3<f32>) -> Vector3<f32> {
-    let turn = EARTH_ROTATION_RAD_S as f32;
-    let position_m = Vector3::new(position.x_m as f32, position.y_m as f32, position.z_m as f32);
-    let squared = position_m.dot(&position_m);
-    let outward = Vector3::new(position_m.x, position_m.y, 0.0) * (turn * turn);
-    let sideways = Vector3::new(velocity_m_s.y, -velocity_m_s.x, 0.0) * (2.0 * turn);
-    position_m * (-GRAVITY_M3_S2 / (squared * libm::sqrtf(squared))) + outward + sideways
+/// What a satellite's place alone accelerates it by in the frame that turns with the earth: gravity and what drives it
+/// outwards, m/s².
+fn pull_m_s2(position_m: &Vector3<f32>) -> Vector3<f32> {
+    let inverse = position_m.dot(position_m).inverse_root();
+    let outward = Vector3::new(position_m.x, position_m.y, 0.0) * (TURN_RAD_S * TURN_RAD_S);
+    position_m * (-GRAVITY_M3_S2 * inverse * inverse * inverse) + outward
+}
+
+/// What its velocity does beside, m/s²: Coriolis.
+fn sideways_m_s2(velocity_m_s: &Vector3<f32>) -> Vector3<f32> {
+    Vector3::new(velocity_m_s.y, -velocity_m_s.x, 0.0) * (2.0 * TURN_RAD_S)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::power_of_two;
+
+    #[test]
+    fn powers_of_two_are_those_of_libm() {
+        for tenth in 0_u16..=600 {
+            let x = f32::from(tenth) * 0.1;
+            let (have, want) = (power_of_two(x), libm::exp2f(x));
+            assert!((have / want - 1.0).abs() < 4e-3, "{x}: {have}, not {want}");
+        }
+        assert!(power_of_two(f32::INFINITY).is_finite());
+    }
 }

@@ -34,6 +34,7 @@ use crate::time::GpsTime;
 mod atmosphere;
 mod choice;
 mod frequency;
+pub(crate) mod horizon;
 mod site;
 
 pub use atmosphere::{Klobuchar, Place, Slant, Troposphere};

@@ -12,17 +12,16 @@ use rai_core::weighting::{
 
 use super::atmosphere::{Klobuchar, Place, Troposphere};
 use super::frequency::{Geometry, Ranges, Spread};
+use super::horizon::{Horizon, coordinates_m, cosine_of_latitude};
 use super::{CAPACITY, Choice, Located, Refusals, Sky, root_of_squares};
 use crate::counters::count;
 use crate::raw::Band;
 use crate::time::GpsTime;
 
 /// Where a receiver is, roughly, and what is known of the air above it.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Site {
-    point: Ecef,
-    /// Unit vectors east, north, up.
-    axes: [[f32; 3]; 3],
+    horizon: Horizon,
     time: GpsTime,
     place: Place,
     sin_mask: f32,
@@ -50,18 +49,12 @@ impl Site {
     pub fn new(point: Ecef, time: GpsTime, mask_rad: f64, klobuchar: Option<Klobuchar>) -> Self {
         let frame = LocalFrame::at(point);
         let sin_latitude = frame.sin_latitude() as f32;
-        let cos_latitude = libm::sqrtf((1.0 - sin_latitude * sin_latitude).max(0.0));
+        let latitude_rad = libm::atan2f(sin_latitude, cosine_of_latitude(sin_latitude));
         let longitude_rad = libm::atan2f(point.y_m as f32, point.x_m as f32);
-        let (east, outward) = level_axes(point);
         Self {
-            point,
-            axes: [
-                [east[0], east[1], 0.0],
-                [-sin_latitude * outward[0], -sin_latitude * outward[1], cos_latitude],
-                [cos_latitude * outward[0], cos_latitude * outward[1], sin_latitude],
-            ],
+            horizon: Horizon::at(point, &frame),
             time,
-            place: Place::at(libm::atan2f(sin_latitude, cos_latitude), longitude_rad, time),
+            place: Place::at(latitude_rad, longitude_rad, time),
             sin_mask: libm::sin(mask_rad) as f32,
             troposphere: Troposphere::above(frame.height_m() as f32, sin_latitude),
             klobuchar,
@@ -160,11 +153,7 @@ impl Site {
 
     /// Unit vector towards a satellite, east, north, up.
     fn line_of_sight(&self, satellite: Ecef) -> [f32; 3] {
-        let [x, y, z] = coordinates(satellite);
-        let [from_x, from_y, from_z] = coordinates(self.point);
-        let (x, y, z) = (x - from_x, y - from_y, z - from_z);
-        let scale = 1.0 / libm::sqrtf(x * x + y * y + z * z);
-        self.axes.map(|[a, b, c]| scale * (a * x + b * y + c * z))
+        self.horizon.direction(&self.horizon.way_to(coordinates_m(satellite)))
     }
 
     /// What the ionosphere adds to a range, and what the model misses of it, m.
@@ -182,22 +171,10 @@ impl Site {
     }
 }
 
-/// A point to 2 m, which turns no direction by more than 1e-7.
-fn coordinates(point: Ecef) -> [f32; 3] {
-    [point.x_m, point.y_m, point.z_m].map(|coordinate_m| coordinate_m as f32)
-}
-
 /// How much more a band is delayed than L1, `f₁²/f²`.
 fn dispersion(band: Band) -> f32 {
     let ratio = Band::L1.frequency_hz() as f32 / band.frequency_hz() as f32;
     ratio * ratio
-}
-
-/// Unit vectors to the east and away from the axis, x and y; on the axis those of longitude 0.
-fn level_axes(point: Ecef) -> ([f32; 2], [f32; 2]) {
-    let (x, y) = (point.x_m as f32, point.y_m as f32);
-    let axial = libm::sqrtf(x * x + y * y);
-    if axial > 1e-6 { ([-y / axial, x / axial], [x / axial, y / axial]) } else { ([0.0, 1.0], [1.0, 0.0]) }
 }
 
 /// The combination that most satellites of each system have; the first of equals.

@@ -206,7 +206,8 @@ impl<P: OutputPin> EpochLoop<P> {
     }
 
     fn time_to_alert_ms(&self) -> u64 {
-        (self.configuration.requirements.time_to_alert_s * 1e3) as u64
+        // At most an hour, and asked for at every look at the clock: to the nearest without software doubles.
+        u64::from((self.configuration.requirements.time_to_alert_s as f32 * 1e3 + 0.5) as u32)
     }
 
     /// Takes over what a command has changed. A promise under other requirements is none under these.

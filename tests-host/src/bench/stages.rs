@@ -273,6 +273,8 @@ fn wire() -> Result<Vec<Case>> {
     let stream = Stream::with(3, 20, Wrong::NOTHING)?;
     let on = format!("{} satellites", stream.satellites);
     let (before, last) = stream.split()?;
+    let with_rates = Stream::with_range_rates(3, 20)?;
+    let (before_with_rates, last_with_rates) = with_rates.split()?;
     let all = stream.epochs.concat();
     let case = |name: &str, stage, input, target| Case {
         name: format!("{name}, {on}"),
@@ -289,6 +291,12 @@ fn wire() -> Result<Vec<Case>> {
         case("atmosphere and sigmas", Stage::Correct, [here, all.clone()].concat(), Some(40_000)),
         case("sentences", Stage::Speak, all, Some(45_000)),
         case("whole epoch, bytes in to bytes out", Stage::Whole, whole(&[], &before, last), Some(340_000)),
+        case(
+            "whole epoch with range rates, bytes in to bytes out",
+            Stage::Whole,
+            whole(&[], &before_with_rates, last_with_rates),
+            Some(340_000),
+        ),
     ])
 }
 

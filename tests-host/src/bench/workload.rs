@@ -16,6 +16,7 @@ use rai_firmware::time::GpsTime;
 use crate::encode::{Encoder, Frequency, Selection, ubx};
 use crate::fault::{Fault, Kind, Target};
 use crate::measurement::MeasuredSignal;
+use crate::recording::Recording;
 use crate::sky::raw::Simulation;
 use crate::sky::{Fleet, Noise, Oscillator, Satellite, Sight, Site, sights};
 
@@ -151,6 +152,15 @@ impl Stream {
         Ok(Self { epochs, satellites })
     }
 
+    /// RTCM over a sky of `count` satellites, of a receiver that measures Doppler frequencies too.
+    ///
+    /// # Errors
+    /// Where a message cannot be encoded.
+    pub fn with_range_rates(epochs: u32, count: usize) -> Result<Self> {
+        let simulation = Simulation { has_range_rates: true, ..simulation(epochs, count) };
+        Self::of(&simulation.record(), simulation.sights_at(0).len())
+    }
+
     /// RTCM over a sky of `count` satellites, some of them wrong.
     ///
     /// # Errors
@@ -167,9 +177,13 @@ impl Stream {
                 fault.apply(epoch, number as f64);
             }
         }
+        Self::of(&recording, seen.len())
+    }
+
+    fn of(recording: &Recording, satellites: usize) -> Result<Self> {
         let mut encoder = Encoder::new(&recording.ephemerides, Selection::new("GC", Frequency::Dual)?);
         let epochs = recording.epochs.iter().map(|epoch| encoder.epoch(epoch)).collect::<Result<_>>()?;
-        Ok(Self { epochs, satellites: seen.len() })
+        Ok(Self { epochs, satellites })
     }
 
     /// What came before the last epoch, and the last epoch.
@@ -203,6 +217,7 @@ fn simulation(epochs: u32, count: usize) -> Simulation {
         oscillator: Oscillator::temperature_compensated(),
         electrons_tecu: 20.0,
         seed: 7,
+        has_range_rates: false,
     };
     let seen = simulation.sights_at(0);
     let kept: Vec<SatelliteId> = spread(&seen, count.min(seen.len())).map(|sight| sight.satellite).collect();

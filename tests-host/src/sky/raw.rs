@@ -15,6 +15,9 @@
 //! Signals are L1 C/A and L2 P(Y) of GPS, E1 and E5a of Galileo, B1I and B3I of `BeiDou`, the latter the signal that its broadcast clock
 //! refers to; group delays are zero. The result is a [`Recording`]: all that works on recordings works on it.
 
+use std::f64::consts::FRAC_PI_2;
+use std::slice;
+
 use rai_core::frame::SPEED_OF_LIGHT_M_S;
 use rai_core::satellite::Constellation;
 use rai_firmware::time::GpsTime;
@@ -58,6 +61,8 @@ pub struct Simulation {
     pub electrons_tecu: f64,
     /// All chance follows from it.
     pub seed: u64,
+    /// Whether the receiver measures Doppler frequencies.
+    pub has_range_rates: bool,
 }
 
 /// A signal: how RINEX calls it, and its frequency.
@@ -107,6 +112,7 @@ impl Simulation {
             oscillator: Oscillator::temperature_compensated(),
             electrons_tecu: 20.0,
             seed,
+            has_range_rates: false,
         }
     }
 
@@ -176,6 +182,8 @@ impl Simulation {
             + error_m
             + SPEED_OF_LIGHT_M_S * (clock_s - satellite_clock_s)
             + troposphere_m(sin_elevation, self.site.frame.height_m());
+        let received_s = sight.sent_s + sight.range_m / SPEED_OF_LIGHT_M_S;
+        let rate_m_s = self.has_range_rates.then(|| self.range_rate_m_s(satellite, received_s)).flatten();
         let signal = |(channel, signal): (u8, &Signal)| MeasuredSignal {
             band: signal.band,
             attribute: signal.attribute,
@@ -184,10 +192,22 @@ impl Simulation {
                 + code_noise_m(sin_elevation) * noise.normal(satellite.id, channel, epoch),
             carrier_cycles: None,
             cn0_dbhz: Some(36.0 + 14.0 * sin_elevation),
-            doppler_hz: None,
+            doppler_hz: rate_m_s.map(|rate_m_s| -rate_m_s * signal.frequency_hz / SPEED_OF_LIGHT_M_S),
         };
         let signals = signals_of(satellite.id.constellation())?;
         Some(MeasuredSatellite { satellite: satellite.id, signals: (0..).zip(signals).map(signal).collect() })
+    }
+
+    /// How fast the range of a satellite grows about an instant, by a receiver's clock that does not drift, m/s.
+    fn range_rate_m_s(&self, satellite: &Satellite, t_s: f64) -> Option<f64> {
+        const APART_S: f64 = 1.0;
+        let clock = SatelliteClock::of(satellite.id);
+        let range_m = |t_s: f64| {
+            let sight = sights(slice::from_ref(satellite), &self.site, t_s, -FRAC_PI_2).pop()?;
+            let clock_s = clock.at(sight.sent_s) + satellite.orbit.relativity_s(sight.sent_s);
+            Some(sight.range_m - SPEED_OF_LIGHT_M_S * clock_s)
+        };
+        Some((range_m(t_s + APART_S / 2.0)? - range_m(t_s - APART_S / 2.0)?) / APART_S)
     }
 }
 

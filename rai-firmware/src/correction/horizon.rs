@@ -1,0 +1,70 @@
+//! Directions as seen from the receiver.
+//!
+//! In single precision: a coordinate is right to 1 m in 26,000 km, and a direction to 1e-7. What is a range and not a
+//! direction needs more.
+
+use rai_core::frame::{Ecef, LocalFrame};
+
+/// Where the receiver is, and its axes east, north, up.
+#[derive(Clone, Debug)]
+pub(crate) struct Horizon {
+    place_m: [f32; 3],
+    axes: [[f32; 3]; 3],
+}
+
+/// The straight way to a satellite.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Way {
+    /// In the earth-fixed frame, m.
+    pub(crate) difference_m: [f32; 3],
+    /// Of its length, 1/m.
+    pub(crate) inverse_length: f32,
+}
+
+impl Horizon {
+    /// The horizon at a point, whose frame is known.
+    pub(crate) fn at(point: Ecef, frame: &LocalFrame) -> Self {
+        let sin_latitude = frame.sin_latitude() as f32;
+        let cos_latitude = cosine_of_latitude(sin_latitude);
+        let (east, outward) = level_axes(point);
+        Self {
+            place_m: coordinates_m(point),
+            axes: [
+                [east[0], east[1], 0.0],
+                [-sin_latitude * outward[0], -sin_latitude * outward[1], cos_latitude],
+                [cos_latitude * outward[0], cos_latitude * outward[1], sin_latitude],
+            ],
+        }
+    }
+
+    /// The way to a point.
+    pub(crate) fn way_to(&self, coordinates_m: [f32; 3]) -> Way {
+        let [x, y, z] = coordinates_m;
+        let [from_x, from_y, from_z] = self.place_m;
+        let (x, y, z) = (x - from_x, y - from_y, z - from_z);
+        Way { difference_m: [x, y, z], inverse_length: 1.0 / libm::sqrtf(x * x + y * y + z * z) }
+    }
+
+    /// Unit vector along a way: east, north, up.
+    pub(crate) fn direction(&self, way: &Way) -> [f32; 3] {
+        let [x, y, z] = way.difference_m;
+        self.axes.map(|[a, b, c]| way.inverse_length * (a * x + b * y + c * z))
+    }
+}
+
+/// Of a geodetic latitude, whose cosine is never negative.
+pub(crate) fn cosine_of_latitude(sin_latitude: f32) -> f32 {
+    libm::sqrtf((1.0 - sin_latitude * sin_latitude).max(0.0))
+}
+
+/// Earth-fixed coordinates, m.
+pub(crate) fn coordinates_m(point: Ecef) -> [f32; 3] {
+    [point.x_m, point.y_m, point.z_m].map(|coordinate_m| coordinate_m as f32)
+}
+
+/// Unit vectors to the east and away from the axis, x and y; on the axis those of longitude 0.
+fn level_axes(point: Ecef) -> ([f32; 2], [f32; 2]) {
+    let (x, y) = (point.x_m as f32, point.y_m as f32);
+    let axial = libm::sqrtf(x * x + y * y);
+    if axial > 1e-6 { ([-y / axial, x / axial], [x / axial, y / axial]) } else { ([0.0, 1.0], [1.0, 0.0]) }
+}
