@@ -42,7 +42,7 @@ use heapless::Vec;
 
 pub use sets::{Hypothesis, ROWS};
 pub(super) use sets::{ROOM, Set, members, row};
-pub(super) use visit::Mode;
+pub(super) use visit::{Batch, Mode, Visitor};
 
 use combination::{Combination, Event, combinations_backwards};
 use consolidation::add_to;
@@ -58,6 +58,13 @@ struct Fallible<T> {
     odds: T,
     ln: T,
     constellation: usize,
+}
+
+impl<T: Real> Fallible<T> {
+    /// What never fails.
+    fn never() -> Self {
+        Self { odds: T::zero(), ln: T::zero(), constellation: NONE }
+    }
 }
 
 /// Where watching ends, among what is not watched for its own weight.
@@ -76,6 +83,10 @@ struct Cutoff {
 pub(super) struct Modes<T: Real> {
     odds: Vec<Fallible<T>, ROOM>,
     constellations: [T; Constellation::COUNT],
+    /// The likeliest of the rows.
+    likeliest: Fallible<T>,
+    /// The least of the rows' odds.
+    rarest_odds: T,
     /// Rows of each constellation, all satellites in view.
     pub(super) members: [Set; Constellation::COUNT],
     /// Rows that are satellites.
@@ -123,6 +134,8 @@ impl<T: Real> Modes<T> {
         Self {
             odds: Vec::new(),
             constellations,
+            likeliest: Fallible::never(),
+            rarest_odds: T::one(),
             members: [0; Constellation::COUNT],
             satellites: 0,
             fallible: 0,
@@ -142,35 +155,49 @@ impl<T: Real> Modes<T> {
 
     /// Takes over the satellites; a row without one is an aid that never fails.
     fn gather(&mut self, satellites: impl Iterator<Item = Option<(Constellation, T)>>) -> Option<()> {
-        let mut last = (T::zero(), T::zero());
-        let mut bit = row(0);
-        for satellite in satellites {
-            let own = bit;
-            bit <<= 1;
+        let mut infallible = 0;
+        // Satellites of one constellation mostly share theirs.
+        let (mut last, mut shared) = (T::zero(), Fallible::never());
+        for (index, satellite) in satellites.enumerate() {
             let Some((constellation, probability)) = satellite else {
-                let absent = Fallible { odds: T::zero(), ln: T::zero(), constellation: NONE };
-                self.odds.push(absent).ok()?;
+                self.odds.push(Fallible::never()).ok()?;
                 continue;
             };
-            let odds = probability / (T::one() - probability);
-            if odds > T::zero() {
-                self.fallible |= own;
-                // Satellites of one constellation mostly share theirs.
-                if last.0 != odds {
-                    last = (odds, odds.ln());
-                }
+            if last != probability {
+                last = probability;
+                shared = self.fallible_with(probability);
+            }
+            if shared.odds <= T::zero() {
+                infallible |= row(index);
             }
             let constellation = constellation as usize;
-            self.odds.push(Fallible { odds, ln: last.1, constellation }).ok()?;
-            self.satellites |= own;
+            self.odds.push(Fallible { constellation, ..shared }).ok()?;
             if let Some(members) = self.members.get_mut(constellation) {
-                *members |= own;
+                *members |= row(index);
             }
         }
+        self.satellites = self.members.iter().fold(0, |set, members| set | members);
+        self.fallible = self.satellites & !infallible;
         for (odds, members) in self.constellations.iter_mut().zip(&self.members) {
             *odds = if *members == 0 { T::zero() } else { *odds / (T::one() - *odds) };
         }
         Some(())
+    }
+
+    /// The odds of a row, of no constellation yet.
+    fn fallible_with(&mut self, probability: T) -> Fallible<T> {
+        let odds = probability / (T::one() - probability);
+        if !(odds > T::zero()) {
+            return Fallible::never();
+        }
+        let fallible = Fallible { odds, ln: odds.ln(), ..Fallible::never() };
+        if odds > self.likeliest.odds {
+            self.likeliest = fallible;
+        }
+        if odds < self.rarest_odds {
+            self.rarest_odds = odds;
+        }
+        fallible
     }
 
     /// Everything that can go wrong, satellites first.
@@ -351,32 +378,22 @@ impl<T: Real> Modes<T> {
         gone: Set,
         sizes: &RangeInclusive<usize>,
         was_monitorable: &impl Fn(Set) -> bool,
-        visitor: &mut impl FnMut(&Mode<T>) -> ControlFlow<()>,
-    ) -> ControlFlow<()> {
-        self.visit_but(gone, sizes, was_monitorable, &mut |_, _| false, visitor)
-    }
-
-    /// As [`Self::visit`], but for modes of which it suffices to count them: of some it is asked how many rows each takes
-    /// and how many they are; they are not visited where that is all.
-    #[inline]
-    pub(super) fn visit_but(
-        &self,
-        gone: Set,
-        sizes: &RangeInclusive<usize>,
-        was_monitorable: &impl Fn(Set) -> bool,
-        is_counted: &mut impl FnMut(usize, usize) -> bool,
-        visitor: &mut impl FnMut(&Mode<T>) -> ControlFlow<()>,
+        visitor: &mut impl Visitor<T>,
     ) -> ControlFlow<()> {
         let in_view = self.members.iter().enumerate().filter(|&(_, members)| members & !gone != 0);
-        let in_view = in_view.fold(0, |set, (id, _)| set | 1 << id);
+        let in_view: usize = in_view.fold(0, |set, (id, _)| set | 1 << id);
         let most = self.limit.min(*sizes.end()) as u32;
         // Constellations first: what they add to the levels is mostly the largest part.
-        for lost in (0..1usize << Constellation::COUNT).rev() {
-            if lost & !in_view != 0 || lost.count_ones() > most {
-                continue;
+        let mut lost = in_view;
+        for _ in 0..1usize << Constellation::COUNT {
+            if lost.count_ones() <= most {
+                let walk = Walk::without(self, lost, gone);
+                walk.visit(sizes, was_monitorable, visitor)?;
             }
-            let walk = Walk::without(self, lost, gone);
-            walk.visit(sizes, was_monitorable, is_counted, visitor)?;
+            if lost == 0 {
+                break;
+            }
+            lost = lost.wrapping_sub(1) & in_view;
         }
         ControlFlow::Continue(())
     }

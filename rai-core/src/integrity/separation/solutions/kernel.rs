@@ -109,20 +109,19 @@ impl<T: Real> Kernel<T> {
         }
     }
 
-    /// `κ_jj`.
+    /// `κ_jj` by `b_jj`.
     pub(super) fn kappa(
         &self,
         groups: &[Group<T>; GROUPS],
         group: usize,
         design: &Vector3<T>,
-        gain: &Vector3<T>,
+        coupling: T,
         weight: T,
         share: T,
     ) -> T {
         let Some((sums, lean)) = groups.get(group).zip(self.leans.get(group)) else { return T::zero() };
-        let coupling = sums.level + design.dot(gain);
         let two = T::one() + T::one();
-        let own = if weight > T::zero() { share / weight } else { T::zero() };
-        own - two * share * coupling + sums.accuracy + design.dot(&(self.gamma * design + lean * two))
+        let own = if weight > T::zero() { weight.recip() } else { T::zero() };
+        share * (own - two * coupling) + sums.accuracy + design.dot(&(self.gamma * design + lean * two))
     }
 }

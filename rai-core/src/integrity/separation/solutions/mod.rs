@@ -36,6 +36,7 @@ mod bias;
 mod direct;
 mod elimination;
 mod kernel;
+mod sieve;
 
 use heapless::Vec;
 use nalgebra::{Matrix3, Vector3};
@@ -43,6 +44,8 @@ use nalgebra::{Matrix3, Vector3};
 use elimination::{First, Pair, Second, Third};
 pub(super) use kernel::{GROUPS, group_of};
 use kernel::{Group, Kernel, add_square, diagonal_of, hardly_left, mirror};
+
+pub(super) use sieve::Bounds;
 
 use super::modes::{Hypothesis, ROOM, ROWS, Set, members};
 use super::{Prior, View};
@@ -66,7 +69,7 @@ pub(super) struct Own<T> {
     kappa: T,
     /// `w_i b_i`.
     pub(super) weighted_bias: T,
-    /// `Σ_i |M_ji| b_i`; 0 without biases.
+    /// A bound on `Σ_i |M_ji| b_i`; 0 without biases.
     spread: T,
 }
 /// Solutions without modes; what neighbouring modes share is kept.
@@ -77,6 +80,8 @@ pub(super) struct Solutions<'v, T: Real> {
     total_dispersion: Matrix3<T>,
     largest_weight: T,
     has_bias: bool,
+    /// Of the solution with all satellites.
+    whole_bias: Vector3<T>,
     kernel: Kernel<T>,
     /// Of which mode the following are.
     at: Hypothesis,
@@ -104,6 +109,7 @@ impl<'v, T: Real> Solutions<'v, T> {
             total_dispersion: Matrix3::zeros(),
             largest_weight: T::zero(),
             has_bias: false,
+            whole_bias: Vector3::zeros(),
             kernel: Kernel::whole(&view),
             at: Hypothesis::NONE,
             is_sound: true,
@@ -124,6 +130,7 @@ impl<'v, T: Real> Solutions<'v, T> {
         self.has_bias = self.own.iter().zip(priors).any(has_bias);
         if self.has_bias {
             self.spread_biases(priors);
+            self.whole_bias = self.summed_bias_of_whole();
         }
     }
 
@@ -180,14 +187,18 @@ impl<'v, T: Real> Solutions<'v, T> {
         self.kernel.complete(&self.groups);
         for (index, row) in self.view.rows.iter().enumerate() {
             let Some((fit, own)) = self.view.fits.get(index).zip(self.own.get_mut(index)) else { continue };
-            own.kappa = self.kernel.kappa(
-                &self.groups,
-                group_of(row),
-                &fit.centred,
-                &fit.gain,
-                row.weight,
-                own.share,
-            );
+            if row.weight > T::zero() {
+                let coupling = row.weight.recip() - own.pivot;
+                let group = group_of(row);
+                own.kappa = self.kernel.kappa(
+                    &self.groups,
+                    group,
+                    &fit.centred,
+                    coupling,
+                    row.weight,
+                    own.share,
+                );
+            }
         }
     }
     /// `1/W_c`.
@@ -198,6 +209,11 @@ impl<'v, T: Real> Solutions<'v, T> {
     /// Whether any satellite has a nominal bias.
     pub(super) fn has_bias(&self) -> bool {
         self.has_bias
+    }
+
+    /// Bias of the solution with all satellites.
+    pub(super) fn whole_bias(&self) -> Vector3<T> {
+        self.whole_bias
     }
 
     /// Of all satellites: variances, and the accuracy's in the place of the separation's.
@@ -259,8 +275,7 @@ impl<'v, T: Real> Solutions<'v, T> {
             return self.leave_out_alone(first);
         }
         if at_first != first || self.first.is_none() {
-            self.first = self.leave_out_first(first);
-            self.second = None;
+            self.enter_first(hypothesis);
         }
         let taken = self.first.as_ref()?;
         if second >= ROWS {
@@ -281,6 +296,18 @@ impl<'v, T: Real> Solutions<'v, T> {
             self.second = self.leave_out_second(second);
         }
         self.leave_out_third(third)
+    }
+
+    /// Takes one row out of all satellites, from which pairs with it are then taken.
+    #[inline(never)]
+    fn enter_first(&mut self, hypothesis: Hypothesis) {
+        if self.at.constellations != hypothesis.constellations {
+            self.enter(hypothesis.constellations);
+        }
+        self.at = hypothesis;
+        self.second = None;
+        let [first, ..] = hypothesis.slots();
+        self.first = self.leave_out_first(first);
     }
 
     /// Goes to the kernel without some constellations.

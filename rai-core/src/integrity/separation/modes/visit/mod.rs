@@ -22,6 +22,37 @@ pub(in crate::integrity::separation) struct Mode<T> {
     pub(in crate::integrity::separation) ln_probability: T,
 }
 
+/// Modes that differ in one row and in nothing else.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::integrity::separation) struct Batch<T> {
+    /// What all of them take.
+    pub(in crate::integrity::separation) common: Hypothesis,
+    /// The row that each takes beside.
+    pub(in crate::integrity::separation) rows: Set,
+    /// Satellites that each takes.
+    pub(in crate::integrity::separation) taken: usize,
+    /// `p_k` of the likeliest, or more.
+    pub(in crate::integrity::separation) probability: T,
+    /// Its logarithm.
+    pub(in crate::integrity::separation) ln_probability: T,
+}
+
+/// What is done with the modes.
+pub(in crate::integrity::separation) trait Visitor<T> {
+    /// Which modes of a batch are to be visited one by one, by their rows. The others are dealt with.
+    fn sift(&mut self, batch: &Batch<T>) -> Set {
+        batch.rows
+    }
+
+    fn visit(&mut self, mode: &Mode<T>) -> ControlFlow<()>;
+}
+
+impl<T, F: FnMut(&Mode<T>) -> ControlFlow<()>> Visitor<T> for F {
+    fn visit(&mut self, mode: &Mode<T>) -> ControlFlow<()> {
+        self(mode)
+    }
+}
+
 /// The modes that lose the same constellations.
 pub(super) struct Walk<'m, T: Real> {
     pub(super) modes: &'m Modes<T>,
@@ -56,25 +87,26 @@ impl<'m, T: Real> Walk<'m, T> {
         &self,
         sizes: &RangeInclusive<usize>,
         was_monitorable: &impl Fn(Set) -> bool,
-        is_counted: &mut impl FnMut(usize, usize) -> bool,
-        visitor: &mut impl FnMut(&Mode<T>) -> ControlFlow<()>,
+        visitor: &mut impl Visitor<T>,
     ) -> ControlFlow<()> {
         let (lost, size, limit) = (self.lost, self.lost.count_ones() as usize, self.modes.limit);
-        let mut offer = |size: usize, rows: [usize; EVENTS]| match self.mode(size, rows, was_monitorable) {
-            Some(mode) if sizes.contains(&size) => visitor(&mode),
-            _ => ControlFlow::Continue(()),
+        let offer = |visitor: &mut _, size: usize, rows: [usize; EVENTS]| {
+            match self.mode(size, rows, was_monitorable) {
+                Some(mode) if sizes.contains(&size) => Visitor::visit(visitor, &mode),
+                _ => ControlFlow::Continue(()),
+            }
         };
         if lost != 0 && sizes.contains(&size) {
-            offer(size, [NONE; EVENTS])?;
+            offer(visitor, size, [NONE; EVENTS])?;
         }
         if let Some(pairs) = Pairs::of(self) {
             if lost == 0 && sizes.contains(&1) && self.gone == 0 {
-                pairs.visit_singles(is_counted, visitor)?;
+                pairs.visit_singles(visitor)?;
             } else if lost == 0 && sizes.contains(&1) {
-                members(self.left).try_for_each(|first| offer(1, [first, NONE, NONE]))?;
+                members(self.left).try_for_each(|first| offer(visitor, 1, [first, NONE, NONE]))?;
             }
             return if sizes.contains(&2) {
-                pairs.visit(was_monitorable, is_counted, visitor)
+                pairs.visit(was_monitorable, visitor)
             } else {
                 ControlFlow::Continue(())
             };
@@ -82,15 +114,15 @@ impl<'m, T: Real> Walk<'m, T> {
         let is_wanted = |more: usize| size + more <= limit && size + more <= *sizes.end();
         for first in members(self.left).filter(|_| is_wanted(1)) {
             if sizes.contains(&(size + 1)) {
-                offer(size + 1, [first, NONE, NONE])?;
+                offer(visitor, size + 1, [first, NONE, NONE])?;
             }
             let after = self.left & above(first);
             for second in members(after).filter(|_| is_wanted(2)) {
                 if sizes.contains(&(size + 2)) {
-                    offer(size + 2, [first, second, NONE])?;
+                    offer(visitor, size + 2, [first, second, NONE])?;
                 }
                 for third in members(after & above(second)).filter(|_| is_wanted(3)) {
-                    offer(size + 3, [first, second, third])?;
+                    offer(visitor, size + 3, [first, second, third])?;
                 }
             }
         }
