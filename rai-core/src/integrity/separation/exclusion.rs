@@ -144,7 +144,7 @@ pub fn judge_in<T: Real>(
     choose(&mut watch, &epoch.view(), priors)?;
     let options = Options::of(&watch, &priors.constellations);
     if allocation.exclusion {
-        watch.share = T::narrow(1.0 / (options.count() + 1) as f64);
+        watch.share = T::narrow((options.count() + 1) as f64).recip();
     }
     let whole = describe(&mut watch, room, epoch.view(), priors.satellites, 0, Purpose::Describe)?;
     let mut judged = Judged { options: options.count(), share: watch.share, whole, outcome: Outcome::Passed };

@@ -92,6 +92,24 @@ impl<T: Real> Candidate<T> {
     }
 }
 
+/// The risk of an axis, and what is clear of it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Budget<T> {
+    risk: T,
+    /// [`Axis::clear`].
+    clear: T,
+}
+
+impl<T: Real> Budget<T> {
+    /// For a risk that so many modes share.
+    pub(super) fn of(risk: T, modes: usize) -> Self {
+        let two = T::one() + T::one();
+        let each = risk * clear::<T>() / T::narrow(modes.max(1) as f64);
+        let clear = if risk > T::zero() { -two * (two * each).ln() } else { T::zero() };
+        Self { risk, clear }
+    }
+}
+
 /// The sum on one axis.
 #[derive(Clone, Debug)]
 pub(super) struct Axis<T> {
@@ -141,7 +159,9 @@ impl<T: Real> Gate<T> {
         Bounds {
             separation: [limits.x, limits.z].map(|limit| limit * T::narrow(1.0 + LAMBDA)),
             variance: needed.map(|needed| needed * T::narrow(1.0 + 1.0 / LAMBDA)),
-            references_m: self.references_m.map(|reference_m| if reference_m < far { reference_m } else { far }),
+            references_m: self
+                .references_m
+                .map(|reference_m| if reference_m < far { reference_m } else { far }),
             worst: T::zero(),
             evenness: T::one(),
             effective: infinity(),
@@ -253,24 +273,19 @@ impl<T: Real> Axis<T> {
         self.reference_m = infinity();
     }
 
-    /// For a risk that so many modes share, with the solution of all satellites as the first term. Without risk there is
-    /// no level, and nothing to look at.
-    pub(super) fn open(&mut self, risk: T, modes: usize, sigma_m: T, bias_m: T) {
+    /// For a risk that modes share, with the solution of all satellites as the first term. Without risk there is no level,
+    /// and nothing to look at.
+    pub(super) fn open(&mut self, budget: &Budget<T>, variance: T, bias_m: T) {
         self.close();
-        self.risk = risk;
-        self.terms.clear();
-        self.reference_m = infinity();
+        (self.risk, self.clear) = (budget.risk, budget.clear);
         if !self.is_open() {
             return;
         }
-        let two = T::one() + T::one();
-        let each = risk * clear::<T>() / T::narrow(modes.max(1) as f64);
-        self.clear = -two * (two * each).ln();
         // There is room for the first.
         let _ = self.terms.push(Term {
-            probability: two,
+            probability: T::one() + T::one(),
             offset_m: bias_m,
-            inverse_sigma: sigma_m.recip(),
+            inverse_sigma: variance.inverse_root(),
             hypothesis: Hypothesis::NONE,
         });
         self.restart(T::zero());

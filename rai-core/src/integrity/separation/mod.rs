@@ -96,8 +96,9 @@ pub struct Priors<'p, T> {
     pub constellations: [T; Constellation::COUNT],
 }
 
-/// Why nothing can be said.
+/// Why nothing can be said: a word, so that what is found in its place is copied by words.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u32)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum SeparationError {
     /// More rows than [`ROWS`].
@@ -135,12 +136,12 @@ pub struct Finding<T> {
     pub effective_monitor_threshold_m: T,
     /// Standard deviation of the height for accuracy, m.
     pub accuracy_m: T,
-    /// Whether any solution lies beyond its threshold.
-    pub alarm: bool,
     /// The largest separation over its threshold.
     pub ratio: T,
     /// The mode with the largest share in each level.
     pub dominant: [Hypothesis; 3],
+    /// Whether any solution lies beyond its threshold.
+    pub alarm: bool,
 }
 
 impl<T: Real> Finding<T> {

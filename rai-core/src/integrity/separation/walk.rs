@@ -8,7 +8,7 @@ use core::ops::ControlFlow;
 use heapless::Vec;
 use nalgebra::Vector3;
 
-use super::levels::{Axis, Candidate, Gate, Level};
+use super::levels::{Axis, Budget, Candidate, Gate, Level};
 use super::modes::{Batch, Mode, Modes, Set, Visitor, members, row};
 use super::solutions::{Bounds, Solution, Solutions};
 use super::{Finding, MAX_MODES, SeparationError};
@@ -172,7 +172,7 @@ struct Singular<T> {
 
 /// The root of a variance. Where a geometry is so poor that rounding leaves none of it, nothing is known, and it is infinite.
 fn deviation<T: Real>(variance: T) -> T {
-    if variance >= T::zero() { variance.sqrt() } else { infinity() }
+    if variance >= T::zero() { variance.root() } else { infinity() }
 }
 
 /// One walk.
@@ -213,7 +213,7 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
         axes: &'p mut [Axis<T>; 3],
     ) -> Self {
         let allocation = watch.allocation;
-        let phmi = T::narrow(allocation.integrity());
+        let phmi = watch.modes.mandatory();
         // With all satellites what cannot be watched is part of P_nm; after an exclusion it can fall on this outcome whole.
         let newly = if gone == 0 { T::zero() } else { count.unmonitorable };
         let left = (watch.share * (phmi - watch.not_watched) - newly) / phmi;
@@ -244,15 +244,16 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
             levels: [Level::none(); 3],
             accuracy_m: deviation(whole.separation.z),
             threshold: T::zero(),
-            likely: T::narrow(allocation.effective_prior * (1.0 - PRIOR_ROUNDING)),
+            likely: T::narrow(allocation.effective_prior) * (T::one() - T::narrow(PRIOR_ROUNDING)),
             worst: T::zero(),
             alarm: false,
             singular: Singular { modes: 0, probability: T::zero(), sets: Vec::new() },
         };
         let [east, north, up] = &mut *pass.axes;
-        east.open(horizontal, count.modes, whole.variance.x.sqrt(), bias.x);
-        north.open(horizontal, count.modes, whole.variance.y.sqrt(), bias.y);
-        up.open(vertical, count.modes, whole.variance.z.sqrt(), bias.z);
+        let [horizontal, vertical] = [horizontal, vertical].map(|risk| Budget::of(risk, count.modes));
+        east.open(&horizontal, whole.variance.x, bias.x);
+        north.open(&horizontal, whole.variance.y, bias.y);
+        up.open(&vertical, whole.variance.z, bias.z);
         pass.gate = Gate::of(pass.axes);
         pass
     }
@@ -307,8 +308,7 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
     /// What modes must stay below that are as likely as these at most.
     fn bounds(&self, batch: &Batch<T>) -> Bounds<T> {
         let limits = &self.squared_factors;
-        let [least, largest] =
-            if limits.x < limits.z { [limits.x, limits.z] } else { [limits.z, limits.x] };
+        let [least, largest] = if limits.x < limits.z { [limits.x, limits.z] } else { [limits.z, limits.x] };
         let bounds = self.gate.bounds(batch.ln_probability, limits);
         let effective =
             if self.may_be_likely(batch.probability) { self.threshold / limits.z } else { bounds.effective };
@@ -429,10 +429,10 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
             not_watched: self.not_watched,
             factors: self.factors.into(),
             levels_m: self.levels.map(|level| level.distance_m),
-            effective_monitor_threshold_m: self.threshold.sqrt(),
+            effective_monitor_threshold_m: self.threshold.root(),
             accuracy_m: self.accuracy_m,
             alarm: self.alarm,
-            ratio: self.worst.sqrt(),
+            ratio: self.worst.root(),
             dominant: self.levels.map(|level| level.dominant),
         }
     }

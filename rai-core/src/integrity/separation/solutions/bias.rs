@@ -4,7 +4,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::super::Prior;
 use super::super::modes::ROWS;
-use super::elimination::Point;
+use super::elimination::{Last, Point};
 use super::kernel::{GROUPS, group_of};
 use super::{Own, Solutions};
 use crate::equations::Row;
@@ -49,12 +49,15 @@ impl<T: Real> Solutions<'_, T> {
             return Some(*bias);
         }
         let [_, second, third] = self.at.slots();
-        let first = self.first.as_ref().filter(|_| self.at.constellations == 0 && third >= ROWS)?;
-        if second >= ROWS {
-            return Some(first.bias);
+        let Last { column, factor, spread } = &self.last;
+        if self.at.constellations != 0 || third < ROWS {
+            return None;
         }
-        let spread = self.pair.spread + self.pair.factor.abs() * first.point.spread;
-        Some(first.bias + self.pair.column.abs() * spread)
+        if second >= ROWS {
+            return Some(self.whole_bias + column.abs() * *spread);
+        }
+        let first = self.first.as_ref()?;
+        Some(first.bias + column.abs() * (*spread + factor.abs() * first.point.spread))
     }
 
     /// The bias of the mode that was asked for last.
@@ -75,23 +78,26 @@ impl<T: Real> Solutions<'_, T> {
         let mut columns = [Vector3::zeros(); 3];
         let [of_first, of_second, of_third] = &mut columns;
         let point = |index: usize| self.point_here(index).map(|point| (point.design, point.group));
-        let mut pair = self.pair;
+        let mut last = self.last;
         if let Some((taken, kept)) = self.third.as_ref().zip(self.second.as_ref()).filter(|_| third < ROWS) {
             let [by_first, by_second] = taken.factors;
             *of_third = taken.column;
             *of_second -= taken.column * by_second;
             *of_first -= taken.column * by_first;
             take(of_third, &taken.design, taken.group);
-            pair = kept.pair();
+            last = kept.last();
         }
         if let Some((design, group)) = point(second) {
-            *of_second += pair.column;
-            *of_first -= *of_second * pair.factor;
+            *of_second += last.column;
+            *of_first -= *of_second * last.factor;
             take(of_second, &design, group);
         }
         if let Some(taken) = self.first.as_ref().filter(|_| first < ROWS) {
             *of_first += taken.column;
             take(of_first, &taken.point.design, taken.point.group);
+        } else if let Some((design, group)) = point(first) {
+            *of_first += last.column;
+            take(of_first, &design, group);
         }
         let rows = [first, second, third];
         if self.at.constellations == 0 {

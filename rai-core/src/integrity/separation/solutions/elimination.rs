@@ -88,8 +88,8 @@ pub(super) struct Second<T: Real> {
 }
 
 impl<T: Real> Second<T> {
-    pub(super) fn pair(&self) -> Pair<T> {
-        Pair { column: self.left.column, factor: self.left.factor, spread: self.point.spread }
+    pub(super) fn last(&self) -> Last<T> {
+        Last { column: self.left.column, factor: self.left.factor, spread: self.point.spread }
     }
 }
 
@@ -122,9 +122,9 @@ impl<T: Real> Beside<T> {
     }
 }
 
-/// What a bias needs of a pair's second row.
+/// What a bias needs of the row that was taken out last: of a single one, or of a pair's second.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Pair<T: Real> {
+pub(super) struct Last<T: Real> {
     pub(super) column: Vector3<T>,
     pub(super) factor: T,
     pub(super) spread: T,
@@ -198,8 +198,7 @@ impl<T: Real> Solutions<'_, T> {
         point.residual -= point.design.dot(&kernel.solution.shift);
         let own = self.level(point.group) + point.design.dot(&point.gain);
         point.pivot = point.weight.recip() - own;
-        point.kappa =
-            kernel.kappa(&self.groups, point.group, &point.design, own, point.weight, point.share);
+        point.kappa = kernel.kappa(&self.groups, point.group, &point.design, own, point.weight, point.share);
         let lean = self.groups.get(point.group).map_or_else(Vector3::zeros, |group| group.lean);
         point.lag = kernel.change * (point.design * point.share - lean - kernel.dispersion * point.gain);
         point
@@ -224,10 +223,16 @@ impl<T: Real> Solutions<'_, T> {
 
     /// The solution without a row and nothing else of what the kernel has.
     #[inline(never)]
-    pub(super) fn leave_out_alone(&self, index: usize) -> Option<Solution<T>> {
+    pub(super) fn leave_out_alone(&mut self, index: usize) -> Option<Solution<T>> {
         let point = self.point_here(index)?;
-        let is_sound = point.pivot * point.weight >= hardly_left();
-        is_sound.then(|| self.alone(&point, &(point.gain * point.pivot.recip())))
+        if !(point.pivot * point.weight >= hardly_left()) {
+            return None;
+        }
+        let column = point.gain * point.pivot.recip();
+        if self.has_bias {
+            self.last = Last { column, factor: T::zero(), spread: point.spread };
+        }
+        Some(self.alone(&point, &column))
     }
 
     /// The same by the row's column `A/B`.
@@ -289,7 +294,7 @@ impl<T: Real> Solutions<'_, T> {
         let left = Self::beside(first, &point, Vector3::zeros())?;
         let solution = left.solution(first);
         if self.has_bias {
-            self.pair = Pair { column: left.column, factor: left.factor, spread: point.spread };
+            self.last = Last { column: left.column, factor: left.factor, spread: point.spread };
         }
         Some(solution)
     }

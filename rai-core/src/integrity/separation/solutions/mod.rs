@@ -41,9 +41,9 @@ mod sieve;
 use heapless::Vec;
 use nalgebra::{Matrix3, Vector3};
 
-use elimination::{First, Pair, Second, Third};
+use elimination::{First, Last, Second, Third};
 pub(super) use kernel::{GROUPS, group_of};
-use kernel::{Group, Kernel, add_square, diagonal_of, hardly_left, mirror};
+use kernel::{Group, Kernel, add_product, diagonal_of, hardly_left, mirror};
 
 pub(super) use sieve::Bounds;
 
@@ -90,8 +90,8 @@ pub(super) struct Solutions<'v, T: Real> {
     /// What was solved by itself, where algebra would cost too many digits, and its bias.
     direct: Option<(Solution<T>, Vector3<T>)>,
     first: Option<First<T>>,
-    /// Of the pair that was asked for last.
-    pair: Pair<T>,
+    /// Of the single row or the pair that was asked for last.
+    last: Last<T>,
     /// Kept for triples.
     second: Option<Second<T>>,
     third: Option<Third<T>>,
@@ -110,12 +110,12 @@ impl<'v, T: Real> Solutions<'v, T> {
             largest_weight: T::zero(),
             has_bias: false,
             whole_bias: Vector3::zeros(),
-            kernel: Kernel::whole(&view),
+            kernel: Kernel::nothing(),
             at: Hypothesis::NONE,
             is_sound: true,
             direct: None,
             first: None,
-            pair: Pair { column: Vector3::zeros(), factor: T::zero(), spread: T::zero() },
+            last: Last { column: Vector3::zeros(), factor: T::zero(), spread: T::zero() },
             second: None,
             third: None,
         }
@@ -161,13 +161,14 @@ impl<'v, T: Real> Solutions<'v, T> {
                 self.largest_weight = weight;
             }
             if let Some(group) = self.groups.get_mut(group_of(row)) {
-                let accurate = share * weight;
+                let weighted = fit.centred * weight;
+                let accurate = weighted * share;
                 group.level += weight;
-                group.accuracy += accurate;
-                group.lean += fit.centred * accurate;
-                add_square(&mut group.normal, &fit.centred, weight);
-                add_square(&mut group.dispersion, &fit.centred, accurate);
-                group.pull += fit.centred * (weight * fit.residual);
+                group.accuracy += share * weight;
+                group.lean += accurate;
+                add_product(&mut group.normal, &weighted, &fit.centred);
+                add_product(&mut group.dispersion, &accurate, &fit.centred);
+                group.pull += weighted * fit.residual;
             }
         }
         for (id, group) in self.groups.iter_mut().enumerate() {
@@ -182,22 +183,15 @@ impl<'v, T: Real> Solutions<'v, T> {
 
     /// The kernel of all satellites, and each row's `κ_jj` there.
     fn describe_whole(&mut self) {
-        self.kernel = Kernel::whole(&self.view);
-        self.kernel.dispersion = self.total_dispersion;
+        self.kernel.regain_all(self.view.covariance, &self.total_dispersion);
         self.kernel.complete(&self.groups);
         for (index, row) in self.view.rows.iter().enumerate() {
             let Some((fit, own)) = self.view.fits.get(index).zip(self.own.get_mut(index)) else { continue };
             if row.weight > T::zero() {
                 let coupling = row.weight.recip() - own.pivot;
                 let group = group_of(row);
-                own.kappa = self.kernel.kappa(
-                    &self.groups,
-                    group,
-                    &fit.centred,
-                    coupling,
-                    row.weight,
-                    own.share,
-                );
+                own.kappa =
+                    self.kernel.kappa(&self.groups, group, &fit.centred, coupling, row.weight, own.share);
             }
         }
     }
@@ -218,11 +212,14 @@ impl<'v, T: Real> Solutions<'v, T> {
 
     /// Of all satellites: variances, and the accuracy's in the place of the separation's.
     pub(super) fn whole(&self) -> Solution<T> {
-        let kernel = Kernel::whole(&self.view);
         let covariance = self.view.covariance;
-        let accuracy = diagonal_of(covariance, &self.total_dispersion);
-        Solution { separation: accuracy, ..kernel.solution }
+        Solution {
+            variance: covariance.diagonal(),
+            separation: diagonal_of(covariance, &self.total_dispersion),
+            shift: Vector3::zeros(),
+        }
     }
+
     /// Rows, what the solution says of each, and what integrity adds.
     pub(super) fn rows(&self) -> impl Iterator<Item = (&Row<T>, &Fit<T>, &Own<T>)> {
         self.view.rows.iter().zip(self.view.fits).zip(&*self.own).map(|((row, fit), own)| (row, fit, own))
@@ -237,7 +234,7 @@ impl<'v, T: Real> Solutions<'v, T> {
     #[allow(clippy::inline_always, reason = "called in one place, once for every mode")]
     #[inline(always)]
     pub(super) fn without(&mut self, hypothesis: Hypothesis) -> Option<Solution<T>> {
-        let by_algebra = if hypothesis.is_pair_after(self.at) {
+        let by_algebra = if self.first.is_some() && hypothesis.is_pair_after(self.at) {
             self.at = hypothesis;
             // Another pair than the one that was kept for its triples.
             self.second = None;
@@ -270,17 +267,15 @@ impl<'v, T: Real> Solutions<'v, T> {
         if first >= ROWS {
             return Some(self.kernel.solution);
         }
-        if second >= ROWS && !self.has_bias {
+        self.kernel.complete(&self.groups);
+        if second >= ROWS {
             self.first = None;
             return self.leave_out_alone(first);
         }
         if at_first != first || self.first.is_none() {
             self.enter_first(hypothesis);
         }
-        let taken = self.first.as_ref()?;
-        if second >= ROWS {
-            return Some(taken.solution);
-        }
+        self.first.as_ref()?;
         if third >= ROWS && hypothesis.constellations == 0 {
             self.second = None;
             return self.leave_out_pair(hypothesis);
@@ -289,7 +284,7 @@ impl<'v, T: Real> Solutions<'v, T> {
             // Another pair than the one that was kept for its triples.
             self.second = None;
             let taken = self.leave_out_second(second)?;
-            self.pair = taken.pair();
+            self.last = taken.last();
             return Some(taken.solution);
         }
         if at_first != first || at_second != second || self.second.is_none() {
@@ -306,6 +301,7 @@ impl<'v, T: Real> Solutions<'v, T> {
         }
         self.at = hypothesis;
         self.second = None;
+        self.kernel.complete(&self.groups);
         let [first, ..] = hypothesis.slots();
         self.first = self.leave_out_first(first);
     }
@@ -318,9 +314,7 @@ impl<'v, T: Real> Solutions<'v, T> {
         self.second = None;
         if constellations == 0 {
             self.is_sound = true;
-            self.kernel = Kernel::whole(&self.view);
-            self.kernel.dispersion = self.total_dispersion;
-            self.kernel.complete(&self.groups);
+            self.kernel.regain_all(self.view.covariance, &self.total_dispersion);
             return;
         }
         self.is_sound = self.kernel_without(constellations).is_some();
@@ -352,7 +346,7 @@ impl<'v, T: Real> Solutions<'v, T> {
             shift: -(covariance * pull),
         };
         (kernel.covariance, kernel.change, kernel.dispersion) = (covariance, change, kept);
-        kernel.complete(&self.groups);
+        kernel.is_complete = false;
         Some(())
     }
     /// Whether the test of any of some single rows alarms without a hypothesis, `limits` being the squares of `K`.
@@ -364,6 +358,7 @@ impl<'v, T: Real> Solutions<'v, T> {
             return false;
         }
         let is_of_row = hypothesis.rows().next().is_some();
+        self.kernel.complete(&self.groups);
         members(singles).any(|index| {
             let left = if is_of_row { self.left_by_first(index) } else { self.left_by_kernel(index) };
             left.is_some_and(|left| left.exceeds(limits))

@@ -124,7 +124,8 @@ impl<T: Real> Solutions<'_, T> {
 
     /// Of single rows.
     fn sift_singles(&self, rows: Set, bounds: &Bounds<T>) -> Set {
-        let whole = Solution { separation: Vector3::zeros(), ..self.whole() };
+        let zeros = Vector3::zeros();
+        let whole = Solution { variance: self.view.covariance.diagonal(), separation: zeros, shift: zeros };
         let base = bounds.beyond(&whole, &self.whole_bias);
         let mut worst = bounds.worst;
         self.left_of(rows, |row, fit, own| {
@@ -140,7 +141,7 @@ impl<T: Real> Solutions<'_, T> {
                 column: fit.gain * own.pivot.recip(),
                 pivot: own.pivot,
                 kappa: own.kappa,
-                cross: Vector3::zeros(),
+                cross: zeros,
                 spread: own.spread,
             };
             own.pivot * row.weight >= hardly_left()

@@ -63,10 +63,7 @@ impl<'w, 'm, T: Real> Pairs<'w, 'm, T> {
     }
 
     /// Visits rows that are watched each by itself, nothing gone: none of them is counted with its constellation's loss.
-    pub(super) fn visit_singles(
-        &self,
-        visitor: &mut impl Visitor<T>,
-    ) -> ControlFlow<()> {
+    pub(super) fn visit_singles(&self, visitor: &mut impl Visitor<T>) -> ControlFlow<()> {
         let modes = self.walk.modes;
         let rows = self.watched_singles();
         let batch = Batch {
@@ -90,13 +87,12 @@ impl<'w, 'm, T: Real> Pairs<'w, 'm, T> {
     /// Rows that are watched each by itself.
     fn watched_singles(&self) -> Set {
         let Walk { modes, left, .. } = *self.walk;
-        if modes.cutoff.size > 1 || modes.healthy * modes.rarest_odds > modes.mandatory {
+        if modes.cutoff.size > 1 || modes.must_watch_all_singles() {
             return left;
         }
         let is_watched = |&index: &usize| {
             let is_mandatory = |odds: &Fallible<T>| modes.healthy * odds.odds > modes.mandatory;
-            modes.odds.get(index).is_some_and(is_mandatory)
-                || modes.comes_before_the_cut(row(index), 1, 1)
+            modes.odds.get(index).is_some_and(is_mandatory) || modes.comes_before_the_cut(row(index), 1, 1)
         };
         members(left).filter(is_watched).fold(0, |set, index| set | row(index))
     }
