@@ -25,7 +25,8 @@
 //!
 //! Rows are taken out one after another, each from what the ones before it left (elimination): a single costs about 70
 //! operations, a pair another 90, and what a first row shares with its pairs is worked out once. `C_acc` need not be
-//! proportional to `C`. Only the bias is a sum over all rows, and only worked out where a bound on it does not decide.
+//! proportional to `C`. Of modes that differ in one row those that change nothing are dismissed before ([`sieve`]). Only the
+//! bias is a sum over all rows, and only worked out where a bound on it does not decide.
 //!
 //! Assumes that a set leaves something of every constellation that it does not name. References: [Blanch2015],
 //! [`crate::removal`] for the elimination.

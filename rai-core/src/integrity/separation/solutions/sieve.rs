@@ -46,9 +46,9 @@ pub(in crate::integrity::separation) struct Bounds<T: Real> {
 
 /// What modes have in common that differ in one row.
 struct Base<T: Real> {
-    /// What is left for that row's squares.
+    /// What is left for that row's squares, m².
     margins: Vector3<T>,
-    /// What its biases take of that.
+    /// What a bias of its takes of that, m² per m.
     slopes: Vector3<T>,
 }
 
@@ -60,9 +60,9 @@ impl<T: Real> Bounds<T> {
         let variance = Vector3::new(horizontal, horizontal, vertical);
         let left_m = self.references_m - bias_m;
         let used = separation.component_mul(&common.separation) + variance.component_mul(&common.variance);
-        // A margin below nothing leaves less than nothing.
-        let margins = left_m.map(|left_m| left_m * left_m.abs()) - used;
-        Base { margins, slopes: left_m + left_m }
+        // A margin below nothing leaves less than nothing, whatever the row's biases.
+        let magnitude_m = left_m.abs();
+        Base { margins: left_m.component_mul(&magnitude_m) - used, slopes: magnitude_m + magnitude_m }
     }
 }
 
