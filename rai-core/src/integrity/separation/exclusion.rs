@@ -144,17 +144,18 @@ pub fn judge_in<T: Real>(
     choose(&mut watch, &epoch.view(), priors)?;
     let options = Options::of(&watch, &priors.constellations);
     if allocation.exclusion {
-        watch.share = T::narrow(1.0 / (options.count() + 1) as f64);
+        watch.share = T::narrow((options.count() + 1) as f64).recip();
     }
     let whole = describe(&mut watch, room, epoch.view(), priors.satellites, 0, Purpose::Describe)?;
-    let outcome = if !whole.alarm {
-        Outcome::Passed
-    } else if allocation.exclusion {
-        exclude(&mut watch, room, epoch, priors.satellites, options, whole.factors)?
-    } else {
-        Outcome::NotIsolated
-    };
-    Ok(Judged { options: options.count(), share: watch.share, whole, outcome })
+    let mut judged = Judged { options: options.count(), share: watch.share, whole, outcome: Outcome::Passed };
+    if judged.whole.alarm {
+        judged.outcome = Outcome::NotIsolated;
+        if allocation.exclusion {
+            let factors = judged.whole.factors;
+            judged.outcome = exclude(&mut watch, room, epoch, priors.satellites, options, factors)?;
+        }
+    }
+    Ok(judged)
 }
 
 /// Sigmas and biases beyond these are no promise, and squares of squares of them no numbers, m: as for a range

@@ -29,6 +29,7 @@ use heapless::Vec;
 use nalgebra::Vector3;
 
 use super::modes::{Hypothesis, Mode};
+use super::solutions::Bounds;
 use crate::numeric::normal::{quantile, tail};
 use crate::numeric::real::Real;
 use crate::snapshot::infinity;
@@ -56,6 +57,12 @@ const FROZEN: f64 = 1e-5;
 /// What the frozen terms may add to a level, m; in single precision 2.4 mm more, and 4e-5 of the level.
 const DEARNESS_M: f64 = 3e-4;
 
+/// A distance beyond every level whose square is a number in single precision, m.
+const FAR_M: f64 = 1e12;
+
+/// `λ` of [`Bounds`]: about `u σ/T` of modes that nearly matter.
+const LAMBDA: f64 = 1.5;
+
 /// One mode's share in the sum.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Term<T> {
@@ -82,6 +89,24 @@ impl<T: Real> Candidate<T> {
     pub(super) fn of(mode: &Mode<T>, threshold: T, variance: T) -> Self {
         let Mode { hypothesis, probability, ln_probability, .. } = *mode;
         Self { probability, ln_probability, threshold, variance, hypothesis }
+    }
+}
+
+/// The risk of an axis, and what is clear of it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Budget<T> {
+    risk: T,
+    /// [`Axis::clear`].
+    clear: T,
+}
+
+impl<T: Real> Budget<T> {
+    /// For a risk that so many modes share.
+    pub(super) fn of(risk: T, modes: usize) -> Self {
+        let two = T::one() + T::one();
+        let each = risk * clear::<T>() / T::narrow(modes.max(1) as f64);
+        let clear = if risk > T::zero() { -two * (two * each).ln() } else { T::zero() };
+        Self { risk, clear }
     }
 }
 
@@ -127,6 +152,31 @@ impl<T: Real> Gate<T> {
         }
     }
 
+    /// Bounds for modes that are as likely as this at most, `limits` being the squares of `K`.
+    pub(super) fn bounds(&self, ln_probability: T, limits: &Vector3<T>) -> Bounds<T> {
+        let far = T::narrow(FAR_M);
+        let needed = self.needed(ln_probability);
+        Bounds {
+            separation: [limits.x, limits.z].map(|limit| limit * T::narrow(1.0 + LAMBDA)),
+            variance: needed.map(|needed| needed * T::narrow(1.0 + 1.0 / LAMBDA)),
+            references_m: self
+                .references_m
+                .map(|reference_m| if reference_m < far { reference_m } else { far }),
+            worst: T::zero(),
+            evenness: T::one(),
+            effective: infinity(),
+        }
+    }
+
+    /// `u²`.
+    #[inline]
+    fn needed(&self, ln_probability: T) -> [T; 2] {
+        self.clear.map(|clear| {
+            let needed = clear + ln_probability + ln_probability;
+            if needed > T::zero() { needed } else { T::zero() }
+        })
+    }
+
     /// Whether a mode without biases need not be looked at.
     #[inline]
     pub(super) fn is_clear(&self, mode: &Mode<T>, thresholds: &Vector3<T>, variance: &Vector3<T>) -> bool {
@@ -156,10 +206,7 @@ impl<T: Real> Gate<T> {
         variance: &Vector3<T>,
         margins: &Vector3<T>,
     ) -> bool {
-        let [horizontal, vertical] = self.clear.map(|clear| {
-            let needed = clear + mode.ln_probability + mode.ln_probability;
-            if needed > T::zero() { needed } else { T::zero() }
-        });
+        let [horizontal, vertical] = self.needed(mode.ln_probability);
         let is_clear = |margin: T, threshold: T, spread: T| {
             let rest = margin - threshold - spread;
             rest * rest.abs() > T::narrow(4.0) * threshold * spread
@@ -208,12 +255,13 @@ impl<T: Real> Axis<T> {
     #[allow(clippy::inline_always, reason = "made where it stays: it is large")]
     #[inline(always)]
     pub(super) fn closed() -> Self {
+        // Zeros all over would be written over the room for the terms too.
         Self {
             risk: T::zero(),
             terms: Vec::new(),
-            frozen: T::zero(),
-            bar: T::zero(),
-            clear: T::zero(),
+            frozen: infinity(),
+            bar: infinity(),
+            clear: infinity(),
             reference_m: infinity(),
         }
     }
@@ -225,24 +273,19 @@ impl<T: Real> Axis<T> {
         self.reference_m = infinity();
     }
 
-    /// For a risk that so many modes share, with the solution of all satellites as the first term. Without risk there is
-    /// no level, and nothing to look at.
-    pub(super) fn open(&mut self, risk: T, modes: usize, sigma_m: T, bias_m: T) {
+    /// For a risk that modes share, with the solution of all satellites as the first term. Without risk there is no level,
+    /// and nothing to look at.
+    pub(super) fn open(&mut self, budget: &Budget<T>, variance: T, bias_m: T) {
         self.close();
-        self.risk = risk;
-        self.terms.clear();
-        self.reference_m = infinity();
+        (self.risk, self.clear) = (budget.risk, budget.clear);
         if !self.is_open() {
             return;
         }
-        let two = T::one() + T::one();
-        let each = risk * clear::<T>() / T::narrow(modes.max(1) as f64);
-        self.clear = -two * (two * each).ln();
         // There is room for the first.
         let _ = self.terms.push(Term {
-            probability: two,
+            probability: T::one() + T::one(),
             offset_m: bias_m,
-            inverse_sigma: sigma_m.recip(),
+            inverse_sigma: variance.inverse_root(),
             hypothesis: Hypothesis::NONE,
         });
         self.restart(T::zero());

@@ -7,7 +7,7 @@ use std::{format, println, vec};
 use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::exclusion::choose;
-use super::modes::{Hypothesis, ROWS, members, row};
+use super::modes::{Hypothesis, Mode, ROWS, members, row};
 use super::solutions::Solutions;
 use super::walk::Watch;
 use super::{Allocation, Outcome, Prior, Priors, Removable as _, judge};
@@ -121,7 +121,7 @@ fn the_worked_example_has_the_published_intermediates() {
     let watch = watched(&snapshot, &all, &allocation);
     close("p_0", watch.modes.healthy(), 0.999_700_034_5, 1e-10);
     let mut probabilities = Vec::new();
-    let _ = watch.modes.visit(0, &(1..=3), &|_| true, &mut |mode| {
+    let _ = watch.modes.visit(0, &(1..=3), &|_| true, &mut |mode: &Mode<_>| {
         probabilities.push(mode.probability);
         core::ops::ControlFlow::Continue(())
     });
@@ -271,7 +271,7 @@ fn every_set_of_three_events_is_as_dense_least_squares_has_it() {
         let watch = watched(&snapshot, &all, &allocation);
         let mut solutions = solutions(&snapshot, &sky.priors);
         let mut hypotheses = Vec::new();
-        let _ = watch.modes.visit(0, &(1..=3), &|_| true, &mut |mode| {
+        let _ = watch.modes.visit(0, &(1..=3), &|_| true, &mut |mode: &Mode<_>| {
             if watch.leaves_enough(watch.modes.taken_by(mode.hypothesis), 0) {
                 hypotheses.push(mode.hypothesis);
             }
@@ -313,7 +313,7 @@ fn the_choice_is_that_of_the_rule_read_literally() {
             let watch = watched(&snapshot, &all, &allocation);
             let (want, not_watched) = literal(&sky, &priors, constellations, &allocation);
             let mut have = Vec::new();
-            let _ = watch.modes.visit(0, &(1..=3), &|_| true, &mut |mode| {
+            let _ = watch.modes.visit(0, &(1..=3), &|_| true, &mut |mode: &Mode<_>| {
                 have.push((watch.modes.taken_by(mode.hypothesis), mode.probability));
                 core::ops::ControlFlow::Continue(())
             });

@@ -8,9 +8,9 @@ use core::ops::ControlFlow;
 use heapless::Vec;
 use nalgebra::Vector3;
 
-use super::levels::{Axis, Candidate, Gate, Level};
-use super::modes::{Mode, Modes, Set, members, row};
-use super::solutions::{Solution, Solutions};
+use super::levels::{Axis, Budget, Candidate, Gate, Level};
+use super::modes::{Batch, Mode, Modes, Set, Visitor, members, row};
+use super::solutions::{Bounds, Solution, Solutions};
 use super::{Finding, MAX_MODES, SeparationError};
 use crate::allocation::Allocation;
 use crate::numeric::normal::quantile;
@@ -97,8 +97,8 @@ impl<'a, T: Real> Watch<'a, T> {
             if gone == 0 {
                 self.not_watched = self.modes.not_watched + count.unmonitorable;
             }
-            let mut pass = Pass::new(self, solutions, gone, &count, axes);
-            if let Some(finding) = pass.run(purpose) {
+            let mut pass = Pass::new(self, solutions, (gone, purpose), &count, axes);
+            if let Some(finding) = pass.run() {
                 return Ok(finding);
             }
             let Singular { modes, probability, sets } = pass.singular;
@@ -115,26 +115,13 @@ impl<'a, T: Real> Watch<'a, T> {
     /// Counts what can be watched, by the number of satellites alone.
     #[inline(never)]
     fn count(&self, gone: Set) -> Count<T> {
-        let mut count = Count { modes: 0, unmonitorable: T::zero(), singular: false };
         let clocks = self.modes.members.iter().filter(|&&members| members & !gone != 0).count();
         let ample = ((self.modes.satellites & !gone).count_ones() as usize).saturating_sub(3 + clocks);
-        let mut plain = 0;
-        let mut is_counted = |taken: usize, pairs: usize| {
-            let is_ample = taken <= ample;
-            plain += if is_ample { pairs } else { 0 };
-            is_ample
-        };
+        let count = Count { modes: 0, unmonitorable: T::zero(), singular: false };
+        let mut counter = Counter { watch: self, gone, ample, count };
         let was_monitorable = |taken| self.is_monitorable(taken);
-        let _ = self.modes.visit_but(gone, &(1..=3), &was_monitorable, &mut is_counted, &mut |mode| {
-            if mode.taken <= ample || self.leaves_enough(gone | self.modes.taken_by(mode.hypothesis), 0) {
-                count.modes += 1;
-            } else {
-                count.unmonitorable += mode.probability;
-            }
-            ControlFlow::Continue(())
-        });
-        count.modes += plain;
-        count
+        let _ = self.modes.visit(gone, &(1..=3), &was_monitorable, &mut counter);
+        counter.count
     }
 }
 
@@ -147,6 +134,35 @@ struct Count<T> {
     singular: bool,
 }
 
+/// Counts modes.
+struct Counter<'w, 'a, T: Real> {
+    watch: &'w Watch<'a, T>,
+    gone: Set,
+    /// So many satellites can be taken from any constellations.
+    ample: usize,
+    count: Count<T>,
+}
+
+impl<T: Real> Visitor<T> for Counter<'_, '_, T> {
+    fn sift(&mut self, batch: &Batch<T>) -> Set {
+        if batch.taken > self.ample {
+            return batch.rows;
+        }
+        self.count.modes += batch.rows.count_ones() as usize;
+        0
+    }
+
+    fn visit(&mut self, mode: &Mode<T>) -> ControlFlow<()> {
+        let taken = self.gone | self.watch.modes.taken_by(mode.hypothesis);
+        if mode.taken <= self.ample || self.watch.leaves_enough(taken, 0) {
+            self.count.modes += 1;
+        } else {
+            self.count.unmonitorable += mode.probability;
+        }
+        ControlFlow::Continue(())
+    }
+}
+
 /// Modes that turned out to leave no position.
 struct Singular<T> {
     modes: usize,
@@ -156,7 +172,7 @@ struct Singular<T> {
 
 /// The root of a variance. Where a geometry is so poor that rounding leaves none of it, nothing is known, and it is infinite.
 fn deviation<T: Real>(variance: T) -> T {
-    if variance >= T::zero() { variance.sqrt() } else { infinity() }
+    if variance >= T::zero() { variance.root() } else { infinity() }
 }
 
 /// One walk.
@@ -164,6 +180,7 @@ struct Pass<'p, 'a, 'v, T: Real> {
     watch: &'p Watch<'a, T>,
     solutions: &'p mut Solutions<'v, T>,
     gone: Set,
+    purpose: Purpose,
     modes: usize,
     /// Modes taken, in this walk and those before.
     taken: usize,
@@ -191,12 +208,12 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
     fn new(
         watch: &'p Watch<'a, T>,
         solutions: &'p mut Solutions<'v, T>,
-        gone: Set,
+        (gone, purpose): (Set, Purpose),
         count: &Count<T>,
         axes: &'p mut [Axis<T>; 3],
     ) -> Self {
         let allocation = watch.allocation;
-        let phmi = T::narrow(allocation.integrity());
+        let phmi = watch.modes.mandatory();
         // With all satellites what cannot be watched is part of P_nm; after an exclusion it can fall on this outcome whole.
         let newly = if gone == 0 { T::zero() } else { count.unmonitorable };
         let left = (watch.share * (phmi - watch.not_watched) - newly) / phmi;
@@ -204,7 +221,7 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
         let vertical = left * T::narrow(allocation.integrity_vertical);
         let horizontal = left * T::narrow(allocation.integrity_horizontal) / two;
         let whole = solutions.whole();
-        let bias = if solutions.has_bias() { solutions.whole_bias() } else { Vector3::zeros() };
+        let bias = solutions.whole_bias();
         // Both sides of a test.
         let tests = two * T::narrow(count.modes.max(1) as f64);
         let horizontal_factor = quantile(T::narrow(allocation.alarm_horizontal) / (two * tests));
@@ -214,6 +231,7 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
             watch,
             solutions,
             gone,
+            purpose,
             modes: count.modes,
             taken: 0,
             skips_singular: count.singular,
@@ -226,26 +244,27 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
             levels: [Level::none(); 3],
             accuracy_m: deviation(whole.separation.z),
             threshold: T::zero(),
-            likely: T::narrow(allocation.effective_prior * (1.0 - PRIOR_ROUNDING)),
+            likely: T::narrow(allocation.effective_prior) * (T::one() - T::narrow(PRIOR_ROUNDING)),
             worst: T::zero(),
             alarm: false,
             singular: Singular { modes: 0, probability: T::zero(), sets: Vec::new() },
         };
         let [east, north, up] = &mut *pass.axes;
-        east.open(horizontal, count.modes, whole.variance.x.sqrt(), bias.x);
-        north.open(horizontal, count.modes, whole.variance.y.sqrt(), bias.y);
-        up.open(vertical, count.modes, whole.variance.z.sqrt(), bias.z);
+        let [horizontal, vertical] = [horizontal, vertical].map(|risk| Budget::of(risk, count.modes));
+        east.open(&horizontal, whole.variance.x, bias.x);
+        north.open(&horizontal, whole.variance.y, bias.y);
+        up.open(&vertical, whole.variance.z, bias.z);
         pass.gate = Gate::of(pass.axes);
         pass
     }
 
-    fn run(&mut self, purpose: Purpose) -> Option<Finding<T>> {
+    fn run(&mut self) -> Option<Finding<T>> {
         for refinement in 0..=REFINEMENTS {
-            self.walk(refinement == 0, purpose);
+            self.walk(refinement == 0);
             if self.singular.modes > 0 && !self.skips_singular {
                 return None;
             }
-            if self.alarm && purpose == Purpose::Accept {
+            if self.alarm && self.purpose == Purpose::Accept {
                 break;
             }
             self.solve();
@@ -261,17 +280,12 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
     }
 
     /// Singles and constellations first: they say where the levels are, about.
-    fn walk(&mut self, is_first: bool, purpose: Purpose) {
+    fn walk(&mut self, is_first: bool) {
         let (watch, gone) = (self.watch, self.gone);
         let taken_before = self.taken;
-        let ends_at_alarm = purpose == Purpose::Accept;
         let was_monitorable = |taken: Set| watch.is_monitorable(taken);
         for sizes in [1..=1, 2..=3] {
-            let walked = watch.modes.visit(gone, &sizes, &was_monitorable, &mut |mode| {
-                self.take(mode);
-                if self.alarm && ends_at_alarm { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-            });
-            if walked.is_break() {
+            if watch.modes.visit(gone, &sizes, &was_monitorable, self).is_break() {
                 return;
             }
             if self.taken + self.singular.modes >= taken_before + self.modes {
@@ -289,6 +303,16 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
         self.sort_out();
         self.axes.iter_mut().filter(|axis| axis.is_open()).for_each(Axis::settle);
         self.gate = Gate::of(self.axes);
+    }
+
+    /// What modes must stay below that are as likely as these at most.
+    fn bounds(&self, batch: &Batch<T>) -> Bounds<T> {
+        let limits = &self.squared_factors;
+        let [least, largest] = if limits.x < limits.z { [limits.x, limits.z] } else { [limits.z, limits.x] };
+        let bounds = self.gate.bounds(batch.ln_probability, limits);
+        let effective =
+            if self.may_be_likely(batch.probability) { self.threshold / limits.z } else { bounds.effective };
+        Bounds { worst: self.worst * least, evenness: least / largest, effective, ..bounds }
     }
 
     /// Looks for a reference in what one mode alone spends.
@@ -345,11 +369,15 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
     }
 
     fn is_likely(&self, mode: &Mode<T>) -> bool {
-        // The product of the odds is no smaller than that of the probabilities.
         let watch = self.watch;
-        mode.probability >= self.likely * watch.modes.healthy()
+        self.may_be_likely(mode.probability)
             && watch.modes.prior(mode.hypothesis, self.gone, &|taken| watch.is_monitorable(taken))
                 >= self.likely
+    }
+
+    fn may_be_likely(&self, probability: T) -> bool {
+        // The product of the odds is no smaller than that of the probabilities.
+        probability >= self.likely * self.watch.modes.healthy()
     }
 
     /// Adds the mode to the sums in which it may matter.
@@ -401,11 +429,29 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
             not_watched: self.not_watched,
             factors: self.factors.into(),
             levels_m: self.levels.map(|level| level.distance_m),
-            effective_monitor_threshold_m: self.threshold.sqrt(),
+            effective_monitor_threshold_m: self.threshold.root(),
             accuracy_m: self.accuracy_m,
             alarm: self.alarm,
-            ratio: self.worst.sqrt(),
+            ratio: self.worst.root(),
             dominant: self.levels.map(|level| level.dominant),
         }
+    }
+}
+
+impl<T: Real> Visitor<T> for Pass<'_, '_, '_, T> {
+    fn sift(&mut self, batch: &Batch<T>) -> Set {
+        if !self.has_reference {
+            self.sort_out();
+        }
+        let bounds = self.bounds(batch);
+        let left = self.solutions.sift(batch.common, batch.rows, &bounds);
+        self.taken += (batch.rows & !left).count_ones() as usize;
+        left
+    }
+
+    fn visit(&mut self, mode: &Mode<T>) -> ControlFlow<()> {
+        self.take(mode);
+        let ends = self.alarm && self.purpose == Purpose::Accept;
+        if ends { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 }

@@ -49,11 +49,12 @@ impl<T: Real> Modes<T> {
         if self.limit != 2 {
             return None;
         }
+        let must_watch_all = self.must_watch_all_singles();
         let mut alike = [Alike::none(); Constellation::COUNT];
         for fallible in self.odds.iter().filter(|fallible| fallible.odds > T::zero()) {
             alike.get_mut(fallible.constellation)?.add(fallible.odds);
             let probability = self.healthy * fallible.odds;
-            if !(probability > self.mandatory) {
+            if !must_watch_all && !(probability > self.mandatory) {
                 add_to(sums, 1, probability);
             }
         }

@@ -42,12 +42,12 @@ use heapless::Vec;
 
 pub use sets::{Hypothesis, ROWS};
 pub(super) use sets::{ROOM, Set, members, row};
-pub(super) use visit::Mode;
+pub(super) use visit::{Batch, Mode, Visitor};
 
 use combination::{Combination, Event, combinations_backwards};
 use consolidation::add_to;
 use sets::{EVENTS, NONE, ROW_EVENTS, above, event, is_listed_after};
-use visit::Walk;
+use visit::{Remains, Walk};
 
 use crate::allocation::Allocation;
 use crate::numeric::real::Real;
@@ -58,6 +58,23 @@ struct Fallible<T> {
     odds: T,
     ln: T,
     constellation: usize,
+}
+
+impl<T: Real> Fallible<T> {
+    /// What never fails.
+    fn never() -> Self {
+        Self { odds: T::zero(), ln: T::zero(), constellation: NONE }
+    }
+}
+
+/// The loss of a constellation.
+#[derive(Clone, Copy, Debug)]
+struct Loss<T> {
+    id: usize,
+    rows: Set,
+    odds: T,
+    /// With what is counted with it.
+    probability: T,
 }
 
 /// Where watching ends, among what is not watched for its own weight.
@@ -76,6 +93,10 @@ struct Cutoff {
 pub(super) struct Modes<T: Real> {
     odds: Vec<Fallible<T>, ROOM>,
     constellations: [T; Constellation::COUNT],
+    /// The likeliest of the rows.
+    likeliest: Fallible<T>,
+    /// The least of the rows' odds.
+    rarest_odds: T,
     /// Rows of each constellation, all satellites in view.
     pub(super) members: [Set; Constellation::COUNT],
     /// Rows that are satellites.
@@ -123,6 +144,8 @@ impl<T: Real> Modes<T> {
         Self {
             odds: Vec::new(),
             constellations,
+            likeliest: Fallible::never(),
+            rarest_odds: T::one(),
             members: [0; Constellation::COUNT],
             satellites: 0,
             fallible: 0,
@@ -142,35 +165,52 @@ impl<T: Real> Modes<T> {
 
     /// Takes over the satellites; a row without one is an aid that never fails.
     fn gather(&mut self, satellites: impl Iterator<Item = Option<(Constellation, T)>>) -> Option<()> {
-        let mut last = (T::zero(), T::zero());
-        let mut bit = row(0);
+        let mut infallible = 0;
+        // Satellites of one constellation mostly share theirs.
+        let (mut last, mut shared) = (T::zero(), Fallible::never());
+        let mut next = row(0);
         for satellite in satellites {
-            let own = bit;
-            bit <<= 1;
+            let own = next;
+            next <<= 1;
             let Some((constellation, probability)) = satellite else {
-                let absent = Fallible { odds: T::zero(), ln: T::zero(), constellation: NONE };
-                self.odds.push(absent).ok()?;
+                self.odds.push(Fallible::never()).ok()?;
                 continue;
             };
-            let odds = probability / (T::one() - probability);
-            if odds > T::zero() {
-                self.fallible |= own;
-                // Satellites of one constellation mostly share theirs.
-                if last.0 != odds {
-                    last = (odds, odds.ln());
-                }
+            if last != probability {
+                last = probability;
+                shared = self.fallible_with(probability);
+            }
+            if shared.odds <= T::zero() {
+                infallible |= own;
             }
             let constellation = constellation as usize;
-            self.odds.push(Fallible { odds, ln: last.1, constellation }).ok()?;
-            self.satellites |= own;
+            self.odds.push(Fallible { constellation, ..shared }).ok()?;
             if let Some(members) = self.members.get_mut(constellation) {
                 *members |= own;
             }
         }
+        self.satellites = self.members.iter().fold(0, |set, members| set | members);
+        self.fallible = self.satellites & !infallible;
         for (odds, members) in self.constellations.iter_mut().zip(&self.members) {
             *odds = if *members == 0 { T::zero() } else { *odds / (T::one() - *odds) };
         }
         Some(())
+    }
+
+    /// The odds of a row, of no constellation yet.
+    fn fallible_with(&mut self, probability: T) -> Fallible<T> {
+        let odds = probability / (T::one() - probability);
+        if !(odds > T::zero()) {
+            return Fallible::never();
+        }
+        let fallible = Fallible { odds, ln: odds.ln(), ..Fallible::never() };
+        if odds > self.likeliest.odds {
+            self.likeliest = fallible;
+        }
+        if odds < self.rarest_odds {
+            self.rarest_odds = odds;
+        }
+        fallible
     }
 
     /// Everything that can go wrong, satellites first.
@@ -220,6 +260,11 @@ impl<T: Real> Modes<T> {
         if self.limit == EVENTS { more } else { beyond_two }
     }
 
+    /// Whether every satellite's fault is watched for its own weight.
+    fn must_watch_all_singles(&self) -> bool {
+        self.healthy * self.rarest_odds > self.mandatory
+    }
+
     /// Decides where watching ends.
     fn cut(&mut self, tail: T, share: T) {
         let mut sums = [T::zero(); ROWS + 1];
@@ -234,15 +279,16 @@ impl<T: Real> Modes<T> {
                 add_to(&mut sums, rows.count_ones() as usize, probability);
             }
         }
-        self.not_watched = tail;
         // No combination takes more satellites than there are.
-        for (size, &sum) in sums.iter().enumerate().take(self.odds.len() + 1).rev() {
-            if self.not_watched + sum <= share {
-                self.not_watched += sum;
-            } else {
-                self.cut_within(size, share);
-                break;
-            }
+        let mut not_watched = tail;
+        let cut = sums.iter().enumerate().take(self.odds.len() + 1).rev().find(|&(_, &sum)| {
+            let fits = not_watched + sum <= share;
+            not_watched += if fits { sum } else { T::zero() };
+            !fits
+        });
+        self.not_watched = not_watched;
+        if let Some((size, _)) = cut {
+            self.cut_within(size, share);
         }
     }
 
@@ -250,6 +296,25 @@ impl<T: Real> Modes<T> {
     fn loss(&self, id: usize) -> T {
         let odds = self.constellations.get(id).copied().unwrap_or_else(T::zero);
         if odds > T::zero() { self.healthy * odds + self.added_to(id) } else { T::zero() }
+    }
+
+    /// The loss of one constellation, where only that takes its satellites and no others: they are more than can fail at
+    /// once, and one that fails beside its constellation is counted with that, or is one too many.
+    fn sole_loss(&self, lost: usize, gone: Set) -> Option<Loss<T>> {
+        if gone != 0 || !lost.is_power_of_two() {
+            return None;
+        }
+        let id = lost.trailing_zeros() as usize;
+        let rows = *self.members.get(id)?;
+        let is_alone = self.limit == 1 || self.limit == 2 && self.swallows >> id & 1 != 0;
+        let odds = *self.constellations.get(id)?;
+        let is_large = rows.count_ones() as usize > self.limit;
+        (is_alone && is_large).then_some(Loss { id, rows, odds, probability: self.loss(id) })
+    }
+
+    fn is_loss_watched(&self, loss: Loss<T>) -> bool {
+        loss.probability > self.mandatory
+            || self.comes_before_the_cut(event(loss.id), 1, loss.rows.count_ones() as usize)
     }
 
     /// Decides where watching ends among the combinations of one size.
@@ -351,32 +416,22 @@ impl<T: Real> Modes<T> {
         gone: Set,
         sizes: &RangeInclusive<usize>,
         was_monitorable: &impl Fn(Set) -> bool,
-        visitor: &mut impl FnMut(&Mode<T>) -> ControlFlow<()>,
+        visitor: &mut impl Visitor<T>,
     ) -> ControlFlow<()> {
-        self.visit_but(gone, sizes, was_monitorable, &mut |_, _| false, visitor)
-    }
-
-    /// As [`Self::visit`], but for modes of which it suffices to count them: of some it is asked how many rows each takes
-    /// and how many they are; they are not visited where that is all.
-    #[inline]
-    pub(super) fn visit_but(
-        &self,
-        gone: Set,
-        sizes: &RangeInclusive<usize>,
-        was_monitorable: &impl Fn(Set) -> bool,
-        is_counted: &mut impl FnMut(usize, usize) -> bool,
-        visitor: &mut impl FnMut(&Mode<T>) -> ControlFlow<()>,
-    ) -> ControlFlow<()> {
-        let in_view = self.members.iter().enumerate().filter(|&(_, members)| members & !gone != 0);
-        let in_view = in_view.fold(0, |set, (id, _)| set | 1 << id);
+        let remains = Remains::without(self, gone);
+        let in_view = remains.in_view();
         let most = self.limit.min(*sizes.end()) as u32;
         // Constellations first: what they add to the levels is mostly the largest part.
-        for lost in (0..1usize << Constellation::COUNT).rev() {
-            if lost & !in_view != 0 || lost.count_ones() > most {
-                continue;
+        let mut lost = in_view;
+        for _ in 0..1usize << Constellation::COUNT {
+            if lost.count_ones() <= most {
+                let walk = Walk::without(self, lost, &remains);
+                walk.visit(sizes, was_monitorable, visitor)?;
             }
-            let walk = Walk::without(self, lost, gone);
-            walk.visit(sizes, was_monitorable, is_counted, visitor)?;
+            if lost == 0 {
+                break;
+            }
+            lost = lost.wrapping_sub(1) & in_view;
         }
         ControlFlow::Continue(())
     }
@@ -392,6 +447,12 @@ impl<T: Real> Modes<T> {
         if hypothesis.constellations == 0 && gone == 0 {
             return self.combination(chosen).bare;
         }
+        if chosen == 0
+            && let Some(loss) = self.sole_loss(usize::from(hypothesis.constellations), gone)
+        {
+            let is_watched = self.is_loss_watched(loss) && was_monitorable(loss.rows);
+            return if is_watched { loss.odds / (T::one() + loss.odds) } else { T::zero() };
+        }
         let lost_rows = self.rows_of(usize::from(hypothesis.constellations)) & !gone;
         let mut largest = T::zero();
         self.causes(lost_rows, chosen, gone, &mut |combination, probability| {
@@ -403,6 +464,11 @@ impl<T: Real> Modes<T> {
             }
         });
         largest
+    }
+
+    /// Above this a mode is watched for its own weight: it alone would break the requirement.
+    pub(super) fn mandatory(&self) -> T {
+        self.mandatory
     }
 
     /// `p_0`.

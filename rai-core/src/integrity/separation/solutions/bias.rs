@@ -4,40 +4,31 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::super::Prior;
 use super::super::modes::ROWS;
-use super::elimination::Point;
+use super::elimination::{Last, Point};
 use super::kernel::{GROUPS, group_of};
 use super::{Own, Solutions};
+use crate::equations::Row;
 use crate::numeric::real::Real;
 use crate::satellite::Constellation;
+use crate::snapshot::Fit;
 
 impl<T: Real> Solutions<'_, T> {
-    /// Each row's `Σ |M_ji| b_i`.
+    /// A bound on each row's `Σ |M_ji| b_i`: `w_i b_ji` is a projection, so that `Σ w_i b_ji² = b_jj`.
     pub(super) fn spread_biases(&mut self, priors: &[Prior<T>]) {
-        for index in 0..self.own.len().min(priors.len()) {
-            let Some(point) = self.point(index) else { continue };
-            let mut spread = self.coupled_bias(&point.design, point.group);
-            // Its own share of itself is 1 less than the others'.
-            let own = point.weight * (self.level(point.group) + point.design.dot(&point.gain));
-            let bias = priors.get(index).map_or(T::zero(), |prior| prior.bias_m);
-            spread += ((T::one() - own).abs() - own.abs()) * bias;
-            if let Some(own) = self.own.get_mut(index) {
-                own.spread = spread;
-            }
+        let rows = self.view.rows.iter().zip(priors);
+        let squared = |(row, prior): (&Row<T>, &Prior<T>)| row.weight * prior.bias_m * prior.bias_m;
+        let total = rows.clone().fold(T::zero(), |sum, row| sum + squared(row));
+        for ((row, prior), own) in rows.zip(self.own.iter_mut()) {
+            let redundancy = row.weight * own.pivot;
+            let others = (total - squared((row, prior))) * (T::one() - redundancy) * own.pivot;
+            // Rounding can take what is left below nothing.
+            let root = if others > T::zero() { others * others.inverse_root() } else { T::zero() };
+            own.spread = redundancy * prior.bias_m + root;
         }
     }
 
-    /// `Σ w_i b_i |b_ji|` over all rows.
-    fn coupled_bias(&self, design: &Vector3<T>, group: usize) -> T {
-        let level = self.level(group);
-        let rows = self.view.rows.iter().zip(self.view.fits).zip(&*self.own);
-        rows.fold(T::zero(), |sum, ((row, fit), own)| {
-            let shared = if group_of(row) == group { level } else { T::zero() };
-            sum + own.weighted_bias * (shared + design.dot(&fit.gain)).abs()
-        })
-    }
-
     /// Bias of the solution with all satellites.
-    pub(in crate::integrity::separation) fn whole_bias(&self) -> Vector3<T> {
+    pub(super) fn summed_bias_of_whole(&self) -> Vector3<T> {
         self.summed_bias(&NOTHING, &Matrix3::identity(), &[Vector3::zeros(); GROUPS])
     }
 
@@ -58,12 +49,15 @@ impl<T: Real> Solutions<'_, T> {
             return Some(*bias);
         }
         let [_, second, third] = self.at.slots();
-        let first = self.first.as_ref().filter(|_| self.at.constellations == 0 && third >= ROWS)?;
-        if second >= ROWS {
-            return Some(first.bias);
+        let Last { column, factor, spread } = &self.last;
+        if self.at.constellations != 0 || third < ROWS {
+            return None;
         }
-        let spread = self.pair.spread + self.pair.factor.abs() * first.point.spread;
-        Some(first.bias + self.pair.column.abs() * spread)
+        if second >= ROWS {
+            return Some(self.whole_bias + column.abs() * *spread);
+        }
+        let first = self.first.as_ref()?;
+        Some(first.bias + column.abs() * (*spread + factor.abs() * first.point.spread))
     }
 
     /// The bias of the mode that was asked for last.
@@ -84,23 +78,26 @@ impl<T: Real> Solutions<'_, T> {
         let mut columns = [Vector3::zeros(); 3];
         let [of_first, of_second, of_third] = &mut columns;
         let point = |index: usize| self.point_here(index).map(|point| (point.design, point.group));
-        let mut pair = self.pair;
+        let mut last = self.last;
         if let Some((taken, kept)) = self.third.as_ref().zip(self.second.as_ref()).filter(|_| third < ROWS) {
             let [by_first, by_second] = taken.factors;
             *of_third = taken.column;
             *of_second -= taken.column * by_second;
             *of_first -= taken.column * by_first;
             take(of_third, &taken.design, taken.group);
-            pair = kept.pair();
+            last = kept.last();
         }
         if let Some((design, group)) = point(second) {
-            *of_second += pair.column;
-            *of_first -= *of_second * pair.factor;
+            *of_second += last.column;
+            *of_first -= *of_second * last.factor;
             take(of_second, &design, group);
         }
         if let Some(taken) = self.first.as_ref().filter(|_| first < ROWS) {
             *of_first += taken.column;
             take(of_first, &taken.point.design, taken.point.group);
+        } else if let Some((design, group)) = point(first) {
+            *of_first += last.column;
+            take(of_first, &design, group);
         }
         let rows = [first, second, third];
         if self.at.constellations == 0 {
@@ -113,13 +110,11 @@ impl<T: Real> Solutions<'_, T> {
     /// `Σ w_i b_i |Z P d_i + s_c|` over all rows but three, all constellations in view.
     #[inline(never)]
     fn summed_bias(&self, out: &[usize; 3], turn: &Matrix3<T>, steps: &[Vector3<T>; GROUPS]) -> Vector3<T> {
-        let mut sum = Vector3::zeros();
-        for (index, (row, fit, own)) in self.rows().enumerate() {
-            if !is_out(out, index) {
-                sum += share(turn, &fit.gain, steps.get(group_of(row)), own);
-            }
-        }
-        sum
+        let part = |(row, fit, own): (&Row<T>, &Fit<T>, &Own<T>)| {
+            share(turn, &fit.gain, steps.get(group_of(row)), own)
+        };
+        let sum = self.rows().fold(Vector3::zeros(), |sum, row| sum + part(row));
+        self.rows_of(out).fold(sum, |sum, row| sum - part(row))
     }
 
     /// `Σ w_i b_i |Z P'd_i + s_c|` over what is left, without the constellations that the kernel has lost.
@@ -131,15 +126,20 @@ impl<T: Real> Solutions<'_, T> {
         steps: &[Vector3<T>; GROUPS],
     ) -> Vector3<T> {
         let (turned, constellations) = (turn * self.kernel.covariance, self.at.constellations);
-        let mut sum = Vector3::zeros();
-        for (index, (row, fit, own)) in self.rows().enumerate() {
+        let part = |(row, fit, own): (&Row<T>, &Fit<T>, &Own<T>)| {
             let group = group_of(row);
             let is_lost = group < Constellation::COUNT && constellations >> group & 1 != 0;
-            if !is_lost && !is_out(out, index) {
-                sum += share(&turned, &fit.centred, steps.get(group), own);
-            }
-        }
-        sum
+            if is_lost { Vector3::zeros() } else { share(&turned, &fit.centred, steps.get(group), own) }
+        };
+        let sum = self.rows().fold(Vector3::zeros(), |sum, row| sum + part(row));
+        self.rows_of(out).fold(sum, |sum, row| sum - part(row))
+    }
+
+    /// Some rows, as [`Self::rows`] has all.
+    fn rows_of(&self, rows: &[usize; 3]) -> impl Iterator<Item = (&Row<T>, &Fit<T>, &Own<T>)> {
+        rows.iter().filter_map(|&index| {
+            Some((self.view.rows.get(index)?, self.view.fits.get(index)?, self.own.get(index)?))
+        })
     }
 }
 
@@ -147,11 +147,6 @@ impl<T: Real> Solutions<'_, T> {
 const NONE: usize = usize::MAX;
 /// No rows.
 const NOTHING: [usize; 3] = [NONE; 3];
-
-#[inline]
-fn is_out(&[first, second, third]: &[usize; 3], index: usize) -> bool {
-    index == first || index == second || index == third
-}
 
 /// What one row's bias can do.
 #[inline]

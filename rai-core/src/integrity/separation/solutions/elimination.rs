@@ -4,8 +4,10 @@ use nalgebra::Vector3;
 
 use super::super::modes::Hypothesis;
 use super::kernel::{GROUPS, group_of, hardly_left};
-use super::{Solution, Solutions};
+use super::{Own, Solution, Solutions};
+use crate::equations::Row;
 use crate::numeric::real::Real;
+use crate::snapshot::Fit;
 
 /// A row as a kernel sees it.
 #[derive(Clone, Copy, Debug)]
@@ -21,6 +23,25 @@ pub(super) struct Point<T: Real> {
     /// Covariance of `S_X − S` with `M_j`.
     pub(super) lag: Vector3<T>,
     pub(super) spread: T,
+}
+
+impl<T: Real> Point<T> {
+    /// A row of the view as the kernel of all satellites sees it.
+    #[inline]
+    pub(super) fn of(row: &Row<T>, fit: &Fit<T>, own: &Own<T>) -> Self {
+        Self {
+            group: group_of(row),
+            design: fit.centred,
+            gain: fit.gain,
+            residual: fit.residual,
+            weight: row.weight,
+            share: own.share,
+            pivot: own.pivot,
+            kappa: own.kappa,
+            lag: Vector3::zeros(),
+            spread: own.spread,
+        }
+    }
 }
 
 /// What one row says of its `b` and `κ` with any other.
@@ -67,8 +88,8 @@ pub(super) struct Second<T: Real> {
 }
 
 impl<T: Real> Second<T> {
-    pub(super) fn pair(&self) -> Pair<T> {
-        Pair { column: self.left.column, factor: self.left.factor, spread: self.point.spread }
+    pub(super) fn last(&self) -> Last<T> {
+        Last { column: self.left.column, factor: self.left.factor, spread: self.point.spread }
     }
 }
 
@@ -77,13 +98,14 @@ impl<T: Real> Second<T> {
 pub(super) struct Beside<T: Real> {
     coupling: T,
     pub(super) factor: T,
+    pub(super) pivot: T,
     inverse: T,
     direction: Vector3<T>,
     pub(super) column: Vector3<T>,
-    residual: T,
+    pub(super) residual: T,
     lag: Vector3<T>,
-    kappa: T,
-    kappa_first: T,
+    pub(super) kappa: T,
+    pub(super) kappa_first: T,
 }
 
 impl<T: Real> Beside<T> {
@@ -100,9 +122,9 @@ impl<T: Real> Beside<T> {
     }
 }
 
-/// What a bias needs of a pair's second row.
+/// What a bias needs of the row that was taken out last: of a single one, or of a pair's second.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Pair<T: Real> {
+pub(super) struct Last<T: Real> {
     pub(super) column: Vector3<T>,
     pub(super) factor: T,
     pub(super) spread: T,
@@ -158,18 +180,7 @@ impl<T: Real> Solutions<'_, T> {
     pub(super) fn point(&self, index: usize) -> Option<Point<T>> {
         let (row, fit) = self.view.rows.get(index).zip(self.view.fits.get(index))?;
         let own = self.own.get(index)?;
-        Some(Point {
-            group: group_of(row),
-            design: fit.centred,
-            gain: fit.gain,
-            residual: fit.residual,
-            weight: row.weight,
-            share: own.share,
-            pivot: own.pivot,
-            kappa: own.kappa,
-            lag: Vector3::zeros(),
-            spread: own.spread,
-        })
+        Some(Point::of(row, fit, own))
     }
 
     /// The row as the present kernel sees it.
@@ -187,13 +198,13 @@ impl<T: Real> Solutions<'_, T> {
         point.residual -= point.design.dot(&kernel.solution.shift);
         let own = self.level(point.group) + point.design.dot(&point.gain);
         point.pivot = point.weight.recip() - own;
-        point.kappa =
-            kernel.kappa(&self.groups, point.group, &point.design, &point.gain, point.weight, point.share);
+        point.kappa = kernel.kappa(&self.groups, point.group, &point.design, own, point.weight, point.share);
         let lean = self.groups.get(point.group).map_or_else(Vector3::zeros, |group| group.lean);
         point.lag = kernel.change * (point.design * point.share - lean - kernel.dispersion * point.gain);
         point
     }
 
+    #[inline]
     pub(super) fn leave_out_first(&self, index: usize) -> Option<First<T>> {
         let point = self.point_here(index)?;
         if !(point.pivot * point.weight >= hardly_left()) {
@@ -212,10 +223,16 @@ impl<T: Real> Solutions<'_, T> {
 
     /// The solution without a row and nothing else of what the kernel has.
     #[inline(never)]
-    pub(super) fn leave_out_alone(&self, index: usize) -> Option<Solution<T>> {
+    pub(super) fn leave_out_alone(&mut self, index: usize) -> Option<Solution<T>> {
         let point = self.point_here(index)?;
-        let is_sound = point.pivot * point.weight >= hardly_left();
-        is_sound.then(|| self.alone(&point, &(point.gain * point.pivot.recip())))
+        if !(point.pivot * point.weight >= hardly_left()) {
+            return None;
+        }
+        let column = point.gain * point.pivot.recip();
+        if self.has_bias {
+            self.last = Last { column, factor: T::zero(), spread: point.spread };
+        }
+        Some(self.alone(&point, &column))
     }
 
     /// The same by the row's column `A/B`.
@@ -244,7 +261,7 @@ impl<T: Real> Solutions<'_, T> {
 
     /// What the first row leaves of another one.
     #[inline]
-    fn beside(first: &First<T>, point: &Point<T>, lag: Vector3<T>) -> Option<Beside<T>> {
+    pub(super) fn beside(first: &First<T>, point: &Point<T>, lag: Vector3<T>) -> Option<Beside<T>> {
         let (coupling, kappa) = first.reach.with(point);
         let factor = -coupling * first.inverse;
         let pivot = point.pivot + factor * coupling;
@@ -257,6 +274,7 @@ impl<T: Real> Solutions<'_, T> {
         Some(Beside {
             coupling,
             factor,
+            pivot,
             inverse,
             direction,
             column: direction * inverse,
@@ -276,7 +294,7 @@ impl<T: Real> Solutions<'_, T> {
         let left = Self::beside(first, &point, Vector3::zeros())?;
         let solution = left.solution(first);
         if self.has_bias {
-            self.pair = Pair { column: left.column, factor: left.factor, spread: point.spread };
+            self.last = Last { column: left.column, factor: left.factor, spread: point.spread };
         }
         Some(solution)
     }

@@ -2,7 +2,6 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::super::View;
 use super::Solution;
 use crate::equations::Row;
 use crate::numeric::real::Real;
@@ -50,23 +49,26 @@ pub(super) struct Kernel<T: Real> {
     pub(super) gamma: Matrix3<T>,
     /// `t_c`.
     pub(super) leans: [Vector3<T>; GROUPS],
+    /// Whether `Γ` and `t_c` are worked out.
+    pub(super) is_complete: bool,
     pub(super) solution: Solution<T>,
 }
+
 /// What must be left of 1 for algebra: below, single precision keeps less than five digits; 1e-9 in double precision.
 pub(super) fn hardly_left<T: Real>() -> T {
     let digits = T::default_epsilon() * T::narrow(2e5);
     if digits > T::UNTESTABLE { digits } else { T::UNTESTABLE }
 }
 
-/// Adds `w a aᵀ`.
-pub(super) fn add_square<T: Real>(matrix: &mut Matrix3<T>, a: &Vector3<T>, weight: T) {
-    let weighted = a * weight;
-    matrix.m11 += weighted.x * a.x;
-    matrix.m21 += weighted.y * a.x;
-    matrix.m22 += weighted.y * a.y;
-    matrix.m31 += weighted.z * a.x;
-    matrix.m32 += weighted.z * a.y;
-    matrix.m33 += weighted.z * a.z;
+/// Adds `a bᵀ`, which is symmetric: the lower triangle.
+#[inline]
+pub(super) fn add_product<T: Real>(matrix: &mut Matrix3<T>, a: &Vector3<T>, b: &Vector3<T>) {
+    matrix.m11 += a.x * b.x;
+    matrix.m21 += a.y * b.x;
+    matrix.m22 += a.y * b.y;
+    matrix.m31 += a.z * b.x;
+    matrix.m32 += a.z * b.y;
+    matrix.m33 += a.z * b.z;
 }
 
 /// Copies the lower triangle to the upper one.
@@ -85,44 +87,56 @@ pub(in crate::integrity::separation) fn group_of<T: Real>(row: &Row<T>) -> usize
     row.clock.map_or(Constellation::COUNT, |clock| clock as usize)
 }
 impl<T: Real> Kernel<T> {
-    /// Of all satellites.
-    pub(super) fn whole(view: &View<'_, T>) -> Self {
+    /// Before it is known what is lost.
+    pub(super) fn nothing() -> Self {
+        let zeros = Vector3::zeros();
         Self {
-            covariance: *view.covariance,
+            covariance: Matrix3::zeros(),
             change: Matrix3::zeros(),
             dispersion: Matrix3::zeros(),
             gamma: Matrix3::zeros(),
-            leans: [Vector3::zeros(); GROUPS],
-            solution: Solution {
-                variance: view.covariance.diagonal(),
-                separation: Vector3::zeros(),
-                shift: Vector3::zeros(),
-            },
+            leans: [zeros; GROUPS],
+            is_complete: false,
+            solution: Solution { variance: zeros, separation: zeros, shift: zeros },
         }
     }
 
-    /// What follows from the covariance and the dispersion.
+    /// Of all satellites.
+    pub(super) fn regain_all(&mut self, covariance: &Matrix3<T>, dispersion: &Matrix3<T>) {
+        (self.covariance, self.dispersion) = (*covariance, *dispersion);
+        self.change.fill(T::zero());
+        self.is_complete = false;
+        self.solution.variance = covariance.diagonal();
+        self.solution.separation.fill(T::zero());
+        self.solution.shift.fill(T::zero());
+    }
+
+    /// What follows from the covariance and the dispersion, for rows that are taken out.
+    #[inline(never)]
     pub(super) fn complete(&mut self, groups: &[Group<T>; GROUPS]) {
+        if self.is_complete {
+            return;
+        }
+        self.is_complete = true;
         self.gamma = self.covariance * self.dispersion * self.covariance;
         for (lean, group) in self.leans.iter_mut().zip(groups) {
             *lean = self.covariance * group.lean;
         }
     }
 
-    /// `κ_jj`.
+    /// `κ_jj` by `b_jj`.
     pub(super) fn kappa(
         &self,
         groups: &[Group<T>; GROUPS],
         group: usize,
         design: &Vector3<T>,
-        gain: &Vector3<T>,
+        coupling: T,
         weight: T,
         share: T,
     ) -> T {
         let Some((sums, lean)) = groups.get(group).zip(self.leans.get(group)) else { return T::zero() };
-        let coupling = sums.level + design.dot(gain);
         let two = T::one() + T::one();
-        let own = if weight > T::zero() { share / weight } else { T::zero() };
-        own - two * share * coupling + sums.accuracy + design.dot(&(self.gamma * design + lean * two))
+        let own = if weight > T::zero() { weight.recip() } else { T::zero() };
+        share * (own - two * coupling) + sums.accuracy + design.dot(&(self.gamma * design + lean * two))
     }
 }

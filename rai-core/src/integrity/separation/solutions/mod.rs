@@ -25,7 +25,8 @@
 //!
 //! Rows are taken out one after another, each from what the ones before it left (elimination): a single costs about 70
 //! operations, a pair another 90, and what a first row shares with its pairs is worked out once. `C_acc` need not be
-//! proportional to `C`. Only the bias is a sum over all rows, and only worked out where a bound on it does not decide.
+//! proportional to `C`. Of modes that differ in one row those that change nothing are dismissed before ([`sieve`]). Only the
+//! bias is a sum over all rows, and only worked out where a bound on it does not decide.
 //!
 //! Assumes that a set leaves something of every constellation that it does not name. References: [Blanch2015],
 //! [`crate::removal`] for the elimination.
@@ -36,13 +37,16 @@ mod bias;
 mod direct;
 mod elimination;
 mod kernel;
+mod sieve;
 
 use heapless::Vec;
 use nalgebra::{Matrix3, Vector3};
 
-use elimination::{First, Pair, Second, Third};
+use elimination::{First, Last, Second, Third};
 pub(super) use kernel::{GROUPS, group_of};
-use kernel::{Group, Kernel, add_square, diagonal_of, hardly_left, mirror};
+use kernel::{Group, Kernel, add_product, diagonal_of, hardly_left, mirror};
+
+pub(super) use sieve::Bounds;
 
 use super::modes::{Hypothesis, ROOM, ROWS, Set, members};
 use super::{Prior, View};
@@ -66,7 +70,7 @@ pub(super) struct Own<T> {
     kappa: T,
     /// `w_i b_i`.
     pub(super) weighted_bias: T,
-    /// `Σ_i |M_ji| b_i`; 0 without biases.
+    /// A bound on `Σ_i |M_ji| b_i`; 0 without biases.
     spread: T,
 }
 /// Solutions without modes; what neighbouring modes share is kept.
@@ -77,6 +81,8 @@ pub(super) struct Solutions<'v, T: Real> {
     total_dispersion: Matrix3<T>,
     largest_weight: T,
     has_bias: bool,
+    /// Of the solution with all satellites.
+    whole_bias: Vector3<T>,
     kernel: Kernel<T>,
     /// Of which mode the following are.
     at: Hypothesis,
@@ -85,8 +91,8 @@ pub(super) struct Solutions<'v, T: Real> {
     /// What was solved by itself, where algebra would cost too many digits, and its bias.
     direct: Option<(Solution<T>, Vector3<T>)>,
     first: Option<First<T>>,
-    /// Of the pair that was asked for last.
-    pair: Pair<T>,
+    /// Of the single row or the pair that was asked for last.
+    last: Last<T>,
     /// Kept for triples.
     second: Option<Second<T>>,
     third: Option<Third<T>>,
@@ -104,12 +110,13 @@ impl<'v, T: Real> Solutions<'v, T> {
             total_dispersion: Matrix3::zeros(),
             largest_weight: T::zero(),
             has_bias: false,
-            kernel: Kernel::whole(&view),
+            whole_bias: Vector3::zeros(),
+            kernel: Kernel::nothing(),
             at: Hypothesis::NONE,
             is_sound: true,
             direct: None,
             first: None,
-            pair: Pair { column: Vector3::zeros(), factor: T::zero(), spread: T::zero() },
+            last: Last { column: Vector3::zeros(), factor: T::zero(), spread: T::zero() },
             second: None,
             third: None,
         }
@@ -124,6 +131,7 @@ impl<'v, T: Real> Solutions<'v, T> {
         self.has_bias = self.own.iter().zip(priors).any(has_bias);
         if self.has_bias {
             self.spread_biases(priors);
+            self.whole_bias = self.summed_bias_of_whole();
         }
     }
 
@@ -154,13 +162,14 @@ impl<'v, T: Real> Solutions<'v, T> {
                 self.largest_weight = weight;
             }
             if let Some(group) = self.groups.get_mut(group_of(row)) {
-                let accurate = share * weight;
+                let weighted = fit.centred * weight;
+                let accurate = weighted * share;
                 group.level += weight;
-                group.accuracy += accurate;
-                group.lean += fit.centred * accurate;
-                add_square(&mut group.normal, &fit.centred, weight);
-                add_square(&mut group.dispersion, &fit.centred, accurate);
-                group.pull += fit.centred * (weight * fit.residual);
+                group.accuracy += share * weight;
+                group.lean += accurate;
+                add_product(&mut group.normal, &weighted, &fit.centred);
+                add_product(&mut group.dispersion, &accurate, &fit.centred);
+                group.pull += weighted * fit.residual;
             }
         }
         for (id, group) in self.groups.iter_mut().enumerate() {
@@ -175,19 +184,16 @@ impl<'v, T: Real> Solutions<'v, T> {
 
     /// The kernel of all satellites, and each row's `κ_jj` there.
     fn describe_whole(&mut self) {
-        self.kernel = Kernel::whole(&self.view);
-        self.kernel.dispersion = self.total_dispersion;
+        self.kernel.regain_all(self.view.covariance, &self.total_dispersion);
         self.kernel.complete(&self.groups);
         for (index, row) in self.view.rows.iter().enumerate() {
             let Some((fit, own)) = self.view.fits.get(index).zip(self.own.get_mut(index)) else { continue };
-            own.kappa = self.kernel.kappa(
-                &self.groups,
-                group_of(row),
-                &fit.centred,
-                &fit.gain,
-                row.weight,
-                own.share,
-            );
+            if row.weight > T::zero() {
+                let coupling = row.weight.recip() - own.pivot;
+                let group = group_of(row);
+                own.kappa =
+                    self.kernel.kappa(&self.groups, group, &fit.centred, coupling, row.weight, own.share);
+            }
         }
     }
     /// `1/W_c`.
@@ -200,13 +206,21 @@ impl<'v, T: Real> Solutions<'v, T> {
         self.has_bias
     }
 
+    /// Bias of the solution with all satellites.
+    pub(super) fn whole_bias(&self) -> Vector3<T> {
+        self.whole_bias
+    }
+
     /// Of all satellites: variances, and the accuracy's in the place of the separation's.
     pub(super) fn whole(&self) -> Solution<T> {
-        let kernel = Kernel::whole(&self.view);
         let covariance = self.view.covariance;
-        let accuracy = diagonal_of(covariance, &self.total_dispersion);
-        Solution { separation: accuracy, ..kernel.solution }
+        Solution {
+            variance: covariance.diagonal(),
+            separation: diagonal_of(covariance, &self.total_dispersion),
+            shift: Vector3::zeros(),
+        }
     }
+
     /// Rows, what the solution says of each, and what integrity adds.
     pub(super) fn rows(&self) -> impl Iterator<Item = (&Row<T>, &Fit<T>, &Own<T>)> {
         self.view.rows.iter().zip(self.view.fits).zip(&*self.own).map(|((row, fit), own)| (row, fit, own))
@@ -221,7 +235,7 @@ impl<'v, T: Real> Solutions<'v, T> {
     #[allow(clippy::inline_always, reason = "called in one place, once for every mode")]
     #[inline(always)]
     pub(super) fn without(&mut self, hypothesis: Hypothesis) -> Option<Solution<T>> {
-        let by_algebra = if hypothesis.is_pair_after(self.at) {
+        let by_algebra = if self.first.is_some() && hypothesis.is_pair_after(self.at) {
             self.at = hypothesis;
             // Another pair than the one that was kept for its triples.
             self.second = None;
@@ -254,18 +268,15 @@ impl<'v, T: Real> Solutions<'v, T> {
         if first >= ROWS {
             return Some(self.kernel.solution);
         }
-        if second >= ROWS && !self.has_bias {
+        self.kernel.complete(&self.groups);
+        if second >= ROWS {
             self.first = None;
             return self.leave_out_alone(first);
         }
         if at_first != first || self.first.is_none() {
-            self.first = self.leave_out_first(first);
-            self.second = None;
+            self.enter_first(hypothesis);
         }
-        let taken = self.first.as_ref()?;
-        if second >= ROWS {
-            return Some(taken.solution);
-        }
+        self.first.as_ref()?;
         if third >= ROWS && hypothesis.constellations == 0 {
             self.second = None;
             return self.leave_out_pair(hypothesis);
@@ -274,13 +285,26 @@ impl<'v, T: Real> Solutions<'v, T> {
             // Another pair than the one that was kept for its triples.
             self.second = None;
             let taken = self.leave_out_second(second)?;
-            self.pair = taken.pair();
+            self.last = taken.last();
             return Some(taken.solution);
         }
         if at_first != first || at_second != second || self.second.is_none() {
             self.second = self.leave_out_second(second);
         }
         self.leave_out_third(third)
+    }
+
+    /// Takes one row out of all satellites, from which pairs with it are then taken.
+    #[inline(never)]
+    fn enter_first(&mut self, hypothesis: Hypothesis) {
+        if self.at.constellations != hypothesis.constellations {
+            self.enter(hypothesis.constellations);
+        }
+        self.at = hypothesis;
+        self.second = None;
+        self.kernel.complete(&self.groups);
+        let [first, ..] = hypothesis.slots();
+        self.first = self.leave_out_first(first);
     }
 
     /// Goes to the kernel without some constellations.
@@ -291,9 +315,7 @@ impl<'v, T: Real> Solutions<'v, T> {
         self.second = None;
         if constellations == 0 {
             self.is_sound = true;
-            self.kernel = Kernel::whole(&self.view);
-            self.kernel.dispersion = self.total_dispersion;
-            self.kernel.complete(&self.groups);
+            self.kernel.regain_all(self.view.covariance, &self.total_dispersion);
             return;
         }
         self.is_sound = self.kernel_without(constellations).is_some();
@@ -325,7 +347,7 @@ impl<'v, T: Real> Solutions<'v, T> {
             shift: -(covariance * pull),
         };
         (kernel.covariance, kernel.change, kernel.dispersion) = (covariance, change, kept);
-        kernel.complete(&self.groups);
+        kernel.is_complete = false;
         Some(())
     }
     /// Whether the test of any of some single rows alarms without a hypothesis, `limits` being the squares of `K`.
@@ -337,6 +359,7 @@ impl<'v, T: Real> Solutions<'v, T> {
             return false;
         }
         let is_of_row = hypothesis.rows().next().is_some();
+        self.kernel.complete(&self.groups);
         members(singles).any(|index| {
             let left = if is_of_row { self.left_by_first(index) } else { self.left_by_kernel(index) };
             left.is_some_and(|left| left.exceeds(limits))

@@ -22,6 +22,66 @@ pub(in crate::integrity::separation) struct Mode<T> {
     pub(in crate::integrity::separation) ln_probability: T,
 }
 
+/// Modes that differ in one row and in nothing else.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::integrity::separation) struct Batch<T> {
+    /// What all of them take.
+    pub(in crate::integrity::separation) common: Hypothesis,
+    /// The row that each takes beside.
+    pub(in crate::integrity::separation) rows: Set,
+    /// Satellites that each takes.
+    pub(in crate::integrity::separation) taken: usize,
+    /// `p_k` of the likeliest, or more.
+    pub(in crate::integrity::separation) probability: T,
+    /// Its logarithm.
+    pub(in crate::integrity::separation) ln_probability: T,
+}
+
+/// What is done with the modes.
+pub(in crate::integrity::separation) trait Visitor<T> {
+    /// Which modes of a batch are to be visited one by one, by their rows. The others are dealt with.
+    fn sift(&mut self, batch: &Batch<T>) -> Set {
+        batch.rows
+    }
+
+    fn visit(&mut self, mode: &Mode<T>) -> ControlFlow<()>;
+}
+
+impl<T, F: FnMut(&Mode<T>) -> ControlFlow<()>> Visitor<T> for F {
+    fn visit(&mut self, mode: &Mode<T>) -> ControlFlow<()> {
+        self(mode)
+    }
+}
+
+/// What is left of each constellation without some rows.
+#[derive(Clone, Copy)]
+pub(super) struct Remains {
+    gone: Set,
+    members: [Set; Constellation::COUNT],
+    /// Rows that are all that is left of theirs.
+    alone: Set,
+    /// Rows of constellations that a few of them can be all of.
+    few: Set,
+}
+
+impl Remains {
+    pub(super) fn without<T: Real>(modes: &Modes<T>, gone: Set) -> Self {
+        let members = modes.members.map(|members| members & !gone);
+        let union = |set: Set, rows: &Set| set | rows;
+        let alone = members.iter().filter(|rows| rows.is_power_of_two()).fold(0, union);
+        let without_one = |rows: Set| rows & rows.wrapping_sub(1);
+        let is_few = |rows: &&Set| (0..EVENTS).fold(**rows, |rows, _| without_one(rows)) == 0;
+        let few = members.iter().filter(is_few).fold(0, union);
+        Self { gone, members, alone, few }
+    }
+
+    /// Constellations of which anything is left, a bit for each id.
+    pub(super) fn in_view(&self) -> usize {
+        let in_view = self.members.iter().enumerate().filter(|&(_, &members)| members != 0);
+        in_view.fold(0, |set, (id, _)| set | 1 << id)
+    }
+}
+
 /// The modes that lose the same constellations.
 pub(super) struct Walk<'m, T: Real> {
     pub(super) modes: &'m Modes<T>,
@@ -30,7 +90,7 @@ pub(super) struct Walk<'m, T: Real> {
     pub(super) lost_count: usize,
     pub(super) gone: Set,
     /// What is left of each constellation.
-    pub(super) members: [Set; Constellation::COUNT],
+    pub(super) members: &'m [Set; Constellation::COUNT],
     /// Whether a few rows can be all that is left of a constellation.
     has_few: bool,
     /// Rows that can be named: of other constellations, and not alone in theirs.
@@ -39,42 +99,41 @@ pub(super) struct Walk<'m, T: Real> {
 
 impl<'m, T: Real> Walk<'m, T> {
     /// The constellations are in view, and no more than are lost at once.
-    pub(super) fn without(modes: &'m Modes<T>, lost: usize, gone: Set) -> Self {
-        let members = modes.members.map(|members| members & !gone);
+    pub(super) fn without(modes: &'m Modes<T>, lost: usize, remains: &'m Remains) -> Self {
+        let Remains { gone, members, alone, few } = remains;
         let lost_rows = modes.rows_of(lost) & !gone;
         // Without its only satellite a constellation is lost: that is another mode.
-        let alone = members.iter().filter(|rows| rows.is_power_of_two()).fold(0, |set, rows| set | rows);
         let left = modes.fallible & !gone & !lost_rows & !alone;
-        let without_one = |rows: Set| rows & rows.wrapping_sub(1);
-        let few = |rows: &Set| rows & left != 0 && (0..EVENTS).fold(*rows, |rows, _| without_one(rows)) == 0;
-        let has_few = members.iter().any(few);
         let lost_count = lost_rows.count_ones() as usize;
-        Self { modes, lost, lost_rows, lost_count, gone, members, has_few, left }
+        Self { modes, lost, lost_rows, lost_count, gone: *gone, members, has_few: few & left != 0, left }
     }
 
     pub(super) fn visit(
         &self,
         sizes: &RangeInclusive<usize>,
         was_monitorable: &impl Fn(Set) -> bool,
-        is_counted: &mut impl FnMut(usize, usize) -> bool,
-        visitor: &mut impl FnMut(&Mode<T>) -> ControlFlow<()>,
+        visitor: &mut impl Visitor<T>,
     ) -> ControlFlow<()> {
         let (lost, size, limit) = (self.lost, self.lost.count_ones() as usize, self.modes.limit);
-        let mut offer = |size: usize, rows: [usize; EVENTS]| match self.mode(size, rows, was_monitorable) {
-            Some(mode) if sizes.contains(&size) => visitor(&mode),
+        let offer = |visitor: &mut _, size: usize, rows: [usize; EVENTS]| match self.mode(
+            size,
+            rows,
+            was_monitorable,
+        ) {
+            Some(mode) if sizes.contains(&size) => Visitor::visit(visitor, &mode),
             _ => ControlFlow::Continue(()),
         };
         if lost != 0 && sizes.contains(&size) {
-            offer(size, [NONE; EVENTS])?;
+            offer(visitor, size, [NONE; EVENTS])?;
         }
         if let Some(pairs) = Pairs::of(self) {
             if lost == 0 && sizes.contains(&1) && self.gone == 0 {
-                pairs.visit_singles(is_counted, visitor)?;
+                pairs.visit_singles(visitor)?;
             } else if lost == 0 && sizes.contains(&1) {
-                members(self.left).try_for_each(|first| offer(1, [first, NONE, NONE]))?;
+                members(self.left).try_for_each(|first| offer(visitor, 1, [first, NONE, NONE]))?;
             }
             return if sizes.contains(&2) {
-                pairs.visit(was_monitorable, is_counted, visitor)
+                pairs.visit(was_monitorable, visitor)
             } else {
                 ControlFlow::Continue(())
             };
@@ -82,15 +141,15 @@ impl<'m, T: Real> Walk<'m, T> {
         let is_wanted = |more: usize| size + more <= limit && size + more <= *sizes.end();
         for first in members(self.left).filter(|_| is_wanted(1)) {
             if sizes.contains(&(size + 1)) {
-                offer(size + 1, [first, NONE, NONE])?;
+                offer(visitor, size + 1, [first, NONE, NONE])?;
             }
             let after = self.left & above(first);
             for second in members(after).filter(|_| is_wanted(2)) {
                 if sizes.contains(&(size + 2)) {
-                    offer(size + 2, [first, second, NONE])?;
+                    offer(visitor, size + 2, [first, second, NONE])?;
                 }
                 for third in members(after & above(second)).filter(|_| is_wanted(3)) {
-                    offer(size + 3, [first, second, third])?;
+                    offer(visitor, size + 3, [first, second, third])?;
                 }
             }
         }
@@ -153,19 +212,22 @@ impl<'m, T: Real> Walk<'m, T> {
     }
 
     /// Whether only the loss of these constellations takes their satellites and no others: they have more of them than can
-    /// fail at once, and a satellite that fails beside its constellation is counted with that, or is one too many.
+    /// fail at once, and no more can fail than they.
     fn has_one_cause(&self) -> bool {
-        let Modes { limit, swallows, .. } = *self.modes;
+        let limit = self.modes.limit;
         let is_large = |rows: &Set| rows.count_ones() as usize > limit;
         let mut lost = self.modes.members.iter().enumerate().filter(|(id, _)| self.lost >> id & 1 != 0);
-        let is_alone = self.lost.count_ones() as usize == limit
-            || limit == 2 && usize::from(swallows) & self.lost == self.lost;
-        self.gone == 0 && is_alone && lost.all(|(_, rows)| is_large(rows))
+        self.gone == 0 && self.lost.count_ones() as usize == limit && lost.all(|(_, rows)| is_large(rows))
     }
 
     /// The probability of all watched combinations that leave the same satellites.
     #[inline(never)]
     fn sum_of_causes(&self, chosen: Set, was_monitorable: &impl Fn(Set) -> bool) -> T {
+        if chosen == 0
+            && let Some(loss) = self.modes.sole_loss(self.lost, self.gone)
+        {
+            return if self.modes.is_loss_watched(loss) { loss.probability } else { T::zero() };
+        }
         if chosen == 0 && self.has_one_cause() {
             let combination = self.modes.combination(losses(self.lost));
             let probability = self.modes.probability_of(&combination);

@@ -7,8 +7,9 @@
 use core::cmp::Ordering;
 use core::ops::ControlFlow;
 
+use super::super::Fallible;
 use super::super::sets::{Hypothesis, Set, above, event, members, row};
-use super::{Mode, Walk};
+use super::{Batch, Mode, Visitor, Walk};
 use crate::numeric::real::Real;
 
 /// The pairs among a walk's modes.
@@ -44,8 +45,7 @@ impl<'w, 'm, T: Real> Pairs<'w, 'm, T> {
     pub(super) fn visit(
         &self,
         was_monitorable: &impl Fn(Set) -> bool,
-        is_counted: &mut impl FnMut(usize, usize) -> bool,
-        visitor: &mut impl FnMut(&Mode<T>) -> ControlFlow<()>,
+        visitor: &mut impl Visitor<T>,
     ) -> ControlFlow<()> {
         let Walk { lost, left, .. } = *self.walk;
         if !self.reach_the_cut() {
@@ -53,32 +53,48 @@ impl<'w, 'm, T: Real> Pairs<'w, 'm, T> {
         }
         if lost != 0 {
             let Some(first) = self.constellation() else { return ControlFlow::Continue(()) };
-            return self.visit_with(&first, left, was_monitorable, is_counted, visitor);
+            return self.visit_with(&first, left, was_monitorable, visitor);
         }
         members(left).try_for_each(|index| {
             let Some(first) = self.row(index) else { return ControlFlow::Continue(()) };
             let others = left & above(index) & !self.swallowed_with(index);
-            self.visit_with(&first, others, was_monitorable, is_counted, visitor)
+            self.visit_with(&first, others, was_monitorable, visitor)
         })
     }
 
     /// Visits rows that are watched each by itself, nothing gone: none of them is counted with its constellation's loss.
-    pub(super) fn visit_singles(
-        &self,
-        is_counted: &mut impl FnMut(usize, usize) -> bool,
-        visitor: &mut impl FnMut(&Mode<T>) -> ControlFlow<()>,
-    ) -> ControlFlow<()> {
-        let Walk { modes, left, .. } = *self.walk;
-        members(left).try_for_each(|index| {
+    pub(super) fn visit_singles(&self, visitor: &mut impl Visitor<T>) -> ControlFlow<()> {
+        let modes = self.walk.modes;
+        let rows = self.watched_singles();
+        let batch = Batch {
+            common: Hypothesis::NONE,
+            rows,
+            taken: 1,
+            probability: modes.healthy * modes.likeliest.odds,
+            ln_probability: modes.ln_healthy + modes.likeliest.ln,
+        };
+        members(visitor.sift(&batch)).try_for_each(|index| {
             let Some(odds) = modes.odds.get(index) else { return ControlFlow::Continue(()) };
-            let probability = modes.healthy * odds.odds;
-            let is_watched = probability > modes.mandatory || modes.comes_before_the_cut(row(index), 1, 1);
-            if !is_watched || is_counted(1, 1) {
-                return ControlFlow::Continue(());
-            }
-            let hypothesis = Hypothesis::of_row(index);
-            visitor(&Mode { hypothesis, taken: 1, probability, ln_probability: modes.ln_healthy + odds.ln })
+            visitor.visit(&Mode {
+                hypothesis: Hypothesis::of_row(index),
+                taken: 1,
+                probability: modes.healthy * odds.odds,
+                ln_probability: modes.ln_healthy + odds.ln,
+            })
         })
+    }
+
+    /// Rows that are watched each by itself.
+    fn watched_singles(&self) -> Set {
+        let Walk { modes, left, .. } = *self.walk;
+        if modes.cutoff.size > 1 || modes.must_watch_all_singles() {
+            return left;
+        }
+        let is_watched = |&index: &usize| {
+            let is_mandatory = |odds: &Fallible<T>| modes.healthy * odds.odds > modes.mandatory;
+            modes.odds.get(index).is_some_and(is_mandatory) || modes.comes_before_the_cut(row(index), 1, 1)
+        };
+        members(left).filter(is_watched).fold(0, |set, index| set | row(index))
     }
 
     /// Whether any of the pairs comes before the cut.
@@ -137,20 +153,24 @@ impl<'w, 'm, T: Real> Pairs<'w, 'm, T> {
         first: &First<T>,
         others: Set,
         was_monitorable: &impl Fn(Set) -> bool,
-        is_counted: &mut impl FnMut(usize, usize) -> bool,
-        visitor: &mut impl FnMut(&Mode<T>) -> ControlFlow<()>,
+        visitor: &mut impl Visitor<T>,
     ) -> ControlFlow<()> {
         let Walk { modes, gone, .. } = *self.walk;
-        let watched = self.before_the_cut(first, others);
-        if gone == 0 && is_counted(first.taken, watched.count_ones() as usize) {
-            return ControlFlow::Continue(());
+        let mut rows = self.before_the_cut(first, others);
+        if gone != 0 {
+            let counts = |&index: &usize| was_monitorable(first.rows | row(index));
+            rows = members(rows).filter(counts).fold(0, |set, index| set | row(index));
         }
-        members(watched).try_for_each(|index| {
+        let batch = Batch {
+            common: first.hypothesis,
+            rows,
+            taken: first.taken,
+            probability: first.probability * modes.likeliest.odds,
+            ln_probability: first.ln_probability + modes.likeliest.ln,
+        };
+        members(visitor.sift(&batch)).try_for_each(|index| {
             let Some(odds) = modes.odds.get(index) else { return ControlFlow::Continue(()) };
-            if gone != 0 && !was_monitorable(first.rows | row(index)) {
-                return ControlFlow::Continue(());
-            }
-            visitor(&Mode {
+            visitor.visit(&Mode {
                 hypothesis: first.hypothesis.and(index),
                 taken: first.taken,
                 probability: first.probability * odds.odds,
