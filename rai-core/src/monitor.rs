@@ -324,13 +324,14 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         let forecast = self.clocks.aiding(&epoch.view()).filter(|_| is_aided);
         let scale = self.strategy.sigma_adapt.then(|| self.adaptation.scale(epoch.time_s()));
         let Memory { workspace, scratch, assessment } = memory;
-        match Fix::about(workspace, Aided::by(epoch, forecast).scaled(scale), start) {
-            Ok(mut fix) => {
+        // Judged where it is: a copy would lie on the stack below every search.
+        match &mut Fix::about(workspace, Aided::by(epoch, forecast).scaled(scale), start) {
+            Ok(fix) => {
                 let clock_row = fix.clock_row();
-                let judgement = judge(&mut fix, &epoch.view(), clock_row, &self.criteria(), search, scratch);
-                self.assess(&fix, &epoch.view(), &judgement, assessment);
+                let judgement = judge(fix, &epoch.view(), clock_row, &self.criteria(), search, scratch);
+                self.assess(fix, &epoch.view(), &judgement, assessment);
             }
-            Err(error) => self.assess_without_position(error, epoch, assessment),
+            Err(error) => self.assess_without_position(*error, epoch, assessment),
         }
         assessment
     }

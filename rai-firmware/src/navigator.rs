@@ -88,13 +88,13 @@ impl Navigator {
     }
 
     /// Takes an ephemeris that was received at `now`.
-    #[inline(never)]
     pub fn learn(&mut self, ephemeris: Ephemeris, now: Option<GpsTime>) -> Insertion {
         self.store.insert(ephemeris, now)
     }
 
     /// Takes coefficients of the ionosphere that satellites of a constellation have broadcast, of the model that is theirs.
     /// What says nothing of it changes nothing, and those of a command outrank them.
+    #[inline(never)]
     pub fn hear_ionosphere(
         &mut self,
         constellation: Constellation,
@@ -180,6 +180,7 @@ impl Navigator {
     /// none is repeated once: about a point far off the corrections may have been what did not fit.
     ///
     /// `came_ms` is when the epoch came, by the module's own clock.
+    // What comes before and after is not inlined: the searches are below this frame.
     #[inline(never)]
     pub fn judge(
         &mut self,
@@ -187,17 +188,7 @@ impl Navigator {
         came_ms: u64,
         configuration: &Configuration,
     ) -> &mut Report<CAPACITY> {
-        self.store.observe(raw.satellites.iter().map(|satellite| satellite.satellite));
-        if configuration.systems.contains('R') {
-            self.store.advance(raw.time);
-        }
-        for (_, came) in self.ionosphere.iter_mut().flatten() {
-            came.get_or_insert(raw.time);
-        }
-        let refused = self.tally.ephemerides;
-        let mask_dbhz = configuration.signal_mask_db_hz as f32;
-        locate(raw, &self.store, mask_dbhz, configuration.systems, &mut self.tally, &mut self.room.sky);
-        let without_orbit = self.tally.ephemerides.without_orbit().saturating_sub(refused.without_orbit());
+        let without_orbit = self.look_up(raw, configuration);
         let mut guess = self.monitor.start();
         if is_unknown(guess) {
             guess = self.coarse_position(raw.time);
@@ -228,13 +219,41 @@ impl Navigator {
             self.tally.ranges = before;
             self.judge_about(guess, raw.time, ranges, configuration, search);
         }
+        let refused_a_range = self.tally.ranges.range_implausible != before.range_implausible;
+        self.conclude(raw, came_ms, refused_a_range, without_orbit)
+    }
+
+    /// Finds where the satellites of an epoch were; says how many of them have no orbit.
+    #[inline(never)]
+    fn look_up(&mut self, raw: &RawEpoch, configuration: &Configuration) -> u32 {
+        self.store.observe(raw.satellites.iter().map(|satellite| satellite.satellite));
+        if configuration.systems.contains('R') {
+            self.store.advance(raw.time);
+        }
+        for (_, came) in self.ionosphere.iter_mut().flatten() {
+            came.get_or_insert(raw.time);
+        }
+        let before = self.tally.ephemerides.without_orbit();
+        let mask_dbhz = configuration.signal_mask_db_hz as f32;
+        locate(raw, &self.store, mask_dbhz, configuration.systems, &mut self.tally, &mut self.room.sky);
+        self.tally.ephemerides.without_orbit().saturating_sub(before)
+    }
+
+    /// Learns from the last judgement, and says what more is known of the epoch than its ranges tell.
+    #[inline(never)]
+    fn conclude(
+        &mut self,
+        raw: &RawEpoch,
+        came_ms: u64,
+        refused_a_range: bool,
+        without_orbit: u32,
+    ) -> &mut Report<CAPACITY> {
         let Room { sky, memory, .. } = &mut self.room;
         self.monitor.learn(memory.assessment_mut(), Some(came_ms as f64 * 1e-3));
         let place = found(&memory.assessment().report);
         self.velocity = self.rates.velocity(raw, sky, place, self.monitor.accepted(), memory.workspace());
         let report = &mut memory.assessment_mut().report;
-        let implausible = self.tally.ranges.range_implausible != before.range_implausible;
-        if report.solution.is_none() && implausible {
+        if report.solution.is_none() && refused_a_range {
             report.verdict = Verdict::Unavailable(Unavailable::Input);
         } else if report.verdict == Verdict::Unavailable(Unavailable::NoFix)
             && without_orbit as usize > sky.len()

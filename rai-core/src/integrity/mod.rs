@@ -222,13 +222,26 @@ pub fn judge<T: Real>(
     if criteria.method == Method::Separation {
         return judge_epoch(solution, epoch, criteria, scratch.separation());
     }
+    judge_by_residuals(solution, epoch, forecast, criteria, search, &mut scratch.subsets)
+}
+
+// Not inlined: separation has frames of its own, the deepest of all, and needs nothing of this one's.
+#[inline(never)]
+fn judge_by_residuals<T: Real>(
+    solution: &mut impl Reducible<T>,
+    epoch: &EpochView<'_>,
+    forecast: Option<usize>,
+    criteria: &Criteria<'_>,
+    search: Search<'_>,
+    subsets: &mut ransac::Subsets,
+) -> Judgement<T> {
     let mut test = criteria.test(solution.snapshot(), epoch.common_m());
     let mut exclusion = Exclusion::passed();
     let mut searched = false;
     if test.as_ref().is_ok_and(|test| test.detection.fault()) {
         let jump = forecast.and_then(|row| jump(solution, row, &criteria.thresholds));
         searched = jump.is_none() && search == Search::Anew;
-        exclusion = jump.unwrap_or_else(|| isolate(solution, epoch, criteria, search, &mut scratch.subsets));
+        exclusion = jump.unwrap_or_else(|| isolate(solution, epoch, criteria, search, subsets));
         test = criteria.test(solution.snapshot(), epoch.common_m());
     }
     let alone = forecast.map_or(Alone::Always, |row| without_forecast(solution, row, epoch, criteria));

@@ -9,13 +9,13 @@
  *
  * Stack that a call needs on a Cortex-M4F, KiB, with room for 16, 32 and 48 satellites:
  *
- *   rai_monitor_init                                    8     8     8
- *   rai_monitor_judge, classic RAIM                     7     9    12
- *   rai_monitor_judge, every search and ARAIM                      14
- *   rai_receiver_gnss                                              15
- *   rai_receiver_command                                            7
- *   rai_receiver_tick                                               2
- *   rai_receiver_init, once, before any task runs                  22
+ *   rai_monitor_init                                    3     3     4
+ *   rai_monitor_judge, classic RAIM                     5     6     7
+ *   rai_monitor_judge, every search and ARAIM                       8
+ *   rai_receiver_init                                               8
+ *   rai_receiver_gnss                                               8
+ *   rai_receiver_tick, which may end an epoch                       8
+ *   rai_receiver_command                                            5
  *   all others                                          1     1     1
  */
 

@@ -218,6 +218,7 @@ impl Assembly {
     }
 
     /// Adds the ranges of a message.
+    #[inline(never)]
     fn add_all(&mut self, ranges: &Ranges<'_>, counters: &mut Counters) {
         let earlier = self.epoch.satellites.len();
         let epoch = &mut self.epoch;

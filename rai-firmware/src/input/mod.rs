@@ -248,6 +248,7 @@ impl Input {
         self.calendar.leap_second()
     }
 
+    // What reads a message and what learns from one are not inlined: an epoch is told of, and judged, below this frame.
     fn drain(&mut self, is_silent: bool, tell: &mut dyn FnMut(Event<'_>)) {
         let Self { framer, calendar, assembly, navigation, preference, counters } = self;
         while let Some(frame) = framer.next(is_silent, counters) {
@@ -260,10 +261,10 @@ impl Input {
                     }
                 }
                 Some(Message::Broadcast(broadcast)) => {
-                    judge(Ephemeris::new(&broadcast), calendar, counters, tell);
+                    learn(&broadcast, calendar, counters, tell);
                 }
                 #[cfg(feature = "glonass")]
-                Some(Message::State(state)) => judge(Ephemeris::of_state(&state), calendar, counters, tell),
+                Some(Message::State(state)) => learn_state(&state, calendar, counters, tell),
                 Some(Message::Position(point)) => tell(Event::Position(point)),
                 #[cfg(feature = "ubx")]
                 Some(Message::Corrections(coefficients, leap_s)) => {
@@ -292,6 +293,7 @@ pub(crate) fn station(frame: &[u8]) -> Option<Ecef> {
 }
 
 /// Reads a frame; what leads to nothing is counted.
+#[inline(never)]
 fn read<'a>(
     frame: &Frame<'a>,
     #[cfg_attr(not(feature = "ubx"), expect(unused_variables))] navigation: &mut Navigation,
@@ -360,6 +362,29 @@ impl Unread {
             Self::BitsSurplus => &mut counters.subframes_surplus,
         }
     }
+}
+
+/// Takes the elements of an orbit and a clock.
+#[inline(never)]
+fn learn(
+    broadcast: &Broadcast,
+    calendar: &mut Calendar,
+    counters: &mut Counters,
+    tell: &mut dyn FnMut(Event<'_>),
+) {
+    judge(Ephemeris::new(broadcast), calendar, counters, tell);
+}
+
+/// Takes a state that is to be integrated.
+#[cfg(feature = "glonass")]
+#[inline(never)]
+fn learn_state(
+    state: &StateBroadcast,
+    calendar: &mut Calendar,
+    counters: &mut Counters,
+    tell: &mut dyn FnMut(Event<'_>),
+) {
+    judge(Ephemeris::of_state(state), calendar, counters, tell);
 }
 
 /// Judges what a satellite says of itself.

@@ -7,7 +7,7 @@ use rai_core::report::{Alert, Unavailable, Verdict};
 
 use crate::config::Configuration;
 use crate::counters::{count, counters};
-use crate::ephemeris::Insertion;
+use crate::ephemeris::{Ephemeris, Insertion};
 use crate::input::{Event, Suspicion};
 use crate::navigator::Navigator;
 use crate::output::nmea::{GPS_MINUS_UTC_S, Losses};
@@ -130,11 +130,7 @@ impl<P: OutputPin> EpochLoop<P> {
                 self.conclude(raw.time, *came_ms, host);
                 return true;
             }
-            Event::Ephemeris(ephemeris) => match self.navigator.learn(*ephemeris, self.last_time) {
-                Insertion::Taken => {}
-                Insertion::Kept => count(&mut self.verdicts.ephemerides_kept),
-                Insertion::Disputed => count(&mut self.verdicts.ephemerides_disputed),
-            },
+            Event::Ephemeris(ephemeris) => self.learn(ephemeris),
             Event::Position(point) => self.navigator.guess(*point),
             Event::Ionosphere(constellation, coefficients) => {
                 self.navigator.hear_ionosphere(*constellation, *coefficients, self.last_time);
@@ -148,6 +144,16 @@ impl<P: OutputPin> EpochLoop<P> {
             }
         }
         false
+    }
+
+    // Not inlined: the copy that is kept is not on the stack while an epoch is judged.
+    #[inline(never)]
+    fn learn(&mut self, ephemeris: &Ephemeris) {
+        match self.navigator.learn(*ephemeris, self.last_time) {
+            Insertion::Taken => {}
+            Insertion::Kept => count(&mut self.verdicts.ephemerides_kept),
+            Insertion::Disputed => count(&mut self.verdicts.ephemerides_disputed),
+        }
     }
 
     /// Acts on the navigator's report: the pin first, then the sentences.
