@@ -250,7 +250,9 @@ impl Navigator {
     ) -> &mut Report<CAPACITY> {
         let Room { sky, memory, .. } = &mut self.room;
         self.monitor.learn(memory.assessment_mut(), Some(came_ms as f64 * 1e-3));
-        let place = found(&memory.assessment().report);
+        // Under an alert nobody is told a velocity, and one about a wrong place would only be dear.
+        let report = &memory.assessment().report;
+        let place = found(report).filter(|_| !matches!(report.verdict, Verdict::Alert(_)));
         self.velocity = self.rates.velocity(raw, sky, place, self.monitor.accepted(), memory.workspace());
         let report = &mut memory.assessment_mut().report;
         if report.solution.is_none() && refused_a_range {

@@ -152,12 +152,12 @@ impl Stream {
         Ok(Self { epochs, satellites })
     }
 
-    /// RTCM over a sky of `count` satellites, of a receiver that measures Doppler frequencies too.
+    /// RTCM over a sky of `count` satellites, of a receiver that measures no Doppler frequencies.
     ///
     /// # Errors
     /// Where a message cannot be encoded.
-    pub fn with_range_rates(epochs: u32, count: usize) -> Result<Self> {
-        let simulation = Simulation { has_range_rates: true, ..simulation(epochs, count) };
+    pub fn without_range_rates(epochs: u32, count: usize) -> Result<Self> {
+        let simulation = Simulation { has_range_rates: false, ..simulation(epochs, count) };
         Self::of(&simulation.record(), simulation.sights_at(0).len())
     }
 
@@ -217,7 +217,7 @@ fn simulation(epochs: u32, count: usize) -> Simulation {
         oscillator: Oscillator::temperature_compensated(),
         electrons_tecu: 20.0,
         seed: 7,
-        has_range_rates: false,
+        has_range_rates: true,
     };
     let seen = simulation.sights_at(0);
     let kept: Vec<SatelliteId> = spread(&seen, count.min(seen.len())).map(|sight| sight.satellite).collect();
