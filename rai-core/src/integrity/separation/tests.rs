@@ -1,13 +1,14 @@
 //! What is internal to the method: the worked example with every intermediate, and random skies against dense
 //! least squares.
 
+use std::ops::ControlFlow;
 use std::prelude::rust_2024::*;
 use std::{format, println, vec};
 
 use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::exclusion::choose;
-use super::modes::{Hypothesis, Mode, ROWS, members, row};
+use super::modes::{Hypothesis, Mode, ROWS, Visitor, members, row};
 use super::solutions::Solutions;
 use super::walk::Watch;
 use super::{Allocation, Outcome, Prior, Priors, Removable as _, judge};
@@ -16,6 +17,15 @@ use crate::satellite::Constellation;
 use crate::snapshot::{Snapshot, Workspace};
 
 type Epoch = LinearEpoch<f64, ROWS>;
+
+/// Does something with each mode.
+struct Each<F>(F);
+
+impl<T, F: FnMut(&Mode<T>) -> ControlFlow<()>> Visitor<T> for Each<F> {
+    fn visit(&mut self, mode: &Mode<T>) -> ControlFlow<()> {
+        (self.0)(mode)
+    }
+}
 
 /// The worked example of the working group's algorithm description, version 3.1, appendix D: east, north, up,
 /// constellation, variances for integrity and for accuracy, m².
@@ -121,10 +131,15 @@ fn the_worked_example_has_the_published_intermediates() {
     let watch = watched(&snapshot, &all, &allocation);
     close("p_0", watch.modes.healthy(), 0.999_700_034_5, 1e-10);
     let mut probabilities = Vec::new();
-    let _ = watch.modes.visit(0, &(1..=3), &|_| true, &mut |mode: &Mode<_>| {
-        probabilities.push(mode.probability);
-        core::ops::ControlFlow::Continue(())
-    });
+    let _ = watch.modes.visit(
+        0,
+        &(1..=3),
+        &|_| true,
+        &mut Each(|mode: &Mode<_>| {
+            probabilities.push(mode.probability);
+            core::ops::ControlFlow::Continue(())
+        }),
+    );
     assert_eq!(probabilities.len(), 12);
     probabilities.sort_by(f64::total_cmp);
     close("single", probabilities[0], 9.997_100_3e-6, 1e-13);
@@ -271,12 +286,17 @@ fn every_set_of_three_events_is_as_dense_least_squares_has_it() {
         let watch = watched(&snapshot, &all, &allocation);
         let mut solutions = solutions(&snapshot, &sky.priors);
         let mut hypotheses = Vec::new();
-        let _ = watch.modes.visit(0, &(1..=3), &|_| true, &mut |mode: &Mode<_>| {
-            if watch.leaves_enough(watch.modes.taken_by(mode.hypothesis), 0) {
-                hypotheses.push(mode.hypothesis);
-            }
-            core::ops::ControlFlow::Continue(())
-        });
+        let _ = watch.modes.visit(
+            0,
+            &(1..=3),
+            &|_| true,
+            &mut Each(|mode: &Mode<_>| {
+                if watch.leaves_enough(watch.modes.taken_by(mode.hypothesis), 0) {
+                    hypotheses.push(mode.hypothesis);
+                }
+                core::ops::ControlFlow::Continue(())
+            }),
+        );
         // What neighbours share is kept: any order must do.
         for step in [1, 2, 7] {
             for offset in 0..step {
@@ -313,10 +333,15 @@ fn the_choice_is_that_of_the_rule_read_literally() {
             let watch = watched(&snapshot, &all, &allocation);
             let (want, not_watched) = literal(&sky, &priors, constellations, &allocation);
             let mut have = Vec::new();
-            let _ = watch.modes.visit(0, &(1..=3), &|_| true, &mut |mode: &Mode<_>| {
-                have.push((watch.modes.taken_by(mode.hypothesis), mode.probability));
-                core::ops::ControlFlow::Continue(())
-            });
+            let _ = watch.modes.visit(
+                0,
+                &(1..=3),
+                &|_| true,
+                &mut Each(|mode: &Mode<_>| {
+                    have.push((watch.modes.taken_by(mode.hypothesis), mode.probability));
+                    core::ops::ControlFlow::Continue(())
+                }),
+            );
             have.sort_by_key(|&(set, _)| set);
             assert_eq!(have.len(), want.len(), "{count} satellites, {fault}");
             for ((set, probability), (want_set, want)) in have.iter().zip(&want) {

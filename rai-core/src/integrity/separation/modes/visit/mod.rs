@@ -47,12 +47,6 @@ pub(in crate::integrity::separation) trait Visitor<T> {
     fn visit(&mut self, mode: &Mode<T>) -> ControlFlow<()>;
 }
 
-impl<T, F: FnMut(&Mode<T>) -> ControlFlow<()>> Visitor<T> for F {
-    fn visit(&mut self, mode: &Mode<T>) -> ControlFlow<()> {
-        self(mode)
-    }
-}
-
 /// What is left of each constellation without some rows.
 #[derive(Clone, Copy)]
 pub(super) struct Remains {
