@@ -11,12 +11,16 @@
 //! that comes round feeds the watchdog.
 //!
 //! What an epoch costs is noted with it: ticks that the receiver was busy since the last epoch, and ticks from its last
-//! byte to the pin. That byte came no earlier than the loop last found nothing waiting or was woken.
+//! byte to the pin. That byte came no earlier than the loop last found nothing waiting or was first woken.
 
 use crate::bit_rate::BitRate;
 use crate::board::{Board, Note, PortLosses};
 use crate::receiver::Receiver;
 use crate::timed_ring::Taken;
+
+/// GNSS bytes for which the loop goes round before a millisecond is over. With a pass for each byte the passes of an epoch
+/// would cost more than it does.
+pub const WORTH_A_PASS_BYTES: usize = 64;
 
 /// GNSS bytes handed to the receiver at once.
 const CHUNK_BYTES: usize = 256;

@@ -102,6 +102,11 @@ impl<const N: usize, const M: usize> TimedRing<N, M> {
         }
     }
 
+    /// Bytes that wait to be read.
+    pub fn len(&self) -> usize {
+        self.bytes.len()
+    }
+
     /// Whether nothing waits.
     pub fn is_empty(&self) -> bool {
         self.bytes.is_empty()

@@ -30,7 +30,7 @@ use embedded_hal::digital::{ErrorType, OutputPin};
 use rai_firmware::bit_rate::RATES;
 use rai_firmware::board::reset::ResetCause;
 use rai_firmware::board::{Board, Note, PortLosses, SEALED_BYTES};
-use rai_firmware::epoch_loop::EpochLoop;
+use rai_firmware::epoch_loop::{EpochLoop, WORTH_A_PASS_BYTES};
 use rai_firmware::outlet::Outlet;
 use rai_firmware::receiver::{Boot, Receiver};
 use rai_firmware::ring::Ring;
@@ -212,6 +212,10 @@ impl Model<'_> {
         self.clock.borrow().now_ns
     }
 
+    fn has_work(&self) -> bool {
+        self.gnss.len() >= WORTH_A_PASS_BYTES || !self.commands.is_empty()
+    }
+
     /// What the lines have done until now, as the interrupts would have seen it.
     fn catch_up(&mut self) {
         let now_ns = self.now_ns();
@@ -312,18 +316,19 @@ impl<'l> Board for Model<'l> {
 
     fn feed_watchdog(&mut self) {}
 
-    /// Until the next byte or the next millisecond.
+    /// Until the next millisecond, or until there is work enough; each byte ends the sleep for an instant.
     fn sleep(&mut self) -> Option<u64> {
         self.catch_up();
-        if !self.gnss.is_empty() || !self.commands.is_empty() {
-            return None;
-        }
         let next_ms = (self.now_ns() / 1_000_000 + 1) * 1_000_000;
-        let next_byte = self.wire.next(self.port_baud).map_or(next_ms, |(at_ns, ..)| at_ns);
-        let now_ns = self.now_ns();
-        self.clock.borrow_mut().now_ns = now_ns.max(next_ms.min(next_byte));
-        self.catch_up();
-        Some(self.now_ns())
+        let mut woken_ns = None;
+        while self.now_ns() < next_ms && !self.has_work() {
+            let next_byte = self.wire.next(self.port_baud).map_or(next_ms, |(at_ns, ..)| at_ns);
+            let now_ns = self.now_ns();
+            self.clock.borrow_mut().now_ns = now_ns.max(next_ms.min(next_byte));
+            self.catch_up();
+            woken_ns = woken_ns.or(Some(self.now_ns()));
+        }
+        woken_ns
     }
 
     fn reset_cause(&self) -> ResetCause {

@@ -75,7 +75,9 @@ pub trait Board {
     /// Says that the loop came round.
     fn feed_watchdog(&mut self);
 
-    /// Sleeps until something may have happened, unless bytes wait. Gives the tick at which it woke, where it slept.
+    /// Sleeps until a millisecond begins, a byte of the host has come, or
+    /// [`WORTH_A_PASS_BYTES`](crate::epoch_loop::WORTH_A_PASS_BYTES) of the GNSS port wait. Gives the tick at which anything
+    /// first ended the sleep, where it slept.
     fn sleep(&mut self) -> Option<u64>;
 
     /// Why the module started.

@@ -124,6 +124,8 @@ pub(super) struct Framer {
     front: usize,
     /// Length of the frame that was handed out last, still at the front.
     handed: usize,
+    /// Length of the buffer with which what is at the front may be a whole frame, or shows how long it is.
+    wanted: usize,
     /// From here on, the bytes came at `fresh_ms`; those before came at `old_ms` or later.
     fresh: usize,
     fresh_ms: u64,
@@ -133,7 +135,8 @@ pub(super) struct Framer {
 
 /// What the front of the buffer is.
 enum Front {
-    Incomplete,
+    /// With so many bytes it may be complete.
+    Incomplete(usize),
     Complete(Protocol, usize),
     NoFrame,
 }
@@ -144,6 +147,7 @@ impl Framer {
             buffer: Vec::new(),
             front: 0,
             handed: 0,
+            wanted: 0,
             fresh: 0,
             fresh_ms: 0,
             old_ms: 0,
@@ -181,13 +185,21 @@ impl Framer {
             // No candidate is that long: only a caller that does not ask for frames gets here.
             count(&mut counters.bytes_skipped);
             self.front = 1;
+            self.wanted = 0;
         }
+        self.wanted = self.wanted.saturating_sub(self.front);
         let left = self.buffer.len().saturating_sub(self.front);
         let from = self.front.min(self.buffer.len());
         self.buffer.copy_within(from.., 0);
         self.buffer.truncate(left);
         self.fresh = self.fresh.saturating_sub(self.front);
         self.front = 0;
+    }
+
+    /// Whether [`Framer::next`] has anything to look at that it has not seen. Bytes come one by one, and asking it for
+    /// each would cost as much as reading the message.
+    pub(super) fn is_worth_a_look(&self) -> bool {
+        self.buffer.len() >= self.wanted
     }
 
     /// The next frame that passes its check; the one before is done with.
@@ -203,11 +215,12 @@ impl Framer {
                         break (protocol, length);
                     }
                 }
-                Front::Incomplete if self.is_empty() || !is_silent => {
+                Front::Incomplete(length) if self.is_empty() || !is_silent => {
                     self.settle();
+                    self.wanted = self.front + length;
                     return None;
                 }
-                Front::Incomplete => count(&mut counters.frames_cut),
+                Front::Incomplete(_) => count(&mut counters.frames_cut),
                 Front::NoFrame => {}
             }
             self.resynchronise(counters);
@@ -222,7 +235,7 @@ impl Framer {
     /// Forgets all that waits.
     pub(super) fn forget(&mut self, counters: &mut Counters) {
         count_many(&mut counters.bytes_skipped, self.waiting().len().saturating_sub(self.handed));
-        (self.front, self.handed, self.fresh) = (0, 0, 0);
+        (self.front, self.handed, self.wanted, self.fresh) = (0, 0, 0, 0);
         self.buffer.clear();
     }
 
@@ -244,11 +257,12 @@ impl Framer {
 
     fn candidate(&self) -> Front {
         match self.waiting() {
-            [] | [RTCM] | [RTCM, _] => Front::Incomplete,
+            [] => Front::Incomplete(1),
+            [RTCM] | [RTCM, _] => Front::Incomplete(RTCM_HEADER),
             [RTCM, high, low, ..] if high & 0b1111_1100 == 0 => {
                 self.whole(Protocol::Rtcm, rtcm_length(*high, *low))
             }
-            [first] if UBX_IS_READ && *first == UBX[0] => Front::Incomplete,
+            [first] if UBX_IS_READ && *first == UBX[0] => Front::Incomplete(UBX.len()),
             [first, second, rest @ ..] if UBX_IS_READ && [*first, *second] == UBX => match rest {
                 [class, id, low, high, ..] => {
                     let payload = usize::from(*high) << 8 | usize::from(*low);
@@ -257,14 +271,18 @@ impl Framer {
                     }
                     self.whole(Protocol::Ubx, UBX_HEADER + payload + UBX_PARITY)
                 }
-                _ => Front::Incomplete,
+                _ => Front::Incomplete(UBX_HEADER),
             },
             _ => Front::NoFrame,
         }
     }
 
     fn whole(&self, protocol: Protocol, length: usize) -> Front {
-        if self.waiting().len() < length { Front::Incomplete } else { Front::Complete(protocol, length) }
+        if self.waiting().len() < length {
+            Front::Incomplete(length)
+        } else {
+            Front::Complete(protocol, length)
+        }
     }
 
     /// Checks a complete candidate, if that can be paid for.
@@ -358,13 +376,24 @@ mod tests {
     /// MON-VER polled: the example of u-blox's own description, `B5 62 0A 04 00 00 0E 34`.
     const UBX_FRAME: [u8; 8] = [0xB5, 0x62, 0x0A, 0x04, 0x00, 0x00, 0x0E, 0x34];
 
+    /// Asks for frames whenever bytes have come.
     fn frames(framer: &mut Framer, bytes: &[u8], counters: &mut Counters) -> Vec<(Protocol, usize)> {
+        frames_asked_when(|_| true, framer, bytes.chunks(46), counters)
+    }
+
+    fn frames_asked_when<'b>(
+        is_asked: fn(&Framer) -> bool,
+        framer: &mut Framer,
+        chunks: impl Iterator<Item = &'b [u8]>,
+        counters: &mut Counters,
+    ) -> Vec<(Protocol, usize)> {
         let mut found = Vec::new();
-        for chunk in bytes.chunks(46) {
-            let mut rest = chunk;
+        for mut rest in chunks {
             while !rest.is_empty() {
                 rest = framer.take(rest, 0, counters);
-                while let Some(frame) = framer.next(false, counters) {
+                while is_asked(framer)
+                    && let Some(frame) = framer.next(false, counters)
+                {
                     found.push((frame.protocol, frame.bytes.len()));
                 }
             }
@@ -379,6 +408,32 @@ mod tests {
         let have = frames(&mut framer, &stream, &mut counters);
         assert_eq!(have, [(Protocol::Ubx, 8), (Protocol::Rtcm, 25), (Protocol::Ubx, 8)]);
         assert_eq!((counters.frames, counters.bytes_skipped, counters.crc_failures), (3, 14, 0));
+    }
+
+    /// Whole frames, cut ones, beginnings of long ones and noise, in every order of three, in pieces of every size.
+    #[test]
+    fn asked_only_when_it_is_worth_a_look_it_finds_the_same() {
+        let pieces: [&[u8]; 8] = [
+            &UBX_FRAME,
+            &RTCM_FRAME,
+            &RTCM_FRAME[..11],
+            &UBX_FRAME[..5],
+            &[0xD3, 0x00, 0x05],
+            &[0xB5, 0x62, 0x02, 0x15, 0x30, 0x00],
+            &[0xD3, 0x03, 0xFF],
+            &[0xB5, 0x00, 0xD3],
+        ];
+        let orders = (0..pieces.len().pow(3)).map(|n| [n % 8, n / 8 % 8, n / 64].map(|n| pieces[n]).concat());
+        let stream: Vec<u8> = orders.flatten().collect();
+        for size in 1..=64 {
+            let [always, seldom] = [|_: &Framer| true, Framer::is_worth_a_look].map(|is_asked| {
+                let (mut framer, mut counters) = (Framer::new(), Counters::default());
+                let found = frames_asked_when(is_asked, &mut framer, stream.chunks(size), &mut counters);
+                (found, counters)
+            });
+            assert!(always.0.len() > 100, "{} frames", always.0.len());
+            assert_eq!(always, seldom, "in pieces of {size}");
+        }
     }
 
     #[test]

@@ -209,7 +209,9 @@ impl Input {
         let mut rest = bytes;
         while !rest.is_empty() {
             rest = self.framer.take(rest, came_ms, &mut self.counters);
-            self.drain(false, &mut tell);
+            if self.framer.is_worth_a_look() {
+                self.drain(false, &mut tell);
+            }
         }
     }
 

@@ -13,6 +13,7 @@
 use core::sync::atomic::{AtomicU32, Ordering};
 
 use rai_firmware::board::PortLosses;
+use rai_firmware::epoch_loop::WORTH_A_PASS_BYTES;
 use rai_firmware::outlet::Outlet;
 use rai_firmware::ring::Ring;
 use rai_firmware::timed_ring::{Taken, TimedRing};
@@ -80,9 +81,9 @@ pub fn take_command() -> Option<u8> {
     HOST_IN.pop()
 }
 
-/// Whether bytes wait for the epoch loop.
+/// Whether so many bytes wait for the epoch loop that it should go round.
 pub fn input_waits() -> bool {
-    !GNSS_IN.is_empty() || !HOST_IN.is_empty()
+    GNSS_IN.len() >= WORTH_A_PASS_BYTES || !HOST_IN.is_empty()
 }
 
 /// Waits until all has left the chip, a second at most: before a reset that was asked for.

@@ -53,11 +53,25 @@ pub fn now_us() -> u64 {
     now_ticks() * 1000 / u64::from(TICKS_PER_MS.load(Ordering::Relaxed))
 }
 
-/// Sleeps until the next interrupt, unless there is `work`; gives the tick at which an interrupt ended the sleep.
+/// Sleeps until a millisecond begins or there is `work`; gives the tick at which an interrupt first ended the sleep.
+///
+/// An interrupt that brings no work enough is served, and the sleep goes on: a pass of the loop for each byte would cost
+/// several times what an epoch does.
+pub fn sleep_unless(work: impl Fn() -> bool) -> Option<u64> {
+    let (slept_ms, mut woken_ticks) = (now_ms_low(), None);
+    while now_ms_low() == slept_ms
+        && let Some(ticks) = doze_unless(&work)
+    {
+        woken_ticks = woken_ticks.or(Some(ticks));
+    }
+    woken_ticks
+}
+
+/// Sleeps until the next interrupt, unless there is `work`; gives the tick at which it ended the sleep.
 ///
 /// Asked and slept with interrupts held back: one that comes between the question and the sleep ends the sleep at once,
 /// and is served after it.
-pub fn sleep_unless(work: impl FnOnce() -> bool) -> Option<u64> {
+fn doze_unless(work: impl Fn() -> bool) -> Option<u64> {
     cortex_m::interrupt::free(|_| {
         if work() {
             return None;
