@@ -59,7 +59,15 @@ impl<const N: usize> Ring<N> {
 
     /// Writer's side: appends one byte, or counts it as dropped. Says whether it fitted.
     pub fn push(&self, byte: u8) -> bool {
-        self.push_whole(&[byte])
+        let written = self.written.load(Ordering::Relaxed);
+        let has_room = written.wrapping_sub(self.read.load(Ordering::Acquire)) < N;
+        if let (true, Some(slot)) = (has_room, self.slot(written)) {
+            slot.store(byte, Ordering::Relaxed);
+            self.written.store(written.wrapping_add(1), Ordering::Release);
+        } else {
+            self.drop_whole(1);
+        }
+        has_room
     }
 
     /// Writer's side: appends all of `bytes` or none, so that a reader never meets half a sentence.

@@ -20,6 +20,8 @@ use crate::recording::Recording;
 use crate::sky::raw::Simulation;
 use crate::sky::{Fleet, Noise, Oscillator, Satellite, Sight, Site, sights};
 
+/// Letters of the systems of the sky that is measured.
+const TWO_SYSTEMS: &str = "GC";
 /// Standard deviation of every range, m.
 const SIGMA_M: f64 = 2.0;
 /// Receiver clock times the speed of light, m: 0.1 ms.
@@ -39,8 +41,11 @@ pub fn start() -> Ecef {
     site().position + Ecef::new(600.0, 700.0, -387.3)
 }
 
-fn satellites() -> Vec<Satellite> {
-    [Fleet::Gps31, Fleet::Beidou44].into_iter().flat_map(Fleet::satellites).collect()
+/// The satellites of systems by their letters.
+fn satellites(systems: &str) -> Vec<Satellite> {
+    let fleets = [('G', Fleet::Gps31), ('C', Fleet::Beidou44), ('E', Fleet::Galileo24)];
+    let chosen = fleets.into_iter().filter(|(letter, _)| systems.contains(*letter));
+    chosen.flat_map(|(_, fleet)| fleet.satellites()).collect()
 }
 
 /// Start of the first quarter of an hour with 40 satellites in view, or with the most of the day, s.
@@ -53,7 +58,7 @@ fn fullest_s(satellites: &[Satellite]) -> f64 {
 /// All satellites of the fullest moment; searched for once.
 fn full_sky() -> &'static [Sight] {
     static SKY: LazyLock<Vec<Sight>> = LazyLock::new(|| {
-        let satellites = satellites();
+        let satellites = satellites(TWO_SYSTEMS);
         // Some more than the mask lets through, so that there are always 40.
         sights(&satellites, &site(), fullest_s(&satellites), 0.0)
     });
@@ -124,7 +129,7 @@ impl Wrong {
     }
 }
 
-/// What a receiver of two systems and two frequencies sends, in epochs of one second; the first brings the ephemerides.
+/// What a receiver of two frequencies sends, in epochs of one second; the first brings the ephemerides.
 pub struct Stream {
     /// Bytes of each epoch.
     pub epochs: Vec<Vec<u8>>,
@@ -138,7 +143,7 @@ impl Stream {
     /// # Errors
     /// Where a message cannot be encoded, or a satellite has not two signals that such a receiver measures.
     pub fn of_ubx(epochs: u32, count: usize) -> Result<Self> {
-        let simulation = simulation(epochs, count);
+        let simulation = simulation(epochs, count, TWO_SYSTEMS);
         let satellites = simulation.sights_at(0).len();
         let mut recording = simulation.record();
         for epoch in &mut recording.epochs {
@@ -146,7 +151,7 @@ impl Stream {
             let signals: usize = ubx::measurable(epoch).satellites.iter().map(|one| one.signals.len()).sum();
             anyhow::ensure!(signals == 2 * satellites, "{signals} signals of {satellites} satellites");
         }
-        let selection = Selection::new("GC", Frequency::Dual)?;
+        let selection = Selection::new(TWO_SYSTEMS, Frequency::Dual)?;
         let mut encoder = ubx::Encoder::new(&recording.ephemerides, selection, None);
         let epochs = recording.epochs.iter().map(|epoch| encoder.epoch(epoch)).collect::<Result<_>>()?;
         Ok(Self { epochs, satellites })
@@ -157,16 +162,24 @@ impl Stream {
     /// # Errors
     /// Where a message cannot be encoded.
     pub fn without_range_rates(epochs: u32, count: usize) -> Result<Self> {
-        let simulation = Simulation { has_range_rates: false, ..simulation(epochs, count) };
-        Self::of(&simulation.record(), simulation.sights_at(0).len())
+        let simulation = Simulation { has_range_rates: false, ..simulation(epochs, count, TWO_SYSTEMS) };
+        Self::of(&simulation.record(), simulation.sights_at(0).len(), TWO_SYSTEMS)
     }
 
-    /// RTCM over a sky of `count` satellites, some of them wrong.
+    /// RTCM over a sky of `count` satellites of two systems, some of them wrong.
     ///
     /// # Errors
     /// Where a message cannot be encoded.
     pub fn with(epochs: u32, count: usize, wrong: Wrong) -> Result<Self> {
-        let simulation = simulation(epochs, count);
+        Self::of_systems(TWO_SYSTEMS, epochs, count, wrong)
+    }
+
+    /// The same of any of GPS, `BeiDou` and Galileo, by their letters.
+    ///
+    /// # Errors
+    /// Where a message cannot be encoded.
+    pub fn of_systems(systems: &str, epochs: u32, count: usize, wrong: Wrong) -> Result<Self> {
+        let simulation = simulation(epochs, count, systems);
         let seen = simulation.sights_at(0);
         let mut recording = simulation.record();
         for (index, sight) in seen.iter().enumerate() {
@@ -177,11 +190,11 @@ impl Stream {
                 fault.apply(epoch, number as f64);
             }
         }
-        Self::of(&recording, seen.len())
+        Self::of(&recording, seen.len(), systems)
     }
 
-    fn of(recording: &Recording, satellites: usize) -> Result<Self> {
-        let mut encoder = Encoder::new(&recording.ephemerides, Selection::new("GC", Frequency::Dual)?);
+    fn of(recording: &Recording, satellites: usize, systems: &str) -> Result<Self> {
+        let mut encoder = Encoder::new(&recording.ephemerides, Selection::new(systems, Frequency::Dual)?);
         let epochs = recording.epochs.iter().map(|epoch| encoder.epoch(epoch)).collect::<Result<_>>()?;
         Ok(Self { epochs, satellites })
     }
@@ -203,8 +216,8 @@ fn as_civil(signal: &mut MeasuredSignal) {
     }
 }
 
-fn simulation(epochs: u32, count: usize) -> Simulation {
-    let satellites = satellites();
+fn simulation(epochs: u32, count: usize, systems: &str) -> Simulation {
+    let satellites = satellites(systems);
     let start_s = fullest_s(&satellites);
     let mut simulation = Simulation {
         satellites,

@@ -8,6 +8,7 @@
 //! |---|---|
 //! | method, policy, levels | all |
 //! | clock aiding, choice of frequencies | all |
+//! | systems | GPS and `BeiDou`, with Galileo or without |
 //! | satellites in view | 20 to 40 |
 //! | faulty ones among them | none to thirty |
 //! | size of the faults | some tens of metres to hundreds of kilometres |
@@ -24,17 +25,20 @@ use crate::laboratory::profile::Profile;
 use crate::laboratory::{Bench, Scalar, Stage};
 
 /// Values of each circumstance, by its name.
-const CIRCUMSTANCES: [(&str, &[&str]); 8] = [
+const CIRCUMSTANCES: [(&str, &[&str]); 9] = [
     ("METHOD", &METHODS),
     ("POLICY", &["T1", "T2", "TOP"]),
     ("LEVELS", &["BOUND", "SLOPE"]),
     ("CLOCKAID", &["OFF", "ON"]),
     ("FREQ", &["AUTO", "DUAL", "SINGLE"]),
+    (SYSTEMS, &["GC", "GCE"]),
     (SATELLITES, &["20", "25", "30", "35", "40"]),
     (FAULTS, &["0", "1", "2", "3", "4", "10", "20", "30"]),
     (SCALE, &["0.3", "1", "10", "100", "1000"]),
 ];
 
+/// Their letters; GLONASS is not simulated.
+const SYSTEMS: &str = "systems";
 const SATELLITES: &str = "satellites";
 const FAULTS: &str = "faults";
 /// Of the faults, in units of some hundred metres.
@@ -47,7 +51,7 @@ const ROUNDS: usize = 4;
 type Point = [usize; CIRCUMSTANCES.len()];
 
 /// Where every search begins: the full sky with three faults, as the module is at start.
-const START: Point = [0, 0, 0, 0, 0, 4, 3, 1];
+const START: Point = [0, 0, 0, 0, 0, 0, 4, 3, 1];
 
 /// Which epoch is looked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -151,7 +155,7 @@ fn input(place: Place, point: &Point) -> Result<Vec<u8>> {
         Place::First => (1, 0.0),
     };
     let wrong = Wrong { faults: faults.parse()?, scale: scale.parse()?, from_s };
-    let stream = Stream::with(epochs, count.parse()?, wrong)?;
+    let stream = Stream::of_systems(value(point, SYSTEMS)?, epochs, count.parse()?, wrong)?;
     let (before, last) = stream.split()?;
     let is_command = |name: &str| name.chars().all(char::is_uppercase);
     let commands = words(point).filter(|(name, _)| is_command(name));

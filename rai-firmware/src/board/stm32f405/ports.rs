@@ -23,9 +23,6 @@ const BAUD: u32 = 115_200;
 /// Bytes that one interrupt may take in: bounds the time in the handler, whatever the peripheral says.
 const BYTES_PER_INTERRUPT: usize = 64;
 
-/// Nothing is sent to the GNSS receiver; its transmitter has an empty ring.
-static GNSS_OUT: Ring<1> = Ring::new();
-
 /// Starts the ports and their interrupts; returns the way out to the host.
 pub fn start(rcc: &RCC, host: &USART1, gnss: &USART2, log: &USART3, clock: Clock) -> HostPort {
     rcc.apb1enr().modify(|_, w| w.usart2en().enabled().usart3en().enabled());
@@ -118,8 +115,8 @@ fn USART2() {
     // SAFETY: after start-up only this handler touches the port's registers.
     let port = unsafe { USART2::steal() };
     let now_ms = time::now_ms_low();
+    // Nothing is sent to the GNSS receiver.
     receive(&port, |byte| GNSS_IN.push(byte, now_ms), || GNSS_IN.lose());
-    transmit(&port, &GNSS_OUT);
 }
 
 #[interrupt]
