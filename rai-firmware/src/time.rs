@@ -42,6 +42,16 @@ impl GpsTime {
         self.to_ms().cast_signed() - earlier.to_ms().cast_signed()
     }
 
+    /// The instant that many milliseconds later, less than a week. A division of 64 bits is a call of some size.
+    pub(crate) const fn later_by_ms(self, ms: u32) -> Self {
+        let tow_ms = self.tow_ms + ms;
+        if tow_ms < WEEK_MS {
+            Self { tow_ms, ..self }
+        } else {
+            Self { week: self.week.saturating_add(1), tow_ms: tow_ms - WEEK_MS }
+        }
+    }
+
     /// Seconds since 1980-01-06, exact to a microsecond for centuries.
     pub fn to_s(self) -> f64 {
         self.to_ms() as f64 * 1e-3
@@ -93,6 +103,14 @@ mod tests {
         let reference = GpsTime { week: 2111, tow_ms: WEEK_MS - 1_000 };
         assert_eq!(GpsTime::nearest(0, reference), GpsTime { week: 2112, tow_ms: 0 });
         assert_eq!(GpsTime::nearest(WEEK_MS - 2_000, reference).week, 2111);
+    }
+
+    #[test]
+    fn a_later_instant_may_be_in_the_next_week() {
+        for tow_ms in [0, 1, WEEK_MS - 14_001, WEEK_MS - 14_000, WEEK_MS - 1] {
+            let time = GpsTime { week: 2111, tow_ms };
+            assert_eq!(time.later_by_ms(14_000), GpsTime::from_ms(time.to_ms() + 14_000), "{tow_ms}");
+        }
     }
 
     #[test]

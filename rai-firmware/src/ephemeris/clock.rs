@@ -28,7 +28,7 @@
 use rai_core::weighting::UNCALIBRATED_DELAY_M;
 
 use super::elapsed::Elapsed;
-use super::fixed::mul_high;
+use super::fixed::{mul_high, nearest_i32};
 use super::{Ephemeris, Source};
 use crate::raw::Band;
 
@@ -81,14 +81,11 @@ pub(super) struct Clock {
 impl Clock {
     /// A judged polynomial about an instant `toc_offset_s` after the reference time of the orbit.
     pub(super) fn new(polynomial: [f64; 3], toc_offset_s: i32, group_delays_s: [f32; 2]) -> Self {
-        const TWO_34: f64 = (1_u64 << 34) as f64;
-        const TWO_50: f64 = (1_u64 << 50) as f64;
-        const TWO_66: f64 = TWO_50 * (1 << 16) as f64;
         let [af0_s, af1_s_s, af2_s_s2] = polynomial;
         Self {
-            offset_2_34: libm::round(af0_s * TWO_34) as i32,
-            drift_2_50: libm::round(af1_s_s * TWO_50) as i32,
-            ageing_2_66: libm::round(af2_s_s2 * TWO_66) as i32,
+            offset_2_34: nearest_i32(af0_s, 34),
+            drift_2_50: nearest_i32(af1_s_s, 50),
+            ageing_2_66: nearest_i32(af2_s_s2, 66),
             toc_offset_s,
             group_delays_s,
         }

@@ -40,14 +40,50 @@ pub(super) const fn times_q62(quantity: i64, ratio_q62: i64) -> i64 {
     mul_high(quantity, ratio_q62) << 2
 }
 
-/// `units · 2^exponent`, rounded as the integer is; for exponents from −64 to 0.
+/// `units · 2^exponent`, rounded as the integer is.
+pub(super) const fn scaled(units: i64, exponent: i32) -> f64 {
+    times_power_of_two(units as f64, exponent)
+}
+
+/// `value · 2^exponent`, where neither is beyond the normal numbers.
 ///
 /// The power goes into the exponent, where a multiplication is a call.
-pub(super) const fn scaled(units: i64, exponent: i32) -> f64 {
-    if units == 0 {
-        return 0.0;
+pub(crate) const fn times_power_of_two(value: f64, exponent: i32) -> f64 {
+    let bits = value.to_bits();
+    // Zero has no exponent to add to.
+    let by = if bits << 1 == 0 { 0 } else { exponent as i64 };
+    f64::from_bits(bits.wrapping_add_signed(by << 52))
+}
+
+/// `value · 2^exponent` to the nearest integer, halves away from zero; what is beyond 2⁶² in size ends there, NaN too.
+///
+/// The inverse of [`scaled`]: the significand is shifted, where a multiplication, a rounding and a conversion are calls.
+#[inline(never)]
+pub(super) const fn nearest(value: f64, exponent: i32) -> i64 {
+    const SIGNIFICAND_BITS: i32 = 52;
+    const LARGEST: i64 = 1 << 62;
+    let bits = value.to_bits();
+    let significand = (bits & ((1 << SIGNIFICAND_BITS) - 1) | 1 << SIGNIFICAND_BITS).cast_signed();
+    let power = (bits >> SIGNIFICAND_BITS & 0x7FF) as i32 - (1023 + SIGNIFICAND_BITS) + exponent;
+    let size = match power {
+        ..-53 => 0,
+        -53..0 => ((significand >> (-power - 1)) + 1) >> 1,
+        0..10 => significand << power,
+        10.. => LARGEST,
+    };
+    if value.is_sign_negative() { -size } else { size }
+}
+
+/// As [`nearest`], in 32 bits; what is beyond them ends there.
+pub(super) const fn nearest_i32(value: f64, exponent: i32) -> i32 {
+    let units = nearest(value, exponent);
+    if units > i32::MAX as i64 {
+        i32::MAX
+    } else if units < i32::MIN as i64 {
+        i32::MIN
+    } else {
+        units as i32
     }
-    f64::from_bits((units as f64).to_bits().wrapping_add_signed((exponent as i64) << 52))
 }
 
 /// An angle in 2⁻⁶⁴ turns.
@@ -228,6 +264,44 @@ mod tests {
 
     const Q62: f64 = ONE_Q62 as f64;
     const TURN: f64 = 18_446_744_073_709_551_616.0;
+
+    #[test]
+    fn nearest_rounds_as_the_library_does_and_ends_at_the_largest() {
+        let values = [
+            0.0,
+            -0.0,
+            0.5,
+            -0.5,
+            0.499_999_999_999_999_94,
+            1.5,
+            2.5,
+            -2.5,
+            1e-300,
+            -1e-9,
+            123_456.789,
+            5e15,
+        ];
+        for (value, exponent) in
+            values.iter().flat_map(|value| [-40, -1, 0, 1, 9, 31, 66].map(|e| (*value, e)))
+        {
+            let want = libm::round(value * libm::exp2(f64::from(exponent)));
+            let want = if want.abs() < 4.6e18 { want as i64 } else { (1 << 62) * want.signum() as i64 };
+            assert_eq!(nearest(value, exponent), want, "{value} · 2^{exponent}");
+            assert_eq!(
+                i64::from(nearest_i32(value, exponent)),
+                want.clamp(i64::from(i32::MIN), i64::from(i32::MAX))
+            );
+        }
+        assert_eq!([f64::INFINITY, f64::NEG_INFINITY].map(|value| nearest(value, 0)), [1 << 62, -(1 << 62)]);
+    }
+
+    #[test]
+    fn a_power_of_two_is_added_to_the_exponent() {
+        for (value, exponent) in [(0.0, -66), (-0.0, 5), (1.0, -66), (-3.25, 16), (2_147_483_647.0, -43)] {
+            let want: f64 = value * libm::exp2(f64::from(exponent));
+            assert_eq!(times_power_of_two(value, exponent).to_bits(), want.to_bits());
+        }
+    }
 
     #[test]
     fn products_are_low_by_at_most_three_units() {

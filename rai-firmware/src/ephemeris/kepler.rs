@@ -36,7 +36,7 @@ use rai_core::frame::Ecef;
 use rai_core::satellite::SatelliteId;
 
 use super::elapsed::Elapsed;
-use super::fixed::{Direction, ONE_Q62, Turns, mul_high, scaled, times_q62};
+use super::fixed::{Direction, ONE_Q62, Turns, mul_high, nearest, nearest_i32, scaled, times_q62};
 use super::motion::Motion;
 use super::{Broadcast, BroadcastError, Source};
 use crate::time::{BEIDOU_OFFSET_MS, WEEK_MS};
@@ -130,8 +130,10 @@ struct Harmonic {
 }
 
 impl Harmonic {
-    fn of(cos: f32, sin: f32, unit: f64) -> Self {
-        Self { cos: units(f64::from(cos), unit), sin: units(f64::from(sin), unit) }
+    /// Of terms in 2^−`exponent`.
+    fn of(cos: f32, sin: f32, exponent: i32) -> Self {
+        let units = |term: f32| nearest_i32(f64::from(term), exponent);
+        Self { cos: units(cos), sin: units(sin) }
     }
 
     /// The correction, 2⁻³⁰ of the unit of its terms.
@@ -166,15 +168,15 @@ impl Kepler {
     pub(super) fn new(broadcast: &Broadcast) -> Result<Self, BroadcastError> {
         let reading = reading(broadcast)?;
         let convention = reading.convention();
-        let sqrt_a_2_19 = libm::round(broadcast.sqrt_a_sqrt_m * 524_288.0) as u32;
-        let sqrt_a_sqrt_m = f64::from(sqrt_a_2_19) / 524_288.0;
+        let sqrt_a_2_19 = nearest(broadcast.sqrt_a_sqrt_m, 19) as u32;
+        let sqrt_a_sqrt_m = scaled(i64::from(sqrt_a_2_19), -19);
         let undisturbed_turns_s = convention.motion_turns_s / (sqrt_a_sqrt_m * sqrt_a_sqrt_m * sqrt_a_sqrt_m);
-        let eccentricity_2_33 = libm::round(broadcast.eccentricity * TWO_33) as u32;
-        let e = f64::from(eccentricity_2_33) / TWO_33;
+        let eccentricity_2_33 = nearest(broadcast.eccentricity, 33) as u32;
+        let e = scaled(i64::from(eccentricity_2_33), -33);
         let at_week_start = Turns::of_broadcast(angle(broadcast.omega0_sc));
         Ok(Self {
-            motion_2_76: (undisturbed_turns_s * TWO_76) as i64 + wide(rate(broadcast.delta_n_sc_s)),
-            flattening_q62: (libm::sqrt((1.0 - e) * (1.0 + e)) * ONE_Q62 as f64) as i64,
+            motion_2_76: nearest(undisturbed_turns_s, 76) + wide(rate(broadcast.delta_n_sc_s)),
+            flattening_q62: nearest(libm::sqrt((1.0 - e) * (1.0 + e)), 62),
             node: at_week_start.minus(earth_turn(convention, toe_of_system_ms(broadcast))),
             sqrt_a_2_19,
             eccentricity_2_33,
@@ -183,9 +185,9 @@ impl Kepler {
             perigee_2_32: angle(broadcast.omega_sc),
             node_rate_2_44: rate(broadcast.omegadot_sc_s),
             inclination_rate_2_44: rate(broadcast.idot_sc_s),
-            latitude: Harmonic::of(broadcast.cuc_rad, broadcast.cus_rad, TWO_31),
-            inclination: Harmonic::of(broadcast.cic_rad, broadcast.cis_rad, TWO_31),
-            radius: Harmonic::of(broadcast.crc_m, broadcast.crs_m, 64.0),
+            latitude: Harmonic::of(broadcast.cuc_rad, broadcast.cus_rad, 31),
+            inclination: Harmonic::of(broadcast.cic_rad, broadcast.cis_rad, 31),
+            radius: Harmonic::of(broadcast.crc_m, broadcast.crs_m, 6),
             reading,
         })
     }
@@ -352,26 +354,14 @@ const fn is_geostationary(satellite: SatelliteId) -> bool {
     matches!(satellite.number(), 1..=5 | 59..=63)
 }
 
-const TWO_31: f64 = 2_147_483_648.0;
-const TWO_33: f64 = 4.0 * TWO_31;
-const TWO_43: f64 = 1024.0 * TWO_33;
-const TWO_76: f64 = TWO_43 * TWO_33;
-
-/// The nearest multiple of a unit of `1/per` that an `i32` holds; exact for what was broadcast.
-#[inline(never)]
-fn units(value: f64, per: f64) -> i32 {
-    libm::round(value * per) as i32
-}
-
 /// Semicircles to 2⁻³² turns; a full semicircle is minus one.
-#[inline(never)]
 fn angle(semicircles: f64) -> i32 {
-    libm::round(semicircles * TWO_31) as i64 as i32
+    nearest(semicircles, 31) as i32
 }
 
 /// Semicircles per second to 2⁻⁴⁴ turns per second.
 fn rate(semicircles_s: f64) -> i32 {
-    units(semicircles_s, TWO_43)
+    nearest_i32(semicircles_s, 43)
 }
 
 /// A rate of 2⁻⁴⁴ turns per second in 2⁻⁷⁶.

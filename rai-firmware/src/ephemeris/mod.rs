@@ -56,6 +56,8 @@ use crate::time::GpsTime;
 use crate::time::WEEK_MS;
 use clock::Clock;
 
+pub(crate) use fixed::times_power_of_two;
+
 pub use accuracy::{galileo_sisa_m, glonass_accuracy_m, ura_m};
 pub use broadcast::{Broadcast, BroadcastError};
 pub use clock::GroupDelay;

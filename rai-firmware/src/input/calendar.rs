@@ -251,16 +251,11 @@ impl Calendar {
     }
 
     /// The instant that a message means with its week and `tow_s` of its own system.
-    pub(super) fn resolve(&self, message: MessageWeek, tow_s: f64) -> Option<GpsTime> {
-        if !(0.0..604_800.0).contains(&tow_s) {
-            return None;
-        }
-        let tow_ms = libm::round(tow_s * 1e3) as u32;
+    pub(super) fn resolve(&self, message: MessageWeek, tow_s: u32) -> Option<GpsTime> {
+        let tow_ms = tow_s.checked_mul(1000).filter(|tow_ms| *tow_ms < WEEK_MS)?;
         let week = self.full_week(message)?;
         let stated = match message.constellation {
-            Constellation::Beidou => {
-                GpsTime::from_ms(GpsTime { week, tow_ms }.to_ms() + BEIDOU_OFFSET_MS as u64)
-            }
+            Constellation::Beidou => GpsTime { week, tow_ms }.later_by_ms(BEIDOU_OFFSET_MS),
             _ => GpsTime { week, tow_ms },
         };
         Some(self.across_roll_over(stated))

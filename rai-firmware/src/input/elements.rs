@@ -9,8 +9,8 @@
 
 use rai_core::satellite::SatelliteId;
 
-use super::bits::{Bits, joined, power_of_two};
-use crate::ephemeris::{Broadcast, Health, Source};
+use super::bits::{Bits, joined};
+use crate::ephemeris::{Broadcast, Health, Source, times_power_of_two};
 use crate::time::GpsTime;
 
 /// Where an element stands.
@@ -52,7 +52,7 @@ pub(super) const GPS: Form = Form {
     angle_correction: (16, -29),
     length_correction: (16, -5),
     clock: [(22, -31), (16, -43), (8, -55)],
-    group_delay: (8, power_of_two(-31) as f32),
+    group_delay: (8, times_power_of_two(1.0, -31) as f32),
 };
 
 /// Galileo.
@@ -60,7 +60,7 @@ pub(super) const GALILEO: Form = Form {
     angle_correction: (16, -29),
     length_correction: (16, -5),
     clock: [(31, -34), (21, -46), (6, -59)],
-    group_delay: (10, power_of_two(-32) as f32),
+    group_delay: (10, times_power_of_two(1.0, -32) as f32),
 };
 
 /// `BeiDou`.
@@ -136,12 +136,12 @@ impl Place {
 
     #[inline(never)]
     fn scaled(self, pages: &[Bits<'_>], (width, exponent): Number) -> f64 {
-        f64::from(self.signed(pages, width)) * power_of_two(exponent)
+        times_power_of_two(f64::from(self.signed(pages, width)), exponent)
     }
 
     /// Of a number of 32 bits without a sign.
     fn positive(self, pages: &[Bits<'_>], (width, exponent): Number) -> f64 {
-        f64::from(self.signed(pages, width).cast_unsigned()) * power_of_two(exponent)
+        times_power_of_two(f64::from(self.signed(pages, width).cast_unsigned()), exponent)
     }
 }
 
