@@ -19,7 +19,8 @@ use crate::numeric::bounds::is_within;
 use crate::satellite::{Constellation, SatelliteId};
 use crate::weighting::adaptation::Adaptation;
 
-/// Most satellites in one epoch of [`single`](crate::single): more than three systems show at once anywhere on earth, or fewer where memory is scarce.
+/// Most satellites in one epoch of [`single`](crate::single): more than three systems show at once anywhere on earth, or
+/// fewer where memory is scarce.
 pub const CAPACITY: usize = if cfg!(feature = "satellites-16") {
     16
 } else if cfg!(feature = "satellites-32") {

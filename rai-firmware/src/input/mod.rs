@@ -263,10 +263,12 @@ impl Input {
                     }
                 }
                 Some(Message::Broadcast(broadcast)) => {
-                    learn(&broadcast, calendar, counters, tell);
+                    learn(|| Ephemeris::new(&broadcast), calendar, counters, tell);
                 }
                 #[cfg(feature = "glonass")]
-                Some(Message::State(state)) => learn_state(&state, calendar, counters, tell),
+                Some(Message::State(state)) => {
+                    learn(|| Ephemeris::of_state(&state), calendar, counters, tell);
+                }
                 Some(Message::Position(point)) => tell(Event::Position(point)),
                 #[cfg(feature = "ubx")]
                 Some(Message::Corrections(coefficients, leap_s)) => {
@@ -366,37 +368,16 @@ impl Unread {
     }
 }
 
-/// Takes the elements of an orbit and a clock.
+/// Judges what a satellite says of itself, and takes it.
+// Not inlined: the ephemeris is on this frame, and not on the one below which an epoch is judged.
 #[inline(never)]
 fn learn(
-    broadcast: &Broadcast,
+    ephemeris: impl FnOnce() -> Result<Ephemeris, BroadcastError>,
     calendar: &mut Calendar,
     counters: &mut Counters,
     tell: &mut dyn FnMut(Event<'_>),
 ) {
-    judge(Ephemeris::new(broadcast), calendar, counters, tell);
-}
-
-/// Takes a state that is to be integrated.
-#[cfg(feature = "glonass")]
-#[inline(never)]
-fn learn_state(
-    state: &StateBroadcast,
-    calendar: &mut Calendar,
-    counters: &mut Counters,
-    tell: &mut dyn FnMut(Event<'_>),
-) {
-    judge(Ephemeris::of_state(state), calendar, counters, tell);
-}
-
-/// Judges what a satellite says of itself.
-fn judge(
-    ephemeris: Result<Ephemeris, BroadcastError>,
-    calendar: &mut Calendar,
-    counters: &mut Counters,
-    tell: &mut dyn FnMut(Event<'_>),
-) {
-    let Ok(ephemeris) = ephemeris else {
+    let Ok(ephemeris) = ephemeris() else {
         return count(&mut counters.ephemerides_invalid);
     };
     count(&mut counters.ephemerides);

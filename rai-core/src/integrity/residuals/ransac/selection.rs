@@ -37,7 +37,7 @@ use crate::equations::{MAX_ROWS, Row};
 use crate::numeric::real::Real;
 use crate::satellite::Constellation;
 
-/// Subsets at most: those of satellites of one constellation.
+/// Subsets at most, of four rows each: as many as all rows of one constellation give.
 pub const MAX_SUBSETS: usize = MAX_ROWS / 4;
 
 /// Triangles and tetrahedra of all subsets of 24 satellites.
