@@ -19,9 +19,10 @@
 //! [Yang2015]: crate#references
 //! [Lin2016]: crate#references
 
+mod accepted;
 mod description;
-
-use core::fmt;
+mod memory;
+mod verdict;
 
 use heapless::Deque;
 
@@ -30,46 +31,27 @@ use crate::continuity::{Continuity, ContinuityError, ContinuitySettings};
 use crate::epoch::{Aided, Epoch, EpochView};
 use crate::fix::{Fix, FixError};
 use crate::frame::Ecef;
-use crate::integrity::residuals::exclusion::{Outcome, Unidentified};
-use crate::integrity::residuals::levels::{Factors, Levels};
+use crate::integrity::residuals::exclusion::Outcome;
+use crate::integrity::residuals::levels::Levels;
 use crate::integrity::residuals::ransac::Subsets;
-use crate::integrity::residuals::threshold::policy::{NoThreshold, Policy};
-use crate::integrity::residuals::threshold::{ThresholdError, Thresholds};
-use crate::integrity::{Alone, Criteria, Judgement, Scratch, judge};
+use crate::integrity::residuals::threshold::policy::Policy;
+use crate::integrity::{Criteria, Judgement, judge};
 use crate::numeric::real::Real;
-use crate::report::{Alert, Protected, ProtectionLevels, Report, Separation, Unavailable, Verdict};
-use crate::requirements::{Requirements, RequirementsError};
-use crate::snapshot::{SnapshotError, Workspace};
+use crate::report::{Alert, Report, Unavailable, Verdict};
+use crate::requirements::Requirements;
+use crate::snapshot::SnapshotError;
 use crate::weighting::Ism;
-use crate::weighting::adaptation::{Adaptation, Residuals};
+use crate::weighting::adaptation::Adaptation;
 
 use description::{describe, residuals, suspects};
+use memory::Lesson;
 
 pub use crate::integrity::{Method, Search};
+pub use accepted::{Accepted, MonitorError};
+pub use memory::{Assessment, Memory};
 
 /// Epochs over which SSE/dof is averaged: with 10 degrees of freedom the mean is then known to 6 %.
 pub const SIGMA_CHECK_WINDOW: usize = 60;
-
-/// Why a monitor cannot be made.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum MonitorError {
-    /// A requirement is out of its range.
-    Requirements(RequirementsError),
-    /// A probability is not among the committed tables.
-    Threshold(ThresholdError),
-}
-
-impl fmt::Display for MonitorError {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Requirements(error) => error.fmt(formatter),
-            Self::Threshold(error) => error.fmt(formatter),
-        }
-    }
-}
-
-impl core::error::Error for MonitorError {}
 
 /// How integrity is monitored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -99,85 +81,6 @@ impl Strategy {
         clock_aid: false,
         sigma_adapt: false,
     };
-}
-
-/// Room that judging takes, and where it says what it found. Nothing in it is remembered but the subsets of the satellites,
-/// which [`Method::Ransac`] keeps from epoch to epoch.
-#[derive(Clone, Debug)]
-pub struct Memory<T: Real, const N: usize> {
-    workspace: Workspace<T, N>,
-    scratch: Scratch<T>,
-    assessment: Assessment<N>,
-}
-
-impl<T: Real, const N: usize> Default for Memory<T, N> {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
-impl<T: Real, const N: usize> Memory<T, N> {
-    /// Of no epoch yet.
-    #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
-    #[inline(always)]
-    pub fn new() -> Self {
-        Self { workspace: Workspace::new(), scratch: Scratch::new(), assessment: Assessment::nothing() }
-    }
-
-    /// What is said of the epoch that was judged last.
-    pub fn assessment(&self) -> &Assessment<N> {
-        &self.assessment
-    }
-
-    /// The same, to be learned from, or revised by who knows more.
-    pub fn assessment_mut(&mut self) -> &mut Assessment<N> {
-        &mut self.assessment
-    }
-
-    /// The room for equations, while nothing is judged.
-    pub fn workspace(&mut self) -> &mut Workspace<T, N> {
-        &mut self.workspace
-    }
-}
-
-/// What is said of an epoch, and what it teaches.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Assessment<const N: usize> {
-    /// What is said.
-    pub report: Report<N>,
-    /// Whether faulty satellites were searched for: the expensive part.
-    pub searched: bool,
-    lesson: Lesson,
-}
-
-impl<const N: usize> Assessment<N> {
-    /// Of no epoch.
-    #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
-    #[inline(always)]
-    fn nothing() -> Self {
-        Self { report: Report::nothing(), searched: false, lesson: Lesson::none(0.0) }
-    }
-}
-
-/// What [`Monitor::learn`] takes from an epoch.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Lesson {
-    time_s: f64,
-    /// A position that may be used.
-    start: Option<Ecef>,
-    /// SSE/dof of a test that passed: a detected fault says nothing about sigma.
-    ratio: Option<f32>,
-    /// Clocks of satellites that were protected by themselves.
-    clocks: Option<SolvedClocks>,
-    /// Residuals of a test that passed, by the sigmas as they came.
-    residuals: Option<Residuals>,
-}
-
-impl Lesson {
-    /// That teaches nothing.
-    const fn none(time_s: f64) -> Self {
-        Self { time_s, start: None, ratio: None, clocks: None, residuals: None }
-    }
 }
 
 /// Watches over the positions of one receiver, at most `N` satellites at a time.
@@ -424,82 +327,6 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         describe(fix, epoch, verdict, judgement, report);
     }
 
-    fn verdict(&self, judgement: &Judgement<T>, none_excluded: bool) -> Verdict {
-        match (judgement.outcome, &judgement.test) {
-            (Outcome::NotIsolated(Unidentified::Ambiguous), _) => Verdict::Alert(Alert::Ambiguous),
-            (Outcome::NotIsolated(Unidentified::Budget), _) => Verdict::Unavailable(Unavailable::Budget),
-            (Outcome::NotIsolated(_), _) => Verdict::Alert(Alert::Fault),
-            (_, Err(NoThreshold::Redundancy)) => Verdict::Unavailable(Unavailable::Redundancy),
-            (_, Err(NoThreshold::Risk)) => Verdict::Unavailable(Unavailable::Risk),
-            (Outcome::Isolated | Outcome::Passed, Ok(test)) => {
-                // Nothing was left out, or a forecast whose clock has jumped: no satellite's fault.
-                let reason = if none_excluded { Protected::Ok } else { Protected::Excluded };
-                match &judgement.separation {
-                    Some(separation) => self.bounded_by_separation(reason, &test.levels, separation),
-                    None => self.bounded(reason, &judgement.levels().unwrap_or(test.levels)),
-                }
-            }
-        }
-    }
-
-    /// Whether the position would be protected without the forecast too: what only a forecast vouches for teaches none.
-    fn satellites_are_protected(&self, judgement: &Judgement<T>, verdict: Verdict) -> bool {
-        let alone = match &judgement.alone {
-            Alone::Always => true,
-            Alone::Untested => false,
-            Alone::Tested(test) => matches!(self.bounded(Protected::Ok, &test.levels), Verdict::Protected(_)),
-        };
-        alone && matches!(verdict, Verdict::Protected(_))
-    }
-
-    /// The verdict on a set of satellites that agree: are their protection levels within the limits?
-    ///
-    /// A policy other than `T1` has decided that already, and fills its share of the limit on purpose.
-    fn bounded(&self, reason: Protected, levels: &ProtectionLevels) -> Verdict {
-        let ProtectionLevels { hpl_m, vpl_m } = *levels;
-        let fraction = self.accepted.requirements.guard_fraction;
-        let decided = self.strategy.policy != Policy::T1;
-        // Written so that a level which is not a number is not within a limit.
-        let within = |level_m: f64, limit_m: f64| decided || level_m < fraction * limit_m;
-        if !hpl_m.is_finite() || (self.accepted.requirements.val_m.is_some() && !vpl_m.is_finite()) {
-            Verdict::Unavailable(Unavailable::Geometry)
-        } else if !within(hpl_m, self.accepted.requirements.hal_m) {
-            Verdict::Unavailable(Unavailable::Hpl)
-        } else if !self.accepted.requirements.val_m.is_none_or(|val_m| within(vpl_m, val_m)) {
-            Verdict::Unavailable(Unavailable::Vpl)
-        } else {
-            Verdict::Protected(reason)
-        }
-    }
-
-    /// As [`Self::bounded`], by ARAIM: with what it asks beside levels, which may fill the limits.
-    fn bounded_by_separation(
-        &self,
-        reason: Protected,
-        levels: &ProtectionLevels,
-        separation: &Separation,
-    ) -> Verdict {
-        let Requirements { hal_m, val_m, allocation, .. } = &self.accepted.requirements;
-        // Written so that what is not a number is not within a limit.
-        let within = |value: f64, limit: Option<f64>| limit.is_none_or(|limit| value <= limit);
-        let is_sharp =
-            within(separation.effective_monitor_threshold_m, allocation.effective_threshold_limit_m)
-                && within(separation.accuracy_m, allocation.accuracy_limit_m);
-        if !levels.hpl_m.is_finite() || (val_m.is_some() && !levels.vpl_m.is_finite()) {
-            Verdict::Unavailable(if separation.is_risk_spent {
-                Unavailable::Risk
-            } else {
-                Unavailable::Geometry
-            })
-        } else if !within(levels.hpl_m, Some(*hal_m)) {
-            Verdict::Unavailable(Unavailable::Hpl)
-        } else if !within(levels.vpl_m, *val_m) || !is_sharp {
-            Verdict::Unavailable(Unavailable::Vpl)
-        } else {
-            Verdict::Protected(reason)
-        }
-    }
-
     /// Mean of SSE/dof over the last [`SIGMA_CHECK_WINDOW`] tested epochs, this one included: about 1 where the sigmas are
     /// right.
     fn sigma_check(&self, latest: Option<f32>) -> Option<f64> {
@@ -523,37 +350,5 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         report.verdict = Verdict::Unavailable(reason);
         report.tracked = epoch.observations().len() as u8;
         report.sigma_check = self.sigma_check(None);
-    }
-}
-
-/// Requirements that can be met, and what follows from them.
-#[derive(Clone, Copy, Debug)]
-pub struct Accepted {
-    requirements: Requirements,
-    thresholds: Thresholds<'static>,
-    factors: Factors,
-}
-
-impl Accepted {
-    /// Looks whether they can be met.
-    ///
-    /// # Errors
-    /// [`MonitorError`] names the requirement that cannot.
-    pub fn new(requirements: Requirements) -> Result<Self, MonitorError> {
-        let requirements = requirements.validate().map_err(MonitorError::Requirements)?;
-        let thresholds = Thresholds::from_tables(requirements.false_alarm, requirements.missed_detection)
-            .map_err(MonitorError::Threshold)?;
-        let factors = Factors::new(requirements.missed_detection, requirements.fault_free_risk);
-        Ok(Self { requirements, thresholds, factors })
-    }
-
-    /// Thresholds for their probabilities.
-    pub fn thresholds(&self) -> &Thresholds<'static> {
-        &self.thresholds
-    }
-
-    /// Factors of the protection levels for their probabilities.
-    pub fn factors(&self) -> &Factors {
-        &self.factors
     }
 }

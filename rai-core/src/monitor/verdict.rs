@@ -1,0 +1,88 @@
+//! From what was found to what is said: protected, alert or unavailable, with the reason.
+
+use crate::integrity::residuals::exclusion::{Outcome, Unidentified};
+use crate::integrity::residuals::threshold::policy::{NoThreshold, Policy};
+use crate::integrity::{Alone, Judgement};
+use crate::numeric::real::Real;
+use crate::report::{Alert, Protected, ProtectionLevels, Separation, Unavailable, Verdict};
+use crate::requirements::Requirements;
+
+use super::Monitor;
+
+impl<T: Real, const N: usize> Monitor<T, N> {
+    pub(super) fn verdict(&self, judgement: &Judgement<T>, none_excluded: bool) -> Verdict {
+        match (judgement.outcome, &judgement.test) {
+            (Outcome::NotIsolated(Unidentified::Ambiguous), _) => Verdict::Alert(Alert::Ambiguous),
+            (Outcome::NotIsolated(Unidentified::Budget), _) => Verdict::Unavailable(Unavailable::Budget),
+            (Outcome::NotIsolated(_), _) => Verdict::Alert(Alert::Fault),
+            (_, Err(NoThreshold::Redundancy)) => Verdict::Unavailable(Unavailable::Redundancy),
+            (_, Err(NoThreshold::Risk)) => Verdict::Unavailable(Unavailable::Risk),
+            (Outcome::Isolated | Outcome::Passed, Ok(test)) => {
+                // Nothing was left out, or a forecast whose clock has jumped: no satellite's fault.
+                let reason = if none_excluded { Protected::Ok } else { Protected::Excluded };
+                match &judgement.separation {
+                    Some(separation) => self.bounded_by_separation(reason, &test.levels, separation),
+                    None => self.bounded(reason, &judgement.levels().unwrap_or(test.levels)),
+                }
+            }
+        }
+    }
+
+    /// Whether the position would be protected without the forecast too: what only a forecast vouches for teaches none.
+    pub(super) fn satellites_are_protected(&self, judgement: &Judgement<T>, verdict: Verdict) -> bool {
+        let alone = match &judgement.alone {
+            Alone::Always => true,
+            Alone::Untested => false,
+            Alone::Tested(test) => matches!(self.bounded(Protected::Ok, &test.levels), Verdict::Protected(_)),
+        };
+        alone && matches!(verdict, Verdict::Protected(_))
+    }
+
+    /// The verdict on a set of satellites that agree: are their protection levels within the limits?
+    ///
+    /// A policy other than `T1` has decided that already, and fills its share of the limit on purpose.
+    fn bounded(&self, reason: Protected, levels: &ProtectionLevels) -> Verdict {
+        let ProtectionLevels { hpl_m, vpl_m } = *levels;
+        let fraction = self.accepted.requirements.guard_fraction;
+        let decided = self.strategy.policy != Policy::T1;
+        // Written so that a level which is not a number is not within a limit.
+        let within = |level_m: f64, limit_m: f64| decided || level_m < fraction * limit_m;
+        if !hpl_m.is_finite() || (self.accepted.requirements.val_m.is_some() && !vpl_m.is_finite()) {
+            Verdict::Unavailable(Unavailable::Geometry)
+        } else if !within(hpl_m, self.accepted.requirements.hal_m) {
+            Verdict::Unavailable(Unavailable::Hpl)
+        } else if !self.accepted.requirements.val_m.is_none_or(|val_m| within(vpl_m, val_m)) {
+            Verdict::Unavailable(Unavailable::Vpl)
+        } else {
+            Verdict::Protected(reason)
+        }
+    }
+
+    /// As [`Self::bounded`], by ARAIM: with what it asks beside levels, which may fill the limits.
+    fn bounded_by_separation(
+        &self,
+        reason: Protected,
+        levels: &ProtectionLevels,
+        separation: &Separation,
+    ) -> Verdict {
+        let Requirements { hal_m, val_m, allocation, .. } = &self.accepted.requirements;
+        // Written so that what is not a number is not within a limit.
+        let within = |value: f64, limit: Option<f64>| limit.is_none_or(|limit| value <= limit);
+        let is_sharp =
+            within(separation.effective_monitor_threshold_m, allocation.effective_threshold_limit_m)
+                && within(separation.accuracy_m, allocation.accuracy_limit_m);
+        if !levels.hpl_m.is_finite() || (val_m.is_some() && !levels.vpl_m.is_finite()) {
+            Verdict::Unavailable(if separation.is_risk_spent {
+                Unavailable::Risk
+            } else {
+                Unavailable::Geometry
+            })
+        } else if !within(levels.hpl_m, Some(*hal_m)) {
+            Verdict::Unavailable(Unavailable::Hpl)
+        } else if !within(levels.vpl_m, *val_m) || !is_sharp {
+            Verdict::Unavailable(Unavailable::Vpl)
+        } else {
+            Verdict::Protected(reason)
+        }
+    }
+}
