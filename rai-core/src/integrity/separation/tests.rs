@@ -87,7 +87,8 @@ fn watched<'a>(
     allocation: &'a Allocation,
 ) -> Watch<'a, f64> {
     let mut watch = Watch::nothing(priors.constellations, allocation);
-    choose(&mut watch, &snapshot.view(), priors).expect("a choice");
+    let odds = Box::leak(Box::default());
+    choose(&mut watch, odds, &snapshot.view(), priors).expect("a choice");
     watch
 }
 

@@ -8,7 +8,7 @@ use core::ops::ControlFlow;
 use heapless::Vec;
 use nalgebra::Vector3;
 
-use super::levels::{Axis, Budget, Candidate, Gate, Level};
+use super::levels::{Axis, Budget, Candidate, Gate, Level, Quantiles};
 use super::modes::{Batch, Mode, Modes, Set, Visitor, members, row};
 use super::solutions::{Bounds, Solution, Solutions};
 use super::{Finding, MAX_MODES, SeparationError};
@@ -30,7 +30,7 @@ const PRIOR_ROUNDING: f64 = 1e-6;
 /// The choice of modes, and what is known of them with all satellites in view.
 #[derive(Clone, Debug)]
 pub(super) struct Watch<'a, T: Real> {
-    pub(super) modes: Modes<T>,
+    pub(super) modes: Modes<'a, T>,
     pub(super) allocation: &'a Allocation,
     /// `ρ`.
     pub(super) share: T,
@@ -189,6 +189,7 @@ struct Pass<'p, 'a, 'v, T: Real> {
     factors: Vector3<T>,
     axes: &'p mut [Axis<T>; 3],
     gate: Gate<T>,
+    quantiles: Quantiles<T>,
     /// Whether the gate lets anything pass.
     has_reference: bool,
     levels: [Level<T>; 3],
@@ -239,6 +240,7 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
             factors,
             squared_factors: factors.component_mul(&factors),
             gate: Gate::closed(),
+            quantiles: Quantiles::none(),
             has_reference: false,
             axes,
             levels: [Level::none(); 3],
@@ -318,7 +320,9 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
     /// Looks for a reference in what one mode alone spends.
     #[inline(never)]
     fn sort_out(&mut self) {
-        self.axes.iter_mut().filter(|axis| axis.is_open()).for_each(Axis::sort_out);
+        for axis in self.axes.iter_mut().filter(|axis| axis.is_open()) {
+            axis.sort_out(&mut self.quantiles);
+        }
         self.gate = Gate::of(self.axes);
         self.has_reference = true;
     }

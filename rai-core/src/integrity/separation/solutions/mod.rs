@@ -125,25 +125,24 @@ impl<'v, T: Real> Solutions<'v, T> {
     /// Prepares for the modes.
     #[inline(never)]
     pub(super) fn prepare(&mut self, priors: &[Prior<T>]) {
-        self.prepare_without_biases(priors);
-        let has_bias =
-            |(own, prior): (&Own<T>, &Prior<T>)| prior.bias_m > T::zero() && own.weighted_bias > T::zero();
-        self.has_bias = self.own.iter().zip(priors).any(has_bias);
+        self.has_bias = self.prepare_without_biases(priors);
         if self.has_bias {
             self.spread_biases(priors);
             self.whole_bias = self.summed_bias_of_whole();
         }
     }
 
-    /// As [`Self::prepare`], as if no satellite had a nominal bias: for tests, which know none.
+    /// As [`Self::prepare`], as if no satellite had a nominal bias: for tests, which know none. Whether any has one.
     #[inline(never)]
-    pub(super) fn prepare_without_biases(&mut self, priors: &[Prior<T>]) {
-        self.sum_up(priors);
+    pub(super) fn prepare_without_biases(&mut self, priors: &[Prior<T>]) -> bool {
+        let has_bias = self.sum_up(priors);
         self.describe_whole();
+        has_bias
     }
 
-    /// Sums over the rows of each constellation.
-    fn sum_up(&mut self, priors: &[Prior<T>]) {
+    /// Sums over the rows of each constellation; whether any has a nominal bias.
+    fn sum_up(&mut self, priors: &[Prior<T>]) -> bool {
+        let (mut has_bias, mut largest_weight) = (false, T::zero());
         let rows = self.view.rows.iter().zip(self.view.fits).enumerate();
         for (index, (row, fit)) in rows {
             let weight = row.weight;
@@ -158,8 +157,9 @@ impl<'v, T: Real> Solutions<'v, T> {
             if !(weight > T::zero()) {
                 continue;
             }
-            if weight > self.largest_weight {
-                self.largest_weight = weight;
+            has_bias |= own.weighted_bias > T::zero();
+            if weight > largest_weight {
+                largest_weight = weight;
             }
             if let Some(group) = self.groups.get_mut(group_of(row)) {
                 let weighted = fit.centred * weight;
@@ -172,6 +172,7 @@ impl<'v, T: Real> Solutions<'v, T> {
                 group.pull += weighted * fit.residual;
             }
         }
+        self.largest_weight = largest_weight;
         for (id, group) in self.groups.iter_mut().enumerate() {
             mirror(&mut group.dispersion);
             self.total_dispersion += group.dispersion;
@@ -180,6 +181,7 @@ impl<'v, T: Real> Solutions<'v, T> {
             group.accuracy *= group.level * group.level;
             group.lean *= group.level;
         }
+        has_bias
     }
 
     /// The kernel of all satellites, and each row's `κ_jj` there.

@@ -59,7 +59,7 @@ pub(super) struct Remains {
 }
 
 impl Remains {
-    pub(super) fn without<T: Real>(modes: &Modes<T>, gone: Set) -> Self {
+    pub(super) fn without<T: Real>(modes: &Modes<'_, T>, gone: Set) -> Self {
         let members = modes.members.map(|members| members & !gone);
         let union = |set: Set, rows: &Set| set | rows;
         let alone = members.iter().filter(|rows| rows.is_power_of_two()).fold(0, union);
@@ -78,7 +78,7 @@ impl Remains {
 
 /// The modes that lose the same constellations.
 pub(super) struct Walk<'m, T: Real> {
-    pub(super) modes: &'m Modes<T>,
+    pub(super) modes: &'m Modes<'m, T>,
     pub(super) lost: usize,
     lost_rows: Set,
     pub(super) lost_count: usize,
@@ -105,8 +105,8 @@ impl<'m, T: Real> Walk<'m, T> {
     pub(super) fn visit(
         &self,
         sizes: &RangeInclusive<usize>,
-        was_monitorable: &impl Fn(Set) -> bool,
-        visitor: &mut impl Visitor<T>,
+        was_monitorable: &dyn Fn(Set) -> bool,
+        visitor: &mut dyn Visitor<T>,
     ) -> ControlFlow<()> {
         let (lost, size, limit) = (self.lost, self.lost.count_ones() as usize, self.modes.limit);
         let offer = |visitor: &mut _, size: usize, rows: [usize; EVENTS]| match self.mode(
@@ -156,7 +156,7 @@ impl<'m, T: Real> Walk<'m, T> {
         &self,
         size: usize,
         rows: [usize; EVENTS],
-        was_monitorable: &impl Fn(Set) -> bool,
+        was_monitorable: &dyn Fn(Set) -> bool,
     ) -> Option<Mode<T>> {
         let chosen = rows.iter().fold(0, |set, &index| set | row(index));
         if self.has_few && size > 1 && self.empties(chosen) {
@@ -187,7 +187,7 @@ impl<'m, T: Real> Walk<'m, T> {
         chosen: Set,
         rows: [usize; EVENTS],
         size: usize,
-        was_monitorable: &impl Fn(Set) -> bool,
+        was_monitorable: &dyn Fn(Set) -> bool,
     ) -> Option<(T, T)> {
         let modes = self.modes;
         let (mut product, mut ln, mut constellation) = (modes.healthy, modes.ln_healthy, NONE);
@@ -216,7 +216,7 @@ impl<'m, T: Real> Walk<'m, T> {
 
     /// The probability of all watched combinations that leave the same satellites.
     #[inline(never)]
-    fn sum_of_causes(&self, chosen: Set, was_monitorable: &impl Fn(Set) -> bool) -> T {
+    fn sum_of_causes(&self, chosen: Set, was_monitorable: &dyn Fn(Set) -> bool) -> T {
         if chosen == 0
             && let Some(loss) = self.modes.sole_loss(self.lost, self.gone)
         {
