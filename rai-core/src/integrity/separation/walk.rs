@@ -9,7 +9,7 @@ use heapless::Vec;
 use nalgebra::Vector3;
 
 use super::levels::{Axis, Budget, Candidate, Gate, Level, Quantiles};
-use super::modes::{Batch, Mode, Modes, Set, Visitor, members, row};
+use super::modes::{Batch, Mode, Modes, Remains, Set, Visitor, members, row};
 use super::solutions::{Bounds, Solution, Solutions};
 use super::{Finding, MAX_MODES, SeparationError};
 use crate::allocation::Allocation;
@@ -88,7 +88,8 @@ impl<'a, T: Real> Watch<'a, T> {
         gone: Set,
         purpose: Purpose,
     ) -> Result<Finding<T>, SeparationError> {
-        let mut count = self.count(gone);
+        let remains = self.modes.remains(gone);
+        let mut count = self.count(&remains);
         if count.modes > MAX_MODES {
             return Err(SeparationError::Modes);
         }
@@ -97,7 +98,7 @@ impl<'a, T: Real> Watch<'a, T> {
             if gone == 0 {
                 self.not_watched = self.modes.not_watched + count.unmonitorable;
             }
-            let mut pass = Pass::new(self, solutions, (gone, purpose), &count, axes);
+            let mut pass = Pass::new(self, solutions, (&remains, purpose), &count, axes);
             if let Some(finding) = pass.run() {
                 return Ok(finding);
             }
@@ -114,13 +115,14 @@ impl<'a, T: Real> Watch<'a, T> {
 
     /// Counts what can be watched, by the number of satellites alone.
     #[inline(never)]
-    fn count(&self, gone: Set) -> Count<T> {
+    fn count(&self, remains: &Remains) -> Count<T> {
+        let gone = remains.gone;
         let clocks = self.modes.members.iter().filter(|&&members| members & !gone != 0).count();
         let ample = ((self.modes.satellites & !gone).count_ones() as usize).saturating_sub(3 + clocks);
         let count = Count { modes: 0, unmonitorable: T::zero(), singular: false };
         let mut counter = Counter { watch: self, gone, ample, count };
         let was_monitorable = |taken| self.is_monitorable(taken);
-        let _ = self.modes.visit(gone, &(1..=3), &was_monitorable, &mut counter);
+        let _ = self.modes.visit(remains, &(1..=3), &was_monitorable, &mut counter);
         counter.count
     }
 }
@@ -179,7 +181,7 @@ fn deviation<T: Real>(variance: T) -> T {
 struct Pass<'p, 'a, 'v, T: Real> {
     watch: &'p Watch<'a, T>,
     solutions: &'p mut Solutions<'v, T>,
-    gone: Set,
+    remains: &'p Remains,
     purpose: Purpose,
     modes: usize,
     /// Modes taken, in this walk and those before.
@@ -209,14 +211,14 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
     fn new(
         watch: &'p Watch<'a, T>,
         solutions: &'p mut Solutions<'v, T>,
-        (gone, purpose): (Set, Purpose),
+        (remains, purpose): (&'p Remains, Purpose),
         count: &Count<T>,
         axes: &'p mut [Axis<T>; 3],
     ) -> Self {
         let allocation = watch.allocation;
         let phmi = watch.modes.mandatory();
         // With all satellites what cannot be watched is part of P_nm; after an exclusion it can fall on this outcome whole.
-        let newly = if gone == 0 { T::zero() } else { count.unmonitorable };
+        let newly = if remains.gone == 0 { T::zero() } else { count.unmonitorable };
         let left = (watch.share * (phmi - watch.not_watched) - newly) / phmi;
         let two = T::one() + T::one();
         let vertical = left * T::narrow(allocation.integrity_vertical);
@@ -231,7 +233,7 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
         let mut pass = Self {
             watch,
             solutions,
-            gone,
+            remains,
             purpose,
             modes: count.modes,
             taken: 0,
@@ -283,11 +285,11 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
 
     /// Singles and constellations first: they say where the levels are, about.
     fn walk(&mut self, is_first: bool) {
-        let (watch, gone) = (self.watch, self.gone);
+        let (watch, remains) = (self.watch, self.remains);
         let taken_before = self.taken;
         let was_monitorable = |taken: Set| watch.is_monitorable(taken);
         for sizes in [1..=1, 2..=3] {
-            if watch.modes.visit(gone, &sizes, &was_monitorable, self).is_break() {
+            if watch.modes.visit(remains, &sizes, &was_monitorable, self).is_break() {
                 return;
             }
             if self.taken + self.singular.modes >= taken_before + self.modes {
@@ -375,7 +377,7 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
     fn is_likely(&self, mode: &Mode<T>) -> bool {
         let watch = self.watch;
         self.may_be_likely(mode.probability)
-            && watch.modes.prior(mode.hypothesis, self.gone, &|taken| watch.is_monitorable(taken))
+            && watch.modes.prior(mode.hypothesis, self.remains.gone, &|taken| watch.is_monitorable(taken))
                 >= self.likely
     }
 
@@ -409,14 +411,14 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
 
     #[inline(never)]
     fn note_singular(&mut self, mode: &Mode<T>) {
-        let taken = self.gone | self.watch.modes.taken_by(mode.hypothesis);
+        let taken = self.remains.gone | self.watch.modes.taken_by(mode.hypothesis);
         if self.skips_singular || !self.watch.leaves_enough(taken, 0) {
             return;
         }
         self.singular.modes += 1;
         self.singular.probability += mode.probability;
         // Beyond the room it is charged to whichever outcome meets it: more, never less.
-        let _ = self.singular.sets.push(taken & !self.gone);
+        let _ = self.singular.sets.push(taken & !self.remains.gone);
     }
 
     /// The levels with all modes.

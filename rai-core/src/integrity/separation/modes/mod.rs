@@ -42,12 +42,12 @@ use heapless::Vec;
 
 pub use sets::{Hypothesis, ROWS};
 pub(super) use sets::{ROOM, Set, members, row};
-pub(super) use visit::{Batch, Mode, Visitor};
+pub(super) use visit::{Batch, Mode, Remains, Visitor};
 
 use combination::{Combination, Event, Simultaneous, combinations_backwards};
 use consolidation::{Alike, add_to};
 use sets::{EVENTS, NONE, ROW_EVENTS, event, is_listed_after, subsets};
-use visit::{Remains, Walk};
+use visit::Walk;
 
 use super::SeparationError;
 use crate::allocation::Allocation;
@@ -178,7 +178,7 @@ impl<'r, T: Real> Modes<'r, T> {
             ln_healthy: T::zero(),
             limit: 2,
             added: [T::zero(); Constellation::COUNT],
-            mandatory: T::narrow(allocation.integrity()),
+            mandatory: T::narrow(allocation.integrity_vertical) + T::narrow(allocation.integrity_horizontal),
             consolidation: T::narrow(allocation.consolidation),
             cutoff: Cutoff { size: 0, count: 0, events: 0 },
             swallows: 0,
@@ -436,26 +436,30 @@ impl<'r, T: Real> Modes<'r, T> {
         combination
     }
 
-    /// Walks through the modes of the satellites that are left without `gone`, of a number of rows and constellations.
+    /// What is left of each constellation without `gone`.
+    pub(super) fn remains(&self, gone: Set) -> Remains {
+        Remains::of(&self.members, gone)
+    }
+
+    /// Walks through the modes of the satellites that are left, of a number of rows and constellations.
     ///
     /// `was_monitorable` says of the rows that a combination takes, all satellites in view, whether it counts at all. The
     /// walk is large: there is one for all visitors.
     #[inline(never)]
     pub(super) fn visit(
         &self,
-        gone: Set,
+        remains: &Remains,
         sizes: &RangeInclusive<usize>,
         was_monitorable: &dyn Fn(Set) -> bool,
         visitor: &mut dyn Visitor<T>,
     ) -> ControlFlow<()> {
-        let remains = Remains::without(self, gone);
-        let in_view = remains.in_view();
+        let in_view = remains.in_view;
         let most = self.limit.min(*sizes.end()) as u32;
         // Constellations first: what they add to the levels is mostly the largest part.
         let mut lost = in_view;
         for _ in 0..1usize << Constellation::COUNT {
             if lost.count_ones() <= most {
-                let walk = Walk::without(self, lost, &remains);
+                let walk = Walk::without(self, lost, remains);
                 walk.visit(sizes, was_monitorable, visitor)?;
             }
             if lost == 0 {

@@ -154,22 +154,22 @@ impl<'v, T: Real> Solutions<'v, T> {
             let own = Own { share, pivot, kappa: T::zero(), weighted_bias: weight * bias, spread: T::zero() };
             // The view holds no more rows than there is room for.
             let _ = self.own.push(own);
-            if !(weight > T::zero()) {
-                continue;
-            }
             has_bias |= own.weighted_bias > T::zero();
             if weight > largest_weight {
                 largest_weight = weight;
             }
-            if let Some(group) = self.groups.get_mut(group_of(row)) {
-                let weighted = fit.centred * weight;
+            // What is left out is of no group.
+            let group = if weight > T::zero() { group_of(row) } else { GROUPS };
+            if let Some(group) = self.groups.get_mut(group) {
+                let (centred, residual) = (fit.centred, fit.residual);
+                let weighted = centred * weight;
                 let accurate = weighted * share;
                 group.level += weight;
                 group.accuracy += share * weight;
                 group.lean += accurate;
-                add_product(&mut group.normal, &weighted, &fit.centred);
-                add_product(&mut group.dispersion, &accurate, &fit.centred);
-                group.pull += weighted * fit.residual;
+                add_product(&mut group.normal, &weighted, &centred);
+                add_product(&mut group.dispersion, &accurate, &centred);
+                group.pull += weighted * residual;
             }
         }
         self.largest_weight = largest_weight;

@@ -48,31 +48,29 @@ pub(in crate::integrity::separation) trait Visitor<T> {
 }
 
 /// What is left of each constellation without some rows.
-#[derive(Clone, Copy)]
-pub(super) struct Remains {
-    gone: Set,
+#[derive(Clone, Copy, Debug)]
+pub(in crate::integrity::separation) struct Remains {
+    pub(in crate::integrity::separation) gone: Set,
     members: [Set; Constellation::COUNT],
     /// Rows that are all that is left of theirs.
     alone: Set,
     /// Rows of constellations that a few of them can be all of.
     few: Set,
+    /// Constellations of which anything is left, a bit for each id.
+    pub(super) in_view: usize,
 }
 
 impl Remains {
-    pub(super) fn without<T: Real>(modes: &Modes<'_, T>, gone: Set) -> Self {
-        let members = modes.members.map(|members| members & !gone);
+    pub(super) fn of(members: &[Set; Constellation::COUNT], gone: Set) -> Self {
+        let members = members.map(|members| members & !gone);
         let union = |set: Set, rows: &Set| set | rows;
         let alone = members.iter().filter(|rows| rows.is_power_of_two()).fold(0, union);
         let without_one = |rows: Set| rows & rows.wrapping_sub(1);
         let is_few = |rows: &&Set| (0..EVENTS).fold(**rows, |rows, _| without_one(rows)) == 0;
         let few = members.iter().filter(is_few).fold(0, union);
-        Self { gone, members, alone, few }
-    }
-
-    /// Constellations of which anything is left, a bit for each id.
-    pub(super) fn in_view(&self) -> usize {
-        let in_view = self.members.iter().enumerate().filter(|&(_, &members)| members != 0);
-        in_view.fold(0, |set, (id, _)| set | 1 << id)
+        let is_left = members.iter().enumerate().filter(|&(_, &members)| members != 0);
+        let in_view = is_left.fold(0, |set, (id, _)| set | 1 << id);
+        Self { gone, members, alone, few, in_view }
     }
 }
 
@@ -94,7 +92,7 @@ pub(super) struct Walk<'m, T: Real> {
 impl<'m, T: Real> Walk<'m, T> {
     /// The constellations are in view, and no more than are lost at once.
     pub(super) fn without(modes: &'m Modes<T>, lost: usize, remains: &'m Remains) -> Self {
-        let Remains { gone, members, alone, few } = remains;
+        let Remains { gone, members, alone, few, .. } = remains;
         let lost_rows = modes.rows_of(lost) & !gone;
         // Without its only satellite a constellation is lost: that is another mode.
         let left = modes.fallible & !gone & !lost_rows & !alone;
