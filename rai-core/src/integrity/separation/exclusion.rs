@@ -192,9 +192,7 @@ pub(super) fn choose<'r, T: Real>(
         let fault = faults.next().filter(|_| row.weight > T::zero())?;
         Some((row.clock?, fault))
     });
-    let tally = watch.modes.gather(satellites, odds)?;
-    watch.modes.choose(&tally, watch.allocation);
-    Ok(())
+    watch.modes.choose(satellites, odds, watch.allocation)
 }
 
 /// What is found of an epoch without the rows of a set.

@@ -146,20 +146,24 @@ pub(super) struct Modes<'r, T: Real> {
     pub(super) not_watched: T,
 }
 
-/// What is summed up of the satellites while they are taken over.
-#[derive(Clone, Copy)]
-pub(super) struct Tally<T> {
-    /// Of the satellites alone, not yet of the constellations.
-    simultaneous: Simultaneous<T>,
-    alike: [Alike<T>; Constellation::COUNT],
-}
-
 impl<'r, T: Real> Modes<'r, T> {
-    /// Chooses for the satellites that were taken over, of probabilities in [0, 0.5); an event with probability 0 is none.
-    pub(super) fn choose(&mut self, tally: &Tally<T>, allocation: &Allocation) {
+    /// Chooses for satellites `(constellation, P_sat)` in the order of their rows and for the constellations' `P_const`;
+    /// a row without a satellite is an aid that never fails, and an event with probability 0 is none.
+    ///
+    /// # Errors
+    /// Beyond the room, and where a probability is not in [0, 0.5).
+    pub(super) fn choose(
+        &mut self,
+        satellites: impl Iterator<Item = Option<(Constellation, T)>>,
+        room: &'r mut Odds<T>,
+        allocation: &Allocation,
+    ) -> Result<(), SeparationError> {
+        let mut alike = [Alike::none(); Constellation::COUNT];
+        let simultaneous = self.gather(satellites, room, &mut alike)?;
         let share = T::narrow(allocation.not_watched);
-        let tail = self.count_events(tally.simultaneous, share);
-        self.cut(tail, share, &tally.alike);
+        let tail = self.count_events(simultaneous, share);
+        self.cut(tail, share, &alike);
+        Ok(())
     }
 
     /// Before the choice.
@@ -188,50 +192,49 @@ impl<'r, T: Real> Modes<'r, T> {
         }
     }
 
-    /// Takes over satellites `(constellation, P_sat)` in the order of their rows; a row without one is an aid that never
-    /// fails.
-    ///
-    /// # Errors
-    /// Beyond the room, and where a probability is none or too large.
-    pub(super) fn gather(
+    /// Takes over the satellites; how many of them fail at once.
+    fn gather(
         &mut self,
         satellites: impl Iterator<Item = Option<(Constellation, T)>>,
         room: &'r mut Odds<T>,
-    ) -> Result<Tally<T>, SeparationError> {
-        let mut tally =
-            Tally { simultaneous: Simultaneous::nothing(), alike: [Alike::none(); Constellation::COUNT] };
+        alike: &mut [Alike<T>; Constellation::COUNT],
+    ) -> Result<Simultaneous<T>, SeparationError> {
+        let mut simultaneous = Simultaneous::nothing();
         // Satellites of one constellation mostly follow each other, and share their probability.
-        let (mut run, mut of_run) = ((NONE, T::zero()), Fallible::never());
-        let mut first = 0;
+        let never = (NONE, T::zero());
+        let (mut run, mut of_run, mut start) = (never, Fallible::never(), 0);
         room.clear();
         for satellite in satellites {
-            let own =
-                satellite.map_or((NONE, T::zero()), |(constellation, fault)| (constellation as usize, fault));
+            let own = satellite.map_or(never, |(constellation, fault)| (constellation as usize, fault));
             if own != run {
-                self.take_over(&of_run, first..room.len(), &mut tally);
-                (run, first) = (own, room.len());
-                of_run = Fallible::of(own)?;
+                self.take_over(&of_run, start..room.len(), alike);
+                (run, of_run, start) = (own, Fallible::of(own)?, room.len());
             }
             room.push(of_run).map_err(|_| SeparationError::Rows)?;
             if of_run.odds > T::zero() {
-                tally.simultaneous.add(of_run.odds);
+                simultaneous.add(of_run.odds);
             }
         }
-        self.take_over(&of_run, first..room.len(), &mut tally);
+        self.take_over(&of_run, start..room.len(), alike);
         self.odds = room;
         self.satellites = self.members.iter().fold(0, |set, members| set | members);
         for (odds, members) in self.constellations.iter_mut().zip(&self.members) {
             let fault = fault_odds(*odds)?;
             *odds = if *members == 0 { T::zero() } else { fault };
         }
-        Ok(tally)
+        Ok(simultaneous)
     }
 
     /// Takes over rows that follow each other, of equal odds.
     #[inline(never)]
-    fn take_over(&mut self, of_each: &Fallible<T>, rows: Range<usize>, tally: &mut Tally<T>) {
+    fn take_over(
+        &mut self,
+        of_each: &Fallible<T>,
+        rows: Range<usize>,
+        alike: &mut [Alike<T>; Constellation::COUNT],
+    ) {
         let Fallible { odds, constellation, .. } = *of_each;
-        let of_constellation = self.members.get_mut(constellation).zip(tally.alike.get_mut(constellation));
+        let of_constellation = self.members.get_mut(constellation).zip(alike.get_mut(constellation));
         let Some((members, alike)) = of_constellation else { return };
         let set = bit(rows.end).wrapping_sub(bit(rows.start));
         *members |= set;

@@ -142,7 +142,7 @@ impl<'v, T: Real> Solutions<'v, T> {
 
     /// Sums over the rows of each constellation; whether any has a nominal bias.
     fn sum_up(&mut self, priors: &[Prior<T>]) -> bool {
-        let (mut has_bias, mut largest_weight) = (false, T::zero());
+        let (mut biases, mut largest_weight) = (T::zero(), T::zero());
         let rows = self.view.rows.iter().zip(self.view.fits).enumerate();
         for (index, (row, fit)) in rows {
             let weight = row.weight;
@@ -154,7 +154,7 @@ impl<'v, T: Real> Solutions<'v, T> {
             let own = Own { share, pivot, kappa: T::zero(), weighted_bias: weight * bias, spread: T::zero() };
             // The view holds no more rows than there is room for.
             let _ = self.own.push(own);
-            has_bias |= own.weighted_bias > T::zero();
+            biases += own.weighted_bias;
             if weight > largest_weight {
                 largest_weight = weight;
             }
@@ -181,15 +181,15 @@ impl<'v, T: Real> Solutions<'v, T> {
             group.accuracy *= group.level * group.level;
             group.lean *= group.level;
         }
-        has_bias
+        // None is below nothing.
+        biases > T::zero()
     }
 
     /// The kernel of all satellites, and each row's `κ_jj` there.
     fn describe_whole(&mut self) {
         self.kernel.regain_all(self.view.covariance, &self.total_dispersion);
         self.kernel.complete(&self.groups);
-        for (index, row) in self.view.rows.iter().enumerate() {
-            let Some((fit, own)) = self.view.fits.get(index).zip(self.own.get_mut(index)) else { continue };
+        for ((row, fit), own) in self.view.rows.iter().zip(self.view.fits).zip(self.own.iter_mut()) {
             if row.weight > T::zero() {
                 let coupling = row.weight.recip() - own.pivot;
                 let group = group_of(row);
