@@ -257,6 +257,7 @@ const MOST_TRIED: usize = 3;
 const SATELLITES_TRIED: usize = 2;
 
 /// Tries one option after another.
+#[cold]
 #[inline(never)]
 fn exclude<T: Real>(
     watch: &mut Watch<'_, T>,

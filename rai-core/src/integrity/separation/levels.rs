@@ -102,9 +102,9 @@ pub(super) struct Budget<T> {
 
 impl<T: Real> Budget<T> {
     /// For a risk that so many modes share.
-    pub(super) fn of(risk: T, modes: usize) -> Self {
+    pub(super) fn of(risk: T, modes: T) -> Self {
         let two = T::one() + T::one();
-        let each = risk * clear::<T>() / T::narrow(modes.max(1) as f64);
+        let each = risk * clear::<T>() / modes;
         let clear = if risk > T::zero() { -two * (two * each).ln() } else { T::zero() };
         Self { risk, clear }
     }
@@ -300,6 +300,7 @@ impl<T: Real> Axis<T> {
 
     /// For a risk that modes share, with the solution of all satellites as the first term. Without risk there is no level,
     /// and nothing to look at.
+    #[inline(never)]
     pub(super) fn open(&mut self, budget: &Budget<T>, variance: T, bias_m: T) {
         self.close();
         (self.risk, self.clear) = (budget.risk, budget.clear);

@@ -226,7 +226,8 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
         let whole = solutions.whole();
         let bias = solutions.whole_bias();
         // Both sides of a test.
-        let tests = two * T::narrow(count.modes.max(1) as f64);
+        let modes = T::narrow(count.modes.max(1) as f64);
+        let tests = two * modes;
         let horizontal_factor = quantile(T::narrow(allocation.alarm_horizontal) / (two * tests));
         let vertical_factor = quantile(T::narrow(allocation.alarm_vertical) / tests);
         let factors = Vector3::new(horizontal_factor, horizontal_factor, vertical_factor);
@@ -254,7 +255,7 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
             singular: Singular { modes: 0, probability: T::zero(), sets: Vec::new() },
         };
         let [east, north, up] = &mut *pass.axes;
-        let [horizontal, vertical] = [horizontal, vertical].map(|risk| Budget::of(risk, count.modes));
+        let [horizontal, vertical] = [horizontal, vertical].map(|risk| Budget::of(risk, modes));
         east.open(&horizontal, whole.variance.x, bias.x);
         north.open(&horizontal, whole.variance.y, bias.y);
         up.open(&vertical, whole.variance.z, bias.z);
