@@ -52,12 +52,8 @@ impl Hypothesis {
     /// That nothing is wrong.
     pub const NONE: Self = Self { constellations: 0, rows: [Self::NO_ROW; EVENTS] };
 
-    pub(super) fn of(constellations: usize, chosen: Set) -> Self {
-        let mut rows = [Self::NO_ROW; EVENTS];
-        for (slot, index) in rows.iter_mut().zip(members(chosen)) {
-            *slot = index as u8;
-        }
-        Self { constellations: constellations as u8, rows }
+    pub(super) fn of(constellations: usize, rows: [usize; EVENTS]) -> Self {
+        Self { constellations: constellations as u8, rows: rows.map(|row| row as u8) }
     }
 
     /// Indices of the rows of other constellations, ascending.
@@ -72,7 +68,7 @@ impl Hypothesis {
 
     /// One row.
     pub(in crate::integrity::separation) fn of_row(index: usize) -> Self {
-        Self { constellations: 0, rows: [index as u8, Self::NO_ROW, Self::NO_ROW] }
+        Self::of(0, [index, NONE, NONE])
     }
 
     /// The same with another row behind those that it has, of which it has one at most.
@@ -113,7 +109,6 @@ pub(super) fn is_listed_after(events: Set, other: Set) -> bool {
 /// Every set of some events and no more than `most` of them: none first, and each before those with events behind its own.
 pub(super) fn subsets(pool: Set, most: u32) -> impl Iterator<Item = Set> {
     let lowest = |set: Set| set & set.wrapping_neg();
-    let pool = if most == 0 { 0 } else { pool };
     core::iter::successors(Some(0), move |&last: &Set| {
         let (mut set, mut behind) = (last, pool & above_all(last));
         if behind != 0 && set.count_ones() < most {

@@ -5,7 +5,7 @@ mod pairs;
 use core::ops::{ControlFlow, RangeInclusive};
 
 use super::Modes;
-use super::sets::{EVENTS, Hypothesis, NONE, Set, losses, members, subsets};
+use super::sets::{EVENTS, Hypothesis, NONE, Set, above, losses, members, row};
 use crate::numeric::real::Real;
 use crate::satellite::Constellation;
 use pairs::Pairs;
@@ -100,51 +100,76 @@ impl<'m, T: Real> Walk<'m, T> {
         Self { modes, lost, lost_rows, lost_count, gone: *gone, members, has_few: few & left != 0, left }
     }
 
-    #[inline(never)]
     pub(super) fn visit(
         &self,
         sizes: &RangeInclusive<usize>,
         was_monitorable: &dyn Fn(Set) -> bool,
         visitor: &mut dyn Visitor<T>,
     ) -> ControlFlow<()> {
-        let (lost, size) = (self.lost, self.lost.count_ones() as usize);
-        let pairs = Pairs::of(self);
-        // Pairs, and singles with nothing gone, are known without being looked at one by one.
-        let most = if pairs.is_some() { 1 } else { self.modes.limit.min(*sizes.end()) };
-        let has_known_singles = pairs.is_some() && lost == 0 && self.gone == 0;
-        if !has_known_singles {
-            for chosen in subsets(self.left, most.saturating_sub(size) as u32) {
-                let size = size + chosen.count_ones() as usize;
-                if size > 0
-                    && sizes.contains(&size)
-                    && let Some(mode) = self.mode(size, chosen, was_monitorable)
-                {
-                    visitor.visit(&mode)?;
+        let (lost, size, limit) = (self.lost, self.lost.count_ones() as usize, self.modes.limit);
+        let offer = |visitor: &mut _, size: usize, rows: [usize; EVENTS]| match self.mode(
+            size,
+            rows,
+            was_monitorable,
+        ) {
+            Some(mode) if sizes.contains(&size) => Visitor::visit(visitor, &mode),
+            _ => ControlFlow::Continue(()),
+        };
+        if lost != 0 && sizes.contains(&size) {
+            offer(visitor, size, [NONE; EVENTS])?;
+        }
+        if let Some(pairs) = Pairs::of(self) {
+            if lost == 0 && sizes.contains(&1) && self.gone == 0 {
+                pairs.visit_singles(visitor)?;
+            } else if lost == 0 && sizes.contains(&1) {
+                members(self.left).try_for_each(|first| offer(visitor, 1, [first, NONE, NONE]))?;
+            }
+            return if sizes.contains(&2) {
+                pairs.visit(was_monitorable, visitor)
+            } else {
+                ControlFlow::Continue(())
+            };
+        }
+        let is_wanted = |more: usize| size + more <= limit && size + more <= *sizes.end();
+        for first in members(self.left).filter(|_| is_wanted(1)) {
+            if sizes.contains(&(size + 1)) {
+                offer(visitor, size + 1, [first, NONE, NONE])?;
+            }
+            let after = self.left & above(first);
+            for second in members(after).filter(|_| is_wanted(2)) {
+                if sizes.contains(&(size + 2)) {
+                    offer(visitor, size + 2, [first, second, NONE])?;
+                }
+                for third in members(after & above(second)).filter(|_| is_wanted(3)) {
+                    offer(visitor, size + 3, [first, second, third])?;
                 }
             }
         }
-        let Some(pairs) = pairs else { return ControlFlow::Continue(()) };
-        if has_known_singles && sizes.contains(&1) {
-            pairs.visit_singles(visitor)?;
-        }
-        if sizes.contains(&2) { pairs.visit(was_monitorable, visitor) } else { ControlFlow::Continue(()) }
+        ControlFlow::Continue(())
     }
 
     /// The mode that takes these rows beside the constellations; `None` where it is not watched, or is another.
-    fn mode(&self, size: usize, chosen: Set, was_monitorable: &dyn Fn(Set) -> bool) -> Option<Mode<T>> {
+    #[inline]
+    fn mode(
+        &self,
+        size: usize,
+        rows: [usize; EVENTS],
+        was_monitorable: &dyn Fn(Set) -> bool,
+    ) -> Option<Mode<T>> {
+        let chosen = rows.iter().fold(0, |set, &index| set | row(index));
         if self.has_few && size > 1 && self.empties(chosen) {
             return None;
         }
         // With nothing gone, only these very events take just these rows; and beyond the number of events, none more.
         let is_sole = self.lost == 0 && (self.gone == 0 || size == self.modes.limit);
         let (probability, ln_probability) = if is_sole {
-            self.sole(chosen, size, was_monitorable)?
+            self.sole(chosen, rows, size, was_monitorable)?
         } else {
             let probability = self.sum_of_causes(chosen, was_monitorable);
             (probability, probability.ln())
         };
-        let hypothesis = Hypothesis::of(self.lost, chosen);
-        let taken = self.lost_count + chosen.count_ones() as usize;
+        let hypothesis = Hypothesis::of(self.lost, rows);
+        let taken = self.lost_count + size - self.lost.count_ones() as usize;
         (probability > T::zero()).then_some(Mode { hypothesis, taken, probability, ln_probability })
     }
 
@@ -155,10 +180,16 @@ impl<'m, T: Real> Walk<'m, T> {
 
     /// The probability of these rows failing each by itself, and its logarithm.
     #[inline]
-    fn sole(&self, chosen: Set, size: usize, was_monitorable: &dyn Fn(Set) -> bool) -> Option<(T, T)> {
+    fn sole(
+        &self,
+        chosen: Set,
+        rows: [usize; EVENTS],
+        size: usize,
+        was_monitorable: &dyn Fn(Set) -> bool,
+    ) -> Option<(T, T)> {
         let modes = self.modes;
         let (mut product, mut ln, mut constellation) = (modes.healthy, modes.ln_healthy, NONE);
-        for (position, index) in members(chosen).enumerate() {
+        for (position, &index) in rows.iter().take(size).enumerate() {
             let odds = modes.odds.get(index)?;
             product *= odds.odds;
             ln += odds.ln;
