@@ -135,3 +135,12 @@ fn highest(set: Set) -> Set {
 fn above_all(set: Set) -> Set {
     !Set::MAX.unbounded_shr(set.leading_zeros())
 }
+
+#[cfg(test)]
+#[test]
+fn every_subset_is_listed_once_and_each_before_those_behind_it() {
+    let have = subsets(0b1_1010, 2).collect::<heapless::Vec<_, 8>>();
+    let want = [0, 0b10, 0b1010, 0b1_0010, 0b1000, 0b1_1000, 0b1_0000];
+    assert_eq!(have, want);
+    assert!(subsets(0b1_1010, 0).eq([0]), "none but the empty set");
+}
