@@ -11,7 +11,7 @@ use crate::integrity::residuals::parity::{self, Finding};
 use crate::integrity::residuals::ransac::{self, Selection};
 use crate::integrity::residuals::threshold::Thresholds;
 use crate::integrity::residuals::threshold::policy::{Demand, NoThreshold, Policy, PolicyThreshold};
-use crate::integrity::separation::{self, Allocation, Judged, Priors, SeparationError};
+use crate::integrity::separation::{self, Allocation, Judged, Priors, Room, SeparationError};
 use crate::snapshot::{Snapshot, SnapshotError};
 
 /// [`Snapshot::leave_out`].
@@ -44,7 +44,7 @@ pub fn largest_slopes(snapshot: &Snapshot<'_, f32>) -> Slopes<f32> {
     levels::largest_slopes(snapshot)
 }
 
-/// [`separation::judge`].
+/// [`separation::judge_in`].
 ///
 /// # Errors
 /// As there.
@@ -53,8 +53,9 @@ pub fn separate(
     snapshot: &mut Snapshot<'_, f32>,
     priors: &Priors<'_, f32>,
     allocation: &Allocation,
+    room: &mut Room<f32>,
 ) -> Result<Judged<f32>, SeparationError> {
-    separation::judge(snapshot, priors, allocation)
+    separation::judge_in(snapshot, priors, allocation, room)
 }
 
 /// [`parity::grouping`].

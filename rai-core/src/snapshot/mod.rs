@@ -191,6 +191,7 @@ impl<T: Real> Snapshot<'_, T> {
     }
 
     /// Changes rows and solves again; where that fails, changes them back to what has been solved before.
+    #[inline(never)]
     fn change(
         &mut self,
         rows: impl IntoIterator<Item = usize> + Clone,

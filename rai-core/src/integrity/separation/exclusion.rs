@@ -22,10 +22,10 @@ use heapless::Vec;
 use nalgebra::Vector3;
 
 use super::levels::Axis;
-use super::modes::{Hypothesis, ROOM, Set, members, row};
+use super::modes::{Hypothesis, Odds, ROOM, Set, members, row};
 use super::solutions::{Own, Solutions};
 use super::walk::{Purpose, Watch};
-use super::{Finding, Prior, Priors, ROWS, SeparationError, View};
+use super::{Finding, Prior, Priors, SeparationError, View};
 use crate::allocation::Allocation;
 use crate::equations::Row;
 use crate::numeric::real::Real;
@@ -99,6 +99,13 @@ const OPTIONAL: f64 = 1e-7;
 /// Room for what judging has for each row and each term. It keeps nothing.
 #[derive(Clone, Debug)]
 pub struct Room<T: Real> {
+    odds: Odds<T>,
+    solving: Solving<T>,
+}
+
+/// What of it each solution and each walk takes up anew.
+#[derive(Clone, Debug)]
+struct Solving<T: Real> {
     own: Vec<Own<T>, ROOM>,
     axes: [Axis<T>; 3],
 }
@@ -114,7 +121,8 @@ impl<T: Real> Room<T> {
     #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
     #[inline(always)]
     pub fn new() -> Self {
-        Self { own: Vec::new(), axes: [Axis::closed(), Axis::closed(), Axis::closed()] }
+        let axes = [Axis::closed(), Axis::closed(), Axis::closed()];
+        Self { odds: Vec::new(), solving: Solving { own: Vec::new(), axes } }
     }
 }
 
@@ -140,19 +148,20 @@ pub fn judge_in<T: Real>(
     allocation: &Allocation,
     room: &mut Room<T>,
 ) -> Result<Judged<T>, SeparationError> {
+    let Room { odds, solving } = room;
     let mut watch = Watch::nothing(priors.constellations, allocation);
-    choose(&mut watch, &epoch.view(), priors)?;
+    choose(&mut watch, odds, &epoch.view(), priors)?;
     let options = Options::of(&watch, &priors.constellations);
     if allocation.exclusion {
         watch.share = T::narrow((options.count() + 1) as f64).recip();
     }
-    let whole = describe(&mut watch, room, epoch.view(), priors.satellites, 0, Purpose::Describe)?;
+    let whole = describe(&mut watch, solving, epoch.view(), priors.satellites, 0, Purpose::Describe)?;
     let mut judged = Judged { options: options.count(), share: watch.share, whole, outcome: Outcome::Passed };
     if judged.whole.alarm {
         judged.outcome = Outcome::NotIsolated;
         if allocation.exclusion {
             let factors = judged.whole.factors;
-            judged.outcome = exclude(&mut watch, room, epoch, priors.satellites, options, factors)?;
+            judged.outcome = exclude(&mut watch, solving, epoch, priors.satellites, options, factors)?;
         }
     }
     Ok(judged)
@@ -165,43 +174,38 @@ const LARGEST_M: f64 = 1e6;
 
 /// Chooses the modes of an epoch.
 #[inline(never)]
-pub(super) fn choose<T: Real>(
-    watch: &mut Watch<'_, T>,
+pub(super) fn choose<'r, T: Real>(
+    watch: &mut Watch<'r, T>,
+    odds: &'r mut Odds<T>,
     view: &View<'_, T>,
     priors: &Priors<'_, T>,
 ) -> Result<(), SeparationError> {
-    let valid = |probability: T| probability >= T::zero() && probability < T::narrow(0.5);
-    let size = |value: T| value >= T::zero() && value <= T::narrow(LARGEST_M);
-    let satellite = |prior: &Prior<T>| valid(prior.fault) && size(prior.accuracy_m) && size(prior.bias_m);
-    let takes_part = |row: &&Row<T>| row.weight > T::zero();
-    let measured = |row: &Row<T>| row.sigma >= T::narrow(LEAST_M) && row.sigma <= T::narrow(LARGEST_M);
-    if !view.rows.iter().filter(takes_part).all(measured) {
+    let is_size = |value: T| value >= T::zero() && value <= T::narrow(LARGEST_M);
+    let is_measured = |row: &Row<T>| row.sigma >= T::narrow(LEAST_M) && row.sigma <= T::narrow(LARGEST_M);
+    let is_valid = |prior: &Prior<T>| is_size(prior.accuracy_m) && is_size(prior.bias_m);
+    let mut rows = view.rows.iter().filter(|row| row.weight > T::zero());
+    if !priors.satellites.iter().all(is_valid) || !rows.all(is_measured) {
         return Err(SeparationError::Prior);
     }
-    if !priors.satellites.iter().all(satellite) || !priors.constellations.into_iter().all(valid) {
-        return Err(SeparationError::Prior);
-    }
-    if view.rows.len() > ROWS {
-        return Err(SeparationError::Rows);
-    }
-    let satellites = view.rows.iter().enumerate().map(|(index, row)| {
-        let prior = priors.satellites.get(index).filter(|_| row.weight > T::zero())?;
-        Some((row.clock?, prior.fault))
+    let mut faults = priors.satellites.iter().map(|prior| prior.fault);
+    let satellites = view.rows.iter().map(|row| {
+        let fault = faults.next().filter(|_| row.weight > T::zero())?;
+        Some((row.clock?, fault))
     });
-    watch.modes.choose(satellites, watch.allocation).ok_or(SeparationError::Rows)
+    watch.modes.choose(satellites, odds, watch.allocation)
 }
 
 /// What is found of an epoch without the rows of a set.
 #[inline(never)]
 fn describe<T: Real>(
     watch: &mut Watch<'_, T>,
-    room: &mut Room<T>,
+    solving: &mut Solving<T>,
     view: View<'_, T>,
     priors: &[Prior<T>],
     gone: Set,
     purpose: Purpose,
 ) -> Result<Finding<T>, SeparationError> {
-    let Room { own, axes } = room;
+    let Solving { own, axes } = solving;
     let mut solutions = Solutions::of(view, own);
     solutions.prepare(priors);
     watch.judge(&mut solutions, axes, gone, purpose)
@@ -253,10 +257,11 @@ const MOST_TRIED: usize = 3;
 const SATELLITES_TRIED: usize = 2;
 
 /// Tries one option after another.
+#[cold]
 #[inline(never)]
 fn exclude<T: Real>(
     watch: &mut Watch<'_, T>,
-    room: &mut Room<T>,
+    solving: &mut Solving<T>,
     epoch: &mut impl Removable<T>,
     priors: &[Prior<T>],
     options: Options,
@@ -265,7 +270,7 @@ fn exclude<T: Real>(
     let mut left = options;
     let limits = Vector3::from(factors).map(|factor| factor * factor * T::narrow(1.0 + MARGIN));
     for tried in 1..=MOST_TRIED {
-        let Some(excluded) = next(watch, room, epoch.view(), priors, &left, &limits) else { break };
+        let Some(excluded) = next(watch, solving, epoch.view(), priors, &left, &limits) else { break };
         let rows = watch.modes.taken_by(excluded);
         left.drop(excluded);
         if tried == SATELLITES_TRIED {
@@ -274,7 +279,7 @@ fn exclude<T: Real>(
         if epoch.leave_out_all(rows).is_err() {
             continue;
         }
-        let finding = describe(watch, room, epoch.view(), priors, rows, Purpose::Accept)?;
+        let finding = describe(watch, solving, epoch.view(), priors, rows, Purpose::Accept)?;
         if !finding.alarm {
             return Ok(Outcome::Excluded { excluded, rows, finding });
         }
@@ -287,13 +292,13 @@ fn exclude<T: Real>(
 #[inline(never)]
 fn next<T: Real>(
     watch: &Watch<'_, T>,
-    room: &mut Room<T>,
+    solving: &mut Solving<T>,
     view: View<'_, T>,
     priors: &[Prior<T>],
     left: &Options,
     limits: &Vector3<T>,
 ) -> Option<Hypothesis> {
-    let mut solutions = Solutions::of(view, &mut room.own);
+    let mut solutions = Solutions::of(view, &mut solving.own);
     solutions.prepare_without_biases(priors);
     let mut agreeing = |option: Hypothesis, least: Option<T>| {
         let taken = watch.modes.taken_by(option);

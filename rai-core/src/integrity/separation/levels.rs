@@ -102,9 +102,9 @@ pub(super) struct Budget<T> {
 
 impl<T: Real> Budget<T> {
     /// For a risk that so many modes share.
-    pub(super) fn of(risk: T, modes: usize) -> Self {
+    pub(super) fn of(risk: T, modes: T) -> Self {
         let two = T::one() + T::one();
-        let each = risk * clear::<T>() / T::narrow(modes.max(1) as f64);
+        let each = risk * clear::<T>() / modes;
         let clear = if risk > T::zero() { -two * (two * each).ln() } else { T::zero() };
         Self { risk, clear }
     }
@@ -217,6 +217,31 @@ impl<T: Real> Gate<T> {
     }
 }
 
+/// The quantiles that were worked out last: both horizontal axes ask for the same ones.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Quantiles<T> {
+    latest: (T, T),
+    before: (T, T),
+}
+
+impl<T: Real> Quantiles<T> {
+    /// With the median alone.
+    pub(super) fn none() -> Self {
+        let median = (T::narrow(0.5), T::zero());
+        Self { latest: median, before: median }
+    }
+
+    fn of(&mut self, probability: T) -> T {
+        if self.latest.0 != probability {
+            core::mem::swap(&mut self.latest, &mut self.before);
+        }
+        if self.latest.0 != probability {
+            self.latest = (probability, quantile(probability));
+        }
+        self.latest.1
+    }
+}
+
 /// Where a sum stands.
 struct Sum<T> {
     value: T,
@@ -275,6 +300,7 @@ impl<T: Real> Axis<T> {
 
     /// For a risk that modes share, with the solution of all satellites as the first term. Without risk there is no level,
     /// and nothing to look at.
+    #[inline(never)]
     pub(super) fn open(&mut self, budget: &Budget<T>, variance: T, bias_m: T) {
         self.close();
         (self.risk, self.clear) = (budget.risk, budget.clear);
@@ -374,8 +400,8 @@ impl<T: Real> Axis<T> {
     }
 
     /// Freezes what is small where one mode alone spends the risk.
-    pub(super) fn sort_out(&mut self) {
-        let lowest_m = self.lowest();
+    pub(super) fn sort_out(&mut self, quantiles: &mut Quantiles<T>) {
+        let lowest_m = self.lowest(quantiles);
         self.refer(lowest_m);
     }
 
@@ -404,18 +430,14 @@ impl<T: Real> Axis<T> {
     }
 
     /// A distance below which one term alone exceeds the risk.
-    fn lowest(&self) -> T {
+    fn lowest(&self, quantiles: &mut Quantiles<T>) -> T {
         let mut lowest = self.reference_m;
-        let mut last = (T::zero(), T::zero());
         for term in &self.terms {
             let share = self.risk / term.probability;
             if !(share < T::one()) {
                 continue;
             }
-            if last.0 != share {
-                last = (share, quantile(share));
-            }
-            let distance = term.offset_m + last.1 / term.inverse_sigma;
+            let distance = term.offset_m + quantiles.of(share) / term.inverse_sigma;
             if distance > lowest {
                 lowest = distance;
             }

@@ -87,7 +87,8 @@ fn watched<'a>(
     allocation: &'a Allocation,
 ) -> Watch<'a, f64> {
     let mut watch = Watch::nothing(priors.constellations, allocation);
-    choose(&mut watch, &snapshot.view(), priors).expect("a choice");
+    let odds = Box::leak(Box::default());
+    choose(&mut watch, odds, &snapshot.view(), priors).expect("a choice");
     watch
 }
 
@@ -132,7 +133,7 @@ fn the_worked_example_has_the_published_intermediates() {
     close("p_0", watch.modes.healthy(), 0.999_700_034_5, 1e-10);
     let mut probabilities = Vec::new();
     let _ = watch.modes.visit(
-        0,
+        &watch.modes.remains(0),
         &(1..=3),
         &|_| true,
         &mut Each(|mode: &Mode<_>| {
@@ -287,7 +288,7 @@ fn every_set_of_three_events_is_as_dense_least_squares_has_it() {
         let mut solutions = solutions(&snapshot, &sky.priors);
         let mut hypotheses = Vec::new();
         let _ = watch.modes.visit(
-            0,
+            &watch.modes.remains(0),
             &(1..=3),
             &|_| true,
             &mut Each(|mode: &Mode<_>| {
@@ -334,7 +335,7 @@ fn the_choice_is_that_of_the_rule_read_literally() {
             let (want, not_watched) = literal(&sky, &priors, constellations, &allocation);
             let mut have = Vec::new();
             let _ = watch.modes.visit(
-                0,
+                &watch.modes.remains(0),
                 &(1..=3),
                 &|_| true,
                 &mut Each(|mode: &Mode<_>| {

@@ -8,8 +8,8 @@ use core::ops::ControlFlow;
 use heapless::Vec;
 use nalgebra::Vector3;
 
-use super::levels::{Axis, Budget, Candidate, Gate, Level};
-use super::modes::{Batch, Mode, Modes, Set, Visitor, members, row};
+use super::levels::{Axis, Budget, Candidate, Gate, Level, Quantiles};
+use super::modes::{Batch, Mode, Modes, Remains, Set, Visitor, members, row};
 use super::solutions::{Bounds, Solution, Solutions};
 use super::{Finding, MAX_MODES, SeparationError};
 use crate::allocation::Allocation;
@@ -30,7 +30,7 @@ const PRIOR_ROUNDING: f64 = 1e-6;
 /// The choice of modes, and what is known of them with all satellites in view.
 #[derive(Clone, Debug)]
 pub(super) struct Watch<'a, T: Real> {
-    pub(super) modes: Modes<T>,
+    pub(super) modes: Modes<'a, T>,
     pub(super) allocation: &'a Allocation,
     /// `ρ`.
     pub(super) share: T,
@@ -88,7 +88,8 @@ impl<'a, T: Real> Watch<'a, T> {
         gone: Set,
         purpose: Purpose,
     ) -> Result<Finding<T>, SeparationError> {
-        let mut count = self.count(gone);
+        let remains = self.modes.remains(gone);
+        let mut count = self.count(&remains);
         if count.modes > MAX_MODES {
             return Err(SeparationError::Modes);
         }
@@ -97,7 +98,7 @@ impl<'a, T: Real> Watch<'a, T> {
             if gone == 0 {
                 self.not_watched = self.modes.not_watched + count.unmonitorable;
             }
-            let mut pass = Pass::new(self, solutions, (gone, purpose), &count, axes);
+            let mut pass = Pass::new(self, solutions, (&remains, purpose), &count, axes);
             if let Some(finding) = pass.run() {
                 return Ok(finding);
             }
@@ -114,13 +115,14 @@ impl<'a, T: Real> Watch<'a, T> {
 
     /// Counts what can be watched, by the number of satellites alone.
     #[inline(never)]
-    fn count(&self, gone: Set) -> Count<T> {
+    fn count(&self, remains: &Remains) -> Count<T> {
+        let gone = remains.gone;
         let clocks = self.modes.members.iter().filter(|&&members| members & !gone != 0).count();
         let ample = ((self.modes.satellites & !gone).count_ones() as usize).saturating_sub(3 + clocks);
         let count = Count { modes: 0, unmonitorable: T::zero(), singular: false };
         let mut counter = Counter { watch: self, gone, ample, count };
         let was_monitorable = |taken| self.is_monitorable(taken);
-        let _ = self.modes.visit(gone, &(1..=3), &was_monitorable, &mut counter);
+        let _ = self.modes.visit(remains, &(1..=3), &was_monitorable, &mut counter);
         counter.count
     }
 }
@@ -179,7 +181,7 @@ fn deviation<T: Real>(variance: T) -> T {
 struct Pass<'p, 'a, 'v, T: Real> {
     watch: &'p Watch<'a, T>,
     solutions: &'p mut Solutions<'v, T>,
-    gone: Set,
+    remains: &'p Remains,
     purpose: Purpose,
     modes: usize,
     /// Modes taken, in this walk and those before.
@@ -189,6 +191,7 @@ struct Pass<'p, 'a, 'v, T: Real> {
     factors: Vector3<T>,
     axes: &'p mut [Axis<T>; 3],
     gate: Gate<T>,
+    quantiles: Quantiles<T>,
     /// Whether the gate lets anything pass.
     has_reference: bool,
     levels: [Level<T>; 3],
@@ -208,14 +211,14 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
     fn new(
         watch: &'p Watch<'a, T>,
         solutions: &'p mut Solutions<'v, T>,
-        (gone, purpose): (Set, Purpose),
+        (remains, purpose): (&'p Remains, Purpose),
         count: &Count<T>,
         axes: &'p mut [Axis<T>; 3],
     ) -> Self {
         let allocation = watch.allocation;
         let phmi = watch.modes.mandatory();
         // With all satellites what cannot be watched is part of P_nm; after an exclusion it can fall on this outcome whole.
-        let newly = if gone == 0 { T::zero() } else { count.unmonitorable };
+        let newly = if remains.gone == 0 { T::zero() } else { count.unmonitorable };
         let left = (watch.share * (phmi - watch.not_watched) - newly) / phmi;
         let two = T::one() + T::one();
         let vertical = left * T::narrow(allocation.integrity_vertical);
@@ -223,14 +226,15 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
         let whole = solutions.whole();
         let bias = solutions.whole_bias();
         // Both sides of a test.
-        let tests = two * T::narrow(count.modes.max(1) as f64);
+        let modes = T::narrow(count.modes.max(1) as f64);
+        let tests = two * modes;
         let horizontal_factor = quantile(T::narrow(allocation.alarm_horizontal) / (two * tests));
         let vertical_factor = quantile(T::narrow(allocation.alarm_vertical) / tests);
         let factors = Vector3::new(horizontal_factor, horizontal_factor, vertical_factor);
         let mut pass = Self {
             watch,
             solutions,
-            gone,
+            remains,
             purpose,
             modes: count.modes,
             taken: 0,
@@ -239,6 +243,7 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
             factors,
             squared_factors: factors.component_mul(&factors),
             gate: Gate::closed(),
+            quantiles: Quantiles::none(),
             has_reference: false,
             axes,
             levels: [Level::none(); 3],
@@ -250,7 +255,7 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
             singular: Singular { modes: 0, probability: T::zero(), sets: Vec::new() },
         };
         let [east, north, up] = &mut *pass.axes;
-        let [horizontal, vertical] = [horizontal, vertical].map(|risk| Budget::of(risk, count.modes));
+        let [horizontal, vertical] = [horizontal, vertical].map(|risk| Budget::of(risk, modes));
         east.open(&horizontal, whole.variance.x, bias.x);
         north.open(&horizontal, whole.variance.y, bias.y);
         up.open(&vertical, whole.variance.z, bias.z);
@@ -281,11 +286,11 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
 
     /// Singles and constellations first: they say where the levels are, about.
     fn walk(&mut self, is_first: bool) {
-        let (watch, gone) = (self.watch, self.gone);
+        let (watch, remains) = (self.watch, self.remains);
         let taken_before = self.taken;
         let was_monitorable = |taken: Set| watch.is_monitorable(taken);
         for sizes in [1..=1, 2..=3] {
-            if watch.modes.visit(gone, &sizes, &was_monitorable, self).is_break() {
+            if watch.modes.visit(remains, &sizes, &was_monitorable, self).is_break() {
                 return;
             }
             if self.taken + self.singular.modes >= taken_before + self.modes {
@@ -318,7 +323,9 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
     /// Looks for a reference in what one mode alone spends.
     #[inline(never)]
     fn sort_out(&mut self) {
-        self.axes.iter_mut().filter(|axis| axis.is_open()).for_each(Axis::sort_out);
+        for axis in self.axes.iter_mut().filter(|axis| axis.is_open()) {
+            axis.sort_out(&mut self.quantiles);
+        }
         self.gate = Gate::of(self.axes);
         self.has_reference = true;
     }
@@ -371,7 +378,7 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
     fn is_likely(&self, mode: &Mode<T>) -> bool {
         let watch = self.watch;
         self.may_be_likely(mode.probability)
-            && watch.modes.prior(mode.hypothesis, self.gone, &|taken| watch.is_monitorable(taken))
+            && watch.modes.prior(mode.hypothesis, self.remains.gone, &|taken| watch.is_monitorable(taken))
                 >= self.likely
     }
 
@@ -405,14 +412,14 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
 
     #[inline(never)]
     fn note_singular(&mut self, mode: &Mode<T>) {
-        let taken = self.gone | self.watch.modes.taken_by(mode.hypothesis);
+        let taken = self.remains.gone | self.watch.modes.taken_by(mode.hypothesis);
         if self.skips_singular || !self.watch.leaves_enough(taken, 0) {
             return;
         }
         self.singular.modes += 1;
         self.singular.probability += mode.probability;
         // Beyond the room it is charged to whichever outcome meets it: more, never less.
-        let _ = self.singular.sets.push(taken & !self.gone);
+        let _ = self.singular.sets.push(taken & !self.remains.gone);
     }
 
     /// The levels with all modes.

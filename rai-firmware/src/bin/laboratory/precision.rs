@@ -3,7 +3,7 @@
 use rai_core::epoch::Epoch;
 use rai_core::integrity::residuals::baarda;
 use rai_core::integrity::residuals::levels::{self, Slopes};
-use rai_core::integrity::separation::{self, Allocation, Judged, Priors, SeparationError};
+use rai_core::integrity::separation::{self, Allocation, Judged, Priors, Room, SeparationError};
 use rai_core::monitor::Monitor;
 use rai_core::numeric::real::Real;
 use rai_core::report::Report;
@@ -20,11 +20,12 @@ pub trait Precision: Real {
     fn worst_two(snapshot: &Snapshot<'_, Self>) -> Option<(usize, Self, Self)>;
     /// [`levels::largest_slopes`].
     fn largest_slopes(snapshot: &Snapshot<'_, Self>) -> Slopes<Self>;
-    /// [`separation::judge`].
+    /// [`separation::judge_in`].
     fn separate(
         snapshot: &mut Snapshot<'_, Self>,
         priors: &Priors<'_, Self>,
         allocation: &Allocation,
+        room: &mut Room<Self>,
     ) -> Result<Judged<Self>, SeparationError>;
     /// [`Monitor::process`].
     fn process(monitor: &mut Monitor<Self, CAPACITY>, epoch: &Epoch<CAPACITY>) -> Report<CAPACITY>;
@@ -35,8 +36,9 @@ impl Precision for f32 {
         snapshot: &mut Snapshot<'_, Self>,
         priors: &Priors<'_, Self>,
         allocation: &Allocation,
+        room: &mut Room<Self>,
     ) -> Result<Judged<Self>, SeparationError> {
-        stages::separate(snapshot, priors, allocation)
+        stages::separate(snapshot, priors, allocation, room)
     }
 
     fn leave_out(snapshot: &mut Snapshot<'_, Self>, index: usize) -> Result<(), SnapshotError> {
@@ -65,8 +67,9 @@ impl Precision for f64 {
         snapshot: &mut Snapshot<'_, Self>,
         priors: &Priors<'_, Self>,
         allocation: &Allocation,
+        room: &mut Room<Self>,
     ) -> Result<Judged<Self>, SeparationError> {
-        separation::judge(snapshot, priors, allocation)
+        separation::judge_in(snapshot, priors, allocation, room)
     }
 
     fn leave_out(snapshot: &mut Snapshot<'_, Self>, index: usize) -> Result<(), SnapshotError> {

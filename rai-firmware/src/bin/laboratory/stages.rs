@@ -10,7 +10,7 @@ use rai_core::integrity::residuals::levels::largest_slopes;
 use rai_core::integrity::residuals::threshold::Thresholds;
 use rai_core::integrity::residuals::threshold::policy::{Demand, Policy};
 use rai_core::integrity::residuals::{parity, ransac};
-use rai_core::integrity::separation::{Allocation, Prior, Priors};
+use rai_core::integrity::separation::{Allocation, Prior, Priors, Room};
 use rai_core::monitor::{Method, Monitor, Strategy};
 use rai_core::numeric::real::Real;
 use rai_core::requirements::Requirements;
@@ -182,9 +182,11 @@ fn separate<T: Precision>(
     }
     let constellations = Ism::RESEARCH.constellations.map(|support| T::narrow(support.constellation_fault));
     let allocation = Allocation::vertical_guidance();
+    // A monitor keeps it.
+    let mut room = Room::new();
     let (found, ticks) = stopwatch.time(|| {
         let priors = Priors { satellites: &satellites, constellations };
-        T::separate(black_box(&mut snapshot), &priors, &allocation)
+        T::separate(black_box(&mut snapshot), &priors, &allocation, &mut room)
     });
     answers.write(ticks, &found.ok()?.whole)
 }

@@ -355,7 +355,7 @@ fn as_a_module_runs_it() {
         stages::grouping as fn(_, _, _) -> _,
         stages::choose as fn(_, _) -> _,
         stages::exclude_by_consensus as fn(_, _, _, _) -> _,
-        stages::separate as fn(_, _, _) -> _,
+        stages::separate as fn(_, _, _, _) -> _,
         stages::observe as fn(_, _, _, _) -> _,
         stages::forecast as fn(_, _) -> _,
         stages::threshold as fn(_, _) -> _,

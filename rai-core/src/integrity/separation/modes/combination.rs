@@ -66,11 +66,41 @@ impl<T: Real> Combination<T> {
     }
 }
 
+/// Probabilities of 0, 1, 2, 3 and of more events at once: sums of positive terms.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Simultaneous<T> {
+    pub(super) none: T,
+    one: T,
+    two: T,
+    pub(super) three: T,
+    pub(super) more: T,
+}
+
+impl<T: Real> Simultaneous<T> {
+    /// Of no event yet.
+    pub(super) fn nothing() -> Self {
+        Self { none: T::one(), one: T::zero(), two: T::zero(), three: T::zero(), more: T::zero() }
+    }
+
+    /// With one more that can happen.
+    #[inline]
+    pub(super) fn add(&mut self, odds: T) {
+        let fine = (T::one() + odds).recip();
+        let failed = odds * fine;
+        self.more += self.three * failed;
+        self.three = self.three * fine + self.two * failed;
+        self.two = self.two * fine + self.one * failed;
+        self.one = self.one * fine + self.none * failed;
+        self.none *= fine;
+    }
+}
+
 /// Every combination of a number of events, the last one listed first.
+#[inline(never)]
 pub(super) fn combinations_backwards<T: Real>(
     events: &[Event<T>],
     size: usize,
-    visitor: &mut impl FnMut(Combination<T>) -> ControlFlow<()>,
+    visitor: &mut dyn FnMut(Combination<T>) -> ControlFlow<()>,
 ) -> ControlFlow<()> {
     for (index, event) in events.iter().enumerate().rev() {
         let one = Combination::of_one(event);

@@ -11,7 +11,7 @@ use crate::satellite::Constellation;
 /// Sums of probability by the number of satellites taken.
 pub(super) type Sums<T> = [T; ROWS + 1];
 
-impl<T: Real> Modes<T> {
+impl<T: Real> Modes<'_, T> {
     /// The constellation in whose loss a combination is counted.
     #[inline]
     pub(super) fn consolidates(&self, combination: &Combination<T>, probability: T) -> Option<usize> {
@@ -45,17 +45,20 @@ impl<T: Real> Modes<T> {
     /// As [`Self::sum_one_by_one`], where constellations are alike within: all pairs of one are consolidated or none, and
     /// no pair is watched for its own weight. `None` where they are not, with sums that mean nothing.
     #[inline(never)]
-    pub(super) fn sum_by_constellation(&mut self, sums: &mut Sums<T>) -> Option<()> {
+    pub(super) fn sum_by_constellation(
+        &mut self,
+        alike: &[Alike<T>; Constellation::COUNT],
+        sums: &mut Sums<T>,
+    ) -> Option<()> {
         if self.limit != 2 {
             return None;
         }
-        let must_watch_all = self.must_watch_all_singles();
-        let mut alike = [Alike::none(); Constellation::COUNT];
-        for fallible in self.odds.iter().filter(|fallible| fallible.odds > T::zero()) {
-            alike.get_mut(fallible.constellation)?.add(fallible.odds);
-            let probability = self.healthy * fallible.odds;
-            if !must_watch_all && !(probability > self.mandatory) {
-                add_to(sums, 1, probability);
+        if !self.must_watch_all_singles() {
+            for fallible in self.odds.iter().filter(|fallible| fallible.odds > T::zero()) {
+                let probability = self.healthy * fallible.odds;
+                if !(probability > self.mandatory) {
+                    add_to(sums, 1, probability);
+                }
             }
         }
         let largest = |list: T, odds: T| if odds > list { odds } else { list };
@@ -69,6 +72,10 @@ impl<T: Real> Modes<T> {
         let mut added = [T::zero(); Constellation::COUNT];
         let losses = self.constellations;
         for (id, (here, &loss)) in alike.iter().zip(&losses).enumerate() {
+            // None of its satellites can fail.
+            if !(here.sum > T::zero() || loss > T::zero()) {
+                continue;
+            }
             let bar = self.consolidation * (self.healthy * loss);
             let is_below = |least: T, most: T| is_all_below(self.healthy * least, self.healthy * most, bar);
             if is_below(here.least, here.largest)? && here.sum > T::zero() {
@@ -116,7 +123,7 @@ pub(super) fn add_to<T: Real>(sums: &mut Sums<T>, size: usize, probability: T) {
 
 /// Odds of one constellation's satellites.
 #[derive(Clone, Copy)]
-struct Alike<T> {
+pub(super) struct Alike<T> {
     sum: T,
     squares: T,
     largest: T,
@@ -124,19 +131,22 @@ struct Alike<T> {
 }
 
 impl<T: Real> Alike<T> {
-    fn none() -> Self {
+    pub(super) fn none() -> Self {
         Self { sum: T::zero(), squares: T::zero(), largest: T::zero(), least: T::zero() }
     }
 
-    fn add(&mut self, odds: T) {
+    /// So many of equal odds.
+    pub(super) fn add(&mut self, odds: T, count: usize) {
         if !(self.sum > T::zero()) || odds < self.least {
             self.least = odds;
         }
         if odds > self.largest {
             self.largest = odds;
         }
-        self.sum += odds;
-        self.squares += odds * odds;
+        for _ in 0..count {
+            self.sum += odds;
+            self.squares += odds * odds;
+        }
     }
 
     /// Sum over all pairs.

@@ -36,25 +36,27 @@ mod consolidation;
 mod sets;
 mod visit;
 
-use core::ops::{ControlFlow, RangeInclusive};
+use core::ops::{ControlFlow, Range, RangeInclusive};
 
 use heapless::Vec;
 
 pub use sets::{Hypothesis, ROWS};
 pub(super) use sets::{ROOM, Set, members, row};
-pub(super) use visit::{Batch, Mode, Visitor};
+pub(super) use visit::{Batch, Mode, Remains, Visitor};
 
-use combination::{Combination, Event, combinations_backwards};
-use consolidation::add_to;
-use sets::{EVENTS, NONE, ROW_EVENTS, above, event, is_listed_after};
-use visit::{Remains, Walk};
+use combination::{Combination, Event, Simultaneous, combinations_backwards};
+use consolidation::{Alike, add_to};
+use sets::{EVENTS, NONE, ROW_EVENTS, event, is_listed_after, subsets};
+use visit::Walk;
 
+use super::SeparationError;
 use crate::allocation::Allocation;
+use crate::bit_set::bit;
 use crate::numeric::real::Real;
 use crate::satellite::Constellation;
 /// A row's odds.
 #[derive(Clone, Copy, Debug)]
-struct Fallible<T> {
+pub(super) struct Fallible<T> {
     odds: T,
     ln: T,
     constellation: usize,
@@ -65,6 +67,25 @@ impl<T: Real> Fallible<T> {
     fn never() -> Self {
         Self { odds: T::zero(), ln: T::zero(), constellation: NONE }
     }
+
+    /// A satellite's, of a constellation and a probability.
+    ///
+    /// # Errors
+    /// Where the latter is none or too large.
+    fn of((constellation, probability): (usize, T)) -> Result<Self, SeparationError> {
+        let odds = fault_odds(probability)?;
+        let ln = if odds > T::zero() { odds.ln() } else { T::zero() };
+        Ok(Self { odds, ln, constellation })
+    }
+}
+
+/// `P/(1 − P)`.
+///
+/// # Errors
+/// Where `P` is not in [0, 0.5).
+fn fault_odds<T: Real>(probability: T) -> Result<T, SeparationError> {
+    let is_valid = probability >= T::zero() && probability < T::narrow(0.5);
+    if is_valid { Ok(probability / (T::one() - probability)) } else { Err(SeparationError::Prior) }
 }
 
 /// The loss of a constellation.
@@ -88,10 +109,13 @@ struct Cutoff {
     events: Set,
 }
 
+/// Room for the odds of all rows.
+pub(super) type Odds<T> = Vec<Fallible<T>, ROOM>;
+
 /// The choice of modes for one epoch.
 #[derive(Clone, Debug)]
-pub(super) struct Modes<T: Real> {
-    odds: Vec<Fallible<T>, ROOM>,
+pub(super) struct Modes<'r, T: Real> {
+    odds: &'r [Fallible<T>],
     constellations: [T; Constellation::COUNT],
     /// The likeliest of the rows.
     likeliest: Fallible<T>,
@@ -122,19 +146,24 @@ pub(super) struct Modes<T: Real> {
     pub(super) not_watched: T,
 }
 
-impl<T: Real> Modes<T> {
-    /// Chooses for satellites `(constellation, P_sat)` in the order of their rows and for the constellations' `P_const`.
+impl<'r, T: Real> Modes<'r, T> {
+    /// Chooses for satellites `(constellation, P_sat)` in the order of their rows and for the constellations' `P_const`;
+    /// a row without a satellite is an aid that never fails, and an event with probability 0 is none.
     ///
-    /// Probabilities are in [0, 0.5); an event with probability 0 is none. `None` beyond [`ROWS`].
+    /// # Errors
+    /// Beyond the room, and where a probability is not in [0, 0.5).
     pub(super) fn choose(
         &mut self,
         satellites: impl Iterator<Item = Option<(Constellation, T)>>,
+        room: &'r mut Odds<T>,
         allocation: &Allocation,
-    ) -> Option<()> {
-        self.gather(satellites)?;
-        let tail = self.count_events(T::narrow(allocation.not_watched));
-        self.cut(tail, T::narrow(allocation.not_watched));
-        Some(())
+    ) -> Result<(), SeparationError> {
+        let mut alike = [Alike::none(); Constellation::COUNT];
+        let simultaneous = self.gather(satellites, room, &mut alike)?;
+        let share = T::narrow(allocation.not_watched);
+        let tail = self.count_events(simultaneous, share);
+        self.cut(tail, share, &alike);
+        Ok(())
     }
 
     /// Before the choice.
@@ -142,7 +171,7 @@ impl<T: Real> Modes<T> {
     #[inline(always)]
     pub(super) fn nothing(constellations: [T; Constellation::COUNT], allocation: &Allocation) -> Self {
         Self {
-            odds: Vec::new(),
+            odds: &[],
             constellations,
             likeliest: Fallible::never(),
             rarest_odds: T::one(),
@@ -153,7 +182,7 @@ impl<T: Real> Modes<T> {
             ln_healthy: T::zero(),
             limit: 2,
             added: [T::zero(); Constellation::COUNT],
-            mandatory: T::narrow(allocation.integrity()),
+            mandatory: T::narrow(allocation.integrity_vertical) + T::narrow(allocation.integrity_horizontal),
             consolidation: T::narrow(allocation.consolidation),
             cutoff: Cutoff { size: 0, count: 0, events: 0 },
             swallows: 0,
@@ -163,54 +192,62 @@ impl<T: Real> Modes<T> {
         }
     }
 
-    /// Takes over the satellites; a row without one is an aid that never fails.
-    fn gather(&mut self, satellites: impl Iterator<Item = Option<(Constellation, T)>>) -> Option<()> {
-        let mut infallible = 0;
-        // Satellites of one constellation mostly share theirs.
-        let (mut last, mut shared) = (T::zero(), Fallible::never());
-        let mut next = row(0);
+    /// Takes over the satellites; how many of them fail at once.
+    fn gather(
+        &mut self,
+        satellites: impl Iterator<Item = Option<(Constellation, T)>>,
+        room: &'r mut Odds<T>,
+        alike: &mut [Alike<T>; Constellation::COUNT],
+    ) -> Result<Simultaneous<T>, SeparationError> {
+        let mut simultaneous = Simultaneous::nothing();
+        // Satellites of one constellation mostly follow each other, and share their probability.
+        let never = (NONE, T::zero());
+        let (mut run, mut of_run, mut start) = (never, Fallible::never(), 0);
+        room.clear();
         for satellite in satellites {
-            let own = next;
-            next <<= 1;
-            let Some((constellation, probability)) = satellite else {
-                self.odds.push(Fallible::never()).ok()?;
-                continue;
-            };
-            if last != probability {
-                last = probability;
-                shared = self.fallible_with(probability);
+            let own = satellite.map_or(never, |(constellation, fault)| (constellation as usize, fault));
+            if own != run {
+                self.take_over(&of_run, start..room.len(), alike);
+                (run, of_run, start) = (own, Fallible::of(own)?, room.len());
             }
-            if shared.odds <= T::zero() {
-                infallible |= own;
-            }
-            let constellation = constellation as usize;
-            self.odds.push(Fallible { constellation, ..shared }).ok()?;
-            if let Some(members) = self.members.get_mut(constellation) {
-                *members |= own;
+            room.push(of_run).map_err(|_| SeparationError::Rows)?;
+            if of_run.odds > T::zero() {
+                simultaneous.add(of_run.odds);
             }
         }
+        self.take_over(&of_run, start..room.len(), alike);
+        self.odds = room;
         self.satellites = self.members.iter().fold(0, |set, members| set | members);
-        self.fallible = self.satellites & !infallible;
         for (odds, members) in self.constellations.iter_mut().zip(&self.members) {
-            *odds = if *members == 0 { T::zero() } else { *odds / (T::one() - *odds) };
+            let fault = fault_odds(*odds)?;
+            *odds = if *members == 0 { T::zero() } else { fault };
         }
-        Some(())
+        Ok(simultaneous)
     }
 
-    /// The odds of a row, of no constellation yet.
-    fn fallible_with(&mut self, probability: T) -> Fallible<T> {
-        let odds = probability / (T::one() - probability);
-        if !(odds > T::zero()) {
-            return Fallible::never();
+    /// Takes over rows that follow each other, of equal odds.
+    #[inline(never)]
+    fn take_over(
+        &mut self,
+        of_each: &Fallible<T>,
+        rows: Range<usize>,
+        alike: &mut [Alike<T>; Constellation::COUNT],
+    ) {
+        let Fallible { odds, constellation, .. } = *of_each;
+        let of_constellation = self.members.get_mut(constellation).zip(alike.get_mut(constellation));
+        let Some((members, alike)) = of_constellation else { return };
+        let set = bit(rows.end).wrapping_sub(bit(rows.start));
+        *members |= set;
+        if odds > T::zero() {
+            self.fallible |= set;
+            alike.add(odds, rows.len());
+            if odds > self.likeliest.odds {
+                self.likeliest = Fallible { constellation: NONE, ..*of_each };
+            }
+            if odds < self.rarest_odds {
+                self.rarest_odds = odds;
+            }
         }
-        let fallible = Fallible { odds, ln: odds.ln(), ..Fallible::never() };
-        if odds > self.likeliest.odds {
-            self.likeliest = fallible;
-        }
-        if odds < self.rarest_odds {
-            self.rarest_odds = odds;
-        }
-        fallible
     }
 
     /// Everything that can go wrong, satellites first.
@@ -230,28 +267,21 @@ impl<T: Real> Modes<T> {
     }
 
     /// The same as a list.
+    #[inline(never)]
     fn gathered(&self) -> Vec<Event<T>, { ROOM + Constellation::COUNT }> {
         // There is room for all.
         crate::bounded::gather(self.events())
     }
 
     /// `p_0`, how many events at once are listed, and the probability of more.
-    fn count_events(&mut self, limit: T) -> T {
-        // Probabilities of 0, 1, 2, 3 and of more events: sums of positive terms.
-        let [mut none, mut one, mut two, mut three, mut more] =
-            [T::one(), T::zero(), T::zero(), T::zero(), T::zero()];
-        let mut count = 0;
-        let satellites = self.odds.iter().map(|row| row.odds);
-        for odds in satellites.chain(self.constellations).filter(|&odds| odds > T::zero()) {
-            let fine = (T::one() + odds).recip();
-            let failed = odds * fine;
-            more += three * failed;
-            three = three * fine + two * failed;
-            two = two * fine + one * failed;
-            one = one * fine + none * failed;
-            none *= fine;
+    fn count_events(&mut self, of_satellites: Simultaneous<T>, limit: T) -> T {
+        let mut simultaneous = of_satellites;
+        let mut count = self.fallible.count_ones() as usize;
+        for &odds in self.constellations.iter().filter(|&&odds| odds > T::zero()) {
+            simultaneous.add(odds);
             count += 1;
         }
+        let Simultaneous { none, three, more, .. } = simultaneous;
         self.healthy = none;
         self.ln_healthy = none.ln();
         let beyond_two = three + more;
@@ -266,9 +296,9 @@ impl<T: Real> Modes<T> {
     }
 
     /// Decides where watching ends.
-    fn cut(&mut self, tail: T, share: T) {
+    fn cut(&mut self, tail: T, share: T, alike: &[Alike<T>; Constellation::COUNT]) {
         let mut sums = [T::zero(); ROWS + 1];
-        self.is_regular = self.sum_by_constellation(&mut sums).is_some();
+        self.is_regular = self.sum_by_constellation(alike, &mut sums).is_some();
         if !self.is_regular {
             sums = [T::zero(); ROWS + 1];
             self.sum_one_by_one(&mut sums);
@@ -360,6 +390,7 @@ impl<T: Real> Modes<T> {
     }
 
     /// Whether a combination is watched by itself.
+    #[inline(never)]
     fn is_watched(&self, combination: &Combination<T>, probability: T) -> bool {
         self.consolidates(combination, probability).is_none()
             && (probability > self.mandatory
@@ -408,24 +439,30 @@ impl<T: Real> Modes<T> {
         combination
     }
 
-    /// Walks through the modes of the satellites that are left without `gone`, of a number of rows and constellations.
+    /// What is left of each constellation without `gone`.
+    pub(super) fn remains(&self, gone: Set) -> Remains {
+        Remains::of(&self.members, gone)
+    }
+
+    /// Walks through the modes of the satellites that are left, of a number of rows and constellations.
     ///
-    /// `was_monitorable` says of the rows that a combination takes, all satellites in view, whether it counts at all.
+    /// `was_monitorable` says of the rows that a combination takes, all satellites in view, whether it counts at all. The
+    /// walk is large: there is one for all visitors.
+    #[inline(never)]
     pub(super) fn visit(
         &self,
-        gone: Set,
+        remains: &Remains,
         sizes: &RangeInclusive<usize>,
-        was_monitorable: &impl Fn(Set) -> bool,
-        visitor: &mut impl Visitor<T>,
+        was_monitorable: &dyn Fn(Set) -> bool,
+        visitor: &mut dyn Visitor<T>,
     ) -> ControlFlow<()> {
-        let remains = Remains::without(self, gone);
-        let in_view = remains.in_view();
+        let in_view = remains.in_view;
         let most = self.limit.min(*sizes.end()) as u32;
         // Constellations first: what they add to the levels is mostly the largest part.
         let mut lost = in_view;
         for _ in 0..1usize << Constellation::COUNT {
             if lost.count_ones() <= most {
-                let walk = Walk::without(self, lost, &remains);
+                let walk = Walk::without(self, lost, remains);
                 walk.visit(sizes, was_monitorable, visitor)?;
             }
             if lost == 0 {
@@ -437,11 +474,12 @@ impl<T: Real> Modes<T> {
     }
 
     /// The largest bare product of probabilities, without `p_0`, among the watched combinations of a mode.
+    #[inline(never)]
     pub(super) fn prior(
         &self,
         hypothesis: Hypothesis,
         gone: Set,
-        was_monitorable: &impl Fn(Set) -> bool,
+        was_monitorable: &dyn Fn(Set) -> bool,
     ) -> T {
         let chosen = hypothesis.rows().fold(0, |set, index| set | row(index));
         if hypothesis.constellations == 0 && gone == 0 {
@@ -489,7 +527,8 @@ impl<T: Real> Modes<T> {
     }
 
     /// Every combination, watched or not, that leaves the same satellites as a mode.
-    fn causes(&self, lost_rows: Set, chosen: Set, gone: Set, cause: &mut impl FnMut(&Combination<T>, T)) {
+    #[inline(never)]
+    fn causes(&self, lost_rows: Set, chosen: Set, gone: Set, cause: &mut dyn FnMut(&Combination<T>, T)) {
         let (target, room) = (lost_rows | chosen, lost_rows | chosen | gone);
         let mut forced = chosen;
         let mut pool = (lost_rows | gone) & self.fallible;
@@ -513,21 +552,11 @@ impl<T: Real> Modes<T> {
         if forced & ROW_EVENTS & !self.fallible != 0 || forced.count_ones() as usize > self.limit {
             return;
         }
-        let mut consider = |events: Set| {
+        for chosen in subsets(pool, left as u32) {
+            let events = forced | chosen;
             let combination = self.combination(events);
             if events != 0 && combination.rows & target == target {
                 cause(&combination, self.probability_of(&combination));
-            }
-        };
-        consider(forced);
-        for first in members(pool).filter(|_| left > 0) {
-            let after = pool & above(first);
-            consider(forced | 1 << first);
-            for second in members(after).filter(|_| left > 1) {
-                consider(forced | 1 << first | 1 << second);
-                for third in members(after & above(second)).filter(|_| left > 2) {
-                    consider(forced | 1 << first | 1 << second | 1 << third);
-                }
             }
         }
     }

@@ -105,3 +105,42 @@ pub(super) fn is_listed_after(events: Set, other: Set) -> bool {
     let first = differing & differing.wrapping_neg();
     other & first != 0
 }
+
+/// Every set of some events and no more than `most` of them: none first, and each before those with events behind its own.
+pub(super) fn subsets(pool: Set, most: u32) -> impl Iterator<Item = Set> {
+    let lowest = |set: Set| set & set.wrapping_neg();
+    core::iter::successors(Some(0), move |&last: &Set| {
+        let (mut set, mut behind) = (last, pool & above_all(last));
+        if behind != 0 && set.count_ones() < most {
+            return Some(set | lowest(behind));
+        }
+        // In the place of the last event the one behind it, or of the one before where there is none.
+        while set != 0 {
+            behind = pool & above_all(set);
+            set &= !highest(set);
+            if behind != 0 {
+                return Some(set | lowest(behind));
+            }
+        }
+        None
+    })
+}
+
+/// The last of a set's events.
+fn highest(set: Set) -> Set {
+    set & !(Set::MAX >> 1).unbounded_shr(set.leading_zeros())
+}
+
+/// What is behind all of a set's events.
+fn above_all(set: Set) -> Set {
+    !Set::MAX.unbounded_shr(set.leading_zeros())
+}
+
+#[cfg(test)]
+#[test]
+fn every_subset_is_listed_once_and_each_before_those_behind_it() {
+    let have = subsets(0b1_1010, 2).collect::<heapless::Vec<_, 8>>();
+    let want = [0, 0b10, 0b1010, 0b1_0010, 0b1000, 0b1_1000, 0b1_0000];
+    assert_eq!(have, want);
+    assert!(subsets(0b1_1010, 0).eq([0]), "none but the empty set");
+}

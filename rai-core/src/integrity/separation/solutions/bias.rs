@@ -100,31 +100,12 @@ impl<T: Real> Solutions<'_, T> {
             take(of_first, &design, group);
         }
         let rows = [first, second, third];
-        if self.at.constellations == 0 {
-            self.summed_bias(&rows, &turn, &steps)
-        } else {
-            self.summed_bias_beyond(&rows, &turn, &steps)
-        }
-    }
-
-    /// `Σ w_i b_i |Z P d_i + s_c|` over all rows but three, all constellations in view.
-    #[inline(never)]
-    fn summed_bias(&self, out: &[usize; 3], turn: &Matrix3<T>, steps: &[Vector3<T>; GROUPS]) -> Vector3<T> {
-        let part = |(row, fit, own): (&Row<T>, &Fit<T>, &Own<T>)| {
-            share(turn, &fit.gain, steps.get(group_of(row)), own)
-        };
-        let sum = self.rows().fold(Vector3::zeros(), |sum, row| sum + part(row));
-        self.rows_of(out).fold(sum, |sum, row| sum - part(row))
+        self.summed_bias(&rows, &turn, &steps)
     }
 
     /// `Σ w_i b_i |Z P'd_i + s_c|` over what is left, without the constellations that the kernel has lost.
     #[inline(never)]
-    fn summed_bias_beyond(
-        &self,
-        out: &[usize; 3],
-        turn: &Matrix3<T>,
-        steps: &[Vector3<T>; GROUPS],
-    ) -> Vector3<T> {
+    fn summed_bias(&self, out: &[usize; 3], turn: &Matrix3<T>, steps: &[Vector3<T>; GROUPS]) -> Vector3<T> {
         let (turned, constellations) = (turn * self.kernel.covariance, self.at.constellations);
         let part = |(row, fit, own): (&Row<T>, &Fit<T>, &Own<T>)| {
             let group = group_of(row);

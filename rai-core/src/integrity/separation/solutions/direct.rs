@@ -28,19 +28,13 @@ struct Triangle<T: Real> {
     right: Vector3<T>,
 }
 
+/// A row with its residual.
+type Turned<T> = (Vector3<T>, T);
+
 impl<T: Real> Triangle<T> {
     fn add(&mut self, mut row: Vector3<T>, mut residual: T) {
         for (column, (top, right)) in self.rows.iter_mut().zip(self.right.iter_mut()).enumerate() {
-            let [&diagonal, &below] = [top.get(column), row.get(column)].map(|entry| entry.unwrap_or(&top.x));
-            let length = (diagonal * diagonal + below * below).sqrt();
-            if !(length > T::zero()) {
-                continue;
-            }
-            let (cosine, sine) = (diagonal / length, below / length);
-            let turned = *top * cosine + row * sine;
-            row = row * cosine - *top * sine;
-            *top = turned;
-            (*right, residual) = (*right * cosine + residual * sine, residual * cosine - *right * sine);
+            [(*top, *right), (row, residual)] = turn(column, &(*top, *right), &(row, residual));
         }
     }
 
@@ -55,7 +49,24 @@ impl<T: Real> Triangle<T> {
     }
 }
 
+/// Turns two rows so that the second has nothing left in a column.
+#[inline(never)]
+fn turn<T: Real>(column: usize, top: &Turned<T>, below: &Turned<T>) -> [Turned<T>; 2] {
+    let [(top, right), (row, residual)] = [*top, *below];
+    let [&diagonal, &rest] = [top.get(column), row.get(column)].map(|entry| entry.unwrap_or(&top.x));
+    let length = (diagonal * diagonal + rest * rest).sqrt();
+    if !(length > T::zero()) {
+        return [(top, right), (row, residual)];
+    }
+    let (cosine, sine) = (diagonal / length, rest / length);
+    [
+        (top * cosine + row * sine, right * cosine + residual * sine),
+        (row * cosine - top * sine, residual * cosine - right * sine),
+    ]
+}
+
 /// The solution without a mode and its bias; `None` where what is left does not determine it.
+#[cold]
 #[inline(never)]
 pub(super) fn solve<T: Real>(
     solutions: &Solutions<'_, T>,

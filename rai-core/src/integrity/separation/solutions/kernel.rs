@@ -79,6 +79,7 @@ pub(super) fn mirror<T: Real>(matrix: &mut Matrix3<T>) {
 }
 
 /// Diagonal of `A M Aᵀ`, `M` symmetric.
+#[inline(never)]
 pub(super) fn diagonal_of<T: Real>(a: &Matrix3<T>, m: &Matrix3<T>) -> Vector3<T> {
     (a * m).component_mul(a).column_sum()
 }

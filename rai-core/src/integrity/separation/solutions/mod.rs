@@ -125,25 +125,24 @@ impl<'v, T: Real> Solutions<'v, T> {
     /// Prepares for the modes.
     #[inline(never)]
     pub(super) fn prepare(&mut self, priors: &[Prior<T>]) {
-        self.prepare_without_biases(priors);
-        let has_bias =
-            |(own, prior): (&Own<T>, &Prior<T>)| prior.bias_m > T::zero() && own.weighted_bias > T::zero();
-        self.has_bias = self.own.iter().zip(priors).any(has_bias);
+        self.has_bias = self.prepare_without_biases(priors);
         if self.has_bias {
             self.spread_biases(priors);
             self.whole_bias = self.summed_bias_of_whole();
         }
     }
 
-    /// As [`Self::prepare`], as if no satellite had a nominal bias: for tests, which know none.
+    /// As [`Self::prepare`], as if no satellite had a nominal bias: for tests, which know none. Whether any has one.
     #[inline(never)]
-    pub(super) fn prepare_without_biases(&mut self, priors: &[Prior<T>]) {
-        self.sum_up(priors);
+    pub(super) fn prepare_without_biases(&mut self, priors: &[Prior<T>]) -> bool {
+        let has_bias = self.sum_up(priors);
         self.describe_whole();
+        has_bias
     }
 
-    /// Sums over the rows of each constellation.
-    fn sum_up(&mut self, priors: &[Prior<T>]) {
+    /// Sums over the rows of each constellation; whether any has a nominal bias.
+    fn sum_up(&mut self, priors: &[Prior<T>]) -> bool {
+        let (mut biases, mut largest_weight) = (T::zero(), T::zero());
         let rows = self.view.rows.iter().zip(self.view.fits).enumerate();
         for (index, (row, fit)) in rows {
             let weight = row.weight;
@@ -155,23 +154,25 @@ impl<'v, T: Real> Solutions<'v, T> {
             let own = Own { share, pivot, kappa: T::zero(), weighted_bias: weight * bias, spread: T::zero() };
             // The view holds no more rows than there is room for.
             let _ = self.own.push(own);
-            if !(weight > T::zero()) {
-                continue;
+            biases += own.weighted_bias;
+            if weight > largest_weight {
+                largest_weight = weight;
             }
-            if weight > self.largest_weight {
-                self.largest_weight = weight;
-            }
-            if let Some(group) = self.groups.get_mut(group_of(row)) {
-                let weighted = fit.centred * weight;
+            // What is left out is of no group.
+            let group = if weight > T::zero() { group_of(row) } else { GROUPS };
+            if let Some(group) = self.groups.get_mut(group) {
+                let (centred, residual) = (fit.centred, fit.residual);
+                let weighted = centred * weight;
                 let accurate = weighted * share;
                 group.level += weight;
                 group.accuracy += share * weight;
                 group.lean += accurate;
-                add_product(&mut group.normal, &weighted, &fit.centred);
-                add_product(&mut group.dispersion, &accurate, &fit.centred);
-                group.pull += weighted * fit.residual;
+                add_product(&mut group.normal, &weighted, &centred);
+                add_product(&mut group.dispersion, &accurate, &centred);
+                group.pull += weighted * residual;
             }
         }
+        self.largest_weight = largest_weight;
         for (id, group) in self.groups.iter_mut().enumerate() {
             mirror(&mut group.dispersion);
             self.total_dispersion += group.dispersion;
@@ -180,14 +181,15 @@ impl<'v, T: Real> Solutions<'v, T> {
             group.accuracy *= group.level * group.level;
             group.lean *= group.level;
         }
+        // None is below nothing.
+        biases > T::zero()
     }
 
     /// The kernel of all satellites, and each row's `κ_jj` there.
     fn describe_whole(&mut self) {
         self.kernel.regain_all(self.view.covariance, &self.total_dispersion);
         self.kernel.complete(&self.groups);
-        for (index, row) in self.view.rows.iter().enumerate() {
-            let Some((fit, own)) = self.view.fits.get(index).zip(self.own.get_mut(index)) else { continue };
+        for ((row, fit), own) in self.view.rows.iter().zip(self.view.fits).zip(self.own.iter_mut()) {
             if row.weight > T::zero() {
                 let coupling = row.weight.recip() - own.pivot;
                 let group = group_of(row);

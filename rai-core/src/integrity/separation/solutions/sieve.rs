@@ -178,7 +178,10 @@ impl<T: Real> Solutions<'_, T> {
     fn left_of(&self, rows: Set, mut is_dismissed: impl FnMut(&Row<T>, &Fit<T>, &Own<T>) -> bool) -> Set {
         let start = rows.trailing_zeros() as usize;
         let (mut left, mut rest) = (0, rows.unbounded_shr(start as u32));
-        for (index, (row, fit, own)) in self.rows().enumerate().skip(start) {
+        let from_start =
+            self.view.rows.get(start..).zip(self.view.fits.get(start..)).zip(self.own.get(start..));
+        let Some(((equations, fits), owns)) = from_start else { return rows };
+        for (index, ((row, fit), own)) in (start..).zip(equations.iter().zip(fits).zip(owns)) {
             if rest == 0 {
                 break;
             }

@@ -48,37 +48,35 @@ pub(in crate::integrity::separation) trait Visitor<T> {
 }
 
 /// What is left of each constellation without some rows.
-#[derive(Clone, Copy)]
-pub(super) struct Remains {
-    gone: Set,
+#[derive(Clone, Copy, Debug)]
+pub(in crate::integrity::separation) struct Remains {
+    pub(in crate::integrity::separation) gone: Set,
     members: [Set; Constellation::COUNT],
     /// Rows that are all that is left of theirs.
     alone: Set,
     /// Rows of constellations that a few of them can be all of.
     few: Set,
+    /// Constellations of which anything is left, a bit for each id.
+    pub(super) in_view: usize,
 }
 
 impl Remains {
-    pub(super) fn without<T: Real>(modes: &Modes<T>, gone: Set) -> Self {
-        let members = modes.members.map(|members| members & !gone);
+    pub(super) fn of(members: &[Set; Constellation::COUNT], gone: Set) -> Self {
+        let members = members.map(|members| members & !gone);
         let union = |set: Set, rows: &Set| set | rows;
         let alone = members.iter().filter(|rows| rows.is_power_of_two()).fold(0, union);
         let without_one = |rows: Set| rows & rows.wrapping_sub(1);
         let is_few = |rows: &&Set| (0..EVENTS).fold(**rows, |rows, _| without_one(rows)) == 0;
         let few = members.iter().filter(is_few).fold(0, union);
-        Self { gone, members, alone, few }
-    }
-
-    /// Constellations of which anything is left, a bit for each id.
-    pub(super) fn in_view(&self) -> usize {
-        let in_view = self.members.iter().enumerate().filter(|&(_, &members)| members != 0);
-        in_view.fold(0, |set, (id, _)| set | 1 << id)
+        let is_left = members.iter().enumerate().filter(|&(_, &members)| members != 0);
+        let in_view = is_left.fold(0, |set, (id, _)| set | 1 << id);
+        Self { gone, members, alone, few, in_view }
     }
 }
 
 /// The modes that lose the same constellations.
 pub(super) struct Walk<'m, T: Real> {
-    pub(super) modes: &'m Modes<T>,
+    pub(super) modes: &'m Modes<'m, T>,
     pub(super) lost: usize,
     lost_rows: Set,
     pub(super) lost_count: usize,
@@ -94,7 +92,7 @@ pub(super) struct Walk<'m, T: Real> {
 impl<'m, T: Real> Walk<'m, T> {
     /// The constellations are in view, and no more than are lost at once.
     pub(super) fn without(modes: &'m Modes<T>, lost: usize, remains: &'m Remains) -> Self {
-        let Remains { gone, members, alone, few } = remains;
+        let Remains { gone, members, alone, few, .. } = remains;
         let lost_rows = modes.rows_of(lost) & !gone;
         // Without its only satellite a constellation is lost: that is another mode.
         let left = modes.fallible & !gone & !lost_rows & !alone;
@@ -105,8 +103,8 @@ impl<'m, T: Real> Walk<'m, T> {
     pub(super) fn visit(
         &self,
         sizes: &RangeInclusive<usize>,
-        was_monitorable: &impl Fn(Set) -> bool,
-        visitor: &mut impl Visitor<T>,
+        was_monitorable: &dyn Fn(Set) -> bool,
+        visitor: &mut dyn Visitor<T>,
     ) -> ControlFlow<()> {
         let (lost, size, limit) = (self.lost, self.lost.count_ones() as usize, self.modes.limit);
         let offer = |visitor: &mut _, size: usize, rows: [usize; EVENTS]| match self.mode(
@@ -156,7 +154,7 @@ impl<'m, T: Real> Walk<'m, T> {
         &self,
         size: usize,
         rows: [usize; EVENTS],
-        was_monitorable: &impl Fn(Set) -> bool,
+        was_monitorable: &dyn Fn(Set) -> bool,
     ) -> Option<Mode<T>> {
         let chosen = rows.iter().fold(0, |set, &index| set | row(index));
         if self.has_few && size > 1 && self.empties(chosen) {
@@ -187,7 +185,7 @@ impl<'m, T: Real> Walk<'m, T> {
         chosen: Set,
         rows: [usize; EVENTS],
         size: usize,
-        was_monitorable: &impl Fn(Set) -> bool,
+        was_monitorable: &dyn Fn(Set) -> bool,
     ) -> Option<(T, T)> {
         let modes = self.modes;
         let (mut product, mut ln, mut constellation) = (modes.healthy, modes.ln_healthy, NONE);
@@ -216,7 +214,7 @@ impl<'m, T: Real> Walk<'m, T> {
 
     /// The probability of all watched combinations that leave the same satellites.
     #[inline(never)]
-    fn sum_of_causes(&self, chosen: Set, was_monitorable: &impl Fn(Set) -> bool) -> T {
+    fn sum_of_causes(&self, chosen: Set, was_monitorable: &dyn Fn(Set) -> bool) -> T {
         if chosen == 0
             && let Some(loss) = self.modes.sole_loss(self.lost, self.gone)
         {

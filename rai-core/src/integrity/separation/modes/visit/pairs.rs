@@ -44,8 +44,8 @@ impl<'w, 'm, T: Real> Pairs<'w, 'm, T> {
     #[inline]
     pub(super) fn visit(
         &self,
-        was_monitorable: &impl Fn(Set) -> bool,
-        visitor: &mut impl Visitor<T>,
+        was_monitorable: &dyn Fn(Set) -> bool,
+        visitor: &mut dyn Visitor<T>,
     ) -> ControlFlow<()> {
         let Walk { lost, left, .. } = *self.walk;
         if !self.reach_the_cut() {
@@ -63,7 +63,7 @@ impl<'w, 'm, T: Real> Pairs<'w, 'm, T> {
     }
 
     /// Visits rows that are watched each by itself, nothing gone: none of them is counted with its constellation's loss.
-    pub(super) fn visit_singles(&self, visitor: &mut impl Visitor<T>) -> ControlFlow<()> {
+    pub(super) fn visit_singles(&self, visitor: &mut dyn Visitor<T>) -> ControlFlow<()> {
         let modes = self.walk.modes;
         let rows = self.watched_singles();
         let batch = Batch {
@@ -152,8 +152,8 @@ impl<'w, 'm, T: Real> Pairs<'w, 'm, T> {
         &self,
         first: &First<T>,
         others: Set,
-        was_monitorable: &impl Fn(Set) -> bool,
-        visitor: &mut impl Visitor<T>,
+        was_monitorable: &dyn Fn(Set) -> bool,
+        visitor: &mut dyn Visitor<T>,
     ) -> ControlFlow<()> {
         let Walk { modes, gone, .. } = *self.walk;
         let mut rows = self.before_the_cut(first, others);
