@@ -98,16 +98,7 @@ pub fn build() -> anyhow::Result<PathBuf> {
 /// # Errors
 /// As [`build`].
 pub fn build_with(chosen: &[&str]) -> anyhow::Result<PathBuf> {
-    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    let output = Command::new(cargo)
-        .current_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join(".."))
-        .args(["image", "--quiet", "--message-format=json-render-diagnostics"])
-        .args(chosen)
-        .stderr(Stdio::inherit())
-        .output()
-        .context("cargo cannot be run")?;
-    ensure!(output.status.success(), "the image does not build (`cargo image` says why)");
-    executable(&String::from_utf8_lossy(&output.stdout)).context("cargo built no image")
+    built(cargo().arg("image").args(chosen))
 }
 
 /// Builds the smallest image that judges: RTCM 3 in, sentences out, classic RAIM. In a folder of its own, since what it leaves out
@@ -116,15 +107,40 @@ pub fn build_with(chosen: &[&str]) -> anyhow::Result<PathBuf> {
 /// # Errors
 /// As [`build`].
 pub fn build_small() -> anyhow::Result<PathBuf> {
-    build_with(&["--bin", "rai-firmware", "--no-default-features", "--target-dir", "target/small"])
+    let folder = Path::new("target/small");
+    built(apart(cargo().args(["image", "--bin", "rai-firmware", "--no-default-features"]), folder))
+}
+
+/// Has cargo leave what it builds in a folder where nothing of the same name is. What it is made of is shared with everything
+/// else: a library with the same features and flags is compiled once.
+pub(crate) fn apart<'c>(cargo: &'c mut Command, folder: &Path) -> &'c mut Command {
+    cargo.arg("--target-dir").arg(folder).env("CARGO_BUILD_BUILD_DIR", "target")
+}
+
+/// Cargo at the project's root.
+pub(crate) fn cargo() -> Command {
+    let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    cargo.current_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join(".."));
+    cargo
+}
+
+/// Builds an image and returns where it lies.
+pub(crate) fn built(cargo: &mut Command) -> anyhow::Result<PathBuf> {
+    let output = cargo
+        .args(["--quiet", "--message-format=json-render-diagnostics"])
+        .stderr(Stdio::inherit())
+        .output()
+        .context("cargo cannot be run")?;
+    ensure!(output.status.success(), "the image does not build (`cargo image` says why)");
+    executable(&String::from_utf8_lossy(&output.stdout)).context("cargo built no image")
 }
 
 /// What the compiler is told for the second board's processor.
 pub(crate) const SECOND_BOARD_FLAGS: &str =
     "-C target-cpu=cortex-m7 -C link-arg=-Tlink.x -C link-arg=-Tdefmt.x -C link-arg=--nmagic";
 
-/// Builds one of the images, which the arguments choose, for a board and returns where it lies. Each board has a folder of
-/// its own for what is built with its processor's flags.
+/// Builds one of the images, which the arguments choose, for a board and returns where it lies, which for each board is a folder
+/// of its own.
 ///
 /// # Errors
 /// As [`build`].
@@ -132,20 +148,14 @@ pub fn build_for(machine: Machine, chosen: &[&str]) -> anyhow::Result<PathBuf> {
     if machine == Machine::Stm32f405 {
         return build_with(chosen);
     }
-    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    let output = Command::new(cargo)
-        .current_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join(".."))
-        .args(["build", "--quiet", "--message-format=json-render-diagnostics", "--profile", "firmware"])
-        .args(["--target", "thumbv7em-none-eabihf", "--target-dir", "target/mps2_an500"])
+    // These flags replace what the project's own configuration says, so all of it is said again.
+    let mut cargo = cargo();
+    cargo
+        .args(["build", "--profile", "firmware", "--target", "thumbv7em-none-eabihf"])
         .args(["--package", "rai-firmware", "--features", "mps2-an500"])
         .args(chosen)
-        // These replace what the project's own configuration says, so all of it is said again.
-        .env("RUSTFLAGS", SECOND_BOARD_FLAGS)
-        .stderr(Stdio::inherit())
-        .output()
-        .context("cargo cannot be run")?;
-    ensure!(output.status.success(), "the image of the second board does not build");
-    executable(&String::from_utf8_lossy(&output.stdout)).context("cargo built no image")
+        .env("RUSTFLAGS", SECOND_BOARD_FLAGS);
+    built(apart(&mut cargo, Path::new("target/mps2_an500")))
 }
 
 pub(crate) fn executable(messages: &str) -> Option<PathBuf> {

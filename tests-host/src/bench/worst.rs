@@ -16,6 +16,8 @@
 //! Figures are instructions of one epoch from its first byte to its last sentence, in the midst of a stream, or the first of
 //! one, which brings the ephemerides and knows no position.
 
+use std::collections::BTreeMap;
+
 use anyhow::{Context, Result};
 
 use super::figure::Figure;
@@ -99,11 +101,12 @@ impl Found {
 pub fn search(place: Place) -> Result<Found> {
     let mut point = START;
     let mut highest = 0;
+    let mut known = BTreeMap::new();
     for _ in 0..ROUNDS {
         let before = highest;
         for (axis, (_, values)) in CIRCUMSTANCES.iter().enumerate() {
             let along: Vec<Point> = (0..values.len()).map(|value| with(point, axis, value)).collect();
-            let costs = measure(place, &along)?;
+            let costs = known_or_measured(place, &along, &mut known)?;
             let best = costs.into_iter().zip(along).max_by_key(|(cost, _)| *cost).context("no values")?;
             if best.0 > highest {
                 (highest, point) = best;
@@ -137,6 +140,16 @@ fn with(mut point: Point, axis: usize, value: usize) -> Point {
         *slot = value;
     }
     point
+}
+
+/// What each point costs. What is known is not measured again: a search that has come to its summit looks around once more, at
+/// points most of which it has been to.
+fn known_or_measured(place: Place, points: &[Point], known: &mut BTreeMap<Point, u64>) -> Result<Vec<u64>> {
+    let new: Vec<Point> = points.iter().filter(|point| !known.contains_key(*point)).copied().collect();
+    if !new.is_empty() {
+        known.extend(new.iter().copied().zip(measure(place, &new)?));
+    }
+    points.iter().map(|point| known.get(point).copied().context("a point without an answer")).collect()
 }
 
 /// What each point costs, all of them in one go of the emulator.

@@ -145,10 +145,10 @@ fn root() -> PathBuf {
 }
 
 fn rustc(crate_type: &str, features: &str, target_folder: &Path) -> Command {
-    let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
-    cargo.current_dir(root()).args(["rustc", "--quiet", "--package=rai-capi", "--lib", "--crate-type"]);
-    cargo.args([crate_type, "--no-default-features", "--features", features, "--target-dir"]);
-    cargo.arg(target_folder);
+    let mut cargo = image::cargo();
+    cargo.args(["rustc", "--quiet", "--package=rai-capi", "--lib", "--crate-type", crate_type]);
+    cargo.args(["--no-default-features", "--features", features]);
+    image::apart(&mut cargo, target_folder);
     cargo
 }
 

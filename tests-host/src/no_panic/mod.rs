@@ -2,12 +2,14 @@
 //!
 //! The image `no_panic` of `rai-firmware` holds every public function of `rai-core` and of the firmware's library,
 //! compiled for any arguments, and a panic handler that calls a symbol which exists nowhere. It is linked with the
-//! compiler, the profile and the target of the shipped image:
+//! compiler, the profile and the target of the shipped image, and the linker only warns of what it lacks, so that one link
+//! both decides and shows who calls:
 //!
-//! | link | means |
+//! | the linker lacks | means |
 //! |---|---|
-//! | succeeds | no panic survived optimisation |
-//! | fails for the lack of [`SYMBOL`] | some do: the image is linked once more with the symbol given, and [`callers`] names them |
+//! | nothing | no panic survived optimisation |
+//! | [`SYMBOL`] | some do, and [`callers`] names them |
+//! | anything else | this is no image |
 //!
 //! [`coverage`] holds the lists in that image against the sources, so that the proof stays complete as functions come.
 //! The library for C compiles the same functions behind pointers and exports of its own: [`static_library`].
@@ -19,13 +21,15 @@ pub mod callers;
 pub mod coverage;
 pub mod static_library;
 
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::path::PathBuf;
 
 use anyhow::{Context, ensure};
 
 use callers::Offence;
+use object::{Object as _, ObjectSymbol as _};
 use static_library::StaticLibrary;
+
+use crate::image;
 
 /// What the panic handler of the image calls.
 pub const SYMBOL: &str = "rai_a_panic_is_reachable_here";
@@ -40,7 +44,7 @@ pub const TOLERATED: [&str; 1] = ["rai-firmware/src/board/arm/log.rs"];
 pub fn prove() -> anyhow::Result<()> {
     prove_library("probe")?;
     refuse(&StaticLibrary::build()?.offences(&[])?)?;
-    let places = offences("rai-firmware", "stm32f405", &[])?;
+    let places = callers::of_panics(&std::fs::read(image::build()?)?)?;
     let tolerated = |place: &Offence| TOLERATED.contains(&place.file.as_str());
     refuse(&places.into_iter().filter(|place| !tolerated(place)).collect::<Vec<_>>())
 }
@@ -51,14 +55,14 @@ pub fn prove() -> anyhow::Result<()> {
 /// # Errors
 /// As [`prove`].
 pub fn prove_library(features: &str) -> anyhow::Result<()> {
-    let output = link("no_panic", features, &[])?;
-    if output.status.success() {
+    let linked = std::fs::read(link("no_panic", features)?)?;
+    let lacking = undefined(&linked)?;
+    if lacking.is_empty() {
         return Ok(());
     }
-    let said = String::from_utf8_lossy(&output.stderr);
-    ensure!(said.contains(&format!("undefined symbol: {SYMBOL}")), "the image does not build:\n{said}");
-    let places = offences("no_panic", features, &[&format!("link-arg=--defsym={SYMBOL}=0")])?;
-    ensure!(!places.is_empty(), "the linker found a panic that its callers do not show:\n{said}");
+    ensure!(lacking == [SYMBOL], "the image lacks {}", lacking.join(", "));
+    let places = callers::of_panics(&linked)?;
+    ensure!(!places.is_empty(), "the linker found a panic that its callers do not show");
     refuse(&places)
 }
 
@@ -68,22 +72,23 @@ fn refuse(places: &[Offence]) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The places in an image from which a panic is reachable.
-fn offences(image: &str, features: &str, codegen: &[&str]) -> anyhow::Result<Vec<Offence>> {
-    let output = link(image, features, &[codegen, &["link-arg=--emit-relocs"]].concat())?;
+/// Links an image, whatever the linker lacks for it.
+fn link(name: &str, features: &str) -> anyhow::Result<PathBuf> {
+    let mut cargo = image::cargo();
+    cargo
+        .args(["rustc", "--profile=firmware", "--target=thumbv7em-none-eabihf"])
+        .args(["--package=rai-firmware", "--bin", name, "--features", features])
+        .args(["--quiet", "--message-format=json-render-diagnostics", "--"])
+        .args(["-C", "link-arg=--warn-unresolved-symbols"]);
+    let output = cargo.output().context("cargo cannot be run")?;
     let said = String::from_utf8_lossy(&output.stderr);
-    ensure!(output.status.success(), "the image does not link:\n{said}");
-    let path: Option<PathBuf> = crate::image::executable(&String::from_utf8_lossy(&output.stdout));
-    callers::of_panics(&std::fs::read(path.context("cargo linked no image")?)?)
+    ensure!(output.status.success(), "the image does not build:\n{said}");
+    image::executable(&String::from_utf8_lossy(&output.stdout)).context("cargo linked no image")
 }
 
-fn link(image: &str, features: &str, codegen: &[&str]) -> anyhow::Result<Output> {
-    let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
-    cargo
-        .current_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join(".."))
-        .args(["rustc", "--profile=firmware", "--target=thumbv7em-none-eabihf"])
-        .args(["--package=rai-firmware", "--bin", image, "--features", features])
-        .args(["--quiet", "--message-format=json-render-diagnostics", "--"])
-        .args(codegen.iter().flat_map(|option| ["-C", option]));
-    cargo.output().context("cargo cannot be run")
+/// What an image refers to and does not hold.
+fn undefined(image: &[u8]) -> anyhow::Result<Vec<String>> {
+    let elf = object::File::parse(image)?;
+    let undefined = elf.symbols().filter(|symbol| symbol.is_undefined() && symbol.name() != Ok(""));
+    Ok(undefined.map(|symbol| symbol.name().unwrap_or("what has no name").to_owned()).collect())
 }

@@ -17,7 +17,8 @@ use anyhow::{Context as _, ensure};
 use object::{Object, ObjectSymbol};
 
 use super::callers::{self, Offence};
-use crate::capi::run;
+use crate::board::Machine;
+use crate::capi::{library_for, run};
 
 /// Where the library's panic handler ends: the function that a C program may replace.
 pub const HANDLER: &str = "rai_panic";
@@ -38,13 +39,7 @@ impl StaticLibrary {
     /// # Errors
     /// Where it does not build or link, or holds no handler: nothing would be proved of it then.
     pub fn build() -> anyhow::Result<Self> {
-        let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
-        cargo
-            .current_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join(".."))
-            .args(["rustc", "--profile=firmware", "--target=thumbv7em-none-eabihf", "--package=rai-capi"])
-            .args(["--lib", "--crate-type=staticlib", "--quiet", "--message-format=json-render-diagnostics"]);
-        let messages = run(&mut cargo)?;
-        let archive = archive(&String::from_utf8_lossy(&messages)).context("cargo built no library")?;
+        let archive = library_for(Machine::Stm32f405, "whole,panic-handler")?;
         let mut library = Self { archive, linker: linker()?, exports: BTreeSet::new() };
         let mut exports = symbols(&library.link(&["--whole-archive", "--no-gc-sections"])?)?;
         ensure!(exports.remove(HANDLER), "the library holds no {HANDLER}: nothing could be found in it");
@@ -84,15 +79,6 @@ impl StaticLibrary {
         linker.args(["-flavor", "gnu", "--no-warnings", "--entry=0", "-o", "-"]).args(arguments);
         run(linker.arg(&self.archive))
     }
-}
-
-/// The archive that cargo says it has built.
-fn archive(messages: &str) -> Option<PathBuf> {
-    let mut files = messages
-        .lines()
-        .filter_map(|line| serde_json::from_str::<serde_json::Value>(line).ok())
-        .filter_map(|message| message.get("filenames")?.get(0)?.as_str().map(PathBuf::from));
-    files.rfind(|file| file.extension().is_some_and(|extension| extension == "a"))
 }
 
 /// The linker that comes with the compiler, which is what links the images.
