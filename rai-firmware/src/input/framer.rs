@@ -124,8 +124,6 @@ pub(super) struct Framer {
     front: usize,
     /// Length of the frame that was handed out last, still at the front.
     handed: usize,
-    /// Length of the buffer with which what is at the front may be a whole frame, or shows how long it is.
-    wanted: usize,
     /// From here on, the bytes came at `fresh_ms`; those before came at `old_ms` or later.
     fresh: usize,
     fresh_ms: u64,
@@ -135,8 +133,7 @@ pub(super) struct Framer {
 
 /// What the front of the buffer is.
 enum Front {
-    /// With so many bytes it may be complete.
-    Incomplete(usize),
+    Incomplete,
     Complete(Protocol, usize),
     NoFrame,
 }
@@ -147,7 +144,6 @@ impl Framer {
             buffer: Vec::new(),
             front: 0,
             handed: 0,
-            wanted: 0,
             fresh: 0,
             fresh_ms: 0,
             old_ms: 0,
@@ -185,9 +181,7 @@ impl Framer {
             // No candidate is that long: only a caller that does not ask for frames gets here.
             count(&mut counters.bytes_skipped);
             self.front = 1;
-            self.wanted = 0;
         }
-        self.wanted = self.wanted.saturating_sub(self.front);
         let left = self.buffer.len().saturating_sub(self.front);
         let from = self.front.min(self.buffer.len());
         self.buffer.copy_within(from.., 0);
@@ -196,10 +190,10 @@ impl Framer {
         self.front = 0;
     }
 
-    /// Whether [`Framer::next`] has anything to look at that it has not seen. Bytes come one by one, and asking it for
-    /// each would cost as much as reading the message.
+    /// Whether [`Framer::next`] would find more than it did before. Bytes come a few at a time, and asking it whenever some
+    /// have come would cost half as much as reading the message.
     pub(super) fn is_worth_a_look(&self) -> bool {
-        self.buffer.len() >= self.wanted
+        self.handed > 0 || !matches!(self.candidate(), Front::Incomplete)
     }
 
     /// The next frame that passes its check; the one before is done with.
@@ -215,12 +209,11 @@ impl Framer {
                         break (protocol, length);
                     }
                 }
-                Front::Incomplete(length) if self.is_empty() || !is_silent => {
+                Front::Incomplete if self.is_empty() || !is_silent => {
                     self.settle();
-                    self.wanted = self.front + length;
                     return None;
                 }
-                Front::Incomplete(_) => count(&mut counters.frames_cut),
+                Front::Incomplete => count(&mut counters.frames_cut),
                 Front::NoFrame => {}
             }
             self.resynchronise(counters);
@@ -235,7 +228,7 @@ impl Framer {
     /// Forgets all that waits.
     pub(super) fn forget(&mut self, counters: &mut Counters) {
         count_many(&mut counters.bytes_skipped, self.waiting().len().saturating_sub(self.handed));
-        (self.front, self.handed, self.wanted, self.fresh) = (0, 0, 0, 0);
+        (self.front, self.handed, self.fresh) = (0, 0, 0);
         self.buffer.clear();
     }
 
@@ -257,12 +250,11 @@ impl Framer {
 
     fn candidate(&self) -> Front {
         match self.waiting() {
-            [] => Front::Incomplete(1),
-            [RTCM] | [RTCM, _] => Front::Incomplete(RTCM_HEADER),
+            [] | [RTCM] | [RTCM, _] => Front::Incomplete,
             [RTCM, high, low, ..] if high & 0b1111_1100 == 0 => {
                 self.whole(Protocol::Rtcm, rtcm_length(*high, *low))
             }
-            [first] if UBX_IS_READ && *first == UBX[0] => Front::Incomplete(UBX.len()),
+            [first] if UBX_IS_READ && *first == UBX[0] => Front::Incomplete,
             [first, second, rest @ ..] if UBX_IS_READ && [*first, *second] == UBX => match rest {
                 [class, id, low, high, ..] => {
                     let payload = usize::from(*high) << 8 | usize::from(*low);
@@ -271,18 +263,14 @@ impl Framer {
                     }
                     self.whole(Protocol::Ubx, UBX_HEADER + payload + UBX_PARITY)
                 }
-                _ => Front::Incomplete(UBX_HEADER),
+                _ => Front::Incomplete,
             },
             _ => Front::NoFrame,
         }
     }
 
     fn whole(&self, protocol: Protocol, length: usize) -> Front {
-        if self.waiting().len() < length {
-            Front::Incomplete(length)
-        } else {
-            Front::Complete(protocol, length)
-        }
+        if self.waiting().len() < length { Front::Incomplete } else { Front::Complete(protocol, length) }
     }
 
     /// Checks a complete candidate, if that can be paid for.
