@@ -69,8 +69,14 @@ impl<'a, T: Real> Watch<'a, T> {
 
     /// Whether a position and the clocks are left, and so many satellites more.
     pub(super) fn leaves_enough(&self, taken: Set, more: u32) -> bool {
-        let clocks = self.modes.members.iter().filter(|&&members| members & !taken != 0).count() as u32;
-        (self.modes.satellites & !taken).count_ones() >= 3 + clocks + more
+        let left = (self.modes.satellites & !taken).count_ones();
+        // Mostly enough for a clock of every constellation that there is.
+        left >= 3 + Constellation::COUNT as u32 + more || left >= 3 + self.clocks_left(taken) + more
+    }
+
+    /// Constellations of which satellites are left without a set of rows.
+    fn clocks_left(&self, taken: Set) -> u32 {
+        self.modes.members.iter().filter(|&&members| members & !taken != 0).count() as u32
     }
 
     /// Rows of which each by itself is watched without `gone`, where that leaves one satellite more than unknowns.
@@ -117,8 +123,8 @@ impl<'a, T: Real> Watch<'a, T> {
     #[inline(never)]
     fn count(&self, remains: &Remains) -> Count<T> {
         let gone = remains.gone;
-        let clocks = self.modes.members.iter().filter(|&&members| members & !gone != 0).count();
-        let ample = ((self.modes.satellites & !gone).count_ones() as usize).saturating_sub(3 + clocks);
+        let ample =
+            (self.modes.satellites & !gone).count_ones().saturating_sub(3 + self.clocks_left(gone)) as usize;
         let count = Count { modes: 0, unmonitorable: T::zero(), singular: false };
         let mut counter = Counter { watch: self, gone, ample, count };
         let was_monitorable = |taken| self.is_monitorable(taken);

@@ -424,10 +424,14 @@ impl<'r, T: Real> Modes<'r, T> {
     /// A set of events as a combination.
     fn combination(&self, events: Set) -> Combination<T> {
         let mut combination = Combination::empty();
-        for index in members(events & ROW_EVENTS) {
-            if let Some(odds) = self.odds.get(index) {
-                combination.add(row(index), odds.constellation, odds.odds);
+        // By its lowest bit and not by its index, which would have to be made a bit again: this is done for every cause.
+        let mut left = events & ROW_EVENTS;
+        while left != 0 {
+            let lowest = left & left.wrapping_neg();
+            if let Some(odds) = self.odds.get(lowest.trailing_zeros() as usize) {
+                combination.add(lowest, odds.constellation, odds.odds);
             }
+            left ^= lowest;
         }
         for (id, (&odds, &rows)) in self.constellations.iter().zip(&self.members).enumerate() {
             if events & event(id) != 0 {
