@@ -22,7 +22,7 @@ use heapless::Vec;
 use nalgebra::Vector3;
 
 use super::levels::Axis;
-use super::modes::{Hypothesis, Odds, ROOM, Set, members, row};
+use super::modes::{Hypothesis, Odds, ROOM, Set, members};
 use super::solutions::{Own, Solutions};
 use super::walk::{Purpose, Watch};
 use super::{Finding, Prior, Priors, SeparationError, View};
@@ -237,12 +237,6 @@ impl Options {
         bits.filter(|bit| self.constellations & bit != 0).map(Hypothesis::of_constellations)
     }
 
-    /// Takes one off the list.
-    fn drop(&mut self, option: Hypothesis) {
-        self.constellations &= !option.constellations;
-        self.satellites &= option.rows().fold(Set::MAX, |left, index| left & !row(index));
-    }
-
     fn count(&self) -> usize {
         (self.satellites.count_ones() + self.constellations.count_ones()) as usize
     }
@@ -251,10 +245,9 @@ impl Options {
 /// By how much more than rounding can do the square of a test exceeds that of its threshold.
 const MARGIN: f64 = 1e-2;
 
-/// Options that are tried, the best first, and how many of them may be satellites. Each costs nearly as much as the epoch
-/// itself; what these do not explain is several faults, and an alert.
-const MOST_TRIED: usize = 3;
-const SATELLITES_TRIED: usize = 2;
+/// Options that are tried: the best satellite, then the best constellation. Each costs nearly as much as the epoch itself; what
+/// these do not explain is several faults, and an alert. A second satellite would be one that fits worse than the first.
+const MOST_TRIED: usize = 2;
 
 /// Tries one option after another.
 #[cold]
@@ -269,13 +262,11 @@ fn exclude<T: Real>(
 ) -> Result<Outcome<T>, SeparationError> {
     let mut left = options;
     let limits = Vector3::from(factors).map(|factor| factor * factor * T::narrow(1.0 + MARGIN));
-    for tried in 1..=MOST_TRIED {
+    for _ in 0..MOST_TRIED {
         let Some(excluded) = next(watch, solving, epoch.view(), priors, &left, &limits) else { break };
         let rows = watch.modes.taken_by(excluded);
-        left.drop(excluded);
-        if tried == SATELLITES_TRIED {
-            left.satellites = 0;
-        }
+        left.satellites = 0;
+        left.constellations &= !excluded.constellations;
         if epoch.leave_out_all(rows).is_err() {
             continue;
         }
