@@ -18,7 +18,7 @@
 //!
 //! Deadline: an epoch is judged within the call of [`Receiver::gnss`] that brings its last byte; the pin is set before
 //! a sentence is written. The worst-case epoch of a stream that a search over all settings has found (40 satellites, thirty
-//! faulty, every set of three looked at) takes 2.5 million instructions: 15 ms at 168 MHz and one instruction a cycle (`cargo
+//! faulty) takes 2.5 million instructions: 15 ms at 168 MHz and one instruction a cycle (`cargo
 //! xtask bench`). A silent line is noticed by [`Receiver::tick`], to be called at least ten times a second.
 
 mod epochs;

@@ -4,8 +4,9 @@
 //! ascending weighted SSE of what remains; the first that does not alarm is taken. Each is judged by all the modes that
 //! were chosen with all satellites in view, restricted to what remains, so that a wrong exclusion is within the risk.
 //!
-//! To judge a candidate costs as much as to judge the epoch: no more than two satellites and a constellation are. Most
-//! candidates need no judgement, since another satellite is still so far off that its own test alarms. That test is algebra on the solution with all satellites:
+//! To judge a candidate costs as much as to judge the epoch: no more than a satellite and a constellation are. Most
+//! candidates need no judgement, since another satellite is still so far off that its own test alarms. That test is
+//! algebra on the solution with all satellites:
 //!
 //! ```text
 //! contradicted    |A_k v_k| > (1 + margin) K |A_k| √κ_kk     on any axis, for any single satellite k that remains
