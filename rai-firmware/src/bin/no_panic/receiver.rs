@@ -71,6 +71,7 @@ fn bytes() {
         <TimedRing<64, 8> as Default>::default as fn() -> _,
         TimedRing::<64, 8>::push as fn(_, _, _),
         TimedRing::<64, 8>::lose as fn(_),
+        TimedRing::<64, 8>::len as fn(_) -> _,
         TimedRing::<64, 8>::is_empty as fn(_) -> _,
         TimedRing::<64, 8>::lost as fn(_) -> _,
         TimedRing::<64, 8>::given_up as fn(_) -> _,
