@@ -207,15 +207,10 @@ impl Sentence {
 
     /// `hhmmss.ss`, or an empty field.
     pub fn time(&mut self, time: Option<TimeOfDay>) -> &mut Self {
-        self.push_one(b',');
-        if let Some([hours, minutes, seconds, hundredths]) = time.map(TimeOfDay::parts) {
-            for part in [hours, minutes, seconds] {
-                self.push_digits(u64::from(part), 2);
-            }
-            self.push_one(b'.');
-            self.push_digits(u64::from(hundredths), 2);
+        match time {
+            Some(time) => self.ready(time.text()),
+            None => self.empty(),
         }
-        self
     }
 
     /// Degrees and minutes to seven decimals (0.2 mm), then the hemisphere: two fields.
@@ -263,8 +258,8 @@ impl Sentence {
         if !self.fits() {
             return None;
         }
-        // What the sum starts with takes the `$` out.
-        let checksum = self.bytes.iter().fold(b'$', |sum, byte| sum ^ byte);
+        // The `$` does not count.
+        let checksum = exclusive_or(&self.bytes) ^ b'$';
         let [high, low] = [checksum >> 4, checksum & 0xF].map(hexadecimal);
         self.push(&[b'*', high, low, b'\r', b'\n']);
         Some(&self.bytes)
@@ -319,6 +314,13 @@ impl Sentence {
     fn push(&mut self, bytes: &[u8]) {
         self.overflown |= self.bytes.extend_from_slice(bytes).is_err();
     }
+}
+
+/// Of all bytes, four at a time.
+fn exclusive_or(bytes: &[u8]) -> u8 {
+    let (words, rest) = bytes.as_chunks::<4>();
+    let sum = words.iter().fold(0, |sum, word| sum ^ u32::from_ne_bytes(*word));
+    sum.to_ne_bytes().iter().chain(rest).fold(0, |sum, byte| sum ^ byte)
 }
 
 const fn hexadecimal(nibble: u8) -> u8 {

@@ -23,6 +23,8 @@ pub struct TimeOfDay {
     centiseconds: u32,
     /// Since 1980-01-06.
     day: u32,
+    /// `hhmmss.ss`: written once, and in most sentences of an epoch.
+    text: [u8; 9],
 }
 
 impl TimeOfDay {
@@ -30,13 +32,20 @@ impl TimeOfDay {
     /// rounds up to midnight is midnight of the next day.
     pub fn new(time: GpsTime, gps_minus_utc_s: u8) -> Self {
         let utc_ms = time.to_ms().saturating_sub(u64::from(gps_minus_utc_s) * 1000) + 5;
-        Self { centiseconds: (utc_ms % DAY_MS) as u32 / 10, day: (utc_ms / DAY_MS) as u32 }
+        let centiseconds = (utc_ms % DAY_MS) as u32 / 10;
+        let [[a, b], [c, d], [e, f], [g, h]] = parts(centiseconds).map(two_digits);
+        let text = [a, b, c, d, e, f, b'.', g, h];
+        Self { centiseconds, day: (utc_ms / DAY_MS) as u32, text }
     }
 
     /// Hours, minutes, seconds, hundredths.
     pub const fn parts(self) -> [u32; 4] {
-        let seconds = self.centiseconds / 100;
-        [seconds / 3600, seconds / 60 % 60, seconds % 60, self.centiseconds % 100]
+        parts(self.centiseconds)
+    }
+
+    /// `hhmmss.ss`.
+    pub(super) const fn text(&self) -> &[u8] {
+        &self.text
     }
 
     /// Year, month and day.
@@ -55,6 +64,16 @@ impl TimeOfDay {
     pub(crate) const fn second(self) -> u32 {
         self.day.wrapping_mul(86_400).wrapping_add(self.centiseconds / 100)
     }
+}
+
+const fn parts(centiseconds: u32) -> [u32; 4] {
+    let seconds = centiseconds / 100;
+    [seconds / 3600, seconds / 60 % 60, seconds % 60, centiseconds % 100]
+}
+
+/// Of a number below 100.
+const fn two_digits(number: u32) -> [u8; 2] {
+    [b'0' + (number / 10) as u8, b'0' + (number % 10) as u8]
 }
 
 #[cfg(test)]

@@ -1,0 +1,38 @@
+//! What the core does, seen from outside.
+//!
+//! One program for all: what they have in common is compiled and linked once.
+
+mod absolute;
+mod adaptation;
+mod angle;
+mod chi_square;
+mod clock;
+mod clock_aiding;
+mod clock_limits;
+mod clock_ramps;
+mod common_error;
+mod continuity;
+mod detection;
+mod epoch;
+mod frame;
+mod kept_subsets;
+mod least_squares;
+mod monitor;
+mod monitor_limits;
+mod multiple_faults;
+mod noise;
+mod normal;
+mod parity;
+mod policy;
+mod properties;
+mod ransac;
+mod satellites;
+mod separation;
+mod separation_symmetries;
+mod single;
+mod sky;
+mod solved;
+mod strategy;
+mod velocity;
+mod weighting;
+mod words;

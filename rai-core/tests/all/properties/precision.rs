@@ -1,0 +1,71 @@
+//! Single precision promises no more than double precision does. It may promise less, and gives up first.
+
+use nalgebra::Vector3;
+use proptest::prelude::*;
+use rai_core::equations::LinearEpoch;
+use rai_core::integrity::residuals::levels::largest_slopes;
+use rai_core::numeric::real::Real;
+use rai_core::satellite::Constellation;
+use rai_core::snapshot::Snapshot;
+
+use crate::solved::solved;
+
+use super::skies::{Sky, any_sky};
+
+/// Largest slope that is compared, m: a protection level of some 700 m.
+const LARGEST_SLOPE_M: f64 = 100.0;
+
+fn slopes_are_not_understated(sky: &Sky) -> Result<(), TestCaseError> {
+    let single = solved::<f32>(sky.linearised(1.0));
+    let double = solved::<f64>(sky.linearised(1.0));
+    let (Ok(single), Ok(double)) = (single, double) else { return Ok(()) };
+    let (hdop, vdop) = double.dilutions();
+    if double.dof() == 0 || hdop.max(vdop) > 20.0 {
+        return Ok(());
+    }
+    let (have, want) = (largest_slopes(&single), largest_slopes(&double));
+    let slopes = [(have.horizontal, want.horizontal), (have.vertical, want.vertical)];
+    for (have, want) in slopes.map(|(have, want)| (f64::from(have), want)) {
+        let is_understated = want < LARGEST_SLOPE_M && have < 0.97 * want;
+        prop_assert!(!is_understated, "have {}, want {}", have, want);
+    }
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(2000))]
+
+    #[test]
+    fn slopes_in_single_precision_are_not_understated(sky in any_sky(0)) {
+        slopes_are_not_understated(&sky)?;
+    }
+}
+
+/// Two satellites that are good to 0.5 m among four that are good to 30 m.
+fn two_precise_ones<T: Real>() -> Snapshot<'static, T> {
+    let directions_deg = [
+        (10.0, 75.0, 30.0),
+        (50.0, 20.0, 0.5),
+        (110.0, 45.0, 30.0),
+        (160.0, 15.0, 30.0),
+        (200.0, 60.0, 30.0),
+        (250.0, 25.0, 0.5),
+    ];
+    let mut epoch = LinearEpoch::new();
+    for (azimuth_deg, elevation_deg, sigma_m) in directions_deg {
+        let (azimuth, elevation) = (f64::to_radians(azimuth_deg), f64::to_radians(elevation_deg));
+        let (east, north) = (azimuth.sin() * elevation.cos(), azimuth.cos() * elevation.cos());
+        let direction = Vector3::new(east, north, elevation.sin());
+        epoch.satellite(Constellation::Gps, direction, 0.0, sigma_m).unwrap();
+    }
+    solved(epoch).unwrap()
+}
+
+/// From the redundancy numbers in single precision, 2e-5 as what is left of 1, the slope came out a fifth too small.
+#[test]
+fn a_precise_satellite_that_is_hardly_tested_has_its_whole_slope() {
+    let have = f64::from(largest_slopes(&two_precise_ones::<f32>()).horizontal);
+    let want = largest_slopes(&two_precise_ones::<f64>()).horizontal;
+    assert!((59.0..60.0).contains(&want), "{want} m");
+    assert!((have / want - 1.0).abs() < 1e-4, "have {have}, want {want}");
+}

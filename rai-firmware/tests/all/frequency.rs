@@ -1,0 +1,143 @@
+//! One frequency or two, and signals too weak to use: what is chosen, and when that changes.
+
+use crate::walker::{self, Ionosphere, TOE, range_m, satellite};
+use rai_core::epoch::Epoch;
+use rai_firmware::correction::{Klobuchar, Preference, Ranges, Site, Sky, Tally, locate};
+use rai_firmware::ephemeris::{Ephemeris, Store};
+use rai_firmware::raw::{Band, Carrier, RawEpoch, RawSatellite, RawSignal};
+
+const NO_MASK_RAD: f64 = 0.1;
+
+/// Coefficients of a calm day.
+const CALM: [f64; 8] = walker::CALM;
+
+/// A sky seen from 45° N, with what each satellite sends.
+fn sky(signals: impl Fn(usize, f64) -> Vec<RawSignal>, mask_dbhz: f32) -> (Sky, Tally) {
+    let (mut store, mut tally, mut raw) = (Store::new(), Tally::default(), RawEpoch::new(TOE));
+    for index in 0..30 {
+        let ephemeris = Ephemeris::new(&satellite(index)).unwrap();
+        store.insert(ephemeris, Some(TOE));
+        let still = Ionosphere { tecu: 0.0, per_degree: 0.0 };
+        let Some(range_m) = range_m(&ephemeris, TOE, receiver(), still) else { continue };
+        let signals = signals(raw.satellites.len(), range_m).into_iter().collect();
+        raw.satellites.push(RawSatellite { satellite: ephemeris.satellite(), signals }).unwrap();
+    }
+    let mut sky = Sky::new();
+    locate(&raw, &store, mask_dbhz, rai_firmware::config::Systems::AT_START, &mut tally, &mut sky);
+    (sky, tally)
+}
+
+fn receiver() -> rai_core::frame::Ecef {
+    rai_core::frame::Geodetic { latitude_rad: 0.785, longitude_rad: 0.2, height_m: 0.0 }.to_ecef()
+}
+
+fn on(band: Band, range_m: f64, cn0_dbhz: f32) -> RawSignal {
+    RawSignal::new(Carrier::of(band), range_m).with_cn0_dbhz(cn0_dbhz)
+}
+
+fn cost(sky: &Sky, ranges: Ranges) -> f32 {
+    let site = Site::new(receiver(), TOE, NO_MASK_RAD, Klobuchar::new(CALM));
+    site.spread(sky, ranges).unwrap().cost(40.0, 50.0)
+}
+
+#[test]
+fn pairs_are_better_where_all_satellites_send_them_and_worse_where_few_do() {
+    let both = |_, range_m| vec![on(Band::L1, range_m, 45.0), on(Band::L5, range_m, 45.0)];
+    let (all, _) = sky(both, 28.0);
+    assert!(cost(&all, Ranges::Pairs) < 0.8 * cost(&all, Ranges::Singles));
+    // Pairs of three satellites, and those weak, stand beside single ranges of another delay.
+    let few = |index, range_m| {
+        let second = (index < 3).then(|| on(Band::L5, range_m, 29.0));
+        [on(Band::L1, range_m, 45.0)].into_iter().chain(second).collect()
+    };
+    let (few, _) = sky(few, 28.0);
+    assert!(cost(&few, Ranges::Singles) < cost(&few, Ranges::Pairs));
+}
+
+#[test]
+fn ranges_have_no_say_in_the_choice() {
+    let both = |off_m: f64| {
+        move |index, range_m| {
+            let off_m = if index == 2 { off_m } else { 0.0 };
+            vec![on(Band::L1, range_m + off_m, 45.0), on(Band::L5, range_m - off_m, 45.0)]
+        }
+    };
+    let ((right, _), (wrong, _)) = (sky(both(0.0), 28.0), sky(both(80.0), 28.0));
+    for ranges in [Ranges::Pairs, Ranges::Singles] {
+        // The satellite's own place moves by a millimetre with its range.
+        let change = cost(&wrong, ranges) / cost(&right, ranges) - 1.0;
+        assert!(change.abs() < 1e-6, "{ranges:?}: {change:e}");
+    }
+}
+
+#[test]
+fn the_set_changes_when_the_other_has_been_a_fifth_better_for_ten_epochs() {
+    let mut preference = Preference::new();
+    let costs = |pairs, singles| move |ranges| if ranges == Ranges::Pairs { pairs } else { singles };
+    for epoch in 1..=9 {
+        assert_eq!(preference.weigh(costs(Some(1.0), Some(0.79))), Ranges::Pairs, "epoch {epoch}");
+    }
+    assert_eq!(preference.weigh(costs(Some(1.0), Some(0.79))), Ranges::Singles);
+    // Back only when the pairs are a fifth better in turn.
+    for _ in 0..100 {
+        assert_eq!(preference.weigh(costs(Some(0.81), Some(1.0))), Ranges::Singles);
+    }
+    // A set that makes no position is worse than one that does, and no reason to change where neither does.
+    for _ in 0..100 {
+        assert_eq!(preference.weigh(costs(None, None)), Ranges::Singles);
+    }
+    // While the other set is not better it is looked at every tenth epoch only.
+    for _ in 0..20 {
+        preference.weigh(costs(Some(5.0), None));
+    }
+    assert_eq!(preference.ranges(), Ranges::Pairs);
+}
+
+#[test]
+fn costs_that_swing_about_each_other_change_nothing() {
+    let mut preference = Preference::new();
+    for epoch in 0..10_000 {
+        // Better by half for eight epochs, worse for one; and the other way round.
+        let (pairs, singles) = if epoch % 9 == 0 { (0.5, 1.0) } else { (1.0, 0.5) };
+        let cost = |ranges| Some(if ranges == Ranges::Pairs { pairs } else { singles });
+        assert_eq!(preference.weigh(cost), Ranges::Pairs, "epoch {epoch}");
+    }
+}
+
+#[test]
+fn a_signal_below_the_mask_is_not_used_and_a_weak_one_weighs_less() {
+    let strength = |cn0_dbhz: f32| move |_, range_m| vec![on(Band::L1, range_m, cn0_dbhz)];
+    let (weak, tally) = sky(strength(27.9), 28.0);
+    assert!(weak.is_empty() && tally.ranges.signal_unusable > 5, "{tally:?}");
+    let (at_mask, _) = sky(strength(28.0), 28.0);
+    let (strong, _) = sky(strength(45.0), 28.0);
+    let (unknown, _) = sky(|_, range_m| vec![RawSignal::new(Carrier::of(Band::L1), range_m)], 28.0);
+    assert_eq!((at_mask.len(), unknown.len()), (strong.len(), strong.len()));
+    let sigma_m = |sky: &Sky| {
+        let mut refusals = Tally::default().ranges;
+        let site = Site::new(receiver(), TOE, NO_MASK_RAD, Klobuchar::new(CALM));
+        let mut epoch = Epoch::new(0.0);
+        site.correct(sky, &mut refusals, &mut epoch);
+        epoch.observations().iter().map(|observation| observation.sigma_m).collect::<Vec<_>>()
+    };
+    let (weak_m, strong_m) = (sigma_m(&at_mask), sigma_m(&strong));
+    assert!(
+        weak_m.iter().zip(&strong_m).all(|(weak_m, strong_m)| weak_m > strong_m),
+        "{weak_m:?} {strong_m:?}"
+    );
+    assert_eq!(sigma_m(&unknown), strong_m, "who says nothing is accepted");
+}
+
+#[test]
+fn a_pair_needs_both_carriers_to_be_strong_where_the_receiver_says_how_strong_they_are() {
+    let both = |first_dbhz: f32, second_dbhz: f32| {
+        move |_, range_m| vec![on(Band::L1, range_m, first_dbhz), on(Band::L2, range_m, second_dbhz)]
+    };
+    // 0 is no strength at all: that of a code which is tracked without knowing it.
+    let (codeless, _) = sky(both(45.0, 0.0), 28.0);
+    assert!(codeless.iter().all(rai_firmware::correction::Located::has_pair));
+    for (first_dbhz, second_dbhz) in [(20.0, 45.0), (45.0, 18.0)] {
+        let (weak, _) = sky(both(first_dbhz, second_dbhz), 28.0);
+        assert!(!weak.iter().any(rai_firmware::correction::Located::has_pair));
+    }
+}

@@ -1,0 +1,105 @@
+//! A line that falls silent, and a host that sends nonsense.
+
+use super::frames::frames;
+use super::module::{Module, Sky};
+
+#[test]
+fn a_silent_line_is_stale_after_the_time_to_alert_and_the_pin_falls() {
+    let sky = Sky::quiet(6);
+    let mut module = Module::after(&sky, 3);
+    let limit_ms = (module.receiver.configuration().requirements.time_to_alert_s * 1e3) as u64;
+    // The last epoch came a second ago.
+    assert!(module.silence(limit_ms - 1100).is_empty(), "no alert before its time");
+    assert!(module.pin_is_high());
+    let said = module.silence(200);
+    let [only] = said.as_slice() else { panic!("one alert: {said:?}") };
+    assert_eq!((only.state.state, only.state.reason.as_str()), ('A', "STALE"));
+    assert!(!module.pin_is_high());
+    assert_eq!(module.grown("line_stale"), 1);
+    module.recovers(&sky.lumps[3]);
+}
+
+#[test]
+fn noise_is_no_sign_of_life() {
+    let sky = Sky::quiet(5);
+    let mut module = Module::after(&sky, 3);
+    let limit_s = module.receiver.configuration().requirements.time_to_alert_s as usize;
+    let said: Vec<_> = (0..=limit_s).flat_map(|_| module.hear(&[0x55; 400])).collect();
+    assert!(said.iter().any(|output| output.state.reason == "STALE"), "{said:?}");
+    assert!(!module.pin_is_high());
+    module.recovers(&sky.lumps[3]);
+}
+
+fn command(body: &str) -> String {
+    format!("${body}*{:02X}\r\n", body.bytes().fold(0_u8, |sum, byte| sum ^ byte))
+}
+
+#[test]
+fn a_bad_command_is_refused_with_the_reason_and_changes_nothing() {
+    let cases = [
+        ("$PRAIC,HAL,40*00\r\n".to_owned(), "cmd_checksum", "checksum"),
+        ("$PRAIC,HAL,40\r\n".to_owned(), "cmd_checksum", "checksum"),
+        (command("PRAIC,FOO,1"), "cmd_unknown_key", "unknown key"),
+        (command("PRAIC,HAL,-1"), "cmd_refused", "out of range"),
+        (command("PRAIC,MASK,91"), "cmd_refused", "out of range"),
+        (command("PRAIC,TTA,0"), "cmd_refused", "out of range"),
+        (command("PRAIC,PFA,2"), "cmd_refused", "out of range"),
+        (command("PRAIC,HAL,nan"), "cmd_refused", "not a number"),
+        (command("PRAIC,HAL,1e999"), "cmd_refused", "not a number"),
+        (command("PRAIC,PHASE,LUNCH"), "cmd_refused", "unknown value"),
+        (command("PRAIC,HAL,"), "cmd_refused", "missing value"),
+    ];
+    let sky = Sky::quiet(20);
+    let mut module = Module::after(&sky, 3);
+    let want = *module.receiver.configuration();
+    for ((bytes, counter, why), lump) in cases.into_iter().zip(&sky.lumps[3..]) {
+        module.note();
+        let mut said = Vec::new();
+        module.receiver.command(bytes.as_bytes(), &mut said);
+        let answer = String::from_utf8(said).unwrap();
+        assert!(
+            answer.starts_with("$PRAIA,") && answer.contains(&format!(",ERR,{why}*")),
+            "{bytes}: {answer}"
+        );
+        assert_eq!(module.grown(counter), 1, "{bytes}");
+        assert_eq!(module.grown("cmd_ok"), 0, "{bytes}");
+        assert_eq!(*module.receiver.configuration(), want, "{bytes}");
+        module.recovers(lump);
+    }
+}
+
+/// A sky whose sixth lump comes half a minute after its fifth.
+fn sky_with_a_gap() -> Sky {
+    let mut sky = Sky::quiet(40);
+    sky.lumps.drain(5..35);
+    sky
+}
+
+#[test]
+fn an_epoch_that_only_the_next_one_ends_promises_nothing_when_it_is_old() {
+    let sky = sky_with_a_gap();
+    let mut module = Module::after(&sky, 4);
+    let (begun, next) = (frames(&sky.lumps[4]), frames(&sky.lumps[5]));
+    assert!(module.hear(&begun[..begun.len() - 1].concat()).is_empty(), "the last message is lost");
+    let said = module.silence(30_000);
+    assert!(said.iter().all(|output| output.state.reason == "STALE") && !module.pin_is_high(), "{said:?}");
+    // The first message of the next epoch ends the old one; then the cable is pulled again.
+    let said = module.hear(&next[0]);
+    assert!(said.is_empty() && !module.pin_is_high(), "{said:?}");
+    assert_eq!(module.grown("epochs_late"), 1);
+    module.recovers(&next[1..].concat());
+}
+
+#[test]
+fn the_time_to_alert_counts_from_when_an_epoch_came() {
+    let sky = sky_with_a_gap();
+    let mut module = Module::after(&sky, 4);
+    let (begun, next) = (frames(&sky.lumps[4]), frames(&sky.lumps[5]));
+    module.hear(&begun[..begun.len() - 1].concat());
+    (0..7).for_each(|_| drop(module.hear(&[0x55; 400])));
+    let said = module.hear(&next[0]);
+    assert!(said.len() == 1 && module.pin_is_high(), "eight seconds old, and still good: {said:?}");
+    let said = module.silence(1500);
+    assert!(said.len() == 1 && said[0].state.reason == "STALE", "{said:?}");
+    assert!(!module.pin_is_high(), "not for another ten seconds");
+}

@@ -1,0 +1,36 @@
+//! Time that does not simply go on.
+
+use super::module::{Module, Sky};
+
+#[test]
+fn an_epoch_that_goes_back_is_dropped_whole_and_changes_nothing() {
+    let sky = Sky::quiet(8);
+    let mut module = Module::after(&sky, 6);
+    for earlier in [5, 4, 2] {
+        module.note();
+        let said = module.hear(&sky.lumps[earlier]);
+        assert!(said.is_empty(), "{said:?}");
+        assert_eq!(module.grown("epochs_backwards"), 1);
+    }
+    module.recovers(&sky.lumps[6]);
+    module.recovers(&sky.lumps[7]);
+}
+
+#[test]
+fn a_pass_goes_on_over_the_roll_over_of_the_week() {
+    // Midnight of the sky's first day is a day after the week began.
+    const UNTIL_ROLL_OVER_S: f64 = 6.0 * 86_400.0;
+    let sky = Sky::from(UNTIL_ROLL_OVER_S - 5.0, 10);
+    let mut module = Module::new(&sky);
+    // UTC is 18 s behind.
+    let first_s = 86_400.0 - 18.0 - 5.0;
+    for (lump, want_s) in sky.lumps.iter().zip((0..).map(|elapsed| first_s + f64::from(elapsed))) {
+        let said = module.hear(lump);
+        let [only] = said.as_slice() else { panic!("one epoch is one answer: {said:?}") };
+        assert!(only.state.is_protected() && only.excluded.is_empty(), "{only:?}");
+        assert_eq!(only.state.time_s, Some(want_s));
+    }
+    for counter in ["epochs_backwards", "time_restarts", "week_corrections", "ephemeris_stale"] {
+        assert_eq!(module.grown(counter), 0, "{counter}");
+    }
+}
