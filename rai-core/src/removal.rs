@@ -44,7 +44,6 @@ use nalgebra::{Matrix3, Vector3};
 use crate::equations::{MAX_ROWS, Row};
 use crate::numeric::real::Real;
 use crate::report::MAX_EXCLUDED;
-use crate::satellite::Constellation;
 use crate::snapshot::{Fit, Snapshot};
 
 /// A row in units of its sigma, with what its products with other rows need.
@@ -56,13 +55,31 @@ pub struct NormalisedRow<T: Real> {
     pub residual: T,
     /// `S_ii`, dimensionless.
     pub redundancy: T,
-    design: Vector3<T>,
+    reach: Reach<T>,
     gain: Vector3<T>,
-    clock: Option<Constellation>,
     /// `1/σ_i`.
     root: T,
-    /// `1/(σ_i W_c)`: times another's root it is what the two share by their clock.
+}
+
+/// What a row's products with many others need of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Reach<T: Real> {
+    design: Vector3<T>,
+    /// `1/(σ_i W_c)`: times another's root it is what the two share by their clock; 0 without a clock.
     level: T,
+    /// Number of its clock, or [`NO_CLOCK`]: bytes are compared at once.
+    clock: u8,
+}
+
+/// Beyond every constellation.
+const NO_CLOCK: u8 = u8::MAX;
+
+impl<T: Real> Reach<T> {
+    /// `S_ij` of two rows, of which another one that is gone for good has taken `a_i a_j`.
+    fn coupling(&self, other: &NormalisedRow<T>, shed: T) -> T {
+        let shared = if self.clock == other.reach.clock { self.level * other.root } else { T::zero() };
+        -(self.design.dot(&other.gain) + shed + shared)
+    }
 }
 
 impl<T: Real> NormalisedRow<T> {
@@ -72,11 +89,13 @@ impl<T: Real> NormalisedRow<T> {
             index,
             residual: fit.residual * root,
             redundancy: fit.redundancy,
-            design: fit.centred * root,
+            reach: Reach {
+                design: fit.centred * root,
+                level: root * snapshot.level_variance(row),
+                clock: row.clock.map_or(NO_CLOCK, |clock| clock as u8),
+            },
             gain: fit.gain * root,
-            clock: row.clock,
             root,
-            level: root * snapshot.level_variance(row),
         }
     }
 
@@ -85,13 +104,7 @@ impl<T: Real> NormalisedRow<T> {
         if self.index == other.index {
             return self.redundancy;
         }
-        self.coupling(other, T::zero())
-    }
-
-    /// The same of two rows, of which another one that is gone for good has taken `a_i a_j`.
-    fn coupling(&self, other: &Self, shed: T) -> T {
-        let shared = if self.clock == other.clock { self.level * other.root } else { T::zero() };
-        -(self.design.dot(&other.gain) + shed + shared)
+        self.reach.coupling(other, T::zero())
     }
 
     /// By how much SSE falls without this row: its w-test squared.
@@ -144,9 +157,11 @@ impl<'r, T: Real> Standing<'r, T> {
     }
 }
 
-/// A row that is to go with any of many others, with what is the same for all of these.
-pub(crate) struct Going<'s, 'r, T: Real> {
-    standing: &'s Standing<'r, T>,
+/// A row that is to go with any of many others, with what is the same for all of these: by value, so that it stays in registers.
+pub(crate) struct Going<T: Real> {
+    reach: Reach<T>,
+    /// `a_i`.
+    shed: T,
     explained: T,
     /// `1/S_ii`.
     share: T,
@@ -154,16 +169,21 @@ pub(crate) struct Going<'s, 'r, T: Real> {
     bias: T,
 }
 
-impl<'s, 'r, T: Real> Going<'s, 'r, T> {
-    pub(crate) fn new(standing: &'s Standing<'r, T>) -> Self {
+impl<T: Real> Going<T> {
+    pub(crate) fn new(standing: &Standing<'_, T>) -> Self {
         let share = standing.redundancy.recip();
-        let explained = squared_w_test(standing.residual, standing.redundancy);
-        Self { standing, explained, share, bias: standing.residual * share }
+        Self {
+            reach: standing.row.reach,
+            shed: standing.shed,
+            explained: squared_w_test(standing.residual, standing.redundancy),
+            share,
+            bias: standing.residual * share,
+        }
     }
 
     /// By how much SSE falls without this row and another one: squared w-test of this row, then of the other.
     pub(crate) fn explains_with(&self, other: &Standing<'_, T>) -> T {
-        let coupling = self.standing.row.coupling(other.row, self.standing.shed * other.shed);
+        let coupling = self.reach.coupling(other.row, self.shed * other.shed);
         let residual = other.residual - coupling * self.bias;
         let redundancy = other.redundancy - coupling * coupling * self.share;
         self.explained + squared_w_test(residual, redundancy)

@@ -106,17 +106,20 @@ impl Absolute<f32> for Grid {
     fn of(metres: f64) -> Self {
         const MANTISSA_BITS: i32 = 52;
         const BIAS: i32 = 1023;
-        let bits = metres.to_bits();
-        let exponent = (bits >> MANTISSA_BITS) as i32 & 0x7FF;
-        let mantissa = (bits & ((1 << MANTISSA_BITS) - 1) | 1 << MANTISSA_BITS).cast_signed();
-        let shift = BIAS + MANTISSA_BITS - Self::DIGITS - exponent;
+        // The upper word decides, so that one shift is all that takes two.
+        let upper = (metres.to_bits() >> 32) as i32;
+        let exponent = upper >> (MANTISSA_BITS - 32) & 0x7FF;
+        let mantissa = metres.to_bits() & ((1 << MANTISSA_BITS) - 1) | 1 << MANTISSA_BITS;
+        // Digits behind the grid's, but for one, which rounds.
+        let shift = BIAS + MANTISSA_BITS - Self::DIGITS - 1 - exponent;
         let magnitude = match shift {
             // Infinity and what is no number have the largest exponent.
-            ..=1 => Self::LARGEST,
-            2..=53 => ((mantissa >> (shift - 1)) + 1) >> 1,
+            ..=0 => Self::LARGEST,
+            1..=52 => (((mantissa >> shift) + 1) >> 1).cast_signed(),
             _ => 0,
         };
-        Self(if metres.is_sign_negative() { -magnitude } else { magnitude })
+        let sign = i64::from(upper >> 31);
+        Self((magnitude ^ sign) - sign)
     }
 
     fn less(self, other: Self) -> Self {

@@ -304,17 +304,22 @@ fn read<'a>(
     calendar: &Calendar,
     counters: &mut Counters,
 ) -> Option<Message<'a>> {
-    let read = match frame.protocol {
-        Protocol::Rtcm => rtcm::read(frame.payload(), calendar).map(Some),
+    // Answered from each arm: a message is large, and every step it is handed on by copies it.
+    let reason = match frame.protocol {
+        Protocol::Rtcm => match rtcm::read(frame.payload(), calendar) {
+            Ok(message) => return Some(message),
+            Err(reason) => reason,
+        },
         #[cfg(feature = "ubx")]
-        Protocol::Ubx => ubx::read(frame, navigation, calendar, counters),
+        Protocol::Ubx => match ubx::read(frame, navigation, calendar, counters) {
+            Ok(message) => return message,
+            Err(reason) => reason,
+        },
         #[cfg(not(feature = "ubx"))]
-        Protocol::Ubx => Err(Unread::Other),
+        Protocol::Ubx => Unread::Other,
     };
-    read.unwrap_or_else(|reason| {
-        count(reason.counter(counters));
-        None
-    })
+    count(reason.counter(counters));
+    None
 }
 
 /// Why a frame leads to no message.

@@ -323,7 +323,7 @@ fn every_way_in_gives_the_same_bytes() {
 
     for sent in [&want, &gz] {
         let mut child = Command::new(std::env::current_exe().unwrap())
-            .args(["--exact", "standard_input_of_a_child", "--nocapture"])
+            .args(["--exact", "capture::standard_input_of_a_child", "--nocapture"])
             .env("RAI_CAPTURE_WANT", &plain)
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())

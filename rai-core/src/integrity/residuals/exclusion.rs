@@ -32,7 +32,7 @@ use crate::equations::MAX_ROWS;
 use crate::numeric::real::Real;
 use crate::removal::{NormalisedRow, Removal, testable_rows};
 use crate::report::MAX_EXCLUDED;
-use crate::snapshot::{Reducible, Snapshot};
+use crate::snapshot::{Reducible, Snapshot, infinity};
 
 /// Why no row is named although a fault was detected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -150,10 +150,10 @@ fn is_unrivalled<T: Real>(snapshot: &Snapshot<'_, T>, set: &[usize], thresholds:
     let mut work = Work::new(count_up_to(set.len(), MAX_ROWS));
     let mut has_rival = false;
     for size in 1..=set.len() {
-        each_of_size(&rows, size, &mut work, |explained, rival| {
-            if explained >= least && !has_rival {
-                has_rival = rival.get(..size).is_some_and(|rival| contest.has(rival));
-            }
+        each_of_size(&rows, size, &mut work, least, |_, rival| {
+            has_rival |= rival.get(..size).is_some_and(|rival| contest.has(rival));
+            // One is enough.
+            if has_rival { infinity() } else { least }
         });
     }
     !has_rival && !work.cut

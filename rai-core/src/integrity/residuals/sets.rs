@@ -41,28 +41,45 @@ impl Work {
     }
 }
 
-/// Shows each set of a size, in lexicographic order: what it explains, and the indices of its rows, as many as its size says.
+/// Shows each set of a size that explains as much as the bar, in lexicographic order: what it explains, and the indices of its rows,
+/// as many as its size says. What is shown answers with the bar from then on: few sets reach it, and the rest cost one comparison.
 // Not inlined: the room for the rows as they stand is not needed beside what is made of the sets.
 #[inline(never)]
 pub(super) fn each_of_size<T: Real>(
     rows: &[NormalisedRow<T>],
     size: usize,
     work: &mut Work,
-    mut show: impl FnMut(T, [usize; MAX_EXCLUDED]),
+    bar: T,
+    show: impl FnMut(T, [usize; MAX_EXCLUDED]) -> T,
 ) {
+    let mut above = Above { bar, show };
     // Once for pairs and triples: it is large.
     let mut standings = Standings::new();
     match size {
         1 => {
             for row in work.granted(rows) {
-                show(row.explained(), [row.index, 0, 0]);
+                above.consider(row.explained(), || [row.index, 0, 0]);
             }
         }
         2 => {
             stand(&mut standings, rows.iter().map(Standing::of));
-            pairs(T::zero(), [], &standings, work, &mut show);
+            pairs(T::zero(), &standings, work, &mut above, |first, second| [first, second, 0]);
         }
-        _ => triples(rows, &mut standings, work, &mut show),
+        _ => triples(rows, &mut standings, work, &mut above),
+    }
+}
+
+/// What a set must explain to be shown, and to whom.
+struct Above<T, S> {
+    bar: T,
+    show: S,
+}
+
+impl<T: Real, S: FnMut(T, [usize; MAX_EXCLUDED]) -> T> Above<T, S> {
+    fn consider(&mut self, explained: T, set: impl FnOnce() -> [usize; MAX_EXCLUDED]) {
+        if explained >= self.bar {
+            self.bar = (self.show)(explained, set());
+        }
     }
 }
 
@@ -72,13 +89,13 @@ fn stand<'r, T: Real>(place: &mut Standings<'r, T>, standings: impl Iterator<Ite
     standings.for_each(|standing| _ = place.push(standing));
 }
 
-/// All pairs of rows, each together with a row that is gone already, if one is, and explains so much.
-fn pairs<T: Real, const GONE: usize>(
+/// All pairs of rows, beside a row that is gone already, if one is, and explains so much; `set` names all that are out.
+fn pairs<T: Real>(
     explained: T,
-    gone: [usize; GONE],
     rows: &[Standing<'_, T>],
     work: &mut Work,
-    show: &mut impl FnMut(T, [usize; MAX_EXCLUDED]),
+    above: &mut Above<T, impl FnMut(T, [usize; MAX_EXCLUDED]) -> T>,
+    set: impl Fn(usize, usize) -> [usize; MAX_EXCLUDED],
 ) {
     for (first, rest) in tails(rows) {
         if first.is_untestable() {
@@ -87,11 +104,7 @@ fn pairs<T: Real, const GONE: usize>(
         let going = Going::new(first);
         for second in work.granted(rest) {
             let explained = explained + going.explains_with(second);
-            let mut set = [first.index(), second.index(), 0];
-            if let Some(&gone) = gone.first() {
-                set = [gone, first.index(), second.index()];
-            }
-            show(explained, set);
+            above.consider(explained, || set(first.index(), second.index()));
         }
     }
 }
@@ -100,13 +113,13 @@ fn triples<'r, T: Real>(
     rows: &'r [NormalisedRow<T>],
     standings: &mut Standings<'r, T>,
     work: &mut Work,
-    show: &mut impl FnMut(T, [usize; MAX_EXCLUDED]),
+    above: &mut Above<T, impl FnMut(T, [usize; MAX_EXCLUDED]) -> T>,
 ) {
-    for (first, rest) in tails(rows) {
+    for (gone, rest) in tails(rows) {
         if !work.cut {
-            let root = first.redundancy.sqrt();
-            stand(standings, rest.iter().map(|row| Standing::without(row, first, root)));
-            pairs(first.explained(), [first.index], standings, work, show);
+            let root = gone.redundancy.sqrt();
+            stand(standings, rest.iter().map(|row| Standing::without(row, gone, root)));
+            pairs(gone.explained(), standings, work, above, |first, second| [gone.index, first, second]);
         }
     }
 }

@@ -65,18 +65,20 @@ impl<T: Real> Contest<'_, T> {
         // Sets that explain as much as this are refused.
         let mut ceiling = infinity();
         loop {
-            let mut best: Option<Entrant<T>> = None;
-            each_of_size(self.rows, size, &mut self.work, |explained, set| {
-                let leads = best.is_none_or(|best| explained > best.explained);
-                if leads && explained < ceiling {
-                    best = Some(Entrant { explained, set });
+            let mut best = Entrant { explained: -infinity::<T>(), set: [0; MAX_EXCLUDED] };
+            each_of_size(self.rows, size, &mut self.work, best.explained, |explained, set| {
+                if explained > best.explained && explained < ceiling {
+                    best = Entrant { explained, set };
                 }
+                best.explained
             });
-            let Entrant { explained, set } = best.filter(|_| !self.work.cut)?;
-            if let Some(removal) = Removal::among(self.rows, set.get(..size)?) {
+            if self.work.cut || best.explained < T::zero() {
+                return None;
+            }
+            if let Some(removal) = Removal::among(self.rows, best.set.get(..size)?) {
                 return Some(removal);
             }
-            ceiling = explained;
+            ceiling = best.explained;
         }
     }
 }
