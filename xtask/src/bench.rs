@@ -22,8 +22,11 @@ pub(crate) struct Arguments {
     /// Measure libswiftnav and RTKLIB on the same epochs beside ours; fetches their sources, and the compiler of C.
     #[arg(long, conflicts_with_all = ["check", "save", "host"])]
     pub(crate) peers: bool,
+    /// Time ARAIM on this machine beside sidereon-core, which takes minutes to compile the first time.
+    #[arg(long, conflicts_with_all = ["check", "save", "host", "peers"])]
+    pub(crate) sidereon: bool,
     /// Show where the instructions of a stage go, by function and on whose behalf; a part of its name chooses it.
-    #[arg(long, value_name = "STAGE", conflicts_with_all = ["check", "save", "host", "peers"])]
+    #[arg(long, value_name = "STAGE", conflicts_with_all = ["check", "save", "host", "peers", "sidereon"])]
     pub(crate) profile: Option<String>,
 }
 
@@ -33,6 +36,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         Some(stage) => profile(stage),
         None if arguments.host => host(),
         None if arguments.peers => peers(),
+        None if arguments.sidereon => sidereon(),
         None => target(arguments),
     }
 }
@@ -54,6 +58,18 @@ fn peers() -> anyhow::Result<()> {
     let sources = Sources::fetch(|what| eprintln!("fetching {what}"))?;
     println!("{}", Comparison::take(&sources, |at| eprintln!("measuring {at}"))?);
     Ok(())
+}
+
+fn sidereon() -> anyhow::Result<()> {
+    const PROGRAM: &str = "tests-host/peers/sidereon/Cargo.toml";
+    crate::cargo::step(&[
+        "run",
+        "--release",
+        "--manifest-path",
+        PROGRAM,
+        "--target-dir",
+        "target/peers/sidereon",
+    ])()
 }
 
 fn target(arguments: &Arguments) -> anyhow::Result<()> {
