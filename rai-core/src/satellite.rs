@@ -4,7 +4,7 @@
 //!
 //! The satellites of QZSS send the signals of GPS, with numbers of the same family (193 to 202), in the time of GPS: to
 //! a receiver their ranges touch the clock of GPS, and so they are satellites of [`Constellation::Gps`] here. Only their
-//! names differ: `J01` to `J10`. Measured (`tests-host/tests/ubx/qzss.rs`): their corrected ranges are 0.5 m shorter than
+//! names differ: `J01` to `J10`. Measured (`tests-host/tests/all/ubx/qzss.rs`): their corrected ranges are 0.5 m shorter than
 //! those of GPS in five minutes near Nagoya and 0.04 m longer in hours at Esbjerg, where the clocks of two systems differ
 //! by tens of metres and more.
 

@@ -24,7 +24,7 @@
 //! - **Threads.** One object, one thread at a time; different objects do not know of each other.
 //!
 //! - **Stack.** What each call needs stands at the top of the header, and is held to it on the emulated chip
-//!   (`tests-host/tests/capi_bits`).
+//!   (`tests-host/tests/all/capi_bits`).
 //!
 //! # What is built in
 //!

@@ -5,7 +5,7 @@
 //! ```
 //!
 //! Both take the same corrected ranges and go their own ways from there, each from its own last position. Orbits and clocks,
-//! integers in either, have a double-precision reference of their own beside them (`rai-firmware/tests/orbit_reference.rs`).
+//! integers in either, have a double-precision reference of their own beside them (`rai-firmware/tests/all/orbit_reference.rs`).
 
 use rai_core::epoch::Epoch;
 use rai_core::frame::Ecef;

@@ -1,7 +1,7 @@
 //! Orbits and clocks that cannot be, must not be used, or change.
 //!
 //! The messages have no numbers for an eccentricity of 1 or for a NaN: the field of the eccentricity ends below 0.5,
-//! and integers are all there is. `rai-firmware/tests/ephemeris.rs` holds the check behind the messages to those;
+//! and integers are all there is. `rai-firmware/tests/all/ephemeris.rs` holds the check behind the messages to those;
 //! here the nearest that a message can say is sent.
 
 use rand::{RngCore, SeedableRng};
