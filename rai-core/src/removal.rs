@@ -64,6 +64,7 @@ pub struct NormalisedRow<T: Real> {
 /// What a row's products with many others need of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Reach<T: Real> {
+    /// `√w_i d_i`.
     design: Vector3<T>,
     /// `1/(σ_i W_c)`: times another's root it is what the two share by their clock; 0 without a clock.
     level: T,

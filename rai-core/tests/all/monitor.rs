@@ -1,7 +1,7 @@
 //! What the monitor says of small skies whose truth is known by construction.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing)]
 
-use crate::sky::{self, receiver, satellite};
+use crate::sky::{self, DIRECTIONS, receiver, satellite};
 use rai_core::epoch::{Epoch, Observation};
 use rai_core::frame::Ecef;
 use rai_core::monitor::Monitor;
@@ -11,18 +11,6 @@ use rai_core::satellite::{Constellation, SatelliteId};
 
 const CAPACITY: usize = 24;
 const CLOCKS_M: [f64; 4] = [1234.5, -271_828.0, 31.4, 0.0];
-
-/// Azimuth and elevation in degrees of eight well-spread directions.
-const DIRECTIONS: [(f64, f64); 8] = [
-    (10.0, 75.0),
-    (50.0, 20.0),
-    (110.0, 45.0),
-    (160.0, 15.0),
-    (200.0, 60.0),
-    (250.0, 25.0),
-    (300.0, 40.0),
-    (340.0, 12.0),
-];
 
 /// A satellite in a direction, with its constellation's clock.
 fn observe(id: SatelliteId, azimuth_deg: f64, elevation_deg: f64) -> Observation {

@@ -1,7 +1,7 @@
 //! What the monitor keeps from one epoch to the next, and where its verdicts turn.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing)]
 
-use crate::sky::{SIGMA_M, observe, receiver, satellite};
+use crate::sky::{DIRECTIONS, SIGMA_M, observe, receiver, satellite};
 use rai_core::epoch::{Aiding, Epoch, Observation};
 use rai_core::frame::{Ecef, LocalFrame};
 use rai_core::monitor::{Method, Monitor, Strategy};
@@ -10,18 +10,6 @@ use rai_core::requirements::Requirements;
 use rai_core::satellite::Constellation;
 
 const CAPACITY: usize = 16;
-
-/// Azimuth and elevation in degrees.
-const DIRECTIONS: [(f64, f64); 8] = [
-    (10.0, 75.0),
-    (50.0, 20.0),
-    (110.0, 45.0),
-    (160.0, 15.0),
-    (200.0, 60.0),
-    (250.0, 25.0),
-    (300.0, 40.0),
-    (340.0, 12.0),
-];
 
 fn seen(directions: &[(f64, f64)], clock_m: f64) -> Vec<Observation> {
     let numbered = directions.iter().enumerate();

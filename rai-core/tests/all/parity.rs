@@ -15,6 +15,7 @@ use rai_core::numeric::real::Real;
 use rai_core::satellite::Constellation;
 use rai_core::snapshot::Snapshot;
 
+use crate::sky::DIRECTIONS;
 use crate::solved::{copied, solved};
 
 type Sky<T> = Snapshot<'static, T>;
@@ -27,19 +28,8 @@ const METHODS: [Isolation; 5] = [
     Isolation::Grouping,
 ];
 
-/// Azimuth and elevation in degrees of well-spread directions.
-const DIRECTIONS: [(f64, f64); 10] = [
-    (10.0, 75.0),
-    (50.0, 20.0),
-    (110.0, 45.0),
-    (160.0, 15.0),
-    (200.0, 60.0),
-    (250.0, 25.0),
-    (300.0, 40.0),
-    (340.0, 12.0),
-    (80.0, 10.0),
-    (225.0, 8.0),
-];
+/// Two more, low.
+const LOW: [(f64, f64); 2] = [(80.0, 10.0), (225.0, 8.0)];
 
 /// Noise of some metres that is nobody's fault.
 const NOISE_M: [f64; 10] = [1.3, -2.1, 0.4, 3.0, -1.7, 0.9, -0.6, 2.2, -2.8, 1.1];
@@ -58,7 +48,7 @@ fn direction(azimuth_deg: f64, elevation_deg: f64) -> Vector3<f64> {
 fn sky<T: Real>(count: usize, biases_m: &[(usize, f64)]) -> Sky<T> {
     let mut epoch = LinearEpoch::new();
     for (index, ((azimuth, elevation), noise_m)) in
-        DIRECTIONS.into_iter().zip(NOISE_M).take(count).enumerate()
+        DIRECTIONS.into_iter().chain(LOW).zip(NOISE_M).take(count).enumerate()
     {
         let bias_m: f64 = biases_m.iter().filter(|(row, _)| *row == index).map(|(_, bias_m)| bias_m).sum();
         let clock = if index % 2 == 0 { Constellation::Gps } else { Constellation::Beidou };
@@ -253,7 +243,7 @@ fn a_budget_that_is_used_up_is_said() {
 #[test]
 fn the_lone_satellite_of_a_constellation_is_never_named() {
     let mut epoch = LinearEpoch::<f64, MAX_ROWS>::new();
-    for (index, (azimuth, elevation)) in DIRECTIONS.into_iter().enumerate() {
+    for (index, (azimuth, elevation)) in DIRECTIONS.into_iter().chain(LOW).enumerate() {
         let clock = if index == 3 { Constellation::Galileo } else { Constellation::Gps };
         let bias_m = [0.0, 0.0, 150.0, 900.0][index.min(3)] * f64::from(u8::from(index < 4));
         epoch.satellite(clock, direction(azimuth, elevation), bias_m, 3.0).unwrap();

@@ -10,6 +10,18 @@ use rai_core::satellite::{Constellation, SatelliteId};
 /// Standard deviation that the observations claim, m.
 pub(crate) const SIGMA_M: f64 = 3.0;
 
+/// Azimuth and elevation in degrees of well-spread directions.
+pub(crate) const DIRECTIONS: [(f64, f64); 8] = [
+    (10.0, 75.0),
+    (50.0, 20.0),
+    (110.0, 45.0),
+    (160.0, 15.0),
+    (200.0, 60.0),
+    (250.0, 25.0),
+    (300.0, 40.0),
+    (340.0, 12.0),
+];
+
 /// Where the receiver is.
 pub(crate) fn receiver() -> Ecef {
     Geodetic { latitude_rad: 0.6, longitude_rad: 1.9, height_m: 150.0 }.to_ecef()

@@ -17,9 +17,9 @@
 //! be judged, the newest is judged and not the oldest.
 //!
 //! Deadline: an epoch is judged within the call of [`Receiver::gnss`] that brings its last byte; the pin is set before
-//! a sentence is written. The worst-case epoch of a stream that a search over all settings has found (40 satellites, thirty
-//! faulty) takes 2.5 million instructions: 15 ms at 168 MHz and one instruction a cycle (`cargo
-//! xtask bench`). A silent line is noticed by [`Receiver::tick`], to be called at least ten times a second.
+//! a sentence is written. The worst-case epoch of a stream that a search over all settings has found (40 satellites,
+//! twenty faulty) takes 2.4 million instructions: 14 ms at 168 MHz and one instruction a cycle (`cargo xtask bench`).
+//! A silent line is noticed by [`Receiver::tick`], to be called at least ten times a second.
 
 mod epochs;
 

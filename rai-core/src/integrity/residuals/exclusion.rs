@@ -148,15 +148,18 @@ fn is_unrivalled<T: Real>(snapshot: &Snapshot<'_, T>, set: &[usize], thresholds:
     // What explains less than this by the sums at hand, which lose digits to gross faults, need not be looked at closely.
     let least = found.explained() - margin - snapshot.sse() * T::UNTESTABLE;
     let mut work = Work::new(count_up_to(set.len(), MAX_ROWS));
-    let mut has_rival = false;
     for size in 1..=set.len() {
+        let mut has_rival = false;
         each_of_size(&rows, size, &mut work, least, |_, rival| {
             has_rival |= rival.get(..size).is_some_and(|rival| contest.has(rival));
-            // One is enough.
+            // One is enough: no other set is shown.
             if has_rival { infinity() } else { least }
         });
+        if has_rival {
+            return false;
+        }
     }
-    !has_rival && !work.cut
+    !work.cut
 }
 
 /// A set that was found, and what another has to reach to be its rival.
