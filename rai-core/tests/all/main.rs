@@ -26,6 +26,7 @@ mod parity;
 mod policy;
 mod properties;
 mod ransac;
+mod rivals;
 mod satellites;
 mod separation;
 mod separation_symmetries;
