@@ -25,11 +25,13 @@
 //! [Blanch2015]: crate#references
 //! [MAAST]: crate#references
 
+mod gate;
+
 use heapless::Vec;
-use nalgebra::Vector3;
+
+pub(super) use gate::Gate;
 
 use super::modes::{Hypothesis, Mode};
-use super::solutions::Bounds;
 use crate::numeric::normal::{quantile, tail};
 use crate::numeric::real::Real;
 use crate::snapshot::infinity;
@@ -56,12 +58,6 @@ const FROZEN: f64 = 1e-5;
 
 /// What the frozen terms may add to a level, m; in single precision 2.4 mm more, and 4e-5 of the level.
 const DEARNESS_M: f64 = 3e-4;
-
-/// A distance beyond every level whose square is a number in single precision, m.
-const FAR_M: f64 = 1e12;
-
-/// `λ` of [`Bounds`]: about `u σ/T` of modes that nearly matter.
-const LAMBDA: f64 = 1.5;
 
 /// One mode's share in the sum.
 #[derive(Clone, Copy, Debug)]
@@ -122,99 +118,6 @@ pub(super) struct Axis<T> {
     clear: T,
     /// Below the root.
     reference_m: T,
-}
-
-/// Where modes are clear on every axis: [`Axis::is_clear`] of all three at once.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Gate<T> {
-    references_m: Vector3<T>,
-    /// Their squares.
-    references_m2: Vector3<T>,
-    /// Of east and north, and of up.
-    clear: [T; 2],
-}
-
-impl<T: Real> Gate<T> {
-    /// Of axes without risk.
-    pub(super) fn closed() -> Self {
-        let everywhere = Vector3::repeat(infinity());
-        Self { references_m: everywhere, references_m2: everywhere, clear: [T::zero(); 2] }
-    }
-
-    pub(super) fn of(axes: &[Axis<T>; 3]) -> Self {
-        let [east, north, up] = axes;
-        let references_m = Vector3::new(east.reference_m, north.reference_m, up.reference_m);
-        // Both horizontal axes have the same risk.
-        Self {
-            references_m,
-            references_m2: references_m.component_mul(&references_m),
-            clear: [east.clear, up.clear],
-        }
-    }
-
-    /// Bounds for modes that are as likely as this at most, `limits` being the squares of `K`.
-    pub(super) fn bounds(&self, ln_probability: T, limits: &Vector3<T>) -> Bounds<T> {
-        let far = T::narrow(FAR_M);
-        let needed = self.needed(ln_probability);
-        Bounds {
-            separation: [limits.x, limits.z].map(|limit| limit * T::narrow(1.0 + LAMBDA)),
-            variance: needed.map(|needed| needed * T::narrow(1.0 + 1.0 / LAMBDA)),
-            references_m: self
-                .references_m
-                .map(|reference_m| if reference_m < far { reference_m } else { far }),
-            worst: T::zero(),
-            evenness: T::one(),
-            effective: infinity(),
-        }
-    }
-
-    /// `u²`.
-    #[inline]
-    fn needed(&self, ln_probability: T) -> [T; 2] {
-        self.clear.map(|clear| {
-            let needed = clear + ln_probability + ln_probability;
-            if needed > T::zero() { needed } else { T::zero() }
-        })
-    }
-
-    /// Whether a mode without biases need not be looked at.
-    #[inline]
-    pub(super) fn is_clear(&self, mode: &Mode<T>, thresholds: &Vector3<T>, variance: &Vector3<T>) -> bool {
-        self.clears(mode, thresholds, variance, &self.references_m2)
-    }
-
-    /// The same, its biases being at most these.
-    #[inline]
-    pub(super) fn is_clear_with(
-        &self,
-        mode: &Mode<T>,
-        thresholds: &Vector3<T>,
-        variance: &Vector3<T>,
-        bias_m: &Vector3<T>,
-    ) -> bool {
-        // A margin below nothing leaves a rest below nothing.
-        let margins = (self.references_m - bias_m).map(|margin| margin * margin.abs());
-        self.clears(mode, thresholds, variance, &margins)
-    }
-
-    /// By the squares of what is left up to the references.
-    #[inline]
-    fn clears(
-        &self,
-        mode: &Mode<T>,
-        thresholds: &Vector3<T>,
-        variance: &Vector3<T>,
-        margins: &Vector3<T>,
-    ) -> bool {
-        let [horizontal, vertical] = self.needed(mode.ln_probability);
-        let is_clear = |margin: T, threshold: T, spread: T| {
-            let rest = margin - threshold - spread;
-            rest * rest.abs() > T::narrow(4.0) * threshold * spread
-        };
-        is_clear(margins.x, thresholds.x, horizontal * variance.x)
-            && is_clear(margins.y, thresholds.y, horizontal * variance.y)
-            && is_clear(margins.z, thresholds.z, vertical * variance.z)
-    }
 }
 
 /// The quantiles that were worked out last: both horizontal axes ask for the same ones.

@@ -1,12 +1,14 @@
 //! The host port's commands: what is obeyed, what is refused and why, and that what is refused changes nothing.
 
-use proptest::prelude::*;
+mod lines;
+mod said;
+
 use rai_core::integrity::residuals::threshold::{false_alarms, missed_detections};
 use rai_core::numeric::probability::Probability;
 use rai_core::requirements::Requirements;
 use rai_core::satellite::Constellation;
 use rai_core::weighting::{Ism, Support};
-use rai_firmware::config::{Action, CommandPort, Configuration, Key, MAX_LINE, Phase, scientific};
+use rai_firmware::config::{Action, CommandPort, Configuration, Key, Phase, scientific};
 
 /// A command with its checksum and line end.
 fn line(body: &str) -> Vec<u8> {
@@ -372,34 +374,6 @@ fn every_probability_of_the_tables_is_understood_by_its_name() {
 }
 
 #[test]
-fn a_line_with_a_bad_checksum_is_refused() {
-    let cases: [&[u8]; 6] = [
-        b"$PRAIC,HAL,40*00\r\n",
-        b"$PRAIC,HAL,40\r\n",
-        b"$PRAIC,HAL,40*\r\n",
-        b"$PRAIC,HAL,40*4\r\n",
-        b"$PRAIC,HAL,40*+4\r\n",
-        b"$PRAIC,HAL,40*4444\r\n",
-    ];
-    for bytes in cases {
-        let mut module = Module::new();
-        assert_eq!(module.hear(bytes), []);
-        assert_eq!(module.bodies(), ["PRAIA,HAL,ERR,checksum"]);
-        assert_eq!(module.configuration, Configuration::at_start());
-        assert_eq!((module.counter("cmd_checksum"), module.counter("cmd_refused")), (1, 1));
-    }
-}
-
-#[test]
-fn a_checksum_in_lower_case_is_a_checksum() {
-    let upper = line("PRAIC,TTA,6");
-    let (body, checksum) = upper.split_at(upper.len() - 4);
-    let lower = [body, &checksum.to_ascii_lowercase()].concat();
-    assert_ne!(lower, upper, "the example needs a letter in its checksum");
-    assert_eq!(Module::new().hear(&lower), [Action::Reconfigured]);
-}
-
-#[test]
 fn actions_are_for_the_receiver_to_carry_out() {
     let cases = [
         ("STATS", Action::Statistics, None),
@@ -411,209 +385,5 @@ fn actions_are_for_the_receiver_to_carry_out() {
         let mut module = Module::new();
         assert_eq!(module.hear(&line(&format!("PRAIC,{command}"))), [action]);
         assert_eq!(module.bodies(), answer.into_iter().collect::<Vec<_>>());
-    }
-}
-
-#[test]
-fn a_command_in_pieces_is_one_command() {
-    let mut module = Module::new();
-    let bytes = line("PRAIC,HAL,40");
-    let (first, second) = bytes.split_at(7);
-    assert_eq!(module.hear(first), []);
-    assert_eq!(module.hear(second), [Action::Reconfigured]);
-}
-
-#[test]
-fn garbage_costs_at_most_the_line_it_is_in() {
-    let good = line("PRAIC,HAL,40");
-    let garbage: [&[u8]; 8] = [
-        b"",
-        b"\x00\xFF\x80garbage\r\n\r\n",
-        b"$",
-        b"$PRAIC,HA",
-        b"$PRAIC,HAL,4\x0040*00",
-        b"$$$$",
-        b"*55\r\n,,,",
-        b"$GNGNS,120000.00,,,,,N,00,,,,,,V*00\r\n",
-    ];
-    for noise in garbage {
-        let mut module = Module::new();
-        module.hear(noise);
-        assert_eq!(module.configuration, Configuration::at_start(), "{noise:?}");
-        assert_eq!(module.hear(&good), [Action::Reconfigured], "{noise:?}");
-    }
-}
-
-#[test]
-fn what_is_no_command_is_counted_and_not_answered() {
-    let mut module = Module::new();
-    module.hear(b"$GNGNS,120000.00,,,,,N,00,,,,,,V*00\r\n$PRAIC,HAL\x00,40*00\r\n$PRAIC,H");
-    module.hear(&line("PRAIS,120000.00,P"));
-    assert_eq!(module.answers, "");
-    assert_eq!((module.counter("cmd_foreign"), module.counter("cmd_noise")), (2, 2));
-}
-
-#[test]
-fn a_line_that_is_too_long_is_refused_and_the_next_one_obeyed() {
-    let mut module = Module::new();
-    let longest = format!("PRAIC,HAL,{}40", "0".repeat(MAX_LINE - 15));
-    assert_eq!(longest.len() + 3, MAX_LINE);
-    assert_eq!(module.hear(&line(&longest)), [Action::Reconfigured]);
-    assert_eq!(module.bodies(), ["PRAIA,HAL,OK"]);
-    module.answers.clear();
-    assert_eq!(module.hear(&line(&longest.replace("40", "040"))), []);
-    assert_eq!(module.bodies(), ["PRAIA,,ERR,too long"]);
-    assert_eq!(module.counter("cmd_too_long"), 1);
-    assert_eq!(module.ask("PRAIC,HAL,50"), ["PRAIA,HAL,50,OK"]);
-}
-
-#[test]
-fn coefficients_too_long_to_repeat_are_still_obeyed() {
-    let mut module = Module::new();
-    let have = module.ask("PRAIC,IONO,1.024454832E-08,1.490116119E-08,-5.960464478E-08,-1.192092896E-07,88064,32768,-196608,-327680");
-    assert_eq!(have, ["PRAIA,IONO,OK"]);
-    assert!(module.configuration.klobuchar.is_some());
-}
-
-/// Bytes that look like commands often enough to reach every branch.
-fn anything() -> impl Strategy<Value = Vec<u8>> {
-    let word = prop_oneof![
-        Just("PHASE"),
-        Just("HAL"),
-        Just("VAL"),
-        Just("PFA"),
-        Just("IONO"),
-        Just("NPA"),
-        Just("1e-5"),
-        Just("40"),
-        Just("nan"),
-        Just("1e999"),
-        Just("-0"),
-        Just(""),
-        Just("MASK"),
-        Just("STATS"),
-        Just("METHOD"),
-        Just("BAARDA"),
-    ];
-    let command =
-        proptest::collection::vec(word, 0..10).prop_map(|words| line(&format!("PRAIC,{}", words.join(","))));
-    let piece = prop_oneof![
-        3 => command,
-        2 => proptest::collection::vec(any::<u8>(), 0..40),
-        1 => "[ -~]{0,300}".prop_map(String::into_bytes),
-        1 => Just(b"$PRAIC,".to_vec()),
-    ];
-    proptest::collection::vec(piece, 0..8).prop_map(|pieces| pieces.concat())
-}
-
-proptest! {
-    #[test]
-    fn no_bytes_leave_an_unusable_configuration_or_change_it_without_saying_so(bytes in anything()) {
-        let mut module = Module::new();
-        for byte in bytes {
-            let before = module.configuration;
-            module.answers.clear();
-            let actions = module.hear(&[byte]);
-            let answer = module.bodies().concat();
-            let said_so =
-                actions == [Action::Reconfigured] && (answer.ends_with(",OK") || answer.contains(",OK,WARN,"));
-            prop_assert!(said_so || module.configuration == before);
-            prop_assert!(module.answers.split_inclusive('\n').all(|answer| answer.len() <= 82));
-        }
-        let Configuration { requirements, mask_rad, klobuchar, .. } = module.configuration;
-        prop_assert!(requirements.validate().is_ok() && (0.0..1.05).contains(&mask_rad));
-        prop_assert!(klobuchar.is_none_or(|coefficients| coefficients.iter().all(|c| c.is_finite())));
-    }
-}
-
-mod said {
-    //! `PRAIQ`: everything in force, and its hash.
-
-    use super::*;
-
-    /// The sentences, joined into the fields that they carry, with the hash that all of them name.
-    fn settings(configuration: &Configuration) -> (String, Vec<String>) {
-        let mut room = [0; 1024];
-        let mut free = room.as_mut_slice();
-        configuration.write(&mut free).expect("enough room");
-        let left = free.len();
-        let text = std::str::from_utf8(&room[..1024 - left]).expect("ASCII").to_string();
-        let (mut hash, mut fields) = (String::new(), Vec::new());
-        let count = text.lines().count().to_string();
-        for (index, line) in text.lines().enumerate() {
-            assert!(line.len() + 2 <= 82, "{line}");
-            let body = &line[1..line.len() - 3];
-            let all: Vec<&str> = body.split(',').collect();
-            let [head, middle @ .., number, of] = all.as_slice() else { panic!("{line}") };
-            assert_eq!((*head, *number, *of), ("PRAIQ", (index + 1).to_string().as_str(), count.as_str()));
-            hash = middle[0].to_string();
-            fields.extend(middle[1..].iter().map(ToString::to_string));
-        }
-        (hash, fields)
-    }
-
-    /// CRC-32 by the table of its definition, another way than the module's.
-    fn crc32(text: &str) -> u32 {
-        let table: Vec<u32> = (0..256_u32)
-            .map(|byte| (0..8).fold(byte, |c, _| if c & 1 == 1 { 0xEDB8_8320 ^ (c >> 1) } else { c >> 1 }))
-            .collect();
-        !text.bytes().fold(!0_u32, |crc, byte| table[((crc ^ u32::from(byte)) & 0xFF) as usize] ^ (crc >> 8))
-    }
-
-    #[test]
-    fn all_settings_are_said_in_the_order_of_the_interface() {
-        let (hash, fields) = settings(&Configuration::at_start());
-        assert_eq!(fields[..4], ["NPA", "556", "", "3.33e-7"]);
-        assert_eq!((fields[6].as_str(), fields[7].as_str(), fields[8].as_str()), ("10", "T1", "AUTO"));
-        assert_eq!(hash, format!("{:08X}", crc32(&fields.join(","))));
-    }
-
-    #[test]
-    fn the_longest_settings_take_several_sentences_and_lose_nothing() {
-        let mut module = Module::new();
-        for command in [
-            "PFA,6.666666667e-5",
-            "HAL,99999.9",
-            "VAL,99999.9",
-            "TTA,3599.9",
-            "METHOD,SIMULTANEOUS",
-            "IONO,1.024454832E-08,1.490116119E-08,-5.960464478E-08,-1.192092896E-07,88064,32768,-196608,-327680",
-        ] {
-            module.ask(&format!("PRAIC,{command}"));
-        }
-        let (hash, fields) = settings(&module.configuration);
-        assert_eq!(fields.len(), settings(&Configuration::at_start()).1.len());
-        assert_eq!(fields[26..30], ["88064", "32768", "-196608", "-327680"]);
-        assert_eq!(hash, format!("{:08X}", crc32(&fields.join(","))));
-    }
-
-    #[test]
-    fn every_change_changes_the_hash() {
-        let commands = [
-            "PHASE,LPV200",
-            "HAL,555.9",
-            "VAL,50",
-            "PFA,1e-4",
-            "PMD,1e-4",
-            "TTA,9.9",
-            "MASK,9.9",
-            "POLICY,T2",
-            "METHOD,RANSAC",
-            "CLOCKAID,ON",
-            "OUTPUT,GBS,3",
-            "IONO,1E-8,0,0,0,0,0,0,0",
-            "ISM,RESEARCH",
-            "ISM,G,2.4,2.4,0,1e-5,1e-4",
-        ];
-        let mut hashes = vec![Configuration::at_start().hash()];
-        for command in commands {
-            let mut module = Module::new();
-            module.ask(&format!("PRAIC,{command}"));
-            hashes.push(module.configuration.hash());
-        }
-        let all = hashes.len();
-        hashes.sort_unstable();
-        hashes.dedup();
-        assert_eq!(hashes.len(), all);
     }
 }
