@@ -26,7 +26,7 @@ pub fn glonass_accuracy_m(index: u8) -> Option<f32> {
 
 /// One sigma of a SISA index of Galileo, m; `None` for the spare values and for "no accuracy prediction".
 ///
-/// Four linear pieces, [OS-SIS-ICD] 5.1.12, "SISA index values": table 76 of issue 1.3, table 89 of issue 2.1.
+/// Four linear pieces, [OS-SIS-ICD] 5.1.12, "SISA index values": table 76 in version 1.3, table 89 in version 2.1.
 ///
 /// [OS-SIS-ICD]: crate#references
 pub fn galileo_sisa_m(index: u8) -> Option<f32> {

@@ -157,7 +157,7 @@ fn highest_epoch_rates() {
     assert_eq!(have, [[21, 21, 21], [175, 175, 69], [21, 21, 6], [175, 51, 6]]);
 }
 
-/// Each pass costs: one a byte would be a third of what an epoch does.
+/// Each pass costs: with one for each byte they would cost more than the epoch.
 #[test]
 fn the_loop_goes_round_once_a_millisecond_or_by_64_bytes() {
     let lumps = lumps(13);
