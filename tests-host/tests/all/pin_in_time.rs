@@ -157,6 +157,20 @@ fn highest_epoch_rates() {
     assert_eq!(have, [[21, 21, 21], [175, 175, 69], [21, 21, 6], [175, 51, 6]]);
 }
 
+/// What the host's line cannot carry is lost and counted; the pin is as early as before.
+#[test]
+fn the_hosts_line_carries_the_sentences_of_17_epochs_a_second() {
+    let lumps = lumps(QUIET as u32 + 100);
+    for (rate_hz, is_carried) in [(17, true), (25, false)] {
+        let lines = Lines { gnss_baud: 921_600, period_ns: 1_000_000_000 / rate_hz, ..every(0) };
+        let have = run(&lumps, QUIET, lines, Costs::measured(FULL_HZ, usual()));
+        let lost = have.counter("sentences_lost");
+        assert_eq!(lost == 0, is_carried, "{rate_hz} Hz: {lost} lost");
+        assert_eq!(have.lateness_ns.len(), 100, "{rate_hz} Hz");
+        assert!(have.latest_ms() < 20.0, "{rate_hz} Hz: {:.1} ms late", have.latest_ms());
+    }
+}
+
 /// Each pass costs: with one for each byte they would cost more than the epoch.
 #[test]
 fn the_loop_goes_round_once_a_millisecond_or_by_64_bytes() {
