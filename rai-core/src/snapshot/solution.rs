@@ -204,7 +204,7 @@ pub(crate) struct Solution<T: Real> {
 
 impl<T: Real> Solution<T> {
     /// Of no rows.
-    pub(super) fn none() -> Self {
+    pub(crate) fn none() -> Self {
         Self {
             groups: Groups::empty(),
             covariance: Matrix3::zeros(),
@@ -215,21 +215,12 @@ impl<T: Real> Solution<T> {
         }
     }
 
-    /// Solves for the rows that take part.
+    /// Solves for the rows that take part, in place: what is large is not moved. Unless it succeeds, what is there then is of no
+    /// use.
     ///
     /// # Errors
     /// As [`super::Workspace::solve`].
-    pub(crate) fn of<'r>(rows: impl Iterator<Item = &'r Row<T>> + Clone) -> Result<Self, SnapshotError> {
-        let mut solution = Self::none();
-        solution.solve(rows)?;
-        Ok(solution)
-    }
-
-    /// Solves in place: what is large is not moved. Unless it succeeds, what is there then is of no use.
-    ///
-    /// # Errors
-    /// As [`Self::of`].
-    pub(super) fn solve<'r>(
+    pub(crate) fn solve<'r>(
         &mut self,
         rows: impl Iterator<Item = &'r Row<T>> + Clone,
     ) -> Result<(), SnapshotError> {

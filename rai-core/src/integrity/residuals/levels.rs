@@ -110,7 +110,8 @@ fn is_hardly_tested<T: Real>(snapshot: &Snapshot<'_, T>, row: &Row<T>, fit: &Fit
 fn by_the_others<T: Real>(snapshot: &Snapshot<'_, T>, index: usize) -> Option<SquaredSlopes<T>> {
     let (row, _) = snapshot.row(index)?;
     let others = snapshot.equations().iter().enumerate().filter(|&(other, _)| other != index);
-    let solution = Solution::of(others.map(|(_, other)| other)).ok()?;
+    let mut solution = Solution::none();
+    solution.solve(others.map(|(_, other)| other)).ok()?;
     let fit = solution.fit(row);
     let predicted = solution.level_variance(row) + fit.centred.dot(&fit.gain);
     let redundancy = (T::one() + row.weight * predicted).recip();

@@ -97,7 +97,8 @@ impl<T: Real> Vote<T> {
 fn vote<T: Real>(rows: &[Row<T>], selection: &Selection, subset: usize, bound: T) -> Option<Vote<T>> {
     let members = rows.iter().enumerate().filter(|&(index, _)| selection.contains(subset, index));
     let members = members.map(|(_, row)| row);
-    let solution = Solution::of(members.clone()).ok()?;
+    let mut solution = Solution::none();
+    solution.solve(members.clone()).ok()?;
     if !is_worth_a_vote(members, &solution) {
         return None;
     }

@@ -34,29 +34,32 @@ pub fn refine<T: Real>(
 ) -> Refinement {
     let mut left_out = consensus.rows.clone();
     let most = most_faults(selection).max(left_out.len());
-    let solution = exclude_until_passed(rows, &mut left_out, most, limits);
-    if let Some((solution, bound)) = solution.as_ref().zip(disagreement(rows, limits)) {
-        left_out.retain(|&index| rows.get(index).is_none_or(|row| disagrees(row, solution, bound)));
+    let mut solution = Solution::none();
+    let passed = exclude_until_passed(rows, &mut left_out, most, limits, &mut solution).is_some();
+    if let Some(bound) = disagreement(rows, limits).filter(|_| passed) {
+        left_out.retain(|&index| rows.get(index).is_none_or(|row| disagrees(row, &solution, bound)));
     }
-    Refinement { rows: left_out, passed: solution.is_some() }
+    Refinement { rows: left_out, passed }
 }
 
-/// Leaves the worst rows out; `None` where there are more of them than `most`, or none is left to test with.
+/// Leaves the worst rows out and solves for the rest; `None` where there are more of them than `most`, or none is left to test
+/// with: the solution is then of no use.
 fn exclude_until_passed<T: Real>(
     rows: &[Row<T>],
     left_out: &mut Vec<usize, MAX_EXCLUDED>,
     most: usize,
     limits: &ConsensusLimits<'_>,
-) -> Option<Solution<T>> {
+    solution: &mut Solution<T>,
+) -> Option<()> {
     loop {
         let stay = rows.iter().enumerate().filter(|(index, _)| !left_out.contains(index));
-        let solution = Solution::of(stay.clone().map(|(_, row)| row)).ok()?;
+        solution.solve(stay.clone().map(|(_, row)| row)).ok()?;
         let stay = stay.filter(|(_, row)| row.weight > T::zero());
         let fits = stay.map(|(index, row)| (index, row.weight, solution.fit(row)));
         let sse =
             fits.clone().fold(T::zero(), |sum, (_, weight, fit)| sum + weight * fit.residual * fit.residual);
         if Detection::of(sse, solution.dof(), &limits.refinement).is_some_and(|test| !test.fault()) {
-            return Some(solution);
+            return Some(());
         }
         if left_out.len() >= most || solution.dof() < 2 {
             return None;
