@@ -112,10 +112,10 @@ fn the_worked_example_has_the_published_levels() {
     for (factor, want) in found.factors.into_iter().zip([5.894_859_64, 5.894_859_64, 5.108_340_84]) {
         close("K", factor, want, 1e-8);
     }
-    // What is reported is never below the root, and 0.3 mm above it at most.
+    // What is reported is never below the root; 0.3 mm above it are allowed, here it is closer.
     let wanted = [8.903_414_15, 10.022_778_92, 18.292_447_11];
     for (level_m, want) in found.levels_m.into_iter().zip(wanted) {
-        assert!(level_m > want - 1e-6 && level_m < want + 3e-4, "level {level_m:.9}, want {want:.9}");
+        assert!(level_m > want - 1e-8 && level_m < want + 1e-5, "level {level_m:.9}, want {want:.9}");
     }
     close("EMT", found.effective_monitor_threshold_m, 7.299_716_71, 1e-8);
     close("accuracy", found.accuracy_m, 1.369_368_32, 1e-8);
