@@ -132,7 +132,7 @@ pub fn estimate<T: Real, const N: usize>(
     if detection.fault() {
         return Err(VelocityError::Fault);
     }
-    let lambda = thresholds.lambda(snapshot.dof()).ok_or(VelocityError::Redundancy)?;
+    let lambda: T = thresholds.lambda(snapshot.dof()).ok_or(VelocityError::Redundancy)?;
     let covariance = snapshot.covariance();
     let element = |row, column| covariance.get((row, column)).map_or(0.0, |value: &T| value.widen());
     Ok(Velocity {
@@ -147,7 +147,7 @@ pub fn estimate<T: Real, const N: usize>(
         ],
         drift_m_s: snapshot.clock_m(DRIFT).unwrap_or_default(),
         test: detection.statistic(),
-        levels_m_s: Exposure::of(&snapshot, Levels::Bound, factors).protect(lambda),
+        levels_m_s: Exposure::of(&snapshot, Levels::Bound, factors).protect(lambda.widen()),
         excluded,
     })
 }

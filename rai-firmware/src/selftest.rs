@@ -76,8 +76,8 @@ fn table_is_right() -> bool {
     };
     Thresholds::from_tables(false_alarm, missed_detection)
         .ok()
-        .and_then(|thresholds| thresholds.tau1(4))
-        .is_some_and(|tau1| is_close(6.0 * libm::sqrt(tau1 / 4.0), 17.925_711, 1e-6))
+        .and_then(|thresholds| thresholds.tau1::<f32>(4))
+        .is_some_and(|tau1| is_close(6.0 * libm::sqrt(f64::from(tau1) / 4.0), 17.925_711, 1e-6))
 }
 
 #[inline(never)]

@@ -369,7 +369,7 @@ proptest! {
         demand in any_demand(), slope in 0.1..100.0_f64,
     ) {
         let limit_m = slope * demand.noncentrality.sqrt();
-        let lambda = demand.thresholds.lambda(demand.dof).expect("in the tables");
+        let lambda: f64 = demand.thresholds.lambda(demand.dof).expect("in the tables");
         let hpl_m = slope * lambda.sqrt();
         let Decision { tau1, tau2, status, .. } = demand.decide::<f64>().expect("redundancy");
         prop_assume!((demand.noncentrality / lambda - 1.0).abs() > 1e-9);

@@ -102,7 +102,7 @@ impl Sky {
     /// Whether no other set of as many satellites or fewer passes the test within `T_d²`; `None` where rounding decides.
     fn is_unrivalled(&self) -> Option<bool> {
         let thresholds = thresholds();
-        let margin = thresholds.w_test(self.rows.len()).unwrap().powi(2);
+        let margin = thresholds.w_test::<f64>(self.rows.len()).unwrap().powi(2);
         let (found, _) = self.left(&self.faulty);
         let mut unrivalled = true;
         for set in sets(self.rows.len(), self.faulty.len()) {

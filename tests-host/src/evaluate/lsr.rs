@@ -160,7 +160,8 @@ fn test<T: Real>(
     let detection = detect(snapshot, thresholds).ok_or_else(beyond)?;
     let lambda = thresholds.lambda(dof).ok_or_else(beyond)?;
     let rows = snapshot.used();
-    let w_threshold = thresholds.w_test(rows).ok_or_else(|| format!("{rows} rows: beyond the tables"))?;
+    let w_threshold =
+        thresholds.w_test::<f64>(rows).ok_or_else(|| format!("{rows} rows: beyond the tables"))?;
     let statistic = detection.statistic();
     let levels = largest_slopes(snapshot).protect(lambda);
     let limit_m = line.guard_fraction * line.hal_m;

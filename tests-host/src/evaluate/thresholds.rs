@@ -74,7 +74,8 @@ pub(super) fn evaluate<T: Real>(
     let beyond = || format!("nu: {dof} is not in the tables");
     let whole =
         (dof.fract().abs() < f64::EPSILON && dof >= 1.0).then_some(dof as usize).ok_or_else(beyond)?;
-    let (tau1, lambda) = thresholds.tau1(whole).zip(thresholds.lambda(whole)).ok_or_else(beyond)?;
+    let (tau1, lambda) =
+        thresholds.tau1::<f64>(whole).zip(thresholds.lambda::<f64>(whole)).ok_or_else(beyond)?;
     let Policies { tau2, tau_op_raw, tau_op, op_status } =
         decide::<T>(whole, noncentrality, thresholds, missed_detection).ok_or_else(beyond)?;
     let input = object.clone();

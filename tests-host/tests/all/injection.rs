@@ -55,7 +55,7 @@ fn biases_of(observations: &[rai_core::epoch::Observation]) -> Vec<(SatelliteId,
     let Some(dense) = oracle::solve(&ranges).filter(|dense| dense.dof > 0) else { return Vec::new() };
     let thresholds =
         Thresholds::from_tables(Probability::new(3.33e-7).unwrap(), Probability::new(1e-3).unwrap()).unwrap();
-    let lambda = thresholds.lambda(dense.dof).unwrap();
+    let lambda: f64 = thresholds.lambda(dense.dof).unwrap();
     let smallest = |(index, observation): (usize, &rai_core::epoch::Observation)| {
         let redundancy = dense.projection[(index, index)].max(1e-12);
         (observation.satellite, observation.sigma_m * (lambda / redundancy).sqrt())

@@ -36,7 +36,7 @@ fn w_test_thresholds_leave_the_false_alarm_in_two_normal_tails() {
         let thresholds =
             Thresholds::from_tables(false_alarm, threshold::missed_detections()[0]).expect("a listed pair");
         for tests in 1..=threshold::MAX_TESTS {
-            let w_test = thresholds.w_test(tests).expect("in the table");
+            let w_test: f64 = thresholds.w_test(tests).expect("in the table");
             let have = tests as f64 * libm::erfc(w_test / libm::sqrt(2.0));
             let want = false_alarm.get();
             assert!((have / want - 1.0).abs() < 1e-12, "{tests} tests: have {have:e}, want {want:e}");
@@ -50,8 +50,8 @@ fn every_pair_of_listed_probabilities_has_thresholds_that_grow_with_redundancy()
         for &missed_detection in threshold::missed_detections() {
             let rows = Thresholds::from_tables(false_alarm, missed_detection).expect("a listed pair");
             for dof in 1..threshold::MAX_DOF {
-                assert!(rows.tau1(dof) < rows.tau1(dof + 1), "tau1 at {dof}");
-                assert!(rows.lambda(dof) < rows.lambda(dof + 1), "lambda at {dof}");
+                assert!(rows.tau1::<f64>(dof) < rows.tau1::<f64>(dof + 1), "tau1 at {dof}");
+                assert!(rows.lambda::<f64>(dof) < rows.lambda::<f64>(dof + 1), "lambda at {dof}");
             }
         }
     }

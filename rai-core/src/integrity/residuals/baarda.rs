@@ -49,11 +49,10 @@ pub fn identify<T: Real>(
         return Err(Unidentified::NoRedundancy);
     }
     let (Some((index, largest, runner_up)), Some(threshold)) =
-        (worst_two(snapshot), thresholds.w_test(snapshot.used()))
+        (worst_two(snapshot), thresholds.w_test::<T>(snapshot.used()))
     else {
         return Err(Unidentified::BelowThreshold);
     };
-    let threshold = T::narrow(threshold);
     // Written so that a w which is not a number is never identified.
     if !(largest > threshold * threshold) {
         return Err(Unidentified::BelowThreshold);

@@ -35,7 +35,7 @@ pub struct Detection<T> {
 impl<T: Real> Detection<T> {
     /// Tests a sum of squares; `None` without redundancy, or beyond the table's degrees of freedom.
     pub fn of(sse: T, dof: usize, thresholds: &Thresholds<'_>) -> Option<Self> {
-        Some(Self { sse, threshold: T::narrow(thresholds.tau1(dof)?), dof })
+        Some(Self { sse, threshold: thresholds.tau1(dof)?, dof })
     }
 
     /// True when the residuals are larger than noise explains.

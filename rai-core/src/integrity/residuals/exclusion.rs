@@ -140,10 +140,12 @@ pub fn separable<T: Real>(
 fn is_unrivalled<T: Real>(snapshot: &Snapshot<'_, T>, set: &[usize], thresholds: &Thresholds<'_>) -> bool {
     let mut rows = Vec::new();
     testable_rows(snapshot, &mut rows);
-    let (Some(margin), Some(found)) = (thresholds.w_test(snapshot.used()), Removal::among(&rows, set)) else {
+    let (Some(threshold), Some(found)) =
+        (thresholds.w_test::<T>(snapshot.used()), Removal::among(&rows, set))
+    else {
         return false;
     };
-    let margin = T::narrow(margin * margin);
+    let margin = threshold * threshold;
     let contest = Contest { snapshot, thresholds, rows: &rows, set, left: found.sse(&rows), margin };
     // What explains less than this by the sums at hand, which lose digits to gross faults, need not be looked at closely.
     let least = found.explained() - margin - snapshot.sse() * T::UNTESTABLE;

@@ -200,7 +200,7 @@ fn sorted(mut subsets: Vec<Vec<usize>>) -> Vec<Vec<usize>> {
 fn check_vote(ranges: &[Range]) -> bool {
     let (epoch, limits) = (epoch(ranges), ConsensusLimits::published().unwrap());
     let selection = Selection::choose(epoch.rows(), MAX_WORK);
-    let bound = limits.consensus.w_test(ranges.len()).unwrap().powi(2);
+    let bound = limits.consensus.w_test::<f64>(ranges.len()).unwrap().powi(2);
     let subsets = members(&selection);
     if subsets.len() < 2 || is_close(ranges, &subsets, bound) {
         return false;
@@ -316,7 +316,7 @@ fn refined(
     loop {
         let members = kept(&out);
         let Some(solution) = oracle::solve(&of(ranges, &members)) else { return Some((out, false)) };
-        let threshold = limits.refinement.tau1(solution.dof);
+        let threshold: Option<f64> = limits.refinement.tau1(solution.dof);
         if threshold.is_some_and(|threshold| (solution.sse / threshold - 1.0).abs() < 1e-6) {
             return None;
         }
@@ -331,7 +331,7 @@ fn refined(
     let members = kept(&out);
     let inside = of(ranges, &members);
     let (solution, clocks) = (oracle::solve(&inside)?, clocks_of(&inside));
-    let bound = limits.consensus.w_test(ranges.len())?.powi(2);
+    let bound = limits.consensus.w_test::<f64>(ranges.len())?.powi(2);
     let disagrees = |index: &usize| {
         let range = &ranges[*index];
         let (residual_m, variance_m2) = predict(range, &solution, &clocks);

@@ -51,7 +51,7 @@ impl Dense<'_> {
     /// SSE over its threshold without a set; `None` where the set is refused, infinite where nothing is left to test.
     fn ratio_without(&self, set: &[usize]) -> Option<f64> {
         let solution = oracle::solve_without(self.ranges, set)?;
-        Some(self.thresholds.tau1(solution.dof).map_or(f64::INFINITY, |tau1| solution.sse / tau1))
+        Some(self.thresholds.tau1::<f64>(solution.dof).map_or(f64::INFINITY, |tau1| solution.sse / tau1))
     }
 
     fn sse_without(&self, set: &[usize]) -> Option<f64> {

@@ -104,7 +104,7 @@ proptest! {
         prop_assert!((have_runner_up - runner_up).abs() < 1e-6 * largest, "{} {}", have_runner_up, runner_up);
 
         // Residuals twice as large have w-tests twice as large.
-        let threshold = thresholds().w_test(ranges.len()).unwrap();
+        let threshold = thresholds().w_test::<f64>(ranges.len()).unwrap();
         let scaled = |w: f64| {
             let scale = w / largest.sqrt();
             let scaled: Vec<Range> =

@@ -101,7 +101,8 @@ fn tested<T: Precision>(
 ) -> Option<(bool, usize, [f64; 3])> {
     let detection = detect(snapshot, thresholds)?;
     let (worst, largest, _) = T::worst_two(snapshot)?;
-    let levels = T::largest_slopes(snapshot).protect(thresholds.lambda(snapshot.dof())?);
+    let lambda: T = thresholds.lambda(snapshot.dof())?;
+    let levels = T::largest_slopes(snapshot).protect(lambda.widen());
     Some((detection.fault(), worst, [largest.widen(), levels.hpl_m, levels.vpl_m]))
 }
 

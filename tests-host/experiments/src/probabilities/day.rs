@@ -147,7 +147,7 @@ impl Day<'_> {
         let sights = sights(satellites, &self.site, t_s, MASK_DEG.to_radians());
         let geometry = Geometry::seen(&sights).context("a redundant sky")?;
         let worst = geometry.worst().context("a testable satellite")?;
-        let lambda = self.thresholds.lambda(geometry.dof()).context("beyond the tables")?;
+        let lambda: f64 = self.thresholds.lambda(geometry.dof()).context("beyond the tables")?;
         Ok(Instant { t_s, sights, geometry, worst, hpl_m: worst.slope_m * lambda.sqrt() })
     }
 

@@ -227,7 +227,7 @@ impl Watched {
         draws: impl Iterator<Item = usize>,
     ) -> Result<Counts> {
         let Scene { geometry, .. } = &self.scene;
-        let root = thresholds.lambda(geometry.dof()).context("beyond the tables")?.sqrt();
+        let root = thresholds.lambda::<f64>(geometry.dof()).context("beyond the tables")?.sqrt();
         let mut memory = core::array::from_fn::<_, { METHODS.len() }, _>(|_| Memory::new());
         let mut counts = Counts::default();
         for (draw, &index) in draws.zip(self.faulty.iter().cycle()) {

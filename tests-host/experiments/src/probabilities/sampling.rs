@@ -96,7 +96,7 @@ pub(super) fn alarming(
     generator: &mut ChaCha8Rng,
 ) -> Result<Alarming> {
     let dof = geometry.dof() as f64;
-    let tau = thresholds.tau1(geometry.dof()).context("beyond the tables")?;
+    let tau: f64 = thresholds.tau1(geometry.dof()).context("beyond the tables")?;
     let scale = (tau / dof).max(1.0).sqrt();
     let noise = normal(geometry.rows.len(), generator);
     let shown = geometry.parity(&noise);
@@ -142,7 +142,7 @@ struct Fault {
 impl Fault {
     fn of(geometry: &Geometry, thresholds: &Thresholds<'_>) -> Result<Self> {
         let worst = geometry.worst().context("a testable satellite")?;
-        let tau = thresholds.tau1(geometry.dof()).context("beyond the tables")?;
+        let tau: f64 = thresholds.tau1(geometry.dof()).context("beyond the tables")?;
         let moved = worst.moved.norm();
         Ok(Self {
             worst,

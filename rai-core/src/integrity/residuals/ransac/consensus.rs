@@ -51,7 +51,7 @@ pub(super) fn most_faults(selection: &Selection) -> usize {
 /// `T_r²` for the rows that take part; `None` beyond the table.
 pub(super) fn disagreement<T: Real>(rows: &[Row<T>], limits: &ConsensusLimits<'_>) -> Option<T> {
     let used = rows.iter().filter(|row| row.weight > T::zero()).count();
-    limits.consensus.w_test(used).map(|threshold| T::narrow(threshold * threshold))
+    limits.consensus.w_test(used).map(|threshold: T| threshold * threshold)
 }
 
 /// Lets each subset judge the rows outside it.

@@ -17,7 +17,8 @@
 //!
 //! The table is generated (`cargo xtask tables`) and exact to 1e-12 relative. Nothing is interpolated between
 //! probabilities and nothing is extrapolated: a probability that is not in the table is an error that names
-//! the nearest one, and a row's end is `None`. Without the feature `tables` those of the phases of flight alone are there, and with `short-tables` rows end earlier.
+//! the nearest one, and a row's end is `None`. Without the feature `tables` those of the phases of flight
+//! alone are there, and with `short-tables` rows end earlier and are in single precision.
 //!
 //! What tables cannot hold, because it depends on the geometry, is solved for in [`chi_square`](crate::numeric::chi_square); [`policy`] chooses.
 //!
@@ -29,12 +30,14 @@
 use core::fmt;
 
 use crate::numeric::probability::Probability;
+use crate::numeric::real::Real;
 
 pub mod policy;
 mod rows;
 mod table;
 
 pub use crate::numeric::chi_square::MAX_DOF;
+use rows::Held;
 
 /// The largest number of simultaneous w-tests in the tables.
 pub const MAX_TESTS: usize = 64;
@@ -42,13 +45,22 @@ pub const MAX_TESTS: usize = 64;
 /// How far, relatively, a probability may be from one of the table and still mean it: decimal rounding, no more.
 const SAME_PROBABILITY: f64 = 1e-9;
 
-/// Thresholds of one pair of probabilities.
+/// Thresholds of one pair of probabilities, in the precision of the test that asks.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Thresholds<'t> {
-    tau1: &'t [f64],
-    lambda: &'t [f64],
-    w_test: &'t [f64],
+pub struct Thresholds<'t>(Rows<'t>);
+
+/// The rows of `tau1`, `lambda` and `w_test`, in this order.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Rows<'t> {
+    /// Of the tables.
+    Committed([&'t [Held]; 3]),
+    /// Of the caller.
+    Given([&'t [f64]; 3]),
 }
+
+const TAU1: usize = 0;
+const LAMBDA: usize = 1;
+const W_TEST: usize = 2;
 
 /// Which probability is not in the tables.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -104,7 +116,7 @@ impl Thresholds<'static> {
         let tau1 = rows::TAU1.get(alarm).map_or(&[][..], |row| row);
         let w_test = rows::W_TEST.get(alarm).map_or(&[][..], |row| row);
         let lambda = rows::LAMBDA.get(alarm).and_then(|rows| rows.get(miss)).map_or(&[][..], |row| row);
-        Ok(Self { tau1, lambda, w_test })
+        Ok(Self(Rows::Committed([tau1, lambda, w_test])))
     }
 }
 
@@ -112,28 +124,33 @@ impl<'t> Thresholds<'t> {
     /// Rows that the caller computed, for probabilities outside the tables: element 0 is for one degree of
     /// freedom (`tau1`, `lambda`) and for one test (`w_test`).
     pub const fn from_rows(tau1: &'t [f64], lambda: &'t [f64], w_test: &'t [f64]) -> Self {
-        Self { tau1, lambda, w_test }
+        Self(Rows::Given([tau1, lambda, w_test]))
     }
 
     /// Threshold of the global test; `None` without redundancy or beyond the row.
-    pub fn tau1(&self, dof: usize) -> Option<f64> {
-        element(self.tau1, dof)
+    pub fn tau1<T: Real>(&self, dof: usize) -> Option<T> {
+        self.element(TAU1, dof)
     }
 
     /// Non-centrality of the smallest fault that is missed with the required probability at most; `None` as above.
-    pub fn lambda(&self, dof: usize) -> Option<f64> {
-        element(self.lambda, dof)
+    pub fn lambda<T: Real>(&self, dof: usize) -> Option<T> {
+        self.element(LAMBDA, dof)
     }
 
     /// Two-sided threshold of one of `tests` w-tests; `None` for no test or beyond the row.
-    pub fn w_test(&self, tests: usize) -> Option<f64> {
-        element(self.w_test, tests)
+    pub fn w_test<T: Real>(&self, tests: usize) -> Option<T> {
+        self.element(W_TEST, tests)
     }
-}
 
-/// A row's element, counted from one.
-fn element(row: &[f64], number: usize) -> Option<f64> {
-    row.get(number.checked_sub(1)?).copied()
+    /// A row's element, counted from one.
+    fn element<T: Real>(&self, row: usize, number: usize) -> Option<T> {
+        let index = number.checked_sub(1)?;
+        let element = match self.0 {
+            Rows::Committed(rows) => rows.get(row)?.get(index)?.widen(),
+            Rows::Given(rows) => *rows.get(row)?.get(index)?,
+        };
+        Some(T::narrow(element))
+    }
 }
 
 /// Where the probabilities have `wanted`, or the nearest of them.
@@ -207,15 +224,25 @@ mod tests {
         }
     }
 
+    /// Or a module in single precision, whose tables hold no more, would not judge as the same on a host.
+    #[test]
+    fn a_test_in_single_precision_takes_the_nearest_to_the_published() {
+        let approach = thresholds(3.33e-7, 1e-3);
+        let have = approach.map(|rows| [rows.tau1::<f32>(4), rows.lambda(8), rows.w_test(1)]);
+        // The w-test of one is the root of the global test with one degree of freedom.
+        let published = [35.703_455_85_f64, 87.895_661_48, libm::sqrt(26.048_195_13)];
+        assert_eq!(have, Some(published.map(|want| Some(want as f32))));
+    }
+
     #[test]
     fn nothing_is_extrapolated() {
         let rows = thresholds(1e-5, 1e-3);
-        let have = rows.map(|rows| [rows.tau1(0), rows.lambda(0), rows.w_test(0)]);
+        let have = rows.map(|rows| [rows.tau1::<f64>(0), rows.lambda(0), rows.w_test(0)]);
         assert_eq!(have, Some([None; 3]));
-        let have = rows.map(|rows| [rows.tau1(61), rows.lambda(61), rows.w_test(65)]);
+        let have = rows.map(|rows| [rows.tau1::<f64>(61), rows.lambda(61), rows.w_test(65)]);
         assert_eq!(have, Some([None; 3]));
-        let have =
-            rows.map(|rows| [rows.tau1(60), rows.lambda(60), rows.w_test(64)].map(|end| end.is_some()));
+        let have = rows
+            .map(|rows| [rows.tau1::<f64>(60), rows.lambda(60), rows.w_test(64)].map(|end| end.is_some()));
         assert_eq!(have, Some([true; 3]));
     }
 
@@ -229,7 +256,7 @@ mod tests {
 
     #[test]
     fn one_in_fifteen_thousand_is_not_its_rounding() {
-        let exact = thresholds(1.0 / 15_000.0, 1e-3).and_then(|rows| rows.tau1(4));
+        let exact = thresholds(1.0 / 15_000.0, 1e-3).and_then(|rows| rows.tau1::<f64>(4));
         let rounded = thresholds(6.667e-5, 1e-3).and_then(|rows| rows.tau1(4));
         assert!(exact.is_some() && rounded.is_some() && exact != rounded, "{exact:?} {rounded:?}");
     }
@@ -238,6 +265,6 @@ mod tests {
     fn rows_of_the_caller_are_read_from_one() {
         let rows = Thresholds::from_rows(&[10.0, 20.0], &[30.0], &[4.0]);
         assert_eq!([rows.tau1(2), rows.lambda(1), rows.w_test(1)], [Some(20.0), Some(30.0), Some(4.0)]);
-        assert_eq!([rows.tau1(3), rows.lambda(2), rows.w_test(2)], [None; 3]);
+        assert_eq!([rows.tau1::<f64>(3), rows.lambda(2), rows.w_test(2)], [None; 3]);
     }
 }

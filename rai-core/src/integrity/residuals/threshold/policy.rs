@@ -217,9 +217,9 @@ impl<'t> Demand<'t> {
     }
 
     fn classic<T: Real>(&self) -> Option<(PolicyThreshold, ChiSquare<T>)> {
-        let tau = self.thresholds.tau1(self.dof)?;
-        let lambda = self.thresholds.lambda(self.dof)?;
-        Some((PolicyThreshold { tau, lambda }, ChiSquare::new(self.dof)?))
+        let tau: T = self.thresholds.tau1(self.dof)?;
+        let lambda: T = self.thresholds.lambda(self.dof)?;
+        Some((PolicyThreshold { tau: tau.widen(), lambda: lambda.widen() }, ChiSquare::new(self.dof)?))
     }
 
     /// Written so that a non-centrality which is not a number makes nothing available.

@@ -2,7 +2,8 @@
 //!
 //! Without the feature `tables` it is the phases of flight alone, which all ask for the same two probabilities
 //! ([`crate::requirements`]). With the feature `short-tables` rows end where [`single`](crate::single) has no room for more
-//! satellites: who runs nothing else has no use for what is behind. All rows take 26 KB of flash, short ones 20, one pair 1.5.
+//! satellites, and are in its precision, unless `double-tables` asks for more: who runs nothing else has no use for the rest. All
+//! rows take 26 KB of flash, short ones 20, in single precision 10, one pair of these 0.8.
 #![allow(clippy::indexing_slicing, reason = "while compiling, where an index beyond the end is an error")]
 
 use super::table;
@@ -40,9 +41,15 @@ use taken::{ALARMS, MISSES};
 pub(super) static FALSE_ALARM: [Probability; ALARMS.len()] = probabilities(&table::FALSE_ALARM, ALARMS);
 pub(super) static MISSED_DETECTION: [Probability; MISSES.len()] =
     probabilities(&table::MISSED_DETECTION, MISSES);
-pub(super) static TAU1: [[f64; DOF]; ALARMS.len()] = fronts(&table::TAU1, ALARMS);
-pub(super) static W_TEST: [[f64; TESTS]; ALARMS.len()] = fronts(&table::W_TEST, ALARMS);
-pub(super) static LAMBDA: [[[f64; DOF]; MISSES.len()]; ALARMS.len()] = {
+/// What the rows are held in. A test takes its threshold in its own precision: one in single precision takes the same from both.
+#[cfg(all(feature = "short-tables", not(feature = "double-tables")))]
+pub(super) type Held = f32;
+#[cfg(not(all(feature = "short-tables", not(feature = "double-tables"))))]
+pub(super) type Held = f64;
+
+pub(super) static TAU1: [[Held; DOF]; ALARMS.len()] = fronts(&table::TAU1, ALARMS);
+pub(super) static W_TEST: [[Held; TESTS]; ALARMS.len()] = fronts(&table::W_TEST, ALARMS);
+pub(super) static LAMBDA: [[[Held; DOF]; MISSES.len()]; ALARMS.len()] = {
     let (mut blocks, mut alarm) = ([[[0.0; DOF]; MISSES.len()]; ALARMS.len()], 0);
     while alarm < ALARMS.len() {
         blocks[alarm] = fronts(&table::LAMBDA[ALARMS[alarm]], MISSES);
@@ -64,12 +71,12 @@ const fn probabilities<const N: usize>(all: &[Probability], taken: [usize; N]) -
 const fn fronts<const LONG: usize, const SHORT: usize, const N: usize>(
     rows: &[[f64; LONG]],
     taken: [usize; N],
-) -> [[f64; SHORT]; N] {
+) -> [[Held; SHORT]; N] {
     let (mut fronts, mut index) = ([[0.0; SHORT]; N], 0);
     while index < N {
         let mut column = 0;
         while column < SHORT {
-            fronts[index][column] = rows[taken[index]][column];
+            fronts[index][column] = rows[taken[index]][column] as Held;
             column += 1;
         }
         index += 1;
