@@ -10,7 +10,7 @@ use rai_core::frame::Ecef;
 #[cfg(feature = "araim")]
 use rai_core::monitor::Method;
 use rai_core::monitor::{Accepted, MonitorError, Search};
-use rai_core::report::{MAX_EXCLUDED, Report, Unavailable, Verdict};
+use rai_core::report::{Alert, MAX_EXCLUDED, Report, Unavailable, Verdict};
 use rai_core::requirements::Requirements;
 use rai_core::satellite::{Constellation, SatelliteId};
 use rai_core::single::{self, Memory, Monitor, Workspace};
@@ -49,6 +49,8 @@ pub struct Navigator {
     preference: Preference,
     rates: Rates,
     velocity: Option<Velocity>,
+    /// Whether the receiver is sure that signals are none of a satellite: those may agree with each other as well as they like.
+    is_counterfeit: bool,
     /// The models of the ionosphere that GPS and `BeiDou` satellites broadcast, and when they came; none before the first epoch,
     /// which then dates them.
     ionosphere: [Option<(Klobuchar, Option<GpsTime>)>; 2],
@@ -83,6 +85,7 @@ impl Navigator {
             preference: Preference::new(),
             rates: Rates::new(),
             velocity: None,
+            is_counterfeit: false,
             ionosphere: [None; 2],
         }
     }
@@ -117,6 +120,11 @@ impl Navigator {
         let [of_gps, of_beidou] =
             self.ionosphere.map(|heard| heard.filter(fresh).map(|(klobuchar, _)| klobuchar));
         configuration.klobuchar.and_then(Klobuchar::new).or(of_gps).or(of_beidou)
+    }
+
+    /// Takes what the receiver knows of the signals: whether some are none of a satellite.
+    pub fn hear_counterfeit(&mut self, is_counterfeit: bool) {
+        self.is_counterfeit = is_counterfeit;
     }
 
     /// Takes a first guess of the position. It counts for nothing once there is a fix.
@@ -249,6 +257,9 @@ impl Navigator {
         without_orbit: u32,
     ) -> &mut Report<CAPACITY> {
         let Room { sky, memory, .. } = &mut self.room;
+        if self.is_counterfeit {
+            memory.assessment_mut().distrust(Alert::Spoofed);
+        }
         self.monitor.learn(memory.assessment_mut(), Some(came_ms as f64 * 1e-3));
         // Under an alert nobody is told a velocity, and one about a wrong place would only be dear.
         let report = &memory.assessment().report;

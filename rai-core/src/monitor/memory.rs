@@ -4,7 +4,7 @@ use crate::clock::SolvedClocks;
 use crate::frame::Ecef;
 use crate::integrity::Scratch;
 use crate::numeric::real::Real;
-use crate::report::Report;
+use crate::report::{Alert, Report, Verdict};
 use crate::snapshot::Workspace;
 use crate::weighting::adaptation::Residuals;
 
@@ -63,6 +63,16 @@ impl<const N: usize> Assessment<N> {
     #[inline(always)]
     fn nothing() -> Self {
         Self { report: Report::nothing(), searched: false, lesson: Lesson::none(0.0) }
+    }
+
+    /// Says an alert for a reason that the ranges do not tell, before anything is learned: the position is not what it seems,
+    /// has no levels and teaches nothing. An epoch without a position, or under an alert already, stays what it is.
+    pub fn distrust(&mut self, reason: Alert) {
+        if self.report.solution.is_some() && !matches!(self.report.verdict, Verdict::Alert(_)) {
+            self.report.verdict = Verdict::Alert(reason);
+            self.report.protection = None;
+            self.lesson = Lesson::none(self.lesson.time_s);
+        }
     }
 }
 

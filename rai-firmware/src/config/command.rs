@@ -204,6 +204,8 @@ fn ionosphere(values: Values<'_, '_>) -> Result<Option<[f64; 8]>, Refusal> {
         if index > 0 {
             value = next(values)?;
         }
+        // As it is said, with ten digits, the limit itself may be a little beyond itself.
+        let limit = limit * (1.0 + 1e-9);
         *coefficient = number(value, (-limit, limit))?;
     }
     none(values)?;

@@ -86,16 +86,13 @@ impl Configuration {
         }
     }
 
-    /// Says the commands that make these settings, line by line. Requirements that come with a phase are not said beside it.
+    /// Says the commands that make these settings, line by line. Requirements that come with a phase and are
+    /// no others in it are not said beside it.
     fn say_commands(&self, mut take: impl FnMut(&str)) {
         for key in ORDER {
             let comes_with_phase = matches!(
                 key,
-                Key::HorizontalAlertLimit
-                    | Key::VerticalAlertLimit
-                    | Key::FalseAlarm
-                    | Key::MissedDetection
-                    | Key::FaultFree
+                Key::HorizontalAlertLimit | Key::VerticalAlertLimit | Key::FalseAlarm | Key::MissedDetection
             );
             let is_absent = key == Key::Ionosphere && self.klobuchar.is_none();
             if !key.is_built() || is_absent || comes_with_phase && self.phase != Phase::Custom {
@@ -169,13 +166,16 @@ mod tests {
         obey(text.as_bytes()).expect("commands that are obeyed")
     }
 
-    fn cases() -> [Configuration; 6] {
+    fn cases() -> [Configuration; 8] {
         [
             Configuration::at_start(),
             settings(&["PHASE,LPV200", "TTA,3", "MASK,12.5", "METHOD,RANSAC", "CLOCKAID,ON"]),
             settings(&["HAL,40", "VAL,35", "PFA,1e-5", "PMD,1e-4", "TTA,3600"]),
             settings(&["IONO,1.4e-8,2.2e-8,-6e-8,-1.2e-7,9.6e4,1.3e5,-6.5e4,-3.3e5", "POLICY,T2"]),
             settings(&["ISM,RESEARCH-AIR", "ISM,G,2.4,2.4,0,1e-5,1e-4", "ISM,E,6,4.5,0.75,0,2e-4"]),
+            // What a phase leaves to choose, and a coefficient at its limit, of more digits than are said.
+            settings(&["PHASE,LPV200", "PFF,1e-9", "MASK,5"]),
+            settings(&["IONO,-1.1920928955078125e-7,0,0,0,0,0,0,0"]),
             longest(),
         ]
     }

@@ -69,7 +69,7 @@ use ubx::Navigation;
 
 pub use calendar::{LeapSecond, LeapSource, NOT_BEFORE_WEEK};
 pub use counters::Counters;
-pub use suspicion::{Jamming, Suspicion};
+pub use suspicion::{Jamming, Suspicion, Suspicions};
 
 /// What the bytes said.
 #[derive(Debug)]

@@ -23,6 +23,34 @@ pub struct Jamming {
     pub spoofing: Option<Suspicion>,
 }
 
+/// What a receiver has said of the signals so far, of all its messages.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Suspicions {
+    /// Noise that hides the signals.
+    pub jamming: Suspicion,
+    /// Signals that are none of a satellite.
+    pub spoofing: Suspicion,
+    /// A message has spoken that knows of both.
+    is_told_both: bool,
+}
+
+impl Suspicions {
+    /// Of a receiver that has said nothing.
+    pub const NONE: Self =
+        Self { jamming: Suspicion::Unknown, spoofing: Suspicion::Unknown, is_told_both: false };
+
+    /// Takes what a message says. One that knows of spoofing only never lowers what one has said that knows of both.
+    pub fn hear(&mut self, said: &Jamming) {
+        let knows_both = said.jamming.is_some();
+        if let Some(spoofing) = said.spoofing {
+            let least = if self.is_told_both && !knows_both { self.spoofing } else { Suspicion::Unknown };
+            self.spoofing = spoofing.max(least);
+        }
+        self.jamming = said.jamming.unwrap_or(self.jamming);
+        self.is_told_both |= knows_both;
+    }
+}
+
 impl Suspicion {
     /// The number that it is reported with.
     pub const fn number(self) -> u8 {

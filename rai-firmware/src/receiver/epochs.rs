@@ -8,7 +8,7 @@ use rai_core::report::{Alert, Unavailable, Verdict};
 use crate::config::Configuration;
 use crate::counters::{count, counters};
 use crate::ephemeris::{Ephemeris, Insertion};
-use crate::input::{Event, Suspicion};
+use crate::input::{Event, Suspicion, Suspicions};
 use crate::navigator::Navigator;
 use crate::output::nmea::{GPS_MINUS_UTC_S, Losses};
 use crate::output::{Interference, Motion, Statement};
@@ -60,9 +60,7 @@ pub(super) struct EpochLoop<P> {
     is_sound: bool,
     /// Whether the settings in force are meant: not after an unexpected restart that has lost them.
     pub(super) is_confirmed: bool,
-    /// What the receiver said last of noise that hides the signals, and of signals that are none of a satellite.
-    pub(super) jamming: Suspicion,
-    pub(super) spoofing: Suspicion,
+    pub(super) interference: Suspicions,
     /// GPS time minus UTC, s: that of the image until somebody has said it.
     pub(super) gps_minus_utc_s: u8,
 }
@@ -93,8 +91,7 @@ impl<P: OutputPin> EpochLoop<P> {
             sigma_check: None,
             is_sound: true,
             is_confirmed: true,
-            jamming: Suspicion::Unknown,
-            spoofing: Suspicion::Unknown,
+            interference: Suspicions::NONE,
             gps_minus_utc_s: GPS_MINUS_UTC_S,
         })
     }
@@ -118,15 +115,13 @@ impl<P: OutputPin> EpochLoop<P> {
                     return false;
                 }
                 let report = self.navigator.judge(raw, *came_ms, &self.configuration);
-                if !self.is_sound {
-                    report.verdict = Verdict::Unavailable(Unavailable::SelfTest);
-                } else if !self.is_confirmed {
-                    report.verdict = Verdict::Unavailable(Unavailable::Settings);
-                }
-                // Signals that are none of a satellite may agree with each other as well as they like.
-                if self.spoofing == Suspicion::Sure && matches!(report.verdict, Verdict::Protected(_)) {
-                    report.verdict = Verdict::Alert(Alert::Spoofed);
-                }
+                report.verdict = match report.verdict {
+                    // It says more: that the position is wrong.
+                    Verdict::Alert(_) => report.verdict,
+                    _ if !self.is_sound => Verdict::Unavailable(Unavailable::SelfTest),
+                    _ if !self.is_confirmed => Verdict::Unavailable(Unavailable::Settings),
+                    verdict => verdict,
+                };
                 self.conclude(raw.time, *came_ms, host);
                 return true;
             }
@@ -136,9 +131,10 @@ impl<P: OutputPin> EpochLoop<P> {
                 self.navigator.hear_ionosphere(*constellation, *coefficients, self.last_time);
             }
             Event::Jamming(said) => {
-                self.jamming = said.jamming.unwrap_or(self.jamming);
-                self.spoofing = said.spoofing.unwrap_or(self.spoofing);
-                if self.spoofing == Suspicion::Sure {
+                self.interference.hear(said);
+                let is_counterfeit = self.interference.spoofing == Suspicion::Sure;
+                self.navigator.hear_counterfeit(is_counterfeit);
+                if is_counterfeit {
                     self.drive_pin(false);
                 }
             }
@@ -180,7 +176,10 @@ impl<P: OutputPin> EpochLoop<P> {
             gps_minus_utc_s: self.gps_minus_utc_s,
             requirements: &self.configuration.requirements,
             motion: self.navigator.velocity().map(Motion::of),
-            interference: Interference { jamming: self.jamming.number(), spoofing: self.spoofing.number() },
+            interference: Interference {
+                jamming: self.interference.jamming.number(),
+                spoofing: self.interference.spoofing.number(),
+            },
             settings_hash: self.publisher.settings_hash(),
         };
         let written = self.publisher.tell(&statement, &self.configuration.outputs, host);

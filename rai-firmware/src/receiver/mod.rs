@@ -122,9 +122,10 @@ impl<P: OutputPin> Receiver<P> {
         }
     }
 
-    /// Seals the settings for the next start, if they have changed since the last call.
+    /// Seals the settings for the next start, if they have changed since the last call. Not those that nobody has confirmed: a
+    /// second restart would find them, and take them for what is meant.
     pub fn seal(&mut self, memory: &mut [u8; SEALED_BYTES]) {
-        if core::mem::take(&mut self.is_unsealed) {
+        if self.epochs.is_confirmed && core::mem::take(&mut self.is_unsealed) {
             self.epochs.configuration.seal(memory);
         }
     }
@@ -295,7 +296,7 @@ impl<P: OutputPin> Receiver<P> {
 
     /// What the receiver said last of jamming and of spoofing.
     pub fn interference(&self) -> (Suspicion, Suspicion) {
-        (self.epochs.jamming, self.epochs.spoofing)
+        (self.epochs.interference.jamming, self.epochs.interference.spoofing)
     }
 
     /// GPS time minus UTC as it came in, who said so and when.

@@ -102,6 +102,27 @@ fn settings_that_a_restart_has_lost_have_to_be_confirmed() {
     }
 }
 
+/// The settings at start are nobody's until they are confirmed: sealed before, a second restart would take them for meant.
+#[test]
+fn settings_that_nobody_has_confirmed_are_not_sealed() {
+    let mut sealed = [0; SEALED_BYTES];
+    for restart in 1..4 {
+        let mut receiver = promising();
+        receiver.restore(&sealed, false);
+        receiver.seal(&mut sealed);
+        receiver.command(b"$PRAIC,HAL,40*08\r\n", &mut Deaf);
+        receiver.seal(&mut sealed);
+        assert!(!receiver.epochs.is_confirmed, "restart {restart}");
+    }
+    let mut receiver = promising();
+    receiver.restore(&sealed, false);
+    receiver.command(b"$PRAIC,CONFIRM*37\r\n", &mut Deaf);
+    receiver.seal(&mut sealed);
+    let mut restored = promising();
+    restored.restore(&sealed, false);
+    assert!(restored.epochs.is_confirmed);
+}
+
 #[test]
 fn whoever_misses_a_known_answer_promises_nothing() {
     let mut receiver = promising();

@@ -21,7 +21,8 @@
 //! | [`ionosphere`] | one frequency under a dense ionosphere |
 //! | [`health`] | signals that one message calls healthy and another out of service |
 //! | [`odd_ranges`] | messages of ranges that are empty, ahead, apart, or of another week |
-//! | [`settings`] | a time to alert that hides a silence |
+//! | [`settings`] | a time to alert that hides a silence; restarts that make settings nobody's |
+//! | [`suspicions`] | a receiver that is sure of counterfeit signals, and messages that would talk it out of it |
 //! | [`recordings`] | nature: real receivers, in the open and between tall buildings |
 
 pub mod tally;
@@ -40,6 +41,7 @@ mod recordings;
 mod settings;
 pub mod several_faults;
 mod single_fault;
+mod suspicions;
 
 use anyhow::Result;
 use serde::Serialize;
@@ -96,6 +98,8 @@ pub const ATTACKS: &[&Attack] = &[
     &odd_ranges::APART,
     &odd_ranges::WEEK,
     &settings::TIME_TO_ALERT,
+    &settings::RESTARTS,
+    &suspicions::ATTACK,
     &recordings::NOMINAL,
     &recordings::URBAN,
 ];

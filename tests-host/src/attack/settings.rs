@@ -1,6 +1,7 @@
 //! Settings that make the pin mean less than it seems to.
 
 use anyhow::Result;
+use rai_firmware::config::SEALED_BYTES;
 
 use super::forgery::Sky;
 use super::victim::Victim;
@@ -11,6 +12,13 @@ pub(super) const TIME_TO_ALERT: Attack = Attack {
     name: "time-to-alert",
     about: "TTA,3600 in NPA, then a silent line: how long does the pin stay high?",
     run: time_to_alert,
+};
+
+/// Restarts, the first of which has lost the settings.
+pub(super) const RESTARTS: Attack = Attack {
+    name: "restarts",
+    about: "settings damaged in a restart, then restarts that damage nothing: are those at start promised by?",
+    run: restarts,
 };
 
 /// Longest time to alert of non-precision approach, s.
@@ -35,4 +43,41 @@ fn time_to_alert(_: Effort) -> Result<Vec<Figure>> {
         Figure::at_most("pin high into the silence, s", high_s, LONGEST_S + 1.0),
         Figure::at_least("command refused", f64::from(u8::from(answer.contains(",ERR,"))), 1.0),
     ])
+}
+
+fn restarts(_: Effort) -> Result<Vec<Figure>> {
+    let sky = Sky::quiet(5, 1)?;
+    // Nothing but what the phase leaves to choose differs from the start, then what does not.
+    let mut figures = Vec::new();
+    for (commands, what) in
+        [(["PHASE,LPV200", "PFF,1e-9"], "a phase and its risk"), (["HAL,40", "VAL,35"], "limits")]
+    {
+        let mut sealed = [0; SEALED_BYTES];
+        let mut victim = Victim::new(&commands, 1.0)?;
+        let hash = victim.settings_hash();
+        victim.restart(&mut sealed)?;
+        let kept = f64::from(u8::from(victim.settings_hash() == hash));
+        figures.push(Figure::at_least(format!("kept over a restart: {what}"), kept, 1.0));
+
+        sealed[SEALED_BYTES - 1] ^= 1;
+        let mut promised = 0;
+        for _ in 0..3 {
+            victim.restart_from(&mut sealed)?;
+            for bytes in sky.bytes(|_, _| {})? {
+                let _ = victim.hear(&bytes, sky.truth)?;
+                promised += usize::from(victim.is_promised());
+            }
+        }
+        figures.push(Figure::at_most(format!("promised by none of them: {what}"), promised as f64, 0.0));
+        victim.obey("CONFIRM")?;
+        for bytes in sky.bytes(|_, _| {})? {
+            let _ = victim.hear(&bytes, sky.truth)?;
+        }
+        figures.push(Figure::at_least(
+            "promised once confirmed",
+            f64::from(u8::from(victim.is_promised())),
+            1.0,
+        ));
+    }
+    Ok(figures)
 }

@@ -2,6 +2,7 @@
 
 use anyhow::{Context as _, Result, ensure};
 use rai_core::frame::{Ecef, Enu, LocalFrame};
+use rai_firmware::config::SEALED_BYTES;
 use rai_firmware::receiver::{Boot, Receiver};
 
 use crate::pin::Pin;
@@ -15,6 +16,12 @@ pub struct Victim {
     receiver: Receiver<Pin>,
     now_ms: u64,
     step_ms: u64,
+}
+
+/// A module that has heard nothing.
+fn started() -> Result<Receiver<Pin>> {
+    let boot = Boot { git: "attack", reset_cause: heapless::String::new() };
+    Receiver::new(Pin::default(), boot).context("the module cannot start")
 }
 
 /// What was said of one epoch, and how wrong it was.
@@ -55,14 +62,37 @@ impl Victim {
     /// # Errors
     /// A command that is refused.
     pub fn new(commands: &[&str], step_s: f64) -> Result<Self> {
-        let boot = Boot { git: "attack", reset_cause: heapless::String::new() };
-        let receiver = Receiver::new(Pin::default(), boot).context("the module cannot start")?;
-        let mut victim = Self { receiver, now_ms: 0, step_ms: (step_s * 1e3) as u64 };
+        let mut victim = Self { receiver: started()?, now_ms: 0, step_ms: (step_s * 1e3) as u64 };
         for command in commands {
             let answer = victim.obey(command)?;
             ensure!(answer.contains(",OK"), "`{command}` is refused: {answer}");
         }
         Ok(victim)
+    }
+
+    /// Seals the settings and starts again with what the memory then holds, not after power-on.
+    ///
+    /// # Errors
+    /// A module that cannot start.
+    pub fn restart(&mut self, sealed: &mut [u8; SEALED_BYTES]) -> Result<()> {
+        self.receiver.seal(sealed);
+        self.restart_from(sealed)
+    }
+
+    /// Starts again with what the memory holds, not after power-on; like a board it then seals the settings.
+    ///
+    /// # Errors
+    /// A module that cannot start.
+    pub fn restart_from(&mut self, sealed: &mut [u8; SEALED_BYTES]) -> Result<()> {
+        self.receiver = started()?;
+        self.receiver.restore(sealed, false);
+        self.receiver.seal(sealed);
+        Ok(())
+    }
+
+    /// What tells settings from others.
+    pub fn settings_hash(&self) -> u32 {
+        self.receiver.configuration().hash()
     }
 
     /// Gives a command; gives the answer.

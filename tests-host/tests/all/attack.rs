@@ -49,6 +49,8 @@ attacks! {
     systems_tagged_a_millisecond_apart_are_one_epoch = "systems-apart",
     wrong_week_outvotes_nobody = "wrong-week",
     time_to_alert_hides_no_silence = "time-to-alert",
+    settings_that_nobody_confirmed_promise_nothing = "restarts",
+    receiver_that_is_sure_is_not_talked_out_of_it = "suspicion-denied",
     nominal_recordings_are_protected_and_within_their_levels = "nominal-recordings",
     reflections_between_buildings_seldom_pass = "urban",
 }

@@ -263,15 +263,20 @@ pub fn write_answer<'v, W: Write>(
     out: &mut W,
 ) -> Result<(), W::Error> {
     let mut sentence = Sentence::new("PRAIA");
-    values.fold(sentence.text(key), |sentence, value| sentence.text(value)).text("OK");
+    finish(values.fold(sentence.text(key), |sentence, value| sentence.text(value)), warning);
     if !sentence.fits() {
         sentence = Sentence::new("PRAIA");
-        sentence.text(key).text("OK");
+        finish(sentence.text(key), warning);
     }
+    write_sentence(&mut sentence, out)
+}
+
+/// How an answer ends.
+fn finish(sentence: &mut Sentence, warning: Option<&str>) {
+    sentence.text("OK");
     if let Some(why) = warning {
         sentence.text("WARN").text(why);
     }
-    write_sentence(&mut sentence, out)
 }
 
 /// `PRAIA,key,ERR,why`.

@@ -1,0 +1,79 @@
+//! A receiver that is sure of counterfeit signals, and messages that would make the module forget it.
+//!
+//! The sky itself is healthy: nothing but what the receiver says stands against the promise.
+
+use anyhow::Result;
+
+use super::forgery::Sky;
+use super::tally::Tally;
+use super::victim::{Seen, Victim};
+use super::{Attack, Effort, Figure};
+use crate::encode::ubx;
+
+/// Sure, then talked out of it.
+pub(super) const ATTACK: Attack = Attack {
+    name: "suspicion-denied",
+    about: "the receiver is sure of counterfeit signals; a message that knows less says nothing of them",
+    run,
+};
+
+/// Epochs before, while the receiver is sure, and after it says that there is nothing.
+const EPOCHS: [usize; 3] = [10, 20, 10];
+
+/// Epochs that the satellites have to agree for after an alert, as the module starts.
+const RECOVER: f64 = 3.0;
+
+/// SEC-SIG, version 2: jamming is watched for and there is none; spoofing is watched for, in one of its states.
+fn of_both(spoofing: u8) -> Vec<u8> {
+    ubx::frame([0x27, 0x09], &[2, 0b0000_1011 | spoofing << 4, 0, 0])
+}
+
+/// NAV-STATUS that does not know of spoofing.
+fn of_spoofing_unknown() -> Vec<u8> {
+    ubx::frame([0x01, 0x03], &[0; 16])
+}
+
+fn run(_: Effort) -> Result<Vec<Figure>> {
+    let mut figures = Vec::new();
+    // Where the levels are beyond the limits, too, the state is an alert, and the position not to be used.
+    for commands in [&[][..], &["HAL,5"]] {
+        let (mut before, mut sure, mut after) = (Tally::default(), Tally::default(), Tally::default());
+        let (mut alerts, mut until_promised) = (0, 0);
+        let sky = Sky::quiet(EPOCHS.iter().sum::<usize>() as u32, 1)?;
+        let mut victim = Victim::new(commands, 1.0)?;
+        for (index, bytes) in sky.bytes(|_, _| {})?.iter().enumerate() {
+            let said = match index.checked_sub(EPOCHS[0]) {
+                None => Vec::new(),
+                Some(since) if since < EPOCHS[1] => [of_both(3), of_spoofing_unknown()].concat(),
+                Some(_) => of_both(1),
+            };
+            let seen = victim.hear(&[&said[..], bytes].concat(), sky.truth)?;
+            match index.checked_sub(EPOCHS[0]) {
+                None => before.add_all(&seen),
+                Some(since) if since < EPOCHS[1] => {
+                    sure.add_all(&seen);
+                    alerts += seen.iter().filter(|seen| is_spoofed(seen)).count();
+                }
+                Some(_) => {
+                    after.add_all(&seen);
+                    until_promised += usize::from(after.promised == 0);
+                }
+            }
+        }
+        let name = if commands.is_empty() { "" } else { " with HAL 5 m" };
+        figures.push(Figure::at_most(format!("promised while it is sure{name}"), sure.promised as f64, 0.0));
+        figures.push(Figure::at_least(format!("`SPOOFED` then{name}"), alerts as f64, EPOCHS[1] as f64));
+        if commands.is_empty() {
+            figures.push(Figure::at_least("promised before", before.promised as f64, EPOCHS[0] as f64));
+            figures.push(Figure::at_least("epochs to recover after", until_promised as f64, RECOVER));
+            figures.push(Figure::at_least("promised after", after.promised as f64, 1.0));
+        }
+    }
+    Ok(figures)
+}
+
+/// An alert for this reason, with nothing that bounds the position.
+fn is_spoofed(seen: &Seen) -> bool {
+    let state = &seen.said.state;
+    state.reason == "SPOOFED" && state.hpl_m.is_none()
+}
