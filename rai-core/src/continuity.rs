@@ -20,7 +20,7 @@
 //!
 //! An epoch that agrees only because a satellite was left out, with one degree of freedom after that, counts for
 //! nothing: among many satellites that disagree some pair is always left that does not. One epoch of one degree of
-//! freedom is no promise either where nothing came before it: the satellites agree by chance too easily.
+//! freedom is no promise either where nothing came before it, or nothing for too long: the satellites agree by chance too easily.
 //!
 //! **What has an end.** An anchor is forgotten after [`ANCHOR_AGE_S`]; agreement with a gap longer than [`GAP_S`]
 //! begins anew. A time that goes back keeps the anchor's age: nothing becomes reachable by it.
@@ -202,7 +202,7 @@ impl Agreement {
 /// Whether a promise needs an agreement first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Standing {
-    /// Nothing came before.
+    /// Nothing came before, or too long ago.
     New,
     /// The last epoch with a position was promised, or nothing spoke against it.
     Good,
@@ -234,7 +234,16 @@ impl Continuity {
     /// The last position counts for nothing: the next may be anywhere. An alert still has to be recovered from.
     pub fn forget(&mut self) {
         self.anchor = None;
+        self.interrupt();
+    }
+
+    /// Nothing was heard for too long: the next epoch stands by itself, as the first of all. An alert still has to be recovered
+    /// from.
+    pub fn interrupt(&mut self) {
         self.agreement = None;
+        if self.standing == Standing::Good {
+            self.standing = Standing::New;
+        }
     }
 
     /// The verdict on an epoch, in the light of those before it.

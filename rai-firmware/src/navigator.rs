@@ -152,6 +152,11 @@ impl Navigator {
         self.monitor.forget_position();
     }
 
+    /// No epoch came within the time to alert.
+    pub fn interrupt(&mut self) {
+        self.monitor.interrupt();
+    }
+
     /// What was said of the epoch that was judged last.
     pub fn report(&self) -> &Report<CAPACITY> {
         &self.room.memory.assessment().report

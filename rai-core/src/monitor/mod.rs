@@ -165,6 +165,11 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         self.continuity.forget();
     }
 
+    /// No epoch came for too long, of which the caller has told: the next stands by itself, as the first of all.
+    pub fn interrupt(&mut self) {
+        self.continuity.interrupt();
+    }
+
     /// Replaces what is promised of the satellites ([`Ism::ICAO`] at first), for [`Method::Separation`].
     pub fn set_ism(&mut self, ism: Ism) {
         // Nothing is worse than a promise that is no number.

@@ -22,6 +22,13 @@ pub(super) const ATTACK: Attack = Attack {
     run,
 };
 
+/// The same in the first epoch after a silence, or after the host has said `FORGET`.
+pub(super) const AFTERWARDS: Attack = Attack {
+    name: "false-tracking-afterwards",
+    about: "the same in the first epoch after a silence of a minute, or after FORGET: nothing came before it",
+    run: afterwards,
+};
+
 /// Errors are up to this, m.
 const SPREAD_M: f64 = 3000.0;
 
@@ -37,6 +44,43 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
     let mut figures = tally.figures(0.0);
     figures.push(Figure::plain("alerts", tally.alerts as f64));
     Ok(figures)
+}
+
+/// Length of the silence, s.
+const SILENCE_S: usize = 60;
+
+fn afterwards(effort: Effort) -> Result<Vec<Figure>> {
+    let sky = Sky::quiet((HEALTHY + SILENCE_S + 1) as u32, 1)?;
+    let healthy = sky.bytes(|_, _| {})?;
+    let draws: u32 = effort.pick(300, 3000);
+    let (mut silent, mut forgotten) = (Tally::default(), Tally::default());
+    for (seed, count) in (0..u64::from(draws)).flat_map(|seed| [(seed, 5), (seed, 6)]) {
+        let mut chance = ChaCha8Rng::seed_from_u64(seed);
+        let mut falsely = |which: usize| {
+            let mut epoch = sky.recording.epochs[which].clone();
+            keep_first(&mut epoch, Constellation::Gps, count);
+            for satellite in epoch.satellites() {
+                epoch.lengthen(satellite, chance.random_range(-SPREAD_M..SPREAD_M));
+            }
+            sky.ranges(&epoch)
+        };
+        for (tally, gap_s) in [(&mut silent, SILENCE_S), (&mut forgotten, 0)] {
+            let mut victim = Victim::new(&[], 1.0)?;
+            for bytes in &healthy[..HEALTHY] {
+                let _ = victim.hear(bytes, sky.truth)?;
+            }
+            if gap_s == 0 {
+                victim.obey("FORGET")?;
+            } else {
+                let _ = victim.silence(gap_s as f64, sky.truth)?;
+            }
+            tally.add_all(&victim.hear(&falsely(HEALTHY + gap_s)?, sky.truth)?);
+        }
+    }
+    let figure =
+        |what: &str, tally: &Tally| Figure::at_most(format!("promised {what}"), tally.promised as f64, 0.0);
+    let epochs = Figure::at_least("epochs", (silent.epochs + forgotten.epochs) as f64, f64::from(4 * draws));
+    Ok(vec![figure("after a silence", &silent), figure("after FORGET", &forgotten), epochs])
 }
 
 fn attempt(seed: u64) -> Result<Tally> {

@@ -41,6 +41,11 @@ impl Sky {
         self.recording.epochs.iter().enumerate().map(bytes).collect()
     }
 
+    /// The ranges of an epoch alone.
+    pub(super) fn ranges(&self, epoch: &MeasuredEpoch) -> Result<Vec<u8>> {
+        Encoder::new(&[], self.selection.clone()).epoch(epoch)
+    }
+
     /// Ephemerides and ranges as they are due.
     pub(super) fn encoder(&self) -> Encoder {
         Encoder::new(&self.recording.ephemerides, self.selection.clone())

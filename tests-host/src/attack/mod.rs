@@ -20,6 +20,7 @@
 //! | [`early_ephemeris`] | ephemerides for later that come first, and crowds of absent satellites |
 //! | [`ionosphere`] | one frequency under a dense ionosphere |
 //! | [`health`] | signals that one message calls healthy and another out of service |
+//! | [`held_back`] | epochs that a line or a relay holds back, longer and longer |
 //! | [`odd_ranges`] | messages of ranges that are empty, ahead, apart, or of another week |
 //! | [`settings`] | a time to alert that hides a silence; restarts that make settings nobody's |
 //! | [`suspicions`] | a receiver that is sure of counterfeit signals, and messages that would talk it out of it |
@@ -34,6 +35,7 @@ mod false_tracking;
 mod faulty_orbit;
 mod forgery;
 mod health;
+mod held_back;
 mod ionosphere;
 mod leap;
 mod odd_ranges;
@@ -79,6 +81,7 @@ pub struct Attack {
 /// All of them.
 pub const ATTACKS: &[&Attack] = &[
     &false_tracking::ATTACK,
+    &false_tracking::AFTERWARDS,
     &leap::ATTACK,
     &leap::WITH_TIME,
     &single_fault::STEPS,
@@ -95,6 +98,7 @@ pub const ATTACKS: &[&Attack] = &[
     &ionosphere::ZEROS,
     &health::ATTACK,
     &odd_ranges::AHEAD,
+    &held_back::ATTACK,
     &odd_ranges::APART,
     &odd_ranges::WEEK,
     &settings::TIME_TO_ALERT,

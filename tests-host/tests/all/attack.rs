@@ -30,6 +30,7 @@ macro_rules! attacks {
 
 attacks! {
     ranges_that_agree_by_chance_end_no_alert = "false-tracking",
+    ranges_that_agree_by_chance_are_no_beginning = "false-tracking-afterwards",
     place_that_leaps_is_not_promised = "leap",
     time_that_leaps_with_the_place_makes_nothing_reachable = "leap-of-time",
     step_of_any_size_stays_within_the_levels = "step",
@@ -46,6 +47,7 @@ attacks! {
     coefficients_of_zero_shrink_no_level = "ionosphere-zeros",
     signal_out_of_service_is_not_used = "health",
     empty_message_from_the_future_costs_no_epoch = "empty-ahead",
+    epochs_that_are_held_back_are_not_promised = "held-back",
     systems_tagged_a_millisecond_apart_are_one_epoch = "systems-apart",
     wrong_week_outvotes_nobody = "wrong-week",
     time_to_alert_hides_no_silence = "time-to-alert",

@@ -196,6 +196,8 @@ fn corrections() {
         Navigator::judge as fn(_, _, _, _) -> _,
         Navigator::report as fn(_) -> _,
         Navigator::forget_position as fn(_),
+        Navigator::interrupt as fn(_),
+        Navigator::hear_counterfeit as fn(_, _),
         Navigator::velocity as fn(_) -> _,
         Navigator::rate_tally as fn(_) -> _,
         Rates::new as fn() -> _,
