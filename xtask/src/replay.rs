@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail, ensure};
 use clap::ValueEnum;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use indicatif::{ProgressBar, ProgressStyle};
 use tests_host::capture::{self, Capture, Orbits};
 use tests_host::encode::{Frequency, Selection};
@@ -92,14 +93,14 @@ pub(crate) struct Arguments {
     #[arg(long, default_value_t = 0.0, value_name = "S", value_parser = not_negative, allow_negative_numbers = true)]
     every: f64,
     /// Phase of flight: sets the alert limits. CUSTOM needs --set HAL=METRES. Unless given, as the module starts: NPA.
-    #[arg(long, ignore_case = true, value_parser = PHASES)]
+    #[arg(long, ignore_case = true, value_parser = word(PHASES))]
     phase: Option<String>,
     /// Threshold of the test: from the false alarms, from the missed detections, or least cost of both. Unless given, as
     /// the module starts: T1.
-    #[arg(long, ignore_case = true, value_parser = POLICIES)]
+    #[arg(long, ignore_case = true, value_parser = word(POLICIES))]
     policy: Option<String>,
     /// How a faulty satellite is found. Unless given, as the module starts: AUTO.
-    #[arg(long, ignore_case = true, value_parser = METHODS)]
+    #[arg(long, ignore_case = true, value_parser = word(METHODS))]
     method: Option<String>,
     /// Any other setting of the module, such as HAL=40 or MASK=5; repeatable, in this order.
     #[arg(long, value_name = "KEY=VALUE")]
@@ -257,6 +258,11 @@ fn selection(arguments: &Arguments, systems: &str) -> Result<Selection> {
 fn capture_among(arguments: &Arguments) -> Option<String> {
     let mut files = arguments.obs.iter().chain(&arguments.nav);
     files.find(|path| capture::is_capture(path)).map(|path| path.display().to_string())
+}
+
+/// One of some words in any case, as the module reads it.
+fn word<const N: usize>(words: [&'static str; N]) -> impl TypedValueParser<Value = String> {
+    PossibleValuesParser::new(words).map(|word| word.to_uppercase())
 }
 
 /// A number of seconds that time can have.

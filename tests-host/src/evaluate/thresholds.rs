@@ -78,6 +78,9 @@ pub(super) fn evaluate<T: Real>(
         thresholds.tau1::<f64>(whole).zip(thresholds.lambda::<f64>(whole)).ok_or_else(beyond)?;
     let Policies { tau2, tau_op_raw, tau_op, op_status } =
         decide::<T>(whole, noncentrality, thresholds, missed_detection).ok_or_else(beyond)?;
-    let input = object.clone();
+    // A line of the vectors has the answers already: no key twice.
+    let is_answer = |key: &str| ["tau1", "lam", "tau2", "tau_op_raw", "tau_op", "status"].contains(&key);
+    let mut input = object.clone();
+    input.retain(|key, _| !is_answer(key));
     Ok(Answered { input, tau1: tau1.into(), lam: lambda.into(), tau2, tau_op_raw, tau_op, status: op_status })
 }

@@ -87,12 +87,16 @@ pub fn on_host(
 ) -> Result<HostRun> {
     let mut module = Module::start(setup)?;
     let usual_s = interval_s(lumps);
-    let mut run = HostRun::default();
+    let (mut run, mut last_epoch_s) = (HostRun::default(), 0.0);
     for (index, lump) in lumps.iter().enumerate() {
         let mut said = Said { of_epoch: module.hear(lump)?, ..Said::default() };
+        if said.of_epoch.contains("$PRAIS") {
+            last_epoch_s = lump.elapsed_s;
+        }
+        // Bytes without an epoch are a silence, too.
         let silence = lumps
             .get(index + 1)
-            .filter(|next| pace == Pace::Recorded && next.elapsed_s - lump.elapsed_s > SILENCE * usual_s);
+            .filter(|next| pace == Pace::Recorded && next.elapsed_s - last_epoch_s > SILENCE * usual_s);
         if let Some(next) = silence {
             module.wait(lump.elapsed_s, next.elapsed_s, &mut said)?;
         }
