@@ -25,7 +25,7 @@ counters! {
         ephemerides,
         /// Ephemerides with a value that no satellite sends.
         ephemerides_invalid,
-        /// Ranges that had come in another format already.
+        /// Ranges that had come in another format already, or are of another station.
         observations_doubled,
         /// GLONASS messages before anything has said how many leap seconds there are.
         leap_unknown,

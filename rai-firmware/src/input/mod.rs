@@ -12,7 +12,7 @@
 //! | [`ubx`] | reads those of u-blox receivers, and the navigation bits in them |
 //! | `bits` | fields of navigation messages |
 //! | `elements` | where each message has its orbital elements |
-//! | `preference` | which format's ranges are used where two come |
+//! | `preference` | whose ranges are used where several send some |
 //! | `assembly` | messages of one instant become one epoch |
 //! | `suspicion` | what a receiver says of jamming and spoofing |
 //! | `system` | how each system numbers its satellites |
@@ -63,7 +63,7 @@ use crate::time::GpsTime;
 use assembly::Assembly;
 use calendar::Calendar;
 use framer::{Frame, Framer, Protocol};
-use preference::Preference;
+use preference::{Preference, Source};
 #[cfg(feature = "ubx")]
 use ubx::Navigation;
 
@@ -110,6 +110,8 @@ enum Message<'a> {
 /// A message of ranges.
 #[derive(Debug)]
 struct Ranges<'a> {
+    /// Number of the station that they are of, 0 where the format has none.
+    station: u16,
     /// The system that the message is of; `None` where it speaks for all.
     series: Option<Series>,
     /// Milliseconds into the week of GPS time; `None` where the format's own time cannot be told as such.
@@ -256,7 +258,8 @@ impl Input {
         while let Some(frame) = framer.next(is_silent, counters) {
             match read(&frame, navigation, calendar, counters) {
                 Some(Message::Ranges(ranges)) => {
-                    if preference.takes(frame.protocol, &ranges) {
+                    let source = Source { protocol: frame.protocol, station: ranges.station };
+                    if preference.takes(source, ranges.tow_ms, ranges.measured.is_empty()) {
                         assembly.take(&ranges, frame.came_ms, calendar, counters, tell);
                     } else {
                         count(&mut counters.observations_doubled);

@@ -22,6 +22,7 @@
 //! | [`health`] | signals that one message calls healthy and another out of service |
 //! | [`held_back`] | epochs that a line or a relay holds back, longer and longer |
 //! | [`odd_ranges`] | messages of ranges that are empty, ahead, apart, or of another week |
+//! | [`two_stations`] | the ranges of a reference station on the receiver's line |
 //! | [`settings`] | a time to alert that hides a silence; restarts that make settings nobody's |
 //! | [`suspicions`] | a receiver that is sure of counterfeit signals, and messages that would talk it out of it |
 //! | [`recordings`] | nature: real receivers, in the open and between tall buildings |
@@ -44,6 +45,7 @@ mod settings;
 pub mod several_faults;
 mod single_fault;
 mod suspicions;
+mod two_stations;
 
 use anyhow::Result;
 use serde::Serialize;
@@ -101,6 +103,7 @@ pub const ATTACKS: &[&Attack] = &[
     &held_back::ATTACK,
     &odd_ranges::APART,
     &odd_ranges::WEEK,
+    &two_stations::ATTACK,
     &settings::TIME_TO_ALERT,
     &settings::RESTARTS,
     &suspicions::ATTACK,

@@ -50,6 +50,7 @@ attacks! {
     epochs_that_are_held_back_are_not_promised = "held-back",
     systems_tagged_a_millisecond_apart_are_one_epoch = "systems-apart",
     wrong_week_outvotes_nobody = "wrong-week",
+    another_stations_ranges_are_not_the_receivers = "two-stations",
     time_to_alert_hides_no_silence = "time-to-alert",
     settings_that_nobody_confirmed_promise_nothing = "restarts",
     receiver_that_is_sure_is_not_talked_out_of_it = "suspicion-denied",

@@ -95,7 +95,8 @@ pub(super) fn read<'a>(number: u16, payload: &'a [u8], calendar: &Calendar) -> R
         }
         None => (None, Measured::Nothing),
     };
-    Ok(Ranges { series: Some(series as u8), tow_ms, of_utc_ms, stated: None, more_follow, measured })
+    let station = Bits(payload).unsigned(12, 12) as u16;
+    Ok(Ranges { station, series: Some(series as u8), tow_ms, of_utc_ms, stated: None, more_follow, measured })
 }
 
 /// Milliseconds into the week of GPS time; `None` when the field is beyond the week.

@@ -51,6 +51,7 @@ pub(super) fn read<'a>(
         [_, _, 0x02, 0x15, ..] => {
             let rawx = Rawx::new(payload)?;
             Ok(Some(Message::Ranges(Ranges {
+                station: 0,
                 series: None,
                 tow_ms: Some(rawx.time.tow_ms),
                 of_utc_ms: None,
