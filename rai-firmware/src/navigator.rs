@@ -95,6 +95,11 @@ impl Navigator {
         self.store.insert(ephemeris, now)
     }
 
+    /// UTC is another than it was taken for: the orbits of GLONASS, which are dated in it, are not what they were taken for.
+    pub fn correct_utc(&mut self) {
+        self.store.forget(Constellation::Glonass);
+    }
+
     /// Takes coefficients of the ionosphere that satellites of a constellation have broadcast, of the model that is theirs.
     /// What says nothing of it changes nothing, and those of a command outrank them.
     #[inline(never)]

@@ -29,7 +29,7 @@
 
 use heapless::Vec;
 use rai_core::frame::SPEED_OF_LIGHT_M_S;
-use rai_core::satellite::SatelliteId;
+use rai_core::satellite::{Constellation, SatelliteId};
 
 use super::{Ephemeris, EphemerisError, Source};
 use crate::time::GpsTime;
@@ -103,6 +103,12 @@ impl Store {
             entry.received = received;
         }
         insertion
+    }
+
+    /// Forgets all sets of a system.
+    pub fn forget(&mut self, constellation: Constellation) {
+        self.entries.retain(|entry| entry.ephemeris.satellite.constellation() != constellation);
+        self.rivals.retain(|rival| rival.ephemeris.satellite.constellation() != constellation);
     }
 
     /// Takes note of which satellites an epoch holds.

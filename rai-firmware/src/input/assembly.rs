@@ -88,7 +88,7 @@ impl Assembly {
                 calendar.leap(leap_s, LeapSource::Receiver);
             }
         }
-        if let (None, Some(utc_ms), Phase::Open(_)) = (ranges.tow_ms, ranges.of_utc_ms, self.phase) {
+        if let (Some(utc_ms), Phase::Open(_)) = (ranges.of_utc_ms, self.phase) {
             calendar.infer_leap(self.epoch.time.tow_ms, utc_ms);
         }
         match ranges.tow_ms {

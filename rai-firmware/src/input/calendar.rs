@@ -84,6 +84,8 @@ pub(super) struct Calendar {
     leap: Option<LeapSecond>,
     /// What the tags of messages of one epoch say of leap seconds, and how often in a row.
     inferred: (u32, u8),
+    /// What was said of leap seconds last, and how often in a row.
+    claimed: (u8, u8),
     /// The last epoch, or the reference time of an ephemeris before there was one.
     reference: Option<GpsTime>,
     /// The last epoch.
@@ -123,6 +125,7 @@ impl Calendar {
         Self {
             leap: None,
             inferred: (0, 0),
+            claimed: (0, 0),
             reference: None,
             last: None,
             older: None,
@@ -141,14 +144,25 @@ impl Calendar {
         self.reference.get_or_insert(time);
     }
 
-    /// Somebody says how many leap seconds there are.
+    /// Somebody says how many leap seconds there are. Another number than the known one has to be said again: once where a leap
+    /// second may have come, [`LEAP_RUN`] times in a row where it would be several.
     pub(super) fn leap(&mut self, seconds: u8, source: LeapSource) {
-        self.leap = Some(LeapSecond { seconds, source, said: self.last });
+        let apart = self.leap.map_or(0, |known| known.seconds.abs_diff(seconds));
+        let (before, run) = self.claimed;
+        self.claimed = (seconds, if before == seconds { run.saturating_add(1) } else { 1 });
+        let needed = match apart {
+            0 => 1,
+            1 => 2,
+            _ => LEAP_RUN,
+        };
+        if self.claimed.1 >= needed {
+            self.leap = Some(LeapSecond { seconds, source, said: self.last });
+        }
     }
 
-    /// A message of the open epoch is tagged with UTC. Where nobody says how many leap seconds there are, the difference
-    /// to the epoch's own tag does, once it has been the same [`LEAP_RUN`] times: a message of a neighbouring epoch, where
-    /// bytes were lost, is wrong by whole seconds.
+    /// A message of the open epoch is tagged with UTC. Where nobody says how many leap seconds there are, or what is known is wrong,
+    /// the difference to the epoch's own tag does, once it has been the same [`LEAP_RUN`] times: a message of a neighbouring
+    /// epoch, where bytes were lost, is wrong by whole seconds.
     pub(super) fn infer_leap(&mut self, gps_ms: u32, utc_ms: u32) {
         let difference_ms = (gps_ms + WEEK_MS - utc_ms) % WEEK_MS;
         let seconds = (difference_ms + 500) / 1000;
@@ -157,8 +171,10 @@ impl Calendar {
         }
         let (before, run) = self.inferred;
         self.inferred = (seconds, if before == seconds { run.saturating_add(1) } else { 1 });
-        if self.inferred.1 >= LEAP_RUN {
-            self.leap(seconds as u8, LeapSource::Tags);
+        let is_news = self.leap.is_none_or(|known| u32::from(known.seconds) != seconds);
+        if self.inferred.1 >= LEAP_RUN && is_news {
+            self.leap =
+                Some(LeapSecond { seconds: seconds as u8, source: LeapSource::Tags, said: self.last });
         }
     }
 
@@ -301,6 +317,40 @@ fn follows(time: GpsTime, before: GpsTime) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn one_word_of_leap_seconds_changes_nothing_that_is_known() {
+        let mut calendar = Calendar::new();
+        let seconds = |calendar: &Calendar| calendar.leap_second().map(|leap| leap.seconds);
+        calendar.leap(18, LeapSource::Satellites);
+        assert_eq!(seconds(&calendar), Some(18));
+        for wrong in [28, 19, 28, 17] {
+            calendar.leap(wrong, LeapSource::Satellites);
+            assert_eq!(seconds(&calendar), Some(18), "{wrong} said once");
+        }
+        // A leap second has come.
+        calendar.leap(19, LeapSource::Receiver);
+        calendar.leap(19, LeapSource::Receiver);
+        assert_eq!(seconds(&calendar), Some(19));
+        for _ in 0..LEAP_RUN {
+            assert_eq!(seconds(&calendar), Some(19));
+            calendar.leap(12, LeapSource::Receiver);
+        }
+        assert_eq!(seconds(&calendar), Some(12));
+    }
+
+    #[test]
+    fn tags_of_one_instant_mend_what_is_known() {
+        let mut calendar = Calendar::new();
+        calendar.leap(28, LeapSource::Satellites);
+        for second in 100..100 + u32::from(LEAP_RUN) {
+            calendar.infer_leap(1000 * second, 1000 * (second - 18));
+        }
+        assert_eq!(
+            calendar.leap_second().map(|leap| (leap.seconds, leap.source)),
+            Some((18, LeapSource::Tags))
+        );
+    }
 
     #[test]
     fn an_older_time_comes_back_though_every_system_ends_its_own_epoch() {
