@@ -21,7 +21,7 @@ use rai_core::integrity::separation::{
     self, Allocation, Finding, Hypothesis, Removable, Room, SeparationError,
 };
 use rai_core::integrity::{self, Scratch};
-use rai_core::monitor::{Accepted, Memory, Monitor, MonitorError};
+use rai_core::monitor::{Accepted, Assessment, Memory, Monitor, MonitorError};
 use rai_core::numeric::absolute::{Absolute, Grid};
 use rai_core::numeric::chi_square::ChiSquare;
 use rai_core::numeric::normal;
@@ -288,6 +288,7 @@ fn the_pipeline<T: Real>() {
         Memory::<T, N>::workspace as fn(_) -> _,
         Memory::<T, N>::assessment as fn(_) -> _,
         Memory::<T, N>::assessment_mut as fn(_) -> _,
+        Assessment::<N>::distrust as fn(_, _),
         Accepted::new as fn(_) -> _,
         Accepted::thresholds as fn(_) -> _,
         Accepted::factors as fn(_) -> _,

@@ -17,8 +17,8 @@ use rai_firmware::ephemeris::{
     StateVector, Store,
 };
 use rai_firmware::epoch_loop::EpochLoop;
-use rai_firmware::input::Suspicion;
 use rai_firmware::input::{Counters, Event, Input};
+use rai_firmware::input::{Suspicion, Suspicions};
 use rai_firmware::navigator::Navigator;
 use rai_firmware::outlet::Outlet;
 use rai_firmware::output::mavlink::{Sender, dialect};
@@ -98,6 +98,7 @@ fn wire() {
         Input::time as fn(_) -> _,
         Input::leap_second as fn(_) -> _,
         Suspicion::number as fn(_) -> _,
+        Suspicions::hear as fn(_, _),
         Suspicion::from_number as fn(_) -> _,
         (|counters| exhaust(Counters::iter(counters))) as fn(_),
         Band::frequency_hz as fn(_) -> _,

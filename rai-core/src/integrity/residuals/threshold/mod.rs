@@ -37,7 +37,7 @@ mod rows;
 mod table;
 
 pub use crate::numeric::chi_square::MAX_DOF;
-use rows::Held;
+pub use rows::Held;
 
 /// The largest number of simultaneous w-tests in the tables.
 pub const MAX_TESTS: usize = 64;
@@ -47,20 +47,11 @@ const SAME_PROBABILITY: f64 = 1e-9;
 
 /// Thresholds of one pair of probabilities, in the precision of the test that asks.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Thresholds<'t>(Rows<'t>);
-
-/// The rows of `tau1`, `lambda` and `w_test`, in this order.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Rows<'t> {
-    /// Of the tables.
-    Committed([&'t [Held]; 3]),
-    /// Of the caller.
-    Given([&'t [f64]; 3]),
+pub struct Thresholds<'t> {
+    tau1: &'t [Held],
+    lambda: &'t [Held],
+    w_test: &'t [Held],
 }
-
-const TAU1: usize = 0;
-const LAMBDA: usize = 1;
-const W_TEST: usize = 2;
 
 /// Which probability is not in the tables.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -116,41 +107,36 @@ impl Thresholds<'static> {
         let tau1 = rows::TAU1.get(alarm).map_or(&[][..], |row| row);
         let w_test = rows::W_TEST.get(alarm).map_or(&[][..], |row| row);
         let lambda = rows::LAMBDA.get(alarm).and_then(|rows| rows.get(miss)).map_or(&[][..], |row| row);
-        Ok(Self(Rows::Committed([tau1, lambda, w_test])))
+        Ok(Self { tau1, lambda, w_test })
     }
 }
 
 impl<'t> Thresholds<'t> {
     /// Rows that the caller computed, for probabilities outside the tables: element 0 is for one degree of
     /// freedom (`tau1`, `lambda`) and for one test (`w_test`).
-    pub const fn from_rows(tau1: &'t [f64], lambda: &'t [f64], w_test: &'t [f64]) -> Self {
-        Self(Rows::Given([tau1, lambda, w_test]))
+    pub const fn from_rows(tau1: &'t [Held], lambda: &'t [Held], w_test: &'t [Held]) -> Self {
+        Self { tau1, lambda, w_test }
     }
 
     /// Threshold of the global test; `None` without redundancy or beyond the row.
     pub fn tau1<T: Real>(&self, dof: usize) -> Option<T> {
-        self.element(TAU1, dof)
+        element(self.tau1, dof)
     }
 
     /// Non-centrality of the smallest fault that is missed with the required probability at most; `None` as above.
     pub fn lambda<T: Real>(&self, dof: usize) -> Option<T> {
-        self.element(LAMBDA, dof)
+        element(self.lambda, dof)
     }
 
     /// Two-sided threshold of one of `tests` w-tests; `None` for no test or beyond the row.
     pub fn w_test<T: Real>(&self, tests: usize) -> Option<T> {
-        self.element(W_TEST, tests)
+        element(self.w_test, tests)
     }
+}
 
-    /// A row's element, counted from one.
-    fn element<T: Real>(&self, row: usize, number: usize) -> Option<T> {
-        let index = number.checked_sub(1)?;
-        let element = match self.0 {
-            Rows::Committed(rows) => rows.get(row)?.get(index)?.widen(),
-            Rows::Given(rows) => *rows.get(row)?.get(index)?,
-        };
-        Some(T::narrow(element))
-    }
+/// A row's element, counted from one.
+fn element<T: Real>(row: &[Held], number: usize) -> Option<T> {
+    row.get(number.checked_sub(1)?).map(|element| T::narrow(element.widen()))
 }
 
 /// Where the probabilities have `wanted`, or the nearest of them.

@@ -42,10 +42,12 @@ pub(super) static FALSE_ALARM: [Probability; ALARMS.len()] = probabilities(&tabl
 pub(super) static MISSED_DETECTION: [Probability; MISSES.len()] =
     probabilities(&table::MISSED_DETECTION, MISSES);
 /// What the rows are held in. A test takes its threshold in its own precision: one in single precision takes the same from both.
+/// Double precision, unless the feature `short-tables` is on without `double-tables`.
 #[cfg(all(feature = "short-tables", not(feature = "double-tables")))]
-pub(super) type Held = f32;
+pub type Held = f32;
+/// What the rows are held in.
 #[cfg(not(all(feature = "short-tables", not(feature = "double-tables"))))]
-pub(super) type Held = f64;
+pub type Held = f64;
 
 pub(super) static TAU1: [[Held; DOF]; ALARMS.len()] = fronts(&table::TAU1, ALARMS);
 pub(super) static W_TEST: [[Held; TESTS]; ALARMS.len()] = fronts(&table::W_TEST, ALARMS);
