@@ -5,7 +5,6 @@ use embedded_io::Write;
 use rai_core::monitor::{Accepted, MonitorError};
 use rai_core::report::{Alert, Unavailable, Verdict};
 
-use super::lateness::Lateness;
 use crate::config::Configuration;
 use crate::counters::{count, counters};
 use crate::ephemeris::{Ephemeris, Insertion};
@@ -26,7 +25,7 @@ counters! {
         epochs_alert,
         /// Nothing to be promised.
         epochs_unavailable,
-        /// Epochs that were complete only after the time to alert, or came so much later than others before them.
+        /// Epochs that were complete only after the time to alert.
         epochs_late,
         /// Epochs that were not judged because their end had waited too long behind others.
         epochs_skipped,
@@ -57,7 +56,6 @@ pub(super) struct EpochLoop<P> {
     last_time: Option<GpsTime>,
     /// When it came, or when its silence was last complained of.
     last_epoch_ms: u64,
-    lateness: Lateness,
     pub(super) sigma_check: Option<f64>,
     is_sound: bool,
     /// Whether the settings in force are meant: not after an unexpected restart that has lost them.
@@ -90,19 +88,12 @@ impl<P: OutputPin> EpochLoop<P> {
             has_report: false,
             last_time: None,
             last_epoch_ms: 0,
-            lateness: Lateness::default(),
             sigma_check: None,
             is_sound: true,
             is_confirmed: true,
             interference: Suspicions::NONE,
             gps_minus_utc_s: GPS_MINUS_UTC_S,
         })
-    }
-
-    /// The last position counts for nothing, nor does how long epochs took to come.
-    pub(super) fn forget(&mut self) {
-        self.navigator.forget_position();
-        self.lateness.forget();
     }
 
     /// Acts on what came in; says whether an epoch was judged.
@@ -115,9 +106,7 @@ impl<P: OutputPin> EpochLoop<P> {
     ) -> bool {
         match event {
             Event::Epoch(raw, came_ms) => {
-                let waited_ms = now_ms.saturating_sub(*came_ms);
-                let late_ms = self.lateness.of(raw.time, *came_ms);
-                if waited_ms.max(late_ms) >= self.time_to_alert_ms() {
+                if now_ms.saturating_sub(*came_ms) >= self.time_to_alert_ms() {
                     count(&mut self.verdicts.epochs_late);
                     return false;
                 }

@@ -8,8 +8,7 @@
 //! The pin is high while the position of the last epoch may be used, and low in every other case: from reset on,
 //! on every verdict but `Protected`, and when the time to alert has passed since the last epoch came. Other requirements
 //! take the promise back until the next epoch, a missed known answer until the next start. An epoch that is complete
-//! only after the time to alert is not judged at all: it would promise what was. Nor is one that comes so much later than others
-//! before it, by its tag and the module's own clock: something holds back what it passes on.
+//! only after the time to alert is not judged at all: it would promise what was.
 //!
 //! What is said of an epoch is said at once; the time to alert bounds the silence after it. Epochs that come and are
 //! unavailable are therefore never stale, however long it lasts: the pin went low with the first of them.
@@ -23,7 +22,6 @@
 //! A silent line is noticed by [`Receiver::tick`], to be called at least ten times a second.
 
 mod epochs;
-mod lateness;
 
 use embedded_hal::digital::OutputPin;
 use embedded_io::Write;
@@ -265,7 +263,7 @@ impl<P: OutputPin> Receiver<P> {
                 Err(failure) => write_refusal("SELFTEST", failure.name(), host),
             },
             Action::Forget => {
-                self.epochs.forget();
+                self.epochs.navigator.forget_position();
                 Ok(())
             }
             Action::Reset => {

@@ -20,7 +20,6 @@
 //! | [`early_ephemeris`] | ephemerides for later that come first, and crowds of absent satellites |
 //! | [`ionosphere`] | one frequency under a dense ionosphere |
 //! | [`health`] | signals that one message calls healthy and another out of service |
-//! | [`held_back`] | epochs that a line or a relay holds back, longer and longer |
 //! | [`odd_ranges`] | messages of ranges that are empty, ahead, apart, or of another week |
 //! | [`two_stations`] | the ranges of a reference station on the receiver's line |
 //! | [`settings`] | a time to alert that hides a silence; restarts that make settings nobody's |
@@ -36,7 +35,6 @@ mod false_tracking;
 mod faulty_orbit;
 mod forgery;
 mod health;
-mod held_back;
 mod ionosphere;
 mod leap;
 mod odd_ranges;
@@ -100,7 +98,6 @@ pub const ATTACKS: &[&Attack] = &[
     &ionosphere::ZEROS,
     &health::ATTACK,
     &odd_ranges::AHEAD,
-    &held_back::ATTACK,
     &odd_ranges::APART,
     &odd_ranges::WEEK,
     &two_stations::ATTACK,

@@ -73,6 +73,11 @@ impl Module {
         now - self.noted.get(name).copied().unwrap_or(0)
     }
 
+    /// Which second of the sky it is by the module's clock, if one began with the other.
+    pub(crate) fn second(&self) -> usize {
+        (self.now_ms / 1000) as usize
+    }
+
     pub(crate) fn pin_is_high(&self) -> bool {
         self.receiver.pin().high
     }

@@ -21,13 +21,13 @@ fn a_silent_line_is_stale_after_the_time_to_alert_and_the_pin_falls() {
 
 #[test]
 fn noise_is_no_sign_of_life() {
-    let sky = Sky::quiet(5);
+    let sky = Sky::quiet(15);
     let mut module = Module::after(&sky, 3);
     let limit_s = module.receiver.configuration().requirements.time_to_alert_s as usize;
     let said: Vec<_> = (0..=limit_s).flat_map(|_| module.hear(&[0x55; 400])).collect();
     assert!(said.iter().any(|output| output.state.reason == "STALE"), "{said:?}");
     assert!(!module.pin_is_high());
-    module.recovers(&sky.lumps[3]);
+    module.recovers(&sky.lumps[module.second()]);
 }
 
 fn command(body: &str) -> String {

@@ -153,6 +153,9 @@ fn ionosphere_and_leap_second_come_from_the_bits() {
     input.feed(&word.unwrap(), 0, |_| ());
     assert_eq!(input.leap_second().map(|leap| leap.seconds), Some(18), "the change is to come");
     let word = ubx::utc(galileo, &ubx::IonosphereAndUtc { leap_s: (18, 19), change: (2111, 1), ..spoken });
-    input.feed(&word.unwrap(), 0, |_| ());
+    let word = word.unwrap();
+    input.feed(&word, 0, |_| ());
+    assert_eq!(input.leap_second().map(|leap| leap.seconds), Some(18), "one word alone");
+    input.feed(&word, 0, |_| ());
     assert_eq!(input.leap_second().map(|leap| leap.seconds), Some(19), "the change is past");
 }
