@@ -200,13 +200,17 @@ mod fault {
     #[test]
     fn stack_that_reaches_its_guard_is_a_fault() {
         let Some((mut board, mut debugger)) = debugged() else { return };
-        debugger.stop();
         let statics_end = image::symbol(&built(), "_stack_end").expect("the end of the statics") as u32;
         let guard = statics_end.next_multiple_of(256) + 128;
-        let answer = debugger.ask(&format!("Pd={:08x}", guard.swap_bytes()));
-        assert_eq!(answer, "OK", "the stack pointer is set");
-        debugger.go_on();
-        let lines = board.read_through("$PRAIV", PATIENCE).expect("it starts again");
+        // As above, the emulator seldom goes on with the stack pointer that it had.
+        let lines = (0..TRIES).find_map(|_| {
+            debugger.stop();
+            let answer = debugger.ask(&format!("Pd={:08x}", guard.swap_bytes()));
+            assert_eq!(answer, "OK", "the stack pointer is set");
+            debugger.go_on();
+            board.read_through("$PRAIV", PATIENCE / TRIES).ok()
+        });
+        let lines = lines.expect("it starts again");
         assert!(lines.last().expect("a greeting").contains(",FAULT-"), "{lines:?}");
     }
 }
