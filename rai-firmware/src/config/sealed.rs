@@ -86,8 +86,8 @@ impl Configuration {
         }
     }
 
-    /// Says the commands that make these settings, line by line. Requirements that come with a phase and are
-    /// no others in it are not said beside it.
+    /// Says the commands that make these settings, line by line. Requirements that a phase fixes are not said beside it: changed,
+    /// they would make it `CUSTOM`.
     fn say_commands(&self, mut take: impl FnMut(&str)) {
         for key in ORDER {
             let comes_with_phase = matches!(
