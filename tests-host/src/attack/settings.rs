@@ -6,6 +6,7 @@ use rai_firmware::config::SEALED_BYTES;
 use super::forgery::Sky;
 use super::victim::Victim;
 use super::{Attack, Effort, Figure};
+use crate::fault::Measured as _;
 
 /// A time to alert of an hour.
 pub(super) const TIME_TO_ALERT: Attack = Attack {
@@ -69,6 +70,15 @@ fn restarts(_: Effort) -> Result<Vec<Figure>> {
             }
         }
         figures.push(Figure::at_most(format!("promised by none of them: {what}"), promised as f64, 0.0));
+        // That nobody has confirmed them must not hide that the position is wrong.
+        victim.restart_from(&mut sealed)?;
+        let mut alerts = 0;
+        for bytes in wrong(&sky)? {
+            alerts +=
+                victim.hear(&bytes, sky.truth)?.iter().filter(|seen| seen.said.state.state == 'A').count();
+        }
+        figures.push(Figure::at_least(format!("alerts unconfirmed: {what}"), alerts as f64, 5.0));
+        victim.restart_from(&mut sealed)?;
         victim.obey("CONFIRM")?;
         for bytes in sky.bytes(|_, _| {})? {
             let _ = victim.hear(&bytes, sky.truth)?;
@@ -80,4 +90,13 @@ fn restarts(_: Effort) -> Result<Vec<Figure>> {
         ));
     }
     Ok(figures)
+}
+
+/// Every range of the epochs wrong by a number of its own.
+fn wrong(sky: &Sky) -> Result<Vec<Vec<u8>>> {
+    sky.bytes(|_, epoch| {
+        for (index, satellite) in epoch.satellites().into_iter().enumerate() {
+            epoch.lengthen(satellite, (index * index * 97 % 3000) as f64);
+        }
+    })
 }
