@@ -5,6 +5,7 @@ use embedded_io::Write;
 use rai_core::monitor::{Accepted, MonitorError};
 use rai_core::report::{Alert, Unavailable, Verdict};
 
+use super::lateness::Lateness;
 use crate::config::Configuration;
 use crate::counters::{count, counters};
 use crate::ephemeris::{Ephemeris, Insertion};
@@ -25,7 +26,7 @@ counters! {
         epochs_alert,
         /// Nothing to be promised.
         epochs_unavailable,
-        /// Epochs that were complete only after the time to alert.
+        /// Epochs that were complete only after the time to alert, or were so much longer on their way than others before.
         epochs_late,
         /// Epochs that were not judged because their end had waited too long behind others.
         epochs_skipped,
@@ -54,8 +55,9 @@ pub(super) struct EpochLoop<P> {
     /// Whether the last verdict is that of a report, and not of a silence.
     pub(super) has_report: bool,
     last_time: Option<GpsTime>,
-    /// When it came, or when its silence was last complained of.
+    /// When it came or, where it was late, should have come; or when its silence was last complained of.
     last_epoch_ms: u64,
+    lateness: Lateness,
     pub(super) sigma_check: Option<f64>,
     is_sound: bool,
     /// Whether the settings in force are meant: not after an unexpected restart that has lost them.
@@ -88,12 +90,19 @@ impl<P: OutputPin> EpochLoop<P> {
             has_report: false,
             last_time: None,
             last_epoch_ms: 0,
+            lateness: Lateness::default(),
             sigma_check: None,
             is_sound: true,
             is_confirmed: true,
             interference: Suspicions::NONE,
             gps_minus_utc_s: GPS_MINUS_UTC_S,
         })
+    }
+
+    /// The last position counts for nothing, nor does how long epochs were on their way.
+    pub(super) fn forget(&mut self) {
+        self.navigator.forget_position();
+        self.lateness = Lateness::default();
     }
 
     /// Acts on what came in; says whether an epoch was judged.
@@ -106,7 +115,8 @@ impl<P: OutputPin> EpochLoop<P> {
     ) -> bool {
         match event {
             Event::Epoch(raw, came_ms) => {
-                if now_ms.saturating_sub(*came_ms) >= self.time_to_alert_ms() {
+                let due_ms = came_ms.saturating_sub(self.lateness.of(raw.time, *came_ms));
+                if now_ms.saturating_sub(due_ms) >= self.time_to_alert_ms() {
                     count(&mut self.verdicts.epochs_late);
                     return false;
                 }
@@ -122,7 +132,10 @@ impl<P: OutputPin> EpochLoop<P> {
                     _ if !self.is_confirmed => Verdict::Unavailable(Unavailable::Settings),
                     verdict => verdict,
                 };
-                self.conclude(raw.time, *came_ms, host);
+                if matches!(report.verdict, Verdict::Protected(_)) {
+                    self.lateness.learn(raw.time, *came_ms);
+                }
+                self.conclude(raw.time, due_ms, host);
                 return true;
             }
             Event::Ephemeris(ephemeris) => self.learn(ephemeris),
@@ -156,14 +169,14 @@ impl<P: OutputPin> EpochLoop<P> {
     ///
     /// Not inlined: what the sentences take of the stack is not needed beside the judging.
     #[inline(never)]
-    fn conclude<W: Write>(&mut self, time: GpsTime, came_ms: u64, host: &mut W) {
+    fn conclude<W: Write>(&mut self, time: GpsTime, due_ms: u64, host: &mut W) {
         let verdict = self.navigator.report().verdict;
         self.drive_pin(matches!(verdict, Verdict::Protected(_)));
         let report = self.navigator.report();
         self.last_verdict = Some(verdict);
         self.has_report = true;
         self.last_time = Some(time);
-        self.last_epoch_ms = came_ms;
+        self.last_epoch_ms = due_ms;
         self.sigma_check = report.sigma_check;
         count(match verdict {
             Verdict::Protected(_) => &mut self.verdicts.epochs_protected,

@@ -8,7 +8,8 @@
 //! The pin is high while the position of the last epoch may be used, and low in every other case: from reset on,
 //! on every verdict but `Protected`, and when the time to alert has passed since the last epoch came. Other requirements
 //! take the promise back until the next epoch, a missed known answer until the next start. An epoch that is complete
-//! only after the time to alert is not judged at all: it would promise what was.
+//! only after the time to alert is not judged at all: it would promise what was. Nor is one that was so much longer on its way
+//! than others before it, by its tag and the module's own clock ([`lateness`]): something holds back what it passes on.
 //!
 //! What is said of an epoch is said at once; the time to alert bounds the silence after it. Epochs that come and are
 //! unavailable are therefore never stale, however long it lasts: the pin went low with the first of them.
@@ -22,6 +23,7 @@
 //! A silent line is noticed by [`Receiver::tick`], to be called at least ten times a second.
 
 mod epochs;
+mod lateness;
 
 use embedded_hal::digital::OutputPin;
 use embedded_io::Write;
@@ -263,7 +265,7 @@ impl<P: OutputPin> Receiver<P> {
                 Err(failure) => write_refusal("SELFTEST", failure.name(), host),
             },
             Action::Forget => {
-                self.epochs.navigator.forget_position();
+                self.epochs.forget();
                 Ok(())
             }
             Action::Reset => {

@@ -20,6 +20,7 @@
 //! | [`early_ephemeris`] | ephemerides for later that come first, and crowds of absent satellites |
 //! | [`ionosphere`] | one frequency under a dense ionosphere |
 //! | [`health`] | signals that one message calls healthy and another out of service |
+//! | [`held_back`] | epochs that a line holds back, longer and longer; a recording that is sent again |
 //! | [`odd_ranges`] | messages of ranges that are empty, ahead, apart, or of another week |
 //! | [`two_stations`] | the ranges of a reference station on the receiver's line |
 //! | [`settings`] | a time to alert that hides a silence; restarts that make settings nobody's |
@@ -35,6 +36,7 @@ mod false_tracking;
 mod faulty_orbit;
 mod forgery;
 mod health;
+mod held_back;
 mod ionosphere;
 mod leap;
 mod odd_ranges;
@@ -98,6 +100,8 @@ pub const ATTACKS: &[&Attack] = &[
     &ionosphere::ZEROS,
     &health::ATTACK,
     &odd_ranges::AHEAD,
+    &held_back::ATTACK,
+    &held_back::AGAIN,
     &odd_ranges::APART,
     &odd_ranges::WEEK,
     &two_stations::ATTACK,

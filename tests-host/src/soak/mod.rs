@@ -190,6 +190,9 @@ impl<P: FnMut(u64)> Bench<P> {
         if let Some(limit_m) = setting.strip_prefix("HAL,").and_then(|limit_m| limit_m.parse().ok()) {
             self.tally.expect_limit(limit_m);
         }
+        if setting == "FORGET" {
+            self.tally.expect_lateness();
+        }
         self.rig.command(setting)
     }
 

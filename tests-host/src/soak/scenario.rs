@@ -4,7 +4,7 @@
 //! |---|---|
 //! | unplugged | the cable is pulled in the middle of an epoch and plugged in again in the middle of another; between, the line is silent or picks up noise |
 //! | power-on | the module is reset in the middle of an epoch |
-//! | rewind | the receiver's time goes back by some epochs and on from there |
+//! | rewind | the receiver's time goes back by some epochs and on from there: what comes then is late, but where the host, every other time, says `FORGET` |
 //! | unread | nobody reads the host port for some epochs |
 //! | early ephemeris | before an epoch comes what a satellite in view will broadcast hours later |
 //! | setting | the host sets another horizontal alert limit, another method, or the clock aiding |
@@ -192,6 +192,9 @@ pub struct Scenario {
     unplugged: Option<Unplugged>,
     turn: u32,
     latest: Option<GpsTime>,
+    rewinds: u32,
+    /// Whether the host knows that time has gone back, and is to say so.
+    is_to_forget: bool,
 }
 
 /// A passage that is being sent.
@@ -221,7 +224,7 @@ impl Scenario {
         let mut early_rng = ChaCha8Rng::seed_from_u64(seed ^ 0xEA71);
         let early = Recurring::new(calm * 2, &mut early_rng);
         let incidents = Incidents::new(tempo.step_s, seed ^ 0x5EED);
-        Self { tempo, rng, incidents, diary, early, early_rng, unplugged: None, turn: 0, latest: None }
+        Self { tempo, rng, incidents, diary, early, early_rng, unplugged: None, turn: 0, latest: None, rewinds: 0, is_to_forget: false }
     }
 
     /// Plays a passage: `play` gets each turn, and says what went wrong with it.
@@ -237,6 +240,8 @@ impl Scenario {
             let back = self.rng.random_range(REWIND_EPOCHS);
             if cursor > back && self.diary.rewind.is_due(self.turn, &mut self.rng) {
                 cursor -= back;
+                self.rewinds += 1;
+                self.is_to_forget = self.rewinds % 2 == 1;
             }
         }
         Ok(())
@@ -299,6 +304,9 @@ impl Scenario {
     }
 
     fn mishap(&mut self) -> Option<Mishap> {
+        if std::mem::take(&mut self.is_to_forget) {
+            return Some(Mishap::Setting("FORGET".to_owned()));
+        }
         let (turn, rng) = (self.turn, &mut self.rng);
         if self.diary.power_on.is_due(turn, rng) {
             return Some(Mishap::PowerOn { after_ms: rng.random_range(0..self.tempo.interval_ms.min(1000)) });

@@ -32,6 +32,9 @@ pub enum Heard {
 /// restart, and its satellite is left out with good reason.
 pub(super) const RENEWAL_EPOCHS: u32 = 30;
 
+/// How much an epoch's way to the board may vary, s.
+const SLACK_S: f64 = 1.0;
+
 /// Epochs whose bytes may still be on their way: a reset costs them.
 const IN_FLIGHT_EPOCHS: usize = 6;
 
@@ -56,6 +59,8 @@ pub struct Tally {
     /// The same when the reset line was pulled last.
     limit_at_reset_m: Option<f64>,
     has_just_started: bool,
+    /// The least difference since the start between the board's time and the tags, s.
+    least_lag_s: Option<f64>,
     /// Whether the epoch judged last was offered without a false range.
     is_sound: bool,
     /// The how-manieth epoch an ephemeris of a satellite last came too early with.
@@ -66,7 +71,7 @@ pub struct Tally {
     pub left_out_sound: Vec<String>,
     /// Epochs offered.
     pub offered: u64,
-    /// Of these, epochs that came whole and later than all before.
+    /// Of these, epochs that came whole, in time, and with a later tag than all before.
     pub due: u64,
     /// Epochs judged, by the state and reason that was said.
     pub verdicts: BTreeMap<(char, String), u64>,
@@ -125,6 +130,7 @@ impl Tally {
         self.starts_asked += 1;
         self.resets_awaited += 1;
         self.limit_at_reset_m = self.limit_m;
+        self.least_lag_s = None;
         for open in self.open.iter_mut().rev().take(IN_FLIGHT_EPOCHS) {
             open.offer.is_due = false;
         }
@@ -133,6 +139,11 @@ impl Tally {
     /// The host sets a horizontal alert limit.
     pub fn expect_limit(&mut self, limit_m: f64) {
         self.limit_m = Some(limit_m);
+    }
+
+    /// The host says that how late epochs come counts for nothing.
+    pub fn expect_lateness(&mut self) {
+        self.least_lag_s = None;
     }
 
     /// Nobody listens for a while: what is heard next may be old.
@@ -147,7 +158,8 @@ impl Tally {
 
     /// Notes an epoch that is offered at a time of the board's; `is_whole` where nothing happens to it on its way.
     pub fn offer(&mut self, offer: Offer, is_whole: bool, board_s: f64) {
-        let offer = Offer { is_due: offer.is_due && is_whole, ..offer };
+        let is_new = self.lateness_s(&offer, board_s) < self.time_to_alert_s - SLACK_S;
+        let offer = Offer { is_due: offer.is_due && is_whole && is_new, ..offer };
         self.offered += 1;
         self.due += u64::from(offer.is_due);
         if let Some(satellite) = offer.early {
@@ -162,6 +174,14 @@ impl Tally {
         if self.open.len() > MEMORY_EPOCHS {
             self.open.pop_front();
         }
+    }
+
+    /// How much later an epoch comes than others of this start, s.
+    fn lateness_s(&mut self, offer: &Offer, board_s: f64) -> f64 {
+        let lag_s = board_s - offer.time.to_s();
+        let least_s = self.least_lag_s.map_or(lag_s, |least_s| least_s.min(lag_s));
+        self.least_lag_s = Some(least_s);
+        lag_s - least_s
     }
 
     /// Reads one line of the host port.

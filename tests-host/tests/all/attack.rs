@@ -47,6 +47,8 @@ attacks! {
     coefficients_of_zero_shrink_no_level = "ionosphere-zeros",
     signal_out_of_service_is_not_used = "health",
     empty_message_from_the_future_costs_no_epoch = "empty-ahead",
+    epochs_that_are_held_back_are_not_promised = "held-back",
+    recording_that_is_sent_again_is_not_promised = "sent-again",
     systems_tagged_a_millisecond_apart_are_one_epoch = "systems-apart",
     wrong_week_outvotes_nobody = "wrong-week",
     another_stations_ranges_are_not_the_receivers = "two-stations",

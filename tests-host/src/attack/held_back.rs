@@ -1,0 +1,78 @@
+//! Epochs that are old when they come: a relay, a logger or a line that is too slow delivers a second of signals in more than a
+//! second; somebody sends again what was recorded.
+//!
+//! The signals are healthy and their tags are theirs. Only the module's own clock tells that they are old.
+
+use anyhow::Result;
+
+use super::forgery::Sky;
+use super::victim::Victim;
+use super::{Attack, Effort, Figure};
+
+/// A line that is too slow.
+pub(super) const ATTACK: Attack = Attack {
+    name: "held-back",
+    about: "each second of signals comes in 1.05 to 9 s of the module's own: how old is what is still promised?",
+    run: hold_back,
+};
+
+/// A recording that is played again.
+pub(super) const AGAIN: Attack = Attack {
+    name: "sent-again",
+    about: "after minutes of signals the same bytes come again: is any of them promised?",
+    run: send_again,
+};
+
+/// Time to alert of the settings at start, s.
+const TIME_TO_ALERT_S: f64 = 10.0;
+
+fn hold_back(effort: Effort) -> Result<Vec<Figure>> {
+    let epochs = effort.pick(600, 3600);
+    let sky = Sky::quiet(epochs, 1)?;
+    let bytes = sky.bytes(|_, _| {})?;
+    let mut figures = Vec::new();
+    for own_s in [1.0, 1.05, 2.0, 9.0] {
+        let (mut victim, mut oldest_s, mut promised) = (Victim::new(&[], own_s)?, 0.0_f64, 0);
+        for (index, bytes) in bytes.iter().enumerate() {
+            victim.hear(bytes, sky.truth)?;
+            // By the end of the step the signals are a step older.
+            if victim.is_promised() {
+                oldest_s = oldest_s.max(index as f64 * (own_s - 1.0));
+                promised += 1;
+            }
+        }
+        // One percent of the time may be the own clock's.
+        let slack = own_s / (own_s - 1.0) / 100.0;
+        let bound_s = if own_s > 1.0 { TIME_TO_ALERT_S / (1.0 - slack) } else { 0.0 };
+        figures.push(Figure::at_most(format!("oldest promised at {own_s} s an epoch, s"), oldest_s, bound_s));
+        if own_s > 1.0 {
+            continue;
+        }
+        figures.push(Figure::at_least("promised at 1 s an epoch", f64::from(promised), f64::from(epochs)));
+    }
+    Ok(figures)
+}
+
+fn send_again(effort: Effort) -> Result<Vec<Figure>> {
+    let sky = Sky::quiet(effort.pick(200, 1200), 2)?;
+    let bytes = sky.bytes(|_, _| {})?;
+    let mut victim = Victim::new(&[], 1.0)?;
+    let promised = |victim: &mut Victim| -> Result<f64> {
+        let mut promised = 0.0;
+        for bytes in &bytes {
+            let seen = victim.hear(bytes, sky.truth)?;
+            promised += seen.iter().filter(|seen| seen.said.state.is_protected()).count() as f64;
+        }
+        Ok(promised)
+    };
+    let live = promised(&mut victim)?;
+    let again = promised(&mut victim)?;
+    // A host that means it says so.
+    victim.obey("FORGET")?;
+    let meant = promised(&mut victim)?;
+    Ok(vec![
+        Figure::at_least("promised live", live, bytes.len() as f64),
+        Figure::at_most("promised when sent again", again, 0.0),
+        Figure::at_least("promised after FORGET", meant, bytes.len() as f64 - 20.0),
+    ])
+}
