@@ -16,7 +16,7 @@
 //! | after | the promise returns |
 //! |---|---|
 //! | an alert, a jump, an impossible place | when the satellites have agreed for [`Recovery`]: epochs and seconds, at positions that are within reach of each other; [`WEAK`] epochs and seconds where an epoch of them had one degree of freedom |
-//! | a jump | besides, when time has made the position reachable, or [`Continuity::forget`] |
+//! | a jump | besides, when time has made the position reachable, or [`Continuity::forget`]; or when what contradicts the anchor has agreed for [`WEAK`], and what led to the anchor had not |
 //!
 //! An epoch that agrees only because a satellite was left out, with one degree of freedom after that, counts for
 //! nothing: among many satellites that disagree some pair is always left that does not. One epoch of one degree of
@@ -193,6 +193,11 @@ impl Agreement {
         Self { first: place.instant, last: place, epochs: 1, is_weak }
     }
 
+    fn extended(self, place: Place, is_weak: bool) -> Self {
+        let epochs = self.epochs.saturating_add(1);
+        Self { last: place, epochs, is_weak: self.is_weak || is_weak, ..self }
+    }
+
     fn suffices(&self, recovery: Recovery) -> bool {
         let wanted = if self.is_weak { recovery.at_least(WEAK) } else { recovery };
         self.epochs >= wanted.epochs && self.last.instant.epoch_s - self.first.epoch_s >= wanted.seconds
@@ -214,7 +219,8 @@ enum Standing {
 #[derive(Clone, Debug)]
 pub struct Continuity {
     standing: Standing,
-    anchor: Option<Place>,
+    /// The protected epochs within reach of each other that ended with the last protected one.
+    anchor: Option<Agreement>,
     agreement: Option<Agreement>,
     latest_s: Option<f64>,
 }
@@ -283,44 +289,51 @@ impl Continuity {
 
     /// What becomes of an epoch that by itself is protected.
     fn promise(&mut self, settings: &ContinuitySettings, how: Protected, place: Place, dof: u8) -> Verdict {
-        let is_reachable = |anchor: &Place| place.is_within_reach_of(anchor, settings.max_speed_m_s);
-        if !self.anchor.as_ref().is_none_or(is_reachable) {
-            return self.lose(Verdict::Alert(Alert::Jump));
+        let is_weak = dof <= 1;
+        let from = self.anchor.map(|anchor| anchor.last);
+        if from.is_some_and(|from| !place.is_within_reach_of(&from, settings.max_speed_m_s)) {
+            self.agree(settings, how, place, is_weak);
+            if !self.contradicts_anchor(settings) {
+                self.standing = Standing::Lost;
+                return Verdict::Alert(Alert::Jump);
+            }
+            self.anchor = None;
         }
         // Written so that a height which is not a number is none.
         if !(settings.min_height_m..=settings.max_height_m).contains(&place.height_m) {
             return self.lose(Verdict::Unavailable(Unavailable::Place));
         }
-        let is_weak = dof <= 1;
-        let is_proven = match self.standing {
-            Standing::Good => true,
-            Standing::New if !is_weak => true,
-            Standing::New | Standing::Lost => {
-                self.agree(settings, how, place, is_weak);
-                self.agreement.is_some_and(|agreement| agreement.suffices(settings.recovery))
+        if self.standing == Standing::Lost || self.standing == Standing::New && is_weak {
+            self.agree(settings, how, place, is_weak);
+            if !self.agreement.is_some_and(|agreement| agreement.suffices(settings.recovery)) {
+                return Verdict::Unavailable(Unavailable::Recovering);
             }
-        };
-        if !is_proven {
-            return Verdict::Unavailable(Unavailable::Recovering);
         }
-        *self = Self { standing: Standing::Good, anchor: Some(place), agreement: None, ..*self };
+        // An anchor that this is within reach of is as firm as it was.
+        let agreement = self.agreement.take().unwrap_or_else(|| Agreement::begun(place, is_weak));
+        self.anchor = Some(self.anchor.map_or(agreement, |anchor| anchor.extended(place, is_weak)));
+        self.standing = Standing::Good;
         Verdict::Protected(how)
+    }
+
+    /// Whether epochs out of the anchor's reach have agreed for [`WEAK`], while those that led to it had not: either may be wrong.
+    fn contradicts_anchor(&self, settings: &ContinuitySettings) -> bool {
+        let firm = settings.recovery.at_least(WEAK);
+        let is_firm = |agreement: &Agreement| agreement.suffices(firm);
+        self.agreement.as_ref().is_some_and(is_firm) && !self.anchor.as_ref().is_some_and(is_firm)
     }
 
     /// Counts an epoch that agrees after one that did not.
     fn agree(&mut self, settings: &ContinuitySettings, how: Protected, place: Place, is_weak: bool) {
         self.agreement = match self.agreement {
             _ if is_weak && how == Protected::Excluded => None,
+            // Counted before.
+            Some(before) if before.last == place => Some(before),
             Some(before)
                 if place.instant.epoch_s - before.last.instant.epoch_s <= GAP_S
                     && place.is_within_reach_of(&before.last, settings.max_speed_m_s) =>
             {
-                Some(Agreement {
-                    last: place,
-                    epochs: before.epochs.saturating_add(1),
-                    is_weak: before.is_weak || is_weak,
-                    ..before
-                })
+                Some(before.extended(place, is_weak))
             }
             _ => Some(Agreement::begun(place, is_weak)),
         };
@@ -343,11 +356,12 @@ impl Continuity {
             // The time was set back: what is remembered is as old as it was.
             self.agreement = None;
             if let Some(anchor) = &mut self.anchor {
-                anchor.instant.epoch_s -= back_s;
+                anchor.first.epoch_s -= back_s;
+                anchor.last.instant.epoch_s -= back_s;
             }
         }
         self.latest_s = Some(instant.epoch_s);
-        self.anchor = self.anchor.filter(|anchor| instant.since_s(anchor.instant) <= ANCHOR_AGE_S);
+        self.anchor = self.anchor.filter(|anchor| instant.since_s(anchor.last.instant) <= ANCHOR_AGE_S);
         instant
     }
 }

@@ -185,6 +185,34 @@ fn host_that_says_forget_allows_any_place() {
 }
 
 #[test]
+fn what_one_epoch_led_to_gives_way_to_what_ten_agree_on() {
+    let far = 6000e3;
+    let mut epochs = vec![(0.0, north(far))];
+    epochs.extend((1..=12).map(|second| (f64::from(second), HERE)));
+    let said = series(&epochs);
+    assert_eq!(said[0], OK);
+    assert!(said[1..11].iter().all(|verdict| *verdict == JUMP), "{said:?}");
+    assert_eq!(said[11..], [OK, OK], "ten seconds and more than ten epochs");
+    // Nine and then alerts, again and again, are no ten.
+    let mut broken = vec![(0.0, north(far))];
+    broken.extend(
+        (1..100).map(|second| (f64::from(second), if second % 10 == 0 { verdict(FAULT) } else { HERE })),
+    );
+    assert!(!series(&broken)[1..].contains(&OK));
+}
+
+#[test]
+fn what_ten_epochs_have_led_to_gives_way_to_time_alone() {
+    let mut epochs: std::vec::Vec<(f64, Said)> = (0..=10).map(|second| (f64::from(second), HERE)).collect();
+    // A gap and an alert take nothing from it.
+    epochs.extend([(400.0, HERE), (401.0, verdict(FAULT)), (402.0, HERE), (403.0, HERE), (405.0, HERE)]);
+    epochs.extend((406..1000).map(|second| (f64::from(second), north(400e3))));
+    let said = series(&epochs);
+    assert_eq!(said[15], OK);
+    assert!(said[16..].iter().all(|verdict| *verdict == JUMP));
+}
+
+#[test]
 fn no_receiver_is_below_the_ground_or_among_the_satellites() {
     for height_m in [-3e6, -501.0, 20_001.0, 2e7, f64::NAN] {
         let epochs = [(0.0, Said { height_m, ..HERE })];

@@ -147,7 +147,7 @@ impl Assembly {
                     self.accuse(series);
                     self.phase = Phase::Open(None);
                 }
-                return is_empty || self.is_vouched || self.vouch(tow_ms, calendar, counters);
+                return is_empty || self.is_vouched || self.vouch(tow_ms, came_ms, calendar, counters);
             }
             Phase::Open(ended) => {
                 if let Some(series) = ended {
@@ -180,7 +180,7 @@ impl Assembly {
         self.came_ms = came_ms;
         self.heard = 0;
         if !is_empty {
-            return self.vouch(tow_ms, calendar, counters);
+            return self.vouch(tow_ms, came_ms, calendar, counters);
         }
         let foreseen = calendar.foresee(tow_ms);
         self.is_vouched = false;
@@ -197,8 +197,8 @@ impl Assembly {
     }
 
     /// The epoch has satellites: time goes on to it, or it is dropped.
-    fn vouch(&mut self, tow_ms: u32, calendar: &mut Calendar, counters: &mut Counters) -> bool {
-        let time = calendar.advance(tow_ms, counters);
+    fn vouch(&mut self, tow_ms: u32, came_ms: u64, calendar: &mut Calendar, counters: &mut Counters) -> bool {
+        let time = calendar.advance(tow_ms, came_ms, counters);
         self.is_vouched = time.is_ok();
         self.begin(time, tow_ms, counters)
     }

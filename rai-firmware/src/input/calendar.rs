@@ -5,11 +5,13 @@
 //! and before any time is known in the cycle that begins with [`NOT_BEFORE_WEEK`].
 //!
 //! Nothing on the wire is accepted for ever. A time that goes back is dropped, but [`RESTART_RUN`] epochs in a row
-//! that are older and follow each other are the new time. A time that goes on from before a leap of more than
-//! [`LEAP_MS`] is the time at once: the leap was the error, and costs no other epoch.
+//! that are older and follow each other are the new time. Whatever leaps, by more than [`LEAP_MS`] beside the module's own
+//! clock, leaves the line before it remembered, until [`RESTART_RUN`] epochs and [`SETTLING_MS`] have followed: an epoch that
+//! goes on with that line is the time at once, in its week. The leaps were the error, however many, and cost no other epoch.
 //!
 //! The week is the systems' to vote on: what one system says, however often, does not outvote two that agree. It is
-//! corrected when more systems contradict it than confirm it, or as many and with [`DISSENT`] more ephemerides.
+//! corrected when more systems contradict it than confirm it, or as many and with [`DISSENT`] more ephemerides. Who has
+//! confirmed it is heard to contradict it when it has done so as often.
 
 use rai_core::satellite::Constellation;
 
@@ -25,8 +27,14 @@ pub const NOT_BEFORE_WEEK: u16 = 2048;
 /// A step of time that is longer than a gap between epochs mostly is, ms.
 const LEAP_MS: u64 = 60_000;
 
-/// Epochs in a row that make an older time the time.
+/// Epochs in a row that make an older time the time, or one after a leap.
 const RESTART_RUN: u8 = 5;
+
+/// How long the line before a leap is remembered at least, ms of the own clock.
+const SETTLING_MS: u64 = 5000;
+
+/// The own clock may be wrong by a part in so many.
+const CLOCK_ERROR: u64 = 64;
 
 /// Ephemerides that it takes to correct the week.
 const DISSENT: u8 = 4;
@@ -89,13 +97,54 @@ pub(super) struct Calendar {
     /// The last epoch, or the reference time of an ephemeris before there was one.
     reference: Option<GpsTime>,
     /// The last epoch.
-    last: Option<GpsTime>,
+    last: Option<Tick>,
     /// The last epoch that was dropped because it was older, and how many followed each other.
     older: Option<(GpsTime, u8)>,
-    /// The last epoch before a leap, until as many have followed the leap as make a time the time.
-    before_leap: Option<(GpsTime, u8)>,
+    /// What went on before a leap, until it is settled.
+    leap_of_time: Option<Leap>,
     /// What each system says of the week: that it is right where positive, that it is wrong where negative.
     votes: [i8; SYSTEMS],
+}
+
+/// An epoch, and when it came by the own clock, ms.
+#[derive(Clone, Copy, Debug)]
+struct Tick {
+    time: GpsTime,
+    came_ms: u64,
+}
+
+impl Tick {
+    /// What time it is when an epoch comes, by the own clock.
+    fn time_at(self, came_ms: u64) -> GpsTime {
+        let passed_ms = came_ms.saturating_sub(self.came_ms);
+        match u32::try_from(passed_ms).ok().filter(|&passed_ms| passed_ms < WEEK_MS) {
+            Some(passed_ms) => self.time.later_by_ms(passed_ms),
+            None => GpsTime::from_ms(self.time.to_ms().saturating_add(passed_ms)),
+        }
+    }
+
+    /// Whether an epoch goes on from here, by the own clock or within what is no leap.
+    fn leads_to(self, next: Self) -> bool {
+        let error_ms = LEAP_MS + next.came_ms.saturating_sub(self.came_ms) / CLOCK_ERROR;
+        let is_expected = next.time.since_ms(self.time_at(next.came_ms)).unsigned_abs() <= error_ms;
+        follows(next.time, self.time) || next.time > self.time && is_expected
+    }
+
+    /// The epoch at `tow_ms` that came then, in the week that the own clock tells.
+    fn next(self, tow_ms: u32, came_ms: u64) -> Self {
+        Self { time: GpsTime::nearest(tow_ms, self.time_at(came_ms)), came_ms }
+    }
+}
+
+/// A leap of time, and what has followed it.
+#[derive(Clone, Copy, Debug)]
+struct Leap {
+    /// The last epoch before it.
+    before: Tick,
+    /// When the last leap was, by the own clock, ms.
+    came_ms: u64,
+    /// Epochs since.
+    run: u8,
 }
 
 /// How many systems there are.
@@ -129,14 +178,14 @@ impl Calendar {
             reference: None,
             last: None,
             older: None,
-            before_leap: None,
+            leap_of_time: None,
             votes: [0; SYSTEMS],
         }
     }
 
     /// The last epoch accepted.
     pub(super) fn time(&self) -> Option<GpsTime> {
-        self.last
+        self.last.map(|last| last.time)
     }
 
     /// A receiver says what time it is. Believed where nothing else says it; ephemerides may outvote it.
@@ -156,7 +205,7 @@ impl Calendar {
             _ => LEAP_RUN,
         };
         if self.claimed.1 >= needed {
-            self.leap = Some(LeapSecond { seconds, source, said: self.last });
+            self.leap = Some(LeapSecond { seconds, source, said: self.time() });
         }
     }
 
@@ -174,7 +223,7 @@ impl Calendar {
         let is_news = self.leap.is_none_or(|known| u32::from(known.seconds) != seconds);
         if self.inferred.1 >= LEAP_RUN && is_news {
             self.leap =
-                Some(LeapSecond { seconds: seconds as u8, source: LeapSource::Tags, said: self.last });
+                Some(LeapSecond { seconds: seconds as u8, source: LeapSource::Tags, said: self.time() });
         }
     }
 
@@ -188,34 +237,64 @@ impl Calendar {
         self.reference
     }
 
-    /// The instant of an epoch at `tow_ms`, if time goes forward with it.
-    pub(super) fn advance(&mut self, tow_ms: u32, counters: &mut Counters) -> Result<GpsTime, TimeError> {
+    /// The instant of an epoch at `tow_ms` that came at `came_ms`, if time goes on to it.
+    pub(super) fn advance(
+        &mut self,
+        tow_ms: u32,
+        came_ms: u64,
+        counters: &mut Counters,
+    ) -> Result<GpsTime, TimeError> {
         let reference = self.reference.ok_or(TimeError::WeekUnknown)?;
-        let time = GpsTime::nearest(tow_ms, reference);
-        if self.last.is_some_and(|last| time <= last) {
-            let goes_on = self.before_leap.is_some_and(|(before, _)| follows(time, before));
-            if !goes_on && !self.follows_older(time) {
-                return Err(TimeError::Backwards);
-            }
+        let Some(last) = self.last else {
+            return Ok(self.set(Tick { time: GpsTime::nearest(tow_ms, reference), came_ms }));
+        };
+        if let Some(time) = self.without_leap(tow_ms, came_ms) {
             count(&mut counters.time_restarts);
-            self.before_leap = None;
-        } else {
-            self.before_leap = match (self.last, self.before_leap) {
-                (Some(last), _) if !follows(time, last) => Some((last, 0)),
-                (_, Some((before, run))) if run < RESTART_RUN => Some((before, run + 1)),
-                _ => None,
-            };
+            self.leap_of_time = None;
+            return Ok(self.set(time));
         }
+        let next = last.next(tow_ms, came_ms);
+        if next.time <= last.time && !self.follows_older(next.time) {
+            return Err(TimeError::Backwards);
+        }
+        if next.time <= last.time {
+            count(&mut counters.time_restarts);
+        }
+        self.note_leap(last, next);
+        Ok(self.set(next))
+    }
+
+    fn set(&mut self, tick: Tick) -> GpsTime {
         self.older = None;
-        self.reference = Some(time);
-        self.last = Some(time);
-        Ok(time)
+        self.reference = Some(tick.time);
+        self.last = Some(tick);
+        tick.time
+    }
+
+    /// The epoch at `tow_ms`, if it goes on from before a leap that is not settled.
+    fn without_leap(&self, tow_ms: u32, came_ms: u64) -> Option<Tick> {
+        let before = self.leap_of_time?.before;
+        Some(before.next(tow_ms, came_ms)).filter(|&next| before.leads_to(next))
+    }
+
+    /// Notes a leap, or what follows one. Of several the first counts.
+    fn note_leap(&mut self, last: Tick, next: Tick) {
+        let came_ms = next.came_ms;
+        self.leap_of_time = match self.leap_of_time {
+            leap if !last.leads_to(next) => {
+                Some(Leap { before: leap.map_or(last, |leap| leap.before), came_ms, run: 0 })
+            }
+            Some(leap) if leap.run < RESTART_RUN || came_ms.saturating_sub(leap.came_ms) < SETTLING_MS => {
+                Some(Leap { run: leap.run.saturating_add(1), ..leap })
+            }
+            _ => None,
+        };
     }
 
     /// The instant of an epoch at `tow_ms` that has no satellites to vouch for it: time does not go on to it, and it is none
     /// before an epoch that has satellites.
     pub(super) fn foresee(&self, tow_ms: u32) -> Result<GpsTime, TimeError> {
-        let last = self.last.ok_or(TimeError::Ahead)?;
+        let last = self.time().ok_or(TimeError::Ahead)?;
         let time = GpsTime::nearest(tow_ms, last);
         match time > last {
             true if follows(time, last) => Ok(time),
@@ -244,8 +323,7 @@ impl Calendar {
         };
         let agrees = toe.since_ms(reference).unsigned_abs() <= AGREEMENT_MS;
         if let Some(vote) = self.votes.get_mut(system as usize) {
-            // Whoever changes its mind begins anew.
-            let next = if agrees { (*vote).max(0) + 1 } else { (*vote).min(0) - 1 };
+            let next = if agrees { *vote + 1 } else { *vote - 1 };
             *vote = next.clamp(-MOST_VOTES, MOST_VOTES);
         }
         if !agrees && self.is_outvoted() {
@@ -356,9 +434,70 @@ mod tests {
     fn an_older_time_comes_back_though_every_system_ends_its_own_epoch() {
         let (mut calendar, mut counters) = (Calendar::new(), Counters::default());
         calendar.learn(Constellation::Gps, GpsTime { week: 2111, tow_ms: 0 }, &mut counters);
-        assert!(calendar.advance(90_000_000, &mut counters).is_ok());
+        assert!(calendar.advance(90_000_000, 0, &mut counters).is_ok());
         let older = (1..=5).flat_map(|second| [second * 1000; 2]);
-        let accepted = older.filter(|&tow_ms| calendar.advance(tow_ms, &mut counters).is_ok()).count();
+        let accepted = older.filter(|&tow_ms| calendar.advance(tow_ms, 0, &mut counters).is_ok()).count();
         assert_eq!((accepted, calendar.time()), (1, Some(GpsTime { week: 2111, tow_ms: 5000 })));
+    }
+
+    /// Seconds of the week, and when they come, s; and which of them are the time, s after the beginning of week 2111.
+    fn times_of(epochs: &[(u32, u64)]) -> std::vec::Vec<Option<i64>> {
+        let (mut calendar, mut counters) = (Calendar::new(), Counters::default());
+        let start = GpsTime { week: 2111, tow_ms: 0 };
+        calendar.learn(Constellation::Gps, start, &mut counters);
+        let mut time = |&(tow_s, came_s): &(u32, u64)| {
+            let time = calendar.advance(tow_s * 1000, came_s * 1000, &mut counters).ok()?;
+            Some(time.since_ms(start) / 1000)
+        };
+        epochs.iter().map(&mut time).collect()
+    }
+
+    const WEEK_S: u32 = WEEK_MS / 1000;
+
+    #[test]
+    fn leaps_one_after_the_other_do_not_carry_the_line_into_another_week() {
+        let far = |leaps: u32| (100 + leaps * 280_000) % WEEK_S;
+        let mut epochs = std::vec![(100, 0)];
+        // Settled by their number, but not in the time of one second.
+        epochs.extend((1..=3).flat_map(|leaps| (0..8).map(move |second| (far(leaps) + second, 0))));
+        epochs.extend([(101, 1), (102, 2)]);
+        let times = times_of(&epochs);
+        assert_eq!(times[times.len() - 2..], [Some(101), Some(102)]);
+    }
+
+    #[test]
+    fn leap_that_is_settled_is_the_time() {
+        let new = |second: u32| (5000 + second, u64::from(second));
+        let mut epochs = std::vec![(100, 0)];
+        epochs.extend((1..10).map(new));
+        epochs.push((109, 9));
+        assert_eq!(
+            times_of(&epochs)[1..],
+            [(5001..5010).map(Some).collect::<std::vec::Vec<_>>(), [None].into()].concat()
+        );
+    }
+
+    #[test]
+    fn silence_of_days_ends_in_the_week_that_the_own_clock_tells() {
+        let days = |days: u32| 86_400 * days;
+        let ends_s = [days(3), days(5), days(6) + 3600, days(9)];
+        for ends_s in ends_s {
+            let epochs = [(100, 0), (ends_s % WEEK_S, u64::from(ends_s - 100))];
+            assert_eq!(times_of(&epochs)[1], Some(i64::from(ends_s)));
+        }
+    }
+
+    #[test]
+    fn four_ephemerides_of_another_week_outvote_nobody_who_is_known() {
+        let systems = [Constellation::Gps, Constellation::Galileo];
+        for split in [[4, 0], [3, 1], [2, 2], [1, 3], [0, 4]] {
+            let (mut calendar, mut counters) = (Calendar::new(), Counters::default());
+            let mut says = |system, week, count: u32| {
+                (0..count).for_each(|_| calendar.learn(system, GpsTime { week, tow_ms: 0 }, &mut counters));
+            };
+            systems.into_iter().for_each(|system| says(system, 2111, 8));
+            systems.into_iter().zip(split).for_each(|(system, count)| says(system, 2112, count));
+            assert_eq!(counters.week_corrections, 0, "{split:?}");
+        }
     }
 }

@@ -21,8 +21,8 @@
 
 use crate::time::{GpsTime, WEEK_MS};
 
-/// `1/d`: an oscillator without a crystal is within one percent.
-const FAST: u64 = 100;
+/// `1/d`: an oscillator without a crystal is within one percent, and a division by this is none.
+const FAST: u64 = 64;
 
 /// What is nearer to whole weeks is a week that was put right, ms.
 const NEAR_MS: i64 = 60_000;
@@ -111,7 +111,8 @@ mod tests {
     #[test]
     fn a_week_that_is_put_right_is_no_delay() {
         const WEEK_S: f64 = WEEK_MS as f64 * 1e-3;
-        let weeks = [(0.0, 1.0), (1.0 - WEEK_S, 2.0), (2.0 - WEEK_S, 3.0), (3.0, 4.0), (4.0 - 99.0 * WEEK_S, 7.0)];
+        let weeks =
+            [(0.0, 1.0), (1.0 - WEEK_S, 2.0), (2.0 - WEEK_S, 3.0), (3.0, 4.0), (4.0 - 99.0 * WEEK_S, 7.0)];
         assert_late(&weeks, &[0.0, 0.0, 0.0, 0.0, 2.0]);
     }
 

@@ -3,6 +3,7 @@
 use anyhow::Result;
 use rai_core::frame::Ecef;
 use rai_core::satellite::{Constellation, SatelliteId};
+use rtcm_rs::{Message, MessageBuilder, MessageFrame};
 
 use crate::encode::{Encoder, Frequency, Selection};
 use crate::fault::Measured as _;
@@ -70,4 +71,29 @@ pub(super) fn keep_first(epoch: &mut MeasuredEpoch, constellation: Constellation
     kept.sort_unstable();
     kept.truncate(count);
     epoch.satellites.retain(|raw| kept.contains(&raw.satellite));
+}
+
+/// The same ephemeris of GPS or `BeiDou` so many weeks later; other frames as they are.
+pub(super) fn of_week(frame: &[u8], weeks: u16) -> Vec<u8> {
+    match read(frame) {
+        Some(Message::Msg1019(mut set)) => {
+            set.gps_week_number = (set.gps_week_number + weeks) % 1024;
+            write(&Message::Msg1019(set)).unwrap_or_default()
+        }
+        Some(Message::Msg1042(mut set)) => {
+            set.bds_week_number += weeks;
+            write(&Message::Msg1042(set)).unwrap_or_default()
+        }
+        _ => frame.to_vec(),
+    }
+}
+
+/// What a frame says.
+pub(super) fn read(frame: &[u8]) -> Option<Message> {
+    MessageFrame::new(frame).ok().map(|frame| frame.get_message())
+}
+
+/// The frame that says it.
+pub(super) fn write(message: &Message) -> Option<Vec<u8>> {
+    MessageBuilder::new().build_message(message).ok().map(<[u8]>::to_vec)
 }

@@ -41,8 +41,8 @@ fn hold_back(effort: Effort) -> Result<Vec<Figure>> {
                 promised += 1;
             }
         }
-        // One percent of the time may be the own clock's.
-        let slack = own_s / (own_s - 1.0) / 100.0;
+        // A 64th of the time may be the own clock's.
+        let slack = own_s / (own_s - 1.0) / 64.0;
         let bound_s = if own_s > 1.0 { TIME_TO_ALERT_S / (1.0 - slack) } else { 0.0 };
         figures.push(Figure::at_most(format!("oldest promised at {own_s} s an epoch, s"), oldest_s, bound_s));
         if own_s > 1.0 {

@@ -22,6 +22,7 @@
 //! | [`health`] | signals that one message calls healthy and another out of service |
 //! | [`held_back`] | epochs that a line holds back, longer and longer; a recording that is sent again |
 //! | [`odd_ranges`] | messages of ranges that are empty, ahead, apart, or of another week |
+//! | [`forged_frames`] | frames that say another time, week or place, or other leap seconds |
 //! | [`two_stations`] | the ranges of a reference station on the receiver's line |
 //! | [`settings`] | a time to alert that hides a silence; restarts that make settings nobody's |
 //! | [`suspicions`] | a receiver that is sure of counterfeit signals, and messages that would talk it out of it |
@@ -34,6 +35,7 @@ mod clock_ramp;
 mod early_ephemeris;
 mod false_tracking;
 mod faulty_orbit;
+mod forged_frames;
 mod forgery;
 mod health;
 mod held_back;
@@ -104,6 +106,10 @@ pub const ATTACKS: &[&Attack] = &[
     &held_back::AGAIN,
     &odd_ranges::APART,
     &odd_ranges::WEEK,
+    &forged_frames::MOVED,
+    &forged_frames::OUTVOTED,
+    &forged_frames::FIRST,
+    &forged_frames::LEAP_SECONDS,
     &two_stations::ATTACK,
     &settings::TIME_TO_ALERT,
     &settings::RESTARTS,

@@ -1,10 +1,10 @@
 //! Messages of ranges that are allowed, and odd: empty and ahead of their time, apart by a millisecond, of another week.
 
 use anyhow::Result;
+use rtcm_rs::Message;
 use rtcm_rs::msg::{Msg1077Data, Msg1077T};
-use rtcm_rs::{Message, MessageBuilder, MessageFrame};
 
-use super::forgery::Sky;
+use super::forgery::{Sky, of_week, read, write};
 use super::tally::Tally;
 use super::victim::Victim;
 use super::{Attack, Figure};
@@ -84,23 +84,4 @@ fn apart(frame: &[u8]) -> Vec<u8> {
         }
         _ => frame.to_vec(),
     }
-}
-
-/// Ephemerides of GPS so many weeks later.
-fn of_week(frame: &[u8], weeks: u16) -> Vec<u8> {
-    match read(frame) {
-        Some(Message::Msg1019(mut set)) => {
-            set.gps_week_number = (set.gps_week_number + weeks) % 1024;
-            write(&Message::Msg1019(set)).unwrap_or_default()
-        }
-        _ => frame.to_vec(),
-    }
-}
-
-fn read(frame: &[u8]) -> Option<Message> {
-    MessageFrame::new(frame).ok().map(|frame| frame.get_message())
-}
-
-fn write(message: &Message) -> Option<Vec<u8>> {
-    MessageBuilder::new().build_message(message).ok().map(<[u8]>::to_vec)
 }

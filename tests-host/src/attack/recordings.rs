@@ -47,8 +47,8 @@ const URBAN_BEYOND: f64 = 0.01;
 const STATIONS: [(&Station, &str); 5] =
     [(&ESBC, "GCE"), (&DGAR, "G"), (&STATIC_BASE, "GCE"), (&TLSE, "GCE"), (&KMS3, "GCE")];
 
-/// Something that is wrong to say of a recording that is not there.
-fn skipped() -> Vec<Figure> {
+/// What is said where the recordings are not there.
+pub(super) fn skipped() -> Vec<Figure> {
     vec![Figure::plain("skipped, the reference folder is missing", 1.0)]
 }
 

@@ -224,7 +224,19 @@ impl Scenario {
         let mut early_rng = ChaCha8Rng::seed_from_u64(seed ^ 0xEA71);
         let early = Recurring::new(calm * 2, &mut early_rng);
         let incidents = Incidents::new(tempo.step_s, seed ^ 0x5EED);
-        Self { tempo, rng, incidents, diary, early, early_rng, unplugged: None, turn: 0, latest: None, rewinds: 0, is_to_forget: false }
+        Self {
+            tempo,
+            rng,
+            incidents,
+            diary,
+            early,
+            early_rng,
+            unplugged: None,
+            turn: 0,
+            latest: None,
+            rewinds: 0,
+            is_to_forget: false,
+        }
     }
 
     /// Plays a passage: `play` gets each turn, and says what went wrong with it.

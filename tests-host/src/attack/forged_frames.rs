@@ -1,0 +1,183 @@
+//! Some forged frames among a receiver's own: they may cost an epoch or two, and nothing else.
+//!
+//! A frame has a check and no signature. Whoever can put one on the line, and every relay that mixes up two receivers, says with
+//! it what time it is, which week, how many leap seconds, or where the receiver was when it started.
+
+use anyhow::{Context as _, Result};
+use rai_core::satellite::{Constellation, SatelliteId};
+use rtcm_rs::Message;
+
+use super::forgery::{Sky, elsewhere, of_week, read, write};
+use super::recordings::skipped;
+use super::tally::Tally;
+use super::victim::Victim;
+use super::{Attack, Effort, Figure};
+use crate::encode::{Frequency, Selection, ubx};
+use crate::shared;
+use crate::sky::raw::Simulation;
+use crate::soak::noise::frames;
+use crate::stations::STATIC_BASE;
+
+/// Time leaps twice, by nearly half a week each.
+pub(super) const MOVED: Attack = Attack {
+    name: "moved-week",
+    about: "ranges of one satellite tagged 280,000 s ahead, and as much again: the receiver's own seem to be of the next week",
+    run: moved,
+};
+
+/// Ephemerides of the next week.
+pub(super) const OUTVOTED: Attack = Attack {
+    name: "outvoted-week",
+    about: "four ephemerides of the next week, of one system or of two",
+    run: outvoted,
+};
+
+/// The first epoch of all.
+pub(super) const FIRST: Attack =
+    Attack { name: "first-elsewhere", about: "one epoch from 6,000 km away before all others", run: first };
+
+/// Leap seconds.
+pub(super) const LEAP_SECONDS: Attack = Attack {
+    name: "leap-seconds",
+    about: "one word of 28 leap seconds among those of a receiver that uses GLONASS",
+    run: leap_seconds,
+};
+
+/// Epochs sent.
+const EPOCHS: u32 = 120;
+
+/// The one that the forgery comes before.
+const FORGED_AT: usize = 40;
+
+/// Epochs that the forgery may cost.
+const COSTS: f64 = 5.0;
+
+/// Sends a healthy sky with `forged` before one epoch.
+fn run(sky: &Sky, forged: &[u8]) -> Result<Tally> {
+    let (mut victim, mut tally) = (Victim::new(&[], 1.0)?, Tally::default());
+    for (index, bytes) in sky.bytes(|_, _| {})?.iter().enumerate() {
+        let before = if index == FORGED_AT { forged } else { &[] };
+        tally.add_all(&victim.hear(&[before, bytes].concat(), sky.truth)?);
+    }
+    Ok(tally)
+}
+
+fn figures(name: &str, tally: &Tally) -> Vec<Figure> {
+    let least = f64::from(EPOCHS) - COSTS;
+    vec![
+        Figure::at_least(format!("{name}: promised"), tally.promised as f64, least),
+        Figure::at_most(format!("{name}: beyond a level"), tally.misleading as f64, 0.0),
+    ]
+}
+
+fn moved(_: Effort) -> Result<Vec<Figure>> {
+    /// Less than half a week, s.
+    const LEAP_S: u32 = 280_000;
+    let sky = Sky::quiet(EPOCHS, 3)?;
+    let mut one = sky.recording.epochs[FORGED_AT].clone();
+    one.satellites.retain(|seen| seen.satellite.constellation() == Constellation::Gps);
+    one.satellites.truncate(1);
+    let ranges = sky.ranges(&one)?;
+    let ahead =
+        |leaps: u32| frames(&ranges).into_iter().flat_map(|frame| later(frame, leaps * LEAP_S)).collect();
+    let twice: Vec<u8> = (1..=2).flat_map(|leaps| -> Vec<u8> { ahead(leaps) }).collect();
+    // Each leap with what follows it, so that it is more than an error.
+    let followed: Vec<u8> = (1..=2)
+        .flat_map(|leaps| (0..8).map(move |second| leaps * LEAP_S + second))
+        .flat_map(|ahead_s| frames(&ranges).into_iter().flat_map(move |frame| later(frame, ahead_s)))
+        .collect();
+    let mut all = figures("two frames", &run(&sky, &twice)?);
+    all.extend(figures("sixteen frames", &run(&sky, &followed)?));
+    Ok(all)
+}
+
+/// The same ranges of GPS so many seconds later.
+fn later(frame: &[u8], by_s: u32) -> Vec<u8> {
+    match read(frame) {
+        Some(Message::Msg1077(mut ranges)) => {
+            ranges.gps_epoch_time_ms = (ranges.gps_epoch_time_ms + 1000 * by_s) % 604_800_000;
+            write(&Message::Msg1077(ranges)).unwrap_or_default()
+        }
+        _ => Vec::new(),
+    }
+}
+
+fn outvoted(_: Effort) -> Result<Vec<Figure>> {
+    let sky = Sky::quiet(EPOCHS, 3)?;
+    let bytes = sky.bytes(|_, _| {})?;
+    let of = |number: u16| -> Vec<&[u8]> {
+        let is_set = |frame: &&[u8]| read(frame).is_some_and(|message| message.number() == Some(number));
+        frames(&bytes[0]).into_iter().filter(is_set).collect()
+    };
+    let (gps, beidou) = (of(1019), of(1042));
+    let mut all = Vec::new();
+    for many in 0..=4 {
+        let sets = gps.iter().take(many).chain(beidou.iter().take(4 - many));
+        let forged: Vec<u8> = sets.flat_map(|frame| of_week(frame, 1)).collect();
+        let name = format!("{many} of GPS, {} of BeiDou", 4 - many);
+        all.extend(figures(&name, &run(&sky, &forged)?));
+    }
+    Ok(all)
+}
+
+fn first(_: Effort) -> Result<Vec<Figure>> {
+    /// Towards the equator, degrees; and what agrees for so long outlasts one epoch.
+    const AWAY_DEG: f64 = -54.0;
+    const OUTLASTS: f64 = 12.0;
+    let here = Simulation::above_xian(3600.0, EPOCHS, 1);
+    let away = Sky::of(&elsewhere(&Simulation::above_xian(3599.0, 1, 2), AWAY_DEG), Frequency::Dual)?;
+    let here = Sky::of(&here, Frequency::Dual)?;
+    let (mut victim, mut tally) = (Victim::new(&[], 1.0)?, Tally::default());
+    for bytes in away.bytes(|_, _| {})? {
+        victim.hear(&bytes, away.truth)?;
+    }
+    for bytes in here.bytes(|_, _| {})? {
+        tally.add_all(&victim.hear(&bytes, here.truth)?);
+    }
+    Ok(vec![
+        Figure::at_least("promised", tally.promised as f64, f64::from(EPOCHS) - OUTLASTS),
+        Figure::at_most("beyond a level", tally.misleading as f64, 0.0),
+    ])
+}
+
+fn leap_seconds(_: Effort) -> Result<Vec<Figure>> {
+    if shared::path("data").is_none() {
+        return Ok(skipped());
+    }
+    let Some(recording) = STATIC_BASE.load() else { return Ok(skipped()) };
+    let selection = Selection::new("GCER", Frequency::Dual)?;
+    let said = ubx::IonosphereAndUtc {
+        klobuchar: recording.klobuchar.unwrap_or_default(),
+        leap_s: (18, 18),
+        change: (1929, 7),
+    };
+    let forged = ubx::IonosphereAndUtc { leap_s: (28, 28), ..said };
+    let galileo = SatelliteId::new(Constellation::Galileo, 1).context("Galileo has a satellite 1")?;
+    let (mut figures, mut wanted) = (Vec::new(), 0.0);
+    for words in [0, 1, 3] {
+        let mut encoder = ubx::Encoder::new(&recording.ephemerides, selection.clone(), Some(said));
+        let (mut victim, mut used, mut promised) = (Victim::new(&["SYSTEMS,GCER"], 1.0)?, 0, 0.0);
+        for (index, epoch) in recording.epochs.iter().take(EPOCHS as usize).enumerate() {
+            let mut bytes = encoder.epoch(epoch)?;
+            for _ in 0..if index == FORGED_AT { words } else { 0 } {
+                bytes.extend(ubx::utc(galileo, &forged)?);
+            }
+            for seen in victim.hear(&bytes, STATIC_BASE.truth)? {
+                used += seen.said.state.used;
+                promised += f64::from(u8::from(seen.is_promised));
+            }
+        }
+        if words == 0 {
+            wanted = f64::from(used);
+            continue;
+        }
+        let least = f64::from(EPOCHS) - COSTS;
+        figures.push(Figure::at_least(format!("{words} words: promised"), promised, least));
+        figures.push(Figure::at_least(
+            format!("{words} words: satellites used, all epochs added"),
+            f64::from(used),
+            wanted,
+        ));
+    }
+    Ok(figures)
+}
