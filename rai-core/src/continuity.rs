@@ -50,7 +50,7 @@ pub const WEAK: Recovery = Recovery { epochs: 10, seconds: 10.0 };
 pub struct Recovery {
     /// Epochs in a row.
     pub epochs: u16,
-    /// Time from the first of them to the last, s.
+    /// Time from the first of them to the last, s; by the caller's own clock no less, but for [`DELAY_S`].
     pub seconds: f64,
 }
 
@@ -200,7 +200,7 @@ impl Agreement {
 
     fn suffices(&self, recovery: Recovery) -> bool {
         let wanted = if self.is_weak { recovery.at_least(WEAK) } else { recovery };
-        self.epochs >= wanted.epochs && self.last.instant.epoch_s - self.first.epoch_s >= wanted.seconds
+        self.epochs >= wanted.epochs && self.last.instant.since_s(self.first) >= wanted.seconds
     }
 }
 

@@ -108,8 +108,8 @@ struct Seen {
     state: SatelliteState,
     /// Range, m: it says when the signal left.
     range_m: f64,
-    /// Reference time of the ephemeris.
-    toe: GpsTime,
+    /// Of the ephemeris.
+    edition: u32,
 }
 
 /// Remembers where satellites were, and makes velocities of it.
@@ -210,7 +210,8 @@ impl Since<'_> {
     /// The rate of a satellite, less what the satellite makes of it.
     fn measure(&self, located: &Located) -> Option<Measured> {
         let now = Seen::of(located)?;
-        let before = self.last.iter().find(|seen| seen.satellite == now.satellite && seen.toe == now.toe)?;
+        let before =
+            self.last.iter().find(|seen| seen.satellite == now.satellite && seen.edition == now.edition)?;
         let satellite = self.raw.satellites.iter().find(|one| one.satellite == now.satellite)?;
         let (rate_m_s, sigma_m_s) = rate(satellite)?;
         let (expected_m_s, direction) = now.range_rate_since(before, self.elapsed_s, &self.horizon)?;
@@ -238,7 +239,7 @@ fn power_of_two(x: f32) -> f32 {
 impl Seen {
     fn of(located: &Located) -> Option<Self> {
         let (satellite, state) = (located.satellite(), located.state());
-        Some(Self { satellite, state, range_m: located.measured_m()?, toe: located.toe() })
+        Some(Self { satellite, state, range_m: located.measured_m()?, edition: located.edition() })
     }
 
     /// How fast the range of a receiver at rest would grow, with a perfect clock of its own, m/s, and the direction of the

@@ -249,6 +249,22 @@ fn clock_of_the_callers_own_bounds_what_a_leap_of_the_time_tag_makes_reachable()
 }
 
 #[test]
+fn epochs_that_come_at_once_are_no_seconds_of_agreement() {
+    let settings = ContinuitySettings::anywhere();
+    let judge = |own_step_s: f64| {
+        let mut continuity = Continuity::new();
+        let _ = continuity.conclude(&settings, 0.0, Some(0.0), &report(verdict(FAULT)));
+        let conclude = |second: u32| {
+            let second = f64::from(second);
+            continuity.conclude(&settings, second, Some(second * own_step_s), &report(HERE))
+        };
+        (1..=5).map(conclude).collect::<std::vec::Vec<_>>()
+    };
+    assert_eq!(judge(0.1), [RECOVERING; 5]);
+    assert_eq!(judge(1.0), [RECOVERING, RECOVERING, RECOVERING, OK, OK]);
+}
+
+#[test]
 fn place_is_forgotten_after_a_day_and_agreement_after_a_gap() {
     let settings = ContinuitySettings { max_speed_m_s: 0.0, ..ContinuitySettings::anywhere() };
     let judge = |time_s: f64| {

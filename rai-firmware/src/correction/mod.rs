@@ -80,8 +80,8 @@ pub struct Located {
     choices: Choices,
     /// What the satellite promises for the pair and for the single range, m.
     promised_m: [f32; 2],
-    /// Reference time of its ephemeris.
-    toe: GpsTime,
+    /// Of its ephemeris, among those that were received.
+    edition: u32,
 }
 
 impl Located {
@@ -105,9 +105,9 @@ impl Located {
         self.range(Ranges::Singles).map(|(choice, _)| choice.range_m)
     }
 
-    /// Reference time of its ephemeris.
-    pub(crate) const fn toe(&self) -> GpsTime {
-        self.toe
+    /// A number that is another where its ephemeris is.
+    pub(crate) const fn edition(&self) -> u32 {
+        self.edition
     }
 
     /// The range that is used, and what its satellite promises of orbit and clock, m.
@@ -174,7 +174,7 @@ fn locate_one(
     mask_dbhz: f32,
     sky: &mut Sky,
 ) -> Result<Placed, EphemerisError> {
-    let ephemeris = store.get(satellite.satellite, time)?;
+    let (ephemeris, edition) = store.get_edition(satellite.satellite, time)?;
     let choices = choose(&satellite.signals, ephemeris, mask_dbhz);
     let Some(choice) = choices.preferred() else {
         let is_served = |signal: &RawSignal| ephemeris.serves(signal.carrier.band);
@@ -196,7 +196,7 @@ fn locate_one(
         clock_m: SPEED_OF_LIGHT_M_S * state.clock_s,
         choices,
         promised_m,
-        toe: ephemeris.toe(),
+        edition,
     });
     Ok(if pushed.is_ok() { Placed::Yes } else { Placed::Full })
 }

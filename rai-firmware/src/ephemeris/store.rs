@@ -64,6 +64,8 @@ struct Entry {
     observed: u32,
     /// The how-manieth ephemeris it was.
     received: u32,
+    /// The how-manieth was the first that said the same of orbit and clock.
+    edition: u32,
     is_disputed: bool,
 }
 
@@ -96,9 +98,11 @@ impl Store {
         let received = self.received;
         let known = self.entries.iter_mut().find(|entry| entry.ephemeris.satellite == offered.satellite);
         let Some(entry) = known else {
-            return self.admit(Entry { ephemeris: offered, observed: 0, received, is_disputed: false }, now);
+            let entry =
+                Entry { ephemeris: offered, observed: 0, received, edition: received, is_disputed: false };
+            return self.admit(entry, now);
         };
-        let insertion = entry.consider(offered, now, &mut self.rivals);
+        let insertion = entry.consider(offered, received, now, &mut self.rivals);
         if insertion == Insertion::Taken {
             entry.received = received;
         }
@@ -134,10 +138,22 @@ impl Store {
     /// # Errors
     /// [`EphemerisError`] says why there is none.
     pub fn get(&self, satellite: SatelliteId, time: GpsTime) -> Result<&Ephemeris, EphemerisError> {
+        self.get_edition(satellite, time).map(|(ephemeris, _)| ephemeris)
+    }
+
+    /// The same, with a number that is another where orbit or clock are others.
+    ///
+    /// # Errors
+    /// As [`Self::get`].
+    pub fn get_edition(
+        &self,
+        satellite: SatelliteId,
+        time: GpsTime,
+    ) -> Result<(&Ephemeris, u32), EphemerisError> {
         let entry = self.entries.iter().find(|entry| entry.ephemeris.satellite == satellite);
         let entry = entry.ok_or(EphemerisError::Missing)?;
         entry.ephemeris.usable_at(time)?;
-        if entry.is_disputed { Err(EphemerisError::Disputed) } else { Ok(&entry.ephemeris) }
+        if entry.is_disputed { Err(EphemerisError::Disputed) } else { Ok((&entry.ephemeris, entry.edition)) }
     }
 
     /// How many satellites have an ephemeris, usable or not.
@@ -172,6 +188,7 @@ impl Entry {
     fn consider(
         &mut self,
         mut offered: Ephemeris,
+        received: u32,
         now: Option<GpsTime>,
         rivals: &mut Vec<Rival, RIVALS>,
     ) -> Insertion {
@@ -193,12 +210,14 @@ impl Entry {
             return if self.is_disputed { Insertion::Disputed } else { Insertion::Taken };
         }
         if is_needed || agree(known, &offered, now) {
-            return self.settle(offered, rivals);
+            return self.settle(offered, received, rivals);
         }
         self.is_disputed = true;
         match rival {
             Some(rival) if rival.ephemeris.describes_as(&offered) => rival.is_repeated = true,
-            Some(rival) if agree(&rival.ephemeris, &offered, now) => return self.settle(offered, rivals),
+            Some(rival) if agree(&rival.ephemeris, &offered, now) => {
+                return self.settle(offered, received, rivals);
+            }
             Some(rival) => *rival = Rival { ephemeris: offered, is_repeated: false },
             // Without room the known set alone waits for one that agrees.
             None => _ = rivals.push(Rival { ephemeris: offered, is_repeated: false }),
@@ -207,9 +226,9 @@ impl Entry {
     }
 
     /// Takes a set that nothing contradicts any longer.
-    fn settle(&mut self, agreed: Ephemeris, rivals: &mut Vec<Rival, RIVALS>) -> Insertion {
+    fn settle(&mut self, agreed: Ephemeris, received: u32, rivals: &mut Vec<Rival, RIVALS>) -> Insertion {
         forget(rivals, agreed.satellite);
-        (self.ephemeris, self.is_disputed) = (agreed, false);
+        (self.ephemeris, self.edition, self.is_disputed) = (agreed, received, false);
         Insertion::Taken
     }
 }

@@ -8,12 +8,13 @@ use rai_core::single::Workspace;
 use rai_core::velocity::Velocity;
 use rai_firmware::config::Systems;
 use rai_firmware::correction::{Sky, Tally, locate};
-use rai_firmware::ephemeris::Store;
+use rai_firmware::ephemeris::{Ephemeris, Store};
 use rai_firmware::input::{Event, Input};
 use rai_firmware::rates::Rates;
 use rai_firmware::raw::RawEpoch;
 use rai_firmware::receiver::{Boot, Receiver};
 use tests_host::encode::{Encoder, Frequency, Selection};
+use tests_host::measurement::{Ephemeris as Broadcast, TimedEphemeris};
 use tests_host::pin::Pin;
 use tests_host::recording::Recording;
 use tests_host::sky::raw::Simulation;
@@ -31,13 +32,14 @@ struct Heard {
     simulation: Simulation,
     store: Store,
     epochs: Vec<RawEpoch>,
+    /// What comes before an epoch, by its number.
+    news: (usize, Vec<Ephemeris>),
 }
 
 fn hear() -> Heard {
     let simulation = Simulation::above_xian(0.0, EPOCHS, 7);
     let recording = simulation.record();
-    let selection = Selection::new("GC", Frequency::Dual).expect("systems");
-    let mut encoder = Encoder::new(&recording.ephemerides, selection);
+    let mut encoder = Encoder::new(&recording.ephemerides, both());
     let (mut input, mut store, mut epochs) = (Input::new(), Store::new(), Vec::new());
     for epoch in &recording.epochs {
         let bytes = encoder.epoch(epoch).expect("bytes");
@@ -50,7 +52,25 @@ fn hear() -> Heard {
         });
     }
     assert!(epochs.len() >= 3, "{} epochs", epochs.len());
-    Heard { simulation, store, epochs }
+    Heard { simulation, store, epochs, news: (0, Vec::new()) }
+}
+
+fn both() -> Selection {
+    Selection::new("GC", Frequency::Dual).expect("systems")
+}
+
+/// The ephemerides of a recording, each changed, as the module reads them.
+fn read(recording: &Recording, change: impl Fn(&mut TimedEphemeris)) -> Vec<Ephemeris> {
+    let mut sets = recording.ephemerides.clone();
+    sets.iter_mut().for_each(change);
+    let bytes = Encoder::new(&sets, both()).epoch(&recording.epochs[0]).expect("bytes");
+    let mut read = Vec::new();
+    Input::new().feed(&bytes, 0, |event| {
+        if let Event::Ephemeris(ephemeris) = event {
+            read.push(ephemeris);
+        }
+    });
+    read
 }
 
 impl Heard {
@@ -70,8 +90,11 @@ impl Heard {
     /// Velocities of all epochs, with rates that `spoil` may change.
     fn velocities(&self, velocity: Enu, spoil: impl Fn(SatelliteId, f64) -> f64) -> (Vec<Velocity>, Rates) {
         let (mut rates, mut workspace) = (Rates::new(), Workspace::new());
-        let mut found = Vec::new();
-        for raw in &self.epochs {
+        let (mut found, mut store) = (Vec::new(), self.store.clone());
+        for (index, raw) in self.epochs.iter().enumerate() {
+            for news in self.news.1.iter().filter(|_| index == self.news.0) {
+                store.insert(*news, Some(raw.time));
+            }
             let mut raw = raw.clone();
             let with_rates = raw.clone();
             for satellite in &mut raw.satellites {
@@ -83,7 +106,7 @@ impl Heard {
                 }
             }
             let mut sky = Sky::new();
-            locate(&raw, &self.store, 0.0, Systems::AT_START, &mut Tally::default(), &mut sky);
+            locate(&raw, &store, 0.0, Systems::AT_START, &mut Tally::default(), &mut sky);
             let place = Some(self.simulation.site.position);
             let required = Requirements::non_precision_approach();
             let required = Accepted::new(required).expect("in the tables");
@@ -112,6 +135,34 @@ fn a_receiver_at_rest_is_at_rest() {
     for have in &have {
         assert_near(have, REST);
     }
+}
+
+#[test]
+fn other_clocks_at_the_same_reference_time_are_no_velocity() {
+    const AT: usize = 4;
+    const EAST_M: f64 = 25.0;
+    let mut heard = hear();
+    let Simulation { satellites, site, .. } = &heard.simulation;
+    let seen = sights(satellites, site, 0.0, -1.0);
+    // As if the receiver had gone east: what contradicts neither the set before nor the others.
+    let clock = |set: &mut TimedEphemeris| {
+        let Some(seen) = seen.iter().find(|seen| seen.satellite == set.satellite) else { return };
+        let other_s = EAST_M * seen.line_of_sight.east / SPEED_OF_LIGHT_M_S;
+        match &mut set.message {
+            Broadcast::Gps(message) => message.af0_s += other_s,
+            Broadcast::Beidou(message) => message.a0_s += other_s,
+            _ => unreachable!("GPS and BeiDou"),
+        }
+    };
+    let recording = heard.simulation.record();
+    heard.news = (AT, read(&recording, clock));
+    assert!(heard.news.1.len() > 10, "{} sets", heard.news.1.len());
+    let (have, _) = heard.velocities(REST, |_, rate| rate);
+    have.iter().for_each(|have| assert_near(have, REST));
+    assert_eq!(have.len(), heard.epochs.len() - 2, "none with sets of which one is another than a second ago");
+    // The same sets again are no news.
+    heard.news = (AT, read(&recording, |_| ()));
+    assert_eq!(heard.velocities(REST, |_, rate| rate).0.len(), heard.epochs.len() - 1);
 }
 
 #[test]
