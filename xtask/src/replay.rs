@@ -194,7 +194,7 @@ fn of_recording(
     faults: Vec<Fault>,
     window: &Window,
 ) -> Result<Source> {
-    let selection = selection(arguments, arguments.systems.as_deref().unwrap_or(SYSTEMS))?;
+    let selection = selection(arguments, &systems(arguments))?;
     let recording = if arguments.sample {
         let sample = sample::fetch(Path::new("target"))?;
         truth = truth.or(Some(Truth::Fixed(sample.truth)));
@@ -229,7 +229,7 @@ fn of_capture(
     }
     let bytes = capture::read(name, arguments.to).with_context(|| name.to_owned())?;
     // What a navigation file may add: QZSS is not among it.
-    let systems = arguments.systems.as_deref().unwrap_or(SYSTEMS).replace('J', "");
+    let systems = systems(arguments).replace('J', "");
     let orbits = match arguments.nav.as_slice() {
         [] => None,
         files => Some(Orbits::load(files, &selection(arguments, &systems)?)?),
@@ -244,6 +244,13 @@ fn of_capture(
         }
     }
     Ok(Source { lumps: prepared.lumps, klobuchar: prepared.klobuchar, malformed: 0, truth, faults, missing })
+}
+
+/// Letters of the systems that take part: what the module is told in the end.
+fn systems(arguments: &Arguments) -> String {
+    let told = |setting: &String| setting.to_uppercase().strip_prefix("SYSTEMS=").map(str::to_owned);
+    let set = arguments.set.iter().rev().find_map(told);
+    set.or_else(|| arguments.systems.clone()).unwrap_or_else(|| SYSTEMS.to_owned())
 }
 
 fn selection(arguments: &Arguments, systems: &str) -> Result<Selection> {
@@ -290,9 +297,13 @@ fn commands(arguments: &Arguments, klobuchar: Option<[f64; 8]>) -> Result<Vec<St
         setup.push(format!("IONO,{}", numbers.join(",")));
     }
     for setting in &arguments.set {
-        let (key, value) =
-            setting.split_once('=').with_context(|| format!("--set {setting}: write it like HAL=40"))?;
-        setup.push(format!("{},{value}", key.to_uppercase()));
+        let setting = setting.to_uppercase();
+        let (key, value) = match (setting.split_once('='), setting.as_str()) {
+            (Some((key, value)), _) => (key, format!(",{value}")),
+            (None, "CONFIRM" | "FORGET") => (setting.as_str(), String::new()),
+            (None, _) => bail!("--set {setting}: write it like HAL=40"),
+        };
+        setup.push(format!("{key}{value}"));
     }
     let has_limit = setup.iter().any(|command| command.starts_with("HAL,"));
     ensure!(

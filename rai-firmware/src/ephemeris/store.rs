@@ -22,7 +22,8 @@
 //! ([`Ephemeris::merge_health`]).
 //!
 //! **Room** for [`CAPACITY`] satellites, 10 KiB: as many as an epoch has, and more than four systems show at once. When it
-//! is full, first goes what is stale, then what was not observed for longest, then what was received first. Half a dozen
+//! is full, first goes what is stale, then what was not observed for longest, then what was received first; a satellite that is new
+//! counts as one that has just set. Half a dozen
 //! contradictions are kept; where there are more, the set that is known stays, disputed.
 //!
 //! **State vectors** are integrated, and what the next epochs have in common with this one is kept ([`Store::advance`]).
@@ -60,7 +61,7 @@ pub enum Insertion {
 #[derive(Clone, Debug)]
 struct Entry {
     ephemeris: Ephemeris,
-    /// Of which epoch the satellite was last a part, 0 for none.
+    /// Of which epoch the satellite was last a part; of one that has been in none, the last but one when it was received.
     observed: u32,
     /// The how-manieth ephemeris it was.
     received: u32,
@@ -98,8 +99,10 @@ impl Store {
         let received = self.received;
         let known = self.entries.iter_mut().find(|entry| entry.ephemeris.satellite == offered.satellite);
         let Some(entry) = known else {
+            // It may be of a satellite that is about to rise: not so sure to be of use as those in sight, more than any other.
+            let observed = self.epochs.saturating_sub(1);
             let entry =
-                Entry { ephemeris: offered, observed: 0, received, edition: received, is_disputed: false };
+                Entry { ephemeris: offered, observed, received, edition: received, is_disputed: false };
             return self.admit(entry, now);
         };
         let insertion = entry.consider(offered, received, now, &mut self.rivals);

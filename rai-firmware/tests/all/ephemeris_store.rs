@@ -283,3 +283,21 @@ fn a_full_store_lets_go_what_was_not_observed_for_longest() {
     assert_eq!(store.get(names[40].1, now), Err(EphemerisError::Missing));
     assert!(store.get(names[CAPACITY].1, now).is_ok());
 }
+
+#[test]
+fn satellites_that_rise_together_displace_others_and_not_each_other() {
+    let (mut store, now, names) = (Store::new(), CASES[GPS].toe(), names());
+    let (here, rising) = (&names[..CAPACITY], &names[CAPACITY..CAPACITY + 8]);
+    for name in here {
+        store.insert(named(*name, now), Some(now));
+    }
+    // All were seen; a dozen of them no longer are.
+    store.observe(here.iter().map(|(_, id)| *id));
+    store.observe(here.iter().map(|(_, id)| *id).skip(12));
+    for name in rising {
+        store.insert(named(*name, now), Some(now));
+    }
+    let is_known = |(_, id): &&(usize, SatelliteId)| store.get(*id, now).is_ok();
+    assert_eq!(rising.iter().filter(is_known).count(), rising.len());
+    assert_eq!(here[12..].iter().filter(is_known).count(), CAPACITY - 12);
+}

@@ -95,7 +95,7 @@ impl Encoder {
     /// A number that its message has no room for.
     pub fn epoch(&mut self, epoch: &MeasuredEpoch) -> Result<Vec<u8>> {
         let mut bytes = Vec::new();
-        for ephemeris in self.schedule.news(epoch.time) {
+        for ephemeris in self.schedule.news(epoch) {
             append(&mut self.builder, &mut bytes, &broadcast(&ephemeris.message))
                 .with_context(|| format!("ephemeris of {}", ephemeris.satellite))?;
         }

@@ -5,6 +5,9 @@
 //! of which nothing is known yet gets the first one that is to come, if its reference time is no farther than
 //! [`VALIDITY_MS`] away.
 //!
+//! GLONASS ephemerides are dated in UTC, and a module that does not know the leap seconds yet has no use for them: receivers say
+//! them again and again, here every [`REPEATED_MS`].
+//!
 //! Galileo satellites send the same orbit in two messages. I/NAV has the group delays of all signals; F/NAV is sent
 //! only for satellites without I/NAV.
 
@@ -13,10 +16,13 @@ use std::collections::BTreeMap;
 use rai_core::satellite::SatelliteId;
 use rai_firmware::time::GpsTime;
 
-use crate::measurement::{Ephemeris, TimedEphemeris};
+use crate::measurement::{Ephemeris, MeasuredEpoch, TimedEphemeris};
 
 /// How far from its reference time an ephemeris is used ahead of its broadcast, ms: 2 h, half of a GPS fit interval.
 const VALIDITY_MS: u64 = 2 * 3_600_000;
+
+/// How often a GLONASS ephemeris is said again, ms: as often as the satellite sends it.
+const REPEATED_MS: i64 = 30_000;
 
 /// All broadcasts, and how far they have been passed on.
 pub(super) struct Schedule {
@@ -29,6 +35,8 @@ struct Satellite {
     broadcasts: Vec<TimedEphemeris>,
     /// Index of the one that was passed on last.
     known: Option<usize>,
+    /// When that was.
+    said: Option<GpsTime>,
 }
 
 impl Schedule {
@@ -41,9 +49,12 @@ impl Schedule {
         Self { satellites }
     }
 
-    /// What has become known since the last call, `now` being no earlier than then.
-    pub(super) fn news(&mut self, now: GpsTime) -> impl Iterator<Item = &TimedEphemeris> {
-        self.satellites.values_mut().filter_map(move |satellite| satellite.news(now))
+    /// What has become known since the last call, the epoch being no earlier than then, and what of its satellites is said again.
+    pub(super) fn news(&mut self, epoch: &MeasuredEpoch) -> impl Iterator<Item = &TimedEphemeris> {
+        self.satellites.iter_mut().filter_map(move |(&id, satellite)| {
+            let is_seen = || epoch.satellites.iter().any(|seen| seen.satellite == id);
+            satellite.news(epoch.time, is_seen)
+        })
     }
 }
 
@@ -56,7 +67,7 @@ impl Satellite {
         self.broadcasts.sort_by_key(|ephemeris| (ephemeris.sent, ephemeris.toe));
     }
 
-    fn news(&mut self, now: GpsTime) -> Option<&TimedEphemeris> {
+    fn news(&mut self, now: GpsTime, is_seen: impl FnOnce() -> bool) -> Option<&TimedEphemeris> {
         let sent = self.broadcasts.partition_point(|ephemeris| ephemeris.sent <= now);
         let newest = match (sent.checked_sub(1), self.known) {
             (Some(newest), _) => newest,
@@ -64,8 +75,17 @@ impl Satellite {
             (None, None) => self.first_to_come(now)?,
         };
         let known = self.known.replace(newest).and_then(|known| self.broadcasts.get(known));
+        let newest = self.broadcasts.get(newest)?;
         // The same message sent again is no news.
-        self.broadcasts.get(newest).filter(|newest| known.is_none_or(|known| known.message != newest.message))
+        let is_news = known.is_none_or(|known| known.message != newest.message);
+        let is_repeated = matches!(newest.message, Ephemeris::Glonass(_))
+            && self.said.is_none_or(|said| now.since_ms(said) >= REPEATED_MS)
+            && is_seen();
+        if !(is_news || is_repeated) {
+            return None;
+        }
+        self.said = Some(now);
+        Some(newest)
     }
 
     fn first_to_come(&self, now: GpsTime) -> Option<usize> {

@@ -159,7 +159,11 @@ fn other_clocks_at_the_same_reference_time_are_no_velocity() {
     assert!(heard.news.1.len() > 10, "{} sets", heard.news.1.len());
     let (have, _) = heard.velocities(REST, |_, rate| rate);
     have.iter().for_each(|have| assert_near(have, REST));
-    assert_eq!(have.len(), heard.epochs.len() - 2, "none with sets of which one is another than a second ago");
+    assert_eq!(
+        have.len(),
+        heard.epochs.len() - 2,
+        "none with sets of which one is another than a second ago"
+    );
     // The same sets again are no news.
     heard.news = (AT, read(&recording, |_| ()));
     assert_eq!(heard.velocities(REST, |_, rate| rate).0.len(), heard.epochs.len() - 1);

@@ -148,7 +148,7 @@ impl Encoder {
     /// A number that its page has no room for.
     pub fn epoch(&mut self, epoch: &MeasuredEpoch) -> Result<Vec<u8>> {
         let mut bytes = Vec::new();
-        for ephemeris in self.schedule.news(epoch.time) {
+        for ephemeris in self.schedule.news(epoch) {
             let pages = pages(ephemeris, epoch.time)
                 .with_context(|| format!("ephemeris of {}", ephemeris.satellite))?;
             bytes.extend(pages);
