@@ -297,13 +297,12 @@ fn commands(arguments: &Arguments, klobuchar: Option<[f64; 8]>) -> Result<Vec<St
         setup.push(format!("IONO,{}", numbers.join(",")));
     }
     for setting in &arguments.set {
-        let setting = setting.to_uppercase();
-        let (key, value) = match (setting.split_once('='), setting.as_str()) {
-            (Some((key, value)), _) => (key, format!(",{value}")),
-            (None, "CONFIRM" | "FORGET") => (setting.as_str(), String::new()),
+        let command = match (setting.split_once('='), setting.to_uppercase()) {
+            (Some((key, value)), _) => format!("{},{value}", key.to_uppercase()),
+            (None, word) if ["CONFIRM", "FORGET"].contains(&word.as_str()) => word,
             (None, _) => bail!("--set {setting}: write it like HAL=40"),
         };
-        setup.push(format!("{key}{value}"));
+        setup.push(command);
     }
     let has_limit = setup.iter().any(|command| command.starts_with("HAL,"));
     ensure!(

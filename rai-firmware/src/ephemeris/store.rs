@@ -148,7 +148,7 @@ impl Store {
     ///
     /// # Errors
     /// As [`Self::get`].
-    pub fn get_edition(
+    pub(crate) fn get_edition(
         &self,
         satellite: SatelliteId,
         time: GpsTime,

@@ -158,7 +158,9 @@ fn other_clocks_at_the_same_reference_time_are_no_velocity() {
     heard.news = (AT, read(&recording, clock));
     assert!(heard.news.1.len() > 10, "{} sets", heard.news.1.len());
     let (have, _) = heard.velocities(REST, |_, rate| rate);
-    have.iter().for_each(|have| assert_near(have, REST));
+    for have in &have {
+        assert_near(have, REST);
+    }
     assert_eq!(
         have.len(),
         heard.epochs.len() - 2,
