@@ -14,7 +14,8 @@ use heapless::Vec;
 use rai_core::numeric::bounds::is_within;
 use rai_core::satellite::SatelliteId;
 
-use super::calendar::{Calendar, LeapSource, TimeError};
+use super::calendar::{Calendar, TimeError};
+use super::leap_seconds::LeapSource;
 use super::{Counters, Event, Ranges, Series};
 use crate::counters::count;
 use crate::raw::{RawEpoch, RawSatellite, RawSignal};
@@ -85,7 +86,7 @@ impl Assembly {
         if let Some((time, leap_s)) = ranges.stated {
             calendar.suppose(time);
             if let Some(leap_s) = leap_s {
-                calendar.leap(leap_s, LeapSource::Receiver);
+                calendar.hear_leap(leap_s, LeapSource::Receiver);
             }
         }
         if let (Some(utc_ms), Phase::Open(_)) = (ranges.of_utc_ms, self.phase) {

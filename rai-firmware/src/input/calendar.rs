@@ -9,13 +9,13 @@
 //! clock, leaves the line before it remembered, until [`RESTART_RUN`] epochs and [`SETTLING_MS`] have followed: an epoch that
 //! goes on with that line is the time at once, in its week. The leaps were the error, however many, and cost no other epoch.
 //!
-//! The week is the systems' to vote on: what one system says, however often, does not outvote two that agree. It is
-//! corrected when more systems contradict it than confirm it, or as many and with [`DISSENT`] more ephemerides. Who has
-//! confirmed it is heard to contradict it when it has done so as often.
+//! The week is the systems' to vote on ([`super::week_votes`]).
 
 use rai_core::satellite::Constellation;
 
 use super::Counters;
+use super::leap_seconds::{LeapSecond, LeapSeconds, LeapSource};
+use super::week_votes::WeekVotes;
 use crate::counters::count;
 use crate::time::{BEIDOU_OFFSET_MS, BEIDOU_WEEK_OFFSET, GALILEO_WEEK_OFFSET, GpsTime, WEEK_MS};
 
@@ -36,12 +36,6 @@ const SETTLING_MS: u64 = 5000;
 /// The own clock may be wrong by a part in so many.
 const CLOCK_ERROR: u64 = 64;
 
-/// Ephemerides that it takes to correct the week.
-const DISSENT: u8 = 4;
-
-/// The votes of one system that count.
-const MOST_VOTES: i8 = 8;
-
 /// How far from the present a reference time confirms the week, ms: three days, for orbits uploaded long ago.
 const AGREEMENT_MS: u64 = 3 * 86_400_000;
 
@@ -55,45 +49,10 @@ pub(super) struct MessageWeek {
     pub(super) week: u16,
 }
 
-/// Epochs in a row whose tags have to say the same of leap seconds.
-const LEAP_RUN: u8 = 10;
-
-/// More leap seconds than there will be.
-const MOST_LEAP_S: u32 = 63;
-
-/// Tags of one instant differ by less, ms.
-const TAG_MS: u32 = 10;
-
-/// Who said how many leap seconds there are.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum LeapSource {
-    /// The receiver.
-    Receiver,
-    /// Satellites, in their navigation bits.
-    Satellites,
-    /// Messages of one instant, tagged with GPS time and with UTC.
-    Tags,
-}
-
-/// How far GPS time is ahead of UTC.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct LeapSecond {
-    /// GPS time minus UTC, s.
-    pub seconds: u8,
-    /// Who said so last.
-    pub source: LeapSource,
-    /// When, by the last epoch.
-    pub said: Option<GpsTime>,
-}
-
 /// The time line.
 #[derive(Debug)]
 pub(super) struct Calendar {
-    leap: Option<LeapSecond>,
-    /// What the tags of messages of one epoch say of leap seconds, and how often in a row.
-    inferred: (u32, u8),
-    /// What was said of leap seconds last, and how often in a row.
-    claimed: (u8, u8),
+    leap: LeapSeconds,
     /// The last epoch, or the reference time of an ephemeris before there was one.
     reference: Option<GpsTime>,
     /// The last epoch.
@@ -102,8 +61,7 @@ pub(super) struct Calendar {
     older: Option<(GpsTime, u8)>,
     /// What went on before a leap, until it is settled.
     leap_of_time: Option<Leap>,
-    /// What each system says of the week: that it is right where positive, that it is wrong where negative.
-    votes: [i8; SYSTEMS],
+    votes: WeekVotes,
 }
 
 /// An epoch, and when it came by the own clock, ms.
@@ -147,9 +105,6 @@ struct Leap {
     run: u8,
 }
 
-/// How many systems there are.
-const SYSTEMS: usize = Constellation::ALL.len();
-
 /// Why an epoch's time is refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum TimeError {
@@ -172,14 +127,12 @@ impl TimeError {
 impl Calendar {
     pub(super) const fn new() -> Self {
         Self {
-            leap: None,
-            inferred: (0, 0),
-            claimed: (0, 0),
+            leap: LeapSeconds::new(),
             reference: None,
             last: None,
             older: None,
             leap_of_time: None,
-            votes: [0; SYSTEMS],
+            votes: WeekVotes::none(),
         }
     }
 
@@ -193,43 +146,19 @@ impl Calendar {
         self.reference.get_or_insert(time);
     }
 
-    /// Somebody says how many leap seconds there are. Another number than the known one has to be said again: once where a leap
-    /// second may have come, [`LEAP_RUN`] times in a row where it would be several.
-    pub(super) fn leap(&mut self, seconds: u8, source: LeapSource) {
-        let apart = self.leap.map_or(0, |known| known.seconds.abs_diff(seconds));
-        let (before, run) = self.claimed;
-        self.claimed = (seconds, if before == seconds { run.saturating_add(1) } else { 1 });
-        let needed = match apart {
-            0 => 1,
-            1 => 2,
-            _ => LEAP_RUN,
-        };
-        if self.claimed.1 >= needed {
-            self.leap = Some(LeapSecond { seconds, source, said: self.time() });
-        }
+    /// Somebody says how many leap seconds there are.
+    pub(super) fn hear_leap(&mut self, seconds: u8, source: LeapSource) {
+        self.leap.hear(seconds, source, self.time());
     }
 
-    /// A message of the open epoch is tagged with UTC. Where nobody says how many leap seconds there are, or what is known is wrong,
-    /// the difference to the epoch's own tag does, once it has been the same [`LEAP_RUN`] times: a message of a neighbouring
-    /// epoch, where bytes were lost, is wrong by whole seconds.
+    /// A message of the open epoch is tagged with UTC.
     pub(super) fn infer_leap(&mut self, gps_ms: u32, utc_ms: u32) {
-        let difference_ms = (gps_ms + WEEK_MS - utc_ms) % WEEK_MS;
-        let seconds = (difference_ms + 500) / 1000;
-        if seconds > MOST_LEAP_S || difference_ms.abs_diff(1000 * seconds) >= TAG_MS {
-            return;
-        }
-        let (before, run) = self.inferred;
-        self.inferred = (seconds, if before == seconds { run.saturating_add(1) } else { 1 });
-        let is_news = self.leap.is_none_or(|known| u32::from(known.seconds) != seconds);
-        if self.inferred.1 >= LEAP_RUN && is_news {
-            self.leap =
-                Some(LeapSecond { seconds: seconds as u8, source: LeapSource::Tags, said: self.time() });
-        }
+        self.leap.infer(gps_ms, utc_ms, self.time());
     }
 
     /// GPS time minus UTC, who said so and when.
     pub(super) fn leap_second(&self) -> Option<LeapSecond> {
-        self.leap
+        self.leap.known()
     }
 
     /// About when it is: the last epoch or, before there was one, the reference time of an ephemeris.
@@ -322,26 +251,12 @@ impl Calendar {
             return;
         };
         let agrees = toe.since_ms(reference).unsigned_abs() <= AGREEMENT_MS;
-        if let Some(vote) = self.votes.get_mut(system as usize) {
-            let next = if agrees { *vote + 1 } else { *vote - 1 };
-            *vote = next.clamp(-MOST_VOTES, MOST_VOTES);
-        }
-        if !agrees && self.is_outvoted() {
+        self.votes.count(system, agrees);
+        if !agrees && self.votes.contradict() {
             count(&mut counters.week_corrections);
-            let votes = self.votes.map(|vote| -vote.signum());
-            *self = Self { leap: self.leap, reference: Some(toe), votes, ..Self::new() };
+            self.votes = self.votes.of_the_other_week();
+            (self.reference, self.last, self.older, self.leap_of_time) = (Some(toe), None, None, None);
         }
-    }
-
-    /// Whether more systems contradict the week than confirm it, or as many and more often.
-    fn is_outvoted(&self) -> bool {
-        let sum = |is_of: fn(&i8) -> bool| {
-            let votes = self.votes.iter().copied().filter(is_of);
-            votes.fold((0, 0), |(systems, sum), vote| (systems + 1, sum + vote.unsigned_abs()))
-        };
-        let ((against, dissent), (confirming, agreement)) = (sum(|&vote| vote < 0), sum(|&vote| vote > 0));
-        dissent >= DISSENT
-            && (against > confirming || against == confirming && dissent >= agreement.saturating_add(DISSENT))
     }
 
     /// The instant that a message means with its week and `tow_s` of its own system.
@@ -397,40 +312,6 @@ mod tests {
     use super::*;
 
     #[test]
-    fn one_word_of_leap_seconds_changes_nothing_that_is_known() {
-        let mut calendar = Calendar::new();
-        let seconds = |calendar: &Calendar| calendar.leap_second().map(|leap| leap.seconds);
-        calendar.leap(18, LeapSource::Satellites);
-        assert_eq!(seconds(&calendar), Some(18));
-        for wrong in [28, 19, 28, 17] {
-            calendar.leap(wrong, LeapSource::Satellites);
-            assert_eq!(seconds(&calendar), Some(18), "{wrong} said once");
-        }
-        // A leap second has come.
-        calendar.leap(19, LeapSource::Receiver);
-        calendar.leap(19, LeapSource::Receiver);
-        assert_eq!(seconds(&calendar), Some(19));
-        for _ in 0..LEAP_RUN {
-            assert_eq!(seconds(&calendar), Some(19));
-            calendar.leap(12, LeapSource::Receiver);
-        }
-        assert_eq!(seconds(&calendar), Some(12));
-    }
-
-    #[test]
-    fn tags_of_one_instant_mend_what_is_known() {
-        let mut calendar = Calendar::new();
-        calendar.leap(28, LeapSource::Satellites);
-        for second in 100..100 + u32::from(LEAP_RUN) {
-            calendar.infer_leap(1000 * second, 1000 * (second - 18));
-        }
-        assert_eq!(
-            calendar.leap_second().map(|leap| (leap.seconds, leap.source)),
-            Some((18, LeapSource::Tags))
-        );
-    }
-
-    #[test]
     fn an_older_time_comes_back_though_every_system_ends_its_own_epoch() {
         let (mut calendar, mut counters) = (Calendar::new(), Counters::default());
         calendar.learn(Constellation::Gps, GpsTime { week: 2111, tow_ms: 0 }, &mut counters);
@@ -484,24 +365,6 @@ mod tests {
         for ends_s in ends_s {
             let epochs = [(100, 0), (ends_s % WEEK_S, u64::from(ends_s - 100))];
             assert_eq!(times_of(&epochs)[1], Some(i64::from(ends_s)));
-        }
-    }
-
-    #[test]
-    fn four_ephemerides_of_another_week_outvote_nobody_who_is_known() {
-        let systems = [Constellation::Gps, Constellation::Galileo];
-        for split in [[4, 0], [3, 1], [2, 2], [1, 3], [0, 4]] {
-            let (mut calendar, mut counters) = (Calendar::new(), Counters::default());
-            let mut says = |system, week, count: u32| {
-                (0..count).for_each(|_| calendar.learn(system, GpsTime { week, tow_ms: 0 }, &mut counters));
-            };
-            for (system, count) in systems.into_iter().zip([8, 8]) {
-                says(system, 2111, count);
-            }
-            for (system, count) in systems.into_iter().zip(split) {
-                says(system, 2112, count);
-            }
-            assert_eq!(counters.week_corrections, 0, "{split:?}");
         }
     }
 }

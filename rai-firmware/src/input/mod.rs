@@ -16,7 +16,8 @@
 //! | `assembly` | messages of one instant become one epoch |
 //! | `suspicion` | what a receiver says of jamming and spoofing |
 //! | `system` | how each system numbers its satellites |
-//! | `calendar` | which week it is, and that time goes forward |
+//! | `calendar`, `week_votes` | which week it is, and that time goes forward |
+//! | `leap_seconds` | how far UTC is behind |
 //! | [`Counters`] | what came in and what was not used |
 //!
 //! Behind [`Message`] no wire format is known. A new one is a folder beside `rtcm`, an arm of the framer that finds its
@@ -43,12 +44,14 @@ mod calendar;
 mod counters;
 mod elements;
 mod framer;
+mod leap_seconds;
 mod preference;
 mod rtcm;
 mod suspicion;
 mod system;
 #[cfg(feature = "ubx")]
 pub mod ubx;
+mod week_votes;
 
 use rai_core::frame::Ecef;
 use rai_core::satellite::{Constellation, SatelliteId};
@@ -67,8 +70,9 @@ use preference::{Preference, Source};
 #[cfg(feature = "ubx")]
 use ubx::Navigation;
 
-pub use calendar::{LeapSecond, LeapSource, NOT_BEFORE_WEEK};
+pub use calendar::NOT_BEFORE_WEEK;
 pub use counters::Counters;
+pub use leap_seconds::{LeapSecond, LeapSource};
 pub use suspicion::{Jamming, Suspicion, Suspicions};
 
 /// What the bytes said.
@@ -276,7 +280,7 @@ impl Input {
                 #[cfg(feature = "ubx")]
                 Some(Message::Corrections(coefficients, leap_s)) => {
                     if let Some(leap_s) = leap_s {
-                        calendar.leap(leap_s, LeapSource::Satellites);
+                        calendar.hear_leap(leap_s, LeapSource::Satellites);
                     }
                     if let Some((constellation, coefficients)) = coefficients {
                         tell(Event::Ionosphere(constellation, coefficients));
