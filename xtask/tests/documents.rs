@@ -1,5 +1,7 @@
-//! What documents and comments point to is there: files move, and whoever follows a path finds out last.
+//! What documents and comments point to is there: files move, and whoever follows a path finds out last. And what the module answers
+//! by name stands in the document that explains it.
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -57,6 +59,28 @@ fn comments(source: &str) -> String {
     lines.collect::<Vec<_>>().join("\n")
 }
 
+/// Names that `STATS` answers with: fields in the blocks of `counters!`, and the two kinds that are no field of one.
+fn counters(source: &str) -> impl Iterator<Item = &str> {
+    let blocks = source.split("\ncounters! {").skip(1).filter_map(|rest| rest.split("\n}").next());
+    let lines = blocks.flat_map(str::lines).map(str::trim).filter(|line| !line.starts_with("//"));
+    let is_no_field = |text: &&str| text.starts_with("cmd_") || *text == "sigma_check_pct";
+    lines.filter_map(|line| line.strip_suffix(',')).chain(source.split('"').filter(is_no_field))
+}
+
+/// Texts that a command is refused with. What carries a value is not said as it stands there.
+fn refusals(source: &str) -> impl Iterator<Item = &str> {
+    let arms = source.lines().filter_map(|line| line.trim().strip_prefix("Self::")?.split_once(" => \""));
+    arms.filter(|(name, _)| !name.contains('{')).filter_map(|(_, text)| text.strip_suffix("\","))
+}
+
+/// What stands first in each row of the tables of a section, in code type.
+fn rows<'t>(document: &'t str, heading: &str) -> BTreeSet<&'t str> {
+    let sections =
+        document.split("\n#").filter(|section| section.trim_start_matches('#').starts_with(heading));
+    let rows = sections.flat_map(str::lines).filter_map(|line| line.strip_prefix("| `"));
+    rows.filter_map(|row| row.split('`').next()).collect()
+}
+
 #[test]
 fn links_of_documents_lead_to_files() {
     let mut count = 0;
@@ -88,4 +112,20 @@ fn files_that_documents_and_comments_name_are_there() {
         }
     }
     assert!(count > 100, "{count}");
+}
+
+#[test]
+fn interfaces_explain_every_counter_and_every_refusal_and_no_other() {
+    let (firmware, mut sources) = (root().join("rai-firmware/src"), Vec::new());
+    files(&firmware, &mut sources);
+    let read = |path: &Path| fs::read_to_string(path).expect("text");
+    let interfaces = read(&root().join("INTERFACES.md"));
+    let sources: Vec<_> = sources.iter().filter(|path| ends_in(path, "rs")).map(|path| read(path)).collect();
+    let want: BTreeSet<_> = sources.iter().flat_map(|source| counters(source)).collect();
+    assert_eq!(rows(&interfaces, " Counters"), want);
+
+    let sources = ["config/refusal.rs", "selftest.rs"].map(|name| read(&firmware.join(name)));
+    let want: BTreeSet<_> = sources.iter().flat_map(|source| refusals(source)).chain(["nearest"]).collect();
+    let have = &rows(&interfaces, " Refusals") | &rows(&interfaces, " Self-test");
+    assert_eq!(have, want);
 }
