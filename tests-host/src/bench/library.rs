@@ -15,7 +15,7 @@ use anyhow::{Context as _, Result};
 use object::{Object as _, ObjectSection as _, ObjectSymbol as _, SectionFlags, SectionKind};
 
 use super::figure::Figure;
-use crate::capi::{Optimised, library_of, run};
+use crate::capi::{Optimised, Processor, library_of, run};
 use crate::no_panic::static_library::linker;
 
 /// What a program with classic RAIM may take of the flash, bytes.
@@ -52,20 +52,24 @@ impl Level {
 }
 
 /// What is built: its words, its level, its features, what it is compiled for, and the most that its flash may be.
-type Build = (&'static str, Level, &'static str, Optimised, Option<u64>);
+type Build = (&'static str, Level, &'static str, (Optimised, Processor), Option<u64>);
 
-const BUILDS: [Build; 11] = [
-    ("classic, 16 satellites", Level::Monitor, "satellites-16", Optimised::Size, Some(CLASSIC_BYTES)),
-    ("classic, 32 satellites", Level::Monitor, "satellites-32", Optimised::Size, Some(CLASSIC_BYTES)),
-    ("classic, 48 satellites", Level::Monitor, "", Optimised::Size, Some(CLASSIC_BYTES)),
-    ("classic, 48 satellites, for speed", Level::Monitor, "", Optimised::Speed, None),
-    ("all tables and searches, 48 satellites", Level::Monitor, "searches", Optimised::Size, None),
-    ("all and ARAIM, 48 satellites", Level::Monitor, "searches,araim", Optimised::Size, None),
-    ("RTCM and classic, 16 satellites", Level::Receiver, "receiver,satellites-16", Optimised::Size, None),
-    ("RTCM and classic, 48 satellites", Level::Receiver, "receiver", Optimised::Size, None),
-    ("16 satellites", Level::Receiver, "whole,satellites-16", Optimised::Size, None),
-    ("32 satellites", Level::Receiver, "whole,satellites-32", Optimised::Size, None),
-    ("48 satellites", Level::Receiver, "whole", Optimised::Size, None),
+/// For size on the boards' processor, like most.
+const SMALL: (Optimised, Processor) = (Optimised::Size, Processor::OfBoards);
+
+const BUILDS: [Build; 12] = [
+    ("classic, 16 satellites", Level::Monitor, "satellites-16", SMALL, Some(CLASSIC_BYTES)),
+    ("classic, 32 satellites", Level::Monitor, "satellites-32", SMALL, Some(CLASSIC_BYTES)),
+    ("classic, 48 satellites", Level::Monitor, "", SMALL, Some(CLASSIC_BYTES)),
+    ("classic, 48 satellites, for speed", Level::Monitor, "", (Optimised::Speed, Processor::OfBoards), None),
+    ("classic, 48 satellites, Cortex-M0+", Level::Monitor, "", (Optimised::Size, Processor::Smallest), None),
+    ("all tables and searches, 48 satellites", Level::Monitor, "searches", SMALL, None),
+    ("all and ARAIM, 48 satellites", Level::Monitor, "searches,araim", SMALL, None),
+    ("RTCM and classic, 16 satellites", Level::Receiver, "receiver,satellites-16", SMALL, None),
+    ("RTCM and classic, 48 satellites", Level::Receiver, "receiver", SMALL, None),
+    ("16 satellites", Level::Receiver, "whole,satellites-16", SMALL, None),
+    ("32 satellites", Level::Receiver, "whole,satellites-32", SMALL, None),
+    ("48 satellites", Level::Receiver, "whole", SMALL, None),
 ];
 
 /// Flash and object of every build.
@@ -75,8 +79,8 @@ const BUILDS: [Build; 11] = [
 pub fn measure() -> Result<Vec<Figure>> {
     let linker = linker()?;
     let mut figures = Vec::new();
-    for (words, level, features, optimised, most) in BUILDS {
-        let archive = library_of(features, optimised)?;
+    for (words, level, features, (optimised, processor), most) in BUILDS {
+        let archive = library_of(features, optimised, processor)?;
         let (flash, object) =
             sizes(&linker, &archive, level).with_context(|| format!("{}, {words}", level.name()))?;
         let figure = |of: &str, value, target| Figure {

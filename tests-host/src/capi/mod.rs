@@ -104,19 +104,38 @@ pub enum Optimised {
     Size,
 }
 
-/// Builds the library of the chip with only these features and gives its path.
+/// What processor a library is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Processor {
+    /// That of the boards, a Cortex-M4F.
+    OfBoards,
+    /// The smallest, without a unit for numbers with a point: Cortex-M0+.
+    Smallest,
+}
+
+impl Processor {
+    const fn target(self) -> &'static str {
+        match self {
+            Self::OfBoards => TARGET,
+            Self::Smallest => "thumbv6m-none-eabi",
+        }
+    }
+}
+
+/// Builds the library of a chip with only these features and gives its path.
 ///
 /// # Errors
 /// As [`library`].
-pub fn library_of(features: &str, optimised: Optimised) -> anyhow::Result<PathBuf> {
+pub fn library_of(features: &str, optimised: Optimised, processor: Processor) -> anyhow::Result<PathBuf> {
     let folder = root().join("target/capi");
     let features = format!("panic-handler,{features}");
     let mut cargo = rustc("staticlib", &features, &folder);
-    cargo.args(["--profile", "firmware", "--target", TARGET]);
+    cargo.args(["--profile", "firmware", "--target", processor.target()]);
     if optimised == Optimised::Size {
         cargo.args(["--config", "profile.firmware.package.rai-core.opt-level='s'"]);
     }
-    kept(&mut cargo, &folder, &shipped(), &format!("{features}-{optimised:?}"))
+    let built = Path::new(processor.target()).join("firmware/librai.a");
+    kept(&mut cargo, &folder, &built, &format!("{features}-{optimised:?}"))
 }
 
 /// Where a library of the chip lies in its folder.

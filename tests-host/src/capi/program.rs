@@ -12,7 +12,7 @@ use std::process::Command;
 use anyhow::{Context as _, Result, ensure};
 
 use super::calls::{Answer, Calls, answers};
-use super::{Kind, Optimised, folder, library, library_for, library_of, run};
+use super::{Kind, Optimised, Processor, folder, library, library_for, library_of, run};
 use crate::board::Machine;
 
 /// Every warning that a careful C programmer turns on.
@@ -114,7 +114,7 @@ pub fn classic_on_board(calls: &Calls, satellites: u8, out: &Path) -> Result<Vec
         48 => (String::new(), "-DRAI_SATELLITES=48".to_owned()),
         fewer => (format!("satellites-{fewer}"), format!("-DRAI_SATELLITES_{fewer}")),
     };
-    let library = library_of(&feature, Optimised::Size)?;
+    let library = library_of(&feature, Optimised::Size, Processor::OfBoards)?;
     run_on(calls, Machine::Stm32f405, Language::C, &["-DMONITOR_ALONE", &definition], &library, out)
 }
 
