@@ -14,7 +14,7 @@
 //! | `POLICY` | `T1`, `T2`, `TOP` | `T1` | |
 //! | `METHOD` | `AUTO`, `BAARDA`, `SIMULTANEOUS`, `SEQUENTIAL`, `HYBRID`, `GROUPING`, `RANSAC`, `SEPARATION` | `AUTO` | |
 //! | `LEVELS` | `BOUND`, `SLOPE` | `BOUND` | |
-//! | `SYSTEMS` | letters of `GREC`; GLONASS widens ARAIM levels, for it is the least sure of its own health | `GEC` | |
+//! | `SYSTEMS` | letters of `GRECJ`; GLONASS widens ARAIM levels, for it is the least sure of its own health | `GEC` | |
 //! | `MASK` | 0 to 60 | 10 | ° |
 //! | `CLOCKAID` | `ON`, `OFF` | `OFF` | |
 //! | `CN0MASK` | 0 to 55 | 28 | dB-Hz |

@@ -98,7 +98,7 @@ impl CommandPort {
         Heard { action: None, answered }
     }
 
-    /// What came in, by name: commands obeyed and refused (the next three among them), sentences that are no
+    /// What came in, by name: commands obeyed and refused (wrong checksums and unknown keys among them), sentences that are no
     /// command, and breaks by characters that belong to none.
     pub fn counters(&self) -> impl Iterator<Item = (&'static str, u32)> + use<> {
         COUNTERS.into_iter().zip(self.counts())

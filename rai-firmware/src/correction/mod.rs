@@ -46,7 +46,7 @@ pub use site::Site;
 counters! {
     /// Why satellites of an epoch were not used.
     Refusals {
-        /// No signal whose delay is known.
+        /// No signal that is strong enough and whose delay is known.
         signal_unusable,
         /// More satellites than an epoch holds.
         epoch_full,

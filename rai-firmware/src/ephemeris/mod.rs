@@ -76,7 +76,7 @@ pub use store::{CAPACITY, Insertion, Store};
 pub enum EphemerisError {
     /// None has been received.
     Missing,
-    /// The satellite says of itself that it is not to be used, or promises no accuracy.
+    /// The satellite says of itself, or of the signals that came, that they are not to be used, or promises no accuracy.
     Unhealthy,
     /// The newest one is too old, or its reference time too far ahead.
     Stale,

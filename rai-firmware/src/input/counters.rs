@@ -17,7 +17,7 @@ counters! {
         frames_cut,
         /// Messages of a type that is not read.
         messages_other,
-        /// Observations of systems that are not used: SBAS, `NavIC`.
+        /// Observations of systems that are not used, SBAS and `NavIC`, and without full ranges: MSM1 to MSM3.
         observations_other,
         /// Messages too short for their type, or that contradict themselves.
         messages_malformed,
@@ -25,7 +25,7 @@ counters! {
         ephemerides,
         /// Ephemerides with a value that no satellite sends.
         ephemerides_invalid,
-        /// Ranges that had come in another format already, or are of another station.
+        /// Messages of ranges that had come in another format already, or are of another station.
         observations_doubled,
         /// GLONASS messages before anything has said how many leap seconds there are.
         leap_unknown,
@@ -47,27 +47,27 @@ counters! {
         positions_invalid,
         /// Epochs handed on.
         epochs,
-        /// Epochs dropped because no ephemeris has told the week yet.
+        /// Epochs, and ephemerides of GLONASS, dropped because nothing has told the week yet.
         epochs_without_week,
         /// Epochs dropped because they are not newer than the last one.
         epochs_backwards,
-        /// Times that went back and were accepted because they went on from there.
+        /// Times that went back and were accepted: they went on from there, or from before a leap.
         time_restarts,
         /// Weeks corrected because the ephemerides agreed on another one.
         week_corrections,
         /// Epochs dropped because bytes of them were lost.
         epochs_broken,
-        /// Observations that came after another message had said that none would follow.
+        /// Epochs of which observations came after a message had said that none would follow.
         observations_after_end,
         /// Observations without satellites that were tagged far ahead, or came before all others.
         observations_ahead,
         /// Observations dropped because their time of week is none.
         times_out_of_range,
-        /// Satellites that came twice in one epoch; the first is used.
+        /// Signals of satellites that came twice in one epoch; the first are used.
         satellites_duplicate,
         /// Satellites with a number that their system does not have.
         satellites_unknown,
-        /// Satellites beyond the capacity of an epoch.
+        /// Signals of satellites beyond the capacity of an epoch.
         satellites_surplus,
         /// Signals on bands that are not used.
         signals_other,

@@ -32,7 +32,7 @@ counters! {
         epochs_skipped,
         /// Times that the line was silent for the time to alert.
         line_stale,
-        /// Ephemerides that told nothing new.
+        /// Ephemerides that are out of date, or of F/NAV where I/NAV serves.
         ephemerides_kept,
         /// Ephemerides that contradict the one in use.
         ephemerides_disputed,

@@ -317,7 +317,7 @@ impl<P: OutputPin> Receiver<P> {
         &self.epochs.pin
     }
 
-    /// Every counter by name: verdicts, wire, satellites, commands; and the mean of SSE/dof in percent, which is
+    /// Every counter by name: verdicts, ports, wire, satellites, range rates, commands; and the mean of SSE/dof in percent, which is
     /// about 100 where the sigmas are right.
     pub fn statistics(&self) -> impl Iterator<Item = (&'static str, u32)> {
         self.statistics_from(0)

@@ -11,8 +11,8 @@ use crate::sentence::{self, Excluded, Sentence, State};
 /// Epochs that are remembered for the curves: ten minutes at one a second.
 const MEMORY: usize = 600;
 
-/// Names of the fields of `PRAIQ`, in its order.
-const SETTINGS: [&str; 30] = [
+/// Names of the fields of `PRAIQ`, in its order; none for what is not shown: all but the first of `IONO`, and `OUTPUT`.
+const SETTINGS: [&str; 42] = [
     "PHASE",
     "HAL",
     "VAL",
@@ -43,6 +43,18 @@ const SETTINGS: [&str; 30] = [
     "",
     "",
     "",
+    "",
+    "",
+    "",
+    "",
+    "",
+    "",
+    "",
+    "",
+    "",
+    "",
+    "",
+    "ISM",
 ];
 
 /// One epoch of the curves.
@@ -256,7 +268,7 @@ mod tests {
     #[test]
     fn settings_are_shown_when_all_their_sentences_have_come() {
         let first = "PRAIQ,CAFE0001,NPA,556,,3.33e-7,1e-3,,10,T1,BAARDA,,,10,OFF,,1,2";
-        let second = format!("PRAIQ,CAFE0001{},2,2", ",".repeat(28));
+        let second = format!("PRAIQ,CAFE0001{},2,2", ",".repeat(40));
         assert!(heard(&[first]).settings.is_empty());
         assert!(heard(&[&second]).settings.is_empty(), "the first was missed");
         let have = heard(&[first, &second]).settings;

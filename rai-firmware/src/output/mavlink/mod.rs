@@ -6,14 +6,14 @@
 //! | `GPS_INPUT` | 232 | position and velocity, or that there is no fix |
 //! | `GNSS_INTEGRITY` | 441 | whether the position may be used, protection levels, jamming and spoofing |
 //!
-//! Autopilots act on `GPS_INPUT` as they are: fix type 3 only while the position is protected, else 1, or 0 without a
-//! position, and then no coordinates at all. Its accuracies are one sigma and never say less than the protection levels
+//! Autopilots act on `GPS_INPUT` as they are: fix type 3 only while the position is protected; else 1, or 0 where there is no
+//! position, both without coordinates. Its accuracies are one sigma and never say less than the protection levels
 //! do: `max(σ, PL / 5.33)`, where 5.33 sigmas are what a level of 1e-7 means. The altitude is above the ellipsoid, since
 //! the module holds no geoid.
 //!
 //! `GNSS_INTEGRITY` carries the protection levels in `raim_hfom` and `raim_vfom`, rounded up to a centimetre; the layout is
 //! that of the dialect named by [`DIALECT`], and will change ([`dialect`] is the only place that knows it). Protected is
-//! `OK`; alert and unavailable are `FAILED` with both figures invalid; without a position it is `UNKNOWN`.
+//! `OK`; alert and unavailable are `FAILED`, and `UNKNOWN` where too few satellites make no position, all with both figures invalid.
 //!
 //! References: [MAVLINK], the guide, `common.xml` and `development.xml`.
 //!
