@@ -22,8 +22,8 @@
 //! ([`Ephemeris::merge_health`]).
 //!
 //! **Room** for [`CAPACITY`] satellites, 10 KiB: as many as an epoch has, and more than four systems show at once. When it
-//! is full, first goes what is stale, then what was not observed for longest, then what was received first; a satellite that is new
-//! counts as one that has just set. Half a dozen
+//! is full, first goes what is stale, then what is not in sight: what was not observed for longest, then what was received first; a
+//! satellite that is new counts as one that has just set. Half a dozen
 //! contradictions are kept; where there are more, the set that is known stays, disputed.
 //!
 //! **State vectors** are integrated, and what the next epochs have in common with this one is kept ([`Store::advance`]).
@@ -40,6 +40,9 @@ pub const CAPACITY: usize = 64;
 
 /// How many contradictions are kept.
 const RIVALS: usize = 6;
+
+/// Who was in one of so many epochs is in sight: one epoch may have lost satellites.
+const IN_SIGHT_EPOCHS: u32 = 6;
 
 /// Two sets that are farther apart than this, in position or clock, contradict each other, m: ten sigma of the poorest.
 const AGREEMENT_M: f64 = 30.0;
@@ -68,6 +71,8 @@ struct Entry {
     /// The how-manieth was the first that said the same of orbit and clock.
     edition: u32,
     is_disputed: bool,
+    /// Whether the satellite has been in an epoch.
+    was_seen: bool,
 }
 
 /// What contradicts the set that is known of a satellite.
@@ -101,8 +106,14 @@ impl Store {
         let Some(entry) = known else {
             // It may be of a satellite that is about to rise: not so sure to be of use as those in sight, more than any other.
             let observed = self.epochs.saturating_sub(1);
-            let entry =
-                Entry { ephemeris: offered, observed, received, edition: received, is_disputed: false };
+            let entry = Entry {
+                ephemeris: offered,
+                observed,
+                received,
+                edition: received,
+                is_disputed: false,
+                was_seen: false,
+            };
             return self.admit(entry, now);
         };
         let insertion = entry.consider(offered, received, now, &mut self.rivals);
@@ -124,7 +135,7 @@ impl Store {
         for satellite in satellites {
             if let Some(entry) = self.entries.iter_mut().find(|entry| entry.ephemeris.satellite == satellite)
             {
-                entry.observed = self.epochs;
+                (entry.observed, entry.was_seen) = (self.epochs, true);
             }
         }
     }
@@ -177,7 +188,11 @@ impl Store {
         if is_stale(&entry.ephemeris, now) {
             return Insertion::Kept;
         }
-        let worth = |entry: &&mut Entry| (!is_stale(&entry.ephemeris, now), entry.observed, entry.received);
+        let since = self.epochs.saturating_sub(IN_SIGHT_EPOCHS);
+        let worth = |entry: &&mut Entry| {
+            let is_in_sight = entry.was_seen && entry.observed > since;
+            (!is_stale(&entry.ephemeris, now), is_in_sight, entry.observed, entry.received)
+        };
         if let Some(least) = self.entries.iter_mut().min_by_key(worth) {
             forget(&mut self.rivals, least.ephemeris.satellite);
             *least = entry;

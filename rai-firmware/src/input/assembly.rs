@@ -201,6 +201,8 @@ impl Assembly {
     fn vouch(&mut self, tow_ms: u32, came_ms: u64, calendar: &mut Calendar, counters: &mut Counters) -> bool {
         let time = calendar.advance(tow_ms, came_ms, counters);
         self.is_vouched = time.is_ok();
+        // What is empty may come before its time.
+        self.came_ms = came_ms;
         self.begin(time, tow_ms, counters)
     }
 

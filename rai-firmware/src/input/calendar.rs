@@ -5,9 +5,11 @@
 //! and before any time is known in the cycle that begins with [`NOT_BEFORE_WEEK`].
 //!
 //! Nothing on the wire is accepted for ever. A time that goes back is dropped, but [`RESTART_RUN`] epochs in a row
-//! that are older and follow each other are the new time. Whatever leaps, by more than [`LEAP_MS`] beside the module's own
-//! clock, leaves the line before it remembered, until [`RESTART_RUN`] epochs and [`SETTLING_MS`] have followed: an epoch that
-//! goes on with that line is the time at once, in its week. The leaps were the error, however many, and cost no other epoch.
+//! that are older and follow each other are the new time. A time that leaps ahead is the time.
+//!
+//! What is known better is remembered: satellites move by kilometres in a second, so an epoch whose ranges agreed with their orbits
+//! was at the instant of its tag, and in the week of its ephemerides. An epoch that goes on from there by the module's own clock
+//! ([`Tick::leads_to`]) is the time at once, in its week, whatever came between: leaps, however many, and votes on the week.
 //!
 //! The week is the systems' to vote on ([`super::week_votes`]).
 
@@ -15,7 +17,7 @@ use rai_core::satellite::Constellation;
 
 use super::Counters;
 use super::leap_seconds::{LeapSecond, LeapSeconds, LeapSource};
-use super::week_votes::WeekVotes;
+use super::week_votes::{Vote, WeekVotes};
 use crate::counters::count;
 use crate::time::{BEIDOU_OFFSET_MS, BEIDOU_WEEK_OFFSET, GALILEO_WEEK_OFFSET, GpsTime, WEEK_MS};
 
@@ -27,11 +29,14 @@ pub const NOT_BEFORE_WEEK: u16 = 2048;
 /// A step of time that is longer than a gap between epochs mostly is, ms.
 const LEAP_MS: u64 = 60_000;
 
-/// Epochs in a row that make an older time the time, or one after a leap.
+/// Epochs in a row that make an older time the time.
 const RESTART_RUN: u8 = 5;
 
-/// How long the line before a leap is remembered at least, ms of the own clock.
-const SETTLING_MS: u64 = 5000;
+/// How much an epoch's way to the own clock may vary, ms.
+const DELAY_MS: u64 = 3000;
+
+/// Half of the cycle in which GPS counts weeks.
+const HALF_CYCLE_WEEKS: u64 = 512;
 
 /// The own clock may be wrong by a part in so many.
 const CLOCK_ERROR: u64 = 64;
@@ -59,8 +64,8 @@ pub(super) struct Calendar {
     last: Option<Tick>,
     /// The last epoch that was dropped because it was older, and how many followed each other.
     older: Option<(GpsTime, u8)>,
-    /// What went on before a leap, until it is settled.
-    leap_of_time: Option<Leap>,
+    /// The last epoch whose ranges agreed with orbits.
+    confirmed: Option<Tick>,
     votes: WeekVotes,
 }
 
@@ -81,28 +86,16 @@ impl Tick {
         }
     }
 
-    /// Whether an epoch goes on from here, by the own clock or within what is no leap.
+    /// Whether an epoch goes on from here by the own clock.
     fn leads_to(self, next: Self) -> bool {
-        let error_ms = LEAP_MS + next.came_ms.saturating_sub(self.came_ms) / CLOCK_ERROR;
-        let is_expected = next.time.since_ms(self.time_at(next.came_ms)).unsigned_abs() <= error_ms;
-        follows(next.time, self.time) || next.time > self.time && is_expected
+        let error_ms = DELAY_MS + next.came_ms.saturating_sub(self.came_ms) / CLOCK_ERROR;
+        next.time > self.time && next.time.since_ms(self.time_at(next.came_ms)).unsigned_abs() <= error_ms
     }
 
     /// The epoch at `tow_ms` that came then, in the week that the own clock tells.
     fn next(self, tow_ms: u32, came_ms: u64) -> Self {
         Self { time: GpsTime::nearest(tow_ms, self.time_at(came_ms)), came_ms }
     }
-}
-
-/// A leap of time, and what has followed it.
-#[derive(Clone, Copy, Debug)]
-struct Leap {
-    /// The last epoch before it.
-    before: Tick,
-    /// When the last leap was, by the own clock, ms.
-    came_ms: u64,
-    /// Epochs since.
-    run: u8,
 }
 
 /// Why an epoch's time is refused.
@@ -131,7 +124,7 @@ impl Calendar {
             reference: None,
             last: None,
             older: None,
-            leap_of_time: None,
+            confirmed: None,
             votes: WeekVotes::none(),
         }
     }
@@ -174,23 +167,34 @@ impl Calendar {
         counters: &mut Counters,
     ) -> Result<GpsTime, TimeError> {
         let reference = self.reference.ok_or(TimeError::WeekUnknown)?;
+        let as_confirmed = self.as_confirmed(tow_ms, came_ms);
         let Some(last) = self.last else {
-            return Ok(self.set(Tick { time: GpsTime::nearest(tow_ms, reference), came_ms }));
+            let next = Tick { time: GpsTime::nearest(tow_ms, reference), came_ms };
+            return Ok(self.set(as_confirmed.unwrap_or(next)));
         };
-        if let Some(time) = self.without_leap(tow_ms, came_ms) {
-            count(&mut counters.time_restarts);
-            self.leap_of_time = None;
-            return Ok(self.set(time));
-        }
-        let next = last.next(tow_ms, came_ms);
-        if next.time <= last.time && !self.follows_older(next.time) {
-            return Err(TimeError::Backwards);
-        }
+        let next = as_confirmed.unwrap_or_else(|| last.next(tow_ms, came_ms));
         if next.time <= last.time {
+            if as_confirmed.is_none() && !self.follows_older(next.time) {
+                return Err(TimeError::Backwards);
+            }
             count(&mut counters.time_restarts);
         }
-        self.note_leap(last, next);
         Ok(self.set(next))
+    }
+
+    /// The epoch at `tow_ms`, if it goes on from the one that was confirmed and what came between does not.
+    fn as_confirmed(&self, tow_ms: u32, came_ms: u64) -> Option<Tick> {
+        let confirmed = self.confirmed?;
+        let is_on_line = |last: Tick| last.time == confirmed.time || confirmed.leads_to(last);
+        if self.last.is_some_and(is_on_line) {
+            return None;
+        }
+        Some(confirmed.next(tow_ms, came_ms)).filter(|&next| confirmed.leads_to(next))
+    }
+
+    /// The ranges of an epoch that came at `came_ms` agreed with orbits.
+    pub(super) fn confirm(&mut self, time: GpsTime, came_ms: u64) {
+        self.confirmed = Some(Tick { time, came_ms });
     }
 
     fn set(&mut self, tick: Tick) -> GpsTime {
@@ -198,26 +202,6 @@ impl Calendar {
         self.reference = Some(tick.time);
         self.last = Some(tick);
         tick.time
-    }
-
-    /// The epoch at `tow_ms`, if it goes on from before a leap that is not settled.
-    fn without_leap(&self, tow_ms: u32, came_ms: u64) -> Option<Tick> {
-        let before = self.leap_of_time?.before;
-        Some(before.next(tow_ms, came_ms)).filter(|&next| before.leads_to(next))
-    }
-
-    /// Notes a leap, or what follows one. Of several the first counts.
-    fn note_leap(&mut self, last: Tick, next: Tick) {
-        let came_ms = next.came_ms;
-        self.leap_of_time = match self.leap_of_time {
-            leap if !last.leads_to(next) => {
-                Some(Leap { before: leap.map_or(last, |leap| leap.before), came_ms, run: 0 })
-            }
-            Some(leap) if leap.run < RESTART_RUN || came_ms.saturating_sub(leap.came_ms) < SETTLING_MS => {
-                Some(Leap { run: leap.run.saturating_add(1), ..leap })
-            }
-            _ => None,
-        };
     }
 
     /// The instant of an epoch at `tow_ms` that has no satellites to vouch for it: time does not go on to it, and it is none
@@ -250,12 +234,16 @@ impl Calendar {
             self.reference = Some(toe);
             return;
         };
-        let agrees = toe.since_ms(reference).unsigned_abs() <= AGREEMENT_MS;
-        self.votes.count(system, agrees);
+        let apart_ms = toe.since_ms(reference).unsigned_abs();
+        let is_cycle = apart_ms > HALF_CYCLE_WEEKS * u64::from(WEEK_MS);
+        let agrees = apart_ms <= AGREEMENT_MS;
+        self.votes.count(system, if is_cycle { Vote::OtherCycle } else { Vote::of(agrees) });
         if !agrees && self.votes.contradict() {
             count(&mut counters.week_corrections);
             self.votes = self.votes.of_the_other_week();
-            (self.reference, self.last, self.older, self.leap_of_time) = (Some(toe), None, None, None);
+            (self.reference, self.last, self.older) = (Some(toe), None, None);
+            // Ranges agree with orbits of GPS in every cycle.
+            self.confirmed = self.confirmed.filter(|_| !is_cycle);
         }
     }
 
@@ -321,41 +309,69 @@ mod tests {
         assert_eq!((accepted, calendar.time()), (1, Some(GpsTime { week: 2111, tow_ms: 5000 })));
     }
 
-    /// Seconds of the week, and when they come, s; and which of them are the time, s after the beginning of week 2111.
-    fn times_of(epochs: &[(u32, u64)]) -> std::vec::Vec<Option<i64>> {
+    /// Seconds of the week, and when they come, s; and which of them are the time, s after the beginning of week 2111. One may
+    /// be confirmed.
+    fn times_of(epochs: &[(u32, u64)], confirmed: Option<usize>) -> std::vec::Vec<Option<i64>> {
         let (mut calendar, mut counters) = (Calendar::new(), Counters::default());
         let start = GpsTime { week: 2111, tow_ms: 0 };
         calendar.learn(Constellation::Gps, start, &mut counters);
-        let mut time = |&(tow_s, came_s): &(u32, u64)| {
+        let mut time = |(index, &(tow_s, came_s)): (usize, &(u32, u64))| {
             let time = calendar.advance(tow_s * 1000, came_s * 1000, &mut counters).ok()?;
+            if confirmed == Some(index) {
+                calendar.confirm(time, came_s * 1000);
+            }
             Some(time.since_ms(start) / 1000)
         };
-        epochs.iter().map(&mut time).collect()
+        epochs.iter().enumerate().map(&mut time).collect()
     }
 
     const WEEK_S: u32 = WEEK_MS / 1000;
 
     #[test]
-    fn leaps_one_after_the_other_do_not_carry_the_line_into_another_week() {
+    fn leaps_do_not_carry_what_is_confirmed_away() {
         let far = |leaps: u32| (100 + leaps * 280_000) % WEEK_S;
-        let mut epochs = std::vec![(100, 0)];
-        // Settled by their number, but not in the time of one second.
-        epochs.extend((1..=3).flat_map(|leaps| (0..8).map(move |second| (far(leaps) + second, 0))));
-        epochs.extend([(101, 1), (102, 2)]);
-        let times = times_of(&epochs);
-        assert_eq!(times[times.len() - 2..], [Some(101), Some(102)]);
+        // However many, however far, and however long they go on; and a little ahead.
+        let mut epochs: std::vec::Vec<_> = (1..=3)
+            .flat_map(|leaps| (0..8).map(move |second| (far(leaps) + second, u64::from(second))))
+            .collect();
+        epochs.push((112, 8));
+        epochs.push((167, 8));
+        epochs.extend([(109, 9), (110, 10)]);
+        let times = times_of(&[&[(100, 0)], &epochs[..]].concat(), Some(0));
+        assert_eq!(times[times.len() - 2..], [Some(109), Some(110)]);
     }
 
     #[test]
-    fn leap_that_is_settled_is_the_time() {
-        let new = |second: u32| (5000 + second, u64::from(second));
-        let mut epochs = std::vec![(100, 0)];
-        epochs.extend((1..10).map(new));
-        epochs.push((109, 9));
+    fn what_comes_twice_is_not_the_time_twice() {
+        // The second is not confirmed.
         assert_eq!(
-            times_of(&epochs)[1..],
-            [(5001..5010).map(Some).collect::<std::vec::Vec<_>>(), [None].into()].concat()
+            times_of(&[(100, 0), (101, 1), (101, 1), (102, 2)], Some(0)),
+            [Some(100), Some(101), None, Some(102)]
         );
+    }
+
+    #[test]
+    fn votes_do_not_carry_what_is_confirmed_into_another_week() {
+        let (mut calendar, mut counters) = (Calendar::new(), Counters::default());
+        let week = |week: u16| GpsTime { week, tow_ms: 0 };
+        calendar.learn(Constellation::Gps, week(2111), &mut counters);
+        let first = calendar.advance(1000, 1000, &mut counters).unwrap();
+        calendar.confirm(first, 1000);
+        for system in [Constellation::Gps, Constellation::Beidou, Constellation::Galileo] {
+            (0..20).for_each(|_| calendar.learn(system, week(2110), &mut counters));
+        }
+        assert_eq!(counters.week_corrections, 1);
+        assert_eq!(calendar.advance(2000, 2000, &mut counters), Ok(GpsTime { week: 2111, tow_ms: 2000 }));
+    }
+
+    #[test]
+    fn cycle_of_gps_is_that_of_the_others() {
+        let (mut calendar, mut counters) = (Calendar::new(), Counters::default());
+        let week = |week: u16| GpsTime { week, tow_ms: 0 };
+        calendar.learn(Constellation::Beidou, week(2111 + 1024), &mut counters);
+        (0..100).for_each(|_| calendar.learn(Constellation::Gps, week(2111 + 1024), &mut counters));
+        (0..4).for_each(|_| calendar.learn(Constellation::Beidou, week(2111), &mut counters));
+        assert_eq!((counters.week_corrections, calendar.present()), (1, Some(week(2111))));
     }
 
     #[test]
@@ -364,7 +380,7 @@ mod tests {
         let ends_s = [days(3), days(5), days(6) + 3600, days(9)];
         for ends_s in ends_s {
             let epochs = [(100, 0), (ends_s % WEEK_S, u64::from(ends_s - 100))];
-            assert_eq!(times_of(&epochs)[1], Some(i64::from(ends_s)));
+            assert_eq!(times_of(&epochs, None)[1], Some(i64::from(ends_s)));
         }
     }
 }

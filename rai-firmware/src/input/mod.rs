@@ -241,6 +241,11 @@ impl Input {
         self.assembly.interrupt(&mut self.counters);
     }
 
+    /// The ranges of an epoch that came at `came_ms` agreed with orbits: its time is right, in its week.
+    pub fn confirm(&mut self, time: GpsTime, came_ms: u64) {
+        self.calendar.confirm(time, came_ms);
+    }
+
     /// What came in and what was not used.
     pub fn counters(&self) -> &Counters {
         &self.counters

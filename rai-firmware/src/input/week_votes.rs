@@ -3,6 +3,10 @@
 //! What one system says, however often, does not outvote two that agree. The week is wrong when more systems contradict it than
 //! confirm it, or as many and with [`DISSENT`] more ephemerides. Who has confirmed it is heard to contradict it when it has done
 //! so as often: some forged ephemerides do not turn a system's vote.
+//!
+//! Two confirm what they cannot know. GLONASS counts days, and is dated by the time that is known: it has no vote. GPS counts
+//! weeks in cycles of 1,024, and is dated in the one that is nearest: where others contradict the cycle, what it has confirmed counts
+//! for nothing.
 
 use rai_core::satellite::Constellation;
 
@@ -11,6 +15,23 @@ const DISSENT: u8 = 4;
 
 /// The votes of one system that count.
 const MOST: i8 = 8;
+
+/// What an ephemeris says of the week.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Vote {
+    /// It is the right one.
+    Right,
+    /// It is another one.
+    Other,
+    /// It is another one, and not of the cycle in which GPS weeks are taken.
+    OtherCycle,
+}
+
+impl Vote {
+    pub(super) const fn of(agrees: bool) -> Self {
+        if agrees { Self::Right } else { Self::Other }
+    }
+}
 
 /// What each system says of the week: that it is right where positive, that it is wrong where negative.
 #[derive(Debug)]
@@ -22,10 +43,17 @@ impl WeekVotes {
     }
 
     /// Takes the vote of an ephemeris.
-    pub(super) fn count(&mut self, system: Constellation, agrees: bool) {
-        if let Some(vote) = self.0.get_mut(system as usize) {
-            let next = if agrees { *vote + 1 } else { *vote - 1 };
-            *vote = next.clamp(-MOST, MOST);
+    pub(super) fn count(&mut self, system: Constellation, vote: Vote) {
+        if system == Constellation::Glonass {
+            return;
+        }
+        let gps = &mut self.0[Constellation::Gps as usize];
+        if vote == Vote::OtherCycle {
+            *gps = (*gps).min(0);
+        }
+        if let Some(votes) = self.0.get_mut(system as usize) {
+            let next = if vote == Vote::Right { *votes + 1 } else { *votes - 1 };
+            *votes = next.clamp(-MOST, MOST);
         }
     }
 
@@ -55,7 +83,7 @@ mod tests {
     fn after(votes: &[(Constellation, i32)]) -> WeekVotes {
         let mut week = WeekVotes::none();
         for (system, votes) in votes {
-            (0..votes.abs()).for_each(|_| week.count(*system, *votes > 0));
+            (0..votes.abs()).for_each(|_| week.count(*system, Vote::of(*votes > 0)));
         }
         week
     }
@@ -75,5 +103,17 @@ mod tests {
             assert!(!after(&[(Gps, 8), (Galileo, 8), (Gps, -gps), (Galileo, -galileo)]).contradict());
         }
         assert!(after(&[(Gps, 8), (Galileo, 8), (Gps, -10), (Galileo, -10)]).contradict());
+    }
+
+    #[test]
+    fn who_cannot_know_confirms_nothing() {
+        use Constellation::Glonass;
+        assert!(after(&[(Glonass, 8), (Gps, -4)]).contradict());
+        let mut cycle = after(&[(Gps, 8), (Glonass, 8)]);
+        (0..4).for_each(|_| cycle.count(Beidou, Vote::OtherCycle));
+        assert!(cycle.contradict());
+        let mut cycle = after(&[(Gps, 8), (Galileo, 1)]);
+        (0..4).for_each(|_| cycle.count(Beidou, Vote::OtherCycle));
+        assert!(!cycle.contradict(), "Galileo knows the cycle");
     }
 }

@@ -3,7 +3,8 @@
 use embedded_hal::digital::OutputPin;
 use embedded_io::Write;
 use rai_core::monitor::{Accepted, MonitorError};
-use rai_core::report::{Alert, Unavailable, Verdict};
+use rai_core::report::{Alert, Report, Unavailable, Verdict};
+use rai_core::satellite::Constellation;
 
 use super::lateness::Lateness;
 use crate::config::Configuration;
@@ -58,6 +59,8 @@ pub(super) struct EpochLoop<P> {
     /// When it came or, where it was late, should have come; or when its silence was last complained of.
     last_epoch_ms: u64,
     lateness: Lateness,
+    /// The last epoch whose ranges agreed with orbits that say the week, and when it came.
+    pub(super) agreed: Option<(GpsTime, u64)>,
     pub(super) sigma_check: Option<f64>,
     is_sound: bool,
     /// Whether the settings in force are meant: not after an unexpected restart that has lost them.
@@ -91,6 +94,7 @@ impl<P: OutputPin> EpochLoop<P> {
             last_time: None,
             last_epoch_ms: 0,
             lateness: Lateness::default(),
+            agreed: None,
             sigma_check: None,
             is_sound: true,
             is_confirmed: true,
@@ -118,6 +122,7 @@ impl<P: OutputPin> EpochLoop<P> {
                 let due_ms = came_ms.saturating_sub(self.lateness.of(raw.time, *came_ms));
                 if now_ms.saturating_sub(due_ms) >= self.time_to_alert_ms() {
                     count(&mut self.verdicts.epochs_late);
+                    self.lateness.doubt(raw.time, *came_ms);
                     return false;
                 }
                 if is_behind {
@@ -132,8 +137,9 @@ impl<P: OutputPin> EpochLoop<P> {
                     _ if !self.is_confirmed => Verdict::Unavailable(Unavailable::Settings),
                     verdict => verdict,
                 };
-                if matches!(report.verdict, Verdict::Protected(_)) {
+                if agree(report) {
                     self.lateness.learn(raw.time, *came_ms);
+                    self.agreed = Some((raw.time, *came_ms));
                 }
                 self.conclude(raw.time, due_ms, host);
                 return true;
@@ -270,4 +276,14 @@ impl<P: OutputPin> EpochLoop<P> {
             count(&mut self.verdicts.host_lost);
         }
     }
+}
+
+/// Whether ranges agree with orbits that tell the week, though perhaps not well enough for a promise: the epoch is of the instant that
+/// it is tagged with. GLONASS alone fits every week.
+fn agree<const N: usize>(report: &Report<N>) -> bool {
+    use Unavailable::{Hpl, Risk, Vpl};
+    let is_contradicted =
+        !matches!(report.verdict, Verdict::Protected(_) | Verdict::Unavailable(Hpl | Vpl | Risk));
+    !is_contradicted
+        && report.used.iter().any(|satellite| satellite.constellation() != Constellation::Glonass)
 }

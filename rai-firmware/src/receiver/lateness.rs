@@ -14,7 +14,8 @@
 //! against those of protected epochs alone: satellites move by kilometres in a second, so ranges that agree with their orbits
 //! are of the instant that they are tagged with. A signal that was recorded and is sent again is late for the same reason.
 //!
-//! A difference of whole weeks is the week that was put right ([`crate::input`]), and is none.
+//! What one epoch says is not yet known. An epoch far ahead of the others is not believed, and what fewer than [`FIRM_EPOCHS`] have
+//! led to gives way to as many that contradict it and agree with each other.
 //!
 //! **Limits.** A delay that grows more slowly than `d` is not told from a fast clock, nor is one seen that was there from the
 //! start. A clock faster than `d` makes everything late in the end.
@@ -24,44 +25,120 @@ use crate::time::{GpsTime, WEEK_MS};
 /// `1/d`: an oscillator without a crystal is within one percent, and a division by this is none.
 const FAST: u64 = 64;
 
-/// What is nearer to whole weeks is a week that was put right, ms.
-const NEAR_MS: i64 = 60_000;
+/// Epochs, and the time between the first and the last of them, ms, that make known how long the way is.
+const FIRM_EPOCHS: u8 = 10;
+const FIRM_MS: u64 = 10_000;
 
-const WEEK: i64 = WEEK_MS as i64;
+/// Ways that differ by less are the same, ms.
+const SAME_MS: i64 = 1000;
 
-/// The shortest way of protected epochs.
+/// What is farther from what is known is of another cycle of GPS weeks, and no delay, ms.
+const HALF_CYCLE_MS: i64 = 512 * WEEK_MS as i64;
+
+/// How long epochs are on their way.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Lateness(Option<Shortest>);
+pub(super) struct Lateness {
+    known: Option<Line>,
+    /// What contradicts it.
+    other: Option<Line>,
+}
 
+/// An epoch, and when it came by the own clock.
 #[derive(Clone, Copy, Debug)]
-struct Shortest {
+struct Arrival {
     time: GpsTime,
     came_ms: u64,
+}
+
+/// Epochs that were as long on their way as each other.
+#[derive(Clone, Copy, Debug)]
+struct Line {
+    first: Arrival,
+    shortest: Arrival,
+    last_ms: u64,
+    epochs: u8,
 }
 
 impl Lateness {
     /// How late an epoch is, ms.
     pub(super) fn of(&self, time: GpsTime, came_ms: u64) -> u64 {
-        let Some(shortest) = self.0 else { return 0 };
-        let gained_ms = came_ms.saturating_sub(shortest.came_ms) / FAST;
-        let longer_ms = shortest.longer_ms(time, came_ms) + NEAR_MS;
-        let this_week_ms = if longer_ms < WEEK { longer_ms } else { longer_ms % WEEK };
-        u64::try_from(this_week_ms - NEAR_MS).unwrap_or(0).saturating_sub(gained_ms)
+        let here = Arrival { time, came_ms };
+        self.known.map_or(0, |known| {
+            let late_ms = here.longer_ms(known.shortest);
+            let late_ms = if late_ms < HALF_CYCLE_MS { late_ms } else { 0 };
+            u64::try_from(late_ms).unwrap_or(0).saturating_sub(here.gained_ms(known.shortest))
+        })
     }
 
-    /// An epoch was protected: its tag is right.
+    /// The ranges of an epoch agreed with orbits: its tag is right.
     pub(super) fn learn(&mut self, time: GpsTime, came_ms: u64) {
-        let is_other_week = |shortest: &Shortest| shortest.longer_ms(time, came_ms) + NEAR_MS >= WEEK;
-        if self.of(time, came_ms) == 0 || self.0.as_ref().is_some_and(is_other_week) {
-            self.0 = Some(Shortest { time, came_ms });
+        let here = Arrival { time, came_ms };
+        let Some(known) = &mut self.known else {
+            self.known = Some(Line::begun(here));
+            return;
+        };
+        let longer_ms = here.longer_ms(known.shortest);
+        if !(-SAME_MS..HALF_CYCLE_MS).contains(&longer_ms) {
+            return self.dispute(here);
+        }
+        self.other = None;
+        if known.is_firm() || known.holds(here) {
+            known.count(here);
+        }
+        if longer_ms <= here.gained_ms(known.shortest).cast_signed() {
+            known.shortest = here;
+        }
+    }
+
+    /// An epoch was too late to be judged.
+    pub(super) fn doubt(&mut self, time: GpsTime, came_ms: u64) {
+        if self.known.is_some_and(|known| !known.is_firm()) {
+            self.dispute(Arrival { time, came_ms });
+        }
+    }
+
+    /// Counts an epoch that contradicts what is known.
+    fn dispute(&mut self, here: Arrival) {
+        let mut other = self.other.filter(|other| other.holds(here)).unwrap_or(Line::begun(here));
+        if other.last_ms != here.came_ms {
+            other.count(here);
+        }
+        self.other = Some(other);
+        if other.is_firm() {
+            *self = Self { known: self.other, other: None };
         }
     }
 }
 
-impl Shortest {
-    /// By how much the way of an epoch is longer than this one, ms; negative where it is shorter.
-    fn longer_ms(&self, time: GpsTime, came_ms: u64) -> i64 {
-        came_ms.saturating_sub(self.came_ms).cast_signed() - time.since_ms(self.time)
+impl Arrival {
+    /// By how much its way is longer than that of an earlier one, ms; negative where it is shorter.
+    fn longer_ms(self, earlier: Self) -> i64 {
+        self.came_ms.saturating_sub(earlier.came_ms).cast_signed() - self.time.since_ms(earlier.time)
+    }
+
+    /// How much the own clock may have gained on the tags since an earlier one, ms.
+    fn gained_ms(self, earlier: Self) -> u64 {
+        self.came_ms.saturating_sub(earlier.came_ms) / FAST
+    }
+}
+
+impl Line {
+    const fn begun(here: Arrival) -> Self {
+        Self { first: here, shortest: here, last_ms: here.came_ms, epochs: 1 }
+    }
+
+    fn is_firm(&self) -> bool {
+        self.epochs >= FIRM_EPOCHS && self.last_ms.saturating_sub(self.first.came_ms) >= FIRM_MS
+    }
+
+    /// Whether an epoch was as long on its way as the first.
+    fn holds(&self, here: Arrival) -> bool {
+        here.longer_ms(self.first).abs() < SAME_MS + here.gained_ms(self.first).cast_signed()
+    }
+
+    const fn count(&mut self, here: Arrival) {
+        self.last_ms = here.came_ms;
+        self.epochs = self.epochs.saturating_add(1);
     }
 }
 
@@ -71,13 +148,17 @@ mod tests {
 
     const START: GpsTime = GpsTime { week: 2200, tow_ms: 0 };
 
-    /// How late epochs are that say these times and come then, s, each protected.
+    /// How late epochs are that say these times and come then, s, where what is not late by ten seconds agrees with orbits.
     fn late_s(epochs: &[(f64, f64)]) -> std::vec::Vec<f64> {
         let mut lateness = Lateness::default();
         let late = |&(tag_s, came_s): &(f64, f64)| {
             let time = GpsTime::from_ms(START.to_ms().wrapping_add_signed((tag_s * 1e3) as i64));
             let (came_ms, late_ms) = ((came_s * 1e3) as u64, lateness.of(time, (came_s * 1e3) as u64));
-            lateness.learn(time, came_ms);
+            if late_ms < 10_000 {
+                lateness.learn(time, came_ms);
+            } else {
+                lateness.doubt(time, came_ms);
+            }
             late_ms as f64 * 1e-3
         };
         epochs.iter().map(late).collect()
@@ -105,19 +186,34 @@ mod tests {
 
     #[test]
     fn what_was_recorded_is_late_by_its_age() {
-        assert_late(&[(5000.0, 1.0), (20.0, 2.0), (21.0, 3.0), (6000.0, 4.0)], &[0.0, 4981.0, 4981.0, 0.0]);
-    }
-
-    #[test]
-    fn a_week_that_is_put_right_is_no_delay() {
         const WEEK_S: f64 = WEEK_MS as f64 * 1e-3;
-        let weeks =
-            [(0.0, 1.0), (1.0 - WEEK_S, 2.0), (2.0 - WEEK_S, 3.0), (3.0, 4.0), (4.0 - 99.0 * WEEK_S, 7.0)];
-        assert_late(&weeks, &[0.0, 0.0, 0.0, 0.0, 2.0]);
+        assert_late(&[(5000.0, 1.0), (20.0, 2.0), (21.0, 3.0), (5003.0, 4.0)], &[0.0, 4981.0, 4981.0, 0.0]);
+        assert_late(&[(0.0, 1.0), (1.0 - WEEK_S, 2.0)], &[0.0, WEEK_S]);
     }
 
     #[test]
-    fn before_anything_was_protected_nothing_is_late() {
+    fn one_epoch_ahead_makes_the_others_late_for_no_longer_than_ten_take() {
+        let healthy = |seconds: core::ops::Range<u32>| seconds.map(f64::from).map(|second| (second, second));
+        let mut before: std::vec::Vec<_> = healthy(0..20).collect();
+        before.push((319.0, 19.5));
+        before.extend(healthy(20..40));
+        assert_late(&before, &[0.0; 41]);
+        // The first of all.
+        let mut first = std::vec![(300.0, 0.0)];
+        first.extend(healthy(1..30));
+        let late_s = late_s(&first);
+        assert!(late_s[1..=11].iter().all(|late_s| (late_s - 300.0).abs() < 1.0), "{late_s:?}");
+        assert!(late_s[12..].iter().all(|late_s| *late_s < 1.0), "{late_s:?}");
+    }
+
+    #[test]
+    fn other_cycle_of_gps_weeks_is_no_delay() {
+        const CYCLE_S: f64 = 1024.0 * WEEK_MS as f64 * 1e-3;
+        assert_late(&[(0.0, 1.0), (1.0 - CYCLE_S, 2.0), (2.0 - CYCLE_S, 3.0)], &[0.0; 3]);
+    }
+
+    #[test]
+    fn before_anything_agreed_nothing_is_late() {
         let lateness = Lateness::default();
         assert_eq!(lateness.of(START, 0), 0);
         assert_eq!(lateness.of(START, u64::MAX / 2), 0);

@@ -146,6 +146,9 @@ impl<P: OutputPin> Receiver<P> {
         let Self { input, epochs, .. } = self;
         let mut judged = false;
         input.feed(bytes, came_ms, |event| judged |= epochs.handle(&event, is_behind, now_ms, host));
+        if let Some((time, came_ms)) = epochs.agreed.take() {
+            input.confirm(time, came_ms);
+        }
         if let Some(leap) = input.leap_second().filter(|leap| leap.seconds != epochs.gps_minus_utc_s) {
             epochs.gps_minus_utc_s = leap.seconds;
             epochs.navigator.correct_utc();

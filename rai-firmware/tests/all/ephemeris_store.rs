@@ -293,11 +293,28 @@ fn satellites_that_rise_together_displace_others_and_not_each_other() {
     }
     // All were seen; a dozen of them no longer are.
     store.observe(here.iter().map(|(_, id)| *id));
-    store.observe(here.iter().map(|(_, id)| *id).skip(12));
+    for _ in 0..6 {
+        store.observe(here.iter().map(|(_, id)| *id).skip(12));
+    }
     for name in rising {
         store.insert(named(*name, now), Some(now));
     }
     let is_known = |(_, id): &&(usize, SatelliteId)| store.get(*id, now).is_ok();
     assert_eq!(rising.iter().filter(is_known).count(), rising.len());
     assert_eq!(here[12..].iter().filter(is_known).count(), CAPACITY - 12);
+}
+
+#[test]
+fn strangers_after_an_epoch_of_one_satellite_displace_nobody_in_sight() {
+    let (mut store, now, names) = (Store::new(), CASES[GPS].toe(), names());
+    let (here, strangers) = names.split_at(30);
+    for name in here {
+        store.insert(named(*name, now), Some(now));
+    }
+    store.observe(here.iter().map(|(_, id)| *id));
+    store.observe([here[0].1].into_iter());
+    for name in &strangers[..64] {
+        store.insert(named(*name, now), Some(now));
+    }
+    assert!(here.iter().all(|(_, id)| store.get(*id, now).is_ok()));
 }

@@ -25,10 +25,31 @@ pub(super) const MOVED: Attack = Attack {
     run: moved,
 };
 
+/// Time leaps a little, again and again.
+pub(super) const NEAR: Attack = Attack {
+    name: "near-ahead",
+    about: "before every fifth epoch the range of one satellite, tagged 59 s ahead",
+    run: near,
+};
+
+/// A whole epoch from later.
+pub(super) const LATER: Attack = Attack {
+    name: "once-later",
+    about: "one epoch of the place itself, tagged five minutes ahead, in the middle and before all others",
+    run: once_later,
+};
+
+/// Another cycle of GPS weeks.
+pub(super) const CYCLE: Attack = Attack {
+    name: "other-cycle",
+    about: "the first ephemeris of all is one of BeiDou, 1,024 weeks ahead: weeks of GPS are dated by it",
+    run: other_cycle,
+};
+
 /// Ephemerides of the next week.
 pub(super) const OUTVOTED: Attack = Attack {
     name: "outvoted-week",
-    about: "four ephemerides of the next week, of one system or of two",
+    about: "four ephemerides of the next week, of one system or of two; ten of each",
     run: outvoted,
 };
 
@@ -91,6 +112,63 @@ fn moved(_: Effort) -> Result<Vec<Figure>> {
     Ok(all)
 }
 
+fn near(_: Effort) -> Result<Vec<Figure>> {
+    let sky = Sky::quiet(EPOCHS, 3)?;
+    let (mut victim, mut tally) = (Victim::new(&[], 1.0)?, Tally::default());
+    for (index, (bytes, epoch)) in sky.bytes(|_, _| {})?.iter().zip(&sky.recording.epochs).enumerate() {
+        let mut one = epoch.clone();
+        one.satellites.retain(|seen| seen.satellite.constellation() == Constellation::Gps);
+        one.satellites.truncate(1);
+        let ahead = if index % 5 == 4 { later(&sky.ranges(&one)?, 59) } else { Vec::new() };
+        tally.add_all(&victim.hear(&[&ahead[..], bytes].concat(), sky.truth)?);
+    }
+    Ok(figures("every fifth", &tally))
+}
+
+fn once_later(_: Effort) -> Result<Vec<Figure>> {
+    /// Five for the time to go back, and ten on another line, with ten seconds between the first and the last.
+    const OUTLASTS: f64 = 16.0;
+    let sky = Sky::quiet(EPOCHS, 3)?;
+    let of_later = |start_s: f64| Sky::of(&Simulation::above_xian(start_s + 300.0, 1, 4), Frequency::Dual);
+    let middle = of_later(3600.0 + FORGED_AT as f64)?;
+    let mut all = figures("in the middle", &run(&sky, &middle.ranges(&middle.recording.epochs[0])?)?);
+    let (mut victim, mut tally) = (Victim::new(&[], 1.0)?, Tally::default());
+    for bytes in of_later(3599.0)?.bytes(|_, _| {})? {
+        victim.hear(&bytes, sky.truth)?;
+    }
+    for bytes in sky.bytes(|_, _| {})? {
+        tally.add_all(&victim.hear(&bytes, sky.truth)?);
+    }
+    all.push(Figure::at_least(
+        "before all others: promised",
+        tally.promised as f64,
+        f64::from(EPOCHS) - OUTLASTS,
+    ));
+    Ok(all)
+}
+
+fn other_cycle(_: Effort) -> Result<Vec<Figure>> {
+    let sky = Sky::quiet(EPOCHS, 3)?;
+    let used_of = |bytes: &[Vec<u8>]| -> Result<f64> {
+        let mut victim = Victim::new(&[], 1.0)?;
+        let mut used = 0;
+        for bytes in bytes {
+            used += victim.hear(bytes, sky.truth)?.iter().map(|seen| seen.said.state.used).sum::<u32>();
+        }
+        Ok(f64::from(used))
+    };
+    let mut bytes = sky.bytes(|_, _| {})?;
+    let wanted = used_of(&bytes)?;
+    let is_beidou = |frame: &&[u8]| read(frame).is_some_and(|message| message.number() == Some(1042));
+    let forged = frames(&bytes[0]).into_iter().find(is_beidou).map(|frame| of_week(frame, 1024));
+    let forged = forged.context("an ephemeris of BeiDou")?;
+    // A receiver says its ephemerides again.
+    let sets = bytes[0].clone();
+    bytes[20].splice(..0, sets);
+    bytes[0].splice(..0, forged);
+    Ok(vec![Figure::at_least("satellites used, all epochs added", used_of(&bytes)?, (0.8 * wanted).round())])
+}
+
 /// The same ranges of GPS so many seconds later.
 fn later(frame: &[u8], by_s: u32) -> Vec<u8> {
     match read(frame) {
@@ -117,6 +195,9 @@ fn outvoted(_: Effort) -> Result<Vec<Figure>> {
         let name = format!("{many} of GPS, {} of BeiDou", 4 - many);
         all.extend(figures(&name, &run(&sky, &forged)?));
     }
+    let each = gps.iter().cycle().take(10).chain(beidou.iter().cycle().take(10));
+    let forged: Vec<u8> = each.flat_map(|frame| of_week(frame, 1)).collect();
+    all.extend(figures("10 of each", &run(&sky, &forged)?));
     Ok(all)
 }
 

@@ -4,10 +4,14 @@
 //! The signals are healthy and their tags are theirs. Only the module's own clock tells that they are old.
 
 use anyhow::Result;
+use rai_firmware::time::GpsTime;
 
-use super::forgery::Sky;
+use super::forgery::{Sky, elsewhere};
+use super::tally::Tally;
 use super::victim::Victim;
 use super::{Attack, Effort, Figure};
+use crate::encode::Frequency;
+use crate::sky::raw::Simulation;
 
 /// A line that is too slow.
 pub(super) const ATTACK: Attack = Attack {
@@ -21,6 +25,13 @@ pub(super) const AGAIN: Attack = Attack {
     name: "sent-again",
     about: "after minutes of signals the same bytes come again: is any of them promised?",
     run: send_again,
+};
+
+/// A recording of the same second of another week.
+pub(super) const WEEK_OLD: Attack = Attack {
+    name: "week-old",
+    about: "what was recorded a week ago 5.5 km away, at the same second of the week, and its ephemerides",
+    run: week_old,
 };
 
 /// Time to alert of the settings at start, s.
@@ -75,4 +86,29 @@ fn send_again(effort: Effort) -> Result<Vec<Figure>> {
         Figure::at_most("promised when sent again", again, 0.0),
         Figure::at_least("promised after FORGET", meant, bytes.len() as f64 - 20.0),
     ])
+}
+
+fn week_old(_: Effort) -> Result<Vec<Figure>> {
+    const LIVE: u32 = 200;
+    let honest = Simulation::above_xian(3600.0, LIVE, 1);
+    // The sky repeats itself with its own time: two hours later by it, at the same second of the week.
+    let tow_ms = honest.origin.tow_ms - 7_200_000;
+    let origin = GpsTime { week: honest.origin.week - 1, tow_ms };
+    let old = Simulation { origin, ..Simulation::above_xian(3600.0 + 7200.0 + f64::from(LIVE), 300, 2) };
+    let (honest, old) =
+        (Sky::of(&honest, Frequency::Dual)?, Sky::of(&elsewhere(&old, 0.05), Frequency::Dual)?);
+    let (mut victim, mut before, mut after) = (Victim::new(&[], 1.0)?, Tally::default(), Tally::default());
+    for bytes in honest.bytes(|_, _| {})? {
+        before.add_all(&victim.hear(&bytes, honest.truth)?);
+    }
+    let bytes = old.bytes(|_, _| {})?;
+    for (index, own) in bytes.iter().enumerate() {
+        // Its ephemerides come twice.
+        let again: &[u8] = if index == 30 { &bytes[0] } else { &[] };
+        after.add_all(&victim.hear(&[own, again].concat(), honest.truth)?);
+    }
+    let mut figures = after.figures(0.0);
+    figures.push(Figure::at_least("protected before", before.promised as f64, f64::from(LIVE)));
+    figures.push(Figure::at_most("protected with what is a week old", after.promised as f64, 0.0));
+    Ok(figures)
 }

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | unplugged | the cable is pulled in the middle of an epoch and plugged in again in the middle of another; between, the line is silent or picks up noise |
 //! | power-on | the module is reset in the middle of an epoch |
-//! | rewind | the receiver's time goes back by some epochs and on from there: what comes then is late, but where the host, every other time, says `FORGET` |
+//! | rewind | the receiver's time goes back by some epochs and on from there: what comes then is late, but where the host, two times of three, says `FORGET` |
 //! | unread | nobody reads the host port for some epochs |
 //! | early ephemeris | before an epoch comes what a satellite in view will broadcast hours later |
 //! | setting | the host sets another horizontal alert limit, another method, or the clock aiding |
@@ -253,7 +253,7 @@ impl Scenario {
             if cursor > back && self.diary.rewind.is_due(self.turn, &mut self.rng) {
                 cursor -= back;
                 self.rewinds += 1;
-                self.is_to_forget = self.rewinds % 2 == 1;
+                self.is_to_forget = self.rewinds % 3 != 0;
             }
         }
         Ok(())

@@ -264,7 +264,10 @@ impl Tally {
         }
         *self.verdicts.entry((state.state, state.reason.clone())).or_default() += 1;
         let now_s = self.open.back().map_or(0.0, |open| open.offered_s);
-        let found = self.open.iter_mut().rev().find(|open| is_of(&state, &open.offer));
+        // Where time has gone back, and the host has not listened meanwhile, two are of that time: the one that is waited for.
+        let is_not_awaited = |open: &&mut Open| !open.offer.is_due || open.is_judged;
+        let of_the_time = self.open.iter_mut().rev().filter(|open| is_of(&state, &open.offer));
+        let found = of_the_time.min_by_key(is_not_awaited);
         let Some(open) = found else {
             self.invented += 1;
             return;

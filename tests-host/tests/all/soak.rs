@@ -31,7 +31,7 @@ fn assert_all_happened(outcome: &Outcome) {
 #[test]
 fn minutes_of_a_simulated_sky_leave_every_count_at_zero() {
     if is_installed() {
-        soak(Plan::short_sky(1));
+        soak(Plan::short_sky(4));
     }
 }
 

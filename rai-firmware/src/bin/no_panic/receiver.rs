@@ -94,6 +94,7 @@ fn wire() {
         (|input, tell| Input::silence(input, tell)) as fn(_, Tell),
         (|input, tell| Input::pause(input, tell)) as fn(_, Tell),
         Input::interrupt as fn(_),
+        Input::confirm as fn(_, _, _),
         Input::counters as fn(_) -> _,
         Input::time as fn(_) -> _,
         Input::leap_second as fn(_) -> _,

@@ -44,13 +44,20 @@ fn an_epoch_that_goes_back_is_dropped_whole() {
 
 #[test]
 fn one_time_far_ahead_does_not_silence_the_receiver() {
-    let mut input = knowing();
-    feed(&mut input, &gps(TOW_MS, false));
-    assert_eq!(epochs(feed(&mut input, &gps(TOW_MS + 5 * 3_600_000, false))).len(), 1);
-    let later: Vec<usize> =
-        (1..=7).map(|n| epochs(feed(&mut input, &gps(TOW_MS + n * 1000, false))).len()).collect();
-    assert_eq!(later, [1, 1, 1, 1, 1, 1, 1]);
-    assert_eq!(names_of_nonzero(input.counters()), [("time_restarts", 1)]);
+    for is_confirmed in [true, false] {
+        let mut input = knowing();
+        let first = epochs(feed(&mut input, &gps(TOW_MS, false)))[0].time;
+        if is_confirmed {
+            input.confirm(first, 0);
+        }
+        assert_eq!(epochs(feed(&mut input, &gps(TOW_MS + 5 * 3_600_000, false))).len(), 1);
+        let later: Vec<usize> =
+            (1..=7).map(|n| epochs(feed(&mut input, &gps(TOW_MS + n * 1000, false))).len()).collect();
+        // Of two times neither is known to be right, before ranges have agreed with orbits.
+        let (want, dropped) = if is_confirmed { ([1; 7], 0) } else { ([0, 0, 0, 0, 1, 1, 1], 4) };
+        assert_eq!(later, want);
+        assert_eq!((input.counters().time_restarts, input.counters().epochs_backwards), (1, dropped));
+    }
 }
 
 #[test]
