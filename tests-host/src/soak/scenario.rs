@@ -253,7 +253,7 @@ impl Scenario {
             if cursor > back && self.diary.rewind.is_due(self.turn, &mut self.rng) {
                 cursor -= back;
                 self.rewinds += 1;
-                self.is_to_forget = self.rewinds % 3 != 0;
+                self.is_to_forget = !self.rewinds.is_multiple_of(3);
             }
         }
         Ok(())
