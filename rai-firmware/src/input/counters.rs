@@ -51,7 +51,7 @@ counters! {
         epochs_without_week,
         /// Epochs dropped because they are not newer than the last one.
         epochs_backwards,
-        /// Times that went back and were accepted: they went on from there, or from before a leap.
+        /// Times that went back and were accepted: they went on from there, or from what was known to be right.
         time_restarts,
         /// Weeks corrected because the ephemerides agreed on another one.
         week_corrections,

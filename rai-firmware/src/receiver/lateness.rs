@@ -7,11 +7,11 @@
 //! | symbol | meaning | unit |
 //! |---|---|---|
 //! | `t`, `τ` | when the epoch came, by the module's own clock; its tag | ms |
-//! | `tₚ`, `τₚ` | the same of an epoch that was protected | ms |
+//! | `tₚ`, `τₚ` | the same of an epoch whose ranges agreed with orbits | ms |
 //! | `d` | how much the own clock may gain on the tags: [`FAST`] | – |
 //!
 //! The way from the antenna to the module always takes its time; the shortest that was seen counts as none. Tags are held
-//! against those of protected epochs alone: satellites move by kilometres in a second, so ranges that agree with their orbits
+//! against those of epochs that agreed alone: satellites move by kilometres in a second, so ranges that agree with their orbits
 //! are of the instant that they are tagged with. A signal that was recorded and is sent again is late for the same reason.
 //!
 //! What one epoch says is not yet known. An epoch far ahead of the others is not believed, and what fewer than [`FIRM_EPOCHS`] have

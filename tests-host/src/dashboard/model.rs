@@ -11,8 +11,8 @@ use crate::sentence::{self, Excluded, Sentence, State};
 /// Epochs that are remembered for the curves: ten minutes at one a second.
 const MEMORY: usize = 600;
 
-/// Names of the fields of `PRAIQ`, in its order; none for what is not shown: all but the first of `IONO`, and `OUTPUT`.
-const SETTINGS: [&str; 42] = [
+/// Names of the first fields of `PRAIQ`, in its order.
+const SETTINGS: [&str; 23] = [
     "PHASE",
     "HAL",
     "VAL",
@@ -36,26 +36,10 @@ const SETTINGS: [&str; 42] = [
     "SIGMA",
     "BAUD",
     "IONO",
-    "",
-    "",
-    "",
-    "",
-    "",
-    "",
-    "",
-    "",
-    "",
-    "",
-    "",
-    "",
-    "",
-    "",
-    "",
-    "",
-    "",
-    "",
-    "ISM",
 ];
+
+/// The how-manieth field, from zero on, is the preset of `ISM`.
+const ISM_FIELD: usize = 41;
 
 /// One epoch of the curves.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -217,11 +201,11 @@ impl Dashboard {
             self.incomplete_settings.clear();
         }
         self.incomplete_settings.extend(fields.iter().map(ToString::to_string));
-        if is_last && self.incomplete_settings.len() >= SETTINGS.len() {
+        if is_last && self.incomplete_settings.len() > ISM_FIELD {
             let all = std::mem::take(&mut self.incomplete_settings);
-            let said =
-                SETTINGS.into_iter().zip(all).filter(|(name, value)| !name.is_empty() && !value.is_empty());
-            self.settings = said.collect();
+            let ism = ("ISM", all[ISM_FIELD].clone());
+            let said = SETTINGS.into_iter().zip(all).chain([ism]);
+            self.settings = said.filter(|(_, value)| !value.is_empty()).collect();
             hash.clone_into(&mut self.hash);
         }
     }
