@@ -28,7 +28,7 @@ impl OutputPin for Pin {
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let boot = Boot { git: "example", reset_cause: heapless::String::new() };
+    let boot = Boot::on_host("example");
     let mut receiver = Receiver::new(Pin, boot)?;
     let (start, mut said) = (Instant::now(), Vec::new());
     receiver.greet(&mut said);

@@ -31,7 +31,7 @@ type Stored = Object<Made, 2>;
 /// Makes a receiver where it is to stay: behind a reference that is the only one, it need not be on the stack first.
 #[inline(never)]
 fn make(place: &mut MaybeUninit<Made>) {
-    let boot = Boot { git: "library", reset_cause: heapless::String::new() };
+    let boot = Boot { clock_error_ppm: Boot::WITHOUT_CRYSTAL_PPM, ..Boot::on_host("library") };
     place.write(Receiver::new(Level { is_high: false }, boot));
 }
 
@@ -126,7 +126,8 @@ pub unsafe extern "C" fn rai_receiver_init(
     status_of(placed)
 }
 
-/// Takes bytes of the GNSS port that came at `now_ms`, milliseconds of any clock that does not go back.
+/// Takes bytes of the GNSS port that came at `now_ms`, milliseconds of any clock that does not go back and is within 4 %: what
+/// comes later than others by more is found late.
 ///
 /// `judged`, where it is not null, becomes 1 if an epoch was judged during the call, else 0. Set the pin after each call.
 ///

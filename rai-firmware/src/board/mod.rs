@@ -63,6 +63,9 @@ pub trait Board {
     /// Milliseconds since start.
     fn now_ms(&self) -> u64;
 
+    /// By how much this may be more than have passed, parts per million.
+    fn clock_error_ppm(&self) -> u32;
+
     /// Ticks of the clock that epochs are measured with, since start.
     fn now_ticks(&self) -> u64;
 

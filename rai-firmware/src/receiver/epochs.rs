@@ -74,7 +74,7 @@ impl<P: OutputPin> EpochLoop<P> {
     /// One that has heard nothing; the pin goes low.
     #[allow(clippy::inline_always, reason = "what is large is written where it is to stay")]
     #[inline(always)]
-    pub(super) fn new(mut pin: P) -> Result<Self, MonitorError> {
+    pub(super) fn new(mut pin: P, clock_error_ppm: u32) -> Result<Self, MonitorError> {
         // Read where the program lies: a copy of its own would be on the stack.
         static AT_START: Configuration = Configuration::at_start();
         let mut verdicts = Verdicts::NONE;
@@ -93,7 +93,7 @@ impl<P: OutputPin> EpochLoop<P> {
             has_report: false,
             last_time: None,
             last_epoch_ms: 0,
-            lateness: Lateness::default(),
+            lateness: Lateness::by_clock_within(clock_error_ppm),
             agreed: None,
             sigma_check: None,
             is_sound: true,
@@ -106,7 +106,7 @@ impl<P: OutputPin> EpochLoop<P> {
     /// The last position counts for nothing, nor does how long epochs were on their way.
     pub(super) fn forget(&mut self) {
         self.navigator.forget_position();
-        self.lateness = Lateness::default();
+        self.lateness.forget();
     }
 
     /// Acts on what came in; says whether an epoch was judged.

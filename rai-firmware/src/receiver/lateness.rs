@@ -8,7 +8,7 @@
 //! |---|---|---|
 //! | `t`, `τ` | when the epoch came, by the module's own clock; its tag | ms |
 //! | `tₚ`, `τₚ` | the same of an epoch whose ranges agreed with orbits | ms |
-//! | `d` | how much the own clock may gain on the tags: [`FAST`] | – |
+//! | `d` | how much the own clock may gain on the tags: [`Boot::clock_error_ppm`](super::Boot::clock_error_ppm) | – |
 //!
 //! The way from the antenna to the module always takes its time; the shortest that was seen counts as none. Tags are held
 //! against those of epochs that agreed alone: satellites move by kilometres in a second, so ranges that agree with their orbits
@@ -22,9 +22,6 @@
 
 use crate::time::{GpsTime, WEEK_MS};
 
-/// `1/d`: an oscillator without a crystal is within one percent, and a division by this is none.
-const FAST: u64 = 64;
-
 /// Epochs, and the time between the first and the last of them, ms, that make known how long the way is.
 const FIRM_EPOCHS: u8 = 10;
 const FIRM_MS: u64 = 10_000;
@@ -36,8 +33,9 @@ const SAME_MS: i64 = 1000;
 const HALF_CYCLE_MS: i64 = 512 * WEEK_MS as i64;
 
 /// How long epochs are on their way.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Lateness {
+    clock_error_ppm: u32,
     known: Option<Line>,
     /// What contradicts it.
     other: Option<Line>,
@@ -60,19 +58,32 @@ struct Line {
 }
 
 impl Lateness {
+    /// Of a module whose own clock may gain so much on the right time, parts per million.
+    pub(super) const fn by_clock_within(clock_error_ppm: u32) -> Self {
+        Self { clock_error_ppm, known: None, other: None }
+    }
+
+    /// What epochs have said counts for nothing.
+    pub(super) const fn forget(&mut self) {
+        *self = Self::by_clock_within(self.clock_error_ppm);
+    }
+
     /// How late an epoch is, ms.
     pub(super) fn of(&self, time: GpsTime, came_ms: u64) -> u64 {
         let here = Arrival { time, came_ms };
         self.known.map_or(0, |known| {
             let late_ms = here.longer_ms(known.shortest);
             let late_ms = if late_ms < HALF_CYCLE_MS { late_ms } else { 0 };
-            u64::try_from(late_ms).unwrap_or(0).saturating_sub(here.gained_ms(known.shortest))
+            u64::try_from(late_ms)
+                .unwrap_or(0)
+                .saturating_sub(here.gained_ms(known.shortest, self.clock_error_ppm))
         })
     }
 
     /// The ranges of an epoch agreed with orbits: its tag is right.
     pub(super) fn learn(&mut self, time: GpsTime, came_ms: u64) {
         let here = Arrival { time, came_ms };
+        let clock_error_ppm = self.clock_error_ppm;
         let Some(known) = &mut self.known else {
             self.known = Some(Line::begun(here));
             return;
@@ -82,10 +93,10 @@ impl Lateness {
             return self.dispute(here);
         }
         self.other = None;
-        if known.is_firm() || known.holds(here) {
+        if known.is_firm() || known.holds(here, clock_error_ppm) {
             known.count(here);
         }
-        if longer_ms <= here.gained_ms(known.shortest).cast_signed() {
+        if longer_ms <= here.gained_ms(known.shortest, clock_error_ppm).cast_signed() {
             known.shortest = here;
         }
     }
@@ -99,13 +110,14 @@ impl Lateness {
 
     /// Counts an epoch that contradicts what is known.
     fn dispute(&mut self, here: Arrival) {
-        let mut other = self.other.filter(|other| other.holds(here)).unwrap_or(Line::begun(here));
+        let same = self.other.filter(|other| other.holds(here, self.clock_error_ppm));
+        let mut other = same.unwrap_or(Line::begun(here));
         if other.last_ms != here.came_ms {
             other.count(here);
         }
         self.other = Some(other);
         if other.is_firm() {
-            *self = Self { known: self.other, other: None };
+            *self = Self { known: self.other, other: None, ..*self };
         }
     }
 }
@@ -117,8 +129,8 @@ impl Arrival {
     }
 
     /// How much the own clock may have gained on the tags since an earlier one, ms.
-    fn gained_ms(self, earlier: Self) -> u64 {
-        self.came_ms.saturating_sub(earlier.came_ms) / FAST
+    fn gained_ms(self, earlier: Self, clock_error_ppm: u32) -> u64 {
+        self.came_ms.saturating_sub(earlier.came_ms).saturating_mul(u64::from(clock_error_ppm)) / 1_000_000
     }
 }
 
@@ -132,8 +144,8 @@ impl Line {
     }
 
     /// Whether an epoch was as long on its way as the first.
-    fn holds(&self, here: Arrival) -> bool {
-        here.longer_ms(self.first).abs() < SAME_MS + here.gained_ms(self.first).cast_signed()
+    fn holds(&self, here: Arrival, clock_error_ppm: u32) -> bool {
+        here.longer_ms(self.first).abs() < SAME_MS + here.gained_ms(self.first, clock_error_ppm).cast_signed()
     }
 
     const fn count(&mut self, here: Arrival) {
@@ -144,13 +156,14 @@ impl Line {
 
 #[cfg(test)]
 mod tests {
+    use super::super::Boot;
     use super::*;
 
     const START: GpsTime = GpsTime { week: 2200, tow_ms: 0 };
 
     /// How late epochs are that say these times and come then, s, where what is not late by ten seconds agrees with orbits.
-    fn late_s(epochs: &[(f64, f64)]) -> std::vec::Vec<f64> {
-        let mut lateness = Lateness::default();
+    fn late_s_by(clock_error_ppm: u32, epochs: &[(f64, f64)]) -> std::vec::Vec<f64> {
+        let mut lateness = Lateness::by_clock_within(clock_error_ppm);
         let late = |&(tag_s, came_s): &(f64, f64)| {
             let time = GpsTime::from_ms(START.to_ms().wrapping_add_signed((tag_s * 1e3) as i64));
             let (came_ms, late_ms) = ((came_s * 1e3) as u64, lateness.of(time, (came_s * 1e3) as u64));
@@ -162,6 +175,10 @@ mod tests {
             late_ms as f64 * 1e-3
         };
         epochs.iter().map(late).collect()
+    }
+
+    fn late_s(epochs: &[(f64, f64)]) -> std::vec::Vec<f64> {
+        late_s_by(Boot::CRYSTAL_PPM, epochs)
     }
 
     fn assert_late(epochs: &[(f64, f64)], want_s: &[f64]) {
@@ -180,8 +197,18 @@ mod tests {
     #[test]
     fn a_fast_clock_of_its_own_is_no_delay() {
         let epochs: std::vec::Vec<_> =
-            (0..10_000).map(|second| (f64::from(second), f64::from(second) * 1.009)).collect();
-        assert!(late_s(&epochs).into_iter().all(|late_s| late_s < 0.02));
+            (0..10_000).map(|second| (f64::from(second), f64::from(second) * 1.039)).collect();
+        let late_s = late_s_by(Boot::WITHOUT_CRYSTAL_PPM, &epochs);
+        assert!(late_s.into_iter().all(|late_s| late_s < 0.02));
+    }
+
+    #[test]
+    fn after_ten_minutes_of_silence_only_a_poor_clock_leaves_them_in_doubt() {
+        // Ten minutes that nothing comes in, and then 15 s behind.
+        let epochs = [(0.0, 0.3), (1.0, 1.3), (601.0, 616.3)];
+        let late_s = |clock_error_ppm| late_s_by(clock_error_ppm, &epochs)[2];
+        assert!((14.8..15.0).contains(&late_s(Boot::CRYSTAL_PPM)));
+        assert!(late_s(Boot::WITHOUT_CRYSTAL_PPM) == 0.0);
     }
 
     #[test]
@@ -214,7 +241,7 @@ mod tests {
 
     #[test]
     fn before_anything_agreed_nothing_is_late() {
-        let lateness = Lateness::default();
+        let lateness = Lateness::by_clock_within(Boot::CRYSTAL_PPM);
         assert_eq!(lateness.of(START, 0), 0);
         assert_eq!(lateness.of(START, u64::MAX / 2), 0);
     }

@@ -47,6 +47,21 @@ pub struct Boot {
     pub git: &'static str,
     /// Why it started, in the words of `PRAIV`.
     pub reset_cause: heapless::String<16>,
+    /// By how much the module's own clock may gain on the right time, parts per million: how old an epoch may be without being
+    /// found late.
+    pub clock_error_ppm: u32,
+}
+
+impl Boot {
+    /// Of a clock with a crystal: some 50 ppm when new and through its temperatures, and as much again for its years.
+    pub const CRYSTAL_PPM: u32 = 250;
+    /// Of one without: within 1 % at room temperature. Whose clock is farther off than this reads no byte of a receiver.
+    pub const WITHOUT_CRYSTAL_PPM: u32 = 40_000;
+
+    /// As a program on a computer starts: for no reason of its own, and with a crystal.
+    pub const fn on_host(git: &'static str) -> Self {
+        Self { git, reset_cause: heapless::String::new(), clock_error_ppm: Self::CRYSTAL_PPM }
+    }
 }
 
 /// A pause of the line that no frame has inside, ms; shorter than the second between two epochs.
@@ -84,10 +99,10 @@ impl<P: OutputPin> Receiver<P> {
     pub fn new(pin: P, boot: Boot) -> Result<Self, MonitorError> {
         // In one piece: what is large is written where it is to stay.
         Ok(Self {
-            boot,
             input: Input::new(),
             commands: CommandPort::new(),
-            epochs: EpochLoop::new(pin)?,
+            epochs: EpochLoop::new(pin, boot.clock_error_ppm)?,
+            boot,
             last_byte_ms: None,
             has_paused: true,
             next_counter: None,

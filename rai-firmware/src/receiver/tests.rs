@@ -46,7 +46,7 @@ impl Write for Deaf {
 }
 
 fn promising() -> Receiver<Level> {
-    let boot = Boot { git: "test", reset_cause: heapless::String::new() };
+    let boot = Boot::on_host("test");
     let mut receiver = Receiver::new(Level { high: true }, boot).expect("in the tables");
     receiver.epochs.drive_pin(true);
     receiver

@@ -4,6 +4,7 @@
 //! The signals are healthy and their tags are theirs. Only the module's own clock tells that they are old.
 
 use anyhow::Result;
+use rai_firmware::receiver::Boot;
 use rai_firmware::time::GpsTime;
 
 use super::forgery::{Sky, elsewhere};
@@ -52,8 +53,8 @@ fn hold_back(effort: Effort) -> Result<Vec<Figure>> {
                 promised += 1;
             }
         }
-        // A 64th of the time may be the own clock's.
-        let slack = own_s / (own_s - 1.0) / 64.0;
+        // So much of the time may be the own clock's.
+        let slack = own_s / (own_s - 1.0) * f64::from(Boot::CRYSTAL_PPM) * 1e-6;
         let bound_s = if own_s > 1.0 { TIME_TO_ALERT_S / (1.0 - slack) } else { 0.0 };
         figures.push(Figure::at_most(format!("oldest promised at {own_s} s an epoch, s"), oldest_s, bound_s));
         if own_s > 1.0 {

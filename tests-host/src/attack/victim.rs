@@ -20,7 +20,7 @@ pub struct Victim {
 
 /// A module that has heard nothing.
 fn started() -> Result<Receiver<Pin>> {
-    let boot = Boot { git: "attack", reset_cause: heapless::String::new() };
+    let boot = Boot::on_host("attack");
     Receiver::new(Pin::default(), boot).context("the module cannot start")
 }
 

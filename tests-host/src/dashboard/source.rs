@@ -169,7 +169,7 @@ fn spawn_capture(bytes: Vec<u8>, sender: SyncSender<News>) {
 }
 
 fn capture(bytes: &[u8], sender: &SyncSender<News>) -> Result<()> {
-    let boot = Boot { git: "host", reset_cause: heapless::String::new() };
+    let boot = Boot::on_host("host");
     let mut module = receiver::Receiver::new(Pin::default(), boot).context("the module cannot start")?;
     let mut heaven = Heaven::new();
     let (mut place, mut now_ms) = (Ecef::CENTRE, 0);

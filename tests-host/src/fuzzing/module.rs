@@ -20,7 +20,7 @@ pub(super) struct Module {
 
 impl Module {
     pub(super) fn new() -> Self {
-        let boot = Boot { git: "fuzzing", reset_cause: heapless::String::new() };
+        let boot = Boot::on_host("fuzzing");
         let receiver = Receiver::new(Pin::default(), boot).expect("thresholds of the requirements at start");
         Self { receiver, now_ms: 0, bytes: 0, epochs: 0, stale: 0 }
     }

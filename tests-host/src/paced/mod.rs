@@ -298,6 +298,10 @@ impl<'l> Board for Model<'l> {
         self.now_ns() / 1_000_000
     }
 
+    fn clock_error_ppm(&self) -> u32 {
+        Boot::CRYSTAL_PPM
+    }
+
     fn now_ticks(&self) -> u64 {
         self.now_ns()
     }
@@ -368,7 +372,7 @@ pub fn search(lumps: &[Vec<u8>], lines: Lines<'_>, costs: Costs) -> Outcome {
 
 fn play(lumps: &[Vec<u8>], quiet: usize, lines: Lines<'_>, costs: Costs, port_baud: u64) -> Outcome {
     let clock = Clock::default();
-    let boot = Boot { git: "paced", reset_cause: heapless::String::new() };
+    let boot = Boot::on_host("paced");
     let pin = Pin { clock: Rc::clone(&clock) };
     let mut receiver = Receiver::new(pin, boot).expect("the module starts");
     // What comes first brings all orbits and a search for the position: it is not what is measured.

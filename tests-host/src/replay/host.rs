@@ -112,7 +112,7 @@ struct Module(Receiver<Pin>);
 
 impl Module {
     fn start(setup: &Setup) -> Result<Self> {
-        let boot = Boot { git: "host", reset_cause: heapless::String::new() };
+        let boot = Boot::on_host("host");
         let mut receiver = Receiver::new(Pin::default(), boot).context("the module cannot start")?;
         let mut answers = Vec::new();
         for body in setup {

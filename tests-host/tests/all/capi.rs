@@ -118,7 +118,7 @@ fn stream() -> Vec<u8> {
 
 /// What the module says of a stream when it is called from Rust at the times at which the C program calls it.
 fn from_rust(bytes: &[u8]) -> String {
-    let boot = Boot { git: "library", reset_cause: heapless::String::new() };
+    let boot = Boot::on_host("library");
     let mut receiver = Receiver::new(Pin::default(), boot).expect("in the tables");
     let mut said = Vec::new();
     receiver.greet(&mut said);

@@ -45,7 +45,7 @@ fn lumps(epochs: u32) -> Vec<Vec<u8>> {
 }
 
 fn on_host(lumps: &[Vec<u8>]) -> (Vec<u8>, Vec<bool>) {
-    let boot = Boot { git: "parity", reset_cause: heapless::String::new() };
+    let boot = Boot::on_host("parity");
     let mut receiver = Receiver::new(Level::default(), boot).expect("a receiver");
     let mut sentences = Vec::new();
     let levels = lumps.iter().map(|lump| {

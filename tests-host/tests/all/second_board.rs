@@ -19,7 +19,7 @@ fn lumps(epochs: u32) -> Vec<Vec<u8>> {
 
 /// The verdicts of the module in process.
 fn on_host(lumps: &[Vec<u8>]) -> Vec<String> {
-    let boot = Boot { git: "host", reset_cause: heapless::String::new() };
+    let boot = Boot::on_host("host");
     let mut receiver = Receiver::new(Pin::default(), boot).expect("the module starts");
     let mut said = Vec::new();
     for lump in lumps {

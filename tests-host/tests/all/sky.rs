@@ -285,7 +285,7 @@ fn module_finds_the_site_under_the_simulated_sky() {
     let recording = simulation.record();
     let selection = Selection::new("GC", Frequency::Dual).unwrap();
     let mut encoder = Encoder::new(&recording.ephemerides, selection);
-    let boot = Boot { git: "test", reset_cause: heapless::String::new() };
+    let boot = Boot::on_host("test");
     let mut receiver = Receiver::new(NoPin, boot).unwrap();
     let mut said: Vec<u8> = Vec::new();
     for (epoch, now_ms) in recording.epochs.iter().zip((0..).step_by(1000)) {

@@ -218,7 +218,7 @@ fn rates_of_the_wrong_sign_are_named_and_give_no_velocity() {
 fn at_rest(recording: &Recording, systems: &str) -> (f64, f64, usize, usize) {
     let selection = Selection::new(systems, Frequency::Dual).expect("systems");
     let mut encoder = Encoder::new(&recording.ephemerides, selection);
-    let boot = Boot { git: "test", reset_cause: heapless::String::new() };
+    let boot = Boot::on_host("test");
     let mut module = Receiver::new(Pin::default(), boot).expect("it starts");
     let (mut horizontal, mut vertical, mut fixes, mut velocities) = (0.0, 0.0, 0, 0);
     for (index, epoch) in (0_u64..).zip(recording.epochs.iter().take(600)) {

@@ -146,7 +146,7 @@ pub fn whole(mut input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answ
     let length = usize::from(input.byte()?);
     let (command, rest) = input.0.split_at_checked(length)?;
     let (before, bytes) = halves(Input(rest))?;
-    let boot = Boot { git: "laboratory", reset_cause: heapless::String::new() };
+    let boot = Boot::on_host("laboratory");
     // Borrowed and not taken out: there is no room for two.
     let mut receiver = Receiver::new(Pin, boot);
     let receiver = receiver.as_mut().ok()?;

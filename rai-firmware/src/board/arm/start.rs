@@ -23,7 +23,7 @@ pub fn run<B: Board>(board: &mut B, receiver: &'static mut Place<B::Pin>, pin: B
         defmt::error!("the program before panicked: file {=u32:08x}, line {=u32}", file, line);
     }
     board.feed_watchdog();
-    let Some(receiver) = settle(receiver, pin, boot(cause)) else { fault::reset_on_request() };
+    let Some(receiver) = settle(receiver, pin, boot(board, cause)) else { fault::reset_on_request() };
     let after_power_on = is_after_power_on(cause, board.sealed());
     receiver.restore(board.sealed(), after_power_on);
     receiver.greet(board.host());
@@ -56,6 +56,7 @@ fn settle<P: embedded_hal::digital::OutputPin>(
     made.ok()
 }
 
-fn boot(cause: ResetCause) -> Boot {
-    Boot { git: env!("RAI_GIT"), reset_cause: cause.word() }
+fn boot<B: Board>(board: &B, cause: ResetCause) -> Boot {
+    let clock_error_ppm = board.clock_error_ppm();
+    Boot { git: env!("RAI_GIT"), reset_cause: cause.word(), clock_error_ppm }
 }

@@ -27,6 +27,7 @@ use cortex_m_rt::entry;
 use embedded_hal::digital::{ErrorType, OutputPin};
 use rai_firmware::board::reset::ResetCause;
 use rai_firmware::board::{Board, Note, PortLosses, SEALED_BYTES};
+use rai_firmware::receiver::Boot;
 use rai_firmware::timed_ring::Taken;
 
 use crate::arm::rings::{self, HostPort};
@@ -139,6 +140,10 @@ impl Board for Mps2An500 {
 
     fn now_ms(&self) -> u64 {
         time::now_ms()
+    }
+
+    fn clock_error_ppm(&self) -> u32 {
+        Boot::CRYSTAL_PPM
     }
 
     fn now_ticks(&self) -> u64 {

@@ -14,6 +14,8 @@
 //!
 //! [RM0090]: rai_firmware#references
 
+use rai_firmware::receiver::Boot;
+
 /// Frequency of the crystal, Hz.
 const CRYSTAL_HZ: u32 = 8_000_000;
 /// Divider in front of the PLL, so that its input is 1 MHz.
@@ -41,6 +43,17 @@ pub enum Source {
     /// No oscillator reports ready, though the program runs: the clock is not ours to set. Taken as full speed, which
     /// makes time-outs late and never early on a slower clock, and is what an emulated core counts.
     Unreported,
+}
+
+impl Source {
+    #[cfg_attr(not(target_os = "none"), allow(dead_code))] // As above.
+    /// By how much a clock from it may gain on the right time, parts per million.
+    pub const fn error_ppm(self) -> u32 {
+        match self {
+            Self::Crystal | Self::Unreported => Boot::CRYSTAL_PPM,
+            Self::Internal => Boot::WITHOUT_CRYSTAL_PPM,
+        }
+    }
 }
 
 /// The clock that really runs.

@@ -120,6 +120,10 @@ mod hardware {
             time::now_ms()
         }
 
+        fn clock_error_ppm(&self) -> u32 {
+            self.clock.source.error_ppm()
+        }
+
         fn now_ticks(&self) -> u64 {
             time::now_ticks()
         }

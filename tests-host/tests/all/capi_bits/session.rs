@@ -116,7 +116,7 @@ impl Session {
 
     pub(crate) fn start(&mut self) {
         self.calls.start();
-        let boot = Boot { git: "library", reset_cause: heapless::String::new() };
+        let boot = Boot::on_host("library");
         let receiver = self.receiver.insert(Receiver::new(Pin::default(), boot).expect("in the tables"));
         let mut said = Vec::new();
         receiver.greet(&mut said);

@@ -44,7 +44,7 @@ fn a_starved_host_misses_whole_sentences_and_the_pin_does_not_suffer() {
     let ring = Ring::<4096>::new();
     let wire =
         Wire { ring: &ring, bytes_per_ms: Cell::new(11), now_ms: Cell::new(0), taken: RefCell::default() };
-    let boot = Boot { git: "slow", reset_cause: heapless::String::new() };
+    let boot = Boot::on_host("slow");
     let mut receiver = Receiver::new(Pin::default(), boot).unwrap();
     let mut outlet = Outlet::new(&ring, || ());
     for (turn, lump) in sky.lumps.iter().enumerate() {

@@ -49,7 +49,7 @@ pub(crate) struct Module {
 impl Module {
     /// A module that has heard nothing.
     pub(crate) fn new(sky: &Sky) -> Self {
-        let boot = Boot { git: "hostile", reset_cause: heapless::String::new() };
+        let boot = Boot::on_host("hostile");
         let receiver = Receiver::new(Pin::default(), boot).unwrap();
         Self { receiver, site: sky.site, now_ms: 0, noted: BTreeMap::new() }
     }
