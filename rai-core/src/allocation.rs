@@ -56,6 +56,11 @@ impl Allocation {
         }
     }
 
+    /// An operation of its own that has a vertical limit: the same risk, and no limits of LPV-200.
+    pub const fn vertical() -> Self {
+        Self { effective_threshold_limit_m: None, accuracy_limit_m: None, ..Self::vertical_guidance() }
+    }
+
     /// Phases of flight where only the horizontal position matters (H-ARAIM).
     pub const fn horizontal() -> Self {
         Self {

@@ -40,6 +40,7 @@
 //!
 //! [IS-GPS-200]: crate#references
 
+use rai_core::allocation::Allocation;
 use rai_core::continuity::{self, ContinuitySettings};
 use rai_core::integrity::residuals::threshold::Thresholds;
 use rai_core::integrity::residuals::threshold::policy::Policy;
@@ -162,10 +163,10 @@ impl Configuration {
             Setting::MissedDetection(probability) => self.requirements.missed_detection = probability,
             other => return Ok(self.with_choice(other)),
         }
-        self.phase = Phase::Custom;
-        self.requirements = self.requirements.validate().map_err(|_| Refusal::OutOfRange)?;
-        Thresholds::from_tables(self.requirements.false_alarm, self.requirements.missed_detection)?;
-        Ok(self)
+        let custom = self.in_phase(Phase::Custom);
+        custom.requirements.validate().map_err(|_| Refusal::OutOfRange)?;
+        Thresholds::from_tables(custom.requirements.false_alarm, custom.requirements.missed_detection)?;
+        Ok(custom)
     }
 
     /// With what is no requirement changed: any value within its range will do.
@@ -248,6 +249,14 @@ impl Configuration {
     }
 
     fn in_phase(self, phase: Phase) -> Self {
-        Self { phase, requirements: phase.requirements().unwrap_or(self.requirements), ..self }
+        let requirements = phase.requirements().unwrap_or_else(|| customised(self.requirements));
+        Self { phase, requirements, ..self }
     }
+}
+
+/// The same numbers as requirements of nobody's phase. How ARAIM spends the risk follows from them: of the phase before, nothing
+/// would be left to see.
+fn customised(numbers: Requirements) -> Requirements {
+    let allocation = if numbers.val_m.is_some() { Allocation::vertical() } else { Allocation::horizontal() };
+    Requirements { allocation, ..numbers }
 }

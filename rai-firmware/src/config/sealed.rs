@@ -166,10 +166,13 @@ mod tests {
         obey(text.as_bytes()).expect("commands that are obeyed")
     }
 
-    fn cases() -> [Configuration; 8] {
+    fn cases() -> [Configuration; 10] {
         [
             Configuration::at_start(),
             settings(&["PHASE,LPV200", "TTA,3", "MASK,12.5", "METHOD,RANSAC", "CLOCKAID,ON"]),
+            // Numbers of their own that came by way of a phase.
+            settings(&["PHASE,LPV200", "METHOD,SEPARATION", "HAL,60", "VAL,100"]),
+            settings(&["PHASE,LPV200", "PHASE,CUSTOM"]),
             settings(&["HAL,40", "VAL,35", "PFA,1e-5", "PMD,1e-4", "TTA,3600"]),
             settings(&["IONO,1.4e-8,2.2e-8,-6e-8,-1.2e-7,9.6e4,1.3e5,-6.5e4,-3.3e5", "POLICY,T2"]),
             settings(&["ISM,RESEARCH-AIR", "ISM,G,2.4,2.4,0,1e-5,1e-4", "ISM,E,6,4.5,0.75,0,2e-4"]),

@@ -44,6 +44,10 @@ const CLOCK_ERROR: u64 = 64;
 /// How far from the present a reference time confirms the week, ms: three days, for orbits uploaded long ago.
 const AGREEMENT_MS: u64 = 3 * 86_400_000;
 
+/// Epochs that agreed with nothing after which what was confirmed does not stand against the votes any more: it may itself have
+/// been wrong.
+const DOUBT_EPOCHS: u16 = 600;
+
 /// How far around the end of the week the week number of a message may still or already be the neighbour's, ms.
 const ROLL_OVER_MS: u32 = 4 * 3_600_000;
 
@@ -66,7 +70,30 @@ pub(super) struct Calendar {
     older: Option<(GpsTime, u8)>,
     /// The last epoch whose ranges agreed with orbits.
     confirmed: Option<Tick>,
+    /// Epochs since.
+    unconfirmed: u16,
+    /// On which side of a roll-over all the sets lie that have said the week, where it is near one: it may be the week in which they
+    /// were transmitted, and not theirs.
+    one_sided: Option<Side>,
     votes: WeekVotes,
+}
+
+/// Of the end of a week.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Side {
+    Before,
+    After,
+}
+
+impl Side {
+    /// Where an instant is near a roll-over.
+    const fn of(time: GpsTime) -> Option<Self> {
+        match time.tow_ms {
+            ..ROLL_OVER_MS => Some(Self::After),
+            tow_ms if tow_ms > WEEK_MS - ROLL_OVER_MS => Some(Self::Before),
+            _ => None,
+        }
+    }
 }
 
 /// An epoch, and when it came by the own clock, ms.
@@ -125,8 +152,15 @@ impl Calendar {
             last: None,
             older: None,
             confirmed: None,
+            unconfirmed: 0,
+            one_sided: None,
             votes: WeekVotes::none(),
         }
+    }
+
+    /// No epoch is confirmed any more.
+    pub(super) fn forget(&mut self) {
+        self.confirmed = None;
     }
 
     /// The last epoch accepted.
@@ -135,8 +169,11 @@ impl Calendar {
     }
 
     /// A receiver says what time it is. Believed where nothing else says it; ephemerides may outvote it.
+    /// Whose weeks are of an earlier cycle than can be, as those of old receivers are, says nothing.
     pub(super) fn suppose(&mut self, time: GpsTime) {
-        self.reference.get_or_insert(time);
+        if time.week >= NOT_BEFORE_WEEK {
+            self.reference.get_or_insert(time);
+        }
     }
 
     /// Somebody says how many leap seconds there are.
@@ -184,7 +221,7 @@ impl Calendar {
 
     /// The epoch at `tow_ms`, if it goes on from the one that was confirmed and what came between does not.
     fn as_confirmed(&self, tow_ms: u32, came_ms: u64) -> Option<Tick> {
-        let confirmed = self.confirmed?;
+        let confirmed = self.confirmed.filter(|_| self.unconfirmed < DOUBT_EPOCHS)?;
         let is_on_line = |last: Tick| last.time == confirmed.time || confirmed.leads_to(last);
         if self.last.is_some_and(is_on_line) {
             return None;
@@ -194,11 +231,15 @@ impl Calendar {
 
     /// The ranges of an epoch that came at `came_ms` agreed with orbits.
     pub(super) fn confirm(&mut self, time: GpsTime, came_ms: u64) {
-        self.confirmed = Some(Tick { time, came_ms });
+        // Of sets that are all dated a week early, and say so alike, ranges agree with the orbits as well.
+        if self.one_sided.is_none() {
+            (self.confirmed, self.unconfirmed) = (Some(Tick { time, came_ms }), 0);
+        }
     }
 
     fn set(&mut self, tick: Tick) -> GpsTime {
         self.older = None;
+        self.unconfirmed = self.unconfirmed.saturating_add(1);
         self.reference = Some(tick.time);
         self.last = Some(tick);
         tick.time
@@ -231,9 +272,12 @@ impl Calendar {
     /// Lets an ephemeris of a system vote on the week. The first one says it, and has no vote besides.
     pub(super) fn learn(&mut self, system: Constellation, toe: GpsTime, counters: &mut Counters) {
         let Some(reference) = self.reference else {
-            self.reference = Some(toe);
+            (self.reference, self.one_sided) = (Some(toe), Side::of(toe));
             return;
         };
+        if self.one_sided.is_some() && self.one_sided != Side::of(toe) {
+            return self.take_week_of(toe, reference, counters);
+        }
         let apart_ms = toe.since_ms(reference).unsigned_abs();
         let is_cycle = apart_ms > HALF_CYCLE_WEEKS * u64::from(WEEK_MS);
         let agrees = apart_ms <= AGREEMENT_MS;
@@ -244,6 +288,16 @@ impl Calendar {
             (self.reference, self.last, self.older) = (Some(toe), None, None);
             // Ranges agree with orbits of GPS in every cycle.
             self.confirmed = self.confirmed.filter(|_| !is_cycle);
+        }
+    }
+
+    /// A set lies elsewhere than those that have said the week so far: it is in its own.
+    fn take_week_of(&mut self, toe: GpsTime, reference: GpsTime, counters: &mut Counters) {
+        self.one_sided = None;
+        if toe.since_ms(reference).unsigned_abs() > AGREEMENT_MS {
+            count(&mut counters.week_corrections);
+            self.votes = WeekVotes::none();
+            (self.reference, self.last, self.older) = (Some(toe), None, None);
         }
     }
 
@@ -279,11 +333,13 @@ impl Calendar {
     /// Only near the roll-over, and only when it makes the reference time the present: a set that is a week old
     /// must not look fresh.
     fn across_roll_over(&self, stated: GpsTime) -> GpsTime {
-        let Some(reference) = self.reference else {
+        // What is itself in doubt mends nothing on the other side.
+        let known = |_: &GpsTime| self.one_sided.is_none_or(|side| Side::of(stated) == Some(side));
+        let Some(reference) = self.reference.filter(known) else {
             return stated;
         };
         let nearest = GpsTime::nearest(stated.tow_ms, reference);
-        let is_at_edge = stated.tow_ms < ROLL_OVER_MS || stated.tow_ms > WEEK_MS - ROLL_OVER_MS;
+        let is_at_edge = Side::of(stated).is_some();
         let is_neighbour = nearest.week.abs_diff(stated.week) == 1;
         let is_present = nearest.since_ms(reference).unsigned_abs() <= u64::from(ROLL_OVER_MS);
         if is_at_edge && is_neighbour && is_present { nearest } else { stated }
@@ -314,7 +370,7 @@ mod tests {
     fn times_of(epochs: &[(u32, u64)], confirmed: Option<usize>) -> std::vec::Vec<Option<i64>> {
         let (mut calendar, mut counters) = (Calendar::new(), Counters::default());
         let start = GpsTime { week: 2111, tow_ms: 0 };
-        calendar.learn(Constellation::Gps, start, &mut counters);
+        calendar.learn(Constellation::Gps, start.later_by_ms(200_000_000), &mut counters);
         let mut time = |(index, &(tow_s, came_s)): (usize, &(u32, u64))| {
             let time = calendar.advance(tow_s * 1000, came_s * 1000, &mut counters).ok()?;
             if confirmed == Some(index) {
@@ -353,15 +409,63 @@ mod tests {
     #[test]
     fn votes_do_not_carry_what_is_confirmed_into_another_week() {
         let (mut calendar, mut counters) = (Calendar::new(), Counters::default());
-        let week = |week: u16| GpsTime { week, tow_ms: 0 };
+        let week = |week: u16| GpsTime { week, tow_ms: 200_000_000 };
         calendar.learn(Constellation::Gps, week(2111), &mut counters);
-        let first = calendar.advance(1000, 1000, &mut counters).unwrap();
+        let first = calendar.advance(200_001_000, 1000, &mut counters).unwrap();
         calendar.confirm(first, 1000);
         for system in [Constellation::Gps, Constellation::Beidou, Constellation::Galileo] {
             (0..20).for_each(|_| calendar.learn(system, week(2110), &mut counters));
         }
         assert_eq!(counters.week_corrections, 1);
-        assert_eq!(calendar.advance(2000, 2000, &mut counters), Ok(GpsTime { week: 2111, tow_ms: 2000 }));
+        assert_eq!(
+            calendar.advance(200_002_000, 2000, &mut counters),
+            Ok(GpsTime { week: 2111, tow_ms: 200_002_000 })
+        );
+    }
+
+    #[test]
+    fn sets_on_one_side_of_a_roll_over_do_not_confirm_the_week() {
+        let (mut calendar, mut counters) = (Calendar::new(), Counters::default());
+        let before_roll_over_ms = WEEK_MS - 1_200_000;
+        // Of the next week, but dated with the week in which it was transmitted.
+        calendar.learn(Constellation::Gps, GpsTime { week: 2111, tow_ms: 0 }, &mut counters);
+        let early = calendar.advance(before_roll_over_ms, 0, &mut counters).unwrap();
+        calendar.confirm(early, 0);
+        assert_eq!(early.week, 2110);
+        // One of Galileo, before the roll-over, and so without doubt: it is not moved to where the time seems to be.
+        let message = MessageWeek { constellation: Constellation::Galileo, week: 2111 - GALILEO_WEEK_OFFSET };
+        let set = calendar.resolve(message, before_roll_over_ms / 1000).unwrap();
+        calendar.learn(Constellation::Galileo, set, &mut counters);
+        let time = calendar.advance(before_roll_over_ms + 1000, 1000, &mut counters).unwrap();
+        assert_eq!(time, GpsTime { week: 2111, tow_ms: before_roll_over_ms + 1000 });
+        // Those of GPS are dated by it from now on.
+        let message = MessageWeek { constellation: Constellation::Gps, week: 2111 % 1024 };
+        assert_eq!(calendar.resolve(message, 0), Some(GpsTime { week: 2112, tow_ms: 0 }));
+    }
+
+    #[test]
+    fn what_was_confirmed_long_ago_gives_way_to_the_votes() {
+        let (mut calendar, mut counters) = (Calendar::new(), Counters::default());
+        let week = |week: u16| GpsTime { week, tow_ms: 200_000_000 };
+        calendar.learn(Constellation::Gps, week(2110), &mut counters);
+        let mut tow_s = 200_001;
+        let first = calendar.advance(1000 * tow_s, 0, &mut counters).unwrap();
+        calendar.confirm(first, 0);
+        for _ in 0..DOUBT_EPOCHS {
+            tow_s += 1;
+            assert!(calendar.advance(1000 * tow_s, u64::from(tow_s - 200_001) * 1000, &mut counters).is_ok());
+        }
+        (0..20).for_each(|_| calendar.learn(Constellation::Gps, week(2111), &mut counters));
+        tow_s += 1;
+        let time = calendar.advance(1000 * tow_s, u64::from(tow_s - 200_001) * 1000, &mut counters).unwrap();
+        assert_eq!(time.week, 2111);
+    }
+
+    #[test]
+    fn receiver_of_an_earlier_cycle_says_no_week() {
+        let mut calendar = Calendar::new();
+        calendar.suppose(GpsTime { week: NOT_BEFORE_WEEK - 700, tow_ms: 0 });
+        assert_eq!(calendar.present(), None);
     }
 
     #[test]

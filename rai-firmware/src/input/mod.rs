@@ -241,9 +241,17 @@ impl Input {
         self.assembly.interrupt(&mut self.counters);
     }
 
-    /// The ranges of an epoch that came at `came_ms` agreed with orbits: its time is right, in its week.
+    /// The ranges of an epoch that came at `came_ms` agreed with orbits: its time is right, in its week, and its source is the
+    /// receiver.
     pub fn confirm(&mut self, time: GpsTime, came_ms: u64) {
         self.calendar.confirm(time, came_ms);
+        self.preference.settle();
+    }
+
+    /// Nothing that was confirmed is so any more: what comes next may be of another receiver, and another time.
+    pub fn forget(&mut self) {
+        self.calendar.forget();
+        self.preference = Preference::new();
     }
 
     /// What came in and what was not used.

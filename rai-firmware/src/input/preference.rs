@@ -1,17 +1,23 @@
 //! Whose ranges are used, where a receiver sends the same in two formats, or another station's share its line.
 //!
 //! Those of the source whose ranges came first: a format, and in RTCM the number of a station. Two antennas in one epoch would be one
-//! place that is neither. When the first has been missing for [`PATIENCE`] epochs of another, that one stands in: a receiver
-//! that was told to change its format must not silence the module. It does so until the first is back, from whose next
-//! epoch on the first is used again.
+//! place that is neither. Where it has been missing for [`PATIENCE_MS`], and for [`PATIENCE`] epochs of another, that one stands in:
+//! a receiver that is told to change its format while it starts must not silence the module. It does so until the first is back,
+//! from whose next epoch on the first is used again.
+//!
+//! Once ranges of a source have agreed with orbits it is the receiver ([`Preference::settle`]), and nobody stands in for it until the
+//! host says so: a receiver in a tunnel is silent while the corrections for it go on, and a base is near enough to be taken for it. It is
+//! there while it sends anything, ranges or none.
 //!
 //! **Limit.** Where another station's ranges are the first to come, it is theirs that are used: corrections are to come on a line of
 //! their own.
 
 use super::framer::Protocol;
+use crate::time::WEEK_MS;
 
-/// Epochs of another source without one of the first.
+/// Epochs of another source without one of the first, and the time by their tags, ms.
 const PATIENCE: u8 = 3;
+const PATIENCE_MS: u32 = 30_000;
 
 /// Who sends ranges.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,6 +32,10 @@ pub(super) struct Source {
 pub(super) struct Preference {
     first: Option<Source>,
     used: Option<Source>,
+    /// Whether nobody stands in for it.
+    is_settled: bool,
+    /// When it was there last, by the time of week of a message of any source.
+    used_ms: Option<u32>,
     /// Epochs of others in a row.
     others: u8,
     /// The time of week of the last epoch of any.
@@ -36,13 +46,28 @@ pub(super) struct Preference {
 
 impl Preference {
     pub(super) const fn new() -> Self {
-        Self { first: None, used: None, others: 0, last_ms: None, spent_ms: None }
+        Self {
+            first: None,
+            used: None,
+            is_settled: false,
+            used_ms: None,
+            others: 0,
+            last_ms: None,
+            spent_ms: None,
+        }
+    }
+
+    /// The ranges that are used agreed with orbits: theirs is the receiver.
+    pub(super) fn settle(&mut self) {
+        (self.first, self.is_settled) = (self.used, true);
     }
 
     /// Whether ranges of this source are used, of an epoch at this time of week, if it can be told.
     pub(super) fn takes(&mut self, source: Source, tow_ms: Option<u32>, is_empty: bool) -> bool {
+        if self.used.is_none_or(|used| used == source) {
+            (self.others, self.used_ms) = (0, tow_ms.or(self.used_ms));
+        }
         if is_empty {
-            // Who has nothing to say says neither that it is there.
             return self.used.is_none_or(|used| used == source);
         }
         let first = *self.first.get_or_insert(source);
@@ -52,8 +77,9 @@ impl Preference {
                 self.spent_ms = self.last_ms;
             } else {
                 // Another message of the same epoch is not one without the first, nor is one whose time cannot be told.
-                self.others += u8::from(tow_ms.is_some() && tow_ms != self.last_ms);
-                if self.others <= PATIENCE {
+                self.others =
+                    self.others.saturating_add(u8::from(tow_ms.is_some() && tow_ms != self.last_ms));
+                if self.is_settled || self.others <= PATIENCE || !self.is_missing(tow_ms) {
                     self.last_ms = tow_ms.or(self.last_ms);
                     return false;
                 }
@@ -61,8 +87,14 @@ impl Preference {
             }
             self.used = Some(source);
         }
-        (self.others, self.last_ms) = (0, tow_ms.or(self.last_ms));
+        (self.others, self.last_ms, self.used_ms) = (0, tow_ms.or(self.last_ms), tow_ms.or(self.used_ms));
         tow_ms.is_none() || tow_ms != self.spent_ms
+    }
+
+    /// Whether the source in use has said nothing for long.
+    fn is_missing(&self, tow_ms: Option<u32>) -> bool {
+        let since_ms = |(now_ms, then_ms): (u32, u32)| (now_ms + WEEK_MS).saturating_sub(then_ms) % WEEK_MS;
+        tow_ms.zip(self.used_ms).map(since_ms).is_none_or(|since_ms| since_ms >= PATIENCE_MS)
     }
 }
 
@@ -87,20 +119,54 @@ mod tests {
             assert!(!takes(&mut preference, SAME, second));
             assert!(!takes(&mut preference, SAME, second));
         }
-        let taken = (10..20).map(|second| takes(&mut preference, SAME, second));
-        assert_eq!(taken.filter(|taken| *taken).count(), 7);
+        let taken = (10..50).map(|second| takes(&mut preference, SAME, second));
+        assert_eq!(taken.filter(|taken| *taken).count(), 11);
+    }
+
+    #[test]
+    fn nobody_stands_in_for_whose_ranges_have_agreed() {
+        let mut preference = Preference::new();
+        assert!(takes(&mut preference, RECEIVER, 0));
+        preference.settle();
+        assert!(!(1..10_000).any(|second| takes(&mut preference, BASE, second)));
+        assert!(takes(&mut preference, RECEIVER, 10_000));
+    }
+
+    #[test]
+    fn who_stands_in_and_agrees_is_the_receiver() {
+        let mut preference = Preference::new();
+        assert!(takes(&mut preference, BASE, 0));
+        assert_eq!((1..60).filter(|&second| takes(&mut preference, RECEIVER, second)).count(), 30);
+        preference.settle();
+        assert!(!takes(&mut preference, BASE, 60) && takes(&mut preference, RECEIVER, 60));
+    }
+
+    #[test]
+    fn who_has_no_ranges_or_seldom_some_is_there() {
+        let mut preference = Preference::new();
+        assert!(takes(&mut preference, RECEIVER, 0));
+        for second in 1..100 {
+            preference.takes(RECEIVER, Some(1000 * second), true);
+            assert!(!takes(&mut preference, BASE, second));
+        }
+        // One at 0.1 Hz, beside one at 5 Hz.
+        for fifth in 500..1500 {
+            let tow_ms = Some(200 * fifth);
+            assert_eq!(fifth % 50 == 0 && preference.takes(RECEIVER, tow_ms, false), fifth % 50 == 0);
+            assert!(!preference.takes(BASE, tow_ms, false));
+        }
     }
 
     #[test]
     fn the_first_is_used_again_from_its_next_epoch_on() {
         let mut preference = Preference::new();
         assert!(takes(&mut preference, RECEIVER, 0));
-        let stood_in = (1..10).filter(|second| takes(&mut preference, BASE, *second)).count();
-        assert_eq!(stood_in, 6);
+        let stood_in = (1..40).filter(|second| takes(&mut preference, BASE, *second)).count();
+        assert_eq!(stood_in, 10);
         // Both are there, the other one before it in each second.
-        assert!(takes(&mut preference, BASE, 10));
-        assert!(!takes(&mut preference, RECEIVER, 10), "two places in one epoch");
-        for second in 11..15 {
+        assert!(takes(&mut preference, BASE, 40));
+        assert!(!takes(&mut preference, RECEIVER, 40), "two places in one epoch");
+        for second in 41..45 {
             assert!(!takes(&mut preference, BASE, second));
             assert!(takes(&mut preference, RECEIVER, second));
         }

@@ -284,6 +284,7 @@ impl<P: OutputPin> Receiver<P> {
             },
             Action::Forget => {
                 self.epochs.forget();
+                self.input.forget();
                 Ok(())
             }
             Action::Reset => {

@@ -23,7 +23,8 @@
 //! | [`held_back`] | epochs that a line holds back, longer and longer; a recording that is sent again |
 //! | [`odd_ranges`] | messages of ranges that are empty, ahead, apart, or of another week |
 //! | [`forged_frames`] | frames that say another time, week or place, or other leap seconds |
-//! | [`two_stations`] | the ranges of a reference station on the receiver's line |
+//! | [`week_edge`] | a receiver that starts shortly before a week ends, and dates sets with it |
+//! | [`two_stations`] | the ranges of a reference station on the receiver's line; a receiver in a tunnel |
 //! | [`settings`] | a time to alert that hides a silence; restarts that make settings nobody's |
 //! | [`suspicions`] | a receiver that is sure of counterfeit signals, and messages that would talk it out of it |
 //! | [`recordings`] | nature: real receivers, in the open and between tall buildings |
@@ -48,6 +49,7 @@ pub mod several_faults;
 mod single_fault;
 mod suspicions;
 mod two_stations;
+mod week_edge;
 
 use anyhow::Result;
 use serde::Serialize;
@@ -112,9 +114,11 @@ pub const ATTACKS: &[&Attack] = &[
     &forged_frames::LATER,
     &forged_frames::CYCLE,
     &forged_frames::OUTVOTED,
+    &week_edge::ATTACK,
     &forged_frames::FIRST,
     &forged_frames::LEAP_SECONDS,
     &two_stations::ATTACK,
+    &two_stations::TUNNEL,
     &settings::TIME_TO_ALERT,
     &settings::RESTARTS,
     &suspicions::ATTACK,

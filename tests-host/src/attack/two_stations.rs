@@ -20,6 +20,13 @@ pub(super) const ATTACK: Attack = Attack {
     run,
 };
 
+/// A receiver that is silent for long, or slow.
+pub(super) const TUNNEL: Attack = Attack {
+    name: "tunnel",
+    about: "a receiver says nothing for 80 s, or has no satellites, or is slow; the corrections of a base 1 to 11 km away go on",
+    run: tunnel,
+};
+
 /// North of the receiver, degrees.
 const AWAY_DEG: f64 = 0.1;
 
@@ -45,6 +52,72 @@ fn run(_: Effort) -> Result<Vec<Figure>> {
     // What stands in while the receiver is silent is elsewhere; then it has to recover.
     figures.push(Figure::at_least("promised", tally.promised as f64, 105.0));
     Ok(figures)
+}
+
+/// How a receiver is not there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Missing {
+    Silent,
+    Empty,
+    /// It sends one of so many epochs, and the base all.
+    Slow(usize),
+}
+
+fn tunnel(_: Effort) -> Result<Vec<Figure>> {
+    let mut figures = Vec::new();
+    for missing in [Missing::Silent, Missing::Empty, Missing::Slow(5)] {
+        let mut tally = Tally::default();
+        for away_deg in [0.01, AWAY_DEG] {
+            tally = tally.with(&beside_a_base(away_deg, missing)?);
+        }
+        let own = |own: usize| figure_of(missing, own);
+        figures.extend([
+            Figure::at_most(format!("misleading, {missing:?}"), tally.misleading as f64, 0.0),
+            Figure::at_least(
+                format!("promised, {missing:?}"),
+                tally.promised as f64,
+                2.0 * own(EPOCHS as usize),
+            ),
+        ]);
+    }
+    Ok(figures)
+}
+
+/// Epochs of the base.
+const EPOCHS: u32 = 180;
+
+/// Epochs of the receiver's own that are to be promised, but for those in which it recovers.
+fn figure_of(missing: Missing, epochs: usize) -> f64 {
+    match missing {
+        Missing::Silent | Missing::Empty => (epochs - TUNNEL_EPOCHS.len()) as f64 - 5.0,
+        Missing::Slow(interval) => (epochs / interval) as f64,
+    }
+}
+
+/// Epochs in the tunnel.
+const TUNNEL_EPOCHS: std::ops::Range<usize> = 60..140;
+
+fn beside_a_base(away_deg: f64, missing: Missing) -> Result<Tally> {
+    let receiver = Simulation::above_xian(3600.0, EPOCHS, 1);
+    let station = Sky::of(&elsewhere(&receiver, away_deg), Frequency::Dual)?;
+    let receiver = Sky::of(&receiver, Frequency::Dual)?;
+    let own = receiver.bytes(|index, epoch| {
+        if missing == Missing::Empty && TUNNEL_EPOCHS.contains(&index) {
+            epoch.satellites.clear();
+        }
+    })?;
+    let (mut victim, mut tally) = (Victim::new(&[], 1.0)?, Tally::default());
+    for (index, (own, of_station)) in own.into_iter().zip(&station.recording.epochs).enumerate() {
+        let is_there = match missing {
+            Missing::Silent => !TUNNEL_EPOCHS.contains(&index),
+            Missing::Empty => true,
+            Missing::Slow(interval) => index % interval == 0,
+        };
+        let own = if is_there { own } else { Vec::new() };
+        let of_station = if index == 0 { Vec::new() } else { renumbered(&station.ranges(of_station)?) };
+        tally.add_all(&victim.hear(&[own, of_station].concat(), receiver.truth)?);
+    }
+    Ok(tally)
 }
 
 /// The same messages of ranges, of the other station.

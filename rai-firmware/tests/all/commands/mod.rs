@@ -3,6 +3,7 @@
 mod lines;
 mod said;
 
+use rai_core::allocation::Allocation;
 use rai_core::integrity::residuals::threshold::{false_alarms, missed_detections};
 use rai_core::numeric::probability::Probability;
 use rai_core::requirements::Requirements;
@@ -115,6 +116,7 @@ fn what_is_set_is_what_the_configuration_holds() {
         time_to_alert_s: 2.5,
         fault_free_risk: Probability::new(1e-7).unwrap(),
         guard_fraction: 0.95,
+        allocation: Allocation::vertical(),
         ..Requirements::non_precision_approach()
     };
     assert_eq!((have.requirements, have.phase), (want, Phase::Custom));
@@ -144,9 +146,33 @@ fn phases_bring_the_limits_of_the_interface() {
 fn a_custom_phase_keeps_the_present_numbers() {
     let mut module = Module::new();
     module.ask("PRAIC,PHASE,LPV200");
-    let before = module.configuration.requirements;
     module.ask("PRAIC,PHASE,CUSTOM");
-    assert_eq!((module.configuration.phase, module.configuration.requirements), (Phase::Custom, before));
+    // What ARAIM holds LPV-200 to besides is no number of theirs.
+    let want = Requirements { allocation: Allocation::vertical(), ..Requirements::lpv200() };
+    assert_eq!((module.configuration.phase, module.configuration.requirements), (Phase::Custom, want));
+}
+
+/// However they came about: what is not said of them, nobody could tell, nor seal.
+#[test]
+fn the_same_settings_are_the_same_requirements() {
+    let same = |ways: &[&[&str]]| {
+        let mut settings = ways.iter().map(|commands| {
+            let mut module = Module::new();
+            for command in *commands {
+                let answer = module.ask(&format!("PRAIC,{command}"));
+                assert!(answer.iter().all(|line| line.contains(",OK")), "{answer:?}");
+            }
+            (module.configuration.hash(), module.configuration.requirements)
+        });
+        let first = settings.next().expect("a way");
+        settings.for_each(|other| assert_eq!(other, first, "{ways:?}"));
+    };
+    same(&[
+        &["PHASE,LPV200", "HAL,60", "VAL,100"],
+        &["PHASE,CUSTOM", "HAL,60", "VAL,100", "TTA,6"],
+        &["VAL,100", "PHASE,LPV200", "VAL,100", "HAL,60"],
+    ]);
+    same(&[&["HAL,50"], &["PHASE,LPV200", "VAL,OFF", "HAL,50", "TTA,10"]]);
 }
 
 #[test]

@@ -1,0 +1,77 @@
+//! A receiver that starts shortly before a week ends, and passes on the week in which a set was transmitted.
+//!
+//! Sets of GPS then have reference times in the next week, and seem to be of the beginning of this one. Ranges agree with orbits that are
+//! all dated a week early as well as with right ones.
+
+use anyhow::Result;
+use rtcm_rs::Message;
+
+use super::forgery::{read, write};
+use super::tally::Tally;
+use super::victim::Victim;
+use super::{Attack, Effort, Figure};
+use crate::encode::{Encoder, Frequency, Selection};
+use crate::sky::Fleet;
+use crate::sky::raw::Simulation;
+use crate::soak::noise::frames;
+
+/// The attack.
+pub(super) const ATTACK: Attack = Attack {
+    name: "week-edge",
+    about: "GPS sets in the last 20 min of a week, dated with the week of transmission: is anything promised in the next?",
+    run,
+};
+
+/// Seconds between epochs.
+const STEP_S: u32 = 60;
+
+/// The first epoch is so long before the week ends, s.
+const BEFORE_S: u32 = 1200;
+
+/// Where the simulation's clock is at the end of a week, s.
+const WEEK_END_S: u32 = 604_800 - 86_400;
+
+fn run(effort: Effort) -> Result<Vec<Figure>> {
+    let hours = effort.pick(8, 40);
+    let mut figures = Vec::new();
+    for systems in ["G", "GC", "GEC"] {
+        let tally = after_an_hour(systems, hours)?;
+        // Once the week is known the sets before are of another one, until they come again: an hour in the simulation.
+        let least = f64::from((hours - 2) * 3600 / STEP_S);
+        figures.push(Figure::at_least(format!("{systems}: promised"), tally.promised as f64, least));
+        figures.push(Figure::at_most(format!("{systems}: beyond a level"), tally.misleading as f64, 0.0));
+    }
+    Ok(figures)
+}
+
+/// What became of the epochs after the first hour.
+fn after_an_hour(systems: &str, hours: u32) -> Result<Tally> {
+    let fleets = [('G', Fleet::Gps31), ('E', Fleet::Galileo24), ('C', Fleet::BeidouGlobal)];
+    let satellites = fleets.into_iter().filter(|(letter, _)| systems.contains(*letter));
+    let simulation = Simulation {
+        satellites: satellites.flat_map(|(_, fleet)| fleet.satellites()).collect(),
+        step_s: f64::from(STEP_S),
+        ..Simulation::above_xian(f64::from(WEEK_END_S - BEFORE_S), hours * 3600 / STEP_S, 5)
+    };
+    let recording = simulation.record();
+    let mut encoder = Encoder::new(&recording.ephemerides, Selection::new(systems, Frequency::Dual)?);
+    let mut victim = Victim::new(&["PHASE,CUSTOM", "TTA,200"], f64::from(STEP_S))?;
+    let mut tally = Tally::default();
+    for (index, epoch) in (0..).zip(&recording.epochs) {
+        let mut bytes = Vec::new();
+        for frame in frames(&encoder.epoch(epoch)?) {
+            match read(frame) {
+                Some(Message::Msg1019(mut set)) => {
+                    set.gps_week_number = epoch.time.week % 1024;
+                    bytes.extend(write(&Message::Msg1019(set)).unwrap_or_default());
+                }
+                _ => bytes.extend_from_slice(frame),
+            }
+        }
+        let seen = victim.hear(&bytes, simulation.site.position)?;
+        if index >= 3600 / STEP_S {
+            tally.add_all(&seen);
+        }
+    }
+    Ok(tally)
+}
