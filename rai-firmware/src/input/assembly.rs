@@ -58,7 +58,12 @@ pub(super) struct Assembly {
     heard: u16,
     /// How often each series still has to be right.
     distrust: [u8; 16],
+    /// The UTC that a message is tagged with for which no epoch is open, and when it came.
+    utc_before: Option<(u32, u64)>,
 }
+
+/// Messages of one instant come within, ms: a line that is so slow that this is too short tells no leap seconds by them.
+const BURST_MS: u64 = 100;
 
 impl Assembly {
     #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
@@ -71,6 +76,7 @@ impl Assembly {
             phase: Phase::Idle,
             heard: 0,
             distrust: [0; 16],
+            utc_before: None,
         }
     }
 
@@ -89,9 +95,7 @@ impl Assembly {
                 calendar.hear_leap(leap_s, LeapSource::Receiver);
             }
         }
-        if let (Some(utc_ms), Phase::Open(_)) = (ranges.of_utc_ms, self.phase) {
-            calendar.infer_leap(self.epoch.time.tow_ms, utc_ms);
-        }
+        self.compare_tags(ranges, came_ms, calendar);
         match ranges.tow_ms {
             None if ranges.of_utc_ms.is_some() => count(&mut counters.leap_unknown),
             None => count(&mut counters.observations_other),
@@ -104,6 +108,21 @@ impl Assembly {
         }
         if !ranges.more_follow {
             self.end(ranges.series, counters, tell);
+        }
+    }
+
+    /// Two messages of one instant, of which one is tagged with UTC, tell how many leap seconds there are.
+    fn compare_tags(&mut self, ranges: &Ranges<'_>, came_ms: u64, calendar: &mut Calendar) {
+        match (ranges.of_utc_ms, self.phase) {
+            (Some(utc_ms), Phase::Open(_)) => calendar.infer_leap(self.epoch.time.tow_ms, utc_ms),
+            (Some(utc_ms), _) => self.utc_before = Some((utc_ms, came_ms)),
+            (None, _) => {
+                if let (Some((utc_ms, then_ms)), Some(tow_ms)) = (self.utc_before.take(), ranges.tow_ms)
+                    && came_ms.saturating_sub(then_ms) < BURST_MS
+                {
+                    calendar.infer_leap(tow_ms, utc_ms);
+                }
+            }
         }
     }
 

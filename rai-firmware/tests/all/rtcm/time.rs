@@ -141,3 +141,35 @@ fn two_systems_that_agree_correct_the_week_of_a_third_that_came_first() {
     }
     assert_eq!(epochs(feed(&mut input, &gps(TOW_MS, false)))[0].time.week, 2111);
 }
+
+/// The GLONASS messages of each second before those of GPS, or after an end that was said too early.
+#[test]
+fn glonass_tells_the_leap_seconds_before_gps_and_behind_it() {
+    const LEAP_MS: u32 = 18_000;
+    const MOSCOW_MS: u32 = 3 * 3_600_000;
+    let glonass = |tow_ms: u32| {
+        let moscow_ms = tow_ms - LEAP_MS + MOSCOW_MS;
+        let time = (moscow_ms / 86_400_000) << 27 | moscow_ms % 86_400_000;
+        msm(1087, time, true, &[Cell(3, 2, 2.0e7, 50.0)])
+    };
+    for is_first in [true, false] {
+        let mut input = knowing();
+        for second in 0..12 {
+            let tow_ms = TOW_MS + 1000 * second;
+            let own = [glonass(tow_ms), gps(tow_ms, !is_first)];
+            let [a, b] = if is_first { [0, 1] } else { [1, 0] };
+            let came_ms = 1000 * u64::from(second);
+            input.feed(&own[a], came_ms, |_| {});
+            input.feed(&own[b], came_ms + 30, |_| {});
+        }
+        assert_eq!(input.leap_second().map(|leap| leap.seconds), Some(18), "first: {is_first}");
+    }
+    // Behind an epoch that is complete it is not before the next.
+    let mut input = knowing();
+    for second in 0..12 {
+        let (tow_ms, came_ms) = (TOW_MS + 1000 * second, 1000 * u64::from(second));
+        input.feed(&gps(tow_ms, false), came_ms, |_| {});
+        input.feed(&glonass(tow_ms), came_ms + 30, |_| {});
+    }
+    assert_eq!(input.leap_second(), None);
+}
