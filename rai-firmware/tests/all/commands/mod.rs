@@ -117,7 +117,6 @@ fn what_is_set_is_what_the_configuration_holds() {
         fault_free_risk: Probability::new(1e-7).unwrap(),
         guard_fraction: 0.95,
         allocation: Allocation::vertical(),
-        ..Requirements::non_precision_approach()
     };
     assert_eq!((have.requirements, have.phase), (want, Phase::Custom));
     assert!((have.mask_rad - std::f64::consts::FRAC_PI_6).abs() < 1e-15);

@@ -149,7 +149,7 @@ fn glonass_tells_the_leap_seconds_before_gps_and_behind_it() {
     const MOSCOW_MS: u32 = 3 * 3_600_000;
     let glonass = |tow_ms: u32| {
         let moscow_ms = tow_ms - LEAP_MS + MOSCOW_MS;
-        let time = (moscow_ms / 86_400_000) << 27 | moscow_ms % 86_400_000;
+        let time = ((moscow_ms / 86_400_000) << 27) + moscow_ms % 86_400_000;
         msm(1087, time, true, &[Cell(3, 2, 2.0e7, 50.0)])
     };
     for is_first in [true, false] {
