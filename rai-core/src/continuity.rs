@@ -58,6 +58,12 @@ impl Recovery {
     fn at_least(self, other: Self) -> Self {
         Self { epochs: self.epochs.max(other.epochs), seconds: self.seconds.max(other.seconds) }
     }
+
+    /// Whether so many epochs in a row, over so long, are enough; [`WEAK`] holds where one of them had one degree of freedom.
+    pub fn is_met(self, epochs: u16, seconds: f64, is_weak: bool) -> bool {
+        let wanted = if is_weak { self.at_least(WEAK) } else { self };
+        epochs >= wanted.epochs && seconds >= wanted.seconds
+    }
 }
 
 /// What a receiver can do, and how long its satellites must agree.
@@ -199,8 +205,7 @@ impl Agreement {
     }
 
     fn suffices(&self, recovery: Recovery) -> bool {
-        let wanted = if self.is_weak { recovery.at_least(WEAK) } else { recovery };
-        self.epochs >= wanted.epochs && self.last.instant.since_s(self.first) >= wanted.seconds
+        recovery.is_met(self.epochs, self.last.instant.since_s(self.first), self.is_weak)
     }
 }
 

@@ -15,7 +15,8 @@
 //! It is the equation of the position with metres a second for metres, and is solved by the same [`Snapshot`](crate::snapshot::Snapshot). One drift
 //! serves all systems, since their times drift against each other by millimetres a second: with `n` satellites
 //! `dof = n − 4`, more redundancy than the position has. The global test, the exclusion of up to three satellites and the
-//! levels are those of the position, with the same probabilities.
+//! levels are those of the position, with the same probabilities. An exclusion must leave two degrees of freedom and as many as it
+//! has rows: of many rates that all disagree, some five are always found that do not.
 //!
 //! A fault here is none of the position: a range can be false and its rate true. What is returned passed its own test.
 //!
@@ -31,7 +32,7 @@ use nalgebra::Vector3;
 
 use crate::integrity::residuals::baarda::exclude_sequentially;
 use crate::integrity::residuals::detection::detect;
-use crate::integrity::residuals::exclusion::{Outcome, separable};
+use crate::integrity::residuals::exclusion::{Outcome, leaves_enough, separable};
 use crate::integrity::residuals::levels::{Exposure, Factors, Levels};
 use crate::integrity::residuals::threshold::Thresholds;
 use crate::numeric::real::Real;
@@ -70,6 +71,17 @@ pub struct Velocity {
     pub levels_m_s: ProtectionLevels,
     /// Satellites whose rate was left out.
     pub excluded: Vec<SatelliteId, MAX_EXCLUDED>,
+}
+
+impl Velocity {
+    /// Whether a receiver that moves no faster than this can have it, over the ground and in height, each with its level. A speed
+    /// that is no number is no receiver's.
+    pub fn is_within(&self, max_speed_m_s: f64) -> bool {
+        let [east, north, up] = self.east_north_up_m_s.map(|component_m_s| component_m_s as f32);
+        let reach = |level_m_s: f64| (max_speed_m_s + level_m_s) as f32;
+        let ground = reach(self.levels_m_s.hpl_m);
+        east * east + north * north <= ground * ground && up.abs() <= reach(self.levels_m_s.vpl_m)
+    }
 }
 
 /// Why there is no velocity.
@@ -121,7 +133,8 @@ pub fn estimate<T: Real, const N: usize>(
     if detect(&snapshot, thresholds).ok_or(VelocityError::Redundancy)?.fault() {
         let exclusion = exclude_sequentially(&mut snapshot, thresholds);
         let is_isolated = matches!(exclusion.outcome, Outcome::Isolated | Outcome::Passed);
-        if !is_isolated || !separable(&mut snapshot, &exclusion, thresholds) {
+        let is_told = snapshot.dof() > 1 && leaves_enough(exclusion.rows.len(), snapshot.dof());
+        if !is_isolated || !is_told || !separable(&mut snapshot, &exclusion, thresholds) {
             return Err(VelocityError::Fault);
         }
         let named = exclusion.rows.iter().filter_map(|row| satellites.get(row.index));

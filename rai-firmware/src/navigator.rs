@@ -274,7 +274,7 @@ impl Navigator {
         // Under an alert nobody is told a velocity, and one about a wrong place would only be dear.
         let report = &memory.assessment().report;
         let place = found(report).filter(|_| !matches!(report.verdict, Verdict::Alert(_)));
-        self.velocity = self.rates.velocity(raw, sky, place, self.monitor.accepted(), memory.workspace());
+        self.velocity = self.rates.velocity(raw, sky, place, &self.monitor, memory.workspace());
         let report = &mut memory.assessment_mut().report;
         if report.solution.is_none() && refused_a_range {
             report.verdict = Verdict::Unavailable(Unavailable::Input);

@@ -17,7 +17,9 @@
 //! changed between the epochs has no velocity in this one: sets differ by metres.
 //!
 //! The velocity has a test of its own ([`rai_core::velocity`]) with the probabilities of the position. One that does not
-//! pass is none. Where the negative of all rates would pass, the receiver sends them with the wrong sign, as early firmware
+//! pass is none, nor is one that a receiver cannot have. Rates that have contradicted each other tell a velocity again
+//! once they have agreed for as long as an alert asks of positions ([`rai_core::continuity`]): some of many false ones agree by
+//! chance. Where the negative of all rates would pass, the receiver sends them with the wrong sign, as early firmware
 //! of a common one does; that is counted by its name, and the rates are not used.
 //!
 //! Sigma is 0.05 m/s at 45 dB-Hz and above and grows below as the noise of a frequency lock does, with the root of the
@@ -25,11 +27,11 @@
 
 use heapless::Vec;
 use nalgebra::Vector3;
+use rai_core::continuity::ContinuitySettings;
 use rai_core::frame::{EARTH_ROTATION_RAD_S, Ecef, LocalFrame, SPEED_OF_LIGHT_M_S};
-use rai_core::monitor::Accepted;
 use rai_core::numeric::real::Real;
 use rai_core::satellite::SatelliteId;
-use rai_core::single::{self, Workspace};
+use rai_core::single::{self, Monitor, Workspace};
 use rai_core::velocity::{RangeRate, Velocity, VelocityError};
 
 use crate::correction::horizon::{Horizon, coordinates_m};
@@ -67,7 +69,7 @@ counters! {
     RateTally {
         /// Epochs with a velocity.
         velocities,
-        /// Epochs whose rates contradict each other.
+        /// Epochs whose rates contradict each other, or say what no receiver can have.
         velocities_refused,
         /// Of these, such that would agree with the opposite sign: a receiver's mistake.
         rates_of_wrong_sign,
@@ -112,12 +114,69 @@ struct Seen {
     edition: u32,
 }
 
+/// What the rates of the epochs before are good for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Standing {
+    /// Nothing was heard before.
+    New,
+    /// They have agreed for long enough.
+    Good,
+    /// They have contradicted each other.
+    Lost,
+}
+
+/// Whether a velocity that passed its test is to be told.
+#[derive(Clone, Debug)]
+struct Trust {
+    standing: Standing,
+    /// Of the rates that agree since: the first epoch, how many, and whether one had one degree of freedom or left rates out.
+    since: GpsTime,
+    epochs: u16,
+    is_weak: bool,
+}
+
+impl Trust {
+    const fn new() -> Self {
+        Self { standing: Standing::New, since: GpsTime::from_ms(0), epochs: 0, is_weak: false }
+    }
+
+    /// Takes note of rates that agree; says whether they are to be told.
+    fn agree(&mut self, settings: &ContinuitySettings, time: GpsTime, velocity: &Velocity) -> bool {
+        let is_weak = velocity.test.dof <= 1;
+        if self.standing == Standing::Good || self.standing == Standing::New && !is_weak {
+            self.standing = Standing::Good;
+            return true;
+        }
+        if self.epochs == 0 {
+            (self.since, self.is_weak) = (time, false);
+        }
+        self.epochs = self.epochs.saturating_add(1);
+        self.is_weak |= is_weak || !velocity.excluded.is_empty();
+        let seconds = time.since_ms(self.since) as f64 * 1e-3;
+        if settings.recovery.is_met(self.epochs, seconds, self.is_weak) {
+            self.standing = Standing::Good;
+        }
+        self.standing == Standing::Good
+    }
+
+    /// The next rates that agree do not follow on others.
+    fn interrupt(&mut self) {
+        self.epochs = 0;
+    }
+
+    /// Rates contradict each other.
+    fn lose(&mut self) {
+        (self.standing, self.epochs) = (Standing::Lost, 0);
+    }
+}
+
 /// Remembers where satellites were, and makes velocities of it.
 #[derive(Clone, Debug)]
 pub struct Rates {
     last: Vec<Seen, CAPACITY>,
     /// Of the last epoch; before the first it is long ago. Not an option: with one the whole would be made on the stack first.
     time: GpsTime,
+    trust: Trust,
     tally: RateTally,
 }
 
@@ -132,7 +191,7 @@ impl Rates {
     #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
     #[inline(always)]
     pub const fn new() -> Self {
-        Self { last: Vec::new(), time: GpsTime::from_ms(0), tally: RateTally::NONE }
+        Self { last: Vec::new(), time: GpsTime::from_ms(0), trust: Trust::new(), tally: RateTally::NONE }
     }
 
     /// What became of the rates so far.
@@ -147,15 +206,17 @@ impl Rates {
         raw: &RawEpoch,
         sky: &Sky,
         place: Option<Ecef>,
-        required: &Accepted,
+        monitor: &Monitor,
         workspace: &mut Workspace,
     ) -> Option<Velocity> {
         let elapsed_ms = raw.time.since_ms(self.time);
         self.time = raw.time;
         let is_near = (1..=LONGEST_MS).contains(&elapsed_ms);
-        let velocity = place
-            .filter(|_| is_near)
-            .and_then(|place| self.judge(raw, sky, place, elapsed_ms, required, workspace));
+        let place = place.filter(|_| is_near);
+        let velocity = place.and_then(|place| self.judge(raw, sky, place, elapsed_ms, monitor, workspace));
+        if place.is_none() {
+            self.trust.interrupt();
+        }
         self.last.clear();
         // Both hold as many.
         self.last.extend(sky.iter().filter_map(Seen::of).take(CAPACITY));
@@ -168,32 +229,42 @@ impl Rates {
         sky: &Sky,
         place: Ecef,
         elapsed_ms: i64,
-        required: &Accepted,
+        monitor: &Monitor,
         workspace: &mut Workspace,
     ) -> Option<Velocity> {
-        let Self { last, tally, .. } = self;
+        let Self { last, trust, tally, .. } = self;
         let horizon = Horizon::at(place, &LocalFrame::at(place));
         let since = Since { last, raw, horizon, elapsed_s: elapsed_ms as f32 * 1e-3 };
+        let (required, settings) = (monitor.accepted(), monitor.continuity_settings());
         // Worked out as they are asked for, and nothing is stored: a second time only where the first has failed.
         let mut agree_on = |sign| {
             let rates = sky.iter().filter_map(|located| since.measure(located));
             let equations = &mut rates.map(|rate| rate.equation(sign));
-            single::velocity(workspace, equations, required.thresholds(), required.factors())
+            let velocity = single::velocity(workspace, equations, required.thresholds(), required.factors())?;
+            let is_possible = settings.is_none_or(|settings| velocity.is_within(settings.max_speed_m_s));
+            if is_possible { Ok(velocity) } else { Err(VelocityError::Fault) }
         };
         match agree_on(1.0) {
             Ok(velocity) => {
+                if settings.is_some_and(|settings| !trust.agree(settings, raw.time, &velocity)) {
+                    return None;
+                }
                 count(&mut tally.velocities);
                 count_many(&mut tally.rates_excluded, velocity.excluded.len());
                 Some(velocity)
             }
             Err(VelocityError::Fault) => {
+                trust.lose();
                 count(&mut tally.velocities_refused);
                 if agree_on(-1.0).is_ok() {
                     count(&mut tally.rates_of_wrong_sign);
                 }
                 None
             }
-            Err(VelocityError::Redundancy | VelocityError::Geometry) => None,
+            Err(VelocityError::Redundancy | VelocityError::Geometry) => {
+                trust.interrupt();
+                None
+            }
         }
     }
 }

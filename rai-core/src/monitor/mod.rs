@@ -154,6 +154,11 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         Ok(())
     }
 
+    /// What a receiver can do and how long satellites must agree after an alert; none where every epoch is judged by itself.
+    pub fn continuity_settings(&self) -> Option<&ContinuitySettings> {
+        self.continuity_settings.as_ref()
+    }
+
     /// From now on every epoch is judged by itself, as experiments need that draw each anew: nothing is a jump, nothing
     /// has to be recovered from.
     pub fn forgo_continuity(&mut self) {

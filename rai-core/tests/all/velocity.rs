@@ -122,6 +122,27 @@ fn what_cannot_be_isolated_gives_no_velocity() {
     assert_eq!(solve(rates), Err(VelocityError::Fault));
 }
 
+/// With six it is found, and the five that are left agree by chance too easily.
+#[test]
+fn exclusion_that_leaves_one_degree_of_freedom_gives_no_velocity() {
+    for faulty in 0..6 {
+        let mut rates = rates(6);
+        rates[faulty].residual_m_s += 50.0;
+        assert_eq!(solve(rates), Err(VelocityError::Fault), "row {faulty}");
+    }
+}
+
+#[test]
+fn velocity_beyond_the_highest_speed_and_its_level_is_no_receiver_s() {
+    let have = solve(rates(10)).expect("a velocity");
+    let ground_m_s = VELOCITY[0].hypot(VELOCITY[1]);
+    assert!(have.is_within(ground_m_s));
+    assert!(!have.is_within(ground_m_s - have.levels_m_s.hpl_m - 0.1));
+    let climbs = |up_m_s: f64| Velocity { east_north_up_m_s: [0.0, 0.0, up_m_s], ..have.clone() };
+    assert!(climbs(-515.0).is_within(515.0) && !climbs(-520.0).is_within(515.0));
+    assert!(!climbs(f64::NAN).is_within(515.0));
+}
+
 #[test]
 fn four_rates_cannot_be_tested_and_three_determine_nothing() {
     assert_eq!(solve(rates(4)), Err(VelocityError::Redundancy));

@@ -21,6 +21,7 @@
 //! | [`ionosphere`] | one frequency under a dense ionosphere |
 //! | [`health`] | signals that one message calls healthy and another out of service |
 //! | [`held_back`] | epochs that a line holds back, longer and longer; a recording that is sent again |
+//! | [`false_rates`] | range rates with the wrong sign, and such that mean nothing |
 //! | [`odd_ranges`] | messages of ranges that are empty, ahead, apart, or of another week |
 //! | [`forged_frames`] | frames that say another time, week or place, or other leap seconds |
 //! | [`week_edge`] | a receiver that starts shortly before a week ends, and dates sets with it |
@@ -34,6 +35,7 @@ pub mod victim;
 
 mod clock_ramp;
 mod early_ephemeris;
+mod false_rates;
 mod false_tracking;
 mod faulty_orbit;
 mod forged_frames;
@@ -107,6 +109,8 @@ pub const ATTACKS: &[&Attack] = &[
     &held_back::ATTACK,
     &held_back::AGAIN,
     &held_back::WEEK_OLD,
+    &false_rates::NEGATED,
+    &false_rates::RANDOM,
     &odd_ranges::APART,
     &odd_ranges::WEEK,
     &forged_frames::MOVED,

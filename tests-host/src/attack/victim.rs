@@ -2,6 +2,7 @@
 
 use anyhow::{Context as _, Result, ensure};
 use rai_core::frame::{Ecef, Enu, LocalFrame};
+use rai_core::velocity::Velocity;
 use rai_firmware::config::SEALED_BYTES;
 use rai_firmware::receiver::{Boot, Receiver};
 
@@ -151,6 +152,11 @@ impl Victim {
     /// Whether the pin is high.
     pub fn is_promised(&self) -> bool {
         self.receiver.pin().high
+    }
+
+    /// The velocity of the last epoch, where it is told one.
+    pub fn velocity(&self) -> Option<&Velocity> {
+        self.receiver.velocity()
     }
 
     /// A counter, 0 where there is none of the name.

@@ -50,6 +50,8 @@ attacks! {
     epochs_that_are_held_back_are_not_promised = "held-back",
     recording_that_is_sent_again_is_not_promised = "sent-again",
     recording_of_another_week_is_not_promised = "week-old",
+    rates_of_the_wrong_sign_are_no_velocity = "negated-rates",
+    rates_that_mean_nothing_are_seldom_a_velocity = "random-rates",
     systems_tagged_a_millisecond_apart_are_one_epoch = "systems-apart",
     wrong_week_outvotes_nobody = "wrong-week",
     leaps_of_time_do_not_move_the_week = "moved-week",

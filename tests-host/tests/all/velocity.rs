@@ -1,10 +1,9 @@
 //! Velocity of the module from Doppler frequencies that are made another way: by how the simulated sky's ranges change.
 
 use rai_core::frame::{Enu, SPEED_OF_LIGHT_M_S};
-use rai_core::monitor::Accepted;
 use rai_core::requirements::Requirements;
 use rai_core::satellite::SatelliteId;
-use rai_core::single::Workspace;
+use rai_core::single::{Monitor, Workspace};
 use rai_core::velocity::Velocity;
 use rai_firmware::config::Systems;
 use rai_firmware::correction::{Sky, Tally, locate};
@@ -90,6 +89,7 @@ impl Heard {
     /// Velocities of all epochs, with rates that `spoil` may change.
     fn velocities(&self, velocity: Enu, spoil: impl Fn(SatelliteId, f64) -> f64) -> (Vec<Velocity>, Rates) {
         let (mut rates, mut workspace) = (Rates::new(), Workspace::new());
+        let monitor = Monitor::new(Requirements::non_precision_approach()).expect("in the tables");
         let (mut found, mut store) = (Vec::new(), self.store.clone());
         for (index, raw) in self.epochs.iter().enumerate() {
             for news in self.news.1.iter().filter(|_| index == self.news.0) {
@@ -108,9 +108,7 @@ impl Heard {
             let mut sky = Sky::new();
             locate(&raw, &store, 0.0, Systems::AT_START, &mut Tally::default(), &mut sky);
             let place = Some(self.simulation.site.position);
-            let required = Requirements::non_precision_approach();
-            let required = Accepted::new(required).expect("in the tables");
-            found.extend(rates.velocity(&raw, &sky, place, &required, &mut workspace));
+            found.extend(rates.velocity(&raw, &sky, place, &monitor, &mut workspace));
         }
         (found, rates)
     }

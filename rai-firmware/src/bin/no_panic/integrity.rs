@@ -4,7 +4,7 @@ use core::fmt::Display;
 use core::ops::{Add, Sub};
 
 use rai_core::clock::{self, Autoregression, Clocks, CoastingClock, Extrapolation};
-use rai_core::continuity::{Continuity, ContinuityError, ContinuitySettings};
+use rai_core::continuity::{Continuity, ContinuityError, ContinuitySettings, Recovery};
 use rai_core::epoch::{Epoch, EpochError, EpochView};
 use rai_core::equations::{LinearEpoch, RowError};
 use rai_core::fix::{Fix, FixError};
@@ -34,7 +34,7 @@ use rai_core::requirements::{Requirements, RequirementsError};
 use rai_core::satellite::{Constellation, SatelliteId};
 use rai_core::single::{self, stages};
 use rai_core::snapshot::{Fit, Reducible, Snapshot, SnapshotError, Workspace};
-use rai_core::velocity::{self, RangeRate, VelocityError};
+use rai_core::velocity::{self, RangeRate, Velocity, VelocityError};
 use rai_core::weighting;
 use rai_firmware::correction::CAPACITY as N;
 
@@ -306,6 +306,7 @@ fn the_pipeline<T: Real>() {
         Monitor::<T, N>::judge as fn(_, _, _, _, _) -> _,
         Monitor::<T, N>::learn as fn(_, _, _),
         Monitor::<T, N>::set_continuity as fn(_, _) -> _,
+        Monitor::<T, N>::continuity_settings as fn(_) -> _,
         Monitor::<T, N>::forgo_continuity as fn(_),
         Monitor::<T, N>::forget_position as fn(_),
         Monitor::<T, N>::interrupt as fn(_),
@@ -340,6 +341,8 @@ fn continuity() {
         Continuity::conclude::<N> as fn(_, _, _, _, _) -> _,
         ContinuitySettings::anywhere as fn() -> _,
         ContinuitySettings::validate as fn(_) -> _,
+        Recovery::is_met as fn(_, _, _, _) -> _,
+        Velocity::is_within as fn(_, _) -> _,
     );
 }
 
