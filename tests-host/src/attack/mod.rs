@@ -13,7 +13,7 @@
 //! |---|---|
 //! | [`false_tracking`] | signals lost and tracked falsely: ranges that agree by chance |
 //! | [`leap`] | a counterfeit sky elsewhere, and a time tag that leaps with it |
-//! | [`single_fault`] | one satellite wrong by a step or a ramp of any size, every method, policy and aid |
+//! | [`single_fault`] | one satellite wrong by a step or a ramp of any size, or by milliseconds, every method, policy and aid |
 //! | [`faulty_orbit`] | a satellite that is not where it says |
 //! | [`clock_ramp`] | too few satellites, and a clock forecast that follows the fault |
 //! | [`several_faults`] | two to four satellites wrong at once |
@@ -94,6 +94,7 @@ pub const ATTACKS: &[&Attack] = &[
     &leap::WITH_TIME,
     &single_fault::STEPS,
     &single_fault::RAMPS,
+    &single_fault::GROSS,
     &faulty_orbit::ATTACK,
     &clock_ramp::ATTACK,
     &several_faults::PAIRS,

@@ -4,7 +4,7 @@
 //! there, epochs beyond it may be as many as missed detections.
 
 use anyhow::Result;
-use rai_core::satellite::SatelliteId;
+use rai_core::satellite::{Constellation, SatelliteId};
 use rand::seq::IndexedRandom as _;
 use rand::{Rng as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
@@ -14,7 +14,9 @@ use super::forgery::Sky;
 use super::tally::Tally;
 use super::victim::Victim;
 use super::{Attack, Effort, Figure};
+use crate::encode::Frequency;
 use crate::fault::{Fault, Kind, Measured as _, Target};
+use crate::sky::raw::Simulation;
 
 /// Steps.
 pub(super) const STEPS: Attack = Attack {
@@ -31,6 +33,32 @@ pub(super) const RAMPS: Attack = Attack {
         run(effort, |bias_m| Kind::Ramp { rate_m_s: bias_m / f64::from(FAULTY), limit_m: bias_m.abs() })
     },
 };
+
+/// What receivers mistake: whole milliseconds.
+pub(super) const GROSS: Attack = Attack {
+    name: "gross-fault",
+    about: "one satellite wrong by 20 km, 100 km or a millisecond and more, every method and aid",
+    run: gross,
+};
+
+/// Every way to find the faulty one, by itself and with an aid.
+const METHODS: [&[&str]; 9] = [
+    &["METHOD,AUTO"],
+    &["METHOD,BAARDA"],
+    &["METHOD,SIMULTANEOUS"],
+    &["METHOD,SEQUENTIAL"],
+    &["METHOD,HYBRID"],
+    &["METHOD,GROUPING"],
+    &["METHOD,RANSAC"],
+    &["METHOD,SEPARATION"],
+    &["METHOD,GROUPING", "CLOCKAID,ON"],
+];
+
+/// Gross faults, m.
+const GROSS_M: [f64; 6] = [2e4, 1e5, -1e5, 299_792.458, -299_792.458, 5_995_849.16];
+
+/// The share of the epochs that has to be promised all the same.
+const KEPT: f64 = 0.95;
 
 /// Sizes of faults, m, each decade as likely.
 const SIZES_M: std::ops::Range<f64> = 2.0..2000.0;
@@ -74,6 +102,42 @@ fn run(effort: Effort, kind: fn(f64) -> Kind) -> Result<Vec<Figure>> {
     Ok(figures)
 }
 
+fn gross(effort: Effort) -> Result<Vec<Figure>> {
+    let mut figures = Vec::new();
+    let mut all = Tally::default();
+    for commands in METHODS {
+        let runs: Vec<(f64, u64)> = GROSS_M
+            .into_iter()
+            .flat_map(|bias_m| (0..effort.pick(4, 24)).map(move |seed| (bias_m, seed)))
+            .collect();
+        let tallies: Vec<Tally> =
+            runs.par_iter().map(|&(bias_m, seed)| grossly(commands, bias_m, seed)).collect::<Result<_>>()?;
+        let tally = tallies.iter().fold(Tally::default(), Tally::with);
+        let share = 100.0 * tally.promised as f64 / tally.epochs as f64;
+        figures.push(Figure::at_least(format!("% protected by {}", commands.join(" ")), share, 100.0 * KEPT));
+        all = all.with(&tally);
+    }
+    figures.extend(all.figures(0.0));
+    Ok(figures)
+}
+
+/// All satellites of GPS in sight, and of `BeiDou` in every other sky, one of them grossly wrong.
+fn grossly(commands: &[&str], bias_m: f64, seed: u64) -> Result<Tally> {
+    let start_s = 2000.0 + 3300.0 * seed as f64;
+    let sky = Sky::of(&Simulation::above_xian(start_s, HEALTHY + FAULTY, seed), Frequency::Dual)?;
+    let is_alone = seed % 2 == 1;
+    let mut seen: Vec<SatelliteId> = sky.recording.epochs[0].satellites();
+    seen.retain(|satellite| !is_alone || satellite.constellation() == Constellation::Gps);
+    let faulty = seen[ChaCha8Rng::seed_from_u64(seed).random_range(0..seen.len())];
+    let bytes = sky.bytes(|index, epoch| {
+        epoch.satellites.retain(|raw| seen.contains(&raw.satellite));
+        if index >= HEALTHY as usize {
+            epoch.lengthen(faulty, bias_m);
+        }
+    })?;
+    hear(commands, &sky, &bytes)
+}
+
 fn attempt(commands: &[&str], seed: u64, kind: fn(f64) -> Kind) -> Result<Tally> {
     let sky = Sky::quiet(HEALTHY + FAULTY, seed)?;
     let mut chance = ChaCha8Rng::seed_from_u64(seed);
@@ -94,6 +158,11 @@ fn attempt(commands: &[&str], seed: u64, kind: fn(f64) -> Kind) -> Result<Tally>
         epoch.satellites.retain(|raw| kept.contains(&raw.satellite));
         fault.apply(epoch, index as f64);
     })?;
+    hear(commands, &sky, &bytes)
+}
+
+/// What a module that is so set says of the faulty epochs.
+fn hear(commands: &[&str], sky: &Sky, bytes: &[Vec<u8>]) -> Result<Tally> {
     let (mut victim, mut tally) = (Victim::new(commands, 1.0)?, Tally::default());
     for (index, bytes) in bytes.iter().enumerate() {
         let seen = victim.hear(bytes, sky.truth)?;

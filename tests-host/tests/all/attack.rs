@@ -35,6 +35,7 @@ attacks! {
     time_that_leaps_with_the_place_makes_nothing_reachable = "leap-of-time",
     step_of_any_size_stays_within_the_levels = "step",
     ramp_of_any_size_stays_within_the_levels = "ramp",
+    gross_fault_of_one_satellite_costs_no_epoch = "gross-fault",
     satellite_beside_its_orbit_stays_within_the_levels = "orbit",
     clock_forecast_does_not_follow_a_fault = "clock-ramp",
     two_faults_seldom_pass = "two-faults",
