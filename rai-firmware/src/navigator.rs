@@ -17,7 +17,7 @@ use rai_core::single::{self, Memory, Monitor, Workspace};
 use rai_core::velocity::Velocity;
 use rai_core::weighting::Ism;
 
-use crate::config::{Configuration, Frequencies};
+use crate::config::{Configuration, Frequencies, Systems};
 use crate::correction::{CAPACITY, Klobuchar, Located, Preference, Ranges, Site, Sky, Tally, coarse, locate};
 use crate::ephemeris::{Ephemeris, Insertion, Store};
 use crate::rates::{RateTally, Rates};
@@ -47,6 +47,8 @@ pub struct Navigator {
     room: Room,
     tally: Tally,
     preference: Preference,
+    /// The ranges whose residuals the monitor learns from, and the systems that they are of.
+    learned: Option<(Ranges, Systems)>,
     rates: Rates,
     velocity: Option<Velocity>,
     /// Whether the receiver is sure that signals are none of a satellite: those may agree with each other as well as they like.
@@ -83,6 +85,7 @@ impl Navigator {
             room: Room { sky: Sky::new(), epoch: Epoch::new(0.0), memory: Memory::new() },
             tally: Tally::default(),
             preference: Preference::new(),
+            learned: None,
             rates: Rates::new(),
             velocity: None,
             is_counterfeit: false,
@@ -212,6 +215,7 @@ impl Navigator {
             guess = self.coarse_position(raw.time);
         }
         let ranges = self.ranges(guess, raw.time, configuration);
+        self.learn_anew_of((ranges, configuration.systems));
         let before = self.tally.ranges;
         let mut known = Vec::<SatelliteId, MAX_EXCLUDED>::new();
         let mut searches = 0;
@@ -239,6 +243,13 @@ impl Navigator {
         }
         let refused_a_range = self.tally.ranges.range_implausible != before.range_implausible;
         self.conclude(raw, came_ms, refused_a_range, without_orbit)
+    }
+
+    /// Residuals say nothing of the sigmas of other ranges, nor of other systems.
+    fn learn_anew_of(&mut self, learned: (Ranges, Systems)) {
+        if self.learned.replace(learned).is_some_and(|before| before != learned) {
+            self.monitor.forget_residuals();
+        }
     }
 
     /// Finds where the satellites of an epoch were; says how many of them have no orbit.

@@ -57,11 +57,16 @@ pub enum Method {
 impl Method {
     /// Whether a forecast may stand beside the satellites: separation knows none that could be wrong.
     pub(crate) fn takes_a_forecast(self) -> bool {
+        !self.holds_a_promise()
+    }
+
+    /// Whether sigmas are what is promised of the satellites, and not what is expected of them.
+    pub(crate) fn holds_a_promise(self) -> bool {
         #[cfg(feature = "araim")]
         if self == Self::Separation {
-            return false;
+            return true;
         }
-        true
+        false
     }
 }
 

@@ -134,15 +134,22 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         Ok(())
     }
 
-    /// Replaces the strategy; a change of clock aiding forgets the clocks, one of adaptation the residuals.
+    /// Replaces the strategy; a change of clock aiding forgets the clocks; one of adaptation the residuals, as does one between
+    /// sigmas that are expected and such that are promised.
     pub fn set_strategy(&mut self, strategy: Strategy) {
         if strategy.clock_aid != self.strategy.clock_aid {
             self.clocks.restart();
         }
-        if strategy.sigma_adapt != self.strategy.sigma_adapt {
-            self.adaptation.restart();
+        let is_weighted_alike = strategy.method.holds_a_promise() == self.strategy.method.holds_a_promise();
+        if strategy.sigma_adapt != self.strategy.sigma_adapt || !is_weighted_alike {
+            self.forget_residuals();
         }
         self.strategy = strategy;
+    }
+
+    /// Ranges are made another way, or are of other satellites: what residuals have said of the sigmas counts for nothing.
+    pub fn forget_residuals(&mut self) {
+        self.adaptation.restart();
     }
 
     /// Replaces what a receiver can do and how long satellites must agree after an alert; what is remembered stays.
@@ -235,7 +242,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     ) -> &'m mut Assessment<N> {
         let is_aided = self.strategy.clock_aid && self.strategy.method.takes_a_forecast();
         let forecast = self.clocks.aiding(&epoch.view()).filter(|_| is_aided);
-        let scale = self.strategy.sigma_adapt.then(|| self.adaptation.scale(epoch.time_s()));
+        let scale = self.scale(epoch.time_s());
         let Memory { workspace, scratch, assessment } = memory;
         // Judged where it is: a copy would lie on the stack below every search.
         match &mut Fix::about(workspace, Aided::by(epoch, forecast).scaled(scale), start) {
@@ -290,6 +297,15 @@ impl<T: Real, const N: usize> Monitor<T, N> {
             Verdict::Unavailable(Unavailable::Recovering) => lesson.clocks = None,
             _ => {}
         }
+    }
+
+    /// What all sigmas are multiplied by, where they learn.
+    ///
+    /// Minutes of small residuals take nothing off what is promised: an integrity support message speaks of faults that they have
+    /// not seen.
+    fn scale(&self, time_s: f64) -> Option<f64> {
+        let least = if self.strategy.method.holds_a_promise() { 1.0 } else { 0.0 };
+        self.strategy.sigma_adapt.then(|| self.adaptation.scale(time_s).max(least))
     }
 
     fn criteria(&self) -> Criteria<'_> {

@@ -17,7 +17,8 @@
 //! anew.
 //!
 //! No scaled sigma is below what is assumed of the satellite's broadcast orbit and clock ([`Adaptation::sigma_m`]): an
-//! error that is the same for minutes leaves residuals that others explain.
+//! error that is the same for minutes leaves residuals that others explain. For the same reason the monitor lets no scale
+//! below 1 on sigmas that an integrity support message promises.
 //!
 //! Assumes that ten minutes see errors of their own. What multipath repeats from epoch to epoch counts as often as it is
 //! seen, and the bound is then tighter than its probability says: hence the least scale of 0.5.

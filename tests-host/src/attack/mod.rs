@@ -27,6 +27,7 @@
 //! | [`week_edge`] | a receiver that starts shortly before a week ends, and dates sets with it |
 //! | [`two_stations`] | the ranges of a reference station on the receiver's line; a receiver in a tunnel |
 //! | [`settings`] | a time to alert that hides a silence; restarts that make settings nobody's |
+//! | [`learned_sigmas`] | sigmas that quiet minutes made small, used for what these say nothing of |
 //! | [`suspicions`] | a receiver that is sure of counterfeit signals, and messages that would talk it out of it |
 //! | [`recordings`] | nature: real receivers, in the open and between tall buildings |
 
@@ -44,6 +45,7 @@ mod health;
 mod held_back;
 mod ionosphere;
 mod leap;
+mod learned_sigmas;
 mod odd_ranges;
 mod recordings;
 mod settings;
@@ -126,6 +128,7 @@ pub const ATTACKS: &[&Attack] = &[
     &two_stations::TUNNEL,
     &settings::TIME_TO_ALERT,
     &settings::RESTARTS,
+    &learned_sigmas::ATTACK,
     &suspicions::ATTACK,
     &recordings::NOMINAL,
     &recordings::URBAN,

@@ -1,0 +1,76 @@
+//! Sigmas that have learned from quiet minutes, and are then asked for what these minutes say nothing of.
+//!
+//! Residuals tell how large the errors of these ranges were. They tell nothing of what an integrity support message promises, nor
+//! of other ranges and other systems: a level there must not be below that of sigmas that have learned nothing.
+
+use anyhow::Result;
+use rayon::prelude::*;
+
+use super::forgery::Sky;
+use super::victim::Victim;
+use super::{Attack, Effort, Figure};
+
+/// Learned there, used here.
+pub(super) const ATTACK: Attack = Attack {
+    name: "learned-sigmas",
+    about: "SIGMA,ADAPT in ten quiet minutes, then levels by promise, by one frequency, of one system",
+    run,
+};
+
+/// Commands at start, and after the quiet minutes.
+const CASES: [([&str; 2], &str); 4] = [
+    (["METHOD,SEPARATION", "FREQ,DUAL"], "METHOD,SEPARATION"),
+    (["METHOD,AUTO", "FREQ,DUAL"], "METHOD,SEPARATION"),
+    (["METHOD,AUTO", "FREQ,DUAL"], "FREQ,SINGLE"),
+    (["METHOD,AUTO", "FREQ,DUAL"], "SYSTEMS,G"),
+];
+
+/// Quiet epochs, and those after the change: too few of them to learn from.
+const QUIET: u32 = 650;
+const AFTER: u32 = 10;
+
+/// What a level may differ by for its last digit, %.
+const ROUNDING: f64 = 1.0;
+
+fn run(effort: Effort) -> Result<Vec<Figure>> {
+    let seeds = effort.pick(1, 8);
+    let of_case = |(at_start, then): ([&str; 2], &str)| -> Result<[f64; 2]> {
+        let shares = (0..seeds).into_par_iter().map(|seed| shares(&at_start, then, seed));
+        let least = |a: [f64; 2], b: [f64; 2]| [a[0].min(b[0]), a[1].min(b[1])];
+        Ok(shares.collect::<Result<Vec<_>>>()?.into_iter().fold([f64::INFINITY; 2], least))
+    };
+    let mut figures = Vec::new();
+    for (at_start, then) in CASES {
+        let [before, after] = of_case((at_start, then))?;
+        let method = at_start[0];
+        if method == "METHOD,AUTO" {
+            figures.push(Figure::at_most(format!("% of HPL by {method}, {then} to come"), before, 90.0));
+        }
+        let quantity = format!("least % of HPL by {then} after {method}");
+        figures.push(Figure::at_least(quantity, after, 100.0 - ROUNDING));
+    }
+    Ok(figures)
+}
+
+/// The least level of a module that learns, in percent of that of one that does not: before the change and after it.
+fn shares(at_start: &[&str], then: &str, seed: u64) -> Result<[f64; 2]> {
+    let sky = Sky::quiet(QUIET + AFTER, seed)?;
+    let mut learns = Victim::new(at_start, 1.0)?;
+    let mut fixed = Victim::new(at_start, 1.0)?;
+    learns.obey("SIGMA,ADAPT")?;
+    let mut least = [f64::INFINITY; 2];
+    for (index, bytes) in (0..).zip(&sky.bytes(|_, _| {})?) {
+        if index == QUIET {
+            learns.obey(then)?;
+            fixed.obey(then)?;
+        }
+        let level_m = |victim: &mut Victim| -> Result<Option<f64>> {
+            Ok(victim.hear(bytes, sky.truth)?.last().and_then(|seen| seen.said.state.hpl_m))
+        };
+        let share = level_m(&mut learns)?.zip(level_m(&mut fixed)?).map(|(have_m, want_m)| have_m / want_m);
+        let [before, after] = &mut least;
+        let least = if index < QUIET { before } else { after };
+        *least = share.map_or(*least, |share| least.min(100.0 * share));
+    }
+    Ok(least)
+}
