@@ -832,7 +832,8 @@ rai_status_t rai_receiver_init(rai_receiver_t *memory,
                                rai_text_t *out);
 
 /**
- * Takes bytes of the GNSS port that came at `now_ms`, milliseconds of any clock that does not go back.
+ * Takes bytes of the GNSS port that came at `now_ms`, milliseconds of any clock that does not go back and is within 4 %: what
+ * comes later than others by more is found late.
  *
  * `judged`, where it is not null, becomes 1 if an epoch was judged during the call, else 0. Set the pin after each call.
  *

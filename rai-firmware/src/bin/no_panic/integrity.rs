@@ -399,6 +399,7 @@ fn requirements() {
         rai_core::report::ProtectionLevels::plus as fn(_, _) -> _,
         rai_core::report::ProtectionLevels::or_larger as fn(_, _) -> _,
         Allocation::vertical_guidance as fn() -> _,
+        Allocation::vertical as fn() -> _,
         Allocation::horizontal as fn() -> _,
         Allocation::integrity as fn(_) -> _,
         Allocation::validate as fn(_) -> _,

@@ -95,6 +95,7 @@ fn wire() {
         (|input, tell| Input::pause(input, tell)) as fn(_, Tell),
         Input::interrupt as fn(_),
         Input::confirm as fn(_, _, _),
+        Input::forget as fn(_),
         Input::counters as fn(_) -> _,
         Input::time as fn(_) -> _,
         Input::leap_second as fn(_) -> _,
@@ -297,6 +298,7 @@ fn commands() {
 
 fn the_loop() {
     reach!(
+        Boot::on_host as fn(_) -> _,
         Receiver::<Pin>::new as fn(_, _) -> _,
         Receiver::<Pin>::greet::<Host> as fn(_, _),
         Receiver::<Pin>::gnss::<Host> as fn(_, _, _, _) -> _,
