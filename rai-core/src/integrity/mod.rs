@@ -74,9 +74,9 @@ impl Method {
 /// Cortex-M4F. Beyond, the largest w-test costs a hundredth.
 pub const AUTOMATIC_SETS: usize = parity::MAX_SETS;
 
-/// Sum of squares of which a fault is gross: of a thousand sigmas, some kilometres, by which a position that is moved `d` is
-/// off by `d²/2ρ`, decimetres.
-const GROSS_SSE: f64 = 1e6;
+/// Sum of squares of which a fault is gross: of ten thousand sigmas, some tens of kilometres. Where it moves the position by `d`,
+/// ranges are off by `d²/2ρ`, metres.
+const GROSS_SSE: f64 = 1e8;
 
 /// What an epoch is judged by.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -307,58 +307,20 @@ fn isolate<T: Real>(
     epoch: &EpochView<'_>,
     criteria: &Criteria<'_>,
     search: Search<'_>,
-    subsets: &mut ransac::Subsets,
+    #[cfg_attr(not(feature = "searches"), expect(unused_variables))] subsets: &mut ransac::Subsets,
 ) -> Exclusion<T> {
+    let thresholds = &criteria.thresholds;
     if let Search::Known(satellites) = search {
         let listed = epoch.observations().iter().enumerate();
         let known = listed.filter(|(_, observation)| satellites.contains(&observation.satellite));
         let rows: Vec<usize, MAX_EXCLUDED> = gather(known.map(|(index, _)| index));
-        return leave_out(solution, &rows, &criteria.thresholds);
+        return leave_out(solution, &rows, thresholds);
     }
     if solution.snapshot().sse() > T::narrow(GROSS_SSE) {
-        return isolate_gross(solution, epoch, criteria, subsets);
+        // It bends what all sets are compared in, one of a millisecond beyond recognition. Leaving out the worst and solving again
+        // about another point does not mind.
+        return exclude_sequentially(solution, thresholds);
     }
-    isolate_by_method(solution, epoch, criteria, subsets)
-}
-
-/// A fault of some kilometres bends what all sets are compared in, one of a millisecond beyond recognition. Leaving out the
-/// worst and solving again about another point does not mind: where that takes one row, it is the one, and where it takes
-/// several, sets are compared about the point that it leads to.
-#[inline(never)]
-fn isolate_gross<T: Real>(
-    solution: &mut impl Reducible<T>,
-    epoch: &EpochView<'_>,
-    criteria: &Criteria<'_>,
-    subsets: &mut ransac::Subsets,
-) -> Exclusion<T> {
-    let thresholds = &criteria.thresholds;
-    let one_by_one = exclude_sequentially(solution, thresholds);
-    if criteria.method == Method::Baarda
-        || one_by_one.outcome == Outcome::Isolated && one_by_one.rows.len() == 1
-    {
-        return one_by_one;
-    }
-    if solution.take_back(&indices(&one_by_one)).is_err() {
-        return Exclusion { outcome: Outcome::NotIsolated(Unidentified::NoSet), ..one_by_one };
-    }
-    let by_method = isolate_by_method(solution, epoch, criteria, subsets);
-    if by_method.outcome == Outcome::Isolated || solution.take_back(&indices(&by_method)).is_err() {
-        return by_method;
-    }
-    leave_out(solution, &indices(&one_by_one), thresholds)
-}
-
-fn indices<T>(exclusion: &Exclusion<T>) -> Vec<usize, MAX_EXCLUDED> {
-    gather(exclusion.rows.iter().map(|excluded| excluded.index))
-}
-
-fn isolate_by_method<T: Real>(
-    solution: &mut impl Reducible<T>,
-    #[cfg_attr(not(feature = "searches"), expect(unused_variables))] epoch: &EpochView<'_>,
-    criteria: &Criteria<'_>,
-    #[cfg_attr(not(feature = "searches"), expect(unused_variables))] subsets: &mut ransac::Subsets,
-) -> Exclusion<T> {
-    let thresholds = &criteria.thresholds;
     match criteria.method {
         Method::Auto => isolate_within_budget(solution, thresholds),
         #[cfg(feature = "searches")]

@@ -28,7 +28,7 @@ use rai_firmware::output::{Motion, nic};
 use rai_firmware::publisher::Publisher;
 use rai_firmware::rates::{RateTally, Rates};
 use rai_firmware::raw::{Band, Carrier, RawEpoch, RawSignal};
-use rai_firmware::receiver::{Receiver, Verdicts};
+use rai_firmware::receiver::{Boot, Receiver, Verdicts};
 use rai_firmware::ring::Ring;
 use rai_firmware::selftest::{self, Failure};
 use rai_firmware::time::{self, GpsTime};
