@@ -211,12 +211,12 @@ impl Agreement {
 
 /// Whether a promise needs an agreement first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Standing {
+pub enum Standing {
     /// Nothing came before, or too long ago.
     New,
     /// The last epoch with a position was promised, or nothing spoke against it.
     Good,
-    /// After an alert.
+    /// After an alert, or a contradiction.
     Lost,
 }
 

@@ -27,7 +27,7 @@
 
 use heapless::Vec;
 use nalgebra::Vector3;
-use rai_core::continuity::ContinuitySettings;
+use rai_core::continuity::{ContinuitySettings, Standing};
 use rai_core::frame::{EARTH_ROTATION_RAD_S, Ecef, LocalFrame, SPEED_OF_LIGHT_M_S};
 use rai_core::numeric::real::Real;
 use rai_core::satellite::SatelliteId;
@@ -112,17 +112,6 @@ struct Seen {
     range_m: f64,
     /// Of the ephemeris.
     edition: u32,
-}
-
-/// What the rates of the epochs before are good for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Standing {
-    /// Nothing was heard before.
-    New,
-    /// They have agreed for long enough.
-    Good,
-    /// They have contradicted each other.
-    Lost,
 }
 
 /// Whether a velocity that passed its test is to be told.
