@@ -53,7 +53,10 @@ fn unpack() -> Result<PathBuf> {
         if folder.exists() {
             fs::remove_dir_all(&folder)?;
         }
-        tar::Archive::new(flate2::read::GzDecoder::new(reader)).unpack(&unpacked)?;
+        let mut archive = tar::Archive::new(flate2::read::GzDecoder::new(reader));
+        // Packed files all have one time, by which what was compiled of them before would seem to be of these.
+        archive.set_preserve_mtime(false);
+        archive.unpack(&unpacked)?;
         fs::rename(unpacked.join(versioned), folder)?;
     }
     Ok(unpacked)
