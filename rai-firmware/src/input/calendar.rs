@@ -275,7 +275,9 @@ impl Calendar {
             (self.reference, self.one_sided) = (Some(toe), Side::of(toe));
             return;
         };
-        if self.one_sided.is_some() && self.one_sided != Side::of(toe) {
+        // One of GLONASS is dated by what is in doubt.
+        let is_dated = system != Constellation::Glonass;
+        if is_dated && self.one_sided.is_some() && self.one_sided != Side::of(toe) {
             return self.take_week_of(toe, reference, counters);
         }
         let apart_ms = toe.since_ms(reference).unsigned_abs();

@@ -46,8 +46,8 @@ pub enum Source {
 }
 
 impl Source {
-    #[cfg_attr(not(target_os = "none"), allow(dead_code))] // As above.
     /// By how much a clock from it may gain on the right time, parts per million.
+    #[cfg_attr(not(target_os = "none"), allow(dead_code))] // As above.
     pub const fn error_ppm(self) -> u32 {
         match self {
             Self::Crystal | Self::Unreported => Boot::CRYSTAL_PPM,
