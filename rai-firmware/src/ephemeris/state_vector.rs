@@ -18,6 +18,7 @@
 //!
 //! [GLO-ICD]: crate#references
 
+use nalgebra::Vector3;
 use rai_core::frame::Ecef;
 use rai_core::satellite::SatelliteId;
 
@@ -83,7 +84,7 @@ impl StateVector {
         check(broadcast)?;
         let steps = |value: f64, step: f64| libm::round(value / step) as i32;
         let mut vector = Self {
-            node: State { position: [0.0; 3], velocity: [0.0; 3] },
+            node: State { position: Vector3::zeros(), velocity: Vector3::zeros() },
             node_steps: 0,
             // At most 107 of its steps.
             acceleration: broadcast
@@ -100,7 +101,7 @@ impl StateVector {
     pub(super) fn at(&self, since_toe: Elapsed) -> Option<Motion> {
         let seconds = since_toe.to_s();
         let state = self.node_of(Node::steps_to(seconds)?).state_at(seconds, self.pull_m_s2());
-        let [x_m, y_m, z_m] = state.position;
+        let [x_m, y_m, z_m] = state.position.into();
         Some(Motion { position: Ecef::new(x_m, y_m, z_m), relativity_s62: 0 })
     }
 
@@ -127,13 +128,13 @@ impl StateVector {
 
     fn reference(&self) -> Node {
         Node::at_reference(State {
-            position: self.position.map(|steps| POSITION_STEP_M * f64::from(steps)),
-            velocity: self.velocity.map(|steps| VELOCITY_STEP_M_S * f64::from(steps)),
+            position: self.position.map(|steps| POSITION_STEP_M * f64::from(steps)).into(),
+            velocity: self.velocity.map(|steps| VELOCITY_STEP_M_S * f64::from(steps)).into(),
         })
     }
 
-    fn pull_m_s2(&self) -> [f64; 3] {
-        self.acceleration.map(|steps| ACCELERATION_STEP_M_S2 * f64::from(steps))
+    fn pull_m_s2(&self) -> Vector3<f32> {
+        self.acceleration.map(|steps| ACCELERATION_STEP_M_S2 as f32 * f32::from(steps)).into()
     }
 }
 
