@@ -10,6 +10,11 @@ pub(crate) fn above(index: usize) -> u64 {
     u64::MAX.checked_shl(index as u32 + 1).unwrap_or(0)
 }
 
+/// So many first rows.
+pub(crate) fn first(count: usize) -> u64 {
+    1u64.checked_shl(count as u32).map_or(u64::MAX, |beyond| beyond - 1)
+}
+
 /// The members of a set, ascending.
 pub(crate) fn members(mut set: u64) -> impl Iterator<Item = usize> + Clone {
     core::iter::from_fn(move || {

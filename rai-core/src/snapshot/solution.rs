@@ -6,6 +6,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::{Fit, SnapshotError, Statistics};
+use crate::bit_set::members;
 use crate::equations::Row;
 use crate::numeric::real::Real;
 use crate::satellite::Constellation;
@@ -238,6 +239,14 @@ impl<T: Real> Solution<T> {
         } else {
             Err(SnapshotError::Singular)
         }
+    }
+
+    /// The same, of a set of the rows.
+    ///
+    /// # Errors
+    /// As [`super::Workspace::solve`].
+    pub(crate) fn solve_set(&mut self, rows: &[Row<T>], set: u64) -> Result<(), SnapshotError> {
+        self.solve(members(set).filter_map(|index| rows.get(index)))
     }
 
     /// Leaves a row out by what is said of it ([`crate::removal`]):

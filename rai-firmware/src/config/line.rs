@@ -6,6 +6,8 @@
 
 use heapless::Vec;
 
+use super::fields::{Fields, cut};
+
 /// Longest line accepted, `$` and line end not counted. Longer than a sentence may be: eight ionospheric coefficients of
 /// twelve digits do not fit into 82 characters.
 pub const MAX_LINE: usize = 192;
@@ -15,10 +17,6 @@ const KEY_WIDTH: usize = 16;
 
 /// The address of a command.
 const ADDRESS: &str = "PRAIC";
-
-// As sets of one: the search for a single character keeps bounds checks that no compiler sees through.
-const COMMA: [char; 1] = [','];
-const STAR: [char; 1] = ['*'];
 
 /// Why there is no command in what came.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -87,8 +85,8 @@ pub(super) struct Line<'l> {
 impl<'l> Line<'l> {
     fn new(bytes: &'l [u8]) -> Result<Self, LineError> {
         let text = core::str::from_utf8(bytes).map_err(|_| LineError::Noise)?;
-        let (body, checksum) = text.split_once(STAR).unwrap_or((text, ""));
-        let (address, fields) = body.split_once(COMMA).unwrap_or((body, ""));
+        let (body, checksum) = cut(text, ['*', '*']).unwrap_or((text, ""));
+        let (address, fields) = cut(body, [',', ',']).unwrap_or((body, ""));
         if address == ADDRESS { Ok(Self { body, checksum, fields }) } else { Err(LineError::Foreign) }
     }
 
@@ -100,7 +98,7 @@ impl<'l> Line<'l> {
     }
 
     pub(super) fn key(&self) -> &'l str {
-        self.fields.split(COMMA).next().unwrap_or_default()
+        Fields::of(self.fields).next().unwrap_or_default()
     }
 
     /// The key, cut so that any answer has room for it.
@@ -108,7 +106,9 @@ impl<'l> Line<'l> {
         self.key().get(..KEY_WIDTH).unwrap_or(self.key())
     }
 
-    pub(super) fn values(&self) -> impl Iterator<Item = &'l str> + use<'l> {
-        self.fields.split(COMMA).skip(1)
+    pub(super) fn values(&self) -> Fields<'l> {
+        let mut fields = Fields::of(self.fields);
+        let _ = fields.next();
+        fields
     }
 }

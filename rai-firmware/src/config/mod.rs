@@ -51,6 +51,7 @@ use rai_core::weighting::Ism;
 use crate::output::schedule::Schedule;
 
 mod command;
+mod fields;
 mod key;
 mod line;
 mod number;

@@ -7,6 +7,8 @@
 use heapless::String;
 use heapless::string::StringView;
 
+use super::fields::cut;
+
 /// Largest power of ten that a `f64` holds exactly.
 const EXACT_POWER: u32 = 22;
 
@@ -39,12 +41,11 @@ impl Mantissa {
 /// A decimal number; `None` for anything else, and for one too large for a `f64`.
 pub fn decimal(text: &str) -> Option<f64> {
     let (negative, text) = sign(text);
-    let (mantissa, exponent) = match text.split_once(['e', 'E']) {
+    let (mantissa, exponent) = match cut(text, ['e', 'E']) {
         Some((mantissa, exponent)) => (mantissa, integer(exponent)?),
         None => (text, 0),
     };
-    // As a set of one: the search for a single character keeps bounds checks that no compiler sees through.
-    let (whole, fraction) = mantissa.split_once(['.']).unwrap_or((mantissa, ""));
+    let (whole, fraction) = cut(mantissa, ['.', '.']).unwrap_or((mantissa, ""));
     if whole.is_empty() && fraction.is_empty() {
         return None;
     }

@@ -13,6 +13,7 @@
 
 use heapless::String;
 
+use super::fields::Fields;
 use super::key::Key;
 use super::promises::VALUES;
 use super::said::{Crc32, ORDER};
@@ -136,8 +137,7 @@ fn fields_of(key: Key, is_first: bool) -> usize {
 fn obey(text: &[u8]) -> Option<Configuration> {
     let text = core::str::from_utf8(text).ok()?;
     text.lines().try_fold(Configuration::at_start(), |settings, line| {
-        // As a set of one, for the reason that stands in `line.rs`.
-        let mut fields = line.split([',']);
+        let mut fields = Fields::of(line);
         match Command::read(fields.next()?, fields).ok()? {
             Command::Set(setting) => settings.with(setting).ok(),
             _ => None,

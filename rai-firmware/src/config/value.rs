@@ -13,6 +13,7 @@ pub(super) fn next<'v>(values: Values<'_, 'v>) -> Result<&'v str, Refusal> {
     values.next().filter(|value| !value.is_empty()).ok_or(Refusal::MissingValue)
 }
 
+#[inline(never)]
 pub(super) fn number(value: &str, (lowest, highest): (f64, f64)) -> Result<f64, Refusal> {
     let number = decimal(value).ok_or(Refusal::NotANumber)?;
     if (lowest..=highest).contains(&number) { Ok(number) } else { Err(Refusal::OutOfRange) }

@@ -58,6 +58,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use crate::bit_set::{bit, first};
 use crate::equations::Row;
 use crate::numeric::chi_square::LARGEST;
 use crate::numeric::normal;
@@ -109,9 +110,9 @@ fn is_hardly_tested<T: Real>(snapshot: &Snapshot<'_, T>, row: &Row<T>, fit: &Fit
 /// The squared slopes of a row by what the others say of it; `None` where it is untestable.
 fn by_the_others<T: Real>(snapshot: &Snapshot<'_, T>, index: usize) -> Option<SquaredSlopes<T>> {
     let (row, _) = snapshot.row(index)?;
-    let others = snapshot.equations().iter().enumerate().filter(|&(other, _)| other != index);
+    let rows = snapshot.equations();
     let mut solution = Solution::none();
-    solution.solve(others.map(|(_, other)| other)).ok()?;
+    solution.solve_set(rows, first(rows.len()) & !bit(index)).ok()?;
     let fit = solution.fit(row);
     let predicted = solution.level_variance(row) + fit.centred.dot(&fit.gain);
     let redundancy = (T::one() + row.weight * predicted).recip();

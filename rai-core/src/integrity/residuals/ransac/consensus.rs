@@ -10,6 +10,7 @@
 use heapless::Vec;
 
 use super::{ConsensusLimits, Selection};
+use crate::bit_set::members;
 use crate::bounded::gather;
 use crate::equations::{MAX_ROWS, Row};
 use crate::numeric::real::Real;
@@ -95,11 +96,11 @@ impl<T: Real> Vote<T> {
 
 /// `None` where a subset gives no position worth a vote.
 fn vote<T: Real>(rows: &[Row<T>], selection: &Selection, subset: usize, bound: T) -> Option<Vote<T>> {
-    let members = rows.iter().enumerate().filter(|&(index, _)| selection.contains(subset, index));
-    let members = members.map(|(_, row)| row);
+    let set = selection.set(subset);
     let mut solution = Solution::none();
-    solution.solve(members.clone()).ok()?;
-    if !is_worth_a_vote(members, &solution) {
+    solution.solve_set(rows, set).ok()?;
+    let solved = members(set).filter_map(|index| rows.get(index));
+    if !is_worth_a_vote(solved, &solution) {
         return None;
     }
     let levels = Constellation::ALL.map(|clock| median_without_clock(rows, &solution, clock));

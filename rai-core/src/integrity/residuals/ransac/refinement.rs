@@ -10,6 +10,7 @@ use heapless::Vec;
 
 use super::consensus::{deviation_squared, disagreement, most_faults};
 use super::{Consensus, ConsensusLimits, Selection};
+use crate::bit_set::{bit, first, members};
 use crate::equations::Row;
 use crate::integrity::residuals::detection::Detection;
 use crate::numeric::real::Real;
@@ -52,8 +53,10 @@ fn exclude_until_passed<T: Real>(
     solution: &mut Solution<T>,
 ) -> Option<()> {
     loop {
-        let stay = rows.iter().enumerate().filter(|(index, _)| !left_out.contains(index));
-        solution.solve(stay.clone().map(|(_, row)| row)).ok()?;
+        let gone = left_out.iter().fold(0, |set, &index| set | bit(index));
+        let stay = first(rows.len()) & !gone;
+        solution.solve_set(rows, stay).ok()?;
+        let stay = members(stay).filter_map(|index| Some((index, rows.get(index)?)));
         let stay = stay.filter(|(_, row)| row.weight > T::zero());
         let fits = stay.map(|(index, row)| (index, row.weight, solution.fit(row)));
         let sse =

@@ -32,6 +32,7 @@ use heapless::Vec;
 use nalgebra::{Matrix4, Vector3, Vector4};
 
 use super::tetrahedra::{Corner, Work, inverted, largest};
+use crate::bit_set::bit;
 use crate::bounded::{fill, gather};
 use crate::equations::{MAX_ROWS, Row};
 use crate::numeric::real::Real;
@@ -112,6 +113,12 @@ impl Selection {
     /// True when a row belongs to a subset.
     pub fn contains(&self, subset: usize, row: usize) -> bool {
         self.members.get(row).is_some_and(|member| member.map(usize::from) == Some(subset))
+    }
+
+    /// The rows of a subset.
+    pub(super) fn set(&self, subset: usize) -> u64 {
+        let members = (0..self.members.len()).filter(|&row| self.contains(subset, row));
+        members.fold(0, |set, row| set | bit(row))
     }
 
     /// Triangles and tetrahedra looked at.
