@@ -46,6 +46,9 @@ pub trait Real: RealField + Copy {
     /// `1/√x` for `x > 0`, to a few units in the last place.
     #[must_use]
     fn inverse_root(self) -> Self;
+    /// Sine and cosine of an angle between 0 and π/2.
+    #[must_use]
+    fn sine_and_cosine(self) -> (Self, Self);
     /// [`tail`](super::normal::tail) for `u ≥ 0`.
     fn normal_tail(u: Self) -> Tail<Self>;
     /// [`quantile`](super::normal::quantile) for `0 < p < 0.5`.

@@ -1,6 +1,7 @@
 //! Single and double precision as scalars of what is linearised.
 
 use super::absolute::Grid;
+use super::angle::sine;
 use super::normal;
 use super::precision::{DOUBLE, Precision, SINGLE};
 use super::real::{Real, Tail};
@@ -26,6 +27,9 @@ impl Real for f64 {
     }
     fn inverse_root(self) -> Self {
         libm::sqrt(self).recip()
+    }
+    fn sine_and_cosine(self) -> (Self, Self) {
+        libm::sincos(self)
     }
     fn normal_tail(u: Self) -> Tail<Self> {
         normal::double_tail(u)
@@ -59,6 +63,11 @@ impl Real for f32 {
     #[inline]
     fn inverse_root(self) -> Self {
         root::single_inverse(self)
+    }
+    fn sine_and_cosine(self) -> (Self, Self) {
+        // A quarter turn is so much more than its nearest number.
+        const BEYOND: f32 = -4.371_139e-8;
+        (sine(self), sine(core::f32::consts::FRAC_PI_2 - self + BEYOND))
     }
     fn normal_tail(u: Self) -> Tail<Self> {
         normal::single_tail(u)

@@ -3,7 +3,8 @@
 use core::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
 use proptest::prelude::*;
-use rai_core::numeric::angle::of_unit_vector;
+use rai_core::numeric::angle::{of_unit_vector, sine};
+use rai_core::numeric::real::Real as _;
 
 /// Less than 10 µm on the ground.
 const WITHIN_RAD: f64 = 1.6e-12;
@@ -19,6 +20,22 @@ proptest! {
     fn whatever_comes_in_there_is_an_answer(sine in any::<f64>(), cosine in any::<f64>()) {
         let _ = of_unit_vector(sine, cosine);
     }
+}
+
+#[test]
+fn a_sine_is_that_of_a_quarter_turn_at_most() {
+    for step in -1000..=1000 {
+        let angle_rad = step as f32 * 1e-3 * core::f32::consts::FRAC_PI_2;
+        let want = f64::from(angle_rad).sin();
+        assert!((f64::from(sine(angle_rad)) - want).abs() <= 2e-7 * want.abs(), "{angle_rad}");
+        if step >= 0 {
+            let (_, cosine) = angle_rad.sine_and_cosine();
+            let want = f64::from(angle_rad).cos();
+            assert!((f64::from(cosine) - want).abs() <= 2e-7 * want.abs(), "{angle_rad}");
+        }
+    }
+    assert_eq!((sine(7.0), sine(-1e30)), (sine(core::f32::consts::FRAC_PI_2), -sine(f32::INFINITY)));
+    assert!(sine(f32::NAN).is_nan());
 }
 
 #[test]

@@ -4,6 +4,7 @@
 
 use rai_core::epoch::{Epoch, EpochError, Observation};
 use rai_core::frame::{Ecef, LocalFrame};
+use rai_core::numeric::angle::sine;
 use rai_core::satellite::Constellation;
 use rai_core::weighting::{
     ErrorBudget, Ism, MIXED_CARRIERS_M, UserModel, ephemeris_sigma_m, integrity_sigma_m, ionosphere_sigma_m,
@@ -55,7 +56,7 @@ impl Site {
             horizon: Horizon::at(point, &frame),
             time,
             place: Place::at(latitude_rad, longitude_rad, time),
-            sin_mask: libm::sin(mask_rad) as f32,
+            sin_mask: sine(mask_rad as f32),
             troposphere: Troposphere::above(frame.height_m() as f32, sin_latitude),
             klobuchar,
             ranges: Ranges::Pairs,

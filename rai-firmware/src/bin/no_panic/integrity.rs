@@ -235,6 +235,7 @@ fn clocks<T: Real>() {
 fn absolute_lengths() {
     reach!(
         angle::of_unit_vector as fn(_, _) -> _,
+        angle::sine as fn(_) -> _,
         bounds::is_within as fn(_, _) -> _,
         <f64 as Absolute<f64>>::of as fn(_) -> _,
         <f64 as Absolute<f64>>::less as fn(_, _) -> _,
@@ -412,10 +413,12 @@ fn requirements() {
         <f32 as Real>::narrow as fn(_) -> _,
         <f32 as Real>::widen as fn(_) -> _,
         <f32 as Real>::root as fn(_) -> _,
+        <f32 as Real>::sine_and_cosine as fn(_) -> _,
         <f32 as Real>::inverse_root as fn(_) -> _,
         <f32 as Real>::normal_tail as fn(_) -> _,
         <f32 as Real>::normal_quantile as fn(_) -> _,
         <f64 as Real>::root as fn(_) -> _,
+        <f64 as Real>::sine_and_cosine as fn(_) -> _,
         <f64 as Real>::inverse_root as fn(_) -> _,
         <f64 as Real>::normal_tail as fn(_) -> _,
         <f64 as Real>::normal_quantile as fn(_) -> _,

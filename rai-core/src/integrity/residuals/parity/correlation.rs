@@ -56,12 +56,13 @@ pub fn correlation_threshold<T: Real>(alpha: Probability, dof: usize) -> Option<
         }
         angle = next;
     }
-    Some(angle.sin())
+    let (threshold, _) = angle.sine_and_cosine();
+    Some(threshold)
 }
 
 /// Two-sided tail of Student's distribution beyond `√m tan(angle)`, and minus its derivative by the angle.
 fn student_tail<T: Real>(angle: T, m: usize) -> (T, T) {
-    let (sin, cos) = angle.sin_cos();
+    let (sin, cos) = angle.sine_and_cosine();
     let odd = m % 2 == 1;
     let (unit, base, mut term) =
         if odd { (T::frac_2_pi(), angle, cos) } else { (T::one(), T::zero(), T::one()) };
