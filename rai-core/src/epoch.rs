@@ -277,10 +277,14 @@ impl<'e> Aided<'e> {
         Self { scale, ..self }
     }
 
-    /// Standard deviation of one of the epoch's observations, m.
-    pub(crate) fn sigma_m(&self, observation: &Observation) -> f64 {
-        let Observation { satellite, sigma_m, .. } = *observation;
-        self.scale.map_or(sigma_m, |scale| Adaptation::sigma_m(scale, satellite, sigma_m))
+    /// The satellites, each with the standard deviation of its range, m.
+    pub(crate) fn weighed(&self) -> impl Iterator<Item = (&'e Observation, f64)> {
+        let scale = self.scale;
+        self.view.observations.iter().zip(self.view.common_m).map(move |(observation, &common_m)| {
+            let Observation { satellite, sigma_m, .. } = *observation;
+            let scaled = |scale| Adaptation::sigma_m(scale, satellite, sigma_m, common_m);
+            (observation, scale.map_or(sigma_m, scaled))
+        })
     }
 
     /// The satellites.

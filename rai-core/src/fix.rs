@@ -246,10 +246,9 @@ fn write<T: Real>(
     lookout: &Lookout<T>,
     put: &mut dyn FnMut(Row<T>) -> Option<()>,
 ) -> Option<()> {
-    for observation in aided.observations() {
+    for (observation, sigma_m) in aided.weighed() {
         let sight = lookout.sight(observation.position);
         let constellation = observation.satellite.constellation();
-        let sigma_m = aided.sigma_m(observation);
         put(references.sighted(constellation, &sight, observation.range_m, sigma_m).ok()?)?;
     }
     for aiding in aided.aiding() {

@@ -16,9 +16,9 @@
 //! nothing passes, nothing is learned, and what is said stays an alert. Time that goes back, and a gap of ten minutes, begin
 //! anew.
 //!
-//! No scaled sigma is below what is assumed of the satellite's broadcast orbit and clock ([`Adaptation::sigma_m`]): an
-//! error that is the same for minutes leaves residuals that others explain. For the same reason the monitor lets no scale
-//! below 1 on sigmas that an integrity support message promises.
+//! No scaled sigma is below what is assumed of the satellite's broadcast orbit and clock, together with what the model of
+//! the ionosphere misses ([`Adaptation::sigma_m`]): an error that is the same for minutes leaves residuals that others explain.
+//! For the same reason the monitor lets no scale below 1 on sigmas that an integrity support message promises.
 //!
 //! Assumes that ten minutes see errors of their own. What multipath repeats from epoch to epoch counts as often as it is
 //! seen, and the bound is then tighter than its probability says: hence the least scale of 0.5.
@@ -121,9 +121,11 @@ impl Adaptation {
         libm::sqrt(sse / lower_quantile(dof)).clamp(*SCALES.start(), *SCALES.end())
     }
 
-    /// A scaled sigma, m: never below what is assumed of the satellite's orbit and clock, unless it was below already.
-    pub fn sigma_m(scale: f64, satellite: SatelliteId, sigma_m: f64) -> f64 {
-        let floor_m = f64::from(ephemeris_sigma_m(satellite, 0.0)).min(sigma_m);
+    /// A scaled sigma, m: never below what is assumed of the satellite's orbit and clock, together with `common_m`, what ranges
+    /// share of the error, unless it was below already.
+    pub fn sigma_m(scale: f64, satellite: SatelliteId, sigma_m: f64, common_m: f32) -> f64 {
+        let orbit_m = ephemeris_sigma_m(satellite, 0.0);
+        let floor_m = f64::from(libm::sqrtf(orbit_m * orbit_m + common_m * common_m)).min(sigma_m);
         (scale * sigma_m).max(floor_m)
     }
 }

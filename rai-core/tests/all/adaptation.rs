@@ -61,17 +61,20 @@ fn time_that_goes_back_begins_anew_and_nonsense_is_not_learned() {
 }
 
 #[test]
-fn no_sigma_falls_below_that_of_the_broadcast_orbit() {
+fn no_sigma_falls_below_that_of_the_broadcast_orbit_or_of_the_ionosphere() {
     // 0.7 m for Galileo, 1.2 m for GPS (weighting); what was below already stays.
-    for (constellation, sigma_m, scale, want) in [
-        (Constellation::Galileo, 4.0, 0.5, 2.0),
-        (Constellation::Galileo, 1.0, 0.5, 0.7),
-        (Constellation::Gps, 1.5, 0.5, 1.2),
-        (Constellation::Gps, 1.0, 0.5, 1.0),
-        (Constellation::Gps, 1.0, 2.0, 2.0),
+    for (constellation, sigma_m, common_m, scale, want) in [
+        (Constellation::Galileo, 4.0, 0.0, 0.5, 2.0),
+        (Constellation::Galileo, 1.0, 0.0, 0.5, 0.7),
+        (Constellation::Gps, 1.5, 0.0, 0.5, 1.2),
+        (Constellation::Gps, 1.0, 0.0, 0.5, 1.0),
+        (Constellation::Gps, 1.0, 0.0, 2.0, 2.0),
+        (Constellation::Gps, 5.0, 1.6, 0.5, 2.5),
+        (Constellation::Gps, 2.2, 1.6, 0.5, 2.0),
+        (Constellation::Gps, 5.0, 4.5, 2.0, 10.0),
     ] {
         let satellite = SatelliteId::new(constellation, 20).unwrap();
-        let have = Adaptation::sigma_m(scale, satellite, sigma_m);
+        let have = Adaptation::sigma_m(scale, satellite, sigma_m, common_m);
         assert!((have - want).abs() < 1e-6, "{constellation:?}: have {have}, want {want}");
     }
 }

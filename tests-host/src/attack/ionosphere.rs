@@ -13,14 +13,15 @@
 //! | `Δφ` | latitude of the pierce point minus that of the antenna, degrees | |
 //! | `g` | slope to the south, as at the edge of the equatorial anomaly | 0, 0.06 a degree |
 
-use anyhow::Result;
+use anyhow::{Context as _, Result};
+use rai_core::satellite::{Constellation, SatelliteId};
 use rayon::prelude::*;
 
 use super::forgery::Sky;
 use super::tally::Tally;
 use super::victim::Victim;
 use super::{Attack, Effort, Figure};
-use crate::encode::Frequency;
+use crate::encode::{Encoder, Frequency, Selection, ubx};
 use crate::fault::Measured as _;
 use crate::sky::Site;
 use crate::sky::atmosphere::ionosphere_m;
@@ -45,6 +46,13 @@ pub(super) const ZEROS: Attack = Attack {
     name: "ionosphere-zeros",
     about: "the same with broadcast coefficients that are all zero, if they are taken",
     run: |effort| run(effort, 0.0, Some("IONO,0,0,0,0,0,0,0,0")),
+};
+
+/// Coefficients that nobody sent.
+pub(super) const FORGED: Attack = Attack {
+    name: "ionosphere-forged",
+    about: "one frequency, `SIGMA,ADAPT`, and after quiet minutes one forged page of coefficients",
+    run: forged,
 };
 
 /// Electrons above, TECU.
@@ -118,6 +126,62 @@ fn attempt(
     }
     for bytes in bytes {
         tally.add_all(&victim.hear(&bytes, sky.truth)?);
+    }
+    Ok(tally)
+}
+
+/// Coefficients as the page counts them, `α0…α3, β0…β3`, and the steps that it counts in, as powers of two.
+type Page = [i8; 8];
+const STEPS: [i32; 8] = [-30, -27, -24, -24, 11, 14, 16, 16];
+
+/// Those of an ordinary day.
+const ORDINARY: Page = [10, 2, -1, -1, 44, 2, -1, -2];
+
+/// Latitude, start in thousands of seconds, and what is forged: of 5,000 drawn at random those that did harm.
+const PAGES: [(f64, f64, Page); 4] = [
+    (34.17, 4.0, [115, 32, 75, 3, -66, 101, 42, 6]),
+    (-30.0, 76.0, [109, -3, 113, 55, -26, 71, 116, -102]),
+    (-30.0, 44.0, [91, -5, -2, -6, -41, 39, 126, 117]),
+    (34.17, 164.0, [126, -3, 5, -5, -62, 107, 57, 70]),
+];
+
+/// Epochs of quiet, and all.
+const QUIET: usize = 160;
+const EPOCHS: u32 = 400;
+
+fn forged(_: Effort) -> Result<Vec<Figure>> {
+    let tallies: Vec<Tally> = PAGES
+        .par_iter()
+        .map(|&(latitude_deg, start_ks, page)| under_forged(latitude_deg, 1e3 * start_ks, page))
+        .collect::<Result<_>>()?;
+    Ok(tallies.iter().fold(Tally::default(), Tally::with).figures(0.0))
+}
+
+fn under_forged(latitude_deg: f64, start_s: f64, page: Page) -> Result<Tally> {
+    // The seed that the pages were found with.
+    let seed = (start_s / 4e3) as u64;
+    let simulation = Simulation {
+        site: Site::geodetic(latitude_deg, 108.57, 400.0),
+        ..Simulation::above_xian(start_s, EPOCHS, seed)
+    };
+    let recording = simulation.record();
+    let mut encoder = Encoder::new(&recording.ephemerides, Selection::new("GC", Frequency::Single)?);
+    let satellite = SatelliteId::new(Constellation::Gps, 1).context("GPS has a satellite 1")?;
+    let (mut victim, mut tally) = (Victim::new(&["PHASE,ENROUTE", "SIGMA,ADAPT"], 1.0)?, Tally::default());
+    for (index, epoch) in recording.epochs.iter().enumerate() {
+        let said = match index {
+            0 => Some(ORDINARY),
+            QUIET => Some(page),
+            _ => None,
+        };
+        let mut bytes = Vec::new();
+        if let Some(said) = said {
+            let klobuchar = std::array::from_fn(|term| f64::from(said[term]) * 2_f64.powi(STEPS[term]));
+            let said = ubx::IonosphereAndUtc { klobuchar, leap_s: (18, 18), change: (1929, 7) };
+            bytes.extend(ubx::ionosphere_and_utc(satellite, &said, epoch.time)?);
+        }
+        bytes.extend(encoder.epoch(epoch)?);
+        tally.add_all(&victim.hear(&bytes, simulation.site.position)?);
     }
     Ok(tally)
 }

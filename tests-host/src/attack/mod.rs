@@ -18,7 +18,7 @@
 //! | [`clock_ramp`] | too few satellites, and a clock forecast that follows the fault |
 //! | [`several_faults`] | two to four satellites wrong at once |
 //! | [`early_ephemeris`] | ephemerides for later that come first, and crowds of absent satellites |
-//! | [`ionosphere`] | one frequency under a dense ionosphere |
+//! | [`ionosphere`] | one frequency under a dense ionosphere; coefficients that nobody sent |
 //! | [`health`] | signals that one message calls healthy and another out of service |
 //! | [`held_back`] | epochs that a line holds back, longer and longer; a recording that is sent again |
 //! | [`false_rates`] | range rates with the wrong sign, and such that mean nothing |
@@ -107,6 +107,7 @@ pub const ATTACKS: &[&Attack] = &[
     &ionosphere::EVEN,
     &ionosphere::SLOPED,
     &ionosphere::ZEROS,
+    &ionosphere::FORGED,
     &health::ATTACK,
     &odd_ranges::AHEAD,
     &held_back::ATTACK,

@@ -46,6 +46,7 @@ attacks! {
     dense_ionosphere_stays_within_the_levels = "ionosphere",
     ionosphere_with_a_slope_stays_within_the_levels = "ionosphere-slope",
     coefficients_of_zero_shrink_no_level = "ionosphere-zeros",
+    one_forged_page_of_the_ionosphere_outdoes_no_level = "ionosphere-forged",
     signal_out_of_service_is_not_used = "health",
     empty_message_from_the_future_costs_no_epoch = "empty-ahead",
     epochs_that_are_held_back_are_not_promised = "held-back",

@@ -451,7 +451,7 @@ fn epochs() {
         weighting::adaptation::Adaptation::restart as fn(_),
         weighting::adaptation::Adaptation::learn as fn(_, _, _),
         weighting::adaptation::Adaptation::scale as fn(_, _) -> _,
-        weighting::adaptation::Adaptation::sigma_m as fn(_, _, _) -> _,
+        weighting::adaptation::Adaptation::sigma_m as fn(_, _, _, _) -> _,
         Epoch::<N>::new as fn(_) -> _,
         Epoch::<N>::restart as fn(_, _),
         Epoch::<N>::push as fn(_, _) -> _,

@@ -153,8 +153,7 @@ impl Encoder {
                 .with_context(|| format!("ephemeris of {}", ephemeris.satellite))?;
             bytes.extend(pages);
             if let (Ephemeris::Gps(_), Some(said)) = (&ephemeris.message, self.ionosphere_and_utc.take()) {
-                let words = lnav::ionosphere_and_utc(&said, frame_of_week(epoch.time))?;
-                bytes.extend(subframe(ephemeris.satellite, 0, &words));
+                bytes.extend(ionosphere_and_utc(ephemeris.satellite, &said, epoch.time)?);
             }
         }
         bytes.extend(rawx(&measurable(epoch), &self.selection, &self.channels));
@@ -190,6 +189,14 @@ pub fn pages(ephemeris: &TimedEphemeris, time: GpsTime) -> Result<Vec<u8>> {
     };
     let channel = channel(ephemeris.satellite.constellation(), slot);
     Ok(pages.iter().flat_map(|words| subframe_on(ephemeris.satellite, signal, channel, words)).collect())
+}
+
+/// The ionosphere and the leap seconds as a GPS satellite says them in the 30 s about `time`.
+///
+/// # Errors
+/// A number that the page has no room for.
+pub fn ionosphere_and_utc(satellite: SatelliteId, said: &IonosphereAndUtc, time: GpsTime) -> Result<Vec<u8>> {
+    Ok(subframe(satellite, 0, &lnav::ionosphere_and_utc(said, frame_of_week(time))?))
 }
 
 /// The leap seconds as a Galileo satellite says them.
