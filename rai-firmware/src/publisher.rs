@@ -2,14 +2,15 @@
 //!
 //! | said | when |
 //! |---|---|
-//! | the items of the [`Schedule`] | with their epochs |
+//! | the items of the [`Schedule`] | with their epochs; all that are wanted, where the state is worse than that of the epoch before |
 //! | `PRAIS`, `PRAIX`, `PRAIN` | with every epoch |
 //! | `PRAIQ` | at start, after every change, every 60 s |
 //! | `PRAIL` | every 60 s |
 
 use embedded_io::Write;
 #[cfg(feature = "mavlink")]
-use rai_core::report::{Alert, Verdict};
+use rai_core::report::Alert;
+use rai_core::report::Verdict;
 
 use crate::config::Configuration;
 use crate::output::Statement;
@@ -26,6 +27,8 @@ const AGAIN_MS: u64 = 60_000;
 #[derive(Clone, Debug)]
 pub struct Publisher {
     epochs: u32,
+    /// How far the last epoch was from a promise.
+    told: Distance,
     /// The last second that `ZDA` has told.
     told_second: Option<u32>,
     #[cfg(feature = "mavlink")]
@@ -35,11 +38,30 @@ pub struct Publisher {
     losses_due_ms: u64,
 }
 
+/// How far a state is from a promise.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Distance {
+    Protected,
+    Unavailable,
+    Alert,
+}
+
+impl Distance {
+    const fn of(verdict: Verdict) -> Self {
+        match verdict {
+            Verdict::Protected(_) => Self::Protected,
+            Verdict::Unavailable(_) => Self::Unavailable,
+            Verdict::Alert(_) => Self::Alert,
+        }
+    }
+}
+
 impl Publisher {
     /// One that has told nothing, with the hash of the settings in force.
     pub fn new(settings_hash: u32) -> Self {
         Self {
             epochs: 0,
+            told: Distance::Alert,
             told_second: None,
             #[cfg(feature = "mavlink")]
             sender: Sender::default(),
@@ -70,7 +92,10 @@ impl Publisher {
         schedule: &Schedule,
         out: &mut W,
     ) -> Result<(), W::Error> {
-        let mut due = schedule.due(self.epochs);
+        let distance = Distance::of(statement.report.verdict);
+        // Whoever wants few epochs must not take the last one that he was told for what holds now.
+        let is_worse = distance > core::mem::replace(&mut self.told, distance);
+        let mut due = schedule.due(if is_worse { 0 } else { self.epochs });
         self.epochs = self.epochs.wrapping_add(1);
         if due.has(Item::Zda) {
             let second = TimeOfDay::new(statement.time, statement.gps_minus_utc_s).second();

@@ -18,6 +18,7 @@ use rai_firmware::output::nmea::{
 };
 use rai_firmware::output::schedule::{Due, Item, Schedule};
 use rai_firmware::output::{Interference, Motion, Statement};
+use rai_firmware::publisher::Publisher;
 use rai_firmware::time::GpsTime;
 
 const CAPACITY: usize = 64;
@@ -336,6 +337,37 @@ fn what_is_not_due_is_not_said_and_the_verdict_always_is() {
     for (item, name) in items.into_iter().zip(item_names) {
         let lines = told(&statement(&report, &npa), Schedule::AT_START.due(0).without(item));
         assert!(lines.iter().all(|line| !line[3..].starts_with(name)), "{name}");
+    }
+}
+
+#[test]
+fn whoever_wants_few_epochs_hears_at_once_of_a_worse_state() {
+    use Protected::Ok;
+    use Verdict::{Alert, Protected as Promised, Unavailable};
+    let worse = rai_core::report::Unavailable::Hpl;
+    let worst = rai_core::report::Alert::Fault;
+    let schedule = Schedule::AT_START.with(Item::Rmc, 100).with(Item::GnssIntegrity, 100);
+    let (mut publisher, requirements) = (Publisher::new(0), npa());
+    for (index, (verdict, want)) in [
+        (Promised(Ok), true),
+        (Promised(Ok), false),
+        (Unavailable(worse), true),
+        (Unavailable(worse), false),
+        (Alert(worst), true),
+        (Alert(worst), false),
+        (Promised(Ok), false),
+        (Alert(worst), true),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let (report, mut bytes) = (Report { verdict, ..report() }, Vec::new());
+        let statement = statement(&report, &requirements);
+        publisher.tell(&statement, &schedule, &mut Growing(&mut bytes)).expect("a vector takes all");
+        let has_sentence = bytes.windows(3).any(|word| word == b"RMC");
+        // How a frame of MAVLink begins, and no sentence.
+        let has_frame = bytes.contains(&0xFD);
+        assert_eq!((has_sentence, has_frame), (want, want), "epoch {index}");
     }
 }
 
