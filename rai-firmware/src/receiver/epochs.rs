@@ -207,7 +207,8 @@ impl<P: OutputPin> EpochLoop<P> {
 
     #[inline(never)]
     pub(super) fn tick<W: Write>(&mut self, now_ms: u64, host: &mut W) -> bool {
-        if now_ms.saturating_sub(self.last_epoch_ms) < self.time_to_alert_ms() {
+        // A clock that went back, as one of 32 bits does after 50 days, says no age at all.
+        if now_ms.abs_diff(self.last_epoch_ms) < self.time_to_alert_ms() {
             return false;
         }
         // Said again after each further time to alert: whoever listens later must hear it too.

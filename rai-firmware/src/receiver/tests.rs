@@ -124,6 +124,18 @@ fn settings_that_nobody_has_confirmed_are_not_sealed() {
 }
 
 #[test]
+fn a_clock_that_goes_back_keeps_no_promise_alive() {
+    let mut receiver = promising();
+    // The silence so far is said; then there is an epoch, and the clock of 32 bits begins anew.
+    receiver.tick(u64::from(u32::MAX), &mut Deaf);
+    receiver.epochs.drive_pin(true);
+    receiver.tick(u64::from(u32::MAX) + 1, &mut Deaf);
+    assert!(receiver.pin().high);
+    receiver.tick(0, &mut Deaf);
+    assert!(!receiver.pin().high);
+}
+
+#[test]
 fn whoever_misses_a_known_answer_promises_nothing() {
     let mut receiver = promising();
     let _ = receiver.epochs.record_self_test(Err(Failure::Table));
