@@ -103,10 +103,12 @@ impl<P: OutputPin> EpochLoop<P> {
         })
     }
 
-    /// The last position counts for nothing, nor does how long epochs were on their way.
+    /// The last position counts for nothing, nor do how long epochs were on their way, and what was said of jamming and spoofing.
     pub(super) fn forget(&mut self) {
         self.navigator.forget_position();
         self.lateness.forget();
+        self.interference = Suspicions::NONE;
+        self.navigator.hear_counterfeit(false);
     }
 
     /// Acts on what came in; says whether an epoch was judged.

@@ -69,7 +69,29 @@ fn run(_: Effort) -> Result<Vec<Figure>> {
             figures.push(Figure::at_least("promised after", after.promised as f64, 1.0));
         }
     }
+    figures.push(Figure::at_least(
+        "promised after one word of it and `FORGET`",
+        forgotten()?,
+        20.0 - RECOVER,
+    ));
     Ok(figures)
+}
+
+/// Epochs promised of twenty after one SEC-SIG on the line of a receiver that sends none, once the host has said `FORGET`.
+fn forgotten() -> Result<f64> {
+    let sky = Sky::quiet(40, 1)?;
+    let (mut victim, mut after) = (Victim::new(&[], 1.0)?, Tally::default());
+    for (index, bytes) in sky.bytes(|_, _| {})?.iter().enumerate() {
+        let said = if index == 10 { of_both(3) } else { Vec::new() };
+        if index == 20 {
+            victim.obey("FORGET")?;
+        }
+        let seen = victim.hear(&[&said[..], bytes].concat(), sky.truth)?;
+        if index >= 20 {
+            after.add_all(&seen);
+        }
+    }
+    Ok(after.promised as f64)
 }
 
 /// An alert for this reason, with nothing that bounds the position.
