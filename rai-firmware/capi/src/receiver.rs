@@ -148,8 +148,8 @@ pub unsafe extern "C" fn rai_receiver_gnss(
     let (receiver, bytes, lines) = unsafe { (at(receiver), slice(bytes, count), Lines::at(out)) };
     let taken = receiver.and_then(|receiver| Ok(receiver.gnss(bytes?, now_ms.min(LAST_MS), &mut lines?)));
     // SAFETY: as promised by the caller.
-    if let (Ok(taken), Some(judged)) = (taken, unsafe { judged.as_mut() }) {
-        *judged = taken.into();
+    if let Some(judged) = unsafe { judged.as_mut() } {
+        *judged = taken.unwrap_or(false).into();
     }
     status_of(taken.map(drop))
 }

@@ -247,6 +247,10 @@ fn a_receiver_speaks_obeys_and_notices_silence() {
         let noise = [0xD3, 0x00, 0x13, 0xB5, 0x62, 0x02, 0x15, 0x00];
         let status = rai_receiver_gnss(at, noise.as_ptr(), noise.len(), 10, &raw mut text, &raw mut judged);
         assert_eq!((status, judged, text.length), (RAI_STATUS_OK, 0, 0));
+        // A refused call has judged nothing either.
+        judged = 7;
+        let status = rai_receiver_gnss(at, noise.as_ptr(), noise.len(), 10, ptr::null_mut(), &raw mut judged);
+        assert_eq!((status, judged), (RAI_STATUS_NULL, 0));
         let command = b"$PRAIC,HAL,40*08\r\n";
         let status = rai_receiver_command(at, command.as_ptr(), command.len(), &raw mut text);
         assert_eq!(status, RAI_STATUS_OK);
