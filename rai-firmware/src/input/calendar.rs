@@ -432,6 +432,8 @@ mod tests {
         // Of the next week, but dated with the week in which it was transmitted.
         calendar.learn(Constellation::Gps, GpsTime { week: 2111, tow_ms: 0 }, &mut counters);
         let early = calendar.advance(before_roll_over_ms, 0, &mut counters).unwrap();
+        // One of GLONASS, dated by it, says nothing else.
+        calendar.learn(Constellation::Glonass, early, &mut counters);
         calendar.confirm(early, 0);
         assert_eq!(early.week, 2110);
         // One of Galileo, before the roll-over, and so without doubt: it is not moved to where the time seems to be.
@@ -445,22 +447,29 @@ mod tests {
         assert_eq!(calendar.resolve(message, 0), Some(GpsTime { week: 2112, tow_ms: 0 }));
     }
 
-    #[test]
-    fn what_was_confirmed_long_ago_gives_way_to_the_votes() {
+    /// The week after ephemerides have voted for the next one, so many epochs after the last that was confirmed.
+    fn week_voted_on(epochs: u32) -> u16 {
         let (mut calendar, mut counters) = (Calendar::new(), Counters::default());
         let week = |week: u16| GpsTime { week, tow_ms: 200_000_000 };
         calendar.learn(Constellation::Gps, week(2110), &mut counters);
-        let mut tow_s = 200_001;
-        let first = calendar.advance(1000 * tow_s, 0, &mut counters).unwrap();
-        calendar.confirm(first, 0);
-        for _ in 0..DOUBT_EPOCHS {
-            tow_s += 1;
-            assert!(calendar.advance(1000 * tow_s, u64::from(tow_s - 200_001) * 1000, &mut counters).is_ok());
-        }
-        (0..20).for_each(|_| calendar.learn(Constellation::Gps, week(2111), &mut counters));
-        tow_s += 1;
-        let time = calendar.advance(1000 * tow_s, u64::from(tow_s - 200_001) * 1000, &mut counters).unwrap();
-        assert_eq!(time.week, 2111);
+        let mut advance = |second: u32| {
+            let time = calendar
+                .advance(200_001_000 + 1000 * second, 1000 * u64::from(second), &mut counters)
+                .unwrap();
+            if second == 0 {
+                calendar.confirm(time, 0);
+            }
+            if second == epochs {
+                (0..20).for_each(|_| calendar.learn(Constellation::Gps, week(2111), &mut counters));
+            }
+            time.week
+        };
+        (0..=epochs + 1).map(&mut advance).last().unwrap()
+    }
+
+    #[test]
+    fn what_was_confirmed_ten_minutes_ago_gives_way_to_the_votes() {
+        assert_eq!([599, 600].map(week_voted_on), [2110, 2111]);
     }
 
     #[test]

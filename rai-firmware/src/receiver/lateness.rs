@@ -234,6 +234,14 @@ mod tests {
     }
 
     #[test]
+    fn what_is_well_known_gives_way_to_no_epochs_that_are_late() {
+        let held_back =
+            |second: u32| (f64::from(second), f64::from(second) + if second < 30 { 0.0 } else { 20.0 });
+        let late_s = late_s(&(0..200).map(held_back).collect::<std::vec::Vec<_>>());
+        assert!(late_s[30..].iter().all(|late_s| (late_s - 20.0).abs() < 0.3), "{late_s:?}");
+    }
+
+    #[test]
     fn other_cycle_of_gps_weeks_is_no_delay() {
         const CYCLE_S: f64 = 1024.0 * WEEK_MS as f64 * 1e-3;
         assert_late(&[(0.0, 1.0), (1.0 - CYCLE_S, 2.0), (2.0 - CYCLE_S, 3.0)], &[0.0; 3]);
