@@ -51,8 +51,8 @@ pub struct Navigator {
     learned: Option<(Ranges, Systems)>,
     rates: Rates,
     velocity: Option<Velocity>,
-    /// Whether the receiver is sure that signals are none of a satellite: those may agree with each other as well as they like.
-    is_counterfeit: bool,
+    /// Why no position is to be used, however well ranges agree with each other.
+    distrusted: Option<Alert>,
     /// The models of the ionosphere that GPS and `BeiDou` satellites broadcast, and when they came; none before the first epoch,
     /// which then dates them.
     ionosphere: [Option<(Klobuchar, Option<GpsTime>)>; 2],
@@ -88,7 +88,7 @@ impl Navigator {
             learned: None,
             rates: Rates::new(),
             velocity: None,
-            is_counterfeit: false,
+            distrusted: None,
             ionosphere: [None; 2],
         }
     }
@@ -130,9 +130,9 @@ impl Navigator {
         configuration.klobuchar.and_then(Klobuchar::new).or(of_gps).or(of_beidou)
     }
 
-    /// Takes what the receiver knows of the signals: whether some are none of a satellite.
-    pub fn hear_counterfeit(&mut self, is_counterfeit: bool) {
-        self.is_counterfeit = is_counterfeit;
+    /// From now on ranges are distrusted for this reason, however well they agree with each other, or for none.
+    pub fn distrust(&mut self, reason: Option<Alert>) {
+        self.distrusted = reason;
     }
 
     /// Takes a first guess of the position. It counts for nothing once there is a fix.
@@ -278,8 +278,8 @@ impl Navigator {
         without_orbit: u32,
     ) -> &mut Report<CAPACITY> {
         let Room { sky, memory, .. } = &mut self.room;
-        if self.is_counterfeit {
-            memory.assessment_mut().distrust(Alert::Spoofed);
+        if let Some(reason) = self.distrusted {
+            memory.assessment_mut().distrust(reason);
         }
         self.monitor.learn(memory.assessment_mut(), Some(came_ms as f64 * 1e-3));
         // Under an alert nobody is told a velocity, and one about a wrong place would only be dear.

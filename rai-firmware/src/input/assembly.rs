@@ -9,6 +9,7 @@
 //! | a system says that none follows, and another one follows | that one is late for this epoch; the word of the system that was wrong counts for nothing until it has been right [`FORGIVEN_AFTER`] times, and its epochs end with the next instant or a pause |
 //! | a message without satellites is tagged ahead | it moves no clock, for it vouches for nothing; far ahead it is passed over |
 //! | bytes are lost | the epoch under way and the rest of the next one are dropped |
+//! | two receivers of one name share the line | what comes first is used, and that ranges of the same instant contradict it is remembered ([`Assembly::take_rivalry`]) |
 
 use heapless::Vec;
 use rai_core::numeric::bounds::is_within;
@@ -28,6 +29,10 @@ const RANGE_M: core::ops::RangeInclusive<f64> = 1.0e7..=5.2e7;
 
 /// Tags that differ by less are of one instant, ms: receivers round each system's own time for itself.
 const SAME_INSTANT_MS: u32 = 10;
+
+/// Ranges of one signal at one instant that differ by more are of two antennas, or two clocks, m: a receiver says the same however
+/// often, to the steps of its messages.
+const APART_M: f64 = 5.0;
 
 /// How often a system has to be right until its word counts again.
 const FORGIVEN_AFTER: u8 = 3;
@@ -60,6 +65,8 @@ pub(super) struct Assembly {
     distrust: [u8; 16],
     /// The UTC that a message is tagged with for which no epoch is open, and when it came.
     utc_before: Option<(u32, u64)>,
+    /// Whether ranges came that contradict those of the same instant.
+    has_rival: bool,
 }
 
 /// Messages of one instant come within, ms: a line that is so slow that this is too short tells no leap seconds by them.
@@ -77,7 +84,13 @@ impl Assembly {
             heard: 0,
             distrust: [0; 16],
             utc_before: None,
+            has_rival: false,
         }
+    }
+
+    /// Whether ranges have come, since this was asked last, that contradict those of the same instant.
+    pub(super) const fn take_rivalry(&mut self) -> bool {
+        core::mem::replace(&mut self.has_rival, false)
     }
 
     /// Takes a message, the first byte of which came at `came_ms`, and tells of the epochs that it completes.
@@ -179,6 +192,7 @@ impl Assembly {
                 if self.has_heard(ranges.series) {
                     // The epoch over again: nobody was wrong about its end.
                     count(&mut counters.epochs_backwards);
+                    self.compare(ranges);
                 } else {
                     if let Some(series) = ended {
                         self.accuse(series);
@@ -243,9 +257,19 @@ impl Assembly {
     #[inline(never)]
     fn add_all(&mut self, ranges: &Ranges<'_>, counters: &mut Counters) {
         let earlier = self.epoch.satellites.len();
-        let epoch = &mut self.epoch;
+        let Self { epoch, has_rival, .. } = self;
         ranges.measured.each(counters, |satellite, signal, is_reference, counters| {
-            add(epoch, satellite, signal, is_reference, earlier, counters);
+            *has_rival |= !add(epoch, satellite, signal, is_reference, earlier, counters);
+        });
+    }
+
+    /// Holds the ranges of a message against those of the epoch that was handed on.
+    #[inline(never)]
+    fn compare(&mut self, ranges: &Ranges<'_>) {
+        let Self { epoch, has_rival, .. } = self;
+        ranges.measured.each(&mut Counters::default(), |satellite, signal, _, _| {
+            let known = epoch.satellites.iter().find(|known| known.satellite == satellite);
+            *has_rival |= known.is_some_and(|known| !agrees(known, &signal));
         });
     }
 
@@ -300,9 +324,15 @@ fn is_same(a_ms: u32, b_ms: u32) -> bool {
     apart_ms.min(WEEK_MS.saturating_sub(apart_ms)) < SAME_INSTANT_MS
 }
 
+/// Whether a range is that of the same signal, where there is one.
+fn agrees(known: &RawSatellite, signal: &RawSignal) -> bool {
+    let mut of_band = known.signals.iter().filter(|known| known.carrier.band == signal.carrier.band);
+    of_band.all(|known| (known.range_m - signal.range_m).abs() <= APART_M)
+}
+
 /// Adds a signal of a message that began when the epoch held `earlier` satellites.
 ///
-/// A satellite that an earlier message of the epoch has brought is a duplicate and keeps its first ranges.
+/// A satellite that an earlier message of the epoch has brought is a duplicate and keeps its first ranges; says whether they agree.
 fn add(
     epoch: &mut RawEpoch,
     satellite: SatelliteId,
@@ -310,17 +340,22 @@ fn add(
     is_reference: bool,
     earlier: usize,
     counters: &mut Counters,
-) {
+) -> bool {
     if !is_within(signal.range_m, &RANGE_M) {
-        return count(&mut counters.ranges_out_of_bounds);
+        count(&mut counters.ranges_out_of_bounds);
+        return true;
     }
     // Signals of a satellite come one after the other.
     let known = epoch.satellites.iter_mut().enumerate().rev().find(|(_, known)| known.satellite == satellite);
     match known {
-        Some((index, _)) if index < earlier => count(&mut counters.satellites_duplicate),
+        Some((index, known)) if index < earlier => {
+            count(&mut counters.satellites_duplicate);
+            return agrees(known, &signal);
+        }
         Some((_, known)) => add_signal(known, signal, is_reference, counters),
         None => open(epoch, satellite, signal, counters),
     }
+    true
 }
 
 fn open(epoch: &mut RawEpoch, satellite: SatelliteId, signal: RawSignal, counters: &mut Counters) {

@@ -254,6 +254,11 @@ impl Input {
         self.preference = Preference::new();
     }
 
+    /// Whether ranges have come, since this was asked last, that contradict those of the same instant: two receivers share the line.
+    pub fn take_rivalry(&mut self) -> bool {
+        self.assembly.take_rivalry()
+    }
+
     /// What came in and what was not used.
     pub fn counters(&self) -> &Counters {
         &self.counters

@@ -18,6 +18,9 @@ use crate::publisher::Publisher;
 use crate::selftest::{self, Failure};
 use crate::time::GpsTime;
 
+/// For how many epochs nothing is promised after ranges that contradicted others of their instant.
+const RIVALLED_EPOCHS: u8 = 10;
+
 counters! {
     /// What the epochs came to.
     Verdicts {
@@ -66,6 +69,8 @@ pub(super) struct EpochLoop<P> {
     /// Whether the settings in force are meant: not after an unexpected restart that has lost them.
     pub(super) is_confirmed: bool,
     pub(super) interference: Suspicions,
+    /// For how many epochs ranges that contradicted others of their instant are remembered.
+    rivalled: u8,
     /// GPS time minus UTC, s: that of the image until somebody has said it.
     pub(super) gps_minus_utc_s: u8,
 }
@@ -99,6 +104,7 @@ impl<P: OutputPin> EpochLoop<P> {
             is_sound: true,
             is_confirmed: true,
             interference: Suspicions::NONE,
+            rivalled: 0,
             gps_minus_utc_s: GPS_MINUS_UTC_S,
         })
     }
@@ -108,7 +114,21 @@ impl<P: OutputPin> EpochLoop<P> {
         self.navigator.forget_position();
         self.lateness.forget();
         self.interference = Suspicions::NONE;
-        self.navigator.hear_counterfeit(false);
+    }
+
+    /// Two receivers of one name share the line: whose ranges came first says nothing.
+    #[inline(never)]
+    pub(super) fn hear_rival(&mut self) {
+        self.rivalled = RIVALLED_EPOCHS;
+        self.drive_pin(false);
+    }
+
+    /// Why no position is to be used, however well ranges agree.
+    fn distrust(&self) -> Option<Alert> {
+        match self.interference.spoofing {
+            Suspicion::Sure => Some(Alert::Spoofed),
+            _ => Some(Alert::Ambiguous).filter(|_| self.rivalled > 0),
+        }
     }
 
     /// Acts on what came in; says whether an epoch was judged.
@@ -131,6 +151,8 @@ impl<P: OutputPin> EpochLoop<P> {
                     count(&mut self.verdicts.epochs_skipped);
                     return false;
                 }
+                self.navigator.distrust(self.distrust());
+                self.rivalled = self.rivalled.saturating_sub(1);
                 let report = self.navigator.judge(raw, *came_ms, &self.configuration);
                 report.verdict = match report.verdict {
                     // It says more: that the position is wrong.
@@ -153,9 +175,7 @@ impl<P: OutputPin> EpochLoop<P> {
             }
             Event::Jamming(said) => {
                 self.interference.hear(said);
-                let is_counterfeit = self.interference.spoofing == Suspicion::Sure;
-                self.navigator.hear_counterfeit(is_counterfeit);
-                if is_counterfeit {
+                if self.interference.spoofing == Suspicion::Sure {
                     self.drive_pin(false);
                 }
             }

@@ -127,6 +127,7 @@ pub const ATTACKS: &[&Attack] = &[
     &forged_frames::LEAP_SECONDS,
     &two_stations::ATTACK,
     &two_stations::TUNNEL,
+    &two_stations::NAMESAKE,
     &settings::TIME_TO_ALERT,
     &settings::RESTARTS,
     &learned_sigmas::ATTACK,

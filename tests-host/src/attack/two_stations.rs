@@ -27,6 +27,13 @@ pub(super) const TUNNEL: Attack = Attack {
     run: tunnel,
 };
 
+/// A station of the receiver's own number.
+pub(super) const NAMESAKE: Attack = Attack {
+    name: "namesake",
+    about: "after half a minute the ranges of a base 55 m to 11 km away, of the receiver's own station number, before or behind its own",
+    run: namesake,
+};
+
 /// North of the receiver, degrees.
 const AWAY_DEG: f64 = 0.1;
 
@@ -118,6 +125,34 @@ fn beside_a_base(away_deg: f64, missing: Missing) -> Result<Tally> {
         tally.add_all(&victim.hear(&[own, of_station].concat(), receiver.truth)?);
     }
     Ok(tally)
+}
+
+fn namesake(_: Effort) -> Result<Vec<Figure>> {
+    /// Epochs, and those in which the receiver is alone.
+    const ALL: u32 = 90;
+    const ALONE: usize = 30;
+    let receiver = Simulation::above_xian(3600.0, ALL, 3);
+    let (mut beside, mut alone) = (Tally::default(), Tally::default());
+    for away_deg in [0.0005, 0.005, AWAY_DEG] {
+        let station = Sky::of(&elsewhere(&receiver, away_deg), Frequency::Dual)?;
+        let receiver = Sky::of(&receiver, Frequency::Dual)?;
+        for is_first in [true, false] {
+            let mut victim = Victim::new(&[], 1.0)?;
+            let own = receiver.bytes(|_, _| {})?;
+            for (index, (own, of_station)) in own.into_iter().zip(&station.recording.epochs).enumerate() {
+                if index < ALONE {
+                    alone.add_all(&victim.hear(&own, receiver.truth)?);
+                    continue;
+                }
+                let of_station = station.ranges(of_station)?;
+                let both = if is_first { [of_station, own] } else { [own, of_station] };
+                beside.add_all(&victim.hear(&both.concat(), receiver.truth)?);
+            }
+        }
+    }
+    let mut figures = beside.figures(0.0);
+    figures.push(Figure::at_least("promised before", alone.promised as f64, 6.0 * ALONE as f64));
+    Ok(figures)
 }
 
 /// The same messages of ranges, of the other station.

@@ -66,6 +66,7 @@ attacks! {
     one_word_of_leap_seconds_costs_nothing = "leap-seconds",
     another_stations_ranges_are_not_the_receivers = "two-stations",
     nobody_stands_in_for_a_receiver_in_a_tunnel = "tunnel",
+    station_of_the_same_number_is_promised_in_no_order = "namesake",
     time_to_alert_hides_no_silence = "time-to-alert",
     settings_that_nobody_confirmed_promise_nothing = "restarts",
     quiet_minutes_take_nothing_off_a_promise = "learned-sigmas",
