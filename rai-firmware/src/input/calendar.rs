@@ -1,8 +1,7 @@
 //! Which week it is, and that time goes forward.
 //!
-//! Observations say only where in the week they are; ephemerides say the week: `BeiDou` with 13 bits (until 2163),
-//! Galileo with 12 (until 2078), GPS with 10. A GPS week is taken in the cycle of 1,024 nearest to the known time,
-//! and before any time is known in the cycle that begins with [`NOT_BEFORE_WEEK`].
+//! Observations say only where in the week they are; ephemerides say the week ([`super::message_week`]). That of GPS is taken in
+//! the cycle of 1,024 nearest to the known time, and before any time is known in the cycle that begins with [`NOT_BEFORE_WEEK`].
 //!
 //! Nothing on the wire is accepted for ever. A time that goes back is dropped, but [`RESTART_RUN`] epochs in a row
 //! that are older and follow each other are the new time. A time that leaps ahead is the time.
@@ -17,9 +16,10 @@ use rai_core::satellite::Constellation;
 
 use super::Counters;
 use super::leap_seconds::{LeapSecond, LeapSeconds, LeapSource};
+use super::message_week::{MessageWeek, Side};
 use super::week_votes::{Vote, WeekVotes};
 use crate::counters::count;
-use crate::time::{BEIDOU_OFFSET_MS, BEIDOU_WEEK_OFFSET, GALILEO_WEEK_OFFSET, GpsTime, WEEK_MS};
+use crate::time::{GpsTime, WEEK_MS};
 
 /// The first week that a GPS ephemeris can mean when nothing else tells the time: 2019-04-07, the third cycle.
 ///
@@ -48,16 +48,6 @@ const AGREEMENT_MS: u64 = 3 * 86_400_000;
 /// been wrong.
 const DOUBT_EPOCHS: u16 = 600;
 
-/// How far around the end of the week the week number of a message may still or already be the neighbour's, ms.
-const ROLL_OVER_MS: u32 = 4 * 3_600_000;
-
-/// The week of GPS time that a message's week number means.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct MessageWeek {
-    pub(super) constellation: Constellation,
-    pub(super) week: u16,
-}
-
 /// The time line.
 #[derive(Debug)]
 pub(super) struct Calendar {
@@ -76,24 +66,6 @@ pub(super) struct Calendar {
     /// were transmitted, and not theirs.
     one_sided: Option<Side>,
     votes: WeekVotes,
-}
-
-/// Of the end of a week.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Side {
-    Before,
-    After,
-}
-
-impl Side {
-    /// Where an instant is near a roll-over.
-    const fn of(time: GpsTime) -> Option<Self> {
-        match time.tow_ms {
-            ..ROLL_OVER_MS => Some(Self::After),
-            tow_ms if tow_ms > WEEK_MS - ROLL_OVER_MS => Some(Self::Before),
-            _ => None,
-        }
-    }
 }
 
 /// An epoch, and when it came by the own clock, ms.
@@ -305,46 +277,7 @@ impl Calendar {
 
     /// The instant that a message means with its week and `tow_s` of its own system.
     pub(super) fn resolve(&self, message: MessageWeek, tow_s: u32) -> Option<GpsTime> {
-        let tow_ms = tow_s.checked_mul(1000).filter(|tow_ms| *tow_ms < WEEK_MS)?;
-        let week = self.full_week(message)?;
-        let stated = match message.constellation {
-            Constellation::Beidou => GpsTime { week, tow_ms }.later_by_ms(BEIDOU_OFFSET_MS),
-            _ => GpsTime { week, tow_ms },
-        };
-        Some(self.across_roll_over(stated))
-    }
-
-    /// The week without roll-overs; GLONASS counts days, and has none.
-    fn full_week(&self, message: MessageWeek) -> Option<u16> {
-        match message.constellation {
-            Constellation::Beidou => Some(message.week.saturating_add(BEIDOU_WEEK_OFFSET)),
-            Constellation::Galileo => Some(message.week.saturating_add(GALILEO_WEEK_OFFSET)),
-            Constellation::Gps => Some(self.gps_week(message.week % 1024)),
-            Constellation::Glonass => None,
-        }
-    }
-
-    /// The week ≡ `week` modulo 1,024 nearest to the known one.
-    fn gps_week(&self, week: u16) -> u16 {
-        let first = self.reference.map_or(NOT_BEFORE_WEEK, |reference| reference.week.saturating_sub(512));
-        first.saturating_add(week.wrapping_sub(first) % 1024)
-    }
-
-    /// Mends a week number that is that of transmission while the reference time lies beyond the roll-over.
-    ///
-    /// Only near the roll-over, and only when it makes the reference time the present: a set that is a week old
-    /// must not look fresh.
-    fn across_roll_over(&self, stated: GpsTime) -> GpsTime {
-        // What is itself in doubt mends nothing on the other side.
-        let known = |_: &GpsTime| self.one_sided.is_none_or(|side| Side::of(stated) == Some(side));
-        let Some(reference) = self.reference.filter(known) else {
-            return stated;
-        };
-        let nearest = GpsTime::nearest(stated.tow_ms, reference);
-        let is_at_edge = Side::of(stated).is_some();
-        let is_neighbour = nearest.week.abs_diff(stated.week) == 1;
-        let is_present = nearest.since_ms(reference).unsigned_abs() <= u64::from(ROLL_OVER_MS);
-        if is_at_edge && is_neighbour && is_present { nearest } else { stated }
+        message.instant(tow_s, self.reference, self.one_sided)
     }
 }
 
@@ -356,6 +289,7 @@ fn follows(time: GpsTime, before: GpsTime) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::time::GALILEO_WEEK_OFFSET;
 
     #[test]
     fn an_older_time_comes_back_though_every_system_ends_its_own_epoch() {

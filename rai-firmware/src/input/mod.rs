@@ -16,7 +16,7 @@
 //! | `assembly` | messages of one instant become one epoch |
 //! | `suspicion` | what a receiver says of jamming and spoofing |
 //! | `system` | how each system numbers its satellites |
-//! | `calendar`, `week_votes` | which week it is, and that time goes forward |
+//! | `calendar`, `message_week`, `week_votes` | which week it is, and that time goes forward |
 //! | `leap_seconds` | how far UTC is behind |
 //! | [`Counters`] | what came in and what was not used |
 //!
@@ -45,6 +45,7 @@ mod counters;
 mod elements;
 mod framer;
 mod leap_seconds;
+mod message_week;
 mod preference;
 mod rtcm;
 mod suspicion;

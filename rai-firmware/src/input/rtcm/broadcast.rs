@@ -10,8 +10,9 @@ use rai_core::satellite::SatelliteId;
 use crate::ephemeris::{Broadcast, Health, Source, galileo_sisa_m, ura_m};
 use crate::input::Unread;
 use crate::input::bits::Bits;
-use crate::input::calendar::{Calendar, MessageWeek};
+use crate::input::calendar::Calendar;
 use crate::input::elements::{BEIDOU, GALILEO, GPS, Head, Layout, Place, at, on};
+use crate::input::message_week::MessageWeek;
 use crate::raw::Band;
 
 /// Where the satellite's number begins.

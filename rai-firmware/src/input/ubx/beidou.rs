@@ -30,8 +30,9 @@ use super::Refusal;
 use super::parity::is_beidou_word;
 use crate::ephemeris::{Broadcast, Health, Source, ura_m};
 use crate::input::bits::{Bits, Packed};
-use crate::input::calendar::{Calendar, MessageWeek};
+use crate::input::calendar::Calendar;
 use crate::input::elements::{BEIDOU, Head, Layout, on};
+use crate::input::message_week::MessageWeek;
 use crate::time::GpsTime;
 
 /// Bytes of the information in a subframe.

@@ -24,8 +24,9 @@ use super::leap::Announcement;
 use super::parity::crc24q;
 use crate::ephemeris::{Broadcast, Health, Source, galileo_sisa_m};
 use crate::input::bits::{Bits, Packed};
-use crate::input::calendar::{Calendar, MessageWeek};
+use crate::input::calendar::Calendar;
 use crate::input::elements::{GALILEO, Head, Layout, on};
+use crate::input::message_week::MessageWeek;
 use crate::raw::Band;
 
 /// Bytes of an I/NAV word.

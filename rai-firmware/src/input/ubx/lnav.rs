@@ -23,8 +23,9 @@ use super::leap::Announcement;
 use super::parity::is_lnav_word;
 use crate::ephemeris::{Broadcast, Health, Source, ura_m};
 use crate::input::bits::{Bits, Packed};
-use crate::input::calendar::{Calendar, MessageWeek};
+use crate::input::calendar::Calendar;
 use crate::input::elements::{GPS, Head, Layout, on};
+use crate::input::message_week::MessageWeek;
 
 /// Bytes of a subframe without parities.
 pub(super) const BYTES: usize = 30;
