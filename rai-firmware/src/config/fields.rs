@@ -9,7 +9,7 @@ pub(super) fn cut(text: &str, at: [char; 2]) -> Option<(&str, &str)> {
 }
 
 /// What stands between commas; of no text one that is empty.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Fields<'t>(Option<&'t str>);
 
 impl<'t> Fields<'t> {
