@@ -9,7 +9,7 @@
 //! | a system says that none follows, and another one follows | that one is late for this epoch; the word of the system that was wrong counts for nothing until it has been right [`FORGIVEN_AFTER`] times, and its epochs end with the next instant or a pause |
 //! | a message without satellites is tagged ahead | it moves no clock, for it vouches for nothing; far ahead it is passed over |
 //! | bytes are lost | the epoch under way and the rest of the next one are dropped |
-//! | two receivers of one name share the line | what comes first is used, and that ranges of the same instant contradict it is remembered ([`Assembly::take_rivalry`]) |
+//! | two receivers of one name share the line | what comes first is used; that an epoch came over again with other ranges is remembered ([`Assembly::take_rivalry`]) |
 
 use heapless::Vec;
 use rai_core::numeric::bounds::is_within;
@@ -65,7 +65,7 @@ pub(super) struct Assembly {
     distrust: [u8; 16],
     /// The UTC that a message is tagged with for which no epoch is open, and when it came.
     utc_before: Option<(u32, u64)>,
-    /// Whether ranges came that contradict those of the same instant.
+    /// Whether an epoch came over again with other ranges.
     has_rival: bool,
 }
 
@@ -88,7 +88,7 @@ impl Assembly {
         }
     }
 
-    /// Whether ranges have come, since this was asked last, that contradict those of the same instant.
+    /// Whether, since this was asked last, an epoch has come over again with other ranges.
     pub(super) const fn take_rivalry(&mut self) -> bool {
         core::mem::replace(&mut self.has_rival, false)
     }
@@ -257,9 +257,9 @@ impl Assembly {
     #[inline(never)]
     fn add_all(&mut self, ranges: &Ranges<'_>, counters: &mut Counters) {
         let earlier = self.epoch.satellites.len();
-        let Self { epoch, has_rival, .. } = self;
+        let epoch = &mut self.epoch;
         ranges.measured.each(counters, |satellite, signal, is_reference, counters| {
-            *has_rival |= !add(epoch, satellite, signal, is_reference, earlier, counters);
+            add(epoch, satellite, signal, is_reference, earlier, counters);
         });
     }
 
@@ -268,8 +268,11 @@ impl Assembly {
     fn compare(&mut self, ranges: &Ranges<'_>) {
         let Self { epoch, has_rival, .. } = self;
         ranges.measured.each(&mut Counters::default(), |satellite, signal, _, _| {
-            let known = epoch.satellites.iter().find(|known| known.satellite == satellite);
-            *has_rival |= known.is_some_and(|known| !agrees(known, &signal));
+            let known = epoch.satellites.iter().filter(|known| known.satellite == satellite);
+            let mut of_band = known
+                .flat_map(|known| &known.signals)
+                .filter(|known| known.carrier.band == signal.carrier.band);
+            *has_rival |= of_band.any(|known| (known.range_m - signal.range_m).abs() > APART_M);
         });
     }
 
@@ -324,15 +327,9 @@ fn is_same(a_ms: u32, b_ms: u32) -> bool {
     apart_ms.min(WEEK_MS.saturating_sub(apart_ms)) < SAME_INSTANT_MS
 }
 
-/// Whether a range is that of the same signal, where there is one.
-fn agrees(known: &RawSatellite, signal: &RawSignal) -> bool {
-    let mut of_band = known.signals.iter().filter(|known| known.carrier.band == signal.carrier.band);
-    of_band.all(|known| (known.range_m - signal.range_m).abs() <= APART_M)
-}
-
 /// Adds a signal of a message that began when the epoch held `earlier` satellites.
 ///
-/// A satellite that an earlier message of the epoch has brought is a duplicate and keeps its first ranges; says whether they agree.
+/// A satellite that an earlier message of the epoch has brought is a duplicate and keeps its first ranges.
 fn add(
     epoch: &mut RawEpoch,
     satellite: SatelliteId,
@@ -340,22 +337,17 @@ fn add(
     is_reference: bool,
     earlier: usize,
     counters: &mut Counters,
-) -> bool {
+) {
     if !is_within(signal.range_m, &RANGE_M) {
-        count(&mut counters.ranges_out_of_bounds);
-        return true;
+        return count(&mut counters.ranges_out_of_bounds);
     }
     // Signals of a satellite come one after the other.
     let known = epoch.satellites.iter_mut().enumerate().rev().find(|(_, known)| known.satellite == satellite);
     match known {
-        Some((index, known)) if index < earlier => {
-            count(&mut counters.satellites_duplicate);
-            return agrees(known, &signal);
-        }
+        Some((index, _)) if index < earlier => count(&mut counters.satellites_duplicate),
         Some((_, known)) => add_signal(known, signal, is_reference, counters),
         None => open(epoch, satellite, signal, counters),
     }
-    true
 }
 
 fn open(epoch: &mut RawEpoch, satellite: SatelliteId, signal: RawSignal, counters: &mut Counters) {

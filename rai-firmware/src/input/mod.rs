@@ -255,7 +255,7 @@ impl Input {
         self.preference = Preference::new();
     }
 
-    /// Whether ranges have come, since this was asked last, that contradict those of the same instant: two receivers share the line.
+    /// Whether, since this was asked last, an epoch has come over again with other ranges: two receivers share the line.
     pub fn take_rivalry(&mut self) -> bool {
         self.assembly.take_rivalry()
     }

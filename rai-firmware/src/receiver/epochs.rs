@@ -18,7 +18,7 @@ use crate::publisher::Publisher;
 use crate::selftest::{self, Failure};
 use crate::time::GpsTime;
 
-/// For how many epochs nothing is promised after ranges that contradicted others of their instant.
+/// For how many epochs nothing is promised after one that came over again with other ranges.
 const RIVALLED_EPOCHS: u8 = 10;
 
 counters! {
@@ -69,7 +69,7 @@ pub(super) struct EpochLoop<P> {
     /// Whether the settings in force are meant: not after an unexpected restart that has lost them.
     pub(super) is_confirmed: bool,
     pub(super) interference: Suspicions,
-    /// For how many epochs ranges that contradicted others of their instant are remembered.
+    /// For how many epochs one that came over again with other ranges is remembered.
     rivalled: u8,
     /// GPS time minus UTC, s: that of the image until somebody has said it.
     pub(super) gps_minus_utc_s: u8,
