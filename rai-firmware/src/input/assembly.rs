@@ -115,7 +115,7 @@ impl Assembly {
             Some(tow_ms) => {
                 if self.admits(ranges, tow_ms, came_ms, calendar, counters, tell) {
                     self.heard |= bit(ranges.series);
-                    self.add_all(ranges, counters);
+                    self.take_all(ranges, false, counters);
                 }
             }
         }
@@ -192,7 +192,7 @@ impl Assembly {
                 if self.has_heard(ranges.series) {
                     // The epoch over again: nobody was wrong about its end.
                     count(&mut counters.epochs_backwards);
-                    self.compare(ranges);
+                    self.take_all(ranges, true, &mut Counters::default());
                 } else {
                     if let Some(series) = ended {
                         self.accuse(series);
@@ -253,26 +253,18 @@ impl Assembly {
         time.is_ok()
     }
 
-    /// Adds the ranges of a message.
+    /// Adds the ranges of a message, or holds them against those of the epoch that was handed on. Both in one, since what reads
+    /// a message is compiled for whoever takes its ranges.
     #[inline(never)]
-    fn add_all(&mut self, ranges: &Ranges<'_>, counters: &mut Counters) {
+    fn take_all(&mut self, ranges: &Ranges<'_>, is_again: bool, counters: &mut Counters) {
         let earlier = self.epoch.satellites.len();
-        let epoch = &mut self.epoch;
-        ranges.measured.each(counters, |satellite, signal, is_reference, counters| {
-            add(epoch, satellite, signal, is_reference, earlier, counters);
-        });
-    }
-
-    /// Holds the ranges of a message against those of the epoch that was handed on.
-    #[inline(never)]
-    fn compare(&mut self, ranges: &Ranges<'_>) {
         let Self { epoch, has_rival, .. } = self;
-        ranges.measured.each(&mut Counters::default(), |satellite, signal, _, _| {
-            let known = epoch.satellites.iter().filter(|known| known.satellite == satellite);
-            let mut of_band = known
-                .flat_map(|known| &known.signals)
-                .filter(|known| known.carrier.band == signal.carrier.band);
-            *has_rival |= of_band.any(|known| (known.range_m - signal.range_m).abs() > APART_M);
+        ranges.measured.each(counters, |satellite, signal, is_reference, counters| {
+            if is_again {
+                *has_rival |= differs(epoch, satellite, &signal);
+            } else {
+                add(epoch, satellite, signal, is_reference, earlier, counters);
+            }
         });
     }
 
@@ -325,6 +317,14 @@ fn bit(series: Option<Series>) -> u16 {
 fn is_same(a_ms: u32, b_ms: u32) -> bool {
     let apart_ms = a_ms.abs_diff(b_ms);
     apart_ms.min(WEEK_MS.saturating_sub(apart_ms)) < SAME_INSTANT_MS
+}
+
+/// Whether the epoch has another range of this signal.
+fn differs(epoch: &RawEpoch, satellite: SatelliteId, signal: &RawSignal) -> bool {
+    let known = epoch.satellites.iter().filter(|known| known.satellite == satellite);
+    let mut of_band =
+        known.flat_map(|known| &known.signals).filter(|known| known.carrier.band == signal.carrier.band);
+    of_band.any(|known| (known.range_m - signal.range_m).abs() > APART_M)
 }
 
 /// Adds a signal of a message that began when the epoch held `earlier` satellites.
