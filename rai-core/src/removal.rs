@@ -147,9 +147,21 @@ impl<'r, T: Real> Standing<'r, T> {
         }
     }
 
+    /// As it stands beside a column of the design that is estimated with the position: `shed` is its product with the row in
+    /// parity space, `residual` what the data have of it.
+    pub(crate) fn beside(row: &'r NormalisedRow<T>, shed: T, residual: T) -> Self {
+        let redundancy = row.redundancy - shed * shed;
+        Self { row, residual: row.residual - shed * residual, redundancy, shed }
+    }
+
     /// Index in the epoch.
     pub(crate) fn index(&self) -> usize {
         self.row.index
+    }
+
+    /// By how much SSE falls without this row: its w-test squared.
+    pub(crate) fn explained(&self) -> T {
+        squared_w_test(self.residual, self.redundancy)
     }
 
     /// Whether nothing is left to test it with.

@@ -44,6 +44,8 @@ pub enum Alert {
     Fault,
     /// Several exclusions explain the data equally.
     Ambiguous,
+    /// A wrong time tag of all ranges explains the data, and no exclusion does better.
+    Time,
     /// No epoch came within the time to alert. Said by the receiver around the core, which has a clock.
     Stale,
     /// The position moved farther than it can since it was last protected: satellites that agree on it agree by chance,

@@ -4,12 +4,16 @@
 //! guess; without one, a coarse fix without atmosphere finds it. An epoch whose position turns out to be far from
 //! the guess is corrected once more about what was found.
 
+use core::cell::Cell;
+
 use heapless::Vec;
+use nalgebra::Vector3;
 use rai_core::epoch::Epoch;
 use rai_core::frame::Ecef;
 #[cfg(feature = "araim")]
 use rai_core::monitor::Method;
 use rai_core::monitor::{Accepted, MonitorError, Search};
+use rai_core::numeric::real::Real;
 use rai_core::report::{Alert, MAX_EXCLUDED, Report, Unavailable, Verdict};
 use rai_core::requirements::Requirements;
 use rai_core::satellite::{Constellation, SatelliteId};
@@ -18,6 +22,7 @@ use rai_core::velocity::Velocity;
 use rai_core::weighting::Ism;
 
 use crate::config::{Configuration, Frequencies, Systems};
+use crate::correction::horizon::coordinates_m;
 use crate::correction::{CAPACITY, Klobuchar, Located, Preference, Ranges, Site, Sky, Tally, coarse, locate};
 use crate::ephemeris::{Ephemeris, Insertion, Store};
 use crate::rates::{RateTally, Rates};
@@ -219,7 +224,9 @@ impl Navigator {
         let before = self.tally.ranges;
         let mut known = Vec::<SatelliteId, MAX_EXCLUDED>::new();
         let mut searches = 0;
-        self.judge_about(guess, raw.time, ranges, configuration, Search::Anew);
+        // About every point the same but for a metre a second.
+        let rates = [const { Cell::new(f32::NAN) }; CAPACITY];
+        self.judge_about(guess, raw.time, ranges, configuration, Search::Anew, &rates);
         for _ in 1..MAX_PASSES {
             let assessment = self.room.memory.assessment();
             let found = found(&assessment.report);
@@ -239,7 +246,7 @@ impl Navigator {
             guess = found.unwrap_or_else(|| self.coarse_position(raw.time));
             // What was refused about the poorer point does not count.
             self.tally.ranges = before;
-            self.judge_about(guess, raw.time, ranges, configuration, search);
+            self.judge_about(guess, raw.time, ranges, configuration, search, &rates);
         }
         let refused_a_range = self.tally.ranges.range_implausible != before.range_implausible;
         self.conclude(raw, came_ms, refused_a_range, without_orbit)
@@ -328,10 +335,20 @@ impl Navigator {
         ranges: Ranges,
         configuration: &Configuration,
         search: Search<'_>,
+        known: &KnownRates,
     ) {
         self.correct_about(point, time, ranges, configuration);
-        let Room { epoch, memory, .. } = &mut self.room;
-        single::judge(&self.monitor, epoch, point, search, memory);
+        let Room { sky, epoch, memory } = &mut self.room;
+        let store = &self.store;
+        let rates = |satellite| {
+            let index = sky.iter().position(|located| located.satellite() == satellite)?;
+            let slot = known.get(index)?;
+            if slot.get().is_nan() {
+                slot.set(range_rate(sky.get(index)?, store, point, time)?);
+            }
+            Some(slot.get())
+        };
+        single::judge(&self.monitor, epoch, point, search, Some(&rates), memory);
     }
 
     /// Makes the epoch that is judged of the sky as seen from a point.
@@ -364,6 +381,24 @@ impl Navigator {
         coarse(sky, time, epoch);
         single::position(memory.workspace(), epoch, Ecef::CENTRE).unwrap_or(Ecef::CENTRE)
     }
+}
+
+/// Range rates of the satellites of a sky, m/s, as far as they have been asked for: the others are NaN.
+type KnownRates = [Cell<f32>; CAPACITY];
+
+/// Between two places of a satellite whose difference is its velocity, ms.
+const APART_MS: u32 = 128;
+
+/// How fast the range of a receiver at rest to a satellite of the sky grows, m/s. A second place on the orbit is dear: it is worked
+/// out where a fault was detected alone.
+#[inline(never)]
+fn range_rate(located: &Located, store: &Store, point: Ecef, time: GpsTime) -> Option<f32> {
+    let ephemeris = store.get(located.satellite(), time).ok()?;
+    let later = ephemeris.at(time.later_by_ms(APART_MS), located.measured_m()?).ok()?;
+    let position = located.state().position;
+    let [way_m, moved_m] =
+        [position - point, later.position - position].map(coordinates_m).map(Vector3::from);
+    Some(way_m.dot(&moved_m) * way_m.dot(&way_m).inverse_root() * (1e3 / APART_MS as f32))
 }
 
 fn found(report: &Report<CAPACITY>) -> Option<Ecef> {

@@ -28,6 +28,7 @@ use residuals::detection::Detection;
 use residuals::exclusion::{Excluded, Exclusion, Outcome, Unidentified, leave_out, leaves_enough, separable};
 use residuals::levels::{Exposure, Factors, Levels, common_shift};
 use residuals::sets::count_up_to;
+use residuals::tags::{Doubt, RangeRates, Rates, is_suspicious};
 use residuals::threshold::Thresholds;
 use residuals::threshold::policy::{Demand, NoThreshold, Policy};
 use residuals::{parity, ransac};
@@ -218,20 +219,22 @@ impl Criteria<'_> {
 
 /// Tests a solution, looks for what is wrong and leaves it out.
 ///
-/// `forecast` is the row of a predicted clock, if there is one. `solution` ends as the solution without the rows listed.
+/// `forecast` is the row of a predicted clock, if there is one; `rates`, of whom knows orbits, tell wrong tags from wrong
+/// satellites ([`residuals::tags`]). `solution` ends as the solution without the rows listed.
 pub fn judge<T: Real>(
     solution: &mut (impl Reducible<T> + Removable<T>),
     epoch: &EpochView<'_>,
     forecast: Option<usize>,
     criteria: &Criteria<'_>,
     search: Search<'_>,
+    rates: Option<&RangeRates<'_>>,
     scratch: &mut Scratch<T>,
 ) -> Judgement<T> {
     #[cfg(feature = "araim")]
     if criteria.method == Method::Separation {
-        return judge_epoch(solution, epoch, criteria, scratch.separation());
+        return judge_epoch(solution, epoch, criteria, rates, scratch.separation());
     }
-    judge_by_residuals(solution, epoch, forecast, criteria, search, &mut scratch.subsets)
+    judge_by_residuals(solution, epoch, forecast, criteria, search, rates, &mut scratch.subsets)
 }
 
 // Not inlined: separation has frames of its own, the deepest of all, and needs nothing of this one's.
@@ -242,11 +245,14 @@ fn judge_by_residuals<T: Real>(
     forecast: Option<usize>,
     criteria: &Criteria<'_>,
     search: Search<'_>,
+    rates: Option<&RangeRates<'_>>,
     subsets: &mut ransac::Subsets,
 ) -> Judgement<T> {
     let mut test = criteria.test(solution.snapshot(), epoch.common_m());
     let mut exclusion = Exclusion::passed();
     let mut searched = false;
+    // Whatever the policy: where it tolerates what a satellite can do, a wrong time may do more.
+    let is_odd = test.is_ok() && is_suspicious(solution.snapshot(), &criteria.thresholds);
     if test.as_ref().is_ok_and(|test| test.detection.fault()) {
         let jump = forecast.and_then(|row| jump(solution, row, &criteria.thresholds));
         searched = jump.is_none() && search == Search::Anew;
@@ -265,6 +271,18 @@ fn judge_by_residuals<T: Real>(
             exclusion.outcome = Outcome::NotIsolated(Unidentified::NoRedundancy);
         } else if !separable(solution, &exclusion, &criteria.thresholds) {
             exclusion.outcome = Outcome::NotIsolated(Unidentified::Ambiguous);
+        }
+    }
+    if let Some(rates) = rates.filter(|_| is_odd).and_then(|rates| Rates::of(epoch, rates)) {
+        match rates.contest(solution, &exclusion, &criteria.thresholds, criteria.factors) {
+            Doubt::Rows if exclusion.outcome == Outcome::Isolated => {
+                exclusion.outcome = Outcome::NotIsolated(Unidentified::Ambiguous);
+            }
+            Doubt::None | Doubt::Rows => {}
+            Doubt::Time => {
+                exclusion = Exclusion::not_isolated(Unidentified::Time);
+                test = criteria.test(solution.snapshot(), epoch.common_m());
+            }
         }
     }
     Judgement {

@@ -34,6 +34,7 @@ use crate::frame::Ecef;
 use crate::integrity::residuals::exclusion::Outcome;
 use crate::integrity::residuals::levels::Levels;
 use crate::integrity::residuals::ransac::Subsets;
+use crate::integrity::residuals::tags::RangeRates;
 use crate::integrity::residuals::threshold::policy::Policy;
 use crate::integrity::{Criteria, Judgement, judge};
 use crate::numeric::real::Real;
@@ -222,7 +223,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         // Taken out while the monitor is read, and put back.
         let mut memory = Memory::new();
         core::mem::swap(&mut memory.scratch.subsets, &mut self.subsets);
-        self.judge(epoch, self.start, Search::Anew, &mut memory);
+        self.judge(epoch, self.start, Search::Anew, None, &mut memory);
         core::mem::swap(&mut memory.scratch.subsets, &mut self.subsets);
         self.learn(&mut memory.assessment, None);
         memory.assessment.report
@@ -231,13 +232,15 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     /// Judges one epoch whose position is near `start`; with clock aiding, with the forecast of a receiver clock beside it.
     ///
     /// Changes nothing but `memory`, which who has little stack keeps elsewhere, and leaves the [`Assessment`] in it. Whoever
-    /// corrects ranges about the position may judge about better and better points, and learns once, from the last.
+    /// corrects ranges about the position may judge about better and better points, and learns once, from the last. Whoever knows
+    /// orbits gives `rates`: without them a wrong time tag is taken for faulty satellites ([`crate::integrity::residuals::tags`]).
     #[inline(never)]
     pub fn judge<'m>(
         &self,
         epoch: &Epoch<N>,
         start: Ecef,
         search: Search<'_>,
+        rates: Option<&RangeRates<'_>>,
         memory: &'m mut Memory<T, N>,
     ) -> &'m mut Assessment<N> {
         let is_aided = self.strategy.clock_aid && self.strategy.method.takes_a_forecast();
@@ -248,7 +251,8 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         match &mut Fix::about(workspace, Aided::by(epoch, forecast).scaled(scale), start) {
             Ok(fix) => {
                 let clock_row = fix.clock_row();
-                let judgement = judge(fix, &epoch.view(), clock_row, &self.criteria(), search, scratch);
+                let judgement =
+                    judge(fix, &epoch.view(), clock_row, &self.criteria(), search, rates, scratch);
                 self.assess(fix, &epoch.view(), &judgement, assessment);
             }
             Err(error) => self.assess_without_position(*error, epoch, assessment),

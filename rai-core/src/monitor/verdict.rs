@@ -13,6 +13,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     pub(super) fn verdict(&self, judgement: &Judgement<T>, none_excluded: bool) -> Verdict {
         match (judgement.outcome, &judgement.test) {
             (Outcome::NotIsolated(Unidentified::Ambiguous), _) => Verdict::Alert(Alert::Ambiguous),
+            (Outcome::NotIsolated(Unidentified::Time), _) => Verdict::Alert(Alert::Time),
             (Outcome::NotIsolated(Unidentified::Budget), _) => Verdict::Unavailable(Unavailable::Budget),
             (Outcome::NotIsolated(_), _) => Verdict::Alert(Alert::Fault),
             (_, Err(NoThreshold::Redundancy)) => Verdict::Unavailable(Unavailable::Redundancy),

@@ -12,6 +12,7 @@ pub use crate::epoch::CAPACITY;
 use crate::epoch::Epoch;
 use crate::frame::Ecef;
 use crate::integrity::residuals::levels::Factors;
+use crate::integrity::residuals::tags::RangeRates;
 use crate::integrity::residuals::threshold::Thresholds;
 use crate::monitor::Search;
 use crate::report::Report;
@@ -43,9 +44,10 @@ pub fn judge<'m>(
     epoch: &Epoch<CAPACITY>,
     start: Ecef,
     search: Search<'_>,
+    rates: Option<&RangeRates<'_>>,
     memory: &'m mut Memory,
 ) -> &'m mut Assessment {
-    monitor.judge(epoch, start, search, memory)
+    monitor.judge(epoch, start, search, rates, memory)
 }
 
 /// [`Workspace::solve`].

@@ -34,6 +34,7 @@ mod single;
 mod sky;
 mod solved;
 mod strategy;
+mod tags;
 mod velocity;
 mod weighting;
 mod words;

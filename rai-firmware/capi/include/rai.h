@@ -262,6 +262,11 @@
 #define RAI_REASON_SPOOFED 36
 
 /**
+ * Alert: a wrong time tag of all ranges explains the data.
+ */
+#define RAI_REASON_TIME 37
+
+/**
  * Unavailable: too few satellites for a position, or the fix did not converge.
  */
 #define RAI_REASON_NOFIX 64

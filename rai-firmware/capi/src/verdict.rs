@@ -32,6 +32,8 @@ pub const RAI_REASON_STALE: u8 = 34;
 pub const RAI_REASON_JUMP: u8 = 35;
 /// Alert: the receiver is sure that its signals are false.
 pub const RAI_REASON_SPOOFED: u8 = 36;
+/// Alert: a wrong time tag of all ranges explains the data.
+pub const RAI_REASON_TIME: u8 = 37;
 /// Unavailable: too few satellites for a position, or the fix did not converge.
 pub const RAI_REASON_NOFIX: u8 = 64;
 /// Unavailable: no redundancy to test the position with.
@@ -68,6 +70,7 @@ fn text(reason: u8) -> &'static CStr {
         RAI_REASON_STALE => c"STALE",
         RAI_REASON_JUMP => c"JUMP",
         RAI_REASON_SPOOFED => c"SPOOFED",
+        RAI_REASON_TIME => c"TIME",
         RAI_REASON_NOFIX => c"NOFIX",
         RAI_REASON_REDUNDANCY => c"REDUNDANCY",
         RAI_REASON_GEOMETRY => c"GEOMETRY",
@@ -95,6 +98,7 @@ pub(crate) fn reason_of(verdict: Verdict) -> u8 {
         Verdict::Alert(Alert::Stale) => RAI_REASON_STALE,
         Verdict::Alert(Alert::Jump) => RAI_REASON_JUMP,
         Verdict::Alert(Alert::Spoofed) => RAI_REASON_SPOOFED,
+        Verdict::Alert(Alert::Time) => RAI_REASON_TIME,
         Verdict::Unavailable(Unavailable::NoFix) => RAI_REASON_NOFIX,
         Verdict::Unavailable(Unavailable::Redundancy) => RAI_REASON_REDUNDANCY,
         Verdict::Unavailable(Unavailable::Geometry) => RAI_REASON_GEOMETRY,

@@ -22,7 +22,12 @@ pub(super) struct Sky {
 impl Sky {
     /// What a simulation records, GPS and `BeiDou`.
     pub(super) fn of(simulation: &Simulation, frequency: Frequency) -> Result<Self> {
-        let selection = Selection::new("GC", frequency)?;
+        Self::with(simulation, "GC", frequency)
+    }
+
+    /// What a simulation records of these systems.
+    pub(super) fn with(simulation: &Simulation, letters: &str, frequency: Frequency) -> Result<Self> {
+        let selection = Selection::new(letters, frequency)?;
         Ok(Self { recording: simulation.record(), truth: simulation.site.position, selection })
     }
 

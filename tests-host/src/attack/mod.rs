@@ -28,6 +28,7 @@
 //! | [`two_stations`] | the ranges of a reference station on the receiver's line; a receiver in a tunnel |
 //! | [`settings`] | a time to alert that hides a silence; restarts that make settings nobody's |
 //! | [`learned_sigmas`] | sigmas that quiet minutes made small, used for what these say nothing of |
+//! | [`wrong_tags`] | time tags wrong by milliseconds, every method and policy, and sigmas that learn from them |
 //! | [`suspicions`] | a receiver that is sure of counterfeit signals, and messages that would talk it out of it |
 //! | [`recordings`] | nature: real receivers, in the open and between tall buildings |
 
@@ -54,6 +55,7 @@ mod single_fault;
 mod suspicions;
 mod two_stations;
 mod week_edge;
+mod wrong_tags;
 
 use anyhow::Result;
 use serde::Serialize;
@@ -131,6 +133,8 @@ pub const ATTACKS: &[&Attack] = &[
     &settings::TIME_TO_ALERT,
     &settings::RESTARTS,
     &learned_sigmas::ATTACK,
+    &wrong_tags::BRIEFLY,
+    &wrong_tags::LEARNED,
     &suspicions::ATTACK,
     &recordings::NOMINAL,
     &recordings::URBAN,

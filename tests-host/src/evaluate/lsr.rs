@@ -204,8 +204,8 @@ fn identification<T: Real>(
         Err(Unidentified::NoRedundancy) => (-1, "dof<2"),
         Err(Unidentified::BelowThreshold) => (-1, "below_threshold"),
         Err(Unidentified::Ambiguous) => (-1, "ambiguous"),
-        // Said of sets of rows only.
-        Err(Unidentified::NoSet | Unidentified::Budget) => (-1, "no_set"),
+        // Said of sets of rows only, and of epochs with orbits.
+        Err(Unidentified::NoSet | Unidentified::Budget | Unidentified::Time) => (-1, "no_set"),
     }
 }
 

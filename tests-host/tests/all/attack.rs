@@ -70,6 +70,8 @@ attacks! {
     time_to_alert_hides_no_silence = "time-to-alert",
     settings_that_nobody_confirmed_promise_nothing = "restarts",
     quiet_minutes_take_nothing_off_a_promise = "learned-sigmas",
+    time_tags_that_are_wrong_are_an_alert = "wrong-tags",
+    time_tags_that_are_wrong_teach_no_sigma = "wrong-tags-learned",
     receiver_that_is_sure_is_not_talked_out_of_it = "suspicion-denied",
     nominal_recordings_are_protected_and_within_their_levels = "nominal-recordings",
     reflections_between_buildings_seldom_pass = "urban",

@@ -48,6 +48,8 @@ pub enum Unidentified {
     NoSet,
     /// The declared work ended the search.
     Budget,
+    /// Not rows: a wrong time of all ranges explains them.
+    Time,
 }
 
 /// How an exclusion ended.

@@ -227,6 +227,11 @@ pub struct Factors {
 }
 
 impl Factors {
+    /// `k = Q⁻¹(P_md)`.
+    pub(super) const fn detection(&self) -> f64 {
+        self.detection
+    }
+
     /// Of a probability of missed detection and one of exceeding the level without any fault.
     pub fn new(missed_detection: Probability, fault_free: Probability) -> Self {
         let two_sided = |probability: Probability| normal::quantile(probability.get() / 2.0);

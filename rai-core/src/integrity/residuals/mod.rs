@@ -6,6 +6,7 @@
 //! | [`detection`], [`threshold`] | is something wrong? |
 //! | [`baarda`], [`parity`], [`ransac`] | which satellites is it? |
 //! | [`exclusion`], [`sets`] | how did it end, and would another exclusion have done as well? |
+//! | [`tags`] | would a wrong time of all ranges have done? |
 //! | [`levels`] | how wrong could we be without noticing? |
 
 pub mod baarda;
@@ -15,6 +16,7 @@ pub mod levels;
 pub mod parity;
 pub mod ransac;
 pub mod sets;
+pub mod tags;
 pub mod threshold;
 
 /// Each element with those after it: nested, every combination once, in lexicographic order.

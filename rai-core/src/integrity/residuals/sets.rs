@@ -3,6 +3,7 @@
 //! Work: `n + n(n−1)/2 + n(n−1)(n−2)/6` sets, 10,700 for 40 rows. A set costs a dozen products: a third row that two
 //! others are tried with is taken out of all rows first ([`crate::removal`]).
 
+use super::tags::Column;
 use super::tails;
 use crate::numeric::real::Real;
 use crate::removal::{Going, NormalisedRow, Standing, Standings};
@@ -66,6 +67,31 @@ pub(super) fn each_of_size<T: Real>(
             pairs(T::zero(), &standings, work, &mut above, |first, second| [first, second, 0]);
         }
         _ => triples(rows, &mut standings, work, &mut above),
+    }
+}
+
+/// Shows what each set of one or two rows explains beside a wrong time, where that is as much as the bar.
+// Not inlined, as above.
+#[inline(never)]
+pub(super) fn each_of_size_beside<T: Real>(
+    column: &Column<T>,
+    rows: &[NormalisedRow<T>],
+    size: usize,
+    work: &mut Work,
+    bar: T,
+    mut show: impl FnMut(T) -> T,
+) {
+    let mut above = Above { bar, show: |explained, _| show(explained) };
+    let mut standings = Standings::new();
+    let beside = column.beside(rows);
+    stand(&mut standings, beside.map(|(row, shed)| Standing::beside(row, shed, column.residual)));
+    match size {
+        1 => {
+            for standing in work.granted(&standings) {
+                above.consider(standing.explained(), || [standing.index(), 0, 0]);
+            }
+        }
+        _ => pairs(T::zero(), &standings, work, &mut above, |first, second| [first, second, 0]),
     }
 }
 

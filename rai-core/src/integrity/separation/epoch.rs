@@ -12,6 +12,7 @@ use crate::integrity::residuals::detection::Detection;
 use crate::integrity::residuals::exclusion as residuals;
 use crate::integrity::residuals::exclusion::{Excluded, Unidentified};
 use crate::integrity::residuals::levels::common_shift;
+use crate::integrity::residuals::tags::{RangeRates, Rates};
 use crate::integrity::residuals::threshold::policy::NoThreshold;
 use crate::integrity::{Alone, Criteria, Judgement, Test};
 use crate::numeric::real::Real;
@@ -25,6 +26,7 @@ pub(in crate::integrity) fn judge_epoch<T: Real>(
     solution: &mut (impl Reducible<T> + Removable<T>),
     epoch: &EpochView<'_>,
     criteria: &Criteria<'_>,
+    rates: Option<&RangeRates<'_>>,
     room: &mut Room<T>,
 ) -> Judgement<T> {
     let priors = priors(solution, epoch, criteria.ism);
@@ -34,12 +36,46 @@ pub(in crate::integrity) fn judge_epoch<T: Real>(
         return refused(residuals::Outcome::Passed, NoThreshold::Redundancy);
     }
     match judge_in(solution, &priors, &criteria.requirements.allocation, room) {
-        Ok(judged) => judgement(solution, epoch, &judged),
+        Ok(mut judged) => {
+            let is_of_time = blames_the_time(solution, epoch, &mut judged, criteria, rates);
+            let mut judgement = judgement(solution, epoch, &judged);
+            if is_of_time {
+                judgement.outcome = residuals::Outcome::NotIsolated(Unidentified::Time);
+            }
+            judgement
+        }
         Err(SeparationError::Rows | SeparationError::Modes) => {
             refused(residuals::Outcome::NotIsolated(Unidentified::Budget), NoThreshold::Risk)
         }
         Err(SeparationError::Prior) => refused(residuals::Outcome::Passed, NoThreshold::Risk),
     }
+}
+
+/// Whether a wrong time of all ranges explains an alarm as well as what was left out for it, which then is taken back.
+#[inline(never)]
+fn blames_the_time<T: Real>(
+    solution: &mut (impl Reducible<T> + Removable<T>),
+    epoch: &EpochView<'_>,
+    judged: &mut Judged<T>,
+    criteria: &Criteria<'_>,
+    rates: Option<&RangeRates<'_>>,
+) -> bool {
+    let Some(rates) = rates.filter(|_| judged.whole.alarm).and_then(|rates| Rates::of(epoch, rates)) else {
+        return false;
+    };
+    let left = solution.snapshot().sse();
+    let gone = match &judged.outcome {
+        Outcome::Excluded { rows, .. } => *rows,
+        Outcome::Passed | Outcome::NotIsolated => 0,
+    };
+    if gone != 0 {
+        solution.take_back_all(gone);
+    }
+    let is_of_time = rates.rival(solution.snapshot(), gone.count_ones(), left, &criteria.thresholds);
+    if gone != 0 && (is_of_time || solution.leave_out_all(gone).is_err()) {
+        judged.outcome = Outcome::NotIsolated;
+    }
+    is_of_time
 }
 
 /// What an integrity support message says of each satellite of the epoch.

@@ -305,7 +305,7 @@ fn the_pipeline<T: Real>() {
         Monitor::<T, N>::start as fn(_) -> _,
         Monitor::<T, N>::start_from as fn(_, _),
         Monitor::<T, N>::process as fn(_, _) -> _,
-        Monitor::<T, N>::judge as fn(_, _, _, _, _) -> _,
+        Monitor::<T, N>::judge as fn(_, _, _, _, _, _) -> _,
         Monitor::<T, N>::learn as fn(_, _, _),
         Monitor::<T, N>::set_continuity as fn(_, _) -> _,
         Monitor::<T, N>::continuity_settings as fn(_) -> _,
@@ -315,8 +315,8 @@ fn the_pipeline<T: Real>() {
         Fix::<T>::clock_row as fn(_) -> _,
         Scratch::<T>::new as fn() -> _,
         <Scratch<T> as Default>::default as fn() -> _,
-        integrity::judge::<T> as fn(&mut Snapshot<'static, T>, _, _, _, _, _) -> _,
-        integrity::judge::<T> as fn(&mut Fix<'static, T>, _, _, _, _, _) -> _,
+        integrity::judge::<T> as fn(&mut Snapshot<'static, T>, _, _, _, _, _, _) -> _,
+        integrity::judge::<T> as fn(&mut Fix<'static, T>, _, _, _, _, _, _) -> _,
         integrity::Criteria::test::<T> as fn(_, _, _) -> _,
         integrity::Judgement::<T>::levels as fn(_) -> _,
     );
@@ -351,7 +351,7 @@ fn continuity() {
 fn as_a_module_runs_it() {
     reach!(
         single::process as fn(_, _) -> _,
-        single::judge as fn(_, _, _, _, _) -> _,
+        single::judge as fn(_, _, _, _, _, _) -> _,
         single::velocity as fn(_, _, _, _) -> _,
         <VelocityError as Display>::fmt as fn(_, _) -> _,
         single::position as fn(_, _, _) -> _,

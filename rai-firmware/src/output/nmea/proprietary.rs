@@ -56,6 +56,7 @@ const fn words(verdict: Verdict) -> (&'static str, &'static str) {
         Verdict::Protected(Protected::Excluded) => ("P", "EXCLUDED"),
         Verdict::Alert(Alert::Fault) => ("A", "FAULT"),
         Verdict::Alert(Alert::Ambiguous) => ("A", "AMBIGUOUS"),
+        Verdict::Alert(Alert::Time) => ("A", "TIME"),
         Verdict::Alert(Alert::Stale) => ("A", "STALE"),
         Verdict::Alert(Alert::Jump) => ("A", "JUMP"),
         Verdict::Alert(Alert::Spoofed) => ("A", "SPOOFED"),

@@ -167,6 +167,7 @@ fn each_verdict_has_its_navigational_status_state_and_reason() {
         (Verdict::Protected(Protected::Excluded), true, "S", "P", "EXCLUDED"),
         (Verdict::Alert(Alert::Fault), true, "U", "A", "FAULT"),
         (Verdict::Alert(Alert::Ambiguous), true, "U", "A", "AMBIGUOUS"),
+        (Verdict::Alert(Alert::Time), true, "U", "A", "TIME"),
         (Verdict::Alert(Alert::Stale), false, "U", "A", "STALE"),
         (Verdict::Alert(Alert::Jump), true, "U", "A", "JUMP"),
         (Verdict::Alert(Alert::Spoofed), true, "U", "A", "SPOOFED"),
@@ -265,7 +266,7 @@ fn glonass_counts_from_65_in_its_own_system() {
 /// What must not be used is not there to be used.
 #[test]
 fn an_alert_leaves_nothing_that_a_careless_reader_could_use() {
-    for alert in [Alert::Fault, Alert::Ambiguous, Alert::Jump, Alert::Spoofed] {
+    for alert in [Alert::Fault, Alert::Ambiguous, Alert::Time, Alert::Jump, Alert::Spoofed] {
         let mut report = report();
         report.verdict = Verdict::Alert(alert);
         let motion = Some(Motion { east_m_s: 3.0, north_m_s: 4.0, up_m_s: 0.0, sigma_m_s: 0.1 });

@@ -28,6 +28,7 @@ fn any_verdict() -> impl Strategy<Value = Verdict> {
     prop_oneof![
         Just(Verdict::Protected(Protected::Excluded)),
         Just(Verdict::Alert(Alert::Ambiguous)),
+        Just(Verdict::Alert(Alert::Time)),
         Just(Verdict::Unavailable(Unavailable::Redundancy)),
         Just(Verdict::Unavailable(Unavailable::Hpl)),
     ]

@@ -178,7 +178,7 @@ impl Watched {
             let approach = Requirements::non_precision_approach();
             let usual = monitor(approach, method)?;
             let mut memory = Memory::new();
-            let report = &usual.judge(&noiseless, site.position, Search::Anew, &mut memory).report;
+            let report = &usual.judge(&noiseless, site.position, Search::Anew, None, &mut memory).report;
             let levels = report.protection.context("a sky with levels")?;
             let limit = |level_m: f64| (level_m * ABOVE / approach.guard_fraction).min(approach.hal_m);
             let (hal_m, val_m) = (limit(levels.hpl_m), Some(limit(levels.vpl_m)));
@@ -201,7 +201,7 @@ impl Watched {
         memory: &mut Memory<f32, CAPACITY>,
     ) -> Fate {
         let monitor = &self.monitors[method][limit];
-        self.fate(&monitor.judge(epoch, self.site.position, Search::Anew, memory).report)
+        self.fate(&monitor.judge(epoch, self.site.position, Search::Anew, None, memory).report)
     }
 
     fn fate(&self, report: &Report<CAPACITY>) -> Fate {
