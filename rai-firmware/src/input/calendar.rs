@@ -16,15 +16,10 @@ use rai_core::satellite::Constellation;
 
 use super::Counters;
 use super::leap_seconds::{LeapSecond, LeapSeconds, LeapSource};
-use super::message_week::{MessageWeek, Side};
+use super::message_week::{MessageWeek, NOT_BEFORE_WEEK, Side};
 use super::week_votes::{Vote, WeekVotes};
 use crate::counters::count;
 use crate::time::{GpsTime, WEEK_MS};
-
-/// The first week that a GPS ephemeris can mean when nothing else tells the time: 2019-04-07, the third cycle.
-///
-/// Right until 2038-11-20; with a Galileo or `BeiDou` ephemeris it is not needed.
-pub const NOT_BEFORE_WEEK: u16 = 2048;
 
 /// A step of time that is longer than a gap between epochs mostly is, ms.
 const LEAP_MS: u64 = 60_000;

@@ -12,8 +12,12 @@
 
 use rai_core::satellite::Constellation;
 
-use super::calendar::NOT_BEFORE_WEEK;
 use crate::time::{BEIDOU_OFFSET_MS, BEIDOU_WEEK_OFFSET, GALILEO_WEEK_OFFSET, GpsTime, WEEK_MS};
+
+/// The first week that a GPS ephemeris can mean when nothing else tells the time: 2019-04-07, the third cycle.
+///
+/// Right until 2038-11-20; with a Galileo or `BeiDou` ephemeris it is not needed.
+pub const NOT_BEFORE_WEEK: u16 = 2048;
 
 /// How far around the end of the week the week number of a message may still or already be the neighbour's, ms.
 const ROLL_OVER_MS: u32 = 4 * 3_600_000;

@@ -71,9 +71,9 @@ use preference::{Preference, Source};
 #[cfg(feature = "ubx")]
 use ubx::Navigation;
 
-pub use calendar::NOT_BEFORE_WEEK;
 pub use counters::Counters;
 pub use leap_seconds::{LeapSecond, LeapSource};
+pub use message_week::NOT_BEFORE_WEEK;
 pub use suspicion::{Jamming, Suspicion, Suspicions};
 
 /// What the bytes said.
