@@ -62,6 +62,7 @@ impl Method {
     }
 
     /// Whether sigmas are what is promised of the satellites, and not what is expected of them.
+    #[cfg_attr(not(feature = "araim"), expect(clippy::unused_self, reason = "no other method does"))]
     pub(crate) fn holds_a_promise(self) -> bool {
         #[cfg(feature = "araim")]
         if self == Self::Separation {

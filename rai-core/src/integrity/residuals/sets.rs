@@ -3,7 +3,6 @@
 //! Work: `n + n(n−1)/2 + n(n−1)(n−2)/6` sets, 10,700 for 40 rows. A set costs a dozen products: a third row that two
 //! others are tried with is taken out of all rows first ([`crate::removal`]).
 
-use super::tags::Column;
 use super::tails;
 use crate::numeric::real::Real;
 use crate::removal::{Going, NormalisedRow, Standing, Standings};
@@ -70,12 +69,12 @@ pub(super) fn each_of_size<T: Real>(
     }
 }
 
-/// Shows what each set of one or two rows explains beside a wrong time, where that is as much as the bar.
+/// Shows what each set of one or two rows explains, where that is as much as the bar; `rows` as they stand beside what is estimated
+/// besides.
 // Not inlined, as above.
 #[inline(never)]
-pub(super) fn each_of_size_beside<T: Real>(
-    column: &Column<T>,
-    rows: &[NormalisedRow<T>],
+pub(super) fn each_of_size_beside<'r, T: Real>(
+    rows: impl Iterator<Item = Standing<'r, T>>,
     size: usize,
     work: &mut Work,
     bar: T,
@@ -83,8 +82,7 @@ pub(super) fn each_of_size_beside<T: Real>(
 ) {
     let mut above = Above { bar, show: |explained, _| show(explained) };
     let mut standings = Standings::new();
-    let beside = column.beside(rows);
-    stand(&mut standings, beside.map(|(row, shed)| Standing::beside(row, shed, column.residual)));
+    stand(&mut standings, rows);
     match size {
         1 => {
             for standing in work.granted(&standings) {

@@ -47,7 +47,7 @@ use crate::bounded::{fill, gather};
 use crate::epoch::EpochView;
 use crate::equations::{MAX_ROWS, Row};
 use crate::numeric::real::Real;
-use crate::removal::{NormalisedRow, NormalisedRows, Removal, testable_rows};
+use crate::removal::{NormalisedRow, NormalisedRows, Removal, Standing, testable_rows};
 use crate::report::MAX_EXCLUDED;
 use crate::satellite::{Constellation, SatelliteId};
 use crate::snapshot::{Fit, Reducible, Snapshot, infinity};
@@ -187,7 +187,7 @@ impl<T: Real> Rates<T> {
         let least = left - found - margin;
         for size in 1..set.len() {
             let mut has_rival = false;
-            each_of_size_beside(&column, &rows, size, &mut work, least, |explained| {
+            each_of_size_beside(column.standings(&rows), size, &mut work, least, |explained| {
                 has_rival |= passes(left - explained, size + 1);
                 if has_rival { infinity() } else { least }
             });
@@ -204,7 +204,7 @@ pub(crate) struct Column<T: Real> {
     /// Its products with the rows, in their order.
     sheds: Vec<T, MAX_ROWS>,
     /// What the data have of it: `δ √A`, dimensionless.
-    pub(super) residual: T,
+    residual: T,
 }
 
 impl<T: Real> Column<T> {
@@ -253,11 +253,13 @@ impl<T: Real> Column<T> {
         Some(Self { sheds, residual: product * scale })
     }
 
+    /// Rows as they stand beside it.
+    fn standings<'r>(&self, rows: &'r [NormalisedRow<T>]) -> impl Iterator<Item = Standing<'r, T>> {
+        self.beside(rows).map(|(row, shed)| Standing::beside(row, shed, self.residual))
+    }
+
     /// Rows with their products with it.
-    pub(super) fn beside<'r>(
-        &self,
-        rows: &'r [NormalisedRow<T>],
-    ) -> impl Iterator<Item = (&'r NormalisedRow<T>, T)> {
+    fn beside<'r>(&self, rows: &'r [NormalisedRow<T>]) -> impl Iterator<Item = (&'r NormalisedRow<T>, T)> {
         rows.iter().zip(self.sheds.iter().copied())
     }
 
