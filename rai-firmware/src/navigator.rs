@@ -203,7 +203,8 @@ impl Navigator {
     /// Judges one epoch, about better and better points, and learns from the last judgement.
     ///
     /// A set of faulty satellites that was found is not searched for again about a better point, and a search that found
-    /// none is repeated once: about a point far off the corrections may have been what did not fit.
+    /// none is repeated once: about a point far off the corrections may have been what did not fit. About the first point of all,
+    /// which no epoch before vouches for, a set is found and nothing more is asked: that is asked about the next.
     ///
     /// `came_ms` is when the epoch came, by the module's own clock.
     // What comes before and after is not inlined: the searches are below this frame.
@@ -216,7 +217,8 @@ impl Navigator {
     ) -> &mut Report<CAPACITY> {
         let without_orbit = self.look_up(raw, configuration);
         let mut guess = self.monitor.start();
-        if is_unknown(guess) {
+        let mut is_rough = is_unknown(guess);
+        if is_rough {
             guess = self.coarse_position(raw.time);
         }
         let ranges = self.ranges(guess, raw.time, configuration);
@@ -226,13 +228,16 @@ impl Navigator {
         let mut searches = 0;
         // About every point the same but for a metre a second.
         let rates = [const { Cell::new(f32::NAN) }; CAPACITY];
-        self.judge_about(guess, raw.time, ranges, configuration, Search::Anew, &rates);
+        let search = if is_rough { Search::Rough } else { Search::Anew };
+        self.judge_about(guess, raw.time, ranges, configuration, search, &rates);
         for _ in 1..MAX_PASSES {
             let assessment = self.room.memory.assessment();
             let found = found(&assessment.report);
-            if found.is_some_and(|found| found.distance_m(guess) <= GUESS_HOLDS_M) {
+            let is_believed = is_rough && assessment.searched && is_excluded(&assessment.report);
+            if !is_believed && found.is_some_and(|found| found.distance_m(guess) <= GUESS_HOLDS_M) {
                 break;
             }
+            is_rough = false;
             searches += usize::from(assessment.searched);
             let settled = is_excluded(&assessment.report) || searches >= MAX_SEARCHES;
             if assessment.searched && settled {

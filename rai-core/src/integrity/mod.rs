@@ -144,6 +144,9 @@ impl<T: Real> Scratch<T> {
 pub enum Search<'s> {
     /// Look for the faulty satellites.
     Anew,
+    /// Look for them about a poor point, and believe what is found for now: whether anything else explains as much, which is as dear
+    /// as the search, is asked about a better point, where they are [`Self::Known`].
+    Rough,
     /// Leave out those that a search about another point has found, and look for no others.
     Known(&'s [SatelliteId]),
 }
@@ -256,7 +259,7 @@ fn judge_by_residuals<T: Real>(
     let is_odd = test.is_ok() && is_suspicious(solution.snapshot(), &criteria.thresholds);
     if test.as_ref().is_ok_and(|test| test.detection.fault()) {
         let jump = forecast.and_then(|row| jump(solution, row, &criteria.thresholds));
-        searched = jump.is_none() && search == Search::Anew;
+        searched = jump.is_none() && !matches!(search, Search::Known(_));
         exclusion = jump.unwrap_or_else(|| isolate(solution, epoch, criteria, search, subsets));
         test = criteria.test(solution.snapshot(), epoch.common_m());
     }
@@ -270,11 +273,13 @@ fn judge_by_residuals<T: Real>(
         let satellites = exclusion.rows.iter().filter(|excluded| Some(excluded.index) != forecast).count();
         if !leaves_enough(satellites, solution.snapshot().dof()) {
             exclusion.outcome = Outcome::NotIsolated(Unidentified::NoRedundancy);
-        } else if !separable(solution, &exclusion, &criteria.thresholds) {
+        } else if search != Search::Rough && !separable(solution, &exclusion, &criteria.thresholds) {
             exclusion.outcome = Outcome::NotIsolated(Unidentified::Ambiguous);
         }
     }
-    if let Some(rates) = rates.filter(|_| is_odd).and_then(|rates| Rates::of(epoch, rates)) {
+    let is_believed = searched && search == Search::Rough && exclusion.outcome == Outcome::Isolated;
+    let asked = rates.filter(|_| is_odd && !is_believed);
+    if let Some(rates) = asked.and_then(|rates| Rates::of(epoch, rates)) {
         match rates.contest(solution, &exclusion, &criteria.thresholds, criteria.factors) {
             Doubt::Rows if exclusion.outcome == Outcome::Isolated => {
                 exclusion.outcome = Outcome::NotIsolated(Unidentified::Ambiguous);
