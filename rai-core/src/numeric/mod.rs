@@ -10,3 +10,4 @@ pub mod probability;
 pub mod real;
 mod root;
 mod scalars;
+pub(crate) mod space;

@@ -9,6 +9,7 @@ use super::{Fit, SnapshotError, Statistics};
 use crate::bit_set::members;
 use crate::equations::Row;
 use crate::numeric::real::Real;
+use crate::numeric::space::{add_outer_product, difference, dot, plus_scaled, scaled, symmetric_product};
 use crate::satellite::Constellation;
 
 /// The weighted means of the rows that touch one clock.
@@ -37,7 +38,7 @@ impl<T: Real> Group<T> {
     fn add(&mut self, row: &Row<T>, weight: T) {
         self.count += 1;
         self.weight += weight;
-        self.design += row.design * weight;
+        self.design = plus_scaled(&self.design, weight, &row.design);
         self.residual += row.residual * weight;
     }
 
@@ -334,13 +335,13 @@ fn compare<T: Real>(
     covariance: &Matrix3<T>,
     correction: &Vector3<T>,
 ) -> Fit<T> {
-    let centred = row.design - group.design;
+    let centred = difference(&row.design, &group.design);
     let gain = symmetric_product(covariance, &centred);
     Fit {
         centred,
         gain,
-        residual: row.residual - group.residual - centred.dot(correction),
-        redundancy: T::one() - row.weight * (group.variance + centred.dot(&gain)),
+        residual: row.residual - group.residual - dot(&centred, correction),
+        redundancy: T::one() - row.weight * (group.variance + dot(&centred, &gain)),
         test_weight: T::zero(),
     }
 }
@@ -388,13 +389,13 @@ impl<T: Real> Geometry<T> {
 
     pub(super) fn hdop_without(&self, row: &Row<T>) -> T {
         let group = self.groups.of_row(row);
-        let centred = row.design - group.design;
-        let gain = self.covariance * centred;
-        let redundancy = T::one() - group.variance - centred.dot(&gain);
+        let centred = difference(&row.design, &group.design);
+        let gain = symmetric_product(&self.covariance, &centred);
+        let redundancy = T::one() - group.variance - dot(&centred, &gain);
         let moved = gain.x * gain.x + gain.y * gain.y;
         let increase = if redundancy > T::UNTESTABLE {
             moved / redundancy
-        } else if gain.dot(&gain) > T::UNMOVED * T::UNMOVED {
+        } else if dot(&gain, &gain) > T::UNMOVED * T::UNMOVED {
             // Whichever coordinate it is: without this row there is no position at all.
             infinity()
         } else {
@@ -427,10 +428,10 @@ impl<T: Real> NormalEquations<T> {
         // One without weight adds nothing, for which it need not be asked.
         for row in rows {
             let group = groups.of(row);
-            let centred = row.design - group.design;
-            let weighted = centred * weight(row);
+            let centred = difference(&row.design, &group.design);
+            let weighted = scaled(weight(row), &centred);
             add_outer_product(&mut normal, &weighted, &centred);
-            right_hand_side += weighted * (row.residual - group.residual);
+            right_hand_side = plus_scaled(&right_hand_side, row.residual - group.residual, &weighted);
         }
         Self { normal, right_hand_side }
     }
@@ -440,25 +441,6 @@ impl<T: Real> NormalEquations<T> {
 fn is_determined<'r, T: Real>(rows: impl Iterator<Item = &'r Row<T>> + Clone) -> bool {
     // A trace that is not a number is below nothing.
     Geometry::of(rows).is_ok_and(|plain| plain.groups.trace(&plain.covariance) < T::SINGULAR)
-}
-
-/// `S v` of a symmetric matrix, whose lower triangle alone is read: six numbers stay in registers where nine do not.
-fn symmetric_product<T: Real>(matrix: &Matrix3<T>, vector: &Vector3<T>) -> Vector3<T> {
-    Vector3::new(
-        matrix.m11 * vector.x + matrix.m21 * vector.y + matrix.m31 * vector.z,
-        matrix.m21 * vector.x + matrix.m22 * vector.y + matrix.m32 * vector.z,
-        matrix.m31 * vector.x + matrix.m32 * vector.y + matrix.m33 * vector.z,
-    )
-}
-
-/// Adds `a bᵀ`, lower triangle only: all that the inversion reads.
-fn add_outer_product<T: Real>(matrix: &mut Matrix3<T>, a: &Vector3<T>, b: &Vector3<T>) {
-    matrix.m11 += a.x * b.x;
-    matrix.m21 += a.y * b.x;
-    matrix.m22 += a.y * b.y;
-    matrix.m31 += a.z * b.x;
-    matrix.m32 += a.z * b.y;
-    matrix.m33 += a.z * b.z;
 }
 
 /// Inverse of a symmetric matrix by `L D Lᵀ`, `P = L⁻ᵀ D⁻¹ L⁻¹`: no root, and a pivot that is not positive is singular.
