@@ -157,7 +157,7 @@ pub struct RawSignal {
     pub range_m: f64,
     /// Steps of 1/1024 Hz; [`NO_DOPPLER`] where there is none.
     doppler: i32,
-    /// Sixteenths of a dB-Hz; 0 where there is none.
+    /// Sixteenths of a dB-Hz; 0 where there is none, [`CODELESS`] where it says nothing.
     cn0: u16,
     /// Centimetres; 0 where there is none.
     range_sigma_cm: u16,
@@ -170,6 +170,9 @@ pub struct RawSignal {
 }
 
 const _: () = assert!(size_of::<RawSignal>() == 24);
+
+/// Stands for the strength of a signal that is tracked without its code.
+const CODELESS: u16 = u16::MAX;
 
 /// Stands for a Doppler frequency that is not known.
 const NO_DOPPLER: i32 = i32::MIN;
@@ -195,6 +198,12 @@ impl RawSignal {
     #[must_use]
     pub const fn with_cn0_dbhz(self, cn0_dbhz: f32) -> Self {
         Self { cn0: (cn0_dbhz * 16.0 + 0.5) as u16, ..self }
+    }
+
+    /// With the word that it is tracked without its code, by the strength of another: its own says nothing.
+    #[must_use]
+    pub const fn codeless(self) -> Self {
+        Self { cn0: CODELESS, ..self }
     }
 
     /// With the Doppler frequency, positive when approaching, kept to 1/1024 Hz (0.2 mm/s); what no satellite can have,
@@ -232,7 +241,12 @@ impl RawSignal {
 
     /// Carrier to noise density, dB-Hz.
     pub const fn cn0_dbhz(&self) -> Option<f32> {
-        if self.cn0 == 0 { None } else { Some(self.cn0 as f32 / 16.0) }
+        if matches!(self.cn0, 0 | CODELESS) { None } else { Some(self.cn0 as f32 / 16.0) }
+    }
+
+    /// Whether its own carrier to noise density would say nothing.
+    pub const fn is_codeless(&self) -> bool {
+        self.cn0 == CODELESS
     }
 
     /// Doppler frequency, Hz, positive when approaching.

@@ -110,49 +110,63 @@ impl Choices {
 
 /// Chooses among a satellite's signals those that are in service, strong enough, and related to the broadcast clock.
 ///
-/// Signals below `mask_dbhz` are left out where the receiver says how strong they are.
-pub fn choose(signals: &[RawSignal], ephemeris: &Ephemeris, mask_dbhz: f32) -> Choices {
+/// Signals below `mask_dbhz` are left out where the receiver says how strong they are. `unsaid_dbhz` is how strong one is taken for
+/// of which it does not; infinite where it never says, and all are taken for strong.
+pub fn choose(signals: &[RawSignal], ephemeris: &Ephemeris, mask_dbhz: f32, unsaid_dbhz: f32) -> Choices {
     let is_usable = |signal: &&RawSignal| {
         let band = signal.carrier.band;
         ephemeris.serves(band) && signal.cn0_dbhz().is_none_or(|strength_dbhz| strength_dbhz >= mask_dbhz)
     };
     let find = |band| signals.iter().find(|signal| signal.carrier.band == band).filter(is_usable);
-    let pair = |pair: &Pair| combine(find(pair.first)?, find(pair.second)?, pair, ephemeris);
-    let single = |&band: &Band| alone(find(band)?, ephemeris);
+    let pair = |pair: &Pair| combine(find(pair.first)?, find(pair.second)?, pair, ephemeris, unsaid_dbhz);
+    let single = |&band: &Band| alone(find(band)?, ephemeris, unsaid_dbhz);
     Choices { pair: PAIRS.iter().find_map(pair), single: SINGLES.iter().find_map(single) }
 }
 
 /// The ionosphere-free combination of two signals.
-fn combine(first: &RawSignal, second: &RawSignal, pair: &Pair, ephemeris: &Ephemeris) -> Option<Choice> {
+fn combine(
+    first: &RawSignal,
+    second: &RawSignal,
+    pair: &Pair,
+    ephemeris: &Ephemeris,
+    unsaid_dbhz: f32,
+) -> Option<Choice> {
     let (delay_first, delay_second) =
         (ephemeris.group_delay(pair.first)?, ephemeris.group_delay(pair.second)?);
     // k_a P_a + (1 − k_a) P_b = P_b + k_a (P_a − P_b): what is added to a range is small, and single precision holds it.
     let delay_s = delay_second.seconds() + pair.share * (delay_first.seconds() - delay_second.seconds());
     let apart_m = (first.range_m - second.range_m) as f32;
     let added_m = pair.share * apart_m - LIGHT_M_S * delay_s;
-    let strength_dbhz = match (first.cn0_dbhz(), second.cn0_dbhz()) {
-        (Some(first_dbhz), Some(second_dbhz)) => Some(first_dbhz.min(second_dbhz)),
-        (one, other) => one.or(other),
+    // What is tracked without its code is tracked by the other.
+    let strength_dbhz = match (first.is_codeless(), second.is_codeless()) {
+        (false, false) => strength(first, unsaid_dbhz).min(strength(second, unsaid_dbhz)),
+        (true, _) => strength(second, unsaid_dbhz),
+        (_, true) => strength(first, unsaid_dbhz),
     };
     Some(Choice {
         bands: (pair.first, Some(pair.second)),
         range_m: second.range_m + f64::from(added_m),
         noise_gain: libm::sqrtf(pair.share * pair.share + (1.0 - pair.share) * (1.0 - pair.share)),
-        weakness: weakness(strength_dbhz),
+        weakness: weakness(Some(strength_dbhz)),
         uncalibrated_m: delay_first.uncalibrated_m().max(delay_second.uncalibrated_m()),
     })
 }
 
 /// One signal by itself.
-fn alone(signal: &RawSignal, ephemeris: &Ephemeris) -> Option<Choice> {
+fn alone(signal: &RawSignal, ephemeris: &Ephemeris, unsaid_dbhz: f32) -> Option<Choice> {
     let delay = ephemeris.group_delay(signal.carrier.band)?;
     Some(Choice {
         bands: (signal.carrier.band, None),
         range_m: signal.range_m - f64::from(LIGHT_M_S * delay.seconds()),
         noise_gain: 1.0,
-        weakness: weakness(signal.cn0_dbhz()),
+        weakness: weakness(Some(strength(signal, unsaid_dbhz))),
         uncalibrated_m: delay.uncalibrated_m(),
     })
+}
+
+/// How strong a signal is taken for, dB-Hz.
+fn strength(signal: &RawSignal, unsaid_dbhz: f32) -> f32 {
+    signal.cn0_dbhz().unwrap_or(unsaid_dbhz)
 }
 
 /// The two factors `k_a`, `k_b` of the ionosphere-free combination.

@@ -141,13 +141,17 @@ pub fn locate(
     sky: &mut Sky,
 ) {
     sky.clear();
+    // A receiver that says how strong signals are, and of this one does not, knows nothing good of it.
+    let mut signals = raw.satellites.iter().flat_map(|satellite| &satellite.signals);
+    let is_said = signals.any(|signal| signal.cn0_dbhz().is_some());
+    let unsaid_dbhz = if is_said { mask_dbhz } else { f32::INFINITY };
     for satellite in &raw.satellites {
         let (letter, _) = satellite.satellite.name();
         if !systems.contains(letter) {
             count(&mut tally.ranges.system_left_out);
             continue;
         }
-        match locate_one(satellite, raw.time, store, mask_dbhz, sky) {
+        match locate_one(satellite, raw.time, store, (mask_dbhz, unsaid_dbhz), sky) {
             Ok(Placed::Yes) => {}
             Ok(Placed::Full) => count(&mut tally.ranges.epoch_full),
             Ok(Placed::WithoutSignal) => count(&mut tally.ranges.signal_unusable),
@@ -171,11 +175,11 @@ fn locate_one(
     satellite: &RawSatellite,
     time: GpsTime,
     store: &Store,
-    mask_dbhz: f32,
+    (mask_dbhz, unsaid_dbhz): (f32, f32),
     sky: &mut Sky,
 ) -> Result<Placed, EphemerisError> {
     let (ephemeris, edition) = store.get_edition(satellite.satellite, time)?;
-    let choices = choose(&satellite.signals, ephemeris, mask_dbhz);
+    let choices = choose(&satellite.signals, ephemeris, mask_dbhz, unsaid_dbhz);
     let Some(choice) = choices.preferred() else {
         let is_served = |signal: &RawSignal| ephemeris.serves(signal.carrier.band);
         return if satellite.signals.iter().any(is_served) {

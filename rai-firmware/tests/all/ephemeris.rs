@@ -170,7 +170,7 @@ fn a_carrier_out_of_service_is_not_used_and_the_others_are() {
     let signals = [signal(Band::E1, 2.4e7), signal(Band::E5b, 2.4e7), signal(Band::E5a, 2.4e7)];
     let bands = |health: Health| {
         let ephemeris = changed(&CASES[GALILEO], |b| b.health = health).unwrap();
-        choose(&signals, &ephemeris, 0.0).preferred().map(|choice| choice.bands)
+        choose(&signals, &ephemeris, 0.0, f32::INFINITY).preferred().map(|choice| choice.bands)
     };
     assert_eq!(bands(Health::GOOD.with(Band::E5a, false)), Some((Band::E1, Some(Band::E5b))));
     assert_eq!(bands(Health::GOOD.with(Band::E5b, false)), Some((Band::E1, Some(Band::E5a))));
@@ -254,8 +254,9 @@ fn the_pair_that_the_clock_refers_to_needs_no_group_delay() {
         (delayed(&CASES[GALILEO], Source::GalileoFnav), Band::E1, Band::E5a),
         (delayed(&CASES[GALILEO], Source::GalileoInav), Band::E1, Band::E5b),
     ] {
-        let have =
-            *choose(&[signal(first, 2.2e7), signal(second, 2.2e7)], &ephemeris, 0.0).preferred().unwrap();
+        let have = *choose(&[signal(first, 2.2e7), signal(second, 2.2e7)], &ephemeris, 0.0, f32::INFINITY)
+            .preferred()
+            .unwrap();
         assert!((have.range_m - 2.2e7).abs() < 1e-6, "{first:?} {second:?}: {have:?}");
         assert_eq!((have.bands, have.uncalibrated_m), ((first, Some(second)), 0.0));
     }
@@ -264,8 +265,9 @@ fn the_pair_that_the_clock_refers_to_needs_no_group_delay() {
 #[test]
 fn the_beidou_pair_b1i_b3i_bears_its_share_of_tgd1() {
     let ephemeris = changed(&CASES[BEIDOU_GEO], |b| b.group_delays_s = [1e-8, 0.0]).unwrap();
-    let have =
-        *choose(&[signal(Band::B1I, 3.8e7), signal(Band::B3I, 3.8e7)], &ephemeris, 0.0).preferred().unwrap();
+    let have = *choose(&[signal(Band::B1I, 3.8e7), signal(Band::B3I, 3.8e7)], &ephemeris, 0.0, f32::INFINITY)
+        .preferred()
+        .unwrap();
     // f1² / (f1² − f3²) = 2.943682..., times 10 ns times c.
     let share = 1561.098f64.powi(2) / (1561.098f64.powi(2) - 1268.52f64.powi(2));
     let want = 3.8e7 - share * 2.997_924_58;
@@ -278,7 +280,9 @@ fn galileo_e5a_with_the_inav_clock_is_the_fnav_clock() {
     // The two clocks describe one satellite: E1 at BGD_b after the I/NAV clock is E1 at BGD_a after the F/NAV clock.
     let (bgd_a, bgd_b) = (4e-9, 6e-9);
     let inav = changed(&CASES[GALILEO], |b| b.group_delays_s = [bgd_a, bgd_b]).unwrap();
-    let have = *choose(&[signal(Band::E1, 2.4e7), signal(Band::E5a, 2.4e7)], &inav, 0.0).preferred().unwrap();
+    let have = *choose(&[signal(Band::E1, 2.4e7), signal(Band::E5a, 2.4e7)], &inav, 0.0, f32::INFINITY)
+        .preferred()
+        .unwrap();
     let want = 2.4e7 - f64::from(bgd_b - bgd_a) * 299_792_458.0;
     assert!((have.range_m - want).abs() < 1e-6, "have {have:?}, want {want}");
 }
@@ -286,11 +290,11 @@ fn galileo_e5a_with_the_inav_clock_is_the_fnav_clock() {
 #[test]
 fn one_signal_alone_keeps_the_ionosphere_and_takes_its_group_delay() {
     let ephemeris = changed(&CASES[GPS], |b| b.group_delays_s = [1e-8, 0.0]).unwrap();
-    let have = *choose(&[signal(Band::L1, 2.2e7)], &ephemeris, 0.0).preferred().unwrap();
+    let have = *choose(&[signal(Band::L1, 2.2e7)], &ephemeris, 0.0, f32::INFINITY).preferred().unwrap();
     assert!((have.range_m - (2.2e7 - 2.997_924_58)).abs() < 1e-6, "{have:?}");
     assert_eq!((have.bands, have.noise_gain), ((Band::L1, None), 1.0));
-    assert_eq!(choose(&[], &ephemeris, 0.0).preferred(), None);
-    assert_eq!(choose(&[signal(Band::E1, 2.2e7)], &ephemeris, 0.0).preferred(), None);
+    assert_eq!(choose(&[], &ephemeris, 0.0, f32::INFINITY).preferred(), None);
+    assert_eq!(choose(&[signal(Band::E1, 2.2e7)], &ephemeris, 0.0, f32::INFINITY).preferred(), None);
 }
 
 proptest! {

@@ -238,7 +238,7 @@ fn chosen(messages: &[Ephemeris]) -> Result<Option<(Band, Option<Band>)>, Epheme
     }
     let ephemeris = store.get(case.id(), case.toe())?;
     let signals = [Band::E1, Band::E5b, Band::E5a].map(|band| RawSignal::new(Carrier::of(band), 2.4e7));
-    Ok(choose(&signals, ephemeris, 0.0).preferred().map(|choice| choice.bands))
+    Ok(choose(&signals, ephemeris, 0.0, f32::INFINITY).preferred().map(|choice| choice.bands))
 }
 
 #[test]

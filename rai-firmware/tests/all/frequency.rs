@@ -126,6 +126,18 @@ fn a_signal_below_the_mask_is_not_used_and_a_weak_one_weighs_less() {
         "{weak_m:?} {strong_m:?}"
     );
     assert_eq!(sigma_m(&unknown), strong_m, "who says nothing is accepted");
+    // Who says it of another signal does not say it of a weak one.
+    for strength in [0.0, 45.0] {
+        let (mixed, _) = sky(
+            |index, range_m| {
+                let cn0_dbhz = if index == 0 { 45.0 } else { strength };
+                vec![on(Band::L1, range_m, cn0_dbhz)]
+            },
+            28.0,
+        );
+        let want_m = if strength > 0.0 { &strong_m } else { &weak_m };
+        assert_eq!(sigma_m(&mixed)[1..], want_m[1..], "{strength} dB-Hz");
+    }
 }
 
 #[test]
@@ -133,9 +145,22 @@ fn a_pair_needs_both_carriers_to_be_strong_where_the_receiver_says_how_strong_th
     let both = |first_dbhz: f32, second_dbhz: f32| {
         move |_, range_m| vec![on(Band::L1, range_m, first_dbhz), on(Band::L2, range_m, second_dbhz)]
     };
-    // 0 is no strength at all: that of a code which is tracked without knowing it.
-    let (codeless, _) = sky(both(45.0, 0.0), 28.0);
+    let of_codeless = |_, range_m| {
+        let codeless = RawSignal::new(Carrier::of(Band::L2), range_m).codeless();
+        vec![on(Band::L1, range_m, 45.0), codeless]
+    };
+    let ((strong, _), (codeless, _)) = (sky(both(45.0, 45.0), 28.0), sky(of_codeless, 28.0));
     assert!(codeless.iter().all(rai_firmware::correction::Located::has_pair));
+    let close = |have: f32, want: f32| (have / want - 1.0).abs() < 1e-6;
+    let cost_of_strong = cost(&strong, Ranges::Pairs);
+    assert!(
+        close(cost(&codeless, Ranges::Pairs), cost_of_strong),
+        "it is as strong as what it is tracked by"
+    );
+    // Of any other code 0 says nothing, and the others are said: no better than at the mask.
+    let ((unsaid, _), (at_mask, _)) = (sky(both(45.0, 0.0), 28.0), sky(both(45.0, 28.0), 28.0));
+    assert!(close(cost(&unsaid, Ranges::Pairs), cost(&at_mask, Ranges::Pairs)));
+    assert!(cost(&unsaid, Ranges::Pairs) > 1.5 * cost_of_strong);
     for (first_dbhz, second_dbhz) in [(20.0, 45.0), (45.0, 18.0)] {
         let (weak, _) = sky(both(first_dbhz, second_dbhz), 28.0);
         assert!(!weak.iter().any(rai_firmware::correction::Located::has_pair));

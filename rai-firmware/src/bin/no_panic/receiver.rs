@@ -110,6 +110,8 @@ fn wire() {
         Carrier::frequency_hz as fn(_) -> _,
         RawSignal::new as fn(_, _) -> _,
         RawSignal::with_cn0_dbhz as fn(_, _) -> _,
+        RawSignal::codeless as fn(_) -> _,
+        RawSignal::is_codeless as fn(_) -> _,
         RawSignal::with_doppler_hz as fn(_, _) -> _,
         RawSignal::with_range_sigma_m as fn(_, _) -> _,
         RawSignal::with_lock_time_s as fn(_, _) -> _,
@@ -167,7 +169,7 @@ fn ephemerides() {
 
 fn corrections() {
     reach!(
-        correction::choose as fn(_, _, _) -> _,
+        correction::choose as fn(_, _, _, _) -> _,
         correction::ionosphere_free as fn(_, _) -> _,
         Troposphere::above as fn(_, _) -> _,
         Troposphere::zenith_m as fn(_) -> _,

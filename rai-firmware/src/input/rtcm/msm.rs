@@ -174,9 +174,12 @@ impl Msm<'_> {
         let (rough, fine) = row.rough.zip(self.layout.fine(cell)).ok_or(Unused::Range)?;
         let channel = if self.system == System::Glonass { row.channel } else { 0 };
         let carrier = Carrier { band, channel };
-        let is_codeless = signals::is_codeless(self.system, signal);
-        let cn0_dbhz = if is_codeless { 0.0 } else { self.layout.cn0_dbhz(cell) };
-        let signal = RawSignal::new(carrier, (rough + fine) as f64 * STEP_M).with_cn0_dbhz(cn0_dbhz);
+        let range = RawSignal::new(carrier, (rough + fine) as f64 * STEP_M);
+        let signal = if signals::is_codeless(self.system, signal) {
+            range.codeless()
+        } else {
+            range.with_cn0_dbhz(self.layout.cn0_dbhz(cell))
+        };
         // A range that grows comes with a frequency that falls.
         let doppler_hz = self.layout.rate_m_s(row, cell).map(|rate| -rate * carrier.doppler_of_a_metre_hz());
         Ok((satellite, doppler_hz.map_or(signal, |doppler_hz| signal.with_doppler_hz(doppler_hz))))
