@@ -27,6 +27,7 @@
 use rai_core::frame::SPEED_OF_LIGHT_M_S;
 use rai_core::weighting::weakness;
 
+use super::root_of_squares;
 use crate::ephemeris::Ephemeris;
 use crate::raw::{Band, RawSignal};
 
@@ -148,7 +149,10 @@ fn combine(
         range_m: second.range_m + f64::from(added_m),
         noise_gain: libm::sqrtf(pair.share * pair.share + (1.0 - pair.share) * (1.0 - pair.share)),
         weakness: weakness(Some(strength_dbhz)),
-        uncalibrated_m: delay_first.uncalibrated_m().max(delay_second.uncalibrated_m()),
+        uncalibrated_m: root_of_squares(
+            pair.share * delay_first.uncalibrated_m(),
+            (1.0 - pair.share) * delay_second.uncalibrated_m(),
+        ),
     })
 }
 

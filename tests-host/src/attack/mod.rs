@@ -30,6 +30,7 @@
 //! | [`learned_sigmas`] | sigmas that quiet minutes made small, used for what these say nothing of |
 //! | [`wrong_tags`] | time tags wrong by milliseconds, every method and policy, and sigmas that learn from them |
 //! | [`suspicions`] | a receiver that is sure of counterfeit signals, and messages that would talk it out of it |
+//! | [`unsaid_delays`] | group delays that the navigation message does not carry |
 //! | [`unsaid_strength`] | noisy signals of which the receiver does not say how strong they are |
 //! | [`recordings`] | nature: real receivers, in the open and between tall buildings |
 
@@ -55,6 +56,7 @@ pub mod several_faults;
 mod single_fault;
 mod suspicions;
 mod two_stations;
+mod unsaid_delays;
 mod unsaid_strength;
 mod week_edge;
 mod wrong_tags;
@@ -138,6 +140,7 @@ pub const ATTACKS: &[&Attack] = &[
     &wrong_tags::BRIEFLY,
     &wrong_tags::LEARNED,
     &suspicions::ATTACK,
+    &unsaid_delays::ATTACK,
     &unsaid_strength::ATTACK,
     &recordings::NOMINAL,
     &recordings::URBAN,
