@@ -39,15 +39,30 @@ impl Suspicions {
     pub const NONE: Self =
         Self { jamming: Suspicion::Unknown, spoofing: Suspicion::Unknown, is_told_both: false };
 
-    /// Takes what a message says. One that knows of spoofing only never lowers what one has said that knows of both.
+    /// Takes what a message says. One that knows of spoofing only never lowers what one has said that knows of both; and who
+    /// was sure and now does not know, as a receiver that has begun anew, has taken nothing back.
     pub fn hear(&mut self, said: &Jamming) {
         let knows_both = said.jamming.is_some();
         if let Some(spoofing) = said.spoofing {
-            let least = if self.is_told_both && !knows_both { self.spoofing } else { Suspicion::Unknown };
-            self.spoofing = spoofing.max(least);
+            let knows_less = self.is_told_both && !knows_both;
+            let is_kept = knows_less || self.is_sure() && spoofing == Suspicion::Unknown;
+            self.spoofing = spoofing.max(if is_kept { self.spoofing } else { Suspicion::Unknown });
         }
         self.jamming = said.jamming.unwrap_or(self.jamming);
         self.is_told_both |= knows_both;
+    }
+
+    /// Nothing was said for long: what was said last says nothing of now, unless it was sure of spoofing.
+    pub fn age(&mut self) {
+        self.jamming = Suspicion::Unknown;
+        if !self.is_sure() {
+            self.spoofing = Suspicion::Unknown;
+        }
+    }
+
+    /// Whether no signal is to be trusted.
+    pub fn is_sure(&self) -> bool {
+        self.spoofing == Suspicion::Sure
     }
 }
 

@@ -10,13 +10,16 @@ use super::lateness::Lateness;
 use crate::config::Configuration;
 use crate::counters::{count, counters};
 use crate::ephemeris::{Ephemeris, Insertion};
-use crate::input::{Event, Suspicion, Suspicions};
+use crate::input::{Event, Suspicions};
 use crate::navigator::Navigator;
 use crate::output::nmea::{GPS_MINUS_UTC_S, Losses};
 use crate::output::{Interference, Motion, Statement};
 use crate::publisher::Publisher;
 use crate::selftest::{self, Failure};
 use crate::time::GpsTime;
+
+/// For how long what a receiver says of jamming and spoofing is of now, ms; that it is sure of spoofing has no end.
+const SUSPICION_HOLDS_MS: u64 = 60_000;
 
 /// For how many epochs nothing is promised after one that came over again with other ranges.
 const RIVALLED_EPOCHS: u8 = 10;
@@ -69,6 +72,8 @@ pub(super) struct EpochLoop<P> {
     /// Whether the settings in force are meant: not after an unexpected restart that has lost them.
     pub(super) is_confirmed: bool,
     pub(super) interference: Suspicions,
+    /// When it was said last.
+    interference_ms: u64,
     /// For how many epochs one that came over again with other ranges is remembered.
     rivalled: u8,
     /// GPS time minus UTC, s: that of the image until somebody has said it.
@@ -104,6 +109,7 @@ impl<P: OutputPin> EpochLoop<P> {
             is_sound: true,
             is_confirmed: true,
             interference: Suspicions::NONE,
+            interference_ms: 0,
             rivalled: 0,
             gps_minus_utc_s: GPS_MINUS_UTC_S,
         })
@@ -125,10 +131,10 @@ impl<P: OutputPin> EpochLoop<P> {
 
     /// Why no position is to be used, however well ranges agree.
     fn distrust(&self) -> Option<Alert> {
-        match self.interference.spoofing {
-            Suspicion::Sure => Some(Alert::Spoofed),
-            _ => Some(Alert::Ambiguous).filter(|_| self.rivalled > 0),
+        if self.interference.is_sure() {
+            return Some(Alert::Spoofed);
         }
+        Some(Alert::Ambiguous).filter(|_| self.rivalled > 0)
     }
 
     /// Acts on what came in; says whether an epoch was judged.
@@ -150,6 +156,9 @@ impl<P: OutputPin> EpochLoop<P> {
                 if is_behind {
                     count(&mut self.verdicts.epochs_skipped);
                     return false;
+                }
+                if now_ms.abs_diff(self.interference_ms) > SUSPICION_HOLDS_MS {
+                    self.interference.age();
                 }
                 self.navigator.distrust(self.distrust());
                 self.rivalled = self.rivalled.saturating_sub(1);
@@ -175,7 +184,8 @@ impl<P: OutputPin> EpochLoop<P> {
             }
             Event::Jamming(said) => {
                 self.interference.hear(said);
-                if self.interference.spoofing == Suspicion::Sure {
+                self.interference_ms = now_ms;
+                if self.interference.is_sure() {
                     self.drive_pin(false);
                 }
             }

@@ -1,8 +1,10 @@
-//! A receiver that is sure of counterfeit signals, and messages that would make the module forget it.
+//! A receiver that is sure of counterfeit signals, and messages that would make the module forget it: that of another kind, which
+//! knows less, and of the same kind by a receiver that has begun anew and does not know. Or it says once that there are none, and no more.
 //!
 //! The sky itself is healthy: nothing but what the receiver says stands against the promise.
 
 use anyhow::Result;
+use rai_firmware::input::Suspicion;
 
 use super::forgery::Sky;
 use super::tally::Tally;
@@ -69,12 +71,47 @@ fn run(_: Effort) -> Result<Vec<Figure>> {
             figures.push(Figure::at_least("promised after", after.promised as f64, 1.0));
         }
     }
+    let (promised, alerts) = begun_anew()?;
+    figures.push(Figure::at_most("promised once it does not know any more", promised, 0.0));
+    figures.push(Figure::at_least("`SPOOFED` then", alerts, 20.0));
+    figures.push(Figure::at_most("s for which one word of none holds", word_of_none_s()?, 61.0));
     figures.push(Figure::at_least(
         "promised after one word of it and `FORGET`",
         forgotten()?,
         20.0 - RECOVER,
     ));
     Ok(figures)
+}
+
+/// Epochs promised, and alerts, of twenty in which SEC-SIG does not watch for spoofing, after ten in which it was sure.
+fn begun_anew() -> Result<(f64, f64)> {
+    let sky = Sky::quiet(40, 1)?;
+    let (mut victim, mut after, mut alerts) = (Victim::new(&[], 1.0)?, Tally::default(), 0);
+    for (index, bytes) in sky.bytes(|_, _| {})?.iter().enumerate() {
+        let said = match index {
+            0..10 => of_both(1),
+            10..20 => of_both(3),
+            _ => ubx::frame([0x27, 0x09], &[2, 0b0000_0011, 0, 0]),
+        };
+        let seen = victim.hear(&[&said[..], bytes].concat(), sky.truth)?;
+        if index >= 20 {
+            after.add_all(&seen);
+            alerts += seen.iter().filter(|seen| is_spoofed(seen)).count();
+        }
+    }
+    Ok((after.promised as f64, alerts as f64))
+}
+
+/// For how long the module says that there are no counterfeit signals, after one word of it, s.
+fn word_of_none_s() -> Result<f64> {
+    let sky = Sky::quiet(120, 1)?;
+    let (mut victim, mut holds_s) = (Victim::new(&[], 1.0)?, 0.0);
+    for (index, bytes) in sky.bytes(|_, _| {})?.iter().enumerate() {
+        let said = if index == 10 { of_both(1) } else { Vec::new() };
+        victim.hear(&[&said[..], bytes].concat(), sky.truth)?;
+        holds_s += f64::from(u8::from(victim.spoofing() == Suspicion::None));
+    }
+    Ok(holds_s)
 }
 
 /// Epochs promised of twenty after one SEC-SIG on the line of a receiver that sends none, once the host has said `FORGET`.

@@ -4,6 +4,7 @@ use anyhow::{Context as _, Result, ensure};
 use rai_core::frame::{Ecef, Enu, LocalFrame};
 use rai_core::velocity::Velocity;
 use rai_firmware::config::SEALED_BYTES;
+use rai_firmware::input::Suspicion;
 use rai_firmware::receiver::{Boot, Receiver};
 
 use crate::pin::Pin;
@@ -152,6 +153,11 @@ impl Victim {
     /// Whether the pin is high.
     pub fn is_promised(&self) -> bool {
         self.receiver.pin().high
+    }
+
+    /// What is held for said of spoofing.
+    pub fn spoofing(&self) -> Suspicion {
+        self.receiver.interference().1
     }
 
     /// The velocity of the last epoch, where it is told one.

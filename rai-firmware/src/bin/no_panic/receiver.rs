@@ -102,6 +102,8 @@ fn wire() {
         Input::leap_second as fn(_) -> _,
         Suspicion::number as fn(_) -> _,
         Suspicions::hear as fn(_, _),
+        Suspicions::age as fn(_),
+        Suspicions::is_sure as fn(_) -> _,
         Suspicion::from_number as fn(_) -> _,
         (|counters| exhaust(Counters::iter(counters))) as fn(_),
         Band::frequency_hz as fn(_) -> _,
