@@ -285,6 +285,15 @@ fn judge_by_residuals<T: Real>(
                 exclusion.outcome = Outcome::NotIsolated(Unidentified::Ambiguous);
             }
             Doubt::None | Doubt::Rows => {}
+            Doubt::Shift(slopes, shown) => {
+                if let Ok(test) = &mut test {
+                    let snapshot = solution.snapshot();
+                    let levels = Exposure::of(snapshot, criteria.levels, criteria.factors)
+                        .protect_against(slopes, shown, criteria.factors)
+                        .plus(&common_shift(snapshot, epoch.common_m()));
+                    test.levels = test.levels.or_larger(&levels);
+                }
+            }
             Doubt::Time => {
                 exclusion = Exclusion::not_isolated(Unidentified::Time);
                 test = criteria.test(solution.snapshot(), epoch.common_m());

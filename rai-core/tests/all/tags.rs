@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::indexing_slicing)]
 
 use rai_core::epoch::{Epoch, Observation};
+use rai_core::frame::LocalFrame;
 use rai_core::integrity::residuals::parity::Isolation;
 use rai_core::integrity::residuals::tags::RangeRates;
 use rai_core::integrity::residuals::threshold::policy::Policy;
@@ -146,4 +147,40 @@ fn rates_that_are_unknown_or_no_numbers_leave_what_is_said_without_them() {
         assert_eq!(without, no_number);
         assert_eq!(without, endless);
     }
+}
+
+/// Rates of which a movement to the east explains most, as it does where most satellites rise on one side.
+fn eastward_m_s(id: SatelliteId) -> Option<f32> {
+    let index = usize::from(id.number()).checked_sub(1)?;
+    let ((azimuth_deg, elevation_deg), rate_m_s) = SATELLITES.get(index)?;
+    let east = azimuth_deg.to_radians().sin() * elevation_deg.to_radians().cos();
+    Some(0.4 * rate_m_s - 700.0 * east as f32)
+}
+
+#[test]
+fn level_bounds_what_a_wrong_time_does_that_is_not_seen() {
+    let frame = LocalFrame::at(receiver());
+    let (mut promised, mut beyond_a_satellites) = (0, 0);
+    for late_ms in 1..60 {
+        let late_s = 1e-3 * f64::from(late_ms);
+        let mut late = tagged(0.0);
+        for observation in &mut late {
+            observation.range_m -= late_s * f64::from(eastward_m_s(observation.satellite).unwrap());
+        }
+        let levels_and_error = |rates| {
+            let report = judge(&late, Strategy::DEFAULT, Requirements::non_precision_approach(), rates);
+            let Verdict::Protected(Protected::Ok) = report.verdict else { return None };
+            let error = frame.rotate(report.solution?.position - receiver());
+            Some((report.protection?, error.horizontal(), error.up.abs()))
+        };
+        let Some((levels, horizontal_m, up_m)) = levels_and_error(Some(&eastward_m_s)) else { continue };
+        assert!(
+            horizontal_m < levels.hpl_m && up_m < levels.vpl_m,
+            "{late_ms} ms: {horizontal_m} m, {levels:?}"
+        );
+        promised += 1;
+        let (of_satellites, horizontal_m, _) = levels_and_error(None).unwrap();
+        beyond_a_satellites += u32::from(horizontal_m > of_satellites.hpl_m);
+    }
+    assert!(promised > 10 && beyond_a_satellites > 0, "{promised} promised, {beyond_a_satellites} beyond");
 }

@@ -270,6 +270,8 @@ impl<'f, T: Real> Exposure<'f, T> {
     }
 
     /// Protection levels for a non-centrality `λ` of the threshold in use.
+    // Compiled once for the two who ask.
+    #[inline(never)]
     pub fn protect(&self, lambda: f64) -> ProtectionLevels {
         let Some((spread, factors)) = self.noise else { return self.slopes.protect(lambda) };
         let beyond = T::narrow(lambda).root() - T::narrow(factors.detection);
@@ -281,6 +283,13 @@ impl<'f, T: Real> Exposure<'f, T> {
             hpl_m: level(self.slopes.horizontal, spread.horizontal, factors.horizontal),
             vpl_m: level(self.slopes.vertical, spread.vertical, factors.vertical),
         }
+    }
+
+    /// Protection levels against a fault that is no satellite's, has these slopes and shows by `shown` standard deviations: by
+    /// `shown + k` at most.
+    pub(crate) fn protect_against(self, slopes: Slopes<T>, shown: T, factors: &Factors) -> ProtectionLevels {
+        let root = shown + T::narrow(factors.detection);
+        Self { slopes, ..self }.protect((root * root).widen())
     }
 
     /// The largest non-centrality whose horizontal level is within a limit; 0 where none is.

@@ -26,13 +26,15 @@
 //! - The time alone explains everything, and where one row would do, as much as it: the tag is wrong ([`Doubt::Time`]).
 //! - It explains nearly as much, or does so together with rows: nobody can tell ([`Doubt::Rows`]).
 //! - Nothing was left out, but its own w-test `δ √A` is beyond the threshold of one, and beyond that of every row: the tag is wrong.
-//!   That is asked of epochs that pass the global test as well, for a level bounds what one satellite does, and a wrong time can move
-//!   the position farther; false alarms are those of one more row.
+//!   That is asked of epochs that pass the global test as well; false alarms are those of one more row.
+//! - Nothing was left out, and it is not beyond it: a wrong time moves the position up to three times as far as a satellite whose fault
+//!   shows as much, and the levels become as large as one needs that shows as this one does, `s_δ |δ √A| + k' √(s_δ² + σ²)` with
+//!   `s_δ = |P Σ w_j d_j (ṙ_j − r̄_c)| / √A` ([`super::levels`]). Under healthy tags that hardly ever says more than a satellite's.
 //!
 //! The column is right while satellites move evenly: a range's acceleration is below 0.2 m/s², 4 mm in 0.2 s. Whatever is wrong by
 //! as much of a receiver's own speed is part of the position, and no concern of this.
 //!
-//! **Limits.** What its w-test does not see, below some 20 ms, moves the position by metres. Tags that differ between constellations are of different
+//! **Limits.** Range rates are dear: where half the square of the threshold is more than all residuals have, nothing is asked. Tags that differ between constellations are of different
 //! epochs, or differ by less than the test sees. Of little redundancy the time explains as much by chance as a satellite does.
 
 use heapless::Vec;
@@ -40,7 +42,7 @@ use nalgebra::Vector3;
 
 use super::detection::Detection;
 use super::exclusion::Exclusion;
-use super::levels::Factors;
+use super::levels::{Factors, Slopes};
 use super::sets::{Work, count_up_to, each_of_size_beside};
 use super::threshold::Thresholds;
 use crate::bounded::{fill, gather};
@@ -58,10 +60,12 @@ use crate::snapshot::{Fit, Reducible, Snapshot, infinity};
 /// It is asked only of epochs whose residuals are so large that a wrong time may be in them ([`is_suspicious`]).
 pub type RangeRates<'r> = dyn Fn(SatelliteId) -> Option<f32> + 'r;
 
-/// Whether a wrong time may be in residuals: they are as large as its w-test would have to be, or fail the global test.
+/// Whether a wrong time may be in residuals that moves the position beyond what a satellite does: their sum of squares is half of what
+/// its w-test would have to be, or fails the global test.
 pub(crate) fn is_suspicious<T: Real>(snapshot: &Snapshot<'_, T>, thresholds: &Thresholds<'_>) -> bool {
     let least = least_suspicious(snapshot, thresholds);
-    !Detection::passes(snapshot, thresholds) || least.is_some_and(|least| snapshot.sse() >= least)
+    !Detection::passes(snapshot, thresholds)
+        || least.is_some_and(|least| snapshot.sse() >= least * T::narrow(0.5))
 }
 
 /// The square of the threshold of a w-test; none beyond the tables.
@@ -70,10 +74,12 @@ fn least_suspicious<T: Real>(snapshot: &Snapshot<'_, T>, thresholds: &Thresholds
 }
 
 /// What a wrong time leaves of an exclusion.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Doubt {
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Doubt<T> {
     /// Nothing is to be said against it.
     None,
+    /// Nothing was left out, and a wrong time of this w-test, in absolute value, would move the position by these slopes.
+    Shift(Slopes<T>, T),
     /// Together with a wrong time other rows explain the data nearly as well, or it does so nearly by itself.
     Rows,
     /// A wrong time alone explains them.
@@ -109,7 +115,7 @@ impl<T: Real> Rates<T> {
         exclusion: &Exclusion<T>,
         thresholds: &Thresholds<'_>,
         factors: &Factors,
-    ) -> Doubt {
+    ) -> Doubt<T> {
         let set: Vec<usize, MAX_EXCLUDED> = gather(exclusion.rows.iter().map(|excluded| excluded.index));
         if !set.is_empty() && solution.take_back(&set).is_err() {
             return Doubt::None;
@@ -152,7 +158,7 @@ impl<T: Real> Rates<T> {
         set: &[usize],
         thresholds: &Thresholds<'_>,
         factors: &Factors,
-    ) -> Doubt {
+    ) -> Doubt<T> {
         let mut rows = Vec::new();
         testable_rows(snapshot, &mut rows);
         let Some(column) = Column::of(snapshot, &self.of_rows, &rows) else { return Doubt::None };
@@ -166,7 +172,11 @@ impl<T: Real> Rates<T> {
         if set.is_empty() {
             let explained = column.residual * column.residual;
             let is_best = explained >= margin && explained >= snapshot.statistics().worst.largest;
-            return if is_alone && is_best { Doubt::Time } else { Doubt::None };
+            return if is_alone && is_best {
+                Doubt::Time
+            } else {
+                Doubt::Shift(column.slopes, column.residual.abs())
+            };
         }
         let Some(found) = Removal::among(&rows, set).map(|found| found.sse(&rows)) else {
             return Doubt::Rows;
@@ -205,6 +215,8 @@ pub(crate) struct Column<T: Real> {
     sheds: Vec<T, MAX_ROWS>,
     /// What the data have of it: `δ √A`, dimensionless.
     residual: T,
+    /// How far a wrong time moves the position by the time it shows.
+    slopes: Slopes<T>,
 }
 
 impl<T: Real> Column<T> {
@@ -250,7 +262,11 @@ impl<T: Real> Column<T> {
                 row.map_or_else(T::zero, |(row, fit)| left(row, fit, rate) * scale / row.sigma)
             }),
         );
-        Some(Self { sheds, residual: product * scale })
+        let slopes = Slopes {
+            horizontal: (place.x * place.x + place.y * place.y).root() * scale,
+            vertical: place.z.abs() * scale,
+        };
+        Some(Self { sheds, residual: product * scale, slopes })
     }
 
     /// Rows as they stand beside it.
