@@ -24,7 +24,7 @@
 //! | [`false_rates`] | range rates with the wrong sign, and such that mean nothing |
 //! | [`odd_ranges`] | messages of ranges that are empty, ahead, apart, or of another week |
 //! | [`forged_frames`] | frames that say another time, week or place, or other leap seconds |
-//! | [`week_edge`] | a receiver that starts shortly before a week ends, and dates sets with it |
+//! | [`week_edge`] | a receiver that starts shortly before a week ends, and dates sets with it; the end of a cycle of weeks |
 //! | [`two_stations`] | the ranges of a reference station on the receiver's line; a receiver in a tunnel |
 //! | [`settings`] | a time to alert that hides a silence; restarts that make settings nobody's |
 //! | [`learned_sigmas`] | sigmas that quiet minutes made small, used for what these say nothing of |
@@ -116,6 +116,7 @@ pub const ATTACKS: &[&Attack] = &[
     &ionosphere::FORGED,
     &health::ATTACK,
     &odd_ranges::AHEAD,
+    &odd_ranges::NEXT,
     &held_back::ATTACK,
     &held_back::AGAIN,
     &held_back::WEEK_OLD,
@@ -129,6 +130,7 @@ pub const ATTACKS: &[&Attack] = &[
     &forged_frames::CYCLE,
     &forged_frames::OUTVOTED,
     &week_edge::ATTACK,
+    &week_edge::CYCLE,
     &forged_frames::FIRST,
     &forged_frames::LEAP_SECONDS,
     &two_stations::ATTACK,

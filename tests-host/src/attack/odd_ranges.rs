@@ -14,7 +14,14 @@ use crate::soak::noise::frames;
 pub(super) const AHEAD: Attack = Attack {
     name: "empty-ahead",
     about: "before each epoch an empty message of ranges, tagged an hour ahead",
-    run: |_| run(KEPT, |_, frame| [empty_ahead(frame), frame.to_vec()].concat()),
+    run: |_| run(KEPT, |_, frame| [empty_ahead(frame, 3_600_000, 1), frame.to_vec()].concat()),
+};
+
+/// Empty messages of the next epoch.
+pub(super) const NEXT: Attack = Attack {
+    name: "empty-next",
+    about: "an empty message of ranges, tagged 5 ms to 1 s ahead, before, between and behind the others, the last of its epoch or not",
+    run: |_| next(),
 };
 
 /// Systems a millisecond apart.
@@ -63,12 +70,53 @@ fn run(share: f64, change: impl Fn(usize, &[u8]) -> Vec<u8>) -> Result<Vec<Figur
     Ok(figures)
 }
 
-/// For ranges of GPS an empty message of an hour later; nothing for other frames.
-fn empty_ahead(frame: &[u8]) -> Vec<u8> {
+/// All that an empty message can be beside a healthy sky: nothing wrong is promised, and where it is not the last of its epoch and
+/// none of the others', none is lost.
+fn next() -> Result<Vec<Figure>> {
+    let sky = Sky::quiet(EPOCHS, 3)?;
+    let (mut all, mut least) = (Tally::default(), usize::MAX);
+    for ahead_ms in [5, 20, 500, 1000] {
+        for more_follow in [1, 0] {
+            for place in 0..3 {
+                let (mut victim, mut tally) = (Victim::new(&[], 1.0)?, Tally::default());
+                for bytes in sky.bytes(|_, _| {})? {
+                    let changed = frames(&bytes).into_iter().flat_map(|frame| {
+                        let empty = empty_ahead(frame, ahead_ms, more_follow);
+                        let is_of_others = matches!(read(frame), Some(Message::Msg1127(_)));
+                        match place {
+                            0 => [empty, frame.to_vec()].concat(),
+                            1 => [frame.to_vec(), empty].concat(),
+                            // Behind all.
+                            _ if is_of_others => {
+                                let last = frames(&bytes)
+                                    .into_iter()
+                                    .map(|frame| empty_ahead(frame, ahead_ms, more_follow));
+                                [frame.to_vec(), last.collect::<Vec<_>>().concat()].concat()
+                            }
+                            _ => frame.to_vec(),
+                        }
+                    });
+                    let changed: Vec<u8> = changed.collect();
+                    tally.add_all(&victim.hear(&changed, sky.truth)?);
+                }
+                if more_follow == 1 {
+                    least = least.min(tally.promised);
+                }
+                all = all.with(&tally);
+            }
+        }
+    }
+    let mut figures = all.figures(0.0);
+    figures.push(Figure::plain("fewest promised where it is not the last", least as f64));
+    Ok(figures)
+}
+
+/// For ranges of GPS an empty message of so much later; nothing for other frames.
+fn empty_ahead(frame: &[u8], ahead_ms: u32, more_follow: u8) -> Vec<u8> {
     let Some(Message::Msg1077(ranges)) = read(frame) else { return Vec::new() };
     let empty = Msg1077T {
-        gps_epoch_time_ms: (ranges.gps_epoch_time_ms + 3_600_000) % 604_800_000,
-        msm_multiple_message_flag: 1,
+        gps_epoch_time_ms: (ranges.gps_epoch_time_ms + ahead_ms) % 604_800_000,
+        msm_multiple_message_flag: more_follow,
         data_segment: Msg1077Data::default(),
         ..ranges
     };

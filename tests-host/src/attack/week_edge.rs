@@ -11,8 +11,8 @@ use super::tally::Tally;
 use super::victim::Victim;
 use super::{Attack, Effort, Figure};
 use crate::encode::{Encoder, Frequency, Selection};
-use crate::sky::Fleet;
 use crate::sky::raw::Simulation;
+use crate::sky::{Fleet, Satellite};
 use crate::soak::noise::frames;
 
 /// The attack.
@@ -20,6 +20,13 @@ pub(super) const ATTACK: Attack = Attack {
     name: "week-edge",
     about: "GPS sets in the last 20 min of a week, dated with the week of transmission: is anything promised in the next?",
     run,
+};
+
+/// The end of a cycle of 1,024 weeks.
+pub(super) const CYCLE: Attack = Attack {
+    name: "cycle-edge",
+    about: "the week of GPS becomes 0 again: ten minutes before, and a start in the first hour after",
+    run: cycle,
 };
 
 /// Seconds between epochs.
@@ -44,12 +51,45 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
     Ok(figures)
 }
 
-/// What became of the epochs after the first hour.
-fn after_an_hour(systems: &str, hours: u32) -> Result<Tally> {
+/// The last week of a cycle, which ends in November 2038.
+const LAST_WEEK: u16 = 3071;
+
+fn cycle(effort: Effort) -> Result<Vec<Figure>> {
+    let epochs = effort.pick(40, 240);
+    let mut figures = Vec::new();
+    for systems in ["G", "GC", "GEC"] {
+        for (name, before_s) in [("over the end", 600.0), ("after it", -1800.0)] {
+            let mut simulation = Simulation {
+                satellites: fleets(systems),
+                step_s: f64::from(STEP_S),
+                ..Simulation::above_xian(f64::from(WEEK_END_S) - before_s, epochs, 6)
+            };
+            simulation.origin.week = LAST_WEEK;
+            let recording = simulation.record();
+            let mut encoder = Encoder::new(&recording.ephemerides, Selection::new(systems, Frequency::Dual)?);
+            let mut victim = Victim::new(&["PHASE,CUSTOM", "TTA,200"], f64::from(STEP_S))?;
+            let mut tally = Tally::default();
+            for epoch in &recording.epochs {
+                tally.add_all(&victim.hear(&encoder.epoch(epoch)?, simulation.site.position)?);
+            }
+            let quantity = format!("{systems} {name}: promised of {epochs}");
+            figures.push(Figure::at_least(quantity, tally.promised as f64, f64::from(epochs - 2)));
+            figures.push(Figure::at_most("beyond a level", tally.misleading as f64, 0.0));
+        }
+    }
+    Ok(figures)
+}
+
+fn fleets(systems: &str) -> Vec<Satellite> {
     let fleets = [('G', Fleet::Gps31), ('E', Fleet::Galileo24), ('C', Fleet::BeidouGlobal)];
     let satellites = fleets.into_iter().filter(|(letter, _)| systems.contains(*letter));
+    satellites.flat_map(|(_, fleet)| fleet.satellites()).collect()
+}
+
+/// What became of the epochs after the first hour.
+fn after_an_hour(systems: &str, hours: u32) -> Result<Tally> {
     let simulation = Simulation {
-        satellites: satellites.flat_map(|(_, fleet)| fleet.satellites()).collect(),
+        satellites: fleets(systems),
         step_s: f64::from(STEP_S),
         ..Simulation::above_xian(f64::from(WEEK_END_S - BEFORE_S), hours * 3600 / STEP_S, 5)
     };
