@@ -34,8 +34,9 @@
 //! The column is right while satellites move evenly: a range's acceleration is below 0.2 m/s², 4 mm in 0.2 s. Whatever is wrong by
 //! as much of a receiver's own speed is part of the position, and no concern of this.
 //!
-//! **Limits.** Range rates are dear: where half the square of the threshold is more than all residuals have, nothing is asked. Tags that differ between constellations are of different
-//! epochs, or differ by less than the test sees. Of little redundancy the time explains as much by chance as a satellite does.
+//! **Limits.** Range rates are dear: where all residuals have less than half of the threshold's square, nothing is asked. Tags that
+//! differ between constellations are of different epochs, or differ by less than the test sees. Of little redundancy the time
+//! explains as much by chance as a satellite does.
 
 use heapless::Vec;
 use nalgebra::Vector3;
@@ -61,7 +62,8 @@ use crate::snapshot::{Fit, Reducible, Snapshot, infinity};
 pub type RangeRates<'r> = dyn Fn(SatelliteId) -> Option<f32> + 'r;
 
 /// Whether a wrong time may be in residuals that moves the position beyond what a satellite does: their sum of squares is half of what
-/// its w-test would have to be, or fails the global test.
+/// its w-test would have to be, or fails the global test. At two thirds hardly a healthy epoch would be asked about, and no level of the
+/// attacks exceeded; but where most satellites' ranges change alike less of it moves a position beyond its level.
 pub(crate) fn is_suspicious<T: Real>(snapshot: &Snapshot<'_, T>, thresholds: &Thresholds<'_>) -> bool {
     let least = least_suspicious(snapshot, thresholds);
     !Detection::passes(snapshot, thresholds)
