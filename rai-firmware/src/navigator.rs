@@ -344,12 +344,12 @@ impl Navigator {
     ) {
         self.correct_about(point, time, ranges, configuration);
         let Room { sky, epoch, memory } = &mut self.room;
-        let store = &self.store;
+        let (store, last) = (&self.store, &self.rates);
         let rates = |satellite| {
             let index = sky.iter().position(|located| located.satellite() == satellite)?;
             let slot = known.get(index)?;
             if slot.get().is_nan() {
-                slot.set(range_rate(sky.get(index)?, store, point, time)?);
+                slot.set(range_rate(sky.get(index)?, last, store, point, time)?);
             }
             Some(slot.get())
         };
@@ -394,16 +394,21 @@ type KnownRates = [Cell<f32>; CAPACITY];
 /// Between two places of a satellite whose difference is its velocity, ms.
 const APART_MS: u32 = 128;
 
-/// How fast the range of a receiver at rest to a satellite of the sky grows, m/s. A second place on the orbit is dear: it is worked
-/// out where a fault was detected alone.
+/// How fast the range of a receiver at rest to a satellite of the sky grows, m/s. Where the last epoch does not say, a second place on
+/// the orbit does, which is dear.
 #[inline(never)]
-fn range_rate(located: &Located, store: &Store, point: Ecef, time: GpsTime) -> Option<f32> {
+fn range_rate(located: &Located, last: &Rates, store: &Store, point: Ecef, time: GpsTime) -> Option<f32> {
+    let velocity_m_s = last.of_satellite(located, time).or_else(|| velocity_m_s(located, store, time))?;
+    let way_m = Vector3::from(coordinates_m(located.state().position - point));
+    Some(way_m.dot(&velocity_m_s) * way_m.dot(&way_m).inverse_root())
+}
+
+/// How fast a satellite moves in the earth-fixed frame, m/s, by two places on its orbit.
+fn velocity_m_s(located: &Located, store: &Store, time: GpsTime) -> Option<Vector3<f32>> {
     let ephemeris = store.get(located.satellite(), time).ok()?;
     let later = ephemeris.at(time.later_by_ms(APART_MS), located.measured_m()?).ok()?;
-    let position = located.state().position;
-    let [way_m, moved_m] =
-        [position - point, later.position - position].map(coordinates_m).map(Vector3::from);
-    Some(way_m.dot(&moved_m) * way_m.dot(&way_m).inverse_root() * (1e3 / APART_MS as f32))
+    let moved_m = coordinates_m(later.position - located.state().position);
+    Some(Vector3::from(moved_m) * (1e3 / APART_MS as f32))
 }
 
 fn found(report: &Report<CAPACITY>) -> Option<Ecef> {

@@ -212,6 +212,17 @@ impl Rates {
         velocity
     }
 
+    /// How fast a satellite of an epoch that is not judged yet moves in the earth-fixed frame, m/s; `None` where it was not seen in
+    /// the last epoch, by the same ephemeris.
+    #[inline(never)]
+    pub fn of_satellite(&self, located: &Located, time: GpsTime) -> Option<Vector3<f32>> {
+        let elapsed_ms = time.since_ms(self.time);
+        let now = Seen::of(located).filter(|_| (1..=LONGEST_MS).contains(&elapsed_ms))?;
+        let (before, elapsed_s) = (now.among(&self.last)?, elapsed_ms as f32 * 1e-3);
+        let (velocity_m_s, _) = now.velocity_since(before, elapsed_s, coordinates_m(now.state.position))?;
+        Some(velocity_m_s.into())
+    }
+
     fn judge(
         &mut self,
         raw: &RawEpoch,
@@ -270,8 +281,7 @@ impl Since<'_> {
     /// The rate of a satellite, less what the satellite makes of it.
     fn measure(&self, located: &Located) -> Option<Measured> {
         let now = Seen::of(located)?;
-        let before =
-            self.last.iter().find(|seen| seen.satellite == now.satellite && seen.edition == now.edition)?;
+        let before = now.among(self.last)?;
         let satellite = self.raw.satellites.iter().find(|one| one.satellite == now.satellite)?;
         let (rate_m_s, sigma_m_s) = rate(satellite)?;
         let (expected_m_s, direction) = now.range_rate_since(before, self.elapsed_s, &self.horizon)?;
@@ -302,22 +312,33 @@ impl Seen {
         Some(Self { satellite, state, range_m: located.measured_m()?, edition: located.edition() })
     }
 
+    /// The same satellite in another epoch, by the same ephemeris.
+    fn among<'s>(&self, others: &'s [Self]) -> Option<&'s Self> {
+        others.iter().find(|seen| seen.satellite == self.satellite && seen.edition == self.edition)
+    }
+
+    /// Its velocity in the earth-fixed frame at the place where it is, m/s, and how much earlier its signal left before, s.
+    fn velocity_since(&self, before: &Self, elapsed_s: f32, place_m: [f32; 3]) -> Option<([f32; 3], f32)> {
+        // The signals left as much less apart as the range has shrunk.
+        let apart_s = elapsed_s - (self.range_m - before.range_m) as f32 / LIGHT_M_S;
+        let moved_m = coordinates_m(self.state.position - before.state.position);
+        Some((velocity_at_the_end(place_m, moved_m, apart_s), apart_s)).filter(|_| apart_s > 0.0)
+    }
+
     /// How fast the range of a receiver at rest would grow, with a perfect clock of its own, m/s, and the direction of the
     /// satellite; `None` below the mask.
     fn range_rate_since(&self, before: &Self, elapsed_s: f32, horizon: &Horizon) -> Option<(f32, [f32; 3])> {
-        let position_m = coordinates_m(self.state.position);
         // The earth turns while the signal is under way.
         let angle_rad = TURN_RAD_S / LIGHT_M_S * self.range_m as f32;
-        let way = horizon.way_to(turned(position_m, angle_rad));
+        let place_m = coordinates_m(self.state.position);
+        let way = horizon.way_to(turned(place_m, angle_rad));
         let direction = horizon.direction(&way);
-        // The signals left as much less apart as the range has shrunk.
-        let apart_s = elapsed_s - (self.range_m - before.range_m) as f32 / LIGHT_M_S;
         let [.., up] = direction;
-        if !(apart_s > 0.0 && up >= SIN_MASK) {
+        if !(up >= SIN_MASK) {
             return None;
         }
-        let moved_m = coordinates_m(self.state.position - before.state.position);
-        let velocity_m_s = turned(velocity_at_the_end(position_m, moved_m, apart_s), angle_rad);
+        let (velocity_m_s, apart_s) = self.velocity_since(before, elapsed_s, place_m)?;
+        let velocity_m_s = turned(velocity_m_s, angle_rad);
         let away_m_s = way.inverse_length * dot(way.difference_m, velocity_m_s);
         let drift = (self.state.clock_s - before.state.clock_s) as f32 / apart_s;
         Some((away_m_s * (1.0 - away_m_s / LIGHT_M_S) - LIGHT_M_S * drift, direction))
@@ -333,32 +354,30 @@ fn dot([a, b, c]: [f32; 3], [x, y, z]: [f32; 3]) -> f32 {
     a * x + b * y + c * z
 }
 
-/// Velocity at the end of a way, m/s. What turns with the frame needs the velocity, a little: the second round is good to a
-/// micrometre a second.
+/// Velocity at the end of a way, m/s: `v = m + Δt/6 (2 a(r, v) + a(r₀, v₀))` with `v₀ = 2m − v`, of which what turns with the frame is
+/// linear, `a(r, v) = g(r) + 2Ω (v_y, −v_x, 0)`, and solved for. By components: what is compiled for size calls for every sum of vectors.
 fn velocity_at_the_end(end_m: [f32; 3], moved_m: [f32; 3], apart_s: f32) -> [f32; 3] {
-    let (end_m, moved_m) = (Vector3::from(end_m), Vector3::from(moved_m));
-    let (at_end, at_begin) = (pull_m_s2(&end_m), pull_m_s2(&(end_m - moved_m)));
-    let mean = moved_m / apart_s;
-    let mut end = mean;
-    for _ in 0..2 {
-        let begin = mean + mean - end;
-        let change = (at_end + sideways_m_s2(&end)) * 2.0 + (at_begin + sideways_m_s2(&begin));
-        end = mean + change * (apart_s / 6.0);
-    }
-    end.into()
+    let (sixth_s, per_s) = (apart_s * (1.0 / 6.0), apart_s.recip());
+    let [x_m, y_m, z_m] = end_m;
+    let [over_x_m, over_y_m, over_z_m] = moved_m;
+    let [end_x, end_y, end_z] = pull_m_s2(end_m);
+    let [begin_x, begin_y, begin_z] = pull_m_s2([x_m - over_x_m, y_m - over_y_m, z_m - over_z_m]);
+    let turn = 2.0 * TURN_RAD_S * sixth_s;
+    let (mean_x, mean_y) = (over_x_m * per_s, over_y_m * per_s);
+    let x = mean_x + sixth_s * (end_x + end_x + begin_x) + 2.0 * turn * mean_y;
+    let y = mean_y + sixth_s * (end_y + end_y + begin_y) - 2.0 * turn * mean_x;
+    let z = over_z_m * per_s + sixth_s * (end_z + end_z + begin_z);
+    let scale = (1.0 + turn * turn).recip();
+    [(x + turn * y) * scale, (y - turn * x) * scale, z]
 }
 
 /// What a satellite's place alone accelerates it by in the frame that turns with the earth: gravity and what drives it
 /// outwards, m/s².
-fn pull_m_s2(position_m: &Vector3<f32>) -> Vector3<f32> {
-    let inverse = position_m.dot(position_m).inverse_root();
-    let outward = Vector3::new(position_m.x, position_m.y, 0.0) * (TURN_RAD_S * TURN_RAD_S);
-    position_m * (-GRAVITY_M3_S2 * inverse * inverse * inverse) + outward
-}
-
-/// What its velocity does beside, m/s²: Coriolis.
-fn sideways_m_s2(velocity_m_s: &Vector3<f32>) -> Vector3<f32> {
-    Vector3::new(velocity_m_s.y, -velocity_m_s.x, 0.0) * (2.0 * TURN_RAD_S)
+fn pull_m_s2([x_m, y_m, z_m]: [f32; 3]) -> [f32; 3] {
+    let inverse = (x_m * x_m + y_m * y_m + z_m * z_m).inverse_root();
+    let inward = -GRAVITY_M3_S2 * inverse * inverse * inverse;
+    let across = inward + TURN_RAD_S * TURN_RAD_S;
+    [across * x_m, across * y_m, inward * z_m]
 }
 
 #[cfg(test)]

@@ -10,7 +10,8 @@ use rai_firmware::correction::{Sky, Tally, locate};
 use rai_firmware::ephemeris::{Ephemeris, Store};
 use rai_firmware::input::{Event, Input};
 use rai_firmware::rates::Rates;
-use rai_firmware::raw::RawEpoch;
+use rai_firmware::raw::{RawEpoch, RawSatellite};
+use rai_firmware::time::GpsTime;
 use rai_firmware::receiver::{Boot, Receiver};
 use tests_host::encode::{Encoder, Frequency, Selection};
 use tests_host::measurement::{Ephemeris as Broadcast, TimedEphemeris};
@@ -111,6 +112,34 @@ impl Heard {
             found.extend(rates.velocity(&raw, &sky, place, &monitor, &mut workspace));
         }
         (found, rates)
+    }
+}
+
+/// What asks whether a time is wrong takes these rates as right to a metre a second, of up to 800.
+#[test]
+fn satellites_move_as_their_ranges_say() {
+    let heard = hear();
+    let (_, rates) = heard.velocities(REST, |_, rate| rate);
+    let last = heard.epochs.last().expect("epochs");
+    let alone = |satellite: &RawSatellite, later_ms: u64| {
+        let mut raw = RawEpoch::new(GpsTime::from_ms(last.time.to_ms() + later_ms));
+        raw.satellites.push(satellite.clone()).expect("room");
+        let mut sky = Sky::new();
+        locate(&raw, &heard.store, 0.0, Systems::AT_START, &mut Tally::default(), &mut sky);
+        (sky.pop().expect("located"), raw)
+    };
+    for satellite in &last.satellites {
+        let (located, raw) = alone(satellite, 2_000);
+        let velocity_m_s = rates.of_satellite(&located, raw.time).expect("seen by the same set").map(f64::from);
+        let orbit = heard.store.get(satellite.satellite, raw.time).expect("an orbit");
+        let position = orbit.at(raw.time, satellite.signals[0].range_m).expect("a place").position;
+        let toward = position - heard.simulation.site.position;
+        let away = toward.x_m * velocity_m_s.x + toward.y_m * velocity_m_s.y + toward.z_m * velocity_m_s.z;
+        let have_m_s = away / position.distance_m(heard.simulation.site.position);
+        let want_m_s = heard.rate_m_s(&raw, satellite.satellite, REST).expect("in the sky");
+        assert!((have_m_s - want_m_s).abs() < 1.0, "{}: {have_m_s}, not {want_m_s}", satellite.satellite);
+        let (long_after, raw) = alone(satellite, 100_000);
+        assert_eq!(rates.of_satellite(&long_after, raw.time), None);
     }
 }
 
