@@ -11,8 +11,8 @@ use rai_firmware::ephemeris::{Ephemeris, Store};
 use rai_firmware::input::{Event, Input};
 use rai_firmware::rates::Rates;
 use rai_firmware::raw::{RawEpoch, RawSatellite};
-use rai_firmware::time::GpsTime;
 use rai_firmware::receiver::{Boot, Receiver};
+use rai_firmware::time::GpsTime;
 use tests_host::encode::{Encoder, Frequency, Selection};
 use tests_host::measurement::{Ephemeris as Broadcast, TimedEphemeris};
 use tests_host::pin::Pin;
@@ -130,7 +130,8 @@ fn satellites_move_as_their_ranges_say() {
     };
     for satellite in &last.satellites {
         let (located, raw) = alone(satellite, 2_000);
-        let velocity_m_s = rates.of_satellite(&located, raw.time).expect("seen by the same set").map(f64::from);
+        let velocity_m_s =
+            rates.of_satellite(&located, raw.time).expect("seen by the same set").map(f64::from);
         let orbit = heard.store.get(satellite.satellite, raw.time).expect("an orbit");
         let position = orbit.at(raw.time, satellite.signals[0].range_m).expect("a place").position;
         let toward = position - heard.simulation.site.position;
