@@ -79,10 +79,10 @@ pub(super) fn describe<T: Real, const N: usize>(
     report.separation = judgement.separation;
 }
 
-/// The global test, or the largest of the separation's tests, held against 1.
+/// The global test, or the largest of the separation's tests, held against 1, where it is not the global test alone that fails.
 fn statistic<T: Real>(test: &Test<T>, separation: Option<&Separation>) -> TestStatistic {
     let global = test.detection.statistic();
-    match separation {
+    match separation.filter(|separation| separation.ratio >= 1.0 || !test.detection.fault()) {
         Some(separation) => TestStatistic { statistic: separation.ratio, threshold: 1.0, ..global },
         None => global,
     }

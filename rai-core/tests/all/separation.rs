@@ -152,6 +152,29 @@ fn two_faults_of_one_epoch_that_cannot_be_told_alarm() {
     assert_eq!(report.verdict, Verdict::Alert(Alert::Fault));
 }
 
+/// Whom nobody watches shows in the residuals alone.
+#[test]
+fn fault_that_is_promised_never_to_happen_is_an_alert_of_the_global_test() {
+    let mut ism = Ism::RESEARCH;
+    for support in &mut ism.constellations {
+        (support.satellite_fault, support.constellation_fault) = (0.0, 0.0);
+    }
+    for (bias_m, want) in [(0.0, Verdict::Protected(Protected::Ok)), (1000.0, Verdict::Alert(Alert::Fault))] {
+        let mut sky = visible(&[Gps, Galileo], 10);
+        sky[4].range_m += bias_m;
+        let mut epoch = Epoch::new(0.0);
+        for seen in &sky {
+            epoch.push(*seen).unwrap();
+        }
+        let mut monitor = monitor(lpv());
+        monitor.set_ism(ism);
+        let report = monitor.process(&epoch);
+        assert_eq!(report.verdict, want);
+        let test = report.test.unwrap();
+        assert_eq!(test.statistic >= test.threshold, bias_m > 0.0, "{test:?}");
+    }
+}
+
 #[test]
 fn a_promise_that_is_no_number_changes_nothing() {
     let mut monitor = monitor(lpv());

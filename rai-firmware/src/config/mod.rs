@@ -225,6 +225,11 @@ impl Configuration {
         }
     }
 
+    /// The same of what is promised of the satellites.
+    fn warning_of_promises(&self) -> Option<&'static str> {
+        self.promises.leaves_faults_unwatched().then_some("faults so unlikely are not watched for")
+    }
+
     /// How the core is to monitor.
     pub const fn strategy(&self) -> Strategy {
         Strategy {

@@ -169,8 +169,11 @@ enum Understood {
 
 /// What whoever sets this ought to know.
 fn warning(line: Line<'_>, configuration: &Configuration) -> Option<&'static str> {
-    let is_about_thresholds = matches!(line.key(), "POLICY" | "PHASE" | "HAL");
-    configuration.warning().filter(|_| is_about_thresholds)
+    match line.key() {
+        "POLICY" | "PHASE" | "HAL" => configuration.warning(),
+        "ISM" => configuration.warning_of_promises(),
+        _ => None,
+    }
 }
 
 /// Checks, reads and applies a line.

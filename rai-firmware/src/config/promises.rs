@@ -29,6 +29,11 @@ const BIAS_M: (f64, f64) = (0.0, 100.0);
 /// Probabilities other than 0: below, single precision has no pairs; above, nothing is promised.
 const FAULT: (f64, f64) = (1e-12, 0.1);
 
+/// Below this, four satellites together are below what ARAIM may leave out of its watch, 8e-8 ([Blanch2015]).
+///
+/// [Blanch2015]: crate#references
+const LEAST_WATCHED: f64 = 2e-8;
+
 /// A preset, and what was given for single systems in its place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Promises {
@@ -57,6 +62,11 @@ impl Promises {
             *support = own.unwrap_or(*support);
         }
         ism
+    }
+
+    /// Whether a satellite of a system is promised to fail so seldom that nobody watches whether it does: levels then bound noise alone.
+    pub(super) fn leaves_faults_unwatched(&self) -> bool {
+        self.own.iter().flatten().any(|own| own.satellite_fault < LEAST_WATCHED)
     }
 
     /// The preset, whatever else was given.

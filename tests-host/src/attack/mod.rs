@@ -26,7 +26,7 @@
 //! | [`forged_frames`] | frames that say another time, week or place, or other leap seconds |
 //! | [`week_edge`] | a receiver that starts shortly before a week ends, and dates sets with it; the end of a cycle of weeks |
 //! | [`two_stations`] | the ranges of a reference station on the receiver's line; a receiver in a tunnel |
-//! | [`settings`] | a time to alert that hides a silence; restarts that make settings nobody's |
+//! | [`settings`] | a time to alert that hides a silence; restarts that make settings nobody's; a promise that nothing fails |
 //! | [`learned_sigmas`] | sigmas that quiet minutes made small, used for what these say nothing of |
 //! | [`wrong_tags`] | time tags wrong by milliseconds, every method and policy, and sigmas that learn from them |
 //! | [`suspicions`] | a receiver that is sure of counterfeit signals, and messages that would talk it out of it |
@@ -138,6 +138,7 @@ pub const ATTACKS: &[&Attack] = &[
     &two_stations::NAMESAKE,
     &settings::TIME_TO_ALERT,
     &settings::RESTARTS,
+    &settings::NEVER,
     &learned_sigmas::ATTACK,
     &wrong_tags::BRIEFLY,
     &wrong_tags::LEARNED,

@@ -3,10 +3,18 @@
 use anyhow::Result;
 use rai_firmware::config::SEALED_BYTES;
 
+use rai_core::satellite::SatelliteId;
+use rand::seq::IndexedRandom as _;
+use rand::{Rng as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
+
 use super::forgery::Sky;
+use super::tally::Tally;
 use super::victim::Victim;
 use super::{Attack, Effort, Figure};
+use crate::encode::Frequency;
 use crate::fault::Measured as _;
+use crate::sky::raw::Simulation;
 
 /// A time to alert of an hour.
 pub(super) const TIME_TO_ALERT: Attack = Attack {
@@ -20,6 +28,13 @@ pub(super) const RESTARTS: Attack = Attack {
     name: "restarts",
     about: "settings damaged in a restart, then restarts that damage nothing: are those at start promised by?",
     run: restarts,
+};
+
+/// A promise that nothing ever fails.
+pub(super) const NEVER: Attack = Attack {
+    name: "never-faulty",
+    about: "ARAIM told that satellites never fail, or once in 1e12, and one wrong by 100 m to 300 km",
+    run: never,
 };
 
 /// Longest time to alert of non-precision approach, s.
@@ -99,4 +114,59 @@ fn wrong(sky: &Sky) -> Result<Vec<Vec<u8>>> {
             epoch.lengthen(satellite, (index * index * 97 % 3000) as f64);
         }
     })
+}
+
+/// How large faults are of which it is promised that there are none, m, each decade as likely; below, an error hides in the noise,
+/// which the levels are then of.
+const DENIED_M: std::ops::Range<f64> = 100.0..300_000.0;
+
+fn never(effort: Effort) -> Result<Vec<Figure>> {
+    /// Epochs of a run.
+    const EPOCHS: u32 = 5;
+    let (mut tally, mut healthy, mut warned) = (Tally::default(), Tally::default(), 0);
+    for seed in 0..effort.pick(20, 400) {
+        let mut chance = ChaCha8Rng::seed_from_u64(seed);
+        let start_s = f64::from(chance.random_range(0..1440_u32)) * 60.0;
+        let sky = Sky::of(&Simulation::above_xian(start_s, EPOCHS, seed), Frequency::Dual)?;
+        let high: Vec<SatelliteId> = sky.recording.epochs[0]
+            .satellites
+            .iter()
+            .filter(|raw| raw.signals.iter().all(|signal| signal.cn0_dbhz.is_some_and(|dbhz| dbhz > 40.0)))
+            .map(|raw| raw.satellite)
+            .collect();
+        let size_m = chance.random_range(DENIED_M.start.ln()..DENIED_M.end.ln()).exp();
+        for fault in ["0,0", "1e-12,1e-12"] {
+            let module = || -> Result<(Victim, usize)> {
+                let mut victim = Victim::new(&["METHOD,SEPARATION"], 1.0)?;
+                let mut warned = 0;
+                for system in ["G,2.4,2.4", "C,6,4"] {
+                    warned +=
+                        usize::from(victim.obey(&format!("ISM,{system},0,{fault}"))?.contains(",WARN,"));
+                }
+                Ok((victim, warned))
+            };
+            let (mut victim, mut reference) = (module()?, module()?.0);
+            warned += victim.1;
+            let astray = *high.choose(&mut chance).unwrap_or(&sky.recording.epochs[0].satellites()[0]);
+            for bytes in sky.bytes(|_, epoch| epoch.lengthen(astray, size_m))? {
+                tally.add_all(&victim.0.hear(&bytes, sky.truth)?);
+            }
+            for bytes in sky.bytes(|_, _| {})? {
+                healthy.add_all(&reference.hear(&bytes, sky.truth)?);
+            }
+        }
+    }
+    let mut figures = tally.figures(0.0);
+    figures.push(Figure::at_least("alerts", tally.alerts as f64, tally.epochs as f64));
+    figures.push(Figure::at_least(
+        "promised without a fault",
+        healthy.promised as f64,
+        healthy.epochs as f64,
+    ));
+    figures.push(Figure::at_least(
+        "promises answered with a warning",
+        warned as f64,
+        f64::from(4 * effort.pick(20, 400)),
+    ));
+    Ok(figures)
 }

@@ -71,6 +71,7 @@ attacks! {
     station_of_the_same_number_is_promised_in_no_order = "namesake",
     time_to_alert_hides_no_silence = "time-to-alert",
     settings_that_nobody_confirmed_promise_nothing = "restarts",
+    fault_that_is_promised_never_to_happen_is_seen = "never-faulty",
     quiet_minutes_take_nothing_off_a_promise = "learned-sigmas",
     time_tags_that_are_wrong_are_an_alert = "wrong-tags",
     time_tags_that_are_wrong_teach_no_sigma = "wrong-tags-learned",

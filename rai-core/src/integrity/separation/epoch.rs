@@ -13,6 +13,7 @@ use crate::integrity::residuals::exclusion as residuals;
 use crate::integrity::residuals::exclusion::{Excluded, Unidentified};
 use crate::integrity::residuals::levels::common_shift;
 use crate::integrity::residuals::tags::{RangeRates, Rates};
+use crate::integrity::residuals::threshold::Thresholds;
 use crate::integrity::residuals::threshold::policy::NoThreshold;
 use crate::integrity::{Alone, Criteria, Judgement, Test};
 use crate::numeric::real::Real;
@@ -38,7 +39,7 @@ pub(in crate::integrity) fn judge_epoch<T: Real>(
     match judge_in(solution, &priors, &criteria.requirements.allocation, room) {
         Ok(mut judged) => {
             let is_of_time = blames_the_time(solution, epoch, &mut judged, criteria, rates);
-            let mut judgement = judgement(solution, epoch, &judged);
+            let mut judgement = judgement(solution, epoch, &judged, &criteria.thresholds);
             if is_of_time {
                 judgement.outcome = residuals::Outcome::NotIsolated(Unidentified::Time);
             }
@@ -111,8 +112,9 @@ fn judgement<T: Real>(
     solution: &impl Reducible<T>,
     epoch: &EpochView<'_>,
     judged: &Judged<T>,
+    thresholds: &Thresholds<'_>,
 ) -> Judgement<T> {
-    let (outcome, excluded, finding) = match &judged.outcome {
+    let (mut outcome, excluded, finding) = match &judged.outcome {
         Outcome::Passed => (residuals::Outcome::Passed, None, &judged.whole),
         Outcome::Excluded { rows, finding, .. } => (residuals::Outcome::Isolated, Some(*rows), finding),
         Outcome::NotIsolated => (residuals::Outcome::NotIsolated(Unidentified::NoSet), None, &judged.whole),
@@ -130,8 +132,14 @@ fn judgement<T: Real>(
     let levels = ProtectionLevels { hpl_m: finding.hpl_m().widen(), vpl_m: finding.vpl_m().widen() };
     // What ranges share (one frequency's ionosphere) no test sees: it comes on top, as for every method.
     let levels = levels.plus(&common_shift(snapshot, epoch.common_m()));
-    // The global test decides nothing here; its sum says whether the sigmas are right.
-    let detection = Detection { sse: snapshot.sse(), threshold: infinity(), dof: snapshot.dof() };
+    // What is not watched, for it is promised never to happen or is too unlikely, shows in the residuals alone: then no level is valid,
+    // and nothing says whom to leave out. Beyond the table no threshold is known.
+    let (sse, dof) = (snapshot.sse(), snapshot.dof());
+    let untested = Detection { sse, threshold: infinity(), dof };
+    let detection = Detection::of(sse, dof, thresholds).unwrap_or(untested);
+    if detection.fault() && !matches!(outcome, residuals::Outcome::NotIsolated(_)) {
+        outcome = residuals::Outcome::NotIsolated(Unidentified::NoSet);
+    }
     Judgement {
         outcome,
         excluded: gather::<_, MAX_EXCLUDED>(excluded),

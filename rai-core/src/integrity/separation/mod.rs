@@ -20,7 +20,8 @@
 //! In this order: [`modes`] chooses what is watched, [`solutions`] says what the position would be without each mode,
 //! [`levels`] sums up. After an alarm the satellites that may be left out are tried one after another, then the
 //! constellations: those that leave the smallest residuals first; the first set that agrees is taken. Every outcome,
-//! exclusion or none, has its share of the risk, so that a wrong exclusion is paid for too.
+//! exclusion or none, has its share of the risk, so that a wrong exclusion is paid for too. An epoch's outcome has to pass
+//! the global test of [`super::residuals::detection`] besides: it alone sees what is not watched.
 //!
 //! Unlike the levels of [`super::residuals`], these hold noise, several faults and the loss of a constellation, with
 //! the risk accounted for. They are as good as the priors and sigmas they are given ([`crate::weighting`]).

@@ -263,6 +263,18 @@ fn thresholds_that_alarm_nothing_are_obeyed_with_a_warning() {
 }
 
 #[test]
+fn promise_that_nothing_fails_is_obeyed_with_a_warning() {
+    let mut module = Module::new();
+    for (fault, is_warned) in [("0", true), ("1e-12", true), ("2e-8", false), ("1e-5", false)] {
+        let asked = format!("ISM,E,6,4,0,{fault},0");
+        let warning = if is_warned { ",WARN,faults so unlikely are not watched for" } else { "" };
+        assert_eq!(module.ask(&format!("PRAIC,{asked}")), [format!("PRAIA,{asked},OK{warning}")]);
+    }
+    module.ask("PRAIC,ISM,E,6,4,0,0,0");
+    assert_eq!(module.ask("PRAIC,ISM,ICAO"), ["PRAIA,ISM,ICAO,OK"]);
+}
+
+#[test]
 fn a_key_without_a_value_answers_what_is_in_force() {
     let mut module = Module::new();
     let at_start = [
