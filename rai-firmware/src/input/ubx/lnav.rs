@@ -5,7 +5,7 @@
 //!
 //! | subframe | fields |
 //! |---|---|
-//! | all | preamble 0 (8), TOW of the next 24 (17), number 43 (3) |
+//! | all | preamble 0 (8), TOW of the next 24 (17), alert 41 (1), number 43 (3) |
 //! | 1 | week 48, URA 60, health 64, IODC 70 and 168, TGD 160, toc 176, af2 192, af1 200, af0 216 |
 //! | 2 | IODE 48, Crs 56, Δn 72, M0 88, Cuc 120, e 136, Cus 168, √A 184, toe 216 |
 //! | 3 | Cic 48, Ω0 64, Cis 96, i0 112, Crc 144, ω 160, Ω̇ 192, IODE 216, i̇ 224 |
@@ -35,6 +35,11 @@ pub(super) const PAGES: usize = 3;
 
 /// The first eight bits of every subframe.
 const PREAMBLE: u32 = 0x8B;
+
+/// The flag in every subframe by which a satellite takes back its URA ([IS-GPS-200] 20.3.3.2).
+///
+/// [IS-GPS-200]: crate#references
+const ALERT: usize = 41;
 
 /// Between the first and the last subframe of one ephemeris, seconds: two frames, one of them with gaps.
 const SPAN_S: u32 = 90;
@@ -97,7 +102,8 @@ pub(super) fn ephemeris(
         satellite,
         source,
         health,
-        accuracy_m: ura_m(first.small(60, 4)),
+        // Under an alert the error may be worse than the URA says: nothing is promised.
+        accuracy_m: ura_m(first.small(60, 4)).filter(|_| !pages.iter().any(|page| page.is_set(ALERT))),
         toe: instant(second.unsigned(216, 16))?,
         toc: instant(first.unsigned(176, 16))?,
     };

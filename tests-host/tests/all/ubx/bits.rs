@@ -1,6 +1,7 @@
 //! Navigation messages of random content: UBX says the same as RTCM, bit for bit.
 
 use rai_core::satellite::{Constellation, SatelliteId};
+use rai_firmware::ephemeris::EphemerisError;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rtcm_rs::msg::{Msg1019T, Msg1042T, Msg1045T, Msg1046T};
@@ -128,6 +129,40 @@ fn every_bit_of_every_ephemeris_is_as_rtcm_says_it() {
             let (have, counters) = said(&ubx::pages(&ephemeris, NOON).unwrap());
             assert_eq!(have.ephemerides, want, "{name}: {ephemeris:?} {counters:?}");
         }
+    }
+}
+
+/// Where the words of a frame of RXM-SFRBX begin, and the bit of the second that raises the alert: bit 18 of 30 ([IS-GPS-200] figure 20-2).
+const FIRST_WORD: usize = 6 + 8;
+const ALERT: u32 = 1 << (30 - 18);
+
+#[test]
+fn satellite_that_raises_the_alert_promises_no_accuracy() {
+    let mut ephemeris = gps(&mut ChaCha8Rng::seed_from_u64(3));
+    let Ephemeris::Gps(message) = &mut ephemeris.message else { unreachable!("of GPS") };
+    message.sv_health_ind = 0;
+    let now = ephemeris.toe;
+    let bytes = ubx::pages(&ephemeris, NOON).unwrap();
+    let frames: Vec<&[u8]> = bytes.chunks(bytes.len() / 3).collect();
+    let raised = |frame: &[u8]| {
+        let words: Vec<u32> = frame[FIRST_WORD..frame.len() - 2]
+            .chunks(4)
+            .enumerate()
+            .map(|(index, word)| {
+                u32::from_le_bytes(word.try_into().unwrap()) | if index == 1 { ALERT } else { 0 }
+            })
+            .collect();
+        ubx::subframe(ephemeris.satellite, 0, &ubx::Form::Lnav.sealed(&words).unwrap())
+    };
+    for alerted in [None, Some(0), Some(1), Some(2)] {
+        let sent = frames
+            .iter()
+            .enumerate()
+            .flat_map(|(index, frame)| if alerted == Some(index) { raised(frame) } else { frame.to_vec() });
+        let (have, counters) = said(&sent.collect::<Vec<u8>>());
+        let [have] = have.ephemerides.as_slice() else { panic!("one ephemeris, {counters:?}") };
+        let want = if alerted.is_some() { Err(EphemerisError::Unhealthy) } else { Ok(()) };
+        assert_eq!(have.usable_at(now), want, "alert in {alerted:?}");
     }
 }
 
