@@ -60,17 +60,6 @@ pub(super) fn hardly_left<T: Real>() -> T {
     if digits > T::UNTESTABLE { digits } else { T::UNTESTABLE }
 }
 
-/// Adds `a bᵀ`, which is symmetric: the lower triangle.
-#[inline]
-pub(super) fn add_product<T: Real>(matrix: &mut Matrix3<T>, a: &Vector3<T>, b: &Vector3<T>) {
-    matrix.m11 += a.x * b.x;
-    matrix.m21 += a.y * b.x;
-    matrix.m22 += a.y * b.y;
-    matrix.m31 += a.z * b.x;
-    matrix.m32 += a.z * b.y;
-    matrix.m33 += a.z * b.z;
-}
-
 /// Copies the lower triangle to the upper one.
 pub(super) fn mirror<T: Real>(matrix: &mut Matrix3<T>) {
     matrix.m12 = matrix.m21;

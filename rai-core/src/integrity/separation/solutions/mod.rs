@@ -44,7 +44,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use elimination::{First, Last, Second, Third};
 pub(super) use kernel::{GROUPS, group_of};
-use kernel::{Group, Kernel, add_product, diagonal_of, hardly_left, mirror};
+use kernel::{Group, Kernel, diagonal_of, hardly_left, mirror};
 
 pub(super) use sieve::Bounds;
 
@@ -52,6 +52,7 @@ use super::modes::{Hypothesis, ROOM, ROWS, Set, members};
 use super::{Prior, View};
 use crate::equations::Row;
 use crate::numeric::real::Real;
+use crate::numeric::space::add_outer_product;
 use crate::satellite::Constellation;
 use crate::snapshot::{Fit, invert};
 /// What one mode's solution is.
@@ -167,8 +168,8 @@ impl<'v, T: Real> Solutions<'v, T> {
                 group.level += weight;
                 group.accuracy += share * weight;
                 group.lean += accurate;
-                add_product(&mut group.normal, &weighted, &centred);
-                add_product(&mut group.dispersion, &accurate, &centred);
+                add_outer_product(&mut group.normal, &weighted, &centred);
+                add_outer_product(&mut group.dispersion, &accurate, &centred);
                 group.pull += weighted * residual;
             }
         }
