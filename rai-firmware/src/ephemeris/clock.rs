@@ -12,11 +12,12 @@
 //! | QZSS LNAV | L1/L2C | as GPS; where the satellite does not know `TGD`: 0 (uncalibrated) |
 //! | Galileo F/NAV | E1/E5a | E1: `BGD_a`, E5a: `γ_15a BGD_a`, E5b: unknown |
 //! | Galileo I/NAV | E1/E5b | E1: `BGD_b`, E5b: `γ_15b BGD_b`, E5a: `BGD_b + (γ_15a − 1) BGD_a` |
-//! | `BeiDou` D1/D2 | B3I | B1I: `TGD1`, B3I: 0, B2I: `TGD2`; uncalibrated, since their delays are in CNAV only, B1C: `TGD1`, B2a: 0, and of the third generation, which sends B2b in its place, B2I: 0 |
+//! | `BeiDou` D1/D2 | B3I | B1I: `TGD1`, B3I: 0, B2I: `TGD2`; B1C: `TGD1`, B2a and B2b: 0 (their delays are in CNAV only: uncalibrated) |
 //! | GLONASS strings | L1/L2 | L1 and L2: 0 (each receiver delays each channel by itself, some metres: uncalibrated) |
 //!
-//! What is uncalibrated is so by 2 m: B1C, which leaves by the way of B1I, differs from it by 0.6 m rms, and B2a and B2b from B3I by
-//! 1.4 m, among 18 satellites of two receivers with `TGD1` of up to 8 m; L5 by 1.1 m from L1, among 14.
+//! Receivers name B2b of the third generation B2I, whose place it has taken. What is uncalibrated is so by 2 m: B1C, which leaves by
+//! the way of B1I, differs from it by 0.6 m rms, and B2a and B2b from B3I by 1.4 m, among 18 satellites of two receivers with `TGD1`
+//! of up to 8 m; L5 by 1.1 m from L1, among 14.
 //!
 //! The ionosphere-free pair of the reference then comes out without delay by itself, every other pair with the
 //! right one ([`crate::correction::choose`]).
