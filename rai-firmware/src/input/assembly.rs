@@ -30,8 +30,9 @@ const RANGE_M: core::ops::RangeInclusive<f64> = 1.0e7..=5.2e7;
 /// Tags that differ by less are of one instant, ms: receivers round each system's own time for itself.
 const SAME_INSTANT_MS: u32 = 10;
 
-/// Ranges of one signal at one instant that differ by more are of two antennas, or two clocks, m: a receiver says the same however
-/// often, to the steps of its messages.
+/// Ranges of one band at one instant that differ by more are of two antennas, or two clocks, m: a receiver says the same however
+/// often, to the steps of its messages. Its codes of one band may differ by as much, by reflections; then one of them is the one that
+/// is kept.
 const APART_M: f64 = 5.0;
 
 /// How often a system has to be right until its word counts again.
@@ -259,13 +260,15 @@ impl Assembly {
     fn take_all(&mut self, ranges: &Ranges<'_>, is_again: bool, counters: &mut Counters) {
         let earlier = self.epoch.satellites.len();
         let Self { epoch, has_rival, .. } = self;
+        let mut comparison = Comparison::default();
         ranges.measured.each(counters, |satellite, signal, is_reference, counters| {
             if is_again {
-                *has_rival |= differs(epoch, satellite, &signal);
+                *has_rival |= comparison.differs(epoch, satellite, &signal);
             } else {
                 add(epoch, satellite, signal, is_reference, earlier, counters);
             }
         });
+        *has_rival |= comparison.end();
     }
 
     /// A message says that none follows.
@@ -319,12 +322,36 @@ fn is_same(a_ms: u32, b_ms: u32) -> bool {
     apart_ms.min(WEEK_MS.saturating_sub(apart_ms)) < SAME_INSTANT_MS
 }
 
-/// Whether the epoch has another range of this signal.
-fn differs(epoch: &RawEpoch, satellite: SatelliteId, signal: &RawSignal) -> bool {
-    let known = epoch.satellites.iter().filter(|known| known.satellite == satellite);
-    let mut of_band =
-        known.flat_map(|known| &known.signals).filter(|known| known.carrier.band == signal.carrier.band);
-    of_band.any(|known| (known.range_m - signal.range_m).abs() > APART_M)
+/// The signals of one satellite, held against those that an epoch keeps of it: a set of bands each.
+#[derive(Default)]
+struct Comparison {
+    satellite: Option<SatelliteId>,
+    /// A range is the one that is kept.
+    agree: u16,
+    /// A range is another.
+    differ: u16,
+}
+
+impl Comparison {
+    /// Takes the next signal; whether the satellite before, whose signals have all come, has other ranges on some band.
+    fn differs(&mut self, epoch: &RawEpoch, satellite: SatelliteId, signal: &RawSignal) -> bool {
+        let is_next = self.satellite.is_some_and(|before| before != satellite);
+        let is_rival = is_next && self.end();
+        self.satellite = Some(satellite);
+        let known = epoch.satellites.iter().filter(|known| known.satellite == satellite);
+        let band = signal.carrier.band;
+        for known in known.flat_map(|known| &known.signals).filter(|known| known.carrier.band == band) {
+            let is_apart = (known.range_m - signal.range_m).abs() > APART_M;
+            *(if is_apart { &mut self.differ } else { &mut self.agree }) |= 1 << band as u16;
+        }
+        is_rival
+    }
+
+    /// No more signals of the satellite come: whether none of a band is the one that is kept.
+    fn end(&mut self) -> bool {
+        let Self { agree, differ, .. } = core::mem::take(self);
+        differ & !agree != 0
+    }
 }
 
 /// Adds a signal of a message that began when the epoch held `earlier` satellites.
