@@ -23,7 +23,9 @@ use rai_core::weighting::Ism;
 
 use crate::config::{Configuration, Frequencies, Systems};
 use crate::correction::horizon::coordinates_m;
-use crate::correction::{CAPACITY, Klobuchar, Located, Preference, Ranges, Site, Sky, Tally, coarse, locate};
+use crate::correction::{
+    CAPACITY, Klobuchar, Located, Preference, Ranges, Site, Sky, Tally, View, coarse, locate_within,
+};
 use crate::ephemeris::{Ephemeris, Insertion, Store};
 use crate::rates::{RateTally, Rates};
 use crate::raw::RawEpoch;
@@ -276,7 +278,12 @@ impl Navigator {
         }
         let before = self.tally.ephemerides.without_orbit();
         let mask_dbhz = configuration.signal_mask_db_hz as f32;
-        locate(raw, &self.store, mask_dbhz, configuration.systems, &mut self.tally, &mut self.room.sky);
+        // What the mask leaves out of a crowd is to leave room for what it does not.
+        let start = self.monitor.start();
+        let is_crowd = raw.satellites.len() > CAPACITY && !is_unknown(start);
+        let view = is_crowd.then(|| View::from(start, configuration.mask_rad));
+        let Self { store, tally, room: Room { sky, .. }, .. } = self;
+        locate_within(raw, store, mask_dbhz, configuration.systems, view.as_ref(), tally, sky);
         self.tally.ephemerides.without_orbit().saturating_sub(before)
     }
 

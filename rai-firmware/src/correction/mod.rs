@@ -21,7 +21,8 @@
 
 use heapless::Vec;
 use rai_core::epoch::{Epoch, Observation};
-use rai_core::frame::{Ecef, SPEED_OF_LIGHT_M_S};
+use rai_core::frame::{Ecef, LocalFrame, SPEED_OF_LIGHT_M_S};
+use rai_core::numeric::angle::sine;
 use rai_core::satellite::SatelliteId;
 use rai_core::weighting::COARSE_M;
 
@@ -30,6 +31,7 @@ use crate::counters::{count, counters};
 use crate::ephemeris::{self, EphemerisError, SatelliteState, Store};
 use crate::raw::{RawEpoch, RawSatellite, RawSignal};
 use crate::time::GpsTime;
+use horizon::{Horizon, coordinates_m};
 
 mod atmosphere;
 mod choice;
@@ -130,6 +132,25 @@ fn root_of_squares(a: f32, b: f32) -> f32 {
 /// The satellites of an epoch whose positions are known.
 pub type Sky = Vec<Located, CAPACITY>;
 
+/// What a receiver that was at a point sees above its mask.
+pub(crate) struct View {
+    horizon: Horizon,
+    sin_mask: f32,
+}
+
+impl View {
+    /// From a point, above an elevation.
+    pub(crate) fn from(point: Ecef, mask_rad: f64) -> Self {
+        Self { horizon: Horizon::at(point, &LocalFrame::at(point)), sin_mask: sine(mask_rad as f32) }
+    }
+
+    fn shows(&self, located: &Located) -> bool {
+        let way = self.horizon.way_to(coordinates_m(located.position));
+        let [.., sin_elevation] = self.horizon.direction(&way);
+        sin_elevation >= self.sin_mask
+    }
+}
+
 /// Finds the satellites of an epoch, in place of those in `sky`; what cannot be used is counted by reason.
 #[inline(never)]
 pub fn locate(
@@ -140,7 +161,22 @@ pub fn locate(
     tally: &mut Tally,
     sky: &mut Sky,
 ) {
+    locate_within(raw, store, mask_dbhz, systems, None, tally, sky);
+}
+
+/// The same; where there are more than the sky holds, those that the view does not show give way.
+#[inline(never)]
+pub(crate) fn locate_within(
+    raw: &RawEpoch,
+    store: &Store,
+    mask_dbhz: f32,
+    systems: Systems,
+    view: Option<&View>,
+    tally: &mut Tally,
+    sky: &mut Sky,
+) {
     sky.clear();
+    let mut crowd = Crowd { view, seen: 0 };
     // A receiver that says how strong signals are, and of this one does not, knows nothing good of it.
     let mut signals = raw.satellites.iter().flat_map(|satellite| &satellite.signals);
     let is_said = signals.any(|signal| signal.cn0_dbhz().is_some());
@@ -151,8 +187,9 @@ pub fn locate(
             count(&mut tally.ranges.system_left_out);
             continue;
         }
-        match locate_one(satellite, raw.time, store, (mask_dbhz, unsaid_dbhz), sky) {
+        match locate_one(satellite, raw.time, store, (mask_dbhz, unsaid_dbhz), &mut crowd, sky) {
             Ok(Placed::Yes) => {}
+            Ok(Placed::Instead) => count(&mut tally.ranges.below_mask),
             Ok(Placed::Full) => count(&mut tally.ranges.epoch_full),
             Ok(Placed::WithoutSignal) => count(&mut tally.ranges.signal_unusable),
             Err(reason) => tally.ephemerides.count(reason),
@@ -164,10 +201,36 @@ pub fn locate(
 enum Placed {
     /// It is in the sky.
     Yes,
+    /// It is in the sky, in the place of one that the view does not show.
+    Instead,
     /// The sky is full.
     Full,
     /// No signal is strong enough and has a delay that is known.
     WithoutSignal,
+}
+
+/// Who gives way where there are more satellites than the sky holds.
+struct Crowd<'v> {
+    view: Option<&'v View>,
+    /// How many of the first stay.
+    seen: usize,
+}
+
+impl Crowd<'_> {
+    /// Puts a satellite in the place of one that the view does not show.
+    #[cold]
+    #[inline(never)]
+    fn replace(&mut self, sky: &mut Sky, located: &Located) -> Placed {
+        let Some(view) = self.view else { return Placed::Full };
+        for place in sky.iter_mut().skip(self.seen) {
+            if !view.shows(place) {
+                *place = *located;
+                return Placed::Instead;
+            }
+            self.seen += 1;
+        }
+        Placed::Full
+    }
 }
 
 /// Puts one satellite into the sky.
@@ -176,6 +239,7 @@ fn locate_one(
     time: GpsTime,
     store: &Store,
     (mask_dbhz, unsaid_dbhz): (f32, f32),
+    crowd: &mut Crowd<'_>,
     sky: &mut Sky,
 ) -> Result<Placed, EphemerisError> {
     let (ephemeris, edition) = store.get_edition(satellite.satellite, time)?;
@@ -202,7 +266,10 @@ fn locate_one(
         promised_m,
         edition,
     });
-    Ok(if pushed.is_ok() { Placed::Yes } else { Placed::Full })
+    Ok(match pushed {
+        Ok(()) => Placed::Yes,
+        Err(located) => crowd.replace(sky, &located),
+    })
 }
 
 /// Makes an epoch without atmosphere and mask, to find out roughly where the receiver is.

@@ -18,6 +18,7 @@ mod dashboard;
 mod demo;
 mod evaluate;
 mod faults;
+mod full_sky;
 mod fuzz_corpus;
 mod gnss_port;
 mod gpsd;

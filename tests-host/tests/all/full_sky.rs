@@ -1,0 +1,43 @@
+//! A sky of more satellites than are judged at once: those low above the horizon give way to those that can be used.
+
+use rai_firmware::correction::CAPACITY;
+use tests_host::attack::victim::{Seen, Victim};
+use tests_host::encode::{Encoder, Frequency, Selection};
+use tests_host::fault::Measured;
+use tests_host::sky::Fleet;
+use tests_host::sky::raw::Simulation;
+
+/// What is seen of the last of some epochs down to an elevation, and how many satellites were in it.
+fn last_epoch(mask_deg: f64) -> (Victim, Seen, usize) {
+    let fleets = [Fleet::BeidouRegional, Fleet::Beidou24, Fleet::Galileo24, Fleet::Gps31];
+    let simulation = Simulation {
+        satellites: fleets.into_iter().flat_map(Fleet::satellites).collect(),
+        mask_rad: mask_deg.to_radians(),
+        ..Simulation::above_xian(3600.0, 5, 1)
+    };
+    let mut recording = simulation.record();
+    let tracked: Vec<_> = recording.epochs.iter().flat_map(Measured::satellites).collect();
+    recording.ephemerides.retain(|set| tracked.contains(&set.satellite));
+    // GPS comes last.
+    let selection = Selection::new("CEG", Frequency::Dual).expect("three systems");
+    let mut encoder = Encoder::new(&recording.ephemerides, selection);
+    let mut victim = Victim::new(&[], 1.0).expect("no command");
+    let mut last = None;
+    for epoch in &recording.epochs {
+        let bytes = encoder.epoch(epoch).expect("ranges of a sky");
+        last = victim.hear(&bytes, simulation.site.position).expect("sentences").pop();
+    }
+    let satellites = recording.epochs.last().map_or(0, |epoch| epoch.satellites().len());
+    (victim, last.expect("an epoch was judged"), satellites)
+}
+
+#[test]
+fn low_satellites_take_no_place_of_high_ones() {
+    let (_, want, _) = last_epoch(10.5);
+    let (victim, have, satellites) = last_epoch(-15.0);
+    assert!(satellites > CAPACITY, "{satellites} satellites are no crowd");
+    assert!(have.is_promised && !have.is_misleading());
+    assert!(have.said.state.used >= want.said.state.used, "used {}", have.said.state.used);
+    // The first epoch of all has no horizon yet.
+    assert!(victim.counter("epoch_full") as usize <= satellites - CAPACITY);
+}
