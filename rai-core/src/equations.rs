@@ -24,6 +24,7 @@ use nalgebra::Vector3;
 use crate::frame::Sight;
 use crate::numeric::absolute::Absolute;
 use crate::numeric::real::Real;
+use crate::numeric::space::{dot, scaled, zero};
 use crate::satellite::Constellation;
 
 /// Squared length of what passes as a unit vector: the length may be off by 1e-3.
@@ -142,10 +143,12 @@ impl<T: Real> References<T> {
         residual_m: f64,
         sigma_m: f64,
     ) -> Result<Row<T>, RowError> {
-        if !UNIT_SQUARED.contains(&line_of_sight.dot(&line_of_sight)) {
+        if !UNIT_SQUARED.contains(&dot(&line_of_sight, &line_of_sight)) {
             return Err(RowError::LineOfSight);
         }
-        self.relative(constellation, -line_of_sight.map(T::narrow), residual_m, sigma_m)
+        let away = scaled(-1.0, &line_of_sight);
+        let design = Vector3::new(T::narrow(away.x), T::narrow(away.y), T::narrow(away.z));
+        self.relative(constellation, design, residual_m, sigma_m)
     }
 
     /// A satellite as it is seen, with its range.
@@ -160,7 +163,7 @@ impl<T: Real> References<T> {
         let reference = self.of(constellation).unwrap_or(longer);
         // What is small enough for the scalar is taken off where no more digits are needed.
         let residual = longer.less(reference).narrow() - (sight.distance.rest + sight.rotation);
-        let row = Row::new(Some(constellation), -sight.direction, residual, sigma_m)?;
+        let row = Row::new(Some(constellation), scaled(-T::one(), &sight.direction), residual, sigma_m)?;
         self.keep(constellation, reference);
         Ok(row)
     }
@@ -172,7 +175,7 @@ impl<T: Real> References<T> {
         residual_m: f64,
         sigma_m: f64,
     ) -> Result<Row<T>, RowError> {
-        self.relative(constellation, Vector3::zeros(), residual_m, sigma_m)
+        self.relative(constellation, zero(), residual_m, sigma_m)
     }
 
     fn relative(

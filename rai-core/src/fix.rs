@@ -26,6 +26,7 @@ use crate::equations::{References, Row};
 use crate::frame::{Ecef, LocalFrame, Lookout};
 use crate::integrity::separation::{Removable, View};
 use crate::numeric::real::Real;
+use crate::numeric::space::dot;
 use crate::snapshot::{Reducible, Snapshot, SnapshotError, Workspace};
 
 /// A pass whose correction is below this is the last one, m.
@@ -193,7 +194,7 @@ impl<T: Real> Removable<T> for Fix<'_, T> {
 
 /// Whether a correction is no longer than this, m: its length is the same in every frame, and needs no double.
 fn is_within<T: Real>(correction: &Vector3<T>, limit_m: f64) -> bool {
-    correction.dot(correction) <= T::narrow(limit_m * limit_m)
+    dot(correction, correction) <= T::narrow(limit_m * limit_m)
 }
 
 /// Gauss–Newton: solves about better and better points, until the correction is small. The last point is returned.

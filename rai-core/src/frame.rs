@@ -19,6 +19,7 @@ use nalgebra::{Matrix3, Vector3};
 use crate::numeric::absolute::{Absolute, Length};
 use crate::numeric::angle;
 use crate::numeric::real::Real;
+use crate::numeric::space::{dot, product, scaled, transposed_product};
 
 /// Speed of light in vacuum, m/s (exact by definition of the metre).
 pub const SPEED_OF_LIGHT_M_S: f64 = 299_792_458.0;
@@ -156,7 +157,7 @@ struct Directions<T> {
 impl<T: Real> Directions<T> {
     /// At an earth-fixed point, and its distance to the axis, m; see [`LocalFrame::at`]. `None` where no direction is up.
     fn at(point: &Vector3<T>) -> Option<(Self, T)> {
-        let radius = point.norm_squared().root();
+        let radius = dot(point, point).root();
         // Also the way out for NaN and infinity, which are within no bounds.
         if !(radius >= T::narrow(1e3) && radius <= T::narrow(1e15)) {
             return None;
@@ -308,7 +309,7 @@ impl<T: Real> Lookout<T> {
     /// A receiver at a point.
     pub(crate) fn at(point: Ecef) -> Self {
         const RATE: f64 = EARTH_ROTATION_RAD_S / SPEED_OF_LIGHT_M_S;
-        let position = Vector3::new(point.x_m, point.y_m, point.z_m).map(T::narrow);
+        let position = Vector3::new(T::narrow(point.x_m), T::narrow(point.y_m), T::narrow(point.z_m));
         let directions =
             Directions::at(&position).map_or_else(Directions::of_origin, |(directions, _)| directions);
         let rate = T::narrow(RATE);
@@ -340,14 +341,14 @@ impl<T: Real> Lookout<T> {
         Sight {
             distance,
             rotation: sight.x * turning_y - sight.y * turning_x,
-            direction: self.axes * sight * distance.rounded.recip(),
+            direction: scaled(distance.rounded.recip(), &product(&self.axes, &sight)),
         }
     }
 
     /// The point that is a vector of east, north, up away, m.
     pub(crate) fn beside(&self, vector: &Vector3<T>) -> Ecef {
-        let away = self.axes.tr_mul(vector).map(T::widen);
-        self.point + Ecef::new(away.x, away.y, away.z)
+        let away = transposed_product(&self.axes, vector);
+        self.point + Ecef::new(away.x.widen(), away.y.widen(), away.z.widen())
     }
 }
 

@@ -43,6 +43,10 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::equations::{MAX_ROWS, Row};
 use crate::numeric::real::Real;
+use crate::numeric::space::{
+    add_outer_product, add_outer_square, difference, dot, identity, matrix_product, matrix_sum, mirror,
+    of_columns, product, scaled, symmetric_determinant, symmetric_product, zero, zeros,
+};
 use crate::report::MAX_EXCLUDED;
 use crate::snapshot::{Fit, Snapshot};
 
@@ -79,7 +83,7 @@ impl<T: Real> Reach<T> {
     /// `S_ij` of two rows, of which another one that is gone for good has taken `a_i a_j`.
     fn coupling(&self, other: &NormalisedRow<T>, shed: T) -> T {
         let shared = if self.clock == other.reach.clock { self.level * other.root } else { T::zero() };
-        -(self.design.dot(&other.gain) + shed + shared)
+        -(dot(&self.design, &other.gain) + shed + shared)
     }
 }
 
@@ -91,11 +95,11 @@ impl<T: Real> NormalisedRow<T> {
             residual: fit.residual * root,
             redundancy: fit.redundancy,
             reach: Reach {
-                design: fit.centred * root,
+                design: scaled(root, &fit.centred),
                 level: root * snapshot.level_variance(row),
                 clock: row.clock.map_or(NO_CLOCK, |clock| clock as u8),
             },
-            gain: fit.gain * root,
+            gain: scaled(root, &fit.gain),
             root,
         }
     }
@@ -229,9 +233,9 @@ pub fn testable_rows<T: Real>(snapshot: &Snapshot<'_, T>, rows: &mut NormalisedR
 #[derive(Clone, Debug, PartialEq)]
 pub struct Removal<T: Real> {
     rows: Vec<NormalisedRow<T>, MAX_EXCLUDED>,
-    /// `S_EE`, padded by an identity.
+    /// `S_EE`, padded by an identity; its lower triangle.
     projection: Matrix3<T>,
-    /// `S_EE⁻¹`, padded by zeros.
+    /// `S_EE⁻¹`, padded by zeros; its lower triangle.
     inverse: Matrix3<T>,
     /// `S_EE⁻¹ r_E`, padded by zeros.
     solved: Vector3<T>,
@@ -252,9 +256,9 @@ impl<T: Real> Removal<T> {
     pub fn none() -> Self {
         Self {
             rows: Vec::new(),
-            projection: Matrix3::identity(),
-            inverse: Matrix3::zeros(),
-            solved: Vector3::zeros(),
+            projection: identity(),
+            inverse: zeros(),
+            solved: zero(),
             explained: T::zero(),
         }
     }
@@ -288,22 +292,26 @@ impl<T: Real> Removal<T> {
     pub(crate) fn grow(&mut self, row: &NormalisedRow<T>) -> Option<()> {
         let couplings = self.couplings(row);
         let (gains, left) = self.left_to(row, &couplings);
-        let mut unit = Vector3::zeros();
+        let mut unit = [T::zero(); MAX_EXCLUDED];
         *unit.get_mut(self.rows.len())? = T::one();
-        let border = couplings * unit.transpose();
-        let corner = unit * unit.transpose() * (row.redundancy - T::one());
-        let projection = self.projection + border + border.transpose() + corner;
+        let unit = Vector3::from(unit);
+        let mut projection = self.projection;
+        add_outer_product(&mut projection, &unit, &couplings);
+        add_outer_product(&mut projection, &unit, &scaled(row.redundancy - T::one(), &unit));
         // The smaller set passed: by interlacing only one eigenvalue can be below the bound, and the sign tells.
-        let shifted = projection - Matrix3::from_diagonal_element(T::UNTESTABLE);
-        if !(shifted.determinant() > T::zero() && left.redundancy > T::zero()) {
+        let mut shifted = projection;
+        shifted.m11 -= T::UNTESTABLE;
+        shifted.m22 -= T::UNTESTABLE;
+        shifted.m33 -= T::UNTESTABLE;
+        if !(symmetric_determinant(&shifted) > T::zero() && left.redundancy > T::zero()) {
             return None;
         }
         self.rows.push(*row).ok()?;
-        let direction = gains - unit;
+        let direction = difference(&gains, &unit);
         let bias = left.residual / left.redundancy;
         self.projection = projection;
-        self.inverse += direction * direction.transpose() / left.redundancy;
-        self.solved -= direction * bias;
+        add_outer_square(&mut self.inverse, &direction, left.redundancy);
+        self.solved = difference(&self.solved, &scaled(bias, &direction));
         self.explained += left.residual * bias;
         Some(())
     }
@@ -318,19 +326,19 @@ impl<T: Real> Removal<T> {
 
     /// `S_Ek`, padded by zeros.
     fn couplings(&self, row: &NormalisedRow<T>) -> Vector3<T> {
-        let mut couplings = Vector3::zeros();
+        let mut couplings = [T::zero(); MAX_EXCLUDED];
         for (slot, member) in couplings.iter_mut().zip(&self.rows) {
             *slot = member.projection(row);
         }
-        couplings
+        couplings.into()
     }
 
     /// `u`, and what a row keeps without this set.
     fn left_to(&self, row: &NormalisedRow<T>, couplings: &Vector3<T>) -> (Vector3<T>, Left<T>) {
-        let gains = self.inverse * couplings;
+        let gains = symmetric_product(&self.inverse, couplings);
         let left = Left {
-            redundancy: row.redundancy - couplings.dot(&gains),
-            residual: row.residual - couplings.dot(&self.solved),
+            redundancy: row.redundancy - dot(couplings, &gains),
+            residual: row.residual - dot(couplings, &self.solved),
         };
         (gains, left)
     }
@@ -351,7 +359,7 @@ impl<T: Real> Removal<T> {
     pub fn sse(&self, rows: &[NormalisedRow<T>]) -> T {
         let stays = |row: &&NormalisedRow<T>| self.rows.iter().all(|member| member.index != row.index);
         rows.iter().filter(stays).fold(T::zero(), |sum, row| {
-            let residual = row.residual - self.couplings(row).dot(&self.solved);
+            let residual = row.residual - dot(&self.couplings(row), &self.solved);
             sum + residual * residual
         })
     }
@@ -363,22 +371,25 @@ impl<T: Real> Removal<T> {
 
     /// Correction of the position without the set, east, north, up, m.
     pub fn correction(&self, snapshot: &Snapshot<'_, T>) -> Vector3<T> {
-        snapshot.correction() - self.gains() * self.solved
+        difference(&snapshot.correction(), &product(&self.gains(), &self.solved))
     }
 
     /// Covariance of that correction, m².
     pub fn covariance(&self, snapshot: &Snapshot<'_, T>) -> Matrix3<T> {
         let gains = self.gains();
-        snapshot.covariance() + gains * self.inverse * gains.transpose()
+        let mut inverse = self.inverse;
+        mirror(&mut inverse);
+        let grown = matrix_product(&matrix_product(&gains, &inverse), &gains.transpose());
+        matrix_sum(snapshot.covariance(), &grown)
     }
 
     /// `A_E`: one column for each row of the set, padded by zeros.
     fn gains(&self) -> Matrix3<T> {
-        let mut gains = Matrix3::zeros();
-        for (mut column, row) in gains.column_iter_mut().zip(&self.rows) {
-            column.copy_from(&row.gain);
+        let mut gains = [zero(); MAX_EXCLUDED];
+        for (column, row) in gains.iter_mut().zip(&self.rows) {
+            *column = row.gain;
         }
-        gains
+        of_columns(&gains)
     }
 }
 

@@ -27,9 +27,11 @@
 //! [Ulrych1976]: crate#references
 //! [Chen2009]: crate#references
 
-use nalgebra::{Cholesky, ComplexField, Matrix3, Vector3};
+use nalgebra::Vector3;
 
+use crate::numeric::cholesky::Cholesky;
 use crate::numeric::real::Real;
+use crate::numeric::space::dot;
 
 /// Differences that the next one is forecast from.
 pub const ORDER: usize = 3;
@@ -105,11 +107,11 @@ impl<T: Real> Iterator for Extrapolation<T> {
 
     fn next(&mut self) -> Option<(T, T)> {
         self.response_squares += self.level_response * self.level_response;
-        let response = self.process.coefficients.dot(&self.response);
+        let response = dot(&self.process.coefficients, &self.response);
         self.level_response += response;
         self.response = shifted(response, &self.response);
 
-        let difference = self.process.coefficients.dot(&self.recent);
+        let difference = dot(&self.process.coefficients, &self.recent);
         self.recent = shifted(difference, &self.recent);
         Some((difference, self.process.variance * self.response_squares))
     }
@@ -132,8 +134,8 @@ fn rows<T: Real>(differences: impl Iterator<Item = Option<T>>) -> impl Iterator<
 }
 
 fn squared_errors<T: Real>(coefficients: &Vector3<T>, [x0, x1, x2, x3]: [T; ORDER + 1]) -> T {
-    let forward = x0 - coefficients.dot(&Vector3::new(x1, x2, x3));
-    let backward = x3 - coefficients.dot(&Vector3::new(x2, x1, x0));
+    let forward = x0 - dot(coefficients, &Vector3::new(x1, x2, x3));
+    let backward = x3 - dot(coefficients, &Vector3::new(x2, x1, x0));
     forward * forward + backward * backward
 }
 
@@ -173,9 +175,11 @@ impl<T: Real> Sums<T> {
     /// `a` where it is determined.
     fn solve(&self) -> Option<Vector3<T>> {
         let Self { c00, c01, c02, c03, c11, c12, .. } = *self;
-        let normal = Matrix3::new(c11, c12, c02, c12, c11, c01, c02, c01, c00);
-        let coefficients = Cholesky::new(normal)?.solve(&Vector3::new(c01, c02, c03));
-        coefficients.iter().all(ComplexField::is_finite).then_some(coefficients)
+        let (zero, one) = (T::zero(), T::one());
+        let normal =
+            [[c11, c12, c02, zero], [c12, c11, c01, zero], [c02, c01, c00, zero], [zero, zero, zero, one]];
+        let [a1, a2, a3, _] = Cholesky::new(&normal)?.solve(&[c01, c02, c03, zero]);
+        (a1.is_finite() && a2.is_finite() && a3.is_finite()).then(|| Vector3::new(a1, a2, a3))
     }
 
     fn variance(&self, squares: T) -> T {

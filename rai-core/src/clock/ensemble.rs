@@ -20,12 +20,11 @@
 //!
 //! [Chen2009]: crate#references
 
-use nalgebra::Vector3;
-
 use super::{CoastingClock, WINDOW};
 use crate::epoch::{Aiding, EpochView};
 use crate::equations::Row;
 use crate::numeric::real::Real;
+use crate::numeric::space::zero;
 use crate::satellite::Constellation;
 use crate::snapshot::{Fit, Snapshot};
 
@@ -178,7 +177,7 @@ fn aiding_row<'s, T: Real>(
 
 /// A row that touches a clock and no coordinate.
 fn is_forecast<T: Real>(row: &Row<T>) -> bool {
-    row.design == Vector3::zeros()
+    row.design == zero()
 }
 
 fn left_out<T: Real>(row: &Row<T>) -> bool {

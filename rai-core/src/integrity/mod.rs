@@ -28,6 +28,7 @@ use residuals::detection::Detection;
 use residuals::exclusion::{Excluded, Exclusion, Outcome, Unidentified, leave_out, leaves_enough, separable};
 use residuals::levels::{Exposure, Factors, Levels, common_shift};
 use residuals::sets::count_up_to;
+use residuals::shift;
 use residuals::tags::{Doubt, RangeRates, Rates, is_suspicious};
 use residuals::threshold::Thresholds;
 use residuals::threshold::policy::{Demand, NoThreshold, Policy};
@@ -276,6 +277,12 @@ fn judge_by_residuals<T: Real>(
         } else if search != Search::Rough && !separable(solution, &exclusion, &criteria.thresholds) {
             exclusion.outcome = Outcome::NotIsolated(Unidentified::Ambiguous);
         }
+    }
+    // As of other sets: what is left out about a rough point is asked about the next.
+    let is_asked = search != Search::Rough || exclusion.outcome == Outcome::Passed;
+    let is_good = test.is_ok() && !matches!(exclusion.outcome, Outcome::NotIsolated(_));
+    if is_asked && is_good && shift::shows(solution.snapshot(), &criteria.thresholds) {
+        exclusion.outcome = Outcome::NotIsolated(Unidentified::Ambiguous);
     }
     let is_believed = searched && search == Search::Rough && exclusion.outcome == Outcome::Isolated;
     let asked = rates.filter(|_| is_odd && !is_believed);

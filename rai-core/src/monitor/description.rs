@@ -9,6 +9,7 @@ use crate::frame::LocalFrame;
 use crate::integrity::residuals::baarda;
 use crate::integrity::{Judgement, Test};
 use crate::numeric::real::Real;
+use crate::numeric::space::dot;
 use crate::report::{MAX_EXCLUDED, Report, Separation, Solution, Suspect, TestStatistic, Verdict};
 use crate::satellite::Constellation;
 use crate::snapshot::Snapshot;
@@ -39,7 +40,7 @@ pub(super) fn suspects<T: Real>(
     let listed = judgement.excluded.iter().filter_map(|excluded| {
         let observation = epoch.observations().get(excluded.index)?;
         let (row, fit) = fix.snapshot().row(excluded.index)?;
-        let predicted_m2 = fit.centred.dot(&fit.gain).widen();
+        let predicted_m2 = dot(&fit.centred, &fit.gain).widen();
         Some(Suspect {
             satellite: observation.satellite,
             w_test: excluded.w_test.widen(),

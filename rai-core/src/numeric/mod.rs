@@ -4,6 +4,7 @@ pub mod absolute;
 pub mod angle;
 pub mod bounds;
 pub mod chi_square;
+pub(crate) mod cholesky;
 pub mod normal;
 pub mod precision;
 pub mod probability;

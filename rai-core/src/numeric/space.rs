@@ -5,47 +5,143 @@
 //! instead, and is then as fast at `opt-level = "s"` as at `2`, in less flash.
 //!
 //! ```text
-//! dot        a·b                 difference   a − b          symmetric_product   S v
-//! scaled     f a                 plus_scaled  a + f b        add_outer_product   S + a bᵀ
+//! dot        a·b                 difference   a − b          product             M v
+//! cross      a × b               plus_scaled  a + f b        transposed_product  Mᵀ v
+//! scaled     f a                 sum          a + b          symmetric_product   S v
+//! products   a_i b_i             magnitudes   |a_i|          matrix_product      A B
+//! trace      tr M                diagonal     M_ii           matrix_sum, matrix_difference  A ± B
+//! add_outer_product  S + a bᵀ    add_outer_square  S + a aᵀ/f    add_whole_outer_product  M + a bᵀ
 //! ```
 //!
 //! A symmetric matrix is read and written in its lower triangle alone: six numbers stay in registers where nine do not.
-
-#![allow(
-    clippy::inline_always,
-    reason = "a call costs more than what is called, in instructions and in bytes"
-)]
 
 use nalgebra::{Matrix3, Vector3};
 
 use super::real::Real;
 
 /// `a·b`.
-#[inline(always)]
+#[inline]
 pub(crate) fn dot<T: Real>(a: &Vector3<T>, b: &Vector3<T>) -> T {
     a.x * b.x + a.y * b.y + a.z * b.z
 }
 
+/// `a × b`.
+#[inline]
+pub(crate) fn cross<T: Real>(a: &Vector3<T>, b: &Vector3<T>) -> Vector3<T> {
+    Vector3::new(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x)
+}
+
+/// A vector of no length.
+#[inline]
+pub(crate) fn zero<T: Real>() -> Vector3<T> {
+    Vector3::new(T::zero(), T::zero(), T::zero())
+}
+
+/// A matrix of nothing else.
+#[inline]
+pub(crate) fn zeros<T: Real>() -> Matrix3<T> {
+    let zero = T::zero();
+    Matrix3::new(zero, zero, zero, zero, zero, zero, zero, zero, zero)
+}
+
+/// The matrix that changes nothing.
+#[inline]
+pub(crate) fn identity<T: Real>() -> Matrix3<T> {
+    let (zero, one) = (T::zero(), T::one());
+    Matrix3::new(one, zero, zero, zero, one, zero, zero, zero, one)
+}
+
 /// `f a`.
-#[inline(always)]
+#[inline]
 pub(crate) fn scaled<T: Real>(factor: T, a: &Vector3<T>) -> Vector3<T> {
     Vector3::new(factor * a.x, factor * a.y, factor * a.z)
 }
 
+/// `a/f`.
+#[inline]
+pub(crate) fn divided<T: Real>(a: &Vector3<T>, divisor: T) -> Vector3<T> {
+    Vector3::new(a.x / divisor, a.y / divisor, a.z / divisor)
+}
+
+/// `a + b`.
+#[inline]
+pub(crate) fn sum<T: Real>(a: &Vector3<T>, b: &Vector3<T>) -> Vector3<T> {
+    Vector3::new(a.x + b.x, a.y + b.y, a.z + b.z)
+}
+
 /// `a − b`.
-#[inline(always)]
+#[inline]
 pub(crate) fn difference<T: Real>(a: &Vector3<T>, b: &Vector3<T>) -> Vector3<T> {
     Vector3::new(a.x - b.x, a.y - b.y, a.z - b.z)
 }
 
 /// `a + f b`.
-#[inline(always)]
+#[inline]
 pub(crate) fn plus_scaled<T: Real>(a: &Vector3<T>, factor: T, b: &Vector3<T>) -> Vector3<T> {
     Vector3::new(a.x + factor * b.x, a.y + factor * b.y, a.z + factor * b.z)
 }
 
+/// Axis by axis, `a_i b_i`.
+#[inline]
+pub(crate) fn products<T: Real>(a: &Vector3<T>, b: &Vector3<T>) -> Vector3<T> {
+    Vector3::new(a.x * b.x, a.y * b.y, a.z * b.z)
+}
+
+/// Axis by axis, `|a_i|`.
+#[inline]
+pub(crate) fn magnitudes<T: Real>(a: &Vector3<T>) -> Vector3<T> {
+    Vector3::new(a.x.abs(), a.y.abs(), a.z.abs())
+}
+
+/// `M_ii`.
+#[inline]
+pub(crate) fn diagonal<T: Real>(matrix: &Matrix3<T>) -> Vector3<T> {
+    Vector3::new(matrix.m11, matrix.m22, matrix.m33)
+}
+
+/// `A + B`.
+#[inline]
+pub(crate) fn matrix_sum<T: Real>(a: &Matrix3<T>, b: &Matrix3<T>) -> Matrix3<T> {
+    let ([a1, a2, a3], [b1, b2, b3]) = (columns(a), columns(b));
+    of_columns(&[sum(&a1, &b1), sum(&a2, &b2), sum(&a3, &b3)])
+}
+
+/// `A − B`.
+#[inline]
+pub(crate) fn matrix_difference<T: Real>(a: &Matrix3<T>, b: &Matrix3<T>) -> Matrix3<T> {
+    let ([a1, a2, a3], [b1, b2, b3]) = (columns(a), columns(b));
+    of_columns(&[difference(&a1, &b1), difference(&a2, &b2), difference(&a3, &b3)])
+}
+
+/// `A B`.
+#[inline(never)]
+pub(crate) fn matrix_product<T: Real>(a: &Matrix3<T>, b: &Matrix3<T>) -> Matrix3<T> {
+    let [b1, b2, b3] = columns(b);
+    of_columns(&[product(a, &b1), product(a, &b2), product(a, &b3)])
+}
+
+/// `M v`.
+#[inline]
+pub(crate) fn product<T: Real>(matrix: &Matrix3<T>, vector: &Vector3<T>) -> Vector3<T> {
+    Vector3::new(
+        matrix.m11 * vector.x + matrix.m12 * vector.y + matrix.m13 * vector.z,
+        matrix.m21 * vector.x + matrix.m22 * vector.y + matrix.m23 * vector.z,
+        matrix.m31 * vector.x + matrix.m32 * vector.y + matrix.m33 * vector.z,
+    )
+}
+
+/// `Mᵀ v`.
+#[inline]
+pub(crate) fn transposed_product<T: Real>(matrix: &Matrix3<T>, vector: &Vector3<T>) -> Vector3<T> {
+    Vector3::new(
+        matrix.m11 * vector.x + matrix.m21 * vector.y + matrix.m31 * vector.z,
+        matrix.m12 * vector.x + matrix.m22 * vector.y + matrix.m32 * vector.z,
+        matrix.m13 * vector.x + matrix.m23 * vector.y + matrix.m33 * vector.z,
+    )
+}
+
 /// `S v` of a symmetric matrix.
-#[inline(always)]
+#[inline]
 pub(crate) fn symmetric_product<T: Real>(matrix: &Matrix3<T>, vector: &Vector3<T>) -> Vector3<T> {
     Vector3::new(
         matrix.m11 * vector.x + matrix.m21 * vector.y + matrix.m31 * vector.z,
@@ -55,7 +151,7 @@ pub(crate) fn symmetric_product<T: Real>(matrix: &Matrix3<T>, vector: &Vector3<T
 }
 
 /// Adds `a bᵀ` to a symmetric matrix.
-#[inline(always)]
+#[inline]
 pub(crate) fn add_outer_product<T: Real>(matrix: &mut Matrix3<T>, a: &Vector3<T>, b: &Vector3<T>) {
     matrix.m11 += a.x * b.x;
     matrix.m21 += a.y * b.x;
@@ -63,4 +159,68 @@ pub(crate) fn add_outer_product<T: Real>(matrix: &mut Matrix3<T>, a: &Vector3<T>
     matrix.m31 += a.z * b.x;
     matrix.m32 += a.z * b.y;
     matrix.m33 += a.z * b.z;
+}
+
+/// Adds `a aᵀ/f` to a symmetric matrix.
+#[inline]
+pub(crate) fn add_outer_square<T: Real>(matrix: &mut Matrix3<T>, a: &Vector3<T>, divisor: T) {
+    matrix.m11 += a.x * a.x / divisor;
+    matrix.m21 += a.y * a.x / divisor;
+    matrix.m22 += a.y * a.y / divisor;
+    matrix.m31 += a.z * a.x / divisor;
+    matrix.m32 += a.z * a.y / divisor;
+    matrix.m33 += a.z * a.z / divisor;
+}
+
+/// Adds `a bᵀ` to a matrix that is not symmetric.
+#[inline]
+pub(crate) fn add_whole_outer_product<T: Real>(matrix: &mut Matrix3<T>, a: &Vector3<T>, b: &Vector3<T>) {
+    add_outer_product(matrix, a, b);
+    matrix.m12 += a.x * b.y;
+    matrix.m13 += a.x * b.z;
+    matrix.m23 += a.y * b.z;
+}
+
+/// Copies the lower triangle to the upper one.
+#[inline]
+pub(crate) fn mirror<T: Real>(matrix: &mut Matrix3<T>) {
+    matrix.m12 = matrix.m21;
+    matrix.m13 = matrix.m31;
+    matrix.m23 = matrix.m32;
+}
+
+/// `tr M`.
+#[inline]
+pub(crate) fn trace<T: Real>(matrix: &Matrix3<T>) -> T {
+    matrix.m11 + matrix.m22 + matrix.m33
+}
+
+/// `det S` of a symmetric matrix.
+#[inline]
+pub(crate) fn symmetric_determinant<T: Real>(matrix: &Matrix3<T>) -> T {
+    matrix.m11 * (matrix.m22 * matrix.m33 - matrix.m32 * matrix.m32)
+        - matrix.m21 * (matrix.m21 * matrix.m33 - matrix.m31 * matrix.m32)
+        + matrix.m31 * (matrix.m21 * matrix.m32 - matrix.m31 * matrix.m22)
+}
+
+/// Its columns.
+#[inline]
+pub(crate) fn columns<T: Real>(matrix: &Matrix3<T>) -> [Vector3<T>; 3] {
+    [
+        Vector3::new(matrix.m11, matrix.m21, matrix.m31),
+        Vector3::new(matrix.m12, matrix.m22, matrix.m32),
+        Vector3::new(matrix.m13, matrix.m23, matrix.m33),
+    ]
+}
+
+/// The matrix of three columns.
+#[inline]
+pub(crate) fn of_columns<T: Real>([first, second, third]: &[Vector3<T>; 3]) -> Matrix3<T> {
+    #[rustfmt::skip]
+    let matrix = Matrix3::new(
+        first.x, second.x, third.x,
+        first.y, second.y, third.y,
+        first.z, second.z, third.z,
+    );
+    matrix
 }

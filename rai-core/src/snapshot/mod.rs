@@ -43,6 +43,7 @@ use nalgebra::{Matrix3, Vector3};
 use crate::equations::{References, Row};
 use crate::numeric::absolute::Absolute;
 use crate::numeric::real::Real;
+use crate::numeric::space::{dot, product, zero};
 use crate::satellite::Constellation;
 
 mod solution;
@@ -106,8 +107,8 @@ impl<T: Real> Fit<T> {
     /// Of a row about which nothing has been said.
     fn nothing() -> Self {
         Self {
-            centred: Vector3::zeros(),
-            gain: Vector3::zeros(),
+            centred: zero(),
+            gain: zero(),
             residual: T::zero(),
             redundancy: T::zero(),
             test_weight: T::zero(),
@@ -297,7 +298,7 @@ impl<T: Real> Snapshot<'_, T> {
     /// Receiver clock of a constellation times the speed of light, m; `None` where it has no row that takes part.
     pub fn clock_m(&self, constellation: Constellation) -> Option<f64> {
         let group = self.solved.solution.groups.of_clock(constellation)?;
-        let relative = group.residual - group.design.dot(&self.solved.solution.correction);
+        let relative = group.residual - dot(&group.design, &self.solved.solution.correction);
         Some(self.reference_m(constellation)? + relative.widen())
     }
 
@@ -309,7 +310,8 @@ impl<T: Real> Snapshot<'_, T> {
     /// Variance of [`Self::clock_m`], m²: `1/W_c + h̄_c P h̄_cᵀ`.
     pub fn clock_variance(&self, constellation: Constellation) -> Option<T> {
         let group = self.solved.solution.groups.of_clock(constellation)?;
-        Some(group.variance + group.design.dot(&(self.solved.solution.covariance * group.design)))
+        let gain = product(&self.solved.solution.covariance, &group.design);
+        Some(group.variance + dot(&group.design, &gain))
     }
 
     /// Variance `1/W_c` of the clock that a row touches, the position known, m²; 0 where no row determines it.
@@ -328,7 +330,7 @@ impl<T: Real> Snapshot<'_, T> {
             (Some(a), Some(b)) if a == b => self.level_variance(row_i),
             _ => T::zero(),
         };
-        Some(-(row_i.weight * row_j.weight).sqrt() * (shared + fit_i.centred.dot(&fit_j.gain)))
+        Some(-(row_i.weight * row_j.weight).sqrt() * (shared + dot(&fit_i.centred, &fit_j.gain)))
     }
 
     /// Horizontal and vertical dilution of precision, dimensionless, of the unweighted geometry.

@@ -9,7 +9,10 @@ use super::{Fit, SnapshotError, Statistics};
 use crate::bit_set::members;
 use crate::equations::Row;
 use crate::numeric::real::Real;
-use crate::numeric::space::{add_outer_product, difference, dot, plus_scaled, scaled, symmetric_product};
+use crate::numeric::space::{
+    add_outer_product, add_whole_outer_product, difference, dot, plus_scaled, scaled, symmetric_product,
+    trace, zero, zeros,
+};
 use crate::satellite::Constellation;
 
 /// The weighted means of the rows that touch one clock.
@@ -25,13 +28,7 @@ pub(super) struct Group<T: Real> {
 
 impl<T: Real> Group<T> {
     fn empty() -> Self {
-        Self {
-            count: 0,
-            weight: T::zero(),
-            variance: T::zero(),
-            design: Vector3::zeros(),
-            residual: T::zero(),
-        }
+        Self { count: 0, weight: T::zero(), variance: T::zero(), design: zero(), residual: T::zero() }
     }
 
     #[inline]
@@ -46,7 +43,7 @@ impl<T: Real> Group<T> {
     fn centre(&mut self) {
         if self.count > 0 {
             self.variance = self.weight.recip();
-            self.design *= self.variance;
+            self.design = scaled(self.variance, &self.design);
             self.residual *= self.variance;
         }
     }
@@ -58,7 +55,7 @@ impl<T: Real> Group<T> {
         if row.clock.is_some() {
             self.variance = self.weight.recip();
             let share = row.weight * self.variance;
-            self.design -= centred * share;
+            self.design = difference(&self.design, &scaled(share, centred));
             self.residual -= (row.residual - self.residual) * share;
         }
     }
@@ -105,7 +102,7 @@ impl<T: Real> Groups<T> {
         self.set(here, &sums);
         let [of_clocks @ .., clockless] = &mut self.0;
         of_clocks.iter_mut().for_each(Group::centre);
-        (clockless.design, clockless.residual) = (Vector3::zeros(), T::zero());
+        (clockless.design, clockless.residual) = (zero(), T::zero());
     }
 
     /// That of a place.
@@ -158,15 +155,16 @@ impl<T: Real> Groups<T> {
     /// `h̄_c P h̄_cᵀ` of a clock is at most the trace of `P`, no mean of unit vectors being longer than 1.
     fn largest_trace(&self, covariance: &Matrix3<T>) -> T {
         let sum = |of: fn(&Group<T>) -> T| self.0.iter().fold(T::zero(), |sum, group| sum + of(group));
-        let positions = T::narrow((Constellation::COUNT + 1) as f64) * covariance.trace();
+        let positions = T::narrow((Constellation::COUNT + 1) as f64) * trace(covariance);
         sum(|group| group.weight) * (sum(|group| group.variance) + positions)
     }
 
     /// Trace of the covariance of all unknowns, clocks included.
     fn trace(&self, covariance: &Matrix3<T>) -> T {
-        let clocks =
-            self.of_clocks().map(|group| group.variance + group.design.dot(&(covariance * group.design)));
-        clocks.fold(covariance.trace(), |sum, term| sum + term)
+        let clocks = self
+            .of_clocks()
+            .map(|group| group.variance + dot(&group.design, &symmetric_product(covariance, &group.design)));
+        clocks.fold(trace(covariance), |sum, term| sum + term)
     }
 }
 
@@ -209,8 +207,8 @@ impl<T: Real> Solution<T> {
     pub(crate) fn none() -> Self {
         Self {
             groups: Groups::empty(),
-            covariance: Matrix3::zeros(),
-            correction: Vector3::zeros(),
+            covariance: zeros(),
+            correction: zero(),
             largest_trace: T::zero(),
             used: 0,
             dof: 0,
@@ -233,7 +231,7 @@ impl<T: Real> Solution<T> {
             self.used.checked_sub(3 + groups.of_clocks().count()).ok_or(SnapshotError::Insufficient)?;
         let equations = NormalEquations::of(rows.clone(), groups, |row| row.weight);
         self.covariance = invert(&equations.normal)?;
-        self.correction = self.covariance * equations.right_hand_side;
+        self.correction = symmetric_product(&self.covariance, &equations.right_hand_side);
         self.largest_trace = groups.largest_trace(&self.covariance);
         if self.largest_trace < T::SINGULAR || is_determined(rows) {
             Ok(())
@@ -269,8 +267,8 @@ impl<T: Real> Solution<T> {
             return false;
         };
         self.groups.leave_out(row, &fit.centred);
-        self.covariance += fit.gain * (fit.gain * fit.test_weight).transpose();
-        self.correction -= fit.gain * (fit.test_weight * fit.residual);
+        add_whole_outer_product(&mut self.covariance, &fit.gain, &scaled(fit.test_weight, &fit.gain));
+        self.correction = difference(&self.correction, &scaled(fit.test_weight * fit.residual, &fit.gain));
         self.largest_trace = largest_trace;
         (self.used, self.dof) = (self.used.saturating_sub(1), dof);
         true
@@ -423,7 +421,7 @@ impl<T: Real> NormalEquations<T> {
         groups: &Groups<T>,
         weight: impl Fn(&Row<T>) -> T,
     ) -> Self {
-        let (mut normal, mut right_hand_side) = (Matrix3::zeros(), Vector3::zeros());
+        let (mut normal, mut right_hand_side) = (zeros(), zero());
         let mut groups = groups.of_rows();
         // One without weight adds nothing, for which it need not be asked.
         for row in rows {

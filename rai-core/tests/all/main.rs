@@ -30,6 +30,7 @@ mod rivals;
 mod satellites;
 mod separation;
 mod separation_symmetries;
+mod shift;
 mod single;
 mod sky;
 mod solved;

@@ -1,5 +1,5 @@
-//! Whether another set of satellites explains the data as well as the one that was left out, against dense least squares
-//! solved anew without each set of up to three.
+//! Whether another set of satellites explains the data as well as the one that was left out, or a constellation at a place of its own,
+//! against dense least squares solved anew without each set of up to three, and with a place for each constellation.
 #![allow(clippy::unwrap_used, clippy::indexing_slicing)]
 
 use nalgebra::{DMatrix, DVector, Vector3};
@@ -15,6 +15,8 @@ use crate::sky::SIGMA_M;
 use crate::solved::solved;
 
 const SKIES: u64 = 3000;
+/// Satellites of each of two constellations from which on their places are held against each other.
+const TESTED: usize = 5;
 const SYSTEMS: [Constellation; 2] = [Constellation::Gps, Constellation::Galileo];
 
 /// How near to a limit rounding may decide, as a share of what is compared.
@@ -86,7 +88,27 @@ impl Sky {
         let design = self.design(without);
         let residuals = DVector::from_iterator(design.nrows(), self.kept(without).map(|(.., m)| m / SIGMA_M));
         let solved = design.clone().svd(true, true).solve(&residuals, 1e-12).unwrap();
-        ((&residuals - &design * solved).norm_squared(), design.nrows() - design.ncols())
+        let clocks = (0..SYSTEMS.len()).filter(|&clock| self.kept(without).any(|row| row.1 == clock)).count();
+        ((&residuals - &design * solved).norm_squared(), design.nrows() - 3 - clocks)
+    }
+
+    /// The same of all rows with a place for each of two constellations. One of four satellites or fewer has a place whatever they say;
+    /// `None` where only those are to blame.
+    fn left_by_places(&self) -> Option<(f64, usize)> {
+        let of = |clock: usize| {
+            let others = self.rows.iter().enumerate().filter(|(_, row)| row.1 != clock);
+            let without: Vec<usize> = others.map(|(index, _)| index).collect();
+            let is_tested = self.rows.len() - without.len() >= TESTED;
+            let has_blamed = self.faulty.iter().any(|row| !without.contains(row));
+            is_tested.then_some((without, has_blamed))
+        };
+        if self.rows.iter().all(|row| row.1 == 0) {
+            return None;
+        }
+        let parts: Vec<_> = (0..SYSTEMS.len()).filter_map(of).collect();
+        let left = parts.iter().map(|(without, _)| self.left(without));
+        let total = left.fold((0.0, 0), |total, left| (total.0 + left.0, total.1 + left.1));
+        parts.iter().any(|&(_, has_blamed)| has_blamed).then_some(total)
     }
 
     /// Smallest eigenvalue of the block of `I − A(AᵀA)⁻¹Aᵀ` that belongs to a set: 0 where its rows are needed.
@@ -99,12 +121,22 @@ impl Sky {
         block.symmetric_eigenvalues().min()
     }
 
-    /// Whether no other set of as many satellites or fewer passes the test within `T_d²`; `None` where rounding decides.
+    /// Whether no other set of as many satellites or fewer passes the test within `T_d²`, nor places of their own within as much, or
+    /// beside one satellite with less; `None` where rounding decides.
     fn is_unrivalled(&self) -> Option<bool> {
         let thresholds = thresholds();
         let margin = thresholds.w_test::<f64>(self.rows.len()).unwrap().powi(2);
         let (found, _) = self.left(&self.faulty);
+        let near = |value: f64, limit: f64| (value - limit).abs() < CLOSE * limit;
         let mut unrivalled = true;
+        if let Some((sse, dof)) = self.left_by_places() {
+            let most = found + if self.faulty.len() > 1 { margin } else { 0.0 };
+            let threshold = thresholds.tau1(dof)?;
+            if near(sse, most) || near(sse, threshold) {
+                return None;
+            }
+            unrivalled &= sse > most || sse > threshold;
+        }
         for set in sets(self.rows.len(), self.faulty.len()) {
             let redundancy = self.redundancy(&set);
             if set.iter().all(|row| self.faulty.contains(row)) || redundancy < f64::UNTESTABLE / 2.0 {
@@ -115,7 +147,6 @@ impl Sky {
             if sse > 2.0 * (found + margin + threshold) {
                 continue;
             }
-            let near = |value: f64, limit: f64| (value - limit).abs() < CLOSE * limit;
             if redundancy < 2.0 * f64::from(f32::UNTESTABLE)
                 || near(sse, found + margin)
                 || near(sse, threshold)

@@ -17,6 +17,7 @@
 //! | [`faulty_orbit`] | a satellite that is not where it says |
 //! | [`clock_ramp`] | too few satellites, and a clock forecast that follows the fault |
 //! | [`several_faults`] | two to four satellites wrong at once |
+//! | [`shifted_system`] | all satellites of a system wrong at once, in agreement |
 //! | [`early_ephemeris`] | ephemerides for later that come first, and crowds of absent satellites |
 //! | [`ionosphere`] | one frequency under a dense ionosphere; coefficients that nobody sent |
 //! | [`health`] | signals that one message calls healthy and another out of service |
@@ -25,7 +26,7 @@
 //! | [`odd_ranges`] | messages of ranges that are empty, ahead, apart, or of another week |
 //! | [`forged_frames`] | frames that say another time, week or place, or other leap seconds |
 //! | [`week_edge`] | a receiver that starts shortly before a week ends, and dates sets with it; the end of a cycle of weeks |
-//! | [`two_stations`] | the ranges of a reference station on the receiver's line; a receiver in a tunnel |
+//! | [`two_stations`] | the ranges of a reference station on the receiver's line; a receiver in a tunnel; one that says everything twice |
 //! | [`settings`] | a time to alert that hides a silence; restarts that make settings nobody's; a promise that nothing fails |
 //! | [`learned_sigmas`] | sigmas that quiet minutes made small, used for what these say nothing of |
 //! | [`wrong_tags`] | time tags wrong by milliseconds, every method and policy, and sigmas that learn from them |
@@ -53,6 +54,7 @@ mod odd_ranges;
 mod recordings;
 mod settings;
 pub mod several_faults;
+mod shifted_system;
 mod single_fault;
 mod suspicions;
 mod two_stations;
@@ -107,6 +109,8 @@ pub const ATTACKS: &[&Attack] = &[
     &clock_ramp::ATTACK,
     &several_faults::PAIRS,
     &several_faults::CHOSEN,
+    &shifted_system::WHOLE,
+    &shifted_system::FEW,
     &early_ephemeris::EARLY,
     &early_ephemeris::ABSENT,
     &early_ephemeris::CROWD,
@@ -136,6 +140,7 @@ pub const ATTACKS: &[&Attack] = &[
     &two_stations::ATTACK,
     &two_stations::TUNNEL,
     &two_stations::NAMESAKE,
+    &two_stations::TWICE,
     &settings::TIME_TO_ALERT,
     &settings::RESTARTS,
     &settings::NEVER,

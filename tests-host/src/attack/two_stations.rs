@@ -1,7 +1,7 @@
 //! Ranges of a reference station on the receiver's own line, as corrections for it come.
 //!
 //! The station is 11 km away; its frames come before the receiver's in each second but the first, and its ephemerides are the same. For a
-//! while the receiver is silent, and only the station goes on.
+//! while the receiver is silent, and only the station goes on. And a receiver that says everything twice, which is no station beside it.
 
 use anyhow::Result;
 
@@ -11,6 +11,7 @@ use super::victim::Victim;
 use super::{Attack, Effort, Figure};
 use crate::checksum::rtcm_frame;
 use crate::encode::Frequency;
+use crate::measurement::MeasuredSignal;
 use crate::sky::raw::Simulation;
 
 /// The attack.
@@ -32,6 +33,13 @@ pub(super) const NAMESAKE: Attack = Attack {
     name: "namesake",
     about: "after half a minute the ranges of a base 55 m to 11 km away, of the receiver's own station number, before or behind its own",
     run: namesake,
+};
+
+/// A receiver that says everything twice.
+pub(super) const TWICE: Attack = Attack {
+    name: "twice",
+    about: "every epoch comes twice, with two codes of one band that a reflection sets 12 m apart",
+    run: twice,
 };
 
 /// North of the receiver, degrees.
@@ -152,6 +160,26 @@ fn namesake(_: Effort) -> Result<Vec<Figure>> {
     }
     let mut figures = beside.figures(0.0);
     figures.push(Figure::at_least("promised before", alone.promised as f64, 6.0 * ALONE as f64));
+    Ok(figures)
+}
+
+fn twice(_: Effort) -> Result<Vec<Figure>> {
+    let mut sky = Sky::quiet(60, 3)?;
+    for raw in sky.recording.epochs.iter_mut().flat_map(|epoch| &mut epoch.satellites) {
+        // P beside C/A, which a wall reflects.
+        let of_gps = raw.signals.iter_mut().find(|signal| signal.band == 1);
+        if let Some(signal) = of_gps {
+            let coded = MeasuredSignal { attribute: 'W', ..*signal };
+            signal.pseudorange_m += 12.0;
+            raw.signals.push(coded);
+        }
+    }
+    let (mut victim, mut tally) = (Victim::new(&[], 1.0)?, Tally::default());
+    for (bytes, epoch) in sky.bytes(|_, _| {})?.into_iter().zip(&sky.recording.epochs) {
+        tally.add_all(&victim.hear(&[bytes, sky.ranges(epoch)?].concat(), sky.truth)?);
+    }
+    let mut figures = tally.figures(0.0);
+    figures.push(Figure::at_least("promised", tally.promised as f64, 60.0));
     Ok(figures)
 }
 

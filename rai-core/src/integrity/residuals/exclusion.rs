@@ -26,6 +26,7 @@ use heapless::Vec;
 
 use super::detection::Detection;
 use super::sets::{Work, count_up_to, each_of_size};
+use super::shift;
 use super::threshold::Thresholds;
 use crate::bounded::gather;
 use crate::equations::MAX_ROWS;
@@ -121,7 +122,8 @@ pub fn leaves_enough(excluded: usize, dof: usize) -> bool {
     dof >= excluded
 }
 
-/// True when no other exclusion of as many rows or fewer explains the data nearly as well as the one found.
+/// True when no other exclusion of as many rows or fewer explains the data nearly as well as the one found, nor a constellation at a
+/// place of its own.
 ///
 /// The rows left out are taken back together, and left out again: `solution` ends as it began.
 #[inline(never)]
@@ -131,10 +133,12 @@ pub fn separable<T: Real>(
     thresholds: &Thresholds<'_>,
 ) -> bool {
     let set: Vec<usize, MAX_EXCLUDED> = gather(exclusion.rows.iter().map(|excluded| excluded.index));
+    let found = solution.snapshot().sse();
     if solution.take_back(&set).is_err() {
         return false;
     }
-    let unrivalled = is_unrivalled(solution.snapshot(), &set, thresholds);
+    let unrivalled = is_unrivalled(solution.snapshot(), &set, thresholds)
+        && !shift::rivals(solution.snapshot(), &set, found, thresholds);
     solution.set_aside(&set).is_ok() && unrivalled
 }
 

@@ -56,7 +56,7 @@
 //! [Yang2015]: crate#references
 //! [Brown1992]: crate#references
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Matrix3;
 
 use crate::bit_set::{bit, first};
 use crate::equations::Row;
@@ -64,6 +64,7 @@ use crate::numeric::chi_square::LARGEST;
 use crate::numeric::normal;
 use crate::numeric::probability::Probability;
 use crate::numeric::real::Real;
+use crate::numeric::space::{dot, plus_scaled, zero};
 use crate::report::ProtectionLevels;
 use crate::snapshot::{Fit, Snapshot, Solution, SquaredSlopes, infinity, larger};
 use crate::weighting::COMMON_SIGMAS;
@@ -114,7 +115,7 @@ fn by_the_others<T: Real>(snapshot: &Snapshot<'_, T>, index: usize) -> Option<Sq
     let mut solution = Solution::none();
     solution.solve_set(rows, first(rows.len()) & !bit(index)).ok()?;
     let fit = solution.fit(row);
-    let predicted = solution.level_variance(row) + fit.centred.dot(&fit.gain);
+    let predicted = solution.level_variance(row) + dot(&fit.centred, &fit.gain);
     let redundancy = (T::one() + row.weight * predicted).recip();
     if !(redundancy >= T::UNTESTABLE) {
         return None;
@@ -165,10 +166,10 @@ impl<T: Real> Slopes<T> {
 ///
 /// `common_m` are the `m_i` of the first rows; the rows after them share nothing.
 pub fn common_shift<T: Real>(snapshot: &Snapshot<'_, T>, common_m: &[f32]) -> ProtectionLevels {
-    let mut shift = Vector3::zeros();
+    let mut shift = zero();
     for ((row, fit), &common_m) in snapshot.rows().zip(common_m) {
         if common_m > 0.0 {
-            shift += fit.gain * (row.weight * T::narrow(f64::from(common_m)));
+            shift = plus_scaled(&shift, row.weight * T::narrow(f64::from(common_m)), &fit.gain);
         }
     }
     let sigmas = f64::from(COMMON_SIGMAS);

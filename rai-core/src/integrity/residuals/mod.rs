@@ -6,6 +6,7 @@
 //! | [`detection`], [`threshold`] | is something wrong? |
 //! | [`baarda`], [`parity`], [`ransac`] | which satellites is it? |
 //! | [`exclusion`], [`sets`] | how did it end, and would another exclusion have done as well? |
+//! | [`shift`] | would a constellation at a place of its own have done? |
 //! | [`tags`] | would a wrong time of all ranges have done? |
 //! | [`levels`] | how wrong could we be without noticing? |
 
@@ -16,6 +17,7 @@ pub mod levels;
 pub mod parity;
 pub mod ransac;
 pub mod sets;
+pub mod shift;
 pub mod tags;
 pub mod threshold;
 

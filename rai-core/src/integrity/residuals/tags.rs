@@ -39,7 +39,6 @@
 //! explains as much by chance as a satellite does.
 
 use heapless::Vec;
-use nalgebra::Vector3;
 
 use super::detection::Detection;
 use super::exclusion::Exclusion;
@@ -50,6 +49,7 @@ use crate::bounded::{fill, gather};
 use crate::epoch::EpochView;
 use crate::equations::{MAX_ROWS, Row};
 use crate::numeric::real::Real;
+use crate::numeric::space::{dot, plus_scaled, product, zero};
 use crate::removal::{NormalisedRow, NormalisedRows, Removal, Standing, testable_rows};
 use crate::report::MAX_EXCLUDED;
 use crate::satellite::{Constellation, SatelliteId};
@@ -238,13 +238,13 @@ impl<T: Real> Column<T> {
         let mean = |clock: Option<Constellation>| {
             clock.and_then(|clock| means.get(clock as usize)).copied().unwrap_or_else(T::zero)
         };
-        let (gradient, whole) =
-            used().fold((Vector3::zeros(), T::zero()), |(sum, whole), ((row, fit), rate)| {
-                let centred = rate - mean(row.clock);
-                (sum + fit.centred * (row.weight * centred), whole + row.weight * centred * centred)
-            });
-        let place = snapshot.covariance() * gradient;
-        let left = |row: &Row<T>, fit: &Fit<T>, rate: T| rate - mean(row.clock) - fit.centred.dot(&place);
+        let (gradient, whole) = used().fold((zero(), T::zero()), |(sum, whole), ((row, fit), rate)| {
+            let centred = rate - mean(row.clock);
+            let sum = plus_scaled(&sum, row.weight * centred, &fit.centred);
+            (sum, whole + row.weight * centred * centred)
+        });
+        let place = product(snapshot.covariance(), &gradient);
+        let left = |row: &Row<T>, fit: &Fit<T>, rate: T| rate - mean(row.clock) - dot(&fit.centred, &place);
         let (square, product) =
             used().fold((T::zero(), T::zero()), |(square, product), ((row, fit), rate)| {
                 let left = left(row, fit, rate);
@@ -294,7 +294,7 @@ impl<T: Real> Column<T> {
 #[cfg(test)]
 #[allow(clippy::unwrap_used, clippy::indexing_slicing)]
 mod tests {
-    use nalgebra::{DMatrix, DVector};
+    use nalgebra::{DMatrix, DVector, Vector3};
 
     use super::*;
     use crate::equations::LinearEpoch;

@@ -262,7 +262,7 @@ fn exclude<T: Real>(
     factors: [T; 3],
 ) -> Result<Outcome<T>, SeparationError> {
     let mut left = options;
-    let limits = Vector3::from(factors).map(|factor| factor * factor * T::narrow(1.0 + MARGIN));
+    let limits = Vector3::from(factors.map(|factor| factor * factor * T::narrow(1.0 + MARGIN)));
     for _ in 0..MOST_TRIED {
         let Some(excluded) = next(watch, solving, epoch.view(), priors, &left, &limits) else { break };
         let rows = watch.modes.taken_by(excluded);

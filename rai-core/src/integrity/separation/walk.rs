@@ -15,6 +15,7 @@ use super::{Finding, MAX_MODES, SeparationError};
 use crate::allocation::Allocation;
 use crate::numeric::normal::quantile;
 use crate::numeric::real::Real;
+use crate::numeric::space::{products, zero};
 use crate::satellite::Constellation;
 use crate::snapshot::infinity;
 
@@ -247,7 +248,7 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
             skips_singular: count.singular,
             not_watched: watch.not_watched + newly,
             factors,
-            squared_factors: factors.component_mul(&factors),
+            squared_factors: products(&factors, &factors),
             gate: Gate::closed(),
             quantiles: Quantiles::none(),
             has_reference: false,
@@ -344,8 +345,8 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
             return;
         };
         self.taken += 1;
-        let thresholds = solution.separation.component_mul(&self.squared_factors);
-        let distances = solution.shift.component_mul(&solution.shift);
+        let thresholds = products(&solution.separation, &self.squared_factors);
+        let distances = products(&solution.shift, &solution.shift);
         let worst = self.worst;
         // What is no worse than the worst so far alarms no more than it does. What is not a number is worse.
         let is_worse = |distance: T, threshold: T| !(distance <= worst * threshold);
@@ -361,14 +362,15 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
         if self.solutions.has_bias() {
             self.add_biased(mode, &solution, &thresholds);
         } else if !self.gate.is_clear(mode, &thresholds, &solution.variance) {
-            self.add(mode, &solution, &thresholds, &Vector3::zeros());
+            self.add(mode, &solution, &thresholds, &zero());
         }
     }
 
     /// Takes note of the largest separation so far.
     #[inline(never)]
     fn note(&mut self, distances: &Vector3<T>, thresholds: &Vector3<T>) {
-        for (&distance, &threshold) in distances.iter().zip(thresholds) {
+        let axes = [(distances.x, thresholds.x), (distances.y, thresholds.y), (distances.z, thresholds.z)];
+        for (distance, threshold) in axes {
             // Rounding can take a variance of nothing below nothing.
             let threshold = if threshold < T::zero() { T::zero() } else { threshold };
             if !(distance <= threshold) {

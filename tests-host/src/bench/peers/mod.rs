@@ -38,7 +38,7 @@ All: 20 satellites of GPS and BeiDou, their positions at the instant of sending,
 120 m on G03, two are that and -95 m on G06. Orbits, atmosphere and velocity are neither needed nor counted.
 
 RAI: the method BAARDA with the requirements of a non-precision approach, thresholds from its tables; up to three satellites out;
-HPL and VPL of what is left. Each epoch is the first of its monitor. Compiled as shipped, the core at opt-level 3.
+HPL and VPL of what is left. Each epoch is the first of its monitor. Compiled as shipped, the core at opt-level 2.
 
 libswiftnav, of swiftnav-sys 0.10.0: calc_PVT, RAIM on, velocity off, all constellations, no mask; its log and its assertions off.
 Its noise model gives a sigma of 2 m by the strength of the signals, all at the zenith. A fault is an rms of the residuals above 2.5

@@ -29,13 +29,15 @@
 //! [Tian2024]: crate#references
 
 use heapless::Vec;
-use nalgebra::{Matrix4, Vector3, Vector4};
+use nalgebra::Vector3;
 
-use super::tetrahedra::{Corner, Work, inverted, largest};
+use super::tetrahedra::{Corner, Work, largest, with_clock};
 use crate::bit_set::bit;
 use crate::bounded::{fill, gather};
 use crate::equations::{MAX_ROWS, Row};
+use crate::numeric::cholesky::{Cholesky, Matrix, ORDER, Vector, add_outer_product, dot, product};
 use crate::numeric::real::Real;
+use crate::numeric::space::zero;
 use crate::satellite::Constellation;
 
 /// Subsets at most, of four rows each: as many as all rows of one constellation give.
@@ -142,8 +144,8 @@ struct Candidate<T: Real> {
 
 impl<T: Real> Candidate<T> {
     /// `h`, with the common clock.
-    fn row(&self) -> Vector4<T> {
-        self.design.push(T::one())
+    fn row(&self) -> Vector<T> {
+        with_clock(&self.design)
     }
 }
 
@@ -151,27 +153,36 @@ impl<T: Real> Candidate<T> {
 struct Subset<T: Real> {
     size: usize,
     /// `G`; zero where the first four lie in a plane, and nothing improves that.
-    covariance: Matrix4<T>,
+    covariance: Matrix<T>,
 }
 
 impl<T: Real> Subset<T> {
     #[inline(never)]
-    fn of(rows: impl Iterator<Item = Vector4<T>>) -> Self {
-        let (size, normal) =
-            rows.fold((0, Matrix4::zeros()), |(size, sum), row| (size + 1, sum + row * row.transpose()));
-        let covariance = inverted(normal).map_or(Matrix4::zeros(), |(inverse, _)| inverse);
+    fn of(rows: impl Iterator<Item = Vector<T>>) -> Self {
+        let nothing = [[T::zero(); ORDER]; ORDER];
+        let (mut size, mut normal) = (0, nothing);
+        for row in rows {
+            size += 1;
+            add_outer_product(&mut normal, &row, &row);
+        }
+        let covariance = Cholesky::new(&normal).map_or(nothing, |factor| factor.inverse());
         Self { size, covariance }
     }
 
     /// `ΔGDOP²` of one more row.
-    fn contribution(&self, row: &Vector4<T>) -> T {
-        let gain = self.covariance * row;
-        gain.dot(&gain) / (T::one() + row.dot(&gain))
+    fn contribution(&self, row: &Vector<T>) -> T {
+        let gain = product(&self.covariance, row);
+        dot(&gain, &gain) / (T::one() + dot(row, &gain))
     }
 
-    fn add(&mut self, row: &Vector4<T>) {
-        let gain = self.covariance * row;
-        self.covariance -= gain * gain.transpose() / (T::one() + row.dot(&gain));
+    fn add(&mut self, row: &Vector<T>) {
+        let gain = product(&self.covariance, row);
+        let length = T::one() + dot(row, &gain);
+        for (column, &of_column) in self.covariance.iter_mut().zip(&gain) {
+            for (entry, &of_row) in column.iter_mut().zip(&gain) {
+                *entry -= of_row * of_column / length;
+            }
+        }
         self.size += 1;
     }
 }
@@ -190,7 +201,7 @@ impl<T: Real> Dealer<T> {
 
     fn take_candidates(&mut self, rows: &[Row<T>]) {
         let satellites = rows.iter().enumerate().filter_map(|(index, row)| {
-            let takes_part = row.weight > T::zero() && row.design != Vector3::zeros();
+            let takes_part = row.weight > T::zero() && row.design != zero();
             let clock = row.clock.filter(|_| takes_part)?;
             Some(Candidate { index, clock, design: row.design, subset: None })
         });

@@ -34,12 +34,14 @@
 //! [Kiefer1960]: crate#references
 
 use heapless::Vec;
-use nalgebra::{Cholesky, Matrix4, Vector3, Vector4};
+use nalgebra::Vector3;
 
 use crate::bit_set::{above, bit, members};
 use crate::bounded::{fill, gather};
 use crate::equations::MAX_ROWS;
+use crate::numeric::cholesky::{Cholesky, Matrix, ORDER, Vector, add_outer_product, dot, product, trace};
 use crate::numeric::real::Real;
+use crate::numeric::space::{self, cross, difference};
 
 /// Exchanges of a corner at most; in a sky of 40 it takes nine as a rule.
 const EXCHANGES: usize = 32;
@@ -101,13 +103,13 @@ struct Plane<T: Real> {
 
 impl<T: Real> Plane<T> {
     fn through([a, b, c]: [&Corner<'_, T>; 3]) -> Self {
-        let normal = (b.1 - a.1).cross(&(c.1 - a.1));
-        Self { normal, level: normal.dot(a.1) }
+        let normal = cross(&difference(b.1, a.1), &difference(c.1, a.1));
+        Self { normal, level: space::dot(&normal, a.1) }
     }
 
     /// Six volumes of the tetrahedron from the triangle to a tip.
     fn volume(&self, tip: &Corner<'_, T>) -> T {
-        (self.normal.dot(tip.1) - self.level).abs()
+        (space::dot(&self.normal, tip.1) - self.level).abs()
     }
 }
 
@@ -156,11 +158,11 @@ fn find_companions<T: Real>(corners: &[Corner<'_, T>], least: T, companions: &mu
         return fill(companions, (0..corners.len()).map(above));
     };
     let needed = least * least / (metric.determinant * metric.largest * metric.largest);
-    let later = |index: usize, row: &Vector4<T>, leverage: T| {
-        let gain = metric.inverse * row;
+    let later = |index: usize, row: &Vector<T>, leverage: T| {
+        let gain = product(&metric.inverse, row);
         let rest = corners.iter().zip(&metric.leverages).enumerate().skip(index + 1);
         rest.fold(0, |set, (other, ((_, direction), &of_other))| {
-            let shared = gain.dot(&with_clock(direction));
+            let shared = dot(&gain, &with_clock(direction));
             if leverage * of_other - shared * shared >= needed { set | bit(other) } else { set }
         })
     };
@@ -172,14 +174,14 @@ fn find_companions<T: Real>(corners: &[Corner<'_, T>], least: T, companions: &mu
 }
 
 /// `h`.
-fn with_clock<T: Real>(direction: &Vector3<T>) -> Vector4<T> {
-    direction.push(T::one())
+pub(super) fn with_clock<T: Real>(direction: &Vector3<T>) -> Vector<T> {
+    [direction.x, direction.y, direction.z, T::one()]
 }
 
 /// What lengths are measured by.
 struct Metric<T: Real> {
     /// `M⁻¹`.
-    inverse: Matrix4<T>,
+    inverse: Matrix<T>,
     determinant: T,
     leverages: Vec<T, MAX_ROWS>,
     /// Of the leverages.
@@ -203,21 +205,17 @@ impl<T: Real> Metric<T> {
     #[inline(never)]
     fn weighted(corners: &[Corner<'_, T>], weights: &[T]) -> Option<Self> {
         let rows = || corners.iter().map(|(_, direction)| with_clock(direction));
-        let normal = rows()
-            .zip(weights)
-            .fold(Matrix4::zeros(), |sum, (row, &weight)| sum + row * (row * weight).transpose());
-        let (inverse, determinant) = inverted(normal)?;
-        let is_sound = normal.trace() * inverse.trace() <= T::narrow(MAX_CONDITION);
-        let leverages: Vec<T, MAX_ROWS> = gather(rows().map(|row| row.dot(&(inverse * row))));
+        let mut normal = [[T::zero(); ORDER]; ORDER];
+        for (row, &weight) in rows().zip(weights) {
+            add_outer_product(&mut normal, &row, &row.map(|entry| entry * weight));
+        }
+        let factor = Cholesky::new(&normal)?;
+        let (inverse, determinant) = (factor.inverse(), factor.determinant());
+        let is_sound = trace(&normal) * trace(&inverse) <= T::narrow(MAX_CONDITION);
+        let leverages: Vec<T, MAX_ROWS> = gather(rows().map(|row| dot(&row, &product(&inverse, &row))));
         let largest = leverages.iter().fold(T::zero(), |largest, &leverage| largest.max(leverage));
         is_sound.then_some(Self { inverse, determinant, leverages, largest })
     }
-}
-
-/// Inverse and determinant of a normal matrix; `None` where it has none. In one place, since it is long.
-#[inline(never)]
-pub(super) fn inverted<T: Real>(normal: Matrix4<T>) -> Option<(Matrix4<T>, T)> {
-    Cholesky::new(normal).map(|factor| (factor.inverse(), factor.determinant()))
 }
 
 /// The search over what may be together.

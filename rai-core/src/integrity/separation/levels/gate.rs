@@ -6,6 +6,7 @@ use super::Axis;
 use crate::integrity::separation::modes::Mode;
 use crate::integrity::separation::solutions::Bounds;
 use crate::numeric::real::Real;
+use crate::numeric::space::{difference, magnitudes, products};
 use crate::snapshot::infinity;
 
 /// A distance beyond every level whose square is a number in single precision, m.
@@ -27,7 +28,7 @@ pub(in super::super) struct Gate<T> {
 impl<T: Real> Gate<T> {
     /// Of axes without risk.
     pub(in super::super) fn closed() -> Self {
-        let everywhere = Vector3::repeat(infinity());
+        let everywhere = Vector3::new(infinity(), infinity(), infinity());
         Self { references_m: everywhere, references_m2: everywhere, clear: [T::zero(); 2] }
     }
 
@@ -37,7 +38,7 @@ impl<T: Real> Gate<T> {
         // Both horizontal axes have the same risk.
         Self {
             references_m,
-            references_m2: references_m.component_mul(&references_m),
+            references_m2: products(&references_m, &references_m),
             clear: [east.clear, up.clear],
         }
     }
@@ -45,13 +46,16 @@ impl<T: Real> Gate<T> {
     /// Bounds for modes that are as likely as this at most, `limits` being the squares of `K`.
     pub(in super::super) fn bounds(&self, ln_probability: T, limits: &Vector3<T>) -> Bounds<T> {
         let far = T::narrow(FAR_M);
+        let near = |reference_m: T| if reference_m < far { reference_m } else { far };
         let needed = self.needed(ln_probability);
         Bounds {
             separation: [limits.x, limits.z].map(|limit| limit * T::narrow(1.0 + LAMBDA)),
             variance: needed.map(|needed| needed * T::narrow(1.0 + 1.0 / LAMBDA)),
-            references_m: self
-                .references_m
-                .map(|reference_m| if reference_m < far { reference_m } else { far }),
+            references_m: Vector3::new(
+                near(self.references_m.x),
+                near(self.references_m.y),
+                near(self.references_m.z),
+            ),
             worst: T::zero(),
             evenness: T::one(),
             effective: infinity(),
@@ -88,7 +92,8 @@ impl<T: Real> Gate<T> {
         bias_m: &Vector3<T>,
     ) -> bool {
         // A margin below nothing leaves a rest below nothing.
-        let margins = (self.references_m - bias_m).map(|margin| margin * margin.abs());
+        let margins = difference(&self.references_m, bias_m);
+        let margins = products(&margins, &magnitudes(&margins));
         self.clears(mode, thresholds, variance, &margins)
     }
 

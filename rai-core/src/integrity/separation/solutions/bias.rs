@@ -9,6 +9,9 @@ use super::kernel::{GROUPS, group_of};
 use super::{Own, Solutions};
 use crate::equations::Row;
 use crate::numeric::real::Real;
+use crate::numeric::space::{
+    add_whole_outer_product, difference, identity, magnitudes, matrix_product, plus_scaled, scaled, sum, zero,
+};
 use crate::satellite::Constellation;
 use crate::snapshot::Fit;
 
@@ -29,16 +32,17 @@ impl<T: Real> Solutions<'_, T> {
 
     /// Bias of the solution with all satellites.
     pub(super) fn summed_bias_of_whole(&self) -> Vector3<T> {
-        self.summed_bias(&NOTHING, &Matrix3::identity(), &[Vector3::zeros(); GROUPS])
+        self.summed_bias(&NOTHING, &identity(), &[zero(); GROUPS])
     }
 
     /// The bias without one row, all constellations in view.
     pub(super) fn bias_without(&self, index: usize, column: &Vector3<T>, point: &Point<T>) -> Vector3<T> {
-        let mut steps = [Vector3::zeros(); GROUPS];
+        let mut steps = [zero(); GROUPS];
         if let Some(step) = steps.get_mut(point.group) {
-            *step = column * self.level(point.group);
+            *step = scaled(self.level(point.group), column);
         }
-        let turn = Matrix3::identity() + column * point.design.transpose();
+        let mut turn = identity();
+        add_whole_outer_product(&mut turn, column, &point.design);
         self.summed_bias(&[index, NONE, NONE], &turn, &steps)
     }
 
@@ -54,10 +58,11 @@ impl<T: Real> Solutions<'_, T> {
             return None;
         }
         if second >= ROWS {
-            return Some(self.whole_bias + column.abs() * *spread);
+            return Some(plus_scaled(&self.whole_bias, *spread, &magnitudes(column)));
         }
         let first = self.first.as_ref()?;
-        Some(first.bias + column.abs() * (*spread + factor.abs() * first.point.spread))
+        let spread = *spread + factor.abs() * first.point.spread;
+        Some(plus_scaled(&first.bias, spread, &magnitudes(column)))
     }
 
     /// The bias of the mode that was asked for last.
@@ -66,37 +71,37 @@ impl<T: Real> Solutions<'_, T> {
         if let Some((_, bias)) = &self.direct {
             return *bias;
         }
-        let (mut turn, mut steps) = (Matrix3::identity(), [Vector3::zeros(); GROUPS]);
+        let (mut turn, mut steps) = (identity(), [zero(); GROUPS]);
         let [first, second, third] = self.at.slots();
         let mut take = |column: &Vector3<T>, design: &Vector3<T>, group: usize| {
-            turn += column * design.transpose();
+            add_whole_outer_product(&mut turn, column, design);
             if let Some((step, group)) = steps.get_mut(group).zip(self.groups.get(group)) {
-                *step += column * group.level;
+                *step = plus_scaled(step, group.level, column);
             }
         };
         // Columns of A B⁻¹ from those of the elimination, the last row first.
-        let mut columns = [Vector3::zeros(); 3];
+        let mut columns = [zero(); 3];
         let [of_first, of_second, of_third] = &mut columns;
         let point = |index: usize| self.point_here(index).map(|point| (point.design, point.group));
         let mut last = self.last;
         if let Some((taken, kept)) = self.third.as_ref().zip(self.second.as_ref()).filter(|_| third < ROWS) {
             let [by_first, by_second] = taken.factors;
             *of_third = taken.column;
-            *of_second -= taken.column * by_second;
-            *of_first -= taken.column * by_first;
+            *of_second = difference(of_second, &scaled(by_second, &taken.column));
+            *of_first = difference(of_first, &scaled(by_first, &taken.column));
             take(of_third, &taken.design, taken.group);
             last = kept.last();
         }
         if let Some((design, group)) = point(second) {
-            *of_second += last.column;
-            *of_first -= *of_second * last.factor;
+            *of_second = sum(of_second, &last.column);
+            *of_first = difference(of_first, &scaled(last.factor, of_second));
             take(of_second, &design, group);
         }
         if let Some(taken) = self.first.as_ref().filter(|_| first < ROWS) {
-            *of_first += taken.column;
+            *of_first = sum(of_first, &taken.column);
             take(of_first, &taken.point.design, taken.point.group);
         } else if let Some((design, group)) = point(first) {
-            *of_first += last.column;
+            *of_first = sum(of_first, &last.column);
             take(of_first, &design, group);
         }
         let rows = [first, second, third];
@@ -106,14 +111,15 @@ impl<T: Real> Solutions<'_, T> {
     /// `Σ w_i b_i |Z P'd_i + s_c|` over what is left, without the constellations that the kernel has lost.
     #[inline(never)]
     fn summed_bias(&self, out: &[usize; 3], turn: &Matrix3<T>, steps: &[Vector3<T>; GROUPS]) -> Vector3<T> {
-        let (turned, constellations) = (turn * self.kernel.covariance, self.at.constellations);
+        let (turned, constellations) =
+            (matrix_product(turn, &self.kernel.covariance), self.at.constellations);
         let part = |(row, fit, own): (&Row<T>, &Fit<T>, &Own<T>)| {
             let group = group_of(row);
             let is_lost = group < Constellation::COUNT && constellations >> group & 1 != 0;
-            if is_lost { Vector3::zeros() } else { share(&turned, &fit.centred, steps.get(group), own) }
+            if is_lost { zero() } else { share(&turned, &fit.centred, steps.get(group), own) }
         };
-        let sum = self.rows().fold(Vector3::zeros(), |sum, row| sum + part(row));
-        self.rows_of(out).fold(sum, |sum, row| sum - part(row))
+        let of_all = self.rows().fold(zero(), |of_all, row| sum(&of_all, &part(row)));
+        self.rows_of(out).fold(of_all, |left, row| difference(&left, &part(row)))
     }
 
     /// Some rows, as [`Self::rows`] has all.
@@ -138,7 +144,7 @@ fn share<T: Real>(
     own: &Own<T>,
 ) -> Vector3<T> {
     // Every group has its step.
-    let Some(step) = step else { return Vector3::zeros() };
+    let Some(step) = step else { return zero() };
     let axis = |first: T, second: T, third: T, step: T| {
         (first * lever.x + (second * lever.y + (third * lever.z + step))).abs() * own.weighted_bias
     };

@@ -16,6 +16,10 @@ use nalgebra::{Matrix3, Vector3};
 use super::super::modes::{Hypothesis, Set, row};
 use super::{GROUPS, Solution, Solutions, group_of};
 use crate::numeric::real::Real;
+use crate::numeric::space::{
+    columns, difference, divided, magnitudes, plus_scaled, product, products, scaled, sum,
+    transposed_product, zero,
+};
 use crate::satellite::Constellation;
 
 /// `w_max` times the trace of a covariance beyond which a geometry counts as singular: the smallest eigenvalue of its
@@ -25,7 +29,7 @@ const SINGULAR: f64 = 1e8;
 /// Rows turned into a triangle, with their residuals.
 struct Triangle<T: Real> {
     rows: [Vector3<T>; 3],
-    right: Vector3<T>,
+    right: [T; 3],
 }
 
 /// A row with its residual.
@@ -60,8 +64,8 @@ fn turn<T: Real>(column: usize, top: &Turned<T>, below: &Turned<T>) -> [Turned<T
     }
     let (cosine, sine) = (diagonal / length, rest / length);
     [
-        (top * cosine + row * sine, right * cosine + residual * sine),
-        (row * cosine - top * sine, residual * cosine - right * sine),
+        (plus_scaled(&scaled(cosine, &top), sine, &row), right * cosine + residual * sine),
+        (difference(&scaled(cosine, &row), &scaled(sine, &top)), residual * cosine - right * sine),
     ]
 }
 
@@ -78,34 +82,35 @@ pub(super) fn solve<T: Real>(
         !is_lost && chosen & row(index) == 0
     };
     let means = means(solutions, &is_left);
-    let mean_of = |group: usize| means.get(group).copied().unwrap_or_else(Vector3::zeros);
-    let mut triangle = Triangle { rows: [Vector3::zeros(); 3], right: Vector3::zeros() };
+    let mean_of = |group: usize| means.get(group).copied().unwrap_or_else(zero);
+    let mut triangle = Triangle { rows: [zero(); 3], right: [T::zero(); 3] };
     for (index, (row, fit, _)) in solutions.rows().enumerate() {
         let group = group_of(row);
         if is_left(index, group) && row.weight > T::zero() {
             let root = row.weight.sqrt();
-            triangle.add((fit.centred - mean_of(group)) * root, fit.residual * root);
+            triangle.add(scaled(root, &difference(&fit.centred, &mean_of(group))), fit.residual * root);
         }
     }
     let inverse = triangle.inverse();
-    let variance = inverse.component_mul(&inverse).column_sum();
+    let [first, second, third] = columns(&inverse).map(|column| products(&column, &column));
+    let variance = sum(&sum(&first, &second), &third);
     // A sum that is not a number is below nothing.
-    if !(solutions.largest_weight() * variance.sum() < T::narrow(SINGULAR)) {
+    if !(solutions.largest_weight() * (variance.x + variance.y + variance.z) < T::narrow(SINGULAR)) {
         return None;
     }
-    let (mut separation, mut bias) = (Vector3::zeros(), Vector3::zeros());
+    let (mut separation, mut bias) = (zero(), zero());
     for (index, (row, fit, own)) in solutions.rows().enumerate() {
         let group = group_of(row);
         let gain = if is_left(index, group) {
-            inverse * inverse.tr_mul(&(fit.centred - mean_of(group)))
+            product(&inverse, &transposed_product(&inverse, &difference(&fit.centred, &mean_of(group))))
         } else {
-            Vector3::zeros()
+            zero()
         };
-        let moved = gain - fit.gain;
-        separation += moved.component_mul(&moved) * (row.weight * own.share);
-        bias += gain.abs() * own.weighted_bias;
+        let moved = difference(&gain, &fit.gain);
+        separation = plus_scaled(&separation, row.weight * own.share, &products(&moved, &moved));
+        bias = plus_scaled(&bias, own.weighted_bias, &magnitudes(&gain));
     }
-    Some((Solution { variance, separation, shift: inverse * triangle.right }, bias))
+    Some((Solution { variance, separation, shift: product(&inverse, &triangle.right.into()) }, bias))
 }
 
 /// Weighted means of what is left of each constellation.
@@ -113,19 +118,18 @@ fn means<T: Real>(
     solutions: &Solutions<'_, T>,
     is_left: &impl Fn(usize, usize) -> bool,
 ) -> [Vector3<T>; GROUPS] {
-    let mut sums = [(Vector3::zeros(), T::zero()); GROUPS];
+    let mut sums = [(zero(), T::zero()); GROUPS];
     for (index, (row, fit, _)) in solutions.rows().enumerate() {
         let group = group_of(row);
         if let Some((sum, weight)) = sums.get_mut(group).filter(|_| is_left(index, group)) {
-            *sum += fit.centred * row.weight;
+            *sum = plus_scaled(sum, row.weight, &fit.centred);
             *weight += row.weight;
         }
     }
-    let mut means =
-        sums.map(|(sum, weight)| if weight > T::zero() { sum / weight } else { Vector3::zeros() });
+    let mut means = sums.map(|(sum, weight)| if weight > T::zero() { divided(&sum, weight) } else { zero() });
     // What touches no clock is not centred.
     if let Some(mean) = means.last_mut() {
-        *mean = Vector3::zeros();
+        *mean = zero();
     }
     means
 }

@@ -7,6 +7,7 @@ use super::kernel::{GROUPS, group_of, hardly_left};
 use super::{Own, Solution, Solutions};
 use crate::equations::Row;
 use crate::numeric::real::Real;
+use crate::numeric::space::{difference, divided, dot, plus_scaled, product, products, scaled, sum, zero};
 use crate::snapshot::Fit;
 
 /// A row as a kernel sees it.
@@ -38,7 +39,7 @@ impl<T: Real> Point<T> {
             share: own.share,
             pivot: own.pivot,
             kappa: own.kappa,
-            lag: Vector3::zeros(),
+            lag: zero(),
             spread: own.spread,
         }
     }
@@ -60,8 +61,8 @@ impl<T: Real> Reach<T> {
     #[inline]
     fn with(&self, other: &Point<T>) -> (T, T) {
         let [level, accuracy] = self.groups.get(other.group).copied().unwrap_or([T::zero(); 2]);
-        let coupling = self.design.dot(&other.gain) + level;
-        (coupling, other.design.dot(&self.towards) + accuracy - (self.share + other.share) * coupling)
+        let coupling = dot(&self.design, &other.gain) + level;
+        (coupling, dot(&other.design, &self.towards) + accuracy - (self.share + other.share) * coupling)
     }
 }
 
@@ -112,12 +113,16 @@ impl<T: Real> Beside<T> {
     #[inline]
     fn solution(&self, first: &First<T>) -> Solution<T> {
         let two = T::one() + T::one();
-        let cross = first.column * (two * self.kappa_first) - self.lag - self.lag;
+        let cross = scaled(two * self.kappa_first, &first.column);
+        let cross = difference(&difference(&cross, &self.lag), &self.lag);
         let Solution { variance, separation, shift } = &first.solution;
         Solution {
-            variance: variance + self.direction.component_mul(&self.column),
-            separation: separation + self.column.component_mul(&(self.column * self.kappa + cross)),
-            shift: shift - self.column * self.residual,
+            variance: sum(variance, &products(&self.direction, &self.column)),
+            separation: sum(
+                separation,
+                &products(&self.column, &sum(&scaled(self.kappa, &self.column), &cross)),
+            ),
+            shift: difference(shift, &scaled(self.residual, &self.column)),
         }
     }
 }
@@ -152,9 +157,14 @@ impl<T: Real> Tested<T> {
     #[inline]
     pub(super) fn exceeds(&self, limits: &Vector3<T>) -> bool {
         let squared = self.residual * self.residual;
-        let moves = self.column.component_mul(&self.column);
-        let mut axes = moves.iter().zip(limits);
-        self.kappa > T::zero() && axes.any(|(&moved, &limit)| moved * squared > limit * (moved * self.kappa))
+        let exceeds = |column: T, limit: T| {
+            let moved = column * column;
+            moved * squared > limit * (moved * self.kappa)
+        };
+        self.kappa > T::zero()
+            && (exceeds(self.column.x, limits.x)
+                || exceeds(self.column.y, limits.y)
+                || exceeds(self.column.z, limits.z))
     }
 }
 
@@ -163,7 +173,7 @@ impl<T: Real> Solutions<'_, T> {
     #[inline]
     pub(super) fn left_by_first(&self, index: usize) -> Option<Tested<T>> {
         let (first, point) = (self.first.as_ref()?, self.point(index)?);
-        let Beside { column, residual, kappa, .. } = Self::beside(first, &point, Vector3::zeros())?;
+        let Beside { column, residual, kappa, .. } = Self::beside(first, &point, zero())?;
         Some(Tested { column, residual, kappa })
     }
 
@@ -194,13 +204,15 @@ impl<T: Real> Solutions<'_, T> {
     #[inline(never)]
     pub(super) fn point_beyond(&self, mut point: Point<T>) -> Point<T> {
         let kernel = &self.kernel;
-        point.gain = kernel.covariance * point.design;
-        point.residual -= point.design.dot(&kernel.solution.shift);
-        let own = self.level(point.group) + point.design.dot(&point.gain);
+        point.gain = product(&kernel.covariance, &point.design);
+        point.residual -= dot(&point.design, &kernel.solution.shift);
+        let own = self.level(point.group) + dot(&point.design, &point.gain);
         point.pivot = point.weight.recip() - own;
         point.kappa = kernel.kappa(&self.groups, point.group, &point.design, own, point.weight, point.share);
-        let lean = self.groups.get(point.group).map_or_else(Vector3::zeros, |group| group.lean);
-        point.lag = kernel.change * (point.design * point.share - lean - kernel.dispersion * point.gain);
+        let lean = self.groups.get(point.group).map_or_else(zero, |group| group.lean);
+        let behind = difference(&scaled(point.share, &point.design), &lean);
+        let behind = difference(&behind, &product(&kernel.dispersion, &point.gain));
+        point.lag = product(&kernel.change, &behind);
         point
     }
 
@@ -211,12 +223,12 @@ impl<T: Real> Solutions<'_, T> {
             return None;
         }
         let inverse = point.pivot.recip();
-        let column = point.gain * inverse;
+        let column = scaled(inverse, &point.gain);
         let solution = self.alone(&point, &column);
         let bias = if self.has_bias && self.at.constellations == 0 {
             self.bias_without(index, &column, &point)
         } else {
-            Vector3::zeros()
+            zero()
         };
         Some(First { reach: self.reach(&point), inverse, column, bias, solution, point })
     }
@@ -228,7 +240,7 @@ impl<T: Real> Solutions<'_, T> {
         if !(point.pivot * point.weight >= hardly_left()) {
             return None;
         }
-        let column = point.gain * point.pivot.recip();
+        let column = scaled(point.pivot.recip(), &point.gain);
         if self.has_bias {
             self.last = Last { column, factor: T::zero(), spread: point.spread };
         }
@@ -239,23 +251,23 @@ impl<T: Real> Solutions<'_, T> {
     #[inline]
     fn alone(&self, point: &Point<T>, column: &Vector3<T>) -> Solution<T> {
         let base = &self.kernel.solution;
-        let across = column * point.kappa - point.lag - point.lag;
+        let across = difference(&difference(&scaled(point.kappa, column), &point.lag), &point.lag);
         Solution {
-            variance: base.variance + point.gain.component_mul(column),
-            separation: base.separation + column.component_mul(&across),
-            shift: base.shift - column * point.residual,
+            variance: sum(&base.variance, &products(&point.gain, column)),
+            separation: sum(&base.separation, &products(column, &across)),
+            shift: difference(&base.shift, &scaled(point.residual, column)),
         }
     }
 
     fn reach(&self, point: &Point<T>) -> Reach<T> {
-        let lean = self.kernel.leans.get(point.group).copied().unwrap_or_else(Vector3::zeros);
+        let lean = self.kernel.leans.get(point.group).copied().unwrap_or_else(zero);
         let mut groups = [[T::zero(); 2]; GROUPS];
         for (id, (slot, lean)) in groups.iter_mut().zip(&self.kernel.leans).enumerate() {
             let own = self.groups.get(id).filter(|_| id == point.group);
             let [level, accuracy] = own.map_or([T::zero(); 2], |own| [own.level, own.accuracy]);
-            *slot = [level, point.design.dot(lean) + accuracy];
+            *slot = [level, dot(&point.design, lean) + accuracy];
         }
-        let towards = self.kernel.gamma * point.design + lean;
+        let towards = sum(&product(&self.kernel.gamma, &point.design), &lean);
         Reach { design: point.design, share: point.share, towards, groups }
     }
 
@@ -270,14 +282,14 @@ impl<T: Real> Solutions<'_, T> {
         }
         let inverse = pivot.recip();
         let kappa_first = kappa - factor * first.point.kappa;
-        let direction = point.gain - first.point.gain * factor;
+        let direction = difference(&point.gain, &scaled(factor, &first.point.gain));
         Some(Beside {
             coupling,
             factor,
             pivot,
             inverse,
             direction,
-            column: direction * inverse,
+            column: scaled(inverse, &direction),
             residual: point.residual - factor * first.point.residual,
             lag,
             kappa: point.kappa - factor * (kappa + kappa_first),
@@ -291,7 +303,7 @@ impl<T: Real> Solutions<'_, T> {
     pub(super) fn leave_out_pair(&mut self, pair: Hypothesis) -> Option<Solution<T>> {
         let [_, second, _] = pair.slots();
         let (first, point) = (self.first.as_ref()?, self.point(second)?);
-        let left = Self::beside(first, &point, Vector3::zeros())?;
+        let left = Self::beside(first, &point, zero())?;
         let solution = left.solution(first);
         if self.has_bias {
             self.last = Last { column: left.column, factor: left.factor, spread: point.spread };
@@ -304,7 +316,7 @@ impl<T: Real> Solutions<'_, T> {
         let first = self.first.as_ref()?;
         let point = self.point_here(index)?;
         let (coupling, _) = first.reach.with(&point);
-        let lag = point.lag + first.point.lag * (coupling * first.inverse);
+        let lag = plus_scaled(&point.lag, coupling * first.inverse, &first.point.lag);
         let left = Self::beside(first, &point, lag)?;
         let solution = left.solution(first);
         Some(Second { reach: self.reach(&point), point, left, solution })
@@ -335,16 +347,23 @@ impl<T: Real> Solutions<'_, T> {
                         - by_first * by_second * left.kappa_first);
         let across_first = kappa_first - by_first * first.point.kappa - by_second * left.kappa_first;
         let across_second = with_second - by_first * left.kappa_first - by_second * left.kappa;
-        let direction = point.gain - first.point.gain * by_first - left.direction * by_second;
+        let apart = |own: &Vector3<T>, of_first: &Vector3<T>, of_second: &Vector3<T>| {
+            difference(&difference(own, &scaled(by_first, of_first)), &scaled(by_second, of_second))
+        };
+        let direction = apart(&point.gain, &first.point.gain, &left.direction);
         let residual = point.residual - by_first * first.point.residual - by_second * left.residual;
-        let lag = point.lag - first.point.lag * by_first - left.lag * by_second;
-        let column = direction / pivot;
-        let cross = (first.column * across_first + left.column * across_second - lag) * two;
+        let lag = apart(&point.lag, &first.point.lag, &left.lag);
+        let column = divided(&direction, pivot);
+        let cross = plus_scaled(&scaled(across_first, &first.column), across_second, &left.column);
+        let cross = scaled(two, &difference(&cross, &lag));
         self.third = Some(Third { factors, column, design: point.design, group: point.group });
         Some(Solution {
-            variance: second.solution.variance + direction.component_mul(&column),
-            separation: second.solution.separation + column.component_mul(&(column * kappa + cross)),
-            shift: second.solution.shift - column * residual,
+            variance: sum(&second.solution.variance, &products(&direction, &column)),
+            separation: sum(
+                &second.solution.separation,
+                &products(&column, &sum(&scaled(kappa, &column), &cross)),
+            ),
+            shift: difference(&second.solution.shift, &scaled(residual, &column)),
         })
     }
 }

@@ -5,6 +5,9 @@ use nalgebra::{Matrix3, Vector3};
 use super::Solution;
 use crate::equations::Row;
 use crate::numeric::real::Real;
+use crate::numeric::space::{
+    columns, diagonal, dot, matrix_product, plus_scaled, product, products, sum, zero, zeros,
+};
 use crate::satellite::Constellation;
 
 /// Constellations, and a place for rows that touch no clock.
@@ -29,10 +32,10 @@ impl<T: Real> Group<T> {
         Self {
             level: T::zero(),
             accuracy: T::zero(),
-            lean: Vector3::zeros(),
-            normal: Matrix3::zeros(),
-            dispersion: Matrix3::zeros(),
-            pull: Vector3::zeros(),
+            lean: zero(),
+            normal: zeros(),
+            dispersion: zeros(),
+            pull: zero(),
         }
     }
 }
@@ -60,17 +63,11 @@ pub(super) fn hardly_left<T: Real>() -> T {
     if digits > T::UNTESTABLE { digits } else { T::UNTESTABLE }
 }
 
-/// Copies the lower triangle to the upper one.
-pub(super) fn mirror<T: Real>(matrix: &mut Matrix3<T>) {
-    matrix.m12 = matrix.m21;
-    matrix.m13 = matrix.m31;
-    matrix.m23 = matrix.m32;
-}
-
 /// Diagonal of `A M Aᵀ`, `M` symmetric.
 #[inline(never)]
 pub(super) fn diagonal_of<T: Real>(a: &Matrix3<T>, m: &Matrix3<T>) -> Vector3<T> {
-    (a * m).component_mul(a).column_sum()
+    let ([p1, p2, p3], [a1, a2, a3]) = (columns(&matrix_product(a, m)), columns(a));
+    sum(&sum(&products(&p1, &a1), &products(&p2, &a2)), &products(&p3, &a3))
 }
 
 pub(in crate::integrity::separation) fn group_of<T: Real>(row: &Row<T>) -> usize {
@@ -79,26 +76,26 @@ pub(in crate::integrity::separation) fn group_of<T: Real>(row: &Row<T>) -> usize
 impl<T: Real> Kernel<T> {
     /// Before it is known what is lost.
     pub(super) fn nothing() -> Self {
-        let zeros = Vector3::zeros();
+        let nothing = zero();
         Self {
-            covariance: Matrix3::zeros(),
-            change: Matrix3::zeros(),
-            dispersion: Matrix3::zeros(),
-            gamma: Matrix3::zeros(),
-            leans: [zeros; GROUPS],
+            covariance: zeros(),
+            change: zeros(),
+            dispersion: zeros(),
+            gamma: zeros(),
+            leans: [nothing; GROUPS],
             is_complete: false,
-            solution: Solution { variance: zeros, separation: zeros, shift: zeros },
+            solution: Solution { variance: nothing, separation: nothing, shift: nothing },
         }
     }
 
     /// Of all satellites.
     pub(super) fn regain_all(&mut self, covariance: &Matrix3<T>, dispersion: &Matrix3<T>) {
         (self.covariance, self.dispersion) = (*covariance, *dispersion);
-        self.change.fill(T::zero());
+        self.change = zeros();
         self.is_complete = false;
-        self.solution.variance = covariance.diagonal();
-        self.solution.separation.fill(T::zero());
-        self.solution.shift.fill(T::zero());
+        self.solution.variance = diagonal(covariance);
+        self.solution.separation = zero();
+        self.solution.shift = zero();
     }
 
     /// What follows from the covariance and the dispersion, for rows that are taken out.
@@ -108,9 +105,9 @@ impl<T: Real> Kernel<T> {
             return;
         }
         self.is_complete = true;
-        self.gamma = self.covariance * self.dispersion * self.covariance;
+        self.gamma = matrix_product(&matrix_product(&self.covariance, &self.dispersion), &self.covariance);
         for (lean, group) in self.leans.iter_mut().zip(groups) {
-            *lean = self.covariance * group.lean;
+            *lean = product(&self.covariance, &group.lean);
         }
     }
 
@@ -127,6 +124,8 @@ impl<T: Real> Kernel<T> {
         let Some((sums, lean)) = groups.get(group).zip(self.leans.get(group)) else { return T::zero() };
         let two = T::one() + T::one();
         let own = if weight > T::zero() { weight.recip() } else { T::zero() };
-        share * (own - two * coupling) + sums.accuracy + design.dot(&(self.gamma * design + lean * two))
+        share * (own - two * coupling)
+            + sums.accuracy
+            + dot(design, &plus_scaled(&product(&self.gamma, design), two, lean))
     }
 }

@@ -44,7 +44,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use elimination::{First, Last, Second, Third};
 pub(super) use kernel::{GROUPS, group_of};
-use kernel::{Group, Kernel, diagonal_of, hardly_left, mirror};
+use kernel::{Group, Kernel, diagonal_of, hardly_left};
 
 pub(super) use sieve::Bounds;
 
@@ -52,7 +52,10 @@ use super::modes::{Hypothesis, ROOM, ROWS, Set, members};
 use super::{Prior, View};
 use crate::equations::Row;
 use crate::numeric::real::Real;
-use crate::numeric::space::add_outer_product;
+use crate::numeric::space::{
+    add_outer_product, diagonal, dot, matrix_difference, matrix_sum, mirror, plus_scaled, product, scaled,
+    sum, trace, zero, zeros,
+};
 use crate::satellite::Constellation;
 use crate::snapshot::{Fit, invert};
 /// What one mode's solution is.
@@ -108,16 +111,16 @@ impl<'v, T: Real> Solutions<'v, T> {
             view,
             own,
             groups: [Group::empty(); GROUPS],
-            total_dispersion: Matrix3::zeros(),
+            total_dispersion: zeros(),
             largest_weight: T::zero(),
             has_bias: false,
-            whole_bias: Vector3::zeros(),
+            whole_bias: zero(),
             kernel: Kernel::nothing(),
             at: Hypothesis::NONE,
             is_sound: true,
             direct: None,
             first: None,
-            last: Last { column: Vector3::zeros(), factor: T::zero(), spread: T::zero() },
+            last: Last { column: zero(), factor: T::zero(), spread: T::zero() },
             second: None,
             third: None,
         }
@@ -163,24 +166,24 @@ impl<'v, T: Real> Solutions<'v, T> {
             let group = if weight > T::zero() { group_of(row) } else { GROUPS };
             if let Some(group) = self.groups.get_mut(group) {
                 let (centred, residual) = (fit.centred, fit.residual);
-                let weighted = centred * weight;
-                let accurate = weighted * share;
+                let weighted = scaled(weight, &centred);
+                let accurate = scaled(share, &weighted);
                 group.level += weight;
                 group.accuracy += share * weight;
-                group.lean += accurate;
+                group.lean = sum(&group.lean, &accurate);
                 add_outer_product(&mut group.normal, &weighted, &centred);
                 add_outer_product(&mut group.dispersion, &accurate, &centred);
-                group.pull += weighted * residual;
+                group.pull = plus_scaled(&group.pull, residual, &weighted);
             }
         }
         self.largest_weight = largest_weight;
         for (id, group) in self.groups.iter_mut().enumerate() {
             mirror(&mut group.dispersion);
-            self.total_dispersion += group.dispersion;
+            self.total_dispersion = matrix_sum(&self.total_dispersion, &group.dispersion);
             let has_clock = id < Constellation::COUNT && group.level > T::zero();
             group.level = if has_clock { group.level.recip() } else { T::zero() };
             group.accuracy *= group.level * group.level;
-            group.lean *= group.level;
+            group.lean = scaled(group.level, &group.lean);
         }
         // None is below nothing.
         biases > T::zero()
@@ -218,9 +221,9 @@ impl<'v, T: Real> Solutions<'v, T> {
     pub(super) fn whole(&self) -> Solution<T> {
         let covariance = self.view.covariance;
         Solution {
-            variance: covariance.diagonal(),
+            variance: diagonal(covariance),
             separation: diagonal_of(covariance, &self.total_dispersion),
-            shift: Vector3::zeros(),
+            shift: zero(),
         }
     }
 
@@ -325,29 +328,29 @@ impl<'v, T: Real> Solutions<'v, T> {
     }
 
     fn kernel_without(&mut self, constellations: u8) -> Option<()> {
-        let mut normal = Matrix3::zeros();
-        let (mut kept, mut lost, mut pull) = (Matrix3::zeros(), Matrix3::zeros(), Vector3::zeros());
+        let mut normal = zeros();
+        let (mut kept, mut lost, mut pull) = (zeros(), zeros(), zero());
         for (id, group) in self.groups.iter().enumerate() {
             if id < Constellation::COUNT && constellations >> id & 1 != 0 {
-                lost += group.dispersion;
-                pull += group.pull;
+                lost = matrix_sum(&lost, &group.dispersion);
+                pull = sum(&pull, &group.pull);
             } else {
-                normal += group.normal;
-                kept += group.dispersion;
+                normal = matrix_sum(&normal, &group.normal);
+                kept = matrix_sum(&kept, &group.dispersion);
             }
         }
         let covariance = invert(&normal).ok()?;
         // A trace that is not a number is below nothing.
-        if !(self.largest_weight * covariance.trace() * hardly_left() < T::one()) {
+        if !(self.largest_weight * trace(&covariance) * hardly_left() < T::one()) {
             return None;
         }
         let whole = self.view.covariance;
-        let change = covariance - whole;
+        let change = matrix_difference(&covariance, whole);
         let kernel = &mut self.kernel;
         kernel.solution = Solution {
-            variance: covariance.diagonal(),
-            separation: diagonal_of(&change, &kept) + diagonal_of(whole, &lost),
-            shift: -(covariance * pull),
+            variance: diagonal(&covariance),
+            separation: sum(&diagonal_of(&change, &kept), &diagonal_of(whole, &lost)),
+            shift: scaled(-T::one(), &product(&covariance, &pull)),
         };
         (kernel.covariance, kernel.change, kernel.dispersion) = (covariance, change, kept);
         kernel.is_complete = false;
@@ -380,7 +383,7 @@ impl<'v, T: Real> Solutions<'v, T> {
         let rows = self.view.rows.iter().zip(self.view.fits);
         let left = rows.filter(|(row, _)| hypothesis.constellations >> group_of(row) & 1 == 0);
         Some(left.fold(T::zero(), |sum, (row, fit)| {
-            let residual = fit.residual - fit.centred.dot(&shift);
+            let residual = fit.residual - dot(&fit.centred, &shift);
             sum + row.weight * residual * residual
         }))
     }

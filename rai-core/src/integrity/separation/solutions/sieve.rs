@@ -26,6 +26,7 @@ use crate::bit_set::bit;
 use crate::equations::Row;
 use crate::integrity::separation::modes::{Hypothesis, Set};
 use crate::numeric::real::Real;
+use crate::numeric::space::{diagonal, difference, dot, magnitudes, products, scaled, sum, zero};
 use crate::snapshot::Fit;
 
 /// What a mode must stay below to change nothing.
@@ -58,11 +59,14 @@ impl<T: Real> Bounds<T> {
         let separation = Vector3::new(horizontal, horizontal, vertical);
         let [horizontal, vertical] = self.variance;
         let variance = Vector3::new(horizontal, horizontal, vertical);
-        let left_m = self.references_m - bias_m;
-        let used = separation.component_mul(&common.separation) + variance.component_mul(&common.variance);
+        let left_m = difference(&self.references_m, bias_m);
+        let used = sum(&products(&separation, &common.separation), &products(&variance, &common.variance));
         // A margin below nothing leaves less than nothing, whatever the row's biases.
-        let magnitude_m = left_m.abs();
-        Base { margins: left_m.component_mul(&magnitude_m) - used, slopes: magnitude_m + magnitude_m }
+        let magnitude_m = magnitudes(&left_m);
+        Base {
+            margins: difference(&products(&left_m, &magnitude_m), &used),
+            slopes: sum(&magnitude_m, &magnitude_m),
+        }
     }
 }
 
@@ -124,24 +128,25 @@ impl<T: Real> Solutions<'_, T> {
 
     /// Of single rows.
     fn sift_singles(&self, rows: Set, bounds: &Bounds<T>) -> Set {
-        let zeros = Vector3::zeros();
-        let whole = Solution { variance: self.view.covariance.diagonal(), separation: zeros, shift: zeros };
+        let nothing = zero();
+        let whole =
+            Solution { variance: diagonal(self.view.covariance), separation: nothing, shift: nothing };
         let base = bounds.beyond(&whole, &self.whole_bias);
         let mut worst = bounds.worst;
         self.left_of(rows, |row, fit, own| {
             let squared = fit.residual * fit.residual;
             if !(squared <= worst * own.kappa) {
                 // Those to come are compared with it, if it is visited to some effect.
-                if own.kappa > T::zero() && fit.gain.norm_squared() > T::zero() {
+                if own.kappa > T::zero() && dot(&fit.gain, &fit.gain) > T::zero() {
                     worst = squared / own.kappa * bounds.evenness;
                 }
                 return false;
             }
             let part = Part {
-                column: fit.gain * own.pivot.recip(),
+                column: scaled(own.pivot.recip(), &fit.gain),
                 pivot: own.pivot,
                 kappa: own.kappa,
-                cross: zeros,
+                cross: nothing,
                 spread: own.spread,
             };
             own.pivot * row.weight >= hardly_left()
@@ -155,17 +160,17 @@ impl<T: Real> Solutions<'_, T> {
         let base = bounds.beyond(&first.solution, &first.bias);
         let inverse = first.point.kappa.recip();
         let left = bounds.worst - first.point.residual * first.point.residual * inverse;
-        let twice = first.column + first.column;
+        let twice = sum(&first.column, &first.column);
         self.left_of(rows, |row, fit, own| {
             let point = Point::of(row, fit, own);
-            let Some(beside) = Self::beside(first, &point, Vector3::zeros()) else { return false };
+            let Some(beside) = Self::beside(first, &point, zero()) else { return false };
             let share = beside.kappa_first * inverse;
             let residual = beside.residual - share * first.point.residual;
             let part = Part {
                 column: beside.column,
                 pivot: beside.pivot,
                 kappa: beside.kappa,
-                cross: twice * beside.kappa_first,
+                cross: scaled(beside.kappa_first, &twice),
                 spread: own.spread + beside.factor.abs() * first.point.spread,
             };
             residual * residual <= left * (beside.kappa - share * beside.kappa_first)

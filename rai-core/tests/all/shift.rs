@@ -1,0 +1,163 @@
+//! All satellites of a constellation wrong at once, so that they agree on a place of their own.
+
+#![allow(clippy::unwrap_used, clippy::indexing_slicing)]
+
+use crate::noise::Noise;
+use crate::sky::{observe, receiver, satellite};
+use rai_core::epoch::{Epoch, Observation};
+use rai_core::integrity::residuals::parity::Isolation;
+use rai_core::integrity::residuals::threshold::Thresholds;
+use rai_core::monitor::{Method, Monitor, Strategy};
+use rai_core::report::{Alert, Protected, Report, Verdict};
+use rai_core::requirements::Requirements;
+use rai_core::satellite::Constellation::{self, Beidou, Galileo, Gps};
+
+const CAPACITY: usize = 24;
+const EACH: usize = 7;
+
+const METHODS: [Method; 7] = [
+    Method::Auto,
+    Method::Baarda,
+    Method::Ransac,
+    Method::Parity(Isolation::Simultaneous),
+    Method::Parity(Isolation::Sequential),
+    Method::Parity(Isolation::Hybrid),
+    Method::Parity(Isolation::Grouping),
+];
+
+/// Azimuth and elevation in degrees.
+fn direction(index: usize) -> (f64, f64) {
+    (137.5 * index as f64 % 360.0, 12.0 + 41.0 * index as f64 % 75.0)
+}
+
+/// Seven satellites of GPS and as many of Galileo without noise, which agree on a place so far to the east, m.
+fn sky(shift_m: f64) -> Vec<Observation> {
+    sky_of(&[Gps, Galileo], shift_m)
+}
+
+/// Seven satellites of each constellation without noise, of which Galileo's agree on a place so far to the east, m.
+fn sky_of(constellations: &[Constellation], shift_m: f64) -> Vec<Observation> {
+    let seen = (0..constellations.len() * EACH).map(|index| {
+        let constellation = constellations[index / EACH];
+        let clock_m = 1e5 - 4e4 * (index / EACH) as f64;
+        let sighted = observe(satellite(constellation, index % EACH + 1), direction(index), clock_m);
+        let (azimuth, elevation) = direction(index);
+        let along_m = shift_m * elevation.to_radians().cos() * azimuth.to_radians().sin();
+        let range_m = sighted.range_m - if constellation == Galileo { along_m } else { 0.0 };
+        Observation { range_m, sigma_m: 1.5, ..sighted }
+    });
+    seen.collect()
+}
+
+fn judge(method: Method, observations: &[Observation]) -> Report<CAPACITY> {
+    let mut epoch = Epoch::new(0.0);
+    for observation in observations {
+        epoch.push(*observation).unwrap();
+    }
+    let mut monitor = Monitor::<f32, CAPACITY>::new(Requirements::non_precision_approach()).unwrap();
+    monitor.set_strategy(Strategy { method, ..Strategy::DEFAULT });
+    monitor.process(&epoch)
+}
+
+#[test]
+fn constellation_at_a_place_of_its_own_is_no_few_satellites_fault() {
+    for method in METHODS {
+        for shift_m in [20.0, 30.0, 50.0, 100.0, 300.0, 1000.0] {
+            let report = judge(method, &sky(shift_m));
+            assert!(matches!(report.verdict, Verdict::Alert(_)), "{method:?}, {shift_m} m: {report:?}");
+        }
+    }
+}
+
+/// A sum of squares that noise in nine degrees of freedom and more explains, it does not in three.
+#[test]
+fn shift_that_passes_the_global_test_is_held_against_the_threshold_of_its_own_unknowns() {
+    let requirements = Requirements::non_precision_approach();
+    let thresholds =
+        Thresholds::from_tables(requirements.false_alarm, requirements.missed_detection).unwrap();
+    let limit: f64 = thresholds.tau1(3).unwrap();
+    for constellations in [&[Gps, Galileo][..], &[Gps, Galileo, Beidou], &[Galileo, Gps, Beidou]] {
+        let mut noticed = 0;
+        for tenths in 0..400 {
+            let report = judge(Method::Auto, &sky_of(constellations, 0.1 * f64::from(tenths)));
+            // What is left after an exclusion says nothing of the whole.
+            let Some(test) = report.test.filter(|_| report.excluded.is_empty()) else { continue };
+            let sse = test.statistic * test.statistic * f64::from(test.dof);
+            // Without noise nothing else is in the residuals.
+            if sse < 0.99 * limit {
+                assert_eq!(report.verdict, Verdict::Protected(Protected::Ok), "{tenths}");
+            }
+            if sse > 1.01 * limit && test.statistic < test.threshold {
+                assert_eq!(report.verdict, Verdict::Alert(Alert::Ambiguous), "{tenths}");
+                noticed += 1;
+            }
+        }
+        assert!(noticed > 5, "{noticed}");
+    }
+}
+
+#[test]
+fn wrong_satellites_of_a_constellation_are_left_out_nevertheless() {
+    for method in METHODS {
+        for faulty in [&[9][..], &[1], &[9, 11], &[2, 9]] {
+            let mut sky = sky(0.0);
+            for (&index, bias_m) in faulty.iter().zip([400.0, -900.0]) {
+                sky[index].range_m += bias_m;
+            }
+            let report = judge(method, &sky);
+            // Not every method leaves out two.
+            if report.verdict == Verdict::Alert(Alert::Fault) && faulty.len() > 1 {
+                continue;
+            }
+            assert_eq!(report.verdict, Verdict::Protected(Protected::Excluded), "{method:?} {faulty:?}");
+            assert_eq!(report.excluded.len(), faulty.len());
+            assert!(report.solution.unwrap().position.distance_m(receiver()) < 0.1);
+        }
+    }
+}
+
+/// Five satellites at a place of their own explain most of what one of them does; it does so better.
+#[test]
+fn satellite_that_passes_the_global_test_is_no_shift() {
+    let mut passed = 0;
+    for faulty in EACH..EACH + 5 {
+        for tenths in 0..300 {
+            let mut sky = sky(0.0);
+            sky.truncate(EACH + 5);
+            sky[faulty].range_m += 0.1 * f64::from(tenths);
+            let report = judge(Method::Auto, &sky);
+            let test = report.test.unwrap();
+            if report.excluded.is_empty() && test.statistic < test.threshold {
+                assert_eq!(report.verdict, Verdict::Protected(Protected::Ok), "{faulty}, {tenths}");
+                passed += 1;
+            }
+        }
+    }
+    assert!(passed > 200, "{passed}");
+}
+
+/// Four satellites have a place whatever they say: others, of which five agree, are not to be blamed.
+#[test]
+fn nobody_is_left_out_for_four_satellites_that_stand_elsewhere() {
+    let mut promised = 0;
+    for seed in 0..200_u64 {
+        let mut noise = Noise((seed + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15));
+        let away_m = 20.0 * 50_f64.powf(noise.uniform());
+        let observations: Vec<Observation> = (0..EACH + 2)
+            .map(|index| {
+                let (constellation, is_shifted) = if index < 5 { (Gps, false) } else { (Galileo, true) };
+                let direction = (360.0 * noise.uniform(), 8.0 + 70.0 * noise.uniform());
+                let sighted = observe(satellite(constellation, index + 1), direction, 1e5);
+                let along_m = away_m * direction.1.to_radians().cos() * direction.0.to_radians().sin();
+                let range_m = sighted.range_m + 1.5 * noise.normal() - if is_shifted { along_m } else { 0.0 };
+                Observation { range_m, sigma_m: 1.5, ..sighted }
+            })
+            .collect();
+        let report = judge(Method::Auto, &observations);
+        let is_protected = matches!(report.verdict, Verdict::Protected(_));
+        let blames_others = report.excluded.iter().any(|suspect| suspect.satellite.constellation() == Gps);
+        assert!(!(is_protected && blames_others), "seed {seed}, {away_m} m: {report:?}");
+        promised += usize::from(is_protected);
+    }
+    assert!(promised > 20, "{promised}");
+}
