@@ -82,6 +82,36 @@ pub struct Image {
     ram_extents: Vec<Range<u64>>,
 }
 
+/// What an image is compiled for. What it computes is the same.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CompiledFor {
+    /// As it is shipped: the core for few instructions.
+    Speed,
+    /// Few bytes of flash.
+    Size,
+}
+
+impl CompiledFor {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Speed, Self::Size];
+
+    /// The profile of cargo.
+    pub(crate) fn profile(self) -> &'static str {
+        match self {
+            Self::Speed => "firmware",
+            Self::Size => "firmware-for-size",
+        }
+    }
+
+    /// The command of cargo that builds an image so.
+    fn command(self) -> &'static str {
+        match self {
+            Self::Speed => "image",
+            Self::Size => "image-for-size",
+        }
+    }
+}
+
 /// What chooses the image that is shipped.
 pub const SHIPPED: [&str; 2] = ["--bin", "rai-firmware"];
 
@@ -91,6 +121,14 @@ pub const SHIPPED: [&str; 2] = ["--bin", "rai-firmware"];
 /// Where cargo cannot be run or the build fails; cargo has then said why.
 pub fn build() -> anyhow::Result<PathBuf> {
     build_with(&SHIPPED)
+}
+
+/// Builds what is shipped, compiled for speed or for size.
+///
+/// # Errors
+/// As [`build`].
+pub fn build_compiled_for(compiled_for: CompiledFor) -> anyhow::Result<PathBuf> {
+    built(cargo().arg(compiled_for.command()).args(SHIPPED))
 }
 
 /// Builds one of the images, which the arguments choose, the way the shipped one is built.

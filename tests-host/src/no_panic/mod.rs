@@ -29,7 +29,7 @@ use callers::Offence;
 use object::{Object as _, ObjectSymbol as _};
 use static_library::StaticLibrary;
 
-use crate::image;
+use crate::image::{self, CompiledFor};
 
 /// What the panic handler of the image calls.
 pub const SYMBOL: &str = "rai_a_panic_is_reachable_here";
@@ -37,14 +37,20 @@ pub const SYMBOL: &str = "rai_a_panic_is_reachable_here";
 /// Where the shipped image may panic: RTT refuses to be set up twice, and is set up once, at start.
 pub const TOLERATED: [&str; 1] = ["rai-firmware/src/board/arm/log.rs"];
 
-/// Holds both images to it, and the library for C.
+/// Holds both images to it, compiled for speed and for size, and the library for C.
 ///
 /// # Errors
 /// Names each place from which a panic is reachable; or says why an image does not even compile.
 pub fn prove() -> anyhow::Result<()> {
-    prove_library("probe")?;
-    refuse(&StaticLibrary::build()?.offences(&[])?)?;
-    let places = callers::of_panics(&std::fs::read(image::build()?)?)?;
+    for compiled_for in CompiledFor::ALL {
+        prove_library("probe", compiled_for)?;
+        prove_image(compiled_for)?;
+    }
+    refuse(&StaticLibrary::build()?.offences(&[])?)
+}
+
+fn prove_image(compiled_for: CompiledFor) -> anyhow::Result<()> {
+    let places = callers::of_panics(&std::fs::read(image::build_compiled_for(compiled_for)?)?)?;
     let tolerated = |place: &Offence| TOLERATED.contains(&place.file.as_str());
     refuse(&places.into_iter().filter(|place| !tolerated(place)).collect::<Vec<_>>())
 }
@@ -54,8 +60,8 @@ pub fn prove() -> anyhow::Result<()> {
 ///
 /// # Errors
 /// As [`prove`].
-pub fn prove_library(features: &str) -> anyhow::Result<()> {
-    let linked = std::fs::read(link("no_panic", features)?)?;
+pub fn prove_library(features: &str, compiled_for: CompiledFor) -> anyhow::Result<()> {
+    let linked = std::fs::read(link("no_panic", features, compiled_for)?)?;
     let lacking = undefined(&linked)?;
     if lacking.is_empty() {
         return Ok(());
@@ -73,10 +79,10 @@ fn refuse(places: &[Offence]) -> anyhow::Result<()> {
 }
 
 /// Links an image, whatever the linker lacks for it.
-fn link(name: &str, features: &str) -> anyhow::Result<PathBuf> {
+fn link(name: &str, features: &str, compiled_for: CompiledFor) -> anyhow::Result<PathBuf> {
     let mut cargo = image::cargo();
     cargo
-        .args(["rustc", "--profile=firmware", "--target=thumbv7em-none-eabihf"])
+        .args(["rustc", "--profile", compiled_for.profile(), "--target=thumbv7em-none-eabihf"])
         .args(["--package=rai-firmware", "--bin", name, "--features", features])
         .args(["--quiet", "--message-format=json-render-diagnostics", "--"])
         .args(["-C", "link-arg=--warn-unresolved-symbols"]);

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use tests_host::capi;
+use tests_host::image::CompiledFor;
 use tests_host::no_panic::static_library::{HANDLER, StaticLibrary};
 use tests_host::no_panic::{self, coverage};
 
@@ -30,12 +31,14 @@ fn every_public_function_of_the_firmware_s_library_is_in_the_proof() {
 
 #[test]
 fn reachable_panic_is_found_and_named() {
-    let error =
-        no_panic::prove_library("reachable-panic").expect_err("the panic that was put there").to_string();
-    println!("{error}");
-    let want = "rai-firmware/src/bin/no_panic/main.rs:";
-    assert!(error.starts_with("a panic is reachable from\n") && error.contains(want), "have {error}");
-    assert_eq!(error.lines().count(), 2, "one place: have {error}");
+    for compiled_for in CompiledFor::ALL {
+        let proof = no_panic::prove_library("reachable-panic", compiled_for);
+        let error = proof.expect_err("the panic that was put there").to_string();
+        println!("{error}");
+        let want = "rai-firmware/src/bin/no_panic/main.rs:";
+        assert!(error.starts_with("a panic is reachable from\n") && error.contains(want), "have {error}");
+        assert_eq!(error.lines().count(), 2, "one place: have {error}");
+    }
 }
 
 #[test]
