@@ -36,6 +36,7 @@ use crate::integrity::residuals::exclusion::{Outcome, leaves_enough, separable};
 use crate::integrity::residuals::levels::{Exposure, Factors, Levels};
 use crate::integrity::residuals::threshold::Thresholds;
 use crate::numeric::real::Real;
+use crate::numeric::space::told;
 use crate::report::{MAX_EXCLUDED, ProtectionLevels, TestStatistic};
 use crate::satellite::{Constellation, SatelliteId};
 use crate::snapshot::Workspace;
@@ -116,7 +117,7 @@ pub fn estimate<T: Real, const N: usize>(
     workspace: &mut Workspace<T, N>,
     rates: impl IntoIterator<Item = RangeRate>,
     thresholds: &Thresholds<'_>,
-    factors: &Factors,
+    factors: &Factors<T>,
 ) -> Result<Velocity, VelocityError> {
     workspace.equations_mut().clear();
     let mut satellites = Vec::<SatelliteId, N>::new();
@@ -146,18 +147,9 @@ pub fn estimate<T: Real, const N: usize>(
         return Err(VelocityError::Fault);
     }
     let lambda: T = thresholds.lambda(snapshot.dof()).ok_or(VelocityError::Redundancy)?;
-    let covariance = snapshot.covariance();
-    let element = |row, column| covariance.get((row, column)).map_or(0.0, |value: &T| value.widen());
     Ok(Velocity {
         east_north_up_m_s: snapshot.correction().map(Real::widen).into(),
-        covariance_m2_s2: [
-            element(0, 0),
-            element(0, 1),
-            element(0, 2),
-            element(1, 1),
-            element(1, 2),
-            element(2, 2),
-        ],
+        covariance_m2_s2: told(snapshot.covariance()),
         drift_m_s: snapshot.clock_m(DRIFT).unwrap_or_default(),
         test: detection.statistic(),
         levels_m_s: Exposure::of(&snapshot, Levels::Bound, factors).protect(lambda.widen()),

@@ -12,7 +12,7 @@ use rai_core::epoch::Epoch;
 use rai_core::frame::Ecef;
 #[cfg(feature = "araim")]
 use rai_core::monitor::Method;
-use rai_core::monitor::{Accepted, MonitorError, Search};
+use rai_core::monitor::{MonitorError, Search};
 use rai_core::numeric::real::Real;
 use rai_core::report::{Alert, MAX_EXCLUDED, Report, Unavailable, Verdict};
 use rai_core::requirements::Requirements;
@@ -79,13 +79,13 @@ impl Navigator {
     /// # Errors
     /// [`MonitorError`] names the requirement that cannot be met.
     pub fn new(requirements: Requirements) -> Result<Self, MonitorError> {
-        Ok(Self::of(Accepted::new(requirements)?))
+        Ok(Self::of(single::Accepted::new(requirements)?))
     }
 
     /// As [`Self::new`], of requirements that are known to be met.
     #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
     #[inline(always)]
-    pub(crate) fn of(requirements: Accepted) -> Self {
+    pub(crate) fn of(requirements: single::Accepted) -> Self {
         Self {
             store: Store::new(),
             monitor: Monitor::of(requirements),

@@ -83,13 +83,13 @@ const GROSS_SSE: f64 = 1e8;
 
 /// What an epoch is judged by.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Criteria<'c> {
+pub struct Criteria<'c, T> {
     /// Limits and probabilities.
     pub requirements: &'c Requirements,
     /// Thresholds for these probabilities.
     pub thresholds: Thresholds<'static>,
     /// Factors of the protection levels for these probabilities.
-    pub factors: &'c Factors,
+    pub factors: &'c Factors<T>,
     /// Which threshold the global test uses.
     pub policy: Policy,
     /// How the faulty satellites are found.
@@ -200,20 +200,16 @@ impl<T: Real> Judgement<T> {
     }
 }
 
-impl Criteria<'_> {
+impl<T: Real> Criteria<'_, T> {
     /// The global test of a snapshot under the policy, and the protection levels that go with its threshold.
     ///
     /// `common_m` is what the first rows' errors share ([`EpochView::common_m`]).
     ///
     /// # Errors
     /// [`NoThreshold`] says why there is none.
-    pub fn test<T: Real>(
-        &self,
-        snapshot: &Snapshot<'_, T>,
-        common_m: &[f32],
-    ) -> Result<Test<T>, NoThreshold> {
+    pub fn test(&self, snapshot: &Snapshot<'_, T>, common_m: &[f32]) -> Result<Test<T>, NoThreshold> {
         let exposure = Exposure::of(snapshot, self.levels, self.factors);
-        let demand = Demand::of(snapshot.dof(), &exposure, self.requirements, self.thresholds);
+        let demand = Demand::new(snapshot.dof(), &exposure, self.requirements, self.thresholds);
         let threshold = demand.threshold::<T>(self.policy)?;
         let detection =
             Detection { sse: snapshot.sse(), threshold: T::narrow(threshold.tau), dof: snapshot.dof() };
@@ -230,7 +226,7 @@ pub fn judge<T: Real>(
     solution: &mut (impl Reducible<T> + Removable<T>),
     epoch: &EpochView<'_>,
     forecast: Option<usize>,
-    criteria: &Criteria<'_>,
+    criteria: &Criteria<'_, T>,
     search: Search<'_>,
     rates: Option<&RangeRates<'_>>,
     scratch: &mut Scratch<T>,
@@ -248,7 +244,7 @@ fn judge_by_residuals<T: Real>(
     solution: &mut impl Reducible<T>,
     epoch: &EpochView<'_>,
     forecast: Option<usize>,
-    criteria: &Criteria<'_>,
+    criteria: &Criteria<'_, T>,
     search: Search<'_>,
     rates: Option<&RangeRates<'_>>,
     subsets: &mut ransac::Subsets,
@@ -322,7 +318,7 @@ fn without_forecast<T: Real>(
     solution: &mut impl Reducible<T>,
     row: usize,
     epoch: &EpochView<'_>,
-    criteria: &Criteria<'_>,
+    criteria: &Criteria<'_, T>,
 ) -> Alone<T> {
     let takes_part = solution.snapshot().row(row).is_some_and(|(row, _)| row.weight > T::zero());
     if !takes_part {
@@ -345,7 +341,7 @@ fn without_forecast<T: Real>(
 fn isolate<T: Real>(
     solution: &mut impl Reducible<T>,
     epoch: &EpochView<'_>,
-    criteria: &Criteria<'_>,
+    criteria: &Criteria<'_, T>,
     search: Search<'_>,
     #[cfg_attr(not(feature = "searches"), expect(unused_variables))] subsets: &mut ransac::Subsets,
 ) -> Exclusion<T> {

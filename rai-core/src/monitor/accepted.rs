@@ -4,6 +4,7 @@ use core::fmt;
 
 use crate::integrity::residuals::levels::Factors;
 use crate::integrity::residuals::threshold::{ThresholdError, Thresholds};
+use crate::numeric::real::Real;
 use crate::requirements::{Requirements, RequirementsError};
 
 /// Why a monitor cannot be made.
@@ -29,13 +30,13 @@ impl core::error::Error for MonitorError {}
 
 /// Requirements that can be met, and what follows from them.
 #[derive(Clone, Copy, Debug)]
-pub struct Accepted {
+pub struct Accepted<T> {
     pub(super) requirements: Requirements,
     pub(super) thresholds: Thresholds<'static>,
-    pub(super) factors: Factors,
+    pub(super) factors: Factors<T>,
 }
 
-impl Accepted {
+impl<T: Real> Accepted<T> {
     /// Looks whether they can be met.
     ///
     /// # Errors
@@ -54,7 +55,7 @@ impl Accepted {
     }
 
     /// Factors of the protection levels for their probabilities.
-    pub fn factors(&self) -> &Factors {
+    pub fn factors(&self) -> &Factors<T> {
         &self.factors
     }
 }

@@ -9,7 +9,7 @@ use crate::frame::LocalFrame;
 use crate::integrity::residuals::baarda;
 use crate::integrity::{Judgement, Test};
 use crate::numeric::real::Real;
-use crate::numeric::space::dot;
+use crate::numeric::space::{dot, told};
 use crate::report::{MAX_EXCLUDED, Report, Separation, Solution, Suspect, TestStatistic, Verdict};
 use crate::satellite::Constellation;
 use crate::snapshot::Snapshot;
@@ -107,21 +107,11 @@ fn suspect<T: Real>(snapshot: &Snapshot<'_, T>, epoch: &EpochView<'_>) -> Option
 fn solution<T: Real>(fix: &Fix<'_, T>) -> Solution {
     let snapshot = fix.snapshot();
     let position = fix.position();
-    let covariance = snapshot.covariance();
     let (hdop, vdop) = snapshot.dilutions();
-    let element =
-        |row: usize, column: usize| covariance.get((row, column)).map_or(0.0, |value| value.widen());
     Solution {
         position,
         geodetic: LocalFrame::at(position).geodetic(),
-        covariance_m2: [
-            element(0, 0),
-            element(0, 1),
-            element(0, 2),
-            element(1, 1),
-            element(1, 2),
-            element(2, 2),
-        ],
+        covariance_m2: told(snapshot.covariance()),
         clocks_m: Constellation::ALL.map(|constellation| snapshot.clock_m(constellation)),
         hdop: hdop.widen(),
         vdop: vdop.widen(),

@@ -87,7 +87,7 @@ impl Strategy {
 /// Watches over the positions of one receiver, at most `N` satellites at a time.
 #[derive(Clone, Debug)]
 pub struct Monitor<T: Real, const N: usize> {
-    accepted: Accepted,
+    accepted: Accepted<T>,
     strategy: Strategy,
     ism: Ism,
     clocks: Clocks<T>,
@@ -111,7 +111,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     /// As [`Self::new`], of requirements that are known to be met.
     #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
     #[inline(always)]
-    pub fn of(accepted: Accepted) -> Self {
+    pub fn of(accepted: Accepted<T>) -> Self {
         Self {
             accepted,
             strategy: Strategy::DEFAULT,
@@ -202,7 +202,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     }
 
     /// What is required, with what follows from it.
-    pub fn accepted(&self) -> &Accepted {
+    pub fn accepted(&self) -> &Accepted<T> {
         &self.accepted
     }
 
@@ -312,7 +312,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         self.strategy.sigma_adapt.then(|| self.adaptation.scale(time_s).max(least))
     }
 
-    fn criteria(&self) -> Criteria<'_> {
+    fn criteria(&self) -> Criteria<'_, T> {
         Criteria {
             requirements: &self.accepted.requirements,
             thresholds: self.accepted.thresholds,

@@ -10,6 +10,7 @@
 //! scaled     f a                 sum          a + b          symmetric_product   S v
 //! products   a_i b_i             magnitudes   |a_i|          matrix_product      A B
 //! trace      tr M                diagonal     M_ii           matrix_sum, matrix_difference  A ± B
+//! told       S, six numbers
 //! add_outer_product  S + a bᵀ    add_outer_square  S + a aᵀ/f    add_whole_outer_product  M + a bᵀ
 //! ```
 //!
@@ -187,6 +188,12 @@ pub(crate) fn mirror<T: Real>(matrix: &mut Matrix3<T>) {
     matrix.m12 = matrix.m21;
     matrix.m13 = matrix.m31;
     matrix.m23 = matrix.m32;
+}
+
+/// A symmetric matrix, row by row from the diagonal on, in doubles.
+#[inline]
+pub(crate) fn told<T: Real>(matrix: &Matrix3<T>) -> [f64; 6] {
+    [matrix.m11, matrix.m21, matrix.m31, matrix.m22, matrix.m32, matrix.m33].map(T::widen)
 }
 
 /// `tr M`.

@@ -22,6 +22,9 @@ use crate::velocity::{RangeRate, Velocity, VelocityError};
 /// [`crate::monitor::Monitor`] of this instance.
 pub type Monitor = crate::monitor::Monitor<f32, CAPACITY>;
 
+/// [`crate::monitor::Accepted`] of this instance.
+pub type Accepted = crate::monitor::Accepted<f32>;
+
 /// [`crate::monitor::Assessment`] of this instance.
 pub type Assessment = crate::monitor::Assessment<CAPACITY>;
 
@@ -74,7 +77,7 @@ pub fn velocity(
     workspace: &mut Workspace,
     rates: &mut dyn Iterator<Item = RangeRate>,
     thresholds: &Thresholds<'_>,
-    factors: &Factors,
+    factors: &Factors<f32>,
 ) -> Result<Velocity, VelocityError> {
     crate::velocity::estimate(workspace, rates, thresholds, factors)
 }

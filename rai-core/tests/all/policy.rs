@@ -4,8 +4,8 @@
 use std::path::Path;
 
 use proptest::prelude::*;
-use rai_core::integrity::residuals::levels::Slopes;
 use rai_core::integrity::residuals::levels::noncentrality_at;
+use rai_core::integrity::residuals::levels::{Exposure, Slopes};
 use rai_core::integrity::residuals::threshold::Thresholds;
 use rai_core::integrity::residuals::threshold::policy::{
     Decision, Demand, NoThreshold, Policy, Status, Weights, range_threshold_m,
@@ -310,8 +310,9 @@ fn range_thresholds_are_the_published_ones() {
 fn vertical_limit_counts_where_it_is_set() {
     let largest = Slopes { horizontal: 1.0, vertical: 4.0 };
     let rows = demand(4, 0.0, 3.33e-7, 1e-3).thresholds;
-    let noncentrality =
-        |requirements: &Requirements| Demand::new(4, largest, requirements, rows).noncentrality;
+    let noncentrality = |requirements: &Requirements| {
+        Demand::new(4, &Exposure::to_faults(largest), requirements, rows).noncentrality
+    };
     let horizontal_only = Requirements { val_m: None, ..Requirements::lpv200() };
     assert_eq!(noncentrality(&horizontal_only), (0.95_f64 * 40.0).powi(2));
     assert_eq!(noncentrality(&Requirements::lpv200()), (0.95_f64 * 35.0 / 4.0).powi(2));

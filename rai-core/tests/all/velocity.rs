@@ -5,6 +5,7 @@ use nalgebra::Vector3;
 use rai_core::integrity::residuals::levels::Factors;
 use rai_core::integrity::residuals::threshold::Thresholds;
 use rai_core::numeric::probability::Probability;
+use rai_core::numeric::real::Real;
 use rai_core::satellite::{Constellation, SatelliteId};
 use rai_core::snapshot::Workspace;
 use rai_core::velocity::{RangeRate, Velocity, VelocityError, estimate};
@@ -32,7 +33,7 @@ fn thresholds() -> Thresholds<'static> {
     Thresholds::from_tables(tail(3.33e-7), tail(1e-3)).expect("in the tables")
 }
 
-fn factors() -> Factors {
+fn factors<T: Real>() -> Factors<T> {
     let tail = |value| Probability::new(value).expect("a tail");
     Factors::new(tail(1e-3), tail(1e-7))
 }

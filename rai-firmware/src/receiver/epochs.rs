@@ -2,9 +2,10 @@
 
 use embedded_hal::digital::OutputPin;
 use embedded_io::Write;
-use rai_core::monitor::{Accepted, MonitorError};
+use rai_core::monitor::MonitorError;
 use rai_core::report::{Alert, Report, Unavailable, Verdict};
 use rai_core::satellite::Constellation;
+use rai_core::single::Accepted;
 
 use super::lateness::Lateness;
 use crate::config::Configuration;

@@ -211,41 +211,38 @@ impl<T: Real> Spread<T> {
 
 /// Factors of one axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct AxisFactors {
+struct AxisFactors<T> {
     /// `k'`, of a missed fault.
-    missed: f64,
+    missed: T,
     /// `K`, without a fault.
-    fault_free: f64,
+    fault_free: T,
 }
 
 /// How many standard deviations go with the probabilities.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Factors {
+pub struct Factors<T> {
     /// `k = Q⁻¹(P_md)`.
-    detection: f64,
-    horizontal: AxisFactors,
-    vertical: AxisFactors,
+    detection: T,
+    horizontal: AxisFactors<T>,
+    vertical: AxisFactors<T>,
 }
 
-impl Factors {
+impl<T: Real> Factors<T> {
     /// `k = Q⁻¹(P_md)`.
-    pub(super) const fn detection(&self) -> f64 {
+    pub(super) const fn detection(&self) -> T {
         self.detection
     }
 
     /// Of a probability of missed detection and one of exceeding the level without any fault.
     pub fn new(missed_detection: Probability, fault_free: Probability) -> Self {
-        let two_sided = |probability: Probability| normal::quantile(probability.get() / 2.0);
+        let [missed, free] = [missed_detection, fault_free].map(|probability| T::narrow(probability.get()));
+        let two_sided = |probability: T| normal::quantile(probability * T::narrow(0.5));
         // Of a circular normal distribution with the standard deviation of the longer axis.
-        let radial = |probability: Probability| libm::sqrt(-2.0 * libm::log(probability.get()));
-        let axis = |factor: &dyn Fn(Probability) -> f64| AxisFactors {
-            missed: factor(missed_detection),
-            fault_free: factor(fault_free),
-        };
+        let radial = |probability: T| (T::narrow(-2.0) * probability.ln()).sqrt();
         Self {
-            detection: normal::quantile(missed_detection.get()),
-            horizontal: axis(&radial),
-            vertical: axis(&two_sided),
+            detection: normal::quantile(missed),
+            horizontal: AxisFactors { missed: radial(missed), fault_free: radial(free) },
+            vertical: AxisFactors { missed: two_sided(missed), fault_free: two_sided(free) },
         }
     }
 }
@@ -257,12 +254,19 @@ pub struct Exposure<'f, T> {
     /// The largest slopes.
     pub slopes: Slopes<T>,
     /// What the bound needs beside them; `None` for the papers' level.
-    noise: Option<(Spread<T>, &'f Factors)>,
+    noise: Option<(Spread<T>, &'f Factors<T>)>,
+}
+
+impl<T> Exposure<'_, T> {
+    /// To faults alone, with these largest slopes: for the papers' level.
+    pub const fn to_faults(slopes: Slopes<T>) -> Self {
+        Self { slopes, noise: None }
+    }
 }
 
 impl<'f, T: Real> Exposure<'f, T> {
     /// Of a snapshot.
-    pub fn of(snapshot: &Snapshot<'_, T>, levels: Levels, factors: &'f Factors) -> Self {
+    pub fn of(snapshot: &Snapshot<'_, T>, levels: Levels, factors: &'f Factors<T>) -> Self {
         let noise = match levels {
             Levels::Bound => Some((Spread::of(snapshot.covariance()), factors)),
             Levels::Slope => None,
@@ -275,10 +279,10 @@ impl<'f, T: Real> Exposure<'f, T> {
     #[inline(never)]
     pub fn protect(&self, lambda: f64) -> ProtectionLevels {
         let Some((spread, factors)) = self.noise else { return self.slopes.protect(lambda) };
-        let beyond = T::narrow(lambda).root() - T::narrow(factors.detection);
-        let level = |slope: T, sigma: T, axis: AxisFactors| {
-            let missed = slope * beyond + T::narrow(axis.missed) * (slope * slope + sigma * sigma).root();
-            larger(missed, T::narrow(axis.fault_free) * sigma).widen()
+        let beyond = T::narrow(lambda).root() - factors.detection;
+        let level = |slope: T, sigma: T, axis: AxisFactors<T>| {
+            let missed = slope * beyond + axis.missed * (slope * slope + sigma * sigma).root();
+            larger(missed, axis.fault_free * sigma).widen()
         };
         ProtectionLevels {
             hpl_m: level(self.slopes.horizontal, spread.horizontal, factors.horizontal),
@@ -288,8 +292,13 @@ impl<'f, T: Real> Exposure<'f, T> {
 
     /// Protection levels against a fault that is no satellite's, has these slopes and shows by `shown` standard deviations: by
     /// `shown + k` at most.
-    pub(crate) fn protect_against(self, slopes: Slopes<T>, shown: T, factors: &Factors) -> ProtectionLevels {
-        let root = shown + T::narrow(factors.detection);
+    pub(crate) fn protect_against(
+        self,
+        slopes: Slopes<T>,
+        shown: T,
+        factors: &Factors<T>,
+    ) -> ProtectionLevels {
+        let root = shown + factors.detection;
         Self { slopes, ..self }.protect((root * root).widen())
     }
 
@@ -318,12 +327,12 @@ pub fn noncentrality_at(limit_m: f64, slope_m: f64) -> f64 {
 }
 
 /// `√δ = (f AL − k' √(s² + σ²)) / s + k`, squared; 0 where the limit is too small for any threshold.
-fn noncentrality_within<T: Real>(limit_m: f64, slope: T, noise: Option<(T, f64, AxisFactors)>) -> f64 {
+fn noncentrality_within<T: Real>(limit_m: f64, slope: T, noise: Option<(T, T, AxisFactors<T>)>) -> f64 {
     let Some((sigma, detection, axis)) = noise else { return noncentrality_at(limit_m, slope.widen()) };
-    let [limit, detection] = [limit_m, detection].map(T::narrow);
-    let spread = T::narrow(axis.missed) * (slope * slope + sigma * sigma).root();
+    let limit = T::narrow(limit_m);
+    let spread = axis.missed * (slope * slope + sigma * sigma).root();
     // Written so that what is not a number makes nothing available; an infinite slope does neither.
-    let suffices = limit >= spread - detection * slope && limit >= T::narrow(axis.fault_free) * sigma;
+    let suffices = limit >= spread - detection * slope && limit >= axis.fault_free * sigma;
     if !(suffices && slope.is_finite()) {
         return 0.0;
     }

@@ -116,7 +116,7 @@ impl<T: Real> Rates<T> {
         solution: &mut impl Reducible<T>,
         exclusion: &Exclusion<T>,
         thresholds: &Thresholds<'_>,
-        factors: &Factors,
+        factors: &Factors<T>,
     ) -> Doubt<T> {
         let set: Vec<usize, MAX_EXCLUDED> = gather(exclusion.rows.iter().map(|excluded| excluded.index));
         if !set.is_empty() && solution.take_back(&set).is_err() {
@@ -159,7 +159,7 @@ impl<T: Real> Rates<T> {
         snapshot: &Snapshot<'_, T>,
         set: &[usize],
         thresholds: &Thresholds<'_>,
-        factors: &Factors,
+        factors: &Factors<T>,
     ) -> Doubt<T> {
         let mut rows = Vec::new();
         testable_rows(snapshot, &mut rows);
@@ -187,7 +187,7 @@ impl<T: Real> Rates<T> {
             return Doubt::Time;
         }
         if let [_] = set {
-            let missed = T::narrow(factors.detection());
+            let missed = factors.detection();
             return match is_alone && left - found < missed * missed {
                 true if left <= found => Doubt::Time,
                 true => Doubt::Rows,

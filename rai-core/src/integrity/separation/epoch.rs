@@ -26,7 +26,7 @@ use crate::weighting::Ism;
 pub(in crate::integrity) fn judge_epoch<T: Real>(
     solution: &mut (impl Reducible<T> + Removable<T>),
     epoch: &EpochView<'_>,
-    criteria: &Criteria<'_>,
+    criteria: &Criteria<'_, T>,
     rates: Option<&RangeRates<'_>>,
     room: &mut Room<T>,
 ) -> Judgement<T> {
@@ -58,7 +58,7 @@ fn blames_the_time<T: Real>(
     solution: &mut (impl Reducible<T> + Removable<T>),
     epoch: &EpochView<'_>,
     judged: &mut Judged<T>,
-    criteria: &Criteria<'_>,
+    criteria: &Criteria<'_, T>,
     rates: Option<&RangeRates<'_>>,
 ) -> bool {
     let Some(rates) = rates.filter(|_| judged.whole.alarm).and_then(|rates| Rates::of(epoch, rates)) else {

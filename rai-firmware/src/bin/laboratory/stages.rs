@@ -6,7 +6,7 @@ use heapless::Vec;
 use rai_core::clock::{CoastingClock, WINDOW};
 use rai_core::frame::Ecef;
 use rai_core::integrity::residuals::detection::detect;
-use rai_core::integrity::residuals::levels::largest_slopes;
+use rai_core::integrity::residuals::levels::{Exposure, largest_slopes};
 use rai_core::integrity::residuals::threshold::Thresholds;
 use rai_core::integrity::residuals::threshold::policy::{Demand, Policy};
 use rai_core::integrity::residuals::{parity, ransac};
@@ -217,7 +217,8 @@ fn policy(mut input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers
     let snapshot = workspace.solve().ok()?;
     let (slopes, thresholds) = (largest_slopes(&snapshot), thresholds()?);
     let (found, ticks) = stopwatch.time(|| {
-        let demand = Demand::new(black_box(snapshot.dof()), slopes, &requirements(), thresholds);
+        let demand =
+            Demand::new(black_box(snapshot.dof()), &Exposure::to_faults(slopes), &requirements(), thresholds);
         stages::threshold(&demand, policy)
     });
     answers.write(ticks, &found)

@@ -1,7 +1,7 @@
 //! Under which requirements table 1 is computed, and what is counted.
 
 use anyhow::Context as _;
-use rai_core::integrity::residuals::levels::largest_slopes;
+use rai_core::integrity::residuals::levels::{Exposure, largest_slopes};
 use rai_core::integrity::residuals::threshold::Thresholds;
 use rai_core::integrity::residuals::threshold::policy::{Demand, Policy};
 use rai_core::numeric::real::Real;
@@ -73,7 +73,12 @@ impl Case {
     }
 
     fn demand<T: Real>(&self, snapshot: &Snapshot<'_, T>) -> Demand<'static> {
-        Demand::new(snapshot.dof(), largest_slopes(snapshot), &self.requirements, self.thresholds)
+        Demand::new(
+            snapshot.dof(),
+            &Exposure::to_faults(largest_slopes(snapshot)),
+            &self.requirements,
+            self.thresholds,
+        )
     }
 }
 

@@ -142,14 +142,14 @@ fn element<T: Real>(row: &[Held], number: usize) -> Option<T> {
 /// Where the probabilities have `wanted`, or the nearest of them.
 #[inline(never)]
 fn matching(grid: &[Probability], wanted: Probability) -> Result<usize, Probability> {
-    // That it is written alike costs a comparison, that it means the same a logarithm of each.
+    // That it is written alike costs a comparison, that it means the same divisions of each.
     if let Some(index) = grid.iter().position(|known| *known == wanted) {
         return Ok(index);
     }
-    let distance = |known: &Probability| libm::fabs(libm::log(known.get() / wanted.get()));
-    let nearest = grid.iter().enumerate().min_by(|(_, a), (_, b)| distance(a).total_cmp(&distance(b)));
+    let ratio = |known: &Probability| (known.get() / wanted.get()).max(wanted.get() / known.get());
+    let nearest = grid.iter().enumerate().min_by(|(_, a), (_, b)| ratio(a).total_cmp(&ratio(b)));
     match nearest {
-        Some((index, known)) if distance(known) <= SAME_PROBABILITY => Ok(index),
+        Some((index, known)) if ratio(known) <= 1.0 + SAME_PROBABILITY => Ok(index),
         Some((_, known)) => Err(*known),
         None => Err(wanted),
     }

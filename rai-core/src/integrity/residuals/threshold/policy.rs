@@ -30,7 +30,7 @@
 //! [Yang2015]: crate#references
 
 use super::Thresholds;
-use crate::integrity::residuals::levels::{Exposure, Slopes, noncentrality_at};
+use crate::integrity::residuals::levels::Exposure;
 use crate::numeric::chi_square::{ChiSquare, LARGEST};
 use crate::numeric::probability::Probability;
 use crate::numeric::real::Real;
@@ -144,28 +144,8 @@ pub fn range_threshold_m(tau: f64, dof: usize, sigma_m: f64) -> f64 {
 }
 
 impl<'t> Demand<'t> {
-    /// What `requirements` demand of a geometry with these largest slopes; both risks weigh the same.
-    pub fn new<T: Real>(
-        dof: usize,
-        largest: Slopes<T>,
-        requirements: &Requirements,
-        thresholds: Thresholds<'t>,
-    ) -> Self {
-        let at =
-            |limit_m: f64, slope: T| noncentrality_at(requirements.guard_fraction * limit_m, slope.widen());
-        let horizontal = at(requirements.hal_m, largest.horizontal);
-        let vertical = requirements.val_m.map_or(LARGEST, |val_m| at(val_m, largest.vertical));
-        Self {
-            dof,
-            noncentrality: horizontal.min(vertical),
-            thresholds,
-            missed_detection: requirements.missed_detection,
-            weights: Weights::EQUAL,
-        }
-    }
-
     /// What `requirements` demand of a position so exposed; both risks weigh the same.
-    pub fn of<T: Real>(
+    pub fn new<T: Real>(
         dof: usize,
         exposure: &Exposure<'_, T>,
         requirements: &Requirements,
