@@ -16,6 +16,9 @@ mod answer;
 #[cfg(target_os = "none")]
 mod epochs;
 #[cfg(target_os = "none")]
+#[path = "../../board/arm/memory.rs"]
+mod memory;
+#[cfg(target_os = "none")]
 mod precision;
 #[cfg(target_os = "none")]
 mod request;
