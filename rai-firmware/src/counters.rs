@@ -45,8 +45,10 @@ pub(crate) fn at(names: &[&'static str], values: &[u32], number: &mut usize) -> 
 }
 
 /// One more, stopping at the largest value: a counter that wraps would tell that nothing happened.
+// Not inlined: it is called in many places, and flash is dearer than the calls.
+#[inline(never)]
 pub(crate) fn count(counter: &mut u32) {
-    count_many(counter, 1);
+    *counter = counter.saturating_add(1);
 }
 
 /// `many` more, stopping at the largest value.

@@ -99,6 +99,7 @@ pub mod board;
 pub mod config;
 pub mod correction;
 pub mod counters;
+pub mod division;
 pub mod ephemeris;
 pub mod epoch_loop;
 pub mod input;

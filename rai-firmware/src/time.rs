@@ -3,6 +3,8 @@
 //! `BeiDou` time is GPS time minus 14 s and begins in week 1356; Galileo system time is GPS time (to some tens of
 //! nanoseconds, which the receiver clock of that constellation takes up) and begins in week 1024.
 
+use crate::division::divided;
+
 /// Milliseconds in a week.
 pub const WEEK_MS: u32 = 604_800_000;
 
@@ -34,7 +36,8 @@ impl GpsTime {
 
     /// The instant that many milliseconds after 1980-01-06.
     pub const fn from_ms(ms: u64) -> Self {
-        Self { week: (ms / WEEK_MS as u64) as u16, tow_ms: (ms % WEEK_MS as u64) as u32 }
+        let (week, tow_ms) = divided(ms, WEEK_MS);
+        Self { week: week as u16, tow_ms }
     }
 
     /// Milliseconds from `earlier` to `self`; negative if `self` is before it.
@@ -42,7 +45,7 @@ impl GpsTime {
         self.to_ms().cast_signed() - earlier.to_ms().cast_signed()
     }
 
-    /// The instant that many milliseconds later, less than a week. A division of 64 bits is a call of some size.
+    /// The instant that many milliseconds later, a week at most; without the division of [`Self::from_ms`].
     pub(crate) const fn later_by_ms(self, ms: u32) -> Self {
         let tow_ms = self.tow_ms + ms;
         if tow_ms < WEEK_MS {
@@ -74,7 +77,7 @@ impl GpsTime {
 }
 
 /// Milliseconds in a day.
-const DAY_MS: u64 = 86_400_000;
+pub(crate) const DAY_MS: u32 = 86_400_000;
 
 /// GLONASS time is UTC plus this many milliseconds.
 pub const GLONASS_OFFSET_MS: u64 = 3 * 3_600_000;
@@ -86,12 +89,12 @@ pub const fn glonass_time(second_of_day: u32, leap_s: u8, now: GpsTime) -> Optio
     if second_of_day >= 86_400 {
         return None;
     }
-    let of_day_ms = second_of_day as u64 * 1000 + (DAY_MS - GLONASS_OFFSET_MS) + leap_s as u64 * 1000;
-    let now_ms = now.to_ms();
+    let of_day_ms = second_of_day * 1000 + (DAY_MS - GLONASS_OFFSET_MS as u32) + leap_s as u32 * 1000;
     // The first such instant after half a day before now.
-    let earliest_ms = now_ms.saturating_sub(DAY_MS / 2);
-    let wait_ms = (of_day_ms % DAY_MS + DAY_MS - earliest_ms % DAY_MS) % DAY_MS;
-    Some(GpsTime::from_ms(earliest_ms + wait_ms))
+    let earliest_ms = now.to_ms().saturating_sub(DAY_MS as u64 / 2);
+    let (_, earliest_of_day_ms) = divided(earliest_ms, DAY_MS);
+    let wait_ms = (of_day_ms % DAY_MS + DAY_MS - earliest_of_day_ms) % DAY_MS;
+    Some(GpsTime::from_ms(earliest_ms + wait_ms as u64))
 }
 
 #[cfg(test)]

@@ -8,6 +8,7 @@ use heapless::String;
 use heapless::string::StringView;
 
 use super::fields::cut;
+use crate::division::divided;
 
 /// Largest power of ten that a `f64` holds exactly.
 const EXACT_POWER: u32 = 22;
@@ -98,16 +99,16 @@ fn scale(mut value: f64, exponent: i32) -> f64 {
 /// named so that it is understood when it is sent back.
 pub fn scientific(value: f64) -> String<20> {
     const DECIMALS: u8 = 9;
-    const UNIT: u64 = 10_u64.pow(DECIMALS as u32);
+    const UNIT: u32 = 10_u32.pow(DECIMALS as u32);
     let mut exponent = (1..=MAX_EXPONENT).find(|exponent| scale(value, *exponent) >= 1.0).unwrap_or(0);
     let mut digits = libm::round(scale(value, exponent + i32::from(DECIMALS))) as u64;
-    if digits >= 10 * UNIT {
-        digits /= 10;
+    if digits >= 10 * u64::from(UNIT) {
+        (digits, _) = divided(digits, 10);
         exponent -= 1;
     }
     let mut text = String::new();
     // Never longer than d.ddddddddde-ddd.
-    push_decimals::<UNIT>(&mut text, digits);
+    push_decimals(&mut text, digits, UNIT);
     let _ = text.push_str("e-");
     push_whole(&mut text, exponent.unsigned_abs().into());
     text
@@ -130,14 +131,14 @@ pub(super) fn signed_scientific(value: f64) -> String<24> {
 /// A number in plain decimals, six at most and no zeros at the end; for what is below 10⁹.
 pub(super) fn plain(value: f64) -> String<24> {
     const DECIMALS: u32 = 6;
-    const UNIT: u64 = 10_u64.pow(DECIMALS);
-    let scaled = libm::round(libm::fabs(value) * UNIT as f64) as u64;
+    const UNIT: u32 = 10_u32.pow(DECIMALS);
+    let scaled = libm::round(libm::fabs(value) * f64::from(UNIT)) as u64;
     let mut text = String::new();
     // A sign, twenty digits at most in all, and a point.
     if value < 0.0 && scaled > 0 {
         let _ = text.push('-');
     }
-    push_decimals::<UNIT>(&mut text, scaled);
+    push_decimals(&mut text, scaled, UNIT);
     text
 }
 
@@ -153,16 +154,16 @@ pub(crate) fn hexadecimal(value: u32) -> String<8> {
 }
 
 /// A number of so many parts of a unit, without zeros at the end. What does not fit is left out, here and below.
-fn push_decimals<const UNIT: u64>(text: &mut StringView, parts: u64) {
-    push_whole(text, parts / UNIT);
-    let mut rest = parts % UNIT;
+#[inline(never)]
+fn push_decimals(text: &mut StringView, parts: u64, unit: u32) {
+    let (mut whole, mut rest) = divided(parts, unit);
+    push_whole(text, whole);
     if rest > 0 {
         let _ = text.push('.');
     }
     while rest > 0 {
-        rest *= 10;
-        push_whole(text, rest / UNIT);
-        rest %= UNIT;
+        (whole, rest) = divided(u64::from(rest) * 10, unit);
+        push_whole(text, whole);
     }
 }
 
@@ -171,8 +172,9 @@ fn push_whole(text: &mut StringView, mut number: u64) {
     let mut digits = [b'0'; 20];
     let mut many = 0;
     for digit in digits.iter_mut().rev() {
-        *digit += (number % 10) as u8;
-        number /= 10;
+        let (left, last) = divided(number, 10);
+        *digit += last as u8;
+        number = left;
         many += 1;
         if number == 0 {
             break;

@@ -39,6 +39,7 @@ use super::elapsed::Elapsed;
 use super::fixed::{Direction, ONE_Q62, Turns, mul_high, nearest, nearest_i32, scaled, times_q62};
 use super::motion::Motion;
 use super::{Broadcast, BroadcastError, Source};
+use crate::division::divided;
 use crate::time::{BEIDOU_OFFSET_MS, WEEK_MS};
 
 /// What the interface documents fix for their elements.
@@ -344,7 +345,8 @@ fn toe_of_system_ms(broadcast: &Broadcast) -> u32 {
 fn earth_turn(convention: &Convention, ms: u32) -> Turns {
     let per_second = (convention.earth_rate_2_76 + (1 << 11)) >> 12;
     let (seconds, rest) = (i64::from(ms / 1000), i64::from(ms % 1000));
-    Turns::new(per_second.wrapping_mul(seconds).wrapping_add(per_second / 1000 * rest))
+    let (per_ms, _) = divided(per_second.cast_unsigned(), 1000);
+    Turns::new(per_second.wrapping_mul(seconds).wrapping_add(per_ms.cast_signed() * rest))
 }
 
 /// The `BeiDou` numbers that belong to geostationary satellites ([BDS-SIS-B1I] 4.2, table 4-1).

@@ -167,7 +167,8 @@ impl Ephemeris {
             orbit: Orbit::Kepler(Kepler::new(broadcast)?),
             clock: Clock::new(
                 [broadcast.af0_s, broadcast.af1_s_s, broadcast.af2_s_s2],
-                (broadcast.toc.since_ms(broadcast.toe) / 1000) as i32,
+                // A day at most.
+                broadcast.toc.since_ms(broadcast.toe) as i32 / 1000,
                 broadcast.group_delays_s,
             ),
             accuracies_m: [broadcast.accuracy_m.unwrap_or(f32::NAN); 2],

@@ -20,6 +20,7 @@
 //! **Limits.** A delay that grows more slowly than `d` is not told from a fast clock, nor is one seen that was there from the
 //! start. A clock faster than `d` makes everything late in the end.
 
+use crate::division::divided;
 use crate::time::{GpsTime, WEEK_MS};
 
 /// Epochs, and the time between the first and the last of them, ms, that make known how long the way is.
@@ -130,7 +131,8 @@ impl Arrival {
 
     /// How much the own clock may have gained on the tags since an earlier one, ms.
     fn gained_ms(self, earlier: Self, clock_error_ppm: u32) -> u64 {
-        self.came_ms.saturating_sub(earlier.came_ms).saturating_mul(u64::from(clock_error_ppm)) / 1_000_000
+        let passed_ms = self.came_ms.saturating_sub(earlier.came_ms);
+        divided(passed_ms.saturating_mul(u64::from(clock_error_ppm)), 1_000_000).0
     }
 }
 

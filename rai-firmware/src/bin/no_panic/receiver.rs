@@ -12,6 +12,7 @@ use rai_firmware::config::{self, Command, CommandPort, Configuration, Phase, Ref
 use rai_firmware::correction::{
     self, CAPACITY as N, Klobuchar, Place, Preference, Ranges, Site, Spread, Troposphere,
 };
+use rai_firmware::division;
 use rai_firmware::ephemeris::{
     self, BroadcastError, Elapsed, Ephemeris, EphemerisError, GroupDelay, Health, Refusals, Source,
     StateVector, Store,
@@ -83,6 +84,7 @@ fn bytes() {
         GpsTime::to_s as fn(_) -> _,
         GpsTime::nearest as fn(_, _) -> _,
         time::glonass_time as fn(_, _, _) -> _,
+        division::divided as fn(_, _) -> _,
     );
 }
 

@@ -8,6 +8,7 @@ use core::sync::atomic::{AtomicU32, Ordering};
 
 use cortex_m::peripheral::{SCB, SYST, syst::SystClkSource};
 use cortex_m_rt::exception;
+use rai_firmware::division::divided;
 
 static MS_LOW: AtomicU32 = AtomicU32::new(0);
 static MS_HIGH: AtomicU32 = AtomicU32::new(0);
@@ -50,7 +51,7 @@ pub fn now_ticks() -> u64 {
 
 /// Microseconds since start.
 pub fn now_us() -> u64 {
-    now_ticks() * 1000 / u64::from(TICKS_PER_MS.load(Ordering::Relaxed))
+    divided(now_ticks() * 1000, TICKS_PER_MS.load(Ordering::Relaxed)).0
 }
 
 /// Sleeps until a millisecond begins or there is `work`; gives the tick at which an interrupt first ended the sleep.

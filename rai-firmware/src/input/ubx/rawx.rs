@@ -28,7 +28,7 @@ use crate::counters::count;
 use crate::input::system::System;
 use crate::input::{Counters, Unread};
 use crate::raw::{Band, Carrier, RawSignal};
-use crate::time::{GpsTime, WEEK_MS};
+use crate::time::GpsTime;
 
 /// Bytes before the measurements, and of each.
 const HEADER: usize = 16;
@@ -72,7 +72,7 @@ impl<'a> Rawx<'a> {
         let offset_s = tow_s - tow_ms * 1e-3;
         let is_whole = offset_s.abs() < ROUNDING_S;
         let offset_m = if is_whole { 0.0 } else { offset_s * SPEED_OF_LIGHT_M_S };
-        let time = GpsTime::from_ms(u64::from(week) * u64::from(WEEK_MS) + tow_ms as u64);
+        let time = GpsTime { week, tow_ms: 0 }.later_by_ms(tow_ms as u32);
         let leap_s = (status & 1 == 1 && leap_s <= 63).then_some(leap_s);
         Ok(Self { measurements, time, offset_m, leap_s })
     }

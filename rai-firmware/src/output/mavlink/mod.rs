@@ -24,6 +24,7 @@ use rai_core::report::{Solution, Unavailable, Verdict};
 
 use super::schedule::{Due, Item};
 use super::{Interference, Statement};
+use crate::time::GpsTime;
 
 pub mod dialect;
 mod frame;
@@ -37,9 +38,6 @@ const SIGMAS_OF_A_LEVEL: f64 = 5.33;
 
 /// 1980-01-06 in UNIX time, ms.
 const GPS_EPOCH_UNIX_MS: u64 = 315_964_800_000;
-
-/// Milliseconds in a week.
-const WEEK_MS: u64 = crate::time::WEEK_MS as u64;
 
 /// A figure of `GNSS_INTEGRITY` that is none.
 const INVALID: u64 = 65_535;
@@ -95,7 +93,10 @@ impl Sender {
             self.send(&heartbeat(verdict), out)?;
         }
         if due.has(Item::GpsInput) {
-            self.send(&Frame::of(&GPS_INPUT, &nowhere(0, 0, NO_RECEIVER, 0)), out)?;
+            self.send(
+                &Frame::of(&GPS_INPUT, &nowhere(0, GpsTime { week: 0, tow_ms: 0 }, NO_RECEIVER, 0)),
+                out,
+            )?;
         }
         if due.has(Item::GnssIntegrity) {
             self.send(&gnss_integrity(verdict, (None, None), Interference::default()), out)?;
@@ -178,24 +179,23 @@ fn gps_input<const N: usize>(statement: &Statement<'_, N>) -> Frame {
     let unix_us = (statement.time.to_ms() + GPS_EPOCH_UNIX_MS)
         .saturating_sub(u64::from(statement.gps_minus_utc_s) * 1000)
         * 1000;
-    let time_ms = statement.time.to_ms();
     let satellites = statement.report.used.len() as u64;
     let is_protected = matches!(statement.report.verdict, Verdict::Protected(_));
     let values = match &statement.report.solution {
         Some(solution) if is_protected => position(statement, solution, unix_us),
-        Some(_) => nowhere(unix_us, time_ms, NO_FIX, satellites),
-        None => nowhere(unix_us, time_ms, NO_RECEIVER, satellites),
+        Some(_) => nowhere(unix_us, statement.time, NO_FIX, satellites),
+        None => nowhere(unix_us, statement.time, NO_RECEIVER, satellites),
     };
     Frame::of(&GPS_INPUT, &values)
 }
 
 /// `GPS_INPUT` without a position.
-fn nowhere(unix_us: u64, time_ms: u64, fix_type: u64, satellites: u64) -> [u64; 18] {
+fn nowhere(unix_us: u64, time: GpsTime, fix_type: u64, satellites: u64) -> [u64; 18] {
     let mut values = [0; 18];
     values[0] = unix_us;
-    values[1] = time_ms % WEEK_MS;
+    values[1] = time.tow_ms.into();
     values[13] = IGNORE_ALL;
-    values[14] = time_ms / WEEK_MS;
+    values[14] = time.week.into();
     values[16] = fix_type;
     values[17] = satellites;
     values
@@ -217,7 +217,7 @@ fn position<const N: usize>(statement: &Statement<'_, N>, solution: &Solution, u
     };
     [
         unix_us,
-        statement.time.to_ms() % WEEK_MS,
+        statement.time.tow_ms.into(),
         degrees_e7(solution.geodetic.latitude_rad),
         degrees_e7(solution.geodetic.longitude_rad),
         float(solution.geodetic.height_m),
@@ -230,7 +230,7 @@ fn position<const N: usize>(statement: &Statement<'_, N>, solution: &Solution, u
         accuracy(east + north, hpl_m),
         accuracy(up, vpl_m),
         if motion.is_some() { 0 } else { IGNORE_VELOCITY },
-        statement.time.to_ms() / WEEK_MS,
+        statement.time.week.into(),
         0,
         FIX_3D,
         statement.report.used.len() as u64,

@@ -13,6 +13,7 @@ use heapless::Vec;
 use rai_core::satellite::SatelliteId;
 
 use super::TimeOfDay;
+use crate::division::divided;
 
 /// Longest sentence, `$` and CR LF included ([NMEA-0183] v4.11 §5.3).
 ///
@@ -95,14 +96,6 @@ fn nearest_integer(value: f64) -> Option<u64> {
     const BESIDE: f64 = (1_u64 << 52) as f64;
     let is_within = value.to_bits() < SCALED_LIMIT.to_bits();
     is_within.then(|| (value + BESIDE).to_bits() - BESIDE.to_bits())
-}
-
-/// Quotient and remainder; the processor divides what has 32 bits, and the rest is a long call.
-fn divided(value: u64, by: u32) -> (u64, u32) {
-    match u32::try_from(value) {
-        Ok(short) => (u64::from(short / by), short % by),
-        Err(_) => (value / u64::from(by), (value % u64::from(by)) as u32),
-    }
 }
 
 /// Digits of the lower part of a number that is split.

@@ -3,13 +3,11 @@
 //! Days are counted from 1980-01-06; the calendar of them is that of Gregory from a year that begins in March, so that a
 //! leap day is the last of its year: `day of year = (153 month + 2) / 5 + day`.
 
-use crate::time::GpsTime;
+use crate::division::divided;
+use crate::time::{DAY_MS, GpsTime};
 
 /// GPS time minus UTC, s: the leap seconds since 1980. 18 since 2017-01-01 (IERS Bulletin C 52); none is announced.
 pub const GPS_MINUS_UTC_S: u8 = 18;
-
-/// Milliseconds in a day.
-const DAY_MS: u64 = 86_400_000;
 
 /// Days from 0000-03-01 to 1980-01-06, when GPS time began.
 const GPS_EPOCH_DAY: u32 = 723_125;
@@ -32,10 +30,11 @@ impl TimeOfDay {
     /// rounds up to midnight is midnight of the next day.
     pub fn new(time: GpsTime, gps_minus_utc_s: u8) -> Self {
         let utc_ms = time.to_ms().saturating_sub(u64::from(gps_minus_utc_s) * 1000) + 5;
-        let centiseconds = (utc_ms % DAY_MS) as u32 / 10;
+        let (day, of_day_ms) = divided(utc_ms, DAY_MS);
+        let centiseconds = of_day_ms / 10;
         let [[a, b], [c, d], [e, f], [g, h]] = parts(centiseconds).map(two_digits);
         let text = [a, b, c, d, e, f, b'.', g, h];
-        Self { centiseconds, day: (utc_ms / DAY_MS) as u32, text }
+        Self { centiseconds, day: day as u32, text }
     }
 
     /// Hours, minutes, seconds, hundredths.
