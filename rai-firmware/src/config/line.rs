@@ -4,7 +4,7 @@
 //! sentence contains (NUL, other controls, anything beyond ASCII) breaks the line off. Nothing grows beyond
 //! [`MAX_LINE`].
 
-use heapless::Vec;
+use heapless::String;
 
 use super::fields::{Fields, cut};
 
@@ -33,27 +33,27 @@ pub(super) enum LineError {
 #[derive(Clone, Debug, Default)]
 pub(super) struct LineAssembler {
     /// What stands after `$`.
-    bytes: Vec<u8, MAX_LINE>,
+    text: String<MAX_LINE>,
     inside: bool,
 }
 
 impl LineAssembler {
     pub(super) const fn new() -> Self {
-        Self { bytes: Vec::new(), inside: false }
+        Self { text: String::new(), inside: false }
     }
 
     /// Takes a byte; a line or what was wrong with it, where the byte ends one.
     pub(super) fn push(&mut self, byte: u8) -> Option<Result<Line<'_>, LineError>> {
         match (byte, self.inside) {
             (b'$', broken_off) => {
-                self.bytes.clear();
+                self.text.clear();
                 self.inside = true;
                 broken_off.then_some(Err(LineError::Noise))
             }
             (_, false) => None,
             (b'\r' | b'\n', true) => {
                 self.inside = false;
-                Some(Line::new(&self.bytes))
+                Some(Line::new(&self.text))
             }
             (b' '..=b'~', true) => self.append(byte).err().map(Err),
             (_, true) => {
@@ -64,9 +64,9 @@ impl LineAssembler {
     }
 
     fn append(&mut self, byte: u8) -> Result<(), LineError> {
-        self.bytes.push(byte).map_err(|_| {
+        self.text.push(char::from(byte)).map_err(|_| {
             self.inside = false;
-            if self.bytes.starts_with(ADDRESS.as_bytes()) { LineError::TooLong } else { LineError::Foreign }
+            if self.text.starts_with(ADDRESS) { LineError::TooLong } else { LineError::Foreign }
         })
     }
 }
@@ -83,8 +83,7 @@ pub(super) struct Line<'l> {
 }
 
 impl<'l> Line<'l> {
-    fn new(bytes: &'l [u8]) -> Result<Self, LineError> {
-        let text = core::str::from_utf8(bytes).map_err(|_| LineError::Noise)?;
+    fn new(text: &'l str) -> Result<Self, LineError> {
         let (body, checksum) = cut(text, ['*', '*']).unwrap_or((text, ""));
         let (address, fields) = cut(body, [',', ',']).unwrap_or((body, ""));
         if address == ADDRESS { Ok(Self { body, checksum, fields }) } else { Err(LineError::Foreign) }

@@ -155,23 +155,35 @@ impl Configuration {
     /// # Errors
     /// [`Refusal`] where the result could not be used: a probability without thresholds, a limit out of its range.
     pub fn with(mut self, setting: Setting) -> Result<Self, Refusal> {
+        self.change(setting).map(|()| self)
+    }
+
+    /// As [`Self::with`], in place: what is refused leaves settings that nobody may use.
+    #[inline(never)]
+    fn change(&mut self, setting: Setting) -> Result<(), Refusal> {
         match setting {
-            Setting::Phase(phase) => return Ok(self.in_phase(phase)),
-            Setting::TimeToAlert(time_s) => return self.alerted_within(time_s),
+            Setting::Phase(phase) => {
+                self.enter(phase);
+                return Ok(());
+            }
+            Setting::TimeToAlert(time_s) => return self.alert_within(time_s),
             Setting::HorizontalAlertLimit(limit_m) => self.requirements.hal_m = limit_m,
             Setting::VerticalAlertLimit(limit_m) => self.requirements.val_m = limit_m,
             Setting::FalseAlarm(probability) => self.requirements.false_alarm = probability,
             Setting::MissedDetection(probability) => self.requirements.missed_detection = probability,
-            other => return Ok(self.with_choice(other)),
+            other => {
+                self.choose(other);
+                return Ok(());
+            }
         }
-        let custom = self.in_phase(Phase::Custom);
-        custom.requirements.validate().map_err(|_| Refusal::OutOfRange)?;
-        Thresholds::from_tables(custom.requirements.false_alarm, custom.requirements.missed_detection)?;
-        Ok(custom)
+        self.enter(Phase::Custom);
+        self.requirements.validate().map_err(|_| Refusal::OutOfRange)?;
+        Thresholds::from_tables(self.requirements.false_alarm, self.requirements.missed_detection)?;
+        Ok(())
     }
 
-    /// With what is no requirement changed: any value within its range will do.
-    fn with_choice(mut self, setting: Setting) -> Self {
+    /// Changes what is no requirement: any value within its range will do.
+    fn choose(&mut self, setting: Setting) {
         match setting {
             Setting::Policy(policy) => self.policy = policy,
             Setting::Method(method) => self.method = method,
@@ -200,16 +212,15 @@ impl Configuration {
             | Setting::FalseAlarm(_)
             | Setting::MissedDetection(_) => {}
         }
-        self
     }
 
-    /// With another time to alert, which a phase bounds and which does not make it another phase.
-    fn alerted_within(mut self, time_s: f64) -> Result<Self, Refusal> {
+    /// Takes another time to alert, which a phase bounds and which does not make it another phase.
+    fn alert_within(&mut self, time_s: f64) -> Result<(), Refusal> {
         if time_s > self.phase.longest_time_to_alert_s() {
             return Err(Refusal::OutOfRange);
         }
         self.requirements.time_to_alert_s = time_s;
-        Ok(self)
+        Ok(())
     }
 
     /// What whoever chose this ought to know of it.
@@ -254,15 +265,16 @@ impl Configuration {
         }
     }
 
-    fn in_phase(self, phase: Phase) -> Self {
-        let requirements = phase.requirements().unwrap_or_else(|| customised(self.requirements));
-        Self { phase, requirements, ..self }
+    /// Takes the requirements of a phase. In nobody's phase the numbers stay, and how ARAIM spends the risk follows from them: of the
+    /// phase before, nothing would be left to see.
+    fn enter(&mut self, phase: Phase) {
+        self.phase = phase;
+        match phase.requirements() {
+            Some(requirements) => self.requirements = requirements,
+            None if self.requirements.val_m.is_some() => {
+                self.requirements.allocation = Allocation::vertical()
+            }
+            None => self.requirements.allocation = Allocation::horizontal(),
+        }
     }
-}
-
-/// The same numbers as requirements of nobody's phase. How ARAIM spends the risk follows from them: of the phase before, nothing
-/// would be left to see.
-fn customised(numbers: Requirements) -> Requirements {
-    let allocation = if numbers.val_m.is_some() { Allocation::vertical() } else { Allocation::horizontal() };
-    Requirements { allocation, ..numbers }
 }

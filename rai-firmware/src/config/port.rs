@@ -183,7 +183,9 @@ fn understand(line: Line<'_>, configuration: &mut Configuration) -> Result<Under
     }
     Ok(match Command::read(line.key(), line.values())? {
         Command::Set(setting) => {
-            *configuration = configuration.with(setting)?;
+            let mut changed = *configuration;
+            changed.change(setting)?;
+            *configuration = changed;
             Understood::Order(Action::Reconfigured)
         }
         Command::Ask(key) => Understood::Question(key),

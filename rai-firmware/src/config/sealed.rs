@@ -133,16 +133,27 @@ fn fields_of(key: Key, is_first: bool) -> usize {
     }
 }
 
-/// Obeys lines of commands.
+/// Obeys lines of commands, each with its end.
 fn obey(text: &[u8]) -> Option<Configuration> {
-    let text = core::str::from_utf8(text).ok()?;
-    text.lines().try_fold(Configuration::at_start(), |settings, line| {
-        let mut fields = Fields::of(line);
-        match Command::read(fields.next()?, fields).ok()? {
-            Command::Set(setting) => settings.with(setting).ok(),
-            _ => None,
+    let mut settings = Configuration::at_start();
+    let mut line = String::<LINE>::new();
+    for byte in text {
+        if *byte == b'\n' {
+            obey_line(&line, &mut settings)?;
+            line.clear();
+        } else {
+            line.push(char::from(*byte)).ok()?;
         }
-    })
+    }
+    line.is_empty().then_some(settings)
+}
+
+fn obey_line(line: &str, settings: &mut Configuration) -> Option<()> {
+    let mut fields = Fields::of(line);
+    match Command::read(fields.next()?, fields).ok()? {
+        Command::Set(setting) => settings.change(setting).ok(),
+        _ => None,
+    }
 }
 
 fn checksum(hash: [u8; 4], text: &[u8]) -> u32 {
@@ -162,7 +173,7 @@ mod tests {
 
     /// Settings that commands make.
     fn settings(commands: &[&str]) -> Configuration {
-        let text = commands.join("\n");
+        let text: String = commands.iter().map(|command| format!("{command}\n")).collect();
         obey(text.as_bytes()).expect("commands that are obeyed")
     }
 
