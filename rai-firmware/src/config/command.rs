@@ -5,7 +5,7 @@ use rai_core::numeric::probability::Probability;
 use super::key::Key;
 use super::promises::{support, system};
 use super::setting::{Heights, Recovery, Setting, Systems};
-use super::value::{Values, next, none, number, whole};
+use super::value::{Values, next, next_number, next_whole, none, number};
 use super::words::{
     BIT_RATES, FREQUENCIES, LEVELS, METHODS, PHASES, POLICIES, SIGMAS, SUPPORTS, SWITCH, meaning,
 };
@@ -156,14 +156,14 @@ fn fault_free(value: &str) -> Result<Probability, Refusal> {
 }
 
 fn heights(values: Values<'_, '_>) -> Result<Heights, Refusal> {
-    let least_m = number(next(values)?, HEIGHT_M)?;
-    let greatest_m = number(next(values)?, HEIGHT_M)?;
+    let least_m = next_number(values, HEIGHT_M)?;
+    let greatest_m = next_number(values, HEIGHT_M)?;
     if least_m < greatest_m { Ok(Heights { least_m, greatest_m }) } else { Err(Refusal::OutOfRange) }
 }
 
 fn recovery(values: Values<'_, '_>) -> Result<Recovery, Refusal> {
-    let epochs = whole(next(values)?, RECOVERY_EPOCHS)?;
-    let seconds = number(next(values)?, RECOVERY_S)?;
+    let epochs = next_whole(values, RECOVERY_EPOCHS)?;
+    let seconds = next_number(values, RECOVERY_S)?;
     Ok(Recovery { epochs, seconds })
 }
 
@@ -172,7 +172,7 @@ fn output(values: Values<'_, '_>) -> Result<Setting, Refusal> {
     if !item.is_built() {
         return Err(Refusal::NotInBuild);
     }
-    Ok(Setting::Output(item, whole(next(values)?, EVERY)?))
+    Ok(Setting::Output(item, next_whole(values, EVERY)?))
 }
 
 /// A preset, or a system with its five values.

@@ -15,7 +15,7 @@ use rai_core::weighting::{Ism, Support};
 
 use super::Refusal;
 use super::number::{plain, signed_scientific};
-use super::value::{Values, next, number};
+use super::value::{Values, next, next_number, number};
 
 /// How many values a system has.
 pub(super) const VALUES: usize = 5;
@@ -90,16 +90,18 @@ pub(super) fn system(value: &str) -> Option<Constellation> {
 /// Reads the five values of a system.
 pub(super) fn support(values: Values<'_, '_>) -> Result<Support, Refusal> {
     let support = Support {
-        ura_m: number(next(values)?, SIGMA_M)?,
-        ure_m: number(next(values)?, SIGMA_M)?,
-        bias_m: number(next(values)?, BIAS_M)?,
-        satellite_fault: fault(next(values)?)?,
-        constellation_fault: fault(next(values)?)?,
+        ura_m: next_number(values, SIGMA_M)?,
+        ure_m: next_number(values, SIGMA_M)?,
+        bias_m: next_number(values, BIAS_M)?,
+        satellite_fault: fault(values)?,
+        constellation_fault: fault(values)?,
     };
     if support.is_valid() { Ok(support) } else { Err(Refusal::OutOfRange) }
 }
 
-fn fault(value: &str) -> Result<f64, Refusal> {
+#[inline(never)]
+fn fault(values: Values<'_, '_>) -> Result<f64, Refusal> {
+    let value = next(values)?;
     number(value, (0.0, 0.0)).or_else(|_| number(value, FAULT))
 }
 

@@ -19,9 +19,15 @@ pub(super) fn number(value: &str, (lowest, highest): (f64, f64)) -> Result<f64, 
     if (lowest..=highest).contains(&number) { Ok(number) } else { Err(Refusal::OutOfRange) }
 }
 
-/// A number without a fraction, within a range that a byte holds.
-pub(super) fn whole(value: &str, range: (f64, f64)) -> Result<u8, Refusal> {
-    let number = number(value, range)?;
+/// The next value, as [`number`].
+#[inline(never)]
+pub(super) fn next_number(values: Values<'_, '_>, range: (f64, f64)) -> Result<f64, Refusal> {
+    number(next(values)?, range)
+}
+
+/// The next value, a number without a fraction within a range that a byte holds.
+pub(super) fn next_whole(values: Values<'_, '_>, range: (f64, f64)) -> Result<u8, Refusal> {
+    let number = next_number(values, range)?;
     if libm::floor(number).to_bits() == number.to_bits() {
         Ok(number as u8)
     } else {

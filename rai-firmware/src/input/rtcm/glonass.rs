@@ -27,16 +27,19 @@ pub(super) fn read(payload: &[u8], calendar: &Calendar) -> Result<StateBroadcast
     let bits = Bits(payload.get(..LENGTH).ok_or(Unread::Malformed)?);
     let leap = calendar.leap_second().ok_or(Unread::LeapUnknown)?;
     let now = calendar.present().ok_or(Unread::WithoutWeek)?;
-    let axes = [48, 104, 160];
+    // A number of a width and a power of two in the block of each axis, behind as many bits.
+    let along = |behind: usize, width, exponent| {
+        [48, 104, 160].map(|axis| bits.magnitude(axis + behind, width, exponent) * KM)
+    };
     let is_well = !bits.is_set(39) && !bits.is_set(230);
     Ok(StateBroadcast {
         satellite: SatelliteId::new(Constellation::Glonass, bits.small(12, 6)).ok_or(Unread::Satellite)?,
         health: Health::of_satellite(is_well),
         accuracy_m: glonass_accuracy_m(bits.small(264, 4)),
         toe: glonass_time(900 * bits.unsigned(41, 7), leap.seconds, now).ok_or(Unread::Ephemeris)?,
-        velocity_m_s: axes.map(|axis| bits.magnitude(axis, 24, -20) * KM),
-        position_m: axes.map(|axis| bits.magnitude(axis + 24, 27, -11) * KM),
-        acceleration_m_s2: axes.map(|axis| (bits.magnitude(axis + 51, 5, -30) * KM) as f32),
+        velocity_m_s: along(0, 24, -20),
+        position_m: along(24, 27, -11),
+        acceleration_m_s2: along(51, 5, -30).map(|acceleration| acceleration as f32),
         clock_s: -bits.magnitude(231, 22, -30),
         clock_s_s: bits.magnitude(217, 11, -40),
         delay_l2_s: bits.magnitude(253, 5, -30) as f32,

@@ -23,16 +23,16 @@ pub(super) use msm::Msm;
 
 /// Reads the payload of a frame whose check is right.
 pub(super) fn read<'a>(payload: &'a [u8], calendar: &Calendar) -> Result<Message<'a>, Unread> {
-    Ok(match message_number(payload).ok_or(Unread::Malformed)? {
-        1005 => Message::Position(read_position(payload, 19)?),
-        1006 => Message::Position(read_position(payload, 21)?),
+    match message_number(payload).ok_or(Unread::Malformed)? {
+        1005 => read_position(payload, 19).map(Message::Position),
+        1006 => read_position(payload, 21).map(Message::Position),
         number @ (1019 | 1042 | 1044..=1046) => {
-            Message::Broadcast(broadcast::read(number, payload, calendar)?)
+            broadcast::read(number, payload, calendar).map(Message::Broadcast)
         }
         #[cfg(feature = "glonass")]
-        1020 => Message::State(glonass::read(payload, calendar)?),
-        number => Message::Ranges(msm::read(number, payload, calendar)?),
-    })
+        1020 => glonass::read(payload, calendar).map(Message::State),
+        number => msm::read(number, payload, calendar).map(Message::Ranges),
+    }
 }
 
 /// The message number: the first twelve bits of the payload.

@@ -332,7 +332,8 @@ impl Mask {
         Self(half(start, first) << 32 | half(start + first, length - first))
     }
 
-    /// How many ones.
+    /// How many ones: on this processor not an instruction but some thirty.
+    #[inline(never)]
     const fn count(self) -> usize {
         self.0.count_ones() as usize
     }
