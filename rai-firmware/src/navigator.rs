@@ -129,12 +129,10 @@ impl Navigator {
 
     /// The model in force: that of a command, else what GPS has broadcast not too long ago, else what `BeiDou` has.
     fn klobuchar(&self, time: GpsTime, configuration: &Configuration) -> Option<Klobuchar> {
-        let fresh = |(_, came): &(Klobuchar, Option<GpsTime>)| {
-            came.is_none_or(|came| time.since_ms(came).unsigned_abs() <= IONOSPHERE_HOLDS_MS)
-        };
-        let [of_gps, of_beidou] =
-            self.ionosphere.map(|heard| heard.filter(fresh).map(|(klobuchar, _)| klobuchar));
-        configuration.klobuchar.and_then(Klobuchar::new).or(of_gps).or(of_beidou)
+        let is_fresh = |came: GpsTime| time.since_ms(came).unsigned_abs() <= IONOSPHERE_HOLDS_MS;
+        let mut heard = self.ionosphere.iter().flatten();
+        let fresh = || heard.find(|(_, came)| came.is_none_or(is_fresh)).map(|(klobuchar, _)| *klobuchar);
+        configuration.klobuchar.and_then(Klobuchar::new).or_else(fresh)
     }
 
     /// From now on ranges are distrusted for this reason, however well they agree with each other, or for none.

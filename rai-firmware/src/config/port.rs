@@ -5,7 +5,7 @@ use embedded_io::Write;
 use super::key::Key;
 use super::line::{Line, LineAssembler, LineError};
 use super::{Command, Configuration, Refusal};
-use crate::counters;
+use crate::counters::{self, count};
 use crate::output::nmea::write_answer;
 
 /// What a command asks of the receiver, beyond the answer that it got already.
@@ -119,10 +119,6 @@ impl CommandPort {
 /// What the counters are called.
 const COUNTERS: [&str; 7] =
     ["cmd_ok", "cmd_refused", "cmd_checksum", "cmd_unknown_key", "cmd_too_long", "cmd_foreign", "cmd_noise"];
-
-fn count(counter: &mut u32) {
-    *counter = counter.saturating_add(1);
-}
 
 /// Obeys a complete line that is addressed to the module.
 fn obey<W: Write>(
