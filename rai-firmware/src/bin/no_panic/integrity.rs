@@ -318,7 +318,7 @@ fn the_pipeline<T: Real>() {
         <Scratch<T> as Default>::default as fn() -> _,
         integrity::judge::<T> as fn(&mut Snapshot<'static, T>, _, _, _, _, _, _) -> _,
         integrity::judge::<T> as fn(&mut Fix<'static, T>, _, _, _, _, _, _) -> _,
-        integrity::Criteria::test::<T> as fn(_, _, _) -> _,
+        integrity::Criteria::<T>::test as fn(_, _, _) -> _,
         integrity::Judgement::<T>::levels as fn(_) -> _,
     );
 }
