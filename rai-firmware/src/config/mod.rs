@@ -272,7 +272,7 @@ impl Configuration {
         match phase.requirements() {
             Some(requirements) => self.requirements = requirements,
             None if self.requirements.val_m.is_some() => {
-                self.requirements.allocation = Allocation::vertical()
+                self.requirements.allocation = Allocation::vertical();
             }
             None => self.requirements.allocation = Allocation::horizontal(),
         }

@@ -173,7 +173,7 @@ mod tests {
 
     /// Settings that commands make.
     fn settings(commands: &[&str]) -> Configuration {
-        let text: String = commands.iter().map(|command| format!("{command}\n")).collect();
+        let text = commands.join("\n") + "\n";
         obey(text.as_bytes()).expect("commands that are obeyed")
     }
 
