@@ -15,6 +15,13 @@ pub(crate) fn first(count: usize) -> u64 {
     1u64.checked_shl(count as u32).map_or(u64::MAX, |beyond| beyond - 1)
 }
 
+/// How many members a set has.
+// The processor has no instruction for it: once, and not wherever sets are counted.
+#[inline(never)]
+pub(crate) fn count_of(set: u64) -> usize {
+    set.count_ones() as usize
+}
+
 /// The members of a set, ascending.
 pub(crate) fn members(mut set: u64) -> impl Iterator<Item = usize> + Clone {
     core::iter::from_fn(move || {

@@ -28,6 +28,7 @@ use super::solutions::{Own, Solutions};
 use super::walk::{Purpose, Watch};
 use super::{Finding, Prior, Priors, SeparationError, View};
 use crate::allocation::Allocation;
+use crate::bit_set::count_of;
 use crate::equations::Row;
 use crate::numeric::real::Real;
 use crate::satellite::Constellation;
@@ -225,7 +226,7 @@ impl Options {
         let modes = &watch.modes;
         let is_option = |(members, &fault): (&Set, &T)| {
             // A lone satellite is its constellation: one option.
-            members.count_ones() > 1 && fault > T::narrow(OPTIONAL)
+            count_of(*members) > 1 && fault > T::narrow(OPTIONAL)
         };
         let each = modes.members.iter().zip(faults).map(is_option).enumerate();
         let constellations = each.fold(0, |set, (id, is_option)| set | u8::from(is_option) << id);
@@ -239,7 +240,7 @@ impl Options {
     }
 
     fn count(&self) -> usize {
-        (self.satellites.count_ones() + self.constellations.count_ones()) as usize
+        count_of(self.satellites) + self.constellations.count_ones() as usize
     }
 }
 

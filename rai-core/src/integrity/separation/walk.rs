@@ -13,6 +13,7 @@ use super::modes::{Batch, Mode, Modes, Remains, Set, Visitor, members, row};
 use super::solutions::{Bounds, Solution, Solutions};
 use super::{Finding, MAX_MODES, SeparationError};
 use crate::allocation::Allocation;
+use crate::bit_set::count_of;
 use crate::numeric::normal::quantile;
 use crate::numeric::real::Real;
 use crate::numeric::space::{products, zero};
@@ -125,7 +126,7 @@ impl<'a, T: Real> Watch<'a, T> {
     fn count(&self, remains: &Remains) -> Count<T> {
         let gone = remains.gone;
         let ample =
-            (self.modes.satellites & !gone).count_ones().saturating_sub(3 + self.clocks_left(gone)) as usize;
+            count_of(self.modes.satellites & !gone).saturating_sub(3 + self.clocks_left(gone) as usize);
         let count = Count { modes: 0, unmonitorable: T::zero(), singular: false };
         let mut counter = Counter { watch: self, gone, ample, count };
         let was_monitorable = |taken| self.is_monitorable(taken);

@@ -9,7 +9,7 @@ use super::combination::{Event, Simultaneous, combinations_backwards};
 use super::consolidation::{Alike, add_to};
 use super::sets::{EVENTS, NONE, ROOM, ROWS, event, row};
 use super::{Cutoff, Modes, Odds};
-use crate::bit_set::bit;
+use crate::bit_set::{bit, count_of};
 use crate::integrity::separation::SeparationError;
 use crate::numeric::real::Real;
 use crate::satellite::Constellation;
@@ -118,7 +118,7 @@ impl<'r, T: Real> Modes<'r, T> {
             odds: odds.odds,
         });
         let whole = self.constellations.iter().zip(&self.members).enumerate().map(|(id, (&odds, &rows))| {
-            Event { rows, bit: event(id), size: rows.count_ones() as usize, constellation: id, odds }
+            Event { rows, bit: event(id), size: count_of(rows), constellation: id, odds }
         });
         satellites.chain(whole).filter(|event| event.odds > T::zero())
     }
@@ -133,7 +133,7 @@ impl<'r, T: Real> Modes<'r, T> {
     /// `p_0`, how many events at once are listed, and the probability of more.
     pub(super) fn count_events(&mut self, of_satellites: Simultaneous<T>, limit: T) -> T {
         let mut simultaneous = of_satellites;
-        let mut count = self.fallible.count_ones() as usize;
+        let mut count = count_of(self.fallible);
         for &odds in self.constellations.iter().filter(|&&odds| odds > T::zero()) {
             simultaneous.add(odds);
             count += 1;
@@ -163,7 +163,7 @@ impl<'r, T: Real> Modes<'r, T> {
         for (id, rows) in self.members.iter().enumerate() {
             let probability = self.loss(id);
             if probability > T::zero() && !(probability > self.mandatory) {
-                add_to(&mut sums, rows.count_ones() as usize, probability);
+                add_to(&mut sums, count_of(*rows), probability);
             }
         }
         // No combination takes more satellites than there are.

@@ -3,6 +3,7 @@
 use core::ops::ControlFlow;
 
 use super::sets::{NONE, ROW_EVENTS, Set};
+use crate::bit_set::count_of;
 use crate::numeric::real::Real;
 
 /// What can go wrong by itself.
@@ -53,7 +54,7 @@ impl<T: Real> Combination<T> {
         Self {
             events: self.events | event.bit,
             rows: self.rows | event.rows,
-            size: if apart { self.size + event.size } else { (self.rows | event.rows).count_ones() as usize },
+            size: if apart { self.size + event.size } else { count_of(self.rows | event.rows) },
             constellation: if self.constellation == event.constellation { self.constellation } else { NONE },
             odds: self.odds * event.odds,
             bare: self.bare,

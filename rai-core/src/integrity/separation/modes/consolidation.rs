@@ -5,6 +5,7 @@ use core::ops::ControlFlow;
 use super::Modes;
 use super::combination::{Combination, combinations_backwards};
 use super::sets::ROWS;
+use crate::bit_set::count_of;
 use crate::numeric::real::Real;
 use crate::satellite::Constellation;
 
@@ -85,7 +86,7 @@ impl<T: Real> Modes<'_, T> {
             let pair = is_below(here.least * here.least, here.largest * here.largest)?;
             let nested = is_below(here.least * loss, here.largest * loss)?;
             let (pairs, with_loss) = (self.healthy * here.pairs(), self.healthy * (loss * here.sum));
-            let (slot, size) = (added.get_mut(id)?, self.members.get(id)?.count_ones() as usize);
+            let (slot, size) = (added.get_mut(id)?, count_of(*self.members.get(id)?));
             if pair {
                 *slot += pairs;
             } else {
@@ -103,7 +104,7 @@ impl<T: Real> Modes<'_, T> {
                     add_to(sums, size + 1, self.healthy * (loss * there.sum));
                 }
                 if other > id {
-                    let other_size = self.members.get(other)?.count_ones() as usize;
+                    let other_size = count_of(*self.members.get(other)?);
                     add_to(sums, 2, self.healthy * (here.sum * there.sum));
                     add_to(sums, size + other_size, self.healthy * (loss * other_loss));
                 }

@@ -53,6 +53,7 @@ use visit::Walk;
 
 use super::SeparationError;
 use crate::allocation::Allocation;
+use crate::bit_set::count_of;
 use crate::numeric::real::Real;
 use crate::satellite::Constellation;
 
@@ -176,13 +177,12 @@ impl<'r, T: Real> Modes<'r, T> {
         let rows = *self.members.get(id)?;
         let is_alone = self.limit == 1 || self.limit == 2 && self.swallows >> id & 1 != 0;
         let odds = *self.constellations.get(id)?;
-        let is_large = rows.count_ones() as usize > self.limit;
+        let is_large = count_of(rows) > self.limit;
         (is_alone && is_large).then_some(Loss { id, rows, odds, probability: self.loss(id) })
     }
 
     fn is_loss_watched(&self, loss: Loss<T>) -> bool {
-        loss.probability > self.mandatory
-            || self.comes_before_the_cut(event(loss.id), 1, loss.rows.count_ones() as usize)
+        loss.probability > self.mandatory || self.comes_before_the_cut(event(loss.id), 1, count_of(loss.rows))
     }
 
     /// The probability of a combination.
@@ -346,11 +346,11 @@ impl<'r, T: Real> Modes<'r, T> {
         let (target, room) = (lost_rows | chosen, lost_rows | chosen | gone);
         let mut forced = chosen;
         let mut pool = (lost_rows | gone) & self.fallible;
-        let left = self.limit.saturating_sub(chosen.count_ones() as usize);
+        let left = self.limit.saturating_sub(count_of(chosen));
         for (id, (&odds, &rows)) in self.constellations.iter().zip(&self.members).enumerate() {
             if odds > T::zero() && rows & !room == 0 {
                 // Too many to go one by one: only the loss of the constellation takes them.
-                let is_forced = (rows & lost_rows).count_ones() as usize > left;
+                let is_forced = count_of(rows & lost_rows) > left;
                 *if is_forced { &mut forced } else { &mut pool } |= event(id);
             }
         }
@@ -362,8 +362,8 @@ impl<'r, T: Real> Modes<'r, T> {
                 }
             }
         }
-        let left = self.limit.saturating_sub(forced.count_ones() as usize);
-        if forced & ROW_EVENTS & !self.fallible != 0 || forced.count_ones() as usize > self.limit {
+        let left = self.limit.saturating_sub(count_of(forced));
+        if forced & ROW_EVENTS & !self.fallible != 0 || count_of(forced) > self.limit {
             return;
         }
         for chosen in subsets(pool, left as u32) {

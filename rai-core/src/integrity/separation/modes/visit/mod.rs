@@ -6,6 +6,7 @@ use core::ops::{ControlFlow, RangeInclusive};
 
 use super::Modes;
 use super::sets::{EVENTS, Hypothesis, NONE, Set, above, losses, members, row};
+use crate::bit_set::count_of;
 use crate::numeric::real::Real;
 use crate::satellite::Constellation;
 use pairs::Pairs;
@@ -207,7 +208,7 @@ impl<'m, T: Real> Walk<'m, T> {
     /// fail at once, and no more can fail than they.
     fn has_one_cause(&self) -> bool {
         let limit = self.modes.limit;
-        let is_large = |rows: &Set| rows.count_ones() as usize > limit;
+        let is_large = |rows: &Set| count_of(*rows) > limit;
         let mut lost = self.modes.members.iter().enumerate().filter(|(id, _)| self.lost >> id & 1 != 0);
         self.gone == 0 && self.lost.count_ones() as usize == limit && lost.all(|(_, rows)| is_large(rows))
     }

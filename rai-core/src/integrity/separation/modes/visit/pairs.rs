@@ -10,6 +10,7 @@ use core::ops::ControlFlow;
 use super::super::Fallible;
 use super::super::sets::{Hypothesis, Set, above, event, members, row};
 use super::{Batch, Mode, Visitor, Walk};
+use crate::bit_set::count_of;
 use crate::numeric::real::Real;
 
 /// The pairs among a walk's modes.
@@ -101,7 +102,7 @@ impl<'w, 'm, T: Real> Pairs<'w, 'm, T> {
     fn reach_the_cut(&self) -> bool {
         let Walk { modes, lost, .. } = *self.walk;
         let rows = modes.members.get(lost.trailing_zeros() as usize).filter(|_| lost != 0);
-        let size = rows.map_or(2, |rows| rows.count_ones() as usize + 1);
+        let size = rows.map_or(2, |rows| count_of(*rows) + 1);
         size < modes.cutoff.size || size == modes.cutoff.size && modes.cutoff.count >= 2
     }
 
@@ -142,7 +143,7 @@ impl<'w, 'm, T: Real> Pairs<'w, 'm, T> {
             .get(index)
             .and_then(|odds| Some((odds.constellation, members.get(odds.constellation)?)));
         let Some((id, &fellows)) = fellows else { return 0 };
-        let is_swallowed = modes.swallows_pairs >> id & 1 != 0 || fellows.count_ones() == 2;
+        let is_swallowed = modes.swallows_pairs >> id & 1 != 0 || count_of(fellows) == 2;
         if is_swallowed { fellows } else { 0 }
     }
 
@@ -182,7 +183,7 @@ impl<'w, 'm, T: Real> Pairs<'w, 'm, T> {
     /// Those of some rows whose pairs with the first event come before the cut.
     fn before_the_cut(&self, first: &First<T>, others: Set) -> Set {
         let modes = self.walk.modes;
-        let (size, at) = (first.rows.count_ones() as usize + 1, &modes.cutoff);
+        let (size, at) = (count_of(first.rows) + 1, &modes.cutoff);
         if size != at.size || at.count != 2 {
             return if modes.comes_before_the_cut(first.event, 2, size) { others } else { 0 };
         }
