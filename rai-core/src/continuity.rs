@@ -35,8 +35,8 @@ use crate::report::{Alert, Protected, ProtectionLevels, Report, Unavailable, Ver
 /// all the earth is within reach before.
 pub const ANCHOR_AGE_S: f64 = 86_400.0;
 
-/// The longest gap in an agreement that goes on, s: two epochs of a slow receiver.
-pub const GAP_S: f64 = 120.0;
+/// The longest gap in an agreement that goes on, s: three epochs of a logger that says one in five minutes.
+pub const GAP_S: f64 = 900.0;
 
 /// How much later than another an epoch may have come on its way to the caller's clock, s.
 pub const DELAY_S: f64 = 1.0;
@@ -244,14 +244,13 @@ impl Continuity {
 
     /// The last position counts for nothing: the next may be anywhere. An alert still has to be recovered from.
     pub fn forget(&mut self) {
-        self.anchor = None;
+        (self.anchor, self.agreement) = (None, None);
         self.interrupt();
     }
 
     /// Nothing was heard for too long: the next epoch stands by itself, as the first of all. An alert still has to be recovered
-    /// from.
+    /// from, and what has agreed since counts: else a receiver whose epochs are farther apart than the time to alert never did.
     pub fn interrupt(&mut self) {
-        self.agreement = None;
         if self.standing == Standing::Good {
             self.standing = Standing::New;
         }
@@ -323,9 +322,10 @@ impl Continuity {
 
     /// Whether epochs out of the anchor's reach have agreed for [`WEAK`], while those that led to it had not: either may be wrong.
     fn contradicts_anchor(&self, settings: &ContinuitySettings) -> bool {
-        let firm = settings.recovery.at_least(WEAK);
-        let is_firm = |agreement: &Agreement| agreement.suffices(firm);
-        self.agreement.as_ref().is_some_and(is_firm) && !self.anchor.as_ref().is_some_and(is_firm)
+        let wanted = settings.recovery.at_least(WEAK);
+        // Who asks for a longer recovery does not doubt what was firm without it.
+        self.agreement.is_some_and(|agreement| agreement.suffices(wanted))
+            && !self.anchor.is_some_and(|anchor| anchor.suffices(WEAK))
     }
 
     /// Counts an epoch that agrees after one that did not.

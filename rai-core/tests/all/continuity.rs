@@ -212,6 +212,21 @@ fn what_ten_epochs_have_led_to_gives_way_to_time_alone() {
     assert!(said[16..].iter().all(|verdict| *verdict == JUMP));
 }
 
+/// Who asks for more after an alert must not be led away more easily by it.
+#[test]
+fn longer_recovery_takes_nothing_from_what_was_firm() {
+    let mut continuity = Continuity::new();
+    let start = ContinuitySettings::anywhere();
+    for second in 0..=11 {
+        assert_eq!(continuity.conclude(&start, f64::from(second), None, &report(HERE)), OK);
+    }
+    let longer = ContinuitySettings { recovery: Recovery { epochs: 20, seconds: 30.0 }, ..start };
+    for second in 12..120 {
+        let said = continuity.conclude(&longer, f64::from(second), None, &report(north(400e3)));
+        assert_eq!(said, JUMP, "{second} s");
+    }
+}
+
 #[test]
 fn no_receiver_is_below_the_ground_or_among_the_satellites() {
     for height_m in [-3e6, -501.0, 20_001.0, 2e7, f64::NAN] {
@@ -274,8 +289,25 @@ fn place_is_forgotten_after_a_day_and_agreement_after_a_gap() {
     };
     assert_eq!(judge(86_399.0), JUMP);
     assert_eq!(judge(86_401.0), OK);
-    let epochs = [(0.0, verdict(FAULT)), (1.0, HERE), (100.0, HERE), (221.0, HERE), (222.0, HERE)];
+    let epochs = [(0.0, verdict(FAULT)), (1.0, HERE), (100.0, HERE), (1001.0, HERE), (1002.0, HERE)];
     assert_eq!(last(&epochs), RECOVERING);
+}
+
+/// One epoch in half a minute, or in five: longer than the time to alert, after which nothing was heard for too long.
+#[test]
+fn receiver_that_is_slower_than_the_time_to_alert_recovers() {
+    let settings = ContinuitySettings::anywhere();
+    for step_s in [30.0, 300.0] {
+        let mut continuity = Continuity::new();
+        let _ = continuity.conclude(&settings, 0.0, Some(0.0), &report(verdict(FAULT)));
+        let conclude = |epoch: u32| {
+            continuity.interrupt();
+            let time_s = f64::from(epoch) * step_s;
+            continuity.conclude(&settings, time_s, Some(time_s), &report(HERE))
+        };
+        let said: std::vec::Vec<Verdict> = (1..=4).map(conclude).collect();
+        assert_eq!(said, [RECOVERING, RECOVERING, OK, OK], "{step_s} s");
+    }
 }
 
 #[test]

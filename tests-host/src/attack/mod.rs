@@ -33,6 +33,7 @@
 //! | [`suspicions`] | a receiver that is sure of counterfeit signals, and messages that would talk it out of it |
 //! | [`unsaid_delays`] | group delays that the navigation message does not carry |
 //! | [`unsaid_strength`] | noisy signals of which the receiver does not say how strong they are |
+//! | [`upheaval`] | place and time that leap, a line that fails, wrong ranges and commands, all by chance |
 //! | [`recordings`] | nature: real receivers, in the open and between tall buildings |
 
 pub mod tally;
@@ -60,6 +61,7 @@ mod suspicions;
 mod two_stations;
 mod unsaid_delays;
 mod unsaid_strength;
+mod upheaval;
 mod week_edge;
 mod wrong_tags;
 
@@ -150,6 +152,7 @@ pub const ATTACKS: &[&Attack] = &[
     &suspicions::ATTACK,
     &unsaid_delays::ATTACK,
     &unsaid_strength::ATTACK,
+    &upheaval::ATTACK,
     &recordings::NOMINAL,
     &recordings::URBAN,
 ];

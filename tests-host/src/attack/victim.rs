@@ -150,6 +150,11 @@ impl Victim {
         Ok(outputs.into_iter().enumerate().map(seen).collect())
     }
 
+    /// The module's own clock, s.
+    pub fn now_s(&self) -> f64 {
+        self.now_ms as f64 * 1e-3
+    }
+
     /// Whether the pin is high.
     pub fn is_promised(&self) -> bool {
         self.receiver.pin().high

@@ -81,6 +81,7 @@ attacks! {
     receiver_that_is_sure_is_not_talked_out_of_it = "suspicion-denied",
     delays_that_are_not_broadcast_are_within_the_sigmas = "unsaid-delays",
     signals_of_unsaid_strength_are_no_strong_ones = "unsaid-strength",
+    no_muddle_makes_a_promise_wrong_or_ends_all_promises = "upheaval",
     nominal_recordings_are_protected_and_within_their_levels = "nominal-recordings",
     reflections_between_buildings_seldom_pass = "urban",
 }
