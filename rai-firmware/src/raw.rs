@@ -8,9 +8,10 @@
 //! | `f` | [`Carrier::frequency_hz`] | Hz |
 //! | `k` | [`Carrier::channel`] | – |
 //!
-//! A signal takes 24 bytes and an epoch 5 KiB, so what is coarse on every wire is kept coarse, in steps that hold all
-//! that a format can say exactly: carrier to noise density in 1/16 dB-Hz, Doppler in 1/1024 Hz, the receiver's own sigma
-//! in cm, lock time in ms up to a minute. References: [IS-GPS-200] 3.3.1.1, [BDS-SIS-B1I] 4.1, [GLO-ICD] 3.3.1.1.
+//! A signal takes 16 bytes and an epoch 3.5 KiB: what is coarse on every wire is kept coarse, in steps that hold all
+//! that a format can say exactly, carrier to noise density in 1/16 dB-Hz and Doppler in 1/1024 Hz; and what nothing here asks
+//! for, as a receiver's own sigma and how long it has tracked a phase, is not kept. References: [IS-GPS-200] 3.3.1.1,
+//! [BDS-SIS-B1I] 4.1, [GLO-ICD] 3.3.1.1.
 //!
 //! [IS-GPS-200]: crate#references
 //! [BDS-SIS-B1I]: crate#references
@@ -150,8 +151,10 @@ impl Carrier {
     }
 }
 
-/// One code range of one satellite, and what the receiver says of it.
+/// One code range of one satellite, and what the receiver says of it. Packed: three of them and whose they are would leave a
+/// seventh of an epoch empty.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(Rust, packed(4))]
 pub struct RawSignal {
     /// Pseudorange as measured, m.
     pub range_m: f64,
@@ -159,17 +162,11 @@ pub struct RawSignal {
     doppler: i32,
     /// Sixteenths of a dB-Hz; 0 where there is none, [`CODELESS`] where it says nothing.
     cn0: u16,
-    /// Centimetres; 0 where there is none.
-    range_sigma_cm: u16,
-    /// [`NO_LOCK_TIME`] where there is none.
-    lock_time_ms: u16,
     /// On which carrier.
     pub carrier: Carrier,
-    /// Whether the carrier phase may still be off by half a cycle.
-    pub half_cycle: bool,
 }
 
-const _: () = assert!(size_of::<RawSignal>() == 24);
+const _: () = assert!(size_of::<RawSignal>() == 16 && size_of::<RawSatellite>() == 56);
 
 /// Stands for the strength of a signal that is tracked without its code.
 const CODELESS: u16 = u16::MAX;
@@ -177,21 +174,10 @@ const CODELESS: u16 = u16::MAX;
 /// Stands for a Doppler frequency that is not known.
 const NO_DOPPLER: i32 = i32::MIN;
 
-/// Stands for a lock time that is not known. What is known saturates below it.
-const NO_LOCK_TIME: u16 = u16::MAX;
-
 impl RawSignal {
     /// A range of which nothing else is known.
     pub const fn new(carrier: Carrier, range_m: f64) -> Self {
-        Self {
-            range_m,
-            doppler: NO_DOPPLER,
-            cn0: 0,
-            range_sigma_cm: 0,
-            lock_time_ms: NO_LOCK_TIME,
-            carrier,
-            half_cycle: false,
-        }
+        Self { range_m, doppler: NO_DOPPLER, cn0: 0, carrier }
     }
 
     /// With the carrier to noise density, kept to 1/16 dB-Hz; what is not positive is none.
@@ -214,31 +200,6 @@ impl RawSignal {
         Self { doppler, ..self }
     }
 
-    /// With the receiver's own one sigma of the range, kept to 1 cm below 655 m; what is not positive is none.
-    #[must_use]
-    pub const fn with_range_sigma_m(self, sigma_m: f32) -> Self {
-        Self { range_sigma_cm: (sigma_m * 100.0 + 0.5) as u16, ..self }
-    }
-
-    /// With the time for which the carrier has been tracked without a slip, kept to 1 ms below 65 s; what is negative
-    /// or not finite is none.
-    #[must_use]
-    pub const fn with_lock_time_s(self, lock_time_s: f32) -> Self {
-        let lock_time_ms = if lock_time_s >= 0.0 {
-            let ms = (lock_time_s * 1e3 + 0.5) as u16;
-            if ms == NO_LOCK_TIME { NO_LOCK_TIME - 1 } else { ms }
-        } else {
-            NO_LOCK_TIME
-        };
-        Self { lock_time_ms, ..self }
-    }
-
-    /// With the word on whether the carrier phase may be off by half a cycle.
-    #[must_use]
-    pub const fn with_half_cycle(self, half_cycle: bool) -> Self {
-        Self { half_cycle, ..self }
-    }
-
     /// Carrier to noise density, dB-Hz.
     pub const fn cn0_dbhz(&self) -> Option<f32> {
         if matches!(self.cn0, 0 | CODELESS) { None } else { Some(self.cn0 as f32 / 16.0) }
@@ -253,16 +214,6 @@ impl RawSignal {
     pub const fn doppler_hz(&self) -> Option<f32> {
         if self.doppler == NO_DOPPLER { None } else { Some(self.doppler as f32 / 1024.0) }
     }
-
-    /// The receiver's own one sigma of the range, m.
-    pub const fn range_sigma_m(&self) -> Option<f32> {
-        if self.range_sigma_cm == 0 { None } else { Some(self.range_sigma_cm as f32 / 100.0) }
-    }
-
-    /// For how long the carrier has been tracked without a slip, s.
-    pub const fn lock_time_s(&self) -> Option<f32> {
-        if self.lock_time_ms == NO_LOCK_TIME { None } else { Some(self.lock_time_ms as f32 / 1e3) }
-    }
 }
 
 /// The signals of one satellite.
@@ -271,7 +222,7 @@ pub struct RawSatellite {
     /// Which satellite.
     pub satellite: SatelliteId,
     /// At most one per band.
-    pub signals: Vec<RawSignal, SIGNAL_CAPACITY>,
+    pub signals: Vec<RawSignal, SIGNAL_CAPACITY, u8>,
 }
 
 /// All ranges of one instant, as measured.
@@ -314,32 +265,21 @@ mod tests {
 
     #[test]
     fn what_a_format_does_not_say_is_none() {
-        let bare = (BARE.cn0_dbhz(), BARE.doppler_hz(), BARE.range_sigma_m(), BARE.lock_time_s());
-        assert_eq!(bare, (None, None, None, None));
-        let nothing = BARE.with_cn0_dbhz(0.0).with_doppler_hz(f32::NAN).with_range_sigma_m(-1.0);
-        assert_eq!(nothing.with_lock_time_s(f32::NAN).lock_time_s(), None);
-        assert_eq!((nothing.cn0_dbhz(), nothing.doppler_hz(), nothing.range_sigma_m()), (None, None, None));
+        let nothing = BARE.with_cn0_dbhz(0.0).with_doppler_hz(f32::NAN);
+        for signal in [BARE, nothing] {
+            assert_eq!((signal.cn0_dbhz(), signal.doppler_hz()), (None, None));
+        }
     }
 
     #[test]
     fn every_step_of_every_format_is_kept() {
-        // MSM7 says C/N0 in 1/16 dB-Hz, RXM-RAWX the range's sigma as 0.01·2ⁿ m and the lock time in ms to 64,500.
+        // MSM7 says C/N0 in 1/16 dB-Hz.
         for sixteenths in 1..1024_u16 {
             let want = f32::from(sixteenths) / 16.0;
             assert_eq!(BARE.with_cn0_dbhz(want).cn0_dbhz(), Some(want));
         }
-        for n in 0..16 {
-            let want = 0.01 * f32::from(1_u16 << n);
-            let have = BARE.with_range_sigma_m(want).range_sigma_m().expect("positive");
-            assert!((have - want).abs() < 1e-4, "have {have}, want {want}");
-        }
-        for ms in [0_u16, 1, 999, 64_500] {
-            let want = f32::from(ms) / 1e3;
-            assert_eq!(BARE.with_lock_time_s(want).lock_time_s(), Some(want));
-        }
         for want in [-5_432.125, 0.0, 4_999.5] {
             assert_eq!(BARE.with_doppler_hz(want).doppler_hz(), Some(want));
         }
-        assert_eq!(BARE.with_lock_time_s(1e6).lock_time_s(), Some(65.534));
     }
 }

@@ -117,13 +117,8 @@ fn wire() {
         RawSignal::codeless as fn(_) -> _,
         RawSignal::is_codeless as fn(_) -> _,
         RawSignal::with_doppler_hz as fn(_, _) -> _,
-        RawSignal::with_range_sigma_m as fn(_, _) -> _,
-        RawSignal::with_lock_time_s as fn(_, _) -> _,
-        RawSignal::with_half_cycle as fn(_, _) -> _,
         RawSignal::cn0_dbhz as fn(_) -> _,
         RawSignal::doppler_hz as fn(_) -> _,
-        RawSignal::range_sigma_m as fn(_) -> _,
-        RawSignal::lock_time_s as fn(_) -> _,
         RawEpoch::new as fn(_) -> _,
     );
 }

@@ -8,9 +8,8 @@
 //! | 16 + 0 | f64 | pseudorange, m |
 //! | 16 + 16 | f32 | Doppler, Hz, positive when approaching |
 //! | 16 + 20 to 23 | u8 | system, satellite, signal, GLONASS channel + 7 |
-//! | 16 + 24, 26 | u16, u8 | lock time, ms; C/N0, dB-Hz |
-//! | 16 + 27, low 4 bits `n` | | sigma of the range, 0.01·2ⁿ m |
-//! | 16 + 30 | bits | 0: range valid, 2: half cycle resolved |
+//! | 16 + 26 | u8 | C/N0, dB-Hz |
+//! | 16 + 30 | bits | 0: range valid |
 //!
 //! The time tag need not be a whole millisecond, and an epoch's is: ranges are moved to it, `P − c δ`, which leaves the
 //! instant of transmission where it was and is common to all.
@@ -124,10 +123,10 @@ fn read(measurement: &[u8], offset_m: f64, counters: &mut Counters) -> Option<(S
         number,
         signal,
         channel, //
-        l0,
-        l1,
+        _,
+        _,
         cn0_dbhz,
-        sigma,
+        _,
         _,
         _,
         status,
@@ -154,13 +153,9 @@ fn read(measurement: &[u8], offset_m: f64, counters: &mut Counters) -> Option<(S
         count(&mut counters.ranges_out_of_bounds);
         return None;
     }
-    let sigma_m = 0.01 * f32::from(1_u16 << (sigma & 15));
     let signal = RawSignal::new(carrier, range_m - offset_m)
         .with_cn0_dbhz(f32::from(cn0_dbhz))
-        .with_doppler_hz(f32::from_le_bytes([d0, d1, d2, d3]))
-        .with_range_sigma_m(sigma_m)
-        .with_lock_time_s(f32::from(u16::from_le_bytes([l0, l1])) * 1e-3)
-        .with_half_cycle(status & 4 == 0);
+        .with_doppler_hz(f32::from_le_bytes([d0, d1, d2, d3]));
     Some((satellite, signal))
 }
 
