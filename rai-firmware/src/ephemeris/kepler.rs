@@ -99,8 +99,10 @@ enum Reading {
     BeidouGeostationary,
 }
 
-/// The elements of an orbit, checked; each in the finest unit in which it is broadcast.
+/// The elements of an orbit, checked; each in the finest unit in which it is broadcast. Packed, so that which form an orbit has
+/// finds room in what is left of the last word.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(Rust, packed(4))]
 pub struct Kepler {
     /// Mean motion, corrected.
     motion_2_76: i64,

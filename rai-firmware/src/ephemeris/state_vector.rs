@@ -59,8 +59,9 @@ pub struct StateBroadcast {
     pub delay_l2_s: f32,
 }
 
-/// A state vector, checked; each element in the steps of the message.
+/// A state vector, checked; each element in the steps of the message. Packed as the other forms are.
 #[derive(Clone, Copy, Debug)]
+#[repr(Rust, packed(4))]
 pub struct StateVector {
     /// The node that was reached last, and how many steps from the reference time it is.
     node: State,

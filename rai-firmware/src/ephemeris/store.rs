@@ -21,7 +21,7 @@
 //! F/NAV takes its place only when it has become stale. What each says of the health of its own signals counts from then on
 //! ([`Ephemeris::merge_health`]).
 //!
-//! **Room** for [`CAPACITY`] satellites, 10 KiB: as many as an epoch has, and more than four systems show at once. When it
+//! **Room** for [`CAPACITY`] satellites, 9 KiB: as many as an epoch has, and more than four systems show at once. When it
 //! is full, first goes what is stale, then what is not in sight: what was not observed for longest, then what was received first; a
 //! satellite that is new counts as one that has just set. Half a dozen
 //! contradictions are kept; where there are more, the set that is known stays, disputed.
@@ -47,7 +47,7 @@ const IN_SIGHT_EPOCHS: u32 = 6;
 /// Two sets that are farther apart than this, in position or clock, contradict each other, m: ten sigma of the poorest.
 const AGREEMENT_M: f64 = 30.0;
 
-const _: () = assert!(size_of::<Entry>() <= 152);
+const _: () = assert!(size_of::<Entry>() <= 144);
 
 /// What became of an ephemeris that was offered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
