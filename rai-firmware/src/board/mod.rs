@@ -25,6 +25,10 @@ use crate::counters::counters;
 use crate::timed_ring::Taken;
 use reset::ResetCause;
 
+/// Bytes of the ring to the host: the sentences of an epoch may still wait when those of the next come, 650 bytes each with all that
+/// can be sent of 19 satellites. A long answer leaves room for an epoch of the most, and says as much as fits beside it.
+pub const HOST_OUT_BYTES: usize = 2048;
+
 counters! {
     /// What was lost at the ports since start.
     PortLosses {

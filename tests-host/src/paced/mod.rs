@@ -29,7 +29,7 @@ use std::rc::Rc;
 use embedded_hal::digital::{ErrorType, OutputPin};
 use rai_firmware::bit_rate::RATES;
 use rai_firmware::board::reset::ResetCause;
-use rai_firmware::board::{Board, Note, PortLosses, SEALED_BYTES};
+use rai_firmware::board::{Board, HOST_OUT_BYTES, Note, PortLosses, SEALED_BYTES};
 use rai_firmware::epoch_loop::{EpochLoop, WORTH_A_PASS_BYTES};
 use rai_firmware::outlet::Outlet;
 use rai_firmware::receiver::{Boot, Receiver};
@@ -161,7 +161,7 @@ impl OutputPin for Pin {
 
 /// A way out of which every byte costs time.
 struct Metered<'r> {
-    outlet: Outlet<'r, 4096, fn()>,
+    outlet: Outlet<'r, HOST_OUT_BYTES, fn()>,
     clock: Clock,
     byte_ns: u64,
 }
@@ -195,7 +195,7 @@ struct Model<'l> {
     read: usize,
     gnss: &'l TimedRing<4096, 64>,
     commands: &'l Ring<256>,
-    out: &'l Ring<4096>,
+    out: &'l Ring<HOST_OUT_BYTES>,
     host: Metered<'l>,
     flooded: u64,
     sent_ns: u64,

@@ -50,7 +50,7 @@ pub fn start() {
     let channels = rtt_target::rtt_init! {
         up: {
             0: {
-                size: 1024,
+                size: 512,
                 mode: ChannelMode::NoBlockSkip,
                 name: "defmt"
             }

@@ -4,23 +4,21 @@
 //! |---|---|---|
 //! | GNSS in | 4096 | more than the longest epoch (64 satellites with four signals: under 4 KB), a third of a second at 115,200 baud |
 //! | host in | 256 | three commands |
-//! | host out | 4096 | three epochs of sentences |
-//! | log out | 2048 | a burst of forty frames |
+//! | host out | 2048 | three epochs of sentences |
+//! | log out | 1024 | a burst of twenty frames: a tenth of a second at 115,200 baud |
 //!
 //! GNSS bytes go in with the time at which they came. Bytes for which a ring had no room and bytes that were taken too
 //! late from the port (the hardware's overrun) are lost, and counted together.
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
-use rai_firmware::board::PortLosses;
+use rai_firmware::board::{HOST_OUT_BYTES, PortLosses};
 use rai_firmware::epoch_loop::WORTH_A_PASS_BYTES;
 use rai_firmware::outlet::Outlet;
 use rai_firmware::ring::Ring;
 use rai_firmware::timed_ring::{Taken, TimedRing};
 
 use super::time;
-
-const HOST_OUT_BYTES: usize = 4096;
 
 /// From the GNSS receiver.
 pub static GNSS_IN: TimedRing<4096, 64> = TimedRing::new();
@@ -29,7 +27,7 @@ pub static HOST_IN: Ring<256> = Ring::new();
 /// To the host.
 pub static HOST_OUT: Ring<HOST_OUT_BYTES> = Ring::new();
 /// To whoever reads the log.
-pub static LOG_OUT: Ring<2048> = Ring::new();
+pub static LOG_OUT: Ring<1024> = Ring::new();
 
 static HOST_OVERRUNS: AtomicU32 = AtomicU32::new(0);
 
