@@ -179,21 +179,21 @@
 /**
  * Words of eight bytes that a receiver takes, on every processor at most.
  */
-#define RAI_RECEIVER_WORDS 5632
+#define RAI_RECEIVER_WORDS 5376
 #endif
 
 #if (defined(RAI_SATELLITES_32) && !defined(RAI_SATELLITES_16))
 /**
  * Words of eight bytes that a receiver takes, on every processor at most.
  */
-#define RAI_RECEIVER_WORDS 6272
+#define RAI_RECEIVER_WORDS 6016
 #endif
 
 #if !(defined(RAI_SATELLITES_16) || defined(RAI_SATELLITES_32))
 /**
  * Words of eight bytes that a receiver takes, on every processor at most.
  */
-#define RAI_RECEIVER_WORDS 6912
+#define RAI_RECEIVER_WORDS 6656
 #endif
 
 /**

@@ -35,13 +35,13 @@ pub const RAI_MONITOR_SIZE: usize = RAI_MONITOR_WORDS * 8;
 
 /// Words of eight bytes that a receiver takes, on every processor at most.
 #[cfg(feature = "satellites-16")]
-pub const RAI_RECEIVER_WORDS: usize = 5632;
+pub const RAI_RECEIVER_WORDS: usize = 5376;
 /// Words of eight bytes that a receiver takes, on every processor at most.
 #[cfg(all(feature = "satellites-32", not(feature = "satellites-16")))]
-pub const RAI_RECEIVER_WORDS: usize = 6272;
+pub const RAI_RECEIVER_WORDS: usize = 6016;
 /// Words of eight bytes that a receiver takes, on every processor at most.
 #[cfg(not(any(feature = "satellites-16", feature = "satellites-32")))]
-pub const RAI_RECEIVER_WORDS: usize = 6912;
+pub const RAI_RECEIVER_WORDS: usize = 6656;
 
 /// Bytes of a receiver.
 pub const RAI_RECEIVER_SIZE: usize = RAI_RECEIVER_WORDS * 8;

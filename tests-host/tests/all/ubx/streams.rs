@@ -123,7 +123,7 @@ fn compare(have: &RawEpoch, want: &MeasuredEpoch) -> usize {
             let moved_m = *moved_m.get_or_insert(differences.clone().next().unwrap_or(f64::NAN));
             assert!(moved_m.abs() < MOST_MOVED_M, "{}: {moved_m} m", satellite.satellite);
             let found = differences.clone().any(|difference_m| (difference_m - moved_m).abs() < 1e-6);
-            assert!(found, "{} {:?}: {} of {:?}", satellite.satellite, signal, signal.range_m, measured);
+            assert!(found, "{} {:?}: {} of {:?}", satellite.satellite, signal, { signal.range_m }, measured);
             compared += 1;
         }
     }
