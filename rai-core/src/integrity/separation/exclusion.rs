@@ -224,11 +224,11 @@ struct Options {
 impl Options {
     fn of<T: Real>(watch: &Watch<'_, T>, faults: &[T; Constellation::COUNT]) -> Self {
         let modes = &watch.modes;
-        let is_option = |(members, &fault): (&Set, &T)| {
+        let is_option = |(&size, &fault): (&usize, &T)| {
             // A lone satellite is its constellation: one option.
-            count_of(*members) > 1 && fault > T::narrow(OPTIONAL)
+            size > 1 && fault > T::narrow(OPTIONAL)
         };
-        let each = modes.members.iter().zip(faults).map(is_option).enumerate();
+        let each = modes.sizes.iter().zip(faults).map(is_option).enumerate();
         let constellations = each.fold(0, |set, (id, is_option)| set | u8::from(is_option) << id);
         Self { satellites: modes.satellites, constellations }
     }

@@ -75,6 +75,9 @@ impl<'r, T: Real> Modes<'r, T> {
         self.take_over(&of_run, start..room.len(), alike);
         self.odds = room;
         self.satellites = self.members.iter().fold(0, |set, members| set | members);
+        for (size, &members) in self.sizes.iter_mut().zip(&self.members) {
+            *size = count_of(members);
+        }
         for (odds, members) in self.constellations.iter_mut().zip(&self.members) {
             let fault = fault_odds(*odds)?;
             *odds = if *members == 0 { T::zero() } else { fault };
@@ -117,8 +120,13 @@ impl<'r, T: Real> Modes<'r, T> {
             constellation: odds.constellation,
             odds: odds.odds,
         });
-        let whole = self.constellations.iter().zip(&self.members).enumerate().map(|(id, (&odds, &rows))| {
-            Event { rows, bit: event(id), size: count_of(rows), constellation: id, odds }
+        let whole = self.constellations.iter().zip(&self.members).zip(&self.sizes).enumerate();
+        let whole = whole.map(|(id, ((&odds, &rows), &size))| Event {
+            rows,
+            bit: event(id),
+            size,
+            constellation: id,
+            odds,
         });
         satellites.chain(whole).filter(|event| event.odds > T::zero())
     }
@@ -160,10 +168,10 @@ impl<'r, T: Real> Modes<'r, T> {
             sums = [T::zero(); ROWS + 1];
             self.sum_one_by_one(&mut sums);
         }
-        for (id, rows) in self.members.iter().enumerate() {
+        for (id, &size) in self.sizes.iter().enumerate() {
             let probability = self.loss(id);
             if probability > T::zero() && !(probability > self.mandatory) {
-                add_to(&mut sums, count_of(*rows), probability);
+                add_to(&mut sums, size, probability);
             }
         }
         // No combination takes more satellites than there are.

@@ -5,7 +5,6 @@ use core::ops::ControlFlow;
 use super::Modes;
 use super::combination::{Combination, combinations_backwards};
 use super::sets::ROWS;
-use crate::bit_set::count_of;
 use crate::numeric::real::Real;
 use crate::satellite::Constellation;
 
@@ -86,7 +85,7 @@ impl<T: Real> Modes<'_, T> {
             let pair = is_below(here.least * here.least, here.largest * here.largest)?;
             let nested = is_below(here.least * loss, here.largest * loss)?;
             let (pairs, with_loss) = (self.healthy * here.pairs(), self.healthy * (loss * here.sum));
-            let (slot, size) = (added.get_mut(id)?, count_of(*self.members.get(id)?));
+            let (slot, size) = (added.get_mut(id)?, *self.sizes.get(id)?);
             if pair {
                 *slot += pairs;
             } else {
@@ -104,7 +103,7 @@ impl<T: Real> Modes<'_, T> {
                     add_to(sums, size + 1, self.healthy * (loss * there.sum));
                 }
                 if other > id {
-                    let other_size = count_of(*self.members.get(other)?);
+                    let other_size = *self.sizes.get(other)?;
                     add_to(sums, 2, self.healthy * (here.sum * there.sum));
                     add_to(sums, size + other_size, self.healthy * (loss * other_loss));
                 }

@@ -62,6 +62,7 @@ use crate::satellite::Constellation;
 struct Loss<T> {
     id: usize,
     rows: Set,
+    size: usize,
     odds: T,
     /// With what is counted with it.
     probability: T,
@@ -92,6 +93,8 @@ pub(super) struct Modes<'r, T: Real> {
     rarest_odds: T,
     /// Rows of each constellation, all satellites in view.
     pub(super) members: [Set; Constellation::COUNT],
+    /// How many these are.
+    pub(super) sizes: [usize; Constellation::COUNT],
     /// Rows that are satellites.
     pub(super) satellites: Set,
     /// Satellites that can fail by themselves.
@@ -145,6 +148,7 @@ impl<'r, T: Real> Modes<'r, T> {
             likeliest: Fallible::never(),
             rarest_odds: T::one(),
             members: [0; Constellation::COUNT],
+            sizes: [0; Constellation::COUNT],
             satellites: 0,
             fallible: 0,
             healthy: T::one(),
@@ -177,12 +181,12 @@ impl<'r, T: Real> Modes<'r, T> {
         let rows = *self.members.get(id)?;
         let is_alone = self.limit == 1 || self.limit == 2 && self.swallows >> id & 1 != 0;
         let odds = *self.constellations.get(id)?;
-        let is_large = count_of(rows) > self.limit;
-        (is_alone && is_large).then_some(Loss { id, rows, odds, probability: self.loss(id) })
+        let size = *self.sizes.get(id)?;
+        (is_alone && size > self.limit).then_some(Loss { id, rows, size, odds, probability: self.loss(id) })
     }
 
     fn is_loss_watched(&self, loss: Loss<T>) -> bool {
-        loss.probability > self.mandatory || self.comes_before_the_cut(event(loss.id), 1, count_of(loss.rows))
+        loss.probability > self.mandatory || self.comes_before_the_cut(event(loss.id), 1, loss.size)
     }
 
     /// The probability of a combination.

@@ -6,7 +6,6 @@ use core::ops::{ControlFlow, RangeInclusive};
 
 use super::Modes;
 use super::sets::{EVENTS, Hypothesis, NONE, Set, above, losses, members, row};
-use crate::bit_set::count_of;
 use crate::numeric::real::Real;
 use crate::satellite::Constellation;
 use pairs::Pairs;
@@ -208,9 +207,9 @@ impl<'m, T: Real> Walk<'m, T> {
     /// fail at once, and no more can fail than they.
     fn has_one_cause(&self) -> bool {
         let limit = self.modes.limit;
-        let is_large = |rows: &Set| count_of(*rows) > limit;
-        let mut lost = self.modes.members.iter().enumerate().filter(|(id, _)| self.lost >> id & 1 != 0);
-        self.gone == 0 && self.lost.count_ones() as usize == limit && lost.all(|(_, rows)| is_large(rows))
+        let is_large = |size: &usize| *size > limit;
+        let mut lost = self.modes.sizes.iter().enumerate().filter(|(id, _)| self.lost >> id & 1 != 0);
+        self.gone == 0 && self.lost.count_ones() as usize == limit && lost.all(|(_, size)| is_large(size))
     }
 
     /// The probability of all watched combinations that leave the same satellites.

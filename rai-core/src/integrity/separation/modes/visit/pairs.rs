@@ -25,6 +25,8 @@ struct First<T> {
     event: Set,
     /// Rows that it takes with all satellites in view.
     rows: Set,
+    /// How many pairs with it take, all satellites in view.
+    size: usize,
     /// Rows that pairs with it take of those that are left.
     taken: usize,
     /// `p_0 P/(1 − P)`.
@@ -101,8 +103,8 @@ impl<'w, 'm, T: Real> Pairs<'w, 'm, T> {
     /// Whether any of the pairs comes before the cut.
     fn reach_the_cut(&self) -> bool {
         let Walk { modes, lost, .. } = *self.walk;
-        let rows = modes.members.get(lost.trailing_zeros() as usize).filter(|_| lost != 0);
-        let size = rows.map_or(2, |rows| count_of(*rows) + 1);
+        let lost_size = modes.sizes.get(lost.trailing_zeros() as usize).filter(|_| lost != 0);
+        let size = lost_size.map_or(2, |size| size + 1);
         size < modes.cutoff.size || size == modes.cutoff.size && modes.cutoff.count >= 2
     }
 
@@ -115,6 +117,7 @@ impl<'w, 'm, T: Real> Pairs<'w, 'm, T> {
             hypothesis: Hypothesis::of_constellations(lost as u8),
             event: event(id),
             rows: *modes.members.get(id)?,
+            size: *modes.sizes.get(id)? + 1,
             taken: lost_count + 1,
             probability,
             ln_probability: probability.ln(),
@@ -128,6 +131,7 @@ impl<'w, 'm, T: Real> Pairs<'w, 'm, T> {
             hypothesis: Hypothesis::of_row(index),
             event: row(index),
             rows: row(index),
+            size: 2,
             taken: 2,
             probability: modes.healthy * odds.odds,
             ln_probability: modes.ln_healthy + odds.ln,
@@ -183,7 +187,7 @@ impl<'w, 'm, T: Real> Pairs<'w, 'm, T> {
     /// Those of some rows whose pairs with the first event come before the cut.
     fn before_the_cut(&self, first: &First<T>, others: Set) -> Set {
         let modes = self.walk.modes;
-        let (size, at) = (count_of(first.rows) + 1, &modes.cutoff);
+        let (size, at) = (first.size, &modes.cutoff);
         if size != at.size || at.count != 2 {
             return if modes.comes_before_the_cut(first.event, 2, size) { others } else { 0 };
         }
