@@ -17,6 +17,7 @@
 //! | [`faulty_orbit`] | a satellite that is not where it says |
 //! | [`clock_ramp`] | too few satellites, and a clock forecast that follows the fault |
 //! | [`several_faults`] | two to four satellites wrong at once |
+//! | [`reflections`] | all low satellites of one side late |
 //! | [`shifted_system`] | all satellites of a system wrong at once, in agreement |
 //! | [`early_ephemeris`] | ephemerides for later that come first, and crowds of absent satellites |
 //! | [`ionosphere`] | one frequency under a dense ionosphere; coefficients that nobody sent |
@@ -53,6 +54,7 @@ mod leap;
 mod learned_sigmas;
 mod odd_ranges;
 mod recordings;
+mod reflections;
 mod settings;
 pub mod several_faults;
 mod shifted_system;
@@ -111,6 +113,7 @@ pub const ATTACKS: &[&Attack] = &[
     &clock_ramp::ATTACK,
     &several_faults::PAIRS,
     &several_faults::CHOSEN,
+    &reflections::ATTACK,
     &shifted_system::WHOLE,
     &shifted_system::FEW,
     &early_ephemeris::EARLY,

@@ -40,6 +40,7 @@ attacks! {
     clock_forecast_does_not_follow_a_fault = "clock-ramp",
     two_faults_seldom_pass = "two-faults",
     pairs_that_cannot_be_told_apart_are_an_alert = "chosen-pairs",
+    side_of_the_sky_that_is_late_seldom_passes = "reflections",
     system_that_stands_elsewhere_is_not_blamed_on_some_satellites = "shifted-system",
     few_satellites_that_stand_elsewhere_are_not_blamed_on_others = "few-shifted",
     early_ephemeris_does_not_block_later_ones = "early-ephemeris",
