@@ -5,18 +5,19 @@
 //! seed ─► scenes ─► bytes ─► module ─► what it says ─► oracle ─► what it should not have said
 //! ```
 //!
-//! Other attacks try what somebody thought of; this one tries what nobody did. A run is a dozen scenes ([`scenes`]) that follow from
-//! its seed, some quiet ones at the end, and after these `FORGET` and some more. What is right is not simulated a second time: the
+//! Other attacks try what somebody thought of; this one tries what nobody did. A run ([`mod@run`]) is a dozen scenes ([`scenes`]) that follow
+//! from its seed, some quiet ones at the end, and after these `FORGET` and some more. What is right is not simulated a second time: the
 //! [`oracle`] holds to the sentences what is promised of them, and what it finds it says with the seed and the second.
 
 mod oracle;
+mod run;
 mod scenes;
 
 use anyhow::Result;
 use rayon::prelude::*;
 
 use self::oracle::{Finding, Oracle};
-use self::scenes::Run;
+use self::run::Run;
 use super::{Attack, Effort, Figure};
 
 /// The attack.
