@@ -13,6 +13,7 @@
 
 use anyhow::Result;
 use nalgebra::{DMatrix, SymmetricEigen};
+use rai_core::frame::Ecef;
 use rai_core::satellite::{Constellation, SatelliteId};
 use rand::seq::IndexedRandom as _;
 use rand::{Rng as _, SeedableRng as _};
@@ -46,6 +47,16 @@ pub(super) const CHOSEN: Attack = Attack {
 /// Methods of the module by the name of the command.
 pub const METHODS: [&str; 7] =
     ["BAARDA", "SIMULTANEOUS", "SEQUENTIAL", "HYBRID", "GROUPING", "RANSAC", "AUTO"];
+
+/// What comes of some bytes by each of these, the module having just begun.
+pub(super) fn by_every_method(bytes: &[u8], truth: Ecef) -> Result<Tally> {
+    let mut tally = Tally::default();
+    for method in METHODS {
+        let mut victim = Victim::new(&[&format!("METHOD,{method}")], 1.0)?;
+        tally.add_all(&victim.hear(bytes, truth)?);
+    }
+    Ok(tally)
+}
 
 /// Sizes of faults, m, each decade as likely.
 const SIZES_M: std::ops::Range<f64> = 20.0..2000.0;

@@ -18,9 +18,8 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
 use super::forgery::Sky;
-use super::several_faults::METHODS;
+use super::several_faults::by_every_method;
 use super::tally::{Tally, least_rate};
-use super::victim::Victim;
 use super::{Attack, Figure};
 use crate::encode::Frequency;
 use crate::fault::Measured as _;
@@ -122,10 +121,5 @@ fn attempt(
             epoch.lengthen(sight.satellite, -along_m);
         }
     })?;
-    let mut tally = Tally::default();
-    for method in METHODS {
-        let mut victim = Victim::new(&[&format!("METHOD,{method}")], 1.0)?;
-        tally.add_all(&victim.hear(&bytes.concat(), sky.truth)?);
-    }
-    Ok(tally)
+    by_every_method(&bytes.concat(), sky.truth)
 }
