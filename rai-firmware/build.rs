@@ -1,18 +1,24 @@
-//! Tells the image which commit it is, and the linker where the memory map lies.
+//! Passes the commit to the image, and the folders of the memory map to the linker.
+//!
+//! `memory.x` of the workspace has the map of the first board and includes `regions.x`, which each
+//! board has in its folder.
 
 use std::path::Path;
 use std::process::Command;
 
-/// The boards, by feature and folder.
+/// The boards: feature and folder.
 const BOARDS: [(&str, &str); 2] = [("STM32F405", "stm32f405"), ("MPS2_AN500", "mps2_an500")];
 
 fn main() {
     let board =
         BOARDS.iter().find(|(feature, _)| std::env::var_os(format!("CARGO_FEATURE_{feature}")).is_some());
     if let Some((_, folder)) = board {
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/board").join(folder);
-        println!("cargo::rustc-link-search={}", folder.display());
-        println!("cargo::rerun-if-changed={}", folder.join("memory.x").display());
+        let package = Path::new(env!("CARGO_MANIFEST_DIR"));
+        let (workspace, folder) = (package.join(".."), package.join("src/board").join(folder));
+        for (folder, file) in [(workspace, "memory.x"), (folder, "regions.x")] {
+            println!("cargo::rustc-link-search={}", folder.display());
+            println!("cargo::rerun-if-changed={}", folder.join(file).display());
+        }
     }
     println!("cargo::rustc-env=RAI_GIT={}", commit().unwrap_or_else(|| "unknown".into()));
     // A commit moves HEAD or the branch it names; the log of HEAD grows with either.

@@ -8,7 +8,7 @@
 //! | start: pin low first, then the clock, the ports, the watchdog | `mod.rs`, `clock.rs`, `pins.rs` | `mod.rs` |
 //! | three ports through rings, in interrupts | `ports.rs` | `ports.rs` |
 //! | faults: pin low, a record, a reset | `fault.rs` | `fault.rs` |
-//! | the memory map | `memory.x` | `memory.x` |
+//! | the memory map | `regions.x`, for `memory.x` at the top level | `regions.x` |
 //!
 //! What all Cortex-M boards share is in `arm`: time from `SysTick`, the rings of the ports, the guarded stack, the log. These files are part
 //! of the binary and not of this library; each board's crates come with the feature of its name.

@@ -138,6 +138,7 @@ fn run_on(
     link.arg(object(ARM, language, &flags, "calls.c", out)?);
     link.arg(object(ARM, Language::C, &flags, "board.c", out)?);
     link.arg("-T").arg(source("board.ld"));
+    link.arg("-L").arg(folder().join("../.."));
     link.arg("-L").arg(folder().join("../src/board").join(memory));
     link.arg(library).arg("-lgcc");
     run(&mut link)?;
