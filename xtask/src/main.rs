@@ -33,6 +33,9 @@ use clap::{Parser, Subcommand};
 #[derive(Parser)]
 #[command(name = "cargo xtask", bin_name = "cargo xtask")]
 struct Arguments {
+    /// Answer every question of the set-up with yes.
+    #[arg(long, short, global = true)]
+    yes: bool,
     #[command(subcommand)]
     command: Command,
 }
@@ -82,6 +85,9 @@ fn main() -> ExitCode {
         Ok(arguments) => arguments,
         Err(error) => return refuse(&error),
     };
+    if arguments.yes {
+        tests_host::setup::assume_yes();
+    }
     quiet_where_nobody_reads();
     match std::panic::catch_unwind(|| dispatch(arguments.command)) {
         Ok(Ok(())) => ExitCode::SUCCESS,

@@ -28,6 +28,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     for step in &steps {
         match step {
             Step::Run(command) => println!("missing: {}", command.join(" ")),
+            Step::Unpack => println!("missing: the emulator (to be unpacked below target)"),
             Step::Ask(words) => println!("missing, for you to do: {words}"),
         }
     }

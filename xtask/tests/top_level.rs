@@ -42,5 +42,8 @@ fn top_level_holds_the_prescribed_entries_and_what_tools_and_readers_need() {
     let known: BTreeSet<&str> = [&PRESCRIBED[..], &FOR_TOOLS, &FOR_READERS].concat().into_iter().collect();
     let have = entries(&root);
     let unknown: Vec<_> = have.iter().filter(|entry| !known.contains(entry.as_str())).collect();
-    assert!(unknown.is_empty(), "{unknown:?} stand at the top level: move them, or name who needs them there");
+    assert!(
+        unknown.is_empty(),
+        "{unknown:?} stand at the top level: move them, or name who needs them there"
+    );
 }

@@ -10,8 +10,9 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, bail};
 
-/// The emulator's program.
-const PROGRAM: &str = "qemu-system-arm";
+use crate::setup::emulator::{self, PROGRAM};
+use crate::setup::on_path;
+
 /// How long the emulator may take to connect its ports.
 const START_PATIENCE: Duration = Duration::from_secs(20);
 
@@ -70,18 +71,13 @@ pub struct Settings {
     pub arguments: Vec<String>,
 }
 
-/// Whether the emulator is there; says aloud that the caller is skipped where it is not.
+/// Returns true if the emulator is there; otherwise counts the calling test as skipped.
 pub fn is_installed() -> bool {
-    let found = finds(PROGRAM);
+    let found = emulator::is_there();
     if !found {
         crate::skip::say(&format!("{PROGRAM} (`cargo xtask setup` installs it)"));
     }
     found
-}
-
-fn finds(program: &str) -> bool {
-    std::env::var_os("PATH")
-        .is_some_and(|path| std::env::split_paths(&path).any(|folder| folder.join(program).is_file()))
 }
 
 /// A running emulator; ends with the value.
@@ -164,16 +160,15 @@ fn accept(listener: &TcpListener, deadline: Instant, emulator: &Emulator) -> any
     bail!("the emulator did not connect its ports within {START_PATIENCE:?}")
 }
 
-/// The kernel ends a child with the thread that started it if it is asked to, which `setpriv` does where it exists;
+/// Returns the command that starts a board.
+///
+/// If `setpriv` exists, it asks the kernel to end the child with the thread that started it;
 /// elsewhere a killed parent would leave the emulator behind.
 fn command(image: &Path, settings: &Settings, ports: &[TcpListener; 3]) -> anyhow::Result<Command> {
-    let mut command = if finds("setpriv") {
-        let mut command = Command::new("setpriv");
-        command.args(["--pdeathsig", "KILL", "--", PROGRAM]);
-        command
-    } else {
-        Command::new(PROGRAM)
-    };
+    let mut command = emulator::command();
+    if on_path("setpriv") {
+        command = under("setpriv", &["--pdeathsig", "KILL", "--"], &command);
+    }
     let icount = match settings.pace {
         Pace::Wall => "shift=0",
         Pace::Leap => "shift=0,sleep=off",
@@ -188,6 +183,14 @@ fn command(image: &Path, settings: &Settings, ports: &[TcpListener; 3]) -> anyho
     }
     command.args(&settings.arguments).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped());
     Ok(command)
+}
+
+/// Returns the command that lets another program run `command`.
+fn under(program: &str, arguments: &[&str], command: &Command) -> Command {
+    let mut outer = Command::new(program);
+    outer.args(arguments).arg(command.get_program()).args(command.get_args());
+    outer.envs(command.get_envs().filter_map(|(name, value)| Some((name, value?))));
+    outer
 }
 
 /// Owns the process from its start to its end, in a thread that lives as long as the board does.

@@ -143,7 +143,7 @@ fn run_on(
     link.arg(library).arg("-lgcc");
     run(&mut link)?;
     std::fs::write(out.join("calls.bin"), calls.as_bytes())?;
-    let mut emulator = Command::new("qemu-system-arm");
+    let mut emulator = crate::setup::emulator::command();
     emulator.current_dir(out).args(machine.arguments());
     emulator.args(["-display", "none", "-monitor", "none", "-serial", "none"]);
     emulator.args(["-semihosting-config", "enable=on,target=native", "-kernel", "program"]);

@@ -139,7 +139,7 @@ impl Bench {
     /// The emulator with the measuring image and the requests in its folder.
     fn emulator(&self, folder: &Folder, machine: Machine, image: &Path) -> Result<Command> {
         std::fs::write(folder.0.join("requests.bin"), &self.requests)?;
-        let mut emulator = Command::new("qemu-system-arm");
+        let mut emulator = crate::setup::emulator::command();
         emulator
             .current_dir(&folder.0)
             .args(machine.arguments())

@@ -173,7 +173,7 @@ fn compile(peer: &Peer, sources: &Sources, core: Core, out: &Path) -> Result<Pat
 
 /// What the program wrote to its file.
 fn emulate(image: &Path, core: Core, folder: &Path) -> Result<String> {
-    let mut emulator = Command::new("qemu-system-arm");
+    let mut emulator = crate::setup::emulator::command();
     emulator.current_dir(folder).args(match core {
         Core::M4 => ["-machine", "mps2-an386", "-cpu", "cortex-m4"],
         Core::M7 => ["-machine", "mps2-an500", "-cpu", "cortex-m7"],
