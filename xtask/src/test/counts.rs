@@ -1,0 +1,83 @@
+//! How many tests passed, failed and were skipped, as the log of a step tells.
+
+use std::fmt;
+
+/// Numbers of tests or steps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Counts {
+    pub(super) passed: usize,
+    pub(super) failed: usize,
+    pub(super) skipped: usize,
+}
+
+/// The beginning of the line by which the tests' step tells how many were skipped for lack of a
+/// recording or a program. The runner counts these as passed.
+pub(super) const SKIPPED_TESTS: &str = "tests skipped for lack of a recording or a program: ";
+
+impl Counts {
+    /// Reads the closing lines of cargo's test runner and of nextest.
+    pub(super) fn in_log(log: &str) -> Self {
+        let mut counts = log.lines().filter_map(of_line).fold(Self::default(), Self::plus);
+        let lacking = log.lines().filter_map(|line| line.strip_prefix(SKIPPED_TESTS)?.parse::<usize>().ok());
+        let lacking: usize = lacking.sum();
+        counts.passed = counts.passed.saturating_sub(lacking);
+        counts.skipped += lacking;
+        counts
+    }
+
+    /// Returns the sum.
+    pub(super) fn plus(self, other: Self) -> Self {
+        Self {
+            passed: self.passed + other.passed,
+            failed: self.failed + other.failed,
+            skipped: self.skipped + other.skipped,
+        }
+    }
+}
+
+/// The counts of a closing line: `test result: ok. 3 passed; 0 failed; 1 ignored; …` of cargo, or
+/// `Summary [ 3.1s] 4 tests run: 4 passed (1 slow), 2 skipped` of nextest.
+fn of_line(line: &str) -> Option<Counts> {
+    let line = line.trim();
+    let is_closing = line.starts_with("test result:") || line.starts_with("Summary [");
+    if !is_closing {
+        return None;
+    }
+    let words: Vec<_> = line.split([' ', ',', ';', ':']).filter(|word| !word.is_empty()).collect();
+    let before = |names: &[&str]| -> usize {
+        let pairs = words.windows(2).filter(|pair| names.contains(&pair[1]));
+        pairs.filter_map(|pair| pair[0].trim_start_matches('(').parse::<usize>().ok()).sum()
+    };
+    Some(Counts {
+        passed: before(&["passed"]),
+        failed: before(&["failed", "timed"]),
+        skipped: before(&["skipped", "ignored"]),
+    })
+}
+
+impl fmt::Display for Counts {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} passed, {} failed, {} skipped", self.passed, self.failed, self.skipped)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn closing_lines_of_both_runners_are_added_up() {
+        // Printed by nextest 0.9.143 and by cargo 1.95.
+        let log = "running 3 tests\n\
+            test result: FAILED. 2 passed; 1 failed; 1 ignored; 0 measured; 0 filtered out; finished in 0.02s\n\
+            \x20    Summary [   3.117s] 6/9 tests run: 5 passed (1 slow), 1 failed, 2 skipped\n\
+            tests skipped for lack of a recording or a program: 3\n";
+        assert_eq!(Counts::in_log(log), Counts { passed: 4, failed: 2, skipped: 6 });
+    }
+
+    #[test]
+    fn closing_line_is_the_one_that_other_tools_read() {
+        let counts = Counts { passed: 14, failed: 0, skipped: 1 };
+        assert_eq!(counts.to_string(), "14 passed, 0 failed, 1 skipped");
+    }
+}

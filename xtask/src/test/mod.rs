@@ -1,0 +1,159 @@
+//! `cargo xtask test`: the checks that every change must pass.
+//!
+//! Each step runs in a process of its own, whatever the steps before it found, so that one run reports
+//! all failures. Its output goes to a log; the terminal gets one line per step, and the end of the log
+//! if the step fails. Two lanes run side by side and build in folders of their own: the link of a whole
+//! image keeps one core busy, and leaves the other to the host.
+
+mod counts;
+mod steps;
+
+use std::fs::{self, File};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::Mutex;
+use std::time::Instant;
+
+use anyhow::{Context as _, Result, ensure};
+use tests_host::setup;
+
+use counts::Counts;
+use steps::{Done, Lane, STEPS, Step};
+
+/// Arguments of the command.
+#[derive(clap::Args)]
+pub(crate) struct Arguments {
+    /// Accept the present output of the snapshot tests as the wanted one.
+    #[arg(long)]
+    bless: bool,
+    /// Fail if a test is skipped because a recording or a program is missing.
+    #[arg(long)]
+    all: bool,
+    /// Run only format, lints, unit tests and the sizes of the image: about a minute when warm.
+    #[arg(long)]
+    quick: bool,
+    /// Run one step with its output on the terminal; a wrong name lists the names.
+    #[arg(long, value_name = "NAME", conflicts_with = "quick")]
+    step: Option<String>,
+}
+
+/// The result of one step, after so many seconds.
+struct Outcome {
+    step: &'static Step,
+    result: Result<Done>,
+    seconds: f64,
+}
+
+/// Runs the command.
+pub(crate) fn run(arguments: &Arguments) -> Result<()> {
+    setup::ensure()?;
+    if let Some(name) = &arguments.step {
+        return alone(name, arguments);
+    }
+    let logs = crate::cargo::root().join("target/test");
+    fs::create_dir_all(&logs).with_context(|| logs.display().to_string())?;
+    let chosen = || STEPS.iter().filter(|step| step.is_part_of(arguments.quick));
+    let count = chosen().count();
+    println!("{count} steps; their output is in {}", logs.display());
+    let outcomes = Mutex::new(Vec::new());
+    let walk = |lane: Lane| {
+        for step in chosen().filter(|step| step.lane == lane) {
+            let outcome = take(step, arguments, &logs);
+            let mut outcomes = outcomes.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+            outcomes.push(outcome);
+            let number = outcomes.len();
+            if let Some(outcome) = outcomes.last() {
+                report(outcome, number, count, &logs);
+            }
+        }
+    };
+    std::thread::scope(|scope| {
+        scope.spawn(|| walk(Lane::Target));
+        walk(Lane::Host);
+    });
+    let outcomes = outcomes.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
+    summarise(&outcomes, &logs)
+}
+
+/// Runs a step in this process, for its parent or for a person.
+fn alone(name: &str, arguments: &Arguments) -> Result<()> {
+    let step = STEPS.iter().find(|step| step.name == name);
+    let step = step.with_context(|| {
+        let names: Vec<_> = STEPS.iter().map(|step| step.name).collect();
+        format!("there is no step `{name}`: choose one of {}", names.join(", "))
+    })?;
+    match (step.run)(arguments.bless, arguments.all)? {
+        Done::Passed => Ok(()),
+        Done::Skipped(needs) => {
+            println!("{SKIPPED}{needs}");
+            Ok(())
+        }
+    }
+}
+
+/// The beginning of the line by which a step's process tells that it was skipped, and for lack of what.
+const SKIPPED: &str = "step skipped: needs ";
+
+/// Runs a step in a process of its own.
+fn take(step: &'static Step, arguments: &Arguments, logs: &Path) -> Outcome {
+    let start = Instant::now();
+    let result = child(step, arguments, &log_of(step, logs));
+    Outcome { step, result, seconds: start.elapsed().as_secs_f64() }
+}
+
+fn child(step: &Step, arguments: &Arguments, log: &Path) -> Result<Done> {
+    let file = File::create(log).with_context(|| log.display().to_string())?;
+    // Not the path of the running file: a build may have replaced it.
+    let program = std::env::args_os().next().context("this program has no name")?;
+    let mut command = Command::new(program);
+    command.args(["test", "--step", step.name]);
+    command.args(arguments.bless.then_some("--bless")).args(arguments.all.then_some("--all"));
+    let status =
+        command.stdout(file.try_clone()?).stderr(file).status().context("a step cannot be started")?;
+    ensure!(status.success(), "see {}", log.display());
+    let text = fs::read_to_string(log).unwrap_or_default();
+    let needs = text.lines().rev().find_map(|line| line.strip_prefix(SKIPPED));
+    Ok(needs.map_or(Done::Passed, |needs| Done::Skipped(needs.to_owned())))
+}
+
+fn log_of(step: &Step, logs: &Path) -> PathBuf {
+    logs.join(step.name.replace(|letter: char| !letter.is_ascii_alphanumeric(), "-")).with_extension("log")
+}
+
+/// Lines of a failed step's log that the terminal gets.
+const TAIL_LINES: usize = 60;
+
+/// Prints the line of a step, and the end of its log if it failed.
+fn report(outcome: &Outcome, number: usize, count: usize, logs: &Path) {
+    let Outcome { step, result, seconds } = outcome;
+    let (word, reason) = match result {
+        Ok(Done::Passed) => ("passed", String::new()),
+        Ok(Done::Skipped(needs)) => ("skipped", format!(": needs {needs}")),
+        Err(error) => ("FAILED", format!(": {error:#}")),
+    };
+    println!("[{number:2}/{count}] {word:7} {} ({seconds:.1} s){reason}", step.name);
+    if result.is_err() {
+        let text = fs::read_to_string(log_of(step, logs)).unwrap_or_default();
+        let lines: Vec<_> = text.lines().collect();
+        let tail = lines.get(lines.len().saturating_sub(TAIL_LINES)..).unwrap_or_default();
+        for line in tail {
+            println!("    {line}");
+        }
+    }
+}
+
+/// Prints the closing lines: steps, and the tests in them.
+fn summarise(outcomes: &[Outcome], logs: &Path) -> Result<()> {
+    let of = |is: fn(&Result<Done>) -> bool| outcomes.iter().filter(|outcome| is(&outcome.result)).count();
+    let steps = Counts {
+        passed: of(|result| matches!(result, Ok(Done::Passed))),
+        failed: of(Result::is_err),
+        skipped: of(|result| matches!(result, Ok(Done::Skipped(_)))),
+    };
+    let logs =
+        outcomes.iter().map(|outcome| fs::read_to_string(log_of(outcome.step, logs)).unwrap_or_default());
+    let tests = logs.map(|log| Counts::in_log(&log)).fold(Counts::default(), Counts::plus);
+    println!("\nsteps: {steps}\ntests: {tests}");
+    ensure!(steps.failed == 0, "{} of {} steps failed", steps.failed, outcomes.len());
+    Ok(())
+}

@@ -1,0 +1,191 @@
+//! The steps of `cargo xtask test`, in the order in which each lane takes them.
+
+use std::collections::BTreeMap;
+use std::io::ErrorKind;
+
+use anyhow::{Context as _, Result, ensure};
+use tests_host::image::{self, Chip, Image};
+use tests_host::{setup, skip};
+
+use super::counts::SKIPPED_TESTS;
+use crate::cargo::{command, root, spawn};
+
+/// One check.
+pub(super) struct Step {
+    pub(super) name: &'static str,
+    pub(super) lane: Lane,
+    when: When,
+    /// Runs it with `--bless` and `--all`.
+    pub(super) run: fn(bool, bool) -> Result<Done>,
+}
+
+/// The runs that include a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum When {
+    /// Only the whole.
+    Whole,
+    /// Only `--quick`: a step of the whole includes it.
+    Quick,
+    /// Both.
+    Both,
+}
+
+impl Step {
+    /// Returns true if the run includes this step.
+    pub(super) fn is_part_of(&self, quick: bool) -> bool {
+        self.when == When::Both || (self.when == When::Quick) == quick
+    }
+}
+
+/// Steps of one lane run one after another.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Lane {
+    /// Builds for this machine.
+    Host,
+    /// Builds for the chip, and the fuzzing targets.
+    Target,
+}
+
+/// The end of a step that found nothing wrong.
+pub(super) enum Done {
+    Passed,
+    /// It did not run, for lack of this.
+    Skipped(String),
+}
+
+const fn step(name: &'static str, lane: Lane, when: When, run: fn(bool, bool) -> Result<Done>) -> Step {
+    Step { name, lane, when, run }
+}
+
+/// All of them.
+pub(super) const STEPS: &[Step] = &[
+    step("format", Lane::Host, When::Both, |_, _| cargo(&["fmt", "--all", "--check"])),
+    step("lints", Lane::Host, When::Both, |_, _| {
+        cargo(&["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"])
+    }),
+    step("unit tests", Lane::Host, When::Quick, |_, _| {
+        cargo(&["test", "--package=rai-core", "--package=rai-firmware", "--lib"])
+    }),
+    step("tests", Lane::Host, When::Whole, tests),
+    step("examples in the documentation", Lane::Host, When::Whole, |_, _| {
+        cargo(&["test", "--workspace", "--doc"])
+    }),
+    step("documentation", Lane::Host, When::Whole, |_, _| documentation()),
+    step("packages", Lane::Host, When::Whole, |_, _| done(crate::packages::verify())),
+    step("licences and sources of dependencies", Lane::Host, When::Whole, |_, _| dependencies()),
+    step("lints of the image", Lane::Target, When::Whole, |_, _| lints_of_the_image()),
+    step("libraries on other processors", Lane::Target, When::Whole, |_, _| libraries()),
+    step("image", Lane::Target, When::Both, |_, _| done(image::build())),
+    step("memory of the image", Lane::Target, When::Both, |_, _| sizes()),
+    step("no panic", Lane::Target, When::Whole, |_, _| done(tests_host::no_panic::prove())),
+    step("costs on the target", Lane::Target, When::Whole, |_, _| {
+        done(crate::bench::run(&crate::bench::Arguments { check: true, ..Default::default() }))
+    }),
+    step("threshold tables", Lane::Target, When::Whole, |_, _| {
+        done(crate::tables::run(&crate::tables::Arguments { check: true }))
+    }),
+    step("hostile input", Lane::Target, When::Whole, |_, _| done(crate::fuzz::smoke())),
+];
+
+fn done<T>(result: Result<T>) -> Result<Done> {
+    result.map(|_| Done::Passed)
+}
+
+fn cargo(arguments: &[&str]) -> Result<Done> {
+    done(spawn(&mut command(arguments)))
+}
+
+fn lints_of_the_image() -> Result<Done> {
+    let target = format!("--target={}", setup::TARGETS[0]);
+    let what = ["--profile=firmware", &target, "--package=rai-firmware", "--features=probe"];
+    cargo(&[&["clippy"], &what[..], &["--", "-D", "warnings"]].concat())
+}
+
+fn libraries() -> Result<Done> {
+    let mut arguments =
+        vec!["check", "--profile=firmware", "--package=rai-core", "--package=rai-firmware", "--lib"];
+    arguments.extend(setup::TARGETS.iter().flat_map(|target| ["--target", target]));
+    cargo(&arguments)
+}
+
+/// Runs all tests, by nextest if it is installed because it is faster, and counts those that cannot run here.
+fn tests(bless: bool, all: bool) -> Result<Done> {
+    let nextest = command(&["nextest", "--version"]).output().is_ok_and(|output| output.status.success());
+    let arguments: &[&str] = if nextest {
+        &["nextest", "run", "--workspace", "--no-fail-fast"]
+    } else {
+        &["test", "--workspace", "--all-targets", "--no-fail-fast"]
+    };
+    let skips = root().join("target/skipped-tests");
+    match std::fs::remove_file(&skips) {
+        Err(error) if error.kind() != ErrorKind::NotFound => {
+            return Err(error).with_context(|| skips.display().to_string());
+        }
+        _ => {}
+    }
+    let update = if bless { "always" } else { "no" };
+    let outcome = spawn(command(arguments).env("INSTA_UPDATE", update).env(skip::VARIABLE, &skips));
+    let lines = std::fs::read_to_string(&skips).unwrap_or_default();
+    let skipped = skipped(&lines);
+    for (test, needs) in &skipped {
+        println!("skipped {test}: needs {}", needs.join("; "));
+    }
+    println!("{SKIPPED_TESTS}{}", skipped.len());
+    outcome?;
+    ensure!(!all || skipped.is_empty(), "{} tests were skipped", skipped.len());
+    Ok(Done::Passed)
+}
+
+/// Each skipped test with all that it needs.
+fn skipped(lines: &str) -> BTreeMap<&str, Vec<&str>> {
+    let mut tests = BTreeMap::<&str, Vec<&str>>::new();
+    for (test, needs) in lines.lines().filter_map(|line| line.split_once('\t')) {
+        let all = tests.entry(test).or_default();
+        if !all.contains(&needs) {
+            all.push(needs);
+        }
+    }
+    tests
+}
+
+/// Checks what `deny.toml` allows. Known vulnerabilities are not among it: their list has to be
+/// fetched, which a test must not need.
+fn dependencies() -> Result<Done> {
+    let found = command(&["deny", "--version"]).output().is_ok_and(|output| output.status.success());
+    if !found {
+        return Ok(Done::Skipped("cargo-deny (cargo install cargo-deny)".into()));
+    }
+    cargo(&["deny", "check", "bans", "licenses", "sources"])
+}
+
+/// Every warning counts.
+fn documentation() -> Result<Done> {
+    let arguments = ["doc", "--quiet", "--workspace", "--no-deps"];
+    done(spawn(command(&arguments).env("RUSTDOCFLAGS", "-D warnings")))
+}
+
+fn sizes() -> Result<Done> {
+    let image = Image::open(&image::build()?)?;
+    println!("{image}");
+    let findings = image.check(&Chip::named("STM32F405RGTx")?);
+    ensure!(findings.is_empty(), "{}", findings.join("; "));
+    Ok(Done::Passed)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{STEPS, skipped};
+
+    #[test]
+    fn test_that_lacks_two_things_is_skipped_once() {
+        let have = skipped("sky::a\tx\nsky::a\ty\nsky::a\tx\nboard::b\tx\n");
+        assert_eq!(have.len(), 2);
+        assert_eq!(have["sky::a"], ["x", "y"]);
+    }
+
+    #[test]
+    fn steps_have_names_of_their_own() {
+        let names: std::collections::BTreeSet<_> = STEPS.iter().map(|step| step.name).collect();
+        assert_eq!(names.len(), STEPS.len());
+    }
+}
