@@ -14,14 +14,17 @@ const FOR_TOOLS: [&str; 6] =
     [".ci", ".gitignore", "Cargo.lock", "deny.toml", "rust-toolchain.toml", "rustfmt.toml"];
 
 /// Documents that a reader looks for at the top level.
-const FOR_READERS: [&str; 7] = [
+const FOR_READERS: [&str; 10] = [
     "ARCHITECTURE.md",
     "CHANGELOG.md",
     "CONTRIBUTING.md",
+    "DESIGN.md",
     "INTERFACES.md",
     "LICENSE-APACHE",
     "LICENSE-MIT",
+    "LIMITS.md",
     "RESULTS.md",
+    "results",
 ];
 
 /// The entries of the top level that git knows; none without git.

@@ -153,7 +153,7 @@ fn highest_epoch_rates() {
     let cases = [(FULL_HZ, 115_200), (FULL_HZ, 921_600), (INTERNAL_HZ, 115_200), (INTERNAL_HZ, 921_600)];
     let have = cases.map(|(core_hz, gnss_baud)| highest_hz(core_hz, gnss_baud));
     println!("{longest} bytes an epoch; line, usual, worst-case in Hz: {have:?}");
-    // As the table of `RESULTS.md` has them.
+    // As the table of `results/cost.md` has them.
     assert_eq!(have, [[21, 21, 21], [175, 175, 87], [21, 21, 8], [175, 54, 8]]);
 }
 
