@@ -1,13 +1,22 @@
-//! A receiver's stream from standard input through the module; its sentences to standard output.
+//! The smallest program around the module: a receiver's bytes from standard input, sentences to
+//! standard output.
 //!
 //! `cargo run --package rai-firmware --example stream < capture.rtcm3`
+//!
+//! A thread reads, because the module has to see the clock while the line is silent: it reports
+//! `STALE` and drops the pin without a byte.
 
 use std::convert::Infallible;
 use std::io::{self, Read as _, Write as _};
-use std::time::Instant;
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::thread;
+use std::time::{Duration, Instant};
 
 use embedded_hal::digital::{ErrorType, OutputPin};
 use rai_firmware::receiver::{Boot, Receiver};
+
+/// How often the module looks at the clock.
+const TICK: Duration = Duration::from_millis(100);
 
 /// The integrity pin of a machine that has no pins.
 #[derive(Default)]
@@ -28,20 +37,32 @@ impl OutputPin for Pin {
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let boot = Boot::on_host("example");
-    let mut receiver = Receiver::new(Pin, boot)?;
-    let (start, mut said) = (Instant::now(), Vec::new());
-    receiver.greet(&mut said);
-    let mut bytes = [0; 1024];
+    let mut receiver = Receiver::new(Pin, Boot::on_host("example"))?;
+    let (start, mut sentences) = (Instant::now(), Vec::new());
+    receiver.greet(&mut sentences);
+    let (send, arrivals) = channel();
+    thread::spawn(move || {
+        let mut bytes = [0; 1024];
+        // The channel closes with this thread, and the program ends with the channel.
+        while let Ok(count @ 1..) = io::stdin().read(&mut bytes) {
+            if send.send((bytes[..count].to_vec(), start.elapsed())).is_err() {
+                return;
+            }
+        }
+    });
     loop {
-        let count = io::stdin().read(&mut bytes)?;
+        let arrival = arrivals.recv_timeout(TICK);
         let now_ms = start.elapsed().as_millis() as u64;
-        receiver.gnss(bytes.get(..count).unwrap_or(&[]), now_ms, &mut said);
-        // A silent line is noticed by the clock; a board calls this ten times a second.
-        receiver.tick(now_ms, &mut said);
-        io::stdout().write_all(&said)?;
-        said.clear();
-        if count == 0 {
+        match &arrival {
+            Ok((bytes, came)) => {
+                receiver.gnss_since(bytes, came.as_millis() as u64, now_ms, &mut sentences);
+            }
+            Err(RecvTimeoutError::Timeout | RecvTimeoutError::Disconnected) => {}
+        }
+        receiver.tick(now_ms, &mut sentences);
+        io::stdout().write_all(&sentences)?;
+        sentences.clear();
+        if arrival == Err(RecvTimeoutError::Disconnected) {
             return Ok(());
         }
     }

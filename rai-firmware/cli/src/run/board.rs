@@ -1,0 +1,139 @@
+//! A computer as a board of the firmware.
+
+use std::convert::Infallible;
+use std::time::Duration;
+
+use embedded_io::{ErrorType, Write};
+use rai_firmware::board::reset::ResetCause;
+use rai_firmware::board::{Board, HOST_OUT_BYTES, Note, PortLosses, SEALED_BYTES};
+use rai_firmware::receiver::{Boot, Receiver};
+use rai_firmware::timed_ring::Taken;
+
+use super::guard::Guard;
+use super::inbox::Inbox;
+use super::outbox::Outbox;
+use super::pin::Pin;
+
+/// Longest sleep of the loop: it looks at the clock at least ten times a second.
+const LONGEST_SLEEP: Duration = Duration::from_millis(50);
+
+/// The ports of the service, as the epoch loop sees them.
+pub(super) struct Computer<'s> {
+    inbox: &'s Inbox,
+    outbox: &'s mut Outbox,
+    sealed: &'s mut [u8; SEALED_BYTES],
+    guard: &'s Guard,
+}
+
+impl<'s> Computer<'s> {
+    pub(super) fn new(
+        inbox: &'s Inbox,
+        outbox: &'s mut Outbox,
+        sealed: &'s mut [u8; SEALED_BYTES],
+        guard: &'s Guard,
+    ) -> Self {
+        Self { inbox, outbox, sealed, guard }
+    }
+
+    pub(super) fn sealed_memory(&self) -> &[u8; SEALED_BYTES] {
+        self.sealed
+    }
+
+    pub(super) fn outbox(&mut self) -> &mut Outbox {
+        self.outbox
+    }
+
+    /// Returns true once a finite input has ended and all of it was judged.
+    pub(super) fn has_ended(&self) -> bool {
+        self.inbox.has_ended()
+    }
+
+    /// Lets the module judge what a finite input has left incomplete.
+    pub(super) fn drain(&mut self, receiver: &mut Receiver<Pin>) {
+        // A pause that no frame has inside completes what waits.
+        receiver.tick(self.inbox.now_ms().saturating_add(1000), self.outbox);
+    }
+}
+
+impl Board for Computer<'_> {
+    type Pin = Pin;
+    type Host = Outbox;
+
+    fn gnss(&mut self, chunk: &mut [u8]) -> Taken {
+        self.inbox.take(chunk)
+    }
+
+    fn command(&mut self) -> Option<u8> {
+        self.inbox.take_command()
+    }
+
+    fn host(&mut self) -> &mut Outbox {
+        self.outbox
+    }
+
+    fn host_room(&self) -> usize {
+        HOST_OUT_BYTES
+    }
+
+    fn now_ms(&self) -> u64 {
+        self.inbox.now_ms()
+    }
+
+    fn clock_error_ppm(&self) -> u32 {
+        Boot::CRYSTAL_PPM
+    }
+
+    fn now_ticks(&self) -> u64 {
+        self.inbox.now_ns()
+    }
+
+    fn driven_ticks(&self, _: &Pin) -> u64 {
+        self.inbox.now_ns()
+    }
+
+    fn losses(&self) -> PortLosses {
+        PortLosses {
+            gnss_bytes_lost: self.inbox.dropped(),
+            sentences_lost: self.outbox.lost(),
+            ..PortLosses::NONE
+        }
+    }
+
+    fn feed_watchdog(&mut self) {
+        self.guard.feed();
+    }
+
+    fn sleep(&mut self) -> Option<u64> {
+        self.inbox.wait(LONGEST_SLEEP);
+        Some(self.inbox.now_ns())
+    }
+
+    fn reset_cause(&self) -> ResetCause {
+        ResetCause::Software
+    }
+
+    fn sealed(&mut self) -> &mut [u8; SEALED_BYTES] {
+        self.sealed
+    }
+
+    // The rate of a serial port is set where it is named.
+    fn set_gnss_rate(&mut self, _: u32) {}
+
+    fn note(&mut self, _: Note) {}
+}
+
+impl ErrorType for Outbox {
+    type Error = Infallible;
+}
+
+impl Write for Outbox {
+    /// Takes one sentence or message, whole.
+    fn write(&mut self, bytes: &[u8]) -> Result<usize, Infallible> {
+        self.send(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> Result<(), Infallible> {
+        Ok(())
+    }
+}

@@ -1,0 +1,215 @@
+//! Orbits from an NTRIP caster, for a receiver that sends ranges alone.
+//!
+//! A caster's stream also carries the ranges of its own station. They never reach the module: only
+//! whole frames of RTCM 3 that hold an ephemeris are passed on, each with its check.
+
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::TcpStream;
+use std::str::FromStr;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use anyhow::{Context as _, Result, bail, ensure};
+
+use super::inbox::Inbox;
+use super::input::{connect, is_timeout, wait};
+
+/// Messages of RTCM 3 that hold an ephemeris.
+const EPHEMERIDES: [u16; 6] = [1019, 1020, 1042, 1044, 1045, 1046];
+/// Pause before the next attempt.
+const PAUSE: Duration = Duration::from_secs(10);
+/// A caster that sends nothing for this time is taken for gone.
+const DEAD: Duration = Duration::from_mins(1);
+
+/// A stream of a caster: `ntrip://user:password@host:port/mountpoint`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Caster {
+    address: String,
+    mountpoint: String,
+    credentials: Option<String>,
+}
+
+impl FromStr for Caster {
+    type Err = anyhow::Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        let form = "a caster is ntrip://USER:PASSWORD@HOST:PORT/MOUNTPOINT";
+        let Some(rest) = text.strip_prefix("ntrip://") else { bail!("{form}, not `{text}`") };
+        let (credentials, rest) = match rest.rsplit_once('@') {
+            Some((credentials, rest)) => (Some(credentials.to_owned()), rest),
+            None => (None, rest),
+        };
+        let Some((address, mountpoint)) = rest.split_once('/') else {
+            bail!("{form}: the mountpoint is missing")
+        };
+        ensure!(!address.is_empty() && !mountpoint.is_empty(), "{form}");
+        let address = if address.contains(':') { address.to_owned() } else { format!("{address}:2101") };
+        Ok(Self { address, mountpoint: mountpoint.to_owned(), credentials })
+    }
+}
+
+/// Starts the thread that reads the caster.
+pub(super) fn start(caster: Caster, inbox: &Arc<Inbox>, stop: &Arc<AtomicBool>) {
+    let (inbox, stop) = (Arc::clone(inbox), Arc::clone(stop));
+    thread::spawn(move || {
+        while !stop.load(Ordering::Relaxed) {
+            if let Err(error) = read(&caster, &inbox, &stop) {
+                eprintln!("ntrip://{}/{}: {error:#}", caster.address, caster.mountpoint);
+            }
+            wait(PAUSE, &stop);
+        }
+    });
+}
+
+fn read(caster: &Caster, inbox: &Inbox, stop: &AtomicBool) -> Result<()> {
+    let mut reader = BufReader::new(request(caster)?);
+    let (mut waiting, mut bytes, mut last) = (Vec::new(), [0; 2048], Instant::now());
+    while !stop.load(Ordering::Relaxed) {
+        match reader.read(&mut bytes) {
+            Ok(0) => bail!("the caster has closed the stream"),
+            Ok(count) => {
+                waiting.extend_from_slice(bytes.get(..count).unwrap_or_default());
+                take_frames(&mut waiting, |frame| inbox.push_orbit(frame.to_vec()));
+                last = Instant::now();
+            }
+            Err(error) if is_timeout(&error) => {
+                ensure!(last.elapsed() < DEAD, "the caster has been silent for {} s", DEAD.as_secs());
+            }
+            Err(error) => return Err(error.into()),
+        }
+    }
+    Ok(())
+}
+
+/// Asks for the stream, in the form that every caster of version 1 and 2 answers.
+fn request(caster: &Caster) -> Result<TcpStream> {
+    let mut stream = connect(&caster.address)?;
+    let authorization = caster.credentials.as_ref().map_or_else(String::new, |credentials| {
+        format!("Authorization: Basic {}\r\n", base64(credentials.as_bytes()))
+    });
+    let (mountpoint, version) = (&caster.mountpoint, env!("CARGO_PKG_VERSION"));
+    let request =
+        format!("GET /{mountpoint} HTTP/1.0\r\nUser-Agent: NTRIP rai/{version}\r\n{authorization}\r\n");
+    stream.write_all(request.as_bytes())?;
+    let mut lines = BufReader::with_capacity(1, stream.try_clone()?);
+    let mut status = String::new();
+    let start = Instant::now();
+    while !status.ends_with('\n') && start.elapsed() < Duration::from_secs(10) {
+        match lines.read_line(&mut status) {
+            Ok(0) => break,
+            Ok(_) => {}
+            Err(error) if is_timeout(&error) => {}
+            Err(error) => return Err(error).context("no answer"),
+        }
+    }
+    let status = status.trim();
+    ensure!(status.contains(" 200 "), "the caster answers `{status}`: are mountpoint and password right?");
+    Ok(stream)
+}
+
+/// Takes every whole frame off the front of the bytes, and hands on those with an ephemeris.
+fn take_frames(waiting: &mut Vec<u8>, mut hand_on: impl FnMut(&[u8])) {
+    let mut front = 0;
+    while let Some(rest) = waiting.get(front..).filter(|rest| rest.len() >= 6) {
+        let [0xD3, high, low, first, second, ..] = rest else {
+            front += 1;
+            continue;
+        };
+        let length = 6 + (usize::from(high & 3) << 8 | usize::from(*low));
+        let Some(frame) = rest.get(..length) else { break };
+        if high & !3 != 0 || crc24q(frame) != 0 {
+            front += 1;
+            continue;
+        }
+        let number = u16::from(*first) << 4 | u16::from(second >> 4);
+        if EPHEMERIDES.contains(&number) {
+            hand_on(frame);
+        }
+        front += length;
+    }
+    waiting.drain(..front);
+}
+
+/// CRC-24Q over a frame; 0 if its last three bytes are its check.
+fn crc24q(bytes: &[u8]) -> u32 {
+    bytes.iter().fold(0, |crc, &byte| {
+        (0..8).fold(crc ^ u32::from(byte) << 16, |crc, _| {
+            let shifted = crc << 1;
+            if shifted & 0x0100_0000 == 0 { shifted } else { shifted ^ 0x0186_4CFB }
+        })
+    })
+}
+
+/// Base 64 of RFC 4648.
+fn base64(bytes: &[u8]) -> String {
+    const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let letters = bytes.chunks(3).flat_map(|chunk| {
+        let byte = |index: usize| u32::from(chunk.get(index).copied().unwrap_or(0));
+        let bits = byte(0) << 16 | byte(1) << 8 | byte(2);
+        (0..4).map(move |place| {
+            let letter = LETTERS.get((bits >> (18 - 6 * place) & 63) as usize).copied().unwrap_or(b'=');
+            if place <= chunk.len() { char::from(letter) } else { '=' }
+        })
+    });
+    letters.collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn base64_of_the_standard() {
+        // RFC 4648, section 10.
+        let cases = [
+            ("", ""),
+            ("f", "Zg=="),
+            ("fo", "Zm8="),
+            ("foo", "Zm9v"),
+            ("foob", "Zm9vYg=="),
+            ("foobar", "Zm9vYmFy"),
+        ];
+        for (text, want) in cases {
+            assert_eq!(base64(text.as_bytes()), want);
+        }
+    }
+
+    #[test]
+    fn casters_are_read_or_refused_with_their_form() {
+        let caster = "ntrip://me:secret@example.org/MOUNT".parse::<Caster>().unwrap();
+        assert_eq!((&*caster.address, &*caster.mountpoint), ("example.org:2101", "MOUNT"));
+        assert_eq!(caster.credentials.as_deref(), Some("me:secret"));
+        for wrong in ["", "ntrip://host:1", "http://host/MOUNT"] {
+            assert!(wrong.parse::<Caster>().is_err(), "{wrong}");
+        }
+    }
+
+    /// A frame of RTCM 3 with a message of this number and nothing else in it.
+    fn frame(number: u16) -> Vec<u8> {
+        let mut bytes = vec![0xD3, 0, 2, (number >> 4) as u8, (number << 4) as u8];
+        let check = crc24q(&bytes);
+        bytes.extend_from_slice(&check.to_be_bytes()[1..]);
+        bytes
+    }
+
+    #[test]
+    fn only_whole_frames_with_orbits_are_passed_on() {
+        // The check of the standard's own example.
+        let example = [
+            0xD3, 0x00, 0x13, 0x3E, 0xD7, 0xD3, 0x02, 0x02, 0x98, 0x0E, 0xDE, 0xEF, 0x34, 0xB4, 0xBD, 0x62,
+            0xAC, 0x09, 0x41, 0x98, 0x6F, 0x33, 0x36, 0x0B, 0x98,
+        ];
+        assert_eq!(crc24q(&example), 0);
+        let mut spoilt = frame(1045);
+        spoilt[4] ^= 1;
+        let stream = [&example[..], &frame(1019), b"noise", &frame(1077), &spoilt, &frame(1046)].concat();
+        let (mut waiting, mut have) = (Vec::new(), Vec::new());
+        for byte in stream {
+            waiting.push(byte);
+            take_frames(&mut waiting, |frame| have.push(u16::from(frame[3]) << 4 | u16::from(frame[4] >> 4)));
+        }
+        assert_eq!(have, [1019, 1046]);
+    }
+}

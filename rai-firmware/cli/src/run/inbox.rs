@@ -1,0 +1,197 @@
+//! The queue between the threads that read and the epoch loop: bytes with their time of arrival.
+//!
+//! Two kinds of bytes come: those of the receiver, in order, and whole frames with orbits from a
+//! caster. The receiver's line is never interrupted: an orbit waits until the line has paused.
+
+use std::collections::VecDeque;
+use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+use rai_firmware::timed_ring::Taken;
+
+/// Bytes of the receiver that may wait: two seconds of the fastest line.
+const MOST_BYTES: usize = 1 << 18;
+/// Frames with orbits that may wait.
+const MOST_ORBITS: usize = 256;
+/// Bytes of commands that may wait.
+const MOST_COMMANDS: usize = 4096;
+/// Pause of the receiver's line after which an orbit goes in, ms. No frame has such a pause inside.
+const PAUSE_MS: u64 = 30;
+
+/// The queue.
+#[derive(Debug)]
+pub(super) struct Inbox {
+    start: Instant,
+    state: Mutex<State>,
+    arrival: Condvar,
+}
+
+#[derive(Debug, Default)]
+struct State {
+    bytes: VecDeque<u8>,
+    /// The number of bytes that came at each instant, in ms, oldest first.
+    arrivals: VecDeque<(usize, u64)>,
+    last_ms: u64,
+    orbits: VecDeque<Vec<u8>>,
+    commands: VecDeque<u8>,
+    is_broken: bool,
+    dropped: u32,
+    has_ended: bool,
+}
+
+impl Inbox {
+    pub(super) fn new() -> Self {
+        Self { start: Instant::now(), state: Mutex::default(), arrival: Condvar::new() }
+    }
+
+    /// Milliseconds since the program started.
+    pub(super) fn now_ms(&self) -> u64 {
+        u64::try_from(self.start.elapsed().as_millis()).unwrap_or(u64::MAX)
+    }
+
+    /// Nanoseconds since the program started.
+    pub(super) fn now_ns(&self) -> u64 {
+        u64::try_from(self.start.elapsed().as_nanos()).unwrap_or(u64::MAX)
+    }
+
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Takes bytes that the receiver has just sent.
+    pub(super) fn push(&self, bytes: &[u8]) {
+        let now_ms = self.now_ms();
+        let mut state = self.state();
+        if state.bytes.len() + bytes.len() > MOST_BYTES {
+            state.dropped = state.dropped.saturating_add(u32::try_from(bytes.len()).unwrap_or(u32::MAX));
+            state.is_broken = true;
+            return;
+        }
+        state.bytes.extend(bytes);
+        state.arrivals.push_back((bytes.len(), now_ms));
+        state.last_ms = now_ms;
+        self.arrival.notify_one();
+    }
+
+    /// Notes that bytes of the receiver are missing here: its line was connected anew.
+    pub(super) fn interrupt(&self) {
+        self.state().is_broken = true;
+    }
+
+    /// Takes a whole frame with an orbit.
+    pub(super) fn push_orbit(&self, frame: Vec<u8>) {
+        let mut state = self.state();
+        if state.orbits.len() < MOST_ORBITS {
+            state.orbits.push_back(frame);
+        }
+    }
+
+    /// Takes bytes of a host's commands.
+    pub(super) fn push_commands(&self, bytes: &[u8]) {
+        let mut state = self.state();
+        let room = MOST_COMMANDS - state.commands.len().min(MOST_COMMANDS);
+        state.commands.extend(bytes.iter().take(room));
+        self.arrival.notify_one();
+    }
+
+    /// Notes that no more bytes come.
+    pub(super) fn end(&self) {
+        self.state().has_ended = true;
+        self.arrival.notify_one();
+    }
+
+    /// Returns true once no more bytes come and all have been taken.
+    pub(super) fn has_ended(&self) -> bool {
+        let state = self.state();
+        state.has_ended && state.bytes.is_empty()
+    }
+
+    /// Bytes that found no room.
+    pub(super) fn dropped(&self) -> u32 {
+        self.state().dropped
+    }
+
+    /// Hands out the bytes of one instant, as many as the chunk holds.
+    pub(super) fn take(&self, chunk: &mut [u8]) -> Taken {
+        let now_ms = self.now_ms();
+        let mut state = self.state();
+        if std::mem::take(&mut state.is_broken) {
+            return Taken::Lost;
+        }
+        let Some(&(many, came_ms)) = state.arrivals.front() else {
+            let has_paused = now_ms.saturating_sub(state.last_ms) >= PAUSE_MS;
+            let orbit = if has_paused { state.orbits.pop_front() } else { None };
+            return orbit.map_or(Taken::Nothing, |orbit| copy(&orbit, chunk, now_ms));
+        };
+        let count = many.min(chunk.len());
+        for (place, byte) in chunk.iter_mut().zip(state.bytes.drain(..count)) {
+            *place = byte;
+        }
+        match state.arrivals.front_mut() {
+            Some(front) if many > count => front.0 = many - count,
+            _ => drop(state.arrivals.pop_front()),
+        }
+        Taken::Bytes { count, came_ms }
+    }
+
+    /// Hands out one byte of a command.
+    pub(super) fn take_command(&self) -> Option<u8> {
+        self.state().commands.pop_front()
+    }
+
+    /// Waits until something arrives, at most so long.
+    pub(super) fn wait(&self, longest: Duration) {
+        let state = self.state();
+        if state.arrivals.is_empty() && state.commands.is_empty() && !state.has_ended {
+            // Whether it arrived or the time is over, the caller looks.
+            drop(self.arrival.wait_timeout(state, longest));
+        }
+    }
+}
+
+/// A frame is never divided: one that the chunk does not hold is discarded.
+fn copy(frame: &[u8], chunk: &mut [u8], came_ms: u64) -> Taken {
+    let Some(place) = chunk.get_mut(..frame.len()) else { return Taken::Nothing };
+    place.copy_from_slice(frame);
+    Taken::Bytes { count: frame.len(), came_ms }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bytes_come_out_in_order_with_their_time() {
+        let inbox = Inbox::new();
+        inbox.push(b"abc");
+        inbox.push(b"de");
+        let mut chunk = [0; 2];
+        let mut have = Vec::new();
+        while let Taken::Bytes { count, .. } = inbox.take(&mut chunk) {
+            have.extend_from_slice(&chunk[..count]);
+        }
+        assert_eq!(have, b"abcde");
+    }
+
+    #[test]
+    fn orbit_waits_for_a_pause_of_the_line() {
+        let inbox = Inbox::new();
+        inbox.push(b"a");
+        inbox.push_orbit(b"orbit".to_vec());
+        let mut chunk = [0; 16];
+        assert!(matches!(inbox.take(&mut chunk), Taken::Bytes { count: 1, .. }));
+        assert_eq!(inbox.take(&mut chunk), Taken::Nothing);
+        std::thread::sleep(Duration::from_millis(PAUSE_MS + 5));
+        assert!(matches!(inbox.take(&mut chunk), Taken::Bytes { count: 5, .. }));
+    }
+
+    #[test]
+    fn flood_is_bounded_and_counted() {
+        let inbox = Inbox::new();
+        for _ in 0..2 * MOST_BYTES / 1024 {
+            inbox.push(&[0; 1024]);
+        }
+        assert_eq!(inbox.dropped() as usize, MOST_BYTES);
+        assert_eq!(inbox.take(&mut [0; 4]), Taken::Lost);
+    }
+}

@@ -1,0 +1,175 @@
+//! The receiver's bytes: from a serial port, a TCP server or standard input.
+//!
+//! A port that fails or ends is opened again, after a pause that doubles from a quarter of a second to
+//! eight. Meanwhile nothing arrives, so the module reports `STALE` and drops the pin by itself.
+
+use std::fmt;
+use std::io::{self, Read};
+use std::net::{TcpStream, ToSocketAddrs};
+use std::str::FromStr;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use anyhow::{Context as _, Result, bail};
+
+use super::inbox::Inbox;
+
+/// Rate of a serial port if none is named: the module's own first guess.
+const BAUD: u32 = 115_200;
+/// A read comes back after this time even if nothing arrives, so that a stop is noticed.
+const READ_TIMEOUT: Duration = Duration::from_millis(200);
+/// A TCP server that sends nothing for this time is taken for gone.
+const DEAD: Duration = Duration::from_secs(15);
+const FIRST_PAUSE: Duration = Duration::from_millis(250);
+const LONGEST_PAUSE: Duration = Duration::from_secs(8);
+
+/// The source of the receiver's bytes, as the user names it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Source {
+    /// `serial:/dev/ttyUSB0@115200`
+    Serial(String, u32),
+    /// `tcp://host:port`
+    Tcp(String),
+    /// `-`: standard input, at whose end the service ends.
+    Standard,
+}
+
+impl FromStr for Source {
+    type Err = anyhow::Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        if text == "-" {
+            return Ok(Self::Standard);
+        }
+        if let Some(address) = text.strip_prefix("tcp://") {
+            return Ok(Self::Tcp(address.to_owned()));
+        }
+        let Some(port) = text.strip_prefix("serial:") else {
+            bail!("an input is serial:PORT@BAUD, tcp://HOST:PORT or -, not `{text}`");
+        };
+        let (port, baud) =
+            port.rsplit_once('@').map_or((port, Ok(BAUD)), |(port, baud)| (port, baud.parse()));
+        let Ok(baud) = baud else { bail!("the rate behind @ must be a number: `{text}`") };
+        Ok(Self::Serial(port.to_owned(), baud))
+    }
+}
+
+impl fmt::Display for Source {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Serial(port, baud) => write!(f, "serial:{port}@{baud}"),
+            Self::Tcp(address) => write!(f, "tcp://{address}"),
+            Self::Standard => f.write_str("standard input"),
+        }
+    }
+}
+
+/// Starts the thread that reads.
+///
+/// # Errors
+/// If a serial port does not exist when the service starts: a wrong name should not be retried forever.
+pub(super) fn start(source: &Source, inbox: &Arc<Inbox>, stop: &Arc<AtomicBool>) -> Result<()> {
+    let (source, inbox, stop) = (source.clone(), Arc::clone(inbox), Arc::clone(stop));
+    let first = match &source {
+        Source::Serial(..) => Some(open(&source).with_context(|| source.to_string())?),
+        Source::Tcp(_) | Source::Standard => None,
+    };
+    thread::spawn(move || keep_reading(&source, first, &inbox, &stop));
+    Ok(())
+}
+
+/// An open source, and whether its end is the end of all.
+type Port = Box<dyn Read + Send>;
+
+fn open(source: &Source) -> Result<Port> {
+    Ok(match source {
+        Source::Standard => Box::new(io::stdin()),
+        Source::Serial(port, baud) => Box::new(serialport::new(port, *baud).timeout(READ_TIMEOUT).open()?),
+        Source::Tcp(address) => Box::new(connect(address)?),
+    })
+}
+
+/// Connects to the first address that answers.
+pub(super) fn connect(address: &str) -> Result<TcpStream> {
+    let patience = Duration::from_secs(5);
+    let addresses = address.to_socket_addrs().with_context(|| format!("`{address}` must be HOST:PORT"))?;
+    let connected =
+        addresses.into_iter().find_map(|address| TcpStream::connect_timeout(&address, patience).ok());
+    let stream = connected.with_context(|| format!("nothing answers at {address}"))?;
+    stream.set_read_timeout(Some(READ_TIMEOUT))?;
+    Ok(stream)
+}
+
+fn keep_reading(source: &Source, first: Option<Port>, inbox: &Inbox, stop: &AtomicBool) {
+    let mut pause = FIRST_PAUSE;
+    let mut port = first;
+    while !stop.load(Ordering::Relaxed) {
+        match port.take().map_or_else(|| open(source), Ok) {
+            Ok(open) => {
+                inbox.interrupt();
+                let (count, reason) = read(open, inbox, stop);
+                if *source == Source::Standard {
+                    return inbox.end();
+                }
+                if count > 0 {
+                    pause = FIRST_PAUSE;
+                }
+                eprintln!("{source}: {reason}; trying again in {} ms", pause.as_millis());
+            }
+            Err(error) => eprintln!("{source}: {error:#}; trying again in {} ms", pause.as_millis()),
+        }
+        wait(pause, stop);
+        pause = LONGEST_PAUSE.min(2 * pause);
+    }
+}
+
+/// Sleeps in short pieces, so that a stop is noticed.
+pub(super) fn wait(pause: Duration, stop: &AtomicBool) {
+    let start = Instant::now();
+    while start.elapsed() < pause && !stop.load(Ordering::Relaxed) {
+        thread::sleep(Duration::from_millis(50).min(pause));
+    }
+}
+
+/// Reads until the port ends; returns how many bytes came, and why it ended.
+fn read(mut port: Port, inbox: &Inbox, stop: &AtomicBool) -> (u64, String) {
+    let (mut bytes, mut total, mut last) = ([0; 4096], 0, Instant::now());
+    while !stop.load(Ordering::Relaxed) {
+        match port.read(&mut bytes) {
+            Ok(0) => return (total, "the other side has closed it".into()),
+            Ok(count) => {
+                inbox.push(bytes.get(..count).unwrap_or_default());
+                total += count as u64;
+                last = Instant::now();
+            }
+            Err(error) if is_timeout(&error) && last.elapsed() < DEAD => {}
+            Err(error) if is_timeout(&error) => return (total, format!("silent for {} s", DEAD.as_secs())),
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+            Err(error) => return (total, error.to_string()),
+        }
+    }
+    (total, "stopped".into())
+}
+
+pub(super) fn is_timeout(error: &io::Error) -> bool {
+    matches!(error.kind(), io::ErrorKind::TimedOut | io::ErrorKind::WouldBlock)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Source;
+
+    #[test]
+    fn sources_are_read_or_refused_with_their_form() {
+        let source = |text: &str| text.parse::<Source>();
+        assert_eq!(source("-").unwrap(), Source::Standard);
+        assert_eq!(source("serial:/dev/ttyUSB0").unwrap(), Source::Serial("/dev/ttyUSB0".into(), 115_200));
+        assert_eq!(source("serial:COM3@9600").unwrap(), Source::Serial("COM3".into(), 9_600));
+        assert_eq!(source("tcp://[::1]:2000").unwrap(), Source::Tcp("[::1]:2000".into()));
+        for wrong in ["", "/dev/ttyUSB0", "serial:/dev/ttyUSB0@fast", "udp://x:1"] {
+            assert!(source(wrong).is_err(), "{wrong}");
+        }
+    }
+}

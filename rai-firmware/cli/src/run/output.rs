@@ -1,0 +1,232 @@
+//! Consumers of the sentences: standard output, a pseudo-terminal, TCP clients, UDP.
+//!
+//! Each has a thread and a bounded queue. A TCP client that does not read for [`PATIENCE`] is
+//! disconnected; a pseudo-terminal that nobody reads loses sentences and nothing else.
+
+use std::fmt;
+use std::io::{self, Write};
+use std::net::{TcpListener, TcpStream, UdpSocket};
+use std::path::PathBuf;
+use std::str::FromStr;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, sync_channel};
+use std::thread;
+use std::time::Duration;
+
+use anyhow::{Context as _, Result, bail};
+
+use super::inbox::Inbox;
+use super::outbox::{Consumers, Kind, Outbox, QUEUE};
+
+/// Longest time that a client may take to read.
+const PATIENCE: Duration = Duration::from_secs(5);
+
+/// A place that sentences or messages go to, as the user names it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Sink {
+    /// `-`: standard output.
+    Standard,
+    /// `pty:/run/rai/nmea`: a pseudo-terminal behind this link. Commands may come from it.
+    Pty(PathBuf),
+    /// `tcp://127.0.0.1:2950`: clients connect here.
+    Tcp(String),
+    /// `udp://127.0.0.1:10110`: sentences are sent there.
+    Udp(String),
+    /// `mavlink-udp://127.0.0.1:14550`: `MAVLink` is sent there.
+    MavlinkUdp(String),
+    /// `mavlink-serial:/dev/ttyS1@57600`: `MAVLink` on a serial port.
+    MavlinkSerial(String, u32),
+}
+
+impl FromStr for Sink {
+    type Err = anyhow::Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        if text == "-" {
+            return Ok(Self::Standard);
+        }
+        if let Some(path) = text.strip_prefix("pty:") {
+            return Ok(Self::Pty(path.into()));
+        }
+        if let Some(address) = text.strip_prefix("tcp://") {
+            return Ok(Self::Tcp(address.to_owned()));
+        }
+        if let Some(address) = text.strip_prefix("udp://") {
+            return Ok(Self::Udp(address.to_owned()));
+        }
+        if let Some(address) = text.strip_prefix("mavlink-udp://") {
+            return Ok(Self::MavlinkUdp(address.to_owned()));
+        }
+        if let Some((port, baud)) =
+            text.strip_prefix("mavlink-serial:").and_then(|port| port.rsplit_once('@'))
+        {
+            let baud =
+                baud.parse().with_context(|| format!("the rate behind @ must be a number: `{text}`"))?;
+            return Ok(Self::MavlinkSerial(port.to_owned(), baud));
+        }
+        bail!(
+            "an output is -, pty:PATH, tcp://ADDRESS:PORT, udp://ADDRESS:PORT, mavlink-udp://ADDRESS:PORT \
+             or mavlink-serial:PORT@BAUD, not `{text}`"
+        )
+    }
+}
+
+impl fmt::Display for Sink {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Standard => f.write_str("standard output"),
+            Self::Pty(path) => write!(f, "pty:{}", path.display()),
+            Self::Tcp(address) => write!(f, "tcp://{address}"),
+            Self::Udp(address) => write!(f, "udp://{address}"),
+            Self::MavlinkUdp(address) => write!(f, "mavlink-udp://{address}"),
+            Self::MavlinkSerial(port, baud) => write!(f, "mavlink-serial:{port}@{baud}"),
+        }
+    }
+}
+
+/// Opens a consumer.
+///
+/// # Errors
+/// If its address or port cannot be used.
+pub(super) fn open(sink: &Sink, outbox: &mut Outbox, inbox: &Arc<Inbox>) -> Result<()> {
+    let consumers = outbox.consumers();
+    match sink {
+        Sink::Standard => spawn(&consumers, Kind::Nmea, io::stdout()),
+        Sink::Udp(address) => spawn(&consumers, Kind::Nmea, Datagrams::to(address)?),
+        Sink::MavlinkUdp(address) => spawn(&consumers, Kind::Mavlink, Datagrams::to(address)?),
+        Sink::MavlinkSerial(port, baud) => {
+            let port = serialport::new(port, *baud).timeout(PATIENCE).open()?;
+            spawn(&consumers, Kind::Mavlink, port);
+        }
+        Sink::Tcp(address) => listen(TcpListener::bind(address)?, consumers),
+        Sink::Pty(path) => terminal(path, &consumers, inbox)?,
+    }
+    Ok(())
+}
+
+/// Adds a consumer that a thread writes to until it fails.
+fn spawn(consumers: &Consumers, kind: Kind, writer: impl Write + Send + 'static) {
+    let (queue, messages) = sync_channel(QUEUE);
+    consumers.add(kind, queue);
+    thread::spawn(move || write_all(writer, &messages));
+}
+
+fn write_all(mut writer: impl Write, messages: &Receiver<Arc<[u8]>>) {
+    // An error ends the thread, and the queue's other side finds its receiver gone.
+    while let Ok(message) = messages.recv() {
+        if writer.write_all(&message).and_then(|()| writer.flush()).is_err() {
+            return;
+        }
+    }
+}
+
+fn listen(listener: TcpListener, consumers: Consumers) {
+    thread::spawn(move || {
+        for client in listener.incoming().flatten() {
+            if client.set_write_timeout(Some(PATIENCE)).is_ok() && client.set_nodelay(true).is_ok() {
+                spawn(&consumers, Kind::Nmea, Client(client));
+            }
+        }
+    });
+}
+
+/// A TCP client; a write that takes too long ends it.
+struct Client(TcpStream);
+
+impl Write for Client {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+/// One datagram for each message. Nobody has to listen.
+struct Datagrams(UdpSocket);
+
+impl Datagrams {
+    fn to(address: &str) -> Result<Self> {
+        let any = if address.starts_with('[') { "[::]:0" } else { "0.0.0.0:0" };
+        let socket = UdpSocket::bind(any)?;
+        socket.connect(address).with_context(|| format!("`{address}` must be ADDRESS:PORT"))?;
+        Ok(Self(socket))
+    }
+}
+
+impl Write for Datagrams {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        // An unreachable listener may come back.
+        let _ = self.0.send(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+#[cfg(unix)]
+fn terminal(path: &std::path::Path, consumers: &Consumers, inbox: &Arc<Inbox>) -> Result<()> {
+    use std::fs::File;
+    use std::io::Read as _;
+    use std::os::fd::AsFd as _;
+
+    use nix::fcntl::{FcntlArg, OFlag, fcntl};
+    use nix::pty::openpty;
+    use nix::sys::termios::{SetArg, cfmakeraw, tcgetattr, tcsetattr};
+
+    let pair = openpty(None, None)?;
+    let mut settings = tcgetattr(&pair.slave)?;
+    cfmakeraw(&mut settings);
+    tcsetattr(&pair.slave, SetArg::TCSANOW, &settings)?;
+    let name = nix::unistd::ttyname(&pair.slave)?;
+    match std::fs::symlink_metadata(path) {
+        Ok(there) if there.file_type().is_symlink() => std::fs::remove_file(path)?,
+        Ok(_) => bail!("{} exists and is no link: remove it, or name another path", path.display()),
+        Err(_) => {}
+    }
+    std::os::unix::fs::symlink(&name, path).with_context(|| path.display().to_string())?;
+    fcntl(pair.master.as_fd(), FcntlArg::F_SETFL(OFlag::O_NONBLOCK))?;
+    let master = File::from(pair.master);
+    spawn(consumers, Kind::Nmea, Terminal(master.try_clone()?));
+    let (inbox, mut commands, slave) = (Arc::clone(inbox), master, pair.slave);
+    thread::spawn(move || {
+        // While this end is open, the terminal exists without a reader.
+        let _slave = slave;
+        let mut bytes = [0; 256];
+        loop {
+            match commands.read(&mut bytes) {
+                Ok(count) => inbox.push_commands(bytes.get(..count).unwrap_or_default()),
+                Err(error) if error.kind() == io::ErrorKind::WouldBlock => {}
+                Err(_) => return,
+            }
+            thread::sleep(Duration::from_millis(50));
+        }
+    });
+    Ok(())
+}
+
+#[cfg(not(unix))]
+fn terminal(_: &std::path::Path, _: &Consumers, _: &Arc<Inbox>) -> Result<()> {
+    bail!("pseudo-terminals exist on Unix only: use tcp:// or udp://")
+}
+
+/// The side of a pseudo-terminal that the service writes to. What nobody reads is lost.
+#[cfg(unix)]
+struct Terminal(std::fs::File);
+
+#[cfg(unix)]
+impl Write for Terminal {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        match self.0.write(bytes) {
+            Err(error) if error.kind() == io::ErrorKind::WouldBlock => Ok(bytes.len()),
+            other => other,
+        }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}

@@ -1,0 +1,118 @@
+//! The plan of the service: the command line over a configuration file.
+//!
+//! ```toml
+//! input = "serial:/dev/ttyUSB0@115200"
+//! caster = "ntrip://user:password@caster.example:2101/MOUNT"     # orbits only
+//! outputs = ["pty:/run/rai/nmea", "tcp://127.0.0.1:2950"]
+//! pin = "gpio:/dev/gpiochip0:17"
+//!
+//! [settings]                                                     # keys of INTERFACES.md
+//! PHASE = "LPV200"
+//! MASK = "5"
+//! ```
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use anyhow::{Context as _, Result, ensure};
+use serde::Deserialize;
+
+use super::caster::Caster;
+use super::input::Source;
+use super::output::Sink;
+use super::pin::Place;
+
+/// Arguments of `rai run`.
+#[derive(Clone, Debug, Default, clap::Args)]
+#[allow(clippy::doc_markdown, reason = "these comments are the help, which is not Markdown")]
+pub struct Arguments {
+    /// Configuration file; the options below outrank it.
+    #[arg(long, short, value_name = "FILE")]
+    pub config: Option<PathBuf>,
+    /// Receiver: serial:PORT@BAUD, tcp://HOST:PORT, or - for standard input.
+    #[arg(long, short, value_name = "SOURCE")]
+    pub input: Option<String>,
+    /// Caster of orbits: ntrip://USER:PASSWORD@HOST:PORT/MOUNTPOINT. Its ranges are never used.
+    #[arg(long, value_name = "CASTER")]
+    pub caster: Option<String>,
+    /// Consumer: -, pty:PATH, tcp://ADDRESS:PORT, udp://ADDRESS:PORT, mavlink-udp://ADDRESS:PORT,
+    /// mavlink-serial:PORT@BAUD; repeatable. Standard output unless one is given.
+    #[arg(long, short, value_name = "SINK")]
+    pub output: Vec<String>,
+    /// Integrity pin: gpio:CHIP:LINE, file:PATH, or exec:PROGRAM (called with high or low).
+    #[arg(long, value_name = "PIN")]
+    pub pin: Option<String>,
+    /// Setting of the module, such as PHASE=LPV200; repeatable, in this order.
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+    /// Only drive the pin low, and end: what a service manager calls after the service has died.
+    #[arg(long)]
+    pub lower_pin: bool,
+}
+
+/// The configuration file.
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    input: Option<String>,
+    caster: Option<String>,
+    #[serde(default)]
+    outputs: Vec<String>,
+    pin: Option<String>,
+    #[serde(default)]
+    settings: BTreeMap<String, String>,
+}
+
+/// The parts of the service, each valid in form.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// Source of the receiver's bytes.
+    pub input: Source,
+    /// Caster of orbits.
+    pub caster: Option<Caster>,
+    /// Consumers of sentences and messages.
+    pub outputs: Vec<Sink>,
+    /// The pin.
+    pub pin: Place,
+    /// Settings of the module in the order in which they are given: key, value.
+    pub settings: Vec<(String, String)>,
+}
+
+impl Plan {
+    /// Reads the configuration file, and lays the command line over it.
+    ///
+    /// # Errors
+    /// If the file cannot be read or has an unknown entry, or if a value has the wrong form.
+    pub fn read(arguments: Arguments) -> Result<Self> {
+        let Arguments { config, input, caster, output, pin, set, lower_pin: _ } = arguments;
+        let file = config.map_or_else(|| Ok(File::default()), |path| read_file(&path))?;
+        let input = input.or(file.input).unwrap_or_else(|| "-".into());
+        let mut outputs = if output.is_empty() { file.outputs } else { output };
+        if outputs.is_empty() {
+            outputs.push("-".into());
+        }
+        // PHASE sets what other keys refine, so it comes first.
+        let (phase, rest): (Vec<_>, Vec<_>) = file.settings.into_iter().partition(|(key, _)| key == "PHASE");
+        let given = set.iter().map(|text| setting(text)).collect::<Result<Vec<_>>>()?;
+        Ok(Self {
+            input: input.parse()?,
+            caster: caster.or(file.caster).map(|text| text.parse()).transpose()?,
+            outputs: outputs.iter().map(|text| text.parse()).collect::<Result<_>>()?,
+            pin: pin.or(file.pin).map_or(Ok(Place::Nowhere), |text| text.parse())?,
+            settings: [phase, rest, given].concat(),
+        })
+    }
+}
+
+fn read_file(path: &std::path::Path) -> Result<File> {
+    let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
+    toml::from_str(&text).with_context(|| path.display().to_string())
+}
+
+fn setting(text: &str) -> Result<(String, String)> {
+    let (key, value) = text.split_once('=').with_context(|| format!("`{text}` must be KEY=VALUE"))?;
+    let is_word =
+        |text: &str| text.bytes().all(|byte| byte.is_ascii_graphic() && byte != b'*' && byte != b'$');
+    ensure!(!key.is_empty() && is_word(key) && is_word(value), "`{text}` must be KEY=VALUE without blanks");
+    Ok((key.to_owned(), value.to_owned()))
+}

@@ -1,0 +1,87 @@
+//! The service from its input to its outputs, without a receiver: what must hold before any satellite.
+
+use std::io::{Read, Write};
+use std::net::{TcpListener, TcpStream};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use super::{Arguments, Plan, serve};
+
+fn plan(arguments: Arguments) -> anyhow::Result<Plan> {
+    Plan::read(arguments)
+}
+
+#[test]
+fn command_line_outranks_the_file_and_unknown_entries_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("rai.toml");
+    std::fs::write(
+        &path,
+        "input = \"tcp://a:1\"\npin = \"file:/x\"\n[settings]\nMASK = \"5\"\nPHASE = \"NPA\"\n",
+    )
+    .unwrap();
+    let have = plan(Arguments {
+        config: Some(path.clone()),
+        input: Some("tcp://b:2".into()),
+        set: vec!["HAL=40".into()],
+        ..Arguments::default()
+    })
+    .unwrap();
+    assert_eq!(have.input.to_string(), "tcp://b:2");
+    let keys: Vec<_> = have.settings.iter().map(|(key, _)| key.as_str()).collect();
+    assert_eq!(keys, ["PHASE", "MASK", "HAL"]);
+    std::fs::write(&path, "inputs = \"-\"\n").unwrap();
+    let error = plan(Arguments { config: Some(path), ..Arguments::default() }).unwrap_err();
+    assert!(format!("{error:#}").contains("inputs"), "{error:#}");
+}
+
+#[test]
+fn setting_that_the_module_refuses_stops_the_start() {
+    let receiver = TcpListener::bind("127.0.0.1:0").unwrap();
+    let arguments = Arguments {
+        input: Some(format!("tcp://{}", receiver.local_addr().unwrap())),
+        set: vec!["MASK=95".into()],
+        ..Arguments::default()
+    };
+    let error = serve(&plan(arguments).unwrap(), &Arc::new(AtomicBool::new(false))).unwrap_err().to_string();
+    assert!(error.contains("MASK") && error.contains("out of range"), "{error}");
+}
+
+#[test]
+fn client_gets_the_first_sentences_and_the_receiver_may_come_late() {
+    let folder = tempfile::tempdir().unwrap();
+    let pin = folder.path().join("pin");
+    let free = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
+    let receiver = TcpListener::bind("127.0.0.1:0").unwrap();
+    let arguments = Arguments {
+        input: Some(format!("tcp://{}", receiver.local_addr().unwrap())),
+        output: vec![format!("tcp://{free}")],
+        pin: Some(format!("file:{}", pin.display())),
+        ..Arguments::default()
+    };
+    let (plan, stop) = (plan(arguments).unwrap(), Arc::new(AtomicBool::new(false)));
+    let service = {
+        let stop = Arc::clone(&stop);
+        thread::spawn(move || serve(&plan, &stop))
+    };
+    let start = Instant::now();
+    let mut client = loop {
+        match TcpStream::connect(free) {
+            Ok(client) => break client,
+            Err(error) => assert!(start.elapsed() < Duration::from_secs(10), "{error}"),
+        }
+        thread::sleep(Duration::from_millis(20));
+    };
+    let (mut line, _) = receiver.accept().unwrap();
+    line.write_all(b"no frame at all\r\n").unwrap();
+    client.set_read_timeout(Some(Duration::from_secs(90))).unwrap();
+    let mut have = [0; 7];
+    // The module repeats its settings once a minute, whatever comes.
+    client.read_exact(&mut have).unwrap();
+    assert_eq!(&have[..4], b"$PRA");
+    assert_eq!(std::fs::read_to_string(&pin).unwrap(), "0\n");
+    stop.store(true, Ordering::Relaxed);
+    service.join().unwrap().unwrap();
+}
