@@ -1,0 +1,133 @@
+//! `rai run` between a receiver that falls silent and consumers of which some are dead.
+
+use std::fs;
+use std::io::{Read as _, Write as _};
+use std::net::{SocketAddr, TcpListener, TcpStream};
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
+
+use raim::run::{Arguments, Plan, serve};
+use tests_host::encode::{Frequency, Selection, ubx};
+use tests_host::sky::raw::Simulation;
+
+/// Epochs a second that the receiver sends.
+const RATE_HZ: u32 = 5;
+/// Time to alert that the service is asked for, s.
+const TIME_TO_ALERT_S: f64 = 1.0;
+/// What the service may take beyond it, s.
+const ALLOWANCE_S: f64 = 0.2;
+
+/// What a u-blox receiver sends of a simulated sky: orbits first, then one epoch a piece.
+fn pieces(epochs: u32) -> Vec<Vec<u8>> {
+    let mut simulation = Simulation::above_xian(3600.0, epochs, 11);
+    simulation.step_s = 1.0 / f64::from(RATE_HZ);
+    let recording = simulation.record();
+    let selection = Selection::new("GCE", Frequency::Dual).unwrap();
+    let mut encoder = ubx::Encoder::new(&recording.ephemerides, selection, None);
+    let time = recording.epochs[0].time;
+    let orbits: Vec<_> =
+        recording.ephemerides.iter().flat_map(|set| ubx::pages(set, time).unwrap()).collect();
+    let epochs = recording.epochs.iter().map(|epoch| encoder.epoch(epoch).unwrap());
+    [orbits].into_iter().chain(epochs).collect()
+}
+
+/// A service with a receiver on TCP, until it is dropped.
+struct Service {
+    stop: Arc<AtomicBool>,
+    thread: Option<JoinHandle<anyhow::Result<()>>>,
+    receiver: TcpListener,
+    clients: SocketAddr,
+}
+
+impl Service {
+    fn start(folder: &Path) -> Self {
+        let receiver = TcpListener::bind("127.0.0.1:0").unwrap();
+        let clients = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
+        let plan = Plan::read(Arguments {
+            input: Some(format!("tcp://{}", receiver.local_addr().unwrap())),
+            output: vec![format!("tcp://{clients}"), format!("pty:{}", folder.join("nmea").display())],
+            pin: Some(format!("file:{}", folder.join("pin").display())),
+            set: vec![format!("TTA={TIME_TO_ALERT_S}")],
+            ..Arguments::default()
+        })
+        .unwrap();
+        let stop = Arc::new(AtomicBool::new(false));
+        let until = Arc::clone(&stop);
+        let thread = Some(thread::spawn(move || serve(&plan, &until)));
+        Self { stop, thread, receiver, clients }
+    }
+
+    fn client(&self) -> TcpStream {
+        let start = Instant::now();
+        loop {
+            if let Ok(client) = TcpStream::connect(self.clients) {
+                return client;
+            }
+            assert!(start.elapsed() < Duration::from_secs(20), "the service does not listen");
+            thread::sleep(Duration::from_millis(20));
+        }
+    }
+}
+
+impl Drop for Service {
+    fn drop(&mut self) {
+        self.stop.store(true, Ordering::Relaxed);
+        if let Some(Err(panic)) = self.thread.take().map(JoinHandle::join) {
+            std::panic::resume_unwind(panic);
+        }
+    }
+}
+
+/// Whether the pin is high.
+fn is_high(folder: &Path) -> bool {
+    fs::read_to_string(folder.join("pin")).is_ok_and(|level| level == "1\n")
+}
+
+/// Waits until the pin has this level, and returns how long it took.
+fn wait_for(folder: &Path, high: bool, longest: Duration) -> Duration {
+    let start = Instant::now();
+    while is_high(folder) != high {
+        assert!(
+            start.elapsed() < longest,
+            "the pin is {} after {longest:?}",
+            if high { "low" } else { "high" }
+        );
+        thread::sleep(Duration::from_millis(5));
+    }
+    start.elapsed()
+}
+
+#[test]
+fn pin_falls_within_the_time_to_alert_of_a_silent_receiver_whatever_clients_do() {
+    let folder = tempfile::tempdir().unwrap();
+    let service = Service::start(folder.path());
+    // One client reads, one never reads, one is gone at once; nobody opens the terminal.
+    let (mut reader, _idle) = (service.client(), service.client());
+    drop(service.client());
+    let (mut line, _) = service.receiver.accept().unwrap();
+    for piece in pieces(20) {
+        line.write_all(&piece).unwrap();
+        thread::sleep(Duration::from_secs(1) / RATE_HZ);
+    }
+    assert!(is_high(folder.path()), "the sky is good");
+    let last_epoch = Instant::now();
+    // The line stays open and is silent.
+    let silent = wait_for(folder.path(), false, Duration::from_secs(5)).as_secs_f64();
+    assert!(silent <= TIME_TO_ALERT_S + ALLOWANCE_S, "{silent:.3} s");
+    thread::sleep(Duration::from_millis(100));
+    reader.set_nonblocking(true).unwrap();
+    let mut sentences = Vec::new();
+    let _ = reader.read_to_end(&mut sentences);
+    let sentences = String::from_utf8_lossy(&sentences);
+    assert!(sentences.contains(",P,OK,") && sentences.contains(",A,STALE,"), "{sentences}");
+    // It comes back in its own time, and is promised again: what is tagged as old as it is came late.
+    let missed = (last_epoch.elapsed().as_secs_f64() * f64::from(RATE_HZ)).ceil() as usize;
+    for piece in pieces(60).into_iter().skip(21 + missed).take(20) {
+        line.write_all(&piece).unwrap();
+        thread::sleep(Duration::from_secs(1) / RATE_HZ);
+    }
+    assert!(is_high(folder.path()), "nothing contradicted");
+}
