@@ -66,8 +66,8 @@ impl Iterator for Epochs {
 
 /// The epochs of one file in the order of time.
 ///
-/// Of two neighbours of which the later line has no later time, one has a wrong date. It is the first one if the second
-/// is later than the last but one; otherwise it is the second.
+/// Of two neighbours of which the second has no later time, one has a wrong date. It is the first one if the second is
+/// later than the epoch before both, or if there is none before; otherwise it is the second.
 struct InOrder {
     observations: Observations,
     last: Option<GpsTime>,
@@ -107,7 +107,7 @@ impl InOrder {
                 self.held = Some((next, line));
                 return Some(Ok(self.release(held)));
             }
-            let is_held_wrong = next.time < held.time && self.last.is_some_and(|last| next.time > last);
+            let is_held_wrong = next.time < held.time && self.last.is_none_or(|last| next.time > last);
             let (kept, dropped) = if is_held_wrong {
                 ((next, line), (held, held_line))
             } else {

@@ -6,7 +6,7 @@ use std::fs::File;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, bail};
 use flate2::bufread::MultiGzDecoder;
 
 use super::hatanaka::{self, Compact};
@@ -49,20 +49,24 @@ pub(super) fn lines(mut input: impl BufRead + Send + 'static, name: &str) -> Res
     }
     if beginning.starts_with(GZIP) {
         let unpacked = BufReader::with_capacity(1 << 16, MultiGzDecoder::new(input));
-        return plain(unpacked).context("is damaged gzip");
+        return plain(Plain::new(unpacked, "is damaged gzip"));
     }
-    plain(input)
+    plain(Plain::new(input, "cannot be read"))
 }
 
-fn plain(input: impl BufRead + Send + 'static) -> Result<Lines> {
-    let mut source = Plain::new(input);
+fn plain<R: BufRead + Send + 'static>(mut source: Plain<R>) -> Result<Lines> {
     let mut first = String::new();
-    ensure!(source.read(&mut first)?.is_some(), "is empty");
+    let number = loop {
+        let number = source.read(&mut first)?.context("is empty")?;
+        if !first.trim().is_empty() {
+            break number;
+        }
+    };
     if label(&first) != hatanaka::MARK {
-        return Ok(Lines::new(Box::new(source), first));
+        return Ok(Lines::new(Box::new(source), first, number));
     }
     let mut compact = Compact::new(Box::new(source), &first)?;
     let mut line = String::new();
-    ensure!(compact.read(&mut line)?.is_some(), "END OF HEADER is missing");
-    Ok(Lines::new(Box::new(compact), line))
+    let number = compact.read(&mut line)?.context("END OF HEADER is missing")?;
+    Ok(Lines::new(Box::new(compact), line, number))
 }

@@ -17,6 +17,9 @@ use super::calendar::TimeSystem;
 use super::skipped::{Flaw, Skipped};
 use super::text::{Lines, columns, label, number};
 
+/// The label of the first line.
+const FIRST: &str = "RINEX VERSION / TYPE";
+
 /// The kind of the records that follow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
@@ -84,12 +87,15 @@ impl Header {
         Ok(())
     }
 
+    /// The version times 100 that a line states if it is the first line of a header.
+    pub(super) fn version(line: &str) -> Option<u16> {
+        let version = number(columns(line, 0, 9)).ok().flatten()?;
+        (label(line) == FIRST && (2.0..5.0).contains(&version)).then_some((version * 100.0).round() as u16)
+    }
+
     /// The first line: version, kind and system.
     fn begin(line: &str) -> Result<Self> {
-        ensure!(
-            label(line) == "RINEX VERSION / TYPE",
-            "is not RINEX: line 1 does not say RINEX VERSION / TYPE"
-        );
+        ensure!(label(line) == FIRST, "is not RINEX: line 1 does not say RINEX VERSION / TYPE");
         let version = number(columns(line, 0, 9))?.context("line 1: the version is missing")?;
         ensure!((2.0..5.0).contains(&version), "line 1: RINEX {version} is not supported, only 2, 3 and 4");
         let named = columns(line, 40, 41).chars().next().unwrap_or('G');

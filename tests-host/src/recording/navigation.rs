@@ -43,6 +43,9 @@ use super::text::{Lines, columns, is_labelled, number};
 use crate::encode;
 use crate::measurement::{Ephemeris, TimedEphemeris};
 
+/// Lines of a record of Kepler elements.
+const FULL: usize = 8;
+
 /// Orbits and the ionosphere by a navigation file.
 pub(super) struct Navigation {
     pub(super) ephemerides: Vec<TimedEphemeris>,
@@ -74,7 +77,9 @@ impl Navigation {
             Ok(Content::Ionosphere(coefficients)) => self.klobuchar = Some(coefficients),
             Ok(Content::Other) => self.skipped.other_kinds += 1,
             Ok(Content::Unknown) => self.skipped.lose(Flaw::UnknownSatellite, rows.begin, size),
-            Err(_) if lines.has_ended() => self.skipped.note(Flaw::Cut, rows.begin),
+            Err(_) if lines.has_ended() && (rows.is_cut || rows.lines.len() < FULL) => {
+                self.skipped.note(Flaw::Cut, rows.begin)
+            }
             Err(_) => self.skipped.lose(Flaw::Damaged, rows.begin, size),
         }
     }
@@ -152,6 +157,7 @@ impl Rows {
             } else if lines.next_if(is_labelled).is_some() {
                 skipped.note(Flaw::Comment, lines.number());
             } else {
+                while lines.next_if(|line| line.trim().is_empty()).is_some() {}
                 return Some(rows);
             }
         }
@@ -205,9 +211,9 @@ impl Rows {
         }
         let Some(satellite) = SatelliteId::from_name(letter, number) else { return Ok(Content::Unknown) };
         let (system, sizes) = match satellite.constellation() {
-            Constellation::Beidou => (TimeSystem::Beidou, 8..=8),
+            Constellation::Beidou => (TimeSystem::Beidou, FULL..=FULL),
             Constellation::Glonass => (TimeSystem::Utc { leap_s: header.leap_s }, 4..=5),
-            Constellation::Gps | Constellation::Galileo => (TimeSystem::Gps, 8..=8),
+            Constellation::Gps | Constellation::Galileo => (TimeSystem::Gps, FULL..=FULL),
         };
         let size = self.lines.len();
         ensure!(sizes.contains(&size), "{satellite}: {size} lines, an ephemeris has {sizes:?}");

@@ -18,7 +18,7 @@ use std::fmt::Write as _;
 use std::io::BufRead;
 use std::path::Path;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, anyhow, bail};
 use rai_core::frame::Ecef;
 use rai_core::satellite::SatelliteId;
 use rai_firmware::time::GpsTime;
@@ -146,13 +146,18 @@ impl Observations {
         self.skipped.lose(Flaw::Damaged, begin, lost);
     }
 
-    /// Passes over comments and header lines, and obeys them.
+    /// Passes over comments and header lines, and obeys them. A header of another version ends the file, because the
+    /// lines after it have another layout.
     fn skip_labelled(&mut self) {
         while let Some(line) = self.lines.next_if(is_labelled) {
+            let version = Header::version(line);
             let is_list = self.header.codes.read(line);
             let number = self.lines.number();
             self.skipped.note(if is_list.is_ok() { Flaw::Comment } else { Flaw::Damaged }, number);
             self.fields = Fields::of(&self.header);
+            if version.is_some_and(|version| version != self.header.version) {
+                self.lines.fail(anyhow!("line {number}: a header of another version: split the file there"));
+            }
         }
     }
 
@@ -165,7 +170,8 @@ impl Observations {
                 self.skipped.note(flaw, self.lines.number());
                 break;
             };
-            if self.header.codes.read(line).is_err() {
+            let is_header = has_label(line) && self.header.codes.read(line).is_ok();
+            if !is_header {
                 self.skipped.lose(Flaw::Damaged, self.lines.number(), 1);
             }
         }
@@ -176,12 +182,12 @@ impl Observations {
     fn satellites_3(&mut self, count: usize) -> Option<Vec<MeasuredSatellite>> {
         let begin = self.lines.number();
         let mut satellites = Vec::with_capacity(count.min(100));
-        for _ in 0..count {
+        for read in 0..count {
             self.skip_labelled();
             match self.lines.peek() {
                 None => return self.cut(begin),
                 Some(line) if line.starts_with('>') => {
-                    self.skipped.lose(Flaw::Damaged, begin, 1);
+                    self.skipped.lose(Flaw::Damaged, begin, (count - read) as u64);
                     break;
                 }
                 Some(_) => {}
@@ -216,8 +222,7 @@ impl Observations {
                     satellites.push(measured);
                 }
             }
-            Read::OtherSystem => {}
-            Read::Unlisted => self.skipped.other_kinds += 1,
+            Read::OtherSystem | Read::Unlisted => self.skipped.other_kinds += 1,
             Read::Unknown => self.skipped.lose(Flaw::UnknownSatellite, number, lines),
             Read::Damaged => self.skipped.lose(Flaw::Damaged, number, lines),
         }
@@ -272,12 +277,10 @@ impl Observations {
         for index in 0..count {
             if index > 0 && index % 12 == 0 {
                 let Some(next) = self.lines.next_if(|line| columns(line, 0, 32).is_empty()) else {
-                    let is_end = self.lines.peek().is_none();
-                    self.skipped.lose(
-                        if is_end { Flaw::Cut } else { Flaw::Damaged },
-                        begin,
-                        u64::from(!is_end),
-                    );
+                    if self.lines.peek().is_none() {
+                        return self.cut(begin);
+                    }
+                    self.stray();
                     return None;
                 };
                 next.clone_into(&mut line);
@@ -315,7 +318,7 @@ impl Iterator for Observations {
                 self.satellites_3(opening.count)
             };
             if opening.flag == Opening::CYCLE_SLIPS {
-                self.skipped.other_kinds += 1;
+                self.skipped.other_kinds += 1 + satellites.map_or(0, |satellites| satellites.len() as u64);
                 continue;
             }
             if let Some(satellites) = satellites {
@@ -323,6 +326,11 @@ impl Iterator for Observations {
             }
         }
     }
+}
+
+/// Returns true for lines with letters where a header line has its label, known or not: data has none there.
+fn has_label(line: &str) -> bool {
+    columns(line, 60, 80).contains(|letter: char| letter.is_ascii_alphabetic())
 }
 
 /// Returns true for lines that may follow a record.

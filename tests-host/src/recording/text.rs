@@ -27,6 +27,8 @@ pub(super) trait Source: Send {
 /// before the first line is no part of it.
 pub(super) struct Plain<R> {
     input: R,
+    /// The error if the input cannot be read.
+    failure: &'static str,
     bytes: Vec<u8>,
     number: u64,
     is_open: bool,
@@ -34,8 +36,8 @@ pub(super) struct Plain<R> {
 }
 
 impl<R: BufRead + Send> Plain<R> {
-    pub(super) fn new(input: R) -> Self {
-        Self { input, bytes: Vec::new(), number: 0, is_open: false, skipped: Skipped::default() }
+    pub(super) fn new(input: R, failure: &'static str) -> Self {
+        Self { input, failure, bytes: Vec::new(), number: 0, is_open: false, skipped: Skipped::default() }
     }
 }
 
@@ -44,7 +46,7 @@ impl<R: BufRead + Send> Source for Plain<R> {
         const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
         self.bytes.clear();
         let read = self.input.by_ref().take(LINE_LIMIT).read_until(b'\n', &mut self.bytes);
-        if read.context("cannot be read to its end: it may be damaged or cut")? == 0 {
+        if read.context(self.failure)? == 0 {
             return Ok(None);
         }
         self.number += 1;
@@ -96,12 +98,12 @@ pub(super) struct Lines {
 }
 
 impl Lines {
-    /// Lines that begin with one that was read before.
-    pub(super) fn new(source: Box<dyn Source>, first: String) -> Self {
+    /// Lines that begin with one that was read before, and its number.
+    pub(super) fn new(source: Box<dyn Source>, first: String, number: u64) -> Self {
         Self {
             source,
             current: Line::default(),
-            ahead: Line { text: first, number: 1 },
+            ahead: Line { text: first, number },
             has_ahead: true,
             has_ended: false,
             failure: None,
@@ -173,6 +175,11 @@ impl Lines {
         self.failure.take()
     }
 
+    /// Ends the lines with an error.
+    pub(super) fn fail(&mut self, error: Error) {
+        (self.failure, self.has_ended, self.has_ahead) = (Some(error), true, false);
+    }
+
     fn look(&mut self) {
         if self.has_ahead || self.has_ended {
             return;
@@ -195,13 +202,39 @@ pub(super) fn label(line: &str) -> &str {
     columns(line, 60, 80)
 }
 
-/// Returns true for lines with a label of a header: no record has this many letters there.
-pub(super) fn is_labelled(line: &str) -> bool {
-    line.len() > 60 && (label(line) == "COMMENT" || label(line).contains(" / ") || has_letters(label(line)))
-}
+/// Labels of header lines that stand between records where files were spliced, besides those with a slash.
+const LABELS: [&str; 24] = [
+    "ANTENNA: B.SIGHT XYZ",
+    "ANTENNA: DELTA H/E/N",
+    "ANTENNA: DELTA X/Y/Z",
+    "ANTENNA: PHASECENTER",
+    "ANTENNA: ZERODIR AZI",
+    "ANTENNA: ZERODIR XYZ",
+    "APPROX POSITION XYZ",
+    "CENTER OF MASS: XYZ",
+    "COMMENT",
+    "CORR TO SYSTEM TIME",
+    "DELTA-UTC: A0,A1,T,W",
+    "DOI",
+    "END OF HEADER",
+    "GLONASS COD/PHS/BIS",
+    "INTERVAL",
+    "ION ALPHA",
+    "ION BETA",
+    "IONOSPHERIC CORR",
+    "LEAP SECONDS",
+    "MARKER NAME",
+    "MARKER NUMBER",
+    "MARKER TYPE",
+    "SIGNAL STRENGTH UNIT",
+    "TIME SYSTEM CORR",
+];
 
-fn has_letters(label: &str) -> bool {
-    label.bytes().filter(u8::is_ascii_uppercase).count() >= 5
+/// Returns true for lines with a label of a header.
+pub(super) fn is_labelled(line: &str) -> bool {
+    const OTHERS: [&str; 3] = ["TIME OF ", "RCV CLOCK ", "# OF "];
+    let label = if line.len() > 60 { label(line) } else { "" };
+    LABELS.contains(&label) || label.contains(" / ") || OTHERS.iter().any(|other| label.starts_with(other))
 }
 
 /// A number of Fortran, `D` exponents included; nothing when the columns are blank.
