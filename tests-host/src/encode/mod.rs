@@ -121,14 +121,6 @@ fn broadcast(ephemeris: &Ephemeris) -> Message {
     }
 }
 
-/// Checks that the message of an ephemeris has room for all of its numbers.
-///
-/// # Errors
-/// A number that its field has no room for.
-pub(crate) fn check(ephemeris: &TimedEphemeris) -> Result<()> {
-    append(&mut MessageBuilder::new(), &mut Vec::new(), &broadcast(&ephemeris.message))
-}
-
 fn append(builder: &mut MessageBuilder, bytes: &mut Vec<u8>, message: &Message) -> Result<()> {
     let built = builder.build_message(message);
     let number = message.number().unwrap_or(0);

@@ -19,8 +19,7 @@
 //!
 //! QZSS has the rows of GPS, GLONASS rows of its own ([`glonass`]), in RINEX 2 in a file of its own.
 //!
-//! A record that cannot be read is counted and passed over, and so is one with a number that its message has no room
-//! for. Kinds that are not read are counted apart: the modernised messages of RINEX 4 (CNAV and its kin), and other
+//! A record that cannot be read is counted and passed over, and so is one with a number that no message has room for. Kinds that are not read are counted apart: the modernised messages of RINEX 4 (CNAV and its kin), and other
 //! systems.
 //! References: [RINEX-2.11] table A4, [RINEX-3.05] tables A6, A8, A10, A14, [RINEX-4.01] tables A8 to A18.
 //!
@@ -40,7 +39,6 @@ use super::glonass;
 use super::header::Header;
 use super::skipped::{Flaw, Skipped};
 use super::text::{Lines, columns, is_labelled, number};
-use crate::encode;
 use crate::measurement::{Ephemeris, TimedEphemeris};
 
 /// Lines of a record of Kepler elements.
@@ -221,11 +219,11 @@ impl Rows {
         let rows = self.lines.iter().enumerate();
         let values = values(rows.map(|(row, line)| (line.as_str(), if row == 0 { date } else { indent })))?;
         let ephemeris = if letter == 'R' {
+            glonass::check(&values).with_context(|| format!("{satellite}"))?;
             glonass::ephemeris(satellite, toc, header.leap_s, &values)
         } else {
             Record { satellite, toc, system, values }.timed()?
         };
-        encode::check(&ephemeris)?;
         Ok(Content::Ephemeris(Box::new(ephemeris)))
     }
 }
@@ -242,6 +240,31 @@ fn values<'a>(rows: impl Iterator<Item = (&'a str, usize)>) -> Result<Vec<f64>> 
     }
     Ok(values)
 }
+
+/// Largest magnitudes by row and column that any of the messages has room for, in the file's units.
+///
+/// The bits and scale factors are those of [IS-GPS-200] tables 20-I and 20-III, [Galileo-OS-SIS-ICD] tables 60 and 63 and
+/// [BDS-SIS-ICD] tables 5-8 and 5-10; the widest counts.
+///
+/// [IS-GPS-200]: crate#references
+/// [Galileo-OS-SIS-ICD]: crate#references
+/// [BDS-SIS-ICD]: crate#references
+const LIMITS: [(usize, usize, f64); 14] = [
+    (1, 1, 2048.0),
+    (1, 2, 1.3e-8),
+    (1, 3, 2.0 * PI),
+    (2, 0, 6.2e-5),
+    (2, 2, 6.2e-5),
+    (2, 3, 8192.0),
+    (3, 1, 6.2e-5),
+    (3, 2, 2.0 * PI),
+    (3, 3, 6.2e-5),
+    (4, 0, 2.0 * PI),
+    (4, 1, 2048.0),
+    (4, 2, 2.0 * PI),
+    (4, 3, 3.1e-6),
+    (5, 0, 3.1e-9),
+];
 
 /// One ephemeris record as numbers.
 struct Record {
@@ -263,7 +286,21 @@ impl Record {
         self.at(row, column) / PI
     }
 
+    /// Checks that the fields of the messages have room for the numbers: a larger one was not broadcast.
+    fn check(&self) -> Result<()> {
+        for (row, column, limit) in LIMITS {
+            let value = self.at(row, column);
+            ensure!(value.abs() <= limit, "{}: {value:e} is beyond {limit:e}", self.satellite);
+        }
+        let eccentricity = self.at(2, 1);
+        ensure!((0.0..=0.5).contains(&eccentricity), "{}: eccentricity {eccentricity:e}", self.satellite);
+        let clock = self.values.iter().take(3).zip([0.0625, 1.5e-8, 1e-15]);
+        ensure!(clock.clone().all(|(value, limit)| value.abs() <= limit), "{}: clock", self.satellite);
+        Ok(())
+    }
+
     fn timed(&self) -> Result<TimedEphemeris> {
+        self.check()?;
         let toe = calendar::nearest_week(self.at(3, 0), self.toc, self.system)
             .context("toe is no time of a week")?;
         Ok(TimedEphemeris { satellite: self.satellite, toe, sent: self.sent(), message: self.message(toe) })

@@ -7,6 +7,7 @@ use super::made::{
     EPOCH_2, EPOCH_3, HEADER_2, HEADER_3, NAMES, all_ranges, compact, id, navigation, ranges, version_2,
     version_3, with_line, without_line,
 };
+use super::quirks::NAVIGATION_3;
 use super::{read, refusals};
 
 const EPOCHS: usize = 6;
@@ -334,4 +335,17 @@ fn counts_are_one_line_that_names_the_first_flaw() {
     let have = observed(&text).skipped.to_string();
     assert!(have.starts_with("1 damaged; first flaw: /"), "{have}");
     assert!(have.ends_with("made.obs, line 9"), "{have}");
+}
+
+#[test]
+fn a_glonass_record_with_a_number_beyond_its_field_is_passed_over() {
+    for (good, bad) in
+        [("1.000000000000E+04", "4.000000000000E+04"), ("1.000000000000E-05", "1.000000000000E+05")]
+    {
+        let begin = NAVIGATION_3.find("R07").unwrap();
+        let glonass = &NAVIGATION_3[begin..];
+        let text = navigation(12) + &glonass.replacen(good, bad, 1) + glonass;
+        let have = read(&version_3(EPOCHS), &text).unwrap();
+        assert_eq!((have.ephemerides.len(), have.skipped.damaged), (13, 1), "{bad}");
+    }
 }
