@@ -76,7 +76,7 @@ impl Navigation {
             Ok(Content::Other) => self.skipped.other_kinds += 1,
             Ok(Content::Unknown) => self.skipped.lose(Flaw::UnknownSatellite, rows.begin, size),
             Err(_) if lines.has_ended() && (rows.is_cut || rows.lines.len() < FULL) => {
-                self.skipped.note(Flaw::Cut, rows.begin)
+                self.skipped.note(Flaw::Cut, rows.begin);
             }
             Err(_) => self.skipped.lose(Flaw::Damaged, rows.begin, size),
         }

@@ -5,7 +5,7 @@
 //! | a record that cannot be read | `damaged` | its lines |
 //! | a satellite that no system has, such as `R00` | `unknown_satellites` | its line |
 //! | a comment or header line between records | `comments` | no |
-//! | a header field that cannot be read and that RAI can do without | `header_fields` | no |
+//! | a header field that cannot be read and that RAI can do without, or a byte order mark | `header_fields` | no |
 //! | an epoch or ephemeris that the end of the file cuts | `cut` | no |
 //! | an epoch that is not later than the one before | `out_of_order` | its lines |
 //! | a record of a kind or system that RAI does not read | `other_kinds` | no |
@@ -60,7 +60,7 @@ pub(super) enum Flaw {
 }
 
 impl Skipped {
-    /// Least part of a file that may be lost: a file that loses more is refused.
+    /// A file may lose one of so many lines; a file that loses more is refused.
     const TENTH: u64 = 10;
 
     /// Counts a flaw at a line.

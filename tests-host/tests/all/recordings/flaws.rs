@@ -274,7 +274,7 @@ fn a_bad_number_costs_one_ephemeris() {
         ("3.536250000000E+02", "3.536250000000E+08"),
         ("G05 2024 06 24", "G05 2024 06 44"),
     ] {
-        let text = navigation(12).replacen("G05 2024", "G05 2024", 1);
+        let text = navigation(12);
         let begin = text.find("G05").unwrap();
         let text = text[..begin].to_owned() + &text[begin..].replacen(good, bad, 1);
         let have = read(&version_3(EPOCHS), &text).unwrap();

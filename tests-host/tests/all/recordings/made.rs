@@ -22,7 +22,7 @@ pub(crate) const EPOCH_2: usize = 2 + 2 * NAMES.len();
 
 /// The pseudorange of a satellite, mm.
 fn range_mm(epoch: usize, index: usize) -> i64 {
-    (20_000_000_123 + 500_000_000 * index + 12_345 * epoch) as i64
+    (20_000_000_123 + 500_000_000 * index + 12_345 * epoch).cast_signed() as i64
 }
 
 fn metres(mm: i64) -> String {

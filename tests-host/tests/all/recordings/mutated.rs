@@ -89,7 +89,11 @@ fn uncounted(have: &Recording, text: &str, header: usize, lines_of_epoch: usize)
     let epochs = (text.lines().count() - header) / lines_of_epoch;
     let skipped = &have.skipped;
     let counted = skipped.lost_lines + skipped.other_kinds + skipped.cut * NAMES.len() as u64;
-    (epochs * NAMES.len()) as i64 - ranges(have).len() as i64 - counted as i64
+    signed(epochs * NAMES.len()) - signed(ranges(have).len()) - counted.cast_signed()
+}
+
+fn signed(count: usize) -> i64 {
+    count.cast_signed() as i64
 }
 
 /// Ranges that no satellite has at that time.
@@ -150,7 +154,7 @@ proptest! {
             let records = (text.lines().count() - 6) / 8;
             let skipped = &have.skipped;
             let counted = skipped.lost_lines / 8 + skipped.other_kinds + 2 * skipped.cut;
-            let lost = records as i64 - have.ephemerides.len() as i64 - counted as i64;
+            let lost = signed(records) - signed(have.ephemerides.len()) - counted.cast_signed();
             prop_assert!(lost <= 0, "{lost} ephemerides, {skipped}");
         }
     }
@@ -173,8 +177,8 @@ proptest! {
         let headers = [version_3(0), version_2(0), compact(0, 1), navigation(0)];
         for header in headers {
             std::fs::write(&path, [header.as_bytes(), &bytes].concat())?;
-            let _ = Recording::load(&[path.clone()], &[path.clone()]);
-            let _ = Recording::of_navigation(&[path.clone()]);
+            let _ = Recording::load(std::slice::from_ref(&path), std::slice::from_ref(&path));
+            let _ = Recording::of_navigation(std::slice::from_ref(&path));
         }
     }
 }

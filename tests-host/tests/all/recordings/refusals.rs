@@ -101,7 +101,7 @@ fn a_file_of_another_packer_is_refused_with_the_command_that_unpacks_it() {
     ] {
         let path = folder.path().join(name);
         std::fs::write(&path, bytes).unwrap();
-        let have = refusal(Recording::load(&[path.clone()], &[]));
+        let have = refusal(Recording::load(std::slice::from_ref(&path), &[]));
         assert!(have.contains(want) && have.ends_with(&format!("{name}`")), "have {have}, want {want}");
         let have = refusal(Recording::of_navigation(&[path]));
         assert!(have.contains(want), "have {have}, want {want}");
