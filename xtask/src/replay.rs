@@ -11,7 +11,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use tests_host::capture::{self, Capture, Orbits};
 use tests_host::encode::{Frequency, Selection};
 use tests_host::fault::Fault;
-use tests_host::recording::Recording;
+use tests_host::recording::{Recording, Skipped};
 
 use tests_host::replay::{self, BoardRun, HostRun, Lump, Pace, Summary, Track, Truth, Window};
 use tests_host::{image, sample, setup};
@@ -67,8 +67,7 @@ pub(crate) struct Arguments {
     /// Where the antenna was when: a table whose heading names week,tow and `x_m,y_m,z_m` or `lat_deg,lon_deg,height_m`.
     #[arg(long, value_name = "FILE")]
     truth_csv: Option<PathBuf>,
-    /// Systems to use: G (GPS), C (`BeiDou`), E (Galileo), R (GLONASS); the first three unless given. Of a capture also J
-    /// (QZSS).
+    /// Systems to use: G (GPS), C (`BeiDou`), E (Galileo), R (GLONASS), J (QZSS); the first three unless given.
     #[arg(long, value_name = "LETTERS")]
     systems: Option<String>,
     /// Frequencies to use.
@@ -127,8 +126,8 @@ struct Source {
     lumps: Vec<Lump>,
     /// Coefficients of the ionosphere that the module is told.
     klobuchar: Option<[f64; 8]>,
-    /// Records that could not be read.
-    malformed: u64,
+    /// Records that were passed over.
+    skipped: Skipped,
     truth: Option<Truth>,
     faults: Vec<Fault>,
     /// What a capture lacks for a position.
@@ -152,7 +151,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let counters = host.counters.iter().filter(|(_, count)| *count > 0).cloned().collect();
     let summary = Summary {
         host_target_identical: identical,
-        malformed: source.malformed,
+        skipped: source.skipped.clone(),
         counters,
         ..Summary::of(&track, faults, source.truth.is_some())
     };
@@ -198,9 +197,9 @@ fn of_recording(
     let recording = if arguments.sample {
         let sample = sample::fetch(Path::new("target"))?;
         truth = truth.or(Some(Truth::Fixed(sample.truth)));
-        Recording::load_of(&[sample.observations], &[sample.navigation], &selection.systems)?
+        Recording::load(&[sample.observations], &[sample.navigation])?
     } else {
-        let loaded = Recording::load_of(&arguments.obs, &arguments.nav, &selection.systems);
+        let loaded = Recording::load(&arguments.obs, &arguments.nav);
         match (loaded.as_ref().err().and_then(|_| capture_among(arguments)), loaded) {
             (Some(path), _) => {
                 bail!(
@@ -211,8 +210,8 @@ fn of_recording(
         }
     };
     let lumps = replay::encode(&recording, &selection, &faults, window)?;
-    let (klobuchar, malformed) = (recording.klobuchar, recording.malformed);
-    Ok(Source { lumps, klobuchar, malformed, truth, faults, missing: None })
+    let (klobuchar, skipped) = (recording.klobuchar, recording.skipped);
+    Ok(Source { lumps, klobuchar, skipped, truth, faults, missing: None })
 }
 
 /// The bytes of a receiver, as they came.
@@ -228,8 +227,7 @@ fn of_capture(
         eprintln!("taking {} s from {name}", arguments.to);
     }
     let bytes = capture::read(name, arguments.to).with_context(|| name.to_owned())?;
-    // What a navigation file may add: QZSS is not among it.
-    let systems = systems(arguments).replace('J', "");
+    let systems = systems(arguments);
     let orbits = match arguments.nav.as_slice() {
         [] => None,
         files => Some(Orbits::load(files, &selection(arguments, &systems)?)?),
@@ -243,7 +241,14 @@ fn of_capture(
             eprintln!("note: {missing}");
         }
     }
-    Ok(Source { lumps: prepared.lumps, klobuchar: prepared.klobuchar, malformed: 0, truth, faults, missing })
+    Ok(Source {
+        lumps: prepared.lumps,
+        klobuchar: prepared.klobuchar,
+        skipped: Skipped::default(),
+        truth,
+        faults,
+        missing,
+    })
 }
 
 /// Letters of the systems that take part: what the module is told in the end.
@@ -285,9 +290,9 @@ fn commands(arguments: &Arguments, klobuchar: Option<[f64; 8]>) -> Result<Vec<St
         .iter()
         .filter_map(|(key, value)| value.as_ref().map(|value| format!("{key},{value}")))
         .collect();
-    // Of a recording only what is asked for is sent; a capture holds what it holds, and the module chooses. GLONASS takes
-    // part in neither unless the module is told.
-    let says_systems = |letters: &&String| arguments.capture.is_some() || letters.contains('R');
+    // Of a recording only what is asked for is sent; a capture holds what it holds, and the module chooses. GLONASS and
+    // QZSS take part in neither unless the module is told.
+    let says_systems = |letters: &&String| arguments.capture.is_some() || letters.contains(['R', 'J']);
     setup.extend(arguments.systems.as_ref().filter(says_systems).map(|letters| format!("SYSTEMS,{letters}")));
     if arguments.capture.is_some() {
         setup.extend((arguments.frequency == Frequencies::Single).then(|| "FREQ,SINGLE".to_owned()));

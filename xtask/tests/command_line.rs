@@ -167,13 +167,24 @@ fn a_full_disk_is_noticed() {
 }
 
 #[test]
-fn a_line_of_a_system_that_is_not_in_use_is_counted_and_one_in_use_is_an_error() {
-    let files = Files::new("malformed");
-    files.write("day.obs", &OBSERVATIONS.replace("C05  41654777.792", "C05  4165A777.792"));
-    assert_says(&files.replay(&[]), &["day.obs", "line 7", "satellite C05", "4165A777.792"]);
-    let output = files.run(&["replay", "--obs", "day.obs", "--nav", "day.nav", "--systems", "G", "--json"]);
+fn a_line_that_cannot_be_read_is_counted_in_words_and_in_json() {
+    let files = Files::new("skipped");
+    let damaged = OBSERVATIONS.replace("C05  41654777.792", "C05  4165A777.792");
+    files.write("day.obs", &damaged);
+    assert_says(
+        &files.replay(&[]),
+        &["observation file day.obs: 1 of 7 lines cannot be read, at most a tenth may be lost", "line 7"],
+    );
+    let later = OBSERVATIONS.lines().skip(4).collect::<Vec<_>>().join("\n").replace("00  0.0", "00 30.0");
+    files.write("day.obs", &format!("{damaged}{later}\n"));
+    let arguments = ["replay", "--obs", "day.obs", "--nav", "day.nav", "--systems", "G"];
+    let said = String::from_utf8(files.run(&arguments).stdout).unwrap();
+    assert!(said.contains("records skipped    1 damaged; first flaw: day.obs, line 7\n"), "{said}");
+    let output = files.run(&[&arguments[..], &["--json"]].concat());
     let summary: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
-    assert_eq!((&summary["epochs"], &summary["malformed"]), (&1.into(), &1.into()), "{summary}");
+    assert_eq!((&summary["epochs"], &summary["skipped"]["damaged"]), (&2.into(), &1.into()), "{summary}");
+    let first = &summary["skipped"]["first"];
+    assert_eq!((&first["file"], &first["line"]), (&"day.obs".into(), &7.into()), "{summary}");
 }
 
 #[test]

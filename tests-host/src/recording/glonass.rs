@@ -8,10 +8,13 @@
 //! | 3 | z, its rate, its acceleration, age |
 //! | 4 | status, L2 later than L1, `F_T`, health of the strings |
 //!
-//! Dates are UTC. References: [RINEX-3.05] table A10.
+//! RINEX 2 has the first four rows in a file of their own. Dates are UTC. References: [RINEX-2.11] table A11, [RINEX-3.05]
+//! table A10.
 //!
+//! [RINEX-2.11]: crate#references
 //! [RINEX-3.05]: crate#references
 
+use anyhow::{Result, ensure};
 use rai_core::satellite::SatelliteId;
 use rai_firmware::time::{GLONASS_OFFSET_MS, GpsTime};
 use rtcm_rs::msg::Msg1020T;
@@ -34,11 +37,28 @@ fn first_year(time: GpsTime) -> u16 {
     1996 + 4 * (day.saturating_sub(TO_1996) / FOUR_YEARS) as u16
 }
 
+/// Checks that the fields of the message have room for the numbers ([GLONASS-ICD] table 4.5): a larger one was not
+/// broadcast.
+///
+/// [GLONASS-ICD]: crate#references
+pub(super) fn check(values: &[f64]) -> Result<()> {
+    let clock = values.iter().take(2).zip([2e-3, 1e-9]);
+    let state = values.iter().skip(3).take(12).enumerate();
+    let state = state.filter(|(index, _)| index % 4 < 3).map(|(index, value)| {
+        // Position in km, velocity in km/s, acceleration in km/s².
+        (value, [32_768.0, 8.0, 1.5e-8][index % 4])
+    });
+    ensure!(clock.chain(state).all(|(value, limit)| value.abs() <= limit), "a number beyond its field");
+    let slot = values.get(10).copied().unwrap_or(0.0);
+    ensure!((-7.0..=13.0).contains(&slot), "frequency slot {slot} is not within -7 to 13");
+    Ok(())
+}
+
 /// A record's numbers, three in the first row and four in each other, as a message. `toe` is GPS time.
 pub(super) fn ephemeris(satellite: SatelliteId, toe: GpsTime, leap_s: u8, values: &[f64]) -> TimedEphemeris {
     let at = |row: usize, column: usize| values.get(4 * row - 1 + column).copied().unwrap_or(0.0);
     let known = |value: f64| if value.abs() < 0.999e9 { value } else { 0.0 };
-    let utc_ms = toe.to_ms() - u64::from(leap_s) * 1000;
+    let utc_ms = toe.to_ms().saturating_sub(u64::from(leap_s) * 1000);
     let of_day_min = (utc_ms + GLONASS_OFFSET_MS) / 60_000 % 1440;
     let ft = at(4, 2) as u8;
     let message = Msg1020T {
@@ -63,6 +83,6 @@ pub(super) fn ephemeris(satellite: SatelliteId, toe: GpsTime, leap_s: u8, values
         glo_m_n4_year: first_year(toe),
         ..Msg1020T::default()
     };
-    let sent = GpsTime::from_ms(toe.to_ms() - LEAD_MS);
+    let sent = GpsTime::from_ms(toe.to_ms().saturating_sub(LEAD_MS));
     TimedEphemeris { satellite, toe, sent, message: Ephemeris::Glonass(message) }
 }

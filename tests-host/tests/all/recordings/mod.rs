@@ -1,10 +1,14 @@
 //! Recordings: what the readers make of real and of awkward RINEX, and what the wire makes of it.
 #![allow(missing_docs, clippy::inconsistent_digit_grouping)]
 
+mod flaws;
+mod made;
+mod mutated;
 mod quirks;
 mod real;
 mod refusals;
 mod rtklib;
+mod systems;
 mod wire;
 
 use std::path::PathBuf;
