@@ -1,11 +1,12 @@
-//! YUMA almanacs: blocks of `name: value` lines, one block a satellite.
+//! YUMA almanacs: blocks of `name: value` lines, one block per satellite.
 //!
 //! ```text
 //! Ω(t) = Ω_w − ω_e t_oa + (Ω̇ − ω_e)(t − t_oa)        the node is counted from Greenwich at the beginning of the week
 //! ```
 //!
 //! A sky's `t = 0` is the time of applicability. Satellites whose health is not 0 are left out.
-//! Reference: [GPS-SPS] 2.4.4 for what an almanac holds; the form is that of the operator's own files.
+//! Reference: [GPS-SPS] 2.4.4 for the contents of an almanac; the format is that of the operator's
+//! own files.
 //!
 //! [GPS-SPS]: crate#references
 
@@ -18,10 +19,11 @@ use rai_core::satellite::{Constellation, SatelliteId};
 use crate::sky::Satellite;
 use crate::sky::orbit::{Orbit, mean_motion_rad_s};
 
-/// The healthy satellites of an almanac.
+/// Reads the healthy satellites of an almanac.
 ///
 /// # Errors
-/// A block without one of its lines, a number that is none or cannot be an orbit's, no satellite at all.
+/// If a block lacks a line, a value is not a number or not possible for an orbit, or no satellite
+/// is healthy.
 pub fn read(text: &str, constellation: Constellation) -> Result<Vec<Satellite>> {
     let mut satellites: Vec<Satellite> = Vec::new();
     for block in blocks(text) {
@@ -39,7 +41,7 @@ pub fn read(text: &str, constellation: Constellation) -> Result<Vec<Satellite>> 
     Ok(satellites)
 }
 
-/// Each block's lines, by the beginning of their names.
+/// Returns each block's lines by the start of their names.
 fn blocks(text: &str) -> Vec<BTreeMap<&str, &str>> {
     let mut blocks: Vec<BTreeMap<&str, &str>> = Vec::new();
     for line in text.lines() {

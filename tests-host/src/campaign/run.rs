@@ -1,4 +1,4 @@
-//! All cells of a campaign, or a share of them, from the beginning or from where a run was left.
+//! All cells of a campaign, or a share of them, from the beginning or from an interrupted run.
 
 use std::fs::{File, OpenOptions};
 use std::io::{Seek as _, SeekFrom, Write as _};
@@ -16,26 +16,26 @@ use super::sky::{Heaven, Sky};
 use super::spec::Spec;
 use super::table::{Identity, Table};
 
-/// Cells that are worked on at a time; what a run that is cut short loses.
+/// Number of cells computed together, which an interrupted run loses.
 const TOGETHER: usize = 32;
 
-/// A part of the cells: those whose number leaves `index` when divided by `of`.
+/// A share of the cells: those whose number leaves the remainder `index` when divided by `of`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Share {
-    /// From 0.
+    /// Index of the share, from 0.
     pub index: usize,
-    /// How many parts there are.
+    /// Number of shares.
     pub of: usize,
 }
 
 impl Share {
-    /// Everything.
+    /// All cells.
     pub const ALL: Self = Self { index: 0, of: 1 };
 
-    /// Reads `k/n`, `k` from 1.
+    /// Parses `k/n`, `k` from 1.
     ///
     /// # Errors
-    /// What to write instead.
+    /// If the text is not such a share; the error shows the form.
     pub fn parse(text: &str) -> Result<Self> {
         let numbers = text.split_once('/').and_then(|(k, n)| Some((k.parse().ok()?, n.parse().ok()?)));
         match numbers {
@@ -44,7 +44,7 @@ impl Share {
         }
     }
 
-    /// The name of its table.
+    /// Returns the file name of the share's table.
     pub fn file_name(self, name: &str) -> String {
         match self {
             Self::ALL => format!("{name}.csv"),
@@ -59,22 +59,22 @@ pub struct Campaign {
     skies: Vec<Vec<(f64, Heaven)>>,
     places: Vec<Place>,
     judges: Vec<Judge>,
-    /// Whose tables these are.
+    /// Identity of the tables.
     pub identity: Identity,
 }
 
 impl Campaign {
-    /// Reads a specification and the files that it names, which stand beside it.
+    /// Reads a specification and the files that it names, relative to its folder.
     ///
     /// # Errors
-    /// What is wrong, where, and what to write instead.
+    /// If something in it is wrong; the error names the place and the expected form.
     pub fn load(path: &Path) -> Result<Self> {
         let spec = Spec::read(path)?;
         let folder = path.parent().unwrap_or_else(|| Path::new("."));
         Self::of(spec, folder).with_context(|| path.display().to_string())
     }
 
-    /// A checked specification; files are looked for in the folder.
+    /// Prepares a checked specification. Files are relative to the folder.
     ///
     /// # Errors
     /// As [`Self::load`].
@@ -95,10 +95,12 @@ impl Campaign {
         Ok(Self { spec, skies, places, judges, identity })
     }
 
-    /// Works a share into a folder and gives the table's path. `progress` hears how many cells are done, of how many.
+    /// Computes a share into a folder and returns the table's path. `progress` receives the number
+    /// of finished cells, and of all cells.
     ///
     /// # Errors
-    /// A table that is there already where nothing is to be resumed, or that is of another campaign; what cannot be written.
+    /// If a table exists although nothing is to be resumed, the table belongs to another campaign,
+    /// or it cannot be written.
     pub fn work(
         &self,
         folder: &Path,
@@ -122,14 +124,14 @@ impl Campaign {
         Ok(path)
     }
 
-    /// A share as text, without a file.
+    /// Returns a share as text, without a file.
     pub fn text(&self, share: Share) -> String {
         let cells: Vec<usize> = (share.index..self.identity.cells).step_by(share.of).collect();
         let texts: Vec<String> = cells.par_iter().map(|&cell| self.rows(cell)).collect();
         self.identity.heading() + &texts.concat()
     }
 
-    /// Opens a table behind its last whole cell, and says how many are there.
+    /// Opens a table after its last complete cell; returns the number of complete cells.
     fn begin(&self, path: &Path, cells: &[usize], resume: bool) -> Result<(File, usize)> {
         let shown = path.display();
         if !path.exists() {
@@ -140,7 +142,7 @@ impl Campaign {
         ensure!(resume, "{shown} is there already: go on with --resume, or name another folder with --out");
         let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {shown}"))?;
         let heading = self.identity.heading();
-        // A run that was cut within its heading has done nothing.
+        // A run that was interrupted within its heading has no cells.
         if heading.starts_with(&text) {
             let mut file = File::create(path)?;
             file.write_all(heading.as_bytes())?;
@@ -159,7 +161,7 @@ impl Campaign {
         Ok((file, done.len()))
     }
 
-    /// The rows of a cell, each with its end.
+    /// Computes the rows of a cell, each with its line end.
     fn rows(&self, cell: usize) -> String {
         let (rest, place) = (cell / self.places.len(), cell % self.places.len());
         let (rest, errors) = (rest / self.spec.errors.len(), rest % self.spec.errors.len());
@@ -171,7 +173,7 @@ impl Campaign {
             mask_deg,
             model: ErrorModel::of(&self.spec.errors[errors]),
             noise: self.spec.noise,
-            // The same noise under every sky, mask and error model.
+            // The noise is the same under every sky, mask and error model.
             seed: self.spec.seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ place as u64,
         };
         let tallies = bench.judge(&self.spec.faults, &self.judges);
@@ -193,7 +195,7 @@ impl Campaign {
     }
 }
 
-/// Instants of the specification, or those of the track.
+/// Returns the instants of the specification, or those of the track, s.
 fn instants(spec: &Spec, places: &[Place]) -> Vec<f64> {
     let of_track: Vec<f64> = places.iter().filter_map(|place| place.time_s).collect();
     if of_track.is_empty() {
@@ -206,7 +208,7 @@ fn instants(spec: &Spec, places: &[Place]) -> Vec<f64> {
     instants
 }
 
-/// Methods × policies × levels, as the commands make them.
+/// Returns all combinations of methods, policies and levels, configured by commands.
 fn judges(spec: &Spec) -> Result<Vec<Judge>> {
     let judgement = &spec.judgement;
     let common = judgement
@@ -235,7 +237,7 @@ fn judges(spec: &Spec) -> Result<Vec<Judge>> {
     Ok(judges)
 }
 
-/// The configuration after a command of the module, `KEY,value`.
+/// Applies a command of the module, `KEY,value`, to a configuration.
 fn commanded(configuration: &Configuration, line: &str) -> Result<Configuration> {
     let mut fields = line.split(',');
     let key = fields.next().unwrap_or("");
@@ -248,7 +250,7 @@ fn commanded(configuration: &Configuration, line: &str) -> Result<Configuration>
     }
 }
 
-/// FNV-1a over everything that a row depends on.
+/// Returns the FNV-1a hash of everything that a row depends on.
 fn fingerprint(spec: &Spec, skies: &[Vec<(f64, Heaven)>], places: &[Place]) -> u64 {
     let mut hash = 0xCBF2_9CE4_8422_2325_u64;
     let mut take = |bytes: &[u8]| {

@@ -1,7 +1,8 @@
 //! Linearised epochs through the core: JSON lines in, JSON lines out.
 //!
-//! Each input line is one epoch about a known point; each output line is what `rai-core` makes of it. Everything
-//! but the thresholds of unusual probabilities is the core's own code, in `f64` or in `f32`.
+//! Each input line is one epoch about a known point; each output line is the result of `rai-core`
+//! for it. Everything except the thresholds of unusual probabilities is the core's own code, in
+//! `f64` or in `f32`.
 //!
 //! ```text
 //! {"id": 7, "los_enu": [[e, n, u], …], "con": [0, …], "sigma": [6.0, …], "y": [-3.1, …],
@@ -9,9 +10,9 @@
 //! {"id": 7, "out": {"lsr": {"status": "ok", …}}}
 //! ```
 //!
-//! A line that is not such an object gives `{"id": …, "error": "what and where"}`, and the run goes on. An object
-//! whose numbers make no epoch (a sigma of zero, a residual that is not a number) is an answer with the status
-//! `invalid_input`, which also says `why`.
+//! A line that is not such an object gives `{"id": …, "error": "what and where"}`, and the run
+//! continues. An object whose numbers do not form an epoch (a sigma of zero, a NaN residual) is
+//! answered with the status `invalid_input` and the reason in `why`.
 
 mod araim;
 mod bound;
@@ -46,7 +47,7 @@ use line::Line;
 use lsr::Lsr;
 use ransac::{Ransac, Traditional};
 
-/// What the command says of itself: the fields of a line.
+/// Help text of the command: the fields of a line.
 pub const HELP: &str = "\
 One JSON object per line, in and out. Input fields (unknown ones are ignored):
   id        anything; echoed
@@ -130,7 +131,7 @@ impl std::str::FromStr for Scalar {
     }
 }
 
-/// What the lines are.
+/// Kind of the input lines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
     /// Linearised epochs.
@@ -141,16 +142,16 @@ pub enum Part {
     Clock,
     /// Linearised epochs of one constellation, aided by a forecast clock.
     ClockRaim,
-    /// Linearised epochs with what integrity knows of each satellite.
+    /// Linearised epochs with integrity parameters of each satellite.
     Araim,
 }
 
-/// How a run went.
+/// Counts of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Summary {
-    /// Lines that were not blank.
+    /// Number of lines that are not blank.
     pub lines: usize,
-    /// Lines answered by an error.
+    /// Number of lines answered by an error.
     pub errors: usize,
 }
 
@@ -166,7 +167,7 @@ enum Answer {
     Error { id: Value, error: String },
 }
 
-/// What the build provides, part by part.
+/// Answer to an epoch, part by part.
 #[derive(Serialize)]
 struct Out {
     lsr: Lsr,
@@ -186,15 +187,16 @@ impl From<Lsr> for Out {
     }
 }
 
-/// Answers every epoch of `input`, which may be compressed; `scalar` overrides what the lines ask for.
+/// Answers every epoch of `input`, which may be compressed; `scalar` overrides the choice of the
+/// lines.
 ///
 /// # Errors
-/// Where reading or writing itself fails; a bad line is an answer.
+/// If reading or writing fails. A bad line is an answer.
 pub fn run(input: impl BufRead, output: impl Write, scalar: Option<Scalar>) -> anyhow::Result<Summary> {
     run_part(Part::Epochs, input, output, scalar)
 }
 
-/// Answers every line of `input` as what it is.
+/// Answers every line of `input` as the given kind.
 ///
 /// # Errors
 /// As [`run`].
@@ -229,7 +231,7 @@ pub fn run_part(
     Ok(summary)
 }
 
-/// The input itself, or what a gzip stream holds, told apart by the first two bytes.
+/// Returns the input itself, or the content of a gzip stream, recognised by its first two bytes.
 fn decompressed<'a>(mut input: impl BufRead + 'a) -> anyhow::Result<Box<dyn BufRead + 'a>> {
     let compressed = input.fill_buf().context("reading the input")?.starts_with(&[0x1f, 0x8b]);
     Ok(if compressed { Box::new(io::BufReader::new(MultiGzDecoder::new(input))) } else { Box::new(input) })
@@ -306,7 +308,7 @@ fn judge(line: &Line, scalar: Scalar, rows: &mut RowCache) -> Result<Out, String
     }
 }
 
-/// Every part of an answer, as far as the status goes.
+/// Returns every part of an answer, as far as the status allows.
 fn parts<T: Real>(
     line: &Line,
     thresholds: &Thresholds<'_>,
@@ -334,7 +336,7 @@ impl RowCache {
         (false_alarm.get().to_bits(), missed_detection.get().to_bits())
     }
 
-    /// Sees to it that a pair has rows.
+    /// Computes the rows of a pair if they are missing.
     fn prepare(&mut self, false_alarm: Probability, missed_detection: Probability) {
         if Thresholds::from_tables(false_alarm, missed_detection).is_err() {
             let compute = || Rows::compute(false_alarm.get(), missed_detection.get());
@@ -342,7 +344,7 @@ impl RowCache {
         }
     }
 
-    /// The rows of a pair; [`Self::prepare`] comes first.
+    /// Returns the rows of a pair; [`Self::prepare`] must come first.
     fn thresholds(&self, false_alarm: Probability, missed_detection: Probability) -> Thresholds<'_> {
         Thresholds::from_tables(false_alarm, missed_detection).unwrap_or_else(|_| {
             let rows = &self.0[&Self::key(false_alarm, missed_detection)];

@@ -50,9 +50,9 @@ pub enum Fleet {
 /// A satellite on its orbit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Satellite {
-    /// Its name.
+    /// Name of the satellite.
     pub id: SatelliteId,
-    /// Its orbit.
+    /// Orbit of the satellite.
     pub orbit: Orbit,
 }
 
@@ -69,11 +69,11 @@ impl Fleet {
         Self::Glonass24,
     ];
 
-    /// Those of the papers, whose elements a table holds satellite by satellite.
+    /// Fleets of the papers, with a table of elements for every satellite.
     pub const OF_PAPERS: [Self; 5] =
         [Self::Gps24, Self::Gps31, Self::BeidouRegional, Self::BeidouGlobal, Self::Beidou44];
 
-    /// Name on command lines and in tables.
+    /// Returns the name on command lines and in tables.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Gps24 => "gps24",
@@ -87,7 +87,7 @@ impl Fleet {
         }
     }
 
-    /// The system it belongs to.
+    /// Returns the system of the fleet.
     pub const fn constellation(self) -> Constellation {
         match self {
             Self::Gps24 | Self::Gps31 => Constellation::Gps,
@@ -99,11 +99,11 @@ impl Fleet {
         }
     }
 
-    /// The satellites, numbered from 1 in the order of their slots; the medium orbits of `BeiDou` by themselves from 19,
-    /// where its third generation begins.
+    /// Returns the satellites, numbered from 1 in the order of their slots. The medium orbits of
+    /// `BeiDou` alone are numbered from 19, where its third generation begins.
     ///
-    /// Numbers are slots, not the codes that real satellites send: in the regional and the global fleet 1 to 5
-    /// are geostationary as in reality, beyond that the agreement is by chance.
+    /// Numbers are slots, not the codes that real satellites send. In the regional and the global
+    /// fleet 1 to 5 are geostationary as in reality; any further agreement is by chance.
     pub fn satellites(self) -> Vec<Satellite> {
         let numbered = |(number, orbit)| {
             SatelliteId::new(self.constellation(), number).map(|id| Satellite { id, orbit })
@@ -181,7 +181,8 @@ fn gps31() -> Vec<Orbit> {
         .collect()
 }
 
-/// One line of the almanac file, which is part of the program: a bad one is a mistake in the source.
+/// Parses one line of the almanac file. The file is part of the program, so a bad line is a mistake
+/// in the source.
 fn almanac_line(line: &str) -> Orbit {
     let fields: Vec<f64> = line.split(',').map(|field| field.parse().expect("a number")).collect();
     let [_, axis_m, eccentricity, inclination_rad, node_rad, perigee_rad, mean_rad, rate_rad_s] = fields[..]
@@ -208,14 +209,15 @@ fn inclined(node_deg: f64, knot_deg: f64) -> Orbit {
     Orbit::geosynchronous(INCLINATION_DEG.to_radians(), node_deg.to_radians(), knot_deg.to_radians())
 }
 
-/// Slot of the Walker constellation 24/3/1, planes from 1, slots from 1; spares stand between slots.
+/// Returns a slot of the Walker constellation 24/3/1, planes and slots from 1; spares are between
+/// slots.
 fn slot(axis_m: f64, inclination_deg: f64, plane: f64, slot: f64) -> Orbit {
     let node_deg = 120.0 * (plane - 1.0);
     let argument_deg = 45.0 * (slot - 1.0) + 15.0 * (plane - 1.0);
     Orbit::circular(axis_m, inclination_deg.to_radians(), node_deg.to_radians(), argument_deg.to_radians())
 }
 
-/// A medium orbit of `BeiDou`.
+/// Returns a medium orbit of `BeiDou`.
 fn medium(plane: f64, number: f64) -> Orbit {
     slot(BEIDOU_AXIS_M, INCLINATION_DEG, plane, number)
 }
@@ -247,7 +249,8 @@ fn beidou_global() -> Vec<Orbit> {
 }
 
 fn beidou44() -> Vec<Orbit> {
-    // Three planes of the inclined orbits, 120° apart; two satellites of later launches follow 60° behind them.
+    // The inclined orbits have three planes, 120° apart; two satellites of later launches follow
+    // 60° behind them.
     let second =
         [(210.0, 118.0), (330.0, 118.0), (450.0, 118.0), (210.0, 95.0), (330.0, 95.0), (450.0, 112.0)];
     let third = [(450.0, 95.0)];
