@@ -76,7 +76,7 @@ pub mod recording;
 pub mod sentence;
 pub mod sky;
 
-// What a fuzzer has no part in, and would wait for: see the feature.
+// Modules that fuzzing does not use and would have to wait for: see the feature.
 #[cfg(feature = "commands")]
 pub mod attack;
 #[cfg(feature = "commands")]
@@ -138,7 +138,7 @@ pub mod tables;
 #[cfg(feature = "commands")]
 pub mod vectors;
 
-/// The example of the readme is a test.
+/// Runs the example of the readme as a test.
 #[cfg(doctest)]
 #[doc = include_str!("../../README.md")]
 struct Readme;

@@ -1,15 +1,16 @@
-//! What a machine needs beside the Rust toolchain, and how it comes to it.
+//! Requirements of a machine beside the Rust toolchain, and their installation.
 //!
-//! [`Machine::look`] collects facts, [`plan`] turns facts into steps, [`ensure()`] takes them. A step that this process
-//! may not take is said to the user as the exact command. Where nothing is missing the look takes some milliseconds,
-//! so every command can afford it.
+//! [`Machine::look`] collects facts, [`plan`] turns facts into steps, [`ensure()`] takes them. If
+//! this process may not take a step, it prints the exact command for the user. If nothing is
+//! missing the look takes some milliseconds, so every command can afford it.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use anyhow::{Context, bail, ensure};
 
-/// Processors that the libraries are compiled for, as the compiler names them; the first is the chip's.
+/// Processors that the libraries are compiled for, by the compiler's names; the first is the
+/// chip's.
 pub const TARGETS: [&str; 4] = [
     "thumbv7em-none-eabihf",
     "thumbv6m-none-eabi",
@@ -17,7 +18,7 @@ pub const TARGETS: [&str; 4] = [
     "riscv32imac-unknown-none-elf",
 ];
 
-/// Something that the commands need.
+/// Requirement of the commands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Need {
     /// The compiler's library for the chip and for other processors.
@@ -26,33 +27,33 @@ pub enum Need {
     Components,
     /// The emulator.
     Emulator,
-    /// The compiler of C for the chip, which the tests of the library for C need.
+    /// The C compiler for the chip, which the tests of the C library need.
     CCompiler,
 }
 
 /// Facts about this machine.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Machine {
-    /// What is missing.
+    /// Missing requirements.
     pub lacks: Vec<Need>,
-    /// The toolchain is rustup's.
+    /// True if rustup manages the toolchain.
     pub rustup: bool,
-    /// How packages are installed here.
+    /// Package manager of the system.
     pub packages: Packages,
 }
 
-/// How packages of the system are installed.
+/// Package manager of a system, with this process's rights.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Packages {
-    /// Debian's way, and this process may.
+    /// apt, and this process may run it.
     Apt,
-    /// Debian's way, after `sudo`, which asks for no password.
+    /// apt, after `sudo`, which asks for no password.
     AptSudo,
-    /// Debian's way, but only the user may.
+    /// apt, but only the user may run it.
     AptAsk,
     /// Homebrew, which asks the user nothing.
     Brew,
-    /// Some other way.
+    /// Another package manager.
     Unknown,
 }
 
@@ -61,11 +62,11 @@ pub enum Packages {
 pub enum Step {
     /// A command to run.
     Run(Vec<&'static str>),
-    /// What only the user can do: a command to type, or words.
+    /// An action that only the user can take: a command to type, or words.
     Ask(&'static str),
 }
 
-/// The steps that a machine needs; none if nothing is missing.
+/// Returns the steps that a machine needs; none if nothing is missing.
 pub fn plan(machine: &Machine) -> Vec<Step> {
     machine.lacks.iter().flat_map(|&need| remedy(need, machine)).collect()
 }
@@ -88,11 +89,11 @@ fn remedy(need: Need, machine: &Machine) -> Vec<Step> {
     }
 }
 
-/// What is installed together, by its names at Debian, and how else one comes to it.
+/// Packages that are installed together, by their Debian names, and alternatives.
 struct Package {
     debian: &'static [&'static str],
     brew: Option<&'static str>,
-    /// The command to type where only the user may, and words where the system is not Debian's.
+    /// Command to type if only the user may run it, and words for systems other than Debian.
     command: &'static str,
     words: &'static str,
 }
@@ -120,7 +121,7 @@ const CONSUMERS: Package = Package {
 
 const PEERS: Package = Package {
     debian: &["gcc-arm-none-eabi", "libnewlib-arm-none-eabi", "python3"],
-    // GCC there comes without a C library.
+    // Homebrew's GCC has no C library.
     brew: None,
     command: "sudo apt-get update && sudo apt-get install --no-install-recommends gcc-arm-none-eabi \
               libnewlib-arm-none-eabi python3",
@@ -128,7 +129,7 @@ const PEERS: Package = Package {
 };
 
 fn install(package: &Package, packages: Packages) -> Vec<Step> {
-    // A fresh machine knows no package at all before its lists are fetched.
+    // A fresh machine has no package lists until they are fetched.
     let update = ["apt-get", "update"];
     let install = [&["apt-get", "install", "--yes", "--no-install-recommends"], package.debian].concat();
     let sudo = |command: &[&'static str]| Step::Run([&["sudo", "-n"], command].concat());
@@ -142,7 +143,7 @@ fn install(package: &Package, packages: Packages) -> Vec<Step> {
 }
 
 impl Machine {
-    /// Looks at this machine for what every command needs.
+    /// Checks this machine for the requirements of every command.
     pub fn look() -> Self {
         let sysroot = sysroot();
         let has = |relative: &str| sysroot.as_ref().is_some_and(|root| root.join(relative).exists());
@@ -154,7 +155,7 @@ impl Machine {
         Self::lacking(needs.into_iter().filter(|(_, there)| !there).map(|(need, _)| need).collect())
     }
 
-    /// The same, and what some tests are skipped without.
+    /// Checks also for the requirements of tests that are skipped otherwise.
     pub fn look_for_all() -> Self {
         let Self { mut lacks, .. } = Self::look();
         if !on_path("arm-none-eabi-gcc") {
@@ -164,22 +165,22 @@ impl Machine {
     }
 
     fn lacking(lacks: Vec<Need>) -> Self {
-        // Only asked where it matters, since to ask `sudo` takes a while.
+        // This is asked only if it matters, because asking `sudo` takes a while.
         let is_packaged = lacks.iter().any(|need| matches!(need, Need::Emulator | Need::CCompiler));
         let packages = if is_packaged { packages() } else { Packages::Unknown };
         Self { lacks, rustup: on_path("rustup"), packages }
     }
 }
 
-/// Installs what is missing; silent where nothing is.
+/// Installs missing requirements; silent if there are none.
 ///
 /// # Errors
-/// Where a step fails, or only the user can take it: the message is then the command to type.
+/// If a step fails, or only the user can take it; the message is then the command to type.
 pub fn ensure() -> anyhow::Result<()> {
     settle(Machine::look)
 }
 
-/// The same, with what some tests are skipped without.
+/// Installs also the requirements of tests that are skipped otherwise.
 ///
 /// # Errors
 /// As [`ensure()`].
@@ -197,14 +198,14 @@ fn settle(look: fn() -> Machine) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Packages of Python that read what the module says.
+/// Python packages that parse the module's output.
 const PYTHON_PACKAGES: [&str; 2] = ["pynmea2", "pymavlink"];
 
-/// Installs the programs that tests hold the module against: gpsd, RTKLIB's `convbin`, and packages of Python in a folder of
-/// their own below `target`. Nothing but these tests needs them.
+/// Installs the programs that tests compare the module with: gpsd, RTKLIB's `convbin`, and Python
+/// packages in their own folder below `target`. Only these tests need them.
 ///
 /// # Errors
-/// As of [`ensure()`].
+/// As [`ensure()`].
 pub fn consumers() -> anyhow::Result<()> {
     let python = python_of_consumers();
     let (folder, python) = (root().join("target/consumers"), python.display().to_string());
@@ -216,10 +217,10 @@ pub fn consumers() -> anyhow::Result<()> {
     run(&[&[&python, "-m", "pip", "install", "--quiet"], &PYTHON_PACKAGES[..]].concat())
 }
 
-/// Installs what programs that ours is measured beside are fetched and compiled with.
+/// Installs the tools that fetch and compile the programs measured beside ours.
 ///
 /// # Errors
-/// As of [`ensure()`].
+/// As [`ensure()`].
 pub fn peers() -> anyhow::Result<()> {
     if !can_compile_peers() || !on_path("python3") {
         install(&PEERS, packages()).iter().try_for_each(take)?;
@@ -228,14 +229,15 @@ pub fn peers() -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Whether the compiler of C for the chip is there with a C library.
+/// Returns true if the C compiler for the chip is installed with a C library.
 pub fn can_compile_peers() -> bool {
-    // A file that is not found is answered by its bare name.
+    // The compiler answers with the bare name if it does not find the file.
     let library = Command::new("arm-none-eabi-gcc").arg("-print-file-name=nosys.specs").output();
     library.is_ok_and(|output| output.stdout.contains(&b'/'))
 }
 
-/// The Python that has the consumers' packages: the one that [`consumers`] has made, or else that of the system.
+/// Returns the Python with the consumers' packages: the one made by [`consumers`], or else that of
+/// the system.
 pub fn python() -> PathBuf {
     let made = python_of_consumers();
     if made.is_file() { made } else { PathBuf::from("python3") }
@@ -270,7 +272,7 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-/// Where the toolchain that this project pins is installed.
+/// Returns the folder of the toolchain that this project pins.
 fn sysroot() -> Option<PathBuf> {
     let rustc = Command::new("rustc").args(["--print", "sysroot"]).current_dir(root()).output().ok()?;
     Some(PathBuf::from(String::from_utf8(rustc.stdout).ok()?.trim()))

@@ -1,4 +1,4 @@
-//! `cargo xtask demo`.
+//! `cargo xtask demo`: one satellite drifts off while the emulated board is watched.
 
 use std::path::Path;
 
@@ -8,19 +8,19 @@ use tests_host::report::canvas::Ground;
 use tests_host::report::page::write_file;
 use tests_host::{fault, image, setup};
 
-/// Where the report goes.
+/// Folder of the report.
 const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../target/rai-demo");
 
 /// Arguments of the command.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// The satellite that drifts off.
+    /// Satellite that drifts off
     #[arg(long, default_value = "G15")]
     sat: String,
-    /// How far it drifts, in metres.
+    /// Final error of its range, m; not zero
     #[arg(long, default_value_t = -200.0, allow_negative_numbers = true)]
     bias: f64,
-    /// Write plain lines, also on a terminal.
+    /// Print plain lines, even on a terminal
     #[arg(long)]
     headless: bool,
 }

@@ -1,4 +1,4 @@
-//! `cargo xtask flash`: the image onto a chip, or held against its memory.
+//! `cargo xtask flash`: writes the image to a chip, or checks it against the chip's memory.
 
 use std::path::{Path, PathBuf};
 
@@ -8,13 +8,13 @@ use tests_host::image::{self, Chip, Image};
 /// Arguments of the command.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// The chip, as probe-rs names it.
+    /// Name of the chip in probe-rs
     #[arg(long, default_value = "STM32F405RGTx")]
     chip: String,
-    /// Write nothing and need no probe: check that the image fits the chip and would start.
+    /// Only check that the image fits the chip and would start; needs no probe
     #[arg(long)]
     dry_run: bool,
-    /// This image instead of a fresh one.
+    /// Image to write (default: a fresh build)
     #[arg(long)]
     image: Option<PathBuf>,
 }

@@ -1,4 +1,5 @@
-//! `cargo xtask header`: makes the header of the C interface, or holds the committed one against the sources.
+//! `cargo xtask header`: generates the header of the C interface, or compares the committed one
+//! with the sources.
 
 use anyhow::{Context as _, ensure};
 use tests_host::capi;
@@ -6,7 +7,7 @@ use tests_host::capi;
 /// Arguments of the command.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// Write nothing; fail where the committed header differs from what the sources say.
+    /// Write nothing; fail if the committed header differs from the sources
     #[arg(long)]
     check: bool,
 }

@@ -11,15 +11,15 @@ use tests_host::report::page::write_file;
 /// Arguments of the command.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// Which experiments; none means all.
+    /// Names of the experiments to run (default: all)
     experiments: Vec<String>,
-    /// A decimation of two minutes for everything.
+    /// Run a reduced version of everything, in two minutes
     #[arg(long)]
     quick: bool,
-    /// One JSON object an experiment instead of tables.
+    /// Print one JSON object per experiment instead of tables
     #[arg(long)]
     json: bool,
-    /// Where the page and its pictures go.
+    /// Folder for the page and its pictures
     #[arg(long, value_name = "FOLDER", default_value = "target/reproduce")]
     report: PathBuf,
 }

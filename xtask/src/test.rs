@@ -1,8 +1,8 @@
-//! `cargo xtask test`: everything that must hold.
+//! `cargo xtask test`: all checks of the project.
 //!
-//! Each step runs whatever became of the ones before it, so that one run tells all that is wrong. There are two lanes of
-//! them, which build in folders of their own: linking an image as a whole keeps one core busy, and leaves the other to the
-//! host.
+//! Each step runs even if earlier ones fail, so that one run shows every failure. The steps form
+//! two lanes with separate build folders, because linking a whole image occupies one core and
+//! leaves the other to the host.
 
 use std::collections::BTreeMap;
 use std::io::ErrorKind;
@@ -17,17 +17,17 @@ use crate::cargo::{command, spawn, step as cargo};
 /// Arguments of the command.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// Take what the snapshot tests have now as what they want.
+    /// Accept the current results of the snapshot tests
     #[arg(long)]
     bless: bool,
-    /// Fail where a test is skipped for lack of a recording or a program.
+    /// Fail if a test is skipped because a recording or a program is missing
     #[arg(long)]
     all: bool,
 }
 
 type Step = (&'static str, Box<dyn Fn() -> anyhow::Result<()> + Send>);
 
-/// What became of a step, and how long it took, s.
+/// Name of a step, its failure if any, and its duration, s.
 type Outcome = (&'static str, Option<anyhow::Error>, f64);
 
 /// Runs the command.
@@ -43,7 +43,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     summarise(&outcomes)
 }
 
-/// One step after another.
+/// Takes the steps in order.
 fn walk(steps: Vec<Step>) -> Vec<Outcome> {
     let take = |(name, step): Step| {
         let start = Instant::now();
@@ -90,7 +90,7 @@ fn on_host(bless: bool, all: bool) -> Vec<Step> {
     ]
 }
 
-/// And what builds beside both: the fuzzing targets.
+/// Returns the steps for the target, and the fuzzing targets, which build beside both.
 fn on_target() -> Vec<Step> {
     let mut clippy_target = vec!["clippy"];
     clippy_target.extend(FIRMWARE);
@@ -109,7 +109,7 @@ fn on_target() -> Vec<Step> {
     ]
 }
 
-/// The faster runner where it is installed; it runs the same tests. Those that cannot run here are counted.
+/// Runs the tests with the faster runner if it is installed, and counts those that cannot run here.
 fn tests(bless: bool, all: bool) -> anyhow::Result<()> {
     let nextest = command(&["nextest", "--version"]).output().is_ok_and(|output| output.status.success());
     let arguments: &[&str] = if nextest {
@@ -137,7 +137,7 @@ fn tests(bless: bool, all: bool) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Each skipped test with all that it needs.
+/// Returns each skipped test with all its missing requirements.
 fn skipped(lines: &str) -> BTreeMap<&str, Vec<&str>> {
     let mut tests = BTreeMap::<&str, Vec<&str>>::new();
     for (test, needs) in lines.lines().filter_map(|line| line.split_once('\t')) {
@@ -149,7 +149,7 @@ fn skipped(lines: &str) -> BTreeMap<&str, Vec<&str>> {
     tests
 }
 
-/// What `deny.toml` allows, where the program that checks it is installed.
+/// Checks dependencies against `deny.toml`, if cargo-deny is installed.
 fn dependencies() -> anyhow::Result<()> {
     let found = command(&["deny", "--version"]).output().is_ok_and(|output| output.status.success());
     if !found {
@@ -159,7 +159,7 @@ fn dependencies() -> anyhow::Result<()> {
     spawn(&mut command(&["deny", "check", "bans", "licenses", "sources"]))
 }
 
-/// Every warning counts.
+/// Builds the documentation; every warning is an error.
 fn documentation() -> anyhow::Result<()> {
     spawn(command(&["doc", "--quiet", "--workspace", "--no-deps"]).env("RUSTDOCFLAGS", "-D warnings"))
 }
