@@ -21,7 +21,7 @@ members = [\"rai-core\", \"rai-firmware\"]
 rai-core = { path = \"rai-core\" }
 ";
 
-/// Packs both, and tests what came out of it.
+/// Packs both libraries, and tests the result.
 pub(crate) fn verify() -> Result<()> {
     pack()?;
     let unpacked = unpack()?;
@@ -31,7 +31,8 @@ pub(crate) fn verify() -> Result<()> {
     spawn(command(&doc).args([manifest.as_str(), "--target-dir", folder.as_str()]))
 }
 
-/// Packs both libraries, and tests the result.
+/// Packs without compiling, because the examples compile later, and without a lock file, which a
+/// library does not need.
 fn pack() -> Result<()> {
     eprintln!("$ cargo package --package {} --package {}", PACKAGES[0], PACKAGES[1]);
     let how = ["package", "--allow-dirty", "--no-verify", "--exclude-lockfile"];
@@ -40,8 +41,7 @@ fn pack() -> Result<()> {
     Ok(())
 }
 
-/// Packs without compiling, because the examples compile later, and without a lock file, which a
-/// library does not need.
+/// Unpacks the packages side by side, without the version in their names.
 fn unpack() -> Result<PathBuf> {
     let (packed, unpacked) = (root().join("target/package"), root().join("target/unpacked"));
     fs::create_dir_all(&unpacked)?;
@@ -56,7 +56,8 @@ fn unpack() -> Result<PathBuf> {
             fs::remove_dir_all(&folder)?;
         }
         let mut archive = tar::Archive::new(flate2::read::GzDecoder::new(reader));
-        // Unpacks the packages side by side, without the version in their names.
+        // Packed files all have the same time, so cargo would take the results of earlier files for
+        // current ones.
         archive.set_preserve_mtime(false);
         archive.unpack(&unpacked)?;
         fs::rename(unpacked.join(versioned), folder)?;

@@ -17,7 +17,7 @@ use tests_host::vectors;
 
 const FILE: &str = "clock_raim.jsonl.gz";
 
-/// Fields that are decisions: the same or wrong.
+/// Fields that are decisions, which must be equal.
 const DECISIONS: [&str; 4] = ["dof", "detected", "ident", "ident_is_clock"];
 
 /// Fields that are numbers, equal to within rounding.

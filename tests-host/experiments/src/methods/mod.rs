@@ -37,7 +37,7 @@ pub(super) const EXPERIMENT: Experiment = Experiment {
     run,
 };
 
-/// The methods by the name of the command `METHOD`, and the one that only a host can pay for.
+/// Methods by their words in the command `METHOD`, and the one that only a host can afford.
 const CONTENDERS: [Contender; 7] = [
     Contender { name: "BAARDA", method: Some(Method::Baarda) },
     Contender { name: "SIMULTANEOUS", method: Some(Method::Parity(parity::Isolation::Simultaneous)) },
@@ -48,24 +48,24 @@ const CONTENDERS: [Contender; 7] = [
     Contender { name: "all minimal subsets", method: None },
 ];
 
-/// One way to find the faulty satellites.
+/// A method to identify the faulty satellites.
 #[derive(Clone, Copy)]
 struct Contender {
     name: &'static str,
-    /// `None` for the consensus of all minimal subsets, which is no method of the module.
+    /// Method of the module; `None` for the consensus of all minimal subsets.
     method: Option<Method>,
 }
 
-/// How many satellites are faulty at once.
+/// Numbers of faulty satellites.
 const FAULTS: [usize; 3] = [1, 2, 3];
 
-/// By how much, m; each with a sign of its own.
+/// Sizes of the faults, m; each has a random sign.
 const STEPS_M: [f64; 7] = [20.0, 30.0, 40.0, 60.0, 80.0, 100.0, 150.0];
 
 /// Tallies by kind of sky, number of faults, step and contender.
 struct Tallies(Vec<Tally>);
 
-/// Which kind of sky, how many faults, which step: indices of the three lists.
+/// Indices of the kind of sky, the number of faults and the step.
 #[derive(Clone, Copy)]
 struct Place {
     kind: usize,
@@ -93,7 +93,7 @@ impl Tallies {
         &mut self.0[place.index() * CONTENDERS.len() + contender]
     }
 
-    /// All that fits: `None` stands for every one.
+    /// Returns the sum of all matching tallies; `None` stands for every one.
     fn sum(&self, kind: Option<usize>, faults: usize, step: Option<usize>, contender: usize) -> Tally {
         let kinds = kind.map_or(0..KINDS.len(), |kind| kind..kind + 1);
         let steps = step.map_or(0..STEPS_M.len(), |step| step..step + 1);
@@ -124,7 +124,7 @@ fn run(effort: Effort, bar: &ProgressBar) -> Result<Outcome> {
     })
 }
 
-/// Judges every scene, as many of each place.
+/// Judges every scene, the same number for each place.
 fn tally(runs: u64, bar: &ProgressBar) -> Tallies {
     let places: Vec<Place> = (0..KINDS.len())
         .flat_map(|kind| (0..FAULTS.len()).map(move |faults| (kind, faults)))
@@ -149,7 +149,8 @@ fn tally(runs: u64, bar: &ProgressBar) -> Tallies {
     tallies
 }
 
-/// What a method costs on the target, as committed by the bench; a method that is not among its figures says so.
+/// Returns the cost of each method on the target, from the committed budgets; a method without a
+/// figure is marked.
 fn costs() -> Result<Section> {
     let committed = budget::committed()?;
     let mut rows = Vec::new();
@@ -171,7 +172,8 @@ fn costs() -> Result<Section> {
     })
 }
 
-/// A line for each number of faults and method: the rate of correct exclusion, and what became of the rest.
+/// Returns a line for each number of faults and method: the rate of correct exclusion, and the
+/// other outcomes.
 fn section(title: &str, kind: Option<usize>, tallies: &Tallies) -> Section {
     let mut rows = Vec::new();
     for (faults, &count) in FAULTS.iter().enumerate() {
