@@ -251,7 +251,7 @@ impl Fault {
         }
         let known: Vec<String> = satellites.iter().map(ToString::to_string).collect();
         Err(FaultError {
-            message: format!("{} is never received; there are {}", self.target, known.join(" ")),
+            message: format!("{} is never received; the satellites are {}", self.target, known.join(" ")),
         })
     }
 }

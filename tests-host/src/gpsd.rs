@@ -47,8 +47,8 @@ impl Gpsd {
         Self::launched_by(Command::new("gpsd"))
     }
 
-    /// As [`Self::start_or_skip`], with shared memory that only processes in its namespace can see.
-    /// Only the superuser can do this.
+    /// Starts gpsd as [`Self::start_or_skip`] does, with shared memory that only processes in its
+    /// namespace can see. Only the superuser can do this.
     ///
     /// # Errors
     /// As [`Self::start_or_skip`].
@@ -84,7 +84,7 @@ impl Gpsd {
     /// # Errors
     /// If gpsd has closed the connection.
     pub fn feed(&mut self, sentences: &[u8]) -> Result<()> {
-        self.sentences.write_all(sentences).context("gpsd hung up on the sentences")
+        self.sentences.write_all(sentences).context("gpsd closed the connection for the sentences")
     }
 
     /// Returns the first object that satisfies `wanted`; earlier ones are dropped.
@@ -116,7 +116,7 @@ impl Gpsd {
     pub fn objects(&mut self) -> Result<Vec<Value>> {
         let mut chunk = [0; 4096];
         match self.json.read(&mut chunk) {
-            Ok(0) => bail!("gpsd hung up"),
+            Ok(0) => bail!("gpsd closed the connection"),
             Ok(count) => self.unread.extend_from_slice(&chunk[..count]),
             Err(error) if is_not_yet(&error) => {}
             Err(error) => return Err(error.into()),
@@ -126,7 +126,7 @@ impl Gpsd {
         lines
             .split(|byte| *byte == b'\n')
             .filter(|line| !line.trim_ascii().is_empty())
-            .map(|line| serde_json::from_slice(line).context("gpsd speaks JSON"))
+            .map(|line| serde_json::from_slice(line).context("gpsd must send JSON"))
             .collect()
     }
 }
@@ -162,15 +162,15 @@ pub(crate) fn path_of_daemons() -> Result<OsString> {
 
 fn accept(listener: &TcpListener) -> Result<TcpStream> {
     listener.set_nonblocking(true)?;
-    let stream =
-        retry(|| listener.accept().map(|(stream, _)| stream)).context("gpsd asks for the sentences")?;
+    let stream = retry(|| listener.accept().map(|(stream, _)| stream))
+        .context("gpsd did not connect for the sentences")?;
     stream.set_nonblocking(false)?;
     stream.set_write_timeout(Some(START))?;
     Ok(stream)
 }
 
 fn connect(port: u16) -> Result<TcpStream> {
-    retry(|| TcpStream::connect((Ipv4Addr::LOCALHOST, port))).context("gpsd serves its JSON")
+    retry(|| TcpStream::connect((Ipv4Addr::LOCALHOST, port))).context("gpsd does not serve its JSON")
 }
 
 /// Repeats an attempt until it succeeds, for as long as gpsd may take to start.

@@ -170,7 +170,7 @@ pub(crate) fn built(cargo: &mut Command) -> anyhow::Result<PathBuf> {
         .stderr(Stdio::inherit())
         .output()
         .context("cargo cannot be run")?;
-    ensure!(output.status.success(), "the image does not build (`cargo image` says why)");
+    ensure!(output.status.success(), "the image does not build (`cargo image` prints the reason)");
     executable(&String::from_utf8_lossy(&output.stdout)).context("cargo built no image")
 }
 
@@ -212,7 +212,7 @@ impl Image {
     /// If the file cannot be read, is not an ELF file for this processor or has no vector table.
     pub fn open(path: &Path) -> anyhow::Result<Self> {
         let bytes = std::fs::read(path).with_context(|| format!("{} cannot be read", path.display()))?;
-        Self::parse(&bytes).with_context(|| format!("{} is no firmware image", path.display()))
+        Self::parse(&bytes).with_context(|| format!("{} is not a firmware image", path.display()))
     }
 
     fn parse(bytes: &[u8]) -> anyhow::Result<Self> {
@@ -294,9 +294,9 @@ fn within(inner: &Range<u64>, outer: &Range<u64>) -> bool {
 }
 
 fn vectors(elf: &object::File<'_>) -> anyhow::Result<(u64, u64)> {
-    let table = elf.section_by_name(".vector_table").context("it has no vector table")?.data()?;
+    let table = elf.section_by_name(".vector_table").context("the vector table is missing")?.data()?;
     let word = |offset: usize| -> anyhow::Result<u64> {
-        let bytes = table.get(offset..offset + 4).context("its vector table is cut short")?;
+        let bytes = table.get(offset..offset + 4).context("the vector table is incomplete")?;
         Ok(u64::from(u32::from_le_bytes(bytes.try_into()?)))
     };
     Ok((word(0)?, word(4)?))

@@ -71,7 +71,7 @@ pub fn solve(ranges: &[Range]) -> Option<Dense> {
     Some(Dense { unknowns_m, residuals_m, projection, gain, covariance_m2, sse, dof, hdop, vdop })
 }
 
-/// As [`solve`], without the ranges listed.
+/// Solves as [`solve`] does, without the ranges listed.
 pub fn solve_without(ranges: &[Range], excluded: &[usize]) -> Option<Dense> {
     let kept: Vec<Range> = ranges
         .iter()

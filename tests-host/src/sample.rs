@@ -40,7 +40,7 @@ pub fn fetch(cache: &Path) -> Result<Sample> {
         files = NAMES.map(|name| find(&folder, name));
     }
     let [Some(observations), Some(navigation)] = files else {
-        bail!("{PACKAGE} in {} holds no {}", folder.display(), NAMES.join(" and "));
+        bail!("{PACKAGE} in {} lacks {}", folder.display(), NAMES.join(" and "));
     };
     let truth = Ecef::new(-3_962_108.673, 3_381_309.574, 3_668_678.638);
     Ok(Sample { observations, navigation, truth })
@@ -51,7 +51,8 @@ fn install(folder: &Path) -> Result<()> {
     let arguments =
         ["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--no-deps", "--target"];
     let output = Command::new("python3").args(arguments).arg(folder).arg(PACKAGE).output();
-    let output = output.context("the sample is fetched by pip: install python3 and python3-pip")?;
+    let output =
+        output.context("pip, which fetches the sample, is missing: install python3 and python3-pip")?;
     let complaint = String::from_utf8_lossy(&output.stderr);
     let complaint = complaint.lines().last().unwrap_or("no reason given");
     ensure!(output.status.success(), "pip could not fetch the sample ({PACKAGE}): {complaint}");

@@ -103,7 +103,7 @@ pub fn parse(line: &str) -> anyhow::Result<Sentence> {
     let (body, checksum) = line
         .strip_prefix('$')
         .and_then(|line| line.rsplit_once('*'))
-        .with_context(|| format!("no sentence: {line:?}"))?;
+        .with_context(|| format!("not a sentence: {line:?}"))?;
     let have = body.bytes().fold(0u8, |sum, byte| sum ^ byte);
     ensure!(u8::from_str_radix(checksum, 16) == Ok(have), "wrong checksum: {line:?}");
     let fields: Vec<&str> = body.split(',').collect();
@@ -145,7 +145,7 @@ fn optional<T: std::str::FromStr>(fields: &[&str], index: usize) -> anyhow::Resu
         Some(&"") => Ok(None),
         Some(text) => match text.parse() {
             Ok(value) => Ok(Some(value)),
-            Err(_) => bail!("field {index}, {text:?}, is no number"),
+            Err(_) => bail!("field {index}, {text:?}, is not a number"),
         },
     }
 }
@@ -188,7 +188,7 @@ fn position(fields: &[&str]) -> anyhow::Result<Option<Geodetic>> {
 fn state(fields: &[&str]) -> anyhow::Result<State> {
     let state = text(fields, 2)?;
     let reason = text(fields, 3)?;
-    ensure!(matches!(state.as_str(), "P" | "A" | "U"), "state {state:?} is none of P, A, U");
+    ensure!(matches!(state.as_str(), "P" | "A" | "U"), "state {state:?} must be P, A or U");
     Ok(State {
         time_s: time_of_day_s(fields)?,
         state: state.chars().next().unwrap_or('U'),
@@ -208,7 +208,7 @@ fn state(fields: &[&str]) -> anyhow::Result<State> {
 fn excluded(fields: &[&str]) -> anyhow::Result<Excluded> {
     let name = text(fields, 3)?;
     Ok(Excluded {
-        satellite: satellite(&name).with_context(|| format!("{name:?} is no satellite"))?,
+        satellite: satellite(&name).with_context(|| format!("{name:?} is not a satellite"))?,
         w_test: required(fields, 4)?,
         bias_m: required(fields, 5)?,
     })

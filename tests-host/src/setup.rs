@@ -194,7 +194,7 @@ fn settle(look: fn() -> Machine) -> anyhow::Result<()> {
         take(step)?;
     }
     let left = if steps.is_empty() { Vec::new() } else { plan(&look()) };
-    ensure!(left.is_empty(), "the set-up ran, and this is still missing: {left:?}");
+    ensure!(left.is_empty(), "after the set-up this is still missing: {left:?}");
     Ok(())
 }
 
@@ -225,7 +225,7 @@ pub fn peers() -> anyhow::Result<()> {
     if !can_compile_peers() || !on_path("python3") {
         install(&PEERS, packages()).iter().try_for_each(take)?;
     }
-    ensure!(can_compile_peers(), "the set-up ran, and newlib for arm-none-eabi-gcc is still missing");
+    ensure!(can_compile_peers(), "after the set-up newlib for arm-none-eabi-gcc is still missing");
     Ok(())
 }
 
@@ -249,7 +249,7 @@ fn python_of_consumers() -> PathBuf {
 
 fn take(step: &Step) -> anyhow::Result<()> {
     let command = match step {
-        Step::Ask(words) => bail!("something is missing that only you can install:\n\n    {words}\n"),
+        Step::Ask(words) => bail!("a requirement is missing that only you can install:\n\n    {words}\n"),
         Step::Run(command) => command,
     };
     run(command)

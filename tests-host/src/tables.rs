@@ -17,7 +17,8 @@ use rai_core::integrity::residuals::threshold::{MAX_DOF, MAX_TESTS};
 
 use crate::chi_square;
 
-/// False-alarm probabilities: gold table, parity-space papers (0.005), once in 15,000 samples ([DO-229]).
+/// False-alarm probabilities: gold table, parity-space papers (0.005), once in 15,000 samples
+/// ([DO-229]).
 ///
 /// [DO-229]: crate#references
 pub const FALSE_ALARM: [f64; 9] = [5e-3, 1e-3, 1e-4, 6.667e-5, 1.0 / 15_000.0, 1e-5, 3.33e-7, 1e-7, 1e-8];
@@ -28,7 +29,8 @@ pub const MISSED_DETECTION: [f64; 4] = [1e-3, 1e-4, 1e-5, 1e-6];
 /// Largest relative error of a table.
 pub const TOLERANCE: f64 = 1e-12;
 
-/// The rows of one pair of probabilities, as [`rai_core::integrity::residuals::threshold::Thresholds`] reads them.
+/// Rows of one pair of probabilities, in the form of
+/// [`rai_core::integrity::residuals::threshold::Thresholds`].
 #[derive(Clone, Debug)]
 pub struct Rows {
     /// Thresholds of the global test for 1, 2, … degrees of freedom.
@@ -113,7 +115,7 @@ pub fn check_committed(committed: &str) -> anyhow::Result<()> {
     if let Some((line, (have, want))) = (1..).zip(committed.lines().zip(generated.lines())).find(differs) {
         bail!("line {line} of the committed table: have `{have}`, want `{want}`; run `cargo xtask tables`");
     }
-    ensure!(committed == generated, "the committed table ends elsewhere; run `cargo xtask tables`");
+    ensure!(committed == generated, "the committed table has another length; run `cargo xtask tables`");
     Ok(())
 }
 
@@ -154,7 +156,7 @@ pub fn compare_with_gold(gold: &Path, lookup: &impl Lookup) -> anyhow::Result<Go
         errors.push(relative_error(lookup(dof as usize, alarm, Some(missed)), want));
     }
     // The total order puts NaN last, so that a missing value counts as the worst.
-    let worst_relative = errors.iter().copied().max_by(f64::total_cmp).context("no gold values")?;
+    let worst_relative = errors.iter().copied().max_by(f64::total_cmp).context("there are no gold values")?;
     Ok(GoldComparison { values: errors.len(), worst_relative })
 }
 
@@ -167,7 +169,7 @@ fn read_numbers<const COLUMNS: usize>(path: &Path) -> anyhow::Result<Vec<[f64; C
     let parse = |(number, line): (usize, &str)| {
         let words: Result<Vec<f64>, _> = line.split(',').map(|word| word.trim().parse()).collect();
         let columns = words.ok().and_then(|words| words.try_into().ok());
-        columns.with_context(|| format!("{} line {number}: not {COLUMNS} numbers", path.display()))
+        columns.with_context(|| format!("{} line {number}: must have {COLUMNS} numbers", path.display()))
     };
     (1..).zip(text.lines()).skip(1).map(parse).collect()
 }

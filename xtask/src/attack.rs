@@ -56,7 +56,13 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
             lost.push(outcome.name);
         }
     }
-    ensure!(lost.is_empty(), "{} of {} attacks not held: {}", lost.len(), attacks.len(), lost.join(", "));
+    ensure!(
+        lost.is_empty(),
+        "the module failed {} of {} attacks: {}",
+        lost.len(),
+        attacks.len(),
+        lost.join(", ")
+    );
     Ok(())
 }
 
@@ -70,7 +76,7 @@ fn chosen(names: &[String]) -> anyhow::Result<Vec<&'static Attack>> {
 fn named(name: &str) -> anyhow::Result<&'static Attack> {
     let known = || ATTACKS.iter().map(|attack| attack.name).collect::<Vec<_>>().join(", ");
     let found = ATTACKS.iter().find(|attack| attack.name == name).copied();
-    found.with_context(|| format!("no attack is called `{name}`; there are {}, or all", known()))
+    found.with_context(|| format!("`{name}` is not an attack; the attacks are {}, or all", known()))
 }
 
 /// Prints a Markdown table: a row per method and number of faults, a column per number of
@@ -105,6 +111,6 @@ fn again_optimised() -> anyhow::Result<()> {
         .args(std::env::args_os().skip(1))
         .status()
         .context("cargo cannot be run")?;
-    ensure!(status.success(), "not everything holds");
+    ensure!(status.success(), "an attack failed; see above");
     Ok(())
 }

@@ -43,7 +43,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
 }
 
 fn profile(stage: &str) -> anyhow::Result<()> {
-    ensure!(board::is_installed(), "nothing can be counted without the emulator");
+    ensure!(board::is_installed(), "the emulator is needed: `cargo xtask setup` installs it");
     let (name, profile) = bench::profile(stage)?;
     println!("{name}\n\n{profile}");
     Ok(())
@@ -54,7 +54,7 @@ fn host() -> anyhow::Result<()> {
 }
 
 fn peers() -> anyhow::Result<()> {
-    ensure!(board::is_installed(), "nothing can be counted without the emulator");
+    ensure!(board::is_installed(), "the emulator is needed: `cargo xtask setup` installs it");
     setup::peers()?;
     let sources = Sources::fetch(|what| eprintln!("fetching {what}"))?;
     println!("{}", Comparison::take(&sources, |at| eprintln!("measuring {at}"))?);
@@ -74,7 +74,7 @@ fn sidereon() -> anyhow::Result<()> {
 }
 
 fn target(arguments: &Arguments) -> anyhow::Result<()> {
-    ensure!(board::is_installed(), "nothing can be counted without the emulator");
+    ensure!(board::is_installed(), "the emulator is needed: `cargo xtask setup` installs it");
     let measurement = Measurement::take(|at| eprintln!("measuring {at}"))?;
     println!("{measurement}");
     if arguments.save {
@@ -87,7 +87,7 @@ fn target(arguments: &Arguments) -> anyhow::Result<()> {
         let findings = measurement.check()?;
         ensure!(
             findings.is_empty(),
-            "{}\nif that is meant to be, `cargo xtask bench --save` takes the new figures",
+            "{}\nif the growth is intended, `cargo xtask bench --save` accepts the new figures",
             findings.join("\n")
         );
     }

@@ -59,7 +59,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
         return show(&table, out, *numbers);
     }
     let spec = arguments.spec.as_deref().context(
-        "give a specification, as tests-host/campaigns/lpv200.toml, or `merge` and the tables of all shares",
+        "give a specification, such as tests-host/campaigns/lpv200.toml, or `merge` and the tables of all shares",
     )?;
     // The specification is checked first, because building takes minutes.
     let campaign = Campaign::load(spec)?;
@@ -76,7 +76,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
 fn finish(path: &Path, arguments: &Arguments) -> Result<()> {
     let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
     let table = Table::read(&text)?;
-    ensure!(table.is_whole(), "{} is not whole: go on with --resume", path.display());
+    ensure!(table.is_whole(), "{} is incomplete: continue with --resume", path.display());
     show(&table, &arguments.out, arguments.numbers)
 }
 

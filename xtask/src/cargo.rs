@@ -35,7 +35,7 @@ pub(crate) fn spawn(command: &mut Command) -> anyhow::Result<()> {
 /// Runs the same command optimised, because millions of epochs are worth the build. The numbers are
 /// the same.
 pub(crate) fn again_optimised(failed: &'static str) -> anyhow::Result<()> {
-    eprintln!("building with optimisation, which takes some minutes the first time");
+    eprintln!("building with optimisation; the first time takes minutes");
     // Paths on the command line are relative to the caller's folder.
     let status = command(&["run", "--release", "--package", "xtask", "--"])
         .args(std::env::args_os().skip(1))

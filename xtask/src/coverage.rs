@@ -31,7 +31,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     command.args(["--ignore-filename-regex", "(rai-firmware|tests-host|xtask)/|/tests"]);
     command.arg(if arguments.missing { "--show-missing-lines" } else { "--summary-only" });
     let status = command.status().context("cargo-llvm-cov cannot be run")?;
-    ensure!(status.success(), "the tests failed, or were not counted");
+    ensure!(status.success(), "the tests failed, or their coverage was not measured");
     Ok(())
 }
 

@@ -28,7 +28,7 @@ pub(crate) struct Arguments {
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let satellite = fault::satellite(&arguments.sat)
-        .with_context(|| format!("--sat {}: not a satellite; write it like G15", arguments.sat))?;
+        .with_context(|| format!("--sat {} is not a satellite; write a name such as G15", arguments.sat))?;
     let plan = Plan { satellite, bias_m: arguments.bias, seed: 1 };
     plan.simulation().with_context(|| format!("--sat {}", arguments.sat))?;
     setup::ensure()?;
@@ -49,7 +49,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         }
     })?;
     drop(live);
-    shown.context("the terminal takes no more")?;
+    shown.context("the terminal cannot be written")?;
     let folder = Path::new(FOLDER);
     story.page()?.write(&folder.join("report.html"))?;
     write_file(&folder.join("picture.svg"), &story.picture(Ground::Sheet)?)?;

@@ -47,11 +47,11 @@ fn write(path: &Path, chip: &Chip) -> anyhow::Result<()> {
     use probe_rs::flashing::{ElfLoader, ElfOptions, download_file};
     use probe_rs::{Session, SessionConfig};
 
-    let mut session =
-        Session::auto_attach(chip.name, SessionConfig::default()).context("no probe reaches the chip")?;
+    let mut session = Session::auto_attach(chip.name, SessionConfig::default())
+        .context("no debug probe reaches the chip")?;
     println!("writing …");
     download_file(&mut session, path, ElfLoader(ElfOptions::default()))
-        .context("the flash was not written")?;
+        .context("the image could not be written to flash")?;
     session.core(0)?.reset()?;
     println!("written; the module runs");
     Ok(())
@@ -60,7 +60,7 @@ fn write(path: &Path, chip: &Chip) -> anyhow::Result<()> {
 #[cfg(not(feature = "probe"))]
 fn write(_path: &Path, chip: &Chip) -> anyhow::Result<()> {
     anyhow::bail!(
-        "this build cannot drive a probe, which takes minutes to compile:\n\n    \
+        "this build has no probe support, which takes minutes to compile:\n\n    \
          cargo run --package xtask --features probe -- flash --chip {}\n",
         chip.name
     )

@@ -56,7 +56,7 @@ fn chosen(names: &[String]) -> anyhow::Result<Vec<&'static Target>> {
     let all = || TARGETS.iter().map(|target| target.name).collect::<Vec<_>>().join(", ");
     let named = |name: &String| {
         let target = TARGETS.iter().find(|target| target.name == name);
-        target.with_context(|| format!("no target `{name}`: there are {}", all()))
+        target.with_context(|| format!("`{name}` is not a target; the targets are {}", all()))
     };
     if names.is_empty() { Ok(TARGETS.iter().collect()) } else { names.iter().map(named).collect() }
 }
@@ -131,7 +131,7 @@ fn spawn(command: &mut Command, target: &Target) -> anyhow::Result<()> {
     let status = command.status().context("cargo-fuzz cannot be run")?;
     ensure!(
         status.success(),
-        "{}: not finished; an input that breaks something is in tests-host/fuzz/artifacts/{0}",
+        "{}: not finished; a failing input is in tests-host/fuzz/artifacts/{0}",
         target.name
     );
     Ok(())

@@ -18,7 +18,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if arguments.check {
         let committed = std::fs::read_to_string(&path).with_context(|| path.display().to_string())?;
         ensure!(committed == header, "{}", capi::STALE_HEADER);
-        println!("committed header: identical to what the sources say");
+        println!("committed header: identical to that of the sources");
     } else {
         std::fs::write(&path, header).with_context(|| path.display().to_string())?;
         println!("wrote {}", path.display());

@@ -32,7 +32,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let status = command.status().context("cargo-mutants cannot be run")?;
     ensure!(
         status.success(),
-        "some changes went unnoticed, or could not be tried: target/mutants.out says which"
+        "some changes were not detected or could not be tried; target/mutants.out lists them"
     );
     Ok(())
 }

@@ -22,7 +22,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         if arguments.consumers {
             consumers()?;
         }
-        println!("everything is there");
+        println!("nothing is missing");
         return Ok(());
     }
     let steps = plan(&Machine::look_for_all());
@@ -32,7 +32,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
             Step::Ask(words) => println!("missing, for you to do: {words}"),
         }
     }
-    ensure!(steps.is_empty(), "{} steps are left (`cargo xtask setup` takes them)", steps.len());
-    println!("everything is there");
+    ensure!(steps.is_empty(), "{} steps are missing (`cargo xtask setup` takes them)", steps.len());
+    println!("nothing is missing");
     Ok(())
 }

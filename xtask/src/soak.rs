@@ -26,7 +26,7 @@ pub(crate) struct Arguments {
 /// Parses hours from a minute to the length of the recording.
 fn hours(text: &str) -> Result<f64, String> {
     let hours = text.parse().ok().filter(|hours| (1.0 / 60.0..=24.0).contains(hours));
-    hours.ok_or_else(|| "not a number of hours between a minute (0.0167) and a day (24)".to_owned())
+    hours.ok_or_else(|| "hours must be within 0.0167 (a minute) to 24".to_owned())
 }
 
 /// Runs the command.
@@ -53,7 +53,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     page(&outcomes)?.write(&index)?;
     eprintln!("report: {}", index.display());
     let broken: Vec<String> = outcomes.iter().flat_map(Outcome::broken).collect();
-    ensure!(broken.is_empty(), "not zero:\n{}", broken.join("\n"));
+    ensure!(broken.is_empty(), "counts that must be zero are not:\n{}", broken.join("\n"));
     Ok(())
 }
 

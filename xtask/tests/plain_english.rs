@@ -1,5 +1,5 @@
-//! Documentation in plain English: counts what breaks two rules of CONTRIBUTING.md that a program can
-//! check, package by package.
+//! Plain English in comments and documents: violations of two rules of CONTRIBUTING.md, counted for
+//! each package.
 //!
 //! 1. No first line of a doc comment, and no line of a document in the root, begins with a relative
 //!    clause that has no noun (`What is left`, `Whether it passed`, `Of these, the largest`).
@@ -134,7 +134,7 @@ fn examine_document(name: &str, document: &str, found: &mut Found) {
     }
 }
 
-/// Offenders of every package, and of the documents in the root under the name `documents`.
+/// Returns the offenders of every package, and those of the documents in the root as `documents`.
 fn offenders() -> BTreeMap<String, Found> {
     let (root, mut paths) = (root(), Vec::new());
     sources(&root, &mut paths);
@@ -157,7 +157,7 @@ fn offenders() -> BTreeMap<String, Found> {
     all
 }
 
-/// One line for each offender, if there are more than allowed.
+/// Returns one line for each offender, if there are more than allowed.
 fn complaint(package: &str, rule: &str, have: &[Offender], allowed: usize) -> String {
     let mut text = String::new();
     if have.len() > allowed {

@@ -10,7 +10,7 @@ use super::Interval;
 pub enum Judgement {
     /// Equal within rounding and chance.
     Reproduced,
-    /// Of the same order and shape, with similar numbers.
+    /// Same order and shape, with similar numbers.
     InTrend,
     /// Not reproducible; the reason is given.
     NotReproducible,

@@ -146,7 +146,7 @@ fn strangers(
 ) -> Result<Vec<Vec<u8>>> {
     let model = simulation.satellites.first().and_then(|known| ephemeris(known, simulation.origin, at_s, 9));
     let Some(TimedEphemeris { message: Ephemeris::Gps(model), toe, sent, .. }) = model else {
-        bail!("no satellite of GPS to begin with");
+        bail!("the sky must have a GPS satellite");
     };
     let names = [(Constellation::Beidou, 63), (Constellation::Galileo, 36), (Constellation::Gps, 32)];
     let satellites = names.into_iter().flat_map(|(constellation, highest)| {

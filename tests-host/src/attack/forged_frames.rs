@@ -163,7 +163,7 @@ fn other_cycle(_: Effort) -> Result<Vec<Figure>> {
     let wanted = used_of(&bytes)?;
     let is_beidou = |frame: &&[u8]| read(frame).is_some_and(|message| message.number() == Some(1042));
     let forged = frames(&bytes[0]).into_iter().find(is_beidou).map(|frame| of_week(frame, 1024));
-    let forged = forged.context("an ephemeris of BeiDou")?;
+    let forged = forged.context("the sky must have an ephemeris of BeiDou")?;
     // The receiver repeats its ephemerides.
     let sets = bytes[0].clone();
     bytes[20].splice(..0, sets);
@@ -236,7 +236,7 @@ fn leap_seconds(_: Effort) -> Result<Vec<Figure>> {
         change: (1929, 7),
     };
     let forged = ubx::IonosphereAndUtc { leap_s: (28, 28), ..said };
-    let galileo = SatelliteId::new(Constellation::Galileo, 1).context("Galileo has a satellite 1")?;
+    let galileo = SatelliteId::new(Constellation::Galileo, 1).context("Galileo must have a satellite 1")?;
     let (mut figures, mut wanted) = (Vec::new(), 0.0);
     for words in [0, 1, 3] {
         let mut encoder = ubx::Encoder::new(&recording.ephemerides, selection.clone(), Some(said));

@@ -34,7 +34,8 @@ pub(super) const ATTACK: Attack = Attack {
 /// Offset of the place on which the E5a ranges agree from the true place, m.
 const AWAY: Enu = Enu { east: 30.0, north: 25.0, up: -10.0 };
 
-/// Semi-major axis, m, and inclination, degrees, of the Walker constellation 24/3/1 ([Galileo-OS-SIS-ICD] §4).
+/// Semi-major axis, m, and inclination, degrees, of the Walker constellation 24/3/1
+/// ([Galileo-OS-SIS-ICD] §4).
 ///
 /// [Galileo-OS-SIS-ICD]: crate#references
 const AXIS_M: f64 = 29_600_318.0;

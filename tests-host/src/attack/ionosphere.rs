@@ -69,8 +69,8 @@ const L1_HZ: f64 = 1_575.42e6;
 /// Time between epochs, s.
 const STEP_S: f64 = 600.0;
 
-/// Degrees of latitude between the antenna and the point where the signal comes through the electrons, for a
-/// satellite at the horizon to the north.
+/// Latitude between the antenna and the pierce point for a satellite at the northern horizon,
+/// degrees.
 const FARTHEST_DEG: f64 = 14.0;
 
 fn run(effort: Effort, slope_per_deg: f64, command: Option<&'static str>) -> Result<Vec<Figure>> {
@@ -170,7 +170,7 @@ fn under_forged(latitude_deg: f64, start_s: f64, page: Page) -> Result<Tally> {
     };
     let recording = simulation.record();
     let mut encoder = Encoder::new(&recording.ephemerides, Selection::new("GC", Frequency::Single)?);
-    let satellite = SatelliteId::new(Constellation::Gps, 1).context("GPS has a satellite 1")?;
+    let satellite = SatelliteId::new(Constellation::Gps, 1).context("GPS must have a satellite 1")?;
     let (mut victim, mut tally) = (Victim::new(&["PHASE,ENROUTE", "SIGMA,ADAPT"], 1.0)?, Tally::default());
     for (index, epoch) in recording.epochs.iter().enumerate() {
         let said = match index {

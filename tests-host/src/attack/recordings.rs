@@ -67,7 +67,7 @@ fn nominal(effort: Effort) -> Result<Vec<Figure>> {
 }
 
 fn of_station(station: &Station, systems: &str, most: usize) -> Result<Vec<Figure>> {
-    let recording = station.load().with_context(|| format!("no recording {}", station.folder))?;
+    let recording = station.load().with_context(|| format!("recording {} is missing", station.folder))?;
     let name = station.folder;
     let truth = Truth::Fixed(station.truth);
     let mut figures = Vec::new();

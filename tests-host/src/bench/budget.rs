@@ -33,8 +33,9 @@ pub fn committed() -> Result<BTreeMap<String, u64>> {
 
 fn parse(text: &str) -> Result<BTreeMap<String, u64>> {
     let figure = |line: &str| -> Result<(String, u64)> {
-        let (value, name) = line.trim_start().split_once(' ').context("a figure, then a name")?;
-        Ok((name.trim().to_owned(), value.parse().with_context(|| format!("`{value}` is no figure"))?))
+        let (value, name) =
+            line.trim_start().split_once(' ').context("the line must be a figure and a name")?;
+        Ok((name.trim().to_owned(), value.parse().with_context(|| format!("`{value}` is not a number"))?))
     };
     text.lines().map(|line| figure(line).with_context(|| format!("budget `{line}`"))).collect()
 }
@@ -59,7 +60,7 @@ pub fn findings(figures: &[Figure], committed: &BTreeMap<String, u64>) -> Vec<St
     };
     let is_measured = |name: &String| figures.iter().any(|figure| figure.name == *name);
     let gone = committed.keys().filter(|name| !is_measured(name));
-    let gone = gone.map(|name| format!("{name}: has a budget and is not measured"));
+    let gone = gone.map(|name| format!("{name}: has a budget but is not measured"));
     figures.iter().filter_map(of_figure).chain(gone).collect()
 }
 

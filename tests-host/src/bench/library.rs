@@ -102,7 +102,10 @@ fn sizes(linker: &Path, archive: &Path, level: Level) -> Result<(u64, u64)> {
     command.args(level.calls().iter().chain([&size.as_str()]).map(|name| format!("--undefined={name}")));
     let program = run(command.arg(archive))?;
     let elf = object::File::parse(&*program)?;
-    let object = elf.symbols().find(|symbol| symbol.name() == Ok(&size)).context("it states no size")?;
+    let object = elf
+        .symbols()
+        .find(|symbol| symbol.name() == Ok(&size))
+        .context("the library does not state its size")?;
     let loaded = elf.sections().filter(is_loaded);
     Ok((loaded.map(|section| section.size()).sum(), object.address()))
 }

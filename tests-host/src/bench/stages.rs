@@ -76,7 +76,8 @@ pub fn profile(words: &str) -> Result<(String, Profile)> {
     let cases = cases()?;
     let names = || cases.iter().map(|case| case.name.as_str()).collect::<Vec<_>>().join("\n  ");
     let case = cases.iter().find(|case| case.name.contains(words));
-    let case = case.with_context(|| format!("no stage is called `{words}`; there are\n  {}", names()))?;
+    let case =
+        case.with_context(|| format!("no stage has `{words}` in its name; the stages are\n  {}", names()))?;
     let mut bench = Bench::default();
     bench.request(case.stage, case.scalar, &case.input);
     Ok((case.name.clone(), bench.profile(case.epochs - 1)?))

@@ -88,7 +88,7 @@ pub fn epoch(count: usize, constellations: usize, faults: usize) -> Result<Epoch
             sigma_m: SIGMA_M,
         })?;
     }
-    anyhow::ensure!(epoch.observations().len() == count, "the sky shows fewer than {count} satellites");
+    anyhow::ensure!(epoch.observations().len() == count, "the sky has fewer than {count} satellites");
     Ok(epoch)
 }
 
@@ -98,9 +98,11 @@ fn fault_m(index: usize, faults: usize) -> f64 {
 }
 
 fn named(index: usize, count: usize, constellations: usize) -> Result<SatelliteId> {
-    let constellation =
-        *Constellation::ALL.get(index * constellations / count).context("no such constellation")?;
-    SatelliteId::new(constellation, index as u8 + 1).context("no such number")
+    let constellation = *Constellation::ALL
+        .get(index * constellations / count)
+        .context("the number of constellations must be within 1 to 4")?;
+    SatelliteId::new(constellation, index as u8 + 1)
+        .context("the constellation has no satellite of this number")
 }
 
 /// Faults of a stream.
@@ -208,7 +210,7 @@ impl Stream {
     /// # Errors
     /// If there is no epoch.
     pub fn split(&self) -> Result<(Vec<u8>, &[u8])> {
-        let (last, before) = self.epochs.split_last().context("a stream without epochs")?;
+        let (last, before) = self.epochs.split_last().context("the stream has no epochs")?;
         Ok((before.concat(), last))
     }
 }

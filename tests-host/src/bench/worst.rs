@@ -109,7 +109,11 @@ pub fn search(place: Place) -> Result<Found> {
         for (axis, (_, values)) in CIRCUMSTANCES.iter().enumerate() {
             let along: Vec<Point> = (0..values.len()).map(|value| with(point, axis, value)).collect();
             let costs = known_or_measured(place, &along, &mut known)?;
-            let best = costs.into_iter().zip(along).max_by_key(|(cost, _)| *cost).context("no values")?;
+            let best = costs
+                .into_iter()
+                .zip(along)
+                .max_by_key(|(cost, _)| *cost)
+                .context("a circumstance has no values")?;
             if best.0 > highest {
                 (highest, point) = best;
             }
@@ -151,7 +155,7 @@ fn known_or_measured(place: Place, points: &[Point], known: &mut BTreeMap<Point,
     if !new.is_empty() {
         known.extend(new.iter().copied().zip(measure(place, &new)?));
     }
-    points.iter().map(|point| known.get(point).copied().context("a point without an answer")).collect()
+    points.iter().map(|point| known.get(point).copied().context("a point has no answer")).collect()
 }
 
 /// Measures all points in one run of the emulator.

@@ -108,13 +108,13 @@ impl Emulator {
         for listener in &listeners {
             ports.push(accept(listener, deadline, &emulator)?);
         }
-        let ports = ports.try_into().ok().context("three listeners give three ports")?;
+        let ports = ports.try_into().ok().context("three ports must be connected")?;
         Ok((emulator, ports))
     }
 
     /// Returns the emulator's message to its user, if it has ended.
     pub(super) fn complaint(&self) -> String {
-        self.complaint.recv_timeout(Duration::from_secs(1)).unwrap_or_else(|_| "it did not say why".into())
+        self.complaint.recv_timeout(Duration::from_secs(1)).unwrap_or_else(|_| "without a message".into())
     }
 
     pub(super) fn process_id(&self) -> u32 {

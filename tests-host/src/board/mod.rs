@@ -79,7 +79,7 @@ impl EmulatedBoard {
     /// # Errors
     /// If the board does not accept them in time.
     pub fn feed(&mut self, bytes: &[u8]) -> anyhow::Result<()> {
-        self.gnss.write_all(bytes).context("the board takes no GNSS bytes")
+        self.gnss.write_all(bytes).context("the board does not accept GNSS bytes")
     }
 
     /// Sends bytes to the host port.
@@ -87,7 +87,7 @@ impl EmulatedBoard {
     /// # Errors
     /// If the board does not accept them in time.
     pub fn send(&mut self, bytes: &[u8]) -> anyhow::Result<()> {
-        self.host.write_all(bytes).context("the board takes no commands")
+        self.host.write_all(bytes).context("the board does not accept commands")
     }
 
     /// Sends the command `$PRAIC,{text}` with its checksum, for instance `PHASE,NPA`.
@@ -104,7 +104,7 @@ impl EmulatedBoard {
     /// If none comes within `patience`.
     pub fn read_line(&mut self, patience: Duration) -> anyhow::Result<String> {
         match self.lines.recv_timeout(patience) {
-            Ok(line) => String::from_utf8(line).context("the board sent bytes that are no text"),
+            Ok(line) => String::from_utf8(line).context("the board sent bytes that are not UTF-8"),
             Err(RecvTimeoutError::Timeout) => bail!("no line from the board within {patience:?}"),
             Err(RecvTimeoutError::Disconnected) => {
                 bail!("the emulator has ended: {}", self.emulator.complaint())

@@ -81,7 +81,7 @@ impl Monitor {
     /// If the emulator does not answer.
     pub fn clock_ms(&mut self) -> Result<u32> {
         let said = self.ask(&format!("xp /1uw {:#x}", self.clock_address))?;
-        number_behind_colon(&said).with_context(|| format!("the monitor shows no word: {said:?}"))
+        number_behind_colon(&said).with_context(|| format!("the monitor printed no number: {said:?}"))
     }
 
     /// Resets the chip, wherever its program is.
@@ -93,7 +93,9 @@ impl Monitor {
     }
 
     fn ask(&mut self, command: &str) -> Result<String> {
-        self.port.write_all(format!("{command}\n").as_bytes()).context("the monitor takes no command")?;
+        self.port
+            .write_all(format!("{command}\n").as_bytes())
+            .context("the monitor does not accept a command")?;
         self.answer()
     }
 

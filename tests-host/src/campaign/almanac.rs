@@ -34,7 +34,7 @@ pub fn read(text: &str, constellation: Constellation) -> Result<Vec<Satellite>> 
         }
         let satellite = satellite(&block, constellation, number).with_context(context)?;
         let is_twice = satellites.iter().any(|known| known.id == satellite.id);
-        ensure!(!is_twice, "{} stands twice", satellite.id);
+        ensure!(!is_twice, "{} occurs twice", satellite.id);
         satellites.push(satellite);
     }
     ensure!(!satellites.is_empty(), "no healthy satellite: is it a YUMA almanac?");
@@ -58,7 +58,7 @@ fn blocks(text: &str) -> Vec<BTreeMap<&str, &str>> {
 }
 
 fn field(block: &BTreeMap<&str, &str>, name: &str) -> Result<f64> {
-    let text = block.get(name).with_context(|| format!("a block without `{name}`"))?;
+    let text = block.get(name).with_context(|| format!("a block lacks `{name}`"))?;
     let number = text.parse().ok().filter(|number: &f64| number.is_finite());
     number.with_context(|| format!("{name}: `{text}` is not a number"))
 }
@@ -68,8 +68,8 @@ fn satellite(block: &BTreeMap<&str, &str>, constellation: Constellation, number:
     let is_number = (1.0..=99.0).contains(&number) && number.fract() == 0.0;
     let id = SatelliteId::new(constellation, number as u8).filter(|_| is_number);
     let (eccentricity, root) = (field("Eccentricity")?, field("SQRT")?);
-    ensure!((0.0..0.1).contains(&eccentricity), "eccentricity {eccentricity} is not within 0 and 0.1");
-    ensure!((4000.0..7000.0).contains(&root), "root of the axis {root} is not within 4000 and 7000");
+    ensure!((0.0..0.1).contains(&eccentricity), "eccentricity {eccentricity} must be within 0 to 0.1");
+    ensure!((4000.0..7000.0).contains(&root), "root of the axis {root} must be within 4000 to 7000");
     let axis_m = root * root;
     let applicability_s = field("Time of Applicability")?;
     let orbit = Orbit {
@@ -82,5 +82,5 @@ fn satellite(block: &BTreeMap<&str, &str>, constellation: Constellation, number:
         mean_anomaly_rad: field("Mean Anom")?,
         mean_motion_rad_s: mean_motion_rad_s(axis_m),
     };
-    Ok(Satellite { id: id.context("numbers are 1 to 99")?, orbit })
+    Ok(Satellite { id: id.context("the number must be within 1 to 99")?, orbit })
 }

@@ -48,8 +48,12 @@ impl Broadcast {
             });
         }
         let first = ephemerides.values().flatten().map(Ephemeris::toe).min();
-        let first = first.context("the navigation files hold no ephemeris of these systems")?;
-        ensure!(ephemerides.len() >= 4, "the navigation files hold {} satellites only", ephemerides.len());
+        let first = first.context("the navigation files have no ephemeris of these systems")?;
+        ensure!(
+            ephemerides.len() >= 4,
+            "the navigation files have {} satellites; at least 4 are needed",
+            ephemerides.len()
+        );
         Ok(Self { ephemerides, origin: GpsTime::from_ms(first.to_ms() / HOUR_MS * HOUR_MS) })
     }
 

@@ -33,7 +33,7 @@ const MOST_LINES: usize = 400;
 /// # Errors
 /// If the table is incomplete, or a picture cannot be drawn or written.
 pub fn write_report(table: &Table, folder: &Path, numbers: bool) -> Result<PathBuf> {
-    ensure!(table.is_whole(), "the table is a share: merge all of them first");
+    ensure!(table.is_whole(), "the table is only a share: merge all shares first");
     let (name, cases) = (&table.identity.name, cases(table));
     let mut page = Page::new(
         &format!("Campaign {name}"),

@@ -71,7 +71,7 @@ fn track(text: &str) -> Result<Vec<Place>> {
     const HEADING: &str = "time_s,lat_deg,lon_deg,height_m";
     let mut lines = text.lines().enumerate();
     let heading = lines.next().map(|(_, line)| line.trim());
-    ensure!(heading == Some(HEADING), "the first line is not {HEADING}");
+    ensure!(heading == Some(HEADING), "the first line must be {HEADING}");
     let mut places = Vec::new();
     for (index, line) in lines.filter(|(_, line)| !line.trim().is_empty()) {
         let numbers: Vec<f64> = line.split(',').filter_map(|field| field.trim().parse().ok()).collect();
@@ -88,7 +88,7 @@ fn track(text: &str) -> Result<Vec<Place>> {
             time_s: Some(numbers[0]),
         });
     }
-    ensure!(!places.is_empty(), "no place below the heading");
+    ensure!(!places.is_empty(), "there must be at least one place below the heading");
     Ok(places)
 }
 

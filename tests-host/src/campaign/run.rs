@@ -40,7 +40,7 @@ impl Share {
         let numbers = text.split_once('/').and_then(|(k, n)| Some((k.parse().ok()?, n.parse().ok()?)));
         match numbers {
             Some((k, n)) if (1..=n).contains(&k) && n <= 100_000 => Ok(Self { index: k - 1, of: n }),
-            _ => bail!("`{text}` is no share: write k/n with k from 1 to n, as 3/16"),
+            _ => bail!("`{text}` is not a share: write k/n with k from 1 to n, such as 3/16"),
         }
     }
 
@@ -108,7 +108,7 @@ impl Campaign {
         resume: bool,
         mut progress: impl FnMut(usize, usize),
     ) -> Result<PathBuf> {
-        std::fs::create_dir_all(folder).with_context(|| format!("cannot make {}", folder.display()))?;
+        std::fs::create_dir_all(folder).with_context(|| format!("cannot create {}", folder.display()))?;
         let path = folder.join(share.file_name(&self.identity.name));
         let cells: Vec<usize> = (share.index..self.identity.cells).step_by(share.of).collect();
         let (mut file, mut done) = self.begin(&path, &cells, resume)?;
@@ -139,7 +139,7 @@ impl Campaign {
             file.write_all(self.identity.heading().as_bytes())?;
             return Ok((file, 0));
         }
-        ensure!(resume, "{shown} is there already: go on with --resume, or name another folder with --out");
+        ensure!(resume, "{shown} already exists: continue with --resume, or name another folder with --out");
         let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {shown}"))?;
         let heading = self.identity.heading();
         // A run that was interrupted within its heading has no cells.
@@ -154,7 +154,7 @@ impl Campaign {
             "{shown} is of another specification: name another folder with --out"
         );
         let done: Vec<usize> = table.cells().collect();
-        ensure!(cells.starts_with(&done), "{shown} does not hold the cells of this share in their order");
+        ensure!(cells.starts_with(&done), "{shown} does not have the cells of this share in their order");
         let mut file = OpenOptions::new().write(true).open(path)?;
         file.set_len(table.whole_bytes as u64)?;
         file.seek(SeekFrom::End(0))?;
@@ -242,11 +242,11 @@ fn commanded(configuration: &Configuration, line: &str) -> Result<Configuration>
     let mut fields = line.split(',');
     let key = fields.next().unwrap_or("");
     let refused = |refusal: rai_firmware::config::Refusal| {
-        anyhow::anyhow!("the module refuses `{line}` ({refusal:?}): write it as in its command, PHASE,LPV200")
+        anyhow::anyhow!("the module refuses `{line}` ({refusal:?}): write a command such as PHASE,LPV200")
     };
     match Command::read(key, fields).map_err(refused)? {
         Command::Set(setting) => configuration.with(setting).map_err(refused),
-        _ => bail!("`{line}` sets nothing: write a key and its value, as PHASE,LPV200"),
+        _ => bail!("`{line}` sets nothing: write a key and its value, such as PHASE,LPV200"),
     }
 }
 

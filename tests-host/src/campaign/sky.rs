@@ -55,7 +55,11 @@ impl Sky {
         }
         satellites.sort_by_key(|satellite| satellite.id);
         for pair in satellites.windows(2) {
-            ensure!(pair[0].id != pair[1].id, "{} stands twice: name one constellation a system", pair[0].id);
+            ensure!(
+                pair[0].id != pair[1].id,
+                "{} occurs twice: name one constellation per system",
+                pair[0].id
+            );
         }
         Ok(Self::Orbits(satellites))
     }
@@ -74,5 +78,5 @@ impl Sky {
 fn fleet(name: &str) -> Result<Fleet> {
     let names = || Fleet::ALL.map(Fleet::name).join(", ");
     let found = Fleet::ALL.into_iter().find(|fleet| fleet.name() == name);
-    found.with_context(|| format!("no fleet is called \"{name}\"; there are {}", names()))
+    found.with_context(|| format!("\"{name}\" is not a fleet; the fleets are {}", names()))
 }

@@ -218,7 +218,7 @@ impl Spec {
     /// If something in it is wrong; the error names the place and the expected form.
     pub fn read(path: &Path) -> Result<Self> {
         let text = std::fs::read_to_string(path).with_context(|| {
-            format!("cannot read {}; tests-host/campaigns/lpv200.toml is one to begin with", path.display())
+            format!("cannot read {}; tests-host/campaigns/lpv200.toml is an example", path.display())
         })?;
         Self::parse(&text).with_context(|| path.display().to_string())
     }
@@ -236,7 +236,7 @@ impl Spec {
     fn check(&self) -> Result<()> {
         ensure!(
             !self.name.is_empty() && self.name.chars().all(|c| c.is_ascii_alphanumeric() || "-_".contains(c)),
-            "name = \"{}\": it names files, write letters, digits, - and _",
+            "name = \"{}\": write letters, digits, - and _, because it names files",
             self.name
         );
         within("noise", self.noise, 0.0, 100.0)?;
@@ -252,18 +252,15 @@ impl Spec {
         self.errors.iter().try_for_each(ErrorSpec::check)?;
         distinct("skies", self.skies.iter().map(|sky| sky.name.as_str()))?;
         distinct("errors", self.errors.iter().map(|errors| errors.name.as_str()))?;
-        some("faults", &self.faults, "faults = [{ kind = \"none\" }], or leave it away")?;
+        some("faults", &self.faults, "faults = [{ kind = \"none\" }], or omit it")?;
         self.faults.iter().try_for_each(check_fault)?;
         some("judgement.methods", &self.judgement.methods, "methods = [\"SEPARATION\"]")?;
-        some("judgement.policies", &self.judgement.policies, "policies = [\"T1\"], or leave it away")?;
-        some("judgement.levels", &self.judgement.levels, "levels = [\"BOUND\"], or leave it away")?;
+        some("judgement.policies", &self.judgement.policies, "policies = [\"T1\"], or omit it")?;
+        some("judgement.levels", &self.judgement.levels, "levels = [\"BOUND\"], or omit it")?;
         let places = self.places.grid_deg.map_or(1.0, |step| 65_000.0 / (step * step)) as u64;
         let cases = self.skies.len() * self.masks_deg.len() * self.errors.len() * self.faults.len();
         let epochs = places.max(1) * u64::from(self.times.count) * cases as u64;
-        ensure!(
-            epochs <= MOST_EPOCHS,
-            "some {epochs} epochs are more than can be done: choose a wider grid or fewer instants"
-        );
+        ensure!(epochs <= MOST_EPOCHS, "{epochs} epochs are too many: choose a wider grid or fewer instants");
         Ok(())
     }
 }
@@ -281,7 +278,7 @@ impl PlacesSpec {
             within("places.grid_deg", step_deg, 0.25, 90.0)?;
             ensure!(
                 (180.0 / step_deg).fract().abs() < 1e-9,
-                "places.grid_deg = {step_deg}: write a step that divides 180, as 10, 5 or 2.5"
+                "places.grid_deg = {step_deg}: write a step that divides 180, such as 10, 5 or 2.5"
             );
         }
         let points = self.points.as_deref().unwrap_or_default();
@@ -306,7 +303,7 @@ impl SkySpec {
         );
         ensure!(
             self.navigation.is_empty() || (self.fleets.is_empty() && self.almanacs.is_empty()),
-            "sky \"{}\": navigation files count their own time, and stand alone",
+            "sky \"{}\": navigation files have their own time, so they cannot be combined",
             self.name
         );
         Ok(())
@@ -377,7 +374,7 @@ fn distinct<'n>(field: &str, names: impl Iterator<Item = &'n str>) -> Result<()>
     let mut known = std::collections::BTreeSet::new();
     for name in names {
         if !known.insert(name) {
-            bail!("{field}: the name \"{name}\" stands twice; give each its own");
+            bail!("{field}: the name \"{name}\" occurs twice; give each its own");
         }
     }
     Ok(())

@@ -118,7 +118,7 @@ impl Table {
         let mut lines = text.split_inclusive('\n');
         let heading = lines.next().unwrap_or("");
         let identity =
-            Identity::read(heading.trim_end()).context("the first line is not that of a campaign")?;
+            Identity::read(heading.trim_end()).context("the first line must be that of a campaign")?;
         let names = lines.next().unwrap_or("");
         ensure!(names.trim_end() == columns().join(","), "the columns are not those of this version");
         let mut table = Self { whole_bytes: heading.len() + names.len(), identity, rows: Vec::new() };
@@ -128,11 +128,11 @@ impl Table {
             let row = line.strip_suffix('\n').and_then(Row::read);
             let Some(row) = row else {
                 // Only the last line may be incomplete.
-                ensure!(!line.ends_with('\n'), "line {} is no row of this table", index + 3);
+                ensure!(!line.ends_with('\n'), "line {} is not a row of this table", index + 3);
                 break;
             };
             if pending.first().is_some_and(|first| first.cell != row.cell) {
-                bail!("line {}: cell {} has not all its rows", index + 3, pending[0].cell);
+                bail!("line {}: cell {} lacks rows", index + 3, pending[0].cell);
             }
             pending.push(row);
             pending_bytes += line.len();
@@ -198,6 +198,6 @@ pub fn merge(files: &[PathBuf]) -> Result<String> {
             identity.cells
         );
     }
-    ensure!(cells.len() == identity.cells, "there are cells that the campaign has not");
+    ensure!(cells.len() == identity.cells, "the tables have cells that the campaign does not have");
     Ok(identity.heading() + &cells.into_values().map(|(text, _)| text).collect::<String>())
 }

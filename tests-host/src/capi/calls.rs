@@ -120,6 +120,6 @@ pub fn answers(mut bytes: &[u8]) -> Result<Vec<Answer>> {
         answers.push(Answer { kind, status, stack_bytes, given: given.to_vec() });
         bytes = rest;
     }
-    ensure!(bytes.is_empty(), "the answers end within one");
+    ensure!(bytes.is_empty(), "the last answer is incomplete");
     Ok(answers)
 }

@@ -41,7 +41,10 @@ pub fn header() -> anyhow::Result<String> {
     // The root comes first, because it lists the modules in the reader's order.
     let builder = cbindgen::Builder::new().with_config(config).with_src(folder().join("src/lib.rs"));
     let mut header = Vec::new();
-    builder.generate().context("the sources of the C interface make no header")?.write(&mut header);
+    builder
+        .generate()
+        .context("the header cannot be generated from the sources of the C interface")?
+        .write(&mut header);
     Ok(String::from_utf8(header)?)
 }
 

@@ -116,7 +116,11 @@ impl Plan {
     /// # Errors
     /// If the satellite is not in the sky, or the board does not start or does not answer in time.
     pub fn run(&self, image: &Path, mut watch: impl FnMut(&[Moment])) -> Result<Story> {
-        ensure!(self.bias_m.is_finite() && self.bias_m != 0.0, "a bias of {} m is no fault", self.bias_m);
+        ensure!(
+            self.bias_m.is_finite() && self.bias_m != 0.0,
+            "the bias must be finite and not zero, not {} m",
+            self.bias_m
+        );
         let simulation = self.simulation()?;
         let recording = simulation.record();
         let mut encoder = Encoder::new(&recording.ephemerides, Selection::new("GC", Frequency::Dual)?);
@@ -155,7 +159,7 @@ struct Module {
 impl Module {
     fn start(image: &Path) -> Result<Self> {
         let mut board = EmulatedBoard::start(image)?;
-        board.read_through("$PRAIV", PATIENCE).context("the board does not say that it started")?;
+        board.read_through("$PRAIV", PATIENCE).context("the board does not report its start")?;
         Ok(Self { board, epochs: 0 })
     }
 
@@ -170,7 +174,7 @@ impl Module {
     fn fall_silent(&mut self) -> Result<(EpochOutput, bool)> {
         let lines = self.board.read_through("$PRAIS", PATIENCE)?;
         let said = lines.last().map_or("", String::as_str);
-        let said = sentence::epochs(said)?.pop().context("the module said nothing of the silence")?;
+        let said = sentence::epochs(said)?.pop().context("the module did not report the silence")?;
         // The log comes over its own port, slightly later.
         let deadline = Instant::now() + PIN_PATIENCE;
         while self.board.pin_is_high() && Instant::now() < deadline {
@@ -194,7 +198,7 @@ impl Module {
         // The pin's level is in the log, whose last line of an epoch is the time it took.
         self.epochs += 1;
         self.board.log_with(&format!("epoch {} took", self.epochs), 0, PATIENCE)?;
-        sentence::epochs(&lines.concat())?.pop().context("the module said nothing of the epoch")
+        sentence::epochs(&lines.concat())?.pop().context("the module did not report the epoch")
     }
 }
 

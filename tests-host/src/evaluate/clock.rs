@@ -46,7 +46,7 @@ struct Variances {
 pub(super) fn evaluate<T: Real>(object: &Map<String, Value>) -> Result<Forecasts, String> {
     let levels_m = numbers(array(object, "Z")?, "Z")?;
     if !(MIN_VALUES..=MAX_VALUES).contains(&levels_m.len()) {
-        return Err(format!("Z: {} values, not {MIN_VALUES} to {MAX_VALUES}", levels_m.len()));
+        return Err(format!("Z: {} values, must be {MIN_VALUES} to {MAX_VALUES}", levels_m.len()));
     }
     let clock = observed::<T>(&levels_m)?;
     let (differences, mean_m) = centred_differences(&levels_m);

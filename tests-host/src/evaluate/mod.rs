@@ -107,10 +107,11 @@ Output: out.lpv and out.haraim, for the allocations of approaches with vertical 
   detected, max_ratio (largest separation over its threshold), dominant (rows of the mode with the largest share)
   excl, hpl_excl, vpl_excl, x_excl, p_nm_excl   where one alarmed: rows left out, or null, and what is found then";
 
-/// Rows that one line may have. The tables of w-tests end there, and so, with four unknowns, do those of `tau1`.
+/// Largest number of rows in a line: the end of the tables of w-tests and, with four unknowns, of
+/// those of `tau1`.
 const MAX_ROWS: usize = rai_core::integrity::residuals::threshold::MAX_TESTS;
 
-/// Which instantiation of the core runs.
+/// Scalar type of the core.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scalar {
     /// Double precision, as references are.

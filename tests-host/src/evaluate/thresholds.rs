@@ -71,7 +71,7 @@ pub(super) fn evaluate<T: Real>(
     let missed_detection = probability("pmd", number(object, "pmd")?)?;
     rows.prepare(false_alarm, missed_detection);
     let thresholds = rows.thresholds(false_alarm, missed_detection);
-    let beyond = || format!("nu: {dof} is not in the tables");
+    let beyond = || format!("nu: {dof} is outside the tables");
     let whole =
         (dof.fract().abs() < f64::EPSILON && dof >= 1.0).then_some(dof as usize).ok_or_else(beyond)?;
     let (tau1, lambda) =

@@ -58,6 +58,6 @@ struct Report<'r> {
 
 impl Drop for Report<'_> {
     fn drop(&mut self) {
-        eprintln!("{}: mutation {} panics: {:02x?}", self.target.name, self.index, self.input);
+        eprintln!("{}: mutation {} panicked: {:02x?}", self.target.name, self.index, self.input);
     }
 }

@@ -26,7 +26,7 @@ use anyhow::Context;
 /// If a source file cannot be read.
 pub fn missing(library: &Path, list: &str) -> anyhow::Result<Vec<String>> {
     let mut found = Found::default();
-    let folder = library.parent().context("a library lies in a folder")?;
+    let folder = library.parent().context("the library has no folder")?;
     follow(library, folder, "crate", &mut found)?;
     Ok(not_in(list, &found.functions()))
 }

@@ -42,7 +42,7 @@ impl StaticLibrary {
         let archive = library_for(Machine::Stm32f405, "whole,panic-handler")?;
         let mut library = Self { archive, linker: linker()?, exports: BTreeSet::new() };
         let mut exports = symbols(&library.link(&["--whole-archive", "--no-gc-sections"])?)?;
-        ensure!(exports.remove(HANDLER), "the library holds no {HANDLER}: nothing could be found in it");
+        ensure!(exports.remove(HANDLER), "the library has no {HANDLER}, so nothing can be proved");
         library.exports = exports;
         Ok(library)
     }
@@ -87,7 +87,7 @@ impl StaticLibrary {
 pub(crate) fn linker() -> anyhow::Result<PathBuf> {
     let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
     let said = String::from_utf8(run(Command::new(rustc).args(["--print", "target-libdir"]))?)?;
-    let folder = Path::new(said.trim()).parent().context("the compiler lies nowhere")?;
+    let folder = Path::new(said.trim()).parent().context("the folder of the compiler is unknown")?;
     Ok(folder.join("bin/rust-lld"))
 }
 

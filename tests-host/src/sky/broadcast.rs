@@ -55,7 +55,8 @@ const BEIDOU: Convention = Convention { gravitation_m3_s2: 3.986_004_418e14, ear
 const GALILEO: Convention =
     Convention { gravitation_m3_s2: 3.986_004_418e14, earth_rate_rad_s: 7.292_115_146_7e-5 };
 
-/// Index of an accuracy of 3.12 m, which satellites send on ordinary days ([Galileo-OS-SIS-ICD] table 76).
+/// Index of an accuracy of 3.12 m, which satellites send on ordinary days ([Galileo-OS-SIS-ICD]
+/// table 76).
 ///
 /// [Galileo-OS-SIS-ICD]: crate#references
 const ORDINARY_SISA: u8 = 107;

@@ -7,12 +7,13 @@
 //! | [`Fleet::BeidouRegional`] | 5 GEO, 5 IGSO, 4 MEO | [Yang2015], [Lin2016]: the regional system of 2012 |
 //! | [`Fleet::BeidouGlobal`] | 5 GEO, 3 IGSO, 24 MEO and 3 spares | [Yang2015]: the system as planned |
 //! | [`Fleet::Beidou44`] | 7 GEO, 10 IGSO, 27 MEO | [Tian2024], about February 2022 |
-//! | [`Fleet::Beidou24`] | 24 MEO in three planes: what is seen everywhere | [BDS-SIS-ICD] |
+//! | [`Fleet::Beidou24`] | 24 MEO in three planes: the satellites in view everywhere | [BDS-SIS-ICD] |
 //! | [`Fleet::Galileo24`] | 24 MEO in three planes, Walker 24/3/1 | [Galileo-OS-SDD] |
 //! | [`Fleet::Glonass24`] | 24 MEO in three planes, Walker 24/3/1 | [GLONASS-ICD] |
 //!
-//! The phase of a whole constellation against the earth is published for none of the `BeiDou` ones; here Greenwich
-//! sidereal time is 0 at `t = 0`, for Galileo and GLONASS too. Geostationary satellites are held exactly over the equator.
+//! No source gives the phase of a whole `BeiDou` constellation against the earth. Here Greenwich
+//! sidereal time is 0 at `t = 0`, for Galileo and GLONASS too. Geostationary satellites are exactly
+//! over the equator.
 //!
 //! [BDS-SIS-ICD]: crate#references
 //! [Galileo-OS-SDD]: crate#references
@@ -126,7 +127,8 @@ impl Fleet {
     }
 }
 
-/// Nodes of the six planes A to F and arguments of latitude of their slots 1 to 4, degrees ([GPS-SPS] table 3.2-1).
+/// Nodes of the six planes A to F and arguments of latitude of their slots 1 to 4, degrees
+/// ([GPS-SPS] table 3.2-1).
 ///
 /// [GPS-SPS]: crate#references
 const GPS_SLOTS_DEG: [(f64, [f64; 4]); 6] = [
@@ -154,7 +156,8 @@ const BEIDOU_AXIS_M: f64 = 27_906_100.0;
 const GALILEO_AXIS_M: f64 = 29_599_801.0;
 const GALILEO_INCLINATION_DEG: f64 = 56.0;
 
-/// Semi-major axis of a GLONASS orbit, m: 19,100 km above the ground, and its inclination, degrees ([GLONASS-ICD]).
+/// Semi-major axis of a GLONASS orbit, m: 19,100 km above the ground, and its inclination, degrees
+/// ([GLONASS-ICD]).
 ///
 /// [GLONASS-ICD]: crate#references
 const GLONASS_AXIS_M: f64 = 25_508_000.0;

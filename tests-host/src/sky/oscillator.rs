@@ -1,4 +1,5 @@
-//! A receiver clock with the three noises of a crystal: white, flicker and random walk of frequency.
+//! A receiver clock with the three noises of a crystal: white, flicker and random walk of
+//! frequency.
 //!
 //! ```text
 //! S_y(f) = h₀ + h₋₁/f + h₋₂/f²            x(t+τ) = x(t) + τ ȳ
@@ -12,9 +13,9 @@
 //! | `h₋₂` | `walk_hz` | 1/s |
 //! | `y₀` | `frequency_offset` | 1 |
 //!
-//! Each noise of slope `α` is white noise through the filter `(1 − z⁻¹)^(−α/2)` of [Kasdin1995]: none for white
-//! frequency, [`FLICKER_TAPS`] taps for flicker, a sum for the random walk. Flicker is therefore flicker down to
-//! `1/(FLICKER_TAPS τ)` and white below.
+//! Each noise of slope `α` is white noise through the filter `(1 − z⁻¹)^(−α/2)` of [Kasdin1995]:
+//! none for white frequency, [`FLICKER_TAPS`] taps for flicker, a sum for the random walk. Flicker
+//! noise therefore ends at `1/(FLICKER_TAPS τ)`, below which it is white.
 //!
 //! References: [Kasdin1995] for the filters, [Riley2008] for the Allan variance.
 //!

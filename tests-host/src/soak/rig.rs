@@ -59,7 +59,7 @@ impl Rig {
             if now_ms != before_ms {
                 (before_ms, moved) = (now_ms, Instant::now());
             }
-            ensure!(moved.elapsed() < PATIENCE, "the board's clock stands still at {now_ms} ms");
+            ensure!(moved.elapsed() < PATIENCE, "the board's clock has stopped at {now_ms} ms");
         }
         Ok(())
     }
@@ -91,7 +91,7 @@ impl Rig {
         // RAM keeps the old time until start-up clears it.
         let deadline = Instant::now() + PATIENCE;
         while self.monitor.clock_ms()? >= before_ms {
-            ensure!(Instant::now() < deadline, "the board does not start again");
+            ensure!(Instant::now() < deadline, "the board does not restart");
             std::thread::sleep(*LOOKS.start());
         }
         Ok(())

@@ -1,4 +1,5 @@
-//! Levels and availability of LPV-200 by the number of constellations, over a grid and a day, from geometry alone.
+//! Levels and availability of LPV-200 by the number of constellations, over a grid and a day, from
+//! geometry alone.
 
 use std::path::Path;
 

@@ -134,7 +134,8 @@ fn day(skies: &[Vec<Sight>], most: Option<usize>, sigma_m: f64, clock: Clock) ->
     skies.iter().flat_map(|seen| cases(seen, most, sigma_m, clock)).collect()
 }
 
-/// Probabilities of detection by degrees of freedom and `√λ`: exact at the nodes, within 2e-5 between them.
+/// Probabilities of detection by degrees of freedom and `√λ`: exact at the nodes, within 2e-5
+/// between them.
 struct Power(Vec<Vec<f64>>);
 
 impl Power {

@@ -1,6 +1,8 @@
-//! Reference epochs with a clock beside the satellites: four detect, five identify, a jump is the clock's.
+//! Reference epochs with a clock beside the satellites: four detect, five identify, a jump belongs
+//! to the clock.
 //!
-//! `want` was computed elsewhere, with a full-column solution in double precision. References: [Chen2009] §2.
+//! `want` was computed elsewhere, with a full-column solution in double precision. References:
+//! [Chen2009] §2.
 //!
 //! [Chen2009]: tests_host#references
 

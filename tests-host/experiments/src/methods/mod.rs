@@ -1,19 +1,22 @@
-//! All methods side by side on the same skies and faults: which one when, and which is dominated. No paper has it.
+//! All methods side by side on the same skies and faults: a choice of method by situation, and
+//! dominated methods. No paper has it.
 //!
-//! One, two or three satellites are wrong by a step of seven sizes; every method gets the very same ranges, through [`Monitor::process`](rai_core::monitor::Monitor::process) in single precision, as on the target.
+//! One, two or three satellites are wrong by a step of seven sizes. Every method receives the very
+//! same ranges, through [`Monitor::process`](rai_core::monitor::Monitor::process) in single
+//! precision, as on the target.
 //!
 //! ```text
 //! scene(kind of sky, faults, step, run) ──► monitor with each method ──► fate ──► tally
 //! ```
 //!
-//! | module | what |
+//! | module | content |
 //! |---|---|
-//! | [`skies`] | which satellites, which errors |
-//! | [`fate`] | what became of an epoch, and how often |
+//! | [`skies`] | satellites and errors |
+//! | [`fate`] | outcomes of epochs, and their rates |
 //! | [`pictures`] | rates against step, by method |
 //!
-//! Each scene draws from a stream of its own, so its numbers do not depend on how many threads work, and all are
-//! independent.
+//! Each scene draws from its own stream, so its numbers do not depend on the number of threads, and
+//! all are independent.
 
 mod fate;
 mod pictures;
@@ -30,7 +33,7 @@ use fate::{Fate, Tally};
 use skies::{KINDS, Scene};
 use tests_host::bench::{budget, stages};
 
-/// How the command line finds it.
+/// Entry for the command line.
 pub(super) const EXPERIMENT: Experiment = Experiment {
     name: "methods",
     about: "all methods side by side: one to three faults, 8 to 40 satellites, steps of 20 to 150 m",

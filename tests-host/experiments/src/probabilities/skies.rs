@@ -1,4 +1,5 @@
-//! Skies of six to forty satellites of one to three constellations, drawn from those in view at some instant of a day.
+//! Skies of six to forty satellites of one to three constellations, drawn from those in view at
+//! some instant of a day.
 
 use rai_core::satellite::{Constellation, SatelliteId};
 use rand::Rng as _;

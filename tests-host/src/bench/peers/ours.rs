@@ -47,7 +47,11 @@ fn outcome(scalar: Scalar, start: Start, faults: usize, answer: &Answer) -> Resu
         Scalar::Single => judged::<f32>(start, faults)?,
         Scalar::Double => judged::<f64>(start, faults)?,
     };
-    ensure!(format!("{report:?}") == answer.result, "the chip says {}, the host {report:?}", answer.result);
+    ensure!(
+        format!("{report:?}") == answer.result,
+        "the chip reports {}, the host {report:?}",
+        answer.result
+    );
     let is_good = matches!(report.verdict, Verdict::Protected(_));
     let left_out = report.excluded.iter().map(|excluded| excluded.satellite.to_string()).collect();
     let solution = report.solution.filter(|_| is_good);

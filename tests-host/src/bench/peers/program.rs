@@ -136,7 +136,10 @@ fn epochs() -> Result<String> {
     text.push_str("};\nstatic const struct epoch EPOCHS[] = {\n");
     for faults in FAULTS {
         let epoch = epoch(faults)?;
-        ensure!(epoch.observations().len() == SATELLITES, "the peers have room for {SATELLITES} satellites");
+        ensure!(
+            epoch.observations().len() == SATELLITES,
+            "an epoch of the peers must have {SATELLITES} satellites"
+        );
         text.push_str("    {{\n");
         for one in epoch.observations() {
             let (letter, number) = (one.satellite.constellation().letter(), one.satellite.number());
@@ -182,7 +185,7 @@ fn emulate(image: &Path, core: Core, folder: &Path) -> Result<String> {
     });
     emulator.args(["-display", "none", "-monitor", "none", "-serial", "none", "-icount", "shift=0"]);
     emulator.args(["-semihosting-config", "enable=on,target=native", "-kernel"]).arg(image);
-    run(&mut emulator).context("a peer did not come to its end in the emulator")?;
+    run(&mut emulator).context("a peer did not finish in the emulator")?;
     Ok(std::fs::read_to_string(folder.join("answers.txt"))?)
 }
 
@@ -190,7 +193,7 @@ fn emulate(image: &Path, core: Core, folder: &Path) -> Result<String> {
 /// names.
 fn outcome(line: &str) -> Result<Outcome> {
     let mut words = line.split(' ');
-    let mut word = || words.next().with_context(|| format!("`{line}` is too short"));
+    let mut word = || words.next().with_context(|| format!("the answer the answer `{line}` is too short"));
     let ticks: u64 = word()?.parse()?;
     let _code = word()?;
     let is_valid = word()? == "1";

@@ -60,7 +60,7 @@ impl Sources {
             progress("RTKLIB from Debian, 32 MB");
             fetch_rtklib(&places.rtklib)?;
         }
-        Self::at_hand().context("the peers' sources were fetched, and files of them are missing")
+        Self::at_hand().context("files of the peers' sources are missing after fetching")
     }
 
     fn has_libswiftnav(&self) -> bool {
@@ -92,11 +92,14 @@ fn fetch_libswiftnav(to: &Path) -> Result<()> {
     std::fs::write(asking.join("src/lib.rs"), "")?;
     let package = package(&asking)?;
     let lock = std::fs::read_to_string(asking.join("Cargo.lock"))?;
-    ensure!(lock.contains(&format!("checksum = \"{sha256}\"")), "crates.io has another {name} {version}");
+    ensure!(
+        lock.contains(&format!("checksum = \"{sha256}\"")),
+        "the SHA-256 of {name} {version} on crates.io differs from the known one"
+    );
     // The final name marks a complete copy.
     let fresh = to.with_extension("fresh");
     copy(&package.join("src/libswiftnav"), &fresh)?;
-    std::fs::rename(fresh, to).context("libswiftnav cannot be put in its place")
+    std::fs::rename(fresh, to).context("the copy of libswiftnav cannot be renamed")
 }
 
 /// Returns the folder into which cargo has unpacked the crate.
@@ -112,7 +115,7 @@ fn package(asking: &Path) -> Result<PathBuf> {
     let package = packages.iter().find(|package| package["name"] == CRATE[0]);
     let manifest = package.and_then(|package| package["manifest_path"].as_str());
     let manifest = Path::new(manifest.context("cargo does not name the crate")?);
-    Ok(manifest.parent().context("a manifest lies in a folder")?.to_owned())
+    Ok(manifest.parent().context("the manifest has no folder")?.to_owned())
 }
 
 /// Copies the two folders to compile.
@@ -139,7 +142,7 @@ fn fetch_rtklib(to: &Path) -> Result<()> {
         .args([&archive, to])
         .args(RTKLIB_FILES)
         .status()
-        .context("RTKLIB is fetched by python3: install it")?;
+        .context("python3, which fetches RTKLIB, is missing: install it")?;
     ensure!(
         status.success(),
         "RTKLIB could not be fetched: {address}, as any mirror or snapshot.debian.org has it, may also be put at {}",

@@ -8,7 +8,8 @@ use tests_host::sample;
 
 use super::{DGAR, ESBC, KMS3, STATIC1HZ, TLSE};
 
-/// Epochs; satellites and pseudoranges of GPS, Galileo and `BeiDou`; and the sum of the pseudoranges in mm.
+/// Number of epochs; satellites and pseudoranges of GPS, Galileo and `BeiDou`; and the sum of the
+/// pseudoranges in mm.
 #[derive(Debug, PartialEq)]
 struct Tally {
     epochs: usize,
@@ -31,7 +32,7 @@ fn tally(recording: &Recording) -> Tally {
 
 #[test]
 fn real_recordings_hold_what_an_independent_reader_counts() {
-    // Counted by a script over the plain text that the reference implementation of crx2rnx (4.1.0) makes.
+    // Counted by a script over the plain text of the reference implementation of crx2rnx (4.1.0).
     let want = [
         (
             ESBC,
