@@ -19,7 +19,8 @@
 //! Every transcendental function comes from `libm`, so that the numbers are the same, bit for bit,
 //! on every host.
 //!
-//! Limits: `dof` up to some thousands. References: [NIST DLMF] §8.4, §8.7, §8.8; [Johnson1995] ch. 29.
+//! Limits: `dof` up to some thousands. References: [NIST DLMF] §8.4, §8.7, §8.8; [Johnson1995]
+//! ch. 29.
 //!
 //! [Johnson1995]: crate#references
 

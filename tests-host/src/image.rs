@@ -25,9 +25,10 @@ use object::{Object, ObjectSection, ObjectSymbol, SectionFlags, SectionKind};
 use crate::board::Machine;
 
 /// Largest size of the statics: the receiver (47 KiB), the ports' rings (8 KiB), and little more.
-/// Of the receiver 15 KiB are for an epoch's satellites, equations and solution, and ARAIM's memory
-/// for each row and term, which are here and not on the stack; 9 for the longest frame and an
-/// epoch's raw ranges; 10 for ephemerides; 6 for navigation bits.
+///
+/// The receiver has 15 KiB for an epoch's satellites, equations and solution, and for ARAIM's
+/// memory of each row and term, which are here and not on the stack. It has 9 KiB for the longest
+/// frame and an epoch's raw ranges, 10 KiB for ephemerides and 6 KiB for navigation bits.
 pub const STATIC_RAM_BUDGET_BYTES: u64 = 57 * 1024;
 /// Smallest size of the stack; the high-water mark that the image logs is far below.
 pub const STACK_BUDGET_BYTES: u64 = 64 * 1024;

@@ -23,21 +23,21 @@ use crate::sky::raw::Simulation;
 /// Attack with early ephemerides.
 pub(super) const EARLY: Attack = Attack {
     name: "early-ephemeris",
-    about: "five ephemerides for up to 3.9 h ahead come first; two hours before they are 60 m wrong",
+    about: "five ephemerides up to 3.9 h early come first; two hours before their time they are 60 m wrong",
     run: early,
 };
 
 /// Attack with ephemerides of absent satellites.
 pub(super) const ABSENT: Attack = Attack {
     name: "absent-satellites",
-    about: "96 valid ephemerides of absent satellites, for two days ahead, before the first real one",
+    about: "96 valid ephemerides of absent satellites, two days early, before the first real one",
     run: absent,
 };
 
 /// Attack with ephemerides of a hundred satellites in one stream.
 pub(super) const CROWD: Attack = Attack {
     name: "crowd",
-    about: "ephemerides of a hundred satellites over and over, between those of the satellites in view",
+    about: "ephemerides of a hundred satellites, repeated between those of the satellites in view",
     run: crowd,
 };
 

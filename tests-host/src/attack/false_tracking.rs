@@ -20,14 +20,14 @@ use crate::fault::Measured as _;
 /// Attack with false tracking after healthy epochs.
 pub(super) const ATTACK: Attack = Attack {
     name: "false-tracking",
-    about: "every range wrong by up to 3 km, anew in each epoch: some sets agree by chance",
+    about: "every range wrong by up to 3 km, anew in each epoch, so that some sets agree by chance",
     run,
 };
 
 /// The same in the first epoch after a silence, or after the host has sent `FORGET`.
 pub(super) const AFTERWARDS: Attack = Attack {
     name: "false-tracking-afterwards",
-    about: "the same in the first epoch after a silence of a minute, or after FORGET: nothing came before it",
+    about: "the same in the first epoch after a silence of a minute, or after FORGET, without earlier epochs",
     run: afterwards,
 };
 

@@ -21,7 +21,7 @@ use crate::measurement::{Ephemeris, TimedEphemeris};
 
 /// Attack with a wrong orbit.
 pub(super) const ATTACK: Attack =
-    Attack { name: "orbit", about: "a satellite that is 10 m to 30 km beside its broadcast orbit", run };
+    Attack { name: "orbit", about: "a satellite 10 m to 30 km away from its broadcast orbit", run };
 
 /// Distances along the orbit, m, drawn uniformly in their logarithm.
 const SIZES_M: std::ops::Range<f64> = 10.0..30_000.0;

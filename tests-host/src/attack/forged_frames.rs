@@ -22,7 +22,7 @@ use crate::stations::STATIC_BASE;
 /// Attack with two leaps of time, by nearly half a week each.
 pub(super) const MOVED: Attack = Attack {
     name: "moved-week",
-    about: "ranges of one satellite tagged 280,000 s ahead, and as much again: the receiver's own seem to be of the next week",
+    about: "ranges of one satellite tagged 280,000 s ahead, twice, so that the receiver's own appear to be of the next week",
     run: moved,
 };
 
@@ -43,7 +43,7 @@ pub(super) const LATER: Attack = Attack {
 /// Attack with another cycle of GPS weeks.
 pub(super) const CYCLE: Attack = Attack {
     name: "other-cycle",
-    about: "the first ephemeris of all is one of BeiDou, 1,024 weeks ahead: weeks of GPS are dated by it",
+    about: "the first ephemeris is one of BeiDou, 1,024 weeks ahead, which dates the weeks of GPS",
     run: other_cycle,
 };
 
@@ -61,7 +61,7 @@ pub(super) const FIRST: Attack =
 /// Attack with a wrong number of leap seconds.
 pub(super) const LEAP_SECONDS: Attack = Attack {
     name: "leap-seconds",
-    about: "one word of 28 leap seconds among those of a receiver that uses GLONASS",
+    about: "one message with 28 leap seconds among those of a receiver that uses GLONASS",
     run: leap_seconds,
 };
 

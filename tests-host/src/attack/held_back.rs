@@ -17,21 +17,21 @@ use crate::sky::raw::Simulation;
 /// Attack with a line that is too slow.
 pub(super) const ATTACK: Attack = Attack {
     name: "held-back",
-    about: "each second of signals comes in 1.05 to 9 s of the module's own: how old is what is still promised?",
+    about: "each second of signals takes 1.05 to 9 s of the module's clock; old epochs must not be promised",
     run: hold_back,
 };
 
 /// Attack with a recording that is played again.
 pub(super) const AGAIN: Attack = Attack {
     name: "sent-again",
-    about: "after minutes of signals the same bytes come again: is any of them promised?",
+    about: "after minutes of signals the same bytes are replayed; none of them may be promised",
     run: send_again,
 };
 
 /// Attack with a recording of the same second of another week.
 pub(super) const WEEK_OLD: Attack = Attack {
     name: "week-old",
-    about: "what was recorded a week ago 5.5 km away, at the same second of the week, and its ephemerides",
+    about: "a recording of a week ago from 5.5 km away, at the same second of the week, with its ephemerides",
     run: week_old,
 };
 

@@ -38,14 +38,14 @@ pub(super) const EVEN: Attack = Attack {
 /// Attack with an electron content that grows to the south.
 pub(super) const SLOPED: Attack = Attack {
     name: "ionosphere-slope",
-    about: "the same with 6 % more or less of it for each degree of latitude",
+    about: "the same with 6 % more or less per degree of latitude",
     run: |effort| run(effort, -0.06, None),
 };
 
 /// Attack with broadcast coefficients of zero.
 pub(super) const ZEROS: Attack = Attack {
     name: "ionosphere-zeros",
-    about: "the same with broadcast coefficients that are all zero, if they are taken",
+    about: "the same with broadcast coefficients that are all zero, if they are accepted",
     run: |effort| run(effort, 0.0, Some("IONO,0,0,0,0,0,0,0,0")),
 };
 

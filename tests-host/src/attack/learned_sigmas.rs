@@ -15,7 +15,7 @@ use super::{Attack, Effort, Figure};
 /// Attack with sigmas learned under other settings.
 pub(super) const ATTACK: Attack = Attack {
     name: "learned-sigmas",
-    about: "SIGMA,ADAPT in ten quiet minutes, then levels by promise, by one frequency, of one system",
+    about: "SIGMA,ADAPT in ten quiet minutes, then levels of ARAIM, of one frequency, of one system",
     run,
 };
 

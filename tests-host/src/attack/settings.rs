@@ -19,21 +19,21 @@ use crate::sky::raw::Simulation;
 /// Attack with a time to alert of an hour.
 pub(super) const TIME_TO_ALERT: Attack = Attack {
     name: "time-to-alert",
-    about: "TTA,3600 in NPA, then a silent line: how long does the pin stay high?",
+    about: "TTA,3600 in NPA, then a silent line; the pin must fall in time",
     run: time_to_alert,
 };
 
 /// Attack with restarts, the first of which loses the settings.
 pub(super) const RESTARTS: Attack = Attack {
     name: "restarts",
-    about: "settings damaged in a restart, then restarts that damage nothing: are those at start promised by?",
+    about: "settings damaged in a restart, then restarts without damage; nothing may be promised under the settings at start",
     run: restarts,
 };
 
 /// Attack with a setting that rules out faults.
 pub(super) const NEVER: Attack = Attack {
     name: "never-faulty",
-    about: "ARAIM told that satellites never fail, or once in 1e12, and one wrong by 100 m to 300 km",
+    about: "ARAIM with a fault prior of zero or 1e-12, and one satellite wrong by 100 m to 300 km",
     run: never,
 };
 

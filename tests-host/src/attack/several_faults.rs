@@ -40,7 +40,7 @@ pub(super) const PAIRS: Attack = Attack {
 /// Attack with pairs that look like other pairs.
 pub(super) const CHOSEN: Attack = Attack {
     name: "chosen-pairs",
-    about: "two of seven satellites wrong so that leaving out two healthy ones explains it as well, every method",
+    about: "two of seven satellites wrong so that leaving out two healthy ones explains the ranges as well, every method",
     run: chosen,
 };
 

@@ -39,7 +39,7 @@ pub(super) const WHOLE: Attack = Attack {
 /// Attack on a system with few satellites in view.
 pub(super) const FEW: Attack = Attack {
     name: "few-shifted",
-    about: "the same of a system of which two to four satellites are in view, and five or seven of others",
+    about: "the same for a system with two to four satellites in view, and five or seven of others",
     run: |effort| run(&FEW_IN_VIEW.map(Some), effort.pick(2, 25), BEYOND_OF_FEW),
 };
 

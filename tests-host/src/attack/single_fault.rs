@@ -28,7 +28,7 @@ pub(super) const STEPS: Attack = Attack {
 /// Attack with ramps.
 pub(super) const RAMPS: Attack = Attack {
     name: "ramp",
-    about: "one satellite drifting off, to 2 m to 2 km within a minute, every method, policy and aid",
+    about: "one satellite drifting by 2 m to 2 km within a minute, every method, policy and aid",
     run: |effort| {
         run(effort, |bias_m| Kind::Ramp { rate_m_s: bias_m / f64::from(FAULTY), limit_m: bias_m.abs() })
     },

@@ -18,7 +18,7 @@ use crate::encode::ubx;
 /// Attack with a warning that another message denies.
 pub(super) const ATTACK: Attack = Attack {
     name: "suspicion-denied",
-    about: "the receiver is sure of counterfeit signals; a message that knows less says nothing of them",
+    about: "the receiver detects counterfeit signals; a message with less knowledge denies them",
     run,
 };
 

@@ -16,16 +16,13 @@ use crate::measurement::MeasuredSignal;
 use crate::sky::raw::Simulation;
 
 /// Attack with a reference station 11 km away.
-pub(super) const ATTACK: Attack = Attack {
-    name: "two-stations",
-    about: "the ranges of a reference station 11 km away come on the same line",
-    run,
-};
+pub(super) const ATTACK: Attack =
+    Attack { name: "two-stations", about: "ranges of a reference station 11 km away on the same line", run };
 
 /// Attack with a receiver that is silent for long, or slow.
 pub(super) const TUNNEL: Attack = Attack {
     name: "tunnel",
-    about: "a receiver says nothing for 80 s, or has no satellites, or is slow; the corrections of a base 1 to 11 km away go on",
+    about: "a receiver is silent for 80 s, has no satellites, or is slow; the corrections of a base 1 to 11 km away continue",
     run: tunnel,
 };
 

@@ -27,7 +27,7 @@ use crate::sky::raw::Simulation;
 /// Attack with group delays that D1 does not carry.
 pub(super) const ATTACK: Attack = Attack {
     name: "unsaid-delays",
-    about: "BeiDou's B1C and B2a, and B2b as B2I, with the group delays of real satellites, which D1 does not say",
+    about: "BeiDou's B1C and B2a, and B2b as B2I, with real group delays that D1 does not carry",
     run,
 };
 

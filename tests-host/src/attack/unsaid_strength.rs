@@ -29,7 +29,7 @@ use crate::sky::raw::Simulation;
 /// Attack with weak signals of unknown strength.
 pub(super) const ATTACK: Attack = Attack {
     name: "unsaid-strength",
-    about: "a third to two thirds of the satellites as noisy as at 14 to 28 dB-Hz, theirs said as 0; all 0 of a healthy sky",
+    about: "a third to two thirds of the satellites as noisy as at 14 to 28 dB-Hz with C/N0 0; a healthy sky with C/N0 0 for all",
     run,
 };
 

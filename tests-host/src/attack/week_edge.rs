@@ -19,14 +19,14 @@ use crate::soak::noise::frames;
 /// Attack at the end of a week.
 pub(super) const ATTACK: Attack = Attack {
     name: "week-edge",
-    about: "GPS sets in the last 20 min of a week, dated with the week of transmission: is anything promised in the next?",
+    about: "GPS sets in the last 20 min of a week, dated with the week of their transmission; the next week must be promised",
     run,
 };
 
 /// Attack at the end of a cycle of 1,024 weeks.
 pub(super) const CYCLE: Attack = Attack {
     name: "cycle-edge",
-    about: "the week of GPS becomes 0 again: ten minutes before, and a start in the first hour after",
+    about: "the GPS week rolls over to 0: ten minutes before it, and a start in the first hour after it",
     run: cycle,
 };
 

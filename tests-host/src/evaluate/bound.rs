@@ -1,4 +1,4 @@
-//! Protection levels by the method `BOUND`, beside those of the papers in the least-squares part.
+//! Protection levels `BOUND`, beside those of the papers in the least-squares part.
 
 use rai_core::integrity::residuals::levels::{Exposure, Factors, Levels};
 use rai_core::integrity::residuals::threshold::Thresholds;

@@ -55,13 +55,13 @@ One JSON object per line, in and out. Input fields (unknown ones are ignored):
   con       [0 GPS | 1 BeiDou | 2 Galileo | 3 GLONASS, …]
   sigma     [m, …]     y  [m, …] measured minus predicted range
   pfa, pmd  probabilities of false alarm and of missed detection, in (0, 0.5)
-  hal       horizontal alert limit, m     f  share of it that the protection level may fill, in (0, 1]
+  hal       horizontal alert limit, m, above 0     f  share of it that the protection level may fill, in (0, 1]
   clock     optional {con, value_m, sigma_m}: a predicted receiver clock; takes the row after the satellites
-  scalar    optional \"f64\" (default) or \"f32\": which instantiation of the core runs
+  scalar    optional, \"f64\" (default) or \"f32\": scalar type of the core
   alpha     optional, 0.01: probability that a healthy row's correlation exceeds rho_T
   kmax      optional, 2: rows that isolation may leave out, 1 to 3
   tr_pfa, chi_pfa  optional, 1e-3 and 1e-4: false disagreement and false alarm of the range consensus
-Output: {id, out: {lsr: {…}, iso: {…}, ransac: {…}, ransac_trad: {…}}} or {id, error}. Fields of lsr, as far as the status goes:
+Output: {id, out: {lsr: {…}, iso: {…}, ransac: {…}, ransac_trad: {…}}} or {id, error}. Fields of lsr, as far as the status allows:
   status    ok | no_redundancy | insufficient | singular | invalid_input (then also: why)
   n, m, dof rows, unknowns, degrees of freedom
   x, v      position (east, north, up) and clocks (ascending con), m; residuals, m
@@ -70,23 +70,23 @@ Output: {id, out: {lsr: {…}, iso: {…}, ransac: {…}, ransac_trad: {…}}} o
   w, Td     w-tests and their threshold     Sii  redundancy numbers
   slope_h, slope_v, hpl, vpl, hdop_i, delta = (f hal / max slope_h)^2, raim_available
   tau2, tau_op_raw, tau_op, op_status       thresholds of the policies    op | op_is_tau1 | op_is_tau2 | unavailable
-  ident, ident_reason                       row named, or -1 and why not
+  ident, ident_reason                       identified row, or -1 and the reason
   excluded, fde_status, sse_after, dof_after, x_after   sequential exclusion of at most 3 rows
 Fields of iso, with the status ok: rho, rho_T, and the rows named by the methods
   A simultaneous, seq sequential, B, C hybrid without and with grouping, D grouping: null failed, [] nothing detected
-Fields of ransac, with two satellites for each unknown
+Fields of ransac, with at least two satellites per unknown
   subsets, best (the subset accepted), fault, status    ok | too_few_subsets | no_inlier_subset
   fault_refined, status_refined                         also refine_fail
 Fields of ransac_trad, with at most 1500 minimal subsets: K valid and n_out contradicted ones; f, tot for each row; fault
-NaN is null, infinity \"inf\". Probabilities outside the committed tables get rows computed on the host.
-The exit code is 1 if a line had an error; the other lines are answered.
+NaN is null, infinity \"inf\". Rows for probabilities outside the committed tables are computed on the host.
+The exit code is 1 if a line has an error; the other lines are answered.
 
-With --thresholds each line is {id, nu, pfa, pmd, delta}: degrees of freedom, probabilities, non-centrality of the fault
-that must not be missed. Output: the same with tau1, lam, tau2, tau_op_raw, tau_op, status.
+With --thresholds each line is {id, nu, pfa, pmd, delta}: degrees of freedom, probabilities, and non-centrality
+of the fault that must be detected. Output: the same with tau1, lam, tau2, tau_op_raw, tau_op, status.
 
 With --clock each line is a window of one receiver clock: {id, Z: [m, …]}, 12 to 240 values one step apart, oldest first.
-Output: out.uc, the core's third-order process, and for comparison burg, yw (Yule-Walker), poly1, poly2; of each
-  a                coefficients of the centred differences, latest first (not of polynomials)
+Output: out.uc, the core's third-order process, and for comparison burg, yw (Yule-Walker), poly1, poly2; for each
+  a                coefficients of the centred differences, latest first (not for polynomials)
   forecast         the clock 1 … 10 steps ahead, m     sigma_predict  its standard deviation, not inflated, m
 and out.sigma2, variances of one step of uc, burg and yw, m2.
 
@@ -95,17 +95,17 @@ With --clock-raim each line is an epoch of one constellation aided by a forecast
 Output: out with dof, sse, tau1, test_m = sigma sqrt(sse/dof), T_D_m = sigma sqrt(tau1/dof), detected,
   d (squared w-tests, the clock last), ident (row or -1), ident_is_clock.
 
-With --araim each line is an epoch with what integrity knows of each satellite:
+With --araim each line is an epoch with integrity parameters of each satellite:
 {id, los_enu, con, sigma: m, for integrity, y: [m, …], sigma_acc: [m, …] for accuracy, b_nom: [m, …], p_sat: [...],
  p_const: {con: probability}}
 Output: out.lpv and out.haraim, for the allocations of approaches with vertical guidance and of horizontal flight:
   status           ok | insufficient | singular | invalid_input (then also: why)
-  n_options, rho   what may be left out after an alarm, and the share of the risk of each outcome
-  n_modes, p_nm    watched modes, probability of what is not watched
+  n_options, rho   number of possible exclusions after an alarm, and the share of the risk of each outcome
+  n_modes, p_nm    number of monitored modes, probability of the unmonitored ones
   K_fa, x, pl      thresholds in sigmas, position, levels: each east, north, up    hpl, vpl  m
   emt, sigma_v_acc effective monitor threshold, standard deviation of the height for accuracy, m
   detected, max_ratio (largest separation over its threshold), dominant (rows of the mode with the largest share)
-  excl, hpl_excl, vpl_excl, x_excl, p_nm_excl   where one alarmed: rows left out, or null, and what is found then";
+  excl, hpl_excl, vpl_excl, x_excl, p_nm_excl   after an alarm: rows left out, or null, and the results without them";
 
 /// Largest number of rows in a line: the end of the tables of w-tests and, with four unknowns, of
 /// those of `tau1`.

@@ -195,9 +195,9 @@ fn tell_the_time(gpsd: &mut Gpsd, chronyd: &Chronyd, report: &Report<64>, second
     chronyd.source()?.context("chronyd does not answer")
 }
 
-/// The time goes from the sentences over gpsd and its shared memory to the clock of a server, even
-/// under an alert, because gpsd forwards the time of a void `RMC`, and of a `ZDA`, which has no
-/// status.
+/// The time goes from the sentences over gpsd and its shared memory to the clock of a server. It
+/// does so even under an alert, because gpsd forwards the time of a void `RMC`, and of a `ZDA`,
+/// which has no status.
 #[test]
 fn chrony_follows_the_time_of_the_sentences() -> Result<()> {
     if !chrony::is_possible() {

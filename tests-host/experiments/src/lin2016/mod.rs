@@ -1,4 +1,5 @@
-//! [Lin2016]: least-squares RAIM on the regional `BeiDou` system, for a day with one epoch per minute.
+//! [Lin2016]: least-squares RAIM on the regional `BeiDou` system, for a day with one epoch per
+//! minute.
 //!
 //! | content | module |
 //! |---|---|

@@ -6,7 +6,7 @@
 //! has no closed form.
 //!
 //! ```text
-//! P̂(b) = promised and beyond / draws          worst = max over b, over what was asked
+//! P̂(b) = promised and beyond / draws          worst = max over b, over the requirement
 //! ```
 //!
 //! | methods | requirement with a fault | without a fault |
@@ -64,7 +64,7 @@ const SIZES: [f64; 8] = [0.5, 0.65, 0.8, 1.0, 1.25, 1.5, 2.0, 4.0];
 /// Alert limits by name.
 const LIMITS: [&str; 2] = ["NPA", "limits at the levels"];
 
-/// Ratio of a limit to its level, so that noise changes neither's order.
+/// Ratio of an alert limit to its level, so that small changes of the level stay below it.
 const ABOVE: f64 = 1.02;
 
 /// Number of required rates: for each row every size and axis, and those without a fault.

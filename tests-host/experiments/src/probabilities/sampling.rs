@@ -2,7 +2,7 @@
 //! probability.
 //!
 //! ```text
-//! S z        what of the noise z ~ N(0, I) the residuals show; dimension ν
+//! S z        part of the noise z ~ N(0, I) that the residuals show; dimension ν
 //! false      z' = z + (s − 1) S z           w = s^ν exp(−(s² − 1) |S z|²/2)      s² = max(τ1/ν, 1)
 //! missed     z' = z − δ u                   w = exp(δ u·z − δ²/2)                δ = b v − √max(τ1 − ν, 0)
 //! P̂          mean of w over the draws in which it happens

@@ -1,8 +1,8 @@
 //! Figure 6: thresholds above Xi'an, and times without RAIM because `T1 ≥ T2`.
 //!
 //! With the printed alert limit of 556 m no minute is unavailable. With a share of it of 121.2 m
-//! the regional system is, in the paper's two windows to within minutes, if its phases are chosen
-//! so: 4266 min after `t = 0`, and the planes of the inclined orbits turned by 105°.
+//! the regional system is unavailable in the paper's two windows, to within minutes. This requires
+//! its phases to be 4266 min after `t = 0`, with the planes of the inclined orbits turned by 105°.
 
 use std::ops::RangeInclusive;
 

@@ -2,7 +2,7 @@
 //! and repeats, wrong ranges, and commands of the host meanwhile.
 //!
 //! ```text
-//! seed ─► scenes ─► bytes ─► module ─► what it says ─► oracle ─► what it should not have said
+//! seed ─► scenes ─► bytes ─► module ─► reports ─► oracle ─► findings
 //! ```
 //!
 //! Other attacks try known ideas; this one looks for unknown ones. A run ([`mod@run`]) has about a
@@ -24,7 +24,7 @@ use super::{Attack, Effort, Figure};
 /// Attack with random scenes.
 pub(super) const ATTACK: Attack = Attack {
     name: "upheaval",
-    about: "place and time leap, the line fails, ranges are wrong and the host commands, all by chance",
+    about: "leaps of place and time, a failing line, wrong ranges and commands of the host, all at random",
     run,
 };
 

@@ -37,21 +37,21 @@ use sources::Sources;
 
 /// Settings of each program.
 const SETTINGS: &str = "\
-All: 20 satellites of GPS and BeiDou, their positions at the instant of sending, corrected ranges with a sigma of 2 m; one fault is
-120 m on G03, two are that and -95 m on G06. Orbits, atmosphere and velocity are neither needed nor counted.
+All: 20 satellites of GPS and BeiDou, their positions at transmission, corrected ranges with a sigma of 2 m; one fault is
+120 m on G03, two faults are that and -95 m on G06. Orbits, atmosphere and velocity are neither needed nor counted.
 
-RAI: the method BAARDA with the requirements of a non-precision approach, thresholds from its tables; up to three satellites out;
-HPL and VPL of what is left. Each epoch is the first of its monitor. Compiled as shipped, the core at opt-level 2.
+RAI: the method BAARDA with the requirements of a non-precision approach, thresholds from its tables; up to three exclusions;
+HPL and VPL of the remaining satellites. Each epoch is the first of its monitor. Compiled as shipped, the core at opt-level 2.
 
 libswiftnav, of swiftnav-sys 0.10.0: calc_PVT, RAIM on, velocity off, all constellations, no mask; its log and its assertions off.
-Its noise model gives a sigma of 2 m by the strength of the signals, all at the zenith. A fault is an rms of the residuals above 2.5
-sigma; up to two satellites out. Every solution starts from the earth's centre, which cannot be chosen.
+The signal strength is chosen so that its noise model gives a sigma of 2 m, with all satellites at the zenith. A fault is an rms of the residuals above 2.5
+sigma; up to two exclusions. Every solution starts from the earth's centre; no other start is possible.
 
-RTKLIB 2.4.3 b34: estpos, and raim_fde where that refuses, as pntpos calls them, with five constellations' clocks as always; no mask,
+RTKLIB 2.4.3 b34: estpos, and raim_fde if that refuses, as pntpos calls them, with the clocks of five constellations as always; no mask,
 GDOP up to 30. Its options for the atmosphere are EST and ZTD, for which these functions have neither a model nor a variance; its error
-factors are 0, and the satellites' variances make up the sigma of 2 m. A fault is a sum of squares above the 99.9 % quantile; one
-satellite out, the one without which the rms is least. Calls of trace do nothing, but their arguments are made, times as text among
-them: as it comes, and with the calls taken out. What its first pass reads and nothing has set is zero by a flag of the compiler.";
+factors are 0, and the satellites' variances give the sigma of 2 m. A fault is a sum of squares above the 99.9 % quantile; one
+exclusion, that with the smallest rms. Calls of trace do nothing, but their arguments are computed, among them times as text: it is
+measured with these calls and without them. A compiler flag zeroes the variables that its first pass reads uninitialised.";
 
 /// Number of satellites of an epoch.
 const SATELLITES: usize = 20;

@@ -24,7 +24,7 @@ use tests_host::replay::pieces::{Kind, pieces};
 use tests_host::replay::{self, Lump, Moment, Pace, Summary, Track, Truth, Window};
 use tests_host::shared;
 
-/// A stream of ../shared/data/ubx, what it was made of, and where the antenna was.
+/// A stream of the reference folder, its sources, and the place of the antenna.
 struct Stream {
     name: &'static str,
     observations: &'static str,

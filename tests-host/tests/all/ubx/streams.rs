@@ -104,7 +104,7 @@ fn band(constellation: Constellation, number: u8, attribute: char) -> Option<Ban
 
 /// Compares every range of an epoch with the recording's; returns their number.
 fn compare(have: &RawEpoch, want: &MeasuredEpoch) -> usize {
-    /// Light time of a microsecond, m.
+    /// Distance that light travels in a microsecond, m.
     const MOST_MOVED_M: f64 = 300.0;
     let (mut compared, mut moved_m) = (0, None);
     for satellite in &have.satellites {
