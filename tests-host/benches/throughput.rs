@@ -1,13 +1,13 @@
-//! Host throughput: how many epochs a second a replay or a campaign may expect of this machine.
+//! Host throughput: epochs per second of a replay or a campaign on this machine.
 //!
-//! | group | what an element is |
+//! | group | element |
 //! |---|---|
 //! | `judged/f32`, `judged/f64` | an epoch of satellite positions and ranges, by the monitor with `BAARDA` |
 //! | `two faults` | an epoch of 20 satellites of which two are faulty, by each method in `f32` |
 //! | `module` | an epoch of RTCM bytes, through the whole module, to its sentences |
 //!
-//! These are times, which tell of the machine as much as of the program: nothing is held to them. What the module costs
-//! is counted in instructions of the target (`tests_host::bench`).
+//! Times depend on the machine as much as on the program, so they have no budget. The cost of the
+//! module is counted in instructions of the target (`tests_host::bench`).
 #![allow(missing_docs, reason = "what the macros of criterion write has no words")]
 
 use std::hint::black_box;
@@ -25,10 +25,10 @@ use rai_firmware::time::GpsTime;
 use tests_host::bench::workload::{Stream, Wrong, epoch, site};
 use tests_host::replay::{Lump, Pace, on_host};
 
-/// Sizes of skies.
+/// Numbers of satellites.
 const SIZES: [usize; 3] = [8, 20, 40];
 
-/// Epochs of RTCM in one run of the module.
+/// Number of epochs of RTCM in one run of the module.
 const STREAM_EPOCHS: u32 = 60;
 
 fn judge<T: Real>(

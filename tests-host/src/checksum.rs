@@ -1,15 +1,16 @@
-//! The checks that end frames and sentences, from the texts of their standards and without a line of the firmware's.
+//! Checksums of frames and sentences, written from their standards without any code of the
+//! firmware.
 //!
-//! | format | check |
+//! | format | checksum |
 //! |---|---|
 //! | RTCM 3 | CRC-24Q over header and payload ([RTCM-10403.3] 4.2) |
 //! | UBX | two sums from the class on ([UBX-F9] 3.4) |
-//! | NMEA 0183 | exclusive or of what stands between `$` and `*` |
+//! | NMEA 0183 | exclusive or of the bytes between `$` and `*` |
 //!
 //! [RTCM-10403.3]: crate#references
 //! [UBX-F9]: crate#references
 
-/// The parity that ends an RTCM frame, bit by bit.
+/// Returns the parity that ends an RTCM frame, computed bit by bit.
 pub fn crc24q(bytes: &[u8]) -> [u8; 3] {
     const POLYNOMIAL: u32 = 0x0186_4CFB;
     let crc = bytes.iter().fold(0_u32, |crc, byte| {
@@ -22,7 +23,7 @@ pub fn crc24q(bytes: &[u8]) -> [u8; 3] {
     parity
 }
 
-/// The two sums that end a UBX frame, over the bytes from its class on.
+/// Returns the two sums that end a UBX frame, over the bytes from its class on.
 pub fn fletcher(bytes: &[u8]) -> [u8; 2] {
     let (mut a, mut b) = (0_u8, 0_u8);
     for byte in bytes {
@@ -32,7 +33,7 @@ pub fn fletcher(bytes: &[u8]) -> [u8; 2] {
     [a, b]
 }
 
-/// A payload of at most 1023 bytes with preamble, length and parity, whatever it says.
+/// Frames a payload of at most 1023 bytes, of any content, with preamble, length and parity.
 pub fn rtcm_frame(payload: &[u8]) -> Vec<u8> {
     let mut bytes = vec![0xD3, (payload.len() >> 8) as u8, payload.len() as u8];
     bytes.extend_from_slice(payload);
@@ -41,7 +42,7 @@ pub fn rtcm_frame(payload: &[u8]) -> Vec<u8> {
     bytes
 }
 
-/// A sentence with `$`, checksum and line end.
+/// Returns a sentence with `$`, checksum and line end.
 pub fn nmea_line(body: &str) -> String {
     format!("${body}*{:02X}\r\n", body.bytes().fold(0_u8, |sum, byte| sum ^ byte))
 }
@@ -52,7 +53,8 @@ mod tests {
 
     #[test]
     fn checks_are_those_that_the_standards_print() {
-        // RTCM's example of a message 1005, u-blox's of a poll of MON-VER, and the sentence of many descriptions of NMEA.
+        // The examples are RTCM's message 1005, u-blox's poll of MON-VER, and a sentence common in
+        // descriptions of NMEA.
         let station = [
             0x3E, 0xD7, 0xD3, 0x02, 0x02, 0x98, 0x0E, 0xDE, 0xEF, 0x34, 0xB4, 0xBD, 0x62, 0xAC, 0x09, 0x41,
             0x98, 0x6F, 0x33,

@@ -1,7 +1,7 @@
 //! Central and non-central chi-square distribution, with full relative accuracy in the tails.
 //!
-//! `Q(ν/2, t/2)` and `P(ν/2, t/2)` are the upper and the lower tail of χ²(ν); the non-central lower tail is the
-//! Poisson mixture `G(t; ν, λ) = Σ_j e^(−λ/2) (λ/2)^j / j! · P(ν/2 + j, t/2)`.
+//! `Q(ν/2, t/2)` and `P(ν/2, t/2)` are the upper and the lower tail of χ²(ν); the non-central lower
+//! tail is the Poisson mixture `G(t; ν, λ) = Σ_j e^(−λ/2) (λ/2)^j / j! · P(ν/2 + j, t/2)`.
 //!
 //! | symbol | argument | unit |
 //! |---|---|---|
@@ -10,40 +10,45 @@
 //! | `λ` | `noncentrality` | a sum of squared means |
 //! | `a`, `x` | `ν/2`, `t/2` | |
 //!
-//! Accuracy: every sum below has positive terms only, so nothing cancels, and what is left is the rounding of one
-//! exponential: relative to a tail about 1e-14 and `x` times 2e-16 more, hence a few 1e-15 in a quantile. A
-//! complement `1 − p` is taken only where `p` is below about one half and nothing is lost. `statrs` loses half of
-//! the digits in quantiles of small tails, which is why these functions are written out here.
+//! Accuracy: every sum below has positive terms only, so nothing cancels. The error that remains is
+//! the rounding of one exponential: relative to a tail about 1e-14 and `x` times 2e-16 more, hence
+//! a few 1e-15 in a quantile. A complement `1 − p` is taken only if `p` is below about one half, so
+//! that nothing is lost. `statrs` loses half of the digits in quantiles of small tails, so these
+//! functions are written out here.
 //!
-//! Every transcendental comes from `libm`, so that the numbers are the same, bit for bit, on every host.
+//! Every transcendental function comes from `libm`, so that the numbers are the same, bit for bit,
+//! on every host.
 //!
-//! Limits: `dof` up to some thousands. References: [NIST DLMF] §8.4, §8.7, §8.8; [Johnson1995] ch. 29.
+//! Limits: `dof` up to some thousands. References: [NIST DLMF] §8.4, §8.7, §8.8; [Johnson1995]
+//! ch. 29.
 //!
 //! [Johnson1995]: crate#references
 
 use libm::{ceil, erfc, exp, fabs, lgamma, log, sqrt};
 
-/// Iterations of [`root`]: bisection alone halves any bracket of doubles to its last bit within these.
+/// Largest number of iterations of [`root`]: bisection alone halves any bracket of doubles to its
+/// last bit within these.
 const MAX_ITERATIONS: usize = 200;
 
-/// Upper tail of χ²(`dof`): the probability to exceed `statistic`.
+/// Returns the upper tail of χ²(`dof`): the probability to exceed `statistic`.
 pub fn upper_tail(statistic: f64, dof: usize) -> f64 {
     let (a, x) = (dof as f64 / 2.0, statistic / 2.0);
     if x < a { 1.0 - lower_series(a, x) } else { upper_sum(dof, x) }
 }
 
-/// Lower tail of χ²(`dof`): the probability to stay below `statistic`.
+/// Returns the lower tail of χ²(`dof`): the probability to stay below `statistic`.
 pub fn lower_tail(statistic: f64, dof: usize) -> f64 {
     let (a, x) = (dof as f64 / 2.0, statistic / 2.0);
     if x < a { lower_series(a, x) } else { 1.0 - upper_sum(dof, x) }
 }
 
-/// `e^(−x) x^a / Γ(a + 1)`: the common factor of all sums, and the step from `P(a, x)` to `P(a + 1, x)`.
+/// Returns `e^(−x) x^a / Γ(a + 1)`: the common factor of all sums, and the step from `P(a, x)` to
+/// `P(a + 1, x)`.
 fn step(a: f64, x: f64) -> f64 {
     exp(a * log(x) - x - lgamma(a + 1.0))
 }
 
-/// `P(a, x) = step · Σ x^k / ((a + 1) … (a + k))`.
+/// Returns `P(a, x) = step · Σ x^k / ((a + 1) … (a + k))`.
 fn lower_series(a: f64, x: f64) -> f64 {
     if x <= 0.0 {
         return 0.0;
@@ -57,8 +62,9 @@ fn lower_series(a: f64, x: f64) -> f64 {
     step(a, x) * sum
 }
 
-/// `Q(ν/2, x)`, which is a finite sum for an integer `ν`: `step(a − 1) · (1 + (a − 1)/x + …)`, down to the
-/// exponential for an even `ν` and to `erfc(√x)` for an odd one.
+/// Returns `Q(ν/2, x)`, which is a finite sum for an integer `ν`:
+/// `step(a − 1) · (1 + (a − 1)/x + …)`, down to the exponential for an even `ν` and to `erfc(√x)`
+/// for an odd one.
 fn upper_sum(dof: usize, x: f64) -> f64 {
     let base = if dof.is_multiple_of(2) { 0.0 } else { erfc(sqrt(x)) };
     let terms = dof / 2;
@@ -74,16 +80,18 @@ fn upper_sum(dof: usize, x: f64) -> f64 {
     base + step(top, x) * sum
 }
 
-/// Lower tail of the non-central χ²(`dof`, `noncentrality`), and its derivative by `noncentrality`.
+/// Returns the lower tail of the non-central χ²(`dof`, `noncentrality`), and its derivative by
+/// `noncentrality`.
 ///
-/// The mixture is summed from its top down: there `P(a, x) = P(a + 1, x) + step(a, x)` adds. The derivative is
-/// minus the density with two more degrees of freedom, which is the same mixture of the same steps.
+/// The mixture is summed from its top down, where `P(a, x) = P(a + 1, x) + step(a, x)` only adds.
+/// The derivative is minus the density with two more degrees of freedom, which is the same mixture
+/// of the same steps.
 pub fn noncentral_lower_tail(statistic: f64, dof: usize, noncentrality: f64) -> (f64, f64) {
     let (a, x, mean) = (dof as f64 / 2.0, statistic / 2.0, noncentrality / 2.0);
     if mean <= 0.0 {
         return (lower_tail(statistic, dof), -step(a, x) / 2.0);
     }
-    // Beyond, both factors only fall: the omitted terms are below e^(−70) of the sum.
+    // Above this index both factors only fall: the omitted terms are below e^(−70) of the sum.
     let top = ceil(mean + 12.0 * sqrt(mean) + 60.0) as usize;
     let mut lower = lower_tail(statistic, dof + 2 * (top + 1));
     let (mut tail, mut slope) = (0.0, 0.0);
@@ -97,7 +105,7 @@ pub fn noncentral_lower_tail(statistic: f64, dof: usize, noncentrality: f64) -> 
     (tail, slope)
 }
 
-/// The statistic that χ²(`dof`) exceeds with probability `tail`: `tau1`.
+/// Returns the statistic that χ²(`dof`) exceeds with probability `tail`: `tau1`.
 pub fn upper_quantile(tail: f64, dof: usize) -> f64 {
     let target = log(tail);
     let nu = dof as f64;
@@ -111,7 +119,8 @@ pub fn upper_quantile(tail: f64, dof: usize) -> f64 {
     })
 }
 
-/// The non-centrality at which χ²(`dof`, ·) stays below `statistic` with probability `tail` only: `lambda`.
+/// Returns the non-centrality at which χ²(`dof`, ·) stays below `statistic` only with probability
+/// `tail`: `lambda`.
 pub fn noncentrality(statistic: f64, dof: usize, tail: f64) -> f64 {
     let target = log(tail);
     let excess = |noncentrality: f64| {
@@ -125,12 +134,13 @@ pub fn noncentrality(statistic: f64, dof: usize, tail: f64) -> f64 {
     root(0.0, bound, excess)
 }
 
-/// What `|N(0, 1)|` exceeds with probability `tail`: the square root of χ²(1).
+/// Returns the value that `|N(0, 1)|` exceeds with probability `tail`: the square root of χ²(1).
 pub fn two_sided_normal_quantile(tail: f64) -> f64 {
     sqrt(upper_quantile(tail, 1))
 }
 
-/// Root of a decreasing function between `low` and `high`: Newton, held in a shrinking bracket by bisection.
+/// Finds the root of a decreasing function between `low` and `high` by Newton's method, safeguarded
+/// by bisection.
 fn root(mut low: f64, mut high: f64, function: impl Fn(f64) -> (f64, f64)) -> f64 {
     let mut x = high;
     for _ in 0..MAX_ITERATIONS {
@@ -142,7 +152,7 @@ fn root(mut low: f64, mut high: f64, function: impl Fn(f64) -> (f64, f64)) -> f6
         }
         let newton = x - value / slope;
         let next = if newton > low && newton < high { newton } else { f64::midpoint(low, high) };
-        // Two ulp: below, the rounding of `function` decides, not its root.
+        // Two ulp: below that, the rounding of `function` decides, not its root.
         if fabs(next - x) <= 2.0 * f64::EPSILON * next {
             return next;
         }
@@ -195,8 +205,9 @@ mod tests {
         }
     }
 
-    /// `G = ∫ φ(z − √λ) · F(t − z²; ν − 1) dz`, by the trapezium rule in `z = √t sin θ`, where the integrand of an
-    /// even `ν` is smooth and periodic, so that the rule converges to the last digit.
+    /// Computes `G = ∫ φ(z − √λ) · F(t − z²; ν − 1) dz` by the trapezium rule in `z = √t sin θ`.
+    /// There the integrand of an even `ν` is smooth and periodic, so that the rule converges to the
+    /// last digit.
     fn noncentral_by_quadrature(statistic: f64, dof: usize, noncentrality: f64) -> f64 {
         let points = 2000;
         let width = core::f64::consts::PI / points as f64;

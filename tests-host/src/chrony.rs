@@ -1,8 +1,9 @@
-//! A real chronyd that takes the time from a gpsd that reads our sentences, as a server of time does.
+//! A real chronyd that takes the time from a gpsd that reads our sentences, as a time server does.
 //!
-//! gpsd leaves the time of each sentence beside that of its arrival in shared memory; chronyd looks there once a second. It
-//! runs without touching the clock of this machine, and both share memory with nobody else: two more things, beside that
-//! memory's own rights, that only the superuser can arrange.
+//! gpsd writes the time of each sentence and that of its arrival to shared memory; chronyd reads
+//! them once a second. It runs without touching the clock of this machine, and both share memory
+//! with no other process. Only the superuser can arrange these two things and the rights of that
+//! memory.
 
 use std::fs;
 use std::os::unix::fs::PermissionsExt as _;
@@ -20,18 +21,20 @@ pub struct Chronyd {
     _folder: TempDir,
 }
 
-/// What chronyd says of its source.
+/// State of chronyd's source.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Source {
-    /// Whether the clock would follow it.
+    /// True if the clock would follow the source.
     pub is_followed: bool,
-    /// Whether each of the last eight looks found a new time, the last one in the lowest bit.
+    /// Results of the last eight polls, one bit each, set for a new time; the last one in the
+    /// lowest bit.
     pub reach: u8,
-    /// By how much the clock of this machine is ahead of the last time, s.
+    /// Lead of this machine's clock over the last time, s.
     pub ahead_s: f64,
 }
 
-/// True where this process may do all that a [`Chronyd`] needs and the programs are there.
+/// Returns true if this process has the rights that a [`Chronyd`] needs and the programs are
+/// installed.
 pub fn is_possible() -> bool {
     let is_superuser = fs::metadata("/proc/self").is_ok_and(|status| {
         use std::os::unix::fs::MetadataExt as _;
@@ -50,10 +53,10 @@ pub fn is_possible() -> bool {
 }
 
 impl Chronyd {
-    /// Starts it beside a gpsd that shares its memory with nobody else.
+    /// Starts chronyd beside a gpsd that shares its memory with no other process.
     ///
     /// # Errors
-    /// chronyd does not start.
+    /// If chronyd does not start.
     pub fn beside(gpsd: &Gpsd) -> Result<Self> {
         let folder = TempDir::new()?;
         fs::set_permissions(folder.path(), fs::Permissions::from_mode(0o700))?;
@@ -68,7 +71,7 @@ impl Chronyd {
         )?;
         let mut command = Command::new("nsenter");
         command.args(["--ipc", "--target", &gpsd.process().to_string()]);
-        // In the foreground, leaving the clock of this machine alone.
+        // The daemon runs in the foreground and leaves the clock of this machine alone.
         command.args(["chronyd", "-x", "-d", "-u", "root", "-f"]).arg(&settings);
         command.env("PATH", path_of_daemons()?);
         command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
@@ -76,10 +79,10 @@ impl Chronyd {
         Ok(Self { port, _daemon: daemon, _folder: folder })
     }
 
-    /// What it says of its source; `None` until it answers.
+    /// Returns the state of its source; `None` until it answers.
     ///
     /// # Errors
-    /// There is no `chronyc`, or it says what it never should.
+    /// If `chronyc` is missing, or its answer has an unknown form.
     pub fn source(&self) -> Result<Option<Source>> {
         let answer = Command::new("chronyc")
             .args(["-h", "127.0.0.1", "-p", &self.port.to_string(), "-c", "sources"])

@@ -1,4 +1,4 @@
-//! Other forecasts of a receiver clock, for comparison with the core's only.
+//! Other forecasts of a receiver clock, used only for comparison with the core's.
 //!
 //! ```text
 //! Burg          reflection k_m = 2 Σ f b / Σ (f² + b²), σ² ← σ² (1 − k_m²), order 3
@@ -6,8 +6,8 @@
 //! polynomial    Z(t) = p(t) of degree 1 or 2 by least squares; σ²(h) = s² (1 + q(h)ᵀ (QᵀQ)⁻¹ q(h))
 //! ```
 //!
-//! `x` are centred differences, as in [`rai_core::clock`]; the variance of a forecast is that of the core's process
-//! with these coefficients. References: [Chen2009] §2 and table 1.
+//! `x` are centred differences, as in [`rai_core::clock`]; the variance of a forecast is that of
+//! the core's process with these coefficients. References: [Chen2009] §2 and table 1.
 //!
 //! [Chen2009]: crate#references
 
@@ -22,23 +22,23 @@ pub struct Process {
     pub variance: f64,
 }
 
-/// Levels ahead, m, and their standard deviations, m.
+/// Forecast levels, m, and their standard deviations, m.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Levels {
-    /// One, two, … steps ahead.
+    /// Levels one, two, … steps ahead, m.
     pub forecast: Vec<f64>,
-    /// Standard deviation of each.
+    /// Standard deviation of each, m.
     pub sigma_predict: Vec<f64>,
 }
 
-/// First differences, their mean removed, and the mean.
+/// Returns the first differences without their mean, and the mean.
 pub fn centred_differences(levels_m: &[f64]) -> (Vec<f64>, f64) {
     let differences: Vec<f64> = levels_m.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let mean = differences.iter().sum::<f64>() / differences.len().max(1) as f64;
     (differences.iter().map(|difference| difference - mean).collect(), mean)
 }
 
-/// Burg's estimate: stable, but biased on short records.
+/// Returns Burg's estimate, which is stable, but biased on short records.
 pub fn burg(differences: &[f64]) -> Process {
     let squares: f64 = differences.iter().map(|x| x * x).sum();
     let mut variance = squares / differences.len().max(1) as f64;
@@ -60,7 +60,7 @@ pub fn burg(differences: &[f64]) -> Process {
     Process { coefficients: [coefficients[0], coefficients[1], coefficients[2]], variance }
 }
 
-/// The Yule–Walker estimate from the biased autocovariance; `None` where that is singular.
+/// Returns the Yule–Walker estimate from the biased autocovariance; `None` if that is singular.
 pub fn yule_walker(differences: &[f64]) -> Option<Process> {
     let count = differences.len() as f64;
     let lagged = |lag: usize| -> f64 {
@@ -73,7 +73,8 @@ pub fn yule_walker(differences: &[f64]) -> Option<Process> {
 }
 
 impl Process {
-    /// Levels after the last one of a series with these centred differences and this mean difference.
+    /// Returns the levels after the last one of a series with these centred differences and this
+    /// mean difference.
     pub fn levels(&self, last_m: f64, differences: &[f64], mean_m: f64, steps: usize) -> Levels {
         let mut recent: Vec<f64> = differences.iter().rev().take(3).copied().collect();
         let mut response = vec![1.0];
@@ -98,11 +99,12 @@ impl Process {
     }
 }
 
-/// A polynomial through the levels, extrapolated; `None` where there are too few.
+/// Fits a polynomial to the levels and extrapolates it; returns `None` if there are too few.
 pub fn polynomial(levels_m: &[f64], degree: usize, steps: usize) -> Option<Levels> {
     let (count, unknowns) = (levels_m.len(), degree + 1);
     let freedom = count.checked_sub(unknowns).filter(|&freedom| freedom > 0)?;
-    // Time from the last value, in window lengths: the normal equations stay well conditioned.
+    // Time is counted from the last value, in window lengths, so that the normal equations stay
+    // well conditioned.
     let powers =
         |step: f64| DVector::from_fn(unknowns, |power, _| libm::pow(step / count as f64, power as f64));
     let last = count as f64 - 1.0;

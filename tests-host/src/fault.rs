@@ -1,18 +1,20 @@
 //! Faults on demand: steps, ramps, outages, a whole constellation, a jumping receiver clock.
 //!
-//! [`Injector`] wraps any source of epochs, a recording as well as a simulated sky. A fault of the range applies
-//! to every signal of the satellite equally, so that combining frequencies neither hides nor multiplies it.
+//! [`Injector`] wraps any source of epochs, a recording as well as a simulated sky. A fault of the
+//! range applies to every signal of the satellite equally, so that combining frequencies neither
+//! hides nor multiplies it.
 //!
 //! ```text
 //! step   Δρ = b                     ramp   Δρ = r (t − t₀), at most b           outage   no measurement
 //! shift  Δρ = −LOS · d
 //! ```
 //!
-//! A shift moves the place that the satellites of a constellation agree on by `d`: orbits in a wrong frame, or a clock
-//! upload that all satellites share, look like this. Each range is as plausible as the next, and only who compares
-//! constellations sees it. A step of a whole constellation, in contrast, is its clock, which the receiver estimates.
+//! A shift moves by `d` the place on which the satellites of a constellation agree. Orbits in a
+//! wrong frame have this effect, and so has a clock upload that all satellites share. Each range is
+//! plausible by itself; only a comparison of constellations reveals the shift. In contrast, a step
+//! of a whole constellation is its clock, which the receiver estimates.
 //!
-//! | written as | means |
+//! | text | meaning |
 //! |---|---|
 //! | `G05:+80@600..1200` | G05 is 80 m long from 600 s to 1200 s after the first epoch, the end excluded |
 //! | `C:-12@600..` | every BeiDou satellite is 12 m short from 600 s on |
@@ -28,19 +30,19 @@ use rai_core::satellite::{Constellation, SatelliteId};
 
 use crate::measurement::MeasuredEpoch;
 
-/// Whom a fault befalls.
+/// Satellites that a fault affects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Target {
     /// One satellite.
     Satellite(SatelliteId),
     /// All satellites of one system.
     Constellation(Constellation),
-    /// All ranges alike: the receiver's own clock.
+    /// All ranges equally: the receiver's own clock.
     Receiver,
 }
 
 impl Target {
-    /// Whether the fault is one of this satellite.
+    /// Returns true if the fault affects this satellite.
     pub fn covers(self, satellite: SatelliteId) -> bool {
         match self {
             Self::Satellite(target) => target == satellite,
@@ -50,7 +52,7 @@ impl Target {
     }
 }
 
-/// What happens.
+/// Kind of a fault.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Kind {
     /// The range is wrong by a constant, m.
@@ -62,33 +64,33 @@ pub enum Kind {
     Ramp {
         /// Growth of the error, m/s.
         rate_m_s: f64,
-        /// Where it stops to grow, m; infinite where it does not.
+        /// Largest error, m; infinite if the drift does not stop.
         limit_m: f64,
     },
-    /// The ranges fit a place that is wrong by this, m.
+    /// The ranges fit a place with this error, m.
     Shift(Enu),
-    /// Nothing is measured.
+    /// The satellite is not measured.
     Outage,
 }
 
 /// One fault, from `start_s` to before `end_s` after the first epoch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fault {
-    /// Whom it befalls.
+    /// Satellites that the fault affects.
     pub target: Target,
-    /// What happens.
+    /// Kind of the fault.
     pub kind: Kind,
     /// First instant, s.
     pub start_s: f64,
-    /// First instant after it, s; infinite where it stays.
+    /// First instant after it, s; infinite if it does not end.
     pub end_s: f64,
 }
 
-/// An epoch whose ranges can be falsified.
+/// Epoch whose ranges can be falsified.
 pub trait Measured {
-    /// Seconds of any continuous time scale.
+    /// Returns the time in s of any continuous scale.
     fn time_s(&self) -> f64;
-    /// The satellites measured.
+    /// Returns the measured satellites.
     fn satellites(&self) -> Vec<SatelliteId>;
     /// Lengthens all pseudoranges of a satellite, m.
     fn lengthen(&mut self, satellite: SatelliteId, by_m: f64);
@@ -118,13 +120,13 @@ impl Measured for MeasuredEpoch {
 }
 
 impl Fault {
-    /// Whether the fault is there `elapsed_s` after the first epoch.
+    /// Returns true if the fault is active `elapsed_s` after the first epoch.
     pub fn is_active(&self, elapsed_s: f64) -> bool {
         (self.start_s..self.end_s).contains(&elapsed_s)
     }
 
-    /// What the fault adds to a range `elapsed_s` after the first epoch, m; 0 during an outage. Of a shift, the most that
-    /// it adds to any range.
+    /// Returns the fault's contribution to a range `elapsed_s` after the first epoch, m; 0 during
+    /// an outage. For a shift it is the largest contribution to any range.
     pub fn bias_m(&self, elapsed_s: f64) -> f64 {
         match self.kind {
             _ if !self.is_active(elapsed_s) => 0.0,
@@ -137,7 +139,7 @@ impl Fault {
         }
     }
 
-    /// What the fault adds to the range of a satellite in this direction, m.
+    /// Returns the fault's contribution to the range of a satellite in this direction, m.
     pub fn bias_towards_m(&self, line_of_sight: Enu, elapsed_s: f64) -> f64 {
         match self.kind {
             Kind::Shift(Enu { east, north, up }) if self.is_active(elapsed_s) => {
@@ -147,20 +149,21 @@ impl Fault {
         }
     }
 
-    /// Whether the fault needs to know in which direction a satellite stands.
+    /// Returns true if the fault depends on the directions of satellites.
     pub fn needs_directions(&self) -> bool {
         matches!(self.kind, Kind::Shift(_))
     }
 
-    /// Falsifies one epoch. A shift needs [`Self::apply_towards`]; without directions its satellites are lost.
+    /// Falsifies one epoch. A shift needs [`Self::apply_towards`]; without directions its
+    /// satellites are lost.
     pub fn apply(&self, epoch: &mut impl Measured, elapsed_s: f64) {
         self.apply_towards(epoch, elapsed_s, |_| None);
     }
 
-    /// Falsifies one epoch whose satellites stand in these directions.
+    /// Falsifies one epoch whose satellites have these directions.
     ///
-    /// A satellite that a shift befalls and whose direction nobody knows is lost: half a constellation that does not
-    /// move would be another fault than the one asked for.
+    /// A satellite of a shift whose direction is unknown is lost, because a constellation of which
+    /// only half moves would be another fault than the requested one.
     pub fn apply_towards(
         &self,
         epoch: &mut impl Measured,
@@ -182,10 +185,11 @@ impl Fault {
         }
     }
 
-    /// Reads a step, a shift or an outage: `G05:+80@600..1200`, `E:shift=60,0,-45@600..`, `G05:lost@600..`.
+    /// Parses a step, a shift or an outage: `G05:+80@600..1200`, `E:shift=60,0,-45@600..`,
+    /// `G05:lost@600..`.
     ///
     /// # Errors
-    /// What is wrong, where, and what would be right.
+    /// If the text has another form; the error names the part and the expected form.
     pub fn parse_inject(text: &str) -> Result<Self, FaultError> {
         Self::parse(text, INJECT_EXAMPLE, |what, at| match (what, what.strip_prefix("shift=")) {
             ("lost", _) => Ok(Kind::Outage),
@@ -195,10 +199,10 @@ impl Fault {
         })
     }
 
-    /// Reads a ramp: `G05:0.5@600..`, in metres per second.
+    /// Parses a ramp: `G05:0.5@600..`, in metres per second.
     ///
     /// # Errors
-    /// What is wrong, where, and what would be right.
+    /// If the text has another form; the error names the part and the expected form.
     pub fn parse_ramp(text: &str) -> Result<Self, FaultError> {
         Self::parse(text, RAMP_EXAMPLE, |what, at| {
             number(text, what, at, "a number of metres per second", RAMP_EXAMPLE)
@@ -237,17 +241,17 @@ impl Fault {
         Ok(Self { target, kind, start_s, end_s })
     }
 
-    /// Checks that the fault can befall anyone among the satellites of a source.
+    /// Checks that the fault affects at least one of a source's satellites.
     ///
     /// # Errors
-    /// [`FaultError`] that names the satellites there are.
+    /// If it affects none; the [`FaultError`] names the satellites of the source.
     pub fn check_against(&self, satellites: &[SatelliteId]) -> Result<(), FaultError> {
         if satellites.iter().any(|&satellite| self.target.covers(satellite)) {
             return Ok(());
         }
         let known: Vec<String> = satellites.iter().map(ToString::to_string).collect();
         Err(FaultError {
-            message: format!("{} is never received; there are {}", self.target, known.join(" ")),
+            message: format!("{} is never received; the satellites are {}", self.target, known.join(" ")),
         })
     }
 }
@@ -256,7 +260,7 @@ const INJECT_EXAMPLE: &str = "G05:+80@600..1200";
 const SHIFT_EXAMPLE: &str = "E:shift=60,0,-45@600..";
 const RAMP_EXAMPLE: &str = "G05:0.5@600..";
 
-/// A satellite's name as in RINEX, the number with one digit or two.
+/// Parses a satellite's name as in RINEX, with one digit or two.
 pub fn satellite(name: &str) -> Option<SatelliteId> {
     let mut letters = name.chars();
     let letter = letters.next()?.to_ascii_uppercase();
@@ -276,7 +280,7 @@ fn target(name: &str) -> Option<Target> {
     }
 }
 
-/// East, north and up, in metres.
+/// Parses east, north and up, m.
 fn shift(text: &str, metres: &str, at: usize) -> Result<Kind, FaultError> {
     let parts: Vec<&str> = metres.split(',').collect();
     let &[east, north, up] = parts.as_slice() else {
@@ -302,7 +306,7 @@ fn number(
     finite.ok_or_else(|| FaultError::syntax(text, at, part, want, example))
 }
 
-/// Why a text is no fault, or a fault can befall nobody.
+/// Error of a text that is not a fault, or of a fault that affects no satellite.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FaultError {
     message: String,
@@ -337,19 +341,19 @@ impl fmt::Display for Target {
     }
 }
 
-/// Where the satellites stand in the sky of a source: by time, and unit vectors receiver → satellite.
+/// Directions of satellites in the sky of a source: by time, as unit vectors from the receiver.
 #[derive(Clone, Debug, Default)]
 pub struct Directions {
     epochs: Vec<(f64, Vec<(SatelliteId, Enu)>)>,
 }
 
 impl Directions {
-    /// Of epochs in the order of time, s.
+    /// Returns the directions of epochs in the order of time, s.
     pub const fn new(epochs: Vec<(f64, Vec<(SatelliteId, Enu)>)>) -> Self {
         Self { epochs }
     }
 
-    /// Of a satellite at the epoch of this time.
+    /// Returns the direction of a satellite at the epoch of this time.
     fn of(&self, time_s: f64, satellite: SatelliteId) -> Option<Enu> {
         // Time tags are whole milliseconds.
         const SAME_S: f64 = 5e-4;
@@ -374,7 +378,7 @@ impl<I> Injector<I> {
         Self { source, faults, directions: Directions::default(), start_s: None }
     }
 
-    /// The same, with what a shift needs to know.
+    /// Adds the directions that a shift needs.
     #[must_use]
     pub fn towards(self, directions: Directions) -> Self {
         Self { directions, ..self }

@@ -1,7 +1,8 @@
-//! A real gpsd that reads our sentences: an independent judge of what the module says.
+//! A real gpsd that reads our sentences: an independent check of the module's output.
 //!
-//! The daemon connects to a port of ours for the sentences, as it would to a serial line, and serves its JSON on
-//! another one. Every wait has a deadline, and the daemon is killed when the [`Gpsd`] is dropped.
+//! The daemon connects to a port of ours for the sentences, as to a serial line, and serves its
+//! JSON on another one. Every wait has a deadline, and the daemon is killed when the [`Gpsd`] is
+//! dropped.
 
 use std::ffi::OsString;
 use std::io::{self, ErrorKind, Read, Write};
@@ -12,10 +13,10 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, Result, bail};
 use serde_json::Value;
 
-/// How long gpsd may take to start and to connect.
+/// Time within which gpsd must start and connect.
 const START: Duration = Duration::from_secs(10);
 
-/// How long one look at an unready port lasts.
+/// Time between two attempts at a port that is not ready.
 const PAUSE: Duration = Duration::from_millis(20);
 
 /// A running gpsd, fed with sentences.
@@ -26,38 +27,38 @@ pub struct Gpsd {
     unread: Vec<u8>,
 }
 
-/// Kills the process when dropped, also where the start fails half-way.
+/// A process that is killed when dropped, even if the start fails half-way.
 pub(crate) struct Daemon(pub(crate) Child);
 
 impl Drop for Daemon {
     fn drop(&mut self) {
-        // A daemon that has ended by itself is as good.
+        // It does not matter if the daemon has already ended.
         let _ = self.0.kill();
         let _ = self.0.wait();
     }
 }
 
 impl Gpsd {
-    /// Starts gpsd; `None`, said aloud, where it is not installed.
+    /// Starts gpsd; returns `None` and reports a skip if it is not installed.
     ///
     /// # Errors
-    /// Where it is installed and does not start or connect within ten seconds.
+    /// If it is installed and does not start or connect within ten seconds.
     pub fn start_or_skip() -> Result<Option<Self>> {
         Self::launched_by(Command::new("gpsd"))
     }
 
-    /// As [`Self::start_or_skip`], with shared memory that no other process sees but those that are sent there: only the
-    /// superuser can.
+    /// Starts gpsd as [`Self::start_or_skip`] does, with shared memory that only processes in its
+    /// namespace can see. Only the superuser can do this.
     ///
     /// # Errors
-    /// As there.
+    /// As [`Self::start_or_skip`].
     pub fn start_apart_or_skip() -> Result<Option<Self>> {
         let mut command = Command::new("unshare");
         command.args(["--ipc", "gpsd"]);
         Self::launched_by(command)
     }
 
-    /// Number of the process.
+    /// Returns the process id.
     pub(crate) fn process(&self) -> u32 {
         self.daemon.0.id()
     }
@@ -78,18 +79,18 @@ impl Gpsd {
         Ok(Some(gpsd))
     }
 
-    /// Sends what a module would say.
+    /// Sends sentences of a module.
     ///
     /// # Errors
-    /// Where gpsd has hung up.
+    /// If gpsd has closed the connection.
     pub fn feed(&mut self, sentences: &[u8]) -> Result<()> {
-        self.sentences.write_all(sentences).context("gpsd hung up on the sentences")
+        self.sentences.write_all(sentences).context("gpsd closed the connection for the sentences")
     }
 
-    /// The first object that answers the question; the ones before it are dropped.
+    /// Returns the first object that satisfies `wanted`; earlier ones are dropped.
     ///
     /// # Errors
-    /// Where none came in time: with the last few that did come.
+    /// If none came in time, with the last few that did come.
     pub fn wait_for(&mut self, within: Duration, wanted: impl Fn(&Value) -> bool) -> Result<Value> {
         let deadline = Instant::now() + within;
         let mut seen = Vec::new();
@@ -108,14 +109,14 @@ impl Gpsd {
         )
     }
 
-    /// What gpsd has said since the last look, waiting a moment for more.
+    /// Returns gpsd's objects since the last call, after waiting briefly for more.
     ///
     /// # Errors
-    /// Where gpsd has hung up or does not speak JSON.
+    /// If gpsd has closed the connection or does not send JSON.
     pub fn objects(&mut self) -> Result<Vec<Value>> {
         let mut chunk = [0; 4096];
         match self.json.read(&mut chunk) {
-            Ok(0) => bail!("gpsd hung up"),
+            Ok(0) => bail!("gpsd closed the connection"),
             Ok(count) => self.unread.extend_from_slice(&chunk[..count]),
             Err(error) if is_not_yet(&error) => {}
             Err(error) => return Err(error.into()),
@@ -125,7 +126,7 @@ impl Gpsd {
         lines
             .split(|byte| *byte == b'\n')
             .filter(|line| !line.trim_ascii().is_empty())
-            .map(|line| serde_json::from_slice(line).context("gpsd speaks JSON"))
+            .map(|line| serde_json::from_slice(line).context("gpsd must send JSON"))
             .collect()
     }
 }
@@ -134,14 +135,14 @@ fn is_not_yet(error: &io::Error) -> bool {
     matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut)
 }
 
-/// A port that was free a moment ago: gpsd cannot be asked which one it took.
+/// Returns a port that was free a moment ago, because gpsd cannot be asked for the port it took.
 pub(crate) fn free_port() -> io::Result<u16> {
     Ok(TcpListener::bind((Ipv4Addr::LOCALHOST, 0))?.local_addr()?.port())
 }
 
-/// `None` where there is no such program.
+/// Launches the program; returns `None` if it does not exist.
 fn launch(mut command: Command, source: u16, served: u16) -> Result<Option<Daemon>> {
-    // In the foreground, reading without a client, serving on a port of its own.
+    // gpsd runs in the foreground, reads without a client and serves on its own port.
     command.args(["-N", "-n", "-S", &served.to_string(), &format!("tcp://127.0.0.1:{source}")]);
     command.env("PATH", path_of_daemons()?);
     match command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).spawn() {
@@ -151,7 +152,8 @@ fn launch(mut command: Command, source: u16, served: u16) -> Result<Option<Daemo
     }
 }
 
-/// Where programs are looked for: Debian puts daemons where the path of an ordinary user does not look.
+/// Returns the search path with the folders in which Debian installs daemons; the path of an
+/// ordinary user lacks them.
 pub(crate) fn path_of_daemons() -> Result<OsString> {
     let path = std::env::var_os("PATH").unwrap_or_default();
     let with_sbin = std::env::split_paths(&path).chain(["/usr/sbin".into(), "/usr/local/sbin".into()]);
@@ -160,18 +162,18 @@ pub(crate) fn path_of_daemons() -> Result<OsString> {
 
 fn accept(listener: &TcpListener) -> Result<TcpStream> {
     listener.set_nonblocking(true)?;
-    let stream =
-        retry(|| listener.accept().map(|(stream, _)| stream)).context("gpsd asks for the sentences")?;
+    let stream = retry(|| listener.accept().map(|(stream, _)| stream))
+        .context("gpsd did not connect for the sentences")?;
     stream.set_nonblocking(false)?;
     stream.set_write_timeout(Some(START))?;
     Ok(stream)
 }
 
 fn connect(port: u16) -> Result<TcpStream> {
-    retry(|| TcpStream::connect((Ipv4Addr::LOCALHOST, port))).context("gpsd serves its JSON")
+    retry(|| TcpStream::connect((Ipv4Addr::LOCALHOST, port))).context("gpsd does not serve its JSON")
 }
 
-/// Tries until it succeeds, for as long as gpsd may take to start.
+/// Repeats an attempt until it succeeds, for as long as gpsd may take to start.
 fn retry<T>(mut attempt: impl FnMut() -> io::Result<T>) -> io::Result<T> {
     let deadline = Instant::now() + START;
     loop {

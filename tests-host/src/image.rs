@@ -1,13 +1,13 @@
-//! The firmware image: building it, and holding it against the memory of the chip.
+//! The firmware image: its build, and a check against the memory of the chip.
 //!
 //! | quantity | field | unit |
 //! |---|---|---|
 //! | code, constants and the initial values of the statics | `flash_bytes` | bytes |
 //! | statics, cleared or not | `static_ram_bytes` | bytes |
-//! | what is left of RAM for the stack | `stack_bytes` | bytes |
+//! | RAM left for the stack | `stack_bytes` | bytes |
 //!
-//! The emulator answers beyond the end of the chip's RAM, so an image that fits there proves nothing; [`Image::check`]
-//! is what proves it.
+//! The emulator has memory beyond the end of the chip's RAM, so an image that runs there proves
+//! nothing; [`Image::check`] proves it.
 //!
 //! References: [ARMv7-M] §B1.5.3 (vector table), [DS8626] §4 (memory map).
 //!
@@ -24,17 +24,19 @@ use object::{Object, ObjectSection, ObjectSymbol, SectionFlags, SectionKind};
 
 use crate::board::Machine;
 
-/// Most that the statics may take: the receiver (47 KiB, of them 15 for an epoch's satellites, equations, solution and what
-/// ARAIM has for each row and term, which are here and not on the stack, 9 for the longest frame and an epoch's raw ranges,
-/// 10 for ephemerides, 6 for navigation bits), the ports' rings (8 KiB), and little more.
+/// Largest size of the statics: the receiver (47 KiB), the ports' rings (8 KiB), and little more.
+///
+/// The receiver has 15 KiB for an epoch's satellites, equations and solution, and for ARAIM's
+/// memory of each row and term, which are here and not on the stack. It has 9 KiB for the longest
+/// frame and an epoch's raw ranges, 10 KiB for ephemerides and 6 KiB for navigation bits.
 pub const STATIC_RAM_BUDGET_BYTES: u64 = 57 * 1024;
-/// Least that must be left for the stack; the high-water mark that the image logs is far below.
+/// Smallest size of the stack; the high-water mark that the image logs is far below.
 pub const STACK_BUDGET_BYTES: u64 = 64 * 1024;
 
 /// Memory of a chip, as its data sheet states it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Chip {
-    /// Name as probe-rs knows it.
+    /// Name in probe-rs.
     pub name: &'static str,
     /// Addresses of the flash.
     pub flash: Range<u64>,
@@ -42,15 +44,15 @@ pub struct Chip {
     pub ram: Range<u64>,
 }
 
-/// Chips that the board support fits: one family member in its packages and sizes.
+/// Supported chips: one family member in its packages and sizes.
 const CHIPS: [(&str, u64); 4] =
     [("STM32F405RGTx", 1024), ("STM32F405VGTx", 1024), ("STM32F405ZGTx", 1024), ("STM32F405OEYx", 512)];
 
 impl Chip {
-    /// The chip of that name.
+    /// Returns the chip of that name.
     ///
     /// # Errors
-    /// Where the name is unknown; the message lists the known ones.
+    /// If the name is unknown; the message lists the known ones.
     pub fn named(name: &str) -> anyhow::Result<Self> {
         let found = CHIPS.iter().find(|(known, _)| known.eq_ignore_ascii_case(name));
         let Some(&(name, flash_kib)) = found else {
@@ -65,7 +67,7 @@ impl Chip {
     }
 }
 
-/// What the image occupies and how it starts.
+/// Memory of an image, and its start.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Image {
     /// Bytes that go to flash.
@@ -82,20 +84,20 @@ pub struct Image {
     ram_extents: Vec<Range<u64>>,
 }
 
-/// What an image is compiled for. What it computes is the same.
+/// Goal of an image's optimisation. Its results are the same.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CompiledFor {
-    /// As it is shipped: the core for few instructions.
+    /// Few instructions in the core, as in the shipped image.
     Speed,
     /// Few bytes of flash.
     Size,
 }
 
 impl CompiledFor {
-    /// Both.
+    /// Both goals.
     pub const ALL: [Self; 2] = [Self::Speed, Self::Size];
 
-    /// The profile of cargo.
+    /// Returns cargo's profile.
     pub(crate) fn profile(self) -> &'static str {
         match self {
             Self::Speed => "firmware",
@@ -103,7 +105,7 @@ impl CompiledFor {
         }
     }
 
-    /// The command of cargo that builds an image so.
+    /// Returns the alias of cargo that builds such an image.
     fn command(self) -> &'static str {
         match self {
             Self::Speed => "image",
@@ -112,18 +114,18 @@ impl CompiledFor {
     }
 }
 
-/// What chooses the image that is shipped.
+/// Arguments of cargo that select the shipped image.
 pub const SHIPPED: [&str; 2] = ["--bin", "rai-firmware"];
 
-/// Builds the image and returns where it lies.
+/// Builds the image and returns its path.
 ///
 /// # Errors
-/// Where cargo cannot be run or the build fails; cargo has then said why.
+/// If cargo cannot be run or the build fails; cargo has then printed the reason.
 pub fn build() -> anyhow::Result<PathBuf> {
     build_with(&SHIPPED)
 }
 
-/// Builds what is shipped, compiled for speed or for size.
+/// Builds the shipped image for speed or for size, and returns its path.
 ///
 /// # Errors
 /// As [`build`].
@@ -131,7 +133,7 @@ pub fn build_compiled_for(compiled_for: CompiledFor) -> anyhow::Result<PathBuf> 
     built(cargo().arg(compiled_for.command()).args(SHIPPED))
 }
 
-/// Builds one of the images, which the arguments choose, the way the shipped one is built.
+/// Builds the image that the arguments select, in the same way as the shipped one.
 ///
 /// # Errors
 /// As [`build`].
@@ -139,8 +141,8 @@ pub fn build_with(chosen: &[&str]) -> anyhow::Result<PathBuf> {
     built(cargo().arg("image").args(chosen))
 }
 
-/// Builds the smallest image that judges: RTCM 3 in, sentences out, classic RAIM. In a folder of its own, since what it leaves out
-/// of the libraries the shipped image has.
+/// Builds the smallest image that judges: RTCM 3 in, sentences out, classic RAIM. It has its own
+/// folder, because the shipped image needs the parts of the libraries that it leaves out.
 ///
 /// # Errors
 /// As [`build`].
@@ -149,36 +151,36 @@ pub fn build_small() -> anyhow::Result<PathBuf> {
     built(apart(cargo().args(["image", "--bin", "rai-firmware", "--no-default-features"]), folder))
 }
 
-/// Has cargo leave what it builds in a folder where nothing of the same name is. What it is made of is shared with everything
-/// else: a library with the same features and flags is compiled once.
+/// Makes cargo write its results to a folder without files of the same names. Intermediate files
+/// are shared with other builds: a library with the same features and flags is compiled once.
 pub(crate) fn apart<'c>(cargo: &'c mut Command, folder: &Path) -> &'c mut Command {
     cargo.arg("--target-dir").arg(folder).env("CARGO_BUILD_BUILD_DIR", "target")
 }
 
-/// Cargo at the project's root.
+/// Returns cargo's command at the project's root.
 pub(crate) fn cargo() -> Command {
     let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     cargo.current_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join(".."));
     cargo
 }
 
-/// Builds an image and returns where it lies.
+/// Builds an image and returns its path.
 pub(crate) fn built(cargo: &mut Command) -> anyhow::Result<PathBuf> {
     let output = cargo
         .args(["--quiet", "--message-format=json-render-diagnostics"])
         .stderr(Stdio::inherit())
         .output()
         .context("cargo cannot be run")?;
-    ensure!(output.status.success(), "the image does not build (`cargo image` says why)");
+    ensure!(output.status.success(), "the image does not build (`cargo image` prints the reason)");
     executable(&String::from_utf8_lossy(&output.stdout)).context("cargo built no image")
 }
 
-/// What the compiler is told for the second board's processor.
+/// Compiler flags for the second board's processor.
 pub(crate) const SECOND_BOARD_FLAGS: &str =
     "-C target-cpu=cortex-m7 -C link-arg=-Tlink.x -C link-arg=-Tdefmt.x -C link-arg=--nmagic";
 
-/// Builds one of the images, which the arguments choose, for a board and returns where it lies, which for each board is a folder
-/// of its own.
+/// Builds the image that the arguments select for a board, and returns its path. Each board has its
+/// own folder.
 ///
 /// # Errors
 /// As [`build`].
@@ -186,7 +188,7 @@ pub fn build_for(machine: Machine, chosen: &[&str]) -> anyhow::Result<PathBuf> {
     if machine == Machine::Stm32f405 {
         return build_with(chosen);
     }
-    // These flags replace what the project's own configuration says, so all of it is said again.
+    // These flags replace those of the project's own configuration, so they repeat all of them.
     let mut cargo = cargo();
     cargo
         .args(["build", "--profile", "firmware", "--target", "thumbv7em-none-eabihf"])
@@ -208,10 +210,10 @@ impl Image {
     /// Reads an image's segments, sections and vector table.
     ///
     /// # Errors
-    /// Where the file cannot be read, is no ELF file for this processor or has no vector table.
+    /// If the file cannot be read, is not an ELF file for this processor or has no vector table.
     pub fn open(path: &Path) -> anyhow::Result<Self> {
         let bytes = std::fs::read(path).with_context(|| format!("{} cannot be read", path.display()))?;
-        Self::parse(&bytes).with_context(|| format!("{} is no firmware image", path.display()))
+        Self::parse(&bytes).with_context(|| format!("{} is not a firmware image", path.display()))
     }
 
     fn parse(bytes: &[u8]) -> anyhow::Result<Self> {
@@ -236,7 +238,7 @@ impl Image {
         })
     }
 
-    /// What is wrong with the image on `chip`; empty if it fits and would start.
+    /// Returns the findings against the image on `chip`; none if it fits and would start.
     pub fn check(&self, chip: &Chip) -> Vec<String> {
         let mut findings = Vec::new();
         let mut require = |holds: bool, finding: String| {
@@ -293,9 +295,9 @@ fn within(inner: &Range<u64>, outer: &Range<u64>) -> bool {
 }
 
 fn vectors(elf: &object::File<'_>) -> anyhow::Result<(u64, u64)> {
-    let table = elf.section_by_name(".vector_table").context("it has no vector table")?.data()?;
+    let table = elf.section_by_name(".vector_table").context("the vector table is missing")?.data()?;
     let word = |offset: usize| -> anyhow::Result<u64> {
-        let bytes = table.get(offset..offset + 4).context("its vector table is cut short")?;
+        let bytes = table.get(offset..offset + 4).context("the vector table is incomplete")?;
         Ok(u64::from(u32::from_le_bytes(bytes.try_into()?)))
     };
     Ok((word(0)?, word(4)?))
@@ -314,7 +316,7 @@ fn is_allocated<'a>(section: &impl ObjectSection<'a>) -> bool {
         && section.kind() != SectionKind::Metadata
 }
 
-/// Where the loader would write: the physical addresses of the segments that carry bytes.
+/// Returns the physical addresses of the segments with content, to which the loader writes.
 fn load_extents(bytes: &[u8]) -> anyhow::Result<Vec<Range<u64>>> {
     use object::read::elf::{FileHeader, ProgramHeader};
     let header = object::elf::FileHeader32::<object::Endianness>::parse(bytes)?;
@@ -330,10 +332,10 @@ fn load_extents(bytes: &[u8]) -> anyhow::Result<Vec<Range<u64>>> {
         .collect())
 }
 
-/// The address of a symbol of the image, for a debugger.
+/// Returns the address of a symbol of the image, for a debugger.
 ///
 /// # Errors
-/// Where the image cannot be read or has no such symbol.
+/// If the image cannot be read or has no such symbol.
 pub fn symbol(path: &Path, name: &str) -> anyhow::Result<u64> {
     let bytes = std::fs::read(path)?;
     let elf = object::File::parse(&*bytes)?;

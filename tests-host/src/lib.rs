@@ -1,43 +1,44 @@
-//! Everything around the module that a chip does not need: skies, recordings, faults, the emulated board.
+//! Host side of the project: skies, recordings, faults, the emulated board.
 //!
-//! One way leads through it. A source gives raw epochs, faults are put into them, they become RTCM bytes, the module
-//! (in process, or on the emulated board) turns the bytes into sentences, and the sentences are read back:
+//! Data flow in one direction: a source returns raw epochs, faults are injected, and the epochs are
+//! encoded as RTCM. The module (in process, or on the emulated board) turns the bytes into
+//! sentences, and the sentences are parsed:
 //!
 //! ```text
 //! sky, recording ──► fault ──► encode ──► rai-firmware │ board ──► sentence ──► replay, demo ──► report
 //! ```
 //!
-//! | module | what |
+//! | module | content |
 //! |---|---|
 //! | [`sky`] | simulated skies: orbits, noise, receiver clock |
-//! | [`measurement`] | what a receiver measured and satellites broadcast, before any wire format |
-//! | [`recording`], [`sample`] | RINEX 2, 3 and 4; a small real recording for whoever has none |
-//! | [`capture`] | what a receiver sent: UBX and RTCM 3, cut into epochs |
+//! | [`measurement`] | measurements of a receiver and broadcasts of satellites, before any wire format |
+//! | [`recording`], [`sample`] | RINEX 2, 3 and 4; a small real recording for users without one |
+//! | [`capture`] | bytes of a receiver: UBX and RTCM 3, cut into epochs |
 //! | [`fault`] | steps, ramps, shifts of a constellation, outages, clock jumps, around any source |
 //! | [`encode`] | raw epochs and ephemerides to RTCM 3 and UBX |
-//! | [`checksum`] | the checks that end frames and sentences |
+//! | [`checksum`] | checksums of frames and sentences |
 //! | [`image`](mod@image), [`board`] | the firmware's image; the chip in the emulator: start, feed, read, stop |
-//! | [`sentence`] | what the module said |
+//! | [`sentence`] | the module's sentences, parsed |
 //! | [`pin`] | the integrity pin of a module in process |
-//! | [`replay`], [`demo`] | a recording, or the demonstration, from one end to the other |
-//! | [`report`] | pictures and pages of it |
-//! | [`evaluate`] | linearised epochs straight into the core |
+//! | [`replay`], [`demo`] | a recording, or the demonstration, from input to report |
+//! | [`report`] | pictures and pages of the results |
+//! | [`evaluate`] | linearised epochs through the core, without the firmware |
 //! | [`campaign`] | availability and integrity over places, times, skies and methods |
 //! | [`clock_models`] | clock series with known predictions |
 //! | [`oracle`], [`chi_square`], [`ransac_traditional`], [`gpsd`] | second opinions: dense least squares, exact tails, every subset, another program |
 //! | [`tables`] | the threshold tables and their check |
 //! | [`no_panic`] | the proof that nothing panics, by the linker |
-//! | [`bench`](mod@bench), [`laboratory`] | what each stage costs on the chip; single stages on the emulated core |
-//! | [`fuzzing`] | what a fuzzer does to the ports, the orbits and the core |
-//! | [`attack`] | everything that was tried to make the pin lie |
-//! | [`soak`] | hours on the emulated board with everything that can go wrong |
-//! | [`setup`], [`skip`] | what a machine lacks; tests that cannot run without it |
-//! | [`vectors`], [`shared`], [`stations`] | reference values; where the recordings of real stations lie |
+//! | [`bench`](mod@bench), [`laboratory`] | cost of each stage on the chip; single stages on the emulated core |
+//! | [`fuzzing`] | fuzzing of the ports, the orbits and the core |
+//! | [`attack`] | all attempts to raise the pin on a wrong position |
+//! | [`soak`] | hours on the emulated board under faults, resets and a bad line |
+//! | [`setup`], [`skip`] | missing requirements of a machine; tests that are skipped without them |
+//! | [`vectors`], [`shared`], [`stations`] | reference values; paths of the recordings of real stations |
 //!
-//! The papers' tables and figures are a package of their own, `tests-host/experiments`.
+//! The package `tests-host/experiments` has the papers' tables and figures.
 //!
-//! Nothing here is an algorithm that the module needs: those are in `rai-core` and `rai-firmware`, and what this crate
-//! computes a second time it computes another way.
+//! The algorithms of the module are in `rai-core` and `rai-firmware`, not here. This crate computes
+//! second opinions by other methods.
 //!
 //! # References
 //!
@@ -76,7 +77,7 @@ pub mod recording;
 pub mod sentence;
 pub mod sky;
 
-// What a fuzzer has no part in, and would wait for: see the feature.
+// Modules that fuzzing does not use and would have to wait for: see the feature.
 #[cfg(feature = "commands")]
 pub mod attack;
 #[cfg(feature = "commands")]
@@ -138,7 +139,7 @@ pub mod tables;
 #[cfg(feature = "commands")]
 pub mod vectors;
 
-/// The example of the readme is a test.
+/// Runs the example of the readme as a test.
 #[cfg(doctest)]
 #[doc = include_str!("../../README.md")]
 struct Readme;

@@ -1,4 +1,4 @@
-//! What a receiver measured and what the satellites broadcast, before any wire format.
+//! Measurements of a receiver and broadcasts of the satellites, before any wire format.
 //!
 //! | quantity | field | unit |
 //! |---|---|---|
@@ -8,7 +8,8 @@
 //! | Doppler frequency, positive when approaching | `doppler_hz` | Hz |
 //! | receiver's time tag | `time` | GPS time, whole ms |
 //!
-//! [`crate::recording`] and [`crate::sky`] make these values, [`crate::fault`] changes them, [`crate::encode`] sends them.
+//! [`crate::recording`] and [`crate::sky`] make these values, [`crate::fault`] changes them,
+//! [`crate::encode`] sends them.
 
 use rai_core::satellite::SatelliteId;
 use rai_firmware::time::GpsTime;
@@ -19,16 +20,16 @@ use rtcm_rs::msg::{Msg1019T, Msg1020T, Msg1042T, Msg1044T, Msg1045T, Msg1046T};
 pub struct MeasuredEpoch {
     /// The receiver's time tag.
     pub time: GpsTime,
-    /// In the order of the file.
+    /// Satellites in the order of the file.
     pub satellites: Vec<MeasuredSatellite>,
 }
 
 /// One satellite's signals, each with a pseudorange.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeasuredSatellite {
-    /// Which satellite.
+    /// Name of the satellite.
     pub satellite: SatelliteId,
-    /// In the order of the file.
+    /// Signals in the order of the file.
     pub signals: Vec<MeasuredSignal>,
 }
 
@@ -66,14 +67,14 @@ pub enum Ephemeris {
     Qzss(Msg1044T),
 }
 
-/// An ephemeris, and when it was broadcast.
+/// An ephemeris, and the time of its broadcast.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TimedEphemeris {
-    /// Which satellite.
+    /// Name of the satellite.
     pub satellite: SatelliteId,
     /// Reference time of the orbit.
     pub toe: GpsTime,
-    /// When a receiver could first have known it.
+    /// Time at which a receiver could first have known it.
     pub sent: GpsTime,
     /// The message.
     pub message: Ephemeris,

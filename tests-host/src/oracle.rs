@@ -1,7 +1,7 @@
-//! A second opinion on the core: plain least squares with all columns, in `f64`, by matrix inversion.
+//! Second opinion on the core: plain least squares with all columns, in `f64`, by matrix inversion.
 //!
-//! Slow, memory-hungry and obvious, for comparison only. It shares no formula with the core: clocks are columns here,
-//! and leaving out is solving again.
+//! It is slow, memory-hungry and obvious, for comparison only. It shares no formula with the core:
+//! clocks are columns here, and rows are left out by solving again.
 
 use nalgebra::{DMatrix, DVector};
 use rai_core::satellite::Constellation;
@@ -9,9 +9,9 @@ use rai_core::satellite::Constellation;
 /// One range: direction east, north, up; constellation; residual and standard deviation in metres.
 #[derive(Clone, Copy, Debug)]
 pub struct Range {
-    /// Unit vector receiver → satellite.
+    /// Unit vector from the receiver to the satellite.
     pub line_of_sight: [f64; 3],
-    /// Whose clock it touches.
+    /// Constellation whose clock affects it.
     pub constellation: Constellation,
     /// Measured minus predicted, m.
     pub residual_m: f64,
@@ -19,7 +19,7 @@ pub struct Range {
     pub sigma_m: f64,
 }
 
-/// Everything that full least squares says about one epoch.
+/// Full least-squares solution of one epoch.
 #[derive(Clone, Debug)]
 pub struct Dense {
     /// East, north, up, then the clocks in ascending id, m.
@@ -42,7 +42,7 @@ pub struct Dense {
     pub vdop: f64,
 }
 
-/// Solves all columns at once; `None` where the matrix cannot be inverted or rows are missing.
+/// Solves all columns at once; returns `None` if the matrix cannot be inverted or rows are missing.
 pub fn solve(ranges: &[Range]) -> Option<Dense> {
     let mut clocks: Vec<Constellation> = ranges.iter().map(|range| range.constellation).collect();
     clocks.sort_unstable();
@@ -62,7 +62,8 @@ pub fn solve(ranges: &[Range]) -> Option<Dense> {
     let projection = DMatrix::identity(ranges.len(), ranges.len()) - &normalised * &normalised_gain;
     let gain = normalised_gain * DMatrix::from_diagonal(&scale);
     let first_m = &gain * &y;
-    // One step of refinement: what the inverse's rounding makes of clocks of 1e5 m reaches micrometres otherwise.
+    // One step of refinement: otherwise the inverse's rounding of clocks of 1e5 m reaches
+    // micrometres.
     let unknowns_m = &first_m + &gain * (&y - &design * &first_m);
     let residuals_m = &y - &design * &unknowns_m;
     let sse = residuals_m.component_mul(&scale).norm_squared();
@@ -70,7 +71,7 @@ pub fn solve(ranges: &[Range]) -> Option<Dense> {
     Some(Dense { unknowns_m, residuals_m, projection, gain, covariance_m2, sse, dof, hdop, vdop })
 }
 
-/// As [`solve`], without the ranges listed.
+/// Solves as [`solve`] does, without the ranges listed.
 pub fn solve_without(ranges: &[Range], excluded: &[usize]) -> Option<Dense> {
     let kept: Vec<Range> = ranges
         .iter()

@@ -7,7 +7,7 @@ use embedded_hal::digital::{ErrorType, OutputPin};
 /// A pin that is low until it is set.
 #[derive(Debug, Default)]
 pub struct Pin {
-    /// Its level.
+    /// Level of the pin.
     pub high: bool,
 }
 

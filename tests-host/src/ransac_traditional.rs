@@ -1,16 +1,18 @@
-//! Traditional range consensus: every minimal subset of the ranges votes. The baseline of [Tian2024] §1.
+//! Traditional range consensus: every minimal subset of the ranges votes. It is the baseline of
+//! [Tian2024] §1.
 //!
-//! Each subset of `m = 3 + C` ranges gives a solution without redundancy; the other ranges are held against it. A
-//! satellite is faulty when most subsets that contain it are contradicted:
+//! Each subset of `m = 3 + C` ranges gives a solution without redundancy; the other ranges are
+//! compared with it. A satellite is faulty if most subsets that contain it are contradicted:
 //!
 //! ```text
 //! x_k = H_k⁻¹ y_k     v_i = h_i x_k − y_i     s_i² = σ_i² + h_i Cov_k h_iᵀ     Cov_k = H_k⁻¹ diag(σ²) H_k⁻ᵀ
 //! f_i = contradicted subsets with i,  faulty: f_i ≥ ratio · (subsets with i)
 //! ```
 //!
-//! `C(n, m)` subsets are far too many for a microcontroller, or to be worth having there: hence on the host only, in
-//! `f64`, with plain dense matrices. The printed criterion is a root mean square against a limit tuned by hand; counting
-//! the ranges that disagree is the consensus it stands for. Both are here.
+//! `C(n, m)` subsets are far too many for a microcontroller, so this runs on the host only, in
+//! `f64`, with plain dense matrices. The printed criterion is a root mean square against a limit
+//! tuned by hand. Counting the ranges that disagree is the consensus that it stands for. Both are
+//! here.
 //!
 //! [Tian2024]: crate#references
 
@@ -19,13 +21,13 @@ use rai_core::satellite::Constellation;
 
 use crate::oracle::Range;
 
-/// Smallest determinant of a subset that counts as one.
+/// Smallest determinant of a valid subset.
 const SINGULAR: f64 = 1e-6;
 
-/// Share of contradicted subsets from which a satellite counts as faulty.
+/// Smallest share of contradicted subsets at which a satellite counts as faulty.
 pub const RATIO: f64 = 0.7;
 
-/// When the other ranges contradict a subset.
+/// Criterion by which the other ranges contradict a subset.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Criterion {
     /// More than `min(3, n − m − 2)` of them deviate by this many standard deviations.
@@ -40,21 +42,21 @@ pub enum Criterion {
     },
 }
 
-/// How the subsets voted.
+/// Result of the vote.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Votes {
-    /// Subsets that gave a solution.
+    /// Number of subsets with a solution.
     pub valid: usize,
-    /// Those that the others contradict.
+    /// Number of subsets that the others contradict.
     pub contradicted: usize,
-    /// Contradicted subsets with each range.
+    /// Number of contradicted subsets with each range.
     pub contradicted_with: Vec<usize>,
-    /// Valid subsets with each range.
+    /// Number of valid subsets with each range.
     pub valid_with: Vec<usize>,
 }
 
 impl Votes {
-    /// Ranges whose subsets are contradicted with at least this share.
+    /// Returns the ranges whose subsets are contradicted with at least this share.
     pub fn faulty(&self, ratio: f64) -> Vec<usize> {
         let counts = self.contradicted_with.iter().zip(&self.valid_with).enumerate();
         let faulty = counts.filter(|&(_, (&bad, &all))| all > 0 && bad as f64 >= ratio * all as f64);
@@ -82,8 +84,8 @@ impl Design {
         Self { rows, residuals_m: column(|range| range.residual_m), sigmas_m: column(|range| range.sigma_m) }
     }
 
-    /// Residuals of all ranges from one subset's solution, and their standard deviations outside it; `None` where
-    /// the subset gives no solution.
+    /// Returns the residuals of all ranges from one subset's solution, and their standard
+    /// deviations outside it; `None` if the subset gives no solution.
     fn predict(&self, subset: &[usize]) -> Option<(DVector<f64>, DVector<f64>)> {
         let square = self.rows.select_rows(subset);
         let inverse = (square.determinant().abs() > SINGULAR).then(|| square.try_inverse())??;
@@ -95,7 +97,7 @@ impl Design {
     }
 }
 
-/// Unknowns of these ranges: the size of a minimal subset.
+/// Returns the number of unknowns of these ranges: the size of a minimal subset.
 pub fn unknowns(ranges: &[Range]) -> usize {
     Design::of(ranges).rows.ncols()
 }
@@ -129,12 +131,12 @@ pub fn vote(ranges: &[Range], subsets: impl IntoIterator<Item = Vec<usize>>, cri
     votes
 }
 
-/// All subsets of `size` of the first `count` numbers, in lexicographic order.
+/// Returns all subsets of `size` of the first `count` numbers, in lexicographic order.
 pub fn combinations(count: usize, size: usize) -> impl Iterator<Item = Vec<usize>> {
     let first = (size <= count).then(|| (0..size).collect::<Vec<_>>());
     std::iter::successors(first, move |last| {
         let mut next = last.clone();
-        // The last element that may still grow; those after it follow it closely.
+        // The last element that can still grow; those after it follow it closely.
         let grows = (0..size).rev().find(|&position| next[position] < count - size + position)?;
         let start = next[grows] + 1;
         for (offset, element) in next[grows..].iter_mut().enumerate() {
@@ -144,7 +146,7 @@ pub fn combinations(count: usize, size: usize) -> impl Iterator<Item = Vec<usize
     })
 }
 
-/// How many [`combinations`] there are.
+/// Returns the number of [`combinations`].
 pub fn combination_count(count: usize, size: usize) -> f64 {
     (0..size).fold(1.0, |product, step| product * (count - step) as f64 / (step + 1) as f64).round()
 }

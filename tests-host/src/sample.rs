@@ -1,8 +1,8 @@
-//! A small real recording for whoever has none: a minute of a receiver in Kamakura, Japan.
+//! A small real recording for users without one: a minute of a receiver in Kamakura, Japan.
 //!
-//! GPS, Galileo and QZSS at 1 Hz, 2021-03-19 12:00, RINEX 3. It comes with the Python package `cssrlib` (MIT licence)
-//! and is fetched by pip, the package client that a machine is likely to have, once; then it is in a cache folder.
-//! The package is unpacked only, nothing of it is run.
+//! GPS, Galileo and QZSS at 1 Hz, 2021-03-19 12:00, RINEX 3. It is part of the Python package
+//! `cssrlib` (MIT licence). pip, the package client that a machine is likely to have, fetches it
+//! once into a cache folder. The package is only unpacked; nothing of it is run.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -10,27 +10,28 @@ use std::process::Command;
 use anyhow::{Context, Result, bail, ensure};
 use rai_core::frame::Ecef;
 
-/// The package and the one version whose content is known.
+/// Package, and its only version whose content is known.
 const PACKAGE: &str = "cssrlib==1.2.1";
 
-/// Observations and ephemerides by name, wherever in the package they are.
+/// File names of observations and ephemerides, anywhere in the package.
 const NAMES: [&str; 2] = ["SEPT078M1.21O", "SEPT078M.21P"];
 
-/// A recording, and where its antenna was.
+/// A recording, and the place of its antenna.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sample {
     /// RINEX observations.
     pub observations: PathBuf,
     /// RINEX ephemerides.
     pub navigation: PathBuf,
-    /// The antenna's position.
+    /// Position of the antenna.
     pub truth: Ecef,
 }
 
-/// The sample in a folder of the cache, fetched if it is not there yet.
+/// Returns the sample from a folder of the cache, and fetches it if it is missing.
 ///
 /// # Errors
-/// No Python with pip, no access to the package index, or a package without the files; the message says which.
+/// If Python with pip is missing, the package index cannot be reached, or the package lacks the
+/// files; the message says which.
 pub fn fetch(cache: &Path) -> Result<Sample> {
     let folder = cache.join("sample");
     let mut files = NAMES.map(|name| find(&folder, name));
@@ -39,25 +40,26 @@ pub fn fetch(cache: &Path) -> Result<Sample> {
         files = NAMES.map(|name| find(&folder, name));
     }
     let [Some(observations), Some(navigation)] = files else {
-        bail!("{PACKAGE} in {} holds no {}", folder.display(), NAMES.join(" and "));
+        bail!("{PACKAGE} in {} lacks {}", folder.display(), NAMES.join(" and "));
     };
     let truth = Ecef::new(-3_962_108.673, 3_381_309.574, 3_668_678.638);
     Ok(Sample { observations, navigation, truth })
 }
 
-/// Unpacks the package without what it depends on.
+/// Unpacks the package without its dependencies.
 fn install(folder: &Path) -> Result<()> {
     let arguments =
         ["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--no-deps", "--target"];
     let output = Command::new("python3").args(arguments).arg(folder).arg(PACKAGE).output();
-    let output = output.context("the sample is fetched by pip: install python3 and python3-pip")?;
+    let output =
+        output.context("pip, which fetches the sample, is missing: install python3 and python3-pip")?;
     let complaint = String::from_utf8_lossy(&output.stderr);
     let complaint = complaint.lines().last().unwrap_or("no reason given");
     ensure!(output.status.success(), "pip could not fetch the sample ({PACKAGE}): {complaint}");
     Ok(())
 }
 
-/// A file of that name in a folder or below it.
+/// Finds a file of that name in a folder or below it.
 fn find(folder: &Path, name: &str) -> Option<PathBuf> {
     let entries = std::fs::read_dir(folder).ok()?;
     let paths: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();

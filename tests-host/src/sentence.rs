@@ -1,13 +1,13 @@
-//! The module's sentences, read back: what a program behind the host port does.
+//! The module's sentences, parsed as a program behind the host port would.
 //!
 //! | sentence | becomes |
 //! |---|---|
-//! | `GNS` | [`Sentence::Position`]: position, or that there is none |
+//! | `GNS` | [`Sentence::Position`]: a position, or none |
 //! | `PRAIS` | [`Sentence::State`]: verdict, test, protection levels |
 //! | `PRAIX` | [`Sentence::Excluded`]: one satellite left out |
 //! | others | [`Sentence::Other`] |
 //!
-//! [`epochs`] puts them together again: an epoch begins with its `GNS`.
+//! [`epochs`] combines them again: an epoch begins with its `GNS`.
 
 use anyhow::{Context, bail, ensure};
 use rai_core::frame::Geodetic;
@@ -24,28 +24,28 @@ pub enum Sentence {
     State(State),
     /// `PRAIX`.
     Excluded(Excluded),
-    /// A sound sentence of another kind.
+    /// A valid sentence of another kind.
     Other,
 }
 
-/// What `PRAIS` says.
+/// Content of `PRAIS`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct State {
-    /// Time of day in UTC, s; `None` where no epoch has come yet.
+    /// Time of day in UTC, s; `None` before the first epoch.
     pub time_s: Option<f64>,
     /// `P`, `A` or `U`.
     pub state: char,
-    /// The reason, as in the interface.
+    /// Reason, as in the interface.
     pub reason: String,
-    /// Satellites tracked.
+    /// Number of satellites tracked.
     pub tracked: u32,
-    /// Satellites used.
+    /// Number of satellites used.
     pub used: u32,
-    /// Degrees of freedom, where there was a test.
+    /// Degrees of freedom, if there was a test.
     pub dof: Option<u32>,
-    /// `√(SSE/dof)`.
+    /// Test statistic `√(SSE/dof)`.
     pub statistic: Option<f64>,
-    /// What it was held against.
+    /// Threshold of the statistic.
     pub threshold: Option<f64>,
     /// Horizontal protection level, m.
     pub hpl_m: Option<f64>,
@@ -58,51 +58,52 @@ pub struct State {
 }
 
 impl State {
-    /// True when the position may be used.
+    /// Returns true if the position may be used.
     pub fn is_protected(&self) -> bool {
         self.state == 'P'
     }
 }
 
-/// What `PRAIX` says.
+/// Content of `PRAIX`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Excluded {
-    /// Which satellite.
+    /// Name of the satellite.
     pub satellite: SatelliteId,
-    /// Its w-test at the moment of exclusion.
+    /// W-test of its range at the time of exclusion.
     pub w_test: f64,
-    /// The estimated bias of its range, m.
+    /// Estimated bias of its range, m.
     pub bias_m: f64,
 }
 
-/// Everything said of one epoch.
+/// Report on one epoch.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EpochOutput {
-    /// The position, `None` without a fix.
+    /// Position, `None` without a fix.
     pub position: Option<Geodetic>,
-    /// The verdict.
+    /// Verdict of the epoch.
     pub state: State,
     /// Satellites left out.
     pub excluded: Vec<Excluded>,
 }
 
-/// The command `$PRAIC,{text}` with its checksum and line end, for instance of `PHASE,NPA`.
+/// Returns the command `$PRAIC,{text}` with its checksum and line end, for instance for
+/// `PHASE,NPA`.
 pub fn command(text: &str) -> String {
     let body = format!("PRAIC,{text}");
     let checksum = body.bytes().fold(0, |sum, byte| sum ^ byte);
     format!("${body}*{checksum:02X}\r\n")
 }
 
-/// Reads one sentence, checksum included.
+/// Parses one sentence and checks its checksum.
 ///
 /// # Errors
-/// What is wrong with it.
+/// If it is not a valid sentence; the error says why.
 pub fn parse(line: &str) -> anyhow::Result<Sentence> {
     let line = line.trim_end();
     let (body, checksum) = line
         .strip_prefix('$')
         .and_then(|line| line.rsplit_once('*'))
-        .with_context(|| format!("no sentence: {line:?}"))?;
+        .with_context(|| format!("not a sentence: {line:?}"))?;
     let have = body.bytes().fold(0u8, |sum, byte| sum ^ byte);
     ensure!(u8::from_str_radix(checksum, 16) == Ok(have), "wrong checksum: {line:?}");
     let fields: Vec<&str> = body.split(',').collect();
@@ -115,10 +116,10 @@ pub fn parse(line: &str) -> anyhow::Result<Sentence> {
     read.with_context(|| format!("in {line:?}"))
 }
 
-/// Puts the sentences of a stream together, epoch by epoch.
+/// Combines the sentences of a stream, epoch by epoch.
 ///
 /// # Errors
-/// The first line that is no sentence.
+/// If a line is not a sentence; the error shows the first one.
 pub fn epochs(text: &str) -> anyhow::Result<Vec<EpochOutput>> {
     let mut epochs: Vec<EpochOutput> = Vec::new();
     let mut position = None;
@@ -137,14 +138,14 @@ pub fn epochs(text: &str) -> anyhow::Result<Vec<EpochOutput>> {
     Ok(epochs)
 }
 
-/// A field that may be empty.
+/// Parses a field that may be empty.
 fn optional<T: std::str::FromStr>(fields: &[&str], index: usize) -> anyhow::Result<Option<T>> {
     match fields.get(index) {
         None => bail!("field {index} is missing"),
         Some(&"") => Ok(None),
         Some(text) => match text.parse() {
             Ok(value) => Ok(Some(value)),
-            Err(_) => bail!("field {index}, {text:?}, is no number"),
+            Err(_) => bail!("field {index}, {text:?}, is not a number"),
         },
     }
 }
@@ -157,7 +158,7 @@ fn text(fields: &[&str], index: usize) -> anyhow::Result<String> {
     fields.get(index).map(|&text| text.to_owned()).with_context(|| format!("field {index} is missing"))
 }
 
-/// `hhmmss.ss` in seconds of the day.
+/// Parses `hhmmss.ss` to seconds of the day.
 fn time_of_day_s(fields: &[&str]) -> anyhow::Result<Option<f64>> {
     Ok(optional::<f64>(fields, 1)?.map(|clock| {
         let hours = (clock / 10_000.0).floor();
@@ -166,7 +167,7 @@ fn time_of_day_s(fields: &[&str]) -> anyhow::Result<Option<f64>> {
     }))
 }
 
-/// Degrees and minutes run together, with a hemisphere, in radians.
+/// Parses degrees and minutes written together, with a hemisphere, to radians.
 fn angle_rad(fields: &[&str], index: usize, negative: &str) -> anyhow::Result<Option<f64>> {
     let Some(value) = optional::<f64>(fields, index)? else { return Ok(None) };
     let degrees = (value / 100.0).floor();
@@ -187,7 +188,7 @@ fn position(fields: &[&str]) -> anyhow::Result<Option<Geodetic>> {
 fn state(fields: &[&str]) -> anyhow::Result<State> {
     let state = text(fields, 2)?;
     let reason = text(fields, 3)?;
-    ensure!(matches!(state.as_str(), "P" | "A" | "U"), "state {state:?} is none of P, A, U");
+    ensure!(matches!(state.as_str(), "P" | "A" | "U"), "state {state:?} must be P, A or U");
     Ok(State {
         time_s: time_of_day_s(fields)?,
         state: state.chars().next().unwrap_or('U'),
@@ -207,7 +208,7 @@ fn state(fields: &[&str]) -> anyhow::Result<State> {
 fn excluded(fields: &[&str]) -> anyhow::Result<Excluded> {
     let name = text(fields, 3)?;
     Ok(Excluded {
-        satellite: satellite(&name).with_context(|| format!("{name:?} is no satellite"))?,
+        satellite: satellite(&name).with_context(|| format!("{name:?} is not a satellite"))?,
         w_test: required(fields, 4)?,
         bias_m: required(fields, 5)?,
     })

@@ -1,21 +1,21 @@
-//! Tests that cannot run here say so, and are counted.
+//! Reports of tests that cannot run here, so that they are counted.
 //!
-//! A skipped test passes, since the test runner knows no third outcome. So that nobody takes it for more, each
-//! appends a line to the file that `RAI_SKIPS` names: `cargo xtask test` sets it, counts and prints, and fails on any
-//! when all tests are asked for.
+//! A skipped test passes, because the test runner has no third outcome. To make it visible, each
+//! appends a line to the file that `RAI_SKIPS` names. `cargo xtask test` sets the variable, counts
+//! and prints the lines, and fails on any if all tests are requested.
 
 use std::fs::OpenOptions;
 use std::io::Write as _;
 
-/// Names the file that skipped tests are written to.
+/// Environment variable with the path of the file for skipped tests.
 pub const VARIABLE: &str = "RAI_SKIPS";
 
-/// Says aloud that the calling test is skipped, and what it needs.
+/// Reports that the calling test is skipped, and its missing requirement.
 pub fn say(needs: &str) {
     eprintln!("skipped: needs {needs}");
     let Some(path) = std::env::var_os(VARIABLE) else { return };
     let line = format!("{}\t{needs}\n", test());
-    // One write of one line: tests of several processes append to the file at a time.
+    // One write per line, because tests of several processes append to the file at the same time.
     let written = OpenOptions::new()
         .create(true)
         .append(true)
@@ -26,13 +26,13 @@ pub fn say(needs: &str) {
     }
 }
 
-/// The program and the test in it. A runner that gives each test a process names it in the arguments, the
-/// compiler's own names the thread.
+/// Returns the program and the test in it. A runner with one process per test names it in the
+/// arguments; the compiler's own runner names the thread.
 fn test() -> String {
     let mut arguments = std::env::args();
     let program = arguments.next().unwrap_or_default();
     let program = program.rsplit('/').next().unwrap_or("");
-    // Behind the last hyphen stands what cargo tells builds apart by.
+    // The suffix after the last hyphen is cargo's hash of the build.
     let program = program.rsplit_once('-').map_or(program, |(name, _)| name);
     let named = arguments.find(|word| word == "--exact").and_then(|_| arguments.next());
     let thread = std::thread::current();

@@ -1,4 +1,4 @@
-//! Which lines of source an instruction of an image came from, by DWARF.
+//! Source lines of an image's instructions, by DWARF.
 
 use std::borrow::Cow;
 
@@ -7,10 +7,10 @@ use addr2line::gimli::{Dwarf, EndianSlice, LittleEndian};
 use anyhow::Result;
 use object::{Object, ObjectSection};
 
-/// Where the product's own sources lie.
+/// Folders of the product's own sources.
 const OWN: [&str; 3] = ["rai-core/src/", "rai-firmware/src/", "rai-firmware/capi/src/"];
 
-/// One line of source at an instruction, with the function it is in.
+/// A source line at an instruction, with its function.
 pub(crate) struct Frame {
     pub(crate) file: String,
     pub(crate) line: u32,
@@ -18,20 +18,20 @@ pub(crate) struct Frame {
 }
 
 impl Frame {
-    /// The file from the root of the repository, if it is one of the product's.
+    /// Returns the path from the root of the repository, if the file belongs to the product.
     pub(crate) fn own_file(&self) -> Option<&str> {
         OWN.iter().find_map(|folder| self.file.find(folder)).and_then(|start| self.file.get(start..))
     }
 }
 
-/// The lines of source of an image.
+/// Source lines of an image.
 pub(crate) struct Lines<'a>(Context<EndianSlice<'a, LittleEndian>>);
 
 impl<'a> Lines<'a> {
-    /// Of an ELF file with what a debugger needs.
+    /// Reads the debug information of an ELF file.
     ///
     /// # Errors
-    /// Where that is malformed.
+    /// If it is malformed.
     pub(crate) fn of(elf: &object::File<'a>) -> Result<Self> {
         let load = |id: addr2line::gimli::SectionId| -> Result<_, addr2line::gimli::Error> {
             let section = elf.section_by_name(id.name());
@@ -41,7 +41,7 @@ impl<'a> Lines<'a> {
         Ok(Self(Context::from_dwarf(Dwarf::load(load)?)?))
     }
 
-    /// What was inlined at an instruction, innermost first.
+    /// Returns the functions inlined at an instruction, innermost first.
     ///
     /// # Errors
     /// As [`Self::of`].

@@ -1,4 +1,4 @@
-//! The real recordings of the reference folder: their files, and where their antennas are.
+//! Real recordings of the reference folder: their files, and the places of their antennas.
 
 use rai_core::frame::Ecef;
 
@@ -7,7 +7,7 @@ use crate::shared;
 
 /// A recording of the reference folder.
 pub struct Station {
-    /// Its folder.
+    /// Folder of the recording.
     pub folder: &'static str,
     observations: &'static str,
     navigation: &'static str,
@@ -16,10 +16,10 @@ pub struct Station {
 }
 
 impl Station {
-    /// Reads it; `None`, said aloud, where the reference folder is missing.
+    /// Reads the recording; returns `None` and reports a skip if the reference folder is missing.
     ///
     /// # Panics
-    /// Where the folder is there and its files cannot be read.
+    /// If the folder exists and its files cannot be read.
     pub fn load(&self) -> Option<Recording> {
         let folder = shared::path_or_skip(&format!("data/{}", self.folder))?;
         let (observations, navigation) = (folder.join(self.observations), folder.join(self.navigation));

@@ -1,7 +1,7 @@
-//! Generates the committed threshold tables and holds them against reference values.
+//! Generator of the committed threshold tables, and their comparison with reference values.
 //!
-//! `cargo xtask tables` writes [`render`] to [`committed_path`]; `--check` and a test compare the two byte for
-//! byte. The grid of probabilities is declared here and nowhere else.
+//! `cargo xtask tables` writes [`render`] to [`committed_path`]; `--check` and a test compare the
+//! two byte for byte. Only this module declares the grid of probabilities.
 //!
 //! | row | meaning | equation |
 //! |---|---|---|
@@ -17,7 +17,8 @@ use rai_core::integrity::residuals::threshold::{MAX_DOF, MAX_TESTS};
 
 use crate::chi_square;
 
-/// False-alarm probabilities: gold table, parity-space papers (0.005), once in 15,000 samples ([DO-229]).
+/// False-alarm probabilities: gold table, parity-space papers (0.005), once in 15,000 samples
+/// ([DO-229]).
 ///
 /// [DO-229]: crate#references
 pub const FALSE_ALARM: [f64; 9] = [5e-3, 1e-3, 1e-4, 6.667e-5, 1.0 / 15_000.0, 1e-5, 3.33e-7, 1e-7, 1e-8];
@@ -25,10 +26,11 @@ pub const FALSE_ALARM: [f64; 9] = [5e-3, 1e-3, 1e-4, 6.667e-5, 1.0 / 15_000.0, 1
 /// Missed-detection probabilities of the gold table.
 pub const MISSED_DETECTION: [f64; 4] = [1e-3, 1e-4, 1e-5, 1e-6];
 
-/// Largest relative error that a table may have.
+/// Largest relative error of a table.
 pub const TOLERANCE: f64 = 1e-12;
 
-/// The rows of one pair of probabilities, as [`rai_core::integrity::residuals::threshold::Thresholds`] reads them.
+/// Rows of one pair of probabilities, in the form of
+/// [`rai_core::integrity::residuals::threshold::Thresholds`].
 #[derive(Clone, Debug)]
 pub struct Rows {
     /// Thresholds of the global test for 1, 2, … degrees of freedom.
@@ -60,12 +62,12 @@ fn w_test_row(false_alarm: f64) -> Vec<f64> {
     (1..=MAX_TESTS).map(|n| chi_square::two_sided_normal_quantile(false_alarm / n as f64)).collect()
 }
 
-/// Where the generated table is committed.
+/// Returns the path of the committed table.
 pub fn committed_path() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../rai-core/src/integrity/residuals/threshold/table.rs")
 }
 
-/// The text of the generated table.
+/// Returns the text of the generated table.
 pub fn render() -> String {
     let tau1 = FALSE_ALARM.map(tau1_row);
     let lambda = tau1.each_ref().map(|tau1| MISSED_DETECTION.map(|missed| lambda_row(tau1, missed)));
@@ -97,40 +99,41 @@ fn array(elements: impl Iterator<Item = String>) -> String {
     format!("[\n{},\n]", elements.collect::<Vec<_>>().join(",\n"))
 }
 
-/// Four to a line; the shortest digits that read back to the same double.
+/// Formats four numbers per line, with the shortest digits that parse to the same double.
 fn numbers(row: &[f64]) -> String {
     let line = |four: &[f64]| four.iter().map(|value| format!("{value:?}")).collect::<Vec<_>>().join(", ");
     array(row.chunks(4).map(line))
 }
 
-/// Is `committed` what the generator writes?
+/// Checks that `committed` is the generator's output.
 ///
 /// # Errors
-/// Names the first line that differs.
+/// If it is not; the error names the first line that differs.
 pub fn check_committed(committed: &str) -> anyhow::Result<()> {
     let generated = render();
     let differs = |(_, (have, want)): &(usize, (&str, &str))| have != want;
     if let Some((line, (have, want))) = (1..).zip(committed.lines().zip(generated.lines())).find(differs) {
         bail!("line {line} of the committed table: have `{have}`, want `{want}`; run `cargo xtask tables`");
     }
-    ensure!(committed == generated, "the committed table ends elsewhere; run `cargo xtask tables`");
+    ensure!(committed == generated, "the committed table has another length; run `cargo xtask tables`");
     Ok(())
 }
 
-/// How a table compares with the gold values.
+/// Comparison of a table with the gold values.
 #[derive(Clone, Copy, Debug)]
 pub struct GoldComparison {
-    /// How many values were compared.
+    /// Number of compared values.
     pub values: usize,
-    /// The worst relative error; NaN where a value is missing.
+    /// Largest relative error; NaN if a value is missing.
     pub worst_relative: f64,
 }
 
-/// Looks a value up: degrees of freedom, false alarm, and missed detection for `lambda`.
+/// Function that looks up a value by degrees of freedom, false alarm, and missed detection for
+/// `lambda`.
 pub trait Lookup: Fn(usize, f64, Option<f64>) -> Option<f64> {}
 impl<F: Fn(usize, f64, Option<f64>) -> Option<f64>> Lookup for F {}
 
-/// What this module computes, for [`compare_with_gold`].
+/// Returns the values that this module computes, for [`compare_with_gold`].
 pub fn computed() -> impl Lookup {
     let rows = FALSE_ALARM.map(|alarm| (alarm, tau1_row(alarm)));
     move |dof, false_alarm, missed_detection| {
@@ -140,10 +143,10 @@ pub fn computed() -> impl Lookup {
     }
 }
 
-/// Holds `lookup` against `tau1.csv` and `lambda.csv` in the folder `gold`.
+/// Compares `lookup` with `tau1.csv` and `lambda.csv` in the folder `gold`.
 ///
 /// # Errors
-/// Where a file cannot be read or a line is not what its header promises.
+/// If a file cannot be read or a line does not match its header.
 pub fn compare_with_gold(gold: &Path, lookup: &impl Lookup) -> anyhow::Result<GoldComparison> {
     let mut errors = Vec::new();
     for [dof, alarm, want] in read_numbers(&gold.join("tau1.csv"))? {
@@ -152,8 +155,8 @@ pub fn compare_with_gold(gold: &Path, lookup: &impl Lookup) -> anyhow::Result<Go
     for [dof, alarm, missed, _tau1, want] in read_numbers(&gold.join("lambda.csv"))? {
         errors.push(relative_error(lookup(dof as usize, alarm, Some(missed)), want));
     }
-    // The total order puts NaN last, so that a missing value is the worst.
-    let worst_relative = errors.iter().copied().max_by(f64::total_cmp).context("no gold values")?;
+    // The total order puts NaN last, so that a missing value counts as the worst.
+    let worst_relative = errors.iter().copied().max_by(f64::total_cmp).context("there are no gold values")?;
     Ok(GoldComparison { values: errors.len(), worst_relative })
 }
 
@@ -166,7 +169,7 @@ fn read_numbers<const COLUMNS: usize>(path: &Path) -> anyhow::Result<Vec<[f64; C
     let parse = |(number, line): (usize, &str)| {
         let words: Result<Vec<f64>, _> = line.split(',').map(|word| word.trim().parse()).collect();
         let columns = words.ok().and_then(|words| words.try_into().ok());
-        columns.with_context(|| format!("{} line {number}: not {COLUMNS} numbers", path.display()))
+        columns.with_context(|| format!("{} line {number}: must have {COLUMNS} numbers", path.display()))
     };
     (1..).zip(text.lines()).skip(1).map(parse).collect()
 }

@@ -1,8 +1,8 @@
-//! Reference values that come with the project: what they are stands in `vectors/README.md`.
+//! Reference values of the project; `vectors/README.md` describes them.
 
 use std::path::{Path, PathBuf};
 
-/// Where the reference file or folder `name` lies.
+/// Returns the path of the reference file or folder `name`.
 pub fn path(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("vectors").join(name)
 }

@@ -1,4 +1,5 @@
-//! `cargo xtask attack`: everything that tries to make the pin lie, with its outcome.
+//! `cargo xtask attack`: all attacks that try to raise the pin on a wrong position, with their
+//! results.
 
 use std::process::Command;
 use std::time::Instant;
@@ -10,18 +11,19 @@ use tests_host::attack::{ATTACKS, Attack, Effort};
 /// Arguments of the command.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// Which attacks; none means all.
+    /// Names of the attacks to run (default: all)
     attacks: Vec<String>,
-    /// Many more epochs, and the table of several faults at once.
+    /// Run many more epochs and geometries
     #[arg(long)]
     long: bool,
-    /// One JSON object an attack instead of a line.
+    /// Print one JSON object per attack
     #[arg(long)]
     json: bool,
-    /// Rows of a table in Markdown instead of lines.
+    /// Print rows of a Markdown table
     #[arg(long, conflicts_with = "json")]
     markdown: bool,
-    /// How often two to four faults pass, from so many epochs of each kind.
+    /// Print only the rate at which two to four faults pass undetected, from this many epochs of
+    /// each kind
     #[arg(long, value_name = "EPOCHS")]
     several: Option<u64>,
 }
@@ -54,7 +56,13 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
             lost.push(outcome.name);
         }
     }
-    ensure!(lost.is_empty(), "{} of {} attacks not held: {}", lost.len(), attacks.len(), lost.join(", "));
+    ensure!(
+        lost.is_empty(),
+        "the module failed {} of {} attacks: {}",
+        lost.len(),
+        attacks.len(),
+        lost.join(", ")
+    );
     Ok(())
 }
 
@@ -68,10 +76,11 @@ fn chosen(names: &[String]) -> anyhow::Result<Vec<&'static Attack>> {
 fn named(name: &str) -> anyhow::Result<&'static Attack> {
     let known = || ATTACKS.iter().map(|attack| attack.name).collect::<Vec<_>>().join(", ");
     let found = ATTACKS.iter().find(|attack| attack.name == name).copied();
-    found.with_context(|| format!("no attack is called `{name}`; there are {}, or all", known()))
+    found.with_context(|| format!("`{name}` is not an attack; the attacks are {}, or all", known()))
 }
 
-/// As a table in Markdown: a row a method and number of faults, a column a number of satellites.
+/// Prints a Markdown table: a row per method and number of faults, a column per number of
+/// satellites.
 fn print_passing(cells: &[Passing]) {
     let mut numbers: Vec<usize> = cells.iter().map(|cell| cell.satellites).collect();
     numbers.sort_unstable();
@@ -93,7 +102,8 @@ fn print_passing(cells: &[Passing]) {
     }
 }
 
-/// Thousands of epochs are worth a build that runs them ten times as fast; the outcome is the same.
+/// Runs the same command optimised, because thousands of epochs are worth the build. The result is
+/// the same.
 fn again_optimised() -> anyhow::Result<()> {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let status = Command::new(cargo)
@@ -101,6 +111,6 @@ fn again_optimised() -> anyhow::Result<()> {
         .args(std::env::args_os().skip(1))
         .status()
         .context("cargo cannot be run")?;
-    ensure!(status.success(), "not everything holds");
+    ensure!(status.success(), "an attack failed; see above");
     Ok(())
 }

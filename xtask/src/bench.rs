@@ -1,4 +1,4 @@
-//! `cargo xtask bench`: what the module costs on the chip.
+//! `cargo xtask bench`: the cost of the module on the chip.
 
 use anyhow::{Context as _, ensure};
 use tests_host::bench::peers::Comparison;
@@ -10,22 +10,23 @@ use tests_host::{board, setup};
 #[derive(clap::Args, Default)]
 #[allow(clippy::struct_excessive_bools, reason = "each is another thing to do")]
 pub(crate) struct Arguments {
-    /// Fail where a figure has grown by more than 2 % since it was committed.
+    /// Fail if a figure exceeds its budget by more than 2 %
     #[arg(long, conflicts_with = "save")]
     pub(crate) check: bool,
-    /// Take the figures of now as the committed ones.
+    /// Accept the current figures as budgets
     #[arg(long)]
     pub(crate) save: bool,
-    /// Measure the epochs a second of this machine instead, which nothing is held to.
+    /// Measure epochs per second on this machine instead; not compared with a budget
     #[arg(long, conflicts_with_all = ["check", "save"])]
     pub(crate) host: bool,
-    /// Measure libswiftnav and RTKLIB on the same epochs beside ours; fetches their sources, and the compiler of C.
+    /// Measure libswiftnav and RTKLIB on the same epochs; fetches their sources, and installs the C
+    /// compiler
     #[arg(long, conflicts_with_all = ["check", "save", "host"])]
     pub(crate) peers: bool,
-    /// Time ARAIM on this machine beside sidereon-core, which takes minutes to compile the first time.
+    /// Time ARAIM on this machine beside sidereon-core; the first run compiles for minutes
     #[arg(long, conflicts_with_all = ["check", "save", "host", "peers"])]
     pub(crate) sidereon: bool,
-    /// Show where the instructions of a stage go, by function and on whose behalf; a part of its name chooses it.
+    /// Profile the first stage whose name contains this text, by function
     #[arg(long, value_name = "STAGE", conflicts_with_all = ["check", "save", "host", "peers", "sidereon"])]
     pub(crate) profile: Option<String>,
 }
@@ -42,7 +43,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
 }
 
 fn profile(stage: &str) -> anyhow::Result<()> {
-    ensure!(board::is_installed(), "nothing can be counted without the emulator");
+    ensure!(board::is_installed(), "the emulator is needed: `cargo xtask setup` installs it");
     let (name, profile) = bench::profile(stage)?;
     println!("{name}\n\n{profile}");
     Ok(())
@@ -53,7 +54,7 @@ fn host() -> anyhow::Result<()> {
 }
 
 fn peers() -> anyhow::Result<()> {
-    ensure!(board::is_installed(), "nothing can be counted without the emulator");
+    ensure!(board::is_installed(), "the emulator is needed: `cargo xtask setup` installs it");
     setup::peers()?;
     let sources = Sources::fetch(|what| eprintln!("fetching {what}"))?;
     println!("{}", Comparison::take(&sources, |at| eprintln!("measuring {at}"))?);
@@ -73,7 +74,7 @@ fn sidereon() -> anyhow::Result<()> {
 }
 
 fn target(arguments: &Arguments) -> anyhow::Result<()> {
-    ensure!(board::is_installed(), "nothing can be counted without the emulator");
+    ensure!(board::is_installed(), "the emulator is needed: `cargo xtask setup` installs it");
     let measurement = Measurement::take(|at| eprintln!("measuring {at}"))?;
     println!("{measurement}");
     if arguments.save {
@@ -86,7 +87,7 @@ fn target(arguments: &Arguments) -> anyhow::Result<()> {
         let findings = measurement.check()?;
         ensure!(
             findings.is_empty(),
-            "{}\nif that is meant to be, `cargo xtask bench --save` takes the new figures",
+            "{}\nif the growth is intended, `cargo xtask bench --save` accepts the new figures",
             findings.join("\n")
         );
     }

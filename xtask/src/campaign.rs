@@ -17,34 +17,34 @@ use tests_host::report::page::write_file;
 pub(crate) struct Arguments {
     #[command(subcommand)]
     action: Option<Action>,
-    /// What is to be done, a TOML file; tests-host/campaigns holds examples.
+    /// Specification of the campaign; tests-host/campaigns has examples
     #[arg(value_name = "SPEC.toml")]
     spec: Option<PathBuf>,
-    /// Work only on the k-th of n shares; all of them, merged, are the same bytes as one run.
+    /// Compute only the k-th of n shares; all shares merged are the bytes of a single run
     #[arg(long, value_name = "k/n", value_parser = share)]
     shard: Option<Share>,
-    /// Go on where a run was cut short.
+    /// Resume an interrupted run
     #[arg(long)]
     resume: bool,
-    /// Where table, maps, curves and page go.
+    /// Folder for table, maps, curves and page
     #[arg(long, value_name = "FOLDER", default_value = "target/campaign")]
     out: PathBuf,
-    /// Write its value into each box of a map.
+    /// Print the value in each box of a map
     #[arg(long)]
     numbers: bool,
 }
 
 #[derive(Subcommand)]
 enum Action {
-    /// Puts the tables of all shares together, and draws what they show.
+    /// Merges the tables of all shares, and draws maps, curves and the page.
     Merge {
-        /// The CSV files of all shares.
+        /// CSV files of all shares
         #[arg(required = true)]
         files: Vec<PathBuf>,
-        /// Where table, maps, curves and page go.
+        /// Folder for table, maps, curves and page
         #[arg(long, value_name = "FOLDER", default_value = "target/campaign")]
         out: PathBuf,
-        /// Write its value into each box of a map.
+        /// Print the value in each box of a map
         #[arg(long)]
         numbers: bool,
     },
@@ -59,9 +59,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
         return show(&table, out, *numbers);
     }
     let spec = arguments.spec.as_deref().context(
-        "give a specification, as tests-host/campaigns/lpv200.toml, or `merge` and the tables of all shares",
+        "give a specification, such as tests-host/campaigns/lpv200.toml, or `merge` and the tables of all shares",
     )?;
-    // What is wrong with a specification is said before minutes of building.
+    // The specification is checked first, because building takes minutes.
     let campaign = Campaign::load(spec)?;
     if cfg!(debug_assertions) {
         return crate::cargo::again_optimised("the campaign was not finished");
@@ -76,7 +76,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
 fn finish(path: &Path, arguments: &Arguments) -> Result<()> {
     let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
     let table = Table::read(&text)?;
-    ensure!(table.is_whole(), "{} is not whole: go on with --resume", path.display());
+    ensure!(table.is_whole(), "{} is incomplete: continue with --resume", path.display());
     show(&table, &arguments.out, arguments.numbers)
 }
 
@@ -98,7 +98,7 @@ fn share(text: &str) -> Result<Share, String> {
     Share::parse(text).map_err(|error| error.to_string())
 }
 
-/// A bar on a terminal; a line every tenth where there is none, for the logs of a batch.
+/// Returns a progress bar; without a terminal, as in batch logs, it prints a line every tenth.
 fn progress() -> impl FnMut(usize, usize) {
     let bar = ProgressBar::new(1);
     if let Ok(style) = ProgressStyle::with_template("{bar:40} {pos}/{len} cells ({eta} to go)") {

@@ -1,29 +1,29 @@
-//! Cargo, called by a command.
+//! Calls of cargo.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use anyhow::{Context as _, ensure};
 
-/// A call of cargo, to be made later.
+/// Returns a call of cargo, to be made later.
 pub(crate) fn step(arguments: &[&str]) -> Box<dyn Fn() -> anyhow::Result<()> + Send> {
     let arguments: Vec<String> = arguments.iter().map(ToString::to_string).collect();
     Box::new(move || spawn(&mut command(&arguments)))
 }
 
-/// Cargo as it will run at the project's root.
+/// Returns cargo's command at the project's root.
 pub(crate) fn command(arguments: &[impl AsRef<std::ffi::OsStr>]) -> Command {
     let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     command.current_dir(root()).args(arguments);
     command
 }
 
-/// The project's root.
+/// Returns the project's root.
 pub(crate) fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().map_or_else(PathBuf::new, Path::to_owned)
 }
 
-/// Runs it, and says what runs.
+/// Prints and runs the command.
 pub(crate) fn spawn(command: &mut Command) -> anyhow::Result<()> {
     let words: Vec<_> = command.get_args().map(|argument| argument.to_string_lossy().into_owned()).collect();
     eprintln!("$ cargo {}", words.join(" "));
@@ -32,11 +32,11 @@ pub(crate) fn spawn(command: &mut Command) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The same command once more, built for speed: millions of epochs are worth a build that runs them ten times as fast; the
-/// numbers are the same.
+/// Runs the same command optimised, because millions of epochs are worth the build. The numbers are
+/// the same.
 pub(crate) fn again_optimised(failed: &'static str) -> anyhow::Result<()> {
-    eprintln!("building with optimisation, which takes some minutes the first time");
-    // From where the caller stands: paths on the command line are relative to it.
+    eprintln!("building with optimisation; the first time takes minutes");
+    // Paths on the command line are relative to the caller's folder.
     let status = command(&["run", "--release", "--package", "xtask", "--"])
         .args(std::env::args_os().skip(1))
         .current_dir(std::env::current_dir()?)

@@ -1,4 +1,4 @@
-//! `cargo xtask coverage`: which lines of the core its tests reach.
+//! `cargo xtask coverage`: line coverage of the core's tests.
 
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -8,10 +8,10 @@ use anyhow::{Context as _, ensure};
 /// Arguments of the command.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// Counts the tests of the whole workspace too; without, those of the core alone.
+    /// Include the tests of the whole workspace, not only the core's
     #[arg(long)]
     all: bool,
-    /// Lists the lines that are not reached.
+    /// List the lines that no test reaches
     #[arg(long)]
     missing: bool,
 }
@@ -27,11 +27,11 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let mut command = cargo();
     let tests: &[&str] = if arguments.all { &["--workspace"] } else { &["--package", "rai-core"] };
     command.args(["llvm-cov", "test"]).args(tests);
-    // Only the core is counted, and not the tests inside it.
+    // Only the core is counted, without the tests inside it.
     command.args(["--ignore-filename-regex", "(rai-firmware|tests-host|xtask)/|/tests"]);
     command.arg(if arguments.missing { "--show-missing-lines" } else { "--summary-only" });
     let status = command.status().context("cargo-llvm-cov cannot be run")?;
-    ensure!(status.success(), "the tests failed, or were not counted");
+    ensure!(status.success(), "the tests failed, or their coverage was not measured");
     Ok(())
 }
 

@@ -1,4 +1,4 @@
-//! `cargo xtask demo`.
+//! `cargo xtask demo`: one satellite drifts off while the emulated board is watched.
 
 use std::path::Path;
 
@@ -8,19 +8,19 @@ use tests_host::report::canvas::Ground;
 use tests_host::report::page::write_file;
 use tests_host::{fault, image, setup};
 
-/// Where the report goes.
+/// Folder of the report.
 const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../target/rai-demo");
 
 /// Arguments of the command.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// The satellite that drifts off.
+    /// Satellite that drifts off
     #[arg(long, default_value = "G15")]
     sat: String,
-    /// How far it drifts, in metres.
+    /// Final error of its range, m; not zero
     #[arg(long, default_value_t = -200.0, allow_negative_numbers = true)]
     bias: f64,
-    /// Write plain lines, also on a terminal.
+    /// Print plain lines, even on a terminal
     #[arg(long)]
     headless: bool,
 }
@@ -28,7 +28,7 @@ pub(crate) struct Arguments {
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let satellite = fault::satellite(&arguments.sat)
-        .with_context(|| format!("--sat {}: not a satellite; write it like G15", arguments.sat))?;
+        .with_context(|| format!("--sat {} is not a satellite; write a name such as G15", arguments.sat))?;
     let plan = Plan { satellite, bias_m: arguments.bias, seed: 1 };
     plan.simulation().with_context(|| format!("--sat {}", arguments.sat))?;
     setup::ensure()?;
@@ -49,7 +49,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         }
     })?;
     drop(live);
-    shown.context("the terminal takes no more")?;
+    shown.context("the terminal cannot be written")?;
     let folder = Path::new(FOLDER);
     story.page()?.write(&folder.join("report.html"))?;
     write_file(&folder.join("picture.svg"), &story.picture(Ground::Sheet)?)?;

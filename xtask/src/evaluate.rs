@@ -12,21 +12,21 @@ use tests_host::evaluate::{self, Part, Scalar};
 #[allow(clippy::struct_excessive_bools, reason = "one flag for each kind of line, and one at most")]
 #[command(after_long_help = evaluate::HELP)]
 pub(crate) struct Arguments {
-    /// JSON lines, plain or gzip; standard input without it.
+    /// JSON lines, plain or gzip (default: standard input)
     file: Option<PathBuf>,
-    /// Which instantiation of the core runs, whatever the lines say: f64 or f32.
+    /// Scalar type of the core, f64 or f32; overrides the lines
     #[arg(long)]
     scalar: Option<Scalar>,
-    /// The lines are degrees of freedom, probabilities and a non-centrality.
+    /// The lines are degrees of freedom, probabilities and a non-centrality
     #[arg(long, conflicts_with_all = ["clock", "clock_raim"])]
     thresholds: bool,
-    /// The lines are windows of receiver clocks.
+    /// The lines are windows of receiver clocks
     #[arg(long)]
     clock: bool,
-    /// The lines are epochs aided by a forecast receiver clock.
+    /// The lines are epochs aided by a forecast receiver clock
     #[arg(long, conflicts_with = "clock")]
     clock_raim: bool,
-    /// The lines are epochs with what integrity knows of each satellite.
+    /// The lines are epochs with integrity parameters of each satellite
     #[arg(long, conflicts_with_all = ["thresholds", "clock", "clock_raim"])]
     araim: bool,
 }

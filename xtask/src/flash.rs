@@ -1,4 +1,4 @@
-//! `cargo xtask flash`: the image onto a chip, or held against its memory.
+//! `cargo xtask flash`: writes the image to a chip, or checks it against the chip's memory.
 
 use std::path::{Path, PathBuf};
 
@@ -8,13 +8,13 @@ use tests_host::image::{self, Chip, Image};
 /// Arguments of the command.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// The chip, as probe-rs names it.
+    /// Name of the chip in probe-rs
     #[arg(long, default_value = "STM32F405RGTx")]
     chip: String,
-    /// Write nothing and need no probe: check that the image fits the chip and would start.
+    /// Only check that the image fits the chip and would start; needs no probe
     #[arg(long)]
     dry_run: bool,
-    /// This image instead of a fresh one.
+    /// Image to write (default: a fresh build)
     #[arg(long)]
     image: Option<PathBuf>,
 }
@@ -47,11 +47,11 @@ fn write(path: &Path, chip: &Chip) -> anyhow::Result<()> {
     use probe_rs::flashing::{ElfLoader, ElfOptions, download_file};
     use probe_rs::{Session, SessionConfig};
 
-    let mut session =
-        Session::auto_attach(chip.name, SessionConfig::default()).context("no probe reaches the chip")?;
+    let mut session = Session::auto_attach(chip.name, SessionConfig::default())
+        .context("no debug probe reaches the chip")?;
     println!("writing …");
     download_file(&mut session, path, ElfLoader(ElfOptions::default()))
-        .context("the flash was not written")?;
+        .context("the image could not be written to flash")?;
     session.core(0)?.reset()?;
     println!("written; the module runs");
     Ok(())
@@ -60,7 +60,7 @@ fn write(path: &Path, chip: &Chip) -> anyhow::Result<()> {
 #[cfg(not(feature = "probe"))]
 fn write(_path: &Path, chip: &Chip) -> anyhow::Result<()> {
     anyhow::bail!(
-        "this build cannot drive a probe, which takes minutes to compile:\n\n    \
+        "this build has no probe support, which takes minutes to compile:\n\n    \
          cargo run --package xtask --features probe -- flash --chip {}\n",
         chip.name
     )

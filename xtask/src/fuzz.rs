@@ -1,6 +1,7 @@
-//! `cargo xtask fuzz`: hostile input that grows by the code it reaches.
+//! `cargo xtask fuzz`: hostile input, extended by the code that it reaches.
 //!
-//! Works in `target/fuzz`; the committed corpus is read and, but for `--keep`, never written.
+//! The command works in `target/fuzz`. It reads the committed corpus, and writes it only with
+//! `--keep`.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -11,21 +12,21 @@ use tests_host::fuzzing::{TARGETS, Target, replay, seeds};
 /// Longest input, bytes: an epoch of many satellites with their ephemerides.
 const LONGEST: usize = 4096;
 
-/// What installs the tool where it is missing.
+/// Command that installs the tool.
 const INSTALL: &str = "cargo install cargo-fuzz";
 
-/// What answers where the tool is there.
+/// Arguments to which the tool answers if it is installed.
 const PROBE: [&str; 2] = ["fuzz", "--version"];
 
 /// Arguments of the command.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// Which targets; none means all, one after another.
+    /// Names of the targets to fuzz (default: all)
     targets: Vec<String>,
-    /// How long each one runs.
+    /// Time for each target, s
     #[arg(long, value_name = "S", default_value_t = 600)]
     seconds: u64,
-    /// Minimises what was found so far into the committed corpus instead of fuzzing.
+    /// Minimise the inputs found so far into the committed corpus instead of fuzzing
     #[arg(long)]
     keep: bool,
 }
@@ -40,7 +41,8 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Runs every target for a moment, or says why not: a machine without the tools proves no less by the other tests.
+/// Runs every target briefly, or prints why not, because the other tests suffice on a machine
+/// without the tools.
 pub(crate) fn smoke() -> anyhow::Result<()> {
     const SECONDS: u64 = 20;
     if let Err(missing) = crate::nightly::ensure(&PROBE, INSTALL) {
@@ -54,7 +56,7 @@ fn chosen(names: &[String]) -> anyhow::Result<Vec<&'static Target>> {
     let all = || TARGETS.iter().map(|target| target.name).collect::<Vec<_>>().join(", ");
     let named = |name: &String| {
         let target = TARGETS.iter().find(|target| target.name == name);
-        target.with_context(|| format!("no target `{name}`: there are {}", all()))
+        target.with_context(|| format!("`{name}` is not a target; the targets are {}", all()))
     };
     if names.is_empty() { Ok(TARGETS.iter().collect()) } else { names.iter().map(named).collect() }
 }
@@ -72,7 +74,8 @@ fn fuzz(target: &Target, seconds: u64) -> anyhow::Result<()> {
     spawn(&mut command, target)
 }
 
-/// What was found together with what was kept, without what reaches nothing that the rest does not.
+/// Minimises the inputs found so far together with the corpus, and writes a spread of them as the
+/// new corpus.
 fn keep(target: &Target) -> anyhow::Result<()> {
     let found = found(target)?;
     for (index, input) in replay::corpus(target).unwrap_or_default().iter().enumerate() {
@@ -98,13 +101,14 @@ fn sorted_by_length(folder: &Path) -> anyhow::Result<Vec<Vec<u8>>> {
     Ok(inputs)
 }
 
-/// At most so many, from the shortest to the longest: short ones are refused early, and long ones go deep.
+/// Returns at most `most` inputs, from the shortest to the longest, because short ones are refused
+/// early and long ones go deep.
 fn spread(inputs: &[Vec<u8>], most: usize) -> Vec<&Vec<u8>> {
     let many = inputs.len().min(most);
     (0..many).map(|index| &inputs[index * inputs.len() / many]).collect()
 }
 
-/// The folder that a target's inputs grow in, with the seeds in it.
+/// Returns the folder in which a target's inputs grow, with the seeds in it.
 fn found(target: &Target) -> anyhow::Result<PathBuf> {
     let folder = root().join("target/fuzz/found").join(target.name);
     std::fs::create_dir_all(&folder)?;
@@ -114,7 +118,8 @@ fn found(target: &Target) -> anyhow::Result<PathBuf> {
     Ok(folder)
 }
 
-/// Safe Rust has nothing that an address sanitizer would find, and builds in half the time without.
+/// Returns the command of cargo-fuzz without a sanitizer: it would find nothing in safe Rust, and
+/// doubles the build time.
 fn tool(action: &str, target: &Target) -> Command {
     let mut command =
         crate::nightly::cargo(&["fuzz", action, "--fuzz-dir", "tests-host/fuzz", "--sanitizer", "none"]);
@@ -126,7 +131,7 @@ fn spawn(command: &mut Command, target: &Target) -> anyhow::Result<()> {
     let status = command.status().context("cargo-fuzz cannot be run")?;
     ensure!(
         status.success(),
-        "{}: not finished; an input that breaks something is in tests-host/fuzz/artifacts/{0}",
+        "{}: not finished; a failing input is in tests-host/fuzz/artifacts/{0}",
         target.name
     );
     Ok(())

@@ -1,4 +1,5 @@
-//! `cargo xtask header`: makes the header of the C interface, or holds the committed one against the sources.
+//! `cargo xtask header`: generates the header of the C interface, or compares the committed one
+//! with the sources.
 
 use anyhow::{Context as _, ensure};
 use tests_host::capi;
@@ -6,7 +7,7 @@ use tests_host::capi;
 /// Arguments of the command.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// Write nothing; fail where the committed header differs from what the sources say.
+    /// Write nothing; fail if the committed header differs from the sources
     #[arg(long)]
     check: bool,
 }
@@ -17,7 +18,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if arguments.check {
         let committed = std::fs::read_to_string(&path).with_context(|| path.display().to_string())?;
         ensure!(committed == header, "{}", capi::STALE_HEADER);
-        println!("committed header: identical to what the sources say");
+        println!("committed header: identical to that of the sources");
     } else {
         std::fs::write(&path, header).with_context(|| path.display().to_string())?;
         println!("wrote {}", path.display());

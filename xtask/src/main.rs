@@ -1,6 +1,6 @@
-//! Everything a person types: `cargo xtask help` lists it.
+//! Commands of the project: `cargo xtask help` lists them.
 //!
-//! Thin: each command parses its arguments, calls `tests-host` or a tool, and prints.
+//! Each command parses its arguments, calls `tests-host` or a tool, and prints the result.
 
 mod attack;
 mod bench;
@@ -44,39 +44,40 @@ struct Arguments {
 enum Command {
     /// Shows the module at work: a simulated sky, a drifting satellite, the emulated board.
     Demo(demo::Arguments),
-    /// Runs everything that must hold.
+    /// Runs all checks: format, lints, tests, images, budgets, tables, packages, documentation.
     Test(test::Arguments),
-    /// Installs what is missing, or says how.
+    /// Installs missing requirements, or prints the command that does.
     Setup(setup::Arguments),
-    /// Sends a recording through the module, on the host or on the emulated board.
+    /// Replays a recording through the module, on the host or on the emulated board.
     Replay(Box<replay::Arguments>),
-    /// Throws hostile input at the module, grown by the code it reaches. Needs nightly and cargo-fuzz.
+    /// Fuzzes the module, guided by coverage. Needs nightly and cargo-fuzz.
     Fuzz(fuzz::Arguments),
-    /// Interprets the library tests, to notice undefined behaviour. Needs nightly and miri.
+    /// Runs the library tests under Miri, which detects undefined behaviour. Needs nightly and
+    /// miri.
     Miri,
-    /// Says which lines of the core its tests reach. Needs cargo-llvm-cov.
+    /// Measures the line coverage of the core's tests. Needs cargo-llvm-cov.
     Coverage(coverage::Arguments),
-    /// Changes the core, and looks whether a test notices. Needs cargo-mutants, and hours.
+    /// Mutation-tests the core. Needs cargo-mutants, and hours.
     Mutants(mutants::Arguments),
-    /// The papers' tables and figures beside ours.
+    /// Reproduces the papers' tables and figures beside ours.
     Reproduce(reproduce::Arguments),
-    /// Availability and integrity over places and times: maps, curves, tables.
+    /// Computes availability and integrity over places and times: maps, curves, tables.
     Campaign(Box<campaign::Arguments>),
-    /// Judges linearised epochs: JSON lines in, JSON lines out.
+    /// Evaluates linearised epochs: JSON lines in, JSON lines out.
     Evaluate(evaluate::Arguments),
-    /// Everything that tries to make the pin lie, with its outcome.
+    /// Runs all attacks that try to raise the pin on a wrong position, and prints their results.
     Attack(attack::Arguments),
-    /// Hours on the emulated board with everything that can go wrong.
+    /// Runs the emulated board for hours under faults, resets and a bad line.
     Soak(soak::Arguments),
-    /// What the module costs on the chip: instructions by stage, flash, RAM, stack.
+    /// Measures the cost of the module on the chip: instructions by stage, flash, RAM, stack.
     Bench(bench::Arguments),
     /// Regenerates the threshold tables.
     Tables(tables::Arguments),
-    /// Makes the header of the C interface.
+    /// Generates the header of the C interface.
     Header(header::Arguments),
-    /// Writes the image to a chip, or checks that it would fit.
+    /// Writes the image to a chip, or checks that it fits.
     Flash(flash::Arguments),
-    /// Watches a module on a serial port.
+    /// Shows the state of a module on a serial port.
     Monitor(monitor::Arguments),
 }
 
@@ -124,7 +125,7 @@ fn dispatch(command: Command) -> anyhow::Result<()> {
     }
 }
 
-/// Who closes our output, as `head` does, has read enough: no word about it.
+/// Suppresses the panic message if the reader of our output has closed it, as `head` does.
 fn quiet_where_nobody_reads() {
     let usual = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |panic| {
@@ -134,7 +135,7 @@ fn quiet_where_nobody_reads() {
     }));
 }
 
-/// `println!` knows no other way to say that its reader is gone than to panic.
+/// Returns true for the panic of `println!` on a closed pipe, which is its only way to report one.
 fn says_closed_pipe(panic: &(dyn std::any::Any + Send)) -> bool {
     panic
         .downcast_ref::<String>()
@@ -146,15 +147,15 @@ fn is_closed_pipe(error: &anyhow::Error) -> bool {
     error.chain().any(|cause| cause.downcast_ref().is_some_and(is_pipe))
 }
 
-/// Shows the help where it was asked for; else says in one line what is wrong with the arguments.
+/// Prints the help if it was requested; otherwise prints one line about the wrong arguments.
 fn refuse(error: &clap::Error) -> ExitCode {
     let is_help = error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand;
     if is_help || !error.use_stderr() {
-        // A closed standard output leaves nobody to tell.
+        // If standard output is closed, there is nobody left to inform.
         let _ = error.print();
         return if is_help { ExitCode::FAILURE } else { ExitCode::SUCCESS };
     }
-    // What is wrong stands before the first blank line; usage and hints follow.
+    // The error stands before the first blank line; usage and hints follow.
     let text = error.to_string();
     let lines = text.lines().map(str::trim).take_while(|line| !line.is_empty());
     eprintln!("{}", lines.collect::<Vec<_>>().join(" "));

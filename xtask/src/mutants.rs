@@ -1,7 +1,9 @@
-//! `cargo xtask mutants`: changes the core, one operator or value at a time, and looks whether a test notices.
+//! `cargo xtask mutants`: changes the core, one operator or value at a time, and checks that a test
+//! fails.
 //!
-//! Each change is a build, and all of them take hours: `cargo xtask mutants -- --shard 0/20` takes a share,
-//! `-- --file '*/snapshot.rs'` a file. What goes unnoticed, and why, is listed in `rai-core/mutants.md`.
+//! Each change is a build, and all of them take hours: `cargo xtask mutants -- --shard 0/20` takes
+//! a share, `-- --file '*/snapshot.rs'` a file. `rai-core/mutants.md` lists the changes that no
+//! test detects, with reasons.
 
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -11,7 +13,7 @@ use anyhow::{Context as _, ensure};
 /// Arguments of the command.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// Goes to cargo-mutants as it is.
+    /// Arguments for cargo-mutants
     #[arg(last = true)]
     rest: Vec<String>,
 }
@@ -25,12 +27,12 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     );
     let mut command = cargo();
     command.args(["mutants", "--package", "rai-core", "--output", "target"]).args(&arguments.rest);
-    // A test that finds its counterexample has caught the change: the smallest one is of no use.
+    // A test with a counterexample has detected the change, so the smallest one is not needed.
     command.env("PROPTEST_MAX_SHRINK_ITERS", "0").env("PROPTEST_FAILURE_PERSISTENCE", "off");
     let status = command.status().context("cargo-mutants cannot be run")?;
     ensure!(
         status.success(),
-        "some changes went unnoticed, or could not be tried: target/mutants.out says which"
+        "some changes were not detected or could not be tried; target/mutants.out lists them"
     );
     Ok(())
 }

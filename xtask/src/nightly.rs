@@ -5,20 +5,20 @@ use std::process::{Command, Stdio};
 
 use anyhow::ensure;
 
-/// Cargo of the nightly toolchain, at the root of the repository.
+/// Returns the nightly toolchain's cargo, at the root of the repository.
 pub(crate) fn cargo(arguments: &[&str]) -> Command {
     let mut command = Command::new("rustup");
     command.args(["run", "nightly", "cargo"]).args(arguments);
-    // Of the toolchain that runs this command: not of that one.
+    // These variables belong to the toolchain that runs this command, not to nightly.
     command.env_remove("RUSTUP_TOOLCHAIN").env_remove("CARGO").env_remove("RUSTC");
     command.current_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join(".."));
     command
 }
 
-/// Looks whether nightly and one of its tools are there.
+/// Checks that nightly and one of its tools are installed.
 ///
 /// # Errors
-/// The exact command that installs what is missing.
+/// If one is missing; the error is the command that installs it.
 pub(crate) fn ensure(probe: &[&str], install: &str) -> anyhow::Result<()> {
     ensure!(
         answers(&["--version"]),

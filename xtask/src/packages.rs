@@ -1,4 +1,5 @@
-//! The two libraries as others would get them: packed, unpacked, compiled, their documentation's examples run.
+//! The two libraries as users receive them: packed, unpacked, compiled, with the examples of their
+//! documentation run.
 
 use std::fs;
 use std::path::PathBuf;
@@ -7,11 +8,11 @@ use anyhow::{Context as _, Result, ensure};
 
 use crate::cargo::{command, root, spawn};
 
-/// What is packed; the second needs the first.
+/// Packages in their order; the second needs the first.
 const PACKAGES: [&str; 2] = ["rai-core", "rai-firmware"];
 
-/// A workspace of its own, so that ours is not found. The one library finds the other beside it and not where crates are
-/// published: ours are not, and somebody else's may have the name.
+/// Separate workspace, so that cargo does not find ours. One library finds the other beside it, not
+/// in the registry, because ours are not published and the name may belong to somebody else.
 const WORKSPACE: &str = "[workspace]
 resolver = \"3\"
 members = [\"rai-core\", \"rai-firmware\"]
@@ -20,7 +21,7 @@ members = [\"rai-core\", \"rai-firmware\"]
 rai-core = { path = \"rai-core\" }
 ";
 
-/// Packs both, and tests what came out of it.
+/// Packs both libraries, and tests the result.
 pub(crate) fn verify() -> Result<()> {
     pack()?;
     let unpacked = unpack()?;
@@ -30,7 +31,8 @@ pub(crate) fn verify() -> Result<()> {
     spawn(command(&doc).args([manifest.as_str(), "--target-dir", folder.as_str()]))
 }
 
-/// Compiled once, when the examples run; a library has no use for a lock file.
+/// Packs without compiling, because the examples compile later, and without a lock file, which a
+/// library does not need.
 fn pack() -> Result<()> {
     eprintln!("$ cargo package --package {} --package {}", PACKAGES[0], PACKAGES[1]);
     let how = ["package", "--allow-dirty", "--no-verify", "--exclude-lockfile"];
@@ -39,7 +41,7 @@ fn pack() -> Result<()> {
     Ok(())
 }
 
-/// The packages side by side, without the version in their names.
+/// Unpacks the packages side by side, without the version in their names.
 fn unpack() -> Result<PathBuf> {
     let (packed, unpacked) = (root().join("target/package"), root().join("target/unpacked"));
     fs::create_dir_all(&unpacked)?;
@@ -54,7 +56,8 @@ fn unpack() -> Result<PathBuf> {
             fs::remove_dir_all(&folder)?;
         }
         let mut archive = tar::Archive::new(flate2::read::GzDecoder::new(reader));
-        // Packed files all have one time, by which what was compiled of them before would seem to be of these.
+        // Packed files all have the same time, so cargo would take the results of earlier files for
+        // current ones.
         archive.set_preserve_mtime(false);
         archive.unpack(&unpacked)?;
         fs::rename(unpacked.join(versioned), folder)?;

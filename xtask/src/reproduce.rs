@@ -11,15 +11,15 @@ use tests_host::report::page::write_file;
 /// Arguments of the command.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// Which experiments; none means all.
+    /// Names of the experiments to run (default: all)
     experiments: Vec<String>,
-    /// A decimation of two minutes for everything.
+    /// Run a reduced version of everything, in two minutes
     #[arg(long)]
     quick: bool,
-    /// One JSON object an experiment instead of tables.
+    /// Print one JSON object per experiment instead of tables
     #[arg(long)]
     json: bool,
-    /// Where the page and its pictures go.
+    /// Folder for the page and its pictures
     #[arg(long, value_name = "FOLDER", default_value = "target/reproduce")]
     report: PathBuf,
 }
@@ -28,7 +28,7 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let experiments = chosen(&arguments.experiments)?;
     if cfg!(debug_assertions) {
-        return crate::cargo::again_optimised("not everything holds");
+        return crate::cargo::again_optimised("some values are out of bounds");
     }
     let effort = if arguments.quick { Effort::Quick } else { Effort::Full };
     let mut outcomes = Vec::new();
@@ -48,7 +48,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     write(&outcomes, arguments)?;
     let failures: Vec<_> = outcomes.iter().flat_map(Outcome::failures).collect();
     for row in &failures {
-        eprintln!("does not hold: {} is {}", row.quantity, row.ours.text());
+        eprintln!("out of bounds: {} is {}", row.quantity, row.ours.text());
     }
     ensure!(failures.is_empty(), "{} values are not within their bounds", failures.len());
     Ok(())
@@ -74,7 +74,7 @@ fn chosen(names: &[String]) -> anyhow::Result<Vec<Experiment>> {
 fn named(name: &str) -> anyhow::Result<Experiment> {
     let known = || EXPERIMENTS.iter().map(|experiment| experiment.name).collect::<Vec<_>>().join(", ");
     let found = EXPERIMENTS.iter().find(|experiment| experiment.name == name).copied();
-    found.with_context(|| format!("no experiment is called `{name}`; there are {}, or all", known()))
+    found.with_context(|| format!("`{name}` is not an experiment; the experiments are {}, or all", known()))
 }
 
 fn progress(name: &'static str) -> ProgressBar {

@@ -1,4 +1,4 @@
-//! `cargo xtask setup`: what the Rust toolchain does not bring.
+//! `cargo xtask setup`: installs the requirements beyond the Rust toolchain.
 
 use anyhow::ensure;
 use tests_host::setup::{Machine, Step, consumers, ensure_all, plan};
@@ -6,10 +6,11 @@ use tests_host::setup::{Machine, Step, consumers, ensure_all, plan};
 /// Arguments of the command.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// Install nothing; say what is missing, and fail if anything is.
+    /// Install nothing; print missing requirements, and fail if there are any
     #[arg(long)]
     check: bool,
-    /// Also what tests hold the module against: gpsd, RTKLIB, and pynmea2 and pymavlink in a folder of their own.
+    /// Also install the programs that tests compare the module with: gpsd, RTKLIB, and pynmea2 and
+    /// pymavlink in their own folder
     #[arg(long, conflicts_with = "check")]
     consumers: bool,
 }
@@ -21,7 +22,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         if arguments.consumers {
             consumers()?;
         }
-        println!("everything is there");
+        println!("nothing is missing");
         return Ok(());
     }
     let steps = plan(&Machine::look_for_all());
@@ -32,7 +33,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
             Step::Ask(words) => println!("missing, for you to do: {words}"),
         }
     }
-    ensure!(steps.is_empty(), "{} steps are left (`cargo xtask setup` takes them)", steps.len());
-    println!("everything is there");
+    ensure!(steps.is_empty(), "{} steps are missing (`cargo xtask setup` takes them)", steps.len());
+    println!("nothing is missing");
     Ok(())
 }

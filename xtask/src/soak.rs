@@ -1,4 +1,4 @@
-//! `cargo xtask soak`: hours on the emulated board with everything that can go wrong.
+//! `cargo xtask soak`: hours on the emulated board under faults, resets and a bad line.
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -11,21 +11,22 @@ use tests_host::{image, setup};
 /// Arguments of the command.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// Hours on the board, under a simulated sky and with the recording `esbc` at the same time.
+    /// Board time, h, from 0.0167 to 24, for a simulated sky and for the recording `esbc` in
+    /// parallel
     #[arg(long, default_value_t = 1.0, value_parser = hours)]
     hours: f64,
-    /// All chance follows from it.
+    /// Seed of all random choices
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Where the page goes.
+    /// Folder for the page
     #[arg(long, value_name = "FOLDER", default_value = "target/soak")]
     report: PathBuf,
 }
 
-/// From a minute to what the recording has.
+/// Parses hours from a minute to the length of the recording.
 fn hours(text: &str) -> Result<f64, String> {
     let hours = text.parse().ok().filter(|hours| (1.0 / 60.0..=24.0).contains(hours));
-    hours.ok_or_else(|| "not a number of hours between a minute (0.0167) and a day (24)".to_owned())
+    hours.ok_or_else(|| "hours must be within 0.0167 (a minute) to 24".to_owned())
 }
 
 /// Runs the command.
@@ -37,7 +38,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     let bar = progress(&plans);
     let epochs_of: Vec<u64> = plans.iter().map(|plan| u64::from(plan.epochs)).collect();
     let start = Instant::now();
-    // Both take as long on the board; the bar shows the slower one.
+    // Both take the same time on the board; the bar shows the slower one.
     let slowest = std::sync::Mutex::new(vec![0.0; plans.len()]);
     let outcomes = soak::run_all(&image, plans, |plan, epochs| {
         if let Ok(mut shares) = slowest.lock() {
@@ -52,11 +53,11 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     page(&outcomes)?.write(&index)?;
     eprintln!("report: {}", index.display());
     let broken: Vec<String> = outcomes.iter().flat_map(Outcome::broken).collect();
-    ensure!(broken.is_empty(), "not zero:\n{}", broken.join("\n"));
+    ensure!(broken.is_empty(), "counts that must be zero are not:\n{}", broken.join("\n"));
     Ok(())
 }
 
-/// A bar in thousandths of the whole.
+/// Returns a progress bar in thousandths of the whole.
 fn progress(plans: &[Plan]) -> ProgressBar {
     let style = ProgressStyle::with_template("{prefix} {bar:40} {percent:>3} % ({eta} to go)");
     let names: Vec<&str> = plans.iter().map(|plan| plan.name).collect();

@@ -6,7 +6,8 @@ use tests_host::{tables, vectors};
 /// Arguments of the command.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// Write nothing; fail where the committed table differs from its generator, or either from the gold values.
+    /// Write nothing; fail if the committed table differs from its generator, or either from the
+    /// gold values
     #[arg(long)]
     pub(crate) check: bool,
 }

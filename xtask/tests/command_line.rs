@@ -1,4 +1,4 @@
-//! What a person types wrongly: exit code 1, and one line that says what and where.
+//! Wrong command lines: exit code 1, and one line that names the error and its place.
 
 use std::fs;
 use std::path::PathBuf;
@@ -27,7 +27,7 @@ G05 2024 06 24 10 00 00-1.774230040610E-04-1.364242052659E-12 0.000000000000E+00
      1.152180000000E+05
 ";
 
-/// Files of one test, in a folder of its own.
+/// Files of one test, in a separate folder.
 struct Files(PathBuf);
 
 impl Files {
@@ -49,7 +49,7 @@ impl Files {
         Command::new(env!("CARGO_BIN_EXE_xtask")).current_dir(&self.0).args(arguments).output().unwrap()
     }
 
-    /// Runs a command that is refused; gives the one line that it says.
+    /// Runs a command that is refused; returns its one line.
     fn refusal(&self, arguments: &[&str]) -> String {
         let output = self.run(arguments);
         let said = String::from_utf8(output.stderr).unwrap();
@@ -60,7 +60,7 @@ impl Files {
         line.to_owned()
     }
 
-    /// The refusal of a replay of the day with more arguments.
+    /// Returns the refusal of a replay of the day with more arguments.
     fn replay(&self, more: &[&str]) -> String {
         self.refusal(&[&["replay", "--obs", "day.obs", "--nav", "day.nav"], more].concat())
     }
@@ -213,7 +213,8 @@ fn a_reader_that_goes_away_is_no_error() {
     for arguments in
         [&["help"][..], &["replay", "--help"], &["replay", "--obs", "day.obs", "--nav", "day.nav", "--json"]]
     {
-        // Gone before the command starts: else it may have said all by then.
+        // The reader is closed before the command starts, because the command might otherwise
+        // finish first.
         let (reader, writer) = std::io::pipe().unwrap();
         drop(reader);
         let output = Command::new(env!("CARGO_BIN_EXE_xtask"))

@@ -1,21 +1,21 @@
-//! What documents and comments point to is there: files move, and whoever follows a path finds out last. And what the module answers
-//! by name stands in the document that explains it.
+//! Files named in documents and comments exist, and the documents explain every name of the
+//! interface.
 
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Endings of files that are ours to name.
+/// Endings of files of the project.
 const NAMED: [&str; 3] = [".rs", ".md", ".toml"];
 
-/// What ends so and is no file of ours: a file that a command takes.
+/// Name with such an ending that is an argument of a command.
 const OTHERS: [&str; 1] = ["SPEC.toml"];
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-/// All files below a folder, but for what is built and what tools keep.
+/// Collects all files below a folder, without build products and repository data.
 fn files(folder: &Path, found: &mut Vec<PathBuf>) {
     for entry in fs::read_dir(folder).expect("a folder that can be read").flatten() {
         let name = entry.file_name();
@@ -37,13 +37,13 @@ fn ends_in(path: &Path, ending: &str) -> bool {
     path.extension().is_some_and(|extension| extension == ending)
 }
 
-/// Where the links of a document lead, without what is on the web and the place within the file.
+/// Returns the targets of a document's links within the repository, without anchors.
 fn links(text: &str) -> impl Iterator<Item = &str> {
     let targets = text.split("](").skip(1).filter_map(|rest| rest.split([')', '#']).next());
     targets.filter(|target| !target.is_empty() && !target.contains("://"))
 }
 
-/// Names of files in code type.
+/// Returns the names of files in code type.
 fn quoted_files(text: &str) -> impl Iterator<Item = &str> {
     let quoted = text.lines().flat_map(|line| line.split('`').skip(1).step_by(2));
     quoted.filter(|words| {
@@ -53,13 +53,14 @@ fn quoted_files(text: &str) -> impl Iterator<Item = &str> {
     })
 }
 
-/// The comments of a source, which are where it may name another.
+/// Returns the comments of a source.
 fn comments(source: &str) -> String {
     let lines = source.lines().filter_map(|line| line.split_once("//").map(|(_, comment)| comment));
     lines.collect::<Vec<_>>().join("\n")
 }
 
-/// Names that `STATS` answers with: fields in the blocks of `counters!`, and the two kinds that are no field of one.
+/// Returns the names in the answer to `STATS`: fields in the blocks of `counters!`, and the two
+/// kinds that are not such fields.
 fn counters(source: &str) -> impl Iterator<Item = &str> {
     let blocks = source.split("\ncounters! {").skip(1).filter_map(|rest| rest.split("\n}").next());
     let lines = blocks.flat_map(str::lines).map(str::trim).filter(|line| !line.starts_with("//"));
@@ -67,13 +68,13 @@ fn counters(source: &str) -> impl Iterator<Item = &str> {
     lines.filter_map(|line| line.strip_suffix(',')).chain(source.split('"').filter(is_no_field))
 }
 
-/// Texts that a command is refused with. What carries a value is not said as it stands there.
+/// Returns the texts with which a command is refused, without those that carry a value.
 fn refusals(source: &str) -> impl Iterator<Item = &str> {
     let arms = source.lines().filter_map(|line| line.trim().strip_prefix("Self::")?.split_once(" => \""));
     arms.filter(|(name, _)| !name.contains('{')).filter_map(|(_, text)| text.strip_suffix("\","))
 }
 
-/// What stands first in each row of the tables of a section, in code type.
+/// Returns the first cell of each row in the tables of a section, if it is in code type.
 fn rows<'t>(document: &'t str, heading: &str) -> BTreeSet<&'t str> {
     let sections =
         document.split("\n#").filter(|section| section.trim_start_matches('#').starts_with(heading));
@@ -106,7 +107,7 @@ fn files_that_documents_and_comments_name_are_there() {
             _ => continue,
         };
         for name in quoted_files(&text) {
-            // By whole names of folders.
+            // Paths are compared by whole names of folders.
             assert!(all.iter().any(|path| path.ends_with(name)), "{}: {name} is not there", file.display());
             count += 1;
         }

@@ -1,10 +1,10 @@
-//! No two modules import each other, directly or round a corner.
+//! No two modules import each other, directly or indirectly.
 //!
-//! How it is counted. A module is a file. It imports what it names by a path that begins with `crate`, `super` or
-//! `self`, in a `use` or in code; documentation and `#[cfg(test)]` do not count. A name that a module passes on by
-//! `pub use` counts as where it comes from. Within each folder a module stands for all that is below it, and a circle is a
-//! set of modules of which each reaches each other one (a strongly connected component). That a child names what its
-//! parent declares, and the parent its child, is one story told in two files and no circle.
+//! Rules of the count: a module is a file. It imports the names in paths that begin with `crate`,
+//! `super` or `self`, in a `use` or in code; documentation and `#[cfg(test)]` do not count. A name
+//! re-exported by `pub use` counts for its origin. Within each folder a module represents
+//! everything below it, and a circle is a set of modules of which each reaches every other one (a
+//! strongly connected component). A child and its parent may name each other's declarations.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -15,12 +15,12 @@ use syn::visit::{self, Visit};
 /// A module's path from the root of its crate.
 type Module = Vec<String>;
 
-/// What is written in one file.
+/// Paths and re-exports of one file.
 #[derive(Default)]
 struct File {
     /// Paths as written, resolved later.
     named: Vec<Vec<String>>,
-    /// Names passed on, and the path they come from.
+    /// Re-exported names, and their paths of origin.
     passed_on: BTreeMap<String, Vec<String>>,
 }
 
@@ -91,14 +91,14 @@ impl Crate {
         Self(modules)
     }
 
-    /// The deepest module that a path written in `from` leads to; none where it leaves the crate.
+    /// Returns the deepest module of a path written in `from`; `None` if the path leaves the crate.
     fn resolve(&self, from: &[String], path: &[String], depth: usize) -> Option<Module> {
         let (first, mut rest) = path.split_first()?;
         let mut at = match first.as_str() {
             "crate" => Vec::new(),
             "self" => from.to_vec(),
             "super" => from.split_last()?.1.to_vec(),
-            // A child by its bare name, as `pub use` may write it.
+            // A child by its bare name, which `pub use` may write.
             child => {
                 let module = [from, &[child.to_owned()]].concat();
                 self.0.contains_key(&module).then_some(module)?
@@ -111,7 +111,7 @@ impl Crate {
             } else if self.0.contains_key(&deeper) {
                 at = deeper;
             } else if let Some(origin) = self.0.get(&at).and_then(|file| file.passed_on.get(segment)) {
-                // Names passed on from elsewhere are theirs; a depth bounds what a mistake could make endless.
+                // A re-exported name belongs to its origin; the depth bounds an endless chain.
                 return if depth == 0 { None } else { self.resolve(&at, origin, depth - 1).or(Some(at)) };
             } else {
                 break;
@@ -121,7 +121,7 @@ impl Crate {
         Some(at)
     }
 
-    /// Who imports whom, between modules that do not contain each other.
+    /// Returns the imports between modules that do not contain each other.
     fn imports(&self) -> BTreeSet<(Module, Module)> {
         let of = |(from, file): (&Module, &File)| {
             let targets: Vec<_> = file.named.iter().filter_map(|path| self.resolve(from, path, 8)).collect();
@@ -152,7 +152,7 @@ impl Crate {
     }
 }
 
-/// Sets of more than one in which each reaches each other.
+/// Returns the sets of several modules in which each reaches every other one.
 fn components(edges: &BTreeSet<(String, String)>) -> BTreeSet<Vec<String>> {
     let reached = |start: &String| {
         let (mut reached, mut open) = (BTreeSet::new(), vec![start.clone()]);
@@ -182,7 +182,7 @@ fn collect(folder: &Path, path: &[String], modules: &mut BTreeMap<Module, File>)
     for entry in entries {
         let stem = entry.file_stem().expect("a name").to_string_lossy().into_owned();
         if entry.is_dir() {
-            // Other programs in the same folder are crates of their own.
+            // Other programs in the same folder are separate crates.
             if stem != "bin" || !path.is_empty() {
                 collect(&entry, &[path, &[stem]].concat(), modules);
             }

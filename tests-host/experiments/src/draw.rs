@@ -1,16 +1,18 @@
-//! Chance, with an address: what a run draws does not depend on the thread that draws it, nor on the other runs.
+//! Random numbers by address: the draws of a run depend neither on the thread nor on the other
+//! runs.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 
-/// The random numbers of one run of an experiment.
+/// Returns the random numbers of one run of an experiment.
 pub(super) fn generator(seed: u64, run: u64) -> ChaCha8Rng {
     let mut generator = ChaCha8Rng::seed_from_u64(seed);
     generator.set_stream(run);
     generator
 }
 
-/// So many different numbers below `below`, in ascending order: the faulty satellites of an epoch.
+/// Draws `count` different numbers below `below`, in ascending order: the faulty satellites of an
+/// epoch.
 pub(super) fn distinct(generator: &mut ChaCha8Rng, count: usize, below: usize) -> Vec<usize> {
     let mut chosen = rand::seq::index::sample(generator, below, count.min(below)).into_vec();
     chosen.sort_unstable();

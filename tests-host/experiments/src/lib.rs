@@ -1,15 +1,16 @@
 //! The papers' tables and figures, computed again by the core itself.
 //!
-//! Each paper has a file, which runs its experiments and gives back an [`Outcome`]: rows that hold a printed value
-//! against ours, with a 95 % confidence interval where chance has a part in it, a verdict and its reason; and figures.
+//! Each paper has a file, which runs its experiments and returns an [`Outcome`]: rows and figures.
+//! A row compares a printed value with ours, with a 95 % confidence interval if chance is involved,
+//! a verdict and its reason.
 //!
 //! ```text
 //! sky, fault ──► rai-core (the same types as on the target) ──► outcome ──► terminal, JSON, SVG, HTML
 //! ```
 //!
-//! Nothing here is a second implementation of a method. What stands beside a method for comparison only (all minimal
-//! subsets, other clock predictors, exact tails) is in [`tests_host::ransac_traditional`], [`tests_host::clock_models`] and
-//! [`tests_host::chi_square`].
+//! Nothing here is a second implementation of a method. Methods for comparison only (all minimal
+//! subsets, other clock predictors, exact tails) are in [`tests_host::ransac_traditional`],
+//! [`tests_host::clock_models`] and [`tests_host::chi_square`].
 //!
 //! Seeds are fixed: the same build gives the same numbers.
 
@@ -32,17 +33,18 @@ pub use row::{Acceptance, Finding, Judgement, Row};
 
 use indicatif::ProgressBar;
 
-/// How much is computed.
+/// Amount of computation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Effort {
-    /// A decimation that still shows every effect: all papers together in under two minutes on two cores.
+    /// A reduction that still shows every effect: all papers together in under two minutes on two
+    /// cores.
     Quick,
     /// The papers' own sample counts.
     Full,
 }
 
 impl Effort {
-    /// One of two numbers: of the decimation, or of the paper.
+    /// Returns one of two numbers: that of the reduction, or that of the paper.
     pub fn pick<T>(self, quick: T, full: T) -> T {
         match self {
             Self::Quick => quick,
@@ -51,7 +53,7 @@ impl Effort {
     }
 }
 
-/// What can be run, by the name it has on the command line.
+/// All experiments.
 pub const EXPERIMENTS: &[Experiment] = &[
     yang2015::EXPERIMENT,
     lin2016::EXPERIMENT,
@@ -68,8 +70,8 @@ pub const EXPERIMENTS: &[Experiment] = &[
 pub struct Experiment {
     /// Name on the command line.
     pub name: &'static str,
-    /// What it is about, in a line.
+    /// Description of the experiment, one line.
     pub about: &'static str,
-    /// Runs it; the bar shows how far it is, and its length is the experiment's to set.
+    /// Function that runs the experiment. It sets the length of the bar and advances it.
     pub run: fn(Effort, &ProgressBar) -> anyhow::Result<Outcome>,
 }

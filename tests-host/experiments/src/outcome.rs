@@ -1,4 +1,4 @@
-//! What an experiment gives back, and its three forms: text, JSON, pages.
+//! Outcome of an experiment, in three forms: text, JSON, pages.
 
 use std::fmt;
 
@@ -11,9 +11,9 @@ use tests_host::report::page::Page;
 /// A table with a title, or part of one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Section {
-    /// Which table or figure of the paper, and with what set-up.
+    /// Table or figure of the paper, with its set-up.
     pub title: String,
-    /// Its lines.
+    /// Rows of the table.
     pub rows: Vec<Row>,
 }
 
@@ -22,7 +22,7 @@ pub struct Section {
 pub struct Picture {
     /// Name of its file, without extension: `lin2016-figure-4`.
     pub name: String,
-    /// What is to be seen, in a sentence.
+    /// Description of the picture, one sentence.
     pub caption: String,
     /// The picture as a file.
     pub sheet: String,
@@ -34,7 +34,7 @@ impl Picture {
     /// Draws a picture in both forms.
     ///
     /// # Errors
-    /// What could not be drawn.
+    /// If it cannot be drawn.
     pub fn draw(
         name: &str,
         caption: &str,
@@ -46,7 +46,7 @@ impl Picture {
     }
 }
 
-/// All that came of one paper.
+/// Result of one paper's experiments.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outcome {
     /// Name on the command line.
@@ -62,17 +62,17 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// Every row of every section.
+    /// Returns every row of every section.
     pub fn rows(&self) -> impl Iterator<Item = &Row> {
         self.sections.iter().flat_map(|section| &section.rows)
     }
 
-    /// Rows that are held to something and fail it.
+    /// Returns the rows that miss their acceptance value.
     pub fn failures(&self) -> impl Iterator<Item = &Row> {
         self.rows().filter(|row| row.acceptance.as_ref().is_some_and(|acceptance| !acceptance.holds))
     }
 
-    /// As an object with a field for each column.
+    /// Returns a JSON object with a field for each column.
     pub fn json(&self) -> Value {
         let row = |section: &Section, row: &Row| {
             let (low, high) = match row.ours {
@@ -140,7 +140,7 @@ impl fmt::Display for Outcome {
     }
 }
 
-/// One page with all outcomes.
+/// Returns one page with all outcomes.
 pub fn page(outcomes: &[Outcome]) -> Page {
     let mut page = Page::new(
         "RAI beside its sources",

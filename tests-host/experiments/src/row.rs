@@ -4,22 +4,22 @@ use serde::Serialize;
 
 use super::Interval;
 
-/// What became of a printed number.
+/// Comparison with a printed number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Judgement {
-    /// The same within rounding and chance.
+    /// Equal within rounding and chance.
     Reproduced,
-    /// The same order and shape, numbers near.
+    /// Same order and shape, with similar numbers.
     InTrend,
-    /// Cannot be reproduced; the reason says why.
+    /// Not reproducible; the reason is given.
     NotReproducible,
-    /// No paper has it.
+    /// Printed in no paper.
     Ours,
 }
 
 impl Judgement {
-    /// In lower-case words.
+    /// Returns lower-case words.
     pub const fn words(self) -> &'static str {
         match self {
             Self::Reproduced => "reproduced",
@@ -30,40 +30,40 @@ impl Judgement {
     }
 }
 
-/// What we found.
+/// Value that we found.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Finding {
-    /// A number, how many decimals of it mean something, and how far chance may have moved it.
+    /// A number with its significant decimals and its uncertainty.
     Number {
         /// The number.
         value: f64,
         /// Decimals to print.
         decimals: usize,
-        /// Its 95 % confidence interval; `None` where it is exact.
+        /// Its 95 % confidence interval; `None` if it is exact.
         interval: Option<Interval>,
     },
-    /// What is no number.
+    /// A text instead of a number.
     Words(String),
 }
 
 impl Finding {
-    /// A number that chance has no part in.
+    /// Returns a number without chance in it.
     pub const fn exact(value: f64, decimals: usize) -> Self {
         Self::Number { value, decimals, interval: None }
     }
 
-    /// A rate with its interval.
+    /// Returns a rate with its interval.
     pub fn rate(hits: usize, trials: usize, decimals: usize) -> Self {
         let value = if trials == 0 { f64::NAN } else { hits as f64 / trials as f64 };
         Self::Number { value, decimals, interval: Some(Interval::of_rate(hits, trials)) }
     }
 
-    /// A count of rare events with the interval of its expectation.
+    /// Returns a count of rare events, with the interval of its expectation.
     pub fn count(count: usize) -> Self {
         Self::Number { value: count as f64, decimals: 0, interval: Some(Interval::of_count(count)) }
     }
 
-    /// The number, where it is one.
+    /// Returns the number, if it is one.
     pub fn value(&self) -> Option<f64> {
         match self {
             Self::Number { value, .. } => Some(*value),
@@ -71,7 +71,7 @@ impl Finding {
         }
     }
 
-    /// The value as text.
+    /// Returns the value as text.
     pub fn text(&self) -> String {
         match self {
             Self::Number { value, decimals, .. } => format!("{value:.decimals$}"),
@@ -79,7 +79,7 @@ impl Finding {
         }
     }
 
-    /// The interval as text, one decimal more than the value; empty where there is none.
+    /// Returns the interval as text, with one decimal more than the value; empty if there is none.
     pub fn interval_text(&self) -> String {
         match self {
             Self::Number { interval: Some(Interval { low, high }), decimals, .. } => {
@@ -90,36 +90,36 @@ impl Finding {
     }
 }
 
-/// A value that the product is held to.
+/// Value that the product must reach.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Acceptance {
-    /// Row of the table of acceptance; `None` for what is asked for beyond it.
+    /// Row of the table of acceptance; `None` for requirements beyond it.
     pub number: Option<u8>,
-    /// What is asked for, in words.
+    /// Requirement, in words.
     pub want: String,
-    /// Whether it holds.
+    /// True if the requirement is met.
     pub holds: bool,
 }
 
 /// One quantity.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row {
-    /// What it is, with its unit.
+    /// Name of the quantity, with its unit.
     pub quantity: String,
-    /// What the paper prints; empty where it prints nothing.
+    /// Value printed in the paper; empty if there is none.
     pub paper: String,
-    /// What we found.
+    /// Value that we found.
     pub ours: Finding,
-    /// How they compare.
+    /// Comparison of the two.
     pub judgement: Judgement,
-    /// Why, in one line.
+    /// Reason for the comparison, one line.
     pub reason: String,
-    /// What it is held to, if anything.
+    /// Acceptance value, if any.
     pub acceptance: Option<Acceptance>,
 }
 
 impl Row {
-    /// A row without a reason and without a bound to hold.
+    /// Returns a row without a reason and without an acceptance value.
     pub fn new(
         quantity: impl Into<String>,
         paper: impl Into<String>,
@@ -136,31 +136,31 @@ impl Row {
         }
     }
 
-    /// The same row with its reason.
+    /// Adds a reason.
     #[must_use]
     pub fn because(mut self, reason: impl Into<String>) -> Self {
         self.reason = reason.into();
         self
     }
 
-    /// The same row, held to a value within a tolerance.
+    /// Adds an acceptance value with a tolerance.
     #[must_use]
     pub fn held_to(mut self, number: u8, want: f64, tolerance: f64) -> Self {
-        // A value that is not a number holds nothing.
+        // NaN meets no requirement.
         let holds = self.ours.value().is_some_and(|value| (value - want).abs() <= tolerance);
         self.acceptance =
             Some(Acceptance { number: Some(number), want: format!("{want} ± {tolerance}"), holds });
         self
     }
 
-    /// The same row, held to a statement.
+    /// Adds an acceptance statement.
     #[must_use]
     pub fn held_if(mut self, number: u8, want: impl Into<String>, holds: bool) -> Self {
         self.acceptance = Some(Acceptance { number: Some(number), want: want.into(), holds });
         self
     }
 
-    /// The same row, held to a statement that is in no table of acceptance.
+    /// Adds an acceptance statement that is in no table of acceptance.
     #[must_use]
     pub fn holding(mut self, want: impl Into<String>, holds: bool) -> Self {
         self.acceptance = Some(Acceptance { number: None, want: want.into(), holds });

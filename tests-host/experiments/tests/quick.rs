@@ -1,6 +1,7 @@
-//! The papers' experiments in their quick form: every bound holds, and the tables are the committed ones.
+//! The papers' experiments in their quick form: every bound holds, and the tables are the committed
+//! ones.
 //!
-//! What is of a recording has a snapshot of its own, since not everybody has the recording.
+//! Results of a recording have their own snapshot, because not everybody has the recording.
 
 use experiments::{EXPERIMENTS, Effort};
 use indicatif::ProgressBar;

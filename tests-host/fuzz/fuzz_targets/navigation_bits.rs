@@ -1,4 +1,4 @@
-//! Navigation bits behind right parities.
+//! Navigation bits with correct parities.
 #![no_main]
 
 libfuzzer_sys::fuzz_target!(|input: &[u8]| tests_host::fuzzing::navigation_bits::run(input));

@@ -1,7 +1,8 @@
-//! Too few satellites, and a clock forecast that follows the fault.
+//! A clock forecast that follows a fault, with too few satellites to notice.
 //!
-//! The module has learnt its clock with a whole sky. Then four, five or six satellites are left and one of them drifts
-//! off: slowly enough that a forecast which learns from positions it alone vouches for goes along.
+//! The module learns its clock with the whole sky. Then four, five or six satellites remain and one
+//! of them drifts. The drift is slow enough that a forecast learning only from positions it vouches
+//! for itself would follow it.
 
 use anyhow::Result;
 use rai_core::satellite::{Constellation, SatelliteId};
@@ -16,14 +17,14 @@ use super::victim::Victim;
 use super::{Attack, Effort, Figure};
 use crate::fault::{Fault, Kind, Measured, Target};
 
-/// The attack.
+/// Attack with a ramp on one of the few satellites that remain.
 pub(super) const ATTACK: Attack = Attack {
     name: "clock-ramp",
     about: "CLOCKAID, 4 to 6 satellites of one or two systems, one of them drifting off by 0.3 to 10 m/s",
     run,
 };
 
-/// Epochs with all satellites, from which the clock is learnt.
+/// Epochs with all satellites, in which the module learns its clock.
 const LEARNT: u32 = 90;
 
 /// Drifts, m/s.

@@ -1,8 +1,9 @@
-//! Ephemerides for later that come first, and crowds of satellites that are not there.
+//! Ephemerides that are received hours early, and ephemerides of crowds of absent satellites.
 //!
-//! Merged broadcast files hold sets whose reference time is hours ahead of the epoch at which they come. Such a set is right
-//! around its reference time and tens of metres wrong before; the sets that follow are right at once. A store that ranks by
-//! reference time keeps the early one.
+//! Merged broadcast files hold sets whose reference time is hours after the epoch at which they
+//! arrive. Such a set is accurate around its reference time and tens of metres wrong before it. The
+//! sets that follow are accurate at once. A store that ranks sets by reference time would keep the
+//! early one.
 
 use anyhow::{Result, bail};
 use rai_core::satellite::{Constellation, SatelliteId};
@@ -19,44 +20,45 @@ use crate::measurement::{Ephemeris, TimedEphemeris};
 use crate::sky::broadcast::{drifting, ephemeris};
 use crate::sky::raw::Simulation;
 
-/// Sets that are early.
+/// Attack with early ephemerides.
 pub(super) const EARLY: Attack = Attack {
     name: "early-ephemeris",
-    about: "five ephemerides for up to 3.9 h ahead come first; two hours before they are 60 m wrong",
+    about: "five ephemerides up to 3.9 h early come first; two hours before their time they are 60 m wrong",
     run: early,
 };
 
-/// Satellites that are absent.
+/// Attack with ephemerides of absent satellites.
 pub(super) const ABSENT: Attack = Attack {
     name: "absent-satellites",
-    about: "96 valid ephemerides of absent satellites, for two days ahead, before the first real one",
+    about: "96 valid ephemerides of absent satellites, two days early, before the first real one",
     run: absent,
 };
 
-/// Satellites in a stream.
+/// Attack with ephemerides of a hundred satellites in one stream.
 pub(super) const CROWD: Attack = Attack {
     name: "crowd",
-    about: "ephemerides of a hundred satellites over and over, between those of the satellites in view",
+    about: "ephemerides of a hundred satellites, repeated between those of the satellites in view",
     run: crowd,
 };
 
-/// Where the sky begins, s, and how far apart its epochs are.
+/// Start of the sky, s, and time between its epochs, s.
 const START_S: f64 = 7200.0;
 const STEP_S: f64 = 30.0;
 
 /// Reference times of the early sets, s after the beginning, on the full 16 s of their message.
 const AHEAD_S: [f64; 5] = [14_032.0, 12_000.0, 10_000.0, 8_000.0, 13_600.0];
 
-/// Epochs are far apart, and no limit stands in the way.
+/// Settings for epochs far apart, with limits so wide that none is exceeded.
 const SETTINGS: &[&str] = &["PHASE,ENROUTE", "TTA,60"];
 
-/// Share of the satellites in view that has to be in the positions, beside a crowd.
+/// Smallest share of the satellites in view that the positions must use, beside a crowd.
 const KEPT: f64 = 0.97;
 
-/// The same where two sets of a satellite contradict each other: it waits for a third, an hour at most.
+/// The same share if two sets of a satellite contradict each other. Such a satellite waits for a
+/// third set, for an hour at most.
 const DISPUTED: f64 = 0.85;
 
-/// How wrong an early set is two hours before its reference time, m, and this time, s.
+/// Error of an early set, m, and the time before its reference time at which it has that error, s.
 const WRONG_M: f64 = 60.0;
 const BEFORE_S: f64 = 7200.0;
 
@@ -99,15 +101,16 @@ fn absent(_: Effort) -> Result<Vec<Figure>> {
 fn crowd(effort: Effort) -> Result<Vec<Figure>> {
     let (simulation, sky) = sky(effort.pick(20, 240))?;
     let mut victim = Victim::new(SETTINGS, STEP_S)?;
-    // Who rises later is none of them: a false orbit under its name would be in dispute, as in the attack before.
+    // Satellites that rise later are left out: a false orbit under their name would be disputed, as
+    // in the attack before.
     let is_ever_seen =
         |satellite| sky.recording.epochs.iter().any(|epoch| epoch.satellites().contains(&satellite));
     let strangers = strangers(&simulation, START_S, |satellite| !is_ever_seen(satellite))?;
     figures_of(&mut victim, &sky, KEPT, |_| strangers.concat())
 }
 
-/// Sends the sky, each epoch behind what `between` gives; as large a share of the
-/// satellites has to be used.
+/// Sends the sky, each epoch after the bytes that `between` returns. The positions must use at
+/// least `share` of the satellites.
 fn figures_of(
     victim: &mut Victim,
     sky: &Sky,
@@ -134,7 +137,8 @@ fn figures_of(
     Ok(figures)
 }
 
-/// Ephemerides of satellites that are not in view, of three systems, on an orbit that a satellite in the sky has.
+/// Returns ephemerides of absent satellites of three systems, each on the orbit of a satellite in
+/// the sky.
 fn strangers(
     simulation: &Simulation,
     at_s: f64,
@@ -142,7 +146,7 @@ fn strangers(
 ) -> Result<Vec<Vec<u8>>> {
     let model = simulation.satellites.first().and_then(|known| ephemeris(known, simulation.origin, at_s, 9));
     let Some(TimedEphemeris { message: Ephemeris::Gps(model), toe, sent, .. }) = model else {
-        bail!("no satellite of GPS to begin with");
+        bail!("the sky must have a GPS satellite");
     };
     let names = [(Constellation::Beidou, 63), (Constellation::Galileo, 36), (Constellation::Gps, 32)];
     let satellites = names.into_iter().flat_map(|(constellation, highest)| {
@@ -157,7 +161,7 @@ fn strangers(
         .collect()
 }
 
-/// The orbit of a GPS satellite under the name of another satellite.
+/// Returns the orbit of a GPS satellite under the name of another satellite.
 fn renamed(model: &Msg1019T, satellite: SatelliteId, week: u16) -> Ephemeris {
     let number = satellite.number();
     match satellite.constellation() {
@@ -195,7 +199,7 @@ fn renamed(model: &Msg1019T, satellite: SatelliteId, week: u16) -> Ephemeris {
     }
 }
 
-/// The bytes of a set.
+/// Encodes a set.
 fn frame(set: &TimedEphemeris) -> Result<Vec<u8>> {
     let message = match &set.message {
         Ephemeris::Gps(message) => Message::Msg1019(message.clone()),

@@ -1,7 +1,8 @@
-//! Range rates with the wrong sign, as early firmware of a common receiver sends them, and such that mean nothing.
+//! Range rates with the wrong sign, as early firmware of a common receiver sends them, and random
+//! range rates.
 //!
-//! The ranges are right, so that the position is promised, and the receiver stands still. Of a few satellites some always agree
-//! by chance, if enough of the others may be left out.
+//! The ranges are right, so the position is promised; the receiver stands still. If enough
+//! satellites may be left out, some of the few that remain always agree by chance.
 
 use anyhow::Result;
 use rai_core::satellite::Constellation;
@@ -18,14 +19,14 @@ use crate::measurement::MeasuredEpoch;
 use crate::sky::Fleet;
 use crate::sky::raw::Simulation;
 
-/// The wrong sign.
+/// Attack with negated range rates.
 pub(super) const NEGATED: Attack = Attack {
     name: "negated-rates",
     about: "right ranges, and all range rates of 5 to 10 satellites with the wrong sign",
     run: negated,
 };
 
-/// No meaning.
+/// Attack with random range rates.
 pub(super) const RANDOM: Attack = Attack {
     name: "random-rates",
     about: "right ranges, and all range rates of 5 to 10 satellites off by a random number, up to 0.5 to 100 m/s",
@@ -47,13 +48,13 @@ const WAVELENGTH_M: f64 = 0.19;
 /// Probability of missed detection at start.
 const MISSED: f64 = 1e-3;
 
-/// What was told beside a promised position.
+/// Counts of the velocities that the module reports beside a promised position.
 #[derive(Clone, Copy, Debug, Default)]
 struct Told {
     epochs: usize,
     promised: usize,
     velocities: usize,
-    /// Of these, beyond a level.
+    /// Velocities with an error above a level.
     misleading: usize,
     worst_m_s: f64,
 }
@@ -69,7 +70,7 @@ impl Told {
         }
     }
 
-    /// Counts what is told of an epoch; the truth is rest.
+    /// Counts the report on an epoch. The true velocity is zero.
     fn add(&mut self, victim: &Victim) {
         self.epochs += 1;
         self.promised += usize::from(victim.is_promised());
@@ -124,7 +125,7 @@ fn random(effort: Effort) -> Result<Vec<Figure>> {
     Ok(figures)
 }
 
-/// All skies with each number of satellites.
+/// Attempts every seed with every number of satellites.
 fn attempts(
     kept: &[usize],
     seeds: u64,
@@ -136,7 +137,7 @@ fn attempts(
     Ok(told.iter().fold(Told::default(), Told::with))
 }
 
-/// Sends a sky of a few satellites of GPS, their rates changed.
+/// Sends a sky of a few GPS satellites whose rates `change` alters.
 fn attempt(kept: usize, seed: u64, mut change: impl FnMut(&mut MeasuredEpoch)) -> Result<Told> {
     let simulation = Simulation {
         satellites: Fleet::Gps31.satellites(),
@@ -156,7 +157,7 @@ fn attempt(kept: usize, seed: u64, mut change: impl FnMut(&mut MeasuredEpoch)) -
     Ok(told)
 }
 
-/// Changes the rate of every signal.
+/// Applies `change` to the Doppler of every signal.
 fn change(epoch: &mut MeasuredEpoch, mut change: impl FnMut(f64) -> f64) {
     let signals = epoch.satellites.iter_mut().flat_map(|raw| &mut raw.signals);
     for doppler_hz in signals.filter_map(|signal| signal.doppler_hz.as_mut()) {

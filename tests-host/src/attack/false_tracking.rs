@@ -1,8 +1,10 @@
-//! Signals that are lost and tracked falsely: every range is kilometres wrong, and now and then some agree.
+//! Signals that are lost and tracked falsely: every range is kilometres wrong, and sometimes a few
+//! agree.
 //!
-//! Six satellites of one system leave two degrees of freedom, and one after an exclusion. Each range is wrong by a number of
-//! its own in every epoch, up to [`SPREAD_M`]; a third of the epochs have one satellite more or less. The strength of
-//! the signals is said as good, so that nothing but their disagreement tells.
+//! Six satellites of one system leave two degrees of freedom, and one after an exclusion. In every
+//! epoch each range has its own error, up to [`SPREAD_M`]. A third of the epochs have one satellite
+//! more or less. The receiver reports good signal strengths, so that only the disagreement of the
+//! ranges reveals the fault.
 
 use anyhow::Result;
 use rai_core::satellite::Constellation;
@@ -15,24 +17,24 @@ use super::victim::Victim;
 use super::{Attack, Effort, Figure};
 use crate::fault::Measured as _;
 
-/// The attack.
+/// Attack with false tracking after healthy epochs.
 pub(super) const ATTACK: Attack = Attack {
     name: "false-tracking",
-    about: "every range wrong by up to 3 km, anew in each epoch: some sets agree by chance",
+    about: "every range wrong by up to 3 km, anew in each epoch, so that some sets agree by chance",
     run,
 };
 
-/// The same in the first epoch after a silence, or after the host has said `FORGET`.
+/// The same in the first epoch after a silence, or after the host has sent `FORGET`.
 pub(super) const AFTERWARDS: Attack = Attack {
     name: "false-tracking-afterwards",
-    about: "the same in the first epoch after a silence of a minute, or after FORGET: nothing came before it",
+    about: "the same in the first epoch after a silence of a minute, or after FORGET, without earlier epochs",
     run: afterwards,
 };
 
-/// Errors are up to this, m.
+/// Largest error of a range, m.
 const SPREAD_M: f64 = 3000.0;
 
-/// Epochs of a run; the first of them are healthy.
+/// Epochs of a run, and the healthy ones at its start.
 const EPOCHS: u32 = 960;
 const HEALTHY: usize = 20;
 

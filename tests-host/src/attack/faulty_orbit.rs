@@ -1,6 +1,7 @@
-//! A satellite that is not where it says: a manoeuvre of which its ephemeris knows nothing.
+//! A satellite that is not where it broadcasts: a manoeuvre that its ephemeris does not describe.
 //!
-//! The broadcast orbit is ahead of the satellite by a distance, or moves ahead of it; all that is broadcast agrees.
+//! The broadcast orbit is ahead of the satellite by a distance, or moves ahead of it. All broadcast
+//! values agree with each other.
 
 use std::f64::consts::PI;
 
@@ -18,11 +19,11 @@ use super::{Attack, Effort, Figure};
 use crate::fault::Measured as _;
 use crate::measurement::{Ephemeris, TimedEphemeris};
 
-/// The attack.
+/// Attack with a wrong orbit.
 pub(super) const ATTACK: Attack =
-    Attack { name: "orbit", about: "a satellite that is 10 m to 30 km beside its broadcast orbit", run };
+    Attack { name: "orbit", about: "a satellite 10 m to 30 km away from its broadcast orbit", run };
 
-/// Distances along the orbit, m, each decade as likely.
+/// Distances along the orbit, m, drawn uniformly in their logarithm.
 const SIZES_M: std::ops::Range<f64> = 10.0..30_000.0;
 
 /// Epochs of a run.
@@ -69,7 +70,7 @@ fn move_ahead(ephemeris: &mut TimedEphemeris, along_m: f64) {
     }
 }
 
-/// An angle between −1 and 1 semicircle.
+/// Wraps an angle to between −1 and 1 semicircle.
 fn wrapped(angle_sc: f64) -> f64 {
     (angle_sc + 1.0).rem_euclid(2.0) - 1.0
 }

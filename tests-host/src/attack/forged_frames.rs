@@ -1,7 +1,8 @@
-//! Some forged frames among a receiver's own: they may cost an epoch or two, and nothing else.
+//! Forged frames among a receiver's own. They may cost an epoch or two, and nothing else.
 //!
-//! A frame has a check and no signature. Whoever can put one on the line, and every relay that mixes up two receivers, says with
-//! it what time it is, which week, how many leap seconds, or where the receiver was when it started.
+//! A frame has a checksum and no signature. Anyone who can put one on the line, and any relay that
+//! mixes up two receivers, can change the time, the week, the leap seconds or the place of the
+//! start.
 
 use anyhow::{Context as _, Result};
 use rai_core::satellite::{Constellation, SatelliteId};
@@ -18,59 +19,59 @@ use crate::sky::raw::Simulation;
 use crate::soak::noise::frames;
 use crate::stations::STATIC_BASE;
 
-/// Time leaps twice, by nearly half a week each.
+/// Attack with two leaps of time, by nearly half a week each.
 pub(super) const MOVED: Attack = Attack {
     name: "moved-week",
-    about: "ranges of one satellite tagged 280,000 s ahead, and as much again: the receiver's own seem to be of the next week",
+    about: "ranges of one satellite tagged 280,000 s ahead, twice, so that the receiver's own appear to be of the next week",
     run: moved,
 };
 
-/// Time leaps a little, again and again.
+/// Attack with repeated small leaps of time.
 pub(super) const NEAR: Attack = Attack {
     name: "near-ahead",
     about: "before every fifth epoch the range of one satellite, tagged 59 s ahead",
     run: near,
 };
 
-/// A whole epoch from later.
+/// Attack with a whole epoch of a later time.
 pub(super) const LATER: Attack = Attack {
     name: "once-later",
     about: "one epoch of the place itself, tagged five minutes ahead, in the middle and before all others",
     run: once_later,
 };
 
-/// Another cycle of GPS weeks.
+/// Attack with another cycle of GPS weeks.
 pub(super) const CYCLE: Attack = Attack {
     name: "other-cycle",
-    about: "the first ephemeris of all is one of BeiDou, 1,024 weeks ahead: weeks of GPS are dated by it",
+    about: "the first ephemeris is one of BeiDou, 1,024 weeks ahead, which dates the weeks of GPS",
     run: other_cycle,
 };
 
-/// Ephemerides of the next week.
+/// Attack with ephemerides of the next week.
 pub(super) const OUTVOTED: Attack = Attack {
     name: "outvoted-week",
     about: "four ephemerides of the next week, of one system or of two; ten of each",
     run: outvoted,
 };
 
-/// The first epoch of all.
+/// Attack with a first epoch from elsewhere.
 pub(super) const FIRST: Attack =
     Attack { name: "first-elsewhere", about: "one epoch from 6,000 km away before all others", run: first };
 
-/// Leap seconds.
+/// Attack with a wrong number of leap seconds.
 pub(super) const LEAP_SECONDS: Attack = Attack {
     name: "leap-seconds",
-    about: "one word of 28 leap seconds among those of a receiver that uses GLONASS",
+    about: "one message with 28 leap seconds among those of a receiver that uses GLONASS",
     run: leap_seconds,
 };
 
 /// Epochs sent.
 const EPOCHS: u32 = 120;
 
-/// The one that the forgery comes before.
+/// Index of the epoch that the forgery precedes.
 const FORGED_AT: usize = 40;
 
-/// Epochs that the forgery may cost.
+/// Largest number of epochs that the forgery may cost.
 const COSTS: f64 = 5.0;
 
 /// Sends a healthy sky with `forged` before one epoch.
@@ -92,7 +93,7 @@ fn figures(name: &str, tally: &Tally) -> Vec<Figure> {
 }
 
 fn moved(_: Effort) -> Result<Vec<Figure>> {
-    /// Less than half a week, s.
+    /// Leap of time, s: less than half a week.
     const LEAP_S: u32 = 280_000;
     let sky = Sky::quiet(EPOCHS, 3)?;
     let mut one = sky.recording.epochs[FORGED_AT].clone();
@@ -102,7 +103,7 @@ fn moved(_: Effort) -> Result<Vec<Figure>> {
     let ahead =
         |leaps: u32| frames(&ranges).into_iter().flat_map(|frame| later(frame, leaps * LEAP_S)).collect();
     let twice: Vec<u8> = (1..=2).flat_map(|leaps| -> Vec<u8> { ahead(leaps) }).collect();
-    // Each leap with what follows it, so that it is more than an error.
+    // Frames that agree follow each leap, so that it does not look like a single error.
     let followed: Vec<u8> = (1..=2)
         .flat_map(|leaps| (0..8).map(move |second| leaps * LEAP_S + second))
         .flat_map(|ahead_s| frames(&ranges).into_iter().flat_map(move |frame| later(frame, ahead_s)))
@@ -126,7 +127,8 @@ fn near(_: Effort) -> Result<Vec<Figure>> {
 }
 
 fn once_later(_: Effort) -> Result<Vec<Figure>> {
-    /// Five for the time to go back, and ten on another line, with ten seconds between the first and the last.
+    /// Epochs lost at most: five until the time goes back, and ten on another line, with ten
+    /// seconds between the first and the last.
     const OUTLASTS: f64 = 16.0;
     let sky = Sky::quiet(EPOCHS, 3)?;
     let of_later = |start_s: f64| Sky::of(&Simulation::above_xian(start_s + 300.0, 1, 4), Frequency::Dual);
@@ -161,15 +163,15 @@ fn other_cycle(_: Effort) -> Result<Vec<Figure>> {
     let wanted = used_of(&bytes)?;
     let is_beidou = |frame: &&[u8]| read(frame).is_some_and(|message| message.number() == Some(1042));
     let forged = frames(&bytes[0]).into_iter().find(is_beidou).map(|frame| of_week(frame, 1024));
-    let forged = forged.context("an ephemeris of BeiDou")?;
-    // A receiver says its ephemerides again.
+    let forged = forged.context("the sky must have an ephemeris of BeiDou")?;
+    // The receiver repeats its ephemerides.
     let sets = bytes[0].clone();
     bytes[20].splice(..0, sets);
     bytes[0].splice(..0, forged);
     Ok(vec![Figure::at_least("satellites used, all epochs added", used_of(&bytes)?, (0.8 * wanted).round())])
 }
 
-/// The same ranges of GPS so many seconds later.
+/// Returns the same GPS ranges, tagged `by_s` seconds later.
 fn later(frame: &[u8], by_s: u32) -> Vec<u8> {
     match read(frame) {
         Some(Message::Msg1077(mut ranges)) => {
@@ -202,7 +204,8 @@ fn outvoted(_: Effort) -> Result<Vec<Figure>> {
 }
 
 fn first(_: Effort) -> Result<Vec<Figure>> {
-    /// Towards the equator, degrees; and what agrees for so long outlasts one epoch.
+    /// Distance towards the equator, degrees, and the epochs lost until consistent ranges outlast
+    /// the single forged epoch.
     const AWAY_DEG: f64 = -54.0;
     const OUTLASTS: f64 = 12.0;
     let here = Simulation::above_xian(3600.0, EPOCHS, 1);
@@ -233,7 +236,7 @@ fn leap_seconds(_: Effort) -> Result<Vec<Figure>> {
         change: (1929, 7),
     };
     let forged = ubx::IonosphereAndUtc { leap_s: (28, 28), ..said };
-    let galileo = SatelliteId::new(Constellation::Galileo, 1).context("Galileo has a satellite 1")?;
+    let galileo = SatelliteId::new(Constellation::Galileo, 1).context("Galileo must have a satellite 1")?;
     let (mut figures, mut wanted) = (Vec::new(), 0.0);
     for words in [0, 1, 3] {
         let mut encoder = ubx::Encoder::new(&recording.ephemerides, selection.clone(), Some(said));

@@ -1,4 +1,4 @@
-//! What an adversary needs: skies as bytes, epoch by epoch, with something changed on the way.
+//! Tools of an adversary: skies as bytes, epoch by epoch, changed on the way.
 
 use anyhow::Result;
 use rai_core::frame::Ecef;
@@ -12,7 +12,7 @@ use crate::recording::Recording;
 use crate::sky::Site;
 use crate::sky::raw::Simulation;
 
-/// A sky that is sent.
+/// A sky and the selection of signals to send.
 pub(super) struct Sky {
     pub(super) recording: Recording,
     pub(super) truth: Ecef,
@@ -20,23 +20,24 @@ pub(super) struct Sky {
 }
 
 impl Sky {
-    /// What a simulation records, GPS and `BeiDou`.
+    /// Records GPS and `BeiDou` of a simulation.
     pub(super) fn of(simulation: &Simulation, frequency: Frequency) -> Result<Self> {
         Self::with(simulation, "GC", frequency)
     }
 
-    /// What a simulation records of these systems.
+    /// Records the systems with these letters of a simulation.
     pub(super) fn with(simulation: &Simulation, letters: &str, frequency: Frequency) -> Result<Self> {
         let selection = Selection::new(letters, frequency)?;
         Ok(Self { recording: simulation.record(), truth: simulation.site.position, selection })
     }
 
-    /// Two frequencies above Xi'an, an epoch a second, in the middle between two changes of ephemerides.
+    /// Returns a sky above Xi'an on two frequencies, an epoch a second, halfway between two changes
+    /// of ephemerides.
     pub(super) fn quiet(epochs: u32, seed: u64) -> Result<Self> {
         Self::of(&Simulation::above_xian(3600.0, epochs, seed), Frequency::Dual)
     }
 
-    /// The bytes of each epoch, changed first by `change`.
+    /// Encodes every epoch after `change` has altered it.
     pub(super) fn bytes(&self, mut change: impl FnMut(usize, &mut MeasuredEpoch)) -> Result<Vec<Vec<u8>>> {
         let mut encoder = self.encoder();
         let bytes = |(index, epoch): (usize, &MeasuredEpoch)| {
@@ -47,18 +48,18 @@ impl Sky {
         self.recording.epochs.iter().enumerate().map(bytes).collect()
     }
 
-    /// The ranges of an epoch alone.
+    /// Encodes the ranges of an epoch, without ephemerides.
     pub(super) fn ranges(&self, epoch: &MeasuredEpoch) -> Result<Vec<u8>> {
         Encoder::new(&[], self.selection.clone()).epoch(epoch)
     }
 
-    /// Ephemerides and ranges as they are due.
+    /// Returns an encoder that sends ephemerides when they are due.
     pub(super) fn encoder(&self) -> Encoder {
         Encoder::new(&self.recording.ephemerides, self.selection.clone())
     }
 }
 
-/// The same sky from another place.
+/// Returns the same sky from a site `north_deg` degrees farther north.
 pub(super) fn elsewhere(simulation: &Simulation, north_deg: f64) -> Simulation {
     let geodetic = simulation.site.frame.geodetic();
     let site = Site::geodetic(
@@ -69,7 +70,8 @@ pub(super) fn elsewhere(simulation: &Simulation, north_deg: f64) -> Simulation {
     Simulation { site, ..simulation.clone() }
 }
 
-/// Keeps the first satellites of one system, in the order of their numbers, and no others.
+/// Keeps the first `count` satellites of one system, in the order of their numbers, and drops all
+/// others.
 pub(super) fn keep_first(epoch: &mut MeasuredEpoch, constellation: Constellation, count: usize) {
     let mut kept: Vec<SatelliteId> =
         epoch.satellites().into_iter().filter(|id| id.constellation() == constellation).collect();
@@ -78,7 +80,7 @@ pub(super) fn keep_first(epoch: &mut MeasuredEpoch, constellation: Constellation
     epoch.satellites.retain(|raw| kept.contains(&raw.satellite));
 }
 
-/// The same ephemeris of GPS or `BeiDou` so many weeks later; other frames as they are.
+/// Returns a GPS or `BeiDou` ephemeris dated `weeks` weeks later. Other frames are unchanged.
 pub(super) fn of_week(frame: &[u8], weeks: u16) -> Vec<u8> {
     match read(frame) {
         Some(Message::Msg1019(mut set)) => {
@@ -93,12 +95,12 @@ pub(super) fn of_week(frame: &[u8], weeks: u16) -> Vec<u8> {
     }
 }
 
-/// What a frame says.
+/// Decodes a frame.
 pub(super) fn read(frame: &[u8]) -> Option<Message> {
     MessageFrame::new(frame).ok().map(|frame| frame.get_message())
 }
 
-/// The frame that says it.
+/// Encodes a message as a frame.
 pub(super) fn write(message: &Message) -> Option<Vec<u8>> {
     MessageBuilder::new().build_message(message).ok().map(<[u8]>::to_vec)
 }

@@ -1,8 +1,9 @@
-//! Signals out of service: what one of two messages says of a signal, and the other does not.
+//! Signals out of service, if one of two messages says so and the other does not.
 //!
-//! Galileo alone, eight satellites or so. I/NAV calls E1 and E5b healthy; F/NAV says that E5a is out of service and promises no
-//! accuracy for it. The ranges on E5a are wrong, consistently: they agree on a place beside the true one. Whoever combines
-//! E1 and E5a by the health of I/NAV stands there.
+//! The sky has about eight Galileo satellites and no others. I/NAV calls E1 and E5b healthy. F/NAV
+//! says that E5a is out of service, and gives no accuracy for it. The ranges on E5a are wrong and
+//! agree on a place beside the true one. A module that combines E1 and E5a by the health of I/NAV
+//! computes that place.
 //!
 //! ```text
 //! ρ_E5a' = ρ_E5a − LOS · d
@@ -23,17 +24,18 @@ use crate::sky::orbit::Orbit;
 use crate::sky::raw::Simulation;
 use crate::sky::{Satellite, Sight};
 
-/// The attack.
+/// Attack with E5a out of service.
 pub(super) const ATTACK: Attack = Attack {
     name: "health",
     about: "Galileo's E5a out of service by F/NAV, healthy I/NAV, ranges on E5a that agree on a place 40 m away",
     run,
 };
 
-/// Where the ranges on E5a agree, from the true place, m.
+/// Offset of the place on which the E5a ranges agree from the true place, m.
 const AWAY: Enu = Enu { east: 30.0, north: 25.0, up: -10.0 };
 
-/// Semi-major axis, m, and inclination, degrees, of the Walker constellation 24/3/1 ([Galileo-OS-SIS-ICD] §4).
+/// Semi-major axis, m, and inclination, degrees, of the Walker constellation 24/3/1
+/// ([Galileo-OS-SIS-ICD] §4).
 ///
 /// [Galileo-OS-SIS-ICD]: crate#references
 const AXIS_M: f64 = 29_600_318.0;
@@ -44,7 +46,7 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
     let simulation = Simulation { satellites: fleet(), ..Simulation::above_xian(3600.0, epochs, 4) };
     let mut recording = simulation.record();
     let truth = simulation.site.position;
-    // What is known of each satellite beside its I/NAV.
+    // F/NAV of each satellite, with the orbit of its I/NAV.
     let out_of_service: Vec<u8> = recording
         .ephemerides
         .iter()
@@ -53,7 +55,7 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
                 gal_satellite_id: message.gal_satellite_id,
                 gal_week_number: message.gal_week_number,
                 iodnav: message.iodnav,
-                // No accuracy is promised.
+                // 255 means that no accuracy is given.
                 sisa_e1_e5a_index: 255,
                 toc_s: message.toc_s,
                 af1_s_s: message.af1_s_s,
@@ -67,7 +69,7 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
                 i0_sc: message.i0_sc,
                 omega_sc: message.omega_sc,
                 omegadot_sc_s: message.omegadot_sc_s,
-                // Out of service.
+                // 1 means out of service.
                 e5a_sig_health_ind: 1,
                 ..Msg1045T::default()
             })),
@@ -85,14 +87,15 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
     let mut encoder = Encoder::new(&recording.ephemerides, Selection::new("E", Frequency::Dual)?);
     let (mut victim, mut tally) = (Victim::new(&[], 1.0)?, Tally::default());
     for epoch in &recording.epochs {
-        // I/NAV first, then F/NAV, then ranges: the order in which nothing is hidden.
+        // I/NAV comes first, then F/NAV, then the ranges: in this order the module knows everything
+        // in time.
         let bytes = [out_of_service.clone(), encoder.epoch(epoch)?].concat();
         tally.add_all(&victim.hear(&bytes, truth)?);
     }
     Ok(tally.figures(0.0))
 }
 
-/// Moves what E5a says.
+/// Moves the ranges on E5a.
 fn forge(epoch: &mut MeasuredEpoch, sights: &[Sight]) {
     for raw in &mut epoch.satellites {
         let Some(sight) = sights.iter().find(|sight| sight.satellite == raw.satellite) else { continue };
@@ -104,7 +107,7 @@ fn forge(epoch: &mut MeasuredEpoch, sights: &[Sight]) {
     }
 }
 
-/// Galileo as planned, 24 satellites.
+/// Returns the 24 satellites of the Galileo reference constellation.
 fn fleet() -> Vec<Satellite> {
     let slot = |index: u8| {
         let (plane, place) = (f64::from(index / 8), f64::from(index % 8));

@@ -1,7 +1,7 @@
-//! Epochs that are old when they come: a relay, a logger or a line that is too slow delivers a second of signals in more than a
-//! second; somebody sends again what was recorded.
+//! Epochs that are old when they arrive. A relay, a logger or a slow line takes more than a second
+//! to deliver a second of signals, or somebody replays a recording.
 //!
-//! The signals are healthy and their tags are theirs. Only the module's own clock tells that they are old.
+//! The signals are healthy and carry their own tags. Only the module's own clock reveals their age.
 
 use anyhow::Result;
 use rai_firmware::receiver::Boot;
@@ -14,24 +14,24 @@ use super::{Attack, Effort, Figure};
 use crate::encode::Frequency;
 use crate::sky::raw::Simulation;
 
-/// A line that is too slow.
+/// Attack with a line that is too slow.
 pub(super) const ATTACK: Attack = Attack {
     name: "held-back",
-    about: "each second of signals comes in 1.05 to 9 s of the module's own: how old is what is still promised?",
+    about: "each second of signals takes 1.05 to 9 s of the module's clock; old epochs must not be promised",
     run: hold_back,
 };
 
-/// A recording that is played again.
+/// Attack with a recording that is played again.
 pub(super) const AGAIN: Attack = Attack {
     name: "sent-again",
-    about: "after minutes of signals the same bytes come again: is any of them promised?",
+    about: "after minutes of signals the same bytes are replayed; none of them may be promised",
     run: send_again,
 };
 
-/// A recording of the same second of another week.
+/// Attack with a recording of the same second of another week.
 pub(super) const WEEK_OLD: Attack = Attack {
     name: "week-old",
-    about: "what was recorded a week ago 5.5 km away, at the same second of the week, and its ephemerides",
+    about: "a recording of a week ago from 5.5 km away, at the same second of the week, with its ephemerides",
     run: week_old,
 };
 
@@ -47,13 +47,13 @@ fn hold_back(effort: Effort) -> Result<Vec<Figure>> {
         let (mut victim, mut oldest_s, mut promised) = (Victim::new(&[], own_s)?, 0.0_f64, 0);
         for (index, bytes) in bytes.iter().enumerate() {
             victim.hear(bytes, sky.truth)?;
-            // By the end of the step the signals are a step older.
+            // At the end of the step the signals are one step older.
             if victim.is_promised() {
                 oldest_s = oldest_s.max(index as f64 * (own_s - 1.0));
                 promised += 1;
             }
         }
-        // So much of the time may be the own clock's.
+        // The own clock's tolerance may account for this share of the time.
         let slack = own_s / (own_s - 1.0) * f64::from(Boot::CRYSTAL_PPM) * 1e-6;
         let bound_s = if own_s > 1.0 { TIME_TO_ALERT_S / (1.0 - slack) } else { 0.0 };
         figures.push(Figure::at_most(format!("oldest promised at {own_s} s an epoch, s"), oldest_s, bound_s));
@@ -79,7 +79,7 @@ fn send_again(effort: Effort) -> Result<Vec<Figure>> {
     };
     let live = promised(&mut victim)?;
     let again = promised(&mut victim)?;
-    // A host that means it says so.
+    // A host that replays on purpose sends `FORGET`.
     victim.obey("FORGET")?;
     let meant = promised(&mut victim)?;
     Ok(vec![
@@ -92,7 +92,8 @@ fn send_again(effort: Effort) -> Result<Vec<Figure>> {
 fn week_old(_: Effort) -> Result<Vec<Figure>> {
     const LIVE: u32 = 200;
     let honest = Simulation::above_xian(3600.0, LIVE, 1);
-    // The sky repeats itself with its own time: two hours later by it, at the same second of the week.
+    // The sky repeats with its own time. Two hours later by that time is the same second of the
+    // week.
     let tow_ms = honest.origin.tow_ms - 7_200_000;
     let origin = GpsTime { week: honest.origin.week - 1, tow_ms };
     let old = Simulation { origin, ..Simulation::above_xian(3600.0 + 7200.0 + f64::from(LIVE), 300, 2) };
@@ -104,7 +105,7 @@ fn week_old(_: Effort) -> Result<Vec<Figure>> {
     }
     let bytes = old.bytes(|_, _| {})?;
     for (index, own) in bytes.iter().enumerate() {
-        // Its ephemerides come twice.
+        // The ephemerides come twice.
         let again: &[u8] = if index == 30 { &bytes[0] } else { &[] };
         after.add_all(&victim.hear(&[own, again].concat(), honest.truth)?);
     }

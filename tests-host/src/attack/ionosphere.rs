@@ -1,7 +1,8 @@
 //! One frequency under a dense ionosphere.
 //!
-//! The delay is common to all satellites in a sense, and grows towards the horizon: it goes into height and clock and
-//! leaves little in the residuals. A level that takes it for independent noise is too small.
+//! The delay is partly common to all satellites and grows towards the horizon. It goes into height
+//! and clock and leaves little in the residuals. A level that takes it for independent noise is too
+//! small.
 //!
 //! ```text
 //! I = 40.3·10¹⁶ TEC m(E) / f²          TEC(φ) = TEC₀ (1 + g Δφ)
@@ -11,7 +12,7 @@
 //! |---|---|---|
 //! | `TEC₀` | electrons above the antenna | 60 to 150 TECU |
 //! | `Δφ` | latitude of the pierce point minus that of the antenna, degrees | |
-//! | `g` | slope to the south, as at the edge of the equatorial anomaly | 0, 0.06 a degree |
+//! | `g` | slope to the south, as at the edge of the equatorial anomaly | 0, 0.06 per degree |
 
 use anyhow::{Context as _, Result};
 use rai_core::satellite::{Constellation, SatelliteId};
@@ -27,48 +28,49 @@ use crate::sky::Site;
 use crate::sky::atmosphere::ionosphere_m;
 use crate::sky::raw::Simulation;
 
-/// The same electrons everywhere.
+/// Attack with the same electron content everywhere.
 pub(super) const EVEN: Attack = Attack {
     name: "ionosphere",
     about: "one frequency, 60 to 150 TECU, three latitudes, no coefficients",
     run: |effort| run(effort, 0.0, None),
 };
 
-/// More of them to the south.
+/// Attack with an electron content that grows to the south.
 pub(super) const SLOPED: Attack = Attack {
     name: "ionosphere-slope",
-    about: "the same with 6 % more or less of it for each degree of latitude",
+    about: "the same with 6 % more or less per degree of latitude",
     run: |effort| run(effort, -0.06, None),
 };
 
-/// Coefficients of zero.
+/// Attack with broadcast coefficients of zero.
 pub(super) const ZEROS: Attack = Attack {
     name: "ionosphere-zeros",
-    about: "the same with broadcast coefficients that are all zero, if they are taken",
+    about: "the same with broadcast coefficients that are all zero, if they are accepted",
     run: |effort| run(effort, 0.0, Some("IONO,0,0,0,0,0,0,0,0")),
 };
 
-/// Coefficients that nobody sent.
+/// Attack with forged coefficients.
 pub(super) const FORGED: Attack = Attack {
     name: "ionosphere-forged",
     about: "one frequency, `SIGMA,ADAPT`, and after quiet minutes one forged page of coefficients",
     run: forged,
 };
 
-/// Electrons above, TECU.
+/// Electron content above the antenna, TECU.
 const ELECTRONS_TECU: [f64; 4] = [60.0, 90.0, 120.0, 150.0];
 
 /// Latitudes of the antenna, degrees.
 const LATITUDES_DEG: [f64; 3] = [5.0, 34.17, 62.0];
 
-/// L1, Hz.
+/// Frequency of L1, Hz. The slope is computed for it on both systems, which is 2 % too little for
+/// `BeiDou`'s B1I.
 const L1_HZ: f64 = 1_575.42e6;
 
-/// B1I, Hz: the slope is that of L1 on both, 2 % less than right for `BeiDou`.
+/// Time between epochs, s.
 const STEP_S: f64 = 600.0;
 
-/// Degrees of latitude between the antenna and the point where the signal comes through the electrons, for a
-/// satellite at the horizon to the north.
+/// Latitude between the antenna and the pierce point for a satellite at the northern horizon,
+/// degrees.
 const FARTHEST_DEG: f64 = 14.0;
 
 fn run(effort: Effort, slope_per_deg: f64, command: Option<&'static str>) -> Result<Vec<Figure>> {
@@ -111,7 +113,8 @@ fn attempt(
         for sight in simulation.sights_at(index as u32) {
             let sin_elevation = sight.line_of_sight.up;
             let cos_elevation = (1.0 - sin_elevation * sin_elevation).max(0.0).sqrt();
-            // The pierce point wanders off as the cotangent does, and no farther than the shell is seen.
+            // The pierce point moves away with the cotangent of the elevation, up to the farthest
+            // point at which the shell is visible.
             let off_deg = (3.2 * cos_elevation / sin_elevation.max(0.05)).min(FARTHEST_DEG);
             let north_deg = off_deg * sight.line_of_sight.north / cos_elevation.max(1e-6);
             let more_m =
@@ -121,7 +124,7 @@ fn attempt(
     })?;
     let (mut victim, mut tally) = (Victim::new(&["PHASE,ENROUTE", "TTA,60"], STEP_S)?, Tally::default());
     if let Some(command) = command {
-        // Refused or taken: what counts is what is promised afterwards.
+        // The answer does not matter, because only later promises count.
         let _ = victim.obey(command)?;
     }
     for bytes in bytes {
@@ -130,14 +133,15 @@ fn attempt(
     Ok(tally)
 }
 
-/// Coefficients as the page counts them, `α0…α3, β0…β3`, and the steps that it counts in, as powers of two.
+/// Coefficients `α0…α3, β0…β3` in units of the page, and those units as powers of two.
 type Page = [i8; 8];
 const STEPS: [i32; 8] = [-30, -27, -24, -24, 11, 14, 16, 16];
 
-/// Those of an ordinary day.
+/// Coefficients of an ordinary day.
 const ORDINARY: Page = [10, 2, -1, -1, 44, 2, -1, -2];
 
-/// Latitude, start in thousands of seconds, and what is forged: of 5,000 drawn at random those that did harm.
+/// Latitude, degrees, start, thousands of seconds, and forged page: the harmful ones of 5,000 drawn
+/// at random.
 const PAGES: [(f64, f64, Page); 4] = [
     (34.17, 4.0, [115, 32, 75, 3, -66, 101, 42, 6]),
     (-30.0, 76.0, [109, -3, 113, 55, -26, 71, 116, -102]),
@@ -145,7 +149,7 @@ const PAGES: [(f64, f64, Page); 4] = [
     (34.17, 164.0, [126, -3, 5, -5, -62, 107, 57, 70]),
 ];
 
-/// Epochs of quiet, and all.
+/// Quiet epochs, and all epochs.
 const QUIET: usize = 160;
 const EPOCHS: u32 = 400;
 
@@ -158,7 +162,7 @@ fn forged(_: Effort) -> Result<Vec<Figure>> {
 }
 
 fn under_forged(latitude_deg: f64, start_s: f64, page: Page) -> Result<Tally> {
-    // The seed that the pages were found with.
+    // The pages were found with this seed.
     let seed = (start_s / 4e3) as u64;
     let simulation = Simulation {
         site: Site::geodetic(latitude_deg, 108.57, 400.0),
@@ -166,7 +170,7 @@ fn under_forged(latitude_deg: f64, start_s: f64, page: Page) -> Result<Tally> {
     };
     let recording = simulation.record();
     let mut encoder = Encoder::new(&recording.ephemerides, Selection::new("GC", Frequency::Single)?);
-    let satellite = SatelliteId::new(Constellation::Gps, 1).context("GPS has a satellite 1")?;
+    let satellite = SatelliteId::new(Constellation::Gps, 1).context("GPS must have a satellite 1")?;
     let (mut victim, mut tally) = (Victim::new(&["PHASE,ENROUTE", "SIGMA,ADAPT"], 1.0)?, Tally::default());
     for (index, epoch) in recording.epochs.iter().enumerate() {
         let said = match index {

@@ -1,7 +1,8 @@
-//! A counterfeit sky: consistent in itself, 400 km away, from one second to the next.
+//! A counterfeit sky 400 km away, consistent in itself, from one second to the next.
 //!
-//! Nothing within an epoch tells. The second form moves the time tag ahead with the place, by as much as makes the new
-//! place reachable: only the module's own clock tells that no hour has passed.
+//! Nothing within an epoch reveals it. The second form also moves the time tag ahead, by so much
+//! that the new place is reachable. Only the module's own clock then shows that the time has not
+//! passed.
 
 use anyhow::Result;
 
@@ -12,21 +13,21 @@ use super::{Attack, Effort, Figure};
 use crate::encode::Frequency;
 use crate::sky::raw::Simulation;
 
-/// The place leaps.
+/// Attack with a leap of the place.
 pub(super) const ATTACK: Attack = Attack {
     name: "leap",
     about: "a counterfeit sky 400 km away, from one second to the next",
     run: |effort| run(effort, 0.0),
 };
 
-/// Place and time leap.
+/// Attack with a leap of place and time.
 pub(super) const WITH_TIME: Attack = Attack {
     name: "leap-of-time",
     about: "the same with a time tag that leaps ahead by 20 minutes",
     run: |effort| run(effort, 1200.0),
 };
 
-/// North of the true place, degrees: 400 km.
+/// Distance north of the true place, degrees: 400 km.
 const AWAY_DEG: f64 = 3.6;
 
 /// Healthy epochs before.

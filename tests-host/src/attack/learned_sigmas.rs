@@ -1,7 +1,9 @@
-//! Sigmas that have learned from quiet minutes, and are then asked for what these minutes say nothing of.
+//! Sigmas that have learned from quiet minutes and are then used for ranges these minutes do not
+//! describe.
 //!
-//! Residuals tell how large the errors of these ranges were. They tell nothing of what an integrity support message promises, nor
-//! of other ranges and other systems: a level there must not be below that of sigmas that have learned nothing.
+//! Residuals show how large the errors of these ranges were. They show nothing about the parameters
+//! of an integrity support message, other ranges or other systems. There a level must not fall
+//! below that of sigmas without learning.
 
 use anyhow::Result;
 use rayon::prelude::*;
@@ -10,14 +12,14 @@ use super::forgery::Sky;
 use super::victim::Victim;
 use super::{Attack, Effort, Figure};
 
-/// Learned there, used here.
+/// Attack with sigmas learned under other settings.
 pub(super) const ATTACK: Attack = Attack {
     name: "learned-sigmas",
-    about: "SIGMA,ADAPT in ten quiet minutes, then levels by promise, by one frequency, of one system",
+    about: "SIGMA,ADAPT in ten quiet minutes, then levels of ARAIM, of one frequency, of one system",
     run,
 };
 
-/// Commands at start, and after the quiet minutes.
+/// Commands at start, and the command after the quiet minutes.
 const CASES: [([&str; 2], &str); 4] = [
     (["METHOD,SEPARATION", "FREQ,DUAL"], "METHOD,SEPARATION"),
     (["METHOD,AUTO", "FREQ,DUAL"], "METHOD,SEPARATION"),
@@ -25,11 +27,11 @@ const CASES: [([&str; 2], &str); 4] = [
     (["METHOD,AUTO", "FREQ,DUAL"], "SYSTEMS,G"),
 ];
 
-/// Quiet epochs, and those after the change: too few of them to learn from.
+/// Quiet epochs, and epochs after the change, which are too few to learn from.
 const QUIET: u32 = 650;
 const AFTER: u32 = 10;
 
-/// What a level may differ by for its last digit, %.
+/// Difference of two levels that rounding of the last digit can cause, %.
 const ROUNDING: f64 = 1.0;
 
 fn run(effort: Effort) -> Result<Vec<Figure>> {
@@ -52,7 +54,8 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
     Ok(figures)
 }
 
-/// The least level of a module that learns, in percent of that of one that does not: before the change and after it.
+/// Returns the smallest level of a learning module in percent of the level of one that does not
+/// learn, before and after the change.
 fn shares(at_start: &[&str], then: &str, seed: u64) -> Result<[f64; 2]> {
     let sky = Sky::quiet(QUIET + AFTER, seed)?;
     let mut learns = Victim::new(at_start, 1.0)?;

@@ -1,40 +1,42 @@
-//! The adversary: everything that was tried to make the pin lie, kept, and tried again on every change.
+//! The adversary: every attempt to make the pin high on a wrong position, kept and repeated on
+//! every change.
 //!
 //! ```text
 //! sky ─► fault, forgery ─► RTCM, commands ─► module in process ─► sentences, pin ─► tally ─► figures with bounds
 //! ```
 //!
-//! An attack has a file. It builds what the module hears, gives it to the module as bytes ([`victim`]), holds what the
-//! module says against the truth ([`tally`]), and gives back [`Figure`]s. It is held where every figure is within its
-//! bound. Bounds are what is promised: no protected epoch beyond its level, or not more often than the probability of
-//! missed detection allows, and no healthy epoch lost to what should not matter.
+//! Each attack has a file. It builds the input, sends it to the module as bytes ([`victim`]),
+//! compares the sentences with the truth ([`tally`]) and returns [`Figure`]s. The module withstands
+//! an attack if every figure is within its bound. The bounds are the promises of the product: no
+//! protected epoch has an error above its level (or no more often than the probability of missed
+//! detection allows), and no healthy epoch is lost to harmless input.
 //!
-//! | module | what is tried |
+//! | module | attack |
 //! |---|---|
 //! | [`false_tracking`] | signals lost and tracked falsely: ranges that agree by chance |
 //! | [`leap`] | a counterfeit sky elsewhere, and a time tag that leaps with it |
 //! | [`single_fault`] | one satellite wrong by a step or a ramp of any size, or by milliseconds, every method, policy and aid |
-//! | [`faulty_orbit`] | a satellite that is not where it says |
+//! | [`faulty_orbit`] | a satellite that is not where it broadcasts |
 //! | [`clock_ramp`] | too few satellites, and a clock forecast that follows the fault |
 //! | [`several_faults`] | two to four satellites wrong at once |
 //! | [`reflections`] | all low satellites of one side late |
 //! | [`shifted_system`] | all satellites of a system wrong at once, in agreement |
-//! | [`early_ephemeris`] | ephemerides for later that come first, and crowds of absent satellites |
-//! | [`ionosphere`] | one frequency under a dense ionosphere; coefficients that nobody sent |
+//! | [`early_ephemeris`] | ephemerides that are hours early, and crowds of absent satellites |
+//! | [`ionosphere`] | one frequency under a dense ionosphere; forged coefficients |
 //! | [`health`] | signals that one message calls healthy and another out of service |
-//! | [`held_back`] | epochs that a line holds back, longer and longer; a recording that is sent again |
-//! | [`false_rates`] | range rates with the wrong sign, and such that mean nothing |
+//! | [`held_back`] | epochs that a line delays more and more; a recording that is replayed |
+//! | [`false_rates`] | range rates with the wrong sign, and random range rates |
 //! | [`odd_ranges`] | messages of ranges that are empty, ahead, apart, or of another week |
-//! | [`forged_frames`] | frames that say another time, week or place, or other leap seconds |
+//! | [`forged_frames`] | frames with another time, week or place, or other leap seconds |
 //! | [`week_edge`] | a receiver that starts shortly before a week ends, and dates sets with it; the end of a cycle of weeks |
-//! | [`two_stations`] | the ranges of a reference station on the receiver's line; a receiver in a tunnel; one that says everything twice |
-//! | [`settings`] | a time to alert that hides a silence; restarts that make settings nobody's; a promise that nothing fails |
-//! | [`learned_sigmas`] | sigmas that quiet minutes made small, used for what these say nothing of |
+//! | [`two_stations`] | ranges of a reference station on the receiver's line; a receiver in a tunnel; a receiver that sends everything twice |
+//! | [`settings`] | a time to alert that hides a silence; restarts that lose settings; a setting that rules out faults |
+//! | [`learned_sigmas`] | sigmas learned in quiet minutes, used for ranges these do not describe |
 //! | [`wrong_tags`] | time tags wrong by milliseconds, every method and policy, and sigmas that learn from them |
-//! | [`suspicions`] | a receiver that is sure of counterfeit signals, and messages that would talk it out of it |
+//! | [`suspicions`] | a receiver that detects counterfeit signals, and messages that could cancel its warning |
 //! | [`unsaid_delays`] | group delays that the navigation message does not carry |
-//! | [`unsaid_strength`] | noisy signals of which the receiver does not say how strong they are |
-//! | [`upheaval`] | place and time that leap, a line that fails, wrong ranges and commands, all by chance |
+//! | [`unsaid_strength`] | noisy signals whose strength the receiver does not report |
+//! | [`upheaval`] | leaps of place and time, a failing line, wrong ranges and commands, all at random |
 //! | [`recordings`] | nature: real receivers, in the open and between tall buildings |
 
 pub mod tally;
@@ -70,17 +72,17 @@ mod wrong_tags;
 use anyhow::Result;
 use serde::Serialize;
 
-/// How much is tried.
+/// Amount of work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Effort {
-    /// Some seconds: what the tests run.
+    /// Seconds of work, as the tests run it.
     Quick,
     /// Many more epochs and geometries.
     Long,
 }
 
 impl Effort {
-    /// One of two numbers.
+    /// Returns the number for this effort.
     pub fn pick<T>(self, quick: T, long: T) -> T {
         match self {
             Self::Quick => quick,
@@ -89,18 +91,18 @@ impl Effort {
     }
 }
 
-/// Something that is tried.
+/// An attempt to make the pin high on a wrong position.
 #[derive(Clone, Copy, Debug)]
 pub struct Attack {
     /// Name on the command line.
     pub name: &'static str,
-    /// What is tried, in a line.
+    /// Description of the attack, one line.
     pub about: &'static str,
-    /// Tries it.
+    /// Function that runs the attack.
     pub run: fn(Effort) -> Result<Vec<Figure>>,
 }
 
-/// All of them.
+/// All attacks.
 pub const ATTACKS: &[&Attack] = &[
     &false_tracking::ATTACK,
     &false_tracking::AFTERWARDS,
@@ -160,46 +162,46 @@ pub const ATTACKS: &[&Attack] = &[
     &recordings::URBAN,
 ];
 
-/// Where a figure has to be.
+/// Bound of a figure.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Bound {
-    /// Not above.
+    /// The figure must not exceed this value.
     AtMost(f64),
-    /// Not below.
+    /// The figure must not fall below this value.
     AtLeast(f64),
-    /// Printed only.
+    /// The figure has no bound and is only printed.
     Anywhere,
 }
 
-/// A number that came of an attack.
+/// A figure that an attack measures.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Figure {
-    /// What it is, with its unit.
+    /// Name of the quantity, with its unit.
     pub quantity: String,
-    /// How much.
+    /// Measured value.
     pub value: f64,
-    /// Where it has to be.
+    /// Bound of the value.
     pub bound: Bound,
 }
 
 impl Figure {
-    /// A figure that must not be above a number.
+    /// Returns a figure that must not exceed `bound`.
     pub fn at_most(quantity: impl Into<String>, value: f64, bound: f64) -> Self {
         Self { quantity: quantity.into(), value, bound: Bound::AtMost(bound) }
     }
 
-    /// A figure that must not be below a number.
+    /// Returns a figure that must not fall below `bound`.
     pub fn at_least(quantity: impl Into<String>, value: f64, bound: f64) -> Self {
         Self { quantity: quantity.into(), value, bound: Bound::AtLeast(bound) }
     }
 
-    /// A figure to be known.
+    /// Returns a figure without a bound.
     pub fn plain(quantity: impl Into<String>, value: f64) -> Self {
         Self { quantity: quantity.into(), value, bound: Bound::Anywhere }
     }
 
-    /// Whether it is where it has to be; a number that is none is not.
+    /// Returns true if the value is within its bound. NaN is within no bound that is a number.
     pub fn holds(&self) -> bool {
         match self.bound {
             Bound::AtMost(bound) => self.value <= bound,
@@ -209,24 +211,24 @@ impl Figure {
     }
 }
 
-/// What came of an attack.
+/// Result of an attack.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Outcome {
-    /// Its name.
+    /// Name of the attack.
     pub name: &'static str,
-    /// What was tried.
+    /// Description of the attack.
     pub about: &'static str,
-    /// What came of it.
+    /// Figures that the attack measured.
     pub figures: Vec<Figure>,
 }
 
 impl Outcome {
-    /// Whether the promise held.
+    /// Returns true if every figure is within its bound.
     pub fn is_held(&self) -> bool {
         self.figures.iter().all(Figure::holds)
     }
 
-    /// The figures in a line: those that do not hold marked, with their bounds.
+    /// Formats the figures in one line, and adds the bound to each one that exceeds it.
     pub fn words(&self) -> String {
         let word = |figure: &Figure| {
             let mark = match figure.bound {
@@ -241,16 +243,16 @@ impl Outcome {
 }
 
 impl Attack {
-    /// Tries it.
+    /// Runs the attack.
     ///
     /// # Errors
-    /// What could not even be tried.
+    /// If the attack cannot be run.
     pub fn attempt(&self, effort: Effort) -> Result<Outcome> {
         Ok(Outcome { name: self.name, about: self.about, figures: (self.run)(effort)? })
     }
 }
 
-/// As many digits as say something.
+/// Formats a value with its significant digits.
 fn rounded(value: f64) -> String {
     match value.abs() {
         0.0 => "0".into(),

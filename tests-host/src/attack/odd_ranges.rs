@@ -1,4 +1,5 @@
-//! Messages of ranges that are allowed, and odd: empty and ahead of their time, apart by a millisecond, of another week.
+//! Messages of ranges that are valid but unusual: empty and ahead of their time, a millisecond
+//! apart, of another week.
 
 use anyhow::Result;
 use rtcm_rs::Message;
@@ -10,28 +11,28 @@ use super::victim::Victim;
 use super::{Attack, Figure};
 use crate::soak::noise::frames;
 
-/// Empty messages from the future.
+/// Attack with empty messages tagged ahead of time.
 pub(super) const AHEAD: Attack = Attack {
     name: "empty-ahead",
     about: "before each epoch an empty message of ranges, tagged an hour ahead",
     run: |_| run(KEPT, |_, frame| [empty_ahead(frame, 3_600_000, 1), frame.to_vec()].concat()),
 };
 
-/// Empty messages of the next epoch.
+/// Attack with empty messages of the next epoch.
 pub(super) const NEXT: Attack = Attack {
     name: "empty-next",
     about: "an empty message of ranges, tagged 5 ms to 1 s ahead, before, between and behind the others, the last of its epoch or not",
     run: |_| next(),
 };
 
-/// Systems a millisecond apart.
+/// Attack with systems that are a millisecond apart.
 pub(super) const APART: Attack = Attack {
     name: "systems-apart",
     about: "GPS and BeiDou of one epoch tagged 1 ms apart, as receivers with a drifting clock do",
     run: |_| run(KEPT, |_, frame| apart(frame)),
 };
 
-/// Another week.
+/// Attack with ephemerides of another week.
 pub(super) const WEEK: Attack = Attack {
     name: "wrong-week",
     about: "GPS ephemerides of another week beside right ones of BeiDou",
@@ -41,13 +42,14 @@ pub(super) const WEEK: Attack = Attack {
 /// Epochs sent.
 const EPOCHS: u32 = 60;
 
-/// Share of the epochs that has to be judged, of nearly all satellites.
+/// Smallest share of the epochs that must be judged, with nearly all satellites.
 const KEPT: f64 = 0.95;
 
-/// The share where a system's ephemerides are of no use.
+/// The same share if the ephemerides of one system are unusable.
 const OTHERS: f64 = 0.4;
 
-/// Sends a healthy sky whose frames are changed on the way; hardly an epoch may be lost by it.
+/// Sends a healthy sky whose frames `change` alters on the way. Nearly every epoch must still be
+/// judged.
 fn run(share: f64, change: impl Fn(usize, &[u8]) -> Vec<u8>) -> Result<Vec<Figure>> {
     let sky = Sky::quiet(EPOCHS, 3)?;
     let (mut victim, mut reference) = (Victim::new(&[], 1.0)?, Victim::new(&[], 1.0)?);
@@ -70,8 +72,8 @@ fn run(share: f64, change: impl Fn(usize, &[u8]) -> Vec<u8>) -> Result<Vec<Figur
     Ok(figures)
 }
 
-/// All that an empty message can be beside a healthy sky: nothing wrong is promised, and where it is not the last of its epoch and
-/// none of the others', none is lost.
+/// Tries every empty message beside a healthy sky. No wrong position may be promised. If the
+/// message neither ends its epoch nor belongs to another system, no epoch may be lost.
 fn next() -> Result<Vec<Figure>> {
     let sky = Sky::quiet(EPOCHS, 3)?;
     let (mut all, mut least) = (Tally::default(), usize::MAX);
@@ -86,7 +88,7 @@ fn next() -> Result<Vec<Figure>> {
                         match place {
                             0 => [empty, frame.to_vec()].concat(),
                             1 => [frame.to_vec(), empty].concat(),
-                            // Behind all.
+                            // The message follows all others.
                             _ if is_of_others => {
                                 let last = frames(&bytes)
                                     .into_iter()
@@ -111,7 +113,8 @@ fn next() -> Result<Vec<Figure>> {
     Ok(figures)
 }
 
-/// For ranges of GPS an empty message of so much later; nothing for other frames.
+/// Returns an empty message `ahead_ms` later for a frame of GPS ranges, and no bytes for other
+/// frames.
 fn empty_ahead(frame: &[u8], ahead_ms: u32, more_follow: u8) -> Vec<u8> {
     let Some(Message::Msg1077(ranges)) = read(frame) else { return Vec::new() };
     let empty = Msg1077T {
@@ -123,7 +126,7 @@ fn empty_ahead(frame: &[u8], ahead_ms: u32, more_follow: u8) -> Vec<u8> {
     write(&Message::Msg1077(empty)).unwrap_or_default()
 }
 
-/// Ranges of `BeiDou` a millisecond later.
+/// Returns `BeiDou` ranges one millisecond later.
 fn apart(frame: &[u8]) -> Vec<u8> {
     match read(frame) {
         Some(Message::Msg1127(mut ranges)) => {

@@ -1,10 +1,10 @@
 //! Nature as the adversary: real recordings, nominal ones and one between tall buildings.
 //!
-//! A nominal recording has no fault: every epoch in which nothing is promised is lost, and an epoch beyond its level is
-//! one too many. Between tall buildings up to five satellites are wrong at once by reflections, which is beyond what a level
-//! bounds; what is promised there has to hold all but seldom.
+//! A nominal recording has no fault, so every epoch without a promise is a lost one and no promised
+//! epoch may exceed its level. Between tall buildings reflections make up to five satellites wrong
+//! at once, which a level does not bound. Promises there may exceed their level in few epochs only.
 //!
-//! Without the reference folder there is nothing to try, and the figures say so.
+//! Without the reference folder nothing is attempted, and the figures report it.
 
 use std::path::PathBuf;
 
@@ -23,31 +23,32 @@ use crate::replay::Truth;
 use crate::shared;
 use crate::stations::{DGAR, ESBC, KMS3, STATIC_BASE, Station, TLSE};
 
-/// Nominal recordings.
+/// Attack with nominal recordings.
 pub(super) const NOMINAL: Attack = Attack {
     name: "nominal-recordings",
     about: "five real recordings without a fault, non-precision approach and LPV-200",
     run: nominal,
 };
 
-/// A car between tall buildings.
+/// Attack with a car between tall buildings.
 pub(super) const URBAN: Attack = Attack {
     name: "urban",
     about: "a car between tall buildings, up to five satellites wrong at once, every method",
     run: urban,
 };
 
-/// Least share of the epochs of a nominal recording that has to be protected in non-precision approach.
+/// Smallest share of the epochs of a nominal recording that must be protected in non-precision
+/// approach.
 const AVAILABLE: f64 = 0.999;
 
-/// Largest share of the promised epochs between buildings that may be beyond a level.
+/// Largest share of the promised epochs between buildings that may exceed a level.
 const URBAN_BEYOND: f64 = 0.01;
 
-/// What the recordings are sent as.
+/// Stations, and the systems sent of each.
 const STATIONS: [(&Station, &str); 5] =
     [(&ESBC, "GCE"), (&DGAR, "G"), (&STATIC_BASE, "GCE"), (&TLSE, "GCE"), (&KMS3, "GCE")];
 
-/// What is said where the recordings are not there.
+/// Returns the figure that reports missing recordings.
 pub(super) fn skipped() -> Vec<Figure> {
     vec![Figure::plain("skipped, the reference folder is missing", 1.0)]
 }
@@ -56,7 +57,7 @@ fn nominal(effort: Effort) -> Result<Vec<Figure>> {
     if shared::path("data").is_none() {
         return Ok(skipped());
     }
-    // The first hours, or all.
+    // The quick effort sends the first hours only.
     let most = effort.pick(360, usize::MAX);
     let per_station: Vec<Vec<Figure>> = STATIONS
         .par_iter()
@@ -66,7 +67,7 @@ fn nominal(effort: Effort) -> Result<Vec<Figure>> {
 }
 
 fn of_station(station: &Station, systems: &str, most: usize) -> Result<Vec<Figure>> {
-    let recording = station.load().with_context(|| format!("no recording {}", station.folder))?;
+    let recording = station.load().with_context(|| format!("recording {} is missing", station.folder))?;
     let name = station.folder;
     let truth = Truth::Fixed(station.truth);
     let mut figures = Vec::new();
@@ -76,7 +77,7 @@ fn of_station(station: &Station, systems: &str, most: usize) -> Result<Vec<Figur
         figures.push(Figure::at_most(format!("{name} {phase} beyond"), tally.misleading as f64, 0.0));
         let quantity = format!("{name} {phase} protected, %");
         let value = 100.0 * available;
-        // What a few epochs cost at the start is no hundredth of a short recording.
+        // In a short recording the few epochs lost at the start are more than a hundredth.
         let bound = if recording.epochs.len() > 1000 { 100.0 * AVAILABLE } else { 0.0 };
         figures.push(if is_held {
             Figure::at_least(quantity, value, bound)
@@ -120,7 +121,7 @@ fn urban(effort: Effort) -> Result<Vec<Figure>> {
     Ok(figures)
 }
 
-/// Sends a recording; counts the epochs whose truth is known.
+/// Sends a recording, and counts the epochs with a known truth.
 fn play(
     recording: &Recording,
     systems: &str,
@@ -150,7 +151,8 @@ fn play(
     Ok(tally)
 }
 
-/// Where the antenna was: a receiver's time tag may be some milliseconds beside the full second of the truth.
+/// Returns the place of the antenna at a time. A receiver's time tag may differ from the full
+/// second of the truth by some milliseconds.
 fn at(truth: &Truth, time: GpsTime) -> Option<Ecef> {
     const BESIDE_MS: u64 = 50;
     match truth {

@@ -1,12 +1,14 @@
-//! A building on one side: every satellite that stands low in one sector of the sky is heard by its reflection, and late.
+//! A building on one side: the receiver tracks the reflection of every low satellite in one sector
+//! of the sky, and its range is late.
 //!
 //! ```text
 //! δρ_i = s u_i      azimuth within the sector, elevation below the roof, u_i in [0.5, 1]
 //! ```
 //!
-//! Levels bound one fault. Several that agree on a side, all late, are nearer to a shift of the place than any others, and nothing in
-//! the ranges tells them from one; the strength of the signals is here as without the building, so it does not tell either. What is
-//! promised of such epochs beyond its level is therefore a rate that is held, and none that is nothing.
+//! Levels bound one fault. Several late ranges on one side resemble a shift of the place more than
+//! any others do, and nothing in the ranges separates the two. The signal strength is the same as
+//! without the building, so it reveals nothing either. The rate of promised epochs above their
+//! level is therefore bounded, but not zero.
 
 use anyhow::Result;
 use rai_core::satellite::SatelliteId;
@@ -23,29 +25,30 @@ use crate::fault::Measured as _;
 use crate::sky::raw::Simulation;
 use crate::sky::{Fleet, Sight};
 
-/// The building.
+/// Attack with a building on one side.
 pub(super) const ATTACK: Attack = Attack {
     name: "reflections",
     about: "all satellites below 50 degrees in a sector of 60 are 5 to 80 m late, one to three systems, every method",
     run: |effort| run(effort.pick(8, 100)),
 };
 
-/// Systems, and where their satellites are.
+/// Letters of the systems, and their satellites.
 const SYSTEMS: [(&str, &[Fleet]); 3] = [
     ("G", &[Fleet::Gps31]),
     ("GC", &[Fleet::Gps31, Fleet::BeidouRegional]),
     ("GEC", &[Fleet::Gps31, Fleet::Galileo24, Fleet::BeidouGlobal]),
 ];
 
-/// How late the latest is, m.
+/// Largest delay, m.
 const SIZES_M: [f64; 5] = [5.0, 10.0, 20.0, 40.0, 80.0];
 
-/// Half the width of the sector, and the height of the roof.
+/// Half the width of the sector, and the height of the roof, rad.
 const HALF_WIDTH_RAD: f64 = 30.0 * RAD_PER_DEG;
 const ROOF_RAD: f64 = 50.0 * RAD_PER_DEG;
 const RAD_PER_DEG: f64 = std::f64::consts::PI / 180.0;
 
-/// How many of the epochs may be promised beyond their level, as of two faults: on two frequencies, whose sigmas know no reflections.
+/// Largest share of the epochs that may be promised above their level, as with two faults, on two
+/// frequencies, whose sigmas do not account for reflections.
 const BEYOND: f64 = 0.01;
 
 fn run(seeds: u64) -> Result<Vec<Figure>> {
@@ -75,10 +78,10 @@ fn run(seeds: u64) -> Result<Vec<Figure>> {
     Ok(figures)
 }
 
-/// One epoch, by every method.
+/// Sends one epoch under every method.
 fn attempt(systems: (&str, &[Fleet]), frequency: Frequency, size_m: f64, seed: u64) -> Result<Tally> {
     let mut chance = ChaCha8Rng::seed_from_u64(seed);
-    // A time of day of its own, on the full minute.
+    // Each seed has its own time of day, on the full minute.
     let start_s = f64::from(chance.random_range(0..1440_u32)) * 60.0;
     let towards_rad = chance.random_range(0.0..std::f64::consts::TAU);
     let (letters, fleets) = systems;

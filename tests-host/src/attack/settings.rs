@@ -1,4 +1,4 @@
-//! Settings that make the pin mean less than it seems to.
+//! Settings that weaken the meaning of the pin.
 
 use anyhow::Result;
 use rai_firmware::config::SEALED_BYTES;
@@ -16,24 +16,24 @@ use crate::encode::Frequency;
 use crate::fault::Measured as _;
 use crate::sky::raw::Simulation;
 
-/// A time to alert of an hour.
+/// Attack with a time to alert of an hour.
 pub(super) const TIME_TO_ALERT: Attack = Attack {
     name: "time-to-alert",
-    about: "TTA,3600 in NPA, then a silent line: how long does the pin stay high?",
+    about: "TTA,3600 in NPA, then a silent line; the pin must fall in time",
     run: time_to_alert,
 };
 
-/// Restarts, the first of which has lost the settings.
+/// Attack with restarts, the first of which loses the settings.
 pub(super) const RESTARTS: Attack = Attack {
     name: "restarts",
-    about: "settings damaged in a restart, then restarts that damage nothing: are those at start promised by?",
+    about: "settings damaged in a restart, then restarts without damage; nothing may be promised under the settings at start",
     run: restarts,
 };
 
-/// A promise that nothing ever fails.
+/// Attack with a setting that rules out faults.
 pub(super) const NEVER: Attack = Attack {
     name: "never-faulty",
-    about: "ARAIM told that satellites never fail, or once in 1e12, and one wrong by 100 m to 300 km",
+    about: "ARAIM with a fault prior of zero or 1e-12, and one satellite wrong by 100 m to 300 km",
     run: never,
 };
 
@@ -55,7 +55,7 @@ fn time_to_alert(_: Effort) -> Result<Vec<Figure>> {
     }
     Ok(vec![
         Figure::at_least("pin high before", f64::from(u8::from(was_promised)), 1.0),
-        // A second of grace: that is how often it is looked.
+        // The loop checks once a second, so one second more is allowed.
         Figure::at_most("pin high into the silence, s", high_s, LONGEST_S + 1.0),
         Figure::at_least("command refused", f64::from(u8::from(answer.contains(",ERR,"))), 1.0),
     ])
@@ -63,7 +63,8 @@ fn time_to_alert(_: Effort) -> Result<Vec<Figure>> {
 
 fn restarts(_: Effort) -> Result<Vec<Figure>> {
     let sky = Sky::quiet(5, 1)?;
-    // Nothing but what the phase leaves to choose differs from the start, then what does not.
+    // The first settings differ from those at start only in choices that the phase leaves open; the
+    // second ones in others.
     let mut figures = Vec::new();
     for (commands, what) in
         [(["PHASE,LPV200", "PFF,1e-9"], "a phase and its risk"), (["HAL,40", "VAL,35"], "limits")]
@@ -85,7 +86,7 @@ fn restarts(_: Effort) -> Result<Vec<Figure>> {
             }
         }
         figures.push(Figure::at_most(format!("promised by none of them: {what}"), promised as f64, 0.0));
-        // That nobody has confirmed them must not hide that the position is wrong.
+        // An alert for unconfirmed settings must not hide the alert for the wrong position.
         victim.restart_from(&mut sealed)?;
         let mut alerts = 0;
         for bytes in wrong(&sky)? {
@@ -107,7 +108,7 @@ fn restarts(_: Effort) -> Result<Vec<Figure>> {
     Ok(figures)
 }
 
-/// Every range of the epochs wrong by a number of its own.
+/// Returns epochs in which every range has its own error.
 fn wrong(sky: &Sky) -> Result<Vec<Vec<u8>>> {
     sky.bytes(|_, epoch| {
         for (index, satellite) in epoch.satellites().into_iter().enumerate() {
@@ -116,8 +117,8 @@ fn wrong(sky: &Sky) -> Result<Vec<Vec<u8>>> {
     })
 }
 
-/// How large faults are of which it is promised that there are none, m, each decade as likely; below, an error hides in the noise,
-/// which the levels are then of.
+/// Sizes of the faults that the settings rule out, m, drawn uniformly in their logarithm. Smaller
+/// errors hide in the noise that the levels include.
 const DENIED_M: std::ops::Range<f64> = 100.0..300_000.0;
 
 fn never(effort: Effort) -> Result<Vec<Figure>> {

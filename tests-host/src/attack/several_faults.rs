@@ -1,15 +1,15 @@
 //! Two to four satellites wrong at once.
 //!
-//! Levels bound one fault. Of several, most are found; the rest are the price of any method, and how dear it is depends on
-//! the method and on how many satellites there are. [`table`] is that price. Besides there are pairs that no
-//! method can tell from other pairs, chosen so that leaving out healthy satellites explains the ranges as well as leaving
-//! out the faulty ones does:
+//! Levels bound one fault. Most sets of several faults are found. Every method misses some, and the
+//! rate depends on the method and on the number of satellites; [`table`] measures it. No method can
+//! distinguish some pairs from other pairs. They are chosen so that leaving out healthy satellites
+//! explains the ranges as well as leaving out the faulty ones does:
 //!
 //! ```text
 //! u·H = 0 on the rows kept (two of them faulty, one redundant)          u₁ b₁ + u₂ b₂ = 0
 //! ```
 //!
-//! There a module has to say that it cannot tell.
+//! For these the module must report that it cannot decide.
 
 use anyhow::Result;
 use nalgebra::{DMatrix, SymmetricEigen};
@@ -30,25 +30,25 @@ use crate::fault::Measured as _;
 use crate::sky::Sight;
 use crate::sky::raw::Simulation;
 
-/// Pairs of satellites, at random.
+/// Attack with random pairs of satellites.
 pub(super) const PAIRS: Attack = Attack {
     name: "two-faults",
     about: "two of 7 to 12 satellites wrong by 20 m to 2 km, the method at start",
     run: pairs,
 };
 
-/// Pairs that look like others.
+/// Attack with pairs that look like other pairs.
 pub(super) const CHOSEN: Attack = Attack {
     name: "chosen-pairs",
-    about: "two of seven satellites wrong so that leaving out two healthy ones explains it as well, every method",
+    about: "two of seven satellites wrong so that leaving out two healthy ones explains the ranges as well, every method",
     run: chosen,
 };
 
-/// Methods of the module by the name of the command.
+/// Methods of the module, by their words in the command.
 pub const METHODS: [&str; 7] =
     ["BAARDA", "SIMULTANEOUS", "SEQUENTIAL", "HYBRID", "GROUPING", "RANSAC", "AUTO"];
 
-/// What comes of some bytes by each of these, the module having just begun.
+/// Sends the bytes to a fresh module under each method, and counts the reports.
 pub(super) fn by_every_method(bytes: &[u8], truth: Ecef) -> Result<Tally> {
     let mut tally = Tally::default();
     for method in METHODS {
@@ -58,35 +58,36 @@ pub(super) fn by_every_method(bytes: &[u8], truth: Ecef) -> Result<Tally> {
     Ok(tally)
 }
 
-/// Sizes of faults, m, each decade as likely.
+/// Sizes of faults, m, drawn uniformly in their logarithm.
 const SIZES_M: std::ops::Range<f64> = 20.0..2000.0;
 
-/// How many of the epochs with two faults may be promised beyond their level: what is asked of the method at start.
+/// Largest share of the epochs with two faults that may be promised above their level, under the
+/// method at start.
 const PAIRS_BEYOND: f64 = 0.01;
 
-/// How often several faults pass.
+/// Rate at which several faults pass undetected.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Passing {
     /// Name of the method.
     pub method: &'static str,
-    /// Satellites.
+    /// Number of satellites.
     pub satellites: usize,
-    /// Of these, faulty.
+    /// Number of faulty satellites.
     pub faults: usize,
-    /// Epochs.
+    /// Number of epochs.
     pub epochs: usize,
-    /// Of these, promised.
+    /// Number of promised epochs.
     pub promised: usize,
-    /// Of these, beyond their level.
+    /// Number of promised epochs with an error above their level.
     pub misleading: usize,
-    /// Of these, beyond the limit of 556 m.
+    /// Number of promised epochs with an error above the limit of 556 m.
     pub hazardous: usize,
 }
 
-/// How often two to four faults pass, by method and number of satellites.
+/// Measures how often two to four faults pass, by method and number of satellites.
 ///
 /// # Errors
-/// What could not be tried.
+/// If an epoch cannot be encoded or the module cannot start.
 pub fn table(epochs: u64) -> Result<Vec<Passing>> {
     let mut cells = Vec::new();
     for method in METHODS {
@@ -121,12 +122,12 @@ fn pairs(effort: Effort) -> Result<Vec<Figure>> {
     Ok(figures)
 }
 
-/// Epochs of their own, each with satellites and faults of its own.
+/// Sends epochs with random satellites and random faults.
 fn random(commands: &[&str], satellites: usize, faults: usize, epochs: u64) -> Result<Tally> {
     let mut tally = Tally::default();
     for run in 0..epochs {
         let mut chance = ChaCha8Rng::seed_from_u64(run << 16 | (satellites << 8 | faults) as u64);
-        // A time of day of its own, on the full minute.
+        // Each epoch has its own time of day, on the full minute.
         let start_s = f64::from(chance.random_range(0..1440_u32)) * 60.0;
         let sky = Sky::of(&Simulation::above_xian(start_s, 1, run), Frequency::Dual)?;
         let seen = sky.recording.epochs[0].satellites();
@@ -148,8 +149,8 @@ fn chosen(effort: Effort) -> Result<Vec<Figure>> {
     for method in METHODS {
         let tally = of_chosen(&format!("METHOD,{method}"), effort.pick(8, 120))?;
         figures.push(Figure::plain(format!("{method} protected"), tally.promised as f64));
-        // Where one healthy satellite explains both faults, nobody can tell: a level is of one fault, and so is the
-        // smaller set.
+        // If one healthy satellite explains both faults, nothing separates the two sets. The
+        // smaller set is taken, and the level bounds one fault.
         figures.push(Figure::plain("beyond its level", tally.misleading as f64));
         figures.push(Figure::at_most("of these with several left out", tally.misled_by_several as f64, 0.0));
         figures.push(Figure::at_most("beyond 556 m", tally.hazardous as f64, 0.0));
@@ -166,7 +167,7 @@ fn of_chosen(command: &str, geometries: u32) -> Result<Tally> {
         let start_s = f64::from(geometry) * 660.0;
         let simulation = Simulation::above_xian(start_s, 1, u64::from(geometry));
         let sky = Sky::of(&simulation, Frequency::Dual)?;
-        // High enough for the module's mask.
+        // Satellites above the module's elevation mask.
         let sights: Vec<Sight> = simulation
             .sights_at(0)
             .into_iter()
@@ -189,8 +190,8 @@ fn of_chosen(command: &str, geometries: u32) -> Result<Tally> {
     Ok(tally)
 }
 
-/// Two satellites, and the ratio of their faults that five of the seven, these two among them, do not show: of all
-/// such pairs the one with faults most alike in size.
+/// Returns two satellites and the ratio of faults on them that five of the seven, including both,
+/// do not show. Of all such pairs it takes the one whose faults are most similar in size.
 fn deception(sights: &[Sight]) -> Option<(SatelliteId, SatelliteId, f64)> {
     let mut best: Option<(f64, (SatelliteId, SatelliteId, f64))> = None;
     for without in 0..sights.len() {
@@ -214,7 +215,8 @@ fn deception(sights: &[Sight]) -> Option<(SatelliteId, SatelliteId, f64)> {
     best.map(|(_, pair)| pair)
 }
 
-/// The combination of the rows in which position and clock cancel: the eigenvector of `H Hᵀ` with the eigenvalue 0.
+/// Returns the combination of rows in which position and clock cancel: the eigenvector of `H Hᵀ`
+/// for the eigenvalue 0.
 fn null_vector(sights: &[&Sight]) -> Vec<f64> {
     let rows = DMatrix::from_fn(sights.len(), 4, |row, column| {
         let los = sights[row].line_of_sight;

@@ -1,13 +1,16 @@
-//! All satellites of one system wrong at once: orbits in a wrong frame, which agree with each other on a place beside the true one.
+//! All satellites of one system wrong at once: orbits in a wrong frame, which agree with each other
+//! on a place beside the true one.
 //!
 //! ```text
 //! δρ_i = −LOS_i · d        every satellite of the system, and no other
 //! ```
 //!
-//! The shifted system is in view with all its satellites, or with four or fewer, which agree on some place and clock whatever they say.
+//! The shifted system is in view with all its satellites, or with four or fewer, which agree on
+//! some place and clock whatever their ranges are.
 //!
-//! Levels bound one fault. What is detected must not be blamed on the few satellites whose going leaves others that agree by chance;
-//! small shifts that nothing shows are the price of any method but ARAIM, which is told how likely they are.
+//! Levels bound one fault. A detected shift must not be blamed on the few satellites whose
+//! exclusion leaves others that agree by chance. No method detects small shifts that leave no
+//! residual; only ARAIM bounds them, by their prior probability.
 
 use anyhow::Result;
 use rai_core::frame::Enu;
@@ -26,37 +29,37 @@ use crate::fault::Measured as _;
 use crate::sky::Fleet;
 use crate::sky::raw::Simulation;
 
-/// Systems as they are in view.
+/// Attack on a system that is fully in view.
 pub(super) const WHOLE: Attack = Attack {
     name: "shifted-system",
     about: "all satellites of one of two or three systems agree on a place 20 to 300 m beside the true one, every method",
     run: |effort| run(&[None], effort.pick(8, 100), BEYOND),
 };
 
-/// Few satellites of the system that is wrong.
+/// Attack on a system with few satellites in view.
 pub(super) const FEW: Attack = Attack {
     name: "few-shifted",
-    about: "the same of a system of which two to four satellites are in view, and five or seven of others",
+    about: "the same for a system with two to four satellites in view, and five or seven of others",
     run: |effort| run(&FEW_IN_VIEW.map(Some), effort.pick(2, 25), BEYOND_OF_FEW),
 };
 
-/// Satellites in view of the system that is wrong, and of others.
+/// Satellites in view of the shifted system, and of others.
 const FEW_IN_VIEW: [(usize, usize); 5] = [(2, 7), (3, 5), (3, 7), (4, 5), (4, 7)];
 
-/// Systems, and where their satellites are.
+/// Letters of the systems, and their satellites.
 const SYSTEMS: [(&str, &[Fleet]); 3] = [
     ("GC", &[Fleet::Gps31, Fleet::BeidouRegional]),
     ("GE", &[Fleet::Gps31, Fleet::Galileo24]),
     ("GEC", &[Fleet::Gps31, Fleet::Galileo24, Fleet::BeidouGlobal]),
 ];
 
-/// How far beside the true place, m.
+/// Distance from the true place, m.
 const SIZES_M: [f64; 4] = [20.0, 50.0, 100.0, 300.0];
 
-/// How many of the epochs may be promised beyond their level, as of two faults.
+/// Largest share of the epochs that may be promised above their level, as with two faults.
 const BEYOND: f64 = 0.01;
 
-/// The same where few satellites of the system are in view.
+/// The same share if few satellites of the system are in view.
 const BEYOND_OF_FEW: f64 = 0.002;
 
 fn run(in_view: &[Option<(usize, usize)>], seeds: u64, beyond: f64) -> Result<Vec<Figure>> {
@@ -81,7 +84,7 @@ fn run(in_view: &[Option<(usize, usize)>], seeds: u64, beyond: f64) -> Result<Ve
     Ok(figures)
 }
 
-/// One epoch, by every method.
+/// Sends one epoch under every method.
 fn attempt(
     systems: (&str, &[Fleet]),
     shifted: char,
@@ -90,7 +93,7 @@ fn attempt(
     seed: u64,
 ) -> Result<Tally> {
     let mut chance = ChaCha8Rng::seed_from_u64(seed);
-    // A time of day of its own, on the full minute.
+    // Each seed has its own time of day, on the full minute.
     let start_s = f64::from(chance.random_range(0..1440_u32)) * 60.0;
     let azimuth = chance.random_range(0.0..std::f64::consts::TAU);
     let elevation = chance.random_range(-1.5..1.5_f64);

@@ -1,7 +1,7 @@
-//! One satellite wrong by a step or a ramp, of any size, under every method, policy and aid.
+//! One satellite wrong by a step or a ramp of any size, under every method, policy and aid.
 //!
-//! Sizes run from what nothing shows to what nothing hides. A level holds with a probability: while the fault is
-//! there, epochs beyond it may be as many as missed detections.
+//! Sizes range from undetectable to obvious. A level holds with a probability, so the rate of
+//! faulty epochs above their level may equal that of missed detections.
 
 use anyhow::Result;
 use rai_core::satellite::{Constellation, SatelliteId};
@@ -18,30 +18,30 @@ use crate::encode::Frequency;
 use crate::fault::{Fault, Kind, Measured as _, Target};
 use crate::sky::raw::Simulation;
 
-/// Steps.
+/// Attack with steps.
 pub(super) const STEPS: Attack = Attack {
     name: "step",
     about: "one satellite wrong by 2 m to 2 km, every method, policy and aid",
     run: |effort| run(effort, |bias_m| Kind::Step { bias_m }),
 };
 
-/// Ramps.
+/// Attack with ramps.
 pub(super) const RAMPS: Attack = Attack {
     name: "ramp",
-    about: "one satellite drifting off, to 2 m to 2 km within a minute, every method, policy and aid",
+    about: "one satellite drifting by 2 m to 2 km within a minute, every method, policy and aid",
     run: |effort| {
         run(effort, |bias_m| Kind::Ramp { rate_m_s: bias_m / f64::from(FAULTY), limit_m: bias_m.abs() })
     },
 };
 
-/// What receivers mistake: whole milliseconds.
+/// Attack with gross faults, such as whole milliseconds, which receivers confuse.
 pub(super) const GROSS: Attack = Attack {
     name: "gross-fault",
     about: "one satellite wrong by 20 km, 100 km or a millisecond and more, every method and aid",
     run: gross,
 };
 
-/// Every way to find the faulty one, by itself and with an aid.
+/// Every identification method, alone and with an aid.
 const METHODS: [&[&str]; 9] = [
     &["METHOD,AUTO"],
     &["METHOD,BAARDA"],
@@ -57,20 +57,20 @@ const METHODS: [&[&str]; 9] = [
 /// Gross faults, m.
 const GROSS_M: [f64; 6] = [2e4, 1e5, -1e5, 299_792.458, -299_792.458, 5_995_849.16];
 
-/// The share of the epochs that has to be promised all the same.
+/// Smallest share of the epochs that must be promised in spite of the fault.
 const KEPT: f64 = 0.95;
 
-/// Sizes of faults, m, each decade as likely.
+/// Sizes of faults, m, drawn uniformly in their logarithm.
 const SIZES_M: std::ops::Range<f64> = 2.0..2000.0;
 
-/// Healthy epochs, then faulty ones.
+/// Healthy epochs, and the faulty ones that follow.
 const HEALTHY: u32 = 20;
 const FAULTY: u32 = 60;
 
 /// Probability of missed detection at start.
 const MISSED: f64 = 1e-3;
 
-/// How the module may be set. Limits near the levels are where a fault matters.
+/// Settings of the module. Limits close to the levels are included, because there a fault matters.
 const SETTINGS: [&[&str]; 11] = [
     &["METHOD,BAARDA"],
     &["METHOD,SIMULTANEOUS"],
@@ -121,7 +121,7 @@ fn gross(effort: Effort) -> Result<Vec<Figure>> {
     Ok(figures)
 }
 
-/// All satellites of GPS in sight, and of `BeiDou` in every other sky, one of them grossly wrong.
+/// Sends all GPS satellites in view, with `BeiDou` in every other sky, one of them grossly wrong.
 fn grossly(commands: &[&str], bias_m: f64, seed: u64) -> Result<Tally> {
     let start_s = 2000.0 + 3300.0 * seed as f64;
     let sky = Sky::of(&Simulation::above_xian(start_s, HEALTHY + FAULTY, seed), Frequency::Dual)?;
@@ -144,7 +144,7 @@ fn attempt(commands: &[&str], seed: u64, kind: fn(f64) -> Kind) -> Result<Tally>
     let seen: Vec<SatelliteId> = sky.recording.epochs[0].satellites();
     let size_m = chance.random_range(SIZES_M.start.ln()..SIZES_M.end.ln()).exp();
     let bias_m = if chance.random() { size_m } else { -size_m };
-    // From all in sight down to hardly a redundant one.
+    // The number kept ranges from all in view down to hardly a redundant one.
     let kept = chance.random_range(7..=seen.len().max(8));
     let kept: Vec<SatelliteId> = seen.choose_multiple(&mut chance, kept).copied().collect();
     let faulty = *kept.choose(&mut chance).unwrap_or(&seen[0]);
@@ -161,7 +161,7 @@ fn attempt(commands: &[&str], seed: u64, kind: fn(f64) -> Kind) -> Result<Tally>
     hear(commands, &sky, &bytes)
 }
 
-/// What a module that is so set says of the faulty epochs.
+/// Counts the reports of a module with these settings on the faulty epochs.
 fn hear(commands: &[&str], sky: &Sky, bytes: &[Vec<u8>]) -> Result<Tally> {
     let (mut victim, mut tally) = (Victim::new(commands, 1.0)?, Tally::default());
     for (index, bytes) in bytes.iter().enumerate() {

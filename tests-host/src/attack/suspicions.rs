@@ -1,7 +1,10 @@
-//! A receiver that is sure of counterfeit signals, and messages that would make the module forget it: that of another kind, which
-//! knows less, and of the same kind by a receiver that has begun anew and does not know. Or it says once that there are none, and no more.
+//! A receiver that detects counterfeit signals, and messages that could make the module discard
+//! that warning.
 //!
-//! The sky itself is healthy: nothing but what the receiver says stands against the promise.
+//! The messages are: one of another kind with less knowledge; one of the same kind from a receiver
+//! that has restarted and does not know; and a single denial without a later one.
+//!
+//! The sky itself is healthy, so only the receiver's warning contradicts the promise.
 
 use anyhow::Result;
 use rai_firmware::input::Suspicion;
@@ -12,32 +15,34 @@ use super::victim::{Seen, Victim};
 use super::{Attack, Effort, Figure};
 use crate::encode::ubx;
 
-/// Sure, then talked out of it.
+/// Attack with a warning that another message denies.
 pub(super) const ATTACK: Attack = Attack {
     name: "suspicion-denied",
-    about: "the receiver is sure of counterfeit signals; a message that knows less says nothing of them",
+    about: "the receiver detects counterfeit signals; a message with less knowledge denies them",
     run,
 };
 
-/// Epochs before, while the receiver is sure, and after it says that there is nothing.
+/// Epochs before the warning, during it, and after the receiver withdraws it.
 const EPOCHS: [usize; 3] = [10, 20, 10];
 
-/// Epochs that the satellites have to agree for after an alert, as the module starts.
+/// Epochs for which the satellites must agree after an alert, at start.
 const RECOVER: f64 = 3.0;
 
-/// SEC-SIG, version 2: jamming is watched for and there is none; spoofing is watched for, in one of its states.
+/// Returns SEC-SIG, version 2: jamming detection on, without jamming; spoofing detection on, in the
+/// given state.
 fn of_both(spoofing: u8) -> Vec<u8> {
     ubx::frame([0x27, 0x09], &[2, 0b0000_1011 | spoofing << 4, 0, 0])
 }
 
-/// NAV-STATUS that does not know of spoofing.
+/// Returns NAV-STATUS with an unknown spoofing state.
 fn of_spoofing_unknown() -> Vec<u8> {
     ubx::frame([0x01, 0x03], &[0; 16])
 }
 
 fn run(_: Effort) -> Result<Vec<Figure>> {
     let mut figures = Vec::new();
-    // Where the levels are beyond the limits, too, the state is an alert, and the position not to be used.
+    // With levels above the limits, too, the state must be an alert, because the position must not
+    // be used.
     for commands in [&[][..], &["HAL,5"]] {
         let (mut before, mut sure, mut after) = (Tally::default(), Tally::default(), Tally::default());
         let (mut alerts, mut until_promised) = (0, 0);
@@ -83,7 +88,8 @@ fn run(_: Effort) -> Result<Vec<Figure>> {
     Ok(figures)
 }
 
-/// Epochs promised, and alerts, of twenty in which SEC-SIG does not watch for spoofing, after ten in which it was sure.
+/// Returns promised epochs and alerts of twenty in which SEC-SIG has spoofing detection off, after
+/// ten with a warning.
 fn begun_anew() -> Result<(f64, f64)> {
     let sky = Sky::quiet(40, 1)?;
     let (mut victim, mut after, mut alerts) = (Victim::new(&[], 1.0)?, Tally::default(), 0);
@@ -102,7 +108,7 @@ fn begun_anew() -> Result<(f64, f64)> {
     Ok((after.promised as f64, alerts as f64))
 }
 
-/// For how long the module says that there are no counterfeit signals, after one word of it, s.
+/// Returns the time for which the module reports no counterfeit signals after one denial, s.
 fn word_of_none_s() -> Result<f64> {
     let sky = Sky::quiet(120, 1)?;
     let (mut victim, mut holds_s) = (Victim::new(&[], 1.0)?, 0.0);
@@ -114,7 +120,8 @@ fn word_of_none_s() -> Result<f64> {
     Ok(holds_s)
 }
 
-/// Epochs promised of twenty after one SEC-SIG on the line of a receiver that sends none, once the host has said `FORGET`.
+/// Returns the promised epochs of the twenty after `FORGET`, on the line of a receiver that sends
+/// no SEC-SIG, after a single forged one.
 fn forgotten() -> Result<f64> {
     let sky = Sky::quiet(40, 1)?;
     let (mut victim, mut after) = (Victim::new(&[], 1.0)?, Tally::default());
@@ -131,7 +138,7 @@ fn forgotten() -> Result<f64> {
     Ok(after.promised as f64)
 }
 
-/// An alert for this reason, with nothing that bounds the position.
+/// Returns true for a spoofing alert without a protection level.
 fn is_spoofed(seen: &Seen) -> bool {
     let state = &seen.said.state;
     state.reason == "SPOOFED" && state.hpl_m.is_none()

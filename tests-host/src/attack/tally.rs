@@ -1,37 +1,37 @@
-//! What an attack came to, counted.
+//! Counts of the outcomes of an attack.
 
 use std::collections::BTreeMap;
 
 use super::Figure;
 use super::victim::Seen;
 
-/// Epochs, and what became of them.
+/// Epochs by outcome.
 #[derive(Clone, Debug, Default)]
 pub struct Tally {
-    /// Epochs judged.
+    /// Number of judged epochs.
     pub epochs: usize,
-    /// With the pin high.
+    /// Number of epochs with the pin high.
     pub promised: usize,
-    /// Of these, beyond a level.
+    /// Number of promised epochs with an error above a level.
     pub misleading: usize,
-    /// Of these, with more than one satellite left out.
+    /// Number of misleading epochs with more than one satellite left out.
     pub misled_by_several: usize,
-    /// Of these, beyond a limit.
+    /// Number of promised epochs with an error above a limit.
     pub hazardous: usize,
-    /// Alerts.
+    /// Number of alerts.
     pub alerts: usize,
-    /// Satellites left out of promised epochs, all added.
+    /// Satellites left out of promised epochs, summed.
     pub left_out: usize,
-    /// Largest error of a promised epoch over the ground, m.
+    /// Largest horizontal error of a promised epoch, m.
     pub worst_horizontal_m: f64,
-    /// Largest error in height of a promised epoch, m.
+    /// Largest vertical error of a promised epoch, m.
     pub worst_vertical_m: f64,
-    /// Reasons.
+    /// Number of epochs by reason.
     pub reasons: BTreeMap<String, usize>,
 }
 
 impl Tally {
-    /// Counts what was seen; a silence is no epoch.
+    /// Counts an epoch. A `STALE` report is not an epoch.
     pub fn add(&mut self, seen: &Seen) {
         let state = &seen.said.state;
         if state.reason == "STALE" {
@@ -51,14 +51,14 @@ impl Tally {
         }
     }
 
-    /// Counts all that was seen.
+    /// Counts several epochs.
     pub fn add_all(&mut self, seen: &[Seen]) {
         for seen in seen {
             self.add(seen);
         }
     }
 
-    /// Adds another count.
+    /// Returns the sum of two tallies.
     #[must_use]
     pub fn with(mut self, other: &Self) -> Self {
         self.epochs += other.epochs;
@@ -76,12 +76,13 @@ impl Tally {
         self
     }
 
-    /// How many epochs had this reason.
+    /// Returns the number of epochs with this reason.
     pub fn of_reason(&self, reason: &str) -> usize {
         self.reasons.get(reason).copied().unwrap_or(0)
     }
 
-    /// Epochs, promises, the largest error of them, and that at most `misleading` of them are beyond their level.
+    /// Returns epochs, promises and their largest error, and bounds the misleading ones by
+    /// `misleading`.
     pub fn figures(&self, misleading: f64) -> Vec<Figure> {
         vec![
             Figure::plain("epochs", self.epochs as f64),
@@ -91,8 +92,8 @@ impl Tally {
         ]
     }
 
-    /// The same where misleading epochs are allowed with a probability: the rate is too high only if chance does not
-    /// explain it (95 %).
+    /// Returns the same figures if misleading epochs are allowed with a probability. The rate is
+    /// too high only if chance does not explain it (95 %).
     pub fn figures_by_rate(&self, probability: f64) -> Vec<Figure> {
         let rate = least_rate(self.misleading, self.epochs);
         let mut figures = self.figures(f64::INFINITY);
@@ -101,7 +102,8 @@ impl Tally {
     }
 }
 
-/// The lower end of the 95 % interval of a probability, after `hits` in `trials` ([Wilson1927]).
+/// Returns the lower end of the 95 % interval of a probability, after `hits` in `trials`
+/// ([Wilson1927]).
 ///
 /// [Wilson1927]: crate#references
 pub fn least_rate(hits: usize, trials: usize) -> f64 {

@@ -1,7 +1,8 @@
-//! Ranges of a reference station on the receiver's own line, as corrections for it come.
+//! Ranges of a reference station on the receiver's own line, as its corrections arrive.
 //!
-//! The station is 11 km away; its frames come before the receiver's in each second but the first, and its ephemerides are the same. For a
-//! while the receiver is silent, and only the station goes on. And a receiver that says everything twice, which is no station beside it.
+//! The station is 11 km away. Its frames come before the receiver's in each second except the
+//! first, and its ephemerides are the same. For a while only the station sends. A receiver that
+//! sends everything twice is tried as well; it must not be taken for a second station.
 
 use anyhow::Result;
 
@@ -14,38 +15,35 @@ use crate::encode::Frequency;
 use crate::measurement::MeasuredSignal;
 use crate::sky::raw::Simulation;
 
-/// The attack.
-pub(super) const ATTACK: Attack = Attack {
-    name: "two-stations",
-    about: "the ranges of a reference station 11 km away come on the same line",
-    run,
-};
+/// Attack with a reference station 11 km away.
+pub(super) const ATTACK: Attack =
+    Attack { name: "two-stations", about: "ranges of a reference station 11 km away on the same line", run };
 
-/// A receiver that is silent for long, or slow.
+/// Attack with a receiver that is silent for long, or slow.
 pub(super) const TUNNEL: Attack = Attack {
     name: "tunnel",
-    about: "a receiver says nothing for 80 s, or has no satellites, or is slow; the corrections of a base 1 to 11 km away go on",
+    about: "a receiver is silent for 80 s, has no satellites, or is slow; the corrections of a base 1 to 11 km away continue",
     run: tunnel,
 };
 
-/// A station of the receiver's own number.
+/// Attack with a station that has the receiver's own number.
 pub(super) const NAMESAKE: Attack = Attack {
     name: "namesake",
     about: "after half a minute the ranges of a base 55 m to 11 km away, of the receiver's own station number, before or behind its own",
     run: namesake,
 };
 
-/// A receiver that says everything twice.
+/// Attack with a receiver that sends everything twice.
 pub(super) const TWICE: Attack = Attack {
     name: "twice",
     about: "every epoch comes twice, with two codes of one band that a reflection sets 12 m apart",
     run: twice,
 };
 
-/// North of the receiver, degrees.
+/// Distance north of the receiver, degrees.
 const AWAY_DEG: f64 = 0.1;
 
-/// Number of the station; that of the receiver is 0.
+/// Number of the station. The receiver's is 0.
 const STATION: u16 = 1234;
 
 /// Seconds in which the receiver is silent.
@@ -64,17 +62,18 @@ fn run(_: Effort) -> Result<Vec<Figure>> {
         tally.add_all(&victim.hear(&[of_station, own].concat(), receiver.truth)?);
     }
     let mut figures = tally.figures(0.0);
-    // What stands in while the receiver is silent is elsewhere; then it has to recover.
+    // The station that replaces the silent receiver is elsewhere, so the module must recover
+    // afterwards.
     figures.push(Figure::at_least("promised", tally.promised as f64, 105.0));
     Ok(figures)
 }
 
-/// How a receiver is not there.
+/// Kind of absence of a receiver.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Missing {
     Silent,
     Empty,
-    /// It sends one of so many epochs, and the base all.
+    /// The receiver sends one of this many epochs; the base sends all.
     Slow(usize),
 }
 
@@ -101,7 +100,8 @@ fn tunnel(_: Effort) -> Result<Vec<Figure>> {
 /// Epochs of the base.
 const EPOCHS: u32 = 180;
 
-/// Epochs of the receiver's own that are to be promised, but for those in which it recovers.
+/// Returns the smallest number of the receiver's own epochs that must be promised, allowing for
+/// recovery.
 fn figure_of(missing: Missing, epochs: usize) -> f64 {
     match missing {
         Missing::Silent | Missing::Empty => (epochs - TUNNEL_EPOCHS.len()) as f64 - 5.0,
@@ -136,7 +136,7 @@ fn beside_a_base(away_deg: f64, missing: Missing) -> Result<Tally> {
 }
 
 fn namesake(_: Effort) -> Result<Vec<Figure>> {
-    /// Epochs, and those in which the receiver is alone.
+    /// All epochs, and those at the start in which the receiver is alone.
     const ALL: u32 = 90;
     const ALONE: usize = 30;
     let receiver = Simulation::above_xian(3600.0, ALL, 3);
@@ -166,7 +166,7 @@ fn namesake(_: Effort) -> Result<Vec<Figure>> {
 fn twice(_: Effort) -> Result<Vec<Figure>> {
     let mut sky = Sky::quiet(60, 3)?;
     for raw in sky.recording.epochs.iter_mut().flat_map(|epoch| &mut epoch.satellites) {
-        // P beside C/A, which a wall reflects.
+        // P code beside C/A, which a wall reflects.
         let of_gps = raw.signals.iter_mut().find(|signal| signal.band == 1);
         if let Some(signal) = of_gps {
             let coded = MeasuredSignal { attribute: 'W', ..*signal };
@@ -183,7 +183,7 @@ fn twice(_: Effort) -> Result<Vec<Figure>> {
     Ok(figures)
 }
 
-/// The same messages of ranges, of the other station.
+/// Returns the same messages of ranges with the number of the other station.
 fn renumbered(mut bytes: &[u8]) -> Vec<u8> {
     let mut frames = Vec::new();
     while let [0xD3, high, low, ..] = *bytes {

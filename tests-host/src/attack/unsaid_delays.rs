@@ -1,9 +1,12 @@
-//! Group delays that the message in use does not carry: `BeiDou`'s B1C and B2a beside D1, which says those of B1I and B2I; and
-//! B2b, which some call B2I, where the third generation says for B2I what it says for B1I.
+//! Group delays that the message in use does not carry.
 //!
-//! A receiver of the bands L1 and L5 alone makes its pairs of B1C and B2a, and combining amplifies their delays by 2.3 and 1.3. The
-//! delays here are those of real satellites, from ranges of two stations against B1I and B3I with what D1 says of these
-//! ([`DELAYS_M`]).
+//! D1 carries the delays of B1I and B2I, but not those of `BeiDou`'s B1C and B2a. Some receivers
+//! report B2b as B2I, and satellites of the third generation send the same delay for B2I as for
+//! B1I.
+//!
+//! A receiver of the bands L1 and L5 pairs B1C with B2a, and combining multiplies their delays by
+//! 2.3 and 1.3. The delays here are those of real satellites, derived from ranges of two stations
+//! against B1I and B3I with the delays of D1 ([`DELAYS_M`]).
 //!
 //! ```text
 //! ρ_b' = ρ_b + c τ_b        τ_B1C = TGD1 within 1.5 m, 0.6 m rms        τ_B2a, τ_B2b within 3.5 m, 1.4 m rms, whatever TGD1
@@ -21,15 +24,16 @@ use crate::measurement::Ephemeris;
 use crate::sky::Fleet;
 use crate::sky::raw::Simulation;
 
-/// The attack.
+/// Attack with group delays that D1 does not carry.
 pub(super) const ATTACK: Attack = Attack {
     name: "unsaid-delays",
-    about: "BeiDou's B1C and B2a, and B2b as B2I, with the group delays of real satellites, which D1 does not say",
+    about: "BeiDou's B1C and B2a, and B2b as B2I, with real group delays that D1 does not carry",
     run,
 };
 
-/// `TGD1` as broadcast, and the delays of B1C, B2a and B2b against B3I, m: ten satellites at `tlse`, eight at `kms3`, each about
-/// the mean of its station, which is the receiver's.
+/// `TGD1` as broadcast, and the delays of B1C, B2a and B2b against B3I, m. Ten satellites are from
+/// `tlse`, eight from `kms3`; each is relative to the mean of its station, which is the receiver's
+/// delay.
 const DELAYS_M: [[f64; 4]; 18] = [
     [2.8, 1.5, 2.0, 2.1],
     [3.6, 2.3, 2.2, 2.1],
@@ -51,7 +55,7 @@ const DELAYS_M: [[f64; 4]; 18] = [
     [-8.3, -5.1, -1.2, -1.4],
 ];
 
-/// What a receiver sends of each satellite.
+/// Signals that a receiver sends of each satellite.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Sent {
     /// B1C and B2a.
@@ -86,9 +90,9 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
 
 fn attempt(seed: u64, sent: Sent) -> Result<Tally> {
     let simulation = Simulation {
-        // Of the third generation, which has the two bands.
+        // Satellites of the third generation, which send both bands.
         satellites: Fleet::Beidou24.satellites(),
-        // What is measured on B1I and B3I is the same on B1C and B2a then.
+        // Without electrons the ranges on B1I and B3I equal those on B1C and B2a.
         electrons_tecu: 0.0,
         ..Simulation::above_xian(900.0 + 3600.0 * (seed % 24) as f64 + 150.0 * (seed / 24) as f64, 2, seed)
     };
@@ -99,7 +103,7 @@ fn attempt(seed: u64, sent: Sent) -> Result<Tally> {
         let [tgd1_m, ..] = delays(set.satellite.number());
         if let Ephemeris::Beidou(message) = &mut set.message {
             message.tgd1_s = (tgd1_m / SPEED_OF_LIGHT_M_S) as f32;
-            // As the satellites of the third generation say it.
+            // Satellites of the third generation send it so.
             message.tgd2_s = message.tgd1_s;
         }
     }

@@ -1,13 +1,15 @@
-//! Signals that are hardly there, and of which the receiver does not say how strong they are.
+//! Weak signals whose strength the receiver does not report.
 //!
-//! Some satellites are behind leaves or in a dead spot of the antenna: their code noise is that of a weak signal, while the
-//! field of their C/N0 says 0, which in MSM is *not computed*. The others say theirs. GPS alone, pairs of frequencies.
+//! Some satellites are behind leaves or in a null of the antenna. Their code noise is that of a
+//! weak signal, while their C/N0 field is 0, which MSM defines as *not computed*. The other
+//! satellites report theirs. The sky is GPS alone, with pairs of frequencies.
 //!
 //! ```text
 //! σ = a · 10^((42 − C/N0)/20)        a: code noise and multipath at the zenith, 0.42 m
 //! ```
 //!
-//! Whoever says no strength of any signal, as receivers do of which no format carries it, is believed as before.
+//! A receiver that reports no strength for any signal, because its format carries none, is believed
+//! as before.
 
 use anyhow::Result;
 use rai_core::satellite::{Constellation, SatelliteId};
@@ -24,17 +26,17 @@ use crate::encode::Frequency;
 use crate::fault::Measured as _;
 use crate::sky::raw::Simulation;
 
-/// The attack.
+/// Attack with weak signals of unknown strength.
 pub(super) const ATTACK: Attack = Attack {
     name: "unsaid-strength",
-    about: "a third to two thirds of the satellites as noisy as at 14 to 28 dB-Hz, theirs said as 0; all 0 of a healthy sky",
+    about: "a third to two thirds of the satellites as noisy as at 14 to 28 dB-Hz with C/N0 0; a healthy sky with C/N0 0 for all",
     run,
 };
 
-/// How strong the weak signals are, dB-Hz: as at the mask, and below.
+/// Strength of the weak signals, dB-Hz: at the mask, and below it.
 const WEAK_DBHZ: [f64; 4] = [28.0, 24.0, 20.0, 14.0];
 
-/// Probability that a fault is missed, as the module starts.
+/// Probability of missed detection at start.
 const MISSED: f64 = 1e-3;
 
 /// Code noise and multipath of a strong signal at the zenith, m.
@@ -63,7 +65,8 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
     Ok(figures)
 }
 
-/// Half a minute in which some satellites are that weak, and theirs unsaid; without a strength that of none is said.
+/// Sends half a minute in which some satellites are that weak and report no strength. If
+/// `weak_dbhz` is `None`, no satellite reports its strength.
 fn hear(seed: u64, weak_dbhz: Option<f64>) -> Result<Tally> {
     let start_s = 600.0 + 5400.0 * (seed % 16) as f64;
     let sky = Sky::with(&Simulation::above_xian(start_s, 30, seed), "G", Frequency::Dual)?;

@@ -1,4 +1,4 @@
-//! The module in process, and what it says of each epoch beside the truth.
+//! The module in process, and its report on each epoch beside the truth.
 
 use anyhow::{Context as _, Result, ensure};
 use rai_core::frame::{Ecef, Enu, LocalFrame};
@@ -10,7 +10,8 @@ use rai_firmware::receiver::{Boot, Receiver};
 use crate::pin::Pin;
 use crate::sentence::{self, EpochOutput};
 
-/// How long after an epoch's bytes the module looks at the clock, as a share of the time between epochs.
+/// Delay between an epoch's bytes and the next look at the clock, as a share of the time between
+/// epochs.
 const LOOK: f64 = 0.6;
 
 /// A module under attack.
@@ -20,36 +21,36 @@ pub struct Victim {
     step_ms: u64,
 }
 
-/// A module that has heard nothing.
+/// Returns a module that has received nothing.
 fn started() -> Result<Receiver<Pin>> {
     let boot = Boot::on_host("attack");
     Receiver::new(Pin::default(), boot).context("the module cannot start")
 }
 
-/// What was said of one epoch, and how wrong it was.
+/// The report on one epoch, and its error.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Seen {
-    /// The sentences.
+    /// Sentences of the epoch.
     pub said: EpochOutput,
-    /// Distance over the ground from the truth, m; infinite without a position.
+    /// Horizontal distance from the truth, m; infinite without a position.
     pub horizontal_error_m: f64,
     /// Difference in height, m; infinite without a position.
     pub vertical_error_m: f64,
-    /// Whether the pin was high in the end.
+    /// True if the pin was high at the end.
     pub is_promised: bool,
 }
 
 impl Seen {
-    /// A promised position beyond one of its levels.
+    /// Returns true for a promised position with an error above one of its levels.
     pub fn is_misleading(&self) -> bool {
-        // A level that is not said bounds nothing.
+        // A missing level bounds nothing.
         let exceeds = |error_m: f64, level_m: Option<f64>| level_m.is_none_or(|level_m| error_m > level_m);
         let state = &self.said.state;
         self.is_promised
             && (exceeds(self.horizontal_error_m, state.hpl_m) || exceeds(self.vertical_error_m, state.vpl_m))
     }
 
-    /// A promised position beyond one of the limits that are set.
+    /// Returns true for a promised position with an error above one of the limits in force.
     pub fn is_hazardous(&self) -> bool {
         let exceeds = |error_m: f64, limit_m: Option<f64>| limit_m.is_some_and(|limit_m| error_m > limit_m);
         let state = &self.said.state;
@@ -59,10 +60,11 @@ impl Seen {
 }
 
 impl Victim {
-    /// A module that has heard nothing but these commands; epochs are `step_s` apart by its clock.
+    /// Returns a module that has received these commands and nothing else. Epochs are `step_s`
+    /// apart by its clock.
     ///
     /// # Errors
-    /// A command that is refused.
+    /// If a command is refused.
     pub fn new(commands: &[&str], step_s: f64) -> Result<Self> {
         let mut victim = Self { receiver: started()?, now_ms: 0, step_ms: (step_s * 1e3) as u64 };
         for command in commands {
@@ -72,19 +74,20 @@ impl Victim {
         Ok(victim)
     }
 
-    /// Seals the settings and starts again with what the memory then holds, not after power-on.
+    /// Seals the settings and restarts from that memory, without a power cycle.
     ///
     /// # Errors
-    /// A module that cannot start.
+    /// If the module cannot start.
     pub fn restart(&mut self, sealed: &mut [u8; SEALED_BYTES]) -> Result<()> {
         self.receiver.seal(sealed);
         self.restart_from(sealed)
     }
 
-    /// Starts again with what the memory holds, not after power-on; like a board it then seals the settings.
+    /// Restarts from the memory, without a power cycle, and then seals the settings as a board
+    /// does.
     ///
     /// # Errors
-    /// A module that cannot start.
+    /// If the module cannot start.
     pub fn restart_from(&mut self, sealed: &mut [u8; SEALED_BYTES]) -> Result<()> {
         self.receiver = started()?;
         self.receiver.restore(sealed, false);
@@ -92,25 +95,26 @@ impl Victim {
         Ok(())
     }
 
-    /// What tells settings from others.
+    /// Returns the hash of the settings in force.
     pub fn settings_hash(&self) -> u32 {
         self.receiver.configuration().hash()
     }
 
-    /// Gives a command; gives the answer.
+    /// Sends a command and returns the answer.
     ///
     /// # Errors
-    /// An answer that is no text.
+    /// If the answer is not UTF-8.
     pub fn obey(&mut self, command: &str) -> Result<String> {
         let mut answer = Vec::new();
         self.receiver.command(sentence::command(command).as_bytes(), &mut answer);
         Ok(String::from_utf8(answer)?)
     }
 
-    /// Takes the bytes of the GNSS port of one step of time, at whose end the antenna is at `truth`; gives what is said.
+    /// Sends the bytes of one time step to the GNSS port and returns the reports. At the end of the
+    /// step the antenna is at `truth`.
     ///
     /// # Errors
-    /// A sentence that cannot be read.
+    /// If a sentence cannot be read.
     pub fn hear(&mut self, bytes: &[u8], truth: Ecef) -> Result<Vec<Seen>> {
         let mut said = Vec::new();
         self.receiver.gnss(bytes, self.now_ms, &mut said);
@@ -119,10 +123,10 @@ impl Victim {
         self.seen(&said, truth)
     }
 
-    /// Lets the line be silent for a while; gives what is said.
+    /// Keeps the line silent for `for_s` seconds and returns the reports.
     ///
     /// # Errors
-    /// A sentence that cannot be read.
+    /// If a sentence cannot be read.
     pub fn silence(&mut self, for_s: f64, truth: Ecef) -> Result<Vec<Seen>> {
         let mut said = Vec::new();
         let end_ms = self.now_ms + (for_s * 1e3) as u64;
@@ -142,7 +146,8 @@ impl Victim {
             Seen {
                 horizontal_error_m: error.map_or(f64::INFINITY, Enu::horizontal),
                 vertical_error_m: error.map_or(f64::INFINITY, |error| error.up.abs()),
-                // Of an epoch that another follows at once the pin is seen no more: what was said counts.
+                // If another epoch follows at once, the pin can no longer be read, so the sentence
+                // counts.
                 is_promised: if index == last { is_promised } else { said.state.is_protected() },
                 said,
             }
@@ -150,27 +155,27 @@ impl Victim {
         Ok(outputs.into_iter().enumerate().map(seen).collect())
     }
 
-    /// The module's own clock, s.
+    /// Returns the module's own clock, s.
     pub fn now_s(&self) -> f64 {
         self.now_ms as f64 * 1e-3
     }
 
-    /// Whether the pin is high.
+    /// Returns true while the pin is high.
     pub fn is_promised(&self) -> bool {
         self.receiver.pin().high
     }
 
-    /// What is held for said of spoofing.
+    /// Returns the current state of spoofing detection.
     pub fn spoofing(&self) -> Suspicion {
         self.receiver.interference().1
     }
 
-    /// The velocity of the last epoch, where it is told one.
+    /// Returns the velocity of the last epoch, if there is one.
     pub fn velocity(&self) -> Option<&Velocity> {
         self.receiver.velocity()
     }
 
-    /// A counter, 0 where there is none of the name.
+    /// Returns a counter, or 0 if no counter has this name.
     pub fn counter(&self, name: &str) -> u32 {
         self.receiver.statistics().find(|(counter, _)| *counter == name).map_or(0, |(_, count)| count)
     }

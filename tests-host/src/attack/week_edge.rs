@@ -1,7 +1,8 @@
-//! A receiver that starts shortly before a week ends, and passes on the week in which a set was transmitted.
+//! A receiver that starts shortly before a week ends and dates sets with the week of their
+//! transmission.
 //!
-//! Sets of GPS then have reference times in the next week, and seem to be of the beginning of this one. Ranges agree with orbits that are
-//! all dated a week early as well as with right ones.
+//! GPS sets then have reference times in the next week, and appear to be of the beginning of this
+//! one. Ranges agree with orbits that are all dated a week early as well as with the right ones.
 
 use anyhow::Result;
 use rtcm_rs::Message;
@@ -15,27 +16,27 @@ use crate::sky::raw::Simulation;
 use crate::sky::{Fleet, Satellite};
 use crate::soak::noise::frames;
 
-/// The attack.
+/// Attack at the end of a week.
 pub(super) const ATTACK: Attack = Attack {
     name: "week-edge",
-    about: "GPS sets in the last 20 min of a week, dated with the week of transmission: is anything promised in the next?",
+    about: "GPS sets in the last 20 min of a week, dated with the week of their transmission; the next week must be promised",
     run,
 };
 
-/// The end of a cycle of 1,024 weeks.
+/// Attack at the end of a cycle of 1,024 weeks.
 pub(super) const CYCLE: Attack = Attack {
     name: "cycle-edge",
-    about: "the week of GPS becomes 0 again: ten minutes before, and a start in the first hour after",
+    about: "the GPS week rolls over to 0: ten minutes before it, and a start in the first hour after it",
     run: cycle,
 };
 
-/// Seconds between epochs.
+/// Time between epochs, s.
 const STEP_S: u32 = 60;
 
-/// The first epoch is so long before the week ends, s.
+/// Time from the first epoch to the end of the week, s.
 const BEFORE_S: u32 = 1200;
 
-/// Where the simulation's clock is at the end of a week, s.
+/// Clock of the simulation at the end of a week, s.
 const WEEK_END_S: u32 = 604_800 - 86_400;
 
 fn run(effort: Effort) -> Result<Vec<Figure>> {
@@ -43,7 +44,8 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
     let mut figures = Vec::new();
     for systems in ["G", "GC", "GEC"] {
         let tally = after_an_hour(systems, hours)?;
-        // Once the week is known the sets before are of another one, until they come again: an hour in the simulation.
+        // Once the week is known, the earlier sets belong to another one until they are sent again,
+        // after an hour of the simulation.
         let least = f64::from((hours - 2) * 3600 / STEP_S);
         figures.push(Figure::at_least(format!("{systems}: promised"), tally.promised as f64, least));
         figures.push(Figure::at_most(format!("{systems}: beyond a level"), tally.misleading as f64, 0.0));
@@ -51,7 +53,7 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
     Ok(figures)
 }
 
-/// The last week of a cycle, which ends in November 2038.
+/// Last week of a cycle, which ends in November 2038.
 const LAST_WEEK: u16 = 3071;
 
 fn cycle(effort: Effort) -> Result<Vec<Figure>> {
@@ -86,7 +88,7 @@ fn fleets(systems: &str) -> Vec<Satellite> {
     satellites.flat_map(|(_, fleet)| fleet.satellites()).collect()
 }
 
-/// What became of the epochs after the first hour.
+/// Counts the epochs after the first hour.
 fn after_an_hour(systems: &str, hours: u32) -> Result<Tally> {
     let simulation = Simulation {
         satellites: fleets(systems),

@@ -1,11 +1,13 @@
-//! Ranges that somebody on the way tags with another time: a relay that dates what it sends on by its own clock.
+//! Ranges that a relay on the way tags with another time, because it dates what it forwards by its
+//! own clock.
 //!
 //! ```text
 //! δρ_i = ṙ_i δ        every satellite is wrong by so much of its range rate, up to 800 m/s
 //! ```
 //!
-//! 10 ms hide in the noise, 20 ms to 200 ms do not; but of satellites that are all wrong some few are always found whose going
-//! leaves others that agree. Tags are right first, then wrong by `δ`, then right again; and wrong from the start.
+//! An offset of 10 ms hides in the noise; 20 ms to 200 ms do not. Of satellites that are all wrong,
+//! though, a few can always be left out so that the others agree. Tags are first right, then wrong
+//! by `δ`, then right again; or wrong from the start.
 
 use anyhow::Result;
 use rai_firmware::time::GpsTime;
@@ -19,24 +21,24 @@ use crate::encode::Frequency;
 use crate::sky::Fleet;
 use crate::sky::raw::Simulation;
 
-/// For some epochs.
+/// Attack with wrong tags for some epochs.
 pub(super) const BRIEFLY: Attack = Attack {
     name: "wrong-tags",
     about: "time tags wrong by 5 ms to 200 ms for ten epochs, four sets of systems, every method and policy",
     run: briefly,
 };
 
-/// For as long as sigmas learn.
+/// Attack with wrong tags while sigmas learn.
 pub(super) const LEARNED: Attack = Attack {
     name: "wrong-tags-learned",
     about: "time tags wrong by 20 ms to 200 ms for minutes, while SIGMA,ADAPT learns",
     run: while_learning,
 };
 
-/// What tags are wrong by, ms; ahead and behind.
+/// Offsets of the tags, ms, applied ahead and behind.
 const OFFSETS_MS: [i64; 8] = [5, 10, 15, 20, 30, 50, 100, 200];
 
-/// Systems, and where their satellites are.
+/// Letters of the systems, and their satellites.
 const SYSTEMS: [(&str, &[Fleet]); 4] = [
     ("G", &[Fleet::Gps31]),
     ("GC", &[Fleet::Gps31, Fleet::BeidouRegional]),
@@ -44,7 +46,7 @@ const SYSTEMS: [(&str, &[Fleet]); 4] = [
     ("GEC", &[Fleet::Gps31, Fleet::Galileo24, Fleet::BeidouGlobal]),
 ];
 
-/// How the module may be set.
+/// Settings of the module.
 const SETTINGS: [&[&str]; 12] = [
     &["METHOD,AUTO"],
     &["METHOD,BAARDA"],
@@ -60,21 +62,22 @@ const SETTINGS: [&[&str]; 12] = [
     &["POLICY,TOP", "HAL,60"],
 ];
 
-/// Epochs with right tags, with wrong ones, and with right ones again, in which all is to be well in the end.
+/// Epochs with right tags, with wrong tags, and with right tags again, at whose end the position
+/// must be promised.
 const RIGHT: u32 = 5;
 const WRONG: u32 = 10;
 const AGAIN: u32 = 10;
 
-/// How long tags are wrong where sigmas learn, epochs: several times what they need to have learned.
+/// Epochs with wrong tags while sigmas learn: several times what learning needs.
 const LONG: u32 = 240;
 
 /// Probability of missed detection at start.
 const MISSED: f64 = 1e-3;
 
-/// Whether the pin was high in the end, and whether it is where tags were never wrong.
+/// State of the pin at the end: after wrong tags, and of a module that had right tags only.
 type InTheEnd = (bool, bool);
 
-/// What is tried once.
+/// Parameters of one attempt.
 #[derive(Clone, Copy)]
 struct Trial {
     systems: (&'static str, &'static [Fleet]),
@@ -122,13 +125,14 @@ fn while_learning(effort: Effort) -> Result<Vec<Figure>> {
     Ok(told(&trials, &wrong))
 }
 
-/// Ahead or behind, and after how many epochs: both ways of each in every four seeds.
+/// Returns the signed offset and the number of right epochs before it. Every four seeds cover all
+/// combinations.
 fn of_seed(seed: u64, offset_ms: i64) -> (i64, u32) {
     let (is_ahead, is_right_first) = (seed & 1 == 0, seed & 2 == 0);
     (if is_ahead { offset_ms } else { -offset_ms }, if is_right_first { RIGHT } else { 0 })
 }
 
-/// What was said of wrong tags, and of the end.
+/// Runs the trials; returns the tallies and the states at the end.
 fn attempt_all(trials: &[Trial]) -> Result<(Vec<Tally>, Vec<InTheEnd>)> {
     let seen: Vec<(Tally, InTheEnd)> = trials.par_iter().map(attempt).collect::<Result<_>>()?;
     Ok(seen.into_iter().unzip())
@@ -169,7 +173,7 @@ fn attempt(trial: &Trial) -> Result<(Tally, InTheEnd)> {
     let epochs = right + wrong + AGAIN;
     let simulation = Simulation {
         satellites: fleets.iter().flat_map(|fleet| fleet.satellites()).collect(),
-        // A sky of its own, between two changes of ephemerides.
+        // Each seed has its own sky, between two changes of ephemerides.
         ..Simulation::above_xian(
             600.0 + 7200.0 * (seed % 12) as f64 + 130.0 * (seed / 12) as f64,
             epochs,
@@ -192,7 +196,7 @@ fn attempt(trial: &Trial) -> Result<(Tally, InTheEnd)> {
         }
     }
     let ended_well = victim.is_promised();
-    // Where limits are near the levels nothing may be promised anyway.
+    // With limits close to the levels, a healthy module may promise nothing either.
     let mut reference = Victim::new(commands, 1.0)?;
     for bytes in sky.bytes(|_, _| {})? {
         reference.hear(&bytes, sky.truth)?;

@@ -1,7 +1,8 @@
-//! Committed figures: what a stage cost when somebody last agreed to it.
+//! Budgets: the committed cost of each stage.
 //!
-//! One line for each: the figure, then its name. Instructions are exact, so that any growth is a change of the program;
-//! 2 % are let through, since an unrelated change of the compiler's mind moves that much.
+//! The file has one line per figure: value, then name. Instruction counts are exact, so any growth
+//! is a change of the program. A growth of 2 % is allowed, because unrelated changes of the
+//! compiler's output cause as much.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -11,18 +12,18 @@ use anyhow::{Context, Result};
 
 use super::figure::Figure;
 
-/// Growth that is let through: 2 %.
+/// Allowed growth: 2 %.
 const GROWTH: f64 = 1.02;
 
-/// Where the committed figures lie.
+/// Returns the path of the committed figures.
 pub fn path() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("budgets.txt")
 }
 
-/// The committed figures by name.
+/// Returns the committed figures by name.
 ///
 /// # Errors
-/// Where the file cannot be read, or a line is no figure.
+/// If the file cannot be read, or a line is not a figure.
 pub fn committed() -> Result<BTreeMap<String, u64>> {
     let path = path();
     let text =
@@ -32,13 +33,14 @@ pub fn committed() -> Result<BTreeMap<String, u64>> {
 
 fn parse(text: &str) -> Result<BTreeMap<String, u64>> {
     let figure = |line: &str| -> Result<(String, u64)> {
-        let (value, name) = line.trim_start().split_once(' ').context("a figure, then a name")?;
-        Ok((name.trim().to_owned(), value.parse().with_context(|| format!("`{value}` is no figure"))?))
+        let (value, name) =
+            line.trim_start().split_once(' ').context("the line must be a figure and a name")?;
+        Ok((name.trim().to_owned(), value.parse().with_context(|| format!("`{value}` is not a number"))?))
     };
     text.lines().map(|line| figure(line).with_context(|| format!("budget `{line}`"))).collect()
 }
 
-/// The figures as the file has them.
+/// Formats figures as the file has them.
 pub fn render(figures: &[Figure]) -> String {
     figures.iter().fold(String::new(), |mut text, figure| {
         let _ = writeln!(text, "{:>9} {}", figure.value, figure.name);
@@ -46,7 +48,7 @@ pub fn render(figures: &[Figure]) -> String {
     })
 }
 
-/// What has grown beyond its budget, has none, or is gone.
+/// Returns the figures that exceed their budget, have none, or are missing.
 pub fn findings(figures: &[Figure], committed: &BTreeMap<String, u64>) -> Vec<String> {
     let of_figure = |figure: &Figure| match committed.get(&figure.name) {
         None => Some(format!("{}: no budget is committed", figure.name)),
@@ -58,7 +60,7 @@ pub fn findings(figures: &[Figure], committed: &BTreeMap<String, u64>) -> Vec<St
     };
     let is_measured = |name: &String| figures.iter().any(|figure| figure.name == *name);
     let gone = committed.keys().filter(|name| !is_measured(name));
-    let gone = gone.map(|name| format!("{name}: has a budget and is not measured"));
+    let gone = gone.map(|name| format!("{name}: has a budget but is not measured"));
     figures.iter().filter_map(of_figure).chain(gone).collect()
 }
 

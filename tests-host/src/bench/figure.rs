@@ -1,26 +1,26 @@
-//! What a measurement comes to.
+//! Figures of a measurement.
 
-/// What the name of a figure of the second board ends with.
+/// Suffix of the name of a figure of the second board.
 const SECOND_BOARD: &str = ", Cortex-M7";
 
-/// The name of the figure that the second board has for this one.
+/// Returns the name of the second board's figure for this name.
 pub(super) fn on_second_board(name: &str) -> String {
     format!("{name}{SECOND_BOARD}")
 }
 
-/// One figure: what it is of, and what it came to.
+/// A measured figure.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Figure {
-    /// What was measured, on what; unique.
+    /// Name of the quantity; unique.
     pub name: String,
     /// Instructions, or bytes.
     pub value: u64,
-    /// The most it should be, where that was set.
+    /// Target of the value, if one is set.
     pub target: Option<u64>,
 }
 
 impl Figure {
-    /// Whether it is one of the second board, which stands in its own column beside the first one's.
+    /// Returns true for a figure of the second board, which has its own column.
     pub fn is_of_second_board(&self) -> bool {
         self.name.ends_with(SECOND_BOARD)
     }

@@ -1,7 +1,8 @@
-//! What the library for C takes of a chip, by what is built into it.
+//! Memory of the C library, by the features built into it.
 //!
-//! A program that calls one level of the interface is linked with everything else thrown out; what is left of the library is
-//! its flash. The memory of an object the library states itself, as a symbol for linker scripts.
+//! A program that calls one level of the interface is linked without everything else. The flash of
+//! the library is that of this program. The library states the memory of an object itself, as a
+//! symbol for linker scripts.
 //!
 //! | symbol | field | unit |
 //! |---|---|---|
@@ -18,10 +19,10 @@ use super::figure::Figure;
 use crate::capi::{Optimised, Processor, library_of, run};
 use crate::no_panic::static_library::linker;
 
-/// What a program with classic RAIM may take of the flash, bytes.
+/// Largest flash of a program with classic RAIM, bytes.
 const CLASSIC_BYTES: u64 = 64 * 1024;
 
-/// A level of the interface: what a program calls of it.
+/// Level of the interface that a program calls.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Level {
     Monitor,
@@ -51,10 +52,10 @@ impl Level {
     }
 }
 
-/// What is built: its words, its level, its features, what it is compiled for, and the most that its flash may be.
+/// Build: description, level, features, optimisation and processor, and largest flash, bytes.
 type Build = (&'static str, Level, &'static str, (Optimised, Processor), Option<u64>);
 
-/// For size on the boards' processor, like most.
+/// Most builds are compiled for size on the boards' processor.
 const SMALL: (Optimised, Processor) = (Optimised::Size, Processor::OfBoards);
 
 const BUILDS: [Build; 12] = [
@@ -72,10 +73,10 @@ const BUILDS: [Build; 12] = [
     ("48 satellites", Level::Receiver, "whole", SMALL, None),
 ];
 
-/// Flash and object of every build.
+/// Measures flash and object of every build.
 ///
 /// # Errors
-/// Where one does not build or link.
+/// If one does not build or link.
 pub fn measure() -> Result<Vec<Figure>> {
     let linker = linker()?;
     let mut figures = Vec::new();
@@ -93,7 +94,7 @@ pub fn measure() -> Result<Vec<Figure>> {
     Ok(figures)
 }
 
-/// Flash of a program that calls a level, and the memory of its object.
+/// Returns the flash of a program that calls a level, and the memory of its object, bytes.
 fn sizes(linker: &Path, archive: &Path, level: Level) -> Result<(u64, u64)> {
     let size = format!("__rai_{}_bytes", level.name());
     let mut command = Command::new(linker);
@@ -101,12 +102,15 @@ fn sizes(linker: &Path, archive: &Path, level: Level) -> Result<(u64, u64)> {
     command.args(level.calls().iter().chain([&size.as_str()]).map(|name| format!("--undefined={name}")));
     let program = run(command.arg(archive))?;
     let elf = object::File::parse(&*program)?;
-    let object = elf.symbols().find(|symbol| symbol.name() == Ok(&size)).context("it states no size")?;
+    let object = elf
+        .symbols()
+        .find(|symbol| symbol.name() == Ok(&size))
+        .context("the library does not state its size")?;
     let loaded = elf.sections().filter(is_loaded);
     Ok((loaded.map(|section| section.size()).sum(), object.address()))
 }
 
-/// Whether a section goes to flash.
+/// Returns true if a section is part of flash.
 fn is_loaded<'a>(section: &impl object::ObjectSection<'a>) -> bool {
     let allocated = u64::from(object::elf::SHF_ALLOC);
     matches!(section.flags(), SectionFlags::Elf { sh_flags } if sh_flags & allocated != 0)

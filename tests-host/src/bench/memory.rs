@@ -1,7 +1,8 @@
-//! What the shipped image takes of the chip's memory: flash and statics from the file, the stack from a run.
+//! Memory of the shipped image: flash and statics from the file, the stack from a run.
 //!
-//! The stack is painted at start; how much of the paint is gone the image logs with its first epoch and with every sixtieth
-//! after it. The run takes the costliest ways through the program: 40 satellites, three faults, every method in turn.
+//! The stack is painted at start. The image logs how much paint is gone with its first epoch and
+//! with every sixtieth after it. The run takes the most expensive paths through the program: 40
+//! satellites, three faults, every method in turn.
 
 use std::time::Duration;
 
@@ -15,13 +16,13 @@ use crate::image::{self, Image};
 
 const PATIENCE: Duration = Duration::from_mins(1);
 const POLICIES: [&str; 3] = ["TOP", "T2", "T1"];
-/// Epochs until the stack is looked at again.
+/// Number of epochs until the image logs the stack again.
 const EPOCHS: u32 = 61;
 
-/// Flash, static RAM and stack of the shipped image, bytes.
+/// Measures flash, static RAM and stack of the shipped image, bytes.
 ///
 /// # Errors
-/// Where the image does not build or the board does not answer.
+/// If the image does not build or the board does not answer.
 pub fn measure() -> Result<Vec<Figure>> {
     let path = image::build()?;
     let image = Image::open(&path)?;

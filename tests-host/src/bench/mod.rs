@@ -1,12 +1,12 @@
-//! What the module costs on the chip, stage by stage, beside what it may cost.
+//! Cost of the module on the chip, stage by stage, beside its budgets.
 //!
-//! Instructions are counted by the emulated core, to the instruction and the same every time ([`crate::laboratory`]);
-//! bytes are those of the shipped image. Each figure stands beside a committed one ([`budget`]), beyond which it may not
-//! grow, and beside the target that the stage was given. The stages of an epoch are run on the second board too: what a
-//! processor with doubles saves.
+//! The emulated core counts instructions exactly and reproducibly ([`crate::laboratory`]). Bytes
+//! are those of the shipped image. Each figure stands beside a committed one ([`budget`]), beyond
+//! which it may not grow, and beside the target of its stage. The stages of an epoch also run on
+//! the second board, which shows the gain of a processor with doubles.
 //!
-//! Cost is never time: a second on one machine is two on another, an instruction is an instruction. On the chip one takes
-//! a cycle or a few, and at 168 MHz a million of them about 7 ms.
+//! Cost is never time: a second differs between machines, an instruction does not. On the chip one
+//! takes a cycle or a few; at 168 MHz a million of them take about 7 ms.
 
 pub mod budget;
 mod figure;
@@ -26,10 +26,10 @@ use anyhow::Result;
 
 use crate::laboratory::profile::Profile;
 
-/// Where the instructions of a stage go, which a part of its name chooses: the first that has it.
+/// Profiles the first stage whose name contains `words`.
 ///
 /// # Errors
-/// Where no stage has such a name, or the measuring image does not come to its end.
+/// If no stage has such a name, or the measuring image does not finish.
 pub fn profile(words: &str) -> Result<(String, Profile)> {
     match worst::profile(words)? {
         Some(found) => Ok(found),
@@ -40,17 +40,17 @@ pub fn profile(words: &str) -> Result<(String, Profile)> {
 /// All figures of one state of the program.
 #[derive(Clone, Debug)]
 pub struct Measurement {
-    /// Each with its name.
+    /// Figures with their names.
     pub figures: Vec<Figure>,
-    /// What the worst-case epochs were.
+    /// Circumstances of the worst-case epochs.
     pub worst: Vec<String>,
 }
 
 impl Measurement {
-    /// Measures everything, in two minutes; says what it is at.
+    /// Measures everything, in two minutes, and reports its progress.
     ///
     /// # Errors
-    /// Where an image does not build, or the emulator does not run it to its end.
+    /// If an image does not build, or does not finish in the emulator.
     pub fn take(mut progress: impl FnMut(&str)) -> Result<Self> {
         progress("stages on the emulated core");
         let mut figures = stages::measure()?;
@@ -67,10 +67,10 @@ impl Measurement {
         Ok(Self { figures, worst: worst.iter().map(Found::circumstances).collect() })
     }
 
-    /// What has grown beyond its budget.
+    /// Returns the figures that exceed their budget.
     ///
     /// # Errors
-    /// Where the committed figures cannot be read.
+    /// If the committed figures cannot be read.
     pub fn check(&self) -> Result<Vec<String>> {
         Ok(budget::findings(&self.figures, &budget::committed()?))
     }

@@ -1,6 +1,7 @@
-//! What is measured: each stage with its sky, and the most it should cost.
+//! Measured stages, each with its sky and its target.
 //!
-//! The targets are for 20 satellites of two constellations in `f32`; other sizes are measured for what they tell.
+//! The targets apply to 20 satellites of two constellations in `f32`. Other sizes are measured for
+//! comparison.
 
 use anyhow::{Context, Result};
 use rai_core::frame::Ecef;
@@ -19,25 +20,26 @@ struct Case {
     scalar: Scalar,
     input: Vec<u8>,
     target: Option<u64>,
-    /// Epochs in the input, of which the last is measured.
+    /// Number of epochs in the input, of which the last is measured.
     epochs: usize,
 }
 
-/// Sizes of skies.
+/// Numbers of satellites.
 const SIZES: [usize; 5] = [8, 12, 20, 30, 40];
-/// The methods by name, in the order that a request numbers them.
+/// Names of the methods, in the order of their numbers in a request.
 pub const METHODS: [&str; 8] =
     ["BAARDA", "SIMULTANEOUS", "SEQUENTIAL", "HYBRID", "GROUPING", "RANSAC", "SEPARATION", "AUTO"];
 
-/// The figure of a method: an epoch of 20 satellites of which so many are faulty, after one like it.
+/// Returns the name of a method's figure: an epoch of 20 satellites with `faults` faulty ones,
+/// after one like it.
 pub fn of_method(method: &str, faults: usize) -> String {
     format!("epoch judged by {method}, faulty {faults} of 20 satellites, f32")
 }
 
-/// Runs every stage.
+/// Measures every stage.
 ///
 /// # Errors
-/// Where the measuring image does not come to its end.
+/// If the measuring image does not finish.
 pub fn measure() -> Result<Vec<Figure>> {
     let cases = cases()?;
     let answers = run(&cases, Machine::Stm32f405)?;
@@ -47,7 +49,7 @@ pub fn measure() -> Result<Vec<Figure>> {
         .collect())
 }
 
-/// Runs the stages of one epoch on the second board, whose processor has doubles.
+/// Measures the stages of one epoch on the second board, whose processor has doubles.
 ///
 /// # Errors
 /// As [`measure`].
@@ -61,20 +63,21 @@ pub fn measure_second_board() -> Result<Vec<Figure>> {
         .collect())
 }
 
-/// The tests of 20 satellites in single and in double precision.
+/// Returns the tests of 20 satellites in single and in double precision.
 fn linear_tests() -> Result<Vec<Case>> {
     Ok([tests(20, 2, Scalar::Single)?, tests(20, 2, Scalar::Double)?].concat())
 }
 
-/// Where the instructions of the first stage go whose name has these words in it.
+/// Profiles the first stage whose name contains `words`.
 ///
 /// # Errors
-/// As [`measure`]; also where no stage has such a name, which the message then lists.
+/// As [`measure`]; also if no stage has such a name, in which case the message lists the names.
 pub fn profile(words: &str) -> Result<(String, Profile)> {
     let cases = cases()?;
     let names = || cases.iter().map(|case| case.name.as_str()).collect::<Vec<_>>().join("\n  ");
     let case = cases.iter().find(|case| case.name.contains(words));
-    let case = case.with_context(|| format!("no stage is called `{words}`; there are\n  {}", names()))?;
+    let case =
+        case.with_context(|| format!("no stage has `{words}` in its name; the stages are\n  {}", names()))?;
     let mut bench = Bench::default();
     bench.request(case.stage, case.scalar, &case.input);
     Ok((case.name.clone(), bench.profile(case.epochs - 1)?))
@@ -113,7 +116,7 @@ fn run(cases: &[Case], machine: Machine) -> Result<Vec<Answer>> {
     Ok(measured)
 }
 
-/// Start and epoch.
+/// Encodes starting point and epoch.
 fn linear(count: usize, constellations: usize, faults: usize) -> Result<Vec<u8>> {
     Ok([point_bytes(site().position), epoch_bytes(&epoch(count, constellations, faults)?)].concat())
 }
@@ -153,7 +156,8 @@ fn tests(count: usize, constellations: usize, scalar: Scalar) -> Result<Vec<Case
     ])
 }
 
-/// Searches for the faulty satellites; three are faulty, so that every pair is looked at in vain.
+/// Returns the searches for faulty satellites. Three are faulty, so that every pair is tried in
+/// vain.
 fn searches(count: usize) -> Result<Vec<Case>> {
     let on = format!("{count} satellites, two constellations, f32");
     let three = linear(count, 2, 3)?;
@@ -174,7 +178,7 @@ fn searches(count: usize) -> Result<Vec<Case>> {
     ])
 }
 
-/// ARAIM over the fix's snapshot, without and with nominal biases.
+/// Returns ARAIM over the fix's snapshot, without and with nominal biases.
 fn separations() -> Result<Vec<Case>> {
     let mut cases = Vec::new();
     for (count, constellations, targets) in
@@ -194,7 +198,8 @@ fn separations() -> Result<Vec<Case>> {
     Ok(cases)
 }
 
-/// A monitor's input: method, policy, clock aiding, start, an epoch of two constellations for each number of faults.
+/// Encodes a monitor's input: method, policy, clock aiding, start, and an epoch of two
+/// constellations for each number of faults.
 pub(super) fn judgement(method: usize, start: Ecef, count: usize, faults: &[usize]) -> Result<Vec<u8>> {
     let mut input = vec![method as u8, 0, 0];
     input.extend(point_bytes(start));
@@ -227,7 +232,8 @@ fn judgements() -> Result<Vec<Case>> {
     Ok(cases)
 }
 
-/// Every method on the same epochs, each after one like it, as in a stream: the consensus keeps its selection.
+/// Returns every method on the same epochs, each after one like it, as in a stream, because RANSAC
+/// keeps its selection.
 fn methods() -> Result<Vec<Case>> {
     let case = |(method, name): (usize, &str), faults: usize| -> Result<Case> {
         Ok(Case {
@@ -255,7 +261,7 @@ fn thresholds_and_clock() -> Result<Vec<Case>> {
         target: Some(target),
         epochs: 1,
     };
-    // A drift of 30 m/s with a wander on it.
+    // The clock drifts by 30 m/s and wanders.
     let clock = (0..61_i32).map(|second| f64::from(second * 30 + second * second % 7));
     Ok(vec![
         case(
@@ -300,7 +306,7 @@ fn wire() -> Result<Vec<Case>> {
     ])
 }
 
-/// The same sky by UBX: two signals of each satellite.
+/// Returns the same sky as UBX, with two signals per satellite.
 fn wire_of_ubx() -> Result<Vec<Case>> {
     let stream = Stream::of_ubx(3, 20)?;
     let (before, last) = stream.split()?;
@@ -322,7 +328,7 @@ fn halves(before: &[u8], last: &[u8]) -> Vec<u8> {
     [&(before.len() as u32).to_le_bytes(), before, last].concat()
 }
 
-/// Commands, what came before, the epoch.
+/// Encodes commands, the bytes before, and the epoch.
 pub(super) fn whole(commands: &[String], before: &[u8], last: &[u8]) -> Vec<u8> {
     let sentences: String = commands.iter().map(|command| crate::sentence::command(command)).collect();
     [vec![sentences.len() as u8], sentences.into_bytes(), halves(before, last)].concat()

@@ -1,8 +1,8 @@
-//! What the stages are fed: skies of a given size, with faults, and the bytes of a receiver under them.
+//! Inputs of the stages: skies of a given size, with faults, and a receiver's bytes for them.
 //!
-//! The geometry is that of GPS and `BeiDou` above Wuhan at an instant when both together show 40 satellites. A smaller sky
-//! takes every second, every third of the list; for one constellation all are called GPS. Faults are in every third
-//! satellite, as far apart as the list allows.
+//! The geometry is that of GPS and `BeiDou` above Wuhan at an instant when both together have 40
+//! satellites in view. A smaller sky takes every second or third of the list; for one constellation
+//! all are named as GPS. Every third satellite is faulty, as far apart as the list allows.
 
 use std::sync::LazyLock;
 
@@ -20,60 +20,61 @@ use crate::recording::Recording;
 use crate::sky::raw::Simulation;
 use crate::sky::{Fleet, Noise, Oscillator, Satellite, Sight, Site, sights};
 
-/// Letters of the systems of the sky that is measured.
+/// Letters of the systems of the measured sky.
 const TWO_SYSTEMS: &str = "GC";
 /// Standard deviation of every range, m.
 const SIGMA_M: f64 = 2.0;
 /// Receiver clock times the speed of light, m: 0.1 ms.
 const CLOCK_M: f64 = 3e4;
-/// What a faulty range is off by, m; no two agree.
+/// Errors of faulty ranges, m; no two agree.
 const FAULTS_M: [f64; 3] = [120.0, -95.0, 150.0];
-/// Elevation above which the full sky is counted, rad.
+/// Elevation above which satellites count for the full sky, rad.
 const MASK_RAD: f64 = 10.0 / 180.0 * core::f64::consts::PI;
 
-/// Where the antenna is: the station JFNG.
+/// Returns the site of the antenna: the station JFNG.
 pub fn site() -> Site {
     Site::geodetic(30.5156, 114.4910, 71.0)
 }
 
-/// A point 1 km from the antenna, where a fix is to start.
+/// Returns a point 1 km from the antenna, at which a fix starts.
 pub fn start() -> Ecef {
     site().position + Ecef::new(600.0, 700.0, -387.3)
 }
 
-/// The satellites of systems by their letters.
+/// Returns the satellites of systems, by their letters.
 fn satellites(systems: &str) -> Vec<Satellite> {
     let fleets = [('G', Fleet::Gps31), ('C', Fleet::Beidou44), ('E', Fleet::Galileo24)];
     let chosen = fleets.into_iter().filter(|(letter, _)| systems.contains(*letter));
     chosen.flat_map(|(_, fleet)| fleet.satellites()).collect()
 }
 
-/// Start of the first quarter of an hour with 40 satellites in view, or with the most of the day, s.
+/// Returns the start of the first quarter of an hour with 40 satellites in view, or with the most
+/// of the day, s.
 fn fullest_s(satellites: &[Satellite]) -> f64 {
     let quarters = (0..96).map(|quarter| f64::from(quarter) * 900.0);
     let count = |t_s: f64| sights(satellites, &site(), t_s, MASK_RAD).len().min(40);
     quarters.rev().max_by_key(|&t_s| count(t_s)).unwrap_or(0.0)
 }
 
-/// All satellites of the fullest moment; searched for once.
+/// Returns all satellites at the fullest moment, found once.
 fn full_sky() -> &'static [Sight] {
     static SKY: LazyLock<Vec<Sight>> = LazyLock::new(|| {
         let satellites = satellites(TWO_SYSTEMS);
-        // Some more than the mask lets through, so that there are always 40.
+        // Satellites below the mask are included, so that there are always 40.
         sights(&satellites, &site(), fullest_s(&satellites), 0.0)
     });
     &SKY
 }
 
-/// `count` of a list, evenly spread.
+/// Returns `count` elements of a list, evenly spaced.
 fn spread<T>(list: &[T], count: usize) -> impl Iterator<Item = &T> {
     (0..count).filter_map(move |index| list.get(index * list.len() / count))
 }
 
-/// An epoch of `count` satellites of one to four constellations, `faults` of them wrong.
+/// Returns an epoch of `count` satellites of one to four constellations, `faults` of them wrong.
 ///
 /// # Errors
-/// Where the sky shows fewer, or the core refuses a range.
+/// If the sky has fewer satellites, or the core refuses a range.
 pub fn epoch(count: usize, constellations: usize, faults: usize) -> Result<Epoch<CAPACITY>> {
     let noise = Noise::new(count as u64);
     let mut epoch = Epoch::new(0.0);
@@ -87,7 +88,7 @@ pub fn epoch(count: usize, constellations: usize, faults: usize) -> Result<Epoch
             sigma_m: SIGMA_M,
         })?;
     }
-    anyhow::ensure!(epoch.observations().len() == count, "the sky shows fewer than {count} satellites");
+    anyhow::ensure!(epoch.observations().len() == count, "the sky has fewer than {count} satellites");
     Ok(epoch)
 }
 
@@ -97,27 +98,29 @@ fn fault_m(index: usize, faults: usize) -> f64 {
 }
 
 fn named(index: usize, count: usize, constellations: usize) -> Result<SatelliteId> {
-    let constellation =
-        *Constellation::ALL.get(index * constellations / count).context("no such constellation")?;
-    SatelliteId::new(constellation, index as u8 + 1).context("no such number")
+    let constellation = *Constellation::ALL
+        .get(index * constellations / count)
+        .context("the number of constellations must be within 1 to 4")?;
+    SatelliteId::new(constellation, index as u8 + 1)
+        .context("the constellation has no satellite of this number")
 }
 
-/// Which satellites of a stream are wrong, and since when.
+/// Faults of a stream.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wrong {
-    /// How many, evenly spread; never two next to each other while there are few.
+    /// Number of faulty satellites, evenly spaced and, while there are few, never adjacent.
     pub faults: usize,
-    /// Of the biases, which without it are some hundred metres, and differ.
+    /// Scale of the biases. At 1 they are some hundred metres, and differ.
     pub scale: f64,
-    /// Seconds into the stream.
+    /// Start of the faults in the stream, s.
     pub from_s: f64,
 }
 
 impl Wrong {
-    /// None of them.
+    /// No faults.
     pub const NOTHING: Self = Self { faults: 0, scale: 0.0, from_s: 0.0 };
 
-    /// Bias of one of `count` satellites, m.
+    /// Returns the bias of one of `count` satellites, m.
     fn of_m(&self, index: usize, count: usize) -> f64 {
         let before = |index: usize| index * self.faults / count;
         if before(index) == before(index + 1) {
@@ -129,19 +132,22 @@ impl Wrong {
     }
 }
 
-/// What a receiver of two frequencies sends, in epochs of one second; the first brings the ephemerides.
+/// Bytes of a receiver of two frequencies, in epochs of one second; the first includes the
+/// ephemerides.
 pub struct Stream {
     /// Bytes of each epoch.
     pub epochs: Vec<Vec<u8>>,
-    /// Satellites in view, at the mask of the module or above.
+    /// Number of satellites at or above the mask of the module.
     pub satellites: usize,
 }
 
 impl Stream {
-    /// UBX over a sky of `count` satellites: RXM-RAWX with two signals of each, and RXM-SFRBX before.
+    /// Encodes UBX for a sky of `count` satellites: RXM-RAWX with two signals of each, after
+    /// RXM-SFRBX.
     ///
     /// # Errors
-    /// Where a message cannot be encoded, or a satellite has not two signals that such a receiver measures.
+    /// If a message cannot be encoded, or a satellite lacks two signals that such a receiver
+    /// measures.
     pub fn of_ubx(epochs: u32, count: usize) -> Result<Self> {
         let simulation = simulation(epochs, count, TWO_SYSTEMS);
         let satellites = simulation.sights_at(0).len();
@@ -157,27 +163,27 @@ impl Stream {
         Ok(Self { epochs, satellites })
     }
 
-    /// RTCM over a sky of `count` satellites, of a receiver that measures no Doppler frequencies.
+    /// Encodes RTCM for a sky of `count` satellites, from a receiver without Doppler frequencies.
     ///
     /// # Errors
-    /// Where a message cannot be encoded.
+    /// If a message cannot be encoded.
     pub fn without_range_rates(epochs: u32, count: usize) -> Result<Self> {
         let simulation = Simulation { has_range_rates: false, ..simulation(epochs, count, TWO_SYSTEMS) };
         Self::of(&simulation.record(), simulation.sights_at(0).len(), TWO_SYSTEMS)
     }
 
-    /// RTCM over a sky of `count` satellites of two systems, some of them wrong.
+    /// Encodes RTCM for a sky of `count` satellites of two systems, some of them wrong.
     ///
     /// # Errors
-    /// Where a message cannot be encoded.
+    /// If a message cannot be encoded.
     pub fn with(epochs: u32, count: usize, wrong: Wrong) -> Result<Self> {
         Self::of_systems(TWO_SYSTEMS, epochs, count, wrong)
     }
 
-    /// The same of any of GPS, `BeiDou` and Galileo, by their letters.
+    /// Encodes the same for any of GPS, `BeiDou` and Galileo, by their letters.
     ///
     /// # Errors
-    /// Where a message cannot be encoded.
+    /// If a message cannot be encoded.
     pub fn of_systems(systems: &str, epochs: u32, count: usize, wrong: Wrong) -> Result<Self> {
         let simulation = simulation(epochs, count, systems);
         let seen = simulation.sights_at(0);
@@ -199,17 +205,17 @@ impl Stream {
         Ok(Self { epochs, satellites })
     }
 
-    /// What came before the last epoch, and the last epoch.
+    /// Splits the stream into the bytes before the last epoch and the last epoch.
     ///
     /// # Errors
-    /// Where there is no epoch.
+    /// If there is no epoch.
     pub fn split(&self) -> Result<(Vec<u8>, &[u8])> {
-        let (last, before) = self.epochs.split_last().context("a stream without epochs")?;
+        let (last, before) = self.epochs.split_last().context("the stream has no epochs")?;
         Ok((before.concat(), last))
     }
 }
 
-/// The encrypted code as the civil one on the same carrier, which is what these receivers measure.
+/// Replaces the encrypted code by the civil one on the same carrier, which these receivers measure.
 fn as_civil(signal: &mut MeasuredSignal) {
     if signal.attribute == 'W' {
         signal.attribute = 'L';

@@ -1,8 +1,9 @@
-//! The worst-case epoch, found by a search: what the pin may have to wait for.
+//! Worst-case epoch, found by a search: the longest time that the pin may have to wait.
 //!
-//! A setting or a circumstance at a time is varied over all of its values and left at the highest, round after round, until
-//! none makes the epoch dearer. That finds a summit, not surely the highest: circumstances that only together are dear
-//! may be missed. It starts from every method, so that at least these are all looked at.
+//! The search varies one setting or circumstance at a time over all its values and keeps the most
+//! expensive one, round after round, until none raises the cost. That finds a local maximum, not
+//! surely the global one: it can miss circumstances that are expensive only together. It starts
+//! once from every method, so that all of them are tried.
 //!
 //! | varied | over |
 //! |---|---|
@@ -13,8 +14,9 @@
 //! | faulty ones among them | none to thirty |
 //! | size of the faults | some tens of metres to hundreds of kilometres |
 //!
-//! Figures are instructions of one epoch from its first byte to its last sentence, in the midst of a stream, or the first of
-//! one, which brings the ephemerides and knows no position.
+//! Figures are instructions of one epoch from its first byte to its last sentence. The epoch is
+//! either in the midst of a stream, or the first of one, which includes the ephemerides and starts
+//! without a position.
 
 use std::collections::BTreeMap;
 
@@ -39,28 +41,28 @@ const CIRCUMSTANCES: [(&str, &[&str]); 9] = [
     (SCALE, &["0.3", "1", "10", "100", "1000"]),
 ];
 
-/// Their letters; GLONASS is not simulated.
+/// Name of the systems, whose values are letters. GLONASS is not simulated.
 const SYSTEMS: &str = "systems";
 const SATELLITES: &str = "satellites";
 const FAULTS: &str = "faults";
-/// Of the faults, in units of some hundred metres.
+/// Name of the scale of the faults, in units of some hundred metres.
 const SCALE: &str = "scale";
 
-/// Rounds after which the search ends, whatever it finds.
+/// Largest number of rounds of a search.
 const ROUNDS: usize = 4;
 
-/// Circumstances by the number of their values.
+/// Index of the value of each circumstance.
 type Point = [usize; CIRCUMSTANCES.len()];
 
-/// Where every search begins: the full sky with three faults, as the module is at start.
+/// Start of every search: the full sky with three faults, and the settings at start.
 const START: Point = [0, 0, 0, 0, 0, 0, 4, 3, 1];
 
-/// Which epoch is looked for.
+/// Position of the epoch in its stream.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Place {
-    /// One in the midst of a stream.
+    /// An epoch in the midst of a stream.
     Later,
-    /// The first one.
+    /// The first epoch of a stream.
     First,
 }
 
@@ -73,7 +75,7 @@ impl Place {
     }
 }
 
-/// An epoch that a search has found.
+/// Epoch that a search has found.
 #[derive(Clone, Debug)]
 pub struct Found {
     place: Place,
@@ -82,22 +84,22 @@ pub struct Found {
 }
 
 impl Found {
-    /// What it cost, under a name that does not depend on what it was.
+    /// Returns the cost under a name that does not depend on the circumstances.
     pub fn figure(&self, target: u64) -> Figure {
         Figure { name: self.place.words().to_owned(), value: self.instructions, target: Some(target) }
     }
 
-    /// What it was.
+    /// Returns the circumstances as text.
     pub fn circumstances(&self) -> String {
         let each = words(&self.point).map(|(name, value)| format!("{name} {value}"));
         format!("{}: {}", self.place.words(), each.collect::<Vec<_>>().join(", "))
     }
 }
 
-/// Finds the worst-case epoch.
+/// Searches for the worst-case epoch.
 ///
 /// # Errors
-/// Where the measuring image does not come to its end.
+/// If the measuring image does not finish.
 pub fn search(place: Place) -> Result<Found> {
     let mut point = START;
     let mut highest = 0;
@@ -107,7 +109,11 @@ pub fn search(place: Place) -> Result<Found> {
         for (axis, (_, values)) in CIRCUMSTANCES.iter().enumerate() {
             let along: Vec<Point> = (0..values.len()).map(|value| with(point, axis, value)).collect();
             let costs = known_or_measured(place, &along, &mut known)?;
-            let best = costs.into_iter().zip(along).max_by_key(|(cost, _)| *cost).context("no values")?;
+            let best = costs
+                .into_iter()
+                .zip(along)
+                .max_by_key(|(cost, _)| *cost)
+                .context("a circumstance has no values")?;
             if best.0 > highest {
                 (highest, point) = best;
             }
@@ -119,8 +125,8 @@ pub fn search(place: Place) -> Result<Found> {
     Ok(Found { place, point, instructions: highest })
 }
 
-/// Where the instructions of the worst-case epoch go whose name has these words in it, which is searched for first; `None` where
-/// it is neither.
+/// Profiles the worst-case epoch whose name contains `wanted`, after searching for it; `None` if
+/// neither name does.
 ///
 /// # Errors
 /// As [`search`].
@@ -142,17 +148,17 @@ fn with(mut point: Point, axis: usize, value: usize) -> Point {
     point
 }
 
-/// What each point costs. What is known is not measured again: a search that has come to its summit looks around once more, at
-/// points most of which it has been to.
+/// Returns the cost of each point. Known points are not measured again, because a search at its
+/// maximum tries its surroundings once more, most of which it has measured.
 fn known_or_measured(place: Place, points: &[Point], known: &mut BTreeMap<Point, u64>) -> Result<Vec<u64>> {
     let new: Vec<Point> = points.iter().filter(|point| !known.contains_key(*point)).copied().collect();
     if !new.is_empty() {
         known.extend(new.iter().copied().zip(measure(place, &new)?));
     }
-    points.iter().map(|point| known.get(point).copied().context("a point without an answer")).collect()
+    points.iter().map(|point| known.get(point).copied().context("a point has no answer")).collect()
 }
 
-/// What each point costs, all of them in one go of the emulator.
+/// Measures all points in one run of the emulator.
 fn measure(place: Place, points: &[Point]) -> Result<Vec<u64>> {
     let mut bench = Bench::default();
     for point in points {

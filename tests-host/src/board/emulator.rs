@@ -1,4 +1,4 @@
-//! The emulator's process and its three sockets.
+//! Process of the emulator, with its three sockets.
 
 use std::io::Read;
 use std::net::{TcpListener, TcpStream};
@@ -13,21 +13,21 @@ use anyhow::{Context, bail};
 use crate::setup::emulator::{self, PROGRAM};
 use crate::setup::on_path;
 
-/// How long the emulator may take to connect its ports.
+/// Time within which the emulator must connect its ports.
 const START_PATIENCE: Duration = Duration::from_secs(20);
 
-/// How the board's time runs while its core sleeps.
+/// Pace of the board's time while its core sleeps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Pace {
-    /// As fast as the host's: a host that thinks for a second lets a second pass.
+    /// The host's pace: if the host computes for a second, a second passes.
     #[default]
     Wall,
-    /// Jumps to the next timer: minutes of silence pass in no time. Only for tests of silence, since a host that feeds
-    /// the board would always be too late.
+    /// Time jumps to the next timer, so minutes of silence pass at once. It suits only tests of
+    /// silence, because a host that feeds the board would always be too late.
     Leap,
 }
 
-/// Which board is emulated.
+/// Emulated board.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Machine {
     /// The STM32F405, a Cortex-M4F.
@@ -38,7 +38,7 @@ pub enum Machine {
 }
 
 impl Machine {
-    /// The emulator's words for it.
+    /// Returns the emulator's arguments for the board.
     pub(crate) const fn arguments(self) -> &'static [&'static str] {
         match self {
             Self::Stm32f405 => &["-machine", "netduinoplus2"],
@@ -46,7 +46,7 @@ impl Machine {
         }
     }
 
-    /// Frequency of the ticks that its image logs, Hz.
+    /// Returns the frequency of the ticks that its image logs, Hz.
     pub const fn tick_hz(self) -> u64 {
         match self {
             Self::Stm32f405 => 168_000_000,
@@ -54,18 +54,18 @@ impl Machine {
         }
     }
 
-    /// Instructions that pass in `ticks` of it: one each nanosecond.
+    /// Returns the instructions that pass in `ticks`: one each nanosecond.
     pub const fn instructions(self, ticks: u64) -> u64 {
         ticks * (1_000_000_000 / 1_000_000) / (self.tick_hz() / 1_000_000)
     }
 }
 
-/// How to start the emulator.
+/// Settings of the emulator.
 #[derive(Clone, Debug, Default)]
 pub struct Settings {
-    /// Which board.
+    /// Emulated board.
     pub machine: Machine,
-    /// How time runs.
+    /// Pace of its time.
     pub pace: Pace,
     /// Further arguments of the emulator, such as a debugger's socket.
     pub arguments: Vec<String>,
@@ -104,20 +104,20 @@ impl Emulator {
         for listener in &listeners {
             ports.push(accept(listener, deadline, &emulator)?);
         }
-        let ports = ports.try_into().ok().context("three listeners give three ports")?;
+        let ports = ports.try_into().ok().context("three ports must be connected")?;
         Ok((emulator, ports))
     }
 
-    /// What the emulator said to its user, if it has ended.
+    /// Returns the emulator's message to its user, if it has ended.
     pub(super) fn complaint(&self) -> String {
-        self.complaint.recv_timeout(Duration::from_secs(1)).unwrap_or_else(|_| "it did not say why".into())
+        self.complaint.recv_timeout(Duration::from_secs(1)).unwrap_or_else(|_| "without a message".into())
     }
 
     pub(super) fn process_id(&self) -> u32 {
         self.process_id
     }
 
-    /// Ends the emulator; an error if it had ended by itself.
+    /// Ends the emulator; returns an error if it had ended by itself.
     pub(super) fn stop(mut self) -> anyhow::Result<()> {
         self.end()
     }
@@ -134,7 +134,7 @@ impl Emulator {
 
 impl Drop for Emulator {
     fn drop(&mut self) {
-        // Nobody is left to hear about a board that ended early.
+        // A board that ended early is not reported here, because there is no caller left.
         let _ = self.end();
     }
 }
@@ -220,7 +220,7 @@ fn keep(
     bail!("the emulator ended by itself: {}", text.trim())
 }
 
-/// Waits until the board is dropped or the process ends; says whether it was the process.
+/// Waits until the board is dropped or the process ends; returns true if the process ended.
 fn wait_for_end(child: &mut Child, ending: &Receiver<()>) -> bool {
     loop {
         match ending.recv_timeout(Duration::from_millis(50)) {

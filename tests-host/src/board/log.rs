@@ -1,4 +1,4 @@
-//! The board's log: frames of the log port, read with the table in the image.
+//! Log of the board: frames of the log port, decoded with the table in the image.
 
 use std::io::Read;
 use std::net::TcpStream;
@@ -9,22 +9,22 @@ use defmt_decoder::{DecodeError, Frame, Table};
 
 use crate::report::Verdict;
 
-/// What the log tells of one verdict.
+/// A verdict in the log.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Judgement {
     /// The verdict.
     pub verdict: Verdict,
-    /// Whether it was the silence of the line that was judged, and no epoch.
+    /// True if the verdict concerns the silence of the line, not an epoch.
     pub is_stale: bool,
-    /// Ticks of the core clock from the last byte of the epoch to the pin, at most; `None` where no byte brought the
-    /// verdict about.
+    /// Ticks of the core clock from the last byte of the epoch to the pin, at most; `None` if no
+    /// byte caused the verdict.
     pub ticks_to_pin: Option<u64>,
 }
 
 /// One line of the log.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LogLine {
-    /// Seconds since the board's start.
+    /// Time since the board's start, s.
     pub time_s: f64,
     /// `info`, `warn`, `error`…
     pub level: String,
@@ -44,7 +44,8 @@ impl LogLine {
         }
     }
 
-    /// The level that this line tells of the integrity pin. A start tells of a low pin: start-up drives it so.
+    /// Returns the level of the integrity pin in this line. A start line means a low pin, because
+    /// start-up drives it low.
     pub fn pin_level(&self) -> Option<bool> {
         match self.text.as_str() {
             "integrity pin high" => Some(true),
@@ -54,13 +55,13 @@ impl LogLine {
         }
     }
 
-    /// The ticks of the core clock that this line tells for an epoch.
+    /// Returns the ticks of the core clock that an epoch took, if this line has them.
     pub fn epoch_ticks(&self) -> Option<u64> {
         let (_, ticks) = self.text.strip_prefix("epoch ")?.strip_suffix(" ticks")?.split_once(" took ")?;
         ticks.parse().ok()
     }
 
-    /// The verdict that this line tells.
+    /// Returns the verdict in this line.
     pub fn judgement(&self) -> Option<Judgement> {
         let (verdict, rest) = self.text.strip_prefix("judged Some(")?.split_once("): ")?;
         let (word, reason) = verdict.split_once('(')?;
@@ -76,7 +77,8 @@ impl LogLine {
         Some(Judgement { verdict, is_stale: reason.starts_with("Stale"), ticks_to_pin })
     }
 
-    /// The most bytes that ever waited in each ring of the ports, by name, where this line tells them.
+    /// Returns the largest number of waiting bytes of each ring of the ports, by name, if this line
+    /// has them.
     pub fn rings(&self) -> Option<Vec<(String, u64)>> {
         let fields = self.text.strip_prefix("rings high water HighWater { ")?.strip_suffix(" }")?;
         let ring = |field: &str| {
@@ -86,13 +88,13 @@ impl LogLine {
         fields.split(", ").map(ring).collect()
     }
 
-    /// The bytes that this line tells the stack has reached.
+    /// Returns the deepest stack, bytes, if this line has it.
     pub fn stack_bytes(&self) -> Option<u64> {
         self.text.strip_prefix("stack high water ")?.strip_suffix(" bytes")?.parse().ok()
     }
 }
 
-/// The table that turns the image's frames into text.
+/// Returns the table that decodes the image's frames.
 pub(super) fn table(elf: &[u8]) -> anyhow::Result<Table> {
     Table::parse(elf).context("the image's log table cannot be read")?.context("the image has no log table")
 }
@@ -112,7 +114,8 @@ fn read(mut port: TcpStream, table: &Table, sender: &Sender<LogLine>) {
         loop {
             match decoder.decode() {
                 Ok(frame) if sender.send(LogLine::of(&frame)).is_err() => return,
-                // A frame that a reset has cut off is skipped; the next one starts after its end mark.
+                // A frame that a reset has cut off is skipped; the next one starts after its end
+                // mark.
                 Ok(_) | Err(DecodeError::Malformed) => {}
                 Err(DecodeError::UnexpectedEof) => break,
             }

@@ -1,14 +1,15 @@
-//! The emulated board as an object: start it, feed it, read it, stop it.
+//! The emulated board as an object that is started, fed, read and stopped.
 //!
-//! The three ports of the image are three sockets on which this process listens and to which the emulator connects, so
-//! no port number is guessed and no byte is lost before both sides are there. Threads empty the outgoing ports all the
-//! time: an emulated transmitter waits for its reader, and would stop the whole board.
+//! The three ports of the image are three sockets on which this process listens and to which the
+//! emulator connects. No port number is guessed, and no byte is lost before both sides are ready.
+//! Threads constantly drain the outgoing ports, because an emulated transmitter waits for its
+//! reader and would stop the whole board.
 //!
-//! Everything that waits has a deadline. The emulator ends with the object, also when a test panics, and with this
-//! process, also when it is killed.
+//! Every wait has a deadline. The emulator ends with the object, even if a test panics, and with
+//! this process, even if it is killed.
 //!
-//! Time on the board is counted: one instruction is one nanosecond, so the ticks that the image logs for an epoch give
-//! its instructions exactly, `instructions = ticks / f_core · 10⁹`.
+//! Time on the board is counted: one instruction is one nanosecond, so the ticks that the image
+//! logs for an epoch give its instructions exactly, `instructions = ticks / f_core · 10⁹`.
 //!
 //! | symbol | field | unit |
 //! |---|---|---|
@@ -35,7 +36,7 @@ pub use monitor::{Monitor, MonitorSocket};
 /// Frequency of the emulated core, Hz.
 pub const CORE_HZ: u64 = 168_000_000;
 
-/// How long a port may refuse bytes before the board counts as stuck.
+/// Time for which a port may refuse bytes before the board counts as stuck.
 const WRITE_PATIENCE: Duration = Duration::from_secs(20);
 
 /// A running emulated board.
@@ -53,7 +54,7 @@ impl EmulatedBoard {
     /// Boots `image` at the pace of the host.
     ///
     /// # Errors
-    /// Where the image cannot be read or the emulator does not start.
+    /// If the image cannot be read or the emulator does not start.
     pub fn start(image: &Path) -> anyhow::Result<Self> {
         Self::start_with(image, &Settings::default())
     }
@@ -61,7 +62,7 @@ impl EmulatedBoard {
     /// Boots `image` with `settings`.
     ///
     /// # Errors
-    /// Where the image cannot be read or the emulator does not start.
+    /// If the image cannot be read or the emulator does not start.
     pub fn start_with(image: &Path, settings: &Settings) -> anyhow::Result<Self> {
         let elf = std::fs::read(image).with_context(|| format!("{} cannot be read", image.display()))?;
         let table = log::table(&elf)?;
@@ -76,34 +77,34 @@ impl EmulatedBoard {
     /// Sends bytes to the GNSS port.
     ///
     /// # Errors
-    /// Where the board does not take them in time.
+    /// If the board does not accept them in time.
     pub fn feed(&mut self, bytes: &[u8]) -> anyhow::Result<()> {
-        self.gnss.write_all(bytes).context("the board takes no GNSS bytes")
+        self.gnss.write_all(bytes).context("the board does not accept GNSS bytes")
     }
 
     /// Sends bytes to the host port.
     ///
     /// # Errors
-    /// Where the board does not take them in time.
+    /// If the board does not accept them in time.
     pub fn send(&mut self, bytes: &[u8]) -> anyhow::Result<()> {
-        self.host.write_all(bytes).context("the board takes no commands")
+        self.host.write_all(bytes).context("the board does not accept commands")
     }
 
     /// Sends the command `$PRAIC,{text}` with its checksum, for instance `PHASE,NPA`.
     ///
     /// # Errors
-    /// Where the board does not take it in time.
+    /// If the board does not accept it in time.
     pub fn command(&mut self, text: &str) -> anyhow::Result<()> {
         self.send(crate::sentence::command(text).as_bytes())
     }
 
-    /// The next line of the host port, with its line end.
+    /// Returns the next line of the host port, with its line end.
     ///
     /// # Errors
-    /// Where none comes within `patience`.
+    /// If none comes within `patience`.
     pub fn read_line(&mut self, patience: Duration) -> anyhow::Result<String> {
         match self.lines.recv_timeout(patience) {
-            Ok(line) => String::from_utf8(line).context("the board sent bytes that are no text"),
+            Ok(line) => String::from_utf8(line).context("the board sent bytes that are not UTF-8"),
             Err(RecvTimeoutError::Timeout) => bail!("no line from the board within {patience:?}"),
             Err(RecvTimeoutError::Disconnected) => {
                 bail!("the emulator has ended: {}", self.emulator.complaint())
@@ -111,10 +112,10 @@ impl EmulatedBoard {
         }
     }
 
-    /// The next lines up to the first that starts with `prefix`, that one included.
+    /// Returns the next lines up to the first that starts with `prefix`, including it.
     ///
     /// # Errors
-    /// Where it has not come within `patience`; the message holds the last line that did.
+    /// If it has not come within `patience`; the message contains the last line that did.
     pub fn read_through(&mut self, prefix: &str, patience: Duration) -> anyhow::Result<Vec<String>> {
         let deadline = Instant::now() + patience;
         let mut lines: Vec<String> = Vec::new();
@@ -134,27 +135,27 @@ impl EmulatedBoard {
         }
     }
 
-    /// What has come from the host port since the last reading, line by line and as it came; waits for nothing.
+    /// Returns the lines of the host port since the last call, unchanged and without waiting.
     pub fn heard(&mut self) -> Vec<Vec<u8>> {
         self.lines.try_iter().collect()
     }
 
-    /// Stops to read the host port, or goes on: a host that has better things to do.
+    /// Stops or resumes reading the host port, like a busy host.
     pub fn listen(&mut self, listens: bool) {
         *self.ear.is_closed.lock().unwrap_or_else(PoisonError::into_inner) = !listens;
         self.ear.opened.notify_all();
     }
 
-    /// All that the board has logged so far.
+    /// Returns all that the board has logged so far.
     pub fn log(&mut self) -> &[LogLine] {
         self.seen.extend(self.log.try_iter());
         &self.seen
     }
 
-    /// The first log line from number `from` on that contains `words`, and its number.
+    /// Returns the first log line from number `from` on that contains `words`, and its number.
     ///
     /// # Errors
-    /// Where it has not come within `patience`.
+    /// If it has not come within `patience`.
     pub fn log_with(
         &mut self,
         words: &str,
@@ -173,36 +174,38 @@ impl EmulatedBoard {
         }
     }
 
-    /// The level of the integrity pin, as the log tells it: low until it says otherwise.
+    /// Returns the level of the integrity pin according to the log: low until a line says
+    /// otherwise.
     pub fn pin_is_high(&mut self) -> bool {
         self.log().iter().rev().find_map(LogLine::pin_level).unwrap_or(false)
     }
 
-    /// Instructions that each epoch has cost so far, from the first byte after the last one to its last sentence.
+    /// Returns the instructions that each epoch has cost so far, from the first byte after the last
+    /// one to its last sentence.
     pub fn epoch_instructions(&mut self) -> Vec<u64> {
         self.log().iter().filter_map(LogLine::epoch_ticks).map(instructions).collect()
     }
 
-    /// Number of the emulator's process.
+    /// Returns the process id of the emulator.
     pub fn process_id(&self) -> u32 {
         self.emulator.process_id()
     }
 
-    /// Ends the emulator and waits for its end. Dropping the board does the same without a word.
+    /// Ends the emulator and waits for its end. Dropping the board does the same silently.
     ///
     /// # Errors
-    /// Where the emulator had ended before, which a board does not do.
+    /// If the emulator had ended before, which a board does not do.
     pub fn stop(self) -> anyhow::Result<()> {
         self.emulator.stop()
     }
 }
 
-/// Instructions that pass in `ticks` of the core clock: one each nanosecond.
+/// Returns the instructions that pass in `ticks` of the core clock: one each nanosecond.
 pub const fn instructions(ticks: u64) -> u64 {
     Machine::Stm32f405.instructions(ticks)
 }
 
-/// Whether the host port is read.
+/// State of the reader of the host port.
 #[derive(Default)]
 struct Ear {
     is_closed: Mutex<bool>,

@@ -1,7 +1,8 @@
-//! The emulator's monitor: what somebody at the bench could do with a scope and a finger on the reset button.
+//! Monitor of the emulator: it replaces an oscilloscope and a finger on the reset button.
 //!
-//! The board's clock is read from the image's own count of milliseconds, in RAM. So the host knows how much time has
-//! passed on the board, which at [`super::Pace::Leap`] has little to do with its own.
+//! The board's clock is read from the image's own count of milliseconds, in RAM. The host thus
+//! knows the time that has passed on the board, which at [`super::Pace::Leap`] has little to do
+//! with its own.
 
 use std::io::{Read, Write};
 use std::net::{TcpListener, TcpStream};
@@ -11,42 +12,42 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, Result, ensure};
 use object::{Object, ObjectSymbol};
 
-/// How long the emulator may take to connect, or to answer.
+/// Time within which the emulator must connect, or answer.
 const PATIENCE: Duration = Duration::from_secs(20);
 
 /// The static of the image that counts milliseconds.
 const CLOCK: &str = "MS_LOW";
 
-/// What the monitor says when it waits for the next command.
+/// Prompt of the monitor.
 const PROMPT: &str = "(qemu) ";
 
-/// The place where the emulator will connect its monitor.
+/// Socket to which the emulator connects its monitor.
 #[derive(Debug)]
 pub struct MonitorSocket(TcpListener);
 
 impl MonitorSocket {
-    /// A free place.
+    /// Opens a free socket.
     ///
     /// # Errors
-    /// Where this machine has none.
+    /// If this machine has none.
     pub fn open() -> Result<Self> {
         TcpListener::bind(("127.0.0.1", 0)).map(Self).context("no local port for the monitor")
     }
 
-    /// What the emulator has to be told of it.
+    /// Returns the emulator's arguments for the socket.
     ///
     /// # Errors
-    /// Where the socket has no address.
+    /// If the socket has no address.
     pub fn arguments(&self) -> Result<Vec<String>> {
         let port = self.0.local_addr()?.port();
         let socket = format!("socket,id=monitor,host=127.0.0.1,port={port},nodelay=on");
         Ok(["-chardev", &socket, "-mon", "chardev=monitor,mode=readline"].map(str::to_owned).to_vec())
     }
 
-    /// The monitor of the emulator that was started with these arguments and with `image`.
+    /// Accepts the monitor of the emulator that was started with these arguments and with `image`.
     ///
     /// # Errors
-    /// Where the emulator has not connected, or the image has no clock.
+    /// If the emulator has not connected, or the image has no clock.
     pub fn accept(self, image: &Path) -> Result<Monitor> {
         self.0.set_nonblocking(true)?;
         let deadline = Instant::now() + PATIENCE;
@@ -74,25 +75,27 @@ pub struct Monitor {
 }
 
 impl Monitor {
-    /// Milliseconds on the board since its last start.
+    /// Returns the time on the board since its last start, ms.
     ///
     /// # Errors
-    /// Where the emulator does not answer.
+    /// If the emulator does not answer.
     pub fn clock_ms(&mut self) -> Result<u32> {
         let said = self.ask(&format!("xp /1uw {:#x}", self.clock_address))?;
-        number_behind_colon(&said).with_context(|| format!("the monitor shows no word: {said:?}"))
+        number_behind_colon(&said).with_context(|| format!("the monitor printed no number: {said:?}"))
     }
 
     /// Resets the chip, wherever its program is.
     ///
     /// # Errors
-    /// Where the emulator does not answer.
+    /// If the emulator does not answer.
     pub fn reset(&mut self) -> Result<()> {
         self.ask("system_reset").map(drop)
     }
 
     fn ask(&mut self, command: &str) -> Result<String> {
-        self.port.write_all(format!("{command}\n").as_bytes()).context("the monitor takes no command")?;
+        self.port
+            .write_all(format!("{command}\n").as_bytes())
+            .context("the monitor does not accept a command")?;
         self.answer()
     }
 
@@ -108,7 +111,7 @@ impl Monitor {
     }
 }
 
-/// Address of the image's count of milliseconds. Its name is decorated by the compiler.
+/// Returns the address of the image's count of milliseconds, whose name the compiler mangles.
 fn clock_address(image: &Path) -> Result<u64> {
     let bytes = std::fs::read(image).with_context(|| format!("{} cannot be read", image.display()))?;
     let elf = object::File::parse(&*bytes)?;
@@ -116,7 +119,7 @@ fn clock_address(image: &Path) -> Result<u64> {
     found.map(|symbol| symbol.address()).with_context(|| format!("the image has no static {CLOCK}"))
 }
 
-/// The number of a line such as `0000000020009574: 15858`.
+/// Parses the number of a line such as `0000000020009574: 15858`.
 fn number_behind_colon(said: &str) -> Option<u32> {
     said.lines().rev().find_map(|line| line.split_once(": ")?.1.trim().parse().ok())
 }

@@ -1,11 +1,12 @@
-//! YUMA almanacs: blocks of `name: value` lines, one block a satellite.
+//! YUMA almanacs: blocks of `name: value` lines, one block per satellite.
 //!
 //! ```text
 //! Ω(t) = Ω_w − ω_e t_oa + (Ω̇ − ω_e)(t − t_oa)        the node is counted from Greenwich at the beginning of the week
 //! ```
 //!
 //! A sky's `t = 0` is the time of applicability. Satellites whose health is not 0 are left out.
-//! Reference: [GPS-SPS] 2.4.4 for what an almanac holds; the form is that of the operator's own files.
+//! Reference: [GPS-SPS] 2.4.4 for the contents of an almanac; the format is that of the operator's
+//! own files.
 //!
 //! [GPS-SPS]: crate#references
 
@@ -18,10 +19,11 @@ use rai_core::satellite::{Constellation, SatelliteId};
 use crate::sky::Satellite;
 use crate::sky::orbit::{Orbit, mean_motion_rad_s};
 
-/// The healthy satellites of an almanac.
+/// Reads the healthy satellites of an almanac.
 ///
 /// # Errors
-/// A block without one of its lines, a number that is none or cannot be an orbit's, no satellite at all.
+/// If a block lacks a line, a value is not a number or not possible for an orbit, or no satellite
+/// is healthy.
 pub fn read(text: &str, constellation: Constellation) -> Result<Vec<Satellite>> {
     let mut satellites: Vec<Satellite> = Vec::new();
     for block in blocks(text) {
@@ -32,14 +34,14 @@ pub fn read(text: &str, constellation: Constellation) -> Result<Vec<Satellite>> 
         }
         let satellite = satellite(&block, constellation, number).with_context(context)?;
         let is_twice = satellites.iter().any(|known| known.id == satellite.id);
-        ensure!(!is_twice, "{} stands twice", satellite.id);
+        ensure!(!is_twice, "{} occurs twice", satellite.id);
         satellites.push(satellite);
     }
     ensure!(!satellites.is_empty(), "no healthy satellite: is it a YUMA almanac?");
     Ok(satellites)
 }
 
-/// Each block's lines, by the beginning of their names.
+/// Returns each block's lines by the start of their names.
 fn blocks(text: &str) -> Vec<BTreeMap<&str, &str>> {
     let mut blocks: Vec<BTreeMap<&str, &str>> = Vec::new();
     for line in text.lines() {
@@ -56,7 +58,7 @@ fn blocks(text: &str) -> Vec<BTreeMap<&str, &str>> {
 }
 
 fn field(block: &BTreeMap<&str, &str>, name: &str) -> Result<f64> {
-    let text = block.get(name).with_context(|| format!("a block without `{name}`"))?;
+    let text = block.get(name).with_context(|| format!("a block lacks `{name}`"))?;
     let number = text.parse().ok().filter(|number: &f64| number.is_finite());
     number.with_context(|| format!("{name}: `{text}` is not a number"))
 }
@@ -66,8 +68,8 @@ fn satellite(block: &BTreeMap<&str, &str>, constellation: Constellation, number:
     let is_number = (1.0..=99.0).contains(&number) && number.fract() == 0.0;
     let id = SatelliteId::new(constellation, number as u8).filter(|_| is_number);
     let (eccentricity, root) = (field("Eccentricity")?, field("SQRT")?);
-    ensure!((0.0..0.1).contains(&eccentricity), "eccentricity {eccentricity} is not within 0 and 0.1");
-    ensure!((4000.0..7000.0).contains(&root), "root of the axis {root} is not within 4000 and 7000");
+    ensure!((0.0..0.1).contains(&eccentricity), "eccentricity {eccentricity} must be within 0 to 0.1");
+    ensure!((4000.0..7000.0).contains(&root), "root of the axis {root} must be within 4000 to 7000");
     let axis_m = root * root;
     let applicability_s = field("Time of Applicability")?;
     let orbit = Orbit {
@@ -80,5 +82,5 @@ fn satellite(block: &BTreeMap<&str, &str>, constellation: Constellation, number:
         mean_anomaly_rad: field("Mean Anom")?,
         mean_motion_rad_s: mean_motion_rad_s(axis_m),
     };
-    Ok(Satellite { id: id.context("numbers are 1 to 99")?, orbit })
+    Ok(Satellite { id: id.context("the number must be within 1 to 99")?, orbit })
 }

@@ -19,18 +19,18 @@ use crate::sky::{Noise, Site};
 /// A method under its policy and its levels.
 #[derive(Clone, Debug)]
 pub struct Judge {
-    /// Method, policy and levels as the commands name them; `-` where one has no meaning.
+    /// Method, policy and levels as the commands name them; `-` if one has no meaning.
     pub words: [String; 3],
-    /// What the commands make of the module.
+    /// Configuration after the commands.
     pub configuration: Configuration,
     monitor: Monitor<f32, CAPACITY>,
 }
 
 impl Judge {
-    /// A judge that has seen nothing.
+    /// Returns a judge that has processed no epoch.
     ///
     /// # Errors
-    /// Requirements that cannot be met.
+    /// If the requirements cannot be met.
     pub fn new(
         words: [String; 3],
         configuration: Configuration,
@@ -42,24 +42,24 @@ impl Judge {
     }
 }
 
-/// What a cell is judged with.
+/// Inputs of a cell.
 pub struct Bench<'b> {
-    /// Instants with the satellites above, s.
+    /// Instants, s, each with the satellites of the sky.
     pub instants: &'b [(f64, Heaven)],
-    /// Where.
+    /// Place of the antenna.
     pub place: &'b Place,
-    /// Mask, degrees.
+    /// Elevation mask, degrees.
     pub mask_deg: f64,
-    /// What ranges are wrong by.
+    /// Error model of the ranges.
     pub model: ErrorModel,
-    /// Drawn noise over expected sigma.
+    /// Ratio of the drawn noise to the expected sigma.
     pub noise: f64,
-    /// Of this place.
+    /// Seed of this place.
     pub seed: u64,
 }
 
 impl Bench<'_> {
-    /// A tally for each fault and judge, in this order.
+    /// Returns a tally for each fault and judge, in this order.
     pub fn judge(&self, faults: &[FaultSpec], judges: &[Judge]) -> Vec<Tally> {
         let site = self.place.site();
         let noise = Noise::new(self.seed);
@@ -101,7 +101,7 @@ fn error(site: &Site, report: &Report<CAPACITY>) -> Option<Enu> {
     Some(site.frame.rotate(solution.position - site.position))
 }
 
-/// A fault that befalls somebody.
+/// Effect of a fault in an epoch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Befallen {
     Nobody,
@@ -110,7 +110,7 @@ enum Befallen {
 }
 
 impl Befallen {
-    /// What it adds to a range, m.
+    /// Returns the fault's contribution to a range, m.
     fn adds_m(&self, one: &Seen) -> f64 {
         match *self {
             Self::Nobody => 0.0,
@@ -133,7 +133,7 @@ impl Befallen {
     }
 }
 
-/// All that a fault comes to in an epoch.
+/// Returns all effects of a fault in an epoch.
 fn befallen(fault: &FaultSpec, seen: &[Seen], seed: u64, draw: u64) -> Vec<Befallen> {
     match *fault {
         FaultSpec::None => vec![Befallen::Nobody],

@@ -1,4 +1,4 @@
-//! Curves: a quantity over the latitude of a grid, or over the places of a track.
+//! Curves of a quantity over the latitude of a grid, or over the places of a track.
 
 use anyhow::Result;
 
@@ -7,10 +7,11 @@ use super::table::Row;
 use crate::report::canvas::{Ground, Mark, SERIES};
 use crate::report::chart::{Axis, LineChart, Series};
 
-/// A quantity of each case: over the latitude, the mean of its circle; else place by place.
+/// Draws a quantity of each case: on a grid the mean of each circle of latitude, otherwise place by
+/// place.
 ///
 /// # Errors
-/// What plotters could not draw.
+/// If plotters cannot draw it.
 pub fn svg(cases: &[Case<'_>], column: &str, factor: f64, label: &str, ground: Ground) -> Result<String> {
     let is_grid = cases.first().is_some_and(|case| grid_step_deg(case).is_some());
     let marks = [Mark::Line, Mark::Dashed];

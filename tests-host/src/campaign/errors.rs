@@ -1,4 +1,4 @@
-//! What ranges are wrong by, and the epoch that a receiver would make of them.
+//! Errors of ranges, and the epoch that a receiver would measure.
 //!
 //! ```text
 //! ρ_i = |x_i − x| + ω_e/c (x_i y − y_i x) + b + noise σ_i ε_i + fault
@@ -6,12 +6,13 @@
 //!
 //! | symbol | meaning |
 //! |---|---|
-//! | `σ_i` | what is expected of the range: the module's own model, or what the specification says |
+//! | `σ_i` | expected standard deviation: from the module's own model, or from the specification |
 //! | `ε_i` | normal, by seed, satellite, place and epoch: the same for every method, mask and fault |
 //! | `b` | [`CLOCK_M`], the same for all systems; each estimates its own |
 //!
-//! What the receiver *says* of a range is the model's sigma too, but for `SEPARATION`, which weighs by what is promised of
-//! the satellites ([`rai_core::weighting`]). Ranges are ionosphere-free pairs.
+//! The sigma that accompanies a range is the model's as well, except for `SEPARATION`, which
+//! weights by the parameters of the integrity support message ([`rai_core::weighting`]). Ranges are
+//! ionosphere-free pairs.
 
 use rai_core::epoch::{Epoch, Observation};
 use rai_core::frame::{EARTH_ROTATION_RAD_S, Ecef, Enu, SPEED_OF_LIGHT_M_S};
@@ -24,19 +25,20 @@ use super::sky::Heaven;
 use super::spec::ErrorSpec;
 use crate::sky::{Noise, Site};
 
-/// Room for satellites of four systems; the module itself has less and counts what it leaves out.
+/// Capacity for satellites of four systems. The module itself has less, and counts the satellites
+/// that it leaves out.
 pub const CAPACITY: usize = 48;
 
 /// The receiver's clock, m.
 const CLOCK_M: f64 = 12_345.0;
 
-/// Of the pair L1 and L5: `√(f₁⁴ + f₅⁴)/(f₁² − f₅²)`.
+/// Noise factor of the pair L1 and L5: `√(f₁⁴ + f₅⁴)/(f₁² − f₅²)`.
 const NOISE_GAIN: f32 = 2.588;
 
-/// A model.
+/// Error model of ranges.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ErrorModel {
-    /// The module's own, with its antenna there.
+    /// The module's own model, for this antenna.
     User(UserModel),
     /// The same sigma everywhere, m.
     Constant(f64),
@@ -45,7 +47,7 @@ pub enum ErrorModel {
 }
 
 impl ErrorModel {
-    /// What a checked specification asks for.
+    /// Returns the model of a checked specification.
     pub fn of(spec: &ErrorSpec) -> Self {
         match (spec.user.as_deref(), spec.sigma_m, spec.zenith_m) {
             (_, Some(sigma_m), _) => Self::Constant(sigma_m),
@@ -55,7 +57,7 @@ impl ErrorModel {
         }
     }
 
-    /// What is expected of a range, m.
+    /// Returns the expected standard deviation of a range, m.
     fn expected_m(self, satellite: SatelliteId, sin_elevation: f64) -> f64 {
         match self {
             Self::User(user) => f64::from(sigma_m(&budget(user, satellite, sin_elevation))),
@@ -64,7 +66,7 @@ impl ErrorModel {
         }
     }
 
-    /// What is said of a range to a method, m.
+    /// Returns the standard deviation given to a method, m.
     fn said_m(self, judge: &Configuration, satellite: SatelliteId, sin_elevation: f64) -> f64 {
         match self {
             Self::User(user) if judge.method == Method::Separation => {
@@ -75,7 +77,7 @@ impl ErrorModel {
         }
     }
 
-    /// The promises that go with it, for [`Method::Separation`].
+    /// Returns the matching integrity support parameters, for [`Method::Separation`].
     pub fn promises(self, ism: Ism) -> Ism {
         match self {
             Self::User(user) => Ism { user, ..ism },
@@ -95,18 +97,18 @@ fn budget(user: UserModel, satellite: SatelliteId, sin_elevation: f64) -> ErrorB
     }
 }
 
-/// A range that is seen, with its error.
+/// A range in view, with its error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Seen {
-    /// Without sigma, which depends on who is asked.
+    /// Range without its sigma, which depends on the method.
     pub observation: Observation,
-    /// Its place among those seen.
+    /// Index among the ranges in view.
     pub index: usize,
-    /// Unit vector site → satellite.
+    /// Unit vector from the site to the satellite.
     pub line_of_sight: Enu,
 }
 
-/// The ranges of the satellites above the mask, with their noise and no fault.
+/// Returns the ranges of the satellites above the mask, with noise and without a fault.
 pub fn seen(
     heaven: &Heaven,
     site: &Site,
@@ -130,13 +132,14 @@ pub fn seen(
     above.enumerate().map(one).collect()
 }
 
-/// How far a signal goes while the earth turns under it, m: in first order, good to a millimetre.
+/// Returns the path of a signal while the earth turns under it, m, to first order: accurate to a
+/// millimetre.
 fn distance_m(satellite: Ecef, site: Ecef) -> f64 {
     const RATE: f64 = EARTH_ROTATION_RAD_S / SPEED_OF_LIGHT_M_S;
     site.distance_m(satellite) + RATE * (satellite.x_m * site.y_m - satellite.y_m * site.x_m)
 }
 
-/// The epoch as one judge gets it, with what a fault adds to each range.
+/// Returns the epoch as one judge receives it, with the fault added to each range.
 pub fn epoch(
     seen: &[Seen],
     model: ErrorModel,
@@ -151,7 +154,7 @@ pub fn epoch(
             sigma_m: model.said_m(judge, one.observation.satellite, one.line_of_sight.up),
             ..one.observation
         };
-        // What is absurd or beyond the room is left out, as the module does.
+        // Absurd ranges and those beyond the capacity are left out, as in the module.
         let _ = epoch.push(observation);
     }
     epoch

@@ -1,7 +1,8 @@
-//! Maps: boxes of a grid over the globe, coloured by class, the land's outline above them.
+//! Maps: boxes of a grid over the globe, coloured by class, with the outline of the land above
+//! them.
 //!
-//! Classes go from dark violet over green to bright yellow ([viridis]): lightness alone tells them apart, for those who
-//! cannot tell colours, and on paper. Equal neighbours are drawn as one.
+//! Classes range from dark violet over green to bright yellow ([viridis]). Their lightness alone
+//! distinguishes them, for colour-blind readers and on paper. Equal neighbours are drawn as one.
 //!
 //! [viridis]: https://cran.r-project.org/package=viridis
 
@@ -24,16 +25,16 @@ const COLOURS: [RGBColor; 8] = [
     RGBColor(253, 231, 37),
 ];
 
-/// What the classes are of, and where they begin.
+/// Quantity and borders of the classes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scale {
-    /// What is shown.
+    /// Name of the quantity.
     pub label: &'static str,
     /// Borders between the classes, from the worst: seven.
     pub borders: [f64; 7],
-    /// The classes in words.
+    /// Names of the classes.
     pub words: [&'static str; 8],
-    /// What a number in a box is multiplied with.
+    /// Factor of the number printed in a box.
     pub factor: f64,
 }
 
@@ -54,7 +55,7 @@ pub const VERTICAL_LEVEL: Scale = Scale {
 };
 
 impl Scale {
-    /// The class of a value, from the worst; what is no number is the worst.
+    /// Returns the class of a value, from the worst. NaN is in the worst class.
     fn class(&self, value: f64) -> usize {
         self.borders.iter().filter(|&&border| value >= border).count()
     }
@@ -63,41 +64,41 @@ impl Scale {
 /// A box of a grid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tile {
-    /// Of its middle, degrees.
+    /// Latitude of its centre, degrees.
     pub latitude_deg: f64,
-    /// Of its middle, degrees.
+    /// Longitude of its centre, degrees.
     pub longitude_deg: f64,
-    /// Larger is better.
+    /// Value; larger is better.
     pub value: f64,
 }
 
 /// One map among others.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Panel {
-    /// What it is of.
+    /// Title of the map.
     pub title: String,
-    /// From south to north and from west to east.
+    /// Boxes from south to north and from west to east.
     pub tiles: Vec<Tile>,
 }
 
 /// Maps beside each other.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Atlas<'a> {
-    /// What all of it shows.
+    /// Title of the whole picture.
     pub title: String,
-    /// The maps, line by line.
+    /// Maps, line by line.
     pub panels: &'a [Panel],
-    /// Maps in a line.
+    /// Number of maps in a line.
     pub columns: i32,
     /// Size of a box, degrees.
     pub step_deg: f64,
-    /// Classes.
+    /// Scale of the classes.
     pub scale: Scale,
-    /// Whether each box says its number.
+    /// True if each box shows its number.
     pub numbers: bool,
 }
 
-/// Pixels of a map and around it.
+/// Sizes of a map and of its surroundings, pixels.
 const WIDTH_PX: i32 = 468;
 const HEIGHT_PX: i32 = 234;
 const GAP_PX: i32 = 16;
@@ -106,10 +107,10 @@ const TOP_PX: i32 = 40;
 const BOTTOM_PX: i32 = 44;
 
 impl Atlas<'_> {
-    /// The picture.
+    /// Draws the picture.
     ///
     /// # Errors
-    /// What plotters could not draw.
+    /// If plotters cannot draw it.
     pub fn svg(&self, ground: Ground) -> Result<String> {
         let panels = i32::try_from(self.panels.len())?;
         let columns = self.columns.clamp(1, panels.max(1));
@@ -152,7 +153,7 @@ impl Atlas<'_> {
         }
         let shore: Vec<Vec<(i32, i32)>> =
             shore().iter().map(|line| line.iter().map(|&(x, y)| place(x, y)).collect()).collect();
-        // White below, so that it is seen on dark boxes as well as on bright ones.
+        // White under the line makes it visible on dark boxes as well as on bright ones.
         for style in [WHITE.mix(0.55).stroke_width(2), INK.mix(0.9).stroke_width(1)] {
             for line in &shore {
                 let mut corners = line.clone();
@@ -205,7 +206,7 @@ impl Atlas<'_> {
     }
 }
 
-/// As few digits as tell it.
+/// Formats a value with as few digits as needed.
 fn number(value: f64) -> String {
     match value {
         value if !value.is_finite() => "–".to_owned(),

@@ -1,27 +1,29 @@
-//! Campaigns: availability and integrity over places and times, for many skies, masks, error models and methods.
+//! Campaigns: availability and integrity over places and times, for many skies, masks, error models
+//! and methods.
 //!
 //! ```text
 //! SPEC.toml ──► cells (sky × mask × errors × place) ──► the module's own monitor, epoch by epoch ──► rows ──► CSV
 //!                                                               CSV ──► maps, curves, one page
 //! ```
 //!
-//! | module | what |
+//! | module | content |
 //! |---|---|
-//! | [`spec`] | what is asked for, checked once |
+//! | [`spec`] | the specification, checked once |
 //! | [`sky`], [`almanac`], [`navigation`] | satellites: built in, of a YUMA almanac, of RINEX navigation files |
 //! | [`place`] | points, a track, a grid over the globe |
-//! | [`errors`] | sigmas, and what the ranges of an epoch are |
+//! | [`errors`] | sigmas, and the ranges of an epoch |
 //! | [`cell`] | one place under one sky, judged by every method |
-//! | [`tally`] | what becomes of its epochs |
+//! | [`tally`] | outcomes of its epochs |
 //! | [`table`] | rows as text: written in order, read again, merged |
-//! | [`run`] | all cells or a share of them, from the beginning or from where it was left |
-//! | [`picture`], [`map`], [`curve`], [`page`] | what is to be seen of a table |
+//! | [`run`] | all cells or a share of them, from the beginning or from an interrupted run |
+//! | [`picture`], [`map`], [`curve`], [`page`] | pictures of a table |
 //!
-//! A cell depends on the specification and on nothing else: not on threads, shares, or what was done before. Hence any
-//! division of the work gives the same bytes.
+//! A cell depends on the specification and on nothing else: not on threads, shares, or earlier
+//! work. Hence any division of the work gives the same bytes.
 //!
-//! What judges is `rai-core`'s monitor in `f32`, set by the commands that the module itself takes. Positions are
-//! linearised nowhere: the monitor gets satellites and ranges. Each epoch is judged by itself.
+//! Epochs are judged by `rai-core`'s monitor in `f32`, set by the commands of the module. Positions
+//! are not linearised beforehand: the monitor receives satellites and ranges. Each epoch is judged
+//! independently.
 
 pub mod almanac;
 pub mod cell;

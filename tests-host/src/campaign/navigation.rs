@@ -1,7 +1,7 @@
 //! Satellites of RINEX navigation files, located by the module's own orbits.
 //!
-//! At each instant the ephemeris nearest in time is asked, where it may be used. A sky's `t = 0` is the first full hour
-//! that any ephemeris is of.
+//! At each instant the usable ephemeris nearest in time is taken. A sky's `t = 0` is the first full
+//! hour to which any ephemeris refers.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -20,20 +20,20 @@ use crate::measurement::MeasuredEpoch;
 /// Milliseconds of an hour.
 const HOUR_MS: u64 = 3_600_000;
 
-/// What is asked for where no position says how far a satellite is, m: its signal left about 75 ms before.
+/// Range assumed before a position is known, m: the signal left about 75 ms earlier.
 const RANGE_M: f64 = 2.25e7;
 
-/// What the files say of each satellite.
+/// Ephemerides of each satellite in the files.
 pub struct Broadcast {
     ephemerides: BTreeMap<SatelliteId, Vec<Ephemeris>>,
     origin: GpsTime,
 }
 
 impl Broadcast {
-    /// Reads files, of which the systems by these letters are taken.
+    /// Reads the systems with these letters from files.
     ///
     /// # Errors
-    /// A letter, a file, or no ephemeris: by name.
+    /// If a letter is unknown, a file cannot be read, or there is no ephemeris; the error names it.
     pub fn load(files: &[PathBuf], systems: &str) -> Result<Self> {
         let selection = Selection::new(systems, Frequency::Dual).context("skies.systems")?;
         let orbits = Orbits::load(files, &selection)?;
@@ -48,12 +48,16 @@ impl Broadcast {
             });
         }
         let first = ephemerides.values().flatten().map(Ephemeris::toe).min();
-        let first = first.context("the navigation files hold no ephemeris of these systems")?;
-        ensure!(ephemerides.len() >= 4, "the navigation files hold {} satellites only", ephemerides.len());
+        let first = first.context("the navigation files have no ephemeris of these systems")?;
+        ensure!(
+            ephemerides.len() >= 4,
+            "the navigation files have {} satellites; at least 4 are needed",
+            ephemerides.len()
+        );
         Ok(Self { ephemerides, origin: GpsTime::from_ms(first.to_ms() / HOUR_MS * HOUR_MS) })
     }
 
-    /// Where each satellite is, seconds after the sky's beginning.
+    /// Returns the position of each satellite, `t_s` seconds after the start of the sky.
     pub fn positions(&self, t_s: f64) -> Vec<(SatelliteId, Ecef)> {
         let time = GpsTime::from_ms(self.origin.to_ms() + (t_s * 1e3).round() as u64);
         let located = |(&satellite, known): (&SatelliteId, &Vec<Ephemeris>)| {

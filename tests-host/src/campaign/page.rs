@@ -1,4 +1,4 @@
-//! What a whole table shows: maps, curves and one page.
+//! Report of a whole table: maps, curves and one page.
 
 use std::path::{Path, PathBuf};
 
@@ -11,29 +11,29 @@ use super::table::{Row, Table};
 use crate::report::canvas::Ground;
 use crate::report::page::{Page, write_file};
 
-/// The maps of a table: column, classes, title.
+/// Maps of a table: column, classes, title.
 const MAPS: [(&str, Scale, &str); 2] = [
     ("availability", AVAILABILITY, "How often the position may be used"),
     ("vpl_99_m", VERTICAL_LEVEL, "The vertical protection level"),
 ];
 
-/// The curves: column, factor, label.
+/// Curves of a table: column, factor, label.
 const CURVES: [(&str, f64, &str); 3] = [
     ("availability", 100.0, "availability / %"),
     ("vpl_median_m", 1.0, "median VPL / m"),
     ("hpl_median_m", 1.0, "median HPL / m"),
 ];
 
-/// Lines of a table on the page at most; all of it is in the CSV.
+/// Largest number of rows on the page. The CSV has all of them.
 const MOST_LINES: usize = 400;
 
-/// Writes the pictures of a table and the page with them into a folder; gives the page's path. With `numbers` each box of a
-/// map says its value.
+/// Writes the pictures of a table and their page into a folder; returns the page's path. With
+/// `numbers` each box of a map shows its value.
 ///
 /// # Errors
-/// A table that is not whole; what cannot be drawn or written.
+/// If the table is incomplete, or a picture cannot be drawn or written.
 pub fn write_report(table: &Table, folder: &Path, numbers: bool) -> Result<PathBuf> {
-    ensure!(table.is_whole(), "the table is a share: merge all of them first");
+    ensure!(table.is_whole(), "the table is only a share: merge all shares first");
     let (name, cases) = (&table.identity.name, cases(table));
     let mut page = Page::new(
         &format!("Campaign {name}"),
@@ -65,7 +65,7 @@ pub fn write_report(table: &Table, folder: &Path, numbers: bool) -> Result<PathB
     Ok(path)
 }
 
-/// A line a case; what is over the globe is weighed by area.
+/// Returns a line per case. Values over the globe are weighted by area.
 pub fn summary_lines(cases: &[Case<'_>]) -> (Vec<&'static str>, Vec<Vec<String>>) {
     let is_grid = cases.first().is_some_and(|case| grid_step_deg(case).is_some());
     let sum = |case: &Case<'_>, column: &str| case.rows.iter().map(|row| row.number(column)).sum::<f64>();
@@ -123,14 +123,14 @@ fn summary(page: &mut Page, cases: &[Case<'_>]) {
     );
 }
 
-/// The median over the places.
+/// Returns the median over the places.
 fn median(case: &Case<'_>, column: &str) -> String {
     let mut values: Vec<f64> = case.rows.iter().map(|row| row.number(column)).collect();
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).map_or_else(String::new, |value| format!("{value:.2}"))
 }
 
-/// Row by row, where a page can hold them.
+/// Adds the rows, if a page can hold them.
 fn lines(page: &mut Page, rows: &[Row]) {
     const SHOWN: [&str; 12] = [
         "sky",

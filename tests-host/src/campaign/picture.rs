@@ -1,21 +1,21 @@
-//! What a table is of, case by case: one sky, mask, error model, fault and judge over all places.
+//! Cases of a table: one sky, mask, error model, fault and judge over all places.
 
 use super::map::{Panel, Scale, Tile};
 use super::table::{Row, Table};
 
-/// The rows of one case, in the order of the places.
+/// Rows of one case, in the order of the places.
 #[derive(Clone, Debug)]
 pub struct Case<'t> {
-    /// Method and sky, and what else tells it from the others.
+    /// Method and sky, with everything that distinguishes the case from the others.
     pub title: String,
-    /// A row a place.
+    /// One row per place.
     pub rows: Vec<&'t Row>,
 }
 
-/// What cases differ in, and how the columns are called.
+/// Columns in which cases differ.
 const PARTS: [&str; 7] = ["method", "policy", "levels", "sky", "mask_deg", "errors", "fault"];
 
-/// The cases of a table in the order of their first rows.
+/// Returns the cases of a table in the order of their first rows.
 pub fn cases(table: &Table) -> Vec<Case<'_>> {
     let key = |row: &Row| PARTS.map(|part| row.text(part).to_owned());
     let mut cases: Vec<([String; 7], Vec<&Row>)> = Vec::new();
@@ -38,7 +38,7 @@ pub fn cases(table: &Table) -> Vec<Case<'_>> {
     cases.into_iter().map(titled).collect()
 }
 
-/// The size of the boxes, degrees, where the places are a grid over the globe.
+/// Returns the size of the boxes, degrees, if the places are a grid over the globe.
 pub fn grid_step_deg(case: &Case<'_>) -> Option<f64> {
     let mut latitudes: Vec<f64> = case.rows.iter().map(|row| row.number("lat_deg")).collect();
     latitudes.sort_by(f64::total_cmp);
@@ -49,7 +49,7 @@ pub fn grid_step_deg(case: &Case<'_>) -> Option<f64> {
     (latitudes.len() > 1 && is_even && case.rows.len() == boxes).then_some(step_deg)
 }
 
-/// A case as a map of a quantity.
+/// Returns a case as a map of a quantity.
 pub fn panel(case: &Case<'_>, column: &str, scale: &Scale) -> Panel {
     let tile = |row: &&Row| Tile {
         latitude_deg: row.number("lat_deg"),
@@ -59,12 +59,12 @@ pub fn panel(case: &Case<'_>, column: &str, scale: &Scale) -> Panel {
     Panel { title: case.title.clone(), tiles: case.rows.iter().map(tile).collect() }
 }
 
-/// Share of the globe, boxes weighed by their area, in which a condition holds.
+/// Returns the share of the globe in which a condition holds, boxes weighted by their area.
 pub fn share_of_globe(case: &Case<'_>, holds: impl Fn(&Row) -> bool) -> f64 {
     mean_over_globe(case, |row| if holds(row) { 1.0 } else { 0.0 })
 }
 
-/// Mean of a quantity over the globe, boxes weighed by their area.
+/// Returns the mean of a quantity over the globe, boxes weighted by their area.
 pub fn mean_over_globe(case: &Case<'_>, quantity: impl Fn(&Row) -> f64) -> f64 {
     let weight = |row: &Row| row.number("lat_deg").to_radians().cos();
     let total: f64 = case.rows.iter().map(|row| weight(row)).sum();

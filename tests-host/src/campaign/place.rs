@@ -1,4 +1,4 @@
-//! Where a campaign looks up: points, a track, a grid over the globe.
+//! Places of a campaign: points, a track, a grid over the globe.
 
 use std::path::Path;
 
@@ -7,10 +7,10 @@ use anyhow::{Context as _, Result, ensure};
 use super::spec::PlacesSpec;
 use crate::sky::Site;
 
-/// A place, and of a track when one is there.
+/// A place, with its instant if it is part of a track.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Place {
-    /// How tables call it.
+    /// Name in tables.
     pub name: String,
     /// Geodetic latitude, degrees.
     pub latitude_deg: f64,
@@ -18,21 +18,21 @@ pub struct Place {
     pub longitude_deg: f64,
     /// Height above the ellipsoid, m.
     pub height_m: f64,
-    /// The only instant at which anyone is there, s; `None` where it is every instant.
+    /// The only instant at which the antenna is there, s; `None` for every instant.
     pub time_s: Option<f64>,
 }
 
 impl Place {
-    /// The antenna there.
+    /// Returns the site of the antenna.
     pub fn site(&self) -> Site {
         Site::geodetic(self.latitude_deg, self.longitude_deg, self.height_m)
     }
 }
 
-/// All places; files are looked for beside the specification.
+/// Returns all places. Files are relative to the specification.
 ///
 /// # Errors
-/// A track that cannot be read: which line, and what it should be.
+/// If a track cannot be read; the error names the line and the expected form.
 pub fn all(spec: &PlacesSpec, folder: &Path) -> Result<Vec<Place>> {
     if let Some(step_deg) = spec.grid_deg {
         return Ok(grid(step_deg, spec.height_m));
@@ -54,7 +54,7 @@ pub fn all(spec: &PlacesSpec, folder: &Path) -> Result<Vec<Place>> {
     Ok(points.map(place).collect())
 }
 
-/// The middles of boxes of this size, from south to north and from west to east.
+/// Returns the centres of boxes of this size, from south to north and from west to east.
 fn grid(step_deg: f64, height_m: f64) -> Vec<Place> {
     let (rows, columns) = ((180.0 / step_deg).round() as u32, (360.0 / step_deg).round() as u32);
     let place = |row: u32, column: u32| {
@@ -66,12 +66,12 @@ fn grid(step_deg: f64, height_m: f64) -> Vec<Place> {
     (0..rows).flat_map(|row| (0..columns).map(move |column| place(row, column))).collect()
 }
 
-/// Lines `time_s,lat_deg,lon_deg,height_m` below a heading of these names.
+/// Reads lines `time_s,lat_deg,lon_deg,height_m` below a heading of these names.
 fn track(text: &str) -> Result<Vec<Place>> {
     const HEADING: &str = "time_s,lat_deg,lon_deg,height_m";
     let mut lines = text.lines().enumerate();
     let heading = lines.next().map(|(_, line)| line.trim());
-    ensure!(heading == Some(HEADING), "the first line is not {HEADING}");
+    ensure!(heading == Some(HEADING), "the first line must be {HEADING}");
     let mut places = Vec::new();
     for (index, line) in lines.filter(|(_, line)| !line.trim().is_empty()) {
         let numbers: Vec<f64> = line.split(',').filter_map(|field| field.trim().parse().ok()).collect();
@@ -88,7 +88,7 @@ fn track(text: &str) -> Result<Vec<Place>> {
             time_s: Some(numbers[0]),
         });
     }
-    ensure!(!places.is_empty(), "no place below the heading");
+    ensure!(!places.is_empty(), "there must be at least one place below the heading");
     Ok(places)
 }
 
@@ -101,7 +101,7 @@ mod tests {
         let places = grid(10.0, 0.0);
         assert_eq!(places.len(), 18 * 36);
         assert_eq!((places[0].latitude_deg, places[0].longitude_deg), (-85.0, -175.0));
-        // Boxes weighed by the cosine of their latitude make up the sphere.
+        // Boxes weighted by the cosine of their latitude add up to the sphere.
         let share: f64 = places.iter().map(|place| place.latitude_deg.to_radians().cos()).sum();
         assert!((share / (2.0 / 10f64.to_radians().powi(2) * std::f64::consts::TAU) - 1.0).abs() < 2e-3);
     }

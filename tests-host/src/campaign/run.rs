@@ -1,4 +1,4 @@
-//! All cells of a campaign, or a share of them, from the beginning or from where a run was left.
+//! All cells of a campaign, or a share of them, from the beginning or from an interrupted run.
 
 use std::fs::{File, OpenOptions};
 use std::io::{Seek as _, SeekFrom, Write as _};
@@ -16,35 +16,35 @@ use super::sky::{Heaven, Sky};
 use super::spec::Spec;
 use super::table::{Identity, Table};
 
-/// Cells that are worked on at a time; what a run that is cut short loses.
+/// Number of cells computed together, which an interrupted run loses.
 const TOGETHER: usize = 32;
 
-/// A part of the cells: those whose number leaves `index` when divided by `of`.
+/// A share of the cells: those whose number leaves the remainder `index` when divided by `of`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Share {
-    /// From 0.
+    /// Index of the share, from 0.
     pub index: usize,
-    /// How many parts there are.
+    /// Number of shares.
     pub of: usize,
 }
 
 impl Share {
-    /// Everything.
+    /// All cells.
     pub const ALL: Self = Self { index: 0, of: 1 };
 
-    /// Reads `k/n`, `k` from 1.
+    /// Parses `k/n`, `k` from 1.
     ///
     /// # Errors
-    /// What to write instead.
+    /// If the text is not such a share; the error shows the form.
     pub fn parse(text: &str) -> Result<Self> {
         let numbers = text.split_once('/').and_then(|(k, n)| Some((k.parse().ok()?, n.parse().ok()?)));
         match numbers {
             Some((k, n)) if (1..=n).contains(&k) && n <= 100_000 => Ok(Self { index: k - 1, of: n }),
-            _ => bail!("`{text}` is no share: write k/n with k from 1 to n, as 3/16"),
+            _ => bail!("`{text}` is not a share: write k/n with k from 1 to n, such as 3/16"),
         }
     }
 
-    /// The name of its table.
+    /// Returns the file name of the share's table.
     pub fn file_name(self, name: &str) -> String {
         match self {
             Self::ALL => format!("{name}.csv"),
@@ -59,22 +59,22 @@ pub struct Campaign {
     skies: Vec<Vec<(f64, Heaven)>>,
     places: Vec<Place>,
     judges: Vec<Judge>,
-    /// Whose tables these are.
+    /// Identity of the tables.
     pub identity: Identity,
 }
 
 impl Campaign {
-    /// Reads a specification and the files that it names, which stand beside it.
+    /// Reads a specification and the files that it names, relative to its folder.
     ///
     /// # Errors
-    /// What is wrong, where, and what to write instead.
+    /// If something in it is wrong; the error names the place and the expected form.
     pub fn load(path: &Path) -> Result<Self> {
         let spec = Spec::read(path)?;
         let folder = path.parent().unwrap_or_else(|| Path::new("."));
         Self::of(spec, folder).with_context(|| path.display().to_string())
     }
 
-    /// A checked specification; files are looked for in the folder.
+    /// Prepares a checked specification. Files are relative to the folder.
     ///
     /// # Errors
     /// As [`Self::load`].
@@ -95,10 +95,12 @@ impl Campaign {
         Ok(Self { spec, skies, places, judges, identity })
     }
 
-    /// Works a share into a folder and gives the table's path. `progress` hears how many cells are done, of how many.
+    /// Computes a share into a folder and returns the table's path. `progress` receives the number
+    /// of finished cells, and of all cells.
     ///
     /// # Errors
-    /// A table that is there already where nothing is to be resumed, or that is of another campaign; what cannot be written.
+    /// If a table exists although nothing is to be resumed, the table belongs to another campaign,
+    /// or it cannot be written.
     pub fn work(
         &self,
         folder: &Path,
@@ -106,7 +108,7 @@ impl Campaign {
         resume: bool,
         mut progress: impl FnMut(usize, usize),
     ) -> Result<PathBuf> {
-        std::fs::create_dir_all(folder).with_context(|| format!("cannot make {}", folder.display()))?;
+        std::fs::create_dir_all(folder).with_context(|| format!("cannot create {}", folder.display()))?;
         let path = folder.join(share.file_name(&self.identity.name));
         let cells: Vec<usize> = (share.index..self.identity.cells).step_by(share.of).collect();
         let (mut file, mut done) = self.begin(&path, &cells, resume)?;
@@ -122,14 +124,14 @@ impl Campaign {
         Ok(path)
     }
 
-    /// A share as text, without a file.
+    /// Returns a share as text, without a file.
     pub fn text(&self, share: Share) -> String {
         let cells: Vec<usize> = (share.index..self.identity.cells).step_by(share.of).collect();
         let texts: Vec<String> = cells.par_iter().map(|&cell| self.rows(cell)).collect();
         self.identity.heading() + &texts.concat()
     }
 
-    /// Opens a table behind its last whole cell, and says how many are there.
+    /// Opens a table after its last complete cell; returns the number of complete cells.
     fn begin(&self, path: &Path, cells: &[usize], resume: bool) -> Result<(File, usize)> {
         let shown = path.display();
         if !path.exists() {
@@ -137,10 +139,10 @@ impl Campaign {
             file.write_all(self.identity.heading().as_bytes())?;
             return Ok((file, 0));
         }
-        ensure!(resume, "{shown} is there already: go on with --resume, or name another folder with --out");
+        ensure!(resume, "{shown} already exists: continue with --resume, or name another folder with --out");
         let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {shown}"))?;
         let heading = self.identity.heading();
-        // A run that was cut within its heading has done nothing.
+        // A run that was interrupted within its heading has no cells.
         if heading.starts_with(&text) {
             let mut file = File::create(path)?;
             file.write_all(heading.as_bytes())?;
@@ -152,14 +154,14 @@ impl Campaign {
             "{shown} is of another specification: name another folder with --out"
         );
         let done: Vec<usize> = table.cells().collect();
-        ensure!(cells.starts_with(&done), "{shown} does not hold the cells of this share in their order");
+        ensure!(cells.starts_with(&done), "{shown} does not have the cells of this share in their order");
         let mut file = OpenOptions::new().write(true).open(path)?;
         file.set_len(table.whole_bytes as u64)?;
         file.seek(SeekFrom::End(0))?;
         Ok((file, done.len()))
     }
 
-    /// The rows of a cell, each with its end.
+    /// Computes the rows of a cell, each with its line end.
     fn rows(&self, cell: usize) -> String {
         let (rest, place) = (cell / self.places.len(), cell % self.places.len());
         let (rest, errors) = (rest / self.spec.errors.len(), rest % self.spec.errors.len());
@@ -171,7 +173,7 @@ impl Campaign {
             mask_deg,
             model: ErrorModel::of(&self.spec.errors[errors]),
             noise: self.spec.noise,
-            // The same noise under every sky, mask and error model.
+            // The noise is the same under every sky, mask and error model.
             seed: self.spec.seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ place as u64,
         };
         let tallies = bench.judge(&self.spec.faults, &self.judges);
@@ -193,7 +195,7 @@ impl Campaign {
     }
 }
 
-/// Instants of the specification, or those of the track.
+/// Returns the instants of the specification, or those of the track, s.
 fn instants(spec: &Spec, places: &[Place]) -> Vec<f64> {
     let of_track: Vec<f64> = places.iter().filter_map(|place| place.time_s).collect();
     if of_track.is_empty() {
@@ -206,7 +208,7 @@ fn instants(spec: &Spec, places: &[Place]) -> Vec<f64> {
     instants
 }
 
-/// Methods × policies × levels, as the commands make them.
+/// Returns all combinations of methods, policies and levels, configured by commands.
 fn judges(spec: &Spec) -> Result<Vec<Judge>> {
     let judgement = &spec.judgement;
     let common = judgement
@@ -235,20 +237,20 @@ fn judges(spec: &Spec) -> Result<Vec<Judge>> {
     Ok(judges)
 }
 
-/// The configuration after a command of the module, `KEY,value`.
+/// Applies a command of the module, `KEY,value`, to a configuration.
 fn commanded(configuration: &Configuration, line: &str) -> Result<Configuration> {
     let mut fields = line.split(',');
     let key = fields.next().unwrap_or("");
     let refused = |refusal: rai_firmware::config::Refusal| {
-        anyhow::anyhow!("the module refuses `{line}` ({refusal:?}): write it as in its command, PHASE,LPV200")
+        anyhow::anyhow!("the module refuses `{line}` ({refusal:?}): write a command such as PHASE,LPV200")
     };
     match Command::read(key, fields).map_err(refused)? {
         Command::Set(setting) => configuration.with(setting).map_err(refused),
-        _ => bail!("`{line}` sets nothing: write a key and its value, as PHASE,LPV200"),
+        _ => bail!("`{line}` sets nothing: write a key and its value, such as PHASE,LPV200"),
     }
 }
 
-/// FNV-1a over everything that a row depends on.
+/// Returns the FNV-1a hash of everything that a row depends on.
 fn fingerprint(spec: &Spec, skies: &[Vec<(f64, Heaven)>], places: &[Place]) -> u64 {
     let mut hash = 0xCBF2_9CE4_8422_2325_u64;
     let mut take = |bytes: &[u8]| {

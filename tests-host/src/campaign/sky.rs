@@ -1,4 +1,4 @@
-//! Where a sky's satellites are at each instant: worked out once, for all places.
+//! Positions of a sky's satellites at each instant, computed once for all places.
 
 use std::path::{Path, PathBuf};
 
@@ -11,22 +11,23 @@ use super::navigation::Broadcast;
 use super::spec::SkySpec;
 use crate::sky::{Fleet, Satellite};
 
-/// What is above at one instant.
+/// Satellites and their positions at one instant.
 pub type Heaven = Vec<(SatelliteId, Ecef)>;
 
 /// A sky whose satellites can be located.
 pub enum Sky {
-    /// On orbits of their own.
+    /// Satellites on given orbits.
     Orbits(Vec<Satellite>),
-    /// By what they broadcast.
+    /// Satellites located by their ephemerides.
     Broadcast(Box<Broadcast>),
 }
 
 impl Sky {
-    /// Reads what a sky is made of; files are looked for beside the specification.
+    /// Reads the sources of a sky. Files are relative to the specification.
     ///
     /// # Errors
-    /// A name that is none, a file that cannot be read, a satellite twice: by name.
+    /// If a name is unknown, a file cannot be read, or a satellite occurs twice; the error names
+    /// it.
     pub fn load(spec: &SkySpec, folder: &Path) -> Result<Self> {
         Self::of(spec, folder).with_context(|| format!("sky \"{}\"", spec.name))
     }
@@ -54,12 +55,16 @@ impl Sky {
         }
         satellites.sort_by_key(|satellite| satellite.id);
         for pair in satellites.windows(2) {
-            ensure!(pair[0].id != pair[1].id, "{} stands twice: name one constellation a system", pair[0].id);
+            ensure!(
+                pair[0].id != pair[1].id,
+                "{} occurs twice: name one constellation per system",
+                pair[0].id
+            );
         }
         Ok(Self::Orbits(satellites))
     }
 
-    /// Where the satellites are at an instant, in the order of their names.
+    /// Returns the satellites' positions at an instant, in the order of their names.
     pub fn at(&self, t_s: f64) -> Heaven {
         match self {
             Self::Orbits(satellites) => {
@@ -73,5 +78,5 @@ impl Sky {
 fn fleet(name: &str) -> Result<Fleet> {
     let names = || Fleet::ALL.map(Fleet::name).join(", ");
     let found = Fleet::ALL.into_iter().find(|fleet| fleet.name() == name);
-    found.with_context(|| format!("no fleet is called \"{name}\"; there are {}", names()))
+    found.with_context(|| format!("\"{name}\" is not a fleet; the fleets are {}", names()))
 }

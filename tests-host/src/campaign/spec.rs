@@ -1,4 +1,4 @@
-//! What a campaign is asked to do: a TOML file, checked once.
+//! Specification of a campaign: a TOML file, checked once.
 //!
 //! ```toml
 //! name = "lpv200"
@@ -20,7 +20,7 @@
 //! methods = ["SEPARATION", "AUTO"]
 //! ```
 //!
-//! Every field has its range, and what is wrong is said with the field's name and what to write instead.
+//! Every field has a range. An error names the field and the accepted values.
 
 use std::path::Path;
 
@@ -31,32 +31,32 @@ use serde::Deserialize;
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Spec {
-    /// Names the files.
+    /// Name of the campaign and of its files.
     pub name: String,
-    /// All chance follows from it.
+    /// Seed of all random choices.
     #[serde(default)]
     pub seed: u64,
-    /// How many times the expected sigma the drawn noise is; 0 for what the geometry alone can promise.
+    /// Ratio of the drawn noise to the expected sigma; 0 shows the effect of the geometry alone.
     #[serde(default)]
     pub noise: f64,
-    /// Elevations below which nothing is used, degrees.
+    /// Elevation masks, degrees.
     pub masks_deg: Vec<f64>,
-    /// Where.
+    /// Places of the antenna.
     pub places: PlacesSpec,
-    /// When.
+    /// Instants of the campaign.
     pub times: TimesSpec,
-    /// Satellites above.
+    /// Satellite skies.
     pub skies: Vec<SkySpec>,
-    /// What ranges are wrong by.
+    /// Error models of the ranges.
     pub errors: Vec<ErrorSpec>,
-    /// What is wrong beside that; nothing unless given.
+    /// Faults; none unless given.
     #[serde(default = "nothing_wrong")]
     pub faults: Vec<FaultSpec>,
-    /// Who judges.
+    /// Methods and settings that judge the epochs.
     pub judgement: JudgementSpec,
 }
 
-/// One of grid, points and track.
+/// Places: one of grid, points and track.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PlacesSpec {
@@ -75,7 +75,7 @@ pub struct PlacesSpec {
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PointSpec {
-    /// How tables call it.
+    /// Name in tables.
     pub name: String,
     /// Geodetic latitude, degrees.
     pub lat_deg: f64,
@@ -86,16 +86,16 @@ pub struct PointSpec {
     pub height_m: f64,
 }
 
-/// Instants, counted from the sky's own beginning.
+/// Instants, counted from the start of the sky.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TimesSpec {
-    /// The first, s.
+    /// First instant, s.
     #[serde(default)]
     pub start_s: f64,
-    /// Between them, s.
+    /// Time between instants, s.
     pub step_s: f64,
-    /// How many.
+    /// Number of instants.
     pub count: u32,
 }
 
@@ -103,9 +103,9 @@ pub struct TimesSpec {
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SkySpec {
-    /// How tables call it.
+    /// Name in tables.
     pub name: String,
-    /// Constellations that are built in, by name.
+    /// Names of built-in constellations.
     #[serde(default)]
     pub fleets: Vec<String>,
     /// YUMA almanacs.
@@ -114,27 +114,27 @@ pub struct SkySpec {
     /// RINEX navigation files.
     #[serde(default)]
     pub navigation: Vec<String>,
-    /// Letters of the systems that are taken of the navigation files.
+    /// Letters of the systems to take from the navigation files.
     pub systems: Option<String>,
 }
 
-/// An almanac, which does not say of which system it is.
+/// An almanac, with its system, which the file does not name.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct AlmanacSpec {
-    /// Where it is.
+    /// Path of the file.
     pub file: String,
     /// Letter of the system: G, E, C, R.
     pub system: String,
 }
 
-/// One of a model of the user's part, and of a sigma that is the same for all methods.
+/// Error model: the user's part of the module's model, or a sigma that is the same for all methods.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ErrorSpec {
-    /// How tables call it.
+    /// Name in tables.
     pub name: String,
-    /// `ground` or `airborne`: the module's own error model, for each method its own.
+    /// `ground` or `airborne`: the module's own error model, as each method uses it.
     pub user: Option<String>,
     /// The same sigma in every direction, m.
     pub sigma_m: Option<f64>,
@@ -142,31 +142,31 @@ pub struct ErrorSpec {
     pub zenith_m: Option<f64>,
 }
 
-/// What is wrong in an epoch.
+/// Fault of an epoch.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum FaultSpec {
-    /// Nothing.
+    /// No fault.
     None,
     /// One satellite of each epoch, drawn with its bias.
     Drawn {
-        /// Least and largest bias, m; the sign is drawn.
+        /// Smallest and largest bias, m; the sign is random.
         bias_m: [f64; 2],
     },
     /// Each satellite of each epoch in turn.
     EverySatellite {
-        /// The bias, m.
+        /// Bias, m.
         bias_m: f64,
     },
     /// Each constellation of each epoch in turn, shifted as one.
     Constellation {
-        /// East, north, up, m.
+        /// Shift to the east, north and up, m.
         shift_m: [f64; 3],
     },
 }
 
 impl FaultSpec {
-    /// How tables call it.
+    /// Returns the name in tables.
     pub fn name(&self) -> String {
         match self {
             Self::None => "none".to_owned(),
@@ -179,19 +179,19 @@ impl FaultSpec {
     }
 }
 
-/// Methods × policies × levels, under the same commands.
+/// Methods, policies and levels, all combined, under the same commands.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct JudgementSpec {
-    /// Commands of the module for all of them, as `PHASE,LPV200`.
+    /// Commands of the module for all of them, such as `PHASE,LPV200`.
     #[serde(default)]
     pub set: Vec<String>,
     /// Values of `METHOD`.
     pub methods: Vec<String>,
-    /// Values of `POLICY`; of no meaning for `SEPARATION`.
+    /// Values of `POLICY`; ignored for `SEPARATION`.
     #[serde(default = "first_policy")]
     pub policies: Vec<String>,
-    /// Values of `LEVELS`; of no meaning for `SEPARATION`.
+    /// Values of `LEVELS`; ignored for `SEPARATION`.
     #[serde(default = "first_levels")]
     pub levels: Vec<String>,
 }
@@ -208,17 +208,17 @@ fn first_levels() -> Vec<String> {
     vec!["BOUND".to_owned()]
 }
 
-/// Epochs that a campaign may have at most: some weeks on one core.
+/// Largest number of epochs of a campaign: some weeks on one core.
 const MOST_EPOCHS: u64 = 20_000_000_000;
 
 impl Spec {
     /// Reads and checks a file.
     ///
     /// # Errors
-    /// What is wrong, where, and what to write instead.
+    /// If something in it is wrong; the error names the place and the expected form.
     pub fn read(path: &Path) -> Result<Self> {
         let text = std::fs::read_to_string(path).with_context(|| {
-            format!("cannot read {}; tests-host/campaigns/lpv200.toml is one to begin with", path.display())
+            format!("cannot read {}; tests-host/campaigns/lpv200.toml is an example", path.display())
         })?;
         Self::parse(&text).with_context(|| path.display().to_string())
     }
@@ -236,7 +236,7 @@ impl Spec {
     fn check(&self) -> Result<()> {
         ensure!(
             !self.name.is_empty() && self.name.chars().all(|c| c.is_ascii_alphanumeric() || "-_".contains(c)),
-            "name = \"{}\": it names files, write letters, digits, - and _",
+            "name = \"{}\": write letters, digits, - and _, because it names files",
             self.name
         );
         within("noise", self.noise, 0.0, 100.0)?;
@@ -252,18 +252,15 @@ impl Spec {
         self.errors.iter().try_for_each(ErrorSpec::check)?;
         distinct("skies", self.skies.iter().map(|sky| sky.name.as_str()))?;
         distinct("errors", self.errors.iter().map(|errors| errors.name.as_str()))?;
-        some("faults", &self.faults, "faults = [{ kind = \"none\" }], or leave it away")?;
+        some("faults", &self.faults, "faults = [{ kind = \"none\" }], or omit it")?;
         self.faults.iter().try_for_each(check_fault)?;
         some("judgement.methods", &self.judgement.methods, "methods = [\"SEPARATION\"]")?;
-        some("judgement.policies", &self.judgement.policies, "policies = [\"T1\"], or leave it away")?;
-        some("judgement.levels", &self.judgement.levels, "levels = [\"BOUND\"], or leave it away")?;
+        some("judgement.policies", &self.judgement.policies, "policies = [\"T1\"], or omit it")?;
+        some("judgement.levels", &self.judgement.levels, "levels = [\"BOUND\"], or omit it")?;
         let places = self.places.grid_deg.map_or(1.0, |step| 65_000.0 / (step * step)) as u64;
         let cases = self.skies.len() * self.masks_deg.len() * self.errors.len() * self.faults.len();
         let epochs = places.max(1) * u64::from(self.times.count) * cases as u64;
-        ensure!(
-            epochs <= MOST_EPOCHS,
-            "some {epochs} epochs are more than can be done: choose a wider grid or fewer instants"
-        );
+        ensure!(epochs <= MOST_EPOCHS, "{epochs} epochs are too many: choose a wider grid or fewer instants");
         Ok(())
     }
 }
@@ -281,7 +278,7 @@ impl PlacesSpec {
             within("places.grid_deg", step_deg, 0.25, 90.0)?;
             ensure!(
                 (180.0 / step_deg).fract().abs() < 1e-9,
-                "places.grid_deg = {step_deg}: write a step that divides 180, as 10, 5 or 2.5"
+                "places.grid_deg = {step_deg}: write a step that divides 180, such as 10, 5 or 2.5"
             );
         }
         let points = self.points.as_deref().unwrap_or_default();
@@ -306,7 +303,7 @@ impl SkySpec {
         );
         ensure!(
             self.navigation.is_empty() || (self.fleets.is_empty() && self.almanacs.is_empty()),
-            "sky \"{}\": navigation files count their own time, and stand alone",
+            "sky \"{}\": navigation files have their own time, so they cannot be combined",
             self.name
         );
         Ok(())
@@ -349,7 +346,7 @@ fn check_fault(fault: &FaultSpec) -> Result<()> {
     }
 }
 
-/// A number within its range; what is no number is in none.
+/// Checks that a number is within its range. NaN is not.
 fn within(field: &str, value: f64, least: f64, largest: f64) -> Result<()> {
     ensure!(
         (least..=largest).contains(&value),
@@ -363,7 +360,7 @@ fn some<T>(field: &str, list: &[T], example: &str) -> Result<()> {
     Ok(())
 }
 
-/// A name that a cell of a table can hold.
+/// Checks that a cell of a table can hold a name.
 fn word(field: &str, name: &str) -> Result<()> {
     let is_plain = |c: char| !c.is_control() && !",\"".contains(c);
     ensure!(
@@ -377,7 +374,7 @@ fn distinct<'n>(field: &str, names: impl Iterator<Item = &'n str>) -> Result<()>
     let mut known = std::collections::BTreeSet::new();
     for name in names {
         if !known.insert(name) {
-            bail!("{field}: the name \"{name}\" stands twice; give each its own");
+            bail!("{field}: the name \"{name}\" occurs twice; give each its own");
         }
     }
     Ok(())

@@ -1,4 +1,4 @@
-//! A campaign's rows as text: CSV below one line that says whose they are.
+//! Rows of a campaign as text: CSV below one line that identifies the campaign.
 //!
 //! ```text
 //! # rai campaign 1,lpv200,seed 1,specification 0123456789abcdef,cells 648,rows 4
@@ -6,8 +6,8 @@
 //! 0,GPS and Galileo,5,airborne,none,SEPARATION,-,-,-85 -175,-85,-175,0,144,…
 //! ```
 //!
-//! Rows stand in the order of their cells. A share of a campaign has the same first lines and the rows of its own cells;
-//! all shares together, merged, are the bytes of one run.
+//! Rows are in the order of their cells. A share of a campaign has the same first lines and the
+//! rows of its own cells. All shares merged are the bytes of a single run.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -22,29 +22,29 @@ const KEYS: [&str; 12] = [
     "lon_deg", "height_m",
 ];
 
-/// The first line of every table.
+/// Identity of a table: its first line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Identity {
-    /// The campaign's name.
+    /// Name of the campaign.
     pub name: String,
-    /// Its seed.
+    /// Seed of the campaign.
     pub seed: u64,
-    /// Over the specification and the files that it names.
+    /// Hash of the specification and the files that it names.
     pub hash: u64,
-    /// Cells of the whole campaign.
+    /// Number of cells of the whole campaign.
     pub cells: usize,
-    /// Rows of each.
+    /// Number of rows per cell.
     pub rows: usize,
 }
 
 impl Identity {
-    /// As a line, without its end.
+    /// Formats the line, without its end.
     pub fn line(&self) -> String {
         let Self { name, seed, hash, cells, rows } = self;
         format!("# rai campaign 1,{name},seed {seed},specification {hash:016x},cells {cells},rows {rows}")
     }
 
-    /// Reads the line.
+    /// Parses the line.
     fn read(line: &str) -> Option<Self> {
         let mut fields = line.strip_prefix("# rai campaign 1,")?.split(',');
         let name = fields.next()?.to_owned();
@@ -59,7 +59,7 @@ impl Identity {
         (identity.rows > 0 && identity.line() == line).then_some(identity)
     }
 
-    /// The first two lines with their ends.
+    /// Returns the first two lines with their ends.
     pub fn heading(&self) -> String {
         format!("{}\n{}\n", self.line(), columns().join(","))
     }
@@ -72,7 +72,7 @@ fn columns() -> Vec<&'static str> {
 /// A row that was read.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row {
-    /// Of which cell.
+    /// Number of its cell.
     pub cell: usize,
     fields: Vec<String>,
     line: String,
@@ -85,13 +85,13 @@ impl Row {
         (fields.len() == columns().len()).then(|| Self { cell, fields, line: line.to_owned() })
     }
 
-    /// The field of a column; nothing where there is no such column.
+    /// Returns the field of a column, or an empty string if there is no such column.
     pub fn text(&self, column: &str) -> &str {
         let place = columns().iter().position(|name| *name == column);
         place.and_then(|place| self.fields.get(place)).map_or("", String::as_str)
     }
 
-    /// The field as a number; NaN where it is none.
+    /// Returns the field as a number, or NaN if it is not one.
     pub fn number(&self, column: &str) -> f64 {
         self.text(column).parse().unwrap_or(f64::NAN)
     }
@@ -100,24 +100,25 @@ impl Row {
 /// A table, or a share of one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
-    /// Whose rows these are.
+    /// Identity of the campaign.
     pub identity: Identity,
-    /// In the order of the file.
+    /// Rows in the order of the file.
     pub rows: Vec<Row>,
-    /// Bytes up to the end of the last cell that is whole.
+    /// Number of bytes up to the end of the last complete cell.
     pub whole_bytes: usize,
 }
 
 impl Table {
-    /// Reads a text as far as its cells are whole: what a run that was cut short leaves is a beginning.
+    /// Reads a text as far as its cells are complete, because an interrupted run leaves only a
+    /// beginning.
     ///
     /// # Errors
-    /// A heading that is none, or a line before the last that is no row.
+    /// If the heading is invalid, or a line before the last is not a row.
     pub fn read(text: &str) -> Result<Self> {
         let mut lines = text.split_inclusive('\n');
         let heading = lines.next().unwrap_or("");
         let identity =
-            Identity::read(heading.trim_end()).context("the first line is not that of a campaign")?;
+            Identity::read(heading.trim_end()).context("the first line must be that of a campaign")?;
         let names = lines.next().unwrap_or("");
         ensure!(names.trim_end() == columns().join(","), "the columns are not those of this version");
         let mut table = Self { whole_bytes: heading.len() + names.len(), identity, rows: Vec::new() };
@@ -126,12 +127,12 @@ impl Table {
         for (index, line) in lines.enumerate() {
             let row = line.strip_suffix('\n').and_then(Row::read);
             let Some(row) = row else {
-                // Only the last line may have been cut.
-                ensure!(!line.ends_with('\n'), "line {} is no row of this table", index + 3);
+                // Only the last line may be incomplete.
+                ensure!(!line.ends_with('\n'), "line {} is not a row of this table", index + 3);
                 break;
             };
             if pending.first().is_some_and(|first| first.cell != row.cell) {
-                bail!("line {}: cell {} has not all its rows", index + 3, pending[0].cell);
+                bail!("line {}: cell {} lacks rows", index + 3, pending[0].cell);
             }
             pending.push(row);
             pending_bytes += line.len();
@@ -144,21 +145,22 @@ impl Table {
         Ok(table)
     }
 
-    /// The cells that are there.
+    /// Returns the numbers of the cells in the table.
     pub fn cells(&self) -> impl Iterator<Item = usize> + '_ {
         self.rows.chunks(self.identity.rows).filter_map(|rows| rows.first().map(|row| row.cell))
     }
 
-    /// Whether every cell is there.
+    /// Returns true if the table has every cell.
     pub fn is_whole(&self) -> bool {
         self.cells().eq(0..self.identity.cells)
     }
 }
 
-/// All shares as one table: the bytes of a run that was never divided.
+/// Merges all shares into the table of a single run.
 ///
 /// # Errors
-/// A file that is no table, shares of different campaigns, a cell that is missing or there twice: which, and what to do.
+/// If a file is not a table, the shares belong to different campaigns, or a cell is missing or
+/// occurs twice; the error names it and the remedy.
 pub fn merge(files: &[PathBuf]) -> Result<String> {
     let mut cells: BTreeMap<usize, (String, &Path)> = BTreeMap::new();
     let mut identity: Option<(Identity, &Path)> = None;
@@ -196,6 +198,6 @@ pub fn merge(files: &[PathBuf]) -> Result<String> {
             identity.cells
         );
     }
-    ensure!(cells.len() == identity.cells, "there are cells that the campaign has not");
+    ensure!(cells.len() == identity.cells, "the tables have cells that the campaign does not have");
     Ok(identity.heading() + &cells.into_values().map(|(text, _)| text).collect::<String>())
 }

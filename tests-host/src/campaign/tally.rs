@@ -1,4 +1,4 @@
-//! What becomes of a cell's epochs, under one fault and one judge.
+//! Outcomes of a cell's epochs, under one fault and one judge.
 
 use rai_core::frame::Enu;
 use rai_core::report::{Report, Verdict};
@@ -20,7 +20,7 @@ pub struct Tally {
     fixes: u64,
 }
 
-/// The columns that a tally fills.
+/// Columns that a tally fills.
 pub const COLUMNS: [&str; 14] = [
     "epochs",
     "protected",
@@ -39,7 +39,7 @@ pub const COLUMNS: [&str; 14] = [
 ];
 
 impl Tally {
-    /// Takes an epoch; `error` is by how much the position is wrong.
+    /// Adds an epoch; `error` is the error of the position.
     pub fn add<const N: usize>(&mut self, report: &Report<N>, error: Option<Enu>, limits: &Requirements) {
         let is_protected = matches!(report.verdict, Verdict::Protected(_));
         self.epochs += 1;
@@ -65,7 +65,7 @@ impl Tally {
         }
     }
 
-    /// The cells of a row, as [`COLUMNS`] names them.
+    /// Formats the cells of a row, in the order of [`COLUMNS`].
     pub fn cells(mut self) -> String {
         let unavailable = self.epochs - self.protected - self.alerts;
         let share = self.protected as f64 / self.epochs.max(1) as f64;
@@ -91,14 +91,14 @@ impl Tally {
     }
 }
 
-/// The smallest value that so large a share of all does not exceed; NaN of none.
+/// Returns the smallest value that a share of all values does not exceed, or NaN if there are none.
 fn quantile(values: &mut [f32], share: f64) -> f64 {
     values.sort_by(f32::total_cmp);
     let rank = (share * values.len() as f64).ceil() as usize;
     values.get(rank.max(1) - 1).map_or(f64::NAN, |&value| f64::from(value))
 }
 
-/// Centimetres; `inf` where there is no level, nothing where there is no number.
+/// Formats metres to the centimetre: `inf` without a level, an empty string for NaN.
 fn metres(value: f64) -> String {
     if value.is_nan() { String::new() } else { format!("{value:.2}") }
 }

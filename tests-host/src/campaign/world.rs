@@ -1,12 +1,12 @@
-//! The outline of the land: enough to see where on a map one is.
+//! Outline of the land: enough to recognise places on a map.
 //!
-//! Natural Earth's land polygons of 1:110 million, version 4.1, which are in the public domain (naturalearthdata.com),
-//! with a tolerance of 0.6° and without islands below three square degrees. One polygon a line, corners as
-//! `longitude latitude` in degrees.
+//! The data are Natural Earth's land polygons of 1:110 million, version 4.1, which are in the
+//! public domain (naturalearthdata.com), with a tolerance of 0.6° and without islands below three
+//! square degrees. Each line is one polygon, its corners as `longitude latitude` in degrees.
 
 const LAND: &str = include_str!("land.txt");
 
-/// Closed lines of longitude and latitude, degrees.
+/// Returns closed lines of longitude and latitude, degrees.
 pub(super) fn land() -> Vec<Vec<(f64, f64)>> {
     let corner = |text: &str| {
         let (longitude, latitude) = text.split_once(' ')?;
@@ -15,7 +15,8 @@ pub(super) fn land() -> Vec<Vec<(f64, f64)>> {
     LAND.lines().map(|line| line.split(',').filter_map(corner).collect()).collect()
 }
 
-/// The outline without the seams at which the polygons are cut: the 180th meridian and the south pole.
+/// Returns the outline without the seams at which the polygons are cut: the 180th meridian and the
+/// south pole.
 pub(super) fn shore() -> Vec<Vec<(f64, f64)>> {
     let is_seam = |(x0, y0): (f64, f64), (x1, y1): (f64, f64)| {
         let along_meridian = x0.abs() > 179.0 && x1.abs() > 179.0;
@@ -31,7 +32,7 @@ pub(super) fn shore() -> Vec<Vec<(f64, f64)>> {
 mod tests {
     use super::land;
 
-    /// Whether a point is inside, by the lines that a ray to the east crosses.
+    /// Returns true if a point is inside, by the number of lines that a ray to the east crosses.
     fn is_land(longitude: f64, latitude: f64) -> bool {
         let crosses = |pair: &[(f64, f64)]| {
             let [(x0, y0), (x1, y1)] = [pair[0], pair[1]];

@@ -1,11 +1,11 @@
-//! Calls of the C interface as bytes, for the C program that makes them, and what it answers.
+//! Calls of the C interface as bytes, for the C program that makes them, and its answers.
 //!
-//! The formats stand at the top of `rai-firmware/capi/tests/calls.c`.
+//! The head of `rai-firmware/capi/tests/calls.c` defines the formats.
 
 use anyhow::{Context as _, Result, ensure};
 use rai_core::epoch::Epoch;
 
-/// Calls in the order in which they are to be made.
+/// Calls in their order.
 #[derive(Clone, Debug, Default)]
 pub struct Calls {
     bytes: Vec<u8>,
@@ -21,7 +21,7 @@ impl Calls {
         }
     }
 
-    /// Asks for version, sizes and alignments.
+    /// Requests version, sizes and alignments.
     pub fn sizes(&mut self) {
         self.add(b's', &[]);
     }
@@ -56,7 +56,7 @@ impl Calls {
         self.add(b'i', &[]);
     }
 
-    /// Brings bytes of the GNSS port.
+    /// Sends bytes to the GNSS port.
     pub fn gnss(&mut self, now_ms: u64, bytes: &[u8]) {
         self.add(b'g', &[&now_ms.to_le_bytes(), bytes]);
     }
@@ -66,32 +66,32 @@ impl Calls {
         self.add(b't', &[&now_ms.to_le_bytes()]);
     }
 
-    /// Brings bytes of the host port.
+    /// Sends bytes to the host port.
     pub fn command(&mut self, bytes: &[u8]) {
         self.add(b'c', &[bytes]);
     }
 
-    /// All calls, as the program reads them.
+    /// Returns all calls, encoded for the program.
     pub fn as_bytes(&self) -> &[u8] {
         &self.bytes
     }
 }
 
-/// What a call gave.
+/// Answer to a call.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Answer {
-    /// The kind of the call.
+    /// Kind of the call.
     pub kind: u8,
-    /// Its status.
+    /// Status of the call.
     pub status: u8,
-    /// How deep the stack went below the caller, bytes; 0 on a host.
+    /// Depth of the stack below the caller, bytes; 0 on a host.
     pub stack_bytes: u32,
-    /// What it gave.
+    /// Output of the call.
     pub given: Vec<u8>,
 }
 
 impl Answer {
-    /// The name of the function that was called.
+    /// Returns the name of the function that was called.
     pub fn function(&self) -> &'static str {
         match self.kind {
             b'p' => "rai_monitor_init",
@@ -106,10 +106,10 @@ impl Answer {
     }
 }
 
-/// The answers in a file of the program.
+/// Parses the answers in a file of the program.
 ///
 /// # Errors
-/// Where the file ends within an answer.
+/// If the file ends within an answer.
 pub fn answers(mut bytes: &[u8]) -> Result<Vec<Answer>> {
     let mut answers = Vec::new();
     while let Some((head, rest)) = bytes.split_first_chunk::<10>() {
@@ -120,6 +120,6 @@ pub fn answers(mut bytes: &[u8]) -> Result<Vec<Answer>> {
         answers.push(Answer { kind, status, stack_bytes, given: given.to_vec() });
         bytes = rest;
     }
-    ensure!(bytes.is_empty(), "the answers end within one");
+    ensure!(bytes.is_empty(), "the last answer is incomplete");
     Ok(answers)
 }

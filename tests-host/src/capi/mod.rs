@@ -18,42 +18,45 @@ use crate::image;
 pub mod calls;
 pub mod program;
 
-/// What to do where the committed header is not that of the sources.
+/// Message if the committed header differs from that of the sources.
 pub const STALE_HEADER: &str = "the C interface has changed and its header has not: run `cargo xtask header`, and raise \
                                 RAI_ABI_VERSION if a program compiled against the old header would misunderstand the new library";
 
-/// Where the package of the C interface lies.
+/// Returns the folder of the C interface's package.
 pub fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../rai-firmware/capi")
 }
 
-/// Where the committed header lies.
+/// Returns the path of the committed header.
 pub fn header_path() -> PathBuf {
     folder().join("include/rai.h")
 }
 
-/// The header as the sources say it is.
+/// Generates the header from the sources.
 ///
 /// # Errors
-/// Where a source cannot be read as Rust.
+/// If a source cannot be parsed as Rust.
 pub fn header() -> anyhow::Result<String> {
     let config = cbindgen::Config::from_file(folder().join("cbindgen.toml")).map_err(anyhow::Error::msg)?;
-    // From the root on, since the modules are in the order of a reader there.
+    // The root comes first, because it lists the modules in the reader's order.
     let builder = cbindgen::Builder::new().with_config(config).with_src(folder().join("src/lib.rs"));
     let mut header = Vec::new();
-    builder.generate().context("the sources of the C interface make no header")?.write(&mut header);
+    builder
+        .generate()
+        .context("the header cannot be generated from the sources of the C interface")?
+        .write(&mut header);
     Ok(String::from_utf8(header)?)
 }
 
-/// The boards' instruction set.
+/// Target of the boards.
 const TARGET: &str = "thumbv7em-none-eabihf";
 
-/// What kind of library.
+/// Kind of library.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// What a C program is linked with.
+    /// Static library, linked into a C program.
     Static,
-    /// What a program of another language loads.
+    /// Shared library, loaded by a program of another language.
     Shared,
 }
 
@@ -66,10 +69,10 @@ impl Kind {
     }
 }
 
-/// Builds the library of the host, with debug assertions, and gives its path.
+/// Builds the library of the host, with debug assertions, and returns its path.
 ///
 /// # Errors
-/// Where it does not build; the message is cargo's.
+/// If it does not build; the message is cargo's.
 pub fn library(kind: Kind, features: &str) -> anyhow::Result<PathBuf> {
     let (crate_type, name) = kind.words();
     let folder = root().join("target/capi");
@@ -77,7 +80,7 @@ pub fn library(kind: Kind, features: &str) -> anyhow::Result<PathBuf> {
     kept(&mut cargo, &folder, &Path::new("debug").join(name), features)
 }
 
-/// Builds the library of a board's processor, as it ships, and gives its path.
+/// Builds the library of a board's processor, as it ships, and returns its path.
 ///
 /// # Errors
 /// As [`library`].
@@ -89,27 +92,28 @@ pub fn library_for(machine: Machine, features: &str) -> anyhow::Result<PathBuf> 
     let mut cargo = rustc("staticlib", features, &folder);
     cargo.args(["--profile", "firmware", "--target", TARGET]);
     if machine == Machine::Mps2An500 {
-        // The flags of the second board's image: one folder holds what is built with them.
+        // These are the flags of the second board's image, because one folder holds everything
+        // built with them.
         cargo.env("RUSTFLAGS", image::SECOND_BOARD_FLAGS);
     }
     kept(&mut cargo, &folder, &shipped(), features)
 }
 
-/// What a library is compiled for.
+/// Goal of the optimisation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Optimised {
     /// The integrity core for speed, as in the shipped image, and the rest for size.
     Speed,
-    /// All of it for size.
+    /// Everything for size.
     Size,
 }
 
-/// What processor a library is for.
+/// Processor of a library.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Processor {
-    /// That of the boards, a Cortex-M4F.
+    /// The boards' processor, a Cortex-M4F.
     OfBoards,
-    /// The smallest, without a unit for numbers with a point: Cortex-M0+.
+    /// The smallest, without a floating-point unit: Cortex-M0+.
     Smallest,
 }
 
@@ -122,7 +126,7 @@ impl Processor {
     }
 }
 
-/// Builds the library of a chip with only these features and gives its path.
+/// Builds the library of a chip with only these features and returns its path.
 ///
 /// # Errors
 /// As [`library`].
@@ -138,13 +142,13 @@ pub fn library_of(features: &str, optimised: Optimised, processor: Processor) ->
     kept(&mut cargo, &folder, &built, &format!("{features}-{optimised:?}"))
 }
 
-/// Where a library of the chip lies in its folder.
+/// Returns the path of a library of the chip in its folder.
 fn shipped() -> PathBuf {
     Path::new(TARGET).join("firmware/librai.a")
 }
 
-/// Builds a library and puts it aside under a name of its own: another one, with other features, is built to the same place,
-/// and may be at any moment, by another process too.
+/// Builds a library and copies it to a name of its own, because another one with other features is
+/// built to the same place, at any moment, possibly by another process.
 fn kept(cargo: &mut Command, folder: &Path, built: &Path, name: &str) -> anyhow::Result<PathBuf> {
     std::fs::create_dir_all(folder)?;
     let lock = File::create(folder.join("building"))?;
@@ -152,7 +156,7 @@ fn kept(cargo: &mut Command, folder: &Path, built: &Path, name: &str) -> anyhow:
     run(cargo)?;
     let place = folder.join("kept").join(name).join(built);
     std::fs::create_dir_all(place.parent().context("a folder")?)?;
-    // Whoever uses the one that is there goes on with it.
+    // A user of the existing copy keeps it.
     let fresh = place.with_extension("fresh");
     std::fs::copy(folder.join(built), &fresh)?;
     std::fs::rename(&fresh, &place)?;
@@ -171,10 +175,10 @@ fn rustc(crate_type: &str, features: &str, target_folder: &Path) -> Command {
     cargo
 }
 
-/// Runs a command and gives what it wrote to standard output.
+/// Runs a command and returns its standard output.
 ///
 /// # Errors
-/// With what it wrote to standard error, where it fails.
+/// If it fails, with its standard error.
 pub fn run(command: &mut Command) -> anyhow::Result<Vec<u8>> {
     let output =
         command.output().with_context(|| format!("{} cannot be run", command.get_program().display()))?;

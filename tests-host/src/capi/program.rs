@@ -1,4 +1,5 @@
-//! The C program that makes calls: compiled strictly, for the host and for the emulated boards, and run.
+//! The C program that makes calls: compiled strictly, for the host and for the emulated boards, and
+//! run.
 //!
 //! | machine | compiler | library |
 //! |---|---|---|
@@ -15,19 +16,19 @@ use super::calls::{Answer, Calls, answers};
 use super::{Kind, Optimised, Processor, folder, library, library_for, library_of, run};
 use crate::board::Machine;
 
-/// Every warning that a careful C programmer turns on.
+/// Warnings that a careful C programmer turns on.
 pub const STRICT: [&str; 6] = ["-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror", "-O1"];
 
-/// What the static library needs of a host's system.
+/// Libraries of the host's system that the static library needs.
 pub const SYSTEM: [&str; 3] = ["-lpthread", "-ldl", "-lm"];
 
-/// What ends a program at the first thing that no standard defines.
+/// Flags that end a program at the first undefined behaviour.
 pub const SANITISED: [&str; 3] = ["-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"];
 
-/// The compiler for the boards.
+/// Compiler for the boards.
 pub const ARM: &str = "arm-none-eabi-gcc";
 
-/// A language that the header is written for.
+/// Language of the program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Language {
     /// C99.
@@ -44,7 +45,7 @@ impl Language {
         }
     }
 
-    /// The name of a compiler of it.
+    /// Returns the name of a compiler of the language.
     const fn host_compiler(self) -> &'static str {
         match self {
             Self::C => "gcc",
@@ -63,7 +64,7 @@ fn compiler(name: &str) -> Command {
     command
 }
 
-/// An object file of `name`, compiled in `language`.
+/// Compiles `name` in `language`; returns the object file.
 fn object(
     compiler_name: &str,
     language: Language,
@@ -78,15 +79,15 @@ fn object(
     Ok(object)
 }
 
-/// Makes the calls on the host in a folder, the program compiled with further flags.
+/// Makes the calls on the host, in a folder, with the program compiled with further flags.
 ///
 /// # Errors
-/// Where something does not compile, or the program fails.
+/// If something does not compile, or the program fails.
 pub fn on_host(calls: &Calls, language: Language, flags: &[&str], out: &Path) -> Result<Vec<Answer>> {
     let mut link = Command::new(language.host_compiler());
     link.args(flags).arg("-o").arg(out.join("program"));
     link.arg(object(language.host_compiler(), language, flags, "calls.c", out)?);
-    // The machine's own part is C, whatever the program is.
+    // The machine's own part is C, whatever the language of the program.
     link.arg(object("gcc", Language::C, flags, "host.c", out)?)
         .arg(library(Kind::Static, "whole")?)
         .args(SYSTEM);
@@ -99,13 +100,13 @@ pub fn on_host(calls: &Calls, language: Language, flags: &[&str], out: &Path) ->
 /// Makes the calls on an emulated board, with files in a folder.
 ///
 /// # Errors
-/// Where something does not compile, the emulator is missing, or the program fails.
+/// If something does not compile, the emulator is missing, or the program fails.
 pub fn on_board(calls: &Calls, machine: Machine, language: Language, out: &Path) -> Result<Vec<Answer>> {
     run_on(calls, machine, language, &[], &library_for(machine, "whole,panic-handler")?, out)
 }
 
-/// Makes the calls on the first board, with the smallest library that has room for so many satellites: classic RAIM alone,
-/// compiled for size.
+/// Makes the calls on the first board, with the smallest library for this many satellites: classic
+/// RAIM alone, compiled for size.
 ///
 /// # Errors
 /// As [`on_board`].

@@ -1,24 +1,24 @@
-//! What a terminal shows while the module is watched.
+//! Live view of the module on a terminal.
 //!
-//! On a terminal one block of lines is redrawn in place, cut to the terminal's width, for a wrapped line would spoil the
-//! redrawing; elsewhere, and headless, a line is written every five epochs and whenever the verdict or the exclusions
-//! change.
+//! On a terminal one block of lines is redrawn in place. Lines are cut to the terminal's width,
+//! because a wrapped line would spoil the redrawing. Elsewhere, and headless, a line is written
+//! every five epochs and whenever the verdict or the exclusions change.
 
 use std::io::{self, Write};
 
 use super::Plan;
 use crate::report::{Moment, Verdict};
 
-/// How the moments are shown.
+/// Form of the view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum View {
-    /// A block that is redrawn, with colours, on a terminal of so many columns.
+    /// A block that is redrawn, with colours, on a terminal of this many columns.
     Block(usize),
     /// Plain lines.
     Lines,
 }
 
-/// Epochs that a curve shows: a line stays within 80 columns.
+/// Number of epochs of a curve, so that a line stays within 80 columns.
 const CURVE_EPOCHS: usize = 26;
 
 /// Epochs between plain lines.
@@ -36,7 +36,7 @@ pub struct Live<W> {
 }
 
 impl<W: Write> Live<W> {
-    /// A view that writes to `out`.
+    /// Returns a view that writes to `out`.
     pub const fn new(plan: Plan, view: View, out: W) -> Self {
         Self { plan, view, out, is_drawn: false }
     }
@@ -44,7 +44,7 @@ impl<W: Write> Live<W> {
     /// Shows the last of the moments.
     ///
     /// # Errors
-    /// What `out` does not take.
+    /// If writing to `out` fails.
     pub fn show(&mut self, moments: &[Moment]) -> io::Result<()> {
         match self.view {
             View::Block(columns) => self.block(moments, columns),
@@ -110,7 +110,7 @@ impl<W: Write> Live<W> {
             format!("verdict    {}", left_out(now)),
         ];
         for line in lines {
-            // Cut in the middle of a colour, it is ended all the same.
+            // The colour is reset, even if the line is cut inside it.
             let line = format!("  {line}");
             writeln!(self.out, "\x1b[2K{}\x1b[0m", console::truncate_str(&line, columns, ""))?;
         }
@@ -148,7 +148,7 @@ fn left_out(moment: &Moment) -> String {
     }
 }
 
-/// A curve in one line: each value as a share of its bound, full height at the bound.
+/// Draws a curve in one line: each value as a share of its bound, full height at the bound.
 fn curve(
     moments: &[Moment],
     value: impl Fn(&Moment) -> Option<f64>,

@@ -1,20 +1,22 @@
-//! The demonstration: one satellite of a simulated sky drifts off, and the emulated board is watched meanwhile.
+//! The demonstration: one satellite of a simulated sky drifts off while the emulated board is
+//! watched.
 //!
 //! ```text
 //! sky ──► fault ──► RTCM ──► USART2 of the board ──► USART1, log ──► moments ──► live view, page, picture
 //! ```
 //!
-//! | time / s | what happens |
+//! | time / s | event |
 //! |---|---|
-//! | 0 to 40 | nothing |
-//! | 40 to 70 | the satellite's range grows evenly to the full bias |
+//! | 0 to 40 | none |
+//! | 40 to 70 | the satellite's range error grows linearly to the full bias |
 //! | 70 to 90 | it stays there |
-//! | 90 to 120 | the satellite is sound again |
-//! | from 120 | the line is silent, until the module says so and drops the pin |
+//! | 90 to 120 | the satellite is healthy again |
+//! | from 120 | the line is silent, until the module reports it and drops the pin |
 //!
-//! The next epoch is sent when the module has spoken of the last one, so two minutes pass as fast as the host runs.
-//! Beside the module an ordinary receiver hears the same bytes and accepts every satellite above the same mask.
-//! The silence passes on the board's own clock, with the time to alert set to [`SILENCE_S`].
+//! The next epoch is sent when the module has reported the last one, so two minutes pass as fast as
+//! the host runs. Beside the module an ordinary receiver processes the same bytes and accepts every
+//! satellite above the same mask. The silence passes on the board's own clock, with the time to
+//! alert set to [`SILENCE_S`].
 
 mod live;
 mod ordinary;
@@ -39,42 +41,42 @@ use crate::sentence::{self, EpochOutput};
 use crate::sky::raw::Simulation;
 use crate::sky::{Site, sights};
 
-/// When the fault begins, s.
+/// Start of the fault, s.
 pub const FAULT_START_S: f64 = 40.0;
-/// When it ends, s.
+/// End of the fault, s.
 pub const FAULT_END_S: f64 = 90.0;
-/// How long it takes to grow, s.
+/// Time in which the fault grows, s.
 const GROWTH_S: f64 = 30.0;
-/// Epochs of the demonstration, one a second.
+/// Number of epochs of the demonstration, one per second.
 const EPOCHS: u32 = 120;
-/// Time to alert while the line is silent, s: short, since it is waited for.
+/// Time to alert while the line is silent, s: short, because the demonstration waits for it.
 pub const SILENCE_S: f64 = 3.0;
-/// How high the satellite shall stand at the beginning, degrees.
+/// Smallest elevation of the satellite at the beginning, degrees.
 const ELEVATION_DEG: f64 = 35.0;
-/// The module's elevation mask at start, degrees; the ordinary receiver beside it has the same.
+/// Elevation mask of the module at start and of the ordinary receiver, degrees.
 const MASK_DEG: f64 = 10.0;
-/// How long the board may take for an epoch.
+/// Time within which the board must report an epoch.
 const PATIENCE: Duration = Duration::from_secs(20);
 
-/// How long the log of the pin may lag behind the sentence.
+/// Largest delay of the log of the pin after the sentence.
 const PIN_PATIENCE: Duration = Duration::from_secs(5);
 
-/// What is to be shown.
+/// Parameters of a demonstration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plan {
-    /// Who drifts off.
+    /// Satellite that drifts off.
     pub satellite: SatelliteId,
-    /// How far, m.
+    /// Final error of its range, m.
     pub bias_m: f64,
-    /// All chance follows from it.
+    /// Seed of all random choices.
     pub seed: u64,
 }
 
 impl Plan {
-    /// The sky, at a time when the satellite stands high.
+    /// Returns the sky at a time when the satellite is high.
     ///
     /// # Errors
-    /// The satellite is not in the sky, with the names of those that are.
+    /// If the satellite is not in the sky; the error names those that are.
     pub fn simulation(&self) -> Result<Simulation> {
         let mut simulation = Simulation::above_xian(0.0, EPOCHS, self.seed);
         let known: Vec<SatelliteId> = simulation.satellites.iter().map(|satellite| satellite.id).collect();
@@ -98,7 +100,7 @@ impl Plan {
         Ok(simulation)
     }
 
-    /// The drift.
+    /// Returns the drift.
     pub fn fault(&self) -> Fault {
         Fault {
             target: Target::Satellite(self.satellite),
@@ -108,12 +110,17 @@ impl Plan {
         }
     }
 
-    /// Runs it on the emulated board. `watch` sees all moments so far after each epoch.
+    /// Runs the demonstration on the emulated board. `watch` receives all moments so far after each
+    /// epoch.
     ///
     /// # Errors
-    /// The satellite is not in the sky, or the board does not start or does not answer in time.
+    /// If the satellite is not in the sky, or the board does not start or does not answer in time.
     pub fn run(&self, image: &Path, mut watch: impl FnMut(&[Moment])) -> Result<Story> {
-        ensure!(self.bias_m.is_finite() && self.bias_m != 0.0, "a bias of {} m is no fault", self.bias_m);
+        ensure!(
+            self.bias_m.is_finite() && self.bias_m != 0.0,
+            "the bias must be finite and not zero, not {} m",
+            self.bias_m
+        );
         let simulation = self.simulation()?;
         let recording = simulation.record();
         let mut encoder = Encoder::new(&recording.ephemerides, Selection::new("GC", Frequency::Dual)?);
@@ -130,7 +137,7 @@ impl Plan {
             watch(&moments);
         }
         module.shorten_patience()?;
-        // Said twice, so that the alarm is seen to last.
+        // The report comes twice, to show that the alarm lasts.
         for times in 1..=2 {
             let (said, pin_is_high) = module.fall_silent().context("the silent line")?;
             let time_s = f64::from(EPOCHS - 1) + f64::from(times) * SILENCE_S;
@@ -143,7 +150,7 @@ impl Plan {
     }
 }
 
-/// The board, and how many epochs it has been sent.
+/// The board, and the number of epochs sent to it.
 struct Module {
     board: EmulatedBoard,
     epochs: usize,
@@ -152,7 +159,7 @@ struct Module {
 impl Module {
     fn start(image: &Path) -> Result<Self> {
         let mut board = EmulatedBoard::start(image)?;
-        board.read_through("$PRAIV", PATIENCE).context("the board does not say that it started")?;
+        board.read_through("$PRAIV", PATIENCE).context("the board does not report its start")?;
         Ok(Self { board, epochs: 0 })
     }
 
@@ -162,12 +169,13 @@ impl Module {
         self.board.read_through("$PRAIA", PATIENCE).map(drop)
     }
 
-    /// Sends nothing until the module complains; what it says, and the level of the pin then.
+    /// Sends nothing until the module reports the silence; returns the report, and the level of the
+    /// pin then.
     fn fall_silent(&mut self) -> Result<(EpochOutput, bool)> {
         let lines = self.board.read_through("$PRAIS", PATIENCE)?;
         let said = lines.last().map_or("", String::as_str);
-        let said = sentence::epochs(said)?.pop().context("the module said nothing of the silence")?;
-        // The log comes over a port of its own, a little later.
+        let said = sentence::epochs(said)?.pop().context("the module did not report the silence")?;
+        // The log comes over its own port, slightly later.
         let deadline = Instant::now() + PIN_PATIENCE;
         while self.board.pin_is_high() && Instant::now() < deadline {
             std::thread::sleep(Duration::from_millis(20));
@@ -175,7 +183,7 @@ impl Module {
         Ok((said, self.board.pin_is_high()))
     }
 
-    /// Sends one epoch and reads all that the module says of it.
+    /// Sends one epoch and reads the module's report on it.
     fn judge(&mut self, bytes: &[u8]) -> Result<EpochOutput> {
         self.board.feed(bytes)?;
         let mut lines = self.board.read_through("$PRAIS", PATIENCE)?;
@@ -187,14 +195,14 @@ impl Module {
                 lines.push(self.board.read_line(PATIENCE)?);
             }
         }
-        // The pin's level is told by the log, which says last how long the epoch took.
+        // The pin's level is in the log, whose last line of an epoch is the time it took.
         self.epochs += 1;
         self.board.log_with(&format!("epoch {} took", self.epochs), 0, PATIENCE)?;
-        sentence::epochs(&lines.concat())?.pop().context("the module said nothing of the epoch")
+        sentence::epochs(&lines.concat())?.pop().context("the module did not report the epoch")
     }
 }
 
-/// What the module said, beside the truth.
+/// Returns the module's report beside the truth.
 fn moment(time_s: f64, said: &EpochOutput, pin_is_high: bool, site: &Site) -> Moment {
     let error = said.position.map(|geodetic| site.frame.rotate(geodetic.to_ecef() - site.position));
     Moment::of(time_s, said, error, pin_is_high)

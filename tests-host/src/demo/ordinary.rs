@@ -1,6 +1,7 @@
-//! An ordinary receiver beside the module: the same bytes, the same corrections, and every satellite accepted.
+//! An ordinary receiver beside the module: the same bytes, the same corrections, and every
+//! satellite accepted.
 //!
-//! What it says is what the module's user would have been told without integrity monitoring.
+//! Its positions are those that the user would receive without integrity monitoring.
 
 use rai_core::epoch::Epoch;
 use rai_core::snapshot::Workspace;
@@ -12,18 +13,18 @@ use rai_firmware::raw::RawEpoch;
 
 use crate::sky::Site;
 
-/// What the ordinary receiver makes of an epoch.
+/// Result of the ordinary receiver for an epoch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ordinary {
-    /// Seconds since the first epoch.
+    /// Time since the first epoch, s.
     pub time_s: f64,
     /// `√(SSE/dof)` of all satellites, dimensionless.
     pub statistic: f64,
-    /// Distance from the truth over the ground, m.
+    /// Horizontal distance from the truth, m.
     pub horizontal_error_m: f64,
 }
 
-/// The receiver.
+/// The ordinary receiver.
 pub(crate) struct Accepter {
     input: Input,
     store: Store,
@@ -31,12 +32,12 @@ pub(crate) struct Accepter {
 }
 
 impl Accepter {
-    /// A receiver that has heard nothing and uses satellites above `mask_rad`.
+    /// Returns a receiver without input so far that uses satellites above `mask_rad`.
     pub(crate) fn new(mask_rad: f64) -> Self {
         Self { input: Input::new(), store: Store::new(), mask_rad }
     }
 
-    /// Takes the bytes of one epoch; `None` where they make no fix with redundancy.
+    /// Processes the bytes of one epoch; returns `None` if they give no fix with redundancy.
     pub(crate) fn hear(&mut self, bytes: &[u8], time_s: f64, site: &Site) -> Option<Ordinary> {
         let mut said = None;
         let Self { input, store, mask_rad } = self;
@@ -51,7 +52,7 @@ impl Accepter {
     }
 }
 
-/// One fix of all satellites, corrected for the air above the true site.
+/// Computes one fix of all satellites, corrected for the atmosphere above the true site.
 fn judge(raw: &RawEpoch, store: &Store, mask_rad: f64, time_s: f64, site: &Site) -> Option<Ordinary> {
     let mut tally = Tally::default();
     let (mut sky, mut epoch) = (Sky::new(), Epoch::new(0.0));

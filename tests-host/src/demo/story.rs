@@ -1,4 +1,5 @@
-//! What came of it: a summary in words, a page, and the picture of the module catching a fault.
+//! Result of the demonstration: a summary in words, a page, and the picture of the module catching
+//! a fault.
 
 use std::fmt;
 
@@ -14,16 +15,16 @@ use crate::report::timeline::{self, Incident};
 use crate::report::{Moment, Verdict, stanford};
 use crate::sky::raw::Simulation;
 
-/// A demonstration that has been run.
+/// A demonstration that has run.
 #[derive(Clone, Debug)]
 pub struct Story {
-    /// What was to be shown.
+    /// Parameters of the demonstration.
     pub plan: Plan,
-    /// The sky it was shown with.
+    /// Sky of the demonstration.
     pub simulation: Simulation,
-    /// What the module said, epoch by epoch.
+    /// Reports of the module, epoch by epoch.
     pub moments: Vec<Moment>,
-    /// What an ordinary receiver would have said.
+    /// Results of an ordinary receiver.
     pub ordinary: Vec<Ordinary>,
     /// Level of the integrity pin before the first epoch.
     pub pin_at_boot: bool,
@@ -32,7 +33,7 @@ pub struct Story {
 }
 
 impl Story {
-    /// The first epoch that was alarmed, or from which the satellite was left out.
+    /// Returns the first epoch with an alert, or without the satellite.
     pub fn detection(&self) -> Option<&Moment> {
         let during = self.moments.iter().filter(|moment| self.plan.fault().is_active(moment.time_s));
         during
@@ -40,7 +41,7 @@ impl Story {
             .find(|moment| moment.verdict == Verdict::Alert || moment.excluded.contains(&self.plan.satellite))
     }
 
-    /// Epochs whose error was larger than their protection level though the module promised otherwise.
+    /// Returns the number of protected epochs with an error above their protection level.
     pub fn misleading(&self) -> usize {
         let is_misleading = |moment: &&Moment| {
             moment.verdict == Verdict::Protected
@@ -49,13 +50,13 @@ impl Story {
         self.moments.iter().filter(is_misleading).count()
     }
 
-    /// The largest horizontal error of an epoch that was promised to be bounded, m.
+    /// Returns the largest horizontal error of a protected epoch, m.
     pub fn largest_protected_error_m(&self) -> f64 {
         let protected = self.moments.iter().filter(|moment| moment.verdict == Verdict::Protected);
         protected.filter_map(|moment| moment.horizontal_error_m).fold(0.0, f64::max)
     }
 
-    /// All satellites that were ever left out, with the number of epochs.
+    /// Returns all satellites that were ever left out, with the number of epochs.
     pub fn excluded(&self) -> Vec<(SatelliteId, usize)> {
         let mut all: Vec<SatelliteId> =
             self.moments.iter().flat_map(|moment| moment.excluded.iter().copied()).collect();
@@ -64,7 +65,7 @@ impl Story {
         all.chunk_by(|a, b| a == b).filter_map(of).collect()
     }
 
-    /// What the module said at the end, when nothing came any more.
+    /// Returns the module's report at the end, on the silent line.
     fn silence(&self) -> String {
         let Some(last) = self.moments.last() else { return "nothing".to_owned() };
         let pin = last.pin_is_high.map_or("unknown", level);
@@ -96,7 +97,7 @@ impl Story {
         self.simulation.sights_at(0).iter().map(body).collect()
     }
 
-    /// Name and value of what matters most.
+    /// Returns names and values of the most important figures.
     pub fn figures(&self) -> Vec<(String, String)> {
         let [protected, alerts, unavailable] = timeline::tally(&self.moments);
         let detected = self.detection().map_or_else(
@@ -143,15 +144,15 @@ impl Story {
         figures
     }
 
-    /// The module catching a fault, in one picture.
+    /// Draws the module catching a fault, in one picture.
     ///
     /// # Errors
-    /// What could not be drawn.
+    /// If it cannot be drawn.
     pub fn picture(&self, ground: Ground) -> Result<String> {
         let incidents = self.incidents();
         let mut statistic = timeline::statistic(&self.moments, &incidents);
         let mut horizontal = timeline::horizontal(&self.moments, &incidents);
-        // Behind the other lines: it is them that the picture is about.
+        // These lines are behind the others, which are the subject of the picture.
         statistic.series.insert(0, self.accepted("all satellites accepted", |ordinary| ordinary.statistic));
         let accepted = self.accepted("error, all accepted", |ordinary| ordinary.horizontal_error_m);
         horizontal.series.insert(0, accepted);
@@ -164,10 +165,10 @@ impl Story {
         Series { name: name.to_owned(), colour: GREY, mark: Mark::Line, points }
     }
 
-    /// Everything on one page.
+    /// Returns everything on one page.
     ///
     /// # Errors
-    /// What could not be drawn.
+    /// If a picture cannot be drawn.
     pub fn page(&self) -> Result<Page> {
         let summary = format!(
             "Two minutes of a simulated GPS and BeiDou sky over Xi'an, sent as RTCM 3 to the image on the emulated \
@@ -191,7 +192,7 @@ impl Story {
         Ok(page)
     }
 
-    /// The epochs at which verdict or exclusions became others.
+    /// Returns the epochs at which verdict or exclusions changed.
     fn changes(&self) -> Vec<Vec<String>> {
         let same = |a: &Moment, b: &Moment| a.verdict == b.verdict && a.excluded == b.excluded;
         let row = |moment: &Moment| {

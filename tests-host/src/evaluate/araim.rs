@@ -1,4 +1,5 @@
-//! Linearised epochs with what integrity knows of each satellite: ARAIM, under the two published allocations.
+//! ARAIM for linearised epochs with integrity parameters of each satellite, under the two published
+//! allocations.
 
 use rai_core::equations::LinearEpoch;
 use rai_core::integrity::separation::{
@@ -13,14 +14,14 @@ use serde_json::{Map, Value};
 use super::line::{self, Satellite, numbers};
 use super::number::Number;
 
-/// What the two allocations give.
+/// Results of the two allocations.
 #[derive(Serialize)]
 pub(super) struct Araim {
     lpv: Judgement,
     haraim: Judgement,
 }
 
-/// What one allocation gives, as the published vectors name it.
+/// Result of one allocation, with the names of the published vectors.
 #[derive(Serialize)]
 struct Judgement {
     status: &'static str,
@@ -46,13 +47,13 @@ struct Found {
     sigma_v_acc: Number,
     detected: bool,
     max_ratio: Number,
-    /// The mode with the largest share in each level: rows.
+    /// Rows of the mode with the largest share in each level.
     dominant: [Vec<usize>; 3],
     #[serde(flatten)]
     excluded: Option<Excluded>,
 }
 
-/// What is left after an alarm; nulls where nothing could be left out.
+/// Result after an alarm; null if no exclusion succeeds.
 #[derive(Serialize)]
 struct Excluded {
     excl: Option<Vec<usize>>,
@@ -62,7 +63,7 @@ struct Excluded {
     p_nm_excl: Option<Number>,
 }
 
-/// A line that holds such an epoch.
+/// An epoch with its integrity parameters.
 struct Line {
     satellites: Vec<Satellite>,
     accuracies_m: Vec<f64>,
@@ -71,7 +72,7 @@ struct Line {
     constellations: [f64; Constellation::COUNT],
 }
 
-/// Judges one line.
+/// Evaluates one line.
 pub(super) fn evaluate<T: Real>(object: &Map<String, Value>) -> Result<Araim, String> {
     let line = Line::read(object)?;
     Ok(Araim {
@@ -122,7 +123,7 @@ impl Line {
         rows.map(prior).collect()
     }
 
-    /// The rows that a hypothesis names.
+    /// Returns the rows that a hypothesis names.
     fn rows_of(&self, hypothesis: Hypothesis) -> Vec<usize> {
         let is_lost =
             |satellite: &Satellite| hypothesis.constellations >> satellite.constellation as u8 & 1 != 0;
@@ -133,7 +134,7 @@ impl Line {
     }
 }
 
-/// `p_const`: an object from the constellation's id to its probability.
+/// Reads `p_const`: an object from the constellation's id to its probability.
 fn constellations(object: &Map<String, Value>) -> Result<[f64; Constellation::COUNT], String> {
     let by_id = object.get("p_const").and_then(Value::as_object).ok_or("p_const: not an object")?;
     let mut probabilities = [0.0; Constellation::COUNT];
@@ -207,7 +208,7 @@ fn excluded<T: Real>(line: &Line, outcome: &Outcome<T>, after: &Snapshot<'_, T>)
     }
 }
 
-/// East, north, up.
+/// Returns east, north, up.
 fn unknowns<T: Real>(snapshot: &Snapshot<'_, T>) -> Vec<Number> {
     snapshot.correction().iter().map(|&coordinate| wide(coordinate)).collect()
 }

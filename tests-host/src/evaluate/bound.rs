@@ -1,4 +1,4 @@
-//! The protection levels that bound, beside the papers' of the least-squares part.
+//! Protection levels `BOUND`, beside those of the papers in the least-squares part.
 
 use rai_core::integrity::residuals::levels::{Exposure, Factors, Levels};
 use rai_core::integrity::residuals::threshold::Thresholds;
@@ -10,10 +10,10 @@ use serde::Serialize;
 use super::line::{self, Line};
 use super::number::Number;
 
-/// Risk without any fault of the published vectors.
+/// Fault-free risk of the published vectors.
 const FAULT_FREE: f64 = 1e-7;
 
-/// Levels under the classic threshold, all rows in.
+/// Levels under the classic threshold, with all rows.
 #[derive(Serialize)]
 pub(super) struct Bound {
     hpl: Number,
@@ -21,9 +21,9 @@ pub(super) struct Bound {
 }
 
 impl Bound {
-    /// The core's levels of a snapshot with redundancy.
+    /// Returns the core's levels of a snapshot with redundancy.
     ///
-    /// The error names what the tables do not reach.
+    /// The error names the value that the tables do not cover.
     pub(super) fn of<T: Real>(
         line: &Line,
         snapshot: &Snapshot<'_, T>,

@@ -1,4 +1,5 @@
-//! Windows of receiver clocks: the core's process and its forecasts, and others for comparison.
+//! Windows of receiver clocks: the core's process and its forecasts, and other estimators for
+//! comparison.
 
 use rai_core::clock::{Autoregression, CoastingClock, MIN_VALUES, Uptake};
 use rai_core::numeric::real::Real;
@@ -9,13 +10,13 @@ use super::line::{array, numbers};
 use super::number::Number;
 use crate::clock_models::{Levels, Process, burg, centred_differences, polynomial, yule_walker};
 
-/// Steps forecast from each window.
+/// Number of steps forecast from each window.
 const STEPS: usize = 10;
 
-/// Values that one line may have.
+/// Largest number of values in a line.
 const MAX_VALUES: usize = 240;
 
-/// What a window gives, as the published vectors name it.
+/// Forecasts of a window, with the names of the published vectors.
 #[derive(Serialize)]
 pub(super) struct Forecasts {
     uc: Entry,
@@ -45,7 +46,7 @@ struct Variances {
 pub(super) fn evaluate<T: Real>(object: &Map<String, Value>) -> Result<Forecasts, String> {
     let levels_m = numbers(array(object, "Z")?, "Z")?;
     if !(MIN_VALUES..=MAX_VALUES).contains(&levels_m.len()) {
-        return Err(format!("Z: {} values, not {MIN_VALUES} to {MAX_VALUES}", levels_m.len()));
+        return Err(format!("Z: {} values, must be {MIN_VALUES} to {MAX_VALUES}", levels_m.len()));
     }
     let clock = observed::<T>(&levels_m)?;
     let (differences, mean_m) = centred_differences(&levels_m);
@@ -69,11 +70,12 @@ pub(super) fn evaluate<T: Real>(object: &Map<String, Value>) -> Result<Forecasts
     })
 }
 
-/// A clock that has seen the values one second apart.
+/// Returns a clock that has observed the values one second apart.
 fn observed<T: Real>(levels_m: &[f64]) -> Result<CoastingClock<T, MAX_VALUES>, String> {
     let mut clock = CoastingClock::new();
     for (index, &level_m) in levels_m.iter().enumerate() {
-        // The sigma of a value does not enter the process; a large one accepts any step between values.
+        // The sigma of a value does not enter the process. A large one accepts any step between
+        // values.
         let uptake = clock.observe(index as f64, level_m, SIGMA_M);
         let wanted = if index == 0 { Uptake::Restarted } else { Uptake::Continued };
         if uptake != wanted {

@@ -1,4 +1,4 @@
-//! Epochs of one constellation with a forecast receiver clock as the row after the satellites.
+//! Epochs of one constellation, with a forecast receiver clock as the row after the satellites.
 
 use rai_core::equations::LinearEpoch;
 use rai_core::integrity::residuals::baarda::identify;
@@ -14,10 +14,11 @@ use super::line::{array, direction_of, number, numbers, probability};
 use super::number::Number;
 use super::{MAX_ROWS, RowCache};
 
-/// Only for the tables, which come in pairs; no missed detection enters the test.
+/// Probability needed only for the tables, which come in pairs. The test does not use missed
+/// detection.
 const MISSED_DETECTION: f64 = 1e-3;
 
-/// What the test of the satellites and the clock gives, as the published vectors name it.
+/// Result of the test of satellites and clock, with the names of the published vectors.
 #[derive(Serialize)]
 #[allow(non_snake_case, reason = "names of the published vectors")]
 pub(super) struct ClockRaim {
@@ -29,7 +30,7 @@ pub(super) struct ClockRaim {
     detected: bool,
     /// Squared w-test of each row, the clock last.
     d: Vec<Number>,
-    /// Row named, or −1; the clock is the row after the satellites.
+    /// Identified row, or −1. The clock is the row after the satellites.
     ident: isize,
     ident_is_clock: bool,
 }

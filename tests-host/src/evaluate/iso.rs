@@ -1,4 +1,4 @@
-//! The parity-space part of an answer: correlations and what each isolation method makes of them.
+//! Parity-space part of an answer: correlations, and the result of each isolation method.
 
 use rai_core::integrity::residuals::parity::{
     Finding, SearchLimits, correlation, correlation_threshold, grouping, hybrid, hybrid_without_grouping,
@@ -13,10 +13,11 @@ use super::MAX_ROWS;
 use super::line::{Isolation, probability};
 use super::number::Number;
 
-/// Sets of up to three of as many rows as a line may have: on the host nothing is cut.
+/// Number of sets of up to three rows in the longest line, so that the host never cuts a search.
 const MAX_SETS: usize = MAX_ROWS * MAX_ROWS * MAX_ROWS / 6;
 
-/// What parity space says of an epoch; a method that fails is `null`, an empty list means that nothing was detected.
+/// Parity-space results of an epoch. A method that fails is `null`; an empty list means that
+/// nothing was detected.
 #[derive(Serialize)]
 #[allow(non_snake_case, reason = "names of the published vectors")]
 pub(super) struct Iso {

@@ -1,6 +1,6 @@
-//! One line of input: is it such an object at all?
+//! Parsing of one input line.
 //!
-//! What is missing or of the wrong kind is an error that names the field. What is a number, but not a sensible one,
+//! A missing field or one of the wrong kind is an error that names the field. A number out of range
 //! is left to the core and to [`Line::probabilities`], and becomes a status.
 
 use nalgebra::Vector3;
@@ -13,7 +13,7 @@ use super::number::Number;
 use super::{MAX_ROWS, Scalar};
 use crate::oracle::Range;
 
-/// A linearised epoch and what is required of it.
+/// A linearised epoch and its requirements.
 #[derive(Debug)]
 pub(super) struct Line {
     pub(super) satellites: Vec<Satellite>,
@@ -26,7 +26,7 @@ pub(super) struct Line {
     pub(super) scalar: Scalar,
 }
 
-/// What isolation is asked for; all optional, with the values of the papers.
+/// Parameters of isolation; all optional, with the defaults of the papers.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Isolation {
     pub(super) alpha: f64,
@@ -53,7 +53,7 @@ pub(super) struct Clock {
 }
 
 impl Line {
-    /// Reads a line that was JSON.
+    /// Reads a line from its JSON value.
     pub(super) fn read(value: &Value) -> Result<Self, String> {
         let object = value.as_object().ok_or("not a JSON object")?;
         let line = Self {
@@ -72,12 +72,13 @@ impl Line {
         Ok(line)
     }
 
-    /// Rows of the least-squares problem: satellites, then the clock.
+    /// Returns the number of rows of the least-squares problem: satellites, then the clock.
     pub(super) fn rows(&self) -> usize {
         self.satellites.len() + usize::from(self.clock.is_some())
     }
 
-    /// Unknowns: the position, and a clock for each constellation that occurs.
+    /// Returns the number of unknowns: the position, and a clock for each constellation that
+    /// occurs.
     pub(super) fn unknowns(&self) -> usize {
         let occurs = |constellation: &Constellation| {
             self.satellites.iter().any(|satellite| satellite.constellation == *constellation)
@@ -86,9 +87,9 @@ impl Line {
         3 + Constellation::ALL.iter().filter(|constellation| occurs(constellation)).count()
     }
 
-    /// The two probabilities, with the other requirements checked as well; an error names the field.
+    /// Returns the two probabilities and checks the other requirements; an error names the field.
     pub(super) fn probabilities(&self) -> Result<(Probability, Probability), String> {
-        // Written so that a NaN fails.
+        // In this form a NaN fails.
         if !(self.hal_m > 0.0) {
             return Err(format!("hal: {} not above 0", self.hal_m));
         }
@@ -98,7 +99,7 @@ impl Line {
         Ok((probability("pfa", self.pfa)?, probability("pmd", self.pmd)?))
     }
 
-    /// The ranges alone, for what needs no core.
+    /// Returns the ranges alone, for methods outside the core.
     pub(super) fn ranges(&self) -> Vec<Range> {
         let range = |satellite: &Satellite| Range {
             line_of_sight: satellite.line_of_sight.into(),
@@ -125,12 +126,12 @@ fn isolation(object: &Map<String, Value>) -> Result<Isolation, String> {
     })
 }
 
-/// A tail probability; an error names the field.
+/// Checks a tail probability; an error names the field.
 pub(super) fn probability(name: &str, tail: f64) -> Result<Probability, String> {
     Probability::new(tail).ok_or_else(|| format!("{name}: {tail} outside (0, 0.5)"))
 }
 
-/// Which instantiation of the core the line asks for.
+/// Returns the scalar type that the line requests.
 pub(super) fn scalar(object: &Map<String, Value>) -> Result<Scalar, String> {
     match object.get("scalar") {
         Some(word) => {

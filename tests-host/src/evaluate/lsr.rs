@@ -1,6 +1,6 @@
-//! The least-squares part of an answer: global test, w-test, sequential exclusion, protection levels.
+//! Least-squares part of an answer: global test, w-test, sequential exclusion, protection levels.
 //!
-//! Nothing is computed here that the core computes; fields carry the names of the published vectors.
+//! The core computes everything that it can. Fields have the names of the published vectors.
 
 use rai_core::equations::{LinearEpoch, Row, RowError};
 use rai_core::integrity::residuals::baarda::{exclude_sequentially, identify};
@@ -19,7 +19,7 @@ use super::line::Line;
 use super::number::Number;
 use super::thresholds::{Policies, decide};
 
-/// What the least-squares part says of an epoch, as far as its status goes.
+/// Least-squares results of an epoch, as far as its status allows.
 #[derive(Serialize)]
 pub(super) struct Lsr {
     status: &'static str,
@@ -76,12 +76,12 @@ struct Exclusion {
     fde_status: &'static str,
     sse_after: Number,
     dof_after: usize,
-    /// Only where the fault was isolated, or there was none.
+    /// Solution after exclusion, if the fault was isolated or there was none.
     x_after: Option<Vec<Number>>,
 }
 
 impl Lsr {
-    /// An epoch whose numbers make no sense.
+    /// Returns the answer for an epoch with invalid numbers.
     pub(super) fn invalid(line: &Line, why: String) -> Self {
         Self { why: Some(why), ..Self::status("invalid_input", line) }
     }
@@ -95,7 +95,7 @@ impl Lsr {
 
 /// Runs the core on one line.
 ///
-/// The error names what the tables do not reach.
+/// The error names the value that the tables do not cover.
 pub(super) fn evaluate<T: Real>(line: &Line, thresholds: &Thresholds<'_>) -> Result<Lsr, String> {
     if line.rows() == 0 {
         return Ok(Lsr::invalid(line, "no satellites".to_owned()));
@@ -119,7 +119,8 @@ pub(super) fn evaluate<T: Real>(line: &Line, thresholds: &Thresholds<'_>) -> Res
     Ok(Lsr { solution, test, exclusion, ..Lsr::status("ok", line) })
 }
 
-/// The equations of a line, to be solved; `None` where its status says why there are none.
+/// Returns the equations of a line, ready to be solved; `None` if its status says why there are
+/// none.
 pub(super) fn workspace<T: Real>(line: &Line) -> Option<Workspace<T, MAX_ROWS>> {
     Some(Workspace::of(rows(line).ok()?))
 }
@@ -204,7 +205,7 @@ fn identification<T: Real>(
         Err(Unidentified::NoRedundancy) => (-1, "dof<2"),
         Err(Unidentified::BelowThreshold) => (-1, "below_threshold"),
         Err(Unidentified::Ambiguous) => (-1, "ambiguous"),
-        // Said of sets of rows only, and of epochs with orbits.
+        // These reasons concern only sets of rows, and epochs with orbits.
         Err(Unidentified::NoSet | Unidentified::Budget | Unidentified::Time) => (-1, "no_set"),
     }
 }
@@ -225,7 +226,7 @@ fn exclude<T: Real>(mut snapshot: Snapshot<'_, T>, thresholds: &Thresholds<'_>) 
     }
 }
 
-/// East, north, up, then the clocks in ascending id.
+/// Returns east, north, up, then the clocks in ascending id.
 fn unknowns<T: Real>(snapshot: &Snapshot<'_, T>) -> Vec<Number> {
     let position = snapshot.correction();
     let clocks = Constellation::ALL.into_iter().filter_map(|constellation| snapshot.clock_m(constellation));

@@ -1,7 +1,8 @@
 //! Linearised epochs through the core: JSON lines in, JSON lines out.
 //!
-//! Each input line is one epoch about a known point; each output line is what `rai-core` makes of it. Everything
-//! but the thresholds of unusual probabilities is the core's own code, in `f64` or in `f32`.
+//! Each input line is one epoch about a known point; each output line is the result of `rai-core`
+//! for it. Everything except the thresholds of unusual probabilities is the core's own code, in
+//! `f64` or in `f32`.
 //!
 //! ```text
 //! {"id": 7, "los_enu": [[e, n, u], …], "con": [0, …], "sigma": [6.0, …], "y": [-3.1, …],
@@ -9,9 +10,9 @@
 //! {"id": 7, "out": {"lsr": {"status": "ok", …}}}
 //! ```
 //!
-//! A line that is not such an object gives `{"id": …, "error": "what and where"}`, and the run goes on. An object
-//! whose numbers make no epoch (a sigma of zero, a residual that is not a number) is an answer with the status
-//! `invalid_input`, which also says `why`.
+//! A line that is not such an object gives `{"id": …, "error": "what and where"}`, and the run
+//! continues. An object whose numbers do not form an epoch (a sigma of zero, a NaN residual) is
+//! answered with the status `invalid_input` and the reason in `why`.
 
 mod araim;
 mod bound;
@@ -46,7 +47,7 @@ use line::Line;
 use lsr::Lsr;
 use ransac::{Ransac, Traditional};
 
-/// What the command says of itself: the fields of a line.
+/// Help text of the command: the fields of a line.
 pub const HELP: &str = "\
 One JSON object per line, in and out. Input fields (unknown ones are ignored):
   id        anything; echoed
@@ -54,13 +55,13 @@ One JSON object per line, in and out. Input fields (unknown ones are ignored):
   con       [0 GPS | 1 BeiDou | 2 Galileo | 3 GLONASS, …]
   sigma     [m, …]     y  [m, …] measured minus predicted range
   pfa, pmd  probabilities of false alarm and of missed detection, in (0, 0.5)
-  hal       horizontal alert limit, m     f  share of it that the protection level may fill, in (0, 1]
+  hal       horizontal alert limit, m, above 0     f  share of it that the protection level may fill, in (0, 1]
   clock     optional {con, value_m, sigma_m}: a predicted receiver clock; takes the row after the satellites
-  scalar    optional \"f64\" (default) or \"f32\": which instantiation of the core runs
+  scalar    optional, \"f64\" (default) or \"f32\": scalar type of the core
   alpha     optional, 0.01: probability that a healthy row's correlation exceeds rho_T
   kmax      optional, 2: rows that isolation may leave out, 1 to 3
   tr_pfa, chi_pfa  optional, 1e-3 and 1e-4: false disagreement and false alarm of the range consensus
-Output: {id, out: {lsr: {…}, iso: {…}, ransac: {…}, ransac_trad: {…}}} or {id, error}. Fields of lsr, as far as the status goes:
+Output: {id, out: {lsr: {…}, iso: {…}, ransac: {…}, ransac_trad: {…}}} or {id, error}. Fields of lsr, as far as the status allows:
   status    ok | no_redundancy | insufficient | singular | invalid_input (then also: why)
   n, m, dof rows, unknowns, degrees of freedom
   x, v      position (east, north, up) and clocks (ascending con), m; residuals, m
@@ -69,23 +70,23 @@ Output: {id, out: {lsr: {…}, iso: {…}, ransac: {…}, ransac_trad: {…}}} o
   w, Td     w-tests and their threshold     Sii  redundancy numbers
   slope_h, slope_v, hpl, vpl, hdop_i, delta = (f hal / max slope_h)^2, raim_available
   tau2, tau_op_raw, tau_op, op_status       thresholds of the policies    op | op_is_tau1 | op_is_tau2 | unavailable
-  ident, ident_reason                       row named, or -1 and why not
+  ident, ident_reason                       identified row, or -1 and the reason
   excluded, fde_status, sse_after, dof_after, x_after   sequential exclusion of at most 3 rows
 Fields of iso, with the status ok: rho, rho_T, and the rows named by the methods
   A simultaneous, seq sequential, B, C hybrid without and with grouping, D grouping: null failed, [] nothing detected
-Fields of ransac, with two satellites for each unknown
+Fields of ransac, with at least two satellites per unknown
   subsets, best (the subset accepted), fault, status    ok | too_few_subsets | no_inlier_subset
   fault_refined, status_refined                         also refine_fail
 Fields of ransac_trad, with at most 1500 minimal subsets: K valid and n_out contradicted ones; f, tot for each row; fault
-NaN is null, infinity \"inf\". Probabilities outside the committed tables get rows computed on the host.
-The exit code is 1 if a line had an error; the other lines are answered.
+NaN is null, infinity \"inf\". Rows for probabilities outside the committed tables are computed on the host.
+The exit code is 1 if a line has an error; the other lines are answered.
 
-With --thresholds each line is {id, nu, pfa, pmd, delta}: degrees of freedom, probabilities, non-centrality of the fault
-that must not be missed. Output: the same with tau1, lam, tau2, tau_op_raw, tau_op, status.
+With --thresholds each line is {id, nu, pfa, pmd, delta}: degrees of freedom, probabilities, and non-centrality
+of the fault that must be detected. Output: the same with tau1, lam, tau2, tau_op_raw, tau_op, status.
 
 With --clock each line is a window of one receiver clock: {id, Z: [m, …]}, 12 to 240 values one step apart, oldest first.
-Output: out.uc, the core's third-order process, and for comparison burg, yw (Yule-Walker), poly1, poly2; of each
-  a                coefficients of the centred differences, latest first (not of polynomials)
+Output: out.uc, the core's third-order process, and for comparison burg, yw (Yule-Walker), poly1, poly2; for each
+  a                coefficients of the centred differences, latest first (not for polynomials)
   forecast         the clock 1 … 10 steps ahead, m     sigma_predict  its standard deviation, not inflated, m
 and out.sigma2, variances of one step of uc, burg and yw, m2.
 
@@ -94,22 +95,23 @@ With --clock-raim each line is an epoch of one constellation aided by a forecast
 Output: out with dof, sse, tau1, test_m = sigma sqrt(sse/dof), T_D_m = sigma sqrt(tau1/dof), detected,
   d (squared w-tests, the clock last), ident (row or -1), ident_is_clock.
 
-With --araim each line is an epoch with what integrity knows of each satellite:
+With --araim each line is an epoch with integrity parameters of each satellite:
 {id, los_enu, con, sigma: m, for integrity, y: [m, …], sigma_acc: [m, …] for accuracy, b_nom: [m, …], p_sat: [...],
  p_const: {con: probability}}
 Output: out.lpv and out.haraim, for the allocations of approaches with vertical guidance and of horizontal flight:
   status           ok | insufficient | singular | invalid_input (then also: why)
-  n_options, rho   what may be left out after an alarm, and the share of the risk of each outcome
-  n_modes, p_nm    watched modes, probability of what is not watched
+  n_options, rho   number of possible exclusions after an alarm, and the share of the risk of each outcome
+  n_modes, p_nm    number of monitored modes, probability of the unmonitored ones
   K_fa, x, pl      thresholds in sigmas, position, levels: each east, north, up    hpl, vpl  m
   emt, sigma_v_acc effective monitor threshold, standard deviation of the height for accuracy, m
   detected, max_ratio (largest separation over its threshold), dominant (rows of the mode with the largest share)
-  excl, hpl_excl, vpl_excl, x_excl, p_nm_excl   where one alarmed: rows left out, or null, and what is found then";
+  excl, hpl_excl, vpl_excl, x_excl, p_nm_excl   after an alarm: rows left out, or null, and the results without them";
 
-/// Rows that one line may have. The tables of w-tests end there, and so, with four unknowns, do those of `tau1`.
+/// Largest number of rows in a line: the end of the tables of w-tests and, with four unknowns, of
+/// those of `tau1`.
 const MAX_ROWS: usize = rai_core::integrity::residuals::threshold::MAX_TESTS;
 
-/// Which instantiation of the core runs.
+/// Scalar type of the core.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scalar {
     /// Double precision, as references are.
@@ -130,7 +132,7 @@ impl std::str::FromStr for Scalar {
     }
 }
 
-/// What the lines are.
+/// Kind of the input lines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
     /// Linearised epochs.
@@ -141,16 +143,16 @@ pub enum Part {
     Clock,
     /// Linearised epochs of one constellation, aided by a forecast clock.
     ClockRaim,
-    /// Linearised epochs with what integrity knows of each satellite.
+    /// Linearised epochs with integrity parameters of each satellite.
     Araim,
 }
 
-/// How a run went.
+/// Counts of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Summary {
-    /// Lines that were not blank.
+    /// Number of lines that are not blank.
     pub lines: usize,
-    /// Lines answered by an error.
+    /// Number of lines answered by an error.
     pub errors: usize,
 }
 
@@ -166,7 +168,7 @@ enum Answer {
     Error { id: Value, error: String },
 }
 
-/// What the build provides, part by part.
+/// Answer to an epoch, part by part.
 #[derive(Serialize)]
 struct Out {
     lsr: Lsr,
@@ -186,15 +188,16 @@ impl From<Lsr> for Out {
     }
 }
 
-/// Answers every epoch of `input`, which may be compressed; `scalar` overrides what the lines ask for.
+/// Answers every epoch of `input`, which may be compressed; `scalar` overrides the choice of the
+/// lines.
 ///
 /// # Errors
-/// Where reading or writing itself fails; a bad line is an answer.
+/// If reading or writing fails. A bad line is an answer.
 pub fn run(input: impl BufRead, output: impl Write, scalar: Option<Scalar>) -> anyhow::Result<Summary> {
     run_part(Part::Epochs, input, output, scalar)
 }
 
-/// Answers every line of `input` as what it is.
+/// Answers every line of `input` as the given kind.
 ///
 /// # Errors
 /// As [`run`].
@@ -229,7 +232,7 @@ pub fn run_part(
     Ok(summary)
 }
 
-/// The input itself, or what a gzip stream holds, told apart by the first two bytes.
+/// Returns the input itself, or the content of a gzip stream, recognised by its first two bytes.
 fn decompressed<'a>(mut input: impl BufRead + 'a) -> anyhow::Result<Box<dyn BufRead + 'a>> {
     let compressed = input.fill_buf().context("reading the input")?.starts_with(&[0x1f, 0x8b]);
     Ok(if compressed { Box::new(io::BufReader::new(MultiGzDecoder::new(input))) } else { Box::new(input) })
@@ -306,7 +309,7 @@ fn judge(line: &Line, scalar: Scalar, rows: &mut RowCache) -> Result<Out, String
     }
 }
 
-/// Every part of an answer, as far as the status goes.
+/// Returns every part of an answer, as far as the status allows.
 fn parts<T: Real>(
     line: &Line,
     thresholds: &Thresholds<'_>,
@@ -334,7 +337,7 @@ impl RowCache {
         (false_alarm.get().to_bits(), missed_detection.get().to_bits())
     }
 
-    /// Sees to it that a pair has rows.
+    /// Computes the rows of a pair if they are missing.
     fn prepare(&mut self, false_alarm: Probability, missed_detection: Probability) {
         if Thresholds::from_tables(false_alarm, missed_detection).is_err() {
             let compute = || Rows::compute(false_alarm.get(), missed_detection.get());
@@ -342,7 +345,7 @@ impl RowCache {
         }
     }
 
-    /// The rows of a pair; [`Self::prepare`] comes first.
+    /// Returns the rows of a pair; [`Self::prepare`] must come first.
     fn thresholds(&self, false_alarm: Probability, missed_detection: Probability) -> Thresholds<'_> {
         Thresholds::from_tables(false_alarm, missed_detection).unwrap_or_else(|_| {
             let rows = &self.0[&Self::key(false_alarm, missed_detection)];

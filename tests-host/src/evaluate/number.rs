@@ -1,9 +1,9 @@
-//! Numbers as the JSON lines write them: NaN is `null`, infinity `"inf"`.
+//! Numbers in JSON lines: NaN is `null`, infinity `"inf"`.
 
 use serde::{Serialize, Serializer};
 use serde_json::Value;
 
-/// A double that may be anything.
+/// A double, NaN and infinities included.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Number(pub(super) f64);
 

@@ -1,4 +1,5 @@
-//! The range-consensus part of an answer: the improved method by the core, the traditional one as its baseline.
+//! Range-consensus part of an answer: the improved method by the core, the traditional one as its
+//! baseline.
 
 use rai_core::integrity::residuals::ransac::{
     ConsensusLimits, MAX_WORK, NoConsensus, Refinement, Selection, consensus, refine,
@@ -11,10 +12,10 @@ use serde::Serialize;
 use super::line::Line;
 use crate::ransac_traditional::{Criterion, RATIO, combination_count, combinations, vote};
 
-/// Subsets beyond which the traditional method is left out of an answer.
+/// Number of subsets above which an answer omits the traditional method.
 const MOST_COMBINATIONS: f64 = 1500.0;
 
-/// What range consensus says of an epoch, before the fall-back.
+/// Range-consensus result of an epoch, before the fall-back.
 #[derive(Serialize)]
 pub(super) struct Ransac {
     subsets: Vec<Vec<usize>>,
@@ -25,7 +26,7 @@ pub(super) struct Ransac {
     status_refined: &'static str,
 }
 
-/// What every minimal subset says of it.
+/// Result over all minimal subsets.
 #[derive(Serialize)]
 #[allow(non_snake_case, reason = "names of the published vectors")]
 pub(super) struct Traditional {
@@ -45,7 +46,8 @@ pub(super) fn evaluate<T: Real>(
     if line.satellites.len() < 2 * line.unknowns() {
         return None;
     }
-    // Enough for 40 rows is not enough for the rows that a line may have; on the host time is no matter.
+    // The work for 40 rows does not suffice for the longest line, and time does not matter on the
+    // host.
     let selection = Selection::choose(snapshot.equations(), 8 * MAX_WORK);
     let members = |subset| (0..line.rows()).filter(|&row| selection.contains(subset, row)).collect();
     let subsets = (0..selection.subsets()).map(members).collect();

@@ -11,17 +11,17 @@ use super::RowCache;
 use super::line::{number, probability};
 use super::number::Number;
 
-/// What the policies come to.
+/// Thresholds of the policies.
 #[derive(Serialize)]
 pub(super) struct Policies {
     tau2: Number,
     tau_op_raw: Number,
-    /// `null` where no threshold meets both probabilities.
+    /// `null` if no threshold meets both probabilities.
     tau_op: Option<Number>,
     op_status: &'static str,
 }
 
-/// An input line with what belongs to it.
+/// An input line with its answer.
 #[derive(Serialize)]
 pub(super) struct Answered {
     #[serde(flatten)]
@@ -34,7 +34,7 @@ pub(super) struct Answered {
     status: &'static str,
 }
 
-/// The policies' thresholds for a non-centrality; `None` beyond the tables.
+/// Returns the policies' thresholds for a non-centrality; `None` beyond the tables.
 pub(super) fn decide<T: Real>(
     dof: usize,
     noncentrality: f64,
@@ -71,14 +71,14 @@ pub(super) fn evaluate<T: Real>(
     let missed_detection = probability("pmd", number(object, "pmd")?)?;
     rows.prepare(false_alarm, missed_detection);
     let thresholds = rows.thresholds(false_alarm, missed_detection);
-    let beyond = || format!("nu: {dof} is not in the tables");
+    let beyond = || format!("nu: {dof} is outside the tables");
     let whole =
         (dof.fract().abs() < f64::EPSILON && dof >= 1.0).then_some(dof as usize).ok_or_else(beyond)?;
     let (tau1, lambda) =
         thresholds.tau1::<f64>(whole).zip(thresholds.lambda::<f64>(whole)).ok_or_else(beyond)?;
     let Policies { tau2, tau_op_raw, tau_op, op_status } =
         decide::<T>(whole, noncentrality, thresholds, missed_detection).ok_or_else(beyond)?;
-    // A line of the vectors has the answers already: no key twice.
+    // A line of the vectors already has the answers; no key may occur twice.
     let is_answer = |key: &str| ["tau1", "lam", "tau2", "tau_op_raw", "tau_op", "status"].contains(&key);
     let mut input = object.clone();
     input.retain(|key, _| !is_answer(key));

@@ -1,4 +1,4 @@
-//! A broadcast of each navigation message, with an orbit that holds, to begin from.
+//! A starting broadcast of each navigation message, with a valid orbit.
 
 use rai_core::satellite::{Constellation, SatelliteId};
 use rai_firmware::time::{BEIDOU_WEEK_OFFSET, GALILEO_WEEK_OFFSET, GpsTime};
@@ -6,11 +6,11 @@ use rtcm_rs::msg::{Msg1019T, Msg1020T, Msg1042T, Msg1045T, Msg1046T};
 
 use crate::measurement::{Ephemeris, TimedEphemeris};
 
-/// When: 2020-06-25 12:00:00.
+/// Time of the broadcasts: 2020-06-25 12:00:00.
 pub(super) const NOON: GpsTime = GpsTime { week: 2111, tow_ms: NOON_S * 1000 };
 const NOON_S: u32 = 4 * 86_400 + 43_200;
 
-/// A message with the elements of an ordinary orbit and a clock of 0.1 ms.
+/// Builds a message with the elements of an ordinary orbit and a clock of 0.1 ms.
 macro_rules! message {
     ($type:ident, sqrt_a: $sqrt_a:expr, offset: $offset:ident, $($field:ident: $value:expr),*) => {
         $type {
@@ -31,7 +31,7 @@ macro_rules! message {
     };
 }
 
-/// One of each form, in the order of [`super::navigation_bits::MESSAGES`].
+/// Returns one of each form, in the order of [`super::navigation_bits::MESSAGES`].
 pub(super) fn of_each() -> [TimedEphemeris; 6] {
     let gps = message!(Msg1019T, sqrt_a: 5153.7, offset: af0_s,
         gps_satellite_id: 7, gps_week_number: NOON.week % 1024, iode: 77, iodc: 77);
@@ -53,7 +53,7 @@ pub(super) fn of_each() -> [TimedEphemeris; 6] {
     ]
 }
 
-/// A state vector on a circle of GLONASS's size, at 11:45 of UTC.
+/// Returns a state vector on a circle of GLONASS's size, at 11:45 UTC.
 fn glonass(number: u8) -> Msg1020T {
     Msg1020T {
         glo_satellite_id: number,

@@ -1,11 +1,12 @@
 //! Target: calls of the C interface with arguments of every kind, one after another.
 //!
-//! Pointers are sound, null or misaligned; memory is an object's, zeroed, another object's or too short; sizes at the start of
-//! structs are of no version; numbers are any pattern of bits, bytes anything. What a C programmer must promise is kept: what is
-//! pointed to is as long as said, and the first bytes of memory without an object say so.
+//! Pointers are valid, null or misaligned. Memory is an object's, zeroed, another object's or too
+//! short. Sizes at the start of structs match no version. Numbers have any bit pattern, bytes any
+//! value. The promises of a C programmer are kept: memory behind a pointer is as long as stated,
+//! and the first bytes of memory without an object show that there is none.
 //!
-//! What must hold: a refusal has a name and has changed nothing; nothing is written beyond what was handed in; what a verdict
-//! says is one of the header's words, and a protected one has levels.
+//! Invariants: a refusal has a name and changes nothing; nothing is written beyond the memory
+//! handed in; the words of a verdict are in the header, and a protected one has levels.
 #![allow(unsafe_code)]
 
 use std::f64::consts::TAU;
@@ -19,31 +20,31 @@ use rai::{
 
 use super::tape::Tape;
 
-/// What memory is filled with before anybody writes to it.
+/// Fill value of memory before any write.
 const BLANK: u8 = 0x5A;
-/// Bytes behind what is handed in, which must stay as they are.
+/// Number of guard bytes after the memory handed in, which must not change.
 const GUARD: usize = 64;
 
-/// Reads calls until the bytes end.
+/// Makes calls until the bytes end.
 pub fn run(input: &[u8]) {
     let mut tape = Tape::new(input);
     let mut objects = Objects::new();
     while !tape.is_over() {
         let status = objects.call(&mut tape);
-        // SAFETY: a string that lives as long as the program.
+        // SAFETY: the string lives as long as the program.
         let words = unsafe { CStr::from_ptr(rai::rai_status_text(status)) };
         assert_ne!(words, c"unknown status", "status {status}");
     }
 }
 
-/// A monitor's and a receiver's memory, in words, so that they are aligned.
+/// Memory of a monitor and of a receiver, in words, so that it is aligned.
 struct Objects {
     monitor: Vec<u64>,
     receiver: Vec<u64>,
     now_ms: u64,
 }
 
-/// What became of a pointer on its way.
+/// Condition of a pointer.
 #[derive(Clone, Copy)]
 enum Pointer {
     Sound,
@@ -52,7 +53,7 @@ enum Pointer {
 }
 
 impl Pointer {
-    /// Mostly sound.
+    /// Draws a condition, mostly sound.
     fn read(tape: &mut Tape<'_>) -> Self {
         match tape.byte() {
             0..8 => Self::Null,
@@ -72,11 +73,11 @@ impl Pointer {
 
 impl Objects {
     fn new() -> Self {
-        // Without a mark: as memory of a program that has just started.
+        // Zeroed memory has no mark, like that of a program that has just started.
         Self { monitor: vec![0; RAI_MONITOR_WORDS], receiver: vec![0; RAI_RECEIVER_WORDS], now_ms: 0 }
     }
 
-    /// One call; what is refused leaves both objects as they were.
+    /// Makes one call. A refused call must leave both objects unchanged.
     fn call(&mut self, tape: &mut Tape<'_>) -> u8 {
         let before = (tape.byte() < 32).then(|| (self.monitor.clone(), self.receiver.clone()));
         let status = match tape.byte() % 11 {
@@ -95,14 +96,14 @@ impl Objects {
         status
     }
 
-    /// A monitor's handle: its own memory, or the receiver's, where none of its kind is.
+    /// Returns a monitor's handle: its own memory, or the receiver's, which holds no monitor.
     fn monitor(&mut self, tape: &mut Tape<'_>) -> *mut rai_monitor_t {
         let memory = if tape.byte() < 4 { self.receiver.as_mut_ptr() } else { self.monitor.as_mut_ptr() };
         Pointer::read(tape).of(memory.cast())
     }
 
     fn receiver(&mut self, tape: &mut Tape<'_>) -> *mut rai_receiver_t {
-        // The monitor's memory is shorter, and refused by its mark before anything of it is looked at.
+        // The monitor's memory is shorter. It is refused by its mark before the rest of it is read.
         let memory = if tape.byte() < 4 { self.monitor.as_mut_ptr() } else { self.receiver.as_mut_ptr() };
         Pointer::read(tape).of(memory.cast())
     }
@@ -112,20 +113,20 @@ impl Objects {
         let length = if tape.byte() < 16 { usize::from(tape.byte()) * 64 } else { self.monitor.len() * 8 };
         let (memory, settings) =
             (Pointer::read(tape).of(self.monitor.as_mut_ptr()), Pointer::read(tape).of(&raw mut settings));
-        // SAFETY: memory as long as said at least, settings no longer than they are.
+        // SAFETY: the memory is at least as long as stated, the settings no longer than they are.
         unsafe { rai::rai_monitor_init(memory.cast(), length.min(self.monitor.len() * 8), settings) }
     }
 
     fn configure(&mut self, tape: &mut Tape<'_>) -> u8 {
         let mut settings = settings(tape);
         let (monitor, settings) = (self.monitor(tape), Pointer::read(tape).of(&raw mut settings));
-        // SAFETY: an object or memory without one; settings no longer than they are.
+        // SAFETY: an object, or memory without one; the settings are no longer than they are.
         unsafe { rai::rai_monitor_configure(monitor, settings) }
     }
 
     fn forget(&mut self, tape: &mut Tape<'_>) -> u8 {
         let monitor = self.monitor(tape);
-        // SAFETY: an object or memory without one.
+        // SAFETY: an object, or memory without one.
         unsafe { rai::rai_monitor_forget(monitor) }
     }
 
@@ -133,7 +134,7 @@ impl Objects {
         let time_s = tape.number(0.0, 1e5);
         let ranges = ranges(tape);
         let pointer = Pointer::read(tape);
-        // Nobody has as many as the second says: they are refused before they are looked at.
+        // The second count is impossible, and is refused before any range is read.
         let count = match pointer {
             Pointer::Sound => ranges.len(),
             Pointer::Null | Pointer::Misaligned => tape.one_of(&[ranges.len(), usize::MAX]),
@@ -141,7 +142,7 @@ impl Objects {
         let mut given = Given::new(tape);
         let (monitor, verdict) = (self.monitor(tape), Pointer::read(tape).of(given.place()));
         let ranges = pointer.of(ranges.as_ptr().cast_mut());
-        // SAFETY: as many ranges as said where they are looked at; a verdict with room for what it says.
+        // SAFETY: the count is true if ranges are read; the verdict has room for its stated size.
         let status = unsafe { rai::rai_monitor_judge(monitor, time_s, ranges, count, verdict) };
         given.check(status);
         status
@@ -152,7 +153,7 @@ impl Objects {
         let memory = Pointer::read(tape).of(self.receiver.as_mut_ptr());
         let most = self.receiver.len() * 8;
         Said::during(tape, |text| {
-            // SAFETY: memory as long as said at least, and a text as long as it says.
+            // SAFETY: the memory is at least as long as stated, and so is the text.
             unsafe { rai::rai_receiver_init(memory.cast(), length.min(most), text) }
         })
     }
@@ -160,7 +161,7 @@ impl Objects {
     fn hear(&mut self, tape: &mut Tape<'_>) -> u8 {
         let count = usize::from(tape.word() as u16 % 1500);
         let bytes: Vec<u8> = (0..count.min(tape.left())).map(|_| tape.byte()).collect();
-        // Time passes; for who cannot be trusted it goes back, or ends.
+        // Time advances; for a caller without care it goes back or overflows.
         self.now_ms = match tape.byte() {
             0..3 => u64::from(tape.word()) << 32,
             3 => u64::MAX,
@@ -171,7 +172,7 @@ impl Objects {
         let bytes_at = if matches!(pointer, Pointer::Null) { std::ptr::null() } else { bytes.as_ptr() };
         let now_ms = self.now_ms;
         Said::during(tape, |text| {
-            // SAFETY: as many bytes as said, or null; a text as long as it says.
+            // SAFETY: as many bytes as stated, or null; the text is as long as stated.
             unsafe { rai::rai_receiver_gnss(receiver, bytes_at, bytes.len(), now_ms, text, judged_at) }
         })
     }
@@ -182,22 +183,22 @@ impl Objects {
             let count = usize::from(tape.byte()).min(tape.left());
             let bytes: Vec<u8> = (0..count).map(|_| tape.byte()).collect();
             return Said::during(tape, |text| {
-                // SAFETY: as many bytes as said; a text as long as it says.
+                // SAFETY: as many bytes as stated; the text is as long as stated.
                 unsafe { rai::rai_receiver_command(receiver, bytes.as_ptr(), bytes.len(), text) }
             });
         }
         self.now_ms = self.now_ms.saturating_add(u64::from(tape.word() as u16));
         let now_ms = self.now_ms;
-        // SAFETY: an object or memory without one; a text as long as it says.
+        // SAFETY: an object, or memory without one; the text is as long as stated.
         Said::during(tape, |text| unsafe { rai::rai_receiver_tick(receiver, now_ms, text) })
     }
 
-    /// All that can be asked of a receiver agrees with each other.
+    /// Checks that all queries of a receiver agree with each other.
     fn ask(&mut self, tape: &mut Tape<'_>) -> u8 {
         let receiver = self.receiver(tape);
         let mut given = Given::new(tape);
         let mut reason = 0;
-        // SAFETY: an object or memory without one; a verdict with room for what it says.
+        // SAFETY: an object, or memory without one; the verdict has room for its stated size.
         let (pin, state, reset, status) = unsafe {
             (
                 rai::rai_receiver_pin(receiver),
@@ -219,12 +220,12 @@ impl Objects {
     }
 }
 
-/// Settings of a phase, with anything in them.
+/// Returns settings of a phase, with any values in them.
 fn settings(tape: &mut Tape<'_>) -> rai_settings_t {
-    // SAFETY: integers and doubles, of which zeros are values.
+    // SAFETY: the fields are integers and doubles, of which zeros are values.
     let mut settings: rai_settings_t = unsafe { std::mem::zeroed() };
     settings.size = size_of::<rai_settings_t>() as u32;
-    // SAFETY: a struct as long as it says.
+    // SAFETY: the struct is as long as it states.
     let status = unsafe { rai::rai_settings_preset(&raw mut settings, tape.byte() % 5) };
     if tape.byte() < 128 {
         (settings.policy, settings.method) = (tape.byte() % 4, tape.byte() % 9);
@@ -238,13 +239,13 @@ fn settings(tape: &mut Tape<'_>) -> rai_settings_t {
         (settings.recovery_s, settings.recovery_epochs) = (tape.number(0.0, 60.0), tape.byte().into());
     }
     if status == RAI_STATUS_OK && tape.byte() < 8 {
-        // Never more than there is: that is the caller's to promise.
+        // The size is never larger than the memory, because that is the caller's promise.
         settings.size = tape.one_of(&[0, 4, 79, 81, u32::MAX]);
     }
     settings
 }
 
-/// Ranges of satellites about a point, with anything in them.
+/// Returns ranges of satellites about a point, with any values in them.
 fn ranges(tape: &mut Tape<'_>) -> Vec<rai_range_t> {
     const RADIUS_M: f64 = 2.6e7;
     let clock_m = tape.number(-3e5, 3e5);
@@ -252,7 +253,7 @@ fn ranges(tape: &mut Tape<'_>) -> Vec<rai_range_t> {
         let (azimuth, sine) = (tape.within(0.0, TAU), tape.within(0.0, 1.0));
         let flat = RADIUS_M * (1.0 - sine * sine).sqrt();
         let [x_m, y_m, z_m] = [RADIUS_M * sine, flat * azimuth.cos(), flat * azimuth.sin()];
-        // From a point on the equator.
+        // The point is on the equator.
         let far_m = ((x_m - 6_378_137.0).powi(2) + y_m * y_m + z_m * z_m).sqrt();
         rai_range_t {
             x_m: if tape.byte() < 4 { tape.number(-1e8, 1e8) } else { x_m },
@@ -268,7 +269,7 @@ fn ranges(tape: &mut Tape<'_>) -> Vec<rai_range_t> {
     (0..tape.byte() % 60).map(|_| range(tape)).collect()
 }
 
-/// A verdict's memory with a guard behind it, and what it says of its size.
+/// Memory of a verdict with a guard after it, and its stated size.
 struct Given {
     words: Vec<u64>,
     size: usize,
@@ -289,11 +290,13 @@ impl Given {
     }
 
     fn verdict(&self) -> rai_verdict_t {
-        // SAFETY: aligned, longer, initialised, and every pattern of bits is a verdict.
+        // SAFETY: the memory is aligned, longer and initialised, and every bit pattern is a
+        // verdict.
         unsafe { self.words.as_ptr().cast::<rai_verdict_t>().read() }
     }
 
-    /// Nothing beyond it was written, nothing at all where it was refused; and what it says makes sense.
+    /// Checks that nothing was written beyond the verdict, nothing at all after a refusal, and that
+    /// the verdict is consistent.
     fn check(&self, status: u8) {
         let bytes = || self.words.iter().flat_map(|word| word.to_ne_bytes());
         let written = if status == RAI_STATUS_OK { size_of::<rai_verdict_t>() } else { size_of::<u32>() };
@@ -304,7 +307,7 @@ impl Given {
             return;
         }
         assert!(verdict.state <= RAI_STATE_UNAVAILABLE && verdict.used <= verdict.tracked);
-        // SAFETY: a string that lives as long as the program.
+        // SAFETY: the string lives as long as the program.
         let words = unsafe { CStr::from_ptr(rai::rai_reason_text(verdict.reason)) };
         assert!(words != c"?" || verdict.reason == RAI_REASON_NONE, "reason {}", verdict.reason);
         if verdict.state == RAI_STATE_PROTECTED {
@@ -317,11 +320,11 @@ impl Given {
     }
 }
 
-/// Memory for sentences with a guard behind it.
+/// Memory for sentences with a guard after it.
 struct Said;
 
 impl Said {
-    /// Makes a call that may say something, and looks at what it has written.
+    /// Makes a call that may write sentences, and checks them.
     fn during(tape: &mut Tape<'_>, call: impl FnOnce(*mut rai_text_t) -> u8) -> u8 {
         let capacity = if tape.byte() < 64 { usize::from(tape.byte()) } else { 4096 };
         let length = if tape.byte() < 8 { capacity + 1 } else { capacity / 3 };

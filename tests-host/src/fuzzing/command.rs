@@ -1,9 +1,9 @@
-//! Target: the host port, and a sky under whatever it has configured.
+//! Target: the host port, followed by a sky under the resulting settings.
 //!
 //! | byte | meaning |
 //! |---|---|
-//! | 0 | bit 0: lines keep the checksum they came with; else each gets its own |
-//! | 1 … | what comes in |
+//! | 0 | bit 0: lines keep their own checksum; otherwise each receives a correct one |
+//! | 1 … | input of the host port |
 
 use std::sync::LazyLock;
 
@@ -32,7 +32,8 @@ pub fn run(input: &[u8]) {
     module.adds_up();
 }
 
-/// At most one command ends in a piece that holds one line feed, or several where carriage returns part them.
+/// Sends a piece. At most one command ends in a piece with one line feed, or several if carriage
+/// returns separate them.
 fn send(module: &mut Module, piece: &[u8]) {
     for line in piece.split_inclusive(|&byte| byte == b'\r') {
         let (before, obeyed) = (module.configuration(), module.counter("cmd_ok"));
@@ -49,7 +50,7 @@ fn send(module: &mut Module, piece: &[u8]) {
     }
 }
 
-/// Whatever was obeyed, the module can work with it.
+/// Checks that the module can work with any accepted configuration.
 fn check_configuration(configuration: &Configuration) {
     let requirements = configuration.requirements;
     assert_eq!(requirements.validate(), Ok(requirements));

@@ -1,12 +1,14 @@
-//! Target: any fields of an ephemeris, judged and then flown.
+//! Target: any fields of an ephemeris, first checked by the module and then evaluated.
 //!
-//! What was let in must fly an orbit. With the apsides `a(1 ± e)` widened by the harmonic corrections,
+//! An accepted ephemeris must describe an orbit. With the apsides `a(1 ± e)` widened by the
+//! harmonic corrections,
 //!
 //! ```text
 //! a(1−e) − δ ≤ |X| ≤ a(1+e) + δ        |X(t+1 s) − X(t)| ≤ 1.1 v_p (1 + Δn/n) + r (ω_e + Ω̇ + i̇)
 //! ```
 //!
-//! where `v_p = √(µ/a · (1+e)/(1−e))` is the speed at perigee. References: Kepler's laws alone, no interface document.
+//! where `v_p = √(µ/a · (1+e)/(1−e))` is the speed at perigee. References: Kepler's laws alone, no
+//! interface document.
 
 use std::f64::consts::PI;
 
@@ -22,10 +24,10 @@ const MU_M3_S2: f64 = 3.986e14;
 /// Rotation of the earth, rad/s.
 const EARTH_RATE_RAD_S: f64 = 7.3e-5;
 
-/// What the clock terms can come to within two days, s: 0.0625 + 1e-7 t + 1e-12 t², and 2 µs of relativity.
+/// Largest clock correction within two days, s: 0.0625 + 1e-7 t + 1e-12 t², and 2 µs of relativity.
 const CLOCK_S: f64 = 0.0625 + 0.0173 + 0.0299 + 2e-6;
 
-/// Reads an ephemeris and asks it for positions until the bytes end.
+/// Reads an ephemeris and computes positions from it until the bytes end.
 pub fn run(input: &[u8]) {
     let mut tape = Tape::new(input);
     let broadcast = broadcast(&mut tape);
@@ -72,7 +74,7 @@ fn broadcast(tape: &mut Tape<'_>) -> Broadcast {
     }
 }
 
-/// Mostly the system's own message: another one is refused at once.
+/// Returns mostly the system's own message, because another one is refused at once.
 fn source(constellation: Constellation, tape: &mut Tape<'_>) -> Source {
     let own = match constellation {
         Constellation::Beidou => Source::BeidouD1D2,
@@ -82,7 +84,7 @@ fn source(constellation: Constellation, tape: &mut Tape<'_>) -> Source {
     tape.one_of(&[own, own, own, own, own, own, Source::GalileoFnav, Source::GpsLnav])
 }
 
-/// An instant within three days of another.
+/// Returns an instant within three days of another.
 fn near(time: GpsTime, tape: &mut Tape<'_>) -> GpsTime {
     const DAY_MS: i64 = 86_400_000;
     let offset_ms = i64::from(tape.word()) % (6 * DAY_MS) - 3 * DAY_MS;

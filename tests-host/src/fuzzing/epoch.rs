@@ -1,9 +1,9 @@
-//! Target: epochs with anything in them, under any requirements and strategy, one after another.
+//! Target: epochs with any values, under any requirements and strategy, one after another.
 //!
-//! Satellites mostly stand where satellites can, with the range that belongs there, so that the searches and not only
-//! the refusals are reached; any number may be any pattern of bits. What is promised is held against what is reported:
-//! a protected position is finite and so are its levels, within their share of the limits; nobody is both used and left
-//! out; no number of a report is a NaN.
+//! Most satellites are at plausible positions with matching ranges, so that the input reaches the
+//! searches and not only the refusals. Any number may have any bit pattern. The reports are checked
+//! against the promises: a protected position is finite, and so are its levels, which are within
+//! their share of the limits; no satellite is both used and left out; no number of a report is NaN.
 
 use std::collections::BTreeSet;
 
@@ -21,20 +21,20 @@ use rai_core::satellite::{Constellation, SatelliteId};
 
 use super::tape::Tape;
 
-/// Room of the monitor, satellites.
+/// Capacity of the monitor, satellites.
 const ROOM: usize = 20;
 
-/// Rounding of a level in `f32`, as a ratio.
+/// Relative rounding of a level in `f32`.
 const ROUNDED: f64 = 1e-5;
 
-/// Beyond every satellite there is no position, m.
+/// Largest distance of a position, m: beyond every satellite.
 const FARTHEST_M: f64 = 2e8;
 
-/// Corner points: where corrections are made, and where they go wrong.
+/// Sites on the ground, on the axes, and at the centre, where corrections fail.
 const SITES_M: [[f64; 3]; 4] =
     [[-1.7e6, 5.0e6, 3.6e6], [6_378_137.0, 0.0, 0.0], [0.0, 0.0, -6_356_752.0], [0.0; 3]];
 
-/// Reads which scalar, and then epochs until the bytes end.
+/// Reads the scalar type, and then epochs until the bytes end.
 pub fn run(input: &[u8]) {
     let mut tape = Tape::new(input);
     if tape.byte() & 1 == 0 { monitor::<f32>(&mut tape) } else { monitor::<f64>(&mut tape) }
@@ -94,7 +94,8 @@ fn point(tape: &mut Tape<'_>) -> Ecef {
     Ecef::new(tape.number(-7e6, 7e6), tape.number(-7e6, 7e6), tape.number(-7e6, 7e6))
 }
 
-/// An epoch of what the core lets in; what it refuses must be refusable.
+/// Returns an epoch of the ranges that the core accepts; a refused range must be one that may be
+/// refused.
 fn epoch(time_s: f64, tape: &mut Tape<'_>) -> Epoch<ROOM> {
     let mut epoch = Epoch::new(time_s);
     let [x, y, z] = tape.one_of(&SITES_M);
@@ -152,7 +153,7 @@ fn check(report: &Report<ROOM>, epoch: &Epoch<ROOM>, requirements: &Requirements
     }
 }
 
-/// Who is used is in the epoch, once, and not left out.
+/// Checks that each used satellite is in the epoch, once, and not left out.
 fn check_satellites(report: &Report<ROOM>, epoch: &Epoch<ROOM>) {
     let tracked: BTreeSet<_> = epoch.observations().iter().map(|observation| observation.satellite).collect();
     let used: BTreeSet<_> = report.used.iter().copied().collect();
@@ -164,7 +165,8 @@ fn check_satellites(report: &Report<ROOM>, epoch: &Epoch<ROOM>) {
     assert!(report.solution.is_some() || used.is_empty(), "used for nothing: {report:?}");
 }
 
-/// Rows less unknowns; aiding rows, a forecast among them, may take part or be left out.
+/// Checks the degrees of freedom: rows minus unknowns. Aiding rows, including a forecast, may take
+/// part or be left out.
 fn check_redundancy(report: &Report<ROOM>, epoch: &Epoch<ROOM>, strategy: Strategy) {
     let Some(test) = report.test else { return };
     let clocks: BTreeSet<_> = report.used.iter().map(|satellite| satellite.constellation()).collect();

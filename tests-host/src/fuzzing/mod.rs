@@ -1,22 +1,23 @@
-//! Hostile input, made by a machine: what must hold whatever bytes come in.
+//! Fuzzing: invariants that must hold for any input bytes.
 //!
-//! A target takes any bytes and panics where an invariant does not hold. The same targets run in two ways: under
-//! cargo-fuzz, which grows its inputs by the code they reach (`cargo xtask fuzz`), and under plain cargo, which
-//! replays the corpus that cargo-fuzz left behind and seeded mutations of it ([`replay`]).
+//! A target takes any bytes and panics if an invariant does not hold. The same targets run in two
+//! ways: under cargo-fuzz, which extends its inputs by the code they reach (`cargo xtask fuzz`),
+//! and under plain cargo, which replays the committed corpus of cargo-fuzz and seeded mutations of
+//! it ([`replay`]).
 //!
-//! | target | bytes are | what must hold |
+//! | target | bytes are | invariant |
 //! |---|---|---|
 //! | [`stream`] | the GNSS port: RTCM 3, UBX | [`overheard`]; counters add up |
 //! | [`ubx`] | the GNSS port of a u-blox receiver: UBX | the same |
-//! | [`navigation_bits`] | pages of all navigation messages, each with its own parities | one outcome a page; orbits where orbits are |
+//! | [`navigation_bits`] | pages of all navigation messages, each with its own parities | one outcome per page; orbits at plausible radii |
 //! | [`command`] | the host port: `$PRAIC` lines, then a sky | [`overheard`]; a refused line changes nothing |
-//! | [`ephemeris`] | an ephemeris' fields and instants | radius, speed and clock within what Kepler and the fields allow |
-//! | [`epoch`] | requirements, strategies, epochs with anything in them | what a report promises |
-//! | [`capi`] | calls of the C interface with arguments of every kind | a refusal changes nothing; nothing is written beyond what was handed in |
-//! | [`separation`] | linearised epochs, priors and allocations with anything in them | numbers are numbers; an outcome is what the tests say |
+//! | [`ephemeris`] | an ephemeris' fields and instants | radius, speed and clock within the limits of Kepler's laws and of the fields |
+//! | [`epoch`] | requirements, strategies, epochs with any values | the promises of a report |
+//! | [`capi`] | calls of the C interface with arguments of every kind | a refusal changes nothing; nothing is written beyond the memory handed in |
+//! | [`separation`] | linearised epochs, priors and allocations with any values | all results are numbers; an outcome agrees with the tests |
 //!
-//! The folder `fuzz` holds the corpus, a few hundred small files a target, and the crate that cargo-fuzz builds.
-//! The seeds behind them are of simulated skies ([`seeds`]); no recording is among them.
+//! The folder `fuzz` holds the corpus, a few hundred small files per target, and the crate that
+//! cargo-fuzz builds. Its seeds come from simulated skies ([`seeds`]); no recording is among them.
 
 mod broadcasts;
 pub mod capi;
@@ -35,12 +36,12 @@ pub mod stream;
 mod tape;
 pub mod ubx;
 
-/// One way into the module.
+/// An input path of the module.
 #[derive(Clone, Copy, Debug)]
 pub struct Target {
     /// Name of the target and of the folder of its corpus.
     pub name: &'static str,
-    /// Takes any bytes; panics where something does not hold.
+    /// Function that takes any bytes and panics if an invariant does not hold.
     pub run: fn(&[u8]),
 }
 

@@ -1,4 +1,4 @@
-//! The module in process, every word of it checked.
+//! The module in process, with every output checked.
 
 use std::collections::BTreeMap;
 
@@ -9,7 +9,7 @@ use super::overheard;
 use crate::pin::Pin;
 use crate::sentence::EpochOutput;
 
-/// A module, its clock, and how many bytes and epochs went through it.
+/// A module, its clock, and the number of bytes and epochs that it processed.
 pub(super) struct Module {
     receiver: Receiver<Pin>,
     now_ms: u64,
@@ -25,7 +25,7 @@ impl Module {
         Self { receiver, now_ms: 0, bytes: 0, epochs: 0, stale: 0 }
     }
 
-    /// Takes bytes of the GNSS port, then lets time pass.
+    /// Sends bytes to the GNSS port, then lets time pass.
     pub(super) fn hear(&mut self, bytes: &[u8], pause_ms: u64) {
         let mut said = Vec::new();
         self.receiver.gnss(bytes, self.now_ms, &mut said);
@@ -42,7 +42,7 @@ impl Module {
         }
     }
 
-    /// Takes bytes of the host port; gives the answers.
+    /// Sends bytes to the host port; returns the answers.
     pub(super) fn obey(&mut self, bytes: &[u8]) -> String {
         let mut said = Vec::new();
         self.receiver.command(bytes, &mut said);
@@ -62,7 +62,7 @@ impl Module {
         self.receiver.statistics().map(|(name, count)| (name, count as usize)).collect()
     }
 
-    /// Nothing is lost without a name: bytes, frames and epochs against the counters.
+    /// Checks bytes, frames and epochs against the counters, because nothing may be lost uncounted.
     pub(super) fn adds_up(&self) {
         let counters = self.counters();
         let sum = |names: &[&str]| names.iter().map(|name| counters[name]).sum::<usize>();

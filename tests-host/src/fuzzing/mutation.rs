@@ -7,11 +7,11 @@ use rand_chacha::ChaCha8Rng;
 /// Longest input that a mutation makes.
 const LONGEST: usize = 4096;
 
-/// Bytes at which something changes: signs, ends of ranges, preambles, separators.
+/// Bytes at which behaviour changes: signs, ends of ranges, preambles, separators.
 const REMARKABLE: [u8; 14] =
     [0x00, 0x01, 0x7F, 0x80, 0xFE, 0xFF, 0xD3, 0xB5, 0x62, b'$', b',', b'*', b'\r', b'\n'];
 
-/// Makes inputs out of inputs.
+/// Generator of mutated inputs.
 pub(super) struct Mutator<'c> {
     corpus: &'c [Vec<u8>],
     rng: ChaCha8Rng,
@@ -22,7 +22,7 @@ impl<'c> Mutator<'c> {
         Self { corpus, rng: ChaCha8Rng::seed_from_u64(seed) }
     }
 
-    /// One of the corpus with one to eight changes.
+    /// Returns an input of the corpus with one to eight changes.
     pub(super) fn input(&mut self) -> Vec<u8> {
         let mut input = self.corpus.choose(&mut self.rng).cloned().unwrap_or_default();
         for _ in 0..self.rng.random_range(1..=8) {
@@ -48,7 +48,7 @@ impl<'c> Mutator<'c> {
         }
     }
 
-    /// Puts a piece of another input in the place of one.
+    /// Replaces a piece by one of another input.
     fn graft(&mut self, input: &mut Vec<u8>) {
         let corpus = self.corpus;
         let Some(other) = corpus.choose(&mut self.rng) else { return };
@@ -62,7 +62,7 @@ impl<'c> Mutator<'c> {
         }
     }
 
-    /// A stretch of an input, short ones more often; empty in an empty one.
+    /// Returns a range of an input, short ones more often; empty for an empty input.
     fn piece(&mut self, length: usize) -> std::ops::Range<usize> {
         let start = self.rng.random_range(0..=length);
         let longest = (length - start).min(1 << self.rng.random_range(0..10));

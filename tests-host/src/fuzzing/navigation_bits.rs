@@ -1,14 +1,14 @@
-//! Target: navigation bits behind right parities.
+//! Target: navigation bits with correct parities.
 //!
 //! | byte of a page | meaning |
 //! |---|---|
-//! | 0 | bits 0 to 2: which message; bits 3, 4: its parities stay as they come; bits 5 to 7: seconds since the page before |
+//! | 0 | bits 0 to 2: message; bits 3, 4: its parities are kept as they are; bits 5 to 7: seconds since the page before |
 //! | 1 | satellite |
 //! | 2 … | words of 32 bits, as many as the message has |
 //!
-//! What must hold: every frame has an outcome, and no more than one refuses it; a page that was given its own parities
-//! fails none; what comes out is of the satellite that the page was of, within what its fields can say, and an orbit of
-//! it stays where orbits are.
+//! Invariants: every frame has an outcome, and at most one counter refuses it. A page with
+//! corrected parities fails none of them. Output belongs to the satellite of the page and is within
+//! the range of its fields, and its orbit stays at plausible radii.
 
 use rai_core::satellite::{Constellation, SatelliteId};
 use rai_firmware::ephemeris::{Ephemeris, EphemerisError};
@@ -17,7 +17,7 @@ use rai_firmware::input::{Counters, Event, Input};
 use super::tape::Tape;
 use crate::encode::ubx::{self, Form};
 
-/// A message, and which of its signals it comes from: form, system, UBX's number of the signal, highest satellite.
+/// Messages with their signal: form, system, UBX's number of the signal, highest satellite.
 pub(super) const MESSAGES: [(Form, Constellation, u8, u8); 6] = [
     (Form::Lnav, Constellation::Gps, 0, 32),
     (Form::Inav, Constellation::Galileo, 1, 36),
@@ -27,11 +27,12 @@ pub(super) const MESSAGES: [(Form, Constellation, u8, u8); 6] = [
     (Form::Glonass, Constellation::Glonass, 0, 24),
 ];
 
-/// An epoch of no satellite, 2020-06-25 12:00:00: it says the week and that there are 18 leap seconds.
+/// An epoch without satellites, 2020-06-25 12:00:00. It carries the week and 18 leap seconds.
 const DATED: [u8; 16] = [0, 0, 0, 0, 0, 0xBD, 0x17, 0x41, 0x3F, 0x08, 18, 0, 1, 1, 0, 0];
 
-/// Where orbits are, m from the centre: what [`rai_firmware::ephemeris`] lets in, with an eccentricity of 0.2, the
-/// harmonics of the widest field and half an hour of a state vector's flight.
+/// Plausible distances of orbits from the centre, m: the range that [`rai_firmware::ephemeris`]
+/// accepts, with an eccentricity of 0.2, the harmonics of the widest field and half an hour of a
+/// state vector's flight.
 const ORBITS_M: std::ops::RangeInclusive<f64> = 1.2e7..=8.0e7;
 
 /// Reads pages until the bytes end.
@@ -44,7 +45,7 @@ pub fn run(input: &[u8]) {
     }
     let counters = module.input.counters();
     let refused = refusals(counters).iter().sum::<u32>();
-    // The epoch that says the time is a frame, too, and an ephemeris that is judged is one that was read.
+    // The epoch that carries the time is a frame too, and a judged ephemeris is one that was read.
     let outcomes = counters.subframes + refused + 1;
     let judged = counters.ephemerides + counters.ephemerides_invalid;
     assert!(
@@ -53,7 +54,8 @@ pub fn run(input: &[u8]) {
     );
 }
 
-/// What refuses a frame of navigation bits, but for values that no satellite sends.
+/// Returns the counters that refuse a frame of navigation bits, except for values that no satellite
+/// sends.
 fn refusals(counters: &Counters) -> [u32; 8] {
     [
         counters.subframes_other,
@@ -73,7 +75,7 @@ struct Module {
 }
 
 impl Module {
-    /// Takes one page.
+    /// Processes one page.
     fn page(&mut self, tape: &mut Tape<'_>) {
         let how = tape.byte();
         let (form, constellation, signal, highest) = MESSAGES[usize::from(how & 7) % MESSAGES.len()];
@@ -104,7 +106,7 @@ fn check(event: &Event<'_>, satellite: SatelliteId) {
             check_orbit(ephemeris);
         }
         Event::Ionosphere(_, coefficients) => {
-            // Eight bits in two's complement, of units that stand in every interface document.
+            // Eight bits in two's complement, in the units of every interface document.
             let units = [-30, -27, -24, -24, 11, 14, 16, 16].map(|exponent| 2f64.powi(exponent));
             let steps = coefficients.iter().zip(units).map(|(coefficient, unit)| coefficient / unit);
             assert!(steps.into_iter().all(|step| (-128.0..128.0).contains(&step)), "{coefficients:?}");

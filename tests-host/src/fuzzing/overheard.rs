@@ -1,17 +1,20 @@
-//! What must hold of everything that the module ever says.
+//! Invariants of every output of the module.
 //!
-//! - Only printable ASCII, lines of at most 82 characters, each with its checksum, no number that is none.
-//! - A protected epoch has a position, a test that passed, and protection levels within the alert limits.
-//! - The integrity pin is what the last epoch said.
+//! - Printable ASCII only, lines of at most 82 characters, each with its checksum, no NaN and no
+//!   infinity.
+//! - A protected epoch has a position, a passed test, and protection levels within the alert
+//!   limits.
+//! - The integrity pin agrees with the last epoch.
 
 use rai_firmware::output::nmea::MAX_LENGTH;
 
 use crate::sentence::{self, EpochOutput};
 
-/// What `PRAIS` rounds off, m: half of its last digit for the level and for the limit, in the coarse form.
+/// Rounding of `PRAIS`, m: half of its last digit for the level and for the limit, in the coarse
+/// form.
 const ROUNDED_M: f64 = 1.0;
 
-/// Reads what was said and holds each word of it to what must hold; gives the epochs.
+/// Checks all invariants of an output; returns its epochs.
 pub fn check(said: &[u8]) -> Vec<EpochOutput> {
     let text = std::str::from_utf8(said).expect("sentences are ASCII");
     for line in text.split_inclusive('\n') {
@@ -26,7 +29,8 @@ fn check_line(line: &str) {
     let body = line.strip_suffix("\r\n").unwrap_or_else(|| panic!("unfinished line {line:?}"));
     assert!(line.len() <= MAX_LENGTH, "{} characters: {line:?}", line.len());
     assert!(body.bytes().all(|byte| matches!(byte, b' '..=b'~')), "unprintable: {line:?}");
-    // A refusal repeats the key as it came, which may be anything; a hash may look like a number of any size.
+    // A refusal repeats the key as received, which may be anything. A hash may look like a number
+    // of any size.
     let is_none = |field: &str| field.parse::<f64>().is_ok_and(|number| !number.is_finite());
     let is_hashed = body.starts_with("$PRAIN") || body.starts_with("$PRAIQ");
     let own = if body.contains(",ERR,") || is_hashed { "" } else { body };
@@ -51,7 +55,7 @@ fn check_epoch(output: &EpochOutput) {
     assert!(state.val_m.is_none() || is_within(state.vpl_m, state.val_m), "VPL beyond its limit: {output:?}");
 }
 
-/// A level that is missing is within nothing.
+/// Returns true if a level is within its limit. A missing level is not.
 fn is_within(level_m: Option<f64>, limit_m: Option<f64>) -> bool {
     level_m.zip(limit_m).is_some_and(|(level_m, limit_m)| level_m <= limit_m + ROUNDED_M)
 }
@@ -60,7 +64,7 @@ fn is_within(level_m: Option<f64>, limit_m: Option<f64>) -> bool {
 mod tests {
     use super::check;
 
-    /// An epoch in the interface's own words.
+    /// Returns the sentences of an epoch.
     fn said(state: &str) -> Vec<u8> {
         let bodies = ["GNGNS,120000.00,3410.2,N,10834.2,E,A,09,1.00,400.0,0.0,,,S", state];
         let sealed =

@@ -1,4 +1,4 @@
-//! The committed corpus and seeded mutations of it, without cargo-fuzz.
+//! Replay of the committed corpus and seeded mutations of it, without cargo-fuzz.
 
 use std::path::{Path, PathBuf};
 
@@ -7,21 +7,21 @@ use anyhow::{Context as _, ensure};
 use super::Target;
 use super::mutation::Mutator;
 
-/// How many inputs of a target the repository has room for.
+/// Largest number of inputs of a target in the repository.
 pub const MOST_INPUTS: usize = 150;
 
-/// What the repository has room for in all, bytes.
+/// Largest size of all inputs in the repository, bytes.
 pub const CORPUS_BYTES: usize = 500_000;
 
-/// Where the corpus of a target is.
+/// Returns the folder of a target's corpus.
 pub fn folder(target: &Target) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/corpus").join(target.name)
 }
 
-/// The corpus of a target, in the order of its names.
+/// Returns the corpus of a target, in the order of its names.
 ///
 /// # Errors
-/// A folder or file that cannot be read, or an empty folder.
+/// If a folder or file cannot be read, or the folder is empty.
 pub fn corpus(target: &Target) -> anyhow::Result<Vec<Vec<u8>>> {
     let folder = folder(target);
     let listing = std::fs::read_dir(&folder).with_context(|| format!("no corpus in {}", folder.display()))?;
@@ -32,7 +32,7 @@ pub fn corpus(target: &Target) -> anyhow::Result<Vec<Vec<u8>>> {
     Ok(inputs)
 }
 
-/// Runs some seeded mutations of a target's corpus; the number of the one that panics is printed on the way out.
+/// Runs `many` seeded mutations of a target's corpus. If one panics, its number is printed.
 ///
 /// # Errors
 /// As [`corpus`].
@@ -49,7 +49,7 @@ fn run(target: &Target, input: &[u8], index: usize) {
     std::mem::forget(report);
 }
 
-/// Says on the way out which input it was: dropped only while a panic passes by.
+/// Printer of the input that panics: it is dropped only while a panic unwinds.
 struct Report<'r> {
     target: &'r Target,
     input: &'r [u8],
@@ -58,6 +58,6 @@ struct Report<'r> {
 
 impl Drop for Report<'_> {
     fn drop(&mut self) {
-        eprintln!("{}: mutation {} panics: {:02x?}", self.target.name, self.index, self.input);
+        eprintln!("{}: mutation {} panicked: {:02x?}", self.target.name, self.index, self.input);
     }
 }

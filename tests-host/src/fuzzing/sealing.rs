@@ -1,18 +1,18 @@
-//! Checksums put right: without them a mutation would hardly ever get past the first test.
+//! Corrected checksums: without them a mutation would hardly ever pass the first check.
 
 use crate::checksum::{crc24q, fletcher};
 
-/// First byte of an RTCM frame; bytes before and after its payload.
+/// First byte of an RTCM frame, and bytes before and after its payload.
 const RTCM: u8 = 0xD3;
 const RTCM_HEADER: usize = 3;
 const RTCM_PARITY: usize = 3;
 
-/// First bytes of a UBX frame; bytes before and after its payload.
+/// First bytes of a UBX frame, and bytes before and after its payload.
 const UBX: [u8; 2] = [0xB5, 0x62];
 const UBX_HEADER: usize = 6;
 const UBX_PARITY: usize = 2;
 
-/// Gives every frame, as far as its length field lets one tell, the check that belongs to it.
+/// Corrects the checksum of every frame that its length field delimits.
 pub(super) fn seal_frames(bytes: &mut [u8]) {
     let mut rest = bytes;
     while !rest.is_empty() {
@@ -21,7 +21,7 @@ pub(super) fn seal_frames(bytes: &mut [u8]) {
     }
 }
 
-/// Seals the frame that the bytes begin with; its length, where they begin with a whole one.
+/// Corrects the checksum of the first frame; returns its length if it is complete.
 fn seal_first(bytes: &mut [u8]) -> Option<usize> {
     match *bytes {
         [RTCM, high, low, ..] if high & 0b1111_1100 == 0 => {
@@ -42,7 +42,7 @@ fn seal_first(bytes: &mut [u8]) -> Option<usize> {
     }
 }
 
-/// Gives every line that has a star the checksum that belongs to what stands before it.
+/// Corrects the checksum of every line with a star.
 pub(super) fn seal_lines(bytes: &[u8]) -> Vec<u8> {
     bytes.split_inclusive(|&byte| byte == b'\n').flat_map(sealed_line).collect()
 }
@@ -73,7 +73,7 @@ mod tests {
 
     #[test]
     fn ubx_frame_gets_the_sums_of_the_makers_example() {
-        // MON-VER polled, `B5 62 0A 04 00 00 0E 34`, behind an accident.
+        // MON-VER polled, `B5 62 0A 04 00 00 0E 34`, after a stray byte.
         let mut have = [0xB5, 0xB5, 0x62, 0x0A, 0x04, 0, 0, 0, 0];
         seal_frames(&mut have);
         assert_eq!(have, [0xB5, 0xB5, 0x62, 0x0A, 0x04, 0, 0, 0x0E, 0x34]);

@@ -1,5 +1,5 @@
-//! What fuzzing starts from: a simulated sky as RTCM and as UBX, its navigation bits, the commands of the interface, and
-//! noise.
+//! Seeds of fuzzing: a simulated sky as RTCM and as UBX, its navigation bits, the commands of the
+//! interface, and noise.
 
 use rand::{RngCore, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -26,31 +26,31 @@ $PRAIC,PFA,1e-5*\n$PRAIC,PMD,1e-4*\n$PRAIC,TTA,6*\n$PRAIC,MASK,5*\n$PRAIC,POLICY
 $PRAIC,METHOD,HYBRID*\n$PRAIC,CLOCKAID,ON*\n\
 $PRAIC,IONO,1.1e-8,7.4e-9,-5.9e-8,0,96256,16384,-65536,-196608*\n$PRAIC,STATS*\n$PRAIC,SELFTEST*\n$PRAIC,RESET*\n";
 
-/// What a receiver above some of the simulated satellites sends.
+/// A receiver above some of the simulated satellites.
 #[derive(Clone, Copy, Debug)]
 pub struct Sky {
-    /// RINEX letters of what it sends, out of `GC`.
+    /// RINEX letters of the systems that it sends, out of `GC`.
     pub systems: &'static str,
-    /// One signal or two.
+    /// Number of signals.
     pub frequency: Frequency,
-    /// How many satellites it sees, of both systems.
+    /// Number of satellites in view, of both systems.
     pub satellites: usize,
-    /// Seconds.
+    /// Number of epochs, one per second.
     pub epochs: u32,
 }
 
 impl Sky {
-    /// Ten satellites for two epochs: as much as protects.
+    /// Ten satellites for two epochs: enough for protection.
     pub const TEN: Self = Self { systems: "GC", frequency: Frequency::Dual, satellites: 10, epochs: 2 };
 
-    /// RTCM: one lump for each epoch, ephemerides in the first.
+    /// Returns RTCM: one lump per epoch, ephemerides in the first.
     pub fn lumps(self) -> Vec<Vec<u8>> {
         let recording = self.recording();
         let mut encoder = Encoder::new(&recording.ephemerides, self.selection());
         recording.epochs.iter().map(|epoch| encoder.epoch(epoch).expect("numbers that fit")).collect()
     }
 
-    /// The same as UBX.
+    /// Returns the same as UBX.
     fn lumps_of_ubx(self) -> Vec<Vec<u8>> {
         let recording = self.recording();
         let mut encoder = ubx::Encoder::new(&recording.ephemerides, self.selection(), Some(SAID));
@@ -71,14 +71,14 @@ impl Sky {
     }
 }
 
-/// What the satellites say of the ionosphere, in round numbers, and of the last leap second.
+/// Ionosphere coefficients in round numbers, and the last leap second, as satellites send them.
 const SAID: ubx::IonosphereAndUtc = ubx::IonosphereAndUtc {
     klobuchar: [1.12e-8, 1.49e-8, -5.96e-8, -1.19e-7, 8.19e4, 9.83e4, -6.55e4, -5.24e5],
     leap_s: (17, 18),
     change: (1929, 7),
 };
 
-/// The seeds of a target, by its name.
+/// Returns the seeds of a target, by its name.
 pub fn of(target: &str) -> Vec<Vec<u8>> {
     match target {
         "stream" => {
@@ -95,7 +95,7 @@ pub fn of(target: &str) -> Vec<Vec<u8>> {
     }
 }
 
-/// SEC-SIG of both versions and NAV-STATUS, with jamming and spoofing noticed.
+/// SEC-SIG of both versions and NAV-STATUS, with jamming and spoofing detected.
 const SECURITY: [([u8; 2], &[u8]); 3] = [
     ([0x27, 0x09], &[1, 0, 0, 0, 0b111, 0, 0, 0, 0b0101, 0, 0, 0]),
     ([0x27, 0x09], &[2, 0b0010_1111, 0, 0]),
@@ -106,9 +106,10 @@ fn pages(broadcast: &TimedEphemeris) -> Vec<u8> {
     ubx::pages(broadcast, broadcasts::NOON).expect("numbers that fit")
 }
 
-/// The sets of each message, alone and one after another; the words of the frames as the target reads them.
+/// Returns the sets of each message, alone and one after another, as the words of the frames that
+/// the target reads.
 fn navigation_bits() -> impl Iterator<Item = Vec<u8>> {
-    /// Header, fields before the words, and sums.
+    /// Size of header, fields before the words, and checksums.
     const AROUND: usize = 6 + 8 + 2;
     let sets: Vec<Vec<u8>> = broadcasts::of_each()
         .iter()
@@ -125,7 +126,8 @@ fn navigation_bits() -> impl Iterator<Item = Vec<u8>> {
     sets.into_iter().chain([all])
 }
 
-/// Each system alone and both, one signal and two, from a lone satellite to more than a fix needs.
+/// Returns each system alone and both, one signal and two, from a lone satellite to more than a fix
+/// needs.
 fn skies() -> impl Iterator<Item = Sky> {
     let few = [(1, 1), (4, 2), (8, 2), (12, 1), (16, 3)];
     let selections = ["G", "C", "GC"]
@@ -136,7 +138,7 @@ fn skies() -> impl Iterator<Item = Sky> {
     })
 }
 
-/// Frames get their CRC, and a second passes after every chunk.
+/// Frames receive their CRC, and a second passes after every chunk.
 fn streamed(lumps: &[Vec<u8>]) -> Vec<u8> {
     [&[0, 60], lumps.concat().as_slice()].concat()
 }

@@ -1,8 +1,10 @@
-//! Target: linearised epochs with anything in them, straight into the separation of solutions, in both scalars.
+//! Target: linearised epochs with any values, directly into the separation of solutions, in both
+//! scalars.
 //!
-//! [`super::epoch`] reaches it through a position; here geometry, residuals, sigmas, priors and allocations are free, and
-//! any number may be any pattern of bits. What must hold: what is said are numbers; what is watched and what is not are
-//! within their bounds; an outcome is what the tests say; what is left out is left out, and nothing else.
+//! [`super::epoch`] reaches it through a position. Here geometry, residuals, sigmas, priors and
+//! allocations are free, and any number may have any bit pattern. Invariants: all results are
+//! numbers; monitored and unmonitored probabilities are within their bounds; an outcome agrees with
+//! the tests; exactly the stated satellites are left out.
 
 use nalgebra::Vector3;
 use rai_core::equations::LinearEpoch;
@@ -15,7 +17,7 @@ use rai_core::snapshot::{Snapshot, Workspace};
 
 use super::tape::Tape;
 
-/// Reads which scalar, and then epochs until the bytes end.
+/// Reads the scalar type, and then epochs until the bytes end.
 pub fn run(input: &[u8]) {
     let mut tape = Tape::new(input);
     if tape.byte() & 1 == 0 { epochs::<f32>(&mut tape) } else { epochs::<f64>(&mut tape) }
@@ -37,7 +39,7 @@ fn epochs<T: Real>(tape: &mut Tape<'_>) {
     }
 }
 
-/// One of the two that are used, with some of its numbers moved.
+/// Returns one of the two allocations in use, with some of its numbers changed.
 fn allocation(tape: &mut Tape<'_>) -> Allocation {
     let base = tape.one_of(&[Allocation::horizontal(), Allocation::vertical_guidance()]);
     Allocation {
@@ -64,7 +66,7 @@ fn epoch<T: Real>(tape: &mut Tape<'_>) -> (LinearEpoch<T, ROWS>, Vec<Prior<T>>) 
             bias_m: T::narrow(tape.number(0.0, 5.0)),
             fault: T::narrow(probability(tape)),
         };
-        // What is refused has no row, and so no prior.
+        // A refused satellite has no row, and so no prior.
         if epoch.satellite(constellation, direction, residual_m, sigma_m).is_ok() {
             priors.push(prior);
         }
@@ -72,7 +74,7 @@ fn epoch<T: Real>(tape: &mut Tape<'_>) -> (LinearEpoch<T, ROWS>, Vec<Prior<T>>) 
     (epoch, priors)
 }
 
-/// Mostly one that is promised, sometimes any number.
+/// Returns mostly a plausible probability, sometimes any number.
 fn probability(tape: &mut Tape<'_>) -> f64 {
     match tape.byte() {
         0..8 => tape.number(0.0, 1.0),

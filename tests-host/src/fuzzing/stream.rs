@@ -2,9 +2,9 @@
 //!
 //! | byte | meaning |
 //! |---|---|
-//! | 0 | bit 0: frames keep the check they came with; else each gets its own |
+//! | 0 | bit 0: frames keep their own checksum; otherwise each receives a correct one |
 //! | 1 | pause after each 512 bytes, in 16 ms: up to four seconds |
-//! | 2 … | what comes in |
+//! | 2 … | input of the GNSS port |
 
 use super::module::Module;
 use super::sealing::seal_frames;

@@ -1,11 +1,12 @@
-//! Bytes read as choices and numbers: how a fuzzer writes a structured input.
+//! Bytes read as choices and numbers: the way a fuzzer writes a structured input.
 //!
-//! Every byte string is some input, and a short one reads as if zeros followed, so that no mutation is wasted.
+//! Every byte string is some input, and a short one reads as if zeros followed, so that no mutation
+//! is wasted.
 
-/// Out of 256 numbers, how many are any pattern of bits rather than one in range.
+/// Share of numbers with an arbitrary bit pattern, of 256.
 const HOSTILE: u8 = 12;
 
-/// What is left to read.
+/// Unread bytes.
 #[derive(Clone, Debug)]
 pub(super) struct Tape<'t> {
     rest: &'t [u8],
@@ -16,17 +17,17 @@ impl<'t> Tape<'t> {
         Self { rest: bytes }
     }
 
-    /// True when only zeros would follow.
+    /// Returns true if only zeros would follow.
     pub(super) fn is_over(&self) -> bool {
         self.rest.is_empty()
     }
 
-    /// How much has not been read, bytes.
+    /// Returns the number of unread bytes.
     pub(super) fn left(&self) -> usize {
         self.rest.len()
     }
 
-    /// All that has not been read.
+    /// Returns all unread bytes.
     pub(super) fn rest(self) -> &'t [u8] {
         self.rest
     }
@@ -44,22 +45,22 @@ impl<'t> Tape<'t> {
         bytes
     }
 
-    /// One of a list.
+    /// Draws one of a list.
     pub(super) fn one_of<T: Copy>(&mut self, choices: &[T]) -> T {
         choices[usize::from(self.byte()) % choices.len()]
     }
 
-    /// A 32 bit number.
+    /// Draws a 32-bit number.
     pub(super) fn word(&mut self) -> u32 {
         u32::from_le_bytes(self.bytes())
     }
 
-    /// A number within bounds, both reached.
+    /// Draws a number within bounds, both included.
     pub(super) fn within(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * f64::from(self.word()) / f64::from(u32::MAX)
     }
 
-    /// Mostly a number within bounds, sometimes anything that an `f64` can be.
+    /// Draws mostly a number within bounds, sometimes any bit pattern of an `f64`.
     pub(super) fn number(&mut self, low: f64, high: f64) -> f64 {
         if self.byte() < HOSTILE {
             f64::from_bits(u64::from_le_bytes(self.bytes()))

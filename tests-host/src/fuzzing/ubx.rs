@@ -1,5 +1,5 @@
-//! Target: the GNSS port of a u-blox receiver. The bytes are read as those of [`super::stream`]; the seeds differ, and
-//! grow by other code.
+//! Target: the GNSS port of a u-blox receiver. The bytes are read as those of [`super::stream`];
+//! the seeds differ, and grow by other code.
 
 /// Sends the bytes.
 pub fn run(input: &[u8]) {

@@ -1,13 +1,15 @@
-//! Stages of the module on the emulated processor: what they cost, to the instruction, and what they give, to the bit.
+//! Stages of the module on the emulated processor: their cost, to the instruction, and their
+//! result, to the bit.
 //!
-//! A [`Bench`] collects requests and runs them all in one go of the measuring image, which reads them from a file of the
-//! host and writes its answers to another.
+//! A [`Bench`] collects requests and runs them all in one run of the measuring image, which reads
+//! them from a file of the host and writes its answers to another.
 //!
 //! | symbol | field | unit |
 //! |---|---|---|
 //! | instructions | [`Answer::instructions`] | 1; one takes one nanosecond of the emulator's time |
 //!
-//! Reference: the request and answer formats stand in the image's own modules, `rai-firmware/src/bin/laboratory/`.
+//! Reference: the image's own modules, `rai-firmware/src/bin/laboratory/`, define the request and
+//! answer formats.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -23,7 +25,7 @@ pub mod profile;
 
 use profile::Profile;
 
-/// Something the image can run. The number is the request's.
+/// A stage that the image can run. The number is the request's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
     /// Snapshot, global test, w-tests, slopes, protection levels.
@@ -32,13 +34,13 @@ pub enum Stage {
     TestWithoutWorst = 1,
     /// Grouping up to a number of satellites.
     Group = 2,
-    /// Range consensus, the selection kept.
+    /// Range consensus with the selection kept.
     Vote = 3,
     /// Range consensus with a new selection.
     Select = 4,
     /// Clock aiding: update and forecast.
     Coast = 5,
-    /// The threshold of a policy for a new geometry.
+    /// Threshold of a policy for a new geometry.
     Policy = 6,
     /// Fix and complete integrity, from satellite positions and ranges.
     Judge = 7,
@@ -56,7 +58,7 @@ pub enum Stage {
     Separate = 13,
 }
 
-/// Which instantiation of the core.
+/// Scalar type of the core.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scalar {
     /// `f32`, as on the chip.
@@ -65,16 +67,16 @@ pub enum Scalar {
     Double = 1,
 }
 
-/// What came back.
+/// Answer to a request.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Answer {
-    /// What it cost.
+    /// Cost in instructions.
     pub instructions: u64,
-    /// The result as `Debug` writes it: doubles to their last bit.
+    /// Result as `Debug` formats it: doubles to their last bit.
     pub result: String,
 }
 
-/// Requests that wait for their run.
+/// Requests to be run together.
 #[derive(Clone, Debug, Default)]
 pub struct Bench {
     requests: Vec<u8>,
@@ -89,15 +91,18 @@ impl Bench {
         self.requests.extend(input);
     }
 
-    /// Runs all requests; answers in their order, a stage over several epochs giving one for each.
+    /// Runs all requests; returns the answers in their order. A stage over several epochs gives one
+    /// answer per epoch.
     ///
     /// # Errors
-    /// Where the emulator is missing or the image did not come to its end: a panic, or a request that makes no sense.
+    /// If the emulator is missing or the image does not finish, because of a panic or an invalid
+    /// request.
     pub fn run(&self) -> Result<Vec<Answer>> {
         self.run_on(Machine::Stm32f405)
     }
 
-    /// The same on a board. The ticks of the second one are 40 instructions long, and so is what its figures may miss.
+    /// Runs all requests on a board. A tick of the second one is 40 instructions long, so its
+    /// figures are accurate to 40.
     ///
     /// # Errors
     /// As [`Self::run`].
@@ -115,7 +120,7 @@ impl Bench {
         Ok(answers)
     }
 
-    /// Where the instructions of the `number`th of all epochs in the requests go, the first being 0.
+    /// Profiles the instructions of the `number`th of all epochs in the requests, counted from 0.
     ///
     /// # Errors
     /// As [`Self::run`].
@@ -130,13 +135,13 @@ impl Bench {
             .context(MISSING)?;
         let log = emulator.stderr.take().context("the emulator has no log")?;
         let profile = Profile::read(&image, log, number);
-        // What comes behind the stage is not waited for.
+        // The rest of the run is not needed.
         emulator.kill()?;
         emulator.wait()?;
         profile
     }
 
-    /// The emulator with the measuring image and the requests in its folder.
+    /// Returns the emulator's command, with the measuring image and the requests in its folder.
     fn emulator(&self, folder: &Folder, machine: Machine, image: &Path) -> Result<Command> {
         std::fs::write(folder.0.join("requests.bin"), &self.requests)?;
         let mut emulator = crate::setup::emulator::command();
@@ -151,10 +156,10 @@ impl Bench {
     }
 }
 
-/// What to do where the emulator does not start.
+/// Message if the emulator does not start.
 const MISSING: &str = "qemu-system-arm cannot be run (`cargo xtask setup` installs it)";
 
-/// Builds the measuring image; in release form, like the shipped one.
+/// Builds the measuring image in release form, like the shipped one.
 fn build(machine: Machine) -> Result<PathBuf> {
     image::build_for(machine, &["--features", "laboratory", "--bin", "laboratory"])
 }
@@ -175,12 +180,12 @@ fn answers(bytes: &[u8], machine: Machine) -> Vec<Answer> {
     answers
 }
 
-/// A point as the image reads it.
+/// Encodes a point for the image.
 pub fn point_bytes(point: Ecef) -> Vec<u8> {
     [point.x_m, point.y_m, point.z_m].iter().flat_map(|value| value.to_le_bytes()).collect()
 }
 
-/// An epoch as the image reads it.
+/// Encodes an epoch for the image.
 pub fn epoch_bytes<const N: usize>(epoch: &Epoch<N>) -> Vec<u8> {
     let mut bytes = epoch.time_s().to_le_bytes().to_vec();
     bytes.push(epoch.observations().len() as u8);
@@ -193,7 +198,7 @@ pub fn epoch_bytes<const N: usize>(epoch: &Epoch<N>) -> Vec<u8> {
     bytes
 }
 
-/// A folder that goes with the value.
+/// A folder that is deleted with the value.
 struct Folder(PathBuf);
 
 impl Folder {
@@ -202,17 +207,17 @@ impl Folder {
         static NEXT: AtomicU32 = AtomicU32::new(0);
         let number = NEXT.fetch_add(1, Ordering::Relaxed);
         let path = std::env::temp_dir().join(format!("rai-laboratory-{}-{number}", std::process::id()));
-        std::fs::create_dir_all(&path).with_context(|| format!("cannot make {}", path.display()))?;
+        std::fs::create_dir_all(&path).with_context(|| format!("cannot create {}", path.display()))?;
         Ok(Self(path))
     }
 }
 
 impl Drop for Folder {
     fn drop(&mut self) {
-        // Left behind, it lies where what is left behind is cleared away.
+        // If this fails, the folder is where leftovers are deleted anyway.
         let _ = std::fs::remove_dir_all(&self.0);
     }
 }
 
-/// Whether the emulator is there; says aloud that the caller is skipped where it is not.
+/// Returns true if the emulator is installed; otherwise prints that the caller is skipped.
 pub use crate::board::is_installed;

@@ -1,14 +1,15 @@
-//! Where the instructions of a stage go: every one that the emulated core executes, by function and on whose behalf.
+//! Profile of a stage: every instruction that the emulated core executes, by function.
 //!
 //! ```text
 //! measuring image ──one instruction a block──► program counters ──DWARF──► innermost function of ours
 //!                                                       └──symbols──► runtime: soft floats, memory, libm
 //! ```
 //!
-//! What a function costs is what its own instructions cost, and what the runtime does on its behalf: the soft-float routines,
-//! copies of memory and the elementary functions of `libm` count for whoever of ours was executed last before them. Inlined
-//! functions are told apart by the debugger's information, so that a stage which the compiler made one function of is
-//! still seen in its parts.
+//! The cost of a function is that of its own instructions and of the runtime's work on its behalf.
+//! Soft-float routines, copies of memory and the elementary functions of `libm` count for the
+//! function of ours that was executed last before them. The debug information separates inlined
+//! functions, so that a stage which the compiler made into one function is still shown in its
+//! parts.
 //!
 //! | symbol | field | unit |
 //! |---|---|---|
@@ -16,8 +17,8 @@
 //! | behalf | [`Share::behalf`] | instructions of the runtime for it |
 //! | calls | [`Share::calls`] | calls of the runtime |
 //!
-//! Reference: [ARMv7-M] for what a branch is; the emulator's `exec` log names the first instruction of each block, and
-//! `-singlestep` makes every instruction a block.
+//! Reference: [ARMv7-M] for branches. The emulator's `exec` log names the first instruction of each
+//! block, and `-singlestep` makes every instruction a block.
 //!
 //! [ARMv7-M]: crate#references
 
@@ -31,10 +32,10 @@ use object::{Object, ObjectSymbol, SymbolKind};
 
 use crate::source_lines::Lines;
 
-/// Most functions that are listed.
+/// Largest number of functions in the list.
 const LISTED: usize = 40;
 
-/// What one function costs.
+/// Cost of one function.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Share {
     /// Instructions of its own.
@@ -45,26 +46,26 @@ pub struct Share {
     pub calls: u64,
 }
 
-/// Where the instructions of one stage went.
+/// Instructions of one stage, by function.
 #[derive(Clone, Debug, Default)]
 pub struct Profile {
-    /// By function of the product.
+    /// Costs by function of the product.
     pub functions: BTreeMap<String, Share>,
     /// Instructions and calls of each routine of the runtime.
     pub runtime: BTreeMap<String, (u64, u64)>,
 }
 
 impl Profile {
-    /// All of them.
+    /// Returns the number of all instructions.
     pub fn total(&self) -> u64 {
         self.functions.values().map(|share| share.own + share.behalf).sum()
     }
 
-    /// Reads what the emulator executed between the first and the last instruction of the stopwatch's `number`th use, the
-    /// first being 0.
+    /// Reads the instructions between the first and the last of the stopwatch's `number`th use,
+    /// counted from 0.
     ///
     /// # Errors
-    /// Where the image holds no stopwatch, or the stage was never reached.
+    /// If the image has no stopwatch, or the stage was never reached.
     pub fn read(image: &Path, log: impl std::io::Read, number: usize) -> Result<Self> {
         let bytes = std::fs::read(image)?;
         let elf = object::File::parse(bytes.as_slice())?;
@@ -89,16 +90,16 @@ impl Profile {
     }
 }
 
-/// The address that a line `Trace 0: … [cs/pc/flags/…]` of the log names.
+/// Returns the address in a line `Trace 0: … [cs/pc/flags/…]` of the log.
 fn program_counter(line: &[u8]) -> Option<u64> {
     let line = std::str::from_utf8(line).ok()?.strip_prefix("Trace")?;
     let (_, bracket) = line.split_once('[')?;
     u64::from_str_radix(bracket.split('/').nth(1)?, 16).ok()
 }
 
-/// The functions of an image by address.
+/// Functions of an image, by address.
 struct Map<'a> {
-    /// End, name.
+    /// End address and name, by start address.
     functions: BTreeMap<u64, (u64, String)>,
     lines: Lines<'a>,
 }
@@ -114,40 +115,41 @@ impl<'a> Map<'a> {
         Ok(Self { functions, lines: Lines::of(elf)? })
     }
 
-    /// Address and name of the function that an instruction is in.
+    /// Returns address and name of the function that contains an instruction.
     fn function(&self, address: u64) -> Option<(u64, &str)> {
         let (&start, (end, name)) = self.functions.range(..=address).next_back()?;
         (address < *end).then_some((start, name.as_str()))
     }
 
-    /// The innermost function of the product that was inlined at an instruction; `None` where all is the runtime's.
+    /// Returns the innermost function of the product that was inlined at an instruction; `None` if
+    /// all of it is the runtime's.
     fn own_function(&self, address: u64) -> Result<Option<String>> {
         let frames = self.lines.at(address)?;
         let own = frames.into_iter().find(|frame| frame.own_file().is_some()).map(|frame| frame.function);
-        // A function's first and last instructions may belong to no line.
+        // A function's first and last instructions may have no line.
         let symbol = || self.function(address).map(|(_, name)| name.to_owned());
         Ok(own.or_else(|| symbol().filter(|name| name.contains("rai_"))))
     }
 }
 
-/// Where an instruction is beside the stage.
+/// Place of an instruction relative to the stage.
 enum Place {
     Before,
     Inside,
     Behind,
 }
 
-/// From the entry of the stopwatch to its return.
+/// Range from the entry of the stopwatch to its return.
 struct Window {
     uses_left: usize,
-    /// The function that called it, once it has been entered.
+    /// Function that called the stopwatch, once it has been entered.
     caller: Option<u64>,
     last: Option<u64>,
 }
 
 impl Window {
     fn new(number: usize) -> Self {
-        // The stopwatch first measures what it costs itself.
+        // The stopwatch first measures its own cost.
         Self { uses_left: number + 1, caller: None, last: None }
     }
 
@@ -168,13 +170,13 @@ impl Window {
     }
 }
 
-/// A profile as it grows.
+/// A profile under construction.
 struct Reader<'a> {
     map: Map<'a>,
     profile: Profile,
-    /// The innermost function of ours at an instruction, where one is.
+    /// Innermost function of ours at an instruction, if there is one.
     known: HashMap<u64, Option<String>>,
-    /// The function of ours that was executed last.
+    /// Function of ours that was executed last.
     last: String,
 }
 

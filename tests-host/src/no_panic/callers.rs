@@ -1,9 +1,10 @@
-//! Who calls the panic handler: up the call graph of a linked image, to the lines of source that the calls come from.
+//! Callers of the panic handler: up the call graph of a linked image, to the source lines of the
+//! calls.
 //!
-//! The graph is what the linker resolved: each relocation that it kept (`--emit-relocs`) says which instruction refers to
-//! which function. The lines are those of DWARF, with what was inlined at the instruction: the innermost frame that
-//! belongs to this product is the offender. Where the whole function is the standard library's or a dependency's,
-//! its callers are looked at instead.
+//! The linker resolves the graph: each relocation that it keeps (`--emit-relocs`) shows which
+//! instruction refers to which function. The lines come from DWARF, with the functions inlined at
+//! the instruction. The innermost frame of this product is the offender. If the whole function
+//! belongs to the standard library or a dependency, its callers are examined instead.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
@@ -18,11 +19,11 @@ use crate::source_lines::{Frame, Lines};
 pub struct Offence {
     /// Source file, from the root of the repository.
     pub file: String,
-    /// Line in it.
+    /// Line in the file.
     pub line: u32,
-    /// The function that the line is in.
+    /// Function that contains the line.
     pub function: String,
-    /// What it called there, innermost first: the way to the panic.
+    /// Functions that it calls on the way to the panic, innermost first.
     pub through: Vec<String>,
 }
 
@@ -36,17 +37,17 @@ impl fmt::Display for Offence {
     }
 }
 
-/// A reference to a function: from which instruction, in which function.
+/// A reference to a function: its instruction, and the function that contains it.
 #[derive(Clone, Copy)]
 struct Reference {
     at: u64,
     within: u64,
 }
 
-/// The lines from which the panic handler of an image is reachable.
+/// Returns the lines from which the panic handler of an image is reachable.
 ///
 /// # Errors
-/// Where the file is no image with relocations and debug information.
+/// If the file is not an image with relocations and debug information.
 pub fn of_panics(image: &[u8]) -> anyhow::Result<Vec<Offence>> {
     let elf = object::File::parse(image)?;
     let functions = functions(&elf);
@@ -73,7 +74,7 @@ pub fn of_panics(image: &[u8]) -> anyhow::Result<Vec<Offence>> {
     Ok(offences.into_iter().collect())
 }
 
-/// The offence at an instruction, or the longer way if nothing of the product is there.
+/// Returns the offence at an instruction, or the extended path if no frame belongs to the product.
 fn offence(frames: Vec<Frame>, through: &[String]) -> Result<Offence, Vec<String>> {
     let mut through = through.to_vec();
     for frame in frames {
@@ -85,13 +86,13 @@ fn offence(frames: Vec<Frame>, through: &[String]) -> Result<Offence, Vec<String
     Err(through)
 }
 
-/// Every function by its address.
+/// Returns every function by its address.
 fn functions(elf: &object::File<'_>) -> BTreeMap<u64, String> {
     let functions = elf.symbols().filter(|symbol| symbol.kind() == SymbolKind::Text && symbol.size() > 0);
     functions.map(|symbol| (code(symbol.address()), symbol.name().unwrap_or_default().to_owned())).collect()
 }
 
-/// The references to every function.
+/// Returns the references to every function.
 fn references(elf: &object::File<'_>, functions: &BTreeMap<u64, String>) -> BTreeMap<u64, Vec<Reference>> {
     let mut references: BTreeMap<u64, Vec<Reference>> = BTreeMap::new();
     for (at, relocation) in elf
@@ -110,7 +111,7 @@ fn references(elf: &object::File<'_>, functions: &BTreeMap<u64, String>) -> BTre
     references
 }
 
-/// The address of a function without the bit that says Thumb.
+/// Returns the address of a function without the Thumb bit.
 fn code(address: u64) -> u64 {
     address & !1
 }

@@ -1,8 +1,8 @@
-//! Is every public function in the proof?
+//! Check that every public function is part of the proof.
 //!
-//! The sources are read as text, as rustfmt leaves them: an item begins in the first column, a method in the fifth. From
-//! the root of a library its modules are followed, and each public function gives the name under which a list must
-//! hold it:
+//! The sources are read as text, as rustfmt formats them: an item begins in the first column, a
+//! method in the fifth. From the root of a library its modules are followed. Each public function
+//! gives the name that a list must contain:
 //!
 //! | in the sources | in the list |
 //! |---|---|
@@ -10,9 +10,9 @@
 //! | `pub fn slopes` in the module `levels` | `levels::slopes`, or by the module above |
 //! | `fn fmt` in `impl Display for RowError` | `<RowError as Display>::fmt` |
 //!
-//! Generic arguments do not count; a name that several types share has to be there as often. What a type that is nowhere
-//! public does for a trait cannot be called from outside, and need not be there. What a macro or a derive makes is not
-//! seen.
+//! Generic arguments do not count. A name that several types share must occur as often. Trait
+//! functions of a type that is nowhere public cannot be called from outside, and need not be
+//! listed. Functions that a macro or a derive makes are not seen.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -20,18 +20,18 @@ use std::path::Path;
 
 use anyhow::Context;
 
-/// The public functions of a library that a list does not hold, by the name it should hold them under.
+/// Returns the public functions of a library that a list lacks, by the name that it should contain.
 ///
 /// # Errors
-/// Where a source file cannot be read.
+/// If a source file cannot be read.
 pub fn missing(library: &Path, list: &str) -> anyhow::Result<Vec<String>> {
     let mut found = Found::default();
-    let folder = library.parent().context("a library lies in a folder")?;
+    let folder = library.parent().context("the library has no folder")?;
     follow(library, folder, "crate", &mut found)?;
     Ok(not_in(list, &found.functions()))
 }
 
-/// What the sources hold, as far as they were read.
+/// Items found in the sources so far.
 #[derive(Default)]
 struct Found {
     functions: Vec<Function>,
@@ -39,14 +39,14 @@ struct Found {
     private_types: BTreeSet<String>,
 }
 
-/// A function that is public, or a trait's, by the type that the trait is for.
+/// A public function, or a trait's, with the type that implements the trait.
 struct Function {
     names: Names,
     trait_of: Option<String>,
 }
 
 impl Found {
-    /// The functions that can be called from outside.
+    /// Returns the functions that can be called from outside.
     fn functions(self) -> Vec<Names> {
         let Self { functions, public_types, private_types } = self;
         let is_hidden = |name: &String| private_types.contains(name) && !public_types.contains(name);
@@ -68,19 +68,19 @@ impl Found {
     }
 }
 
-/// The name of the type that a line declares.
+/// Returns the name of the type that a line declares.
 fn type_declared(line: &str) -> Option<&str> {
     let rest = ["struct ", "enum ", "union "].iter().find_map(|word| line.strip_prefix(word))?;
     rest.split(|character| !is_in_name(character)).next()
 }
 
-/// The line without a visibility that ends in this library.
+/// Returns the line without a visibility that is limited to this library.
 fn without_visibility(line: &str) -> &str {
     let rest = line.strip_prefix("pub(").and_then(|rest| rest.split_once(") "));
     rest.map_or(line, |(_, rest)| rest)
 }
 
-/// A public function: the names that a list may hold it under.
+/// Names under which a list may contain a public function.
 type Names = Vec<String>;
 
 fn not_in(list: &str, functions: &[Names]) -> Vec<String> {
@@ -127,14 +127,14 @@ fn functions_of(code: &str, module: &str) -> Vec<Function> {
     functions
 }
 
-/// Whose functions follow: a type's own, or those of a trait.
+/// Owner of the functions that follow: a type, or a trait's implementation.
 struct Owner {
     path: String,
     trait_of: Option<String>,
 }
 
 impl Owner {
-    /// From the first line of an implementation; none where nothing follows.
+    /// Parses the first line of an implementation; `None` if no function follows.
     fn of(line: &str) -> Option<Self> {
         let header = without_generics(line.strip_suffix('{')?);
         let header = header.strip_prefix("impl")?.trim();
@@ -166,7 +166,8 @@ fn is_in_name(character: char) -> bool {
     character.is_alphanumeric() || character == '_'
 }
 
-/// The text without lists of generic parameters or arguments; the brackets of `<Type as Trait>` stay.
+/// Returns the text without lists of generic parameters or arguments; the brackets of
+/// `<Type as Trait>` stay.
 fn without_generics(text: &str) -> String {
     let (mut bare, mut depth) = (String::new(), 0);
     let mut before = ' ';
@@ -187,7 +188,7 @@ fn without_generics(text: &str) -> String {
     bare
 }
 
-/// How often a path stands in a text as a whole.
+/// Returns the number of whole occurrences of a path in a text.
 fn occurrences(text: &str, path: &str) -> usize {
     let is_whole = |&(start, _): &(usize, &str)| {
         let (before, after) = (text[..start].chars().next_back(), text[start + path.len()..].chars().next());

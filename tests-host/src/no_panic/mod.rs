@@ -1,21 +1,23 @@
-//! No panic is reachable: the proof by the linker, and what stands in its way by name.
+//! Proof by the linker that no panic is reachable, and the places that violate it.
 //!
-//! The image `no_panic` of `rai-firmware` holds every public function of `rai-core` and of the firmware's library,
-//! compiled for any arguments, and a panic handler that calls a symbol which exists nowhere. It is linked with the
-//! compiler, the profile and the target of the shipped image, and the linker only warns of what it lacks, so that one link
-//! both decides and shows who calls:
+//! The image `no_panic` of `rai-firmware` contains every public function of `rai-core` and of the
+//! firmware's library, compiled for any arguments, and a panic handler that calls an undefined
+//! symbol. It is linked with the compiler, the profile and the target of the shipped image. The
+//! linker only warns of undefined symbols, so that one link both decides and shows the callers:
 //!
-//! | the linker lacks | means |
+//! | undefined | meaning |
 //! |---|---|
 //! | nothing | no panic survived optimisation |
 //! | [`SYMBOL`] | some do, and [`callers`] names them |
-//! | anything else | this is no image |
+//! | anything else | the image is invalid |
 //!
-//! [`coverage`] holds the lists in that image against the sources, so that the proof stays complete as functions come.
-//! The library for C compiles the same functions behind pointers and exports of its own: [`static_library`].
+//! [`coverage`] compares the lists in that image with the sources, so that the proof stays complete
+//! as functions are added. The library for C compiles the same functions behind pointers and
+//! exports of its own: [`static_library`].
 //!
-//! The shipped image inlines differently and has the board around the library. Its panic handler must exist, for
-//! the sake of what nobody foresaw; who calls it is looked up the same way, and only [`TOLERATED`] may.
+//! The shipped image inlines differently and has the board around the library. It must have a panic
+//! handler for unforeseen cases. Its callers are found the same way, and only [`TOLERATED`] may
+//! call it.
 
 pub mod callers;
 pub mod coverage;
@@ -31,16 +33,17 @@ use static_library::StaticLibrary;
 
 use crate::image::{self, CompiledFor};
 
-/// What the panic handler of the image calls.
+/// Symbol that the panic handler of the image calls.
 pub const SYMBOL: &str = "rai_a_panic_is_reachable_here";
 
-/// Where the shipped image may panic: RTT refuses to be set up twice, and is set up once, at start.
+/// Places at which the shipped image may panic: RTT refuses a second initialisation, and is
+/// initialised once, at start.
 pub const TOLERATED: [&str; 1] = ["rai-firmware/src/board/arm/log.rs"];
 
-/// Holds both images to it, compiled for speed and for size, and the library for C.
+/// Proves it for both images, compiled for speed and for size, and for the library for C.
 ///
 /// # Errors
-/// Names each place from which a panic is reachable; or says why an image does not even compile.
+/// If a panic is reachable, with each place; or if an image does not compile.
 pub fn prove() -> anyhow::Result<()> {
     for compiled_for in CompiledFor::ALL {
         prove_library("probe", compiled_for)?;
@@ -55,8 +58,8 @@ fn prove_image(compiled_for: CompiledFor) -> anyhow::Result<()> {
     refuse(&places.into_iter().filter(|place| !tolerated(place)).collect::<Vec<_>>())
 }
 
-/// Links the image of all public functions, with these features of `rai-firmware`; `reachable-panic` puts a panic
-/// there that must be found.
+/// Links the image of all public functions with these features of `rai-firmware`. `reachable-panic`
+/// adds a panic that must be found.
 ///
 /// # Errors
 /// As [`prove`].
@@ -78,7 +81,7 @@ fn refuse(places: &[Offence]) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Links an image, whatever the linker lacks for it.
+/// Links an image, even with undefined symbols.
 fn link(name: &str, features: &str, compiled_for: CompiledFor) -> anyhow::Result<PathBuf> {
     let mut cargo = image::cargo();
     cargo
@@ -92,7 +95,7 @@ fn link(name: &str, features: &str, compiled_for: CompiledFor) -> anyhow::Result
     image::executable(&String::from_utf8_lossy(&output.stdout)).context("cargo linked no image")
 }
 
-/// What an image refers to and does not hold.
+/// Returns the undefined symbols of an image.
 fn undefined(image: &[u8]) -> anyhow::Result<Vec<String>> {
     let elf = object::File::parse(image)?;
     let undefined = elf.symbols().filter(|symbol| symbol.is_undefined() && symbol.name() != Ok(""));

@@ -1,13 +1,13 @@
-//! The library for C: what its exports reach, and whether a panic is in it.
+//! The library for C: its exports, and a check that no panic is reachable from them.
 //!
-//! A program without an operating system needs a panic handler, so the library brings one, and no symbol can be left
-//! undefined as in the image of all public functions. The linker is asked another way, with sections that nobody refers
-//! to thrown out:
+//! A program without an operating system needs a panic handler, so the library contains one, and no
+//! symbol can be left undefined as in the image of all public functions. Instead the linker
+//! discards unreferenced sections:
 //!
-//! | link | roots | tells |
+//! | link | roots | shows |
 //! |---|---|---|
-//! | of the whole archive | everything | what is exported, and that [`HANDLER`] is there to be found |
-//! | of a program | every export | [`HANDLER`] is left only where a panic is reachable |
+//! | of the whole archive | everything | the exports, and that [`HANDLER`] is present |
+//! | of a program | every export | [`HANDLER`] remains only if a panic is reachable |
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -20,10 +20,10 @@ use super::callers::{self, Offence};
 use crate::board::Machine;
 use crate::capi::{library_for, run};
 
-/// Where the library's panic handler ends: the function that a C program may replace.
+/// Function that ends the library's panic handler. A C program may replace it.
 pub const HANDLER: &str = "rai_panic";
 
-/// What the names of the library begin with.
+/// Prefix of the names of the library.
 const PREFIX: &str = "rai_";
 
 /// The library of the chip, as it ships.
@@ -37,25 +37,26 @@ impl StaticLibrary {
     /// Builds it with the compiler, the profile and the target of the shipped image.
     ///
     /// # Errors
-    /// Where it does not build or link, or holds no handler: nothing would be proved of it then.
+    /// If it does not build or link, or has no handler, because then nothing would be proved.
     pub fn build() -> anyhow::Result<Self> {
         let archive = library_for(Machine::Stm32f405, "whole,panic-handler")?;
         let mut library = Self { archive, linker: linker()?, exports: BTreeSet::new() };
         let mut exports = symbols(&library.link(&["--whole-archive", "--no-gc-sections"])?)?;
-        ensure!(exports.remove(HANDLER), "the library holds no {HANDLER}: nothing could be found in it");
+        ensure!(exports.remove(HANDLER), "the library has no {HANDLER}, so nothing can be proved");
         library.exports = exports;
         Ok(library)
     }
 
-    /// The functions that a C program can call.
+    /// Returns the functions that a C program can call.
     pub fn exports(&self) -> &BTreeSet<String> {
         &self.exports
     }
 
-    /// The places from which a panic is reachable in a program that calls every export, and these functions.
+    /// Returns the places from which a panic is reachable in a program that calls every export and
+    /// the functions `others`.
     ///
     /// # Errors
-    /// Where the library does not link, or a panic is reachable from nobody knows where.
+    /// If the library does not link, or the place of a reachable panic is unknown.
     pub fn offences(&self, others: &[&str]) -> anyhow::Result<Vec<Offence>> {
         let names = self.exports.iter().map(String::as_str).chain(others.iter().copied());
         let roots: Vec<String> = names.map(|name| format!("--undefined={name}")).collect();
@@ -74,22 +75,23 @@ impl StaticLibrary {
     }
 
     fn link(&self, arguments: &[&str]) -> anyhow::Result<Vec<u8>> {
-        // Where a program begins is no matter: it is linked to standard output, and never run.
+        // The entry point does not matter: the program is linked to standard output, and never
+        // runs.
         let mut linker = Command::new(&self.linker);
         linker.args(["-flavor", "gnu", "--no-warnings", "--entry=0", "-o", "-"]).args(arguments);
         run(linker.arg(&self.archive))
     }
 }
 
-/// The linker that comes with the compiler, which is what links the images.
+/// Returns the linker that comes with the compiler and links the images.
 pub(crate) fn linker() -> anyhow::Result<PathBuf> {
     let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
     let said = String::from_utf8(run(Command::new(rustc).args(["--print", "target-libdir"]))?)?;
-    let folder = Path::new(said.trim()).parent().context("the compiler lies nowhere")?;
+    let folder = Path::new(said.trim()).parent().context("the folder of the compiler is unknown")?;
     Ok(folder.join("bin/rust-lld"))
 }
 
-/// The library's functions that a linked image holds and shows.
+/// Returns the library's functions that a linked image contains and exports.
 fn symbols(image: &[u8]) -> anyhow::Result<BTreeSet<String>> {
     let elf = object::File::parse(image)?;
     let defined = elf.symbols().filter(|symbol| symbol.is_global() && symbol.is_definition());

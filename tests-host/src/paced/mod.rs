@@ -1,8 +1,8 @@
-//! The module on a model of its ports: bytes at the rates of the lines, in a time that is counted.
+//! The module on a model of its ports: bytes at the rates of the lines, in simulated time.
 //!
-//! The emulator's ports are not paced: a burst is there at once, and a host that floods the module floods it at the
-//! rate of a socket. Here the epoch loop of the firmware, the same that runs on the chip, runs on a board of which every
-//! call costs time:
+//! The emulator's ports are not paced. A burst arrives at once, and a host that floods the module
+//! does so at the rate of a socket. Here the epoch loop of the firmware, the same that runs on the
+//! chip, runs on a board of which every call costs time:
 //!
 //! ```text
 //! t += instructions / f_core          a byte comes 10/baud after the one before it
@@ -14,10 +14,11 @@
 //! | instructions | the other fields of [`Costs`] | 1 |
 //! | baud | [`Lines`] | bit/s, 10 bits a byte |
 //!
-//! What an epoch costs is charged when the pin is driven, so that the pin is as late as it would be.
+//! The cost of an epoch is charged when the pin is driven, so that the pin is as late as on the
+//! chip.
 //!
-//! The GNSS port listens at the sender's rate ([`run`]), or has to find it ([`search`]): until it has, it reads what a port
-//! of the wrong rate reads on such a line (`wire`).
+//! The GNSS port uses the sender's rate ([`run`]), or must find it ([`search`]). Until then it
+//! reads the bytes that a port of the wrong rate reads on such a line (`wire`).
 
 mod wire;
 
@@ -38,7 +39,7 @@ use rai_firmware::timed_ring::{Taken, TimedRing};
 
 use wire::{Sent, Wire, byte_ns};
 
-/// What the module's work costs.
+/// Costs of the module's work, in instructions.
 #[derive(Clone, Copy, Debug)]
 pub struct Costs {
     /// Frequency of the core, Hz.
@@ -49,14 +50,15 @@ pub struct Costs {
     pub epoch: u64,
     /// Writing a byte of a sentence.
     pub sentence_byte: u64,
-    /// Taking a byte of a command.
+    /// Reading a byte of a command.
     pub command_byte: u64,
-    /// A pass of the loop by itself.
+    /// One pass of the loop without work.
     pub pass: u64,
 }
 
 impl Costs {
-    /// As `bench` counts them, rounded up: 39 k for an epoch's 900 bytes of RTCM, 41 k for its 600 bytes of sentences.
+    /// Returns the costs that `bench` measures, rounded up: 39 k for an epoch's 900 bytes of RTCM,
+    /// 41 k for its 600 bytes of sentences.
     pub const fn measured(core_hz: u64, epoch: u64) -> Self {
         Self { core_hz, gnss_byte: 50, epoch, sentence_byte: 75, command_byte: 400, pass: 1000 }
     }
@@ -69,65 +71,66 @@ impl Costs {
 /// The lines to and from the module.
 #[derive(Clone, Copy, Debug)]
 pub struct Lines<'l> {
-    /// Rate of the GNSS port.
+    /// Rate of the GNSS port, bit/s.
     pub gnss_baud: u64,
-    /// Rate of the host port, both ways.
+    /// Rate of the host port in both directions, bit/s.
     pub host_baud: u64,
-    /// From epoch to epoch, ns.
+    /// Time between epochs, ns.
     pub period_ns: u64,
-    /// What the host sends, over and over, without a pause.
+    /// Bytes that the host repeats without a pause.
     pub flood: &'l [u8],
-    /// Whether the host reads what it is sent.
+    /// True if the host reads its port.
     pub host_reads: bool,
 }
 
-/// What came of a run.
+/// Result of a run.
 #[derive(Clone, Debug, Default)]
 pub struct Outcome {
-    /// From the last byte of each judged epoch to the pin, ns.
+    /// Time from the last byte of each judged epoch to the pin, ns.
     pub lateness_ns: Vec<u64>,
-    /// How often the loop went round.
+    /// Number of passes of the loop.
     pub passes: u64,
     /// Longest time between two passes, ns.
     pub longest_pass_ns: u64,
     /// The module's counters at the end.
     pub counters: Vec<(&'static str, u32)>,
-    /// What the host read.
+    /// Bytes that the host read.
     pub heard: Vec<u8>,
-    /// Rates that the GNSS port was set to, and when, ns.
+    /// Times, ns, at which the GNSS port changed its rate, and the rates.
     pub rates: Vec<(u64, u32)>,
 }
 
 impl Outcome {
-    /// A counter at the end.
+    /// Returns a counter at the end.
     ///
     /// # Panics
-    /// There is no counter of this name.
+    /// If there is no counter of this name.
     pub fn counter(&self, name: &str) -> u32 {
         self.counters.iter().find(|(known, _)| *known == name).expect(name).1
     }
 
-    /// The latest pin, ms.
+    /// Returns the longest time from a last byte to the pin, ms.
     pub fn latest_ms(&self) -> f64 {
         self.lateness_ns.iter().max().map_or(0.0, |latest| *latest as f64 * 1e-6)
     }
 }
 
-/// Time, and whose turn it is.
+/// Simulated time, and the epoch in progress.
 #[allow(clippy::struct_field_names)] // Nanoseconds all of them.
 #[derive(Debug, Default)]
 struct Instant {
     now_ns: u64,
-    /// What driving the pin costs.
+    /// Cost of driving the pin, ns.
     epoch_ns: u64,
-    /// When the last byte came of the epoch that was handed over last; `None` once the pin has been driven for it.
+    /// Time of the last byte of the last complete epoch, ns; `None` once the pin has been driven
+    /// for it.
     complete_ns: Option<u64>,
     lateness_ns: Vec<u64>,
 }
 
 type Clock = Rc<RefCell<Instant>>;
 
-/// A pin that costs what the judgement before it costs.
+/// A pin that takes as long as the judgement before it.
 struct Pin {
     clock: Clock,
 }
@@ -159,7 +162,7 @@ impl OutputPin for Pin {
     }
 }
 
-/// A way out of which every byte costs time.
+/// An output of which every byte takes time.
 struct Metered<'r> {
     outlet: Outlet<'r, HOST_OUT_BYTES, fn()>,
     clock: Clock,
@@ -181,15 +184,15 @@ impl embedded_io::Write for Metered<'_> {
     }
 }
 
-/// The model.
+/// The model of the board.
 struct Model<'l> {
     clock: Clock,
     costs: Costs,
     lines: Lines<'l>,
     wire: Wire,
-    /// At which the GNSS port listens.
+    /// Rate of the GNSS port, bit/s.
     port_baud: u64,
-    /// Instants of last bytes that the ring holds, with how many bytes come before them.
+    /// Times of the last bytes that the ring holds, with the number of bytes before each.
     ends: VecDeque<(usize, u64)>,
     pushed: usize,
     read: usize,
@@ -218,7 +221,7 @@ impl Model<'_> {
         self.gnss.len() >= WORTH_A_PASS_BYTES || !self.commands.is_empty()
     }
 
-    /// What the lines have done until now, as the interrupts would have seen it.
+    /// Advances the lines to the present, as the interrupts would.
     fn catch_up(&mut self) {
         let now_ns = self.now_ns();
         while let Some((at_ns, byte, is_end)) = self.wire.next(self.port_baud)
@@ -322,7 +325,8 @@ impl<'l> Board for Model<'l> {
 
     fn feed_watchdog(&mut self) {}
 
-    /// Until the next millisecond, or until there is work enough; each byte ends the sleep for an instant.
+    /// Sleeps until the next millisecond, or until there is enough work; each byte interrupts the
+    /// sleep briefly.
     fn sleep(&mut self) -> Option<u64> {
         self.catch_up();
         let next_ms = (self.now_ns() / 1_000_000 + 1) * 1_000_000;
@@ -353,19 +357,20 @@ impl<'l> Board for Model<'l> {
     fn note(&mut self, _: Note) {}
 }
 
-/// Sends lumps to a module that has the first `quiet` of them behind it, and lets the lines rest for a second afterwards.
+/// Sends lumps to a module that has already processed the first `quiet` of them; the lines are
+/// silent for a second afterwards.
 ///
 /// # Panics
-/// The module does not start.
+/// If the module does not start.
 pub fn run(lumps: &[Vec<u8>], quiet: usize, lines: Lines<'_>, costs: Costs) -> Outcome {
     play(lumps, quiet, lines, costs, lines.gnss_baud)
 }
 
-/// Sends lumps to a module that has just started, with its port at the rate at start, and lets the lines rest for a second
-/// afterwards.
+/// Sends lumps to a module that has just started, with its port at the rate at start; the lines are
+/// silent for a second afterwards.
 ///
 /// # Panics
-/// The module does not start.
+/// If the module does not start.
 pub fn search(lumps: &[Vec<u8>], lines: Lines<'_>, costs: Costs) -> Outcome {
     play(lumps, 0, lines, costs, u64::from(RATES[0]))
 }
@@ -375,7 +380,8 @@ fn play(lumps: &[Vec<u8>], quiet: usize, lines: Lines<'_>, costs: Costs, port_ba
     let boot = Boot::on_host("paced");
     let pin = Pin { clock: Rc::clone(&clock) };
     let mut receiver = Receiver::new(pin, boot).expect("the module starts");
-    // What comes first brings all orbits and a search for the position: it is not what is measured.
+    // The first lumps contain all orbits and cause a search for the position. They are not
+    // measured.
     let (before, timed) = lumps.split_at(quiet);
     for lump in before {
         receiver.gnss(lump, 0, &mut Vec::new());
@@ -418,7 +424,8 @@ fn play(lumps: &[Vec<u8>], quiet: usize, lines: Lines<'_>, costs: Costs, port_ba
     outcome
 }
 
-/// When the bytes of the lumps come: a lump each period, or behind the one before where the line is too slow.
+/// Computes when the bytes of the lumps arrive: a lump each period, or after the one before if the
+/// line is too slow.
 fn wire(lumps: &[Vec<u8>], lines: Lines<'_>) -> Wire {
     let mut sent = Vec::new();
     let mut free_ns = 0;

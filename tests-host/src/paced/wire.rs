@@ -1,10 +1,10 @@
-//! A serial line, and what a port reads on it whose bit rate is another than the sender's.
+//! A serial line, and the bytes that a port with another bit rate than the sender's reads on it.
 //!
-//! The line rests high. A byte is a low bit, eight bits from the lowest on, and a high bit. A port waits for the line to
-//! fall and then looks at the middle of each of its own bits; what should be a high bit at the end and is none is not
-//! looked at, as the ports of the boards do not.
+//! The idle line is high. A byte is a low bit, eight bits from the lowest on, and a high bit. A
+//! port waits for the line to fall and then samples the middle of each of its own bits. Like the
+//! ports of the boards, it does not check that the last bit is high.
 
-/// A byte on the line: when its first bit begins, ns; and whether an epoch ends with it.
+/// A byte on the line: start of its first bit, ns; true if an epoch ends with it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sent {
     pub(super) start_ns: u64,
@@ -12,40 +12,42 @@ pub(super) struct Sent {
     pub(super) is_end: bool,
 }
 
-/// Bits that a byte takes.
+/// Number of bits of a byte on the line.
 const FRAME_BITS: u64 = 10;
 
 const NS_PER_S: u64 = 1_000_000_000;
 
-/// From one byte to the next, ns.
+/// Returns the time of one byte, ns.
 pub(super) const fn byte_ns(baud: u64) -> u64 {
     FRAME_BITS * NS_PER_S / baud
 }
 
-/// The line, and how far it has been read.
+/// The line, and the position of its reader.
 #[derive(Debug)]
 pub(super) struct Wire {
     sent: Vec<Sent>,
-    /// Rate of the sender.
+    /// Rate of the sender, bit/s.
     baud: u64,
-    /// The first byte whose bits are not all behind.
+    /// Index of the first byte whose bits are not all past.
     at: usize,
-    /// When the port begins to wait for the line to fall, ns.
+    /// Time at which the port starts waiting for the line to fall, ns.
     from_ns: u64,
 }
 
 impl Wire {
-    /// Bytes in the order of time, none before the one ahead of it has ended.
+    /// Returns a line with bytes in the order of time, none starting before the end of the one
+    /// before it.
     pub(super) fn new(sent: Vec<Sent>, baud: u64) -> Self {
         Self { sent, baud, at: 0, from_ns: 0 }
     }
 
-    /// When the last byte has been sent, ns.
+    /// Returns the end of the last byte, ns.
     pub(super) fn end_ns(&self) -> u64 {
         self.sent.last().map_or(0, |last| last.start_ns + byte_ns(self.baud))
     }
 
-    /// The next byte that a port at this rate reads, and when it has it; a whole one's end is that of its epoch.
+    /// Returns the next byte that a port at this rate reads, and its time, ns. At the right rate
+    /// the end of an epoch is known.
     pub(super) fn next(&self, port_baud: u64) -> Option<(u64, u8, bool)> {
         let next = self.sent.get(self.at)?;
         if port_baud == self.baud {
@@ -57,14 +59,14 @@ impl Wire {
         Some((edge_ns + byte_ns(port_baud), byte, false))
     }
 
-    /// The port has read it.
+    /// Advances past a byte that the port has read.
     pub(super) fn pass(&mut self, port_baud: u64) {
         if port_baud == self.baud {
             self.at += 1;
             return;
         }
         if let Some(edge_ns) = self.next_fall_ns() {
-            // From the middle of the last bit on, it waits for the next to begin.
+            // From the middle of the last bit on, it waits for the next byte to begin.
             self.from_ns = edge_ns + 19 * NS_PER_S / (2 * port_baud);
             let byte_ns = byte_ns(self.baud);
             let behind =
@@ -75,7 +77,7 @@ impl Wire {
         }
     }
 
-    /// When the line falls next.
+    /// Returns the time at which the line falls next, ns.
     fn next_fall_ns(&self) -> Option<u64> {
         let bit_ns = NS_PER_S / self.baud;
         self.sent.get(self.at..)?.iter().take(2).find_map(|sent| {
@@ -91,7 +93,7 @@ impl Wire {
     }
 }
 
-/// The line while that bit of a byte is sent; high behind the last.
+/// Returns the level of the line during a bit of a byte; high after the last.
 fn level(byte: u8, bit: u64) -> bool {
     match bit {
         0 => false,
@@ -129,10 +131,11 @@ mod tests {
 
     #[test]
     fn a_port_twice_as_fast_reads_every_bit_twice() {
-        // 0x55 is sent as 0 1010 1010 1: at twice the rate 00 11 00 11 00, whose eight bits behind the first are
-        // 0 11 00 11 0, and then the port waits for the line to fall again: 0 11 00 11 1 with the resting line.
+        // 0x55 is sent as 0 1010 1010 1. At twice the rate that is 00 11 00 11 00, whose eight bits
+        // after the first are 0 11 00 11 0. The port then waits for the line to fall again: 0 11 00
+        // 11 1 with the idle line.
         assert_eq!(read(wire(&[0x55], 9_600), 19_200), [0b0110_0110, 0b1110_0110]);
-        // A byte of ones is a short low and nothing else.
+        // A byte of ones is a short low level and nothing else.
         assert_eq!(read(wire(&[0xFF], 9_600), 19_200), [0b1111_1110]);
     }
 

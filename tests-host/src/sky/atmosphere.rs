@@ -1,5 +1,6 @@
-//! Delays of the air, written apart from the models of the module under test and simpler: what these differ by stays
-//! in the ranges as the model errors of a real receiver do (some centimetres at the zenith).
+//! Delays of the atmosphere, written independently of the models under test, and simpler. Their
+//! differences remain in the ranges, as the model errors of a real receiver do (some centimetres at
+//! the zenith).
 //!
 //! ```text
 //! T = (z_h + z_w) m(E)      m(E) = 1.001 / √(0.002001 + sin²E)                 [DO-229] A.4.2.4
@@ -16,17 +17,17 @@
 /// Mean radius of the earth, m.
 const EARTH_RADIUS_M: f64 = 6_371_000.0;
 
-/// Height of the electrons, m.
+/// Height of the electron shell, m.
 const SHELL_HEIGHT_M: f64 = 350_000.0;
 
-/// Delay in the troposphere, m.
+/// Returns the delay of the troposphere, m.
 pub fn troposphere_m(sin_elevation: f64, height_m: f64) -> f64 {
     let hydrostatic_m = 2.3 * libm::exp(-height_m / 8400.0);
     let wet_m = 0.1 * libm::exp(-height_m / 2000.0);
     (hydrostatic_m + wet_m) * 1.001 / libm::sqrt(0.002_001 + sin_elevation * sin_elevation)
 }
 
-/// Delay of a code in the ionosphere, m.
+/// Returns the delay of a code in the ionosphere, m.
 pub fn ionosphere_m(sin_elevation: f64, frequency_hz: f64, electrons_tecu: f64) -> f64 {
     let cos_squared = 1.0 - sin_elevation * sin_elevation;
     let ratio = EARTH_RADIUS_M / (EARTH_RADIUS_M + SHELL_HEIGHT_M);

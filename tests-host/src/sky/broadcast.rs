@@ -1,21 +1,23 @@
 //! A satellite's orbit and clock as it would broadcast them: messages 1019, 1042 and 1046.
 //!
-//! The node of a broadcast orbit is counted from the start of the week, that of a simulated one from `t = 0`:
+//! The node of a broadcast orbit is counted from the start of the week, that of a simulated one
+//! from `t = 0`:
 //!
 //! ```text
 //! Ω₀ = Ω(toe) + ω_e toe         Δn = n − √(μ/a³)         with the ω_e and μ of each system
 //! ```
 //!
-//! Geostationary satellites of `BeiDou` are written in a plane tilted by 5° ([BDS-SIS-ICD] 5.2.4.12): a satellite at
-//! rest over the longitude λ is `i = 5°`, `Ω₀ − ω_e toe = 180°`, `M = λ + 180°`.
+//! Geostationary satellites of `BeiDou` are written in a plane tilted by 5° ([BDS-SIS-ICD]
+//! 5.2.4.12): a satellite at rest over the longitude λ has `i = 5°`, `Ω₀ − ω_e toe = 180°`,
+//! `M = λ + 180°`.
 //!
 //! | symbol | field | unit |
 //! |---|---|---|
 //! | `toe` | [`TimedEphemeris::toe`] | GPS time |
 //! | `a_f0`, `a_f1` | [`SatelliteClock`] | s, s/s |
 //!
-//! Group delays, harmonic corrections and drifts of the inclination are zero. What the fields of the messages round
-//! off moves a satellite by less than 0.2 m.
+//! Group delays, harmonic corrections and drifts of the inclination are zero. Rounding in the
+//! fields of the messages moves a satellite by less than 0.2 m.
 //!
 //! [BDS-SIS-ICD]: crate#references
 
@@ -30,7 +32,7 @@ use super::fleet::Satellite;
 use super::orbit::Orbit;
 use crate::measurement::{Ephemeris, TimedEphemeris};
 
-/// What a system's interface document fixes.
+/// Constants of a system's interface document.
 struct Convention {
     gravitation_m3_s2: f64,
     earth_rate_rad_s: f64,
@@ -53,7 +55,8 @@ const BEIDOU: Convention = Convention { gravitation_m3_s2: 3.986_004_418e14, ear
 const GALILEO: Convention =
     Convention { gravitation_m3_s2: 3.986_004_418e14, earth_rate_rad_s: 7.292_115_146_7e-5 };
 
-/// Index of an accuracy of 3.12 m, which satellites send on ordinary days ([Galileo-OS-SIS-ICD] table 76).
+/// Index of an accuracy of 3.12 m, which satellites send on ordinary days ([Galileo-OS-SIS-ICD]
+/// table 76).
 ///
 /// [Galileo-OS-SIS-ICD]: crate#references
 const ORDINARY_SISA: u8 = 107;
@@ -63,7 +66,7 @@ const ORDINARY_SISA: u8 = 107;
 /// [BDS-SIS-ICD]: crate#references
 const GEOSTATIONARY: [core::ops::RangeInclusive<u8>; 2] = [1..=5, 59..=63];
 
-/// A satellite's clock against its system's time.
+/// Clock of a satellite, relative to its system's time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SatelliteClock {
     /// Offset at `t = 0`, s.
@@ -73,8 +76,8 @@ pub struct SatelliteClock {
 }
 
 impl SatelliteClock {
-    /// A clock for each satellite, different from all others and exact in the fields of the messages: the units are
-    /// the last digits of GPS, which `BeiDou` has too.
+    /// Returns a clock for a satellite, different from all others and exact in the fields of the
+    /// messages. The units are the last digits of GPS, which `BeiDou` has too.
     pub fn of(satellite: SatelliteId) -> Self {
         const OFFSET_UNIT_S: f64 = 1.0 / (1_u64 << 31) as f64;
         const DRIFT_UNIT_S_S: f64 = 1.0 / (1_u64 << 43) as f64;
@@ -86,18 +89,20 @@ impl SatelliteClock {
         }
     }
 
-    /// Offset at `t_s`, without relativity, s.
+    /// Returns the offset at `t_s`, without relativity, s.
     pub fn at(self, t_s: f64) -> f64 {
         self.offset_s + self.drift_s_s * t_s
     }
 }
 
-/// The ephemeris of a satellite for the time around `t_s`, on a sky whose `t = 0` is at `origin`; `None` for systems
-/// that are not simulated.
+/// Returns the ephemeris of a satellite for the time around `t_s`, on a sky whose `t = 0` is at
+/// `origin`; `None` for systems that are not simulated.
 ///
-/// `t_s` and `origin` are full multiples of 16 s, as the messages count. It is sent from half an hour before on.
+/// `t_s` and `origin` are multiples of 16 s, as the messages require. The ephemeris is sent from
+/// half an hour before on.
 pub fn ephemeris(satellite: &Satellite, origin: GpsTime, t_s: f64, number: u8) -> Option<TimedEphemeris> {
-    /// The messages of `BeiDou` count 8 s of its own time, of which 14 s is no multiple.
+    /// Shift of the reference time for `BeiDou`, ms: its messages count 8 s of its own time, of
+    /// which 14 s is not a multiple.
     const EARLIER_MS: u64 = 2000;
     const LEAD_MS: u64 = 30 * 60_000;
     let reference_ms = (origin.to_s() * 1e3 + t_s * 1e3) as u64;
@@ -125,8 +130,8 @@ pub fn ephemeris(satellite: &Satellite, origin: GpsTime, t_s: f64, number: u8) -
     })
 }
 
-/// The same set with a clock that is right at its reference time only: it drifts by so much in so long. Of GPS; the sets of
-/// other systems stay as they are.
+/// Returns the same GPS set with a clock that is right only at its reference time: it drifts by
+/// `error_m` in `time_s`. Sets of other systems are unchanged.
 #[must_use]
 pub fn drifting(mut set: TimedEphemeris, error_m: f64, time_s: f64) -> TimedEphemeris {
     if let Ephemeris::Gps(message) = &mut set.message {
@@ -135,7 +140,7 @@ pub fn drifting(mut set: TimedEphemeris, error_m: f64, time_s: f64) -> TimedEphe
     set
 }
 
-/// The angles of an orbit at its reference time, in semicircles as the messages have them.
+/// Angles of an orbit at its reference time, semicircles, as the messages have them.
 struct Angles {
     m0_sc: f64,
     delta_n_sc_s: f64,
@@ -161,7 +166,7 @@ impl Angles {
         }
     }
 
-    /// A satellite at rest over the equator, in the tilted plane.
+    /// Returns the angles of a satellite at rest over the equator, in the tilted plane.
     fn at_rest(orbit: &Orbit, week_s: f64, convention: &Convention) -> Self {
         let longitude_rad = orbit.node_rad + orbit.perigee_rad + orbit.mean_anomaly_rad;
         let moving = Self::of(orbit, 0.0, 0.0, convention);
@@ -177,12 +182,12 @@ impl Angles {
     }
 }
 
-/// Seconds of the week; a full number below 2²⁰, exact in `f32`.
+/// Returns the seconds of the week; a full number below 2²⁰, exact in `f32`.
 fn seconds(time: GpsTime) -> f32 {
     (time.tow_ms / 1000) as f32
 }
 
-/// An angle between −1 and 1 semicircle.
+/// Converts an angle to between −1 and 1 semicircle.
 fn semicircles(angle_rad: f64) -> f64 {
     (angle_rad + PI).rem_euclid(TAU) / PI - 1.0
 }
@@ -239,7 +244,7 @@ fn galileo(satellite: &Satellite, reference: GpsTime, t_s: f64, number: u8) -> M
     }
 }
 
-/// `own` is `BeiDou` time, `t_s` the same instant on the sky's clock.
+/// Encodes a `BeiDou` satellite. `own` is `BeiDou` time, `t_s` the same instant on the sky's clock.
 fn beidou(satellite: &Satellite, own: GpsTime, t_s: f64, number: u8) -> Msg1042T {
     let week_s = f64::from(own.tow_ms) * 1e-3;
     let orbit = &satellite.orbit;

@@ -7,12 +7,13 @@
 //! | [`Fleet::BeidouRegional`] | 5 GEO, 5 IGSO, 4 MEO | [Yang2015], [Lin2016]: the regional system of 2012 |
 //! | [`Fleet::BeidouGlobal`] | 5 GEO, 3 IGSO, 24 MEO and 3 spares | [Yang2015]: the system as planned |
 //! | [`Fleet::Beidou44`] | 7 GEO, 10 IGSO, 27 MEO | [Tian2024], about February 2022 |
-//! | [`Fleet::Beidou24`] | 24 MEO in three planes: what is seen everywhere | [BDS-SIS-ICD] |
+//! | [`Fleet::Beidou24`] | 24 MEO in three planes: the satellites in view everywhere | [BDS-SIS-ICD] |
 //! | [`Fleet::Galileo24`] | 24 MEO in three planes, Walker 24/3/1 | [Galileo-OS-SDD] |
 //! | [`Fleet::Glonass24`] | 24 MEO in three planes, Walker 24/3/1 | [GLONASS-ICD] |
 //!
-//! The phase of a whole constellation against the earth is published for none of the `BeiDou` ones; here Greenwich
-//! sidereal time is 0 at `t = 0`, for Galileo and GLONASS too. Geostationary satellites are held exactly over the equator.
+//! No source gives the phase of a whole `BeiDou` constellation against the earth. Here Greenwich
+//! sidereal time is 0 at `t = 0`, for Galileo and GLONASS too. Geostationary satellites are exactly
+//! over the equator.
 //!
 //! [BDS-SIS-ICD]: crate#references
 //! [Galileo-OS-SDD]: crate#references
@@ -50,9 +51,9 @@ pub enum Fleet {
 /// A satellite on its orbit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Satellite {
-    /// Its name.
+    /// Name of the satellite.
     pub id: SatelliteId,
-    /// Its orbit.
+    /// Orbit of the satellite.
     pub orbit: Orbit,
 }
 
@@ -69,11 +70,11 @@ impl Fleet {
         Self::Glonass24,
     ];
 
-    /// Those of the papers, whose elements a table holds satellite by satellite.
+    /// Fleets of the papers, with a table of elements for every satellite.
     pub const OF_PAPERS: [Self; 5] =
         [Self::Gps24, Self::Gps31, Self::BeidouRegional, Self::BeidouGlobal, Self::Beidou44];
 
-    /// Name on command lines and in tables.
+    /// Returns the name on command lines and in tables.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Gps24 => "gps24",
@@ -87,7 +88,7 @@ impl Fleet {
         }
     }
 
-    /// The system it belongs to.
+    /// Returns the system of the fleet.
     pub const fn constellation(self) -> Constellation {
         match self {
             Self::Gps24 | Self::Gps31 => Constellation::Gps,
@@ -99,11 +100,11 @@ impl Fleet {
         }
     }
 
-    /// The satellites, numbered from 1 in the order of their slots; the medium orbits of `BeiDou` by themselves from 19,
-    /// where its third generation begins.
+    /// Returns the satellites, numbered from 1 in the order of their slots. The medium orbits of
+    /// `BeiDou` alone are numbered from 19, where its third generation begins.
     ///
-    /// Numbers are slots, not the codes that real satellites send: in the regional and the global fleet 1 to 5
-    /// are geostationary as in reality, beyond that the agreement is by chance.
+    /// Numbers are slots, not the codes that real satellites send. In the regional and the global
+    /// fleet 1 to 5 are geostationary as in reality; any further agreement is by chance.
     pub fn satellites(self) -> Vec<Satellite> {
         let numbered = |(number, orbit)| {
             SatelliteId::new(self.constellation(), number).map(|id| Satellite { id, orbit })
@@ -126,7 +127,8 @@ impl Fleet {
     }
 }
 
-/// Nodes of the six planes A to F and arguments of latitude of their slots 1 to 4, degrees ([GPS-SPS] table 3.2-1).
+/// Nodes of the six planes A to F and arguments of latitude of their slots 1 to 4, degrees
+/// ([GPS-SPS] table 3.2-1).
 ///
 /// [GPS-SPS]: crate#references
 const GPS_SLOTS_DEG: [(f64, [f64; 4]); 6] = [
@@ -154,7 +156,8 @@ const BEIDOU_AXIS_M: f64 = 27_906_100.0;
 const GALILEO_AXIS_M: f64 = 29_599_801.0;
 const GALILEO_INCLINATION_DEG: f64 = 56.0;
 
-/// Semi-major axis of a GLONASS orbit, m: 19,100 km above the ground, and its inclination, degrees ([GLONASS-ICD]).
+/// Semi-major axis of a GLONASS orbit, m: 19,100 km above the ground, and its inclination, degrees
+/// ([GLONASS-ICD]).
 ///
 /// [GLONASS-ICD]: crate#references
 const GLONASS_AXIS_M: f64 = 25_508_000.0;
@@ -181,7 +184,8 @@ fn gps31() -> Vec<Orbit> {
         .collect()
 }
 
-/// One line of the almanac file, which is part of the program: a bad one is a mistake in the source.
+/// Parses one line of the almanac file. The file is part of the program, so a bad line is a mistake
+/// in the source.
 fn almanac_line(line: &str) -> Orbit {
     let fields: Vec<f64> = line.split(',').map(|field| field.parse().expect("a number")).collect();
     let [_, axis_m, eccentricity, inclination_rad, node_rad, perigee_rad, mean_rad, rate_rad_s] = fields[..]
@@ -208,14 +212,15 @@ fn inclined(node_deg: f64, knot_deg: f64) -> Orbit {
     Orbit::geosynchronous(INCLINATION_DEG.to_radians(), node_deg.to_radians(), knot_deg.to_radians())
 }
 
-/// Slot of the Walker constellation 24/3/1, planes from 1, slots from 1; spares stand between slots.
+/// Returns a slot of the Walker constellation 24/3/1, planes and slots from 1; spares are between
+/// slots.
 fn slot(axis_m: f64, inclination_deg: f64, plane: f64, slot: f64) -> Orbit {
     let node_deg = 120.0 * (plane - 1.0);
     let argument_deg = 45.0 * (slot - 1.0) + 15.0 * (plane - 1.0);
     Orbit::circular(axis_m, inclination_deg.to_radians(), node_deg.to_radians(), argument_deg.to_radians())
 }
 
-/// A medium orbit of `BeiDou`.
+/// Returns a medium orbit of `BeiDou`.
 fn medium(plane: f64, number: f64) -> Orbit {
     slot(BEIDOU_AXIS_M, INCLINATION_DEG, plane, number)
 }
@@ -247,7 +252,8 @@ fn beidou_global() -> Vec<Orbit> {
 }
 
 fn beidou44() -> Vec<Orbit> {
-    // Three planes of the inclined orbits, 120° apart; two satellites of later launches follow 60° behind them.
+    // The inclined orbits have three planes, 120° apart; two satellites of later launches follow
+    // 60° behind them.
     let second =
         [(210.0, 118.0), (330.0, 118.0), (450.0, 118.0), (210.0, 95.0), (330.0, 95.0), (450.0, 112.0)];
     let third = [(450.0, 95.0)];

@@ -1,4 +1,4 @@
-//! Linearised epochs: what experiments need, without orbits, atmosphere and wire formats.
+//! Linearised epochs for experiments, without orbits, atmosphere and wire formats.
 //!
 //! ```text
 //! y_i = b_c + σ_i ε_i          h_i = −LOS_i
@@ -21,7 +21,7 @@ use rai_core::satellite::{Constellation, SatelliteId};
 use super::noise::Noise;
 use super::sight::Sight;
 
-/// How the standard deviation of a range depends on the elevation.
+/// Dependence of a range's standard deviation on the elevation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Sigma {
     /// The same everywhere, m ([Yang2015], [Lin2016], [Chen2009]).
@@ -37,11 +37,11 @@ pub enum Sigma {
 }
 
 impl Sigma {
-    /// Standard deviation in one direction, m.
+    /// Returns the standard deviation in one direction, m.
     pub fn at(self, line_of_sight: Enu) -> f64 {
         match self {
             Self::Constant(sigma_m) => sigma_m,
-            // Below half a degree the air ends every measurement; the bound keeps the number finite.
+            // Below half a degree no measurement is possible; the bound keeps the number finite.
             Self::Cosecant(zenith_m) => zenith_m / line_of_sight.up.max(0.01),
         }
     }
@@ -50,9 +50,9 @@ impl Sigma {
 /// One satellite's row of a linearised epoch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Row {
-    /// Which satellite.
+    /// Satellite of the row.
     pub satellite: SatelliteId,
-    /// Unit vector receiver → satellite.
+    /// Unit vector from the receiver to the satellite.
     pub line_of_sight: Enu,
     /// Standard deviation of `y_m`, m.
     pub sigma_m: f64,
@@ -60,7 +60,7 @@ pub struct Row {
     pub y_m: f64,
 }
 
-/// The rows of one epoch without a fault; add a fault by adding to `y_m`.
+/// Returns the rows of one epoch without a fault; add a fault by adding to `y_m`.
 pub fn rows(
     sights: &[Sight],
     sigma: Sigma,
@@ -81,7 +81,7 @@ pub fn rows(
     sights.iter().map(row).collect()
 }
 
-/// The rows as the core takes them, in the same order.
+/// Returns the rows as equations of the core, in the same order.
 ///
 /// # Errors
 /// As [`LinearEpoch::satellite`].

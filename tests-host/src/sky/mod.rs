@@ -1,16 +1,18 @@
-//! Simulated skies: satellites on published orbits, what a site sees of them, and what a receiver would measure.
+//! Simulated skies: satellites on published orbits, their directions from a site, and a receiver's
+//! measurements.
 //!
 //! ```text
 //! fleet ──► orbit ──► sight ──┬──► linear rows (experiments)
 //!                    oscillator, noise, atmosphere ──► raw epochs and ephemerides (RTCM)
 //! ```
 //!
-//! Everything follows from a seed. Not modelled: multipath with memory, eclipses, manoeuvres, orbit errors.
+//! Everything follows from a seed. Not modelled: multipath with memory, eclipses, manoeuvres, orbit
+//! errors.
 //!
-//! References: [IS-GPS-200] and [BDS-SIS-ICD] for the orbits, [GPS-SPS] global positioning system standard
-//! positioning service performance standard, 5th edition, [Kasdin1995] discrete simulation of coloured noise,
-//! Proc. IEEE 83(5), [Riley2008] handbook of frequency stability analysis, NIST SP 1065, [Brown1997]
-//! introduction to random signals and applied Kalman filtering, 3rd edition.
+//! References: [IS-GPS-200] and [BDS-SIS-ICD] for the orbits, [GPS-SPS] global positioning system
+//! standard positioning service performance standard, 5th edition, [Kasdin1995] discrete simulation
+//! of coloured noise, Proc. IEEE 83(5), [Riley2008] handbook of frequency stability analysis, NIST
+//! SP 1065, [Brown1997] introduction to random signals and applied Kalman filtering, 3rd edition.
 //!
 //! [IS-GPS-200]: crate#references
 //! [BDS-SIS-ICD]: crate#references

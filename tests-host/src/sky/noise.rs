@@ -1,14 +1,16 @@
-//! Normal noise with an address: the same seed, satellite, channel and epoch always give the same number.
+//! Normal noise by address: the same seed, satellite, channel and epoch always give the same
+//! number.
 //!
-//! Hence a satellite's noise does not depend on which others are in sight, an experiment can jump to any epoch,
-//! and runs in parallel agree with runs in sequence.
+//! Hence a satellite's noise does not depend on the others in view, an experiment can jump to any
+//! epoch, and parallel runs agree with sequential ones.
 
 use rai_core::satellite::SatelliteId;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 
-/// Words of the generator set aside for one number; the sampler takes two, and seldom more than four.
+/// Number of generator words reserved for one number; the sampler takes two, and seldom more than
+/// four.
 const WORDS_PER_NUMBER: u128 = 64;
 
 /// A source of standard normal numbers.
@@ -18,12 +20,13 @@ pub struct Noise {
 }
 
 impl Noise {
-    /// All numbers follow from the seed.
+    /// Returns a source whose numbers all follow from the seed.
     pub fn new(seed: u64) -> Self {
         Self { generator: ChaCha8Rng::seed_from_u64(seed) }
     }
 
-    /// The number of one satellite's channel (a signal, or anything else that is independent) at one epoch.
+    /// Returns the number of one satellite's channel (a signal, or anything else that is
+    /// independent) at one epoch.
     pub fn normal(&self, satellite: SatelliteId, channel: u8, epoch: u64) -> f64 {
         let constellation = satellite.constellation() as u64;
         let mut generator = self.generator.clone();

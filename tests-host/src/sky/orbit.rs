@@ -15,8 +15,9 @@
 //! | `M₀` | `mean_anomaly_rad` | rad, at `t = 0` |
 //! | `n` | `mean_motion_rad_s` | rad/s |
 //!
-//! Two bodies and a secular node: right for studying geometry, off by kilometres from a real satellite after a
-//! day. References: [IS-GPS-200] table 20-IV for the form of the equations.
+//! The model has two bodies and a secular node. It suits the study of geometry; after a day it is
+//! kilometres from a real satellite. References: [IS-GPS-200] table 20-IV for the form of the
+//! equations.
 //!
 //! [IS-GPS-200]: crate#references
 
@@ -27,7 +28,7 @@ use rai_core::frame::{EARTH_ROTATION_RAD_S, Ecef, SPEED_OF_LIGHT_M_S};
 /// [WGS84]: crate#references
 pub const GRAVITATION_M3_S2: f64 = 3.986_004_418e14;
 
-/// Semi-major axis at which a satellite goes round with the earth, m.
+/// Semi-major axis of a geosynchronous orbit, m.
 pub const GEOSYNCHRONOUS_AXIS_M: f64 = 42_164_172.0;
 
 /// An orbit by its elements at `t = 0`.
@@ -52,7 +53,8 @@ pub struct Orbit {
 }
 
 impl Orbit {
-    /// A circular orbit whose satellite stands `argument_rad` past the ascending node at `t = 0`.
+    /// Returns a circular orbit whose satellite is `argument_rad` past the ascending node at
+    /// `t = 0`.
     pub fn circular(semi_major_axis_m: f64, inclination_rad: f64, node_rad: f64, argument_rad: f64) -> Self {
         Self {
             semi_major_axis_m,
@@ -66,8 +68,8 @@ impl Orbit {
         }
     }
 
-    /// A circular orbit that goes round with the earth exactly, and crosses the equator northwards where the
-    /// inclined ground track has its knot.
+    /// Returns a circular, exactly geosynchronous orbit that crosses the equator northwards at the
+    /// knot of its inclined ground track.
     pub fn geosynchronous(inclination_rad: f64, node_rad: f64, knot_rad: f64) -> Self {
         Self {
             mean_motion_rad_s: EARTH_ROTATION_RAD_S,
@@ -75,7 +77,7 @@ impl Orbit {
         }
     }
 
-    /// Earth-fixed position at `t_s`.
+    /// Returns the earth-fixed position at `t_s`.
     pub fn position(&self, t_s: f64) -> Ecef {
         let anomaly_rad = self.eccentric_anomaly_rad(t_s);
         let (sin_anomaly, cos_anomaly) = libm::sincos(anomaly_rad);
@@ -86,7 +88,8 @@ impl Orbit {
         turned(radius_m, self.perigee_rad + true_anomaly_rad, node_rad, self.inclination_rad)
     }
 
-    /// What relativity adds to the satellite's clock on its way between perigee and apogee, s ([IS-GPS-200] 20.3.3.3.3.1).
+    /// Returns the relativistic correction of the satellite's clock between perigee and apogee, s
+    /// ([IS-GPS-200] 20.3.3.3.3.1).
     ///
     /// [IS-GPS-200]: crate#references
     pub fn relativity_s(&self, t_s: f64) -> f64 {
@@ -95,7 +98,8 @@ impl Orbit {
         FACTOR * energy * self.eccentricity * libm::sin(self.eccentric_anomaly_rad(t_s))
     }
 
-    /// Solves Kepler's equation by Newton's method: from `E = M`, six steps reach rounding for `e < 0.1`.
+    /// Solves Kepler's equation by Newton's method: from `E = M`, six steps reach rounding for
+    /// `e < 0.1`.
     fn eccentric_anomaly_rad(&self, t_s: f64) -> f64 {
         let mean_rad = self.mean_anomaly_rad + self.mean_motion_rad_s * t_s;
         (0..6).fold(mean_rad, |anomaly_rad, _| {
@@ -105,12 +109,12 @@ impl Orbit {
     }
 }
 
-/// Kepler's third law.
+/// Returns the mean motion by Kepler's third law, rad/s.
 pub fn mean_motion_rad_s(semi_major_axis_m: f64) -> f64 {
     libm::sqrt(GRAVITATION_M3_S2 / semi_major_axis_m) / semi_major_axis_m
 }
 
-/// From the orbital plane into the earth-fixed frame.
+/// Rotates from the orbital plane into the earth-fixed frame.
 fn turned(radius_m: f64, argument_rad: f64, node_rad: f64, inclination_rad: f64) -> Ecef {
     let (sin_argument, cos_argument) = libm::sincos(argument_rad);
     let (sin_node, cos_node) = libm::sincos(node_rad);

@@ -1,4 +1,5 @@
-//! A receiver clock with the three noises of a crystal: white, flicker and random walk of frequency.
+//! A receiver clock with the three noises of a crystal: white, flicker and random walk of
+//! frequency.
 //!
 //! ```text
 //! S_y(f) = h₀ + h₋₁/f + h₋₂/f²            x(t+τ) = x(t) + τ ȳ
@@ -12,9 +13,9 @@
 //! | `h₋₂` | `walk_hz` | 1/s |
 //! | `y₀` | `frequency_offset` | 1 |
 //!
-//! Each noise of slope `α` is white noise through the filter `(1 − z⁻¹)^(−α/2)` of [Kasdin1995]: none for white
-//! frequency, [`FLICKER_TAPS`] taps for flicker, a sum for the random walk. Flicker is therefore flicker down to
-//! `1/(FLICKER_TAPS τ)` and white below.
+//! Each noise of slope `α` is white noise through the filter `(1 − z⁻¹)^(−α/2)` of [Kasdin1995]:
+//! none for white frequency, [`FLICKER_TAPS`] taps for flicker, a sum for the random walk. Flicker
+//! noise therefore ends at `1/(FLICKER_TAPS τ)`, below which it is white.
 //!
 //! References: [Kasdin1995] for the filters, [Riley2008] for the Allan variance.
 //!
@@ -44,14 +45,16 @@ pub struct Oscillator {
 }
 
 impl Oscillator {
-    /// An oven-controlled crystal: quiet enough for its clock to be forecast over ten seconds, as [Chen2009] does.
+    /// Returns an oven-controlled crystal, quiet enough to forecast its clock over ten seconds, as
+    /// [Chen2009] does.
     ///
     /// [Chen2009]: crate#references
     pub const fn oven_controlled() -> Self {
         Self { white_s: 1e-21, flicker: 2e-22, walk_hz: 2e-22, frequency_offset: 1e-7 }
     }
 
-    /// The temperature-compensated crystal of an ordinary receiver ([Brown1997] table 10.2).
+    /// Returns the temperature-compensated crystal of an ordinary receiver ([Brown1997] table
+    /// 10.2).
     ///
     /// [Brown1997]: crate#references
     pub const fn temperature_compensated() -> Self {
@@ -72,7 +75,7 @@ pub struct ReceiverClock {
 }
 
 impl ReceiverClock {
-    /// A clock that is read every `step_s`, starting from `offset_s`.
+    /// Returns a clock that is read every `step_s`, starting from `offset_s`.
     pub fn new(oscillator: Oscillator, step_s: f64, offset_s: f64, seed: u64) -> Self {
         Self {
             oscillator,
@@ -85,7 +88,7 @@ impl ReceiverClock {
         }
     }
 
-    /// Offset now, s.
+    /// Returns the present offset, s.
     pub fn offset_s(&self) -> f64 {
         self.offset_s
     }
@@ -127,7 +130,7 @@ impl ReceiverClock {
     }
 }
 
-/// Expansion of `(1 − z⁻¹)^(−1/2)`.
+/// Returns the expansion of `(1 − z⁻¹)^(−1/2)`.
 fn flicker_taps() -> Vec<f64> {
     let next = |&(index, tap): &(u32, f64)| {
         let index = index + 1;

@@ -1,4 +1,4 @@
-//! Raw measurements of a simulated sky: what a two-frequency receiver at a site would record.
+//! Raw measurements of a simulated sky, as a two-frequency receiver at a site would record them.
 //!
 //! ```text
 //! ρ = |x_sat − x_rec| + c (dt − dt_sat) + T + I_f + b + σ ε          t = t_tag − dt
@@ -9,11 +9,12 @@
 //! | `dt`, `t_tag` | receiver clock, and the time that it shows | [`super::oscillator`] |
 //! | `dt_sat` | satellite clock with relativity | [`super::broadcast`] |
 //! | `T`, `I_f` | troposphere, ionosphere at the signal's frequency | [`super::atmosphere`] |
-//! | `b` | what the broadcast orbit and clock are wrong by, constant for each satellite | [`BROADCAST_ERROR_M`] |
+//! | `b` | error of the broadcast orbit and clock, constant for each satellite | [`BROADCAST_ERROR_M`] |
 //! | `σ ε` | code noise, independent from signal to signal and epoch to epoch | [`super::noise`] |
 //!
-//! Signals are L1 C/A and L2 P(Y) of GPS, E1 and E5a of Galileo, B1I and B3I of `BeiDou`, the latter the signal that its broadcast clock
-//! refers to; group delays are zero. The result is a [`Recording`]: all that works on recordings works on it.
+//! Signals are L1 C/A and L2 P(Y) of GPS, E1 and E5a of Galileo, B1I and B3I of `BeiDou`, whose
+//! broadcast clock refers to B3I. Group delays are zero. The result is a [`Recording`], so
+//! everything that works on recordings works on it.
 
 use std::f64::consts::FRAC_PI_2;
 use std::slice;
@@ -28,44 +29,44 @@ use super::{Fleet, Noise, Oscillator, ReceiverClock, Satellite, Sight, Site, sig
 use crate::measurement::{MeasuredEpoch, MeasuredSatellite, MeasuredSignal, TimedEphemeris};
 use crate::recording::{Recording, Skipped};
 
-/// Ephemerides are renewed every hour, s.
+/// Interval between new ephemerides, s.
 const RENEWAL_S: f64 = 3600.0;
 
-/// Standard deviation of the error of a broadcast orbit and clock along the line of sight, m: what the operators
-/// report for ordinary days.
+/// Standard deviation of the error of a broadcast orbit and clock along the line of sight, m, as
+/// the operators report it for ordinary days.
 pub const BROADCAST_ERROR_M: f64 = 0.7;
 
-/// The channel of the noise that it is drawn from; signals count theirs from 0.
+/// Channel of the noise of that error; signals count their channels from 0.
 const BROADCAST_CHANNEL: u8 = u8::MAX;
 
 /// A sky to be recorded.
 #[derive(Clone, Debug)]
 pub struct Simulation {
-    /// The satellites above.
+    /// Satellites of the sky.
     pub satellites: Vec<Satellite>,
-    /// The antenna.
+    /// Site of the antenna.
     pub site: Site,
-    /// GPS time of `t = 0`: a full multiple of 16 s.
+    /// GPS time of `t = 0`: a multiple of 16 s.
     pub origin: GpsTime,
-    /// First epoch, s.
+    /// Time of the first epoch, s.
     pub start_s: f64,
     /// Number of epochs.
     pub epochs: u32,
-    /// Time between them, s.
+    /// Time between epochs, s.
     pub step_s: f64,
     /// Elevation below which nothing is received, rad.
     pub mask_rad: f64,
-    /// The receiver's clock.
+    /// Oscillator of the receiver.
     pub oscillator: Oscillator,
-    /// Electrons above, 10¹⁶ per m².
+    /// Electron content above the site, 10¹⁶ per m².
     pub electrons_tecu: f64,
-    /// All chance follows from it.
+    /// Seed of all random choices.
     pub seed: u64,
-    /// Whether the receiver measures Doppler frequencies.
+    /// True if the receiver measures Doppler frequencies.
     pub has_range_rates: bool,
 }
 
-/// A signal: how RINEX calls it, and its frequency.
+/// A signal, by its RINEX name, and its frequency.
 struct Signal {
     band: u8,
     attribute: char,
@@ -97,8 +98,9 @@ const BEIDOU: [Signal; 2] = [
 ];
 
 impl Simulation {
-    /// New Year's Day of 2024 (`t = 0` is midnight, GPS time) above Xi'an, where the papers stand: GPS of 31 satellites and
-    /// the regional `BeiDou` system, one epoch a second.
+    /// Returns a simulation of New Year's Day of 2024 (`t = 0` is midnight, GPS time) above Xi'an,
+    /// the site of the papers: GPS of 31 satellites and the regional `BeiDou` system, one epoch per
+    /// second.
     pub fn above_xian(start_s: f64, epochs: u32, seed: u64) -> Self {
         let fleets = [Fleet::Gps31, Fleet::BeidouRegional];
         Self {
@@ -127,7 +129,7 @@ impl Simulation {
         }
     }
 
-    /// What is in sight at an epoch, by true time.
+    /// Returns the satellites in view at an epoch, by true time.
     pub fn sights_at(&self, epoch: u32) -> Vec<Sight> {
         let t_s = self.start_s + f64::from(epoch) * self.step_s;
         sights(&self.satellites, &self.site, t_s, self.mask_rad)
@@ -139,7 +141,7 @@ impl Simulation {
         let last = (end_s / RENEWAL_S).floor() as u32 + 1;
         let of_hour = |hour: u32| {
             let of_satellite = move |satellite: &Satellite| {
-                // Twenty-five numbers: as many as the shortest of the fields counts hours.
+                // Twenty-five numbers suffice, as many as the hours that the shortest field counts.
                 ephemeris(satellite, self.origin, f64::from(hour) * RENEWAL_S, (hour % 25) as u8)
             };
             self.satellites.iter().filter_map(of_satellite)
@@ -198,7 +200,8 @@ impl Simulation {
         Some(MeasuredSatellite { satellite: satellite.id, signals: (0..).zip(signals).map(signal).collect() })
     }
 
-    /// How fast the range of a satellite grows about an instant, by a receiver's clock that does not drift, m/s.
+    /// Returns the rate of a satellite's range about an instant, by a receiver's clock without
+    /// drift, m/s.
     fn range_rate_m_s(&self, satellite: &Satellite, t_s: f64) -> Option<f64> {
         const APART_S: f64 = 1.0;
         let clock = SatelliteClock::of(satellite.id);
@@ -220,8 +223,8 @@ fn signals_of(constellation: Constellation) -> Option<&'static [Signal]> {
     }
 }
 
-/// Code noise and multipath of a good antenna in the open, m: 0.3 m that do not depend on the direction, and 0.3 m at
-/// the zenith that grow towards the horizon.
+/// Returns code noise and multipath of a good antenna in the open, m: 0.3 m independent of the
+/// direction, and 0.3 m at the zenith that grow towards the horizon.
 fn code_noise_m(sin_elevation: f64) -> f64 {
     0.3 * libm::hypot(1.0, 1.0 / sin_elevation.max(0.05))
 }

@@ -1,8 +1,8 @@
-//! What a site sees: directions and ranges to the satellites above its mask.
+//! Directions and ranges from a site to the satellites above its mask.
 //!
-//! The signal that arrives at `t` left at `t − τ`; the satellite is taken where it was then, and the earth turns
-//! under the signal by `ω_e τ`. Both are exact here, by turning the satellite's position, so that a first-order
-//! correction elsewhere can be held against it.
+//! The signal that arrives at `t` left at `t − τ`. The satellite is taken where it was then, and
+//! the earth turns under the signal by `ω_e τ`. Both are exact here, because the satellite's
+//! position is rotated, so that a first-order correction elsewhere can be compared with it.
 
 use rai_core::frame::{EARTH_ROTATION_RAD_S, Ecef, Enu, Geodetic, LocalFrame, SPEED_OF_LIGHT_M_S};
 use rai_core::satellite::SatelliteId;
@@ -12,26 +12,26 @@ use super::fleet::Satellite;
 /// An antenna on the ground.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Site {
-    /// Where it is.
+    /// Earth-fixed position of the antenna.
     pub position: Ecef,
-    /// East, north, up there.
+    /// Local frame at the antenna: east, north, up.
     pub frame: LocalFrame,
 }
 
 impl Site {
-    /// A site by its coordinates in degrees and its height above the ellipsoid.
+    /// Returns a site from its coordinates in degrees and its height above the ellipsoid.
     pub fn geodetic(latitude_deg: f64, longitude_deg: f64, height_m: f64) -> Self {
         let latitude_rad = latitude_deg.to_radians();
         let longitude_rad = longitude_deg.to_radians();
         Self::at(Geodetic { latitude_rad, longitude_rad, height_m }.to_ecef())
     }
 
-    /// A site at an earth-fixed position.
+    /// Returns a site at an earth-fixed position.
     pub fn at(position: Ecef) -> Self {
         Self { position, frame: LocalFrame::at(position) }
     }
 
-    /// Unit vector to an earth-fixed point of the same instant.
+    /// Returns the unit vector to an earth-fixed point of the same instant.
     pub fn direction(&self, point: Ecef) -> Enu {
         let difference = point - self.position;
         let distance_m = difference.radius_m();
@@ -43,39 +43,40 @@ impl Site {
 /// A satellite above the mask.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sight {
-    /// Which satellite.
+    /// Name of the satellite.
     pub satellite: SatelliteId,
-    /// When the signal left, seconds on the sky's clock.
+    /// Transmission time, s on the sky's clock.
     pub sent_s: f64,
-    /// Where the satellite was then, in the earth-fixed frame of that instant.
+    /// Position of the satellite at transmission, in the earth-fixed frame of that instant.
     pub position: Ecef,
-    /// Distance the signal went, m.
+    /// Distance that the signal travelled, m.
     pub range_m: f64,
-    /// Unit vector site → satellite.
+    /// Unit vector from the site to the satellite.
     pub line_of_sight: Enu,
 }
 
 impl Sight {
-    /// Angle above the horizon, rad.
+    /// Returns the angle above the horizon, rad.
     pub fn elevation_rad(&self) -> f64 {
         libm::asin(self.line_of_sight.up.clamp(-1.0, 1.0))
     }
 
-    /// Angle from north over east, 0 to 2π rad.
+    /// Returns the angle from north over east, 0 to 2π rad.
     pub fn azimuth_rad(&self) -> f64 {
         let azimuth_rad = libm::atan2(self.line_of_sight.east, self.line_of_sight.north);
         azimuth_rad.rem_euclid(core::f64::consts::TAU)
     }
 }
 
-/// The satellites that a site sees above `mask_rad` at `t_s`, in the order given.
+/// Returns the satellites above `mask_rad` at `t_s`, in the order given.
 pub fn sights(satellites: &[Satellite], site: &Site, t_s: f64, mask_rad: f64) -> Vec<Sight> {
     let sin_mask = libm::sin(mask_rad);
     let seen = satellites.iter().map(|satellite| sight(satellite, site, t_s));
     seen.filter(|sight| sight.line_of_sight.up >= sin_mask).collect()
 }
 
-/// Follows one signal back: the travel time shrinks its error by `v/c` per round, four rounds leave none.
+/// Traces one signal back. Each round shrinks the error of the travel time by `v/c`; four rounds
+/// leave none.
 fn sight(satellite: &Satellite, site: &Site, t_s: f64) -> Sight {
     let travelled = |travel_s: f64| {
         let position = satellite.orbit.position(t_s - travel_s);
@@ -93,7 +94,7 @@ fn sight(satellite: &Satellite, site: &Site, t_s: f64) -> Sight {
     }
 }
 
-/// The same point in axes that have turned eastwards by `angle_rad`.
+/// Returns the same point in axes that have turned eastwards by `angle_rad`.
 fn turned(point: Ecef, angle_rad: f64) -> Ecef {
     let (sin, cos) = libm::sincos(angle_rad);
     Ecef::new(cos * point.x_m + sin * point.y_m, cos * point.y_m - sin * point.x_m, point.z_m)

@@ -1,8 +1,8 @@
-//! What befalls the ranges: one incident after another, with quiet in between.
+//! Incidents that change the ranges, one after another, with quiet in between.
 //!
 //! | incident | share | size |
 //! |---|---|---|
-//! | one satellite, a step | 0.30 | 15 to 2000 m, each decade as likely |
+//! | one satellite, a step | 0.30 | 15 to 2000 m, uniform in its logarithm |
 //! | one satellite, a ramp | 0.15 | the same, reached half-way through |
 //! | two satellites, steps | 0.12 | the same, each its own |
 //! | three satellites, steps | 0.08 | the same, each its own |
@@ -22,31 +22,32 @@ use rand_chacha::ChaCha8Rng;
 use crate::fault::{Fault, Kind, Target};
 use crate::measurement::MeasuredEpoch;
 
-/// Epochs that an incident lasts, and the quiet after it.
+/// Length of an incident, and of the quiet after it, epochs.
 const LENGTH_EPOCHS: std::ops::RangeInclusive<u32> = 8..=40;
 
 /// Sizes of false ranges, m.
 const BIAS_M: (f64, f64) = (15.0, 2000.0);
 
-/// How far the receiver's clock jumps at most, m: a millisecond.
+/// Largest jump of the receiver's clock, m: a millisecond.
 const CLOCK_JUMP_M: f64 = 300e3;
 
-/// Whose ranges are false in an epoch.
+/// Satellites whose ranges are false in an epoch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Falsified {
-    /// So many satellites, each by its own error; or none.
+    /// This many satellites, each with its own error.
     Satellites(usize),
-    /// A constellation, all its satellites by the same error.
+    /// All satellites of a constellation, with the same error.
     Constellation,
 }
 
 impl Falsified {
-    /// Whether the module's promise covers the epoch: its protection levels are those of one faulty satellite.
+    /// Returns true if the module's promise covers the epoch, because protection levels bound one
+    /// faulty satellite.
     pub const fn is_within_promise(self) -> bool {
         matches!(self, Self::Satellites(0 | 1))
     }
 
-    /// Whether any range is false.
+    /// Returns true if any range is false.
     pub const fn is_any(self) -> bool {
         !matches!(self, Self::Satellites(0))
     }
@@ -62,12 +63,13 @@ pub struct Incidents {
 }
 
 impl Incidents {
-    /// Incidents in a stream of epochs `step_s` apart; the first may come at once.
+    /// Returns the incidents of a stream with epochs `step_s` apart. The first incident may come at
+    /// once.
     pub fn new(step_s: f64, seed: u64) -> Self {
         Self { rng: ChaCha8Rng::seed_from_u64(seed), step_s, faults: Vec::new(), quiet_until_s: 0.0 }
     }
 
-    /// Falsifies an epoch as it is its turn `elapsed_s` after the first one.
+    /// Applies the incidents that are active `elapsed_s` after the first epoch.
     pub fn befall(&mut self, epoch: &mut MeasuredEpoch, elapsed_s: f64) -> Falsified {
         if elapsed_s >= self.quiet_until_s && !epoch.satellites.is_empty() {
             self.begin(epoch, elapsed_s);
@@ -138,7 +140,7 @@ impl Incidents {
     }
 }
 
-/// The ramp that reaches a step half-way through.
+/// Returns the ramp that reaches a step's bias half-way through.
 fn grown(step: Kind, length_s: f64) -> Kind {
     match step {
         Kind::Step { bias_m } => Kind::Ramp { rate_m_s: bias_m / (length_s / 2.0), limit_m: bias_m.abs() },
@@ -183,7 +185,7 @@ mod tests {
             ],
             "{seen:?}"
         );
-        // Half of the time is quiet, and of the rest a quarter falsifies no satellite by itself.
+        // Half of the time is quiet, and a quarter of the rest falsifies no satellite by itself.
         assert!((0.5..0.8).contains(&(f64::from(seen["Satellites(0)"]) / 20_000.0)), "{seen:?}");
     }
 

@@ -1,32 +1,35 @@
-//! A soak: hours on the emulated board with everything that can go wrong, and counts that must be zero at the end.
+//! A soak: hours on the emulated board with every kind of disturbance, and counts that must be zero
+//! at the end.
 //!
 //! ```text
 //! sky, recording ─► incidents ─► RTCM ─► cable ─► bad line ─► board ─┬─► sentences ─► tally ┐
 //!                                                                    └─► log ───────► watch ┴─► table, page
 //! ```
 //!
-//! | module | what |
+//! | module | content |
 //! |---|---|
-//! | [`plan`] | which epochs, how fast, how eventful |
-//! | [`scenario`], [`incident`], `early` | what is offered when: false ranges, pulled cables, resets, times that go back, ephemerides that come too early, a host that asks without end |
-//! | [`noise`] | what the line does to the bytes |
+//! | [`plan`] | the epochs, their pace, and the rate of incidents |
+//! | [`scenario`], [`incident`], `early` | false ranges, pulled cables, resets, times that go back, early ephemerides, questions of the host |
+//! | [`noise`] | the effect of the line on the bytes |
 //! | [`rig`] | the board, its clock, its reset button |
-//! | [`tally`], [`watch`] | what the module said, and what the pin did when |
-//! | [`table`], [`page`] | both, to be read |
+//! | [`tally`], [`watch`] | the module's reports, and the pin over time |
+//! | [`table`], [`page`] | both for readers |
 //!
-//! Time is the board's: while its core sleeps, the emulated clock leaps to the next interrupt, so an hour passes in
-//! minutes. An epoch is sent when its time has come on the board; the emulator passes on about one byte a millisecond.
-//! What is offered follows from the seed; when exactly a byte arrives does not, and is measured on the board.
+//! Time is the board's. While its core sleeps, the emulated clock leaps to the next interrupt, so
+//! an hour passes in minutes. An epoch is sent when its time has come on the board; the emulator
+//! passes about one byte per millisecond. The seed determines the input, but not the exact arrival
+//! of a byte, which is measured on the board.
 //!
 //! # What it does not show
 //!
-//! - An instruction takes one nanosecond, so ten milliseconds of board time are ten million instructions: on the chip at
-//!   168 MHz at least six times as long.
-//! - The emulated transmitter never waits: where nobody reads the host port for long, the whole chip stands still with
-//!   its clock. What a full ring does is tested in process, with a wire that takes nothing (`tests/hostile`).
-//! - A reset is that of the reset line: RAM keeps its content, and start-up has to clear it.
-//! - Several satellites false at once, or a whole constellation, are beyond the promise of the protection levels. They are
-//!   part of the soak and counted apart.
+//! - An instruction takes one nanosecond, so ten milliseconds of board time are ten million
+//!   instructions. On the chip at 168 MHz they take at least six times as long.
+//! - The emulated transmitter never waits. If the host port is not read for long, the whole chip
+//!   stops together with its clock. A full ring is tested in process, with a wire that accepts
+//!   nothing (`tests/hostile`).
+//! - A reset is that of the reset line: RAM keeps its content, and start-up must clear it.
+//! - Several false satellites at once, or a whole false constellation, are beyond the promise of
+//!   the protection levels. They are part of the soak and are counted separately.
 
 mod early;
 pub mod incident;
@@ -50,27 +53,28 @@ use scenario::{Mishap, Scenario, Tempo, Turn};
 use tally::{Heard, Tally};
 use watch::Watch;
 
-/// What came of a soak.
+/// Result of a soak.
 pub struct Outcome {
-    /// What was soaked.
+    /// Name of the plan.
     pub name: &'static str,
-    /// Its tempo.
+    /// Pace of the soak.
     pub tempo: Tempo,
-    /// Its seed.
+    /// Seed of the soak.
     pub seed: u64,
-    /// Time on the board, over all starts, s.
+    /// Board time over all starts, s.
     pub board_s: f64,
-    /// What the module said.
+    /// Counts of the module's reports.
     pub tally: Tally,
-    /// What the pin did.
+    /// Record of the pin.
     pub watch: Watch,
-    /// What the line did.
+    /// Number of disturbances of the line, by kind.
     pub disturbances: Vec<(Disturbance, u64)>,
-    /// How often the host port was not read for a while.
+    /// Number of periods in which the host port was not read.
     pub unread: u64,
 }
 
-/// Soaks several boards at a time, one for each plan. `progress` gets the number of a plan and its epochs so far.
+/// Soaks several boards in parallel, one per plan. `progress` receives the index of a plan and its
+/// epochs so far.
 ///
 /// # Errors
 /// As [`run`].
@@ -83,10 +87,10 @@ pub fn run_all(image: &Path, plans: Vec<Plan>, progress: impl Fn(usize, u64) + S
     })
 }
 
-/// Soaks the image as planned. `progress` gets the number of epochs offered so far.
+/// Soaks the image according to a plan. `progress` receives the number of epochs sent so far.
 ///
 /// # Errors
-/// The board does not start, or stops answering.
+/// If the board does not start, or stops answering.
 pub fn run(image: &Path, plan: Plan, progress: impl FnMut(u64)) -> Result<Outcome> {
     let mut bench = Bench::start(image, &plan, progress)?;
     let mut scenario = Scenario::new(plan.tempo, plan.seed);
@@ -101,7 +105,7 @@ pub fn run(image: &Path, plan: Plan, progress: impl FnMut(u64)) -> Result<Outcom
     Ok(Outcome { name, tempo, seed, board_s: next_ms as f64 * 1e-3, tally, watch, disturbances, unread })
 }
 
-/// Everything that takes part.
+/// All participants of a soak.
 struct Bench<P> {
     rig: Rig,
     line: Line,
@@ -109,10 +113,10 @@ struct Bench<P> {
     watch: Watch,
     tempo: Tempo,
     progress: P,
-    /// When the next epoch is to be sent, board time, ms.
+    /// Board time at which the next epoch is due, ms.
     next_ms: u64,
     was_reset: bool,
-    /// Whether the host has set what it wants.
+    /// True once the host has sent its settings.
     is_set_up: bool,
     unread_left: u32,
     unread: u64,
@@ -137,13 +141,13 @@ impl<P: FnMut(u64)> Bench<P> {
         Ok(bench)
     }
 
-    /// One epoch, from its first byte to that of the next.
+    /// Plays one epoch, from its first byte to that of the next.
     fn play(&mut self, turn: &Turn) -> Result<()> {
-        // What was said before this epoch is not about it, however long the host thought it over.
+        // Earlier sentences are not about this epoch, however long the host left them unread.
         self.hear()?;
         let Carried { pieces, is_harmed } = self.line.carry(&turn.bytes);
         let is_reset = matches!(turn.mishap, Some(Mishap::PowerOn { .. }));
-        // What comes while the module starts is lost.
+        // Bytes that arrive while the module starts are lost.
         let was_reset = std::mem::replace(&mut self.was_reset, is_reset);
         let mut is_whole = !is_harmed && !is_reset && !was_reset;
         for piece in pieces {
@@ -156,7 +160,7 @@ impl<P: FnMut(u64)> Bench<P> {
         Ok(())
     }
 
-    /// Sends a piece after its pause; gives how long that pause was on the board, ms.
+    /// Sends a piece after its pause; returns the length of that pause on the board, ms.
     fn send(&mut self, piece: &Piece) -> Result<u64> {
         if piece.pause_ms == 0 {
             return self.rig.feed(&piece.bytes).map(|()| 0);
@@ -196,7 +200,7 @@ impl<P: FnMut(u64)> Bench<P> {
         self.rig.command(setting)
     }
 
-    /// Lets time pass until the next epoch is due; listens meanwhile.
+    /// Waits until the next epoch is due, and reads the host port meanwhile.
     fn pass_interval(&mut self) -> Result<()> {
         self.next_ms = self.rig.now_ms()?.max(self.next_ms + self.tempo.interval_ms);
         self.rig.wait_until(self.next_ms)?;
@@ -212,11 +216,13 @@ impl<P: FnMut(u64)> Bench<P> {
 
     fn hear(&mut self) -> Result<()> {
         for line in self.rig.heard() {
-            // What is set once survives every restart.
+            // Settings survive every restart, so they are sent once.
             if self.tally.hear(&line) == Heard::Greeting && !std::mem::replace(&mut self.is_set_up, true) {
-                // A line has one rate: noise on it for seconds would have the module look for another, and lose an epoch.
+                // The rate of the line is fixed. With seconds of noise the module would otherwise
+                // search for another rate and lose an epoch.
                 self.rig.command("BAUD,115200")?;
-                // No other phase waits as long as the hours of a recording ask for.
+                // Only this phase allows a time to alert as long as the intervals of a recording
+                // require.
                 self.rig.command("PHASE,CUSTOM")?;
                 self.rig.command(&format!("TTA,{}", self.tempo.time_to_alert_s))?;
                 self.set(&format!("HAL,{}", self.tempo.alert_limits_m[0]))?;
@@ -226,7 +232,7 @@ impl<P: FnMut(u64)> Bench<P> {
         Ok(())
     }
 
-    /// Lets the line be silent until the module has said so.
+    /// Keeps the line silent until the module has reported it.
     fn finish(&mut self) -> Result<()> {
         self.rig.listen(true);
         let due_ms = self.rig.now_ms()? + (self.tempo.time_to_alert_s * 1e3) as u64 + 1000;

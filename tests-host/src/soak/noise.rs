@@ -1,29 +1,30 @@
-//! A bad line: what a cable beside a motor does to a stream of frames.
+//! A bad line: the effect of a cable beside a motor on a stream of frames.
 //!
-//! Each kind of disturbance befalls a lump of bytes with the same probability, independently of the others.
+//! Each kind of disturbance occurs in a lump of bytes with the same probability, independently of
+//! the others.
 //!
-//! | disturbance | what happens | costs frames |
+//! | disturbance | effect | costs frames |
 //! |---|---|---|
 //! | flips | 1 to 8 bits change | yes |
 //! | losses | a run of 1 to 20 bytes is missing | yes |
 //! | glitch | a run of 10 to 100 bytes is read at the wrong rate: other bytes, half as many or twice | yes |
-//! | burst | 20 to 300 random bytes come in between, inside a frame or between two | inside |
-//! | duplicate | a frame comes twice | no |
-//! | reordering | two frames change places | no |
-//! | pause | the line stands still for 20 to 900 ms, mostly inside a frame | beyond [`HARMLESS_PAUSE_MS`] |
+//! | burst | 20 to 300 random bytes are inserted, inside a frame or between two | inside |
+//! | duplicate | a frame is repeated | no |
+//! | reordering | two frames are swapped | no |
+//! | pause | the line pauses for 20 to 900 ms, mostly inside a frame | beyond [`HARMLESS_PAUSE_MS`] |
 //!
-//! A burst between two frames can look like the beginning of a frame and hold back what follows it, for a time.
+//! A burst between two frames can look like the beginning of a frame and delay the frames after it.
 
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// A pause that the module does not take for the end of a burst of frames, ms: it waits for half a second.
+/// Longest pause that does not end a burst of frames, ms. The module waits for half a second.
 pub const HARMLESS_PAUSE_MS: u64 = 400;
 
 /// First byte of a frame.
 const PREAMBLE: u8 = 0xD3;
 
-/// What can happen to a lump of bytes.
+/// Kind of disturbance of a lump of bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Disturbance {
     /// Bits change.
@@ -32,18 +33,19 @@ pub enum Disturbance {
     Losses,
     /// Bytes are read at the wrong rate.
     Glitch,
-    /// Bytes come that nobody sent.
+    /// Random bytes are inserted.
     Burst,
-    /// A frame comes twice.
+    /// A frame is repeated.
     Duplicate,
-    /// Two frames change places.
+    /// Two frames are swapped.
     Reordering,
-    /// The line stands still.
+    /// The line pauses.
     Pause,
 }
 
 impl Disturbance {
-    /// All of them, frames before bytes: what happens in the sender's buffers before what happens on the wire.
+    /// All kinds, those of frames before those of bytes, because the sender's buffers come before
+    /// the wire.
     pub const ALL: [Self; 7] = [
         Self::Duplicate,
         Self::Reordering,
@@ -54,7 +56,7 @@ impl Disturbance {
         Self::Pause,
     ];
 
-    /// As it stands in a table.
+    /// Returns the name for a table.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Flips => "bit flips",
@@ -71,22 +73,22 @@ impl Disturbance {
 /// Bytes that come without a pause between them.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Piece {
-    /// How long the line stands still before them, ms.
+    /// Pause of the line before the bytes, ms.
     pub pause_ms: u64,
     /// The bytes.
     pub bytes: Vec<u8>,
 }
 
-/// What is left of a lump at the end of the line.
+/// A lump after the line.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Carried {
-    /// What comes out.
+    /// Pieces that arrive.
     pub pieces: Vec<Piece>,
-    /// Whether a frame may have been lost.
+    /// True if a frame may have been lost.
     pub is_harmed: bool,
 }
 
-/// A line with its chances.
+/// A line with random disturbances.
 #[derive(Clone, Debug)]
 pub struct Line {
     rng: ChaCha8Rng,
@@ -95,12 +97,12 @@ pub struct Line {
 }
 
 impl Line {
-    /// A line on which each kind of disturbance befalls a lump with `probability`.
+    /// Returns a line on which each kind of disturbance occurs in a lump with `probability`.
     pub fn new(probability: f64, seed: u64) -> Self {
         Self { rng: ChaCha8Rng::seed_from_u64(seed), probability, counts: [0; Disturbance::ALL.len()] }
     }
 
-    /// How often each kind has happened.
+    /// Returns the number of disturbances of each kind.
     pub fn counts(&self) -> impl Iterator<Item = (Disturbance, u64)> {
         Disturbance::ALL.into_iter().zip(self.counts)
     }
@@ -130,7 +132,7 @@ impl Line {
         carried
     }
 
-    /// Changes the frames; says whether one may be lost.
+    /// Changes the frames; returns true if one may be lost.
     fn disturb(&mut self, disturbance: Disturbance, frames: &mut Vec<Vec<u8>>) -> bool {
         let one = self.rng.random_range(0..frames.len());
         match disturbance {
@@ -178,12 +180,12 @@ impl Line {
         is_inside
     }
 
-    /// Bytes that nobody sent.
+    /// Returns random bytes.
     pub fn garbage(&mut self, length: usize) -> Vec<u8> {
         (0..length).map(|_| self.rng.random()).collect()
     }
 
-    /// A run of `least` to `most` bytes of a frame, or all of it.
+    /// Returns a random range of `least` to `most` bytes of a frame, or all of a shorter frame.
     fn run(&mut self, frame: usize, least: usize, most: usize) -> std::ops::Range<usize> {
         let length = self.rng.random_range(least..=most).min(frame);
         let start = self.rng.random_range(0..=frame - length);
@@ -191,7 +193,7 @@ impl Line {
     }
 }
 
-/// The frames of a lump; what is none at its end stands as one more.
+/// Splits a lump into frames. A remainder without a preamble counts as one more frame.
 pub fn frames(lump: &[u8]) -> Vec<&[u8]> {
     let mut rest = lump;
     let mut frames = Vec::new();
@@ -211,7 +213,7 @@ pub fn frames(lump: &[u8]) -> Vec<&[u8]> {
 mod tests {
     use super::*;
 
-    /// A frame of that many bytes, its content its number. The line looks at no checksum.
+    /// Returns a frame of that many bytes filled with its number. The line checks no checksum.
     fn frame(number: u8, length: usize) -> Vec<u8> {
         let mut frame = vec![number; length];
         frame[..3].copy_from_slice(&[PREAMBLE, ((length - 6) >> 8) as u8, (length - 6) as u8]);
@@ -226,7 +228,7 @@ mod tests {
         carried.pieces.iter().flat_map(|piece| piece.bytes.iter().copied()).collect()
     }
 
-    /// What a line does that knows one kind of disturbance only.
+    /// Returns the lump after a line with a single kind of disturbance.
     fn with_only(disturbance: Disturbance, seed: u64) -> Vec<u8> {
         let mut line = Line::new(1.0, seed);
         let mut frames: Vec<Vec<u8>> = frames(&lump()).into_iter().map(<[u8]>::to_vec).collect();

@@ -1,4 +1,4 @@
-//! A soak on one page.
+//! The page of a soak.
 
 use anyhow::Result;
 
@@ -12,13 +12,13 @@ use crate::report::{Moment, stanford};
 /// Width of a bar, ms.
 const BAR_MS: f64 = 0.2;
 
-/// Moments in a diagram; more would only be drawn on top of each other.
+/// Points of a diagram at most. More would only overlap.
 const MOMENTS: usize = 4000;
 
-/// Outcomes as a page.
+/// Returns the page of several outcomes.
 ///
 /// # Errors
-/// What could not be drawn.
+/// If a picture cannot be drawn.
 pub fn page(outcomes: &[Outcome]) -> Result<Page> {
     let broken: Vec<String> = outcomes.iter().flat_map(Outcome::broken).collect();
     let verdict = if broken.is_empty() {
@@ -38,7 +38,7 @@ pub fn page(outcomes: &[Outcome]) -> Result<Page> {
     Ok(page)
 }
 
-/// A table for each section, with a column for each outcome.
+/// Adds a table for each section, with a column for each outcome.
 fn tables(page: &mut Page, outcomes: &[Outcome]) {
     let sections: Vec<_> = outcomes.iter().map(Outcome::sections).collect();
     let names = outcomes.iter().map(|outcome| outcome.name);
@@ -53,7 +53,7 @@ fn tables(page: &mut Page, outcomes: &[Outcome]) {
     }
 }
 
-/// How long the pin took, epoch by epoch.
+/// Returns the histogram of the time to the pin.
 fn to_pin(outcome: &Outcome) -> BarChart {
     let bars = (TO_PIN_MS / BAR_MS) as usize;
     let mut heights = vec![0.0; bars + 1];
@@ -71,7 +71,7 @@ fn to_pin(outcome: &Outcome) -> BarChart {
     }
 }
 
-/// Error against protection level. The alert limit is not drawn: it changes.
+/// Draws error against protection level. The alert limit is not drawn because it changes.
 fn errors(outcome: &Outcome) -> Result<String> {
     let moments = &outcome.tally.moments;
     let every = moments.len().div_ceil(MOMENTS).max(1);

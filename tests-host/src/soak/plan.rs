@@ -1,4 +1,4 @@
-//! Which epochs are sent, how fast, and how much happens besides.
+//! Plans: the epochs of a soak, their pace, and the rate of incidents.
 
 use anyhow::Result;
 use rai_core::frame::Ecef;
@@ -10,34 +10,34 @@ use crate::recording::Recording;
 use crate::sky::raw::Simulation;
 use crate::stations::ESBC;
 
-/// The week ends so long after the simulated sky's first midnight, s.
+/// Time from the simulated sky's first midnight to the end of the week, s.
 const WEEK_END_S: f64 = 6.0 * 86_400.0;
 
-/// Epochs that a simulated sky is computed for at a time.
+/// Number of epochs of a simulated sky that are computed together.
 const SKY_EPOCHS: u32 = 1800;
 
-/// What is to be soaked, and for how long.
+/// Source and length of a soak.
 pub struct Plan {
-    /// As it stands in the table.
+    /// Name for the table.
     pub name: &'static str,
-    /// How fast, how eventful.
+    /// Pace of the soak.
     pub tempo: Tempo,
-    /// All chance follows from it.
+    /// Seed of all random choices.
     pub seed: u64,
-    /// How many epochs are taken from the source.
+    /// Number of epochs taken from the source.
     pub epochs: u32,
     source: Source,
 }
 
 enum Source {
-    /// First epochs of stretches of a simulated sky, and their lengths.
+    /// Stretches of a simulated sky: start, s, and number of epochs.
     Sky(Vec<(f64, u32)>),
-    /// A recording, and where its antenna was.
+    /// A recording, and the place of its antenna.
     Recording(Box<Recording>, Ecef),
 }
 
 impl Plan {
-    /// So many hours of GPS and `BeiDou` at 1 Hz, with the end of the week in the middle.
+    /// Returns `hours` hours of GPS and `BeiDou` at 1 Hz, with the end of the week in the middle.
     pub fn sky(hours: f64, seed: u64) -> Self {
         let epochs = (hours * 3600.0) as u32;
         let start_s = WEEK_END_S - (f64::from(epochs) / 2.0).floor();
@@ -46,7 +46,8 @@ impl Plan {
         Self::of_sky(stretches.map(stretch).collect(), (240, 0.03), seed)
     }
 
-    /// Some minutes of the same: the end of the week, and the change of all ephemerides half an hour later.
+    /// Returns a few minutes of the same: the end of the week, and the change of all ephemerides
+    /// half an hour later.
     pub fn short_sky(seed: u64) -> Self {
         Self::of_sky(vec![(WEEK_END_S - 60.0, 120), (WEEK_END_S + 1740.0, 120)], (40, 0.05), seed)
     }
@@ -65,7 +66,8 @@ impl Plan {
         Self { name: "simulated sky", tempo, seed, epochs, source: Source::Sky(stretches) }
     }
 
-    /// So many hours of the recording `esbc`, 24 at most, one epoch in 30 s; `None` where it is not there.
+    /// Returns `hours` hours of the recording `esbc`, 24 at most, one epoch in 30 s; `None` if the
+    /// recording is missing.
     pub fn recording(hours: f64, seed: u64) -> Option<Self> {
         let tempo = Tempo {
             step_s: 30.0,
@@ -79,7 +81,7 @@ impl Plan {
         Self::of_recording((hours * 120.0) as usize, tempo, seed)
     }
 
-    /// An hour of the same in minutes: its epochs are sent 2 s apart.
+    /// Returns an hour of the same in minutes: its epochs are sent 2 s apart.
     pub fn short_recording(seed: u64) -> Option<Self> {
         let tempo = Tempo {
             step_s: 30.0,
@@ -101,11 +103,11 @@ impl Plan {
         Some(Self { name: "recording esbc", tempo, seed, epochs, source })
     }
 
-    /// The stretches of the source, one after the other.
+    /// Returns the passages of the source in order.
     pub(super) fn passages(self) -> Box<dyn Iterator<Item = Result<Passage>>> {
         let dual = |letters| Selection::new(letters, Frequency::Dual);
         match self.source {
-            // Each stretch has noise of its own.
+            // Each stretch has its own noise.
             Source::Sky(stretches) => Box::new((self.seed..).zip(stretches).map(move |(seed, stretch)| {
                 let simulation = Simulation::above_xian(stretch.0, stretch.1, seed);
                 let truth = simulation.site.position;
@@ -113,7 +115,7 @@ impl Plan {
                 Ok(Passage { recording, early, selection: dual("GC")?, truth })
             })),
             Source::Recording(recording, truth) => Box::new(std::iter::once_with(move || {
-                // Each of its own ephemerides is early once.
+                // Each of the recording's ephemerides is early once.
                 let early = recording.ephemerides.clone();
                 Ok(Passage { recording: *recording, early, selection: dual("GCE")?, truth })
             })),

@@ -1,4 +1,4 @@
-//! The board on the bench, and its clock: bytes go in, time passes, the reset button is pressed.
+//! The board on the bench, with its clock and its reset button.
 
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -7,13 +7,14 @@ use anyhow::{Context, Result, ensure};
 
 use crate::board::{EmulatedBoard, LogLine, Monitor, MonitorSocket, Pace, Settings};
 
-/// How long the board's clock may stand still before the board counts as stuck.
+/// Time without progress of the board's clock after which the board counts as stuck.
 const PATIENCE: Duration = Duration::from_mins(1);
 
-/// What the emulator needs for a millisecond in which nothing happens, about.
+/// Approximate time that the emulator takes for an idle millisecond.
 const PER_MS: Duration = Duration::from_micros(40);
 
-/// Looks at the board's clock are this far apart: near enough for an epoch a second, and seldom enough to cost little.
+/// Interval between two readings of the board's clock: short enough for an epoch per second, long
+/// enough to cost little.
 const LOOKS: std::ops::RangeInclusive<Duration> = Duration::from_millis(2)..=Duration::from_millis(100);
 
 /// A board with its bench.
@@ -28,7 +29,7 @@ impl Rig {
     /// Powers the board, with a clock that leaps over idle time.
     ///
     /// # Errors
-    /// The emulator does not start, or the image cannot be read.
+    /// If the emulator does not start, or the image cannot be read.
     pub fn start(image: &Path) -> Result<Self> {
         let socket = MonitorSocket::open()?;
         let settings = Settings { pace: Pace::Leap, arguments: socket.arguments()?, ..Settings::default() };
@@ -37,18 +38,18 @@ impl Rig {
         Ok(Self { board, monitor, lines_seen: 0, earlier_starts_ms: 0 })
     }
 
-    /// Board time since the first start, over all resets, ms.
+    /// Returns board time since the first start, over all resets, ms.
     ///
     /// # Errors
-    /// The emulator does not answer.
+    /// If the emulator does not answer.
     pub fn now_ms(&mut self) -> Result<u64> {
         Ok(self.earlier_starts_ms + u64::from(self.monitor.clock_ms()?))
     }
 
-    /// Lets board time pass until `due_ms`.
+    /// Waits until board time reaches `due_ms`.
     ///
     /// # Errors
-    /// The board's clock stands still.
+    /// If the board's clock does not advance.
     pub fn wait_until(&mut self, due_ms: u64) -> Result<()> {
         let (mut before_ms, mut moved) = (self.now_ms()?, Instant::now());
         while before_ms < due_ms {
@@ -58,7 +59,7 @@ impl Rig {
             if now_ms != before_ms {
                 (before_ms, moved) = (now_ms, Instant::now());
             }
-            ensure!(moved.elapsed() < PATIENCE, "the board's clock stands still at {now_ms} ms");
+            ensure!(moved.elapsed() < PATIENCE, "the board's clock has stopped at {now_ms} ms");
         }
         Ok(())
     }
@@ -66,7 +67,7 @@ impl Rig {
     /// Sends bytes to the GNSS port.
     ///
     /// # Errors
-    /// The board does not take them.
+    /// If the board does not accept them.
     pub fn feed(&mut self, bytes: &[u8]) -> Result<()> {
         self.board.feed(bytes)
     }
@@ -74,7 +75,7 @@ impl Rig {
     /// Sends a command to the host port.
     ///
     /// # Errors
-    /// The board does not take it.
+    /// If the board does not accept it.
     pub fn command(&mut self, body: &str) -> Result<()> {
         self.board.command(body)
     }
@@ -82,7 +83,7 @@ impl Rig {
     /// Resets the chip, whatever it is doing.
     ///
     /// # Errors
-    /// The emulator does not answer.
+    /// If the emulator does not answer.
     pub fn reset(&mut self) -> Result<()> {
         let before_ms = self.monitor.clock_ms()?;
         self.earlier_starts_ms += u64::from(before_ms);
@@ -90,23 +91,23 @@ impl Rig {
         // RAM keeps the old time until start-up clears it.
         let deadline = Instant::now() + PATIENCE;
         while self.monitor.clock_ms()? >= before_ms {
-            ensure!(Instant::now() < deadline, "the board does not start again");
+            ensure!(Instant::now() < deadline, "the board does not restart");
             std::thread::sleep(*LOOKS.start());
         }
         Ok(())
     }
 
-    /// Stops to read the host port, or goes on.
+    /// Stops or resumes reading the host port.
     pub fn listen(&mut self, listens: bool) {
         self.board.listen(listens);
     }
 
-    /// What has come from the host port since the last call.
+    /// Returns the lines of the host port since the last call.
     pub fn heard(&mut self) -> Vec<Vec<u8>> {
         self.board.heard()
     }
 
-    /// What has been logged since the last call.
+    /// Returns the lines of the log since the last call.
     pub fn logged(&mut self) -> Vec<LogLine> {
         let lines = self.board.log().get(self.lines_seen..).unwrap_or_default().to_vec();
         self.lines_seen += lines.len();
@@ -116,7 +117,7 @@ impl Rig {
     /// Powers the board off.
     ///
     /// # Errors
-    /// The emulator had ended by itself.
+    /// If the emulator had already ended.
     pub fn stop(self) -> Result<()> {
         self.board.stop()
     }

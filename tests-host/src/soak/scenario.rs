@@ -1,16 +1,16 @@
-//! What is offered when: epochs with their incidents, and what happens to cable, module and host meanwhile.
+//! Scenario: the epochs with their incidents, and the mishaps of cable, module and host.
 //!
-//! | mishap | what happens |
+//! | mishap | effect |
 //! |---|---|
-//! | unplugged | the cable is pulled in the middle of an epoch and plugged in again in the middle of another; between, the line is silent or picks up noise |
+//! | unplugged | the cable is pulled in the middle of an epoch and plugged in again in the middle of another; meanwhile the line is silent or picks up noise |
 //! | power-on | the module is reset in the middle of an epoch |
-//! | rewind | the receiver's time goes back by some epochs and on from there: what comes then is late, but where the host, two times of three, says `FORGET` |
-//! | unread | nobody reads the host port for some epochs |
-//! | early ephemeris | before an epoch comes what a satellite in view will broadcast hours later |
+//! | rewind | the receiver's time goes back by some epochs and continues; its epochs are then late unless the host sends `FORGET`, as it does two times in three |
+//! | unread | the host port is not read for some epochs |
+//! | early ephemeris | before an epoch comes an ephemeris that a satellite in view will broadcast hours later |
 //! | setting | the host sets another horizontal alert limit, another method, or the clock aiding |
 //!
-//! The receiver sends an ephemeris when it becomes known, and between, a few in each epoch by turns: a module that was
-//! reset learns them anew within a minute.
+//! The receiver sends an ephemeris as soon as it knows it, and repeats a few in each epoch in turn.
+//! A module that was reset has them again within a minute.
 
 use std::collections::VecDeque;
 
@@ -30,7 +30,8 @@ use crate::measurement::{MeasuredEpoch, TimedEphemeris};
 use crate::recording::Recording;
 use crate::sky::Site;
 
-/// What the host sets by turns besides alert limits: every method, and the forecast clock.
+/// Settings that the host changes in turn besides alert limits: every method, and the clock
+/// forecast.
 const SETTINGS: [&str; 10] = [
     "METHOD,BAARDA",
     "METHOD,SIMULTANEOUS",
@@ -44,16 +45,18 @@ const SETTINGS: [&str; 10] = [
     "CLOCKAID,OFF",
 ];
 
-/// Bytes of noise in the time of an epoch on a line that is not connected, at most.
+/// Largest number of noise bytes on an open line in the time of an epoch.
 const OPEN_LINE_BYTES: usize = 400;
 
-/// The module's elevation mask at start, degrees: that of the position from all satellites, too.
+/// Elevation mask of the module at start, degrees, also applied to the position from all
+/// satellites.
 const MASK_DEG: f64 = 10.0;
 
-/// How far the receiver's time goes back, epochs: enough for the module to believe it in the end.
+/// Number of epochs by which the receiver's time goes back: enough for the module to accept it in
+/// the end.
 const REWIND_EPOCHS: std::ops::RangeInclusive<usize> = 8..=20;
 
-/// How fast it goes, and how often something happens besides.
+/// Pace of the epochs, and rate of incidents.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tempo {
     /// Time between two epochs by their time tags, s.
@@ -62,81 +65,81 @@ pub struct Tempo {
     pub interval_ms: u64,
     /// Time to alert that the host sets, s.
     pub time_to_alert_s: f64,
-    /// Horizontal alert limits that the host sets by turns, m, from hardly above the protection levels; it starts with the
-    /// first, which is so low that false ranges matter.
+    /// Horizontal alert limits that the host sets in turn, m, the lowest just above the protection
+    /// levels. It starts with the first, which is so low that false ranges matter.
     pub alert_limits_m: [u32; 4],
-    /// Epochs between two mishaps of one kind, in the mean.
+    /// Mean number of epochs between two mishaps of one kind.
     pub calm_epochs: u32,
     /// Probability of each kind of disturbance of an epoch's bytes.
     pub disturbance: f64,
-    /// Ephemerides that are sent again with each epoch.
+    /// Number of ephemerides that are repeated with each epoch.
     pub repeated_ephemerides: usize,
 }
 
-/// A stretch of epochs with all that is needed to send them.
+/// A stretch of epochs with everything needed to send them.
 #[derive(Clone, Debug)]
 pub struct Passage {
     /// Epochs and ephemerides.
     pub recording: Recording,
-    /// Ephemerides that may come hours too early.
+    /// Ephemerides that may come hours early.
     pub early: Vec<TimedEphemeris>,
-    /// What of it is sent.
+    /// Signals to send.
     pub selection: Selection,
-    /// Where the antenna is.
+    /// Place of the antenna.
     pub truth: Ecef,
 }
 
-/// What is known of an epoch that was offered.
+/// Known facts about an epoch that was sent.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Offer {
-    /// Its time tag.
+    /// Time tag.
     pub time: GpsTime,
-    /// Where the antenna was.
+    /// Place of the antenna.
     pub truth: Ecef,
-    /// Whose ranges are false.
+    /// Satellites with false ranges.
     pub falsified: Falsified,
-    /// Distance from the truth over the ground of a position from all satellites, on a good line, m.
+    /// Horizontal error of a position from all satellites, on a good line, m.
     pub accepted_error_m: Option<f64>,
-    /// Of which satellite an ephemeris for hours later comes before it.
+    /// Satellite whose early ephemeris precedes the epoch.
     pub early: Option<SatelliteId>,
-    /// Whether all of it was sent, and its time is later than any before.
+    /// True if the whole epoch was sent, with a later time than all before.
     pub is_due: bool,
 }
 
-/// What happens while an epoch is sent.
+/// Mishap while an epoch is sent.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Mishap {
-    /// The module is reset so many milliseconds after the first byte.
+    /// The module is reset after the first byte.
     PowerOn {
-        /// Board time, ms.
+        /// Delay in board time, ms.
         after_ms: u64,
     },
-    /// Nobody reads the host port for so many epochs.
+    /// The host port is not read.
     Unread {
-        /// Epochs.
+        /// Number of epochs.
         epochs: u32,
     },
-    /// The host sets something: key and value of the command.
+    /// The host changes a setting: key and value of the command.
     Setting(String),
-    /// The host asks for all counters so many times on end.
+    /// The host requests all counters repeatedly.
     Questions {
-        /// Commands.
+        /// Number of commands.
         count: u32,
     },
 }
 
-/// One epoch's turn.
+/// Turn of one epoch.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Turn {
-    /// The epoch.
+    /// Facts about the epoch.
     pub offer: Offer,
-    /// What of it reaches the line, or what the open line picks up instead.
+    /// Bytes that reach the line, or noise that the open line picks up instead.
     pub bytes: Vec<u8>,
-    /// What happens besides.
+    /// Mishap during the epoch.
     pub mishap: Option<Mishap>,
 }
 
-/// Something that happens again and again.
+/// A recurring event.
 #[derive(Clone, Copy, Debug)]
 struct Recurring {
     mean_epochs: u32,
@@ -163,7 +166,7 @@ impl Recurring {
     }
 }
 
-/// When each mishap comes next.
+/// Next occurrence of each mishap.
 #[derive(Clone, Copy, Debug)]
 struct Diary {
     unplug: Recurring,
@@ -174,14 +177,14 @@ struct Diary {
     questions: Recurring,
 }
 
-/// A cable that is out.
+/// State of a disconnected cable.
 #[derive(Clone, Copy, Debug)]
 struct Unplugged {
     epochs_left: u32,
     is_noisy: bool,
 }
 
-/// The turns of a run.
+/// Source of the turns of a run.
 pub struct Scenario {
     tempo: Tempo,
     rng: ChaCha8Rng,
@@ -193,11 +196,11 @@ pub struct Scenario {
     turn: u32,
     latest: Option<GpsTime>,
     rewinds: u32,
-    /// Whether the host knows that time has gone back, and is to say so.
+    /// True if the host knows that time has gone back and will send `FORGET`.
     is_to_forget: bool,
 }
 
-/// A passage that is being sent.
+/// State of sending a passage.
 struct Sending<'a> {
     passage: &'a Passage,
     encoder: Encoder,
@@ -207,7 +210,7 @@ struct Sending<'a> {
 }
 
 impl Scenario {
-    /// A run with all its chances from `seed`.
+    /// Returns a scenario whose random choices all follow from `seed`.
     pub fn new(tempo: Tempo, seed: u64) -> Self {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let calm = tempo.calm_epochs;
@@ -220,7 +223,7 @@ impl Scenario {
             setting: each(calm / 4),
             questions: each(calm),
         };
-        // Of their own, so that they change nothing else of a run.
+        // Early ephemerides have their own generator, so that they change nothing else in a run.
         let mut early_rng = ChaCha8Rng::seed_from_u64(seed ^ 0xEA71);
         let early = Recurring::new(calm * 2, &mut early_rng);
         let incidents = Incidents::new(tempo.step_s, seed ^ 0x5EED);
@@ -239,10 +242,10 @@ impl Scenario {
         }
     }
 
-    /// Plays a passage: `play` gets each turn, and says what went wrong with it.
+    /// Plays a passage. `play` receives each turn.
     ///
     /// # Errors
-    /// What `play` says, or an epoch that cannot be encoded.
+    /// If `play` fails, or an epoch cannot be encoded.
     pub fn perform(&mut self, passage: &Passage, mut play: impl FnMut(Turn) -> Result<()>) -> Result<()> {
         let mut sending = Sending::new(passage);
         let mut cursor = 0;
@@ -277,7 +280,7 @@ impl Scenario {
         Ok(Turn { offer, bytes, mishap })
     }
 
-    /// Now and then an ephemeris that comes too early, and of whom.
+    /// Returns an early ephemeris and its satellite, if one is due.
     fn early(
         &mut self,
         epoch: &MeasuredEpoch,
@@ -291,7 +294,7 @@ impl Scenario {
         set.map(|set| Ok((set.satellite, sending.frames(epoch, std::slice::from_ref(set))?))).transpose()
     }
 
-    /// Cuts off what is sent while the cable is out.
+    /// Cuts off the bytes sent while the cable is unplugged.
     fn through_the_cable(&mut self, whole: &[u8]) -> Vec<u8> {
         let at = self.rng.random_range(0..=whole.len());
         match self.unplugged {
@@ -305,7 +308,7 @@ impl Scenario {
                 (0..length).map(|_| self.rng.random()).collect()
             }
             None if self.diary.unplug.is_due(self.turn, &mut self.rng) => {
-                // From half the time to alert to three times as long.
+                // The cable stays unplugged for half the time to alert up to three times as long.
                 let limit = self.tempo.time_to_alert_s * 1e3 / self.tempo.interval_ms as f64;
                 let epochs_left = (limit * self.rng.random_range(0.5..3.0)) as u32;
                 self.unplugged = Some(Unplugged { epochs_left, is_noisy: self.rng.random() });
@@ -347,7 +350,7 @@ impl<'a> Sending<'a> {
         Self { passage, encoder, repeated: VecDeque::new(), accepter, site }
     }
 
-    /// An epoch behind the ephemerides whose turn it is.
+    /// Encodes an epoch after the ephemerides whose turn it is.
     fn bytes(&mut self, epoch: &MeasuredEpoch, repeated: usize) -> Result<Vec<u8>> {
         let mut bytes = Vec::new();
         for _ in 0..repeated {
@@ -360,7 +363,7 @@ impl<'a> Sending<'a> {
         Ok(bytes)
     }
 
-    /// A frame for each ephemeris that is known of a satellite in sight.
+    /// Returns a frame for each known ephemeris of a satellite in view.
     fn known(&self, epoch: &MeasuredEpoch) -> Result<VecDeque<Vec<u8>>> {
         let is_seen = |ephemeris: &&TimedEphemeris| {
             epoch.satellites.iter().any(|seen| seen.satellite == ephemeris.satellite)
@@ -370,7 +373,7 @@ impl<'a> Sending<'a> {
         let lump = self.frames(epoch, &seen)?;
         Ok(noise::frames(&lump).into_iter().map(<[u8]>::to_vec).collect())
     }
-    /// The frames of ephemerides as they are sent at an epoch.
+    /// Encodes ephemerides as they are sent at an epoch.
     fn frames(&self, epoch: &MeasuredEpoch, sets: &[TimedEphemeris]) -> Result<Vec<u8>> {
         let nothing = MeasuredEpoch { time: epoch.time, satellites: Vec::new() };
         Encoder::new(sets, self.passage.selection.clone()).epoch(&nothing)
@@ -434,7 +437,8 @@ mod tests {
         assert!(turns.iter().any(|turn| turn.offer.early.is_some()), "an early ephemeris");
         assert!(turns.len() > passage.recording.epochs.len(), "time goes back, and is lived again");
         let due = turns.iter().filter(|turn| turn.offer.is_due).count();
-        // Cables are out for 17 epochs in the mean after 40 with the plug in, and of 80 epochs 14 are lived again.
+        // A cable is unplugged for 17 epochs on average after 40 with the plug in, and 14 of 80
+        // epochs are repeated.
         assert!(due * 5 > turns.len() * 2, "{due} of {} are due", turns.len());
     }
 
@@ -442,12 +446,12 @@ mod tests {
     fn every_satellite_in_sight_is_told_again_while_an_early_ephemeris_is_excused() {
         let passage = passage(RENEWAL_EPOCHS);
         let mut sending = Sending::new(&passage);
-        // The first epoch brings all that is known; what is repeated comes from the second on.
+        // The first epoch carries all known ephemerides; the repeats begin with the second.
         let lumps: Vec<Vec<u8>> =
             passage.recording.epochs.iter().map(|epoch| sending.bytes(epoch, 2).unwrap()).collect();
         let seen = passage.recording.epochs[1].satellites.len();
         let mut told: Vec<&[u8]> = lumps[1..].iter().flat_map(|lump| noise::frames(lump)).collect();
-        // An ephemeris is 488 or 511 bits long, in 61 or 64 bytes and 6 around them.
+        // An ephemeris has 488 or 511 bits, in 61 or 64 bytes with 6 around them.
         told.retain(|frame| frame.len() <= 70);
         told.sort_unstable();
         told.dedup();

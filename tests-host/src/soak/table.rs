@@ -1,4 +1,4 @@
-//! The counts as a table, and whether those that must be zero are.
+//! Table of the counts, and a check of those that must be zero.
 
 use super::Outcome;
 use super::watch::Watch;
@@ -7,13 +7,13 @@ use crate::board::{CORE_HZ, instructions};
 /// Longest time from the last byte of an epoch to the pin, ms of board time.
 pub const TO_PIN_MS: f64 = 10.0;
 
-/// A row: what is counted, and the value in words.
+/// Row: name of the count, and its formatted value.
 pub type Row = (&'static str, String);
 
 /// A count that must be zero.
 type Zero = (&'static str, u64);
 
-/// Outcomes side by side.
+/// Formats outcomes side by side.
 pub fn table(outcomes: &[Outcome]) -> String {
     let columns: Vec<_> = outcomes.iter().map(Outcome::sections).collect();
     let values = columns.iter().flatten().flat_map(|(_, rows)| rows).map(|(_, value)| value.chars().count());
@@ -34,11 +34,11 @@ pub fn table(outcomes: &[Outcome]) -> String {
     text
 }
 
-/// Room for the longest name and its indentation.
+/// Width of the longest name with its indentation, characters.
 const NAME_WIDTH: usize = 50;
 
 impl Outcome {
-    /// The table: headings, and the rows below each.
+    /// Returns the headings of the table, each with its rows.
     pub fn sections(&self) -> Vec<(&'static str, Vec<Row>)> {
         let zeros = self.zeros().into_iter().map(|(name, count)| (name, count.to_string())).collect();
         vec![
@@ -49,7 +49,7 @@ impl Outcome {
         ]
     }
 
-    /// The counts that must be zero.
+    /// Returns the counts that must be zero.
     pub fn zeros(&self) -> Vec<Zero> {
         let (tally, watch) = (&self.tally, &self.watch);
         let unasked =
@@ -71,7 +71,7 @@ impl Outcome {
         ]
     }
 
-    /// What is not zero and must be, with what was heard of it.
+    /// Returns the counts that are not zero although they must be, with the lines that show them.
     pub fn broken(&self) -> Vec<String> {
         let mut broken: Vec<String> = self
             .zeros()
@@ -146,7 +146,7 @@ impl Outcome {
     }
 }
 
-/// Board time of so many ticks, ms.
+/// Converts ticks of board time to ms.
 pub fn ms(ticks: u64) -> f64 {
     const { assert!(CORE_HZ == 168_000_000, "an instruction takes one nanosecond") };
     instructions(ticks) as f64 * 1e-6

@@ -1,6 +1,7 @@
-//! What the module said, held against what it was offered.
+//! Counts of the module's reports, compared with the epochs that it was sent.
 //!
-//! An epoch is known again by its time of day. Of the last [`MEMORY_EPOCHS`] it is remembered what was true.
+//! An epoch is identified by its time of day. The truth of the last [`MEMORY_EPOCHS`] epochs is
+//! kept.
 
 use std::collections::{BTreeMap, VecDeque};
 
@@ -13,13 +14,13 @@ use crate::recording::readable;
 use crate::report::Moment;
 use crate::sentence::{self, EpochOutput, Sentence, State};
 
-/// How many epochs are remembered: more than are ever read late.
+/// Number of epochs whose truth is kept: more than are ever read late.
 const MEMORY_EPOCHS: usize = 120;
 
-/// Epochs after which nothing is to be expected of one any more.
+/// Number of epochs after which no report on an epoch is expected any more.
 const PATIENCE_EPOCHS: usize = 30;
 
-/// How much an output of the host port wants to be answered.
+/// Kind of an output of the host port.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Heard {
     /// The module has started and wants its settings.
@@ -28,17 +29,17 @@ pub enum Heard {
     Speech,
 }
 
-/// Epochs within which every ephemeris in use is sent again: for so long an early one may be all that is known after a
-/// restart, and its satellite is left out with good reason.
+/// Number of epochs within which every ephemeris in use is repeated. After a restart an early
+/// ephemeris may be the only known one for as long, and its satellite is rightly left out.
 pub(super) const RENEWAL_EPOCHS: u32 = 30;
 
-/// How much an epoch's way to the board may vary, s.
+/// Largest variation of an epoch's delay on the way to the board, s.
 const SLACK_S: f64 = 1.0;
 
-/// Epochs whose bytes may still be on their way: a reset costs them.
+/// Number of epochs whose bytes may still be on their way; a reset loses them.
 const IN_FLIGHT_EPOCHS: usize = 6;
 
-/// An epoch that was offered, and whether the module has spoken of it.
+/// An epoch that was sent, and whether the module has reported on it.
 #[derive(Clone, Copy, Debug)]
 struct Open {
     offer: Offer,
@@ -46,7 +47,7 @@ struct Open {
     is_judged: bool,
 }
 
-/// What was counted.
+/// Counts of a soak.
 #[derive(Clone, Debug, Default)]
 pub struct Tally {
     time_to_alert_s: f64,
@@ -54,78 +55,82 @@ pub struct Tally {
     position: Option<Geodetic>,
     resets_awaited: u64,
     is_catching_up: bool,
-    /// The horizontal alert limit that the host set last, m.
+    /// Horizontal alert limit that the host set last, m.
     limit_m: Option<f64>,
-    /// The same when the reset line was pulled last.
+    /// Horizontal alert limit at the last reset, m.
     limit_at_reset_m: Option<f64>,
     has_just_started: bool,
-    /// The least difference since the start between the board's time and the tags, s.
+    /// Smallest difference since the start between board time and time tags, s.
     least_lag_s: Option<f64>,
-    /// Whether the epoch judged last was offered without a false range.
+    /// True if the last judged epoch was sent without a false range.
     is_sound: bool,
-    /// The how-manieth epoch an ephemeris of a satellite last came too early with.
+    /// Number of the last epoch with an early ephemeris, by satellite.
     early_at: BTreeMap<SatelliteId, u64>,
-    /// Ephemerides that came too early.
+    /// Number of early ephemerides.
     pub early: u64,
-    /// Satellites left out of epochs in which no range was false, and none of their own ephemerides had just come too early, in words.
+    /// Satellites left out of epochs without a false range and without a recent early ephemeris of
+    /// that satellite, as text.
     pub left_out_sound: Vec<String>,
-    /// Epochs offered.
+    /// Number of epochs sent.
     pub offered: u64,
-    /// Of these, epochs that came whole, in time, and with a later tag than all before.
+    /// Number of epochs sent whole, in time, and with a later tag than all before.
     pub due: u64,
-    /// Epochs judged, by the state and reason that was said.
+    /// Number of judged epochs, by reported state and reason.
     pub verdicts: BTreeMap<(char, String), u64>,
-    /// Epochs judged in which a range was false.
+    /// Number of judged epochs with a false range.
     pub falsified: u64,
-    /// Of these, with more than one satellite or a constellation false: beyond the promise.
+    /// Number of judged epochs beyond the promise: more than one false satellite, or a false
+    /// constellation.
     pub beyond_promise: u64,
-    /// Of these, with the pin high while the error exceeded the alert limit.
+    /// Number of epochs beyond the promise with the pin high and an error above the alert limit.
     pub hazardous_beyond_promise: u64,
-    /// Epochs within the promise, and beyond it, whose position from all satellites exceeded the alert limit.
+    /// Number of epochs within the promise, and beyond it, whose position from all satellites
+    /// exceeded the alert limit.
     pub accepted: [u64; 2],
-    /// Epochs within the promise with the pin high while the error exceeded the alert limit.
+    /// Number of epochs within the promise with the pin high and an error above the alert limit.
     pub hazardous: u64,
-    /// Epochs within the promise, and beyond it, with the pin high and an error above the protection level.
+    /// Number of epochs within the promise, and beyond it, with the pin high and an error above the
+    /// protection level.
     pub misleading: [u64; 2],
-    /// Alerts in epochs in which no range was false.
+    /// Number of alerts in epochs without a false range.
     pub false_alerts: u64,
-    /// Times that the line was called silent.
+    /// Number of reports that the line is silent.
     pub silences: u64,
-    /// Epochs with the pin high that were older than the time to alert when they were judged.
+    /// Number of epochs with the pin high that were older than the time to alert when judged.
     pub stale: u64,
-    /// Epochs that were due, and never spoken of.
+    /// Due epochs without a report, as text.
     pub unspoken: Vec<String>,
-    /// Epochs that nobody offered.
+    /// Number of reports on epochs that were never sent.
     pub invented: u64,
-    /// Sentences heard.
+    /// Number of sentences read.
     pub sentences: u64,
-    /// Of these, cut off by a reset that was asked for.
+    /// Number of sentences cut off by an intended reset.
     pub cut_off: u64,
-    /// What was heard and is no sentence.
+    /// Lines that are not valid sentences.
     pub damaged: Vec<String>,
-    /// Commands that were refused.
+    /// Commands that the module refused.
     pub refused: Vec<String>,
-    /// Starts that were asked for: the first, and the resets.
+    /// Number of intended starts: the first, and the resets.
     pub starts_asked: u64,
-    /// Greetings heard that nobody had asked for, or that tell of a fault.
+    /// Greetings after an unintended start, or with a fault.
     pub starts_unasked: Vec<String>,
-    /// Epochs after a restart that were judged by other settings than those before it, in words.
+    /// Epochs after a restart that were judged with other settings than before it, as text.
     pub settings_lost: Vec<String>,
-    /// Epochs at which the pin was high and should not have been, in words.
+    /// Epochs with the pin high that should not have been, as text.
     pub wrongly_promised: Vec<String>,
-    /// Every epoch judged, for pictures; the time is that of its offer, s.
+    /// Every judged epoch, for pictures. The time is that of sending, s.
     pub moments: Vec<Moment>,
 }
 
 impl Tally {
-    /// Nothing counted; the module is about to start.
+    /// Returns empty counts for a module that is about to start.
     pub fn new(time_to_alert_s: f64) -> Self {
         let mut tally = Self { time_to_alert_s, ..Self::default() };
         tally.expect_start();
         tally
     }
 
-    /// The module is started, or reset on purpose.
+    /// Records an intended start or reset.
     pub fn expect_start(&mut self) {
         self.starts_asked += 1;
         self.resets_awaited += 1;
@@ -136,27 +141,28 @@ impl Tally {
         }
     }
 
-    /// The host sets a horizontal alert limit.
+    /// Records a horizontal alert limit that the host sets.
     pub fn expect_limit(&mut self, limit_m: f64) {
         self.limit_m = Some(limit_m);
     }
 
-    /// The host says that how late epochs come counts for nothing.
+    /// Records that the host has told the module to disregard the delay of epochs.
     pub fn expect_lateness(&mut self) {
         self.least_lag_s = None;
     }
 
-    /// Nobody listens for a while: what is heard next may be old.
+    /// Records that the host port is not read for a while, so that the next sentences may be old.
     pub fn stop_listening(&mut self) {
         self.is_catching_up = true;
     }
 
-    /// What had been said meanwhile has been heard.
+    /// Records that all earlier output has been read.
     pub fn caught_up(&mut self) {
         self.is_catching_up = false;
     }
 
-    /// Notes an epoch that is offered at a time of the board's; `is_whole` where nothing happens to it on its way.
+    /// Records an epoch sent at `board_s` of board time. `is_whole` means that nothing disturbs it
+    /// on the way.
     pub fn offer(&mut self, offer: Offer, is_whole: bool, board_s: f64) {
         let is_new = self.lateness_s(&offer, board_s) < self.time_to_alert_s - SLACK_S;
         let offer = Offer { is_due: offer.is_due && is_whole && is_new, ..offer };
@@ -176,7 +182,7 @@ impl Tally {
         }
     }
 
-    /// How much later an epoch comes than others of this start, s.
+    /// Returns the delay of an epoch relative to others of this start, s.
     fn lateness_s(&mut self, offer: &Offer, board_s: f64) -> f64 {
         let lag_s = board_s - offer.time.to_s();
         let least_s = self.least_lag_s.map_or(lag_s, |least_s| least_s.min(lag_s));
@@ -209,7 +215,7 @@ impl Tally {
         Heard::Speech
     }
 
-    /// A reset cuts off what is being said; the greeting follows in the same line.
+    /// Removes a sentence that a reset has cut off; the greeting follows on the same line.
     fn behind_a_reset<'a>(&mut self, line: &'a str) -> &'a str {
         match line.rfind("$PRAIV") {
             Some(at @ 1..) if self.resets_awaited > 0 => {
@@ -231,10 +237,11 @@ impl Tally {
         self.has_just_started = true;
     }
 
-    /// What was in force before a restart is in force after it.
+    /// Checks that the settings before a restart are in force after it.
     fn look_at_settings(&mut self, state: &State) {
         let is_first = std::mem::take(&mut self.has_just_started);
-        // Before the first start nothing was set; and what is set after one may cross what the module says first.
+        // Before the first start there were no settings, and a new setting may cross the module's
+        // first report.
         let is_other = is_first
             && self.limit_at_reset_m.is_some()
             && ![self.limit_at_reset_m, self.limit_m].contains(&state.hal_m);
@@ -244,7 +251,7 @@ impl Tally {
         }
     }
 
-    /// A satellite is left out of the epoch that was judged last.
+    /// Records a satellite left out of the last judged epoch.
     fn left_out(&mut self, satellite: SatelliteId) {
         let is_misled =
             self.early_at.get(&satellite).is_some_and(|at| self.offered - at <= u64::from(RENEWAL_EPOCHS));
@@ -264,7 +271,8 @@ impl Tally {
         }
         *self.verdicts.entry((state.state, state.reason.clone())).or_default() += 1;
         let now_s = self.open.back().map_or(0.0, |open| open.offered_s);
-        // Where time has gone back, and the host has not listened meanwhile, two are of that time: the one that is waited for.
+        // If time has gone back while the host port was unread, two epochs have this time; the
+        // expected one is taken.
         let is_not_awaited = |open: &&mut Open| !open.offer.is_due || open.is_judged;
         let of_the_time = self.open.iter_mut().rev().filter(|open| is_of(&state, &open.offer));
         let found = of_the_time.min_by_key(is_not_awaited);
@@ -312,7 +320,7 @@ impl Tally {
         self.misleading[usize::from(!is_promised)] += u64::from(exceeds(state.hpl_m, state.vpl_m));
     }
 
-    /// Epochs judged to be in that state.
+    /// Returns the number of epochs judged to be in that state.
     pub fn in_state(&self, state: char) -> u64 {
         self.verdicts.iter().filter(|((of, _), _)| *of == state).map(|(_, count)| count).sum()
     }
@@ -322,7 +330,7 @@ fn error(position: Geodetic, offer: &Offer) -> Enu {
     LocalFrame::at(offer.truth).rotate(position.to_ecef() - offer.truth)
 }
 
-/// Whether a verdict is one of the epoch, by the time of day.
+/// Returns true if a report belongs to an epoch, by the time of day.
 fn is_of(state: &State, offer: &Offer) -> bool {
     let [hours, minutes, seconds, hundredths] = TimeOfDay::new(offer.time, GPS_MINUS_UTC_S).parts();
     let time_s = f64::from(hours * 3600 + minutes * 60 + seconds) + f64::from(hundredths) * 1e-2;
@@ -347,7 +355,8 @@ mod tests {
         Offer { time, truth, falsified, accepted_error_m: Some(70.0), early: None, is_due: true }
     }
 
-    /// Position `north_m` beside the truth, and a verdict with a limit of 40 m, at 18 s of GPS time: midnight UTC.
+    /// Reports a position `north_m` north of the truth, and a verdict with a limit of 40 m, at 18 s
+    /// of GPS time: midnight UTC.
     fn says(tally: &mut Tally, north_m: f64, state: &str) {
         let latitude_rad = TRUTH.latitude_rad + north_m / 6_350_000.0;
         let degrees_minutes = |angle_rad: f64| {

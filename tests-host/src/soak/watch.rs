@@ -1,7 +1,7 @@
-//! The pin, watched on the board's own clock.
+//! The pin, observed on the board's own clock.
 //!
-//! The log tells each change of the pin and each verdict, in order and with the time. From it follows how long the pin
-//! stays high on the strength of one epoch, and whether it ever says other than the verdict.
+//! The log has each change of the pin and each verdict, in order and with the time. They show how
+//! long the pin stays high after one epoch, and whether it ever contradicts the verdict.
 //!
 //! | quantity | field | unit |
 //! |---|---|---|
@@ -14,11 +14,11 @@ use std::collections::BTreeMap;
 use crate::board::{Judgement, LogLine};
 use crate::report::Verdict;
 
-/// How late the pin may fall on a silent line, s: the module looks at its clock every millisecond, and an epoch that
-/// comes just before the end is judged first.
+/// Largest delay of the pin's fall on a silent line, s. The module checks its clock every
+/// millisecond, and an epoch that comes just before the end is judged first.
 pub const LATENESS_S: f64 = 0.01;
 
-/// What was seen.
+/// Record of the pin.
 #[derive(Clone, Debug, Default)]
 pub struct Watch {
     limit_s: f64,
@@ -27,33 +27,33 @@ pub struct Watch {
     fell_after_s: Option<f64>,
     last_line_s: f64,
     earlier_lives_s: f64,
-    /// Starts of the program.
+    /// Number of starts of the program.
     pub starts: u64,
     /// Ticks from the last byte of an epoch to the pin, of each epoch.
     pub to_pin_ticks: Vec<u64>,
-    /// Seconds from the last epoch to the fall of the pin, of each silence.
+    /// Time from the last epoch to the fall of the pin, s, of each silence.
     pub to_alert_s: Vec<f64>,
-    /// The longest that the pin stayed high after an epoch, s.
+    /// Longest time that the pin stayed high after an epoch, s.
     pub longest_trust_s: f64,
-    /// Times that the pin stayed high for longer than the time to alert.
+    /// Number of times that the pin stayed high for longer than the time to alert.
     pub stale: u64,
-    /// Verdicts after which the pin was not as they say.
+    /// Number of verdicts that the pin contradicted.
     pub contradictions: u64,
-    /// Lines that tell of lost bytes or of a program that failed.
+    /// Log lines that report lost bytes or a failed program.
     pub complaints: Vec<String>,
     /// Deepest stack, bytes.
     pub stack_bytes: u64,
-    /// Most bytes in each ring of the ports.
+    /// Largest number of bytes in each ring of the ports.
     pub rings: BTreeMap<String, u64>,
 }
 
 impl Watch {
-    /// A watch with the time to alert in its hand.
+    /// Returns a watch for this time to alert.
     pub fn new(time_to_alert_s: f64) -> Self {
         Self { limit_s: time_to_alert_s + LATENESS_S, ..Self::default() }
     }
 
-    /// Time that has passed on the board over all its starts, s.
+    /// Returns board time over all starts, s.
     pub fn board_s(&self) -> f64 {
         self.earlier_lives_s + self.last_line_s
     }
@@ -102,14 +102,14 @@ impl Watch {
             self.to_alert_s.extend(fell_after_s);
             return;
         }
-        // A pin that was raised just now was not high before.
+        // A pin that has just been raised was not high before.
         if self.pin.is_some_and(|since_s| self.last_epoch_s.is_some_and(|last_s| since_s <= last_s)) {
             self.trusted_until(now_s);
         }
         self.last_epoch_s = Some(now_s);
     }
 
-    /// The pin was high until now, on the strength of the last epoch: for how long, s.
+    /// Records that the pin was high until now because of the last epoch; returns for how long, s.
     fn trusted_until(&mut self, now_s: f64) -> Option<f64> {
         let trust_s = now_s - self.last_epoch_s?;
         self.longest_trust_s = self.longest_trust_s.max(trust_s);

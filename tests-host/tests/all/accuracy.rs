@@ -1,4 +1,4 @@
-//! Real recordings through the module: how far off, how often protected, never misleading.
+//! Real recordings through the module: errors, rate of protection, no misleading epoch.
 //!
 //! The bounds are those of an independent program on the same data, rounded up.
 
@@ -28,7 +28,8 @@ fn summary(station: &Station, systems: &str, frequency: Frequency) -> Option<Sum
     Some(summary)
 }
 
-/// Root mean square errors within the bounds; a fix in 99.9 %, protected in 99 %, no alert, nothing misleading.
+/// Checks that root mean square errors are within the bounds, with a fix in 99.9 % and protection
+/// in 99 % of the epochs, without an alert and without a misleading epoch.
 fn assert_sound(station: &Station, systems: &str, frequency: Frequency, want_m: (f64, f64)) {
     let Some(have) = summary(station, systems, frequency) else { return };
     assert!(have.horizontal_rms_m.unwrap() <= want_m.0, "want {want_m:?}: {have:?}");

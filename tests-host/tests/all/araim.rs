@@ -1,7 +1,9 @@
-//! ARAIM against vectors of dense least squares, mode by mode, and against a published run of MAAST for ARAIM 2.
+//! ARAIM against vectors of dense least squares, mode by mode, and against a published run of MAAST
+//! for ARAIM 2.
 //!
-//! `want` was computed elsewhere, in double precision. Tolerances are those of the specification: levels in double
-//! precision may be above the reference by 1 mm and never below it; in single precision they are within 5 mm or 1e-4.
+//! `want` was computed elsewhere, in double precision. Tolerances are those of the specification:
+//! levels in double precision may be above the reference by 1 mm and never below it; in single
+//! precision they are within 5 mm or 1e-4.
 
 use std::fs::File;
 use std::io::{BufRead, BufReader};
@@ -18,7 +20,7 @@ use tests_host::vectors;
 
 const VECTORS: &str = "araim.jsonl.gz";
 
-/// Below this distance from a threshold, single precision may decide otherwise.
+/// Distance from a threshold below which single precision may decide otherwise.
 const F32_MARGIN: f64 = 1e-3;
 
 fn wanted() -> Vec<Value> {
@@ -43,7 +45,7 @@ fn number(value: &Value) -> f64 {
     }
 }
 
-/// One allocation's answer beside what is wanted, and how many values were compared.
+/// One allocation's answer beside the wanted one, and the number of compared values.
 struct Comparison<'v> {
     name: String,
     have: &'v Value,
@@ -145,7 +147,7 @@ fn araim_agrees_in_single_precision() {
     vectors_agree(Scalar::F32);
 }
 
-/// What MAAST reports is the upper end of at most ten halvings of its bracket, which is 2.3 m wide here.
+/// MAAST reports the upper end of at most ten halvings of its bracket, which is 2.3 m wide here.
 #[test]
 fn a_published_run_agrees_within_its_bisection() {
     /// `P_nm` of the run, by the rules of the specification in exact fractions.
@@ -187,7 +189,8 @@ fn a_published_run_agrees_within_its_bisection() {
     assert_eq!(judged.outcome, Outcome::Passed);
     assert_eq!(Some(found.modes as u64), published["n_modes"].as_u64());
     assert!((found.not_watched / EXACT - 1.0).abs() < 1e-12, "have {:e}", found.not_watched);
-    // The published run takes sums from one, and may lose a rounding of one for each of its 25 modes.
+    // The published run subtracts sums from one, and may lose a rounding of one for each of its 25
+    // modes.
     assert!((number(&published["p_nm"]) - EXACT).abs() < 25.0 * f64::EPSILON);
     let cases =
         [(found.effective_monitor_threshold_m, "emt_m", 1e-8), (found.accuracy_m, "sigma_v_acc_m", 1e-7)];

@@ -1,9 +1,11 @@
-//! A whole constellation that is wrong: its clock is harmless, a consistent shift is what only solution separation sees.
+//! A faulty constellation: its clock is harmless, and only solution separation detects a consistent
+//! shift.
 //!
-//! The module gets RTCM and is read by its sentences. Where the antenna is is known: of the recording by survey, of the
-//! simulated sky by construction. The promises are those at start, `ISM,ICAO`: there Galileo and `BeiDou` may fail as a
-//! whole. GPS, by its promise of 1e-8, may not: a shift of GPS is taken for one of the others, and nobody watches for it, unless a
-//! command promises less of GPS.
+//! The module receives RTCM and is observed through its sentences. The place of the antenna is
+//! known: of the recording by survey, of the simulated sky by construction. The integrity
+//! parameters are those at start, `ISM,ICAO`: there Galileo and `BeiDou` may fail as a whole. GPS,
+//! with its prior of 1e-8, may not: a shift of GPS is taken for one of the others, and is not
+//! monitored, unless a command gives GPS a larger prior.
 
 use rai_core::frame::Ecef;
 use rai_firmware::time::GpsTime;
@@ -20,7 +22,7 @@ const SIDEWAYS: &str = "60,0,0";
 const UPWARDS: &str = "0,0,60";
 const SHIFTS: [&str; 3] = [SIDEWAYS, UPWARDS, "36,0,-48"];
 
-/// Less than the preset promises of GPS: as often lost as a whole as others are.
+/// Larger prior for GPS than the preset's: it fails as a whole as often as the others.
 const DOUBTED: &str = "ISM,G,2.4,2.4,0,1e-5,1e-4";
 
 fn run(recording: &Recording, systems: &str, faults: &[Fault], truth: Ecef) -> Track {
@@ -40,13 +42,13 @@ fn state(moment: &Moment) -> (char, &str) {
     moment.output.as_ref().map_or((' ', ""), |output| (output.state.state, output.state.reason.as_str()))
 }
 
-/// Alarmed, or satellites left out.
+/// Returns true if there is an alarm, or a satellite is left out.
 fn is_seen(moment: &Moment) -> bool {
     let excludes = moment.output.as_ref().is_some_and(|output| !output.excluded.is_empty());
     state(moment).0 == 'A' || excludes
 }
 
-/// GPS and Galileo over central Europe, half an hour at 30 s.
+/// Returns GPS and Galileo over central Europe, half an hour at 30 s.
 fn simulated() -> (Recording, Ecef) {
     let site = Site::geodetic(48.0, 11.0, 500.0);
     let fleets = [Fleet::Gps31, Fleet::Galileo24];
@@ -96,7 +98,7 @@ fn a_shift_of_gps_is_seen_at_once_where_a_command_promises_less_of_gps() {
         assert_eq!(misleading, 0, "{fault:?}");
         if shift == SIDEWAYS {
             assert_eq!(unseen, 0, "{fault:?}");
-            // What the preset's promise of GPS costs where it is broken.
+            // This is the price of the preset's prior for GPS if GPS violates it.
             assert!(misled(&[]).0 > 0, "{fault:?}");
         }
     }
@@ -116,7 +118,7 @@ fn a_simulated_constellations_clock_is_harmless() {
     }
 }
 
-/// Half hours of the day with a window of ten faulty epochs in each.
+/// Returns faults for the half hours of the day, with a window of ten faulty epochs in each.
 fn windows(system: &str, shift: &str) -> Vec<Fault> {
     let fault = |half_hour| {
         let start_s = 900.0 + 1800.0 * f64::from(half_hour);
@@ -125,7 +127,7 @@ fn windows(system: &str, shift: &str) -> Vec<Fault> {
     (0..47).map(fault).collect()
 }
 
-/// What becomes of the windows.
+/// Outcomes of the windows.
 #[derive(Debug, Default)]
 struct Fate {
     at_once: usize,
@@ -149,8 +151,9 @@ fn fate(recording: &Recording, systems: &str, faults: &[Fault]) -> Fate {
     fate
 }
 
-/// Galileo sideways: seen in the first epoch, always. Upwards, and of the few satellites of `BeiDou`: seen where it moves
-/// the position by more than the test can bear, and within the levels where it does not.
+/// Galileo sideways is always detected in the first epoch. Upward shifts, and those of the few
+/// satellites of `BeiDou`, are detected if they move the position by more than the test allows;
+/// otherwise the error is within the levels.
 #[test]
 fn a_real_constellation_that_is_shifted_by_60_m_is_seen_at_once_and_never_misleads() {
     let Some(recording) = ESBC.load() else { return };

@@ -1,6 +1,6 @@
-//! Every attack in its quick form: what is held stays held.
+//! Every attack in its quick form, so that the module continues to withstand it.
 //!
-//! `cargo xtask attack --long` tries them at length.
+//! `cargo xtask attack --long` runs them at length.
 
 use tests_host::attack::{ATTACKS, Effort};
 
@@ -11,7 +11,7 @@ fn hold(name: &str) {
     assert!(outcome.is_held(), "{name} is not held: {}", outcome.words());
 }
 
-/// A test for each attack, under its name.
+/// Defines a test for each attack, under its name.
 macro_rules! attacks {
     ($($test:ident = $name:literal),* $(,)?) => {
         $(#[test]

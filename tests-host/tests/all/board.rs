@@ -1,4 +1,4 @@
-//! The image on the emulated board: it starts, answers, measures, fails safely and says why.
+//! The image on the emulated board: it starts, answers, measures, and fails safely with a reason.
 
 use std::path::PathBuf;
 use std::sync::OnceLock;
@@ -7,7 +7,7 @@ use std::time::Duration;
 use tests_host::board::{EmulatedBoard, Pace, Settings, is_installed};
 use tests_host::image::{self, Chip, Image};
 
-/// Enough for a machine that does other things besides.
+/// Patience for a machine with other work.
 const PATIENCE: Duration = Duration::from_secs(30);
 
 fn built() -> PathBuf {
@@ -15,7 +15,7 @@ fn built() -> PathBuf {
     IMAGE.get_or_init(|| image::build().expect("the image builds")).clone()
 }
 
-/// A board that has greeted, or none where the emulator is not installed.
+/// Returns a board that has greeted; `None` if the emulator is not installed.
 fn started(settings: &Settings) -> Option<(EmulatedBoard, String)> {
     if !is_installed() {
         return None;
@@ -106,14 +106,14 @@ fn file_that_is_no_image_is_refused() {
 }
 
 mod fault {
-    //! A debugger makes the program fail; what it does then is its own.
+    //! Failures of the program, caused by a debugger; the reaction is the program's own.
 
     use std::io::{Read, Write};
     use std::net::{TcpListener, TcpStream};
 
     use super::*;
 
-    /// The few words of the debugger's protocol that are needed.
+    /// The few commands of the debugger's protocol that are needed.
     struct Debugger(TcpStream);
 
     impl Debugger {
@@ -143,7 +143,7 @@ mod fault {
         fn stop(&mut self) {
             self.0.write_all(&[3]).expect("the emulator listens");
             self.answer();
-            // Asked for its registers' names, the emulator also lets them be set.
+            // After a request for its registers' names, the emulator also allows setting them.
             self.ask("qXfer:features:read:target.xml:0,ff");
         }
 
@@ -171,13 +171,14 @@ mod fault {
         Some((board, debugger))
     }
 
-    /// How often a jump is tried.
+    /// Number of attempts of a jump.
     const TRIES: u32 = 3;
 
-    /// Lets the running program go on at `address`, and returns what it says of itself when it starts again.
+    /// Continues the running program at `address`, and returns its greeting when it starts again.
     fn greeting_after_jump_to(address: u32) -> Option<String> {
         let (mut board, mut debugger) = debugged()?;
-        // Seldom, on a busy machine, the emulator goes on where it was and not where it was told to.
+        // Rarely, on a busy machine, the emulator continues at its old place instead of the new
+        // one.
         let lines = (0..TRIES).find_map(|_| {
             debugger.stop();
             debugger.jump(address);
@@ -200,7 +201,7 @@ mod fault {
         let Some((mut board, mut debugger)) = debugged() else { return };
         let statics_end = image::symbol(&built(), "_stack_end").expect("the end of the statics") as u32;
         let guard = statics_end.next_multiple_of(256) + 128;
-        // As above, the emulator seldom goes on with the stack pointer that it had.
+        // Rarely, as above, the emulator continues with its old stack pointer.
         let lines = (0..TRIES).find_map(|_| {
             debugger.stop();
             let answer = debugger.ask(&format!("Pd={:08x}", guard.swap_bytes()));

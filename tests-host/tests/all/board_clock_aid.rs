@@ -1,7 +1,7 @@
-//! The forecast receiver clock on the emulated board: what it adds when satellites are few.
+//! The forecast receiver clock on the emulated board, and its benefit with few satellites.
 //!
-//! A minute and more of the whole sky fills the clock's window; then all but a few satellites of GPS are lost. What is
-//! wanted are the faults that were put in: who is wrong, and when.
+//! More than a minute of the whole sky fills the clock's window; then all but a few satellites of
+//! GPS are lost. The wanted results are the injected faults: the faulty satellite, and its time.
 
 use rai_core::frame::Ecef;
 use rai_core::satellite::Constellation;
@@ -13,35 +13,36 @@ use tests_host::replay::{self, Lump, Pace, Window};
 use tests_host::sentence::{EpochOutput, epochs};
 use tests_host::sky::raw::Simulation;
 
-/// When the sky empties, s: the window holds 60 values.
+/// Time at which the sky empties, s: the window holds 60 values.
 const EMPTY_S: u32 = 75;
 
-/// When the first fault begins, s.
+/// Start of the first fault, s.
 const FAULT_S: u32 = 80;
 
-/// How long each fault lasts, and how long it is quiet before the next, s.
+/// Duration of each fault, and of the quiet before the next, s.
 const FAULT_LENGTH_S: u32 = 2;
 const QUIET_S: u32 = 2;
 
 /// End of the recording, s.
 const END_S: u32 = 100;
 
-/// Satellites in all directions, of which each is well tested with a clock beside them.
+/// Satellites in all directions, each of which is well tested with a clock beside them.
 const FOUR: [&str; 4] = ["G05", "G06", "G09", "G13"];
 
-/// Five, of which all but the last two can be told from each other, from the clock and from a wrong time tag.
+/// Five satellites. All but the last two can be distinguished from each other, from the clock and
+/// from a wrong time tag.
 const FIVE: [&str; 5] = ["G02", "G07", "G29", "G05", "G13"];
 
 fn simulation() -> Simulation {
     Simulation::above_xian(7200.0, END_S, 11)
 }
 
-/// When the fault with this number begins, s.
+/// Returns the start of the fault with this number, s.
 fn begin_s(number: usize) -> u32 {
     FAULT_S + number as u32 * (FAULT_LENGTH_S + QUIET_S)
 }
 
-/// A step of 100 m on each of the satellites in turn.
+/// Returns a step of 100 m on each of the satellites in turn.
 fn steps(satellites: &[&str]) -> Vec<String> {
     let step = |(number, satellite): (usize, &&str)| {
         let begin_s = begin_s(number);
@@ -50,14 +51,15 @@ fn steps(satellites: &[&str]) -> Vec<String> {
     satellites.iter().enumerate().map(step).collect()
 }
 
-/// Which fault is there at a second.
+/// Returns the fault at a second.
 fn fault_at(second: u32) -> Option<usize> {
     let since_s = second.checked_sub(FAULT_S)?;
     let number = since_s / (FAULT_LENGTH_S + QUIET_S);
     (since_s % (FAULT_LENGTH_S + QUIET_S) < FAULT_LENGTH_S).then_some(number as usize)
 }
 
-/// GPS as the module receives it: only `kept` satellites once the sky has emptied, and some faults.
+/// Returns GPS as the module receives it: only `kept` satellites once the sky has emptied, and some
+/// faults.
 fn received(kept: &[&str], faults: &[String]) -> Vec<Lump> {
     let (simulation, recording) = (simulation(), simulation().record());
     let seen = simulation.sights_at(EMPTY_S);
@@ -73,7 +75,7 @@ fn received(kept: &[&str], faults: &[String]) -> Vec<Lump> {
     replay::encode(&recording, &selection, &faults, &Window::ALL).expect("a recording")
 }
 
-/// What the board says, second by second; it is what the host says.
+/// Returns the board's reports, second by second, after a comparison with the host's.
 fn judged_on_board(lumps: &[Lump]) -> Option<Vec<EpochOutput>> {
     if !is_installed() {
         return None;
@@ -101,7 +103,7 @@ fn error_m(output: &EpochOutput) -> f64 {
     output.position.expect("a position").to_ecef().distance_m(truth)
 }
 
-/// What is said from the second on at which the sky empties.
+/// Returns the reports from the second on at which the sky empties.
 fn with_few(outputs: &[EpochOutput]) -> impl Iterator<Item = (u32, &EpochOutput)> {
     (0..).zip(outputs).skip(EMPTY_S as usize)
 }
@@ -113,7 +115,8 @@ fn step_on_one_of_four_satellites_is_an_alarm() {
         assert_eq!((output.state.used, output.state.dof), (4, Some(1)), "{second} s");
         let want = match fault_at(second) {
             Some(number) if number < FOUR.len() => ('A', "FAULT"),
-            // With one degree of freedom the promise comes back after ten seconds in agreement; here there are two.
+            // With one degree of freedom the promise returns after ten seconds of agreement; here
+            // there are two.
             _ if second >= FAULT_S => ('U', "RECOVERING"),
             _ => ('P', "OK"),
         };
@@ -135,14 +138,16 @@ fn step_on_one_of_five_satellites_is_excluded() {
     let Some(outputs) = judged_on_board(&received(&FIVE, &steps(&FIVE))) else { return };
     for (second, output) in with_few(&outputs) {
         match fault_at(second).and_then(|number| FIVE.get(number)) {
-            // After the two alarms, at the end.
+            // This is after the two alarms, at the end.
             None if second >= begin_s(FIVE.len() - 2) => {
                 assert_eq!(verdict(output), ('U', "RECOVERING"), "{second} s");
             }
             None => assert_eq!(verdict(output), ('P', "OK"), "{second} s"),
-            // Its fault and a wrong time look nearly alike: noise decides whether the alarm says so or already recovers.
+            // Its fault and a wrong time are similar: noise decides whether the module reports the
+            // alarm or already recovers.
             Some(&"G05") => assert_ne!(verdict(output).0, 'P', "{second} s"),
-            // Its fault and one of another look alike: the alarm says so, and nobody is accepted.
+            // Its fault and one of another satellite are similar: the module reports it, and
+            // accepts none.
             Some(&"G13") => assert_eq!(verdict(output), ('A', "AMBIGUOUS"), "{second} s"),
             Some(&faulty) => {
                 assert_eq!(verdict(output), ('P', "EXCLUDED"), "{second} s");
@@ -162,7 +167,8 @@ fn jump_of_the_clock_by_300_m_is_no_satellites_fault() {
         assert_eq!(names(output), Vec::<String>::new(), "{second} s");
         assert!(error_m(output) < 30.0, "{second} s: {} m off", error_m(output));
     }
-    // The forecast row is gone at the jump, and comes back once the new clock has been watched for twelve seconds.
+    // The forecast row is gone at the jump, and returns after the new clock has been observed for
+    // twelve seconds.
     let dof = |second: u32| outputs[second as usize].state.dof;
     assert_eq!(
         [dof(FAULT_S - 1), dof(FAULT_S), dof(FAULT_S + 1), dof(END_S - 1)].map(Option::unwrap),

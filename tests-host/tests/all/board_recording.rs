@@ -1,5 +1,5 @@
-//! Real recordings on the emulated board: the host's sentences, byte for byte, faults and exclusions included; and gpsd
-//! behind the board's port.
+//! Real recordings on the emulated board: the host's sentences, byte for byte, faults and
+//! exclusions included; and gpsd behind the board's port.
 
 use std::time::Duration;
 
@@ -18,7 +18,8 @@ use tests_host::stations::{ESBC, STATIC_BASE};
 /// A command that changes nothing.
 const AS_IT_STARTS: &str = "PHASE,NPA";
 
-/// What an epoch may cost on the chip, the first one with all its ephemerides left out.
+/// Largest cost of an epoch on the chip, instructions, without the first one with all its
+/// ephemerides.
 const EPOCH_INSTRUCTIONS: u64 = 4_000_000;
 
 fn on_both(lumps: &[Lump], command: &str) -> (HostRun, BoardRun) {
@@ -65,7 +66,8 @@ fn geostationary_satellites_at_one_hertz_are_judged_alike() {
     assert_identical(&replay::encode(&recording, &selection, &[], &window).unwrap(), AS_IT_STARTS);
 }
 
-/// Navigation bits of five systems, state vectors that are integrated, and ranges as doubles.
+/// The stream has navigation bits of five systems, state vectors that are integrated, and ranges as
+/// doubles.
 #[test]
 fn a_u_blox_stream_of_five_systems_is_judged_alike() {
     let Some(path) = shared::path_or_skip("data/ubx/static1hz_base.ubx.gz") else { return };
@@ -75,7 +77,7 @@ fn a_u_blox_stream_of_five_systems_is_judged_alike() {
     let bytes = capture::read(&path.display().to_string(), 0.0).unwrap();
     let window = Window { to_s: 40.0, ..Window::ALL };
     let lumps = Capture::of(bytes, None).unwrap().lumps(&[], &window).unwrap().lumps;
-    // More than fifty satellites: of cost, the others say what it may be.
+    // The epochs have more than fifty satellites, so the other tests check the cost.
     let (host, board) = on_both(&lumps, "SYSTEMS,GCERJ");
     let said = host.sentences();
     assert_eq!((&board.sentences, board.losses), (&said, 0));

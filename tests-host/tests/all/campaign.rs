@@ -1,4 +1,5 @@
-//! Campaigns: the same bytes however the work is divided or interrupted, and specifications that are wrong.
+//! Campaigns: the same bytes for any division or interruption of the work, and refusals of wrong
+//! specifications.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -10,7 +11,8 @@ use tests_host::campaign::{Campaign, Share, Table, merge, write_report};
 use tests_host::shared;
 use tests_host::sky::Fleet;
 
-/// A coarse grid, noise, every kind of fault, two masks, methods of both kinds.
+/// A specification with a coarse grid, noise, every kind of fault, two masks, and methods of both
+/// kinds.
 const SPEC: &str = r#"
 name = "small"
 seed = 7
@@ -114,13 +116,13 @@ fn what_cannot_be_gone_on_with_is_refused_and_left_alone() {
     let refused = |campaign: &Campaign, resume| {
         campaign.work(folder.path(), Share::ALL, resume, |_, _| {}).unwrap_err().to_string()
     };
-    assert!(refused(&first, false).contains("is there already: go on with --resume"));
+    assert!(refused(&first, false).contains("already exists: continue with --resume"));
     let other = campaign(&SPEC.replace("count = 3", "count = 4"));
     assert!(refused(&other, true).contains("is of another specification"));
     assert_eq!(fs::read(&path).unwrap(), whole);
     fs::write(&path, "hello\n").unwrap();
     let error = first.work(folder.path(), Share::ALL, true, |_, _| {}).unwrap_err();
-    assert!(format!("{error:#}").contains("the first line is not that of a campaign"), "{error:#}");
+    assert!(format!("{error:#}").contains("the first line must be that of a campaign"), "{error:#}");
 }
 
 #[test]
@@ -142,7 +144,8 @@ fn shares_that_do_not_fit_together_are_told_apart() {
     assert!(error(&[files[0].clone(), stranger]).contains("are of different campaigns"));
 }
 
-/// Without noise the position is where the antenna is: ranges, clocks and the turning earth fit what the module assumes.
+/// Without noise the position is that of the antenna: ranges, clocks and the turning earth agree
+/// with the module's model.
 #[test]
 fn without_noise_there_is_no_error() {
     let folder = tempfile::tempdir().unwrap();
@@ -155,7 +158,7 @@ fn without_noise_there_is_no_error() {
     }
 }
 
-/// The maps of the first campaign, which the readme shows, are those that it draws.
+/// The maps of the first campaign in the readme are those that it draws.
 #[test]
 fn the_pictures_of_the_first_campaign_are_those_that_it_draws() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
@@ -175,7 +178,7 @@ fn the_pictures_of_the_first_campaign_are_those_that_it_draws() {
     }
 }
 
-/// What a row says adds up, and a fault that is there is noticed.
+/// The values of a row add up, and a fault is detected.
 #[test]
 fn rows_say_what_their_names_promise() {
     let folder = tempfile::tempdir().unwrap();
@@ -235,7 +238,8 @@ fn points_tracks_and_almanacs_are_read() {
     }
 }
 
-/// The built-in GPS of 2020, written as the operator writes it, epoch at the beginning of a week.
+/// Returns the built-in GPS of 2020 in the operator's format, with the epoch at the beginning of a
+/// week.
 fn yuma() -> String {
     let block = |satellite: &tests_host::sky::Satellite| {
         let orbit = satellite.orbit;
@@ -270,8 +274,8 @@ fn an_almanac_gives_the_orbits_that_it_was_made_of() {
     }
 }
 
-/// The node of an almanac is counted from the beginning of the week: with the epoch a quarter of a day later, it has
-/// turned back with the earth by a quarter.
+/// The node of an almanac is counted from the beginning of the week: with the epoch a quarter of a
+/// day later, it has turned back with the earth by a quarter.
 #[test]
 fn an_almanacs_node_turns_with_the_earth_until_its_epoch() {
     let quarter_s = 86_164.090_5 / 4.0;
@@ -285,9 +289,9 @@ fn an_almanacs_node_turns_with_the_earth_until_its_epoch() {
 fn hostile_almanacs_are_refused_in_words() {
     for (text, want) in [
         (String::new(), "no healthy satellite"),
-        ("ID: 1\n".to_owned(), "a block without `Health`"),
-        (yuma().replace("ID:                         05", "ID:   0"), "numbers are 1 to 99"),
-        (yuma().replace("ID:                         05", "ID:   04"), "G04 stands twice"),
+        ("ID: 1\n".to_owned(), "a block lacks `Health`"),
+        (yuma().replace("ID:                         05", "ID:   0"), "the number must be within 1 to 99"),
+        (yuma().replace("ID:                         05", "ID:   04"), "G04 occurs twice"),
         (yuma().replace("Mean Anom(rad):  ", "Mean Anom(rad):  x"), "is not a number"),
         (
             yuma().replace("SQRT(A)  (m 1/2):           5", "SQRT(A)  (m 1/2):           2"),
@@ -320,14 +324,14 @@ fn hostile_specifications_are_refused_with_what_to_write_instead() {
         ("count = 3", "count = -3", "invalid value"),
         ("step_s = 7200", "step_s = 0", "times.step_s = 0: write a number"),
         ("count = 3", "count = 1000000\n[x]", "unknown field `x`"),
-        ("\"galileo24\"]", "\"galileo25\"]", "no fleet is called \"galileo25\"; there are gps24"),
-        ("\"galileo24\"]", "\"gps24\"]", "stands twice: name one constellation a system"),
+        ("\"galileo24\"]", "\"galileo25\"]", "\"galileo25\" is not a fleet; the fleets are gps24"),
+        ("\"galileo24\"]", "\"gps24\"]", "occurs twice: name one constellation per system"),
         ("fleets = [\"gps31\", \"galileo24\"]", "fleets = []", "has no satellites: write fleets"),
         ("name = \"GPS and Galileo\"", "name = \"a,b\"", "without commas"),
         ("user = \"ground\"", "user = \"moon\"", "write \"ground\" or \"airborne\""),
         ("user = \"ground\"", "", "write one of user"),
         ("sigma_m = 3", "sigma_m = 3\nzenith_m = 1", "write one of user"),
-        ("name = \"three metres\"", "name = \"ground\"", "stands twice; give each its own"),
+        ("name = \"three metres\"", "name = \"ground\"", "occurs twice; give each its own"),
         ("bias_m = [20, 100]", "bias_m = [100, 20]", "bias_m of `drawn` is [least, largest]"),
         ("kind = \"none\"", "kind = \"nothing\"", "unknown variant `nothing`"),
         ("PHASE,NPA", "PHASE,CRUISE", "the module refuses `PHASE,CRUISE`"),
@@ -344,7 +348,7 @@ fn hostile_specifications_are_refused_with_what_to_write_instead() {
     }
     let many = SPEC.replace("grid_deg = 60", "grid_deg = 0.25").replace("count = 3", "count = 1000000");
     let have = Spec::parse(&many).unwrap_err().to_string();
-    assert!(have.contains("more than can be done"), "{have}");
+    assert!(have.contains("epochs are too many"), "{have}");
     for text in ["", "\u{0}", "name = ", "[[[", "name = 1"] {
         assert!(Spec::parse(text).is_err(), "{text:?}");
     }
@@ -360,7 +364,7 @@ fn shares_are_written_as_k_of_n() {
     }
 }
 
-/// Broadcast orbits of a day: a receiver that stands in Esbjerg is protected by them.
+/// With the broadcast orbits of a day, a receiver in Esbjerg is protected.
 #[test]
 fn navigation_files_place_their_satellites() {
     let Some(folder) = shared::path_or_skip("data/esbc") else { return };

@@ -1,4 +1,5 @@
-//! The C interface, used from C: compiled strictly, sanitised, on the host and on the emulated chip.
+//! The C interface, used from C: compiled strictly, sanitised, on the host and on the emulated
+//! chip.
 
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -17,7 +18,7 @@ fn example(name: &str) -> PathBuf {
     folder().join("examples/c").join(name)
 }
 
-/// Compiles a C program against the library and gives the path of the program.
+/// Compiles a C program against the library and returns its path.
 fn compile(compiler: &str, source: &Path, library: &Path, flags: &[&str], out: &Path) -> PathBuf {
     let program = out.join("program");
     let mut command = Command::new(compiler);
@@ -34,7 +35,8 @@ fn compile(compiler: &str, source: &Path, library: &Path, flags: &[&str], out: &
     program
 }
 
-/// Whether these programs are there; says aloud that the calling test is skipped where one is not.
+/// Returns true if these programs are installed; otherwise reports that the calling test is
+/// skipped.
 fn has(programs: &[&str]) -> bool {
     let missing = programs.iter().find(|program| run(Command::new(program).arg("--version")).is_err());
     if let Some(program) = missing {
@@ -108,7 +110,7 @@ fn receiver_from_c_says_every_byte_that_it_says_from_rust() {
     assert_eq!(String::from_utf8_lossy(&output.stdout), want);
 }
 
-/// What a receiver of a simulated sky sends.
+/// Returns the bytes of a receiver of a simulated sky.
 fn stream() -> Vec<u8> {
     let selection = Selection::new("G", Frequency::Dual).expect("a system");
     let recording = Simulation::above_xian(7200.0, 20, 3).record();
@@ -116,7 +118,8 @@ fn stream() -> Vec<u8> {
     lumps.into_iter().flat_map(|lump| lump.bytes).collect()
 }
 
-/// What the module says of a stream when it is called from Rust at the times at which the C program calls it.
+/// Returns the module's output for a stream, called from Rust at the times at which the C program
+/// calls it.
 fn from_rust(bytes: &[u8]) -> String {
     let boot = Boot::on_host("library");
     let mut receiver = Receiver::new(Pin::default(), boot).expect("in the tables");

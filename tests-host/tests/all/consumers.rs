@@ -1,16 +1,16 @@
-//! Programs that read the module: what each makes of an epoch that is protected, and of one that must not be used.
+//! Programs that read the module's output: their results for an epoch that is protected, and for
+//! one that must not be used.
 //!
-//! | consumer | how |
+//! | consumer | method |
 //! |---|---|
 //! | `pymavlink` | decodes our frames with its own dialect, and encodes the same again, byte for byte |
 //! | `pynmea2` | reads the sentences |
 //! | `ArduPilot` | the rules of its NMEA driver restated, `libraries/AP_GPS/AP_GPS_NMEA.cpp` (`_have_new_message`, `_term_complete`) |
 //! | PX4 | the rules of its NMEA driver restated, PX4-GPSDrivers `src/nmea.cpp` |
-//!
 //! | ROS | the rules of `nmea_navsat_driver` restated, `src/libnmea_navsat_driver/driver.py` (`add_sentence`), `parser.py` |
 //!
-//! gpsd has tests of its own. `cargo xtask setup --consumers` brings gpsd and the packages of Python; without these a test is
-//! skipped with a word, and counted.
+//! gpsd has its own tests. `cargo xtask setup --consumers` installs gpsd and the Python packages;
+//! without them a test reports that it is skipped, and is counted.
 
 use std::io::Write as _;
 use std::process::{Command, Stdio};
@@ -29,7 +29,7 @@ use rai_firmware::time::GpsTime;
 use serde_json::Value;
 use tests_host::{setup, skip};
 
-/// 2026-01-06, 12:00:00 UTC.
+/// Time of the reports: 2026-01-06, 12:00:00 UTC.
 const NOON: GpsTime = GpsTime { week: 2400, tow_ms: (2 * 86_400 + 12 * 3600 + 18) * 1000 };
 
 fn report(verdict: Verdict) -> Report<64> {
@@ -60,7 +60,7 @@ fn report(verdict: Verdict) -> Report<64> {
     }
 }
 
-/// What is told of a report.
+/// Returns the output for a report.
 fn told(
     report: &Report<64>,
     motion: Option<Motion>,
@@ -96,7 +96,8 @@ fn frames(report: &Report<64>, motion: Option<Motion>) -> Vec<u8> {
     told(report, motion, |statement, out| Sender::default().write_epoch(statement, due, out).expect("room"))
 }
 
-/// Runs Python with something on its standard input; `None`, said aloud, where it or a package is missing.
+/// Runs Python with standard input; returns `None` and reports a skip if it or a package is
+/// missing.
 fn python(package: &str, script: &str, input: &[u8]) -> Option<Value> {
     let python = setup::python();
     let has_package = Command::new(&python).args(["-c", &format!("import {package}")]).output();
@@ -116,7 +117,8 @@ fn python(package: &str, script: &str, input: &[u8]) -> Option<Value> {
     Some(serde_json::from_slice(&output.stdout).expect("its answer"))
 }
 
-/// Decodes every frame, encodes it again with the same number and sender, and says whether the bytes are the same.
+/// Script that decodes every frame, encodes it again with the same number and sender, and compares
+/// the bytes.
 const MAVLINK: &str = r"
 import sys, json, math
 from pymavlink.dialects.v20 import development as dialect
@@ -166,7 +168,8 @@ fn pymavlink_reads_our_frames_and_writes_the_same_bytes() {
         let have = position[field].as_f64().unwrap_or(f64::NAN);
         assert!((have - want).abs() < 1e-5, "{field}: have {have}, want {want}");
     };
-    // Not better than the levels say: 12.301 / 5.33 is above the horizontal sigma of √0.75 m, 18.2 / 5.33 above 2 m.
+    // The accuracy is not better than the levels: 12.301 / 5.33 is above the horizontal sigma of
+    // √0.75 m, 18.2 / 5.33 above 2 m.
     near("horiz_accuracy", 12.301 / 5.33);
     near("vert_accuracy", 18.2 / 5.33);
     let integrity = &have[2]["fields"];
@@ -237,15 +240,17 @@ fn pynmea2_reads_position_velocity_and_date() {
     assert_eq!([&have["ZDA"]["day"], &have["ZDA"]["month"], &have["ZDA"]["year"]], ["6", "1", "2026"]);
 }
 
-/// Fields of one sentence.
+/// Returns the fields of one sentence.
 fn fields<'t>(text: &'t str, formatter: &str) -> Option<Vec<&'t str>> {
     let line = text.lines().find(|line| line.get(3..6) == Some(formatter))?;
     Some(line.split('*').next()?.split(',').skip(1).collect())
 }
 
-/// What `ArduPilot` makes of an epoch: no message until `RMC` and `GGA` have come within 150 ms of each other, and `VTG` too
-/// once one has; data are good with status `A`, a quality that is not 0, a mode that is not `N`; `RMC` and `GGA` that are
-/// not good say that there is no fix. All sentences of an epoch leave the port within `span_ms`.
+/// Returns `ArduPilot`'s result for an epoch: `None` for no message, otherwise true for a fix.
+///
+/// There is no message until `RMC` and `GGA` have come within 150 ms of each other, and `VTG` too
+/// once one has. Data are good with status `A`, a quality that is not 0, and a mode that is not
+/// `N`; without that there is no fix. All sentences of an epoch leave the port within `span_ms`.
 fn ardupilot(text: &str, span_ms: u32, saw_velocity_before: bool) -> Option<bool> {
     let rmc = fields(text, "RMC")?.get(1) == Some(&"A");
     let gga = fields(text, "GGA")?.get(5) != Some(&"0");
@@ -257,7 +262,8 @@ fn ardupilot(text: &str, span_ms: u32, saw_velocity_before: bool) -> Option<bool
     is_complete.then_some(true)
 }
 
-/// Milliseconds between the first and the last of three sentences at 115200 baud, ten bits a byte.
+/// Returns the time between the first and the last of three sentences at 115200 baud, ten bits a
+/// byte, ms.
 fn span_ms(text: &str) -> u32 {
     let from = text.find("$GNRMC").expect("RMC");
     let to = text.find("$GNVTG").and_then(|at| Some(at + text[at..].find('\n')?)).expect("VTG");
@@ -272,16 +278,16 @@ fn ardupilot_gets_a_fix_while_protected_and_none_in_an_alert() {
     assert_eq!(ardupilot(&alert, span_ms(&alert), true), Some(false));
 }
 
-/// `ArduPilot` reads an empty speed as zero. Once it has seen a velocity it therefore must not take an epoch without one, and
-/// by its own rule does not.
+/// `ArduPilot` reads an empty speed as zero. Once it has received a velocity it therefore must not
+/// accept an epoch without one, and by its own rule does not.
 #[test]
 fn ardupilot_takes_no_epoch_whose_velocity_has_gone() {
     let still = sentences(&report(Verdict::Protected(Protected::Ok)), None);
     assert_eq!(ardupilot(&still, span_ms(&still), true), None);
 }
 
-/// PX4 publishes when position, velocity and time have come: `_POS_received` by GGA, `_VEL_received` by VTG or RMC, and takes
-/// the fix from the quality of GGA, where 0 is none.
+/// PX4 publishes after position, velocity and time have come: `_POS_received` by GGA,
+/// `_VEL_received` by VTG or RMC. It takes the fix from the quality of GGA, where 0 is none.
 #[test]
 fn px4_gets_position_and_velocity_while_protected_and_no_fix_in_an_alert() {
     let has_fix = |text: &str| fields(text, "GGA").is_some_and(|gga| gga[5] != "0");
@@ -292,8 +298,11 @@ fn px4_gets_position_and_velocity_while_protected_and_no_fix_in_an_alert() {
     assert!(!has_fix(&alert) && !has_velocity(&alert));
 }
 
-/// What ROS publishes of an epoch: status of the fix by the quality of `GGA` (−1 for 0, 0 for 1), which it takes of talkers GP
-/// and GN only; a velocity of `RMC` with status `A`. A field that is empty becomes no number.
+/// Returns the output of ROS for an epoch: status of the fix, and true for a velocity.
+///
+/// The status follows from the quality of `GGA` (−1 for 0, 0 for 1), which ROS accepts only from
+/// the talkers GP and GN. The velocity is that of an `RMC` with status `A`. An empty field becomes
+/// NaN.
 fn ros(text: &str) -> (i8, bool) {
     let heard: String = text
         .lines()

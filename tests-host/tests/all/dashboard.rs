@@ -1,4 +1,4 @@
-//! The dashboard's picture, at the sizes that people have: an alert, a satellite left out, and nothing heard yet.
+//! Picture of the dashboard at common sizes: an alert, a satellite left out, and no input yet.
 
 use rai_core::satellite::{Constellation, SatelliteId};
 use ratatui::Terminal;
@@ -9,7 +9,7 @@ use tests_host::dashboard::{Dashboard, draw};
 
 const SIZES: [(u16, u16); 2] = [(80, 24), (120, 40)];
 
-/// Twenty epochs: sound ones, one with a satellite left out, and an alert at the end.
+/// Returns twenty epochs: sound ones, one with a satellite left out, and an alert at the end.
 fn story() -> Dashboard {
     let mut dashboard = Dashboard::of("a test");
     dashboard.hear(&nmea_line("PRAIV,0.1.0,1a2b3c4,POWER-ON,PASS"));
@@ -99,7 +99,7 @@ fn nothing_heard_is_said_so() {
     }
 }
 
-/// A terminal may be of any size, also while it is being resized.
+/// A terminal may have any size, even while it is being resized.
 #[test]
 fn no_size_is_too_small_to_be_drawn_in() {
     let dashboard = story();

@@ -1,4 +1,4 @@
-//! The demonstration: what it refuses, and what it shows on the emulated board.
+//! The demonstration: its refusals, and its result on the emulated board.
 
 use tests_host::board::is_installed;
 use tests_host::demo::{Live, Plan, View};
@@ -7,7 +7,7 @@ use tests_host::image;
 use tests_host::report::canvas::Ground;
 use tests_host::report::{Moment, Verdict};
 
-/// What `cargo xtask demo` shows where nobody asks for anything else.
+/// Returns the plan of `cargo xtask demo` without options.
 fn shown_by_default() -> Plan {
     Plan { bias_m: -200.0, ..plan("G15") }
 }
@@ -19,7 +19,7 @@ fn plan(name: &str) -> Plan {
 #[test]
 fn satellite_that_is_not_in_the_sky_is_refused_with_those_that_are() {
     let have = plan("C33").simulation().unwrap_err().to_string();
-    assert!(have.starts_with("C33 is never received; there are G01 G02"), "{have}");
+    assert!(have.starts_with("C33 is never received; the satellites are G01 G02"), "{have}");
     assert!(have.ends_with("C12 C13 C14"), "{have}");
 }
 
@@ -44,7 +44,7 @@ fn drifting_satellite_is_left_out_on_the_board_before_the_error_passes_its_bound
     let story =
         shown_by_default().run(&image, |moments| live.show(moments).unwrap()).expect("the board answers");
     assert_eq!(story.moments.len(), 122);
-    // At the end nothing comes any more, and the module says so and drops the pin.
+    // At the end the line is silent, and the module reports it and drops the pin.
     let silence = story.moments.last().unwrap();
     assert_eq!((silence.verdict, silence.reason.as_str()), (Verdict::Alert, "STALE"));
     assert_eq!(silence.pin_is_high, Some(false));
@@ -53,11 +53,11 @@ fn drifting_satellite_is_left_out_on_the_board_before_the_error_passes_its_bound
     assert_eq!(excluded, ["G15"], "{story}");
     let detected_s = story.detection().expect("a detection").time_s;
     assert!((41.0..60.0).contains(&detected_s), "noticed at {detected_s} s");
-    // The pin says what the verdict says, and nothing before there is one.
+    // The pin agrees with the verdict, and is low before there is one.
     assert!(!story.pin_at_boot);
     let agrees = |moment: &Moment| moment.pin_is_high == Some(moment.verdict == Verdict::Protected);
     assert!(story.moments.iter().all(agrees), "{story}");
-    // While the whole bias is there, accepting it costs more than ten times the error.
+    // With the whole bias, accepting it multiplies the error by more than ten.
     let whole = 70.0..90.0;
     let accepted: Vec<f64> = (story.ordinary.iter())
         .filter(|said| whole.contains(&said.time_s))

@@ -1,4 +1,5 @@
-//! Lines that are not epochs, and epochs that are not sensible: each gets an answer, and the run goes on.
+//! Lines that are not epochs, and implausible epochs: each receives an answer, and the run
+//! continues.
 
 use serde_json::{Value, json};
 use tests_host::evaluate::{self, Part, Scalar, Summary};
@@ -60,7 +61,7 @@ fn every_line_that_is_not_such_an_object_says_what_and_where() {
     }
 }
 
-/// As many satellites as one likes, on a spiral up the sky.
+/// Returns any number of satellites, on a spiral up the sky.
 fn crowd(count: u32) -> Value {
     let direction = |k: u32| {
         let azimuth_rad = f64::from(k) * 2.4;
@@ -120,7 +121,7 @@ fn numbers_beyond_single_precision_are_invalid_there_and_not_a_silent_nan() {
 
 #[test]
 fn two_satellites_alone_with_their_clock_are_ambiguous_in_both_precisions() {
-    // Their residuals are opposite and equal, whatever else the sky holds.
+    // Their residuals are opposite and equal, whatever else is in the sky.
     let mut line = epoch();
     line["los_enu"]
         .as_array_mut()
@@ -213,8 +214,8 @@ fn every_window_that_is_none_says_what_and_where() {
     let jump: Vec<f64> = (0..12).map(|step| if step < 7 { 0.0 } else { 3e5 }).collect();
     let cases = [
         (json!({"id": 1}), "line 1: Z: missing"),
-        (json!({"Z": vec![0.0; 11]}), "line 1: Z: 11 values, not 12 to 240"),
-        (json!({"Z": vec![0.0; 241]}), "line 1: Z: 241 values, not 12 to 240"),
+        (json!({"Z": vec![0.0; 11]}), "line 1: Z: 11 values, must be 12 to 240"),
+        (json!({"Z": vec![0.0; 241]}), "line 1: Z: 241 values, must be 12 to 240"),
         (json!({"Z": [1, 2, "x"]}), "line 1: Z[2]: not a number"),
         (json!({"Z": vec![Value::Null; 12]}), "line 1: Z[0]: NaN does not continue the window"),
         (json!({"Z": jump}), "line 1: Z[7]: 300000 does not continue the window"),

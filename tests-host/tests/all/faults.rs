@@ -1,4 +1,4 @@
-//! Faults: what they do to ranges, and what they say when they are written wrongly.
+//! Faults: their effect on ranges, and the errors for wrong texts.
 
 use rai_core::frame::Enu;
 use rai_core::satellite::{Constellation, SatelliteId};
@@ -36,7 +36,7 @@ fn source() -> impl Iterator<Item = Ranges> {
     (0..6).map(move |second| Ranges { time_s: f64::from(1000 + second), ranges_m: satellites.to_vec() })
 }
 
-/// What becomes of each satellite's range over the six epochs; `None` where it is not received.
+/// Returns the range of a satellite over the six epochs; `None` if it is not received.
 fn history(fault: Fault, name: &str) -> Vec<Option<f64>> {
     let satellite = satellite(name).unwrap();
     Injector::new(source(), vec![fault])
@@ -79,7 +79,7 @@ fn constellation_fault_spares_the_other_systems() {
     }
 }
 
-/// Of unit vectors to the east and to the zenith, `−LOS · d` is read off.
+/// With unit vectors to the east and to the zenith, `−LOS · d` is read off directly.
 #[test]
 fn shift_moves_each_range_of_the_constellation_by_where_it_stands() {
     let fault = Fault::parse_inject("G:shift=60,0,-45@3..5").unwrap();
@@ -178,7 +178,10 @@ fn satellite_that_is_never_received_is_an_error_that_names_the_others() {
     let fault = |text| Fault::parse_inject(text).unwrap().check_against(&received);
     assert_eq!(fault("G05:+80"), Ok(()));
     assert_eq!(fault("C:+80"), Ok(()));
-    let want = "G33 is never received; there are G05 G07 C12";
+    let want = "G33 is never received; the satellites are G05 G07 C12";
     assert_eq!(fault("G33:+80").unwrap_err().to_string(), want);
-    assert_eq!(fault("E:+80").unwrap_err().to_string(), "E is never received; there are G05 G07 C12");
+    assert_eq!(
+        fault("E:+80").unwrap_err().to_string(),
+        "E is never received; the satellites are G05 G07 C12"
+    );
 }

@@ -1,4 +1,5 @@
-//! A sky of more satellites than are judged at once: those low above the horizon give way to those that can be used.
+//! A sky with more satellites than an epoch can hold: those low above the horizon are replaced by
+//! usable ones.
 
 use rai_firmware::correction::CAPACITY;
 use tests_host::attack::victim::{Seen, Victim};
@@ -7,7 +8,8 @@ use tests_host::fault::Measured;
 use tests_host::sky::Fleet;
 use tests_host::sky::raw::Simulation;
 
-/// What is seen of the last of some epochs down to an elevation, and how many satellites were in it.
+/// Returns the module, its report on the last of some epochs down to an elevation, and the number
+/// of satellites in it.
 fn last_epoch(mask_deg: f64) -> (Victim, Seen, usize) {
     let fleets = [Fleet::BeidouRegional, Fleet::Beidou24, Fleet::Galileo24, Fleet::Gps31];
     let simulation = Simulation {
@@ -38,6 +40,6 @@ fn low_satellites_take_no_place_of_high_ones() {
     assert!(satellites > CAPACITY, "{satellites} satellites are no crowd");
     assert!(have.is_promised && !have.is_misleading());
     assert!(have.said.state.used >= want.said.state.used, "used {}", have.said.state.used);
-    // The first epoch of all has no horizon yet.
+    // The very first epoch has no horizon yet.
     assert!(victim.counter("epoch_full") as usize <= satellites - CAPACITY);
 }

@@ -1,8 +1,8 @@
-//! What fuzzing has found worth keeping, and random changes of it, on the stable toolchain.
+//! The corpus of fuzzing, and random changes of it, on the stable toolchain.
 
 use tests_host::fuzzing::{TARGETS, replay};
 
-/// Changed inputs for each target; the seeds make them the same each time.
+/// Number of changed inputs for each target; the seeds make them the same each time.
 const MUTATIONS: usize = 2000;
 
 fn mutate(name: &str) {

@@ -1,4 +1,4 @@
-//! The GNSS port at the rates that receivers send at: what comes is read, and the rate is found where it is not known.
+//! The GNSS port at the rates of receivers: the input is read, and an unknown rate is found.
 
 use rai_firmware::bit_rate::{PATIENCE_MS, RATES};
 use tests_host::encode::{Frequency, Selection, ubx};
@@ -6,7 +6,7 @@ use tests_host::paced::{Costs, Lines, Outcome, run, search};
 use tests_host::recording::Recording;
 use tests_host::sky::raw::Simulation;
 
-/// The slowest clock of the board, and what an epoch costs, instructions.
+/// Slowest clock of the board, Hz, and cost of an epoch, instructions.
 const INTERNAL_HZ: u64 = 16_000_000;
 const EPOCH: u64 = 1_100_000;
 const COSTS: Costs = Costs::measured(INTERNAL_HZ, EPOCH);
@@ -17,13 +17,13 @@ fn lines(gnss_baud: u64, rate_hz: u64) -> Lines<'static> {
     Lines { gnss_baud, host_baud: 115_200, period_ns: 1_000_000_000 / rate_hz, flood: &[], host_reads: true }
 }
 
-/// A sky of three systems on two bands.
+/// Returns a sky of three systems on two bands.
 fn sky(epochs: u32) -> Recording {
     Simulation::above_xian(3600.0, epochs, 11).record()
 }
 
-/// What a u-blox receiver sends of it at some epochs a second: all ranges of the epoch, and of the navigation bits, which
-/// take 30 s, what is due. The first lump brings all orbits.
+/// Returns the bytes of a u-blox receiver at some epochs a second: all ranges of the epoch, and the
+/// navigation bits that are due, which take 30 s. The first lump has all orbits.
 fn lumps(epochs: u32, rate_hz: u32) -> Vec<Vec<u8>> {
     const FRAME_S: u32 = 30;
     let recording = sky(epochs);
@@ -40,7 +40,7 @@ fn lumps(epochs: u32, rate_hz: u32) -> Vec<Vec<u8>> {
     epochs.map(|(epoch, due)| [due.concat(), encoder.epoch(epoch).unwrap()].concat()).collect()
 }
 
-/// The frames in a run of good ones.
+/// Splits a run of good frames.
 fn frames(bytes: &[u8]) -> Vec<Vec<u8>> {
     let (mut frames, mut rest) = (Vec::new(), bytes);
     while let [_, _, _, _, low, high, ..] = *rest {
@@ -51,7 +51,7 @@ fn frames(bytes: &[u8]) -> Vec<Vec<u8>> {
     frames
 }
 
-/// Nothing was lost, and every epoch was judged in time for the next.
+/// Checks that nothing was lost, and that every epoch was judged before the next.
 fn assert_all_read(have: &Outcome, epochs: usize, case: &str) {
     let names = [
         "gnss_bytes_lost",
@@ -86,7 +86,8 @@ fn every_second_at_38400_and_five_times_a_second_at_115200_lose_nothing() {
 #[test]
 fn every_rate_is_found_within_the_time_that_the_tries_before_it_take() {
     for (tries, baud) in RATES.into_iter().enumerate() {
-        // Each rate before it takes its patience; at a wrong rate a lump may end before the time is over.
+        // Each earlier rate takes its patience; at a wrong rate a lump may end before that time is
+        // over.
         let limit_s = (tries as u64 * (PATIENCE_MS + 1500)).div_ceil(1000);
         let epochs = limit_s as u32 + 8;
         // At 9600 baud a second carries a single system.
@@ -97,7 +98,7 @@ fn every_rate_is_found_within_the_time_that_the_tries_before_it_take() {
             .epochs
             .iter()
             .map(|epoch| {
-                // Orbits come again and again, as from a receiver.
+                // Orbits are repeated, as a receiver does.
                 let mut anew = ubx::Encoder::new(&recording.ephemerides, selection.clone(), None);
                 let is_due = epoch.time.tow_ms / 1000 % 4 == 0;
                 if is_due { anew.epoch(epoch).unwrap() } else { encoder.epoch(epoch).unwrap() }
@@ -117,7 +118,7 @@ fn every_rate_is_found_within_the_time_that_the_tries_before_it_take() {
 fn a_rate_that_a_command_fixes_is_set_at_once() {
     let lumps = lumps(10, 1);
     let command = tests_host::sentence::command("BAUD,230400");
-    // Said once, and then nothing that the module could read.
+    // The command comes once, followed by nothing that the module could read.
     let flood = [command.as_bytes(), vec![b' '; 300_000].as_slice()].concat();
     let have = search(&lumps, Lines { flood: &flood, ..lines(230_400, 1) }, COSTS);
     assert_eq!(have.rates.iter().map(|(_, rate)| *rate).collect::<Vec<_>>(), [230_400]);

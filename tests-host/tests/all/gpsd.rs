@@ -1,7 +1,8 @@
-//! What a real gpsd makes of the module's sentences.
+//! A real gpsd's result for the module's sentences.
 //!
-//! gpsd takes position and mode from `GNS` and `GSA`, its `GST` object from `GST`, and the errors `epx`, `epy`, `epv`
-//! of its position from `GBS` and from nothing else. Its `SKY` needs `GSV`, which the module does not send.
+//! gpsd takes position and mode from `GNS` and `GSA`, its `GST` object from `GST`, and the errors
+//! `epx`, `epy`, `epv` of its position from `GBS` and from nothing else. Its `SKY` needs `GSV`,
+//! which the module does not send.
 
 use std::time::{Duration, SystemTime};
 
@@ -25,16 +26,16 @@ const LATITUDE_DEG: f64 = 55.493_712_345;
 const LONGITUDE_DEG: f64 = -8.456_789_012;
 const HEIGHT_M: f64 = 59.874;
 
-/// Standard deviations of east, north, up, m: distinct, so that none passes for another.
+/// Standard deviations of east, north, up, m: all different, so that they cannot be confused.
 const SIGMA_M: [f64; 3] = [0.55, 0.71, 1.43];
 
-/// How long gpsd may take for one epoch.
+/// Time within which gpsd must process one epoch.
 const WITHIN: Duration = Duration::from_secs(5);
 
-/// Epochs that gpsd gets to make up its mind: it needs a few to see where a cycle ends.
+/// Number of epochs for gpsd, which needs a few to find the end of a cycle.
 const EPOCHS: u32 = 40;
 
-/// Three systems, redundancy, nothing wrong.
+/// Returns a report of three systems with redundancy and without a fault.
 fn report(verdict: Verdict) -> Report<64> {
     let geodetic = Geodetic {
         latitude_rad: LATITUDE_DEG.to_radians(),
@@ -90,7 +91,7 @@ fn sentences_at(report: &Report<64>, time: GpsTime) -> Vec<u8> {
     bytes
 }
 
-/// Feeds epoch after epoch until gpsd says what is wanted; its words of the last wait where it never does.
+/// Sends epoch after epoch until gpsd returns the wanted object; the error shows its last ones.
 fn feed_until(
     gpsd: &mut Gpsd,
     report: &Report<64>,
@@ -176,10 +177,11 @@ fn gpsd_drops_the_fix_when_there_is_none() -> Result<()> {
     Ok(())
 }
 
-/// GPS time began at 1980-01-06 00:00:00 UTC, ms of Unix time.
+/// Start of GPS time in Unix time, ms: 1980-01-06 00:00:00 UTC.
 const GPS_BEGAN_MS: u64 = 315_964_800_000;
 
-/// Says each full second as it begins, for so many seconds; what chronyd makes of its source then.
+/// Reports each full second as it begins, for `seconds` seconds; returns the state of chronyd's
+/// source then.
 fn tell_the_time(gpsd: &mut Gpsd, chronyd: &Chronyd, report: &Report<64>, seconds: u32) -> Result<Source> {
     for _ in 0..seconds {
         let now_ms = u64::try_from(SystemTime::now().duration_since(SystemTime::UNIX_EPOCH)?.as_millis())?;
@@ -193,8 +195,9 @@ fn tell_the_time(gpsd: &mut Gpsd, chronyd: &Chronyd, report: &Report<64>, second
     chronyd.source()?.context("chronyd does not answer")
 }
 
-/// From the sentences over gpsd and its shared memory to the clock of a server. It follows them under an alert as well: gpsd hands on
-/// the time of a `RMC` that is void, and of a `ZDA`, which has no status.
+/// The time goes from the sentences over gpsd and its shared memory to the clock of a server. It
+/// does so even under an alert, because gpsd forwards the time of a void `RMC`, and of a `ZDA`,
+/// which has no status.
 #[test]
 fn chrony_follows_the_time_of_the_sentences() -> Result<()> {
     if !chrony::is_possible() {
@@ -205,7 +208,8 @@ fn chrony_follows_the_time_of_the_sentences() -> Result<()> {
     let chronyd = Chronyd::beside(&gpsd)?;
     let told = tell_the_time(&mut gpsd, &chronyd, &report(Verdict::Protected(Protected::Ok)), 14)?;
     assert!(told.is_followed && told.reach.count_ones() >= 4, "{told:?}");
-    // Said as the second begins: behind by what the line takes, and not by a leap second.
+    // The time is sent as the second begins: it is late by the delay of the line, and not by a leap
+    // second.
     assert!(told.ahead_s.abs() < 0.5, "{told:?}");
     Ok(())
 }

@@ -1,8 +1,9 @@
-//! Host and target are one: the same epochs give the same reports, to the last bit of every number.
+//! Equality of host and target: the same epochs give the same reports, to the last bit of every
+//! number.
 //!
-//! Thousands of random epochs, with every method, policy and aiding, go through the core twice: here, compiled for the
-//! machine at hand, and in the measuring image on the emulated processor, which writes its reports as `Debug` does:
-//! the shortest text that stands for exactly these bits.
+//! Thousands of random epochs, with every method, policy and aiding, go through the core twice:
+//! here, compiled for this machine, and in the measuring image on the emulated processor. That one
+//! formats its reports as `Debug` does: the shortest text that stands for exactly these bits.
 
 use rai_core::epoch::{Epoch, Observation};
 use rai_core::frame::{Ecef, Enu, LocalFrame};
@@ -19,7 +20,7 @@ use rand_chacha::ChaCha8Rng;
 use tests_host::board::is_installed;
 use tests_host::laboratory::{Bench, Scalar, Stage, epoch_bytes, point_bytes};
 
-/// In the order of the numbers that the image knows them by.
+/// Methods in the order of the image's numbers.
 const METHODS: [Method; 8] = [
     Method::Baarda,
     Method::Parity(parity::Isolation::Simultaneous),
@@ -32,10 +33,10 @@ const METHODS: [Method; 8] = [
 ];
 const POLICIES: [Policy; 3] = [Policy::T1, Policy::T2, Policy::TOp];
 
-/// Epochs in the life of one monitor.
+/// Number of epochs of one monitor.
 const EPOCHS: usize = 12;
 
-/// A monitor's life: how it judges, where it starts, what it sees.
+/// One monitor: its strategy, its start, and its epochs.
 struct Life {
     strategy: (usize, usize, bool),
     start: Ecef,
@@ -43,8 +44,8 @@ struct Life {
 }
 
 impl Life {
-    /// A receiver anywhere on earth, a random sky with up to four faults, the same satellites with other noise from
-    /// epoch to epoch.
+    /// Returns a receiver anywhere on earth, a random sky with up to four faults, and the same
+    /// satellites with other noise from epoch to epoch.
     fn random(number: usize) -> Self {
         let mut random = ChaCha8Rng::seed_from_u64(number as u64);
         let place = place(&mut random);
@@ -66,7 +67,7 @@ impl Life {
         bytes
     }
 
-    /// The reports of this machine.
+    /// Returns the reports of this machine.
     fn reports<T: Real>(&self) -> Vec<String> {
         let (method, policy, clock_aid) = self.strategy;
         let mut monitor =
@@ -89,7 +90,7 @@ fn place(random: &mut ChaCha8Rng) -> Ecef {
         .to_ecef()
 }
 
-/// Four to 45 satellites of up to four constellations, with their sigmas and faults.
+/// Returns four to 45 satellites of up to four constellations, with their sigmas and faults.
 fn sky(random: &mut ChaCha8Rng, place: Ecef) -> Vec<(Observation, f64)> {
     let frame = LocalFrame::at(place);
     let count = random.random_range(4..=45);
@@ -112,7 +113,7 @@ fn sky(random: &mut ChaCha8Rng, place: Ecef) -> Vec<(Observation, f64)> {
 }
 
 fn epoch(random: &mut ChaCha8Rng, place: Ecef, sky: &[(Observation, f64)], time_s: f64) -> Epoch<CAPACITY> {
-    /// What the earth's rotation adds to a range.
+    /// Effect of the earth's rotation on a range.
     const RATE: f64 = 7.292_115_146_7e-5 / 299_792_458.0;
     let clock_m = 2e4 + 30.0 * time_s;
     let mut epoch = Epoch::new(time_s);

@@ -1,8 +1,8 @@
 //! A day of a real station with a fault injected into each satellite in turn.
 //!
-//! Windows of ten epochs, one fault of +100 m in each, spread over the day. A satellite counts as testable where its
-//! smallest detectable bias, `σ √(λ/S_ii)` of the fault-free epoch, is below 100 m; `S_ii` comes from the dense oracle
-//! and not from the core.
+//! The windows have ten epochs with one fault of +100 m each, and are spread over the day. A
+//! satellite counts as testable if its smallest detectable bias, `σ √(λ/S_ii)` of the fault-free
+//! epoch, is below 100 m; `S_ii` comes from the dense oracle and not from the core.
 
 use rai_core::frame::{Ecef, Enu, LocalFrame};
 use rai_core::integrity::residuals::threshold::Thresholds;
@@ -19,9 +19,9 @@ const TRUTH: Ecef = ESBC.truth;
 const BIAS_M: f64 = 100.0;
 const MASK_RAD: f64 = 10.0 * std::f64::consts::PI / 180.0;
 
-/// Seconds between epochs.
+/// Time between epochs, s.
 const STEP_S: f64 = 30.0;
-/// Epochs of a window, and from one window to the next.
+/// Number of epochs of a window, and from one window to the next.
 const FAULTY_EPOCHS: usize = 10;
 const STRIDE_EPOCHS: usize = 12;
 
@@ -36,7 +36,7 @@ fn run(recording: &Recording, faults: &[Fault], window: &Window) -> (Vec<Lump>, 
     (lumps, track)
 }
 
-/// The satellites of each epoch with their smallest detectable biases, m.
+/// Returns the satellites of each epoch with their smallest detectable biases, m.
 fn detectable_biases(lumps: &[Lump]) -> Vec<Vec<(SatelliteId, f64)>> {
     let epochs = replay::corrected(lumps, TRUTH, MASK_RAD, None);
     epochs.iter().map(|epoch| biases_of(epoch.observations())).collect()
@@ -63,7 +63,8 @@ fn biases_of(observations: &[rai_core::epoch::Observation]) -> Vec<(SatelliteId,
     observations.iter().enumerate().map(smallest).collect()
 }
 
-/// One fault per window, the satellites in turn among those seen through the whole window.
+/// Returns one fault per window, the satellites in turn among those in view through the whole
+/// window.
 fn faults(biases: &[Vec<(SatelliteId, f64)>]) -> Vec<Fault> {
     let mut times_chosen = std::collections::BTreeMap::<SatelliteId, usize>::new();
     let mut faults = Vec::new();

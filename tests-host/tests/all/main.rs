@@ -1,6 +1,7 @@
-//! What the module does with skies, recordings, faults and attacks, on the host and on the emulated board.
+//! Tests of the module with skies, recordings, faults and attacks, on the host and on the emulated
+//! board.
 //!
-//! One program for all: what they have in common is compiled and linked once.
+//! They are one program, so that common code is compiled and linked once.
 
 mod accuracy;
 mod araim;

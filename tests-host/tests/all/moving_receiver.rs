@@ -1,7 +1,8 @@
-//! A fast receiver with a forecast clock: it moves farther between two epochs than corrections hold, so that every epoch
-//! is corrected and judged more than once, and is learned from once.
+//! A fast receiver with a forecast clock. It moves farther between two epochs than corrections
+//! hold, so that every epoch is corrected and judged more than once, and is learned from once.
 //!
-//! What is wanted is arithmetic: `dof = n − 3 − C`, and one more where the forecast of a clock takes a row.
+//! The wanted values are arithmetic: `dof = n − 3 − C`, and one more if the forecast of a clock
+//! takes a row.
 
 use rai_core::frame::Enu;
 use tests_host::encode::{Frequency, Selection};
@@ -11,16 +12,16 @@ use tests_host::sentence::epochs;
 use tests_host::sky::Site;
 use tests_host::sky::raw::Simulation;
 
-/// An airliner's, m/s.
+/// Speed of an airliner, m/s.
 const SPEED_M_S: f64 = 250.0;
 
 /// Time between epochs, s: 1250 m.
 const STEP_S: f64 = 5.0;
 
-/// Epochs: more than the twelve without which no clock is forecast.
+/// Number of epochs: more than the twelve that a clock forecast needs.
 const EPOCHS: u32 = 30;
 
-/// GPS as an airliner above Xi'an records it, eastward.
+/// Returns GPS as an airliner above Xi'an records it, eastward.
 fn flight() -> Recording {
     let still = Simulation { step_s: STEP_S, ..Simulation::above_xian(7200.0, EPOCHS, 3) };
     let at = |epoch: u32| {
@@ -28,7 +29,7 @@ fn flight() -> Recording {
         let moved = still.site.frame.unrotate(Enu { east, north: 0.0, up: 0.0 });
         Simulation { site: Site::at(still.site.position + moved), ..still.clone() }
     };
-    // The clock goes on from epoch to epoch whatever the site is: it follows from the seed.
+    // The clock follows from the seed, so it continues from epoch to epoch whatever the site is.
     let epochs = (0..EPOCHS).filter_map(|epoch| at(epoch).record().epochs.into_iter().nth(epoch as usize));
     Recording { epochs: epochs.collect(), ..still.record() }
 }

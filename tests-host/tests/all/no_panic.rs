@@ -1,4 +1,4 @@
-//! The proof that nothing panics is complete, and can fail.
+//! Completeness of the proof that nothing panics, and proof that it can fail.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -8,7 +8,7 @@ use tests_host::image::CompiledFor;
 use tests_host::no_panic::static_library::{HANDLER, StaticLibrary};
 use tests_host::no_panic::{self, coverage};
 
-/// The sources of a crate of this repository.
+/// Returns the sources of a crate of this repository.
 fn sources(of: &str) -> std::path::PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(of).join("src")
 }
@@ -52,7 +52,7 @@ fn every_function_of_the_header_is_in_the_proof_of_the_library_for_c() {
     println!("{error:#}");
 }
 
-/// The name of the function that a line of the header declares.
+/// Returns the name of the function that a line of the header declares.
 fn function_declared(line: &str) -> Option<String> {
     let is_code = line.starts_with(|first: char| first.is_ascii_lowercase()) && !line.starts_with("typedef");
     let (declared, _) = line.split_once('(').filter(|_| is_code)?;

@@ -1,4 +1,5 @@
-//! The board against the host: the same bytes in give the same bytes out, and an epoch costs what it may.
+//! The board against the host: the same input gives the same output, and an epoch stays within its
+//! cost.
 
 use std::time::Duration;
 
@@ -11,11 +12,12 @@ use tests_host::replay::is_said_by_the_clock;
 use tests_host::sky::raw::Simulation;
 
 const PATIENCE: Duration = Duration::from_mins(1);
-/// What an epoch of twenty satellites may cost on the chip.
+/// Largest cost of an epoch of twenty satellites on the chip, instructions.
 const EPOCH_INSTRUCTIONS: u64 = 4_000_000;
-/// The same where it is compiled for size: the first, which brings the ephemerides, costs three times the others.
+/// The same if it is compiled for size: the first, with the ephemerides, costs three times the
+/// others.
 const EPOCH_INSTRUCTIONS_FOR_SIZE: u64 = 1_500_000;
-/// What the stack may grow to: half of what the image must leave for it.
+/// Largest stack, bytes: half of what the image must leave for it.
 const STACK_BYTES: u64 = image::STACK_BUDGET_BYTES / 2;
 
 /// A pin in memory.
@@ -38,7 +40,7 @@ impl OutputPin for Level {
     }
 }
 
-/// Epochs of GPS and `BeiDou` above one place, a lump of bytes for each epoch.
+/// Returns epochs of GPS and `BeiDou` above one place, a lump of bytes for each epoch.
 fn lumps(epochs: u32) -> Vec<Vec<u8>> {
     let recording = Simulation::above_xian(0.0, epochs, 7).record();
     let selection = Selection::new("GC", Frequency::Dual).expect("two systems");

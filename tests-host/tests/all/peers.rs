@@ -1,4 +1,4 @@
-//! The programs that ours is measured beside do what the comparison says they do, and cost more.
+//! Checks that the programs measured beside ours give the stated answers, and cost more.
 
 use std::collections::BTreeMap;
 
@@ -6,10 +6,10 @@ use tests_host::bench::peers::sources::Sources;
 use tests_host::bench::peers::{Comparison, Core, OURS, Outcome, Row};
 use tests_host::{board, setup, skip};
 
-/// Farther from the truth than noise of 2 m on 18 satellites can move a position, m.
+/// Distance from the truth that noise of 2 m on 18 satellites cannot cause, m.
 const FAR_M: f64 = 10.0;
 
-/// The sources of an earlier `cargo xtask bench --peers`: a test downloads nothing.
+/// Returns the sources of an earlier `cargo xtask bench --peers`; a test downloads nothing.
 fn sources() -> Option<Sources> {
     if !setup::can_compile_peers() {
         skip::say("arm-none-eabi-gcc with newlib (`cargo xtask bench --peers` installs it)");
@@ -22,12 +22,12 @@ fn sources() -> Option<Sources> {
     sources.filter(|_| board::is_installed())
 }
 
-/// What is right: a position near the truth without the satellites that are wrong.
+/// Returns true for a position near the truth without the faulty satellites.
 fn is_right(outcome: &Outcome, wrong: &[&str]) -> bool {
     outcome.error_m.is_some_and(|error_m| error_m < FAR_M) && outcome.left_out == wrong
 }
 
-/// Which epochs of a row are answered right, and which refused.
+/// Returns the epochs of a row that are answered right, and those that are refused.
 fn answers(row: &Row) -> Vec<&'static str> {
     let wrong: [&[&str]; 3] = [&[], &["G03"], &["G03", "G06"]];
     let answer = |(outcome, wrong): (&Outcome, &[&str])| match outcome.error_m {
@@ -46,7 +46,7 @@ fn peers_answer_right_or_refuse_and_cost_more_than_ours() {
     let want = BTreeMap::from([
         (OURS, ["right", "right", "right"]),
         ("libswiftnav", ["right", "right", "right"]),
-        // Its search leaves out one.
+        // Its search leaves out one satellite.
         ("RTKLIB 2.4.3 b34", ["right", "right", "refused"]),
     ]);
     let (ours, theirs): (Vec<&Row>, Vec<&Row>) = comparison.rows.iter().partition(|row| row.program == OURS);

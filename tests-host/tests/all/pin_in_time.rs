@@ -1,5 +1,5 @@
-//! The promise in time: the pin is driven soon after an epoch's last byte, whatever the host does and however fast
-//! epochs come.
+//! The promise in time: the pin is driven soon after an epoch's last byte, whatever the host does
+//! and however fast epochs come.
 
 use tests_host::bench::budget;
 use tests_host::encode::{Encoder, Frequency, Selection};
@@ -10,17 +10,18 @@ use tests_host::sky::raw::Simulation;
 const FULL_HZ: u64 = 168_000_000;
 const INTERNAL_HZ: u64 = 16_000_000;
 
-/// What an epoch may cost, instructions.
+/// Largest cost of an epoch, instructions.
 const EPOCH: u64 = 1_100_000;
 
-/// What the worst-case one costs that `bench` finds in the midst of a stream, and the worst of all, which is the first:
-/// there the pin is low already. `cargo xtask bench --check` holds them.
+/// Returns the cost of the worst-case epoch in the midst of a stream, and of the worst of all,
+/// which is the first, at which the pin is still low. `cargo xtask bench --check` compares them.
 fn worst() -> (u64, u64) {
     let later = figure("worst-case epoch of a stream");
     (later, later.max(figure("worst-case first epoch")))
 }
 
-/// What an epoch without a fault costs to judge, the reading of its bytes and the writing of its sentences apart.
+/// Returns the cost of judging an epoch without a fault, without reading its bytes and writing its
+/// sentences.
 fn usual() -> u64 {
     let read = figure("RTCM of one epoch, two MSM7, 20 satellites");
     figure("whole epoch, bytes in to bytes out, 20 satellites") - read - figure("sentences, 20 satellites")
@@ -31,7 +32,7 @@ fn figure(name: &str) -> u64 {
     *committed.get(name).unwrap_or_else(|| panic!("{name} has a figure"))
 }
 
-/// Epochs before the measurement, in which orbits come.
+/// Number of epochs before the measurement, in which orbits come.
 const QUIET: usize = 3;
 
 fn lumps(epochs: u32) -> Vec<Vec<u8>> {
@@ -128,12 +129,13 @@ fn epochs_that_come_too_fast_are_skipped_whole_and_the_pin_stays_timely() {
         let judged = have.lateness_ns.len();
         assert!(skipped(&have) > 0 && judged > 5, "{case}: {judged} judged, {:?}", have.counters);
         assert!(have.latest_ms() <= limit_ms, "{case}: {:.1} ms late", have.latest_ms());
-        // None is judged with a part of its satellites.
+        // None is judged with only a part of its satellites.
         assert_eq!(have.counter("epochs_protected") as usize, judged + QUIET, "{case}: {:?}", have.counters);
     }
 }
 
-/// What the line carries, and how many of its epochs a second are judged in time, each usual, and each the worst-case one.
+/// The table has the rate that the line carries, and the epochs per second that are judged in time,
+/// each usual, and each the worst-case one.
 #[test]
 fn highest_epoch_rates() {
     let lumps = lumps(43);
@@ -153,11 +155,12 @@ fn highest_epoch_rates() {
     let cases = [(FULL_HZ, 115_200), (FULL_HZ, 921_600), (INTERNAL_HZ, 115_200), (INTERNAL_HZ, 921_600)];
     let have = cases.map(|(core_hz, gnss_baud)| highest_hz(core_hz, gnss_baud));
     println!("{longest} bytes an epoch; line, usual, worst-case in Hz: {have:?}");
-    // As the table of `results/cost.md` has them.
+    // The table of `results/cost.md` has these values.
     assert_eq!(have, [[21, 21, 21], [175, 175, 87], [21, 21, 8], [175, 54, 8]]);
 }
 
-/// What the host's line cannot carry is lost and counted; the pin is as early as before.
+/// Sentences beyond the capacity of the host's line are lost and counted; the pin is as early as
+/// before.
 #[test]
 fn the_hosts_line_carries_the_sentences_of_17_epochs_a_second() {
     let lumps = lumps(QUIET as u32 + 100);
@@ -171,14 +174,14 @@ fn the_hosts_line_carries_the_sentences_of_17_epochs_a_second() {
     }
 }
 
-/// Each pass costs: with one for each byte they would cost more than the epoch.
+/// Each pass has a cost: one pass per byte would cost more than the epoch.
 #[test]
 fn the_loop_goes_round_once_a_millisecond_or_by_64_bytes() {
     let lumps = lumps(13);
     for gnss_baud in [115_200, 921_600] {
         let have = run(&lumps, QUIET, Lines { gnss_baud, ..every(200) }, Costs::measured(FULL_HZ, EPOCH));
         let bytes: usize = lumps[QUIET..].iter().map(Vec::len).sum();
-        // Ten epochs and the second after them.
+        // The time is ten epochs and the second after them.
         let milliseconds = 10 * 200 + 1000;
         let most = milliseconds + bytes as u64 / 64;
         assert!((milliseconds / 2..=most).contains(&have.passes), "{gnss_baud} baud: {} passes", have.passes);

@@ -1,11 +1,13 @@
-//! What single precision costs: every epoch of the recordings judged by the core in both precisions.
+//! Cost of single precision: every epoch of the recordings is judged by the core in both
+//! precisions.
 //!
 //! ```text
 //! |x_f32 − x_f64| ≤ 1 mm      |HPL_f32 − HPL_f64| ≤ 1e-4 HPL      |VPL_f32 − VPL_f64| ≤ 1e-4 VPL
 //! ```
 //!
-//! Both take the same corrected ranges and go their own ways from there, each from its own last position. Orbits and clocks,
-//! integers in either, have a double-precision reference of their own beside them (`rai-firmware/tests/all/orbit_reference.rs`).
+//! Both take the same corrected ranges and are independent from there on, each starting from its
+//! own last position. Orbits and clocks, integers in either, have their own double-precision
+//! reference (`rai-firmware/tests/all/orbit_reference.rs`).
 
 use rai_core::epoch::Epoch;
 use rai_core::frame::Ecef;
@@ -39,7 +41,7 @@ struct Pair {
     seen: Differences,
 }
 
-/// The largest differences so far, and how many epochs were judged.
+/// Largest differences so far, and the number of judged epochs.
 #[derive(Debug, Default)]
 struct Differences {
     epochs: u32,
@@ -101,7 +103,7 @@ impl Differences {
             self.position_m = self.position_m.max(one.position.distance_m(other.position));
         }
         if let (Some(one), Some(other)) = (&one.protection, &other.protection) {
-            // Two that are infinite differ by nothing.
+            // Two infinite values have no difference.
             let is_same = |one: f64, other: f64| one.to_bits() == other.to_bits();
             let relative =
                 |one: f64, other: f64| if is_same(one, other) { 0.0 } else { (one / other - 1.0).abs() };
@@ -115,7 +117,7 @@ fn excluded(report: &Report<CAPACITY>) -> Vec<rai_core::satellite::SatelliteId> 
     report.excluded.iter().map(|suspect| suspect.satellite).collect()
 }
 
-/// Every epoch of a recording, with faults in it, by pairs of ranges and by single ones.
+/// Compares every epoch of a recording with faults, by pairs of ranges and by single ones.
 fn differ_by_rounding_alone(station: &Station, faults: &[&str]) {
     let Some(recording) = station.load() else { return };
     let selection = Selection::new("GCE", Frequency::Dual).unwrap();

@@ -1,4 +1,5 @@
-//! The second board: a Cortex-M7 with doubles in hardware says what the host says, byte for byte.
+//! The second board: a Cortex-M7 with doubles in hardware sends the host's sentences, byte for
+//! byte.
 
 use std::time::Duration;
 
@@ -17,7 +18,7 @@ fn lumps(epochs: u32) -> Vec<Vec<u8>> {
     recording.epochs.iter().map(|epoch| encoder.epoch(epoch).unwrap()).collect()
 }
 
-/// The verdicts of the module in process.
+/// Returns the verdicts of the module in process.
 fn on_host(lumps: &[Vec<u8>]) -> Vec<String> {
     let boot = Boot::on_host("host");
     let mut receiver = Receiver::new(Pin::default(), boot).expect("the module starts");
@@ -28,7 +29,8 @@ fn on_host(lumps: &[Vec<u8>]) -> Vec<String> {
     of_epochs(String::from_utf8(said).expect("sentences are ASCII").lines())
 }
 
-/// What is said of epochs, and of nothing else: what is said from time to time depends on when the board started.
+/// Returns only the sentences of epochs, because the timing of the others depends on the start of
+/// the board.
 fn of_epochs<'l>(lines: impl Iterator<Item = &'l str>) -> Vec<String> {
     const KINDS: [&str; 7] = ["$GNRMC", "$GNGGA", "$GNGNS", "$GNGST", "$GNGBS", "$PRAIS", "$PRAIX"];
     lines.filter(|line| KINDS.iter().any(|kind| line.starts_with(kind))).map(str::to_owned).collect()

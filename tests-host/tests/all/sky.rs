@@ -46,8 +46,8 @@ fn every_fleet_has_the_published_elements() {
     }
 }
 
-/// Seventeen revolutions in ten sidereal days of Galileo, in eight of GLONASS, thirteen in seven of `BeiDou`; the system
-/// documents print 14 h 4 min 42 s, 11 h 15 min 44 s and 12 h 53 min.
+/// Seventeen revolutions in ten sidereal days of Galileo, in eight of GLONASS, thirteen in seven of
+/// `BeiDou`; the system documents print 14 h 4 min 42 s, 11 h 15 min 44 s and 12 h 53 min.
 #[test]
 fn walker_fleets_repeat_their_ground_tracks() {
     for (fleet, period_s) in
@@ -63,7 +63,7 @@ fn walker_fleets_repeat_their_ground_tracks() {
             let have_s = std::f64::consts::TAU / satellite.orbit.mean_motion_rad_s;
             assert!((have_s - period_s).abs() < 20.0, "{}: have {have_s} s", fleet.name());
         }
-        // Neighbours of a plane are 45° apart, and each plane leads the last by 15°.
+        // Neighbours in a plane are 45° apart, and each plane leads the last by 15°.
         let argument_deg = |index: usize| satellites[index].orbit.mean_anomaly_rad.to_degrees();
         assert!((argument_deg(1) - argument_deg(0) - 45.0).abs() < 1e-9);
         assert!((argument_deg(8) - argument_deg(0) - 15.0).abs() < 1e-9);
@@ -87,7 +87,7 @@ fn geostationary_satellite_stands_still_over_its_longitude() {
 #[test]
 fn inclined_satellite_repeats_its_figure_of_eight_over_118_east() {
     let orbit = Fleet::BeidouRegional.satellites()[5].orbit;
-    // It stands 118° past its node at first, so it is back at the node after the other 242°.
+    // The satellite is 118° past its node at first, so it is back at the node after the other 242°.
     let knot_s = 242.0_f64.to_radians() / EARTH_ROTATION_RAD_S;
     let knot = orbit.position(knot_s);
     let have = (knot.y_m.atan2(knot.x_m).to_degrees(), knot.z_m);
@@ -102,7 +102,7 @@ fn inclined_satellite_repeats_its_figure_of_eight_over_118_east() {
 
 #[test]
 fn gps_repeats_its_ground_track_after_a_sidereal_day() {
-    // The oblateness of the earth, which is left out here, changes the period by 1e-4.
+    // The oblateness of the earth, which the model omits, changes the period by 1e-4.
     let orbit = Fleet::Gps24.satellites()[0].orbit;
     let period_s = std::f64::consts::TAU / orbit.mean_motion_rad_s;
     assert!(
@@ -129,7 +129,8 @@ fn earth_rotation_lengthens_the_path_as_the_first_order_formula_says() {
         let (from, to) = (sight.position, site.position);
         let rotation_m = EARTH_ROTATION_RAD_S / SPEED_OF_LIGHT_M_S * (from.x_m * to.y_m - from.y_m * to.x_m);
         let want = from.distance_m(to) + rotation_m;
-        // Second order: half the square of the angle turned, times the distance to the axis: below 1 mm.
+        // Second order: half the square of the angle turned, times the distance to the axis: below
+        // 1 mm.
         assert!((sight.range_m - want).abs() < 1e-3, "{}: {} {want}", sight.satellite, sight.range_m);
     }
 }
@@ -154,7 +155,8 @@ fn geostationary_satellites_stand_where_antennas_in_xian_point() {
 
 #[test]
 fn xian_sees_13_to_19_satellites_of_the_global_system() {
-    // [Yang2015] §3, mask 5°; its satellites' phases are not published, hence one satellite of freedom.
+    // [Yang2015] §3, mask 5°; its satellites' phases are not published, so the count may differ by
+    // one satellite.
     let site = Site::geodetic(34.17, 108.57, 400.0);
     let satellites = Fleet::BeidouGlobal.satellites();
     let mask_rad = 5.0_f64.to_radians();
@@ -163,7 +165,7 @@ fn xian_sees_13_to_19_satellites_of_the_global_system() {
     assert!((12..=14).contains(&low) && (18..=20).contains(&high), "have {low} to {high}, want 13 to 19");
 }
 
-/// Allan variance of phase samples one step apart, over `m` steps.
+/// Returns the Allan variance of phase samples one step apart, over `m` steps.
 fn allan_variance(phase_s: &[f64], m: usize, step_s: f64) -> f64 {
     let squares: Vec<f64> = phase_s
         .windows(2 * m + 1)
@@ -189,7 +191,7 @@ fn each_noise_of_the_oscillator_has_its_allan_variance() {
     for (name, oscillator, [_, want]) in cases {
         let mut clock = ReceiverClock::new(oscillator, 1.0, 0.0, 7);
         let phase_s: Vec<f64> = (0..20_000).map(|_| clock.advance()).collect();
-        // Ten steps: where the discrete filters have become the continuous power laws.
+        // After ten steps the discrete filters agree with the continuous power laws.
         let have = allan_variance(&phase_s, 10, 1.0);
         assert!((have / want - 1.0).abs() < 0.15, "{name}: have {have:e}, want {want:e}");
     }
@@ -229,7 +231,7 @@ fn same_seed_gives_the_same_rows_whatever_else_is_in_sight() {
     assert_ne!(whole, rows(&all, Sigma::Constant(6.0), clocks_m, &Noise::new(2), 5));
 }
 
-/// The satellites of a recording's ephemerides as the module reads them, with the wire between.
+/// Returns the satellites of a recording's ephemerides as the module decodes them from the wire.
 fn read_back(simulation: &Simulation) -> Vec<rai_firmware::ephemeris::Ephemeris> {
     let recording = simulation.record();
     let selection = Selection::new("GC", Frequency::Dual).unwrap();
@@ -252,7 +254,7 @@ fn module_reads_the_simulated_orbits_and_clocks_from_the_messages() {
         let ephemeris = ephemerides.iter().find(|ephemeris| ephemeris.satellite() == satellite.id).unwrap();
         for t_s in [3600.0, 5400.0, 7000.0] {
             let clock_s = SatelliteClock::of(satellite.id).at(t_s) + satellite.orbit.relativity_s(t_s);
-            // A signal that left at `t_s` by true time and took 80 ms.
+            // The signal left at `t_s` by true time and took 80 ms.
             let received = GpsTime::from_ms(simulation.origin.to_ms() + (t_s * 1e3) as u64 + 80);
             let state = ephemeris.at(received, (0.08 - clock_s) * SPEED_OF_LIGHT_M_S).unwrap();
             let off_m = state.position.distance_m(satellite.orbit.position(t_s));
@@ -263,7 +265,7 @@ fn module_reads_the_simulated_orbits_and_clocks_from_the_messages() {
     }
 }
 
-/// A pin that is no pin.
+/// A pin without effect.
 struct NoPin;
 
 impl embedded_hal::digital::ErrorType for NoPin {

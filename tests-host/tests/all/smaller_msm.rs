@@ -1,4 +1,5 @@
-//! Faults put into the ranges of MSM4, MSM5 and MSM6: the same frames as MSM7 with fewer and coarser fields.
+//! Faults put into the ranges of MSM4, MSM5 and MSM6: the same frames as MSM7 with fewer and
+//! coarser fields.
 //!
 //! | | whole ms | info | rough range | rough rate | fine range | phase | lock | half cycle | C/N0 | fine rate |
 //! |---|---|---|---|---|---|---|---|---|---|---|
@@ -19,7 +20,8 @@ use tests_host::replay::pieces::{Kind, pieces};
 use tests_host::replay::{self, Lump, Pace, Track, Window};
 use tests_host::stations::STATIC_BASE;
 
-/// Bits of an MSM before the masks of satellites, signals and cells, and of the first two.
+/// Number of bits of an MSM before the masks of satellites, signals and cells, and of the first
+/// two.
 const BEFORE_MASKS: usize = 73;
 const SATELLITE_MASK: usize = 64;
 const SIGNAL_MASK: usize = 32;
@@ -28,7 +30,7 @@ const SIGNAL_MASK: usize = 32;
 const OF_SATELLITES: [usize; 4] = [8, 4, 10, 14];
 const OF_CELLS: [usize; 6] = [20, 24, 10, 1, 10, 15];
 
-/// Bits that are read from the front.
+/// Reader of bits from the front.
 struct Bits<'a> {
     bytes: &'a [u8],
     at: usize,
@@ -47,7 +49,7 @@ impl Bits<'_> {
     }
 }
 
-/// Bits that are put behind each other.
+/// Writer of bits.
 #[derive(Default)]
 struct Written(Vec<bool>);
 
@@ -63,8 +65,8 @@ impl Written {
     }
 }
 
-/// A number in two's complement with fewer bits at its end, rounded; the most negative one, which says that there is none,
-/// stays that.
+/// Shortens a number in two's complement by bits at its end, rounded. The most negative number,
+/// which means no value, stays.
 fn coarser(value: u64, from: usize, to: usize) -> u64 {
     let signed = ((value << (64 - from)).cast_signed()) >> (64 - from);
     let step = 1_i64 << (from - to);
@@ -75,7 +77,7 @@ fn coarser(value: u64, from: usize, to: usize) -> u64 {
     rounded.cast_unsigned() & ((1 << to) - 1)
 }
 
-/// An MSM7 frame as MSM4, MSM5 or MSM6.
+/// Converts an MSM7 frame to MSM4, MSM5 or MSM6.
 fn smaller(frame: &[u8], to: u64) -> Vec<u8> {
     let mut bits = Bits { bytes: &frame[3..frame.len() - 3], at: 0 };
     let mut written = Written::default();
@@ -110,7 +112,7 @@ fn smaller(frame: &[u8], to: u64) -> Vec<u8> {
                 (5, _) if !has_rates => {}
                 (0, true) => written.put(coarser(value, width, 15), 15),
                 (1, true) => written.put(coarser(value, width, 22), 22),
-                // For how long without a slip is not said twice alike, and not used.
+                // The two messages encode the lock time differently, and it is not used.
                 (2, true) => written.put(15, 4),
                 (4, true) => written.put((value + 8) >> 4, 6),
                 _ => written.put(value, width),
@@ -146,7 +148,8 @@ fn a_fault_put_into_any_msm_is_the_fault_put_into_the_recording() {
     let selection = Selection::new("GCE", Frequency::Dual).unwrap();
     let window = Window { to_s: 45.0, ..Window::ALL };
     let clean = replay::encode(&recording, &selection, &[], &window).unwrap();
-    // Ranges are rounded before and after the fault to 18 mm or 0.6 mm, which two frequencies triple.
+    // Ranges are rounded before and after the fault to 18 mm or 0.6 mm, which two frequencies
+    // triple.
     for (to, apart_at_most_m) in [(4, 0.15), (5, 0.15), (6, 0.01)] {
         let bytes: Vec<u8> = all_smaller(&clean, to).into_iter().flat_map(|lump| lump.bytes).collect();
         let capture = Capture::of(bytes, None).unwrap();

@@ -1,11 +1,11 @@
-//! The short soak: some minutes on the emulated board, under a simulated sky and with a recording, with everything that
-//! can go wrong.
+//! The short soak: some minutes on the emulated board, under a simulated sky and with a recording,
+//! with every kind of disturbance.
 
 use tests_host::board::is_installed;
 use tests_host::image;
 use tests_host::soak::{self, Outcome, Plan, table};
 
-/// Soaks and judges; the counts that must be zero mean something only where everything did happen.
+/// Soaks and checks the counts that must be zero, after a check that every kind of event occurred.
 fn soak(plan: Plan) {
     let image = image::build().expect("the image builds");
     let outcome = soak::run(&image, plan, |_| {}).expect("the board runs to the end");

@@ -1,4 +1,4 @@
-//! The committed threshold tables are what their generator writes, and what the gold values say.
+//! The committed threshold tables against their generator and the gold values.
 
 use rai_core::integrity::residuals::threshold::{self, Thresholds};
 use rai_core::numeric::probability::Probability;

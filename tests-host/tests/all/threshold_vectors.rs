@@ -8,7 +8,7 @@ use serde_json::Value;
 use tests_host::evaluate::{Part, Scalar, run_part};
 use tests_host::vectors;
 
-/// Tolerances of the specification: `tau1` and `lambda` 1e-10, what is solved for a geometry 1e-7.
+/// Tolerances of the specification: `tau1` and `lambda` 1e-10, values solved for a geometry 1e-7.
 const FIELDS: [(&str, f64); 5] =
     [("tau1", 1e-10), ("lam", 1e-10), ("tau2", 1e-7), ("tau_op_raw", 1e-7), ("tau_op", 1e-7)];
 

@@ -1,7 +1,9 @@
-//! The core against the published vectors: epochs with 1 to 4 constellations and 0 to 3 faults, and edge cases.
+//! The core against the published vectors: epochs with 1 to 4 constellations and 0 to 3 faults, and
+//! edge cases.
 //!
-//! `want` was computed elsewhere, with a full-column solution in double precision. Tolerances are those of the
-//! specification; what has no absolute tolerance there gets one where a value may be nearly zero.
+//! `want` was computed elsewhere, with a full-column solution in double precision. Tolerances are
+//! those of the specification; fields without an absolute tolerance there receive one if a value
+//! may be nearly zero.
 
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
@@ -11,7 +13,7 @@ use serde_json::Value;
 use tests_host::evaluate::{self, Part, Scalar};
 use tests_host::vectors::path;
 
-/// What a field may be off by.
+/// Tolerance of a field.
 #[derive(Clone, Copy)]
 struct Tolerance {
     relative: f64,
@@ -22,7 +24,7 @@ const fn within(relative: f64, absolute: f64) -> Tolerance {
     Tolerance { relative, absolute }
 }
 
-/// Fields that hold numbers, with their tolerance in double and in single precision.
+/// Numeric fields, with their tolerance in double and in single precision.
 #[rustfmt::skip]
 const TOLERANCES: [(&str, [Tolerance; 2]); 24] = [
     ("x",        [within(0.0, 1e-6), within(1e-6, 0.05)]),
@@ -55,7 +57,7 @@ const TOLERANCES: [(&str, [Tolerance; 2]); 24] = [
 const DECISIONS: [&str; 7] =
     ["status", "detected", "raim_available", "ident", "ident_reason", "excluded", "fde_status"];
 
-/// Below this distance from a threshold, single precision may decide otherwise.
+/// Distance from a threshold below which single precision may decide otherwise.
 const F32_MARGIN: f64 = 1e-3;
 
 /// Smallest singular value of the geometry for which the single-precision tolerances hold.
@@ -100,7 +102,8 @@ fn close(have: f64, want: f64, tolerance: Tolerance) -> bool {
     }
 }
 
-/// How many values of one answer were compared; panics at the first that is not close.
+/// Compares the values of one answer and returns their number; panics at the first that is not
+/// close.
 fn compare_numbers(id: &Value, have: &Value, want: &Value, scalar: Scalar) -> usize {
     let mut compared = 0;
     for (field, [double, single]) in TOLERANCES {
@@ -151,11 +154,11 @@ fn epochs_agree(scalar: Scalar) {
     assert!(compared > 10_000 && decided > 90, "{compared} values, decisions of {decided} epochs");
 }
 
-/// Lists of rows, whose order means nothing.
+/// Lists of rows, whose order has no meaning.
 const SETS: [(&str, &[&str]); 2] =
     [("iso", &["A", "seq", "B", "C", "D"]), ("ransac", &["fault", "fault_refined"])];
 
-/// Words, and the subsets of every minimal subset's vote, which is always cast in double precision.
+/// Words, and the subsets of every minimal subset's vote, which always uses double precision.
 const EQUAL: [(&str, &[&str]); 2] =
     [("ransac", &["status", "status_refined"]), ("ransac_trad", &["K", "n_out", "f", "tot", "fault"])];
 
@@ -166,7 +169,7 @@ fn sorted(value: &Value) -> Value {
     Value::Array(list)
 }
 
-/// How many decisions of parity space and range consensus were compared.
+/// Compares the decisions of parity space and range consensus and returns their number.
 fn isolation_agrees(have: &Value, want: &Value, id: &Value) -> usize {
     let mut compared = 0;
     let compare = |part: &str, field: &str, have: Value, want: Value| {
@@ -286,7 +289,7 @@ fn compressed_and_plain_input_give_the_same_answers() {
     assert_eq!(have, evaluated(file, Scalar::F64));
 }
 
-/// Every field of every model: the core's, and those it is compared with.
+/// Compares every field of every model: the core's, and the others.
 fn clocks_agree(scalar: Scalar, tolerance: Tolerance) {
     let file = "clock.jsonl.gz";
     let wanted = vectors(file);
@@ -347,7 +350,8 @@ fn clock_aided_epochs_agree_in_single_precision() {
     aided_epochs_agree(Scalar::F32, within(1e-3, 1e-3));
 }
 
-/// The levels that bound, computed elsewhere for the same epochs; in single precision hardly tested rows are exempt.
+/// Compares the levels of `BOUND`, computed elsewhere for the same epochs; in single precision
+/// hardly tested rows are exempt.
 fn bounding_levels_agree(scalar: Scalar, tolerance: Tolerance) {
     let (epochs, levels) = (vectors("epochs.jsonl.gz"), vectors("levels.jsonl.gz"));
     let had = evaluated("epochs.jsonl.gz", scalar);

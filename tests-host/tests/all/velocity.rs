@@ -1,4 +1,5 @@
-//! Velocity of the module from Doppler frequencies that are made another way: by how the simulated sky's ranges change.
+//! Velocity of the module from Doppler frequencies that are computed another way: from the changes
+//! of the simulated sky's ranges.
 
 use rai_core::frame::{Enu, SPEED_OF_LIGHT_M_S};
 use rai_core::requirements::Requirements;
@@ -21,18 +22,19 @@ use tests_host::sky::raw::Simulation;
 use tests_host::sky::sights;
 use tests_host::stations::{ESBC, STATIC_BASE, TLSE};
 
-/// Epochs of a sky, each a second after the other.
+/// Number of epochs of a sky, each a second after the other.
 const EPOCHS: u32 = 8;
 
-/// Half of the time over which a range's change is its rate, s: the jerk leaves a micrometre a second.
+/// Half of the time over which a range's change is its rate, s: the jerk leaves a micrometre a
+/// second.
 const HALF_S: f64 = 0.25;
 
-/// A sky with its epochs and orbits as the module gets them.
+/// A sky with its epochs and orbits as the module receives them.
 struct Heard {
     simulation: Simulation,
     store: Store,
     epochs: Vec<RawEpoch>,
-    /// What comes before an epoch, by its number.
+    /// Ephemerides that come before an epoch, with its number.
     news: (usize, Vec<Ephemeris>),
 }
 
@@ -59,7 +61,7 @@ fn both() -> Selection {
     Selection::new("GC", Frequency::Dual).expect("systems")
 }
 
-/// The ephemerides of a recording, each changed, as the module reads them.
+/// Returns the ephemerides of a recording, each changed, as the module reads them.
 fn read(recording: &Recording, change: impl Fn(&mut TimedEphemeris)) -> Vec<Ephemeris> {
     let mut sets = recording.ephemerides.clone();
     sets.iter_mut().for_each(change);
@@ -74,7 +76,8 @@ fn read(recording: &Recording, change: impl Fn(&mut TimedEphemeris)) -> Vec<Ephe
 }
 
 impl Heard {
-    /// How fast a satellite's range grows for a receiver at this velocity, m/s, at the time of an epoch's tag.
+    /// Returns the rate of a satellite's range for a receiver at this velocity, m/s, at the time of
+    /// an epoch's tag.
     fn rate_m_s(&self, raw: &RawEpoch, satellite: SatelliteId, velocity: Enu) -> Option<f64> {
         let t_s = raw.time.since_ms(self.simulation.origin) as f64 * 1e-3;
         let at = |t_s: f64| {
@@ -87,7 +90,7 @@ impl Heard {
         Some((after.range_m - before.range_m) / (2.0 * HALF_S) - own)
     }
 
-    /// Velocities of all epochs, with rates that `spoil` may change.
+    /// Returns the velocities of all epochs, with rates that `spoil` may change.
     fn velocities(&self, velocity: Enu, spoil: impl Fn(SatelliteId, f64) -> f64) -> (Vec<Velocity>, Rates) {
         let (mut rates, mut workspace) = (Rates::new(), Workspace::new());
         let monitor = Monitor::new(Requirements::non_precision_approach()).expect("in the tables");
@@ -115,7 +118,7 @@ impl Heard {
     }
 }
 
-/// What asks whether a time is wrong takes these rates as right to a metre a second, of up to 800.
+/// The test for a wrong time assumes these rates accurate to a metre a second, of up to 800.
 #[test]
 fn satellites_move_as_their_ranges_say() {
     let heard = hear();
@@ -146,8 +149,9 @@ fn satellites_move_as_their_ranges_say() {
 
 const REST: Enu = Enu { east: 0.0, north: 0.0, up: 0.0 };
 
-/// The bars for recordings are 5 cm/s horizontally and 10 cm/s vertically; a sky without noise leaves what the method costs,
-/// and the drift of the satellites' clocks, which the geometry does not have.
+/// Checks that a velocity is near the wanted one. The bars for recordings are 5 cm/s horizontally
+/// and 10 cm/s vertically. A sky without noise leaves the error of the method, and the drift of the
+/// satellites' clocks, which the geometry does not have.
 #[track_caller]
 fn assert_near(have: &Velocity, want: Enu) {
     let [east, north, up] = have.east_north_up_m_s;
@@ -172,7 +176,8 @@ fn other_clocks_at_the_same_reference_time_are_no_velocity() {
     let mut heard = hear();
     let Simulation { satellites, site, .. } = &heard.simulation;
     let seen = sights(satellites, site, 0.0, -1.0);
-    // As if the receiver had gone east: what contradicts neither the set before nor the others.
+    // The change resembles a motion of the receiver to the east, which contradicts neither the set
+    // before nor the others.
     let clock = |set: &mut TimedEphemeris| {
         let Some(seen) = seen.iter().find(|seen| seen.satellite == set.satellite) else { return };
         let other_s = EAST_M * seen.line_of_sight.east / SPEED_OF_LIGHT_M_S;
@@ -194,7 +199,7 @@ fn other_clocks_at_the_same_reference_time_are_no_velocity() {
         heard.epochs.len() - 2,
         "none with sets of which one is another than a second ago"
     );
-    // The same sets again are no news.
+    // The same sets again are not new.
     heard.news = (AT, read(&recording, |_| ()));
     assert_eq!(heard.velocities(REST, |_, rate| rate).0.len(), heard.epochs.len() - 1);
 }
@@ -241,8 +246,8 @@ fn rates_of_the_wrong_sign_are_named_and_give_no_velocity() {
     assert_eq!(rates.tally().rates_of_wrong_sign as usize, heard.epochs.len() - 1, "{:?}", rates.tally());
 }
 
-/// Errors of the velocity of a receiver that does not move, horizontally and vertically, rms, m/s; and how many epochs had
-/// a position and a velocity.
+/// Returns the horizontal and vertical rms errors of the velocity of a receiver at rest, m/s, and
+/// the numbers of epochs with a position and with a velocity.
 fn at_rest(recording: &Recording, systems: &str) -> (f64, f64, usize, usize) {
     let selection = Selection::new(systems, Frequency::Dual).expect("systems");
     let mut encoder = Encoder::new(&recording.ephemerides, selection);
@@ -265,7 +270,7 @@ fn at_rest(recording: &Recording, systems: &str) -> (f64, f64, usize, usize) {
     (mean(horizontal), mean(vertical), fixes, velocities as usize)
 }
 
-/// Real receivers that stand still: within 5 cm/s horizontally and 10 cm/s vertically, rms.
+/// Real receivers at rest have an rms velocity within 5 cm/s horizontally and 10 cm/s vertically.
 #[test]
 fn real_receivers_at_rest_are_at_rest() {
     for (station, systems) in [(&STATIC_BASE, "GEC"), (&TLSE, "GEC"), (&ESBC, "GEC")] {

@@ -4,8 +4,9 @@
 //! z ~ ¼M Σ_m Σ_± N(±K d_m/|d_m|, I)          w = 1 / mean of exp(z_m·z − |z_m|²/2)        P̂ = mean of w over the alarms
 //! ```
 //!
-//! `d_m = C_acc^½ (S^k − S^0)_q` of each mode and axis: half of the draws lie beyond the threshold that they aim at. The
-//! weight is of the mixture, whichever part a draw is of, and no larger than the number of its parts.
+//! `d_m = C_acc^½ (S^k − S^0)_q` of each mode and axis. Half of the draws lie beyond the threshold
+//! that they aim at. The weight is that of the mixture, whatever part a draw comes from, and no
+//! larger than the number of its parts.
 
 use anyhow::Result;
 use nalgebra::DVector;
@@ -20,7 +21,7 @@ use super::scene::Scene;
 use super::{Effort, Finding, Interval, Judgement, Row, Section};
 use crate::draw::generator;
 
-/// The section.
+/// Returns the section.
 pub(super) fn section(effort: Effort) -> Result<Section> {
     let draws = effort.pick(1000, 40_000);
     let mut rows = Vec::new();

@@ -1,4 +1,5 @@
-//! Levels and availability of LPV-200 by the number of constellations, over a grid and a day, from geometry alone.
+//! Levels and availability of LPV-200 by the number of constellations, over a grid and a day, from
+//! geometry alone.
 
 use std::path::Path;
 
@@ -9,13 +10,13 @@ use tests_host::campaign::{Campaign, Share, Table};
 
 use super::{Effort, Finding, Judgement, Row, Section};
 
-/// Promises and what they are called.
+/// Integrity support messages, and their descriptions.
 const PROMISES: [(&str, &str); 2] = [
     ("RESEARCH", "URA 1 m, b 0.75 m"),
     ("ICAO", "URA 2.4 m of GPS, 6 m of Galileo and BeiDou, 9 m of GLONASS"),
 ];
 
-/// The section.
+/// Returns the section.
 pub(super) fn section(effort: Effort) -> Result<Section> {
     let mut rows = Vec::new();
     for (promise, words) in PROMISES {

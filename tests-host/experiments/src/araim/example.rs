@@ -1,7 +1,9 @@
-//! The worked example of the working group's algorithm description, version 3.1, appendix D, in `f64`.
+//! The worked example of the working group's algorithm description, version 3.1, appendix D, in
+//! `f64`.
 //!
-//! What the core gives away is the core's: redundancies, sigmas, thresholds' factors, levels. Separations and biases of each
-//! mode it keeps to itself, where its own tests hold them against the same numbers; here they are of dense least squares.
+//! Redundancies, sigmas, threshold factors and levels are the core's. The core does not expose
+//! separations and biases of each mode; its own tests compare them with the same numbers. Here they
+//! are computed by dense least squares.
 
 use anyhow::{Context as _, Result};
 use nalgebra::{DVector, Vector3};
@@ -12,7 +14,8 @@ use rai_core::snapshot::{Snapshot, Workspace};
 use super::scene::{Scene, Sighted, spread};
 use super::{Finding, Judgement, Row, Section};
 
-/// East, north, up, constellation, variances for integrity and for accuracy, m².
+/// Direction to the east, north and up, constellation, and variances for integrity and for
+/// accuracy, m².
 const SATELLITES: [([f64; 3], usize, f64, f64); 10] = [
     ([0.0225, 0.9951, -0.0966], 0, 3.2899, 2.9774),
     ([0.6750, -0.6900, -0.2612], 0, 1.2792, 0.9667),
@@ -26,7 +29,8 @@ const SATELLITES: [([f64; 3], usize, f64, f64); 10] = [
     ([0.6622, 0.6958, -0.2780], 1, 1.2166, 0.9041),
 ];
 
-/// Redundancy, weight over redundancy (1/m²), and residual's variance under the accuracy's variances (m²), by satellite.
+/// Redundancy, weight over redundancy, 1/m², and the residual's variance under the accuracy's
+/// variances, m², by satellite.
 const RESIDUALS: [[f64; 3]; 10] = [
     [0.672704, 0.451849, 1.844987],
     [0.522312, 1.496688, 0.475526],
@@ -40,7 +44,8 @@ const RESIDUALS: [[f64; 3]; 10] = [
     [0.439095, 1.871947, 0.379516],
 ];
 
-/// Without each satellite, then without each constellation: sigma, sigma of the separation, bias; east, north, up, m.
+/// Sigma, sigma of the separation, and bias, each to the east, north and up, m: without each
+/// satellite, then without each constellation.
 #[rustfmt::skip]
 const WITHOUT: [[[f64; 3]; 3]; 12] = [
     [[0.62720, 0.84141, 1.69680], [0.07111, 0.35731, 0.01445], [0.88397, 1.06907, 2.40316]],
@@ -71,7 +76,7 @@ fn scene() -> Scene {
     Scene { satellites: SATELLITES.iter().map(satellite).collect(), constellations: [1e-4, 1e-4, 0.0, 0.0] }
 }
 
-/// The section.
+/// Returns the section.
 pub(super) fn section() -> Result<Section> {
     let scene = scene();
     let mut workspace = Workspace::of(widened(&scene)?);
@@ -99,7 +104,7 @@ fn words(values: &[f64], decimals: u8) -> String {
     values.iter().map(|value| format!("{value:.decimals$}")).collect::<Vec<_>>().join(" ")
 }
 
-/// A row of several numbers, each as near as its last printed digit allows.
+/// Returns a row of several numbers, each accurate to its last printed digit.
 fn row(quantity: String, have: &[f64], want: &[f64], decimals: u8) -> Row {
     let within = 0.6 * 10f64.powi(-i32::from(decimals));
     let holds =
@@ -109,7 +114,8 @@ fn row(quantity: String, have: &[f64], want: &[f64], decimals: u8) -> Row {
         .holding("the last digit", holds)
 }
 
-/// Redundancy and gauge of the core, the variance of the residual of dense least squares.
+/// Returns redundancy and gauge of the core, and the variance of the residual of dense least
+/// squares.
 fn residuals(scene: &Scene, snapshot: &Snapshot<'_, f64>) -> Result<Vec<Row>> {
     let all = scene.gains(&[])?;
     let mut rows = Vec::new();
@@ -135,7 +141,7 @@ fn row_of_six(quantity: String, have: &[f64], want: &[f64]) -> Row {
     row(quantity, have, want, 6)
 }
 
-/// Sigmas of the core, separations and biases of dense least squares.
+/// Returns sigmas of the core, and separations and biases of dense least squares.
 fn modes(scene: &Scene, snapshot: &mut Snapshot<'_, f64>) -> Result<Vec<Row>> {
     let all = scene.gains(&[])?;
     let sets = (0..10).map(|index| vec![index]).chain([0, 1].map(|id| scene.members(Constellation::ALL[id])));
@@ -169,7 +175,7 @@ fn modes(scene: &Scene, snapshot: &mut Snapshot<'_, f64>) -> Result<Vec<Row>> {
     Ok(rows)
 }
 
-/// What the core says of the whole.
+/// Returns the core's results for the whole.
 fn levels(scene: &Scene) -> Result<Vec<Row>> {
     let allocation = Allocation {
         not_watched: 8e-8,
@@ -190,7 +196,7 @@ fn levels(scene: &Scene) -> Result<Vec<Row>> {
         number("P_nm / 1e-8", "", found.not_watched * 1e8, 3.449_595_95, 8, 1e-7),
         number("K, horizontal", "", found.factors[0], 5.894_859_64, 8, 1e-8),
         number("K, vertical", "", found.factors[2], 5.108_340_84, 8, 1e-8),
-        // What is reported is never below the root; 0.3 mm above it are allowed, here it is closer.
+        // A reported level is never below the root. It may be 0.3 mm above it; here it is closer.
         number("level east / m", "", found.levels_m[0], 8.903_414_15, 6, 1e-5),
         number("level north / m", "", found.levels_m[1], 10.022_778_92, 6, 1e-5),
         number("HPL / m", "13.45", found.hpl_m(), 13.406_225_45, 6, 1e-5),

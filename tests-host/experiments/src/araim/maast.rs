@@ -1,7 +1,7 @@
 //! A published run of MAAST for ARAIM 2: 24 satellites of GPS and Galileo, detection only.
 //!
-//! Its levels are the upper ends of at most ten halvings, and may lie above the root by a thousandth of the bracket: here
-//! 2.3 mm.
+//! Its levels are the upper ends of at most ten halvings, and may lie above the root by a
+//! thousandth of the bracket: here 2.3 mm.
 
 use std::fs::File;
 
@@ -15,10 +15,10 @@ use serde_json::Value;
 use super::scene::{Scene, Sighted};
 use super::{Finding, Judgement, Row, Section};
 
-/// How far a published level may lie above the root, m.
+/// Largest distance of a published level above the root, m.
 const HALVING_M: f64 = 0.0023;
 
-/// The section.
+/// Returns the section.
 pub(super) fn section() -> Result<Section> {
     let path = tests_host::vectors::path("araim_maast.json");
     let run: Value = serde_json::from_reader(File::open(&path).with_context(|| path.display().to_string())?)?;

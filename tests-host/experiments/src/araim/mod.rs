@@ -1,12 +1,13 @@
-//! ARAIM: the published example, a published run, levels by the number of constellations, and the risk that is measured.
+//! ARAIM: the published example, a published run, levels by the number of constellations, and the
+//! measured risk.
 //!
-//! | what | where |
+//! | content | module |
 //! |---|---|
-//! | skies with what is promised of them, dense least squares of any part of one | [`scene`] |
+//! | skies with their integrity parameters, and dense least squares of any part of one | [`scene`] |
 //! | the worked example of the working group, every intermediate | [`example`] |
 //! | a published run of MAAST | [`maast`] |
 //! | levels and availability of LPV-200 by the number of constellations | [`constellations`] |
-//! | how often a position is promised and beyond its level, by importance sampling | [`risk`] |
+//! | probability of a promised position beyond its level, by importance sampling | [`risk`] |
 //! | false alarms, by importance sampling | [`alarms`] |
 //!
 //! References: [Blanch2015], [MAAST].
@@ -26,7 +27,7 @@ use indicatif::ProgressBar;
 
 use super::{Effort, Experiment, Finding, Interval, Judgement, Outcome, Row, Section};
 
-/// How the command line finds it.
+/// Entry for the command line.
 pub(super) const EXPERIMENT: Experiment = Experiment {
     name: "araim",
     about: "solution separation: the published example and run, levels by constellations, the risk measured",

@@ -1,11 +1,13 @@
-//! The integrity risk: how often the core in `f32` promises a position that is beyond its level, by importance sampling.
+//! Integrity risk: the probability that the core in `f32` promises a position beyond its level, by
+//! importance sampling.
 //!
 //! ```text
 //! share = Σ_k p_k Σ_outcomes max over b of P(|x_q| > L_q, outcome not alarmed | k, b) / PHMI
 //! ```
 //!
-//! Outcomes are: nobody left out; the right set left out; one of the sets that are taken most easily for it. Noise is drawn
-//! about the most likely one that does it, and weighed with how much more often:
+//! The outcomes are: no satellite left out; the right set left out; one of the sets that are most
+//! easily confused with it. Noise is drawn about the most likely noise that causes the outcome, and
+//! each draw is weighted with its true relative probability:
 //!
 //! ```text
 //! z* = the shortest z with a·z ≥ α and d·z ≤ β           w = exp(|z*|²/2 − z*·z)
@@ -14,13 +16,13 @@
 //!
 //! | symbol | meaning |
 //! |---|---|
-//! | `S`, `S^k` | gains with the satellites that the outcome leaves, and without mode `k` besides; of dense least squares |
+//! | `S`, `S^k` | gains with the satellites that the outcome keeps, and without mode `k` besides; of dense least squares |
 //! | `f`, `b` | a range of the satellite, or a shift of the constellation along the axis; its size, about `T_k,q` |
-//! | `C` | variances for integrity; nominal biases stand where they are worst |
-//! | `L`, `T` | as the core says them |
+//! | `C` | variances for integrity; nominal biases have their worst signs |
+//! | `L`, `T` | levels and thresholds of the core |
 //!
-//! What happens is decided by the core, from ranges; the dense part only says where to look. Too poor a place to look
-//! makes the interval wide, not the estimate wrong.
+//! The core decides the outcome from ranges; the dense part only chooses where to sample. A poor
+//! choice makes the interval wide, not the estimate wrong.
 
 use anyhow::Result;
 use nalgebra::{DMatrix, DVector};
@@ -37,36 +39,36 @@ use super::scene::{Scene, spread};
 use super::{Effort, Finding, Interval, Judgement, Row, Section};
 use crate::draw::generator;
 
-/// Below this a constellation is not watched as a whole.
+/// Prior below which a constellation fault is not monitored.
 const WATCHED: f64 = 1e-7;
 
 /// Sizes of the fault, as multiples of the one that moves the position by the threshold.
 const SIZES: [f64; 4] = [0.6, 0.9, 1.2, 1.6];
 
-/// Multiples of it at which the fault is left out.
+/// Multiples of that size at which the fault is left out.
 const EXCLUDED: [f64; 2] = [1.6, 2.5];
 
-/// Sets that are taken most easily for the faulty one.
+/// Number of sets most easily confused with the faulty one.
 const CONFUSED: usize = 2;
 
-/// A metre that is beyond every test.
+/// Bias beyond every test, m.
 const FAR_M: f64 = 2000.0;
 
-/// Where the skies are.
+/// Returns the site of the skies.
 pub(super) fn site() -> Site {
     Site::geodetic(48.0, 11.0, 500.0)
 }
 
-/// A mode that can be wrong.
+/// A fault mode.
 #[derive(Clone, Debug)]
 pub(super) struct Mode {
-    /// Its satellites.
+    /// Indices of its satellites.
     pub(super) taken: Vec<usize>,
     probability: f64,
     constellation: Option<Constellation>,
 }
 
-/// Single satellites, and constellations that are watched as a whole.
+/// Returns the monitored modes: single satellites, and whole constellations.
 pub(super) fn hypotheses(scene: &Scene) -> Vec<Mode> {
     let single = |(index, one): (usize, &super::scene::Sighted)| Mode {
         taken: vec![index],
@@ -84,7 +86,7 @@ pub(super) fn hypotheses(scene: &Scene) -> Vec<Mode> {
     singles.chain(whole).collect()
 }
 
-/// Normalised noise.
+/// Draws normalised noise.
 pub(super) fn normal(count: usize, generator: &mut ChaCha8Rng) -> DVector<f64> {
     DVector::from_fn(count, |_, _| StandardNormal.sample(generator))
 }
@@ -123,7 +125,7 @@ impl Estimate {
     }
 }
 
-/// A sky under one allocation, and which error is looked at.
+/// A sky under one allocation, with the axis of the error.
 struct Trial<'s> {
     scene: &'s Scene,
     allocation: Allocation,
@@ -133,14 +135,14 @@ struct Trial<'s> {
     factors: [f64; 3],
 }
 
-/// Where to draw: the fault, the centre, and the outcome that counts.
+/// Centre of the draws: the fault, the noise, and the outcome that counts.
 struct Aim {
     fault_m: DVector<f64>,
     centre: DVector<f64>,
     left_out: u64,
 }
 
-/// The sections.
+/// Returns the sections.
 pub(super) fn sections(effort: Effort) -> Result<Vec<Section>> {
     [
         ("vertical, LPV-200", Allocation::vertical_guidance(), true),
@@ -209,9 +211,9 @@ fn trial(
     Ok(rows)
 }
 
-/// That the weights are right: without a fault the height is normal, and `P(|x_U| > L) = 2 Q((L − b)/σ)`.
+/// Checks the weights: without a fault the height is normal, and `P(|x_U| > L) = 2 Q((L − b)/σ)`.
 fn against_the_closed_form(trial: &Trial<'_>, judged: &Judged<f32>, words: &str) -> Result<Row> {
-    /// Of six rows of this kind none may miss by chance.
+    /// Half-width of the test in deviations: none of six rows of this kind may fail by chance.
     const WIDE: f64 = 4.0;
     let gains = trial.scene.gains(&[])?;
     let bias_m = gains.row(2).dot(&trial.nominal(&gains, 2).transpose());
@@ -229,7 +231,7 @@ fn against_the_closed_form(trial: &Trial<'_>, judged: &Judged<f32>, words: &str)
 }
 
 impl Trial<'_> {
-    /// What the core makes of these ranges, and where it puts the position.
+    /// Returns the core's result for these ranges, and the position.
     fn judge(&self, ranges_m: &DVector<f64>) -> Result<(Judged<f32>, [f64; 3])> {
         let mut workspace = Workspace::of(self.scene.epoch::<f32>(ranges_m)?);
         let mut snapshot = workspace.solve()?;
@@ -242,19 +244,19 @@ impl Trial<'_> {
         Ok((judged, [0, 1, 2].map(|axis| f64::from(position[axis]))))
     }
 
-    /// Axes along which a fault is aimed.
+    /// Returns the axes along which a fault is aimed.
     fn axes(&self) -> &'static [usize] {
         if self.is_vertical { &[2] } else { &[0, 1] }
     }
 
-    /// Whether the position is beyond the level.
+    /// Returns true if the position is beyond the level.
     fn is_beyond(&self, position_m: [f64; 3], levels_m: [f32; 3]) -> bool {
         let [east, north, up] = position_m;
         let [level_e, level_n, level_u] = levels_m.map(f64::from);
         if self.is_vertical { up.abs() > level_u } else { east.hypot(north) > level_e.hypot(level_n) }
     }
 
-    /// The level that an error along an axis has to exceed.
+    /// Returns the level that an error along an axis must exceed, m.
     fn level_m(&self, levels_m: [f32; 3]) -> f64 {
         let [east, north, up] = levels_m.map(f64::from);
         if self.is_vertical { up } else { east.hypot(north) }
@@ -269,13 +271,13 @@ impl Trial<'_> {
             let missing_m = self.level_m(judged.whole.levels_m) - gains.row(axis).dot(&nominal.transpose());
             let centre = &towards * (missing_m / towards.norm_squared());
             let aim = Aim { fault_m: nominal, centre, left_out: 0 };
-            // To either side.
+            // The factor accounts for both sides.
             largest = largest.larger(self.estimate(&aim, axis as u64)?.times(2.0));
         }
         Ok(largest)
     }
 
-    /// Of all outcomes under a mode, the largest over the size of the fault each.
+    /// Returns the sum over all outcomes of a mode, each at its worst size of the fault.
     fn risk_of(&self, mode: &Mode, judged: &Judged<f32>) -> Result<Estimate> {
         let mut largest = Estimate::default();
         for &axis in self.axes() {
@@ -291,7 +293,7 @@ impl Trial<'_> {
         Ok(largest)
     }
 
-    /// The largest over the size of the fault, for one outcome.
+    /// Returns the largest estimate over the size of the fault, for one outcome.
     fn largest(
         &self,
         mode: &Mode,
@@ -308,7 +310,7 @@ impl Trial<'_> {
         Ok(largest)
     }
 
-    /// The mode itself, and those whose separation looks most like its own.
+    /// Returns the mode itself, and the modes whose separation is most similar to its own.
     fn likely_exclusions(&self, mode: &Mode, axis: usize) -> Result<Vec<Vec<usize>>> {
         let all = self.scene.gains(&[])?;
         let moved = |taken: &[usize]| -> Result<DVector<f64>> {
@@ -324,11 +326,11 @@ impl Trial<'_> {
         Ok(std::iter::once(mode.taken.clone()).chain(confused).collect())
     }
 
-    /// The levels that the core says after it has left out a set, where it does.
+    /// Returns the core's levels after it has left out a set, if it does.
     fn levels_without(&self, left_out: &[usize]) -> Result<Option<[f32; 3]>> {
         let mut ranges_m = DVector::zeros(self.scene.satellites.len());
         for &index in left_out {
-            // One satellite is far off; several agree on a place that is.
+            // One satellite has a large error; several agree on a distant place.
             let along = if left_out.len() == 1 { 1.0 } else { -self.scene.satellites[index].direction.x };
             ranges_m[index] = FAR_M * along;
         }
@@ -339,7 +341,8 @@ impl Trial<'_> {
         })
     }
 
-    /// Where to draw so that the position is beyond the level and the tests of what is left see nothing.
+    /// Chooses the centre of the draws so that the position is beyond the level and the remaining
+    /// tests pass.
     fn aim(
         &self,
         mode: &Mode,
@@ -352,7 +355,7 @@ impl Trial<'_> {
         let kept = self.scene.gains(left_out)?;
         let both: Vec<usize> = left_out.iter().chain(&mode.taken).copied().collect();
         let Ok(without) = self.scene.gains(&both) else { return Ok(None) };
-        // The threshold of the mode in what its fault has to pass, or to exceed.
+        // The threshold of the mode, in the units in which its fault must pass it, or exceed it.
         let moved = if is_right { &kept - &all } else { &without - &kept };
         let accuracies_m = self.scene.satellites.iter().map(|one| one.accuracy_m);
         let threshold_m = self.factors[axis] * spread(moved.row(axis).iter().copied(), accuracies_m);
@@ -375,7 +378,8 @@ impl Trial<'_> {
         Ok(Some(Aim { fault_m, centre, left_out: set(left_out) }))
     }
 
-    /// A metre of the fault: of one range, or of a shift along the axis that all members share.
+    /// Returns a fault of one metre: of one range, or of a shift along the axis that all members
+    /// share.
     fn unit_fault(&self, mode: &Mode, axis: usize) -> DVector<f64> {
         let mut fault = DVector::zeros(self.scene.satellites.len());
         for &index in &mode.taken {
@@ -387,21 +391,21 @@ impl Trial<'_> {
         fault
     }
 
-    /// `(S C^½)_q`.
+    /// Returns `(S C^½)_q`.
     fn noise_gain(&self, gains: &DMatrix<f64>, axis: usize) -> DVector<f64> {
         DVector::from_fn(gains.ncols(), |index, _| {
             gains[(axis, index)] * self.scene.satellites[index].sigma_m
         })
     }
 
-    /// Nominal biases where they move the position most.
+    /// Returns the nominal biases with the signs that move the position most.
     fn nominal(&self, gains: &DMatrix<f64>, axis: usize) -> DVector<f64> {
         DVector::from_fn(gains.ncols(), |index, _| {
             gains[(axis, index)].signum() * self.scene.satellites[index].bias_m
         })
     }
 
-    /// Draws about the centre, and counts what the core does.
+    /// Draws about the centre, and counts the core's outcomes.
     fn estimate(&self, aim: &Aim, stream: u64) -> Result<Estimate> {
         let count = self.scene.satellites.len();
         let half = aim.centre.norm_squared() / 2.0;
@@ -423,12 +427,12 @@ impl Trial<'_> {
     }
 }
 
-/// A bit for each row.
+/// Returns a set with one bit per row.
 fn set(rows: &[usize]) -> u64 {
     rows.iter().fold(0, |set, index| set | 1 << index)
 }
 
-/// The shortest `z` with `a·z ≥ α` and `d·z ≤ β`.
+/// Returns the shortest `z` with `a·z ≥ α` and `d·z ≤ β`.
 fn nearest(a: &DVector<f64>, alpha: f64, d: &DVector<f64>, beta: f64) -> DVector<f64> {
     let zero = DVector::zeros(a.len());
     let far = if alpha > 0.0 { a * (alpha / a.norm_squared()) } else { zero.clone() };
@@ -453,7 +457,8 @@ mod tests {
 
     use super::nearest;
 
-    /// In the plane, by hand: alone `a` asks for (2, 0); `d` along (1, 1) allows 1 of the sum, so that the corner is (2, −1).
+    /// In the plane, by hand: `a` alone requires (2, 0); `d` along (1, 1) limits the sum to 1, so
+    /// that the corner is (2, −1).
     #[test]
     fn the_nearest_point_is_on_the_borders_that_bind() {
         let vector = |x, y| DVector::from_vec(vec![x, y]);

@@ -1,4 +1,4 @@
-//! A sky with what is promised of it, and dense least squares of any part of it.
+//! A sky with its integrity parameters, and dense least squares of any part of it.
 //!
 //! ```text
 //! S^k = (Gᵀ W G)⁻¹ Gᵀ W        W = 1/C_int, 0 for the rows of mode k        a column of G for each clock that is left
@@ -13,17 +13,17 @@ use rai_core::satellite::Constellation;
 use rai_core::weighting::{ErrorBudget, Ism, UserModel, integrity_sigma_m};
 use tests_host::sky::{Fleet, Satellite, Site, sights};
 
-/// Elevation below which nothing is used, degrees.
+/// Elevation mask, degrees.
 const MASK_DEG: f64 = 5.0;
 
-/// The constellations in the order in which they are added.
+/// Constellations in the order in which they are added.
 pub(super) const FLEETS: [Fleet; 4] = [Fleet::Gps24, Fleet::Galileo24, Fleet::Beidou24, Fleet::Glonass24];
 
-/// A satellite.
+/// A satellite in view, with its integrity parameters.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sighted {
     pub(super) constellation: Constellation,
-    /// Unit vector to it, east, north, up.
+    /// Unit vector to the satellite: east, north, up.
     pub(super) direction: Vector3<f64>,
     pub(super) sigma_m: f64,
     pub(super) accuracy_m: f64,
@@ -31,7 +31,7 @@ pub(super) struct Sighted {
     pub(super) fault: f64,
 }
 
-/// All that are above, and what is promised of their constellations.
+/// All satellites in view, and the fault priors of their constellations.
 #[derive(Clone, Debug)]
 pub(super) struct Scene {
     pub(super) satellites: Vec<Sighted>,
@@ -39,7 +39,7 @@ pub(super) struct Scene {
 }
 
 impl Scene {
-    /// The sky of so many constellations above a site at an instant.
+    /// Returns the sky of `count` constellations above a site at an instant.
     pub(super) fn above(site: &Site, count: usize, t_s: f64, ism: &Ism) -> Self {
         let fleet: Vec<Satellite> = FLEETS.into_iter().take(count).flat_map(Fleet::satellites).collect();
         let seen = sights(&fleet, site, t_s, MASK_DEG.to_radians());
@@ -62,7 +62,7 @@ impl Scene {
         Self { satellites: satellites.collect(), constellations }
     }
 
-    /// The equations with these residuals, m.
+    /// Returns the equations with these residuals, m.
     pub(super) fn epoch<T: Real>(&self, residuals_m: &DVector<f64>) -> Result<LinearEpoch<T, ROWS>> {
         let mut epoch = LinearEpoch::new();
         for (one, &residual_m) in self.satellites.iter().zip(residuals_m.iter()) {
@@ -71,7 +71,7 @@ impl Scene {
         Ok(epoch)
     }
 
-    /// As the core takes them.
+    /// Returns the priors for the core.
     pub(super) fn priors<T: Real>(&self) -> Vec<Prior<T>> {
         let prior = |one: &Sighted| Prior {
             accuracy_m: T::narrow(one.accuracy_m),
@@ -81,7 +81,7 @@ impl Scene {
         self.satellites.iter().map(prior).collect()
     }
 
-    /// `S` of what is left without these satellites, three rows; 0 in their columns.
+    /// Returns `S` without these satellites, three rows; 0 in their columns.
     pub(super) fn gains(&self, taken: &[usize]) -> Result<DMatrix<f64>> {
         let count = self.satellites.len();
         let kept: Vec<usize> = (0..count).filter(|index| !taken.contains(index)).collect();
@@ -110,19 +110,19 @@ impl Scene {
         Ok(gains)
     }
 
-    /// The satellites of a constellation.
+    /// Returns the satellites of a constellation.
     pub(super) fn members(&self, constellation: Constellation) -> Vec<usize> {
         let all = self.satellites.iter().enumerate();
         all.filter(|(_, one)| one.constellation == constellation).map(|(index, _)| index).collect()
     }
 }
 
-/// Spread of a row over variances of the ranges: `√(Σ s_i² σ_i²)`.
+/// Returns the spread of a row over variances of the ranges: `√(Σ s_i² σ_i²)`.
 pub(super) fn spread(gains: impl Iterator<Item = f64>, sigmas_m: impl Iterator<Item = f64>) -> f64 {
     gains.zip(sigmas_m).map(|(gain, sigma_m)| (gain * sigma_m).powi(2)).sum::<f64>().sqrt()
 }
 
-/// What integrity is told of a pair of frequencies aboard an aircraft, m.
+/// Returns the sigma of a pair of frequencies aboard an aircraft, for integrity, m.
 fn sigma_m(support: &rai_core::weighting::Support, sin_elevation: f64) -> f64 {
     let budget = ErrorBudget {
         sin_elevation: sin_elevation as f32,

@@ -1,4 +1,4 @@
-//! Figure 6: how large must a bias be for the test to see it, with and without a forecast clock?
+//! Figure 6: size of a bias that the test detects, with and without a forecast clock.
 //!
 //! ```text
 //! P_D(b) = 1 − G(τ1; ν, λ)      λ = b² S_ii / σ²      averaged over instants and satellites
@@ -13,8 +13,8 @@
 //! | `TDOP` | time dilution of precision of the same satellites | – |
 //! | `σ_predict` | of table 1: 0.34, 1.13, 1.16 m | m |
 //!
-//! Nothing is left to chance. With fewer satellites than are in view, those highest above the horizon count.
-//! References: [Chen2009] eq. 3–12 and figure 6.
+//! The result is exact. With fewer satellites than are in view, the highest ones count. References:
+//! [Chen2009] eq. 3–12 and figure 6.
 //!
 //! [Chen2009]: tests_host#references
 
@@ -34,24 +34,25 @@ use tests_host::report::canvas::{BLUE, GREY, Mark, ORANGE, VIOLET};
 use tests_host::report::chart::{Axis, LineChart, Series};
 use tests_host::sky::{Fleet, Sight, Site, sights};
 
-/// Standard deviations of a range, m: the paper's, and two that receivers of today have.
+/// Standard deviations of a range, m: the paper's, and two of present receivers.
 pub(super) const SIGMAS_M: [f64; 3] = [6.0, 2.0, 1.0];
 
 const FALSE_ALARM: f64 = 1e-3;
 
-/// Only for the tables, which come in pairs; no missed detection enters the test.
+/// Probability needed only for the tables, which come in pairs. The test does not use missed
+/// detection.
 const MISSED_DETECTION: f64 = 1e-3;
 
-/// Largest bias that is looked at, m.
+/// Largest bias, m.
 const BIAS_LIMIT_M: f64 = 200.0;
 
-/// What stands beside the satellites.
+/// An aid beside the satellites.
 #[derive(Clone, Copy)]
 struct Aid {
     name: &'static str,
-    /// What figure 6 shows for it, m.
+    /// Value in figure 6, m.
     paper: &'static str,
-    /// Why ours is another.
+    /// Reason for a difference from ours.
     why: &'static str,
     clock: Clock,
 }
@@ -61,7 +62,7 @@ enum Clock {
     Unknown,
     /// Solved with `σ TDOP`, then forecast with this standard deviation, m.
     Forecast(f64),
-    /// Known with this standard deviation in all, m, however it came about.
+    /// Known with this total standard deviation, m.
     Known(f64),
 }
 
@@ -90,7 +91,7 @@ struct Case {
     redundancy: f64,
 }
 
-/// Satellites of one instant, the highest first.
+/// Returns the satellites of one instant, the highest first.
 fn sky(instant: usize, instants: usize) -> Vec<Sight> {
     const DAY_S: f64 = 86_164.1;
     let chengdu = Site::geodetic(30.67, 104.06, 500.0);
@@ -100,7 +101,8 @@ fn sky(instant: usize, instants: usize) -> Vec<Sight> {
     seen
 }
 
-/// Whom a fault may befall; none where fewer than `most` satellites are in view, or no test is possible.
+/// Returns the possible faults; none if fewer than `most` satellites are in view, or no test is
+/// possible.
 fn cases(seen: &[Sight], most: Option<usize>, sigma_m: f64, clock: Clock) -> Vec<Case> {
     let Some(chosen) = seen.get(..most.unwrap_or(seen.len())) else { return Vec::new() };
     let mut epoch = LinearEpoch::<f64, 24>::new();
@@ -127,19 +129,21 @@ fn cases(seen: &[Sight], most: Option<usize>, sigma_m: f64, clock: Clock) -> Vec
     of_satellites.map(|(_, fit)| Case { dof: snapshot.dof(), redundancy: fit.redundancy }).collect()
 }
 
-/// All cases of a day under one aid.
+/// Returns all cases of a day under one aid.
 fn day(skies: &[Vec<Sight>], most: Option<usize>, sigma_m: f64, clock: Clock) -> Vec<Case> {
     skies.iter().flat_map(|seen| cases(seen, most, sigma_m, clock)).collect()
 }
 
-/// Probabilities of detection by degrees of freedom and `√λ`: exact at the nodes, within 2e-5 between them.
+/// Probabilities of detection by degrees of freedom and `√λ`: exact at the nodes, within 2e-5
+/// between them.
 struct Power(Vec<Vec<f64>>);
 
 impl Power {
     /// Nodes for one unit of `√λ`.
     const NODES: f64 = 50.0;
 
-    /// Where a fault is certain to be seen: `√τ1` is below 6 for the degrees of freedom here.
+    /// Value of `√λ` at which detection is certain: `√τ1` is below 6 for the degrees of freedom
+    /// here.
     const CERTAIN: f64 = 16.0;
 
     fn tabulate() -> Self {
@@ -166,13 +170,13 @@ impl Power {
         }
     }
 
-    /// Mean over all cases under one bias.
+    /// Returns the mean over all cases under one bias.
     fn over(&self, cases: &[Case], bias_m: f64, sigma_m: f64) -> f64 {
         let of_case = |case: &Case| self.at(case.dof, bias_m / sigma_m * libm::sqrt(case.redundancy));
         cases.iter().map(of_case).sum::<f64>() / cases.len() as f64
     }
 
-    /// Smallest bias that is detected at this rate, m.
+    /// Returns the smallest bias that is detected at this rate, m.
     fn bias(&self, cases: &[Case], wanted: f64, sigma_m: f64) -> Finding {
         let enough = |bias_m: f64| self.over(cases, bias_m, sigma_m) >= wanted;
         if cases.is_empty() {
@@ -190,7 +194,7 @@ impl Power {
     }
 }
 
-/// One line: how many satellites, which aid, which share of the faults.
+/// A line of the table: number of satellites, aid, share of the faults.
 struct Line {
     most: Option<usize>,
     aid: usize,
@@ -214,7 +218,8 @@ pub(super) fn sections(instants: usize, bar: &ProgressBar) -> Vec<Section> {
     .collect()
 }
 
-/// Four satellites detect hardly more than half of the faults, five most of them.
+/// Returns the lines with few satellites. Four detect hardly more than half of the faults, five
+/// most of them.
 fn few_satellites() -> impl Iterator<Item = Line> {
     [(4, 0.5), (4, 0.95), (5, 0.5), (5, 0.95), (6, 0.95), (6, 0.99)]
         .into_iter()
@@ -235,7 +240,7 @@ fn row(line: &Line, skies: &[Vec<Sight>], power: &Power, sigma_m: f64, as_publis
     let satellites = line.most.map_or("all".into(), |most| most.to_string());
     let quantity =
         format!("{satellites} satellites, {}: {:.0} % detected / m", aid.name, 100.0 * line.wanted);
-    // The paper's biases are those from which on every fault was seen.
+    // The paper's biases are those from which on every fault was detected.
     if as_published && line.most.is_none() && line.wanted > 0.98 && !aid.paper.is_empty() {
         Row::new(quantity, aid.paper, found, Judgement::NotReproducible).because(aid.why)
     } else {
@@ -243,7 +248,8 @@ fn row(line: &Line, skies: &[Vec<Sight>], power: &Power, sigma_m: f64, as_publis
     }
 }
 
-/// Figure 6 with all satellites in view and `σ = 6 m`; the paper's three biases as dots at full rate.
+/// Draws figure 6 with all satellites in view and `σ = 6 m`; the paper's three biases are dots at
+/// full rate.
 pub(super) fn picture(instants: usize) -> Result<Picture> {
     let (skies, power, sigma_m) = (skies(instants), Power::tabulate(), SIGMAS_M[0]);
     let curve = |name: &str, most: Option<usize>, aid: usize, colour, mark| {

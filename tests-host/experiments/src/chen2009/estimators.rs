@@ -1,15 +1,17 @@
-//! "U-C is the estimator of the highest accuracy": bias and spread of three estimators on short records.
+//! "U-C is the estimator of the highest accuracy": bias and spread of three estimators on short
+//! records.
 //!
-//! `x_t = Σ a_k x_{t−k} + e_t`, `e ~ N(0, 1)`, with known `a`; each estimator sees `n` values, centred.
+//! `x_t = Σ a_k x_{t−k} + e_t`, `e ~ N(0, 1)`, with known `a`; each estimator receives `n` values,
+//! centred.
 //!
 //! | symbol | meaning |
 //! |---|---|
 //! | bias | largest of the three `|mean(â_k) − a_k|` |
 //! | spread | largest of the three standard deviations of `â_k` |
 //!
-//! The paper gives neither a process nor a record length. The process here has a pair of poles near the unit circle
-//! ([`COEFFICIENTS`]), as a clock that is read with little noise has; there the estimators differ most.
-//! References: [Chen2009] §1.3.
+//! The paper gives neither a process nor a record length. The process here has a pair of poles near
+//! the unit circle ([`COEFFICIENTS`]), like a clock with little measurement noise; there the
+//! estimators differ most. References: [Chen2009] §1.3.
 //!
 //! [Chen2009]: tests_host#references
 
@@ -22,18 +24,18 @@ use super::super::draw::generator;
 use super::super::{Finding, Interval, Judgement, Row, Section};
 use tests_host::clock_models::{burg, yule_walker};
 
-/// Values of one record.
+/// Number of values of one record.
 const RECORD: usize = 120;
 
-/// Values before it that let the process forget where it began.
+/// Number of values before the record in which the process forgets its start.
 const WARM_UP: usize = 500;
 
-/// `a_1, a_2, a_3`.
+/// Coefficients `a_1, a_2, a_3`.
 const COEFFICIENTS: [f64; 3] = [1.4, -0.9, 0.25];
 
 const SEED: u64 = 0x0A_12E5;
 
-/// Coefficients as the estimators have them.
+/// Coefficients by estimator.
 type Estimates = [[f64; 3]; 3];
 
 const NAMES: [&str; 3] = ["Ulrych–Clayton", "Burg", "Yule–Walker"];
@@ -54,7 +56,7 @@ fn record(run: u64) -> Vec<f64> {
 
 fn estimates(run: u64) -> Option<Estimates> {
     let record = record(run);
-    // In single precision, as on the target.
+    // Single precision, as on the target.
     let core = Autoregression::<f32>::fit(record.iter().map(|&x| Some(x as f32)));
     Some([core.coefficients().map(f64::from), burg(&record).coefficients, yule_walker(&record)?.coefficients])
 }
@@ -76,7 +78,7 @@ impl Accuracy {
         Self { bias: mean.abs(), interval, deviation: libm::sqrt(squares / count) }
     }
 
-    /// The larger of each.
+    /// Returns the larger of each error.
     fn worse(self, other: Self) -> Self {
         let deviation = self.deviation.max(other.deviation);
         Self { deviation, ..if other.bias > self.bias { other } else { self } }

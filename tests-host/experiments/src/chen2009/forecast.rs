@@ -11,9 +11,10 @@
 //! | `Z` | solved receiver clock times the speed of light | m |
 //! | `Ẑ` | its forecast | m |
 //!
-//! The paper compares a polynomial that is extrapolated with CWUC that is updated at every epoch; the like-for-like
-//! rows stand below. Its last row is headed "root mean square", but 0.1129 m cannot be that of ten errors of which one
-//! is −0.637 m: it is the variance, whose root is compared here. References: [Chen2009] §3.1 and table 1.
+//! The paper compares a polynomial that is extrapolated with CWUC that is updated at every epoch;
+//! the like-for-like rows follow below. Its last row is headed "root mean square", but 0.1129 m
+//! cannot be that of ten errors of which one is −0.637 m. It is the variance, whose root is
+//! compared here. References: [Chen2009] §3.1 and table 1.
 //!
 //! [Chen2009]: tests_host#references
 
@@ -29,7 +30,7 @@ use tests_host::clock_models::{Process, burg, centred_differences, polynomial, y
 use tests_host::report::canvas::{BLUE, INK, Mark, ORANGE, VIOLET};
 use tests_host::report::chart::{Axis, LineChart, Series};
 
-/// What forecasts.
+/// Method of the forecast.
 #[derive(Clone, Copy)]
 enum Predictor {
     /// A polynomial of this degree.
@@ -41,7 +42,7 @@ enum Predictor {
 }
 
 impl Predictor {
-    /// The values after those of a window; `None` where there is no forecast.
+    /// Returns the values after those of a window; `None` if there is no forecast.
     fn ahead(self, window_m: &[f64], steps: usize) -> Option<Vec<f64>> {
         let process = match self {
             Self::Polynomial(degree) => return Some(polynomial(window_m, degree, steps)?.forecast),
@@ -72,7 +73,7 @@ fn coasted(window_m: &[f64], steps: usize) -> Option<Vec<f64>> {
     ahead.map(|forecast| Some(forecast?.value_m)).collect()
 }
 
-/// A predictor, and whether it is updated at every epoch.
+/// A predictor; `sliding` if it is updated at every epoch.
 #[derive(Clone, Copy)]
 struct Model {
     name: &'static str,
@@ -88,7 +89,7 @@ const fn sliding(name: &'static str, predictor: Predictor) -> Model {
     Model { name, predictor, sliding: true }
 }
 
-/// The first four are for every clock, the rest like for like with the fourth.
+/// Models. The first four are for every clock; the rest compare like for like with the fourth.
 const MODELS: [Model; 8] = [
     extrapolated("polynomial of degree 1, extrapolated", Predictor::Polynomial(1)),
     extrapolated("polynomial of degree 2, extrapolated", Predictor::Polynomial(2)),
@@ -103,7 +104,7 @@ const MODELS: [Model; 8] = [
 const CWUC: usize = 3;
 
 impl Model {
-    /// Ten forecasts of a series of `WINDOW + AHEAD` values.
+    /// Returns ten forecasts of a series of `WINDOW + AHEAD` values.
     fn forecasts(&self, solved_m: &[f64]) -> Option<Vec<f64>> {
         if !self.sliding {
             return self.predictor.ahead(&solved_m[..WINDOW], AHEAD);
@@ -132,7 +133,8 @@ impl Errors {
         libm::sqrt(self.squares_m2.iter().sum::<f64>() / self.squares_m2.len() as f64)
     }
 
-    /// Runs are independent, the ten errors of one are not: the interval is that of the runs' mean squares.
+    /// Returns the root mean square. Runs are independent, the ten errors of one are not, so the
+    /// interval is that of the runs' mean squares.
     fn rms(&self) -> Finding {
         let Interval { low, high } = Interval::of_mean(&self.squares_m2);
         let interval = Interval { low: libm::sqrt(low.max(0.0)), high: libm::sqrt(high) };
@@ -149,7 +151,8 @@ fn seed(clock: usize, run: usize) -> u64 {
     0x7AB1_E100_0000 | (clock as u64) << 32 | run as u64
 }
 
-/// Errors of every model, and of each run the one-step error of CWUC over its own `σ_predict`.
+/// Returns the errors of every model, and the one-step error of CWUC over its own `σ_predict` for
+/// each run.
 fn simulate(clock: usize, runs: usize, bar: &ProgressBar) -> (Vec<Errors>, Vec<f64>) {
     let of_run = |run: usize| {
         let solved_m = solved_clock_m(CLOCKS[clock].oscillator, seed(clock, run), WINDOW + AHEAD);
@@ -193,7 +196,7 @@ fn rms_row(model: &Model, errors: &Errors) -> Row {
     Row::new(format!("{}: rms / m", model.name), "", errors.rms(), Judgement::Ours)
 }
 
-/// The rows of the paper's table, then those that it lacks.
+/// Returns the rows of the paper's table, then those that it lacks.
 fn published(errors: &[Errors], normalised: &[f64]) -> Vec<Row> {
     let trend = |model: usize, paper: &str, why: &str| {
         Row::new(format!("{}: rms / m", MODELS[model].name), paper, errors[model].rms(), Judgement::InTrend)
@@ -243,7 +246,8 @@ fn of_normalised(normalised: &[f64]) -> Finding {
     Finding::Number { value, decimals: 2, interval: Some(Interval { low: root(low), high: root(high) }) }
 }
 
-/// Figure 5 with the first run, the mean drift of its window taken off so that metres are to be seen.
+/// Draws figure 5 with the first run, without the mean drift of its window so that metres are
+/// visible.
 pub(super) fn picture() -> Result<Picture> {
     const SHOWN_BEFORE: usize = 15;
     let solved_m = solved_clock_m(CLOCKS[0].oscillator, seed(0, 0), WINDOW + AHEAD);

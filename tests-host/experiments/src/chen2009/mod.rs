@@ -1,16 +1,16 @@
 //! X. Chen et al. 2009: a forecast of the receiver clock as one more range.
 //!
-//! | what | where | chance |
+//! | content | module | chance |
 //! |---|---|---|
 //! | figures 1–4: the clock, its difference, autocorrelations | [`series`] | one clock |
 //! | "U-C is the most accurate estimator" | [`estimators`] | synthetic processes |
 //! | table 1 and figure 5: ten epochs forecast | [`forecast`] | simulated clocks |
-//! | figure 6: which bias is detected | [`detection`] | none: the exact distribution |
+//! | figure 6: size of a detected bias | [`detection`] | none: the exact distribution |
 //! | 4 satellites detect, 5 identify, a jump is the clock's | [`vectors`] | none: reference epochs |
 //!
-//! Run `r` of a table draws from stream `r`, so its numbers do not depend on how many threads work.
+//! Run `r` of a table draws from stream `r`, so its numbers do not depend on the number of threads.
 //!
-//! References: [Chen2009]; [`rai_core::clock`] lists where the module departs from it.
+//! References: [Chen2009]; [`rai_core::clock`] lists the module's departures from it.
 //!
 //! [Chen2009]: tests_host#references
 
@@ -26,7 +26,7 @@ use indicatif::ProgressBar;
 use super::{Effort, Experiment, Outcome};
 use tests_host::sky::Oscillator;
 
-/// How the command line finds it.
+/// Entry for the command line.
 pub(super) const EXPERIMENT: Experiment = Experiment {
     name: "chen2009",
     about: "a receiver clock that is forecast: its accuracy, and what it adds to the test",
@@ -60,27 +60,27 @@ fn run(effort: Effort, bar: &ProgressBar) -> Result<Outcome> {
     })
 }
 
-/// Runs of table 1.
+/// Number of runs of table 1.
 const RUNS: usize = 200;
 
-/// Values that a forecast starts from; the paper gives no number.
+/// Number of values before a forecast; the paper gives none.
 const WINDOW: usize = rai_core::clock::WINDOW;
 
-/// Epochs forecast ([Chen2009] §3.1).
+/// Number of epochs forecast ([Chen2009] §3.1).
 ///
 /// [Chen2009]: tests_host#references
 const AHEAD: usize = 10;
 
-/// Standard deviation of a solved clock about the true one, m: of a good receiver in the open.
+/// Standard deviation of a solved clock about the true one, m, of a good receiver in the open.
 const NOISE_M: f64 = 0.3;
 
-/// An oscillator with the name that tables give it.
+/// An oscillator with its name in tables.
 struct Clock {
     name: &'static str,
     oscillator: Oscillator,
 }
 
-/// The clock that table 1 is about, then a noisier and a quieter one.
+/// The clock of table 1, then a noisier and a quieter one.
 const CLOCKS: [Clock; 3] = [
     Clock { name: "good crystal", oscillator: Oscillator::oven_controlled() },
     Clock { name: "TCXO", oscillator: Oscillator::temperature_compensated() },

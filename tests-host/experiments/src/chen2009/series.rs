@@ -1,4 +1,4 @@
-//! Figures 1 to 4: is the clock stationary, and of which order is its difference?
+//! Figures 1 to 4: stationarity of the clock, and order of its difference.
 //!
 //! ```text
 //! W_t = Z_t − mean Z      x_t = W_t − W_{t−1}
@@ -11,9 +11,9 @@
 //! | `Z` | solved receiver clock times the speed of light | m |
 //! | `ρ_k`, `φ_kk` | autocorrelation and partial autocorrelation at lag `k` | – |
 //!
-//! The paper shows a recording of an unnamed receiver whose clock has no trend; here the frequency offset is left out
-//! for the same reason. Estimated values of white noise lie within `±1.96/√n` with a probability of 95 %.
-//! References: [Chen2009] §1.1 and §1.2, eq. 1 and 2.
+//! The paper shows a recording of an unnamed receiver whose clock has no trend; the frequency
+//! offset is left out here for the same reason. Estimated values of white noise lie within
+//! `±1.96/√n` with a probability of 95 %. References: [Chen2009] §1.1 and §1.2, eq. 1 and 2.
 //!
 //! [Chen2009]: tests_host#references
 
@@ -31,15 +31,16 @@ use tests_host::report::canvas::{BLUE, GREY, Mark};
 use tests_host::report::chart::{Axis, LineChart, Series};
 use tests_host::sky::{Oscillator, ReceiverClock};
 
-/// Values of the series, s.
+/// Length of the series, s.
 const LENGTH: usize = 600;
 
-/// Lags shown.
+/// Number of lags shown.
 const LAGS: usize = 20;
 
 const SEED: u64 = 0x0C10_C4F1;
 
-/// Solved clocks of one receiver, one second apart, m: oscillator and solution noise, all from one seed.
+/// Returns solved clocks of one receiver, one second apart, m: oscillator and solution noise, all
+/// from one seed.
 pub(super) fn solved_clock_m(oscillator: Oscillator, seed: u64, length: usize) -> Vec<f64> {
     let mut clock = ReceiverClock::new(oscillator, 1.0, 0.0, seed);
     // The oscillator draws from stream 0 of the same seed.
@@ -51,14 +52,14 @@ pub(super) fn solved_clock_m(oscillator: Oscillator, seed: u64, length: usize) -
     (0..length).map(|_| solved()).collect()
 }
 
-/// Autocorrelations at lags 0, 1, …
+/// Returns the autocorrelations at lags 0, 1, …
 fn autocorrelations(centred: &[f64]) -> Vec<f64> {
     let lagged =
         |lag: usize| -> f64 { centred.iter().zip(centred.iter().skip(lag)).map(|(a, b)| a * b).sum() };
     (0..=LAGS).map(|lag| lagged(lag) / lagged(0)).collect()
 }
 
-/// Partial autocorrelations at lags 1, 2, … by Durbin's recursion.
+/// Returns the partial autocorrelations at lags 1, 2, … by Durbin's recursion.
 fn partial_autocorrelations(rho: &[f64]) -> Vec<f64> {
     let (mut coefficients, mut partial): (Vec<f64>, Vec<f64>) = (Vec::new(), Vec::new());
     for order in 1..rho.len() {
@@ -74,7 +75,7 @@ fn partial_autocorrelations(rho: &[f64]) -> Vec<f64> {
     partial
 }
 
-/// What the figures show.
+/// Content of the figures.
 struct Shown {
     level_m: Vec<f64>,
     difference_m: Vec<f64>,
@@ -97,12 +98,12 @@ fn shown() -> &'static Shown {
     })
 }
 
-/// Half width of what white noise stays within.
+/// Returns the half width of the band of white noise.
 fn band() -> f64 {
     1.96 / libm::sqrt((LENGTH - 1) as f64)
 }
 
-/// How many of some values lie outside of the band, in words.
+/// Returns the number of values outside the band, in words.
 fn outside(values: &[f64]) -> Finding {
     let count = values.iter().filter(|value| value.abs() > band()).count();
     Finding::Words(format!("{count} of {}", values.len()))
@@ -212,7 +213,7 @@ pub(super) fn pictures() -> Result<Vec<Picture>> {
 /// Width and height of these pictures, pixels.
 const SIZE: (u32, u32) = (760, 320);
 
-/// A stem from zero for each lag, with the band of white noise.
+/// Draws a stem from zero for each lag, with the band of white noise.
 fn stems(title: &str, label: &str, points: &[(f64, f64)]) -> LineChart {
     let stem = |&(lag, value): &(f64, f64)| [(lag, 0.0), (lag, value), (lag, f64::NAN)];
     let stems = points.iter().flat_map(stem).collect();

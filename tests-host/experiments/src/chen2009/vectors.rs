@@ -1,6 +1,8 @@
-//! Reference epochs with a clock beside the satellites: four detect, five identify, a jump is the clock's.
+//! Reference epochs with a clock beside the satellites: four detect, five identify, a jump belongs
+//! to the clock.
 //!
-//! `want` was computed elsewhere, with a full-column solution in double precision. References: [Chen2009] §2.
+//! `want` was computed elsewhere, with a full-column solution in double precision. References:
+//! [Chen2009] §2.
 //!
 //! [Chen2009]: tests_host#references
 
@@ -17,7 +19,7 @@ use tests_host::vectors;
 
 const FILE: &str = "clock_raim.jsonl.gz";
 
-/// Fields that are decisions: the same or wrong.
+/// Fields that are decisions, which must be equal.
 const DECISIONS: [&str; 4] = ["dof", "detected", "ident", "ident_is_clock"];
 
 /// Fields that are numbers, equal to within rounding.

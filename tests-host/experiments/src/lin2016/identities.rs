@@ -1,4 +1,4 @@
-//! What must be equal for the algorithms to mean what they say, over the whole day.
+//! Identities on which the algorithms rest, checked over the whole day.
 //!
 //! ```text
 //! p·p = SSE      PᵀP = S      ρ_i = p·p_i / (|p| |p_i|) = w_i / √SSE
@@ -6,9 +6,9 @@
 //! τ1 < τ2  ⇔  HPL < f HAL
 //! ```
 //!
-//! | symbol | meaning | here from |
+//! | symbol | meaning | source |
 //! |---|---|---|
-//! | `P` | orthonormal basis of what the design does not reach | dense matrices |
+//! | `P` | orthonormal basis of the complement of the design | dense matrices |
 //! | `p = P y / σ` | parity vector; `p_i` its columns | dense matrices |
 //! | `SSE`, `S`, `ρ`, `A` | see [`rai_core::snapshot`], [`rai_core::integrity::residuals::parity`] | the core |
 //! | `HDOP_i` | dilution without satellite `i` | the core, solved again without it |
@@ -26,25 +26,25 @@ use rai_core::snapshot::{Snapshot, Workspace};
 use super::{Day, EPOCHS, Finding, HAL_M, Judgement, MISSED_DETECTION, ROWS, Row, SIGMA_M, Section};
 use tests_host::sky::linear;
 
-/// Largest relative difference that still is rounding.
+/// Largest relative difference that counts as rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// Differences that one epoch shows.
+/// Differences of one epoch.
 struct Differences {
     sse: f64,
     projection: f64,
     correlation: f64,
     dilution: f64,
-    /// Alert limits for which the thresholds and the protection level disagree.
+    /// Number of alert limits for which the thresholds and the protection level disagree.
     limits: usize,
 }
 
-/// The table of all identities.
+/// Returns the table of all identities.
 pub(super) fn section(day: &Day) -> anyhow::Result<Section> {
     let epochs: Vec<Differences> =
         (0..EPOCHS).map(|epoch| differences(day, &day.rows(epoch, 0))).collect::<anyhow::Result<_>>()?;
     let row = |what: &str, difference: fn(&Differences) -> f64| {
-        // Written so that a difference which is not a number is one.
+        // In this form NaN counts as a difference.
         let differing = epochs.iter().filter(|epoch| !(difference(epoch) <= ROUNDING)).count();
         let ours = Finding::exact(differing as f64, 0);
         Row::new(what, "", ours, Judgement::Ours).held_to(4, 0.0, 0.0)
@@ -82,7 +82,7 @@ fn differences(day: &Day, rows: &[linear::Row]) -> anyhow::Result<Differences> {
     })
 }
 
-/// Rows that span, at right angles and with unit length, what four columns cannot reach.
+/// Returns orthonormal rows that span the complement of the four columns.
 fn parity_matrix(rows: &[linear::Row]) -> DMatrix<f64> {
     let design = DMatrix::from_fn(rows.len(), 4, |row, column| {
         let direction = rows[row].line_of_sight;
@@ -95,7 +95,7 @@ fn parity_matrix(rows: &[linear::Row]) -> DMatrix<f64> {
     eigen.eigenvectors.select_columns(&kept).transpose()
 }
 
-/// The increase of HDOP², solved again and by the identity, relative to what it increases.
+/// Returns the relative difference between the increase of HDOP² solved again and by the identity.
 fn dilution(snapshot: &Snapshot<'_, f64>, index: usize) -> f64 {
     let by_identity = snapshot.row(index).map_or(f64::NAN, |(row, fit)| {
         let moved = fit.gain.x.powi(2) + fit.gain.y.powi(2);
@@ -110,7 +110,7 @@ fn dilution(snapshot: &Snapshot<'_, f64>, index: usize) -> f64 {
     (without * without - with * with - by_identity).abs() / (with * with)
 }
 
-/// Alert limits around the protection level, and the paper's own.
+/// Counts disagreements at alert limits around the protection level, and at the paper's own.
 fn disagreements(day: &Day, snapshot: &Snapshot<'_, f64>) -> anyhow::Result<usize> {
     let slopes = largest_slopes(snapshot);
     let dof = snapshot.dof();
@@ -135,7 +135,7 @@ fn relative(have: f64, want: f64) -> f64 {
     (have / want - 1.0).abs()
 }
 
-/// The largest, where anything that is not a number is larger.
+/// Returns the largest difference; NaN counts as larger than any number.
 fn worst(differences: impl Iterator<Item = f64>) -> f64 {
     differences.max_by(f64::total_cmp).unwrap_or(0.0)
 }

@@ -1,13 +1,15 @@
-//! [Lin2016]: least-squares RAIM on the regional `BeiDou` system, a day of one epoch a minute.
+//! [Lin2016]: least-squares RAIM on the regional `BeiDou` system, for a day with one epoch per
+//! minute.
 //!
-//! | what | where |
+//! | content | module |
 //! |---|---|
 //! | figure 3, one fault of 80 m | [`single`] |
 //! | figures 4 and 5, rates against the bias | [`rates`] |
 //! | thresholds, availability by the change of HDOP (eq. 13, 22–26) | here |
-//! | identities that the algorithms rest on | [`identities`] |
+//! | identities of the algorithms | [`identities`] |
 //!
-//! The paper does not say where its receiver stands. Here it stands in Nanjing, where two of its authors work.
+//! The paper does not give the place of its receiver. Here it is Nanjing, where two of its authors
+//! work.
 
 mod identities;
 mod rates;
@@ -29,19 +31,19 @@ use tests_host::report::chart::{Axis, LineChart, Series};
 use tests_host::sky::linear::{self, Sigma, equations};
 use tests_host::sky::{Fleet, Noise, Sight, Site, sights};
 
-/// How the command line finds it.
+/// Entry for the command line.
 pub(super) const EXPERIMENT: Experiment =
     Experiment { name: "lin2016", about: "a fault of 80 m, rates of detection and identification", run };
 
-/// Satellites in view at most: 14.
+/// Capacity in rows; at most 14 satellites are in view.
 const ROWS: usize = 16;
 /// Standard deviation of a range, m.
 const SIGMA_M: f64 = 6.0;
-/// Elevation below which nothing is used, degrees.
+/// Elevation mask, degrees.
 const MASK_DEG: f64 = 10.0;
-/// Epochs of the day, both midnights included.
+/// Number of epochs of the day, both midnights included.
 const EPOCHS: usize = 1441;
-/// Time between them, s.
+/// Time between epochs, s.
 const STEP_S: f64 = 60.0;
 /// Horizontal alert limit of a non-precision approach, m.
 const HAL_M: f64 = 556.0;
@@ -49,10 +51,10 @@ const HAL_M: f64 = 556.0;
 const FALSE_ALARM: f64 = 1e-4;
 /// Probability of a missed detection.
 const MISSED_DETECTION: f64 = 1e-6;
-/// All chance follows from it.
+/// Seed of all random choices.
 const SEED: u64 = 2016;
 
-/// The sky of the day, and what its epochs are tested against.
+/// Sky of the day, with the thresholds of its tests.
 struct Day {
     views: Vec<Vec<Sight>>,
     thresholds: Thresholds<'static>,
@@ -68,25 +70,25 @@ impl Day {
         Ok(Self { views: (0..EPOCHS).map(view).collect(), thresholds, noise: Noise::new(SEED) })
     }
 
-    /// The rows of one epoch; each trial has noise of its own.
+    /// Returns the rows of one epoch; each trial has its own noise.
     fn rows(&self, epoch: usize, trial: usize) -> Vec<linear::Row> {
         let number = trial * EPOCHS + epoch;
         let clocks_m = [0.0; Constellation::COUNT];
         linear::rows(&self.views[epoch], Sigma::Constant(SIGMA_M), clocks_m, &self.noise, number as u64)
     }
 
-    /// Every epoch of the day in double precision, to be solved.
+    /// Returns every epoch of the day in double precision, ready to be solved.
     fn workspaces(&self) -> impl Iterator<Item = anyhow::Result<Workspace<f64, ROWS>>> {
         (0..EPOCHS).map(|epoch| pose(&self.rows(epoch, 0)))
     }
 }
 
-/// Equations of rows, to be solved.
+/// Returns the equations of rows, ready to be solved.
 fn pose<T: Real>(rows: &[linear::Row]) -> anyhow::Result<Workspace<T, ROWS>> {
     Ok(Workspace::of(equations(rows)?))
 }
 
-/// The same rows with a bias on one of them.
+/// Returns the same rows with a bias on one of them.
 fn faulty(rows: &[linear::Row], index: usize, bias_m: f64) -> Vec<linear::Row> {
     let mut rows = rows.to_vec();
     rows[index].y_m += bias_m;
@@ -117,7 +119,7 @@ fn run(effort: Effort, bar: &ProgressBar) -> anyhow::Result<Outcome> {
     Ok(Outcome { name: EXPERIMENT.name, title: title.into(), setup, sections, pictures })
 }
 
-/// The thresholds in metres, from an independent program with fifty digits.
+/// Thresholds, m, from an independent program with fifty digits.
 const THRESHOLDS_M: [(usize, f64); 7] = [
     (4, 14.546_982),
     (5, 13.614_800),
@@ -137,7 +139,7 @@ fn thresholds(day: &Day) -> Section {
     Section { title: "Thresholds (eq. 13)".into(), rows: THRESHOLDS_M.map(row).into() }
 }
 
-/// How far one epoch protects.
+/// Protection in one epoch.
 struct Protection {
     hpl_m: f64,
     hdop_change: f64,

@@ -1,4 +1,4 @@
-//! Figures 4 and 5: how often a bias is detected, and how often its satellite is named.
+//! Figures 4 and 5: rates at which a bias is detected, and at which its satellite is identified.
 //!
 //! ```text
 //! P_D(b) = 1 − G(τ1; ν, (b/σ)² S_ii)            exact, for a bias of satellite i
@@ -10,12 +10,13 @@
 //! | `S_ii` | redundancy number, from the core's snapshot | – |
 //! | `G` | lower tail of the non-central χ² distribution | – |
 //!
-//! In every epoch one satellite in view is drawn. The exact rate is the mean over all that might have been drawn,
-//! epoch by epoch; who evaluates `P_D` for one drawn satellite an epoch has a sample of it, with a deviation that is
-//! computed beside it.
+//! In every epoch one satellite in view is drawn. The exact rate is the mean over all that could
+//! have been drawn, epoch by epoch. Evaluating `P_D` for one drawn satellite per epoch gives a
+//! sample of it, whose deviation is computed beside it.
 //!
-//! The rates of identification are of all trials, the w-test being asked whether or not the global test has
-//! detected, as the paper must have done: in its figures identification leads detection.
+//! The rates of identification include all trials: the w-test runs even if the global test has not
+//! detected. The paper must have done the same, because in its figures identification leads
+//! detection.
 
 use anyhow::Context as _;
 use rai_core::integrity::residuals::baarda::identify;
@@ -30,22 +31,22 @@ use tests_host::chi_square;
 use tests_host::report::canvas::{BLUE, INK, Mark, ORANGE, RGBColor, VIOLET};
 use tests_host::report::chart::{Axis, LineChart, Series};
 
-/// Steps of ten metres, from no bias to 100 m.
+/// Number of biases: steps of ten metres, from no bias to 100 m.
 const BIASES: usize = 11;
 
 fn bias_m(step: usize) -> f64 {
     10.0 * step as f64
 }
 
-/// Rates of detection by exact theory that an independent program has, with one satellite drawn for each epoch.
+/// Exact rates of detection of an independent program, with one satellite drawn for each epoch.
 const REFERENCE: [(usize, f64); 7] =
     [(2, 0.024), (3, 0.212), (4, 0.599), (5, 0.838), (6, 0.932), (7, 0.975), (8, 0.992)];
-/// How far its rates are rounded.
+/// Rounding of these rates.
 const ROUNDING: f64 = 5e-4;
 /// Two-sided 95 % point of the normal distribution.
 const NORMAL_95: f64 = 1.96;
 
-/// A rate of detection by theory.
+/// An exact rate of detection.
 #[derive(Clone, Copy)]
 struct Exact {
     /// Mean over the satellites in view, then over the epochs.
@@ -69,7 +70,7 @@ fn exact(day: &Day) -> anyhow::Result<Vec<Exact>> {
     Ok((0..BIASES).map(of_bias).collect())
 }
 
-/// Mean and variance of `P_D` over the satellites of one epoch, for every bias.
+/// Returns mean and variance of `P_D` over the satellites of one epoch, for every bias.
 fn moments(day: &Day, epoch: usize) -> anyhow::Result<[(f64, f64); BIASES]> {
     let mut workspace = pose::<f64>(&day.rows(epoch, 0))?;
     let snapshot = workspace.solve()?;
@@ -86,7 +87,7 @@ fn moments(day: &Day, epoch: usize) -> anyhow::Result<[(f64, f64); BIASES]> {
     }))
 }
 
-/// What became of the trials with one bias.
+/// Counts of the trials with one bias.
 #[derive(Clone, Copy, Default)]
 struct Counts {
     detected: usize,
@@ -110,7 +111,7 @@ fn simulate(day: &Day, trials: usize) -> anyhow::Result<[Counts; BIASES]> {
     tried.try_reduce(Default::default, |a, b| Ok(sum(a, b)))
 }
 
-/// One noise, one satellite, all biases: through the instantiation that runs on the target.
+/// Tries all biases with one noise and one satellite, in the scalar type of the target.
 fn try_all_biases(day: &Day, number: usize) -> anyhow::Result<[Counts; BIASES]> {
     let (trial, epoch) = (number / EPOCHS, number % EPOCHS);
     let rows = day.rows(epoch, trial);
@@ -128,7 +129,7 @@ fn try_all_biases(day: &Day, number: usize) -> anyhow::Result<[Counts; BIASES]> 
     Ok(counts)
 }
 
-/// Both figures with their tables.
+/// Returns both figures with their tables.
 pub(super) fn figures_4_and_5(day: &Day, trials: usize) -> anyhow::Result<(Vec<Section>, Vec<Picture>)> {
     let exact = exact(day)?;
     let counts = simulate(day, trials)?;
@@ -154,7 +155,8 @@ pub(super) fn figures_4_and_5(day: &Day, trials: usize) -> anyhow::Result<(Vec<S
     Ok((sections, vec![figure_4(&exact, &counts, trials)?, figure_5(&counts, trials)?]))
 }
 
-/// What the paper says in words of its curves: they rise from 10 m on and are whole at 70 and at about 60 m.
+/// Returns the paper's words about its curves: they rise from 10 m on and reach 1 at 70 m and at
+/// about 60 m.
 fn printed(step: usize, whole_at_m: f64) -> (&'static str, Judgement) {
     if step == 1 {
         ("begins to rise", Judgement::InTrend)
@@ -175,7 +177,7 @@ fn simulated_row(what: &str, step: usize, whole_at_m: f64, ours: Finding) -> Row
     }
 }
 
-/// The simulation is held to 0.03, as far as 2,882 trials carry.
+/// Requires the simulation to agree within 0.03, as 2,882 trials allow.
 fn held_to_reference(rows: Vec<Row>) -> Vec<Row> {
     let held = |(step, row): (usize, Row)| match REFERENCE.iter().find(|(known, _)| *known == step) {
         Some(&(_, want)) => row.held_to(7, want, 0.03),
@@ -184,8 +186,8 @@ fn held_to_reference(rows: Vec<Row>) -> Vec<Row> {
     rows.into_iter().enumerate().map(held).collect()
 }
 
-/// The exact rates, held to the reference within what drawing one satellite an epoch may have moved it: more than 0.01
-/// at 40 and 50 m, less elsewhere.
+/// Requires the exact rates to agree with the reference within the effect of drawing one satellite
+/// per epoch: more than 0.01 at 40 and 50 m, less elsewhere.
 fn exact_rows(exact: &[Exact]) -> Vec<Row> {
     let row = |(step, &Exact { rate, deviation }): (usize, &Exact)| {
         let (paper, judgement) = printed(step, 70.0);
@@ -212,7 +214,7 @@ fn line(name: &str, colour: RGBColor, mark: Mark, rate: impl Fn(usize) -> f64) -
     Series { name: name.to_owned(), colour, mark, points }
 }
 
-/// Where the paper's words put its curve.
+/// Returns the points that the paper's words give for its curve.
 fn printed_points(whole_at_m: f64) -> Series {
     let points = vec![(10.0, 0.0), (whole_at_m, 1.0)];
     Series { name: "paper: rises, is whole".into(), colour: INK, mark: Mark::Dots, points }

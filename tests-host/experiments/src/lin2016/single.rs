@@ -1,4 +1,4 @@
-//! Figure 3: a day without faults but for 80 m on one satellite in one epoch.
+//! Figure 3: a day without faults except 80 m on one satellite in one epoch.
 
 use rai_core::integrity::residuals::baarda::exclude_sequentially;
 use rai_core::integrity::residuals::detection::{Detection, detect};
@@ -15,9 +15,9 @@ use tests_host::report::canvas::{BLUE, GREY, Mark, ORANGE};
 use tests_host::report::chart::{Axis, LineChart, Series};
 use tests_host::sky::linear;
 
-/// The epoch of the fault: the paper's "30 s", with epochs a minute apart.
+/// Epoch of the fault: the paper's "30 s", with epochs a minute apart.
 const FAULT_EPOCH: usize = 30;
-/// Its size, m.
+/// Size of the fault, m.
 const FAULT_M: f64 = 80.0;
 
 /// One epoch before and after exclusion; statistics in metres.
@@ -48,7 +48,7 @@ fn test(day: &Day, rows: &[linear::Row]) -> anyhow::Result<Tested> {
     })
 }
 
-/// The figure, and the same fault on every other satellite.
+/// Returns the figure, and the same fault on every other satellite.
 pub(super) fn figure_3(day: &Day) -> anyhow::Result<(Section, Picture)> {
     let in_view = day.views[FAULT_EPOCH].len();
     let chosen = generator(SEED, 0).random_range(0..in_view);
@@ -102,7 +102,8 @@ fn names_only(tested: &Tested, index: usize) -> bool {
     tested.isolated && tested.excluded == [index]
 }
 
-/// None as in the paper, or what chance explains; three would be one case in two thousand.
+/// Judges the number of false alarms: none as in the paper, or as many as chance explains. Three
+/// would be one case in two thousand.
 fn judge_alarms(alarms: usize) -> Judgement {
     match alarms {
         0 => Judgement::Reproduced,

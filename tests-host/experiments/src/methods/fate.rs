@@ -1,6 +1,6 @@
-//! What became of an epoch, and how often.
+//! Outcomes of epochs, and their rates.
 //!
-//! | fate | verdict | left out |
+//! | outcome | verdict | left out |
 //! |---|---|---|
 //! | correct | protected | exactly the faulty ones |
 //! | incomplete | protected | faulty ones only, but not all |
@@ -8,9 +8,10 @@
 //! | ambiguous | alert: several exclusions explain the data | |
 //! | not isolated | alert: detected, no exclusion found | |
 //! | unavailable | nothing is promised: protection level, work | |
-//! | missed | protected | nobody |
+//! | missed | protected | none |
 //!
-//! Beyond its level is a protected epoch whose horizontal error exceeds its protection level, which bounds one fault.
+//! "Beyond its level" is a protected epoch whose horizontal error exceeds its protection level,
+//! which bounds one fault.
 
 use std::ops::Add;
 
@@ -27,7 +28,7 @@ use tests_host::oracle::Range;
 use tests_host::ransac_traditional::{Criterion, RATIO, combination_count, combinations, unknowns, vote};
 use tests_host::sky::Sight;
 
-/// What became of an epoch.
+/// Outcome of an epoch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Fate {
     Correct,
@@ -49,14 +50,14 @@ const FATES: [(Fate, &str); 7] = [
     (Fate::Missed, "missed"),
 ];
 
-/// A fate, and whether a protected position was farther off than its level.
+/// An outcome; `beyond_level` if a protected position had an error above its level.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Judged {
     fate: Fate,
     beyond_level: bool,
 }
 
-/// How often each.
+/// Number of epochs by outcome.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Tally {
     fates: [usize; FATES.len()],
@@ -77,12 +78,12 @@ impl Tally {
         self.fates[fate as usize]
     }
 
-    /// Share of a fate, %.
+    /// Returns the share of an outcome, %.
     pub(super) fn percent(&self, fate: Fate) -> f64 {
         100.0 * self.of(fate) as f64 / self.total() as f64
     }
 
-    /// All that is not correct, in words.
+    /// Describes all outcomes that are not correct.
     pub(super) fn rest(&self) -> String {
         let rest = FATES.iter().skip(1).filter(|(fate, _)| self.percent(*fate) >= 0.05);
         let words = rest.map(|(fate, word)| format!("{word} {:.1} %", self.percent(*fate)));
@@ -104,7 +105,7 @@ impl Add for Tally {
     }
 }
 
-/// A scene in the hands of every contender; `None` where one is too dear.
+/// Judges a scene with every contender; `None` if one is too expensive.
 pub(super) fn of_scene(scene: &Scene) -> Vec<Option<Judged>> {
     let mut detected = true;
     let mut of_contender = |contender: &Contender| {
@@ -162,10 +163,11 @@ fn is_beyond_level(report: &Report<CAPACITY>, site: Ecef) -> bool {
     error.horizontal() > levels.hpl_m
 }
 
-/// Minimal subsets beyond which it is too dear even here.
+/// Largest number of minimal subsets that a host can afford.
 const MOST_SUBSETS: f64 = 500.0;
 
-/// The consensus of all minimal subsets, which names satellites and tests nothing afterwards; `None` where it is too dear.
+/// Applies the consensus of all minimal subsets, which names satellites and tests nothing
+/// afterwards; returns `None` if it is too expensive.
 fn traditional(scene: &Scene, detected: bool) -> Option<Judged> {
     let range = |((sight, observation), &residual_m): ((&Sight, &Observation), &f64)| {
         let Enu { east, north, up } = sight.line_of_sight;

@@ -1,19 +1,22 @@
-//! All methods side by side on the same skies and faults: which one when, and which is dominated. No paper has it.
+//! All methods side by side on the same skies and faults: a choice of method by situation, and
+//! dominated methods. No paper has it.
 //!
-//! One, two or three satellites are wrong by a step of seven sizes; every method gets the very same ranges, through [`Monitor::process`](rai_core::monitor::Monitor::process) in single precision, as on the target.
+//! One, two or three satellites are wrong by a step of seven sizes. Every method receives the very
+//! same ranges, through [`Monitor::process`](rai_core::monitor::Monitor::process) in single
+//! precision, as on the target.
 //!
 //! ```text
 //! scene(kind of sky, faults, step, run) ──► monitor with each method ──► fate ──► tally
 //! ```
 //!
-//! | module | what |
+//! | module | content |
 //! |---|---|
-//! | [`skies`] | which satellites, which errors |
-//! | [`fate`] | what became of an epoch, and how often |
+//! | [`skies`] | satellites and errors |
+//! | [`fate`] | outcomes of epochs, and their rates |
 //! | [`pictures`] | rates against step, by method |
 //!
-//! Each scene draws from a stream of its own, so its numbers do not depend on how many threads work, and all are
-//! independent.
+//! Each scene draws from its own stream, so its numbers do not depend on the number of threads, and
+//! all are independent.
 
 mod fate;
 mod pictures;
@@ -30,14 +33,14 @@ use fate::{Fate, Tally};
 use skies::{KINDS, Scene};
 use tests_host::bench::{budget, stages};
 
-/// How the command line finds it.
+/// Entry for the command line.
 pub(super) const EXPERIMENT: Experiment = Experiment {
     name: "methods",
     about: "all methods side by side: one to three faults, 8 to 40 satellites, steps of 20 to 150 m",
     run,
 };
 
-/// The methods by the name of the command `METHOD`, and the one that only a host can pay for.
+/// Methods by their words in the command `METHOD`, and the one that only a host can afford.
 const CONTENDERS: [Contender; 7] = [
     Contender { name: "BAARDA", method: Some(Method::Baarda) },
     Contender { name: "SIMULTANEOUS", method: Some(Method::Parity(parity::Isolation::Simultaneous)) },
@@ -48,24 +51,24 @@ const CONTENDERS: [Contender; 7] = [
     Contender { name: "all minimal subsets", method: None },
 ];
 
-/// One way to find the faulty satellites.
+/// A method to identify the faulty satellites.
 #[derive(Clone, Copy)]
 struct Contender {
     name: &'static str,
-    /// `None` for the consensus of all minimal subsets, which is no method of the module.
+    /// Method of the module; `None` for the consensus of all minimal subsets.
     method: Option<Method>,
 }
 
-/// How many satellites are faulty at once.
+/// Numbers of faulty satellites.
 const FAULTS: [usize; 3] = [1, 2, 3];
 
-/// By how much, m; each with a sign of its own.
+/// Sizes of the faults, m; each has a random sign.
 const STEPS_M: [f64; 7] = [20.0, 30.0, 40.0, 60.0, 80.0, 100.0, 150.0];
 
 /// Tallies by kind of sky, number of faults, step and contender.
 struct Tallies(Vec<Tally>);
 
-/// Which kind of sky, how many faults, which step: indices of the three lists.
+/// Indices of the kind of sky, the number of faults and the step.
 #[derive(Clone, Copy)]
 struct Place {
     kind: usize,
@@ -93,7 +96,7 @@ impl Tallies {
         &mut self.0[place.index() * CONTENDERS.len() + contender]
     }
 
-    /// All that fits: `None` stands for every one.
+    /// Returns the sum of all matching tallies; `None` stands for every one.
     fn sum(&self, kind: Option<usize>, faults: usize, step: Option<usize>, contender: usize) -> Tally {
         let kinds = kind.map_or(0..KINDS.len(), |kind| kind..kind + 1);
         let steps = step.map_or(0..STEPS_M.len(), |step| step..step + 1);
@@ -124,7 +127,7 @@ fn run(effort: Effort, bar: &ProgressBar) -> Result<Outcome> {
     })
 }
 
-/// Judges every scene, as many of each place.
+/// Judges every scene, the same number for each place.
 fn tally(runs: u64, bar: &ProgressBar) -> Tallies {
     let places: Vec<Place> = (0..KINDS.len())
         .flat_map(|kind| (0..FAULTS.len()).map(move |faults| (kind, faults)))
@@ -149,7 +152,8 @@ fn tally(runs: u64, bar: &ProgressBar) -> Tallies {
     tallies
 }
 
-/// What a method costs on the target, as committed by the bench; a method that is not among its figures says so.
+/// Returns the cost of each method on the target, from the committed budgets; a method without a
+/// figure is marked.
 fn costs() -> Result<Section> {
     let committed = budget::committed()?;
     let mut rows = Vec::new();
@@ -171,7 +175,8 @@ fn costs() -> Result<Section> {
     })
 }
 
-/// A line for each number of faults and method: the rate of correct exclusion, and what became of the rest.
+/// Returns a line for each number of faults and method: the rate of correct exclusion, and the
+/// other outcomes.
 fn section(title: &str, kind: Option<usize>, tallies: &Tallies) -> Section {
     let mut rows = Vec::new();
     for (faults, &count) in FAULTS.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! The figures: how often each method leaves out exactly the faulty satellites.
+//! Figures: rates at which each method leaves out exactly the faulty satellites.
 
 use anyhow::Result;
 
@@ -12,7 +12,7 @@ use tests_host::report::chart::{Axis, LineChart, Series};
 
 const SIZE: (u32, u32) = (920, 400);
 
-/// The methods of the module: what is only a host's has too few skies for a line.
+/// Returns the methods of the module. The host's method has too few skies for a line.
 fn methods() -> impl Iterator<Item = (usize, &'static str)> {
     let each = CONTENDERS.iter().enumerate().filter(|(_, contender)| contender.method.is_some());
     each.map(|(index, contender)| (index, contender.name))
@@ -28,7 +28,7 @@ pub(super) fn all(tallies: &Tallies) -> Result<Vec<Picture>> {
     Ok(pictures)
 }
 
-/// Correct exclusions against the step, all skies together.
+/// Draws correct exclusions against the step, all skies together.
 fn against_step(tallies: &Tallies, faults: usize, count: usize) -> Result<Picture> {
     let line = |(contender, name): (usize, &str)| {
         let point = |(step, &step_m): (usize, &f64)| {
@@ -37,7 +37,7 @@ fn against_step(tallies: &Tallies, faults: usize, count: usize) -> Result<Pictur
         Series {
             name: name.into(),
             colour: SERIES[contender % SERIES.len()],
-            // Lines that lie on each other can be told apart by their gaps.
+            // The gaps distinguish lines that coincide.
             mark: if contender % 2 == 0 { Mark::Line } else { Mark::Dashed },
             points: STEPS_M.iter().enumerate().map(point).collect(),
         }
@@ -55,7 +55,7 @@ fn against_step(tallies: &Tallies, faults: usize, count: usize) -> Result<Pictur
     Picture::draw(&format!("methods-{count}-{plural}"), &caption, |ground| chart.svg(SIZE, ground))
 }
 
-/// Correct exclusions by kind of sky, all steps together.
+/// Draws correct exclusions by kind of sky, all steps together.
 fn by_sky(tallies: &Tallies, faults: usize) -> Result<Picture> {
     let bars = methods().map(|(contender, name)| {
         let heights = (0..KINDS.len())
@@ -74,7 +74,7 @@ fn by_sky(tallies: &Tallies, faults: usize) -> Result<Picture> {
     Picture::draw("methods-by-sky", caption, |ground| chart.svg(SIZE, ground))
 }
 
-/// Healthy satellites left out of protected positions, by number of faults.
+/// Draws healthy satellites left out of protected positions, by number of faults.
 fn wrong(tallies: &Tallies) -> Result<Picture> {
     let bars = methods().map(|(contender, name)| {
         let heights =

@@ -1,4 +1,5 @@
-//! The skies: published orbits at random instants, thinned to a number of satellites, with the module's own sigmas.
+//! Skies: published orbits at random instants, thinned to a number of satellites, with the module's
+//! own sigmas.
 //!
 //! ```text
 //! ρ_i = |x_i − x| + b_c + σ_i ε_i + fault_i      ε ~ N(0, 1)
@@ -9,7 +10,8 @@
 //! | `σ_i` | [`Observation::sigma_m`], by [`rai_core::weighting`] for the ionosphere-free pair | m |
 //! | `b_c` | [`CLOCKS_M`] | m |
 //!
-//! Orbit and clock error is that of GPS for all: the slots of a fleet are no codes from which a generation could be told.
+//! Orbit and clock error is that of GPS for all, because the slots of a fleet are not codes that
+//! identify a generation.
 
 use rai_core::epoch::{Epoch, Observation};
 use rai_core::frame::Ecef;
@@ -21,13 +23,13 @@ use rand_distr::{Distribution as _, StandardNormal};
 use super::super::draw::{distinct, generator};
 use tests_host::sky::{Fleet, Satellite, Sight, Site, sights};
 
-/// Satellites that an epoch holds, as on the target.
+/// Capacity of an epoch, satellites, as on the target.
 pub(super) const CAPACITY: usize = 40;
 
 /// A kind of sky.
 pub(super) struct Kind {
     pub(super) name: &'static str,
-    /// Under the bars of a picture.
+    /// Label under the bars of a picture.
     pub(super) label: &'static str,
     fleets: &'static [Fleet],
     satellites: usize,
@@ -62,10 +64,10 @@ const BOTH: &[Fleet] = &[Fleet::Gps31, Fleet::Beidou44];
 /// Receiver clocks times the speed of light by constellation, m.
 const CLOCKS_M: [f64; 4] = [30_000.0, 30_040.0, 30_010.0, 30_090.0];
 
-/// Elevation below which nothing is received, degrees.
+/// Elevation mask, degrees.
 const MASK_DEG: f64 = 5.0;
 
-/// Satellites of a constellation without which nothing about it could be told.
+/// Smallest number of satellites of a constellation; with fewer nothing about it could be tested.
 const FEWEST_OF_EACH: usize = 3;
 
 /// One epoch with faults.
@@ -73,15 +75,15 @@ pub(super) struct Scene {
     pub(super) sights: Vec<Sight>,
     pub(super) site: Ecef,
     pub(super) epoch: Epoch<CAPACITY>,
-    /// Who is wrong, ascending.
+    /// Indices of the faulty satellites, ascending.
     pub(super) faulty: Vec<usize>,
     /// Measured minus true range of each, m.
     pub(super) errors_m: Vec<f64>,
 }
 
 impl Kind {
-    /// A scene of its own for each number: its sky, its noise, its faulty satellites, each wrong by the step in one
-    /// direction or the other.
+    /// Returns the scene of a number, with its own sky, noise and faulty satellites, each wrong by
+    /// the step in a random direction.
     pub(super) fn scene(&self, number: u64, faults: usize, step_m: f64) -> Scene {
         let mut generator = generator(self.seed, number);
         let site = Site::geodetic(34.17, 108.57, 400.0);
@@ -102,7 +104,7 @@ impl Kind {
         Scene { sights, site: site.position, epoch, faulty, errors_m }
     }
 
-    /// Satellites drawn from those in view at an instant at which there are enough.
+    /// Draws satellites from those in view, at an instant with enough of them.
     fn sights(&self, site: &Site, generator: &mut ChaCha8Rng) -> Vec<Sight> {
         let satellites: Vec<Satellite> = self.fleets.iter().flat_map(|fleet| fleet.satellites()).collect();
         loop {
@@ -127,7 +129,7 @@ impl Kind {
 }
 
 fn sigma_at(sight: &Sight) -> f64 {
-    /// Of the ionosphere-free pair.
+    /// Noise factor of the ionosphere-free pair.
     const NOISE_GAIN: f32 = 3.0;
     const EPHEMERIS_M: f32 = 1.2;
     f64::from(sigma_m(&ErrorBudget {

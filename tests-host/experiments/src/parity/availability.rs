@@ -1,7 +1,7 @@
-//! Table 2: for how much of the time the protection level is below the alert limit.
+//! Table 2: share of the time in which the protection level is below the alert limit.
 //!
-//! `available: HPL = max slope_h √λ < HAL`, and `slope_h` is proportional to the common sigma: one solution with
-//! `σ = 1 m` serves every sigma.
+//! `available: HPL = max slope_h √λ < HAL`. Because `slope_h` is proportional to the common sigma,
+//! one solution with `σ = 1 m` serves every sigma.
 
 use anyhow::Result;
 use indicatif::ProgressBar;
@@ -27,34 +27,35 @@ struct Window {
 
 /// The paper's 32,400 s, on three days.
 const NINE_HOURS: Window = Window { days: 3, epochs: 540, step_s: 60.0 };
-/// After a week the medium orbits of `BeiDou` repeat: what is left of it does not depend on when the paper's hours were.
+/// A week. After it the medium orbits of `BeiDou` repeat, so its result does not depend on the time
+/// of the paper's hours.
 const WEEK: Window = Window { days: 7, epochs: 144, step_s: 600.0 };
 const WINDOWS: [Window; 2] = [NINE_HOURS, WEEK];
 const DAY_S: f64 = 86_400.0;
 const CORNER_DEG: (f64, f64) = (24.1, 120.6);
 const EXTENT_DEG: f64 = 2.0;
 
-/// Masks of the picture; the table has the first and the third last.
+/// Masks of the picture, degrees; the table has the first and the third last.
 const MASKS_DEG: [f64; 7] = [5.0, 7.5, 10.0, 12.5, 15.0, 17.5, 20.0];
 const TABLE_MASKS: [usize; 2] = [0, 4];
 const SIGMAS_M: [f64; 3] = [6.0, 20.0, 33.0];
 
-/// Points on a side of the grid.
+/// Returns the number of points on a side of the grid.
 fn side(effort: Effort) -> u32 {
     effort.pick(2, 21)
 }
 
-/// Points of the grid; the paper's 0.1° give 441, and it says 500.
+/// Returns the number of points of the grid. The paper's 0.1° give 441, although it states 500.
 pub(super) fn points(effort: Effort) -> u32 {
     side(effort) * side(effort)
 }
 
-/// Steps of the progress bar.
+/// Returns the number of steps of the progress bar.
 pub(super) fn steps(effort: Effort) -> u64 {
     u64::from(points(effort)) * WINDOWS.iter().map(|window| window.days).sum::<u64>()
 }
 
-/// Epochs available, by mask, sky and sigma.
+/// Number of available epochs, by mask, sky and sigma.
 #[derive(Clone, Copy, Debug, Default)]
 struct Counts {
     epochs: usize,
@@ -71,14 +72,14 @@ impl Counts {
         self
     }
 
-    /// Share of the epochs, percent.
+    /// Returns the share of the epochs, %.
     fn percent(&self, mask: usize, sky: Sky, sigma: usize) -> f64 {
         let sky = Sky::ALL.iter().position(|other| *other == sky).unwrap_or(0);
         100.0 * self.available[mask][sky][sigma] as f64 / self.epochs as f64
     }
 }
 
-/// Protection level for a sigma of one metre, m; infinite where there is no redundancy.
+/// Returns the protection level for a sigma of one metre, m; infinite without redundancy.
 fn unit_hpl_m<'s>(seen: impl Iterator<Item = &'s Sight>, thresholds: &Thresholds<'_>) -> Result<f64> {
     let row = |sight: &Sight| linear::Row {
         satellite: sight.satellite,
@@ -132,7 +133,7 @@ fn count(window: Window, effort: Effort, bar: &ProgressBar) -> Result<Counts> {
     (0..tasks).into_par_iter().map(of).try_reduce(Counts::default, |sum, counts| Ok(sum.and(&counts)))
 }
 
-/// The table, and availability over the mask.
+/// Returns the table, and availability over the mask.
 pub(super) fn table(effort: Effort, bar: &ProgressBar) -> Result<(Section, Picture)> {
     let (nine_hours, week) = (count(NINE_HOURS, effort, bar)?, count(WEEK, effort, bar)?);
     let mut rows = Vec::new();
@@ -143,7 +144,7 @@ pub(super) fn table(effort: Effort, bar: &ProgressBar) -> Result<(Section, Pictu
     Ok((Section { title, rows }, picture(&nine_hours, &week)?))
 }
 
-/// What is printed for one mask, %, and what the product is held to.
+/// Printed values for one mask, %, and the acceptance values of the product.
 struct Printed {
     gps: f64,
     beidou: f64,

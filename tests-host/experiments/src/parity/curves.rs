@@ -1,8 +1,8 @@
-//! Figures 4 and 5: how often a bias of one satellite is detected and isolated, over 12 h.
+//! Figures 4 and 5: rates at which a bias of one satellite is detected and isolated, over 12 h.
 //!
-//! Detection is exact for each geometry, `P_D = 1 − G(τ1; ν, b² S_ii/σ²)`, with `S_ii` from the core; isolation is method
-//! C with random noise. An epoch without redundancy detects nothing, and one with a single degree of freedom isolates
-//! nothing: the paper's unavailable moments.
+//! Detection is exact for each geometry, `P_D = 1 − G(τ1; ν, b² S_ii/σ²)`, with `S_ii` from the
+//! core; isolation is method C with random noise. An epoch without redundancy detects nothing, and
+//! one with a single degree of freedom isolates nothing: the paper's unavailable moments.
 
 use anyhow::Result;
 use indicatif::ProgressBar;
@@ -22,20 +22,20 @@ use tests_host::sky::{Satellite, Sight, Site, linear, sights};
 
 const HOURS: f64 = 12.0;
 const STEP_M: f64 = 20.0;
-/// Biases of 0, 20, … 500 m.
+/// Number of biases: 0, 20, … 500 m.
 const BIASES: usize = 26;
 const SKIES: [Sky; 3] = [Sky::Gps, Sky::Early, Sky::Both];
 const SIGMAS_M: [f64; 2] = [6.0, 20.0];
-/// The satellite that is faulty, of `BeiDou` where there is a choice.
+/// Number of the faulty satellite, of `BeiDou` if both systems are in view.
 const FAULTY: u8 = 3;
 const SEED: u64 = 0x9A84;
 
-/// From epoch to epoch; the paper's is the full form's.
+/// Returns the time between epochs, s; the full form has the paper's.
 pub(super) fn step_s(effort: Effort) -> f64 {
     effort.pick(120.0, 30.0)
 }
 
-/// Steps of the progress bar: epochs.
+/// Returns the number of steps of the progress bar: epochs.
 pub(super) fn steps(effort: Effort) -> u64 {
     (HOURS * 3600.0 / step_s(effort)) as u64
 }
@@ -43,7 +43,7 @@ pub(super) fn steps(effort: Effort) -> u64 {
 /// Sums over the epochs of one sky and sigma, by bias.
 #[derive(Clone, Copy, Debug, Default)]
 struct Curve {
-    /// Epochs in which the faulty satellite is in sight.
+    /// Number of epochs in which the faulty satellite is in view.
     epochs: usize,
     detected: [f64; BIASES],
     isolated: [usize; BIASES],
@@ -67,7 +67,7 @@ impl Curve {
     }
 }
 
-/// By sky and sigma.
+/// Curves by sky and sigma.
 type Curves = [[Curve; SIGMAS_M.len()]; SKIES.len()];
 
 fn is_faulty(sky: Sky, sight: &Sight) -> bool {
@@ -75,7 +75,7 @@ fn is_faulty(sky: Sky, sight: &Sight) -> bool {
     sight.satellite.constellation() == constellation && sight.satellite.number() == FAULTY
 }
 
-/// Adds one epoch to a curve; `seen` with the noise of each range in units of its sigma.
+/// Adds one epoch to a curve. `seen` has the noise of each range in units of its sigma.
 fn add(curve: &mut Curve, seen: &[(&Sight, f64)], faulty: usize, sigma_m: f64) -> Result<()> {
     curve.epochs += 1;
     let thresholds = thresholds()?;
@@ -109,7 +109,8 @@ fn epoch(satellites: &[Satellite], site: &Site, index: u64, t_s: f64) -> Result<
     let mut draw = generator(SEED, index);
     let mut curves = Curves::default();
     for (sky, by_sigma) in SKIES.into_iter().zip(&mut curves) {
-        // The same noise for every bias and sigma: the curves are smooth, and differ by what they are of.
+        // Every bias and sigma has the same noise, so that the curves are smooth and differ only by
+        // their subject.
         let mut with_noise = |sight| (sight, StandardNormal.sample(&mut draw));
         let seen: Vec<(&Sight, f64)> =
             all.iter().filter(|sight| sky.has(sight)).map(&mut with_noise).collect();
@@ -128,14 +129,15 @@ fn curves(effort: Effort, bar: &ProgressBar) -> Result<Curves> {
         bar.inc(1);
         curves
     };
-    // Collected first: sums of floating-point numbers depend on their order.
+    // The results are collected first, because sums of floating-point numbers depend on their
+    // order.
     let each: Vec<Curves> = (0..steps(effort)).into_par_iter().map(of).collect::<Result<_>>()?;
     Ok(each.iter().fold(Curves::default(), |sum, curves| {
         std::array::from_fn(|sky| std::array::from_fn(|sigma| sum[sky][sigma].and(&curves[sky][sigma])))
     }))
 }
 
-/// Both figures, and what can be read off them.
+/// Returns both figures, and the values read off them.
 pub(super) fn figures(effort: Effort, bar: &ProgressBar) -> Result<(Vec<Section>, Vec<Picture>)> {
     let curves = curves(effort, bar)?;
     let detection = picture(
@@ -157,7 +159,7 @@ pub(super) fn figures(effort: Effort, bar: &ProgressBar) -> Result<(Vec<Section>
     Ok((vec![detection_section(&curves), isolation_section(&curves)], vec![detection, isolation]))
 }
 
-/// The smallest bias from which on a rate stays at least so high, as words.
+/// Returns the smallest bias from which on a rate stays at least at `least`, as words.
 fn reached(curve: &Curve, rate: impl Fn(&Curve, usize) -> f64, least: f64) -> Finding {
     let first = (0..BIASES).rev().take_while(|&bias| rate(curve, bias) >= least).last();
     match first {

@@ -1,8 +1,9 @@
-//! Table 1: how often each method names exactly the faulty satellites, and at what cost.
+//! Table 1: rates at which each method names exactly the faulty satellites, and their cost.
 //!
-//! Eight satellites of one constellation, four unknowns. The geometry behind the printed rates is not known; hence the
-//! mean of many, drawn evenly in azimuth and, above the mask, in elevation, and beside it the one of them whose rates
-//! are nearest to the printed ones, run again with noise of its own.
+//! Eight satellites of one constellation, four unknowns. The geometry of the printed rates is
+//! unknown. Hence the table has the mean of many geometries, drawn evenly in azimuth and, above the
+//! mask, in elevation. Beside it is the one whose rates are nearest to the printed ones, run again
+//! with new noise.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -27,37 +28,37 @@ use tests_host::report::bars::BarChart;
 
 const SATELLITES: usize = 8;
 const SIGMA_M: f64 = 6.0;
-/// Geometries of the mean, and those among which the nearest to the printed rates is looked for.
+/// Number of geometries of the mean, and of those searched for the nearest to the printed rates.
 const GEOMETRIES: u64 = 50;
 const SEARCHED: u64 = 300;
 const RUNS_EACH: u64 = 200;
-/// Runs of the one geometry: the paper's count.
+/// Number of runs of the one geometry: the paper's.
 pub(super) const RUNS: u64 = 10_000;
 const SEED: u64 = 0x9A81;
 
-/// Steps of the progress bar.
+/// Number of steps of the progress bar.
 pub(super) const STEPS: u64 = 2 * (SEARCHED + 1);
 
-/// The methods in the order of the table's columns.
+/// Methods in the order of the table's columns.
 const METHODS: [&str; 4] =
     ["A simultaneous", "B simultaneous, sequential", "C simultaneous, sequential, grouping", "D grouping"];
 
-/// What is printed: for one fault, for two.
+/// Printed rates: for one fault, for two.
 const PRINTED: [[f64; 4]; 2] = [[0.9168, 0.9934, 0.9934, 0.9936], [0.0, 0.6812, 0.9492, 0.9982]];
 
-/// What an independent implementation finds over random geometries, and how far they may carry.
+/// Rates of an independent implementation over random geometries, and their tolerances.
 const ACCEPTED: [([f64; 4], f64); 2] =
     [([0.927, 0.993, 0.993, 0.993], 0.02), ([0.005, 0.558, 0.938, 0.957], 0.04)];
 
-/// What is printed of method B with two faults, besides its successes: wrong, failed.
+/// Printed rates of method B with two faults, besides its successes: wrong, failed.
 const PRINTED_B: [f64; 2] = [0.0495, 0.2693];
 
-/// What is printed of the mean time of D, in units of that of C.
+/// Printed mean time of D, in units of that of C.
 const PRINTED_COST: f64 = 2.42;
 
 type Geometry = [Vector3<f64>; SATELLITES];
 
-/// Eight directions, even in azimuth and in elevation above the mask.
+/// Draws eight directions, even in azimuth and in elevation above the mask.
 fn geometry(number: u64) -> Geometry {
     let mut generator = generator(SEED, number);
     std::array::from_fn(|_| {
@@ -68,7 +69,7 @@ fn geometry(number: u64) -> Geometry {
     })
 }
 
-/// What became of one run in the hands of one method.
+/// Outcome of one run of one method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Fate {
     Correct,
@@ -76,16 +77,17 @@ enum Fate {
     Failed,
 }
 
-/// Runs of one geometry, counted by method.
+/// Counts of the runs of one geometry, by method.
 #[derive(Clone, Copy, Debug, Default)]
 struct Tally {
     runs: usize,
     correct: [usize; 4],
     wrong: [usize; 4],
     failed: [usize; 4],
-    /// Sets whose sum of squares was looked at.
+    /// Number of sets whose sum of squares was computed.
     sets: [usize; 4],
-    /// Least-squares solutions that a method needs which solves each set anew, as the paper's grouping does.
+    /// Number of least-squares solutions of a method that solves each set anew, as the paper's
+    /// grouping does.
     solutions: [usize; 4],
 }
 
@@ -116,7 +118,7 @@ impl Tally {
     }
 }
 
-/// One run: noise on every range, the bias on some of them, and what the four methods say.
+/// Runs once: noise on every range, the bias on some of them, and all four methods.
 fn run(geometry: &Geometry, faults: usize, generator: &mut ChaCha8Rng, tally: &mut Tally) -> Result<()> {
     let faulty = distinct(generator, faults, SATELLITES);
     let mut epoch = LinearEpoch::<f32, SATELLITES>::new();
@@ -133,7 +135,7 @@ fn run(geometry: &Geometry, faults: usize, generator: &mut ChaCha8Rng, tally: &m
     let without_grouping = hybrid_without_grouping(&snapshot, &thresholds, &limits);
     let with_grouping = hybrid(&snapshot, &thresholds, &limits);
     let all_groups = grouping(&snapshot, &thresholds, &limits);
-    // Sequential isolation looks at every row in each step and then solves once.
+    // Sequential isolation examines every row in each step and then solves once.
     let steps = |sets: usize| sets / SATELLITES + sets % SATELLITES;
     let groups = with_grouping.sets - without_grouping.sets;
     let solutions = [steps(without_grouping.sets), steps(without_grouping.sets) + groups, all_groups.sets];
@@ -154,13 +156,13 @@ fn fate(found: &Found<f32>, faulty: &[usize]) -> Fate {
     named.sort_unstable();
     match named == faulty {
         true => Fate::Correct,
-        // Nothing was detected, hence nothing isolated.
+        // Without detection there is no isolation.
         false if named.is_empty() => Fate::Failed,
         false => Fate::Wrong,
     }
 }
 
-/// Runs of one geometry; `first` is the number of the first of their random streams.
+/// Runs one geometry; `first` is the number of the first of its random streams.
 fn runs(geometry: &Geometry, faults: usize, first: u64, count: u64) -> Result<Tally> {
     let chunk = |start: u64| {
         let mut tally = Tally::default();
@@ -173,7 +175,7 @@ fn runs(geometry: &Geometry, faults: usize, first: u64, count: u64) -> Result<Ta
     starts.into_par_iter().map(chunk).try_reduce(Tally::default, |sum, tally| Ok(sum.and(&tally)))
 }
 
-/// The runs of each geometry searched for one number of faults.
+/// Runs each geometry of the search for one number of faults.
 fn over_geometries(faults: usize, bar: &ProgressBar) -> Result<Vec<Tally>> {
     let of = |number: u64| {
         let tally = runs(&geometry(number), faults, number * RUNS_EACH, RUNS_EACH);
@@ -183,7 +185,8 @@ fn over_geometries(faults: usize, bar: &ProgressBar) -> Result<Vec<Tally>> {
     (0..SEARCHED).into_par_iter().map(of).collect()
 }
 
-/// The geometry whose rates are nearest to the printed ones, by the sum of squared differences.
+/// Returns the geometry whose rates are nearest to the printed ones, by the sum of squared
+/// differences.
 fn nearest(single: &[Tally], double: &[Tally]) -> u64 {
     let distance = |tally: &Tally, printed: &[f64; 4]| -> f64 {
         tally.rates().iter().zip(printed).map(|(have, want)| (have - want) * (have - want)).sum()
@@ -196,7 +199,7 @@ fn nearest(single: &[Tally], double: &[Tally]) -> u64 {
     nearest.map_or(0, |(number, _)| number)
 }
 
-/// The table in both forms, and its picture.
+/// Returns the table in both forms, and its picture.
 pub(super) fn table(bar: &ProgressBar) -> Result<(Vec<Section>, Picture)> {
     let searched = [over_geometries(1, bar)?, over_geometries(2, bar)?];
     let number = nearest(&searched[0], &searched[1]);
@@ -216,7 +219,7 @@ pub(super) fn table(bar: &ProgressBar) -> Result<(Vec<Section>, Picture)> {
     Ok((sections, picture))
 }
 
-/// A mean over geometries: they vary more than the runs of each.
+/// Returns a mean over geometries, which vary more than the runs of each.
 fn mean_of(tallies: &[Tally], value: impl Fn(&Tally) -> usize) -> Finding {
     let sample: Vec<f64> = tallies.iter().map(|tally| value(tally) as f64 / tally.runs as f64).collect();
     let mean = sample.iter().sum::<f64>() / sample.len() as f64;
@@ -253,10 +256,10 @@ fn mean_section(tallies: &[Vec<Tally>; 2]) -> Section {
     Section { title, rows }
 }
 
-/// A count of a tally.
+/// Function that picks a count of a tally.
 type Pick = fn(&Tally) -> usize;
 
-/// How method B errs with two faults.
+/// Returns the errors of method B with two faults.
 fn b_rows(of: impl Fn(Pick) -> Finding) -> [Row; 2] {
     let picks: [(&str, Pick); 2] =
         [("wrong", |tally| tally.wrong[1]), ("nothing isolated", |tally| tally.failed[1])];
@@ -272,7 +275,7 @@ fn lone_section(number: u64, lone: &[Tally; 2]) -> Section {
     for (case, tally) in lone.iter().enumerate() {
         for (method, name) in METHODS.iter().enumerate() {
             let ours = Finding::rate(tally.correct[method], tally.runs, 4);
-            // The simultaneous method feels the geometry even with one fault.
+            // The simultaneous method depends on the geometry even with one fault.
             let exact = case == 0 && method > 0;
             let judgement = if exact { Judgement::Reproduced } else { Judgement::InTrend };
             let printed = format!("{:.4}", PRINTED[case][method]);

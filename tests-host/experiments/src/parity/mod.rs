@@ -1,13 +1,13 @@
 //! \[Parity\]: isolation in parity space, and RAIM of early `BeiDou`, GPS and both.
 //!
-//! | part | file | what is free in the paper |
+//! | part | file | free in the paper |
 //! |---|---|---|
 //! | table 1 | `isolation` | geometry, sigma |
 //! | figures 4 and 5 | `curves` | `BeiDou` constellation, sigma, place |
 //! | table 2 | `availability` | `BeiDou` constellation, sigma |
 //!
-//! Everything runs the core in `f32`, as on the target. Detection rates and availability are exact for the geometries
-//! they are taken over; isolation rates come from runs with random noise.
+//! Everything runs the core in `f32`, as on the target. Detection rates and availability are exact
+//! for their geometries; isolation rates come from runs with random noise.
 
 mod availability;
 mod curves;
@@ -23,18 +23,18 @@ use rai_core::satellite::Constellation;
 use super::{Effort, Experiment, Outcome};
 use tests_host::sky::{Fleet, Satellite, Sight};
 
-/// Its entry in the list.
+/// Entry for the command line.
 pub(super) const EXPERIMENT: Experiment =
     Experiment { name: "parity", about: "isolation in parity space; RAIM of GPS, BeiDou and both", run };
 
 /// Size of the faults of table 1, m.
 const BIAS_M: f64 = 500.0;
-/// Lowest elevation of a satellite that is used, rad.
+/// Elevation mask, rad.
 const MASK_RAD: f64 = 5.0 * std::f64::consts::PI / 180.0;
-/// Probabilities of false alarm: of the isolation experiments, and of the availability.
+/// Probabilities of false alarm of the isolation experiments, and of the availability.
 const FALSE_ALARM: Probability = probability(5e-3);
 const AVAILABILITY: Probability = probability(1e-3);
-/// Rows that any sky here may have.
+/// Largest number of rows of any sky.
 const MOST_ROWS: usize = 40;
 
 const fn probability(tail: f64) -> Probability {
@@ -44,23 +44,24 @@ const fn probability(tail: f64) -> Probability {
     }
 }
 
-/// Thresholds of the isolation experiments; nothing here asks for the probability of missed detection.
+/// Returns the thresholds of the isolation experiments, which do not use the probability of missed
+/// detection.
 fn thresholds() -> Result<Thresholds<'static>, ThresholdError> {
     Thresholds::from_tables(FALSE_ALARM, AVAILABILITY)
 }
 
-/// At most two satellites are isolated, as in the paper.
+/// Returns the limits of the searches: at most two satellites are isolated, as in the paper.
 fn limits() -> SearchLimits {
     SearchLimits { rows: 2, ..SearchLimits::published() }
 }
 
-/// Which satellites there are.
+/// Satellites of a sky.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Sky {
     /// 24 slots.
     Gps,
-    /// Geostationary satellites at 110.5, 140 and 160° E, three in inclined and four in medium orbits: `BeiDou` on
-    /// its way to the regional system.
+    /// Geostationary satellites at 110.5, 140 and 160° E, three in inclined and four in medium
+    /// orbits: `BeiDou` on its way to the regional system.
     Early,
     /// All 14 satellites of the regional system.
     Regional,
@@ -71,12 +72,12 @@ enum Sky {
 impl Sky {
     const ALL: [Self; 4] = [Self::Gps, Self::Early, Self::Regional, Self::Both];
 
-    /// All satellites that any sky has.
+    /// Returns all satellites of any sky.
     fn satellites() -> Vec<Satellite> {
         [Fleet::Gps24, Fleet::BeidouRegional].into_iter().flat_map(Fleet::satellites).collect()
     }
 
-    /// Whether a satellite is one of this sky.
+    /// Returns true if a satellite belongs to this sky.
     fn has(self, sight: &Sight) -> bool {
         let (satellite, number) = (sight.satellite, sight.satellite.number());
         if satellite.constellation() == Constellation::Gps {

@@ -1,20 +1,22 @@
-//! A day of hazards: how often a protected position is farther off than it was promised.
+//! A day of hazards: the rate at which a protected position has an error above its promise.
 //!
 //! | word | a protected epoch whose horizontal error is |
 //! |---|---|
 //! | misleading | larger than its HPL |
 //! | hazardous | larger than the alert limit |
 //!
-//! The level of the papers (`SLOPE`) bounds what a bias does to the position. The noise on the position comes on top, and
-//! with it the worst bias, missed, ends beyond the level about every other time. Position and residuals being independent, what is to be
-//! expected where nobody is left out is, epoch by epoch,
+//! The level of the papers (`SLOPE`) bounds the effect of a bias on the position. The noise on the
+//! position is added to it. With noise the worst bias, if missed, ends beyond the level about every
+//! other time. Because position and residuals are independent, the expectation without exclusions
+//! is, epoch by epoch,
 //!
 //! ```text
 //! without a fault    P(|x| > HPL)           with the worst    P_md · P(|m + x| > HPL)      |m| = HPL
 //! ```
 //!
-//! and the same with the alert limit in place of the level; `x` is the noise on the position, `m` what the bias
-//! adds. A healthy satellite that is left out in the faulty one's place is not part of it, and is counted apart.
+//! and the same with the alert limit instead of the level; `x` is the noise on the position, `m`
+//! the effect of the bias. A healthy satellite that is left out instead of the faulty one is not
+//! part of it, and is counted separately.
 
 use anyhow::{Context as _, Result};
 use nalgebra::{Matrix2, Vector2};
@@ -35,44 +37,44 @@ use crate::draw::generator;
 use tests_host::report::{self, Moment};
 use tests_host::sky::{Satellite, Sight, Site, sights};
 
-/// Epochs that one thread judges in sequence.
+/// Number of epochs that one thread judges in sequence.
 const CHUNK: usize = 120;
-/// Seconds between the epochs that a picture shows.
+/// Time between the epochs of a picture, s.
 const PICTURED_S: f64 = 60.0;
 
-/// Where, how often and against what.
+/// Site, requirements and length of a day.
 pub(super) struct Day<'t> {
     pub(super) site: Site,
     pub(super) requirements: Requirements,
     pub(super) thresholds: Thresholds<'t>,
     pub(super) epochs: usize,
     pub(super) step_s: f64,
-    /// Whether the worst satellite is wrong in every epoch.
+    /// True if the worst satellite is wrong in every epoch.
     pub(super) is_faulty: bool,
     pub(super) seed: u64,
 }
 
-/// What became of the day.
+/// Outcomes of the day.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Tally {
-    /// Protected, nobody left out.
+    /// Protected epochs without exclusions.
     pub(super) whole: Promise,
-    /// Protected, somebody left out.
+    /// Protected epochs with exclusions.
     pub(super) reduced: Promise,
     pub(super) alerts: usize,
     pub(super) unavailable: usize,
     /// Smallest and largest level of the day, m.
     pub(super) levels_m: Option<(f64, f64)>,
-    /// Expected number of epochs that are protected although the fault is there.
+    /// Expected number of epochs that are protected in spite of the fault.
     pub(super) missed: f64,
-    /// Expected number of misleading epochs with nobody left out.
+    /// Expected number of misleading epochs without exclusions.
     pub(super) misleading: f64,
-    /// Expected number of hazardous epochs with nobody left out.
+    /// Expected number of hazardous epochs without exclusions.
     pub(super) hazardous: f64,
     pub(super) moments: Vec<Moment>,
 }
 
-/// Promises made and broken.
+/// Numbers of promises, kept and broken.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Promise {
     pub(super) epochs: usize,
@@ -115,7 +117,7 @@ struct Instant {
     sights: Vec<Sight>,
     geometry: Geometry,
     worst: Worst,
-    /// The level by dense least squares, m.
+    /// Protection level by dense least squares, m.
     hpl_m: f64,
 }
 
@@ -126,7 +128,7 @@ impl Day<'_> {
         let starts: Vec<usize> = (0..self.epochs).step_by(CHUNK).collect();
         let chunk = |&start: &usize| {
             let mut monitor = Monitor::<f32, CAPACITY>::new(self.requirements)?;
-            // The level of the papers, whose misleading epochs theory foretells.
+            // The level of the papers, whose misleading epochs theory predicts.
             monitor.set_strategy(Strategy { levels: Levels::Slope, ..Strategy::CLASSIC });
             monitor.forgo_continuity();
             let mut tally = Tally::default();
@@ -151,7 +153,7 @@ impl Day<'_> {
         Ok(Instant { t_s, sights, geometry, worst, hpl_m: worst.slope_m * lambda.sqrt() })
     }
 
-    /// The ranges as the module gets them.
+    /// Returns the ranges for the module.
     fn epoch(&self, instant: &Instant, number: usize) -> Result<Epoch<CAPACITY>> {
         let noise = normal(instant.sights.len(), &mut generator(self.seed, number as u64));
         let bias_m = instant.hpl_m / instant.worst.moved.norm();

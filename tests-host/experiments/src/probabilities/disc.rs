@@ -1,23 +1,25 @@
-//! How probably a horizontal error is beyond a distance: the normal distribution outside a disc.
+//! Probability of a horizontal error beyond a distance: the normal distribution outside a disc.
 //!
 //! ```text
 //! P(|m + x| > R) = 1 − ∫ φ((u − m₁)/a)/a [Φ((h − m₂)/b) − Φ((−h − m₂)/b)] du      h = √(R² − u²)
 //! ```
 //!
-//! over `|u| < R`, along the principal axes of the covariance of `x`, whose deviations are `a` and `b`, and no further
-//! from `m₁` than chance goes.
+//! The integral is over `|u| < R`, along the principal axes of the covariance of `x`, whose
+//! deviations are `a` and `b`, and not farther from `m₁` than chance reaches.
 
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, PI, TAU};
 
 use nalgebra::{Matrix2, Vector2};
 
-/// Points of the midpoint rule in `t`, with `u` a sine of it from end to end, which is smooth to the rim.
+/// Number of points of the midpoint rule in `t`, with `u` a sine of it from end to end, which is
+/// smooth to the rim.
 const POINTS: u32 = 400;
 
-/// Deviations beyond which there is nothing: 1e-19.
+/// Number of deviations beyond which the probability is negligible: 1e-19.
 const FAR: f64 = 9.0;
 
-/// Probability of an error beyond the radius; good to 1e-9 where neither deviation is below a fiftieth of the other.
+/// Returns the probability of an error beyond the radius, accurate to 1e-9 if neither deviation is
+/// below a fiftieth of the other.
 pub(super) fn beyond(radius_m: f64, mean_m: Vector2<f64>, covariance_m2: Matrix2<f64>) -> f64 {
     let axes = covariance_m2.symmetric_eigen();
     let mean = axes.eigenvectors.transpose() * mean_m;
@@ -64,7 +66,8 @@ mod tests {
 
     #[test]
     fn thin_distribution_is_a_line() {
-        // Deviation 2 along the diagonal, next to none across: P(|N(0, 2)| > 4) = erfc(√2).
+        // The deviation is 2 along the diagonal and almost zero across: P(|N(0, 2)| > 4) =
+        // erfc(√2).
         let covariance_m2 = Matrix2::new(2.0 + 0.01, 2.0 - 0.01, 2.0 - 0.01, 2.0 + 0.01);
         let have = beyond(4.0, Vector2::zeros(), covariance_m2);
         assert!((have - 0.045_500).abs() < 3e-4, "have {have}");

@@ -1,25 +1,29 @@
-//! Every method under its worst fault: how often the whole monitor promises a position that is beyond its level, counted.
+//! Every method under its worst fault: counted rate at which the whole monitor promises a position
+//! beyond its level.
 //!
-//! What [`super::worst`] works out is of positions that no test contradicts. Where a test does, a method searches, and what
-//! it leaves out may be healthy; that depends on the method and has no closed form.
+//! [`super::worst`] computes this for positions that no test contradicts. If a test does, a method
+//! searches, and the satellites that it leaves out may be healthy. That depends on the method and
+//! has no closed form.
 //!
 //! ```text
-//! P̂(b) = promised and beyond / draws          worst = max over b, over what was asked
+//! P̂(b) = promised and beyond / draws          worst = max over b, over the requirement
 //! ```
 //!
-//! | methods | a fault: asked is | without a fault |
+//! | methods | requirement with a fault | without a fault |
 //! |---|---|---|
-//! | that test residuals | `P_md`, for each axis | `P_ff` |
+//! | those that test residuals | `P_md`, for each axis | `P_ff` |
 //! | `SEPARATION` | `PHMI_H / P_sat`, horizontally, with the likeliest satellite fault of all constellations | – |
 //!
-//! `b` is a multiple of the bias that `√λ` stands for, on the satellites with the largest slopes. The limits are those of
-//! non-precision approach, and such that the levels just fill them before anybody is left out. Without a fault a healthy
-//! satellite is left out after a false alarm only, which [`sampling::alarming`] draws often and weighs.
+//! `b` is a multiple of the bias that corresponds to `√λ`, on the satellites with the largest
+//! slopes. The limits are those of non-precision approach, and limits that the levels without
+//! exclusions just reach. Without a fault a healthy satellite is left out only after a false alarm,
+//! which [`sampling::alarming`] draws often and weights.
 //!
-//! Held: no interval lies above 1, all of them together with 95 % (Bonferroni). A zero of some hundred draws says little; the
-//! full form has as many as bring the upper ends below 1.
+//! Requirement: no interval lies above 1, all of them together with 95 % (Bonferroni). A zero of
+//! some hundred draws shows little; the full form has enough to bring the upper ends below 1.
 //!
-//! All methods and both limits see the same ranges. Levels are `BOUND`, and every epoch is judged by itself.
+//! All methods and both limits receive the same ranges. Levels are `BOUND`, and every epoch is
+//! judged independently.
 
 use anyhow::{Context as _, Result, ensure};
 use nalgebra::DVector;
@@ -41,7 +45,7 @@ use crate::draw::generator;
 use crate::{Effort, Finding, Interval, Judgement, Row, Section};
 use tests_host::sky::Site;
 
-/// The methods by the name of the command `METHOD`.
+/// Methods by their words in the command `METHOD`.
 const METHODS: [(&str, Method); 8] = [
     ("AUTO", Method::Auto),
     ("BAARDA", Method::Baarda),
@@ -53,19 +57,20 @@ const METHODS: [(&str, Method); 8] = [
     ("SEPARATION", Method::Separation),
 ];
 
-/// Sizes of the bias, as multiples of the one behind `√λ`: what is missed by chance, and what is surely found.
+/// Sizes of the bias, as multiples of the one that corresponds to `√λ`: from those missed by chance
+/// to those surely found.
 const SIZES: [f64; 8] = [0.5, 0.65, 0.8, 1.0, 1.25, 1.5, 2.0, 4.0];
 
-/// The alert limits by name.
+/// Alert limits by name.
 const LIMITS: [&str; 2] = ["NPA", "limits at the levels"];
 
-/// How much above its level a limit at the level is: enough for what noise adds to neither.
+/// Ratio of an alert limit to its level, so that small changes of the level stay below it.
 const ABOVE: f64 = 1.02;
 
-/// Rates that are held: of each row every size and axis, and those without a fault.
+/// Number of required rates: for each row every size and axis, and those without a fault.
 const FAMILY: usize = KINDS.len() * METHODS.len() * (LIMITS.len() * SIZES.len() * 2 + 1);
 
-/// All chance follows from it.
+/// Seed of all random choices.
 const SEED: u64 = 4000;
 
 /// A sky with a monitor for every method and limit.
@@ -76,7 +81,7 @@ struct Watched {
     monitors: Vec<[Monitor<f32, CAPACITY>; LIMITS.len()]>,
 }
 
-/// What became of the draws of one size, by one method within one limit.
+/// Counts of the draws of one size, by one method within one limit.
 #[derive(Clone, Copy, Debug, Default)]
 struct Count {
     draws: usize,
@@ -108,15 +113,15 @@ impl Count {
 /// Counts of one size, by limit and method.
 type Counts = [[Count; METHODS.len()]; LIMITS.len()];
 
-/// What became of one epoch.
+/// Outcome of one epoch.
 struct Fate {
-    /// Nobody left out, or somebody; `None` where nothing is promised.
+    /// Promise with or without exclusions; `None` if nothing is promised.
     promise: Option<Protected>,
-    /// Whether the error is beyond the level, horizontally and vertically.
+    /// True if the error is beyond the level, horizontally and vertically.
     beyond: [bool; 2],
 }
 
-/// With a fault, and without.
+/// Returns the sections with a fault, and without.
 pub(super) fn sections(effort: Effort, site: &Site) -> Result<Vec<Section>> {
     let (skies, draws) = effort.pick((1, 400), (4, 20_000));
     let (mut faulty, mut fault_free) = (Vec::new(), Vec::new());
@@ -155,7 +160,7 @@ pub(super) fn sections(effort: Effort, site: &Site) -> Result<Vec<Section>> {
     ])
 }
 
-/// Skies of each number of satellites.
+/// Returns skies of each number of satellites.
 fn watched(site: &Site, constellations: usize, counts: &[usize], skies: u64) -> Result<Vec<Watched>> {
     let numbers = counts.iter().flat_map(|&count| (0..skies).map(move |number| (count, number)));
     let scenes = numbers.filter_map(|(count, number)| scene(site, constellations, count, number));
@@ -164,7 +169,7 @@ fn watched(site: &Site, constellations: usize, counts: &[usize], skies: u64) -> 
     Ok(watched)
 }
 
-/// A monitor that judges by itself, about a start.
+/// Returns a monitor that judges each epoch independently, about a start.
 fn monitor(requirements: Requirements, method: Method) -> Result<Monitor<f32, CAPACITY>> {
     let mut monitor = Monitor::new(requirements)?;
     monitor.set_strategy(Strategy { method, ..Strategy::CLASSIC });
@@ -188,7 +193,7 @@ impl Watched {
         Ok(Self { faulty: steepest(&scene.geometry, 1), site, scene, monitors })
     }
 
-    /// The epoch with this noise, and with a bias on one satellite.
+    /// Returns the epoch with this noise, and with a bias on one satellite.
     fn epoch(&self, noise: &DVector<f64>, bias: Option<(usize, f64)>) -> Result<Epoch<CAPACITY>> {
         epoch(0.0, &self.scene.sights, &self.scene.geometry.noisy(noise, bias))
     }
@@ -219,7 +224,7 @@ impl Watched {
         Fate { promise, beyond }
     }
 
-    /// Draws with a bias of one size, on the satellites with the largest slopes in turn.
+    /// Counts draws with a bias of one size, on the satellites with the largest slopes in turn.
     fn counts(
         &self,
         thresholds: &Thresholds<'_>,
@@ -244,7 +249,7 @@ impl Watched {
     }
 }
 
-/// Judges so many draws of every size, shared out among the skies.
+/// Judges `draws` draws of every size, shared among the skies.
 fn judged_with_fault(watched: &[Watched], draws: usize) -> Result<Vec<Counts>> {
     let thresholds = thresholds()?;
     let places: Vec<(usize, usize)> =
@@ -261,18 +266,18 @@ fn judged_with_fault(watched: &[Watched], draws: usize) -> Result<Vec<Counts>> {
     Ok(sums)
 }
 
-/// Those of non-precision approach.
+/// Returns the thresholds of non-precision approach.
 fn thresholds() -> Result<Thresholds<'static>> {
     let approach = Requirements::non_precision_approach();
     Ok(Thresholds::from_tables(approach.false_alarm, approach.missed_detection)?)
 }
 
-/// Draws without a fault.
+/// Weights of draws without a fault.
 struct FaultFree {
-    /// By method: the weights of the draws in which a healthy satellite is left out and the position promised and beyond a
-    /// level, else 0.
+    /// Weights by method, zero unless a healthy satellite is left out and the promised position is
+    /// beyond a level.
     weights: [Vec<f64>; METHODS.len()],
-    /// The largest weight that any of them could have.
+    /// Largest possible weight.
     heaviest: f64,
 }
 
@@ -304,7 +309,8 @@ fn judged_without_fault(watched: &[Watched], draws: usize) -> Result<FaultFree> 
     })
 }
 
-/// What is asked of a method under a fault, horizontally and vertically; where nothing is asked, `None`.
+/// Returns the requirement on a method under a fault, horizontally and vertically; `None` without a
+/// requirement.
 fn asked(method: Method) -> [Option<f64>; 2] {
     let Requirements { missed_detection, allocation, .. } = Requirements::non_precision_approach();
     if method != Method::Separation {
@@ -315,7 +321,7 @@ fn asked(method: Method) -> [Option<f64>; 2] {
     [Some(allocation.integrity_horizontal / likeliest), None]
 }
 
-/// The largest rate of all sizes and axes, over what was asked.
+/// Returns the largest rate of all sizes and axes, over the requirement.
 fn row(who: &str, asked: &[Option<f64>; 2], by_size: &[Count]) -> Row {
     let rates = SIZES.iter().zip(by_size).flat_map(|(size, count)| {
         let axes = [count.horizontal, count.vertical].into_iter().zip(["horizontally", "vertically"]);
@@ -323,7 +329,7 @@ fn row(who: &str, asked: &[Option<f64>; 2], by_size: &[Count]) -> Row {
             Some((hits, (*asked)? * count.draws as f64, *size, axis, count.promised))
         })
     });
-    // Of equal rates, that of the most promises.
+    // Among equal rates that of the most promises counts.
     let most = rates.max_by(|one, other| {
         (one.0 as f64 / one.1).total_cmp(&(other.0 as f64 / other.1)).then(one.4.cmp(&other.4))
     });
@@ -337,8 +343,8 @@ fn row(who: &str, asked: &[Option<f64>; 2], by_size: &[Count]) -> Row {
         .holding("interval not above 1", holds)
 }
 
-/// The mean weight. Its upper end is no less than if every draw that is expected of so many were of the largest weight:
-/// where none was drawn, the sample's deviation says nothing.
+/// Returns the mean weight. Its upper end is at least as large as if every expected draw had the
+/// largest weight, because without a hit the sample's deviation shows nothing.
 fn row_without_fault(who: String, weights: &[f64], heaviest: f64) -> Row {
     let relative: Vec<f64> = weights.iter().map(|weight| weight / FAULT_FREE).collect();
     let value = relative.iter().sum::<f64>() / relative.len() as f64;

@@ -1,6 +1,6 @@
-//! Geometries: noise-free rows, with what dense least squares says of them.
+//! Geometries: noise-free rows, with their dense least squares.
 //!
-//! The core is not asked what it is: projection, gain and covariance are of [`oracle`].
+//! Projection, gain and covariance come from [`oracle`], independently of the core.
 
 use anyhow::Result;
 use nalgebra::{DVector, Vector2};
@@ -15,32 +15,32 @@ use tests_host::sky::linear::Row;
 use tests_host::sky::{Fleet, Satellite, Sight, Site, sights};
 use tests_host::stations::{DGAR, ESBC, Station};
 
-/// Seconds between the instants whose geometries are taken.
+/// Time between the instants of the geometries, s.
 const STEP_S: f64 = 1800.0;
-/// How many there are in a day.
+/// Number of instants in a day.
 const INSTANTS: usize = 48;
 
-/// Below this redundancy number dense inversion, too, says little of a row; no largest slope is there.
+/// Redundancy number below which dense inversion, too, is inaccurate; no largest slope is there.
 const UNTESTABLE: f64 = 1e-9;
 
-/// The rows of an instant without noise, and dense least squares of them.
+/// Rows of an instant without noise, and their dense least squares.
 pub(super) struct Geometry {
     pub(super) rows: Vec<Row>,
     pub(super) dense: Dense,
 }
 
-/// The satellite whose bias moves the position farthest by the time it shows in the test.
+/// The satellite whose bias moves the position farthest before the test shows it.
 #[derive(Clone, Copy)]
 pub(super) struct Worst {
     pub(super) index: usize,
-    /// How a metre of bias moves the position, east and north.
+    /// Motion of the position per metre of bias, east and north.
     pub(super) moved: Vector2<f64>,
-    /// Horizontal, m per unit of `√λ`.
+    /// Horizontal slope, m per unit of `√λ`.
     pub(super) slope_m: f64,
 }
 
 impl Geometry {
-    /// `None` without redundancy.
+    /// Returns the geometry of rows; `None` without redundancy.
     pub(super) fn of(rows: Vec<Row>) -> Option<Self> {
         let range = |row: &Row| Range {
             line_of_sight: [row.line_of_sight.east, row.line_of_sight.north, row.line_of_sight.up],
@@ -52,7 +52,7 @@ impl Geometry {
         (dense.dof > 0).then_some(Self { rows, dense })
     }
 
-    /// The geometry of what a site sees.
+    /// Returns the geometry of the satellites in view.
     pub(super) fn seen(sights: &[Sight]) -> Option<Self> {
         let row = |sight: &Sight| Row {
             satellite: sight.satellite,
@@ -67,22 +67,22 @@ impl Geometry {
         self.dense.dof
     }
 
-    /// What of normalised noise the residuals show.
+    /// Returns the part of normalised noise that the residuals show.
     pub(super) fn parity(&self, noise: &DVector<f64>) -> DVector<f64> {
         &self.dense.projection * noise
     }
 
-    /// The unit vector along which a satellite's bias shows in the residuals.
+    /// Returns the unit vector along which a satellite's bias appears in the residuals.
     pub(super) fn signature(&self, index: usize) -> DVector<f64> {
         self.dense.projection.column(index).normalize()
     }
 
-    /// The non-centrality's root that a metre of a satellite's bias brings, 1/m.
+    /// Returns the root of the non-centrality per metre of a satellite's bias, 1/m.
     pub(super) fn visibility(&self, index: usize) -> f64 {
         self.dense.projection[(index, index)].sqrt() / self.rows[index].sigma_m
     }
 
-    /// The rows with normalised noise, and with a bias on one of them.
+    /// Returns the rows with normalised noise, and with a bias on one of them.
     pub(super) fn noisy(&self, noise: &DVector<f64>, bias: Option<(usize, f64)>) -> Vec<Row> {
         let mut rows = self.rows.clone();
         for (row, noise) in rows.iter_mut().zip(noise) {
@@ -94,7 +94,7 @@ impl Geometry {
         rows
     }
 
-    /// The largest slope.
+    /// Returns the satellite with the largest slope.
     pub(super) fn worst(&self) -> Option<Worst> {
         let worst = |index: usize| {
             let moved = Vector2::new(self.dense.gain[(0, index)], self.dense.gain[(1, index)]);
@@ -106,12 +106,12 @@ impl Geometry {
     }
 }
 
-/// Receiver clock times the speed of light, m.
+/// Returns the receiver clock times the speed of light, m.
 pub(super) fn clock_m(constellation: Constellation) -> f64 {
     CLOCKS_M[constellation as usize]
 }
 
-/// What the module gets of these sights, whose clocks, noise and faults are in the rows.
+/// Returns the epoch for the module; clocks, noise and faults are in the rows.
 pub(super) fn epoch(t_s: f64, sights: &[Sight], rows: &[Row]) -> Result<Epoch<CAPACITY>> {
     let mut epoch = Epoch::new(t_s);
     for (sight, row) in sights.iter().zip(rows) {
@@ -121,7 +121,7 @@ pub(super) fn epoch(t_s: f64, sights: &[Sight], rows: &[Row]) -> Result<Epoch<CA
     Ok(epoch)
 }
 
-/// A day of the simulated sky: GPS alone, and with `BeiDou`.
+/// Returns a day of the simulated sky: GPS alone, and with `BeiDou`.
 pub(super) fn simulated(site: &Site) -> Vec<Geometry> {
     let both = satellites();
     let gps = Fleet::Gps31.satellites();
@@ -132,12 +132,13 @@ pub(super) fn simulated(site: &Site) -> Vec<Geometry> {
     (0..INSTANTS).flat_map(at).flatten().collect()
 }
 
-/// All satellites of the simulated sky.
+/// Returns all satellites of the simulated sky.
 pub(super) fn satellites() -> Vec<Satellite> {
     [Fleet::Gps31, Fleet::BeidouGlobal].into_iter().flat_map(Fleet::satellites).collect()
 }
 
-/// The same of real recordings, with the module's own sigmas; `None` where they are missing.
+/// Returns the geometries of real recordings, with the module's own sigmas; `None` if they are
+/// missing.
 pub(super) fn recorded() -> Result<Option<Vec<Geometry>>> {
     let mut geometries = Vec::new();
     for (station, systems) in [(&ESBC, "GCE"), (&DGAR, "G")] {

@@ -1,17 +1,18 @@
-//! The probabilities are what they say: false alarms and missed detections of the core itself, counted.
+//! Counted rates of false alarms and missed detections of the core itself, compared with the
+//! required probabilities.
 //!
-//! | what | where |
+//! | content | module |
 //! |---|---|
-//! | satellites over a day, simulated and recorded, with noise of our own | [`geometry`] |
+//! | satellites over a day, simulated and recorded, with simulated noise | [`geometry`] |
 //! | rates of rare events, by importance sampling | [`sampling`] |
 //! | skies of six to forty satellites | [`skies`] |
-//! | what a level lets pass, over every size of the fault | [`worst`] |
-//! | the same of the whole monitor, by every method | [`every_method`] |
-//! | a day of positions that are farther off than promised | [`day`], [`disc`] |
+//! | risk that a level lets pass, over every size of the fault | [`worst`] |
+//! | the same for the whole monitor, by every method | [`every_method`] |
+//! | a day of positions with errors above their promise | [`day`], [`disc`] |
 //!
-//! Rates are given as multiples of the probability that was asked for: 1 is what they say. Every interval is one of
-//! 95 %, of which one in twenty misses its value by chance. What is held is therefore that all of them together, each
-//! as much wider as Bonferroni's inequality asks for, hold theirs with 95 %.
+//! Rates are multiples of the required probability, so 1 is exact. Every interval is one of 95 %,
+//! of which one in twenty misses its value by chance. The requirement is therefore that all of them
+//! together hold with 95 %, each widened by Bonferroni's inequality.
 
 mod day;
 mod disc;
@@ -37,35 +38,36 @@ use tests_host::report::stanford;
 use tests_host::sky::Site;
 use tests_host::sky::linear::Sigma;
 
-/// How the command line finds it.
+/// Entry for the command line.
 pub(super) const EXPERIMENT: Experiment = Experiment {
     name: "probabilities",
     about: "false alarms and missed detections, counted against what was asked for",
     run,
 };
 
-/// Elevation below which nothing is used, degrees.
+/// Elevation mask, degrees.
 const MASK_DEG: f64 = 10.0;
 /// Standard deviation of a range of the simulated sky.
 const SIGMA: Sigma = Sigma::Cosecant(ZENITH_M);
-/// The same in the zenith, m.
+/// Standard deviation in the zenith, m.
 const ZENITH_M: f64 = 1.5;
 /// Receiver clocks times the speed of light by constellation, m.
 const CLOCKS_M: [f64; Constellation::COUNT] = [30_000.0, 30_040.0, 30_010.0, 30_090.0];
-/// All chance follows from it.
+/// Seed of all random choices.
 const SEED: u64 = 1000;
 /// The two instantiations of the core.
 const SCALARS: [&str; 2] = ["f32", "f64"];
-/// The alert limit of the tighter day, m.
+/// Alert limit of the tighter day, m.
 const TIGHT_M: f64 = 8.0;
-/// Sorts of sky whose rates are sampled: simulated and recorded.
+/// Number of kinds of sky whose rates are sampled: simulated and recorded.
 const SKIES: usize = 2;
-/// Counts of each day that are held: misleading and hazardous.
+/// Number of required counts of each day: misleading and hazardous.
 const HELD_OF_A_DAY: usize = 2;
-/// Days: each of two alert limits without and with a fault.
+/// Number of days: each of two alert limits without and with a fault.
 const DAYS: usize = 4;
 
-/// How many intervals are held; the recorded ones count whether or not the recordings are there.
+/// Returns the number of required intervals; the recorded ones count even if the recordings are
+/// missing.
 fn family() -> usize {
     SKIES * SCALARS.len() * (false_alarms().len() + missed_detections().len()) + DAYS * HELD_OF_A_DAY
 }
@@ -91,7 +93,7 @@ fn run(effort: Effort, bar: &ProgressBar) -> Result<Outcome> {
     })
 }
 
-/// A title alone where there are no recordings.
+/// Returns the rates of the recordings; only a title if they are missing.
 fn recorded_rates(draws: usize) -> Result<Vec<Section>> {
     if let Some(geometries) = geometry::recorded()? {
         return rates("recordings of Esbjerg and Diego Garcia", &geometries, draws, 1);
@@ -112,7 +114,7 @@ fn setup(draws: usize) -> String {
     )
 }
 
-/// The two sections of one sort of sky; the lane keeps its draws apart from the others'.
+/// Returns the two sections of one kind of sky; the lane separates its draws from the others'.
 fn rates(sky: &str, geometries: &[Geometry], draws: usize, lane: u64) -> Result<Vec<Section>> {
     let seed = |number: usize| SEED + 100 * lane + number as u64;
     let (mut alarms, mut misses) = (Vec::new(), Vec::new());
@@ -159,7 +161,7 @@ fn rows(name: &str, asked: Probability, sample: &Sample) -> Vec<Row> {
     SCALARS.iter().enumerate().map(row).collect()
 }
 
-/// A probability as it is asked for: 1/15000 is not its rounding.
+/// Formats a probability as required: 1/15000 differs from its rounding.
 fn in_print(asked: Probability) -> String {
     let is_fraction = (asked.get() * 15_000.0 - 1.0).abs() < 1e-9;
     if is_fraction { "1/15000".into() } else { format!("{:e}", asked.get()) }

@@ -1,7 +1,8 @@
-//! Importance sampling: rare events drawn often, and weighed with how much more often.
+//! Importance sampling: rare events are drawn often, and weighted with their true relative
+//! probability.
 //!
 //! ```text
-//! S z        what of the noise z ~ N(0, I) the residuals show; dimension ν
+//! S z        part of the noise z ~ N(0, I) that the residuals show; dimension ν
 //! false      z' = z + (s − 1) S z           w = s^ν exp(−(s² − 1) |S z|²/2)      s² = max(τ1/ν, 1)
 //! missed     z' = z − δ u                   w = exp(δ u·z − δ²/2)                δ = b v − √max(τ1 − ν, 0)
 //! P̂          mean of w over the draws in which it happens
@@ -15,8 +16,8 @@
 //! | `b` | bias that moves the position by the core's HPL, `HPL / |A_i|` | m |
 //! | `τ1`, `λ` | committed tables | – |
 //!
-//! The weights are exact and come from the drawn noise alone: what the core makes of it has no part in them. What
-//! happens is decided by the core, from ranges, in both scalars with the same noise.
+//! The weights are exact and come from the drawn noise alone, not from the core's result. The core
+//! decides the outcome from ranges, in both scalars with the same noise.
 
 use anyhow::{Context as _, Result};
 use nalgebra::DVector;
@@ -34,13 +35,13 @@ use super::geometry::{Geometry, Worst};
 use crate::draw::generator;
 use tests_host::sky::linear::{Row, equations};
 
-/// Weights by draw, 0 where the event did not happen: in `f32` and in `f64`.
+/// Weights by draw, 0 if the event did not happen: in `f32` and in `f64`.
 pub(super) struct Sample {
     pub(super) weights: [Vec<f64>; 2],
 }
 
 impl Sample {
-    /// Draws so often, from the geometries in turn.
+    /// Makes `draws` draws, from the geometries in turn.
     fn draw(
         geometries: usize,
         draws: usize,
@@ -53,19 +54,19 @@ impl Sample {
         Ok(Self { weights: [column(0), column(1)] })
     }
 
-    /// Draws in which the event happened, in a scalar.
+    /// Returns the number of draws in which the event happened, in a scalar.
     pub(super) fn hits(&self, scalar: usize) -> usize {
         self.weights[scalar].iter().filter(|&&weight| weight > 0.0).count()
     }
 
-    /// Draws in which it happened in one scalar only.
+    /// Returns the number of draws in which it happened in one scalar only.
     pub(super) fn disagreements(&self) -> usize {
         let [single, double] = &self.weights;
         single.iter().zip(double).filter(|&(&single, &double)| (single > 0.0) != (double > 0.0)).count()
     }
 }
 
-/// False alarms.
+/// Samples false alarms.
 pub(super) fn false_alarms(
     geometries: &[Geometry],
     thresholds: &Thresholds<'_>,
@@ -85,7 +86,7 @@ pub(super) fn false_alarms(
 pub(super) struct Alarming {
     pub(super) noise: DVector<f64>,
     pub(super) weight: f64,
-    /// The largest weight of any noise that alarms: that at the threshold.
+    /// Largest weight of any noise that alarms: that at the threshold.
     pub(super) heaviest: f64,
 }
 
@@ -108,7 +109,7 @@ pub(super) fn alarming(
     })
 }
 
-/// Misses of the bias that moves the position by the protection level.
+/// Samples misses of the bias that moves the position by the protection level.
 pub(super) fn missed_detections(
     geometries: &[Geometry],
     thresholds: &Thresholds<'_>,
@@ -128,14 +129,14 @@ pub(super) fn missed_detections(
     })
 }
 
-/// The worst satellite of a geometry, wrong by what the protection level says.
+/// Fault of the worst satellite of a geometry, with the effect of the protection level.
 struct Fault {
     worst: Worst,
     signature: DVector<f64>,
     visibility: f64,
     /// Distance from the origin of parity space at which about half of the draws are missed.
     boundary: f64,
-    /// In `f32` and in `f64`.
+    /// Biases in `f32` and in `f64`, m.
     biases_m: [f64; 2],
 }
 
@@ -171,7 +172,7 @@ impl Fault {
     }
 }
 
-/// Normalised noise.
+/// Draws normalised noise.
 pub(super) fn normal(count: usize, generator: &mut ChaCha8Rng) -> DVector<f64> {
     DVector::from_fn(count, |_, _| StandardNormal.sample(generator))
 }

@@ -1,4 +1,5 @@
-//! Skies of six to forty satellites of one to three constellations, drawn from those in view at some instant of a day.
+//! Skies of six to forty satellites of one to three constellations, drawn from those in view at
+//! some instant of a day.
 
 use rai_core::satellite::{Constellation, SatelliteId};
 use rand::Rng as _;
@@ -8,23 +9,23 @@ use super::geometry::Geometry;
 use crate::draw::{distinct, generator};
 use tests_host::sky::{Fleet, Satellite, Sight, Site, sights};
 
-/// Elevation below which nothing is used, degrees: low, for skies of many satellites.
+/// Elevation mask, degrees: low, for skies of many satellites.
 const MASK_DEG: f64 = 5.0;
 
-/// A redundancy number below which dense inversion says little of a row.
+/// Redundancy number below which dense inversion of a row is inaccurate.
 const UNTESTABLE: f64 = 1e-6;
 
 /// Numbers of satellites, by the number of constellations.
 pub(super) const KINDS: [(usize, &[usize]); 3] =
     [(1, &[6, 8, 10, 12]), (2, &[8, 10, 14, 20, 26]), (3, &[10, 16, 24, 32, 40])];
 
-/// What a receiver sees, and what dense least squares says of it.
+/// Satellites in view of a receiver, with their dense least squares.
 pub(super) struct Scene {
     pub(super) sights: Vec<Sight>,
     pub(super) geometry: Geometry,
 }
 
-/// In words.
+/// Returns the number of constellations in words.
 pub(super) fn systems_in_words(constellations: usize) -> &'static str {
     match constellations {
         1 => "one constellation",
@@ -33,8 +34,8 @@ pub(super) fn systems_in_words(constellations: usize) -> &'static str {
     }
 }
 
-/// So many satellites of so many constellations, drawn from those in view at an instant; `None` where there is no sky
-/// like that.
+/// Draws `count` satellites of `constellations` constellations from those in view at an instant;
+/// returns `None` if there is no such sky.
 pub(super) fn scene(site: &Site, constellations: usize, count: usize, number: u64) -> Option<Scene> {
     const ATTEMPTS: u32 = 200;
     let mut chance = generator(3000 + (constellations * 100 + count) as u64, number);
@@ -64,7 +65,8 @@ fn chosen(seen: &[Sight], constellations: usize, count: usize, chance: &mut ChaC
     Some(Scene { geometry: Geometry::seen(&sights)?, sights })
 }
 
-/// GPS, `BeiDou`, and the baseline of GPS in the place of Galileo: a third system is another clock, whatever its orbits.
+/// Returns GPS, `BeiDou`, and the baseline of GPS instead of Galileo, because a third system only
+/// adds a clock, whatever its orbits.
 fn fleets() -> [Vec<Satellite>; 3] {
     let renamed = |satellite: Satellite| {
         let id = SatelliteId::new(Constellation::Galileo, satellite.id.number())?;
@@ -77,7 +79,8 @@ fn fleets() -> [Vec<Satellite>; 3] {
     ]
 }
 
-/// The satellites with the largest slopes: so many horizontal ones, and as many vertical ones.
+/// Returns the satellites with the largest slopes: `tried` horizontal ones, and `tried` vertical
+/// ones.
 pub(super) fn steepest(geometry: &Geometry, tried: usize) -> Vec<usize> {
     let testable =
         (0..geometry.rows.len()).filter(|&index| geometry.dense.projection[(index, index)] > UNTESTABLE);

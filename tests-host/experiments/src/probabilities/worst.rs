@@ -1,8 +1,9 @@
-//! The worst bias: how often a position is called good and is beyond its level, over every size of the fault.
+//! The worst bias: rate at which a position is called good and is beyond its level, over every size
+//! of the fault.
 //!
-//! Residuals and position are independent where the noise is Gaussian, so that what is promised wrongly is a product of two
-//! tails, exact to the last digits that matter. Both grow and fall with the bias against each other, and its worst size is
-//! searched for, for every satellite that matters:
+//! Residuals and position are independent for Gaussian noise, so the rate of wrong promises is a
+//! product of two tails, exact to the last significant digits. One grows and the other falls with
+//! the bias. The worst size is searched for every satellite that matters:
 //!
 //! ```text
 //! P(b) = P(χ²(ν, (b v)²) < τ) · P(|b A + x| > PL)            worst = max over b and satellites, over P_md
@@ -15,9 +16,10 @@
 //! | `A`, `x` | gain of the satellite, noise of the position; of dense least squares | – , m |
 //! | `PL` | the core's, in single precision: the papers', and the one that bounds | m |
 //!
-//! With `BOUND` none may let pass more than was asked, with a fault or without; with `SLOPE` it is shown what that was for.
-//! Looked at is not only the bias that `√λ` stands for: there the papers' level shows about half of `P_md`, and at two
-//! thirds of it up to a hundred times as much.
+//! With `BOUND` no level may let pass more than the requirement, with a fault or without; `SLOPE`
+//! is shown for comparison. The search includes biases other than the one that corresponds to `√λ`:
+//! there the papers' level shows about half of `P_md`, and at two thirds of it up to a hundred
+//! times as much.
 
 use anyhow::{Context as _, Result, ensure};
 use nalgebra::{Matrix2, Vector2};
@@ -37,20 +39,20 @@ use tests_host::chi_square::noncentral_lower_tail;
 use tests_host::sky::Site;
 use tests_host::sky::linear::equations;
 
-/// Sizes of the bias that are tried, as shares of the one behind `√λ`.
+/// Sizes of the bias, as shares of the one that corresponds to `√λ`.
 const SHARES: std::ops::RangeInclusive<u32> = 4..=26;
 const SHARE: f64 = 0.05;
 
-/// Satellites of a geometry that are tried: those with the largest slopes.
+/// Number of satellites of a geometry that are tried: those with the largest slopes.
 const TRIED: usize = 4;
 
-/// Geometries with a level above this promise nothing in any phase, m.
+/// Level above which a geometry promises nothing in any phase, m.
 const USELESS_M: f64 = 3704.0;
 
-/// Probabilities of false alarm and missed detection.
+/// Required probabilities of false alarm and missed detection.
 const ASKED: [(f64, f64); 3] = [(3.33e-7, 1e-3), (1e-3, 1e-3), (1e-5, 1e-6)];
 
-/// What a level lets pass, as a multiple of what was asked.
+/// Risk that a level lets pass, as a multiple of the requirement.
 #[derive(Clone, Copy, Debug, Default)]
 struct Passing {
     horizontal: f64,
@@ -68,7 +70,7 @@ impl Passing {
     }
 }
 
-/// A section for each pair of probabilities.
+/// Returns a section for each pair of probabilities.
 pub(super) fn sections(effort: Effort, site: &Site) -> Result<Vec<Section>> {
     let skies = effort.pick(2, 60);
     ASKED.iter().map(|&(false_alarm, missed)| section(site, skies, false_alarm, missed)).collect()
@@ -107,7 +109,7 @@ fn section(site: &Site, skies: u64, false_alarm: f64, missed: f64) -> Result<Sec
     })
 }
 
-/// The larger of both axes; the parts beside it.
+/// Returns a row with the larger of both axes, and the parts beside it.
 fn row(what: &str, levels: Levels, worst: Passing) -> Row {
     let Passing { horizontal, vertical, fault_free } = worst;
     let largest = horizontal.max(vertical);
@@ -115,7 +117,7 @@ fn row(what: &str, levels: Levels, worst: Passing) -> Row {
         "horizontal {horizontal:.2}, vertical {vertical:.2} of P_md; without a fault {fault_free:.2e} of P_ff"
     ));
     match levels {
-        // The sum over the strips of a disc is good to a hundredth of P_ff.
+        // The sum over the strips of a disc is accurate to a hundredth of P_ff.
         Levels::Bound => row.holding("at most 1", largest <= 1.0 && fault_free <= 1.01),
         Levels::Slope => row,
     }
@@ -163,10 +165,10 @@ fn of_geometry(
     Ok(worst)
 }
 
-/// Risk without a fault that a level has to bound.
+/// Fault-free risk that a level has to bound.
 pub(super) const FAULT_FREE: f64 = 1e-7;
 
-/// What the core promises of it.
+/// Returns the core's protection levels.
 fn promised(geometry: &Geometry, levels: Levels, lambda: f64, missed: f64) -> Result<ProtectionLevels> {
     let probability = |value| Probability::new(value).context("a probability");
     let mut workspace = Workspace::<f32, CAPACITY>::of(equations(&geometry.rows)?);

@@ -20,10 +20,10 @@ use tests_host::sky::{Noise, Satellite, Sight, Site, sights};
 
 const DAY_S: f64 = 86_400.0;
 const SEED: u64 = 0x71A2;
-/// `σ₀` of `σ₀ / sin(elevation)`, m; the paper does not print it.
+/// Values of `σ₀` in `σ₀ / sin(elevation)`, m; the paper does not print it.
 const ZENITH_M: [f64; 2] = [1.0, 2.0];
 
-/// What is printed of a method: epochs missed, wrong, and accuracy in percent.
+/// Printed results of a method: epochs missed, wrong, and accuracy in percent.
 struct Printed {
     missed: u32,
     wrong: u32,
@@ -34,7 +34,8 @@ const fn printed(missed: u32, wrong: u32, accuracy: f64) -> Printed {
     Printed { missed, wrong, accuracy }
 }
 
-/// One experiment of tables 2 and 3, with what is printed of parity, traditional and improved method.
+/// One experiment of tables 2 and 3, with the printed results of parity, traditional and improved
+/// method.
 struct Case {
     sky: Sky,
     faults: usize,
@@ -69,11 +70,11 @@ const CASES: [Case; 5] = [
     },
 ];
 
-/// The cases of table 2, of one system, and of table 3, of both.
+/// Cases of table 2, with one system, and of table 3, with both.
 const SINGLE: std::ops::Range<usize> = 0..2;
 const DOUBLE: std::ops::Range<usize> = 2..5;
 
-/// Columns of a tally, and which of the printed methods each stands for.
+/// Columns of a tally, and the printed method that each corresponds to.
 const COLUMNS: [(&str, usize); 4] = [
     ("parity, sequential", 0),
     ("traditional, consensus", 1),
@@ -84,26 +85,27 @@ const PARITY: usize = 0;
 const CONSENSUS: usize = 1;
 const IMPROVED: usize = 3;
 
-/// Epochs by case, sigma and column.
+/// Scores by case, sigma and column.
 type Tally = [[[Score; COLUMNS.len()]; ZENITH_M.len()]; CASES.len()];
 
-/// What one epoch adds, and how many satellites each sky has in it.
+/// Results of one epoch, and the number of satellites of each sky in it.
 struct Sample {
     tally: Tally,
     seen: [usize; Sky::ALL.len()],
 }
 
-/// Epochs of the day.
+/// Returns the number of epochs of the day.
 pub(super) fn epochs(effort: Effort) -> u64 {
     effort.pick(144, 2880)
 }
 
-/// Every so many epochs the traditional method runs too; GPS alone has so few subsets that it always does.
+/// Returns the interval in epochs at which the traditional method runs too. GPS alone has so few
+/// subsets that it always does.
 fn stride(effort: Effort) -> u64 {
     effort.pick(8, 40)
 }
 
-/// The day, before anything is added to its ranges.
+/// The day, with ranges free of faults.
 struct Day {
     effort: Effort,
     satellites: Vec<Satellite>,
@@ -136,7 +138,7 @@ impl Day {
         Ok(sample)
     }
 
-    /// All cases of one sky in one epoch.
+    /// Judges all cases of one sky in one epoch.
     fn judge<'t>(
         &self,
         index: u64,
@@ -202,7 +204,7 @@ impl Day {
     ) -> Result<()> {
         let criteria = [Traditional::Consensus, Traditional::printed(case.sky)];
         for (offset, traditional) in criteria.into_iter().enumerate() {
-            // The same subsets for both criteria.
+            // Both criteria use the same subsets.
             let mut subsets = generator(SEED + 16 + case.faults as u64, index);
             let most = most_subsets(self.effort);
             let answer = traditional.judge(rows, &self.limits, most, &mut subsets)?;
@@ -212,7 +214,7 @@ impl Day {
     }
 }
 
-/// The day's sections and pictures.
+/// Returns the day's sections and pictures.
 pub(super) fn day(effort: Effort, bar: &ProgressBar) -> Result<(Vec<Section>, Vec<Picture>)> {
     let day = Day::new(effort)?;
     let of = |index: u64| {
@@ -312,7 +314,7 @@ fn figure_2(samples: &[Sample]) -> Result<Picture> {
     Picture::draw("tian2024-figure-2", caption, |ground| chart.svg((860, 380), ground))
 }
 
-/// Table 3 as what goes wrong: the rates themselves are all near 100 %.
+/// Draws table 3 by its errors, because the rates themselves are all near 100 %.
 fn bars(tally: &Tally) -> Result<Picture> {
     let mut bars = Vec::new();
     for (name, column) in [("parity", PARITY), ("improved", IMPROVED)] {

@@ -1,6 +1,6 @@
-//! The methods that are compared, and what becomes of an epoch in their hands.
+//! The compared methods, and the outcomes of an epoch.
 //!
-//! | fate | of an epoch with a fault | without |
+//! | outcome | of an epoch with a fault | without |
 //! |---|---|---|
 //! | correct | exactly the faulty satellites are named | nothing is detected |
 //! | missed | nothing is detected | – |
@@ -26,10 +26,10 @@ use super::Sky;
 use tests_host::oracle::Range;
 use tests_host::ransac_traditional::{Criterion, RATIO, combination_count, combinations, unknowns, vote};
 
-/// Rows that an epoch may have.
+/// Capacity of an epoch, rows.
 pub(super) const ROWS: usize = CAPACITY;
 
-/// Of the test that decides whether there is a fault.
+/// Probability of false alarm of the global test.
 const FALSE_ALARM: Probability = match Probability::new(1e-4) {
     Some(probability) => probability,
     None => unreachable!(),
@@ -40,28 +40,28 @@ const FALSE_ALARM: Probability = match Probability::new(1e-4) {
 pub(super) enum Method {
     /// Sequential exclusion by w-test.
     Baarda,
-    /// One of those in parity space.
+    /// One of the methods in parity space.
     Parity(parity::Isolation),
     /// Range consensus over disjoint subsets, with refinement.
     Improved,
 }
 
-/// What is asked of the methods.
+/// Requirements on the methods.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Limits {
-    /// Of the global test and the w-test.
+    /// Thresholds of the global test and the w-test.
     pub(super) thresholds: Thresholds<'static>,
-    /// Of the searches in parity space: nothing is cut on the host.
+    /// Limits of the searches in parity space; nothing is cut on the host.
     pub(super) parity: parity::SearchLimits,
-    /// Of the range consensus.
+    /// Limits of the range consensus.
     pub(super) consensus: ransac::ConsensusLimits<'static>,
 }
 
 impl Limits {
-    /// `P_fa` 1e-4 and up to three satellites for every method.
+    /// Returns `P_fa` 1e-4 and up to three satellites for every method.
     pub(super) fn published() -> Result<Self> {
         Ok(Self {
-            // Nothing here asks for the probability of missed detection.
+            // The probability of missed detection is not used here.
             thresholds: Thresholds::from_tables(FALSE_ALARM, FALSE_ALARM)?,
             parity: parity::SearchLimits { sets: usize::MAX, ..parity::SearchLimits::published() },
             consensus: ransac::ConsensusLimits::published()?,
@@ -85,19 +85,19 @@ impl Method {
     }
 }
 
-/// What a method says.
+/// Answer of a method.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Answer {
-    /// There is no fault.
+    /// No fault.
     Nothing,
-    /// It is these rows, in ascending order.
+    /// These rows are faulty, in ascending order.
     Rows(Vec<usize>),
-    /// There is a fault; whose, it cannot say.
+    /// There is a fault that cannot be attributed.
     Unresolved,
 }
 
 impl Answer {
-    /// Of an exclusion by the core.
+    /// Returns the answer of an exclusion by the core.
     pub(super) fn of(exclusion: &Exclusion<f32>) -> Self {
         match exclusion.outcome {
             Outcome::Passed => Self::Nothing,
@@ -113,10 +113,10 @@ impl Answer {
     }
 }
 
-/// Epochs in the hands of one method.
+/// Epochs of one method, by outcome.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Score {
-    /// All of them.
+    /// Number of all epochs.
     pub(super) epochs: usize,
     correct: usize,
     missed: usize,
@@ -147,41 +147,43 @@ impl Score {
         self.unresolved += other.unresolved;
     }
 
-    /// Share of correct epochs, percent.
+    /// Returns the share of correct epochs, %.
     pub(super) fn percent(&self) -> f64 {
         100.0 * self.correct as f64 / self.epochs as f64
     }
 
-    /// The same with its interval.
+    /// Returns the same with its interval.
     pub(super) fn accuracy(&self) -> Finding {
         let Interval { low, high } = Interval::of_rate(self.correct, self.epochs);
         let interval = Some(Interval { low: 100.0 * low, high: 100.0 * high });
         Finding::Number { value: self.percent(), decimals: 2, interval }
     }
 
-    /// The other epochs in words.
+    /// Describes the other epochs.
     pub(super) fn others(&self) -> String {
         let Self { epochs, missed, wrong, unresolved, .. } = self;
         format!("missed {missed}, wrong {wrong}, unresolved {unresolved} of {epochs}")
     }
 }
 
-/// One way to judge by all minimal subsets, or by a sample of them.
+/// A criterion on all minimal subsets, or on a sample of them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Traditional {
-    /// A subset is contradicted when too many others deviate; what the method means.
+    /// A subset is contradicted if too many others deviate, as the method intends.
     Consensus,
-    /// When the root mean square of the others' residuals reaches a limit; what is printed.
+    /// A subset is contradicted if the root mean square of the others' residuals reaches a limit,
+    /// as printed.
     Printed {
-        /// The limit, m.
+        /// Limit, m.
         limit_m: f64,
-        /// Share of contradicted subsets from which a satellite is faulty.
+        /// Smallest share of contradicted subsets at which a satellite counts as faulty.
         ratio: f64,
     },
 }
 
 impl Traditional {
-    /// The printed criterion with the values that serve it best, found by trial: the paper prints none.
+    /// Returns the printed criterion with the values that suit it best, found by trial, because the
+    /// paper prints none.
     pub(super) const fn printed(sky: Sky) -> Self {
         match sky {
             Sky::Gps => Self::Printed { limit_m: 80.0, ratio: 0.7 },
@@ -189,7 +191,7 @@ impl Traditional {
         }
     }
 
-    /// What the subsets say; `most` of them are drawn where there are more.
+    /// Lets the subsets vote; if there are more than `most`, that many are drawn.
     pub(super) fn judge(
         self,
         rows: &[Row<f32>],
@@ -213,7 +215,7 @@ impl Traditional {
     }
 }
 
-/// The rows of an epoch as the plain method takes them.
+/// Returns the rows of an epoch for the traditional method.
 fn ranges(rows: &[Row<f32>]) -> Vec<Range> {
     let range = |row: &Row<f32>| {
         let line_of_sight = [-row.design.x, -row.design.y, -row.design.z].map(f64::from);

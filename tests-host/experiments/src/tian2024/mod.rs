@@ -2,14 +2,15 @@
 //!
 //! | part | file |
 //! |---|---|
-//! | the methods, and what counts as correct | `method` |
+//! | the methods, and the definition of a correct answer | `method` |
 //! | tables 2 and 3, figure 2: a day at a station | `jfng` |
 //! | tables 6 to 8, figure 6: a flight | `flight` |
 //! | table 9: the work of each method | `flight` |
 //! | the station's experiment on a real recording | `station` |
 //!
-//! The core runs in `f32`, as on the target. The traditional method, which needs every minimal subset, is
-//! [`tests_host::ransac_traditional`]; where there are too many subsets a random sample of them votes.
+//! The core runs in `f32`, as on the target. The traditional method, which needs every minimal
+//! subset, is [`tests_host::ransac_traditional`]; if there are too many subsets a random sample of
+//! them votes.
 
 mod flight;
 mod jfng;
@@ -23,7 +24,7 @@ use rai_core::satellite::{Constellation, SatelliteId};
 use super::{Effort, Experiment, Outcome};
 use tests_host::sky::{Fleet, Satellite};
 
-/// Its entry in the list.
+/// Entry for the command line.
 pub(super) const EXPERIMENT: Experiment = Experiment {
     name: "tian2024",
     about: "range consensus with chosen subsets, simulated and recorded",
@@ -32,12 +33,12 @@ pub(super) const EXPERIMENT: Experiment = Experiment {
 
 /// Size of every fault, m.
 const BIAS_M: f64 = 150.0;
-/// Lowest elevation of a satellite that is used, rad.
+/// Elevation mask, rad.
 const MASK_RAD: f64 = 5.0 * std::f64::consts::PI / 180.0;
-/// Receiver clocks, m: of no influence.
+/// Receiver clocks, m; they have no influence.
 const CLOCKS_M: [f64; Constellation::COUNT] = [310.0, -140.0, 0.0, 0.0];
 
-/// Which systems take part.
+/// Systems of a sky.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Sky {
     Gps,
@@ -65,17 +66,17 @@ impl Sky {
     }
 }
 
-/// 31 satellites of GPS and 44 of `BeiDou`.
+/// Returns 31 satellites of GPS and 44 of `BeiDou`.
 fn fleets() -> Vec<Satellite> {
     [Fleet::Gps31, Fleet::Beidou44].into_iter().flat_map(Fleet::satellites).collect()
 }
 
-/// Subsets that vote in the traditional method, where there are more.
+/// Returns the largest number of subsets that vote in the traditional method.
 fn most_subsets(effort: Effort) -> usize {
     effort.pick(2_000, 20_000)
 }
 
-/// In words.
+/// Returns the number of faults in words.
 const fn faults_in_words(count: usize) -> &'static str {
     match count {
         0 => "no fault",

@@ -1,10 +1,10 @@
-//! The station's experiment on a real recording: a day of GPS and `BeiDou` at Esbjerg, with 150 m added to the ranges of
-//! one, two or three satellites, drawn anew in every epoch.
+//! The station's experiment on a real recording: a day of GPS and `BeiDou` at Esbjerg, with 150 m
+//! added to the ranges of one, two or three satellites, drawn anew in every epoch.
 //!
-//! Recording, orbits, corrections and sigmas are the firmware's; position and isolation are the core's. A fault is added
-//! to the corrected range before the position is solved for. As in the module, a set that is named counts only
-//! where no other explains the ranges nearly as well; otherwise the epoch is unresolved, which the module reports as
-//! an alert.
+//! Recording, orbits, corrections and sigmas are the firmware's; position and isolation are the
+//! core's. A fault is added to the corrected range before the position is solved. As in the module,
+//! a named set counts only if no other explains the ranges nearly as well; otherwise the epoch is
+//! unresolved, which the module reports as an alert.
 
 use anyhow::{Context as _, Result};
 use indicatif::ProgressBar;
@@ -46,7 +46,7 @@ const CASES: [(Sky, usize); 8] = [
     (Sky::Beidou, 1),
 ];
 
-/// The core's methods; the traditional one comes after them.
+/// Methods of the core; the traditional one comes after them.
 const METHODS: [(&str, Method); 6] = [
     ("w-test", Method::Baarda),
     ("simultaneous", Method::Parity(parity::Isolation::Simultaneous)),
@@ -57,25 +57,25 @@ const METHODS: [(&str, Method); 6] = [
 ];
 const COLUMNS: usize = METHODS.len() + 1;
 
-/// Epochs by case and method.
+/// Scores by case and method.
 type Scores = [[Score; COLUMNS]; CASES.len()];
 
-/// Seconds between epochs; the full form is the recording's.
+/// Returns the time between epochs, s; the full form has the recording's.
 fn step_s(effort: Effort) -> f64 {
     effort.pick(600.0, 30.0)
 }
 
-/// Every so many epochs the traditional method runs too.
+/// Returns the interval in epochs at which the traditional method runs too.
 fn stride(effort: Effort) -> usize {
     effort.pick(8, 40)
 }
 
-/// Epochs of the recording.
+/// Returns the number of epochs of the recording.
 pub(super) fn epochs(effort: Effort) -> u64 {
     (86_400.0 / step_s(effort)) as u64
 }
 
-/// The recording's section and picture; a title alone where there is no recording.
+/// Returns the recording's section and picture; only a title without the recording.
 pub(super) fn recorded(effort: Effort, bar: &ProgressBar) -> Result<(Section, Option<Picture>)> {
     let Some(folder) = shared::path_or_skip(FOLDER) else {
         let title = format!("The recording of Esbjerg: skipped, {FOLDER} of the reference folder is missing");
@@ -86,8 +86,9 @@ pub(super) fn recorded(effort: Effort, bar: &ProgressBar) -> Result<(Section, Op
     let selection = encode::Selection::new("GC", Frequency::Dual)?;
     let window = Window { every_s: step_s(effort), ..Window::ALL };
     let lumps = replay::encode(&recording, &selection, &[], &window)?;
-    // Of a third of the `BeiDou` satellites the receiver tracks one frequency. Without coefficients the sigma of these is
-    // 20 to 40 m (`weighting::ionosphere_sigma_m`), and no method could see 150 m in them.
+    // For a third of the `BeiDou` satellites the receiver tracks one frequency. Without
+    // coefficients their sigma is 20 to 40 m (`weighting::ionosphere_sigma_m`), and no method could
+    // detect 150 m in them.
     let epochs = replay::corrected(&lumps, TRUTH, MASK_RAD, recording.klobuchar);
     let of = |(index, epoch): (usize, &Epoch<ROWS>)| {
         let scores = judge(effort, &limits, index, epoch);
@@ -110,12 +111,12 @@ fn judge(effort: Effort, limits: &Limits, index: usize, epoch: &Epoch<ROWS>) -> 
         let mut draw = generator(SEED + case as u64, index as u64);
         let (epoch, faulty) = with_faults(epoch, sky, faults, &mut draw)?;
         let mut workspace = Workspace::<f32, ROWS>::new();
-        // Without a position there is nothing to isolate, with any method.
+        // Without a position no method can isolate anything.
         let Ok(fix) = workspace.fix(&epoch, TRUTH) else { continue };
         let rows = &fix.snapshot().equations().to_vec();
         let selection = Selection::choose(rows, 2 * MAX_WORK);
         for ((_, method), score) in METHODS.iter().zip(&mut *scores) {
-            // Each method has the position to itself: leaving out changes it.
+            // Each method has its own copy of the position, because leaving out rows changes it.
             let fix = workspace.fix(&epoch, TRUTH)?;
             score.add(&answer(*method, fix, &selection, limits), &faulty);
         }
@@ -127,7 +128,7 @@ fn judge(effort: Effort, limits: &Limits, index: usize, epoch: &Epoch<ROWS>) -> 
     Ok(scores)
 }
 
-/// The ranges of some systems with faults on some of them, and which.
+/// Returns the ranges of some systems with faults on some of them, and the faulty ones.
 fn with_faults(
     epoch: &Epoch<ROWS>,
     sky: Sky,
@@ -147,7 +148,7 @@ fn with_faults(
     Ok((epoch, faulty))
 }
 
-/// What a method says of a position, as the module reports it.
+/// Returns a method's answer about a position, as the module reports it.
 fn answer(method: Method, mut fix: Fix<'_, f32>, selection: &Selection, limits: &Limits) -> Answer {
     let exclusion = method.exclude(&mut fix, selection, limits);
     let accepted =
@@ -159,7 +160,7 @@ fn section(scores: &Scores) -> Section {
     let mut rows = Vec::new();
     for ((sky, faults), scores) in CASES.iter().zip(scores) {
         let names = METHODS.iter().map(|(name, _)| *name).chain(["traditional consensus"]);
-        // Without a fault the methods are the same: the global test.
+        // Without a fault all methods are the same: the global test.
         let shown = if *faults == 0 { 1 } else { COLUMNS };
         for (name, score) in names.zip(scores).take(shown).filter(|(_, score)| score.epochs > 0) {
             let name = if *faults == 0 { "any method" } else { name };

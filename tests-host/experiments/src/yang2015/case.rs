@@ -1,4 +1,4 @@
-//! Under which requirements table 1 is computed, and what is counted.
+//! Requirements of table 1, and its counts.
 
 use anyhow::Context as _;
 use rai_core::integrity::residuals::levels::{Exposure, largest_slopes};
@@ -11,13 +11,14 @@ use rai_core::snapshot::Snapshot;
 use super::grid::LATITUDES;
 use super::{FALSE_ALARM, LIMIT_M, thresholds};
 
-/// The fault, m.
+/// Size of the fault, m.
 pub(super) const FAULT_M: f64 = 100.0;
 
-/// While the fault lasts, s.
+/// Time of the fault, s.
 pub(super) const FAULT_S: std::ops::Range<f64> = 7200.0..10_800.0;
 
-/// The non-centrality at the alert limit that is divided by this gives the published false alarms of `T_OP`.
+/// Divisor of the non-centrality at the alert limit that gives the published false alarms of
+/// `T_OP`.
 const FITTED: f64 = 275.0;
 
 /// The two thresholds of table 1.
@@ -26,9 +27,9 @@ pub(super) const POLICIES: [Policy; 2] = [Policy::T1, Policy::TOp];
 /// Number of [`Case`]s.
 pub(super) const CASES: usize = 3;
 
-/// Requirements, and the thresholds that follow from them.
+/// Requirements, and their thresholds.
 pub(super) struct Case {
-    /// In words.
+    /// Name in words.
     pub(super) name: String,
     thresholds: Thresholds<'static>,
     requirements: Requirements,
@@ -44,13 +45,15 @@ impl Case {
         })
     }
 
-    /// As printed; with the probability that gives the false alarms of `T1`; with the limit that gives those of `T_OP`.
+    /// Returns three cases: as printed; with the probability that gives the false alarms of `T1`;
+    /// with the limit that gives those of `T_OP`.
     pub(super) fn all() -> anyhow::Result<[Self; CASES]> {
         let fitted_m = LIMIT_M / FITTED.sqrt();
         Ok([Self::new(FALSE_ALARM, LIMIT_M)?, Self::new(1e-5, LIMIT_M)?, Self::new(1e-5, fitted_m)?])
     }
 
-    /// What SSE must reach to mean a fault. Where no `T_OP` meets the requirements, it is `T1`: the lower of the two always.
+    /// Returns the SSE at which a fault is detected. If no `T_OP` meets the requirements, it is
+    /// `T1`: always the lower of the two.
     pub(super) fn threshold<T: Real>(
         &self,
         policy: Policy,
@@ -60,14 +63,14 @@ impl Case {
         if policy == Policy::T1 {
             return Ok(classic);
         }
-        // Where T2 holds T_OP down to T1, single precision may round it below.
+        // If T2 limits T_OP to T1, single precision may round it below.
         Ok(self
             .demand(snapshot)
             .threshold::<T>(policy)
             .map_or(classic, |threshold| threshold.tau.max(classic)))
     }
 
-    /// Whether any threshold meets both probabilities.
+    /// Returns true if any threshold meets both probabilities.
     pub(super) fn is_available(&self, snapshot: &Snapshot<'_, f64>) -> bool {
         self.demand(snapshot).threshold::<f64>(Policy::TOp).is_ok()
     }
@@ -85,9 +88,9 @@ impl Case {
 /// False alarms and missed detections, counted or expected.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Errors {
-    /// Fault-free samples in which a fault is detected.
+    /// Number of fault-free samples with a detection.
     pub(super) false_alarms: f64,
-    /// Faulty samples in which none is.
+    /// Number of faulty samples without a detection.
     pub(super) missed: f64,
 }
 
@@ -97,7 +100,7 @@ impl Errors {
     }
 }
 
-/// Errors of each case, threshold and row of cells.
+/// Errors by case, threshold and row of cells.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Tally([[[Errors; LATITUDES]; POLICIES.len()]; CASES]);
 
@@ -108,7 +111,7 @@ impl Tally {
         *entry = entry.plus(errors);
     }
 
-    /// Both tallies together.
+    /// Returns the sum of both tallies.
     pub(super) fn plus(&self, other: &Self) -> Self {
         let mut sum = *self;
         for (case, policies) in other.0.iter().enumerate() {
@@ -119,12 +122,12 @@ impl Tally {
         sum
     }
 
-    /// Errors of one row of cells.
+    /// Returns the errors of one row of cells.
     pub(super) fn of_row(&self, case: usize, policy: usize, row: usize) -> Errors {
         self.0[case][policy][row]
     }
 
-    /// Errors of all cells.
+    /// Returns the errors of all cells.
     pub(super) fn total(&self, case: usize, policy: usize) -> Errors {
         self.0[case][policy].iter().fold(Errors::default(), |sum, &errors| sum.plus(errors))
     }

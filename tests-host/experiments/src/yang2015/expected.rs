@@ -1,4 +1,4 @@
-//! Table 1 by expectation: no chance, the day in steps of 300 s.
+//! Table 1 by expectation: exact, with the day in steps of 300 s.
 //!
 //! ```text
 //! false alarms = Σ samples · Q(τ; ν)      missed = Σ samples · mean_i G(τ; ν, (b/σ)² S_ii)
@@ -8,10 +8,10 @@
 //! |---|---|---|
 //! | `Q`, `G` | upper tail of χ², lower tail of the non-central one ([`tests_host::chi_square`]) | – |
 //! | `τ` | threshold of the core | – |
-//! | `S_ii` | redundancy number of the faulty satellite, each in view as likely as the others | – |
+//! | `S_ii` | redundancy number of the faulty satellite, each in view with equal probability | – |
 //! | `b` | fault | m |
 //!
-//! The geometry of a step stands for its 300 samples of one second.
+//! The geometry of a step represents its 300 samples of one second.
 
 use std::ops::Range;
 
@@ -23,30 +23,30 @@ use super::case::{CASES, Case, Errors, FAULT_M, FAULT_S, POLICIES, Tally};
 use super::grid::{CELLS, Cell, Sky, pose};
 use tests_host::chi_square::{noncentral_lower_tail, upper_tail};
 
-/// Seconds that one geometry stands for.
+/// Time that one geometry represents, s.
 const STEP_S: f64 = 300.0;
-/// Steps of a day.
+/// Number of steps of a day.
 const STEPS: usize = 288;
 
-/// What is expected of table 1.
+/// Expectation of table 1.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Expectation {
-    /// Its counts.
+    /// Expected counts.
     pub(super) tally: Tally,
-    /// Geometries in which no threshold meets both probabilities, of each case.
+    /// Number of geometries in which no threshold meets both probabilities, by case.
     pub(super) unavailable: [usize; CASES],
 }
 
 impl Expectation {
-    /// All geometries.
+    /// Number of all geometries.
     pub(super) const GEOMETRIES: usize = STEPS * CELLS;
 
-    /// Over a day.
+    /// Returns the expectation over a day.
     pub(super) fn of_day(cases: &[Case], sky: &Sky, cells: &[Cell]) -> anyhow::Result<Self> {
         of_steps(0..STEPS, |t_s| Self::of_step(cases, sky, cells, 0.0, t_s))
     }
 
-    /// Time counts from a day's origin, which the fault follows.
+    /// Returns the expectation of a step. Time counts from a day's origin, as does the fault.
     fn of_step(cases: &[Case], sky: &Sky, cells: &[Cell], origin_s: f64, t_s: f64) -> anyhow::Result<Self> {
         let positions = sky.positions(origin_s + t_s);
         let mut step = Self::default();
@@ -71,7 +71,8 @@ impl Expectation {
     }
 }
 
-/// What each threshold of one case is expected to miss while the fault lasts, on the day that begins at `origin_s`.
+/// Returns the misses that each threshold of one case expects during the fault, on the day that
+/// begins at `origin_s`.
 pub(super) fn missed_on(case: &Case, sky: &Sky, cells: &[Cell], origin_s: f64) -> anyhow::Result<[f64; 2]> {
     let steps = (FAULT_S.start / STEP_S) as usize..(FAULT_S.end / STEP_S) as usize;
     let cases = std::slice::from_ref(case);
@@ -85,11 +86,11 @@ fn of_steps(
 ) -> anyhow::Result<Expectation> {
     let each = steps.into_par_iter().map(|step| of_step(step as f64 * STEP_S));
     let each: Vec<Expectation> = each.collect::<anyhow::Result<_>>()?;
-    // In order, so that rounding is the same on every machine.
+    // The sum is taken in order, so that rounding is the same on every machine.
     Ok(each.iter().fold(Expectation::default(), |sum, step| sum.plus(step)))
 }
 
-/// What is expected of the samples that one geometry stands for.
+/// Returns the expected errors of the samples that one geometry represents.
 fn errors(tau: f64, snapshot: &Snapshot<'_, f64>, faulty: bool) -> Errors {
     if faulty {
         Errors { missed: STEP_S * missed(tau, snapshot), false_alarms: 0.0 }
@@ -98,7 +99,7 @@ fn errors(tau: f64, snapshot: &Snapshot<'_, f64>, faulty: bool) -> Errors {
     }
 }
 
-/// Probability to miss the fault, the mean over the satellites that may have it.
+/// Returns the probability to miss the fault: the mean over the satellites that may have it.
 fn missed(tau: f64, snapshot: &Snapshot<'_, f64>) -> f64 {
     let size = (FAULT_M / SIGMA_M).powi(2);
     let of_satellite = |redundancy: f64| noncentral_lower_tail(tau, snapshot.dof(), size * redundancy).0;

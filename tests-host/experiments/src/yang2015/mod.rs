@@ -1,6 +1,6 @@
 //! [Yang2015]: the threshold of least total risk, `T_OP`, beside the classic one, `T1`.
 //!
-//! | what | where |
+//! | content | module |
 //! |---|---|
 //! | thresholds in metres (eq. 5) | here |
 //! | table 1, by expectation | [`expected`] |
@@ -8,8 +8,8 @@
 //! | figure 5, by latitude | [`table`] |
 //! | figure 6, a day above Xi'an | [`xian`] |
 //!
-//! What the paper prints of its set-up does not give what it prints of its results. Both are computed: as printed, and
-//! with the probability and the alert limits that do give them.
+//! The printed set-up does not give the printed results. Both are computed: the results as printed,
+//! and those with the probability and the alert limits that do give them.
 
 mod case;
 mod expected;
@@ -28,24 +28,24 @@ use super::{Effort, Experiment, Finding, Judgement, Outcome, Row, Section};
 use tests_host::tables::{self, GoldComparison, Lookup};
 use tests_host::vectors;
 
-/// How the command line finds it.
+/// Entry for the command line.
 pub(super) const EXPERIMENT: Experiment = Experiment {
     name: "yang2015",
     about: "thresholds of least risk: false alarms, misses, availability",
     run,
 };
 
-/// Satellites in view at most: 21.
+/// Capacity in rows; at most 21 satellites are in view.
 const ROWS: usize = 24;
 /// Standard deviation of a range, m.
 const SIGMA_M: f64 = 6.0;
-/// Elevation below which nothing is used, degrees.
+/// Elevation mask, degrees.
 const MASK_DEG: f64 = 5.0;
 /// Probability of a false alarm per epoch, as printed.
 const FALSE_ALARM: f64 = 3.33e-7;
 /// Probability of a missed detection.
 const MISSED_DETECTION: f64 = 1e-3;
-/// The share of the alert limit that is used, `f HAL`, as printed, m.
+/// Used share of the alert limit, `f HAL`, as printed, m.
 const LIMIT_M: f64 = 0.95 * 556.0;
 
 fn thresholds(false_alarm: f64) -> anyhow::Result<Thresholds<'static>> {
@@ -75,7 +75,7 @@ fn run(effort: Effort, bar: &ProgressBar) -> anyhow::Result<Outcome> {
     Ok(Outcome { name: EXPERIMENT.name, title, setup, sections, pictures })
 }
 
-/// Classic thresholds in metres, from an independent program with fifty digits.
+/// Classic thresholds, m, from an independent program with fifty digits.
 const THRESHOLDS_M: [(usize, f64); 4] =
     [(4, 17.925_711), (8, 14.266_398), (12, 12.671_085), (16, 11.730_971)];
 
@@ -94,7 +94,7 @@ fn threshold_section() -> anyhow::Result<Section> {
     Ok(Section { title: "Thresholds (eq. 5)".into(), rows: THRESHOLDS_M.map(row).into() })
 }
 
-/// The committed tables against fifty digits.
+/// Compares the committed tables with fifty digits.
 fn gold_section() -> anyhow::Result<Section> {
     let quantity = "committed tau1 and lambda, worst relative error";
     let row = |ours: String| Row::new(quantity, "", Finding::Words(ours), Judgement::Ours);
@@ -105,7 +105,7 @@ fn gold_section() -> anyhow::Result<Section> {
     Ok(Section { title: "Reference values with fifty digits".into(), rows: vec![row] })
 }
 
-/// What the committed tables say.
+/// Returns the values of the committed tables.
 fn committed() -> impl Lookup {
     |dof: usize, alarm: f64, missed: Option<f64>| {
         let missed_detection = Probability::new(missed.unwrap_or(MISSED_DETECTION))?;

@@ -1,6 +1,8 @@
-//! Table 1 by simulation: every second of the day in every cell through the core, as the target runs it.
+//! Table 1 by simulation: every second of the day in every cell through the core, as the target
+//! runs it.
 //!
-//! Each second has a stream of random numbers of its own, so that the counts do not depend on who computes which.
+//! Each second has its own stream of random numbers, so that the counts do not depend on the
+//! division of the work.
 
 use indicatif::ProgressBar;
 use rai_core::integrity::residuals::detection::Detection;
@@ -16,23 +18,23 @@ use super::case::{Case, Errors, FAULT_M, FAULT_S, Tally};
 use super::grid::{CELLS, Cell, Sky, pose};
 use crate::draw::generator;
 
-/// All chance follows from it.
+/// Seed of all random choices.
 pub(super) const SEED: u64 = 2015;
-/// A day, s.
+/// Length of a day, s.
 pub(super) const DAY_S: f64 = 86_400.0;
 
-/// Seconds that are simulated, every `stride_s`-th of the day.
+/// Returns the number of simulated seconds, every `stride_s`-th of the day.
 pub(super) fn seconds(stride_s: usize) -> usize {
     (DAY_S as usize).div_ceil(stride_s)
 }
 
-/// Samples among them with the fault, in all cells.
+/// Returns the number of samples with the fault among them, in all cells.
 pub(super) fn faulty_samples(stride_s: usize) -> usize {
     let times = (0..seconds(stride_s)).map(|number| (number * stride_s) as f64);
     CELLS * times.filter(|t_s| FAULT_S.contains(t_s)).count()
 }
 
-/// Errors counted in every `stride_s`-th second.
+/// Counts errors in every `stride_s`-th second.
 pub(super) fn tally(
     cases: &[Case],
     sky: &Sky,
@@ -63,7 +65,7 @@ fn of_second(cases: &[Case], sky: &Sky, cells: &[Cell], second: usize) -> anyhow
         let snapshot = workspace.solve()?;
         for (index, case) in cases.iter().enumerate() {
             let classic = detects(case, Policy::T1, &snapshot)?;
-            // T_OP is never below T1: what T1 does not detect, it does not detect either.
+            // T_OP is never below T1, so it does not detect what T1 does not detect.
             let optimal = classic && detects(case, Policy::TOp, &snapshot)?;
             tally.add(index, 0, cell.row, errors(faulty, classic));
             tally.add(index, 1, cell.row, errors(faulty, optimal));

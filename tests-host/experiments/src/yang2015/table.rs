@@ -1,4 +1,4 @@
-//! Table 1 and figure 5: as printed, and as they must have been made.
+//! Table 1 and figure 5: as printed, and with the requirements that give their values.
 
 use std::ops::Range;
 
@@ -12,22 +12,22 @@ use crate::{Finding, Interval, Judgement, Picture, Row, Section};
 use tests_host::report::canvas::{BLUE, Mark, ORANGE};
 use tests_host::report::chart::{Axis, LineChart, Series};
 
-/// Cases as [`Case::all`] orders them.
+/// Indices of cases, as [`Case::all`] orders them.
 const LIKELIER: usize = 1;
 const FITTED: usize = 2;
 
-/// Thresholds as [`super::case::POLICIES`] orders them.
+/// Indices of thresholds, as [`super::case::POLICIES`] orders them.
 const CLASSIC: usize = 0;
 const OPTIMAL: usize = 1;
 
 /// Names of the thresholds, in the same order.
 const NAMES: [&str; 2] = ["T1", "T_OP"];
 
-/// What the paper counts, in the same order.
+/// Counts of the paper, in the same order.
 const PAPER: [Errors; 2] =
     [Errors { false_alarms: 96.0, missed: 10.0 }, Errors { false_alarms: 28.0, missed: 17.0 }];
 
-/// How a printed count compares with ours, and why.
+/// Comparison of a printed count with ours, with its reason.
 #[derive(Clone, Copy)]
 struct Comparison(Judgement, &'static str);
 
@@ -66,14 +66,14 @@ const COMPARISONS: [[[Comparison; 2]; 2]; CASES] = [
     ],
 ];
 
-/// Both tallies, and how many seconds one of the simulated ones stands for.
+/// Both tallies, and the number of seconds that each simulated one represents.
 struct Tallies {
     expected: Expectation,
     counted: Tally,
     stride_s: usize,
 }
 
-/// Table 1 with every case, figure 5, and their pictures.
+/// Returns table 1 with every case, figure 5, and their pictures.
 pub(super) fn table_1(stride_s: usize, bar: &ProgressBar) -> anyhow::Result<(Vec<Section>, Vec<Picture>)> {
     let (cases, sky, cells) = (Case::all()?, Sky::global(), Cell::all());
     let tallies = Tallies {
@@ -124,7 +124,8 @@ fn counted_row(what: &str, count: Finding, stride_s: usize) -> Row {
     Row::new(format!("{what} {samples}"), "", count, Judgement::Ours)
 }
 
-/// A count that cannot exceed the number of its trials, with the interval of its expectation.
+/// Returns a count that cannot exceed the number of its trials, with the interval of its
+/// expectation.
 fn share_of(count: usize, trials: usize) -> Finding {
     let Interval { low, high } = Interval::of_rate(count, trials);
     let scale = trials as f64;
@@ -132,7 +133,8 @@ fn share_of(count: usize, trials: usize) -> Finding {
     Finding::Number { value: count as f64, decimals: 0, interval }
 }
 
-/// False alarms of `T1`, expected and counted: the first and the third row.
+/// Adds acceptance values to the false alarms of `T1`, expected and counted: the first and the
+/// third row.
 fn held_to_counts(rows: Vec<Row>, stride_s: usize) -> Vec<Row> {
     let held = |(index, row): (usize, Row)| match index {
         0 => row.held_to(5, 89.4, 0.1),
@@ -177,7 +179,8 @@ fn figure_5(tallies: &Tallies) -> Section {
     Section { title: title.into(), rows }
 }
 
-/// What the same hour of six other days would have missed: the phases of the constellation are free.
+/// Returns the misses of the same hour on six other days, because the phases of the constellation
+/// are free.
 fn other_phases(case: &Case, sky: &Sky, cells: &[Cell]) -> anyhow::Result<Section> {
     let days = (1..=6).map(|day| expected::missed_on(case, sky, cells, f64::from(day) * DAY_S));
     let days: Vec<[f64; 2]> = days.collect::<anyhow::Result<_>>()?;
@@ -191,7 +194,7 @@ fn other_phases(case: &Case, sky: &Sky, cells: &[Cell]) -> anyhow::Result<Sectio
     Ok(Section { title: title.into(), rows: vec![row(CLASSIC), row(OPTIMAL)] })
 }
 
-/// Expectation, count and the paper's mean for each threshold.
+/// Draws expectation, count and the paper's mean for each threshold.
 fn by_latitude(tallies: &Tallies, title: &str, y: &str, pick: fn(Errors) -> f64) -> LineChart {
     let series = |policy: usize, colour| {
         let line = |name: &str, mark, value: &dyn Fn(usize) -> f64| Series {
@@ -205,7 +208,7 @@ fn by_latitude(tallies: &Tallies, title: &str, y: &str, pick: fn(Errors) -> f64)
             line("expected", Mark::Line, &|row| pick(tallies.expected.tally.of_row(FITTED, policy, row)));
         let counted = line("counted", Mark::Dots, &|row| pick(tallies.counted.of_row(FITTED, policy, row)));
         let paper = line("paper's mean", Mark::Dashed, &|_| mean);
-        // Of a decimation too little is counted to be shown.
+        // A reduction counts too little to be shown.
         if tallies.stride_s == 1 { vec![expected, counted, paper] } else { vec![expected, paper] }
     };
     LineChart {

@@ -1,8 +1,8 @@
-//! Figure 6: thresholds above Xi'an, and where RAIM is unavailable because `T1 ≥ T2`.
+//! Figure 6: thresholds above Xi'an, and times without RAIM because `T1 ≥ T2`.
 //!
-//! With the printed alert limit of 556 m no minute is unavailable. With a share of it of 121.2 m the regional system is,
-//! in the paper's two windows to within minutes, if its phases are chosen so: 4266 min after `t = 0`, and the planes of
-//! the inclined orbits turned by 105°.
+//! With the printed alert limit of 556 m no minute is unavailable. With a share of it of 121.2 m
+//! the regional system is unavailable in the paper's two windows, to within minutes. This requires
+//! its phases to be 4266 min after `t = 0`, with the planes of the inclined orbits turned by 105°.
 
 use std::ops::RangeInclusive;
 
@@ -20,26 +20,26 @@ use tests_host::report::canvas::{BLUE, INK, Mark, ORANGE, RED, VIOLET};
 use tests_host::report::chart::{Axis, LineChart, Series, Span};
 use tests_host::sky::{Fleet, Satellite, Site, sights};
 
-/// Minutes of a day.
+/// Number of minutes of a day.
 const MINUTES: usize = 1440;
-/// The share of the alert limit with which the regional windows appear, m.
+/// Share of the alert limit at which the regional windows appear, m.
 const FITTED_M: f64 = 121.2;
 /// Start of the regional system's day, min.
 const ORIGIN_MIN: usize = 4266;
-/// By how much the planes of its inclined orbits are turned, degrees.
+/// Turn of the planes of its inclined orbits, degrees.
 const TURN_DEG: f64 = 105.0;
 /// The paper's unavailable minutes.
 const PAPER_WINDOWS: [RangeInclusive<usize>; 2] = [106..=125, 1162..=1220];
-/// Those of an independent program with the same phases.
+/// Windows of an independent program with the same phases.
 const REFERENCE_WINDOWS: [RangeInclusive<usize>; 2] = [112..=122, 1162..=1228];
 
-/// One minute: who is in view, how far RAIM protects, and the thresholds in metres.
+/// One minute: number of satellites in view, protection level, and thresholds in metres.
 struct Minute {
     visible: usize,
     hpl_m: f64,
     t1_m: f64,
     t2_m: f64,
-    /// `None` where no threshold meets both probabilities.
+    /// Optimal threshold, m; `None` if no threshold meets both probabilities.
     t_op_m: Option<f64>,
 }
 
@@ -49,7 +49,7 @@ impl Minute {
     }
 }
 
-/// A constellation's day under one alert limit.
+/// Day of a constellation under one alert limit.
 struct Day(Vec<Minute>);
 
 impl Day {
@@ -64,7 +64,7 @@ impl Day {
         Ok(Self((0..MINUTES).map(minute).collect::<anyhow::Result<_>>()?))
     }
 
-    /// Smallest and largest value, as words.
+    /// Returns the smallest and the largest value, as words.
     fn range(&self, decimals: usize, value: impl Fn(&Minute) -> f64) -> String {
         let values = || self.0.iter().map(&value).filter(|value| !value.is_nan());
         let (low, high) =
@@ -104,7 +104,7 @@ fn judge(directions: &[Enu], limit_m: f64) -> anyhow::Result<Minute> {
     })
 }
 
-/// Minutes that follow each other, from the first to the last.
+/// Groups minutes that follow each other into ranges.
 fn windows(minutes: impl Iterator<Item = usize>) -> Vec<RangeInclusive<usize>> {
     let mut windows: Vec<RangeInclusive<usize>> = Vec::new();
     for minute in minutes {
@@ -124,7 +124,8 @@ fn words(windows: &[RangeInclusive<usize>]) -> String {
     words.join(", ")
 }
 
-/// The regional system with the planes of its inclined orbits turned, its ground tracks unchanged.
+/// Returns the regional system with the planes of its inclined orbits turned and its ground tracks
+/// unchanged.
 fn regional() -> Vec<Satellite> {
     let turn_rad = TURN_DEG.to_radians();
     let turned = |mut satellite: Satellite| {
@@ -139,7 +140,7 @@ fn regional() -> Vec<Satellite> {
     Fleet::BeidouRegional.satellites().into_iter().map(turned).collect()
 }
 
-/// The figure's tables and pictures.
+/// Returns the figure's tables and pictures.
 pub(super) fn figure_6() -> anyhow::Result<(Vec<Section>, Vec<Picture>)> {
     let (regional, global) = (regional(), Fleet::BeidouGlobal.satellites());
     let printed = Day::above_xian(&regional, ORIGIN_MIN, LIMIT_M)?;
@@ -284,7 +285,7 @@ fn regional_picture(fitted: &Day) -> anyhow::Result<Picture> {
     Picture::draw("yang2015-figure-6-regional", caption, |ground| chart.svg((900, 420), ground))
 }
 
-/// The paper's windows as bars at a height.
+/// Returns the paper's windows as bars at a height.
 fn printed_windows(height_m: f64) -> Series {
     let bar = |window: &RangeInclusive<usize>| {
         let at = |minute: usize| (minute as f64, height_m);

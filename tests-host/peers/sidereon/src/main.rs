@@ -1,11 +1,13 @@
-//! ARAIM by `sidereon-core` beside ours, on one machine and the same epochs: what an epoch takes, and what comes out.
+//! ARAIM by `sidereon-core` beside ours, on one machine and the same epochs: time of an epoch, and
+//! results.
 //!
-//! The epochs are the committed reference vectors (`tests-host/vectors`) whose own solution raises no alarm: `sidereon-core` takes
-//! no residuals, so that it neither tests nor excludes. It solves each subset anew in doubles, where ours divides once; it has the
-//! same allocation (LPV-200), and at most as many simultaneous faults. Ours tests every mode, too, and is timed from the solved
-//! snapshot on.
+//! The epochs are the committed reference vectors (`tests-host/vectors`) whose own solution raises
+//! no alarm, because `sidereon-core` takes no residuals and so neither tests nor excludes. It
+//! solves each subset anew in doubles, where ours divides once. It has the same allocation
+//! (LPV-200), and at most as many simultaneous faults. Ours tests every mode, too, and is timed
+//! from the solved snapshot on.
 //!
-//! Times tell of the machine as much as of the program: nothing is held to them.
+//! Times depend on the machine as much as on the program, so they have no budget.
 
 use std::hint::black_box;
 use std::io::Read as _;
@@ -19,10 +21,10 @@ use serde::Deserialize;
 mod ours;
 mod theirs;
 
-/// How long one figure is measured, s.
+/// Duration of the measurement of one figure, s.
 const MEASURED_S: f64 = 0.2;
 
-/// A line of the vectors: what both programs are told.
+/// A line of the vectors: the input of both programs.
 #[derive(Deserialize)]
 struct Line {
     con: Vec<usize>,
@@ -36,7 +38,7 @@ struct Line {
     out: Outcomes,
 }
 
-/// What the program says that the vectors come from.
+/// Results of the program that made the vectors.
 #[derive(Deserialize)]
 struct Outcomes {
     lpv: Outcome,
@@ -46,12 +48,12 @@ struct Outcomes {
 struct Outcome {
     status: String,
     detected: Option<bool>,
-    /// A number, or the word for one that is none.
+    /// Level, m: a number, or a word for infinity.
     hpl: Option<serde_json::Value>,
     vpl: Option<serde_json::Value>,
 }
 
-/// What a program says of an epoch.
+/// Result of a program for an epoch.
 struct Answer {
     modes: usize,
     /// Horizontal and vertical level, m.
@@ -68,7 +70,7 @@ impl Line {
     }
 }
 
-/// Microseconds that a call takes, on average.
+/// Returns the mean time of a call, µs.
 fn microseconds<R>(mut call: impl FnMut() -> R) -> f64 {
     black_box(call());
     let (start, mut calls) = (Instant::now(), 0_u32);

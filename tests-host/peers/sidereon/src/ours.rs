@@ -1,4 +1,4 @@
-//! The core of this project.
+//! ARAIM by the core of this project.
 
 use anyhow::{Result, anyhow};
 use rai_core::equations::LinearEpoch;
@@ -19,7 +19,7 @@ pub(super) fn judge<T: Real>(line: &Line) -> Result<Answer> {
     })
 }
 
-/// What it takes from the solved snapshot on.
+/// Returns the time from the solved snapshot on, µs.
 pub(super) fn microseconds<T: Real>(line: &Line) -> Result<f64> {
     let allocation = Allocation::vertical_guidance();
     with::<T, _>(line, |snapshot, priors| {

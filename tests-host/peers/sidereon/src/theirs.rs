@@ -1,4 +1,4 @@
-//! `sidereon-core`.
+//! ARAIM by `sidereon-core`.
 
 use anyhow::{Result, anyhow};
 use sidereon_core::GnssSatelliteId;
@@ -12,11 +12,11 @@ use sidereon_core::frame::Wgs84Geodetic;
 
 use super::{Answer, Line};
 
-/// In the order of the vectors' ids.
+/// Systems in the order of the vectors' ids.
 const SYSTEMS: [GnssSystem; 4] =
     [GnssSystem::Gps, GnssSystem::BeiDou, GnssSystem::Galileo, GnssSystem::Glonass];
 
-/// An epoch as it wants it.
+/// An epoch in the form of `sidereon-core`.
 pub(super) struct Case {
     geometry: AraimGeometry,
     ism: Ism,
@@ -29,7 +29,7 @@ impl Case {
         for (index, &constellation) in line.con.iter().enumerate() {
             let system = SYSTEMS[constellation];
             let id = GnssSatelliteId::new(system, index as u8 + 1).map_err(|error| anyhow!("{error}"))?;
-            // Seen from latitude and longitude 0, up is x, east is y and north is z.
+            // At latitude and longitude 0, up is x, east is y and north is z.
             let [east, north, up] = line.los_enu[index];
             let line_of_sight = LineOfSight::new(up, east, north);
             rows.push(AraimRow { id, line_of_sight, system, elevation_rad: up.asin() });
@@ -48,7 +48,7 @@ impl Case {
         let mut constellations = Vec::new();
         for (id, &probability) in &line.p_const {
             let system = SYSTEMS[id.parse::<usize>()?];
-            // Every satellite has one of its own.
+            // Every satellite has its own.
             let unused = SatelliteIsmModel::new(1.0, 1.0, 0.75, 1e-5);
             constellations.push(ConstellationIsm::new(system, probability, unused));
         }

@@ -1,13 +1,14 @@
-//! Everything at once, by chance: the place leaps, time goes ahead and back, the line holds back, cuts and repeats, ranges are
-//! wrong, and the host gives commands meanwhile.
+//! Random stress: leaps of the place, leaps of time in both directions, a line that delays, cuts
+//! and repeats, wrong ranges, and commands of the host meanwhile.
 //!
 //! ```text
-//! seed ─► scenes ─► bytes ─► module ─► what it says ─► oracle ─► what it should not have said
+//! seed ─► scenes ─► bytes ─► module ─► reports ─► oracle ─► findings
 //! ```
 //!
-//! Other attacks try what somebody thought of; this one tries what nobody did. A run ([`mod@run`]) is a dozen scenes ([`scenes`]) that follow
-//! from its seed, some quiet ones at the end, and after these `FORGET` and some more. What is right is not simulated a second time: the
-//! [`oracle`] holds to the sentences what is promised of them, and what it finds it says with the seed and the second.
+//! Other attacks try known ideas; this one looks for unknown ones. A run ([`mod@run`]) has about a
+//! dozen [`scenes`] drawn from its seed, some quiet ones at the end, then `FORGET` and some more.
+//! The truth is not simulated a second time. Instead the [`oracle`] checks the sentences against
+//! the promises of the product, and reports each finding with its seed and second.
 
 mod oracle;
 mod run;
@@ -20,10 +21,10 @@ use self::oracle::{Finding, Oracle};
 use self::run::Run;
 use super::{Attack, Effort, Figure};
 
-/// The attack.
+/// Attack with random scenes.
 pub(super) const ATTACK: Attack = Attack {
     name: "upheaval",
-    about: "place and time leap, the line fails, ranges are wrong and the host commands, all by chance",
+    about: "leaps of place and time, a failing line, wrong ranges and commands of the host, all at random",
     run,
 };
 
@@ -47,10 +48,11 @@ fn run(effort: Effort) -> Result<Vec<Figure>> {
     Ok(figures)
 }
 
-/// Runs in which a longer `RECOVER`, set after a leap, made the leap the truth.
+/// Seeds with which a longer `RECOVER`, set after a leap, once made the leap the truth.
 const LED_AWAY: [u64; 2] = [290, 1413];
 
-/// Which runs; one, which then tells what happens, where `RAI_UPHEAVAL` is its seed.
+/// Returns the seeds to run. If `RAI_UPHEAVAL` is set, only that seed runs, and the run prints its
+/// events.
 fn seeds(effort: Effort) -> Vec<u64> {
     match asked_for() {
         Some(seed) => vec![seed],

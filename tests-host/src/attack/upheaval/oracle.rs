@@ -1,19 +1,20 @@
-//! What the module says, held to what is promised of it.
+//! Checks the module's reports against the promises of the product.
 //!
-//! | finding | what was said |
+//! | finding | report |
 //! |---|---|
-//! | [`Finding::Misleading`] | the pin is high on a position farther than a level from where the antenna was, with one range wrong at most |
-//! | [`Finding::Unreachable`] | the pin is high where no receiver can have come to from the last such place |
-//! | [`Finding::Early`] | the pin is high after an alert before as many epochs and seconds as `RECOVER` asks for |
-//! | [`Finding::Lost`] | nothing is promised of what has been healthy for long, and nothing excuses that |
+//! | [`Finding::Misleading`] | the pin is high on a position whose error exceeds a level, with one wrong range at most |
+//! | [`Finding::Unreachable`] | the pin is high at a place that no receiver can have reached from the last such place |
+//! | [`Finding::Early`] | the pin is high after an alert before the epochs and seconds that `RECOVER` asks for |
+//! | [`Finding::Lost`] | nothing is promised although the input has been healthy for long and nothing excuses it |
 //!
-//! An epoch is known again by its time of day; where several were sent with one, any of their places will do.
+//! An epoch is identified by its time of day. If several were sent with one time, the place of any
+//! of them is accepted.
 
 use rai_core::frame::{Ecef, Enu, Geodetic, LocalFrame};
 
 use super::super::victim::Seen;
 
-/// What should not have been said.
+/// Kind of a wrong report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Finding {
     Misleading,
@@ -23,7 +24,7 @@ pub(super) enum Finding {
 }
 
 impl Finding {
-    /// All of them, and what they are.
+    /// All findings, with their descriptions.
     pub(super) const ALL: [(Self, &'static str); 4] = [
         (Self::Misleading, "beyond their level"),
         (Self::Unreachable, "out of reach"),
@@ -32,16 +33,16 @@ impl Finding {
     ];
 }
 
-/// An epoch as it was sent.
+/// An epoch that was sent.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sent {
-    /// Its tag in UTC, seconds of the day.
+    /// Time tag in UTC, seconds of the day.
     pub(super) time_of_day_s: f64,
-    /// When its first byte came, by the module's own clock, s.
+    /// Arrival of the first byte by the module's own clock, s.
     pub(super) own_s: f64,
-    /// Where the antenna was.
+    /// Place of the antenna.
     pub(super) place: Ecef,
-    /// Satellites with a wrong range.
+    /// Number of satellites with a wrong range.
     pub(super) wrong: usize,
 }
 
@@ -52,20 +53,20 @@ struct Promise {
     own_s: f64,
     hpl_m: f64,
     vpl_m: f64,
-    /// Epochs that were promised on end, and when the first of them came.
+    /// Number of consecutive promised epochs, and arrival of the first of them, s.
     epochs: u32,
     since_s: f64,
 }
 
-/// Epochs in a row that may count as agreeing since an alert.
+/// Consecutive epochs after an alert that may count as consistent.
 #[derive(Clone, Copy, Debug, Default)]
 struct Recovering {
     epochs: u32,
-    /// When the first came, by the own clock and by its tag.
+    /// Time of the first one, by the own clock and by its tag, s.
     first: Option<(f64, f64)>,
 }
 
-/// Watches one run.
+/// Observer of one run.
 #[derive(Debug)]
 pub(super) struct Oracle {
     seed: u64,
@@ -73,30 +74,31 @@ pub(super) struct Oracle {
     recover: (u32, f64),
     max_speed_m_s: f64,
     promise: Option<Promise>,
-    /// Epochs since the last promise that may count as agreeing with each other.
+    /// Epochs since the last promise that may count as consistent with each other.
     since_promise: u32,
     lost: Option<Recovering>,
     last_tag_s: f64,
     findings: Vec<(Finding, String)>,
-    /// Epochs judged.
+    /// Number of judged epochs.
     pub(super) epochs: usize,
-    /// With the pin high.
+    /// Number of epochs with the pin high.
     pub(super) promised: usize,
-    /// Alerts.
+    /// Number of alerts.
     pub(super) alerts: usize,
-    /// What was said of the last epoch of the scene, and whether it was promised.
+    /// Reason of the last epoch of the scene, and true if that epoch was promised.
     pub(super) last_reason: String,
     pub(super) has_promised_last: bool,
 }
 
-/// Agreement after which neither what led to a promise nor what contradicts it gives way.
+/// Epochs and seconds of agreement after which a promised place no longer yields to a
+/// contradiction.
 const FIRM: (u32, f64) = (10, 10.0);
 
-/// How much later than another an epoch may have come to the own clock, s.
+/// Largest delay of an epoch relative to another by the own clock, s.
 const DELAY_S: f64 = 1.0;
 
 impl Oracle {
-    /// One that has heard nothing; what is in force is what is at start.
+    /// Returns an oracle for a module with the settings at start.
     pub(super) fn new(seed: u64) -> Self {
         Self {
             seed,
@@ -116,22 +118,22 @@ impl Oracle {
         }
     }
 
-    /// Everything of a kind that was found.
+    /// Returns the findings of one kind.
     pub(super) fn found(&self, kind: Finding) -> impl Iterator<Item = &str> {
         self.findings.iter().filter(move |(finding, _)| *finding == kind).map(|(_, what)| what.as_str())
     }
 
-    /// A scene begins.
+    /// Starts a scene.
     pub(super) fn begin(&mut self) {
         (self.last_reason, self.has_promised_last) = ("nothing said".into(), false);
     }
 
-    /// An epoch is sent.
+    /// Records an epoch that is sent.
     pub(super) fn offer(&mut self, sent: Sent) {
         self.sent.push(sent);
     }
 
-    /// The host has given a command that was obeyed.
+    /// Records a command that the module accepted.
     pub(super) fn command(&mut self, command: &str) {
         let fields: Vec<&str> = command.split(',').collect();
         let number =
@@ -147,11 +149,11 @@ impl Oracle {
         }
     }
 
-    /// What was said, at `said_s` by the module's own clock.
+    /// Checks a report that came at `said_s` by the module's own clock.
     pub(super) fn hear(&mut self, seen: &Seen, said_s: f64) {
         let state = &seen.said.state;
         if state.reason == "STALE" {
-            // Silence takes nothing from what has agreed before.
+            // A silence does not undo earlier agreement.
             return;
         }
         self.last_reason.clone_from(&state.reason);
@@ -160,7 +162,7 @@ impl Oracle {
         let tag_s = state.time_s.unwrap_or(0.0);
         // The line may have kept the second half of the epoch.
         let own_s = self.of_tag(tag_s).last().map_or(said_s, |sent| sent.own_s);
-        // A day's end comes in no run.
+        // No run passes midnight, so an earlier tag is a leap.
         if tag_s < self.last_tag_s {
             self.disagree();
         }
@@ -190,7 +192,7 @@ impl Oracle {
         }
     }
 
-    /// What agreed so far counts for nothing.
+    /// Restarts the count of consistent epochs.
     fn disagree(&mut self) {
         self.since_promise = 0;
         if let Some(lost) = &mut self.lost {
@@ -208,7 +210,7 @@ impl Oracle {
         };
         let (hpl_m, vpl_m) = (state.hpl_m.unwrap_or(0.0), state.vpl_m.unwrap_or(0.0));
         self.hold_to_levels(place, (hpl_m, vpl_m), own_s, tag_s);
-        // Of an epoch in two halves only the second may have been read.
+        // The module may have read only the second half of a divided epoch.
         self.hold_to_reach(place, hpl_m + vpl_m, said_s);
         let before = self.promise.filter(|_| self.since_promise <= 1);
         let (epochs, since_s) = before.map_or((0, own_s), |before| (before.epochs, before.since_s));
@@ -216,20 +218,20 @@ impl Oracle {
         self.since_promise = 0;
     }
 
-    /// After an alert a promise has to be earned.
+    /// Checks that a promise after an alert comes no earlier than `RECOVER` allows.
     fn hold_to_recover(&mut self, own_s: f64, tag_s: f64) {
         let Some(Recovering { epochs, first }) = self.lost.take() else { return };
         let (first_own_s, first_tag_s) = first.unwrap_or((own_s, tag_s));
         let (want_epochs, want_s) = self.recover;
         let seconds = (own_s - first_own_s + DELAY_S).min(tag_s - first_tag_s);
-        // To the hundredth that a sentence says.
+        // A sentence has hundredths of a second.
         if epochs < want_epochs || seconds < want_s - 0.011 {
             let what = format!("{epochs} epochs, {seconds:.2} s after an alert");
             self.find(Finding::Early, own_s, &what);
         }
     }
 
-    /// The epochs that were sent with a tag.
+    /// Returns the epochs sent with this tag.
     fn of_tag(&self, tag_s: f64) -> impl DoubleEndedIterator<Item = &Sent> {
         const SAME_S: f64 = 0.006;
         self.sent.iter().filter(move |sent| (sent.time_of_day_s - tag_s).abs() < SAME_S)
@@ -254,11 +256,12 @@ impl Oracle {
         }
     }
 
-    /// Nobody comes from one place to another faster than `VMAX`, unless what led to the first was not firm and gave way.
+    /// Checks that the receiver moved no faster than `VMAX`, unless the last place was not firm and
+    /// has been replaced.
     fn hold_to_reach(&mut self, place: Ecef, levels_m: f64, own_s: f64) {
         let Some(last) = self.promise else { return };
         let way_m = self.max_speed_m_s * (own_s - last.own_s + DELAY_S);
-        // Over the ground and upwards each has a way of its own.
+        // The limit applies horizontally and vertically, each on its own.
         let reach_m = std::f64::consts::SQRT_2 * way_m + levels_m + last.hpl_m + last.vpl_m;
         let was_firm = last.epochs >= FIRM.0 && last.own_s - last.since_s >= FIRM.1;
         let has_given_way = !was_firm && self.since_promise >= FIRM.0;
@@ -272,7 +275,7 @@ impl Oracle {
         }
     }
 
-    /// Notes something that should not have been said.
+    /// Records a finding.
     pub(super) fn find(&mut self, finding: Finding, own_s: f64, what: &str) {
         self.findings.push((finding, format!("seed {} at {own_s:.1} s: {what}", self.seed)));
     }

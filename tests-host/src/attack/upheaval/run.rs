@@ -1,7 +1,7 @@
-//! A run: its receiver, its sky, and how its scenes are played, from the first one to the quiet ones at the end.
+//! One run: its receiver, its sky, and its scenes from the first to the quiet ones at the end.
 //!
-//! A run has one format, systems, bands and time between epochs. What is sent, when and from where, is told to the oracle before the
-//! module hears it.
+//! A run has one format, one set of systems and bands, and one time between epochs. The oracle
+//! learns the content, time and place of each epoch before the module receives it.
 
 use anyhow::Result;
 use rai_core::frame::Ecef;
@@ -19,26 +19,26 @@ use crate::sky::Fleet;
 use crate::sky::raw::Simulation;
 use crate::soak::noise::frames;
 
-/// Scenes of a run.
+/// Number of scenes of a run.
 const SCENES: std::ops::RangeInclusive<usize> = 6..=14;
 
-/// Time between the epochs of a slow receiver, s: less than the time to alert, and more.
+/// Time between the epochs of a slow receiver, s: below the time to alert, and above it.
 const SLOW_S: [f64; 2] = [5.0, 30.0];
 
 /// Healthy epochs at the end, and after `FORGET`.
 const QUIET_EPOCHS: u32 = 60;
 const FORGOTTEN_EPOCHS: u32 = 30;
 
-/// Time tags are of GPS, sentences of UTC.
+/// Leap seconds: time tags are in GPS time, sentences in UTC.
 const GPS_MINUS_UTC_S: f64 = 18.0;
 
-/// A day, s.
+/// Length of a day, s.
 const DAY_S: f64 = 86_400.0;
 
-/// The run's own hour, s: far enough from both ends of the day for all leaps.
+/// Time of day around which runs start, s: far enough from midnight for all leaps.
 const NOON_S: f64 = 43_200.0;
 
-/// How a receiver says it.
+/// Wire format of the receiver.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Format {
     Rtcm,
@@ -50,25 +50,26 @@ pub(super) struct Run {
     chance: ChaCha8Rng,
     format: Format,
     selection: Selection,
-    /// The sky; each scene is a stretch of it.
+    /// Simulated sky, of which each scene is a part.
     sky: Simulation,
-    /// The time of day when the module started, s, and by how much tags are ahead of it.
+    /// Time of day at which the module started, s, and lead of the tags over it, s.
     start_s: f64,
     ahead_s: f64,
     victim: Victim,
     oracle: Oracle,
-    /// Whether tags have been ahead: what is right is then late until `FORGET`, as a recording that is sent again.
+    /// True once tags have been ahead. Right tags are then late until `FORGET`, like a replayed
+    /// recording.
     was_ahead: bool,
-    /// The second half of an epoch that the line has kept.
+    /// Second half of an epoch that the line holds back.
     kept: Vec<u8>,
     is_told: bool,
 }
 
 impl Run {
-    /// The run of a seed; `is_told` where it tells what happens.
+    /// Returns the run of a seed. If `is_told` is set, the run prints its events.
     ///
     /// # Errors
-    /// A module that cannot start.
+    /// If the module cannot start.
     pub(super) fn of(seed: u64, is_told: bool) -> Result<Self> {
         let mut chance = ChaCha8Rng::seed_from_u64(seed);
         let systems: [(&str, &[Fleet]); 3] = [
@@ -89,7 +90,7 @@ impl Run {
         Ok(Self {
             format,
             selection: Selection::new(letters, frequency)?,
-            // An hour of its own: skies differ.
+            // Each run has its own hour, because skies differ.
             start_s: NOON_S + 600.0 * f64::from(chance.random_range(-18..18_i32)),
             ahead_s: 0.0,
             chance,
@@ -102,10 +103,10 @@ impl Run {
         })
     }
 
-    /// Plays it to its end.
+    /// Plays the run to its end.
     ///
     /// # Errors
-    /// What cannot be encoded or read.
+    /// If an epoch cannot be encoded or a sentence cannot be read.
     pub(super) fn play(mut self) -> Result<Oracle> {
         self.scene(&Scene::quiet((0.0, 0.0), 15))?;
         let mut place_deg = (0.0, 0.0);
@@ -122,7 +123,8 @@ impl Run {
         Ok(self.oracle)
     }
 
-    /// Healthy epochs are promised, unless levels or satellites are not what the settings ask for.
+    /// Checks that healthy epochs are promised, unless the levels or the satellites do not meet the
+    /// settings.
     fn expect_promise(&mut self, when: &str, is_forgotten: bool) {
         const EXCUSES: [&str; 5] = ["HPL", "VPL", "RISK", "REDUNDANCY", "GEOMETRY"];
         let last = self.oracle.last_reason.clone();
@@ -179,7 +181,7 @@ impl Run {
         Ok(())
     }
 
-    /// What comes before a scene.
+    /// Applies the break before a scene.
     fn begin(&mut self, scene: &Scene) -> Result<()> {
         let silent_s = match scene.before {
             Break::Silence(for_s) | Break::HeldBack(for_s) => for_s,
@@ -208,7 +210,7 @@ impl Run {
             Line::Good => {}
             Line::Halves => {
                 let at = self.chance.random_range(0..bytes.len());
-                // Between two frames, or within one, which is then lost.
+                // The cut is between two frames, or within one, which is then lost.
                 let mut between = 0;
                 for frame in frames(&bytes) {
                     between += if between + frame.len() <= at { frame.len() } else { 0 };
@@ -250,12 +252,12 @@ impl Run {
     }
 }
 
-/// The time of day of an epoch as a sentence says it.
+/// Returns the time of day of an epoch as a sentence gives it, s.
 fn utc_of_day_s(time: GpsTime) -> f64 {
     (time.to_s() - GPS_MINUS_UTC_S).rem_euclid(DAY_S)
 }
 
-/// Either format.
+/// An encoder of either format.
 enum AnyEncoder {
     Rtcm(Box<Encoder>),
     Ubx(Box<ubx::Encoder>),

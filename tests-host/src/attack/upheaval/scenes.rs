@@ -1,12 +1,12 @@
-//! The scenes of a run, drawn by chance; [`super::run`] plays them.
+//! Random scenes of a run; [`super::run`] plays them.
 //!
-//! | what | how |
+//! | part | choices |
 //! |---|---|
-//! | before a scene | nothing; silence; tags that leap ahead or back; a line that holds everything back |
-//! | the place | as before, 100 m to 1,000 km away, or back where the run began |
+//! | before a scene | nothing; silence; tags that leap ahead or back; a line that delays everything |
+//! | the place | as before, 100 m to 1,000 km away, or back at the start of the run |
 //! | ranges | right; one, two or three satellites wrong by 15 m to 2 km; all, anew in each epoch |
 //! | satellites | all, or five to eight |
-//! | the line | good; cuts an epoch in two, of which the second half comes with the next; loses bytes; says everything twice |
+//! | the line | good; cuts an epoch in two and sends the second half with the next; loses bytes; sends everything twice |
 //! | the host | nothing, or one command |
 
 use rai_core::satellite::SatelliteId;
@@ -18,10 +18,10 @@ use crate::fault::Measured as _;
 use crate::measurement::MeasuredEpoch;
 use crate::sky::Site;
 
-/// Epochs of a scene.
+/// Number of epochs of a scene.
 const EPOCHS: std::ops::RangeInclusive<u32> = 2..=25;
 
-/// What the host may say.
+/// Commands that the host may send.
 const COMMANDS: [&str; 30] = [
     "FORGET",
     "FORGET",
@@ -55,31 +55,31 @@ const COMMANDS: [&str; 30] = [
     "POLICY,TOP",
 ];
 
-/// What happens before a scene.
+/// Event before a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Break {
     Nothing,
-    /// Nothing comes for so long, s.
+    /// The line is silent for this time, s.
     Silence(f64),
-    /// Tags are wrong by so much from now on, s.
+    /// Tags are off by this much from now on, s.
     Tags(f64),
-    /// The line is silent, and what comes then is so much older than before, s.
+    /// The line is silent for this time, s, and what follows is older by as much.
     HeldBack(f64),
-    /// Tags are right again, and nothing is held back.
+    /// Tags are right again, and nothing is delayed.
     Right,
 }
 
-/// What is wrong with ranges.
+/// Error of the ranges.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Wrong {
     Nothing,
-    /// So many satellites by a constant.
+    /// This many satellites have a constant error.
     Some(usize),
-    /// All, anew in each epoch.
+    /// All satellites have an error, drawn anew in each epoch.
     All,
 }
 
-/// What the line does to bytes.
+/// Effect of the line on the bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Line {
     Good,
@@ -93,7 +93,7 @@ pub(super) enum Line {
 pub(super) struct Scene {
     pub(super) command: Option<&'static str>,
     pub(super) before: Break,
-    /// Where it is: north and east of the beginning, degrees.
+    /// Place relative to the start: north and east, degrees.
     pub(super) place_deg: (f64, f64),
     pub(super) wrong: Wrong,
     pub(super) most_satellites: usize,
@@ -103,7 +103,7 @@ pub(super) struct Scene {
 }
 
 impl Scene {
-    /// A healthy one.
+    /// Returns a healthy scene.
     pub(super) fn quiet(place_deg: (f64, f64), epochs: u32) -> Self {
         Self {
             command: None,
@@ -146,7 +146,7 @@ impl Scene {
         Site::geodetic(34.17 + north_deg, 108.57 + east_deg, 400.0)
     }
 
-    /// Which satellites are wrong, and by how much, m.
+    /// Returns the wrong satellites with their errors, m.
     pub(super) fn wrong_of(
         &self,
         epoch: Option<&MeasuredEpoch>,
@@ -182,7 +182,7 @@ impl Break {
     }
 }
 
-/// Where the next scene is.
+/// Draws the place of the next scene.
 fn next_place_deg(place_deg: (f64, f64), chance: &mut ChaCha8Rng) -> (f64, f64) {
     const DEGREES_A_METRE: f64 = 9e-6;
     match chance.random_range(0..100) {

@@ -1,4 +1,5 @@
-//! What the same epochs cost other programs: libswiftnav and RTKLIB on the processors that ours is measured on.
+//! Cost of the same epochs in other programs: libswiftnav and RTKLIB on the processors that ours is
+//! measured on.
 //!
 //! ```text
 //! workload ──epochs as a C table──► board.c ──► libswiftnav: calc_PVT        ──┐
@@ -6,16 +7,18 @@
 //!        └──────────requests─────────► measuring image: fix and integrity    ──┘
 //! ```
 //!
-//! All get the positions of 20 satellites and corrected ranges, with standard deviations of 2 m: no fault, 120 m on G03, or
-//! that and −95 m on G06. What a program would do before or after (orbits, atmosphere, velocity) is not counted, and
-//! whatever it does between is. An answer stands beside each cost, since a refusal is cheap.
+//! All receive the positions of 20 satellites and corrected ranges with standard deviations of 2 m.
+//! There is no fault, or 120 m on G03, or that and −95 m on G06. Work before or after (orbits,
+//! atmosphere, velocity) is not counted; everything in between is. Each cost stands beside its
+//! answer, because a refusal is cheap.
 //!
-//! What each was told, and how it was compiled, stands in [`SETTINGS`], which the comparison ends with.
+//! [`SETTINGS`] lists the settings and the compilation of each program; it ends the comparison.
 //!
 //! The peers' sources are fetched ([`sources`]) and compiled ([`program`]), never kept here.
 //!
-//! Limits: the system timer of the boards AN386 and AN500 ticks every 40 instructions, so their figures are good to 40.
-//! Ours differ by up to 0.3 % from those of [`stages`](super::stages), where other stages ran before.
+//! Limits: the system timer of the boards AN386 and AN500 ticks every 40 instructions, so their
+//! figures are accurate to 40. Ours differ by up to 0.3 % from those of [`stages`](super::stages),
+//! where other stages ran before.
 
 mod ours;
 mod program;
@@ -32,47 +35,47 @@ use super::workload;
 use crate::board::Machine;
 use sources::Sources;
 
-/// In which setting each program is measured.
+/// Settings of each program.
 const SETTINGS: &str = "\
-All: 20 satellites of GPS and BeiDou, their positions at the instant of sending, corrected ranges with a sigma of 2 m; one fault is
-120 m on G03, two are that and -95 m on G06. Orbits, atmosphere and velocity are neither needed nor counted.
+All: 20 satellites of GPS and BeiDou, their positions at transmission, corrected ranges with a sigma of 2 m; one fault is
+120 m on G03, two faults are that and -95 m on G06. Orbits, atmosphere and velocity are neither needed nor counted.
 
-RAI: the method BAARDA with the requirements of a non-precision approach, thresholds from its tables; up to three satellites out;
-HPL and VPL of what is left. Each epoch is the first of its monitor. Compiled as shipped, the core at opt-level 2.
+RAI: the method BAARDA with the requirements of a non-precision approach, thresholds from its tables; up to three exclusions;
+HPL and VPL of the remaining satellites. Each epoch is the first of its monitor. Compiled as shipped, the core at opt-level 2.
 
 libswiftnav, of swiftnav-sys 0.10.0: calc_PVT, RAIM on, velocity off, all constellations, no mask; its log and its assertions off.
-Its noise model gives a sigma of 2 m by the strength of the signals, all at the zenith. A fault is an rms of the residuals above 2.5
-sigma; up to two satellites out. Every solution starts from the earth's centre, which cannot be chosen.
+The signal strength is chosen so that its noise model gives a sigma of 2 m, with all satellites at the zenith. A fault is an rms of the residuals above 2.5
+sigma; up to two exclusions. Every solution starts from the earth's centre; no other start is possible.
 
-RTKLIB 2.4.3 b34: estpos, and raim_fde where that refuses, as pntpos calls them, with five constellations' clocks as always; no mask,
+RTKLIB 2.4.3 b34: estpos, and raim_fde if that refuses, as pntpos calls them, with the clocks of five constellations as always; no mask,
 GDOP up to 30. Its options for the atmosphere are EST and ZTD, for which these functions have neither a model nor a variance; its error
-factors are 0, and the satellites' variances make up the sigma of 2 m. A fault is a sum of squares above the 99.9 % quantile; one
-satellite out, the one without which the rms is least. Calls of trace do nothing, but their arguments are made, times as text among
-them: as it comes, and with the calls taken out. What its first pass reads and nothing has set is zero by a flag of the compiler.";
+factors are 0, and the satellites' variances give the sigma of 2 m. A fault is a sum of squares above the 99.9 % quantile; one
+exclusion, that with the smallest rms. Calls of trace do nothing, but their arguments are computed, among them times as text: it is
+measured with these calls and without them. A compiler flag zeroes the variables that its first pass reads uninitialised.";
 
-/// Satellites of an epoch.
+/// Number of satellites of an epoch.
 const SATELLITES: usize = 20;
-/// Constellations that they are of: GPS and `BeiDou`.
+/// Number of their constellations: GPS and `BeiDou`.
 const CONSTELLATIONS: usize = 2;
-/// The name of our rows.
+/// Name of our rows.
 pub const OURS: &str = "RAI";
-/// Faulty satellites of the epochs.
+/// Numbers of faulty satellites.
 const FAULTS: [usize; 3] = [0, 1, 2];
 
-/// Which processor.
+/// Processor of a measurement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Core {
-    /// Cortex-M4F, which has single precision.
+    /// Cortex-M4F, with single precision in hardware.
     M4,
-    /// Cortex-M7, which has doubles as well.
+    /// Cortex-M7, with doubles as well.
     M7,
 }
 
 impl Core {
-    /// Both.
+    /// Both processors.
     pub const ALL: [Self; 2] = [Self::M4, Self::M7];
 
-    /// The board that ours is measured on.
+    /// Returns the board that ours is measured on.
     const fn machine(self) -> Machine {
         match self {
             Self::M4 => Machine::Stm32f405,
@@ -90,10 +93,10 @@ impl fmt::Display for Core {
     }
 }
 
-/// Where a solution starts.
+/// Starting point of a solution.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Start {
-    /// 1 km from the antenna.
+    /// A point 1 km from the antenna.
     Near,
     /// The centre of the earth.
     Centre,
@@ -119,12 +122,12 @@ impl fmt::Display for Start {
     }
 }
 
-/// What became of one epoch.
+/// Result of one epoch.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outcome {
-    /// What it cost.
+    /// Cost in instructions.
     pub instructions: u64,
-    /// Distance from the truth, m, where a position was given as good.
+    /// Distance from the truth, m, if a position was reported as valid.
     pub error_m: Option<f64>,
     /// Satellites left out, by name.
     pub left_out: Vec<String>,
@@ -140,35 +143,36 @@ impl fmt::Display for Outcome {
     }
 }
 
-/// A program in one setting over the epochs of [`FAULTS`].
+/// Results of a program in one setting, for the epochs of [`FAULTS`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row {
-    /// Which program.
+    /// Name of the program.
     pub program: &'static str,
-    /// How it was built.
+    /// Setting of the program.
     pub setting: &'static str,
-    /// On what.
+    /// Processor of the measurement.
     pub core: Core,
-    /// From where.
+    /// Starting point of the solution.
     pub start: Start,
-    /// With no fault, one, and two.
+    /// Results with no fault, one, and two.
     pub outcomes: Vec<Outcome>,
 }
 
-/// All programs beside each other.
+/// Comparison of all programs.
 #[derive(Clone, Debug)]
 pub struct Comparison {
-    /// By processor.
+    /// Rows, by processor.
     pub rows: Vec<Row>,
-    /// The peers' compiler and its version.
+    /// Compiler of the peers, with its version.
     pub compiler: String,
 }
 
 impl Comparison {
-    /// Measures ours and the peers', in some seconds once all is compiled; says what it is at.
+    /// Measures ours and the peers', in some seconds once all is compiled, and reports its
+    /// progress.
     ///
     /// # Errors
-    /// Where a program does not compile, or does not come to its end in the emulator.
+    /// If a program does not compile, or does not finish in the emulator.
     pub fn take(sources: &Sources, mut progress: impl FnMut(&str)) -> Result<Self> {
         let mut rows = Vec::new();
         for core in Core::ALL {
@@ -177,7 +181,7 @@ impl Comparison {
         Ok(Self { rows, compiler: program::compiler()? })
     }
 
-    /// The same on one processor.
+    /// Measures the same on one processor.
     ///
     /// # Errors
     /// As [`Self::take`].
@@ -218,7 +222,7 @@ impl fmt::Display for Row {
     }
 }
 
-/// A figure with a comma after each third digit from the right.
+/// Formats a number with thousands separators.
 fn in_thousands(value: u64) -> String {
     let digits = value.to_string();
     digits.char_indices().fold(String::new(), |mut text, (index, digit)| {
@@ -234,7 +238,7 @@ fn epoch(faults: usize) -> Result<Epoch<CAPACITY>> {
     workload::epoch(SATELLITES, CONSTELLATIONS, faults)
 }
 
-/// Distance of a position from the antenna, m.
+/// Returns the distance of a position from the antenna, m.
 fn error_m(position: Ecef) -> f64 {
     (position - workload::site().position).radius_m()
 }

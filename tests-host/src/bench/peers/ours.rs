@@ -12,10 +12,10 @@ use super::super::stages;
 use super::{Core, FAULTS, OURS, Outcome, Row, SATELLITES, Start, epoch, error_m};
 use crate::laboratory::{Answer, Bench, Scalar, Stage};
 
-/// In single and in double precision, from both starts.
+/// Measures single and double precision, from both starts.
 ///
 /// # Errors
-/// Where the measuring image does not come to its end, or does not say what the host says.
+/// If the measuring image does not finish, or reports another result than the host.
 pub(super) fn measure(core: Core) -> Result<Vec<Row>> {
     let mut rows = Vec::new();
     for (scalar, setting) in [
@@ -41,13 +41,17 @@ fn outcomes(core: Core, scalar: Scalar, start: Start) -> Result<Vec<Outcome>> {
     FAULTS.into_iter().zip(answers).map(|(faults, answer)| outcome(scalar, start, faults, &answer)).collect()
 }
 
-/// The cost on the chip with the answer of the host, which is the same to the bit.
+/// Combines the cost on the chip with the answer of the host, which is identical to the bit.
 fn outcome(scalar: Scalar, start: Start, faults: usize, answer: &Answer) -> Result<Outcome> {
     let report = match scalar {
         Scalar::Single => judged::<f32>(start, faults)?,
         Scalar::Double => judged::<f64>(start, faults)?,
     };
-    ensure!(format!("{report:?}") == answer.result, "the chip says {}, the host {report:?}", answer.result);
+    ensure!(
+        format!("{report:?}") == answer.result,
+        "the chip reports {}, the host {report:?}",
+        answer.result
+    );
     let is_good = matches!(report.verdict, Verdict::Protected(_));
     let left_out = report.excluded.iter().map(|excluded| excluded.satellite.to_string()).collect();
     let solution = report.solution.filter(|_| is_good);

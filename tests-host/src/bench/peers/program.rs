@@ -1,6 +1,7 @@
-//! A peer as a program for the emulated boards: compiled with newlib, run over the epochs, its answers read back.
+//! A peer as a program for the emulated boards: compiled with newlib and run over the epochs; its
+//! answers are read back.
 //!
-//! | what | where |
+//! | part | place |
 //! |---|---|
 //! | start-up, stopwatch, answers | `tests-host/peers/board.c`, `board.ld` |
 //! | the call of the peer | `tests-host/peers/libswiftnav.c`, `rtklib.c` |
@@ -22,7 +23,7 @@ use crate::capi::run;
 /// Instructions of a tick of the boards' system timer: a nanosecond each, at 25 MHz.
 const INSTRUCTIONS_OF_TICK: u64 = 40;
 
-/// How every file is compiled. The peers' own warnings are not ours to heed.
+/// Compiler flags of every file. The peers' own warnings are ignored.
 const FLAGS: [&str; 8] = [
     "-O2",
     "-mthumb",
@@ -38,21 +39,22 @@ const FLAGS: [&str; 8] = [
 pub(super) struct Peer {
     pub(super) name: &'static str,
     pub(super) setting: &'static str,
-    /// Our part of it.
+    /// File that calls the peer.
     shim: &'static str,
     /// Further arguments of the compiler.
     flags: &'static [&'static str],
-    /// Its sources that are compiled by themselves.
+    /// Sources of the peer that are compiled separately.
     files: &'static [&'static str],
-    /// Where it can be told to start.
+    /// Starting points that the peer accepts.
     starts: &'static [Start],
     folder: fn(&Sources) -> &Path,
 }
 
 /// Adds `BeiDou` to the constellations that RTKLIB is compiled with.
 const BEIDOU: &str = "-DENACMP";
-/// The first pass of RTKLIB's `rescode` uses delays and variances of the atmosphere that nothing has set. With zeros in them
-/// it does what it means to, at less than 1 % more; else its answer depends on the compiler. GCC has this since 12.
+/// Initialises variables to zero. The first pass of RTKLIB's `rescode` reads delays and variances
+/// of the atmosphere that were never set. With zeros it does what was intended, at a cost of less
+/// than 1 %; otherwise its answer depends on the compiler. GCC has this flag since version 12.
 const UNSET_IS_ZERO: &str = "-ftrivial-auto-var-init=zero";
 
 const RTKLIB: Peer = Peer {
@@ -65,7 +67,7 @@ const RTKLIB: Peer = Peer {
     folder: |sources| &sources.rtklib,
 };
 
-/// All of them.
+/// All peers.
 pub(super) const PEERS: [Peer; 3] = [
     Peer {
         name: "libswiftnav",
@@ -96,7 +98,7 @@ pub(super) const PEERS: [Peer; 3] = [
     },
 ];
 
-/// The compiler and its version.
+/// Returns the compiler and its version.
 pub(super) fn compiler() -> Result<String> {
     let version = run(Command::new(ARM).arg("-dumpfullversion"))?;
     Ok(format!("{ARM} {}", String::from_utf8_lossy(&version).trim()))
@@ -105,11 +107,11 @@ pub(super) fn compiler() -> Result<String> {
 /// Compiles and runs a peer.
 ///
 /// # Errors
-/// Where it does not compile, or does not come to its end.
+/// If it does not compile, or does not finish.
 pub(super) fn measure(peer: &Peer, sources: &Sources, core: Core) -> Result<Vec<Row>> {
     let folder = tempfile::tempdir()?;
     std::fs::write(folder.path().join("epochs.h"), epochs()?)?;
-    // libswiftnav's build would make this of a template.
+    // libswiftnav's build would generate this from a template.
     std::fs::write(folder.path().join("max_channels.h"), "#define MAX_CHANNELS 63\n")?;
     let answers = emulate(&compile(peer, sources, core, folder.path())?, core, folder.path())?;
     let outcomes = answers.lines().map(outcome).collect::<Result<Vec<_>>>().context(peer.name)?;
@@ -125,7 +127,7 @@ pub(super) fn measure(peer: &Peer, sources: &Sources, core: Core) -> Result<Vec<
     Ok(rows.filter(|(start, _)| peer.starts.contains(start)).map(row).collect())
 }
 
-/// The C table of starts and epochs; doubles in as many digits as they need.
+/// Returns the C table of starts and epochs. Doubles have as many digits as they need.
 fn epochs() -> Result<String> {
     let mut text = String::from("static const double STARTS_M[][3] = {\n");
     for start in Start::ALL {
@@ -134,7 +136,10 @@ fn epochs() -> Result<String> {
     text.push_str("};\nstatic const struct epoch EPOCHS[] = {\n");
     for faults in FAULTS {
         let epoch = epoch(faults)?;
-        ensure!(epoch.observations().len() == SATELLITES, "the peers have room for {SATELLITES} satellites");
+        ensure!(
+            epoch.observations().len() == SATELLITES,
+            "an epoch of the peers must have {SATELLITES} satellites"
+        );
         text.push_str("    {{\n");
         for one in epoch.observations() {
             let (letter, number) = (one.satellite.constellation().letter(), one.satellite.number());
@@ -171,7 +176,7 @@ fn compile(peer: &Peer, sources: &Sources, core: Core, out: &Path) -> Result<Pat
     Ok(image)
 }
 
-/// What the program wrote to its file.
+/// Runs the image; returns the text that it wrote to its file.
 fn emulate(image: &Path, core: Core, folder: &Path) -> Result<String> {
     let mut emulator = crate::setup::emulator::command();
     emulator.current_dir(folder).args(match core {
@@ -180,14 +185,15 @@ fn emulate(image: &Path, core: Core, folder: &Path) -> Result<String> {
     });
     emulator.args(["-display", "none", "-monitor", "none", "-serial", "none", "-icount", "shift=0"]);
     emulator.args(["-semihosting-config", "enable=on,target=native", "-kernel"]).arg(image);
-    run(&mut emulator).context("a peer did not come to its end in the emulator")?;
+    run(&mut emulator).context("a peer did not finish in the emulator")?;
     Ok(std::fs::read_to_string(folder.join("answers.txt"))?)
 }
 
-/// A line of `board.c`: ticks, the peer's own code, whether the position is valid, its bits, names.
+/// Parses a line of `board.c`: ticks, the peer's own code, validity of the position, its bits,
+/// names.
 fn outcome(line: &str) -> Result<Outcome> {
     let mut words = line.split(' ');
-    let mut word = || words.next().with_context(|| format!("`{line}` is too short"));
+    let mut word = || words.next().with_context(|| format!("the answer the answer `{line}` is too short"));
     let ticks: u64 = word()?.parse()?;
     let _code = word()?;
     let is_valid = word()? == "1";

@@ -1,34 +1,35 @@
-//! The peers' sources: fetched in one known version each, checked, and unpacked below `target`.
+//! Sources of the peers: fetched in one known version each, checked, and unpacked below `target`.
 //!
-//! | peer | version | from | held to |
+//! | peer | version | source | check |
 //! |---|---|---|---|
 //! | libswiftnav | as in the crate swiftnav-sys 0.10.0 | crates.io, by cargo | the archive's SHA-256, which cargo checks against its lock |
 //! | RTKLIB | 2.4.3 b34 | Debian's mirror, by Python | the archive's SHA-256 |
 //!
-//! libswiftnav is under the LGPL 3, RTKLIB under a BSD licence of two clauses. Nothing of either is built into what ships.
+//! libswiftnav is under the LGPL 3, RTKLIB under a BSD licence of two clauses. Nothing of either is
+//! part of the shipped product.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use anyhow::{Context, Result, ensure};
 
-/// The crate that brings libswiftnav, and the SHA-256 of its archive.
+/// Crate that contains libswiftnav: name, version and SHA-256 of its archive.
 const CRATE: [&str; 3] =
     ["swiftnav-sys", "0.10.0", "662d1a118ea189778e8d4be89c00389a8637daed9953d16fa2597adae8b1dce4"];
 
-/// RTKLIB's archive, its SHA-256, and what is taken from it.
+/// Archive of RTKLIB, its SHA-256, and the files taken from it.
 const RTKLIB: [&str; 2] = [
     "http://deb.debian.org/debian/pool/main/r/rtklib/rtklib_2.4.3.b34+dfsg.orig.tar.xz",
     "81ad284ea51724dd562c5b9b60941bc9dc64733ab9c8f27ee29cfd056c11895a",
 ];
 const RTKLIB_FILES: [&str; 3] = ["src/rtklib.h", "src/rtkcmn.c", "src/pntpos.c"];
 
-/// Where the sources lie.
+/// Folders of the sources.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Sources {
-    /// The folder with `src` and `include`.
+    /// Folder with `src` and `include`.
     pub libswiftnav: PathBuf,
-    /// The folder with [`RTKLIB_FILES`] in their folder.
+    /// Folder with [`RTKLIB_FILES`] in their folder.
     pub rtklib: PathBuf,
 }
 
@@ -38,16 +39,16 @@ impl Sources {
         Self { libswiftnav: folder.join("libswiftnav"), rtklib: folder.join("rtklib") }
     }
 
-    /// Those that were fetched before.
+    /// Returns the sources if they were fetched before.
     pub fn at_hand() -> Option<Self> {
         let places = Self::places();
         (places.has_libswiftnav() && places.has_rtklib()).then_some(places)
     }
 
-    /// Fetches what is not there; says what it is at.
+    /// Fetches missing sources, and reports its progress.
     ///
     /// # Errors
-    /// Where a package index cannot be reached, or what comes is not what is known.
+    /// If a package index cannot be reached, or an archive differs from the known one.
     pub fn fetch(mut progress: impl FnMut(&str)) -> Result<Self> {
         let places = Self::places();
         std::fs::create_dir_all(folder())?;
@@ -59,7 +60,7 @@ impl Sources {
             progress("RTKLIB from Debian, 32 MB");
             fetch_rtklib(&places.rtklib)?;
         }
-        Self::at_hand().context("the peers' sources were fetched, and files of them are missing")
+        Self::at_hand().context("files of the peers' sources are missing after fetching")
     }
 
     fn has_libswiftnav(&self) -> bool {
@@ -79,7 +80,7 @@ fn folder() -> PathBuf {
     root().join("target/peers")
 }
 
-/// Has cargo fetch the crate for a package of nothing, and copies what it holds of libswiftnav.
+/// Lets cargo fetch the crate for an empty package, and copies its part of libswiftnav.
 fn fetch_libswiftnav(to: &Path) -> Result<()> {
     let [name, version, sha256] = CRATE;
     let asking = folder().join("asking");
@@ -91,18 +92,21 @@ fn fetch_libswiftnav(to: &Path) -> Result<()> {
     std::fs::write(asking.join("src/lib.rs"), "")?;
     let package = package(&asking)?;
     let lock = std::fs::read_to_string(asking.join("Cargo.lock"))?;
-    ensure!(lock.contains(&format!("checksum = \"{sha256}\"")), "crates.io has another {name} {version}");
-    // The mark of a complete copy is the name.
+    ensure!(
+        lock.contains(&format!("checksum = \"{sha256}\"")),
+        "the SHA-256 of {name} {version} on crates.io differs from the known one"
+    );
+    // The final name marks a complete copy.
     let fresh = to.with_extension("fresh");
     copy(&package.join("src/libswiftnav"), &fresh)?;
-    std::fs::rename(fresh, to).context("libswiftnav cannot be put in its place")
+    std::fs::rename(fresh, to).context("the copy of libswiftnav cannot be renamed")
 }
 
-/// Where cargo has unpacked the crate.
+/// Returns the folder into which cargo has unpacked the crate.
 fn package(asking: &Path) -> Result<PathBuf> {
     let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     cargo.current_dir(root()).args(["metadata", "--quiet", "--format-version", "1"]);
-    // One target's packages are enough: none is compiled.
+    // One target is enough, because nothing is compiled.
     cargo.args(["--filter-platform", crate::setup::TARGETS[0], "--manifest-path"]);
     cargo.arg(asking.join("Cargo.toml"));
     let said = crate::capi::run(&mut cargo).context("cargo cannot fetch libswiftnav")?;
@@ -111,10 +115,10 @@ fn package(asking: &Path) -> Result<PathBuf> {
     let package = packages.iter().find(|package| package["name"] == CRATE[0]);
     let manifest = package.and_then(|package| package["manifest_path"].as_str());
     let manifest = Path::new(manifest.context("cargo does not name the crate")?);
-    Ok(manifest.parent().context("a manifest lies in a folder")?.to_owned())
+    Ok(manifest.parent().context("the manifest has no folder")?.to_owned())
 }
 
-/// Copies the two folders that are compiled.
+/// Copies the two folders to compile.
 fn copy(from: &Path, to: &Path) -> Result<()> {
     let _ = std::fs::remove_dir_all(to);
     for folder in ["src", "include/swiftnav"] {
@@ -138,7 +142,7 @@ fn fetch_rtklib(to: &Path) -> Result<()> {
         .args([&archive, to])
         .args(RTKLIB_FILES)
         .status()
-        .context("RTKLIB is fetched by python3: install it")?;
+        .context("python3, which fetches RTKLIB, is missing: install it")?;
     ensure!(
         status.success(),
         "RTKLIB could not be fetched: {address}, as any mirror or snapshot.debian.org has it, may also be put at {}",

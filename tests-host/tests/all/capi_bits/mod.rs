@@ -1,6 +1,7 @@
-//! Calls from C give the bits that Rust gives: on the host in C99 and C++17, sanitised, and on both emulated boards.
+//! Calls from C give the bits of Rust: on the host in C99 and C++17, sanitised, and on both
+//! emulated boards.
 //!
-//! The same session is held in Rust, without the C interface; what it gives is laid out here by what the header says.
+//! The same session runs in Rust, without the C interface; its results are laid out by the header.
 
 mod session;
 
@@ -12,7 +13,8 @@ use tests_host::capi::program::{ARM, Language, SANITISED, classic_on_board, on_b
 use tests_host::capi::run;
 use tests_host::{board, capture, shared, skip};
 
-/// What a call needs of the stack, bytes: as the library's documentation states it, and no more than a task of 8 KiB has.
+/// Largest stack of a call, bytes: as the library's documentation states it, and no more than a
+/// task of 8 KiB has.
 const STACK_BYTES: [(&str, u32); 7] = [
     ("rai_monitor_init", 4 * 1024),
     ("rai_monitor_forget", 128),
@@ -37,7 +39,7 @@ const STRATEGIES: [[u8; 4]; 10] = [
     [1, 0, 2, 1],
 ];
 
-/// Skies of every size and number of faults under every strategy.
+/// Judges skies of every size and number of faults under every strategy.
 fn monitored(session: &mut Session) {
     for strategy in STRATEGIES {
         session.prepare(strategy);
@@ -50,7 +52,7 @@ fn monitored(session: &mut Session) {
     }
 }
 
-/// A receiver's first epochs, commands between them, and a silence.
+/// Sends a receiver's first epochs, commands between them, and a silence.
 fn received(session: &mut Session) {
     let stream = Stream::with(8, 40, Wrong { faults: 3, scale: 1.0, from_s: 3.0 }).expect("a stream");
     session.start();
@@ -118,7 +120,7 @@ fn calls_of_a_recording_give_the_bits_of_rust() {
     let bytes = capture::read(&path.display().to_string(), f64::INFINITY).expect("a capture");
     let mut session = Session::new();
     session.start();
-    // A line of 115,200 baud brings 1,152 bytes in a tenth of a second.
+    // A line of 115,200 baud carries 1,152 bytes in a tenth of a second.
     for (number, chunk) in (1_u64..).zip(bytes.chunks(1152)).take(1200) {
         session.gnss(number * 100, chunk);
         session.tick(number * 100);
@@ -156,7 +158,7 @@ fn assert_same_on(machine: Machine) {
     }
 }
 
-/// Classic RAIM alone: what a judgement needs of the stack by the satellites that there is room for, bytes.
+/// Classic RAIM alone: largest stack of a judgement, bytes, by the capacity in satellites.
 const CLASSIC_STACK_BYTES: [(u8, u32); 3] = [(16, 5 * 1024), (32, 6 * 1024), (48, 7 * 1024)];
 
 #[test]
@@ -186,7 +188,7 @@ fn the_smallest_library_gives_the_bits_of_rust() {
     }
 }
 
-/// Of each function the call that went deepest.
+/// Returns the deepest stack of each function.
 fn deepest(answers: &[Answer]) -> std::collections::BTreeMap<&'static str, u32> {
     let mut deepest = std::collections::BTreeMap::new();
     for answer in answers {

@@ -1,4 +1,5 @@
-//! A session held twice: as calls for the C program, and in Rust, whose results are laid out as the header says.
+//! A session run twice: as calls for the C program, and in Rust, whose results are laid out by the
+//! header.
 
 use rai_core::continuity::ContinuitySettings;
 use rai_core::epoch::Epoch;
@@ -14,7 +15,7 @@ use tests_host::capi::{self, calls::Calls};
 use tests_host::pin::Pin;
 use tests_host::sentence;
 
-/// Calls, and what each has to give.
+/// Calls, and the wanted result of each.
 pub(crate) struct Session {
     calls: Calls,
     want: Vec<Vec<u8>>,
@@ -45,12 +46,12 @@ impl Session {
         &self.want
     }
 
-    /// Epochs of the receiver after which the pin was high.
+    /// Returns the number of the receiver's epochs after which the pin was high.
     pub(crate) fn protected(&self) -> usize {
         self.protected
     }
 
-    /// A constant of the header.
+    /// Returns a constant of the header.
     fn constant(&self, name: &str) -> u8 {
         let line = self.header.lines().find_map(|line| line.strip_prefix(&format!("#define {name} ")));
         line.and_then(|value| value.parse().ok()).unwrap_or_else(|| panic!("the header has no {name}"))
@@ -64,7 +65,8 @@ impl Session {
             2 => Requirements::non_precision_approach(),
             _ => Requirements::lpv200(),
         };
-        // The C interface asks for the time to alert and the guard fraction of non-precision approach in any phase.
+        // The C interface uses the time to alert and the guard fraction of non-precision approach
+        // in any phase.
         let base = Requirements::non_precision_approach();
         let asked = Requirements { time_to_alert_s: base.time_to_alert_s, ..requirements };
         let mut monitor = Monitor::new(asked).expect("in the tables");
@@ -172,7 +174,7 @@ impl Session {
         (self.constant(&format!("RAI_STATE_{state}")), reason)
     }
 
-    /// `rai_verdict_t` as the header has it.
+    /// Returns `rai_verdict_t` as the header defines it.
     fn of_report(&self, report: &Report<CAPACITY>) -> Vec<u8> {
         let (state, reason) = self.state_and_reason(report.verdict);
         let mut bytes = 168_u32.to_le_bytes().to_vec();
@@ -201,7 +203,7 @@ fn doubles<const K: usize>(numbers: [f64; K]) -> impl Iterator<Item = u8> {
     numbers.into_iter().flat_map(f64::to_le_bytes)
 }
 
-/// `rai_verdict_t` where there is no position.
+/// Returns `rai_verdict_t` without a position.
 fn without_position(state: u8, reason: u8) -> Vec<u8> {
     let mut bytes = 168_u32.to_le_bytes().to_vec();
     bytes.extend([state, reason, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]);

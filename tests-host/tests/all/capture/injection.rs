@@ -8,10 +8,10 @@ use tests_host::replay::{self, Moment, Summary, Track, Window};
 
 use super::{STREAMS, epochs, first, judged, run, run_with};
 
-/// An instant at which both streams of the test below are long under way, s after the first epoch.
+/// Time at which both streams of the test below are long under way, s after the first epoch.
 const INJECTED_S: (f64, f64) = (100.0, 110.0);
 
-/// Satellites that take part in every epoch: without one of them there is one less.
+/// Returns the satellites that take part in every epoch: without one of them there is one less.
 fn used(bytes: &[u8], quiet: &Track) -> Vec<SatelliteId> {
     let (from, to) = INJECTED_S;
     let many = |track: &Track| -> Vec<u32> {
@@ -77,7 +77,8 @@ fn a_hundred_metres_on_a_satellite_are_found_and_nothing_where_there_is_no_fault
                 }
             }
             println!("{} {format}: {} satellites, not caught {missed:?}", stream.name, satellites.len());
-            // Of a satellite on one band a hundred metres may be within what the ionosphere is; they do not mislead.
+            // For a satellite on one band a hundred metres may be within the sigma of the
+            // ionosphere; they do not mislead.
             assert!(10 * missed.len() < 2 * satellites.len(), "{} {format}: {missed:?}", stream.name);
         }
     }

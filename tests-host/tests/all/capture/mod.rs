@@ -1,5 +1,5 @@
-//! Captures of a receiver through the module: the epochs of an independent program's streams, whatever is wrong with the
-//! file, and faults put into it.
+//! Captures of a receiver through the module: the epochs of an independent program's streams, with
+//! any defects of the file, and with injected faults.
 
 mod injection;
 
@@ -24,14 +24,14 @@ use tests_host::replay::pieces::{Kind, pieces};
 use tests_host::replay::{self, Lump, Moment, Pace, Summary, Track, Truth, Window};
 use tests_host::shared;
 
-/// A stream of ../shared/data/ubx, what it was made of, and where the antenna was.
+/// A stream of the reference folder, its sources, and the place of the antenna.
 struct Stream {
     name: &'static str,
     observations: &'static str,
     navigation: &'static [&'static str],
     truth: &'static str,
-    /// The signals that the stream was given, of those that a u-blox receiver measures: system, and bands as RINEX numbers
-    /// them; all where there is none.
+    /// Signals that the stream was given, of those that a u-blox receiver measures: system, and
+    /// bands as RINEX numbers them; empty for all.
     signals: &'static [(char, &'static [u8])],
 }
 
@@ -93,7 +93,7 @@ impl Stream {
         self.navigation.iter().map(|name| path(name)).collect()
     }
 
-    /// What of an epoch the stream was given.
+    /// Returns the part of an epoch that the stream was given.
     fn given(&self, epoch: &MeasuredEpoch) -> MeasuredEpoch {
         let mut given = ubx::measurable(epoch);
         for satellite in &mut given.satellites {
@@ -115,7 +115,7 @@ impl Stream {
     }
 }
 
-/// A capture's epochs through the module as it starts.
+/// Runs a capture's epochs through the module with the settings at start.
 fn judged(bytes: &[u8], faults: &[Fault]) -> Track {
     let capture = Capture::of(bytes.to_vec(), None).unwrap();
     run(&capture.lumps(faults, &Window::ALL).unwrap().lumps, None)
@@ -138,7 +138,7 @@ fn is_protected(moment: &Moment) -> bool {
     moment.output.as_ref().is_some_and(|output| output.state.is_protected())
 }
 
-/// The first epochs of a stream.
+/// Returns the first epochs of a stream.
 fn first(stream: &Stream, epochs: usize) -> Option<Vec<u8>> {
     let bytes = stream.bytes()?;
     let mut left = epochs;
@@ -150,14 +150,15 @@ fn first(stream: &Stream, epochs: usize) -> Option<Vec<u8>> {
     Some(within.flat_map(|piece| piece.bytes).copied().collect())
 }
 
-/// Those of the stream that most is tried on.
+/// Returns the first epochs of the stream that most tests use.
 fn epochs(many: usize) -> Option<Vec<u8>> {
     first(&STREAMS[1], many)
 }
 
 #[test]
 fn streams_are_judged_as_the_recordings_that_they_were_made_of() {
-    /// What the errors may differ: pages come over half a minute, and the module chooses among more bands.
+    /// Largest difference of the errors: pages take half a minute, and the module chooses among
+    /// more bands.
     const RMS: f64 = 0.1;
     for stream in STREAMS {
         let Some(bytes) = stream.bytes() else { return };
@@ -209,7 +210,7 @@ fn streams_are_judged_as_the_recordings_that_they_were_made_of() {
 fn a_capture_that_breaks_off_anywhere_has_the_epochs_before() {
     let Some(bytes) = epochs(12) else { return };
     let whole = judged(&bytes, &[]);
-    // Where each frame of ranges ends.
+    // Ends of the frames of ranges.
     let mut end = 0;
     let ends: Vec<usize> = pieces(&bytes)
         .filter_map(|piece| {
@@ -233,7 +234,7 @@ fn a_capture_that_breaks_off_anywhere_has_the_epochs_before() {
 
 #[test]
 fn noise_between_frames_costs_no_epoch() {
-    /// Beginnings of frames that announce more than comes.
+    /// Beginnings of frames that announce more bytes than follow.
     const FALSE: [&[u8]; 5] = [
         &[0xB5, 0x62, 0x02, 0x15, 0xF0, 0x10],
         &[0xB5, 0x62, 0x01, 0x07, 0xFF, 0x03],
@@ -247,7 +248,8 @@ fn noise_between_frames_costs_no_epoch() {
     for round in 0..8 {
         let mut noisy = Vec::new();
         for piece in pieces(&bytes) {
-            // More of the long ones in a row would not be paid for: the module checks four bytes for each that comes.
+            // More of the long ones in a row would be too expensive: the module checks four bytes
+            // for each received one.
             if random.random_bool(0.02) {
                 noisy.extend_from_slice(FALSE[random.random_range(0..FALSE.len())]);
             }
@@ -289,7 +291,8 @@ fn a_frame_of_ranges_that_is_damaged_costs_its_epoch_and_no_other() {
     }
 }
 
-/// Reads standard input where [`every_way_in_gives_the_same_bytes`] has started it, and says how it has.
+/// Reads standard input if [`every_way_in_gives_the_same_bytes`] has started it, and reports the
+/// result.
 #[test]
 fn standard_input_of_a_child() {
     let Some(path) = std::env::var_os("RAI_CAPTURE_WANT") else { return };
@@ -357,7 +360,7 @@ fn what_no_message_has_room_for_is_refused() {
     let satellite = rtcm.content().satellites()[0];
     for (capture, text, want) in [
         (&rtcm, format!("{satellite}:+1e9@2.."), "has no room"),
-        (&rtcm, "E31:+100@2..".to_owned(), "E31 is never received; there are"),
+        (&rtcm, "E31:+100@2..".to_owned(), "E31 is never received; the satellites are"),
         (&ubx, "G99".to_owned() + ":+1@2..", ""),
     ] {
         let Ok(fault) = Fault::parse_inject(&text) else { continue };
@@ -376,7 +379,7 @@ fn a_part_of_a_capture_is_judged_as_within_the_whole() {
     let whole = run(&capture.lumps(&[], &Window::ALL).unwrap().lumps, None);
     let window = Window { from_s: 50.0, to_s: 100.0, every_s: 7.0 };
     let prepared = capture.lumps(&[], &window).unwrap();
-    // What was said of the ionosphere before the window comes as a command.
+    // The ionosphere coefficients from before the window come as a command.
     let ionosphere = prepared.klobuchar.map(|values| values.map(|value| format!("{value:e}")).join(","));
     let setup: Vec<String> = ionosphere.iter().map(|values| format!("IONO,{values}")).collect();
     let have = run_with(&prepared.lumps, None, &setup);
@@ -387,7 +390,8 @@ fn a_part_of_a_capture_is_judged_as_within_the_whole() {
         let have = moment.output.as_ref().unwrap();
         assert_eq!((&have.state.reason, have.state.used), (&want.state.reason, want.state.used));
         let apart_m = have.position.unwrap().to_ecef().distance_m(want.position.unwrap().to_ecef());
-        // The first fix of the part begins from nowhere, that of the whole from the fix before.
+        // The first fix of the part has no starting point, that of the whole starts from the fix
+        // before.
         assert!(apart_m < 0.1, "{apart_m} m");
     }
 }
@@ -413,7 +417,7 @@ fn ranges_without_orbits_say_what_to_switch_on_and_take_them_from_a_file() {
     let track = run(&capture.lumps(&[], &Window::ALL).unwrap().lumps, None);
     assert!(track.iter().all(is_protected));
 
-    // RTCM says neither the orbits nor the week.
+    // This RTCM carries neither the orbits nor the week.
     let selection = Selection::new("GCE", Frequency::Dual).unwrap();
     let window = Window { to_s: 20.0, ..Window::ALL };
     let recorded = replay::encode(&stream.recording(), &selection, &[], &window).unwrap();

@@ -1,8 +1,8 @@
-//! Orbits and clocks that cannot be, must not be used, or change.
+//! Orbits and clocks that are impossible, must not be used, or change.
 //!
-//! The messages have no numbers for an eccentricity of 1 or for a NaN: the field of the eccentricity ends below 0.5,
-//! and integers are all there is. `rai-firmware/tests/all/ephemeris.rs` holds the check behind the messages to those;
-//! here the nearest that a message can say is sent.
+//! The messages have no numbers for an eccentricity of 1 or for a NaN: the field of the
+//! eccentricity ends below 0.5, and all fields are integers. `rai-firmware/tests/all/ephemeris.rs`
+//! tests the check behind the messages with those; here the nearest possible values are sent.
 
 use rand::{RngCore, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -13,16 +13,16 @@ use tests_host::checksum::rtcm_frame;
 use super::frames::{changed, claiming, gps, is_ephemeris, only};
 use super::module::{Module, Sky};
 
-/// The highest number of a 32 bit field in units of 2⁻³³.
+/// Highest number of a 32-bit field in units of 2⁻³³.
 const HIGHEST_ECCENTRICITY: f64 = 4_294_967_295.0 / 8_589_934_592.0;
 
-/// The highest of them that is let in.
+/// Highest of them that is accepted.
 const ECCENTRICITY_LET_IN: f64 = 1_717_986_918.0 / 8_589_934_592.0;
 
 type ChangeGps = fn(&mut Msg1019T);
 type ChangeBeidou = fn(&mut Msg1042T);
 
-/// All ephemerides of a lump, changed.
+/// Returns all ephemerides of a lump, changed.
 fn spoiled(lump: &[u8], of_gps: ChangeGps, of_beidou: ChangeBeidou) -> Vec<u8> {
     changed(&only(lump, is_ephemeris), |message| match message {
         Message::Msg1019(gps) => of_gps(gps),
@@ -31,7 +31,7 @@ fn spoiled(lump: &[u8], of_gps: ChangeGps, of_beidou: ChangeBeidou) -> Vec<u8> {
     })
 }
 
-/// The ephemeris of the first GPS satellite in sight, changed.
+/// Returns the ephemeris of the first GPS satellite in view, changed.
 fn of_one(sky: &Sky, change: impl Fn(&mut Msg1019T)) -> Vec<u8> {
     let seen = gps(&sky.lumps[0]).data_segment.satellite_data[0].satellite_id;
     let mine = |message: &Message| matches!(message, Message::Msg1019(gps) if gps.gps_satellite_id == seen);
@@ -77,7 +77,7 @@ fn the_highest_eccentricity_that_is_let_in_is_found_out_by_the_set_before_it() {
     let healthy = Module::after(&sky, 3).hear(&sky.lumps[3]);
     assert_eq!(only.state.used + 1, healthy[0].state.used, "{only:?}");
     assert_eq!((module.grown("ephemerides_disputed"), module.grown("ephemeris_disputed")), (1, 1));
-    // All of them: every satellite is contradicted.
+    // All are changed, so that every satellite is contradicted.
     module.hear(&spoiled(
         &sky.lumps[0],
         |m| m.eccentricity = ECCENTRICITY_LET_IN,
@@ -133,7 +133,8 @@ fn a_sky_that_stays_unhealthy_is_unavailable_and_never_stale() {
     let sky = Sky::quiet(30);
     let mut module = Module::after(&sky, 3);
     module.hear(&spoiled(&sky.lumps[0], |m| m.sv_health_ind = 63, |m| m.sv_health_flag = 1));
-    // Each epoch is one answer, and no other between them, though the time to alert passes twice.
+    // Each epoch has one answer, and there is no other between them, although the time to alert
+    // passes twice.
     sky.lumps[3..].iter().for_each(|lump| module.has_no_fix(lump));
     assert_eq!(module.grown("line_stale"), 0);
     assert_eq!(module.silence(11_000).len(), 1, "but silence is");
@@ -156,7 +157,7 @@ fn ephemerides_of_hours_ago_are_no_fix_until_new_ones_come() {
     assert!(module.grown("ephemeris_stale") > 10);
     module.hear(&only(&later.lumps[0], is_ephemeris));
     module.recovers(&later.lumps[1]);
-    // And the old ones once more do not come back into use.
+    // The old ones do not return to use when they are repeated.
     module.note();
     module.hear(&only_ephemerides(&before));
     assert!(module.grown("ephemerides_kept") > 40);

@@ -1,4 +1,5 @@
-//! A host that reads too slowly: it misses sentences, gets no half of one, and the pin does not suffer.
+//! A host that reads too slowly: it misses whole sentences, never half of one, and the pin is not
+//! affected.
 
 use std::cell::{Cell, RefCell};
 
@@ -11,7 +12,7 @@ use tests_host::sentence::{self, Sentence};
 
 use super::module::Sky;
 
-/// A wire that takes so many bytes a millisecond out of the ring, and keeps them.
+/// A wire that takes this many bytes a millisecond out of the ring, and keeps them.
 struct Wire<'r> {
     ring: &'r Ring<4096>,
     bytes_per_ms: Cell<usize>,
@@ -29,7 +30,7 @@ impl Wire<'_> {
     }
 }
 
-/// What was read, each sentence of it sound, by kind: verdicts and all.
+/// Counts the sentences read, after a check that each is valid: verdicts, and all.
 fn verdicts(taken: &[u8]) -> (usize, usize) {
     let text = std::str::from_utf8(taken).expect("sentences are ASCII");
     let read: Vec<Sentence> =
@@ -48,7 +49,7 @@ fn a_starved_host_misses_whole_sentences_and_the_pin_does_not_suffer() {
     let mut receiver = Receiver::new(Pin::default(), boot).unwrap();
     let mut outlet = Outlet::new(&ring, || ());
     for (turn, lump) in sky.lumps.iter().enumerate() {
-        // 115200 baud are 11 bytes a millisecond; a host that is busy with something else takes none.
+        // 115200 baud are 11 bytes a millisecond; a busy host takes none.
         wire.bytes_per_ms.set(if STARVED.contains(&turn) { 0 } else { 11 });
         receiver.gnss(lump, wire.now_ms.get(), &mut outlet);
         assert!(receiver.pin().high, "epoch {turn} is healthy, whoever listens");
@@ -58,7 +59,7 @@ fn a_starved_host_misses_whole_sentences_and_the_pin_does_not_suffer() {
     }
     let (verdicts, sentences) = verdicts(&wire.taken.borrow());
     assert!(ring.dropped() > 0 && verdicts < sky.lumps.len(), "{} bytes dropped", ring.dropped());
-    // The ring holds some epochs of the famine; what came before and after is whole.
+    // The ring holds some epochs of the starvation; those before and after it are complete.
     assert!(verdicts >= sky.lumps.len() - STARVED.len(), "{verdicts} verdicts in {sentences} sentences");
     assert!(ring.high_water() > 4096 - MAX_LENGTH, "the ring was full: {}", ring.high_water());
 }

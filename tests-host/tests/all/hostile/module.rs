@@ -1,4 +1,4 @@
-//! The module in process, under a sky that is known.
+//! The module in process, under a known sky.
 
 use std::collections::BTreeMap;
 
@@ -9,20 +9,21 @@ use tests_host::sentence::{self, EpochOutput};
 use tests_host::sky::Site;
 use tests_host::sky::raw::Simulation;
 
-/// A pause after each burst, in which a receiver would be silent, ms.
+/// Pause after each burst, in which a receiver would be silent, ms.
 const PAUSE_MS: u64 = 600;
 
-/// Largest error of a healthy epoch, m: five sigma of the ionosphere-free noise at the poorest geometry used here.
+/// Largest error of a healthy epoch, m: five sigma of the ionosphere-free noise at the poorest
+/// geometry used here.
 const HEALTHY_M: f64 = 15.0;
 
-/// The bytes of each epoch of a simulated sky.
+/// Bytes of each epoch of a simulated sky.
 pub(crate) struct Sky {
     pub(crate) site: Site,
     pub(crate) lumps: Vec<Vec<u8>>,
 }
 
 impl Sky {
-    /// GPS and `BeiDou` from `start_s` on, one epoch a second.
+    /// Returns GPS and `BeiDou` from `start_s` on, one epoch a second.
     pub(crate) fn from(start_s: f64, epochs: u32) -> Self {
         let simulation = Simulation::above_xian(start_s, epochs, 11);
         let recording = simulation.record();
@@ -32,13 +33,14 @@ impl Sky {
         Self { site: simulation.site, lumps }
     }
 
-    /// In the middle between two changes of the ephemerides, so that the first epoch alone brings any.
+    /// Returns a sky halfway between two changes of the ephemerides, so that only the first epoch
+    /// has any.
     pub(crate) fn quiet(epochs: u32) -> Self {
         Self::from(3600.0, epochs)
     }
 }
 
-/// The module, and what its counters stood at.
+/// The module, with a copy of its counters.
 pub(crate) struct Module {
     pub(crate) receiver: Receiver<Pin>,
     site: Site,
@@ -47,14 +49,14 @@ pub(crate) struct Module {
 }
 
 impl Module {
-    /// A module that has heard nothing.
+    /// Returns a module without input so far.
     pub(crate) fn new(sky: &Sky) -> Self {
         let boot = Boot::on_host("hostile");
         let receiver = Receiver::new(Pin::default(), boot).unwrap();
         Self { receiver, site: sky.site, now_ms: 0, noted: BTreeMap::new() }
     }
 
-    /// A module that has had the first `epochs` of the sky.
+    /// Returns a module that has received the first `epochs` of the sky.
     pub(crate) fn after(sky: &Sky, epochs: usize) -> Self {
         let mut module = Self::new(sky);
         sky.lumps.iter().take(epochs).for_each(|lump| module.recovers(lump));
@@ -62,18 +64,18 @@ impl Module {
         module
     }
 
-    /// Remembers the counters.
+    /// Stores the counters.
     pub(crate) fn note(&mut self) {
         self.noted = self.receiver.statistics().collect();
     }
 
-    /// How much a counter has grown since [`Self::note`].
+    /// Returns the growth of a counter since [`Self::note`].
     pub(crate) fn grown(&self, name: &str) -> u32 {
         let (_, now) = self.receiver.statistics().find(|(counter, _)| *counter == name).expect(name);
         now - self.noted.get(name).copied().unwrap_or(0)
     }
 
-    /// Which second of the sky it is by the module's clock, if one began with the other.
+    /// Returns the second of the sky by the module's clock, if both began together.
     pub(crate) fn second(&self) -> usize {
         (self.now_ms / 1000) as usize
     }
@@ -82,7 +84,7 @@ impl Module {
         self.receiver.pin().high
     }
 
-    /// Sends a second's bytes and a pause; gives what was said, each word of it checked.
+    /// Sends a second's bytes and a pause; returns the output after a check.
     pub(crate) fn hear(&mut self, bytes: &[u8]) -> Vec<EpochOutput> {
         let mut said = Vec::new();
         self.receiver.gnss(bytes, self.now_ms, &mut said);
@@ -91,7 +93,7 @@ impl Module {
         self.checked(said)
     }
 
-    /// Lets the line be silent; gives what was said.
+    /// Keeps the line silent; returns the output.
     pub(crate) fn silence(&mut self, for_ms: u64) -> Vec<EpochOutput> {
         let mut said = Vec::new();
         let end_ms = self.now_ms + for_ms;
@@ -102,7 +104,7 @@ impl Module {
         self.checked(said)
     }
 
-    /// What must hold of everything that is ever said.
+    /// Checks the invariants of any output.
     fn checked(&self, said: Vec<u8>) -> Vec<EpochOutput> {
         let text = String::from_utf8(said).expect("sentences are ASCII");
         let small = text.to_lowercase();
@@ -118,14 +120,14 @@ impl Module {
         outputs
     }
 
-    /// Horizontal error, m; infinite without a position.
+    /// Returns the horizontal error, m; infinite without a position.
     fn error_m(&self, output: &EpochOutput) -> f64 {
         output.position.map_or(f64::INFINITY, |position| {
             self.site.frame.rotate(position.to_ecef() - self.site.position).horizontal()
         })
     }
 
-    /// Sends a healthy epoch: it is protected, with all satellites, and right.
+    /// Sends a healthy epoch and checks that it is protected, with all satellites, and right.
     pub(crate) fn recovers(&mut self, lump: &[u8]) {
         let said = self.hear(lump);
         let last = said.last().expect("an epoch is answered");
@@ -134,7 +136,7 @@ impl Module {
         assert!(self.pin_is_high());
     }
 
-    /// Sends an epoch in which nothing can be used: there is no position, and the pin is low.
+    /// Sends an unusable epoch and checks that there is no position, and that the pin is low.
     pub(crate) fn has_no_fix(&mut self, lump: &[u8]) {
         let said = self.hear(lump);
         let [only] = said.as_slice() else { panic!("one epoch is one answer: {said:?}") };

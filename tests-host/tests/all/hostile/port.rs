@@ -1,4 +1,4 @@
-//! A line that falls silent, and a host that sends nonsense.
+//! A line that falls silent, and a host that sends invalid commands.
 
 use super::frames::frames;
 use super::module::{Module, Sky};
@@ -68,7 +68,7 @@ fn a_bad_command_is_refused_with_the_reason_and_changes_nothing() {
     }
 }
 
-/// A sky whose sixth lump comes half a minute after its fifth.
+/// Returns a sky whose sixth lump comes half a minute after its fifth.
 fn sky_with_a_gap() -> Sky {
     let mut sky = Sky::quiet(40);
     sky.lumps.drain(5..35);

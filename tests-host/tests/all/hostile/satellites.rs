@@ -1,7 +1,8 @@
-//! Satellites and ranges that cannot be.
+//! Impossible satellites and ranges.
 //!
-//! The messages have no numbers for a range below −292 m or above 76,356 km, so the nearest that they have stand for
-//! negative ranges and for 1e12 m; what a recording holds beyond is counted when it is encoded.
+//! The messages have no numbers for a range below −292 m or above 76,356 km, so the nearest values
+//! represent negative ranges and 1e12 m. Values of a recording beyond these are counted when it is
+//! encoded.
 
 use rai_core::satellite::{Constellation, SatelliteId};
 use rtcm_rs::Message;
@@ -18,14 +19,14 @@ use super::module::{Module, Sky};
 struct Split(Option<u8>, f64, Option<f64>);
 
 const ZERO: Split = Split(Some(0), 0.0, Some(0.0));
-/// All the fine part can take off: −292 m.
+/// Most that the fine part can subtract: −292 m.
 const NEGATIVE: Split = Split(Some(0), 0.0, Some(-524_287.0 / 536_870_912.0));
-/// All that the rough and the fine part can hold: 76,447 km.
+/// Most that the rough and the fine part can hold: 76,447 km.
 const LONGEST: Split = Split(Some(254), 1023.0 / 1024.0, Some(524_287.0 / 536_870_912.0));
-/// What a receiver sends when it has no range.
+/// Value that a receiver sends without a range.
 const NONE: Split = Split(None, 0.0, None);
 
-/// Gives the ranges of the satellites that are `meant` another value.
+/// Replaces the ranges of the satellites that are `meant`.
 fn spoil(message: &mut Message, split: Split, meant: impl Fn(usize) -> bool) {
     macro_rules! spoil {
         ($data:expr) => {{
@@ -64,7 +65,7 @@ fn ranges_that_no_satellite_can_have_are_counted_and_left_out() {
     ];
     for ((split, counter), lumps) in cases.into_iter().zip(sky.lumps[3..].chunks_exact(4)) {
         module.note();
-        // One satellite of each system: the others are enough.
+        // One satellite of each system is spoiled; the others suffice.
         module.recovers(&changed(&lumps[0], |message| spoil(message, split, |index| index == 0)));
         assert_eq!(module.grown(counter), 4, "two signals of one satellite in each system");
         module.has_no_fix(&changed(&lumps[1], |message| spoil(message, split, |_| true)));
@@ -72,9 +73,10 @@ fn ranges_that_no_satellite_can_have_are_counted_and_left_out() {
     }
 }
 
-/// A message of GPS that comes before others of its epoch, with one satellite's range 3,000 m too long.
+/// Returns a GPS message that comes before others of its epoch, with one satellite's range 3,000 m
+/// too long.
 fn lying(mut message: Msg1077T) -> (Vec<u8>, SatelliteId) {
-    /// 3 km of light, in whole steps of the rough range.
+    /// Light time of 3 km, in whole steps of the rough range, ms.
     const LONGER_MS: f64 = 10.0 / 1024.0;
     message.msm_multiple_message_flag = 1;
     let satellite = message
@@ -114,7 +116,7 @@ fn where_the_first_of_two_with_one_id_lies_it_is_excluded_by_name() {
     module.recovers(&sky.lumps[4]);
 }
 
-/// A range of 22,000 km for a satellite that is not there, ms: 73 and 396/1024.
+/// Returns a range of 22,000 km for an absent satellite, ms: 73 and 396/1024.
 fn ghost(satellite_id: u8) -> Msm57Sat {
     Msm57Sat {
         satellite_id,
@@ -124,7 +126,7 @@ fn ghost(satellite_id: u8) -> Msm57Sat {
     }
 }
 
-/// A message that names all 64 satellites of its mask.
+/// Builds a message that names all 64 satellites of its mask.
 macro_rules! crowd {
     ($message:ident, $template:expr, $signal:ident, $id:expr) => {{
         let mut message = $template;
@@ -161,7 +163,8 @@ fn crowd_of_galileo(gal_epoch_time_ms: u32) -> Vec<u8> {
 fn sixty_four_satellites_that_are_not_there_fill_the_epoch_and_move_nothing() {
     let sky = Sky::quiet(8);
     let mut module = Module::after(&sky, 3);
-    // Behind the true ranges of GPS: the mask has numbers up to 64, GPS has 32 satellites, Galileo 36, BeiDou 63.
+    // They follow the true ranges of GPS. The mask has numbers up to 64; GPS has 32 satellites,
+    // Galileo 36, BeiDou 63.
     let true_gps = gps(&sky.lumps[3]);
     let (tow_ms, true_beidou) = (true_gps.gps_epoch_time_ms, beidou(&sky.lumps[3]));
     let seen = (true_gps.data_segment.satellite_data.len(), true_beidou.data_segment.satellite_data.len());
@@ -176,7 +179,8 @@ fn sixty_four_satellites_that_are_not_there_fill_the_epoch_and_move_nothing() {
     assert_eq!(said.len(), 1, "{said:?}");
     assert_eq!(module.grown("satellites_unknown"), 32 + 28 + 1);
     assert_eq!(module.grown("satellites_duplicate") as usize, seen.0);
-    // 32 of GPS and 32 of Galileo are 64; 4 of Galileo, 63 of BeiDou and both signals of those in sight are beyond.
+    // 32 of GPS and 32 of Galileo are 64; 4 of Galileo, 63 of BeiDou and both signals of those in
+    // view exceed it.
     assert_eq!(module.grown("satellites_surplus") as usize, 4 + 63 + 2 * seen.1);
     assert_eq!(
         module.grown("ephemeris_missing"),
@@ -194,7 +198,7 @@ fn a_crowd_before_the_true_ranges_does_not_raise_the_pin() {
     module.hear(&[lies.concat(), sky.lumps[3].clone()].concat());
     assert!(!module.pin_is_high());
     assert!(module.grown("satellites_duplicate") > 0 && module.grown("satellites_surplus") > 0);
-    // It was an alert: the satellites have to agree for three seconds.
+    // It was an alert, so the satellites must agree for three seconds.
     for lump in &sky.lumps[4..7] {
         module.hear(lump);
         assert!(!module.pin_is_high());

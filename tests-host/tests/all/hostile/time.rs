@@ -1,4 +1,4 @@
-//! Time that does not simply go on.
+//! Leaps of time, and the roll-over of the week.
 
 use super::module::{Module, Sky};
 

@@ -1,4 +1,4 @@
-//! Bytes and frames that are none.
+//! Invalid bytes and frames.
 
 use rand::{RngCore, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -64,7 +64,7 @@ fn a_frame_cut_anywhere_costs_its_epoch_only() {
 fn a_cut_frame_does_not_swallow_the_next_epoch() {
     let sky = Sky::quiet(5);
     let mut module = Module::after(&sky, 3);
-    // No pause between: the length that the cut frame announces reaches into the good ones.
+    // Without a pause the length that the cut frame announces reaches into the good ones.
     let half = sky.lumps[3].len() / 2;
     module.recovers(&[&sky.lumps[3][..half], &sky.lumps[4]].concat());
     assert_eq!(module.grown("crc_failures") + module.grown("frames_cut"), 1);
@@ -82,7 +82,7 @@ fn the_longest_frame_is_read_through_whatever_it_claims_to_be() {
         (1019, 0xFF, "ephemerides_invalid"),
         (1042, 0xFF, "ephemerides_invalid"),
         (1046, 0xFF, "ephemerides_invalid"),
-        // Nobody has said how far the time of GLONASS is from that of GPS.
+        // The offset of GLONASS time from GPS time is unknown.
         (1087, 0x00, "leap_unknown"),
         (1107, 0x00, "observations_other"),
         (1005, 0x00, "positions_invalid"),

@@ -1,4 +1,5 @@
-//! Recordings: what the readers make of real and of awkward RINEX, and what the wire makes of it.
+//! Recordings: the result of the readers for real and for awkward RINEX, and of the encoders for
+//! the wire.
 #![allow(missing_docs, clippy::inconsistent_digit_grouping)]
 
 mod flaws;
@@ -46,7 +47,7 @@ impl Files {
     }
 }
 
-/// A recording from texts, by way of files.
+/// Reads a recording from texts, through files.
 fn read(observations: &str, navigation: &str) -> anyhow::Result<Recording> {
     let folder = tempfile::tempdir()?;
     let paths = [folder.path().join("made.obs"), folder.path().join("made.nav")];
@@ -55,7 +56,7 @@ fn read(observations: &str, navigation: &str) -> anyhow::Result<Recording> {
     Recording::load(&paths[..1], &paths[1..])
 }
 
-/// The lumps of a recording, one per epoch, as a receiver would send them.
+/// Returns the lumps of a recording, one per epoch, as a receiver would send them.
 fn lumps(recording: &Recording, selection: Selection) -> Vec<Vec<u8>> {
     let mut encoder = Encoder::new(&recording.ephemerides, selection);
     let lumps = recording.epochs.iter().map(|epoch| encoder.epoch(epoch).unwrap()).collect();

@@ -1,4 +1,4 @@
-//! What readers meet in the wild, each in an input as small as it can be.
+//! Quirks of real files, each in the smallest possible input.
 
 use rai_core::satellite::{Constellation, SatelliteId};
 use rai_firmware::time::GpsTime;
@@ -7,8 +7,9 @@ use tests_host::measurement::{MeasuredEpoch, MeasuredSatellite};
 
 use super::read;
 
-/// RINEX 3.02: B1I is `C1I`, a satellite's number has a blank, time tags are off the second, trailing blanks are
-/// cut, the header claims GPS only, names a system that nobody uses here, and a comment is not ASCII.
+/// RINEX 3.02: B1I is `C1I`, a satellite's number has a blank, time tags are off the second,
+/// trailing blanks are cut, the header claims GPS only, names a system unused here, and a comment
+/// is not ASCII.
 pub(crate) const OBSERVATIONS_3: &str =
     "     3.02           OBSERVATION DATA    G                   RINEX VERSION / TYPE
 B\u{f8}rge's receiver                                            COMMENT
@@ -71,7 +72,7 @@ fn id(name: &str) -> SatelliteId {
     SatelliteId::new(constellation, name[1..].parse().unwrap()).unwrap()
 }
 
-/// The pseudoranges of a satellite as RINEX 3.05 codes with metres.
+/// Returns the pseudoranges of a satellite as RINEX 3.05 codes, m.
 fn codes(satellite: &MeasuredSatellite) -> Vec<(String, f64)> {
     let code =
         |signal: &tests_host::measurement::MeasuredSignal| format!("C{}{}", signal.band, signal.attribute);
@@ -98,7 +99,7 @@ fn b1c_of_version_304_stays_band_1() {
     let newer = OBSERVATIONS_3.replacen("3.02", "3.04", 1).replace("C7I C1X", "C2I C1X");
     let recording = read(&newer, NAVIGATION_3).unwrap();
     let have = codes(satellite(&recording.epochs[0], "C05"));
-    // C1I exists in 3.02 only; whoever writes it later means B1I.
+    // C1I exists in 3.02 only; in later versions it means B1I.
     assert_eq!(have, named(&[("C2I", 41654777.792), ("C1X", 41654770.001)]));
 }
 
@@ -202,8 +203,8 @@ fn version_2_names_more_satellites_than_a_line_holds() {
 
 #[test]
 fn compact_version_1_equals_the_text_it_was_made_of() {
-    // Made by the reference implementation, RNX2CRX 4.1.0: arcs that end and begin again, a satellite that leaves
-    // and returns, an event, and 13 satellites.
+    // Made by the reference implementation, RNX2CRX 4.1.0: arcs that end and begin again, a
+    // satellite that leaves and returns, an event, and 13 satellites.
     let have = read(include_str!("compact.crx"), NAVIGATION_2).unwrap();
     let want = read(include_str!("compact.obs"), NAVIGATION_2).unwrap();
     assert_eq!(have.epochs, want.epochs);

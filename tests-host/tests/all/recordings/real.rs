@@ -30,7 +30,7 @@ fn tally(recording: &Recording, letters: &str) -> Tally {
 
 #[test]
 fn real_recordings_hold_what_an_independent_reader_counts() {
-    // Counted by a script over the plain text that the reference implementation of crx2rnx (4.1.0) makes.
+    // Counted by a script over the plain text of the reference implementation of crx2rnx (4.1.0).
     let want = [
         (
             ESBC,

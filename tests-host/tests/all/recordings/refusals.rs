@@ -1,4 +1,4 @@
-//! Input that is refused, and whether the refusal says what, where and what to do.
+//! Refused input: each error names the defect, the place and the remedy.
 
 use std::io::Write as _;
 use std::path::Path;
@@ -10,7 +10,7 @@ use tests_host::recording::Recording;
 use super::quirks::{NAVIGATION_3, OBSERVATIONS_3};
 use super::read;
 
-/// The one line that a person sees.
+/// Returns the line that a user sees.
 pub(crate) fn refusal<T>(result: anyhow::Result<T>) -> String {
     format!("{:#}", result.err().expect("refused"))
 }

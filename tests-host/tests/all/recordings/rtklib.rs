@@ -10,8 +10,8 @@ use tests_host::recording::{Recording, readable};
 
 use super::{ESBC, STATIC1HZ, lumps};
 
-/// The horizontal and vertical distance of RTKLIB's mean single-point position from the truth, m, and how many
-/// epochs it solved.
+/// Returns the horizontal and vertical distance of RTKLIB's mean single-point position from the
+/// truth, m, and the number of epochs that it solved.
 fn rtklib_position(
     folder: &Path,
     stream: &[u8],
@@ -22,7 +22,7 @@ fn rtklib_position(
     let file = |name: &str| folder.join(name).into_os_string();
     std::fs::write(file("a.rtcm3"), stream).unwrap();
     let mut convbin = Command::new("convbin");
-    // RTCM says the time within the week; the week is given here.
+    // RTCM has only the time within the week, so the week is given here.
     convbin
         .args(["-r", "rtcm3", "-v", "3.03", "-tr"])
         .args(readable(recording.epochs[0].time).replace('-', "/").split(' '));
@@ -41,7 +41,8 @@ fn rtklib_position(
     (error.horizontal(), error.up.abs(), count)
 }
 
-/// Single point positions of GPS, Galileo and `BeiDou`, earth-fixed coordinates out.
+/// Returns options for single point positions of GPS, Galileo and `BeiDou`, with earth-fixed
+/// coordinates.
 fn rtklib_options(frequency: Frequency) -> String {
     let ionosphere = if frequency == Frequency::Dual { "dual-freq" } else { "brdc" };
     format!(
@@ -50,7 +51,8 @@ fn rtklib_options(frequency: Frequency) -> String {
     )
 }
 
-/// Puts the recording's ionosphere coefficients, which no RTCM message carries, into a navigation file.
+/// Puts the recording's ionosphere coefficients, which no RTCM message carries, into a navigation
+/// file.
 fn add_klobuchar(path: &Path, recording: &Recording) {
     let k = recording.klobuchar.unwrap();
     let line = |name: &str, k: &[f64]| {
@@ -62,7 +64,7 @@ fn add_klobuchar(path: &Path, recording: &Recording) {
     std::fs::write(path, format!("{}{lines}{}", &text[..end], &text[end..])).unwrap();
 }
 
-/// Date, time, x, y, z of a solution line.
+/// Parses date, time, x, y, z of a solution line.
 fn position(line: &str) -> Option<Ecef> {
     let words: Vec<&str> = line.split_ascii_whitespace().collect();
     let coordinate = |index: usize| words.get(index)?.parse().ok();

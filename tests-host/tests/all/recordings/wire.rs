@@ -1,4 +1,4 @@
-//! What goes into the messages comes out of them.
+//! The values encoded into messages are those decoded from them.
 
 use std::collections::BTreeMap;
 
@@ -17,7 +17,7 @@ type Ranges = BTreeMap<(SatelliteId, u8, char), f64>;
 
 /// One MSM7.
 struct Msm {
-    /// Milliseconds of the system's own week.
+    /// Time in the system's own week, ms.
     time_ms: u32,
     more: bool,
     ranges: Ranges,
@@ -61,7 +61,7 @@ fn selection(letters: &str, frequency: Frequency) -> Selection {
     Selection::new(letters, frequency).unwrap()
 }
 
-/// A satellite whose signals, RINEX codes without the C, all have one range.
+/// Returns a satellite whose signals, RINEX codes without the C, all have one range.
 fn satellite(
     constellation: Constellation,
     number: u8,
@@ -106,7 +106,7 @@ fn every_range_of_the_recordings_comes_back_within_a_millimetre() {
     }
 }
 
-/// Compares what was sent with what was measured; how many ranges were sent.
+/// Compares the sent ranges with the measured ones; returns their number.
 fn compare(epoch: &MeasuredEpoch, messages: &[Message]) -> usize {
     let sent: Vec<Msm> = messages.iter().filter_map(msm).collect();
     let more: Vec<bool> = sent.iter().map(|msm| msm.more).collect();
@@ -195,14 +195,14 @@ fn ranges_that_the_message_has_no_numbers_for_are_counted_and_left_out() {
     assert_eq!((have[0].ranges.len(), unsendable), (1, 1));
 }
 
-/// The first ephemeris of a satellite in a recording, read from the lump that tells it first.
+/// Returns the first ephemeris of a satellite in a recording, read from the first lump that has it.
 fn broadcast(files: &Files, want: impl Fn(&Message) -> bool) -> Option<Message> {
     let recording = files.load()?;
     let lumps = lumps(&recording, selection("GCE", Frequency::Single));
     Some(lumps.iter().flat_map(|lump| messages(lump)).find(want).expect("the ephemeris is sent"))
 }
 
-/// Names what is off by more than half a unit of its field (and what single precision adds).
+/// Checks that every value is within half a unit of its field (plus the error of single precision).
 fn hold(rows: &[(&str, f64, f64, f64)]) {
     for (name, have, want, unit) in rows {
         assert!((have - want).abs() <= 0.51 * unit, "{name}: have {have:e}, want {want:e}, unit {unit:e}");
@@ -284,7 +284,7 @@ fn a_galileo_ephemeris_keeps_what_differs_from_gps() {
     assert_eq!((have.gal_week_number, have.iodnav, have.sisa_e1_e5b_index), (2111 - 1024, 62, 107));
 }
 
-/// A recording of one satellite, seen once a minute for three hours.
+/// Returns a recording of one satellite, received once a minute for three hours.
 fn schedule(sent: &[(&str, &str)]) -> Vec<(usize, u8)> {
     let (header, record) = NAVIGATION_3.split_at(NAVIGATION_3.find("G05").unwrap());
     let record = &record[..record.find("R07").unwrap()];
@@ -324,11 +324,12 @@ fn an_ephemeris_is_told_when_it_was_broadcast_and_once() {
     // IODE 2, 12, 22 in the order of the file.
     for (sent, want) in [
         (&[(TOE_10, BEFORE), (TOE_12, HOUR)][..], &[(0, 2), (60, 12)][..]),
-        // Of what was sent before the start only the newest is known, whatever the order of the file.
+        // Of the sets sent before the start only the newest is known, whatever the order of the
+        // file.
         (&[(TOE_10, BEFORE), (TOE_10, EARLIER)], &[(0, 2)]),
-        // What was sent before the start is missing: the first to come, if it is near.
+        // The set sent before the start is missing: the first later set is taken, if it is near.
         (&[(TOE_10, HOUR)], &[(0, 2)]),
-        // It is not near: known when it is sent.
+        // The first later set is not near, so it is known only when it is sent.
         (&[(TOE_12, HOUR)], &[(60, 2)]),
     ] {
         assert_eq!(schedule(sent), want, "{sent:?}");

@@ -1,4 +1,4 @@
-//! Navigation messages of random content: UBX says the same as RTCM, bit for bit.
+//! Navigation messages of random content: UBX gives the values of RTCM, bit for bit.
 
 use rai_core::satellite::{Constellation, SatelliteId};
 use rai_firmware::ephemeris::EphemerisError;
@@ -10,19 +10,20 @@ use tests_host::measurement::{Ephemeris, TimedEphemeris};
 
 use super::{NOON, by_rtcm, said};
 
-/// A number of that many bits in two's complement, in units of `2^exponent`.
+/// Draws a number of that many bits in two's complement, in units of `2^exponent`.
 fn signed(random: &mut ChaCha8Rng, width: u32, exponent: i32) -> f64 {
     let half = 1_i64 << (width - 1);
     random.random_range(-half..half) as f64 * 2f64.powi(exponent)
 }
 
-/// The same without a sign, between limits.
+/// Draws the same without a sign, between limits.
 fn unsigned(random: &mut ChaCha8Rng, least: f64, most: f64, exponent: i32) -> f64 {
     let unit = 2f64.powi(exponent);
     (random.random_range(least..most) / unit).floor() * unit
 }
 
-/// The elements that all messages have, with the widths of their fields: harmonics of angles and of the radius.
+/// Draws the elements that all messages have, with the widths of their fields: harmonics of angles
+/// and of the radius.
 macro_rules! message {
     ($type:ident, $random:ident, angles: $angle:expr, lengths: $length:expr, clock: [$($field:ident: $clock:expr),*],
      $($other:ident: $value:expr),* $(; ..$base:expr)?) => {{
@@ -58,14 +59,14 @@ pub(super) fn gps(random: &mut ChaCha8Rng) -> TimedEphemeris {
         clock: [af0_s: (22, -31), af1_s_s: (16, -43), af2_s_s2: (8, -55)],
         gps_satellite_id: number, gps_week_number: NOON.week % 1024, iodc: iodc, iode: iodc as u8,
         toc_s: (NOON.tow_ms / 1000) as f32, ura_index: random.random_range(0..15),
-        // The most negative one says that there is none.
+        // The most negative value means that there is none.
         tgd_s: random.random_range(-127..128) as f32 * 2f32.powi(-31),
         sv_health_ind: if random.random_bool(0.2) { random.random_range(1..64) } else { 0 }; ..Msg1019T::default());
     timed(Constellation::Gps, number, Ephemeris::Gps(message))
 }
 
 pub(super) fn beidou(random: &mut ChaCha8Rng) -> TimedEphemeris {
-    // A third of them geostationary.
+    // A third of them are geostationary.
     let number = [random.random_range(6..=58), random.random_range(1..=5), random.random_range(6..=58)]
         [random.random_range(0..3)];
     let delay = |random: &mut ChaCha8Rng| random.random_range(-512..512) as f32 * 1e-10;
@@ -111,10 +112,10 @@ fn timed(constellation: Constellation, number: u8, message: Ephemeris) -> TimedE
     TimedEphemeris { satellite, toe, sent: toe, message }
 }
 
-/// A source of random messages of one kind.
+/// Function that returns a random message of one kind.
 type Source = fn(&mut ChaCha8Rng) -> TimedEphemeris;
 
-/// All of them.
+/// All sources.
 pub(super) const SOURCES: [(&str, Source); 4] =
     [("LNAV", gps), ("D1 and D2", beidou), ("I/NAV", inav), ("F/NAV", fnav)];
 
@@ -132,7 +133,8 @@ fn every_bit_of_every_ephemeris_is_as_rtcm_says_it() {
     }
 }
 
-/// Where the words of a frame of RXM-SFRBX begin, and the bit of the second that raises the alert: bit 18 of 30 ([IS-GPS-200] figure 20-2).
+/// Start of the words in a frame of RXM-SFRBX, and the bit of the second word that raises the
+/// alert: bit 18 of 30 ([IS-GPS-200] figure 20-2).
 const FIRST_WORD: usize = 6 + 8;
 const ALERT: u32 = 1 << (30 - 18);
 
@@ -170,7 +172,7 @@ fn satellite_that_raises_the_alert_promises_no_accuracy() {
 fn ionosphere_and_leap_second_come_from_the_bits() {
     let mut random = ChaCha8Rng::seed_from_u64(2);
     let klobuchar = [-30, -27, -24, -24, 11, 14, 16, 16].map(|exponent| signed(&mut random, 8, exponent));
-    // A change that is past, no more than 128 weeks ago as the eight bits of its week want it.
+    // The change is past, no more than 128 weeks ago as the eight bits of its week require.
     let spoken = ubx::IonosphereAndUtc { klobuchar, leap_s: (17, 18), change: (2000, 7) };
     let gps = gps(&mut random);
     let selection = tests_host::encode::Selection::new("G", tests_host::encode::Frequency::Single).unwrap();
@@ -182,7 +184,7 @@ fn ionosphere_and_leap_second_come_from_the_bits() {
     input.feed(&bytes, 0, |event| heard.hear(&event));
     assert_eq!(heard.ionosphere, [(Constellation::Gps, klobuchar)]);
     assert_eq!(input.leap_second().map(|leap| leap.seconds), Some(18));
-    // Galileo says the same in a word of its own, once the date is known.
+    // Galileo sends the same in its own word, once the date is known.
     let galileo = SatelliteId::new(Constellation::Galileo, 5).unwrap();
     let word = ubx::utc(galileo, &ubx::IonosphereAndUtc { leap_s: (18, 19), change: (2120, 1), ..spoken });
     input.feed(&word.unwrap(), 0, |_| ());

@@ -1,4 +1,4 @@
-//! GLONASS: strings as RTCM says them, and positions with it against positions without.
+//! GLONASS: strings compared with RTCM, and positions with it compared with positions without.
 
 use rai_core::frame::Ecef;
 use rai_core::satellite::{Constellation, SatelliteId};
@@ -20,13 +20,14 @@ use tests_host::stations::{ESBC, STATIC_BASE};
 
 use super::NOON;
 
-/// A sign and a magnitude of so many bits together, in units of `2^exponent`.
+/// Draws a sign and a magnitude with `width` bits together, in units of `2^exponent`.
 fn magnitude(random: &mut ChaCha8Rng, width: u32, exponent: i32) -> f64 {
     let most = (1_i64 << (width - 1)) - 1;
     random.random_range(-most..=most) as f64 * 2f64.powi(exponent)
 }
 
-/// A message of random content whose orbit is one; reference times within half a day of noon.
+/// Returns a message of random content with a valid orbit and a reference time within half a day of
+/// noon.
 fn broadcast(random: &mut ChaCha8Rng) -> TimedEphemeris {
     let number = random.random_range(1..=24);
     let mut axis =
@@ -40,7 +41,7 @@ fn broadcast(random: &mut ChaCha8Rng) -> TimedEphemeris {
         tb_min: 15 * random.random_range(0..96),
         xn_km: x,
         yn_km: y,
-        // Far enough out, whatever the others are.
+        // Far enough out, whatever the other values are.
         zn_km: if random.random() { 20_000.0 } else { -20_000.0 },
         xn_first_deriv_km_s: vx,
         yn_first_deriv_km_s: vy,
@@ -59,7 +60,7 @@ fn broadcast(random: &mut ChaCha8Rng) -> TimedEphemeris {
     TimedEphemeris { satellite, toe: NOON, sent: NOON, message: Ephemeris::Glonass(message) }
 }
 
-/// What a module reads that knows the time and the leap seconds.
+/// Returns the ephemerides that a module reads if it knows the time and the leap seconds.
 fn read(bytes: &[u8]) -> Vec<Read> {
     let mut input = Input::new();
     let mut dated = (f64::from(NOON.tow_ms) * 1e-3).to_le_bytes().to_vec();
@@ -85,7 +86,7 @@ fn every_bit_of_the_strings_is_as_rtcm_says_it() {
         let mut builder = MessageBuilder::new();
         let want = read(builder.build_message(&Message::Msg1020(message.clone())).unwrap());
         let have = read(&ubx::pages(&ephemeris, NOON).unwrap());
-        // As text: an accuracy that is not promised is not a number, and that is not equal to itself.
+        // Compared as text, because an unstated accuracy is NaN, which does not equal itself.
         assert_eq!(format!("{have:?}"), format!("{want:?}"), "{message:?}");
         taken += have.len();
     }
@@ -93,7 +94,7 @@ fn every_bit_of_the_strings_is_as_rtcm_says_it() {
     assert!(taken > 100, "{taken} of 500 taken");
 }
 
-/// What a module is fed with and what it makes of it.
+/// A module, from input to positions.
 struct Module {
     input: Input,
     navigator: Navigator,
@@ -133,18 +134,18 @@ impl Module {
         });
     }
 
-    /// Root mean square of the horizontal and of the vertical error, m.
+    /// Returns the rms of the horizontal and of the vertical error, m.
     fn errors_m(&self) -> [f64; 2] {
         self.squares_m2.map(|squares_m2| (squares_m2 / f64::from(self.fixes)).sqrt())
     }
 }
 
-/// What page 18 says, without which nobody knows the leap seconds.
+/// Returns page 18, the only source of the leap seconds.
 fn said(recording: &Recording) -> ubx::IonosphereAndUtc {
     ubx::IonosphereAndUtc { klobuchar: recording.klobuchar.unwrap(), leap_s: (18, 18), change: (1929, 7) }
 }
 
-/// Errors with GLONASS may be this much larger than without.
+/// Largest ratio of errors with GLONASS to those without.
 const LARGER: f64 = 1.1;
 
 fn compare(name: &str, without: &Module, with: &Module, least: usize) {
@@ -158,8 +159,8 @@ fn compare(name: &str, without: &Module, with: &Module, least: usize) {
     assert!(have_h < LARGER * want_h && have_v < LARGER * want_v, "{name}");
 }
 
-/// Of a geodetic receiver, that is. One whose channels are delayed differently by metres is worse with GLONASS: the reason
-/// why the module leaves it out until it is told.
+/// This holds for a geodetic receiver. One with delays of metres that differ between channels is
+/// worse with GLONASS, so the module leaves it out by default.
 #[test]
 fn a_day_with_it_is_no_worse_than_without() {
     let Some(recording) = ESBC.load() else { return };
@@ -182,8 +183,9 @@ fn a_day_with_it_is_no_worse_than_without() {
     }
 }
 
-/// What the ionosphere-free ranges of `static1hz` to GLONASS satellites are longer than their mean about the surveyed antenna, over
-/// its five minutes: satellite, channel, m. Worked out from the RINEX files by another program, which integrates in steps of 30 s.
+/// Delays of the ionosphere-free ranges of `static1hz` to GLONASS satellites against their mean
+/// about the surveyed antenna, over its five minutes: satellite, channel, m. Another program, which
+/// integrates in steps of 30 s, computed them from the RINEX files.
 const DELAYS_M: [(u8, i8, f64); 8] = [
     (1, 1, -1.10),
     (2, -4, -2.14),
@@ -195,10 +197,10 @@ const DELAYS_M: [(u8, i8, f64); 8] = [
     (24, 2, -1.30),
 ];
 
-/// What of a delay goes with the channel, m for each.
+/// Part of a delay that is proportional to the channel, m per channel.
 const SLOPE_M: f64 = 1.01;
 
-/// A recording with each GLONASS range shorter by so much.
+/// Returns a recording with each GLONASS range shortened by `by_m`.
 fn shortened(recording: &Recording, by_m: impl Fn(i8, f64) -> f64) -> Recording {
     let mut recording = recording.clone();
     for satellite in recording.epochs.iter_mut().flat_map(|epoch| &mut epoch.satellites) {
@@ -212,9 +214,11 @@ fn shortened(recording: &Recording, by_m: impl Fn(i8, f64) -> f64) -> Recording 
     recording
 }
 
-/// Why five minutes of this receiver are worse with GLONASS: its ranges are delayed by 3.8 m rms, the same for all five minutes, with 0.6
-/// to 1.4 m of noise on them. Such delays do not average out. Two thirds of their variance go with the channel, and a second
-/// receiver of the model has the same within 2 m; the header of the file says that no correction has been made.
+/// Five minutes of this receiver are worse with GLONASS because its ranges are delayed by 3.8 m
+/// rms, the same for all five minutes, with 0.6 to 1.4 m of noise on them. Such delays do not
+/// average out. Two thirds of their variance are proportional to the channel, and a second receiver
+/// of the model has the same within 2 m; the header of the file says that no correction has been
+/// made.
 #[test]
 fn a_receiver_that_delays_channels_differently_is_worse_with_it() {
     let Some(recording) = STATIC_BASE.load() else { return };
@@ -235,13 +239,14 @@ fn a_receiver_that_delays_channels_differently_is_worse_with_it() {
         "static1hz by UBX, m: {without:.3?} without GLONASS, {with:.3?} with it, {of_slope:.3?} less what goes with the \
          channel, {of_delays:.3?} less the delays"
     );
-    // Of what GLONASS adds to the horizontal error, most goes with these eight numbers.
+    // These eight numbers explain most of what GLONASS adds to the horizontal error.
     assert!(with[0] > LARGER * without[0], "no longer worse: {with:?} m, {without:?} m without");
     assert!(of_slope[0] < with[0], "{of_slope:?} m less what goes with the channel");
     assert!(with[0] - of_delays[0] > 0.5 * (with[0] - without[0]), "{of_delays:?} m less the delays");
 }
 
-/// Instructions on the chip of these epochs of GPS and GLONASS, each the fourth that the module hears.
+/// Returns the instructions on the chip of these epochs of GPS and GLONASS, each the fourth that
+/// the module receives.
 fn instructions(numbers: [usize; 4]) -> Option<Vec<u64>> {
     let (Some(recording), true) = (STATIC_BASE.load(), laboratory::is_installed()) else { return None };
     let command = sentence::command("SYSTEMS,GR");
@@ -260,8 +265,9 @@ fn instructions(numbers: [usize; 4]) -> Option<Vec<u64>> {
     Some(bench.run().unwrap().into_iter().map(|answer| answer.instructions).collect())
 }
 
-/// However far from their reference time, satellites with state vectors are integrated over one step in an epoch, and over one
-/// more in the epoch that goes on to the next node. The recording begins 282 s after the reference time; nodes are 150 s apart.
+/// However far from their reference time, satellites with state vectors are integrated over one
+/// step in an epoch, and over one more in the epoch that passes the next node. The recording begins
+/// 282 s after the reference time; nodes are 150 s apart.
 #[test]
 fn an_epoch_with_it_costs_one_step_a_satellite() {
     const SATELLITES: u64 = 8;
@@ -270,7 +276,7 @@ fn an_epoch_with_it_costs_one_step_a_satellite() {
     let [before, at_node, behind, far] = costs[..] else { unreachable!("four") };
     let step = at_node.saturating_sub(behind) / SATELLITES;
     println!("a step: {step} instructions a satellite; kept nodes save {} at 572 s", 3 * SATELLITES * step);
-    // Half a step a satellite is more than epochs differ by otherwise.
+    // Half a step per satellite is more than epochs differ by otherwise.
     let same = |a: u64, b: u64| a.abs_diff(b) < SATELLITES * step / 2;
     assert!(step > 2_000 && same(before, behind) && same(far, behind), "{costs:?}");
 }

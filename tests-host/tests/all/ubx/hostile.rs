@@ -1,4 +1,5 @@
-//! UBX that is wrong: each kind is counted by its name, nothing wrong is accepted, and what is right beside it is read.
+//! Wrong UBX: each kind is counted by its name, nothing wrong is accepted, and right frames beside
+//! it are read.
 
 use rai_core::satellite::{Constellation, SatelliteId};
 use rai_firmware::input::Counters;
@@ -16,7 +17,7 @@ use super::{NOON, by_rtcm, said};
 const RAWX: [u8; 2] = [0x02, 0x15];
 const SFRBX: [u8; 2] = [0x02, 0x13];
 
-/// The frames in a run of good ones.
+/// Splits a run of good frames.
 fn frames(bytes: &[u8]) -> Vec<Vec<u8>> {
     let mut frames = Vec::new();
     let mut rest = bytes;
@@ -33,7 +34,7 @@ fn payload(frame: &[u8]) -> Vec<u8> {
     frame[6..frame.len() - 2].to_vec()
 }
 
-/// One measurement of GPS L1 C/A.
+/// Returns one measurement of GPS L1 C/A.
 fn measurement(range_m: f64, satellite: [u8; 3]) -> Vec<u8> {
     let mut bytes = Vec::new();
     bytes.extend_from_slice(&range_m.to_le_bytes());
@@ -44,7 +45,7 @@ fn measurement(range_m: f64, satellite: [u8; 3]) -> Vec<u8> {
     bytes
 }
 
-/// An epoch of these measurements.
+/// Returns an epoch of these measurements.
 fn rawx(tow_s: f64, week: u16, many: u8, version: u8, measurements: &[Vec<u8>]) -> Vec<u8> {
     let mut payload = tow_s.to_le_bytes().to_vec();
     payload.extend_from_slice(&week.to_le_bytes());
@@ -83,7 +84,7 @@ fn no_wrong_bit_of_a_page_makes_another_ephemeris() {
                 }
             }
         }
-        // What is harmless is padding, or bits that the code does not cover and nobody reads.
+        // Harmless bits are padding, or unused bits that the code does not cover.
         println!("{name}: {refused} wrong bits refused, {harmless} harmless");
         assert!(refused > 5 * harmless / 2, "{name}: {refused} refused, {harmless} harmless");
     }
@@ -96,7 +97,7 @@ fn pages_out_of_order_make_the_same_ephemeris() {
         for _ in 0..20 {
             let ephemeris = source(&mut random);
             let mut pages = frames(&ubx::pages(&ephemeris, NOON).unwrap());
-            // I/NAV closes a set with its last word.
+            // I/NAV completes a set with its last word.
             let is_inav = matches!(ephemeris.message, Ephemeris::GalileoInav(_));
             let movable = pages.len() - usize::from(is_inav);
             pages[..movable].shuffle(&mut random);
@@ -118,7 +119,8 @@ fn pages_of_two_issues_make_none() {
                 break other;
             }
         };
-        // Half a minute later, so that those of BeiDou, which say of no issue, do not follow each other.
+        // The sets are half a minute apart, so that those of BeiDou, which have no issue number, do
+        // not follow each other.
         let later = rai_firmware::time::GpsTime::from_ms(NOON.to_ms() + 30_000);
         let (first, second) =
             (frames(&ubx::pages(&first, NOON).unwrap()), frames(&ubx::pages(&second, later).unwrap()));
@@ -142,7 +144,7 @@ fn a_missing_page_makes_none_until_it_comes() {
             let late = some.remove(missing);
             assert!(said(&some.concat()).0.ephemerides.is_empty(), "{name}: without page {missing}");
             some.push(late);
-            // The last word of I/NAV comes again in any case.
+            // The last word of I/NAV is repeated in any case.
             some.push(pages[pages.len() - 1].clone());
             assert!(!said(&some.concat()).0.ephemerides.is_empty(), "{name}: page {missing} late");
         }
@@ -164,7 +166,7 @@ fn every_number_of_words_but_the_right_one_is_refused() {
             if !right.contains(&words) {
                 assert_eq!(counters.subframes_parity, 0, "{system}, {words} words: {counters:?}");
             }
-            // A count that is not that of the bytes.
+            // The count differs from the number of bytes.
             payload[4] = words + 1;
             let (_, counters) = said(&ubx::frame(SFRBX, &payload));
             assert_eq!(counters.subframes_malformed, 1, "{system}, {words} words");
@@ -190,7 +192,7 @@ fn systems_satellites_and_signals_that_are_none_are_counted() {
     {
         assert_eq!(frame(system, satellite, 0).satellites_unknown, 1, "{system} {satellite}");
     }
-    // L2C's CNAV has ten words, too.
+    // CNAV on L2C has ten words, too.
     assert_eq!(frame(0, 1, 3).subframes_other, 1);
     let of =
         |system, satellite, signal| said(&epoch_of(&[measurement(2.2e7, [system, satellite, signal])])).1;
@@ -199,7 +201,7 @@ fn systems_satellites_and_signals_that_are_none_are_counted() {
     assert_eq!(of(0, 1, 9).signals_other, 1);
 }
 
-/// How many satellites an epoch has, and the counters.
+/// Returns the number of satellites of an epoch, and the counters.
 fn satellites(frame: &[u8]) -> (Option<usize>, Counters) {
     let (said, counters) = said(frame);
     (said.epochs.first().map(|epoch| epoch.satellites.len()), counters)
@@ -236,13 +238,13 @@ fn every_wrong_bit_of_a_frame_is_counted_and_costs_that_frame_alone() {
         let mut input = rai_firmware::input::Input::new();
         let mut heard = super::Said::default();
         input.feed(&[&wrong[..], &good[..]].concat(), 0, |event| heard.hear(&event));
-        // A length that has become longer waits for bytes that never come.
+        // A longer length waits for bytes that never come.
         input.silence(|event| heard.hear(&event));
         let counters = input.counters();
         assert_eq!(heard.epochs.len(), 1, "bit {bit}: {counters:?}");
         assert_eq!((counters.frames, counters.subframes), (1, 0), "bit {bit}: {counters:?}");
         assert_eq!(counters.bytes_skipped as usize, wrong.len(), "bit {bit}: {counters:?}");
-        // The first two bytes make it a frame, the next four choose the message and its length.
+        // The first two bytes make it a frame, the next four select the message and its length.
         let named = counters.crc_failures + counters.frames_cut;
         assert!(bit < 16 || named >= 1 || (32..48).contains(&bit), "bit {bit}: {counters:?}");
     }
@@ -271,13 +273,13 @@ fn headers_that_lie_are_refused() {
     assert_eq!(satellites(&rawx(432_000.0, 2111, 1, 0, &good)).1.messages_malformed, 1);
     assert_eq!(satellites(&rawx(432_000.0, 2111, 2, 1, &good)).1.messages_malformed, 1);
     assert_eq!(satellites(&rawx(432_000.0, 2111, 0, 1, &good)).1.messages_malformed, 1);
-    // A receiver was seen to set the highest bit of the count.
+    // A receiver was observed to set the highest bit of the count.
     assert_eq!(satellites(&rawx(432_000.0, 2111, 0x81, 1, &good)).0, Some(1));
     for length in 0..16 {
         let counters = satellites(&ubx::frame(RAWX, &vec![0; length])).1;
         assert_eq!(counters.messages_malformed, 1, "{length} bytes");
     }
-    // Nothing vouches for the time of an epoch without satellites before one that has some.
+    // The time of an epoch without satellites is not confirmed until one has some.
     let (have, counters) = satellites(&epoch_of(&[]));
     assert_eq!((have, counters.observations_ahead), (None, 1));
 }
@@ -292,7 +294,7 @@ fn an_epoch_holds_what_it_can_and_counts_the_rest() {
     assert_eq!((have, counters.satellites_surplus), (Some(64), 0));
     let (have, counters) = satellites(&epoch_of(&measurements));
     assert_eq!((have, counters.satellites_surplus as usize), (Some(64), measurements.len() - 64));
-    // 255 are more than the module reads: that frame is none.
+    // 255 are more than the module reads, so that frame is invalid.
     let surplus: Vec<Vec<u8>> = measurements.iter().cycle().take(255).cloned().collect();
     let (have, counters) = satellites(&[epoch_of(&surplus), epoch_of(&measurements[..5])].concat());
     assert!(have == Some(5) && counters.bytes_skipped > 8_000, "{have:?} {counters:?}");
@@ -326,7 +328,7 @@ fn of_five_signals_of_beidou_those_with_known_delays_are_kept() {
     }
 }
 
-/// A stream in which all formats are mixed, and what is in it.
+/// Returns a stream in which all formats are mixed, and its ephemeris.
 fn mixture() -> (Vec<Vec<u8>>, TimedEphemeris) {
     let mut random = ChaCha8Rng::seed_from_u64(9);
     let ephemeris = gps(&mut random);
@@ -386,7 +388,7 @@ fn a_satellite_that_comes_back_begins_anew() {
         let mut heard = super::Said::default();
         let (last, others) = pages.split_last().unwrap();
         input.feed(&others.concat(), 0, |event| heard.hear(&event));
-        // Three minutes later its last page comes, and belongs to nothing.
+        // Three minutes later its last page comes, and matches no set.
         input.feed(last, 180_000, |event| heard.hear(&event));
         assert!(heard.ephemerides.is_empty(), "{ephemeris:?}");
         input.feed(&pages.concat(), 190_000, |event| heard.hear(&event));
@@ -407,7 +409,7 @@ fn more_satellites_than_there_is_room_for_are_heard_later() {
     let pages: Vec<Vec<Vec<u8>>> =
         ephemerides.iter().map(|ephemeris| frames(&ubx::pages(ephemeris, NOON).unwrap())).collect();
     let (mut input, mut heard) = (rai_firmware::input::Input::new(), super::Said::default());
-    // All send their pages side by side, twice.
+    // All satellites send their pages in parallel, twice.
     for turn in 0..10 {
         for pages in &pages {
             if let Some(page) = pages.get(turn % 5) {

@@ -1,14 +1,14 @@
-//! UBX as a u-blox receiver sends it: what the module makes of it, against RTCM of the same, against other programs, and
-//! against everything that can be wrong with it.
+//! UBX as a u-blox receiver sends it: the module's results compared with those of equivalent RTCM
+//! and with other programs, and with every kind of error.
 //!
-//! | what | where |
+//! | content | module |
 //! |---|---|
-//! | every bit of every navigation message, as RTCM says it | [`bits`] |
+//! | every bit of every navigation message, compared with RTCM | [`bits`] |
 //! | streams of an independent program against the recordings that they were made of | [`streams`] |
 //! | the same epochs as RTCM and as UBX: verdicts, positions | [`module`] |
-//! | GLONASS: strings, and what it does to positions | [`glonass`] |
+//! | GLONASS: strings, and their effect on positions | [`glonass`] |
 //! | QZSS: the bits of GPS, and the clock of GPS | [`qzss`] |
-//! | what RTKLIB reads in what the encoder wrote | [`rtklib`] |
+//! | RTKLIB's reading of the encoder's bytes | [`rtklib`] |
 //! | wrong parities, lengths, times, doubles; pages mixed, missing and out of order; frames cut and interleaved | [`hostile`] |
 
 mod bits;
@@ -27,7 +27,7 @@ use rai_firmware::time::GpsTime;
 use tests_host::encode::{Encoder, Frequency, Selection};
 use tests_host::measurement::{MeasuredEpoch, TimedEphemeris};
 
-/// What bytes have said.
+/// Content of some bytes.
 #[derive(Default)]
 struct Said {
     ephemerides: Vec<Ephemeris>,
@@ -46,14 +46,14 @@ impl Said {
     }
 }
 
-/// What bytes say to a module that has heard nothing before.
+/// Returns the content of some bytes for a module without earlier input.
 fn said(bytes: &[u8]) -> (Said, Counters) {
     let (mut input, mut said) = (Input::new(), Said::default());
     input.feed(bytes, 0, |event| said.hear(&event));
     (said, *input.counters())
 }
 
-/// An ephemeris as RTCM says it.
+/// Returns an ephemeris as RTCM carries it.
 fn by_rtcm(ephemeris: &TimedEphemeris) -> Vec<Ephemeris> {
     let selection = Selection::new("GCE", Frequency::Dual).unwrap();
     let nothing = MeasuredEpoch { time: ephemeris.toe, satellites: Vec::new() };
@@ -61,5 +61,5 @@ fn by_rtcm(ephemeris: &TimedEphemeris) -> Vec<Ephemeris> {
     said(&bytes).0.ephemerides
 }
 
-/// The day of the messages made here: 2020-06-25, noon.
+/// Time of the messages made here: 2020-06-25, noon.
 const NOON: GpsTime = GpsTime { week: 2111, tow_ms: (4 * 86_400 + 43_200) * 1000 };

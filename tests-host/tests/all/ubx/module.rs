@@ -12,15 +12,16 @@ use tests_host::shared;
 /// A step of a range in MSM7, m: 2⁻²⁹ ms of light.
 const MSM7_STEP_M: f64 = 299_792.458 / 536_870_912.0;
 
-/// How far they may be apart where both carry the same range, but for the last bits of a double: these may fall to either side of
-/// a step of the core's grid of lengths, 0.06 mm, and with it the last place that a sentence says, 0.1 mm.
+/// Largest distance between positions if both formats carry the same range except for the last bits
+/// of a double, m. These may fall to either side of a step of the core's grid of lengths, 0.06 mm,
+/// and with it the last digit of a sentence, 0.1 mm.
 const SAME_RANGE_M: f64 = 1.5e-4;
 
-/// How far positions may be apart where RAWX is finer than MSM7: its rounding error, 0.28 mm at most, is tripled by the
-/// combination of two frequencies and amplified by the geometry.
+/// Largest distance between positions if RAWX is finer than MSM7, m. Its rounding error, 0.28 mm at
+/// most, is tripled by the combination of two frequencies and amplified by the geometry.
 const UNROUNDED_M: f64 = 3e-3;
 
-/// What the module finds in the bytes of an epoch.
+/// Result of the module for the bytes of an epoch.
 type Found = (Verdict, Option<Ecef>, usize);
 
 /// A module from bytes to reports.
@@ -53,8 +54,8 @@ impl Module {
     }
 }
 
-/// What a u-blox receiver could have measured, in both formats: how many epochs, and how far the positions are apart
-/// at most, in metres.
+/// Compares the measurements of a u-blox receiver in both formats; returns the number of epochs and
+/// the largest distance between positions, m.
 fn compare(name: &str, recording: &Recording, every: usize, is_rounded: bool) -> (usize, f64) {
     let selection = Selection::new("GCE", Frequency::Dual).unwrap();
     let mut rtcm = (encode::Encoder::new(&recording.ephemerides, selection.clone()), Module::new());
@@ -62,7 +63,7 @@ fn compare(name: &str, recording: &Recording, every: usize, is_rounded: bool) ->
     let (mut fixes, mut farthest_m) = (0, 0.0_f64);
     for epoch in recording.epochs.iter().step_by(every) {
         let mut epoch = ubx::measurable(epoch);
-        // What both formats can say: whole dB-Hz in RAWX, ranges of 0.56 mm in MSM7.
+        // Both formats can carry these values: whole dB-Hz in RAWX, ranges of 0.56 mm in MSM7.
         for signal in epoch.satellites.iter_mut().flat_map(|satellite| &mut satellite.signals) {
             signal.cn0_dbhz = signal.cn0_dbhz.map(f64::round);
             if is_rounded {

@@ -1,4 +1,4 @@
-//! QZSS: the bits of GPS under another number, and whose clock its ranges touch.
+//! QZSS: the bits of GPS under another number, and the clock that its ranges share.
 
 use rai_core::epoch::Epoch;
 use rai_core::frame::{Ecef, SPEED_OF_LIGHT_M_S};
@@ -20,7 +20,7 @@ use super::bits::gps;
 use super::streams::{STREAMS, Stream};
 use super::{NOON, said};
 
-/// The same elements as a satellite of QZSS says them by RTCM.
+/// Returns the same elements as a QZSS satellite's RTCM message.
 fn message_1044(number: u8, m: &Msg1019T) -> Msg1044T {
     Msg1044T {
         qzss_satellite_id: number,
@@ -74,11 +74,11 @@ fn every_bit_of_lnav_is_as_rtcm_says_it() {
     }
 }
 
-/// Three degrees: from Denmark QZSS stands low.
+/// Elevation mask of three degrees, rad, because in Denmark QZSS is low.
 const MASK_RAD: f64 = 0.0524;
 
-/// The mean, in m, of what the ranges of QZSS are longer than those of GPS once each is corrected, and how many there
-/// were: pairs of L1 and L2C, whose delays the broadcast clocks know.
+/// Returns the mean difference between corrected ranges of QZSS and of GPS, m, and their number:
+/// pairs of L1 and L2C, whose delays the broadcast clocks include.
 fn beside_gps(stream: &Stream, station: &Station) -> Option<(f64, usize)> {
     let bytes = stream.bytes()?;
     let (mut input, mut store, mut tally) = (Input::new(), Store::new(), Tally::default());
@@ -110,7 +110,7 @@ fn beside_gps(stream: &Stream, station: &Station) -> Option<(f64, usize)> {
     Some((sum_m / count as f64, count))
 }
 
-/// How far the signal went while the earth turned.
+/// Returns the path of the signal while the earth turned, m.
 fn distance_m(satellite: Ecef, receiver: Ecef) -> f64 {
     const EARTH_RATE_RAD_S: f64 = 7.292_115e-5;
     let turned_m =
@@ -118,8 +118,9 @@ fn distance_m(satellite: Ecef, receiver: Ecef) -> f64 {
     satellite.distance_m(receiver) + turned_m
 }
 
-/// Orbits and clocks of the two systems err by half a metre each: the mean of a satellite or two over minutes is good to
-/// 2 m at three sigmas. Receiver clocks of two systems that do not belong together differ by tens to hundreds.
+/// Orbits and clocks of the two systems have errors of half a metre each: the mean of a satellite
+/// or two over minutes is accurate to 2 m at three sigmas. Receiver clocks of two separate systems
+/// differ by tens to hundreds of metres.
 #[test]
 fn its_ranges_touch_the_clock_of_gps() {
     for (name, station) in [("static1hz_base", &STATIC_BASE), ("esbc_4h", &ESBC)] {
@@ -130,7 +131,7 @@ fn its_ranges_touch_the_clock_of_gps() {
     }
 }
 
-/// Root of the mean square of the distance to the truth, in m, and how many satellites of QZSS were used.
+/// Returns the rms distance to the truth, m, and the number of QZSS satellites used.
 fn error_m(bytes: &[u8], truth: Ecef, systems: &str) -> (f64, usize) {
     let mut configuration = Configuration::at_start();
     configuration.systems = Systems::of(systems).unwrap();

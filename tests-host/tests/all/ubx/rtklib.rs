@@ -1,4 +1,5 @@
-//! The encoder's bytes as RTKLIB reads them: `convbin` of Debian's package `rtklib`, where it is installed.
+//! The encoder's bytes as RTKLIB reads them: `convbin` of Debian's package `rtklib`, if it is
+//! installed.
 
 use std::process::Command;
 
@@ -10,7 +11,8 @@ use tests_host::encode::{Frequency, Selection};
 use tests_host::recording::{Recording, readable};
 use tests_host::sky::raw::Simulation;
 
-/// Writes bytes, lets `convbin` make RINEX of them and reads that; none where there is no `convbin`.
+/// Writes bytes, lets `convbin` convert them to RINEX and reads that; returns `None` without
+/// `convbin`.
 fn converted(bytes: &[u8], week: u16) -> Option<Recording> {
     if Command::new("convbin").output().is_err() {
         tests_host::skip::say("convbin (Debian's package rtklib)");
@@ -20,7 +22,7 @@ fn converted(bytes: &[u8], week: u16) -> Option<Recording> {
     let (capture, observations, navigation) =
         (folder.path().join("a.ubx"), folder.path().join("a.obs"), folder.path().join("a.nav"));
     std::fs::write(&capture, bytes).unwrap();
-    // The date settles which cycle of 1,024 weeks is meant.
+    // The date determines the cycle of 1,024 weeks.
     let date = readable(GpsTime { week, tow_ms: 0 }).replace('-', "/");
     let (day, time) = date.split_once(' ').unwrap();
     let ran = Command::new("convbin")
@@ -39,7 +41,7 @@ fn converted(bytes: &[u8], week: u16) -> Option<Recording> {
 #[test]
 fn rtklib_reads_the_ranges_and_orbits_that_were_encoded() {
     let mut recording = Simulation::above_xian(0.0, 20, 7).record();
-    // RTKLIB writes what is no number as such.
+    // RTKLIB writes NaN as such.
     let satellites = recording.epochs.iter_mut().flat_map(|epoch| &mut epoch.satellites);
     for signal in satellites.flat_map(|satellite| &mut satellite.signals) {
         signal.doppler_hz.get_or_insert(0.0);
@@ -84,7 +86,7 @@ fn rtklib_reads_random_elements_to_the_last_bit() {
             0 => super::bits::gps(&mut random),
             _ => super::bits::beidou(&mut random),
         };
-        // An epoch tells RTKLIB the week, and RINEX wants one.
+        // RTKLIB takes the week from an epoch, and RINEX needs one.
         let mut bytes = epoch();
         bytes.extend(ubx::pages(&ephemeris, super::NOON).unwrap());
         bytes.extend(epoch());
@@ -97,7 +99,7 @@ fn rtklib_reads_random_elements_to_the_last_bit() {
     println!("{equal} equal");
 }
 
-/// One range at noon.
+/// Returns one range at noon.
 fn epoch() -> Vec<u8> {
     use tests_host::measurement::{MeasuredEpoch, MeasuredSatellite, MeasuredSignal};
     let satellite =

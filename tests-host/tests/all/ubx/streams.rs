@@ -1,4 +1,5 @@
-//! Streams that an independent program made of the recordings: the same epochs, the same ephemerides.
+//! Streams that an independent program made of the recordings: the same epochs, the same
+//! ephemerides.
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -19,7 +20,7 @@ use tests_host::shared;
 
 use super::{Said, by_rtcm};
 
-/// A stream, and the files that it was made of.
+/// A stream, and its source files.
 pub(super) struct Stream {
     pub(super) name: &'static str,
     pub(super) observations: &'static str,
@@ -55,7 +56,7 @@ pub(super) const STREAMS: [Stream; 5] = [
 ];
 
 impl Stream {
-    /// The bytes; says that it is skipped where they are not there.
+    /// Returns the bytes; reports a skip if they are missing.
     pub(super) fn bytes(&self) -> Option<Vec<u8>> {
         let path = shared::path_or_skip(&format!("data/ubx/{}.ubx.gz", self.name))?;
         let mut bytes = Vec::new();
@@ -70,7 +71,7 @@ impl Stream {
     }
 }
 
-/// Feeds a stream in lumps that end with an epoch's ranges, a lump a second of the clock.
+/// Sends a stream in lumps that end with an epoch's ranges, a lump a second of the clock.
 fn hear(bytes: &[u8]) -> (Said, Counters, Input) {
     let (mut input, mut said, mut epochs) = (Input::new(), Said::default(), 0);
     for lump in bytes.chunks(200) {
@@ -81,7 +82,7 @@ fn hear(bytes: &[u8]) -> (Said, Counters, Input) {
     (said, counters, input)
 }
 
-/// The bands of a satellite's RINEX signal that both sides have a name for.
+/// Returns the band of a satellite's RINEX signal, if both sides have a name for it.
 fn band(constellation: Constellation, number: u8, attribute: char) -> Option<Band> {
     Some(match (constellation, number, attribute) {
         (Constellation::Gps, 1, 'C') => Band::L1,
@@ -101,9 +102,9 @@ fn band(constellation: Constellation, number: u8, attribute: char) -> Option<Ban
     })
 }
 
-/// Holds every range of an epoch against the recording's; gives how many there were.
+/// Compares every range of an epoch with the recording's; returns their number.
 fn compare(have: &RawEpoch, want: &MeasuredEpoch) -> usize {
-    /// Light of a microsecond.
+    /// Distance that light travels in a microsecond, m.
     const MOST_MOVED_M: f64 = 300.0;
     let (mut compared, mut moved_m) = (0, None);
     for satellite in &have.satellites {
@@ -118,7 +119,8 @@ fn compare(have: &RawEpoch, want: &MeasuredEpoch) -> usize {
             let ranges = measured.signals.iter().filter(|recorded| {
                 band(constellation, recorded.band, recorded.attribute) == Some(signal.carrier.band)
             });
-            // A tag that is no whole millisecond moves all ranges alike; the recording's reader rounds it away.
+            // A tag that is not a whole millisecond moves all ranges equally; the recording's
+            // reader rounds it.
             let differences = ranges.clone().map(|recorded| signal.range_m - recorded.pseudorange_m);
             let moved_m = *moved_m.get_or_insert(differences.clone().next().unwrap_or(f64::NAN));
             assert!(moved_m.abs() < MOST_MOVED_M, "{}: {moved_m} m", satellite.satellite);
@@ -169,7 +171,7 @@ fn streams_of_an_independent_program_hold_the_epochs_and_ephemerides_of_their_re
     }
 }
 
-/// The frames of navigation bits of `BeiDou` satellites, and all ranges.
+/// Returns the frames of navigation bits of `BeiDou` satellites, and all ranges.
 fn of_beidou_alone(bytes: &[u8]) -> Vec<u8> {
     let is_kept = |piece: &Piece<'_>| match (piece.kind, piece.bytes.get(6)) {
         (Kind::Ubx([0x02, 0x13]), Some(system)) => *system == 3,
@@ -180,7 +182,8 @@ fn of_beidou_alone(bytes: &[u8]) -> Vec<u8> {
 
 #[test]
 fn beidou_says_its_own_coefficients_of_the_ionosphere() {
-    // C02's in the header of the navigation file, and those of the file that has no others.
+    // The coefficients of C02 in the header of the navigation file, and those of the file that has
+    // no others.
     let toulouse = [3.1665e-8, 9.6858e-8, -1.1325e-6, 1.7285e-6, 1.3107e5, -2.1299e5, 1.3107e5, 5.8982e5];
     let nagoya = [1.8626e-8, 2.2352e-8, -1.1921e-7, -5.9605e-8, 1.2902e5, 1.6384e5, -1.9661e5, -2.6214e5];
     for (stream, want) in [(&STREAMS[3], toulouse), (&STREAMS[1], nagoya)] {
@@ -196,7 +199,8 @@ fn beidou_says_its_own_coefficients_of_the_ionosphere() {
     }
 }
 
-/// One frequency of `BeiDou` and nothing else: half of what the ionosphere could be is gone when the satellites have spoken.
+/// For one frequency of `BeiDou` alone, half of the possible ionosphere is removed once the
+/// satellites have sent their coefficients.
 #[test]
 fn a_receiver_of_beidou_alone_has_a_model_of_the_ionosphere() {
     let Some(bytes) = STREAMS[1].bytes() else { return };

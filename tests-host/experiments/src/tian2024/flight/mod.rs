@@ -1,8 +1,9 @@
-//! Tables 6 to 9: a flight with three, two, one and no fault, and what it costs to judge.
+//! Tables 6 to 9: a flight with three, two, one and no fault, and the cost of judging it.
 //!
-//! From Beijing (ZBAA) to Shanghai (ZSSS) along the great circle, with climb and descent; 10.5 m of noise on every
-//! range. Two skies: all satellites in view, and 22 of them (nine of GPS, the highest, and 13 of `BeiDou`, drawn anew
-//! in every epoch), whose fault-free error is near the printed one.
+//! The flight goes from Beijing (ZBAA) to Shanghai (ZSSS) along the great circle, with climb and
+//! descent, and with 10.5 m of noise on every range. There are two skies: all satellites in view,
+//! and 22 of them (nine of GPS, the highest, and 13 of `BeiDou`, drawn anew in every epoch), whose
+//! fault-free error is near the printed one.
 
 mod tables;
 
@@ -28,7 +29,7 @@ const SEED: u64 = 0xF117;
 /// Latitude and longitude of the airports, degrees, and their heights, m.
 const BEIJING: [f64; 3] = [40.0 + 4.4 / 60.0, 116.0 + 35.9 / 60.0, 35.3];
 const SHANGHAI: [f64; 3] = [31.0 + 11.8 / 60.0, 121.0 + 20.1 / 60.0, 3.0];
-/// Height of the cruise, m, and how long climb and descent last, s.
+/// Height of the cruise, m, and durations of climb and descent, s.
 const CRUISE_M: f64 = 10_000.0;
 const CLIMB_S: f64 = 1200.0;
 const DESCENT_S: f64 = 1500.0;
@@ -47,7 +48,7 @@ const SEGMENTS: [Segment; 4] = [
     Segment { end_s: SECONDS, faults: 0 },
 ];
 
-/// Which satellites the receiver uses.
+/// Satellites that the receiver uses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum View {
     All,
@@ -58,13 +59,13 @@ const VIEWS: [View; 2] = [View::All, View::Thinned];
 const THINNED_GPS: usize = 9;
 const THINNED_BEIDOU: usize = 13;
 
-/// Who judges an epoch. The first believes every satellite.
+/// Judges of an epoch. The first accepts every satellite.
 const JUDGES: [&str; 5] =
     ["all in view", "parity, sequential", "traditional, consensus", "traditional, as printed", "improved"];
 const PRINTED_CRITERION: usize = 3;
 const IMPROVED: usize = 4;
 
-/// What one judge makes of one epoch.
+/// Opinion of one judge about one epoch.
 #[derive(Clone, Debug)]
 struct Opinion {
     answer: Answer,
@@ -77,41 +78,41 @@ struct Opinion {
 struct Sample {
     second: u64,
     faulty: Vec<usize>,
-    /// `None` where the judge was not asked.
+    /// Opinions by judge; `None` for a judge that did not run.
     opinions: [Option<Opinion>; JUDGES.len()],
     work: Work,
 }
 
-/// What judging an epoch takes, in units that no machine changes.
+/// Work of judging an epoch, in units independent of the machine.
 #[derive(Clone, Copy, Debug)]
 struct Work {
     satellites: usize,
-    /// Sets that sequential isolation looks at.
+    /// Number of sets that sequential isolation examines.
     sets: usize,
-    /// Triangles and tetrahedra of the choice of subsets.
+    /// Number of triangles and tetrahedra in the choice of subsets.
     tetrahedra: usize,
-    /// Subsets that are solved.
+    /// Number of subsets that are solved.
     chosen: usize,
-    /// Subsets that the traditional method solves.
+    /// Number of subsets that the traditional method solves.
     minimal: f64,
 }
 
-/// Every so many seconds there is an epoch.
+/// Returns the time between epochs, s.
 fn step_s(effort: Effort) -> u64 {
     effort.pick(20, 1)
 }
 
-/// And every so many seconds the traditional method runs too.
+/// Returns the time between epochs in which the traditional method runs too, s.
 fn stride_s(effort: Effort) -> u64 {
     effort.pick(120, 40)
 }
 
-/// Epochs of the flight.
+/// Returns the number of epochs of the flight.
 pub(super) fn epochs(effort: Effort) -> u64 {
     SECONDS / step_s(effort)
 }
 
-/// Where the aircraft is.
+/// Returns the place of the aircraft.
 fn site(second: u64) -> Site {
     let share = second as f64 / SECONDS as f64;
     let unit = |[latitude_deg, longitude_deg, _]: [f64; 3]| {
@@ -131,7 +132,7 @@ fn segment(second: u64) -> usize {
     SEGMENTS.iter().position(|segment| second <= segment.end_s).unwrap_or(SEGMENTS.len() - 1)
 }
 
-/// What flies.
+/// A flight with its satellites, noise and limits.
 struct Flight {
     effort: Effort,
     satellites: Vec<Satellite>,
@@ -202,19 +203,20 @@ impl Flight {
 }
 
 impl Opinion {
-    /// With the position of a solution; the linearisation point is the truth, hence its correction is its error.
+    /// Returns an opinion with the position of a solution. The linearisation point is the truth, so
+    /// the correction is the error.
     fn at(answer: Answer, solution: &Snapshot<'_, f32>) -> Self {
         let error = solution.correction().map(f64::from);
         Self { answer, horizontal_m: error.x.hypot(error.y), up_m: error.z }
     }
 
-    /// With the position that is left without the rows named, as far as one is.
+    /// Returns an opinion with the position without the named rows, as far as there is one.
     fn without(answer: Answer, posed: &Workspace<f32, ROWS>) -> Result<Self> {
         let mut workspace = posed.clone();
         let mut solution = workspace.solve()?;
         if let Answer::Rows(rows) = &answer {
             for &row in rows {
-                // What cannot be left out stays.
+                // A row that cannot be left out stays.
                 let _ = solution.leave_out(row);
             }
         }
@@ -222,7 +224,7 @@ impl Opinion {
     }
 }
 
-/// The highest of GPS and some of `BeiDou`, in the order of the sky.
+/// Returns the highest satellites of GPS and some of `BeiDou`, in the order of the sky.
 fn thinned(all: &[Sight], second: u64) -> Vec<Sight> {
     let of = |sky: Sky| all.iter().copied().filter(move |sight| sky.has(sight.satellite));
     let mut gps: Vec<Sight> = of(Sky::Gps).collect();
@@ -234,7 +236,7 @@ fn thinned(all: &[Sight], second: u64) -> Vec<Sight> {
     gps.into_iter().chain(drawn.into_iter().map(|index| beidou[index])).collect()
 }
 
-/// The flight's sections and its picture.
+/// Returns the flight's sections and its picture.
 pub(super) fn flight(effort: Effort, bar: &ProgressBar) -> Result<(Vec<Section>, Vec<Picture>)> {
     let flight =
         Flight { effort, satellites: fleets(), noise: Noise::new(SEED), limits: Limits::published()? };

@@ -1,4 +1,4 @@
-//! The tables of the flight: how often each judge is right, where that leaves the aircraft, what it costs.
+//! Tables of the flight: rates of correct answers, errors of the position, and cost.
 
 use std::time::Instant;
 
@@ -19,7 +19,7 @@ use tests_host::report::chart::{Axis, LineChart, Series, Span};
 use tests_host::sky::linear::{Sigma, equations, rows};
 use tests_host::sky::sights;
 
-/// What is printed of one stretch.
+/// Printed values of one stretch.
 struct Printed {
     /// Missed, wrong, accuracy in percent: parity, traditional, improved.
     isolated: [(u32, u32, f64); 3],
@@ -51,7 +51,7 @@ const PRINTED: [Printed; SEGMENTS.len()] = [
     },
 ];
 
-/// The printed column that a judge stands for.
+/// Returns the printed column of a judge.
 const fn column(judge: usize) -> usize {
     match judge {
         0 | 1 => judge,
@@ -60,7 +60,7 @@ const fn column(judge: usize) -> usize {
     }
 }
 
-/// The opinions of one judge over one stretch of one view.
+/// Returns the opinions of one judge over one stretch of one view.
 fn opinions(
     samples: &[[Sample; 2]],
     view: usize,
@@ -72,7 +72,7 @@ fn opinions(
     within.filter_map(move |sample| Some((sample.opinions[judge].as_ref()?, sample.faulty.as_slice())))
 }
 
-/// All sections.
+/// Returns all sections.
 pub(super) fn sections(samples: &[[Sample; 2]]) -> Vec<Section> {
     let mut sections = Vec::new();
     for (view, name) in ["all satellites in view", "22 satellites"].into_iter().enumerate() {
@@ -116,7 +116,7 @@ fn isolation(samples: &[[Sample; 2]], view: usize, name: &str) -> Section {
     Section { title: format!("Table 6, accuracy in %, {name}"), rows }
 }
 
-/// What is printed, and what is found, of an error.
+/// Function that returns the printed and the found value of an error.
 type Quantity = fn(&Printed, usize, &[&Opinion]) -> (f64, Finding);
 
 fn horizontal(printed: &Printed, column: usize, opinions: &[&Opinion]) -> (f64, Finding) {
@@ -147,7 +147,7 @@ fn errors(samples: &[[Sample; 2]], view: usize, judgement: Judgement, quantity: 
     rows
 }
 
-/// Root mean square about a value.
+/// Returns the root mean square about a value.
 fn deviation(values: impl Iterator<Item = f64>, about: f64) -> Finding {
     let squares: Vec<f64> = values.map(|value| (value - about).powi(2)).collect();
     let mean = squares.iter().sum::<f64>() / squares.len() as f64;
@@ -156,7 +156,7 @@ fn deviation(values: impl Iterator<Item = f64>, about: f64) -> Finding {
     Finding::Number { value: mean.sqrt(), decimals: 2, interval }
 }
 
-/// Table 9 in units that no machine changes.
+/// Returns table 9 in units independent of the machine.
 fn work(samples: &[[Sample; 2]]) -> Section {
     let works = || samples.iter().map(|[all, _]| all.work);
     let mean = |value: fn(&super::Work) -> f64| {
@@ -184,11 +184,12 @@ fn work(samples: &[[Sample; 2]]) -> Section {
     Section { title: "Table 9, work per epoch, all satellites in view".to_owned(), rows }
 }
 
-/// Epochs whose time is taken, and minimal subsets from which the traditional method's is extrapolated.
+/// Number of timed epochs, and of minimal subsets from which the traditional method's time is
+/// extrapolated.
 const TIMED: u64 = 20;
 const TIMED_SUBSETS: usize = 500;
 
-/// Table 9 as times of this machine, which no test holds.
+/// Returns table 9 as times of this machine, which no test checks.
 pub(super) fn times(flight: &Flight) -> Result<[Section; 1]> {
     let mut each_s = [const { Vec::new() }; 3];
     for index in 1..=TIMED {
@@ -200,7 +201,7 @@ pub(super) fn times(flight: &Flight) -> Result<[Section; 1]> {
         let taken_s = taken_s(&epoch, &flight.limits, second)?;
         each_s.iter_mut().zip(taken_s).for_each(|(times, taken)| times.push(taken));
     }
-    // The median: whatever else the machine does meanwhile would weigh in a mean.
+    // The median is used, because a mean would include the machine's other work.
     let [parity_s, traditional_s, improved_s] = each_s.map(|mut times: Vec<f64>| {
         times.sort_by(f64::total_cmp);
         times[times.len() / 2]
@@ -221,7 +222,8 @@ pub(super) fn times(flight: &Flight) -> Result<[Section; 1]> {
     }])
 }
 
-/// Seconds that parity, traditional and improved method take for one epoch, solution included.
+/// Returns the times that parity, traditional and improved method take for one epoch, solution
+/// included, s.
 fn taken_s(
     epoch: &rai_core::equations::LinearEpoch<f32, ROWS>,
     limits: &Limits,
@@ -247,7 +249,7 @@ fn taken_s(
     Ok([parity_s, traditional_s, start.elapsed().as_secs_f64()])
 }
 
-/// Seconds between the points of the picture.
+/// Time between the points of the picture, s.
 const PICTURE_STEP_S: u64 = 20;
 
 pub(super) fn figure_6(samples: &[[Sample; 2]]) -> Result<Picture> {
