@@ -1,6 +1,7 @@
 //! Captures of a receiver through the module: the epochs of an independent program's streams, whatever is wrong with the
 //! file, and faults put into it.
 
+mod date;
 mod injection;
 
 use std::fs::File;
