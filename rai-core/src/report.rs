@@ -51,6 +51,9 @@ pub enum Alert {
     /// The position moved farther than it can since it was last protected: satellites that agree on it agree by chance,
     /// or on somebody's purpose.
     Jump,
+    /// No epoch of the receiver in use came within the time to alert, and epochs of another station or in another format did. Said by
+    /// the receiver around the core.
+    Source,
     /// The receiver that measures is sure that its signals are counterfeit. Said by the receiver around the core.
     Spoofed,
 }

@@ -105,6 +105,11 @@ impl Navigator {
         self.store.insert(ephemeris, now)
     }
 
+    /// Moves sets that came before the week of the present was named or moved.
+    pub fn redate(&mut self, present: GpsTime) {
+        self.store.redate(present);
+    }
+
     /// UTC is another than it was taken for: the orbits of GLONASS, which are dated in it, are not what they were taken for.
     pub fn correct_utc(&mut self) {
         self.store.forget(Constellation::Glonass);

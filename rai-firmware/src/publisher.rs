@@ -109,7 +109,7 @@ impl Publisher {
         Ok(())
     }
 
-    /// Tells that no epoch came within the time to alert.
+    /// Sends that no epoch came within the time to alert, with the reason.
     ///
     /// # Errors
     /// The writer's own.
@@ -117,12 +117,13 @@ impl Publisher {
         &mut self,
         last: Option<GpsTime>,
         gps_minus_utc_s: u8,
+        reason: Alert,
         configuration: &Configuration,
         out: &mut W,
     ) -> Result<(), W::Error> {
-        write_stale(last, gps_minus_utc_s, &configuration.requirements, out)?;
+        write_stale(last, gps_minus_utc_s, reason, &configuration.requirements, out)?;
         #[cfg(feature = "mavlink")]
-        self.sender.write_stale(Verdict::Alert(Alert::Stale), configuration.outputs.due(0), out)?;
+        self.sender.write_stale(Verdict::Alert(reason), configuration.outputs.due(0), out)?;
         Ok(())
     }
 

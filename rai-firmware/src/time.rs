@@ -55,6 +55,31 @@ impl GpsTime {
         }
     }
 
+    /// Returns the instant that many milliseconds earlier, a week at most.
+    pub(crate) const fn earlier_by_ms(self, ms: u32) -> Self {
+        if self.tow_ms >= ms {
+            Self { tow_ms: self.tow_ms - ms, ..self }
+        } else {
+            Self { week: self.week.saturating_sub(1), tow_ms: self.tow_ms + WEEK_MS - ms }
+        }
+    }
+
+    /// Returns the same second of a week that many weeks later, or earlier where negative.
+    #[must_use]
+    pub const fn later_by_weeks(self, weeks: i32) -> Self {
+        let week = (self.week as i32).saturating_add(weeks);
+        Self {
+            week: if week < 0 {
+                0
+            } else if week > u16::MAX as i32 {
+                u16::MAX
+            } else {
+                week as u16
+            },
+            ..self
+        }
+    }
+
     /// Seconds since 1980-01-06, exact to a microsecond for centuries.
     pub fn to_s(self) -> f64 {
         self.to_ms() as f64 * 1e-3

@@ -8,7 +8,7 @@ use anyhow::{Context, Result, bail, ensure};
 use clap::ValueEnum;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use indicatif::{ProgressBar, ProgressStyle};
-use tests_host::capture::{self, Capture, Orbits};
+use tests_host::capture::{self, Capture, Orbits, Prepared};
 use tests_host::encode::{Frequency, Selection};
 use tests_host::fault::Fault;
 use tests_host::recording::{Recording, Skipped};
@@ -70,6 +70,9 @@ pub(crate) struct Arguments {
     /// Systems to use: G (GPS), C (`BeiDou`), E (Galileo), R (GLONASS), J (QZSS); the first three unless given.
     #[arg(long, value_name = "LETTERS")]
     systems: Option<String>,
+    /// GPS week of a capture's first epoch, not rolled over: 1709 is October 2012. Unless given, from the capture itself.
+    #[arg(long, value_name = "N", requires = "capture", value_parser = clap::value_parser!(u16).range(0..=8191))]
+    week: Option<u16>,
     /// Frequencies to use.
     #[arg(long, value_enum, default_value = "dual")]
     frequency: Frequencies,
@@ -128,6 +131,8 @@ struct Source {
     klobuchar: Option<[f64; 8]>,
     /// Records that were passed over.
     skipped: Skipped,
+    /// GPS week of the first epoch, where the module is told.
+    week: Option<u16>,
     truth: Option<Truth>,
     faults: Vec<Fault>,
     /// What a capture lacks for a position.
@@ -138,7 +143,7 @@ struct Source {
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let source = source(arguments)?;
     let Source { lumps, faults, .. } = &source;
-    let commands = commands(arguments, source.klobuchar)?;
+    let commands = commands(arguments, source.week, source.klobuchar)?;
 
     let host = replay::on_host(lumps, &commands, Pace::Recorded, progress(lumps, "on the host"))?;
     let on_board = match arguments.on {
@@ -211,7 +216,7 @@ fn of_recording(
     };
     let lumps = replay::encode(&recording, &selection, &faults, window)?;
     let (klobuchar, skipped) = (recording.klobuchar, recording.skipped);
-    Ok(Source { lumps, klobuchar, skipped, truth, faults, missing: None })
+    Ok(Source { lumps, klobuchar, week: None, skipped, truth, faults, missing: None })
 }
 
 /// The bytes of a receiver, as they came.
@@ -232,7 +237,7 @@ fn of_capture(
         [] => None,
         files => Some(Orbits::load(files, &selection(arguments, &systems)?)?),
     };
-    let capture = Capture::of(bytes, orbits).with_context(|| name.to_owned())?;
+    let capture = Capture::of_week(bytes, orbits, arguments.week).with_context(|| name.to_owned())?;
     let prepared = capture.lumps(&faults, window)?;
     let missing = capture.missing();
     if !arguments.json {
@@ -241,14 +246,8 @@ fn of_capture(
             eprintln!("note: {missing}");
         }
     }
-    Ok(Source {
-        lumps: prepared.lumps,
-        klobuchar: prepared.klobuchar,
-        skipped: Skipped::default(),
-        truth,
-        faults,
-        missing,
-    })
+    let Prepared { lumps, klobuchar, week } = prepared;
+    Ok(Source { lumps, klobuchar, week, skipped: Skipped::default(), truth, faults, missing })
 }
 
 /// Letters of the systems that take part: what the module is told in the end.
@@ -284,7 +283,7 @@ fn not_negative(text: &str) -> Result<f64, String> {
 }
 
 /// Commands that configure the module as asked; what is not asked for stays as the module starts.
-fn commands(arguments: &Arguments, klobuchar: Option<[f64; 8]>) -> Result<Vec<String>> {
+fn commands(arguments: &Arguments, week: Option<u16>, klobuchar: Option<[f64; 8]>) -> Result<Vec<String>> {
     let given = [("PHASE", &arguments.phase), ("POLICY", &arguments.policy), ("METHOD", &arguments.method)];
     let mut setup: Vec<String> = given
         .iter()
@@ -297,6 +296,7 @@ fn commands(arguments: &Arguments, klobuchar: Option<[f64; 8]>) -> Result<Vec<St
     if arguments.capture.is_some() {
         setup.extend((arguments.frequency == Frequencies::Single).then(|| "FREQ,SINGLE".to_owned()));
     }
+    setup.extend(week.map(|week| format!("WEEK,{week}")));
     if let Some(coefficients) = klobuchar {
         let numbers: Vec<String> = coefficients.iter().map(|value| format!("{value:e}")).collect();
         setup.push(format!("IONO,{}", numbers.join(",")));

@@ -267,6 +267,11 @@
 #define RAI_REASON_TIME 37
 
 /**
+ * Alert: no epoch of the receiver in use came, and epochs of another station or in another format did.
+ */
+#define RAI_REASON_SOURCE 38
+
+/**
  * Unavailable: too few satellites for a position, or the fix did not converge.
  */
 #define RAI_REASON_NOFIX 64

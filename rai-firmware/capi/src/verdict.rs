@@ -34,6 +34,8 @@ pub const RAI_REASON_JUMP: u8 = 35;
 pub const RAI_REASON_SPOOFED: u8 = 36;
 /// Alert: a wrong time tag of all ranges explains the data.
 pub const RAI_REASON_TIME: u8 = 37;
+/// Alert: no epoch of the receiver in use came, and epochs of another station or in another format did.
+pub const RAI_REASON_SOURCE: u8 = 38;
 /// Unavailable: too few satellites for a position, or the fix did not converge.
 pub const RAI_REASON_NOFIX: u8 = 64;
 /// Unavailable: no redundancy to test the position with.
@@ -71,6 +73,7 @@ fn text(reason: u8) -> &'static CStr {
         RAI_REASON_JUMP => c"JUMP",
         RAI_REASON_SPOOFED => c"SPOOFED",
         RAI_REASON_TIME => c"TIME",
+        RAI_REASON_SOURCE => c"SOURCE",
         RAI_REASON_NOFIX => c"NOFIX",
         RAI_REASON_REDUNDANCY => c"REDUNDANCY",
         RAI_REASON_GEOMETRY => c"GEOMETRY",
@@ -99,6 +102,7 @@ pub(crate) fn reason_of(verdict: Verdict) -> u8 {
         Verdict::Alert(Alert::Jump) => RAI_REASON_JUMP,
         Verdict::Alert(Alert::Spoofed) => RAI_REASON_SPOOFED,
         Verdict::Alert(Alert::Time) => RAI_REASON_TIME,
+        Verdict::Alert(Alert::Source) => RAI_REASON_SOURCE,
         Verdict::Unavailable(Unavailable::NoFix) => RAI_REASON_NOFIX,
         Verdict::Unavailable(Unavailable::Redundancy) => RAI_REASON_REDUNDANCY,
         Verdict::Unavailable(Unavailable::Geometry) => RAI_REASON_GEOMETRY,

@@ -27,6 +27,8 @@ pub enum Command {
     Confirm,
     /// `FORGET`: the last position counts for nothing.
     Forget,
+    /// `WEEK`: the GPS week, not rolled over, of the next epoch.
+    Week(u16),
     /// `RESET`: start again.
     Reset,
 }
@@ -55,6 +57,9 @@ const RECOVERY_S: (f64, f64) = (0.0, 600.0);
 
 /// Every how many epochs something is sent.
 const EVERY: (f64, f64) = (0.0, 255.0);
+
+/// GPS weeks, not rolled over: to the end of the eighth cycle, in 2137.
+const WEEKS: (f64, f64) = (0.0, 8191.0);
 
 /// Fault-free risk: beyond, the levels would promise what no sigma is known for, or nothing.
 const FAULT_FREE: (f64, f64) = (1e-12, 1e-2);
@@ -93,6 +98,10 @@ impl Command {
             Key::SelfTest => none(values).map(|()| Self::SelfTest),
             Key::Confirm => none(values).map(|()| Self::Confirm),
             Key::Forget => none(values).map(|()| Self::Forget),
+            Key::Week => {
+                let week = next_number(values, WEEKS)?;
+                none(values).map(|()| Self::Week(week as u16))
+            }
             Key::Reset => none(values).map(|()| Self::Reset),
             _ => match values.next() {
                 Some(first) => Setting::read(key, &mut core::iter::once(first).chain(values)).map(Self::Set),

@@ -57,13 +57,15 @@ pub enum Key {
     Confirm,
     /// `FORGET`: the last position counts for nothing.
     Forget,
+    /// `WEEK`: the week of a recording.
+    Week,
     /// `RESET`: start again.
     Reset,
 }
 
 /// Every key: its name, and whether this build does what it asks for. What is known and not built in is refused by
 /// name, so that nobody believes it done.
-const KEYS: [(&str, Key, bool); 28] = [
+const KEYS: [(&str, Key, bool); 29] = [
     ("PHASE", Key::Phase, true),
     ("HAL", Key::HorizontalAlertLimit, true),
     ("VAL", Key::VerticalAlertLimit, true),
@@ -91,6 +93,7 @@ const KEYS: [(&str, Key, bool); 28] = [
     ("SELFTEST", Key::SelfTest, true),
     ("CONFIRM", Key::Confirm, true),
     ("FORGET", Key::Forget, true),
+    ("WEEK", Key::Week, true),
     ("RESET", Key::Reset, true),
 ];
 

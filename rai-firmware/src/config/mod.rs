@@ -27,6 +27,7 @@
 //! | `IONO` | 4 α, 4 β, not all zero; or `AUTO`: what satellites broadcast | `AUTO` | s, s/semicircle, … as broadcast |
 //! | `ISM` | `ICAO`, `RESEARCH`: presets of [`rai_core::weighting::Ism`], for `SEPARATION`; with `-AIR` the noise is that of an antenna on an aircraft. Or one system: its letter (of `GREC`), URA, URE, `b_nom`, `P_sat`, `P_const`, until the next preset ([`Promises`]) | `ICAO` | m, –, as there |
 //! | `OUTPUT` | an item of [`crate::output::schedule`], every how many epochs: 0 (never) to 255 | as there | |
+//! | `WEEK` | GPS week of the next epoch, not rolled over, 0 to 8191: an [`Action`] | | |
 //! | `STATS`, `SELFTEST`, `CONFIRM`, `FORGET`, `RESET` | none: an [`Action`] | | |
 //!
 //! A key without a value answers what is in force, in the words that set it. `HAL`, `VAL`, `PFA` and `PMD` make the

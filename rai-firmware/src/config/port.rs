@@ -21,6 +21,8 @@ pub enum Action {
     Confirmed,
     /// The last position counts for nothing; this was answered.
     Forget,
+    /// The next epoch is of this GPS week; this was answered.
+    Week(u16),
     /// Start again; this was answered.
     Reset,
 }
@@ -138,7 +140,7 @@ fn obey<W: Write>(
                 Action::Reconfigured => {
                     write_answer(line.key(), line.values(), warning(line, configuration), host)
                 }
-                Action::Forget | Action::Confirmed | Action::Reset => {
+                Action::Forget | Action::Confirmed | Action::Week(_) | Action::Reset => {
                     write_answer(line.key(), line.values(), None, host)
                 }
                 Action::Statistics | Action::SelfTest => Ok(()),
@@ -189,6 +191,7 @@ fn understand(line: Line<'_>, configuration: &mut Configuration) -> Result<Under
         Command::SelfTest => Understood::Order(Action::SelfTest),
         Command::Confirm => Understood::Order(Action::Confirmed),
         Command::Forget => Understood::Order(Action::Forget),
+        Command::Week(week) => Understood::Order(Action::Week(week)),
         Command::Reset => Understood::Order(Action::Reset),
     })
 }

@@ -218,6 +218,13 @@ impl Ephemeris {
         self.toe
     }
 
+    /// Moves the reference time to the same second of another week: orbit and clock depend on the second alone.
+    pub(crate) fn date(&mut self, toe: GpsTime) {
+        if toe.tow_ms == self.toe.tow_ms {
+            self.toe = toe;
+        }
+    }
+
     /// One sigma of the error that the satellite promises for a range made of these carriers, m; `None` when it promises
     /// nothing.
     pub fn accuracy_m(&self, bands: (Band, Option<Band>)) -> Option<f32> {

@@ -129,6 +129,17 @@ impl Store {
         self.rivals.retain(|rival| rival.ephemeris.satellite.constellation() != constellation);
     }
 
+    /// Moves sets that are dated a week from the present into its week: the week was named or moved after they came.
+    pub fn redate(&mut self, present: GpsTime) {
+        let entries = self.entries.iter_mut().map(|entry| &mut entry.ephemeris);
+        for ephemeris in entries.chain(self.rivals.iter_mut().map(|rival| &mut rival.ephemeris)) {
+            let nearest = GpsTime::nearest(ephemeris.toe.tow_ms, present);
+            if nearest.week.abs_diff(ephemeris.toe.week) == 1 {
+                ephemeris.date(nearest);
+            }
+        }
+    }
+
     /// Takes note of which satellites an epoch holds.
     pub fn observe(&mut self, satellites: impl Iterator<Item = SatelliteId>) {
         self.epochs = self.epochs.saturating_add(1);

@@ -8,32 +8,20 @@
 //! | systems tag one instant differently, by less than [`SAME_INSTANT_MS`] | one epoch, at the first tag |
 //! | a system says that none follows, and another one follows | that one is late for this epoch; the word of the system that was wrong counts for nothing until it has been right [`FORGIVEN_AFTER`] times, and its epochs end with the next instant or a pause |
 //! | a message without satellites is tagged ahead | it moves no clock, for it vouches for nothing; far ahead it is passed over |
+//! | ranges come again under a new tag, bit for bit | the repeat is dropped: satellites move by metres in a millisecond, so it carries no news and a wrong tag |
 //! | bytes are lost | the epoch under way and the rest of the next one are dropped |
 //! | two receivers of one name share the line | what comes first is used; that an epoch came over again with other ranges is remembered ([`Assembly::take_rivalry`]) |
 
-use heapless::Vec;
-use rai_core::numeric::bounds::is_within;
-use rai_core::satellite::SatelliteId;
-
 use super::calendar::{Calendar, TimeError};
+use super::epoch_ranges::{Comparison, add, hash_of_ranges};
 use super::leap_seconds::LeapSource;
 use super::{Counters, Event, Ranges, Series};
 use crate::counters::count;
-use crate::raw::{RawEpoch, RawSatellite, RawSignal};
+use crate::raw::RawEpoch;
 use crate::time::{GpsTime, WEEK_MS};
-
-/// What a pseudorange can be, m.
-///
-/// No satellite is nearer than 19,000 km or farther than 43,000 km; a receiver clock may add or take 30 ms.
-const RANGE_M: core::ops::RangeInclusive<f64> = 1.0e7..=5.2e7;
 
 /// Tags that differ by less are of one instant, ms: receivers round each system's own time for itself.
 const SAME_INSTANT_MS: u32 = 10;
-
-/// Ranges of one band at one instant that differ by more are of two antennas, or two clocks, m: a receiver says the same however
-/// often, to the steps of its messages. Its codes of one band may differ by as much, by reflections; then one of them is the one that
-/// is kept.
-const APART_M: f64 = 5.0;
 
 /// How often a system has to be right until its word counts again.
 const FORGIVEN_AFTER: u8 = 3;
@@ -68,6 +56,8 @@ pub(super) struct Assembly {
     utc_before: Option<(u32, u64)>,
     /// Whether an epoch came over again with other ranges.
     has_rival: bool,
+    /// The hash of the ranges of the last complete epoch.
+    ranges_before: Option<u32>,
 }
 
 /// Messages of one instant come within, ms: a line that is so slow that this is too short tells no leap seconds by them.
@@ -86,6 +76,7 @@ impl Assembly {
             distrust: [0; 16],
             utc_before: None,
             has_rival: false,
+            ranges_before: None,
         }
     }
 
@@ -104,7 +95,7 @@ impl Assembly {
         tell: &mut dyn FnMut(Event<'_>),
     ) {
         if let Some((time, leap_s)) = ranges.stated {
-            calendar.suppose(time);
+            calendar.suppose(time, counters);
             if let Some(leap_s) = leap_s {
                 calendar.hear_leap(leap_s, LeapSource::Receiver);
             }
@@ -113,6 +104,7 @@ impl Assembly {
         match ranges.tow_ms {
             None if ranges.of_utc_ms.is_some() => count(&mut counters.leap_unknown),
             None => count(&mut counters.observations_other),
+            Some(tow_ms) if self.is_unsure(ranges, tow_ms, calendar) => count(&mut counters.leap_unknown),
             Some(tow_ms) => {
                 if self.admits(ranges, tow_ms, came_ms, calendar, counters, tell) {
                     self.heard |= bit(ranges.series);
@@ -138,6 +130,20 @@ impl Assembly {
                 }
             }
         }
+    }
+
+    /// Returns true if a message is tagged with a UTC that may be wrong by a leap second: it does not fit the epoch under way, or there
+    /// is none that it could be compared with.
+    fn is_unsure(&self, ranges: &Ranges<'_>, tow_ms: u32, calendar: &Calendar) -> bool {
+        ranges.of_utc_ms.is_some_and(|utc_ms| match self.phase {
+            Phase::Open(_) => !is_same(tow_ms, self.epoch.time.tow_ms) && calendar.is_step_due(),
+            _ => calendar.is_unsure(utc_ms),
+        })
+    }
+
+    /// Moves the epoch under way to the week of the present.
+    pub(super) fn redate(&mut self, present: GpsTime) {
+        self.epoch.time = GpsTime::nearest(self.epoch.time.tow_ms, present);
     }
 
     /// The line pauses: whoever said that the epoch is complete was right.
@@ -181,7 +187,7 @@ impl Assembly {
                     self.accuse(series);
                     self.phase = Phase::Open(None);
                 }
-                return is_empty || self.is_vouched || self.vouch(tow_ms, came_ms, calendar, counters);
+                return is_empty || self.is_vouched || self.vouch(tow_ms, came_ms, calendar, counters, tell);
             }
             Phase::Open(ended) => {
                 if let Some(series) = ended {
@@ -215,7 +221,7 @@ impl Assembly {
         self.came_ms = came_ms;
         self.heard = 0;
         if !is_empty {
-            return self.vouch(tow_ms, came_ms, calendar, counters);
+            return self.vouch(tow_ms, came_ms, calendar, counters, tell);
         }
         let foreseen = calendar.foresee(tow_ms);
         self.is_vouched = false;
@@ -232,8 +238,18 @@ impl Assembly {
     }
 
     /// The epoch has satellites: time goes on to it, or it is dropped.
-    fn vouch(&mut self, tow_ms: u32, came_ms: u64, calendar: &mut Calendar, counters: &mut Counters) -> bool {
+    fn vouch(
+        &mut self,
+        tow_ms: u32,
+        came_ms: u64,
+        calendar: &mut Calendar,
+        counters: &mut Counters,
+        tell: &mut dyn FnMut(Event<'_>),
+    ) -> bool {
         let time = calendar.advance(tow_ms, came_ms, counters);
+        if let Some(present) = calendar.take_redating() {
+            tell(Event::Redated(present));
+        }
         self.is_vouched = time.is_ok();
         // What is empty may come before its time.
         self.came_ms = came_ms;
@@ -283,9 +299,14 @@ impl Assembly {
         }
     }
 
-    /// Hands the epoch on.
+    /// Hands the epoch on, unless it repeats the one before.
     fn complete(&mut self, series: Option<Series>, counters: &mut Counters, tell: &mut dyn FnMut(Event<'_>)) {
         self.phase = Phase::Complete(self.epoch.time.tow_ms, series);
+        let ranges = hash_of_ranges(&self.epoch);
+        if ranges.is_some() && ranges == self.ranges_before {
+            return count(&mut counters.epochs_repeated);
+        }
+        self.ranges_before = ranges;
         count(&mut counters.epochs);
         tell(Event::Epoch(&self.epoch, self.came_ms));
     }
@@ -320,87 +341,4 @@ fn bit(series: Option<Series>) -> u16 {
 fn is_same(a_ms: u32, b_ms: u32) -> bool {
     let apart_ms = a_ms.abs_diff(b_ms);
     apart_ms.min(WEEK_MS.saturating_sub(apart_ms)) < SAME_INSTANT_MS
-}
-
-/// The signals of one satellite, held against those that an epoch keeps of it: a set of bands each.
-#[derive(Default)]
-struct Comparison {
-    satellite: Option<SatelliteId>,
-    /// A range is the one that is kept.
-    agree: u16,
-    /// A range is another.
-    differ: u16,
-}
-
-impl Comparison {
-    /// Takes the next signal; whether the satellite before, whose signals have all come, has other ranges on some band.
-    fn differs(&mut self, epoch: &RawEpoch, satellite: SatelliteId, signal: &RawSignal) -> bool {
-        let is_next = self.satellite.is_some_and(|before| before != satellite);
-        let is_rival = is_next && self.end();
-        self.satellite = Some(satellite);
-        let known = epoch.satellites.iter().filter(|known| known.satellite == satellite);
-        let band = signal.carrier.band;
-        for known in known.flat_map(|known| &known.signals).filter(|known| known.carrier.band == band) {
-            let is_apart = (known.range_m - signal.range_m).abs() > APART_M;
-            *(if is_apart { &mut self.differ } else { &mut self.agree }) |= 1 << band as u16;
-        }
-        is_rival
-    }
-
-    /// No more signals of the satellite come: whether none of a band is the one that is kept.
-    fn end(&mut self) -> bool {
-        let Self { agree, differ, .. } = core::mem::take(self);
-        differ & !agree != 0
-    }
-}
-
-/// Adds a signal of a message that began when the epoch held `earlier` satellites.
-///
-/// A satellite that an earlier message of the epoch has brought is a duplicate and keeps its first ranges.
-fn add(
-    epoch: &mut RawEpoch,
-    satellite: SatelliteId,
-    signal: RawSignal,
-    is_reference: bool,
-    earlier: usize,
-    counters: &mut Counters,
-) {
-    if !is_within(signal.range_m, &RANGE_M) {
-        return count(&mut counters.ranges_out_of_bounds);
-    }
-    // Signals of a satellite come one after the other.
-    let known = epoch.satellites.iter_mut().enumerate().rev().find(|(_, known)| known.satellite == satellite);
-    match known {
-        Some((index, _)) if index < earlier => count(&mut counters.satellites_duplicate),
-        Some((_, known)) => add_signal(known, signal, is_reference, counters),
-        None => open(epoch, satellite, signal, counters),
-    }
-}
-
-fn open(epoch: &mut RawEpoch, satellite: SatelliteId, signal: RawSignal, counters: &mut Counters) {
-    let mut raw = RawSatellite { satellite, signals: Vec::new() };
-    add_signal(&mut raw, signal, false, counters);
-    if epoch.satellites.push(raw).is_err() {
-        count(&mut counters.satellites_surplus);
-    }
-}
-
-/// Keeps one code of each band: the one that the broadcast clock is of, else the first on the wire. Of a code whose
-/// strength says nothing the strength is that of the other. Of more bands than there is room for, spare ones go.
-fn add_signal(raw: &mut RawSatellite, signal: RawSignal, is_reference: bool, counters: &mut Counters) {
-    if let Some(known) = raw.signals.iter_mut().find(|known| known.carrier.band == signal.carrier.band) {
-        if is_reference {
-            *known = match known.cn0_dbhz() {
-                Some(cn0_dbhz) if signal.cn0_dbhz().is_none() => signal.with_cn0_dbhz(cn0_dbhz),
-                _ => signal,
-            };
-        }
-        count(&mut counters.signals_surplus);
-    } else if raw.signals.push(signal).is_err() {
-        count(&mut counters.signals_surplus);
-        let spare = raw.signals.iter_mut().rev().find(|known| known.carrier.band.is_spare());
-        if let Some(spare) = spare.filter(|_| !signal.carrier.band.is_spare()) {
-            *spare = signal;
-        }
-    }
 }

@@ -51,6 +51,8 @@ counters! {
         epochs_without_week,
         /// Epochs dropped because they are not newer than the last one.
         epochs_backwards,
+        /// Epochs dropped because their ranges are those of the epoch before, bit for bit.
+        epochs_repeated,
         /// Times that went back and were accepted: they went on from there, or from what was known to be right.
         time_restarts,
         /// Weeks corrected because the ephemerides agreed on another one.

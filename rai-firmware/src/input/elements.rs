@@ -170,7 +170,8 @@ impl Layout {
             health: head.health,
             accuracy_m: head.accuracy_m,
             toe: head.toe,
-            toc: head.toc,
+            // A set has one week number for both, which near the end of a week fits one of them.
+            toc: GpsTime::nearest(head.toc.tow_ms, head.toe),
             sqrt_a_sqrt_m: sqrt_a.positive(pages, SQRT_A),
             eccentricity: eccentricity.positive(pages, ECCENTRICITY),
             m0_sc,

@@ -6,11 +6,28 @@
 //! | messages of one instant, one tagged with GPS time and one with UTC | any other, the same [`RUN`] times in a row |
 //!
 //! Where nothing is known, the first word counts. One word may be spoilt; leap seconds come one at a time.
+//!
+//! A leap second is inserted at the end of June or December, at midnight of UTC ([ITU-R TF.460-6]). For a minute from then on tags need to
+//! agree in [`STEP_RUN`] epochs only on the next number. Until they do, a tag of UTC is unsure by a second
+//! ([`LeapSeconds::is_unsure`]).
+//!
+//! [ITU-R TF.460-6]: crate#references
 
-use crate::time::{GpsTime, WEEK_MS};
+use crate::division::divided;
+use crate::time::{DAY_MS, GpsTime, WEEK_MS};
 
 /// How often in a row something has to be said that contradicts what is known.
 const RUN: u8 = 10;
+
+/// The same for the next number, while a leap second may come.
+const STEP_RUN: u8 = 2;
+
+/// How long before and after the midnight of a leap second the step may show, ms.
+const BEFORE_STEP_MS: u32 = 60_000;
+const AFTER_STEP_MS: u32 = 60_000;
+
+/// The inserted second, ms: by the number before the step it is the first of the new day.
+const LEAP_SECOND_MS: u32 = 1000;
 
 /// More leap seconds than there will be.
 const MOST_S: u32 = 63;
@@ -46,6 +63,8 @@ pub(super) struct LeapSeconds {
     known: Option<LeapSecond>,
     claimed: Repeated,
     inferred: Repeated,
+    /// The last epoch when tags were compared last.
+    compared: Option<GpsTime>,
 }
 
 /// A number, and how often in a row it has come.
@@ -68,7 +87,7 @@ impl Repeated {
 
 impl LeapSeconds {
     pub(super) const fn new() -> Self {
-        Self { known: None, claimed: Repeated::NONE, inferred: Repeated::NONE }
+        Self { known: None, claimed: Repeated::NONE, inferred: Repeated::NONE, compared: None }
     }
 
     /// GPS time minus UTC, who said so and when.
@@ -97,11 +116,52 @@ impl LeapSeconds {
             return;
         }
         let seconds = seconds as u8;
+        self.compared = now;
         let is_news = self.known.is_none_or(|known| known.seconds != seconds);
-        if self.inferred.count(seconds) >= RUN && is_news {
+        let is_next = self.known.is_some_and(|known| known.seconds.abs_diff(seconds) == 1);
+        let needed = if is_next && self.is_step_due(now) { STEP_RUN } else { RUN };
+        if self.inferred.count(seconds) >= needed && is_news {
             self.known = Some(LeapSecond { seconds, source: LeapSource::Tags, said: now });
         }
     }
+}
+
+impl LeapSeconds {
+    /// Returns true while a leap second may come; `now` is the last epoch.
+    pub(super) fn is_step_due(&self, now: Option<GpsTime>) -> bool {
+        let Some((day, of_day_ms)) = self.utc(now) else { return false };
+        match of_day_ms {
+            ..=AFTER_STEP_MS => begins_half_year(day),
+            _ => of_day_ms >= DAY_MS - BEFORE_STEP_MS && begins_half_year(day + 1),
+        }
+    }
+
+    /// Returns true if a tag of UTC that is the first of its instant may be wrong by a second: tags were not compared since the step
+    /// can show, or did not fit the known number.
+    pub(super) fn is_unsure(&self, utc_ms: u32, now: Option<GpsTime>) -> bool {
+        if self.inferred.run == 0 || !self.is_step_due(now) {
+            return false;
+        }
+        let is_after = utc_ms % DAY_MS < DAY_MS / 2;
+        let was_compared = self
+            .utc(self.compared)
+            .is_some_and(|(day, of_day_ms)| begins_half_year(day) && of_day_ms >= LEAP_SECOND_MS);
+        let has_misfit = self.known.is_some_and(|known| known.seconds != self.inferred.seconds);
+        has_misfit || is_after && !was_compared
+    }
+
+    /// Days since 1980-01-06 in UTC, and milliseconds of the day.
+    fn utc(&self, now: Option<GpsTime>) -> Option<(u32, u32)> {
+        let leap_ms = 1000 * u64::from(self.known?.seconds);
+        let (day, of_day_ms) = divided(now?.to_ms().saturating_sub(leap_ms), DAY_MS);
+        Some((day as u32, of_day_ms))
+    }
+}
+
+/// Returns true for the first of January and of July, until 2099.
+const fn begins_half_year(days_since_1980_01_06: u32) -> bool {
+    // Of four years, the first of which is a leap year, as 1980 was.
+    matches!((days_since_1980_01_06 + 5) % 1461, 0 | 182 | 366 | 547 | 731 | 912 | 1096 | 1277)
 }
 
 #[cfg(test)]
@@ -137,5 +197,48 @@ mod tests {
             leap.infer(1000 * second, 1000 * (second - 18), None);
         }
         assert_eq!(leap.known(), Some(LeapSecond { seconds: 18, source: LeapSource::Tags, said: None }));
+    }
+
+    #[test]
+    fn half_years_begin_when_leap_seconds_were_inserted() {
+        // IERS Bulletin C: the first instant after a leap second, s of Unix time, and GPS time minus UTC from then on.
+        const UNIX_1980_01_06: u64 = 315_964_800;
+        let inserted = [
+            (362_793_600, 1),    // 1981-07-01
+            (567_993_600, 5),    // 1988-01-01
+            (820_454_400, 11),   // 1996-01-01
+            (1_136_073_600, 14), // 2006-01-01
+            (1_230_768_000, 15), // 2009-01-01
+            (1_341_100_800, 16), // 2012-07-01
+            (1_435_708_800, 17), // 2015-07-01
+            (1_483_228_800, 18), // 2017-01-01
+        ];
+        for (unix_s, after) in inserted {
+            let mut leap = LeapSeconds::new();
+            leap.hear(after - 1, LeapSource::Receiver, None);
+            let at = |offset_s: u64| {
+                let ms = 1000 * (unix_s - UNIX_1980_01_06 + u64::from(after) - 100 + offset_s);
+                leap.is_step_due(Some(GpsTime::from_ms(ms)))
+            };
+            // 99 s are midnight by the number before the step.
+            assert_eq!([38, 39, 100, 159, 160].map(at), [false, true, true, true, false], "{unix_s}");
+        }
+    }
+
+    #[test]
+    fn step_of_a_second_needs_two_epochs_at_the_end_of_a_half_year_only() {
+        for (unix_s, needed) in [(1_483_228_800_u64, 2), (1_483_228_800 - 86_400, u32::from(RUN))] {
+            let mut leap = LeapSeconds::new();
+            leap.hear(17, LeapSource::Receiver, None);
+            let midnight_s = unix_s - 315_964_800 + 18;
+            let known = (0..needed).map(|second| {
+                let now = GpsTime::from_ms(1000 * (midnight_s + u64::from(second)));
+                leap.infer(now.tow_ms, (now.tow_ms + WEEK_MS - 18_000) % WEEK_MS, Some(now));
+                leap.known().map(|leap| leap.seconds)
+            });
+            let known: std::vec::Vec<_> = known.collect();
+            assert!(known[..known.len() - 1].iter().all(|known| *known == Some(17)), "{known:?}");
+            assert_eq!(known.last(), Some(&Some(18)));
+        }
     }
 }

@@ -14,9 +14,10 @@
 //! | `elements` | where each message has its orbital elements |
 //! | `preference` | whose ranges are used where several send some |
 //! | `assembly` | messages of one instant become one epoch |
+//! | `epoch_ranges` | the ranges of one epoch |
 //! | `suspicion` | what a receiver says of jamming and spoofing |
 //! | `system` | how each system numbers its satellites |
-//! | `calendar`, `message_week`, `week_votes` | which week it is, and that time goes forward |
+//! | `calendar`, `message_week`, `present_week`, `roll_over`, `week_votes` | the week of the present; time goes forward |
 //! | `leap_seconds` | how far UTC is behind |
 //! | [`Counters`] | what came in and what was not used |
 //!
@@ -30,6 +31,7 @@
 //! input.feed(&bytes, now_ms, |event| match event {
 //!     Event::Epoch(raw, came_ms) => drop((raw.time, came_ms)),
 //!     Event::Ephemeris(ephemeris) => drop(ephemeris.satellite()),
+//!     Event::Redated(present) => drop(present.week),
 //!     Event::Position(point) => drop(point.radius_m()),
 //!     Event::Ionosphere(constellation, coefficients) => drop((constellation, coefficients)),
 //!     Event::Jamming(jamming) => drop(jamming.spoofing),
@@ -43,10 +45,13 @@ mod bits;
 mod calendar;
 mod counters;
 mod elements;
+mod epoch_ranges;
 mod framer;
 mod leap_seconds;
 mod message_week;
 mod preference;
+mod present_week;
+mod roll_over;
 mod rtcm;
 mod suspicion;
 mod system;
@@ -83,6 +88,9 @@ pub enum Event<'a> {
     Epoch(&'a RawEpoch, u64),
     /// A checked ephemeris.
     Ephemeris(Ephemeris),
+    /// The present, whose week was named or moved only now: sets told before are dated a week off where the instant nearest to
+    /// it says so ([`crate::ephemeris::Store::redate`]).
+    Redated(GpsTime),
     /// Where a station says it is: a first guess.
     Position(Ecef),
     /// Coefficients of the ionosphere as the satellites of GPS or `BeiDou` broadcast them, each for its own model,
@@ -249,6 +257,12 @@ impl Input {
         self.preference.settle();
     }
 
+    /// Takes the GPS week of the next epoch, not rolled over, from a source that is to be believed: the date of a recording. It
+    /// also chooses the cycle of GPS weeks.
+    pub fn assume(&mut self, week: u16) {
+        self.calendar.assume(week);
+    }
+
     /// Nothing that was confirmed is so any more: what comes next may be of another receiver, and another time.
     pub fn forget(&mut self) {
         self.calendar.forget();
@@ -258,6 +272,12 @@ impl Input {
     /// Whether, since this was asked last, an epoch has come over again with other ranges: two receivers share the line.
     pub fn take_rivalry(&mut self) -> bool {
         self.assembly.take_rivalry()
+    }
+
+    /// Returns true if epochs of other sources come since the settled one is missing: a receiver that returned with another station
+    /// number or format, or somebody else on its line.
+    pub fn hears_others(&self) -> bool {
+        self.preference.hears_others()
     }
 
     /// What came in and what was not used.
@@ -289,11 +309,11 @@ impl Input {
                     }
                 }
                 Some(Message::Broadcast(broadcast)) => {
-                    learn(|| Ephemeris::new(&broadcast), calendar, counters, tell);
+                    learn(|| Ephemeris::new(&broadcast), calendar, assembly, counters, tell);
                 }
                 #[cfg(feature = "glonass")]
                 Some(Message::State(state)) => {
-                    learn(|| Ephemeris::of_state(&state), calendar, counters, tell);
+                    learn(|| Ephemeris::of_state(&state), calendar, assembly, counters, tell);
                 }
                 Some(Message::Position(point)) => tell(Event::Position(point)),
                 #[cfg(feature = "ubx")]
@@ -405,14 +425,19 @@ impl Unread {
 fn learn(
     ephemeris: impl FnOnce() -> Result<Ephemeris, BroadcastError>,
     calendar: &mut Calendar,
+    assembly: &mut Assembly,
     counters: &mut Counters,
     tell: &mut dyn FnMut(Event<'_>),
 ) {
-    let Ok(ephemeris) = ephemeris() else {
+    let Ok(mut ephemeris) = ephemeris() else {
         return count(&mut counters.ephemerides_invalid);
     };
     count(&mut counters.ephemerides);
-    calendar.learn(constellation(&ephemeris), ephemeris.toe(), counters);
+    ephemeris.date(calendar.learn(constellation(&ephemeris), ephemeris.toe(), counters));
+    if let Some(present) = calendar.take_redating() {
+        assembly.redate(present);
+        tell(Event::Redated(present));
+    }
     tell(Event::Ephemeris(ephemeris));
 }
 

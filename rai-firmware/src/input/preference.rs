@@ -91,6 +91,11 @@ impl Preference {
         tow_ms.is_none() || tow_ms != self.spent_ms
     }
 
+    /// Returns true if epochs of others come in place of a settled source, which only the host can give up.
+    pub(super) const fn hears_others(&self) -> bool {
+        self.is_settled && self.others > PATIENCE
+    }
+
     /// Whether the source in use has said nothing for long.
     fn is_missing(&self, tow_ms: Option<u32>) -> bool {
         let since_ms = |(now_ms, then_ms): (u32, u32)| (now_ms + WEEK_MS).saturating_sub(then_ms) % WEEK_MS;
@@ -128,8 +133,11 @@ mod tests {
         let mut preference = Preference::new();
         assert!(takes(&mut preference, RECEIVER, 0));
         preference.settle();
+        assert!(!preference.hears_others());
         assert!(!(1..10_000).any(|second| takes(&mut preference, BASE, second)));
+        assert!(preference.hears_others());
         assert!(takes(&mut preference, RECEIVER, 10_000));
+        assert!(!preference.hears_others());
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! Whether the week is the right one: the systems vote on it, each with its ephemerides.
+//! Votes of the systems on the week, each by its ephemerides.
 //!
 //! What one system says, however often, does not outvote two that agree. The week is wrong when more systems contradict it than
 //! confirm it, or as many and with [`DISSENT`] more ephemerides. Who has confirmed it is heard to contradict it when it has done
@@ -27,14 +27,8 @@ pub(super) enum Vote {
     OtherCycle,
 }
 
-impl Vote {
-    pub(super) const fn of(agrees: bool) -> Self {
-        if agrees { Self::Right } else { Self::Other }
-    }
-}
-
 /// What each system says of the week: that it is right where positive, that it is wrong where negative.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct WeekVotes([i8; Constellation::ALL.len()]);
 
 impl WeekVotes {
@@ -83,7 +77,8 @@ mod tests {
     fn after(votes: &[(Constellation, i32)]) -> WeekVotes {
         let mut week = WeekVotes::none();
         for (system, votes) in votes {
-            (0..votes.abs()).for_each(|_| week.count(*system, Vote::of(*votes > 0)));
+            (0..votes.abs())
+                .for_each(|_| week.count(*system, if *votes > 0 { Vote::Right } else { Vote::Other }));
         }
         week
     }

@@ -123,6 +123,11 @@ impl<P: OutputPin> EpochLoop<P> {
         self.interference = Suspicions::NONE;
     }
 
+    /// Forgets how long epochs were on their way: those of another week say nothing of it.
+    pub(super) const fn forget_lateness(&mut self) {
+        self.lateness.forget();
+    }
+
     /// Two receivers of one name share the line: whose ranges came first says nothing.
     #[inline(never)]
     pub(super) fn hear_rival(&mut self) {
@@ -179,6 +184,10 @@ impl<P: OutputPin> EpochLoop<P> {
                 return true;
             }
             Event::Ephemeris(ephemeris) => self.learn(ephemeris),
+            Event::Redated(present) => {
+                self.navigator.redate(*present);
+                self.forget_lateness();
+            }
             Event::Position(point) => self.navigator.guess(*point),
             Event::Ionosphere(constellation, coefficients) => {
                 self.navigator.hear_ionosphere(*constellation, *coefficients, self.last_time);
@@ -239,20 +248,22 @@ impl<P: OutputPin> EpochLoop<P> {
     }
 
     #[inline(never)]
-    pub(super) fn tick<W: Write>(&mut self, now_ms: u64, host: &mut W) -> bool {
+    pub(super) fn tick<W: Write>(&mut self, now_ms: u64, hears_others: bool, host: &mut W) -> bool {
         // A clock that went back, as one of 32 bits does after 50 days, says no age at all.
         if now_ms.abs_diff(self.last_epoch_ms) < self.time_to_alert_ms() {
             return false;
         }
         // Said again after each further time to alert: whoever listens later must hear it too.
         self.last_epoch_ms = now_ms;
-        self.last_verdict = Some(Verdict::Alert(Alert::Stale));
+        let reason = if hears_others { Alert::Source } else { Alert::Stale };
+        self.last_verdict = Some(Verdict::Alert(reason));
         self.navigator.interrupt();
         self.has_report = false;
         self.drive_pin(false);
         count(&mut self.verdicts.line_stale);
         let (publisher, configuration) = (&mut self.publisher, &self.configuration);
-        let written = publisher.tell_silence(self.last_time, self.gps_minus_utc_s, configuration, host);
+        let written =
+            publisher.tell_silence(self.last_time, self.gps_minus_utc_s, reason, configuration, host);
         self.sent(written.is_ok());
         true
     }

@@ -213,7 +213,7 @@ impl<P: OutputPin> Receiver<P> {
             self.has_paused = true;
             input.pause(|event| judged |= epochs.handle(&event, false, now_ms, host));
         }
-        judged |= epochs.tick(now_ms, host);
+        judged |= epochs.tick(now_ms, input.hears_others(), host);
         let losses = self.losses_to_say();
         self.epochs.repeat(now_ms, &losses, host);
         judged
@@ -288,6 +288,11 @@ impl<P: OutputPin> Receiver<P> {
             Action::Forget => {
                 self.epochs.forget();
                 self.input.forget();
+                Ok(())
+            }
+            Action::Week(week) => {
+                self.input.assume(week);
+                self.epochs.forget_lateness();
                 Ok(())
             }
             Action::Reset => {

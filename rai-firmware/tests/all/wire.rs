@@ -253,6 +253,7 @@ pub(crate) enum Seen {
     Epoch(Box<RawEpoch>),
     Ephemeris(rai_firmware::ephemeris::Ephemeris),
     Position(rai_core::frame::Ecef),
+    Redated(rai_firmware::time::GpsTime),
 }
 
 /// Feeds bytes and collects all events.
@@ -275,6 +276,7 @@ impl From<Event<'_>> for Seen {
             Event::Epoch(epoch, _) => Self::Epoch(Box::new(epoch.clone())),
             Event::Ephemeris(ephemeris) => Self::Ephemeris(ephemeris),
             Event::Position(position) => Self::Position(position),
+            Event::Redated(present) => Self::Redated(present),
             Event::Ionosphere(..) | Event::Jamming(_) => unreachable!("RTCM says nothing of them"),
         }
     }

@@ -34,7 +34,7 @@ impl Tally {
     /// Counts an epoch. A `STALE` report is not an epoch.
     pub fn add(&mut self, seen: &Seen) {
         let state = &seen.said.state;
-        if state.reason == "STALE" {
+        if matches!(state.reason.as_str(), "STALE" | "SOURCE") {
             return;
         }
         self.epochs += 1;

@@ -27,6 +27,8 @@ pub struct Content {
     pub(super) known: BTreeSet<SatelliteId>,
     /// Epochs of ranges that nobody has told the week of.
     pub(super) without_week: u32,
+    /// Times that the sets in it corrected the week.
+    pub(super) week_corrections: u32,
 }
 
 impl Content {

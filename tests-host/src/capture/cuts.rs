@@ -27,11 +27,15 @@ pub(super) struct Cut {
     pub(super) ends_with_next: bool,
 }
 
-/// What there is in a stream, and its epochs. What is in `week` is heard before.
-pub(super) fn cut(bytes: &[u8], week: &[u8]) -> (Content, Vec<Cut>) {
+/// Returns the content of a stream and its epochs. The input takes `week` before, and the bytes of
+/// `before`.
+pub(super) fn cut(bytes: &[u8], before: &[u8], week: Option<u16>) -> (Content, Vec<Cut>) {
     let mut cutter =
         Cutter { input: Input::new(), cuts: Vec::new(), content: Content::default(), open: Open::default() };
-    cutter.input.feed(week, 0, |_| ());
+    if let Some(week) = week {
+        cutter.input.assume(week);
+    }
+    cutter.input.feed(before, 0, |_| ());
     let mut end = 0;
     for piece in pieces(bytes) {
         end += piece.bytes.len();
@@ -39,6 +43,7 @@ pub(super) fn cut(bytes: &[u8], week: &[u8]) -> (Content, Vec<Cut>) {
         cutter.take(&piece, end);
     }
     cutter.content.without_week = cutter.input.counters().epochs_without_week;
+    cutter.content.week_corrections = cutter.input.counters().week_corrections;
     (cutter.content, cutter.cuts)
 }
 
@@ -66,7 +71,7 @@ impl Cutter {
                 open.ephemerides.push(ephemeris);
             }
             Event::Ionosphere(Constellation::Gps, coefficients) => open.ionosphere = Some(coefficients),
-            Event::Ionosphere(..) | Event::Position(_) | Event::Jamming(_) => {}
+            Event::Ionosphere(..) | Event::Position(_) | Event::Jamming(_) | Event::Redated(_) => {}
             Event::Epoch(epoch, _) => {
                 content.ranged.extend(epoch.satellites.iter().map(|satellite| satellite.satellite));
                 let Open { ephemerides, ionosphere } = std::mem::take(open);

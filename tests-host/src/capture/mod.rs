@@ -10,6 +10,7 @@
 //! | `content` | what a capture holds and lacks |
 //! | `cuts` | which bytes belong to which epoch |
 //! | `falsify` | faults, put into the frames |
+//! | `week` | the GPS week of the first epoch |
 //! | `orbits` | ephemerides of navigation files, where the capture has none |
 //!
 //! A lump holds every byte from the end of one epoch to the end of the next, good or bad, as they came. Time runs by the tags
@@ -20,6 +21,7 @@ mod cuts;
 mod falsify;
 mod line;
 mod orbits;
+mod week;
 
 use std::path::Path;
 
@@ -44,6 +46,8 @@ pub struct Capture {
     cuts: Vec<Cut>,
     content: Content,
     orbits: Option<Orbits>,
+    /// The GPS week of the first epoch, where the module would take another.
+    week: Option<u16>,
 }
 
 /// What of a capture is replayed.
@@ -54,6 +58,8 @@ pub struct Prepared {
     /// Coefficients of the ionosphere, where the module cannot hear them itself: from a navigation file, or from before the
     /// window.
     pub klobuchar: Option<[f64; 8]>,
+    /// The GPS week of the first epoch, which the module is told where it would take another.
+    pub week: Option<u16>,
 }
 
 /// Reads the bytes of a source: a path, `-` for standard input, `tcp://host:port`, `serial:path`. What has no end of its
@@ -78,18 +84,30 @@ impl Capture {
     /// Bytes that are no capture or hold no epoch, two recordings in one, orbits of another day: what was found, and what
     /// would help.
     pub fn of(bytes: Vec<u8>, orbits: Option<Orbits>) -> Result<Self> {
-        let (mut content, mut cuts) = cuts::cut(&bytes, &[]);
+        Self::of_week(bytes, orbits, None)
+    }
+
+    /// As [`Self::of`], with the GPS week of the first epoch, not rolled over, if it is known.
+    ///
+    /// # Errors
+    /// As [`Self::of`].
+    pub fn of_week(bytes: Vec<u8>, orbits: Option<Orbits>, given: Option<u16>) -> Result<Self> {
+        let (mut content, mut cuts) = cuts::cut(&bytes, &[], given);
         content.check(&bytes)?;
         if let Some(orbits) = orbits.as_ref().filter(|_| content.without_week > 0) {
             // Ranges of RTCM have no week; some or all of them came before an ephemeris that says it.
-            (content, cuts) = cuts::cut(&bytes, &orbits.week()?);
+            (content, cuts) = cuts::cut(&bytes, &orbits.week()?, given);
+        }
+        let week = given.or_else(|| week::of(&bytes, &cuts, &content));
+        if given.is_none() && week.is_some() {
+            (content, cuts) = cuts::cut(&bytes, &[], week);
         }
         let (Some(first), Some(last)) = (cuts.first(), cuts.last()) else { bail!(content.no_epoch()) };
         check_order(&cuts)?;
         if let Some(orbits) = &orbits {
             orbits.check(first.time, last.time).context("--nav")?;
         }
-        Ok(Self { bytes, cuts, content, orbits })
+        Ok(Self { bytes, cuts, content, orbits, week })
     }
 
     /// What it holds.
@@ -150,6 +168,8 @@ impl Capture {
             window.to_s,
             self.cuts.last().map_or(0.0, |cut| self.elapsed_s(cut))
         );
+        // A window may begin weeks later than the capture.
+        prepared.week = self.week.and(prepared.lumps.first()).map(|first| first.time.week);
         let of_files = self.orbits.as_ref().and_then(|orbits| orbits.klobuchar);
         prepared.klobuchar = of_files.or(prepared.klobuchar);
         Ok(prepared)

@@ -53,7 +53,7 @@ impl Heaven {
                 });
                 bodies = Some(seen.collect());
             }
-            Event::Position(_) | Event::Ionosphere(..) | Event::Jamming(_) => {}
+            Event::Redated(_) | Event::Position(_) | Event::Ionosphere(..) | Event::Jamming(_) => {}
         });
         bodies
     }

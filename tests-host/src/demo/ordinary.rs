@@ -46,6 +46,7 @@ impl Accepter {
                 store.insert(ephemeris, None);
             }
             Event::Epoch(raw, _) => said = judge(raw, store, *mask_rad, time_s, site),
+            Event::Redated(present) => store.redate(present),
             Event::Position(_) | Event::Ionosphere(..) | Event::Jamming(_) => {}
         });
         said

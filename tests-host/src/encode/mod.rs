@@ -23,6 +23,8 @@ pub mod ubx;
 
 use anyhow::{Context, Result, ensure};
 use rai_core::satellite::SatelliteId;
+use rai_firmware::time::{BEIDOU_OFFSET_MS, BEIDOU_WEEK_OFFSET, GALILEO_WEEK_OFFSET, GpsTime};
+use rtcm_rs::msg::{Msg1019T, Msg1042T, Msg1044T, Msg1045T, Msg1046T};
 use rtcm_rs::{Message, MessageBuilder};
 
 use self::channels::Channels;
@@ -66,8 +68,20 @@ impl Selection {
     }
 }
 
+/// Meaning of the week number in ephemerides. Near the end of a week the two differ.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StatedWeek {
+    /// The week of transmission, as satellites send it ([IS-GPS-200] 20.3.3.3.1.1).
+    ///
+    /// [IS-GPS-200]: crate#references
+    Transmission,
+    /// The week of the reference time, as in RINEX and in what many programs make of it.
+    Toe,
+}
+
 /// Turns the epochs of one source into bytes, in the order of time.
 pub struct Encoder {
+    stated: StatedWeek,
     selection: Selection,
     schedule: Schedule,
     channels: Channels,
@@ -81,7 +95,14 @@ impl Encoder {
         let selected = |ephemeris: &&TimedEphemeris| selection.has(ephemeris.satellite);
         let schedule = Schedule::new(ephemerides.iter().filter(selected).cloned());
         let channels = Channels::of(ephemerides);
-        Self { selection, schedule, channels, builder: MessageBuilder::new(), unsendable: 0 }
+        let (stated, builder) = (StatedWeek::Transmission, MessageBuilder::new());
+        Self { stated, selection, schedule, channels, builder, unsendable: 0 }
+    }
+
+    /// Changes the meaning of week numbers, which is that of transmission.
+    #[must_use]
+    pub fn stating(self, stated: StatedWeek) -> Self {
+        Self { stated, ..self }
     }
 
     /// How many signals could not be sent so far: their pseudorange is negative, 255 ms or more, or more than 200 m
@@ -98,7 +119,12 @@ impl Encoder {
     pub fn epoch(&mut self, epoch: &MeasuredEpoch) -> Result<Vec<u8>> {
         let mut bytes = Vec::new();
         for ephemeris in self.schedule.news(epoch) {
-            append(&mut self.builder, &mut bytes, &broadcast(&ephemeris.message))
+            let week_of = match self.stated {
+                // Ahead of its broadcast it is sent as if it were broadcast now.
+                StatedWeek::Transmission => ephemeris.sent.min(epoch.time),
+                StatedWeek::Toe => ephemeris.toe,
+            };
+            append(&mut self.builder, &mut bytes, &broadcast(&ephemeris.message, week_of))
                 .with_context(|| format!("ephemeris of {}", ephemeris.satellite))?;
         }
         let ranges = msm::messages(epoch, &self.selection, &self.channels, &mut self.unsendable);
@@ -109,15 +135,26 @@ impl Encoder {
     }
 }
 
-/// The message of an ephemeris.
-fn broadcast(ephemeris: &Ephemeris) -> Message {
-    match ephemeris {
-        Ephemeris::Gps(message) => Message::Msg1019(message.clone()),
-        Ephemeris::Beidou(message) => Message::Msg1042(message.clone()),
-        Ephemeris::GalileoFnav(message) => Message::Msg1045(message.clone()),
-        Ephemeris::GalileoInav(message) => Message::Msg1046(message.clone()),
-        Ephemeris::Glonass(message) => Message::Msg1020(message.clone()),
-        Ephemeris::Qzss(message) => Message::Msg1044(message.clone()),
+/// Returns the message of an ephemeris, with the week number of an instant.
+fn broadcast(ephemeris: &Ephemeris, week_of: GpsTime) -> Message {
+    let week = week_of.week;
+    match ephemeris.clone() {
+        Ephemeris::Gps(message) => Message::Msg1019(Msg1019T { gps_week_number: week % 1024, ..message }),
+        Ephemeris::Beidou(message) => {
+            let own = GpsTime::from_ms(week_of.to_ms().saturating_sub(u64::from(BEIDOU_OFFSET_MS)));
+            let bds_week_number = own.week.saturating_sub(BEIDOU_WEEK_OFFSET);
+            Message::Msg1042(Msg1042T { bds_week_number, ..message })
+        }
+        Ephemeris::GalileoFnav(message) => {
+            let gal_week_number = week.saturating_sub(GALILEO_WEEK_OFFSET) % 4096;
+            Message::Msg1045(Msg1045T { gal_week_number, ..message })
+        }
+        Ephemeris::GalileoInav(message) => {
+            let gal_week_number = week.saturating_sub(GALILEO_WEEK_OFFSET) % 4096;
+            Message::Msg1046(Msg1046T { gal_week_number, ..message })
+        }
+        Ephemeris::Glonass(message) => Message::Msg1020(message),
+        Ephemeris::Qzss(message) => Message::Msg1044(Msg1044T { qzss_week_number: week % 1024, ..message }),
     }
 }
 

@@ -26,6 +26,7 @@ pub fn corrected(
     for lump in lumps {
         input.feed(&lump.bytes, 0, |event| match event {
             Event::Ephemeris(ephemeris) => drop(store.insert(ephemeris, None)),
+            Event::Redated(present) => store.redate(present),
             Event::Position(_) | Event::Ionosphere(..) | Event::Jamming(_) => {}
             Event::Epoch(raw, _) => {
                 locate(raw, &store, SIGNAL_MASK_DBHZ, Systems::AT_START, &mut tally, &mut sky);

@@ -265,7 +265,7 @@ impl Tally {
         let position = self.position.take();
         self.is_sound = false;
         self.look_at_settings(&state);
-        if state.reason == "STALE" {
+        if matches!(state.reason.as_str(), "STALE" | "SOURCE") {
             self.silences += 1;
             return;
         }

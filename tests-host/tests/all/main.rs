@@ -43,3 +43,4 @@ mod threshold_vectors;
 mod ubx;
 mod vectors;
 mod velocity;
+mod week_end;

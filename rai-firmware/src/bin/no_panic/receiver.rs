@@ -258,9 +258,9 @@ fn sentences() {
         Publisher::settings_hash as fn(_) -> _,
         Publisher::reconfigured as fn(_, _),
         Publisher::tell::<Host, N> as fn(_, _, _, _) -> _,
-        Publisher::tell_silence::<Host> as fn(_, _, _, _, _) -> _,
+        Publisher::tell_silence::<Host> as fn(_, _, _, _, _, _) -> _,
         Publisher::tick::<Host> as fn(_, _, _, _, _) -> _,
-        nmea::write_stale::<Host> as fn(_, _, _, _) -> _,
+        nmea::write_stale::<Host> as fn(_, _, _, _, _) -> _,
         nmea::write_version::<Host> as fn(_, _, _, _, _) -> _,
         (|key, values, warning, host| nmea::write_answer(key, values.iter().copied(), warning, host))
             as fn(_, &[&str], Option<&str>, &mut Host) -> _,

@@ -135,7 +135,7 @@ pub(super) fn read(number: u16, payload: &[u8], calendar: &Calendar) -> Result<B
     let bits = Bits(payload.get(..table.bytes).ok_or(Unread::Malformed)?);
     let satellite = table.satellite(bits)?;
     let week = MessageWeek { constellation: satellite.constellation(), week: field(bits, table.week) as u16 };
-    let instant = |place| calendar.resolve(week, table.step_s * field(bits, place)).ok_or(Unread::Ephemeris);
+    let instant = |place| calendar.stated(week, table.step_s * field(bits, place)).ok_or(Unread::Ephemeris);
     let (health, accuracy_m) = promises(table.source, bits);
     let head = Head {
         satellite,

@@ -135,7 +135,7 @@ pub(super) fn d1_ephemeris(
         return Err(Refusal::Mixed);
     }
     let week = MessageWeek { constellation: satellite.constellation(), week: first.unsigned(48, 13) as u16 };
-    let reference = calendar.resolve(week, REFERENCE_STEP_S * toe).ok_or(Refusal::Value)?;
+    let reference = calendar.stated(week, REFERENCE_STEP_S * toe).ok_or(Refusal::Value)?;
     let health = Health::of_satellite(!first.is_set(38));
     Ok(const { D1 }.read(&head(satellite, health, first.small(44, 4), reference), pages))
 }
@@ -152,7 +152,7 @@ pub(super) fn d2_ephemeris(
         return Err(Refusal::Mixed);
     }
     let week = MessageWeek { constellation: satellite.constellation(), week: first.unsigned(52, 13) as u16 };
-    let reference = calendar.resolve(week, REFERENCE_STEP_S * toe).ok_or(Refusal::Value)?;
+    let reference = calendar.stated(week, REFERENCE_STEP_S * toe).ok_or(Refusal::Value)?;
     let health = Health::of_satellite(!first.is_set(42));
     Ok(const { D2 }.read(&head(satellite, health, first.small(48, 4), reference), pages))
 }

@@ -133,7 +133,7 @@ pub(super) fn inav_ephemeris(
         return Err(Refusal::Value);
     }
     let week = MessageWeek { constellation: satellite.constellation(), week: fifth.unsigned(73, 12) as u16 };
-    let instant = |minutes: u32| calendar.resolve(week, 60 * minutes).ok_or(Refusal::Value);
+    let instant = |minutes: u32| calendar.stated(week, 60 * minutes).ok_or(Refusal::Value);
     let head = Head {
         satellite,
         source: Source::GalileoInav,
@@ -172,7 +172,7 @@ pub(super) fn fnav_ephemeris(
         return Err(Refusal::Value);
     }
     let week = MessageWeek { constellation: satellite.constellation(), week: first.unsigned(155, 12) as u16 };
-    let instant = |minutes: u32| calendar.resolve(week, 60 * minutes).ok_or(Refusal::Value);
+    let instant = |minutes: u32| calendar.stated(week, 60 * minutes).ok_or(Refusal::Value);
     let head = Head {
         satellite,
         source: Source::GalileoFnav,

@@ -93,7 +93,7 @@ pub(super) fn ephemeris(
         return Err(Refusal::Mixed);
     }
     let week = MessageWeek { constellation: satellite.constellation(), week: first.unsigned(48, 10) as u16 };
-    let instant = |sixteens: u32| calendar.resolve(week, 16 * sixteens).ok_or(Refusal::Value);
+    let instant = |sixteens: u32| calendar.stated(week, 16 * sixteens).ok_or(Refusal::Value);
     let (source, health) = match (satellite.is_qzss(), first.small(64, 6)) {
         (true, field) => (Source::QzssLnav, Health::of_qzss(field)),
         (false, field) => (Source::GpsLnav, Health::of_satellite(field == 0)),

@@ -34,6 +34,7 @@
 //! [NMEA-0183]: crate#references
 
 use embedded_io::Write;
+use rai_core::report::Alert;
 use rai_core::requirements::Requirements;
 
 use super::Statement;
@@ -87,7 +88,7 @@ pub fn write_epoch<W: Write, const N: usize>(
     proprietary::write_settings_and_interference(statement, time, out)
 }
 
-/// Writes that no epoch came within the time to alert. `last` is the time of the last epoch, if there was one.
+/// Writes that no epoch came within the time to alert, and why. `last` is the time of the last epoch, if there was one.
 ///
 /// The standard sentences are left out: they would have to speak of a position that does not exist.
 ///
@@ -96,9 +97,10 @@ pub fn write_epoch<W: Write, const N: usize>(
 pub fn write_stale<W: Write>(
     last: Option<GpsTime>,
     gps_minus_utc_s: u8,
+    reason: Alert,
     requirements: &Requirements,
     out: &mut W,
 ) -> Result<(), W::Error> {
     let last = last.map(|time| TimeOfDay::new(time, gps_minus_utc_s));
-    proprietary::write_staleness(last, requirements, out)
+    proprietary::write_staleness(last, reason, requirements, out)
 }

@@ -58,6 +58,7 @@ const fn words(verdict: Verdict) -> (&'static str, &'static str) {
         Verdict::Alert(Alert::Ambiguous) => ("A", "AMBIGUOUS"),
         Verdict::Alert(Alert::Time) => ("A", "TIME"),
         Verdict::Alert(Alert::Stale) => ("A", "STALE"),
+        Verdict::Alert(Alert::Source) => ("A", "SOURCE"),
         Verdict::Alert(Alert::Jump) => ("A", "JUMP"),
         Verdict::Alert(Alert::Spoofed) => ("A", "SPOOFED"),
         Verdict::Unavailable(Unavailable::NoFix) => ("U", "NOFIX"),
@@ -204,10 +205,11 @@ fn heading(time: Option<TimeOfDay>, verdict: Verdict) -> Sentence {
 /// `PRAIS` where no epoch came: nothing is tracked, nothing is tested.
 pub(super) fn write_staleness<W: Write>(
     last: Option<TimeOfDay>,
+    reason: Alert,
     requirements: &Requirements,
     out: &mut W,
 ) -> Result<(), W::Error> {
-    let mut sentence = heading(last, Verdict::Alert(Alert::Stale));
+    let mut sentence = heading(last, Verdict::Alert(reason));
     sentence.integer(0, 1).integer(0, 1).empty().empty().empty().empty().empty();
     for metres in [Some(requirements.hal_m), requirements.val_m] {
         sentence.optional(metres, FULL.metre_decimals, FULL.metre_width);

@@ -169,6 +169,7 @@ fn each_verdict_has_its_navigational_status_state_and_reason() {
         (Verdict::Alert(Alert::Ambiguous), true, "U", "A", "AMBIGUOUS"),
         (Verdict::Alert(Alert::Time), true, "U", "A", "TIME"),
         (Verdict::Alert(Alert::Stale), false, "U", "A", "STALE"),
+        (Verdict::Alert(Alert::Source), false, "U", "A", "SOURCE"),
         (Verdict::Alert(Alert::Jump), true, "U", "A", "JUMP"),
         (Verdict::Alert(Alert::Spoofed), true, "U", "A", "SPOOFED"),
         (unavailable(Unavailable::NoFix), false, "V", "U", "NOFIX"),
@@ -427,7 +428,8 @@ fn staleness_says_the_time_of_the_last_epoch_if_there_was_one() {
         [(Some(NOON), "$PRAIS,120000.00,A,STALE,0,0,,,,,,556.0,"), (None, "$PRAIS,,A,STALE,0,0,,,,,,556.0,")];
     for (last, want) in cases {
         let mut out = Vec::new();
-        write_stale(last, GPS_MINUS_UTC_S, &npa(), &mut Growing(&mut out)).expect("a vector takes all");
+        write_stale(last, GPS_MINUS_UTC_S, Alert::Stale, &npa(), &mut Growing(&mut out))
+            .expect("a vector takes all");
         assert_eq!(lines(&out)[0].split('*').next(), Some(want));
     }
 }

@@ -2,6 +2,7 @@
 
 use super::TOW_MS;
 use super::gps;
+use super::gps_at;
 use super::knowing;
 use super::names_of_nonzero;
 use crate::wire::B1I;
@@ -201,4 +202,24 @@ fn what_is_left_of_an_epoch_after_lost_bytes_is_dropped_whole() {
     assert!(feed(&mut input, &msm(1097, TOW_MS, false, &[Cell(31, E1C, 2.5e7, 50.0)])).is_empty());
     assert_eq!(sizes(&epochs(feed(&mut input, &gps(TOW_MS + 1000, false)))), [(1000, 1)]);
     assert_eq!(input.counters().epochs_broken, 2);
+}
+
+#[test]
+fn ranges_that_come_again_under_a_new_tag_are_dropped_and_counted() {
+    let mut input = knowing();
+    let mut complete = |tow_ms, range_m| epochs(feed(&mut input, &gps_at(tow_ms, range_m, false))).len();
+    let fresh = [
+        (0, 2.2e7),
+        (1000, 2.2e7 + 1.0),
+        (2000, 2.2e7 + 1.0),
+        (3000, 2.2e7 + 1.0),
+        (4000, 2.2e7),
+        (5000, 2.2e7),
+    ];
+    let complete: Vec<usize> = fresh.iter().map(|&(ms, range_m)| complete(TOW_MS + ms, range_m)).collect();
+    assert_eq!(complete, [1, 1, 0, 0, 1, 0]);
+    assert_eq!(names_of_nonzero(input.counters()), [("epochs_repeated", 3)]);
+    // The same range of another satellite is no repeat.
+    let other = msm(1077, TOW_MS + 6000, false, &[Cell(6, crate::wire::L1C, 2.2e7, 45.0)]);
+    assert_eq!(epochs(feed(&mut input, &other)).len(), 1);
 }

@@ -3,6 +3,7 @@
 mod ephemerides;
 mod epochs;
 mod frames;
+mod leap;
 mod qzss;
 mod ranges;
 mod time;
@@ -21,8 +22,14 @@ fn knowing() -> Input {
     input
 }
 
+/// Ranges of G05 that grow with time: the same ranges under another tag are a repeated epoch.
 fn gps(tow_ms: u32, more: bool) -> Vec<u8> {
-    msm(1077, tow_ms, more, &[Cell(5, L1C, 2.2e7, 45.0), Cell(5, L2W, 2.2e7 + 5.0, 40.0)])
+    gps_at(tow_ms, 2.2e7 + f64::from(tow_ms % 7_000_003) * 0.1, more)
+}
+
+/// Ranges of G05 under a tag.
+fn gps_at(tow_ms: u32, range_m: f64, more: bool) -> Vec<u8> {
+    msm(1077, tow_ms, more, &[Cell(5, L1C, range_m, 45.0), Cell(5, L2W, range_m + 5.0, 40.0)])
 }
 
 fn names_of_nonzero(counters: &Counters) -> Vec<(&'static str, u32)> {

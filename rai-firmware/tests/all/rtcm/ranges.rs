@@ -1,7 +1,7 @@
 //! What stands in a message of ranges is what comes out, to its resolution.
 
 use super::TOW_MS;
-use super::gps;
+use super::gps_at;
 use super::knowing;
 use super::names_of_nonzero;
 use crate::wire::B1I;
@@ -19,7 +19,7 @@ use rai_firmware::time::GpsTime;
 #[test]
 fn an_epoch_of_three_systems_holds_the_ranges_that_were_sent() {
     let mut input = knowing();
-    let mut bytes = gps(TOW_MS, true);
+    let mut bytes = gps_at(TOW_MS, 2.2e7, true);
     bytes.extend(msm(1097, TOW_MS, true, &[Cell(31, E1C, 2.5e7, 50.0)]));
     bytes.extend(msm(
         1127,

@@ -1,6 +1,7 @@
 //! Captures of a receiver through the module: the epochs of an independent program's streams, with
 //! any defects of the file, and with injected faults.
 
+mod date;
 mod injection;
 
 use std::fs::File;

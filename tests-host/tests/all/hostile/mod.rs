@@ -8,6 +8,7 @@
 //! | two satellites with one id, 64 satellites, ranges of 0, negative and 1e12 m | [`satellites`] |
 //! | ephemerides that are impossible, stale, unhealthy, or change in the middle of a pass | [`ephemerides`] |
 //! | a silent line, bad commands | [`port`] |
+//! | another station number after a break, ranges that come again under a new tag | [`source`] |
 //! | a host that reads too slowly | [`host`] |
 //!
 //! [`module::Module`] checks every sentence and the pin for the invariants of any output.
@@ -18,5 +19,6 @@ mod host;
 mod module;
 mod port;
 mod satellites;
+mod source;
 mod time;
 mod wire;

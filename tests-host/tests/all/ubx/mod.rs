@@ -41,7 +41,7 @@ impl Said {
             Event::Epoch(epoch, _) => self.epochs.push((*epoch).clone()),
             Event::Ephemeris(ephemeris) => self.ephemerides.push(*ephemeris),
             Event::Ionosphere(of, coefficients) => self.ionosphere.push((*of, *coefficients)),
-            Event::Position(_) | Event::Jamming(_) => {}
+            Event::Redated(_) | Event::Position(_) | Event::Jamming(_) => {}
         }
     }
 }

@@ -1,0 +1,337 @@
+//! Which week it is, and that time goes forward.
+//!
+//! Observations carry the second of the week, ephemerides a week ([`super::message_week`], [`super::roll_over`]). That of GPS is taken
+//! in the cycle of 1,024 nearest to the known time, and before any time is known in the cycle that begins with [`NOT_BEFORE_WEEK`].
+//!
+//! Nothing on the wire is accepted for ever. A time that goes back is dropped, but [`RESTART_RUN`] epochs in a row
+//! that are older and follow each other are the new time. A time that leaps ahead is the time.
+//!
+//! What is known better is remembered: satellites move by kilometres in a second, so an epoch whose ranges agreed with their orbits
+//! was at the instant of its tag, and in the week of its ephemerides. An epoch that goes on from there by the module's own clock
+//! ([`Tick::leads_to`]) is the time at once, in its week, whatever came between: leaps, however many, and votes on the week.
+//!
+//! The systems vote on the week ([`super::present_week`]).
+
+use rai_core::satellite::Constellation;
+
+use super::Counters;
+use super::leap_seconds::{LeapSecond, LeapSeconds, LeapSource};
+use super::message_week::{MessageWeek, NOT_BEFORE_WEEK};
+use super::present_week::{PresentWeek, Ruling};
+use super::roll_over::dated;
+use crate::counters::count;
+use crate::time::{GpsTime, WEEK_MS};
+
+/// A step of time that is longer than a gap between epochs mostly is, ms.
+const LEAP_MS: u64 = 60_000;
+
+/// Epochs in a row that make an older time the time.
+const RESTART_RUN: u8 = 5;
+
+/// How much an epoch's way to the own clock may vary, ms.
+const DELAY_MS: u64 = 3000;
+
+/// The own clock may be wrong by a part in so many.
+const CLOCK_ERROR: u64 = 64;
+
+/// Half of the cycle in which GPS counts weeks.
+const HALF_CYCLE_WEEKS: u16 = 512;
+
+/// Epochs that agreed with nothing after which what was confirmed does not stand against the votes any more: it may itself have
+/// been wrong.
+const DOUBT_EPOCHS: u16 = 600;
+
+/// The time line.
+#[derive(Debug)]
+pub(super) struct Calendar {
+    leap: LeapSeconds,
+    /// The last epoch, or the reference time of an ephemeris before there was one.
+    reference: Option<GpsTime>,
+    /// The last epoch.
+    last: Option<Tick>,
+    /// The last epoch that was dropped because it was older, and how many followed each other.
+    older: Option<(GpsTime, u8)>,
+    /// The last epoch whose ranges agreed with orbits.
+    confirmed: Option<Tick>,
+    /// Epochs since.
+    unconfirmed: u16,
+    week: PresentWeek,
+    /// The week was moved or named, and sets that came before may be dated a week off.
+    is_redated: bool,
+}
+
+/// An epoch, and when it came by the own clock, ms.
+#[derive(Clone, Copy, Debug)]
+struct Tick {
+    time: GpsTime,
+    came_ms: u64,
+}
+
+impl Tick {
+    /// What time it is when an epoch comes, by the own clock.
+    fn time_at(self, came_ms: u64) -> GpsTime {
+        let passed_ms = came_ms.saturating_sub(self.came_ms);
+        match u32::try_from(passed_ms).ok().filter(|&passed_ms| passed_ms < WEEK_MS) {
+            Some(passed_ms) => self.time.later_by_ms(passed_ms),
+            None => GpsTime::from_ms(self.time.to_ms().saturating_add(passed_ms)),
+        }
+    }
+
+    /// Whether an epoch goes on from here by the own clock.
+    fn leads_to(self, next: Self) -> bool {
+        let error_ms = DELAY_MS + next.came_ms.saturating_sub(self.came_ms) / CLOCK_ERROR;
+        next.time > self.time && next.time.since_ms(self.time_at(next.came_ms)).unsigned_abs() <= error_ms
+    }
+
+    /// The epoch at `tow_ms` that came then, in the week that the own clock tells.
+    fn next(self, tow_ms: u32, came_ms: u64) -> Self {
+        Self { time: GpsTime::nearest(tow_ms, self.time_at(came_ms)), came_ms }
+    }
+}
+
+/// Why an epoch's time is refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum TimeError {
+    WeekUnknown,
+    Backwards,
+    /// So far ahead that something has to vouch for it, and nothing does.
+    Ahead,
+}
+
+impl TimeError {
+    pub(super) fn counter(self, counters: &mut Counters) -> &mut u32 {
+        match self {
+            Self::WeekUnknown => &mut counters.epochs_without_week,
+            Self::Backwards => &mut counters.epochs_backwards,
+            Self::Ahead => &mut counters.observations_ahead,
+        }
+    }
+}
+
+impl Calendar {
+    pub(super) const fn new() -> Self {
+        Self {
+            leap: LeapSeconds::new(),
+            reference: None,
+            last: None,
+            older: None,
+            confirmed: None,
+            unconfirmed: 0,
+            week: PresentWeek::new(),
+            is_redated: false,
+        }
+    }
+
+    /// No epoch is confirmed any more.
+    pub(super) fn forget(&mut self) {
+        self.confirmed = None;
+    }
+
+    /// The last epoch accepted.
+    pub(super) fn time(&self) -> Option<GpsTime> {
+        self.last.map(|last| last.time)
+    }
+
+    /// Takes the time that a receiver states. It is used where nothing else names the week, and where sets leave two weeks;
+    /// ephemerides may outvote it. A week before [`NOT_BEFORE_WEEK`], as of receivers that count an earlier cycle, is ignored.
+    pub(super) fn suppose(&mut self, time: GpsTime, counters: &mut Counters) {
+        if time.week < NOT_BEFORE_WEEK {
+            return;
+        }
+        if self.week.awaits_epoch() {
+            self.name_week(time.tow_ms);
+        }
+        match self.reference {
+            Some(reference) => {
+                let ruling = self.week.hear_time(time, reference);
+                self.obey(ruling, reference, counters);
+            }
+            None => self.reference = Some(time),
+        }
+    }
+
+    /// Takes the week of the next epoch from a source that is to be believed, in any cycle of GPS weeks.
+    pub(super) fn assume(&mut self, week: u16) {
+        // Every second of the week is within half a week of its middle.
+        self.reference = Some(GpsTime { week, tow_ms: WEEK_MS / 2 });
+        (self.last, self.older, self.confirmed) = (None, None, None);
+        self.week = PresentWeek::new();
+    }
+
+    /// Returns the present if, since the last call, its week was named or moved by what came after sets of ephemerides.
+    pub(super) fn take_redating(&mut self) -> Option<GpsTime> {
+        self.reference.filter(|_| core::mem::take(&mut self.is_redated))
+    }
+
+    /// Dates the first epoch, at `tow_ms`, by the sets that came before it.
+    fn name_week(&mut self, tow_ms: u32) {
+        if let Some((present, is_off)) = self.week.first_epoch(tow_ms) {
+            (self.reference, self.is_redated) = (Some(present), is_off);
+        }
+    }
+
+    /// Somebody says how many leap seconds there are.
+    pub(super) fn hear_leap(&mut self, seconds: u8, source: LeapSource) {
+        self.leap.hear(seconds, source, self.time());
+    }
+
+    /// A message of the open epoch is tagged with UTC.
+    pub(super) fn infer_leap(&mut self, gps_ms: u32, utc_ms: u32) {
+        self.leap.infer(gps_ms, utc_ms, self.time());
+    }
+
+    /// Returns true while a leap second may come.
+    pub(super) fn is_step_due(&self) -> bool {
+        self.leap.is_step_due(self.time())
+    }
+
+    /// Returns true if a tag of UTC that is the first of its instant may be wrong by a second.
+    pub(super) fn is_unsure(&self, utc_ms: u32) -> bool {
+        self.leap.is_unsure(utc_ms, self.time())
+    }
+
+    /// GPS time minus UTC, who said so and when.
+    pub(super) fn leap_second(&self) -> Option<LeapSecond> {
+        self.leap.known()
+    }
+
+    /// About when it is: the last epoch or, before there was one, the reference time of an ephemeris.
+    pub(super) fn present(&self) -> Option<GpsTime> {
+        self.reference
+    }
+
+    /// The instant of an epoch at `tow_ms` that came at `came_ms`, if time goes on to it.
+    pub(super) fn advance(
+        &mut self,
+        tow_ms: u32,
+        came_ms: u64,
+        counters: &mut Counters,
+    ) -> Result<GpsTime, TimeError> {
+        self.name_week(tow_ms);
+        let reference = self.reference.ok_or(TimeError::WeekUnknown)?;
+        let as_confirmed = self.as_confirmed(tow_ms, came_ms);
+        let Some(last) = self.last else {
+            let next = Tick { time: GpsTime::nearest(tow_ms, reference), came_ms };
+            return Ok(self.set(as_confirmed.unwrap_or(next)));
+        };
+        let next = as_confirmed.unwrap_or_else(|| last.next(tow_ms, came_ms));
+        if next.time <= last.time {
+            if as_confirmed.is_none() && !self.follows_older(next.time) {
+                return Err(TimeError::Backwards);
+            }
+            count(&mut counters.time_restarts);
+        }
+        Ok(self.set(next))
+    }
+
+    /// The epoch at `tow_ms`, if it goes on from the one that was confirmed and what came between does not.
+    fn as_confirmed(&self, tow_ms: u32, came_ms: u64) -> Option<Tick> {
+        let confirmed = self.confirmed.filter(|_| self.unconfirmed < DOUBT_EPOCHS)?;
+        let is_on_line = |last: Tick| last.time == confirmed.time || confirmed.leads_to(last);
+        if self.last.is_some_and(is_on_line) {
+            return None;
+        }
+        Some(confirmed.next(tow_ms, came_ms)).filter(|&next| confirmed.leads_to(next))
+    }
+
+    /// The ranges of an epoch that came at `came_ms` agreed with orbits.
+    pub(super) fn confirm(&mut self, time: GpsTime, came_ms: u64) {
+        // Ranges agree as well with orbits that are all dated a week early.
+        if !self.week.is_in_doubt() {
+            (self.confirmed, self.unconfirmed) = (Some(Tick { time, came_ms }), 0);
+        }
+    }
+
+    fn set(&mut self, tick: Tick) -> GpsTime {
+        self.older = None;
+        self.unconfirmed = self.unconfirmed.saturating_add(1);
+        self.reference = Some(tick.time);
+        self.last = Some(tick);
+        tick.time
+    }
+
+    /// The instant of an epoch at `tow_ms` that has no satellites to vouch for it: time does not go on to it, and it is none
+    /// before an epoch that has satellites.
+    pub(super) fn foresee(&self, tow_ms: u32) -> Result<GpsTime, TimeError> {
+        let last = self.time().ok_or(TimeError::Ahead)?;
+        let time = GpsTime::nearest(tow_ms, last);
+        match time > last {
+            true if follows(time, last) => Ok(time),
+            true => Err(TimeError::Ahead),
+            false => Err(TimeError::Backwards),
+        }
+    }
+
+    /// Notes an epoch older than the last one; true when enough of them have followed each other.
+    fn follows_older(&mut self, time: GpsTime) -> bool {
+        let run = match self.older {
+            Some((before, run)) if time > before => run.saturating_add(1),
+            // The next system's message of the same instant.
+            Some((before, run)) if time == before => run,
+            _ => 1,
+        };
+        self.older = Some((time, run));
+        run >= RESTART_RUN
+    }
+
+    /// Takes a set that states this reference time, and returns the reference time that it means at the known present.
+    pub(super) fn learn(
+        &mut self,
+        system: Constellation,
+        stated: GpsTime,
+        counters: &mut Counters,
+    ) -> GpsTime {
+        // A set of GLONASS states no week: the present has dated it.
+        if system == Constellation::Glonass {
+            return stated;
+        }
+        let Some(reference) = self.reference else {
+            self.week.begin((system, stated));
+            self.reference = Some(stated);
+            return stated;
+        };
+        let ruling = self.week.hear((system, stated), reference);
+        self.obey(ruling, reference, counters);
+        if ruling != Ruling::Stands && self.week.awaits_epoch() {
+            self.week.begin((system, stated));
+            self.reference = Some(stated);
+        }
+        match self.reference.filter(|_| !self.week.awaits_epoch()) {
+            Some(now) => dated(system, stated, now),
+            None => stated,
+        }
+    }
+
+    fn obey(&mut self, ruling: Ruling, reference: GpsTime, counters: &mut Counters) {
+        match ruling {
+            Ruling::Stands => return,
+            Ruling::Moved(weeks) => {
+                let moved = |time: GpsTime| time.later_by_weeks(weeks);
+                self.reference = Some(moved(reference));
+                self.last = self.last.map(|last| Tick { time: moved(last.time), ..last });
+                self.older = None;
+                self.is_redated = true;
+            }
+            Ruling::Replaced(present) => {
+                (self.reference, self.last, self.older) = (Some(present), None, None);
+                // Ranges agree with orbits of GPS in every cycle.
+                let is_cycle = present.week.abs_diff(reference.week) > HALF_CYCLE_WEEKS;
+                self.confirmed = self.confirmed.filter(|_| !is_cycle);
+            }
+        }
+        count(&mut counters.week_corrections);
+    }
+
+    /// Returns the instant that a message states with its week and `tow_s` of its own system.
+    pub(super) fn stated(&self, message: MessageWeek, tow_s: u32) -> Option<GpsTime> {
+        message.stated(tow_s, self.reference)
+    }
+}
+
+/// Whether an epoch comes after another one within what is no leap.
+fn follows(time: GpsTime, before: GpsTime) -> bool {
+    time > before && time.since_ms(before).unsigned_abs() <= LEAP_MS
+}
+
+#[cfg(test)]
+mod tests;

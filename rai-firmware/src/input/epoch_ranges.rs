@@ -1,0 +1,121 @@
+//! The ranges of one epoch: which are kept, and how two sets of them compare.
+
+use heapless::Vec;
+use rai_core::numeric::bounds::is_within;
+use rai_core::satellite::SatelliteId;
+
+use super::Counters;
+use crate::counters::count;
+use crate::raw::{RawEpoch, RawSatellite, RawSignal};
+
+/// Pseudoranges that satellites can have, m.
+///
+/// No satellite is nearer than 19,000 km or farther than 43,000 km; a receiver clock may add or take 30 ms.
+const RANGE_M: core::ops::RangeInclusive<f64> = 1.0e7..=5.2e7;
+
+/// Ranges of one band at one instant that differ by more are of two antennas, or two clocks, m: a receiver says the same however
+/// often, to the steps of its messages. Its codes of one band may differ by as much, by reflections; then one of them is the one that
+/// is kept.
+const APART_M: f64 = 5.0;
+
+/// Returns a hash of all ranges and whose they are; `None` without satellites.
+///
+/// Two different epochs that follow each other have the same hash once in 2³²: the second is then dropped, which costs one epoch in
+/// thirteen years at 10 Hz.
+pub(super) fn hash_of_ranges(epoch: &RawEpoch) -> Option<u32> {
+    let mix = |hash: u32, word: u32| (hash.rotate_left(5) ^ word).wrapping_mul(0x9E37_79B1);
+    let hash = epoch.satellites.iter().fold(0, |hash, satellite| {
+        let hash = mix(
+            hash,
+            u32::from(satellite.satellite.number()) << 8 | satellite.satellite.constellation() as u32,
+        );
+        satellite.signals.iter().fold(hash, |hash, signal| {
+            let bits = signal.range_m.to_bits();
+            mix(mix(hash ^ signal.carrier.band as u32, bits as u32), (bits >> 32) as u32)
+        })
+    });
+    (!epoch.satellites.is_empty()).then_some(hash)
+}
+
+/// The signals of one satellite, held against those that an epoch keeps of it: a set of bands each.
+#[derive(Default)]
+pub(super) struct Comparison {
+    satellite: Option<SatelliteId>,
+    /// A range is the one that is kept.
+    agree: u16,
+    /// A range is another.
+    differ: u16,
+}
+
+impl Comparison {
+    /// Takes the next signal; whether the satellite before, whose signals have all come, has other ranges on some band.
+    pub(super) fn differs(&mut self, epoch: &RawEpoch, satellite: SatelliteId, signal: &RawSignal) -> bool {
+        let is_next = self.satellite.is_some_and(|before| before != satellite);
+        let is_rival = is_next && self.end();
+        self.satellite = Some(satellite);
+        let known = epoch.satellites.iter().filter(|known| known.satellite == satellite);
+        let band = signal.carrier.band;
+        for known in known.flat_map(|known| &known.signals).filter(|known| known.carrier.band == band) {
+            let is_apart = (known.range_m - signal.range_m).abs() > APART_M;
+            *(if is_apart { &mut self.differ } else { &mut self.agree }) |= 1 << band as u16;
+        }
+        is_rival
+    }
+
+    /// No more signals of the satellite come: whether none of a band is the one that is kept.
+    pub(super) fn end(&mut self) -> bool {
+        let Self { agree, differ, .. } = core::mem::take(self);
+        differ & !agree != 0
+    }
+}
+
+/// Adds a signal of a message that began when the epoch held `earlier` satellites.
+///
+/// A satellite that an earlier message of the epoch has brought is a duplicate and keeps its first ranges.
+pub(super) fn add(
+    epoch: &mut RawEpoch,
+    satellite: SatelliteId,
+    signal: RawSignal,
+    is_reference: bool,
+    earlier: usize,
+    counters: &mut Counters,
+) {
+    if !is_within(signal.range_m, &RANGE_M) {
+        return count(&mut counters.ranges_out_of_bounds);
+    }
+    // Signals of a satellite come one after the other.
+    let known = epoch.satellites.iter_mut().enumerate().rev().find(|(_, known)| known.satellite == satellite);
+    match known {
+        Some((index, _)) if index < earlier => count(&mut counters.satellites_duplicate),
+        Some((_, known)) => add_signal(known, signal, is_reference, counters),
+        None => open(epoch, satellite, signal, counters),
+    }
+}
+
+fn open(epoch: &mut RawEpoch, satellite: SatelliteId, signal: RawSignal, counters: &mut Counters) {
+    let mut raw = RawSatellite { satellite, signals: Vec::new() };
+    add_signal(&mut raw, signal, false, counters);
+    if epoch.satellites.push(raw).is_err() {
+        count(&mut counters.satellites_surplus);
+    }
+}
+
+/// Keeps one code of each band: the one that the broadcast clock is of, else the first on the wire. Of a code whose
+/// strength says nothing the strength is that of the other. Of more bands than there is room for, spare ones go.
+fn add_signal(raw: &mut RawSatellite, signal: RawSignal, is_reference: bool, counters: &mut Counters) {
+    if let Some(known) = raw.signals.iter_mut().find(|known| known.carrier.band == signal.carrier.band) {
+        if is_reference {
+            *known = match known.cn0_dbhz() {
+                Some(cn0_dbhz) if signal.cn0_dbhz().is_none() => signal.with_cn0_dbhz(cn0_dbhz),
+                _ => signal,
+            };
+        }
+        count(&mut counters.signals_surplus);
+    } else if raw.signals.push(signal).is_err() {
+        count(&mut counters.signals_surplus);
+        let spare = raw.signals.iter_mut().rev().find(|known| known.carrier.band.is_spare());
+        if let Some(spare) = spare.filter(|_| !signal.carrier.band.is_spare()) {
+            *spare = signal;
+        }
+    }
+}

@@ -1,0 +1,89 @@
+//! The GPS week of a capture's first epoch, once for the whole file.
+//!
+//! | source | when |
+//! |---|---|
+//! | the week of the first RXM-RAWX that has one | always, where there is one |
+//! | the week that the sets in the file agree on in the end | the module corrected it on the way |
+//! | the cycle of 1,024 weeks | the module takes a cycle that has not come yet: the last one that has |
+//!
+//! The module on a live wire takes no week before April 2019, and decides as it reads; a file is read twice.
+
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
+
+use rai_firmware::time::{GpsTime, WEEK_MS};
+
+use super::content::Content;
+use super::cuts::Cut;
+use crate::replay::pieces::{Kind, pieces};
+
+/// The GPS epoch in Unix time: 1980-01-06 is day 3657.
+const GPS_EPOCH: Duration = Duration::from_hours(24 * 3657);
+
+/// Weeks of a cycle.
+const CYCLE: u16 = 1024;
+
+/// Returns the week of the first epoch, unless it is the one that the module takes.
+pub(super) fn of(bytes: &[u8], cuts: &[Cut], content: &Content) -> Option<u16> {
+    let taken = cuts.first().map(|first| first.time);
+    let agreed = taken.map(|taken| match cuts.last() {
+        Some(last) if content.week_corrections > 0 => GpsTime::nearest(taken.tow_ms, last.time).week,
+        _ => taken.week,
+    });
+    let week = stated(bytes).or_else(|| agreed.map(|week| not_after(week, this_week())))?;
+    let is_steady = content.week_corrections == 0 && taken.is_some_and(|taken| taken.week == week);
+    (!is_steady).then_some(week)
+}
+
+/// Returns the week of the first RXM-RAWX of a receiver that knows it.
+fn stated(bytes: &[u8]) -> Option<u16> {
+    /// Where the week stands in the frame: behind six bytes of header and the time of week.
+    const WEEK: std::ops::Range<usize> = 14..16;
+    let mut weeks = pieces(bytes).filter(|piece| piece.kind == Kind::RAWX).filter_map(|piece| {
+        let week: [u8; 2] = piece.bytes.get(WEEK)?.try_into().ok()?;
+        Some(u16::from_le_bytes(week))
+    });
+    weeks.find(|&week| week > 0)
+}
+
+/// Returns the week or, where it has not come yet, the same of the last cycle that has.
+fn not_after(week: u16, present: u16) -> u16 {
+    let cycles = week.saturating_sub(present).div_ceil(CYCLE);
+    week.saturating_sub(cycles.saturating_mul(CYCLE))
+}
+
+/// Returns the week by the clock of this machine.
+fn this_week() -> u16 {
+    let since_unix = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+    let weeks = since_unix.saturating_sub(GPS_EPOCH).as_millis() / u128::from(WEEK_MS);
+    u16::try_from(weeks).unwrap_or(u16::MAX)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{not_after, stated};
+    use crate::checksum::fletcher;
+
+    /// RXM-RAWX without measurements, of a receiver that states this week.
+    fn rawx(week: u16) -> Vec<u8> {
+        let mut checked = vec![0x02, 0x15, 16, 0];
+        checked.extend(1000.0_f64.to_le_bytes());
+        checked.extend(week.to_le_bytes());
+        checked.extend([16, 0, 1, 1, 0, 0]);
+        let check = fletcher(&checked);
+        [&[0xB5, 0x62], &checked[..], &check].concat()
+    }
+
+    #[test]
+    fn week_is_the_first_that_a_receiver_knows() {
+        let bytes: Vec<u8> = [0, 1709, 1710].into_iter().flat_map(rawx).collect();
+        assert_eq!(stated(&bytes), Some(1709));
+        assert_eq!(stated(&rawx(0)), None);
+    }
+
+    #[test]
+    fn cycle_is_the_last_one_that_has_come() {
+        // October 2012 is week 1709, and 2733 is in May 2032.
+        assert_eq!([2733, 2446, 2447, 1709].map(|week| not_after(week, 2446)), [1709, 2446, 1423, 1709]);
+        assert_eq!(not_after(5000, 2446), 1928);
+    }
+}

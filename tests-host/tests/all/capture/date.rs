@@ -1,0 +1,68 @@
+//! Captures from before the week cycle of 2019, with their own date.
+
+use tests_host::capture::{self, Capture};
+use tests_host::encode::{Encoder, Frequency, Selection, StatedWeek};
+use tests_host::replay::{self, Pace, Window};
+use tests_host::shared;
+use tests_host::sky::Fleet;
+use tests_host::sky::raw::Simulation;
+
+/// RTCM 3 of these systems, from `before_s` before the end of a week on.
+fn bytes(systems: &str, week: u16, before_s: f64, stated: StatedWeek) -> Vec<u8> {
+    let fleets = [('G', Fleet::Gps31), ('E', Fleet::Galileo24)];
+    let fleets = fleets.into_iter().filter(|(letter, _)| systems.contains(*letter));
+    let mut simulation = Simulation {
+        satellites: fleets.flat_map(|(_, fleet)| fleet.satellites()).collect(),
+        ..Simulation::above_xian(6.0 * 86_400.0 - before_s, 20, 5)
+    };
+    simulation.origin.week = week;
+    let recording = simulation.record();
+    let selection = Selection::new(systems, Frequency::Dual).unwrap();
+    let mut encoder = Encoder::new(&recording.ephemerides, selection).stating(stated);
+    recording.epochs.iter().flat_map(|epoch| encoder.epoch(epoch).unwrap()).collect()
+}
+
+/// The dates that the module sends, without repeats.
+fn dates(capture: &Capture) -> Vec<String> {
+    let prepared = capture.lumps(&[], &Window::ALL).unwrap();
+    let setup: Vec<String> = prepared.week.map(|week| format!("WEEK,{week}")).into_iter().collect();
+    let run = replay::on_host(&prepared.lumps, &setup, Pace::Recorded, |_| ()).unwrap();
+    let sentences = run.sentences();
+    let rmc = sentences.lines().filter(|line| line.starts_with("$GNRMC"));
+    let mut dates: Vec<String> = rmc.filter_map(|line| line.split(',').nth(9).map(str::to_owned)).collect();
+    dates.dedup();
+    dates
+}
+
+#[test]
+fn capture_of_2012_has_its_own_date() {
+    // Week 1709 ended with 2012-10-13.
+    for systems in ["G", "GE", "EG"] {
+        let capture = Capture::of(bytes(systems, 1709, 3600.0, StatedWeek::Transmission), None).unwrap();
+        assert_eq!(dates(&capture), ["131012"], "{systems}");
+    }
+}
+
+#[test]
+fn given_week_is_the_date() {
+    // Week 685 ended with 1993-02-27.
+    let capture =
+        Capture::of_week(bytes("G", 685, 3600.0, StatedWeek::Transmission), None, Some(685)).unwrap();
+    assert_eq!(dates(&capture), ["270293"]);
+}
+
+#[test]
+fn date_of_today_stays_and_the_module_is_told_nothing() {
+    let capture = Capture::of(bytes("GE", 2295, 3600.0, StatedWeek::Transmission), None).unwrap();
+    assert_eq!(capture.lumps(&[], &Window::ALL).unwrap().week, None);
+    // Week 2295 ended with 2024-01-06.
+    assert_eq!(dates(&capture), ["060124"]);
+}
+
+#[test]
+fn real_capture_of_2012_is_dated_2012() {
+    let Some(path) = shared::path_or_skip("data/real/gmsd7_2012.rtcm3.gz") else { return };
+    let capture = Capture::of(capture::read(path.to_str().unwrap(), f64::INFINITY).unwrap(), None).unwrap();
+    // It goes on over midnight.
+    assert_eq!(dates(&capture), ["131012", "141012"]);
+}
