@@ -4,6 +4,7 @@
 //! | what | where |
 //! |---|---|
 //! | every bit of every navigation message, as RTCM says it | [`bits`] |
+//! | frames that real receivers sent | [`as_sent`] |
 //! | streams of an independent program against the recordings that they were made of | [`streams`] |
 //! | the same epochs as RTCM and as UBX: verdicts, positions | [`module`] |
 //! | GLONASS: strings, and what it does to positions | [`glonass`] |
@@ -11,6 +12,7 @@
 //! | what RTKLIB reads in what the encoder wrote | [`rtklib`] |
 //! | wrong parities, lengths, times, doubles; pages mixed, missing and out of order; frames cut and interleaved | [`hostile`] |
 
+mod as_sent;
 mod bits;
 mod glonass;
 mod hostile;
