@@ -91,7 +91,7 @@ fn node_opposite_sc(toe_s: u32, away_sc: f64) -> f64 {
     let of_system_s = f64::from((toe_s + 604_800 - 14) % 604_800);
     let node_sc = 1.0 + away_sc + EARTH_RATE_RAD_S * of_system_s / PI;
     let wrapped_sc = (node_sc + 1.0).rem_euclid(2.0) - 1.0;
-    between((-1.0, 1.0 - power(-31)), (wrapped_sc + 1.0) / 2.0, -31)
+    between((-1.0, 1.0 - power(-31)), f64::midpoint(wrapped_sc, 1.0), -31)
 }
 
 prop_compose! {
