@@ -70,6 +70,7 @@
 //! | `DS8626` | STMicroelectronics, DS8626, *STM32F405xx, STM32F407xx*, data sheet |
 //! | `GLO-ICD` | Russian Institute of Space Device Engineering, *GLONASS Interface Control Document, navigational radio signal in bands L1, L2*, edition 5.1, 2008 |
 //! | `GPSD-NMEA` | E. S. Raymond, *NMEA Revealed*, gpsd project, <https://gpsd.gitlab.io/gpsd/NMEA.html> |
+//! | `GPS-SPS-PS` | US Department of Defense, *Global Positioning System standard positioning service performance standard*, 5th edition, 2020 |
 //! | `ICAO-9871` | ICAO Doc 9871, *Technical provisions for Mode S services and extended squitter* |
 //! | `ICAO-A10` | ICAO, Annex 10 to the Convention on International Civil Aviation, *Aeronautical telecommunications*, Volume I, *Radio navigation aids*, table 3.7.2.4-1 |
 //! | `IS-GPS-200` | *NAVSTAR GPS space segment/navigation user segment interfaces*, interface specification of the US Space Force |
@@ -79,6 +80,7 @@
 //! | `Klobuchar1987` | J. A. Klobuchar, *Ionospheric time-delay algorithm for single-frequency GPS users*, IEEE Trans. AES 23(3) (1987) 325–331 |
 //! | `MAVLINK` | `MAVLink` developer guide, *Serialization*, <https://mavlink.io/en/guide/serialization.html>, and the message definitions `common.xml` and `development.xml` |
 //! | `NMEA-0183` | National Marine Electronics Association, *NMEA 0183, standard for interfacing marine electronic devices*, version 4.11, 2018 |
+//! | `OS-SDD` | European Union, *Galileo open service, service definition document*, version 1.3, 2023 |
 //! | `OS-SIS-ICD` | European Union, *European GNSS (Galileo) open service signal-in-space interface control document* |
 //! | `RM0090` | STMicroelectronics, RM0090, *STM32F405/415, STM32F407/417, STM32F427/437 and STM32F429/439 advanced Arm-based 32-bit MCUs*, reference manual |
 //! | `RTCM-10403.3` | RTCM Special Committee 104, RTCM 10403.3, *Differential GNSS (Global Navigation Satellite Systems) services, version 3*, 2016, with amendments |

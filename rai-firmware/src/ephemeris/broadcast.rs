@@ -79,6 +79,8 @@ pub enum BroadcastError {
     Eccentricity,
     /// The semi-major axis, or the distance from the centre, is not in 16,000 km to 64,000 km.
     SemiMajorAxis,
+    /// Axis, eccentricity and inclination together are those of no orbit that the system has.
+    OrbitType,
     /// An angle is not within ±1 semicircle.
     Angle,
     /// A rate or a correction is not finite or larger than the message can say.
@@ -95,6 +97,7 @@ impl fmt::Display for BroadcastError {
             Self::ReferenceTime => "reference times outside the week or far apart",
             Self::Eccentricity => "eccentricity outside 0 to 0.2",
             Self::SemiMajorAxis => "semi-major axis outside 16,000 km to 64,000 km",
+            Self::OrbitType => "axis, eccentricity and inclination of no orbit of its system",
             Self::Angle => "angle outside one turn",
             Self::Correction => "orbit correction out of bounds",
             Self::Clock => "clock term out of bounds",

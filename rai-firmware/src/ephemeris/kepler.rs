@@ -38,6 +38,7 @@ use rai_core::satellite::SatelliteId;
 use super::elapsed::Elapsed;
 use super::fixed::{Direction, ONE_Q62, Turns, mul_high, nearest, nearest_i32, scaled, times_q62};
 use super::motion::Motion;
+use super::orbit_types::Shape;
 use super::{Broadcast, BroadcastError, Source};
 use crate::division::divided;
 use crate::time::{BEIDOU_OFFSET_MS, WEEK_MS};
@@ -82,6 +83,9 @@ const BEIDOU: Convention = Convention {
 /// [BDS-SIS-B1I]: crate#references
 const GEOSTATIONARY_TILT: Direction =
     Direction { sin_q62: -401_934_920_255_029_411, cos_q62: 4_594_137_160_821_195_716 };
+
+/// Cosine of 4°, the most that a geostationary orbit is inclined to the equator, 2⁻⁶².
+const MOST_INCLINED_COS_Q62: i64 = 4_600_452_183_069_027_328;
 
 /// Steps of Newton's method from `e sin M`, each of which squares the error: for an eccentricity of 0.2 it goes from 0.04
 /// over 2e-4 and 5e-9 below what single precision tells apart.
@@ -177,10 +181,12 @@ impl Kepler {
         let eccentricity_2_33 = nearest(broadcast.eccentricity, 33) as u32;
         let e = scaled(i64::from(eccentricity_2_33), -33);
         let at_week_start = Turns::of_broadcast(angle(broadcast.omega0_sc));
+        let node = at_week_start.minus(earth_turn(convention, toe_of_system_ms(broadcast)));
+        check_orbit(broadcast, reading, node)?;
         Ok(Self {
             motion_2_76: nearest(undisturbed_turns_s, 76) + wide(rate(broadcast.delta_n_sc_s)),
             flattening_q62: nearest(libm::sqrt((1.0 - e) * (1.0 + e)), 62),
-            node: at_week_start.minus(earth_turn(convention, toe_of_system_ms(broadcast))),
+            node,
             sqrt_a_2_19,
             eccentricity_2_33,
             mean_2_32: angle(broadcast.m0_sc),
@@ -335,6 +341,33 @@ fn reading(broadcast: &Broadcast) -> Result<Reading, BroadcastError> {
         Source::BeidouD1D2 => Ok(Reading::Beidou),
         Source::GlonassStrings => Err(BroadcastError::Form),
     }
+}
+
+/// Checks that satellites of the system have such an orbit; `node` is the longitude of the node at `toe`.
+fn check_orbit(broadcast: &Broadcast, reading: Reading, node: Turns) -> Result<(), BroadcastError> {
+    let is_geostationary = reading == Reading::BeidouGeostationary;
+    let inclination_sc = if !is_geostationary {
+        broadcast.i0_sc
+    } else if cos_to_equator_q62(broadcast.i0_sc, node) >= MOST_INCLINED_COS_Q62 {
+        0.0
+    } else {
+        return Err(BroadcastError::OrbitType);
+    };
+    let shape = Shape {
+        sqrt_a_sqrt_m: broadcast.sqrt_a_sqrt_m,
+        eccentricity: broadcast.eccentricity,
+        inclination_sc,
+    };
+    if shape.is_of(broadcast.source, is_geostationary) { Ok(()) } else { Err(BroadcastError::OrbitType) }
+}
+
+/// Returns the cosine of the angle between the equator and an orbit written in the tilted plane, 2⁻⁶²: the last coordinate
+/// of the orbit's normal, `(sin i sin Ω, −sin i cos Ω, cos i)`, turned back by 5° about x.
+fn cos_to_equator_q62(inclination_sc: f64, node: Turns) -> i64 {
+    let inclination = Turns::of_broadcast(angle(inclination_sc)).direction();
+    let level_q62 = -times_q62(inclination.sin_q62, node.direction().cos_q62);
+    times_q62(inclination.cos_q62, GEOSTATIONARY_TILT.cos_q62)
+        - times_q62(level_q62, GEOSTATIONARY_TILT.sin_q62)
 }
 
 /// Reference time within the week of the satellite's own system, ms.

@@ -38,6 +38,7 @@ mod health;
 mod kepler;
 mod motion;
 mod orbit;
+mod orbit_types;
 mod source;
 #[cfg(feature = "glonass")]
 mod state_vector;
@@ -239,21 +240,22 @@ impl Ephemeris {
         self.orbit.advance(received.since_ms(self.toe) as f64 * 1e-3);
     }
 
-    /// Takes what another message of the satellite says of its own signals: their health, and how good ranges with them
-    /// are.
+    /// Takes the statements of Galileo's F/NAV about its own signals: their health, and the accuracy of ranges with them.
     fn merge_health(&mut self, fnav: &Self) {
         self.health = fnav.health.over(self.health);
         let [_, with_e5a_m] = &mut self.accuracies_m;
         [_, *with_e5a_m] = fnav.accuracies_m;
     }
 
-    /// Keeps what was said before of signals of which this message does not speak.
-    fn inherit_health(&mut self, before: &Self) {
-        if self.source == Source::GalileoInav && before.health.speaks_of(Band::E5a) {
+    /// Keeps the earlier statements about signals that this message does not mention. Of a set that is out of date only the
+    /// bad ones stay: nobody repeats that the signals are good.
+    fn inherit_health(&mut self, before: &Self, is_before_stale: bool) {
+        if self.source == Source::GalileoInav && before.health.mentions(Band::E5a) {
             let [_, with_e5a_m] = &mut self.accuracies_m;
             [_, *with_e5a_m] = before.accuracies_m;
         }
-        self.health = self.health.over(before.health);
+        let kept = if is_before_stale { before.health.bad_alone() } else { before.health };
+        self.health = self.health.over(kept);
     }
 
     /// True when both say the same of orbit and clock, whatever they say of health.

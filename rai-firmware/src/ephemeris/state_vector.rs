@@ -25,6 +25,7 @@ use rai_core::satellite::SatelliteId;
 use super::elapsed::Elapsed;
 use super::forces::{Node, State};
 use super::motion::Motion;
+use super::orbit_types::{GLONASS_AXES_M, GLONASS_COS2_INCLINATIONS, GLONASS_ECCENTRICITY};
 use super::{BroadcastError, Health};
 use crate::time::GpsTime;
 
@@ -139,6 +140,28 @@ impl StateVector {
     }
 }
 
+/// Returns true when the ellipse that touches the orbit at the reference time is one of GLONASS, as
+/// [`orbit_types`](super::orbit_types) has it. NaN and an orbit that leaves the earth are in no range.
+fn is_of_glonass(broadcast: &StateBroadcast) -> bool {
+    /// [GLO-ICD] appendix J.1: gravity, m³/s², and rotation of the earth, rad/s.
+    ///
+    /// [GLO-ICD]: crate#references
+    const MU: f64 = 3.986_004_418e14;
+    const EARTH_RATE_RAD_S: f64 = 7.292_115e-5;
+    let [x, y, z] = broadcast.position_m;
+    let [rotating_vx, rotating_vy, vz] = broadcast.velocity_m_s;
+    let (vx, vy) = (rotating_vx - EARTH_RATE_RAD_S * y, rotating_vy + EARTH_RATE_RAD_S * x);
+    let squared = |[x, y, z]: [f64; 3]| x * x + y * y + z * z;
+    let normal = [y * vz - z * vy, z * vx - x * vz, x * vy - y * vx];
+    let [_, _, polar] = normal;
+    let momentum = squared(normal);
+    let per_axis = 2.0 / libm::sqrt(squared([x, y, z])) - squared([vx, vy, vz]) / MU;
+    GLONASS_AXES_M.contains(&(1.0 / per_axis))
+        && 1.0 - momentum * per_axis / MU <= GLONASS_ECCENTRICITY * GLONASS_ECCENTRICITY
+        && polar > 0.0
+        && GLONASS_COS2_INCLINATIONS.contains(&(polar * polar / momentum))
+}
+
 /// Judges every field by what a satellite 16,000 km to 64,000 km from the centre can have. A NaN is in no range.
 fn check(broadcast: &StateBroadcast) -> Result<(), BroadcastError> {
     let [x_m, y_m, z_m] = broadcast.position_m;
@@ -154,6 +177,7 @@ fn check(broadcast: &StateBroadcast) -> Result<(), BroadcastError> {
         (false, _, _) => Err(BroadcastError::SemiMajorAxis),
         (_, false, _) => Err(BroadcastError::Correction),
         (_, _, false) => Err(BroadcastError::Clock),
+        _ if !is_of_glonass(broadcast) => Err(BroadcastError::OrbitType),
         _ => Ok(()),
     }
 }

@@ -230,7 +230,7 @@ impl Entry {
             known.merge_health(&offered);
             return Insertion::Kept;
         }
-        offered.inherit_health(known);
+        offered.inherit_health(known, is_needed);
         let rival = rivals.iter_mut().find(|rival| rival.ephemeris.satellite == offered.satellite);
         if !is_needed && known.describes_as(&offered) {
             // The contradiction is kept in mind: it may be repeated.

@@ -19,9 +19,6 @@ use crate::publisher::Publisher;
 use crate::selftest::{self, Failure};
 use crate::time::GpsTime;
 
-/// For how long what a receiver says of jamming and spoofing is of now, ms; that it is sure of spoofing has no end.
-const SUSPICION_HOLDS_MS: u64 = 60_000;
-
 /// For how many epochs nothing is promised after one that came over again with other ranges.
 const RIVALLED_EPOCHS: u8 = 10;
 
@@ -73,8 +70,6 @@ pub(super) struct EpochLoop<P> {
     /// Whether the settings in force are meant: not after an unexpected restart that has lost them.
     pub(super) is_confirmed: bool,
     pub(super) interference: Suspicions,
-    /// When it was said last.
-    interference_ms: u64,
     /// For how many epochs one that came over again with other ranges is remembered.
     rivalled: u8,
     /// GPS time minus UTC, s: that of the image until somebody has said it.
@@ -110,7 +105,6 @@ impl<P: OutputPin> EpochLoop<P> {
             is_sound: true,
             is_confirmed: true,
             interference: Suspicions::NONE,
-            interference_ms: 0,
             rivalled: 0,
             gps_minus_utc_s: GPS_MINUS_UTC_S,
         })
@@ -163,9 +157,7 @@ impl<P: OutputPin> EpochLoop<P> {
                     count(&mut self.verdicts.epochs_skipped);
                     return false;
                 }
-                if now_ms.abs_diff(self.interference_ms) > SUSPICION_HOLDS_MS {
-                    self.interference.age();
-                }
+                self.interference.age(now_ms);
                 self.navigator.distrust(self.distrust());
                 self.rivalled = self.rivalled.saturating_sub(1);
                 let report = self.navigator.judge(raw, *came_ms, &self.configuration);
@@ -193,8 +185,7 @@ impl<P: OutputPin> EpochLoop<P> {
                 self.navigator.hear_ionosphere(*constellation, *coefficients, self.last_time);
             }
             Event::Jamming(said) => {
-                self.interference.hear(said);
-                self.interference_ms = now_ms;
+                self.interference.hear(said, now_ms);
                 if self.interference.is_sure() {
                     self.drive_pin(false);
                 }

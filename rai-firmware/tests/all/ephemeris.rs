@@ -325,3 +325,29 @@ proptest! {
         }
     }
 }
+
+/// A writer of navigation files that takes semicircles for radians, or the reverse, and a set of another system.
+#[test]
+fn orbit_that_its_system_does_not_have_is_refused() {
+    for case in &CASES {
+        let id = case.id();
+        let refuse = |what: &str, change: fn(&mut Broadcast)| {
+            let have = changed(case, change);
+            assert_eq!(have.map(|_| ()), Err(BroadcastError::OrbitType), "{id}: {what}");
+        };
+        assert!(changed(case, |_| ()).is_ok(), "{id}: real");
+        // Geostationary orbits are so little inclined that this mistake moves theirs past the bound only by chance.
+        if !matches!(case.satellite, (Constellation::Beidou, 1..=5 | 59..=63)) {
+            refuse("semicircles in place of radians", |b| {
+                for angle in [&mut b.i0_sc, &mut b.omega0_sc, &mut b.m0_sc, &mut b.omega_sc] {
+                    *angle /= std::f64::consts::PI;
+                }
+            });
+        }
+        refuse("90° more", |b| b.i0_sc += 0.5);
+        refuse("backwards", |b| b.i0_sc = -b.i0_sc);
+        refuse("1,000 km higher", |b| b.sqrt_a_sqrt_m = (b.sqrt_a_sqrt_m.powi(2) + 1e6).sqrt());
+        refuse("1,000 km lower", |b| b.sqrt_a_sqrt_m = (b.sqrt_a_sqrt_m.powi(2) - 1e6).sqrt());
+        refuse("more eccentric", |b| b.eccentricity = if b.eccentricity > 0.1 { 0.05 } else { 0.15 });
+    }
+}

@@ -267,6 +267,60 @@ fn what_fnav_says_of_e5a_counts_though_the_orbit_is_that_of_inav() {
     }
     assert_eq!(chosen(&[fnav(0, false, None)]), Err(EphemerisError::Unhealthy));
     assert_eq!(chosen(&[inav(0, false, true), fnav(0, true, Some(3.12))]), both_pairs);
+    // The service definition calls no signal healthy of which nothing is said.
+    assert_eq!(chosen(&[fnav(0, false, Some(3.12))]), Err(EphemerisError::Unhealthy));
+    assert_eq!(chosen(&[inav(0, false, true)]), Ok(Some((Band::E1, None))));
+    assert_eq!(chosen(&[fnav(0, true, Some(3.12))]), both_pairs, "F/NAV alone, for E1 and E5a");
+}
+
+/// [OS-SDD] 2.3.1: data without guarantee makes no signal healthy. Both messages describe one orbit, so either speaks for it.
+///
+/// [OS-SDD]: rai_firmware#references
+#[test]
+fn data_without_guarantee_closes_every_signal_whichever_band_says_it() {
+    let case = &CASES[GALILEO];
+    let inav = |seconds, without: [bool; 2]| {
+        issue(case, seconds, |b| {
+            b.health =
+                Health::UNKNOWN.with_galileo(Band::E5b, 0, without[0]).with_galileo(Band::E1, 0, without[1]);
+        })
+    };
+    let fnav = |seconds, without| {
+        issue(case, seconds, |b| {
+            b.source = Source::GalileoFnav;
+            b.health = Health::UNKNOWN.with_galileo(Band::E5a, 0, without);
+        })
+    };
+    let closed = Err(EphemerisError::Unhealthy);
+    let open = Ok(Some((Band::E1, Some(Band::E5a))));
+    for without in [[true, false], [false, true], [true, true]] {
+        let bad = inav(0, without);
+        assert_eq!(chosen(&[bad]), closed, "{without:?}");
+        assert_eq!(chosen(&[fnav(0, false), bad]), closed, "{without:?}");
+        assert_eq!(chosen(&[bad, fnav(0, false)]), closed, "{without:?}");
+        assert_eq!(chosen(&[bad, inav(600, [false, false])]), open, "taken back");
+    }
+    assert_eq!(chosen(&[inav(0, [false; 2]), fnav(0, true)]), closed);
+    assert_eq!(chosen(&[fnav(0, true), inav(0, [false; 2])]), closed);
+    assert_eq!(chosen(&[inav(0, [false; 2]), fnav(0, true), inav(600, [false; 2])]), closed);
+    assert_eq!(chosen(&[inav(0, [false; 2]), fnav(0, true), fnav(600, false)]), open);
+}
+
+/// I/NAV called E1 healthy until its set was out of date; five hours later F/NAV says that E5a is in test.
+#[test]
+fn good_word_of_a_set_that_is_out_of_date_does_not_hold() {
+    const LATER_S: i64 = 5 * 3600;
+    let (mut store, case) = (Store::new(), &CASES[GALILEO]);
+    let healthy = |health: Health, band| health.with_galileo(band, 0, false);
+    let inav = issue(case, 0, |b| b.health = healthy(healthy(Health::UNKNOWN, Band::E5b), Band::E1));
+    let fnav = issue(case, LATER_S, |b| {
+        b.source = Source::GalileoFnav;
+        b.health = Health::UNKNOWN.with_galileo(Band::E5a, 3, false);
+    });
+    let later = after(case.toe(), LATER_S);
+    store.insert(inav, Some(case.toe()));
+    assert_eq!(store.insert(fnav, Some(later)), Insertion::Taken);
+    assert_eq!(store.get(case.id(), later).map(|_| ()), Err(EphemerisError::Unhealthy));
 }
 
 #[test]

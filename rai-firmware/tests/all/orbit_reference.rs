@@ -45,30 +45,60 @@ fn harmonic(unit: f64) -> impl Strategy<Value = f32> {
     field(1 << 17).prop_map(move |units| (units * unit) as f32)
 }
 
-fn satellite() -> impl Strategy<Value = (Source, SatelliteId)> {
-    let of = |source: Source, number| (source, SatelliteId::new(source.constellation(), number).unwrap());
-    prop_oneof![
-        Just(of(Source::GpsLnav, 32)),
-        Just(of(Source::GalileoInav, 14)),
-        Just(of(Source::GalileoFnav, 36)),
-        Just(of(Source::BeidouD1D2, 3)),
-        Just(of(Source::BeidouD1D2, 59)),
-        Just(of(Source::BeidouD1D2, 20)),
-    ]
+/// An orbit that a system has, as the module's documentation bounds it: message, satellite, √A, eccentricity, inclination in
+/// degrees. Those of the geostationary satellites of `BeiDou` are about the plane of their elements.
+type Kind = (Source, u8, (f64, f64), (f64, f64), (f64, f64));
+
+const KINDS: [Kind; 9] = [
+    (Source::GpsLnav, 32, (5140.0, 5167.0), (0.0, 0.03), (49.0, 61.0)),
+    (Source::QzssLnav, 193, (6478.0, 6508.0), (0.04, 0.12), (30.0, 50.0)),
+    (Source::QzssLnav, 199, (6478.0, 6508.0), (0.0, 0.02), (0.0, 10.0)),
+    (Source::GalileoFnav, 36, (5425.0, 5456.0), (0.0, 0.02), (51.0, 61.0)),
+    (Source::GalileoInav, 14, (5275.0, 5304.0), (0.13, 0.2), (45.0, 55.0)),
+    (Source::BeidouD1D2, 20, (5268.0, 5297.0), (0.0, 0.02), (49.0, 61.0)),
+    (Source::BeidouD1D2, 10, (6478.0, 6508.0), (0.0, 0.03), (45.0, 65.0)),
+    (Source::BeidouD1D2, 3, (6478.0, 6508.0), (0.0, 0.02), (4.0, 6.0)),
+    (Source::BeidouD1D2, 59, (6478.0, 6508.0), (0.0, 0.02), (4.0, 6.0)),
+];
+
+fn satellite((source, number, ..): Kind) -> SatelliteId {
+    match source {
+        Source::QzssLnav => SatelliteId::qzss(number - 192).unwrap(),
+        _ => SatelliteId::new(source.constellation(), number).unwrap(),
+    }
 }
 
-fn shape() -> impl Strategy<Value = (f64, f64)> {
-    let axis = prop_oneof![Just(0), Just(4000 << 19), 0..=(4000_i64 << 19)];
-    let most = (0.2 * power(33)) as i64;
-    let eccentricity = prop_oneof![Just(0), Just(most), 0..=most, 0..=(most / 20)];
-    (axis, eccentricity).prop_map(|(axis, e)| (4000.0 + axis as f64 * power(-19), e as f64 * power(-33)))
+/// Returns true for satellites whose elements are written in a tilted plane.
+fn is_tilted(kind: Kind) -> bool {
+    kind.0 == Source::BeidouD1D2 && matches!(kind.1, 1..=5 | 59..=63)
+}
+
+/// Returns the number at a fraction of the way between two bounds, in whole units and within both.
+fn between((least, most): (f64, f64), fraction: f64, exponent: i32) -> f64 {
+    let unit = power(exponent);
+    let (least, most) = ((least / unit).ceil(), (most / unit).floor());
+    (least + fraction * (most - least)).round() * unit
+}
+
+/// A fraction that is as often 0 or 1 as between them.
+fn fraction() -> impl Strategy<Value = f64> {
+    prop_oneof![Just(0.0), Just(1.0), 0.0..=1.0, 0.0..=1.0]
+}
+
+/// Returns the longitude of a node that is `away_sc` from 180° at the reference time, semicircles.
+fn node_opposite_sc(toe_s: u32, away_sc: f64) -> f64 {
+    const EARTH_RATE_RAD_S: f64 = 7.292115e-5;
+    let of_system_s = f64::from((toe_s + 604_800 - 14) % 604_800);
+    let node_sc = 1.0 + away_sc + EARTH_RATE_RAD_S * of_system_s / PI;
+    let wrapped_sc = (node_sc + 1.0).rem_euclid(2.0) - 1.0;
+    between((-1.0, 1.0 - power(-31)), f64::midpoint(wrapped_sc, 1.0), -31)
 }
 
 prop_compose! {
     fn broadcast()(
-        (source, satellite) in satellite(),
-        (sqrt_a_sqrt_m, eccentricity) in shape(),
-        angles in [angle(), angle(), angle(), angle()],
+        kind in prop::sample::select(&KINDS[..]),
+        shape in [fraction(), fraction(), fraction()],
+        angles in [angle(), angle(), angle()],
         rates in [rate(), rate(), rate()],
         turns in [harmonic(power(-31)), harmonic(power(-31)), harmonic(power(-31)), harmonic(power(-31))],
         lengths in [harmonic(1.0 / 64.0), harmonic(1.0 / 64.0)],
@@ -76,20 +106,24 @@ prop_compose! {
         toe_s in prop_oneof![Just(0_u32), Just(604_799), Just(13), Just(14), 0..604_800_u32],
         toc_behind_s in prop_oneof![Just(0_i64), Just(-86_400), Just(86_400), -7200..7200_i64],
     ) -> Broadcast {
+        let (source, _, axes, eccentricities, inclinations_deg) = kind;
+        let (least_deg, most_deg) = inclinations_deg;
+        // Within 20° the orbit is inclined to the equator by no more than 2.1°.
+        let omega0_sc = if is_tilted(kind) { node_opposite_sc(toe_s, angles[1] / 9.0) } else { angles[1] };
         let toe = GpsTime { week: 2111, tow_ms: toe_s * 1000 };
         Broadcast {
-            satellite,
+            satellite: satellite(kind),
             source,
             health: Health::GOOD,
             accuracy_m: Some(2.0),
             toe,
             toc: GpsTime::from_ms(toe.to_ms().checked_add_signed(toc_behind_s * 1000).unwrap()),
-            sqrt_a_sqrt_m,
-            eccentricity,
+            sqrt_a_sqrt_m: between(axes, shape[0], -19),
+            eccentricity: between(eccentricities, shape[1], -33),
             m0_sc: angles[0],
-            omega0_sc: angles[1],
-            i0_sc: angles[2],
-            omega_sc: angles[3],
+            omega0_sc,
+            i0_sc: between((least_deg / 180.0, most_deg / 180.0), shape[2], -31),
+            omega_sc: angles[2],
             delta_n_sc_s: rates[0],
             omegadot_sc_s: rates[1],
             idot_sc_s: rates[2],
@@ -112,7 +146,7 @@ fn by_the_table(b: &Broadcast, shown_s: f64) -> (Ecef, f64) {
     let since_toc_s = shown_s - b.toc.since_ms(b.toe) as f64 * 1e-3;
     let polynomial_s = b.af0_s + (b.af1_s_s + b.af2_s_s2 * since_toc_s) * since_toc_s;
     let (mu, earth_rate) = match b.source {
-        Source::GpsLnav => (3.986005e14_f64, 7.2921151467e-5),
+        Source::GpsLnav | Source::QzssLnav => (3.986005e14_f64, 7.2921151467e-5),
         Source::BeidouD1D2 => (3.986004418e14, 7.292115e-5),
         _ => (3.986004418e14, 7.2921151467e-5),
     };
@@ -199,9 +233,10 @@ fn the_largest_element_of_every_field_is_let_in_and_the_next_one_is_refused() {
         af2_s_s2: 0.0,
         group_delays_s: [0.0, 0.0],
     };
-    let bounds: [(Change, f64); 8] = [
-        (|b, v| b.eccentricity = v, 0.2),
-        (|b, v| b.sqrt_a_sqrt_m = v, 8000.0),
+    let bounds: [(Change, f64); 9] = [
+        (|b, v| b.eccentricity = v, 0.03),
+        (|b, v| b.sqrt_a_sqrt_m = v, 5167.0),
+        (|b, v| b.i0_sc = v, 61.0 / 180.0),
         (|b, v| b.m0_sc = v, 1.0),
         (|b, v| b.omegadot_sc_s = v, 1e-6),
         (|b, v| b.cus_rad = v as f32, power(-14)),

@@ -33,7 +33,11 @@ pub(crate) fn satellite_of(source: Source, index: u8) -> Broadcast {
         accuracy_m: Some(2.0),
         toe: TOE,
         toc: TOE,
-        sqrt_a_sqrt_m: 5153.65,
+        sqrt_a_sqrt_m: match source {
+            Source::BeidouD1D2 => 5282.6,
+            Source::GalileoInav | Source::GalileoFnav => 5440.6,
+            _ => 5153.65,
+        },
         eccentricity: 0.0,
         m0_sc: around(f64::from(slot) / 5.0 + f64::from(plane) / 13.0 + shift),
         omega0_sc: around(f64::from(plane) / 6.0 + shift),

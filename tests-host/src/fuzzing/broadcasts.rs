@@ -31,6 +31,9 @@ macro_rules! message {
     };
 }
 
+/// Rotation of the earth, semicircles/s.
+const EARTH_RATE_SC_S: f64 = 7.292_115e-5 / std::f64::consts::PI;
+
 /// Returns one of each form, in the order of [`super::navigation_bits::MESSAGES`].
 pub(super) fn of_each() -> [TimedEphemeris; 6] {
     let gps = message!(Msg1019T, sqrt_a: 5153.7, offset: af0_s,
@@ -43,12 +46,20 @@ pub(super) fn of_each() -> [TimedEphemeris; 6] {
         message!(Msg1042T, sqrt_a: sqrt_a, offset: a0_s,
             bds_satellite_id: number, bds_week_number: NOON.week - BEIDOU_WEEK_OFFSET)
     };
+    // Its plane lies in the equator: tilted by 5° about the axis that the node is opposite to at the reference time.
+    let toe_s = f64::from(NOON.tow_ms) * 1e-3;
+    let node_sc = 1.0 + EARTH_RATE_SC_S * toe_s;
+    let geostationary = Msg1042T {
+        i0_sc: 5.0 / 180.0,
+        omega0_sc: (node_sc + 1.0).rem_euclid(2.0) - 1.0,
+        ..beidou(3, 6493.3)
+    };
     [
         timed(Constellation::Gps, 7, Ephemeris::Gps(gps)),
         timed(Constellation::Galileo, 8, Ephemeris::GalileoInav(inav)),
         timed(Constellation::Galileo, 9, Ephemeris::GalileoFnav(fnav)),
         timed(Constellation::Beidou, 23, Ephemeris::Beidou(beidou(23, 5282.6))),
-        timed(Constellation::Beidou, 3, Ephemeris::Beidou(beidou(3, 6493.3))),
+        timed(Constellation::Beidou, 3, Ephemeris::Beidou(geostationary)),
         timed(Constellation::Glonass, 10, Ephemeris::Glonass(glonass(10))),
     ]
 }
@@ -58,12 +69,12 @@ fn glonass(number: u8) -> Msg1020T {
     Msg1020T {
         glo_satellite_id: number,
         tb_min: 14 * 60 + 45,
-        xn_km: -12_413.521,
-        yn_km: 7_254.116,
-        zn_km: 21_032.207,
-        xn_first_deriv_km_s: -2.1905,
-        yn_first_deriv_km_s: -2.0152,
-        zn_first_deriv_km_s: -0.5907,
+        xn_km: 10_039.629,
+        yn_km: 15_403.305,
+        zn_km: 17_680.557,
+        xn_first_deriv_km_s: -2.0402,
+        yn_first_deriv_km_s: -1.3093,
+        zn_first_deriv_km_s: 2.2991,
         xn_second_deriv_km_s2: 1.9e-9,
         tau_n_s: 1e-5,
         glo_m_ft_ind: 2,

@@ -40,6 +40,9 @@ pub fn run(input: &[u8]) {
     }
 }
 
+/// Roots of the axes of GPS, `BeiDou`, the geosynchronous satellites, Galileo, and its two eccentric satellites, √m.
+const AXES_SQRT_M: [f64; 5] = [5153.6, 5282.6, 6493.4, 5440.6, 5289.4];
+
 fn broadcast(tape: &mut Tape<'_>) -> Broadcast {
     use Constellation::{Beidou, Galileo, Glonass, Gps};
     let constellation = tape.one_of(&[Gps, Beidou, Galileo, Glonass]);
@@ -52,11 +55,11 @@ fn broadcast(tape: &mut Tape<'_>) -> Broadcast {
         accuracy_m: (tape.byte() != 0).then(|| tape.number(0.0, 1e4) as f32),
         toc: near(toe, tape),
         toe,
-        sqrt_a_sqrt_m: tape.number(4000.0, 8000.0),
-        eccentricity: tape.number(0.0, 0.2),
+        sqrt_a_sqrt_m: tape.one_of(&AXES_SQRT_M) + tape.number(-20.0, 20.0),
+        eccentricity: tape.one_of(&[0.0, 0.0, 0.0, 0.15]) + tape.number(-0.01, 0.05),
         m0_sc: tape.number(-1.0, 1.0),
         omega0_sc: tape.number(-1.0, 1.0),
-        i0_sc: tape.number(-1.0, 1.0),
+        i0_sc: tape.one_of(&[0.3, 0.3, 0.3, 0.03]) + tape.number(-0.06, 0.06),
         omega_sc: tape.number(-1.0, 1.0),
         delta_n_sc_s: tape.number(-1e-6, 1e-6),
         omegadot_sc_s: tape.number(-1e-6, 1e-6),

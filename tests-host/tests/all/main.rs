@@ -18,6 +18,7 @@ mod consumers;
 mod dashboard;
 mod demo;
 mod evaluate;
+mod evidence;
 mod faults;
 mod full_sky;
 mod fuzz_corpus;

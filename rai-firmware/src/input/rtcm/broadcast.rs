@@ -161,18 +161,15 @@ impl Table {
 /// What is said of the health, and one sigma of the ranges, m.
 fn promises(source: Source, bits: Bits<'_>) -> (Health, Option<f32>) {
     // Two bits of the signal's health, and one of its data.
-    let is_well = |start| bits.unsigned(start, 3) == 0;
+    let with = |health: Health, band, start| {
+        health.with_galileo(band, bits.unsigned(start, 2), bits.is_set(start + 2))
+    };
     match source {
         Source::GpsLnav => (Health::of_satellite(bits.unsigned(480, 6) == 0), ura_m(bits.small(28, 4))),
         Source::QzssLnav => (Health::of_qzss(bits.small(460, 6)), ura_m(bits.small(456, 4))),
         Source::BeidouD1D2 => (Health::of_satellite(!bits.is_set(510)), ura_m(bits.small(31, 4))),
-        Source::GalileoFnav => {
-            (Health::UNKNOWN.with(Band::E5a, is_well(486)), galileo_sisa_m(bits.small(40, 8)))
-        }
-        _ => (
-            Health::UNKNOWN.with(Band::E5b, is_well(496)).with(Band::E1, is_well(499)),
-            galileo_sisa_m(bits.small(40, 8)),
-        ),
+        Source::GalileoFnav => (with(Health::UNKNOWN, Band::E5a, 486), galileo_sisa_m(bits.small(40, 8))),
+        _ => (with(with(Health::UNKNOWN, Band::E5b, 496), Band::E1, 499), galileo_sisa_m(bits.small(40, 8))),
     }
 }
 

@@ -85,7 +85,7 @@ pub(super) fn read<'a>(number: u16, payload: &'a [u8], calendar: &Calendar) -> R
             let layout = Layout::new(payload, level).ok_or(Unread::Malformed)?;
             let tow_ms = match (system, calendar.leap_second()) {
                 (System::Glonass, leap) => {
-                    let utc_ms = utc_week_ms(time_ms).ok_or(Unread::Time)?;
+                    let utc_ms = utc_week_ms(time_ms, calendar)?;
                     of_utc_ms = Some(utc_ms);
                     leap.map(|leap| (utc_ms + 1000 * u32::from(leap.seconds)) % WEEK_MS)
                 }
@@ -108,15 +108,30 @@ fn gps_tow_ms(system: System, time_ms: u32) -> Option<u32> {
     (time_ms < WEEK_MS).then_some((time_ms + offset_ms) % WEEK_MS)
 }
 
-/// Milliseconds into the week of UTC from the day and the time of day of GLONASS, which are three hours ahead; `None`
-/// for an unknown day.
-fn utc_week_ms(time: u32) -> Option<u32> {
+/// Returns the milliseconds into the week of UTC from the day and the time of day of GLONASS, which are three hours ahead.
+///
+/// Day 7 means that the day is unknown (DF416). It is then the one that brings the time nearest to the present.
+fn utc_week_ms(time: u32, calendar: &Calendar) -> Result<u32, Unread> {
+    const UNKNOWN_DAY: u32 = 7;
     const DAY_MS: u32 = 86_400_000;
     /// The day has a leap second at its end where there is one.
     const LONGEST_DAY_MS: u32 = DAY_MS + 1000;
     const AHEAD_MS: u32 = GLONASS_OFFSET_MS as u32;
     let (day, of_day_ms) = (time >> 27, time & 0x7FF_FFFF);
-    (day < 7 && of_day_ms < LONGEST_DAY_MS).then(|| (day * DAY_MS + of_day_ms + WEEK_MS - AHEAD_MS) % WEEK_MS)
+    if of_day_ms >= LONGEST_DAY_MS {
+        return Err(Unread::Time);
+    }
+    let on_day = |day: u32| (day * DAY_MS + of_day_ms + WEEK_MS - AHEAD_MS) % WEEK_MS;
+    if day != UNKNOWN_DAY {
+        return Ok(on_day(day));
+    }
+    // Leap seconds are far less than the half day that a wrong choice takes.
+    let present_ms = calendar.present().ok_or(Unread::WithoutWeek)?.tow_ms;
+    let distance_ms = |day: &u32| {
+        let apart_ms = on_day(*day).abs_diff(present_ms);
+        apart_ms.min(WEEK_MS - apart_ms)
+    };
+    (0..UNKNOWN_DAY).min_by_key(distance_ms).map(on_day).ok_or(Unread::Time)
 }
 
 /// A message whose masks are allowed and whose payload is long enough for them.

@@ -138,8 +138,8 @@ pub(super) fn inav_ephemeris(
         satellite,
         source: Source::GalileoInav,
         health: Health::UNKNOWN
-            .with(Band::E5b, fifth.unsigned(67, 2) == 0 && !fifth.is_set(71))
-            .with(Band::E1, fifth.unsigned(69, 2) == 0 && !fifth.is_set(72)),
+            .with_galileo(Band::E5b, fifth.unsigned(67, 2), fifth.is_set(71))
+            .with_galileo(Band::E1, fifth.unsigned(69, 2), fifth.is_set(72)),
         accuracy_m: galileo_sisa_m(third.small(120, 8)),
         toe: instant(first.unsigned(16, 14))?,
         toc: instant(fourth.unsigned(54, 14))?,
@@ -176,7 +176,7 @@ pub(super) fn fnav_ephemeris(
     let head = Head {
         satellite,
         source: Source::GalileoFnav,
-        health: Health::UNKNOWN.with(Band::E5a, first.unsigned(153, 2) == 0 && !first.is_set(187)),
+        health: Health::UNKNOWN.with_galileo(Band::E5a, first.unsigned(153, 2), first.is_set(187)),
         accuracy_m: galileo_sisa_m(first.small(94, 8)),
         toe: instant(third.unsigned(160, 14))?,
         toc: instant(first.unsigned(22, 14))?,

@@ -58,17 +58,14 @@ const LAYOUT: Layout = Layout {
     group_delays: [Some(on(0, 160)), None],
 };
 
-/// A subframe from the words of the receiver, the inversion by the last bit of the word before undone.
+/// Returns the subframe in the words of the receiver, which has undone the inversion of their data ([`is_lnav_word`]).
 pub(super) fn subframe(words: &[u32; 10]) -> Result<[u8; BYTES], Refusal> {
-    // The last two parity bits of every subframe are zero, so it needs no predecessor.
-    let mut before = 0;
     let mut packed = Packed::new();
     for &word in words {
-        if !is_lnav_word(word, before) {
+        if !is_lnav_word(word) {
             return Err(Refusal::Parity);
         }
         packed.push(word >> 6, 24);
-        before = word;
     }
     if Bits(&packed.bytes).unsigned(0, 8) == PREAMBLE { Ok(packed.bytes) } else { Err(Refusal::Malformed) }
 }

@@ -1,7 +1,7 @@
 //! Parities and checksums of the navigation messages.
 //!
-//! The receiver passes on only what it found right; the line between it and the module may still turn a bit, and a
-//! chance of 1 in 65,536 that the frame's own checksum misses is no chance to take with an orbit.
+//! The receiver passes on only pages whose code holds. The line between it and the module may still flip a bit, and the
+//! frame's own checksum misses 1 error in 65,536: too many for an orbit.
 //!
 //! | message | code | over |
 //! |---|---|---|
@@ -19,14 +19,20 @@
 
 use crate::input::bits::Bits;
 
-/// Bits of a GPS word and its predecessor that each parity bit covers: `D29* D30* d1 … d24`, then six unused.
+/// Bits of a GPS word and its predecessor that each parity bit covers: `D29* D30* d1 … d24`, then the six parity bits.
 const LNAV: [u32; 6] = [0xBB1F_3480, 0x5D8F_9A40, 0xAEC7_CD00, 0x5763_E680, 0x6BB1_F340, 0x8B7A_89C0];
 
-/// Whether a GPS word of 30 bits, its data not inverted, follows `before`.
-pub(super) fn is_lnav_word(word: u32, before: u32) -> bool {
-    let covered = before << 30 | (word & 0x3FFF_FFC0);
+/// Returns true when the parity of a GPS word holds, as a u-blox receiver sends it.
+///
+/// Bits 31 and 30 are `D29*` and `D30*`, the last two bits of the word before. If `D30*` was 1, the satellite has inverted
+/// the data, and the receiver complements all 32 bits: the data are then as meant, and the parity and both bits are
+/// complemented. The equations hold for the complement too, because each parity bit covers one of the two. Bit 30 is thus
+/// always 0; a 1 there could hide a wrong `d21`, since both stand in the same equations.
+pub(super) fn is_lnav_word(word: u32) -> bool {
+    const STAR_30: u32 = 1 << 30;
+    let covered = word & 0xFFFF_FFC0;
     let parity = LNAV.iter().fold(0, |parity, mask| parity << 1 | (covered & mask).count_ones() & 1);
-    parity == word & 0x3F
+    parity == word & 0x3F && word & STAR_30 == 0
 }
 
 /// CRC-24Q of the first `count` bits.
@@ -102,6 +108,57 @@ mod tests {
             let want = terms.iter().fold(star, |mask, term| mask | 1 << (30 - term));
             assert_eq!(mask, want, "{mask:08x} {want:08x}");
         }
+    }
+
+    /// Returns the words that a receiver sends of one subframe, from the rules of [IS-GPS-200] 20.3.5.2 alone, and for how
+    /// many of them `D30*` was 1.
+    ///
+    /// [IS-GPS-200]: crate#references
+    fn as_sent(data: [u32; 10]) -> ([u32; 10], usize) {
+        let (mut star, mut inverted) = ([0, 0], 0);
+        let words = data.map(|data| {
+            let bit = |number: &u32| data >> (24 - number) & 1;
+            let parity = EQUATIONS.iter().fold(0, |parity, (starts_with_29, terms)| {
+                let first = if *starts_with_29 { star[0] } else { star[1] };
+                parity << 1 | terms.iter().map(bit).fold(first, |sum, bit| sum ^ bit)
+            });
+            // The satellite sends the data inverted where D30* is 1.
+            let broadcast = (if star[1] == 1 { !data & 0xFF_FFFF } else { data }) << 6 | parity;
+            let word = star[0] << 31 | star[1] << 30 | broadcast;
+            let sent = if star[1] == 1 { !word } else { word };
+            inverted += usize::from(star[1] == 1);
+            star = [parity >> 1 & 1, parity & 1];
+            sent
+        });
+        (words, inverted)
+    }
+
+    #[test]
+    fn words_pass_as_a_receiver_sends_them_and_with_one_or_two_wrong_bits_none_does() {
+        let mut random = 0x9E37_79B9_u32;
+        let mut inverted = 0;
+        for _ in 0..40 {
+            let data = [(); 10].map(|()| {
+                random ^= random << 13;
+                random ^= random >> 17;
+                random ^= random << 5;
+                random & 0xFF_FFFF
+            });
+            let (words, of_them) = as_sent(data);
+            inverted += of_them;
+            for (word, data) in words.into_iter().zip(data) {
+                assert!(is_lnav_word(word), "{word:08x}");
+                assert_eq!(word >> 6 & 0xFF_FFFF, data, "the data are as meant");
+                assert_eq!(word >> 30 & 1, 0, "D30* or its complement");
+                for first in 0..32 {
+                    for second in first..32 {
+                        let wrong = word ^ 1 << first ^ if second > first { 1 << second } else { 0 };
+                        assert!(!is_lnav_word(wrong), "{word:08x}: bits {first} and {second}");
+                    }
+                }
+            }
+        }
+        assert!((100..300).contains(&inverted), "{inverted} of 400 words after a word that ends in 1");
     }
 
     #[test]

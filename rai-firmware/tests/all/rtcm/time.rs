@@ -173,3 +173,40 @@ fn glonass_tells_the_leap_seconds_before_gps_and_behind_it() {
     }
     assert_eq!(input.leap_second(), None);
 }
+
+/// [RTCM-10403.3] DF416: day 7 means that the day is not known.
+///
+/// [RTCM-10403.3]: rai_firmware#references
+#[test]
+fn glonass_without_a_day_has_the_day_of_the_known_time() {
+    const DAY_MS: u32 = 86_400_000;
+    const MOSCOW_MS: u32 = 3 * 3_600_000;
+    const LEAP_MS: u32 = 18_000;
+    const CELLS: [Cell; 1] = [Cell(3, 2, 2.0e7, 50.0)];
+    // Each half hour of the week, its edges and the three hours in which receivers send it among them.
+    for half_hour in 0..336 {
+        let tow_ms = half_hour * 1_800_000 + 1_000;
+        let mut input = knowing();
+        // What tells the time and the leap seconds: GPS and GLONASS with a day, twelve seconds of both.
+        for second in 0..12 {
+            let now_ms = tow_ms + 1000 * second;
+            let moscow_ms = (now_ms + 7 * DAY_MS - LEAP_MS + MOSCOW_MS) % (7 * DAY_MS);
+            let tagged = ((moscow_ms / DAY_MS) << 27) + moscow_ms % DAY_MS;
+            feed(&mut input, &gps(now_ms % (7 * DAY_MS), true));
+            feed(&mut input, &msm(1087, tagged, false, &CELLS));
+        }
+        let later_ms = tow_ms + 20_000;
+        let of_day_ms = (later_ms + 7 * DAY_MS - LEAP_MS + MOSCOW_MS) % DAY_MS;
+        let seen = epochs(feed(&mut input, &msm(1087, (7 << 27) + of_day_ms, false, &CELLS)));
+        assert_eq!(input.counters().times_out_of_range, 0);
+        assert_eq!(seen.len(), 1, "half hour {half_hour}");
+        assert_eq!(seen[0].time.tow_ms, later_ms % (7 * DAY_MS), "half hour {half_hour}");
+    }
+}
+
+#[test]
+fn glonass_without_a_day_is_counted_before_the_time_is_known() {
+    let mut input = Input::new();
+    feed(&mut input, &msm(1087, (7 << 27) + 10_191_000, false, &[Cell(3, 2, 2.0e7, 50.0)]));
+    assert_eq!((input.counters().times_out_of_range, input.counters().epochs_without_week), (0, 1));
+}

@@ -1,4 +1,7 @@
-//! GPS LNAV subframes as a receiver passes them on: ten words of 24 bits and six parities.
+//! GPS LNAV subframes as a u-blox receiver sends them: ten words of 24 data bits and six parity bits.
+//!
+//! Bits 31 and 30 of a word are the last two of the word before, `D29*` and `D30*`. Where `D30*` is 1, the satellite inverts the
+//! data, and the receiver complements all 32 bits.
 //!
 //! References: [IS-GPS-200] figure 20-1, table 20-XIV.
 
@@ -98,7 +101,8 @@ fn opening(frame: u32, number: u32) -> Result<Row> {
         .until(48)
 }
 
-/// Words of 30 bits. In the second and the last, two bits are such that the last two parities are zero.
+/// Returns the words that a receiver sends. The last two data bits of the second and the last word make their last two
+/// parity bits zero ([IS-GPS-200] 20.3.3.2).
 pub(super) fn words(row: Row) -> Result<Vec<u32>> {
     let row = row.until(240)?;
     let mut before = (false, false);
@@ -114,16 +118,43 @@ pub(super) fn words(row: Row) -> Result<Vec<u32>> {
             }
         }
         let parities = parities(&source, before);
+        words.push(as_sent(&source, &parities, before));
         before = (parities[4], parities[5]);
-        words.push(number(&source) << 6 | number(&parities));
     }
     Ok(words)
 }
 
+/// Returns the word that the receiver sends of the data and the broadcast parity bits.
+fn as_sent(source: &[bool], parities: &[bool], (before_29, before_30): (bool, bool)) -> u32 {
+    let broadcast = source.iter().map(|bit| bit ^ before_30).chain(parities.iter().copied());
+    let word: Vec<bool> = [before_29, before_30].into_iter().chain(broadcast).collect();
+    if before_30 { !number(&word) } else { number(&word) }
+}
+
+/// Returns the six parity bits as broadcast ([IS-GPS-200] table 20-XIV).
 fn parities(source: &[bool], (before_29, before_30): (bool, bool)) -> Vec<bool> {
     let parity = |(star, terms): &(usize, &[usize])| {
         let star = if *star == 29 { before_29 } else { before_30 };
         terms.iter().fold(star, |sum, term| sum ^ source[term - 1])
     };
     PARITIES.iter().map(parity).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_after_one_that_ends_in_1_are_complemented_with_their_parity() {
+        // A word of zeros has no parity bits. One whose last data bit alone is 1 has D26, D29 and D30; the next word of zeros
+        // then has D25 to D30 of D29* and D30*, all but none, and is complemented.
+        let one = Row::default().unsigned(1, 24).unwrap();
+        let words = words(one).unwrap();
+        let first = 1 << 6 | 0b01_0011;
+        assert_eq!(words[0], first);
+        // D25 to D30 are D29*, D30*, D29*, D30*, D30*, D29*: ones. Complemented they are zeros, as are bits 31 and 30; the
+        // data, sent as ones, are zeros. The last two parity bits must be zero, so the fill bits differ.
+        assert_eq!(words[1] & 0xFFFF_FE00, 0);
+        assert_eq!(words[1] & 0b11, 0b11, "zeros as broadcast");
+    }
 }

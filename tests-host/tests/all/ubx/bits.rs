@@ -22,20 +22,28 @@ fn unsigned(random: &mut ChaCha8Rng, least: f64, most: f64, exponent: i32) -> f6
     (random.random_range(least..most) / unit).floor() * unit
 }
 
+/// Bounds of √A, of the eccentricity and of the inclination, degrees: within those of the system's satellites.
+type Orbit = ((f64, f64), (f64, f64), (f64, f64));
+const GPS: Orbit = ((5141.0, 5166.0), (0.0, 0.03), (50.0, 60.0));
+const GALILEO: Orbit = ((5426.0, 5455.0), (0.0, 0.02), (52.0, 60.0));
+const BEIDOU: Orbit = ((5269.0, 5296.0), (0.0, 0.02), (50.0, 60.0));
+/// About the plane in which their elements are written.
+const BEIDOU_GEOSTATIONARY: Orbit = ((6479.0, 6507.0), (0.0, 0.02), (4.0, 6.0));
+
 /// Draws the elements that all messages have, with the widths of their fields: harmonics of angles
 /// and of the radius.
 macro_rules! message {
-    ($type:ident, $random:ident, angles: $angle:expr, lengths: $length:expr, clock: [$($field:ident: $clock:expr),*],
+    ($type:ident, $random:ident, orbit: $orbit:expr, angles: $angle:expr, lengths: $length:expr, clock: [$($field:ident: $clock:expr),*],
      $($other:ident: $value:expr),* $(; ..$base:expr)?) => {{
         let toe_s = (NOON.tow_ms / 1000) as f32;
         $type {
             toe_s,
             m0_sc: signed($random, 32, -31),
             omega0_sc: signed($random, 32, -31),
-            i0_sc: signed($random, 32, -31),
+            i0_sc: unsigned($random, $orbit.2.0 / 180.0, $orbit.2.1 / 180.0, -31),
             omega_sc: signed($random, 32, -31),
-            eccentricity: unsigned($random, 0.0, 0.199, -33),
-            sqrt_a_sqrt_m: unsigned($random, 5000.0, 7000.0, -19),
+            eccentricity: unsigned($random, $orbit.1.0, $orbit.1.1, -33),
+            sqrt_a_sqrt_m: unsigned($random, $orbit.0.0, $orbit.0.1, -19),
             delta_n_sc_s: signed($random, 16, -43) as f32,
             omegadot_sc_s: signed($random, 24, -43),
             idot_sc_s: signed($random, 14, -43) as _,
@@ -55,7 +63,7 @@ macro_rules! message {
 pub(super) fn gps(random: &mut ChaCha8Rng) -> TimedEphemeris {
     let iodc = random.random_range(0..1024_u16);
     let number = random.random_range(1..=32);
-    let message = message!(Msg1019T, random, angles: (16, -29), lengths: (16, -5),
+    let message = message!(Msg1019T, random, orbit: GPS, angles: (16, -29), lengths: (16, -5),
         clock: [af0_s: (22, -31), af1_s_s: (16, -43), af2_s_s2: (8, -55)],
         gps_satellite_id: number, gps_week_number: NOON.week % 1024, iodc: iodc, iode: iodc as u8,
         toc_s: (NOON.tow_ms / 1000) as f32, ura_index: random.random_range(0..15),
@@ -71,18 +79,27 @@ pub(super) fn beidou(random: &mut ChaCha8Rng) -> TimedEphemeris {
         [random.random_range(0..3)];
     let delay = |random: &mut ChaCha8Rng| random.random_range(-512..512) as f32 * 1e-10;
     let (tgd1_s, tgd2_s) = (delay(random), delay(random));
-    let message = message!(Msg1042T, random, angles: (18, -31), lengths: (18, -6),
+    let is_geostationary = matches!(number, 1..=5);
+    let orbit = if is_geostationary { BEIDOU_GEOSTATIONARY } else { BEIDOU };
+    let mut message = message!(Msg1042T, random, orbit: orbit, angles: (18, -31), lengths: (18, -6),
         clock: [a0_s: (24, -33), a1_s_s: (22, -50), a2_s_s2: (11, -66)],
         bds_satellite_id: number, bds_week_number: NOON.week - 1356, tgd1_s: tgd1_s, tgd2_s: tgd2_s,
         toc_s: (NOON.tow_ms / 1000) as f32, ura_index: random.random_range(0..15),
         aode: random.random_range(0..32), aodc: random.random_range(0..32),
         sv_health_flag: u8::from(random.random_bool(0.2)));
+    if is_geostationary {
+        // At the reference time the node is opposite to the axis of the tilt, give or take 20°.
+        const EARTH_RATE_SC_S: f64 = 7.292_115e-5 / std::f64::consts::PI;
+        let node_sc = 1.0 + EARTH_RATE_SC_S * f64::from(NOON.tow_ms / 1000) + message.omega0_sc / 9.0;
+        message.omega0_sc =
+            (((node_sc + 1.0).rem_euclid(2.0) - 1.0) * 2f64.powi(31)).floor() * 2f64.powi(-31);
+    }
     timed(Constellation::Beidou, number, Ephemeris::Beidou(message))
 }
 
 pub(super) fn inav(random: &mut ChaCha8Rng) -> TimedEphemeris {
     let number = random.random_range(1..=36);
-    let message = message!(Msg1046T, random, angles: (16, -29), lengths: (16, -5),
+    let message = message!(Msg1046T, random, orbit: GALILEO, angles: (16, -29), lengths: (16, -5),
         clock: [af0_s: (31, -34), af1_s_s: (21, -46), af2_s_s2: (6, -59),
                 bgd_e1_e5a_s: (10, -32), bgd_e1_e5b_s: (10, -32)],
         gal_satellite_id: number, gal_week_number: NOON.week - 1024, iodnav: random.random_range(0..1024),
@@ -94,7 +111,7 @@ pub(super) fn inav(random: &mut ChaCha8Rng) -> TimedEphemeris {
 
 pub(super) fn fnav(random: &mut ChaCha8Rng) -> TimedEphemeris {
     let number = random.random_range(1..=36);
-    let message = message!(Msg1045T, random, angles: (16, -29), lengths: (16, -5),
+    let message = message!(Msg1045T, random, orbit: GALILEO, angles: (16, -29), lengths: (16, -5),
         clock: [af0_s: (31, -34), af1_s_s: (21, -46), af2_s_s2: (6, -59), bgd_e1_e5a_s: (10, -32)],
         gal_satellite_id: number, gal_week_number: NOON.week - 1024, iodnav: random.random_range(0..1024),
         toc_s: (NOON.tow_ms / 1000) as f32, sisa_e1_e5a_index: random.random_range(0..126),

@@ -4,6 +4,7 @@
 //! | content | module |
 //! |---|---|
 //! | every bit of every navigation message, compared with RTCM | [`bits`] |
+//! | frames that real receivers sent | [`as_sent`] |
 //! | streams of an independent program against the recordings that they were made of | [`streams`] |
 //! | the same epochs as RTCM and as UBX: verdicts, positions | [`module`] |
 //! | GLONASS: strings, and their effect on positions | [`glonass`] |
@@ -11,6 +12,7 @@
 //! | RTKLIB's reading of the encoder's bytes | [`rtklib`] |
 //! | wrong parities, lengths, times, doubles; pages mixed, missing and out of order; frames cut and interleaved | [`hostile`] |
 
+mod as_sent;
 mod bits;
 mod glonass;
 mod hostile;

@@ -60,8 +60,12 @@ fn every_bit_of_lnav_is_as_rtcm_says_it() {
     let mut random = ChaCha8Rng::seed_from_u64(12);
     for index in 0..250_u32 {
         let number = (index % 10 + 1) as u8;
-        let broadcast = gps(&mut random);
-        let Ephemeris::Gps(elements) = &broadcast.message else { unreachable!("of GPS") };
+        let mut broadcast = gps(&mut random);
+        let Ephemeris::Gps(elements) = &mut broadcast.message else { unreachable!("of GPS") };
+        // From an orbit of GPS to one of QZSS, in whole units of the fields.
+        elements.sqrt_a_sqrt_m += 1339.0;
+        elements.eccentricity += 0.0625;
+        elements.i0_sc -= 0.0625;
         let mut builder = MessageBuilder::new();
         let frame = builder.build_message(&Message::Msg1044(message_1044(number, elements))).unwrap();
         let (want, counters) = said(frame);

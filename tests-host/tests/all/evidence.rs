@@ -1,0 +1,282 @@
+//! The evidence for every message that the module reads, from outside this project.
+//!
+//! A format rule that only the project's own encoder confirms is unconfirmed: encoder and reader can share a mistake. Evidence
+//! is a recorded device, or another program that checks the rule in question. RTKLIB reads elements and never checks the parity
+//! of GPS words, so it is no evidence for that parity.
+//!
+//! [`ROWS`] is compared with the messages that the module reads, found by probing, with the flags in the documentation of
+//! `ephemeris/health.rs`, and with the list of unconfirmed rows in INTERFACES.md.
+
+use std::collections::BTreeSet;
+use std::io::Read as _;
+
+use flate2::read::GzDecoder;
+use rai_firmware::input::{Counters, Event, Input};
+use tests_host::checksum::crc24q;
+use tests_host::encode::ubx;
+use tests_host::replay::pieces::{Kind, pieces};
+use tests_host::shared;
+
+/// A rule of a wire format.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Rule {
+    /// A message of RTCM 3, by its number.
+    Rtcm(u16),
+    /// A message of UBX, by class and number.
+    Ubx(u8, u8),
+    /// Navigation bits in RXM-SFRBX, by system and signal in the numbers of UBX.
+    Bits(u8, u8),
+    /// A flag of health; the text is the first cell of its row in `ephemeris/health.rs`.
+    Flag(&'static str),
+    /// Another field that changes a verdict.
+    Field(&'static str),
+}
+
+use Rule::{Bits, Field, Flag, Rtcm, Ubx};
+
+/// The evidence for a rule.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Evidence {
+    /// A device sent it; the capture lies below `data` of the reference folder.
+    Recorded(&'static str),
+    /// Another program checks it, as named.
+    Program(&'static str),
+    /// Nothing outside this project.
+    Unconfirmed,
+}
+
+use Evidence::{Program, Recorded, Unconfirmed};
+
+/// A ZED-F9R at rest, its own RTCM and UBX.
+const F9R: &str = "real/f9r_rtcm_ubx.log.gz";
+/// A Japanese station of 2012.
+const GMSD7: &str = "real/gmsd7_2012.rtcm3.gz";
+/// Navigation bits of a ZED-F9P.
+const F9P: &str = "real/f9p_sfrbx.ubx";
+/// Streams that another program wrote and RTKLIB and `pyubx2` read back; `ubx::streams` compares them.
+const STREAMS: Evidence = Program("independent UBX writer, read back by RTKLIB and pyubx2");
+/// `rtcm-rs` writes them from a table of its own.
+const RTCM_RS: Evidence = Program("rtcm-rs");
+/// RTKLIB's `convbin` says the same of the same bits; `ubx::rtklib` compares it.
+const RTKLIB: Evidence = Program("RTKLIB");
+
+const ROWS: [(Rule, &str, Evidence); 76] = [
+    (Rtcm(1005), "1005", Program("example frame of RTCM 10403.3, 4.2")),
+    (Rtcm(1006), "1006", Recorded(F9R)),
+    (Rtcm(1019), "1019", Recorded(F9R)),
+    (Rtcm(1020), "1020", Recorded(F9R)),
+    (Rtcm(1042), "1042", Recorded(F9R)),
+    (Rtcm(1044), "1044", Unconfirmed),
+    (Rtcm(1045), "1045", Recorded(F9R)),
+    (Rtcm(1046), "1046", Recorded(F9R)),
+    (Rtcm(1074), "1074", Unconfirmed),
+    (Rtcm(1075), "1075", Recorded(F9R)),
+    (Rtcm(1076), "1076", Unconfirmed),
+    (Rtcm(1077), "1077", Recorded(GMSD7)),
+    (Rtcm(1084), "1084", Recorded("cases/glonass-day-7.rtcm3")),
+    (Rtcm(1085), "1085", Recorded(F9R)),
+    (Rtcm(1086), "1086", Unconfirmed),
+    (Rtcm(1087), "1087", Recorded(GMSD7)),
+    (Rtcm(1094), "1094", Unconfirmed),
+    (Rtcm(1095), "1095", Recorded(F9R)),
+    (Rtcm(1096), "1096", Unconfirmed),
+    (Rtcm(1097), "1097", RTCM_RS),
+    (Rtcm(1114), "1114", Unconfirmed),
+    (Rtcm(1115), "1115", Unconfirmed),
+    (Rtcm(1116), "1116", Unconfirmed),
+    (Rtcm(1117), "1117", Recorded(GMSD7)),
+    (Rtcm(1124), "1124", Unconfirmed),
+    (Rtcm(1125), "1125", Recorded(F9R)),
+    (Rtcm(1126), "1126", Unconfirmed),
+    (Rtcm(1127), "1127", Recorded(GMSD7)),
+    (Ubx(0x02, 0x15), "RXM-RAWX", STREAMS),
+    (Ubx(0x02, 0x13), "RXM-SFRBX", Recorded(F9P)),
+    (Ubx(0x27, 0x09), "SEC-SIG", Unconfirmed),
+    (Ubx(0x01, 0x03), "NAV-STATUS", Unconfirmed),
+    (Bits(0, 0), "GPS LNAV", Recorded(F9P)),
+    (Bits(2, 0), "Galileo I/NAV under signal 0", Unconfirmed),
+    (Bits(2, 1), "Galileo I/NAV", Recorded(F9P)),
+    (Bits(2, 3), "Galileo F/NAV", STREAMS),
+    (Bits(2, 4), "Galileo F/NAV under signal 4", Unconfirmed),
+    (Bits(3, 0), "BeiDou D1 of B1I", Recorded(F9P)),
+    (Bits(3, 1), "BeiDou D2 of B1I", RTKLIB),
+    (Bits(3, 2), "BeiDou D1 of B2I", Unconfirmed),
+    (Bits(3, 3), "BeiDou D2 of B2I", Unconfirmed),
+    (Bits(3, 4), "BeiDou D1 of B3I", Unconfirmed),
+    (Bits(3, 10), "BeiDou D2 of B3I", Unconfirmed),
+    (Bits(5, 0), "QZSS LNAV", STREAMS),
+    (Bits(6, 0), "GLONASS strings of L1", Recorded(F9P)),
+    (Bits(6, 2), "GLONASS strings of L2", Recorded(F9P)),
+    (Flag("GPS LNAV, 1019: SV health (6 bits) not 0"), "SV health of GPS", RTKLIB),
+    (Flag("GPS LNAV: alert flag of a subframe 1 to 3"), "alert flag of LNAV", Unconfirmed),
+    (Flag("GPS, QZSS, `BeiDou`: URA or URAI 15"), "URA, URAI", RTKLIB),
+    (Flag("QZSS LNAV, 1044: health (6 bits) not 0 but for the last"), "health of QZSS", STREAMS),
+    (Flag("Galileo I/NAV, 1046: `E1B` or `E5b` HS not 0"), "HS of I/NAV", RTKLIB),
+    (Flag("Galileo F/NAV, 1045: `E5a` HS not 0"), "HS of F/NAV", STREAMS),
+    (Flag("Galileo I/NAV, F/NAV, 1045, 1046: DVS of any signal is 1"), "DVS", STREAMS),
+    (Flag("Galileo I/NAV, 1046: SISA is NAPA (126 to 255)"), "SISA of I/NAV", RTKLIB),
+    (Flag("Galileo F/NAV, 1045: SISA is NAPA (126 to 255)"), "SISA of F/NAV", STREAMS),
+    (Flag("`BeiDou` D1, D2, 1042: `SatH1` is 1"), "SatH1", RTKLIB),
+    (Flag("GLONASS strings, 1020: first bit of `B_n` or `l_n` is 1"), "l_n of GLONASS", Unconfirmed),
+    (Flag("GLONASS strings, 1020: `F_T` is 15"), "F_T of GLONASS", RTKLIB),
+    (Field("parity of GPS LNAV"), "parity of GPS LNAV", Recorded("cases/lnav-as-sent.ubx")),
+    (Field("CRC of Galileo I/NAV"), "CRC of Galileo I/NAV", Recorded(F9P)),
+    (Field("CRC of Galileo F/NAV"), "CRC of Galileo F/NAV", STREAMS),
+    (Field("parity of BeiDou"), "parity of BeiDou", Recorded(F9P)),
+    (Field("parity of GLONASS"), "parity of GLONASS", Recorded(F9P)),
+    (Field("orbital elements"), "orbital elements", RTKLIB),
+    (Field("group delays"), "group delays", RTKLIB),
+    (Field("week of a message"), "week of a message", RTKLIB),
+    (Field("time of an MSM"), "time of an MSM", Recorded(F9R)),
+    (Field("DF416, day unknown"), "DF416, day unknown", Recorded("cases/glonass-day-7.rtcm3")),
+    (Field("more-bit of an MSM"), "more-bit of an MSM", Recorded(F9R)),
+    (Field("C/N0"), "C/N0", STREAMS),
+    (Field("prValid of RXM-RAWX"), "prValid of RXM-RAWX", STREAMS),
+    (Field("leap seconds of RXM-RAWX"), "leap seconds of RXM-RAWX", STREAMS),
+    (Field("leap seconds in bits of GPS"), "leap seconds in bits of GPS", RTKLIB),
+    (Field("leap seconds in bits of Galileo"), "leap seconds in bits of Galileo", STREAMS),
+    (Field("ionosphere of GPS"), "ionosphere of GPS", RTKLIB),
+    (Field("ionosphere of BeiDou"), "ionosphere of BeiDou", STREAMS),
+];
+
+/// Returns the rules of a kind.
+fn rules<T: Ord>(pick: impl Fn(Rule) -> Option<T>) -> BTreeSet<T> {
+    ROWS.iter().filter_map(|(rule, ..)| pick(*rule)).collect()
+}
+
+/// Returns a frame of RTCM 3.
+fn rtcm(number: u16) -> Vec<u8> {
+    const LENGTH: usize = 200;
+    let mut frame = vec![0xD3, 0, LENGTH as u8, (number >> 4) as u8, (number << 4) as u8];
+    frame.resize(3 + LENGTH, 0);
+    let crc = crc24q(&frame);
+    frame.extend_from_slice(&crc);
+    frame
+}
+
+/// Returns true when the module reads the message in a frame, well or ill.
+fn is_read(frame: &[u8]) -> bool {
+    let mut input = Input::new();
+    input.feed(frame, 0, |_| ());
+    let counters = input.counters();
+    assert_eq!(counters.frames, 1, "{counters:?}");
+    counters.messages_other + counters.observations_other + counters.subframes_other == 0
+}
+
+#[test]
+fn every_message_that_is_read_has_a_row() {
+    let read: BTreeSet<u16> = (0..4096).filter(|number| is_read(&rtcm(*number))).collect();
+    assert_eq!(rules(|rule| if let Rtcm(number) = rule { Some(number) } else { None }), read);
+    let kinds = (0..=255).flat_map(|class| (0..=255).map(move |number| (class, number)));
+    let read: BTreeSet<(u8, u8)> =
+        kinds.filter(|(class, number)| is_read(&ubx::frame([*class, *number], &[]))).collect();
+    assert_eq!(rules(|rule| if let Ubx(class, number) = rule { Some((class, number)) } else { None }), read);
+    let is_read_with = |system, signal, words: usize| {
+        let mut payload = vec![system, 1, signal, 7, words as u8, 0, 2, 0];
+        payload.resize(8 + 4 * words, 0);
+        is_read(&ubx::frame([0x02, 0x13], &payload))
+    };
+    let signals = (0..8).flat_map(|system| (0..16).map(move |signal| (system, signal)));
+    let read: BTreeSet<(u8, u8)> = signals
+        .filter(|(system, signal)| (1..=16).any(|words| is_read_with(*system, *signal, words)))
+        .collect();
+    assert_eq!(
+        rules(|rule| if let Bits(system, signal) = rule { Some((system, signal)) } else { None }),
+        read
+    );
+}
+
+/// Returns the rows of a table in Markdown below a line, without the two of its head: the text between the first and the
+/// last bar.
+fn table_below(text: &str, head: &str) -> Vec<String> {
+    let below =
+        text.lines().map(|line| line.trim_start_matches("//!").trim()).skip_while(|line| *line != head);
+    below
+        .skip(2)
+        .take_while(|line| line.starts_with('|'))
+        .map(|line| line.trim_matches('|').trim().to_owned())
+        .collect()
+}
+
+const HEALTH_HEAD: &str = "| flag | effect | assumed when the flag is absent |";
+
+#[test]
+fn flags_of_health_have_rows_and_stand_alike_in_the_code_and_in_the_documentation() {
+    let code = table_below(include_str!("../../../rai-firmware/src/ephemeris/health.rs"), HEALTH_HEAD);
+    let flags: BTreeSet<&str> = code.iter().filter_map(|row| row.split(" | ").next()).collect();
+    assert_eq!(rules(|rule| if let Flag(text) = rule { Some(text) } else { None }), flags);
+    assert_eq!(table_below(include_str!("../../../INTERFACES.md"), HEALTH_HEAD), code);
+}
+
+#[test]
+fn documentation_lists_what_nothing_outside_confirms() {
+    let unconfirmed: Vec<&str> =
+        ROWS.iter().filter(|(.., evidence)| *evidence == Unconfirmed).map(|(_, name, _)| *name).collect();
+    let listed = table_below(include_str!("../../../INTERFACES.md"), "| unconfirmed |");
+    assert_eq!(listed, unconfirmed);
+}
+
+/// Returns a capture of the reference folder, unpacked; counts the test as skipped where there is none.
+fn capture(relative: &str) -> Option<Vec<u8>> {
+    let bytes = std::fs::read(shared::path_or_skip(&format!("data/{relative}"))?).unwrap();
+    if !relative.ends_with(".gz") {
+        return Some(bytes);
+    }
+    let mut unpacked = Vec::new();
+    GzDecoder::new(&bytes[..]).read_to_end(&mut unpacked).unwrap();
+    Some(unpacked)
+}
+
+/// Returns true when a capture holds the rule's message.
+fn holds(bytes: &[u8], rule: Rule) -> bool {
+    let is_it = |kind: Kind, frame: &[u8]| match rule {
+        Rtcm(number) => kind == Kind::Rtcm(number),
+        Ubx(class, number) => kind == Kind::Ubx([class, number]),
+        Bits(system, signal) => {
+            kind == Kind::Ubx([0x02, 0x13]) && frame.get(6) == Some(&system) && frame.get(8) == Some(&signal)
+        }
+        // A field is in the messages that the capture is named for.
+        Flag(_) | Field(_) => true,
+    };
+    pieces(bytes).any(|piece| is_it(piece.kind, piece.bytes))
+}
+
+/// Returns what was refused for its form, its check or its values.
+fn refused(counters: &Counters) -> [u32; 8] {
+    [
+        counters.messages_malformed,
+        counters.ephemerides_invalid,
+        counters.positions_invalid,
+        counters.times_out_of_range,
+        counters.satellites_unknown,
+        counters.subframes_malformed,
+        counters.subframes_parity,
+        counters.subframes_mixed,
+    ]
+}
+
+#[test]
+fn recorded_devices_send_the_messages_and_nothing_of_them_is_refused() {
+    let files: BTreeSet<&str> = ROWS
+        .iter()
+        .filter_map(|(.., evidence)| if let Recorded(file) = evidence { Some(*file) } else { None })
+        .collect();
+    for file in files {
+        let Some(bytes) = capture(file) else { return };
+        for (rule, name, evidence) in ROWS {
+            assert!(evidence != Recorded(file) || holds(&bytes, rule), "{name} in {file}");
+        }
+        let (mut input, mut ephemerides, mut epochs) = (Input::new(), 0, 0);
+        input.feed(&bytes, 0, |event| match event {
+            Event::Ephemeris(_) => ephemerides += 1,
+            Event::Epoch(..) => epochs += 1,
+            _ => {}
+        });
+        println!("{file}: {ephemerides} ephemerides, {epochs} epochs, {:?}", input.counters());
+        let mut want = [0; 8];
+        // C50 flies as the geostationary satellites do, under a number that is none of theirs: no rule says which plane its
+        // elements are written in.
+        want[1] = u32::from(file == F9R);
+        assert_eq!(refused(input.counters()), want, "{file}: {:?}", input.counters());
+    }
+}
