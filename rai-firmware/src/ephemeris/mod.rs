@@ -38,6 +38,7 @@ mod health;
 mod kepler;
 mod motion;
 mod orbit;
+mod sight;
 mod source;
 #[cfg(feature = "glonass")]
 mod state_vector;

@@ -131,13 +131,13 @@ impl Framer {
                         break (format, length);
                     }
                 }
-                Front::Incomplete if self.is_empty() || !is_silent => match self.inner(counters) {
-                    Some(found) => break found,
-                    None => {
-                        self.settle();
-                        return None;
+                Front::Incomplete if self.is_empty() || !is_silent => {
+                    if let Some(found) = self.inner(counters) {
+                        break found;
                     }
-                },
+                    self.settle();
+                    return None;
+                }
                 Front::Incomplete => count(&mut counters.frames_cut),
                 Front::NoFrame => {}
             }
