@@ -14,15 +14,25 @@ use tests_host::sky::Fleet;
 use tests_host::sky::raw::Simulation;
 use tests_host::stations::{ESBC, Station, TLSE};
 
+/// How a caster divides its sets over the time until they come again.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Pace {
+    /// Evenly.
+    Even,
+    /// All at once, before the ranges of an epoch.
+    Burst,
+}
+
 /// Sends the newest set of every satellite of the world, system by system, over and over.
 struct Caster {
     /// Message and time of each set, by satellite, in the order of the systems.
     satellites: Vec<Vec<(GpsTime, Vec<u8>)>>,
     period_s: usize,
+    pace: Pace,
 }
 
 impl Caster {
-    fn new(ephemerides: &[TimedEphemeris], order: &str, period_s: usize) -> Self {
+    fn new(ephemerides: &[TimedEphemeris], order: &str, period_s: usize, pace: Pace) -> Self {
         let mut by_satellite: BTreeMap<SatelliteId, Vec<(GpsTime, Vec<u8>)>> = BTreeMap::new();
         let no_fnav = |set: &&TimedEphemeris| !matches!(set.message, Ephemeris::GalileoFnav(_));
         for set in ephemerides.iter().filter(no_fnav) {
@@ -34,19 +44,25 @@ impl Caster {
             by_satellite.iter().filter(move |(id, _)| id.constellation() == system)
         };
         let satellites = order.chars().flat_map(of_system).map(|(_, sets)| sets.clone()).collect();
-        Self { satellites, period_s }
+        Self { satellites, period_s, pace }
     }
 
     /// The sets that are due in one of so many seconds.
     fn due(&self, second: usize, seconds: usize, now: GpsTime) -> Vec<u8> {
         let many = self.satellites.len();
-        let from = second % self.period_s * many / self.period_s;
-        let due = (0..(many * seconds).div_ceil(self.period_s).min(many)).map(|index| (from + index) % many);
+        let (from, due) = match self.pace {
+            Pace::Burst if second % self.period_s == 0 => (0, many),
+            Pace::Burst => (0, 0),
+            Pace::Even => {
+                let due = (many * seconds).div_ceil(self.period_s).min(many);
+                (second % self.period_s * many / self.period_s, due)
+            }
+        };
         let newest = |sets: &[(GpsTime, Vec<u8>)]| {
             let sent = sets.partition_point(|(sent, _)| *sent <= now);
             sets.get(sent.checked_sub(1)?).map(|(_, bytes)| bytes.clone())
         };
-        due.filter_map(|index| newest(&self.satellites[index])).flatten().collect()
+        (from..from + due).filter_map(|index| newest(&self.satellites[index % many])).flatten().collect()
     }
 }
 
@@ -127,6 +143,8 @@ fn sky(epochs: u32, step_s: f64) -> Recording {
     simulation.record()
 }
 
+const PACES: [Pace; 2] = [Pace::Even, Pace::Burst];
+
 const ORDERS: [&str; 6] = ["GEC", "GCE", "EGC", "ECG", "CGE", "CEG"];
 
 #[test]
@@ -135,10 +153,10 @@ fn whatever_the_order_of_systems_those_in_view_have_their_ephemerides_from_the_s
     let alone = ["G", "E", "C"].map(|system| hear(&recording, system, None, 1));
     let want = hear(&recording, "GEC", None, 1);
     for order in ORDERS {
-        for period_s in [10, 60] {
-            let caster = Caster::new(&recording.ephemerides, order, period_s);
+        for (period_s, pace) in [10, 60].into_iter().flat_map(|period_s| PACES.map(|pace| (period_s, pace))) {
+            let caster = Caster::new(&recording.ephemerides, order, period_s, pace);
             let have = hear(&recording, "GEC", Some(&caster), 1);
-            let case = format!("{order} every {period_s} s");
+            let case = format!("{order} every {period_s} s, {pace:?}");
             let from = 2 * period_s;
             let missing: u32 = have.missing[from..].iter().sum();
             assert_eq!((missing, have.displaced), (0, 0), "{case}: {:?}", have.missing);
@@ -160,8 +178,8 @@ fn whatever_the_order_of_systems_those_in_view_have_their_ephemerides_from_the_s
 fn satellites_that_rise_have_their_ephemerides_within_one_repetition() {
     const STEP_S: usize = 30;
     let recording = sky(360, STEP_S as f64);
-    for period_s in [30, 60] {
-        let caster = Caster::new(&recording.ephemerides, "GEC", period_s);
+    for (period_s, pace) in [30, 60].into_iter().flat_map(|period_s| PACES.map(|pace| (period_s, pace))) {
+        let caster = Caster::new(&recording.ephemerides, "GEC", period_s, pace);
         let have = hear(&recording, "GEC", Some(&caster), STEP_S);
         // Each satellite that rises or comes back may lack its set until it comes again.
         let rising: usize = recording
@@ -188,13 +206,17 @@ fn real(
     systems: &str,
     step_s: usize,
     epochs: usize,
-    period_s: usize,
+    (period_s, pace): (usize, Pace),
 ) -> Option<(Outcome, Outcome)> {
     let mut recording = station.load()?;
     recording.approximate_position = Some(station.truth);
     recording.epochs.truncate(epochs);
-    let caster = Caster::new(&recording.ephemerides, systems, period_s);
-    println!("{}: {} satellites, store of {CAPACITY}", station.folder, caster.satellites.len());
+    let caster = Caster::new(&recording.ephemerides, systems, period_s, pace);
+    println!(
+        "{}: {} satellites, store of {CAPACITY}, every {period_s} s, {pace:?}",
+        station.folder,
+        caster.satellites.len()
+    );
     let outcomes = [Some(&caster), None].map(|caster| hear(&recording, systems, caster, step_s));
     for (name, outcome) in ["caster", "receiver"].iter().zip(&outcomes) {
         println!(
@@ -213,8 +235,9 @@ fn real(
 #[test]
 fn a_merged_file_gives_the_levels_of_a_receivers_own_sets() {
     for (station, step_s, epochs) in [(&TLSE, 1, 900), (&ESBC, 30, 2880)] {
-        for period_s in [30, 60] {
-            let Some((caster, receiver)) = real(station, "GEC", step_s, epochs, period_s) else { return };
+        for (period_s, pace) in [(30, Pace::Even), (30, Pace::Burst), (60, Pace::Even), (60, Pace::Burst)] {
+            let outcomes = real(station, "GEC", step_s, epochs, (period_s, pace));
+            let Some((caster, receiver)) = outcomes else { return };
             assert_eq!(caster.displaced, 0);
             // The first minutes are those in which the sets come.
             assert!(caster.protected() + 130 >= receiver.protected());
