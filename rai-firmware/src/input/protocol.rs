@@ -223,3 +223,21 @@ macro_rules! formats {
 }
 
 pub(super) use formats;
+
+#[cfg(test)]
+mod tests {
+    /// A format that lacks a function does not compile, because none has a default.
+    #[test]
+    fn no_function_of_a_format_has_a_default() {
+        let text = include_str!("protocol.rs");
+        for name in ["Protocol", "Measurements"] {
+            let begin = std::format!("pub(super) trait {name}");
+            let (_, behind) = text.split_once(&begin).expect("the trait");
+            let (body, _) = behind.split_once("\n}\n").expect("its end");
+            let defaults = body.lines().skip(1).filter(|line| !line.trim_start().starts_with("///"));
+            let defaults: std::vec::Vec<_> =
+                defaults.filter(|line| line.contains('{') || line.contains("= ")).collect();
+            assert!(defaults.is_empty(), "{name}: {defaults:?}");
+        }
+    }
+}
