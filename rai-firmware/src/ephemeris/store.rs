@@ -166,6 +166,7 @@ impl Store {
 
     /// Takes the position of the receiver at the last epoch, and the elevation from which on satellites are used. A full
     /// store works out the elevation of one satellite each time: all of them are known before any has moved by a degree.
+    #[inline(never)]
     pub fn look_from(&mut self, receiver: Ecef, mask_rad: f64, now: GpsTime) {
         if !self.entries.is_full() {
             return;
