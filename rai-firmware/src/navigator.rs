@@ -167,6 +167,7 @@ impl Navigator {
 
     /// The last position counts for nothing.
     pub fn forget_position(&mut self) {
+        self.store.forget_position();
         self.monitor.forget_position();
     }
 
@@ -198,6 +199,11 @@ impl Navigator {
     /// What became of the range rates so far.
     pub fn rate_tally(&self) -> &RateTally {
         self.rates.tally()
+    }
+
+    /// Returns how many ephemerides of satellites in sight gave way to others.
+    pub(crate) fn displaced(&self) -> u32 {
+        self.store.displaced()
     }
 
     /// What became of the satellites so far.
@@ -276,13 +282,16 @@ impl Navigator {
         if configuration.systems.contains('R') {
             self.store.advance(raw.time);
         }
+        let start = self.monitor.start();
+        if !is_unknown(start) {
+            self.store.look_from(start, configuration.mask_rad, raw.time);
+        }
         for (_, came) in self.ionosphere.iter_mut().flatten() {
             came.get_or_insert(raw.time);
         }
         let before = self.tally.ephemerides.without_orbit();
         let mask_dbhz = configuration.signal_mask_db_hz as f32;
         // What the mask leaves out of a crowd is to leave room for what it does not.
-        let start = self.monitor.start();
         let is_crowd = raw.satellites.len() > CAPACITY && !is_unknown(start);
         let view = is_crowd.then(|| View::from(start, configuration.mask_rad));
         let Self { store, tally, room: Room { sky, .. }, .. } = self;

@@ -39,6 +39,7 @@ mod kepler;
 mod motion;
 mod orbit;
 mod orbit_types;
+mod sight;
 mod source;
 #[cfg(feature = "glonass")]
 mod state_vector;

@@ -21,18 +21,30 @@
 //! F/NAV takes its place only when it has become stale. What each says of the health of its own signals counts from then on
 //! ([`Ephemeris::merge_health`]).
 //!
-//! **Room** for [`CAPACITY`] satellites, 9 KiB: as many as an epoch has, and more than four systems show at once. When it
-//! is full, first goes what is stale, then what is not in sight: what was not observed for longest, then what was received first; a
-//! satellite that is new counts as one that has just set. Half a dozen
-//! contradictions are kept; where there are more, the set that is known stays, disputed.
+//! **Room** for [`CAPACITY`] satellites, 9 KiB: as many as an epoch has, and more than four systems show at once. A stream
+//! may carry twice as many. If the store is full, the least useful set gives way, in this order:
+//!
+//! 1. a stale set;
+//! 2. a satellite that was not in the last epochs ([`Sight`]), with or without a set;
+//! 3. the one farthest below the horizon of the last position, where one is known;
+//! 4. the one that was observed longest ago; a satellite that is new counts as one that has just set;
+//! 5. one of the system with the most sets, so that systems that come first are not lost at start;
+//! 6. the one that was received first.
+//!
+//! A set that is worth less by the first three than all others is not taken. [`Store::displaced`] counts sets of satellites
+//! in sight that gave way. Half a dozen contradictions are kept; where there are more, the set that is known stays, disputed.
 //!
 //! **State vectors** are integrated, and what the next epochs have in common with this one is kept ([`Store::advance`]).
 
+use core::cmp::Reverse;
+
 use heapless::Vec;
-use rai_core::frame::SPEED_OF_LIGHT_M_S;
+use rai_core::frame::{Ecef, SPEED_OF_LIGHT_M_S};
 use rai_core::satellite::{Constellation, SatelliteId};
 
+use super::sight::{Elevation, HORIZON, Sight, Skyline};
 use super::{Ephemeris, EphemerisError, Source};
+use crate::counters::count;
 use crate::time::GpsTime;
 
 /// How many satellites the store holds.
@@ -40,9 +52,6 @@ pub const CAPACITY: usize = 64;
 
 /// How many contradictions are kept.
 const RIVALS: usize = 6;
-
-/// Who was in one of so many epochs is in sight: one epoch may have lost satellites.
-const IN_SIGHT_EPOCHS: u32 = 6;
 
 /// Two sets that are farther apart than this, in position or clock, contradict each other, m: ten sigma of the poorest.
 const AGREEMENT_M: f64 = 30.0;
@@ -54,7 +63,8 @@ const _: () = assert!(size_of::<Entry>() <= 144);
 pub enum Insertion {
     /// It is the one in use now.
     Taken,
-    /// The one in use is better; nothing changed but what it says of its own signals' health.
+    /// The one in use, or those of other satellites in a full store, are more useful. At most the health of its own signals
+    /// is taken over.
     Kept,
     /// It contradicts the one in use: neither is used.
     Disputed,
@@ -71,8 +81,8 @@ struct Entry {
     /// The how-manieth was the first that said the same of orbit and clock.
     edition: u32,
     is_disputed: bool,
-    /// Whether the satellite has been in an epoch.
-    was_seen: bool,
+    /// Elevation of the satellite when it was last worked out.
+    elevation: Elevation,
 }
 
 /// What contradicts the set that is known of a satellite.
@@ -90,12 +100,24 @@ pub struct Store {
     rivals: Vec<Rival, RIVALS>,
     epochs: u32,
     received: u32,
+    sight: Sight,
+    /// Sky of the last position that was known while the store was full.
+    skyline: Option<Skyline>,
+    displaced: u32,
 }
 
 impl Store {
     /// A store without ephemerides.
     pub const fn new() -> Self {
-        Self { entries: Vec::new(), rivals: Vec::new(), epochs: 0, received: 0 }
+        Self {
+            entries: Vec::new(),
+            rivals: Vec::new(),
+            epochs: 0,
+            received: 0,
+            sight: Sight::new(),
+            skyline: None,
+            displaced: 0,
+        }
     }
 
     /// Offers an ephemeris. `now` is the time of the last epoch, if there was one.
@@ -112,7 +134,7 @@ impl Store {
                 received,
                 edition: received,
                 is_disputed: false,
-                was_seen: false,
+                elevation: HORIZON,
             };
             return self.admit(entry, now);
         };
@@ -143,12 +165,40 @@ impl Store {
     /// Takes note of which satellites an epoch holds.
     pub fn observe(&mut self, satellites: impl Iterator<Item = SatelliteId>) {
         self.epochs = self.epochs.saturating_add(1);
+        self.sight.begin();
         for satellite in satellites {
+            self.sight.add(satellite);
             if let Some(entry) = self.entries.iter_mut().find(|entry| entry.ephemeris.satellite == satellite)
             {
-                (entry.observed, entry.was_seen) = (self.epochs, true);
+                entry.observed = self.epochs;
             }
         }
+    }
+
+    /// Takes the position of the receiver at the last epoch, and the elevation from which on satellites are used. A full
+    /// store works out the elevation of one satellite each time: all of them are known before any has moved by a degree.
+    #[inline(never)]
+    pub fn look_from(&mut self, receiver: Ecef, mask_rad: f64, now: GpsTime) {
+        if !self.entries.is_full() {
+            return;
+        }
+        let skyline = Skyline::new(receiver, mask_rad);
+        self.skyline = Some(skyline);
+        let turn = self.epochs as usize % CAPACITY;
+        if let Some(entry) = self.entries.get_mut(turn) {
+            entry.elevation = skyline.elevation(&entry.ephemeris, now);
+        }
+    }
+
+    /// Forgets where the receiver was.
+    pub fn forget_position(&mut self) {
+        self.skyline = None;
+        self.entries.iter_mut().for_each(|entry| entry.elevation = HORIZON);
+    }
+
+    /// Returns how many sets of satellites that were in the last epochs, or above the mask, gave way to others.
+    pub fn displaced(&self) -> u32 {
+        self.displaced
     }
 
     /// Integrates the state vectors of the satellites that were observed last up to an instant, so that where they are
@@ -193,22 +243,47 @@ impl Store {
 
     /// Takes in a satellite of which nothing is known.
     fn admit(&mut self, entry: Entry, now: Option<GpsTime>) -> Insertion {
-        let Err(entry) = self.entries.push(entry) else {
+        let Err(mut entry) = self.entries.push(entry) else {
             return Insertion::Taken;
         };
         if is_stale(&entry.ephemeris, now) {
             return Insertion::Kept;
         }
-        let since = self.epochs.saturating_sub(IN_SIGHT_EPOCHS);
-        let worth = |entry: &&mut Entry| {
-            let is_in_sight = entry.was_seen && entry.observed > since;
-            (!is_stale(&entry.ephemeris, now), is_in_sight, entry.observed, entry.received)
-        };
-        if let Some(least) = self.entries.iter_mut().min_by_key(worth) {
-            forget(&mut self.rivals, least.ephemeris.satellite);
-            *least = entry;
+        let Self { entries, rivals, sight, skyline, displaced, .. } = self;
+        if let Some((skyline, now)) = skyline.zip(now) {
+            entry.elevation = skyline.elevation(&entry.ephemeris, now);
         }
-        Insertion::Taken
+        let use_of = |entry: &Entry| {
+            let is_in_sight = sight.has(entry.ephemeris.satellite);
+            (
+                !is_stale(&entry.ephemeris, now),
+                is_in_sight,
+                if is_in_sight { HORIZON } else { entry.elevation },
+            )
+        };
+        let mut sets = [0_u8; Constellation::COUNT];
+        for entry in &*entries {
+            let system = entry.ephemeris.satellite.constellation();
+            if let Some(sets) = sets.get_mut(usize::from(system as u8)) {
+                *sets += 1;
+            }
+        }
+        let sets_of =
+            |entry: &Entry| sets.get(usize::from(entry.ephemeris.satellite.constellation() as u8)).copied();
+        let worth =
+            |entry: &&mut Entry| (use_of(entry), entry.observed, Reverse(sets_of(entry)), entry.received);
+        let Some(least) = entries.iter_mut().min_by_key(worth) else { return Insertion::Kept };
+        let is_taken = use_of(&entry) >= use_of(least);
+        if is_taken {
+            core::mem::swap(least, &mut entry);
+        }
+        let lost = entry;
+        let is_above = skyline.is_some_and(|skyline| skyline.shows(lost.elevation));
+        if !is_stale(&lost.ephemeris, now) && (is_above || sight.has(lost.ephemeris.satellite)) {
+            count(displaced);
+        }
+        forget(rivals, lost.ephemeris.satellite);
+        if is_taken { Insertion::Taken } else { Insertion::Kept }
     }
 }
 

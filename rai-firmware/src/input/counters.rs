@@ -13,7 +13,7 @@ counters! {
         crc_failures,
         /// Beginnings of frames that were passed over because too many before them had been none.
         frames_unchecked,
-        /// Frames that had not ended when the line fell silent.
+        /// Frames that had not ended when the line fell silent, or when another inside them was complete and right.
         frames_cut,
         /// Messages of a type that is not read.
         messages_other,

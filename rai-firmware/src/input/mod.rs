@@ -7,6 +7,7 @@
 //!
 //! | module | what |
 //! |---|---|
+//! | `protocol` | interface to a wire format, and the table of them |
 //! | `framer` | finds frames of all formats in the stream, and checks each once |
 //! | `rtcm` | reads the messages of RTCM 3 |
 //! | [`ubx`] | reads those of u-blox receivers, and the navigation bits in them |
@@ -21,8 +22,8 @@
 //! | `leap_seconds` | how far UTC is behind |
 //! | [`Counters`] | what came in and what was not used |
 //!
-//! Behind [`Message`] no wire format is known. A new one is a folder beside `rtcm`, an arm of the framer that finds its
-//! frames, and an arm of `read` that reads them.
+//! Behind [`Message`] no wire format is known. A new one is a module beside `rtcm` with a type that implements
+//! `protocol::Protocol`, and a row for it in the table of formats in this file.
 //!
 //! ```
 //! # use rai_firmware::input::{Event, Input};
@@ -51,10 +52,13 @@ mod leap_seconds;
 mod message_week;
 mod preference;
 mod present_week;
+mod protocol;
 mod roll_over;
 mod rtcm;
 mod suspicion;
 mod system;
+#[cfg(test)]
+mod toy;
 #[cfg(feature = "ubx")]
 pub mod ubx;
 mod week_votes;
@@ -71,10 +75,9 @@ use crate::time::GpsTime;
 
 use assembly::Assembly;
 use calendar::Calendar;
-use framer::{Frame, Framer, Protocol};
+use framer::Framer;
 use preference::{Preference, Source};
-#[cfg(feature = "ubx")]
-use ubx::Navigation;
+use protocol::{Extent, Frame, Measurements, Protocol, formats};
 
 pub use counters::Counters;
 pub use leap_seconds::{LeapSecond, LeapSource};
@@ -141,52 +144,13 @@ struct Ranges<'a> {
 /// A series of messages that says for itself whether more follow: a number that stays the same, below 16.
 type Series = u8;
 
-/// The ranges themselves, still in the format they came in.
-#[derive(Debug)]
-enum Measured<'a> {
-    /// None that are used.
-    Nothing,
-    Msm(rtcm::Msm<'a>),
+// One row for each wire format.
+formats! {
+    rtcm::Rtcm,
     #[cfg(feature = "ubx")]
-    Rawx(ubx::Rawx<'a>),
-}
-
-impl Measured<'_> {
-    /// Whether there is no satellite in it.
-    fn is_empty(&self) -> bool {
-        match self {
-            Self::Nothing => true,
-            Self::Msm(msm) => msm.is_empty(),
-            #[cfg(feature = "ubx")]
-            Self::Rawx(rawx) => rawx.is_empty(),
-        }
-    }
-
-    /// Hands each range to `add`, with whether its code is the one of its band that the broadcast clock is of.
-    fn each(
-        &self,
-        counters: &mut Counters,
-        mut add: impl FnMut(SatelliteId, RawSignal, bool, &mut Counters),
-    ) {
-        match self {
-            Self::Nothing => {}
-            Self::Msm(msm) => msm.each(counters, &mut add),
-            #[cfg(feature = "ubx")]
-            Self::Rawx(rawx) => rawx.each(counters, &mut add),
-        }
-    }
-}
-
-/// What is under way of navigation bits: nothing without UBX, in which they come.
-#[cfg(not(feature = "ubx"))]
-#[derive(Debug)]
-struct Navigation;
-
-#[cfg(not(feature = "ubx"))]
-impl Navigation {
-    const fn new() -> Self {
-        Self
-    }
+    ubx::Ubx,
+    #[cfg(test)]
+    toy::Toy,
 }
 
 /// The GNSS port's way in.
@@ -195,7 +159,7 @@ pub struct Input {
     framer: Framer,
     calendar: Calendar,
     assembly: Assembly,
-    navigation: Navigation,
+    memory: Memory,
     preference: Preference,
     counters: Counters,
 }
@@ -213,7 +177,7 @@ impl Input {
             framer: Framer::new(),
             calendar: Calendar::new(),
             assembly: Assembly::new(),
-            navigation: Navigation::new(),
+            memory: Memory::new(),
             preference: Preference::new(),
             counters: Counters::NONE,
         }
@@ -297,11 +261,11 @@ impl Input {
 
     // What reads a message and what learns from one are not inlined: an epoch is told of, and judged, below this frame.
     fn drain(&mut self, is_silent: bool, tell: &mut dyn FnMut(Event<'_>)) {
-        let Self { framer, calendar, assembly, navigation, preference, counters } = self;
-        while let Some(frame) = framer.next(is_silent, counters) {
-            match read(&frame, navigation, calendar, counters) {
+        let Self { framer, calendar, assembly, memory, preference, counters } = self;
+        while let Some((format, frame)) = framer.next(is_silent, counters) {
+            match read(format, &frame, memory, calendar, counters) {
                 Some(Message::Ranges(ranges)) => {
-                    let source = Source { protocol: frame.protocol, station: ranges.station };
+                    let source = Source { format, station: ranges.station };
                     if preference.takes(source, ranges.tow_ms, ranges.measured.is_empty()) {
                         assembly.take(&ranges, frame.came_ms, calendar, counters, tell);
                     } else {
@@ -333,39 +297,32 @@ impl Input {
     }
 }
 
-/// Where the station of a single RTCM frame says it is: checked and read as in a stream, without the memory of one.
+/// Returns the position of the station that a single RTCM frame contains: checked and read as in a stream, without the
+/// memory of one.
 pub(crate) fn station(frame: &[u8]) -> Option<Ecef> {
-    let frame = Frame::of_rtcm(frame)?;
-    match rtcm::read(frame.payload(), &Calendar::new()) {
-        Ok(Message::Position(point)) => Some(point),
+    let frame = protocol::whole::<rtcm::Rtcm>(frame)?;
+    match rtcm::Rtcm::read(&frame, &mut (), &Calendar::new(), &mut Counters::NONE.clone()) {
+        Ok(Some(Message::Position(point))) => Some(point),
         _ => None,
     }
 }
 
-/// Reads a frame; what leads to nothing is counted.
+/// Reads a frame; one that leads to nothing is counted.
 #[inline(never)]
 fn read<'a>(
+    format: Format,
     frame: &Frame<'a>,
-    #[cfg_attr(not(feature = "ubx"), expect(unused_variables))] navigation: &mut Navigation,
+    memory: &mut Memory,
     calendar: &Calendar,
     counters: &mut Counters,
 ) -> Option<Message<'a>> {
-    // Answered from each arm: a message is large, and every step it is handed on by copies it.
-    let reason = match frame.protocol {
-        Protocol::Rtcm => match rtcm::read(frame.payload(), calendar) {
-            Ok(message) => return Some(message),
-            Err(reason) => reason,
-        },
-        #[cfg(feature = "ubx")]
-        Protocol::Ubx => match ubx::read(frame, navigation, calendar, counters) {
-            Ok(message) => return message,
-            Err(reason) => reason,
-        },
-        #[cfg(not(feature = "ubx"))]
-        Protocol::Ubx => Unread::Other,
-    };
-    count(reason.counter(counters));
-    None
+    match format.read(frame, memory, calendar, counters) {
+        Ok(message) => message,
+        Err(reason) => {
+            count(reason.counter(counters));
+            None
+        }
+    }
 }
 
 /// Why a frame leads to no message.

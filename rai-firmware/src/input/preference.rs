@@ -12,7 +12,7 @@
 //! **Limit.** Where another station's ranges are the first to come, it is theirs that are used: corrections are to come on a line of
 //! their own.
 
-use super::framer::Protocol;
+use super::Format;
 use crate::time::WEEK_MS;
 
 /// Epochs of another source without one of the first, and the time by their tags, ms.
@@ -22,7 +22,7 @@ const PATIENCE_MS: u32 = 30_000;
 /// Who sends ranges.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Source {
-    pub(super) protocol: Protocol,
+    pub(super) format: Format,
     /// Number of the station, 0 in a format that has none.
     pub(super) station: u16,
 }
@@ -107,9 +107,9 @@ impl Preference {
 mod tests {
     use super::*;
 
-    const RECEIVER: Source = Source { protocol: Protocol::Ubx, station: 0 };
-    const SAME: Source = Source { protocol: Protocol::Rtcm, station: 0 };
-    const BASE: Source = Source { protocol: Protocol::Rtcm, station: 7 };
+    const RECEIVER: Source = Source { format: Format::Ubx, station: 0 };
+    const SAME: Source = Source { format: Format::Rtcm, station: 0 };
+    const BASE: Source = Source { format: Format::Rtcm, station: 7 };
 
     fn takes(preference: &mut Preference, source: Source, second: u32) -> bool {
         preference.takes(source, Some(1000 * second), false)

@@ -9,10 +9,11 @@
 //!
 //! Who tells, and remembers what was told, is [`crate::publisher`].
 //!
-//! One epoch is told by one [`Statement`]. What must not be used is not there to be used: in an alert no sentence but
-//! `GNS` has a position, none has a protection level, and every mode says so.
+//! One [`Statement`] describes one epoch. In an alert no sentence and no message carries a coordinate, a height, a speed or
+//! a protection level, and every mode says so. Outputs therefore take the place from `Statement::usable_solution` and the
+//! velocity from `Statement::usable_motion`.
 
-use rai_core::report::{Report, Verdict};
+use rai_core::report::{Report, Solution, Verdict};
 use rai_core::requirements::Requirements;
 use rai_core::velocity::Velocity;
 
@@ -88,9 +89,14 @@ impl<const N: usize> Statement<'_, N> {
         matches!(self.report.verdict, Verdict::Alert(_))
     }
 
-    /// True where there is a position and nobody says that it must not be used.
-    fn is_usable(&self) -> bool {
-        self.report.solution.is_some() && !self.is_alert()
+    /// Returns the solution, unless there is none or an alert says that it must not be used.
+    fn usable_solution(&self) -> Option<&Solution> {
+        self.report.solution.as_ref().filter(|_| !self.is_alert())
+    }
+
+    /// Returns the velocity, unless there is no solution that may be used.
+    fn usable_motion(&self) -> Option<Motion> {
+        self.motion.filter(|_| self.usable_solution().is_some())
     }
 
     /// The horizontal and the vertical protection level, m; none in an alert.

@@ -370,6 +370,7 @@ impl<P: OutputPin> Receiver<P> {
             .or_else(|| self.losses.at(number))
             .or_else(|| self.input.counters().at(number))
             .or_else(|| tally.ephemerides.at(number))
+            .or_else(|| at(&["ephemerides_displaced"], &[self.epochs.navigator.displaced()], number))
             .or_else(|| tally.ranges.at(number))
             .or_else(|| self.epochs.navigator.rate_tally().at(number))
             .or_else(|| self.commands.counter(*number))

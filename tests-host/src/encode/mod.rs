@@ -105,6 +105,12 @@ impl Encoder {
         Self { stated, ..self }
     }
 
+    /// Sends ephemerides as a receiver does: of the satellites in view alone, and again and again.
+    #[must_use]
+    pub fn as_receiver(self) -> Self {
+        Self { schedule: self.schedule.as_received(), ..self }
+    }
+
     /// How many signals could not be sent so far: their pseudorange is negative, 255 ms or more, or more than 200 m
     /// away from the satellite's other one, or of a GLONASS satellite whose frequency slot is unknown, which the message
     /// has no numbers for.

@@ -8,6 +8,9 @@
 //! GLONASS ephemerides are dated in UTC, and a module that does not know the leap seconds yet has no use for them: receivers say
 //! them again and again, here every [`REPEATED_MS`].
 //!
+//! A receiver sends sets of the satellites that it sees, when they are new to it and again every [`RECEIVER_REPEATS_MS`]
+//! ([`Schedule::as_received`]). A navigation file holds those of the whole world.
+//!
 //! Galileo satellites send the same orbit in two messages. I/NAV has the group delays of all signals; F/NAV is sent
 //! only for satellites without I/NAV.
 
@@ -24,9 +27,14 @@ const VALIDITY_MS: u64 = 2 * 3_600_000;
 /// How often a GLONASS ephemeris is said again, ms: as often as the satellite sends it.
 const REPEATED_MS: i64 = 30_000;
 
+/// How often a receiver sends the set of a satellite again, ms.
+const RECEIVER_REPEATS_MS: i64 = 60_000;
+
 /// All broadcasts, and how far they have been passed on.
 pub(super) struct Schedule {
     satellites: BTreeMap<SatelliteId, Satellite>,
+    /// True if only sets of satellites in view are sent, again and again.
+    is_as_received: bool,
 }
 
 /// One satellite's broadcasts in the order of time.
@@ -46,14 +54,24 @@ impl Schedule {
             satellites.entry(ephemeris.satellite).or_default().broadcasts.push(ephemeris);
         }
         satellites.values_mut().for_each(Satellite::arrange);
-        Self { satellites }
+        Self { satellites, is_as_received: false }
+    }
+
+    /// Sends sets of satellites in view alone, and repeats them.
+    pub(super) fn as_received(self) -> Self {
+        Self { is_as_received: true, ..self }
     }
 
     /// What has become known since the last call, the epoch being no earlier than then, and what of its satellites is said again.
     pub(super) fn news(&mut self, epoch: &MeasuredEpoch) -> impl Iterator<Item = &TimedEphemeris> {
+        let is_as_received = self.is_as_received;
         self.satellites.iter_mut().filter_map(move |(&id, satellite)| {
             let is_seen = || epoch.satellites.iter().any(|seen| seen.satellite == id);
-            satellite.news(epoch.time, is_seen)
+            match is_as_received {
+                true if !is_seen() => None,
+                true => satellite.news(epoch.time, Some(RECEIVER_REPEATS_MS), || true),
+                false => satellite.news(epoch.time, None, is_seen),
+            }
         })
     }
 }
@@ -67,7 +85,13 @@ impl Satellite {
         self.broadcasts.sort_by_key(|ephemeris| (ephemeris.sent, ephemeris.toe));
     }
 
-    fn news(&mut self, now: GpsTime, is_seen: impl FnOnce() -> bool) -> Option<&TimedEphemeris> {
+    /// Returns the set that is sent now. Sets other than those of GLONASS are sent again only with `repeats_ms`.
+    fn news(
+        &mut self,
+        now: GpsTime,
+        repeats_ms: Option<i64>,
+        is_seen: impl FnOnce() -> bool,
+    ) -> Option<&TimedEphemeris> {
         let sent = self.broadcasts.partition_point(|ephemeris| ephemeris.sent <= now);
         let newest = match (sent.checked_sub(1), self.known) {
             (Some(newest), _) => newest,
@@ -78,9 +102,10 @@ impl Satellite {
         let newest = self.broadcasts.get(newest)?;
         // The same message sent again is no news.
         let is_news = known.is_none_or(|known| known.message != newest.message);
-        let is_repeated = matches!(newest.message, Ephemeris::Glonass(_))
-            && self.said.is_none_or(|said| now.since_ms(said) >= REPEATED_MS)
-            && is_seen();
+        let is_glonass = matches!(newest.message, Ephemeris::Glonass(_));
+        let repeats_ms = if is_glonass { Some(REPEATED_MS) } else { repeats_ms };
+        let is_due = |repeats_ms| self.said.is_none_or(|said| now.since_ms(said) >= repeats_ms);
+        let is_repeated = repeats_ms.is_some_and(is_due) && is_seen();
         if !(is_news || is_repeated) {
             return None;
         }

@@ -55,7 +55,7 @@ fn lumps(
     source: impl Iterator<Item = MeasuredEpoch>,
 ) -> Result<Vec<Lump>> {
     let Some(first) = recording.epochs.first().map(|epoch| epoch.time) else { return Ok(Vec::new()) };
-    let mut encoder = Encoder::new(&recording.ephemerides, selection.clone());
+    let mut encoder = Encoder::new(&recording.ephemerides, selection.clone()).as_receiver();
     let mut lumps: Vec<Lump> = Vec::new();
     for epoch in source {
         let elapsed_s = epoch.time.since_ms(first) as f64 * 1e-3;

@@ -27,6 +27,7 @@ mod gpsd;
 mod host_and_target;
 mod hostile;
 mod injection;
+mod merged_stream;
 mod moving_receiver;
 mod no_panic;
 mod parity;

@@ -12,6 +12,7 @@ mod broadcast;
 mod glonass;
 mod msm;
 mod signals;
+mod transport;
 
 use rai_core::frame::Ecef;
 
@@ -20,9 +21,10 @@ use super::calendar::Calendar;
 use super::{Message, Unread};
 
 pub(super) use msm::Msm;
+pub(super) use transport::Rtcm;
 
 /// Reads the payload of a frame whose check is right.
-pub(super) fn read<'a>(payload: &'a [u8], calendar: &Calendar) -> Result<Message<'a>, Unread> {
+fn read<'a>(payload: &'a [u8], calendar: &Calendar) -> Result<Message<'a>, Unread> {
     match message_number(payload).ok_or(Unread::Malformed)? {
         1005 => read_position(payload, 19).map(Message::Position),
         1006 => read_position(payload, 21).map(Message::Position),

@@ -38,6 +38,7 @@ use super::signals;
 use crate::counters::count;
 use crate::input::bits::Bits;
 use crate::input::calendar::Calendar;
+use crate::input::protocol::Measurements;
 use crate::input::system::System;
 use crate::input::{Counters, Measured, Ranges, Unread};
 use crate::raw::{Carrier, RawSignal};
@@ -91,7 +92,7 @@ pub(super) fn read<'a>(number: u16, payload: &'a [u8], calendar: &Calendar) -> R
                 }
                 _ => Some(gps_tow_ms(system, time_ms).ok_or(Unread::Time)?),
             };
-            (tow_ms, Measured::Msm(Msm { system, layout }))
+            (tow_ms, Measured::Rtcm(Msm { system, layout }))
         }
         None => (None, Measured::Nothing),
     };
@@ -141,15 +142,13 @@ pub(in crate::input) struct Msm<'a> {
     layout: Layout<'a>,
 }
 
-impl Msm<'_> {
-    /// Whether it has no satellite.
-    pub(in crate::input) fn is_empty(&self) -> bool {
+impl Measurements for Msm<'_> {
+    fn is_empty(&self) -> bool {
         self.layout.satellites == Mask(0)
     }
 
-    /// Hands every range to `add`, with whether its code is the one that the broadcast clock is of; what cannot be used
-    /// is counted.
-    pub(in crate::input) fn each(
+    /// Counts what cannot be used.
+    fn each(
         &self,
         counters: &mut Counters,
         add: &mut impl FnMut(SatelliteId, RawSignal, bool, &mut Counters),
@@ -176,7 +175,9 @@ impl Msm<'_> {
             }
         }
     }
+}
 
+impl Msm<'_> {
     /// The range of a cell.
     fn one(
         &self,

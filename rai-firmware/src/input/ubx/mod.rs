@@ -30,23 +30,25 @@ mod parity;
 mod rawx;
 mod security;
 mod sfrbx;
+mod transport;
 
 use super::calendar::Calendar;
-use super::framer::Frame;
+use super::protocol::Frame;
 use super::{Counters, Measured, Message, Ranges, Unread};
 use crate::counters::count;
 
-pub(super) use rawx::Rawx;
-pub(super) use sfrbx::Navigation;
+use rawx::Rawx;
+use sfrbx::Navigation;
+pub(super) use transport::Ubx;
 
 /// Reads one frame whose check is right; `None` when it only adds to what others have said.
-pub(super) fn read<'a>(
+fn read<'a>(
     frame: &Frame<'a>,
     navigation: &mut Navigation,
     calendar: &Calendar,
     counters: &mut Counters,
 ) -> Result<Option<Message<'a>>, Unread> {
-    let payload = frame.payload();
+    let payload = transport::payload(frame);
     match *frame.bytes {
         [_, _, 0x02, 0x15, ..] => {
             let rawx = Rawx::new(payload)?;
@@ -57,7 +59,7 @@ pub(super) fn read<'a>(
                 of_utc_ms: None,
                 stated: Some((rawx.time, rawx.leap_s)),
                 more_follow: false,
-                measured: Measured::Rawx(rawx),
+                measured: Measured::Ubx(rawx),
             })))
         }
         [_, _, 0x02, 0x13, ..] => {

@@ -24,6 +24,7 @@ use rai_core::frame::SPEED_OF_LIGHT_M_S;
 use rai_core::satellite::SatelliteId;
 
 use crate::counters::count;
+use crate::input::protocol::Measurements;
 use crate::input::system::System;
 use crate::input::{Counters, Unread};
 use crate::raw::{Band, Carrier, RawSignal};
@@ -32,6 +33,10 @@ use crate::time::GpsTime;
 /// Bytes before the measurements, and of each.
 const HEADER: usize = 16;
 const MEASUREMENT: usize = 32;
+
+/// Class and id of the message, and where in the payload the number of measurements is.
+pub(super) const MESSAGE: [u8; 2] = [0x02, 0x15];
+const MANY_AT: usize = 11;
 
 /// A time of week in a double is rounded by a tenth of this, s; an offset as small is none.
 const ROUNDING_S: f64 = 1e-9;
@@ -54,9 +59,7 @@ impl<'a> Rawx<'a> {
         const VERSION: u8 = 1;
         let (header, measurements) = payload.split_first_chunk::<HEADER>().ok_or(Unread::Malformed)?;
         let &[t0, t1, t2, t3, t4, t5, t6, t7, w0, w1, leap_s, many, status, version, _, _] = header;
-        // Some receivers set the highest bit of the count besides; the length tells.
-        let says = [usize::from(many), usize::from(many & 0x7F)].map(|many| many * MEASUREMENT);
-        if version != VERSION || !says.contains(&measurements.len()) {
+        if version != VERSION || !explains(many, measurements.len()) {
             return Err(Unread::Malformed);
         }
         let week = u16::from_le_bytes([w0, w1]);
@@ -75,15 +78,16 @@ impl<'a> Rawx<'a> {
         let leap_s = (status & 1 == 1 && leap_s <= 63).then_some(leap_s);
         Ok(Self { measurements, time, offset_m, leap_s })
     }
+}
 
-    /// Whether it has no measurement.
-    pub(in crate::input) fn is_empty(&self) -> bool {
+impl Measurements for Rawx<'_> {
+    fn is_empty(&self) -> bool {
         self.measurements.is_empty()
     }
 
-    /// Hands every measurement that can be used to `add`, none as the code that a broadcast clock is of: these receivers
-    /// measure one code a band. The others are counted.
-    pub(in crate::input) fn each(
+    /// Hands none as the code that a broadcast clock refers to: these receivers measure one code a band. Counts those that
+    /// cannot be used.
+    fn each(
         &self,
         counters: &mut Counters,
         add: &mut impl FnMut(SatelliteId, RawSignal, bool, &mut Counters),
@@ -94,6 +98,23 @@ impl<'a> Rawx<'a> {
             }
         }
     }
+}
+
+/// Returns the length of a payload with so many measurements, bytes.
+pub(super) const fn payload_of(measurements: usize) -> usize {
+    HEADER + measurements * MEASUREMENT
+}
+
+/// Returns true if a payload that begins with these bytes may have this length, which is no less than a header: the number
+/// of measurements explains it, or has not come yet.
+pub(super) fn may_have(begun: &[u8], length: usize) -> bool {
+    begun.get(MANY_AT).is_none_or(|&many| explains(many, length.saturating_sub(HEADER)))
+}
+
+/// Returns true if a number of measurements explains so many bytes of them. Some receivers set the highest bit of the
+/// number besides.
+fn explains(many: u8, bytes: usize) -> bool {
+    [many, many & 0x7F].map(|many| usize::from(many) * MEASUREMENT).contains(&bytes)
 }
 
 /// One measurement; what cannot be used is counted.

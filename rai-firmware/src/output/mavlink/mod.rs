@@ -181,10 +181,10 @@ fn gps_input<const N: usize>(statement: &Statement<'_, N>) -> Frame {
         * 1000;
     let satellites = statement.report.used.len() as u64;
     let is_protected = matches!(statement.report.verdict, Verdict::Protected(_));
-    let values = match &statement.report.solution {
+    let values = match statement.usable_solution() {
         Some(solution) if is_protected => position(statement, solution, unix_us),
-        Some(_) => nowhere(unix_us, statement.time, NO_FIX, satellites),
-        None => nowhere(unix_us, statement.time, NO_RECEIVER, satellites),
+        _ if statement.report.solution.is_some() => nowhere(unix_us, statement.time, NO_FIX, satellites),
+        _ => nowhere(unix_us, statement.time, NO_RECEIVER, satellites),
     };
     Frame::of(&GPS_INPUT, &values)
 }
@@ -209,7 +209,7 @@ fn position<const N: usize>(statement: &Statement<'_, N>, solution: &Solution, u
         let sigma_m = libm::sqrt(variance.max(0.0));
         float(sigma_m.max(level_m.unwrap_or(f64::MAX) / SIGMAS_OF_A_LEVEL))
     };
-    let motion = statement.motion;
+    let motion = statement.usable_motion();
     let along = |component: f32| u64::from(component.to_bits());
     let [north_m_s, east_m_s, down_m_s, speed_sigma] = match motion {
         Some(motion) => [motion.north_m_s, motion.east_m_s, -motion.up_m_s, motion.sigma_m_s].map(along),

@@ -7,7 +7,7 @@
 //! | verdict | navigational status of `GNS` | fix mode of `GSA` | state of `PRAIS` |
 //! |---|---|---|---|
 //! | protected | `S` safe | 3 | `P` |
-//! | alert | `U` unsafe, mode `N` | 1: a position that must not be used is no fix | `A` |
+//! | alert | `U` unsafe, mode `N`, no position | 1: a position that must not be used is no fix | `A` |
 //! | unavailable, with a position | `C` caution | 3 | `U` |
 //! | unavailable, no position | `V` not valid | no `GSA` | `U` |
 //!
@@ -68,7 +68,7 @@ pub fn write_epoch<W: Write, const N: usize>(
         position::write_velocity(statement, out)?;
     }
     // A time that comes with a position that must not be used is as little worth as that, and `ZDA` has no mode to say so.
-    if due.has(Item::Zda) && statement.is_usable() {
+    if due.has(Item::Zda) && statement.usable_solution().is_some() {
         write_sentence(&mut standard::date_and_time(time), out)?;
     }
     if due.has(Item::Gsa) {

@@ -4,11 +4,11 @@
 //! |---|---|---|
 //! | `RMC` | status `V`, mode `N`, no position | status `A`, mode `A` |
 //! | `GGA` | quality 0, no position | quality 1 |
-//! | `GNS` | mode `N`; the position stays, for whoever asks why | mode `A` |
+//! | `GNS` | mode `N`, no position | mode `A` |
 //! | `VTG` | mode `N`, no velocity | mode `A` |
 //!
-//! `RMC` and `GNS` end with the navigational status, which tells the rest. Readers of `RMC` and `GGA` are the plainest
-//! ones, some of which never look at a status: they get no position that must not be used.
+//! `RMC` and `GNS` end with the navigational status. Some readers never look at a status or a mode, so none of the sentences
+//! has a position that must not be used.
 //!
 //! Position and time are written once and stand in several sentences.
 
@@ -46,7 +46,7 @@ pub(super) fn write_position<W: Write, const N: usize>(
     due: Due,
     out: &mut W,
 ) -> Result<(), W::Error> {
-    let solution = statement.report.solution.as_ref();
+    let solution = statement.usable_solution();
     let mut place = Sentence::new("");
     if let Some(solution) = solution {
         place.angle(degrees(solution.geodetic.latitude_rad), 2, ["N", "S"]).angle(
@@ -55,15 +55,13 @@ pub(super) fn write_position<W: Write, const N: usize>(
             ["E", "W"],
         );
     }
-    let is_usable = statement.is_usable();
     let told = Told {
         time,
         status: navigational_status(statement.report.verdict, solution.is_some()),
-        place: place.fields(),
-        is_usable,
+        place: if solution.is_some() { place.fields() } else { b",,," },
         solution,
         used: statement.report.used.len().min(99) as u32,
-        motion: statement.motion.filter(|_| is_usable),
+        motion: statement.usable_motion(),
     };
     if due.has(Item::Rmc) {
         write_sentence(&mut told.rmc(), out)?;
@@ -83,13 +81,14 @@ pub(super) fn write_velocity<W: Write, const N: usize>(
     out: &mut W,
 ) -> Result<(), W::Error> {
     let mut sentence = Sentence::new("GNVTG");
-    let motion = statement.motion.filter(|_| statement.is_usable());
+    let motion = statement.usable_motion();
     course(&mut sentence, motion.as_ref()).ready(b"T").empty().ready(b"M");
     speed(&mut sentence, motion.as_ref(), KNOTS).ready(b"N");
     speed(&mut sentence, motion.as_ref(), KILOMETRES_AN_HOUR).ready(b"K");
     write_sentence(sentence.ready(if motion.is_some() { b"A" } else { b"N" }), out)
 }
 
+/// Returns the navigational status of a verdict, with or without a position that may be used.
 const fn navigational_status(verdict: Verdict, has_position: bool) -> &'static [u8] {
     match (verdict, has_position) {
         (Verdict::Protected(_), _) => b"S",
@@ -99,13 +98,13 @@ const fn navigational_status(verdict: Verdict, has_position: bool) -> &'static [
     }
 }
 
-/// What several sentences say.
+/// Fields of several sentences.
 struct Told<'t> {
     time: TimeOfDay,
     status: &'static [u8],
-    /// Latitude, hemisphere, longitude, hemisphere; empty without a position.
+    /// Latitude, hemisphere, longitude, hemisphere; empty without a position that may be used.
     place: &'t [u8],
-    is_usable: bool,
+    /// Solution that may be used.
     solution: Option<&'t Solution>,
     used: u32,
     motion: Option<Motion>,
@@ -114,8 +113,8 @@ struct Told<'t> {
 impl Told<'_> {
     fn rmc(&self) -> Sentence {
         let mut sentence = Sentence::new("GNRMC");
-        sentence.time(Some(self.time)).ready(if self.is_usable { b"A" } else { b"V" });
-        self.usable_place(&mut sentence);
+        sentence.time(Some(self.time)).ready(if self.solution.is_some() { b"A" } else { b"V" });
+        sentence.ready(self.place);
         speed(&mut sentence, self.motion.as_ref(), KNOTS);
         course(&mut sentence, self.motion.as_ref());
         let [year, month, day] = self.time.date();
@@ -126,10 +125,9 @@ impl Told<'_> {
 
     fn gga(&self) -> Sentence {
         let mut sentence = Sentence::new("GNGGA");
-        sentence.time(Some(self.time));
-        self.usable_place(&mut sentence);
-        sentence.ready(if self.is_usable { b"1" } else { b"0" }).integer(self.used, 2);
-        match self.solution.filter(|_| self.is_usable) {
+        sentence.time(Some(self.time)).ready(self.place);
+        sentence.ready(if self.solution.is_some() { b"1" } else { b"0" }).integer(self.used, 2);
+        match self.solution {
             Some(solution) => sentence
                 .number(dilution(solution.hdop), 2, 5)
                 .number(solution.geodetic.height_m, 3, 8)
@@ -141,27 +139,20 @@ impl Told<'_> {
 
     fn gns(&self) -> Sentence {
         let mut sentence = Sentence::new("GNGNS");
-        sentence.time(Some(self.time));
+        sentence.time(Some(self.time)).ready(self.place).ready(self.mode()).integer(self.used, 2);
         match self.solution {
             Some(solution) => sentence
-                .ready(self.place)
-                .ready(self.mode())
-                .integer(self.used, 2)
                 .number(dilution(solution.hdop), 2, 5)
                 .number(solution.geodetic.height_m, 3, 10)
                 .ready(b"0.0,,"),
-            None => sentence.ready(b",,,,N,00,,,,,"),
+            None => sentence.ready(b",,,,"),
         };
         sentence.ready(self.status);
         sentence
     }
 
-    fn usable_place(&self, sentence: &mut Sentence) {
-        sentence.ready(if self.is_usable { self.place } else { b",,," });
-    }
-
     fn mode(&self) -> &'static [u8] {
-        if self.is_usable { b"A" } else { b"N" }
+        if self.solution.is_some() { b"A" } else { b"N" }
     }
 }
 

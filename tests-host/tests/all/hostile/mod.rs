@@ -4,6 +4,7 @@
 //! | bad input | module |
 //! |---|---|
 //! | random bytes, wrong CRC, cut frames, longest frame, messages with a false length | [`wire`] |
+//! | beginnings of frames that are none, at 1 to 20 Hz | [`beginnings`] |
 //! | an epoch that goes back, the roll-over of the week | [`time`] |
 //! | two satellites with one id, 64 satellites, ranges of 0, negative and 1e12 m | [`satellites`] |
 //! | ephemerides that are impossible, stale, unhealthy, or change in the middle of a pass | [`ephemerides`] |
@@ -13,6 +14,7 @@
 //!
 //! [`module::Module`] checks every sentence and the pin for the invariants of any output.
 
+mod beginnings;
 mod ephemerides;
 mod frames;
 mod host;

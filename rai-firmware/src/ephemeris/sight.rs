@@ -1,0 +1,151 @@
+//! The satellites in sight: those of the last epochs, and those above the horizon of the last position.
+//!
+//! ```text
+//! sin el = (|s|² − |p|² − d²) / (2 |p| d)          s satellite, p receiver, d their distance; el above a spherical earth
+//! ```
+//!
+//! A satellite is remembered by one bit, with or without an ephemeris. Sines of elevations are kept in hundredths.
+
+use rai_core::frame::Ecef;
+use rai_core::satellite::SatelliteId;
+
+use super::Ephemeris;
+use crate::time::GpsTime;
+
+/// Epochs that one set of bits covers. One epoch may have lost satellites, so two sets are kept: a satellite is in sight for
+/// three epochs at least and six at most.
+const EPOCHS_OF_A_SET: u8 = 3;
+
+/// Range with which a satellite is located, m. The position moves by some metres where it is wrong by 10,000 km.
+const RANGE_M: f64 = 2.3e7;
+
+/// Hundredths of the sine of an elevation.
+pub(super) type Elevation = i8;
+
+/// Elevation where it is not known.
+pub(super) const HORIZON: Elevation = 0;
+
+/// One bit for each satellite.
+type Bits = [u32; 8];
+
+/// Satellites of the last epochs.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Sight {
+    now: Bits,
+    before: Bits,
+    epochs: u8,
+}
+
+impl Sight {
+    pub(super) const fn new() -> Self {
+        Self { now: [0; 8], before: [0; 8], epochs: 0 }
+    }
+
+    /// Begins an epoch.
+    pub(super) fn begin(&mut self) {
+        if self.epochs == EPOCHS_OF_A_SET {
+            (self.before, self.now, self.epochs) = (self.now, [0; 8], 0);
+        }
+        self.epochs += 1;
+    }
+
+    /// Adds a satellite to the epoch.
+    pub(super) fn add(&mut self, satellite: SatelliteId) {
+        let (word, bit) = place_of(satellite);
+        if let Some(word) = self.now.get_mut(word) {
+            *word |= bit;
+        }
+    }
+
+    /// Returns true if the satellite was in one of the last epochs.
+    pub(super) fn has(&self, satellite: SatelliteId) -> bool {
+        let (word, bit) = place_of(satellite);
+        [self.now, self.before].iter().any(|bits| bits.get(word).is_some_and(|word| word & bit != 0))
+    }
+}
+
+/// Returns word and bit of a satellite. Each system has 64; satellites of QZSS come behind the 32 of GPS.
+fn place_of(satellite: SatelliteId) -> (usize, u32) {
+    let (_, number) = satellite.name();
+    let behind = if satellite.is_qzss() { 40 } else { 0 };
+    let index = usize::from(satellite.constellation() as u8) * 64 + usize::from((number + behind) % 64);
+    (index / 32, 1 << (index % 32))
+}
+
+/// The sky of a receiver.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Skyline {
+    receiver: Ecef,
+    mask: Elevation,
+}
+
+impl Skyline {
+    /// The sky above a position and a mask.
+    pub(super) fn new(receiver: Ecef, mask_rad: f64) -> Self {
+        // Three terms of the series are right to half a hundredth up to 90°. A sine of the library takes 5 KiB of flash.
+        let square = mask_rad * mask_rad;
+        let sine = mask_rad * (1.0 - square / 6.0 * (1.0 - square / 20.0));
+        Self { receiver, mask: hundredths(sine) }
+    }
+
+    /// Returns true if an elevation is above the mask.
+    pub(super) fn shows(&self, elevation: Elevation) -> bool {
+        elevation >= self.mask
+    }
+
+    /// Returns the elevation of a satellite, or that of the horizon if it has no position then.
+    pub(super) fn elevation(&self, ephemeris: &Ephemeris, now: GpsTime) -> Elevation {
+        let Ok(state) = ephemeris.at(now, RANGE_M) else { return HORIZON };
+        let (radius_m, distance_m) = (self.receiver.radius_m(), state.position.distance_m(self.receiver));
+        let satellite_m = state.position.radius_m();
+        let up_m2 = satellite_m * satellite_m - radius_m * radius_m - distance_m * distance_m;
+        hundredths(up_m2 / (2.0 * radius_m * distance_m))
+    }
+}
+
+/// Rounds a sine; a NaN becomes the horizon.
+fn hundredths(sine: f64) -> Elevation {
+    (sine.clamp(-1.0, 1.0) * 100.0) as Elevation
+}
+
+#[cfg(test)]
+mod tests {
+    use rai_core::satellite::Constellation;
+
+    use super::*;
+
+    #[test]
+    fn every_satellite_has_a_bit_of_its_own() {
+        let numbers = |constellation, numbers: core::ops::RangeInclusive<u8>| {
+            numbers.filter_map(move |number| SatelliteId::new(constellation, number))
+        };
+        let all = numbers(Constellation::Gps, 1..=32)
+            .chain(numbers(Constellation::Gps, 193..=202))
+            .chain(numbers(Constellation::Beidou, 1..=63))
+            .chain(numbers(Constellation::Galileo, 1..=36))
+            .chain(numbers(Constellation::Glonass, 1..=27));
+        let mut places: std::vec::Vec<_> = all.map(place_of).collect();
+        let many = places.len();
+        places.sort_unstable();
+        places.dedup();
+        assert_eq!((many, places.len()), (168, 168));
+        assert!(places.iter().all(|(word, _)| *word < 8));
+    }
+
+    #[test]
+    fn a_satellite_is_in_sight_for_three_to_six_epochs() {
+        let satellite = SatelliteId::new(Constellation::Beidou, 63).expect("a satellite");
+        for first in 0..6 {
+            let mut sight = Sight::new();
+            let mut held = 0;
+            for epoch in 0..20 {
+                sight.begin();
+                if epoch == first {
+                    sight.add(satellite);
+                }
+                held += usize::from(sight.has(satellite));
+            }
+            assert!((3..=6).contains(&held), "{held} epochs from {first} on");
+        }
+    }
+}

@@ -1,0 +1,245 @@
+//! The transport layer: finds the frames of all wire formats in one stream of bytes, and checks each once.
+//!
+//! The beginning of a frame may be an accident, and its length then swallows good frames. So nothing is thrown away
+//! before it has been searched: if a candidate fails, only its first byte goes, and the search starts again behind it. A
+//! candidate that is incomplete ends as soon as a frame inside it is complete and its check holds ([`nested`]).
+//!
+//! A stream made of nothing but beginnings would have every byte checked a thousand times over. Each byte that comes
+//! therefore pays for [`CREDIT_PER_BYTE`] bytes of checking, and [`CREDIT_MOST`] can be saved up, enough for a dozen of
+//! the longest RTCM frames that fail in a row. A candidate that cannot be paid for is passed over and counted. Frames
+//! inside a candidate are checked as long as [`CREDIT_RESERVE`] stays for the candidates themselves.
+
+mod nested;
+
+use heapless::Vec;
+
+use self::nested::{Begun, Nested};
+use super::protocol::{Extent, Frame};
+use super::{Counters, Format};
+use crate::counters::{count, count_many};
+
+/// Room behind the longest frame that makes moving it to the front rare, bytes.
+const SPARE: usize = if Format::LONGEST < 2048 { Format::LONGEST } else { 128 };
+
+/// Size of the buffer, bytes.
+const CAPACITY: usize = Format::LONGEST + SPARE;
+
+/// Bytes of checking that each byte on the wire pays for.
+const CREDIT_PER_BYTE: usize = 4;
+/// Largest credit, bytes of checking.
+const CREDIT_MOST: usize = 12 * 1029;
+/// Credit that frames inside a candidate leave for the candidates, bytes of checking.
+const CREDIT_RESERVE: usize = CREDIT_MOST / 2;
+
+/// Bytes that may be part of a frame.
+#[derive(Debug)]
+pub(super) struct Framer {
+    buffer: Vec<u8, CAPACITY>,
+    /// Position in the buffer of the search; the bytes before it are done with.
+    front: usize,
+    /// Length of the frame that was handed out last, still at the front.
+    handed: usize,
+    /// From here on, the bytes came at `fresh_ms`; those before came at `old_ms` or later.
+    fresh: usize,
+    fresh_ms: u64,
+    old_ms: u64,
+    credit: usize,
+    nested: Nested,
+}
+
+/// The candidate at the front of the buffer.
+enum Front {
+    Incomplete,
+    Complete(Format, usize),
+    NoFrame,
+}
+
+impl Framer {
+    pub(super) const fn new() -> Self {
+        Self {
+            buffer: Vec::new(),
+            front: 0,
+            handed: 0,
+            fresh: 0,
+            fresh_ms: 0,
+            old_ms: 0,
+            credit: CREDIT_MOST,
+            nested: Nested::new(),
+        }
+    }
+
+    /// Takes bytes that came at an instant, as many as there is room for, and returns the others. There is room for some
+    /// if [`Framer::next`] has been called until it returned none.
+    pub(super) fn take<'b>(&mut self, bytes: &'b [u8], came_ms: u64, counters: &mut Counters) -> &'b [u8] {
+        self.make_room(bytes.len(), counters);
+        let room = self.buffer.capacity() - self.buffer.len();
+        let (now, later) = bytes.split_at_checked(room).unwrap_or((bytes, &[]));
+        // What was fresh before is old now, and no older than what is at the front.
+        if self.front >= self.fresh {
+            self.old_ms = self.fresh_ms;
+        }
+        self.fresh = self.buffer.len();
+        if self.front == self.fresh {
+            self.old_ms = came_ms;
+        }
+        self.fresh_ms = came_ms;
+        // It fits.
+        let _ = self.buffer.extend_from_slice(now);
+        self.credit = CREDIT_MOST.min(self.credit + CREDIT_PER_BYTE * now.len());
+        later
+    }
+
+    /// Moves what waits to the beginning of the buffer if there would be no room behind it.
+    fn make_room(&mut self, wanted: usize, counters: &mut Counters) {
+        if self.buffer.len() + wanted <= self.buffer.capacity() {
+            return;
+        }
+        if self.front == 0 && self.buffer.is_full() {
+            // No candidate is that long: only a caller that does not ask for frames gets here.
+            count(&mut counters.bytes_skipped);
+            self.front = 1;
+        }
+        let left = self.buffer.len().saturating_sub(self.front);
+        let from = self.front.min(self.buffer.len());
+        self.buffer.copy_within(from.., 0);
+        self.buffer.truncate(left);
+        self.fresh = self.fresh.saturating_sub(self.front);
+        self.nested.shift(self.front);
+        self.front = 0;
+    }
+
+    /// Returns true if [`Framer::next`] would find more than it did before. Bytes come a few at a time. To ask it after
+    /// every few would cost half as much as reading the message.
+    pub(super) fn is_worth_a_look(&mut self) -> bool {
+        if self.handed > 0 || !matches!(self.candidate(), Front::Incomplete) {
+            return true;
+        }
+        self.search();
+        self.nested.has_complete(&self.buffer, self.front)
+    }
+
+    /// Returns the next frame that passes its check, with its format; the one before is done with.
+    ///
+    /// With `is_silent` no more bytes will come to complete a candidate: an incomplete one is counted as cut, and its
+    /// bytes are searched.
+    pub(super) fn next(&mut self, is_silent: bool, counters: &mut Counters) -> Option<(Format, Frame<'_>)> {
+        self.front += core::mem::take(&mut self.handed);
+        let (format, length) = loop {
+            match self.candidate() {
+                Front::Complete(format, length) => {
+                    if self.passes(format, length, counters) {
+                        break (format, length);
+                    }
+                }
+                Front::Incomplete if self.is_empty() || !is_silent => {
+                    if let Some(found) = self.inner(counters) {
+                        break found;
+                    }
+                    self.settle();
+                    return None;
+                }
+                Front::Incomplete => count(&mut counters.frames_cut),
+                Front::NoFrame => {}
+            }
+            self.resynchronise(counters);
+        };
+        count(&mut counters.frames);
+        self.handed = length;
+        let came_ms = self.came_ms(self.front);
+        let bytes = self.buffer.get(self.front..self.front + length)?;
+        Some((format, Frame { bytes, came_ms }))
+    }
+
+    /// Returns the time at or before which the byte at a position came, ms.
+    fn came_ms(&self, position: usize) -> u64 {
+        if position >= self.fresh { self.fresh_ms } else { self.old_ms }
+    }
+
+    /// Searches an incomplete candidate for the beginnings of frames.
+    fn search(&mut self) {
+        let Self { buffer, front, fresh, fresh_ms, old_ms, nested, .. } = self;
+        nested.search(buffer, *front, |at| if at >= *fresh { *fresh_ms } else { *old_ms });
+    }
+
+    /// Ends an incomplete candidate in which a frame is complete and passes its check, and moves the front to that frame.
+    fn inner(&mut self, counters: &mut Counters) -> Option<(Format, usize)> {
+        self.search();
+        while let Some(Begun { start, came_ms, .. }) = self.nested.take_complete(&self.buffer, self.front) {
+            let bytes = self.buffer.get(start..).unwrap_or_default();
+            let Some((format, Extent::Bytes(length))) = Format::at(bytes) else { continue };
+            // One that cannot be paid for is a candidate of its own if the search gets there.
+            let credit = self.credit.saturating_sub(length);
+            let Some(frame) = bytes.get(..length).filter(|_| credit >= CREDIT_RESERVE) else { continue };
+            self.credit = credit;
+            if format.check(frame) {
+                count(&mut counters.frames_cut);
+                count_many(&mut counters.bytes_skipped, start - self.front);
+                (self.front, self.old_ms) = (start, came_ms);
+                return Some((format, length));
+            }
+        }
+        None
+    }
+
+    /// Forgets all that waits.
+    pub(super) fn forget(&mut self, counters: &mut Counters) {
+        count_many(&mut counters.bytes_skipped, self.waiting().len().saturating_sub(self.handed));
+        (self.front, self.handed, self.fresh) = (0, 0, 0);
+        self.buffer.clear();
+        self.nested.clear();
+    }
+
+    fn waiting(&self) -> &[u8] {
+        self.buffer.get(self.front..).unwrap_or_default()
+    }
+
+    fn is_empty(&self) -> bool {
+        self.front >= self.buffer.len()
+    }
+
+    /// An empty buffer begins anew.
+    fn settle(&mut self) {
+        if self.is_empty() {
+            self.buffer.clear();
+            self.nested.clear();
+            (self.front, self.fresh) = (0, 0);
+        }
+    }
+
+    fn candidate(&self) -> Front {
+        let waiting = self.waiting();
+        match Format::at(waiting) {
+            Some((format, Extent::Bytes(length))) if length <= waiting.len() => {
+                Front::Complete(format, length)
+            }
+            Some((_, Extent::Bytes(_) | Extent::Unknown)) => Front::Incomplete,
+            Some((_, Extent::NoFrame)) | None => Front::NoFrame,
+        }
+    }
+
+    /// Checks a complete candidate, if that can be paid for.
+    fn passes(&mut self, format: Format, length: usize, counters: &mut Counters) -> bool {
+        let Some(credit) = self.credit.checked_sub(length) else {
+            count(&mut counters.frames_unchecked);
+            return false;
+        };
+        self.credit = credit;
+        let holds = format.check(self.waiting().get(..length).unwrap_or_default());
+        if !holds {
+            count(&mut counters.crc_failures);
+        }
+        holds
+    }
+
+    /// Drops the first byte and all up to the next that may begin a frame.
+    fn resynchronise(&mut self, counters: &mut Counters) {
+        let waiting = self.waiting();
+        let next = waiting.iter().skip(1).position(|&byte| Format::may_begin_with(byte));
+        let skipped = next.map_or(waiting.len(), |position| position + 1);
+        count_many(&mut counters.bytes_skipped, skipped);
+        self.front += skipped;
+    }
+}
+
+#[cfg(test)]
+mod tests;

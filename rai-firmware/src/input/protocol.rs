@@ -1,0 +1,243 @@
+//! The interface between the stream of bytes and a wire format.
+//!
+//! A wire format is one type that implements [`Protocol`], in a folder of its own, and one row of the table of formats in
+//! `input/mod.rs`. `formats!` makes of that table everything that has a case for each format, so that no other module
+//! names one:
+//!
+//! | made | use |
+//! |---|---|
+//! | `Format` | names the format of a frame; its functions call those of the implementation |
+//! | `Memory` | holds what each format remembers between frames |
+//! | `Measured` | holds the ranges of a message, still encoded |
+//!
+//! No function of [`Protocol`] has a default, so that a format that lacks one does not compile. Calls are resolved when
+//! the module is compiled: the cost and the proof that nothing panics are those of a `match`.
+
+use core::fmt::Debug;
+
+use rai_core::satellite::SatelliteId;
+
+use super::calendar::Calendar;
+use super::{Counters, Message, Unread};
+use crate::raw::RawSignal;
+
+/// A wire format.
+pub(super) trait Protocol {
+    /// First bytes of every frame, at least one.
+    const SYNC: &'static [u8];
+
+    /// Length of the longest frame that is read, bytes.
+    const LONGEST: usize;
+
+    /// State that the format keeps between frames.
+    type Memory: Debug;
+
+    /// State before the first frame.
+    const AT_START: Self::Memory;
+
+    /// Ranges of one message, still encoded.
+    type Ranges<'a>: Measurements;
+
+    /// Returns the length of the frame that begins with these bytes. They begin with [`Self::SYNC`] and may end before
+    /// the frame does. A length beyond [`Self::LONGEST`] is refused here.
+    fn length(bytes: &[u8]) -> Extent;
+
+    /// Returns true if the check of a complete frame holds.
+    fn check(frame: &[u8]) -> bool;
+
+    /// Reads a frame whose check holds. The result is `None` if the frame only adds to what others have said.
+    ///
+    /// # Errors
+    /// [`Unread`] names why the frame leads to no message.
+    fn read<'a>(
+        frame: &Frame<'a>,
+        memory: &mut Self::Memory,
+        calendar: &Calendar,
+        counters: &mut Counters,
+    ) -> Result<Option<Message<'a>>, Unread>;
+}
+
+/// Ranges of one message, still encoded.
+pub(super) trait Measurements: Debug {
+    /// Returns true if the message has no satellite.
+    fn is_empty(&self) -> bool;
+
+    /// Hands each range to `add`, and says if its code is the one of its band that the broadcast clock refers to.
+    fn each(
+        &self,
+        counters: &mut Counters,
+        add: &mut impl FnMut(SatelliteId, RawSignal, bool, &mut Counters),
+    );
+}
+
+/// How far a frame reaches, as its first bytes tell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Extent {
+    /// More bytes are needed to tell.
+    Unknown,
+    /// Length of the whole frame, bytes.
+    Bytes(usize),
+    /// These bytes begin no frame.
+    NoFrame,
+}
+
+/// A frame that has passed its check.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Frame<'a> {
+    /// The whole frame.
+    pub(super) bytes: &'a [u8],
+    /// Time at or before which its first byte came, ms.
+    pub(super) came_ms: u64,
+}
+
+impl<'a> Frame<'a> {
+    /// Returns the bytes behind a header and before a check of these lengths.
+    pub(super) fn between(&self, header: usize, check: usize) -> &'a [u8] {
+        let end = self.bytes.len().saturating_sub(check);
+        self.bytes.get(header..end).unwrap_or_default()
+    }
+}
+
+/// Returns the frame if the bytes are exactly one of this format and its check holds.
+pub(super) fn whole<P: Protocol>(bytes: &[u8]) -> Option<Frame<'_>> {
+    let is_one = bytes.starts_with(P::SYNC) && P::length(bytes) == Extent::Bytes(bytes.len());
+    (is_one && P::check(bytes)).then_some(Frame { bytes, came_ms: 0 })
+}
+
+/// Returns how far the frame of a format reaches that begins with these bytes, however few they are.
+pub(super) fn extent<P: Protocol>(bytes: &[u8]) -> Extent {
+    if bytes.starts_with(P::SYNC) {
+        P::length(bytes)
+    } else if P::SYNC.starts_with(bytes) {
+        Extent::Unknown
+    } else {
+        Extent::NoFrame
+    }
+}
+
+/// Makes everything that has a case for each wire format of rows `module::Implementation`.
+macro_rules! formats {
+    ($($(#[$condition:meta])* $module:ident::$Name:ident,)+) => {
+        /// The wire format of a frame.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        enum Format {
+            $($(#[$condition])* $Name,)+
+        }
+
+        impl Format {
+            /// Length of the longest frame of any format, bytes.
+            const LONGEST: usize = {
+                let mut longest = 0;
+                $($(#[$condition])*
+                {
+                    let length = <$module::$Name as Protocol>::LONGEST;
+                    longest = if length > longest { length } else { longest };
+                })+
+                longest
+            };
+
+            /// Returns true if a frame of some format begins with this byte.
+            fn may_begin_with(byte: u8) -> bool {
+                $($(#[$condition])*
+                if byte == const { <$module::$Name as Protocol>::SYNC[0] } {
+                    return true;
+                })+
+                false
+            }
+
+            /// Returns the format and the extent of the frame that begins with these bytes.
+            fn at(bytes: &[u8]) -> Option<(Self, Extent)> {
+                $($(#[$condition])*
+                match protocol::extent::<$module::$Name>(bytes) {
+                    Extent::NoFrame => {}
+                    extent => return Some((Self::$Name, extent)),
+                })+
+                None
+            }
+
+            /// Returns true if the check of a complete frame holds.
+            fn check(self, frame: &[u8]) -> bool {
+                match self {
+                    $($(#[$condition])* Self::$Name => <$module::$Name as Protocol>::check(frame),)+
+                }
+            }
+
+            /// Reads a frame whose check holds.
+            fn read<'a>(
+                self,
+                frame: &Frame<'a>,
+                memory: &mut Memory,
+                calendar: &Calendar,
+                counters: &mut Counters,
+            ) -> Result<Option<Message<'a>>, Unread> {
+                match self {
+                    $($(#[$condition])*
+                    Self::$Name => <$module::$Name as Protocol>::read(frame, &mut memory.$module, calendar, counters),)+
+                }
+            }
+        }
+
+        /// State that the formats keep between frames.
+        #[derive(Debug)]
+        struct Memory {
+            $($(#[$condition])* $module: <$module::$Name as Protocol>::Memory,)+
+        }
+
+        impl Memory {
+            /// State before the first frame.
+            const fn new() -> Self {
+                Self { $($(#[$condition])* $module: <$module::$Name as Protocol>::AT_START,)+ }
+            }
+        }
+
+        /// Ranges of one message, still encoded in its format.
+        #[derive(Debug)]
+        enum Measured<'a> {
+            /// No range that is used.
+            Nothing,
+            $($(#[$condition])* $Name(<$module::$Name as Protocol>::Ranges<'a>),)+
+        }
+
+        impl Measured<'_> {
+            /// Returns true if there is no satellite in it.
+            fn is_empty(&self) -> bool {
+                match self {
+                    Self::Nothing => true,
+                    $($(#[$condition])* Self::$Name(ranges) => ranges.is_empty(),)+
+                }
+            }
+
+            /// Hands each range to `add`, and says if its code is the one of its band that the broadcast clock refers to.
+            fn each(
+                &self,
+                counters: &mut Counters,
+                mut add: impl FnMut(SatelliteId, RawSignal, bool, &mut Counters),
+            ) {
+                match self {
+                    Self::Nothing => {}
+                    $($(#[$condition])* Self::$Name(ranges) => ranges.each(counters, &mut add),)+
+                }
+            }
+        }
+    };
+}
+
+pub(super) use formats;
+
+#[cfg(test)]
+mod tests {
+    /// A format that lacks a function does not compile, because none has a default.
+    #[test]
+    fn no_function_of_a_format_has_a_default() {
+        let text = include_str!("protocol.rs");
+        for name in ["Protocol", "Measurements"] {
+            let begin = std::format!("pub(super) trait {name}");
+            let (_, behind) = text.split_once(&begin).expect("the trait");
+            let (body, _) = behind.split_once("\n}\n").expect("its end");
+            let defaults = body.lines().skip(1).filter(|line| !line.trim_start().starts_with("///"));
+            let defaults: std::vec::Vec<_> =
+                defaults.filter(|line| line.contains('{') || line.contains("= ")).collect();
+            assert!(defaults.is_empty(), "{name}: {defaults:?}");
+        }
+    }
+}

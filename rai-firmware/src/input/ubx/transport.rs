@@ -1,0 +1,82 @@
+//! Frames of UBX.
+//!
+//! ```text
+//! B5 62 | class | id | length (16 bit) | payload | sums over all from class on (2 × 8 bit)
+//! ```
+//!
+//! Only RXM-RAWX needs to be long. The beginning of a frame may be an accident, and a long one would swallow seconds of
+//! good frames. So any other message may have [`ORDINARY_PAYLOAD`] bytes at most, and a longer RXM-RAWX is a candidate
+//! only while the number of its measurements explains its length.
+//!
+//! References: [UBX-F9] 3.2 and 3.4.
+//!
+//! [UBX-F9]: crate#references
+
+use super::rawx::{self, Rawx};
+use super::sfrbx::Navigation;
+use crate::input::calendar::Calendar;
+use crate::input::protocol::{Extent, Frame, Protocol};
+use crate::input::{Counters, Message, Unread};
+
+/// Bytes before and after the payload.
+const HEADER: usize = 6;
+const PARITY: usize = 2;
+
+/// The longest payload of any message but RXM-RAWX, bytes.
+const ORDINARY_PAYLOAD: usize = 1023;
+
+/// The longest payload of RXM-RAWX that is read, bytes: 160 measurements, of which 64 satellites hardly send more.
+const RAWX_PAYLOAD: usize = rawx::payload_of(160);
+
+/// The format of UBX.
+#[derive(Debug)]
+pub(in crate::input) struct Ubx;
+
+impl Protocol for Ubx {
+    const SYNC: &'static [u8] = &[0xB5, 0x62];
+    const LONGEST: usize = HEADER + RAWX_PAYLOAD + PARITY;
+
+    type Memory = Navigation;
+    const AT_START: Navigation = Navigation::new();
+
+    type Ranges<'a> = Rawx<'a>;
+
+    fn length(bytes: &[u8]) -> Extent {
+        let &[_, _, class, id, low, high, ref payload @ ..] = bytes else { return Extent::Unknown };
+        let length = usize::from(high) << 8 | usize::from(low);
+        let is_possible = match [class, id] {
+            _ if length <= ORDINARY_PAYLOAD => true,
+            rawx::MESSAGE => length <= RAWX_PAYLOAD && rawx::may_have(payload, length),
+            _ => false,
+        };
+        if is_possible { Extent::Bytes(HEADER + length + PARITY) } else { Extent::NoFrame }
+    }
+
+    fn check(frame: &[u8]) -> bool {
+        sums_match(frame)
+    }
+
+    fn read<'a>(
+        frame: &Frame<'a>,
+        navigation: &mut Navigation,
+        calendar: &Calendar,
+        counters: &mut Counters,
+    ) -> Result<Option<Message<'a>>, Unread> {
+        super::read(frame, navigation, calendar, counters)
+    }
+}
+
+/// Returns what is between the header and the sums; class and id are part of the header.
+pub(super) fn payload<'a>(frame: &Frame<'a>) -> &'a [u8] {
+    frame.between(HEADER, PARITY)
+}
+
+/// Returns true if Fletcher's two sums of a frame are right.
+fn sums_match(frame: &[u8]) -> bool {
+    let [_, _, checked @ .., sum_a, sum_b] = frame else { return false };
+    let (a, b) = checked.iter().fold((0_u8, 0_u8), |(a, b), &byte| {
+        let a = a.wrapping_add(byte);
+        (a, b.wrapping_add(a))
+    });
+    (a, b) == (*sum_a, *sum_b)
+}

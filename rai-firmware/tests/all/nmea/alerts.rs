@@ -1,0 +1,68 @@
+//! In an alert no output carries a coordinate, a height or a speed.
+//!
+//! The outputs are not named here. Two epochs that differ in place, height and velocity alone must be sent as the same
+//! bytes, so that a new output is held to the rule as soon as the schedule has it.
+
+use rai_core::report::{Alert, Protected, Verdict};
+use rai_firmware::output::schedule::{Item, Schedule};
+use rai_firmware::output::{Motion, Statement};
+use rai_firmware::publisher::Publisher;
+
+use super::{Growing, npa, report, solution, statement};
+
+/// Every item of the schedule.
+fn items() -> Vec<Item> {
+    Schedule::AT_START.rates().map(|(name, _)| Item::named(name).expect("an item of this name")).collect()
+}
+
+/// The bytes of one epoch at a place, with a velocity, of all items.
+fn sent(verdict: Verdict, [latitude_deg, longitude_deg, height_m]: [f64; 3], motion: Motion) -> Vec<u8> {
+    let (mut report, npa) = (report(), npa());
+    report.verdict = verdict;
+    report.solution = Some(solution(latitude_deg, longitude_deg, height_m));
+    let statement = Statement { motion: Some(motion), ..statement(&report, &npa) };
+    let schedule = items().into_iter().fold(Schedule::AT_START, |schedule, item| schedule.with(item, 1));
+    let mut bytes = Vec::new();
+    Publisher::new(0).tell(&statement, &schedule, &mut Growing(&mut bytes)).expect("a vector takes all");
+    bytes
+}
+
+const HERE: [f64; 3] = [55.25, -10.5, 55.123];
+const STILL: Motion = Motion { east_m_s: 0.01, north_m_s: 0.02, up_m_s: 0.0, sigma_m_s: 0.1 };
+const FAST: Motion = Motion { east_m_s: -30.0, north_m_s: 40.0, up_m_s: 5.0, sigma_m_s: 0.1 };
+
+/// Epochs that differ from the first in one of latitude, longitude, height and velocity.
+const OTHERS: [([f64; 3], Motion); 4] = [
+    ([-12.5, -10.5, 55.123], STILL),
+    ([55.25, 110.5, 55.123], STILL),
+    ([55.25, -10.5, 1234.5], STILL),
+    (HERE, FAST),
+];
+
+const ALERTS: [Alert; 6] =
+    [Alert::Fault, Alert::Ambiguous, Alert::Time, Alert::Stale, Alert::Jump, Alert::Spoofed];
+
+#[test]
+fn in_an_alert_no_output_depends_on_place_height_or_velocity() {
+    for alert in ALERTS {
+        let want = sent(Verdict::Alert(alert), HERE, STILL);
+        for (place, motion) in OTHERS {
+            let have = sent(Verdict::Alert(alert), place, motion);
+            assert_eq!(
+                String::from_utf8_lossy(&have),
+                String::from_utf8_lossy(&want),
+                "{alert:?}, {place:?}, {motion:?}"
+            );
+            assert_eq!(have, want, "{alert:?}, {place:?}, {motion:?}");
+        }
+    }
+}
+
+/// The rule above says something: without an alert each of them changes what is sent.
+#[test]
+fn without_an_alert_outputs_carry_place_height_and_velocity() {
+    let verdict = Verdict::Protected(Protected::Ok);
+    for (place, motion) in OTHERS {
+        assert_ne!(sent(verdict, place, motion), sent(verdict, HERE, STILL), "{place:?}, {motion:?}");
+    }
+}

@@ -1,0 +1,117 @@
+//! Beginnings of frames that are none, before the epochs of a line that never falls silent for long: the pin is as early as
+//! without them.
+
+use tests_host::encode::{Encoder, Frequency, Selection, ubx};
+use tests_host::paced::{Costs, Lines, run};
+use tests_host::sky::raw::Simulation;
+
+const FULL_HZ: u64 = 168_000_000;
+/// Instructions of an epoch.
+const EPOCH: u64 = 1_100_000;
+/// From an epoch's last byte to the pin, ms, as without anything false.
+const BOUND_MS: f64 = 20.0;
+
+/// Epochs before the measurement, in which orbits come.
+const QUIET: usize = 3;
+
+/// The beginning of a frame of RTCM with a payload of this length.
+fn rtcm(length: u16) -> Vec<u8> {
+    [&[0xD3][..], &length.to_be_bytes()].concat()
+}
+
+/// The beginning of a frame of UBX.
+fn ubx_of(message: [u8; 2], length: u16) -> Vec<u8> {
+    [&[0xB5, 0x62][..], &message, &length.to_le_bytes()].concat()
+}
+
+/// One of RXM-RAWX whose number of measurements explains its length, too.
+fn rawx_of(many: u8) -> Vec<u8> {
+    let mut bytes = ubx_of([0x02, 0x15], 16 + 32 * u16::from(many));
+    bytes.extend([0; 11]);
+    bytes.push(many);
+    bytes
+}
+
+/// False beginnings of every protocol and of lengths over the whole range of each.
+fn beginnings() -> Vec<Vec<u8>> {
+    let mut all: Vec<Vec<u8>> = (0..=1023).step_by(93).map(rtcm).collect();
+    all.extend((0..=1023).step_by(93).map(|length| ubx_of([0x01, 0x07], length)));
+    all.extend((0..=160).step_by(20).map(|many| ubx_of([0x02, 0x15], 16 + 32 * many)));
+    all.extend((0..=160).step_by(20).map(rawx_of));
+    // Many in a row, and one in another.
+    all.extend([rtcm(1023).repeat(20), ubx_of([0x02, 0x15], 0x1410).repeat(20)]);
+    all.push([rawx_of(160), rtcm(1023), ubx_of([0x01, 0x07], 1000)].concat().repeat(4));
+    all
+}
+
+/// The same epochs in either format.
+fn lumps() -> [(&'static str, Vec<Vec<u8>>); 2] {
+    let recording = Simulation::above_xian(3600.0, 9, 11).record();
+    let selection = Selection::new("GC", Frequency::Dual).unwrap();
+    let mut by_rtcm = Encoder::new(&recording.ephemerides, selection.clone());
+    let mut by_ubx = ubx::Encoder::new(&recording.ephemerides, selection, None);
+    [
+        ("RTCM", recording.epochs.iter().map(|epoch| by_rtcm.epoch(epoch).unwrap()).collect()),
+        ("UBX", recording.epochs.iter().map(|epoch| by_ubx.epoch(epoch).unwrap()).collect()),
+    ]
+}
+
+#[test]
+fn a_false_beginning_before_each_epoch_delays_no_pin() {
+    for (format, lumps) in lumps() {
+        for beginning in beginnings() {
+            let before = |(index, lump): (usize, &Vec<u8>)| {
+                let false_bytes: &[u8] = if index < QUIET { &[] } else { &beginning };
+                [false_bytes, lump].concat()
+            };
+            let spoilt: Vec<Vec<u8>> = lumps.iter().enumerate().map(before).collect();
+            for rate_hz in [1, 2, 5, 10, 20] {
+                let lines = Lines {
+                    gnss_baud: 460_800,
+                    host_baud: 115_200,
+                    period_ns: 1_000_000_000 / rate_hz,
+                    flood: &[],
+                    host_reads: true,
+                };
+                let have = run(&spoilt, QUIET, lines, Costs::measured(FULL_HZ, EPOCH));
+                let case =
+                    format!("{format} at {rate_hz} Hz, {:02X?}", &beginning[..beginning.len().min(24)]);
+                assert_eq!(have.lateness_ns.len(), lumps.len() - QUIET, "{case}: {:?}", have.counters);
+                assert!(have.latest_ms() <= BOUND_MS, "{case}: {:.1} ms late", have.latest_ms());
+                assert_eq!(
+                    have.counter("epochs_protected") as usize,
+                    lumps.len(),
+                    "{case}: {:?}",
+                    have.counters
+                );
+            }
+        }
+    }
+}
+
+/// As on a line that is noisy once: the pin falls as early as without it.
+#[test]
+fn a_false_beginning_before_a_fault_delays_no_alarm() {
+    for (format, lumps) in lumps() {
+        let spoilt: Vec<Vec<u8>> = lumps
+            .iter()
+            .enumerate()
+            .map(|(index, lump)| {
+                let false_bytes = if index == 5 { ubx_of([0x02, 0x15], 0x1410) } else { Vec::new() };
+                [false_bytes, lump.clone()].concat()
+            })
+            .collect();
+        for rate_hz in 1..=20 {
+            let lines = Lines {
+                gnss_baud: 460_800,
+                host_baud: 115_200,
+                period_ns: 1_000_000_000 / rate_hz,
+                flood: &[],
+                host_reads: true,
+            };
+            let have = run(&spoilt, QUIET, lines, Costs::measured(FULL_HZ, EPOCH));
+            assert_eq!(have.lateness_ns.len(), lumps.len() - QUIET, "{format} at {rate_hz} Hz");
+            assert!(have.latest_ms() <= BOUND_MS, "{format} at {rate_hz} Hz: {:.1} ms", have.latest_ms());
+        }
+    }
+}
