@@ -108,7 +108,7 @@ impl Encoder {
     /// Sends ephemerides as a receiver does: of the satellites in view alone, and again and again.
     #[must_use]
     pub fn as_receiver(self) -> Self {
-        Self { schedule: self.schedule.as_received(), ..self }
+        Self { schedule: self.schedule.like_a_receiver(), ..self }
     }
 
     /// How many signals could not be sent so far: their pseudorange is negative, 255 ms or more, or more than 200 m

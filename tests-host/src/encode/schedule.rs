@@ -9,7 +9,7 @@
 //! them again and again, here every [`REPEATED_MS`].
 //!
 //! A receiver sends sets of the satellites that it sees, when they are new to it and again every [`RECEIVER_REPEATS_MS`]
-//! ([`Schedule::as_received`]). A navigation file holds those of the whole world.
+//! ([`Schedule::like_a_receiver`]). A navigation file holds those of the whole world.
 //!
 //! Galileo satellites send the same orbit in two messages. I/NAV has the group delays of all signals; F/NAV is sent
 //! only for satellites without I/NAV.
@@ -58,7 +58,7 @@ impl Schedule {
     }
 
     /// Sends sets of satellites in view alone, and repeats them.
-    pub(super) fn as_received(self) -> Self {
+    pub(super) fn like_a_receiver(self) -> Self {
         Self { is_as_received: true, ..self }
     }
 

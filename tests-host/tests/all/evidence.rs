@@ -9,6 +9,7 @@
 
 use std::collections::BTreeSet;
 use std::io::Read as _;
+use std::path::Path;
 
 use flate2::read::GzDecoder;
 use rai_firmware::input::{Counters, Event, Input};
@@ -219,7 +220,7 @@ fn documentation_lists_what_nothing_outside_confirms() {
 /// Returns a capture of the reference folder, unpacked; counts the test as skipped where there is none.
 fn capture(relative: &str) -> Option<Vec<u8>> {
     let bytes = std::fs::read(shared::path_or_skip(&format!("data/{relative}"))?).unwrap();
-    if !relative.ends_with(".gz") {
+    if Path::new(relative).extension().is_none_or(|ending| ending != "gz") {
         return Some(bytes);
     }
     let mut unpacked = Vec::new();

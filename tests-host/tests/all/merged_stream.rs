@@ -38,7 +38,9 @@ impl Caster {
         for set in ephemerides.iter().filter(no_fnav) {
             by_satellite.entry(set.satellite).or_default().push((set.sent, message(set)));
         }
-        by_satellite.values_mut().for_each(|sets| sets.sort_by_key(|(sent, _)| *sent));
+        for sets in by_satellite.values_mut() {
+            sets.sort_by_key(|(sent, _)| *sent);
+        }
         let of_system = |letter| {
             let system = Constellation::from_letter(letter).expect("a system");
             by_satellite.iter().filter(move |(id, _)| id.constellation() == system)
@@ -51,7 +53,7 @@ impl Caster {
     fn due(&self, second: usize, seconds: usize, now: GpsTime) -> Vec<u8> {
         let many = self.satellites.len();
         let (from, due) = match self.pace {
-            Pace::Burst if second % self.period_s == 0 => (0, many),
+            Pace::Burst if second.is_multiple_of(self.period_s) => (0, many),
             Pace::Burst => (0, 0),
             Pace::Even => {
                 let due = (many * seconds).div_ceil(self.period_s).min(many);

@@ -32,7 +32,8 @@ fn state(random: &mut ChaCha8Rng) -> ([f64; 3], [f64; 3]) {
     const EARTH_RATE_RAD_S: f64 = 7.292_115e-5;
     let axis_km: f64 = random.random_range(25_410.0..25_610.0);
     let inclination = random.random_range(60.5_f64..69.5).to_radians();
-    let (node, place) = (random.random_range(0.0..6.28_f64), random.random_range(0.0..6.28_f64));
+    let mut angle = || random.random_range(0.0..std::f64::consts::TAU);
+    let (node, place) = (angle(), angle());
     let in_space = |along: f64, across: f64| {
         [
             node.cos() * along - node.sin() * inclination.cos() * across,
