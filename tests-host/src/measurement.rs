@@ -12,7 +12,7 @@
 
 use rai_core::satellite::SatelliteId;
 use rai_firmware::time::GpsTime;
-use rtcm_rs::msg::{Msg1019T, Msg1020T, Msg1042T, Msg1045T, Msg1046T};
+use rtcm_rs::msg::{Msg1019T, Msg1020T, Msg1042T, Msg1044T, Msg1045T, Msg1046T};
 
 /// All measurements of one instant.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,6 +62,8 @@ pub enum Ephemeris {
     GalileoInav(Msg1046T),
     /// The strings of GLONASS.
     Glonass(Msg1020T),
+    /// QZSS LNAV.
+    Qzss(Msg1044T),
 }
 
 /// An ephemeris, and when it was broadcast.

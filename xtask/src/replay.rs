@@ -3,13 +3,13 @@
 use std::iter;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, anyhow, bail, ensure};
 use clap::ValueEnum;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use tests_host::capture::{self, Bytes, Lumps, Orbits};
 use tests_host::encode::{Frequency, Selection};
 use tests_host::fault::Fault;
-use tests_host::recording::Recording;
+use tests_host::recording::{Epochs, Recording, Skipped};
 use tests_host::replay::{self, BoardRun, Broadcast, Encoding, Lump, Pace, Playback, Summary, Truth, Window};
 use tests_host::{image, sample, setup};
 
@@ -66,8 +66,7 @@ pub(crate) struct Arguments {
     /// Where the antenna was when: a table whose heading names week,tow and `x_m,y_m,z_m` or `lat_deg,lon_deg,height_m`.
     #[arg(long, value_name = "FILE")]
     truth_csv: Option<PathBuf>,
-    /// Systems to use: G (GPS), C (`BeiDou`), E (Galileo), R (GLONASS); the first three unless given. Of a capture also J
-    /// (QZSS).
+    /// Systems to use: G (GPS), C (`BeiDou`), E (Galileo), R (GLONASS), J (QZSS); the first three unless given.
     #[arg(long, value_name = "LETTERS")]
     systems: Option<String>,
     /// Frequencies to use.
@@ -130,8 +129,15 @@ pub(crate) struct Question {
 
 /// Lumps that are read as they are needed.
 enum Source {
-    Recording { lumps: Box<dyn Iterator<Item = Result<Lump>>>, klobuchar: Option<[f64; 8]>, malformed: u64 },
+    Recording(Box<Observed>),
     Capture(Box<Lumps<Bytes>>),
+}
+
+/// A recording: its observations, read epoch by epoch, and its navigation files.
+struct Observed {
+    lumps: Encoding<Epochs>,
+    navigation: Recording,
+    files: Vec<PathBuf>,
 }
 
 impl Iterator for Source {
@@ -139,9 +145,17 @@ impl Iterator for Source {
 
     fn next(&mut self) -> Option<Result<Lump>> {
         match self {
-            Self::Recording { lumps, .. } => lumps.next(),
+            Self::Recording(observed) => observed.lumps.next().or_else(|| observed.check().err().map(Err)),
             Self::Capture(lumps) => lumps.next(),
         }
+    }
+}
+
+impl Observed {
+    /// Checks at the end of the observations that some ephemeris is of their time.
+    fn check(&self) -> Result<()> {
+        let (first, last) = self.lumps.span().context("the observation files hold no epoch")?;
+        self.navigation.check_time(&self.files, first, last)
     }
 }
 
@@ -149,23 +163,27 @@ impl Source {
     /// Returns the coefficients of the ionosphere that the module is told.
     fn klobuchar(&self) -> Option<[f64; 8]> {
         match self {
-            Self::Recording { klobuchar, .. } => *klobuchar,
+            Self::Recording(observed) => observed.navigation.klobuchar,
             Self::Capture(lumps) => lumps.klobuchar(),
         }
     }
 
-    /// Returns the number of records that could not be read.
-    fn malformed(&self) -> u64 {
+    /// Returns the records that were passed over.
+    fn skipped(&self) -> Skipped {
         match self {
-            Self::Recording { malformed, .. } => *malformed,
-            Self::Capture(_) => 0,
+            Self::Recording(observed) => {
+                let mut skipped = observed.lumps.epochs().skipped();
+                skipped.add(&observed.navigation.skipped);
+                skipped
+            }
+            Self::Capture(_) => Skipped::default(),
         }
     }
 
     /// Returns what a capture lacks for a position.
     fn missing(&self) -> Option<String> {
         match self {
-            Self::Recording { .. } => None,
+            Self::Recording(_) => None,
             Self::Capture(lumps) => lumps.missing(),
         }
     }
@@ -198,7 +216,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let identical = board.as_ref().map(|board| board.difference.is_none());
     let summary = Summary {
         host_target_identical: identical,
-        malformed: source.malformed(),
+        skipped: source.skipped(),
         counters,
         ..sink.summary()
     };
@@ -242,28 +260,37 @@ fn question(arguments: &Arguments) -> Result<Question> {
 
 /// RINEX, as RTCM.
 fn of_recording(arguments: &Arguments, question: &mut Question) -> Result<Source> {
-    let selection = selection(arguments, &systems(arguments))?;
-    let recording = if arguments.sample {
+    if arguments.sample {
         let sample = sample::fetch(Path::new("target"))?;
         question.truth = question.truth.take().or(Some(Truth::Fixed(sample.truth)));
-        Recording::load_of(&[sample.observations], &[sample.navigation], &selection.systems)?
-    } else {
-        let loaded = Recording::load_of(&arguments.obs, &arguments.nav, &selection.systems);
-        match (loaded.as_ref().err().and_then(|_| capture_among(arguments)), loaded) {
-            (Some(path), _) => {
-                bail!(
-                    "{path} is a capture of a receiver and no RINEX: give it alone, cargo xtask replay {path}"
-                )
-            }
-            (None, loaded) => loaded?,
+        return observed(arguments, &[sample.observations], vec![sample.navigation], question);
+    }
+    observed(arguments, &arguments.obs, arguments.nav.clone(), question).map_err(|error| {
+        match capture_among(arguments) {
+            Some(path) => anyhow!(
+                "{path} is a capture of a receiver and no RINEX: give it alone, cargo xtask replay {path}"
+            ),
+            None => error,
         }
+    })
+}
+
+fn observed(
+    arguments: &Arguments,
+    observations: &[PathBuf],
+    files: Vec<PathBuf>,
+    question: &Question,
+) -> Result<Source> {
+    let selection = selection(arguments, &systems(arguments))?;
+    let epochs = Epochs::open(observations)?;
+    let navigation = Recording::of_navigation(&files)?;
+    let broadcast = Broadcast {
+        ephemerides: &navigation.ephemerides,
+        klobuchar: navigation.klobuchar,
+        approximate_position: epochs.approximate_position(),
     };
-    let Recording { epochs, ephemerides, klobuchar, malformed, approximate_position } = recording;
-    let broadcast = Broadcast { ephemerides: &ephemerides, klobuchar, approximate_position };
-    let Question { faults, window, .. } = question;
-    let epochs = epochs.into_iter().map(Ok);
-    let lumps = Box::new(Encoding::of(epochs, &broadcast, &selection, faults, window)?);
-    Ok(Source::Recording { lumps, klobuchar, malformed })
+    let lumps = Encoding::of(epochs, &broadcast, &selection, &question.faults, &question.window)?;
+    Ok(Source::Recording(Box::new(Observed { lumps, navigation, files })))
 }
 
 /// The bytes of a receiver, as they came.
@@ -273,8 +300,7 @@ fn of_capture(arguments: &Arguments, name: &str, question: &Question) -> Result<
         eprintln!("taking {} s from {name}", arguments.to);
     }
     let bytes = Bytes::open(name, arguments.to)?;
-    // What a navigation file may add: QZSS is not among it.
-    let systems = systems(arguments).replace('J', "");
+    let systems = systems(arguments);
     let orbits = match arguments.nav.as_slice() {
         [] => None,
         files => Some(Orbits::load(files, &selection(arguments, &systems)?)?),
@@ -321,9 +347,9 @@ fn commands(arguments: &Arguments, klobuchar: Option<[f64; 8]>) -> Result<Vec<St
         .iter()
         .filter_map(|(key, value)| value.as_ref().map(|value| format!("{key},{value}")))
         .collect();
-    // Of a recording only what is asked for is sent; a capture holds what it holds, and the module chooses. GLONASS takes
-    // part in neither unless the module is told.
-    let says_systems = |letters: &&String| arguments.capture.is_some() || letters.contains('R');
+    // Of a recording only what is asked for is sent; a capture holds what it holds, and the module chooses. GLONASS and
+    // QZSS take part in neither unless the module is told.
+    let says_systems = |letters: &&String| arguments.capture.is_some() || letters.contains(['R', 'J']);
     setup.extend(arguments.systems.as_ref().filter(says_systems).map(|letters| format!("SYSTEMS,{letters}")));
     if arguments.capture.is_some() {
         setup.extend((arguments.frequency == Frequencies::Single).then(|| "FREQ,SINGLE".to_owned()));

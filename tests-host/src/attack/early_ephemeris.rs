@@ -203,6 +203,7 @@ fn frame(set: &TimedEphemeris) -> Result<Vec<u8>> {
         Ephemeris::GalileoFnav(message) => Message::Msg1045(message.clone()),
         Ephemeris::GalileoInav(message) => Message::Msg1046(message.clone()),
         Ephemeris::Glonass(message) => Message::Msg1020(message.clone()),
+        Ephemeris::Qzss(message) => Message::Msg1044(message.clone()),
     };
     let mut builder = MessageBuilder::new();
     let built = builder.build_message(&message).map_err(|error| anyhow::anyhow!("{error:?}"))?;

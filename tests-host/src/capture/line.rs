@@ -15,6 +15,8 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, Result, bail, ensure};
 use flate2::read::MultiGzDecoder;
 
+use crate::recording::packed_by;
+
 /// Longest silence of a line that goes on.
 const SILENCE: Duration = Duration::from_secs(10);
 
@@ -66,17 +68,15 @@ impl Bytes {
     /// Unpacks a source by its content.
     fn unpacked(mut packed: impl Read + Send + 'static) -> Result<Self> {
         let head = head(&mut packed)?;
-        match head.as_slice() {
-            [0x1f, 0x8b, ..] => {
-                let mut rest: Box<dyn Read + Send> =
-                    Box::new(Gzip(MultiGzDecoder::new(BufReader::new(Cursor::new(head).chain(packed)))));
-                Ok(Self { head: self::head(&mut rest)?, read: 0, rest })
-            }
-            [0x1f, 0x9d, ..] => bail!("is packed by `compress`: unpack it with `gzip -d`"),
-            [b'P', b'K', 3, 4, ..] => bail!("is a zip archive: unpack it first"),
-            [b'B', b'Z', b'h', ..] => bail!("is packed by bzip2: unpack it with `bzip2 -d`"),
-            _ => Ok(Self { head, read: 0, rest: Box::new(packed) }),
+        if let Some((packer, command)) = packed_by(&head) {
+            bail!("is packed by {packer}: unpack it first, `{command}`");
         }
+        if head.starts_with(&[0x1f, 0x8b]) {
+            let packed = BufReader::new(Cursor::new(head).chain(packed));
+            let mut rest: Box<dyn Read + Send> = Box::new(Gzip(MultiGzDecoder::new(packed)));
+            return Ok(Self { head: self::head(&mut rest)?, read: 0, rest });
+        }
+        Ok(Self { head, read: 0, rest: Box::new(packed) })
     }
 
     /// Returns the first bytes, at most [`HEAD`] of them.

@@ -35,7 +35,7 @@ impl Orbits {
     /// # Errors
     /// A file that cannot be read or holds no ephemeris, by name.
     pub fn load(files: &[PathBuf], selection: &Selection) -> Result<Self> {
-        let recording = Recording::of_navigation(files, &selection.systems)?;
+        let recording = Recording::of_navigation(files)?;
         let Recording { ephemerides, klobuchar, .. } = recording;
         Ok(Self { ephemerides, klobuchar, selection: selection.clone() })
     }

@@ -9,7 +9,8 @@
 //! | `BeiDou` ephemeris | 1042 |
 //! | Galileo ephemeris F/NAV, I/NAV | 1045, 1046 |
 //! | GLONASS ephemeris | 1020 |
-//! | ranges of GPS, GLONASS, Galileo, `BeiDou` | 1077, 1087, 1097, 1127 |
+//! | QZSS ephemeris | 1044 |
+//! | ranges of GPS, GLONASS, Galileo, QZSS, `BeiDou` | 1077, 1087, 1097, 1117, 1127 |
 //!
 //! References: [RTCM-10403.3] §3.5.16 for MSM, DF002 ff. for the fields, as implemented by the `rtcm-rs` crate.
 //!
@@ -21,7 +22,7 @@ mod schedule;
 pub mod ubx;
 
 use anyhow::{Context, Result, ensure};
-use rai_core::satellite::Constellation;
+use rai_core::satellite::SatelliteId;
 use rtcm_rs::{Message, MessageBuilder};
 
 use self::channels::Channels;
@@ -29,37 +30,39 @@ pub use self::msm::Frequency;
 use self::schedule::Schedule;
 use crate::measurement::{Ephemeris, MeasuredEpoch, TimedEphemeris};
 
-/// Which measurements are sent.
+/// The measurements that are sent.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Selection {
-    /// In the order in which they are sent; at most one message series each.
-    pub systems: Vec<Constellation>,
+    /// Letters of the systems, in the order in which they are sent; each comes once.
+    letters: Vec<char>,
     /// One signal per satellite or a pair.
     pub frequency: Frequency,
 }
 
 impl Selection {
+    /// The letters that a selection may hold, with names.
+    const NAMES: &str = "G (GPS), C (BeiDou), E (Galileo), R (GLONASS) or J (QZSS)";
+
     /// The systems of RINEX letters such as `GCER`.
     ///
     /// # Errors
-    /// A letter that is not G, C, E or R, or none at all; the message names it.
+    /// A letter that is not G, C, E, R or J, or none at all; the message names it.
     pub fn new(letters: &str, frequency: Frequency) -> Result<Self> {
-        let mut systems = Vec::new();
+        let mut distinct = Vec::new();
         for letter in letters.chars() {
-            let system = Constellation::from_letter(letter).with_context(|| {
-                format!(
-                    "system `{letter}` of `{letters}` is not G (GPS), C (BeiDou), E (Galileo) or R (GLONASS)"
-                )
-            })?;
-            if !systems.contains(&system) {
-                systems.push(system);
+            let is_known = SatelliteId::from_name(letter, 1).is_some();
+            ensure!(is_known, "system `{letter}` of `{letters}` is not {}", Self::NAMES);
+            if !distinct.contains(&letter) {
+                distinct.push(letter);
             }
         }
-        ensure!(
-            !systems.is_empty(),
-            "no system is selected: name some of G (GPS), C (BeiDou), E (Galileo) and R (GLONASS)"
-        );
-        Ok(Self { systems, frequency })
+        ensure!(!distinct.is_empty(), "no system is selected: name some of {}", Self::NAMES);
+        Ok(Self { letters: distinct, frequency })
+    }
+
+    /// Returns true if a satellite's system is selected.
+    pub fn has(&self, satellite: SatelliteId) -> bool {
+        self.letters.contains(&satellite.name().0)
     }
 }
 
@@ -75,8 +78,7 @@ pub struct Encoder {
 impl Encoder {
     /// An encoder that knows what will be broadcast.
     pub fn new(ephemerides: &[TimedEphemeris], selection: Selection) -> Self {
-        let selected =
-            |ephemeris: &&TimedEphemeris| selection.systems.contains(&ephemeris.satellite.constellation());
+        let selected = |ephemeris: &&TimedEphemeris| selection.has(ephemeris.satellite);
         let schedule = Schedule::new(ephemerides.iter().filter(selected).cloned());
         let channels = Channels::of(ephemerides);
         Self { selection, schedule, channels, builder: MessageBuilder::new(), unsendable: 0 }
@@ -115,7 +117,16 @@ fn broadcast(ephemeris: &Ephemeris) -> Message {
         Ephemeris::GalileoFnav(message) => Message::Msg1045(message.clone()),
         Ephemeris::GalileoInav(message) => Message::Msg1046(message.clone()),
         Ephemeris::Glonass(message) => Message::Msg1020(message.clone()),
+        Ephemeris::Qzss(message) => Message::Msg1044(message.clone()),
     }
+}
+
+/// Checks that the message of an ephemeris has room for all of its numbers.
+///
+/// # Errors
+/// A number that its field has no room for.
+pub(crate) fn check(ephemeris: &TimedEphemeris) -> Result<()> {
+    append(&mut MessageBuilder::new(), &mut Vec::new(), &broadcast(&ephemeris.message))
 }
 
 fn append(builder: &mut MessageBuilder, bytes: &mut Vec<u8>, message: &Message) -> Result<()> {

@@ -29,7 +29,8 @@ use rai_firmware::time::{BEIDOU_OFFSET_MS, GLONASS_OFFSET_MS, GpsTime, WEEK_MS};
 use rtcm_rs::Message;
 use rtcm_rs::msg::{
     BdsSigId, GalSigId, GloSigId, GpsSigId, Msg1077Data, Msg1077Sig, Msg1077T, Msg1087Data, Msg1087Sig,
-    Msg1087T, Msg1097Data, Msg1097Sig, Msg1097T, Msg1127Data, Msg1127Sig, Msg1127T, Msm57GloSat, Msm57Sat,
+    Msg1087T, Msg1097Data, Msg1097Sig, Msg1097T, Msg1117Data, Msg1117Sig, Msg1117T, Msg1127Data, Msg1127Sig,
+    Msg1127T, Msm57GloSat, Msm57Sat, QzssSigId,
 };
 
 use super::Selection;
@@ -167,7 +168,7 @@ impl Row {
         let cells: Vec<Cell> = signals.iter().filter_map(cell).collect();
         *unsendable += (signals.len() - cells.len()) as u64;
         let (whole_ms, mod1_ms) = (rough_ms.floor() as u8, rough_ms.fract());
-        let number = satellite.number();
+        let (_, number) = satellite.name();
         (!cells.is_empty()).then_some(Self { number, slot, whole_ms, mod1_ms, rate_m_s, cells })
     }
 }
@@ -230,25 +231,25 @@ pub(super) fn messages(
     channels: &Channels,
     unsendable: &mut u64,
 ) -> Vec<Message> {
-    let mut planned: Vec<(Constellation, Vec<Row>)> = Vec::new();
-    for system in &selection.systems {
-        let rows = rows(epoch, *system, selection.frequency, channels, unsendable);
-        planned.extend(parts(rows).into_iter().filter(|part| !part.is_empty()).map(|part| (*system, part)));
+    let mut planned: Vec<(char, Vec<Row>)> = Vec::new();
+    for letter in &selection.letters {
+        let rows = rows(epoch, *letter, selection.frequency, channels, unsendable);
+        planned.extend(parts(rows).into_iter().filter(|part| !part.is_empty()).map(|part| (*letter, part)));
     }
     let last = planned.len().saturating_sub(1);
     let message =
-        |(index, (system, rows)): (usize, (_, Vec<Row>))| message(system, epoch.time, index < last, &rows);
+        |(index, (letter, rows)): (usize, (_, Vec<Row>))| message(letter, epoch.time, index < last, &rows);
     planned.into_iter().enumerate().map(message).collect()
 }
 
 fn rows(
     epoch: &MeasuredEpoch,
-    system: Constellation,
+    letter: char,
     frequency: Frequency,
     channels: &Channels,
     unsendable: &mut u64,
 ) -> Vec<Row> {
-    let of_system = epoch.satellites.iter().filter(|satellite| satellite.satellite.constellation() == system);
+    let of_system = epoch.satellites.iter().filter(|satellite| satellite.satellite.name().0 == letter);
     let mut rows: Vec<Row> = of_system
         .filter_map(|satellite| {
             Row::new(satellite.satellite, &chosen(satellite, frequency), channels, unsendable)
@@ -294,26 +295,30 @@ macro_rules! msm7 {
     }};
 }
 
-/// One message; `more` of the same epoch follow.
-fn message(system: Constellation, time: GpsTime, more: bool, rows: &[Row]) -> Message {
+/// One message of a system by its letter; `more` of the same epoch follow.
+fn message(letter: char, time: GpsTime, more: bool, rows: &[Row]) -> Message {
     let beidou_ms = (time.tow_ms + WEEK_MS - BEIDOU_OFFSET_MS) % WEEK_MS;
-    match system {
-        Constellation::Gps => {
-            msm7!(Msg1077: Msg1077T, Msg1077Data, Msm57Sat { reserved_8_4: |_| 0 }, Msg1077Sig, GpsSigId,
-            gps_epoch_time_ms = time.tow_ms; more, rows)
+    match letter {
+        'J' => {
+            msm7!(Msg1117: Msg1117T, Msg1117Data, Msm57Sat { reserved_8_4: |_| 0 }, Msg1117Sig, QzssSigId,
+            qzss_epoch_time_ms = time.tow_ms; more, rows)
         }
-        Constellation::Galileo => {
+        'E' => {
             msm7!(Msg1097: Msg1097T, Msg1097Data, Msm57Sat { reserved_8_4: |_| 0 }, Msg1097Sig, GalSigId,
             gal_epoch_time_ms = time.tow_ms; more, rows)
         }
-        Constellation::Beidou => {
+        'C' => {
             msm7!(Msg1127: Msg1127T, Msg1127Data, Msm57Sat { reserved_8_4: |_| 0 }, Msg1127Sig, BdsSigId,
             bds_epoch_time_ms = beidou_ms; more, rows)
         }
-        Constellation::Glonass => {
+        'R' => {
             let (day, of_day_ms) = glonass_time(time);
             msm7!(Msg1087: Msg1087T, Msg1087Data, Msm57GloSat { glonass_satellite_frequency_channel_number: |row: &Row| Some(row.slot) },
                 Msg1087Sig, GloSigId, glo_day_of_week = day, glo_epoch_time_ms = of_day_ms; more, rows)
+        }
+        _ => {
+            msm7!(Msg1077: Msg1077T, Msg1077Data, Msm57Sat { reserved_8_4: |_| 0 }, Msg1077Sig, GpsSigId,
+            gps_epoch_time_ms = time.tow_ms; more, rows)
         }
     }
 }

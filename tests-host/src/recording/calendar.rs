@@ -28,7 +28,7 @@ pub(super) enum TimeSystem {
     Gps,
     /// `BeiDou`.
     Beidou,
-    /// GLONASS dates are UTC; so many leap seconds separate it from GPS time.
+    /// UTC, in which GLONASS dates are; so many leap seconds separate it from GPS time.
     Utc {
         /// Leap seconds since 1980.
         leap_s: u8,
@@ -81,7 +81,7 @@ pub(super) fn instant(text: &str, system: TimeSystem) -> Result<GpsTime> {
 fn parse(text: &str, system: TimeSystem) -> Result<GpsTime> {
     let mut words = text.split_ascii_whitespace();
     let mut word = || words.next().context("too few numbers");
-    let mut integer = || -> Result<i64> { Ok(word()?.parse::<f64>()? as i64) };
+    let mut integer = || -> Result<i64> { Ok(word()?.parse()?) };
     let (year, month, day, hour, minute) = (integer()?, integer()?, integer()?, integer()?, integer()?);
     let second: f64 = word()?.parse()?;
     ensure!((1..=12).contains(&month) && (1..=31).contains(&day), "no such day");
@@ -94,7 +94,10 @@ fn parse(text: &str, system: TimeSystem) -> Result<GpsTime> {
         0..=79 => year + 2000,
         _ => year,
     };
-    let days = days_from_civil(year, month, day) - GPS_EPOCH_DAYS;
+    ensure!((1980..2080).contains(&year), "no such year");
+    let days = days_from_civil(year, month, day);
+    ensure!(civil_from_days(days) == (year, month, day), "no such day of the month");
+    let days = days - GPS_EPOCH_DAYS;
     let ms = days * DAY_MS + (hour * 60 + minute) * 60_000 + (second * 1000.0).round() as i64;
     from_ms(ms + system.behind_gps_ms()).context("before 1980 or after 2079")
 }
@@ -106,9 +109,14 @@ fn from_ms(ms: i64) -> Option<GpsTime> {
     (0..CENTURY_MS).contains(&ms).then(|| GpsTime::from_ms(ms as u64))
 }
 
-/// The instant closest to `near` whose second of the week is `tow_s`, whatever the week of either.
+/// The instant closest to `near` whose second of the week is `tow_s`, whatever the week of either; `None` for a second
+/// that is more than a week before or after the week's beginning.
 pub(super) fn nearest_week(tow_s: f64, near: GpsTime, system: TimeSystem) -> Option<GpsTime> {
+    const WEEK_S: f64 = 604_800.0;
     const WEEK_MS: i64 = 7 * DAY_MS;
+    if !(-WEEK_S..=WEEK_S).contains(&tow_s) {
+        return None;
+    }
     let tow_ms = (tow_s * 1000.0).round() as i64 + system.behind_gps_ms();
     let near_ms = near.to_ms().cast_signed();
     let ahead_ms = (tow_ms - near_ms + WEEK_MS / 2).rem_euclid(WEEK_MS) - WEEK_MS / 2;

@@ -1,39 +1,68 @@
-//! A file's text, whatever it is wrapped in.
+//! A file's lines, whatever it is packed in.
 //!
-//! Wrapping is told by content, not by name: gzip by its magic bytes, compact RINEX by the label of its first line.
+//! Content tells the packing, not the name: gzip by its magic bytes, compact RINEX by the label of its first line.
 
-use std::io::Read as _;
+use std::fs::File;
+use std::io::{BufRead, BufReader};
 use std::path::Path;
 
 use anyhow::{Context, Result, bail, ensure};
-use flate2::read::MultiGzDecoder;
+use flate2::bufread::MultiGzDecoder;
 
-use super::hatanaka;
+use super::hatanaka::{self, Compact};
+use super::text::{Lines, Plain, Source, label};
 
-/// RINEX text of a file: plain, gzip, compact, or compact in gzip.
-///
-/// Bytes outside ASCII (names in comments) become `?`, so that every column stays where it was.
-pub(super) fn open(path: &Path) -> Result<String> {
-    let bytes = std::fs::read(path).context("cannot be read")?;
-    let text: String =
-        unpack(bytes)?.into_iter().map(|byte| if byte.is_ascii() { byte.into() } else { '?' }).collect();
-    ensure!(!text.trim().is_empty(), "is empty");
-    let first = text.lines().next().unwrap_or("");
-    if first.get(60..).is_some_and(|label| label.trim_end() == hatanaka::MARK) {
-        return hatanaka::decompress(&text);
-    }
-    Ok(text)
+/// Beginnings of packed files, what made them, and the command that unpacks them.
+const PACKED: [(&[u8], &str, &str); 8] = [
+    (b"BZh", "bzip2", "bunzip2 -k"),
+    (b"PK\x03\x04", "zip", "unzip"),
+    (b"\x1f\x9d", "compress", "gzip -dk"),
+    (b"\xfd7zXZ\0", "xz", "xz -dk"),
+    (b"\x28\xb5\x2f\xfd", "zstd", "zstd -d"),
+    (b"7z\xbc\xaf\x27\x1c", "7-Zip", "7z x"),
+    (b"\x04\x22\x4d\x18", "lz4", "lz4 -d"),
+    (b"Rar!", "RAR", "unrar x"),
+];
+
+/// The first bytes of gzip, which is read as it is.
+const GZIP: &[u8] = &[0x1f, 0x8b];
+
+/// Returns the program that packed the bytes and the command that unpacks them; `None` for plain bytes and gzip.
+pub fn packed_by(bytes: &[u8]) -> Option<(&'static str, &'static str)> {
+    PACKED
+        .iter()
+        .find(|(beginning, ..)| bytes.starts_with(beginning))
+        .map(|(_, packer, command)| (*packer, *command))
 }
 
-fn unpack(bytes: Vec<u8>) -> Result<Vec<u8>> {
-    match bytes.as_slice() {
-        [0x1f, 0x8b, ..] => {
-            let mut unpacked = Vec::with_capacity(bytes.len() * 6);
-            MultiGzDecoder::new(bytes.as_slice()).read_to_end(&mut unpacked).context("is damaged gzip")?;
-            Ok(unpacked)
-        }
-        [0x1f, 0x9d, ..] => bail!("is packed by `compress`: unpack it with `gzip -d`"),
-        [b'P', b'K', 3, 4, ..] => bail!("is a zip archive: unpack it first"),
-        _ => Ok(bytes),
+/// Opens the RINEX text of a file: plain, gzip, compact, or compact in gzip.
+pub(super) fn open(path: &Path) -> Result<Lines> {
+    let file = File::open(path).context("cannot be read")?;
+    lines(BufReader::with_capacity(1 << 16, file), &path.display().to_string())
+}
+
+/// Opens the RINEX text of bytes; `name` stands in the command that unpacks them.
+pub(super) fn lines(mut input: impl BufRead + Send + 'static, name: &str) -> Result<Lines> {
+    let beginning = input.fill_buf().context("cannot be read")?;
+    if let Some((packer, command)) = packed_by(beginning) {
+        bail!("is packed by {packer}: unpack it first, `{command} {name}`");
     }
+    if beginning.starts_with(GZIP) {
+        let unpacked = BufReader::with_capacity(1 << 16, MultiGzDecoder::new(input));
+        return plain(unpacked).context("is damaged gzip");
+    }
+    plain(input)
+}
+
+fn plain(input: impl BufRead + Send + 'static) -> Result<Lines> {
+    let mut source = Plain::new(input);
+    let mut first = String::new();
+    ensure!(source.read(&mut first)?.is_some(), "is empty");
+    if label(&first) != hatanaka::MARK {
+        return Ok(Lines::new(Box::new(source), first));
+    }
+    let mut compact = Compact::new(Box::new(source), &first)?;
+    let mut line = String::new();
+    ensure!(compact.read(&mut line)?.is_some(), "END OF HEADER is missing");
+    Ok(Lines::new(Box::new(compact), line))
 }

@@ -13,17 +13,25 @@
 //! | `Δ⁰…Δᵐ` | `Arc::differences` | 0.001 of the observation's unit |
 //!
 //! Versions 1 (RINEX 2) and 3 (RINEX 3 and 4). Receiver clock offsets on the second line of an epoch are skipped.
+//!
+//! Damage in a satellite's line costs that satellite until each of its arcs begins again. A line that is missing or one
+//! too many would give each following satellite the ranges of its neighbour. The decoder therefore checks every
+//! epoch line. If the line is no epoch after the one before, it discards the epoch before, too, and everything up to
+//! the next epoch line that is given in full.
 //! References: [Hatanaka2008].
 //!
 //! [Hatanaka2008]: crate#references
 
-use std::collections::HashMap;
+use std::collections::{HashMap, VecDeque};
 use std::fmt::Write as _;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, bail, ensure};
+use rai_firmware::time::GpsTime;
 
+use super::calendar::{self, TimeSystem};
 use super::header::ObservationCodes;
-use super::text::{Lines, columns};
+use super::skipped::{Flaw, Skipped};
+use super::text::{Source, columns, label};
 
 /// The label of the first line of a compact file.
 pub(super) const MARK: &str = "CRINEX VERS   / TYPE";
@@ -31,32 +39,14 @@ pub(super) const MARK: &str = "CRINEX VERS   / TYPE";
 /// Highest order of differences the format allows.
 const ORDER_LIMIT: usize = 9;
 
-/// The RINEX text of a compact one.
-pub(super) fn decompress(text: &str) -> Result<String> {
-    let mut lines = Lines::of(text);
-    let version = columns(lines.next().unwrap_or(""), 0, 20);
-    let layout = match version.chars().next() {
-        Some('1') => Layout::RINEX_2,
-        Some('3') => Layout::RINEX_3,
-        _ => bail!("line 1: compact RINEX `{version}` is not supported, only versions 1 and 3"),
-    };
-    let mut state = State { layout, ..State::default() };
-    let mut output = String::with_capacity(text.len() * 4);
-    lines.next();
-    state.header(&mut lines, &mut output)?;
-    while let Some(line) = lines.next() {
-        let begin = lines.number();
-        let epoch = state.epoch(line, &mut lines, &mut output);
-        epoch.with_context(|| format!("line {}, epoch from line {begin}", lines.number()))?;
-    }
-    Ok(output)
-}
-
-/// Where things stand in an epoch line.
-#[derive(Default)]
+/// Columns of an epoch line.
 struct Layout {
     /// First character of an epoch line that is given in full.
     mark: char,
+    /// First character of every RINEX epoch line.
+    begins: char,
+    /// Columns of the date.
+    date: std::ops::Range<usize>,
     /// Column of the event flag; the number of satellites follows in three columns.
     flag: usize,
     /// Column of the first satellite's name; all of them are on this one line.
@@ -66,17 +56,330 @@ struct Layout {
 }
 
 impl Layout {
-    const RINEX_2: Self = Self { mark: '&', flag: 28, satellites: 32, per_line: Some(5) };
-    const RINEX_3: Self = Self { mark: '>', flag: 31, satellites: 41, per_line: None };
+    const RINEX_2: Self =
+        Self { mark: '&', begins: ' ', date: 0..26, flag: 28, satellites: 32, per_line: Some(5) };
+    const RINEX_3: Self =
+        Self { mark: '>', begins: '>', date: 1..29, flag: 31, satellites: 41, per_line: None };
+}
+
+/// A source of RINEX lines from compact ones.
+pub(super) struct Compact {
+    source: Box<dyn Source>,
+    /// The line that was read last, and its number.
+    line: String,
+    number: u64,
+    state: State,
+    is_header: bool,
+    /// True if lines are passed over up to the next epoch line in full.
+    is_lost: bool,
+    /// The last epoch, held until the line after it proves to be an epoch line.
+    held: Held,
+    ready: VecDeque<(u64, String)>,
+    skipped: Skipped,
+}
+
+/// The RINEX lines of an epoch, and how many compact lines they come from.
+#[derive(Default)]
+struct Held {
+    begin: u64,
+    compact_lines: u64,
+    output: Vec<(u64, String)>,
 }
 
 /// What the next line is coded against.
-#[derive(Default)]
 struct State {
-    layout: Layout,
+    layout: &'static Layout,
     codes: ObservationCodes,
     epoch: String,
+    time: Option<GpsTime>,
     satellites: HashMap<String, Satellite>,
+}
+
+/// An epoch line, checked.
+enum Opening {
+    /// Ranges of these satellites follow.
+    Ranges(Vec<String>),
+    /// So many header lines follow.
+    Event(usize),
+}
+
+impl Compact {
+    /// A decoder behind the first line, which names the version.
+    pub(super) fn new(source: Box<dyn Source>, first: &str) -> Result<Self> {
+        let version = columns(first, 0, 20);
+        let layout = match version.chars().next() {
+            Some('1') => &Layout::RINEX_2,
+            Some('3') => &Layout::RINEX_3,
+            _ => bail!("line 1: compact RINEX `{version}` is not supported, only versions 1 and 3"),
+        };
+        let state = State {
+            layout,
+            codes: ObservationCodes::default(),
+            epoch: String::new(),
+            time: None,
+            satellites: HashMap::new(),
+        };
+        let mut compact = Self {
+            source,
+            line: String::new(),
+            number: 1,
+            state,
+            is_header: true,
+            is_lost: false,
+            held: Held::default(),
+            ready: VecDeque::new(),
+            skipped: Skipped::default(),
+        };
+        // The second line names the program.
+        compact.next()?;
+        Ok(compact)
+    }
+
+    /// Reads the next compact line; false at the end.
+    fn next(&mut self) -> Result<bool> {
+        let number = self.source.read(&mut self.line)?;
+        self.number = number.unwrap_or(self.number);
+        Ok(number.is_some())
+    }
+
+    /// Decodes one more epoch, and releases the one before; false at the end.
+    fn advance(&mut self) -> Result<bool> {
+        if !self.next()? {
+            return Ok(self.release());
+        }
+        let is_full = self.line.starts_with(self.state.layout.mark);
+        if self.is_lost && !is_full {
+            self.skipped.lost_lines += 1;
+            return Ok(true);
+        }
+        if self.line.trim().is_empty() && !is_full {
+            return self.blank();
+        }
+        let Some(opening) = self.state.open(&self.line, is_full) else {
+            self.lose(1);
+            return Ok(true);
+        };
+        self.release();
+        self.is_lost = false;
+        self.held = Held { begin: self.number, compact_lines: 1, output: Vec::new() };
+        match opening {
+            Opening::Event(count) => self.event(count)?,
+            Opening::Ranges(names) => self.ranges(&names)?,
+        }
+        Ok(true)
+    }
+
+    /// Accepts blank lines at the end of the file and nowhere else.
+    fn blank(&mut self) -> Result<bool> {
+        let begin = self.number;
+        while self.next()? {
+            if !self.line.trim().is_empty() {
+                self.lose(self.number - begin + 1);
+                return Ok(true);
+            }
+        }
+        Ok(self.release())
+    }
+
+    /// Makes the last epoch's lines ready; false if there are none.
+    fn release(&mut self) -> bool {
+        let held = std::mem::take(&mut self.held);
+        self.ready.extend(held.output);
+        !self.ready.is_empty()
+    }
+
+    /// Discards the last epoch and so many lines more, and begins to look for an epoch line in full.
+    fn lose(&mut self, lines: u64) {
+        let held = std::mem::take(&mut self.held);
+        let begin = if held.compact_lines > 0 { held.begin } else { self.number };
+        self.skipped.lose(Flaw::Damaged, begin, held.compact_lines + lines);
+        self.is_lost = true;
+    }
+
+    /// Discards an epoch that the file's end cuts.
+    fn cut(&mut self) {
+        let held = std::mem::take(&mut self.held);
+        self.skipped.note(Flaw::Cut, held.begin);
+    }
+
+    /// Copies the header lines of an event, which are not coded.
+    fn event(&mut self, count: usize) -> Result<()> {
+        self.held.output.push((self.number, self.state.epoch.trim_end().to_owned()));
+        for _ in 0..count {
+            if !self.next()? {
+                self.cut();
+                return Ok(());
+            }
+            self.held.compact_lines += 1;
+            // The reader of the RINEX lines reports what is wrong with them.
+            let _ = self.state.codes.read(&self.line);
+            self.held.output.push((self.number, self.line.clone()));
+        }
+        Ok(())
+    }
+
+    /// Decodes the clock's line and that of each satellite.
+    fn ranges(&mut self, names: &[String]) -> Result<()> {
+        let mut known = Vec::with_capacity(names.len());
+        let (mut output, mut seen) = (Vec::with_capacity(names.len()), HashMap::with_capacity(names.len()));
+        if !self.within()? {
+            return Ok(());
+        }
+        if !is_clock(&self.line) {
+            self.lose(0);
+            return Ok(());
+        }
+        for name in names {
+            if !self.within()? {
+                return Ok(());
+            }
+            let mut satellite = self.state.satellites.remove(name).unwrap_or_default();
+            let kinds = self.state.codes.of(name.chars().next().unwrap_or(' ')).map_or(0, <[String]>::len);
+            let flaws = satellite.update(&self.line, kinds);
+            if flaws > 0 {
+                self.skipped.note(Flaw::Damaged, self.number);
+            }
+            if flaws > 0 && satellite.is_empty() {
+                self.skipped.lost_lines += 1;
+            } else {
+                known.push(name.as_str());
+                satellite.write(name, self.state.layout, self.number, &mut output);
+            }
+            seen.insert(name.clone(), satellite);
+        }
+        self.held.output.extend(self.state.epoch_lines(self.held.begin, &known));
+        self.held.output.append(&mut output);
+        // An arc ends where its satellite is missing for an epoch.
+        self.state.satellites = seen;
+        Ok(())
+    }
+
+    /// Reads a line of an epoch. At the end of the file, or where it may be cut, the epoch is discarded.
+    fn within(&mut self) -> Result<bool> {
+        let is_whole = self.next()? && !self.source.is_open();
+        if is_whole {
+            self.held.compact_lines += 1;
+        } else {
+            self.cut();
+        }
+        Ok(is_whole)
+    }
+
+    /// Copies a line of the header, which is not coded.
+    fn header(&mut self) -> Result<()> {
+        ensure!(self.next()?, "END OF HEADER is missing");
+        self.state.codes.read(&self.line).with_context(|| format!("line {}", self.number))?;
+        self.is_header = label(&self.line) != "END OF HEADER";
+        self.ready.push_back((self.number, self.line.clone()));
+        Ok(())
+    }
+}
+
+impl Source for Compact {
+    fn read(&mut self, line: &mut String) -> Result<Option<u64>> {
+        loop {
+            if let Some((number, text)) = self.ready.pop_front() {
+                *line = text;
+                return Ok(Some(number));
+            }
+            if self.is_header {
+                self.header()?;
+            } else if !self.advance()? {
+                return Ok(None);
+            }
+        }
+    }
+
+    /// Epochs whose last line may be cut are discarded here.
+    fn is_open(&self) -> bool {
+        false
+    }
+
+    fn skipped(&self) -> Skipped {
+        let mut skipped = self.skipped.clone();
+        skipped.add(&self.source.skipped());
+        skipped
+    }
+}
+
+/// Returns true for what may stand in the line of the receiver's clock offset: one coded number, or nothing.
+fn is_clock(line: &str) -> bool {
+    let word = line.trim();
+    let is_part = |part: &str| part.is_empty() || integer(part).is_some();
+    word.split('&').count() <= 2 && word.split('&').all(is_part)
+}
+
+impl State {
+    /// Applies an epoch line; `None` if what comes out is no epoch that may follow the last one.
+    fn open(&mut self, line: &str, is_full: bool) -> Option<Opening> {
+        if is_full {
+            self.epoch.clear();
+            self.satellites.clear();
+        }
+        update(&mut self.epoch, line);
+        let field = |from: usize, to: usize| columns(&self.epoch, from, to);
+        let flag = self.layout.flag;
+        let count: usize = field(flag + 1, flag + 4).parse().ok()?;
+        if !self.epoch.starts_with(self.layout.begins) {
+            return None;
+        }
+        match field(flag, flag + 1) {
+            "2" | "3" | "4" | "5" => return Some(Opening::Event(count)),
+            "0" | "1" | "6" | "" => {}
+            _ => return None,
+        }
+        let date = field(self.layout.date.start, self.layout.date.end);
+        let time = calendar::instant(date, TimeSystem::Gps).ok()?;
+        let is_later = self.time.is_none_or(|last| time > last);
+        if !is_later && !is_full {
+            return None;
+        }
+        let names = self.names(count)?;
+        self.time = Some(time);
+        Some(Opening::Ranges(names))
+    }
+
+    /// The names of the satellites; `None` if there are more or fewer than announced.
+    fn names(&self, count: usize) -> Option<Vec<String>> {
+        let name = |index: usize| {
+            let from = self.layout.satellites + 3 * index;
+            self.epoch.get(from..from + 3).filter(|name| is_name(name)).map(str::to_owned)
+        };
+        let end = self.layout.satellites + 3 * count;
+        let rest = self.epoch.get(end..)?;
+        (0..count).map(name).collect::<Option<_>>().filter(|_| rest.trim().is_empty())
+    }
+
+    /// The epoch line in RINEX, of the satellites that are known.
+    fn epoch_lines(&self, number: u64, names: &[&str]) -> Vec<(u64, String)> {
+        let flag = self.layout.flag;
+        let count = format!("{:3}", names.len());
+        let epoch = self.epoch.get(..self.layout.satellites).unwrap_or(&self.epoch);
+        let parts = (epoch.get(..=flag), epoch.get(flag + 4..));
+        let start = parts.0.unwrap_or(epoch).to_owned() + &count + parts.1.unwrap_or("");
+        if self.layout.per_line.is_none() {
+            return vec![(number, start.trim_end().to_owned())];
+        }
+        // RINEX 2 names the satellites here, twelve to a line.
+        let mut lines = Vec::new();
+        let mut start = start.as_str();
+        for chunk in names.chunks(12) {
+            lines.push((number, format!("{start:32}{}", chunk.concat())));
+            start = "";
+        }
+        if names.is_empty() {
+            lines.push((number, start.to_owned()));
+        }
+        lines
+    }
+}
+
+/// Returns true for a letter and two digits, of which the first may be blank; RINEX 2 may leave out the letter.
+fn is_name(name: &str) -> bool {
+    let mut letters = name.chars();
+    letters.next().is_some_and(|letter| letter.is_ascii_uppercase() || letter == ' ')
+        && letters.next().is_some_and(|tens| tens.is_ascii_digit() || tens == ' ')
+        && letters.next().is_some_and(|ones| ones.is_ascii_digit())
 }
 
 /// The running arcs of one satellite.
@@ -112,111 +415,74 @@ impl Arc {
     }
 }
 
-impl State {
-    /// The header is not coded.
-    fn header(&mut self, lines: &mut Lines<'_>, output: &mut String) -> Result<()> {
-        loop {
-            let line = lines.within("the header")?;
-            self.codes.read(line)?;
-            let _ = writeln!(output, "{line}");
-            if columns(line, 60, 80) == "END OF HEADER" {
-                return Ok(());
-            }
-        }
-    }
+/// What a word does to an arc.
+enum Step {
+    End,
+    Begin(Arc),
+    Extend(i64),
+}
 
-    /// One epoch: its line was read, the others follow.
-    fn epoch(&mut self, line: &str, lines: &mut Lines<'_>, output: &mut String) -> Result<()> {
-        if line.starts_with(self.layout.mark) {
-            self.epoch.clear();
-            self.satellites.clear();
+impl Step {
+    /// The step of a word; `None` for a word that is no step.
+    fn of(word: &str) -> Option<Self> {
+        if word.is_empty() {
+            return Some(Self::End);
         }
-        update(&mut self.epoch, line);
-        let field = |from: usize, to: usize| self.epoch.get(from..to).unwrap_or("").trim();
-        let flag = field(self.layout.flag, self.layout.flag + 1);
-        let count = field(self.layout.flag + 1, self.layout.flag + 4);
-        let count: usize =
-            count.parse().with_context(|| format!("`{count}` is not a number of satellites"))?;
-        if !matches!(flag, "0" | "1" | "") {
-            return self.event(count, lines, output);
-        }
-        let names = self.names(count)?;
-        self.write_epoch_line(&names, output);
-        // The receiver's clock offset.
-        lines.within("an epoch")?;
-        let mut seen = HashMap::with_capacity(count);
-        for name in names {
-            let line = lines.within("an epoch")?;
-            let mut satellite = self.satellites.remove(&name).unwrap_or_default();
-            let kinds = self.codes.of(name.chars().next().unwrap_or(' '))?.len();
-            satellite.update(line, kinds).with_context(|| format!("satellite {name}"))?;
-            satellite.write(&name, &self.layout, output);
-            seen.insert(name, satellite);
-        }
-        // An arc ends where its satellite is missing for an epoch.
-        self.satellites = seen;
-        Ok(())
-    }
-
-    /// An event carries header lines, which are not coded.
-    fn event(&mut self, count: usize, lines: &mut Lines<'_>, output: &mut String) -> Result<()> {
-        let _ = writeln!(output, "{}", self.epoch.trim_end());
-        for _ in 0..count {
-            let line = lines.within("an event")?;
-            self.codes.read(line)?;
-            let _ = writeln!(output, "{line}");
-        }
-        Ok(())
-    }
-
-    fn names(&self, count: usize) -> Result<Vec<String>> {
-        let name = |index: usize| {
-            let from = self.layout.satellites + 3 * index;
-            self.epoch.get(from..from + 3).map(str::to_owned)
-        };
-        (0..count)
-            .map(|index| name(index).with_context(|| format!("{count} satellites announced, {index} named")))
-            .collect()
-    }
-
-    fn write_epoch_line(&self, names: &[String], output: &mut String) {
-        let start = self.epoch.get(..self.layout.satellites).unwrap_or(&self.epoch);
-        if self.layout.per_line.is_none() {
-            let _ = writeln!(output, "{}", start.trim_end());
-            return;
-        }
-        // RINEX 2 names the satellites here, twelve to a line.
-        let mut start = start.to_owned();
-        for chunk in names.chunks(12) {
-            let _ = writeln!(output, "{start:32}{}", chunk.concat());
-            start.clear();
-        }
+        let Some((order, value)) = word.split_once('&') else { return integer(word).map(Self::Extend) };
+        let order = order.parse().ok().filter(|order| *order <= ORDER_LIMIT)?;
+        Some(Self::Begin(Arc::begin(order, integer(value)?)))
     }
 }
 
 impl Satellite {
     /// Takes one coded line: as many observations as there are kinds, then the differences of their flags.
-    fn update(&mut self, line: &str, kinds: usize) -> Result<()> {
+    ///
+    /// Returns the number of flaws. A word that cannot be read ends all arcs, because the words after it may have moved;
+    /// a difference without an arc, which is what damage leaves behind, is no observation.
+    fn update(&mut self, line: &str, kinds: usize) -> usize {
         self.arcs.resize(kinds, None);
         let mut rest = line;
-        for arc in &mut self.arcs {
+        let mut steps = Vec::with_capacity(kinds);
+        for _ in 0..kinds {
             let (word, tail) = rest.split_once(' ').unwrap_or((rest, ""));
-            *arc = next_arc(arc.take(), word)?;
+            steps.push(Step::of(word));
             rest = tail;
         }
+        let are_flags =
+            rest.len() <= 2 * kinds && rest.chars().all(|flag| matches!(flag, '0'..='9' | ' ' | '&'));
+        let Some(steps) = steps.into_iter().collect::<Option<Vec<Step>>>().filter(|_| are_flags) else {
+            self.arcs.fill(None);
+            self.flags.clear();
+            return 1;
+        };
+        let mut flaws = 0;
+        for (arc, step) in self.arcs.iter_mut().zip(steps) {
+            match (step, arc.as_mut()) {
+                (Step::End, _) => *arc = None,
+                (Step::Begin(begun), _) => *arc = Some(begun),
+                (Step::Extend(difference), Some(arc)) => arc.extend(difference),
+                (Step::Extend(_), None) => flaws += 1,
+            }
+        }
         update(&mut self.flags, rest);
-        Ok(())
+        flaws
+    }
+
+    /// Returns true if there is no observation.
+    fn is_empty(&self) -> bool {
+        self.arcs.iter().all(Option::is_none)
     }
 
     /// The RINEX lines of the satellite.
-    fn write(&self, name: &str, layout: &Layout, output: &mut String) {
+    fn write(&self, name: &str, layout: &Layout, number: u64, output: &mut Vec<(u64, String)>) {
         let per_line = layout.per_line.unwrap_or(self.arcs.len()).max(1);
+        let mut line = String::with_capacity(3 + 16 * per_line.min(self.arcs.len()));
         if layout.per_line.is_none() {
-            output.push_str(name);
+            line.push_str(name);
         }
         for (index, arc) in self.arcs.iter().enumerate() {
             if index > 0 && index % per_line == 0 {
-                output.push('\n');
+                output.push((number, std::mem::take(&mut line)));
             }
             let flags = self.flags.get(2 * index..).unwrap_or("");
             let flags = flags.get(..2).unwrap_or(flags);
@@ -225,33 +491,17 @@ impl Satellite {
                     let value = arc.differences[0];
                     let (sign, size) = (if value < 0 { "-" } else { "" }, value.unsigned_abs());
                     let number = format!("{sign}{}.{:03}", size / 1000, size % 1000);
-                    let _ = write!(output, "{number:>14}{flags:<2}");
+                    let _ = write!(line, "{number:>14}{flags:<2}");
                 }
-                None => output.push_str("                "),
+                None => line.push_str("                "),
             }
         }
-        output.push('\n');
+        output.push((number, line));
     }
 }
 
-/// What an arc becomes by the word of the next epoch.
-fn next_arc(arc: Option<Arc>, word: &str) -> Result<Option<Arc>> {
-    if word.is_empty() {
-        return Ok(None);
-    }
-    if let Some((order, value)) = word.split_once('&') {
-        let order = order.parse().ok().filter(|order| *order <= ORDER_LIMIT);
-        let order =
-            order.with_context(|| format!("`{word}` does not begin with an order of 0 to {ORDER_LIMIT}"))?;
-        return Ok(Some(Arc::begin(order, integer(value)?)));
-    }
-    let mut arc = arc.with_context(|| format!("`{word}` continues an observation that never began"))?;
-    arc.extend(integer(word)?);
-    Ok(Some(arc))
-}
-
-fn integer(word: &str) -> Result<i64> {
-    word.parse().with_context(|| format!("`{word}` is not an integer"))
+fn integer(word: &str) -> Option<i64> {
+    word.parse().ok()
 }
 
 /// Applies character differences.

@@ -10,13 +10,14 @@
 
 use std::collections::HashMap;
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, anyhow, bail, ensure};
 use rai_core::frame::Ecef;
 
 use super::calendar::TimeSystem;
-use super::text::{Lines, columns, number};
+use super::skipped::{Flaw, Skipped};
+use super::text::{Lines, columns, label, number};
 
-/// What kind of records follow.
+/// The kind of the records that follow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     Observations,
@@ -40,22 +41,29 @@ pub(super) struct Header {
 }
 
 impl Header {
-    /// Reads up to and including `END OF HEADER`.
-    pub(super) fn read(lines: &mut Lines<'_>) -> Result<Self> {
+    /// Reads up to and including `END OF HEADER`. Fields that cannot be read and that RAI can do without are counted.
+    pub(super) fn read(lines: &mut Lines, skipped: &mut Skipped) -> Result<Self> {
         let mut header = Self::begin(lines.next().unwrap_or(""))?;
         let mut time_system = String::new();
         loop {
-            let line = lines.next().context("END OF HEADER is missing")?;
-            let place = || format!("line {} of the header", lines.number());
-            header.codes.read(line).with_context(place)?;
-            header.klobuchar.read(line).with_context(place)?;
-            match columns(line, 60, 80) {
-                "APPROX POSITION XYZ" => header.approximate_position = position(line).with_context(place)?,
-                "TIME OF FIRST OBS" => columns(line, 48, 51).clone_into(&mut time_system),
-                "LEAP SECONDS" => header.leap_s = columns(line, 0, 6).parse().unwrap_or(header.leap_s),
+            let Some(line) = lines.next() else {
+                let failure = lines.failure();
+                return Err(failure.unwrap_or_else(|| anyhow!("END OF HEADER is missing")));
+            };
+            let codes = header.codes.read(line);
+            let is_read = match label(line) {
+                "TIME OF FIRST OBS" => {
+                    columns(line, 48, 51).clone_into(&mut time_system);
+                    true
+                }
                 "SYS / SCALE FACTOR" => bail!("scaled observations (SYS / SCALE FACTOR) are not supported"),
                 "END OF HEADER" => break,
-                _ => {}
+                _ => header.optional(line).is_ok(),
+            };
+            let number = lines.number();
+            codes.with_context(|| format!("line {number} of the header"))?;
+            if !is_read {
+                skipped.note(Flaw::HeaderField, number);
             }
         }
         header.time_system = match (time_system.as_str(), header.system) {
@@ -66,25 +74,38 @@ impl Header {
         Ok(header)
     }
 
+    /// Takes a field that RAI can do without.
+    fn optional(&mut self, line: &str) -> Result<()> {
+        match label(line) {
+            "APPROX POSITION XYZ" => self.approximate_position = position(line)?,
+            "LEAP SECONDS" => self.leap_s = columns(line, 0, 6).parse()?,
+            _ => self.klobuchar.read(line)?,
+        }
+        Ok(())
+    }
+
     /// The first line: version, kind and system.
     fn begin(line: &str) -> Result<Self> {
         ensure!(
-            columns(line, 60, 80) == "RINEX VERSION / TYPE",
+            label(line) == "RINEX VERSION / TYPE",
             "is not RINEX: line 1 does not say RINEX VERSION / TYPE"
         );
         let version = number(columns(line, 0, 9))?.context("line 1: the version is missing")?;
         ensure!((2.0..5.0).contains(&version), "line 1: RINEX {version} is not supported, only 2, 3 and 4");
-        let kind = match columns(line, 20, 21) {
-            "O" => Kind::Observations,
-            "N" => Kind::Navigation,
+        let named = columns(line, 40, 41).chars().next().unwrap_or('G');
+        // RINEX 2 has a type of its own for the navigation of GLONASS.
+        let (kind, system) = match columns(line, 20, 21) {
+            "O" => (Kind::Observations, named),
+            "N" => (Kind::Navigation, named),
+            "G" if version < 3.0 => (Kind::Navigation, 'R'),
             other => bail!(
-                "line 1: a RINEX file of type `{other}`, neither observations nor GPS or mixed navigation"
+                "line 1: a RINEX file of type `{other}`, neither observations nor navigation of GPS, GLONASS or mixed"
             ),
         };
         Ok(Self {
             version: (version * 100.0).round() as u16,
             kind,
-            system: columns(line, 40, 41).chars().next().unwrap_or('G'),
+            system,
             time_system: TimeSystem::Gps,
             leap_s: 18,
             codes: ObservationCodes::default(),
@@ -116,7 +137,7 @@ impl ObservationCodes {
 
     /// Takes a header line if it lists observations.
     pub(super) fn read(&mut self, line: &str) -> Result<()> {
-        match columns(line, 60, 80) {
+        match label(line) {
             "SYS / # / OBS TYPES" => {
                 self.extend(columns(line, 0, 1).chars().next(), columns(line, 3, 6), columns(line, 6, 60))
             }
@@ -164,7 +185,7 @@ pub(super) struct Klobuchar {
 impl Klobuchar {
     /// Takes a header line if it holds one half. Other systems' lines, repeated per satellite, are not those.
     fn read(&mut self, line: &str) -> Result<()> {
-        match (columns(line, 60, 80), columns(line, 0, 4)) {
+        match (label(line), columns(line, 0, 4)) {
             ("ION ALPHA", _) => self.alpha = Some(quadruple(line, 2)?),
             ("ION BETA", _) => self.beta = Some(quadruple(line, 2)?),
             ("IONOSPHERIC CORR", "GPSA") => self.alpha = Some(quadruple(line, 5)?),

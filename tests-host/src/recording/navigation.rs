@@ -17,9 +17,11 @@
 //! the date of the time of clock, which is unambiguous, and not from row 5, where files differ in what they count
 //! from. Times that a file does not know (0.9999e9 s) or that are half a week off are replaced by the time of clock.
 //!
-//! GLONASS has rows of its own ([`glonass`]).
+//! QZSS has the rows of GPS, GLONASS rows of its own ([`glonass`]), in RINEX 2 in a file of its own.
 //!
-//! The modernised messages of RINEX 4 (CNAV and its kin) have other rows and are passed over, as are other systems.
+//! A record that cannot be read is counted and passed over, and so is one with a number that its message has no room
+//! for. Kinds that are not read are counted apart: the modernised messages of RINEX 4 (CNAV and its kin), and other
+//! systems.
 //! References: [RINEX-2.11] table A4, [RINEX-3.05] tables A6, A8, A10, A14, [RINEX-4.01] tables A8 to A18.
 //!
 //! [RINEX-2.11]: crate#references
@@ -28,153 +30,202 @@
 
 use std::f64::consts::PI;
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result, bail, ensure};
 use rai_core::satellite::{Constellation, SatelliteId};
 use rai_firmware::time::{BEIDOU_OFFSET_MS, BEIDOU_WEEK_OFFSET, GALILEO_WEEK_OFFSET, GpsTime};
-use rtcm_rs::msg::{Msg1019T, Msg1042T, Msg1045T, Msg1046T};
+use rtcm_rs::msg::{Msg1019T, Msg1042T, Msg1044T, Msg1045T, Msg1046T};
 
 use super::calendar::{self, TimeSystem};
 use super::glonass;
 use super::header::Header;
-use super::text::{Lines, columns, number};
+use super::skipped::{Flaw, Skipped};
+use super::text::{Lines, columns, is_labelled, number};
+use crate::encode;
 use crate::measurement::{Ephemeris, TimedEphemeris};
 
-/// What a navigation file says about orbits and the ionosphere.
+/// Orbits and the ionosphere by a navigation file.
 pub(super) struct Navigation {
     pub(super) ephemerides: Vec<TimedEphemeris>,
     pub(super) klobuchar: Option<[f64; 8]>,
-    /// Records of systems that nobody asked for and that cannot be read.
-    pub(super) malformed: u64,
+    pub(super) skipped: Skipped,
 }
 
-/// All records after the header.
-pub(super) fn read(header: &Header, lines: &mut Lines<'_>, wanted: &[Constellation]) -> Result<Navigation> {
+/// Reads all records after the header; `skipped` holds what the header cost.
+///
+/// # Errors
+/// A file that cannot be read to its end, or of which more than a tenth is lost.
+pub(super) fn read(header: &Header, lines: &mut Lines, skipped: Skipped) -> Result<Navigation> {
     let klobuchar = header.klobuchar.coefficients();
-    let mut navigation = Navigation { ephemerides: Vec::new(), klobuchar, malformed: 0 };
-    while let Some(line) = lines.next() {
-        let begin = lines.number();
-        navigation
-            .record(header, line, lines, wanted)
-            .with_context(|| format!("record from line {begin}"))?;
+    let mut navigation = Navigation { ephemerides: Vec::new(), klobuchar, skipped };
+    while let Some(rows) = Rows::next(header, lines, &mut navigation.skipped) {
+        navigation.take(header, &rows, lines);
     }
+    lines.failure().map_or(Ok(()), Err)?;
+    navigation.skipped.check(lines.count())?;
     Ok(navigation)
 }
 
 impl Navigation {
-    /// Takes the record that `line` begins.
-    fn record(
-        &mut self,
-        header: &Header,
-        line: &str,
-        lines: &mut Lines<'_>,
-        wanted: &[Constellation],
-    ) -> Result<()> {
-        let mut words = line.split_ascii_whitespace();
-        if words.next() != Some(">") {
-            return self.keep(ephemeris(header, line, lines), header, line, wanted);
+    fn take(&mut self, header: &Header, rows: &Rows, lines: &mut Lines) {
+        let size = rows.size();
+        match rows.read(header) {
+            Ok(Content::Ephemeris(_)) if rows.is_cut => self.skipped.note(Flaw::Cut, rows.begin),
+            Ok(Content::Ephemeris(ephemeris)) => self.ephemerides.push(*ephemeris),
+            Ok(Content::Ionosphere(coefficients)) => self.klobuchar = Some(coefficients),
+            Ok(Content::Other) => self.skipped.other_kinds += 1,
+            Ok(Content::Unknown) => self.skipped.lose(Flaw::UnknownSatellite, rows.begin, size),
+            Err(_) if lines.has_ended() => self.skipped.note(Flaw::Cut, rows.begin),
+            Err(_) => self.skipped.lose(Flaw::Damaged, rows.begin, size),
         }
-        // RINEX 4 says what comes before it comes.
-        match (words.next(), words.next(), words.next()) {
-            (Some("EPH"), _, Some("LNAV" | "INAV" | "FNAV" | "D1" | "D2" | "FDMA")) => {
-                let line = lines.within("an ephemeris")?;
-                self.keep(ephemeris(header, line, lines), header, line, wanted)?;
+    }
+}
+
+/// The lines of a record.
+struct Rows {
+    /// The number of the first line.
+    begin: u64,
+    /// The announcement of RINEX 4, such as `> EPH G05 LNAV`.
+    announcement: Option<String>,
+    lines: Vec<String>,
+    /// True if the file ends inside a value of the last line.
+    is_cut: bool,
+}
+
+/// What a record holds.
+enum Content {
+    Ephemeris(Box<TimedEphemeris>),
+    /// The coefficients of the ionosphere for GPS.
+    Ionosphere([f64; 8]),
+    /// A kind or system that is not read.
+    Other,
+    /// A satellite that its system does not have.
+    Unknown,
+}
+
+/// Columns of the satellite's name, of the date, and the first column of the rows that follow.
+struct Layout {
+    name: usize,
+    date: usize,
+    indent: usize,
+}
+
+impl Layout {
+    /// RINEX 2 gives the number alone and indents one column less.
+    const fn of(header: &Header) -> Self {
+        if header.version < 300 {
+            Self { name: 2, date: 22, indent: 3 }
+        } else {
+            Self { name: 3, date: 23, indent: 4 }
+        }
+    }
+}
+
+impl Rows {
+    /// Reads the lines of the next record; `None` at the end of the file.
+    fn next(header: &Header, lines: &mut Lines, skipped: &mut Skipped) -> Option<Self> {
+        let first = loop {
+            let line = lines.next()?.to_owned();
+            match () {
+                () if line.trim().is_empty() => {}
+                () if is_labelled(&line) => skipped.note(Flaw::Comment, lines.number()),
+                () => break line,
             }
-            (Some("ION"), Some(name), Some("LNAV")) if name.starts_with('G') => {
-                self.klobuchar = ionosphere(lines)?;
+        };
+        let Layout { name, indent, .. } = Layout::of(header);
+        let mut rows = Self { begin: lines.number(), announcement: None, lines: Vec::new(), is_cut: false };
+        let is_announced = first.starts_with('>');
+        if is_announced {
+            rows.announcement = Some(first);
+        } else {
+            rows.lines.push(first);
+        }
+        loop {
+            let is_first = rows.lines.is_empty();
+            let is_cut = lines.is_cut(indent, 19, 19);
+            let belongs = |line: &str| {
+                let is_row = columns(line, 0, name).is_empty() && !line.trim().is_empty();
+                !line.starts_with('>') && (is_row || is_first) && !is_labelled(line)
+            };
+            if let Some(line) = lines.next_if(belongs) {
+                rows.lines.push(line.to_owned());
+                rows.is_cut = is_cut;
+            } else if lines.next_if(is_labelled).is_some() {
+                skipped.note(Flaw::Comment, lines.number());
+            } else {
+                return Some(rows);
             }
-            _ => while next_row(lines, |line| !line.starts_with('>')).is_some() {},
-        }
-        Ok(())
-    }
-}
-
-impl Navigation {
-    /// Keeps what was read; what cannot be read, of a system that nobody asked for, is counted and passed over.
-    fn keep(
-        &mut self,
-        read: Result<Option<TimedEphemeris>>,
-        header: &Header,
-        line: &str,
-        wanted: &[Constellation],
-    ) -> Result<()> {
-        let is_wanted = system(header, line).is_some_and(|system| wanted.contains(&system));
-        match read {
-            Err(_) if !is_wanted => self.malformed += 1,
-            read => self.ephemerides.extend(read?),
-        }
-        Ok(())
-    }
-}
-
-/// The system of the record that `line` begins; RINEX 2 files hold GPS unless their header says otherwise.
-fn system(header: &Header, line: &str) -> Option<Constellation> {
-    let letter = line.chars().next().filter(char::is_ascii_alphabetic);
-    Constellation::from_letter(letter.unwrap_or(if header.version < 300 { 'G' } else { ' ' }))
-}
-
-/// The next line, if it belongs to the record.
-fn next_row<'a>(lines: &mut Lines<'a>, belongs: impl Fn(&str) -> bool) -> Option<&'a str> {
-    lines.peek().filter(|line| belongs(line))?;
-    lines.next()
-}
-
-/// The coefficients of a RINEX 4 record: a date and three numbers, then rows of four.
-fn ionosphere(lines: &mut Lines<'_>) -> Result<Option<[f64; 8]>> {
-    let mut values = Vec::with_capacity(11);
-    while let Some(line) = next_row(lines, |line| !line.starts_with('>')) {
-        let columns_of_row = if values.is_empty() { 1..4 } else { 0..4 };
-        for index in columns_of_row {
-            let column = 4 + 19 * index;
-            values.push(number(columns(line, column, column + 19))?.unwrap_or(0.0));
         }
     }
-    Ok(values.get(..8).and_then(|values| values.try_into().ok()))
-}
 
-/// One ephemeris record as numbers.
-struct Record {
-    satellite: SatelliteId,
-    /// Time of clock.
-    toc: GpsTime,
-    system: TimeSystem,
-    values: Vec<f64>,
-}
+    /// How many lines the record has.
+    fn size(&self) -> u64 {
+        self.lines.len() as u64 + u64::from(self.announcement.is_some())
+    }
 
-/// The ephemeris that `line` begins, or none if its system is not one that RAI uses.
-fn ephemeris(header: &Header, line: &str, lines: &mut Lines<'_>) -> Result<Option<TimedEphemeris>> {
-    // RINEX 2 gives the number alone and indents one column less.
-    let (name, date, indent) = if header.version < 300 { (0..2, 2..22, 3) } else { (0..3, 3..23, 4) };
-    let mut rows = vec![(line, date.end)];
-    while let Some(row) = next_row(lines, |row| columns(row, name.start, name.end).is_empty()) {
-        rows.push((row, indent));
+    fn read(&self, header: &Header) -> Result<Content> {
+        let mut words = self.announcement.as_deref().unwrap_or("> EPH - LNAV").split_ascii_whitespace();
+        match (words.nth(1), words.next(), words.next()) {
+            (Some("EPH"), _, Some("LNAV" | "INAV" | "FNAV" | "D1" | "D2" | "D1D2" | "FDMA")) => {
+                self.ephemeris(header)
+            }
+            (Some("ION"), Some(name), Some("LNAV")) if name.starts_with('G') => self.ionosphere(),
+            _ => Ok(Content::Other),
+        }
     }
-    let name = columns(line, name.start, name.end);
-    if name.is_empty() {
-        return Ok(None);
+
+    /// The coefficients of a RINEX 4 record: a date and three numbers, then rows of four.
+    fn ionosphere(&self) -> Result<Content> {
+        let rows =
+            self.lines.iter().enumerate().map(|(row, line)| (line.as_str(), if row == 0 { 23 } else { 4 }));
+        let values = values(rows)?;
+        let coefficients = values.get(..8).and_then(|values| values.try_into().ok());
+        coefficients.map(Content::Ionosphere).context("fewer than eight coefficients")
     }
-    let letter = name.chars().next().filter(char::is_ascii_alphabetic).unwrap_or('G');
-    let Some(constellation) = Constellation::from_letter(letter) else {
-        return Ok(None);
-    };
-    let digits = name.trim_start_matches(letter).trim();
-    let satellite = digits.parse().ok().and_then(|number| SatelliteId::new(constellation, number));
-    let satellite = satellite.with_context(|| format!("`{name}` is not a satellite"))?;
-    let (system, least) = match constellation {
-        Constellation::Beidou => (TimeSystem::Beidou, 7),
-        Constellation::Glonass => (TimeSystem::Utc { leap_s: header.leap_s }, 4),
-        Constellation::Gps | Constellation::Galileo => (TimeSystem::Gps, 7),
-    };
-    let toc = calendar::instant(columns(line, date.start, date.end), system)?;
-    ensure!(rows.len() >= least, "{satellite}: {} lines, where an ephemeris has more", rows.len());
-    let values = values(&rows).with_context(|| format!("ephemeris of {satellite}"))?;
-    if constellation == Constellation::Glonass {
-        return Ok(Some(glonass::ephemeris(satellite, toc, header.leap_s, &values)));
+
+    /// The ephemeris of the lines.
+    fn ephemeris(&self, header: &Header) -> Result<Content> {
+        let Layout { name, date, indent } = Layout::of(header);
+        let line = self.lines.first().map_or("", String::as_str);
+        let label = columns(line, 0, name);
+        let letter = match label.chars().next().context("no satellite")? {
+            letter if letter.is_ascii_uppercase() => letter,
+            // RINEX 2 files hold GPS unless their header says otherwise.
+            '0'..='9' if header.version < 300 => {
+                if header.system == 'R' {
+                    'R'
+                } else {
+                    'G'
+                }
+            }
+            _ => bail!("`{label}` is not a satellite"),
+        };
+        let number = label.trim_start_matches(letter).trim().parse()?;
+        if !"GCERJ".contains(letter) {
+            return Ok(Content::Other);
+        }
+        let Some(satellite) = SatelliteId::from_name(letter, number) else { return Ok(Content::Unknown) };
+        let (system, sizes) = match satellite.constellation() {
+            Constellation::Beidou => (TimeSystem::Beidou, 8..=8),
+            Constellation::Glonass => (TimeSystem::Utc { leap_s: header.leap_s }, 4..=5),
+            Constellation::Gps | Constellation::Galileo => (TimeSystem::Gps, 8..=8),
+        };
+        let size = self.lines.len();
+        ensure!(sizes.contains(&size), "{satellite}: {size} lines, an ephemeris has {sizes:?}");
+        let toc = calendar::instant(columns(line, name, date), system)?;
+        let rows = self.lines.iter().enumerate();
+        let values = values(rows.map(|(row, line)| (line.as_str(), if row == 0 { date } else { indent })))?;
+        let ephemeris = if letter == 'R' {
+            glonass::ephemeris(satellite, toc, header.leap_s, &values)
+        } else {
+            Record { satellite, toc, system, values }.timed()?
+        };
+        encode::check(&ephemeris)?;
+        Ok(Content::Ephemeris(Box::new(ephemeris)))
     }
-    Record { satellite, toc, system, values }.timed().map(Some)
 }
 
 /// The numbers of all rows, each from its column on; blank is zero.
-fn values(rows: &[(&str, usize)]) -> Result<Vec<f64>> {
+fn values<'a>(rows: impl Iterator<Item = (&'a str, usize)>) -> Result<Vec<f64>> {
     let mut values = Vec::with_capacity(31);
     for (row, indent) in rows {
         let per_row = if values.is_empty() { 3 } else { 4 };
@@ -184,6 +235,15 @@ fn values(rows: &[(&str, usize)]) -> Result<Vec<f64>> {
         }
     }
     Ok(values)
+}
+
+/// One ephemeris record as numbers.
+struct Record {
+    satellite: SatelliteId,
+    /// Time of clock.
+    toc: GpsTime,
+    system: TimeSystem,
+    values: Vec<f64>,
 }
 
 impl Record {
@@ -218,6 +278,7 @@ impl Record {
             Constellation::Beidou => Ephemeris::Beidou(self.beidou(toe)),
             Constellation::Galileo if is_fnav => Ephemeris::GalileoFnav(self.galileo_fnav(toe)),
             Constellation::Galileo => Ephemeris::GalileoInav(self.galileo_inav(toe)),
+            _ if self.satellite.is_qzss() => Ephemeris::Qzss(self.qzss(toe)),
             Constellation::Gps | Constellation::Glonass => Ephemeris::Gps(self.gps(toe)),
         }
     }
@@ -228,7 +289,7 @@ macro_rules! message {
     ($type:ident of $record:ident, $id:ident, clock: [$af0:ident, $af1:ident, $af2:ident], $($field:ident: $value:expr,)*) => {{
         let (record, system_tow) = ($record, |time: GpsTime| $record.system_tow_s(time));
         $type {
-            $id: record.satellite.number(),
+            $id: record.satellite.name().1,
             toc_s: system_tow(record.toc),
             $af0: record.values[0],
             $af1: record.values[1] as _,
@@ -279,6 +340,20 @@ impl Record {
             sv_health_ind: self.at(6, 1) as u8 & 63,
             l2_p_data_flag: self.at(5, 3) as u8 & 1,
             fit_interval_ind: u8::from(self.at(7, 1) > 4.0),
+        )
+    }
+
+    /// As GPS, but that the fit interval is a flag: 1 beyond two hours.
+    fn qzss(&self, toe: GpsTime) -> Msg1044T {
+        message!(Msg1044T of self, qzss_satellite_id, clock: [af0_s, af1_s_s, af2_s_s2],
+            qzss_week_number: toe.week % 1024,
+            ura_index: ura_index(self.at(6, 0)),
+            code_on_l2_ind: self.at(5, 1) as u8 & 3,
+            iode: self.at(1, 0) as u8,
+            iodc: self.at(6, 3) as u16 & 1023,
+            tgd_s: self.at(6, 2) as f32,
+            sv_health_ind: self.at(6, 1) as u8 & 63,
+            fit_interval_ind: u8::from(self.at(7, 1) != 0.0),
         )
     }
 

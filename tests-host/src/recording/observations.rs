@@ -1,295 +1,393 @@
-//! Observation records to epochs: RINEX 2 in one layout, RINEX 3 and 4 in another.
+//! Observation records to epochs, one at a time: RINEX 2 in one layout, RINEX 3 and 4 in another.
 //!
 //! | | RINEX 2 | RINEX 3, 4 |
 //! |---|---|---|
 //! | satellites | named in the epoch line, twelve to a line | each before its own line |
 //! | fields (14 columns of value, 2 of flags) | five to a line | all in one line |
 //! | codes | `C1`, `P2`: band only | `C1C`, `C2W`: band and attribute |
+//! | a line is missing or one too many | costs the epoch, because lines carry no names | costs its satellite |
 //!
-//! Codes become those of RINEX 3.05, see [`Field::new`]. Kept are the systems RAI knows; of these, satellites with a
-//! pseudorange. Epochs of events (new site, header lines, cycle slips) carry no ranges; header lines inside them
-//! are obeyed.
-//! References: [RINEX-2.11] table A2, [RINEX-3.05] tables 12 to 18 and A3.
+//! The reader keeps the systems that RAI knows; of these, satellites with a pseudorange. Epochs of events (new site, header
+//! lines, cycle slips) carry no ranges; header lines inside and outside them are obeyed.
+//! References: [RINEX-2.11] table A2, [RINEX-3.05] table A3.
 //!
 //! [RINEX-2.11]: crate#references
 //! [RINEX-3.05]: crate#references
 
-use std::collections::HashMap;
 use std::fmt::Write as _;
+use std::io::BufRead;
+use std::path::Path;
 
-use anyhow::{Context, Result};
-use rai_core::satellite::{Constellation, SatelliteId};
+use anyhow::{Context, Result, bail};
+use rai_core::frame::Ecef;
+use rai_core::satellite::SatelliteId;
+use rai_firmware::time::GpsTime;
 
-use super::calendar;
-use super::header::Header;
-use super::text::{Lines, columns, number};
-use crate::measurement::{MeasuredEpoch, MeasuredSatellite, MeasuredSignal};
+use super::calendar::{self, TimeSystem};
+use super::file;
+use super::header::{Header, Kind};
+use super::signals::{self, Fields};
+use super::skipped::{Flaw, Skipped};
+use super::text::{Lines, columns, is_labelled};
+use crate::measurement::{MeasuredEpoch, MeasuredSatellite};
 
-/// All epochs after the header, and how many records of systems that are not `wanted` could not be read.
-pub(super) fn read(
+/// Columns of a field, and of the value in it.
+const FIELD: usize = 16;
+const VALUE: usize = 14;
+
+/// The epochs of one observation file, read one at a time.
+///
+/// What cannot be read is passed over and counted. The last item is an error if the file cannot be read to its end, or
+/// if more than a tenth of its lines was lost.
+pub struct Observations {
+    name: String,
     header: Header,
-    lines: &mut Lines<'_>,
-    wanted: &[Constellation],
-) -> Result<(Vec<MeasuredEpoch>, u64)> {
-    let mut reader = Reader { fields: fields(&header), header, wanted, malformed: 0 };
-    let mut epochs = Vec::new();
-    while let Some(line) = lines.next() {
-        let begin = lines.number();
-        let epoch = reader.epoch(line, lines);
-        epochs.extend(epoch.with_context(|| format!("line {}, epoch from line {begin}", lines.number()))?);
-    }
-    Ok((epochs, reader.malformed))
+    fields: Fields,
+    lines: Lines,
+    skipped: Skipped,
+    /// The number of the line that the last epoch begins with.
+    begin: u64,
+    has_ended: bool,
 }
 
-struct Reader<'a> {
-    /// Systems of which every record must be sound.
-    wanted: &'a [Constellation],
-    /// Records of other systems that are not.
-    malformed: u64,
-    header: Header,
-    fields: HashMap<Constellation, Vec<Option<Field>>>,
-}
-
-/// What the epoch line says.
-struct Opening<'a> {
-    date: &'a str,
-    flag: &'a str,
+/// The beginning of an epoch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Opening {
+    /// The event flag: 0 and 1 are ranges, 6 are cycle slips in the form of ranges, others are header lines.
+    flag: u8,
+    /// The time of the epoch; `None` for an event without one.
+    time: Option<GpsTime>,
+    /// The number of satellites or header lines.
     count: usize,
 }
 
-impl Reader<'_> {
-    /// The epoch that `line` opens; none for an event or a blank line.
-    fn epoch(&mut self, line: &str, lines: &mut Lines<'_>) -> Result<Option<MeasuredEpoch>> {
-        if line.trim().is_empty() {
-            return Ok(None);
-        }
-        let opening = self.opening(line)?;
-        if !matches!(opening.flag, "" | "0" | "1") {
-            self.event(opening.count, lines)?;
-            return Ok(None);
-        }
-        let time = calendar::instant(opening.date, self.header.time_system)?;
-        let satellites = if self.header.version < 300 {
-            self.satellites_2(line, opening.count, lines)?
-        } else {
-            self.satellites_3(opening.count, lines)?
-        };
-        Ok(Some(MeasuredEpoch { time, satellites }))
+impl Opening {
+    const CYCLE_SLIPS: u8 = 6;
+
+    fn has_ranges(self) -> bool {
+        matches!(self.flag, 0 | 1 | Self::CYCLE_SLIPS)
+    }
+}
+
+impl Observations {
+    /// Opens a file: plain, gzip, compact, or compact in gzip.
+    ///
+    /// # Errors
+    /// A file that is missing, packed otherwise, or not RINEX observations, or a header that cannot be read.
+    pub fn open(path: &Path) -> Result<Self> {
+        let name = path.display().to_string();
+        let place = || format!("observation file {name}");
+        let opened = file::open(path).and_then(|lines| Self::read(&name, lines));
+        opened.with_context(place)
     }
 
-    fn opening<'a>(&self, line: &'a str) -> Result<Opening<'a>> {
-        let (date, flag) = if self.header.version < 300 { (0..26, 28) } else { (1..29, 31) };
-        let count = columns(line, flag + 1, flag + 4);
-        Ok(Opening {
-            date: columns(line, date.start, date.end),
-            flag: columns(line, flag, flag + 1),
-            count: count.parse().with_context(|| format!("`{}` does not begin an epoch", line.trim()))?,
-        })
+    /// Opens the bytes of such a file, which errors call `name`.
+    ///
+    /// # Errors
+    /// As of [`Observations::open`].
+    pub fn of(name: &str, input: impl BufRead + Send + 'static) -> Result<Self> {
+        let opened = file::lines(input, name).and_then(|lines| Self::read(name, lines));
+        opened.with_context(|| format!("observation file {name}"))
     }
 
-    /// Header lines in the middle may list other observations.
-    fn event(&mut self, count: usize, lines: &mut Lines<'_>) -> Result<()> {
+    fn read(name: &str, mut lines: Lines) -> Result<Self> {
+        let mut skipped = Skipped::default();
+        let header = Header::read(&mut lines, &mut skipped)?;
+        if header.kind == Kind::Navigation {
+            bail!("holds ephemerides: give it as navigation file");
+        }
+        let fields = Fields::of(&header);
+        Ok(Self { name: name.to_owned(), header, fields, lines, skipped, begin: 0, has_ended: false })
+    }
+
+    /// The antenna's position by the header; wrong by hundreds of metres in some files.
+    pub fn approximate_position(&self) -> Option<Ecef> {
+        self.header.approximate_position
+    }
+
+    /// Returns what was passed over so far.
+    pub fn skipped(&self) -> Skipped {
+        let mut skipped = self.skipped.clone();
+        skipped.add(&self.lines.skipped());
+        skipped.named(&self.name)
+    }
+
+    /// Counts an epoch that is not later than the one before.
+    pub(super) fn discard(&mut self, line: u64, epoch: &MeasuredEpoch) {
+        self.skipped.lose(Flaw::OutOfOrder, line, 1 + epoch.satellites.len() as u64);
+    }
+
+    /// Returns the number of the line that the last epoch begins with.
+    pub(super) fn line(&self) -> u64 {
+        self.begin
+    }
+
+    /// Checks at the end that the file was read to it, and how much was lost.
+    fn end(&mut self) -> Option<Result<MeasuredEpoch>> {
+        if std::mem::replace(&mut self.has_ended, true) {
+            return None;
+        }
+        let name = &self.name;
+        let failed = self.lines.failure();
+        let skipped = self.skipped();
+        let lines = self.lines.count() + self.lines.skipped().lost_lines;
+        let checked = failed.map_or_else(|| skipped.check(lines), Err);
+        checked.with_context(|| format!("observation file {name}")).err().map(Err)
+    }
+
+    /// Takes a line that begins no record: a blank, comment or header line, or a damaged one.
+    fn stray(&mut self) {
+        let (begin, is_version_2) = (self.lines.number(), self.header.version < 300);
+        let time_system = self.header.time_system;
+        let mut lost = 1;
+        while self.lines.next_if(|line| !begins(line, is_version_2, time_system)).is_some() {
+            lost += 1;
+        }
+        self.skipped.lose(Flaw::Damaged, begin, lost);
+    }
+
+    /// Passes over comments and header lines, and obeys them.
+    fn skip_labelled(&mut self) {
+        while let Some(line) = self.lines.next_if(is_labelled) {
+            let is_list = self.header.codes.read(line);
+            let number = self.lines.number();
+            self.skipped.note(if is_list.is_ok() { Flaw::Comment } else { Flaw::Damaged }, number);
+            self.fields = Fields::of(&self.header);
+        }
+    }
+
+    /// Takes the header lines of an event.
+    fn event(&mut self, count: usize) {
+        let (is_version_2, time_system) = (self.header.version < 300, self.header.time_system);
         for _ in 0..count {
-            self.header.codes.read(lines.within("an event")?)?;
-        }
-        self.fields = fields(&self.header);
-        Ok(())
-    }
-
-    fn satellites_3(&mut self, count: usize, lines: &mut Lines<'_>) -> Result<Vec<MeasuredSatellite>> {
-        let mut satellites = Vec::with_capacity(count);
-        for _ in 0..count {
-            let line = lines.within("an epoch")?;
-            let name = columns(line, 0, 3);
-            let values = line.get(3..).unwrap_or("");
-            satellites.extend(self.record(name, values)?);
-        }
-        Ok(satellites)
-    }
-
-    fn satellites_2(
-        &mut self,
-        opening: &str,
-        count: usize,
-        lines: &mut Lines<'_>,
-    ) -> Result<Vec<MeasuredSatellite>> {
-        let mut line = opening;
-        let mut names = Vec::with_capacity(count);
-        for index in 0..count {
-            if index > 0 && index % 12 == 0 {
-                line = lines.within("an epoch")?;
+            let Some(line) = self.lines.next_if(|line| !begins_epoch(line, is_version_2, time_system)) else {
+                let flaw = if self.lines.peek().is_some() { Flaw::Damaged } else { Flaw::Cut };
+                self.skipped.note(flaw, self.lines.number());
+                break;
+            };
+            if self.header.codes.read(line).is_err() {
+                self.skipped.lose(Flaw::Damaged, self.lines.number(), 1);
             }
-            let column = 32 + 3 * (index % 12);
-            names.push(line.get(column..(column + 3).min(line.len())).unwrap_or(""));
         }
-        let mut satellites = Vec::with_capacity(count);
+        self.fields = Fields::of(&self.header);
+    }
+
+    /// The satellites of an epoch of RINEX 3 and 4; `None` if the file ends inside it.
+    fn satellites_3(&mut self, count: usize) -> Option<Vec<MeasuredSatellite>> {
+        let begin = self.lines.number();
+        let mut satellites = Vec::with_capacity(count.min(100));
+        for _ in 0..count {
+            self.skip_labelled();
+            match self.lines.peek() {
+                None => return self.cut(begin),
+                Some(line) if line.starts_with('>') => {
+                    self.skipped.lose(Flaw::Damaged, begin, 1);
+                    break;
+                }
+                Some(_) => {}
+            }
+            if self.lines.is_cut(3, FIELD, VALUE) {
+                return self.cut(begin);
+            }
+            let Some(line) = self.lines.next() else { break };
+            let (name, values) = (columns(line, 0, 3), line.get(3..).unwrap_or(""));
+            let read = satellite(name, values, &self.header, &self.fields);
+            self.keep(read, 1, &mut satellites);
+        }
+        Some(satellites)
+    }
+
+    /// Counts an epoch that the end of the file cuts, and takes what is left of it.
+    fn cut<T>(&mut self, line: u64) -> Option<T> {
+        while self.lines.next().is_some() {}
+        self.skipped.note(Flaw::Cut, line);
+        None
+    }
+
+    /// Keeps a satellite, or counts why it is not kept.
+    fn keep(&mut self, read: Read, lines: u64, satellites: &mut Vec<MeasuredSatellite>) {
+        let number = self.lines.number();
+        match read {
+            Read::Satellite(measured, damaged) => {
+                (0..damaged).for_each(|_| self.skipped.note(Flaw::Damaged, number));
+                if satellites.iter().any(|other| other.satellite == measured.satellite) {
+                    self.skipped.lose(Flaw::Damaged, number, lines);
+                } else if !measured.signals.is_empty() {
+                    satellites.push(measured);
+                }
+            }
+            Read::OtherSystem => {}
+            Read::Unlisted => self.skipped.other_kinds += 1,
+            Read::Unknown => self.skipped.lose(Flaw::UnknownSatellite, number, lines),
+            Read::Damaged => self.skipped.lose(Flaw::Damaged, number, lines),
+        }
+    }
+
+    /// The satellites of an epoch of RINEX 2; `None` if the file ends inside it or its lines do not fit.
+    fn satellites_2(&mut self, count: usize) -> Option<Vec<MeasuredSatellite>> {
+        let (begin, counted) = (self.lines.number(), self.lines.count());
+        let names = self.names_2(count)?;
+        let height = self.header.codes.of('G').map_or(0, <[String]>::len).div_ceil(5);
+        let time_system = self.header.time_system;
+        let mut satellites = Vec::with_capacity(count.min(100));
+        let mut flaws = Skipped::default();
+        std::mem::swap(&mut flaws, &mut self.skipped);
+        let mut is_whole = true;
         for name in names {
-            let height = self.header.codes.of(self.system(name))?.len().div_ceil(5);
             let mut values = String::with_capacity(80 * height);
             for _ in 0..height {
+                if self.lines.peek().is_none() || self.lines.is_cut(0, FIELD, VALUE) {
+                    self.skipped = flaws;
+                    return self.cut(begin);
+                }
+                let Some(line) = self.lines.next_if(|line| !begins_epoch(line, true, time_system)) else {
+                    is_whole = false;
+                    break;
+                };
                 // Five fields of 16 columns; trailing blanks may have been cut.
-                let _ = write!(values, "{:80.80}", lines.within("an epoch")?);
+                let _ = write!(values, "{line:80.80}");
             }
-            satellites.extend(self.record(name, &values)?);
-        }
-        Ok(satellites)
-    }
-
-    /// The letter of a satellite's system; RINEX 2 may leave it blank where the header names the only one.
-    fn system(&self, name: &str) -> char {
-        match name.chars().next() {
-            Some(letter) if letter.is_ascii_alphabetic() => letter,
-            _ if self.header.system == 'M' => 'G',
-            _ => self.header.system,
-        }
-    }
-
-    /// One satellite's record; one that cannot be read, of a system that nobody asked for, is counted and passed over.
-    fn record(&mut self, name: &str, values: &str) -> Result<Option<MeasuredSatellite>> {
-        let system = Constellation::from_letter(self.system(name));
-        let is_wanted = system.is_some_and(|system| self.wanted.contains(&system));
-        match self.satellite(name, values) {
-            Err(_) if !is_wanted => {
-                self.malformed += 1;
-                Ok(None)
+            if !is_whole {
+                break;
             }
-            read => read.with_context(|| format!("satellite {name}")),
+            let read = satellite(&name, &values, &self.header, &self.fields);
+            self.keep(read, height as u64, &mut satellites);
         }
+        is_whole = is_whole && self.lines.peek().is_none_or(|line| begins(line, true, time_system));
+        std::mem::swap(&mut flaws, &mut self.skipped);
+        if is_whole {
+            self.skipped.add(&flaws);
+            return Some(satellites);
+        }
+        // The names came first: with a line missing or one too many, satellites would get their neighbours' ranges.
+        self.skipped.lose(Flaw::Damaged, begin, 1 + self.lines.count() - counted);
+        None
     }
 
-    /// One satellite from its fields, side by side; none if it is of no use.
-    fn satellite(&self, name: &str, values: &str) -> Result<Option<MeasuredSatellite>> {
-        let system = self.system(name);
-        let Some(constellation) = Constellation::from_letter(system) else { return Ok(None) };
-        let digits = name.trim_start_matches(|letter: char| letter.is_ascii_alphabetic()).trim();
-        let satellite = digits.parse().ok().and_then(|number| SatelliteId::new(constellation, number));
-        let satellite = satellite.with_context(|| format!("`{name}` is not a satellite"))?;
-        // Asked of the header, so that RINEX 2's one list serves every system.
-        self.header.codes.of(system)?;
-        let fields = self.fields.get(&constellation).map_or(&[][..], Vec::as_slice);
-        let signals = signals(fields, values)?;
-        Ok((!signals.is_empty()).then_some(MeasuredSatellite { satellite, signals }))
-    }
-}
-
-/// The signals of one satellite that have a pseudorange; blank and zero mean none.
-fn signals(fields: &[Option<Field>], values: &str) -> Result<Vec<MeasuredSignal>> {
-    let mut signals: Vec<MeasuredSignal> = Vec::new();
-    let mut others: Vec<(Field, f64)> = Vec::new();
-    for (index, field) in fields.iter().enumerate() {
-        let (Some(field), column) = (field, 16 * index) else { continue };
-        let value = number(columns(values, column, column + 14))?.filter(|value| *value != 0.0);
-        match (value, field.quantity) {
-            (None, _) => {}
-            (Some(range_m), Quantity::Pseudorange) => {
-                signals.extend(field.signal(range_m, columns(values, column + 15, column + 16)));
+    /// The names that the epoch line and its continuations give.
+    fn names_2(&mut self, count: usize) -> Option<Vec<String>> {
+        let begin = self.lines.number();
+        let mut line = self.lines.current().to_owned();
+        let mut names = Vec::with_capacity(count.min(100));
+        for index in 0..count {
+            if index > 0 && index % 12 == 0 {
+                let Some(next) = self.lines.next_if(|line| columns(line, 0, 32).is_empty()) else {
+                    let is_end = self.lines.peek().is_none();
+                    self.skipped.lose(
+                        if is_end { Flaw::Cut } else { Flaw::Damaged },
+                        begin,
+                        u64::from(!is_end),
+                    );
+                    return None;
+                };
+                next.clone_into(&mut line);
             }
-            (Some(value), _) => others.push((*field, value)),
+            let column = 32 + 3 * (index % 12);
+            names.push(line.get(column..(column + 3).min(line.len())).unwrap_or("").to_owned());
         }
+        Some(names)
     }
-    for (field, value) in others {
-        signals
-            .iter_mut()
-            .filter(|signal| field.belongs_to(signal))
-            .for_each(|signal| field.complete(signal, value));
-    }
-    Ok(signals)
 }
 
-/// What a field measures, as far as RAI cares.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Quantity {
-    Pseudorange,
-    CarrierPhase,
-    SignalToNoise,
-    Doppler,
-}
+impl Iterator for Observations {
+    type Item = Result<MeasuredEpoch>;
 
-/// What one field of a satellite's record holds.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Field {
-    quantity: Quantity,
-    band: u8,
-    /// None where RINEX 2 gives a quantity per band only.
-    attribute: Option<char>,
-}
-
-impl Field {
-    /// The field of a code as RINEX 3.05 names signals, or none if RAI has no use for it.
-    ///
-    /// `BeiDou`'s B1I at 1561.098 MHz has been band 2 since RINEX 3.03 and was band 1 in 3.02; RINEX 2 names the band
-    /// alone, so the attribute is the one in common use there.
-    fn new(constellation: Constellation, code: &str, version: u16) -> Option<Self> {
-        let mut letters = code.chars();
-        let letter = letters.next()?;
-        let quantity = match letter {
-            'C' | 'P' => Quantity::Pseudorange,
-            'L' => Quantity::CarrierPhase,
-            'S' => Quantity::SignalToNoise,
-            'D' => Quantity::Doppler,
-            _ => return None,
-        };
-        let band = letters.next()?.to_digit(10)? as u8;
-        let attribute = letters.next();
-        let is_b1i = constellation == Constellation::Beidou
-            && band == 1
-            && (version < 303 || matches!(attribute, Some('I' | 'Q')));
-        let band = if is_b1i { 2 } else { band };
-        match (version < 300, quantity) {
-            (false, _) => attribute.map(|attribute| Self { quantity, band, attribute: Some(attribute) }),
-            (true, Quantity::Pseudorange) => {
-                Some(Self { quantity, band, attribute: Some(attribute_2(constellation, letter, band)) })
+    fn next(&mut self) -> Option<Self::Item> {
+        let (is_version_2, time_system) = (self.header.version < 300, self.header.time_system);
+        loop {
+            self.skip_labelled();
+            let Some(line) = self.lines.next() else { return self.end() };
+            if line.trim().is_empty() {
+                continue;
             }
-            (true, _) => Some(Self { quantity, band, attribute: None }),
-        }
-    }
-
-    fn belongs_to(self, signal: &MeasuredSignal) -> bool {
-        self.band == signal.band && self.attribute.is_none_or(|attribute| attribute == signal.attribute)
-    }
-
-    /// A signal of this pseudorange. Until a field says more, C/N0 is the middle of the class that the digit beside the
-    /// value names: class `k` of 2 to 9 goes from `6 k` to `6 k + 6` dB-Hz.
-    fn signal(self, pseudorange_m: f64, strength: &str) -> Option<MeasuredSignal> {
-        let class = strength.parse::<u8>().ok().filter(|class| *class > 0);
-        let cn0_dbhz = class.map(|class| 6.0 * f64::from(class) + 3.0);
-        Some(MeasuredSignal {
-            band: self.band,
-            attribute: self.attribute?,
-            pseudorange_m,
-            carrier_cycles: None,
-            cn0_dbhz,
-            doppler_hz: None,
-        })
-    }
-
-    fn complete(self, signal: &mut MeasuredSignal, value: f64) {
-        match self.quantity {
-            Quantity::CarrierPhase => signal.carrier_cycles = Some(value),
-            Quantity::SignalToNoise => signal.cn0_dbhz = Some(value),
-            Quantity::Doppler => signal.doppler_hz = Some(value),
-            Quantity::Pseudorange => {}
+            let Some(opening) = opening(line, is_version_2, time_system) else {
+                self.stray();
+                continue;
+            };
+            let Some(time) = opening.time.filter(|_| opening.has_ranges()) else {
+                self.event(opening.count);
+                continue;
+            };
+            self.begin = self.lines.number();
+            let satellites = if is_version_2 {
+                self.satellites_2(opening.count)
+            } else {
+                self.satellites_3(opening.count)
+            };
+            if opening.flag == Opening::CYCLE_SLIPS {
+                self.skipped.other_kinds += 1;
+                continue;
+            }
+            if let Some(satellites) = satellites {
+                return Some(Ok(MeasuredEpoch { time, satellites }));
+            }
         }
     }
 }
 
-/// What RINEX 2 leaves unsaid: the component of the signal that a pseudorange was taken from.
-fn attribute_2(constellation: Constellation, letter: char, band: u8) -> char {
-    match (constellation, letter, band) {
-        (Constellation::Gps, 'P', _) => 'W',
-        (_, 'P', _) => 'P',
-        (Constellation::Gps | Constellation::Glonass, _, 1) | (Constellation::Glonass, ..) => 'C',
-        (Constellation::Beidou, ..) => 'I',
-        _ => 'X',
+/// Returns true for lines that may follow a record.
+fn begins(line: &str, is_version_2: bool, time_system: TimeSystem) -> bool {
+    line.trim().is_empty() || is_labelled(line) || begins_epoch(line, is_version_2, time_system)
+}
+
+/// Returns true for lines that begin an epoch, in RINEX 3 by their first character, damaged or not.
+fn begins_epoch(line: &str, is_version_2: bool, time_system: TimeSystem) -> bool {
+    if is_version_2 { opening(line, true, time_system).is_some() } else { line.starts_with('>') }
+}
+
+/// What an epoch line says; `None` for a line that is none.
+fn opening(line: &str, is_version_2: bool, time_system: TimeSystem) -> Option<Opening> {
+    if line.starts_with('>') == is_version_2 {
+        return None;
+    }
+    let (date, column) = if is_version_2 { (0..26, 28) } else { (1..29, 31) };
+    let digit = columns(line, column, column + 1);
+    let flag = if digit.is_empty() { 0 } else { digit.parse().ok().filter(|flag| *flag <= 6)? };
+    let count = columns(line, column + 1, column + 4).parse().ok()?;
+    let date = columns(line, date.start, date.end);
+    let time = calendar::instant(date, time_system).ok();
+    let opening = Opening { flag, time, count };
+    let is_dated = time.is_some() || (date.is_empty() && !opening.has_ranges());
+    is_dated.then_some(opening)
+}
+
+/// What came of a satellite's record.
+enum Read {
+    /// What was measured, and how many values beside the pseudoranges cannot be read.
+    Satellite(MeasuredSatellite, u64),
+    /// A system that RAI does not know.
+    OtherSystem,
+    /// A system of which the header lists no observations.
+    Unlisted,
+    /// A satellite that its system does not have.
+    Unknown,
+    /// A record that cannot be read.
+    Damaged,
+}
+
+/// One satellite from its fields, side by side.
+fn satellite(name: &str, values: &str, header: &Header, fields: &Fields) -> Read {
+    let Some(letter) = system(name, header) else { return Read::Damaged };
+    let digits = name.trim_start_matches(letter).trim();
+    let Ok(number) = digits.parse() else { return Read::Damaged };
+    if !Fields::is_read(letter) {
+        return if letter.is_ascii_uppercase() { Read::OtherSystem } else { Read::Damaged };
+    }
+    let Some(satellite) = SatelliteId::from_name(letter, number) else { return Read::Unknown };
+    let Some(fields) = fields.of_system(letter) else { return Read::Unlisted };
+    match signals::signals(fields, values) {
+        Ok(found) => Read::Satellite(MeasuredSatellite { satellite, signals: found.signals }, found.damaged),
+        Err(_) => Read::Damaged,
     }
 }
 
-/// The fields of each system's records.
-fn fields(header: &Header) -> HashMap<Constellation, Vec<Option<Field>>> {
-    let of = |constellation: Constellation| {
-        let codes = header.codes.of(constellation.letter()).ok()?;
-        let field = |code: &String| Field::new(constellation, code, header.version);
-        Some((constellation, codes.iter().map(field).collect()))
-    };
-    Constellation::ALL.into_iter().filter_map(of).collect()
+/// The letter of a satellite's system; RINEX 2 may leave it blank where the header names the only one.
+fn system(name: &str, header: &Header) -> Option<char> {
+    match name.chars().next()? {
+        letter if letter.is_ascii_alphabetic() => Some(letter),
+        ' ' | '0'..='9' if header.version < 300 => {
+            Some(if header.system == 'M' { 'G' } else { header.system })
+        }
+        _ => None,
+    }
 }

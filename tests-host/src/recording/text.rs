@@ -1,47 +1,207 @@
-//! A cursor over the lines of a text that knows where it is, and what stands in their columns.
+//! Lines of a file one at a time, with their numbers, and what stands in their columns.
 
-use anyhow::{Context, Result};
+use std::io::{BufRead, Read as _};
 
-/// Lines with their numbers.
-pub(super) struct Lines<'a> {
-    lines: std::iter::Peekable<std::str::Lines<'a>>,
-    number: usize,
+use anyhow::{Context, Error, Result, ensure};
+
+use super::skipped::{Flaw, Skipped};
+
+/// Longest line of a text file, bytes.
+const LINE_LIMIT: u64 = 1 << 16;
+
+/// A source of lines.
+pub(super) trait Source: Send {
+    /// Replaces `line` by the next line and returns its number in the file from 1; `None` at the end.
+    fn read(&mut self, line: &mut String) -> Result<Option<u64>>;
+
+    /// Returns true if the line that was read last has no line end, so that it may be cut.
+    fn is_open(&self) -> bool;
+
+    /// Returns what the source itself passed over so far.
+    fn skipped(&self) -> Skipped;
 }
 
-impl<'a> Lines<'a> {
-    pub(super) fn of(text: &'a str) -> Self {
-        Self { lines: text.lines().peekable(), number: 0 }
-    }
+/// Lines of a byte stream as they are.
+///
+/// Bytes outside ASCII (names in comments) become `?`, so that every column stays where it was. A byte order mark
+/// before the first line is no part of it.
+pub(super) struct Plain<R> {
+    input: R,
+    bytes: Vec<u8>,
+    number: u64,
+    is_open: bool,
+    skipped: Skipped,
+}
 
-    /// Number of the line last returned, from 1.
-    pub(super) fn number(&self) -> usize {
-        self.number
-    }
-
-    /// The next line without taking it.
-    pub(super) fn peek(&mut self) -> Option<&'a str> {
-        self.lines.peek().copied()
-    }
-
-    /// The next line of something that has begun.
-    pub(super) fn within(&mut self, what: &str) -> Result<&'a str> {
-        self.next().with_context(|| format!("the file ends inside {what}"))
+impl<R: BufRead + Send> Plain<R> {
+    pub(super) fn new(input: R) -> Self {
+        Self { input, bytes: Vec::new(), number: 0, is_open: false, skipped: Skipped::default() }
     }
 }
 
-impl<'a> Iterator for Lines<'a> {
-    type Item = &'a str;
+impl<R: BufRead + Send> Source for Plain<R> {
+    fn read(&mut self, line: &mut String) -> Result<Option<u64>> {
+        const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
+        self.bytes.clear();
+        let read = self.input.by_ref().take(LINE_LIMIT).read_until(b'\n', &mut self.bytes);
+        if read.context("cannot be read to its end: it may be damaged or cut")? == 0 {
+            return Ok(None);
+        }
+        self.number += 1;
+        self.is_open = self.bytes.last() != Some(&b'\n');
+        ensure!(
+            !self.is_open || (self.bytes.len() as u64) < LINE_LIMIT,
+            "line {} has {LINE_LIMIT} bytes or more, which no RINEX line has",
+            self.number
+        );
+        let mut bytes = self.bytes.as_slice();
+        if let Some(marked) = bytes.strip_prefix(BYTE_ORDER_MARK).filter(|_| self.number == 1) {
+            self.skipped.note(Flaw::HeaderField, self.number);
+            bytes = marked;
+        }
+        bytes = bytes.strip_suffix(b"\n").unwrap_or(bytes);
+        bytes = bytes.strip_suffix(b"\r").unwrap_or(bytes);
+        line.clear();
+        line.extend(bytes.iter().map(|byte| if byte.is_ascii() { char::from(*byte) } else { '?' }));
+        Ok(Some(self.number))
+    }
 
-    fn next(&mut self) -> Option<&'a str> {
-        let line = self.lines.next();
-        self.number += usize::from(line.is_some());
-        line
+    fn is_open(&self) -> bool {
+        self.is_open
+    }
+
+    fn skipped(&self) -> Skipped {
+        self.skipped.clone()
+    }
+}
+
+/// A line and its number.
+#[derive(Default)]
+struct Line {
+    text: String,
+    number: u64,
+}
+
+/// Lines of a source with one line of foresight.
+///
+/// An error of the source ends the lines; [`Lines::failure`] returns it.
+pub(super) struct Lines {
+    source: Box<dyn Source>,
+    current: Line,
+    ahead: Line,
+    has_ahead: bool,
+    has_ended: bool,
+    failure: Option<Error>,
+    count: u64,
+}
+
+impl Lines {
+    /// Lines that begin with one that was read before.
+    pub(super) fn new(source: Box<dyn Source>, first: String) -> Self {
+        Self {
+            source,
+            current: Line::default(),
+            ahead: Line { text: first, number: 1 },
+            has_ahead: true,
+            has_ended: false,
+            failure: None,
+            count: 0,
+        }
+    }
+
+    /// Returns the number of the current line in the file, from 1.
+    pub(super) fn number(&self) -> u64 {
+        self.current.number
+    }
+
+    /// Returns how many lines [`Lines::next`] returned.
+    pub(super) fn count(&self) -> u64 {
+        self.count
+    }
+
+    /// Returns what the source passed over so far.
+    pub(super) fn skipped(&self) -> Skipped {
+        self.source.skipped()
+    }
+
+    /// Returns the next line; `None` at the end.
+    pub(super) fn next(&mut self) -> Option<&str> {
+        self.look();
+        if !self.has_ahead {
+            return None;
+        }
+        std::mem::swap(&mut self.current, &mut self.ahead);
+        self.has_ahead = false;
+        self.count += 1;
+        Some(&self.current.text)
+    }
+
+    /// Returns the next line without taking it.
+    pub(super) fn peek(&mut self) -> Option<&str> {
+        self.look();
+        self.has_ahead.then_some(self.ahead.text.as_str())
+    }
+
+    /// Takes the next line if it belongs to the record.
+    pub(super) fn next_if(&mut self, belongs: impl Fn(&str) -> bool) -> Option<&str> {
+        self.peek().filter(|line| belongs(line))?;
+        self.next()
+    }
+
+    /// Returns the current line.
+    pub(super) fn current(&self) -> &str {
+        &self.current.text
+    }
+
+    /// Returns true if the file ends inside a value of the next line. The fields begin at column `from`; each is `width`
+    /// columns wide, of which the value takes the first `of_value`.
+    pub(super) fn is_cut(&mut self, from: usize, width: usize, of_value: usize) -> bool {
+        self.look();
+        let used = self.ahead.text.trim_end().len();
+        let is_inside = used < from || (1..of_value).contains(&((used - from) % width));
+        self.has_ahead && self.source.is_open() && is_inside
+    }
+
+    /// Returns true if every line was returned.
+    pub(super) fn has_ended(&mut self) -> bool {
+        self.look();
+        !self.has_ahead
+    }
+
+    /// Returns the error that ended the lines, once.
+    pub(super) fn failure(&mut self) -> Option<Error> {
+        self.failure.take()
+    }
+
+    fn look(&mut self) {
+        if self.has_ahead || self.has_ended {
+            return;
+        }
+        match self.source.read(&mut self.ahead.text) {
+            Ok(Some(number)) => (self.ahead.number, self.has_ahead) = (number, true),
+            Ok(None) => self.has_ended = true,
+            Err(error) => (self.failure, self.has_ended) = (Some(error), true),
+        }
     }
 }
 
 /// Columns `from..to` without the blanks around; what the line does not reach is empty.
 pub(super) fn columns(line: &str, from: usize, to: usize) -> &str {
     line.get(from.min(line.len())..to.min(line.len())).unwrap_or("").trim()
+}
+
+/// The label of a header line.
+pub(super) fn label(line: &str) -> &str {
+    columns(line, 60, 80)
+}
+
+/// Returns true for lines with a label of a header: no record has this many letters there.
+pub(super) fn is_labelled(line: &str) -> bool {
+    line.len() > 60 && (label(line) == "COMMENT" || label(line).contains(" / ") || has_letters(label(line)))
+}
+
+fn has_letters(label: &str) -> bool {
+    label.bytes().filter(u8::is_ascii_uppercase).count() >= 5
 }
 
 /// A number of Fortran, `D` exponents included; nothing when the columns are blank.

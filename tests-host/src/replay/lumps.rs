@@ -80,7 +80,7 @@ pub struct Encoding<I> {
     heaven: Option<Heaven>,
     window: Window,
     satellites: BTreeSet<SatelliteId>,
-    first: Option<GpsTime>,
+    span: Option<(GpsTime, GpsTime)>,
     /// Seconds from the first epoch to the last one of the window.
     last_used_s: Option<f64>,
     has_ended: bool,
@@ -108,15 +108,26 @@ impl<I: Iterator<Item = Result<MeasuredEpoch>>> Encoding<I> {
             heaven,
             window: *window,
             satellites: BTreeSet::new(),
-            first: None,
+            span: None,
             last_used_s: None,
             has_ended: false,
         })
     }
 
+    /// Returns the first epoch and the last one so far.
+    pub fn span(&self) -> Option<(GpsTime, GpsTime)> {
+        self.span
+    }
+
+    /// Returns where the epochs come from.
+    pub fn epochs(&self) -> &I {
+        &self.epochs
+    }
+
     fn advance(&mut self) -> Result<Option<Lump>> {
         while let Some(epoch) = self.epochs.next().transpose()? {
-            let first = *self.first.get_or_insert(epoch.time);
+            let first = self.span.map_or(epoch.time, |(first, _)| first);
+            self.span = Some((first, epoch.time));
             let elapsed_s = epoch.time.since_ms(first) as f64 * 1e-3;
             if !self.faults.is_empty() {
                 self.satellites.extend(epoch.satellites.iter().map(|measured| measured.satellite));
@@ -133,7 +144,7 @@ impl<I: Iterator<Item = Result<MeasuredEpoch>>> Encoding<I> {
         }
         let Window { from_s, to_s, .. } = self.window;
         ensure!(
-            self.last_used_s.is_some() || self.first.is_none(),
+            self.last_used_s.is_some() || self.span.is_none(),
             "no epoch between {from_s} s and {to_s} s of the recording"
         );
         Ok(None)

@@ -9,6 +9,7 @@ use serde::Serialize;
 use super::quantiles::Quantiles;
 use super::track::{Moment, Track};
 use crate::fault::{Fault, Kind};
+use crate::recording::Skipped;
 
 /// Counts and errors of a run. Errors, misleading and hazardous epochs are known only where there is a truth; errors
 /// are those of protected epochs, since nobody is asked to use the others.
@@ -63,8 +64,8 @@ pub struct Summary {
     pub with_truth: usize,
     /// Times that the module complained of a silent line.
     pub stale: usize,
-    /// Records of systems not in use that could not be read.
-    pub malformed: u64,
+    /// Records of RINEX files that were passed over.
+    pub skipped: Skipped,
     /// The module's counters at the end, without those that stand at zero.
     pub counters: BTreeMap<String, u32>,
 }
@@ -314,8 +315,8 @@ impl fmt::Display for Summary {
         if !excluded.is_empty() {
             writeln!(formatter, "left out, epochs   {excluded}")?;
         }
-        if self.malformed > 0 {
-            writeln!(formatter, "not read           {} records of systems not in use", self.malformed)?;
+        if !self.skipped.is_empty() {
+            writeln!(formatter, "records skipped    {}", self.skipped)?;
         }
         self.injected.iter().try_for_each(|fault| writeln!(formatter, "{fault}"))
     }

@@ -26,7 +26,7 @@ use super::atmosphere::{ionosphere_m, troposphere_m};
 use super::broadcast::{SatelliteClock, ephemeris};
 use super::{Fleet, Noise, Oscillator, ReceiverClock, Satellite, Sight, Site, sights};
 use crate::measurement::{MeasuredEpoch, MeasuredSatellite, MeasuredSignal, TimedEphemeris};
-use crate::recording::Recording;
+use crate::recording::{Recording, Skipped};
 
 /// Ephemerides are renewed every hour, s.
 const RENEWAL_S: f64 = 3600.0;
@@ -122,7 +122,7 @@ impl Simulation {
             epochs: self.raw_epochs(),
             ephemerides: self.ephemerides(),
             klobuchar: None,
-            malformed: 0,
+            skipped: Skipped::default(),
             approximate_position: Some(self.site.position),
         }
     }

@@ -20,7 +20,7 @@ mod glonass;
 mod lnav;
 mod sealing;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use rai_core::satellite::{Constellation, SatelliteId};
 use rai_firmware::time::{BEIDOU_OFFSET_MS, GpsTime, WEEK_MS};
 
@@ -136,8 +136,7 @@ impl Encoder {
         selection: Selection,
         ionosphere_and_utc: Option<IonosphereAndUtc>,
     ) -> Self {
-        let selected =
-            |ephemeris: &&TimedEphemeris| selection.systems.contains(&ephemeris.satellite.constellation());
+        let selected = |ephemeris: &&TimedEphemeris| is_sent(&selection, ephemeris.satellite);
         let schedule = Schedule::new(ephemerides.iter().filter(selected).cloned());
         Self { selection, schedule, channels: Channels::of(ephemerides), ionosphere_and_utc }
     }
@@ -159,6 +158,11 @@ impl Encoder {
         bytes.extend(rawx(&measurable(epoch), &self.selection, &self.channels));
         Ok(bytes)
     }
+}
+
+/// Returns true for satellites of the selected systems; those of QZSS are sent as RTCM alone.
+fn is_sent(selection: &Selection, satellite: SatelliteId) -> bool {
+    selection.has(satellite) && !satellite.is_qzss()
 }
 
 /// Which 30 s of the week.
@@ -186,6 +190,7 @@ pub fn pages(ephemeris: &TimedEphemeris, time: GpsTime) -> Result<Vec<u8>> {
             slot = message.glo_satellite_freq_chan_number;
             (0, glonass::ephemeris(message)?)
         }
+        Ephemeris::Qzss(_) => bail!("{} is of QZSS, which is sent as RTCM alone", ephemeris.satellite),
     };
     let channel = channel(ephemeris.satellite.constellation(), slot);
     Ok(pages.iter().flat_map(|words| subframe_on(ephemeris.satellite, signal, channel, words)).collect())
@@ -214,8 +219,7 @@ fn rawx(epoch: &MeasuredEpoch, selection: &Selection, channels: &Channels) -> Ve
     /// Sigma of a range 0.01·2⁵ m.
     const SIGMA: u8 = 5;
     let mut measurements = Vec::new();
-    let selected =
-        |satellite: &&MeasuredSatellite| selection.systems.contains(&satellite.satellite.constellation());
+    let selected = |satellite: &&MeasuredSatellite| is_sent(selection, satellite.satellite);
     for satellite in epoch.satellites.iter().filter(selected) {
         let constellation = satellite.satellite.constellation();
         let Some(channel) = channels.slot(satellite.satellite).map(|slot| channel(constellation, slot))
