@@ -214,12 +214,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     };
     let counters = playback.counters()?.into_iter().filter(|(_, count)| *count > 0).collect();
     let identical = board.as_ref().map(|board| board.difference.is_none());
-    let summary = Summary {
-        host_target_identical: identical,
-        skipped: source.skipped(),
-        counters,
-        ..sink.summary()
-    };
+    let summary =
+        Summary { host_target_identical: identical, skipped: source.skipped(), counters, ..sink.summary() };
     sink.end(&question.faults, &summary)?;
     note(&source, arguments);
     print(arguments, &summary, board.as_ref(), source.missing().as_deref())?;
@@ -265,13 +261,13 @@ fn of_recording(arguments: &Arguments, question: &mut Question) -> Result<Source
         question.truth = question.truth.take().or(Some(Truth::Fixed(sample.truth)));
         return observed(arguments, &[sample.observations], vec![sample.navigation], question);
     }
-    observed(arguments, &arguments.obs, arguments.nav.clone(), question).map_err(|error| {
-        match capture_among(arguments) {
-            Some(path) => anyhow!(
-                "{path} is a capture of a receiver and no RINEX: give it alone, cargo xtask replay {path}"
-            ),
-            None => error,
-        }
+    observed(arguments, &arguments.obs, arguments.nav.clone(), question).map_err(|error| match capture_among(
+        arguments,
+    ) {
+        Some(path) => anyhow!(
+            "{path} is a capture of a receiver and no RINEX: give it alone, cargo xtask replay {path}"
+        ),
+        None => error,
     })
 }
 

@@ -44,7 +44,8 @@ impl Bytes {
     /// # Errors
     /// The source cannot be opened or read, sends nothing, is packed by something other than gzip, or needs a limit.
     pub fn open(name: &str, limit_s: f64) -> Result<Self> {
-        let limit = limit_s.is_finite().then(|| Duration::from_secs_f64(limit_s.clamp(0.0, LONGEST_S)) + GRACE);
+        let limit =
+            limit_s.is_finite().then(|| Duration::from_secs_f64(limit_s.clamp(0.0, LONGEST_S)) + GRACE);
         if name == "-" {
             return Self::unpacked(Line::new(spawn(std::io::stdin()), limit, None));
         }
@@ -186,9 +187,8 @@ impl Line {
         let patience = left.into_iter().chain(self.silence).min().unwrap_or(Duration::MAX);
         match self.chunks.recv_timeout(patience) {
             Ok(read) => {
-                self.end = self
-                    .end
-                    .or_else(|| self.limit.and_then(|limit| Instant::now().checked_add(limit)));
+                self.end =
+                    self.end.or_else(|| self.limit.and_then(|limit| Instant::now().checked_add(limit)));
                 read
             }
             Err(RecvTimeoutError::Timeout) if self.end.is_none() => {

@@ -125,10 +125,8 @@ fn spawn(
     source: impl FnOnce(&SyncSender<News>) -> Result<&'static str> + Send + 'static,
 ) {
     thread::spawn(move || {
-        let end = source(&sender).map_or_else(
-            |error| News::Failed(format!("{error:#}")),
-            |why| News::End(why.to_owned()),
-        );
+        let end = source(&sender)
+            .map_or_else(|error| News::Failed(format!("{error:#}")), |why| News::End(why.to_owned()));
         // Where nobody listens any more there is nobody to tell.
         let _ = sender.send(end);
     });

@@ -208,4 +208,3 @@ impl Heaven {
         Ok(seen.iter().map(|one| (one.satellite, towards(one.position))).collect())
     }
 }
-

@@ -84,8 +84,7 @@ fn extremes(moments: &[&Moment]) -> Vec<usize> {
     ];
     let first = |is: &dyn Fn(&Moment) -> bool| moments.iter().position(|moment| is(moment));
     let verdict = |verdict| first(&|moment: &Moment| moment.verdict == verdict);
-    let mut found =
-        vec![verdict(Verdict::Protected), verdict(Verdict::Alert), verdict(Verdict::Unavailable)];
+    let mut found = vec![verdict(Verdict::Protected), verdict(Verdict::Alert), verdict(Verdict::Unavailable)];
     found.push(first(&|moment| !moment.excluded.is_empty()));
     for value in CURVES {
         let of = |(index, moment): (usize, &&Moment)| value(moment).map(|value| (value, index));

@@ -237,12 +237,7 @@ pub fn stacked(charts: &[LineChart], moments: &[Moment], ground: Ground) -> Resu
 }
 
 /// As [`stacked`], where moments stand for others: of each verdict there are as many as `tally` says.
-fn stacked_of(
-    charts: &[LineChart],
-    moments: &[Moment],
-    tally: [usize; 3],
-    ground: Ground,
-) -> Result<String> {
+fn stacked_of(charts: &[LineChart], moments: &[Moment], tally: [usize; 3], ground: Ground) -> Result<String> {
     const PANEL_PX: u32 = 260;
     let titles: Vec<&str> = charts.iter().map(|chart| chart.title.as_str()).collect();
     let title = format!("{}. {}", titles.join(". "), spoken(tally));
