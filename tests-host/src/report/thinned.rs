@@ -39,14 +39,19 @@ impl Thinned {
         self.verdicts[verdict] += 1;
         self.kept.push((self.all, moment));
         self.all += 1;
-        while self.kept.len() > MOST {
+        if self.kept.len() > MOST {
+            // What came since the last time first: longer stretches are for what is thin already.
             self.thin();
+            while self.kept.len() > MOST / 2 {
+                self.stretch *= 2;
+                self.thin();
+            }
         }
     }
 
+    /// Lets each stretch give way to its extremes.
     fn thin(&mut self) {
         let stretch = self.stretch;
-        self.stretch *= 2;
         let kept = std::mem::take(&mut self.kept);
         for group in kept.chunk_by(|(one, _), (other, _)| one / stretch == other / stretch) {
             let moments: Vec<&Moment> = group.iter().map(|(_, moment)| moment).collect();
