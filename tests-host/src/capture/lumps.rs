@@ -29,6 +29,8 @@ const HEAD: usize = 4096;
 pub struct Lumps<R> {
     stream: Stream<R>,
     cutter: Cutter,
+    /// An ephemeris of the navigation files, until the week is taken from it.
+    week: Option<Vec<u8>>,
     content: Content,
     orbits: Option<Orbits>,
     feeder: Option<Feeder>,
@@ -66,11 +68,11 @@ impl<R: Read> Lumps<R> {
             "a shift needs to know where the satellites stand, which a capture is not asked for: use a recording, --obs and \
              --nav"
         );
-        // Ranges of RTCM have no week, and some of them may come before an ephemeris that says it.
         let week = orbits.as_ref().map(Orbits::week).transpose()?;
         Ok(Self {
             stream: Stream::of(source),
-            cutter: Cutter::after(&week.unwrap_or_default()),
+            cutter: Cutter::default(),
+            week,
             content: Content::default(),
             feeder: orbits.as_ref().map(Orbits::feeder),
             orbits,
@@ -117,7 +119,7 @@ impl<R: Read> Lumps<R> {
 
     /// Reads up to the end of an epoch.
     fn cut(&mut self) -> Result<Option<Cut>> {
-        let Self { stream, cutter, content, head, open, span, .. } = self;
+        let Self { stream, cutter, week, content, head, open, span, .. } = self;
         while let Some(piece) = stream.next().context("cannot be read")? {
             if head.len() < HEAD {
                 head.extend(piece.bytes.iter().take(HEAD - head.len()));
@@ -125,7 +127,14 @@ impl<R: Read> Lumps<R> {
             content.count(&piece);
             open.extend_from_slice(piece.bytes);
             drop_oldest(open);
-            let cut = cutter.take(&piece);
+            let mut cut = cutter.take(&piece);
+            if cutter.without_week() > 0
+                && let Some(week) = week.take()
+            {
+                // Ranges of RTCM have no week, and these came before an ephemeris that says it.
+                *cutter = Cutter::after(&week);
+                cut = pieces(open).filter_map(|piece| cutter.take(&piece)).last();
+            }
             if let Some(cut) = cut {
                 let end = content.bytes();
                 match span {
