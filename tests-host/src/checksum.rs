@@ -10,14 +10,29 @@
 //! [RTCM-10403.3]: crate#references
 //! [UBX-F9]: crate#references
 
-/// Returns the parity that ends an RTCM frame, computed bit by bit.
-pub fn crc24q(bytes: &[u8]) -> [u8; 3] {
+/// CRC-24Q of each byte, bit by bit.
+const PARITIES: [u32; 256] = {
     const POLYNOMIAL: u32 = 0x0186_4CFB;
+    let mut parities = [0; 256];
+    let mut byte = 0;
+    while byte < 256 {
+        let (mut crc, mut bit) = ((byte as u32) << 16, 0);
+        while bit < 8 {
+            crc <<= 1;
+            crc = if crc & 0x0100_0000 == 0 { crc } else { crc ^ POLYNOMIAL };
+            bit += 1;
+        }
+        parities[byte] = crc;
+        byte += 1;
+    }
+    parities
+};
+
+/// Returns the parity that ends an RTCM frame.
+pub fn crc24q(bytes: &[u8]) -> [u8; 3] {
     let crc = bytes.iter().fold(0_u32, |crc, byte| {
-        (0..8).fold(crc ^ u32::from(*byte) << 16, |crc, _| {
-            let shifted = crc << 1;
-            if shifted & 0x0100_0000 == 0 { shifted } else { shifted ^ POLYNOMIAL }
-        })
+        let high = (crc >> 16) as u8 ^ byte;
+        (crc << 8 & 0x00FF_FFFF) ^ PARITIES[usize::from(high)]
     });
     let [_, parity @ ..] = crc.to_be_bytes();
     parity

@@ -20,6 +20,7 @@ mod packages;
 mod replay;
 mod reproduce;
 mod setup;
+mod sink;
 mod soak;
 mod tables;
 mod test;

@@ -4,11 +4,12 @@ use std::fs::File;
 use std::io::Write as _;
 use std::path::PathBuf;
 use std::sync::mpsc::RecvTimeoutError;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
-use anyhow::Context as _;
+use anyhow::{Context as _, anyhow, bail};
 use ratatui::crossterm::event::{self, Event, KeyCode, KeyEventKind};
 use tests_host::dashboard::source::{self, Choice, News, Source};
+use tests_host::dashboard::speed::{Control, Speed};
 use tests_host::dashboard::{Dashboard, draw, plain};
 use tests_host::demo::Plan;
 use tests_host::fault::satellite;
@@ -24,9 +25,13 @@ pub(crate) struct Arguments {
     /// A server that passes on the module's host port, HOST:PORT.
     #[arg(long, group = "source")]
     tcp: Option<String>,
-    /// What --record wrote, or a capture of a receiver, which the module in process then judges.
+    /// What --record wrote, or a capture of a receiver, which the module in process then judges. Both may be gzip.
     #[arg(long, group = "source")]
     file: Option<PathBuf>,
+    /// How fast --file is shown: a multiple of how it was recorded, or max. With --plain as fast as it can be judged,
+    /// unless given.
+    #[arg(long, requires = "file", value_name = "N|max", value_parser = speed)]
+    speed: Option<Speed>,
     /// A simulated sky on the emulated board, one satellite of which drifts off.
     #[arg(long, group = "source")]
     demo: bool,
@@ -41,12 +46,17 @@ pub(crate) struct Arguments {
     raw: bool,
 }
 
+fn speed(text: &str) -> Result<Speed, String> {
+    Speed::parse(text).map_err(|error| error.to_string())
+}
+
 /// How long the picture may be behind.
 const FRAME: Duration = Duration::from_millis(100);
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    let mut source = source::open(&arguments.choice()?)?;
+    let choice = arguments.choice()?;
+    let mut source = source::open(&choice)?;
     let mut record = arguments
         .record
         .as_ref()
@@ -55,7 +65,11 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     if arguments.plain {
         print(&source, record.as_mut(), arguments.raw)
     } else {
-        watch(&mut source, record.as_mut())
+        let mut dashboard = Dashboard::of(&source.name);
+        if let Choice::File(_, control) = choice {
+            dashboard.control = Some(control);
+        }
+        watch(&mut source, dashboard, record.as_mut())
     }
 }
 
@@ -64,7 +78,10 @@ impl Arguments {
         Ok(match (&self.port, &self.tcp, &self.file) {
             (Some(path), ..) => Choice::Port(path.clone()),
             (_, Some(address), _) => Choice::Tcp(address.clone()),
-            (.., Some(path)) => Choice::File(path.clone()),
+            (.., Some(path)) => {
+                let usual = if self.plain { Speed::Max } else { Speed::Times(1.0) };
+                Choice::File(path.clone(), Control::new(self.speed.unwrap_or(usual)))
+            }
             _ => {
                 let satellite = satellite("C08").context("a satellite")?;
                 Choice::Demo(Plan { satellite, bias_m: 80.0, seed: 1 })
@@ -93,6 +110,7 @@ fn print(source: &Source, mut record: Option<&mut File>, is_raw: bool) -> anyhow
                 }
             }
             News::End(_) => break,
+            News::Failed(why) => bail!(why),
             News::PinLevel(_) | News::Heaven(_) => {}
         }
     }
@@ -100,48 +118,68 @@ fn print(source: &Source, mut record: Option<&mut File>, is_raw: bool) -> anyhow
 }
 
 /// As a picture, until somebody has seen enough.
-fn watch(source: &mut Source, mut record: Option<&mut File>) -> anyhow::Result<()> {
-    let mut dashboard = Dashboard::of(&source.name);
+fn watch(source: &mut Source, mut dashboard: Dashboard, mut record: Option<&mut File>) -> anyhow::Result<()> {
     let mut terminal = ratatui::try_init().context("this is no terminal: try --plain")?;
+    let mut failure = Ok(());
     let seen = loop {
-        if let Err(error) = hear(source, &mut dashboard, &mut record) {
-            break Err(error);
+        match hear(source, &mut dashboard, &mut record) {
+            Err(error) => break Err(error),
+            Ok(Some(why)) => failure = Err(anyhow!(why)),
+            Ok(None) => {}
         }
         if let Err(error) = terminal.draw(|frame| draw::draw(frame, &dashboard)) {
             break Err(error.into());
         }
-        match key() {
-            Ok(Some('q')) => break Ok(()),
-            Ok(Some(' ')) => dashboard.is_paused = !dashboard.is_paused,
-            Ok(Some('c')) => ask(source),
-            Ok(_) => {}
+        let key = match key() {
+            Ok(key) => key,
             Err(error) => break Err(error),
+        };
+        match (key, &dashboard.control) {
+            (Some('q'), _) => break Ok(()),
+            (Some(' '), _) => dashboard.is_paused = !dashboard.is_paused,
+            (Some('c'), _) => ask(source),
+            (Some('+' | '='), Some(control)) => control.faster(),
+            (Some('-'), Some(control)) => control.slower(),
+            (Some('a'), Some(control)) => control.seek_alert(),
+            _ => {}
         }
     };
     ratatui::restore();
-    seen
+    seen.and(failure)
 }
 
-/// Takes what has come, for at most as long as the picture may be behind; while it is paused, what comes waits.
-fn hear(source: &Source, dashboard: &mut Dashboard, record: &mut Option<&mut File>) -> anyhow::Result<()> {
+/// Takes what has come, for at most as long as the picture may be behind; while it is paused, what comes waits. Returns why
+/// the source has failed, if it has.
+fn hear(
+    source: &Source,
+    dashboard: &mut Dashboard,
+    record: &mut Option<&mut File>,
+) -> anyhow::Result<Option<String>> {
+    let begun = Instant::now();
+    let is_fast = |control: &Control| control.seeks_alert() || control.speed() != Speed::Times(1.0);
     let mut patience = FRAME;
-    while !dashboard.is_paused {
+    while !dashboard.is_paused && begun.elapsed() < FRAME {
         match source.news.recv_timeout(patience) {
             Ok(News::Line(line)) => {
                 note(&line, record)?;
                 dashboard.hear(&line);
-                if line.starts_with("$PRAIN") {
+                // Of a file at its own speed or of a wire every epoch is drawn.
+                if line.starts_with("$PRAIN") && !dashboard.control.as_ref().is_some_and(is_fast) {
                     break;
                 }
             }
             Ok(News::PinLevel(is_high)) => dashboard.see_pin(is_high),
             Ok(News::Heaven(bodies)) => dashboard.heaven = bodies,
             Ok(News::End(why)) => dashboard.ended = Some(why),
+            Ok(News::Failed(why)) => {
+                dashboard.ended = Some(why.clone());
+                return Ok(Some(why));
+            }
             Err(RecvTimeoutError::Timeout | RecvTimeoutError::Disconnected) => break,
         }
         patience = Duration::from_millis(1);
     }
-    Ok(())
+    Ok(None)
 }
 
 /// The letter that was pressed, if any.

@@ -1,20 +1,19 @@
 //! `cargo xtask replay`: a recording, or a capture of a receiver, through the module.
 
-use std::fs::{self, File};
-use std::io::BufWriter;
+use std::iter;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, anyhow, bail, ensure};
 use clap::ValueEnum;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use indicatif::{ProgressBar, ProgressStyle};
-use tests_host::capture::{self, Capture, Orbits, Prepared};
+use tests_host::capture::{self, Bytes, Lumps, Orbits};
 use tests_host::encode::{Frequency, Selection};
 use tests_host::fault::Fault;
-use tests_host::recording::{Recording, Skipped};
-
-use tests_host::replay::{self, BoardRun, HostRun, Lump, Pace, Summary, Track, Truth, Window};
+use tests_host::recording::{Epochs, Recording, Skipped};
+use tests_host::replay::{self, BoardRun, Broadcast, Encoding, Lump, Pace, Playback, Summary, Truth, Window};
 use tests_host::{image, sample, setup};
+
+use crate::sink::Sink;
 
 /// Where the module runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -78,7 +77,7 @@ pub(crate) struct Arguments {
     frequency: Frequencies,
     /// Where the module runs.
     #[arg(long, value_enum, default_value = "host")]
-    on: Place,
+    pub(crate) on: Place,
     /// A step or an outage: G05:+80@600..1200, E31:lost@..60; repeatable.
     #[arg(long, value_name = "FAULT")]
     inject: Vec<String>,
@@ -112,65 +111,143 @@ pub(crate) struct Arguments {
     json: bool,
     /// Write one row per epoch.
     #[arg(long, value_name = "FILE")]
-    csv: Option<PathBuf>,
+    pub(crate) csv: Option<PathBuf>,
     /// Write the sentences.
     #[arg(long, value_name = "FILE")]
-    nmea: Option<PathBuf>,
+    pub(crate) nmea: Option<PathBuf>,
     /// Write the stream that the module heard: RTCM, or what is left of the capture, with the faults in it.
     #[arg(long, value_name = "FILE")]
-    rtcm: Option<PathBuf>,
+    pub(crate) rtcm: Option<PathBuf>,
     /// Write an HTML report with plots into this folder.
     #[arg(long, value_name = "DIR")]
-    report: Option<PathBuf>,
+    pub(crate) report: Option<PathBuf>,
 }
 
-/// What to replay, read and checked.
-struct Source {
-    lumps: Vec<Lump>,
-    /// Coefficients of the ionosphere that the module is told.
-    klobuchar: Option<[f64; 8]>,
-    /// Records that were passed over.
-    skipped: Skipped,
-    /// GPS week of the first epoch, where the module is told.
-    week: Option<u16>,
-    truth: Option<Truth>,
-    faults: Vec<Fault>,
-    /// What a capture lacks for a position.
-    missing: Option<String>,
+/// What is asked of the recording or the capture.
+pub(crate) struct Question {
+    pub(crate) truth: Option<Truth>,
+    pub(crate) faults: Vec<Fault>,
+    window: Window,
+}
+
+/// Lumps that are read as they are needed.
+enum Source {
+    Recording(Box<Observed>),
+    Capture(Box<Lumps<Bytes>>),
+}
+
+/// A recording: its observations, read epoch by epoch, and its navigation files.
+struct Observed {
+    lumps: Encoding<Epochs>,
+    navigation: Recording,
+    files: Vec<PathBuf>,
+}
+
+impl Iterator for Source {
+    type Item = Result<Lump>;
+
+    fn next(&mut self) -> Option<Result<Lump>> {
+        match self {
+            Self::Recording(observed) => observed.lumps.next().or_else(|| observed.check().err().map(Err)),
+            Self::Capture(lumps) => lumps.next(),
+        }
+    }
+}
+
+impl Observed {
+    /// Checks at the end of the observations that some ephemeris is of their time.
+    fn check(&self) -> Result<()> {
+        let (first, last) = self.lumps.span().context("the observation files hold no epoch")?;
+        self.navigation.check_time(&self.files, first, last)
+    }
+}
+
+impl Source {
+    /// Returns the coefficients of the ionosphere that the module is told.
+    fn klobuchar(&self) -> Option<[f64; 8]> {
+        match self {
+            Self::Recording(observed) => observed.navigation.klobuchar,
+            Self::Capture(lumps) => lumps.klobuchar(),
+        }
+    }
+
+    /// Returns the GPS week of the first epoch if the module has to be told.
+    fn week(&self) -> Option<u16> {
+        match self {
+            Self::Recording(_) => None,
+            Self::Capture(lumps) => lumps.week(),
+        }
+    }
+
+    /// Returns the records that were passed over.
+    fn skipped(&self) -> Skipped {
+        match self {
+            Self::Recording(observed) => {
+                let mut skipped = observed.lumps.epochs().skipped();
+                skipped.add(&observed.navigation.skipped);
+                skipped
+            }
+            Self::Capture(_) => Skipped::default(),
+        }
+    }
+
+    /// Returns what a capture lacks for a position.
+    fn missing(&self) -> Option<String> {
+        match self {
+            Self::Recording(_) => None,
+            Self::Capture(lumps) => lumps.missing(),
+        }
+    }
 }
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
-    let source = source(arguments)?;
-    let Source { lumps, faults, .. } = &source;
-    let commands = commands(arguments, source.week, source.klobuchar)?;
+    let mut question = question(arguments)?;
+    let name = arguments.capture.as_deref();
+    let mut source = match name {
+        Some(name) => of_capture(arguments, name, &question).with_context(|| name.to_owned())?,
+        None => of_recording(arguments, &mut question)?,
+    };
+    let in_source = |error: anyhow::Error| match name {
+        Some(name) => error.context(name.to_owned()),
+        None => error,
+    };
+    let first = source.next().context("no epoch")?.map_err(in_source)?;
+    let commands = commands(arguments, source.week(), source.klobuchar())?;
+    let mut sink = Sink::open(arguments, &question)?;
 
-    let host = replay::on_host(lumps, &commands, Pace::Recorded, progress(lumps, "on the host"))?;
-    let on_board = match arguments.on {
-        Place::Host => None,
-        Place::Board => Some(run_on_board(lumps, &commands)?),
+    let lumps = iter::once(Ok(first)).chain(source.by_ref().map(|lump| lump.map_err(in_source)));
+    let mut playback = Playback::start(lumps, &commands, Pace::Recorded)?;
+    let mut played = iter::from_fn(|| sink.take(playback.advance()).transpose());
+    let board = match arguments.on {
+        Place::Host => played.try_for_each(|lump| lump.map(drop)).map(|()| None)?,
+        Place::Board => Some(run_on_board(played, &commands)?),
     };
-    let identical = on_board.as_ref().map(|(host, board)| board.sentences == host.sentences());
-    let board = on_board.map(|(_, board)| board);
-    let track = replay::track(lumps, &host, source.truth.as_ref())?;
-    let counters = host.counters.iter().filter(|(_, count)| *count > 0).cloned().collect();
-    let summary = Summary {
-        host_target_identical: identical,
-        skipped: source.skipped.clone(),
-        counters,
-        ..Summary::of(&track, faults, source.truth.is_some())
-    };
-    write_files(arguments, lumps, &host, &track)?;
-    if let Some(folder) = &arguments.report {
-        let path = replay::write_report(folder, &track, faults, &summary)?;
-        eprintln!("report: {}", path.display());
+    let counters = playback.counters()?.into_iter().filter(|(_, count)| *count > 0).collect();
+    let identical = board.as_ref().map(|board| board.difference.is_none());
+    let summary =
+        Summary { host_target_identical: identical, skipped: source.skipped(), counters, ..sink.summary() };
+    sink.end(&question.faults, &summary)?;
+    note(&source, arguments);
+    print(arguments, &summary, board.as_ref(), source.missing().as_deref())?;
+    if let Some((host, target)) = board.and_then(|board| board.difference) {
+        bail!("the board's sentences differ from the host's: {target:?} is not {host:?}");
     }
-    print(arguments, &summary, board.as_ref(), source.missing.as_deref())?;
-    ensure!(identical != Some(false), "the board's sentences differ from the host's");
     Ok(())
 }
 
-fn source(arguments: &Arguments) -> Result<Source> {
+/// Says what a capture held.
+fn note(source: &Source, arguments: &Arguments) {
+    let (Source::Capture(lumps), Some(name), false) = (source, &arguments.capture, arguments.json) else {
+        return;
+    };
+    eprintln!("{name}: {}", lumps.content());
+    if let Some(missing) = lumps.missing() {
+        eprintln!("note: {missing}");
+    }
+}
+
+fn question(arguments: &Arguments) -> Result<Question> {
     let truth = match (&arguments.truth, &arguments.truth_csv) {
         (Some(text), _) => Some(Truth::parse(text).context("--truth")?),
         (None, Some(path)) => Some(Truth::from_csv(path).context("--truth-csv")?),
@@ -185,69 +262,62 @@ fn source(arguments: &Arguments) -> Result<Source> {
         arguments.capture.is_some() || arguments.sample || has_files,
         "give a CAPTURE of a receiver, or both --obs FILE and --nav FILE, or --sample"
     );
-    match &arguments.capture {
-        Some(name) => of_capture(arguments, name, truth, faults, &window),
-        None => of_recording(arguments, truth, faults, &window),
-    }
+    Ok(Question { truth, faults, window })
 }
 
 /// RINEX, as RTCM.
-fn of_recording(
+fn of_recording(arguments: &Arguments, question: &mut Question) -> Result<Source> {
+    if arguments.sample {
+        let sample = sample::fetch(Path::new("target"))?;
+        question.truth = question.truth.take().or(Some(Truth::Fixed(sample.truth)));
+        return observed(arguments, &[sample.observations], vec![sample.navigation], question);
+    }
+    observed(arguments, &arguments.obs, arguments.nav.clone(), question).map_err(|error| match capture_among(
+        arguments,
+    ) {
+        Some(path) => anyhow!(
+            "{path} is a capture of a receiver and no RINEX: give it alone, cargo xtask replay {path}"
+        ),
+        None => error,
+    })
+}
+
+fn observed(
     arguments: &Arguments,
-    mut truth: Option<Truth>,
-    faults: Vec<Fault>,
-    window: &Window,
+    observations: &[PathBuf],
+    files: Vec<PathBuf>,
+    question: &Question,
 ) -> Result<Source> {
     let selection = selection(arguments, &systems(arguments))?;
-    let recording = if arguments.sample {
-        let sample = sample::fetch(Path::new("target"))?;
-        truth = truth.or(Some(Truth::Fixed(sample.truth)));
-        Recording::load(&[sample.observations], &[sample.navigation])?
-    } else {
-        let loaded = Recording::load(&arguments.obs, &arguments.nav);
-        match (loaded.as_ref().err().and_then(|_| capture_among(arguments)), loaded) {
-            (Some(path), _) => {
-                bail!(
-                    "{path} is a capture of a receiver and no RINEX: give it alone, cargo xtask replay {path}"
-                )
-            }
-            (None, loaded) => loaded?,
-        }
+    let epochs = Epochs::open(observations)?;
+    let navigation = Recording::of_navigation(&files)?;
+    let broadcast = Broadcast {
+        ephemerides: &navigation.ephemerides,
+        klobuchar: navigation.klobuchar,
+        approximate_position: epochs.approximate_position(),
     };
-    let lumps = replay::encode(&recording, &selection, &faults, window)?;
-    let (klobuchar, skipped) = (recording.klobuchar, recording.skipped);
-    Ok(Source { lumps, klobuchar, week: None, skipped, truth, faults, missing: None })
+    let lumps = Encoding::of(epochs, &broadcast, &selection, &question.faults, &question.window)?;
+    Ok(Source::Recording(Box::new(Observed { lumps, navigation, files })))
 }
 
 /// The bytes of a receiver, as they came.
-fn of_capture(
-    arguments: &Arguments,
-    name: &str,
-    truth: Option<Truth>,
-    faults: Vec<Fault>,
-    window: &Window,
-) -> Result<Source> {
+fn of_capture(arguments: &Arguments, name: &str, question: &Question) -> Result<Source> {
     let is_here = Path::new(name).is_file();
     if !is_here && arguments.to.is_finite() {
         eprintln!("taking {} s from {name}", arguments.to);
     }
-    let bytes = capture::read(name, arguments.to).with_context(|| name.to_owned())?;
+    let bytes = Bytes::open(name, arguments.to)?;
     let systems = systems(arguments);
     let orbits = match arguments.nav.as_slice() {
         [] => None,
         files => Some(Orbits::load(files, &selection(arguments, &systems)?)?),
     };
-    let capture = Capture::of_week(bytes, orbits, arguments.week).with_context(|| name.to_owned())?;
-    let prepared = capture.lumps(&faults, window)?;
-    let missing = capture.missing();
-    if !arguments.json {
-        eprintln!("{name}: {}", capture.content());
-        if let Some(missing) = &missing {
-            eprintln!("note: {missing}");
-        }
-    }
-    let Prepared { lumps, klobuchar, week } = prepared;
-    Ok(Source { lumps, klobuchar, week, skipped: Skipped::default(), truth, faults, missing })
+    let week = match arguments.week {
+        Some(week) => Some(week),
+        None => capture::week_of(name, orbits.as_ref())?,
+    };
+    let lumps = Lumps::of(bytes, orbits, &question.faults, &question.window)?;
+    Ok(Source::Capture(Box::new(lumps.in_week(week))))
 }
 
 /// Letters of the systems that take part: what the module is told in the end.
@@ -317,46 +387,11 @@ fn commands(arguments: &Arguments, week: Option<u16>, klobuchar: Option<[f64; 8]
     Ok(setup)
 }
 
-/// The board's run, and the host's in lock step with it, which the board is held against.
-fn run_on_board(lumps: &[Lump], commands: &[String]) -> Result<(HostRun, BoardRun)> {
+/// Plays the lumps on the board.
+fn run_on_board(lumps: impl Iterator<Item = Result<Lump>>, commands: &[String]) -> Result<BoardRun> {
     setup::ensure()?;
     let image = image::build()?;
-    let host = replay::on_host(lumps, commands, Pace::LockStep, |_| ())?;
-    let board = replay::on_board(&image, lumps, &host, commands, progress(lumps, "on the board"))?;
-    Ok((host, board))
-}
-
-/// A bar that shows on a terminal only.
-fn progress(lumps: &[Lump], place: &'static str) -> impl FnMut(usize) {
-    let style = ProgressStyle::with_template("{msg} {bar:40} {pos}/{len} epochs {per_sec} {eta}");
-    let bar = ProgressBar::new(lumps.len() as u64).with_message(place);
-    if let Ok(style) = style {
-        bar.set_style(style);
-    }
-    move |done| {
-        bar.set_position(done as u64);
-        if done as u64 == bar.length().unwrap_or(0) {
-            bar.finish_and_clear();
-        }
-    }
-}
-
-fn write_files(arguments: &Arguments, lumps: &[Lump], host: &HostRun, track: &Track) -> Result<()> {
-    if let Some(path) = &arguments.csv {
-        let file = File::create(path).with_context(|| format!("cannot write {}", path.display()))?;
-        let written = replay::write_csv(track, &mut BufWriter::new(file));
-        written.with_context(|| format!("cannot write {}", path.display()))?;
-    }
-    let rtcm = || lumps.iter().flat_map(|lump| lump.bytes.iter().copied()).collect::<Vec<u8>>();
-    for (path, bytes) in [
-        (&arguments.nmea, &(|| host.sentences().into_bytes()) as &dyn Fn() -> Vec<u8>),
-        (&arguments.rtcm, &rtcm),
-    ] {
-        if let Some(path) = path {
-            fs::write(path, bytes()).with_context(|| format!("cannot write {}", path.display()))?;
-        }
-    }
-    Ok(())
+    replay::on_board(&image, lumps, commands, |_| ())
 }
 
 fn print(

@@ -19,26 +19,37 @@ pub struct Content {
     frames: BTreeMap<Kind, usize>,
     /// Lines of text.
     lines: usize,
+    /// Bytes of these.
+    line_bytes: usize,
     /// Bytes that are neither.
     rest_bytes: usize,
+    /// All bytes.
+    bytes: u64,
     /// Satellites with ranges.
     pub(super) ranged: BTreeSet<SatelliteId>,
     /// Satellites with an ephemeris.
     pub(super) known: BTreeSet<SatelliteId>,
     /// Epochs of ranges that nobody has told the week of.
     pub(super) without_week: u32,
-    /// Times that the sets in it corrected the week.
-    pub(super) week_corrections: u32,
 }
 
 impl Content {
     /// Counts a piece.
     pub(super) fn count(&mut self, piece: &Piece<'_>) {
+        self.bytes += piece.bytes.len() as u64;
         match piece.kind {
-            Kind::Line => self.lines += 1,
+            Kind::Line => {
+                self.lines += 1;
+                self.line_bytes += piece.bytes.len();
+            }
             Kind::Rest => self.rest_bytes += piece.bytes.len(),
             kind => *self.frames.entry(kind).or_default() += 1,
         }
+    }
+
+    /// Returns the number of bytes.
+    pub(super) fn bytes(&self) -> u64 {
+        self.bytes
     }
 
     /// Satellites with ranges.
@@ -46,19 +57,22 @@ impl Content {
         self.ranged.iter().copied().collect()
     }
 
-    /// What keeps the bytes from being a capture of ranges, by name.
-    pub(super) fn check(&self, bytes: &[u8]) -> Result<()> {
-        if bytes.is_empty() {
+    /// Checks that the bytes are a capture of ranges. They begin with `head`.
+    ///
+    /// # Errors
+    /// What the bytes are instead, by name.
+    pub(super) fn check(&self, head: &[u8]) -> Result<()> {
+        if head.is_empty() {
             bail!("is empty");
         }
-        if self.frames.is_empty() && self.lines > 0 && self.rest_bytes < bytes.len() / 2 {
+        if self.frames.is_empty() && self.lines > 0 && self.rest_bytes < self.line_bytes {
             bail!(
                 "holds {} lines of NMEA and no ranges, and positions cannot be checked: {NEEDED}",
                 self.lines
             );
         }
         if self.frames.is_empty() {
-            bail!("holds no frame of UBX or RTCM 3; it is {}", foreign(bytes));
+            bail!("holds no frame of UBX or RTCM 3; it is {}", foreign(head));
         }
         if self.frames.keys().any(|kind| kind.has_whole_ranges()) {
             return Ok(());

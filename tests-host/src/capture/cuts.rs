@@ -4,98 +4,103 @@
 //! back; on a line they do so until it falls silent, which it does between two epochs. Here the line counts as silent behind
 //! a frame of ranges that says that it is the last, and the module is left as long to notice when the lump is replayed.
 
-use rai_core::satellite::Constellation;
+use std::collections::BTreeSet;
+
+use rai_core::satellite::{Constellation, SatelliteId};
 use rai_firmware::ephemeris::Ephemeris;
 use rai_firmware::input::{Event, Input};
 use rai_firmware::time::GpsTime;
 
-use super::content::Content;
 use super::falsify::tow_ms;
-use crate::replay::pieces::{Kind, Piece, pieces};
+use crate::replay::pieces::{Kind, Piece};
 
-/// The bytes of one epoch.
+/// An epoch that ends with a piece.
 pub(super) struct Cut {
     /// Its time tag.
     pub(super) time: GpsTime,
-    /// Bytes behind the last one, up to this.
-    pub(super) end: usize,
     /// Ephemerides that became known with it.
     pub(super) ephemerides: Vec<Ephemeris>,
-    /// Coefficients of the ionosphere that did.
+    /// GPS coefficients of the ionosphere that became known with it.
     pub(super) ionosphere: Option<[f64; 8]>,
-    /// Whether only the first message of the next epoch said that it was complete.
+    /// True where only the first message of the next epoch said that this one was complete.
     pub(super) ends_with_next: bool,
 }
 
-/// Returns the content of a stream and its epochs. The input takes `week` before, and the bytes of
-/// `before`.
-pub(super) fn cut(bytes: &[u8], before: &[u8], week: Option<u16>) -> (Content, Vec<Cut>) {
-    let mut cutter =
-        Cutter { input: Input::new(), cuts: Vec::new(), content: Content::default(), open: Open::default() };
-    if let Some(week) = week {
-        cutter.input.assume(week);
-    }
-    cutter.input.feed(before, 0, |_| ());
-    let mut end = 0;
-    for piece in pieces(bytes) {
-        end += piece.bytes.len();
-        cutter.content.count(&piece);
-        cutter.take(&piece, end);
-    }
-    cutter.content.without_week = cutter.input.counters().epochs_without_week;
-    cutter.content.week_corrections = cutter.input.counters().week_corrections;
-    (cutter.content, cutter.cuts)
-}
-
-/// What has become known since the last epoch.
+/// Finds the epochs of a stream, piece by piece.
 #[derive(Default)]
-struct Open {
+pub(super) struct Cutter {
+    input: Input,
+    /// Satellites with ranges.
+    pub(super) ranged: BTreeSet<SatelliteId>,
+    /// Satellites with an ephemeris.
+    pub(super) known: BTreeSet<SatelliteId>,
     ephemerides: Vec<Ephemeris>,
     ionosphere: Option<[f64; 8]>,
 }
 
-struct Cutter {
-    input: Input,
-    cuts: Vec<Cut>,
-    content: Content,
-    open: Open,
-}
-
 impl Cutter {
-    fn take(&mut self, piece: &Piece<'_>, end: usize) {
-        let Self { input, cuts, content, open } = self;
-        let before = cuts.len();
+    /// Returns a cutter that takes the week of the first epoch as given.
+    pub(super) fn in_week(week: u16) -> Self {
+        let mut cutter = Self::default();
+        cutter.input.assume(week);
+        cutter
+    }
+
+    /// Returns a cutter that has read the frames in `week`, which state the week.
+    pub(super) fn after(week: &[u8]) -> Self {
+        let mut cutter = Self::default();
+        cutter.input.feed(week, 0, |_| ());
+        cutter
+    }
+
+    /// Returns how often ephemerides have corrected the week.
+    pub(super) fn week_corrections(&self) -> u32 {
+        self.input.counters().week_corrections
+    }
+
+    /// Takes the next piece; returns the epoch that ends with it. Of two that were held back together the module says the
+    /// last verdict only, so that they are one here.
+    pub(super) fn take(&mut self, piece: &Piece<'_>) -> Option<Cut> {
+        let Self { input, ranged, known, ephemerides, ionosphere } = self;
+        let mut ended = None;
         let mut hear = |event: Event<'_>| match event {
             Event::Ephemeris(ephemeris) => {
-                content.known.insert(ephemeris.satellite());
-                open.ephemerides.push(ephemeris);
+                known.insert(ephemeris.satellite());
+                ephemerides.push(ephemeris);
             }
-            Event::Ionosphere(Constellation::Gps, coefficients) => open.ionosphere = Some(coefficients),
+            Event::Ionosphere(Constellation::Gps, coefficients) => *ionosphere = Some(coefficients),
             Event::Ionosphere(..) | Event::Position(_) | Event::Jamming(_) | Event::Redated(_) => {}
             Event::Epoch(epoch, _) => {
-                content.ranged.extend(epoch.satellites.iter().map(|satellite| satellite.satellite));
-                let Open { ephemerides, ionosphere } = std::mem::take(open);
-                let ends_with_next = tow_ms(piece).is_some_and(|tow_ms| is_other(tow_ms, epoch.time));
-                cuts.push(Cut { time: epoch.time, end, ephemerides, ionosphere, ends_with_next });
+                ranged.extend(epoch.satellites.iter().map(|satellite| satellite.satellite));
+                ended = Some(epoch.time);
             }
         };
         input.feed(piece.bytes, 0, &mut hear);
         if is_last_of_epoch(piece) {
             input.silence(&mut hear);
         }
-        // Two that were held back together are judged together, and the last of them is what is said.
-        if cuts.len() > before + 1 {
-            cuts.drain(before..cuts.len() - 1);
-        }
+        let time = ended?;
+        let ends_with_next = tow_ms(piece).is_some_and(|tow_ms| is_other(tow_ms, time));
+        Some(Cut {
+            time,
+            ephemerides: std::mem::take(&mut self.ephemerides),
+            ionosphere: self.ionosphere.take(),
+            ends_with_next,
+        })
+    }
+
+    /// Returns the number of epochs that were refused because nothing had said the week.
+    pub(super) fn without_week(&self) -> u32 {
+        self.input.counters().epochs_without_week
     }
 }
 
-/// Whether a time of week is not that of an epoch, to the tenth of a second that systems may be apart.
+/// Returns true where a time of week is not that of an epoch, to the tenth of a second that systems may be apart.
 fn is_other(tow_ms: u32, epoch: GpsTime) -> bool {
     GpsTime::nearest(tow_ms, epoch).since_ms(epoch).abs() > 100
 }
 
-/// Whether a frame of ranges says that none of the same instant follows.
+/// Returns true where a frame of ranges says that none of the same instant follows.
 fn is_last_of_epoch(piece: &Piece<'_>) -> bool {
     /// The multiple message bit stands in the tenth byte of the frame, second from its low end.
     const MORE: (usize, u8) = (9, 0b10);

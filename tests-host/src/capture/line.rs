@@ -4,7 +4,7 @@
 //! [`SILENCE`].
 
 use std::fs::File;
-use std::io::Read;
+use std::io::{BufRead, BufReader, Cursor, Error, ErrorKind, Read};
 use std::net::TcpStream;
 use std::path::Path;
 use std::process::Command;
@@ -14,6 +14,8 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail, ensure};
 use flate2::read::MultiGzDecoder;
+
+use crate::recording::packed_by;
 
 /// Longest silence of a line that goes on.
 const SILENCE: Duration = Duration::from_secs(10);
@@ -27,30 +29,91 @@ const LONGEST_S: f64 = 8.64e6;
 /// Bit rate where none is said: what the module's own port has.
 const BIT_RATE: &str = "115200";
 
-/// Reads all of a source: a path, `-`, `tcp://host:port`, `serial:path` or `serial:path@rate`. What has no end of its
-/// own is read for `limit_s` seconds.
-///
-/// # Errors
-/// What cannot be opened or read, or says nothing; a source without an end where there is no limit.
-pub(super) fn read(name: &str, limit_s: f64) -> Result<Vec<u8>> {
-    let limit = limit_s.is_finite().then(|| Duration::from_secs_f64(limit_s.clamp(0.0, LONGEST_S)) + GRACE);
-    let bytes = if name == "-" {
-        listen(&spawn(std::io::stdin()), limit, None)?
-    } else if let Some(address) = name.strip_prefix("tcp://") {
-        check_limit(limit)?;
-        let stream = TcpStream::connect(address).context("does not answer")?;
-        listen(&spawn(stream), limit, Some(SILENCE))?
-    } else if let Some(port) = name.strip_prefix("serial:") {
-        let (path, rate) = port.rsplit_once('@').unwrap_or((port, BIT_RATE));
-        check_limit(limit)?;
-        listen(&spawn(serial(Path::new(path), rate)?), limit, Some(SILENCE))?
-    } else if is_terminal(Path::new(name)) {
-        check_limit(limit)?;
-        listen(&spawn(serial(Path::new(name), BIT_RATE)?), limit, Some(SILENCE))?
-    } else {
-        std::fs::read(name).context("cannot be read")?
-    };
-    unpack(bytes)
+/// The bytes of a source, unpacked.
+pub struct Bytes {
+    /// The first of them, which tell what the source is.
+    head: Vec<u8>,
+    read: usize,
+    rest: Box<dyn Read + Send>,
+}
+
+impl Bytes {
+    /// Opens a source: a path, `-`, `tcp://host:port`, `serial:path` or `serial:path@rate`. A source without an end of its
+    /// own ends after `limit_s` seconds.
+    ///
+    /// # Errors
+    /// The source cannot be opened or read, sends nothing, is packed by something other than gzip, or needs a limit.
+    pub fn open(name: &str, limit_s: f64) -> Result<Self> {
+        let limit =
+            limit_s.is_finite().then(|| Duration::from_secs_f64(limit_s.clamp(0.0, LONGEST_S)) + GRACE);
+        if name == "-" {
+            return Self::unpacked(Line::new(spawn(std::io::stdin()), limit, None));
+        }
+        if let Some(address) = name.strip_prefix("tcp://") {
+            check_limit(limit)?;
+            let stream = TcpStream::connect(address).context("does not answer")?;
+            return Self::unpacked(Line::new(spawn(stream), limit, Some(SILENCE)));
+        }
+        let port = name.strip_prefix("serial:");
+        let (path, rate) =
+            port.map_or((name, BIT_RATE), |port| port.rsplit_once('@').unwrap_or((port, BIT_RATE)));
+        if port.is_some() || is_terminal(Path::new(path)) {
+            check_limit(limit)?;
+            return Self::unpacked(Line::new(spawn(serial(Path::new(path), rate)?), limit, Some(SILENCE)));
+        }
+        let path = Path::new(path);
+        ensure!(!path.is_dir(), "cannot be read: it is a folder");
+        Self::unpacked(File::open(path).context("cannot be read")?)
+    }
+
+    /// Unpacks a source by its content.
+    fn unpacked(mut packed: impl Read + Send + 'static) -> Result<Self> {
+        let head = head(&mut packed)?;
+        if let Some((packer, command)) = packed_by(&head) {
+            bail!("is packed by {packer}: unpack it first, `{command}`");
+        }
+        if head.starts_with(&[0x1f, 0x8b]) {
+            let packed = BufReader::new(Cursor::new(head).chain(packed));
+            let mut rest: Box<dyn Read + Send> = Box::new(Gzip(MultiGzDecoder::new(packed)));
+            return Ok(Self { head: self::head(&mut rest)?, read: 0, rest });
+        }
+        Ok(Self { head, read: 0, rest: Box::new(packed) })
+    }
+
+    /// Returns the first bytes, at most [`HEAD`] of them.
+    pub fn head(&self) -> &[u8] {
+        &self.head
+    }
+}
+
+/// Bytes by which a source is told.
+const HEAD: usize = 65_536;
+
+fn head(source: &mut impl Read) -> Result<Vec<u8>> {
+    let mut head = Vec::new();
+    source.take(HEAD as u64).read_to_end(&mut head).context("cannot be read")?;
+    Ok(head)
+}
+
+impl Read for Bytes {
+    fn read(&mut self, into: &mut [u8]) -> std::io::Result<usize> {
+        let mut ahead = self.head.get(self.read..).unwrap_or_default();
+        if ahead.is_empty() {
+            return self.rest.read(into);
+        }
+        let count = ahead.read(into)?;
+        self.read += count;
+        Ok(count)
+    }
+}
+
+/// Gzip that says that it is gzip where it cannot be unpacked.
+struct Gzip<R>(MultiGzDecoder<R>);
+
+impl<R: BufRead> Read for Gzip<R> {
+    fn read(&mut self, into: &mut [u8]) -> std::io::Result<usize> {
+        self.0.read(into).map_err(|error| Error::new(error.kind(), format!("is damaged gzip: {error}")))
+    }
 }
 
 fn check_limit(limit: Option<Duration>) -> Result<()> {
@@ -95,45 +158,56 @@ fn spawn(mut source: impl Read + Send + 'static) -> Receiver<std::io::Result<Vec
     receiver
 }
 
-/// All that comes until the end, until the limit after the first byte, or until a silence.
-fn listen(
-    chunks: &Receiver<std::io::Result<Vec<u8>>>,
+/// A line that is read until its end, until the limit after the first byte, or until a silence.
+struct Line {
+    chunks: Receiver<std::io::Result<Vec<u8>>>,
     limit: Option<Duration>,
     silence: Option<Duration>,
-) -> Result<Vec<u8>> {
-    let mut bytes = Vec::new();
-    let mut end: Option<Instant> = None;
-    loop {
-        let left = end.map(|end| end.saturating_duration_since(Instant::now()));
-        if left == Some(Duration::ZERO) {
-            return Ok(bytes);
+    end: Option<Instant>,
+    has_ended: bool,
+    /// What came and was not asked for yet.
+    chunk: Cursor<Vec<u8>>,
+}
+
+impl Line {
+    fn new(
+        chunks: Receiver<std::io::Result<Vec<u8>>>,
+        limit: Option<Duration>,
+        silence: Option<Duration>,
+    ) -> Self {
+        Self { chunks, limit, silence, end: None, has_ended: false, chunk: Cursor::default() }
+    }
+
+    /// Returns the next bytes; none at the end.
+    fn next(&mut self) -> std::io::Result<Vec<u8>> {
+        let left = self.end.map(|end| end.saturating_duration_since(Instant::now()));
+        if self.has_ended || left == Some(Duration::ZERO) {
+            return Ok(Vec::new());
         }
-        let patience = left.into_iter().chain(silence).min().unwrap_or(Duration::MAX);
-        let read = match chunks.recv_timeout(patience) {
-            Ok(read) => read.context("cannot be read")?,
-            Err(RecvTimeoutError::Timeout) if bytes.is_empty() => {
-                bail!("sends nothing: not a byte in {} s", SILENCE.as_secs())
+        let patience = left.into_iter().chain(self.silence).min().unwrap_or(Duration::MAX);
+        match self.chunks.recv_timeout(patience) {
+            Ok(read) => {
+                self.end =
+                    self.end.or_else(|| self.limit.and_then(|limit| Instant::now().checked_add(limit)));
+                read
             }
-            Err(RecvTimeoutError::Timeout | RecvTimeoutError::Disconnected) => return Ok(bytes),
-        };
-        if read.is_empty() {
-            return Ok(bytes);
+            Err(RecvTimeoutError::Timeout) if self.end.is_none() => {
+                let silent = format!("sends nothing: not a byte in {} s", SILENCE.as_secs());
+                Err(Error::new(ErrorKind::TimedOut, silent))
+            }
+            Err(RecvTimeoutError::Timeout | RecvTimeoutError::Disconnected) => Ok(Vec::new()),
         }
-        end = end.or_else(|| limit.and_then(|limit| Instant::now().checked_add(limit)));
-        bytes.extend(read);
     }
 }
 
-/// The bytes in whatever they are wrapped in, told by content.
-pub(super) fn unpack(bytes: Vec<u8>) -> Result<Vec<u8>> {
-    match bytes.as_slice() {
-        [0x1f, 0x8b, ..] => {
-            let mut unpacked = Vec::with_capacity(bytes.len() * 2);
-            MultiGzDecoder::new(bytes.as_slice()).read_to_end(&mut unpacked).context("is damaged gzip")?;
-            Ok(unpacked)
+impl Read for Line {
+    fn read(&mut self, into: &mut [u8]) -> std::io::Result<usize> {
+        let count = self.chunk.read(into)?;
+        if count > 0 || into.is_empty() {
+            return Ok(count);
         }
-        [0x1f, 0x9d, ..] => bail!("is packed by `compress`: unpack it with `gzip -d`"),
-        [b'P', b'K', 3, 4, ..] => bail!("is a zip archive: unpack it first"),
-        _ => Ok(bytes),
+        self.chunk = Cursor::new(self.next()?);
+        self.has_ended |= self.chunk.get_ref().is_empty();
+        self.chunk.read(into)
     }
 }

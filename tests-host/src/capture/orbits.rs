@@ -21,6 +21,7 @@ const USEFUL_MS: i64 = 4 * 3_600_000;
 const LATELY_MS: u64 = 2 * 3_600_000;
 
 /// What navigation files say.
+#[derive(Clone)]
 pub struct Orbits {
     ephemerides: Vec<TimedEphemeris>,
     /// GPS coefficients of the ionosphere, `α0…α3, β0…β3`.

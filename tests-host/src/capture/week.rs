@@ -6,15 +6,14 @@
 //! | the week that the sets in the file agree on in the end | the module corrected it on the way |
 //! | the cycle of 1,024 weeks | the module takes a cycle that has not come yet: the last one that has |
 //!
-//! The module on a live wire takes no week before April 2019, and decides as it reads; a file is read twice.
+//! The module on a live wire takes no week before April 2019, and decides as it reads. The beginning of
+//! a file is read twice.
 
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use rai_firmware::time::{GpsTime, WEEK_MS};
 
-use super::content::Content;
-use super::cuts::Cut;
-use crate::replay::pieces::{Kind, pieces};
+use crate::replay::pieces::{Kind, Piece};
 
 /// The GPS epoch in Unix time: 1980-01-06 is day 3657.
 const GPS_EPOCH: Duration = Duration::from_hours(24 * 3657);
@@ -23,26 +22,22 @@ const GPS_EPOCH: Duration = Duration::from_hours(24 * 3657);
 const CYCLE: u16 = 1024;
 
 /// Returns the week of the first epoch, unless it is the one that the module takes.
-pub(super) fn of(bytes: &[u8], cuts: &[Cut], content: &Content) -> Option<u16> {
-    let taken = cuts.first().map(|first| first.time);
-    let agreed = taken.map(|taken| match cuts.last() {
-        Some(last) if content.week_corrections > 0 => GpsTime::nearest(taken.tow_ms, last.time).week,
-        _ => taken.week,
-    });
-    let week = stated(bytes).or_else(|| agreed.map(|week| not_after(week, this_week())))?;
-    let is_steady = content.week_corrections == 0 && taken.is_some_and(|taken| taken.week == week);
+pub(super) fn of(first: GpsTime, last: GpsTime, corrections: u32, stated: Option<u16>) -> Option<u16> {
+    let agreed = if corrections > 0 { GpsTime::nearest(first.tow_ms, last).week } else { first.week };
+    let week = stated.unwrap_or_else(|| not_after(agreed, this_week()));
+    let is_steady = corrections == 0 && first.week == week;
     (!is_steady).then_some(week)
 }
 
-/// Returns the week of the first RXM-RAWX of a receiver that knows it.
-fn stated(bytes: &[u8]) -> Option<u16> {
-    /// Where the week stands in the frame: behind six bytes of header and the time of week.
+/// Returns the week that a RXM-RAWX states; `None` for another message, and for a receiver that does not know it.
+pub(super) fn stated(piece: &Piece<'_>) -> Option<u16> {
+    /// Place of the week in the frame: behind six bytes of header and the time of week.
     const WEEK: std::ops::Range<usize> = 14..16;
-    let mut weeks = pieces(bytes).filter(|piece| piece.kind == Kind::RAWX).filter_map(|piece| {
-        let week: [u8; 2] = piece.bytes.get(WEEK)?.try_into().ok()?;
-        Some(u16::from_le_bytes(week))
-    });
-    weeks.find(|&week| week > 0)
+    if piece.kind != Kind::RAWX {
+        return None;
+    }
+    let week: [u8; 2] = piece.bytes.get(WEEK)?.try_into().ok()?;
+    Some(u16::from_le_bytes(week)).filter(|&week| week > 0)
 }
 
 /// Returns the week or, where it has not come yet, the same of the last cycle that has.
@@ -62,6 +57,7 @@ fn this_week() -> u16 {
 mod tests {
     use super::{not_after, stated};
     use crate::checksum::fletcher;
+    use crate::replay::pieces::pieces;
 
     /// RXM-RAWX without measurements, of a receiver that states this week.
     fn rawx(week: u16) -> Vec<u8> {
@@ -76,8 +72,8 @@ mod tests {
     #[test]
     fn week_is_the_first_that_a_receiver_knows() {
         let bytes: Vec<u8> = [0, 1709, 1710].into_iter().flat_map(rawx).collect();
-        assert_eq!(stated(&bytes), Some(1709));
-        assert_eq!(stated(&rawx(0)), None);
+        assert_eq!(pieces(&bytes).find_map(|piece| stated(&piece)), Some(1709));
+        assert_eq!(pieces(&rawx(0)).find_map(|piece| stated(&piece)), None);
     }
 
     #[test]

@@ -12,6 +12,9 @@ use super::{Dashboard, Pin};
 /// The keys, said in the footer.
 const KEYS: &str = " q quit   space pause   c ask for the counters ";
 
+/// The keys of a file, which takes no commands.
+const FILE_KEYS: &str = " q quit   space pause   + faster   - slower   a next alert ";
+
 /// Draws everything.
 pub fn draw(frame: &mut Frame, dashboard: &Dashboard) {
     let below = if frame.area().height >= 34 { 12 } else { 8 };
@@ -180,10 +183,15 @@ fn list(frame: &mut Frame, area: Rect, title: &str, lines: Vec<Line<'_>>, nothin
 
 fn footer(frame: &mut Frame, area: Rect, dashboard: &Dashboard) {
     let state = match (&dashboard.ended, dashboard.is_paused) {
-        (Some(why), _) => why.as_str(),
-        (None, true) => "paused",
-        (None, false) => dashboard.source.as_str(),
+        (Some(why), _) => why.clone(),
+        (None, true) => "paused".to_owned(),
+        (None, false) => match &dashboard.control {
+            Some(control) if control.seeks_alert() => format!("to the next alert of {}", dashboard.source),
+            Some(control) => format!("{} {}", control.speed(), dashboard.source),
+            None => dashboard.source.clone(),
+        },
     };
+    let keys = if dashboard.control.is_some() { FILE_KEYS } else { KEYS };
     let style = Style::new().add_modifier(Modifier::REVERSED);
-    frame.render_widget(Paragraph::new(Line::styled(format!("{KEYS}  {state}"), style)), area);
+    frame.render_widget(Paragraph::new(Line::styled(format!("{keys}  {state}"), style)), area);
 }

@@ -8,6 +8,7 @@
 //! | module | what |
 //! |---|---|
 //! | [`source`] | where sentences come from: a serial port, TCP, a recording of sentences, a capture, the emulated board |
+//! | [`speed`] | how fast a file is shown |
 //! | [`Dashboard`] | what has been heard, and what of it is shown |
 //! | [`draw`] | the picture |
 //! | [`plain`] | the same as lines of text |
@@ -22,5 +23,6 @@ pub mod heaven;
 mod model;
 pub mod plain;
 pub mod source;
+pub mod speed;
 
 pub use model::{Dashboard, Pin, Point};

@@ -6,6 +6,7 @@ use rai_core::frame::Geodetic;
 use rai_core::satellite::SatelliteId;
 
 use super::heaven::Body;
+use super::speed::Control;
 use crate::sentence::{self, Excluded, Sentence, State};
 
 /// Epochs that are remembered for the curves: ten minutes at one a second.
@@ -114,6 +115,8 @@ pub struct Dashboard {
     pub ended: Option<String>,
     /// The picture stands still.
     pub is_paused: bool,
+    /// How fast a file is shown.
+    pub control: Option<Control>,
     incomplete_settings: Vec<String>,
 }
 

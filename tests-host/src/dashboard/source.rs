@@ -1,10 +1,10 @@
 //! Where the sentences come from.
 //!
 //! Each source is a thread that sends what it sees, and ends with a word about why. What a module said is recorded as it
-//! came; a recording is a source again.
+//! came; a recording is a source again. Captures are read as `replay` reads them, and time runs by the tags.
 
 use std::fs::File;
-use std::io::{BufRead, BufReader, Read, Write};
+use std::io::{BufRead, BufReader, Write};
 use std::net::TcpStream;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -14,25 +14,29 @@ use std::time::Duration;
 
 use anyhow::{Context, Result, ensure};
 use rai_core::frame::Ecef;
-use rai_firmware::receiver::{self, Boot};
 
 use super::heaven::{Body, Heaven};
+use super::speed::Control;
 use crate::board::EmulatedBoard;
+use crate::capture::{Bytes, Lumps, has_frames};
 use crate::demo::Plan;
 use crate::encode::{Encoder, Frequency, Selection};
 use crate::fault::Injector;
 use crate::image;
-use crate::pin::Pin;
+use crate::replay::{Pace, Playback, Window};
 use crate::sentence::{self, Sentence};
 
-/// How fast a recording and the emulated board are shown: ten epochs a second.
+/// How fast the emulated board is shown: ten epochs a second.
 const PACE: Duration = Duration::from_millis(100);
 
 /// How long the emulated board may take for an epoch.
 const PATIENCE: Duration = Duration::from_secs(20);
 
-/// Bytes of a capture that are looked at together.
-const CHUNK: usize = 256;
+/// The longest pause of a file of sentences that is waited for, s: in a longer one the module was off.
+const LONGEST_PAUSE_S: f64 = 60.0;
+
+/// Seconds of a day, at whose end the time of sentences begins anew.
+const DAY_S: f64 = 86_400.0;
 
 /// Something that was seen.
 #[derive(Clone, Debug, PartialEq)]
@@ -45,6 +49,8 @@ pub enum News {
     Heaven(Vec<Body>),
     /// There is nothing more to come, and why.
     End(String),
+    /// There is nothing more to come because something is wrong.
+    Failed(String),
 }
 
 /// What is to be watched.
@@ -54,8 +60,8 @@ pub enum Choice {
     Port(PathBuf),
     /// A TCP server that passes on the host port.
     Tcp(String),
-    /// A recording of sentences, or a capture of what a receiver sent, told apart by content.
-    File(PathBuf),
+    /// A recording of sentences, or a capture of what a receiver sent, told apart by content; and how fast it is shown.
+    File(PathBuf, Control),
     /// A simulated sky on the emulated board.
     Demo(Plan),
 }
@@ -81,43 +87,55 @@ pub fn open(choice: &Choice) -> Result<Source> {
             let port = serial(path)?;
             // Without leave to write it can still be watched.
             let commands = File::options().append(true).open(path).ok();
-            spawn_lines(BufReader::new(port), sender, Duration::ZERO);
+            spawn(sender, |sender| lines(BufReader::new(port), sender, None));
             (path.display().to_string(), commands.map(|file| Box::new(file) as Box<dyn Write + Send>))
         }
         Choice::Tcp(address) => {
             let stream = TcpStream::connect(address).with_context(|| format!("{address} does not answer"))?;
             let commands = stream.try_clone()?;
-            spawn_lines(BufReader::new(stream), sender, Duration::ZERO);
+            spawn(sender, |sender| lines(BufReader::new(stream), sender, None));
             (address.clone(), Some(Box::new(commands)))
         }
-        Choice::File(path) => {
-            let mut bytes = Vec::new();
-            let read = File::open(path).and_then(|mut file| file.read_to_end(&mut bytes));
-            read.with_context(|| format!("{} cannot be read", path.display()))?;
-            if is_text(&bytes) {
-                spawn_lines(std::io::Cursor::new(bytes), sender, PACE);
-            } else {
-                spawn_capture(bytes, sender);
-            }
-            (path.display().to_string(), None)
+        Choice::File(path, control) => {
+            let name = path.display().to_string();
+            let bytes = Bytes::open(&name, f64::INFINITY).with_context(|| name.clone())?;
+            let (control, file) = (control.clone(), name.clone());
+            spawn(sender, move |sender| {
+                let shown = if holds_sentences(bytes.head()) {
+                    lines(BufReader::new(bytes), sender, Some(&control))
+                } else {
+                    capture(bytes, sender, &control)
+                };
+                shown.context(file)
+            });
+            (name, None)
         }
         Choice::Demo(plan) => {
             let plan = *plan;
-            thread::spawn(move || {
-                let ended = demo(&plan, &sender)
-                    .map_or_else(|error| format!("{error:#}"), |()| "the demonstration is over".to_owned());
-                let _ = sender.send(News::End(ended));
-            });
+            spawn(sender, move |sender| demo(&plan, sender).map(|()| "the demonstration is over"));
             (format!("{} of a simulated sky drifts off on the emulated board", plan.satellite), None)
         }
     };
     Ok(Source { news, commands, name })
 }
 
-/// Sentences are text and begin with a `$` somewhere early; a capture is not text.
-fn is_text(bytes: &[u8]) -> bool {
-    let start = bytes.get(..bytes.len().min(512)).unwrap_or_default();
-    start.contains(&b'$') && start.iter().all(|byte| byte.is_ascii_graphic() || b" \r\n".contains(byte))
+/// Runs a source in a thread of its own; its result is the last that it sends.
+fn spawn(
+    sender: SyncSender<News>,
+    source: impl FnOnce(&SyncSender<News>) -> Result<&'static str> + Send + 'static,
+) {
+    thread::spawn(move || {
+        let end = source(&sender)
+            .map_or_else(|error| News::Failed(format!("{error:#}")), |why| News::End(why.to_owned()));
+        // Where nobody listens any more there is nobody to tell.
+        let _ = sender.send(end);
+    });
+}
+
+/// Returns true where a file begins with what a module said, and not with what a receiver sent.
+fn holds_sentences(head: &[u8]) -> bool {
+    let is_said = |line: &[u8]| line.starts_with(b"$PRAI") || line.starts_with(b"$GNGNS");
+    !has_frames(head) && head.split(|byte| *byte == b'\n').any(is_said)
 }
 
 /// A terminal is set to the module's rate and left alone otherwise; a pipe or a file is read as it is.
@@ -135,63 +153,58 @@ fn serial(path: &Path) -> Result<File> {
     Ok(port)
 }
 
-/// Sends lines as they come; with a pause behind each verdict where they come from a file.
-fn spawn_lines(mut reader: impl BufRead + Send + 'static, sender: SyncSender<News>, pause: Duration) {
-    thread::spawn(move || {
-        let mut line = Vec::new();
-        let ended = loop {
-            line.clear();
-            match reader.read_until(b'\n', &mut line) {
-                Ok(0) => break "the end".to_owned(),
-                Ok(_) => {}
-                Err(error) => break format!("{error}"),
-            }
-            let text = String::from_utf8_lossy(&line).into_owned();
-            let is_verdict = text.starts_with("$PRAIS");
-            if sender.send(News::Line(text)).is_err() {
-                return;
-            }
-            if is_verdict {
-                thread::sleep(pause);
-            }
-        };
-        let _ = sender.send(News::End(ended));
-    });
+/// Sends lines as they come; of a file, at the pace of the times of the verdicts.
+fn lines(
+    mut reader: impl BufRead,
+    sender: &SyncSender<News>,
+    control: Option<&Control>,
+) -> Result<&'static str> {
+    let (mut line, mut last_s) = (Vec::new(), None);
+    while reader.read_until(b'\n', &mut line).context("cannot be read")? > 0 {
+        let text = String::from_utf8_lossy(&std::mem::take(&mut line)).into_owned();
+        if let (Some(control), Ok(Sentence::State(state))) = (control, sentence::parse(&text)) {
+            let passed_s = state.time_s.zip(last_s).map_or(0.0, |(time_s, last_s)| {
+                let passed_s: f64 = time_s - last_s;
+                passed_s.rem_euclid(DAY_S)
+            });
+            control.wait(passed_s.min(LONGEST_PAUSE_S));
+            control.judged(state.state);
+            last_s = state.time_s.or(last_s);
+        }
+        sender.send(News::Line(text))?;
+    }
+    Ok("the end")
 }
 
-/// The module in process, fed with a capture.
-fn spawn_capture(bytes: Vec<u8>, sender: SyncSender<News>) {
-    thread::spawn(move || {
-        let ended =
-            capture(&bytes, &sender).map_or_else(|error| format!("{error:#}"), |()| "the end".to_owned());
-        let _ = sender.send(News::End(ended));
-    });
-}
-
-fn capture(bytes: &[u8], sender: &SyncSender<News>) -> Result<()> {
-    let boot = Boot::on_host("host");
-    let mut module = receiver::Receiver::new(Pin::default(), boot).context("the module cannot start")?;
+/// Sends what the module in process says of a capture.
+fn capture(bytes: Bytes, sender: &SyncSender<News>, control: &Control) -> Result<&'static str> {
+    let mut lumps = Lumps::of(bytes, None, &[], &Window::ALL)?;
+    let mut playback = Playback::start(lumps.by_ref(), &[], Pace::Recorded)?;
     let mut heaven = Heaven::new();
-    let (mut place, mut now_ms) = (Ecef::CENTRE, 0);
-    let mut said = Vec::new();
-    module.greet(&mut said);
-    module.tick(0, &mut said);
-    for chunk in bytes.chunks(CHUNK) {
-        module.gnss(chunk, now_ms, &mut said);
-        let text = String::from_utf8_lossy(&std::mem::take(&mut said)).into_owned();
-        let judged = text.contains("$PRAIS");
-        tell(&text, &mut place, sender)?;
-        if let Some(bodies) = heaven.hear(chunk, now_ms, place) {
+    let (mut place, mut now_s) = (Ecef::CENTRE, 0.0);
+    tell(&playback.greeting()?, &mut place, sender)?;
+    while let Some((lump, said)) = playback.advance()? {
+        control.wait(lump.elapsed_s - now_s);
+        now_s = lump.elapsed_s;
+        if let Some(output) = said.output()? {
+            control.judged(output.state.state);
+        }
+        tell(&said.of_epoch, &mut place, sender)?;
+        if let Some(bodies) = heaven.hear(&lump.bytes, lump.elapsed_ms(), place) {
             sender.send(News::Heaven(bodies))?;
         }
-        if judged {
-            sender.send(News::PinLevel(module.pin().high))?;
-            // A capture has no times of its own; a second an epoch is what most have.
-            now_ms += 1000;
-            thread::sleep(PACE);
+        // After a silence the pin is low.
+        let is_high = said.output()?.is_some_and(|output| output.state.is_protected());
+        sender.send(News::PinLevel(is_high))?;
+        if let Some(stale_s) = said.stale_s {
+            control.wait(stale_s - now_s);
+            now_s = stale_s;
+            control.judged('A');
+            sender.send(News::PinLevel(false))?;
         }
+        tell(&said.of_silence, &mut place, sender)?;
     }
-    Ok(())
+    Ok("the end")
 }
 
 /// Sends sentences, and keeps the place that they tell.
@@ -230,12 +243,13 @@ fn demo(plan: &Plan, sender: &SyncSender<News>) -> Result<()> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::speed::Speed;
     use super::*;
 
     fn all(source: &Source) -> Vec<News> {
         let mut news = Vec::new();
         while let Ok(one) = source.news.recv_timeout(Duration::from_secs(20)) {
-            let is_end = matches!(one, News::End(_));
+            let is_end = matches!(one, News::End(_) | News::Failed(_));
             news.push(one);
             if is_end {
                 break;
@@ -246,9 +260,11 @@ mod tests {
 
     #[test]
     fn a_recording_is_told_from_a_capture() {
-        assert!(is_text(b"$PRAIV,0.1.0,abc,POWER,PASS*00\r\n"));
-        assert!(!is_text(&[0xD3, 0x00, 0x13, b'$', 0x3E]));
-        assert!(!is_text(b""));
+        let said = b"\xFFnoise\n$PRAIV,0.1.0,abc,POWER,PASS*00\r\n";
+        assert!(holds_sentences(said));
+        let frame = crate::encode::ubx::frame([0x02, 0x15], &[0; 16]);
+        assert!(!holds_sentences(&[&said[..], &frame].concat()));
+        assert!(!holds_sentences(b"$GPGGA,of,a,receiver*00\r\n") && !holds_sentences(b""));
     }
 
     #[test]
@@ -256,7 +272,7 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("said.nmea");
         std::fs::write(&path, "$PRAIS,a*00\r\n$PRAIN,b*00\r\n").expect("written");
-        let source = open(&Choice::File(path)).expect("opened");
+        let source = open(&Choice::File(path, Control::new(Speed::Max))).expect("opened");
         let line = |text: &str| News::Line(text.to_owned());
         let want = [line("$PRAIS,a*00\r\n"), line("$PRAIN,b*00\r\n"), News::End("the end".to_owned())];
         assert_eq!(all(&source), want);
@@ -264,7 +280,8 @@ mod tests {
 
     #[test]
     fn what_cannot_be_opened_is_named() {
-        for choice in [Choice::File("/nowhere/at/all".into()), Choice::Port("/nowhere/at/all".into())] {
+        let file = Choice::File("/nowhere/at/all".into(), Control::new(Speed::Max));
+        for choice in [file, Choice::Port("/nowhere/at/all".into())] {
             let error = open(&choice).err().map(|error| format!("{error:#}")).unwrap_or_default();
             assert!(error.contains("/nowhere/at/all"), "{error}");
         }

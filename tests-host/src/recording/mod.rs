@@ -35,6 +35,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail, ensure};
 use rai_core::frame::Ecef;
+use rai_firmware::time::GpsTime;
 
 pub use self::calendar::readable;
 pub use self::epochs::Epochs;
@@ -118,18 +119,26 @@ impl Recording {
         let (Some(first), Some(last)) = (self.epochs.first(), self.epochs.last()) else {
             bail!("the observation files hold no epoch");
         };
+        self.check_time(navigation, first.time, last.time)
+    }
+
+    /// Checks that some ephemeris of the navigation files is of the time between two epochs.
+    ///
+    /// # Errors
+    /// No ephemeris, or all of another day.
+    pub fn check_time(&self, navigation: &[PathBuf], first: GpsTime, last: GpsTime) -> Result<()> {
         let names = names(navigation);
         self.check_ephemerides(&names)?;
         let applicable = |ephemeris: &TimedEphemeris| {
-            ephemeris.toe.since_ms(first.time) > -USEFUL_MS && ephemeris.toe.since_ms(last.time) < USEFUL_MS
+            ephemeris.toe.since_ms(first) > -USEFUL_MS && ephemeris.toe.since_ms(last) < USEFUL_MS
         };
         let toes = || self.ephemerides.iter().map(|ephemeris| ephemeris.toe);
         ensure!(
             self.ephemerides.iter().any(applicable),
             "{names}: no ephemeris is of the time of the observations ({} to {}), all are for {} to {}; \
              take the navigation file of that day",
-            readable(first.time),
-            readable(last.time),
+            readable(first),
+            readable(last),
             toes().min().map_or_else(String::new, readable),
             toes().max().map_or_else(String::new, readable),
         );

@@ -13,7 +13,7 @@ use super::Lump;
 /// As the module starts, dB-Hz.
 const SIGNAL_MASK_DBHZ: f32 = 28.0;
 
-/// The epochs of the lumps, of the satellites above the mask; `klobuchar` are the coefficients of the ionosphere that
+/// Returns the epochs of the lumps, of the satellites above the mask; `klobuchar` are the coefficients of the ionosphere that
 /// ranges on one frequency are corrected with.
 pub fn corrected(
     lumps: &[Lump],
@@ -21,21 +21,43 @@ pub fn corrected(
     mask_rad: f64,
     klobuchar: Option<[f64; 8]>,
 ) -> Vec<Epoch<CAPACITY>> {
-    let (mut input, mut store, mut tally) = (Input::new(), Store::new(), Tally::default());
-    let (mut sky, mut epochs) = (Sky::new(), Vec::new());
-    for lump in lumps {
-        input.feed(&lump.bytes, 0, |event| match event {
+    let mut corrector = Corrector::new(antenna, mask_rad, klobuchar);
+    lumps.iter().flat_map(|lump| corrector.hear(&lump.bytes)).collect()
+}
+
+/// Corrects epoch after epoch.
+pub(super) struct Corrector {
+    input: Input,
+    store: Store,
+    tally: Tally,
+    sky: Sky,
+    antenna: Ecef,
+    mask_rad: f64,
+    klobuchar: Option<[f64; 8]>,
+}
+
+impl Corrector {
+    pub(super) fn new(antenna: Ecef, mask_rad: f64, klobuchar: Option<[f64; 8]>) -> Self {
+        let (input, store, tally, sky) = (Input::new(), Store::new(), Tally::default(), Sky::new());
+        Self { input, store, tally, sky, antenna, mask_rad, klobuchar }
+    }
+
+    /// Takes the bytes of a lump; returns the epochs that they complete.
+    pub(super) fn hear(&mut self, bytes: &[u8]) -> Vec<Epoch<CAPACITY>> {
+        let Self { input, store, tally, sky, antenna, mask_rad, klobuchar } = self;
+        let mut epochs = Vec::new();
+        input.feed(bytes, 0, |event| match event {
             Event::Ephemeris(ephemeris) => drop(store.insert(ephemeris, None)),
             Event::Redated(present) => store.redate(present),
             Event::Position(_) | Event::Ionosphere(..) | Event::Jamming(_) => {}
             Event::Epoch(raw, _) => {
-                locate(raw, &store, SIGNAL_MASK_DBHZ, Systems::AT_START, &mut tally, &mut sky);
-                let site = Site::new(antenna, raw.time, mask_rad, klobuchar.and_then(Klobuchar::new));
+                locate(raw, store, SIGNAL_MASK_DBHZ, Systems::AT_START, tally, sky);
+                let site = Site::new(*antenna, raw.time, *mask_rad, klobuchar.and_then(Klobuchar::new));
                 let mut epoch = Epoch::new(0.0);
-                site.correct(&sky, &mut tally.ranges, &mut epoch);
+                site.correct(sky, &mut tally.ranges, &mut epoch);
                 epochs.push(epoch);
             }
         });
+        epochs
     }
-    epochs
 }

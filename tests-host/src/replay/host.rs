@@ -3,11 +3,11 @@
 use anyhow::{Context, Result, ensure};
 use rai_firmware::receiver::{Boot, Receiver};
 
+use super::ahead::Ahead;
 use super::lump::Lump;
-use super::lumps::interval_s;
 use super::pieces;
 use crate::pin::Pin;
-use crate::sentence;
+use crate::sentence::{self, EpochOutput};
 
 /// Bodies of the commands that configure the module before the first epoch, without `$PRAIC,` and checksum.
 pub type Setup = [String];
@@ -32,10 +32,10 @@ pub(super) fn check_answers(setup: &Setup, answers: &str) -> Result<()> {
 /// How time runs for the module.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pace {
-    /// As recorded. An interval half as long again as the recording's own is a silence, which the module is left to
+    /// As recorded. An interval half as long again as the recording's usual one is a silence, which the module is left to
     /// notice; a recording thinned to 30 s is not one long alarm.
     Recorded,
-    /// The next lump follows the verdict on the last, as on the emulated board: there is no silence.
+    /// The next lump follows the verdict on the last: there is no silence.
     LockStep,
 }
 
@@ -50,7 +50,17 @@ pub struct Said {
     pub stale_s: Option<f64>,
 }
 
-/// What came of a run in process.
+impl Said {
+    /// Returns what was said of the epoch that was judged last, if one was.
+    ///
+    /// # Errors
+    /// A sentence that cannot be read.
+    pub fn output(&self) -> Result<Option<EpochOutput>> {
+        Ok(sentence::epochs(&self.of_epoch)?.pop())
+    }
+}
+
+/// The result of a run in process.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct HostRun {
     /// Lump by lump.
@@ -60,7 +70,7 @@ pub struct HostRun {
 }
 
 impl HostRun {
-    /// All sentences in one piece.
+    /// Returns all sentences in one piece.
     pub fn sentences(&self) -> String {
         self.said.iter().flat_map(|said| [said.of_epoch.as_str(), said.of_silence.as_str()]).collect()
     }
@@ -72,46 +82,93 @@ const TICK_MS: u64 = 100;
 /// A pause after which the module waits for the rest of a frame no more, ms.
 const QUIET_MS: u64 = 500;
 
-/// How much longer than usual an interval is that counts as a silence.
-const SILENCE: f64 = 1.5;
-
 /// Runs the lumps in process.
 ///
 /// # Errors
-/// A setup command that the module refuses; a pin that is high when the verdict does not allow it, or the reverse.
+/// As of [`Playback`].
 pub fn on_host(
     lumps: &[Lump],
     setup: &Setup,
     pace: Pace,
     mut progress: impl FnMut(usize),
 ) -> Result<HostRun> {
-    let mut module = Module::start(setup)?;
-    let usual_s = interval_s(lumps);
-    let (mut run, mut last_epoch_s) = (HostRun::default(), 0.0);
-    for (index, lump) in lumps.iter().enumerate() {
-        let mut said = Said { of_epoch: module.hear(lump)?, ..Said::default() };
-        if said.of_epoch.contains("$PRAIS") {
-            last_epoch_s = lump.elapsed_s;
-        }
-        // Bytes without an epoch are a silence, too.
-        let silence = lumps
-            .get(index + 1)
-            .filter(|next| pace == Pace::Recorded && next.elapsed_s - last_epoch_s > SILENCE * usual_s);
-        if let Some(next) = silence {
-            module.wait(lump.elapsed_s, next.elapsed_s, &mut said)?;
-        }
+    let mut playback = Playback::start(lumps.iter().cloned().map(Ok), setup, pace)?;
+    let mut run = HostRun::default();
+    while let Some((_, said)) = playback.advance()? {
         run.said.push(said);
-        progress(index + 1);
+        progress(run.said.len());
     }
-    run.counters = module.counters()?;
+    run.counters = playback.counters()?;
     Ok(run)
 }
 
+/// Lumps on their way through the module in process. No more of them are in memory than are read ahead.
+pub struct Playback<I> {
+    lumps: Ahead<I>,
+    module: Module,
+    pace: Pace,
+    last_epoch_ms: u64,
+}
+
+impl<I: Iterator<Item = Result<Lump>>> Playback<I> {
+    /// Starts a module and configures it.
+    ///
+    /// # Errors
+    /// A setup command that the module refuses.
+    pub fn start(lumps: I, setup: &Setup, pace: Pace) -> Result<Self> {
+        Ok(Self { lumps: Ahead::of(lumps), module: Module::start(setup)?, pace, last_epoch_ms: 0 })
+    }
+
+    /// Plays the next lump, and the silence behind it; returns `None` at the end.
+    ///
+    /// # Errors
+    /// What the source of the lumps says; a pin that is high when the verdict does not allow it, or the reverse.
+    pub fn advance(&mut self) -> Result<Option<(Lump, Said)>> {
+        let Some((lump, next_ms)) = self.lumps.next()? else { return Ok(None) };
+        let now_ms = lump.elapsed_ms();
+        let mut said = Said { of_epoch: self.module.hear(&lump.bytes, now_ms)?, ..Said::default() };
+        if said.of_epoch.contains("$PRAIS") {
+            self.last_epoch_ms = now_ms;
+        }
+        // Bytes without an epoch are a silence, too.
+        let usual_ms = self.lumps.usual_ms();
+        let is_silence = |next_ms: &u64| 2 * next_ms.saturating_sub(self.last_epoch_ms) > 3 * usual_ms;
+        if let Some(next_ms) = next_ms.filter(is_silence).filter(|_| self.pace == Pace::Recorded) {
+            self.module.wait(now_ms, next_ms, &mut said)?;
+        }
+        Ok(Some((lump, said)))
+    }
+
+    /// Returns the module's counters, by name.
+    ///
+    /// # Errors
+    /// An answer that is no text.
+    pub fn counters(&mut self) -> Result<Vec<(String, u32)>> {
+        self.module.counters()
+    }
+
+    /// Returns the level of the pin.
+    pub fn pin_is_high(&self) -> bool {
+        self.module.0.pin().high
+    }
+
+    /// Returns what the module says when it starts: its version and its settings.
+    ///
+    /// # Errors
+    /// Sentences that are no text.
+    pub fn greeting(&mut self) -> Result<String> {
+        let mut said = Vec::new();
+        self.module.0.greet(&mut said);
+        self.module.0.tick(0, &mut said);
+        Ok(String::from_utf8(said)?)
+    }
+}
+
 /// The module in process.
-struct Module(Receiver<Pin>);
+pub(super) struct Module(Receiver<Pin>);
 
 impl Module {
-    fn start(setup: &Setup) -> Result<Self> {
+    pub(super) fn start(setup: &Setup) -> Result<Self> {
         let boot = Boot::on_host("host");
         let mut receiver = Receiver::new(Pin::default(), boot).context("the module cannot start")?;
         let mut answers = Vec::new();
@@ -122,31 +179,31 @@ impl Module {
         Ok(Self(receiver))
     }
 
-    /// What it says of an epoch. Where it says nothing, because no range came, the last verdict stands until it is stale.
-    fn hear(&mut self, lump: &Lump) -> Result<String> {
+    /// Returns what the module says of an epoch that comes at `now_ms`. Where it says nothing, because no range came, the last
+    /// verdict stands until it is stale.
+    pub(super) fn hear(&mut self, bytes: &[u8], now_ms: u64) -> Result<String> {
         let mut said = Vec::new();
-        let is_judged = self.0.gnss(&lump.bytes, ms(lump.elapsed_s), &mut said);
-        if !is_judged && pieces::have_ranges(&lump.bytes) {
+        let is_judged = self.0.gnss(bytes, now_ms, &mut said);
+        if !is_judged && pieces::have_ranges(bytes) {
             // Noise that looks like the beginning of a frame holds the epoch back until the line falls silent.
-            self.0.tick(ms(lump.elapsed_s) + QUIET_MS, &mut said);
+            self.0.tick(now_ms + QUIET_MS, &mut said);
         }
         let text = String::from_utf8(said)?;
-        if let Some(epoch) = sentence::epochs(&text)?.last() {
-            let agree = self.0.pin().high == epoch.state.is_protected();
-            ensure!(agree, "pin and verdict disagree at {} s", lump.elapsed_s);
+        if let Some(state) = last_state(&text) {
+            ensure!(self.0.pin().high == (state == "P"), "pin and verdict disagree at {now_ms} ms");
         }
         Ok(text)
     }
 
     /// Lets time pass without a byte.
-    fn wait(&mut self, from_s: f64, to_s: f64, said: &mut Said) -> Result<()> {
-        for now_ms in (ms(from_s)..ms(to_s)).step_by(TICK_MS as usize).skip(1) {
+    fn wait(&mut self, from_ms: u64, to_ms: u64, said: &mut Said) -> Result<()> {
+        for now_ms in (from_ms..to_ms).step_by(TICK_MS as usize).skip(1) {
             let mut alarm = Vec::new();
             self.0.tick(now_ms, &mut alarm);
             let text = String::from_utf8(alarm)?;
             said.of_silence.push_str(&text);
             // Settings and losses are said from time to time, whatever comes.
-            if !sentence::epochs(&text)?.is_empty() {
+            if last_state(&text).is_some() {
                 said.stale_s.get_or_insert(now_ms as f64 * 1e-3);
                 ensure!(!self.0.pin().high, "the pin is high on a silent line at {now_ms} ms");
             }
@@ -171,6 +228,7 @@ pub(super) fn counters_of(answer: &str) -> Vec<(String, u32)> {
         .collect()
 }
 
-fn ms(elapsed_s: f64) -> u64 {
-    (elapsed_s * 1e3) as u64
+/// Returns the state of the last verdict in some sentences.
+fn last_state(text: &str) -> Option<&str> {
+    text.lines().rev().find(|line| line.starts_with("$PRAIS"))?.split(',').nth(2)
 }

@@ -12,3 +12,10 @@ pub struct Lump {
     /// Ephemerides that have become known, then ranges, in any format that the module reads.
     pub bytes: Vec<u8>,
 }
+
+impl Lump {
+    /// Returns the time after the first epoch of the recording, ms.
+    pub(crate) fn elapsed_ms(&self) -> u64 {
+        (self.elapsed_s * 1e3).round() as u64
+    }
+}

@@ -1,14 +1,17 @@
 //! From a recording to the bytes of each epoch: which epochs, with which faults.
 
+use std::collections::BTreeSet;
+
 use anyhow::{Context as _, Result, ensure};
 use rai_core::frame::{Ecef, Enu, LocalFrame};
 use rai_core::satellite::SatelliteId;
+use rai_firmware::time::GpsTime;
 
-use super::corrected;
+use super::corrected::Corrector;
 use super::lump::Lump;
 use crate::encode::{Encoder, Selection};
-use crate::fault::{Directions, Fault, Injector};
-use crate::measurement::MeasuredEpoch;
+use crate::fault::Fault;
+use crate::measurement::{MeasuredEpoch, TimedEphemeris};
 use crate::recording::Recording;
 
 /// Which part of a recording is used; seconds after its first epoch.
@@ -27,79 +30,181 @@ impl Window {
     pub const ALL: Self = Self { from_s: 0.0, to_s: f64::INFINITY, every_s: 0.0 };
 }
 
+impl Window {
+    /// Returns true where an epoch is one of the window, after the last that was.
+    pub(crate) fn holds(&self, elapsed_s: f64, last_s: Option<f64>) -> bool {
+        // Half a millisecond of grace: time tags are rounded to milliseconds.
+        let is_next = last_s.is_none_or(|last_s| elapsed_s - last_s >= self.every_s - 5e-4);
+        elapsed_s >= self.from_s && elapsed_s < self.to_s && is_next
+    }
+}
+
 /// Encodes a recording. Faults are timed from the recording's first epoch, whatever the window is.
 ///
 /// # Errors
-/// A fault of a satellite that is not in the recording, a number that has no room in its message, or an empty window.
+/// As of [`Encoding`].
 pub fn encode(
     recording: &Recording,
     selection: &Selection,
     faults: &[Fault],
     window: &Window,
 ) -> Result<Vec<Lump>> {
-    let satellites = satellites(recording);
-    for fault in faults {
-        fault.check_against(&satellites)?;
-    }
-    let is_directed = faults.iter().any(Fault::needs_directions);
-    let directions = if is_directed { directions(recording, selection)? } else { Directions::default() };
-    let source = Injector::new(recording.epochs.iter().cloned(), faults.to_vec()).towards(directions);
-    lumps(recording, selection, window, source)
+    let epochs = recording.epochs.iter().cloned().map(Ok);
+    let broadcast = Broadcast {
+        ephemerides: &recording.ephemerides,
+        klobuchar: recording.klobuchar,
+        approximate_position: recording.approximate_position,
+    };
+    Encoding::of(epochs, &broadcast, selection, faults, window)?.collect()
 }
 
-/// The epochs of a source within the window.
-fn lumps(
-    recording: &Recording,
-    selection: &Selection,
-    window: &Window,
-    source: impl Iterator<Item = MeasuredEpoch>,
-) -> Result<Vec<Lump>> {
-    let Some(first) = recording.epochs.first().map(|epoch| epoch.time) else { return Ok(Vec::new()) };
-    let mut encoder = Encoder::new(&recording.ephemerides, selection.clone()).as_receiver();
-    let mut lumps: Vec<Lump> = Vec::new();
-    for epoch in source {
-        let elapsed_s = epoch.time.since_ms(first) as f64 * 1e-3;
-        // Half a millisecond of grace: time tags are rounded to milliseconds.
-        let is_next = lumps.last().is_none_or(|last| elapsed_s - last.elapsed_s >= window.every_s - 5e-4);
-        if elapsed_s >= window.from_s && elapsed_s < window.to_s && is_next {
-            lumps.push(Lump { time: epoch.time, elapsed_s, bytes: encoder.epoch(&epoch)? });
+/// What is known of a recording beside its epochs.
+#[derive(Clone, Copy, Debug)]
+pub struct Broadcast<'a> {
+    /// All ephemerides, in the order of the files.
+    pub ephemerides: &'a [TimedEphemeris],
+    /// GPS coefficients of the ionosphere, `α0…α3, β0…β3`.
+    pub klobuchar: Option<[f64; 8]>,
+    /// Where the header says that the antenna is.
+    pub approximate_position: Option<Ecef>,
+}
+
+/// The lumps of a window of a recording, encoded epoch by epoch. None is kept, so that the length of the recording does not
+/// matter. An error comes at the end where a fault befalls no satellite of the recording, or where the window is empty;
+/// before it where a message has no room for a number.
+pub struct Encoding<I> {
+    epochs: I,
+    encoder: Encoder,
+    faults: Vec<Fault>,
+    /// Where a fault is a shift.
+    heaven: Option<Heaven>,
+    window: Window,
+    satellites: BTreeSet<SatelliteId>,
+    span: Option<(GpsTime, GpsTime)>,
+    /// Seconds from the first epoch to the last one of the window.
+    last_used_s: Option<f64>,
+    has_ended: bool,
+}
+
+impl<I: Iterator<Item = Result<MeasuredEpoch>>> Encoding<I> {
+    /// Returns the lumps of `epochs`, which are in the order of time.
+    ///
+    /// # Errors
+    /// A shift of a recording whose header does not say where the antenna is.
+    pub fn of(
+        epochs: I,
+        broadcast: &Broadcast<'_>,
+        selection: &Selection,
+        faults: &[Fault],
+        window: &Window,
+    ) -> Result<Self> {
+        let encoder = Encoder::new(broadcast.ephemerides, selection.clone()).as_receiver();
+        let is_directed = faults.iter().any(Fault::needs_directions);
+        let heaven = is_directed.then(|| Heaven::of(broadcast, selection)).transpose()?;
+        Ok(Self {
+            epochs,
+            encoder,
+            faults: faults.to_vec(),
+            heaven,
+            window: *window,
+            satellites: BTreeSet::new(),
+            span: None,
+            last_used_s: None,
+            has_ended: false,
+        })
+    }
+
+    /// Returns the first epoch and the last one so far.
+    pub fn span(&self) -> Option<(GpsTime, GpsTime)> {
+        self.span
+    }
+
+    /// Returns where the epochs come from.
+    pub fn epochs(&self) -> &I {
+        &self.epochs
+    }
+
+    fn advance(&mut self) -> Result<Option<Lump>> {
+        while let Some(epoch) = self.epochs.next().transpose()? {
+            let first = self.span.map_or(epoch.time, |(first, _)| first);
+            self.span = Some((first, epoch.time));
+            let elapsed_s = epoch.time.since_ms(first) as f64 * 1e-3;
+            if !self.faults.is_empty() {
+                self.satellites.extend(epoch.satellites.iter().map(|measured| measured.satellite));
+            }
+            let epoch = self.falsified(epoch, elapsed_s)?;
+            if self.window.holds(elapsed_s, self.last_used_s) {
+                self.last_used_s = Some(elapsed_s);
+                return Ok(Some(Lump { time: epoch.time, elapsed_s, bytes: self.encoder.epoch(&epoch)? }));
+            }
         }
+        let satellites: Vec<SatelliteId> = self.satellites.iter().copied().collect();
+        for fault in &self.faults {
+            fault.check_against(&satellites)?;
+        }
+        let Window { from_s, to_s, .. } = self.window;
+        ensure!(
+            self.last_used_s.is_some() || self.span.is_none(),
+            "no epoch between {from_s} s and {to_s} s of the recording"
+        );
+        Ok(None)
     }
-    ensure!(!lumps.is_empty(), "no epoch between {} s and {} s of the recording", window.from_s, window.to_s);
-    Ok(lumps)
+
+    fn falsified(&mut self, mut epoch: MeasuredEpoch, elapsed_s: f64) -> Result<MeasuredEpoch> {
+        let directions = self.heaven.as_mut().map_or(Ok(Vec::new()), |heaven| heaven.directions(&epoch))?;
+        let direction = |satellite| {
+            directions.iter().find(|(other, _)| *other == satellite).map(|(_, direction)| *direction)
+        };
+        for fault in &self.faults {
+            fault.apply_towards(&mut epoch, elapsed_s, direction);
+        }
+        Ok(epoch)
+    }
 }
 
-/// Where the satellites stand, as the module itself locates them, seen from where the recording says that it is.
-fn directions(recording: &Recording, selection: &Selection) -> Result<Directions> {
-    let antenna =
-        recording.approximate_position.context("a shift needs the antenna's approximate position")?;
-    let lumps = lumps(recording, selection, &Window::ALL, recording.epochs.iter().cloned())?;
-    let frame = LocalFrame::at(antenna);
-    let epochs = corrected(&lumps, antenna, 0.0, recording.klobuchar).into_iter().map(|epoch| {
+impl<I: Iterator<Item = Result<MeasuredEpoch>>> Iterator for Encoding<I> {
+    type Item = Result<Lump>;
+
+    fn next(&mut self) -> Option<Result<Lump>> {
+        if self.has_ended {
+            return None;
+        }
+        let lump = self.advance().transpose();
+        self.has_ended = !matches!(lump, Some(Ok(_)));
+        lump
+    }
+}
+
+/// Where satellites stand, as the module itself locates them, seen from where the recording says that the antenna is.
+struct Heaven {
+    encoder: Encoder,
+    corrector: Corrector,
+    antenna: Ecef,
+}
+
+impl Heaven {
+    fn of(broadcast: &Broadcast<'_>, selection: &Selection) -> Result<Self> {
+        let antenna =
+            broadcast.approximate_position.context("a shift needs the antenna's approximate position")?;
+        Ok(Self {
+            encoder: Encoder::new(broadcast.ephemerides, selection.clone()).as_receiver(),
+            corrector: Corrector::new(antenna, 0.0, broadcast.klobuchar),
+            antenna,
+        })
+    }
+
+    /// Returns unit vectors from the antenna to the satellites of the next epoch.
+    fn directions(&mut self, epoch: &MeasuredEpoch) -> Result<Vec<(SatelliteId, Enu)>> {
+        let frame = LocalFrame::at(self.antenna);
         let towards = |position: Ecef| {
-            let difference = position - antenna;
+            let difference = position - self.antenna;
             let distance_m = difference.radius_m();
             let Enu { east, north, up } = frame.rotate(difference);
             Enu { east: east / distance_m, north: north / distance_m, up: up / distance_m }
         };
-        let seen = epoch.observations().iter();
-        (epoch.time_s(), seen.map(|one| (one.satellite, towards(one.position))).collect())
-    });
-    Ok(Directions::new(epochs.collect()))
-}
-
-/// The recording's own interval: the median time between neighbours, s; 0 where there are none.
-pub fn interval_s(lumps: &[Lump]) -> f64 {
-    let mut steps: Vec<f64> = lumps.windows(2).map(|pair| pair[1].elapsed_s - pair[0].elapsed_s).collect();
-    steps.sort_by(f64::total_cmp);
-    steps.get(steps.len() / 2).copied().unwrap_or(0.0)
-}
-
-/// Every satellite that is measured at least once.
-fn satellites(recording: &Recording) -> Vec<SatelliteId> {
-    let measured = recording.epochs.iter().flat_map(|epoch| &epoch.satellites);
-    let mut satellites: Vec<SatelliteId> = measured.map(|measured| measured.satellite).collect();
-    satellites.sort_unstable();
-    satellites.dedup();
-    satellites
+        let bytes = self.encoder.epoch(epoch)?;
+        let corrected = self.corrector.hear(&bytes);
+        let seen = corrected.last().map_or(&[][..], |epoch| epoch.observations());
+        Ok(seen.iter().map(|one| (one.satellite, towards(one.position))).collect())
+    }
 }

@@ -5,37 +5,64 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 
 use super::summary::Summary;
-use super::track::Track;
 use crate::fault::{Fault, Kind};
 use crate::report::canvas::Ground;
 use crate::report::page::Page;
+use crate::report::thinned::Thinned;
 use crate::report::{Moment, stanford, timeline};
 
-/// Writes `report.html` into a folder; gives its path.
-///
-/// # Errors
-/// What cannot be drawn or written.
-pub fn write_report(folder: &Path, track: &Track, faults: &[Fault], summary: &Summary) -> Result<PathBuf> {
-    let moments = moments(track);
-    let incidents: Vec<timeline::Incident> = faults.iter().map(|fault| incident(fault, track)).collect();
-    let mut page = Page::new("A recording through the module", &headline(summary));
-    page.figures(&figures(summary));
-    page.heading("What the module said");
-    page.picture(&timeline::picture(&moments, &incidents, Ground::Page)?);
-    if moments.iter().any(|moment| moment.horizontal_error_m.is_some()) {
-        page.heading("Error against protection level");
-        page.paragraph(
-            "Above the diagonal the protection level is larger than the error and bounds it, as it must. A violet dot \
-             below it is misleading: a position that was promised to be better than it was.",
-        );
-        page.pictures(&[
-            stanford::horizontal(&moments, Ground::Page)?,
-            stanford::vertical(&moments, Ground::Page)?,
-        ]);
+/// A report that is filled epoch by epoch, and has room for any number of them.
+#[derive(Clone, Debug, Default)]
+pub struct Report {
+    epochs: Thinned,
+    last_s: f64,
+}
+
+impl Report {
+    /// Takes the next epoch.
+    pub fn push(&mut self, moment: &super::track::Moment) {
+        self.last_s = moment.elapsed_s;
+        if let Some(said) = &moment.output {
+            let is_high = said.state.is_protected();
+            self.epochs.push(Moment::of(moment.elapsed_s, said, moment.error, is_high));
+        }
     }
-    let path = folder.join("report.html");
-    page.write(&path)?;
-    Ok(path)
+
+    /// Writes `report.html` into a folder; returns its path.
+    ///
+    /// # Errors
+    /// What cannot be drawn or written.
+    pub fn write(&self, folder: &Path, faults: &[Fault], summary: &Summary) -> Result<PathBuf> {
+        let incidents: Vec<timeline::Incident> =
+            faults.iter().map(|fault| incident(fault, self.last_s)).collect();
+        let moments = self.epochs.moments();
+        let mut page = Page::new("A recording through the module", &headline(summary));
+        page.figures(&figures(summary));
+        page.heading("What the module said");
+        page.picture(&timeline::picture(&self.epochs, &incidents, Ground::Page)?);
+        if (moments.len() as u64) < self.epochs.all() {
+            page.paragraph(&format!(
+                "The pictures show {} of {} epochs: the extremes of each stretch of time, and the first epoch of each \
+                 verdict in it.",
+                moments.len(),
+                self.epochs.all()
+            ));
+        }
+        if moments.iter().any(|moment| moment.horizontal_error_m.is_some()) {
+            page.heading("Error against protection level");
+            page.paragraph(
+                "Above the diagonal the protection level is larger than the error and bounds it, as it must. A violet dot \
+                 below it is misleading: a position that was promised to be better than it was.",
+            );
+            page.pictures(&[
+                stanford::horizontal(&moments, Ground::Page)?,
+                stanford::vertical(&moments, Ground::Page)?,
+            ]);
+        }
+        let path = folder.join("report.html");
+        page.write(&path)?;
+        Ok(path)
+    }
 }
 
 fn headline(summary: &Summary) -> String {
@@ -58,8 +85,7 @@ fn figures(summary: &Summary) -> Vec<(String, String)> {
     ]
 }
 
-fn incident(fault: &Fault, track: &Track) -> timeline::Incident {
-    let last_s = track.last().map_or(0.0, |moment| moment.elapsed_s);
+fn incident(fault: &Fault, last_s: f64) -> timeline::Incident {
     timeline::Incident {
         name: match fault.kind {
             Kind::Outage => format!("{} is lost", fault.target),
@@ -67,12 +93,4 @@ fn incident(fault: &Fault, track: &Track) -> timeline::Incident {
         },
         range_s: fault.start_s..fault.end_s.min(last_s),
     }
-}
-
-fn moments(track: &Track) -> Vec<Moment> {
-    let moment = |moment: &super::track::Moment| {
-        let said = moment.output.as_ref()?;
-        Some(Moment::of(moment.elapsed_s, said, moment.error, said.state.is_protected()))
-    };
-    track.iter().filter_map(moment).collect()
 }

@@ -11,6 +11,8 @@
 //!
 //! [RTCM-10403.3]: crate#references
 
+use std::io::{ErrorKind, Read};
+
 use crate::checksum::{crc24q, fletcher};
 
 /// The longest line of text, bytes; longer ones are of no receiver.
@@ -68,22 +70,78 @@ pub struct Piece<'a> {
 pub fn pieces(bytes: &[u8]) -> impl Iterator<Item = Piece<'_>> {
     let mut rest = bytes;
     std::iter::from_fn(move || {
-        let (kind, length) = first(rest)?;
+        let (kind, length) = first(rest, rest.len())?;
         let (bytes, behind) = rest.split_at_checked(length)?;
         rest = behind;
         Some(Piece { kind, bytes })
     })
 }
 
-/// What stands at the front, and how long it is.
-fn first(bytes: &[u8]) -> Option<(Kind, usize)> {
+/// The pieces of a source that is read as it is needed, so that its length does not matter.
+#[derive(Debug)]
+pub struct Stream<R> {
+    source: R,
+    buffer: Vec<u8>,
+    /// Where the next piece begins in the buffer.
+    at: usize,
+    has_ended: bool,
+}
+
+/// Bytes that the longest frame takes: header, payload and check.
+const LONGEST: usize = 6 + UBX_PAYLOAD + 2;
+
+/// Bytes that [`Stream`] asks its source for at once.
+const READ: usize = 65_536;
+
+impl<R: Read> Stream<R> {
+    /// Returns the pieces of `source`.
+    pub fn of(source: R) -> Self {
+        Self { source, buffer: Vec::new(), at: 0, has_ended: false }
+    }
+
+    /// Returns the next piece, or `None` at the end. Bytes that are no frame may come in several pieces.
+    ///
+    /// # Errors
+    /// The source cannot be read.
+    pub fn advance(&mut self) -> std::io::Result<Option<Piece<'_>>> {
+        self.fill()?;
+        let ahead = self.buffer.get(self.at..).unwrap_or_default();
+        // Behind this a frame that begins may not be there as a whole.
+        let known = if self.has_ended { ahead.len() } else { ahead.len() - LONGEST };
+        let Some((kind, length)) = first(ahead, known) else { return Ok(None) };
+        let bytes = ahead.get(..length).unwrap_or_default();
+        self.at += length;
+        Ok(Some(Piece { kind, bytes }))
+    }
+
+    /// Reads until the buffer holds more than the longest frame, or the source has ended.
+    fn fill(&mut self) -> std::io::Result<()> {
+        while !self.has_ended && self.buffer.len() - self.at <= LONGEST {
+            self.buffer.drain(..self.at);
+            self.at = 0;
+            let held = self.buffer.len();
+            self.buffer.resize(held + READ, 0);
+            let read = self.source.read(self.buffer.get_mut(held..).unwrap_or_default());
+            self.buffer.truncate(held + *read.as_ref().unwrap_or(&0));
+            match read {
+                Ok(0) => self.has_ended = true,
+                Err(error) if error.kind() != ErrorKind::Interrupted => return Err(error),
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Returns the kind and the length of the piece at the front; one that is no frame ends after `known` bytes at the latest.
+fn first(bytes: &[u8], known: usize) -> Option<(Kind, usize)> {
     if bytes.is_empty() {
         return None;
     }
-    let known = |at: usize| bytes.get(at..).and_then(frame);
-    known(0).or_else(|| {
-        let end = (1..bytes.len()).find(|at| known(*at).is_some());
-        Some((Kind::Rest, end.unwrap_or(bytes.len())))
+    let frame_at = |at: usize| bytes.get(at..).and_then(frame);
+    frame_at(0).or_else(|| {
+        let end = (1..known).find(|at| frame_at(*at).is_some());
+        Some((Kind::Rest, end.unwrap_or(known)))
     })
 }
 
@@ -151,6 +209,31 @@ mod tests {
         ];
         assert_eq!(kinds(&stream), want);
         assert_eq!(kinds(b""), []);
+    }
+
+    /// A source that gives a few bytes at a time.
+    struct Slow<'a>(&'a [u8]);
+
+    impl Read for Slow<'_> {
+        fn read(&mut self, into: &mut [u8]) -> std::io::Result<usize> {
+            let few = into.len().min(7);
+            self.0.read(&mut into[..few])
+        }
+    }
+
+    #[test]
+    fn a_stream_has_the_pieces_of_its_bytes() {
+        let long = vec![0xAA; 3 * LONGEST];
+        let stream = [&UBX[..], &long, &RTCM, LINE, &long, &RTCM[..9], &UBX, &RTCM[..20]].concat();
+        let mut have = Vec::new();
+        let mut read = Stream::of(Slow(&stream));
+        while let Some(piece) = read.advance().unwrap() {
+            match have.last_mut() {
+                Some((Kind::Rest, length)) if piece.kind == Kind::Rest => *length += piece.bytes.len(),
+                _ => have.push((piece.kind, piece.bytes.len())),
+            }
+        }
+        assert_eq!(have, kinds(&stream));
     }
 
     #[test]

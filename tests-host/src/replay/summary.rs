@@ -6,6 +6,7 @@ use std::fmt;
 use rai_core::frame::Enu;
 use serde::Serialize;
 
+use super::quantiles::Quantiles;
 use super::track::{Moment, Track};
 use crate::fault::{Fault, Kind};
 use crate::recording::Skipped;
@@ -95,37 +96,93 @@ pub struct Injected {
 impl Summary {
     /// Sums a run up; `has_truth` says whether anything is known of where the antenna was.
     pub fn of(track: &Track, faults: &[Fault], has_truth: bool) -> Self {
-        let judged = has_truth.then_some(0);
-        let mut summary =
-            Self { epochs: track.len(), misleading: judged, hazardous: judged, ..Self::default() };
+        let mut tally = Tally::new(faults, has_truth);
         for moment in track {
-            summary.count(moment);
+            tally.count(moment);
         }
-        let errors = |part: fn(Enu) -> f64| sorted(track.iter().filter_map(protected_error).map(part));
-        let levels = |part: fn(&crate::sentence::State) -> Option<f64>| {
-            sorted(
-                track
-                    .iter()
-                    .filter_map(|moment| moment.output.as_ref().and_then(|output| part(&output.state))),
-            )
-        };
-        let (horizontal, vertical) = (errors(Enu::horizontal), errors(|error| error.up.abs()));
-        summary.horizontal_rms_m = rms(&horizontal);
-        summary.vertical_rms_m = rms(&vertical);
-        summary.horizontal_p95_m = quantile(&horizontal, 0.95);
-        summary.vertical_p95_m = quantile(&vertical, 0.95);
-        (summary.horizontal_max_m, summary.vertical_max_m) =
-            (quantile(&horizontal, 1.0), quantile(&vertical, 1.0));
-        summary.with_truth = horizontal.len();
-        let (hpl, vpl) = (levels(|state| state.hpl_m), levels(|state| state.vpl_m));
-        (summary.hpl_median_m, summary.vpl_median_m) = (quantile(&hpl, 0.5), quantile(&vpl, 0.5));
-        (summary.hpl_max_m, summary.vpl_max_m) = (quantile(&hpl, 1.0), quantile(&vpl, 1.0));
-        summary.sigma_check_pct = sigma_check_pct(track);
-        summary.injected = faults.iter().map(|fault| injected(fault, faults, track)).collect();
-        summary
+        tally.summary()
+    }
+}
+
+/// A run that is summed up epoch by epoch. Its memory does not grow with the run, but for the quantiles up to their bound.
+#[derive(Clone, Debug)]
+pub struct Tally {
+    summary: Summary,
+    horizontal: Quantiles,
+    vertical: Quantiles,
+    hpl: Quantiles,
+    vpl: Quantiles,
+    /// Statistics of protected epochs.
+    statistics: Quantiles,
+    faults: Vec<Fault>,
+}
+
+impl Tally {
+    /// Returns the tally of no epoch; `has_truth` says whether anything is known of where the antenna was.
+    pub fn new(faults: &[Fault], has_truth: bool) -> Self {
+        let judged = has_truth.then_some(0);
+        let injected = faults.iter().map(Injected::of).collect();
+        Self {
+            summary: Summary { misleading: judged, hazardous: judged, injected, ..Summary::default() },
+            horizontal: Quantiles::default(),
+            vertical: Quantiles::default(),
+            hpl: Quantiles::default(),
+            vpl: Quantiles::default(),
+            statistics: Quantiles::default(),
+            faults: faults.to_vec(),
+        }
     }
 
+    /// Counts an epoch.
+    pub fn count(&mut self, moment: &Moment) {
+        self.summary.count(moment);
+        for (injected, fault) in self.summary.injected.iter_mut().zip(&self.faults) {
+            if fault.is_active(moment.elapsed_s) {
+                injected.count(fault, &self.faults, moment);
+            }
+        }
+        if let Some(error) = protected_error(moment) {
+            self.horizontal.count(error.horizontal());
+            self.vertical.count(error.up.abs());
+        }
+        let Some(state) = moment.output.as_ref().map(|output| &output.state) else { return };
+        state.hpl_m.into_iter().for_each(|hpl_m| self.hpl.count(hpl_m));
+        state.vpl_m.into_iter().for_each(|vpl_m| self.vpl.count(vpl_m));
+        if let Some(statistic) = state.statistic.filter(|_| state.is_protected()) {
+            self.statistics.count(statistic);
+        }
+    }
+
+    /// Returns the epochs counted so far.
+    pub fn epochs(&self) -> usize {
+        self.summary.epochs
+    }
+
+    /// Returns what the epochs come to.
+    pub fn summary(&self) -> Summary {
+        let Self { horizontal, vertical, hpl, vpl, .. } = self;
+        Summary {
+            horizontal_rms_m: horizontal.rms(),
+            vertical_rms_m: vertical.rms(),
+            horizontal_p95_m: horizontal.quantile(0.95),
+            vertical_p95_m: vertical.quantile(0.95),
+            horizontal_max_m: horizontal.most(),
+            vertical_max_m: vertical.most(),
+            hpl_median_m: hpl.quantile(0.5),
+            vpl_median_m: vpl.quantile(0.5),
+            hpl_max_m: hpl.most(),
+            vpl_max_m: vpl.most(),
+            // The mean of SSE/dof is the mean square of the statistic.
+            sigma_check_pct: self.statistics.rms().map(|root| 100.0 * root * root),
+            with_truth: horizontal.len(),
+            ..self.summary.clone()
+        }
+    }
+}
+
+impl Summary {
     fn count(&mut self, moment: &Moment) {
+        self.epochs += 1;
         self.stale += usize::from(moment.stale_s.is_some());
         let Some(output) = &moment.output else { return };
         let state = &output.state;
@@ -153,43 +210,43 @@ fn protected_error(moment: &Moment) -> Option<Enu> {
     moment.error.filter(|_| moment.output.as_ref().is_some_and(|output| output.state.is_protected()))
 }
 
-/// Mean of SSE/dof over the protected epochs that were tested, in percent.
-fn sigma_check_pct(track: &Track) -> Option<f64> {
-    let states = track.iter().filter_map(|moment| moment.output.as_ref()).map(|output| &output.state);
-    let statistics: Vec<f64> =
-        states.filter(|state| state.is_protected()).filter_map(|state| state.statistic).collect();
-    rms(&statistics).map(|root| 100.0 * root * root)
-}
-
 /// True when an error is beyond one of two bounds that are given.
 fn exceeds(error: Enu, horizontal_m: Option<f64>, vertical_m: Option<f64>) -> bool {
     horizontal_m.is_some_and(|bound_m| error.horizontal() > bound_m)
         || vertical_m.is_some_and(|bound_m| error.up.abs() > bound_m)
 }
 
-fn injected(fault: &Fault, faults: &[Fault], track: &Track) -> Injected {
-    let during: Vec<&Moment> = track.iter().filter(|moment| fault.is_active(moment.elapsed_s)).collect();
-    let excludes_it = |moment: &Moment| {
-        moment.output.as_ref().is_some_and(|output| {
+impl Injected {
+    /// Returns what became of a fault before the first epoch.
+    fn of(fault: &Fault) -> Self {
+        Self {
+            sat: fault.target.to_string(),
+            start: fault.start_s,
+            end: Some(fault.end_s).filter(|end_s| end_s.is_finite()),
+            bias_m: (!matches!(fault.kind, Kind::Outage)).then_some(0.0),
+            first_alert_or_exclusion_s: None,
+            excluded_epochs: 0,
+            wrong_exclusions: 0,
+            epochs: 0,
+            protected_epochs: 0,
+        }
+    }
+
+    /// Counts an epoch while the fault lasts.
+    fn count(&mut self, fault: &Fault, faults: &[Fault], moment: &Moment) {
+        let output = moment.output.as_ref();
+        let is_excluded = output.is_some_and(|output| {
             output.excluded.iter().any(|excluded| fault.target.covers(excluded.satellite))
-        })
-    };
-    let alerts = |moment: &Moment| moment.output.as_ref().is_some_and(|output| output.state.state == 'A');
-    let noticed = during.iter().find(|moment| excludes_it(moment) || alerts(moment));
-    let largest_m = during.iter().map(|moment| fault.bias_m(moment.elapsed_s)).fold(0.0, largest_magnitude);
-    Injected {
-        sat: fault.target.to_string(),
-        start: fault.start_s,
-        end: Some(fault.end_s).filter(|end_s| end_s.is_finite()),
-        bias_m: (!matches!(fault.kind, Kind::Outage)).then_some(largest_m),
-        first_alert_or_exclusion_s: noticed.map(|moment| moment.elapsed_s - fault.start_s),
-        excluded_epochs: during.iter().filter(|moment| excludes_it(moment)).count(),
-        wrong_exclusions: during.iter().filter(|moment| excludes_healthy(moment, faults)).count(),
-        epochs: during.len(),
-        protected_epochs: during
-            .iter()
-            .filter(|moment| moment.output.as_ref().is_some_and(|output| output.state.is_protected()))
-            .count(),
+        });
+        if is_excluded || output.is_some_and(|output| output.state.state == 'A') {
+            self.first_alert_or_exclusion_s.get_or_insert(moment.elapsed_s - fault.start_s);
+        }
+        let bias_m = fault.bias_m(moment.elapsed_s);
+        self.bias_m = self.bias_m.map(|largest_m| largest_magnitude(largest_m, bias_m));
+        self.excluded_epochs += usize::from(is_excluded);
+        self.wrong_exclusions += usize::from(excludes_healthy(moment, faults));
+        self.epochs += 1;
+        self.protected_epochs += usize::from(output.is_some_and(|output| output.state.is_protected()));
     }
 }
 
@@ -205,23 +262,6 @@ fn excludes_healthy(moment: &Moment, faults: &[Fault]) -> bool {
 
 fn largest_magnitude(largest: f64, value: f64) -> f64 {
     if value.abs() > largest.abs() { value } else { largest }
-}
-
-fn sorted(values: impl Iterator<Item = f64>) -> Vec<f64> {
-    let mut values: Vec<f64> = values.collect();
-    values.sort_by(f64::total_cmp);
-    values
-}
-
-fn rms(values: &[f64]) -> Option<f64> {
-    let squares: f64 = values.iter().map(|value| value * value).sum();
-    (!values.is_empty()).then(|| (squares / values.len() as f64).sqrt())
-}
-
-/// The value below which that share of the sorted values lies.
-fn quantile(sorted: &[f64], share: f64) -> Option<f64> {
-    let index = (share * sorted.len().saturating_sub(1) as f64).round() as usize;
-    sorted.get(index).copied()
 }
 
 impl fmt::Display for Summary {

@@ -1,72 +1,74 @@
-//! The module on the emulated board.
+//! The module on the emulated board, beside the one in process.
+//!
+//! The board's time is its own: it judges an epoch as soon as it has come, whatever the tags say. The module in process
+//! therefore hears each lump at the time that the board's clock shows. What a verdict takes from that clock, the two then take
+//! alike: how far a receiver can have come, and how long satellites have agreed after an alert.
+//!
+//! While they recover, the next lump waits as long as it would have by the tags, and [`RECOVERY_MS`] at most. Without the wait
+//! the clocks would decide on which epoch the recovery ends, and they differ by the milliseconds that bytes need.
 
+use std::collections::VecDeque;
 use std::path::Path;
-use std::time::Duration;
+use std::thread;
+use std::time::{Duration, Instant};
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 
 use super::Lump;
-use super::host::{HostRun, Setup, check_answers, command, counters_of};
-use crate::board::EmulatedBoard;
+use super::host::{Module, Setup, check_answers, command, counters_of};
+use crate::board::{EmulatedBoard, Monitor, MonitorSocket, Settings};
 
 /// The longest that the emulated board may take for an epoch: hundreds of times what it needs.
 const PATIENCE: Duration = Duration::from_secs(20);
 
+/// The longest recovery that is waited for, ms: what the module asks for when it starts, and less than the time to alert.
+const RECOVERY_MS: u64 = 3000;
+
+/// Verdicts after which time decides on the next.
+const RECOVERING: [&str; 2] = [",U,RECOVERING,", ",A,JUMP,"];
+
 /// What came of a run on the emulated board.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct BoardRun {
-    /// The sentences, of all epochs in one piece.
-    pub sentences: String,
     /// Target instructions of each epoch, where the board logged them.
     pub instructions: Vec<u64>,
     /// The board's counters at the end, by name.
     pub counters: Vec<(String, u32)>,
     /// Times that the board logged lost bytes or sentences.
     pub losses: usize,
+    /// The first sentence of the host that the board did not say, and what it said instead; either is empty where one said
+    /// less.
+    pub difference: Option<(String, String)>,
 }
 
-/// Runs the lumps on the emulated board, in lock step: the next follows the verdict on the last.
-///
-/// `expected` is the host's run in lock step; an epoch of which the host says nothing is not waited for.
+/// What both have said since the last lump, without what is said from time to time.
+#[derive(Clone, Debug)]
+pub struct Heard {
+    /// The sentences of the module in process.
+    pub host: String,
+    /// Those of the board.
+    pub board: String,
+}
+
+/// Runs the lumps on the emulated board and in process, in lock step: the next follows the verdict on the last. `each` gets
+/// what both say, lump by lump and at the end.
 ///
 /// # Errors
-/// The board does not start, does not answer in time, or refuses a setup command.
+/// The board does not start, does not answer in time, or refuses a setup command; what the source of the lumps says.
 pub fn on_board(
     image: &Path,
-    lumps: &[Lump],
-    expected: &HostRun,
+    lumps: impl Iterator<Item = Result<Lump>>,
     setup: &Setup,
-    mut progress: impl FnMut(usize),
+    mut each: impl FnMut(Heard),
 ) -> Result<BoardRun> {
-    let mut board = EmulatedBoard::start(image)?;
-    board.read_through("$PRAIV", PATIENCE).context("the board does not say that it started")?;
-    for body in setup {
-        board.send(command(body).as_bytes())?;
-        let answers = board.read_through("$PRAIA", PATIENCE)?;
-        check_answers(std::slice::from_ref(body), answers.last().map_or("", String::as_str))?;
+    let mut both = Both::start(image, setup)?;
+    for lump in lumps {
+        let lump = lump?;
+        each(both.hear(&lump).with_context(|| format!("{} s", lump.elapsed_s))?);
     }
-    let mut lines = Vec::new();
-    for (done, (lump, expected)) in lumps.iter().zip(&expected.said).enumerate() {
-        board.feed(&lump.bytes)?;
-        if expected.of_epoch.contains("$PRAIS") {
-            let epoch = board.read_through("$PRAIS", PATIENCE);
-            lines.append(&mut epoch.with_context(|| format!("epoch {done}, {} s", lump.elapsed_s))?);
-        }
-        progress(done + 1);
-    }
-    // Whatever follows the last verdict comes before the answer to a last command.
-    board.send(command("STATS").as_bytes())?;
-    let mut counters = Vec::new();
-    while !counters.iter().any(|(name, _): &(String, u32)| name == LAST_COUNTER) {
-        let mut answers = board.read_through("$PRAIA,STATS", PATIENCE)?;
-        counters.append(&mut answers.pop().map_or_else(Vec::new, |answer| counters_of(&answer)));
-        lines.append(&mut answers);
-    }
-    let instructions = board.epoch_instructions();
-    let losses = board.log().iter().filter(|line| line.text.contains("bytes lost")).count();
-    board.stop()?;
-    let sentences = lines.into_iter().filter(|line| !is_said_by_the_clock(line)).collect();
-    Ok(BoardRun { sentences, instructions, counters, losses })
+    let (run, board) = both.end()?;
+    each(Heard { host: String::new(), board });
+    Ok(run)
 }
 
 /// True for what is said from time to time, whatever epochs come: settings and losses.
@@ -76,3 +78,136 @@ pub fn is_said_by_the_clock(line: &str) -> bool {
 
 /// The counter that ends the answer to `STATS`.
 const LAST_COUNTER: &str = "cmd_noise";
+
+/// The module twice.
+struct Both {
+    board: EmulatedBoard,
+    monitor: Monitor,
+    host: Module,
+    comparison: Comparison,
+    /// The last lump: when it came by the board's clock, and by the tags, ms.
+    last_ms: Option<(u64, u64)>,
+    is_recovering: bool,
+}
+
+impl Both {
+    fn start(image: &Path, setup: &Setup) -> Result<Self> {
+        let socket = MonitorSocket::open()?;
+        let settings = Settings { arguments: socket.arguments()?, ..Settings::default() };
+        let mut board = EmulatedBoard::start_with(image, &settings)?;
+        let monitor = socket.accept(image)?;
+        board.read_through("$PRAIV", PATIENCE).context("the board does not say that it started")?;
+        for body in setup {
+            board.send(command(body).as_bytes())?;
+            let answers = board.read_through("$PRAIA", PATIENCE)?;
+            check_answers(std::slice::from_ref(body), answers.last().map_or("", String::as_str))?;
+        }
+        let host = Module::start(setup)?;
+        let comparison = Comparison::default();
+        Ok(Self { board, monitor, host, comparison, last_ms: None, is_recovering: false })
+    }
+
+    /// Lets both hear a lump; returns what they say. An epoch of which the host says nothing is not waited for.
+    fn hear(&mut self, lump: &Lump) -> Result<Heard> {
+        let now_ms = self.wait(lump.elapsed_ms())?;
+        let host = lasting(self.host.hear(&lump.bytes, now_ms)?.split_inclusive('\n'));
+        self.board.feed(&lump.bytes)?;
+        let mut board = String::new();
+        if host.contains("$PRAIS") {
+            board = lasting(self.board.read_through("$PRAIS", PATIENCE)?.iter().map(String::as_str));
+            self.is_recovering = RECOVERING.iter().any(|words| host.contains(words));
+        }
+        self.comparison.hear(&host, &board);
+        Ok(Heard { host, board })
+    }
+
+    /// Waits until both clocks agree that a recovery goes on; returns the board's time, ms.
+    fn wait(&mut self, tag_ms: u64) -> Result<u64> {
+        let deadline = Instant::now() + PATIENCE;
+        loop {
+            let now_ms = u64::from(self.monitor.clock_ms()?);
+            let (last_ms, last_tag_ms) = self.last_ms.unwrap_or((0, tag_ms));
+            let wanted_ms = tag_ms.saturating_sub(last_tag_ms).min(RECOVERY_MS);
+            let left_ms = (last_ms + wanted_ms).saturating_sub(now_ms);
+            if left_ms == 0 || !self.is_recovering {
+                self.last_ms = Some((now_ms, tag_ms));
+                return Ok(now_ms);
+            }
+            ensure!(Instant::now() < deadline, "the clock of the board does not go on: {now_ms} ms");
+            thread::sleep(Duration::from_millis(left_ms));
+        }
+    }
+
+    /// Asks for the counters, before which comes what follows the last verdict.
+    fn end(mut self) -> Result<(BoardRun, String)> {
+        self.board.send(command("STATS").as_bytes())?;
+        let (mut counters, mut rest) = (Vec::new(), String::new());
+        while !counters.iter().any(|(name, _): &(String, u32)| name == LAST_COUNTER) {
+            let mut answers = self.board.read_through("$PRAIA,STATS", PATIENCE)?;
+            counters.append(&mut answers.pop().map_or_else(Vec::new, |answer| counters_of(&answer)));
+            rest.push_str(&lasting(answers.iter().map(String::as_str)));
+        }
+        self.comparison.hear("", &rest);
+        let instructions = self.board.epoch_instructions();
+        let losses = self.board.log().iter().filter(|line| line.text.contains("bytes lost")).count();
+        self.board.stop()?;
+        Ok((BoardRun { instructions, counters, losses, difference: self.comparison.difference() }, rest))
+    }
+}
+
+/// Returns the lines without those that are said from time to time.
+fn lasting<'a>(lines: impl Iterator<Item = &'a str>) -> String {
+    lines.filter(|line| !is_said_by_the_clock(line)).collect()
+}
+
+/// Two streams of sentences that should be one. Only what one of them is ahead is kept.
+#[derive(Default)]
+struct Comparison {
+    host: VecDeque<String>,
+    board: VecDeque<String>,
+    first: Option<(String, String)>,
+}
+
+impl Comparison {
+    fn hear(&mut self, host: &str, board: &str) {
+        if self.first.is_some() {
+            return;
+        }
+        self.host.extend(host.lines().map(str::to_owned));
+        self.board.extend(board.lines().map(str::to_owned));
+        while let (Some(host), Some(board)) = (self.host.front(), self.board.front()) {
+            if host != board {
+                self.first = Some((host.clone(), board.clone()));
+                return;
+            }
+            self.host.pop_front();
+            self.board.pop_front();
+        }
+    }
+
+    /// Returns the first difference. What only one has said is one.
+    fn difference(&self) -> Option<(String, String)> {
+        let front = |lines: &VecDeque<String>| lines.front().cloned().unwrap_or_default();
+        let left = (!self.host.is_empty() || !self.board.is_empty())
+            .then(|| (front(&self.host), front(&self.board)));
+        self.first.clone().or(left)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sentences_are_compared_in_their_order_whoever_is_ahead() {
+        let mut comparison = Comparison::default();
+        comparison.hear("a\r\nb\r\nc\r\n", "a\r\n");
+        comparison.hear("d\r\n", "b\r\nc\r\n");
+        comparison.hear("", "d\r\n");
+        assert_eq!(comparison.difference(), None);
+        comparison.hear("e\r\n", "");
+        assert_eq!(comparison.difference(), Some(("e".to_owned(), String::new())));
+        comparison.hear("g\r\n", "f\r\n");
+        assert_eq!(comparison.difference(), Some(("e".to_owned(), "f".to_owned())));
+    }
+}

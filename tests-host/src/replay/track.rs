@@ -11,7 +11,7 @@ use rai_firmware::time::GpsTime;
 use super::host::Said;
 use super::truth::Truth;
 use super::{HostRun, Lump};
-use crate::sentence::{self, EpochOutput};
+use crate::sentence::EpochOutput;
 
 /// One epoch of a run.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,40 +31,65 @@ pub struct Moment {
 /// All epochs of a run.
 pub type Track = Vec<Moment>;
 
+impl Moment {
+    /// Puts what the module said of a lump beside the truth.
+    ///
+    /// # Errors
+    /// A sentence that cannot be read.
+    pub fn of(lump: &Lump, said: &Said, truth: Option<&Truth>) -> Result<Self> {
+        let output = said.output()?;
+        let position = output.as_ref().and_then(|output| output.position);
+        let error = position
+            .zip(truth.and_then(|truth| truth.at(lump.time)))
+            .map(|(position, truth)| LocalFrame::at(truth).rotate(position.to_ecef() - truth));
+        Ok(Self { time: lump.time, elapsed_s: lump.elapsed_s, output, error, stale_s: said.stale_s })
+    }
+}
+
 /// Puts what the module said of each lump beside the truth.
 ///
 /// # Errors
 /// A sentence that cannot be read.
 pub fn track(lumps: &[Lump], run: &HostRun, truth: Option<&Truth>) -> Result<Track> {
-    let moment = |(lump, said): (&Lump, &Said)| {
-        let output = sentence::epochs(&said.of_epoch)?.pop();
-        let position = output.as_ref().and_then(|output| output.position);
-        let error = position
-            .zip(truth.and_then(|truth| truth.at(lump.time)))
-            .map(|(position, truth)| LocalFrame::at(truth).rotate(position.to_ecef() - truth));
-        Ok(Moment { time: lump.time, elapsed_s: lump.elapsed_s, output, error, stale_s: said.stale_s })
-    };
-    lumps.iter().zip(&run.said).map(moment).collect()
+    lumps.iter().zip(&run.said).map(|(lump, said)| Moment::of(lump, said, truth)).collect()
 }
 
-/// One row per epoch, in the columns of the interface.
-///
-/// # Errors
-/// The writer's own.
-pub fn write_csv(track: &Track, out: &mut impl Write) -> std::io::Result<()> {
-    writeln!(
-        out,
-        "week,tow,state,reason,lat_deg,lon_deg,height_m,used,excluded,dof,statistic,threshold,hpl_m,vpl_m,\
-         horizontal_error_m,vertical_error_m"
-    )?;
-    for moment in track {
-        writeln!(out, "{}", row(moment))?;
-        if let Some(stale_s) = moment.stale_s {
-            writeln!(out, "{}", stale_row(moment, stale_s))?;
-        }
+/// A table with one row per epoch, in the columns of the interface.
+pub struct Rows<W>(W);
+
+impl<W: Write> Rows<W> {
+    /// Writes the heading.
+    ///
+    /// # Errors
+    /// The writer's own.
+    pub fn begin(mut out: W) -> std::io::Result<Self> {
+        writeln!(
+            out,
+            "week,tow,state,reason,lat_deg,lon_deg,height_m,used,excluded,dof,statistic,threshold,hpl_m,vpl_m,\
+             horizontal_error_m,vertical_error_m"
+        )?;
+        Ok(Self(out))
     }
-    // A buffer that is only dropped would keep a full disk to itself.
-    out.flush()
+
+    /// Writes the row of an epoch, and one of the silence after it.
+    ///
+    /// # Errors
+    /// The writer's own.
+    pub fn write(&mut self, moment: &Moment) -> std::io::Result<()> {
+        writeln!(self.0, "{}", row(moment))?;
+        if let Some(stale_s) = moment.stale_s {
+            writeln!(self.0, "{}", stale_row(moment, stale_s))?;
+        }
+        Ok(())
+    }
+
+    /// Flushes the writer: a buffer that is only dropped would not report a full disk.
+    ///
+    /// # Errors
+    /// The writer's own.
+    pub fn end(mut self) -> std::io::Result<()> {
+        self.0.flush()
+    }
 }
 
 /// The alarm of a silent line: it has a time and a reason, and no position.

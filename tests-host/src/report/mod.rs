@@ -7,6 +7,7 @@
 //! | satellites by azimuth and elevation | [`skyplot`] |
 //! | error against protection level, epoch by epoch (Stanford diagram) | [`stanford`] |
 //! | one self-contained HTML page | [`page`] |
+//! | of any number of epochs, those that a picture needs | [`thinned`] |
 //!
 //! Every picture is SVG without scripts, fonts or links. On a page it has no ground of its own and its ink is
 //! `currentColor`, so that it follows a light or a dark page; as a file it stands on white.
@@ -17,6 +18,7 @@ pub mod chart;
 pub mod page;
 pub mod skyplot;
 pub mod stanford;
+pub mod thinned;
 pub mod timeline;
 
 use rai_core::frame::Enu;

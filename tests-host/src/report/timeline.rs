@@ -13,6 +13,7 @@ use super::canvas::{
     heading, svg, text, verdict_colour,
 };
 use super::chart::{Axis, LineChart, Series, Span, short, ticks};
+use super::thinned::Thinned;
 use super::{Moment, Verdict};
 
 /// Pixels left and right of the time axis, as a [`LineChart`] has them.
@@ -213,8 +214,7 @@ impl Strip {
 }
 
 /// The bands in a sentence.
-fn spoken(moments: &[Moment]) -> String {
-    let [protected, alerts, unavailable] = tally(moments);
+fn spoken([protected, alerts, unavailable]: [usize; 3]) -> String {
     format!(
         "May the position be used? Epochs protected {protected}, alert {alerts}, unavailable {unavailable}"
     )
@@ -225,7 +225,7 @@ fn spoken(moments: &[Moment]) -> String {
 /// # Errors
 /// What plotters could not draw.
 pub fn bands_svg(moments: &[Moment], width_px: u32, ground: Ground) -> Result<String> {
-    svg((width_px, BANDS_PX), ground, &spoken(moments), |area| bands(area, moments))
+    svg((width_px, BANDS_PX), ground, &spoken(tally(moments)), |area| bands(area, moments))
 }
 
 /// Charts over time and the bands above each other: cause, effect and answer in one picture.
@@ -233,9 +233,14 @@ pub fn bands_svg(moments: &[Moment], width_px: u32, ground: Ground) -> Result<St
 /// # Errors
 /// What plotters could not draw.
 pub fn stacked(charts: &[LineChart], moments: &[Moment], ground: Ground) -> Result<String> {
+    stacked_of(charts, moments, tally(moments), ground)
+}
+
+/// As [`stacked`], where moments stand for others: of each verdict there are as many as `tally` says.
+fn stacked_of(charts: &[LineChart], moments: &[Moment], tally: [usize; 3], ground: Ground) -> Result<String> {
     const PANEL_PX: u32 = 260;
     let titles: Vec<&str> = charts.iter().map(|chart| chart.title.as_str()).collect();
-    let title = format!("{}. {}", titles.join(". "), spoken(moments));
+    let title = format!("{}. {}", titles.join(". "), spoken(tally));
     svg((960, charts.len() as u32 * PANEL_PX + BANDS_PX), ground, &title, |area| {
         let mut rest = area.clone();
         for chart in charts {
@@ -251,8 +256,10 @@ pub fn stacked(charts: &[LineChart], moments: &[Moment], ground: Ground) -> Resu
 ///
 /// # Errors
 /// What plotters could not draw.
-pub fn picture(moments: &[Moment], incidents: &[Incident], ground: Ground) -> Result<String> {
-    stacked(&[statistic(moments, incidents), horizontal(moments, incidents)], moments, ground)
+pub fn picture(thinned: &Thinned, incidents: &[Incident], ground: Ground) -> Result<String> {
+    let moments = thinned.moments();
+    let charts = [statistic(&moments, incidents), horizontal(&moments, incidents)];
+    stacked_of(&charts, &moments, thinned.verdicts(), ground)
 }
 
 /// How long each verdict held, in epochs: protected, alert, unavailable.

@@ -81,11 +81,12 @@ fn judged_on_board(lumps: &[Lump]) -> Option<Vec<EpochOutput>> {
         return None;
     }
     let commands = ["CLOCKAID,ON".to_owned()];
-    let host = replay::on_host(lumps, &commands, Pace::LockStep, |_| {}).expect("the host judges");
     let image = image::build().expect("the image builds");
-    let board = replay::on_board(&image, lumps, &host, &commands, |_| {}).expect("the board judges");
-    assert_eq!(board.sentences, host.sentences(), "board and host");
-    let outputs = epochs(&board.sentences).expect("sentences");
+    let mut said = String::new();
+    let source = lumps.iter().cloned().map(Ok);
+    let board = replay::on_board(&image, source, &commands, |heard| said.push_str(&heard.board));
+    assert_eq!(board.expect("both judge").difference, None, "board and host");
+    let outputs = epochs(&said).expect("sentences");
     assert_eq!(outputs.len(), END_S as usize, "one verdict a second");
     Some(outputs)
 }

@@ -10,8 +10,10 @@ use tests_host::encode::{Frequency, Selection};
 use tests_host::fault::Fault;
 use tests_host::gpsd::Gpsd;
 use tests_host::image;
-use tests_host::replay::{self, BoardRun, HostRun, Lump, Pace, Truth, Window};
+use tests_host::replay::{self, BoardRun, Lump, Pace, Window};
+use tests_host::sentence;
 use tests_host::shared;
+use tests_host::sky::Sight;
 use tests_host::sky::raw::Simulation;
 use tests_host::stations::{ESBC, STATIC_BASE};
 
@@ -22,22 +24,62 @@ const AS_IT_STARTS: &str = "PHASE,NPA";
 /// ephemerides.
 const EPOCH_INSTRUCTIONS: u64 = 4_000_000;
 
-fn on_both(lumps: &[Lump], command: &str) -> (HostRun, BoardRun) {
-    let commands = [command.to_owned()];
-    let host = replay::on_host(lumps, &commands, Pace::LockStep, |_| {}).expect("the host judges");
-    let image = image::build().expect("the image builds");
-    let board = replay::on_board(&image, lumps, &host, &commands, |_| {}).expect("the board judges");
-    (host, board)
+/// What both have said of some lumps.
+struct Both {
+    host: String,
+    board: String,
+    run: BoardRun,
 }
 
-fn assert_identical(lumps: &[Lump], command: &str) -> (HostRun, BoardRun) {
-    let (host, board) = on_both(lumps, command);
-    assert_eq!(board.sentences, host.sentences());
-    assert_eq!(board.losses, 0, "bytes lost on the board");
-    let costliest = board.instructions.iter().skip(1).max().copied().unwrap_or(0);
+fn on_both(lumps: &[Lump], command: &str) -> Both {
+    let (mut host, mut board) = (String::new(), String::new());
+    let image = image::build().expect("the image builds");
+    let source = lumps.iter().cloned().map(Ok);
+    let run = replay::on_board(&image, source, &[command.to_owned()], |heard| {
+        host.push_str(&heard.host);
+        board.push_str(&heard.board);
+    });
+    Both { host, board, run: run.expect("both judge") }
+}
+
+fn assert_identical(lumps: &[Lump], command: &str) -> Both {
+    let both = on_both(lumps, command);
+    let BoardRun { instructions, losses, difference, .. } = &both.run;
+    assert_eq!((&both.board, difference), (&both.host, &None));
+    assert_eq!(*losses, 0, "bytes lost on the board");
+    let costliest = instructions.iter().skip(1).max().copied().unwrap_or(0);
     println!("{} epochs, identical; at most {costliest} instructions", lumps.len());
-    assert!(costliest > 0 && costliest <= EPOCH_INSTRUCTIONS, "{:?}", board.instructions);
-    (host, board)
+    assert!(costliest > 0 && costliest <= EPOCH_INSTRUCTIONS, "{instructions:?}");
+    both
+}
+
+/// States and reasons, epoch by epoch.
+fn verdicts(sentences: &str) -> Vec<(char, String)> {
+    let epochs = sentence::epochs(sentences).unwrap();
+    epochs.into_iter().map(|epoch| (epoch.state.state, epoch.state.reason)).collect()
+}
+
+/// By the tags, satellites agree for a minute after the alert; by the board's clock, for some tenths of a second.
+#[test]
+fn a_recovery_ends_with_the_same_epoch() {
+    if !is_installed() {
+        return;
+    }
+    let simulation = Simulation { step_s: 30.0, ..Simulation::above_xian(3600.0, 16, 5) };
+    let seen = simulation.sights_at(0);
+    // More satellites than are left out.
+    let fault = |(sight, bias_m): (&Sight, i32)| {
+        Fault::parse_inject(&format!("{}:{bias_m:+}@120..210", sight.satellite)).unwrap()
+    };
+    let faults: Vec<Fault> = seen.iter().zip([300, -450, 700, -900, 1300, -1700]).map(fault).collect();
+    let selection = Selection::new("GC", Frequency::Dual).unwrap();
+    let lumps = replay::encode(&simulation.record(), &selection, &faults, &Window::ALL).unwrap();
+    let both = assert_identical(&lumps, AS_IT_STARTS);
+    let have = verdicts(&both.host);
+    let states: String = have.iter().map(|(state, _)| *state).collect();
+    let recorded = replay::on_host(&lumps, &[], Pace::Recorded, |_| {}).unwrap();
+    assert_eq!(have, verdicts(&recorded.sentences()), "time runs as by the tags where it counts");
+    assert!(states.contains("AUU") && states.ends_with('P'), "{states}");
 }
 
 #[test]
@@ -51,8 +93,8 @@ fn a_real_day_with_faults_is_judged_alike() {
     let window = Window { to_s: 900.0, ..Window::ALL };
     let selection = Selection::new("GCE", Frequency::Dual).unwrap();
     let lumps = replay::encode(&recording, &selection, &faults, &window).unwrap();
-    let (host, _) = assert_identical(&lumps, AS_IT_STARTS);
-    assert!(host.sentences().matches("$PRAIX").count() >= 10, "exclusions are part of the comparison");
+    let both = assert_identical(&lumps, AS_IT_STARTS);
+    assert!(both.host.matches("$PRAIX").count() >= 10, "exclusions are part of the comparison");
 }
 
 #[test]
@@ -78,9 +120,8 @@ fn a_u_blox_stream_of_five_systems_is_judged_alike() {
     let window = Window { to_s: 40.0, ..Window::ALL };
     let lumps = Capture::of(bytes, None).unwrap().lumps(&[], &window).unwrap().lumps;
     // The epochs have more than fifty satellites, so the other tests check the cost.
-    let (host, board) = on_both(&lumps, "SYSTEMS,GCERJ");
-    let said = host.sentences();
-    assert_eq!((&board.sentences, board.losses), (&said, 0));
+    let Both { host: said, board, run } = on_both(&lumps, "SYSTEMS,GCERJ");
+    assert_eq!((&board, run.losses), (&said, 0));
     let (last, of_glonass) = (said.rfind("$PRAIS").unwrap(), said.rfind("$GLGSA").unwrap());
     assert!(last > of_glonass && said[last..].contains(",P,OK,"), "{}", &said[last..]);
 }
@@ -94,11 +135,9 @@ fn gpsd_behind_the_board_has_a_3d_fix_and_its_errors() {
     let recording = Simulation::above_xian(0.0, 30, 7).record();
     let selection = Selection::new("GC", Frequency::Dual).unwrap();
     let lumps = replay::encode(&recording, &selection, &[], &Window::ALL).unwrap();
-    let (host, board) = on_both(&lumps, AS_IT_STARTS);
-    let track = replay::track(&lumps, &host, None::<&Truth>).unwrap();
-    let want =
-        track.last().and_then(|moment| moment.output.as_ref()).and_then(|output| output.position).unwrap();
-    for sentence in board.sentences.split_inclusive("\r\n") {
+    let both = on_both(&lumps, AS_IT_STARTS);
+    let want = sentence::epochs(&both.host).unwrap().last().and_then(|output| output.position).unwrap();
+    for sentence in both.board.split_inclusive("\r\n") {
         gpsd.feed(sentence.as_bytes()).expect("gpsd listens");
     }
     let fix = gpsd
@@ -130,7 +169,6 @@ fn every_method_and_policy_is_judged_alike() {
     let lumps =
         replay::encode(&recording, &Selection::new("GCE", Frequency::Dual).unwrap(), &faults, &window);
     let lumps = lumps.unwrap();
-    let image = image::build().expect("the image builds");
     for choice in [
         "METHOD,SIMULTANEOUS",
         "METHOD,SEQUENTIAL",
@@ -141,10 +179,8 @@ fn every_method_and_policy_is_judged_alike() {
         "POLICY,TOP",
         "CLOCKAID,ON",
     ] {
-        let commands = [choice.to_owned()];
-        let host = replay::on_host(&lumps, &commands, Pace::LockStep, |_| {}).expect("the host judges");
-        let board = replay::on_board(&image, &lumps, &host, &commands, |_| {}).expect("the board judges");
-        assert_eq!(board.sentences, host.sentences(), "{choice}");
-        println!("{choice}: identical; instructions {:?}", board.instructions);
+        let both = on_both(&lumps, choice);
+        assert_eq!(both.board, both.host, "{choice}");
+        println!("{choice}: identical; instructions {:?}", both.run.instructions);
     }
 }
