@@ -93,7 +93,8 @@
 #![no_std]
 #![deny(unsafe_code)] // Allowed in the files of a board alone.
 #![warn(clippy::missing_panics_doc)]
-// A small build needs fewer of the parts that features share, and nobody is to mark each with those that need it.
+// A small build needs fewer of the parts that features share, and nobody is to mark each with those
+// that need it.
 #![cfg_attr(not(feature = "whole"), allow(dead_code))]
 
 #[cfg(test)]

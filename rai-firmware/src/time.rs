@@ -120,7 +120,8 @@ mod tests {
 
     #[test]
     fn glonass_counts_as_utc_three_hours_ahead() {
-        // 2020-06-25 00:15 of GLONASS time is 2020-06-24 21:15 UTC, 18 s behind GPS time: day 3 of week 2111.
+        // 2020-06-25 00:15 of GLONASS time is 2020-06-24 21:15 UTC, 18 s behind GPS time: day 3 of
+        // week 2111.
         let want = GpsTime { week: 2111, tow_ms: (3 * 86_400 + 21 * 3600 + 15 * 60 + 18) * 1000 };
         for now_s in [-40_000_i64, -60, 0, 60, 40_000] {
             let now = GpsTime::from_ms(want.to_ms().wrapping_add_signed(now_s * 1000));

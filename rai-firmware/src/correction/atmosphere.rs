@@ -1,8 +1,8 @@
 //! Atmosphere: the delays that the troposphere and, on one frequency, the ionosphere add to a
 //! range.
 //!
-//! Troposphere, [Saastamoinen1972] zenith delay in a standard atmosphere, mapped as in [DO-229] (after Black and
-//! Eisner):
+//! Troposphere, [Saastamoinen1972] zenith delay in a standard atmosphere, mapped as in [DO-229]
+//! (after Black and Eisner):
 //!
 //! ```text
 //! p = 1013.25 (1 − 2.2557e-5 h)^5.2568      T = 288.15 − 0.0065 h      e = 6.108 · 0.7 · exp((17.15 T − 4684)/(T − 38.45))

@@ -16,7 +16,8 @@
 //! [`Site::correct`] can be repeated at a better point. If two frequencies are available, the site
 //! also compares the levels of both kinds of ranges ([`frequency`]).
 //!
-//! References: [Klobuchar1987] J. A. Klobuchar, *Ionospheric time-delay algorithm for single-frequency GPS users*.
+//! References: [Klobuchar1987] J. A. Klobuchar, *Ionospheric time-delay algorithm for
+//! single-frequency GPS users*.
 //!
 //! [Klobuchar1987]: crate#references
 

@@ -77,7 +77,8 @@ pub enum BroadcastError {
     Form,
     /// `toe` or `toc` lies outside the week, or they lie more than a day apart.
     ReferenceTime,
-    /// The eccentricity is not in 0 to 0.2: the most eccentric in use are two Galileo satellites, 0.17.
+    /// The eccentricity is not in 0 to 0.2: the most eccentric in use are two Galileo satellites,
+    /// 0.17.
     Eccentricity,
     /// The semi-major axis, or the distance from the centre, is not in 16,000 km to 64,000 km.
     SemiMajorAxis,

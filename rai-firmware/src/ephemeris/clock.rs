@@ -23,7 +23,8 @@
 //! The ionosphere-free pair of the reference then has no delay, and every other pair the right one
 //! ([`crate::correction::choose`]).
 //!
-//! References: [IS-GPS-200] 20.3.3.3.3.2; [IS-QZSS-PNT] 5.3; [OS-SIS-ICD] 5.1.5; [BDS-SIS-B1I] 5.2.4.10.
+//! References: [IS-GPS-200] 20.3.3.3.3.2; [IS-QZSS-PNT] 5.3; [OS-SIS-ICD] 5.1.5; [BDS-SIS-B1I]
+//! 5.2.4.10.
 //!
 //! [IS-GPS-200]: crate#references
 //! [IS-QZSS-PNT]: crate#references

@@ -123,7 +123,8 @@ pub struct Kepler {
     perigee_2_32: i32,
     node_rate_2_44: i32,
     inclination_rate_2_44: i32,
-    /// Corrections of the argument of latitude and of the inclination, 2⁻³¹ rad; of the radius, 2⁻⁶ m.
+    /// Corrections of the argument of latitude and of the inclination, 2⁻³¹ rad; of the radius, 2⁻⁶
+    /// m.
     latitude: Harmonic,
     inclination: Harmonic,
     radius: Harmonic,

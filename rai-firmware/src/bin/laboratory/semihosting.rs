@@ -1,6 +1,7 @@
 //! Files of the host and the end of the program.
 //!
-//! Reference: Arm, *Semihosting for `AArch32` and `AArch64`*, 2024, operations `SYS_OPEN`, `SYS_READ`, `SYS_WRITE`.
+//! Reference: Arm, *Semihosting for `AArch32` and `AArch64`*, 2024, operations `SYS_OPEN`,
+//! `SYS_READ`, `SYS_WRITE`.
 
 use cortex_m_semihosting::debug::{self, EXIT_FAILURE, EXIT_SUCCESS};
 use cortex_m_semihosting::syscall;

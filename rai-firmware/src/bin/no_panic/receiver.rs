@@ -1,4 +1,5 @@
-//! Every public function of the receiver around the core: wire parsers, orbits, corrections, sentences, the epoch loop.
+//! Every public function of the receiver around the core: wire parsers, orbits, corrections,
+//! sentences, the epoch loop.
 
 use core::fmt::Display;
 

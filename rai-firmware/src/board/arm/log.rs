@@ -32,8 +32,8 @@ struct State {
 
 struct Shared(UnsafeCell<State>);
 
-// SAFETY: the state is touched only between `acquire` and `release`, that is with interrupts held back on the one core,
-// and by `start`, which runs before the first log.
+// SAFETY: the state is touched only between `acquire` and `release`, that is with interrupts held
+// back on the one core, and by `start`, which runs before the first log.
 #[allow(unsafe_code)]
 unsafe impl Sync for Shared {}
 
@@ -110,7 +110,8 @@ impl State {
     }
 }
 
-// SAFETY: `acquire` holds interrupts back until `release`; the core is single, so nothing else logs in between.
+// SAFETY: `acquire` holds interrupts back until `release`; the core is single, so nothing else logs
+// in between.
 #[allow(unsafe_code)]
 unsafe impl defmt::Logger for Logger {
     fn acquire() {

@@ -42,8 +42,8 @@ pub fn guard(mpu: &MPU, scb: &mut SCB) {
     const ENABLE: u32 = 1;
     const DEFAULT_MAP_ELSEWHERE: u32 = 1 << 2;
     const _: () = assert!(GUARD_BYTES == 1 << (7 + 1), "the region's size field holds log2 − 1");
-    // SAFETY: the region covers memory between the statics and the stack that nothing uses; everything else keeps the
-    // default map.
+    // SAFETY: the region covers memory between the statics and the stack that nothing uses;
+    // everything else keeps the default map.
     unsafe {
         mpu.rbar.write(guard_start() as u32 | REGION_VALID);
         mpu.rasr.write(NO_ACCESS_NO_EXECUTE | SIZE_256 | ENABLE);

@@ -41,7 +41,8 @@ pub fn start() -> HostPort {
         port.start(CORE_HZ / BAUD);
     }
     for line in [HOST_LINES, GNSS_LINES, LOG_LINES].into_iter().flatten() {
-        // SAFETY: the handler below touches only the rings and registers of the ports, which are ready.
+        // SAFETY: the handler below touches only the rings and registers of the ports, which are
+        // ready.
         unsafe { NVIC::unmask(line) };
     }
     Outlet::new(&HOST_OUT, || NVIC::pend(HOST_LINES[1]))

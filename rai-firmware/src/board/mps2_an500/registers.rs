@@ -9,7 +9,8 @@ struct Word(usize);
 impl Word {
     #[allow(unsafe_code)]
     fn read(self) -> u32 {
-        // SAFETY: the constants below name device registers of this board, which are always there and aligned.
+        // SAFETY: the constants below name device registers of this board, which are always there
+        // and aligned.
         unsafe { ptr::read_volatile(self.0 as *const u32) }
     }
 

@@ -1,6 +1,7 @@
 //! The clock: 168 MHz from the 8 MHz crystal, or a named fallback.
 //!
-//! `f_core = f_crystal / M · N / P`, and a baud rate divides the clock of the port's bus: `BRR = f_bus / baud`, rounded.
+//! `f_core = f_crystal / M · N / P`, and a baud rate divides the clock of the port's bus:
+//! `BRR = f_bus / baud`, rounded.
 //!
 //! | symbol | value | unit |
 //! |---|---|---|
@@ -10,7 +11,8 @@
 //! | bus 2 (USART1) | core / 2 | Hz |
 //! | flash wait states at 168 MHz | 5 | – |
 //!
-//! Assumes 2.7 V to 3.6 V, where five wait states suffice. References: [RM0090] §3.5.1, §7.2, §30.3.4.
+//! Assumes 2.7 V to 3.6 V, where five wait states suffice. References: [RM0090] §3.5.1, §7.2,
+//! §30.3.4.
 //!
 //! [RM0090]: rai_firmware#references
 
@@ -125,7 +127,8 @@ mod registers {
 
     #[allow(unsafe_code)]
     fn pll(rcc: &RCC) -> bool {
-        // SAFETY: 8 and 336 are legal for M (2..=63) and N (50..=432); 7 for Q gives the 48 MHz that USB would want.
+        // SAFETY: 8 and 336 are legal for M (2..=63) and N (50..=432); 7 for Q gives the 48 MHz
+        // that USB would want.
         rcc.pllcfgr().write(|w| unsafe {
             w.pllsrc().hse().pllm().bits(PLL_M as u8).plln().bits(PLL_N as u16).pllp().div2().pllq().bits(7)
         });
@@ -169,7 +172,8 @@ mod tests {
 
     #[test]
     fn divider_is_that_of_the_reference_manual() {
-        // RM0090 table 136: 115200 baud from 42 MHz wants 22.8125 (×16 = 365), table 135 from 16 MHz 8.6875 (139).
+        // RM0090 table 136: 115200 baud from 42 MHz wants 22.8125 (×16 = 365), table 135 from 16
+        // MHz 8.6875 (139).
         assert_eq!(divider(Clock::from(Source::Crystal).bus1_hz, 115_200), 365);
         assert_eq!(divider(Clock::from(Source::Internal).bus1_hz, 115_200), 139);
     }

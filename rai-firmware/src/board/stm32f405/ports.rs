@@ -45,8 +45,8 @@ fn enable(port: &RegisterBlock, divider: u16) {
 
 #[allow(unsafe_code)]
 fn unmask() {
-    // SAFETY: the handlers below touch only their rings and registers, which are ready; no critical section that
-    // works by masking single interrupts exists.
+    // SAFETY: the handlers below touch only their rings and registers, which are ready; no critical
+    // section that works by masking single interrupts exists.
     unsafe {
         NVIC::unmask(Interrupt::USART1);
         NVIC::unmask(Interrupt::USART2);
