@@ -91,10 +91,9 @@
 //! | `UBX-M8` | u-blox UBX-13003221, *u-blox 8/u-blox M8 receiver description including protocol specification* |
 //! | `Yang2015` | Yang Lin et al., RAIM threshold optimisation, Electronics Optics & Control 22(7) (2015) 38–42 |
 #![no_std]
-#![deny(unsafe_code)] // Allowed in the files of a board alone.
+#![deny(unsafe_code)] // Only the files of a board allow it.
 #![warn(clippy::missing_panics_doc)]
-// A small build needs fewer of the parts that features share, and nobody is to mark each with those
-// that need it.
+// A small build leaves shared parts unused, and marking each part with its features would be noise.
 #![cfg_attr(not(feature = "whole"), allow(dead_code))]
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! The binary: a board, with the epoch loop on it.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 #![deny(unsafe_code)]
-#![allow(unreachable_pub)] // A binary's modules have no outside.
+#![allow(unreachable_pub)] // A binary has no public interface.
 
 #[cfg(all(target_os = "none", not(any(feature = "stm32f405", feature = "mps2-an500"))))]
 compile_error!("an image is for a board: choose the feature `stm32f405` or `mps2-an500`");

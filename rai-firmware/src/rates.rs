@@ -2,7 +2,8 @@
 //! reported.
 //!
 //! ```text
-//! y = −λ D − e · v_s (1 − e · v_s / c) + c Δt'_sat        v_s = (r_k − r_{k−1}) / Δt + (2 a_k + a_{k−1}) Δt / 6
+//! y = −λ D − e · v_s (1 − e · v_s / c) + c Δt'_sat
+//! v_s = (r_k − r_{k−1}) / Δt + (2 a_k + a_{k−1}) Δt / 6
 //! ```
 //!
 //! | symbol | meaning | unit |
@@ -21,7 +22,7 @@
 //!
 //! The velocity has its own test ([`rai_core::velocity`]) with the probabilities of the position. A
 //! velocity that fails the test, or exceeds the largest speed of a receiver, is not reported. After
-//! contradictory rates, a velocity is reported again only when the rates have agreed for the
+//! contradictory rates, a velocity is reported again only when rates have agreed for the
 //! recovery time of positions ([`rai_core::continuity`]), because some of many false rates agree by
 //! chance. If the negative of all rates would pass, the receiver sends them with the wrong sign, as
 //! early firmware of a common receiver does. Such rates are counted by their own name and not used.

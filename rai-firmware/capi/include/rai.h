@@ -923,7 +923,7 @@ uint8_t rai_receiver_state(const rai_receiver_t *receiver, uint8_t *reason);
  * satellites left out.
  *
  * Before the first epoch the state is `RAI_STATE_NONE`; after a silence the verdict has no
- * position. Only `rai_receiver_pin` tells if the position may be used now, because changed
+ * position. Only `rai_receiver_pin` states if the position may be used now, because changed
  * settings drop the pin before the next epoch. The sentences count refused ranges; `refused_count`
  * is 0 here.
  *

@@ -246,7 +246,7 @@ pub unsafe extern "C" fn rai_receiver_state(receiver: *const rai_receiver_t, rea
 /// satellites left out.
 ///
 /// Before the first epoch the state is `RAI_STATE_NONE`; after a silence the verdict has no
-/// position. Only `rai_receiver_pin` tells if the position may be used now, because changed
+/// position. Only `rai_receiver_pin` states if the position may be used now, because changed
 /// settings drop the pin before the next epoch. The sentences count refused ranges; `refused_count`
 /// is 0 here.
 ///

@@ -18,7 +18,7 @@ use crate::config::hexadecimal;
 /// Mark of a record, chosen to be improbable in memory after power-on.
 const MAGIC: u32 = 0x5241_4921;
 
-/// Most characters of a word for a cause.
+/// Most characters of the name of a cause.
 pub const WORD_BYTES: usize = 16;
 
 /// Cause of the last reset, written in at most [`WORD_BYTES`] characters.
@@ -62,7 +62,7 @@ pub enum Fault {
 }
 
 impl ResetCause {
-    /// Returns the word for the cause.
+    /// Returns the name of the cause.
     pub fn word(self) -> String<WORD_BYTES> {
         let (word, number) = match self {
             Self::PowerOn => ("POWERON", None),

@@ -3,8 +3,10 @@
 //! ```text
 //! n = √(µ/a³) + Δn          M = M0 + n t           E − e sin E = M
 //! ρ = 1 − e cos E           ν = (cos E − e, √(1 − e²) sin E)/ρ       φ = ν + ω
-//! u = φ + δu(2φ)            r = a ρ + δr(2φ)       i = i0 + i̇ t + δi(2φ)       Ω = Ω0 + (Ω̇ − ω_e) t − ω_e toe
-//! X = R_z(−Ω) R_x(−i) r (cos u, sin u, 0)          geostationary BeiDou: X = R_z(ω_e t) R_x(−5°) R_z(−Ω − ω_e t) R_x(−i) …
+//! u = φ + δu(2φ)            r = a ρ + δr(2φ)
+//! i = i0 + i̇ t + δi(2φ)     Ω = Ω0 + (Ω̇ − ω_e) t − ω_e toe
+//! X = R_z(−Ω) R_x(−i) r (cos u, sin u, 0)
+//! geostationary BeiDou: X = R_z(ω_e t) R_x(−5°) R_z(−Ω − ω_e t) R_x(−i) …
 //! Δt_r = −2 √µ/c² · e √a sin E
 //! ```
 //!

@@ -2,7 +2,8 @@
 //! result of each.
 //!
 //! ```text
-//! host: requests.bin ──► [stage, scalar, epoch or bytes] ──► run ──► [ticks, result bits] ──► answers.bin :host
+//! host: requests.bin ──► [stage, scalar, epoch or bytes] ──► run
+//!                                  run ──► [ticks, result bits] ──► answers.bin :host
 //! ```
 //!
 //! It is no image to flash, because it talks to the host by semihosting, which needs a debugger or

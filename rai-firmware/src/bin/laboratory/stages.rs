@@ -165,7 +165,7 @@ fn select(input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers) ->
     answers.write(ticks, &found)
 }
 
-/// Times ARAIM on an existing snapshot, tests and levels. The first byte tells if satellites have
+/// Times ARAIM on an existing snapshot, tests and levels. The first byte states if satellites have
 /// nominal biases.
 #[inline(never)]
 fn separate<T: Precision>(

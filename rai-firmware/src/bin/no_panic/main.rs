@@ -1,8 +1,8 @@
 //! The proof that nothing panics, by the linker: an image that links only if no panic is reachable.
 //!
-//! Every public function of [`rai_core`], in both precisions, and of the library [`rai_firmware`]
-//! is passed out as a pointer, so that the compiler must translate it for all arguments. The panic
-//! handler calls a symbol that exists nowhere. Any bounds check, unwrap or division that
+//! The image passes out pointers to every public function of [`rai_core`], in both precisions, and
+//! of the library [`rai_firmware`]. The compiler must therefore translate them for all arguments.
+//! The panic handler calls a symbol that exists nowhere. Any bounds check, unwrap or division that
 //! optimisation leaves would call the handler. If the image links, none is left.
 //!
 //! The proof holds for this compiler, the profile `firmware` (fat link-time optimisation, one

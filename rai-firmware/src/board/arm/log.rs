@@ -32,8 +32,8 @@ struct State {
 
 struct Shared(UnsafeCell<State>);
 
-// SAFETY: the state is touched only between `acquire` and `release`, that is with interrupts held
-// back on the one core, and by `start`, which runs before the first log.
+// SAFETY: only code between `acquire` and `release` touches the state, with interrupts held back on
+// the one core, and `start`, which runs before the first log.
 #[allow(unsafe_code)]
 unsafe impl Sync for Shared {}
 

@@ -63,8 +63,7 @@ pub fn high_water_bytes() -> u32 {
     let lowest = (guard_start() + GUARD_BYTES..top)
         .step_by(4)
         // SAFETY: the address lies between the guard and the top of RAM, aligned to a word; a stack
-        // slot that changes during the read yields some value other than the paint, which is
-        // correct.
+        // slot that changes during the read yields a value other than the paint, which is correct.
         .find(
             |&address| unsafe { ptr::read_volatile(address as *const u32) } != cortex_m_rt::STACK_PAINT_VALUE,
         );
