@@ -210,8 +210,6 @@ impl Navigator {
     /// provisionally and checked at the next point.
     ///
     /// `came_ms` is the arrival time of the epoch by the module's own clock.
-    ///
-    /// `came_ms` is when the epoch came, by the module's own clock.
     // The stages before and after are not inlined, so that the frame below the searches stays
     // small.
     #[inline(never)]

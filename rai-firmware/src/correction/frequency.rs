@@ -7,7 +7,8 @@
 //! ```text
 //! N = Σ_i w_i h_i h_iᵀ − Σ_c (Σ_c w h)(Σ_c w h)ᵀ / Σ_c w        P = N⁻¹
 //! g = P (Σ_i w_i h_i m_i − Σ_c (Σ_c w h)(Σ_c w m) / Σ_c w)
-//! H = K_h √(larger eigenvalue of P_EN) + K_c |g_EN|        V = K_v √P_UU + K_c |g_U|        cost = max(H/HAL, V/VAL)
+//! H = K_h √(larger eigenvalue of P_EN) + K_c |g_EN|        V = K_v √P_UU + K_c |g_U|
+//! cost = max(H/HAL, V/VAL)
 //! ```
 //!
 //! | symbol | here | unit |

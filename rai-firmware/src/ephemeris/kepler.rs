@@ -386,7 +386,6 @@ const fn wide(rate_2_44: i32) -> i64 {
 ///
 /// The slope is at least 0.8, so that no step divides by a small number. The series of a sine and
 /// cosine of at most 0.25 rad end at the resolution of single precision.
-/// where single precision ends.
 fn ahead_rad(mean: Direction, eccentricity: f32) -> f32 {
     let (sin_mean, cos_mean) = (single(mean.sin_q62), single(mean.cos_q62));
     let mut ahead_rad = eccentricity * sin_mean;

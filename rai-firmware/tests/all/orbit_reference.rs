@@ -4,7 +4,6 @@
 //! The reference is the table of [IS-GPS-200] 20-IV as printed: arc tangents, Newton's method until
 //! it converges, the libm of the host. Elements are drawn in the units in which they are broadcast,
 //! and every field is at its bounds as often as between them.
-//! bounds as between them.
 
 use std::f64::consts::PI;
 

@@ -32,7 +32,7 @@ core::arch::global_asm!(
     ".endr",
     ".endm",
     ".balign 4",
-    // Towards higher addresses only what lies apart may go forwards.
+    // Towards higher addresses only blocks that do not overlap may go forwards.
     "entry memmove, __aeabi_memmove, __aeabi_memmove4, __aeabi_memmove8",
     "subs r3, r0, r1",
     "cmp r3, r2",
