@@ -4,7 +4,8 @@
 //!
 //! ```text
 //! sin(a + x) = sin a (1 − v) + cos a s        s = sin x = x − x (x²/6 − x⁴/120)
-//! cos(a + x) = cos a (1 − v) − sin a s        v = 1 − cos x = x²/2 − x⁴/24 + x⁶/720        |x| ≤ π/256
+//! cos(a + x) = cos a (1 − v) − sin a s        v = 1 − cos x = x²/2 − x⁴/24 + x⁶/720
+//! |x| ≤ π/256
 //! ```
 //!
 //! | quantity | type or suffix | unit | range |
