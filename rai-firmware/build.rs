@@ -6,7 +6,7 @@
 use std::path::Path;
 use std::process::Command;
 
-/// The boards: feature and folder.
+/// Boards by feature and folder.
 const BOARDS: [(&str, &str); 2] = [("STM32F405", "stm32f405"), ("MPS2_AN500", "mps2_an500")];
 
 fn main() {
@@ -21,7 +21,7 @@ fn main() {
         }
     }
     println!("cargo::rustc-env=RAI_GIT={}", commit().unwrap_or_else(|| "unknown".into()));
-    // A commit moves HEAD or the branch it names; the log of HEAD grows with either.
+    // A commit moves HEAD or its branch; the log of HEAD grows with either.
     for path in ["HEAD", "logs/HEAD"].into_iter().filter_map(|name| git(&["rev-parse", "--git-path", name])) {
         println!("cargo::rerun-if-changed={path}");
     }

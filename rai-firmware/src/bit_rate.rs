@@ -1,31 +1,32 @@
-//! The bit rate of the GNSS port: fixed by command, or found.
+//! Bit rate of the GNSS port: fixed by command, or found by trial.
 //!
-//! A receiver that sends at another rate is heard as bytes without a frame. While they come and [`PATIENCE_MS`] pass
-//! without a frame whose check is right, the next of [`RATES`] is tried, round and round. Noise on a line that somebody
-//! has pulled sounds the same: the rate of the last frame is tried again between any two others, and who comes back is heard
-//! within as long.
+//! A wrong rate shows as bytes without a valid frame. After [`PATIENCE_MS`] of such bytes, the port
+//! tries the next of [`RATES`], in a cycle. An unplugged cable looks the same, because noise also
+//! gives bytes without a frame. The last working rate is therefore tried again between any two
+//! others, so that a reconnected receiver is found as fast.
 //!
-//! A silent line tells nothing of its rate, so the last one stays: who comes back is heard at once. Bytes after a silence
-//! of as long begin the time anew, or what a receiver says between two rare epochs would count against it; one that says
-//! something less often than that is not found, and needs `BAUD`.
+//! A silent line gives no information about its rate, so the rate stays, and a receiver that
+//! returns is read at once. A silence of the same length restarts the time, because bytes between
+//! two rare epochs must not count against the rate. A receiver that sends less often than that is
+//! not found, and needs `BAUD`.
 
-/// The rates that are tried, in this order, from the one at start; bits a second.
+/// Bit rates to try, in this order, beginning with the rate at start, bit/s.
 pub const RATES: [u32; 6] = [115_200, 38_400, 230_400, 460_800, 921_600, 9_600];
 
-/// How long bytes may come without a frame, ms.
+/// Time that bytes may come without a valid frame, ms.
 pub const PATIENCE_MS: u64 = 5_000;
 
-/// The rate in force, and what speaks against it.
+/// The rate in force, with the evidence for and against it.
 #[derive(Debug)]
 pub struct BitRate {
     in_force: u32,
-    /// The one at which a frame was read last.
+    /// Rate of the last valid frame, bit/s.
     proven: Option<u32>,
-    /// The last of [`RATES`] that was tried.
+    /// Last of [`RATES`] that was tried, bit/s.
     tried: u32,
-    /// Frames that have been counted.
+    /// Number of valid frames at the last call of [`BitRate::next`].
     frames: u32,
-    /// First and last byte without a frame, ms since start.
+    /// Times of the first and last byte without a valid frame, ms since start.
     unread_ms: Option<(u64, u64)>,
 }
 
@@ -36,13 +37,13 @@ impl Default for BitRate {
 }
 
 impl BitRate {
-    /// The rate at which every port starts.
+    /// Returns the state at start, with the first of [`RATES`].
     pub const fn new() -> Self {
         let [at_start, ..] = RATES;
         Self { in_force: at_start, proven: None, tried: at_start, frames: 0, unread_ms: None }
     }
 
-    /// Bytes have come.
+    /// Notes that bytes have come.
     pub fn hear(&mut self, now_ms: u64) {
         self.unread_ms = match self.unread_ms {
             Some((first_ms, last_ms)) if now_ms.saturating_sub(last_ms) < PATIENCE_MS => {
@@ -52,9 +53,10 @@ impl BitRate {
         };
     }
 
-    /// The rate that the port is to have from now on, where that is another one.
+    /// Returns the new rate of the port, bit/s, or `None` if the rate stays.
     ///
-    /// `frames` counts those with a right check since start; `fixed` is what a command has said, bits a second.
+    /// `frames` is the number of valid frames since start. `fixed` is the rate that a command has
+    /// set, bit/s.
     pub fn next(&mut self, frames: u32, fixed: Option<u32>) -> Option<u32> {
         let is_read = core::mem::replace(&mut self.frames, frames) != frames;
         if is_read {
@@ -77,7 +79,7 @@ impl BitRate {
         Some(wanted)
     }
 
-    /// The rate to try instead of the one in force: the proven one, and from there the one behind what was tried last.
+    /// Returns the next rate to try: the proven one, or from there the one after the last trial.
     fn following(&mut self) -> u32 {
         if let Some(proven) = self.proven.filter(|proven| *proven != self.in_force) {
             return proven;
@@ -95,7 +97,8 @@ mod tests {
 
     use super::*;
 
-    /// Rates that are set within some seconds of a line that sends a byte each 100 ms, with a frame where `reads` says so.
+    /// Returns the changes of the rate on a line that sends a byte each 100 ms. A rate gives frames
+    /// if `reads` is true.
     fn set(seconds: u64, fixed: Option<u32>, reads: impl Fn(u32) -> bool) -> Vec<(u64, u32)> {
         let (mut rate, mut baud, mut frames, mut changes) = (BitRate::new(), RATES[0], 0, Vec::new());
         for now_ms in (0..1000 * seconds).step_by(100) {
@@ -140,7 +143,7 @@ mod tests {
             let now_ms = 30_000 * u64::from(epoch);
             rate.hear(now_ms);
             assert_eq!(rate.next(epoch, None), None);
-            // Behind the last frame.
+            // Bytes after the last frame.
             rate.hear(now_ms + 100);
             assert_eq!(rate.next(epoch, None), None);
         }
@@ -162,7 +165,7 @@ mod tests {
             }
             assert!(away_since_ms.is_none_or(|since_ms| now_ms - since_ms <= PATIENCE_MS + 200), "{baud}");
         }
-        // All others all the same: a receiver that was set to another rate is found.
+        // The others are still tried, so that a receiver that was set to another rate is found.
         assert!(RATES.iter().all(|baud| *baud == RATES[1] || tried.contains(baud)), "{tried:?}");
     }
 

@@ -1,6 +1,6 @@
-//! Named counters: every input that is not used says why, and the host can ask.
+//! Named counters: all unused input is counted by its reason, and the host can ask for the counts.
 
-/// A struct of saturating `u32` counters whose field names are also text.
+/// Declares a struct of saturating `u32` counters whose field names are also text.
 macro_rules! counters {
     ($(#[$of_struct:meta])* $name:ident { $($(#[$of_field:meta])* $field:ident,)* }) => {
         $(#[$of_struct])*
@@ -11,22 +11,23 @@ macro_rules! counters {
         }
 
         impl $name {
-            /// Nothing has happened yet.
+            /// All counters at zero.
             pub const NONE: Self = Self { $($field: 0,)* };
 
             const NAMES: &'static [&'static str] = &[$(stringify!($field),)*];
 
-            /// Name and value of every counter, in the order of the fields.
+            /// Iterates over name and value of every counter, in the order of the fields.
             pub fn iter(&self) -> impl Iterator<Item = (&'static str, u32)> {
                 Self::NAMES.iter().copied().zip(self.values())
             }
 
-            /// The values in the order of the fields.
+            /// Returns the values in the order of the fields.
             fn values(&self) -> [u32; Self::NAMES.len()] {
                 [$(self.$field,)*]
             }
 
-            /// The counter of a number; where there are not as many, the number falls by how many there are.
+            /// Returns counter `number`, or `None` beyond the last, with `number` reduced by the
+            /// number of counters.
             pub(crate) fn at(&self, number: &mut usize) -> Option<(&'static str, u32)> {
                 $crate::counters::at(Self::NAMES, &self.values(), number)
             }
@@ -36,7 +37,8 @@ macro_rules! counters {
 
 pub(crate) use counters;
 
-/// The counter of a number; where there are not as many, the number falls by how many there are.
+/// Returns counter `number`, or `None` beyond the last, with `number` reduced by the number of
+/// counters.
 #[inline(never)]
 pub(crate) fn at(names: &[&'static str], values: &[u32], number: &mut usize) -> Option<(&'static str, u32)> {
     let found = names.get(*number).copied().zip(values.get(*number).copied());
@@ -44,14 +46,15 @@ pub(crate) fn at(names: &[&'static str], values: &[u32], number: &mut usize) -> 
     found
 }
 
-/// One more, stopping at the largest value: a counter that wraps would tell that nothing happened.
-// Not inlined: it is called in many places, and flash is dearer than the calls.
+/// Adds one, up to the largest value, because a counter that wraps would suggest that nothing
+/// happened.
+// Not inlined, because it has many callers and flash is scarcer than time.
 #[inline(never)]
 pub(crate) fn count(counter: &mut u32) {
     *counter = counter.saturating_add(1);
 }
 
-/// `many` more, stopping at the largest value.
+/// Adds `many`, up to the largest value.
 pub(crate) fn count_many(counter: &mut u32, many: usize) {
     *counter = counter.saturating_add(u32::try_from(many).unwrap_or(u32::MAX));
 }

@@ -1,9 +1,10 @@
-//! Division of 64 bits by 32, once for all that divides times and digits.
+//! Division of 64 bits by 32, shared by everything that divides times and digits.
 //!
-//! The processor divides 32 bits by 32; the compiler's own way to 64 by 64 is fast and takes a kilobyte. Most numbers that are divided
-//! here have 32 bits. Of the others, a few an epoch, the upper half is divided by the processor and the lower one bit by bit.
+//! The processor divides 32 bits by 32. The compiler's own division of 64 by 64 bits is fast and
+//! takes a kilobyte. Most dividends here have 32 bits. For the others, a few per epoch, the
+//! processor divides the upper half, and a loop divides the lower half bit by bit.
 
-/// Quotient and remainder; by nothing as by one.
+/// Returns quotient and remainder; a divisor of zero counts as 1.
 #[inline(never)]
 pub const fn divided(number: u64, by: u32) -> (u64, u32) {
     let by = if by == 0 { 1 } else { by };

@@ -1,30 +1,32 @@
 //! The receiver around the integrity core: RTCM 3 and UBX in, sentences and a fail-safe pin out.
 //!
-//! A GNSS receiver measures ranges and passes on what the satellites say of themselves. From these bytes the module
-//! computes its own position, asks [`rai_core`] whether it may be used, and tells the host in NMEA 0183 and everybody
-//! else by the level of one pin. The data walk through the modules in this order:
+//! A GNSS receiver measures ranges and forwards the navigation messages of the satellites. From
+//! these bytes the module computes its own position and asks [`rai_core`] whether it may be used.
+//! It reports the answer to the host in NMEA 0183, and by the level of one pin. Data pass through
+//! the modules in this order:
 //!
 //! | module | from | to |
 //! |---|---|---|
 //! | [`input`] | bytes of the GNSS port | raw epochs and ephemerides, each checked once |
-//! | [`raw`] | | what any receiver measures |
+//! | [`raw`] | | measurements common to all receivers |
 //! | [`time`] | weeks and seconds of three systems | GPS time |
 //! | [`ephemeris`] | broadcast elements | positions and clocks of satellites |
 //! | [`correction`] | all of that | the core's epoch: one range of each satellite, without delays, with its sigma |
 //! | [`navigator`] | raw epoch | the core's report |
-//! | [`rates`] | Doppler frequencies | velocity, held to a test of its own |
+//! | [`rates`] | Doppler frequencies | velocity, with its own consistency test |
 //! | [`output`] | report | sentences |
 //! | [`receiver`] | bytes and the time | the loop around all this, the pin, the alarm of a silent line |
 //!
-//! beside them [`bit_rate`] (how fast the GNSS port listens), [`config`] (commands of the host), [`selftest`] (known answers), [`board::reset`] (why the module started),
-//! [`ring`] (bytes between an interrupt and the loop), [`outlet`] (sentences through a ring) and [`counters`] (whatever
-//! is not used is counted by name).
+//! The other modules are [`bit_rate`] (bit rate of the GNSS port), [`config`] (commands of the
+//! host), [`selftest`] (known answers), [`board::reset`] (cause of the last reset), [`ring`] (bytes
+//! between an interrupt and the loop), [`outlet`] (sentences through a ring) and [`counters`]
+//! (unused input, counted by name).
 //!
 //! # Wiring
 //!
-//! The library knows no hardware: [`receiver::Receiver`] takes an `embedded_hal` output pin, an `embedded_io` writer and
-//! slices of bytes. The host runs it as the chip does, and it says the same, byte for byte. The binary of this package
-//! is the board around it, an STM32F405:
+//! The library knows no hardware: [`receiver::Receiver`] takes an `embedded_hal` output pin, an
+//! `embedded_io` writer and slices of bytes. A host runs the same code as the chip and writes the
+//! same bytes. The binary of this package is the board around it, an STM32F405:
 //!
 //! | port | pins | direction | bytes |
 //! |---|---|---|---|
@@ -33,27 +35,30 @@
 //! | log | PB10 (USART3 TX), RTT | out | defmt |
 //! | integrity pin, its LED | PC6, PC7 | out | high while the position may be used |
 //!
-//! All ports run at 115200 baud, 8N1. PC6 needs a pull-down of 10 kΩ or less, since it floats from reset to start-up.
+//! All ports start at 115200 baud, 8N1; the GNSS port then finds its rate. PC6 needs a pull-down of
+//! 10 kΩ or less, because it floats from reset to start-up.
 //!
-//! # What is built in
+//! # Features
 //!
-//! Without a choice everything is (`whole`), and no board. A small build has RTCM 3 in, sentences out and classic RAIM with the
-//! thresholds of the phases of flight, and names what it wants beside: `ubx`, `glonass`, `mavlink`, `araim`, `searches`, `tables`. What
-//! it lacks it refuses by name, with `not in this build`. `stm32f405` and `mps2-an500` are the boards; the crates of a Cortex-M
-//! come with them alone.
+//! The default feature `whole` builds everything except a board. A small build has RTCM 3 in,
+//! sentences out, and classic RAIM with the thresholds of the phases of flight. It adds features by
+//! name: `ubx`, `glonass`, `mavlink`, `araim`, `searches`, `tables`. Commands that need a missing
+//! feature are refused with `not in this build`. `stm32f405` and `mps2-an500` are the boards; only
+//! they need the crates of a Cortex-M.
 //!
-//! # What the receiver writes to
+//! # Output
 //!
-//! Any [`embedded_io::Write`]: a ring to an interrupt ([`outlet`]), a port's driver, a `&mut [u8]`, or on a host a `Vec<u8>`, for
-//! which `embedded-io` wants its feature `alloc` (or `std`) from whoever uses it. A sentence is handed over when it is
-//! complete, by `write` until all of it is taken.
+//! The receiver writes to any [`embedded_io::Write`]: a ring to an interrupt ([`outlet`]), the
+//! driver of a port, or a `&mut [u8]`. On a host it can be a `Vec<u8>`, for which the caller
+//! enables the feature `alloc` (or `std`) of `embedded-io`. The receiver writes complete sentences,
+//! and calls `write` until all bytes are taken.
 //!
 //! # What this crate does not do
 //!
-//! It does not track signals, smooth with carrier phase, use SBAS or corrections of any network, or keep anything over
-//! a reset. GLONASS and QZSS are used where `SYSTEMS` says so. It holds no geoid: heights are above
-//! the ellipsoid. The leap seconds between GPS time and UTC are those of the image
-//! ([`output::nmea::GPS_MINUS_UTC_S`]) until a receiver or a satellite says them.
+//! It does not track signals, smooth with carrier phase, use SBAS or corrections of a network, or
+//! keep data over a power cycle. GLONASS and QZSS are used if `SYSTEMS` names them. It has no
+//! geoid, so heights are above the ellipsoid. The leap seconds between GPS time and UTC are those
+//! of the image ([`output::nmea::GPS_MINUS_UTC_S`]) until a receiver or a satellite sends them.
 //!
 //! # References
 //!
@@ -89,9 +94,9 @@
 //! | `UBX-M8` | u-blox UBX-13003221, *u-blox 8/u-blox M8 receiver description including protocol specification* |
 //! | `Yang2015` | Yang Lin et al., RAIM threshold optimisation, Electronics Optics & Control 22(7) (2015) 38–42 |
 #![no_std]
-#![deny(unsafe_code)] // Allowed in the files of a board alone.
+#![deny(unsafe_code)] // Only the files of a board allow it.
 #![warn(clippy::missing_panics_doc)]
-// A small build needs fewer of the parts that features share, and nobody is to mark each with those that need it.
+// A small build leaves shared parts unused, and marking each part with its features would be noise.
 #![cfg_attr(not(feature = "whole"), allow(dead_code))]
 
 #[cfg(test)]

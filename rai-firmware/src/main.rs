@@ -1,7 +1,7 @@
-//! Wiring: a board, and the epoch loop on it.
+//! The binary: a board, with the epoch loop on it.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 #![deny(unsafe_code)]
-#![allow(unreachable_pub)] // A binary's modules have no outside.
+#![allow(unreachable_pub)] // A binary has no public interface.
 
 #[cfg(all(target_os = "none", not(any(feature = "stm32f405", feature = "mps2-an500"))))]
 compile_error!("an image is for a board: choose the feature `stm32f405` or `mps2-an500`");
@@ -22,7 +22,7 @@ mod mps2_an500;
 #[cfg(all(target_os = "none", feature = "mps2-an500", not(feature = "stm32f405")))]
 use mps2_an500 as chip;
 
-/// The image runs on the chip or in the emulator; on a host there is only this advice.
+/// Prints where the image runs, because it needs the chip or the emulator.
 #[cfg(not(target_os = "none"))]
 fn main() {
     eprintln!("this program runs on the chip: `cargo xtask demo` shows it in the emulator");

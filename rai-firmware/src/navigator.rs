@@ -1,8 +1,8 @@
-//! From one raw epoch to one report: satellites located, ranges corrected, integrity judged.
+//! From one raw epoch to one report: satellite positions, corrected ranges, integrity verdict.
 //!
-//! Corrections depend on where the receiver is, and that is what they are for. The last position is the first
-//! guess; without one, a coarse fix without atmosphere finds it. An epoch whose position turns out to be far from
-//! the guess is corrected once more about what was found.
+//! Corrections depend on the receiver's position, which they help to find. The last position is the
+//! first guess. Without one, a coarse fix without atmosphere gives it. If the position of an epoch
+//! is far from the guess, the epoch is corrected again at that position.
 
 use core::cell::Cell;
 
@@ -31,19 +31,20 @@ use crate::rates::{RateTally, Rates};
 use crate::raw::RawEpoch;
 use crate::time::GpsTime;
 
-/// Within this distance corrections hold: 1 km changes an elevation by 0.003° and the zenith delay by at most 0.25 m.
+/// Largest distance over which corrections hold, m: 1 km changes an elevation by 0.003° and the
+/// zenith delay by at most 0.25 m.
 const GUESS_HOLDS_M: f64 = 1e3;
 
-/// Closer to the centre of the earth than this is no receiver: the position is unknown.
+/// Least distance of a receiver from the centre of the earth, m; a position below it is unknown.
 const UNKNOWN_RADIUS_M: f64 = 6e6;
 
-/// How long broadcast coefficients are used, ms: they are renewed at least every six days.
+/// Lifetime of broadcast coefficients, ms; satellites renew them at least every six days.
 const IONOSPHERE_HOLDS_MS: u64 = 6 * 86_400_000;
 
-/// Guess, better guess, and one more after a gross fault bent the first.
+/// Most passes of an epoch: a guess, a better guess, and one more if a gross fault bent the first.
 const MAX_PASSES: usize = 3;
 
-/// Searches for faulty satellites in one epoch: the expensive part.
+/// Most searches for faulty satellites in one epoch, which are the expensive part.
 const MAX_SEARCHES: usize = 2;
 
 /// Orbits, monitor and counters: everything between a raw epoch and its report.
@@ -54,18 +55,18 @@ pub struct Navigator {
     room: Room,
     tally: Tally,
     preference: Preference,
-    /// The ranges whose residuals the monitor learns from, and the systems that they are of.
+    /// Kind of ranges and systems whose residuals the monitor learns from.
     learned: Option<(Ranges, Systems)>,
     rates: Rates,
     velocity: Option<Velocity>,
-    /// Why no position is to be used, however well ranges agree with each other.
+    /// Alert that overrides the verdict, however well ranges agree with each other.
     distrusted: Option<Alert>,
-    /// The models of the ionosphere that GPS and `BeiDou` satellites broadcast, and when they came; none before the first epoch,
-    /// which then dates them.
+    /// Ionosphere models broadcast by GPS and by `BeiDou`, with the time of arrival. Coefficients
+    /// that come before the first epoch have no time until that epoch.
     ionosphere: [Option<(Klobuchar, Option<GpsTime>)>; 2],
 }
 
-/// What one epoch needs of memory while it is judged, and leaves behind: here, so that it is not the stack's.
+/// Memory of one epoch, with its result, kept here so that the stack does not need it.
 #[derive(Debug)]
 struct Room {
     sky: Sky,
@@ -74,7 +75,7 @@ struct Room {
 }
 
 impl Navigator {
-    /// A navigator without ephemerides.
+    /// Returns a navigator without ephemerides.
     ///
     /// # Errors
     /// [`MonitorError`] names the requirement that cannot be met.
@@ -82,7 +83,7 @@ impl Navigator {
         Ok(Self::of(single::Accepted::new(requirements)?))
     }
 
-    /// As [`Self::new`], of requirements that are known to be met.
+    /// Returns a navigator like [`Self::new`], for validated requirements.
     #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
     #[inline(always)]
     pub(crate) fn of(requirements: single::Accepted) -> Self {
@@ -100,7 +101,7 @@ impl Navigator {
         }
     }
 
-    /// Takes an ephemeris that was received at `now`.
+    /// Stores an ephemeris that was received at `now`.
     pub fn learn(&mut self, ephemeris: Ephemeris, now: Option<GpsTime>) -> Insertion {
         self.store.insert(ephemeris, now)
     }
@@ -110,13 +111,13 @@ impl Navigator {
         self.store.redate(present);
     }
 
-    /// UTC is another than it was taken for: the orbits of GLONASS, which are dated in it, are not what they were taken for.
+    /// Forgets the orbits of GLONASS, because a corrected UTC makes their dates wrong.
     pub fn correct_utc(&mut self) {
         self.store.forget(Constellation::Glonass);
     }
 
-    /// Takes coefficients of the ionosphere that satellites of a constellation have broadcast, of the model that is theirs.
-    /// What says nothing of it changes nothing, and those of a command outrank them.
+    /// Stores broadcast coefficients of the ionosphere for the model of their constellation.
+    /// Invalid coefficients change nothing, and those of a command take precedence.
     #[inline(never)]
     pub fn hear_ionosphere(
         &mut self,
@@ -132,7 +133,8 @@ impl Navigator {
         *known = heard.map(|klobuchar| (klobuchar, now)).or(*known);
     }
 
-    /// The model in force: that of a command, else what GPS has broadcast not too long ago, else what `BeiDou` has.
+    /// Returns the model in force: that of a command, else a fresh one of GPS, else a fresh one of
+    /// `BeiDou`.
     fn klobuchar(&self, time: GpsTime, configuration: &Configuration) -> Option<Klobuchar> {
         let is_fresh = |came: GpsTime| time.since_ms(came).unsigned_abs() <= IONOSPHERE_HOLDS_MS;
         let mut heard = self.ionosphere.iter().flatten();
@@ -140,63 +142,63 @@ impl Navigator {
         configuration.klobuchar.and_then(Klobuchar::new).or_else(fresh)
     }
 
-    /// From now on ranges are distrusted for this reason, however well they agree with each other, or for none.
+    /// Sets the alert that overrides all verdicts, or removes it.
     pub fn distrust(&mut self, reason: Option<Alert>) {
         self.distrusted = reason;
     }
 
-    /// Takes a first guess of the position. It counts for nothing once there is a fix.
+    /// Takes a first guess of the position, which has no effect after a fix.
     pub fn guess(&mut self, point: Ecef) {
         if is_unknown(self.monitor.start()) {
             self.monitor.start_from(point);
         }
     }
 
-    /// Takes the requirements and the strategy of a configuration.
+    /// Applies the requirements and the strategy of a configuration.
     ///
     /// # Errors
-    /// As [`Self::new`]; nothing has changed then.
+    /// As for [`Self::new`]; on error nothing has changed.
     pub fn configure(&mut self, configuration: &Configuration) -> Result<(), MonitorError> {
         self.monitor.require(configuration.requirements)?;
         self.monitor.set_strategy(configuration.strategy());
-        // Every value within the ranges of the commands is one that the core takes.
+        // The core accepts every value within the ranges of the commands.
         let _ = self.monitor.set_continuity(configuration.continuity());
         self.monitor.set_ism(configuration.promises.ism());
         Ok(())
     }
 
-    /// The last position counts for nothing.
+    /// Forgets the last position.
     pub fn forget_position(&mut self) {
         self.store.forget_position();
         self.monitor.forget_position();
     }
 
-    /// No epoch came within the time to alert.
+    /// Notes that no epoch came within the time to alert.
     pub fn interrupt(&mut self) {
         self.monitor.interrupt();
     }
 
-    /// What was said of the epoch that was judged last.
+    /// Returns the report of the last epoch.
     pub fn report(&self) -> &Report<CAPACITY> {
         &self.room.memory.assessment().report
     }
 
-    /// The room for equations, while nothing is judged.
+    /// Returns the scratch memory for equations, which is free between epochs.
     pub(crate) fn workspace(&mut self) -> &mut Workspace {
         self.room.memory.workspace()
     }
 
-    /// What is judged by.
+    /// Returns the requirements in force.
     pub fn requirements(&self) -> &Requirements {
         self.monitor.requirements()
     }
 
-    /// The velocity of the last epoch, where there is one that passed its test.
+    /// Returns the velocity of the last epoch, if it passed its test.
     pub fn velocity(&self) -> Option<&Velocity> {
         self.velocity.as_ref()
     }
 
-    /// What became of the range rates so far.
+    /// Returns the counters of range rates.
     pub fn rate_tally(&self) -> &RateTally {
         self.rates.tally()
     }
@@ -206,19 +208,21 @@ impl Navigator {
         self.store.displaced()
     }
 
-    /// What became of the satellites so far.
+    /// Returns the counters of satellites.
     pub fn tally(&self) -> &Tally {
         &self.tally
     }
 
-    /// Judges one epoch, about better and better points, and learns from the last judgement.
+    /// Judges one epoch at successively better points, then learns from the last verdict.
     ///
-    /// A set of faulty satellites that was found is not searched for again about a better point, and a search that found
-    /// none is repeated once: about a point far off the corrections may have been what did not fit. About the first point of all,
-    /// which no epoch before vouches for, a set is found and nothing more is asked: that is asked about the next.
+    /// An exclusion set that was found is not searched for again at a better point. A search
+    /// without result is repeated once, because corrections at a distant point may have caused the
+    /// misfit. At the first point of all, which no earlier epoch confirms, a set is accepted
+    /// provisionally and checked at the next point.
     ///
-    /// `came_ms` is when the epoch came, by the module's own clock.
-    // What comes before and after is not inlined: the searches are below this frame.
+    /// `came_ms` is the arrival time of the epoch by the module's own clock.
+    // The stages before and after are not inlined, so that the frame below the searches stays
+    // small.
     #[inline(never)]
     pub fn judge(
         &mut self,
@@ -237,7 +241,7 @@ impl Navigator {
         let before = self.tally.ranges;
         let mut known = Vec::<SatelliteId, MAX_EXCLUDED>::new();
         let mut searches = 0;
-        // About every point the same but for a metre a second.
+        // Range rates are the same at every point within a metre per second.
         let rates = [const { Cell::new(f32::NAN) }; CAPACITY];
         let search = if is_rough { Search::Rough } else { Search::Anew };
         self.judge_about(guess, raw.time, ranges, configuration, search, &rates);
@@ -253,14 +257,14 @@ impl Navigator {
             let settled = is_excluded(&assessment.report) || searches >= MAX_SEARCHES;
             if assessment.searched && settled {
                 known = assessment.report.excluded.iter().fold(Vec::new(), |mut known, suspect| {
-                    // As many as may be excluded: never full here.
+                    // Both have the same capacity, so that it is never full here.
                     let _ = known.push(suspect.satellite);
                     known
                 });
             }
             let search = if settled { Search::Known(&known) } else { Search::Anew };
             guess = found.unwrap_or_else(|| self.coarse_position(raw.time));
-            // What was refused about the poorer point does not count.
+            // Refusals at the less accurate point do not count.
             self.tally.ranges = before;
             self.judge_about(guess, raw.time, ranges, configuration, search, &rates);
         }
@@ -268,14 +272,15 @@ impl Navigator {
         self.conclude(raw, came_ms, refused_a_range, without_orbit)
     }
 
-    /// Residuals say nothing of the sigmas of other ranges, nor of other systems.
+    /// Restarts learning if ranges or systems change, because residuals of others do not apply.
     fn learn_anew_of(&mut self, learned: (Ranges, Systems)) {
         if self.learned.replace(learned).is_some_and(|before| before != learned) {
             self.monitor.forget_residuals();
         }
     }
 
-    /// Finds where the satellites of an epoch were; says how many of them have no orbit.
+    /// Computes the satellite positions of an epoch; returns the number of satellites without
+    /// orbit.
     #[inline(never)]
     fn look_up(&mut self, raw: &RawEpoch, configuration: &Configuration) -> u32 {
         self.store.observe(raw.satellites.iter().map(|satellite| satellite.satellite));
@@ -299,7 +304,7 @@ impl Navigator {
         self.tally.ephemerides.without_orbit().saturating_sub(before)
     }
 
-    /// Learns from the last judgement, and says what more is known of the epoch than its ranges tell.
+    /// Learns from the last verdict, and completes the report beyond the ranges.
     #[inline(never)]
     fn conclude(
         &mut self,
@@ -313,7 +318,8 @@ impl Navigator {
             memory.assessment_mut().distrust(reason);
         }
         self.monitor.learn(memory.assessment_mut(), Some(came_ms as f64 * 1e-3));
-        // Under an alert nobody is told a velocity, and one about a wrong place would only be dear.
+        // Under an alert no velocity is reported, and computing one at a wrong place would only
+        // cost time.
         let report = &memory.assessment().report;
         let place = found(report).filter(|_| !matches!(report.verdict, Verdict::Alert(_)));
         self.velocity = self.rates.velocity(raw, sky, place, &self.monitor, memory.workspace());
@@ -329,9 +335,10 @@ impl Navigator {
         report
     }
 
-    /// Which ranges are used: as commanded, or those that give the smaller levels.
+    /// Returns the kind of ranges to use: as commanded, or the kind with the smaller levels.
     ///
-    /// With clock aiding the set stays: another one moves the clock by the delay between carriers.
+    /// With clock aiding the kind stays, because another one moves the clock by the delay between
+    /// carriers.
     #[inline(never)]
     fn ranges(&mut self, point: Ecef, time: GpsTime, configuration: &Configuration) -> Ranges {
         let sky = &self.room.sky;
@@ -375,9 +382,9 @@ impl Navigator {
         single::judge(&self.monitor, epoch, point, search, Some(&rates), memory);
     }
 
-    /// Makes the epoch that is judged of the sky as seen from a point.
+    /// Builds the epoch from the sky as seen from a point.
     ///
-    /// Not inlined: the models of a site need the stack no longer when the epoch is judged.
+    /// Not inlined, so that the models of a site leave the stack before the epoch is judged.
     #[inline(never)]
     fn correct_about(&mut self, point: Ecef, time: GpsTime, ranges: Ranges, configuration: &Configuration) {
         let ism = self.promise(configuration);
@@ -388,7 +395,7 @@ impl Navigator {
         site.correct(sky, &mut self.tally.ranges, epoch);
     }
 
-    /// What the ranges are weighed by: ARAIM by what is promised, the other methods by what is expected.
+    /// Returns the parameters that weight the ranges: the ISM for ARAIM, otherwise none.
     fn promise(&self, configuration: &Configuration) -> Option<Ism> {
         #[cfg(feature = "araim")]
         if configuration.method == Method::Separation {
@@ -398,7 +405,8 @@ impl Navigator {
         None
     }
 
-    /// Roughly where a receiver is that sees this sky; the centre of the earth if that cannot be told.
+    /// Returns a coarse position of a receiver that sees this sky, or the centre of the earth if
+    /// there is none.
     #[inline(never)]
     fn coarse_position(&mut self, time: GpsTime) -> Ecef {
         let Room { sky, epoch, memory } = &mut self.room;
@@ -407,14 +415,15 @@ impl Navigator {
     }
 }
 
-/// Range rates of the satellites of a sky, m/s, as far as they have been asked for: the others are NaN.
+/// Range rates of the satellites of a sky, m/s; NaN until they are needed.
 type KnownRates = [Cell<f32>; CAPACITY];
 
-/// Between two places of a satellite whose difference is its velocity, ms.
+/// Time between the two places of a satellite whose difference gives its velocity, ms.
 const APART_MS: u32 = 128;
 
-/// How fast the range of a receiver at rest to a satellite of the sky grows, m/s. Where the last epoch does not say, a second place on
-/// the orbit does, which is dear.
+/// Returns the range rate of a receiver at rest to a satellite of the sky, m/s.
+///
+/// If the last epoch cannot give it, a second place on the orbit does, which is expensive.
 #[inline(never)]
 fn range_rate(located: &Located, last: &Rates, store: &Store, point: Ecef, time: GpsTime) -> Option<f32> {
     let velocity_m_s = last.of_satellite(located, time).or_else(|| velocity_m_s(located, store, time))?;
@@ -422,7 +431,7 @@ fn range_rate(located: &Located, last: &Rates, store: &Store, point: Ecef, time:
     Some(way_m.dot(&velocity_m_s) * way_m.dot(&way_m).inverse_root())
 }
 
-/// How fast a satellite moves in the earth-fixed frame, m/s, by two places on its orbit.
+/// Returns the velocity of a satellite in the earth-fixed frame, m/s, from two places on its orbit.
 fn velocity_m_s(located: &Located, store: &Store, time: GpsTime) -> Option<Vector3<f32>> {
     let ephemeris = store.get(located.satellite(), time).ok()?;
     let later = ephemeris.at(time.later_by_ms(APART_MS), located.measured_m()?).ok()?;

@@ -1,7 +1,9 @@
-//! Velocity: from Doppler frequencies to range rates, and from these to what may be told.
+//! Velocity: from Doppler frequencies to range rates, and from these to a velocity that may be
+//! reported.
 //!
 //! ```text
-//! y = −λ D − e · v_s (1 − e · v_s / c) + c Δt'_sat        v_s = (r_k − r_{k−1}) / Δt + (2 a_k + a_{k−1}) Δt / 6
+//! y = −λ D − e · v_s (1 − e · v_s / c) + c Δt'_sat
+//! v_s = (r_k − r_{k−1}) / Δt + (2 a_k + a_{k−1}) Δt / 6
 //! ```
 //!
 //! | symbol | meaning | unit |
@@ -12,18 +14,21 @@
 //! | `e` | unit vector receiver → satellite | – |
 //! | `Δt'_sat` | drift of its clock | s/s |
 //!
-//! Satellites are located once an epoch anyhow, which is the dear part; two epochs give their velocity for nothing. It is
-//! exact while the acceleration changes evenly: what is left is below 1 mm/s up to [`LONGEST_MS`]. A satellite whose ephemeris has
-//! changed between the epochs has no velocity in this one: sets differ by metres.
+//! The orbits give the places of the satellites once per epoch anyway, which is the expensive part.
+//! Two epochs then give the velocities at little cost. The formula is exact while the acceleration
+//! changes linearly; the remaining error is below 1 mm/s up to [`LONGEST_MS`]. If the ephemeris of
+//! a satellite has changed between the epochs, its velocity is not computed, because sets differ by
+//! metres.
 //!
-//! The velocity has a test of its own ([`rai_core::velocity`]) with the probabilities of the position. One that does not
-//! pass is none, nor is one that a receiver cannot have. Rates that have contradicted each other tell a velocity again
-//! once they have agreed for as long as an alert asks of positions ([`rai_core::continuity`]): some of many false ones agree by
-//! chance. Where the negative of all rates would pass, the receiver sends them with the wrong sign, as early firmware
-//! of a common one does; that is counted by its name, and the rates are not used.
+//! The velocity has its own test ([`rai_core::velocity`]) with the probabilities of the position. A
+//! velocity that fails the test, or exceeds the largest speed of a receiver, is not reported. After
+//! contradictory rates, a velocity is reported again only when rates have agreed for the
+//! recovery time of positions ([`rai_core::continuity`]), because some of many false rates agree by
+//! chance. If the negative of all rates would pass, the receiver sends them with the wrong sign, as
+//! early firmware of a common receiver does. Such rates are counted by their own name and not used.
 //!
-//! Sigma is 0.05 m/s at 45 dB-Hz and above and grows below as the noise of a frequency lock does, with the root of the
-//! noise density.
+//! Sigma is 0.05 m/s at 45 dB-Hz and above. Below, it grows with the root of the noise density, as
+//! the noise of a frequency lock does.
 
 use heapless::Vec;
 use nalgebra::Vector3;
@@ -47,52 +52,53 @@ const LONGEST_MS: i64 = 60_000;
 /// The earth's gravitational constant, m³/s² (WGS 84).
 const GRAVITY_M3_S2: f32 = 3.986_004_4e14;
 
-/// Sigma of a strong signal's rate, m/s, and the strength from which on it is that, dB-Hz.
+/// Sigma of a strong signal's rate, m/s, and the least strength of such a signal, dB-Hz.
 const SIGMA_M_S: f32 = 0.05;
 const STRONG_DBHZ: f32 = 45.0;
 
-/// Strength that is assumed where none is said, dB-Hz.
+/// Strength that is assumed if the receiver reports none, dB-Hz.
 const UNSAID_DBHZ: f32 = 35.0;
 
-/// The noise of a rate doubles with every 6 dB.
+/// Doublings of the noise of a rate per dB: it doubles with every 6 dB.
 const DOUBLINGS_PER_DB: f32 = 1.0 / 6.02;
 
-/// Rates below this elevation bend through the troposphere's gradient, sine.
+/// Sine of the elevation below which the troposphere's gradient bends rates.
 const SIN_MASK: f32 = 0.087;
 
-/// What is small enough for single precision is worked out in it.
+/// Speed of light, m/s, and the earth's rotation, rad/s, in single precision.
 const LIGHT_M_S: f32 = SPEED_OF_LIGHT_M_S as f32;
 const TURN_RAD_S: f32 = EARTH_ROTATION_RAD_S as f32;
 
 counters! {
-    /// What became of range rates.
+    /// Counters of range rates.
     RateTally {
         /// Epochs with a velocity.
         velocities,
-        /// Epochs whose rates contradict each other, or say what no receiver can have.
+        /// Epochs whose rates contradict each other, or give a speed beyond that of any receiver.
         velocities_refused,
-        /// Of these, such that would agree with the opposite sign: a receiver's mistake.
+        /// Refused epochs whose rates would agree with the opposite sign, which is a defect of the
+        /// receiver.
         rates_of_wrong_sign,
         /// Range rates left out.
         rates_excluded,
     }
 }
 
-/// A rate as measured, and the part of it that the satellite makes.
+/// A measured rate with the part of it that the satellite causes.
 #[derive(Clone, Copy, Debug)]
 struct Measured {
     satellite: SatelliteId,
     /// Unit vector receiver → satellite, east, north, up.
     direction: [f32; 3],
-    /// Of the range, as the receiver has it, m/s.
+    /// Measured rate of the range, m/s.
     rate_m_s: f32,
-    /// Of a receiver at rest with a perfect clock, m/s.
+    /// Expected rate of a receiver at rest with a perfect clock, m/s.
     expected_m_s: f32,
     sigma_m_s: f32,
 }
 
 impl Measured {
-    /// The equation that it gives, with the measured rate or with its negative.
+    /// Returns its equation, with the measured rate or its negative.
     fn equation(&self, sign: f32) -> RangeRate {
         RangeRate {
             satellite: self.satellite,
@@ -103,22 +109,23 @@ impl Measured {
     }
 }
 
-/// A satellite when its signal left.
+/// State of a satellite when its signal left.
 #[derive(Clone, Copy, Debug)]
 struct Seen {
     satellite: SatelliteId,
     state: SatelliteState,
-    /// Range, m: it says when the signal left.
+    /// Range, m, which gives the time at which the signal left.
     range_m: f64,
-    /// Of the ephemeris.
+    /// Edition of the ephemeris.
     edition: u32,
 }
 
-/// Whether a velocity that passed its test is to be told.
+/// Trust in a velocity that passed its test.
 #[derive(Clone, Debug)]
 struct Trust {
     standing: Standing,
-    /// Of the rates that agree since: the first epoch, how many, and whether one had one degree of freedom or left rates out.
+    /// First epoch of the rates that agree since, their number, and whether one had one degree of
+    /// freedom or exclusions.
     since: GpsTime,
     epochs: u16,
     is_weak: bool,
@@ -129,7 +136,7 @@ impl Trust {
         Self { standing: Standing::New, since: GpsTime::from_ms(0), epochs: 0, is_weak: false }
     }
 
-    /// Takes note of rates that agree; says whether they are to be told.
+    /// Notes rates that agree; returns true if their velocity may be reported.
     fn agree(&mut self, settings: &ContinuitySettings, time: GpsTime, velocity: &Velocity) -> bool {
         let is_weak = velocity.test.dof <= 1;
         if self.standing == Standing::Good || self.standing == Standing::New && !is_weak {
@@ -148,22 +155,23 @@ impl Trust {
         self.standing == Standing::Good
     }
 
-    /// The next rates that agree do not follow on others.
+    /// Ends the run of rates that agree.
     fn interrupt(&mut self) {
         self.epochs = 0;
     }
 
-    /// Rates contradict each other.
+    /// Notes rates that contradict each other.
     fn lose(&mut self) {
         (self.standing, self.epochs) = (Standing::Lost, 0);
     }
 }
 
-/// Remembers where satellites were, and makes velocities of it.
+/// Velocities of satellites and receiver, from two successive epochs.
 #[derive(Clone, Debug)]
 pub struct Rates {
     last: Vec<Seen, CAPACITY>,
-    /// Of the last epoch; before the first it is long ago. Not an option: with one the whole would be made on the stack first.
+    /// Time of the last epoch, long ago before the first. It is not an `Option`, which would put
+    /// the whole struct on the stack first.
     time: GpsTime,
     trust: Trust,
     tally: RateTally,
@@ -176,19 +184,19 @@ impl Default for Rates {
 }
 
 impl Rates {
-    /// One that has seen nothing.
+    /// Returns the state before the first epoch.
     #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
     #[inline(always)]
     pub const fn new() -> Self {
         Self { last: Vec::new(), time: GpsTime::from_ms(0), trust: Trust::new(), tally: RateTally::NONE }
     }
 
-    /// What became of the rates so far.
+    /// Returns the counters of range rates.
     pub fn tally(&self) -> &RateTally {
         &self.tally
     }
 
-    /// The velocity of a receiver at a place, where the rates of this epoch agree on one.
+    /// Returns the velocity of a receiver at a place, if the rates of this epoch agree on one.
     #[inline(never)]
     pub fn velocity(
         &mut self,
@@ -207,13 +215,13 @@ impl Rates {
             self.trust.interrupt();
         }
         self.last.clear();
-        // Both hold as many.
+        // Both have the same capacity.
         self.last.extend(sky.iter().filter_map(Seen::of).take(CAPACITY));
         velocity
     }
 
-    /// How fast a satellite of an epoch that is not judged yet moves in the earth-fixed frame, m/s; `None` where it was not seen in
-    /// the last epoch, by the same ephemeris.
+    /// Returns the velocity of a satellite of the present epoch in the earth-fixed frame, m/s.
+    /// `None` if the last epoch did not have it with the same ephemeris.
     #[inline(never)]
     pub fn of_satellite(&self, located: &Located, time: GpsTime) -> Option<Vector3<f32>> {
         let elapsed_ms = time.since_ms(self.time);
@@ -236,7 +244,8 @@ impl Rates {
         let horizon = Horizon::at(place, &LocalFrame::at(place));
         let since = Since { last, raw, horizon, elapsed_s: elapsed_ms as f32 * 1e-3 };
         let (required, settings) = (monitor.accepted(), monitor.continuity_settings());
-        // Worked out as they are asked for, and nothing is stored: a second time only where the first has failed.
+        // Rates are computed on demand and not stored. A second time is needed only if the first
+        // sign fails.
         let mut agree_on = |sign| {
             let rates = sky.iter().filter_map(|located| since.measure(located));
             let equations = &mut rates.map(|rate| rate.equation(sign));
@@ -269,7 +278,7 @@ impl Rates {
     }
 }
 
-/// The last epoch, and where the receiver is now.
+/// The last epoch, with the present place of the receiver.
 struct Since<'r> {
     last: &'r [Seen],
     raw: &'r RawEpoch,
@@ -278,7 +287,7 @@ struct Since<'r> {
 }
 
 impl Since<'_> {
-    /// The rate of a satellite, less what the satellite makes of it.
+    /// Returns the measured rate of a satellite, with the part of it that the satellite causes.
     fn measure(&self, located: &Located) -> Option<Measured> {
         let now = Seen::of(located)?;
         let before = now.among(self.last)?;
@@ -289,7 +298,7 @@ impl Since<'_> {
     }
 }
 
-/// How fast a satellite's range grows by its best signal, and with which sigma, m/s.
+/// Returns the range rate of a satellite by its best signal and its sigma, m/s.
 fn rate(satellite: &RawSatellite) -> Option<(f32, f32)> {
     satellite.signals.iter().find_map(|signal| {
         let weaker_db = (STRONG_DBHZ - signal.cn0_dbhz().unwrap_or(UNSAID_DBHZ)).max(0.0);
@@ -298,11 +307,11 @@ fn rate(satellite: &RawSatellite) -> Option<(f32, f32)> {
     })
 }
 
-/// `2^x` for `x` from 0 to 60, within 0.4 %, which is more than enough for a sigma.
+/// Returns `2^x` for `x` from 0 to 60, within 0.4 %, which suffices for a sigma.
 fn power_of_two(x: f32) -> f32 {
     let whole = x.min(60.0) as u32;
     let rest = x.min(60.0) - whole as f32;
-    // Right at both ends, so that it is continuous.
+    // Exact at both ends, so that it is continuous.
     f32::from_bits((127 + whole) << 23) * (1.0 + rest * (0.6565 + 0.3435 * rest))
 }
 
@@ -312,23 +321,25 @@ impl Seen {
         Some(Self { satellite, state, range_m: located.measured_m()?, edition: located.edition() })
     }
 
-    /// The same satellite in another epoch, by the same ephemeris.
+    /// Returns the same satellite with the same ephemeris in another epoch.
     fn among<'s>(&self, others: &'s [Self]) -> Option<&'s Self> {
         others.iter().find(|seen| seen.satellite == self.satellite && seen.edition == self.edition)
     }
 
-    /// Its velocity in the earth-fixed frame at the place where it is, m/s, and how much earlier its signal left before, s.
+    /// Returns the velocity in the earth-fixed frame, m/s, and the time between the two departures
+    /// of the signal, s.
     fn velocity_since(&self, before: &Self, elapsed_s: f32, place_m: [f32; 3]) -> Option<([f32; 3], f32)> {
-        // The signals left as much less apart as the range has shrunk.
+        // The time between the departures is shorter than that between the arrivals by the growth
+        // of the range.
         let apart_s = elapsed_s - (self.range_m - before.range_m) as f32 / LIGHT_M_S;
         let moved_m = coordinates_m(self.state.position - before.state.position);
         Some((velocity_at_the_end(place_m, moved_m, apart_s), apart_s)).filter(|_| apart_s > 0.0)
     }
 
-    /// How fast the range of a receiver at rest would grow, with a perfect clock of its own, m/s, and the direction of the
-    /// satellite; `None` below the mask.
+    /// Returns the range rate of a receiver at rest with a perfect clock, m/s, and the direction of
+    /// the satellite, or `None` below the mask.
     fn range_rate_since(&self, before: &Self, elapsed_s: f32, horizon: &Horizon) -> Option<(f32, [f32; 3])> {
-        // The earth turns while the signal is under way.
+        // The earth turns while the signal travels.
         let angle_rad = TURN_RAD_S / LIGHT_M_S * self.range_m as f32;
         let place_m = coordinates_m(self.state.position);
         let way = horizon.way_to(turned(place_m, angle_rad));
@@ -345,7 +356,7 @@ impl Seen {
     }
 }
 
-/// An earth-fixed vector in axes that have turned eastwards by a small angle.
+/// Returns an earth-fixed vector in axes that have turned eastwards by a small angle.
 fn turned([x, y, z]: [f32; 3], angle_rad: f32) -> [f32; 3] {
     [x + angle_rad * y, y - angle_rad * x, z]
 }
@@ -354,8 +365,12 @@ fn dot([a, b, c]: [f32; 3], [x, y, z]: [f32; 3]) -> f32 {
     a * x + b * y + c * z
 }
 
-/// Velocity at the end of a way, m/s: `v = m + Δt/6 (2 a(r, v) + a(r₀, v₀))` with `v₀ = 2m − v`, of which what turns with the frame is
-/// linear, `a(r, v) = g(r) + 2Ω (v_y, −v_x, 0)`, and solved for. By components: what is compiled for size calls for every sum of vectors.
+/// Returns the velocity at the end of a displacement, m/s: `v = m + Δt/6 (2 a(r, v) + a(r₀, v₀))`
+/// with `v₀ = 2m − v`.
+///
+/// The acceleration `a(r, v) = g(r) + 2Ω (v_y, −v_x, 0)` is linear in `v`, so that the equation can
+/// be solved. It is written by components, because code compiled for size calls a function for
+/// every sum of vectors.
 fn velocity_at_the_end(end_m: [f32; 3], moved_m: [f32; 3], apart_s: f32) -> [f32; 3] {
     let (sixth_s, per_s) = (apart_s * (1.0 / 6.0), apart_s.recip());
     let [x_m, y_m, z_m] = end_m;
@@ -371,8 +386,8 @@ fn velocity_at_the_end(end_m: [f32; 3], moved_m: [f32; 3], apart_s: f32) -> [f32
     [(x + turn * y) * scale, (y - turn * x) * scale, z]
 }
 
-/// What a satellite's place alone accelerates it by in the frame that turns with the earth: gravity and what drives it
-/// outwards, m/s².
+/// Returns the acceleration of a satellite at rest in the frame that turns with the earth: gravity
+/// and the centrifugal part, m/s².
 fn pull_m_s2([x_m, y_m, z_m]: [f32; 3]) -> [f32; 3] {
     let inverse = (x_m * x_m + y_m * y_m + z_m * z_m).inverse_root();
     let inward = -GRAVITY_M3_S2 * inverse * inverse * inverse;

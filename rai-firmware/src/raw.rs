@@ -1,6 +1,7 @@
-//! What any receiver measures: ranges of signals on carriers, satellite by satellite, all at one instant.
+//! Raw measurements: ranges of signals on carriers, satellite by satellite, all at one instant.
 //!
-//! No wire format is known here. What a format does not carry is `None`, and never zero.
+//! This module knows no wire format. A quantity that a format does not carry is `None`, and never
+//! zero.
 //!
 //! | symbol | field | unit |
 //! |---|---|---|
@@ -8,10 +9,10 @@
 //! | `f` | [`Carrier::frequency_hz`] | Hz |
 //! | `k` | [`Carrier::channel`] | – |
 //!
-//! A signal takes 16 bytes and an epoch 3.5 KiB: what is coarse on every wire is kept coarse, in steps that hold all
-//! that a format can say exactly, carrier to noise density in 1/16 dB-Hz and Doppler in 1/1024 Hz; and what nothing here asks
-//! for, as a receiver's own sigma and how long it has tracked a phase, is not kept. References: [IS-GPS-200] 3.3.1.1,
-//! [BDS-SIS-B1I] 4.1, [GLO-ICD] 3.3.1.1.
+//! A signal takes 16 bytes and an epoch 3.5 KiB. Carrier to noise density has steps of 1/16 dB-Hz
+//! and Doppler of 1/1024 Hz, which hold every value of the formats exactly. Values without a user
+//! here, such as a receiver's own sigma and its lock time, are not stored. References: [IS-GPS-200]
+//! 3.3.1.1, [BDS-SIS-B1I] 4.1, [GLO-ICD] 3.3.1.1.
 //!
 //! [IS-GPS-200]: crate#references
 //! [BDS-SIS-B1I]: crate#references
@@ -23,10 +24,10 @@ use rai_core::satellite::SatelliteId;
 
 use crate::time::GpsTime;
 
-/// How many satellites an epoch holds.
+/// Most satellites of an epoch.
 pub const EPOCH_CAPACITY: usize = 64;
 
-/// How many signals are kept of one satellite. Only `BeiDou`'s have more bands than that; see [`Band::is_spare`].
+/// Most signals of one satellite. Only `BeiDou` satellites have more bands; see [`Band::is_spare`].
 pub const SIGNAL_CAPACITY: usize = 3;
 
 /// A carrier of one system. The order within a system is that of the wire.
@@ -60,11 +61,11 @@ pub enum Band {
     G2,
 }
 
-/// What all carriers but those of GLONASS are multiples of, or of a tenth of, Hz.
+/// Chip rate, Hz: all carriers except those of GLONASS are multiples of it or of a tenth of it.
 const CHIP_RATE_HZ: f64 = 10.23e6;
 
 impl Band {
-    /// Carrier frequency, Hz; for GLONASS that of channel 0.
+    /// Returns the carrier frequency, Hz; for GLONASS that of channel 0.
     pub const fn frequency_hz(self) -> f64 {
         match self {
             Self::L1 | Self::E1 | Self::B1C => 154.0 * CHIP_RATE_HZ,
@@ -78,7 +79,7 @@ impl Band {
         }
     }
 
-    /// All of them, in order.
+    /// All bands, in order.
     const ALL: [Self; 13] = [
         Self::L1,
         Self::L2,
@@ -95,15 +96,18 @@ impl Band {
         Self::G2,
     ];
 
-    /// Whether a signal on it gives way to one that is not spare, where a satellite sends more than are kept.
+    /// Returns true if a signal on this band gives way to others when a satellite sends more than
+    /// are kept.
     ///
-    /// The five of `BeiDou` make three pairs. D1 and D2 say no delays of B1C and B2a, so that these are worth less than
-    /// any of the others, and the pair that is chosen of all five is among the three that are kept.
+    /// The five bands of `BeiDou` make three pairs. D1 and D2 carry no delays of B1C and B2a, so
+    /// that these are worth less than the others. The pair that would be chosen from all five is
+    /// among the three that are kept.
     pub const fn is_spare(self) -> bool {
         matches!(self, Self::B1C | Self::B2a)
     }
 
-    /// Distance between the channels of a band, Hz; 0 where all satellites share one frequency.
+    /// Returns the distance between the channels of a band, Hz; 0 if all satellites share one
+    /// frequency.
     const fn channel_hz(self) -> f64 {
         match self {
             Self::G1 => 562.5e3,
@@ -113,29 +117,29 @@ impl Band {
     }
 }
 
-/// A band and the channel within it: what says on which frequency a satellite sends.
+/// A band and the channel within it, which together give the frequency of a satellite.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Carrier {
-    /// Which band.
+    /// Band of the carrier.
     pub band: Band,
-    /// The frequency slot of a GLONASS satellite, −7 to 6; 0 for all others.
+    /// Frequency slot of a GLONASS satellite, −7 to 6; 0 for all others.
     pub channel: i8,
 }
 
 impl Carrier {
-    /// The carrier of a band that all satellites of a system share.
+    /// Returns the carrier of a band that all satellites of a system share.
     pub const fn of(band: Band) -> Self {
         Self { band, channel: 0 }
     }
 
-    /// Carrier frequency, Hz: `f = f₀ + k Δf`.
+    /// Returns the carrier frequency, Hz: `f = f₀ + k Δf`.
     pub const fn frequency_hz(self) -> f64 {
         self.band.frequency_hz() + self.channel as f64 * self.band.channel_hz()
     }
 
-    /// What a metre a second shifts it by, Hz.
+    /// Returns the Doppler shift of 1 m/s, Hz.
     pub(crate) fn doppler_of_a_metre_hz(self) -> f32 {
-        /// Of channel 0, so that no range needs a division of doubles.
+        /// Shifts of channel 0, so that no range needs a division of doubles.
         const OF_BANDS: [f32; Band::ALL.len()] = {
             let (mut shifts, mut index) = ([0.0; Band::ALL.len()], 0);
             while index < shifts.len() {
@@ -151,91 +155,95 @@ impl Carrier {
     }
 }
 
-/// One code range of one satellite, and what the receiver says of it. Packed: three of them and whose they are would leave a
-/// seventh of an epoch empty.
+/// One code range of one satellite, with the receiver's statements about it.
+///
+/// It is packed, because otherwise padding would leave a seventh of an epoch empty.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(Rust, packed(4))]
 pub struct RawSignal {
-    /// Pseudorange as measured, m.
+    /// Measured pseudorange, m.
     pub range_m: f64,
-    /// Steps of 1/1024 Hz; [`NO_DOPPLER`] where there is none.
+    /// Doppler frequency in steps of 1/1024 Hz; [`NO_DOPPLER`] if it is unknown.
     doppler: i32,
-    /// Sixteenths of a dB-Hz; 0 where there is none, [`CODELESS`] where it says nothing.
+    /// Carrier to noise density in steps of 1/16 dB-Hz; 0 if it is unknown, [`CODELESS`] if it has
+    /// no meaning.
     cn0: u16,
-    /// On which carrier.
+    /// Carrier of the signal.
     pub carrier: Carrier,
 }
 
 const _: () = assert!(size_of::<RawSignal>() == 16 && size_of::<RawSatellite>() == 56);
 
-/// Stands for the strength of a signal that is tracked without its code.
+/// Strength of a signal that is tracked without its code.
 const CODELESS: u16 = u16::MAX;
 
-/// Stands for a Doppler frequency that is not known.
+/// Doppler frequency that is unknown.
 const NO_DOPPLER: i32 = i32::MIN;
 
 impl RawSignal {
-    /// A range of which nothing else is known.
+    /// Returns a range without further statements.
     pub const fn new(carrier: Carrier, range_m: f64) -> Self {
         Self { range_m, doppler: NO_DOPPLER, cn0: 0, carrier }
     }
 
-    /// With the carrier to noise density, kept to 1/16 dB-Hz; what is not positive is none.
+    /// Sets the carrier to noise density, to 1/16 dB-Hz; a value that is not positive counts as
+    /// unknown.
     #[must_use]
     pub const fn with_cn0_dbhz(self, cn0_dbhz: f32) -> Self {
         Self { cn0: (cn0_dbhz * 16.0 + 0.5) as u16, ..self }
     }
 
-    /// With the word that it is tracked without its code, by the strength of another: its own says nothing.
+    /// Marks a signal that is tracked without its code, by the strength of another, so that its own
+    /// has no meaning.
     #[must_use]
     pub const fn codeless(self) -> Self {
         Self { cn0: CODELESS, ..self }
     }
 
-    /// With the Doppler frequency, positive when approaching, kept to 1/1024 Hz (0.2 mm/s); what no satellite can have,
-    /// above 1 MHz, is none.
+    /// Sets the Doppler frequency, positive when approaching, to 1/1024 Hz (0.2 mm/s). A value
+    /// above 1 MHz, beyond that of any satellite, counts as unknown.
     #[must_use]
     pub const fn with_doppler_hz(self, doppler_hz: f32) -> Self {
         let doppler = if doppler_hz.abs() <= 1e6 { (doppler_hz * 1024.0) as i32 } else { NO_DOPPLER };
         Self { doppler, ..self }
     }
 
-    /// Carrier to noise density, dB-Hz.
+    /// Returns the carrier to noise density, dB-Hz.
     pub const fn cn0_dbhz(&self) -> Option<f32> {
         if matches!(self.cn0, 0 | CODELESS) { None } else { Some(self.cn0 as f32 / 16.0) }
     }
 
-    /// Whether its own carrier to noise density would say nothing.
+    /// Returns true if its own carrier to noise density has no meaning.
     pub const fn is_codeless(&self) -> bool {
         self.cn0 == CODELESS
     }
 
-    /// Doppler frequency, Hz, positive when approaching.
+    /// Returns the Doppler frequency, Hz, positive when approaching.
     pub const fn doppler_hz(&self) -> Option<f32> {
         if self.doppler == NO_DOPPLER { None } else { Some(self.doppler as f32 / 1024.0) }
     }
 }
 
-/// The signals of one satellite.
+/// Signals of one satellite.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RawSatellite {
-    /// Which satellite.
+    /// Satellite that sent the signals.
     pub satellite: SatelliteId,
-    /// At most one per band.
+    /// Signals, at most one per band.
     pub signals: Vec<RawSignal, SIGNAL_CAPACITY, u8>,
 }
 
-/// All ranges of one instant, as measured.
+/// All measured ranges of one instant.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RawEpoch {
-    /// The receiver's time tag.
+    /// Time tag of the receiver.
     pub time: GpsTime,
-    /// The satellites, in the order of arrival, none twice.
+    /// Satellites, in the order of arrival, each at most once.
     pub satellites: Vec<RawSatellite, EPOCH_CAPACITY>,
 }
 
 impl RawEpoch {
-    /// An epoch without satellites.
+    /// Returns an epoch without satellites.
     #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
     #[inline(always)]
     pub const fn new(time: GpsTime) -> Self {
@@ -273,7 +281,7 @@ mod tests {
 
     #[test]
     fn every_step_of_every_format_is_kept() {
-        // MSM7 says C/N0 in 1/16 dB-Hz.
+        // MSM7 sends C/N0 in steps of 1/16 dB-Hz.
         for sixteenths in 1..1024_u16 {
             let want = f32::from(sixteenths) / 16.0;
             assert_eq!(BARE.with_cn0_dbhz(want).cn0_dbhz(), Some(want));

@@ -1,17 +1,18 @@
 //! A byte ring between an interrupt and the main loop.
 //!
-//! One side writes, one side reads, neither waits: a byte that finds no room is dropped and counted. `written` and
-//! `read` run freely and wrap with the machine word, so their difference is the fill level and no slot is wasted.
+//! One side writes and one side reads; neither waits. If a byte finds no room, it is dropped and
+//! counted. `written` and `read` run freely and wrap with the machine word, so that their
+//! difference is the fill level and no slot is wasted.
 //!
 //! | symbol | field | unit |
 //! |---|---|---|
 //! | `N` | capacity, a power of two | bytes |
 //! | `written − read` | fill level | bytes |
-//! | `peak` | highest fill level that a read has met | bytes |
-//! | `dropped` | lost for lack of room | bytes |
+//! | `peak` | highest fill level seen by a read | bytes |
+//! | `dropped` | bytes lost because the ring was full | bytes |
 //!
-//! Assumes one writer and one reader. The bytes themselves are atomics, so that a second writer by mistake would
-//! garble the stream but could not break memory, and the module needs no `unsafe`.
+//! Assumes one writer and one reader. The bytes themselves are atomics: a second writer by mistake
+//! would garble the stream but could not break memory. The module therefore needs no `unsafe`.
 
 use core::sync::atomic::{AtomicU8, AtomicU32, AtomicUsize, Ordering};
 
@@ -25,7 +26,7 @@ pub struct Ring<const N: usize> {
 }
 
 impl<const N: usize> Ring<N> {
-    /// An empty ring.
+    /// Returns an empty ring.
     pub const fn new() -> Self {
         const { assert!(N.is_power_of_two(), "the free-running positions wrap only over a power of two") };
         Self {
@@ -37,27 +38,28 @@ impl<const N: usize> Ring<N> {
         }
     }
 
-    /// Bytes that wait to be read.
+    /// Returns the number of bytes to read.
     pub fn len(&self) -> usize {
         self.written.load(Ordering::Acquire).wrapping_sub(self.read.load(Ordering::Acquire))
     }
 
-    /// Whether nothing waits.
+    /// Returns true if no byte waits.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Bytes that were lost because the ring was full; saturates.
+    /// Returns the number of bytes lost because the ring was full; it saturates.
     pub fn dropped(&self) -> u32 {
         self.dropped.load(Ordering::Relaxed)
     }
 
-    /// Most bytes that ever waited. Only reading lowers the level, so looking before each read misses no peak.
+    /// Returns the most bytes that ever waited. Only a read lowers the level, so that a look before
+    /// each read misses no peak.
     pub fn high_water(&self) -> usize {
         self.peak.load(Ordering::Relaxed).max(self.len())
     }
 
-    /// Writer's side: appends one byte, or counts it as dropped. Says whether it fitted.
+    /// Appends one byte (writer's side), or counts it as dropped. Returns true if it fitted.
     pub fn push(&self, byte: u8) -> bool {
         let written = self.written.load(Ordering::Relaxed);
         let has_room = written.wrapping_sub(self.read.load(Ordering::Acquire)) < N;
@@ -70,9 +72,10 @@ impl<const N: usize> Ring<N> {
         has_room
     }
 
-    /// Writer's side: appends all of `bytes` or none, so that a reader never meets half a sentence.
+    /// Appends all of `bytes` or none (writer's side), so that a reader never sees half a sentence.
     ///
-    /// Does not count: the caller may try again; [`Ring::drop_whole`] counts when it gives up.
+    /// Counts nothing, because the caller may try again; [`Ring::drop_whole`] counts when it gives
+    /// up.
     pub fn offer(&self, bytes: &[u8]) -> bool {
         let written = self.written.load(Ordering::Relaxed);
         let fill = written.wrapping_sub(self.read.load(Ordering::Acquire));
@@ -88,7 +91,8 @@ impl<const N: usize> Ring<N> {
         true
     }
 
-    /// Writer's side: as [`Ring::offer`], and counts `bytes` as dropped if there was no room.
+    /// Appends like [`Ring::offer`] (writer's side), and counts `bytes` as dropped if there was no
+    /// room.
     pub fn push_whole(&self, bytes: &[u8]) -> bool {
         let fitted = self.offer(bytes);
         if !fitted {
@@ -97,20 +101,20 @@ impl<const N: usize> Ring<N> {
         fitted
     }
 
-    /// Writer's side: counts `count` bytes as lost.
+    /// Counts `count` bytes as lost (writer's side).
     pub fn drop_whole(&self, count: usize) {
         let before = self.dropped.load(Ordering::Relaxed);
         let count = u32::try_from(count).unwrap_or(u32::MAX);
         self.dropped.store(before.saturating_add(count), Ordering::Relaxed);
     }
 
-    /// Reader's side: the oldest byte.
+    /// Takes the oldest byte (reader's side).
     pub fn pop(&self) -> Option<u8> {
         let mut byte = [0];
         (self.read_into(&mut byte) == 1).then_some(byte[0])
     }
 
-    /// Reader's side: moves the oldest bytes into `chunk` and says how many there were.
+    /// Moves the oldest bytes into `chunk` (reader's side) and returns their number.
     pub fn read_into(&self, chunk: &mut [u8]) -> usize {
         let read = self.read.load(Ordering::Relaxed);
         let fill = self.written.load(Ordering::Acquire).wrapping_sub(read);
@@ -127,17 +131,17 @@ impl<const N: usize> Ring<N> {
         count
     }
 
-    /// Writer's side: the position of the next byte written.
+    /// Returns the position of the next byte written (writer's side).
     pub(crate) fn written(&self) -> usize {
         self.written.load(Ordering::Relaxed)
     }
 
-    /// Reader's side: the position of the next byte read.
+    /// Returns the position of the next byte read (reader's side).
     pub(crate) fn read_position(&self) -> usize {
         self.read.load(Ordering::Relaxed)
     }
 
-    /// Bytes that there is room for.
+    /// Returns the number of free bytes.
     pub fn room(&self) -> usize {
         N.saturating_sub(self.len())
     }

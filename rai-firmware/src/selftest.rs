@@ -1,4 +1,4 @@
-//! Known answers: is this processor's arithmetic, and this image, what was tested?
+//! Known answers, which show that the arithmetic of this processor and this image are as tested.
 //!
 //! | test | known answer from |
 //! |---|---|
@@ -7,13 +7,14 @@
 //! | `FRAME` | WGS 84: the point of the ellipsoid at the parametric latitude of 45° |
 //! | `RTCM` | the example of message 1005 in the standard ([RTCM-10403.3] 4.1) |
 //!
-//! `SOLVE`: four satellites to the east, west, north and south at the elevation with sine 0.6, and one at the zenith.
-//! Residuals `(1, 1, −1, −1, 0)` are orthogonal to every column of the design matrix: the position does not move, they
-//! remain as they are, SSE = 4 with one degree of freedom, and each of the four has the redundancy number 1/4. The solve is
-//! that of the epochs, in single precision.
+//! `SOLVE`: four satellites to the east, west, north and south at the elevation with sine 0.6, and
+//! one at the zenith. Residuals `(1, 1, −1, −1, 0)` are orthogonal to every column of the design
+//! matrix. The position therefore does not move and the residuals stay. SSE is 4 with one degree of
+//! freedom, and each of the four has the redundancy number 1/4. The solve is that of the epochs, in
+//! single precision.
 //!
-//! `FRAME` is the test of double precision, by what every epoch does in it. With the semi-axes `a` and `b` the point is
-//! `(a, 0, b)/√2`; its normal is `(b, 0, a)/√(a² + b²)`, and its height 0.
+//! `FRAME` tests double precision through a computation of every epoch. With the semi-axes `a` and
+//! `b` the point is `(a, 0, b)/√2`; its normal is `(b, 0, a)/√(a² + b²)`, and its height 0.
 //!
 //! [RTCM-10403.3]: crate#references
 //! [Yang2015]: crate#references
@@ -28,7 +29,7 @@ use rai_core::single::{self, Workspace};
 
 use crate::input;
 
-/// Which known answer was missed.
+/// Known answer that was missed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Failure {
     /// The threshold tables.
@@ -42,7 +43,7 @@ pub enum Failure {
 }
 
 impl Failure {
-    /// The name that the host is told.
+    /// Returns the name for the host.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Table => "FAIL TABLE",
@@ -53,10 +54,11 @@ impl Failure {
     }
 }
 
-/// Runs all tests; one needs room for equations, which is too large for the stack of some.
+/// Runs all tests, in scratch memory of the caller, because the equations are too large for some
+/// stacks.
 ///
 /// # Errors
-/// The first answer that is wrong.
+/// Returns the first test whose answer is wrong.
 pub fn run(workspace: &mut Workspace) -> Result<(), Failure> {
     let demand = |is_right, failure| if is_right { Ok(()) } else { Err(failure) };
     demand(table_is_right(), Failure::Table)?;

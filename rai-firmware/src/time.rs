@@ -1,14 +1,15 @@
 //! GPS time: week and milliseconds, one continuous scale for all systems.
 //!
-//! `BeiDou` time is GPS time minus 14 s and begins in week 1356; Galileo system time is GPS time (to some tens of
-//! nanoseconds, which the receiver clock of that constellation takes up) and begins in week 1024.
+//! `BeiDou` time is GPS time minus 14 s and begins in week 1356. Galileo system time begins in week
+//! 1024. It is GPS time to some tens of nanoseconds, which the receiver clock of that constellation
+//! absorbs.
 
 use crate::division::divided;
 
 /// Milliseconds in a week.
 pub const WEEK_MS: u32 = 604_800_000;
 
-/// `BeiDou` time is GPS time minus this many milliseconds ([BDS-SIS-ICD]: leap seconds from 1980 to 2006).
+/// Offset of GPS time from `BeiDou` time, ms ([BDS-SIS-ICD]: leap seconds from 1980 to 2006).
 ///
 /// [BDS-SIS-ICD]: crate#references
 pub const BEIDOU_OFFSET_MS: u32 = 14_000;
@@ -19,7 +20,7 @@ pub const BEIDOU_WEEK_OFFSET: u16 = 1356;
 /// Week of GPS time at which Galileo system time week 0 began, 1999-08-22.
 pub const GALILEO_WEEK_OFFSET: u16 = 1024;
 
-/// An instant of GPS time with millisecond resolution: observations are taken on milliseconds.
+/// An instant of GPS time with millisecond resolution, because receivers observe on milliseconds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct GpsTime {
     /// Weeks since 1980-01-06, not rolled over.
@@ -29,23 +30,23 @@ pub struct GpsTime {
 }
 
 impl GpsTime {
-    /// Milliseconds since 1980-01-06.
+    /// Returns the milliseconds since 1980-01-06.
     pub const fn to_ms(self) -> u64 {
         self.week as u64 * WEEK_MS as u64 + self.tow_ms as u64
     }
 
-    /// The instant that many milliseconds after 1980-01-06.
+    /// Returns the instant `ms` after 1980-01-06.
     pub const fn from_ms(ms: u64) -> Self {
         let (week, tow_ms) = divided(ms, WEEK_MS);
         Self { week: week as u16, tow_ms }
     }
 
-    /// Milliseconds from `earlier` to `self`; negative if `self` is before it.
+    /// Returns the milliseconds from `earlier` to `self`; negative if `self` is before it.
     pub const fn since_ms(self, earlier: Self) -> i64 {
         self.to_ms().cast_signed() - earlier.to_ms().cast_signed()
     }
 
-    /// The instant that many milliseconds later, a week at most; without the division of [`Self::from_ms`].
+    /// Returns the instant `ms` later, at most a week, without the division of [`Self::from_ms`].
     pub(crate) const fn later_by_ms(self, ms: u32) -> Self {
         let tow_ms = self.tow_ms + ms;
         if tow_ms < WEEK_MS {
@@ -80,14 +81,14 @@ impl GpsTime {
         }
     }
 
-    /// Seconds since 1980-01-06, exact to a microsecond for centuries.
+    /// Returns the seconds since 1980-01-06, exact to a microsecond for centuries.
     pub fn to_s(self) -> f64 {
         self.to_ms() as f64 * 1e-3
     }
 
-    /// The instant at `tow_ms` of that week which lies within half a week of `reference`.
+    /// Returns the instant at `tow_ms` of the week that lies within half a week of `reference`.
     ///
-    /// This is how a time of week that has just rolled over still follows the one before it.
+    /// A time of week that has just rolled over thus still follows the one before it.
     pub const fn nearest(tow_ms: u32, reference: Self) -> Self {
         let half_ms = WEEK_MS / 2;
         let week = if tow_ms > reference.tow_ms.saturating_add(half_ms) {
@@ -104,12 +105,13 @@ impl GpsTime {
 /// Milliseconds in a day.
 pub(crate) const DAY_MS: u32 = 86_400_000;
 
-/// GLONASS time is UTC plus this many milliseconds.
+/// Offset of GLONASS time from UTC, ms.
 pub const GLONASS_OFFSET_MS: u64 = 3 * 3_600_000;
 
-/// The instant nearest to `now` at which GLONASS time is `second_of_day`; `None` for a second that no day has.
+/// Returns the instant nearest to `now` at which GLONASS time is `second_of_day`, or `None` for a
+/// second that no day has.
 ///
-/// GLONASS counts as UTC does, so GPS time cannot be told from it without the leap seconds between them.
+/// GLONASS counts as UTC does, so that GPS time needs the leap seconds between them.
 pub const fn glonass_time(second_of_day: u32, leap_s: u8, now: GpsTime) -> Option<GpsTime> {
     if second_of_day >= 86_400 {
         return None;
@@ -143,7 +145,8 @@ mod tests {
 
     #[test]
     fn glonass_counts_as_utc_three_hours_ahead() {
-        // 2020-06-25 00:15 of GLONASS time is 2020-06-24 21:15 UTC, 18 s behind GPS time: day 3 of week 2111.
+        // 2020-06-25 00:15 of GLONASS time is 2020-06-24 21:15 UTC, 18 s behind GPS time: day 3 of
+        // week 2111.
         let want = GpsTime { week: 2111, tow_ms: (3 * 86_400 + 21 * 3600 + 15 * 60 + 18) * 1000 };
         for now_s in [-40_000_i64, -60, 0, 60, 40_000] {
             let now = GpsTime::from_ms(want.to_ms().wrapping_add_signed(now_s * 1000));

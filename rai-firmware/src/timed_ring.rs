@@ -1,28 +1,30 @@
-//! Bytes between an interrupt and the loop, each with the time at which it came.
+//! Bytes between an interrupt and the loop, each with its arrival time.
 //!
-//! The loop may be late: what is said of a byte must count from when it came, not from when it was read. The writer notes
-//! the time whenever [`GRAIN_MS`] have passed since its last note; a byte is taken to have come at the note before it, so
-//! it counts as at most that much too old, and never as too young.
+//! The loop may be late, so that the age of a byte must count from its arrival and not from its
+//! reading. The writer notes the time whenever [`GRAIN_MS`] have passed since its last note. A byte
+//! takes the time of the note before it: it counts as at most that much too old, and never as too
+//! young.
 //!
 //! | symbol | field | unit |
 //! |---|---|---|
 //! | `N` | capacity, a power of two | bytes |
-//! | `M` | notes, a power of two; where there are none left, bytes count as older | – |
+//! | `M` | notes, a power of two; if none is free, bytes count as older | – |
 //!
-//! Bytes that wait for longer than [`OLDEST_MS`] are of no use to anybody, and where one was lost the others are parts of
-//! something: in both cases [`TimedRing::take`] drops all that waits and says so.
+//! Bytes that wait for longer than [`OLDEST_MS`] are useless, and after a lost byte the others are
+//! fragments. In both cases [`TimedRing::take`] drops all waiting bytes and returns
+//! [`Taken::Lost`].
 
 use core::sync::atomic::{AtomicU32, AtomicUsize, Ordering};
 
 use crate::ring::Ring;
 
-/// How exact the time of a byte is, ms.
+/// Resolution of the arrival time of a byte, ms.
 pub const GRAIN_MS: u32 = 4;
 
-/// How long bytes may wait, ms: less than the second between two epochs.
+/// Longest wait of a byte, ms: less than the second between two epochs.
 pub const OLDEST_MS: u64 = 500;
 
-/// A note: from this position on, bytes came at this time or later.
+/// A note: bytes from this position on came at this time or later.
 struct Note {
     position: AtomicUsize,
     ms: AtomicU32,
@@ -34,34 +36,34 @@ pub struct TimedRing<const N: usize, const M: usize> {
     notes: [Note; M],
     noted: AtomicUsize,
     passed: AtomicUsize,
-    /// The writer's: the time of the last note.
+    /// Time of the last note, ms (writer's side).
     last_ms: AtomicU32,
-    /// The reader's: the note that the next byte belongs to.
+    /// Time of the note of the next byte, ms (reader's side).
     now_ms: AtomicU32,
-    /// The reader's: bytes lost that have been dealt with.
+    /// Lost bytes that the reader has handled.
     known_lost: AtomicU32,
-    /// Bytes that were dropped with others, or because they were old.
+    /// Bytes that were dropped after a lost one, or because they were old.
     given_up: AtomicU32,
 }
 
-/// What there is to read.
+/// Result of a read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Taken {
-    /// Nothing waits.
+    /// No byte waits.
     Nothing,
-    /// So many bytes, which came at this time or up to [`GRAIN_MS`] later, in ms since start.
+    /// Bytes that came at this time or up to [`GRAIN_MS`] later.
     Bytes {
-        /// How many.
+        /// Number of bytes.
         count: usize,
-        /// When they came.
+        /// Arrival time, ms since start.
         came_ms: u64,
     },
-    /// Bytes are missing before what comes next.
+    /// Bytes are missing before the next ones.
     Lost,
 }
 
 impl<const N: usize, const M: usize> TimedRing<N, M> {
-    /// An empty ring.
+    /// Returns an empty ring.
     pub const fn new() -> Self {
         const { assert!(M.is_power_of_two(), "positions wrap only over a power of two") };
         Self {
@@ -76,13 +78,14 @@ impl<const N: usize, const M: usize> TimedRing<N, M> {
         }
     }
 
-    /// Writer's side: appends a byte that came at `now_ms`, the low word of the time since start, or counts it as lost.
+    /// Appends a byte (writer's side) that came at `now_ms`, the low word of the time since start,
+    /// or counts it as lost.
     pub fn push(&self, byte: u8, now_ms: u32) {
         self.note(now_ms);
         self.bytes.push(byte);
     }
 
-    /// Writer's side: a byte came that could not be taken.
+    /// Counts a byte (writer's side) that came and could not be taken.
     pub fn lose(&self) {
         self.bytes.drop_whole(1);
     }
@@ -102,32 +105,34 @@ impl<const N: usize, const M: usize> TimedRing<N, M> {
         }
     }
 
-    /// Bytes that wait to be read.
+    /// Returns the number of bytes to read.
     pub fn len(&self) -> usize {
         self.bytes.len()
     }
 
-    /// Whether nothing waits.
+    /// Returns true if no byte waits.
     pub fn is_empty(&self) -> bool {
         self.bytes.is_empty()
     }
 
-    /// Bytes that were lost for lack of room or because the writer came too late; saturates.
+    /// Returns the number of bytes lost because the ring was full or the writer came too late; it
+    /// saturates.
     pub fn lost(&self) -> u32 {
         self.bytes.dropped()
     }
 
-    /// Bytes that had come and were dropped, because others before them were lost or because they were old; saturates.
+    /// Returns the number of bytes that came and were dropped, after a lost byte or because of
+    /// their age; it saturates.
     pub fn given_up(&self) -> u32 {
         self.given_up.load(Ordering::Relaxed)
     }
 
-    /// Most bytes that ever waited.
+    /// Returns the most bytes that ever waited.
     pub fn high_water(&self) -> usize {
         self.bytes.high_water()
     }
 
-    /// Reader's side: moves the oldest bytes that came together into `chunk`.
+    /// Moves the oldest bytes with the same arrival time into `chunk` (reader's side).
     pub fn take(&self, chunk: &mut [u8], now_ms: u64) -> Taken {
         let lost = self.lost();
         if lost != self.known_lost.load(Ordering::Relaxed) {
@@ -149,7 +154,7 @@ impl<const N: usize, const M: usize> TimedRing<N, M> {
         Taken::Bytes { count, came_ms: now_ms.saturating_sub(u64::from(age_ms)) }
     }
 
-    /// Goes on to the note of the next byte; says how many bytes belong to it.
+    /// Advances to the note of the next byte; returns the number of bytes that belong to it.
     fn pass_notes(&self) -> usize {
         let position = self.bytes.read_position();
         let noted = self.noted.load(Ordering::Acquire);
@@ -157,7 +162,8 @@ impl<const N: usize, const M: usize> TimedRing<N, M> {
         while passed != noted {
             let Some(note) = self.notes.get(passed & (M - 1)) else { break };
             let ahead = note.position.load(Ordering::Relaxed).wrapping_sub(position);
-            // Positions lie within the ring's size of each other; what looks farther ahead is behind.
+            // Positions lie within the ring's size of each other, so that one farther ahead is
+            // behind.
             if (1..=N).contains(&ahead) {
                 self.passed.store(passed, Ordering::Release);
                 return ahead;
@@ -169,7 +175,7 @@ impl<const N: usize, const M: usize> TimedRing<N, M> {
         N
     }
 
-    /// Drops all that waits.
+    /// Drops all waiting bytes.
     fn give_up(&self) {
         let mut chunk = [0; 32];
         let mut left = self.bytes.len();

@@ -37,8 +37,9 @@
 
 
 /**
- * The version of this interface. It grows by one with every change that a program compiled against an older header would
- * misunderstand: a field that moved, a size that grew, a constant that means something else.
+ * Version of this interface. It grows by one with every change that would break a program compiled
+ * against an older header. Such changes are a field that moved, a size that grew, and a constant
+ * with a new meaning.
  */
 #define RAI_ABI_VERSION 2
 
@@ -63,63 +64,65 @@
 #define RAI_PHASE_LPV200 3
 
 /**
- * The threshold of the global test follows from the probability of false alarm.
+ * Policy: the threshold of the global test follows from the probability of false alarm.
  */
 #define RAI_POLICY_T1 0
 
 /**
- * It follows from the probability of missed detection.
+ * Policy: the threshold of the global test follows from the probability of missed detection.
  */
 #define RAI_POLICY_T2 1
 
 /**
- * Least cost of both errors.
+ * Policy: the threshold of the global test has the least cost of both errors.
  */
 #define RAI_POLICY_TOP 2
 
 /**
- * Every group of satellites where their number allows, else the largest w-test.
+ * Method: every group of satellites if their number allows, else the largest w-test.
  */
 #define RAI_METHOD_AUTO 0
 
 /**
- * The largest w-test, again and again.
+ * Method: the largest w-test, repeatedly.
  */
 #define RAI_METHOD_BAARDA 1
 
 /**
- * In parity space, all satellites at once. This one and those up to RANSAC need the library's feature `searches`.
+ * Method in parity space, all satellites at once. This one and those up to RANSAC need the
+ * library's feature `searches`.
  */
 #define RAI_METHOD_SIMULTANEOUS 2
 
 /**
- * In parity space, one satellite after the other.
+ * Method in parity space, one satellite after the other.
  */
 #define RAI_METHOD_SEQUENTIAL 3
 
 /**
- * In parity space, first the one, then the other.
+ * Method in parity space, the simultaneous search, else the sequential one.
  */
 #define RAI_METHOD_HYBRID 4
 
 /**
- * In parity space, every group of satellites.
+ * Method in parity space, every group of satellites.
  */
 #define RAI_METHOD_GROUPING 5
 
 /**
- * By consensus of disjoint subsets.
+ * Method: consensus of disjoint subsets.
  */
 #define RAI_METHOD_RANSAC 6
 
 /**
- * By solutions with and without every plausible set of satellites: ARAIM, with the probabilities of faults that the ICAO's
- * standards assume. Needs the library's feature `araim`.
+ * Method: ARAIM, which compares solutions with and without every plausible set of satellites. It
+ * takes the probabilities of faults from the ICAO's standards, and needs the library's feature
+ * `araim`.
  */
 #define RAI_METHOD_SEPARATION 7
 
 /**
- * Protection levels bound the error of a position that is called good: fault and noise together.
+ * Protection levels bound the error of a protected position, fault and noise together.
  */
 #define RAI_LEVELS_BOUND 0
 
@@ -151,21 +154,21 @@
 
 #if defined(RAI_SATELLITES_16)
 /**
- * Words of eight bytes that a monitor takes, on every processor at most.
+ * Words of eight bytes of a monitor, enough on every processor.
  */
 #define RAI_MONITOR_WORDS 1408
 #endif
 
 #if (defined(RAI_SATELLITES_32) && !defined(RAI_SATELLITES_16))
 /**
- * Words of eight bytes that a monitor takes, on every processor at most.
+ * Words of eight bytes of a monitor, enough on every processor.
  */
 #define RAI_MONITOR_WORDS 1792
 #endif
 
 #if !(defined(RAI_SATELLITES_16) || defined(RAI_SATELLITES_32))
 /**
- * Words of eight bytes that a monitor takes, on every processor at most.
+ * Words of eight bytes of a monitor, enough on every processor.
  */
 #define RAI_MONITOR_WORDS 2176
 #endif
@@ -177,21 +180,21 @@
 
 #if defined(RAI_SATELLITES_16)
 /**
- * Words of eight bytes that a receiver takes, on every processor at most.
+ * Words of eight bytes of a receiver, enough on every processor.
  */
 #define RAI_RECEIVER_WORDS 5376
 #endif
 
 #if (defined(RAI_SATELLITES_32) && !defined(RAI_SATELLITES_16))
 /**
- * Words of eight bytes that a receiver takes, on every processor at most.
+ * Words of eight bytes of a receiver, enough on every processor.
  */
 #define RAI_RECEIVER_WORDS 6016
 #endif
 
 #if !(defined(RAI_SATELLITES_16) || defined(RAI_SATELLITES_32))
 /**
- * Words of eight bytes that a receiver takes, on every processor at most.
+ * Words of eight bytes of a receiver, enough on every processor.
  */
 #define RAI_RECEIVER_WORDS 6656
 #endif
@@ -202,7 +205,7 @@
 #define RAI_RECEIVER_SIZE (RAI_RECEIVER_WORDS * 8)
 
 /**
- * Nothing has been said yet. It counts as unavailable.
+ * No verdict yet. It counts as unavailable.
  */
 #define RAI_STATE_NONE 0
 
@@ -212,17 +215,17 @@
 #define RAI_STATE_PROTECTED 1
 
 /**
- * The position must not be used: something is wrong with it.
+ * The position must not be used, for one of the reasons `RAI_REASON_FAULT` to `RAI_REASON_TIME`.
  */
 #define RAI_STATE_ALERT 2
 
 /**
- * Nothing can be promised: the means to tell are missing.
+ * The position has no protection, because the means to test it are missing.
  */
 #define RAI_STATE_UNAVAILABLE 3
 
 /**
- * Nothing has been said yet.
+ * No verdict yet.
  */
 #define RAI_REASON_NONE 0
 
@@ -252,12 +255,12 @@
 #define RAI_REASON_STALE 34
 
 /**
- * Alert: the position moved farther than it can.
+ * Alert: the position moved farther than the receiver can.
  */
 #define RAI_REASON_JUMP 35
 
 /**
- * Alert: the receiver is sure that its signals are false.
+ * Alert: the receiver reports that its signals are false.
  */
 #define RAI_REASON_SPOOFED 36
 
@@ -307,32 +310,32 @@
 #define RAI_REASON_BUDGET 70
 
 /**
- * Unavailable: the input was refused as a whole.
+ * Unavailable: the whole input was refused.
  */
 #define RAI_REASON_INPUT 71
 
 /**
- * Unavailable: the satellites agree again, and not for long enough.
+ * Unavailable: the satellites agree again, but not yet for long enough.
  */
 #define RAI_REASON_RECOVERING 72
 
 /**
- * Unavailable: no receiver can be at this height or place.
+ * Unavailable: the height or place is impossible for the receiver.
  */
 #define RAI_REASON_PLACE 73
 
 /**
- * Unavailable: a known answer was missed.
+ * Unavailable: a known answer of the self-test was missed.
  */
 #define RAI_REASON_SELFTEST 74
 
 /**
- * Unavailable: ranges came, orbits did not.
+ * Unavailable: ranges came, but no orbits.
  */
 #define RAI_REASON_EPHEMERIS 75
 
 /**
- * Unavailable: nobody has confirmed the settings after an unexpected restart.
+ * Unavailable: the host has not confirmed the settings after an unexpected restart.
  */
 #define RAI_REASON_SETTINGS 76
 
@@ -362,27 +365,29 @@
 #define RAI_SYSTEM_QZSS 74
 
 /**
- * Most satellites that are left out of one epoch.
+ * Most satellites that may be left out of one epoch.
  */
 #define RAI_MAX_EXCLUDED 3
 
 /**
- * What became of a call: `RAI_STATUS_OK`, or what was refused.
+ * Status of a call: `RAI_STATUS_OK`, or the reason of its refusal.
  */
 typedef uint8_t rai_status_t;
 
 /**
- * A monitor's memory. What is in it is the library's affair; all that counts is its size and that it is aligned.
+ * Memory of a monitor. Its contents are private to the library; only its size and alignment
+ * matter.
  */
 typedef struct {
     /**
-     * Not for reading.
+     * Private contents.
      */
     uint64_t opaque[RAI_MONITOR_WORDS];
 } rai_monitor_t;
 
 /**
- * What is asked of a position, and how it is watched over. Fill it with `rai_settings_preset`, then change what is to differ.
+ * Requirements on a position, and the strategy that monitors it. Fill it with
+ * `rai_settings_preset`, then change single fields.
  */
 typedef struct {
     /**
@@ -394,15 +399,15 @@ typedef struct {
      */
     uint8_t policy;
     /**
-     * How faulty satellites are found, `RAI_METHOD_…`.
+     * Method that finds faulty satellites, `RAI_METHOD_…`.
      */
     uint8_t method;
     /**
-     * Not 0: a forecast of the receiver clock takes a row beside the satellites.
+     * Clock aiding: if not 0, a forecast of the receiver clock takes a row beside the satellites.
      */
     uint8_t clock_aid;
     /**
-     * What a protection level bounds, `RAI_LEVELS_…`.
+     * Kind of protection levels, `RAI_LEVELS_…`.
      */
     uint8_t levels;
     /**
@@ -410,19 +415,20 @@ typedef struct {
      */
     double hal_m;
     /**
-     * Vertical alert limit, m; 0 where only the horizontal position matters.
+     * Vertical alert limit, m; 0 if only the horizontal position matters.
      */
     double val_m;
     /**
-     * Probability of a false alarm per epoch; one of the committed tables.
+     * Probability of a false alarm per epoch, from the committed tables.
      */
     double false_alarm;
     /**
-     * Probability that a fault which matters is missed; one of the committed tables.
+     * Probability of missing a significant fault, from the committed tables.
      */
     double missed_detection;
     /**
-     * Highest speed of the receiver, m/s: a position farther from the last one is an alert, `RAI_REASON_JUMP`.
+     * Highest speed of the receiver, m/s: a position farther from the last one is an alert,
+     * `RAI_REASON_JUMP`.
      */
     double max_speed_m_s;
     /**
@@ -434,33 +440,33 @@ typedef struct {
      */
     double max_height_m;
     /**
-     * For how long satellites must agree after an alert, s.
+     * Time for which satellites must agree after an alert, s.
      */
     double recovery_s;
     /**
-     * For how many epochs they must.
+     * Number of epochs for which satellites must agree after an alert.
      */
     uint16_t recovery_epochs;
     /**
-     * For later use; 0.
+     * Reserved for later use; must be 0.
      */
     uint8_t reserved[6];
 } rai_settings_t;
 
 /**
- * One satellite's corrected range and where the satellite was when it sent the signal.
+ * Corrected range of one satellite, with the satellite's position at transmission.
  */
 typedef struct {
     /**
-     * Satellite position in the earth-fixed frame at the instant of transmission, m.
+     * Satellite position in the earth-fixed frame at the instant of transmission, x, m.
      */
     double x_m;
     /**
-     * The same.
+     * Satellite position in the earth-fixed frame at the instant of transmission, y, m.
      */
     double y_m;
     /**
-     * The same.
+     * Satellite position in the earth-fixed frame at the instant of transmission, z, m.
      */
     double z_m;
     /**
@@ -472,15 +478,15 @@ typedef struct {
      */
     double sigma_m;
     /**
-     * The satellite's system, a letter: `RAI_SYSTEM_…`.
+     * System of the satellite, a letter: `RAI_SYSTEM_…`.
      */
     uint8_t system;
     /**
-     * Its number within the system, 1 to 99.
+     * Number of the satellite within the system, 1 to 99.
      */
     uint8_t number;
     /**
-     * For later use; 0.
+     * Reserved for later use; must be 0.
      */
     uint8_t reserved[6];
 } rai_range_t;
@@ -490,29 +496,29 @@ typedef struct {
  */
 typedef struct {
     /**
-     * Estimated bias of its range, m.
+     * Estimated bias of the range, m.
      */
     double bias_m;
     /**
-     * Its w-test when it was suspected, in standard deviations.
+     * W-test of the satellite when it was suspected, in standard deviations.
      */
     double w_test;
     /**
-     * Its system, a letter: `RAI_SYSTEM_…`.
+     * System of the satellite, a letter: `RAI_SYSTEM_…`.
      */
     uint8_t system;
     /**
-     * Its number within the system.
+     * Number of the satellite within the system.
      */
     uint8_t number;
     /**
-     * For later use.
+     * Reserved for later use.
      */
     uint8_t reserved[6];
 } rai_excluded_t;
 
 /**
- * What is said of one epoch. A number that is not defined is NaN.
+ * Verdict on one epoch. An undefined number is NaN.
  */
 typedef struct {
     /**
@@ -520,11 +526,11 @@ typedef struct {
      */
     uint32_t size;
     /**
-     * May the position be used? `RAI_STATE_…`: only `RAI_STATE_PROTECTED` says yes.
+     * State, `RAI_STATE_…`: the position may be used only if it is `RAI_STATE_PROTECTED`.
      */
     uint8_t state;
     /**
-     * Why (not), `RAI_REASON_…`.
+     * Reason of the state, `RAI_REASON_…`.
      */
     uint8_t reason;
     /**
@@ -540,27 +546,27 @@ typedef struct {
      */
     uint8_t dof;
     /**
-     * How many elements of `excluded` are filled.
+     * Number of elements of `excluded` that are filled.
      */
     uint8_t excluded_count;
     /**
-     * Ranges of the call that were refused, at most 255; the others were judged.
+     * Number of ranges of the call that were refused, at most 255; the others were judged.
      */
     uint8_t refused_count;
     /**
-     * Why the first of them was, a status.
+     * Status of the first refused range.
      */
     uint8_t refused_status;
     /**
-     * For later use.
+     * Reserved for later use.
      */
     uint8_t reserved[4];
     /**
-     * `√(SSE/dof)`.
+     * Statistic of the global test, `√(SSE/dof)`.
      */
     double statistic;
     /**
-     * What it was held against.
+     * Threshold of the global test.
      */
     double threshold;
     /**
@@ -572,15 +578,15 @@ typedef struct {
      */
     double vpl_m;
     /**
-     * Earth-fixed position, m.
+     * Earth-fixed position, x, m.
      */
     double x_m;
     /**
-     * Earth-fixed position, m.
+     * Earth-fixed position, y, m.
      */
     double y_m;
     /**
-     * Earth-fixed position, m.
+     * Earth-fixed position, z, m.
      */
     double z_m;
     /**
@@ -602,49 +608,51 @@ typedef struct {
 } rai_verdict_t;
 
 /**
- * A receiver's memory. What is in it is the library's affair; all that counts is its size and that it is aligned.
+ * Memory of a receiver. Its contents are private to the library; only its size and alignment
+ * matter.
  */
 typedef struct {
     /**
-     * Not for reading.
+     * Private contents.
      */
     uint64_t opaque[RAI_RECEIVER_WORDS];
 } rai_receiver_t;
 
 /**
- * Where a call writes sentences: memory of the caller, and how much of it is used.
+ * Memory of the caller for sentences, with the number of bytes used.
  */
 typedef struct {
     /**
-     * Room for sentences.
+     * Memory for sentences.
      */
     uint8_t *bytes;
     /**
-     * How much room, bytes; 2,048 hold the sentences of any epoch.
+     * Length of the memory, bytes; 2,048 hold the sentences of any epoch.
      */
     size_t capacity;
     /**
-     * How much of it is used. A call adds behind what is there; the caller sets it to 0 once it has sent the text on.
+     * Bytes used. A call appends to them; the caller sets it to 0 after sending the text.
      */
     size_t length;
     /**
-     * Sentences that found no room since the caller last set it to 0. A sentence is written whole or not at all.
+     * Number of sentences without room since the caller last set it to 0. A sentence is written
+     * whole or not at all.
      */
     size_t lost;
 } rai_text_t;
 
 /**
- * Done.
+ * Success.
  */
 #define RAI_STATUS_OK 0
 
 /**
- * A pointer is null that must not be.
+ * A pointer must not be null.
  */
 #define RAI_STATUS_NULL 1
 
 /**
- * A pointer is not aligned for what it points to.
+ * A pointer must be aligned for its type.
  */
 #define RAI_STATUS_MISALIGNED 2
 
@@ -654,62 +662,62 @@ typedef struct {
 #define RAI_STATUS_SHORT 3
 
 /**
- * The object has not been initialised, or by another version.
+ * The object was not initialised, or by another version.
  */
 #define RAI_STATUS_NOT_INITIALISED 4
 
 /**
- * The size at the start of a struct is that of no version known here.
+ * The size at the start of a struct belongs to no version known here.
  */
 #define RAI_STATUS_SIZE 5
 
 /**
- * A time is not finite.
+ * A time must be finite.
  */
 #define RAI_STATUS_TIME 6
 
 /**
- * A count or length is absurd.
+ * A count or length is out of bounds.
  */
 #define RAI_STATUS_COUNT 7
 
 /**
- * No such phase of flight.
+ * The phase of flight is unknown.
  */
 #define RAI_STATUS_PHASE 16
 
 /**
- * The horizontal alert limit is outside (0, 1e6] m.
+ * The horizontal alert limit must be in (0, 1e6] m.
  */
 #define RAI_STATUS_HAL 17
 
 /**
- * The vertical alert limit is outside (0, 1e6] m.
+ * The vertical alert limit must be in (0, 1e6] m.
  */
 #define RAI_STATUS_VAL 18
 
 /**
- * The probability of false alarm is not in the committed tables.
+ * The probability of false alarm must be in the committed tables.
  */
 #define RAI_STATUS_FALSE_ALARM 19
 
 /**
- * The probability of missed detection is not in the committed tables.
+ * The probability of missed detection must be in the committed tables.
  */
 #define RAI_STATUS_MISSED_DETECTION 20
 
 /**
- * No such policy.
+ * The policy is unknown.
  */
 #define RAI_STATUS_POLICY 21
 
 /**
- * No such method in this library.
+ * The method is unknown in this library.
  */
 #define RAI_STATUS_METHOD 22
 
 /**
- * No such kind of protection levels.
+ * The kind of protection levels is unknown.
  */
 #define RAI_STATUS_LEVELS 23
 
@@ -719,37 +727,37 @@ typedef struct {
 #define RAI_STATUS_SETTING 24
 
 /**
- * The highest speed is outside [0, 1e5] m/s.
+ * The highest speed must be in [0, 1e5] m/s.
  */
 #define RAI_STATUS_SPEED 25
 
 /**
- * The heights are outside [−1.2e4, 1e8] m, or the least is not below the greatest.
+ * The heights must be in [−1.2e4, 1e8] m, the least below the greatest.
  */
 #define RAI_STATUS_HEIGHT 26
 
 /**
- * The recovery is of no epoch, or outside [0, 3600] s.
+ * The recovery must be of at least one epoch and in [0, 3600] s.
  */
 #define RAI_STATUS_RECOVERY 27
 
 /**
- * No such satellite.
+ * The satellite is unknown.
  */
 #define RAI_STATUS_SATELLITE 32
 
 /**
- * A range is not finite or beyond any receiver clock.
+ * A range must be finite and within that of receiver clocks.
  */
 #define RAI_STATUS_RANGE 33
 
 /**
- * A satellite's position is not finite, inside the earth or beyond 100,000 km.
+ * A satellite's position must be finite, above the earth and within 100,000 km.
  */
 #define RAI_STATUS_POSITION 34
 
 /**
- * A standard deviation is not finite or outside 1 mm to 1,000 km.
+ * A standard deviation must be finite and in 1 mm to 1,000 km.
  */
 #define RAI_STATUS_SIGMA 35
 
@@ -759,7 +767,7 @@ typedef struct {
 #define RAI_STATUS_DUPLICATE 36
 
 /**
- * More satellites than the library was built for.
+ * The epoch has more satellites than the library was built for.
  */
 #define RAI_STATUS_FULL 37
 
@@ -768,51 +776,55 @@ extern "C" {
 #endif // __cplusplus
 
 /**
- * The version of the interface that the library was compiled with; equal to `RAI_ABI_VERSION` of a matching header.
+ * Returns the version of the interface that the library was compiled with, equal to
+ * `RAI_ABI_VERSION` of a matching header.
  */
 uint32_t rai_abi_version(void);
 
 /**
- * Makes a monitor that knows no position yet in memory of the caller.
+ * Makes a monitor without a position in memory of the caller.
  *
- * Refuses null and misaligned pointers, less than `rai_monitor_size()` bytes, and settings by what is wrong with them; memory that
- * held a monitor holds it still then.
+ * Refuses null and misaligned pointers, less than `rai_monitor_size()` bytes, and settings out of
+ * their range. A refusal leaves a monitor that was in the memory as it is.
  *
  * # Safety
- * `memory` is null or points to `length` bytes that nobody else uses during the call; `settings` is null or points to a struct
- * of the size that it begins with.
+ * `memory` is null or points to `length` bytes that no other code uses during the call. `settings`
+ * is null or points to a struct of the size that it begins with.
  */
 rai_status_t rai_monitor_init(rai_monitor_t *memory,
                               size_t length,
                               const rai_settings_t *settings);
 
 /**
- * Replaces the settings; what is remembered stays. Refused settings change nothing.
+ * Replaces the settings and keeps the state. Refused settings change nothing.
  *
  * # Safety
- * `monitor` is null or points to memory of that size with initialised contents, not used elsewhere during the call; `settings`
- * is null or points to a struct of the size that it begins with.
+ * `monitor` is null or points to memory of that size with initialised contents, not used elsewhere
+ * during the call. `settings` is null or points to a struct of the size that it begins with.
  */
 rai_status_t rai_monitor_configure(rai_monitor_t *monitor,
                                    const rai_settings_t *settings);
 
 /**
- * The last position counts for nothing: the next may be anywhere.
+ * Forgets the last position, so that the next may be anywhere.
  *
  * # Safety
- * `monitor` is null or points to memory of that size with initialised contents, not used elsewhere during the call.
+ * `monitor` is null or points to memory of that size with initialised contents, not used elsewhere
+ * during the call.
  */
 rai_status_t rai_monitor_forget(rai_monitor_t *monitor);
 
 /**
  * Judges one epoch: `count` ranges of one instant.
  *
- * `time_s` counts seconds of any continuous time scale. A range that cannot be one is left out and counted in the verdict; the
- * others are judged. The verdict is written whenever the status is `RAI_STATUS_OK`, and only then.
+ * `time_s` counts seconds of any continuous time scale. An invalid range is left out and counted
+ * in the verdict; the others are judged. The verdict is written if, and only if, the status is
+ * `RAI_STATUS_OK`.
  *
  * # Safety
- * `monitor` is null or points to memory of that size with initialised contents, not used elsewhere during the call; `ranges` is
- * null or points to `count` ranges; `verdict` is null or points to a struct of the size that it begins with.
+ * `monitor` is null or points to memory of that size with initialised contents, not used elsewhere
+ * during the call. `ranges` is null or points to `count` ranges. `verdict` is null or points to a
+ * struct of the size that it begins with.
  */
 rai_status_t rai_monitor_judge(rai_monitor_t *monitor,
                                double time_s,
@@ -821,35 +833,38 @@ rai_status_t rai_monitor_judge(rai_monitor_t *monitor,
                                rai_verdict_t *verdict);
 
 /**
- * Bytes that a monitor takes here; at most `RAI_MONITOR_SIZE`.
+ * Returns the bytes of a monitor on this processor, at most `RAI_MONITOR_SIZE`.
  */
 size_t rai_monitor_size(void);
 
 /**
- * The alignment that a monitor needs here, bytes.
+ * Returns the alignment of a monitor on this processor, bytes.
  */
 size_t rai_monitor_align(void);
 
 /**
- * Makes a receiver that has heard nothing in memory of the caller, and says what runs and whether its arithmetic is right.
+ * Makes a receiver in memory of the caller, and writes sentences with its version and the result
+ * of the self-test.
  *
  * # Safety
- * `memory` is null or points to `length` bytes that nobody else uses during the call; `out` is null or points to a text whose
- * `bytes` point to `capacity` bytes.
+ * `memory` is null or points to `length` bytes that no other code uses during the call. `out` is
+ * null or points to a text whose `bytes` point to `capacity` bytes.
  */
 rai_status_t rai_receiver_init(rai_receiver_t *memory,
                                size_t length,
                                rai_text_t *out);
 
 /**
- * Takes bytes of the GNSS port that came at `now_ms`, milliseconds of any clock that does not go back and is within 4 %: what
- * comes later than others by more is found late.
+ * Takes bytes of the GNSS port that came at `now_ms`, milliseconds of a clock that does not go
+ * back and is accurate to 4 %. A larger clock error delays the detection of late bytes.
  *
- * `judged`, where it is not null, becomes 1 if an epoch was judged during the call, else 0. Set the pin after each call.
+ * If `judged` is not null, it becomes 1 if an epoch was judged during the call, else 0. Set the
+ * pin after each call.
  *
  * # Safety
- * `receiver` is null or points to memory of that size with initialised contents, not used elsewhere during the call; `bytes` is
- * null or points to `count` bytes; `out` as for `rai_receiver_init`; `judged` is null or points to a byte.
+ * `receiver` is null or points to memory of that size with initialised contents, not used
+ * elsewhere during the call. `bytes` is null or points to `count` bytes; `out` as for
+ * `rai_receiver_init`; `judged` is null or points to a byte.
  */
 rai_status_t rai_receiver_gnss(rai_receiver_t *receiver,
                                const uint8_t *bytes,
@@ -859,20 +874,21 @@ rai_status_t rai_receiver_gnss(rai_receiver_t *receiver,
                                uint8_t *judged);
 
 /**
- * Lets time pass: a silent line is noticed here. To be called at least ten times a second; set the pin after each call.
+ * Advances the time, which detects a silent line. Call it at least ten times a second, and set the
+ * pin after each call.
  *
  * # Safety
- * As `rai_receiver_gnss`.
+ * As for `rai_receiver_gnss`.
  */
 rai_status_t rai_receiver_tick(rai_receiver_t *receiver,
                                uint64_t now_ms,
                                rai_text_t *out);
 
 /**
- * Takes bytes of the host port: commands as sentences. Set the pin after each call.
+ * Takes bytes of the host port, which are commands as sentences. Set the pin after each call.
  *
  * # Safety
- * As `rai_receiver_gnss`.
+ * As for `rai_receiver_gnss`.
  */
 rai_status_t rai_receiver_command(rai_receiver_t *receiver,
                                   const uint8_t *bytes,
@@ -880,71 +896,79 @@ rai_status_t rai_receiver_command(rai_receiver_t *receiver,
                                   rai_text_t *out);
 
 /**
- * The level of the integrity pin: 1 while the position of the last epoch may be used; 0 in every other case, bad handles
- * included.
+ * Returns the level of the integrity pin: 1 while the position of the last epoch may be used, else
+ * 0, also for an invalid handle.
  *
  * # Safety
- * `receiver` is null or points to memory of that size with initialised contents, not used elsewhere during the call.
+ * `receiver` is null or points to memory of that size with initialised contents, not used
+ * elsewhere during the call.
  */
 uint8_t rai_receiver_pin(const rai_receiver_t *receiver);
 
 /**
- * Whether the host has asked for a restart by command: 1 if so. The caller then makes the receiver anew.
+ * Returns 1 if the host has requested a restart by command, else 0. The caller then makes the
+ * receiver again.
  *
  * # Safety
- * As `rai_receiver_pin`.
+ * As for `rai_receiver_pin`.
  */
 uint8_t rai_receiver_reset_requested(const rai_receiver_t *receiver);
 
 /**
- * What was said last: state in the low byte (`RAI_STATE_…`), reason in the next (`RAI_REASON_…`).
+ * Returns the state of the last verdict (`RAI_STATE_…`), and writes its reason (`RAI_REASON_…`) to
+ * `reason`.
  *
  * # Safety
- * As `rai_receiver_pin`.
+ * As for `rai_receiver_pin`; `reason` is null or points to a byte.
  */
 uint8_t rai_receiver_state(const rai_receiver_t *receiver, uint8_t *reason);
 
 /**
- * What was said last, whole: state and reason, and of the last epoch its position, levels and the satellites left out.
+ * Writes the last verdict: state and reason, and of the last epoch its position, levels and the
+ * satellites left out.
  *
- * Before the first epoch the state is `RAI_STATE_NONE`; after a silence no position is there. Whether the position may be used
- * now says `rai_receiver_pin`: other settings take the promise back before the next epoch. Ranges are counted by the
- * sentences; `refused_count` is 0 here.
+ * Before the first epoch the state is `RAI_STATE_NONE`; after a silence the verdict has no
+ * position. Only `rai_receiver_pin` states if the position may be used now, because changed
+ * settings drop the pin before the next epoch. The sentences count refused ranges; `refused_count`
+ * is 0 here.
  *
  * # Safety
- * As `rai_receiver_pin`; `verdict` is null or points to a struct of the size that it begins with.
+ * As for `rai_receiver_pin`; `verdict` is null or points to a struct of the size that it begins
+ * with.
  */
 rai_status_t rai_receiver_report(const rai_receiver_t *receiver,
                                  rai_verdict_t *verdict);
 
 /**
- * Bytes that a receiver takes here; at most `RAI_RECEIVER_SIZE`.
+ * Returns the bytes of a receiver on this processor, at most `RAI_RECEIVER_SIZE`.
  */
 size_t rai_receiver_size(void);
 
 /**
- * The alignment that a receiver needs here, bytes.
+ * Returns the alignment of a receiver on this processor, bytes.
  */
 size_t rai_receiver_align(void);
 
 /**
- * Fills settings with those of a phase of flight, `RAI_PHASE_…`, and the method that the module chooses at start.
+ * Fills settings with those of a phase of flight, `RAI_PHASE_…`, and the default method of the
+ * module.
  *
  * Refuses a null or misaligned pointer, an unknown `size` and an unknown phase.
  *
  * # Safety
- * `settings` is null or points to a struct whose `size` says how much of it may be written.
+ * `settings` is null or points to a struct whose `size` states how much of it may be written.
  */
 rai_status_t rai_settings_preset(rai_settings_t *settings,
                                  uint8_t phase);
 
 /**
- * A status in lower-case words, a string that lives as long as the program.
+ * Returns a status in lower-case words, a string that lives as long as the program.
  */
 const char *rai_status_text(rai_status_t status);
 
 /**
- * A reason in the word that the sentences use, a string that lives as long as the program; `?` for an unknown one.
+ * Returns the word of a reason in the sentences, a string that lives as long as the program; `?`
+ * for an unknown one.
  */
 const char *rai_reason_text(uint8_t reason);
 

@@ -1,4 +1,4 @@
-//! The C interface of RAI: whether the position of a GNSS receiver may be used, for firmware written in C.
+//! The C interface of RAI, for firmware written in C: a verdict on the position of a GNSS receiver.
 //!
 //! Two levels, each with storage that the caller allocates:
 //!
@@ -7,30 +7,32 @@
 //! | `rai_monitor_*` | corrected ranges and satellite positions of one instant | verdict, position, protection levels, satellites left out |
 //! | `rai_receiver_*` | bytes of a GNSS receiver, the time, commands | sentences, pin, verdict |
 //!
-//! The header `include/rai.h` is made from these files (`cargo xtask header`), with what stands in this documentation.
+//! `cargo xtask header` makes the header `include/rai.h` from these files, with this documentation.
 //!
 //! # Contract
 //!
-//! - **Memory.** An object lives in memory of the caller, at least `RAI_…_SIZE` bytes, aligned as `uint64_t`:
-//!   a `rai_monitor_t` or `rai_receiver_t` is just that. The library allocates nothing, keeps no globals, calls nothing back
-//!   and holds no pointer after a call has returned. An object may be copied or moved with `memcpy` between calls, and is
-//!   forgotten by forgetting its memory.
-//! - **Refusals.** Each function that can refuse returns a status; `RAI_STATUS_OK` is 0. Null and misaligned pointers, short
-//!   memory and an object that was never initialised are refused by name, and nothing has changed then. A refusal is about the
-//!   call: a fault of a satellite is a verdict.
-//! - **Growth.** What is handed in or out as a struct begins with its size, set by the caller to `sizeof`. A library that knows
-//!   more fields than the caller leaves those alone; one that knows fewer refuses with `RAI_STATUS_SIZE`. Enumerations are bytes
-//!   with constants, so that a value from a later version is only an unknown number.
-//! - **Threads.** One object, one thread at a time; different objects do not know of each other.
+//! - **Memory.** An object lives in memory of the caller, at least `RAI_…_SIZE` bytes, aligned as
+//!   `uint64_t`. A `rai_monitor_t` or `rai_receiver_t` has that size and alignment. The library
+//!   allocates nothing, keeps no globals, calls nothing back and holds no pointer after a call has
+//!   returned. An object may be copied or moved with `memcpy` between calls. It needs no end: its
+//!   memory may be reused.
+//! - **Refusals.** Each function that can refuse returns a status; `RAI_STATUS_OK` is 0. Null and
+//!   misaligned pointers, short memory and an object that was never initialised each have their own
+//!   status. A refused call has changed nothing. A refusal is about the call, whereas a fault of a
+//!   satellite is a verdict.
+//! - **Growth.** A struct that is passed in or out begins with its size, set by the caller to
+//!   `sizeof`. A library that knows more fields than the caller does not touch them; one that knows
+//!   fewer refuses with `RAI_STATUS_SIZE`. Enumerations are bytes with constants, so that a value
+//!   from a later version is only an unknown number.
+//! - **Threads.** One thread at a time may use an object. Different objects are independent.
+//! - **Stack.** The top of the header states the stack of each call. A test on the emulated chip
+//!   compares it (`tests-host/tests/all/capi_bits`).
 //!
-//! - **Stack.** What each call needs stands at the top of the header, and is held to it on the emulated chip
-//!   (`tests-host/tests/all/capi_bits`).
+//! # Features
 //!
-//! # What is built in
-//!
-//! The smallest library is one of `rai_monitor_*` alone and holds classic RAIM (the global test under every policy, the search of
-//! up to three satellites, protection levels, clock aiding) with the thresholds of the phases of flight. Features add to that;
-//! without a choice all are in.
+//! The smallest library has `rai_monitor_*` alone with classic RAIM: the global test under every
+//! policy, the search of up to three satellites, protection levels and clock aiding. It has the
+//! thresholds of the phases of flight. Features add to that; the default is all of them.
 //!
 //! | feature | adds |
 //! |---|---|
@@ -40,17 +42,18 @@
 //! | `searches` | `RAI_METHOD_SIMULTANEOUS` to `RAI_METHOD_RANSAC` |
 //! | `araim` | `RAI_METHOD_SEPARATION` |
 //! | `whole` | all of these |
-//! | `satellites-16`, `satellites-32` | room for fewer satellites than 48 |
+//! | `satellites-16`, `satellites-32` | fewer satellites than 48, in less memory |
 //!
-//! `cargo xtask bench` prints what each takes of the flash, and the memory of the objects.
+//! `cargo xtask bench` prints the flash of each feature, and the memory of the objects.
 //!
 //! # Safety
 //!
-//! This package is the only place beside the board files where `unsafe` stands, and it holds no logic: pointers are checked for
-//! what can be checked, and become references for the time of the call. What cannot be checked is the caller's to promise: that
-//! the memory behind a pointer is as long as said, and that nobody else writes to it during the call.
+//! Of the shipped code, only this package and the board files contain `unsafe`. It holds no logic:
+//! it checks pointers as far as possible, and converts them to references for the time of the call.
+//! The caller must ensure the rest: the memory behind a pointer has the stated length, and no other
+//! code writes to it during the call.
 #![cfg_attr(target_os = "none", no_std)]
-// The names are those of the header.
+// These are the names of the header.
 #![allow(non_camel_case_types)]
 
 mod monitor;
@@ -74,11 +77,13 @@ pub use status::*;
 pub use storage::*;
 pub use verdict::*;
 
-/// The version of this interface. It grows by one with every change that a program compiled against an older header would
-/// misunderstand: a field that moved, a size that grew, a constant that means something else.
+/// Version of this interface. It grows by one with every change that would break a program compiled
+/// against an older header. Such changes are a field that moved, a size that grew, and a constant
+/// with a new meaning.
 pub const RAI_ABI_VERSION: u32 = 2;
 
-/// The version of the interface that the library was compiled with; equal to `RAI_ABI_VERSION` of a matching header.
+/// Returns the version of the interface that the library was compiled with, equal to
+/// `RAI_ABI_VERSION` of a matching header.
 #[unsafe(no_mangle)]
 pub extern "C" fn rai_abi_version() -> u32 {
     RAI_ABI_VERSION

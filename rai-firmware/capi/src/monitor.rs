@@ -1,4 +1,4 @@
-//! Ranges in, verdict out.
+//! The monitor: ranges in, verdict out.
 
 use rai_core::epoch::{Epoch, Observation};
 use rai_core::frame::Ecef;
@@ -15,18 +15,20 @@ use crate::verdict::rai_verdict_t;
 
 const _: () = assert!(RAI_MAX_SATELLITES == CAPACITY);
 
-/// A monitor's memory. What is in it is the library's affair; all that counts is its size and that it is aligned.
+/// Memory of a monitor. Its contents are private to the library; only its size and alignment
+/// matter.
 #[repr(C)]
 pub struct rai_monitor_t {
-    /// Not for reading.
+    /// Private contents.
     pub opaque: [u64; RAI_MONITOR_WORDS],
 }
 
 type Stored = Object<Watch, 1>;
 
-/// A monitor with the epoch that is being judged and what a search keeps, so that neither takes stack.
+/// A monitor with the epoch under judgement and the memory of a search, so that neither takes
+/// stack.
 struct Watch {
-    /// As it was made, or was not: to take it out of the result would lay it out on the stack.
+    /// Result of the construction, because taking the monitor out of it would put it on the stack.
     made: Result<Monitor, MonitorError>,
     memory: Memory,
     epoch: Epoch<CAPACITY>,
@@ -43,7 +45,7 @@ const _: () = assert!(
     "the monitor has outgrown RAI_MONITOR_SIZE: raise it, and RAI_ABI_VERSION with it"
 );
 
-// The same for linker scripts, and for whoever reads the library without running it.
+// The same for linker scripts, and for tools that read the library without running it.
 #[cfg(target_os = "none")]
 core::arch::global_asm!(
     ".globl __rai_monitor_bytes",
@@ -51,38 +53,38 @@ core::arch::global_asm!(
     const size_of::<Stored>()
 );
 
-/// One satellite's corrected range and where the satellite was when it sent the signal.
+/// Corrected range of one satellite, with the satellite's position at transmission.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct rai_range_t {
-    /// Satellite position in the earth-fixed frame at the instant of transmission, m.
+    /// Satellite position in the earth-fixed frame at the instant of transmission, x, m.
     pub x_m: f64,
-    /// The same.
+    /// Satellite position in the earth-fixed frame at the instant of transmission, y, m.
     pub y_m: f64,
-    /// The same.
+    /// Satellite position in the earth-fixed frame at the instant of transmission, z, m.
     pub z_m: f64,
     /// Pseudorange corrected for satellite clock, relativity, group delay and atmosphere, m.
     pub range_m: f64,
     /// Standard deviation of `range_m`, m.
     pub sigma_m: f64,
-    /// The satellite's system, a letter: `RAI_SYSTEM_…`.
+    /// System of the satellite, a letter: `RAI_SYSTEM_…`.
     pub system: u8,
-    /// Its number within the system, 1 to 99.
+    /// Number of the satellite within the system, 1 to 99.
     pub number: u8,
-    /// For later use; 0.
+    /// Reserved for later use; must be 0.
     pub reserved: [u8; 6],
 }
 
 const _: () = assert!(size_of::<rai_range_t>() == 48, "a field came or moved: raise RAI_ABI_VERSION");
 
-/// Makes a monitor that knows no position yet in memory of the caller.
+/// Makes a monitor without a position in memory of the caller.
 ///
-/// Refuses null and misaligned pointers, less than `rai_monitor_size()` bytes, and settings by what is wrong with them; memory that
-/// held a monitor holds it still then.
+/// Refuses null and misaligned pointers, less than `rai_monitor_size()` bytes, and settings out of
+/// their range. A refusal leaves a monitor that was in the memory as it is.
 ///
 /// # Safety
-/// `memory` is null or points to `length` bytes that nobody else uses during the call; `settings` is null or points to a struct
-/// of the size that it begins with.
+/// `memory` is null or points to `length` bytes that no other code uses during the call. `settings`
+/// is null or points to a struct of the size that it begins with.
 #[allow(unsafe_code)]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rai_monitor_init(
@@ -90,7 +92,7 @@ pub unsafe extern "C" fn rai_monitor_init(
     length: usize,
     settings: *const rai_settings_t,
 ) -> rai_status_t {
-    // SAFETY: as promised by the caller.
+    // SAFETY: guaranteed by the caller.
     let (room, settings) =
         unsafe { (Stored::room(memory.cast(), length), take(settings, rai_settings_t::at_start())) };
     status_of(room.and_then(|room| {
@@ -110,42 +112,43 @@ pub unsafe extern "C" fn rai_monitor_init(
     }))
 }
 
-/// Replaces the settings; what is remembered stays. Refused settings change nothing.
+/// Replaces the settings and keeps the state. Refused settings change nothing.
 ///
 /// # Safety
-/// `monitor` is null or points to memory of that size with initialised contents, not used elsewhere during the call; `settings`
-/// is null or points to a struct of the size that it begins with.
+/// `monitor` is null or points to memory of that size with initialised contents, not used elsewhere
+/// during the call. `settings` is null or points to a struct of the size that it begins with.
 #[allow(unsafe_code)]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rai_monitor_configure(
     monitor: *mut rai_monitor_t,
     settings: *const rai_settings_t,
 ) -> rai_status_t {
-    // SAFETY: as promised by the caller.
+    // SAFETY: guaranteed by the caller.
     let watch = unsafe { Stored::at(monitor.cast()) };
-    // SAFETY: as promised by the caller.
+    // SAFETY: guaranteed by the caller.
     let settings = unsafe { take(settings, rai_settings_t::at_start()) };
     status_of(watch.and_then(|watch| configure(watch.monitor()?, &settings?)))
 }
 
-// Not inlined, as what checks the settings.
+// Not inlined, like the check of the settings.
 #[inline(never)]
 fn configure(monitor: &mut Monitor, settings: &rai_settings_t) -> Result<(), rai_status_t> {
-    // All is read before anything is changed.
+    // All settings are read before any is changed.
     let (strategy, continuity) = (settings.strategy()?, settings.continuity()?);
     monitor.require(settings.requirements()?).map_err(refusal_of)?;
     monitor.set_strategy(strategy);
     monitor.set_continuity(continuity).map_err(|_| RAI_STATUS_SETTING)
 }
 
-/// The last position counts for nothing: the next may be anywhere.
+/// Forgets the last position, so that the next may be anywhere.
 ///
 /// # Safety
-/// `monitor` is null or points to memory of that size with initialised contents, not used elsewhere during the call.
+/// `monitor` is null or points to memory of that size with initialised contents, not used elsewhere
+/// during the call.
 #[allow(unsafe_code)]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rai_monitor_forget(monitor: *mut rai_monitor_t) -> rai_status_t {
-    // SAFETY: as promised by the caller.
+    // SAFETY: guaranteed by the caller.
     status_of(unsafe { Stored::at(monitor.cast()) }.and_then(|watch| {
         watch.monitor()?.forget_position();
         Ok(())
@@ -154,12 +157,14 @@ pub unsafe extern "C" fn rai_monitor_forget(monitor: *mut rai_monitor_t) -> rai_
 
 /// Judges one epoch: `count` ranges of one instant.
 ///
-/// `time_s` counts seconds of any continuous time scale. A range that cannot be one is left out and counted in the verdict; the
-/// others are judged. The verdict is written whenever the status is `RAI_STATUS_OK`, and only then.
+/// `time_s` counts seconds of any continuous time scale. An invalid range is left out and counted
+/// in the verdict; the others are judged. The verdict is written if, and only if, the status is
+/// `RAI_STATUS_OK`.
 ///
 /// # Safety
-/// `monitor` is null or points to memory of that size with initialised contents, not used elsewhere during the call; `ranges` is
-/// null or points to `count` ranges; `verdict` is null or points to a struct of the size that it begins with.
+/// `monitor` is null or points to memory of that size with initialised contents, not used elsewhere
+/// during the call. `ranges` is null or points to `count` ranges. `verdict` is null or points to a
+/// struct of the size that it begins with.
 #[allow(unsafe_code)]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rai_monitor_judge(
@@ -169,7 +174,7 @@ pub unsafe extern "C" fn rai_monitor_judge(
     count: usize,
     verdict: *mut rai_verdict_t,
 ) -> rai_status_t {
-    // SAFETY: as promised by the caller.
+    // SAFETY: guaranteed by the caller.
     let arguments = unsafe { (Stored::at(monitor.cast()), slice(ranges, count), can_give(verdict)) };
     let (watch, ranges) = match arguments {
         (Ok(watch), Ok(ranges), Ok(())) => (watch, ranges),
@@ -179,7 +184,7 @@ pub unsafe extern "C" fn rai_monitor_judge(
         return RAI_STATUS_TIME;
     }
     status_of(judge(watch, time_s, ranges).and_then(|judged| {
-        // SAFETY: as promised by the caller.
+        // SAFETY: guaranteed by the caller.
         unsafe { give(verdict, &judged) }
     }))
 }
@@ -209,13 +214,13 @@ fn add(epoch: &mut Epoch<CAPACITY>, range: &rai_range_t) -> Result<(), rai_statu
     epoch.push(observation).map_err(of_refused_range)
 }
 
-/// Bytes that a monitor takes here; at most `RAI_MONITOR_SIZE`.
+/// Returns the bytes of a monitor on this processor, at most `RAI_MONITOR_SIZE`.
 #[unsafe(no_mangle)]
 pub extern "C" fn rai_monitor_size() -> usize {
     size_of::<Stored>()
 }
 
-/// The alignment that a monitor needs here, bytes.
+/// Returns the alignment of a monitor on this processor, bytes.
 #[unsafe(no_mangle)]
 pub extern "C" fn rai_monitor_align() -> usize {
     align_of::<Stored>()

@@ -1,7 +1,8 @@
-//! Where a panic would end. None is reachable (the linker proves it), but a program without an operating system needs a handler.
+//! The panic handler. No panic is reachable (the linker proves it), but a program without an
+//! operating system needs a handler.
 //!
-//! The handler calls `rai_panic`, which the library defines weakly as an endless loop: a C program that defines a function of
-//! that name gets its own instead, and decides there how to fail safe.
+//! The handler calls `rai_panic`, which the library defines weakly as an endless loop. A C program
+//! may define a function of that name, which then decides how to fail safe.
 
 use core::panic::PanicInfo;
 
@@ -25,7 +26,7 @@ core::arch::global_asm!(
 );
 
 #[allow(unsafe_code)]
-// SAFETY: it takes nothing, touches nothing of this library's and does not return.
+// SAFETY: the function takes nothing, touches no memory of this library and does not return.
 unsafe extern "C" {
     safe fn rai_panic() -> !;
 }

@@ -1,7 +1,7 @@
 //! From a caller's pointer to a reference, for the time of one call.
 //!
-//! What can be checked is checked here and nowhere else: null, alignment, length, and whether an object was made at all. An
-//! [`Object`] begins with a mark that only its making writes, last.
+//! All checks of pointers are here: null, alignment, length, and whether the memory holds an
+//! object. An [`Object`] begins with a mark, which only its construction writes, last.
 
 use core::mem::MaybeUninit;
 
@@ -11,12 +11,12 @@ use crate::status::{
     rai_status_t,
 };
 
-/// Says that memory holds an object: "RAI", the kind, and the version of the interface.
+/// Returns the mark of an object: "RAI", the kind, and the version of the interface.
 const fn mark(kind: u8) -> u64 {
     0x5241_4900_0000_0000 | (kind as u64) << 32 | RAI_ABI_VERSION as u64
 }
 
-/// What a caller's memory holds once an object has been made there.
+/// Contents of a caller's memory after an object has been made there.
 #[repr(C)]
 pub(crate) struct Object<V, const KIND: u8> {
     mark: u64,
@@ -24,10 +24,10 @@ pub(crate) struct Object<V, const KIND: u8> {
 }
 
 impl<V, const KIND: u8> Object<V, KIND> {
-    /// Room for an object in a caller's memory.
+    /// Returns room for an object in a caller's memory.
     ///
     /// # Safety
-    /// `memory` is null or points to `length` bytes that nobody else uses while the room is.
+    /// `memory` is null or points to `length` bytes that no other code uses while the room exists.
     #[allow(unsafe_code)]
     pub(crate) unsafe fn room<'a>(memory: *mut u8, length: usize) -> Result<Room<'a, V, KIND>, rai_status_t> {
         let object = memory.cast::<MaybeUninit<Self>>();
@@ -40,15 +40,17 @@ impl<V, const KIND: u8> Object<V, KIND> {
         if length < size_of::<Self>() {
             return Err(RAI_STATUS_SHORT);
         }
-        // SAFETY: not null, aligned, long enough, for this call nobody else's, and not said to hold anything.
+        // SAFETY: not null, aligned, long enough, not shared during this call, and of unspecified
+        // contents.
         Ok(Room(unsafe { &mut *object }))
     }
 
-    /// The object that a handle points to.
+    /// Returns the object behind a handle.
     ///
     /// # Safety
-    /// `handle` is null or points to memory in which [`Room::fill`] may have put an object, and which nobody else uses during
-    /// the call; where it made none, the first eight bytes are initialised.
+    /// `handle` is null or points to memory in which [`Room::fill`] may have put an object, and
+    /// which no other code uses during the call. If the memory holds none, its first eight bytes
+    /// are initialised.
     #[allow(unsafe_code)]
     pub(crate) unsafe fn at<'a>(handle: *mut u8) -> Result<&'a mut V, rai_status_t> {
         let object = handle.cast::<Self>();
@@ -62,7 +64,8 @@ impl<V, const KIND: u8> Object<V, KIND> {
         if unsafe { object.cast::<u64>().read() } != mark(KIND) {
             return Err(RAI_STATUS_NOT_INITIALISED);
         }
-        // SAFETY: the mark is written with the whole object, and its memory is only ours during the call.
+        // SAFETY: the mark is written with the whole object, and its memory is not shared during
+        // the call.
         Ok(unsafe { &mut (*object).value })
     }
 }
@@ -71,11 +74,11 @@ impl<V, const KIND: u8> Object<V, KIND> {
 pub(crate) struct Room<'a, V, const KIND: u8>(&'a mut MaybeUninit<Object<V, KIND>>);
 
 impl<V, const KIND: u8> Room<'_, V, KIND> {
-    /// Makes an object there: `make` writes it part by part, so that the whole is not laid out on the stack first. Where `finish`
-    /// refuses it, none has been made.
+    /// Makes an object in place. `make` writes it part by part, so that the whole is not on the
+    /// stack first. If `finish` refuses it, no object has been made.
     ///
     /// # Safety
-    /// `make` writes every field of the value that it is given the place of.
+    /// `make` writes every field of the value whose place it is given.
     #[allow(unsafe_code)]
     pub(crate) unsafe fn fill(
         self,
@@ -83,7 +86,8 @@ impl<V, const KIND: u8> Room<'_, V, KIND> {
         finish: impl FnOnce(&mut V) -> Result<(), rai_status_t>,
     ) -> Result<(), rai_status_t> {
         let object = self.0.as_mut_ptr();
-        // SAFETY: both fields are inside the room, which is aligned and only ours; the value is written before it is referred to.
+        // SAFETY: both fields are inside the room, which is aligned and not shared; the value is
+        // written before a reference to it exists.
         unsafe {
             (&raw mut (*object).mark).write(0);
             let value = &raw mut (*object).value;
@@ -98,14 +102,15 @@ impl<V, const KIND: u8> Room<'_, V, KIND> {
 /// A struct of the interface that begins with its size.
 ///
 /// # Safety
-/// `repr(C)`, its first field is a `u32` with the size that the caller knows, and every pattern of bits is a value of it.
+/// `repr(C)`, its first field is a `u32` with the size that the caller knows, and every pattern of
+/// bits is a value of it.
 #[allow(unsafe_code)]
 pub(crate) unsafe trait Versioned: Copy {
-    /// The size of its first version, below which there is none.
+    /// Size of its first version, the smallest valid one.
     const FIRST_SIZE: usize;
 }
 
-/// Checks a pointer to a struct that begins with its size, and gives that size.
+/// Checks a pointer to a struct that begins with its size, and returns that size.
 ///
 /// # Safety
 /// `pointer` is null or points to a struct whose first field is initialised.
@@ -122,34 +127,36 @@ unsafe fn size_at<S: Versioned>(pointer: *const S) -> Result<usize, rai_status_t
     if size < S::FIRST_SIZE { Err(RAI_STATUS_SIZE) } else { Ok(size) }
 }
 
-/// Takes a struct in; what the caller does not know of it keeps the value it has in `known`.
+/// Reads a struct; fields that the caller does not know keep their value in `known`.
 ///
 /// # Safety
-/// `pointer` is null or points to as many initialised bytes as the struct's first field says.
+/// `pointer` is null or points to as many initialised bytes as the struct's first field states.
 #[allow(unsafe_code)]
 pub(crate) unsafe fn take<S: Versioned>(pointer: *const S, mut known: S) -> Result<S, rai_status_t> {
-    // SAFETY: as promised by the caller.
+    // SAFETY: guaranteed by the caller.
     let size = unsafe { size_at(pointer) }?;
     if size > size_of::<S>() {
-        // Settings of a later version would be ignored in silence.
+        // Settings of a later version would be ignored silently.
         return Err(RAI_STATUS_SIZE);
     }
-    // SAFETY: both are at least `size` bytes long and do not overlap; every pattern of bits is a value.
+    // SAFETY: both are at least `size` bytes long and do not overlap; every pattern of bits is a
+    // value.
     unsafe { core::ptr::copy_nonoverlapping(pointer.cast::<u8>(), (&raw mut known).cast::<u8>(), size) };
     Ok(known)
 }
 
-/// Gives a struct out, as much of it as the caller knows; its size stays what the caller wrote.
+/// Writes a struct, as far as the caller knows it; its size stays as the caller wrote it.
 ///
 /// # Safety
-/// `pointer` is null or points to a struct whose first field is initialised and says how many bytes may be written.
+/// `pointer` is null or points to a struct whose first field is initialised and states how many
+/// bytes may be written.
 #[allow(unsafe_code)]
 pub(crate) unsafe fn give<S: Versioned>(pointer: *mut S, value: &S) -> Result<(), rai_status_t> {
-    // SAFETY: as promised by the caller.
+    // SAFETY: guaranteed by the caller.
     let size = unsafe { size_at(pointer) }?;
     let skip = size_of::<u32>();
     let length = size.min(size_of::<S>()) - skip;
-    // SAFETY: behind the size both have `length` bytes, and do not overlap.
+    // SAFETY: after the size both have `length` bytes, and do not overlap.
     unsafe {
         core::ptr::copy_nonoverlapping(
             core::ptr::from_ref(value).cast::<u8>().add(skip),
@@ -160,20 +167,21 @@ pub(crate) unsafe fn give<S: Versioned>(pointer: *mut S, value: &S) -> Result<()
     Ok(())
 }
 
-/// Checks, before any work, that a struct can be given out later.
+/// Checks, before any work, that a struct can be written later.
 ///
 /// # Safety
-/// As [`give`].
+/// As for [`give`].
 #[allow(unsafe_code)]
 pub(crate) unsafe fn can_give<S: Versioned>(pointer: *mut S) -> Result<(), rai_status_t> {
-    // SAFETY: as promised by the caller.
+    // SAFETY: guaranteed by the caller.
     unsafe { size_at(pointer.cast_const()) }.map(drop)
 }
 
-/// A caller's array; null is allowed where it has no elements.
+/// Returns a caller's array; null is allowed for one without elements.
 ///
 /// # Safety
-/// `pointer` is null or points to `count` initialised elements that nobody writes to during the call.
+/// `pointer` is null or points to `count` initialised elements that no other code writes to during
+/// the call.
 #[allow(unsafe_code)]
 pub(crate) unsafe fn slice<'a, E>(pointer: *const E, count: usize) -> Result<&'a [E], rai_status_t> {
     if count == 0 {
@@ -188,11 +196,12 @@ pub(crate) unsafe fn slice<'a, E>(pointer: *const E, count: usize) -> Result<&'a
     if count > isize::MAX as usize / size_of::<E>().max(1) {
         return Err(crate::status::RAI_STATUS_COUNT);
     }
-    // SAFETY: not null, aligned, no longer than memory can be, and initialised as promised by the caller.
+    // SAFETY: not null, aligned, no longer than memory can be, and initialised, as guaranteed by
+    // the caller.
     Ok(unsafe { core::slice::from_raw_parts(pointer, count) })
 }
 
-/// `Ok` as a status.
+/// Converts a result to a status.
 pub(crate) fn status_of(result: Result<(), rai_status_t>) -> rai_status_t {
     result.err().unwrap_or(crate::status::RAI_STATUS_OK)
 }

@@ -1,4 +1,4 @@
-//! Bytes of a GNSS receiver in, sentences and pin out: the whole module.
+//! The receiver: bytes of a GNSS receiver in, sentences and pin out.
 
 use core::mem::MaybeUninit;
 
@@ -16,32 +16,33 @@ use crate::storage::{RAI_RECEIVER_SIZE, RAI_RECEIVER_WORDS};
 use crate::text::Lines;
 use crate::verdict::{RAI_REASON_NONE, RAI_STATE_NONE, rai_verdict_t, reason_of, state_of};
 
-/// A receiver's memory. What is in it is the library's affair; all that counts is its size and that it is aligned.
+/// Memory of a receiver. Its contents are private to the library; only its size and alignment
+/// matter.
 #[repr(C)]
 pub struct rai_receiver_t {
-    /// Not for reading.
+    /// Private contents.
     pub opaque: [u64; RAI_RECEIVER_WORDS],
 }
 
-/// A receiver as it was made, or was not: to take it out of the result would lay it out on the stack.
+/// Result of the construction, because taking the receiver out of it would put it on the stack.
 type Made = Result<Receiver<Level>, MonitorError>;
 
 type Stored = Object<Made, 2>;
 
-/// Makes a receiver where it is to stay: behind a reference that is the only one, it need not be on the stack first.
+/// Makes a receiver in place, behind an exclusive reference, so that it is not on the stack first.
 #[inline(never)]
 fn make(place: &mut MaybeUninit<Made>) {
     let boot = Boot { clock_error_ppm: Boot::WITHOUT_CRYSTAL_PPM, ..Boot::on_host("library") };
     place.write(Receiver::new(Level { is_high: false }, boot));
 }
 
-/// The receiver that a handle points to.
+/// Returns the receiver behind a handle.
 ///
 /// # Safety
-/// As `Stored::at`.
+/// As for `Stored::at`.
 #[allow(unsafe_code)]
 unsafe fn at<'a>(handle: *const rai_receiver_t) -> Result<&'a mut Receiver<Level>, rai_status_t> {
-    // SAFETY: as promised by the caller.
+    // SAFETY: guaranteed by the caller.
     unsafe { Stored::at(handle.cast_mut().cast()) }?.as_mut().map_err(|&mut error| refusal_of(error))
 }
 
@@ -50,7 +51,7 @@ const _: () = assert!(
     "the receiver has outgrown RAI_RECEIVER_SIZE: raise it, and RAI_ABI_VERSION with it"
 );
 
-// The same for linker scripts, and for whoever reads the library without running it.
+// The same for linker scripts, and for tools that read the library without running it.
 #[cfg(target_os = "none")]
 core::arch::global_asm!(
     ".globl __rai_receiver_bytes",
@@ -58,10 +59,11 @@ core::arch::global_asm!(
     const size_of::<Stored>()
 );
 
-/// Where a caller's clock ends, ms: sums with what is later by days do not overflow. It is 292 million years.
+/// Largest time of a caller's clock, ms, 292 million years, so that sums with times later by days
+/// do not overflow.
 const LAST_MS: u64 = u64::MAX / 2;
 
-/// The level of a pin that the caller drives.
+/// Level of a pin that the caller drives.
 #[derive(Debug)]
 struct Level {
     is_high: bool,
@@ -83,25 +85,27 @@ impl OutputPin for Level {
     }
 }
 
-/// Where a call writes sentences: memory of the caller, and how much of it is used.
+/// Memory of the caller for sentences, with the number of bytes used.
 #[repr(C)]
 #[derive(Debug)]
 pub struct rai_text_t {
-    /// Room for sentences.
+    /// Memory for sentences.
     pub bytes: *mut u8,
-    /// How much room, bytes; 2,048 hold the sentences of any epoch.
+    /// Length of the memory, bytes; 2,048 hold the sentences of any epoch.
     pub capacity: usize,
-    /// How much of it is used. A call adds behind what is there; the caller sets it to 0 once it has sent the text on.
+    /// Bytes used. A call appends to them; the caller sets it to 0 after sending the text.
     pub length: usize,
-    /// Sentences that found no room since the caller last set it to 0. A sentence is written whole or not at all.
+    /// Number of sentences without room since the caller last set it to 0. A sentence is written
+    /// whole or not at all.
     pub lost: usize,
 }
 
-/// Makes a receiver that has heard nothing in memory of the caller, and says what runs and whether its arithmetic is right.
+/// Makes a receiver in memory of the caller, and writes sentences with its version and the result
+/// of the self-test.
 ///
 /// # Safety
-/// `memory` is null or points to `length` bytes that nobody else uses during the call; `out` is null or points to a text whose
-/// `bytes` point to `capacity` bytes.
+/// `memory` is null or points to `length` bytes that no other code uses during the call. `out` is
+/// null or points to a text whose `bytes` point to `capacity` bytes.
 #[allow(unsafe_code)]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rai_receiver_init(
@@ -109,10 +113,10 @@ pub unsafe extern "C" fn rai_receiver_init(
     length: usize,
     out: *mut rai_text_t,
 ) -> rai_status_t {
-    // SAFETY: as promised by the caller.
+    // SAFETY: guaranteed by the caller.
     let lines = unsafe { Lines::at(out) };
     let placed = lines.and_then(|mut lines| {
-        // SAFETY: as promised by the caller; all of the result is written.
+        // SAFETY: guaranteed by the caller; all of the result is written.
         unsafe {
             Stored::room(memory.cast(), length)?.fill(
                 |place: *mut Made| make(&mut *place.cast()),
@@ -126,14 +130,16 @@ pub unsafe extern "C" fn rai_receiver_init(
     status_of(placed)
 }
 
-/// Takes bytes of the GNSS port that came at `now_ms`, milliseconds of any clock that does not go back and is within 4 %: what
-/// comes later than others by more is found late.
+/// Takes bytes of the GNSS port that came at `now_ms`, milliseconds of a clock that does not go
+/// back and is accurate to 4 %. A larger clock error delays the detection of late bytes.
 ///
-/// `judged`, where it is not null, becomes 1 if an epoch was judged during the call, else 0. Set the pin after each call.
+/// If `judged` is not null, it becomes 1 if an epoch was judged during the call, else 0. Set the
+/// pin after each call.
 ///
 /// # Safety
-/// `receiver` is null or points to memory of that size with initialised contents, not used elsewhere during the call; `bytes` is
-/// null or points to `count` bytes; `out` as for `rai_receiver_init`; `judged` is null or points to a byte.
+/// `receiver` is null or points to memory of that size with initialised contents, not used
+/// elsewhere during the call. `bytes` is null or points to `count` bytes; `out` as for
+/// `rai_receiver_init`; `judged` is null or points to a byte.
 #[allow(unsafe_code)]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rai_receiver_gnss(
@@ -144,20 +150,21 @@ pub unsafe extern "C" fn rai_receiver_gnss(
     out: *mut rai_text_t,
     judged: *mut u8,
 ) -> rai_status_t {
-    // SAFETY: as promised by the caller.
+    // SAFETY: guaranteed by the caller.
     let (receiver, bytes, lines) = unsafe { (at(receiver), slice(bytes, count), Lines::at(out)) };
     let taken = receiver.and_then(|receiver| Ok(receiver.gnss(bytes?, now_ms.min(LAST_MS), &mut lines?)));
-    // SAFETY: as promised by the caller.
+    // SAFETY: guaranteed by the caller.
     if let Some(judged) = unsafe { judged.as_mut() } {
         *judged = taken.unwrap_or(false).into();
     }
     status_of(taken.map(drop))
 }
 
-/// Lets time pass: a silent line is noticed here. To be called at least ten times a second; set the pin after each call.
+/// Advances the time, which detects a silent line. Call it at least ten times a second, and set the
+/// pin after each call.
 ///
 /// # Safety
-/// As `rai_receiver_gnss`.
+/// As for `rai_receiver_gnss`.
 #[allow(unsafe_code)]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rai_receiver_tick(
@@ -165,7 +172,7 @@ pub unsafe extern "C" fn rai_receiver_tick(
     now_ms: u64,
     out: *mut rai_text_t,
 ) -> rai_status_t {
-    // SAFETY: as promised by the caller.
+    // SAFETY: guaranteed by the caller.
     let (receiver, lines) = unsafe { (at(receiver), Lines::at(out)) };
     status_of(receiver.and_then(|receiver| {
         receiver.tick(now_ms.min(LAST_MS), &mut lines?);
@@ -173,10 +180,10 @@ pub unsafe extern "C" fn rai_receiver_tick(
     }))
 }
 
-/// Takes bytes of the host port: commands as sentences. Set the pin after each call.
+/// Takes bytes of the host port, which are commands as sentences. Set the pin after each call.
 ///
 /// # Safety
-/// As `rai_receiver_gnss`.
+/// As for `rai_receiver_gnss`.
 #[allow(unsafe_code)]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rai_receiver_command(
@@ -185,7 +192,7 @@ pub unsafe extern "C" fn rai_receiver_command(
     count: usize,
     out: *mut rai_text_t,
 ) -> rai_status_t {
-    // SAFETY: as promised by the caller.
+    // SAFETY: guaranteed by the caller.
     let (receiver, bytes, lines) = unsafe { (at(receiver), slice(bytes, count), Lines::at(out)) };
     status_of(receiver.and_then(|receiver| {
         receiver.command(bytes?, &mut lines?);
@@ -193,62 +200,68 @@ pub unsafe extern "C" fn rai_receiver_command(
     }))
 }
 
-/// The level of the integrity pin: 1 while the position of the last epoch may be used; 0 in every other case, bad handles
-/// included.
+/// Returns the level of the integrity pin: 1 while the position of the last epoch may be used, else
+/// 0, also for an invalid handle.
 ///
 /// # Safety
-/// `receiver` is null or points to memory of that size with initialised contents, not used elsewhere during the call.
+/// `receiver` is null or points to memory of that size with initialised contents, not used
+/// elsewhere during the call.
 #[allow(unsafe_code)]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rai_receiver_pin(receiver: *const rai_receiver_t) -> u8 {
-    // SAFETY: as promised by the caller.
+    // SAFETY: guaranteed by the caller.
     unsafe { at(receiver) }.is_ok_and(|receiver| receiver.pin().is_high).into()
 }
 
-/// Whether the host has asked for a restart by command: 1 if so. The caller then makes the receiver anew.
+/// Returns 1 if the host has requested a restart by command, else 0. The caller then makes the
+/// receiver again.
 ///
 /// # Safety
-/// As `rai_receiver_pin`.
+/// As for `rai_receiver_pin`.
 #[allow(unsafe_code)]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rai_receiver_reset_requested(receiver: *const rai_receiver_t) -> u8 {
-    // SAFETY: as promised by the caller.
+    // SAFETY: guaranteed by the caller.
     unsafe { at(receiver) }.is_ok_and(|receiver| receiver.reset_requested()).into()
 }
 
-/// What was said last: state in the low byte (`RAI_STATE_…`), reason in the next (`RAI_REASON_…`).
+/// Returns the state of the last verdict (`RAI_STATE_…`), and writes its reason (`RAI_REASON_…`) to
+/// `reason`.
 ///
 /// # Safety
-/// As `rai_receiver_pin`.
+/// As for `rai_receiver_pin`; `reason` is null or points to a byte.
 #[allow(unsafe_code)]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rai_receiver_state(receiver: *const rai_receiver_t, reason: *mut u8) -> u8 {
-    // SAFETY: as promised by the caller.
+    // SAFETY: guaranteed by the caller.
     let verdict = unsafe { at(receiver) }.ok().and_then(|receiver| receiver.last_verdict());
-    // SAFETY: as promised by the caller.
+    // SAFETY: guaranteed by the caller.
     if let Some(reason) = unsafe { reason.as_mut() } {
         *reason = verdict.map_or(RAI_REASON_NONE, reason_of);
     }
     verdict.map_or(RAI_STATE_NONE, state_of)
 }
 
-/// What was said last, whole: state and reason, and of the last epoch its position, levels and the satellites left out.
+/// Writes the last verdict: state and reason, and of the last epoch its position, levels and the
+/// satellites left out.
 ///
-/// Before the first epoch the state is `RAI_STATE_NONE`; after a silence no position is there. Whether the position may be used
-/// now says `rai_receiver_pin`: other settings take the promise back before the next epoch. Ranges are counted by the
-/// sentences; `refused_count` is 0 here.
+/// Before the first epoch the state is `RAI_STATE_NONE`; after a silence the verdict has no
+/// position. Only `rai_receiver_pin` states if the position may be used now, because changed
+/// settings drop the pin before the next epoch. The sentences count refused ranges; `refused_count`
+/// is 0 here.
 ///
 /// # Safety
-/// As `rai_receiver_pin`; `verdict` is null or points to a struct of the size that it begins with.
+/// As for `rai_receiver_pin`; `verdict` is null or points to a struct of the size that it begins
+/// with.
 #[allow(unsafe_code)]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rai_receiver_report(
     receiver: *const rai_receiver_t,
     verdict: *mut rai_verdict_t,
 ) -> rai_status_t {
-    // SAFETY: as promised by the caller.
+    // SAFETY: guaranteed by the caller.
     let receiver = unsafe { at(receiver) };
-    // SAFETY: as promised by the caller.
+    // SAFETY: guaranteed by the caller.
     status_of(receiver.and_then(|receiver| unsafe { give(verdict, &said_last(receiver)) }))
 }
 
@@ -260,13 +273,13 @@ fn said_last(receiver: &Receiver<Level>) -> rai_verdict_t {
     }
 }
 
-/// Bytes that a receiver takes here; at most `RAI_RECEIVER_SIZE`.
+/// Returns the bytes of a receiver on this processor, at most `RAI_RECEIVER_SIZE`.
 #[unsafe(no_mangle)]
 pub extern "C" fn rai_receiver_size() -> usize {
     size_of::<Stored>()
 }
 
-/// The alignment that a receiver needs here, bytes.
+/// Returns the alignment of a receiver on this processor, bytes.
 #[unsafe(no_mangle)]
 pub extern "C" fn rai_receiver_align() -> usize {
     align_of::<Stored>()

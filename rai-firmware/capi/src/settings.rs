@@ -1,4 +1,4 @@
-//! What is asked of a position, and how it is watched over.
+//! Requirements on a position, and the strategy that monitors it.
 
 use rai_core::allocation::Allocation;
 use rai_core::continuity::{ContinuityError, ContinuitySettings, Recovery};
@@ -25,37 +25,40 @@ pub const RAI_PHASE_NPA: u8 = 2;
 /// Localiser performance with vertical guidance: HAL 40 m, VAL 35 m.
 pub const RAI_PHASE_LPV200: u8 = 3;
 
-/// The threshold of the global test follows from the probability of false alarm.
+/// Policy: the threshold of the global test follows from the probability of false alarm.
 pub const RAI_POLICY_T1: u8 = 0;
-/// It follows from the probability of missed detection.
+/// Policy: the threshold of the global test follows from the probability of missed detection.
 pub const RAI_POLICY_T2: u8 = 1;
-/// Least cost of both errors.
+/// Policy: the threshold of the global test has the least cost of both errors.
 pub const RAI_POLICY_TOP: u8 = 2;
 
-/// Every group of satellites where their number allows, else the largest w-test.
+/// Method: every group of satellites if their number allows, else the largest w-test.
 pub const RAI_METHOD_AUTO: u8 = 0;
-/// The largest w-test, again and again.
+/// Method: the largest w-test, repeatedly.
 pub const RAI_METHOD_BAARDA: u8 = 1;
-/// In parity space, all satellites at once. This one and those up to RANSAC need the library's feature `searches`.
+/// Method in parity space, all satellites at once. This one and those up to RANSAC need the
+/// library's feature `searches`.
 pub const RAI_METHOD_SIMULTANEOUS: u8 = 2;
-/// In parity space, one satellite after the other.
+/// Method in parity space, one satellite after the other.
 pub const RAI_METHOD_SEQUENTIAL: u8 = 3;
-/// In parity space, first the one, then the other.
+/// Method in parity space, the simultaneous search, else the sequential one.
 pub const RAI_METHOD_HYBRID: u8 = 4;
-/// In parity space, every group of satellites.
+/// Method in parity space, every group of satellites.
 pub const RAI_METHOD_GROUPING: u8 = 5;
-/// By consensus of disjoint subsets.
+/// Method: consensus of disjoint subsets.
 pub const RAI_METHOD_RANSAC: u8 = 6;
-/// By solutions with and without every plausible set of satellites: ARAIM, with the probabilities of faults that the ICAO's
-/// standards assume. Needs the library's feature `araim`.
+/// Method: ARAIM, which compares solutions with and without every plausible set of satellites. It
+/// takes the probabilities of faults from the ICAO's standards, and needs the library's feature
+/// `araim`.
 pub const RAI_METHOD_SEPARATION: u8 = 7;
 
-/// Protection levels bound the error of a position that is called good: fault and noise together.
+/// Protection levels bound the error of a protected position, fault and noise together.
 pub const RAI_LEVELS_BOUND: u8 = 0;
 /// Protection levels are the mean error under the worst missed fault, as in the papers.
 pub const RAI_LEVELS_SLOPE: u8 = 1;
 
-/// What is asked of a position, and how it is watched over. Fill it with `rai_settings_preset`, then change what is to differ.
+/// Requirements on a position, and the strategy that monitors it. Fill it with
+/// `rai_settings_preset`, then change single fields.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct rai_settings_t {
@@ -63,36 +66,38 @@ pub struct rai_settings_t {
     pub size: u32,
     /// Threshold of the global test, `RAI_POLICY_…`.
     pub policy: u8,
-    /// How faulty satellites are found, `RAI_METHOD_…`.
+    /// Method that finds faulty satellites, `RAI_METHOD_…`.
     pub method: u8,
-    /// Not 0: a forecast of the receiver clock takes a row beside the satellites.
+    /// Clock aiding: if not 0, a forecast of the receiver clock takes a row beside the satellites.
     pub clock_aid: u8,
-    /// What a protection level bounds, `RAI_LEVELS_…`.
+    /// Kind of protection levels, `RAI_LEVELS_…`.
     pub levels: u8,
     /// Horizontal alert limit, m.
     pub hal_m: f64,
-    /// Vertical alert limit, m; 0 where only the horizontal position matters.
+    /// Vertical alert limit, m; 0 if only the horizontal position matters.
     pub val_m: f64,
-    /// Probability of a false alarm per epoch; one of the committed tables.
+    /// Probability of a false alarm per epoch, from the committed tables.
     pub false_alarm: f64,
-    /// Probability that a fault which matters is missed; one of the committed tables.
+    /// Probability of missing a significant fault, from the committed tables.
     pub missed_detection: f64,
-    /// Highest speed of the receiver, m/s: a position farther from the last one is an alert, `RAI_REASON_JUMP`.
+    /// Highest speed of the receiver, m/s: a position farther from the last one is an alert,
+    /// `RAI_REASON_JUMP`.
     pub max_speed_m_s: f64,
     /// Least height above the ellipsoid, m.
     pub min_height_m: f64,
     /// Greatest height above the ellipsoid, m.
     pub max_height_m: f64,
-    /// For how long satellites must agree after an alert, s.
+    /// Time for which satellites must agree after an alert, s.
     pub recovery_s: f64,
-    /// For how many epochs they must.
+    /// Number of epochs for which satellites must agree after an alert.
     pub recovery_epochs: u16,
-    /// For later use; 0.
+    /// Reserved for later use; must be 0.
     pub reserved: [u8; 6],
 }
 
 #[allow(unsafe_code)]
-// SAFETY: `repr(C)`, its size first, and integers and doubles, of which every pattern of bits is a value.
+// SAFETY: `repr(C)`, its size first, and integers and doubles, of which every pattern of bits is a
+// value.
 unsafe impl Versioned for rai_settings_t {
     const FIRST_SIZE: usize = 80;
 }
@@ -100,12 +105,13 @@ unsafe impl Versioned for rai_settings_t {
 const _: () =
     assert!(size_of::<rai_settings_t>() == 80, "a field came or moved: raise RAI_ABI_VERSION if it moved");
 
-/// Fills settings with those of a phase of flight, `RAI_PHASE_…`, and the method that the module chooses at start.
+/// Fills settings with those of a phase of flight, `RAI_PHASE_…`, and the default method of the
+/// module.
 ///
 /// Refuses a null or misaligned pointer, an unknown `size` and an unknown phase.
 ///
 /// # Safety
-/// `settings` is null or points to a struct whose `size` says how much of it may be written.
+/// `settings` is null or points to a struct whose `size` states how much of it may be written.
 #[allow(unsafe_code)]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn rai_settings_preset(settings: *mut rai_settings_t, phase: u8) -> rai_status_t {
@@ -116,17 +122,17 @@ pub unsafe extern "C" fn rai_settings_preset(settings: *mut rai_settings_t, phas
         RAI_PHASE_LPV200 => Requirements::lpv200(),
         _ => return RAI_STATUS_PHASE,
     };
-    // SAFETY: as promised by the caller.
+    // SAFETY: guaranteed by the caller.
     status_of(unsafe { give(settings, &rai_settings_t::of(&requirements)) })
 }
 
 impl rai_settings_t {
-    /// The settings at start: what a struct of an earlier version says nothing of.
+    /// Returns the settings at start, which fill the missing fields of an earlier version.
     pub(crate) fn at_start() -> Self {
         Self::of(&Requirements::non_precision_approach())
     }
 
-    /// The settings at start, with these requirements.
+    /// Returns the settings at start, with these requirements.
     pub(crate) fn of(requirements: &Requirements) -> Self {
         let continuity = ContinuitySettings::anywhere();
         Self {
@@ -148,7 +154,7 @@ impl rai_settings_t {
         }
     }
 
-    /// What the core requires.
+    /// Returns the requirements for the core.
     pub(crate) fn requirements(&self) -> Result<Requirements, rai_status_t> {
         let base = Requirements::non_precision_approach();
         let val_m = (self.val_m != 0.0).then_some(self.val_m);
@@ -162,8 +168,8 @@ impl rai_settings_t {
         })
     }
 
-    /// What the core requires, if it takes these settings as a whole.
-    // Not inlined: what it needs of the stack is not needed beside what makes the monitor.
+    /// Returns the requirements for the core, if it accepts these settings as a whole.
+    // Not inlined, so that its stack is not added to that of making the monitor.
     #[inline(never)]
     pub(crate) fn checked(&self) -> Result<Requirements, rai_status_t> {
         self.strategy()?;
@@ -175,7 +181,7 @@ impl rai_settings_t {
         Ok(valid)
     }
 
-    /// What the receiver can do.
+    /// Returns the limits of the receiver's motion.
     pub(crate) fn continuity(&self) -> Result<ContinuitySettings, rai_status_t> {
         let recovery = Recovery { epochs: self.recovery_epochs, seconds: self.recovery_s };
         let settings = ContinuitySettings {
@@ -191,7 +197,7 @@ impl rai_settings_t {
         })
     }
 
-    /// How the core watches.
+    /// Returns the strategy of the core.
     pub(crate) fn strategy(&self) -> Result<Strategy, rai_status_t> {
         Ok(Strategy {
             policy: match self.policy {
@@ -223,13 +229,13 @@ impl rai_settings_t {
                 _ => return Err(RAI_STATUS_LEVELS),
             },
             clock_aid: self.clock_aid != 0,
-            // The settings of C have no word for it yet.
+            // The settings of C have no field for it yet.
             sigma_adapt: false,
         })
     }
 }
 
-/// What a core's refusal of the requirements is called here.
+/// Returns the status of a core's refusal of the requirements.
 pub(crate) fn refusal_of(error: MonitorError) -> rai_status_t {
     match error {
         MonitorError::Requirements(RequirementsError::HorizontalAlertLimit) => RAI_STATUS_HAL,

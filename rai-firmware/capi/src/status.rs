@@ -1,63 +1,63 @@
-//! What became of a call.
+//! Status of a call.
 
 use core::ffi::{CStr, c_char};
 
 use rai_core::epoch::EpochError;
 
-/// What became of a call: `RAI_STATUS_OK`, or what was refused.
+/// Status of a call: `RAI_STATUS_OK`, or the reason of its refusal.
 pub type rai_status_t = u8;
 
-/// Done.
+/// Success.
 pub const RAI_STATUS_OK: rai_status_t = 0;
-/// A pointer is null that must not be.
+/// A pointer must not be null.
 pub const RAI_STATUS_NULL: rai_status_t = 1;
-/// A pointer is not aligned for what it points to.
+/// A pointer must be aligned for its type.
 pub const RAI_STATUS_MISALIGNED: rai_status_t = 2;
 /// The memory is shorter than the object.
 pub const RAI_STATUS_SHORT: rai_status_t = 3;
-/// The object has not been initialised, or by another version.
+/// The object was not initialised, or by another version.
 pub const RAI_STATUS_NOT_INITIALISED: rai_status_t = 4;
-/// The size at the start of a struct is that of no version known here.
+/// The size at the start of a struct belongs to no version known here.
 pub const RAI_STATUS_SIZE: rai_status_t = 5;
-/// A time is not finite.
+/// A time must be finite.
 pub const RAI_STATUS_TIME: rai_status_t = 6;
-/// A count or length is absurd.
+/// A count or length is out of bounds.
 pub const RAI_STATUS_COUNT: rai_status_t = 7;
-/// No such phase of flight.
+/// The phase of flight is unknown.
 pub const RAI_STATUS_PHASE: rai_status_t = 16;
-/// The horizontal alert limit is outside (0, 1e6] m.
+/// The horizontal alert limit must be in (0, 1e6] m.
 pub const RAI_STATUS_HAL: rai_status_t = 17;
-/// The vertical alert limit is outside (0, 1e6] m.
+/// The vertical alert limit must be in (0, 1e6] m.
 pub const RAI_STATUS_VAL: rai_status_t = 18;
-/// The probability of false alarm is not in the committed tables.
+/// The probability of false alarm must be in the committed tables.
 pub const RAI_STATUS_FALSE_ALARM: rai_status_t = 19;
-/// The probability of missed detection is not in the committed tables.
+/// The probability of missed detection must be in the committed tables.
 pub const RAI_STATUS_MISSED_DETECTION: rai_status_t = 20;
-/// No such policy.
+/// The policy is unknown.
 pub const RAI_STATUS_POLICY: rai_status_t = 21;
-/// No such method in this library.
+/// The method is unknown in this library.
 pub const RAI_STATUS_METHOD: rai_status_t = 22;
-/// No such kind of protection levels.
+/// The kind of protection levels is unknown.
 pub const RAI_STATUS_LEVELS: rai_status_t = 23;
 /// A setting is out of its range.
 pub const RAI_STATUS_SETTING: rai_status_t = 24;
-/// The highest speed is outside [0, 1e5] m/s.
+/// The highest speed must be in [0, 1e5] m/s.
 pub const RAI_STATUS_SPEED: rai_status_t = 25;
-/// The heights are outside [−1.2e4, 1e8] m, or the least is not below the greatest.
+/// The heights must be in [−1.2e4, 1e8] m, the least below the greatest.
 pub const RAI_STATUS_HEIGHT: rai_status_t = 26;
-/// The recovery is of no epoch, or outside [0, 3600] s.
+/// The recovery must be of at least one epoch and in [0, 3600] s.
 pub const RAI_STATUS_RECOVERY: rai_status_t = 27;
-/// No such satellite.
+/// The satellite is unknown.
 pub const RAI_STATUS_SATELLITE: rai_status_t = 32;
-/// A range is not finite or beyond any receiver clock.
+/// A range must be finite and within that of receiver clocks.
 pub const RAI_STATUS_RANGE: rai_status_t = 33;
-/// A satellite's position is not finite, inside the earth or beyond 100,000 km.
+/// A satellite's position must be finite, above the earth and within 100,000 km.
 pub const RAI_STATUS_POSITION: rai_status_t = 34;
-/// A standard deviation is not finite or outside 1 mm to 1,000 km.
+/// A standard deviation must be finite and in 1 mm to 1,000 km.
 pub const RAI_STATUS_SIGMA: rai_status_t = 35;
 /// A satellite appears twice.
 pub const RAI_STATUS_DUPLICATE: rai_status_t = 36;
-/// More satellites than the library was built for.
+/// The epoch has more satellites than the library was built for.
 pub const RAI_STATUS_FULL: rai_status_t = 37;
 
 fn text(status: rai_status_t) -> &'static CStr {
@@ -92,13 +92,13 @@ fn text(status: rai_status_t) -> &'static CStr {
     }
 }
 
-/// A status in lower-case words, a string that lives as long as the program.
+/// Returns a status in lower-case words, a string that lives as long as the program.
 #[unsafe(no_mangle)]
 pub extern "C" fn rai_status_text(status: rai_status_t) -> *const c_char {
     text(status).as_ptr()
 }
 
-/// What a core's refusal of one range is called here.
+/// Returns the status of a core's refusal of one range.
 pub(crate) fn of_refused_range(error: EpochError) -> rai_status_t {
     match error {
         EpochError::Range => RAI_STATUS_RANGE,
@@ -119,7 +119,7 @@ mod tests {
     fn every_status_has_words_of_its_own() {
         let words: BTreeSet<_> = (0..=u8::MAX).map(text).collect();
         let want = include_str!("status.rs").matches("\npub const RAI_STATUS_").count();
-        // One more for what is unknown.
+        // One more for an unknown status.
         assert_eq!(words.len(), want + 1);
     }
 }

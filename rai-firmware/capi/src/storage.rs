@@ -1,4 +1,4 @@
-//! How much memory an object takes: constants, for memory that is laid out when the program is compiled.
+//! Memory of the objects, as constants for memory that is laid out at compile time.
 //!
 //! | a library with the feature | a program defines | satellites |
 //! |---|---|---|
@@ -6,9 +6,9 @@
 //! | `satellites-32` | `RAI_SATELLITES_32` | 32 |
 //! | neither | neither | 48 |
 //!
-//! A program that defines less than its library was built for hands in memory that is too short, and is refused with
-//! `RAI_STATUS_SHORT`. The constants are a little larger than what the objects take today, on the widest processor: within them
-//! an object may grow from version to version.
+//! If a program defines less than its library was built for, its memory is too short and is refused
+//! with `RAI_STATUS_SHORT`. The constants are a little larger than the objects are today, on the
+//! widest processor, so that an object may grow from version to version.
 
 /// Most satellites in one epoch.
 #[cfg(feature = "satellites-16")]
@@ -20,26 +20,26 @@ pub const RAI_MAX_SATELLITES: usize = 32;
 #[cfg(not(any(feature = "satellites-16", feature = "satellites-32")))]
 pub const RAI_MAX_SATELLITES: usize = 48;
 
-/// Words of eight bytes that a monitor takes, on every processor at most.
+/// Words of eight bytes of a monitor, enough on every processor.
 #[cfg(feature = "satellites-16")]
 pub const RAI_MONITOR_WORDS: usize = 1408;
-/// Words of eight bytes that a monitor takes, on every processor at most.
+/// Words of eight bytes of a monitor, enough on every processor.
 #[cfg(all(feature = "satellites-32", not(feature = "satellites-16")))]
 pub const RAI_MONITOR_WORDS: usize = 1792;
-/// Words of eight bytes that a monitor takes, on every processor at most.
+/// Words of eight bytes of a monitor, enough on every processor.
 #[cfg(not(any(feature = "satellites-16", feature = "satellites-32")))]
 pub const RAI_MONITOR_WORDS: usize = 2176;
 
 /// Bytes of a monitor.
 pub const RAI_MONITOR_SIZE: usize = RAI_MONITOR_WORDS * 8;
 
-/// Words of eight bytes that a receiver takes, on every processor at most.
+/// Words of eight bytes of a receiver, enough on every processor.
 #[cfg(feature = "satellites-16")]
 pub const RAI_RECEIVER_WORDS: usize = 5376;
-/// Words of eight bytes that a receiver takes, on every processor at most.
+/// Words of eight bytes of a receiver, enough on every processor.
 #[cfg(all(feature = "satellites-32", not(feature = "satellites-16")))]
 pub const RAI_RECEIVER_WORDS: usize = 6016;
-/// Words of eight bytes that a receiver takes, on every processor at most.
+/// Words of eight bytes of a receiver, enough on every processor.
 #[cfg(not(any(feature = "satellites-16", feature = "satellites-32")))]
 pub const RAI_RECEIVER_WORDS: usize = 6656;
 

@@ -1,4 +1,4 @@
-//! Sentences into memory of the caller, whole or not at all.
+//! Sentences into memory of the caller, each whole or not at all.
 
 use core::mem::MaybeUninit;
 
@@ -9,17 +9,18 @@ use crate::status::{RAI_STATUS_COUNT, RAI_STATUS_MISALIGNED, RAI_STATUS_NULL, ra
 
 /// A caller's text for the time of one call.
 pub(crate) struct Lines<'t> {
-    /// Only written to: the caller need not have initialised it.
+    /// Memory that is only written to, so that the caller need not initialise it.
     room: &'t mut [MaybeUninit<u8>],
     length: &'t mut usize,
     lost: &'t mut usize,
 }
 
 impl Lines<'_> {
-    /// The text that a pointer names.
+    /// Returns the text behind a pointer.
     ///
     /// # Safety
-    /// `text` is null or points to a text whose `bytes` are null or point to `capacity` bytes that nobody else uses during the call.
+    /// `text` is null or points to a text whose `bytes` are null or point to `capacity` bytes. No
+    /// other code uses them during the call.
     #[allow(unsafe_code)]
     pub(crate) unsafe fn at(text: *mut rai_text_t) -> Result<Self, rai_status_t> {
         if text.is_null() {
@@ -28,7 +29,7 @@ impl Lines<'_> {
         if !text.is_aligned() {
             return Err(RAI_STATUS_MISALIGNED);
         }
-        // SAFETY: not null and aligned, and for this call nobody else's.
+        // SAFETY: not null and aligned, and not shared during this call.
         let text = unsafe { &mut *text };
         if text.bytes.is_null() {
             return Err(RAI_STATUS_NULL);
@@ -36,7 +37,7 @@ impl Lines<'_> {
         if text.length > text.capacity || text.capacity > isize::MAX as usize {
             return Err(RAI_STATUS_COUNT);
         }
-        // SAFETY: not null, of bytes that may be anything, and as long as said.
+        // SAFETY: not null, bytes of any value, and of the stated length.
         let room = unsafe { core::slice::from_raw_parts_mut(text.bytes.cast(), text.capacity) };
         Ok(Self { room, length: &mut text.length, lost: &mut text.lost })
     }
@@ -47,7 +48,7 @@ impl ErrorType for Lines<'_> {
 }
 
 impl Write for Lines<'_> {
-    /// Takes a sentence whole: the receiver hands each over in one piece.
+    /// Takes a sentence whole, because the receiver writes each in one piece.
     fn write(&mut self, sentence: &[u8]) -> Result<usize, ErrorKind> {
         let end = self.length.saturating_add(sentence.len());
         let Some(place) = self.room.get_mut(*self.length..end) else {

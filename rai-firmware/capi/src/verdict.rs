@@ -1,4 +1,4 @@
-//! What is said of an epoch: state, reason, position, levels, satellites left out.
+//! Verdict on an epoch: state, reason, position, levels, satellites left out.
 
 use core::ffi::{CStr, c_char};
 
@@ -6,16 +6,16 @@ use rai_core::report::{Alert, MAX_EXCLUDED, Protected, Report, Suspect, Unavaila
 
 use crate::pointer::Versioned;
 
-/// Nothing has been said yet. It counts as unavailable.
+/// No verdict yet. It counts as unavailable.
 pub const RAI_STATE_NONE: u8 = 0;
 /// The position may be used: an undetected fault of one satellite stays within the alert limits.
 pub const RAI_STATE_PROTECTED: u8 = 1;
-/// The position must not be used: something is wrong with it.
+/// The position must not be used, for one of the reasons `RAI_REASON_FAULT` to `RAI_REASON_TIME`.
 pub const RAI_STATE_ALERT: u8 = 2;
-/// Nothing can be promised: the means to tell are missing.
+/// The position has no protection, because the means to test it are missing.
 pub const RAI_STATE_UNAVAILABLE: u8 = 3;
 
-/// Nothing has been said yet.
+/// No verdict yet.
 pub const RAI_REASON_NONE: u8 = 0;
 
 /// Protected: all satellites agree.
@@ -28,9 +28,9 @@ pub const RAI_REASON_FAULT: u8 = 32;
 pub const RAI_REASON_AMBIGUOUS: u8 = 33;
 /// Alert: no epoch came within the time to alert.
 pub const RAI_REASON_STALE: u8 = 34;
-/// Alert: the position moved farther than it can.
+/// Alert: the position moved farther than the receiver can.
 pub const RAI_REASON_JUMP: u8 = 35;
-/// Alert: the receiver is sure that its signals are false.
+/// Alert: the receiver reports that its signals are false.
 pub const RAI_REASON_SPOOFED: u8 = 36;
 /// Alert: a wrong time tag of all ranges explains the data.
 pub const RAI_REASON_TIME: u8 = 37;
@@ -50,17 +50,17 @@ pub const RAI_REASON_HPL: u8 = 68;
 pub const RAI_REASON_VPL: u8 = 69;
 /// Unavailable: the declared work budget cut the search.
 pub const RAI_REASON_BUDGET: u8 = 70;
-/// Unavailable: the input was refused as a whole.
+/// Unavailable: the whole input was refused.
 pub const RAI_REASON_INPUT: u8 = 71;
-/// Unavailable: the satellites agree again, and not for long enough.
+/// Unavailable: the satellites agree again, but not yet for long enough.
 pub const RAI_REASON_RECOVERING: u8 = 72;
-/// Unavailable: no receiver can be at this height or place.
+/// Unavailable: the height or place is impossible for the receiver.
 pub const RAI_REASON_PLACE: u8 = 73;
-/// Unavailable: a known answer was missed.
+/// Unavailable: a known answer of the self-test was missed.
 pub const RAI_REASON_SELFTEST: u8 = 74;
-/// Unavailable: ranges came, orbits did not.
+/// Unavailable: ranges came, but no orbits.
 pub const RAI_REASON_EPHEMERIS: u8 = 75;
-/// Unavailable: nobody has confirmed the settings after an unexpected restart.
+/// Unavailable: the host has not confirmed the settings after an unexpected restart.
 pub const RAI_REASON_SETTINGS: u8 = 76;
 
 fn text(reason: u8) -> &'static CStr {
@@ -91,7 +91,7 @@ fn text(reason: u8) -> &'static CStr {
     }
 }
 
-/// The reason of a verdict, as a number.
+/// Returns the number of a verdict's reason.
 pub(crate) fn reason_of(verdict: Verdict) -> u8 {
     match verdict {
         Verdict::Protected(Protected::Ok) => RAI_REASON_OK,
@@ -119,13 +119,14 @@ pub(crate) fn reason_of(verdict: Verdict) -> u8 {
     }
 }
 
-/// A reason in the word that the sentences use, a string that lives as long as the program; `?` for an unknown one.
+/// Returns the word of a reason in the sentences, a string that lives as long as the program; `?`
+/// for an unknown one.
 #[unsafe(no_mangle)]
 pub extern "C" fn rai_reason_text(reason: u8) -> *const c_char {
     text(reason).as_ptr()
 }
 
-/// The state of a verdict, as a number.
+/// Returns the number of a verdict's state.
 pub(crate) fn state_of(verdict: Verdict) -> u8 {
     match verdict {
         Verdict::Protected(_) => RAI_STATE_PROTECTED,
@@ -145,7 +146,7 @@ pub const RAI_SYSTEM_GLONASS: u8 = b'R';
 /// QZSS, numbered 1 to 10. Its ranges have the receiver clock of GPS.
 pub const RAI_SYSTEM_QZSS: u8 = b'J';
 
-/// Most satellites that are left out of one epoch.
+/// Most satellites that may be left out of one epoch.
 pub const RAI_MAX_EXCLUDED: usize = 3;
 
 const _: () = assert!(RAI_MAX_EXCLUDED == MAX_EXCLUDED);
@@ -154,15 +155,15 @@ const _: () = assert!(RAI_MAX_EXCLUDED == MAX_EXCLUDED);
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct rai_excluded_t {
-    /// Estimated bias of its range, m.
+    /// Estimated bias of the range, m.
     pub bias_m: f64,
-    /// Its w-test when it was suspected, in standard deviations.
+    /// W-test of the satellite when it was suspected, in standard deviations.
     pub w_test: f64,
-    /// Its system, a letter: `RAI_SYSTEM_…`.
+    /// System of the satellite, a letter: `RAI_SYSTEM_…`.
     pub system: u8,
-    /// Its number within the system.
+    /// Number of the satellite within the system.
     pub number: u8,
-    /// For later use.
+    /// Reserved for later use.
     pub reserved: [u8; 6],
 }
 
@@ -182,15 +183,15 @@ impl rai_excluded_t {
     }
 }
 
-/// What is said of one epoch. A number that is not defined is NaN.
+/// Verdict on one epoch. An undefined number is NaN.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct rai_verdict_t {
     /// `sizeof(rai_verdict_t)`, set by the caller.
     pub size: u32,
-    /// May the position be used? `RAI_STATE_…`: only `RAI_STATE_PROTECTED` says yes.
+    /// State, `RAI_STATE_…`: the position may be used only if it is `RAI_STATE_PROTECTED`.
     pub state: u8,
-    /// Why (not), `RAI_REASON_…`.
+    /// Reason of the state, `RAI_REASON_…`.
     pub reason: u8,
     /// Satellites in the epoch.
     pub tracked: u8,
@@ -198,27 +199,27 @@ pub struct rai_verdict_t {
     pub used: u8,
     /// Degrees of freedom of the global test.
     pub dof: u8,
-    /// How many elements of `excluded` are filled.
+    /// Number of elements of `excluded` that are filled.
     pub excluded_count: u8,
-    /// Ranges of the call that were refused, at most 255; the others were judged.
+    /// Number of ranges of the call that were refused, at most 255; the others were judged.
     pub refused_count: u8,
-    /// Why the first of them was, a status.
+    /// Status of the first refused range.
     pub refused_status: u8,
-    /// For later use.
+    /// Reserved for later use.
     pub reserved: [u8; 4],
-    /// `√(SSE/dof)`.
+    /// Statistic of the global test, `√(SSE/dof)`.
     pub statistic: f64,
-    /// What it was held against.
+    /// Threshold of the global test.
     pub threshold: f64,
     /// Horizontal protection level, m.
     pub hpl_m: f64,
     /// Vertical protection level, m.
     pub vpl_m: f64,
-    /// Earth-fixed position, m.
+    /// Earth-fixed position, x, m.
     pub x_m: f64,
-    /// Earth-fixed position, m.
+    /// Earth-fixed position, y, m.
     pub y_m: f64,
-    /// Earth-fixed position, m.
+    /// Earth-fixed position, z, m.
     pub z_m: f64,
     /// Geodetic latitude, rad, north positive.
     pub latitude_rad: f64,
@@ -231,7 +232,8 @@ pub struct rai_verdict_t {
 }
 
 #[allow(unsafe_code)]
-// SAFETY: `repr(C)`, its size first, and integers and doubles, of which every pattern of bits is a value.
+// SAFETY: `repr(C)`, its size first, and integers and doubles, of which every pattern of bits is a
+// value.
 unsafe impl Versioned for rai_verdict_t {
     const FIRST_SIZE: usize = 168;
 }
@@ -240,7 +242,7 @@ const _: () =
     assert!(size_of::<rai_verdict_t>() == 168, "a field came or moved: raise RAI_ABI_VERSION if it moved");
 
 impl rai_verdict_t {
-    /// Nothing has been said yet.
+    /// Returns the state before the first verdict.
     pub(crate) fn none() -> Self {
         Self {
             size: size_of::<Self>() as u32,
@@ -267,12 +269,12 @@ impl rai_verdict_t {
         }
     }
 
-    /// A verdict without a position.
+    /// Returns a verdict without a position.
     pub(crate) fn without_position(verdict: Verdict) -> Self {
         Self { state: state_of(verdict), reason: reason_of(verdict), ..Self::none() }
     }
 
-    /// What a report says.
+    /// Returns the verdict of a report.
     pub(crate) fn of<const N: usize>(report: &Report<N>) -> Self {
         let mut verdict = Self::without_position(report.verdict);
         verdict.tracked = report.tracked;
@@ -307,7 +309,7 @@ mod tests {
     fn every_reason_has_a_word_of_its_own() {
         let words: BTreeSet<_> = (1..=u8::MAX).map(text).collect();
         let want = include_str!("verdict.rs").matches("\npub const RAI_REASON_").count() - 1;
-        // One more for what is unknown, which `RAI_REASON_NONE` is too.
+        // One more for an unknown reason, whose word is also that of `RAI_REASON_NONE`.
         assert_eq!(words.len(), want + 1);
         assert_eq!(text(RAI_REASON_NONE), c"?");
     }

@@ -1,7 +1,7 @@
-//! The door for a board: what the module needs of the hardware around it.
+//! The interface of a board: the hardware functions that the module needs.
 //!
-//! [`crate::epoch_loop`] runs on whatever is a [`Board`]: a chip, an emulated one, or a model of the ports on the host
-//! in which time is counted. What a new board takes is one folder here, with
+//! [`crate::epoch_loop`] runs on any [`Board`]: a chip, an emulated chip, or a model of the ports
+//! on the host with simulated time. A new board is one folder here, with
 //!
 //! | what | in `stm32f405` | in `mps2_an500` |
 //! |---|---|---|
@@ -10,8 +10,9 @@
 //! | faults: pin low, a record, a reset | `fault.rs` | `fault.rs` |
 //! | the memory map | `regions.x`, for `memory.x` at the top level | `regions.x` |
 //!
-//! What all Cortex-M boards share is in `arm`: time from `SysTick`, the rings of the ports, the guarded stack, the log. These files are part
-//! of the binary and not of this library; each board's crates come with the feature of its name.
+//! `arm` holds the parts that all Cortex-M boards share: time from `SysTick`, the rings of the
+//! ports, the guarded stack, the log. These files are part of the binary and not of this library.
+//! Each board's crates come with the feature of its name.
 
 use embedded_hal::digital::OutputPin;
 use embedded_io::Write;
@@ -25,94 +26,96 @@ use crate::counters::counters;
 use crate::timed_ring::Taken;
 use reset::ResetCause;
 
-/// Bytes of the ring to the host: the sentences of an epoch may still wait when those of the next come, 650 bytes each with all that
-/// can be sent of 19 satellites. A long answer leaves room for an epoch of the most, and says as much as fits beside it.
+/// Bytes of the ring to the host.
+///
+/// The sentences of an epoch may still wait when those of the next come; 19 satellites with all
+/// sentences take 650 bytes. A long answer leaves room for the largest epoch, and takes the rest.
 pub const HOST_OUT_BYTES: usize = 2048;
 
 counters! {
-    /// What was lost at the ports since start.
+    /// Losses at the ports since start.
     PortLosses {
-        /// GNSS bytes that the port came too late for, or that found no room.
+        /// GNSS bytes that were overrun in the port, or found no room.
         gnss_bytes_lost,
-        /// GNSS bytes that had come and were dropped with those, or because they were old.
+        /// GNSS bytes that had come and were dropped with lost ones, or because they were old.
         gnss_bytes_dropped,
-        /// Command bytes that the port came too late for, or that found no room.
+        /// Command bytes that were overrun in the port, or found no room.
         command_bytes_lost,
         /// Sentences that found no room because the host reads too slowly.
         sentences_lost,
-        /// Bytes of the log that nobody fetched.
+        /// Bytes of the log that found no room because no reader fetched it.
         log_bytes_lost,
     }
 }
 
-/// The hardware around the module. No function of it waits, but for [`Board::sleep`].
+/// The hardware around the module. No function of it waits except [`Board::sleep`].
 pub trait Board {
-    /// The integrity pin.
+    /// Type of the integrity pin.
     type Pin: OutputPin;
-    /// The way out to the host.
+    /// Type of the writer to the host.
     type Host: Write;
 
-    /// Takes bytes that have come at the GNSS port, with their time.
+    /// Takes bytes that have come at the GNSS port, with their arrival time.
     fn gnss(&mut self, chunk: &mut [u8]) -> Taken;
 
     /// Takes one byte that has come at the host port.
     fn command(&mut self) -> Option<u8>;
 
-    /// The way out to the host.
+    /// Returns the writer to the host.
     fn host(&mut self) -> &mut Self::Host;
 
-    /// Bytes that the way out to the host has room for.
+    /// Returns the free bytes of the writer to the host.
     fn host_room(&self) -> usize;
 
-    /// Milliseconds since start.
+    /// Returns the milliseconds since start.
     fn now_ms(&self) -> u64;
 
-    /// By how much this may be more than have passed, parts per million.
+    /// Returns the most by which this clock may run fast, parts per million.
     fn clock_error_ppm(&self) -> u32;
 
-    /// Ticks of the clock that epochs are measured with, since start.
+    /// Returns the ticks since start, of the clock that measures epochs.
     fn now_ticks(&self) -> u64;
 
-    /// When the pin was last driven, in these ticks.
+    /// Returns the tick at which the pin was last driven.
     fn driven_ticks(&self, pin: &Self::Pin) -> u64;
 
-    /// What was lost at the ports since start.
+    /// Returns the losses at the ports since start.
     fn losses(&self) -> PortLosses;
 
-    /// Says that the loop came round.
+    /// Feeds the watchdog, because the loop has completed a pass.
     fn feed_watchdog(&mut self);
 
     /// Sleeps until a millisecond begins, a byte of the host has come, or
-    /// [`WORTH_A_PASS_BYTES`](crate::epoch_loop::WORTH_A_PASS_BYTES) of the GNSS port wait. Gives the tick at which anything
-    /// first ended the sleep, where it slept.
+    /// [`WORTH_A_PASS_BYTES`](crate::epoch_loop::WORTH_A_PASS_BYTES) of the GNSS port wait. Returns
+    /// the tick at which an interrupt first ended the sleep, or `None` if it did not sleep.
     fn sleep(&mut self) -> Option<u64>;
 
-    /// Why the module started.
+    /// Returns the cause of the last reset.
     fn reset_cause(&self) -> ResetCause;
 
-    /// Memory that a restart leaves as it is, and that after power-on holds anything.
+    /// Returns memory that a restart leaves unchanged, with unspecified contents after power-on.
     fn sealed(&mut self) -> &mut [u8; SEALED_BYTES];
 
     /// Sets the bit rate of the GNSS port.
     fn set_gnss_rate(&mut self, baud: u32);
 
-    /// Notes what happened, for whoever watches.
+    /// Logs an event.
     fn note(&mut self, note: Note);
 }
 
-/// What happened, for the log.
+/// An event for the log.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Note {
-    /// An epoch was judged: what was said, and ticks from its last byte to the pin.
+    /// An epoch was judged: its verdict, and ticks from its last byte to the pin.
     Judged(Option<Verdict>, u64),
-    /// Something was said without a byte having come.
+    /// The receiver reported by time alone, without a byte from the GNSS port: its verdict.
     Stale(Option<Verdict>),
-    /// An epoch, its number since start, and the ticks that the module was busy since the last one.
+    /// An epoch: its number since start, and ticks that the module was busy since the last one.
     Epoch(u32, u64),
-    /// Time to look at the stack and the rings.
+    /// The high-water marks of stack and rings are due.
     HighWater,
     /// Bytes were lost.
     Lost(PortLosses),
-    /// The GNSS port listens at another rate, bits a second.
+    /// The GNSS port changed its rate, bit/s.
     GnssRate(u32),
 }

@@ -1,33 +1,34 @@
-//! Why the module started: what a chip's flags can mean, and what a dying program left behind.
+//! Cause of a reset: flags of the chip, and the record that a failed program leaves.
 //!
-//! A fault cannot be reported by the program that has it. It leaves a [`Record`] in memory that start-up does not
-//! clear, resets the chip, and the next start finds the record and says so. Memory after power-on holds noise; a
-//! record counts only if its seal fits: `seal = magic ⊕ kind ⊕ rotl(place, 8) ⊕ rotl(line, 16)`.
+//! A program with a fault cannot report it. It leaves a [`Record`] in memory that start-up does not
+//! clear, and resets the chip. The next start reads the record and reports the fault. Memory after
+//! power-on holds noise; a record counts only if its seal fits:
+//! `seal = magic ⊕ kind ⊕ rotl(place, 8) ⊕ rotl(line, 16)`.
 //!
 //! | symbol | field | unit |
 //! |---|---|---|
-//! | `kind` | what failed | 1 panic, 2 hard fault, 3 clock failure |
+//! | `kind` | kind of failure | 1 panic, 2 hard fault, 3 clock failure |
 //! | `place` | address of the instruction, or FNV-1a hash of the source file's name | – |
-//! | `line` | line of the source file, 0 where there is none | – |
+//! | `line` | line of the source file, 0 if there is none | – |
 
 use heapless::String;
 
 use crate::config::hexadecimal;
 
-/// Marks a record, chosen to be improbable in memory after power-on.
+/// Mark of a record, chosen to be improbable in memory after power-on.
 const MAGIC: u32 = 0x5241_4921;
 
-/// Longest word for a cause.
+/// Most characters of the name of a cause.
 pub const WORD_BYTES: usize = 16;
 
-/// Why the module started, in at most [`WORD_BYTES`] characters when said.
+/// Cause of the last reset, written in at most [`WORD_BYTES`] characters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ResetCause {
     /// The supply came up.
     PowerOn,
     /// The reset line was pulled, by a button or a debug probe.
     Pin,
-    /// The program asked for it.
+    /// The program requested it.
     Software,
     /// The epoch loop did not feed the watchdog in time.
     Watchdog,
@@ -37,23 +38,23 @@ pub enum ResetCause {
     LowPower,
     /// The program before this one failed.
     Fault(Fault),
-    /// The chip does not say.
+    /// The chip has no flag set.
     Unknown,
 }
 
-/// What made the previous program give up.
+/// Failure of the previous program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fault {
-    /// A panic, at a line of the file with this hash of its name.
+    /// A panic in a source file, at a line.
     Panic {
         /// [`hash`] of the source file's name.
         file: u32,
         /// Line in the file.
         line: u32,
     },
-    /// The processor refused the instruction at this address.
+    /// The processor refused an instruction.
     Hard {
-        /// Program counter at the fault; 0 where the stack frame could not be trusted.
+        /// Program counter at the fault; 0 if the stack frame was not trustworthy.
         address: u32,
     },
     /// The crystal stopped while the module ran from it.
@@ -61,7 +62,7 @@ pub enum Fault {
 }
 
 impl ResetCause {
-    /// Its word.
+    /// Returns the name of the cause.
     pub fn word(self) -> String<WORD_BYTES> {
         let (word, number) = match self {
             Self::PowerOn => ("POWERON", None),
@@ -83,7 +84,7 @@ impl ResetCause {
     }
 }
 
-/// A fault as it lies in memory across a reset.
+/// A fault as stored in memory across a reset.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(C)]
 pub struct Record {
@@ -94,10 +95,10 @@ pub struct Record {
 }
 
 impl Record {
-    /// What start-up leaves: no fault.
+    /// Record without a fault, which start-up leaves.
     pub const EMPTY: Self = Self { kind: 0, place: 0, line: 0, seal: 0 };
 
-    /// The record of `fault`, sealed.
+    /// Returns the sealed record of `fault`.
     pub const fn of(fault: Fault) -> Self {
         let (kind, place, line) = match fault {
             Fault::Panic { file, line } => (1, file, line),
@@ -107,7 +108,7 @@ impl Record {
         Self { kind, place, line, seal: seal(kind, place, line) }
     }
 
-    /// The fault, if the seal fits.
+    /// Returns the fault, if the seal fits.
     pub const fn fault(self) -> Option<Fault> {
         if self.seal != seal(self.kind, self.place, self.line) {
             return None;
@@ -125,7 +126,7 @@ const fn seal(kind: u32, place: u32, line: u32) -> u32 {
     MAGIC ^ kind ^ place.rotate_left(8) ^ line.rotate_left(16)
 }
 
-/// FNV-1a over the name of a source file: a panic's place in four bytes.
+/// Returns the FNV-1a hash of a source file's name, which gives the place of a panic in four bytes.
 pub const fn hash(name: &str) -> u32 {
     let mut hash = 0x811C_9DC5_u32;
     let mut rest = name.as_bytes();

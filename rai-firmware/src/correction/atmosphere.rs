@@ -1,25 +1,27 @@
-//! Atmosphere: what the troposphere and, on one frequency, the ionosphere add to a range.
+//! Atmosphere: the delays that the troposphere and, on one frequency, the ionosphere add to a
+//! range.
 //!
-//! Troposphere, [Saastamoinen1972] zenith delay in a standard atmosphere, mapped as in [DO-229] (after Black and
-//! Eisner):
+//! Troposphere, [Saastamoinen1972] zenith delay in a standard atmosphere, mapped as in [DO-229]
+//! (after Black and Eisner):
 //!
 //! ```text
-//! p = 1013.25 (1 − 2.2557e-5 h)^5.2568      T = 288.15 − 0.0065 h      e = 6.108 · 0.7 · exp((17.15 T − 4684)/(T − 38.45))
+//! p = 1013.25 (1 − 2.2557e-5 h)^5.2568      T = 288.15 − 0.0065 h
+//! e = 6.108 · 0.7 · exp((17.15 T − 4684)/(T − 38.45))
 //! Z = 0.0022768 p / (1 − 0.00266 cos 2φ − 2.8e-7 h) + 0.002277 (1255/T + 0.05) e
 //! delay = Z · 1.001 / √(0.002001 + sin² E)
 //! ```
 //!
-//! Ionosphere, [Klobuchar1987] with the eight coefficients that GPS broadcasts; it removes about half of the delay.
-//! Delays on another frequency go with `1/f²`. What `BeiDou` broadcasts are eight coefficients of another model
-//! ([BDS-SIS-B1I] 5.2.4.7), half a cosine over the day, too:
+//! Ionosphere, [Klobuchar1987] with the eight coefficients that GPS broadcasts; it removes about
+//! half of the delay. Delays on another frequency scale with `1/f²`. `BeiDou` broadcasts eight
+//! coefficients of another model ([BDS-SIS-B1I] 5.2.4.7), which is also half a cosine over the day:
 //!
 //! | | GPS | `BeiDou` |
 //! |---|---|---|
 //! | carrier | L1 | B1I |
 //! | pierced at | 350 km, approximated | 375 km, on the sphere |
-//! | polynomials in | geomagnetic latitude | geographic latitude, northern or southern alike |
+//! | polynomials in | geomagnetic latitude | geographic latitude, without its sign |
 //! | period | 20 h or more | 20 h to 48 h |
-//! | cosine | its series | itself |
+//! | cosine | by its series | exact |
 //! | path | `1 + 16 (0.53 − E)³`, `E` in semicircles | `1/√(1 − (R cos E/(R + h))²)` |
 //!
 //! | symbol | here | unit |
@@ -29,11 +31,12 @@
 //! | `Z` | `zenith_m` | m |
 //! | `E` | elevation, given as its sine | 1 |
 //!
-//! Models of some per cent are worked out in single precision, which is right to 0.01 mm.
+//! The models are good to some per cent, so that they are computed in single precision, which is
+//! accurate to 0.01 mm.
 //!
-//! Assumes 70 % relative humidity. Good to about 5 % of the zenith's wet part (some centimetres) and, down to 4° of
-//! elevation, to 0.2 m. References: [Saastamoinen1972], [DO-229] A.4.2.4, [Klobuchar1987], [IS-GPS-200] 20.3.3.5.2.5,
-//! [BDS-SIS-B1I] 5.2.4.7.
+//! Assumes 70 % relative humidity. Accurate to about 5 % of the zenith's wet part (some
+//! centimetres) and, down to 4° of elevation, to 0.2 m. References: [Saastamoinen1972], [DO-229]
+//! A.4.2.4, [Klobuchar1987], [IS-GPS-200] 20.3.3.5.2.5, [BDS-SIS-B1I] 5.2.4.7.
 //!
 //! [BDS-SIS-B1I]: crate#references
 //! [Saastamoinen1972]: crate#references
@@ -48,47 +51,49 @@ use rai_core::frame::SPEED_OF_LIGHT_M_S;
 use crate::raw::Band;
 use crate::time::{BEIDOU_OFFSET_MS, GpsTime};
 
-/// Heights between which the standard atmosphere is used, m: below the lowest land, above the highest aircraft.
+/// Height range of the standard atmosphere, m: below the lowest land, above the highest aircraft.
 const HEIGHT_M: core::ops::RangeInclusive<f32> = -500.0..=20_000.0;
 
-/// The troposphere above one receiver. Made once per epoch: it costs a power and an exponential.
+/// The troposphere above one receiver. It is computed once per epoch, because it costs a power and
+/// an exponential.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Troposphere {
     zenith_m: f32,
 }
 
 impl Troposphere {
-    /// The troposphere above a point. Heights beyond −500 m to 20,000 m count as these bounds, one that is not
-    /// finite as 0.
+    /// Returns the troposphere above a point.
+    ///
+    /// Heights beyond −500 m to 20,000 m count as these bounds, a height that is not finite as 0.
     pub fn above(height_m: f32, sin_latitude: f32) -> Self {
         let height_m = if height_m.is_finite() { height_m } else { 0.0 };
         let height_m = height_m.clamp(*HEIGHT_M.start(), *HEIGHT_M.end());
-        // cos 2φ from the sine, which the receiver has at hand.
+        // cos 2φ from the sine, which the receiver already has.
         let cos_doubled = (1.0 - 2.0 * sin_latitude * sin_latitude).clamp(-1.0, 1.0);
         let gravity = 1.0 - 0.00266 * cos_doubled - 2.8e-7 * height_m;
         let zenith_m = 0.0022768 * pressure_hpa(height_m) / gravity + wet_zenith_m(height_m);
         Self { zenith_m }
     }
 
-    /// Delay straight up, m.
+    /// Returns the delay straight up, m.
     pub const fn zenith_m(self) -> f32 {
         self.zenith_m
     }
 
-    /// Delay towards an elevation, m. Below the horizon as at the horizon.
+    /// Returns the delay towards an elevation, m. Below the horizon it is that at the horizon.
     pub fn delay_m(self, sin_elevation: f32) -> f32 {
         let sin_elevation = sin_elevation.clamp(0.0, 1.0);
         self.zenith_m * 1.001 / libm::sqrtf(0.002001 + sin_elevation * sin_elevation)
     }
 }
 
-/// Pressure of the standard atmosphere, hPa.
+/// Returns the pressure of the standard atmosphere, hPa.
 fn pressure_hpa(height_m: f32) -> f32 {
-    // As a power, of which this is a definition, with two functions that the image has anyway.
+    // The power is `exp(b log a)`, with two functions that the image has anyway.
     1013.25 * libm::expf(5.2568 * libm::logf(1.0 - 2.2557e-5 * height_m))
 }
 
-/// Zenith delay of the water vapour, m.
+/// Returns the zenith delay of the water vapour, m.
 fn wet_zenith_m(height_m: f32) -> f32 {
     const RELATIVE_HUMIDITY: f32 = 0.7;
     let temperature_k = 288.15 - 0.0065 * height_m;
@@ -96,51 +101,54 @@ fn wet_zenith_m(height_m: f32) -> f32 {
     0.002277 * (1255.0 / temperature_k + 0.05) * RELATIVE_HUMIDITY * saturation_hpa
 }
 
-/// Whose model of the ionosphere coefficients belong to.
+/// Model of the ionosphere that the coefficients belong to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Model {
     Gps,
     Beidou,
 }
 
-/// The coefficients of the single-frequency ionosphere, as satellites broadcast them.
+/// The broadcast coefficients of the single-frequency ionosphere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Klobuchar {
     model: Model,
     /// Amplitude polynomial: s, s/semicircle, s/semicircle², s/semicircle³.
     alpha: [f32; 4],
-    /// Period polynomial: the same units.
+    /// Period polynomial, in the same units.
     beta: [f32; 4],
 }
 
-/// Delay at night straight up, s.
+/// Night-time delay straight up, s.
 const NIGHT_S: f32 = 5e-9;
 
-/// The earth's radius over that of the shell that `BeiDou`'s model puts the ionosphere in, 375 km above it.
+/// Ratio of the earth's radius to that of the ionospheric shell of `BeiDou`'s model, 375 km above
+/// it.
 const SHELL_RATIO: f32 = 6378.0 / (6378.0 + 375.0);
 
-/// What the model says of one line of sight.
+/// Result of the model for one line of sight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Slant {
     /// Delay on L1, m.
     pub delay_m: f32,
-    /// Latitude against the geomagnetic equator where the ionosphere is pierced, semicircles.
+    /// Geomagnetic latitude of the pierce point, semicircles.
     pub geomagnetic_sc: f32,
 }
 
 impl Klobuchar {
-    /// Without coefficients: the night-time constant at all hours.
+    /// Model without coefficients: the night-time constant at all hours.
     pub const NIGHT: Self = Self { model: Model::Gps, alpha: [0.0; 4], beta: [0.0; 4] };
 
-    /// Coefficients of GPS in the order of the message: four of the amplitude, four of the period.
+    /// Returns the model of GPS from coefficients in the order of the message: four of the
+    /// amplitude, four of the period.
     ///
-    /// `None` when one is not finite or larger than its field in the message (2⁻²³ s, 2²³ s, with room for
-    /// the steeper powers), and when all of an amplitude or a period are zero, which says that nothing is known.
+    /// `None` if a coefficient is not finite or larger than its field in the message (2⁻²³ s, 2²³
+    /// s, with room for the steeper powers). Also `None` if all coefficients of the amplitude or
+    /// the period are zero, which means that no value is known.
     pub fn new(coefficients: [f64; 8]) -> Option<Self> {
         Self::of(Model::Gps, coefficients)
     }
 
-    /// Coefficients of `BeiDou`'s model, under the same conditions.
+    /// Returns `BeiDou`'s model from its coefficients, under the same conditions.
     pub fn of_beidou(coefficients: [f64; 8]) -> Option<Self> {
         Self::of(Model::Beidou, coefficients)
     }
@@ -154,10 +162,10 @@ impl Klobuchar {
         (is_sound && says_something).then(|| Self { model, alpha: narrow(alpha), beta: narrow(beta) })
     }
 
-    /// Delay towards a satellite.
+    /// Returns the delay towards a satellite.
     ///
-    /// `line_of_sight` is the unit vector receiver → satellite, east, north, up. No delay for a direction or a place
-    /// that is not finite.
+    /// `line_of_sight` is the unit vector receiver → satellite, east, north, up. The delay is zero
+    /// for a direction or a place that is not finite.
     pub fn slant(&self, place: Place, line_of_sight: [f32; 3]) -> Slant {
         let [east, north, up] = line_of_sight;
         let horizontal = libm::sqrtf(east * east + north * north);
@@ -176,14 +184,15 @@ impl Klobuchar {
         Slant { delay_m, geomagnetic_sc: pierce.geomagnetic_sc }
     }
 
-    /// What `BeiDou`'s model says of a line of sight: delay straight up on L1, s, and how much longer the path is.
+    /// Returns `BeiDou`'s delay straight up on L1, s, and the ratio of the slant path to the
+    /// vertical one.
     fn beidou(&self, place: Place, [east, north, up]: [f32; 3], horizontal: f32) -> (f32, f32) {
-        /// B1I to L1: `f²/f₁²`.
+        /// Factor from B1I to L1: `f²/f₁²`.
         const TO_L1: f32 = {
             let ratio = Band::B1I.frequency_hz() / Band::L1.frequency_hz();
             (ratio * ratio) as f32
         };
-        // The cosine of the elevation, of what is a unit vector above the horizon.
+        // Cosine of the elevation, for a unit vector above the horizon.
         let cos_elevation = (horizontal / libm::sqrtf(horizontal * horizontal + up * up)).min(1.0);
         let (latitude_sc, longitude_sc) = on_the_sphere(place, [east, north], horizontal, cos_elevation);
         let local_s = local_time_s(longitude_sc, place.time_of_day_s - BEIDOU_OFFSET_MS as f32 * 1e-3);
@@ -192,7 +201,8 @@ impl Klobuchar {
         (vertical_s, 1.0 / libm::sqrtf(1.0 - slanted * slanted))
     }
 
-    /// Vertical delay on B1I by `BeiDou`'s model, s; the latitude is geographic, without its sign.
+    /// Returns the vertical delay on B1I by `BeiDou`'s model, s; `latitude_sc` is geographic,
+    /// without its sign.
     fn beidou_vertical_s(&self, latitude_sc: f32, local_s: f32) -> f32 {
         let amplitude_s = polynomial(&self.alpha, latitude_sc).max(0.0);
         let period_s = polynomial(&self.beta, latitude_sc).clamp(72_000.0, 172_800.0);
@@ -203,7 +213,8 @@ impl Klobuchar {
         NIGHT_S + amplitude_s * cosine(2.0 * since_peak_s / period_s)
     }
 
-    /// Vertical delay on L1, s: 5 ns at night, half a cosine around two in the afternoon.
+    /// Returns the vertical delay on L1, s: 5 ns at night, half a cosine about two in the
+    /// afternoon.
     fn vertical_s(&self, geomagnetic_sc: f32, local_s: f32) -> f32 {
         let amplitude_s = polynomial(&self.alpha, geomagnetic_sc).max(0.0);
         let period_s = polynomial(&self.beta, geomagnetic_sc).max(72_000.0);
@@ -216,7 +227,7 @@ impl Klobuchar {
     }
 }
 
-/// Where and when a receiver looks through the ionosphere.
+/// Place and time of a receiver below the ionosphere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Place {
     /// Geodetic latitude, semicircles.
@@ -228,7 +239,7 @@ pub struct Place {
 }
 
 impl Place {
-    /// A place at an instant.
+    /// Returns a place at an instant.
     pub fn at(latitude_rad: f32, longitude_rad: f32, time: GpsTime) -> Self {
         const DAY_MS: u32 = 86_400_000;
         Self {
@@ -239,17 +250,18 @@ impl Place {
     }
 }
 
-/// Where the line of sight crosses the ionosphere.
+/// Crossing of the line of sight with the ionosphere.
 struct PiercePoint {
     longitude_sc: f32,
-    /// Latitude against the geomagnetic equator.
+    /// Geomagnetic latitude, semicircles.
     geomagnetic_sc: f32,
 }
 
 impl PiercePoint {
     fn of(place: Place, [east, north]: [f32; 2], horizontal: f32, elevation_sc: f32) -> Self {
         let central_sc = 0.0137 / (elevation_sc + 0.11) - 0.022;
-        // Straight up has no azimuth; any will do, since the angle at the centre is nearly 0 there.
+        // Straight up has no azimuth. Any will do, because the angle at the centre is nearly 0
+        // there.
         let scale = if horizontal > 1e-6 { central_sc / horizontal } else { 0.0 };
         let latitude_sc = (place.latitude_sc + scale * north).clamp(-0.416, 0.416);
         let longitude_sc = place.longitude_sc + scale * east / cosine(latitude_sc);
@@ -258,13 +270,14 @@ impl PiercePoint {
     }
 }
 
-/// Latitude and longitude of where a line of sight crosses the shell of `BeiDou`'s model, semicircles.
+/// Returns latitude and longitude at which a line of sight crosses the shell of `BeiDou`'s model,
+/// semicircles.
 fn on_the_sphere(place: Place, [east, north]: [f32; 2], horizontal: f32, cos_elevation: f32) -> (f32, f32) {
     // A right angle less the elevation is the arc sine of its cosine.
     let central_rad = libm::asinf(cos_elevation) - libm::asinf(SHELL_RATIO * cos_elevation);
     let [(sin_central, cos_central), (sin_latitude, cos_latitude)] =
         [central_rad / PI, place.latitude_sc].map(|angle_sc| (cosine(angle_sc - 0.5), cosine(angle_sc)));
-    // Straight up has no azimuth, and nothing to turn by.
+    // Straight up has no azimuth, and the angle at the centre is 0 there.
     let scale = if horizontal > 1e-6 { 1.0 / horizontal } else { 0.0 };
     let sine = sin_latitude * cos_central + cos_latitude * sin_central * north * scale;
     let latitude_sc = libm::asinf(sine.clamp(-1.0, 1.0)) / PI;
@@ -272,18 +285,19 @@ fn on_the_sphere(place: Place, [east, north]: [f32; 2], horizontal: f32, cos_ele
     (latitude_sc, place.longitude_sc + libm::asinf(turn) / PI)
 }
 
-/// Local solar time at the pierce point, s in 0..86,400.
+/// Returns the local solar time at the pierce point, s in 0..86,400.
 fn local_time_s(longitude_sc: f32, time_of_day_s: f32) -> f32 {
     let sum_s = 43_200.0 * longitude_sc + time_of_day_s;
     sum_s - 86_400.0 * libm::floorf(sum_s / 86_400.0)
 }
 
-/// `c0 + c1 x + c2 x² + c3 x³`.
+/// Returns `c0 + c1 x + c2 x² + c3 x³`.
 fn polynomial(coefficients: &[f32; 4], x: f32) -> f32 {
     coefficients.iter().rev().fold(0.0, |sum, coefficient| sum * x + coefficient)
 }
 
-/// Cosine of an angle in semicircles, to 3e-7: the one of the library works in double precision.
+/// Returns the cosine of an angle in semicircles, to 3e-7, because the library's function works in
+/// double precision.
 ///
 /// `cos 2x = 1 − 2 sin² x`, with the series of the sine to the eleventh power on ±π/2.
 fn cosine(semicircles: f32) -> f32 {

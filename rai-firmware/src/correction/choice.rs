@@ -1,4 +1,4 @@
-//! Which of a satellite's ranges are used.
+//! Choice among the ranges of a satellite.
 //!
 //! Two frequencies remove the ionosphere, at the price of noise:
 //!
@@ -11,12 +11,12 @@
 //! |---|---|---|
 //! | `f` | [`Band::frequency_hz`] | Hz |
 //! | `P` | `range_m` | m |
-//! | `τ` | `group_delay_s`: what the satellite's clock differs by from the time on that band | s |
+//! | `τ` | `group_delay_s`: difference between the satellite's clock and the time on that band | s |
 //! | `√(k_a² + k_b²)` | `noise_gain` | 1 |
 //!
-//! Assumes that both codes are equally noisy and that the ionosphere's delay goes with `1/f²` (the neglected
-//! higher orders are below 0.1 m). References: [IS-GPS-200] 20.3.3.3.3, [IS-GPS-705], [OS-SIS-ICD] 5.1.5,
-//! [BDS-SIS-B1I] 5.2.4.10, [BDS-SIS-B3I].
+//! Assumes equal noise of both codes, and an ionospheric delay that scales with `1/f²` (the
+//! neglected higher orders are below 0.1 m). References: [IS-GPS-200] 20.3.3.3.3, [IS-GPS-705],
+//! [OS-SIS-ICD] 5.1.5, [BDS-SIS-B1I] 5.2.4.10, [BDS-SIS-B3I].
 //!
 //! [IS-GPS-200]: crate#references
 //! [IS-GPS-705]: crate#references
@@ -31,29 +31,29 @@ use super::root_of_squares;
 use crate::ephemeris::Ephemeris;
 use crate::raw::{Band, RawSignal};
 
-/// The range that is used of a satellite, corrected for group delays.
+/// The chosen range of a satellite, corrected for group delays.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Choice {
-    /// Pseudorange, corrected for the group delay, m. The satellite clock is still in it.
+    /// Pseudorange, corrected for the group delay but not for the satellite clock, m.
     pub range_m: f64,
-    /// How much noisier it is than one code range.
+    /// Ratio of its noise to that of one code range.
     pub noise_gain: f32,
-    /// How much noisier its weakest signal is than a strong one.
+    /// Ratio of the noise of its weakest signal to that of a strong one.
     pub weakness: f32,
-    /// Standard deviation of a group delay that is not broadcast, m; 0 where it is.
+    /// Standard deviation of a group delay that is not broadcast, m; 0 for one that is.
     pub uncalibrated_m: f32,
-    /// The carriers it is made of; with the first alone, its ionospheric delay is still in the range.
+    /// Carriers of the range; with the first alone, the ionospheric delay remains in the range.
     pub bands: (Band, Option<Band>),
 }
 
-/// Metres of a delay of a second.
+/// Speed of light: metres of delay per second.
 const LIGHT_M_S: f32 = SPEED_OF_LIGHT_M_S as f32;
 
 /// Two bands whose ranges combine.
 struct Pair {
     first: Band,
     second: Band,
-    /// `k_a`, where `k_b` is what is left of 1.
+    /// Factor `k_a`; `k_b` is `1 − k_a`.
     share: f32,
 }
 
@@ -63,7 +63,8 @@ impl Pair {
     }
 }
 
-/// Pairs by preference: what the broadcast clock refers to comes first, what it knows no delay of comes last.
+/// Pairs by preference: those of the broadcast clock's reference first, those without a broadcast
+/// delay last.
 const PAIRS: [Pair; 8] = [
     Pair::of(Band::L1, Band::L2),
     Pair::of(Band::L1, Band::L5),
@@ -72,7 +73,7 @@ const PAIRS: [Pair; 8] = [
     Pair::of(Band::B1I, Band::B3I),
     Pair::of(Band::B1I, Band::B2I),
     Pair::of(Band::B1C, Band::B2a),
-    // Every channel's frequencies are as 9 to 7.
+    // The frequencies of every channel have the ratio 9 to 7.
     Pair::of(Band::G1, Band::G2),
 ];
 
@@ -93,26 +94,28 @@ const SINGLES: [Band; 13] = [
     Band::G2,
 ];
 
-/// What can be made of a satellite's signals: an ionosphere-free pair, one frequency, or none.
+/// Usable ranges of a satellite: an ionosphere-free pair, one frequency, both, or none.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Choices {
-    /// The best pair.
+    /// Best pair.
     pub pair: Option<Choice>,
-    /// The best single range.
+    /// Best single range.
     pub single: Option<Choice>,
 }
 
 impl Choices {
-    /// The pair, or else the single range.
+    /// Returns the pair, or else the single range.
     pub fn preferred(&self) -> Option<&Choice> {
         self.pair.as_ref().or(self.single.as_ref())
     }
 }
 
-/// Chooses among a satellite's signals those that are in service, strong enough, and related to the broadcast clock.
+/// Chooses among a satellite's signals those that are in service, strong enough, and related to the
+/// broadcast clock.
 ///
-/// Signals below `mask_dbhz` are left out where the receiver says how strong they are. `unsaid_dbhz` is how strong one is taken for
-/// of which it does not; infinite where it never says, and all are taken for strong.
+/// Signals whose reported strength is below `mask_dbhz` are left out. `unsaid_dbhz` is the assumed
+/// strength of a signal without a report. It is infinite if the receiver never reports strength, so
+/// that all signals count as strong.
 pub fn choose(signals: &[RawSignal], ephemeris: &Ephemeris, mask_dbhz: f32, unsaid_dbhz: f32) -> Choices {
     let is_usable = |signal: &&RawSignal| {
         let band = signal.carrier.band;
@@ -124,7 +127,7 @@ pub fn choose(signals: &[RawSignal], ephemeris: &Ephemeris, mask_dbhz: f32, unsa
     Choices { pair: PAIRS.iter().find_map(pair), single: SINGLES.iter().find_map(single) }
 }
 
-/// The ionosphere-free combination of two signals.
+/// Returns the ionosphere-free combination of two signals.
 fn combine(
     first: &RawSignal,
     second: &RawSignal,
@@ -134,11 +137,12 @@ fn combine(
 ) -> Option<Choice> {
     let (delay_first, delay_second) =
         (ephemeris.group_delay(pair.first)?, ephemeris.group_delay(pair.second)?);
-    // k_a P_a + (1 − k_a) P_b = P_b + k_a (P_a − P_b): what is added to a range is small, and single precision holds it.
+    // k_a P_a + (1 − k_a) P_b = P_b + k_a (P_a − P_b): the added part is small, so that single
+    // precision holds it.
     let delay_s = delay_second.seconds() + pair.share * (delay_first.seconds() - delay_second.seconds());
     let apart_m = (first.range_m - second.range_m) as f32;
     let added_m = pair.share * apart_m - LIGHT_M_S * delay_s;
-    // What is tracked without its code is tracked by the other.
+    // A signal without its code is tracked by the other, and has its strength.
     let strength_dbhz = match (first.is_codeless(), second.is_codeless()) {
         (false, false) => strength(first, unsaid_dbhz).min(strength(second, unsaid_dbhz)),
         (true, _) => strength(second, unsaid_dbhz),
@@ -156,7 +160,7 @@ fn combine(
     })
 }
 
-/// One signal by itself.
+/// Returns the range of one signal.
 fn alone(signal: &RawSignal, ephemeris: &Ephemeris, unsaid_dbhz: f32) -> Option<Choice> {
     let delay = ephemeris.group_delay(signal.carrier.band)?;
     Some(Choice {
@@ -168,12 +172,12 @@ fn alone(signal: &RawSignal, ephemeris: &Ephemeris, unsaid_dbhz: f32) -> Option<
     })
 }
 
-/// How strong a signal is taken for, dB-Hz.
+/// Returns the strength of a signal, reported or assumed, dB-Hz.
 fn strength(signal: &RawSignal, unsaid_dbhz: f32) -> f32 {
     signal.cn0_dbhz().unwrap_or(unsaid_dbhz)
 }
 
-/// The two factors `k_a`, `k_b` of the ionosphere-free combination.
+/// Returns the two factors `k_a`, `k_b` of the ionosphere-free combination.
 pub const fn ionosphere_free(first: Band, second: Band) -> (f64, f64) {
     let (first_hz, second_hz) = (first.frequency_hz(), second.frequency_hz());
     let squared = first_hz * first_hz;

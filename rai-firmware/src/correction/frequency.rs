@@ -1,47 +1,51 @@
-//! One frequency or two: whichever gives the smaller levels.
+//! Choice between one frequency and two, by the smaller levels.
 //!
-//! A pair of frequencies is free of the ionosphere and three times as noisy; one frequency is quiet and carries what the
-//! model misses. Which is better depends on the place, the sky, the receiver, and which satellites send what:
+//! A pair of frequencies is free of the ionosphere and three times as noisy. One frequency has
+//! little noise but the residual of the ionosphere's model. The better choice depends on the place,
+//! the sky, the receiver, and the signals of each satellite:
 //!
 //! ```text
 //! N = Σ_i w_i h_i h_iᵀ − Σ_c (Σ_c w h)(Σ_c w h)ᵀ / Σ_c w        P = N⁻¹
 //! g = P (Σ_i w_i h_i m_i − Σ_c (Σ_c w h)(Σ_c w m) / Σ_c w)
-//! H = K_h √(larger eigenvalue of P_EN) + K_c |g_EN|        V = K_v √P_UU + K_c |g_U|        cost = max(H/HAL, V/VAL)
+//! H = K_h √(larger eigenvalue of P_EN) + K_c |g_EN|        V = K_v √P_UU + K_c |g_U|
+//! cost = max(H/HAL, V/VAL)
 //! ```
 //!
 //! | symbol | here | unit |
 //! |---|---|---|
-//! | `h`, `w` | line of sight, `1/σ²`, as the integrity test will use them | –, 1/m² |
-//! | `m` | what the ionospheric model misses of each range, one sigma, all of one sign | m |
+//! | `h`, `w` | line of sight, `1/σ²`, as in the integrity test | –, 1/m² |
+//! | `m` | residual of the ionospheric model on each range, one sigma, all of one sign | m |
 //! | `H`, `V` | [`Spread`]: the fault-free part of the levels | m |
 //!
-//! Residuals take no part: a choice that looked at them would choose the set in which a fault does not show. Levels of
-//! faults go with the same spread, since both sets hold the same satellites.
+//! Residuals take no part, because a choice by residuals would prefer the set in which a fault does
+//! not show. Fault levels scale with the same spread, because both sets hold the same satellites.
 //!
-//! **No oscillation.** The set in use stays until the other has been a fifth better for ten epochs on end; while it is not,
-//! a look every tenth epoch is enough, since skies change slowly and a look costs as much as a correction. Each change
-//! moves the receiver clock by the delay between carriers; with clock aiding, whose forecast would call that a jump, the
-//! set stays as it is.
+//! **No oscillation.** The set in use stays until the other has been better by a fifth for ten
+//! consecutive epochs. Otherwise the sets are compared only every tenth epoch, because skies change
+//! slowly and a comparison costs as much as a correction. Each change moves the receiver clock by
+//! the delay between carriers. With clock aiding the set never changes, because the clock forecast
+//! would take that for a jump.
 
 use rai_core::satellite::Constellation;
 use rai_core::weighting::COMMON_SIGMAS;
 
-/// Multiples of the standard deviation in the fault-free part of a level, at 1e-7: `√(2 ln 1e7)` and `Q⁻¹(5e-8)`.
+/// Multiples of the standard deviation in the fault-free part of a level, at 1e-7: `√(2 ln 1e7)`
+/// and `Q⁻¹(5e-8)`.
 const HORIZONTAL: f32 = 5.68;
 const VERTICAL: f32 = 5.33;
 
-/// The other set must be this much better.
+/// Largest cost of the other set relative to the set in use, for a change.
 const BETTER: f32 = 0.8;
 
-/// For so many epochs on end.
+/// Consecutive epochs for which the other set must be better.
 const PERSISTENT: u8 = 10;
 
-/// Which ranges are used of a satellite that offers both.
+/// Kind of range for a satellite that offers both.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ranges {
-    /// Ionosphere-free pairs; one frequency where there is no pair.
+    /// Ionosphere-free pairs; one frequency for a satellite without a pair.
     Pairs,
-    /// One frequency; a pair where there is no other.
+    /// One frequency; a pair for a satellite without a single range.
     Singles,
 }
 
@@ -57,40 +61,41 @@ impl Ranges {
 /// The fault-free part of the protection levels, m.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spread {
-    /// In the worst horizontal direction.
+    /// Level in the worst horizontal direction.
     pub horizontal_m: f32,
-    /// Upwards.
+    /// Level upwards.
     pub vertical_m: f32,
 }
 
 impl Spread {
-    /// The larger share of a limit, 1 where a level is at its limit.
+    /// Returns the larger ratio of a level to its limit, 1 at the limit.
     pub fn cost(&self, hal_m: f32, val_m: f32) -> f32 {
         (self.horizontal_m / hal_m).max(self.vertical_m / val_m)
     }
 }
 
-/// The set in use, and for how long the other one has been better.
+/// The set in use, with the number of epochs for which the other has been better.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Preference {
     ranges: Ranges,
     epochs_better: u8,
-    /// Epochs until the next look.
+    /// Epochs until the next comparison.
     rest: u8,
 }
 
 impl Preference {
-    /// Pairs, until singles are better.
+    /// Returns the preference at start: pairs, until singles are better.
     pub const fn new() -> Self {
         Self { ranges: Ranges::Pairs, epochs_better: 0, rest: 0 }
     }
 
-    /// The set in use.
+    /// Returns the set in use.
     pub const fn ranges(&self) -> Ranges {
         self.ranges
     }
 
-    /// Takes note of what both sets would cost, and says which to use. `cost` is `None` where a set makes no position.
+    /// Compares the costs of both sets and returns the set to use. `cost` is `None` for a set
+    /// without a position.
     pub fn weigh(&mut self, cost: impl Fn(Ranges) -> Option<f32>) -> Ranges {
         if let Some(rest) = self.rest.checked_sub(1) {
             self.rest = rest;
@@ -115,7 +120,7 @@ impl Default for Preference {
     }
 }
 
-/// Sums over the ranges of one constellation, or over all.
+/// Sums over the ranges of one constellation or of all.
 #[derive(Clone, Copy)]
 struct Sums {
     weight: f32,
@@ -135,7 +140,7 @@ pub(super) struct Geometry {
     systems: [Sums; Constellation::COUNT],
 }
 
-/// The upper triangle of `a bᵀ`.
+/// Returns the upper triangle of `a bᵀ`.
 fn outer(a: [f32; 3], b: [f32; 3]) -> [f32; 6] {
     [a[0] * b[0], a[0] * b[1], a[0] * b[2], a[1] * b[1], a[1] * b[2], a[2] * b[2]]
 }
@@ -146,7 +151,7 @@ impl Geometry {
         Self { normal: [0.0; 6], pull: [0.0; 3], systems: [NONE; Constellation::COUNT] }
     }
 
-    /// Adds a range with the part of its error that all share.
+    /// Adds a range, with the part of its error that is common to all.
     pub(super) fn add(&mut self, system: Constellation, direction: [f32; 3], sigma_m: f32, common_m: f32) {
         let weight = 1.0 / (sigma_m * sigma_m);
         accumulate(&mut self.normal, outer(direction, direction), weight);
@@ -159,7 +164,7 @@ impl Geometry {
         }
     }
 
-    /// How well the position is known; `None` where it is not.
+    /// Returns the spread of the position, or `None` for a singular geometry.
     pub(super) fn spread(&self) -> Option<Spread> {
         let (mut normal, mut pull) = (self.normal, self.pull);
         for sums in self.systems.iter().filter(|sums| sums.weight > 0.0) {
@@ -189,9 +194,11 @@ fn accumulate<const N: usize>(sum: &mut [f32; N], terms: [f32; N], weight: f32) 
     }
 }
 
-/// The inverse of a symmetric matrix that is positive by more than rounding.
+/// Returns the inverse of a symmetric matrix, or `None` unless it is positive by more than
+/// rounding.
 fn inverse([ee, en, eu, nn, nu, uu]: [f32; 6]) -> Option<[f32; 6]> {
-    /// Below this share of what independent axes would have, the determinant is rounding.
+    /// Least determinant, as a share of that of independent axes; below it the determinant is
+    /// rounding.
     const SINGULAR: f32 = 1e-5;
     let (a, b, c) = (nn * uu - nu * nu, eu * nu - en * uu, en * nu - eu * nn);
     let determinant = ee * a + en * b + eu * c;

@@ -1,28 +1,28 @@
 //! Directions as seen from the receiver.
 //!
-//! In single precision: a coordinate is right to 1 m in 26,000 km, and a direction to 1e-7. What is a range and not a
-//! direction needs more.
+//! Single precision suffices: a coordinate is accurate to 1 m in 26,000 km, and a direction to
+//! 1e-7. Ranges need more and do not come from here.
 
 use rai_core::frame::{Ecef, LocalFrame};
 
-/// Where the receiver is, and its axes east, north, up.
+/// Place of the receiver, with its axes east, north, up.
 #[derive(Clone, Debug)]
 pub(crate) struct Horizon {
     place_m: [f32; 3],
     axes: [[f32; 3]; 3],
 }
 
-/// The straight way to a satellite.
+/// The straight path to a satellite.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Way {
-    /// In the earth-fixed frame, m.
+    /// Difference of the places in the earth-fixed frame, m.
     pub(crate) difference_m: [f32; 3],
-    /// Of its length, 1/m.
+    /// Inverse of its length, 1/m.
     pub(crate) inverse_length: f32,
 }
 
 impl Horizon {
-    /// The horizon at a point, whose frame is known.
+    /// Returns the horizon at a point with a known frame.
     pub(crate) fn at(point: Ecef, frame: &LocalFrame) -> Self {
         let sin_latitude = frame.sin_latitude() as f32;
         let cos_latitude = cosine_of_latitude(sin_latitude);
@@ -37,7 +37,7 @@ impl Horizon {
         }
     }
 
-    /// The way to a point.
+    /// Returns the path to a point.
     pub(crate) fn way_to(&self, coordinates_m: [f32; 3]) -> Way {
         let [x, y, z] = coordinates_m;
         let [from_x, from_y, from_z] = self.place_m;
@@ -45,24 +45,25 @@ impl Horizon {
         Way { difference_m: [x, y, z], inverse_length: 1.0 / libm::sqrtf(x * x + y * y + z * z) }
     }
 
-    /// Unit vector along a way: east, north, up.
+    /// Returns the unit vector along a path: east, north, up.
     pub(crate) fn direction(&self, way: &Way) -> [f32; 3] {
         let [x, y, z] = way.difference_m;
         self.axes.map(|[a, b, c]| way.inverse_length * (a * x + b * y + c * z))
     }
 }
 
-/// Of a geodetic latitude, whose cosine is never negative.
+/// Returns the cosine of a geodetic latitude, which is never negative.
 pub(crate) fn cosine_of_latitude(sin_latitude: f32) -> f32 {
     libm::sqrtf((1.0 - sin_latitude * sin_latitude).max(0.0))
 }
 
-/// Earth-fixed coordinates, m.
+/// Returns earth-fixed coordinates, m.
 pub(crate) fn coordinates_m(point: Ecef) -> [f32; 3] {
     [point.x_m, point.y_m, point.z_m].map(|coordinate_m| coordinate_m as f32)
 }
 
-/// Unit vectors to the east and away from the axis, x and y; on the axis those of longitude 0.
+/// Returns unit vectors to the east and away from the axis, x and y; on the axis those of longitude
+/// 0.
 fn level_axes(point: Ecef) -> ([f32; 2], [f32; 2]) {
     let (x, y) = (point.x_m as f32, point.y_m as f32);
     let axial = libm::sqrtf(x * x + y * y);

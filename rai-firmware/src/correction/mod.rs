@@ -1,4 +1,4 @@
-//! From raw ranges to an epoch: which range, which orbit, what delays, how uncertain.
+//! From raw ranges to an epoch: choice of ranges, orbits, delays and sigmas.
 //!
 //! ```text
 //! ρ = P − τ_b c + c Δt_sat − T(el) − I(el)
@@ -11,11 +11,13 @@
 //! | `T`, `I` | tropospheric and ionospheric slant delay ([`atmosphere`]) | m |
 //! | `ρ` | [`Observation::range_m`] | m |
 //!
-//! It happens in two steps, because only the second needs to know where the receiver is: [`locate`] finds the
-//! satellites once for each epoch, which is the expensive part; [`Site::correct`] can be repeated about a better point.
-//! Where two frequencies are at hand, the site also says which ranges give the smaller levels ([`frequency`]).
+//! Correction has two steps, because only the second depends on the receiver's position. [`locate`]
+//! computes the satellite positions once for each epoch, which is the expensive part.
+//! [`Site::correct`] can be repeated at a better point. If two frequencies are available, the site
+//! also compares the levels of both kinds of ranges ([`frequency`]).
 //!
-//! References: [Klobuchar1987] J. A. Klobuchar, *Ionospheric time-delay algorithm for single-frequency GPS users*.
+//! References: [Klobuchar1987] J. A. Klobuchar, *Ionospheric time-delay algorithm for
+//! single-frequency GPS users*.
 //!
 //! [Klobuchar1987]: crate#references
 
@@ -46,33 +48,34 @@ pub use rai_core::single::CAPACITY;
 pub use site::Site;
 
 counters! {
-    /// Why satellites of an epoch were not used.
+    /// Reasons for which satellites of an epoch were not used.
     Refusals {
-        /// No signal that is strong enough and whose delay is known.
+        /// No signal is strong enough and has a known delay.
         signal_unusable,
-        /// More satellites than an epoch holds.
+        /// The epoch holds no more satellites.
         epoch_full,
-        /// A corrected range, position or sigma that no satellite can have.
+        /// A corrected range, position or sigma is impossible for a satellite.
         range_implausible,
-        /// The same satellite twice.
+        /// The same satellite appeared twice.
         satellite_twice,
-        /// Below the elevation mask. Not a fault.
+        /// The satellite is below the elevation mask, which is no fault.
         below_mask,
-        /// Of a system that does not take part. Not a fault.
+        /// The satellite's system is not in use, which is no fault.
         system_left_out,
     }
 }
 
-/// What became of an epoch's satellites, since the start.
+/// Counters of unused satellites since start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Tally {
-    /// Without a usable ephemeris.
+    /// Satellites without a usable ephemeris.
     pub ephemerides: ephemeris::Refusals,
-    /// Refused for another reason.
+    /// Satellites refused for another reason.
     pub ranges: Refusals,
 }
 
-/// A satellite whose position is known and whose ranges lack only what depends on the receiver's position.
+/// A satellite with a known position, whose ranges lack only the corrections that depend on the
+/// receiver's position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Located {
     satellite: SatelliteId,
@@ -80,39 +83,39 @@ pub struct Located {
     /// Satellite clock times the speed of light, m.
     clock_m: f64,
     choices: Choices,
-    /// What the satellite promises for the pair and for the single range, m.
+    /// Standard deviation that the satellite promises for the pair and for the single range, m.
     promised_m: [f32; 2],
-    /// Of its ephemeris, among those that were received.
+    /// Edition of its ephemeris among those that were received.
     edition: u32,
 }
 
 impl Located {
-    /// True when two of its ranges combine.
+    /// Returns true if two of its ranges combine.
     pub fn has_pair(&self) -> bool {
         self.choices.pair.is_some()
     }
 
-    /// Which satellite.
+    /// Returns the satellite.
     pub(crate) const fn satellite(&self) -> SatelliteId {
         self.satellite
     }
 
-    /// Where it was, and what its clock showed, when the signal left.
+    /// Returns its position and clock when the signal left.
     pub(crate) fn state(&self) -> SatelliteState {
         SatelliteState { position: self.position, clock_s: self.clock_m * (1.0 / SPEED_OF_LIGHT_M_S) }
     }
 
-    /// A range as measured, to some ten metres, m.
+    /// Returns a measured range, accurate to some ten metres, m.
     pub(crate) fn measured_m(&self) -> Option<f64> {
         self.range(Ranges::Singles).map(|(choice, _)| choice.range_m)
     }
 
-    /// A number that is another where its ephemeris is.
+    /// Returns a number that changes with the ephemeris.
     pub(crate) const fn edition(&self) -> u32 {
         self.edition
     }
 
-    /// The range that is used, and what its satellite promises of orbit and clock, m.
+    /// Returns the chosen range, and the promised sigma of orbit and clock, m.
     fn range(&self, ranges: Ranges) -> Option<(&Choice, f32)> {
         let [of_pair_m, of_single_m] = self.promised_m;
         let pair = self.choices.pair.as_ref().map(|pair| (pair, of_pair_m));
@@ -124,22 +127,22 @@ impl Located {
     }
 }
 
-/// `√(a² + b²)`.
+/// Returns `√(a² + b²)`.
 fn root_of_squares(a: f32, b: f32) -> f32 {
     if b == 0.0 { a } else { libm::sqrtf(a * a + b * b) }
 }
 
-/// The satellites of an epoch whose positions are known.
+/// Satellites of an epoch with known positions.
 pub type Sky = Vec<Located, CAPACITY>;
 
-/// What a receiver that was at a point sees above its mask.
+/// The sky above the mask of a receiver at a point.
 pub(crate) struct View {
     horizon: Horizon,
     sin_mask: f32,
 }
 
 impl View {
-    /// From a point, above an elevation.
+    /// Returns the view from a point, above an elevation.
     pub(crate) fn from(point: Ecef, mask_rad: f64) -> Self {
         Self { horizon: Horizon::at(point, &LocalFrame::at(point)), sin_mask: sine(mask_rad as f32) }
     }
@@ -151,7 +154,8 @@ impl View {
     }
 }
 
-/// Finds the satellites of an epoch, in place of those in `sky`; what cannot be used is counted by reason.
+/// Computes the satellites of an epoch in place of those in `sky`; unused satellites are counted by
+/// reason.
 #[inline(never)]
 pub fn locate(
     raw: &RawEpoch,
@@ -164,7 +168,7 @@ pub fn locate(
     locate_within(raw, store, mask_dbhz, systems, None, tally, sky);
 }
 
-/// The same; where there are more than the sky holds, those that the view does not show give way.
+/// Computes the same. If satellites exceed the capacity, those outside the view give way.
 #[inline(never)]
 pub(crate) fn locate_within(
     raw: &RawEpoch,
@@ -177,7 +181,8 @@ pub(crate) fn locate_within(
 ) {
     sky.clear();
     let mut crowd = Crowd { view, seen: 0 };
-    // A receiver that says how strong signals are, and of this one does not, knows nothing good of it.
+    // If a receiver reports strength for some signals, one without a report counts as just at the
+    // mask.
     let mut signals = raw.satellites.iter().flat_map(|satellite| &satellite.signals);
     let is_said = signals.any(|signal| signal.cn0_dbhz().is_some());
     let unsaid_dbhz = if is_said { mask_dbhz } else { f32::INFINITY };
@@ -197,27 +202,27 @@ pub(crate) fn locate_within(
     }
 }
 
-/// What became of a satellite whose ephemeris may be used.
+/// Outcome for a satellite with a usable ephemeris.
 enum Placed {
-    /// It is in the sky.
+    /// The satellite is in the sky.
     Yes,
-    /// It is in the sky, in the place of one that the view does not show.
+    /// The satellite is in the sky, in the place of one outside the view.
     Instead,
     /// The sky is full.
     Full,
-    /// No signal is strong enough and has a delay that is known.
+    /// No signal is strong enough and has a known delay.
     WithoutSignal,
 }
 
-/// Who gives way where there are more satellites than the sky holds.
+/// Rule for a sky with more satellites than capacity.
 struct Crowd<'v> {
     view: Option<&'v View>,
-    /// How many of the first stay.
+    /// Number of the first satellites, which stay.
     seen: usize,
 }
 
 impl Crowd<'_> {
-    /// Puts a satellite in the place of one that the view does not show.
+    /// Puts a satellite in the place of one outside the view.
     #[cold]
     #[inline(never)]
     fn replace(&mut self, sky: &mut Sky, located: &Located) -> Placed {
@@ -272,12 +277,12 @@ fn locate_one(
     })
 }
 
-/// Makes an epoch without atmosphere and mask, to find out roughly where the receiver is.
+/// Builds an epoch without atmosphere and mask, for a coarse position of the receiver.
 pub fn coarse(sky: &Sky, time: GpsTime, epoch: &mut Epoch<CAPACITY>) {
     epoch.restart(time.to_s());
     for located in sky {
         let Some((choice, _)) = located.range(Ranges::Pairs) else { continue };
-        // What is refused here is refused, and counted, again by `correct`.
+        // `correct` refuses and counts the same observation again.
         let _ = epoch.push(Observation {
             satellite: located.satellite,
             position: located.position,

@@ -1,6 +1,7 @@
-//! The receiver's place: what it sees of each satellite, and what the air above it adds.
+//! The receiver's place: directions to satellites, and the delays of the air above it.
 //!
-//! Directions, delays and sigmas are models or linearised, and single precision has ten times the digits that they need.
+//! Directions, delays and sigmas come from models or linearisation, which need a tenth of the
+//! digits of single precision.
 
 use rai_core::epoch::{Epoch, EpochError, Observation};
 use rai_core::frame::{Ecef, LocalFrame};
@@ -19,7 +20,7 @@ use crate::counters::count;
 use crate::raw::Band;
 use crate::time::GpsTime;
 
-/// Where a receiver is, roughly, and what is known of the air above it.
+/// The approximate place of a receiver, with the models of the air above it.
 #[derive(Clone, Debug)]
 pub struct Site {
     horizon: Horizon,
@@ -32,21 +33,22 @@ pub struct Site {
     ism: Option<Ism>,
 }
 
-/// A range as it enters the epoch.
+/// A range for the epoch.
 #[derive(Clone, Copy)]
 struct Corrected {
     line_of_sight: [f32; 3],
     range_m: f64,
     sigma_m: f32,
-    /// The part of it that all ranges share, m at one sigma.
+    /// Part of its error that is common to all ranges, m at one sigma.
     common_m: f32,
 }
 
 impl Site {
-    /// The site at a point known to some hundred metres.
+    /// Returns the site at a point known to some hundred metres.
     ///
-    /// `mask_rad` is the elevation below which satellites are left out; `klobuchar` is the model of the ionosphere, where its
-    /// coefficients are known. It uses pairs of frequencies where there are some, until [`Self::with_ranges`] says otherwise.
+    /// `mask_rad` is the elevation below which satellites are left out. `klobuchar` is the model of
+    /// the ionosphere, if its coefficients are known. The site prefers pairs of frequencies, until
+    /// [`Self::with_ranges`] changes that.
     pub fn new(point: Ecef, time: GpsTime, mask_rad: f64, klobuchar: Option<Klobuchar>) -> Self {
         let frame = LocalFrame::at(point);
         let sin_latitude = frame.sin_latitude() as f32;
@@ -64,20 +66,20 @@ impl Site {
         }
     }
 
-    /// The same site, with these ranges where a satellite offers both.
+    /// Returns the same site, with this kind of ranges for a satellite that offers both.
     #[must_use]
     pub fn with_ranges(self, ranges: Ranges) -> Self {
         Self { ranges, ..self }
     }
 
-    /// The same site, with sigmas by what is promised of the satellites instead of by what is expected; without it as
-    /// before.
+    /// Returns the same site, with sigmas from the ISM instead of the expected ones. `None` keeps
+    /// the expected ones.
     #[must_use]
     pub fn weighted_by(self, ism: Option<Ism>) -> Self {
         Self { ism, ..self }
     }
 
-    /// Makes the epoch as this site sees it; what is left out is counted by reason.
+    /// Builds the epoch of this site; satellites left out are counted by reason.
     #[inline(never)]
     pub fn correct(&self, sky: &Sky, refusals: &mut Refusals, epoch: &mut Epoch<CAPACITY>) {
         epoch.restart(self.time.to_s());
@@ -105,7 +107,8 @@ impl Site {
         }
     }
 
-    /// How well these ranges would determine the position, by geometry and sigmas alone; `None` where they do not.
+    /// Returns the spread of the position from geometry and sigmas alone, or `None` for a singular
+    /// geometry.
     pub fn spread(&self, sky: &Sky, ranges: Ranges) -> Option<Spread> {
         let (mut geometry, usual) = (Geometry::new(), Usual::of(sky, ranges));
         for located in sky {
@@ -117,7 +120,7 @@ impl Site {
         geometry.spread()
     }
 
-    /// One satellite from here; `None` below the mask.
+    /// Returns the corrected range of one satellite, or `None` below the mask.
     fn observe(&self, located: &Located, ranges: Ranges, usual: &Usual) -> Option<Corrected> {
         let line_of_sight = self.line_of_sight(located.position);
         let [.., sin_elevation] = line_of_sight;
@@ -152,12 +155,12 @@ impl Site {
         })
     }
 
-    /// Unit vector towards a satellite, east, north, up.
+    /// Returns the unit vector towards a satellite, east, north, up.
     fn line_of_sight(&self, satellite: Ecef) -> [f32; 3] {
         self.horizon.direction(&self.horizon.way_to(coordinates_m(satellite)))
     }
 
-    /// What the ionosphere adds to a range, and what the model misses of it, m.
+    /// Returns the ionospheric delay of a range, and the residual of the model at one sigma, m.
     fn ionosphere(&self, choice: &Choice, line_of_sight: [f32; 3]) -> (f32, f32) {
         let (band, None) = choice.bands else {
             return (0.0, 0.0);
@@ -172,13 +175,13 @@ impl Site {
     }
 }
 
-/// How much more a band is delayed than L1, `f₁²/f²`.
+/// Returns the ratio of a band's ionospheric delay to that of L1, `f₁²/f²`.
 fn dispersion(band: Band) -> f32 {
     let ratio = Band::L1.frequency_hz() as f32 / band.frequency_hz() as f32;
     ratio * ratio
 }
 
-/// The combination that most satellites of each system have; the first of equals.
+/// Combination that most satellites of each system have; the first of equals.
 struct Usual([Option<(Band, Option<Band>)>; Constellation::COUNT]);
 
 impl Usual {

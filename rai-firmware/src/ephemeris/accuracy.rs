@@ -1,9 +1,11 @@
-//! What the satellite promises of its range error: index to metres.
+//! Accuracy indices of the messages, converted to metres.
 
-/// One sigma of an URA index of GPS or `BeiDou`, m; `None` for 15 and above: no promise.
+/// Returns the standard deviation of a URA index of GPS or `BeiDou`, m, or `None` for 15 and above,
+/// which promise none.
 ///
-/// The nominal values of [IS-GPS-200] 20.3.3.3.1.3 and of the URAI of [BDS-SIS-B1I] 5.2.4.5, which are the same: `2^(1+N/2)`
-/// below 6 with 2.8, 5.7 and 11.3 for the odd ones, `2^(N−2)` from there on.
+/// The nominal values of [IS-GPS-200] 20.3.3.3.1.3 and of the URAI of [BDS-SIS-B1I] 5.2.4.5 are the
+/// same. They are `2^(1+N/2)` below 6, with 2.8, 5.7 and 11.3 for the odd ones, and `2^(N−2)` from
+/// there on.
 ///
 /// [IS-GPS-200]: crate#references
 /// [BDS-SIS-B1I]: crate#references
@@ -13,9 +15,10 @@ pub fn ura_m(index: u8) -> Option<f32> {
     URA_M.get(usize::from(index)).copied()
 }
 
-/// One sigma of the index `F_T` of GLONASS, m; `None` for 15: no promise.
+/// Returns the standard deviation of the index `F_T` of GLONASS, m, or `None` for 15, which
+/// promises none.
 ///
-/// [GLO-ICD] table 4.4.
+/// See [GLO-ICD] table 4.4.
 ///
 /// [GLO-ICD]: crate#references
 pub fn glonass_accuracy_m(index: u8) -> Option<f32> {
@@ -24,9 +27,11 @@ pub fn glonass_accuracy_m(index: u8) -> Option<f32> {
     F_T_M.get(usize::from(index)).copied()
 }
 
-/// One sigma of a SISA index of Galileo, m; `None` for the spare values and for "no accuracy prediction".
+/// Returns the standard deviation of a SISA index of Galileo, m, or `None` for the spare values and
+/// for "no accuracy prediction".
 ///
-/// Four linear pieces, [OS-SIS-ICD] 5.1.12, "SISA index values": table 76 in version 1.3, table 89 in version 2.1.
+/// The values form four linear pieces, [OS-SIS-ICD] 5.1.12, "SISA index values": table 76 in
+/// version 1.3, table 89 in version 2.1.
 ///
 /// [OS-SIS-ICD]: crate#references
 pub fn galileo_sisa_m(index: u8) -> Option<f32> {
@@ -46,7 +51,7 @@ mod tests {
 
     #[test]
     fn galileo_index_107_is_the_usual_3_12_metres() {
-        // Index and metres as they stand in receivers' RINEX files: 107 is 3.12 m.
+        // Index and metres as in receivers' RINEX files: 107 is 3.12 m.
         assert!((galileo_sisa_m(107).unwrap() - 3.12).abs() < 1e-6);
     }
 

@@ -1,6 +1,7 @@
-//! A satellite's message before it is accepted, and the judgement.
+//! A satellite's message before it is accepted, with its checks.
 //!
-//! Bounds are those of the orbits that exist (with room) and of the widest fields of the three systems' messages.
+//! Bounds are those of existing orbits (with a margin) and of the widest fields of the three
+//! systems' messages.
 
 use core::fmt;
 
@@ -11,16 +12,17 @@ use crate::time::{GpsTime, WEEK_MS};
 
 /// One satellite's message with the week resolved, in the units of the interface documents.
 ///
-/// `_sc` is semicircles; the other units are the suffixes. Any value may stand here; [`Ephemeris::new`](super::Ephemeris::new) judges.
+/// The suffix `_sc` means semicircles. It may hold any values;
+/// [`Ephemeris::new`](super::Ephemeris::new) checks them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Broadcast {
-    /// Which satellite.
+    /// Satellite of the message.
     pub satellite: SatelliteId,
-    /// Which message.
+    /// Kind of the message.
     pub source: Source,
-    /// What the health and validity flags of the message say.
+    /// Health and validity flags of the message.
     pub health: Health,
-    /// One sigma of the range error as broadcast, m; `None` when the satellite does not promise any.
+    /// Broadcast standard deviation of the range error, m; `None` if the satellite promises none.
     pub accuracy_m: Option<f32>,
     /// Reference time of the elements.
     pub toe: GpsTime,
@@ -66,16 +68,17 @@ pub struct Broadcast {
     pub group_delays_s: [f32; 2],
 }
 
-/// Why a message is no ephemeris. Names the field.
+/// Field for which a message is refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BroadcastError {
-    /// The satellite is none of the message's system.
+    /// The satellite does not belong to the message's system.
     Satellite,
     /// The system's message has no elements of this form.
     Form,
     /// `toe` or `toc` lies outside the week, or they lie more than a day apart.
     ReferenceTime,
-    /// The eccentricity is not in 0 to 0.2: the most eccentric in use are two Galileo satellites, 0.17.
+    /// The eccentricity is not in 0 to 0.2: the most eccentric in use are two Galileo satellites,
+    /// 0.17.
     Eccentricity,
     /// The semi-major axis, or the distance from the centre, is not in 16,000 km to 64,000 km.
     SemiMajorAxis,
@@ -83,9 +86,9 @@ pub enum BroadcastError {
     OrbitType,
     /// An angle is not within ±1 semicircle.
     Angle,
-    /// A rate or a correction is not finite or larger than the message can say.
+    /// A rate or a correction is not finite or exceeds its field in the message.
     Correction,
-    /// A clock term or a group delay is not finite or larger than the message can say.
+    /// A clock term or a group delay is not finite or exceeds its field in the message.
     Clock,
 }
 
@@ -107,7 +110,7 @@ impl fmt::Display for BroadcastError {
 
 impl core::error::Error for BroadcastError {}
 
-/// Judges every field. A NaN is in no range.
+/// Checks every field. NaN is in no range.
 pub(super) fn check(broadcast: &Broadcast) -> Result<(), BroadcastError> {
     let verdicts = [
         (is_of_system(broadcast), BroadcastError::Satellite),
@@ -135,7 +138,8 @@ fn has_angles(broadcast: &Broadcast) -> bool {
     angles.iter().all(|angle| angle.abs() <= 1.0)
 }
 
-/// The widest fields are those of `BeiDou`: 18 bits of 2⁻³¹ rad and of 2⁻⁶ m.
+/// Returns true if the corrections fit. The widest fields are those of `BeiDou`: 18 bits of 2⁻³¹
+/// rad and of 2⁻⁶ m.
 fn has_corrections(broadcast: &Broadcast) -> bool {
     const WIDEST_RAD: f32 = 1.0 / (1 << 14) as f32;
     const WIDEST_M: f32 = 2048.0;
@@ -147,7 +151,7 @@ fn has_corrections(broadcast: &Broadcast) -> bool {
         && lengths.iter().all(|length| length.abs() <= WIDEST_M)
 }
 
-/// The widest offset is that of Galileo: 31 bits of 2⁻³⁴ s.
+/// Returns true if the clock fits. The widest offset is that of Galileo: 31 bits of 2⁻³⁴ s.
 fn has_clock(broadcast: &Broadcast) -> bool {
     let accuracy_m = broadcast.accuracy_m.unwrap_or(0.0);
     broadcast.af0_s.abs() <= 0.0625

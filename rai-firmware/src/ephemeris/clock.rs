@@ -1,28 +1,30 @@
-//! Satellite clocks, and what each band's delay is against them.
+//! Satellite clocks, and the delay of each band against them.
 //!
 //! ```text
 //! Δt = af0 + af1 (t − toc) + af2 (t − toc)² + Δt_r          clock of band b: Δt − τ_b
 //! ```
 //!
-//! `τ_b` follows from what the broadcast clock refers to; `γ_ab = f_a²/f_b²`:
+//! `τ_b` follows from the reference of the broadcast clock; `γ_ab = f_a²/f_b²`:
 //!
 //! | message | clock refers to | `τ` |
 //! |---|---|---|
 //! | GPS LNAV | L1/L2 | L1: `TGD`, L2: `γ_12 TGD`, L5: `TGD` (the inter-signal correction is in CNAV only: uncalibrated) |
-//! | QZSS LNAV | L1/L2C | as GPS; where the satellite does not know `TGD`: 0 (uncalibrated) |
+//! | QZSS LNAV | L1/L2C | as GPS; 0 if the satellite does not know `TGD` (uncalibrated) |
 //! | Galileo F/NAV | E1/E5a | E1: `BGD_a`, E5a: `γ_15a BGD_a`, E5b: unknown |
 //! | Galileo I/NAV | E1/E5b | E1: `BGD_b`, E5b: `γ_15b BGD_b`, E5a: `BGD_b + (γ_15a − 1) BGD_a` |
 //! | `BeiDou` D1/D2 | B3I | B1I: `TGD1`, B3I: 0, B2I: `TGD2`; B1C: `TGD1`, B2a and B2b: 0 (their delays are in CNAV only: uncalibrated) |
 //! | GLONASS strings | L1/L2 | L1 and L2: 0 (each receiver delays each channel by itself, some metres: uncalibrated) |
 //!
-//! Receivers name B2b of the third generation B2I, whose place it has taken. What is uncalibrated is so by 2 m: B1C, which leaves by
-//! the way of B1I, differs from it by 0.6 m rms, and B2a and B2b from B3I by 1.4 m, among 18 satellites of two receivers with `TGD1`
-//! of up to 8 m; L5 by 1.1 m from L1, among 14.
+//! Receivers report B2b of the third generation as B2I, which it replaced. Uncalibrated delays
+//! count as 2 m. B1C, which shares the path of B1I, differs from it by 0.6 m rms, and B2a and B2b
+//! from B3I by 1.4 m. That is measured on 18 satellites of two receivers with `TGD1` of up to 8 m.
+//! L5 differs from L1 by 1.1 m, on 14 satellites.
 //!
-//! The ionosphere-free pair of the reference then comes out without delay by itself, every other pair with the
-//! right one ([`crate::correction::choose`]).
+//! The ionosphere-free pair of the reference then has no delay, and every other pair the right one
+//! ([`crate::correction::choose`]).
 //!
-//! References: [IS-GPS-200] 20.3.3.3.3.2; [IS-QZSS-PNT] 5.3; [OS-SIS-ICD] 5.1.5; [BDS-SIS-B1I] 5.2.4.10.
+//! References: [IS-GPS-200] 20.3.3.3.3.2; [IS-QZSS-PNT] 5.3; [OS-SIS-ICD] 5.1.5; [BDS-SIS-B1I]
+//! 5.2.4.10.
 //!
 //! [IS-GPS-200]: crate#references
 //! [IS-QZSS-PNT]: crate#references
@@ -36,24 +38,24 @@ use super::fixed::{mul_high, nearest_i32};
 use super::{Ephemeris, Source};
 use crate::raw::Band;
 
-/// How much later than the satellite's clock a band leaves the antenna.
+/// Delay of a band at the antenna against the satellite's clock.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum GroupDelay {
-    /// As broadcast, s.
+    /// Delay that is broadcast, s.
     Known(f32),
-    /// The best that the message allows, s; the remainder is some nanoseconds.
+    /// Best delay that the message allows, s; the error is some nanoseconds.
     Uncalibrated(f32),
 }
 
 impl GroupDelay {
-    /// The delay, s.
+    /// Returns the delay, s.
     pub const fn seconds(self) -> f32 {
         match self {
             Self::Known(delay_s) | Self::Uncalibrated(delay_s) => delay_s,
         }
     }
 
-    /// Standard deviation of what is not broadcast, m; 0 for a known delay.
+    /// Returns the standard deviation of a delay that is not broadcast, m; 0 for a known delay.
     pub const fn uncalibrated_m(self) -> f32 {
         match self {
             Self::Known(_) => 0.0,
@@ -62,31 +64,32 @@ impl GroupDelay {
     }
 }
 
-/// The last `BeiDou` satellite that sends B2I.
+/// Last `BeiDou` satellite that sends B2I.
 const SECOND_GENERATION: u8 = 18;
 
-/// The most negative number of the field, −128 · 2⁻³¹ s, by which a QZSS satellite says that it knows no `TGD`
-/// ([IS-QZSS-PNT] 4.1.2.3). GPS reserves no number of this field: there it is one like the others.
+/// Most negative value of the field, −128 · 2⁻³¹ s, with which a QZSS satellite reports an unknown
+/// `TGD` ([IS-QZSS-PNT] 4.1.2.3). GPS reserves no value of this field.
 ///
 /// [IS-QZSS-PNT]: crate#references
 const QZSS_UNKNOWN_S: f32 = -1.0 / (1 << 24) as f32;
 
-/// A satellite's clock as broadcast, checked; each term in the finest unit in which it is broadcast.
+/// A checked satellite clock; each term in the finest unit in which it is broadcast.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Clock {
-    /// 2⁻³⁴ s.
+    /// Offset, 2⁻³⁴ s.
     offset_2_34: i32,
-    /// 2⁻⁵⁰ s/s.
+    /// Drift, 2⁻⁵⁰ s/s.
     drift_2_50: i32,
-    /// 2⁻⁶⁶ s/s².
+    /// Ageing, 2⁻⁶⁶ s/s².
     ageing_2_66: i32,
-    /// `toc − toe`.
+    /// Reference time of the clock minus that of the orbit, s.
     toc_offset_s: i32,
     group_delays_s: [f32; 2],
 }
 
 impl Clock {
-    /// A judged polynomial about an instant `toc_offset_s` after the reference time of the orbit.
+    /// Returns a checked polynomial about an instant `toc_offset_s` after the reference time of the
+    /// orbit.
     pub(super) fn new(polynomial: [f64; 3], toc_offset_s: i32, group_delays_s: [f32; 2]) -> Self {
         let [af0_s, af1_s_s, af2_s_s2] = polynomial;
         Self {
@@ -98,7 +101,8 @@ impl Clock {
         }
     }
 
-    /// Clock offset without relativity, 2⁻⁶² s, at an instant of the satellite's own clock.
+    /// Returns the clock offset without relativity, 2⁻⁶² s, at an instant of the satellite's own
+    /// clock.
     pub(super) fn polynomial_s62(&self, since_toe: Elapsed) -> i64 {
         let since_toc_2_44 = since_toe.units_2_44() - (i64::from(self.toc_offset_s) << 44);
         let aged_2_82 = mul_high(i64::from(self.ageing_2_66) << 30, since_toc_2_44) << 6;
@@ -108,8 +112,8 @@ impl Clock {
 }
 
 impl Ephemeris {
-    /// The delay of a band; `None` when the band is another system's, or when this message cannot relate it to
-    /// its clock.
+    /// Returns the delay of a band, or `None` if the band belongs to another system or this message
+    /// cannot relate it to its clock.
     pub fn group_delay(&self, band: Band) -> Option<GroupDelay> {
         use GroupDelay::{Known, Uncalibrated};
         let [first_s, second_s] = self.clock.group_delays_s;
@@ -153,7 +157,7 @@ impl Ephemeris {
     }
 }
 
-/// `γ_ab = f_a²/f_b²`.
+/// Returns `γ_ab = f_a²/f_b²`.
 const fn squared_ratio(a: Band, b: Band) -> f32 {
     let ratio = a.frequency_hz() / b.frequency_hz();
     (ratio * ratio) as f32

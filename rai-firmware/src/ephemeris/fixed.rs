@@ -1,53 +1,55 @@
-//! Integer trigonometry: angles that wrap by themselves, sines to 2⁻⁵⁰, products in a few instructions.
+//! Integer trigonometry: angles that wrap, sines to 2⁻⁵⁰, products in a few instructions.
 //!
-//! A sine is that of the nearest 1/256 turn, from a table, turned by the rest:
+//! The sine of the nearest 1/256 turn comes from a table, and the rest turns it:
 //!
 //! ```text
 //! sin(a + x) = sin a (1 − v) + cos a s        s = sin x = x − x (x²/6 − x⁴/120)
-//! cos(a + x) = cos a (1 − v) − sin a s        v = 1 − cos x = x²/2 − x⁴/24 + x⁶/720        |x| ≤ π/256
+//! cos(a + x) = cos a (1 − v) − sin a s        v = 1 − cos x = x²/2 − x⁴/24 + x⁶/720
+//! |x| ≤ π/256
 //! ```
 //!
 //! | quantity | type or suffix | unit | range |
 //! |---|---|---|---|
-//! | angle | [`Turns`] | 2⁻⁶⁴ turns | one turn; wraps, so that no angle overflows |
+//! | angle | [`Turns`] | 2⁻⁶⁴ turns | one turn; wraps, so that it cannot overflow |
 //! | sine, cosine, ratio | `…_q62` | 2⁻⁶² | ±2 |
 //! | small angle | `…_q62` | 2⁻⁶² rad | ±2 |
 //!
-//! A core without double precision multiplies 32 by 32 bits in one cycle, so that the upper half of a product of 64 by
-//! 64 bits costs a tenth of a soft-float multiplication; and integers are the same on every machine by construction.
-//! Only the four products of the turn and `x²` need 64 bits: a term of the series is small, and 32 bits of it reach below
-//! 2⁻⁵⁰, which is 25 nm at a satellite.
+//! A core without double precision multiplies 32 by 32 bits in one cycle. The upper half of a
+//! product of 64 by 64 bits therefore costs a tenth of a soft-float multiplication. Integers are
+//! also the same on every machine. Only the four products of the turn and `x²` need 64 bits. The
+//! other terms of the series are small, and 32 bits of them reach below 2⁻⁵⁰, which is 25 nm at a
+//! satellite.
 
-/// 1 in 2⁻⁶².
+/// The number 1 in 2⁻⁶².
 pub(super) const ONE_Q62: i64 = 1 << 62;
 
-/// 2π in 2⁻⁶⁰.
+/// The number 2π in 2⁻⁶⁰.
 const TURN_RAD_Q60: i64 = 7_244_019_458_077_122_842;
 
-/// Floor of the upper half of a product, `a b / 2⁶⁴`, low by up to 3 units.
+/// Returns the upper half of a product, `a b / 2⁶⁴`, rounded down and low by up to 3 units.
 ///
-/// The product of the lower halves is left out: it could only carry.
+/// The product of the lower halves is left out, because it could only carry.
 pub(super) const fn mul_high(a: i64, b: i64) -> i64 {
     let (a_high, a_low) = (a >> 32, a & 0xFFFF_FFFF);
     let (b_high, b_low) = (b >> 32, b & 0xFFFF_FFFF);
     a_high * b_high + ((a_high * b_low) >> 32) + ((a_low * b_high) >> 32)
 }
 
-/// The product of a quantity with a ratio in 2⁻⁶², in the unit of the quantity.
+/// Returns the product of a quantity with a ratio in 2⁻⁶², in the unit of the quantity.
 ///
-/// Two bits of the quantity are lost. Both are at most 2⁶² in size, or their product fits.
+/// The quantity loses two bits. Both are at most 2⁶² in size, or their product fits.
 pub(super) const fn times_q62(quantity: i64, ratio_q62: i64) -> i64 {
     mul_high(quantity, ratio_q62) << 2
 }
 
-/// `units · 2^exponent`, rounded as the integer is.
+/// Returns `units · 2^exponent`, rounded like the conversion of the integer.
 pub(super) const fn scaled(units: i64, exponent: i32) -> f64 {
     times_power_of_two(units as f64, exponent)
 }
 
-/// `value · 2^exponent`, where neither is beyond the normal numbers.
+/// Returns `value · 2^exponent`, if neither is beyond the normal numbers.
 ///
-/// The power goes into the exponent, where a multiplication is a call.
+/// The power is added to the exponent, because a multiplication is a call.
 pub(crate) const fn times_power_of_two(value: f64, exponent: i32) -> f64 {
     let bits = value.to_bits();
     // Zero has no exponent to add to.
@@ -55,9 +57,11 @@ pub(crate) const fn times_power_of_two(value: f64, exponent: i32) -> f64 {
     f64::from_bits(bits.wrapping_add_signed(by << 52))
 }
 
-/// `value · 2^exponent` to the nearest integer, halves away from zero; what is beyond 2⁶² in size ends there, NaN too.
+/// Returns `value · 2^exponent` rounded to the nearest integer, halves away from zero, and limited
+/// to ±2⁶². NaN gives ±2⁶².
 ///
-/// The inverse of [`scaled`]: the significand is shifted, where a multiplication, a rounding and a conversion are calls.
+/// It is the inverse of [`scaled`]. The significand is shifted, because a multiplication, a
+/// rounding and a conversion are calls.
 #[inline(never)]
 pub(super) const fn nearest(value: f64, exponent: i32) -> i64 {
     const SIGNIFICAND_BITS: i32 = 52;
@@ -74,7 +78,7 @@ pub(super) const fn nearest(value: f64, exponent: i32) -> i64 {
     if value.is_sign_negative() { -size } else { size }
 }
 
-/// As [`nearest`], in 32 bits; what is beyond them ends there.
+/// Returns the same as [`nearest`], limited to 32 bits.
 pub(super) const fn nearest_i32(value: f64, exponent: i32) -> i32 {
     let units = nearest(value, exponent);
     if units > i32::MAX as i64 {
@@ -91,46 +95,46 @@ pub(super) const fn nearest_i32(value: f64, exponent: i32) -> i32 {
 pub(super) struct Turns(i64);
 
 impl Turns {
-    /// An angle in 2⁻⁶⁴ turns.
+    /// Returns an angle in 2⁻⁶⁴ turns.
     pub(super) const fn new(turns_2_64: i64) -> Self {
         Self(turns_2_64)
     }
 
-    /// A broadcast angle of 2⁻³² turns, which is 2⁻³¹ semicircles.
+    /// Returns a broadcast angle of 2⁻³² turns, which is 2⁻³¹ semicircles.
     pub(super) const fn of_broadcast(turns_2_32: i32) -> Self {
         Self((turns_2_32 as i64) << 32)
     }
 
-    /// A small angle in rad.
+    /// Returns a small angle in rad.
     pub(super) const fn of_radians(radians_q62: i64) -> Self {
         // 1/2π.
         const TURNS_PER_RAD_Q65: i64 = 5_871_781_006_564_002_453;
         Self(mul_high(radians_q62, TURNS_PER_RAD_Q65) << 1)
     }
 
-    /// The sum, modulo a turn.
+    /// Returns the sum, modulo a turn.
     pub(super) const fn plus(self, other: Self) -> Self {
         Self(self.0.wrapping_add(other.0))
     }
 
-    /// The difference, modulo a turn.
+    /// Returns the difference, modulo a turn.
     pub(super) const fn minus(self, other: Self) -> Self {
         Self(self.0.wrapping_sub(other.0))
     }
 
-    /// An angle of at most 1/8 turn, rad.
+    /// Returns an angle of at most 1/8 turn, rad.
     pub(super) const fn to_radians_q62(self) -> i64 {
         mul_high(self.0 << 2, TURN_RAD_Q60)
     }
 
-    /// The number of 2⁻⁶⁴ turns, from −½ to ½ turn.
+    /// Returns the number of 2⁻⁶⁴ turns, from −½ to ½ turn.
     pub(super) const fn units(self) -> i64 {
         self.0
     }
 
-    /// Sine and cosine.
+    /// Returns sine and cosine.
     pub(super) const fn direction(self) -> Direction {
-        // The nearest 1/256 turn, and the rest, in 2⁻⁷² turns.
+        // The nearest 1/256 turn, and the rest in 2⁻⁷² turns.
         let nearest = self.0.wrapping_add(1 << 55) >> 56;
         let (quarter, step) = ((nearest >> 6) & 3, (nearest & 63) as usize);
         let x_q68 = mul_high(self.0.wrapping_sub(nearest << 56) << 8, TURN_RAD_Q60);
@@ -144,7 +148,8 @@ impl Turns {
 const SINES_Q62: [i64; 65] = {
     let (mut sines, mut step) = ([0; 65], 0);
     while step < 65 {
-        // Of the upper half of the quarter, which the series does not reach, as cosines from its end.
+        // In the upper half of the quarter, beyond the reach of the series, sines are cosines from
+        // its end.
         let (from_end, is_upper) = (64 - step, step > 32);
         let steps = (if is_upper { from_end } else { step } as u64) << 57;
         let x_q62 = mul_high(steps.cast_signed(), TURN_RAD_Q60) << 1;
@@ -159,13 +164,13 @@ const SINES_Q62: [i64; 65] = {
     sines
 };
 
-/// `(−1)^k / (2k + 1)!` from the highest power to the lowest.
+/// Terms `(−1)^k / (2k + 1)!` from the highest power to the lowest.
 const SINE_Q62: [i64; 8] = alternating_factorials(1);
 
-/// `(−1)^k / (2k)!` from the highest power to the lowest.
+/// Terms `(−1)^k / (2k)!` from the highest power to the lowest.
 const COSINE_Q62: [i64; 9] = alternating_factorials(0);
 
-/// `(−1)^k / (2k + first)!` for `k` from `N − 1` down to 0, in 2⁻⁶², rounded.
+/// Returns `(−1)^k / (2k + first)!` for `k` from `N − 1` down to 0, in 2⁻⁶², rounded.
 const fn alternating_factorials<const N: usize>(first: i64) -> [i64; N] {
     let mut terms = [0; N];
     let (mut k, mut factorial, mut power, mut sign) = (N, 1, first, 1);
@@ -178,7 +183,7 @@ const fn alternating_factorials<const N: usize>(first: i64) -> [i64; N] {
     terms
 }
 
-/// A polynomial of the square by Horner's rule, for the table.
+/// Returns a polynomial of the square by Horner's rule, for the table.
 const fn series<const N: usize>(terms_q62: &[i64; N], square_q62: i64) -> i64 {
     let (mut sum_q62, mut index) = (0, 0);
     while index < N {
@@ -188,7 +193,7 @@ const fn series<const N: usize>(terms_q62: &[i64; N], square_q62: i64) -> i64 {
     sum_q62
 }
 
-/// The upper half of a product of 32 by 32 bits.
+/// Returns the upper half of a product of 32 by 32 bits.
 const fn upper(a: u32, b: u32) -> u32 {
     ((a as u64 * b as u64) >> 32) as u32
 }
@@ -201,12 +206,12 @@ pub(super) struct Direction {
 }
 
 impl Direction {
-    /// The other way round.
+    /// Returns the direction of the negative angle.
     pub(super) const fn reversed(self) -> Self {
         Self { sin_q62: -self.sin_q62, ..self }
     }
 
-    /// Turned by this many quarters, 0 to 3.
+    /// Returns the direction turned by this many quarters, 0 to 3.
     const fn quarters(self, quarter: i64) -> Self {
         let Self { sin_q62, cos_q62 } = self;
         match quarter {
@@ -217,11 +222,11 @@ impl Direction {
         }
     }
 
-    /// Turned by at most 1/512 turn, in 2⁻⁶⁸ rad.
+    /// Returns the direction turned by at most 1/512 turn, in 2⁻⁶⁸ rad.
     const fn turned_by(self, x_q68: i64) -> Self {
-        /// 1/6, 1/24, 1/120 and 1/720 in 2⁻³².
+        /// Factors 1/6, 1/24, 1/120 and 1/720 in 2⁻³².
         const OVER: [u32; 4] = [715_827_883, 178_956_971, 35_791_394, 5_965_232];
-        // What the product is low by must not make a square negative.
+        // The product can be low by 3 units, which must not make a square negative.
         let square_q72 = mul_high(x_q68, x_q68) + 3;
         let square_q44 = (square_q72 >> 28) as u32;
         let fourth_q56 = upper(square_q44, square_q44);
@@ -239,7 +244,7 @@ impl Direction {
         }
     }
 
-    /// Turned by another.
+    /// Returns the direction turned by another.
     pub(super) const fn plus(self, other: Self) -> Self {
         Self {
             sin_q62: times_q62(self.sin_q62, other.cos_q62) + times_q62(self.cos_q62, other.sin_q62),
@@ -247,7 +252,8 @@ impl Direction {
         }
     }
 
-    /// Turned by a small angle, |d| below 2⁻¹³ rad: what is left out, d³/6, is below 2⁻⁴¹.
+    /// Returns the direction turned by a small angle, |d| below 2⁻¹³ rad. The neglected term d³/6
+    /// is below 2⁻⁴¹.
     pub(super) const fn plus_small(self, d_q62: i64) -> Self {
         let lost_q62 = times_q62(d_q62, d_q62) >> 1;
         let (sin_q62, cos_q62) = (self.sin_q62, self.cos_q62);
@@ -315,7 +321,8 @@ mod tests {
 
     #[test]
     fn sines_of_all_octants_are_those_of_double_precision() {
-        // Every boundary of an octant, both sides of it, and a lattice that hits no pattern of bits.
+        // Every boundary of an octant, both sides of it, and a lattice that matches no pattern of
+        // bits.
         let edges = (0..8_i64).flat_map(|octant| [-1, 0, 1].map(|by| (octant << 61).wrapping_add(by)));
         let lattice = (0..20_000_i64).map(|index| index.wrapping_mul(922_337_203_685_477_581));
         for units in edges.chain(lattice) {
@@ -341,7 +348,7 @@ mod tests {
             let have = Turns::of_broadcast(123_456_789).direction().plus_small((d * Q62) as i64);
             let (sin, cos) = libm::sincos(123_456_789.0 / 4_294_967_296.0 * core::f64::consts::TAU + d);
             let error = (have.sin_q62 as f64 / Q62 - sin).abs().max((have.cos_q62 as f64 / Q62 - cos).abs());
-            // The third power that is left out, and rounding.
+            // Bound: the neglected third power, and rounding.
             assert!(error < d.abs().powi(3) / 6.0 + 1e-15, "{d}: {error:e}");
         }
     }

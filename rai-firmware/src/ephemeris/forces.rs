@@ -1,4 +1,4 @@
-//! The motion of a state vector under the earth's pull: GLONASS.
+//! The motion of a state vector under the earth's gravity: GLONASS.
 //!
 //! ```text
 //! ẋ = v_x    v̇_x = (−m − k (1 − s) + ω²) x + 2 ω v_y + a_x      m = µ/r³
@@ -9,16 +9,18 @@
 //! | symbol | here | unit |
 //! |---|---|---|
 //! | `x, y, z`; `v` | [`State`], earth-fixed | m, m/s |
-//! | `a` | pull of sun and moon, constant over the set's time | m/s² |
-//! | `µ`, `a_e`, `J₂`, `ω` | of PZ-90.11 | m³/s², m, 1, rad/s |
+//! | `a` | acceleration by sun and moon, constant over the set's time | m/s² |
+//! | `µ`, `a_e`, `J₂`, `ω` | constants of PZ-90.11 | m³/s², m, 1, rad/s |
 //!
-//! Integrated by the fourth-order method of Runge and Kutta in whole steps of [`STEP_S`] from the reference time, and one
-//! shorter step. The states at whole steps are nodes: whoever keeps the last one on the way goes on from it and is at the
-//! same bits as from the reference time, so that the result is a function of the instant alone. After a quarter of an
-//! hour the steps have made an error of 2 cm. PZ-90.11 is ITRF to some centimetres, so nothing is turned.
+//! The fourth-order method of Runge and Kutta integrates in whole steps of [`STEP_S`] from the
+//! reference time, and one shorter step. The states at whole steps are nodes. A caller that keeps
+//! the last node continues from it with the same bits as from the reference time. The result is
+//! therefore a function of the instant alone. After a quarter of an hour the steps have an error of
+//! 2 cm. PZ-90.11 is ITRF to some centimetres, so that no rotation is applied.
 //!
-//! The state is in double precision, what a step adds to it in single: of an acceleration of 0.6 m/s² that loses some
-//! 2e-8 m/s², which a quarter of an hour makes another centimetre of, and a step takes a tenth of the time.
+//! The state is in double precision, the change in a step in single precision. With an acceleration
+//! of 0.6 m/s² that loses some 2e-8 m/s², another centimetre in a quarter of an hour. In return a
+//! step takes a tenth of the time.
 //!
 //! Reference: [GLO-ICD] appendix J, simplified algorithm.
 //!
@@ -38,10 +40,11 @@ const J2: f64 = 1.0826257e-3;
 /// Rotation of the earth, rad/s.
 const EARTH_RATE_RAD_S: f64 = 7.292115e-5;
 
-/// The longest step, s.
+/// Longest step, s.
 const STEP_S: f64 = 150.0;
 
-/// How far from the reference time is integrated, s: half an hour, in which the sun's and the moon's pull change little.
+/// Longest integration from the reference time, s: half an hour, in which the acceleration by sun
+/// and moon changes little.
 pub(super) const LIMIT_S: f64 = 1800.0;
 
 /// Position and velocity, or their rates.
@@ -51,7 +54,7 @@ pub(super) struct State {
     pub(super) velocity: Vector3<f64>,
 }
 
-/// The state that many whole steps after the reference time or, with a negative number, before it.
+/// The state after a number of whole steps from the reference time, negative before it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Node {
     pub(super) steps: i8,
@@ -59,22 +62,23 @@ pub(super) struct Node {
 }
 
 impl Node {
-    /// The reference time itself.
+    /// Returns the node at the reference time.
     pub(super) const fn at_reference(state: State) -> Self {
         Self { steps: 0, state }
     }
 
-    /// How many whole steps lie between the reference time and an instant; none beyond [`LIMIT_S`].
+    /// Returns the number of whole steps between the reference time and an instant, or `None`
+    /// beyond [`LIMIT_S`].
     pub(super) fn steps_to(seconds: f64) -> Option<i8> {
         (seconds.abs() <= LIMIT_S).then(|| libm::trunc(seconds / STEP_S) as i8)
     }
 
-    /// Whether it lies between the reference time and another node, or is that.
+    /// Returns true if it lies between the reference time and another node, or is that node.
     pub(super) const fn is_on_the_way_to(&self, steps: i8) -> bool {
         (self.steps >= 0 && self.steps <= steps) || (self.steps <= 0 && self.steps >= steps)
     }
 
-    /// The node of so many steps, of one that is on the way to it.
+    /// Returns the node after `steps`, from one on the way to it.
     pub(super) fn advanced(self, steps: i8, pull_m_s2: Vector3<f32>) -> Self {
         let step_s = if steps < 0 { -STEP_S } else { STEP_S };
         let mut state = self.state;
@@ -84,14 +88,14 @@ impl Node {
         Self { steps, state }
     }
 
-    /// The state at an instant, seconds from the reference time, less than a step away.
+    /// Returns the state at an instant, s from the reference time, less than a step away.
     pub(super) fn state_at(&self, seconds: f64, pull_m_s2: Vector3<f32>) -> State {
         self.state.step(seconds - STEP_S * f64::from(self.steps), pull_m_s2)
     }
 }
 
 impl State {
-    /// A step of Runge and Kutta.
+    /// Returns the state after one step of Runge and Kutta.
     fn step(self, step_s: f64, pull_m_s2: Vector3<f32>) -> Self {
         let (position_m, velocity_m_s) = (self.position.cast(), self.velocity.cast());
         let (whole_s, half_s) = (step_s as f32, 0.5 * step_s as f32);
@@ -112,7 +116,7 @@ impl State {
     }
 }
 
-/// What the equations of motion say, without the pull of sun and moon.
+/// Returns the acceleration by the equations of motion, without that by sun and moon, m/s².
 fn acceleration_m_s2(position_m: Vector3<f32>, velocity_m_s: Vector3<f32>) -> Vector3<f32> {
     const OBLATENESS_M2: f32 = (1.5 * J2 * RADIUS_M * RADIUS_M) as f32;
     const RATE_SQUARED: f32 = (EARTH_RATE_RAD_S * EARTH_RATE_RAD_S) as f32;
@@ -130,7 +134,8 @@ fn acceleration_m_s2(position_m: Vector3<f32>, velocity_m_s: Vector3<f32>) -> Ve
 mod tests {
     use super::*;
 
-    /// A state and pull as a satellite broadcasts them (km, km/s, km/s² in round numbers of the message's steps).
+    /// State and acceleration as a satellite broadcasts them (km, km/s, km/s² in round numbers of
+    /// the message's steps).
     const START: State = State {
         position: Vector3::new(-12_413_521.0, 7_254_116.5, 21_032_207.5),
         velocity: Vector3::new(-2_190.5, -2_015.25, -590.75),
@@ -147,8 +152,9 @@ mod tests {
         libm::sqrt(apart_m.dot(&apart_m))
     }
 
-    /// The same equations from the potential: gradient by differences, in an inertial frame, with steps of one second by
-    /// the method of Störmer and Verlet, which shares nothing with that above but the constants.
+    /// Integrates the same equations from the potential: its gradient by differences, in an
+    /// inertial frame. The method is that of Störmer and Verlet in steps of one second. It shares
+    /// nothing but the constants with the code under test.
     fn precisely(start: State, seconds: f64, pull: Vector3<f32>) -> State {
         const STEPS_PER_S: f64 = 20.0;
         let potential = |[x, y, z]: [f64; 3]| {
@@ -183,7 +189,7 @@ mod tests {
         let mut v = [vx - w * y, vy + w * x, vz];
         let h = libm::copysign(1.0 / STEPS_PER_S, seconds);
         let steps = libm::round(seconds.abs() * STEPS_PER_S) as usize;
-        // The pull is constant in the turning frame.
+        // The acceleration by sun and moon is constant in the turning frame.
         let force = |at: [f64; 3], t: f64| {
             let (g, p) = (gravity(at), turn(pull, w * t));
             [g[0] + p[0], g[1] + p[1], g[2] + p[2]]

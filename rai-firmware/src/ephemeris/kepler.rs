@@ -3,8 +3,10 @@
 //! ```text
 //! n = √(µ/a³) + Δn          M = M0 + n t           E − e sin E = M
 //! ρ = 1 − e cos E           ν = (cos E − e, √(1 − e²) sin E)/ρ       φ = ν + ω
-//! u = φ + δu(2φ)            r = a ρ + δr(2φ)       i = i0 + i̇ t + δi(2φ)       Ω = Ω0 + (Ω̇ − ω_e) t − ω_e toe
-//! X = R_z(−Ω) R_x(−i) r (cos u, sin u, 0)          geostationary BeiDou: X = R_z(ω_e t) R_x(−5°) R_z(−Ω − ω_e t) R_x(−i) …
+//! u = φ + δu(2φ)            r = a ρ + δr(2φ)
+//! i = i0 + i̇ t + δi(2φ)     Ω = Ω0 + (Ω̇ − ω_e) t − ω_e toe
+//! X = R_z(−Ω) R_x(−i) r (cos u, sin u, 0)
+//! geostationary BeiDou: X = R_z(ω_e t) R_x(−5°) R_z(−Ω − ω_e t) R_x(−i) …
 //! Δt_r = −2 √µ/c² · e √a sin E
 //! ```
 //!
@@ -17,14 +19,15 @@
 //! | `a`, `r`, `X` | `…_m36` | 2⁻³⁶ m, below 2²⁷ m |
 //! | `Δt_r` | `relativity_s62` | 2⁻⁶² s |
 //!
-//! **Why integers.** The elements are fixed-point numbers by nature, a core without double precision multiplies integers
-//! twenty times faster than soft doubles, and integers are the same on every machine. Every element is kept in the finest
-//! unit in which any system broadcasts it, so what was broadcast is kept exactly. What has 24 bits only, the first guess of
-//! the anomaly and of a reciprocal, is single precision; both are mended by exact remainders.
+//! **Why integers.** The elements are fixed-point numbers by nature. A core without double
+//! precision multiplies integers twenty times faster than soft doubles, and integers are the same
+//! on every machine. Every element is kept in the finest unit in which any system broadcasts it, so
+//! that the broadcast value is kept exactly. The first guesses of the anomaly and of a reciprocal,
+//! with 24 bits, are in single precision; exact remainders correct both.
 //!
-//! **Accuracy.** Within 0.05 mm and 1e-17 s of the equations in double precision, over all elements that are let in and a
-//! day on either side of `toe`; the bound that tests hold is 0.5 mm and 1e-13 s. Left out is the third power of `δu`,
-//! 0.01 mm.
+//! **Accuracy.** Within 0.05 mm and 1e-17 s of the equations in double precision, over all accepted
+//! elements and a day on either side of `toe`. Tests bound it by 0.5 mm and 1e-13 s. The third
+//! power of `δu`, 0.01 mm, is neglected.
 //!
 //! References: [IS-GPS-200] table 20-IV; [OS-SIS-ICD] table 64; [BDS-SIS-B1I] table 5-11.
 //!
@@ -43,7 +46,7 @@ use super::{Broadcast, BroadcastError, Source};
 use crate::division::divided;
 use crate::time::{BEIDOU_OFFSET_MS, WEEK_MS};
 
-/// What the interface documents fix for their elements.
+/// Constants that an interface document fixes for its elements.
 struct Convention {
     /// `√µ/2π`, m^1.5 turns/s.
     motion_turns_s: f64,
@@ -78,7 +81,8 @@ const BEIDOU: Convention = Convention {
     relativity_2_94: 8_799_886_487_512_440_572,
 };
 
-/// Sine and cosine of −5°: the plane in which the geostationary elements are written ([BDS-SIS-B1I] table 5-11).
+/// Sine and cosine of −5°, the tilt of the plane of the geostationary elements ([BDS-SIS-B1I] table
+/// 5-11).
 ///
 /// [BDS-SIS-B1I]: crate#references
 const GEOSTATIONARY_TILT: Direction =
@@ -87,14 +91,16 @@ const GEOSTATIONARY_TILT: Direction =
 /// Cosine of 4°, the most that a geostationary orbit is inclined to the equator, 2⁻⁶².
 const MOST_INCLINED_COS_Q62: i64 = 4_600_452_183_069_027_328;
 
-/// Steps of Newton's method from `e sin M`, each of which squares the error: for an eccentricity of 0.2 it goes from 0.04
-/// over 2e-4 and 5e-9 below what single precision tells apart.
+/// Steps of Newton's method from `e sin M`, each of which squares the error.
+///
+/// For an eccentricity of 0.2 the error goes from 0.04 over 2e-4 and 5e-9 to below the resolution
+/// of single precision.
 const NEWTON_STEPS: usize = 3;
 
-/// 2⁻³² turns in a radian.
+/// Number of 2⁻³² turns in a radian.
 const TURN_2_32_PER_RAD: f32 = 683_565_275.6;
 
-/// By whose interface document the elements are read.
+/// Interface document for the elements.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Reading {
     Gps,
@@ -103,12 +109,13 @@ enum Reading {
     BeidouGeostationary,
 }
 
-/// The elements of an orbit, checked; each in the finest unit in which it is broadcast. Packed, so that which form an orbit has
-/// finds room in what is left of the last word.
+/// The checked elements of an orbit, each in the finest unit in which it is broadcast.
+///
+/// It is packed, so that the tag of the orbit's form fits in the last word.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(Rust, packed(4))]
 pub struct Kepler {
-    /// Mean motion, corrected.
+    /// Mean motion with its correction, 2⁻⁷⁶ turns/s.
     motion_2_76: i64,
     flattening_q62: i64,
     /// Longitude of the node at `toe`, `Ω0 − ω_e toe`.
@@ -122,7 +129,8 @@ pub struct Kepler {
     perigee_2_32: i32,
     node_rate_2_44: i32,
     inclination_rate_2_44: i32,
-    /// Corrections of the argument of latitude and of the inclination, 2⁻³¹ rad; of the radius, 2⁻⁶ m.
+    /// Corrections of the argument of latitude and of the inclination, 2⁻³¹ rad; of the radius, 2⁻⁶
+    /// m.
     latitude: Harmonic,
     inclination: Harmonic,
     radius: Harmonic,
@@ -137,13 +145,13 @@ struct Harmonic {
 }
 
 impl Harmonic {
-    /// Of terms in 2^−`exponent`.
+    /// Returns a correction with terms in 2^−`exponent`.
     fn of(cos: f32, sin: f32, exponent: i32) -> Self {
         let units = |term: f32| nearest_i32(f64::from(term), exponent);
         Self { cos: units(cos), sin: units(sin) }
     }
 
-    /// The correction, 2⁻³⁰ of the unit of its terms.
+    /// Returns the correction, 2⁻³⁰ of the unit of its terms.
     fn at(self, doubled: Doubled) -> i64 {
         i64::from(self.cos) * doubled.cos_q30 + i64::from(self.sin) * doubled.sin_q30
     }
@@ -163,7 +171,7 @@ impl Doubled {
     }
 }
 
-/// Where on its way: the radius, the argument of latitude, the inclination.
+/// Place in the plane of the orbit: radius, argument of latitude, inclination.
 struct InPlane {
     radius_m36: i64,
     latitude: Direction,
@@ -171,7 +179,7 @@ struct InPlane {
 }
 
 impl Kepler {
-    /// The elements of a judged message.
+    /// Returns the elements of a checked message.
     pub(super) fn new(broadcast: &Broadcast) -> Result<Self, BroadcastError> {
         let reading = reading(broadcast)?;
         let convention = reading.convention();
@@ -201,7 +209,7 @@ impl Kepler {
         })
     }
 
-    /// The motion at an instant.
+    /// Returns the motion at an instant.
     pub(super) fn at(&self, since_toe: Elapsed) -> Motion {
         let anomaly = self.eccentric_anomaly(since_toe);
         let plane = self.in_plane(anomaly, since_toe);
@@ -215,10 +223,10 @@ impl Kepler {
         (self.eccentricity_2_33 as i64) << 29
     }
 
-    /// `E − e sin E = M`, e at most 0.2.
+    /// Solves `E − e sin E = M` for e of at most 0.2.
     ///
-    /// What the anomalies differ by is found in single precision, to 10⁻⁸ rad; what is then missing is exact, and one more
-    /// step of Newton's method makes it good.
+    /// The difference of the anomalies is found in single precision, to 10⁻⁸ rad. Its remainder is
+    /// exact, and one more step of Newton's method corrects it.
     fn eccentric_anomaly(&self, since_toe: Elapsed) -> Direction {
         let mean = Turns::of_broadcast(self.mean_2_32).plus(since_toe.turned(self.motion_2_76));
         let eccentricity = single(self.eccentricity_q62());
@@ -227,7 +235,7 @@ impl Kepler {
         let direction = anomaly.direction();
         let pulled = times_q62(Turns::of_radians(self.eccentricity_q62()).units(), direction.sin_q62);
         let missing = mean.plus(Turns::new(pulled)).minus(anomaly);
-        // It is below 2⁻²² rad, of which single precision leaves nothing that counts.
+        // It is below 2⁻²² rad, of which single precision loses nothing that counts.
         let missing_q52 = (missing.to_radians_q62() >> 10) as i32 as f32;
         let step_q52 = missing_q52 / (1.0 - eccentricity * single(direction.cos_q62));
         direction.plus_small(i64::from(step_q52 as i32) << 10)
@@ -271,7 +279,7 @@ impl Kepler {
         }
     }
 
-    /// Periodic relativistic clock error from the eccentricity, 2⁻⁶² s.
+    /// Returns the periodic relativistic clock error from the eccentricity, 2⁻⁶² s.
     fn relativity_s62(&self, sin_anomaly_q62: i64) -> i64 {
         let size_2_52 = (u64::from(self.eccentricity_2_33) * u64::from(self.sqrt_a_2_19)).cast_signed();
         let size_2_50 = mul_high(size_2_52, sin_anomaly_q62);
@@ -280,7 +288,7 @@ impl Kepler {
 }
 
 impl InPlane {
-    /// The position when the ascending node lies in this direction.
+    /// Returns the position for this direction of the ascending node.
     fn towards(&self, node: Direction) -> Point {
         let along_m36 = times_q62(self.radius_m36, self.latitude.cos_q62);
         let across_m36 = times_q62(self.radius_m36, self.latitude.sin_q62);
@@ -315,7 +323,7 @@ impl Point {
         }
     }
 
-    /// In metres; 2⁻³⁶ m is exact in all but the last digit.
+    /// Converts to metres; 2⁻³⁶ m is exact in all but the last digit.
     fn to_ecef(self) -> Ecef {
         let [x_m, y_m, z_m] = [self.x, self.y, self.z].map(|units| scaled(units, -36));
         Ecef::new(x_m, y_m, z_m)
@@ -332,7 +340,7 @@ impl Reading {
     }
 }
 
-/// Whose elements these are; a message without elements is none.
+/// Returns the interface document of these elements, or an error for a message without elements.
 fn reading(broadcast: &Broadcast) -> Result<Reading, BroadcastError> {
     match broadcast.source {
         Source::GpsLnav | Source::QzssLnav => Ok(Reading::Gps),
@@ -370,13 +378,13 @@ fn cos_to_equator_q62(inclination_sc: f64, node: Turns) -> i64 {
         - times_q62(level_q62, GEOSTATIONARY_TILT.sin_q62)
 }
 
-/// Reference time within the week of the satellite's own system, ms.
+/// Returns the reference time within the week of the satellite's own system, ms.
 fn toe_of_system_ms(broadcast: &Broadcast) -> u32 {
     let behind_ms = if broadcast.source == Source::BeidouD1D2 { BEIDOU_OFFSET_MS } else { 0 };
     (broadcast.toe.tow_ms + (WEEK_MS - behind_ms)) % WEEK_MS
 }
 
-/// How far the earth turns in a part of a week. Its rounding comes to 10⁻¹³ rad in a week.
+/// Returns the turn of the earth in a part of a week. Its rounding adds up to 10⁻¹³ rad in a week.
 fn earth_turn(convention: &Convention, ms: u32) -> Turns {
     let per_second = (convention.earth_rate_2_76 + (1 << 11)) >> 12;
     let (seconds, rest) = (i64::from(ms / 1000), i64::from(ms % 1000));
@@ -384,32 +392,33 @@ fn earth_turn(convention: &Convention, ms: u32) -> Turns {
     Turns::new(per_second.wrapping_mul(seconds).wrapping_add(per_ms.cast_signed() * rest))
 }
 
-/// The `BeiDou` numbers that belong to geostationary satellites ([BDS-SIS-B1I] 4.2, table 4-1).
+/// Returns true for the `BeiDou` numbers of geostationary satellites ([BDS-SIS-B1I] 4.2, table
+/// 4-1).
 ///
 /// [BDS-SIS-B1I]: crate#references
 const fn is_geostationary(satellite: SatelliteId) -> bool {
     matches!(satellite.number(), 1..=5 | 59..=63)
 }
 
-/// Semicircles to 2⁻³² turns; a full semicircle is minus one.
+/// Converts semicircles to 2⁻³² turns; a full semicircle becomes minus one.
 fn angle(semicircles: f64) -> i32 {
     nearest(semicircles, 31) as i32
 }
 
-/// Semicircles per second to 2⁻⁴⁴ turns per second.
+/// Converts semicircles per second to 2⁻⁴⁴ turns per second.
 fn rate(semicircles_s: f64) -> i32 {
     nearest_i32(semicircles_s, 43)
 }
 
-/// A rate of 2⁻⁴⁴ turns per second in 2⁻⁷⁶.
+/// Converts a rate from 2⁻⁴⁴ turns per second to 2⁻⁷⁶.
 const fn wide(rate_2_44: i32) -> i64 {
     (rate_2_44 as i64) << 32
 }
 
-/// How far the eccentric anomaly is ahead of the mean one, rad: the root of `D − e sin(M + D)`.
+/// Returns the eccentric anomaly minus the mean one, rad: the root of `D − e sin(M + D)`.
 ///
-/// The slope is at least 0.8, so no step divides by little. The series of a sine and cosine of at most 0.25 rad are cut
-/// where single precision ends.
+/// The slope is at least 0.8, so that no step divides by a small number. The series of a sine and
+/// cosine of at most 0.25 rad end at the resolution of single precision.
 fn ahead_rad(mean: Direction, eccentricity: f32) -> f32 {
     let (sin_mean, cos_mean) = (single(mean.sin_q62), single(mean.cos_q62));
     let mut ahead_rad = eccentricity * sin_mean;
@@ -424,13 +433,14 @@ fn ahead_rad(mean: Direction, eccentricity: f32) -> f32 {
     ahead_rad
 }
 
-/// A ratio in single precision.
+/// Converts a ratio to single precision.
 fn single(ratio_q62: i64) -> f32 {
     const SCALE: f32 = 1.0 / (1 << 24) as f32;
     (ratio_q62 >> 38) as i32 as f32 * SCALE
 }
 
-/// `1/ρ` for 0.7 < ρ < 1.5, to 2⁻⁴⁴: a guess in single precision, and one step of Newton's method.
+/// Returns `1/ρ` for 0.7 < ρ < 1.5, to 2⁻⁴⁴: a guess in single precision, and one step of Newton's
+/// method.
 fn reciprocal_q62(ratio_q62: i64) -> i64 {
     const ONE_Q30: f32 = (1 << 30) as f32;
     let guess_q62 = i64::from((ONE_Q30 / single(ratio_q62)) as i32) << 32;

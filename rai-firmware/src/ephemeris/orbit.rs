@@ -1,8 +1,8 @@
-//! The door for orbit models: one form for each way in which satellites describe their motion.
+//! The interface of orbit models: one form for each way in which satellites describe their motion.
 //!
-//! A new form is a variant here and a module beside [`super::kepler`]; what does not depend on the form (age, health,
-//! clock, group delays) is [`Ephemeris`](super::Ephemeris)'s, and nothing else needs to know. There is no form that
-//! stands for another.
+//! A new form is a variant here and a module beside [`super::kepler`]. The parts common to all
+//! forms (age, health, clock, group delays) belong to [`Ephemeris`](super::Ephemeris), and no other
+//! module knows the forms. No form is converted into another.
 
 use super::EphemerisError;
 use super::elapsed::Elapsed;
@@ -11,18 +11,18 @@ use super::motion::Motion;
 #[cfg(feature = "glonass")]
 use super::state_vector::StateVector;
 
-/// How a satellite describes its motion.
+/// Description of a satellite's motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Orbit {
     /// Sixteen elements of an ellipse with corrections: GPS, Galileo, `BeiDou`, QZSS.
     Kepler(Kepler),
-    /// Position, velocity and the pull of sun and moon at one instant: GLONASS, SBAS.
+    /// Position, velocity and the acceleration by sun and moon at one instant: GLONASS, SBAS.
     #[cfg(feature = "glonass")]
     StateVector(StateVector),
 }
 
 impl Orbit {
-    /// The motion at an instant of system time, counted from the reference time.
+    /// Returns the motion at an instant of system time, counted from the reference time.
     pub(super) fn at(&self, since_toe: Elapsed) -> Result<Motion, EphemerisError> {
         match self {
             Self::Kepler(kepler) => Ok(kepler.at(since_toe)),
@@ -31,10 +31,10 @@ impl Orbit {
         }
     }
 
-    /// Works out ahead what instants soon after this one have in common. It changes no motion.
+    /// Computes in advance the common part of instants soon after this one. It changes no motion.
     pub(super) fn advance(&mut self, received_s: f64) {
         match self {
-            // All at once: an instant of an ellipse has nothing in common with another.
+            // The instants of an ellipse have no common part.
             Self::Kepler(_) => _ = received_s,
             #[cfg(feature = "glonass")]
             Self::StateVector(state) => state.advance(received_s),

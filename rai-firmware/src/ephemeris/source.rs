@@ -1,21 +1,21 @@
-//! Which message an orbit comes from, and what each message fixes.
+//! Messages that carry orbits, and the constants of each message.
 
 use rai_core::satellite::{Constellation, SatelliteId};
 
-/// Which navigation message the clock and the group delays come from.
+/// Navigation message of the clock and the group delays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Source {
     /// GPS LNAV: the clock refers to the L1/L2 ionosphere-free combination.
     GpsLnav,
-    /// QZSS LNAV: to L1 C/A and L2C.
+    /// QZSS LNAV: the clock refers to L1 C/A and L2C.
     QzssLnav,
-    /// Galileo F/NAV: to E1/E5a.
+    /// Galileo F/NAV: the clock refers to E1/E5a.
     GalileoFnav,
-    /// Galileo I/NAV: to E1/E5b.
+    /// Galileo I/NAV: the clock refers to E1/E5b.
     GalileoInav,
-    /// `BeiDou` D1 or D2: to B3I.
+    /// `BeiDou` D1 or D2: the clock refers to B3I.
     BeidouD1D2,
-    /// The strings of GLONASS: to L1.
+    /// Strings of GLONASS: the clock refers to L1.
     GlonassStrings,
 }
 
@@ -23,7 +23,7 @@ const MINUTE_MS: u64 = 60_000;
 const HOUR_MS: u64 = 60 * MINUTE_MS;
 
 impl Source {
-    /// Whose message it is.
+    /// Returns the constellation of the message.
     pub const fn constellation(self) -> Constellation {
         match self {
             Self::GpsLnav | Self::QzssLnav => Constellation::Gps,
@@ -33,12 +33,13 @@ impl Source {
         }
     }
 
-    /// The largest distance from `toe` at which the elements are used, ms.
+    /// Returns the longest time from `toe` for which the elements are used, ms.
     ///
-    /// GPS sets are fitted over ±2 h, and those of QZSS, which renews hourly, too. Galileo renews every 10 min to 3 h and keeps a set valid for 4 h. `BeiDou`
-    /// renews hourly, and what is older than 2 h is wrong by metres. GLONASS renews every half hour, and its model of
-    /// the forces holds for a quarter of an hour either way. Some minutes more keep a set in use until the next one
-    /// has been received.
+    /// GPS sets are fitted over ±2 h; so are those of QZSS, which renews hourly. Galileo renews
+    /// every 10 min to 3 h and keeps a set valid for 4 h. `BeiDou` renews hourly, and a set older
+    /// than 2 h is wrong by metres. GLONASS renews every half hour, and its model of the forces
+    /// holds for a quarter of an hour either way. Some extra minutes keep a set in use until the
+    /// next one has been received.
     pub(super) const fn age_limit_ms(self) -> u64 {
         match self {
             Self::GpsLnav | Self::QzssLnav | Self::BeidouD1D2 => 2 * HOUR_MS + MINUTE_MS,
@@ -47,14 +48,14 @@ impl Source {
         }
     }
 
-    /// True for the satellites that this message can be of.
+    /// Returns true for the satellites that this message can describe.
     pub(super) fn can_name(self, satellite: SatelliteId) -> bool {
         satellite.constellation() == self.constellation()
             && satellite.is_qzss() == matches!(self, Self::QzssLnav)
             && satellite.number() <= self.highest_number()
     }
 
-    /// The highest satellite number that the system's own messages can name.
+    /// Returns the highest satellite number of the system's own messages.
     const fn highest_number(self) -> u8 {
         match self {
             Self::GpsLnav => 32,

@@ -4,15 +4,17 @@
 //! |---|---|---|
 //! | `r`, `v`, `a` at `t_b` | [`StateBroadcast::position_m`], `velocity_m_s`, `acceleration_m_s2` | m, m/s, m/s², PZ-90 |
 //! | `−τ_n`, `γ_n` | [`StateBroadcast::clock_s`], `clock_s_s` | s, s/s |
-//! | `Δτ_n` | [`StateBroadcast::delay_l2_s`]: L2 later than L1 | s |
+//! | `Δτ_n` | [`StateBroadcast::delay_l2_s`]: delay of L2 behind L1 | s |
 //!
-//! Where the satellite is at another instant follows from the forces on it ([`super::forces`]). Relativity is in `γ_n`.
+//! The place of the satellite at another instant follows from the forces on it ([`super::forces`]).
+//! Relativity is in `γ_n`.
 //!
-//! To integrate from `t_b` takes up to seven steps. The last whole step that [`StateVector::advance`] has reached is kept,
-//! and an instant soon after it takes one. What is kept is a function of the message alone and changes no result.
+//! An integration from `t_b` takes up to seven steps. [`StateVector::advance`] keeps the last whole
+//! step, and an instant soon after it takes one. The kept node is a function of the message alone
+//! and changes no result.
 //!
-//! Every element stays the integer that was broadcast. In single precision a velocity would lose up to 0.1 mm/s, which a
-//! quarter of an hour makes a decimetre of.
+//! Every element stays the integer that was broadcast. In single precision a velocity would lose up
+//! to 0.1 mm/s, a decimetre in a quarter of an hour.
 //!
 //! Reference: [GLO-ICD] 5.1, appendix J.1.
 //!
@@ -34,37 +36,40 @@ const POSITION_STEP_M: f64 = 1e3 / (1 << 11) as f64;
 const VELOCITY_STEP_M_S: f64 = 1e3 / (1 << 20) as f64;
 const ACCELERATION_STEP_M_S2: f64 = 1e3 / (1 << 30) as f64;
 
-/// One GLONASS satellite's message with the day resolved. Any value may stand here;
-/// [`Ephemeris::of_state`](super::Ephemeris::of_state) judges.
+/// One GLONASS satellite's message with the day resolved.
+///
+/// It may hold any values; [`Ephemeris::of_state`](super::Ephemeris::of_state) checks them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StateBroadcast {
-    /// Which satellite, by its slot.
+    /// Satellite, by its slot.
     pub satellite: SatelliteId,
-    /// What the satellite says of itself.
+    /// Health that the satellite broadcasts.
     pub health: Health,
-    /// One sigma of the range error as broadcast (`F_T`), m; `None` when the satellite does not promise any.
+    /// Broadcast standard deviation of the range error (`F_T`), m; `None` if the satellite promises
+    /// none.
     pub accuracy_m: Option<f32>,
-    /// Reference time `t_b`, leap seconds added.
+    /// Reference time `t_b`, with leap seconds added.
     pub toe: GpsTime,
     /// Position at `toe`, m.
     pub position_m: [f64; 3],
     /// Velocity at `toe` in the earth-fixed frame, m/s.
     pub velocity_m_s: [f64; 3],
-    /// Pull of sun and moon, m/s².
+    /// Acceleration by sun and moon, m/s².
     pub acceleration_m_s2: [f32; 3],
     /// Satellite clock minus system time at `toe`, `−τ_n`, s.
     pub clock_s: f64,
-    /// Its rate, `γ_n`, s/s.
+    /// Rate of the satellite clock, `γ_n`, s/s.
     pub clock_s_s: f64,
-    /// How much later L2 leaves than L1, `Δτ_n`, s.
+    /// Delay of L2 behind L1 at the antenna, `Δτ_n`, s.
     pub delay_l2_s: f32,
 }
 
-/// A state vector, checked; each element in the steps of the message. Packed as the other forms are.
+/// A checked state vector; each element in the steps of the message. It is packed like the other
+/// forms.
 #[derive(Clone, Copy, Debug)]
 #[repr(Rust, packed(4))]
 pub struct StateVector {
-    /// The node that was reached last, and how many steps from the reference time it is.
+    /// State of the last node, `node_steps` steps from the reference time.
     node: State,
     node_steps: i8,
     acceleration: [i8; 3],
@@ -72,7 +77,7 @@ pub struct StateVector {
     velocity: [i32; 3],
 }
 
-/// By what was broadcast; the node says nothing that is not in it.
+/// Compares the broadcast elements; the node follows from them.
 impl PartialEq for StateVector {
     fn eq(&self, other: &Self) -> bool {
         (self.position, self.velocity, self.acceleration)
@@ -81,14 +86,14 @@ impl PartialEq for StateVector {
 }
 
 impl StateVector {
-    /// The judged elements, rounded to the steps of the message.
+    /// Returns the checked elements, rounded to the steps of the message.
     pub(super) fn new(broadcast: &StateBroadcast) -> Result<Self, BroadcastError> {
         check(broadcast)?;
         let steps = |value: f64, step: f64| libm::round(value / step) as i32;
         let mut vector = Self {
             node: State { position: Vector3::zeros(), velocity: Vector3::zeros() },
             node_steps: 0,
-            // At most 107 of its steps.
+            // At most 107 steps of the message.
             acceleration: broadcast
                 .acceleration_m_s2
                 .map(|pull_m_s2| steps(f64::from(pull_m_s2), ACCELERATION_STEP_M_S2) as i8),
@@ -99,7 +104,8 @@ impl StateVector {
         Ok(vector)
     }
 
-    /// The motion at an instant counted from the reference time; none where that is too far off.
+    /// Returns the motion at an instant counted from the reference time, or `None` beyond the
+    /// limit.
     pub(super) fn at(&self, since_toe: Elapsed) -> Option<Motion> {
         let seconds = since_toe.to_s();
         let state = self.node_of(Node::steps_to(seconds)?).state_at(seconds, self.pull_m_s2());
@@ -107,9 +113,10 @@ impl StateVector {
         Some(Motion { position: Ecef::new(x_m, y_m, z_m), relativity_s62: 0 })
     }
 
-    /// Keeps the node at which the way to signals begins that are received this long after the reference time.
+    /// Keeps the node before the departure of signals that are received this long after the
+    /// reference time.
     pub(super) fn advance(&mut self, received_s: f64) {
-        /// A signal leaves up to so much earlier, s; the node must be on the way to both.
+        /// Longest travel of a signal, s; the node must be on the way to departure and arrival.
         const TRAVEL_S: f64 = 0.15;
         let nearest_s = if received_s > 0.0 { (received_s - TRAVEL_S).max(0.0) } else { received_s };
         if let Some(steps) = Node::steps_to(nearest_s).filter(|steps| *steps != self.node_steps) {
@@ -117,7 +124,8 @@ impl StateVector {
         }
     }
 
-    /// The node of so many steps: from the one that is kept where that is on the way, else from the reference time.
+    /// Returns the node after `steps`, from the kept node if it is on the way, else from the
+    /// reference time.
     fn node_of(&self, steps: i8) -> Node {
         let kept = Node { steps: self.node_steps, state: self.node };
         let start = if kept.is_on_the_way_to(steps) { kept } else { self.reference() };
@@ -162,7 +170,8 @@ fn is_of_glonass(broadcast: &StateBroadcast) -> bool {
         && GLONASS_COS2_INCLINATIONS.contains(&(polar * polar / momentum))
 }
 
-/// Judges every field by what a satellite 16,000 km to 64,000 km from the centre can have. A NaN is in no range.
+/// Checks every field against the bounds of a satellite 16,000 km to 64,000 km from the centre. NaN
+/// is in no range.
 fn check(broadcast: &StateBroadcast) -> Result<(), BroadcastError> {
     let [x_m, y_m, z_m] = broadcast.position_m;
     let radius_m2 = x_m * x_m + y_m * y_m + z_m * z_m;

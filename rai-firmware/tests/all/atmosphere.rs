@@ -16,7 +16,7 @@ fn place(latitude_deg: f32, longitude_deg: f32, time: GpsTime) -> Place {
 
 #[test]
 fn the_known_worked_example_of_the_klobuchar_model_comes_out() {
-    // The example that accompanies the model in textbooks' programs: 40° N 260° E, azimuth 210°, elevation 20°,
+    // The example with the model in textbooks' programs: 40° N 260° E, azimuth 210°, elevation 20°,
     // Saturday 20:45 GPS time, 23.784 m.
     let model = Klobuchar::new([3.82e-8, 1.49e-8, -1.79e-7, 0.0, 1.43e5, 0.0, -3.28e5, 1.13e5]).unwrap();
     let time = GpsTime { week: 2111, tow_ms: 593_100_000 };
@@ -36,8 +36,8 @@ fn the_ionosphere_at_night_is_five_nanoseconds_upwards() {
 
 #[test]
 fn the_model_of_beidou_is_that_of_programs_with_another_ancestor() {
-    // What C05 broadcast on 2024-01-01. Wanted is the delay on B1I, m, of the equations in the interface document as programs
-    // that descend from RTKLIB have them, in double precision.
+    // Coefficients that C05 broadcast on 2024-01-01. The expected delay on B1I, m, follows from the
+    // equations of the interface document as in programs derived from RTKLIB, in double precision.
     let steps = [31.0, 16.0, -20.0, 31.0, 68.0, -24.0, 15.0, 1.0];
     let units = [-30, -27, -24, -24, 11, 14, 16, 16].map(|exponent| 2f64.powi(exponent));
     let model = Klobuchar::of_beidou(std::array::from_fn(|index| steps[index] * units[index])).unwrap();
@@ -48,7 +48,7 @@ fn the_model_of_beidou_is_that_of_programs_with_another_ancestor() {
         (-33.9, 151.2, 330.0, 15.0, 10_800, 22.587_863),
         (43.56, 1.48, 100.0, 30.0, 43_920, 10.078_629),
         (55.5, 8.5, 180.0, 10.0, 32_400, 10.393_264),
-        // At night five nanoseconds, straight up.
+        // Five nanoseconds at night, straight up.
         (30.5, 114.5, 0.0, 90.0, 64_800, 1.498_962),
     ] {
         let time = GpsTime { week: 2295, tow_ms: 86_400_000 + 1000 * time_of_day_s };
@@ -63,15 +63,15 @@ fn the_model_of_beidou_is_that_of_programs_with_another_ancestor() {
 fn coefficients_that_no_satellite_sends_are_refused() {
     assert_eq!(Klobuchar::new([f64::NAN; 8]), None);
     assert_eq!(Klobuchar::new([1.0, 0.0, 0.0, 0.0, 1e5, 0.0, 0.0, 0.0]), None);
-    // Zeros say that nothing is known.
+    // Zeros mean that no value is known.
     assert_eq!(Klobuchar::new([0.0; 8]), None);
     assert_eq!(Klobuchar::new([0.0, 0.0, 0.0, 0.0, 1e5, 0.0, 0.0, 0.0]), None);
 }
 
 #[test]
 fn the_zenith_delay_at_sea_level_is_that_of_the_standard_atmosphere() {
-    // Dry part of Saastamoinen's formula at 1013.25 hPa and 45°: 2.3070 m. Wet part at 15 °C and 70 %: e = 11.9 hPa
-    // and 0.002277 · (1255/288.15 + 0.05) · e = 0.1196 m.
+    // Dry part of Saastamoinen's formula at 1013.25 hPa and 45°: 2.3070 m. Wet part at 15 °C and
+    // 70 %: e = 11.9 hPa and 0.002277 · (1255/288.15 + 0.05) · e = 0.1196 m.
     let have = Troposphere::above(0.0, 0.5f32.sqrt()).zenith_m();
     assert!((have - (2.3070 + 0.1196)).abs() < 1e-3, "have {have}");
 }

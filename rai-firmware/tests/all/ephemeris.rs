@@ -79,7 +79,7 @@ fn a_satellite_without_health_or_promise_is_unhealthy() {
     assert_eq!(silent.usable_at(time), Err(EphemerisError::Unhealthy));
 }
 
-/// R07 as in the message of 2020-06-25: slot, position, velocity and clock of a real set.
+/// Returns the message of R07 of 2020-06-25: slot, position, velocity and clock of a real set.
 fn glonass_state() -> StateBroadcast {
     StateBroadcast {
         satellite: SatelliteId::new(Constellation::Glonass, 7).unwrap(),
@@ -102,14 +102,15 @@ fn a_state_vector_is_kept_and_moves_with_the_satellite() {
     let ephemeris = Ephemeris::of_state(&state).unwrap();
     assert_eq!(store.insert(ephemeris, Some(state.toe)), Insertion::Taken);
     let kept = store.get(state.satellite, state.toe).unwrap();
-    // Received when the signal of the reference time arrives, with a clock that is wrong by as much as the satellite's.
+    // A signal received at the reference time left earlier by its travel time and the satellite's
+    // clock error.
     let travel_s = 2e7 / 299_792_458.0;
     let moved = kept.at(state.toe, 2e7).unwrap();
     let [x_m, y_m, z_m] = state.position_m;
     let [vx, vy, vz] = state.velocity_m_s;
     let by_s = -travel_s - state.clock_s;
     let want = Ecef::new(x_m + vx * by_s, y_m + vy * by_s, z_m + vz * by_s);
-    // The acceleration of 0.6 m/s² makes 1.3 mm of it.
+    // The acceleration of 0.6 m/s² contributes 1.3 mm.
     assert!(moved.position.distance_m(want) < 2e-3, "{moved:?}, want {want:?}");
     assert!((moved.clock_s - state.clock_s).abs() < 1e-12, "{moved:?}");
     assert_eq!(kept.at(after(state.toe, 3600), 2e7), Err(EphemerisError::Stale));
@@ -204,11 +205,13 @@ fn the_orbit_goes_on_over_the_roll_over_of_the_week() {
     let ephemeris = changed(&CASES[BEIDOU_GEO], |b| (b.toe, b.toc) = (at_edge, at_edge)).unwrap();
     let before = ephemeris.at(at_edge, 0.0).unwrap().position;
     let behind = ephemeris.at(GpsTime { week: 2112, tow_ms: 0 }, 0.0).unwrap().position;
-    // A geostationary satellite with 1.7° inclination moves by less than 100 m in the second between.
+    // A geostationary satellite with 1.7° inclination moves by less than 100 m in the second
+    // between.
     assert!(before.distance_m(behind) < 100.0, "{before:?} {behind:?}");
 }
 
-/// The clock of a band against the broadcast clock, in nanoseconds, as the documents print it.
+/// Compares the clock of each band with the broadcast clock, in nanoseconds, as the documents print
+/// it.
 #[test]
 fn group_delays_are_those_of_the_interface_documents() {
     let delays = |case: &Case, source, group_delays_s| {
@@ -277,7 +280,8 @@ fn the_beidou_pair_b1i_b3i_bears_its_share_of_tgd1() {
 
 #[test]
 fn galileo_e5a_with_the_inav_clock_is_the_fnav_clock() {
-    // The two clocks describe one satellite: E1 at BGD_b after the I/NAV clock is E1 at BGD_a after the F/NAV clock.
+    // Both clocks describe one satellite: E1 is BGD_b after the I/NAV clock and BGD_a after the
+    // F/NAV clock.
     let (bgd_a, bgd_b) = (4e-9, 6e-9);
     let inav = changed(&CASES[GALILEO], |b| b.group_delays_s = [bgd_a, bgd_b]).unwrap();
     let have = *choose(&[signal(Band::E1, 2.4e7), signal(Band::E5a, 2.4e7)], &inav, 0.0, f32::INFINITY)
@@ -298,7 +302,7 @@ fn one_signal_alone_keeps_the_ionosphere_and_takes_its_group_delay() {
 }
 
 proptest! {
-    /// Whatever the fields hold: refused, or a finite state that can be a satellite's.
+    /// Any fields are refused, or give a finite state within a satellite's bounds.
     #[test]
     fn no_accepted_ephemeris_gives_a_position_that_is_not_finite(
         numbers in prop::collection::vec(prop::num::f64::ANY, 16),

@@ -1,4 +1,4 @@
-//! One frequency or two, and signals too weak to use: what is chosen, and when that changes.
+//! Choice between one frequency and two, and signals too weak to use.
 
 use crate::walker::{self, Ionosphere, TOE, range_m, satellite};
 use rai_core::epoch::Epoch;
@@ -11,7 +11,7 @@ const NO_MASK_RAD: f64 = 0.1;
 /// Coefficients of a calm day.
 const CALM: [f64; 8] = walker::CALM;
 
-/// A sky seen from 45° N, with what each satellite sends.
+/// Returns a sky seen from 45° N, with the given signals of each satellite.
 fn sky(signals: impl Fn(usize, f64) -> Vec<RawSignal>, mask_dbhz: f32) -> (Sky, Tally) {
     let (mut store, mut tally, mut raw) = (Store::new(), Tally::default(), RawEpoch::new(TOE));
     for index in 0..30 {
@@ -45,7 +45,7 @@ fn pairs_are_better_where_all_satellites_send_them_and_worse_where_few_do() {
     let both = |_, range_m| vec![on(Band::L1, range_m, 45.0), on(Band::L5, range_m, 45.0)];
     let (all, _) = sky(both, 28.0);
     assert!(cost(&all, Ranges::Pairs) < 0.8 * cost(&all, Ranges::Singles));
-    // Pairs of three satellites, and those weak, stand beside single ranges of another delay.
+    // Weak pairs of three satellites stand beside single ranges with another delay.
     let few = |index, range_m| {
         let second = (index < 3).then(|| on(Band::L5, range_m, 29.0));
         [on(Band::L1, range_m, 45.0)].into_iter().chain(second).collect()
@@ -78,15 +78,16 @@ fn the_set_changes_when_the_other_has_been_a_fifth_better_for_ten_epochs() {
         assert_eq!(preference.weigh(costs(Some(1.0), Some(0.79))), Ranges::Pairs, "epoch {epoch}");
     }
     assert_eq!(preference.weigh(costs(Some(1.0), Some(0.79))), Ranges::Singles);
-    // Back only when the pairs are a fifth better in turn.
+    // It changes back only when the pairs are better by a fifth.
     for _ in 0..100 {
         assert_eq!(preference.weigh(costs(Some(0.81), Some(1.0))), Ranges::Singles);
     }
-    // A set that makes no position is worse than one that does, and no reason to change where neither does.
+    // A set without a position is worse than one with a position, but no reason to change if
+    // neither has one.
     for _ in 0..100 {
         assert_eq!(preference.weigh(costs(None, None)), Ranges::Singles);
     }
-    // While the other set is not better it is looked at every tenth epoch only.
+    // While the other set is not better, it is compared only every tenth epoch.
     for _ in 0..20 {
         preference.weigh(costs(Some(5.0), None));
     }
@@ -97,7 +98,7 @@ fn the_set_changes_when_the_other_has_been_a_fifth_better_for_ten_epochs() {
 fn costs_that_swing_about_each_other_change_nothing() {
     let mut preference = Preference::new();
     for epoch in 0..10_000 {
-        // Better by half for eight epochs, worse for one; and the other way round.
+        // One set is better by half for eight epochs and worse for one; then the other.
         let (pairs, singles) = if epoch % 9 == 0 { (0.5, 1.0) } else { (1.0, 0.5) };
         let cost = |ranges| Some(if ranges == Ranges::Pairs { pairs } else { singles });
         assert_eq!(preference.weigh(cost), Ranges::Pairs, "epoch {epoch}");
@@ -126,7 +127,7 @@ fn a_signal_below_the_mask_is_not_used_and_a_weak_one_weighs_less() {
         "{weak_m:?} {strong_m:?}"
     );
     assert_eq!(sigma_m(&unknown), strong_m, "who says nothing is accepted");
-    // Who says it of another signal does not say it of a weak one.
+    // If a receiver reports the strength of one signal, another without a report counts as weak.
     for strength in [0.0, 45.0] {
         let (mixed, _) = sky(
             |index, range_m| {
@@ -157,7 +158,8 @@ fn a_pair_needs_both_carriers_to_be_strong_where_the_receiver_says_how_strong_th
         close(cost(&codeless, Ranges::Pairs), cost_of_strong),
         "it is as strong as what it is tracked by"
     );
-    // Of any other code 0 says nothing, and the others are said: no better than at the mask.
+    // A signal with its code and without a report counts as at the mask, because the other has a
+    // report.
     let ((unsaid, _), (at_mask, _)) = (sky(both(45.0, 0.0), 28.0), sky(both(45.0, 28.0), 28.0));
     assert!(close(cost(&unsaid, Ranges::Pairs), cost(&at_mask, Ranges::Pairs)));
     assert!(cost(&unsaid, Ranges::Pairs) > 1.5 * cost_of_strong);

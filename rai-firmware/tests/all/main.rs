@@ -1,6 +1,6 @@
-//! What the library of the firmware does, seen from outside.
+//! Behaviour of the firmware's library, seen from outside.
 //!
-//! One program for all: what they have in common is compiled and linked once.
+//! All tests are one program, so that their common part is compiled and linked once.
 
 mod atmosphere;
 mod commands;

@@ -1,8 +1,9 @@
-//! Integer orbits and clocks against the interface documents in double precision, over everything that is let in.
+//! Integer orbits and clocks against the interface documents in double precision, over all accepted
+//! elements.
 //!
-//! The reference is the table of [IS-GPS-200] 20-IV as printed: arc tangents, Newton's method until nothing changes,
-//! the libm of the host. Elements are drawn in the units in which they are broadcast; every field is as often at its
-//! bounds as between them.
+//! The reference is the table of [IS-GPS-200] 20-IV as printed: arc tangents, Newton's method until
+//! it converges, the libm of the host. Elements are drawn in the units in which they are broadcast,
+//! and every field is at its bounds as often as between them.
 
 use std::f64::consts::PI;
 
@@ -12,16 +13,16 @@ use rai_core::satellite::{Constellation, SatelliteId};
 use rai_firmware::ephemeris::{Broadcast, Ephemeris, Health, Source};
 use rai_firmware::time::GpsTime;
 
-/// What must hold, whatever the elements: position, m.
+/// Largest error of a position for any elements, m.
 const POSITION_M: f64 = 5e-4;
 
-/// And clock, s.
+/// Largest error of a clock for any elements, s.
 const CLOCK_S: f64 = 1e-13;
 
-/// A day, ms: what lies farther from the reference time is refused.
+/// Milliseconds of a day; an instant farther from the reference time is refused.
 const DAY_MS: i64 = 86_400_000;
 
-/// A number of units within ±`limit`, half the time a bound or zero.
+/// Returns a number of units within ±`limit`, half the time a bound or zero.
 fn field(limit: i64) -> impl Strategy<Value = f64> {
     prop_oneof![Just(-limit), Just(0), Just(limit), -limit..=limit, -limit..=limit, -limit..=limit]
         .prop_map(|units| units as f64)
@@ -35,12 +36,12 @@ fn angle() -> impl Strategy<Value = f64> {
     field((1 << 31) - 1).prop_map(|units| units * power(-31))
 }
 
-/// Rates to the bound of what is let in, 1e-6 semicircles per second.
+/// Returns rates up to the accepted bound, 1e-6 semicircles per second.
 fn rate() -> impl Strategy<Value = f64> {
     field(8_796_093).prop_map(|units| units * power(-43))
 }
 
-/// The widest harmonic corrections: 18 bits.
+/// Returns harmonic corrections of the widest field, 18 bits.
 fn harmonic(unit: f64) -> impl Strategy<Value = f32> {
     field(1 << 17).prop_map(move |units| (units * unit) as f32)
 }
@@ -141,7 +142,8 @@ prop_compose! {
     }
 }
 
-/// Position and clock by the table, at an instant of the satellite's own clock counted from `toe`.
+/// Returns position and clock by the table, at an instant of the satellite's own clock counted from
+/// `toe`.
 fn by_the_table(b: &Broadcast, shown_s: f64) -> (Ecef, f64) {
     let since_toc_s = shown_s - b.toc.since_ms(b.toe) as f64 * 1e-3;
     let polynomial_s = b.af0_s + (b.af1_s_s + b.af2_s_s2 * since_toc_s) * since_toc_s;

@@ -1,8 +1,9 @@
-//! Broadcast messages of real satellites, and where they were.
+//! Broadcast messages of real satellites, with their positions.
 //!
-//! The elements are those of receivers' navigation files (Esbjerg, 2020-06-25; Nagoya, 2024-06-24). Positions and
-//! clocks were computed from them by a separate program: the interface documents' formulas as they are printed, with
-//! arc tangents and the libm of C, Kepler's equation by 200 fixed-point iterations.
+//! The elements come from receivers' navigation files (Esbjerg, 2020-06-25; Nagoya, 2024-06-24). A
+//! separate program computed positions and clocks from them. It has the interface documents'
+//! formulas as printed, with arc tangents and the libm of C, and solves Kepler's equation by 200
+//! fixed-point iterations.
 #![allow(dead_code, reason = "each test program uses a part")]
 
 use std::f64::consts::PI;
@@ -11,7 +12,7 @@ use rai_core::satellite::{Constellation, SatelliteId};
 use rai_firmware::ephemeris::{Broadcast, Health, Source};
 use rai_firmware::time::GpsTime;
 
-/// One instant: when the signal arrived, its pseudorange, and the state at transmission.
+/// One instant: arrival of the signal, its pseudorange, and the state at transmission.
 #[derive(Clone, Copy)]
 pub(crate) struct Want {
     pub(crate) after_toe_ms: i64,
@@ -20,7 +21,7 @@ pub(crate) struct Want {
     pub(crate) clock_s: f64,
 }
 
-/// One satellite's message, angles in radians as in navigation files.
+/// Message of one satellite, angles in radians as in navigation files.
 #[derive(Clone, Copy)]
 pub(crate) struct Case {
     pub(crate) satellite: (Constellation, u8),
@@ -30,11 +31,11 @@ pub(crate) struct Case {
     pub(crate) toc_ms: u32,
     pub(crate) sqrt_a: f64,
     pub(crate) eccentricity: f64,
-    /// M0, Ω0, i0, ω.
+    /// Angles M0, Ω0, i0, ω, rad.
     pub(crate) angles_rad: [f64; 4],
-    /// Δn, dΩ/dt, di/dt.
+    /// Rates Δn, dΩ/dt, di/dt, rad/s.
     pub(crate) rates_rad_s: [f64; 3],
-    /// Cuc, Cus, Crc, Crs, Cic, Cis.
+    /// Corrections Cuc, Cus, Crc, Crs, Cic, Cis.
     pub(crate) corrections: [f64; 6],
     pub(crate) clock: [f64; 3],
     pub(crate) want: [Want; 2],
@@ -92,16 +93,16 @@ impl Case {
     }
 }
 
-/// The same orbit and clock, written about another reference time.
+/// Returns the same orbit and clock, written about another reference time.
 ///
-/// The elements are moved along the orbit by their own rates, so that both sets describe one motion exactly; the harmonic
-/// corrections are functions of the place on the orbit and stay.
+/// The elements move along the orbit by their own rates, so that both sets describe one motion
+/// exactly. The harmonic corrections are functions of the place on the orbit and stay.
 pub(crate) fn later(broadcast: &Broadcast, seconds: i64) -> Broadcast {
     let mu = if broadcast.source == Source::GpsLnav { 3.986005e14_f64 } else { 3.986004418e14 };
     let motion_sc_s = mu.sqrt() / broadcast.sqrt_a_sqrt_m.powi(3) / PI + broadcast.delta_n_sc_s;
     let moved = |time: GpsTime| GpsTime::from_ms(time.to_ms().checked_add_signed(seconds * 1000).unwrap());
     let turned = |angle: f64, rate: f64| (angle + rate * seconds as f64 + 1.0).rem_euclid(2.0) - 1.0;
-    // The node is counted from the start of the week: over its end, from the next one.
+    // The node counts from the start of the week, so that it changes with the week.
     let weeks = f64::from(moved(broadcast.toe).week) - f64::from(broadcast.toe.week);
     assert!(weeks == 0.0, "the orbits here stay within their week");
     Broadcast {

@@ -1,8 +1,10 @@
-//! One frequency under ionospheres up to the strongest on record: whatever the model misses, the levels hold.
+//! One frequency under ionospheres up to the strongest on record: levels hold for every residual of
+//! the model.
 //!
-//! Skies of one system and of two, thirty satellites each on circular orbits, seen from four latitudes. The delay is that of a thin shell at 350 km
-//! with a vertical content that may slope to the north, `0.162 m` of L1 for each TECU; everything else is exact, so that
-//! the error is the ionosphere's alone. No coefficients of that day are known; at most those of a calm one.
+//! The skies have one system or two, thirty satellites each on circular orbits, seen from four
+//! latitudes. The delay is that of a thin shell at 350 km, `0.162 m` of L1 for each TECU, and its
+//! vertical content may slope to the north. All else is exact, so that the error is the
+//! ionosphere's alone. The module has no coefficients of that day, or those of a calm one.
 
 use crate::walker::{CALM, Ionosphere, TOE, range_m, satellite_of};
 use rai_core::frame::{Ecef, Geodetic, LocalFrame};
@@ -14,7 +16,7 @@ use rai_firmware::navigator::Navigator;
 use rai_firmware::raw::{Band, Carrier, RawEpoch, RawSatellite, RawSignal};
 use rai_firmware::time::GpsTime;
 
-/// What the module says at an instant under an ionosphere.
+/// Returns the module's report at an instant under an ionosphere.
 fn judged(
     systems: &[(Source, Band)],
     receiver: Ecef,
@@ -38,7 +40,8 @@ fn judged(
     navigator.judge(&raw, raw.time.to_ms(), &configuration).clone()
 }
 
-/// The largest share of its level that an error takes, horizontal and vertical, over an hour and four latitudes.
+/// Returns the largest ratio of an error to its level, horizontal and vertical, over an hour and
+/// four latitudes.
 fn largest_shares(
     systems: &[(Source, Band)],
     ionosphere: Ionosphere,
@@ -61,7 +64,7 @@ fn largest_shares(
     largest
 }
 
-/// Both on the frequency of L1, to which the simulated delay belongs.
+/// Systems with a signal on the frequency of L1, to which the simulated delay belongs.
 const SYSTEMS: [(Source, Band); 2] = [(Source::GpsLnav, Band::L1), (Source::GalileoInav, Band::E1)];
 
 fn levels_hold(systems: &[(Source, Band)]) {

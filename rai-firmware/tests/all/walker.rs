@@ -1,4 +1,4 @@
-//! A simulated sky of thirty satellites on circular orbits, and an ionosphere to see it through.
+//! A simulated sky of thirty satellites on circular orbits, seen through an ionosphere.
 #![allow(dead_code, reason = "each test program uses a part")]
 
 use rai_core::frame::{EARTH_ROTATION_RAD_S, Ecef, Enu, LocalFrame, SPEED_OF_LIGHT_M_S};
@@ -8,16 +8,16 @@ use rai_firmware::time::GpsTime;
 
 pub(crate) const TOE: GpsTime = GpsTime { week: 2300, tow_ms: 7_200_000 };
 
-/// Coefficients of a calm day, as GPS sent them in 2020.
+/// Coefficients of a calm day, broadcast by GPS in 2020.
 pub(crate) const CALM: [f64; 8] =
     [4.6566e-9, 1.4901e-8, -5.9605e-8, -5.9605e-8, 79_872.0, 65_536.0, -65_536.0, -393_216.0];
 
-/// Satellite `index` of thirty in six planes of GPS.
+/// Returns satellite `index` of thirty in six planes of GPS.
 pub(crate) fn satellite(index: u8) -> Broadcast {
     satellite_of(Source::GpsLnav, index)
 }
 
-/// The same of another system, whose planes lie between those of the others.
+/// Returns the same satellite of another system, whose planes lie between those of the others.
 pub(crate) fn satellite_of(source: Source, index: u8) -> Broadcast {
     let (plane, slot) = (index % 6, index / 6);
     let shift = f64::from(source.constellation() as u8) / 17.0;
@@ -59,7 +59,7 @@ pub(crate) fn satellite_of(source: Source, index: u8) -> Broadcast {
     }
 }
 
-/// An ionosphere: electrons above the receiver, and how many more for each degree to the north.
+/// An ionosphere: electrons above the receiver, and their increase for each degree to the north.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Ionosphere {
     pub(crate) tecu: f64,
@@ -67,7 +67,7 @@ pub(crate) struct Ionosphere {
 }
 
 impl Ionosphere {
-    /// Delay on L1 towards a satellite, m.
+    /// Returns the delay on L1 towards a satellite, m.
     pub(crate) fn delay_m(self, towards: Enu) -> f64 {
         const METRES_PER_TECU: f64 = 40.3e16 / (1575.42e6 * 1575.42e6);
         const RATIO: f64 = 6371.0 / 6721.0;
@@ -80,14 +80,14 @@ impl Ionosphere {
     }
 }
 
-/// The troposphere of the receiver's own model, so that only the ionosphere is left.
+/// Returns the troposphere of the receiver's own model, so that only the ionosphere remains, m.
 fn troposphere_m(frame: &LocalFrame, up: f64) -> f64 {
     let model =
         rai_firmware::correction::Troposphere::above(frame.height_m() as f32, frame.sin_latitude() as f32);
     f64::from(model.delay_m(up as f32))
 }
 
-/// The range that is measured of a satellite, `None` below the horizon.
+/// Returns the measured range of a satellite, or `None` below the horizon.
 pub(crate) fn range_m(
     ephemeris: &Ephemeris,
     time: GpsTime,

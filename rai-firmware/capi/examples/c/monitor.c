@@ -1,14 +1,14 @@
-/* One epoch of seven satellites, of which G05 is wrong by 80 m: ranges in, verdict out. */
+/* Ranges in, verdict out: one epoch of seven satellites, with an error of 80 m on G05. */
 #include <stdio.h>
 
 #include "rai.h"
 
-/* The memory of the monitor: no heap, no stack. */
+/* Memory of the monitor, static, so that it needs no heap and no stack. */
 static rai_monitor_t monitor;
 
 int main(void)
 {
-    /* Seven satellites 22,000 km away, seen from Esbjerg; all ranges are exact but that of G05. */
+    /* Seven satellites 22,000 km away, seen from Esbjerg; all ranges except that of G05 are exact. */
     static const double positions[7][3] = {
         {15909567.8, 2365446.2, 23362131.7}, {-3367221.5, -500641.0, 26080759.6},
         {25324386.9, 3765248.4, 6140002.4},  {8390254.2, 19040938.2, 16110381.0},

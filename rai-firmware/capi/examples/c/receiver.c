@@ -1,13 +1,13 @@
 /* The whole module on a host: bytes of a receiver on standard input, sentences on standard output.
  *
- * On a microcontroller the loop is the same, with a UART in the place of standard input, a clock in the place of the
- * count of bytes, and a pin that is set where this program counts.
+ * On a microcontroller the loop is the same. A UART replaces standard input, a clock replaces the
+ * count of bytes, and a pin is set where this program counts.
  */
 #include <stdio.h>
 
 #include "rai.h"
 
-/* The memory of the receiver and of its sentences: no heap, no stack. */
+/* Memory of the receiver and of its sentences, static, so that it needs no heap and no stack. */
 static rai_receiver_t receiver;
 static uint8_t sentences[4096];
 
@@ -36,7 +36,7 @@ int main(void)
         size_t i;
         for (i = 0; i < count; i++) {
             uint8_t judged = 0;
-            /* A line of 115,200 baud brings 11,520 bytes a second. */
+            /* A line of 115,200 baud carries 11,520 bytes per second. */
             uint64_t now_ms = ++came * 1000u / 11520u;
             rai_status_t status = rai_receiver_gnss(&receiver, &chunk[i], 1, now_ms, &text, &judged);
             if (status != RAI_STATUS_OK) {

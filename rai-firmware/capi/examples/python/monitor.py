@@ -1,4 +1,4 @@
-"""The monitor from Python, through the shared library: seven satellites, of which G05 is wrong by 80 m.
+"""The monitor from Python, through the shared library: seven satellites, with an error of 80 m on G05.
 
     cargo rustc --release -p rai-capi --lib --crate-type cdylib
     python3 rai-firmware/capi/examples/python/monitor.py target/release/librai.so
@@ -76,13 +76,13 @@ class Verdict(ctypes.Structure):
 
 
 def demand(library, status):
-    """Raises what a status names."""
+    """Raises an error for any status except success."""
     if status != 0:
         raise ValueError(library.rai_status_text(status).decode())
 
 
 def example_ranges():
-    """The example of the README: satellites 22,000 km away in seven directions, G05's range too long by 80 m."""
+    """Returns the example of the README: seven satellites 22,000 km away, with an error of 80 m on G05."""
     place = (3_582_105.0, 532_590.0, 5_232_755.0)
     longitude = math.atan2(place[1], place[0])
     flattening = 1 / 298.257223563
@@ -109,14 +109,14 @@ def example_ranges():
 
 
 def main():
-    """Judges the example and prints what is said of it."""
+    """Judges the example and prints the verdict."""
     library = ctypes.CDLL(sys.argv[1])
     library.rai_status_text.restype = library.rai_reason_text.restype = ctypes.c_char_p
     library.rai_monitor_size.restype = ctypes.c_size_t
 
     settings = Settings(size=ctypes.sizeof(Settings))
     demand(library, library.rai_settings_preset(ctypes.byref(settings), PHASE_NPA))
-    # Doubles, since the object is aligned as they are.
+    # Doubles, because the object needs their alignment.
     memory = (ctypes.c_double * ((library.rai_monitor_size() + 7) // 8))()
     demand(library, library.rai_monitor_init(memory, ctypes.c_size_t(ctypes.sizeof(memory)), ctypes.byref(settings)))
 

@@ -1,10 +1,10 @@
-//! What the host gets for a request: the ticks it took, and the result in words, doubles to their last bit.
+//! Answer to a request: the ticks it took, and the result in words, doubles to their last bit.
 //!
 //! | bytes | what |
 //! |---|---|
 //! | 4 | ticks, little-endian |
 //! | 4 | length of the rest |
-//! | … | the result as `Debug` writes it |
+//! | … | the result in the format of `Debug` |
 
 use core::fmt::{self, Write as _};
 
@@ -12,22 +12,22 @@ use heapless::String;
 
 use crate::semihosting::File;
 
-/// A report with 48 satellites takes 3,000 characters.
+/// Most bytes of an answer; a report with 48 satellites takes 3,000 characters.
 const CAPACITY: usize = 6144;
 
-/// Answers, in the order of the requests.
+/// Writer of the answers, in the order of the requests.
 pub struct Answers {
     file: File,
     text: String<CAPACITY>,
 }
 
 impl Answers {
-    /// The file that the host will read.
+    /// Opens the file that the host reads.
     pub fn open() -> Option<Self> {
         Some(Self { file: File::to_write(b"answers.bin\0")?, text: String::new() })
     }
 
-    /// Writes one.
+    /// Writes one answer.
     pub fn write(&mut self, ticks: u32, result: &impl fmt::Debug) -> Option<()> {
         self.text.clear();
         write!(self.text, "{result:?}").ok()?;

@@ -1,5 +1,5 @@
-//! Epochs as the host writes them: `time_s`, a count, and for each satellite constellation, number, x, y, z, range,
-//! sigma.
+//! Epochs in the format of the host: `time_s`, a count, and for each satellite constellation,
+//! number, x, y, z, range, sigma.
 
 use rai_core::epoch::{Epoch, Observation};
 use rai_core::frame::Ecef;
@@ -8,7 +8,8 @@ use rai_firmware::correction::CAPACITY;
 
 use crate::request::Input;
 
-/// An epoch; `None` where the bytes end. What the core refuses is left out, as in the module.
+/// Reads an epoch, or `None` if the bytes end. Observations that the core refuses are left out, as
+/// in the module.
 pub fn epoch(input: &mut Input<'_>) -> Option<Epoch<CAPACITY>> {
     let mut epoch = Epoch::new(input.double()?);
     for _ in 0..input.byte()? {
@@ -17,7 +18,7 @@ pub fn epoch(input: &mut Input<'_>) -> Option<Epoch<CAPACITY>> {
     Some(epoch)
 }
 
-/// A point: x, y, z.
+/// Reads a point: x, y, z.
 pub fn point(input: &mut Input<'_>) -> Option<Ecef> {
     Some(Ecef::new(input.double()?, input.double()?, input.double()?))
 }

@@ -1,12 +1,15 @@
-//! The measuring image: runs stages of the module on the chip's processor and says what each cost and gave.
+//! The measuring image: runs stages of the module on the chip's processor and reports cost and
+//! result of each.
 //!
 //! ```text
-//! host: requests.bin ──► [stage, scalar, epoch or bytes] ──► run ──► [ticks, result bits] ──► answers.bin :host
+//! host: requests.bin ──► [stage, scalar, epoch or bytes] ──► run
+//!                                  run ──► [ticks, result bits] ──► answers.bin :host
 //! ```
 //!
-//! It is no image to flash: it talks to the host by semihosting, which needs a debugger or the emulator. Nothing in it
-//! interrupts, so the ticks of the core clock between two looks at it belong to the stage alone; under `-icount shift=0`
-//! they are its instructions, 168 ticks for each thousand.
+//! It is no image to flash, because it talks to the host by semihosting, which needs a debugger or
+//! the emulator. No interrupt runs, so that the ticks between two readings of the core clock belong
+//! to the stage alone. Under `-icount shift=0` they count its instructions, 168 ticks for each
+//! thousand.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 #![deny(unsafe_code)]
 #![allow(unreachable_pub)] // A binary's modules have no outside.
@@ -31,7 +34,7 @@ mod stopwatch;
 #[cfg(target_os = "none")]
 mod wire;
 
-/// The image runs in the emulator; on a host there is only this advice.
+/// Prints where the image runs, because it needs the emulator.
 #[cfg(not(target_os = "none"))]
 fn main() {
     eprintln!("this program runs in the emulator: `cargo xtask bench` starts it");
@@ -41,7 +44,7 @@ fn main() {
 mod image {
     use cortex_m::singleton;
     use cortex_m_rt::entry;
-    // The vector table asks for the chip's interrupts.
+    // The vector table needs the chip's interrupts.
     #[cfg(feature = "stm32f405")]
     use stm32f4 as _;
 
@@ -53,7 +56,7 @@ mod image {
     fn main() -> ! {
         let Some(peripherals) = cortex_m::Peripherals::take() else { semihosting::exit(false) };
         let mut stopwatch = Stopwatch::start(peripherals.SYST);
-        // Among the statics: the stack is for the stages.
+        // Among the statics, because the stack is for the stages.
         let (Some(requests), Some(answers)) = (
             singleton!(: Option<Requests> = Requests::open()).and_then(Option::as_mut),
             singleton!(: Option<Answers> = Answers::open()).and_then(Option::as_mut),

@@ -1,4 +1,5 @@
-//! The core in either precision: single as the shipped image has it ([`rai_core::single`]), double as compiled here.
+//! The core in either precision: single as in the shipped image ([`rai_core::single`]), double as
+//! compiled here.
 
 use rai_core::epoch::Epoch;
 use rai_core::integrity::residuals::baarda;
@@ -10,24 +11,24 @@ use rai_core::report::Report;
 use rai_core::single::{self, CAPACITY, stages};
 use rai_core::snapshot::{Snapshot, SnapshotError};
 
-/// The stages that are measured in both precisions.
+/// Stages that are measured in both precisions.
 pub trait Precision: Real {
-    /// [`Snapshot::leave_out`].
+    /// Calls [`Snapshot::leave_out`].
     fn leave_out(snapshot: &mut Snapshot<'_, Self>, index: usize) -> Result<(), SnapshotError>;
-    /// [`Snapshot::take_back`].
+    /// Calls [`Snapshot::take_back`].
     fn take_back(snapshot: &mut Snapshot<'_, Self>, index: usize) -> Result<(), SnapshotError>;
-    /// [`baarda::worst_two`].
+    /// Calls [`baarda::worst_two`].
     fn worst_two(snapshot: &Snapshot<'_, Self>) -> Option<(usize, Self, Self)>;
-    /// [`levels::largest_slopes`].
+    /// Calls [`levels::largest_slopes`].
     fn largest_slopes(snapshot: &Snapshot<'_, Self>) -> Slopes<Self>;
-    /// [`separation::judge_in`].
+    /// Calls [`separation::judge_in`].
     fn separate(
         snapshot: &mut Snapshot<'_, Self>,
         priors: &Priors<'_, Self>,
         allocation: &Allocation,
         room: &mut Room<Self>,
     ) -> Result<Judged<Self>, SeparationError>;
-    /// [`Monitor::process`].
+    /// Calls [`Monitor::process`].
     fn process(monitor: &mut Monitor<Self, CAPACITY>, epoch: &Epoch<CAPACITY>) -> Report<CAPACITY>;
 }
 

@@ -1,4 +1,4 @@
-//! What the host asks for: a stage, a scalar, and what to run it on. Little-endian.
+//! Request of the host: a stage, a scalar, and the stage's input. Little-endian.
 //!
 //! | bytes | what |
 //! |---|---|
@@ -11,33 +11,33 @@ use heapless::Vec;
 
 use crate::semihosting::{self, File};
 
-/// Longest input: a dozen epochs of 45 satellites.
+/// Most bytes of an input: a dozen epochs of 45 satellites.
 const CAPACITY: usize = 24 * 1024;
 
 /// One request.
 #[derive(Clone, Copy)]
 pub struct Request<'b> {
-    /// Which stage.
+    /// Number of the stage.
     pub stage: u8,
-    /// In which scalar.
+    /// True for double precision.
     pub is_double: bool,
-    /// Its input.
+    /// Input of the stage.
     pub input: Input<'b>,
 }
 
-/// Numbers that are read from the front.
+/// Bytes from which numbers are read, first to last.
 #[derive(Clone, Copy)]
 pub struct Input<'b>(pub &'b [u8]);
 
 impl Input<'_> {
-    /// The next byte.
+    /// Reads the next byte.
     pub fn byte(&mut self) -> Option<u8> {
         let (first, rest) = self.0.split_first()?;
         self.0 = rest;
         Some(*first)
     }
 
-    /// The next double.
+    /// Reads the next double.
     pub fn double(&mut self) -> Option<f64> {
         let (first, rest) = self.0.split_first_chunk()?;
         self.0 = rest;
@@ -45,19 +45,19 @@ impl Input<'_> {
     }
 }
 
-/// All requests, one at a time.
+/// Reader of all requests, one at a time.
 pub struct Requests {
     file: File,
     buffer: Vec<u8, CAPACITY>,
 }
 
 impl Requests {
-    /// The file that the host has prepared.
+    /// Opens the file that the host has prepared.
     pub fn open() -> Option<Self> {
         Some(Self { file: File::to_read(b"requests.bin\0")?, buffer: Vec::new() })
     }
 
-    /// The next one; `None` at the end.
+    /// Reads the next request; `None` at the end.
     pub fn next(&mut self) -> Option<Request<'_>> {
         let mut length = [0; 4];
         if !self.file.fill(&mut length) {
@@ -65,7 +65,7 @@ impl Requests {
         }
         let fits = self.buffer.resize(u32::from_le_bytes(length) as usize, 0).is_ok();
         if !fits || !self.file.fill(&mut self.buffer) {
-            // Half a request is no end.
+            // Half a request is an error.
             semihosting::exit(false)
         }
         let (head, input) = self.buffer.split_first_chunk()?;

@@ -1,13 +1,14 @@
 //! Files of the host and the end of the program.
 //!
-//! Reference: Arm, *Semihosting for `AArch32` and `AArch64`*, 2024, operations `SYS_OPEN`, `SYS_READ`, `SYS_WRITE`.
+//! Reference: Arm, *Semihosting for `AArch32` and `AArch64`*, 2024, operations `SYS_OPEN`,
+//! `SYS_READ`, `SYS_WRITE`.
 
 use cortex_m_semihosting::debug::{self, EXIT_FAILURE, EXIT_SUCCESS};
 use cortex_m_semihosting::syscall;
 
-/// Modes of `SYS_OPEN`, as those of `fopen`.
+/// Mode of `SYS_OPEN` to read, as in `fopen`.
 const READ_BINARY: usize = 1;
-/// As above.
+/// Mode of `SYS_OPEN` to write, as in `fopen`.
 const WRITE_BINARY: usize = 5;
 
 /// An open file of the host.
@@ -32,14 +33,14 @@ impl File {
         (handle != usize::MAX).then_some(Self(handle))
     }
 
-    /// Fills the buffer; false where the file has ended before.
+    /// Fills the buffer; returns false if the file ends before.
     #[allow(unsafe_code)]
     pub fn fill(&mut self, buffer: &mut [u8]) -> bool {
         // SAFETY: the host writes at most the buffer's length to its address.
         buffer.is_empty() || unsafe { syscall!(READ, self.0, buffer.as_mut_ptr(), buffer.len()) } == 0
     }
 
-    /// Writes all bytes; false where the host did not take them.
+    /// Writes all bytes; returns false if the host does not take them.
     #[allow(unsafe_code)]
     pub fn write(&mut self, bytes: &[u8]) -> bool {
         // SAFETY: the host reads the slice's length from its address.

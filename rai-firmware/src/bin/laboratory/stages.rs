@@ -1,4 +1,4 @@
-//! The stages, by the number that the host gives them.
+//! The stages by the host's numbers.
 
 use core::hint::black_box;
 
@@ -25,7 +25,7 @@ use crate::request::{Input, Request};
 use crate::stopwatch::Stopwatch;
 use crate::wire;
 
-/// Runs what is asked for; `None` where the request makes no sense.
+/// Runs the requested stage; `None` for a request without meaning.
 pub fn run(request: &Request<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers) -> Option<()> {
     if request.is_double {
         run_in::<f64>(request, stopwatch, answers)
@@ -67,7 +67,7 @@ fn thresholds() -> Option<Thresholds<'static>> {
     Thresholds::from_tables(requirements().false_alarm, requirements().missed_detection).ok()
 }
 
-/// Start and epoch to the equations about the position.
+/// Reads start and epoch, and returns the equations at the position.
 #[inline(never)]
 fn linear<T: Real>(mut input: Input<'_>) -> Option<Workspace<T, CAPACITY>> {
     let start = point(&mut input)?;
@@ -77,7 +77,7 @@ fn linear<T: Real>(mut input: Input<'_>) -> Option<Workspace<T, CAPACITY>> {
     Some(workspace)
 }
 
-/// Snapshot, global test, w-tests, slopes, protection levels.
+/// Times snapshot, global test, w-tests, slopes and protection levels.
 #[inline(never)]
 fn test<T: Precision>(input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers) -> Option<()> {
     let (mut workspace, thresholds) = (linear::<T>(input)?, thresholds()?);
@@ -89,12 +89,13 @@ fn test<T: Precision>(input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut
     answers.write(ticks, &found)
 }
 
-/// As a fix does it, pass after pass: the equations stay where they are. No row was out that could be taken back.
+/// Solves pass after pass like a fix, with the equations in place. No row was left out that could
+/// be taken back.
 fn solve_in_place<T: Precision>(snapshot: &mut Snapshot<'_, T>) -> Option<()> {
     T::take_back(black_box(snapshot), 0).ok()
 }
 
-/// What a snapshot is asked: statistic, largest w, largest slopes times √λ.
+/// Returns the results of a snapshot: statistic, largest w, largest slopes times √λ.
 fn tested<T: Precision>(
     snapshot: &Snapshot<'_, T>,
     thresholds: &Thresholds<'_>,
@@ -106,7 +107,7 @@ fn tested<T: Precision>(
     Some((detection.fault(), worst, [largest.widen(), levels.hpl_m, levels.vpl_m]))
 }
 
-/// The same with the worst row left out and the rest tested again.
+/// Times the same with the worst row left out and the rest tested again.
 #[inline(never)]
 fn test_without_worst<T: Precision>(
     input: Input<'_>,
@@ -124,7 +125,7 @@ fn test_without_worst<T: Precision>(
     answers.write(ticks, &found)
 }
 
-/// Grouping up to a number of rows, which the first byte says.
+/// Times grouping up to a number of rows, given by the first byte.
 #[inline(never)]
 fn group(mut input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers) -> Option<()> {
     let rows = usize::from(input.byte()?);
@@ -138,7 +139,7 @@ fn group(mut input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers)
     answers.write(ticks, &found)
 }
 
-/// Range consensus with a selection that is at hand.
+/// Times range consensus with an existing selection.
 #[inline(never)]
 fn vote(input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers) -> Option<()> {
     let (mut workspace, thresholds) = (linear::<f32>(input)?, thresholds()?);
@@ -151,7 +152,7 @@ fn vote(input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers) -> O
     answers.write(ticks, &found)
 }
 
-/// Range consensus with a new selection.
+/// Times range consensus with a new selection.
 #[inline(never)]
 fn select(input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers) -> Option<()> {
     let (mut workspace, thresholds) = (linear::<f32>(input)?, thresholds()?);
@@ -164,7 +165,8 @@ fn select(input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers) ->
     answers.write(ticks, &found)
 }
 
-/// ARAIM on a snapshot that is at hand, tests and levels. The first byte says whether satellites have nominal biases.
+/// Times ARAIM on an existing snapshot, tests and levels. The first byte states if satellites have
+/// nominal biases.
 #[inline(never)]
 fn separate<T: Precision>(
     mut input: Input<'_>,
@@ -183,7 +185,7 @@ fn separate<T: Precision>(
     }
     let constellations = Ism::RESEARCH.constellations.map(|support| T::narrow(support.constellation_fault));
     let allocation = Allocation::vertical_guidance();
-    // A monitor keeps it.
+    // A monitor keeps this memory.
     let mut room = Room::new();
     let (found, ticks) = stopwatch.time(|| {
         let priors = Priors { satellites: &satellites, constellations };
@@ -192,7 +194,8 @@ fn separate<T: Precision>(
     answers.write(ticks, &found.ok()?.whole)
 }
 
-/// One more value into a full window, and the forecast from it. The input is the clock, one double a second.
+/// Times one more value into a full window, and the forecast from it. The input is the clock, one
+/// double per second.
 #[inline(never)]
 fn coast(mut input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers) -> Option<()> {
     let mut clock = CoastingClock::<f32>::new();
@@ -209,7 +212,7 @@ fn coast(mut input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers)
     answers.write(ticks, &forecast)
 }
 
-/// The threshold of a policy for a geometry that is new. The first byte is the policy.
+/// Times the threshold of a policy for a new geometry. The first byte is the policy.
 #[inline(never)]
 fn policy(mut input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers) -> Option<()> {
     let policy = policy_of(input.byte()?)?;
@@ -224,7 +227,8 @@ fn policy(mut input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers
     answers.write(ticks, &found)
 }
 
-/// One monitor over several epochs: method, policy, clock aiding, start, number of epochs. An answer for each.
+/// Times one monitor over several epochs: method, policy, clock aiding, start, number of epochs.
+/// Each gives an answer.
 #[inline(never)]
 fn judge<T: Precision>(mut input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers) -> Option<()> {
     let strategy = Strategy {
@@ -244,7 +248,7 @@ fn judge<T: Precision>(mut input: Input<'_>, stopwatch: &mut Stopwatch, answers:
     Some(())
 }
 
-/// The centre of the earth is where a monitor starts by itself.
+/// Returns a start position. A new monitor starts from the centre of the earth.
 fn start(point: Ecef) -> Ecef {
     if point.radius_m() > 0.0 { point } else { Ecef::CENTRE }
 }

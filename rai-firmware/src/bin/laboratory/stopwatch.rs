@@ -1,9 +1,10 @@
-//! Ticks of the core clock, by the system timer counting down from its largest value.
+//! Ticks of the core clock, from the system timer, which counts down from its largest value.
 
 use cortex_m::peripheral::SYST;
 use cortex_m::peripheral::syst::SystClkSource;
 
-/// The timer has 24 bits: a stage may take 16.7 million ticks, 99 million instructions in the emulator.
+/// Reload value of the timer, 24 bits: a stage may take 16.7 million ticks, 99 million instructions
+/// in the emulator.
 const RELOAD: u32 = 0x00FF_FFFF;
 
 /// A running timer.
@@ -13,7 +14,7 @@ pub struct Stopwatch {
 }
 
 impl Stopwatch {
-    /// Starts the timer and measures what a look at it costs.
+    /// Starts the timer and measures the cost of a reading.
     pub fn start(mut timer: SYST) -> Self {
         timer.set_clock_source(SystClkSource::Core);
         timer.set_reload(RELOAD);
@@ -24,7 +25,7 @@ impl Stopwatch {
         stopwatch
     }
 
-    /// Runs something once; its result and its ticks.
+    /// Runs a stage once; returns its result and its ticks.
     #[inline(never)]
     pub fn time<R>(&mut self, stage: impl FnOnce() -> R) -> (R, u32) {
         let before = self.timer.cvr.read();

@@ -1,4 +1,5 @@
-//! Stages that begin with bytes: what has come before, its length first, then what is timed.
+//! Stages with bytes as input: the length of the first part, that part, which is not timed, then
+//! the timed bytes.
 
 use core::convert::Infallible;
 use core::hint::black_box;
@@ -22,13 +23,13 @@ use crate::epochs::point;
 use crate::request::Input;
 use crate::stopwatch::Stopwatch;
 
-/// Bytes that come before, bytes that are timed.
+/// Returns the first bytes and the timed bytes.
 fn halves(input: Input<'_>) -> Option<(&[u8], &[u8])> {
     let (length, rest) = input.0.split_first_chunk()?;
     rest.split_at_checked(u32::from_le_bytes(*length) as usize)
 }
 
-/// Bytes of a receiver, in whatever format, to raw epochs and ephemerides.
+/// Times the decoding of a receiver's bytes, in any format, to raw epochs and ephemerides.
 #[inline(never)]
 pub fn decode(input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers) -> Option<()> {
     let (before, bytes) = halves(input)?;
@@ -45,7 +46,7 @@ pub fn decode(input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers
     answers.write(ticks, &satellites)
 }
 
-/// Ephemerides and the last epoch of some bytes, put where the caller has room for them.
+/// Puts the ephemerides and the last epoch of some bytes into memory of the caller.
 #[inline(never)]
 fn learn(bytes: &[u8], store: &mut Store, last: &mut RawEpoch) {
     let mut gnss = Gnss::new();
@@ -61,12 +62,12 @@ fn learn(bytes: &[u8], store: &mut Store, last: &mut RawEpoch) {
     });
 }
 
-/// An epoch of no time, to be filled.
+/// Returns an empty epoch, to be filled.
 const fn nothing() -> RawEpoch {
     RawEpoch::new(GpsTime { week: 0, tow_ms: 0 })
 }
 
-/// Satellite positions and clocks of the last epoch.
+/// Times satellite positions and clocks of the last epoch.
 #[inline(never)]
 pub fn locate(input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers) -> Option<()> {
     let (mut store, mut raw) = (Store::new(), nothing());
@@ -87,7 +88,7 @@ fn sky(raw: &RawEpoch, store: &Store) -> Sky {
     sky
 }
 
-/// Atmosphere and sigmas about a point, which comes first.
+/// Times atmosphere and sigmas at a point, which comes first in the input.
 #[inline(never)]
 pub fn correct(mut input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers) -> Option<()> {
     let point = point(&mut input)?;
@@ -105,7 +106,7 @@ pub fn correct(mut input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut An
     answers.write(ticks, &epoch.observations().len())
 }
 
-/// Sentences of the last epoch's report.
+/// Times the sentences of the last epoch's report.
 #[inline(never)]
 pub fn speak(input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers) -> Option<()> {
     let (mut gnss, mut last) = (Gnss::new(), None);
@@ -137,17 +138,18 @@ pub fn speak(input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers)
     answers.write(ticks, &host.bytes)
 }
 
-/// Bytes that a pass of the loop hands over: those of a millisecond at 115,200 baud.
+/// Bytes per pass of the loop: those of a millisecond at 115,200 baud.
 const BYTES_PER_PASS: usize = 11;
 
-/// Bytes in to bytes out, as they come from a line. A command comes first, its length in a byte.
+/// Times everything from bytes to sentences, as from a line. A command comes first, after its
+/// length in a byte.
 #[inline(never)]
 pub fn whole(mut input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers) -> Option<()> {
     let length = usize::from(input.byte()?);
     let (command, rest) = input.0.split_at_checked(length)?;
     let (before, bytes) = halves(Input(rest))?;
     let boot = Boot::on_host("laboratory");
-    // Borrowed and not taken out: there is no room for two.
+    // Borrowed and not taken out, because there is no room for two.
     let mut receiver = Receiver::new(Pin, boot);
     let receiver = receiver.as_mut().ok()?;
     let mut host = Host { bytes: 0 };
@@ -162,7 +164,7 @@ pub fn whole(mut input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answ
     answers.write(ticks, &(host.bytes - said_before))
 }
 
-/// A host that counts what it hears.
+/// A host that counts the bytes it receives.
 struct Host {
     bytes: usize,
 }
@@ -182,7 +184,7 @@ impl Write for Host {
     }
 }
 
-/// A pin that leads nowhere.
+/// A pin without a connection.
 struct Pin;
 
 impl ErrorType for Pin {

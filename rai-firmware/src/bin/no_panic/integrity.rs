@@ -40,7 +40,8 @@ use rai_firmware::correction::CAPACITY as N;
 
 use crate::{exhaust, reach};
 
-/// What is generic over the precision, from the linearised epoch to the verdict.
+/// Reaches all functions that are generic over the precision, from the linearised epoch to the
+/// verdict.
 pub fn reach_all<T: Real>() {
     the_linearised_epoch::<T>();
     detection_and_protection::<T>();
@@ -323,7 +324,7 @@ fn the_pipeline<T: Real>() {
     );
 }
 
-/// What is absolute, and so has one precision only, and what computes nothing.
+/// Reaches all functions with one precision only, or without arithmetic.
 pub fn reach_what_has_no_precision() {
     as_a_module_runs_it();
     absolute_lengths();

@@ -1,15 +1,17 @@
 //! The proof that nothing panics, by the linker: an image that links only if no panic is reachable.
 //!
-//! Every public function of [`rai_core`], in both precisions, and of the library [`rai_firmware`] is handed to the
-//! outside as a pointer, so that the compiler has to translate it for any arguments whatsoever. The panic handler
-//! calls a symbol that exists nowhere. What optimisation leaves of bounds checks, unwraps and divisions would call the
-//! handler; if the image links, nothing is left.
+//! The image passes out pointers to every public function of [`rai_core`], in both precisions, and
+//! of the library [`rai_firmware`]. The compiler must therefore translate them for all arguments.
+//! The panic handler calls a symbol that exists nowhere. Any bounds check, unwrap or division that
+//! optimisation leaves would call the handler. If the image links, none is left.
 //!
-//! It holds for this compiler, the profile `firmware` (fat link-time optimisation, one codegen unit) and this target,
-//! which are those of the shipped image. It says nothing of the board's own files, of overflow (which wraps in this
-//! profile), of derived `Debug` and `Clone`, or of a stack that is too deep.
+//! The proof holds for this compiler, the profile `firmware` (fat link-time optimisation, one
+//! codegen unit) and this target, which are those of the shipped image. It does not cover the
+//! board's own files, overflow (which wraps in this profile), derived `Debug` and `Clone`, or a
+//! stack that is too deep.
 //!
-//! `tests_host::no_panic` builds it, names what stands in the way, and holds the lists in here against the sources.
+//! `tests_host::no_panic` builds it, names the functions that prevent linking, and compares the
+//! lists here with the sources.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 #![deny(unsafe_code)]
 #![allow(unreachable_pub)] // A binary's modules have no outside.
@@ -19,7 +21,7 @@ mod integrity;
 #[cfg(target_os = "none")]
 mod receiver;
 
-/// Hands functions to the outside, where anybody may call them with anything.
+/// Passes functions out, so that they may be called with any arguments.
 #[cfg(target_os = "none")]
 macro_rules! reach {
     ($($function:expr),+ $(,)?) => { $( core::hint::black_box($function); )+ };
@@ -27,7 +29,7 @@ macro_rules! reach {
 #[cfg(target_os = "none")]
 pub(crate) use reach;
 
-/// An iterator is reached when every element is.
+/// Takes every element, so that all of an iterator is reached.
 #[cfg(target_os = "none")]
 pub fn exhaust(elements: impl Iterator) {
     elements.for_each(|element| {
@@ -66,14 +68,14 @@ mod image {
         }
     }
 
-    /// What the proof must not miss.
+    /// Indexes out of bounds, which the proof must find.
     #[cfg(feature = "reachable-panic")]
     fn element(elements: &[u8], index: usize) -> u8 {
         elements[index]
     }
 }
 
-/// The proof is in the linking; there is nothing to run.
+/// Does nothing, because the proof is in the linking.
 #[cfg(not(target_os = "none"))]
 fn main() {
     eprintln!("this image is not for running: that it links for the chip is the proof");

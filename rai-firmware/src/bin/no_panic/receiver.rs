@@ -1,4 +1,5 @@
-//! Every public function of the receiver around the core: wire parsers, orbits, corrections, sentences, the epoch loop.
+//! Every public function of the receiver around the core: wire parsers, orbits, corrections,
+//! sentences, the epoch loop.
 
 use core::fmt::Display;
 
@@ -37,7 +38,7 @@ use rai_firmware::timed_ring::{Taken, TimedRing};
 
 use crate::{exhaust, reach};
 
-/// All of them, in the order of the data.
+/// Reaches all functions, in the order of the data.
 pub fn reach_all() {
     bytes();
     wire();
@@ -349,13 +350,13 @@ fn the_loop() {
     );
 }
 
-/// Who is told what came in.
+/// Type of an event handler.
 type Tell = fn(Event<'_>);
 
-/// Whom an outlet tells that there is something to send.
+/// Type of the function that an outlet calls when bytes are ready to send.
 type Wake = fn();
 
-/// A host port that does anything a writer may do, and some that it may not.
+/// A host port with any result of a writer, valid or not.
 struct Host(Result<usize, embedded_io::ErrorKind>);
 
 impl embedded_io::ErrorType for Host {
@@ -390,7 +391,7 @@ impl OutputPin for Pin {
     }
 }
 
-/// A board on which anything may happen.
+/// A board with arbitrary results.
 struct AnyBoard {
     taken: Taken,
     host: Host,

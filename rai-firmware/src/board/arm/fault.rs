@@ -1,6 +1,7 @@
-//! What happens when the program fails: pin low, a record, a reset; and the record's reading at the next start.
+//! Reaction to a failed program: pin low, a record, a reset; the next start reads the record.
 //!
-//! The handlers trust nothing but registers: no log, no lock, no stack frame that was not checked to lie in RAM.
+//! The handlers use only registers: no log, no lock, and no stack frame that was not checked to lie
+//! in RAM.
 
 use core::mem::MaybeUninit;
 use core::panic::PanicInfo;
@@ -12,7 +13,7 @@ use rai_firmware::board::reset::{Fault, Record, hash};
 
 use crate::chip::{RAM, drop_integrity_pin};
 
-/// Survives a reset: start-up neither clears nor fills this section.
+/// Record that survives a reset, because start-up neither clears nor fills this section.
 #[allow(unsafe_code)]
 #[unsafe(link_section = ".uninit.FAULT_RECORD")]
 static mut RECORD: MaybeUninit<Record> = MaybeUninit::uninit();
@@ -24,13 +25,13 @@ pub fn take_record() -> Option<Fault> {
     fault
 }
 
-/// Resets the module because the host asked for it.
+/// Resets the module at the host's request.
 pub fn reset_on_request() -> ! {
     drop_integrity_pin();
     SCB::sys_reset()
 }
 
-/// Pin low, a record, a reset.
+/// Drives the pin low, writes a record and resets.
 pub fn give_up(fault: Fault) -> ! {
     drop_integrity_pin();
     write(Record::of(fault));
@@ -40,7 +41,8 @@ pub fn give_up(fault: Fault) -> ! {
 
 #[allow(unsafe_code)]
 fn read() -> Record {
-    // SAFETY: a record is four integers, for which any bits are a value; at start-up nobody else runs.
+    // SAFETY: a record is four integers, for which any bits are a value; at start-up no other code
+    // runs.
     unsafe { ptr::read_volatile(&raw const RECORD).assume_init() }
 }
 

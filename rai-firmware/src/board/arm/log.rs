@@ -1,7 +1,8 @@
 //! The log: defmt frames to the log port and, for a debug probe, to RTT.
 //!
-//! A frame is gathered whole and then offered to both; where there is no room it is dropped. Logging therefore never
-//! waits, whether a cable or a probe is there or not. The host reads the frames with the table in the image.
+//! A frame is gathered whole and then offered to both; without room it is dropped. Logging
+//! therefore never waits, with or without a cable or a probe. The host decodes the frames with the
+//! table in the image.
 
 use core::cell::UnsafeCell;
 
@@ -13,7 +14,7 @@ use rai_firmware::board::Note;
 use super::{rings, stack, time};
 use crate::chip::send_log;
 
-/// Longest frame; a longer one is dropped.
+/// Most bytes of a frame; a longer one is dropped.
 const FRAME_BYTES: usize = 256;
 
 defmt::timestamp!("{=u64:us}", time::now_us());
@@ -31,8 +32,8 @@ struct State {
 
 struct Shared(UnsafeCell<State>);
 
-// SAFETY: the state is touched only between `acquire` and `release`, that is with interrupts held back on the one core,
-// and by `start`, which runs before the first log.
+// SAFETY: only code between `acquire` and `release` touches the state, with interrupts held back on
+// the one core, and `start`, which runs before the first log.
 #[allow(unsafe_code)]
 unsafe impl Sync for Shared {}
 
@@ -44,7 +45,7 @@ static SHARED: Shared = Shared(UnsafeCell::new(State {
     probe: None,
 }));
 
-/// Opens the channel for a debug probe. To be called once, before the first log.
+/// Opens the channel for a debug probe. Call it once, before the first log.
 #[allow(unsafe_code)]
 pub fn start() {
     let channels = rtt_target::rtt_init! {
@@ -62,7 +63,7 @@ pub fn start() {
     });
 }
 
-/// Logs what the epoch loop notes.
+/// Logs an event of the epoch loop.
 pub fn note(note: Note) {
     match note {
         Note::Judged(verdict, ticks) => {
@@ -101,14 +102,16 @@ impl State {
         }
         send_log(&self.frame);
         if let Some(probe) = &mut self.probe {
-            // A probe may have asked for blocking and then left: that must not stop the epoch loop.
+            // A probe may have asked for blocking and then left, which must not stop the epoch
+            // loop.
             probe.set_mode(ChannelMode::NoBlockSkip);
             probe.write(&self.frame);
         }
     }
 }
 
-// SAFETY: `acquire` holds interrupts back until `release`; the core is single, so nothing else logs in between.
+// SAFETY: `acquire` holds interrupts back until `release`; the core is single, so nothing else logs
+// in between.
 #[allow(unsafe_code)]
 unsafe impl defmt::Logger for Logger {
     fn acquire() {
@@ -121,7 +124,8 @@ unsafe impl defmt::Logger for Logger {
     }
 
     unsafe fn flush() {
-        // The port's interrupt empties the ring; to wait for it here could last for ever with interrupts held back.
+        // The port's interrupt empties the ring. Waiting for it here could last for ever, because
+        // interrupts are held back.
     }
 
     unsafe fn write(bytes: &[u8]) {

@@ -1,7 +1,8 @@
-//! Copies, fills and comparisons of memory: what the compiler calls where it moves a value.
+//! Copies, fills and comparisons of memory, which the compiler calls to move values.
 //!
-//! The compiler's own are unrolled for processors of any kind, in a function for each alignment: 3 KiB. A Cortex-M from M3 on
-//! reads words from any address and whole lines of aligned ones, which makes 0.2 KiB and fewer instructions.
+//! The compiler's own functions are unrolled for processors of any kind, one for each alignment,
+//! and take 3 KiB. A Cortex-M from M3 on reads words from any address and whole lines of aligned
+//! ones. That takes 0.2 KiB and fewer instructions.
 //!
 //! | register | at entry of a copy | of a fill | of a comparison |
 //! |---|---|---|---|
@@ -9,15 +10,17 @@
 //! | `r1` | from | bytes | other |
 //! | `r2` | bytes | value | bytes |
 //!
-//! A copy goes forwards, four words at a time as long as both ends are aligned, and reads each piece before it writes it: it is
-//! right for pieces that overlap, too, where it goes towards lower addresses. References: [AAPCS-RT] §5.3.4.
+//! A copy goes forwards, four words at a time while both ends are aligned, and reads each piece
+//! before it writes it. It is therefore also correct for overlapping pieces if it moves towards
+//! lower addresses. References: [AAPCS-RT] §5.3.4.
 //!
 //! [AAPCS-RT]: https://github.com/ARM-software/abi-aa/blob/main/rtabi32/rtabi32.rst
 
-// SAFETY: each writes what its callers name and nothing else, and keeps the registers that a function must keep.
+// SAFETY: each function writes only the memory that its caller names, and keeps the registers that
+// a function must keep.
 #![allow(unsafe_code)]
 
-// What is named here takes the place of the compiler's own, whose symbols are weak.
+// These symbols replace the compiler's own, which are weak.
 core::arch::global_asm!(
     ".pushsection .text.memory, \"ax\", %progbits",
     ".macro entry name:vararg",
@@ -29,7 +32,7 @@ core::arch::global_asm!(
     ".endr",
     ".endm",
     ".balign 4",
-    // Towards higher addresses only what lies apart may go forwards.
+    // Towards higher addresses only blocks that do not overlap may go forwards.
     "entry memmove, __aeabi_memmove, __aeabi_memmove4, __aeabi_memmove8",
     "subs r3, r0, r1",
     "cmp r3, r2",

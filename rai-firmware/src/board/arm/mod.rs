@@ -1,5 +1,5 @@
-//! What all boards with a Cortex-M share: time, the guarded stack, faults, the log, the rings of the ports, memory over a
-//! restart, and how it is copied.
+//! Parts that all Cortex-M boards share: time, guarded stack, faults, log, rings of the ports,
+//! memory over a restart, and memory functions.
 
 pub mod fault;
 pub mod log;

@@ -1,4 +1,4 @@
-//! The rings between the ports' interrupts and the epoch loop: the same on every board.
+//! The rings between the ports' interrupts and the epoch loop, the same on every board.
 //!
 //! | ring | bytes | holds |
 //! |---|---|---|
@@ -7,8 +7,8 @@
 //! | host out | 2048 | three epochs of sentences |
 //! | log out | 1024 | a burst of twenty frames: a tenth of a second at 115,200 baud |
 //!
-//! GNSS bytes go in with the time at which they came. Bytes for which a ring had no room and bytes that were taken too
-//! late from the port (the hardware's overrun) are lost, and counted together.
+//! GNSS bytes enter with their arrival time. Bytes without room in a ring and bytes that were
+//! overrun in the port are lost, and counted together.
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
@@ -20,26 +20,26 @@ use rai_firmware::timed_ring::{Taken, TimedRing};
 
 use super::time;
 
-/// From the GNSS receiver.
+/// Ring from the GNSS receiver.
 pub static GNSS_IN: TimedRing<4096, 64> = TimedRing::new();
-/// From the host.
+/// Ring from the host.
 pub static HOST_IN: Ring<256> = Ring::new();
-/// To the host.
+/// Ring to the host.
 pub static HOST_OUT: Ring<HOST_OUT_BYTES> = Ring::new();
-/// To whoever reads the log.
+/// Ring to the reader of the log.
 pub static LOG_OUT: Ring<1024> = Ring::new();
 
 static HOST_OVERRUNS: AtomicU32 = AtomicU32::new(0);
 
-/// The way out to the host.
+/// The writer to the host.
 pub type HostPort = Outlet<'static, HOST_OUT_BYTES, fn()>;
 
-/// The host's port came too late for a byte.
+/// Counts an overrun of the host's port.
 pub fn note_host_overrun() {
     HOST_OVERRUNS.store(HOST_OVERRUNS.load(Ordering::Relaxed).saturating_add(1), Ordering::Relaxed);
 }
 
-/// What was lost since start; the way out to the host counts its own.
+/// Returns the losses since start; the writer to the host has its own counters.
 pub fn losses(host: &HostPort) -> PortLosses {
     PortLosses {
         gnss_bytes_lost: GNSS_IN.lost(),
@@ -59,7 +59,7 @@ pub struct HighWater {
     log_out: usize,
 }
 
-/// How full the rings have been.
+/// Returns the high-water marks of the rings.
 pub fn high_water() -> HighWater {
     HighWater {
         gnss_in: GNSS_IN.high_water(),
@@ -79,12 +79,12 @@ pub fn take_command() -> Option<u8> {
     HOST_IN.pop()
 }
 
-/// Whether so many bytes wait for the epoch loop that it should go round.
+/// Returns true if enough bytes wait for a pass of the epoch loop.
 pub fn input_waits() -> bool {
     GNSS_IN.len() >= WORTH_A_PASS_BYTES || !HOST_IN.is_empty()
 }
 
-/// Waits until all has left the chip, a second at most: before a reset that was asked for.
+/// Waits at most a second until all bytes have left the chip, before a requested reset.
 pub fn drain() {
     let deadline_ms = time::now_ms() + 1000;
     while !(HOST_OUT.is_empty() && LOG_OUT.is_empty()) && time::now_ms() < deadline_ms {}

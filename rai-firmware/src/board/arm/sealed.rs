@@ -9,18 +9,20 @@ static mut SEALED: core::mem::MaybeUninit<[u8; SEALED_BYTES]> = core::mem::Maybe
 
 static mut IS_TAKEN: bool = false;
 
-/// The memory; `None` if it was taken before.
+/// Returns the memory, or `None` if it was taken before.
 #[allow(unsafe_code)]
 pub fn take() -> Option<&'static mut [u8; SEALED_BYTES]> {
     interrupt::free(|_| {
-        // SAFETY: interrupts are held back and the core is single; handed out once, so the reference is the only one. Any
-        // bytes are a value; reading them volatile and writing them back makes them one for the compiler as well.
+        // SAFETY: interrupts are held back and the core is single; it is handed out once, so that
+        // the reference is the only one. Any bytes are a value; a volatile read and write back
+        // makes them one for the compiler as well.
         unsafe {
             if (&raw mut IS_TAKEN).replace(true) {
                 return None;
             }
             let bytes = (&raw mut SEALED).cast::<[u8; SEALED_BYTES]>();
-            // Byte by byte: as a whole it would go by way of the stack, in three thousand instructions without a loop.
+            // Byte by byte, because a copy of the whole would go through the stack, in three
+            // thousand instructions without a loop.
             for index in 0..SEALED_BYTES {
                 let byte = bytes.cast::<u8>().add(index);
                 byte.write(byte.read_volatile());

@@ -1,8 +1,9 @@
-//! The stack: how deep it went, and a guard below it.
+//! The stack: its high-water mark, and a guard below it.
 //!
-//! Start-up paints the memory between the statics and the top of RAM with one word; the lowest word that lost its
-//! paint is the high-water mark. A region of the memory protection unit just above the statics refuses every access:
-//! a stack that grows too deep is a fault, and not a silent change of the statics.
+//! Start-up paints the memory between the statics and the top of RAM with one word. The lowest word
+//! that lost its paint is the high-water mark. A region of the memory protection unit just above
+//! the statics refuses every access. A stack that grows too deep therefore faults instead of
+//! silently changing the statics.
 //!
 //! | symbol | field | unit |
 //! |---|---|---|
@@ -17,8 +18,8 @@ use core::ptr;
 
 use cortex_m::peripheral::{MPU, SCB};
 
-/// Bytes of the guard; a power of two, and larger than any frame that the epoch loop pushes at once would skip in
-/// practice, since frames are written from the top.
+/// Bytes of the guard, a power of two. No frame of the epoch loop skips it in practice, because
+/// frames are written from the top.
 const GUARD_BYTES: usize = 256;
 
 // SAFETY: both are labels of the linker script; only their addresses are taken.
@@ -41,8 +42,8 @@ pub fn guard(mpu: &MPU, scb: &mut SCB) {
     const ENABLE: u32 = 1;
     const DEFAULT_MAP_ELSEWHERE: u32 = 1 << 2;
     const _: () = assert!(GUARD_BYTES == 1 << (7 + 1), "the region's size field holds log2 − 1");
-    // SAFETY: the region covers memory between the statics and the stack that nothing uses; everything else keeps the
-    // default map.
+    // SAFETY: the region covers memory between the statics and the stack that nothing uses;
+    // everything else keeps the default map.
     unsafe {
         mpu.rbar.write(guard_start() as u32 | REGION_VALID);
         mpu.rasr.write(NO_ACCESS_NO_EXECUTE | SIZE_256 | ENABLE);
@@ -50,18 +51,19 @@ pub fn guard(mpu: &MPU, scb: &mut SCB) {
     }
     cortex_m::asm::dsb();
     cortex_m::asm::isb();
-    // Its own exception would say no more than the hard fault into which it escalates while it is disabled.
+    // Its own exception would report no more than the hard fault to which it escalates while it is
+    // disabled.
     scb.disable(cortex_m::peripheral::scb::Exception::MemoryManagement);
 }
 
-/// Bytes of stack that were ever in use.
+/// Returns the most bytes of stack that were ever in use.
 #[allow(unsafe_code)]
 pub fn high_water_bytes() -> u32 {
     let top = &raw const _stack_start as usize;
     let lowest = (guard_start() + GUARD_BYTES..top)
         .step_by(4)
-        // SAFETY: the address lies between the guard and the top of RAM, aligned to a word; a stack slot that changes
-        // under the read yields some value other than the paint, which is the truth about it.
+        // SAFETY: the address lies between the guard and the top of RAM, aligned to a word; a stack
+        // slot that changes during the read yields a value other than the paint, which is correct.
         .find(
             |&address| unsafe { ptr::read_volatile(address as *const u32) } != cortex_m_rt::STACK_PAINT_VALUE,
         );

@@ -1,4 +1,4 @@
-//! From a board that is up to the epoch loop, which never comes back.
+//! From a started board to the epoch loop, which never returns.
 
 use core::mem::MaybeUninit;
 
@@ -11,10 +11,10 @@ use rai_firmware::receiver::{Boot, Receiver};
 
 use super::{fault, rings};
 
-/// A place for the receiver among the statics, with what came of making it.
+/// A place for the receiver among the statics, with the result of its construction.
 pub type Place<P> = MaybeUninit<Result<Receiver<P>, MonitorError>>;
 
-/// Greets the host and goes round until it asks for a reset.
+/// Announces the start to the host and runs the loop until the host requests a reset.
 pub fn run<B: Board>(board: &mut B, receiver: &'static mut Place<B::Pin>, pin: B::Pin) -> ! {
     let cause = board.reset_cause();
     let (version, git) = (env!("CARGO_PKG_VERSION"), env!("RAI_GIT"));
@@ -32,8 +32,8 @@ pub fn run<B: Board>(board: &mut B, receiver: &'static mut Place<B::Pin>, pin: B
     fault::reset_on_request()
 }
 
-/// Whether the settings at start are what is meant: the supply came up, or the chip does not say why it started and its
-/// memory has kept nothing.
+/// Returns true if the settings at start are to be used. This is the case after power-on, or if the
+/// chip has no cause and its memory has kept nothing.
 fn is_after_power_on(cause: ResetCause, memory: &[u8; SEALED_BYTES]) -> bool {
     match cause {
         ResetCause::PowerOn => true,
@@ -42,7 +42,8 @@ fn is_after_power_on(cause: ResetCause, memory: &[u8; SEALED_BYTES]) -> bool {
     }
 }
 
-/// Makes the receiver in its place among the statics: taken out of its result it would be on the stack first.
+/// Builds the receiver in its place among the statics, because taking it out of its result would
+/// put it on the stack first.
 #[inline(never)]
 fn settle<P: embedded_hal::digital::OutputPin>(
     place: &'static mut Place<P>,

@@ -1,8 +1,8 @@
 //! Time since start: milliseconds for the receiver, ticks of the core clock for the log.
 //!
-//! `SysTick` counts the core clock down from `f_core / 1000 − 1` and interrupts once per millisecond; the counter's
-//! position inside the millisecond refines it to one tick. The chip's cycle counter is left alone: not every core that
-//! claims one counts.
+//! `SysTick` counts the core clock down from `f_core / 1000 − 1` and interrupts once per
+//! millisecond. The counter's position inside the millisecond refines it to one tick. The chip's
+//! cycle counter is not used, because some cores claim one that does not count.
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
@@ -25,22 +25,24 @@ pub fn start(mut syst: SYST, core_hz: u32) {
     syst.enable_counter();
 }
 
-/// Low word of the milliseconds since start: for interrupts, which have no time for more.
+/// Returns the low word of the milliseconds since start, for interrupts, which have no time for
+/// more.
 pub fn now_ms_low() -> u32 {
     MS_LOW.load(Ordering::Relaxed)
 }
 
-/// Milliseconds since start.
+/// Returns the milliseconds since start.
 pub fn now_ms() -> u64 {
     cortex_m::interrupt::free(|_| milliseconds())
 }
 
-/// Ticks of the core clock since start.
+/// Returns the ticks of the core clock since start.
 pub fn now_ticks() -> u64 {
     cortex_m::interrupt::free(|_| {
         let per_ms = TICKS_PER_MS.load(Ordering::Relaxed);
         let (mut ms, mut count) = (milliseconds(), SYST::get_current());
-        // The counter may have passed zero while its interrupt was held back: then the count belongs to the next one.
+        // The counter may have passed zero while its interrupt was held back. The count then
+        // belongs to the next millisecond.
         if SCB::is_pendst_pending() {
             (ms, count) = (ms + 1, SYST::get_current());
         }
@@ -49,15 +51,16 @@ pub fn now_ticks() -> u64 {
     })
 }
 
-/// Microseconds since start.
+/// Returns the microseconds since start.
 pub fn now_us() -> u64 {
     divided(now_ticks() * 1000, TICKS_PER_MS.load(Ordering::Relaxed)).0
 }
 
-/// Sleeps until a millisecond begins or there is `work`; gives the tick at which an interrupt first ended the sleep.
+/// Sleeps until a millisecond begins or there is `work`; returns the tick at which an interrupt
+/// first ended the sleep.
 ///
-/// An interrupt that brings no work enough is served, and the sleep goes on: a pass of the loop for each byte would cost
-/// several times what an epoch does.
+/// An interrupt without enough work is served, and the sleep continues, because a pass of the loop
+/// for each byte would cost several times an epoch.
 pub fn sleep_unless(work: impl Fn() -> bool) -> Option<u64> {
     let (slept_ms, mut woken_ticks) = (now_ms_low(), None);
     while now_ms_low() == slept_ms
@@ -68,10 +71,11 @@ pub fn sleep_unless(work: impl Fn() -> bool) -> Option<u64> {
     woken_ticks
 }
 
-/// Sleeps until the next interrupt, unless there is `work`; gives the tick at which it ended the sleep.
+/// Sleeps until the next interrupt, unless there is `work`; returns the tick at which it ended the
+/// sleep.
 ///
-/// Asked and slept with interrupts held back: one that comes between the question and the sleep ends the sleep at once,
-/// and is served after it.
+/// Interrupts are held back during the question and the sleep. One that comes between them ends the
+/// sleep at once, and is served after it.
 fn doze_unless(work: impl Fn() -> bool) -> Option<u64> {
     cortex_m::interrupt::free(|_| {
         if work() {

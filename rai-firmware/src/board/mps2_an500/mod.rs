@@ -1,4 +1,5 @@
-//! The MPS2 board with the image AN500, a Cortex-M7 with doubles in hardware, as the emulator has it: what porting takes.
+//! The emulated MPS2 board with the image AN500, a Cortex-M7 with doubles in hardware, as an
+//! example of a port.
 //!
 //! | what | where |
 //! |---|---|
@@ -7,8 +8,8 @@
 //! | time | `SysTick`, one interrupt per millisecond |
 //! | watchdog | CMSDK watchdog, fed by the epoch loop alone |
 //!
-//! The emulator keeps no reset flags, so a start without the record of a fault says `UNKNOWN`. The LED register is written
-//! and not emulated; the log tells of the pin.
+//! The emulator keeps no reset flags, so that a start without the record of a fault reports
+//! `UNKNOWN`. The LED register is written but not emulated; the log shows the pin.
 //!
 //! References: [AN500]; [CMSDK] (UART, watchdog).
 //!
@@ -36,13 +37,13 @@ use registers::{LED, WATCHDOG};
 
 pub use ports::send_log;
 
-/// Where the stack may be.
+/// Address range of the stack.
 pub const RAM: Range<usize> = 0x2000_0000..0x2040_0000;
 
 /// Frequency of the core, Hz.
 const CORE_HZ: u32 = 25_000_000;
 
-/// Two seconds until the watchdog's interrupt, and as long again until its reset.
+/// Ticks until the watchdog's interrupt, two seconds, and again until its reset.
 const WATCHDOG_TICKS: u32 = 2 * CORE_HZ;
 
 /// The board after start-up.
@@ -52,7 +53,7 @@ struct Mps2An500 {
     sealed: &'static mut [u8; SEALED_BYTES],
 }
 
-/// The output that says that the position may be used.
+/// Output that is high while the position may be used.
 pub struct IntegrityPin {
     high: bool,
     driven_ticks: u64,
@@ -68,7 +69,7 @@ fn main() -> ! {
 }
 
 impl Mps2An500 {
-    /// Brings the board up, the pin first; `None` if it was taken before.
+    /// Starts the board, the pin first; `None` if it was taken before.
     fn take() -> Option<(Self, IntegrityPin)> {
         let mut core = cortex_m::Peripherals::take()?;
         drop_integrity_pin();
@@ -82,13 +83,13 @@ impl Mps2An500 {
     }
 }
 
-/// Drives the pin low, whoever owns it.
+/// Drives the pin low, whatever owns it.
 pub fn drop_integrity_pin() {
     LED.set(0);
 }
 
 impl IntegrityPin {
-    /// A change is logged, because a log is all that an emulator shows of a pin.
+    /// Drives the LED, and logs a change, because an emulator shows a pin only in a log.
     fn drive(&mut self, high: bool) {
         LED.set(u32::from(high));
         self.driven_ticks = time::now_ticks();

@@ -11,10 +11,10 @@ use super::registers::{GNSS, HOST, LOG, Uart};
 use crate::arm::rings::{GNSS_IN, HOST_IN, HOST_OUT, HostPort, LOG_OUT, note_host_overrun};
 use crate::arm::time;
 
-/// Rate of all ports at start.
+/// Rate of all ports at start, bit/s.
 const BAUD: u32 = 115_200;
 
-/// Bytes that one interrupt may take in.
+/// Most bytes that one interrupt takes in.
 const BYTES_PER_INTERRUPT: usize = 64;
 
 /// An interrupt by its number.
@@ -29,30 +29,31 @@ unsafe impl InterruptNumber for Line {
     }
 }
 
-/// Received, transmitted: UART 0, 1, 2.
+/// Interrupts of receiver and transmitter of UART 0, 1, 2.
 const HOST_LINES: [Line; 2] = [Line(0), Line(1)];
 const GNSS_LINES: [Line; 2] = [Line(2), Line(3)];
 const LOG_LINES: [Line; 2] = [Line(4), Line(5)];
 
-/// Starts the ports and their interrupts; returns the way out to the host.
+/// Starts the ports and their interrupts; returns the writer to the host.
 #[allow(unsafe_code)]
 pub fn start() -> HostPort {
     for port in [HOST, GNSS, LOG] {
         port.start(CORE_HZ / BAUD);
     }
     for line in [HOST_LINES, GNSS_LINES, LOG_LINES].into_iter().flatten() {
-        // SAFETY: the handler below touches only the rings and registers of the ports, which are ready.
+        // SAFETY: the handler below touches only the rings and registers of the ports, which are
+        // ready.
         unsafe { NVIC::unmask(line) };
     }
     Outlet::new(&HOST_OUT, || NVIC::pend(HOST_LINES[1]))
 }
 
-/// Sets the rate of the GNSS port.
+/// Sets the rate of the GNSS port, bit/s.
 pub fn set_gnss_rate(baud: u32) {
     GNSS.set_divider(CORE_HZ / baud.max(1));
 }
 
-/// Queues one frame of the log, whole or not at all. To be called with interrupts held back.
+/// Queues one frame of the log, whole or not at all. Call it with interrupts held back.
 pub fn send_log(frame: &[u8]) {
     LOG_OUT.push_whole(frame);
     NVIC::pend(LOG_LINES[1]);
@@ -68,7 +69,7 @@ fn receive(port: Uart, mut push: impl FnMut(u8), mut overrun: impl FnMut()) {
     }
 }
 
-/// Sends while the port takes bytes; its interrupt goes on when it takes the next.
+/// Sends while the port takes bytes; its interrupt continues when it takes the next.
 fn transmit<const N: usize>(port: Uart, ring: &Ring<N>) {
     for _ in 0..N {
         if !port.is_ready() {
@@ -79,7 +80,7 @@ fn transmit<const N: usize>(port: Uart, ring: &Ring<N>) {
     }
 }
 
-/// All interrupts come here: this board's are used by number.
+/// Serves all interrupts, because this board's are used by number.
 #[exception]
 #[allow(unsafe_code)]
 unsafe fn DefaultHandler(number: i16) {

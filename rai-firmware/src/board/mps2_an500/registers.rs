@@ -1,4 +1,4 @@
-//! The registers that are used, by address.
+//! The registers in use, by address.
 
 use core::ptr;
 
@@ -9,7 +9,8 @@ struct Word(usize);
 impl Word {
     #[allow(unsafe_code)]
     fn read(self) -> u32 {
-        // SAFETY: the constants below name device registers of this board, which are always there and aligned.
+        // SAFETY: the constants below name device registers of this board, which are always there
+        // and aligned.
         unsafe { ptr::read_volatile(self.0 as *const u32) }
     }
 
@@ -39,18 +40,18 @@ impl Uart {
         Word(self.0 + 8).write(BOTH_WITH_INTERRUPTS);
     }
 
-    /// Clock ticks of a bit, 16 or more.
+    /// Sets the clock ticks per bit, 16 or more.
     pub fn set_divider(self, divider: u32) {
         Word(self.0 + 0x10).write(divider.max(16));
     }
 
-    /// A byte that has come.
+    /// Takes a byte that has come.
     pub fn take(self) -> Option<u8> {
         const RECEIVED: u32 = 1 << 1;
         (self.state() & RECEIVED != 0).then(|| Word(self.0).read() as u8)
     }
 
-    /// Whether a byte came before the last one was taken; forgets it.
+    /// Returns true if a byte came before the last one was taken, and clears that flag.
     pub fn take_overrun(self) -> bool {
         const OVERRUN: u32 = 1 << 3;
         let is_overrun = self.state() & OVERRUN != 0;
@@ -60,7 +61,7 @@ impl Uart {
         is_overrun
     }
 
-    /// Whether a byte can be sent.
+    /// Returns true if a byte can be sent.
     pub fn is_ready(self) -> bool {
         self.state() & 1 == 0
     }
@@ -70,7 +71,7 @@ impl Uart {
         Word(self.0).write(u32::from(byte));
     }
 
-    /// Takes the requests for interrupts back.
+    /// Clears the requests for interrupts.
     pub fn clear_interrupts(self) {
         Word(self.0 + 0xC).write(0b1111);
     }
@@ -83,11 +84,11 @@ impl Uart {
 /// The board's LEDs.
 pub struct Led(usize);
 
-/// Where they are.
+/// LEDs by their address.
 pub const LED: Led = Led(0x4002_8000);
 
 impl Led {
-    /// Sets them.
+    /// Sets the LEDs.
     pub fn set(&self, value: u32) {
         Word(self.0).write(value);
     }
@@ -96,11 +97,12 @@ impl Led {
 /// The watchdog.
 pub struct Watchdog(usize);
 
-/// Where it is.
+/// Watchdog by its address.
 pub const WATCHDOG: Watchdog = Watchdog(0x4000_8000);
 
 impl Watchdog {
-    /// Starts it: an interrupt after `ticks`, which nobody takes, and a reset after as many more.
+    /// Starts the watchdog: an interrupt after `ticks`, without a handler, and a reset after as
+    /// many more.
     pub fn start(&self, ticks: u32) {
         const UNLOCK: u32 = 0x1ACC_E551;
         const INTERRUPT_AND_RESET: u32 = 0b11;
@@ -109,7 +111,7 @@ impl Watchdog {
         Word(self.0 + 8).write(INTERRUPT_AND_RESET);
     }
 
-    /// Says that the epoch loop came round.
+    /// Feeds the watchdog.
     pub fn feed(&self, ticks: u32) {
         Word(self.0).write(ticks);
         Word(self.0 + 0xC).write(1);

@@ -1,6 +1,7 @@
-//! The clock: 168 MHz from the 8 MHz crystal, or what can be had instead, by name.
+//! The clock: 168 MHz from the 8 MHz crystal, or a named fallback.
 //!
-//! `f_core = f_crystal / M · N / P`, and a baud rate divides the clock of the port's bus: `BRR = f_bus / baud`, rounded.
+//! `f_core = f_crystal / M · N / P`, and a baud rate divides the clock of the port's bus:
+//! `BRR = f_bus / baud`, rounded.
 //!
 //! | symbol | value | unit |
 //! |---|---|---|
@@ -10,7 +11,8 @@
 //! | bus 2 (USART1) | core / 2 | Hz |
 //! | flash wait states at 168 MHz | 5 | – |
 //!
-//! Assumes 2.7 V to 3.6 V, where five wait states suffice. References: [RM0090] §3.5.1, §7.2, §30.3.4.
+//! Assumes 2.7 V to 3.6 V, where five wait states suffice. References: [RM0090] §3.5.1, §7.2,
+//! §30.3.4.
 //!
 //! [RM0090]: rai_firmware#references
 
@@ -31,7 +33,7 @@ const FULL_HZ: u32 = CRYSTAL_HZ / PLL_M * PLL_N / PLL_P;
 
 const _: () = assert!(FULL_HZ == 168_000_000, "the highest frequency that the chip allows");
 
-/// Which oscillator the module runs from.
+/// Oscillator of the module.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(target_os = "none", derive(defmt::Format))]
 #[cfg_attr(not(target_os = "none"), allow(dead_code))] // A host has no oscillator to choose.
@@ -40,13 +42,14 @@ pub enum Source {
     Crystal,
     /// The crystal or the PLL did not start: the internal oscillator, 16 MHz, within 1 %.
     Internal,
-    /// No oscillator reports ready, though the program runs: the clock is not ours to set. Taken as full speed, which
-    /// makes time-outs late and never early on a slower clock, and is what an emulated core counts.
+    /// No oscillator reports ready although the program runs, so that the clock cannot be set. It
+    /// counts as full speed, as on an emulated core: on a slower clock time-outs are then late and
+    /// never early.
     Unreported,
 }
 
 impl Source {
-    /// By how much a clock from it may gain on the right time, parts per million.
+    /// Returns the most by which this clock may run fast, parts per million.
     #[cfg_attr(not(target_os = "none"), allow(dead_code))] // As above.
     pub const fn error_ppm(self) -> u32 {
         match self {
@@ -56,21 +59,21 @@ impl Source {
     }
 }
 
-/// The clock that really runs.
+/// The clock that runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Clock {
-    /// Where it comes from.
+    /// Oscillator.
     pub source: Source,
     /// Core frequency, Hz.
     pub core_hz: u32,
-    /// Bus of USART2 and USART3, Hz.
+    /// Frequency of the bus of USART2 and USART3, Hz.
     pub bus1_hz: u32,
-    /// Bus of USART1, Hz.
+    /// Frequency of the bus of USART1, Hz.
     pub bus2_hz: u32,
 }
 
 impl Clock {
-    /// The frequencies that follow from the source.
+    /// Returns the frequencies that follow from the source.
     pub const fn from(source: Source) -> Self {
         match source {
             Source::Internal => {
@@ -83,8 +86,8 @@ impl Clock {
     }
 }
 
-/// Divider of a port's bus clock for `baud`, rounded to the nearest; mantissa and fraction as `BRR` wants them. For a rate that
-/// is none, the slowest.
+/// Returns the divider of a port's bus clock for `baud`, rounded to the nearest, with mantissa and
+/// fraction as in `BRR`. A rate beyond the range gives the slowest.
 pub const fn divider(bus_hz: u32, baud: u32) -> u16 {
     match bus_hz.saturating_add(baud / 2).checked_div(baud) {
         Some(divider) if divider <= u16::MAX as u32 => divider as u16,
@@ -98,13 +101,13 @@ mod registers {
 
     use super::{Clock, PLL_M, PLL_N, Source};
 
-    /// Polls before the crystal is given up: above 50 ms at 16 MHz, where data sheets say 2 ms.
+    /// Polls until the crystal is given up: above 50 ms at 16 MHz; data sheets give 2 ms.
     const CRYSTAL_POLLS: u32 = 100_000;
-    /// Polls before anything else is given up: above 5 ms at 16 MHz, where the PLL is promised within 0.3 ms.
+    /// Polls until any other wait is given up: above 5 ms at 16 MHz; the PLL locks within 0.3 ms.
     const POLLS: u32 = 10_000;
 
     impl Clock {
-        /// Starts the fastest clock that can be had, and says which.
+        /// Starts the fastest available clock and returns it.
         pub fn start(rcc: &RCC, flash: &FLASH) -> Self {
             if !within(POLLS, || rcc.cr().read().hsirdy().is_ready()) {
                 return Self::from(Source::Unreported);
@@ -124,7 +127,8 @@ mod registers {
 
     #[allow(unsafe_code)]
     fn pll(rcc: &RCC) -> bool {
-        // SAFETY: 8 and 336 are legal for M (2..=63) and N (50..=432); 7 for Q gives the 48 MHz that USB would want.
+        // SAFETY: 8 and 336 are legal for M (2..=63) and N (50..=432); 7 for Q gives the 48 MHz
+        // that USB would want.
         rcc.pllcfgr().write(|w| unsafe {
             w.pllsrc().hse().pllm().bits(PLL_M as u8).plln().bits(PLL_N as u16).pllp().div2().pllq().bits(7)
         });
@@ -132,8 +136,9 @@ mod registers {
         within(POLLS, || rcc.cr().read().pllrdy().is_ready())
     }
 
-    /// The flash is slowed down before the core is sped up. The clock security system then watches the crystal: if it
-    /// stops, the chip falls back to the internal oscillator and the fault handler of `fault.rs` runs.
+    /// Slows the flash before the core speeds up. The clock security system then watches the
+    /// crystal. If it stops, the chip falls back to the internal oscillator and the fault handler
+    /// of `fault.rs` runs.
     fn switch(rcc: &RCC, flash: &FLASH) -> bool {
         flash.acr().modify(|_, w| w.latency().ws5().prften().set_bit().icen().set_bit().dcen().set_bit());
         if !within(POLLS, || flash.acr().read().latency().is_ws5()) {
@@ -150,11 +155,12 @@ mod registers {
 
     fn retreat(rcc: &RCC) {
         rcc.cfgr().modify(|_, w| w.sw().hsi().ppre1().div1().ppre2().div1());
-        // Switching an oscillator off while it still drives the core is refused by the chip, so no wait is needed.
+        // The chip refuses to switch off an oscillator that still drives the core, so that no wait
+        // is needed.
         rcc.cr().modify(|_, w| w.pllon().off().hseon().off());
     }
 
-    /// Polls `done` at most `polls` times.
+    /// Polls `done` at most `polls` times; returns true if it was done.
     fn within(polls: u32, mut done: impl FnMut() -> bool) -> bool {
         (0..polls).any(|_| done())
     }
@@ -166,7 +172,8 @@ mod tests {
 
     #[test]
     fn divider_is_that_of_the_reference_manual() {
-        // RM0090 table 136: 115200 baud from 42 MHz wants 22.8125 (×16 = 365), table 135 from 16 MHz 8.6875 (139).
+        // RM0090 table 136: 115200 baud from 42 MHz wants 22.8125 (×16 = 365), table 135 from 16
+        // MHz 8.6875 (139).
         assert_eq!(divider(Clock::from(Source::Crystal).bus1_hz, 115_200), 365);
         assert_eq!(divider(Clock::from(Source::Internal).bus1_hz, 115_200), 139);
     }

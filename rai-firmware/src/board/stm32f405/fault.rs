@@ -1,4 +1,4 @@
-//! Why the chip was reset, and the one exception that is its own.
+//! Reset cause of the chip, and the exception that only this chip has.
 //!
 //! References: [RM0090] §7.3.21 (flags of `RCC_CSR`).
 //!
@@ -6,7 +6,8 @@
 
 use rai_firmware::board::reset::ResetCause;
 
-/// Reads the flags of `RCC_CSR`, the most telling first: power-on sets the flags of pin and brownout as well.
+/// Returns the cause by the flags of `RCC_CSR`. The most specific flag wins, because power-on also
+/// sets those of pin and brownout.
 pub const fn cause(csr: u32) -> ResetCause {
     const BROWNOUT: u32 = 1 << 25;
     const PIN: u32 = 1 << 26;
@@ -33,21 +34,23 @@ mod registers {
 
     use crate::arm::fault::{give_up, take_record};
 
-    /// Reads and clears why the module started: the record of a fault if there is one, else the chip's flags.
+    /// Reads and clears the reset cause: the record of a fault if there is one, else the chip's
+    /// flags.
     pub fn reset_cause(rcc: &RCC) -> ResetCause {
         let flags = rcc.csr().read().bits();
         rcc.csr().modify(|_, w| w.rmvf().set_bit());
         take_record().map_or(super::cause(flags), ResetCause::Fault)
     }
 
-    /// The clock security system's only exception: the crystal has stopped and the ports run at the wrong rate.
+    /// Handles the clock security system's exception: the crystal has stopped and the ports run at
+    /// the wrong rate.
     #[exception]
     #[allow(unsafe_code)]
     unsafe fn NonMaskableInt() -> ! {
         give_up(Fault::Clock)
     }
 
-    /// An interrupt that nobody enabled is a fault like any other.
+    /// Treats an interrupt that was not enabled as a fault.
     #[exception]
     #[allow(unsafe_code)]
     unsafe fn DefaultHandler(_number: i16) -> ! {

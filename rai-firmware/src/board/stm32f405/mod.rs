@@ -1,4 +1,4 @@
-//! The STM32F405 board: the only place that knows its registers.
+//! The STM32F405 board: the only module that knows its registers.
 //!
 //! | what | where |
 //! |---|---|
@@ -9,10 +9,11 @@
 //! | time | `SysTick`, one interrupt per millisecond |
 //! | watchdog | IWDG, fed by the epoch loop alone |
 //!
-//! There is no switch between silicon and emulator. Every wait is bounded, every fallback has a name ([`Source`]), and
-//! a peripheral that does not answer is a fact to report and not a reason to stop.
+//! There is no switch between silicon and emulator. Every wait is bounded and every fallback has a
+//! name ([`Source`]). A peripheral that does not answer is reported and does not stop the module.
 //!
-//! PC6 needs a pull-down of 10 kΩ or less, since it floats from reset to start-up. All ports start at 115200 baud, 8N1.
+//! PC6 needs a pull-down of 10 kΩ or less, because it floats from reset to start-up. All ports
+//! start at 115200 baud, 8N1.
 //!
 //! References: [RM0090] reference manual of the family, [DS8626] data sheet of the chip.
 //!
@@ -54,7 +55,7 @@ mod hardware {
     use crate::arm::rings::{self, HostPort};
     use crate::arm::{fault, log, sealed, stack, start, time};
 
-    /// Where the stack may be.
+    /// Address range of the stack.
     pub const RAM: Range<usize> = 0x2000_0000..0x2002_0000;
 
     /// The board after start-up.
@@ -78,9 +79,9 @@ mod hardware {
     }
 
     impl Stm32f405 {
-        /// Brings the board up; `None` if it was taken before.
+        /// Starts the board; `None` if it was taken before.
         ///
-        /// The pin comes first, so that it is driven low before anything can go wrong.
+        /// The pin comes first, so that it is low before any other step can fail.
         fn take() -> Option<(Self, IntegrityPin)> {
             let mut core = cortex_m::Peripherals::take()?;
             let chip = Peripherals::take()?;

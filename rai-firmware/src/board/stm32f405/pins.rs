@@ -1,7 +1,8 @@
 //! The integrity pin, its LED, and the pins of the ports.
 //!
-//! The pin is high only while the position of the last epoch may be used. Between reset and start-up the chip leaves
-//! it floating, so the circuit needs a pull-down of 10 kΩ or less: then it is low when the chip is not there at all.
+//! The pin is high only while the position of the last epoch may be used. The chip leaves it
+//! floating between reset and start-up, so that the circuit needs a pull-down of 10 kΩ or less. The
+//! pin is then low even without a chip.
 //!
 //! References: [DS8626] table 9 (alternate functions).
 //!
@@ -14,7 +15,7 @@ use stm32f4::stm32f405::{GPIOA, GPIOB, GPIOC, RCC};
 
 use crate::arm::time;
 
-/// The output that says that the position may be used: PC6, and PC7 for a LED beside it.
+/// Output that is high while the position may be used: PC6, and PC7 for a LED beside it.
 pub struct IntegrityPin {
     port: GPIOC,
     high: bool,
@@ -22,7 +23,8 @@ pub struct IntegrityPin {
 }
 
 impl IntegrityPin {
-    /// Drives the pin low. The level is written before the pin becomes an output, so that it never glitches high.
+    /// Drives the pin low. The level is written before the pin becomes an output, so that it has no
+    /// high glitch.
     pub fn take(rcc: &RCC, port: GPIOC) -> Self {
         rcc.ahb1enr().modify(|_, w| w.gpiocen().enabled());
         port.bsrr().write(|w| w.br6().set_bit().br7().set_bit());
@@ -30,12 +32,13 @@ impl IntegrityPin {
         Self { port, high: false, driven_ticks: 0 }
     }
 
-    /// When the pin was last driven, to the same level or another; ticks of the core clock since start.
+    /// Returns the tick at which the pin was last driven, to the same level or another; ticks of
+    /// the core clock since start.
     pub fn driven_ticks(&self) -> u64 {
         self.driven_ticks
     }
 
-    /// A change is logged, because a log is all that an emulator shows of a pin.
+    /// Notes the tick, and returns true if the level changes.
     fn changed(&mut self, high: bool) -> bool {
         self.driven_ticks = time::now_ticks();
         core::mem::replace(&mut self.high, high) != high
@@ -64,11 +67,11 @@ impl OutputPin for IntegrityPin {
     }
 }
 
-/// Drives the pin low from a fault handler, whoever owns it.
+/// Drives the pin low from a fault handler, whatever owns it.
 #[allow(unsafe_code)]
 pub fn drop_integrity_pin() {
-    // SAFETY: the register sets and resets single pins by writing, so it needs no exclusive access; and the owner of
-    // the port never runs again.
+    // SAFETY: the register sets and resets single pins by writing, so that it needs no exclusive
+    // access; the owner of the port never runs again.
     let port = unsafe { GPIOC::steal() };
     port.bsrr().write(|w| w.br6().set_bit().br7().set_bit());
 }
@@ -79,7 +82,7 @@ pub fn route_ports(rcc: &RCC, a: &GPIOA, b: &GPIOB) {
     a.afrl().modify(|_, w| w.afrl2().af7().afrl3().af7());
     a.afrh().modify(|_, w| w.afrh9().af7().afrh10().af7());
     b.afrh().modify(|_, w| w.afrh10().af7());
-    // A receiver input whose cable is unplugged must rest at the idle level and not collect noise.
+    // A receiver input without a cable must rest at the idle level and not collect noise.
     a.pupdr().modify(|_, w| w.pupdr3().pull_up().pupdr10().pull_up());
     a.moder().modify(|_, w| {
         w.moder2().alternate().moder3().alternate().moder9().alternate().moder10().alternate()

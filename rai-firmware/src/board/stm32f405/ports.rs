@@ -1,8 +1,9 @@
 //! The three serial ports, driven by interrupts through byte rings.
 //!
-//! A port's interrupt moves what has come into its ring and what waits out of the other. Who puts bytes into a ring
-//! pends the interrupt once; from there the transmitter's own interrupt goes on. So sending starts the same way on a
-//! transmitter that interrupts when it is empty and on one that never is busy. The rings are in `arm/rings.rs`.
+//! A port's interrupt moves received bytes into one ring and waiting bytes out of the other. Code
+//! that puts bytes into a ring pends the interrupt once; then the transmitter's own interrupt
+//! continues. Sending therefore works on a transmitter that interrupts when it is empty and on one
+//! that is never busy. The rings are in `arm/rings.rs`.
 //!
 //! References: [RM0090] §30.
 //!
@@ -17,13 +18,14 @@ use super::clock::{Clock, divider};
 use crate::arm::rings::{GNSS_IN, HOST_IN, HOST_OUT, HostPort, LOG_OUT, note_host_overrun};
 use crate::arm::time;
 
-/// Rate of all three ports.
+/// Rate of all three ports at start, bit/s.
 const BAUD: u32 = 115_200;
 
-/// Bytes that one interrupt may take in: bounds the time in the handler, whatever the peripheral says.
+/// Most bytes that one interrupt takes in, which bounds the time in the handler for any state of
+/// the peripheral.
 const BYTES_PER_INTERRUPT: usize = 64;
 
-/// Starts the ports and their interrupts; returns the way out to the host.
+/// Starts the ports and their interrupts; returns the writer to the host.
 pub fn start(rcc: &RCC, host: &USART1, gnss: &USART2, log: &USART3, clock: Clock) -> HostPort {
     rcc.apb1enr().modify(|_, w| w.usart2en().enabled().usart3en().enabled());
     rcc.apb2enr().modify(|_, w| w.usart1en().enabled());
@@ -43,8 +45,8 @@ fn enable(port: &RegisterBlock, divider: u16) {
 
 #[allow(unsafe_code)]
 fn unmask() {
-    // SAFETY: the handlers below touch only their rings and registers, which are ready; no critical section that
-    // works by masking single interrupts exists.
+    // SAFETY: the handlers below touch only their rings and registers, which are ready; no critical
+    // section that works by masking single interrupts exists.
     unsafe {
         NVIC::unmask(Interrupt::USART1);
         NVIC::unmask(Interrupt::USART2);
@@ -52,24 +54,27 @@ fn unmask() {
     }
 }
 
-/// Sets the rate of the GNSS port.
+/// Sets the rate of the GNSS port, bit/s.
 #[allow(unsafe_code)]
 pub fn set_gnss_rate(clock: Clock, baud: u32) {
-    // SAFETY: the register is written by nobody else after start-up, and any 16-bit value is a legal divider.
+    // SAFETY: no other code writes the register after start-up, and any 16-bit value is a legal
+    // divider.
     unsafe {
         let port = USART2::steal();
         port.brr().write(|w| w.bits(divider(clock.bus1_hz, baud)));
     }
 }
 
-/// Queues one frame of the log, whole or not at all; never waits. To be called with interrupts held back, since every
-/// context logs and a ring has one writer.
+/// Queues one frame of the log, whole or not at all; never waits.
+///
+/// Call it with interrupts held back, because every context logs and a ring has one writer.
 pub fn send_log(frame: &[u8]) {
     LOG_OUT.push_whole(frame);
     NVIC::pend(Interrupt::USART3);
 }
 
-/// Takes in what has come; tells of a hardware overrun, which reading the data register also clears.
+/// Takes received bytes, and reports a hardware overrun, which reading the data register also
+/// clears.
 fn receive(port: &RegisterBlock, mut push: impl FnMut(u8), mut overrun: impl FnMut()) {
     for _ in 0..BYTES_PER_INTERRUPT {
         let status = port.sr().read();
@@ -86,7 +91,7 @@ fn receive(port: &RegisterBlock, mut push: impl FnMut(u8), mut overrun: impl FnM
     }
 }
 
-/// Sends while the transmitter takes bytes, then asks to be called again, or not if nothing is left.
+/// Sends while the transmitter takes bytes; leaves its interrupt enabled if bytes remain.
 #[allow(unsafe_code)]
 fn transmit<const N: usize>(port: &RegisterBlock, ring: &Ring<N>) {
     for _ in 0..N {
@@ -115,7 +120,7 @@ fn USART2() {
     // SAFETY: after start-up only this handler touches the port's registers.
     let port = unsafe { USART2::steal() };
     let now_ms = time::now_ms_low();
-    // Nothing is sent to the GNSS receiver.
+    // The GNSS receiver is sent nothing.
     receive(&port, |byte| GNSS_IN.push(byte, now_ms), || GNSS_IN.lose());
 }
 
@@ -124,7 +129,7 @@ fn USART2() {
 fn USART3() {
     // SAFETY: after start-up only this handler touches the port's registers.
     let port = unsafe { USART3::steal() };
-    // Nothing is expected here, and noise on a line that is not connected is no loss.
+    // No input is expected here, and noise on an open line is no loss.
     receive(&port, |_| (), || ());
     transmit(&port, &LOG_OUT);
 }

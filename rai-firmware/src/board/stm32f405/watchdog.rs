@@ -1,6 +1,7 @@
 //! The independent watchdog: resets the module if the epoch loop stops.
 //!
-//! `T = 32 · RLR / f_LSI`. It runs from its own oscillator, so it survives a dead crystal, and cannot be stopped.
+//! `T = 32 · RLR / f_LSI`. It runs from its own oscillator, so that it survives a dead crystal, and
+//! it cannot be stopped.
 //!
 //! | symbol | value | unit |
 //! |---|---|---|
@@ -15,7 +16,7 @@
 
 use stm32f4::stm32f405::IWDG;
 
-/// Counts before the reset.
+/// Counts until the reset.
 const RELOAD: u16 = 2000;
 
 /// The running watchdog. Only the epoch loop holds it, so only the epoch loop can feed it.
@@ -24,8 +25,8 @@ pub struct Watchdog {
 }
 
 impl Watchdog {
-    /// Starts the watchdog. The new period is taken over by itself within a few of its own clocks; until then the
-    /// default of half a second runs, so no wait is needed.
+    /// Starts the watchdog. The hardware takes the new period within a few of its own clocks. Until
+    /// then the default of half a second runs, so that no wait is needed.
     pub fn start(registers: IWDG) -> Self {
         registers.kr().write(|w| w.key().start());
         registers.kr().write(|w| w.key().unlock());
@@ -36,7 +37,7 @@ impl Watchdog {
         watchdog
     }
 
-    /// Says that the epoch loop came round.
+    /// Feeds the watchdog.
     pub fn feed(&mut self) {
         self.registers.kr().write(|w| w.key().feed());
     }
