@@ -124,7 +124,7 @@ impl EpochLoop {
 
     /// Lets the GNSS port listen at another rate, where a command wants it or nothing can be read at this one.
     fn set_rate<B: Board>(&mut self, board: &mut B, receiver: &mut Receiver<B::Pin>) {
-        if let Some(baud) = self.rate.next(receiver.frames(), receiver.configuration().bit_rate) {
+        if let Some(baud) = self.rate.next(receiver.frames(), receiver.configuration().bit_rate.rate()) {
             board.set_gnss_rate(baud);
             board.note(Note::GnssRate(baud));
             receiver.interrupt();

@@ -16,7 +16,7 @@
 //! | [`output`] | report | sentences |
 //! | [`receiver`] | bytes and the time | the loop around all this, the pin, the alarm of a silent line |
 //!
-//! beside them [`bit_rate`] (how fast the GNSS port listens), [`config`] (commands of the host), [`selftest`] (known answers), [`board::reset`] (why the module started),
+//! beside them [`bit_rate`] (how fast the GNSS port listens), [`settings`] (commands of the host), [`selftest`] (known answers), [`board::reset`] (why the module started),
 //! [`ring`] (bytes between an interrupt and the loop), [`outlet`] (sentences through a ring) and [`counters`] (whatever
 //! is not used is counted by name).
 //!
@@ -96,7 +96,6 @@ extern crate std;
 
 pub mod bit_rate;
 pub mod board;
-pub mod config;
 pub mod correction;
 pub mod counters;
 pub mod division;
@@ -112,5 +111,6 @@ pub mod raw;
 pub mod receiver;
 pub mod ring;
 pub mod selftest;
+pub mod settings;
 pub mod time;
 pub mod timed_ring;

@@ -21,7 +21,7 @@ use rai_core::single::{self, Memory, Monitor, Workspace};
 use rai_core::velocity::Velocity;
 use rai_core::weighting::Ism;
 
-use crate::config::{Configuration, Frequencies, Systems};
+use crate::settings::{Configuration, Frequencies, Systems};
 use crate::correction::horizon::coordinates_m;
 use crate::correction::{
     CAPACITY, Klobuchar, Located, Preference, Ranges, Site, Sky, Tally, View, coarse, locate_within,
@@ -152,7 +152,7 @@ impl Navigator {
     /// # Errors
     /// As [`Self::new`]; nothing has changed then.
     pub fn configure(&mut self, configuration: &Configuration) -> Result<(), MonitorError> {
-        self.monitor.require(configuration.requirements)?;
+        self.monitor.require(configuration.requirements())?;
         self.monitor.set_strategy(configuration.strategy());
         // Every value within the ranges of the commands is one that the core takes.
         let _ = self.monitor.set_continuity(configuration.continuity());
@@ -279,7 +279,7 @@ impl Navigator {
         // What the mask leaves out of a crowd is to leave room for what it does not.
         let start = self.monitor.start();
         let is_crowd = raw.satellites.len() > CAPACITY && !is_unknown(start);
-        let view = is_crowd.then(|| View::from(start, configuration.mask_rad));
+        let view = is_crowd.then(|| View::from(start, configuration.mask_rad()));
         let Self { store, tally, room: Room { sky, .. }, .. } = self;
         locate_within(raw, store, mask_dbhz, configuration.systems, view.as_ref(), tally, sky);
         self.tally.ephemerides.without_orbit().saturating_sub(before)
@@ -327,9 +327,9 @@ impl Navigator {
             Frequencies::Auto if configuration.clock_aid || !sky.iter().any(Located::has_pair) => {}
             Frequencies::Auto => {
                 let site =
-                    Site::new(point, time, configuration.mask_rad, self.klobuchar(time, configuration));
-                let hal_m = configuration.requirements.hal_m as f32;
-                let val_m = configuration.requirements.val_m.map_or(f32::INFINITY, |val_m| val_m as f32);
+                    Site::new(point, time, configuration.mask_rad(), self.klobuchar(time, configuration));
+                let hal_m = configuration.hal_m as f32;
+                let val_m = configuration.val_m.map_or(f32::INFINITY, |val_m| val_m as f32);
                 let cost = |ranges| site.spread(sky, ranges).map(|spread| spread.cost(hal_m, val_m));
                 self.preference.weigh(cost);
             }
@@ -369,7 +369,7 @@ impl Navigator {
         let ism = self.promise(configuration);
         let klobuchar = self.klobuchar(time, configuration);
         let site =
-            Site::new(point, time, configuration.mask_rad, klobuchar).with_ranges(ranges).weighted_by(ism);
+            Site::new(point, time, configuration.mask_rad(), klobuchar).with_ranges(ranges).weighted_by(ism);
         let Room { sky, epoch, .. } = &mut self.room;
         site.correct(sky, &mut self.tally.ranges, epoch);
     }

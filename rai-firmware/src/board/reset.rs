@@ -12,7 +12,7 @@
 
 use heapless::String;
 
-use crate::config::hexadecimal;
+use crate::settings::hexadecimal;
 
 /// Marks a record, chosen to be improbable in memory after power-on.
 const MAGIC: u32 = 0x5241_4921;

@@ -26,7 +26,7 @@ use rai_core::numeric::angle::sine;
 use rai_core::satellite::SatelliteId;
 use rai_core::weighting::COARSE_M;
 
-use crate::config::Systems;
+use crate::settings::Systems;
 use crate::counters::{count, counters};
 use crate::ephemeris::{self, EphemerisError, SatelliteState, Store};
 use crate::raw::{RawEpoch, RawSatellite, RawSignal};

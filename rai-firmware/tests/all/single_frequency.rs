@@ -7,7 +7,7 @@
 use crate::walker::{CALM, Ionosphere, TOE, range_m, satellite_of};
 use rai_core::frame::{Ecef, Geodetic, LocalFrame};
 use rai_core::report::Report;
-use rai_firmware::config::Configuration;
+use rai_firmware::settings::Configuration;
 use rai_firmware::correction::CAPACITY;
 use rai_firmware::ephemeris::{Ephemeris, Source};
 use rai_firmware::navigator::Navigator;
@@ -24,7 +24,7 @@ fn judged(
 ) -> Report<CAPACITY> {
     let mut configuration = Configuration::at_start();
     configuration.klobuchar = coefficients;
-    let mut navigator = Navigator::new(configuration.requirements).unwrap();
+    let mut navigator = Navigator::new(configuration.requirements()).unwrap();
     let mut raw = RawEpoch::new(time);
     let all = systems.iter().flat_map(|of| (0..30).map(move |index| (of, index)));
     for ((source, band), index) in all {

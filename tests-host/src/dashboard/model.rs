@@ -262,7 +262,7 @@ mod tests {
     #[test]
     fn the_module_itself_is_understood() {
         let mut said = Vec::new();
-        rai_firmware::config::Configuration::at_start().write(&mut said).expect("a vector takes all");
+        rai_firmware::settings::Configuration::at_start().write(&mut said).expect("a vector takes all");
         let mut dashboard = Dashboard::of("a test");
         for line in String::from_utf8(said).expect("ASCII").lines() {
             dashboard.hear(line);

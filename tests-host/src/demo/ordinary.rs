@@ -4,7 +4,7 @@
 
 use rai_core::epoch::Epoch;
 use rai_core::snapshot::Workspace;
-use rai_firmware::config::Systems;
+use rai_firmware::settings::Systems;
 use rai_firmware::correction::{self, CAPACITY, Sky, Tally, locate};
 use rai_firmware::ephemeris::Store;
 use rai_firmware::input::{Event, Input};

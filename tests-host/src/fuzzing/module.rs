@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use rai_firmware::config::Configuration;
+use rai_firmware::settings::Configuration;
 use rai_firmware::receiver::{Boot, Receiver};
 
 use super::overheard;

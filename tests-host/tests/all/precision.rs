@@ -13,7 +13,7 @@ use rai_core::monitor::Monitor;
 use rai_core::report::Report;
 use rai_core::requirements::Requirements;
 use rai_core::single;
-use rai_firmware::config::Systems;
+use rai_firmware::settings::Systems;
 use rai_firmware::correction::{CAPACITY, Klobuchar, Ranges, Site, Sky, Tally, locate};
 use rai_firmware::ephemeris::Store;
 use rai_firmware::input::{Event, Input};

@@ -5,7 +5,7 @@ use rai_core::requirements::Requirements;
 use rai_core::satellite::SatelliteId;
 use rai_core::single::{Monitor, Workspace};
 use rai_core::velocity::Velocity;
-use rai_firmware::config::Systems;
+use rai_firmware::settings::Systems;
 use rai_firmware::correction::{Sky, Tally, locate};
 use rai_firmware::ephemeris::{Ephemeris, Store};
 use rai_firmware::input::{Event, Input};

@@ -1,11 +1,11 @@
 //! `PRAIQ`: everything in force, and its hash.
 
-use rai_firmware::config::Configuration;
+use rai_firmware::settings::Configuration;
 
 use super::Module;
 
 /// The sentences, joined into the fields that they carry, with the hash that all of them name.
-fn settings(configuration: &Configuration) -> (String, Vec<String>) {
+pub(super) fn settings(configuration: &Configuration) -> (String, Vec<String>) {
     let mut room = [0; 1024];
     let mut free = room.as_mut_slice();
     configuration.write(&mut free).expect("enough room");

@@ -7,7 +7,7 @@ use super::module::{Module, Sky};
 fn a_silent_line_is_stale_after_the_time_to_alert_and_the_pin_falls() {
     let sky = Sky::quiet(6);
     let mut module = Module::after(&sky, 3);
-    let limit_ms = (module.receiver.configuration().requirements.time_to_alert_s * 1e3) as u64;
+    let limit_ms = (module.receiver.configuration().time_to_alert_s * 1e3) as u64;
     // The last epoch came a second ago.
     assert!(module.silence(limit_ms - 1100).is_empty(), "no alert before its time");
     assert!(module.pin_is_high());
@@ -23,7 +23,7 @@ fn a_silent_line_is_stale_after_the_time_to_alert_and_the_pin_falls() {
 fn noise_is_no_sign_of_life() {
     let sky = Sky::quiet(15);
     let mut module = Module::after(&sky, 3);
-    let limit_s = module.receiver.configuration().requirements.time_to_alert_s as usize;
+    let limit_s = module.receiver.configuration().time_to_alert_s as usize;
     let said: Vec<_> = (0..=limit_s).flat_map(|_| module.hear(&[0x55; 400])).collect();
     assert!(said.iter().any(|output| output.state.reason == "STALE"), "{said:?}");
     assert!(!module.pin_is_high());
