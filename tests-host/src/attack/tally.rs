@@ -31,10 +31,10 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// Counts what was seen; a silence is no epoch.
+    /// Counts what was seen; a verdict without an epoch is none.
     pub fn add(&mut self, seen: &Seen) {
         let state = &seen.said.state;
-        if state.reason == "STALE" {
+        if !state.has_epoch() {
             return;
         }
         self.epochs += 1;

@@ -34,7 +34,7 @@ impl Module {
         self.receiver.tick(self.now_ms, &mut said);
         let outputs = overheard::check(&said);
         for output in &outputs {
-            let counter = if output.state.reason == "STALE" { &mut self.stale } else { &mut self.epochs };
+            let counter = if output.state.has_epoch() { &mut self.epochs } else { &mut self.stale };
             *counter += 1;
         }
         if let Some(EpochOutput { state, .. }) = outputs.last() {

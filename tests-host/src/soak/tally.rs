@@ -238,7 +238,7 @@ impl Tally {
         let is_other = is_first
             && self.limit_at_reset_m.is_some()
             && ![self.limit_at_reset_m, self.limit_m].contains(&state.hal_m);
-        if is_other || state.reason == "SETTINGS" {
+        if is_other || state.reason == "SETTINGS" && state.has_epoch() {
             let (have, want) = (state.hal_m, self.limit_m);
             self.settings_lost.push(format!("{}: HAL {have:?}, set was {want:?}", state.reason));
         }
@@ -260,6 +260,9 @@ impl Tally {
         self.look_at_settings(&state);
         if state.reason == "STALE" {
             self.silences += 1;
+            return;
+        }
+        if !state.has_epoch() {
             return;
         }
         *self.verdicts.entry((state.state, state.reason.clone())).or_default() += 1;

@@ -33,6 +33,7 @@ mod pin_in_time;
 mod precision;
 mod recordings;
 mod second_board;
+mod settings;
 mod sky;
 mod smaller_msm;
 mod soak;

@@ -150,7 +150,7 @@ impl Oracle {
     /// What was said, at `said_s` by the module's own clock.
     pub(super) fn hear(&mut self, seen: &Seen, said_s: f64) {
         let state = &seen.said.state;
-        if state.reason == "STALE" {
+        if !state.has_epoch() {
             // Silence takes nothing from what has agreed before.
             return;
         }
