@@ -21,7 +21,6 @@ use rai_core::single::{self, Memory, Monitor, Workspace};
 use rai_core::velocity::Velocity;
 use rai_core::weighting::Ism;
 
-use crate::settings::{Configuration, Frequencies, Systems};
 use crate::correction::horizon::coordinates_m;
 use crate::correction::{
     CAPACITY, Klobuchar, Located, Preference, Ranges, Site, Sky, Tally, View, coarse, locate_within,
@@ -29,6 +28,7 @@ use crate::correction::{
 use crate::ephemeris::{Ephemeris, Insertion, Store};
 use crate::rates::{RateTally, Rates};
 use crate::raw::RawEpoch;
+use crate::settings::{Configuration, Frequencies, Systems};
 use crate::time::GpsTime;
 
 /// Within this distance corrections hold: 1 km changes an elevation by 0.003° and the zenith delay by at most 0.25 m.

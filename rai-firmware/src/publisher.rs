@@ -10,12 +10,12 @@
 use embedded_io::Write;
 use rai_core::report::Verdict;
 
-use crate::settings::Configuration;
 use crate::output::Statement;
 #[cfg(feature = "mavlink")]
 use crate::output::mavlink::Sender;
 use crate::output::nmea::{Losses, TimeOfDay, write_epoch, write_losses, write_without_epoch};
 use crate::output::schedule::{Item, Schedule};
+use crate::settings::Configuration;
 use crate::time::GpsTime;
 
 /// How often settings and losses are said again, ms.

@@ -8,7 +8,6 @@ use rai_core::satellite::Constellation;
 use rai_core::single::Accepted;
 
 use super::lateness::Lateness;
-use crate::settings::Configuration;
 use crate::counters::{count, counters};
 use crate::ephemeris::{Ephemeris, Insertion};
 use crate::input::{Event, Suspicions};
@@ -17,6 +16,7 @@ use crate::output::nmea::{GPS_MINUS_UTC_S, Losses};
 use crate::output::{Interference, Motion, Statement};
 use crate::publisher::Publisher;
 use crate::selftest::{self, Failure};
+use crate::settings::Configuration;
 use crate::time::GpsTime;
 
 /// For how long what a receiver says of jamming and spoofing is of now, ms; that it is sure of spoofing has no end.

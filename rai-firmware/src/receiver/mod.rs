@@ -34,11 +34,11 @@ use rai_core::velocity::Velocity;
 use self::epochs::EpochLoop;
 pub use self::epochs::Verdicts;
 use crate::board::{PortLosses, SEALED_BYTES};
-use crate::settings::{Action, CommandPort, Configuration, Order, Unsealed};
 use crate::correction::CAPACITY;
 use crate::counters::{at, count_many};
 use crate::input::{Input, LeapSecond, Suspicion};
 use crate::output::nmea::{Losses, write_answer, write_counters, write_refusal, write_version};
+use crate::settings::{Action, CommandPort, Configuration, Order, Unsealed};
 
 /// What the board knows when it starts.
 #[derive(Clone, Debug)]

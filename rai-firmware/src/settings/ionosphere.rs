@@ -60,8 +60,11 @@ impl Value for Option<[f64; 8]> {
         }
     }
 
-    fn tell(&self, take: Take<'_>) {
-        if self.is_some() { self.say(take) } else { take(AUTO) }
+    fn tell(&self, take: Take<'_>) -> bool {
+        if self.is_none() {
+            take(AUTO);
+        }
+        self.is_none()
     }
 
     fn commands(&self) -> Commands {

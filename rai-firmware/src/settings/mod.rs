@@ -44,8 +44,8 @@ pub use kinds::{Baud, Frequencies, Heights, Levels, Recovery, Sigma, Systems};
 pub use line::MAX_LINE;
 pub(crate) use number::hexadecimal;
 pub use number::{decimal, scientific};
-pub use phase::Phase;
 pub use order::Order;
+pub use phase::Phase;
 pub use port::{Action, CommandPort, Heard};
 pub use promises::{Preset, Promises};
 pub use refusal::Refusal;
@@ -74,20 +74,19 @@ impl Configuration {
         self.value_mut(setting).change(values, row.ranges)?;
         none(values)?;
         match row.phase {
-            PhaseEffect::Apart => Ok(()),
-            PhaseEffect::Enters => {
-                self.take_numbers_of_phase();
-                Ok(())
-            }
+            PhaseEffect::Apart => {}
+            PhaseEffect::Enters => self.take_numbers_of_phase(),
             PhaseEffect::Leaves => {
                 self.phase = Phase::Custom;
-                self.check_requirements()
+                self.check_requirements()?;
             }
-            PhaseEffect::Bounded if self.time_to_alert_s > self.phase.longest_time_to_alert_s() => {
-                Err(Refusal::OutOfRange)
+            PhaseEffect::Bounded => {
+                if self.time_to_alert_s > self.phase.longest_time_to_alert_s() {
+                    return Err(Refusal::OutOfRange);
+                }
             }
-            PhaseEffect::Bounded => Ok(()),
         }
+        Ok(())
     }
 
     /// Takes the numbers of a named phase. `CUSTOM` keeps the present ones.

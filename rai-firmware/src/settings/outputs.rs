@@ -25,11 +25,12 @@ impl Value for Schedule {
         self.rates().for_each(|(_, every)| take(&plain(f64::from(every))));
     }
 
-    fn tell(&self, take: Take<'_>) {
+    fn tell(&self, take: Take<'_>) -> bool {
         for (name, every) in self.rates() {
             take(name);
             take(&plain(f64::from(every)));
         }
+        true
     }
 
     fn commands(&self) -> Commands {

@@ -17,7 +17,7 @@ use super::Refusal;
 use super::number::{plain, signed_scientific};
 use super::read::{Values, next, next_number, number};
 use super::value::{Commands, Ranges, Spelled, Take, Value, range};
-use super::words::{Word, meaning};
+use super::words::Word;
 
 /// Values that a system has.
 const VALUES: usize = 5;
@@ -100,14 +100,15 @@ impl Spelled for Promises {
 impl Value for Promises {
     fn change(&mut self, values: Values<'_, '_>, ranges: &Ranges) -> Result<(), Refusal> {
         let value = next(values)?;
-        match system(value) {
-            Some(constellation) => {
-                let support = support(values, ranges)?;
-                if let Some(own) = self.own.get_mut(constellation as usize) {
-                    *own = Some(support);
-                }
+        if let Some(constellation) = system(value) {
+            let support = support(values, ranges)?;
+            if let Some(own) = self.own.get_mut(constellation as usize) {
+                *own = Some(support);
             }
-            None => *self = Self::preset(meaning(value)?),
+        } else {
+            let mut preset = self.preset;
+            preset.change(&mut core::iter::once(value), ranges)?;
+            *self = Self::preset(preset);
         }
         Ok(())
     }
@@ -122,13 +123,14 @@ impl Value for Promises {
         }
     }
 
-    fn tell(&self, take: Take<'_>) {
+    fn tell(&self, take: Take<'_>) -> bool {
         take(self.preset.word());
         for (constellation, own) in Constellation::ALL.into_iter().zip(&self.own) {
             let Some(support) = own else { continue };
             take(constellation.letter().encode_utf8(&mut [0; 4]));
             say(support, take);
         }
+        true
     }
 
     fn commands(&self) -> Commands {

@@ -19,12 +19,14 @@ macro_rules! settings {
         }
     )*) => {
         /// Key of a setting.
+        #[allow(clippy::doc_markdown, reason = "the text is that of a document")]
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub enum Setting {
             $($(#[cfg($condition)])? #[doc = $text] $setting,)*
         }
 
         /// Everything that a command can change.
+        #[allow(clippy::doc_markdown, reason = "the text is that of a document")]
         #[derive(Clone, Copy, Debug, PartialEq)]
         pub struct Configuration {
             $($(#[cfg($condition)])? #[doc = $text] pub $field: $value,)*
@@ -35,6 +37,8 @@ macro_rules! settings {
             pub const ALL: &'static [Self] = &[$($(#[cfg($condition)])? Self::$setting,)*];
 
             /// Returns what the module knows of the setting.
+            // Not inlined: the table of the rows would be there once for each place that asks.
+            #[inline(never)]
             pub const fn row(self) -> &'static Row {
                 match self {
                     $($(#[cfg($condition)])? Self::$setting => {

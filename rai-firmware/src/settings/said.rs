@@ -10,7 +10,7 @@
 use embedded_io::Write;
 
 use super::number::hexadecimal;
-use super::value::Take;
+use super::value::{Take, tell};
 use super::{Configuration, Setting};
 use crate::output::nmea::{Flow, write_flow};
 
@@ -51,7 +51,7 @@ impl Configuration {
     /// Answers a key without a value.
     pub(super) fn answer<W: Write>(&self, setting: Setting, host: &mut W) -> Result<(), W::Error> {
         let flow = Flow { address: "PRAIA", first: setting.key(), last: Some("OK") };
-        write_flow(&flow, &|take| self.value(setting).tell(take), host)
+        write_flow(&flow, &|take| tell(self.value(setting), take), host)
     }
 
     fn say_all(&self, counts: fn(Setting) -> bool, take: Take<'_>) {

@@ -15,7 +15,7 @@ use heapless::String;
 
 use super::fields::Fields;
 use super::said::Crc32;
-use super::value::{Commands, Take};
+use super::value::{Commands, Take, tell};
 use super::{Configuration, Phase, PhaseEffect, Setting};
 
 /// Bytes of settings that survive a restart.
@@ -107,7 +107,7 @@ impl Configuration {
         // What does not fit makes a line that is none, and the hash tells.
         let _ = line.push_str(setting.key());
         let mut fields = 0;
-        value.tell(&mut |field| {
+        tell(value, &mut |field| {
             if fields == wanted {
                 wanted = others;
                 let _ = line.push('\n');

@@ -5,7 +5,7 @@ use rai_core::numeric::probability::Probability;
 use super::Refusal;
 use super::number::{plain, scientific};
 use super::read::{Values, next, next_number, number};
-use super::words::{Word, meaning};
+use super::words::{Word, next_word};
 
 /// Takes one field.
 pub(super) type Take<'t> = &'t mut dyn FnMut(&str);
@@ -21,12 +21,12 @@ pub(super) trait Value {
     /// Reports the value in as many fields as any other value of its type.
     fn say(&self, take: Take<'_>);
 
-    /// Reports the value as commands have it, without the fields that only keep places in `PRAIQ`.
-    fn tell(&self, take: Take<'_>) {
-        self.say(take);
+    /// Reports the value as commands have it, where that is not as [`Self::say`] reports it; returns true where it has.
+    fn tell(&self, _: Take<'_>) -> bool {
+        false
     }
 
-    /// Returns how the fields of [`Self::tell`] make commands.
+    /// Returns how the fields of [`tell`] make commands.
     fn commands(&self) -> Commands {
         Commands::One
     }
@@ -49,6 +49,13 @@ pub(super) trait Spelled {
     const RANGES: usize;
     /// Words that it may be.
     const WORDS: &'static [&'static str];
+}
+
+/// Reports a value as commands have it, without the fields that only keep places in `PRAIQ`.
+pub(super) fn tell(value: &dyn Value, take: Take<'_>) {
+    if !value.tell(take) {
+        value.say(take);
+    }
 }
 
 /// Returns the range of one number. The table has one for each, which the compiler checks.
@@ -91,8 +98,11 @@ impl Value for Option<f64> {
         take(&self.map(plain).unwrap_or_default());
     }
 
-    fn tell(&self, take: Take<'_>) {
-        if self.is_some() { self.say(take) } else { take(OFF) }
+    fn tell(&self, take: Take<'_>) -> bool {
+        if self.is_none() {
+            take(OFF);
+        }
+        self.is_none()
     }
 }
 
@@ -119,7 +129,8 @@ impl<T: Word> Spelled for T {
 
 impl<T: Word> Value for T {
     fn change(&mut self, values: Values<'_, '_>, _: &Ranges) -> Result<(), Refusal> {
-        *self = meaning(next(values)?)?;
+        let place = next_word(values, T::WORDS)?;
+        *self = T::MEANINGS.get(place).copied().flatten().ok_or(Refusal::NotInBuild)?;
         Ok(())
     }
 

@@ -10,6 +10,7 @@ use rai_core::monitor::Method;
 
 use super::kinds::{Baud, Frequencies, Levels, Sigma};
 use super::promises::Preset;
+use super::read::{Values, next};
 use super::{Phase, Refusal};
 
 /// Meaning that a word of the wire stands for.
@@ -129,14 +130,9 @@ words! { Baud {
     "921600" = [Baud::B921600],
 } }
 
-/// Returns the meaning of a word.
-pub(super) fn meaning<T: Word>(word: &str) -> Result<T, Refusal> {
-    let place = place_of(word, T::WORDS)?;
-    T::MEANINGS.get(place).copied().flatten().ok_or(Refusal::NotInBuild)
-}
-
-/// Returns where a word stands among others, once for all types.
+/// Reads a word and returns its place among others, once for all types.
 #[inline(never)]
-fn place_of(word: &str, words: &[&str]) -> Result<usize, Refusal> {
+pub(super) fn next_word(values: Values<'_, '_>, words: &[&str]) -> Result<usize, Refusal> {
+    let word = next(values)?;
     words.iter().position(|known| *known == word).ok_or(Refusal::UnknownValue)
 }

@@ -7,11 +7,11 @@
 use crate::walker::{CALM, Ionosphere, TOE, range_m, satellite_of};
 use rai_core::frame::{Ecef, Geodetic, LocalFrame};
 use rai_core::report::Report;
-use rai_firmware::settings::Configuration;
 use rai_firmware::correction::CAPACITY;
 use rai_firmware::ephemeris::{Ephemeris, Source};
 use rai_firmware::navigator::Navigator;
 use rai_firmware::raw::{Band, Carrier, RawEpoch, RawSatellite, RawSignal};
+use rai_firmware::settings::Configuration;
 use rai_firmware::time::GpsTime;
 
 /// What the module says at an instant under an ionosphere.

@@ -241,7 +241,9 @@ fn commanded(configuration: &Configuration, line: &str) -> Result<Configuration>
     let key = fields.next().unwrap_or("");
     ensure!(Order::named(key).is_none(), "`{line}` sets nothing: write a key and its value, as PHASE,LPV200");
     configuration.with(key, fields).map_err(|refusal| {
-        anyhow::anyhow!("the module refuses `{line}` ({refusal:?}): write a setting as in its command, PHASE,LPV200")
+        anyhow::anyhow!(
+            "the module refuses `{line}` ({refusal:?}): write a setting as in its command, PHASE,LPV200"
+        )
     })
 }
 

@@ -124,7 +124,10 @@ fn whatever_the_host_sends_it_hears_every_epoch() {
         let case = format!("{:?}: {heard:?}, {} lost", flood.trim_end(), have.counter("sentences_lost"));
         assert!(heard[0] >= 60 && heard[1] == 60, "{case}");
         assert_eq!(have.counter("sentences_lost"), 0, "{case}");
-        assert!(have.counter("cmd_ok") + have.counter("cmd_refused") + have.counter("cmd_too_long") > 100, "{case}");
+        assert!(
+            have.counter("cmd_ok") + have.counter("cmd_refused") + have.counter("cmd_too_long") > 100,
+            "{case}"
+        );
     }
 }
 

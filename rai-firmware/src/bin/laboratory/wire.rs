@@ -6,7 +6,6 @@ use core::hint::black_box;
 use embedded_hal::digital::{ErrorType, OutputPin};
 use embedded_io::Write;
 use rai_core::epoch::Epoch;
-use rai_firmware::settings::{Configuration, Systems};
 use rai_firmware::correction::{Klobuchar, Site, Sky, Tally};
 use rai_firmware::ephemeris::Store;
 use rai_firmware::input::{Event, Input as Gnss};
@@ -15,6 +14,7 @@ use rai_firmware::output::nmea::write_epoch;
 use rai_firmware::output::{Interference, Motion, Statement};
 use rai_firmware::raw::RawEpoch;
 use rai_firmware::receiver::{Boot, Receiver};
+use rai_firmware::settings::{Configuration, Systems};
 use rai_firmware::time::GpsTime;
 
 use crate::answer::Answers;

@@ -8,7 +8,6 @@ use rai_core::integrity::residuals::threshold::ThresholdError;
 use rai_firmware::bit_rate::BitRate;
 use rai_firmware::board::reset::{self, Record, ResetCause};
 use rai_firmware::board::{Board, Note, PortLosses, SEALED_BYTES};
-use rai_firmware::settings::{self, CommandPort, Configuration, Order, Phase, Refusal, Setting};
 use rai_firmware::correction::{
     self, CAPACITY as N, Klobuchar, Place, Preference, Ranges, Site, Spread, Troposphere,
 };
@@ -32,6 +31,7 @@ use rai_firmware::raw::{Band, Carrier, RawEpoch, RawSignal};
 use rai_firmware::receiver::{Boot, Receiver, Verdicts};
 use rai_firmware::ring::Ring;
 use rai_firmware::selftest::{self, Failure};
+use rai_firmware::settings::{self, CommandPort, Configuration, Order, Phase, Refusal, Setting};
 use rai_firmware::time::{self, GpsTime};
 use rai_firmware::timed_ring::{Taken, TimedRing};
 
@@ -295,8 +295,9 @@ fn commands() {
         Configuration::requirements as fn(_) -> _,
         Configuration::mask_rad as fn(_) -> _,
         Configuration::promise_hash as fn(_) -> _,
-        (|settings, setting| Configuration::fields(settings, setting, &mut |field| drop(core::hint::black_box(field))))
-            as fn(&Configuration, Setting),
+        (|settings, setting| Configuration::fields(settings, setting, &mut |field| drop(
+            core::hint::black_box(field)
+        ))) as fn(&Configuration, Setting),
         Configuration::seal as fn(_, _),
         Configuration::unseal as fn(_) -> _,
         Configuration::strategy as fn(_) -> _,

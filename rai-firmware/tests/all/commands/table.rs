@@ -1,5 +1,6 @@
 //! The table of the settings: each row does all that a setting does, and INTERFACES.md has what the table says.
 
+use std::fmt::Write as _;
 use std::path::Path;
 use std::process::Command;
 use std::{env, fs};
@@ -107,7 +108,7 @@ fn the_ends_of_every_range_are_obeyed_and_what_lies_beyond_is_refused() {
 }
 
 /// What the macro needs around it, with a value that is nothing.
-const AROUND: &str = r#"
+const AROUND: &str = r"
 #![allow(dead_code, unused)]
 pub struct Row {
     key: &'static str,
@@ -131,7 +132,7 @@ impl Value for u8 {}
 mod table {
     use super::*;
     use super::row::settings;
-"#;
+";
 
 /// A whole row.
 const ROW: &str = r#"
@@ -152,7 +153,11 @@ fn compiled(row: &str) -> Result<(), String> {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("row");
     fs::create_dir_all(&folder).expect("a folder for what is tried");
     let source = folder.join("lib.rs");
-    let around = AROUND.replacen("pub struct Row", &format!("#[path = {macros:?}] mod row;\npub struct Row"), 1);
+    let around = AROUND.replacen(
+        "pub struct Row",
+        &format!("#[path = \"{}\"] mod row;\npub struct Row", macros.display()),
+        1,
+    );
     let around = around.replace("Configuration)", "table::Configuration)");
     fs::write(&source, format!("{around} settings! {{ \"TOY\" Toy {{ {row} }} }} }}")).expect("a source");
     let compiler = env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
@@ -212,24 +217,25 @@ fn at_start(setting: Setting) -> String {
         return "sentences 1, MAVLink 0".to_owned();
     }
     let answer = Module::new().ask(&format!("PRAIC,{}", setting.key())).concat();
-    let value = answer.strip_prefix(&format!("PRAIA,{},", setting.key())).and_then(|rest| rest.strip_suffix(",OK"));
+    let value =
+        answer.strip_prefix(&format!("PRAIA,{},", setting.key())).and_then(|rest| rest.strip_suffix(",OK"));
     format!("`{}`", value.expect("one answer"))
 }
 
 /// The table of the keys.
 fn table_of_keys() -> String {
-    let mut table = "| key | values | unit | at start | takes a promise back | meaning |\n|---|---|---|---|---|---|\n".to_owned();
+    let mut table =
+        "| key | values | unit | at start | takes a promise back | meaning |\n|---|---|---|---|---|---|\n"
+            .to_owned();
     for &setting in Setting::ALL {
         let (key, text) = (setting.key(), setting.documentation());
         let bears = if setting.row().bears_on_promise { "yes" } else { "no" };
         let (values, at_start) = (values(setting), at_start(setting));
-        table.push_str(&format!(
-            "| `{key}` | {values} | {} | {at_start} | {bears} | {} |\n",
-            text.unit, text.text
-        ));
+        let _ =
+            writeln!(table, "| `{key}` | {values} | {} | {at_start} | {bears} | {} |", text.unit, text.text);
     }
     for order in Order::ALL {
-        table.push_str(&format!("| `{}` | none | | | no | {} |\n", order.key(), order.text()));
+        let _ = writeln!(table, "| `{}` | none | | | no | {} |", order.key(), order.text());
     }
     table
 }
@@ -246,7 +252,7 @@ fn table_of_fields() -> String {
             2 => format!("{next}, {last}"),
             _ => format!("{next} to {last}"),
         };
-        table.push_str(&format!("| {numbers} | `{}` | {} |\n", setting.key(), setting.documentation().fields));
+        let _ = writeln!(table, "| {numbers} | `{}` | {} |", setting.key(), setting.documentation().fields);
         next += count;
     }
     table

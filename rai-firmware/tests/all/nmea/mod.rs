@@ -13,8 +13,8 @@ use rai_core::report::{
 use rai_core::requirements::Requirements;
 use rai_core::satellite::{Constellation, SatelliteId};
 use rai_firmware::output::nmea::{
-    GPS_MINUS_UTC_S, Losses, MAX_LENGTH, write_counters, write_epoch, write_losses, write_without_epoch,
-    write_version,
+    GPS_MINUS_UTC_S, Losses, MAX_LENGTH, write_counters, write_epoch, write_losses, write_version,
+    write_without_epoch,
 };
 use rai_firmware::output::schedule::{Due, Item, Schedule};
 use rai_firmware::output::{Interference, Motion, Statement};
@@ -428,7 +428,8 @@ fn staleness_says_the_time_of_the_last_epoch_if_there_was_one() {
     for (last, want) in cases {
         let mut out = Vec::new();
         let stale = Verdict::Alert(Alert::Stale);
-        write_without_epoch(stale, last, GPS_MINUS_UTC_S, &npa(), &mut Growing(&mut out)).expect("a vector takes all");
+        write_without_epoch(stale, last, GPS_MINUS_UTC_S, &npa(), &mut Growing(&mut out))
+            .expect("a vector takes all");
         assert_eq!(lines(&out)[0].split('*').next(), Some(want));
     }
 }

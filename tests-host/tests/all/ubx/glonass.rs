@@ -2,10 +2,10 @@
 
 use rai_core::frame::Ecef;
 use rai_core::satellite::{Constellation, SatelliteId};
-use rai_firmware::settings::{Configuration, Systems};
 use rai_firmware::ephemeris::Ephemeris as Read;
 use rai_firmware::input::{Event, Input};
 use rai_firmware::navigator::Navigator;
+use rai_firmware::settings::{Configuration, Systems};
 use rai_firmware::time::GpsTime;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;

@@ -2,9 +2,9 @@
 
 use rai_core::frame::Ecef;
 use rai_core::report::Verdict;
-use rai_firmware::settings::Configuration;
 use rai_firmware::input::{Event, Input};
 use rai_firmware::navigator::Navigator;
+use rai_firmware::settings::Configuration;
 use tests_host::encode::{self, Frequency, Selection, ubx};
 use tests_host::recording::Recording;
 use tests_host::shared;

@@ -3,11 +3,11 @@
 use rai_core::epoch::Epoch;
 use rai_core::frame::{Ecef, SPEED_OF_LIGHT_M_S};
 use rai_core::satellite::SatelliteId;
-use rai_firmware::settings::{Configuration, Systems};
 use rai_firmware::correction::{Site, Sky, Tally, locate};
 use rai_firmware::ephemeris::Store;
 use rai_firmware::input::{Event, Input};
 use rai_firmware::navigator::Navigator;
+use rai_firmware::settings::{Configuration, Systems};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rtcm_rs::msg::{Msg1019T, Msg1044T};

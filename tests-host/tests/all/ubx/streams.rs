@@ -7,11 +7,11 @@ use std::path::PathBuf;
 
 use flate2::read::GzDecoder;
 use rai_core::satellite::{Constellation, SatelliteId};
-use rai_firmware::settings::{Configuration, Frequencies, Systems};
 use rai_firmware::ephemeris::Ephemeris;
 use rai_firmware::input::{Counters, Event, Input};
 use rai_firmware::navigator::Navigator;
 use rai_firmware::raw::{Band, RawEpoch};
+use rai_firmware::settings::{Configuration, Frequencies, Systems};
 use tests_host::measurement::MeasuredEpoch;
 use tests_host::recording::Recording;
 use tests_host::replay::pieces::{Kind, Piece, pieces};
