@@ -228,6 +228,21 @@ mod tests {
         }
     }
 
+    /// A program before this one has sealed the same text, and one after it reads it.
+    #[test]
+    fn settings_at_start_are_sealed_as_ever() {
+        let mut memory = [0; SEALED_BYTES];
+        Configuration::at_start().seal(&mut memory);
+        let text = memory[HEAD..].split(|byte| *byte == 0).next().expect("a text");
+        let have = std::str::from_utf8(text).expect("ASCII");
+        let want = "PHASE,NPA\nPFF,1e-7\nTTA,10\nPOLICY,T1\nMETHOD,AUTO\nLEVELS,BOUND\nSYSTEMS,GEC\nMASK,10\n\
+                    CLOCKAID,OFF\nCN0MASK,28\nVMAX,515\nHEIGHT,-500,20000\nRECOVER,3,3\nFREQ,AUTO\n\
+                    SIGMA,FIXED\nBAUD,AUTO\nOUTPUT,RMC,1\nOUTPUT,GGA,1\nOUTPUT,GNS,1\nOUTPUT,VTG,1\n\
+                    OUTPUT,ZDA,1\nOUTPUT,GSA,1\nOUTPUT,GST,1\nOUTPUT,GBS,1\nOUTPUT,HEARTBEAT,0\n\
+                    OUTPUT,GPS_INPUT,0\nOUTPUT,GNSS_INTEGRITY,0\nISM,ICAO\n";
+        assert_eq!(have.strip_suffix("TOY,3\n"), Some(want));
+    }
+
     #[test]
     fn one_flipped_bit_breaks_the_seal() {
         for want in cases() {

@@ -295,9 +295,11 @@ fn commands() {
         Configuration::requirements as fn(_) -> _,
         Configuration::mask_rad as fn(_) -> _,
         Configuration::promise_hash as fn(_) -> _,
-        (|settings, setting| Configuration::fields(settings, setting, &mut |field| drop(
-            core::hint::black_box(field)
-        ))) as fn(&Configuration, Setting),
+        (|settings, setting| {
+            Configuration::fields(settings, setting, &mut |field| {
+                core::hint::black_box(field);
+            });
+        }) as fn(&Configuration, Setting),
         Configuration::seal as fn(_, _),
         Configuration::unseal as fn(_) -> _,
         Configuration::strategy as fn(_) -> _,
