@@ -35,8 +35,6 @@ mod row;
 mod said;
 mod sealed;
 mod table;
-#[cfg(test)]
-mod toy;
 mod value;
 mod words;
 
@@ -170,3 +168,6 @@ impl Configuration {
         }
     }
 }
+
+#[cfg(test)]
+mod toy;
