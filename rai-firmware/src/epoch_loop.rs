@@ -2,13 +2,14 @@
 //!
 //! ```text
 //! GNSS bytes ─► receiver ─► pin, sentences      one chunk of bytes that came together
-//! host bytes ─► one command                     then one sentence of a long answer, if there is room for it
+//! host bytes ─► one command                     or one sentence of a long answer, if there is room for it
 //! time ─► watchdog ─► sleep
 //! ```
 //!
-//! A pass is short whatever the host does: it takes one command, and of an answer that needs many sentences it says one,
-//! and only while the way out has room for the sentences of an epoch beside it. Nothing waits for the host. Only a loop
-//! that comes round feeds the watchdog.
+//! A pass is short whatever the host does: it takes one command, or sends one sentence of an answer that needs many. It does so
+//! only while the way out has room for the sentences of an epoch beside it: a host that sends commands faster than its line
+//! carries answers costs its own commands, and no epoch its sentences. Nothing waits for the host. Only a loop that comes round
+//! feeds the watchdog.
 //!
 //! What an epoch costs is noted with it: ticks that the receiver was busy since the last epoch, and ticks from its last
 //! byte to the pin. That byte came no earlier than the loop last found nothing waiting or was first woken.
@@ -28,7 +29,7 @@ const CHUNK_BYTES: usize = 256;
 /// Bytes of the host port that one pass takes at most, where they make no command.
 const COMMAND_BYTES: usize = 128;
 
-/// Room that a long answer leaves: the sentences of an epoch.
+/// Room that an answer leaves: the sentences of an epoch.
 const RESERVE_BYTES: usize = 1536;
 
 /// Epochs between two looks at the stack, which take longer than an epoch's share.
@@ -124,7 +125,7 @@ impl EpochLoop {
 
     /// Lets the GNSS port listen at another rate, where a command wants it or nothing can be read at this one.
     fn set_rate<B: Board>(&mut self, board: &mut B, receiver: &mut Receiver<B::Pin>) {
-        if let Some(baud) = self.rate.next(receiver.frames(), receiver.configuration().bit_rate) {
+        if let Some(baud) = self.rate.next(receiver.frames(), receiver.configuration().bit_rate.rate()) {
             board.set_gnss_rate(baud);
             board.note(Note::GnssRate(baud));
             receiver.interrupt();
@@ -150,8 +151,8 @@ fn look_at_clock<B: Board>(board: &mut B, receiver: &mut Receiver<B::Pin>) {
     }
 }
 
-/// Takes bytes of the host port up to the end of one command, and says one sentence of a long answer. While one is
-/// under way no other command is taken.
+/// Takes bytes of the host port up to the end of one command, or sends one sentence of a long answer. While one is
+/// under way, or an epoch would find no room for its sentences, no other command is taken.
 // Not inlined: what a command needs of the stack an epoch need not have beside it.
 #[inline(never)]
 fn take_command<B: Board>(board: &mut B, receiver: &mut Receiver<B::Pin>) {
@@ -162,6 +163,10 @@ fn take_command<B: Board>(board: &mut B, receiver: &mut Receiver<B::Pin>) {
         return;
     }
     for _ in 0..COMMAND_BYTES {
+        // Each byte may end a line that is answered, refused ones too.
+        if board.host_room() < RESERVE_BYTES {
+            break;
+        }
         let Some(byte) = board.command() else { break };
         if receiver.command_byte(byte, board.host()) {
             break;

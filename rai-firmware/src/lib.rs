@@ -17,7 +17,7 @@
 //! | [`output`] | report | sentences |
 //! | [`receiver`] | bytes and the time | the loop around all this, the pin, the alarm of a silent line |
 //!
-//! The other modules are [`bit_rate`] (bit rate of the GNSS port), [`config`] (commands of the
+//! The other modules are [`bit_rate`] (bit rate of the GNSS port), [`settings`] (commands of the
 //! host), [`selftest`] (known answers), [`board::reset`] (cause of the last reset), [`ring`] (bytes
 //! between an interrupt and the loop), [`outlet`] (sentences through a ring) and [`counters`]
 //! (unused input, counted by name).
@@ -104,7 +104,6 @@ extern crate std;
 
 pub mod bit_rate;
 pub mod board;
-pub mod config;
 pub mod correction;
 pub mod counters;
 pub mod division;
@@ -120,5 +119,6 @@ pub mod raw;
 pub mod receiver;
 pub mod ring;
 pub mod selftest;
+pub mod settings;
 pub mod time;
 pub mod timed_ring;

@@ -21,7 +21,6 @@ use rai_core::single::{self, Memory, Monitor, Workspace};
 use rai_core::velocity::Velocity;
 use rai_core::weighting::Ism;
 
-use crate::config::{Configuration, Frequencies, Systems};
 use crate::correction::horizon::coordinates_m;
 use crate::correction::{
     CAPACITY, Klobuchar, Located, Preference, Ranges, Site, Sky, Tally, View, coarse, locate_within,
@@ -29,6 +28,7 @@ use crate::correction::{
 use crate::ephemeris::{Ephemeris, Insertion, Store};
 use crate::rates::{RateTally, Rates};
 use crate::raw::RawEpoch;
+use crate::settings::{Configuration, Frequencies, Systems};
 use crate::time::GpsTime;
 
 /// Largest distance over which corrections hold, m: 1 km changes an elevation by 0.003° and the
@@ -159,7 +159,7 @@ impl Navigator {
     /// # Errors
     /// As for [`Self::new`]; on error nothing has changed.
     pub fn configure(&mut self, configuration: &Configuration) -> Result<(), MonitorError> {
-        self.monitor.require(configuration.requirements)?;
+        self.monitor.require(configuration.requirements())?;
         self.monitor.set_strategy(configuration.strategy());
         // The core accepts every value within the ranges of the commands.
         let _ = self.monitor.set_continuity(configuration.continuity());
@@ -289,7 +289,7 @@ impl Navigator {
         }
         let start = self.monitor.start();
         if !is_unknown(start) {
-            self.store.look_from(start, configuration.mask_rad, raw.time);
+            self.store.look_from(start, configuration.mask_rad(), raw.time);
         }
         for (_, came) in self.ionosphere.iter_mut().flatten() {
             came.get_or_insert(raw.time);
@@ -298,7 +298,7 @@ impl Navigator {
         let mask_dbhz = configuration.signal_mask_db_hz as f32;
         // What the mask leaves out of a crowd is to leave room for what it does not.
         let is_crowd = raw.satellites.len() > CAPACITY && !is_unknown(start);
-        let view = is_crowd.then(|| View::from(start, configuration.mask_rad));
+        let view = is_crowd.then(|| View::from(start, configuration.mask_rad()));
         let Self { store, tally, room: Room { sky, .. }, .. } = self;
         locate_within(raw, store, mask_dbhz, configuration.systems, view.as_ref(), tally, sky);
         self.tally.ephemerides.without_orbit().saturating_sub(before)
@@ -348,9 +348,9 @@ impl Navigator {
             Frequencies::Auto if configuration.clock_aid || !sky.iter().any(Located::has_pair) => {}
             Frequencies::Auto => {
                 let site =
-                    Site::new(point, time, configuration.mask_rad, self.klobuchar(time, configuration));
-                let hal_m = configuration.requirements.hal_m as f32;
-                let val_m = configuration.requirements.val_m.map_or(f32::INFINITY, |val_m| val_m as f32);
+                    Site::new(point, time, configuration.mask_rad(), self.klobuchar(time, configuration));
+                let hal_m = configuration.hal_m as f32;
+                let val_m = configuration.val_m.map_or(f32::INFINITY, |val_m| val_m as f32);
                 let cost = |ranges| site.spread(sky, ranges).map(|spread| spread.cost(hal_m, val_m));
                 self.preference.weigh(cost);
             }
@@ -390,7 +390,7 @@ impl Navigator {
         let ism = self.promise(configuration);
         let klobuchar = self.klobuchar(time, configuration);
         let site =
-            Site::new(point, time, configuration.mask_rad, klobuchar).with_ranges(ranges).weighted_by(ism);
+            Site::new(point, time, configuration.mask_rad(), klobuchar).with_ranges(ranges).weighted_by(ism);
         let Room { sky, epoch, .. } = &mut self.room;
         site.correct(sky, &mut self.tally.ranges, epoch);
     }

@@ -8,16 +8,14 @@
 //! | `PRAIL` | every 60 s |
 
 use embedded_io::Write;
-#[cfg(feature = "mavlink")]
-use rai_core::report::Alert;
 use rai_core::report::Verdict;
 
-use crate::config::Configuration;
 use crate::output::Statement;
 #[cfg(feature = "mavlink")]
 use crate::output::mavlink::Sender;
-use crate::output::nmea::{Losses, TimeOfDay, write_epoch, write_losses, write_stale};
+use crate::output::nmea::{Losses, TimeOfDay, write_epoch, write_losses, write_without_epoch};
 use crate::output::schedule::{Item, Schedule};
+use crate::settings::Configuration;
 use crate::time::GpsTime;
 
 /// How often settings and losses are said again, ms.
@@ -109,21 +107,21 @@ impl Publisher {
         Ok(())
     }
 
-    /// Sends that no epoch came within the time to alert, with the reason.
+    /// Sends a verdict that no epoch brought: none came within the time to alert, or settings have changed.
     ///
     /// # Errors
     /// The writer's own.
-    pub fn tell_silence<W: Write>(
+    pub fn tell_without_epoch<W: Write>(
         &mut self,
+        verdict: Verdict,
         last: Option<GpsTime>,
         gps_minus_utc_s: u8,
-        reason: Alert,
         configuration: &Configuration,
         out: &mut W,
     ) -> Result<(), W::Error> {
-        write_stale(last, gps_minus_utc_s, reason, &configuration.requirements, out)?;
+        write_without_epoch(verdict, last, gps_minus_utc_s, &configuration.requirements(), out)?;
         #[cfg(feature = "mavlink")]
-        self.sender.write_stale(Verdict::Alert(reason), configuration.outputs.due(0), out)?;
+        self.sender.write_stale(verdict, configuration.outputs.due(0), out)?;
         Ok(())
     }
 

@@ -62,6 +62,11 @@ impl State {
     pub fn is_protected(&self) -> bool {
         self.state == 'P'
     }
+
+    /// False for a verdict that no epoch brought: of a silence, or of settings that have changed under a promise.
+    pub fn has_epoch(&self) -> bool {
+        self.reason != "STALE" && !(self.reason == "SETTINGS" && self.tracked == 0)
+    }
 }
 
 /// Content of `PRAIX`.
@@ -92,6 +97,28 @@ pub fn command(text: &str) -> String {
     let body = format!("PRAIC,{text}");
     let checksum = body.bytes().fold(0, |sum, byte| sum ^ byte);
     format!("${body}*{checksum:02X}\r\n")
+}
+
+/// Begin of a `MAVLink` 2 frame, which is no character of a sentence.
+pub const FRAME_BEGIN: u8 = 0xFD;
+
+/// Bytes of a `MAVLink` 2 frame around its payload: ten before it, two of checksum behind it.
+pub const FRAME_AROUND: usize = 12;
+
+/// Returns the sentences of the host port, without the `MAVLink` frames between them.
+///
+/// # Errors
+/// Fails if the rest is not UTF-8, or if a frame is cut off.
+pub fn sentences(said: &[u8]) -> anyhow::Result<String> {
+    let (mut text, mut rest) = (Vec::new(), said);
+    while let Some(begin) = rest.iter().position(|&byte| byte == FRAME_BEGIN) {
+        text.extend_from_slice(&rest[..begin]);
+        let payload = rest.get(begin + 1).copied().context("a MAVLink frame is cut off")?;
+        let end = begin + FRAME_AROUND + usize::from(payload);
+        rest = rest.get(end..).context("a MAVLink frame is cut off")?;
+    }
+    text.extend_from_slice(rest);
+    String::from_utf8(text).context("the module sent bytes that are neither text nor a MAVLink frame")
 }
 
 /// Parses one sentence and checks its checksum.

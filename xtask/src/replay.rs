@@ -36,14 +36,6 @@ pub(crate) enum Frequencies {
     Single,
 }
 
-/// Phases of flight that the module knows.
-const PHASES: [&str; 5] = ["ENROUTE", "TERMINAL", "NPA", "LPV200", "CUSTOM"];
-/// Policies that the module knows.
-const POLICIES: [&str; 3] = ["T1", "T2", "TOP"];
-/// Methods that the module knows; one that is not built in it refuses by name.
-const METHODS: [&str; 8] =
-    ["AUTO", "BAARDA", "SIMULTANEOUS", "SEQUENTIAL", "HYBRID", "GROUPING", "RANSAC", "SEPARATION"];
-
 /// Arguments of the command.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
@@ -94,14 +86,14 @@ pub(crate) struct Arguments {
     #[arg(long, default_value_t = 0.0, value_name = "S", value_parser = not_negative, allow_negative_numbers = true)]
     every: f64,
     /// Phase of flight: sets the alert limits. CUSTOM needs --set HAL=METRES. Unless given, as the module starts: NPA.
-    #[arg(long, ignore_case = true, value_parser = word(PHASES))]
+    #[arg(long, ignore_case = true, value_parser = word("PHASE"))]
     phase: Option<String>,
     /// Threshold of the test: from the false alarms, from the missed detections, or least cost of both. Unless given, as
     /// the module starts: T1.
-    #[arg(long, ignore_case = true, value_parser = word(POLICIES))]
+    #[arg(long, ignore_case = true, value_parser = word("POLICY"))]
     policy: Option<String>,
     /// How a faulty satellite is found. Unless given, as the module starts: AUTO.
-    #[arg(long, ignore_case = true, value_parser = word(METHODS))]
+    #[arg(long, ignore_case = true, value_parser = word("METHOD"))]
     method: Option<String>,
     /// Any other setting of the module, such as HAL=40 or MASK=5; repeatable, in this order.
     #[arg(long, value_name = "KEY=VALUE")]
@@ -341,9 +333,9 @@ fn capture_among(arguments: &Arguments) -> Option<String> {
     files.find(|path| capture::is_capture(path)).map(|path| path.display().to_string())
 }
 
-/// One of some words in any case, as the module reads it.
-fn word<const N: usize>(words: [&'static str; N]) -> impl TypedValueParser<Value = String> {
-    PossibleValuesParser::new(words).map(|word| word.to_uppercase())
+/// Reads a word of one of the module's settings, in any case.
+fn word(key: &str) -> impl TypedValueParser<Value = String> {
+    PossibleValuesParser::new(replay::words(key)).map(|word| word.to_uppercase())
 }
 
 /// A number of seconds that time can have.
@@ -372,12 +364,7 @@ fn commands(arguments: &Arguments, week: Option<u16>, klobuchar: Option<[f64; 8]
         setup.push(format!("IONO,{}", numbers.join(",")));
     }
     for setting in &arguments.set {
-        let command = match (setting.split_once('='), setting.to_uppercase()) {
-            (Some((key, value)), _) => format!("{},{value}", key.to_uppercase()),
-            (None, word) if ["CONFIRM", "FORGET"].contains(&word.as_str()) => word,
-            (None, _) => bail!("--set {setting}: write it like HAL=40"),
-        };
-        setup.push(command);
+        setup.push(replay::command_for(setting)?);
     }
     let has_limit = setup.iter().any(|command| command.starts_with("HAL,"));
     ensure!(

@@ -208,6 +208,15 @@ fn help_lists_the_values_of_an_option() {
 }
 
 #[test]
+fn every_setting_and_every_word_of_the_module_is_obeyed() {
+    let files = Files::new("settings");
+    for setting in tests_host::replay::every() {
+        // Two satellites have no position: that alone is found wrong.
+        assert_says(&files.replay(&["--set", &setting]), &["no epoch gave a position"]);
+    }
+}
+
+#[test]
 fn a_reader_that_goes_away_is_no_error() {
     let files = Files::new("pipe");
     for arguments in

@@ -125,7 +125,7 @@ fn interfaces_explain_every_counter_and_every_refusal_and_no_other() {
     let want: BTreeSet<_> = sources.iter().flat_map(|source| counters(source)).collect();
     assert_eq!(rows(&interfaces, " Counters"), want);
 
-    let sources = ["config/refusal.rs", "selftest.rs"].map(|name| read(&firmware.join(name)));
+    let sources = ["settings/refusal.rs", "selftest.rs"].map(|name| read(&firmware.join(name)));
     let want: BTreeSet<_> = sources.iter().flat_map(|source| refusals(source)).chain(["nearest"]).collect();
     let have = &rows(&interfaces, " Refusals") | &rows(&interfaces, " Self-test");
     assert_eq!(have, want);

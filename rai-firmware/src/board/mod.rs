@@ -20,7 +20,7 @@ use rai_core::report::Verdict;
 
 pub mod reset;
 
-pub use crate::config::SEALED_BYTES;
+pub use crate::settings::SEALED_BYTES;
 
 use crate::counters::counters;
 use crate::timed_ring::Taken;

@@ -13,7 +13,7 @@
 
 use heapless::String;
 
-use crate::config::hexadecimal;
+use crate::settings::hexadecimal;
 
 /// Mark of a record, chosen to be improbable in memory after power-on.
 const MAGIC: u32 = 0x5241_4921;

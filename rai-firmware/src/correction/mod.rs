@@ -28,10 +28,10 @@ use rai_core::numeric::angle::sine;
 use rai_core::satellite::SatelliteId;
 use rai_core::weighting::COARSE_M;
 
-use crate::config::Systems;
 use crate::counters::{count, counters};
 use crate::ephemeris::{self, EphemerisError, SatelliteState, Store};
 use crate::raw::{RawEpoch, RawSatellite, RawSignal};
+use crate::settings::Systems;
 use crate::time::GpsTime;
 use horizon::{Horizon, coordinates_m};
 

@@ -3,64 +3,53 @@
 //! `OUTPUT,item,n` sends an item with every n-th epoch, or never with 0; and with an epoch whose state is worse than that of
 //! the one before. The sentences that say whether the position may be used (`PRAIS`, `PRAIX`, `PRAIM`, `PRAIN`) and those of
 //! the settings cannot be switched off.
-//!
-//! | item | at start |
-//! |---|---|
-//! | `RMC`, `GGA`, `GNS`, `VTG`, `GSA`, `GST`, `GBS` | 1 |
-//! | `ZDA`: with every n-th epoch, once a second at most | 1 |
-//! | `HEARTBEAT`, `GPS_INPUT`, `GNSS_INTEGRITY`: `MAVLink` | 0 |
 
-/// Something that can be sent more or less often.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Item {
-    /// Position, velocity and date.
-    Rmc,
-    /// Position.
-    Gga,
-    /// Position with the navigational status.
-    Gns,
-    /// Velocity.
-    Vtg,
-    /// Date and time.
-    Zda,
-    /// Satellites used.
-    Gsa,
-    /// Standard deviations.
-    Gst,
-    /// The satellite that fits worst.
-    Gbs,
-    /// `MAVLink`: that somebody is there.
-    Heartbeat,
-    /// `MAVLink`: a position for an autopilot.
-    GpsInput,
-    /// `MAVLink`: whether it may be used.
-    GnssIntegrity,
+/// Makes the items out of their names, rates at start, and features.
+macro_rules! items {
+    ($($name:literal $item:ident = $at_start:literal $(if $feature:literal)?: $text:literal,)*) => {
+        /// Item that the module sends more or less often.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub enum Item {
+            $(#[doc = $text] $item,)*
+        }
+
+        impl Item {
+            /// Every item, in the order of [`Schedule::rates`].
+            pub const ALL: &'static [Self] = &[$(Self::$item,)*];
+
+            /// Their names.
+            pub const NAMES: &'static [&'static str] = &[$($name,)*];
+
+            const AT_START: [u8; Self::ALL.len()] = [$($at_start,)*];
+
+            /// Returns true for an item that is built in.
+            pub const fn is_built(self) -> bool {
+                match self {
+                    $(Self::$item => true $(&& cfg!(feature = $feature))?,)*
+                }
+            }
+        }
+    };
 }
 
-/// All items with their names, in the order of [`Schedule::rates`].
-const ITEMS: [(&str, Item); Schedule::ITEMS] = [
-    ("RMC", Item::Rmc),
-    ("GGA", Item::Gga),
-    ("GNS", Item::Gns),
-    ("VTG", Item::Vtg),
-    ("ZDA", Item::Zda),
-    ("GSA", Item::Gsa),
-    ("GST", Item::Gst),
-    ("GBS", Item::Gbs),
-    ("HEARTBEAT", Item::Heartbeat),
-    ("GPS_INPUT", Item::GpsInput),
-    ("GNSS_INTEGRITY", Item::GnssIntegrity),
-];
+items! {
+    "RMC" Rmc = 1: "Position, velocity and date.",
+    "GGA" Gga = 1: "Position.",
+    "GNS" Gns = 1: "Position with the navigational status.",
+    "VTG" Vtg = 1: "Velocity.",
+    "ZDA" Zda = 1: "Date and time, once a second at most.",
+    "GSA" Gsa = 1: "Satellites used.",
+    "GST" Gst = 1: "Standard deviations.",
+    "GBS" Gbs = 1: "The satellite that fits worst.",
+    "HEARTBEAT" Heartbeat = 0 if "mavlink": "`MAVLink`: the module is there.",
+    "GPS_INPUT" GpsInput = 0 if "mavlink": "`MAVLink`: a position for an autopilot.",
+    "GNSS_INTEGRITY" GnssIntegrity = 0 if "mavlink": "`MAVLink`: use of the position.",
+}
 
 impl Item {
-    /// Is it built in?
-    pub const fn is_built(self) -> bool {
-        !matches!(self, Self::Heartbeat | Self::GpsInput | Self::GnssIntegrity) || cfg!(feature = "mavlink")
-    }
-
-    /// The item of this name.
+    /// Returns the item of this name.
     pub fn named(name: &str) -> Option<Self> {
-        ITEMS.iter().find(|(known, _)| *known == name).map(|(_, item)| *item)
+        Self::ALL.iter().zip(Self::NAMES).find(|(_, known)| **known == name).map(|(item, _)| *item)
     }
 }
 
@@ -72,10 +61,10 @@ pub struct Schedule {
 
 impl Schedule {
     /// How many items there are.
-    pub const ITEMS: usize = 11;
+    pub const ITEMS: usize = Item::ALL.len();
 
     /// All sentences with every epoch, no message of `MAVLink`.
-    pub const AT_START: Self = Self { every: [1, 1, 1, 1, 1, 1, 1, 1, 0, 0, 0] };
+    pub const AT_START: Self = Self { every: Item::AT_START };
 
     /// With another rate of one item.
     #[must_use]
@@ -88,7 +77,7 @@ impl Schedule {
 
     /// Every how many epochs, item by item, with their names.
     pub fn rates(&self) -> impl Iterator<Item = (&'static str, u8)> {
-        ITEMS.iter().zip(self.every).map(|((name, _), every)| (*name, every))
+        Item::NAMES.iter().copied().zip(self.every)
     }
 
     /// What is due with the epoch of this number.
@@ -126,7 +115,7 @@ mod tests {
 
     #[test]
     fn items_stand_in_the_order_of_their_numbers() {
-        for (index, (name, item)) in ITEMS.iter().enumerate() {
+        for (index, (name, item)) in Item::NAMES.iter().zip(Item::ALL).enumerate() {
             assert_eq!((*item as usize, Item::named(name)), (index, Some(*item)));
         }
     }

@@ -8,7 +8,6 @@ use rai_core::satellite::Constellation;
 use rai_core::single::Accepted;
 
 use super::lateness::Lateness;
-use crate::config::Configuration;
 use crate::counters::{count, counters};
 use crate::ephemeris::{Ephemeris, Insertion};
 use crate::input::{Event, Suspicions};
@@ -17,6 +16,7 @@ use crate::output::nmea::{GPS_MINUS_UTC_S, Losses};
 use crate::output::{Interference, Motion, Statement};
 use crate::publisher::Publisher;
 use crate::selftest::{self, Failure};
+use crate::settings::Configuration;
 use crate::time::GpsTime;
 
 /// For how many epochs nothing is promised after one that came over again with other ranges.
@@ -55,6 +55,8 @@ pub(super) struct EpochLoop<P> {
     pub(super) navigator: Navigator,
     pub(super) configuration: Configuration,
     publisher: Publisher,
+    /// Hash of the settings that the next promise rests on.
+    promise_hash: u32,
     pub(super) verdicts: Verdicts,
     pub(super) last_verdict: Option<Verdict>,
     /// Whether the last verdict is that of a report, and not of a silence.
@@ -87,13 +89,14 @@ impl<P: OutputPin> EpochLoop<P> {
         if pin.set_low().is_err() {
             count(&mut verdicts.pin_failures);
         }
-        let requirements = Accepted::new(AT_START.requirements)?;
+        let requirements = Accepted::new(AT_START.requirements())?;
         let settings_hash = AT_START.hash();
         Ok(Self {
             pin,
             navigator: Navigator::of(requirements),
             configuration: AT_START,
             publisher: Publisher::new(settings_hash),
+            promise_hash: AT_START.promise_hash(),
             verdicts,
             last_verdict: None,
             has_report: false,
@@ -226,7 +229,7 @@ impl<P: OutputPin> EpochLoop<P> {
             report,
             time,
             gps_minus_utc_s: self.gps_minus_utc_s,
-            requirements: &self.configuration.requirements,
+            requirements: &self.configuration.requirements(),
             motion: self.navigator.velocity().map(Motion::of),
             interference: Interference {
                 jamming: self.interference.jamming.number(),
@@ -252,9 +255,7 @@ impl<P: OutputPin> EpochLoop<P> {
         self.has_report = false;
         self.drive_pin(false);
         count(&mut self.verdicts.line_stale);
-        let (publisher, configuration) = (&mut self.publisher, &self.configuration);
-        let written =
-            publisher.tell_silence(self.last_time, self.gps_minus_utc_s, reason, configuration, host);
+        let written = self.tell_without_epoch(Verdict::Alert(reason), host);
         self.sent(written.is_ok());
         true
     }
@@ -268,20 +269,36 @@ impl<P: OutputPin> EpochLoop<P> {
 
     fn time_to_alert_ms(&self) -> u64 {
         // At most an hour, and asked for at every look at the clock: to the nearest without software doubles.
-        u64::from((self.configuration.requirements.time_to_alert_s as f32 * 1e3 + 0.5) as u32)
+        u64::from((self.configuration.time_to_alert_s as f32 * 1e3 + 0.5) as u32)
     }
 
-    /// Takes over what a command has changed. A promise under other requirements is none under these.
-    pub(super) fn reconfigure(&mut self) {
-        let (judged_by, mut wanted) = (self.navigator.requirements(), self.configuration.requirements);
-        // A promise says nothing about the time to alert, which holds at once.
-        wanted.time_to_alert_s = judged_by.time_to_alert_s;
-        if *judged_by != wanted {
+    /// Takes over the settings that a command has changed. Where a promise rests on them, the pin goes low, because the promise was
+    /// made under others. Returns true where such a promise stood.
+    #[must_use]
+    pub(super) fn reconfigure(&mut self) -> bool {
+        let hash = self.configuration.promise_hash();
+        let bears_on_promise = core::mem::replace(&mut self.promise_hash, hash) != hash;
+        if bears_on_promise {
             self.drive_pin(false);
         }
         // Validated against the same tables by the command: it is met.
         let _ = self.navigator.configure(&self.configuration);
         self.publisher.reconfigured(self.configuration.hash());
+        bears_on_promise && matches!(self.last_verdict, Some(Verdict::Protected(_)))
+    }
+
+    /// Reports that the standing promise rested on settings which are no longer in force.
+    #[inline(never)]
+    pub(super) fn take_back<W: Write>(&mut self, host: &mut W) -> Result<(), W::Error> {
+        let verdict = Verdict::Unavailable(Unavailable::Settings);
+        self.last_verdict = Some(verdict);
+        self.has_report = false;
+        self.tell_without_epoch(verdict, host)
+    }
+
+    fn tell_without_epoch<W: Write>(&mut self, verdict: Verdict, host: &mut W) -> Result<(), W::Error> {
+        let (publisher, configuration) = (&mut self.publisher, &self.configuration);
+        publisher.tell_without_epoch(verdict, self.last_time, self.gps_minus_utc_s, configuration, host)
     }
 
     /// Makes the known-answer tests.

@@ -6,8 +6,8 @@
 //! ```
 //!
 //! The pin is high while the position of the last epoch may be used, and low in every other case: from reset on,
-//! on every verdict but `Protected`, and when the time to alert has passed since the last epoch came. Other requirements
-//! take the promise back until the next epoch, a missed known answer until the next start. An epoch that is complete
+//! on every verdict but `Protected`, and when the time to alert has passed since the last epoch came. A change of a setting that a
+//! promise rests on takes it back until the next epoch, a missed known answer until the next start. An epoch that is complete
 //! only after the time to alert is not judged at all: it would promise what was. Nor is one that was so much longer on its way
 //! than others before it, by its tag and the module's own clock ([`lateness`]): something holds back what it passes on.
 //!
@@ -34,11 +34,11 @@ use rai_core::velocity::Velocity;
 use self::epochs::EpochLoop;
 pub use self::epochs::Verdicts;
 use crate::board::{PortLosses, SEALED_BYTES};
-use crate::config::{Action, CommandPort, Configuration, Unsealed};
 use crate::correction::CAPACITY;
 use crate::counters::{at, count_many};
 use crate::input::{Input, LeapSecond, Suspicion};
 use crate::output::nmea::{Losses, write_answer, write_counters, write_refusal, write_version};
+use crate::settings::{Action, CommandPort, Configuration, Order, Unsealed};
 
 /// What the board knows when it starts.
 #[derive(Clone, Debug)]
@@ -133,7 +133,8 @@ impl<P: OutputPin> Receiver<P> {
             _ if after_power_on => {}
             Unsealed::Settings(settings) => {
                 self.epochs.configuration = settings;
-                self.epochs.reconfigure();
+                // At start there is no promise to take back.
+                let _ = self.epochs.reconfigure();
             }
             Unsealed::Damaged | Unsealed::Nothing => self.epochs.is_confirmed = false,
         }
@@ -269,33 +270,32 @@ impl<P: OutputPin> Receiver<P> {
     fn act<W: Write>(&mut self, action: Action, host: &mut W) {
         let written = match action {
             Action::Reconfigured => {
-                self.epochs.reconfigure();
                 self.is_unsealed = true;
-                Ok(())
+                if self.epochs.reconfigure() { self.epochs.take_back(host) } else { Ok(()) }
             }
-            Action::Confirmed => {
+            Action::Order(Order::Confirm) => {
                 self.epochs.is_confirmed = true;
                 Ok(())
             }
-            Action::Statistics => {
+            Action::Order(Order::Statistics) => {
                 self.next_counter = Some(0);
                 Ok(())
             }
-            Action::SelfTest => match self.epochs.test_self() {
+            Action::Order(Order::SelfTest) => match self.epochs.test_self() {
                 Ok(()) => write_answer("SELFTEST", core::iter::once("PASS"), None, host),
                 Err(failure) => write_refusal("SELFTEST", failure.name(), host),
             },
-            Action::Forget => {
+            Action::Order(Order::Forget) => {
                 self.epochs.forget();
                 self.input.forget();
                 Ok(())
             }
-            Action::Week(week) => {
+            Action::Order(Order::Week(week)) => {
                 self.input.assume(week);
                 self.epochs.forget_lateness();
                 Ok(())
             }
-            Action::Reset => {
+            Action::Order(Order::Reset) => {
                 self.reset_requested = true;
                 self.epochs.drive_pin(false);
                 Ok(())

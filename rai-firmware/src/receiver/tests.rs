@@ -1,11 +1,16 @@
 use core::convert::Infallible;
+use std::format;
+use std::string::String;
+use std::vec::Vec;
 
 use embedded_hal::digital::ErrorType;
 use embedded_io::ErrorKind;
+use rai_core::report::Protected;
 use rai_core::requirements::Requirements;
 
 use super::*;
 use crate::selftest::Failure;
+use crate::settings::Setting;
 
 #[derive(Debug)]
 struct Level {
@@ -57,7 +62,7 @@ fn a_change_whose_answer_is_lost_is_judged_by_nevertheless() {
     let mut receiver = promising();
     receiver.command(b"$PRAIC,HAL,40*08\r\n", &mut Deaf);
     let want = Requirements { hal_m: 40.0, ..Requirements::non_precision_approach() };
-    assert_eq!(receiver.configuration().requirements, want);
+    assert_eq!(receiver.configuration().requirements(), want);
     assert_eq!(*receiver.epochs.navigator.requirements(), want);
 }
 
@@ -70,13 +75,46 @@ fn a_reset_whose_answer_is_lost_is_made_nevertheless() {
     assert_eq!(receiver.epochs.verdicts.host_lost, 1);
 }
 
-#[test]
-fn other_requirements_take_the_promise_back() {
+/// A command with its checksum.
+fn command(body: &str) -> String {
+    let checksum = body.bytes().fold(0, |sum, byte| sum ^ byte);
+    format!("${body}*{checksum:02X}\r\n")
+}
+
+/// What a module that promises says to a command, and whether it still does.
+fn told(body: &str) -> (String, bool) {
     let mut receiver = promising();
-    receiver.command(b"$PRAIC,MASK,5*68\r\n", &mut [0; 100].as_mut_slice());
-    assert!(receiver.pin().high, "the mask is no requirement");
-    receiver.command(b"$PRAIC,HAL,40*08\r\n", &mut [0; 100].as_mut_slice());
-    assert!(!receiver.pin().high);
+    receiver.epochs.last_verdict = Some(Verdict::Protected(Protected::Ok));
+    let mut said = Vec::new();
+    receiver.command(command(body).as_bytes(), &mut said);
+    (String::from_utf8(said).expect("ASCII"), receiver.pin().high)
+}
+
+#[test]
+fn every_setting_that_a_promise_rests_on_takes_it_back_at_once() {
+    for setting in Setting::ALL {
+        let (key, bears) = (setting.key(), setting.row().bears_on_promise);
+        let (said, is_high) = told(&format!("PRAIC,{key},{}", setting.documentation().example));
+        assert!(said.starts_with(&format!("$PRAIA,{key},")) && said.contains(",OK"), "{said}");
+        assert_eq!(is_high, !bears, "{key}: {said}");
+        assert_eq!(said.contains("\n$PRAIS,,U,SETTINGS,0,0,"), bears, "{key}: {said}");
+    }
+}
+
+#[test]
+fn a_command_that_changes_nothing_takes_no_promise_back() {
+    for body in ["PRAIC,MASK,10", "PRAIC,MASK", "PRAIC,MASK,x", "PRAIC,PHASE,NPA", "PRAIC,STATS"] {
+        let (said, is_high) = told(body);
+        assert!(is_high && !said.contains("PRAIS"), "{said}");
+    }
+}
+
+#[test]
+fn a_setting_changed_before_any_promise_is_answered_alone() {
+    let mut receiver = promising();
+    let mut said = Vec::new();
+    receiver.command(command("PRAIC,MASK,5").as_bytes(), &mut said);
+    assert_eq!(said, command("PRAIA,MASK,5,OK").as_bytes());
 }
 
 #[test]

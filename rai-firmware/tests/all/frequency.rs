@@ -23,7 +23,7 @@ fn sky(signals: impl Fn(usize, f64) -> Vec<RawSignal>, mask_dbhz: f32) -> (Sky, 
         raw.satellites.push(RawSatellite { satellite: ephemeris.satellite(), signals }).unwrap();
     }
     let mut sky = Sky::new();
-    locate(&raw, &store, mask_dbhz, rai_firmware::config::Systems::AT_START, &mut tally, &mut sky);
+    locate(&raw, &store, mask_dbhz, rai_firmware::settings::Systems::AT_START, &mut tally, &mut sky);
     (sky, tally)
 }
 

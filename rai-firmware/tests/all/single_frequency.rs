@@ -9,11 +9,11 @@
 use crate::walker::{CALM, Ionosphere, TOE, range_m, satellite_of};
 use rai_core::frame::{Ecef, Geodetic, LocalFrame};
 use rai_core::report::Report;
-use rai_firmware::config::Configuration;
 use rai_firmware::correction::CAPACITY;
 use rai_firmware::ephemeris::{Ephemeris, Source};
 use rai_firmware::navigator::Navigator;
 use rai_firmware::raw::{Band, Carrier, RawEpoch, RawSatellite, RawSignal};
+use rai_firmware::settings::Configuration;
 use rai_firmware::time::GpsTime;
 
 /// Returns the module's report at an instant under an ionosphere.
@@ -26,7 +26,7 @@ fn judged(
 ) -> Report<CAPACITY> {
     let mut configuration = Configuration::at_start();
     configuration.klobuchar = coefficients;
-    let mut navigator = Navigator::new(configuration.requirements).unwrap();
+    let mut navigator = Navigator::new(configuration.requirements()).unwrap();
     let mut raw = RawEpoch::new(time);
     let all = systems.iter().flat_map(|of| (0..30).map(move |index| (of, index)));
     for ((source, band), index) in all {

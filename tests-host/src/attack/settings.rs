@@ -1,7 +1,7 @@
 //! Settings that weaken the meaning of the pin.
 
 use anyhow::Result;
-use rai_firmware::config::SEALED_BYTES;
+use rai_firmware::settings::SEALED_BYTES;
 
 use rai_core::satellite::SatelliteId;
 use rand::seq::IndexedRandom as _;

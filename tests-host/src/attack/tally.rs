@@ -31,10 +31,10 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// Counts an epoch. A `STALE` report is not an epoch.
+    /// Counts an epoch. A verdict without an epoch is none.
     pub fn add(&mut self, seen: &Seen) {
         let state = &seen.said.state;
-        if matches!(state.reason.as_str(), "STALE" | "SOURCE") {
+        if !state.has_epoch() {
             return;
         }
         self.epochs += 1;

@@ -3,9 +3,9 @@
 use anyhow::{Context as _, Result, ensure};
 use rai_core::frame::{Ecef, Enu, LocalFrame};
 use rai_core::velocity::Velocity;
-use rai_firmware::config::SEALED_BYTES;
 use rai_firmware::input::Suspicion;
 use rai_firmware::receiver::{Boot, Receiver};
+use rai_firmware::settings::SEALED_BYTES;
 
 use crate::pin::Pin;
 use crate::sentence::{self, EpochOutput};

@@ -28,6 +28,8 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, bail, ensure};
 
+use crate::sentence::{FRAME_AROUND, FRAME_BEGIN};
+
 use emulator::Emulator;
 pub use emulator::{Machine, Pace, Settings, is_installed};
 pub use log::{Judgement, LogLine};
@@ -98,12 +100,20 @@ impl EmulatedBoard {
         self.send(crate::sentence::command(text).as_bytes())
     }
 
-    /// Returns the next line of the host port, with its line end.
+    /// Returns the next line of the host port, with its line end. It discards `MAVLink` frames before it.
     ///
     /// # Errors
     /// If none comes within `patience`.
     pub fn read_line(&mut self, patience: Duration) -> anyhow::Result<String> {
-        match self.lines.recv_timeout(patience) {
+        let deadline = Instant::now() + patience;
+        let next = || loop {
+            let left = deadline.saturating_duration_since(Instant::now());
+            match self.lines.recv_timeout(left) {
+                Ok(frame) if frame.first() == Some(&FRAME_BEGIN) => {}
+                other => return other,
+            }
+        };
+        match next() {
             Ok(line) => String::from_utf8(line).context("the board sent bytes that are not UTF-8"),
             Err(RecvTimeoutError::Timeout) => bail!("no line from the board within {patience:?}"),
             Err(RecvTimeoutError::Disconnected) => {
@@ -135,7 +145,8 @@ impl EmulatedBoard {
         }
     }
 
-    /// Returns the lines of the host port since the last call, unchanged and without waiting.
+    /// Returns the lines and `MAVLink` frames of the host port since the last call, unchanged and
+    /// without waiting.
     pub fn heard(&mut self) -> Vec<Vec<u8>> {
         self.lines.try_iter().collect()
     }
@@ -224,7 +235,7 @@ fn read_lines(port: TcpStream, ear: Arc<Ear>) -> Receiver<Vec<u8>> {
     std::thread::spawn(move || {
         let mut reader = BufReader::new(port);
         let mut line = Vec::new();
-        while reader.read_until(b'\n', &mut line).is_ok_and(|count| count > 0) {
+        while read_item(&mut reader, &mut line).is_ok_and(|count| count > 0) {
             if sender.send(std::mem::take(&mut line)).is_err() {
                 return;
             }
@@ -234,9 +245,39 @@ fn read_lines(port: TcpStream, ear: Arc<Ear>) -> Receiver<Vec<u8>> {
     lines
 }
 
+/// Reads a `MAVLink` frame, or a line; returns how many bytes it has, 0 at the end.
+fn read_item(reader: &mut impl BufRead, item: &mut Vec<u8>) -> std::io::Result<usize> {
+    if reader.fill_buf()?.first() != Some(&FRAME_BEGIN) {
+        return reader.read_until(b'\n', item);
+    }
+    let mut head = [0; 2];
+    reader.read_exact(&mut head)?;
+    item.extend_from_slice(&head);
+    item.resize(FRAME_AROUND + usize::from(head[1]), 0);
+    reader.read_exact(&mut item[head.len()..])?;
+    Ok(item.len())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn frame_between_lines_is_an_item_whatever_it_holds() {
+        let frame = [&[FRAME_BEGIN, 3][..], b"\n$\n", &[0; 10]].concat();
+        let said = [b"$A*41\r\n", frame.as_slice(), b"$B*42\r\n"].concat();
+        let (mut reader, mut items) = (said.as_slice(), Vec::new());
+        loop {
+            let mut item = Vec::new();
+            if read_item(&mut reader, &mut item).expect("bytes in memory") == 0 {
+                break;
+            }
+            items.push(item);
+        }
+        assert_eq!(items, [b"$A*41\r\n".as_slice(), &frame, b"$B*42\r\n"]);
+        assert_eq!(crate::sentence::sentences(&said).expect("sentences"), "$A*41\r\n$B*42\r\n");
+        assert!(crate::sentence::sentences(&said[..12]).is_err(), "cut off");
+    }
 
     #[test]
     fn thousand_instructions_are_168_ticks() {

@@ -4,7 +4,7 @@ use rai_core::frame::Enu;
 use rai_core::monitor::Monitor;
 use rai_core::report::Report;
 use rai_core::satellite::Constellation;
-use rai_firmware::config::Configuration;
+use rai_firmware::settings::Configuration;
 use rand::Rng as _;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng as _;
@@ -35,7 +35,7 @@ impl Judge {
         words: [String; 3],
         configuration: Configuration,
     ) -> Result<Self, rai_core::monitor::MonitorError> {
-        let mut monitor = Monitor::new(configuration.requirements)?;
+        let mut monitor = Monitor::new(configuration.requirements())?;
         monitor.set_strategy(configuration.strategy());
         monitor.forgo_continuity();
         Ok(Self { words, configuration, monitor })
@@ -87,7 +87,7 @@ impl Bench<'_> {
                         monitor.start_from(site.position);
                         let report = monitor.process(&epoch);
                         let error = error(&site, &report);
-                        tally.add(&report, error, &judge.configuration.requirements);
+                        tally.add(&report, error, &judge.configuration.requirements());
                     }
                 }
             }

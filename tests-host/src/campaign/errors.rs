@@ -19,7 +19,7 @@ use rai_core::frame::{EARTH_ROTATION_RAD_S, Ecef, Enu, SPEED_OF_LIGHT_M_S};
 use rai_core::monitor::Method;
 use rai_core::satellite::SatelliteId;
 use rai_core::weighting::{ErrorBudget, Ism, UserModel, ephemeris_sigma_m, integrity_sigma_m, sigma_m};
-use rai_firmware::config::Configuration;
+use rai_firmware::settings::Configuration;
 
 use super::sky::Heaven;
 use super::spec::ErrorSpec;

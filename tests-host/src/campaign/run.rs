@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result, bail, ensure};
 use rai_core::monitor::Method;
-use rai_firmware::config::{Command, Configuration};
+use rai_firmware::settings::{Configuration, Order};
 use rayon::prelude::*;
 
 use super::cell::{Bench, Judge};
@@ -241,13 +241,15 @@ fn judges(spec: &Spec) -> Result<Vec<Judge>> {
 fn commanded(configuration: &Configuration, line: &str) -> Result<Configuration> {
     let mut fields = line.split(',');
     let key = fields.next().unwrap_or("");
-    let refused = |refusal: rai_firmware::config::Refusal| {
-        anyhow::anyhow!("the module refuses `{line}` ({refusal:?}): write a command such as PHASE,LPV200")
-    };
-    match Command::read(key, fields).map_err(refused)? {
-        Command::Set(setting) => configuration.with(setting).map_err(refused),
-        _ => bail!("`{line}` sets nothing: write a key and its value, such as PHASE,LPV200"),
-    }
+    ensure!(
+        Order::read(key, std::iter::empty()).is_none(),
+        "`{line}` sets nothing: write a key and its value, as PHASE,LPV200"
+    );
+    configuration.with(key, fields).map_err(|refusal| {
+        anyhow::anyhow!(
+            "the module refuses `{line}` ({refusal:?}): write a setting as in its command, PHASE,LPV200"
+        )
+    })
 }
 
 /// Returns the FNV-1a hash of everything that a row depends on.

@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, VecDeque};
 
 use rai_core::frame::Geodetic;
 use rai_core::satellite::SatelliteId;
+use rai_firmware::settings::{Configuration, Setting};
 
 use super::heaven::Body;
 use super::speed::Control;
@@ -11,36 +12,6 @@ use crate::sentence::{self, Excluded, Sentence, State};
 
 /// Epochs that are remembered for the curves: ten minutes at one a second.
 const MEMORY: usize = 600;
-
-/// Names of the first fields of `PRAIQ`, in its order.
-const SETTINGS: [&str; 23] = [
-    "PHASE",
-    "HAL",
-    "VAL",
-    "PFA",
-    "PMD",
-    "PFF",
-    "TTA",
-    "POLICY",
-    "METHOD",
-    "LEVELS",
-    "SYSTEMS",
-    "MASK",
-    "CLOCKAID",
-    "CN0MASK",
-    "VMAX",
-    "HEIGHT from",
-    "HEIGHT to",
-    "RECOVER epochs",
-    "RECOVER s",
-    "FREQ",
-    "SIGMA",
-    "BAUD",
-    "IONO",
-];
-
-/// The how-manieth field, from zero on, is the preset of `ISM`.
-const ISM_FIELD: usize = 41;
 
 /// One epoch of the curves.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -204,14 +175,30 @@ impl Dashboard {
             self.incomplete_settings.clear();
         }
         self.incomplete_settings.extend(fields.iter().map(ToString::to_string));
-        if is_last && self.incomplete_settings.len() > ISM_FIELD {
-            let all = std::mem::take(&mut self.incomplete_settings);
-            let ism = ("ISM", all[ISM_FIELD].clone());
-            let said = SETTINGS.into_iter().zip(all).chain([ism]);
-            self.settings = said.filter(|(_, value)| !value.is_empty()).collect();
+        if is_last && let Some(settings) = named(&self.incomplete_settings) {
+            self.settings = settings;
+            self.incomplete_settings.clear();
             hash.clone_into(&mut self.hash);
         }
     }
+}
+
+/// Returns the settings by their keys, as far as there is room: of a setting with many fields the first. `None` unless the fields are
+/// those of all settings.
+fn named(mut fields: &[String]) -> Option<Vec<(&'static str, String)>> {
+    let mut settings = Vec::new();
+    for setting in Setting::ALL {
+        let mut count = 0;
+        Configuration::at_start().fields(*setting, &mut |_| count += 1);
+        let (of_setting, rest) = fields.split_at_checked(count)?;
+        fields = rest;
+        let shown = if count <= 2 { of_setting.join(",") } else { of_setting.first()?.clone() };
+        // The rates of what is sent say nothing by their first.
+        if *setting != Setting::Output && !shown.is_empty() {
+            settings.push((setting.key(), shown));
+        }
+    }
+    fields.is_empty().then_some(settings)
 }
 
 #[cfg(test)]
@@ -255,7 +242,7 @@ mod tests {
     #[test]
     fn settings_are_shown_when_all_their_sentences_have_come() {
         let first = "PRAIQ,CAFE0001,NPA,556,,3.33e-7,1e-3,,10,T1,BAARDA,,,10,OFF,,1,2";
-        let second = format!("PRAIQ,CAFE0001{},2,2", ",".repeat(40));
+        let second = format!("PRAIQ,CAFE0001{},2,2", ",".repeat(62 - 14));
         assert!(heard(&[first]).settings.is_empty());
         assert!(heard(&[&second]).settings.is_empty(), "the first was missed");
         let have = heard(&[first, &second]).settings;
@@ -265,7 +252,7 @@ mod tests {
     #[test]
     fn the_module_itself_is_understood() {
         let mut said = Vec::new();
-        rai_firmware::config::Configuration::at_start().write(&mut said).expect("a vector takes all");
+        Configuration::at_start().write(&mut said).expect("a vector takes all");
         let mut dashboard = Dashboard::of("a test");
         for line in String::from_utf8(said).expect("ASCII").lines() {
             dashboard.hear(line);

@@ -5,11 +5,11 @@
 
 use rai_core::epoch::Epoch;
 use rai_core::snapshot::Workspace;
-use rai_firmware::config::Systems;
 use rai_firmware::correction::{self, CAPACITY, Sky, Tally, locate};
 use rai_firmware::ephemeris::Store;
 use rai_firmware::input::{Event, Input};
 use rai_firmware::raw::RawEpoch;
+use rai_firmware::settings::Systems;
 
 use crate::sky::Site;
 

@@ -8,7 +8,7 @@
 use std::sync::LazyLock;
 
 use rai_core::integrity::residuals::threshold::Thresholds;
-use rai_firmware::config::Configuration;
+use rai_firmware::settings::Configuration;
 
 use super::module::Module;
 use super::sealing::seal_lines;
@@ -52,9 +52,9 @@ fn send(module: &mut Module, piece: &[u8]) {
 
 /// Checks that the module can work with any accepted configuration.
 fn check_configuration(configuration: &Configuration) {
-    let requirements = configuration.requirements;
+    let requirements = configuration.requirements();
     assert_eq!(requirements.validate(), Ok(requirements));
     assert!(Thresholds::from_tables(requirements.false_alarm, requirements.missed_detection).is_ok());
-    assert!((0.0..=60.1_f64.to_radians()).contains(&configuration.mask_rad));
+    assert!((0.0..=60.0).contains(&configuration.mask_deg));
     assert!(configuration.klobuchar.is_none_or(|all| all.iter().all(|coefficient| coefficient.is_finite())));
 }

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use rai_firmware::config::Configuration;
 use rai_firmware::receiver::{Boot, Receiver};
+use rai_firmware::settings::Configuration;
 
 use super::overheard;
 use crate::pin::Pin;
@@ -34,11 +34,7 @@ impl Module {
         self.receiver.tick(self.now_ms, &mut said);
         let outputs = overheard::check(&said);
         for output in &outputs {
-            let counter = if matches!(output.state.reason.as_str(), "STALE" | "SOURCE") {
-                &mut self.stale
-            } else {
-                &mut self.epochs
-            };
+            let counter = if output.state.has_epoch() { &mut self.epochs } else { &mut self.stale };
             *counter += 1;
         }
         if let Some(EpochOutput { state, .. }) = outputs.last() {

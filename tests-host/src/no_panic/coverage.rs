@@ -10,8 +10,8 @@
 //! | `pub fn slopes` in the module `levels` | `levels::slopes`, or by the module above |
 //! | `fn fmt` in `impl Display for RowError` | `<RowError as Display>::fmt` |
 //!
-//! Generic arguments do not count. A name that several types share must occur as often. Trait
-//! functions of a type that is nowhere public cannot be called from outside, and need not be
+//! Generic arguments do not count. A name that several types share must occur as often. Functions of
+//! a trait cannot be called from outside if the trait or the type is nowhere public, and need not be
 //! listed. Functions that a macro or a derive makes are not seen.
 
 use std::collections::BTreeSet;
@@ -39,10 +39,10 @@ struct Found {
     private_types: BTreeSet<String>,
 }
 
-/// A public function, or a trait's, with the type that implements the trait.
+/// A public function, or a trait's, with the type that implements the trait and with the trait.
 struct Function {
     names: Names,
-    trait_of: Option<String>,
+    trait_of: Option<[String; 2]>,
 }
 
 impl Found {
@@ -51,7 +51,7 @@ impl Found {
         let Self { functions, public_types, private_types } = self;
         let is_hidden = |name: &String| private_types.contains(name) && !public_types.contains(name);
         let outside =
-            functions.into_iter().filter(|function| !function.trait_of.as_ref().is_some_and(is_hidden));
+            functions.into_iter().filter(|function| !function.trait_of.iter().flatten().any(is_hidden));
         outside.map(|function| function.names).collect()
     }
 
@@ -68,9 +68,9 @@ impl Found {
     }
 }
 
-/// Returns the name of the type that a line declares.
+/// Returns the name of the type or trait that a line declares.
 fn type_declared(line: &str) -> Option<&str> {
-    let rest = ["struct ", "enum ", "union "].iter().find_map(|word| line.strip_prefix(word))?;
+    let rest = ["struct ", "enum ", "union ", "trait "].iter().find_map(|word| line.strip_prefix(word))?;
     rest.split(|character| !is_in_name(character)).next()
 }
 
@@ -130,7 +130,7 @@ fn functions_of(code: &str, module: &str) -> Vec<Function> {
 /// Owner of the functions that follow: a type, or a trait's implementation.
 struct Owner {
     path: String,
-    trait_of: Option<String>,
+    trait_of: Option<[String; 2]>,
 }
 
 impl Owner {
@@ -140,9 +140,10 @@ impl Owner {
         let header = header.strip_prefix("impl")?.trim();
         let last = |path: &str| path.rsplit("::").next().unwrap_or_default().trim().to_owned();
         Some(match header.split_once(" for ") {
-            Some((of, name)) => {
-                Self { path: format!("<{} as {}>", last(name), last(of)), trait_of: Some(last(name)) }
-            }
+            Some((of, name)) => Self {
+                path: format!("<{} as {}>", last(name), last(of)),
+                trait_of: Some([last(name), last(of)]),
+            },
             None => Self { path: last(header), trait_of: None },
         })
     }
@@ -259,5 +260,6 @@ mod tests {
         assert_eq!(with("pub enum Unread"), 1);
         assert_eq!(with("enum Unread {\n}\npub enum Unread"), 1, "either may be meant");
         assert_eq!(with("pub enum Other"), 1, "declared by a macro, or elsewhere");
+        assert_eq!(with("pub(super) trait From"), 0, "nobody outside knows the trait");
     }
 }

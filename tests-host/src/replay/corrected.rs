@@ -3,10 +3,10 @@
 
 use rai_core::epoch::Epoch;
 use rai_core::frame::Ecef;
-use rai_firmware::config::Systems;
 use rai_firmware::correction::{CAPACITY, Klobuchar, Site, Sky, Tally, locate};
 use rai_firmware::ephemeris::Store;
 use rai_firmware::input::{Event, Input};
+use rai_firmware::settings::Systems;
 
 use super::Lump;
 

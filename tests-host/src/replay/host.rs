@@ -175,7 +175,7 @@ impl Module {
         for body in setup {
             receiver.command(command(body).as_bytes(), &mut answers);
         }
-        check_answers(setup, &String::from_utf8(answers)?)?;
+        check_answers(setup, &sentence::sentences(&answers)?)?;
         Ok(Self(receiver))
     }
 
@@ -188,9 +188,10 @@ impl Module {
             // Noise that looks like the beginning of a frame holds the epoch back until the line falls silent.
             self.0.tick(now_ms + QUIET_MS, &mut said);
         }
-        let text = String::from_utf8(said)?;
-        if let Some(state) = last_state(&text) {
-            ensure!(self.0.pin().high == (state == "P"), "pin and verdict disagree at {now_ms} ms");
+        let text = sentence::sentences(&said)?;
+        if let Some(epoch) = sentence::epochs(&text)?.last() {
+            let agree = self.0.pin().high == epoch.state.is_protected();
+            ensure!(agree, "pin and verdict disagree at {now_ms} ms");
         }
         Ok(text)
     }
@@ -200,7 +201,7 @@ impl Module {
         for now_ms in (from_ms..to_ms).step_by(TICK_MS as usize).skip(1) {
             let mut alarm = Vec::new();
             self.0.tick(now_ms, &mut alarm);
-            let text = String::from_utf8(alarm)?;
+            let text = sentence::sentences(&alarm)?;
             said.of_silence.push_str(&text);
             // Settings and losses are said from time to time, whatever comes.
             if last_state(&text).is_some() {
@@ -214,7 +215,7 @@ impl Module {
     fn counters(&mut self) -> Result<Vec<(String, u32)>> {
         let mut answers = Vec::new();
         self.0.command(command("STATS").as_bytes(), &mut answers);
-        Ok(String::from_utf8(answers)?.lines().flat_map(counters_of).collect())
+        Ok(sentence::sentences(&answers)?.lines().flat_map(counters_of).collect())
     }
 }
 

@@ -245,7 +245,7 @@ impl Tally {
         let is_other = is_first
             && self.limit_at_reset_m.is_some()
             && ![self.limit_at_reset_m, self.limit_m].contains(&state.hal_m);
-        if is_other || state.reason == "SETTINGS" {
+        if is_other || state.reason == "SETTINGS" && state.has_epoch() {
             let (have, want) = (state.hal_m, self.limit_m);
             self.settings_lost.push(format!("{}: HAL {have:?}, set was {want:?}", state.reason));
         }
@@ -267,6 +267,9 @@ impl Tally {
         self.look_at_settings(&state);
         if matches!(state.reason.as_str(), "STALE" | "SOURCE") {
             self.silences += 1;
+            return;
+        }
+        if !state.has_epoch() {
             return;
         }
         *self.verdicts.entry((state.state, state.reason.clone())).or_default() += 1;

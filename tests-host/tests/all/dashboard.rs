@@ -14,7 +14,7 @@ fn story() -> Dashboard {
     let mut dashboard = Dashboard::of("a test");
     dashboard.hear(&nmea_line("PRAIV,0.1.0,1a2b3c4,POWER-ON,PASS"));
     let mut said = Vec::new();
-    rai_firmware::config::Configuration::at_start().write(&mut said).expect("a vector takes all");
+    rai_firmware::settings::Configuration::at_start().write(&mut said).expect("a vector takes all");
     for line in String::from_utf8(said).expect("ASCII").lines() {
         dashboard.hear(line);
     }

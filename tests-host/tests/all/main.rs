@@ -37,6 +37,7 @@ mod precision;
 mod recordings;
 mod second_board;
 mod service;
+mod settings;
 mod sky;
 mod smaller_msm;
 mod soak;

@@ -89,6 +89,49 @@ fn whatever_the_host_sends_the_pin_is_in_time() {
     }
 }
 
+/// Sentences of epochs that a host hears while it sends `flood` at the rate of its line: `PRAIS` and `PRAIN`.
+fn heard_beside(flood: &str, lumps: &[Vec<u8>]) -> ([usize; 2], Outcome) {
+    let lines = Lines { flood: flood.as_bytes(), ..every(1000) };
+    let have = run(lumps, QUIET, lines, Costs::measured(FULL_HZ, EPOCH));
+    let text = String::from_utf8(have.heard.clone()).expect("sentences are ASCII");
+    let count = |address: &str| text.lines().filter(|line| line.starts_with(address)).count();
+    ([count("$PRAIS"), count("$PRAIN")], have)
+}
+
+#[test]
+fn whatever_the_host_sends_it_hears_every_epoch() {
+    let lumps = lumps(63);
+    // Settings that take the most room where all of them are reported.
+    let long = ["G", "E", "C", "R"].map(|system| {
+        command(&format!("ISM,{system},99.123456,98.123456,97.123456,1.234567891e-12,1.234567891e-12"))
+    });
+    let coefficients = "-1.234567891e-10,-1.234567891e-10,-1.234567891e-10,-1.234567891e-10,\
+                        -99999.123456,-999999.123456,-999999.123456,-999999.123456";
+    let floods = [
+        [long.concat(), command(&format!("IONO,{coefficients}"))].concat(),
+        "$PRAIC,HAL,40*00\r\n".to_owned(),
+        "$PRAIC,*00\r\n".to_owned(),
+        command("X"),
+        format!("$PRAIC,{}\r\n", "0".repeat(200)),
+        command("SELFTEST"),
+        command("STATS"),
+        command("OUTPUT"),
+        // Each changes what a promise rests on, and is answered by all settings besides.
+        [command("MASK,9"), command("MASK,10")].concat(),
+    ];
+    for flood in &floods {
+        let (heard, have) = heard_beside(flood, &lumps);
+        // A promise that is taken back is a `PRAIS` of its own.
+        let case = format!("{:?}: {heard:?}, {} lost", flood.trim_end(), have.counter("sentences_lost"));
+        assert!(heard[0] >= 60 && heard[1] == 60, "{case}");
+        assert_eq!(have.counter("sentences_lost"), 0, "{case}");
+        assert!(
+            have.counter("cmd_ok") + have.counter("cmd_refused") + have.counter("cmd_too_long") > 100,
+            "{case}"
+        );
+    }
+}
+
 #[test]
 fn a_host_that_reads_nothing_is_told_how_many_sentences_it_missed() {
     let have =

@@ -7,7 +7,6 @@ use core::hint::black_box;
 use embedded_hal::digital::{ErrorType, OutputPin};
 use embedded_io::Write;
 use rai_core::epoch::Epoch;
-use rai_firmware::config::{Configuration, Systems};
 use rai_firmware::correction::{Klobuchar, Site, Sky, Tally};
 use rai_firmware::ephemeris::Store;
 use rai_firmware::input::{Event, Input as Gnss};
@@ -16,6 +15,7 @@ use rai_firmware::output::nmea::write_epoch;
 use rai_firmware::output::{Interference, Motion, Statement};
 use rai_firmware::raw::RawEpoch;
 use rai_firmware::receiver::{Boot, Receiver};
+use rai_firmware::settings::{Configuration, Systems};
 use rai_firmware::time::GpsTime;
 
 use crate::answer::Answers;
@@ -100,7 +100,7 @@ pub fn correct(mut input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut An
     let mut epoch = Epoch::new(0.0);
     let ((), ticks) = stopwatch.time(|| {
         let klobuchar = configuration.klobuchar.and_then(Klobuchar::new);
-        let site = Site::new(black_box(point), raw.time, configuration.mask_rad, klobuchar);
+        let site = Site::new(black_box(point), raw.time, configuration.mask_rad(), klobuchar);
         site.correct(&sky, &mut refusals, &mut epoch);
     });
     answers.write(ticks, &epoch.observations().len())
@@ -111,7 +111,7 @@ pub fn correct(mut input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut An
 pub fn speak(input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers) -> Option<()> {
     let (mut gnss, mut last) = (Gnss::new(), None);
     let configuration = Configuration::at_start();
-    let mut navigator = Navigator::new(configuration.requirements).ok()?;
+    let mut navigator = Navigator::new(configuration.requirements()).ok()?;
     gnss.feed(input.0, 0, |event| match event {
         Event::Epoch(raw, _) => {
             navigator.judge(raw, 0, &configuration);
@@ -128,7 +128,7 @@ pub fn speak(input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers)
         report: navigator.report(),
         time,
         gps_minus_utc_s: 18,
-        requirements: &configuration.requirements,
+        requirements: &configuration.requirements(),
         motion: Some(Motion { east_m_s: 12.0, north_m_s: -7.5, up_m_s: 0.25, sigma_m_s: 0.05 }),
         interference: Interference::default(),
         settings_hash: 0x1234_5678,

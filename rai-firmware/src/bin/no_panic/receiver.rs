@@ -9,7 +9,6 @@ use rai_core::integrity::residuals::threshold::ThresholdError;
 use rai_firmware::bit_rate::BitRate;
 use rai_firmware::board::reset::{self, Record, ResetCause};
 use rai_firmware::board::{Board, Note, PortLosses, SEALED_BYTES};
-use rai_firmware::config::{self, Command, CommandPort, Configuration, Phase, Refusal};
 use rai_firmware::correction::{
     self, CAPACITY as N, Klobuchar, Place, Preference, Ranges, Site, Spread, Troposphere,
 };
@@ -33,6 +32,7 @@ use rai_firmware::raw::{Band, Carrier, RawEpoch, RawSignal};
 use rai_firmware::receiver::{Boot, Receiver, Verdicts};
 use rai_firmware::ring::Ring;
 use rai_firmware::selftest::{self, Failure};
+use rai_firmware::settings::{self, CommandPort, Configuration, Order, Phase, Refusal, Setting};
 use rai_firmware::time::{self, GpsTime};
 use rai_firmware::timed_ring::{Taken, TimedRing};
 
@@ -264,9 +264,9 @@ fn sentences() {
         Publisher::settings_hash as fn(_) -> _,
         Publisher::reconfigured as fn(_, _),
         Publisher::tell::<Host, N> as fn(_, _, _, _) -> _,
-        Publisher::tell_silence::<Host> as fn(_, _, _, _, _, _) -> _,
+        Publisher::tell_without_epoch::<Host> as fn(_, _, _, _, _, _) -> _,
         Publisher::tick::<Host> as fn(_, _, _, _, _) -> _,
-        nmea::write_stale::<Host> as fn(_, _, _, _, _) -> _,
+        nmea::write_without_epoch::<Host> as fn(_, _, _, _, _) -> _,
         nmea::write_version::<Host> as fn(_, _, _, _, _) -> _,
         (|key, values, warning, host| nmea::write_answer(key, values.iter().copied(), warning, host))
             as fn(_, &[&str], Option<&str>, &mut Host) -> _,
@@ -277,21 +277,33 @@ fn sentences() {
 
 fn commands() {
     reach!(
-        config::decimal as fn(_) -> _,
-        config::scientific as fn(_) -> _,
-        (|key, values| Command::read(key, values.iter().copied())) as fn(_, &[&str]) -> _,
+        settings::decimal as fn(_) -> _,
+        settings::scientific as fn(_) -> _,
         <Refusal as From<ThresholdError>>::from as fn(_) -> _,
         Phase::requirements as fn(_) -> _,
         Phase::longest_time_to_alert_s as fn(_) -> _,
-        config::Key::named as fn(_) -> _,
-        config::Key::name as fn(_) -> _,
-        config::Key::is_built as fn(_) -> _,
-        config::Promises::preset as fn(_) -> _,
-        config::Promises::ism as fn(_) -> _,
-        config::Systems::of as fn(_) -> _,
-        config::Systems::contains as fn(_, _) -> _,
+        Setting::named as fn(_) -> _,
+        Setting::key as fn(_) -> _,
+        Setting::row as fn(_) -> _,
+        Setting::documentation as fn(_) -> _,
+        (|key, values| Order::read(key, values.iter().copied())) as fn(&str, &[&str]) -> _,
+        settings::Baud::rate as fn(_) -> _,
+        settings::Preset::ism as fn(_) -> _,
+        settings::Promises::preset as fn(_) -> _,
+        settings::Promises::ism as fn(_) -> _,
+        settings::Systems::of as fn(_) -> _,
+        settings::Systems::contains as fn(_, _) -> _,
         Configuration::at_start as fn() -> _,
-        Configuration::with as fn(_, _) -> _,
+        (|settings, key, values| Configuration::with(settings, key, values.iter().copied()))
+            as fn(Configuration, &str, &[&str]) -> _,
+        Configuration::requirements as fn(_) -> _,
+        Configuration::mask_rad as fn(_) -> _,
+        Configuration::promise_hash as fn(_) -> _,
+        (|settings, setting| {
+            Configuration::fields(settings, setting, &mut |field| {
+                core::hint::black_box(field);
+            });
+        }) as fn(&Configuration, Setting),
         Configuration::seal as fn(_, _),
         Configuration::unseal as fn(_) -> _,
         Configuration::strategy as fn(_) -> _,

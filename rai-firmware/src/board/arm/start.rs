@@ -5,9 +5,9 @@ use core::mem::MaybeUninit;
 use rai_core::monitor::MonitorError;
 use rai_firmware::board::reset::{Fault, ResetCause};
 use rai_firmware::board::{Board, SEALED_BYTES};
-use rai_firmware::config::{Configuration, Unsealed};
 use rai_firmware::epoch_loop::EpochLoop;
 use rai_firmware::receiver::{Boot, Receiver};
+use rai_firmware::settings::{Configuration, Unsealed};
 
 use super::{fault, rings};
 

@@ -34,7 +34,7 @@
 //! [NMEA-0183]: crate#references
 
 use embedded_io::Write;
-use rai_core::report::Alert;
+use rai_core::report::Verdict;
 use rai_core::requirements::Requirements;
 
 use super::Statement;
@@ -88,19 +88,19 @@ pub fn write_epoch<W: Write, const N: usize>(
     proprietary::write_settings_and_interference(statement, time, out)
 }
 
-/// Writes that no epoch came within the time to alert, and why. `last` is the time of the last epoch, if there was one.
+/// Writes a verdict that no epoch brought. `last` is the time of the last epoch, if there was one.
 ///
 /// The standard sentences are left out: they would have to speak of a position that does not exist.
 ///
 /// # Errors
 /// The writer's own.
-pub fn write_stale<W: Write>(
+pub fn write_without_epoch<W: Write>(
+    verdict: Verdict,
     last: Option<GpsTime>,
     gps_minus_utc_s: u8,
-    reason: Alert,
     requirements: &Requirements,
     out: &mut W,
 ) -> Result<(), W::Error> {
     let last = last.map(|time| TimeOfDay::new(time, gps_minus_utc_s));
-    proprietary::write_staleness(last, reason, requirements, out)
+    proprietary::write_without_epoch(verdict, last, requirements, out)
 }

@@ -11,7 +11,7 @@
 //! | `PRAIA` | key, values, `OK`; or key, `ERR`, why |
 //!
 //! In an alert `PRAIS` has the statistic and the threshold that it missed, and no protection level; `PRAIN` then has NIC 0, as
-//! wherever a level bounds nothing. `PRAIQ` is told by [`crate::config`].
+//! wherever a level bounds nothing. `PRAIQ` is told by [`crate::settings`].
 //!
 //! A mode is named by what it takes away: `E` a whole system, `G05` a satellite, `EG05` both; empty where the noise of all
 //! satellites makes the level.
@@ -202,14 +202,14 @@ fn heading(time: Option<TimeOfDay>, verdict: Verdict) -> Sentence {
     sentence
 }
 
-/// `PRAIS` where no epoch came: nothing is tracked, nothing is tested.
-pub(super) fn write_staleness<W: Write>(
+/// Writes `PRAIS` without an epoch: nothing is tracked, nothing is tested.
+pub(super) fn write_without_epoch<W: Write>(
+    verdict: Verdict,
     last: Option<TimeOfDay>,
-    reason: Alert,
     requirements: &Requirements,
     out: &mut W,
 ) -> Result<(), W::Error> {
-    let mut sentence = heading(last, Verdict::Alert(reason));
+    let mut sentence = heading(last, verdict);
     sentence.integer(0, 1).integer(0, 1).empty().empty().empty().empty().empty();
     for metres in [Some(requirements.hal_m), requirements.val_m] {
         sentence.optional(metres, FULL.metre_decimals, FULL.metre_width);

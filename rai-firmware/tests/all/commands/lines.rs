@@ -1,7 +1,7 @@
 //! Bytes of the host port: what of them is a command at all.
 
 use proptest::prelude::*;
-use rai_firmware::config::{Action, Configuration, MAX_LINE};
+use rai_firmware::settings::{Action, Configuration, MAX_LINE};
 
 use super::{Module, line};
 
@@ -139,8 +139,9 @@ proptest! {
             prop_assert!(said_so || module.configuration == before);
             prop_assert!(module.answers.split_inclusive('\n').all(|answer| answer.len() <= 82));
         }
-        let Configuration { requirements, mask_rad, klobuchar, .. } = module.configuration;
-        prop_assert!(requirements.validate().is_ok() && (0.0..1.05).contains(&mask_rad));
+        let Configuration { mask_deg, klobuchar, .. } = module.configuration;
+        prop_assert!(module.configuration.requirements().validate().is_ok());
+        prop_assert!((0.0..=60.0).contains(&mask_deg));
         prop_assert!(klobuchar.is_none_or(|coefficients| coefficients.iter().all(|c| c.is_finite())));
     }
 }

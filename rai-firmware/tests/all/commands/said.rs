@@ -1,11 +1,11 @@
 //! `PRAIQ`: everything in force, and its hash.
 
-use rai_firmware::config::Configuration;
+use rai_firmware::settings::Configuration;
 
 use super::Module;
 
 /// The sentences, joined into the fields that they carry, with the hash that all of them name.
-fn settings(configuration: &Configuration) -> (String, Vec<String>) {
+pub(super) fn settings(configuration: &Configuration) -> (String, Vec<String>) {
     let mut room = [0; 1024];
     let mut free = room.as_mut_slice();
     configuration.write(&mut free).expect("enough room");
@@ -39,6 +39,8 @@ fn all_settings_are_said_in_the_order_of_the_interface() {
     assert_eq!(fields[..4], ["NPA", "556", "", "3.33e-7"]);
     assert_eq!((fields[6].as_str(), fields[7].as_str(), fields[8].as_str()), ("10", "T1", "AUTO"));
     assert_eq!(hash, format!("{:08X}", crc32(&fields.join(","))));
+    // As the example of the interface has it, which hosts compare with.
+    assert_eq!((hash.as_str(), fields.len()), ("75F8C850", 62));
 }
 
 #[test]

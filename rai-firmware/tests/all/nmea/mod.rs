@@ -14,8 +14,8 @@ use rai_core::report::{
 use rai_core::requirements::Requirements;
 use rai_core::satellite::{Constellation, SatelliteId};
 use rai_firmware::output::nmea::{
-    GPS_MINUS_UTC_S, Losses, MAX_LENGTH, write_counters, write_epoch, write_losses, write_stale,
-    write_version,
+    GPS_MINUS_UTC_S, Losses, MAX_LENGTH, write_counters, write_epoch, write_losses, write_version,
+    write_without_epoch,
 };
 use rai_firmware::output::schedule::{Due, Item, Schedule};
 use rai_firmware::output::{Interference, Motion, Statement};
@@ -433,7 +433,8 @@ fn staleness_says_the_time_of_the_last_epoch_if_there_was_one() {
         [(Some(NOON), "$PRAIS,120000.00,A,STALE,0,0,,,,,,556.0,"), (None, "$PRAIS,,A,STALE,0,0,,,,,,556.0,")];
     for (last, want) in cases {
         let mut out = Vec::new();
-        write_stale(last, GPS_MINUS_UTC_S, Alert::Stale, &npa(), &mut Growing(&mut out))
+        let stale = Verdict::Alert(Alert::Stale);
+        write_without_epoch(stale, last, GPS_MINUS_UTC_S, &npa(), &mut Growing(&mut out))
             .expect("a vector takes all");
         assert_eq!(lines(&out)[0].split('*').next(), Some(want));
     }

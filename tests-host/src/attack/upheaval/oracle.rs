@@ -152,7 +152,7 @@ impl Oracle {
     /// Checks a report that came at `said_s` by the module's own clock.
     pub(super) fn hear(&mut self, seen: &Seen, said_s: f64) {
         let state = &seen.said.state;
-        if matches!(state.reason.as_str(), "STALE" | "SOURCE") {
+        if !state.has_epoch() {
             // A silence does not undo earlier agreement.
             return;
         }

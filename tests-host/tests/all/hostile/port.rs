@@ -1,5 +1,8 @@
 //! A line that falls silent, and a host that sends invalid commands.
 
+use rai_firmware::settings::Setting;
+use tests_host::sentence;
+
 use super::frames::frames;
 use super::module::{Module, Sky};
 
@@ -7,7 +10,7 @@ use super::module::{Module, Sky};
 fn a_silent_line_is_stale_after_the_time_to_alert_and_the_pin_falls() {
     let sky = Sky::quiet(6);
     let mut module = Module::after(&sky, 3);
-    let limit_ms = (module.receiver.configuration().requirements.time_to_alert_s * 1e3) as u64;
+    let limit_ms = (module.receiver.configuration().time_to_alert_s * 1e3) as u64;
     // The last epoch came a second ago.
     assert!(module.silence(limit_ms - 1100).is_empty(), "no alert before its time");
     assert!(module.pin_is_high());
@@ -23,7 +26,7 @@ fn a_silent_line_is_stale_after_the_time_to_alert_and_the_pin_falls() {
 fn noise_is_no_sign_of_life() {
     let sky = Sky::quiet(15);
     let mut module = Module::after(&sky, 3);
-    let limit_s = module.receiver.configuration().requirements.time_to_alert_s as usize;
+    let limit_s = module.receiver.configuration().time_to_alert_s as usize;
     let said: Vec<_> = (0..=limit_s).flat_map(|_| module.hear(&[0x55; 400])).collect();
     assert!(said.iter().any(|output| output.state.reason == "STALE"), "{said:?}");
     assert!(!module.pin_is_high());
@@ -65,6 +68,27 @@ fn a_bad_command_is_refused_with_the_reason_and_changes_nothing() {
         assert_eq!(module.grown("cmd_ok"), 0, "{bytes}");
         assert_eq!(*module.receiver.configuration(), want, "{bytes}");
         module.recovers(lump);
+    }
+}
+
+/// A setting that a promise rests on takes it back at once; the next epoch is judged under the new one.
+#[test]
+fn no_setting_leaves_an_old_promise_standing() {
+    let sky = Sky::quiet(5);
+    for setting in Setting::ALL {
+        let (key, row) = (setting.key(), setting.row());
+        let mut module = Module::after(&sky, 4);
+        let mut said = Vec::new();
+        let order = sentence::command(&format!("{key},{}", setting.documentation().example));
+        module.receiver.command(order.as_bytes(), &mut said);
+        assert_eq!(module.pin_is_high(), !row.bears_on_promise, "{key}");
+        let said = sentence::epochs(&String::from_utf8(said).unwrap()).unwrap();
+        let reasons: Vec<_> = said.iter().map(|output| output.state.reason.as_str()).collect();
+        assert_eq!(reasons, if row.bears_on_promise { vec!["SETTINGS"] } else { vec![] }, "{key}");
+        assert!(said.iter().all(|output| !output.state.has_epoch()), "{key}");
+        assert_eq!(module.receiver.last_report().is_some(), !row.bears_on_promise, "{key}");
+        let said = module.hear(&sky.lumps[4]);
+        assert!(said.len() == 1 && said[0].state.reason != "SETTINGS", "{key}: {said:?}");
     }
 }
 

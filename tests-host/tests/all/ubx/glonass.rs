@@ -2,10 +2,10 @@
 
 use rai_core::frame::Ecef;
 use rai_core::satellite::{Constellation, SatelliteId};
-use rai_firmware::config::{Configuration, Systems};
 use rai_firmware::ephemeris::Ephemeris as Read;
 use rai_firmware::input::{Event, Input};
 use rai_firmware::navigator::Navigator;
+use rai_firmware::settings::{Configuration, Systems};
 use rai_firmware::time::GpsTime;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -128,7 +128,7 @@ impl Module {
     fn new(systems: &str) -> Self {
         let mut configuration = Configuration::at_start();
         configuration.systems = Systems::of(systems).unwrap();
-        let navigator = Navigator::new(configuration.requirements).unwrap();
+        let navigator = Navigator::new(configuration.requirements()).unwrap();
         Self { input: Input::new(), navigator, configuration, squares_m2: [0.0; 2], fixes: 0, used: 0 }
     }
 

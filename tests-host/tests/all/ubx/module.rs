@@ -2,9 +2,9 @@
 
 use rai_core::frame::Ecef;
 use rai_core::report::Verdict;
-use rai_firmware::config::Configuration;
 use rai_firmware::input::{Event, Input};
 use rai_firmware::navigator::Navigator;
+use rai_firmware::settings::Configuration;
 use tests_host::encode::{self, Frequency, Selection, ubx};
 use tests_host::recording::Recording;
 use tests_host::shared;
@@ -34,7 +34,7 @@ struct Module {
 impl Module {
     fn new() -> Self {
         let configuration = Configuration::at_start();
-        let navigator = Navigator::new(configuration.requirements).unwrap();
+        let navigator = Navigator::new(configuration.requirements()).unwrap();
         Self { input: Input::new(), navigator, configuration }
     }
 

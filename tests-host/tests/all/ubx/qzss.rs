@@ -3,11 +3,11 @@
 use rai_core::epoch::Epoch;
 use rai_core::frame::{Ecef, SPEED_OF_LIGHT_M_S};
 use rai_core::satellite::SatelliteId;
-use rai_firmware::config::{Configuration, Systems};
 use rai_firmware::correction::{Site, Sky, Tally, locate};
 use rai_firmware::ephemeris::Store;
 use rai_firmware::input::{Event, Input};
 use rai_firmware::navigator::Navigator;
+use rai_firmware::settings::{Configuration, Systems};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rtcm_rs::msg::{Msg1019T, Msg1044T};
@@ -139,7 +139,7 @@ fn its_ranges_touch_the_clock_of_gps() {
 fn error_m(bytes: &[u8], truth: Ecef, systems: &str) -> (f64, usize) {
     let mut configuration = Configuration::at_start();
     configuration.systems = Systems::of(systems).unwrap();
-    let mut navigator = Navigator::new(configuration.requirements).unwrap();
+    let mut navigator = Navigator::new(configuration.requirements()).unwrap();
     let (mut input, mut squares_m2, mut fixes, mut used) = (Input::new(), 0.0, 0, 0);
     input.feed(bytes, 0, |event| match event {
         Event::Epoch(raw, came_ms) => {

@@ -8,11 +8,11 @@ use std::path::PathBuf;
 
 use flate2::read::GzDecoder;
 use rai_core::satellite::{Constellation, SatelliteId};
-use rai_firmware::config::{Configuration, Frequencies, Systems};
 use rai_firmware::ephemeris::Ephemeris;
 use rai_firmware::input::{Counters, Event, Input};
 use rai_firmware::navigator::Navigator;
 use rai_firmware::raw::{Band, RawEpoch};
+use rai_firmware::settings::{Configuration, Frequencies, Systems};
 use tests_host::measurement::MeasuredEpoch;
 use tests_host::recording::Recording;
 use tests_host::replay::pieces::{Kind, Piece, pieces};
@@ -209,7 +209,7 @@ fn a_receiver_of_beidou_alone_has_a_model_of_the_ionosphere() {
         let mut configuration = Configuration::at_start();
         configuration.systems = Systems::of("C").unwrap();
         configuration.frequencies = Frequencies::Single;
-        let mut navigator = Navigator::new(configuration.requirements).unwrap();
+        let mut navigator = Navigator::new(configuration.requirements()).unwrap();
         let (mut input, mut now, mut hpl_m) = (Input::new(), None, None);
         input.feed(&bytes, 0, |event| match event {
             Event::Ephemeris(ephemeris) => drop(navigator.learn(ephemeris, now)),

@@ -1,8 +1,8 @@
-//! One value of a command after the other: there or not, a number or not, within its range or not.
+//! Reading of one value of a command after the other.
 
 use super::{Refusal, decimal};
 
-/// What follows a key.
+/// Values behind a key.
 pub(super) type Values<'i, 'v> = &'i mut dyn Iterator<Item = &'v str>;
 
 pub(super) fn none(values: Values<'_, '_>) -> Result<(), Refusal> {

@@ -32,6 +32,8 @@ pub enum Phase {
 
 impl Phase {
     /// The requirements of a named phase; `None` for numbers set one by one.
+    // Not inlined: flash is dearer than the calls.
+    #[inline(never)]
     pub const fn requirements(self) -> Option<Requirements> {
         let mut required = match self {
             Self::EnRoute => Requirements::en_route(),

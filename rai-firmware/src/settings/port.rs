@@ -2,29 +2,19 @@
 
 use embedded_io::Write;
 
-use super::key::Key;
 use super::line::{Line, LineAssembler, LineError};
-use super::{Command, Configuration, Refusal};
+use super::order::Order;
+use super::{Configuration, Refusal, Setting};
 use crate::counters::{self, count};
 use crate::output::nmea::write_answer;
 
-/// What a command asks of the receiver, beyond the answer that it got already.
+/// Work that a command leaves to the receiver.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Action {
-    /// The configuration has changed, and the change was answered.
+    /// The settings have changed, and the change was answered.
     Reconfigured,
-    /// Answer with [`crate::output::nmea::write_counters`].
-    Statistics,
-    /// Run the known-answer tests and answer with [`crate::output::nmea::write_answer`] or [`crate::output::nmea::write_refusal`].
-    SelfTest,
-    /// The settings in force are meant; this was answered.
-    Confirmed,
-    /// The last position counts for nothing; this was answered.
-    Forget,
-    /// The next epoch is of this GPS week; this was answered.
-    Week(u16),
-    /// Start again; this was answered.
-    Reset,
+    /// Order to carry out. `STATS` and `SELFTEST` have not been answered yet, the others have.
+    Order(Order),
 }
 
 /// What a byte of the host port has led to.
@@ -130,48 +120,44 @@ fn obey<W: Write>(
     host: &mut W,
 ) -> Heard<W::Error> {
     match understand(line, configuration) {
-        Ok(Understood::Question(key)) => {
+        Ok(Understood::Question(setting)) => {
             count(&mut counters.obeyed);
-            Heard { action: None, answered: configuration.answer(key, host) }
+            Heard { action: None, answered: configuration.answer(setting, host) }
         }
-        Ok(Understood::Order(action)) => {
+        Ok(Understood::Change(setting)) => {
             count(&mut counters.obeyed);
-            let answered = match action {
-                Action::Reconfigured => {
-                    write_answer(line.key(), line.values(), warning(line, configuration), host)
-                }
-                Action::Forget | Action::Confirmed | Action::Week(_) | Action::Reset => {
+            let warning = (setting.row().warning)(configuration);
+            let answered = write_answer(line.key(), line.values(), warning, host);
+            Heard { action: Some(Action::Reconfigured), answered }
+        }
+        Ok(Understood::Order(order)) => {
+            count(&mut counters.obeyed);
+            let answered = match order {
+                Order::Confirm | Order::Forget | Order::Week(_) | Order::Reset => {
                     write_answer(line.key(), line.values(), None, host)
                 }
-                Action::Statistics | Action::SelfTest => Ok(()),
+                Order::Statistics | Order::SelfTest => Ok(()),
             };
-            Heard { action: Some(action), answered }
+            Heard { action: Some(Action::Order(order)), answered }
         }
         Err(refusal) => {
             count(&mut counters.refused);
-            match refusal {
-                Refusal::Checksum => count(&mut counters.checksum),
-                Refusal::UnknownKey => count(&mut counters.unknown_key),
-                _ => {}
+            if refusal == Refusal::Checksum {
+                count(&mut counters.checksum);
+            }
+            if refusal == Refusal::UnknownKey {
+                count(&mut counters.unknown_key);
             }
             Heard { action: None, answered: refusal.answer(line.short_key(), host) }
         }
     }
 }
 
-/// What has been obeyed already, but for what is left to do or to say.
+/// Command that has been obeyed, but for what is left to do or to answer.
 enum Understood {
-    Question(Key),
-    Order(Action),
-}
-
-/// What whoever sets this ought to know.
-fn warning(line: Line<'_>, configuration: &Configuration) -> Option<&'static str> {
-    match line.key() {
-        "POLICY" | "PHASE" | "HAL" => configuration.warning(),
-        "ISM" => configuration.warning_of_promises(),
-        _ => None,
-    }
+    Question(Setting),
+    Change(Setting),
+    Order(Order),
 }
 
 /// Checks, reads and applies a line.
@@ -179,19 +165,14 @@ fn understand(line: Line<'_>, configuration: &mut Configuration) -> Result<Under
     if !line.checksum_matches() {
         return Err(Refusal::Checksum);
     }
-    Ok(match Command::read(line.key(), line.values())? {
-        Command::Set(setting) => {
-            let mut changed = *configuration;
-            changed.change(setting)?;
-            *configuration = changed;
-            Understood::Order(Action::Reconfigured)
-        }
-        Command::Ask(key) => Understood::Question(key),
-        Command::Statistics => Understood::Order(Action::Statistics),
-        Command::SelfTest => Understood::Order(Action::SelfTest),
-        Command::Confirm => Understood::Order(Action::Confirmed),
-        Command::Forget => Understood::Order(Action::Forget),
-        Command::Week(week) => Understood::Order(Action::Week(week)),
-        Command::Reset => Understood::Order(Action::Reset),
-    })
+    let (key, mut values) = (line.key(), line.values());
+    if let Some(order) = Order::read(key, values.clone()) {
+        return order.map(Understood::Order);
+    }
+    let setting = Setting::named(key).ok_or(Refusal::UnknownKey)?;
+    if values.clone().next().is_none() {
+        return Ok(Understood::Question(setting));
+    }
+    *configuration = configuration.changed(setting, &mut values)?;
+    Ok(Understood::Change(setting))
 }

@@ -14,10 +14,9 @@
 use heapless::String;
 
 use super::fields::Fields;
-use super::key::Key;
-use super::promises::VALUES;
-use super::said::{Crc32, ORDER};
-use super::{Command, Configuration, Phase};
+use super::said::Crc32;
+use super::value::{Commands, Take, tell};
+use super::{Configuration, Phase, PhaseEffect, Setting};
 
 /// Bytes of settings that survive a restart.
 pub const SEALED_BYTES: usize = 1024;
@@ -87,49 +86,42 @@ impl Configuration {
         }
     }
 
-    /// Says the commands that make these settings, line by line. Requirements that a phase fixes are not said beside it: changed,
-    /// they would make it `CUSTOM`.
+    /// Hands over the commands that make these settings, line by line. Numbers of a named phase are not among them: set by
+    /// themselves, they would make it `CUSTOM`.
     fn say_commands(&self, mut take: impl FnMut(&str)) {
-        for key in ORDER {
-            let comes_with_phase = matches!(
-                key,
-                Key::HorizontalAlertLimit | Key::VerticalAlertLimit | Key::FalseAlarm | Key::MissedDetection
-            );
-            let is_absent = key == Key::Ionosphere && self.klobuchar.is_none();
-            if !key.is_built() || is_absent || comes_with_phase && self.phase != Phase::Custom {
-                continue;
+        for setting in Setting::ALL {
+            if setting.row().phase != PhaseEffect::Leaves || self.phase == Phase::Custom {
+                self.say_commands_of(*setting, &mut take);
             }
-            let mut line = String::<LINE>::new();
-            // What does not fit makes a line that is none, and the hash tells.
-            let _ = line.push_str(key.name());
-            let (mut fields, mut is_first) = (0, true);
-            self.say_answer(key, &mut |field| {
-                if fields == fields_of(key, is_first) {
-                    is_first = false;
-                    let _ = line.push('\n');
-                    take(&line);
-                    line.clear();
-                    let _ = line.push_str(key.name());
-                    fields = 0;
-                }
-                let _ = line.push(',');
-                let _ = line.push_str(field);
-                fields += 1;
-            });
-            let _ = line.push('\n');
-            take(&line);
         }
     }
-}
 
-/// Fields of a command that only some of what is said of its key fits: a rate is set by itself, under its name, and so are the
-/// promises of a system, after their preset.
-fn fields_of(key: Key, is_first: bool) -> usize {
-    match key {
-        Key::Output => 2,
-        Key::Support if is_first => 1,
-        Key::Support => 1 + VALUES,
-        _ => usize::MAX,
+    fn say_commands_of(&self, setting: Setting, take: Take<'_>) {
+        let value = self.value(setting);
+        let (mut wanted, others) = match value.commands() {
+            Commands::None => return,
+            Commands::One => (usize::MAX, usize::MAX),
+            Commands::Several(first, others) => (first, others),
+        };
+        let mut line = String::<LINE>::new();
+        // What does not fit makes a line that is none, and the hash tells.
+        let _ = line.push_str(setting.key());
+        let mut fields = 0;
+        tell(value, &mut |field| {
+            if fields == wanted {
+                wanted = others;
+                let _ = line.push('\n');
+                take(&line);
+                line.clear();
+                let _ = line.push_str(setting.key());
+                fields = 0;
+            }
+            let _ = line.push(',');
+            let _ = line.push_str(field);
+            fields += 1;
+        });
+        let _ = line.push('\n');
+        take(&line);
     }
 }
 
@@ -150,10 +142,8 @@ fn obey(text: &[u8]) -> Option<Configuration> {
 
 fn obey_line(line: &str, settings: &mut Configuration) -> Option<()> {
     let mut fields = Fields::of(line);
-    match Command::read(fields.next()?, fields).ok()? {
-        Command::Set(setting) => settings.change(setting).ok(),
-        _ => None,
-    }
+    let setting = Setting::named(fields.next()?)?;
+    settings.change(setting, &mut fields).ok()
 }
 
 fn checksum(hash: [u8; 4], text: &[u8]) -> u32 {
@@ -233,9 +223,24 @@ mod tests {
             let Unsealed::Settings(have) = Configuration::unseal(&memory) else { panic!("{want:?}") };
             assert_eq!(have.hash(), want.hash());
             assert_eq!((have.phase, have.policy, have.method), (want.phase, want.policy, want.method));
-            assert_eq!(have.requirements, want.requirements);
+            assert_eq!(have.requirements(), want.requirements());
             assert_eq!(have.promises, want.promises);
         }
+    }
+
+    /// A program before this one has sealed the same text, and one after it reads it.
+    #[test]
+    fn settings_at_start_are_sealed_as_ever() {
+        let mut memory = [0; SEALED_BYTES];
+        Configuration::at_start().seal(&mut memory);
+        let text = memory[HEAD..].split(|byte| *byte == 0).next().expect("a text");
+        let have = std::str::from_utf8(text).expect("ASCII");
+        let want = "PHASE,NPA\nPFF,1e-7\nTTA,10\nPOLICY,T1\nMETHOD,AUTO\nLEVELS,BOUND\nSYSTEMS,GEC\nMASK,10\n\
+                    CLOCKAID,OFF\nCN0MASK,28\nVMAX,515\nHEIGHT,-500,20000\nRECOVER,3,3\nFREQ,AUTO\n\
+                    SIGMA,FIXED\nBAUD,AUTO\nOUTPUT,RMC,1\nOUTPUT,GGA,1\nOUTPUT,GNS,1\nOUTPUT,VTG,1\n\
+                    OUTPUT,ZDA,1\nOUTPUT,GSA,1\nOUTPUT,GST,1\nOUTPUT,GBS,1\nOUTPUT,HEARTBEAT,0\n\
+                    OUTPUT,GPS_INPUT,0\nOUTPUT,GNSS_INTEGRITY,0\nISM,ICAO\n";
+        assert_eq!(have.strip_suffix("TOY,3\n"), Some(want));
     }
 
     #[test]

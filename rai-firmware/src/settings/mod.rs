@@ -1,0 +1,173 @@
+//! Settings of the module, and the commands that change them.
+//!
+//! `$PRAIC,key,value…*CS` is answered with `$PRAIA,key,value…,OK*CS` or with `$PRAIA,key,ERR,why*CS`. A command
+//! makes a whole new [`Configuration`] or none: a refused one changes nothing.
+//!
+//! The table in `table.rs` has one row a setting. Key, field, start value, reading, reporting, hash, seal and the table of
+//! INTERFACES.md follow from it. A new setting takes one row; a type of values that no other setting has takes one file besides.
+//!
+//! A key without a value answers what is in force, in the words that set it. `HAL`, `VAL`, `PFA` and `PMD` make the
+//! phase `CUSTOM`; `TTA` does not. A word that is known but not built in is refused with `not in this build`. The answer repeats
+//! the values as they came; where that would make it longer than 82 characters (eight long coefficients), it has the key and `OK`
+//! alone. A command that is obeyed but hardly wise is answered with `OK,WARN,why`: the thresholds `T2` and `TOP` hold missed
+//! detections down and nothing else, so that at a limit of 556 m and more no error that occurs raises an alarm.
+
+use rai_core::allocation::Allocation;
+use rai_core::continuity::{self, ContinuitySettings};
+use rai_core::integrity::residuals::threshold::Thresholds;
+use rai_core::integrity::residuals::threshold::policy::Policy;
+use rai_core::monitor::Strategy;
+use rai_core::requirements::Requirements;
+
+mod fields;
+mod ionosphere;
+mod kinds;
+mod line;
+mod number;
+mod order;
+mod outputs;
+mod phase;
+mod port;
+mod promises;
+mod read;
+mod refusal;
+mod row;
+mod said;
+mod sealed;
+mod table;
+mod value;
+mod words;
+
+pub use kinds::{Baud, Frequencies, Heights, Levels, Recovery, Sigma, Systems};
+pub use line::MAX_LINE;
+pub(crate) use number::hexadecimal;
+pub use number::{decimal, scientific};
+pub use order::Order;
+pub use phase::Phase;
+pub use port::{Action, CommandPort, Heard};
+pub use promises::{Preset, Promises};
+pub use refusal::Refusal;
+pub use sealed::{SEALED_BYTES, Unsealed};
+pub use table::{Configuration, Documentation, PhaseEffect, Row, Setting};
+
+use read::{Values, none};
+
+/// From this horizontal limit on, the thresholds that only hold missed detections down lie above any error that
+/// occurs: at 556 m, `T2` and `TOP` alarmed in none of 986 real epochs with errors up to 158 m.
+const WIDE_LIMIT_M: f64 = 556.0;
+
+/// Factor from degrees to radians.
+const RAD: f64 = core::f64::consts::PI / 180.0;
+
+impl Configuration {
+    /// Returns the settings with one changed: a refused command leaves nothing half changed.
+    fn changed(mut self, setting: Setting, values: Values<'_, '_>) -> Result<Self, Refusal> {
+        self.change(setting, values).map(|()| self)
+    }
+
+    /// As [`Self::changed`], in place: a refused command leaves settings that nobody may use.
+    #[inline(never)]
+    fn change(&mut self, setting: Setting, values: Values<'_, '_>) -> Result<(), Refusal> {
+        let row = setting.row();
+        self.value_mut(setting).change(values, row.ranges)?;
+        none(values)?;
+        match row.phase {
+            PhaseEffect::Apart => {}
+            PhaseEffect::Enters => self.take_numbers_of_phase(),
+            PhaseEffect::Leaves => {
+                self.phase = Phase::Custom;
+                self.check_requirements()?;
+            }
+            PhaseEffect::Bounded => {
+                if self.time_to_alert_s > self.phase.longest_time_to_alert_s() {
+                    return Err(Refusal::OutOfRange);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Takes the numbers of a named phase. `CUSTOM` keeps the present ones.
+    fn take_numbers_of_phase(&mut self) {
+        if let Some(required) = self.phase.requirements() {
+            self.hal_m = required.hal_m;
+            self.val_m = required.val_m;
+            self.false_alarm = required.false_alarm;
+            self.missed_detection = required.missed_detection;
+            self.fault_free_risk = required.fault_free_risk;
+            self.time_to_alert_s = required.time_to_alert_s;
+        }
+    }
+
+    fn check_requirements(&self) -> Result<(), Refusal> {
+        self.requirements().validate().map_err(|_| Refusal::OutOfRange)?;
+        Thresholds::from_tables(self.false_alarm, self.missed_detection)?;
+        Ok(())
+    }
+
+    /// Returns what the core requires. In no named phase, ARAIM's allocation of the risk follows from the numbers: of the phase
+    /// before, nothing is reported.
+    pub const fn requirements(&self) -> Requirements {
+        let mut required = match self.phase.requirements() {
+            Some(required) => required,
+            None => Requirements::non_precision_approach(),
+        };
+        if matches!(self.phase, Phase::Custom) && self.val_m.is_some() {
+            required.allocation = Allocation::vertical();
+        }
+        required.hal_m = self.hal_m;
+        required.val_m = self.val_m;
+        required.false_alarm = self.false_alarm;
+        required.missed_detection = self.missed_detection;
+        required.fault_free_risk = self.fault_free_risk;
+        required.time_to_alert_s = self.time_to_alert_s;
+        required
+    }
+
+    /// Returns the elevation mask, rad.
+    pub const fn mask_rad(&self) -> f64 {
+        self.mask_deg * RAD
+    }
+
+    /// Returns a warning of a threshold that hardly ever alarms.
+    pub fn warning(&self) -> Option<&'static str> {
+        let warning = match self.policy {
+            Policy::T1 => return None,
+            Policy::T2 => "T2 hardly ever alarms at this HAL",
+            Policy::TOp => "TOP hardly ever alarms at this HAL",
+        };
+        (self.hal_m >= WIDE_LIMIT_M).then_some(warning)
+    }
+
+    /// Returns a warning of faults that ARAIM does not watch for.
+    fn warning_of_promises(&self) -> Option<&'static str> {
+        self.promises.leaves_faults_unwatched().then_some("faults so unlikely are not watched for")
+    }
+
+    /// Returns how the core monitors.
+    pub const fn strategy(&self) -> Strategy {
+        Strategy {
+            policy: self.policy,
+            method: self.method,
+            levels: self.levels,
+            clock_aid: self.clock_aid,
+            sigma_adapt: matches!(self.sigma, Sigma::Adapted),
+        }
+    }
+
+    /// Returns the limits of the antenna's motion, and the time for which satellites must agree after an alert.
+    pub const fn continuity(&self) -> ContinuitySettings {
+        ContinuitySettings {
+            max_speed_m_s: self.greatest_speed_m_s,
+            min_height_m: self.heights.least_m,
+            max_height_m: self.heights.greatest_m,
+            recovery: continuity::Recovery {
+                epochs: self.recovery.epochs as u16,
+                seconds: self.recovery.seconds,
+            },
+        }
+    }
+}
+
+#[cfg(test)]
+mod toy;

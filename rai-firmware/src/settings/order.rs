@@ -1,0 +1,58 @@
+//! Orders: commands that change no setting, which the receiver carries out.
+
+use super::read::{Values, next_number, none};
+use super::refusal::Refusal;
+
+/// Makes the orders out of their keys; behind the name of one with a number stand its type and range.
+macro_rules! orders {
+    ($($key:literal $order:ident $(($of:ident in $range:expr))?: $text:literal,)*) => {
+        /// Order of the host.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub enum Order {
+            $(#[doc = $text] $order $(($of))?,)*
+        }
+
+        impl Order {
+            /// Key of every order, its values, and one line for INTERFACES.md, which a test compares.
+            pub const ALL: &'static [[&'static str; 3]] =
+                &[$([$key, orders!(@values $($of)?), $text],)*];
+
+            /// Reads the order with this key and its values; `None` if no order has it.
+            pub fn read<'v>(
+                key: &str,
+                mut values: impl Iterator<Item = &'v str>,
+            ) -> Option<Result<Self, Refusal>> {
+                match key {
+                    $($key => Some(orders!(@read values, $order $(($of in $range))?)),)*
+                    _ => None,
+                }
+            }
+        }
+    };
+    (@values) => { "none" };
+    (@values $of:ident) => { "one number" };
+    (@read $values:ident, $order:ident) => {
+        none(&mut $values).map(|()| Self::$order)
+    };
+    (@read $values:ident, $order:ident ($of:ident in $range:expr)) => {
+        number(&mut $values, $range).map(|number| Self::$order(number as $of))
+    };
+}
+
+/// GPS weeks, not rolled over: to the end of the eighth cycle, in 2137.
+const WEEKS: (f64, f64) = (0.0, 8191.0);
+
+orders! {
+    "STATS" Statistics: "[Counters](#counters) by name, in as many answers as they need",
+    "SELFTEST" SelfTest: "[Known answers](#self-test) are computed again",
+    "CONFIRM" Confirm: "The settings in force are meant",
+    "FORGET" Forget: "The module forgets the last position, the delays of epochs, the time, the source of the ranges, and the receiver's word on jamming and spoofing",
+    "WEEK" Week(u16 in WEEKS): "The next epoch is of this GPS week, 0 to 8191, not rolled over: the date of a recording, or of GPS alone after November 2038",
+    "RESET" Reset: "The module starts again, with the pin low",
+}
+
+/// Reads one number and nothing behind it.
+fn number(values: Values<'_, '_>, range: (f64, f64)) -> Result<f64, Refusal> {
+    let number = next_number(values, range)?;
+    none(values).map(|()| number)
+}

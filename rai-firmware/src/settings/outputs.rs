@@ -1,0 +1,39 @@
+//! Rates of what is sent as a value: a command sets one of them, by its name.
+
+use super::Refusal;
+use super::number::plain;
+use super::read::{Values, next, next_whole};
+use super::value::{Commands, Ranges, Spelled, Take, Value, range};
+use crate::output::schedule::{Item, Schedule};
+
+impl Spelled for Schedule {
+    const RANGES: usize = 1;
+    const WORDS: &'static [&'static str] = Item::NAMES;
+}
+
+impl Value for Schedule {
+    fn change(&mut self, values: Values<'_, '_>, ranges: &Ranges) -> Result<(), Refusal> {
+        let item = Item::named(next(values)?).ok_or(Refusal::UnknownValue)?;
+        if !item.is_built() {
+            return Err(Refusal::NotInBuild);
+        }
+        *self = self.with(item, next_whole(values, range(ranges, 0))?);
+        Ok(())
+    }
+
+    fn say(&self, take: Take<'_>) {
+        self.rates().for_each(|(_, every)| take(&plain(f64::from(every))));
+    }
+
+    fn tell(&self, take: Take<'_>) -> bool {
+        for (name, every) in self.rates() {
+            take(name);
+            take(&plain(f64::from(every)));
+        }
+        true
+    }
+
+    fn commands(&self) -> Commands {
+        Commands::Several(2, 2)
+    }
+}

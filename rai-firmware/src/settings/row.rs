@@ -1,0 +1,95 @@
+//! The macro that makes settings out of rows, and what a row says of its setting.
+
+/// Makes the key, the field and the documentation of each setting out of its row.
+///
+/// A row names its columns, so that a row without one of them does not compile.
+macro_rules! settings {
+    ($(
+        $(#[cfg($condition:meta)])?
+        $key:literal $setting:ident {
+            $field:ident: $value:ty = $at_start:expr,
+            ranges: $ranges:expr,
+            unit: $unit:literal,
+            fields: $fields:literal,
+            promise: $promise:literal,
+            phase: $phase:ident,
+            warning: $warning:expr,
+            example: $example:literal,
+            text: $text:literal,
+        }
+    )*) => {
+        /// Key of a setting.
+        #[allow(clippy::doc_markdown, reason = "the text is that of a document")]
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub enum Setting {
+            $($(#[cfg($condition)])? #[doc = $text] $setting,)*
+        }
+
+        /// Everything that a command can change.
+        #[allow(clippy::doc_markdown, reason = "the text is that of a document")]
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        pub struct Configuration {
+            $($(#[cfg($condition)])? #[doc = $text] pub $field: $value,)*
+        }
+
+        impl Setting {
+            /// Every setting, in the order of the table.
+            pub const ALL: &'static [Self] = &[$($(#[cfg($condition)])? Self::$setting,)*];
+
+            /// Returns what the module knows of the setting.
+            // Not inlined: the table of the rows would be there once for each place that asks.
+            #[inline(never)]
+            pub const fn row(self) -> &'static Row {
+                match self {
+                    $($(#[cfg($condition)])? Self::$setting => {
+                        const ROW: Row = Row {
+                            key: $key,
+                            ranges: $ranges,
+                            bears_on_promise: $promise,
+                            phase: PhaseEffect::$phase,
+                            warning: $warning,
+                        };
+                        const {
+                            assert!(ROW.ranges.len() == <$value as Spelled>::RANGES, "one range a number");
+                        }
+                        &ROW
+                    })*
+                }
+            }
+
+            /// Returns what a reader wants to know of the setting; the image has none of it.
+            pub const fn documentation(self) -> &'static Documentation {
+                match self {
+                    $($(#[cfg($condition)])? Self::$setting => &Documentation {
+                        text: $text,
+                        unit: $unit,
+                        fields: $fields,
+                        example: $example,
+                        words: <$value as Spelled>::WORDS,
+                    },)*
+                }
+            }
+        }
+
+        impl Configuration {
+            /// Returns the settings of a module that nobody has told anything.
+            pub const fn at_start() -> Self {
+                Self { $($(#[cfg($condition)])? $field: $at_start,)* }
+            }
+
+            pub(super) fn value(&self, setting: Setting) -> &dyn Value {
+                match setting {
+                    $($(#[cfg($condition)])? Setting::$setting => &self.$field,)*
+                }
+            }
+
+            pub(super) fn value_mut(&mut self, setting: Setting) -> &mut dyn Value {
+                match setting {
+                    $($(#[cfg($condition)])? Setting::$setting => &mut self.$field,)*
+                }
+            }
+        }
+    };
+}
+
+pub(super) use settings;

@@ -1,0 +1,140 @@
+//! Values: how a setting reads, reports and seals what it holds.
+
+use rai_core::numeric::probability::Probability;
+
+use super::Refusal;
+use super::number::{plain, scientific};
+use super::read::{Values, next, next_number, number};
+use super::words::{Word, next_word};
+
+/// Takes one field.
+pub(super) type Take<'t> = &'t mut dyn FnMut(&str);
+
+/// Lowest and highest value of each number of a value.
+pub(super) type Ranges = [(f64, f64)];
+
+/// Value of a setting, whatever its type: settings are handled through this trait object, once for all of them.
+pub(super) trait Value {
+    /// Replaces the value, or a part of it, by what a command has behind its key.
+    fn change(&mut self, values: Values<'_, '_>, ranges: &Ranges) -> Result<(), Refusal>;
+
+    /// Reports the value in as many fields as any other value of its type.
+    fn say(&self, take: Take<'_>);
+
+    /// Reports the value as commands have it, where that is not as [`Self::say`] reports it; returns true where it has.
+    fn tell(&self, _: Take<'_>) -> bool {
+        false
+    }
+
+    /// Returns how the fields of [`tell`] make commands.
+    fn commands(&self) -> Commands {
+        Commands::One
+    }
+}
+
+/// Cut of the fields of a value into commands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Commands {
+    /// The value is what it is without a command.
+    None,
+    /// One command has all fields.
+    One,
+    /// The first command has so many fields, and each after it so many.
+    Several(usize, usize),
+}
+
+/// Spelling of a type of values.
+pub(super) trait Spelled {
+    /// How many ranges its numbers have.
+    const RANGES: usize;
+    /// Words that it may be.
+    const WORDS: &'static [&'static str];
+}
+
+/// Reports a value as commands have it, without the fields that only keep places in `PRAIQ`.
+pub(super) fn tell(value: &dyn Value, take: Take<'_>) {
+    if !value.tell(take) {
+        value.say(take);
+    }
+}
+
+/// Returns the range of one number. The table has one for each, which the compiler checks.
+pub(super) fn range(ranges: &Ranges, index: usize) -> (f64, f64) {
+    ranges.get(index).copied().unwrap_or_default()
+}
+
+impl Spelled for f64 {
+    const RANGES: usize = 1;
+    const WORDS: &'static [&'static str] = &[];
+}
+
+impl Value for f64 {
+    fn change(&mut self, values: Values<'_, '_>, ranges: &Ranges) -> Result<(), Refusal> {
+        *self = next_number(values, range(ranges, 0))?;
+        Ok(())
+    }
+
+    fn say(&self, take: Take<'_>) {
+        take(&plain(*self));
+    }
+}
+
+/// Word of a number that is not set.
+const OFF: &str = "OFF";
+
+impl Spelled for Option<f64> {
+    const RANGES: usize = 1;
+    const WORDS: &'static [&'static str] = &[OFF];
+}
+
+impl Value for Option<f64> {
+    fn change(&mut self, values: Values<'_, '_>, ranges: &Ranges) -> Result<(), Refusal> {
+        let value = next(values)?;
+        *self = if value == OFF { None } else { Some(number(value, range(ranges, 0))?) };
+        Ok(())
+    }
+
+    fn say(&self, take: Take<'_>) {
+        take(&self.map(plain).unwrap_or_default());
+    }
+
+    fn tell(&self, take: Take<'_>) -> bool {
+        if self.is_none() {
+            take(OFF);
+        }
+        self.is_none()
+    }
+}
+
+impl Spelled for Probability {
+    const RANGES: usize = 1;
+    const WORDS: &'static [&'static str] = &[];
+}
+
+impl Value for Probability {
+    fn change(&mut self, values: Values<'_, '_>, ranges: &Ranges) -> Result<(), Refusal> {
+        *self = Self::new(next_number(values, range(ranges, 0))?).ok_or(Refusal::OutOfRange)?;
+        Ok(())
+    }
+
+    fn say(&self, take: Take<'_>) {
+        take(&scientific(self.get()));
+    }
+}
+
+impl<T: Word> Spelled for T {
+    const RANGES: usize = 0;
+    const WORDS: &'static [&'static str] = T::WORDS;
+}
+
+impl<T: Word> Value for T {
+    fn change(&mut self, values: Values<'_, '_>, _: &Ranges) -> Result<(), Refusal> {
+        let place = next_word(values, T::WORDS)?;
+        *self = T::MEANINGS.get(place).copied().flatten().ok_or(Refusal::NotInBuild)?;
+        Ok(())
+    }
+
+    fn say(&self, take: Take<'_>) {
+        take(self.word());
+    }
+}

@@ -1,0 +1,138 @@
+//! Words that values are made of, and the meaning of each.
+//!
+//! Every meaning has its word, because the macro matches it: a variant without a word does not compile. A word that is known but not
+//! built in has no meaning, so that an answer can tell a wrong word from a missing feature.
+
+#[cfg(feature = "searches")]
+use rai_core::integrity::residuals::parity::Isolation;
+use rai_core::integrity::residuals::threshold::policy::Policy;
+use rai_core::monitor::Method;
+
+use super::kinds::{Baud, Frequencies, Levels, Sigma};
+use super::promises::Preset;
+use super::read::{Values, next};
+use super::{Phase, Refusal};
+
+/// Meaning that a word of the wire stands for.
+pub(super) trait Word: Copy + 'static {
+    /// Words in the order of [`Self::MEANINGS`].
+    const WORDS: &'static [&'static str];
+    /// Meanings, `None` where this build lacks the feature.
+    const MEANINGS: &'static [Option<Self>];
+
+    /// Returns the word of this meaning.
+    fn word(self) -> &'static str;
+}
+
+/// Returns what a word means where a feature is built in, and `None` where it is not.
+macro_rules! with {
+    ([$feature:literal] $meaning:expr) => {{
+        #[cfg(feature = $feature)]
+        let meaning = Some($meaning);
+        #[cfg(not(feature = $feature))]
+        let meaning = None;
+        meaning
+    }};
+    ([] $meaning:expr) => {
+        Some($meaning)
+    };
+}
+
+/// Gives the meanings of a type their words.
+macro_rules! words {
+    ($type:ty {
+        $($word:literal = [$($meaning:tt)+] $(if $feature:literal)?,)+
+        $(no word = [$($wordless:tt)+] if $core_feature:literal,)?
+    }) => {
+        impl Word for $type {
+            const WORDS: &'static [&'static str] = &[$($word,)+];
+            const MEANINGS: &'static [Option<Self>] = &[$(with!([$($feature)?] $($meaning)+),)+];
+
+            fn word(self) -> &'static str {
+                match self {
+                    $($(#[cfg(feature = $feature)])? $($meaning)+ => $word,)+
+                    // No command leads here.
+                    $(#[cfg(feature = $core_feature)] $($wordless)+ => "",)?
+                    // Another crate of the same program may have built the core with what this one lacks.
+                    $($(
+                        #[cfg(not(feature = $feature))]
+                        #[allow(unreachable_patterns, reason = "the core has it only with its own feature")]
+                        _ => $word,
+                    )?)+
+                }
+            }
+        }
+    };
+}
+
+words! { Phase {
+    "ENROUTE" = [Phase::EnRoute],
+    "TERMINAL" = [Phase::Terminal],
+    "NPA" = [Phase::NonPrecisionApproach],
+    "LPV200" = [Phase::Lpv200],
+    "CUSTOM" = [Phase::Custom],
+} }
+
+words! { Policy {
+    "T1" = [Policy::T1],
+    "T2" = [Policy::T2],
+    "TOP" = [Policy::TOp],
+} }
+
+words! { Method {
+    "AUTO" = [Method::Auto],
+    "BAARDA" = [Method::Baarda],
+    "SIMULTANEOUS" = [Method::Parity(Isolation::Simultaneous)] if "searches",
+    "SEQUENTIAL" = [Method::Parity(Isolation::Sequential)] if "searches",
+    "HYBRID" = [Method::Parity(Isolation::Hybrid)] if "searches",
+    "GROUPING" = [Method::Parity(Isolation::Grouping)] if "searches",
+    "RANSAC" = [Method::Ransac] if "searches",
+    "SEPARATION" = [Method::Separation] if "araim",
+    // A step of the hybrid method that a paper compares with the whole.
+    no word = [Method::Parity(Isolation::HybridWithoutGrouping)] if "searches",
+} }
+
+words! { Levels {
+    "BOUND" = [Levels::Bound],
+    "SLOPE" = [Levels::Slope],
+} }
+
+words! { Frequencies {
+    "AUTO" = [Frequencies::Auto],
+    "DUAL" = [Frequencies::Dual],
+    "SINGLE" = [Frequencies::Single],
+} }
+
+words! { Sigma {
+    "FIXED" = [Sigma::Fixed],
+    "ADAPT" = [Sigma::Adapted],
+} }
+
+words! { Preset {
+    "ICAO" = [Preset::Icao],
+    "RESEARCH" = [Preset::Research],
+    "ICAO-AIR" = [Preset::IcaoAirborne],
+    "RESEARCH-AIR" = [Preset::ResearchAirborne],
+} }
+
+words! { bool {
+    "OFF" = [false],
+    "ON" = [true],
+} }
+
+words! { Baud {
+    "AUTO" = [Baud::Auto],
+    "9600" = [Baud::B9600],
+    "38400" = [Baud::B38400],
+    "115200" = [Baud::B115200],
+    "230400" = [Baud::B230400],
+    "460800" = [Baud::B460800],
+    "921600" = [Baud::B921600],
+} }
+
+/// Reads a word and returns its place among others, once for all types.
+#[inline(never)]
+pub(super) fn next_word(values: Values<'_, '_>, words: &[&str]) -> Result<usize, Refusal> {
+    let word = next(values)?;
+    words.iter().position(|known| *known == word).ok_or(Refusal::UnknownValue)
+}
