@@ -172,6 +172,8 @@ impl Default for Input {
 
 impl Input {
     /// A way in through which nothing has come.
+    #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
+    #[inline(always)]
     pub const fn new() -> Self {
         Self {
             framer: Framer::new(),

@@ -45,6 +45,8 @@ pub(super) struct Preference {
 }
 
 impl Preference {
+    #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
+    #[inline(always)]
     pub(super) const fn new() -> Self {
         Self {
             first: None,

@@ -112,7 +112,7 @@ mod tests {
         assert_eq!(track(good).unwrap()[1].time_s, Some(10.0));
         for (text, want) in [
             ("", "the first line"),
-            ("time_s,lat_deg,lon_deg,height_m\n", "no place"),
+            ("time_s,lat_deg,lon_deg,height_m\n", "at least one place"),
             ("time_s,lat_deg,lon_deg,height_m\n0,48,11\n", "line 2"),
             ("time_s,lat_deg,lon_deg,height_m\n0,48,11,5\n0,98,11,5\n", "line 3"),
             ("time_s,lat_deg,lon_deg,height_m\n0,nan,11,5\n", "line 2"),

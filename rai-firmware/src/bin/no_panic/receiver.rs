@@ -84,6 +84,7 @@ fn bytes() {
         GpsTime::since_ms as fn(_, _) -> _,
         GpsTime::to_s as fn(_) -> _,
         GpsTime::nearest as fn(_, _) -> _,
+        GpsTime::later_by_weeks as fn(_, _) -> _,
         time::glonass_time as fn(_, _, _) -> _,
         division::divided as fn(_, _) -> _,
     );
@@ -163,6 +164,7 @@ fn ephemerides() {
         Store::forget_position as fn(_) -> _,
         Store::displaced as fn(_) -> _,
         Store::advance as fn(_, _) -> _,
+        Store::redate as fn(_, _) -> _,
         Store::forget as fn(_, _),
         Store::get as fn(_, _, _) -> _,
         Store::len as fn(_) -> _,
@@ -210,6 +212,7 @@ fn corrections() {
         Navigator::forget_position as fn(_),
         Navigator::interrupt as fn(_),
         Navigator::correct_utc as fn(_),
+        Navigator::redate as fn(_, _) -> _,
         Navigator::distrust as fn(_, _),
         Navigator::velocity as fn(_) -> _,
         Navigator::rate_tally as fn(_) -> _,

@@ -55,6 +55,8 @@ enum Front {
 }
 
 impl Framer {
+    #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
+    #[inline(always)]
     pub(super) const fn new() -> Self {
         Self {
             buffer: Vec::new(),

@@ -37,6 +37,8 @@ pub(super) struct Nested {
 }
 
 impl Nested {
+    #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
+    #[inline(always)]
     pub(super) const fn new() -> Self {
         Self { begun: Vec::new(), searched: 0, unknown_ms: None }
     }

@@ -158,6 +158,8 @@ impl Set<'_> {
 }
 
 impl Pages {
+    #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
+    #[inline(always)]
     pub(super) const fn new() -> Self {
         Self { small: Vec::new(), large: Vec::new(), abandoned: 0 }
     }

@@ -42,6 +42,8 @@ pub(in crate::input) struct Navigation {
 }
 
 impl Navigation {
+    #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
+    #[inline(always)]
     pub(in crate::input) const fn new() -> Self {
         Self { pages: Pages::new() }
     }
