@@ -243,7 +243,7 @@ impl Rates {
         let Self { last, trust, tally, .. } = self;
         let horizon = Horizon::at(place, &LocalFrame::at(place));
         let since = Since { last, raw, horizon, elapsed_s: elapsed_ms as f32 * 1e-3 };
-        let (required, settings) = (monitor.accepted(), monitor.continuity_settings());
+        let (required, settings) = (monitor.validated(), monitor.continuity_settings());
         // Rates are computed on demand and not stored. A second time is needed only if the first
         // sign fails.
         let mut agree_on = |sign| {
@@ -389,7 +389,7 @@ fn velocity_at_the_end(end_m: [f32; 3], moved_m: [f32; 3], apart_s: f32) -> [f32
 /// Returns the acceleration of a satellite at rest in the frame that turns with the earth: gravity
 /// and the centrifugal part, m/s².
 fn pull_m_s2([x_m, y_m, z_m]: [f32; 3]) -> [f32; 3] {
-    let inverse = (x_m * x_m + y_m * y_m + z_m * z_m).inverse_root();
+    let inverse = (x_m * x_m + y_m * y_m + z_m * z_m).inverse_sqrt_approx();
     let inward = -GRAVITY_M3_S2 * inverse * inverse * inverse;
     let across = inward + TURN_RAD_S * TURN_RAD_S;
     [across * x_m, across * y_m, inward * z_m]

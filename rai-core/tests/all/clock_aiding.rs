@@ -5,16 +5,17 @@ use crate::noise::Noise;
 use nalgebra::Vector3;
 use rai_core::clock::{Clocks, Forecast, HOLD_OVER_STEPS, SolvedClocks, satellites_alone};
 use rai_core::epoch::{Aiding, Epoch, Observation};
-use rai_core::equations::{LinearEpoch, MAX_ROWS};
 use rai_core::frame::Ecef;
-use rai_core::integrity::residuals::baarda::{exclude_sequentially, identify};
-use rai_core::integrity::residuals::detection::detect;
-use rai_core::integrity::residuals::exclusion::{Outcome, Unidentified, separable};
-use rai_core::integrity::residuals::threshold::Thresholds;
+use rai_core::integrity::raim::detection::detect;
+use rai_core::integrity::raim::detection::threshold::Thresholds;
+use rai_core::integrity::raim::hypotheses::separability::separable;
+use rai_core::integrity::raim::isolation::baarda::{exclude_sequentially, identify};
+use rai_core::integrity::raim::isolation::exclusion::{ExclusionOutcome, Unidentified};
+use rai_core::least_squares::Snapshot;
+use rai_core::least_squares::equations::{LinearEpoch, MAX_ROWS};
 use rai_core::numeric::probability::Probability;
 use rai_core::numeric::real::Real;
 use rai_core::satellite::{Constellation, SatelliteId};
-use rai_core::snapshot::Snapshot;
 
 use crate::solved::solved;
 
@@ -152,7 +153,7 @@ fn fault_of_100_m_on_any_of_five_satellites_is_excluded_and_the_position_holds()
         let excluded: Vec<usize> = exclusion.rows.iter().map(|row| row.index).collect();
         assert_eq!(
             (exclusion.outcome, excluded),
-            (Outcome::Isolated, vec![satellite]),
+            (ExclusionOutcome::Isolated, vec![satellite]),
             "seed {seed}, {bias_m} m"
         );
         assert!(separable(&mut aided, &exclusion, &thresholds()), "seed {seed}, {bias_m} m on {satellite}");
@@ -173,7 +174,11 @@ fn clock_jump_of_300_m_is_the_clock_and_no_satellite() {
         let exclusion = exclude_sequentially(&mut aided, &thresholds());
         let excluded: Vec<usize> = exclusion.rows.iter().map(|row| row.index).collect();
         // The row after the satellites is the clock's.
-        assert_eq!((exclusion.outcome, excluded), (Outcome::Isolated, vec![satellites]), "seed {seed}");
+        assert_eq!(
+            (exclusion.outcome, excluded),
+            (ExclusionOutcome::Isolated, vec![satellites]),
+            "seed {seed}"
+        );
 
         clocks.learn(receiver.time_s(), &SolvedClocks::of(&aided));
         receiver.wait(1);

@@ -58,7 +58,7 @@ fn report(said: Said) -> Report<4> {
         used: Vec::new(),
         residual_rms_m: 1.0,
         tracked: 4,
-        separation: None,
+        araim: None,
         sigma_check: None,
     }
 }

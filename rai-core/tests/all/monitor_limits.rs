@@ -44,9 +44,9 @@ const OK: Verdict = Verdict::Protected(Protected::Ok);
 fn requirements_are_replaced_or_refused_whole() {
     let mut monitor = monitor(npa());
     let bad = Requirements { hal_m: -1.0, ..npa() };
-    assert!(monitor.require(bad).is_err());
+    assert!(monitor.set_requirements(bad).is_err());
     assert_eq!(*monitor.requirements(), npa());
-    monitor.require(Requirements::lpv200()).unwrap();
+    monitor.set_requirements(Requirements::lpv200()).unwrap();
     assert_eq!(*monitor.requirements(), Requirements::lpv200());
 }
 

@@ -4,12 +4,12 @@
 use std::path::Path;
 
 use proptest::prelude::*;
-use rai_core::integrity::residuals::levels::noncentrality_at;
-use rai_core::integrity::residuals::levels::{Exposure, Slopes};
-use rai_core::integrity::residuals::threshold::Thresholds;
-use rai_core::integrity::residuals::threshold::policy::{
-    Decision, Demand, NoThreshold, Policy, Status, Weights, range_threshold_m,
+use rai_core::integrity::raim::detection::threshold::Thresholds;
+use rai_core::integrity::raim::detection::threshold::policy::{
+    Decision, NoThreshold, Policy, Status, ThresholdProblem, Weights, range_threshold_m,
 };
+use rai_core::integrity::raim::levels::noncentrality_at;
+use rai_core::integrity::raim::levels::{LevelInputs, Slopes};
 use rai_core::numeric::chi_square::{ChiSquare, LARGEST};
 use rai_core::numeric::probability::Probability;
 use rai_core::numeric::real::Real;
@@ -26,11 +26,11 @@ fn chi_square<T: Real>(dof: f64) -> ChiSquare<T> {
     ChiSquare::new(dof as usize).expect("a number of degrees of freedom within the tables")
 }
 
-fn demand(dof: usize, noncentrality: f64, false_alarm: f64, missed: f64) -> Demand<'static> {
+fn demand(dof: usize, noncentrality: f64, false_alarm: f64, missed: f64) -> ThresholdProblem<'static> {
     let missed_detection = probability(missed);
     let thresholds =
         Thresholds::from_tables(probability(false_alarm), missed_detection).expect("in the tables");
-    Demand { dof, noncentrality, thresholds, missed_detection, weights: Weights::EQUAL }
+    ThresholdProblem { dof, noncentrality, thresholds, missed_detection, weights: Weights::EQUAL }
 }
 
 fn assert_close(have: f64, want: f64, relative: f64, case: &str) {
@@ -281,8 +281,8 @@ fn a_crossing_outside_the_bounds_is_held_at_them() {
 #[test]
 fn costlier_false_alarms_raise_the_optimal_threshold() {
     let equal = demand(6, 400.0, 3.33e-7, 1e-3);
-    let weighted = Demand { weights: Weights::new(1e4, 1.0).expect("weights"), ..equal };
-    let tau = |demand: Demand| demand.threshold::<f64>(Policy::TOp).map(|threshold| threshold.tau);
+    let weighted = ThresholdProblem { weights: Weights::new(1e4, 1.0).expect("weights"), ..equal };
+    let tau = |demand: ThresholdProblem| demand.threshold::<f64>(Policy::TOp).map(|threshold| threshold.tau);
     assert!(tau(equal).expect("available") < tau(weighted).expect("available"));
     for (false_alarm, missed) in [(0.0, 1.0), (-1.0, -1.0), (1.0, 0.0), (f64::NAN, 1.0), (f64::INFINITY, 1.0)]
     {
@@ -311,7 +311,7 @@ fn vertical_limit_counts_where_it_is_set() {
     let largest = Slopes { horizontal: 1.0, vertical: 4.0 };
     let rows = demand(4, 0.0, 3.33e-7, 1e-3).thresholds;
     let noncentrality = |requirements: &Requirements| {
-        Demand::new(4, &Exposure::to_faults(largest), requirements, rows).noncentrality
+        ThresholdProblem::new(4, &LevelInputs::to_faults(largest), requirements, rows).noncentrality
     };
     let horizontal_only = Requirements { val_m: None, ..Requirements::lpv200() };
     assert_eq!(noncentrality(&horizontal_only), (0.95_f64 * 40.0).powi(2));
@@ -319,13 +319,13 @@ fn vertical_limit_counts_where_it_is_set() {
 }
 
 /// Degrees of freedom, logarithm of the non-centrality, false alarm and missed detection of the tables.
-fn any_demand() -> impl Strategy<Value = Demand<'static>> {
+fn any_demand() -> impl Strategy<Value = ThresholdProblem<'static>> {
     let tail = |tails: &'static [f64]| prop::sample::select(tails);
     (1_usize..=60, -1.0..7.0_f64, tail(&[1e-3, 1e-4, 1e-5, 3.33e-7, 1e-8]), tail(&[1e-3, 1e-4, 1e-5, 1e-6]))
         .prop_map(|(dof, decades, alarm, missed)| demand(dof, 10_f64.powf(decades), alarm, missed))
 }
 
-fn assert_policies_agree<T: Real>(demand: &Demand, relative: f64) {
+fn assert_policies_agree<T: Real>(demand: &ThresholdProblem, relative: f64) {
     let decision = demand.decide::<T>().expect("redundancy");
     let threshold = |policy| demand.threshold::<T>(policy);
     let classic = threshold(Policy::T1).expect("redundancy");

@@ -33,7 +33,7 @@ fn visible(constellations: &[Constellation], count: usize) -> Vec<Observation> {
 
 fn monitor(requirements: Requirements) -> Monitor<f32, CAPACITY> {
     let mut monitor = Monitor::new(requirements).unwrap();
-    monitor.set_strategy(Pursuit { method: Method::Separation, ..Pursuit::CLASSIC });
+    monitor.set_strategy(Pursuit { method: Method::Araim, ..Pursuit::CLASSIC });
     monitor.set_ism(Ism::RESEARCH);
     monitor
 }
@@ -54,7 +54,7 @@ fn lpv() -> Requirements {
 fn two_healthy_constellations_are_protected_and_say_what_makes_the_levels() {
     let report = judge(lpv(), &visible(&[Gps, Galileo], 10));
     assert_eq!(report.verdict, Verdict::Protected(Protected::Ok), "{:?}", report.protection);
-    let separation = report.separation.unwrap();
+    let separation = report.araim.unwrap();
     assert!(separation.modes >= 21 && separation.share < 0.05, "{separation:?}");
     // Galileo as a whole is the likeliest fault, and leaves the fewest satellites.
     assert_eq!(separation.vertical.constellations, 1 << Galileo as u8, "{separation:?}");
@@ -124,7 +124,7 @@ fn with_three_constellations_the_shifted_one_is_left_out_as_a_whole() {
         seen.range_m -= 80.0 * elevation.to_radians().sin();
     }
     let report = judge(Requirements::non_precision_approach(), &sky);
-    let lost = report.separation.map(|separation| separation.excluded_constellations);
+    let lost = report.araim.map(|separation| separation.excluded_constellations);
     assert_eq!(lost, Some(1 << Galileo as u8), "{:?}", report.verdict);
     assert_eq!(report.used.len(), 18);
     assert!(report.solution.unwrap().position.distance_m(receiver()) < 0.1);
@@ -140,7 +140,7 @@ fn a_constellation_alone_that_may_fail_as_a_whole_has_no_level() {
 fn without_redundancy_nothing_is_promised() {
     let report = judge(lpv(), &visible(&[Gps], 4));
     assert_eq!(report.verdict, Verdict::Unavailable(Unavailable::Redundancy));
-    assert!(report.separation.is_none());
+    assert!(report.araim.is_none());
 }
 
 #[test]
@@ -207,12 +207,12 @@ proptest! {
             prop_assert!(!levels.hpl_m.is_nan() && !levels.vpl_m.is_nan(), "{levels:?}");
             if matches!(report.verdict, Verdict::Protected(_)) {
                 prop_assert!(levels.hpl_m <= 40.0 && levels.vpl_m <= 35.0, "{levels:?}");
-                let separation = report.separation.expect("a judgement");
+                let separation = report.araim.expect("a judgement");
                 prop_assert!(separation.effective_monitor_threshold_m <= 15.0 && separation.accuracy_m <= 1.87);
             }
         }
-        if let Some(separation) = report.separation {
-            prop_assert!(separation.not_watched >= 0.0 && separation.ratio >= 0.0, "{separation:?}");
+        if let Some(separation) = report.araim {
+            prop_assert!(separation.unmonitored_probability >= 0.0 && separation.ratio >= 0.0, "{separation:?}");
         }
     }
 }

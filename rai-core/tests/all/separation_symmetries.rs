@@ -9,11 +9,13 @@
 
 use nalgebra::Vector3;
 use proptest::prelude::*;
-use rai_core::equations::LinearEpoch;
-use rai_core::integrity::separation::{Allocation, Finding, Judged, Outcome, Prior, Priors, ROWS, judge};
+use rai_core::integrity::araim::{
+    Allocation, AraimJudgement, AraimOutcome, Finding, Prior, Priors, ROWS, judge,
+};
+use rai_core::least_squares::equations::LinearEpoch;
+use rai_core::least_squares::{Snapshot, Workspace};
 use rai_core::numeric::real::Real;
 use rai_core::satellite::Constellation;
-use rai_core::snapshot::{Snapshot, Workspace};
 
 /// Probability that a constellation fails.
 const CONSTELLATION: f64 = 5e-5;
@@ -71,13 +73,13 @@ fn priors<T: Real>(sky: &[Sighted]) -> Vec<Prior<T>> {
     sky.iter().map(prior).collect()
 }
 
-fn judged<T: Real>(snapshot: &mut Snapshot<'_, T>, sky: &[Sighted]) -> Judged<T> {
+fn judged<T: Real>(snapshot: &mut Snapshot<'_, T>, sky: &[Sighted]) -> AraimJudgement<T> {
     let constellations = [T::narrow(CONSTELLATION); Constellation::COUNT];
     judge(snapshot, &Priors { satellites: &priors(sky), constellations }, &allocation()).unwrap()
 }
 
 /// Of geometries that determine a position well enough to compare roundings.
-fn solved(sky: &[Sighted], turned: f64) -> Option<Judged<f64>> {
+fn solved(sky: &[Sighted], turned: f64) -> Option<AraimJudgement<f64>> {
     let mut workspace = Workspace::of(epoch(sky, turned));
     let mut snapshot = workspace.solve().ok()?;
     Some(judged(&mut snapshot, sky))
@@ -92,7 +94,7 @@ fn assert_same(have: &Finding<f64>, want: &Finding<f64>, within: f64) -> Result<
     prop_assert_eq!(have.modes, want.modes);
     prop_assert_eq!(have.alarm, want.alarm);
     let pairs = [
-        (have.not_watched, want.not_watched),
+        (have.unmonitored_probability, want.unmonitored_probability),
         (have.hpl_m(), want.hpl_m()),
         (have.vpl_m(), want.vpl_m()),
         (have.effective_monitor_threshold_m, want.effective_monitor_threshold_m),
@@ -173,10 +175,10 @@ proptest! {
         prop_assert_eq!(have.options, want.options);
         // Every single and every constellation is watched; where geometry forbids one, its probability is added.
         let least = two_and_more(&rest);
-        prop_assert!(have.whole.not_watched >= least * (1.0 - 1e-9), "{} < {}", have.whole.not_watched, least);
+        prop_assert!(have.whole.unmonitored_probability >= least * (1.0 - 1e-9), "{} < {}", have.whole.unmonitored_probability, least);
         let events = rest.len() + 2;
         if have.whole.modes == events {
-            prop_assert!(same(have.whole.not_watched, least, 1e-6), "{} {}", have.whole.not_watched, least);
+            prop_assert!(same(have.whole.unmonitored_probability, least, 1e-6), "{} {}", have.whole.unmonitored_probability, least);
         }
     }
 
@@ -187,10 +189,10 @@ proptest! {
         let faulty = choice.index(sky.len());
         sky[faulty].residual_m += size_m;
         let Some(judged) = solved(&sky, 0.0) else { return Ok(()) };
-        prop_assert_eq!(judged.outcome == Outcome::Passed, !judged.whole.alarm);
-        if let Outcome::Excluded { rows, finding, .. } = judged.outcome {
+        prop_assert_eq!(judged.outcome == AraimOutcome::Passed, !judged.whole.alarm);
+        if let AraimOutcome::Excluded { rows, finding, .. } = judged.outcome {
             prop_assert!(rows != 0 && rows >> sky.len() == 0);
-            prop_assert!(finding.not_watched >= judged.whole.not_watched);
+            prop_assert!(finding.unmonitored_probability >= judged.whole.unmonitored_probability);
             prop_assert!(!finding.alarm && finding.modes <= judged.whole.modes);
         }
     }
@@ -229,12 +231,12 @@ fn check_numbers<T: Real>(sky: &[Sighted]) -> Result<(), TestCaseError> {
     let priors = Priors { satellites: &priors(sky), constellations };
     let Ok(judged) = judge(&mut snapshot, &priors, &allocation()) else { return Ok(()) };
     let excluded = match &judged.outcome {
-        Outcome::Excluded { finding, .. } => Some(finding),
-        Outcome::Passed | Outcome::NotIsolated => None,
+        AraimOutcome::Excluded { finding, .. } => Some(finding),
+        AraimOutcome::Passed | AraimOutcome::NotIsolated => None,
     };
     for finding in [Some(&judged.whole), excluded].into_iter().flatten() {
         let numbers = [
-            finding.not_watched,
+            finding.unmonitored_probability,
             finding.hpl_m(),
             finding.vpl_m(),
             finding.effective_monitor_threshold_m,

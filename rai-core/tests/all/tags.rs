@@ -3,10 +3,10 @@
 
 use rai_core::epoch::{Epoch, Observation};
 use rai_core::frame::LocalFrame;
-use rai_core::integrity::residuals::parity::Isolation;
-use rai_core::integrity::residuals::tags::RangeRates;
-use rai_core::integrity::residuals::threshold::policy::Policy;
-use rai_core::monitor::{Memory, Method, Monitor, Search, Strategy};
+use rai_core::integrity::raim::detection::threshold::policy::Policy;
+use rai_core::integrity::raim::hypotheses::time_tag::RangeRates;
+use rai_core::integrity::raim::isolation::parity::Isolation;
+use rai_core::monitor::{Method, Monitor, MonitorWorkspace, Search, Strategy};
 use rai_core::report::{Alert, Protected, Report, Verdict};
 use rai_core::requirements::Requirements;
 use rai_core::satellite::{Constellation, SatelliteId};
@@ -36,7 +36,7 @@ const METHODS: [Method; 5] = [
     Method::Baarda,
     Method::Parity(Isolation::Hybrid),
     Method::Parity(Isolation::Grouping),
-    Method::Separation,
+    Method::Araim,
 ];
 
 fn rate_m_s(id: SatelliteId) -> Option<f32> {
@@ -67,7 +67,7 @@ fn judge(
     }
     let mut monitor = Monitor::<f32, CAPACITY>::new(requirements).unwrap();
     monitor.set_strategy(strategy);
-    let mut memory = Memory::new();
+    let mut memory = MonitorWorkspace::new();
     monitor.judge(&epoch, receiver(), Search::Anew, rates, &mut memory).report.clone()
 }
 

@@ -2,12 +2,12 @@
 #![allow(clippy::expect_used, clippy::indexing_slicing)]
 
 use nalgebra::Vector3;
-use rai_core::integrity::residuals::levels::Factors;
-use rai_core::integrity::residuals::threshold::Thresholds;
+use rai_core::integrity::raim::detection::threshold::Thresholds;
+use rai_core::integrity::raim::levels::KFactors;
+use rai_core::least_squares::Workspace;
 use rai_core::numeric::probability::Probability;
 use rai_core::numeric::real::Real;
 use rai_core::satellite::{Constellation, SatelliteId};
-use rai_core::snapshot::Workspace;
 use rai_core::velocity::{RangeRate, Velocity, VelocityError, estimate};
 
 /// Ten satellites all around: azimuth and elevation in degrees.
@@ -33,9 +33,9 @@ fn thresholds() -> Thresholds<'static> {
     Thresholds::from_tables(tail(3.33e-7), tail(1e-3)).expect("in the tables")
 }
 
-fn factors<T: Real>() -> Factors<T> {
+fn factors<T: Real>() -> KFactors<T> {
     let tail = |value| Probability::new(value).expect("a tail");
-    Factors::new(tail(1e-3), tail(1e-7))
+    KFactors::new(tail(1e-3), tail(1e-7))
 }
 
 fn direction(azimuth_deg: f64, elevation_deg: f64) -> Vector3<f64> {

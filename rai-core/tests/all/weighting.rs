@@ -3,8 +3,8 @@
 
 use rai_core::satellite::{Constellation, SatelliteId};
 use rai_core::weighting::{
-    ErrorBudget, Ism, UserModel, ephemeris_sigma_m, integrity_sigma_m, ionosphere_sigma_m, obliquity,
-    sigma_m, weakness,
+    ErrorBudget, Ism, UserModel, ephemeris_sigma_m, integrity_sigma_m, ionosphere_sigma_m,
+    noise_factor_from_cn0, obliquity, sigma_m,
 };
 
 const NOTHING: ErrorBudget = ErrorBudget {
@@ -131,12 +131,15 @@ fn the_ionosphere_has_the_floor_of_the_standard_and_a_fifth_of_a_large_delay() {
 #[test]
 fn a_weak_signal_is_noisier_and_one_of_unknown_strength_is_not() {
     let close = |have: f32, want: f32| assert!((have / want - 1.0).abs() < 1e-5, "have {have}, want {want}");
-    close(weakness(None), 1.0);
-    close(weakness(Some(45.0)), 1.0);
-    close(weakness(Some(42.0)), 1.0);
+    close(noise_factor_from_cn0(None), 1.0);
+    close(noise_factor_from_cn0(Some(45.0)), 1.0);
+    close(noise_factor_from_cn0(Some(42.0)), 1.0);
     // Ten decibels are a tenth of the power, and the root of ten in the noise.
-    close(weakness(Some(32.0)), 10.0_f32.sqrt());
-    assert!(weakness(Some(f32::NAN)) > 10.0 && weakness(Some(f32::NEG_INFINITY)).is_finite());
+    close(noise_factor_from_cn0(Some(32.0)), 10.0_f32.sqrt());
+    assert!(
+        noise_factor_from_cn0(Some(f32::NAN)) > 10.0
+            && noise_factor_from_cn0(Some(f32::NEG_INFINITY)).is_finite()
+    );
 }
 
 #[test]

@@ -4,7 +4,7 @@ use rai_core::epoch::{Epoch, Observation};
 use rai_core::frame::Ecef;
 use rai_core::monitor::{MonitorError, Search};
 use rai_core::satellite::SatelliteId;
-use rai_core::single::{self, CAPACITY, Memory, Monitor};
+use rai_core::single::{self, CAPACITY, Monitor, MonitorWorkspace};
 
 use crate::pointer::{Object, can_give, give, slice, status_of, take};
 use crate::settings::{rai_settings_t, refusal_of};
@@ -15,7 +15,7 @@ use crate::verdict::rai_verdict_t;
 
 const _: () = assert!(RAI_MAX_SATELLITES == CAPACITY);
 
-/// Memory of a monitor. Its contents are private to the library; only its size and alignment
+/// MonitorWorkspace of a monitor. Its contents are private to the library; only its size and alignment
 /// matter.
 #[repr(C)]
 pub struct rai_monitor_t {
@@ -30,7 +30,7 @@ type Stored = Object<Watch, 1>;
 struct Watch {
     /// Result of the construction, because taking the monitor out of it would put it on the stack.
     made: Result<Monitor, MonitorError>,
-    memory: Memory,
+    memory: MonitorWorkspace,
     epoch: Epoch<CAPACITY>,
 }
 
@@ -103,7 +103,7 @@ pub unsafe extern "C" fn rai_monitor_init(
             room.fill(
                 |watch: *mut Watch| {
                     (&raw mut (*watch).made).write(Monitor::new(requirements));
-                    (&raw mut (*watch).memory).write(Memory::new());
+                    (&raw mut (*watch).memory).write(MonitorWorkspace::new());
                     (&raw mut (*watch).epoch).write(Epoch::new(0.0));
                 },
                 |watch| configure(watch.monitor()?, &settings),
@@ -135,7 +135,7 @@ pub unsafe extern "C" fn rai_monitor_configure(
 fn configure(monitor: &mut Monitor, settings: &rai_settings_t) -> Result<(), rai_status_t> {
     // All settings are read before any is changed.
     let (strategy, continuity) = (settings.strategy()?, settings.continuity()?);
-    monitor.require(settings.requirements()?).map_err(refusal_of)?;
+    monitor.set_requirements(settings.requirements()?).map_err(refusal_of)?;
     monitor.set_strategy(strategy);
     monitor.set_continuity(continuity).map_err(|_| RAI_STATUS_SETTING)
 }

@@ -3,11 +3,11 @@
 use rai_core::allocation::Allocation;
 use rai_core::continuity::{ContinuityError, ContinuitySettings, Recovery};
 use rai_core::integrity::Method;
-use rai_core::integrity::residuals::levels::Levels;
+use rai_core::integrity::raim::detection::threshold::policy::Policy;
+use rai_core::integrity::raim::detection::threshold::{ThresholdError, Thresholds};
 #[cfg(feature = "searches")]
-use rai_core::integrity::residuals::parity::Isolation;
-use rai_core::integrity::residuals::threshold::policy::Policy;
-use rai_core::integrity::residuals::threshold::{ThresholdError, Thresholds};
+use rai_core::integrity::raim::isolation::parity::Isolation;
+use rai_core::integrity::raim::levels::Levels;
 use rai_core::monitor::{MonitorError, Strategy};
 use rai_core::numeric::probability::Probability;
 use rai_core::requirements::{Requirements, RequirementsError};
@@ -191,9 +191,9 @@ impl rai_settings_t {
             recovery,
         };
         settings.validate().map_err(|error| match error {
-            ContinuityError::Speed => RAI_STATUS_SPEED,
-            ContinuityError::Height => RAI_STATUS_HEIGHT,
-            ContinuityError::Recovery => RAI_STATUS_RECOVERY,
+            ContinuityError::Speed { .. } => RAI_STATUS_SPEED,
+            ContinuityError::Height { .. } => RAI_STATUS_HEIGHT,
+            ContinuityError::Recovery { .. } => RAI_STATUS_RECOVERY,
         })
     }
 
@@ -220,7 +220,7 @@ impl rai_settings_t {
                 #[cfg(feature = "searches")]
                 RAI_METHOD_RANSAC => Method::Ransac,
                 #[cfg(feature = "araim")]
-                RAI_METHOD_SEPARATION => Method::Separation,
+                RAI_METHOD_SEPARATION => Method::Araim,
                 _ => return Err(RAI_STATUS_METHOD),
             },
             levels: match self.levels {
@@ -238,8 +238,8 @@ impl rai_settings_t {
 /// Returns the status of a core's refusal of the requirements.
 pub(crate) fn refusal_of(error: MonitorError) -> rai_status_t {
     match error {
-        MonitorError::Requirements(RequirementsError::HorizontalAlertLimit) => RAI_STATUS_HAL,
-        MonitorError::Requirements(RequirementsError::VerticalAlertLimit) => RAI_STATUS_VAL,
+        MonitorError::Requirements(RequirementsError::HorizontalAlertLimit(_)) => RAI_STATUS_HAL,
+        MonitorError::Requirements(RequirementsError::VerticalAlertLimit(_)) => RAI_STATUS_VAL,
         MonitorError::Requirements(_) => RAI_STATUS_SETTING,
         MonitorError::Threshold(ThresholdError::FalseAlarm { .. }) => RAI_STATUS_FALSE_ALARM,
         MonitorError::Threshold(ThresholdError::MissedDetection { .. }) => RAI_STATUS_MISSED_DETECTION,

@@ -5,7 +5,7 @@ use embedded_io::Write;
 use rai_core::monitor::MonitorError;
 use rai_core::report::{Alert, Report, Unavailable, Verdict};
 use rai_core::satellite::Constellation;
-use rai_core::single::Accepted;
+use rai_core::single::ValidatedRequirements;
 
 use super::lateness::Lateness;
 use crate::counters::{count, counters};
@@ -89,7 +89,7 @@ impl<P: OutputPin> EpochLoop<P> {
         if pin.set_low().is_err() {
             count(&mut verdicts.pin_failures);
         }
-        let requirements = Accepted::new(AT_START.requirements())?;
+        let requirements = ValidatedRequirements::new(AT_START.requirements())?;
         let settings_hash = AT_START.hash();
         Ok(Self {
             pin,

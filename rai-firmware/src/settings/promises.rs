@@ -4,14 +4,14 @@
 //!
 //! | value | field | range | unit |
 //! |---|---|---|---|
-//! | URA | [`Support::ura_m`] | 0.01 to 100 | m |
-//! | URE | [`Support::ure_m`] | 0.01 to the URA | m |
-//! | `b_nom` | [`Support::bias_m`] | 0 to 100 | m |
-//! | `P_sat` | [`Support::satellite_fault`] | 0, or 1e-12 to 0.1 | – |
-//! | `P_const` | [`Support::constellation_fault`] | the same | – |
+//! | URA | [`IsmParameters::ura_m`] | 0.01 to 100 | m |
+//! | URE | [`IsmParameters::ure_m`] | 0.01 to the URA | m |
+//! | `b_nom` | [`IsmParameters::bias_m`] | 0 to 100 | m |
+//! | `P_sat` | [`IsmParameters::satellite_fault`] | 0, or 1e-12 to 0.1 | – |
+//! | `P_const` | [`IsmParameters::constellation_fault`] | the same | – |
 
 use rai_core::satellite::Constellation;
-use rai_core::weighting::{Ism, Support};
+use rai_core::weighting::{Ism, IsmParameters};
 
 use super::Refusal;
 use super::number::{plain, signed_scientific};
@@ -65,7 +65,7 @@ impl Preset {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Promises {
     preset: Preset,
-    own: [Option<Support>; Constellation::COUNT],
+    own: [Option<IsmParameters>; Constellation::COUNT],
 }
 
 impl Promises {
@@ -146,8 +146,8 @@ fn system(value: &str) -> Option<Constellation> {
 }
 
 /// Reads the five values of a system.
-fn support(values: Values<'_, '_>, ranges: &Ranges) -> Result<Support, Refusal> {
-    let support = Support {
+fn support(values: Values<'_, '_>, ranges: &Ranges) -> Result<IsmParameters, Refusal> {
+    let support = IsmParameters {
         ura_m: next_number(values, range(ranges, 0))?,
         ure_m: next_number(values, range(ranges, 1))?,
         bias_m: next_number(values, range(ranges, 2))?,
@@ -164,7 +164,7 @@ fn fault(values: Values<'_, '_>, range: (f64, f64)) -> Result<f64, Refusal> {
 }
 
 /// Reports the five values of a system.
-fn say(support: &Support, take: Take<'_>) {
+fn say(support: &IsmParameters, take: Take<'_>) {
     for metres in [support.ura_m, support.ure_m, support.bias_m] {
         take(&plain(metres));
     }

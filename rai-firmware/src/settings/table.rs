@@ -19,7 +19,7 @@
 //!
 //! [IS-GPS-200]: crate#references
 
-use rai_core::integrity::residuals::threshold::policy::Policy;
+use rai_core::integrity::raim::detection::threshold::policy::Policy;
 use rai_core::monitor::Method;
 use rai_core::numeric::probability::Probability;
 use rai_core::requirements::Requirements;

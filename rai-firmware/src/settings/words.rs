@@ -3,9 +3,9 @@
 //! Every meaning has its word, because the macro matches it: a variant without a word does not compile. A word that is known but not
 //! built in has no meaning, so that an answer can tell a wrong word from a missing feature.
 
+use rai_core::integrity::raim::detection::threshold::policy::Policy;
 #[cfg(feature = "searches")]
-use rai_core::integrity::residuals::parity::Isolation;
-use rai_core::integrity::residuals::threshold::policy::Policy;
+use rai_core::integrity::raim::isolation::parity::Isolation;
 use rai_core::monitor::Method;
 
 use super::kinds::{Baud, Frequencies, Levels, Sigma};
@@ -87,7 +87,7 @@ words! { Method {
     "HYBRID" = [Method::Parity(Isolation::Hybrid)] if "searches",
     "GROUPING" = [Method::Parity(Isolation::Grouping)] if "searches",
     "RANSAC" = [Method::Ransac] if "searches",
-    "SEPARATION" = [Method::Separation] if "araim",
+    "SEPARATION" = [Method::Araim] if "araim",
     // A step of the hybrid method that a paper compares with the whole.
     no word = [Method::Parity(Isolation::HybridWithoutGrouping)] if "searches",
 } }

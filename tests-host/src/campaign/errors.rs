@@ -69,7 +69,7 @@ impl ErrorModel {
     /// Returns the standard deviation given to a method, m.
     fn said_m(self, judge: &Configuration, satellite: SatelliteId, sin_elevation: f64) -> f64 {
         match self {
-            Self::User(user) if judge.method == Method::Separation => {
+            Self::User(user) if judge.method == Method::Araim => {
                 let support = judge.promises.ism().of(satellite.constellation());
                 f64::from(integrity_sigma_m(&support, 0.0, &budget(user, satellite, sin_elevation)))
             }
@@ -77,7 +77,7 @@ impl ErrorModel {
         }
     }
 
-    /// Returns the matching integrity support parameters, for [`Method::Separation`].
+    /// Returns the matching integrity support parameters, for [`Method::Araim`].
     pub fn promises(self, ism: Ism) -> Ism {
         match self {
             Self::User(user) => Ism { user, ..ism },

@@ -4,7 +4,7 @@
 //! Its positions are those that the user would receive without integrity monitoring.
 
 use rai_core::epoch::Epoch;
-use rai_core::snapshot::Workspace;
+use rai_core::least_squares::Workspace;
 use rai_firmware::correction::{self, CAPACITY, Sky, Tally, locate};
 use rai_firmware::ephemeris::Store;
 use rai_firmware::input::{Event, Input};

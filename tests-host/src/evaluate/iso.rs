@@ -1,12 +1,12 @@
 //! Parity-space part of an answer: correlations, and the result of each isolation method.
 
-use rai_core::integrity::residuals::parity::{
-    Finding, SearchLimits, correlation, correlation_threshold, grouping, hybrid, hybrid_without_grouping,
-    sequential, simultaneous,
+use rai_core::integrity::raim::detection::threshold::Thresholds;
+use rai_core::integrity::raim::isolation::parity::{
+    ParityFinding, SearchLimits, correlation, correlation_threshold, grouping, hybrid,
+    hybrid_without_grouping, sequential, simultaneous,
 };
-use rai_core::integrity::residuals::threshold::Thresholds;
+use rai_core::least_squares::Snapshot;
 use rai_core::numeric::real::Real;
-use rai_core::snapshot::Snapshot;
 use serde::Serialize;
 
 use super::MAX_ROWS;
@@ -50,7 +50,7 @@ pub(super) fn evaluate<T: Real>(
     })
 }
 
-fn rows<T: Real>(finding: &Finding<T>) -> Option<Vec<usize>> {
+fn rows<T: Real>(finding: &ParityFinding<T>) -> Option<Vec<usize>> {
     let removal = finding.set.as_ref().ok()?;
     Some(removal.rows().iter().map(|row| row.index).collect())
 }

@@ -7,8 +7,8 @@
 
 use rai_core::epoch::{Epoch, Observation};
 use rai_core::frame::{Ecef, Enu, LocalFrame};
-use rai_core::integrity::residuals::parity;
-use rai_core::integrity::residuals::threshold::policy::Policy;
+use rai_core::integrity::raim::detection::threshold::policy::Policy;
+use rai_core::integrity::raim::isolation::parity;
 use rai_core::monitor::{Method, Monitor, Strategy};
 use rai_core::numeric::real::Real;
 use rai_core::requirements::Requirements;
@@ -28,7 +28,7 @@ const METHODS: [Method; 8] = [
     Method::Parity(parity::Isolation::Hybrid),
     Method::Parity(parity::Isolation::Grouping),
     Method::Ransac,
-    Method::Separation,
+    Method::Araim,
     Method::Auto,
 ];
 const POLICIES: [Policy; 3] = [Policy::T1, Policy::T2, Policy::TOp];

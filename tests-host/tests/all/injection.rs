@@ -5,7 +5,7 @@
 //! epoch, is below 100 m; `S_ii` comes from the dense oracle and not from the core.
 
 use rai_core::frame::{Ecef, Enu, LocalFrame};
-use rai_core::integrity::residuals::threshold::Thresholds;
+use rai_core::integrity::raim::detection::threshold::Thresholds;
 use rai_core::numeric::probability::Probability;
 use rai_core::satellite::SatelliteId;
 use tests_host::encode::{Frequency, Selection};

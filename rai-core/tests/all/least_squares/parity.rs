@@ -2,16 +2,16 @@
 
 use nalgebra::Vector3;
 use proptest::prelude::*;
-use rai_core::equations::LinearEpoch;
-use rai_core::integrity::residuals::exclusion::Unidentified;
-use rai_core::integrity::residuals::parity::{
-    Finding, MAX_SETS, SearchLimits, correlation_threshold, grouping, hybrid, hybrid_without_grouping,
+use rai_core::integrity::raim::detection::threshold::Thresholds;
+use rai_core::integrity::raim::isolation::exclusion::Unidentified;
+use rai_core::integrity::raim::isolation::parity::{
+    MAX_SETS, ParityFinding, SearchLimits, correlation_threshold, grouping, hybrid, hybrid_without_grouping,
     sequential, simultaneous,
 };
-use rai_core::integrity::residuals::threshold::Thresholds;
+use rai_core::least_squares::Snapshot;
+use rai_core::least_squares::equations::LinearEpoch;
 use rai_core::numeric::probability::Probability;
 use rai_core::satellite::Constellation;
-use rai_core::snapshot::Snapshot;
 
 use crate::solved::solved;
 
@@ -148,8 +148,8 @@ fn all_of_size(count: usize, size: usize) -> Vec<Vec<usize>> {
     all_of_size(count, size - 1).into_iter().flat_map(extended).collect()
 }
 
-fn answer(finding: &Finding<f64>) -> Answer {
-    let indices = |removal: &rai_core::removal::Removal<f64>| {
+fn answer(finding: &ParityFinding<f64>) -> Answer {
+    let indices = |removal: &rai_core::least_squares::downdate::ExclusionSet<f64>| {
         sorted(removal.rows().iter().map(|row| row.index).collect())
     };
     (finding.set.as_ref().map(indices).map_err(|why| *why), finding.sets)

@@ -2,12 +2,12 @@
 
 use nalgebra::{DMatrix, DVector, Vector3};
 use proptest::prelude::*;
-use rai_core::equations::LinearEpoch;
-use rai_core::integrity::residuals::parity::correlation;
+use rai_core::integrity::raim::isolation::parity::correlation;
+use rai_core::least_squares::Snapshot;
+use rai_core::least_squares::downdate::{ExclusionSet, NormalisedRows, testable_rows};
+use rai_core::least_squares::equations::LinearEpoch;
 use rai_core::numeric::real::Real;
-use rai_core::removal::{NormalisedRows, Removal, testable_rows};
 use rai_core::satellite::Constellation;
-use rai_core::snapshot::Snapshot;
 
 use crate::solved::solved;
 
@@ -98,7 +98,7 @@ proptest! {
         prop_assume!(dense.as_ref().is_some_and(well_conditioned));
         let want = dense.unwrap();
         let snapshot = snapshot::<f64>(&ranges);
-        let have = Removal::of(&snapshot, &set).unwrap();
+        let have = ExclusionSet::of(&snapshot, &set).unwrap();
         prop_assert_eq!(have.dof(&snapshot), want.dof);
         assert_close("sse", have.sse(&testable(&snapshot)), want.sse, 1e-8, 1e-7);
         assert_close("sse by difference", snapshot.sse() - have.explained(), want.sse, 1e-8, 1e-6);
@@ -120,7 +120,7 @@ proptest! {
         prop_assume!(dense.as_ref().is_some_and(is_known_to_10_m));
         let want = dense.unwrap();
         let snapshot = snapshot::<f32>(&ranges);
-        let have = Removal::of(&snapshot, &set).unwrap();
+        let have = ExclusionSet::of(&snapshot, &set).unwrap();
         assert_close("sse", have.sse(&testable(&snapshot)).into(), want.sse, 1e-3, 1e-2);
         for axis in 0..3 {
             assert_close("x", have.correction(&snapshot)[axis].into(), want.unknowns_m[axis], 1e-3, 0.05);
@@ -136,8 +136,8 @@ proptest! {
         let set: Vec<usize> = (ranges.len()..ranges.len() + lone.len()).collect();
         ranges.extend(lone);
         prop_assume!(oracle::solve(&ranges).as_ref().is_some_and(well_conditioned));
-        prop_assert_eq!(Removal::of(&snapshot::<f64>(&ranges), &set), None);
-        prop_assert_eq!(Removal::of(&snapshot::<f32>(&ranges), &set), None);
+        prop_assert_eq!(ExclusionSet::of(&snapshot::<f64>(&ranges), &set), None);
+        prop_assert_eq!(ExclusionSet::of(&snapshot::<f32>(&ranges), &set), None);
     }
 
     #[test]

@@ -2,14 +2,14 @@
 //! compiled here.
 
 use rai_core::epoch::Epoch;
-use rai_core::integrity::residuals::baarda;
-use rai_core::integrity::residuals::levels::{self, Slopes};
-use rai_core::integrity::separation::{self, Allocation, Judged, Priors, Room, SeparationError};
+use rai_core::integrity::araim::{self, Allocation, AraimError, AraimJudgement, AraimScratch, Priors};
+use rai_core::integrity::raim::isolation::baarda;
+use rai_core::integrity::raim::levels::{self, Slopes};
+use rai_core::least_squares::{Snapshot, SnapshotError};
 use rai_core::monitor::Monitor;
 use rai_core::numeric::real::Real;
 use rai_core::report::Report;
 use rai_core::single::{self, CAPACITY, stages};
-use rai_core::snapshot::{Snapshot, SnapshotError};
 
 /// Stages that are measured in both precisions.
 pub trait Precision: Real {
@@ -21,13 +21,13 @@ pub trait Precision: Real {
     fn worst_two(snapshot: &Snapshot<'_, Self>) -> Option<(usize, Self, Self)>;
     /// Calls [`levels::largest_slopes`].
     fn largest_slopes(snapshot: &Snapshot<'_, Self>) -> Slopes<Self>;
-    /// Calls [`separation::judge_in`].
+    /// Calls [`araim::judge_in`].
     fn separate(
         snapshot: &mut Snapshot<'_, Self>,
         priors: &Priors<'_, Self>,
         allocation: &Allocation,
-        room: &mut Room<Self>,
-    ) -> Result<Judged<Self>, SeparationError>;
+        room: &mut AraimScratch<Self>,
+    ) -> Result<AraimJudgement<Self>, AraimError>;
     /// Calls [`Monitor::process`].
     fn process(monitor: &mut Monitor<Self, CAPACITY>, epoch: &Epoch<CAPACITY>) -> Report<CAPACITY>;
 }
@@ -37,8 +37,8 @@ impl Precision for f32 {
         snapshot: &mut Snapshot<'_, Self>,
         priors: &Priors<'_, Self>,
         allocation: &Allocation,
-        room: &mut Room<Self>,
-    ) -> Result<Judged<Self>, SeparationError> {
+        room: &mut AraimScratch<Self>,
+    ) -> Result<AraimJudgement<Self>, AraimError> {
         stages::separate(snapshot, priors, allocation, room)
     }
 
@@ -68,9 +68,9 @@ impl Precision for f64 {
         snapshot: &mut Snapshot<'_, Self>,
         priors: &Priors<'_, Self>,
         allocation: &Allocation,
-        room: &mut Room<Self>,
-    ) -> Result<Judged<Self>, SeparationError> {
-        separation::judge_in(snapshot, priors, allocation, room)
+        room: &mut AraimScratch<Self>,
+    ) -> Result<AraimJudgement<Self>, AraimError> {
+        araim::judge_in(snapshot, priors, allocation, room)
     }
 
     fn leave_out(snapshot: &mut Snapshot<'_, Self>, index: usize) -> Result<(), SnapshotError> {

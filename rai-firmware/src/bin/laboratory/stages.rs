@@ -5,17 +5,17 @@ use core::hint::black_box;
 use heapless::Vec;
 use rai_core::clock::{CoastingClock, WINDOW};
 use rai_core::frame::Ecef;
-use rai_core::integrity::residuals::detection::detect;
-use rai_core::integrity::residuals::levels::{Exposure, largest_slopes};
-use rai_core::integrity::residuals::threshold::Thresholds;
-use rai_core::integrity::residuals::threshold::policy::{Demand, Policy};
-use rai_core::integrity::residuals::{parity, ransac};
-use rai_core::integrity::separation::{Allocation, Prior, Priors, Room};
+use rai_core::integrity::araim::{Allocation, AraimScratch, Prior, Priors};
+use rai_core::integrity::raim::detection::detect;
+use rai_core::integrity::raim::detection::threshold::Thresholds;
+use rai_core::integrity::raim::detection::threshold::policy::{Policy, ThresholdProblem};
+use rai_core::integrity::raim::isolation::{parity, ransac};
+use rai_core::integrity::raim::levels::{LevelInputs, largest_slopes};
+use rai_core::least_squares::{Snapshot, Workspace};
 use rai_core::monitor::{Method, Monitor, Strategy};
 use rai_core::numeric::real::Real;
 use rai_core::requirements::Requirements;
 use rai_core::single::{CAPACITY, stages};
-use rai_core::snapshot::{Snapshot, Workspace};
 use rai_core::weighting::Ism;
 
 use crate::answer::Answers;
@@ -186,7 +186,7 @@ fn separate<T: Precision>(
     let constellations = Ism::RESEARCH.constellations.map(|support| T::narrow(support.constellation_fault));
     let allocation = Allocation::vertical_guidance();
     // A monitor keeps this memory.
-    let mut room = Room::new();
+    let mut room = AraimScratch::new();
     let (found, ticks) = stopwatch.time(|| {
         let priors = Priors { satellites: &satellites, constellations };
         T::separate(black_box(&mut snapshot), &priors, &allocation, &mut room)
@@ -220,8 +220,12 @@ fn policy(mut input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers
     let snapshot = workspace.solve().ok()?;
     let (slopes, thresholds) = (largest_slopes(&snapshot), thresholds()?);
     let (found, ticks) = stopwatch.time(|| {
-        let demand =
-            Demand::new(black_box(snapshot.dof()), &Exposure::to_faults(slopes), &requirements(), thresholds);
+        let demand = ThresholdProblem::new(
+            black_box(snapshot.dof()),
+            &LevelInputs::to_faults(slopes),
+            &requirements(),
+            thresholds,
+        );
         stages::threshold(&demand, policy)
     });
     answers.write(ticks, &found)
@@ -266,7 +270,7 @@ fn method_of(number: u8) -> Option<Method> {
         Method::Parity(Hybrid),
         Method::Parity(Grouping),
         Method::Ransac,
-        Method::Separation,
+        Method::Araim,
         Method::Auto,
     ];
     methods.get(usize::from(number)).copied()

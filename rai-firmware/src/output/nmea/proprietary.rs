@@ -21,7 +21,7 @@
 
 use embedded_io::Write;
 use heapless::String;
-use rai_core::report::{Alert, Dominant, Protected, Report, Separation, Unavailable, Verdict};
+use rai_core::report::{Alert, AraimReport, DominantMode, Protected, Report, Unavailable, Verdict};
 use rai_core::requirements::Requirements;
 use rai_core::satellite::Constellation;
 
@@ -113,7 +113,7 @@ fn state<const N: usize>(statement: &Statement<'_, N>, time: TimeOfDay, precisio
 
 /// `PRAIM`: what ARAIM says beside its levels.
 pub(super) fn write_separation<W: Write>(
-    separation: &Separation,
+    separation: &AraimReport,
     time: TimeOfDay,
     out: &mut W,
 ) -> Result<(), W::Error> {
@@ -121,7 +121,7 @@ pub(super) fn write_separation<W: Write>(
     sentence
         .time(Some(time))
         .integer(u32::from(separation.modes), 1)
-        .probability(separation.not_watched)
+        .probability(separation.unmonitored_probability)
         .number(separation.effective_monitor_threshold_m, 2, 9)
         .number(separation.accuracy_m, 2, 9)
         .text(&named(separation.vertical))
@@ -130,7 +130,7 @@ pub(super) fn write_separation<W: Write>(
 }
 
 /// A mode by what it takes away.
-fn named(mode: Dominant) -> String<16> {
+fn named(mode: DominantMode) -> String<16> {
     let mut name = String::new();
     let lost = Constellation::ALL.into_iter().filter(|system| mode.constellations >> *system as u8 & 1 != 0);
     for system in lost {

@@ -7,9 +7,9 @@
 
 use anyhow::{Context as _, Result};
 use nalgebra::{DVector, Vector3};
-use rai_core::integrity::separation::{Allocation, Priors, judge};
+use rai_core::integrity::araim::{Allocation, Priors, judge};
+use rai_core::least_squares::{Snapshot, Workspace};
 use rai_core::satellite::Constellation;
-use rai_core::snapshot::{Snapshot, Workspace};
 
 use super::scene::{Scene, Sighted, spread};
 use super::{Finding, Judgement, Row, Section};
@@ -91,8 +91,8 @@ pub(super) fn section() -> Result<Section> {
     })
 }
 
-fn widened(scene: &Scene) -> Result<rai_core::equations::LinearEpoch<f64, 64>> {
-    let mut epoch = rai_core::equations::LinearEpoch::new();
+fn widened(scene: &Scene) -> Result<rai_core::least_squares::equations::LinearEpoch<f64, 64>> {
+    let mut epoch = rai_core::least_squares::equations::LinearEpoch::new();
     for one in &scene.satellites {
         epoch.satellite(one.constellation, one.direction, 0.0, one.sigma_m)?;
     }
@@ -178,7 +178,7 @@ fn modes(scene: &Scene, snapshot: &mut Snapshot<'_, f64>) -> Result<Vec<Row>> {
 /// Returns the core's results for the whole.
 fn levels(scene: &Scene) -> Result<Vec<Row>> {
     let allocation = Allocation {
-        not_watched: 8e-8,
+        unmonitored_probability: 8e-8,
         consolidation: 0.0,
         exclusion: false,
         ..Allocation::vertical_guidance()
@@ -193,7 +193,7 @@ fn levels(scene: &Scene) -> Result<Vec<Row>> {
     };
     Ok(vec![
         number("modes", "12", found.modes as f64, 12.0, 0, 0.0),
-        number("P_nm / 1e-8", "", found.not_watched * 1e8, 3.449_595_95, 8, 1e-7),
+        number("P_nm / 1e-8", "", found.unmonitored_probability * 1e8, 3.449_595_95, 8, 1e-7),
         number("K, horizontal", "", found.factors[0], 5.894_859_64, 8, 1e-8),
         number("K, vertical", "", found.factors[2], 5.108_340_84, 8, 1e-8),
         // A reported level is never below the root. It may be 0.3 mm above it; here it is closer.

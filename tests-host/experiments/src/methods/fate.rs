@@ -17,7 +17,7 @@ use std::ops::Add;
 
 use rai_core::epoch::Observation;
 use rai_core::frame::{Ecef, Enu, LocalFrame};
-use rai_core::integrity::residuals::ransac::ConsensusLimits;
+use rai_core::integrity::raim::isolation::ransac::ConsensusLimits;
 use rai_core::monitor::{Method, Monitor, Strategy};
 use rai_core::report::{Alert, Protected, Report, Verdict};
 use rai_core::requirements::Requirements;
@@ -123,7 +123,7 @@ pub(super) fn of_scene(scene: &Scene) -> Vec<Option<Judged>> {
 fn monitor(scene: &Scene, method: Method) -> Monitor<f32, CAPACITY> {
     let mut monitor = Monitor::new(Requirements::non_precision_approach()).expect("a preset");
     monitor.set_strategy(Strategy { method, ..Strategy::CLASSIC });
-    monitor.forgo_continuity();
+    monitor.disable_continuity();
     monitor.start_from(scene.site);
     monitor
 }

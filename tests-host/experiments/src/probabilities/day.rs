@@ -22,8 +22,8 @@ use anyhow::{Context as _, Result};
 use nalgebra::{Matrix2, Vector2};
 use rai_core::epoch::Epoch;
 use rai_core::frame::Enu;
-use rai_core::integrity::residuals::levels::Levels;
-use rai_core::integrity::residuals::threshold::Thresholds;
+use rai_core::integrity::raim::detection::threshold::Thresholds;
+use rai_core::integrity::raim::levels::Levels;
 use rai_core::monitor::{Monitor, Strategy};
 use rai_core::report::{Protected, Report, Verdict};
 use rai_core::requirements::Requirements;
@@ -130,7 +130,7 @@ impl Day<'_> {
             let mut monitor = Monitor::<f32, CAPACITY>::new(self.requirements)?;
             // The level of the papers, whose misleading epochs theory predicts.
             monitor.set_strategy(Strategy { levels: Levels::Slope, ..Strategy::CLASSIC });
-            monitor.forgo_continuity();
+            monitor.disable_continuity();
             let mut tally = Tally::default();
             for number in start..(start + CHUNK).min(self.epochs) {
                 let instant = self.instant(&satellites, number)?;

@@ -28,9 +28,9 @@
 use anyhow::{Context as _, Result, ensure};
 use nalgebra::DVector;
 use rai_core::epoch::Epoch;
-use rai_core::integrity::residuals::parity::Isolation;
-use rai_core::integrity::residuals::threshold::Thresholds;
-use rai_core::monitor::{Memory, Method, Monitor, Search, Strategy};
+use rai_core::integrity::raim::detection::threshold::Thresholds;
+use rai_core::integrity::raim::isolation::parity::Isolation;
+use rai_core::monitor::{Method, Monitor, MonitorWorkspace, Search, Strategy};
 use rai_core::report::{Protected, Report, Verdict};
 use rai_core::requirements::Requirements;
 use rai_core::weighting::Ism;
@@ -54,7 +54,7 @@ const METHODS: [(&str, Method); 8] = [
     ("HYBRID", Method::Parity(Isolation::Hybrid)),
     ("GROUPING", Method::Parity(Isolation::Grouping)),
     ("RANSAC", Method::Ransac),
-    ("SEPARATION", Method::Separation),
+    ("SEPARATION", Method::Araim),
 ];
 
 /// Sizes of the bias, as multiples of the one that corresponds to `√λ`: from those missed by chance
@@ -135,7 +135,7 @@ pub(super) fn sections(effort: Effort, site: &Site) -> Result<Vec<Section>> {
                 let by_size: Vec<Count> = by_size.iter().map(|counts| counts[limit][number]).collect();
                 faulty.push(row(&format!("{who}, {name}"), &asked(*method), &by_size));
             }
-            if *method != Method::Separation {
+            if *method != Method::Araim {
                 let FaultFree { weights, heaviest } = &without_fault;
                 fault_free.push(row_without_fault(who, &weights[number], *heaviest));
             }
@@ -182,7 +182,7 @@ impl Watched {
         let monitors = METHODS.iter().map(|&(_, method)| {
             let approach = Requirements::non_precision_approach();
             let usual = monitor(approach, method)?;
-            let mut memory = Memory::new();
+            let mut memory = MonitorWorkspace::new();
             let report = &usual.judge(&noiseless, site.position, Search::Anew, None, &mut memory).report;
             let levels = report.protection.context("a sky with levels")?;
             let limit = |level_m: f64| (level_m * ABOVE / approach.guard_fraction).min(approach.hal_m);
@@ -203,7 +203,7 @@ impl Watched {
         method: usize,
         limit: usize,
         epoch: &Epoch<CAPACITY>,
-        memory: &mut Memory<f32, CAPACITY>,
+        memory: &mut MonitorWorkspace<f32, CAPACITY>,
     ) -> Fate {
         let monitor = &self.monitors[method][limit];
         self.fate(&monitor.judge(epoch, self.site.position, Search::Anew, None, memory).report)
@@ -233,7 +233,7 @@ impl Watched {
     ) -> Result<Counts> {
         let Scene { geometry, .. } = &self.scene;
         let root = thresholds.lambda::<f64>(geometry.dof()).context("beyond the tables")?.sqrt();
-        let mut memory = core::array::from_fn::<_, { METHODS.len() }, _>(|_| Memory::new());
+        let mut memory = core::array::from_fn::<_, { METHODS.len() }, _>(|_| MonitorWorkspace::new());
         let mut counts = Counts::default();
         for (draw, &index) in draws.zip(self.faulty.iter().cycle()) {
             let bias_m = SIZES[size] * root / geometry.visibility(index);
@@ -284,7 +284,7 @@ struct FaultFree {
 fn judged_without_fault(watched: &[Watched], draws: usize) -> Result<FaultFree> {
     let thresholds = thresholds()?;
     let of_sky = |sky: usize| -> Result<Vec<([f64; METHODS.len()], f64)>> {
-        let mut memory = core::array::from_fn::<_, { METHODS.len() }, _>(|_| Memory::new());
+        let mut memory = core::array::from_fn::<_, { METHODS.len() }, _>(|_| MonitorWorkspace::new());
         let of_draw = |draw: usize| {
             let mut chance = generator(SEED + SIZES.len() as u64, draw as u64);
             let drawn = alarming(&watched[sky].scene.geometry, &thresholds, &mut chance)?;
@@ -313,7 +313,7 @@ fn judged_without_fault(watched: &[Watched], draws: usize) -> Result<FaultFree> 
 /// requirement.
 fn asked(method: Method) -> [Option<f64>; 2] {
     let Requirements { missed_detection, allocation, .. } = Requirements::non_precision_approach();
-    if method != Method::Separation {
+    if method != Method::Araim {
         return [Some(missed_detection.get()); 2];
     }
     let likeliest =

@@ -10,13 +10,13 @@
 //! The paper's "wrong" is wrong or unresolved here.
 
 use anyhow::{Context as _, Result};
-use rai_core::equations::Row;
-use rai_core::integrity::residuals::baarda::exclude_sequentially;
-use rai_core::integrity::residuals::exclusion::{Exclusion, Outcome};
-use rai_core::integrity::residuals::threshold::Thresholds;
-use rai_core::integrity::residuals::{parity, ransac};
+use rai_core::integrity::raim::detection::threshold::Thresholds;
+use rai_core::integrity::raim::isolation::baarda::exclude_sequentially;
+use rai_core::integrity::raim::isolation::exclusion::{Exclusion, ExclusionOutcome};
+use rai_core::integrity::raim::isolation::{parity, ransac};
+use rai_core::least_squares::Excludable;
+use rai_core::least_squares::equations::Row;
 use rai_core::numeric::probability::Probability;
-use rai_core::snapshot::Reducible;
 use rai_firmware::correction::CAPACITY;
 use rand_chacha::ChaCha8Rng;
 
@@ -73,7 +73,7 @@ impl Method {
     /// Isolates, and leaves the rows found out of `solution`.
     pub(super) fn exclude(
         self,
-        solution: &mut impl Reducible<f32>,
+        solution: &mut impl Excludable<f32>,
         selection: &ransac::Selection,
         limits: &Limits,
     ) -> Exclusion<f32> {
@@ -100,9 +100,9 @@ impl Answer {
     /// Returns the answer of an exclusion by the core.
     pub(super) fn of(exclusion: &Exclusion<f32>) -> Self {
         match exclusion.outcome {
-            Outcome::Passed => Self::Nothing,
-            Outcome::Isolated => Self::named(exclusion.rows.iter().map(|excluded| excluded.index)),
-            Outcome::NotIsolated(_) => Self::Unresolved,
+            ExclusionOutcome::Passed => Self::Nothing,
+            ExclusionOutcome::Isolated => Self::named(exclusion.rows.iter().map(|excluded| excluded.index)),
+            ExclusionOutcome::NotIsolated(_) => Self::Unresolved,
         }
     }
 

@@ -9,12 +9,13 @@
 use anyhow::{Context as _, Result};
 use indicatif::ProgressBar;
 use rai_core::epoch::{Epoch, Observation};
-use rai_core::fix::Fix;
 use rai_core::frame::Ecef;
-use rai_core::integrity::residuals::exclusion::{Outcome, separable};
-use rai_core::integrity::residuals::parity;
-use rai_core::integrity::residuals::ransac::{MAX_WORK, Selection};
-use rai_core::snapshot::Workspace;
+use rai_core::integrity::raim::hypotheses::separability::separable;
+use rai_core::integrity::raim::isolation::exclusion::ExclusionOutcome;
+use rai_core::integrity::raim::isolation::parity;
+use rai_core::integrity::raim::isolation::ransac::{MAX_WORK, Selection};
+use rai_core::least_squares::Workspace;
+use rai_core::least_squares::fix::Fix;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
@@ -151,8 +152,8 @@ fn with_faults(
 /// Returns a method's answer about a position, as the module reports it.
 fn answer(method: Method, mut fix: Fix<'_, f32>, selection: &Selection, limits: &Limits) -> Answer {
     let exclusion = method.exclude(&mut fix, selection, limits);
-    let accepted =
-        exclusion.outcome != Outcome::Isolated || separable(&mut fix, &exclusion, &limits.thresholds);
+    let accepted = exclusion.outcome != ExclusionOutcome::Isolated
+        || separable(&mut fix, &exclusion, &limits.thresholds);
     if accepted { Answer::of(&exclusion) } else { Answer::Unresolved }
 }
 

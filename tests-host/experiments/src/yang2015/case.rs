@@ -1,12 +1,12 @@
 //! Requirements of table 1, and its counts.
 
 use anyhow::Context as _;
-use rai_core::integrity::residuals::levels::{Exposure, largest_slopes};
-use rai_core::integrity::residuals::threshold::Thresholds;
-use rai_core::integrity::residuals::threshold::policy::{Demand, Policy};
+use rai_core::integrity::raim::detection::threshold::Thresholds;
+use rai_core::integrity::raim::detection::threshold::policy::{Policy, ThresholdProblem};
+use rai_core::integrity::raim::levels::{LevelInputs, largest_slopes};
+use rai_core::least_squares::Snapshot;
 use rai_core::numeric::real::Real;
 use rai_core::requirements::Requirements;
-use rai_core::snapshot::Snapshot;
 
 use super::grid::LATITUDES;
 use super::{FALSE_ALARM, LIMIT_M, thresholds};
@@ -75,10 +75,10 @@ impl Case {
         self.demand(snapshot).threshold::<f64>(Policy::TOp).is_ok()
     }
 
-    fn demand<T: Real>(&self, snapshot: &Snapshot<'_, T>) -> Demand<'static> {
-        Demand::new(
+    fn demand<T: Real>(&self, snapshot: &Snapshot<'_, T>) -> ThresholdProblem<'static> {
+        ThresholdProblem::new(
             snapshot.dof(),
-            &Exposure::to_faults(largest_slopes(snapshot)),
+            &LevelInputs::to_faults(largest_slopes(snapshot)),
             &self.requirements,
             self.thresholds,
         )
