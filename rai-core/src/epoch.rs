@@ -7,7 +7,7 @@
 //! | symbol | field | unit |
 //! |---|---|---|
 //! | `ρ` | `range_m` | m, corrected for the satellite's clock and for the atmosphere, receiver clock left in |
-//! | `m` | `common_m`, the part of the error that all ranges share ([`crate::integrity::residuals::levels`]) | m at one sigma |
+//! | `m` | `common_m`, the part of the error that all ranges share ([`crate::integrity::raim::levels`]) | m at one sigma |
 //! | `σ` | `sigma_m` | m, standard deviation of the corrected range ([`crate::weighting`]) |
 
 use core::fmt;

@@ -126,7 +126,7 @@ pub struct TestStatistic {
 }
 
 /// How wrong a position can be, m, that is called good although one satellite is faulty; infinite where a satellite moves
-/// it but cannot be tested ([`crate::integrity::residuals::levels`]).
+/// it but cannot be tested ([`crate::integrity::raim::levels`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ProtectionLevels {

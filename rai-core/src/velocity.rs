@@ -12,7 +12,7 @@
 //! | `v` | [`Velocity::east_north_up_m_s`] | m/s |
 //! | `ḋ` | [`Velocity::drift_m_s`], drift of the receiver clock times the speed of light | m/s |
 //!
-//! It is the equation of the position with metres a second for metres, and is solved by the same [`Snapshot`](crate::snapshot::Snapshot). One drift
+//! It is the equation of the position with metres a second for metres, and is solved by the same [`Snapshot`](crate::least_squares::Snapshot). One drift
 //! serves all systems, since their times drift against each other by millimetres a second: with `n` satellites
 //! `dof = n − 4`, more redundancy than the position has. The global test, the exclusion of up to three satellites and the
 //! levels are those of the position, with the same probabilities. An exclusion must leave two degrees of freedom and as many as it
@@ -20,7 +20,7 @@
 //!
 //! A fault here is none of the position: a range can be false and its rate true. What is returned passed its own test.
 //!
-//! Assumes independent Gaussian errors. References: [Lin2016] §2.2 for the test, [`crate::integrity::residuals::levels`]
+//! Assumes independent Gaussian errors. References: [Lin2016] §2.2 for the test, [`crate::integrity::raim::levels`]
 //! for the levels.
 //!
 //! [Lin2016]: crate#references
@@ -30,16 +30,17 @@ use core::fmt;
 use heapless::Vec;
 use nalgebra::Vector3;
 
-use crate::integrity::residuals::baarda::exclude_sequentially;
-use crate::integrity::residuals::detection::detect;
-use crate::integrity::residuals::exclusion::{Outcome, leaves_enough, separable};
-use crate::integrity::residuals::levels::{Exposure, Factors, Levels};
-use crate::integrity::residuals::threshold::Thresholds;
+use crate::integrity::raim::detection::detect;
+use crate::integrity::raim::detection::threshold::Thresholds;
+use crate::integrity::raim::hypotheses::separability::separable;
+use crate::integrity::raim::isolation::baarda::exclude_sequentially;
+use crate::integrity::raim::isolation::exclusion::{Outcome, leaves_enough};
+use crate::integrity::raim::levels::{Exposure, Factors, Levels};
+use crate::least_squares::Workspace;
 use crate::numeric::real::Real;
 use crate::numeric::space::told;
 use crate::report::{MAX_EXCLUDED, ProtectionLevels, TestStatistic};
 use crate::satellite::{Constellation, SatelliteId};
-use crate::snapshot::Workspace;
 
 /// Stands for the one drift of all systems among the clocks of a snapshot.
 const DRIFT: Constellation = Constellation::Gps;

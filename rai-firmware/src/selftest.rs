@@ -20,7 +20,7 @@
 
 use nalgebra::Vector3;
 use rai_core::frame::{Ecef, LocalFrame};
-use rai_core::integrity::residuals::threshold::Thresholds;
+use rai_core::integrity::raim::detection::threshold::Thresholds;
 use rai_core::numeric::probability::Probability;
 use rai_core::numeric::real::Real;
 use rai_core::satellite::Constellation;

@@ -16,7 +16,7 @@ use criterion::{
     BenchmarkGroup, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main,
     measurement::WallTime,
 };
-use rai_core::integrity::residuals::parity;
+use rai_core::integrity::raim::isolation::parity;
 use rai_core::monitor::{Method, Monitor, Strategy};
 use rai_core::numeric::real::Real;
 use rai_core::requirements::Requirements;

@@ -13,7 +13,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail, ensure};
-use rai_core::integrity::residuals::threshold::{MAX_DOF, MAX_TESTS};
+use rai_core::integrity::raim::detection::threshold::{MAX_DOF, MAX_TESTS};
 
 use crate::chi_square;
 
@@ -28,7 +28,7 @@ pub const MISSED_DETECTION: [f64; 4] = [1e-3, 1e-4, 1e-5, 1e-6];
 /// Largest relative error that a table may have.
 pub const TOLERANCE: f64 = 1e-12;
 
-/// The rows of one pair of probabilities, as [`rai_core::integrity::residuals::threshold::Thresholds`] reads them.
+/// The rows of one pair of probabilities, as [`rai_core::integrity::raim::detection::threshold::Thresholds`] reads them.
 #[derive(Clone, Debug)]
 pub struct Rows {
     /// Thresholds of the global test for 1, 2, … degrees of freedom.
@@ -62,7 +62,7 @@ fn w_test_row(false_alarm: f64) -> Vec<f64> {
 
 /// Where the generated table is committed.
 pub fn committed_path() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../rai-core/src/integrity/residuals/threshold/table.rs")
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../rai-core/src/integrity/raim/detection/threshold/table.rs")
 }
 
 /// The text of the generated table.

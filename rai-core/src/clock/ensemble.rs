@@ -22,11 +22,11 @@
 
 use super::{CoastingClock, WINDOW};
 use crate::epoch::{Aiding, EpochView};
-use crate::equations::Row;
+use crate::least_squares::equations::Row;
+use crate::least_squares::{Fit, Snapshot};
 use crate::numeric::real::Real;
 use crate::numeric::space::zero;
 use crate::satellite::Constellation;
-use crate::snapshot::{Fit, Snapshot};
 
 /// Satellites of a constellation without which its clock is not learned: a lone one determines it untested.
 const MIN_SATELLITES: usize = 2;

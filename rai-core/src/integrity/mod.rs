@@ -10,32 +10,32 @@
 //! **A forecast beside the satellites** raises what four satellites can say of each other, and vouches for itself. Where the
 //! satellites can be tested without it they are, too: both tests must pass, and the protection levels are the larger ones.
 
-pub mod residuals;
-pub mod separation;
+pub mod araim;
+pub mod raim;
 
 use heapless::Vec;
 
 use crate::bounded::gather;
 use crate::epoch::EpochView;
+use crate::least_squares::{Excludable, Snapshot};
 use crate::numeric::real::Real;
 use crate::report::{MAX_EXCLUDED, ProtectionLevels, Separation};
 use crate::requirements::Requirements;
 use crate::satellite::SatelliteId;
-use crate::snapshot::{Reducible, Snapshot};
 use crate::weighting::Ism;
-use residuals::baarda::exclude_sequentially;
-use residuals::detection::Detection;
-use residuals::exclusion::{Excluded, Exclusion, Outcome, Unidentified, leave_out, leaves_enough, separable};
-use residuals::levels::{Exposure, Factors, Levels, common_shift};
-use residuals::sets::count_up_to;
-use residuals::shift;
-use residuals::tags::{Doubt, RangeRates, Rates, is_suspicious};
-use residuals::threshold::Thresholds;
-use residuals::threshold::policy::{Demand, NoThreshold, Policy};
-use residuals::{parity, ransac};
-use separation::Removable;
 #[cfg(feature = "araim")]
-use separation::judge_epoch;
+use araim::judge_epoch;
+use raim::detection::Detection;
+use raim::detection::threshold::Thresholds;
+use raim::detection::threshold::policy::{Demand, NoThreshold, Policy};
+use raim::hypotheses::constellation_shift;
+use raim::hypotheses::separability::separable;
+use raim::hypotheses::time_tag::{Doubt, RangeRates, Rates, is_suspicious};
+use raim::isolation::baarda::exclude_sequentially;
+use raim::isolation::exclusion::{Excluded, Exclusion, Outcome, Unidentified, leave_out, leaves_enough};
+use raim::isolation::sets::count_up_to;
+use raim::isolation::{parity, ransac};
+use raim::levels::{Exposure, Factors, Levels, common_shift};
 
 /// How the faulty satellites are found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -107,7 +107,7 @@ pub struct Scratch<T: Real> {
     pub subsets: ransac::Subsets,
     /// Made when it is asked for first: it is large, and empty it need not be on the stack before it is where it stays.
     #[cfg(feature = "araim")]
-    separation: Option<separation::Room<T>>,
+    separation: Option<araim::Room<T>>,
     #[cfg(not(feature = "araim"))]
     scalar: core::marker::PhantomData<T>,
 }
@@ -135,8 +135,8 @@ impl<T: Real> Scratch<T> {
     // Not inlined: what its making takes of the stack is not needed beside the judging.
     #[cfg(feature = "araim")]
     #[inline(never)]
-    fn separation(&mut self) -> &mut separation::Room<T> {
-        self.separation.get_or_insert_with(separation::Room::new)
+    fn separation(&mut self) -> &mut araim::Room<T> {
+        self.separation.get_or_insert_with(araim::Room::new)
     }
 }
 
@@ -221,9 +221,9 @@ impl<T: Real> Criteria<'_, T> {
 /// Tests a solution, looks for what is wrong and leaves it out.
 ///
 /// `forecast` is the row of a predicted clock, if there is one; `rates`, of whom knows orbits, tell wrong tags from wrong
-/// satellites ([`residuals::tags`]). `solution` ends as the solution without the rows listed.
+/// satellites ([`raim::hypotheses::time_tag`]). `solution` ends as the solution without the rows listed.
 pub fn judge<T: Real>(
-    solution: &mut (impl Reducible<T> + Removable<T>),
+    solution: &mut impl Excludable<T>,
     epoch: &EpochView<'_>,
     forecast: Option<usize>,
     criteria: &Criteria<'_, T>,
@@ -241,7 +241,7 @@ pub fn judge<T: Real>(
 // Not inlined: separation has frames of its own, the deepest of all, and needs nothing of this one's.
 #[inline(never)]
 fn judge_by_residuals<T: Real>(
-    solution: &mut impl Reducible<T>,
+    solution: &mut impl Excludable<T>,
     epoch: &EpochView<'_>,
     forecast: Option<usize>,
     criteria: &Criteria<'_, T>,
@@ -277,7 +277,7 @@ fn judge_by_residuals<T: Real>(
     // As of other sets: what is left out about a rough point is asked about the next.
     let is_asked = search != Search::Rough || exclusion.outcome == Outcome::Passed;
     let is_good = test.is_ok() && !matches!(exclusion.outcome, Outcome::NotIsolated(_));
-    if is_asked && is_good && shift::shows(solution.snapshot(), &criteria.thresholds) {
+    if is_asked && is_good && constellation_shift::shows(solution.snapshot(), &criteria.thresholds) {
         exclusion.outcome = Outcome::NotIsolated(Unidentified::Ambiguous);
     }
     let is_believed = searched && search == Search::Rough && exclusion.outcome == Outcome::Isolated;
@@ -315,7 +315,7 @@ fn judge_by_residuals<T: Real>(
 
 /// The test of a solution without its forecast, which ends as it began.
 fn without_forecast<T: Real>(
-    solution: &mut impl Reducible<T>,
+    solution: &mut impl Excludable<T>,
     row: usize,
     epoch: &EpochView<'_>,
     criteria: &Criteria<'_, T>,
@@ -339,7 +339,7 @@ fn without_forecast<T: Real>(
 /// by every epoch, and beside what the others need.
 #[inline(never)]
 fn isolate<T: Real>(
-    solution: &mut impl Reducible<T>,
+    solution: &mut impl Excludable<T>,
     epoch: &EpochView<'_>,
     criteria: &Criteria<'_, T>,
     search: Search<'_>,
@@ -374,7 +374,7 @@ fn isolate<T: Real>(
 
 /// By every set, as far as sets can be told apart at all, or by the largest w-test where these are too many.
 fn isolate_within_budget<T: Real>(
-    solution: &mut impl Reducible<T>,
+    solution: &mut impl Excludable<T>,
     thresholds: &Thresholds<'_>,
 ) -> Exclusion<T> {
     let rows = (solution.snapshot().dof() / 2).min(MAX_EXCLUDED);
@@ -390,7 +390,7 @@ fn isolate_within_budget<T: Real>(
 /// Asked before any method is: a jump of a millisecond shows in every satellite's test, and methods that leave out
 /// whoever correlates with the worst would leave out healthy ones with it.
 fn jump<T: Real>(
-    solution: &mut impl Reducible<T>,
+    solution: &mut impl Excludable<T>,
     row: usize,
     thresholds: &Thresholds<'_>,
 ) -> Option<Exclusion<T>> {

@@ -2,8 +2,8 @@
 
 use core::fmt;
 
-use crate::integrity::residuals::levels::Factors;
-use crate::integrity::residuals::threshold::{ThresholdError, Thresholds};
+use crate::integrity::raim::detection::threshold::{ThresholdError, Thresholds};
+use crate::integrity::raim::levels::Factors;
 use crate::numeric::real::Real;
 use crate::requirements::{Requirements, RequirementsError};
 

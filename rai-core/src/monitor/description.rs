@@ -4,15 +4,15 @@ use heapless::Vec;
 
 use crate::bounded::gather;
 use crate::epoch::EpochView;
-use crate::fix::Fix;
 use crate::frame::LocalFrame;
-use crate::integrity::residuals::baarda;
+use crate::integrity::raim::isolation::baarda;
 use crate::integrity::{Judgement, Test};
+use crate::least_squares::Snapshot;
+use crate::least_squares::fix::Fix;
 use crate::numeric::real::Real;
 use crate::numeric::space::{dot, told};
 use crate::report::{MAX_EXCLUDED, Report, Separation, Solution, Suspect, TestStatistic, Verdict};
 use crate::satellite::Constellation;
-use crate::snapshot::Snapshot;
 use crate::weighting::adaptation::Residuals;
 
 /// The residuals of the satellites used, by the sigmas that they came with.

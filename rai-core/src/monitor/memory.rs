@@ -3,9 +3,9 @@
 use crate::clock::SolvedClocks;
 use crate::frame::Ecef;
 use crate::integrity::Scratch;
+use crate::least_squares::Workspace;
 use crate::numeric::real::Real;
 use crate::report::{Alert, Report, Verdict};
-use crate::snapshot::Workspace;
 use crate::weighting::adaptation::Residuals;
 
 /// Room that judging takes, and where it says what it found. Nothing in it is remembered but the subsets of the satellites,

@@ -29,18 +29,18 @@ use heapless::Deque;
 use crate::clock::{Clocks, SolvedClocks};
 use crate::continuity::{Continuity, ContinuityError, ContinuitySettings};
 use crate::epoch::{Aided, Epoch, EpochView};
-use crate::fix::{Fix, FixError};
 use crate::frame::Ecef;
-use crate::integrity::residuals::exclusion::Outcome;
-use crate::integrity::residuals::levels::Levels;
-use crate::integrity::residuals::ransac::Subsets;
-use crate::integrity::residuals::tags::RangeRates;
-use crate::integrity::residuals::threshold::policy::Policy;
+use crate::integrity::raim::detection::threshold::policy::Policy;
+use crate::integrity::raim::hypotheses::time_tag::RangeRates;
+use crate::integrity::raim::isolation::exclusion::Outcome;
+use crate::integrity::raim::isolation::ransac::Subsets;
+use crate::integrity::raim::levels::Levels;
 use crate::integrity::{Criteria, Judgement, judge};
+use crate::least_squares::SnapshotError;
+use crate::least_squares::fix::{Fix, FixError};
 use crate::numeric::real::Real;
 use crate::report::{Alert, Report, Unavailable, Verdict};
 use crate::requirements::Requirements;
-use crate::snapshot::SnapshotError;
 use crate::weighting::Ism;
 use crate::weighting::adaptation::Adaptation;
 
@@ -233,7 +233,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     ///
     /// Changes nothing but `memory`, which who has little stack keeps elsewhere, and leaves the [`Assessment`] in it. Whoever
     /// corrects ranges about the position may judge about better and better points, and learns once, from the last. Whoever knows
-    /// orbits gives `rates`: without them a wrong time tag is taken for faulty satellites ([`crate::integrity::residuals::tags`]).
+    /// orbits gives `rates`: without them a wrong time tag is taken for faulty satellites ([`crate::integrity::raim::hypotheses::time_tag`]).
     #[inline(never)]
     pub fn judge<'m>(
         &self,

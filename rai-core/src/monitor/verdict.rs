@@ -1,7 +1,7 @@
 //! From what was found to what is said: protected, alert or unavailable, with the reason.
 
-use crate::integrity::residuals::exclusion::{Outcome, Unidentified};
-use crate::integrity::residuals::threshold::policy::{NoThreshold, Policy};
+use crate::integrity::raim::detection::threshold::policy::{NoThreshold, Policy};
+use crate::integrity::raim::isolation::exclusion::{Outcome, Unidentified};
 use crate::integrity::{Alone, Judgement};
 use crate::numeric::real::Real;
 use crate::report::{Alert, Protected, ProtectionLevels, Separation, Unavailable, Verdict};

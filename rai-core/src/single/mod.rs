@@ -11,12 +11,12 @@ pub use crate::epoch::CAPACITY;
 
 use crate::epoch::Epoch;
 use crate::frame::Ecef;
-use crate::integrity::residuals::levels::Factors;
-use crate::integrity::residuals::tags::RangeRates;
-use crate::integrity::residuals::threshold::Thresholds;
+use crate::integrity::raim::detection::threshold::Thresholds;
+use crate::integrity::raim::hypotheses::time_tag::RangeRates;
+use crate::integrity::raim::levels::Factors;
+use crate::least_squares::{Snapshot, SnapshotError};
 use crate::monitor::Search;
 use crate::report::Report;
-use crate::snapshot::{Snapshot, SnapshotError};
 use crate::velocity::{RangeRate, Velocity, VelocityError};
 
 /// [`crate::monitor::Monitor`] of this instance.
@@ -31,8 +31,8 @@ pub type Assessment = crate::monitor::Assessment<CAPACITY>;
 /// [`crate::monitor::Memory`] of this instance.
 pub type Memory = crate::monitor::Memory<f32, CAPACITY>;
 
-/// [`crate::snapshot::Workspace`] of this instance.
-pub type Workspace = crate::snapshot::Workspace<f32, CAPACITY>;
+/// [`crate::least_squares::Workspace`] of this instance.
+pub type Workspace = crate::least_squares::Workspace<f32, CAPACITY>;
 
 /// [`Monitor::process`].
 #[inline(never)]

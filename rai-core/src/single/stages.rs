@@ -3,16 +3,16 @@
 //! Each function is the generic one of its name, and no more.
 
 use crate::clock::{CoastingClock, Forecast, Uptake};
-use crate::equations::Row;
-use crate::integrity::residuals::baarda;
-use crate::integrity::residuals::exclusion::Exclusion;
-use crate::integrity::residuals::levels::{self, Slopes};
-use crate::integrity::residuals::parity::{self, Finding};
-use crate::integrity::residuals::ransac::{self, Selection};
-use crate::integrity::residuals::threshold::Thresholds;
-use crate::integrity::residuals::threshold::policy::{Demand, NoThreshold, Policy, PolicyThreshold};
-use crate::integrity::separation::{self, Allocation, Judged, Priors, Room, SeparationError};
-use crate::snapshot::{Snapshot, SnapshotError};
+use crate::integrity::araim::{self, Allocation, Judged, Priors, Room, SeparationError};
+use crate::integrity::raim::detection::threshold::Thresholds;
+use crate::integrity::raim::detection::threshold::policy::{Demand, NoThreshold, Policy, PolicyThreshold};
+use crate::integrity::raim::isolation::baarda;
+use crate::integrity::raim::isolation::exclusion::Exclusion;
+use crate::integrity::raim::isolation::parity::{self, Finding};
+use crate::integrity::raim::isolation::ransac::{self, Selection};
+use crate::integrity::raim::levels::{self, Slopes};
+use crate::least_squares::equations::Row;
+use crate::least_squares::{Snapshot, SnapshotError};
 
 /// [`Snapshot::leave_out`].
 ///

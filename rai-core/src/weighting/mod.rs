@@ -17,7 +17,7 @@
 //! | `σ_iono` | `ionosphere_m`, what the ionospheric model leaves along the path ([`ionosphere_sigma_m`]); 0 for the pair | m |
 //! | `τ` | at the zenith: 9, 4.5, 6 m at geomagnetic latitudes below 20°, 55° and above | m |
 //!
-//! For ARAIM ([`crate::integrity::separation`]) the orbit and clock error is what an integrity support message promises,
+//! For ARAIM ([`crate::integrity::araim`]) the orbit and clock error is what an integrity support message promises,
 //! and the troposphere's model is that of [Blanch2015]:
 //!
 //! ```text

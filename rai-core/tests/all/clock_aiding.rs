@@ -5,16 +5,17 @@ use crate::noise::Noise;
 use nalgebra::Vector3;
 use rai_core::clock::{Clocks, Forecast, HOLD_OVER_STEPS, SolvedClocks, satellites_alone};
 use rai_core::epoch::{Aiding, Epoch, Observation};
-use rai_core::equations::{LinearEpoch, MAX_ROWS};
 use rai_core::frame::Ecef;
-use rai_core::integrity::residuals::baarda::{exclude_sequentially, identify};
-use rai_core::integrity::residuals::detection::detect;
-use rai_core::integrity::residuals::exclusion::{Outcome, Unidentified, separable};
-use rai_core::integrity::residuals::threshold::Thresholds;
+use rai_core::integrity::raim::detection::detect;
+use rai_core::integrity::raim::detection::threshold::Thresholds;
+use rai_core::integrity::raim::hypotheses::separability::separable;
+use rai_core::integrity::raim::isolation::baarda::{exclude_sequentially, identify};
+use rai_core::integrity::raim::isolation::exclusion::{Outcome, Unidentified};
+use rai_core::least_squares::Snapshot;
+use rai_core::least_squares::equations::{LinearEpoch, MAX_ROWS};
 use rai_core::numeric::probability::Probability;
 use rai_core::numeric::real::Real;
 use rai_core::satellite::{Constellation, SatelliteId};
-use rai_core::snapshot::Snapshot;
 
 use crate::solved::solved;
 

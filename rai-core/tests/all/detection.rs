@@ -1,7 +1,7 @@
 //! The global test and what is reported of it.
 #![allow(clippy::unwrap_used, clippy::float_cmp)]
 
-use rai_core::integrity::residuals::detection::Detection;
+use rai_core::integrity::raim::detection::Detection;
 use rai_core::report::Solution;
 use rai_core::requirements::{Requirements, RequirementsError};
 

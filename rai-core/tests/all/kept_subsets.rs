@@ -2,9 +2,9 @@
 #![allow(clippy::unwrap_used)]
 
 use rai_core::epoch::{Aiding, Epoch};
-use rai_core::integrity::residuals::ransac::{MAX_WORK, Selection, Subsets};
+use rai_core::integrity::raim::isolation::ransac::{MAX_WORK, Selection, Subsets};
+use rai_core::least_squares::Workspace;
 use rai_core::satellite::Constellation;
-use rai_core::snapshot::Workspace;
 
 use crate::sky::{observe, receiver, satellite};
 

@@ -8,7 +8,7 @@
 use crate::noise::Noise;
 use crate::sky::{self, SIGMA_M, receiver, satellite};
 use rai_core::epoch::Epoch;
-use rai_core::integrity::residuals::parity::Isolation;
+use rai_core::integrity::raim::isolation::parity::Isolation;
 use rai_core::monitor::{Method, Monitor, Strategy};
 use rai_core::report::{Report, Verdict};
 use rai_core::requirements::Requirements;

@@ -3,17 +3,17 @@
 
 use nalgebra::Vector3;
 use proptest::prelude::*;
-use rai_core::equations::{LinearEpoch, MAX_ROWS};
-use rai_core::integrity::residuals::exclusion::{Exclusion, Outcome, Unidentified};
-use rai_core::integrity::residuals::parity::{
+use rai_core::integrity::raim::detection::threshold::Thresholds;
+use rai_core::integrity::raim::isolation::exclusion::{Exclusion, Outcome, Unidentified};
+use rai_core::integrity::raim::isolation::parity::{
     Finding, Isolation, MAX_SETS, SearchLimits, correlation_threshold, exclude, grouping, hybrid,
     hybrid_without_grouping, sequential, simultaneous,
 };
-use rai_core::integrity::residuals::threshold::Thresholds;
+use rai_core::least_squares::Snapshot;
+use rai_core::least_squares::equations::{LinearEpoch, MAX_ROWS};
 use rai_core::numeric::probability::Probability;
 use rai_core::numeric::real::Real;
 use rai_core::satellite::Constellation;
-use rai_core::snapshot::Snapshot;
 
 use crate::sky::DIRECTIONS;
 use crate::solved::{copied, solved};

@@ -4,12 +4,12 @@
 use std::path::Path;
 
 use proptest::prelude::*;
-use rai_core::integrity::residuals::levels::noncentrality_at;
-use rai_core::integrity::residuals::levels::{Exposure, Slopes};
-use rai_core::integrity::residuals::threshold::Thresholds;
-use rai_core::integrity::residuals::threshold::policy::{
+use rai_core::integrity::raim::detection::threshold::Thresholds;
+use rai_core::integrity::raim::detection::threshold::policy::{
     Decision, Demand, NoThreshold, Policy, Status, Weights, range_threshold_m,
 };
+use rai_core::integrity::raim::levels::noncentrality_at;
+use rai_core::integrity::raim::levels::{Exposure, Slopes};
 use rai_core::numeric::chi_square::{ChiSquare, LARGEST};
 use rai_core::numeric::probability::Probability;
 use rai_core::numeric::real::Real;

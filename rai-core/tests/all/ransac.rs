@@ -3,12 +3,12 @@
 
 use nalgebra::Vector3;
 use proptest::prelude::*;
-use rai_core::equations::{LinearEpoch, MAX_ROWS};
-use rai_core::integrity::residuals::exclusion::Outcome;
-use rai_core::integrity::residuals::ransac::{
+use rai_core::integrity::raim::detection::threshold::Thresholds;
+use rai_core::integrity::raim::isolation::exclusion::Outcome;
+use rai_core::integrity::raim::isolation::ransac::{
     ConsensusLimits, MAX_SUBSETS, MAX_WORK, NoConsensus, Selection, consensus, exclude, refine,
 };
-use rai_core::integrity::residuals::threshold::Thresholds;
+use rai_core::least_squares::equations::{LinearEpoch, MAX_ROWS};
 use rai_core::numeric::probability::Probability;
 use rai_core::numeric::real::Real;
 use rai_core::satellite::Constellation;

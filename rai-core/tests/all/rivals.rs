@@ -3,9 +3,10 @@
 #![allow(clippy::unwrap_used, clippy::indexing_slicing)]
 
 use nalgebra::{DMatrix, DVector, Vector3};
-use rai_core::equations::{LinearEpoch, MAX_ROWS};
-use rai_core::integrity::residuals::exclusion::{leave_out, separable};
-use rai_core::integrity::residuals::threshold::Thresholds;
+use rai_core::integrity::raim::detection::threshold::Thresholds;
+use rai_core::integrity::raim::hypotheses::separability::separable;
+use rai_core::integrity::raim::isolation::exclusion::leave_out;
+use rai_core::least_squares::equations::{LinearEpoch, MAX_ROWS};
 use rai_core::numeric::probability::Probability;
 use rai_core::numeric::real::Real;
 use rai_core::satellite::Constellation;

@@ -9,11 +9,11 @@
 
 use nalgebra::Vector3;
 use proptest::prelude::*;
-use rai_core::equations::LinearEpoch;
-use rai_core::integrity::separation::{Allocation, Finding, Judged, Outcome, Prior, Priors, ROWS, judge};
+use rai_core::integrity::araim::{Allocation, Finding, Judged, Outcome, Prior, Priors, ROWS, judge};
+use rai_core::least_squares::equations::LinearEpoch;
+use rai_core::least_squares::{Snapshot, Workspace};
 use rai_core::numeric::real::Real;
 use rai_core::satellite::Constellation;
-use rai_core::snapshot::{Snapshot, Workspace};
 
 /// Probability that a constellation fails.
 const CONSTELLATION: f64 = 5e-5;

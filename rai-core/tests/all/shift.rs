@@ -5,8 +5,8 @@
 use crate::noise::Noise;
 use crate::sky::{observe, receiver, satellite};
 use rai_core::epoch::{Epoch, Observation};
-use rai_core::integrity::residuals::parity::Isolation;
-use rai_core::integrity::residuals::threshold::Thresholds;
+use rai_core::integrity::raim::detection::threshold::Thresholds;
+use rai_core::integrity::raim::isolation::parity::Isolation;
 use rai_core::monitor::{Method, Monitor, Strategy};
 use rai_core::report::{Alert, Protected, Report, Verdict};
 use rai_core::requirements::Requirements;

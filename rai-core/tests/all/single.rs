@@ -4,12 +4,12 @@
 
 use rai_core::epoch::Epoch;
 use rai_core::frame::{Ecef, LocalFrame};
+use rai_core::least_squares::Workspace;
 use rai_core::monitor::Monitor;
 use rai_core::report::{Protected, Verdict};
 use rai_core::requirements::Requirements;
 use rai_core::satellite::Constellation;
 use rai_core::single::{self, CAPACITY};
-use rai_core::snapshot::Workspace;
 
 use crate::sky::{observe, receiver, satellite};
 

@@ -1,8 +1,8 @@
 //! A solved snapshot that needs no workspace beside it: for tests, which do not mind that its memory is never given back.
 
-use rai_core::equations::{LinearEpoch, MAX_ROWS};
+use rai_core::least_squares::equations::{LinearEpoch, MAX_ROWS};
+use rai_core::least_squares::{Snapshot, SnapshotError, Workspace};
 use rai_core::numeric::real::Real;
-use rai_core::snapshot::{Snapshot, SnapshotError, Workspace};
 
 /// As [`Workspace::solve`].
 pub(crate) fn solved<T: Real>(

@@ -5,8 +5,8 @@
 use crate::sky::{observe, receiver, satellite};
 use rai_core::epoch::{Aiding, Epoch, Observation};
 use rai_core::frame::LocalFrame;
-use rai_core::integrity::residuals::parity;
-use rai_core::integrity::residuals::threshold::policy::Policy;
+use rai_core::integrity::raim::detection::threshold::policy::Policy;
+use rai_core::integrity::raim::isolation::parity;
 use rai_core::monitor::{Method, Monitor, Strategy};
 use rai_core::report::{Alert, Protected, Report, Unavailable, Verdict};
 use rai_core::requirements::Requirements;

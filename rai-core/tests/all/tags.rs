@@ -3,9 +3,9 @@
 
 use rai_core::epoch::{Epoch, Observation};
 use rai_core::frame::LocalFrame;
-use rai_core::integrity::residuals::parity::Isolation;
-use rai_core::integrity::residuals::tags::RangeRates;
-use rai_core::integrity::residuals::threshold::policy::Policy;
+use rai_core::integrity::raim::detection::threshold::policy::Policy;
+use rai_core::integrity::raim::hypotheses::time_tag::RangeRates;
+use rai_core::integrity::raim::isolation::parity::Isolation;
 use rai_core::monitor::{Memory, Method, Monitor, Search, Strategy};
 use rai_core::report::{Alert, Protected, Report, Verdict};
 use rai_core::requirements::Requirements;

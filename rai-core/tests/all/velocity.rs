@@ -2,12 +2,12 @@
 #![allow(clippy::expect_used, clippy::indexing_slicing)]
 
 use nalgebra::Vector3;
-use rai_core::integrity::residuals::levels::Factors;
-use rai_core::integrity::residuals::threshold::Thresholds;
+use rai_core::integrity::raim::detection::threshold::Thresholds;
+use rai_core::integrity::raim::levels::Factors;
+use rai_core::least_squares::Workspace;
 use rai_core::numeric::probability::Probability;
 use rai_core::numeric::real::Real;
 use rai_core::satellite::{Constellation, SatelliteId};
-use rai_core::snapshot::Workspace;
 use rai_core::velocity::{RangeRate, Velocity, VelocityError, estimate};
 
 /// Ten satellites all around: azimuth and elevation in degrees.

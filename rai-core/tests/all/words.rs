@@ -7,13 +7,13 @@ use std::error::Error;
 
 use rai_core::continuity::ContinuityError;
 use rai_core::epoch::EpochError;
-use rai_core::equations::RowError;
-use rai_core::fix::FixError;
-use rai_core::integrity::residuals::threshold::ThresholdError;
+use rai_core::integrity::raim::detection::threshold::ThresholdError;
+use rai_core::least_squares::SnapshotError;
+use rai_core::least_squares::equations::RowError;
+use rai_core::least_squares::fix::FixError;
 use rai_core::monitor::MonitorError;
 use rai_core::numeric::probability::Probability;
 use rai_core::requirements::RequirementsError;
-use rai_core::snapshot::SnapshotError;
 
 /// Lower-case words, no two reasons alike.
 fn check(errors: &[&dyn Error]) {

@@ -3,11 +3,11 @@
 use rai_core::allocation::Allocation;
 use rai_core::continuity::{ContinuityError, ContinuitySettings, Recovery};
 use rai_core::integrity::Method;
-use rai_core::integrity::residuals::levels::Levels;
+use rai_core::integrity::raim::detection::threshold::policy::Policy;
+use rai_core::integrity::raim::detection::threshold::{ThresholdError, Thresholds};
 #[cfg(feature = "searches")]
-use rai_core::integrity::residuals::parity::Isolation;
-use rai_core::integrity::residuals::threshold::policy::Policy;
-use rai_core::integrity::residuals::threshold::{ThresholdError, Thresholds};
+use rai_core::integrity::raim::isolation::parity::Isolation;
+use rai_core::integrity::raim::levels::Levels;
 use rai_core::monitor::{MonitorError, Strategy};
 use rai_core::numeric::probability::Probability;
 use rai_core::requirements::{Requirements, RequirementsError};

@@ -42,8 +42,8 @@
 
 use rai_core::allocation::Allocation;
 use rai_core::continuity::{self, ContinuitySettings};
-use rai_core::integrity::residuals::threshold::Thresholds;
-use rai_core::integrity::residuals::threshold::policy::Policy;
+use rai_core::integrity::raim::detection::threshold::Thresholds;
+use rai_core::integrity::raim::detection::threshold::policy::Policy;
 use rai_core::monitor::{Method, Strategy};
 use rai_core::requirements::Requirements;
 use rai_core::weighting::Ism;

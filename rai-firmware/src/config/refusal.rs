@@ -1,7 +1,7 @@
 //! Why a command changed nothing, in words that fit an answer.
 
 use embedded_io::Write;
-use rai_core::integrity::residuals::threshold::ThresholdError;
+use rai_core::integrity::raim::detection::threshold::ThresholdError;
 
 use super::scientific;
 use crate::output::nmea::write_refusal;

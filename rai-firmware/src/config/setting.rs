@@ -2,7 +2,7 @@
 //!
 //! Types that only a command knows stand here; those of the core are its own.
 
-use rai_core::integrity::residuals::threshold::policy::Policy;
+use rai_core::integrity::raim::detection::threshold::policy::Policy;
 use rai_core::monitor::Method;
 use rai_core::numeric::probability::Probability;
 use rai_core::satellite::Constellation;
@@ -11,7 +11,7 @@ use rai_core::weighting::{Ism, Support};
 use super::Phase;
 use crate::output::schedule::Item;
 
-pub use rai_core::integrity::residuals::levels::Levels;
+pub use rai_core::integrity::raim::levels::Levels;
 
 /// Which ranges are used of a satellite that offers two frequencies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

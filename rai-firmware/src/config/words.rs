@@ -3,9 +3,9 @@
 //! A word that is known but not built in stands in its table with `None`, so that an answer can tell a wrong word from a
 //! missing feature. The same table reads a word and says it again.
 
+use rai_core::integrity::raim::detection::threshold::policy::Policy;
 #[cfg(feature = "searches")]
-use rai_core::integrity::residuals::parity::Isolation;
-use rai_core::integrity::residuals::threshold::policy::Policy;
+use rai_core::integrity::raim::isolation::parity::Isolation;
 use rai_core::monitor::Method;
 use rai_core::weighting::Ism;
 

@@ -3,7 +3,7 @@
 //! What it says is what the module's user would have been told without integrity monitoring.
 
 use rai_core::epoch::Epoch;
-use rai_core::snapshot::Workspace;
+use rai_core::least_squares::Workspace;
 use rai_firmware::config::Systems;
 use rai_firmware::correction::{self, CAPACITY, Sky, Tally, locate};
 use rai_firmware::ephemeris::Store;

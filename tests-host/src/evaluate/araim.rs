@@ -1,12 +1,12 @@
 //! Linearised epochs with what integrity knows of each satellite: ARAIM, under the two published allocations.
 
-use rai_core::equations::LinearEpoch;
-use rai_core::integrity::separation::{
+use rai_core::integrity::araim::{
     self, Allocation, Finding, Hypothesis, Judged, Outcome, Prior, Priors, ROWS,
 };
+use rai_core::least_squares::equations::LinearEpoch;
+use rai_core::least_squares::{Snapshot, SnapshotError, Workspace};
 use rai_core::numeric::real::Real;
 use rai_core::satellite::Constellation;
-use rai_core::snapshot::{Snapshot, SnapshotError, Workspace};
 use serde::Serialize;
 use serde_json::{Map, Value};
 
@@ -160,7 +160,7 @@ fn judge<T: Real>(line: &Line, allocation: &Allocation) -> Judgement {
     let x = unknowns(&snapshot);
     let priors =
         Priors { satellites: &line.priors::<T>(), constellations: line.constellations.map(T::narrow) };
-    match separation::judge(&mut snapshot, &priors, allocation) {
+    match araim::judge(&mut snapshot, &priors, allocation) {
         Ok(judged) => {
             let found = Some(found(line, &judged, x, &snapshot));
             Judgement { status: "ok", why: None, found }

@@ -1,10 +1,10 @@
 //! The protection levels that bound, beside the papers' of the least-squares part.
 
-use rai_core::integrity::residuals::levels::{Exposure, Factors, Levels};
-use rai_core::integrity::residuals::threshold::Thresholds;
+use rai_core::integrity::raim::detection::threshold::Thresholds;
+use rai_core::integrity::raim::levels::{Exposure, Factors, Levels};
+use rai_core::least_squares::Snapshot;
 use rai_core::numeric::probability::Probability;
 use rai_core::numeric::real::Real;
-use rai_core::snapshot::Snapshot;
 use serde::Serialize;
 
 use super::line::{self, Line};

@@ -1,12 +1,12 @@
 //! Epochs of one constellation with a forecast receiver clock as the row after the satellites.
 
-use rai_core::equations::LinearEpoch;
-use rai_core::integrity::residuals::baarda::identify;
-use rai_core::integrity::residuals::detection::detect;
-use rai_core::integrity::residuals::threshold::Thresholds;
+use rai_core::integrity::raim::detection::detect;
+use rai_core::integrity::raim::detection::threshold::Thresholds;
+use rai_core::integrity::raim::isolation::baarda::identify;
+use rai_core::least_squares::equations::LinearEpoch;
+use rai_core::least_squares::{Snapshot, Workspace};
 use rai_core::numeric::real::Real;
 use rai_core::satellite::Constellation;
-use rai_core::snapshot::{Snapshot, Workspace};
 use serde::Serialize;
 use serde_json::{Map, Value};
 

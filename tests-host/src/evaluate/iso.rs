@@ -1,12 +1,12 @@
 //! The parity-space part of an answer: correlations and what each isolation method makes of them.
 
-use rai_core::integrity::residuals::parity::{
+use rai_core::integrity::raim::detection::threshold::Thresholds;
+use rai_core::integrity::raim::isolation::parity::{
     Finding, SearchLimits, correlation, correlation_threshold, grouping, hybrid, hybrid_without_grouping,
     sequential, simultaneous,
 };
-use rai_core::integrity::residuals::threshold::Thresholds;
+use rai_core::least_squares::Snapshot;
 use rai_core::numeric::real::Real;
-use rai_core::snapshot::Snapshot;
 use serde::Serialize;
 
 use super::MAX_ROWS;

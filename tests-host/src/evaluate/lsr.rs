@@ -2,16 +2,16 @@
 //!
 //! Nothing is computed here that the core computes; fields carry the names of the published vectors.
 
-use rai_core::equations::{LinearEpoch, Row, RowError};
-use rai_core::integrity::residuals::baarda::{exclude_sequentially, identify};
-use rai_core::integrity::residuals::detection::{Detection, detect};
-use rai_core::integrity::residuals::exclusion::{Outcome, Unidentified};
-use rai_core::integrity::residuals::levels::noncentrality_at;
-use rai_core::integrity::residuals::levels::{largest_slopes, slopes};
-use rai_core::integrity::residuals::threshold::Thresholds;
+use rai_core::integrity::raim::detection::threshold::Thresholds;
+use rai_core::integrity::raim::detection::{Detection, detect};
+use rai_core::integrity::raim::isolation::baarda::{exclude_sequentially, identify};
+use rai_core::integrity::raim::isolation::exclusion::{Outcome, Unidentified};
+use rai_core::integrity::raim::levels::noncentrality_at;
+use rai_core::integrity::raim::levels::{largest_slopes, slopes};
+use rai_core::least_squares::equations::{LinearEpoch, Row, RowError};
+use rai_core::least_squares::{Fit, Snapshot, SnapshotError, Workspace};
 use rai_core::numeric::real::Real;
 use rai_core::satellite::Constellation;
-use rai_core::snapshot::{Fit, Snapshot, SnapshotError, Workspace};
 use serde::Serialize;
 
 use super::MAX_ROWS;

@@ -29,8 +29,8 @@ use std::io::{self, BufRead, Write};
 
 use anyhow::Context as _;
 use flate2::bufread::MultiGzDecoder;
-use rai_core::integrity::residuals::ransac::ConsensusLimits;
-use rai_core::integrity::residuals::threshold::Thresholds;
+use rai_core::integrity::raim::detection::threshold::Thresholds;
+use rai_core::integrity::raim::isolation::ransac::ConsensusLimits;
 use rai_core::numeric::probability::Probability;
 use rai_core::numeric::real::Real;
 use serde::Serialize;
@@ -107,7 +107,7 @@ Output: out.lpv and out.haraim, for the allocations of approaches with vertical 
   excl, hpl_excl, vpl_excl, x_excl, p_nm_excl   where one alarmed: rows left out, or null, and what is found then";
 
 /// Rows that one line may have. The tables of w-tests end there, and so, with four unknowns, do those of `tau1`.
-const MAX_ROWS: usize = rai_core::integrity::residuals::threshold::MAX_TESTS;
+const MAX_ROWS: usize = rai_core::integrity::raim::detection::threshold::MAX_TESTS;
 
 /// Which instantiation of the core runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,11 +1,11 @@
 //! The range-consensus part of an answer: the improved method by the core, the traditional one as its baseline.
 
-use rai_core::integrity::residuals::ransac::{
+use rai_core::integrity::raim::detection::threshold::Thresholds;
+use rai_core::integrity::raim::isolation::ransac::{
     ConsensusLimits, MAX_WORK, NoConsensus, Refinement, Selection, consensus, refine,
 };
-use rai_core::integrity::residuals::threshold::Thresholds;
+use rai_core::least_squares::Snapshot;
 use rai_core::numeric::real::Real;
-use rai_core::snapshot::Snapshot;
 use serde::Serialize;
 
 use super::line::Line;

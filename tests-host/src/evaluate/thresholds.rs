@@ -1,7 +1,7 @@
 //! Thresholds of the policies: of one line `{nu, pfa, pmd, delta}`, and of an epoch's geometry.
 
-use rai_core::integrity::residuals::threshold::Thresholds;
-use rai_core::integrity::residuals::threshold::policy::{Decision, Demand, Status, Weights};
+use rai_core::integrity::raim::detection::threshold::Thresholds;
+use rai_core::integrity::raim::detection::threshold::policy::{Decision, Demand, Status, Weights};
 use rai_core::numeric::probability::Probability;
 use rai_core::numeric::real::Real;
 use serde::Serialize;

@@ -7,7 +7,7 @@
 
 use std::sync::LazyLock;
 
-use rai_core::integrity::residuals::threshold::Thresholds;
+use rai_core::integrity::raim::detection::threshold::Thresholds;
 use rai_firmware::config::Configuration;
 
 use super::module::Module;

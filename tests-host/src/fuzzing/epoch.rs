@@ -9,9 +9,9 @@ use std::collections::BTreeSet;
 
 use rai_core::epoch::{Aiding, Epoch, Observation};
 use rai_core::frame::{Ecef, Enu, LocalFrame};
-use rai_core::integrity::residuals::parity;
-use rai_core::integrity::residuals::threshold::policy::Policy;
-use rai_core::integrity::separation::Allocation;
+use rai_core::integrity::araim::Allocation;
+use rai_core::integrity::raim::detection::threshold::policy::Policy;
+use rai_core::integrity::raim::isolation::parity;
 use rai_core::monitor::{Method, Monitor, Strategy};
 use rai_core::numeric::probability::Probability;
 use rai_core::numeric::real::Real;

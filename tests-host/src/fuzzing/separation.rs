@@ -5,13 +5,13 @@
 //! within their bounds; an outcome is what the tests say; what is left out is left out, and nothing else.
 
 use nalgebra::Vector3;
-use rai_core::equations::LinearEpoch;
-use rai_core::integrity::separation::{
+use rai_core::integrity::araim::{
     Allocation, Finding, Judged, MAX_MODES, Outcome, Prior, Priors, ROWS, SeparationError, judge,
 };
+use rai_core::least_squares::equations::LinearEpoch;
+use rai_core::least_squares::{Snapshot, Workspace};
 use rai_core::numeric::real::Real;
 use rai_core::satellite::Constellation;
-use rai_core::snapshot::{Snapshot, Workspace};
 
 use super::tape::Tape;
 

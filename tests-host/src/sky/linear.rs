@@ -13,8 +13,8 @@
 //! | `b` | `clocks_m` | m, receiver clock of each constellation times the speed of light |
 
 use nalgebra::Vector3;
-use rai_core::equations::{LinearEpoch, RowError};
 use rai_core::frame::Enu;
+use rai_core::least_squares::equations::{LinearEpoch, RowError};
 use rai_core::numeric::real::Real;
 use rai_core::satellite::{Constellation, SatelliteId};
 

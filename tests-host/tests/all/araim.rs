@@ -8,10 +8,10 @@ use std::io::{BufRead, BufReader};
 
 use flate2::read::GzDecoder;
 use nalgebra::Vector3;
-use rai_core::equations::LinearEpoch;
-use rai_core::integrity::separation::{Allocation, Outcome, Prior, Priors, ROWS, judge};
+use rai_core::integrity::araim::{Allocation, Outcome, Prior, Priors, ROWS, judge};
+use rai_core::least_squares::Workspace;
+use rai_core::least_squares::equations::LinearEpoch;
 use rai_core::satellite::Constellation;
-use rai_core::snapshot::Workspace;
 use serde_json::Value;
 use tests_host::evaluate::{self, Part, Scalar};
 use tests_host::vectors;

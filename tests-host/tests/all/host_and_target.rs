@@ -6,8 +6,8 @@
 
 use rai_core::epoch::{Epoch, Observation};
 use rai_core::frame::{Ecef, Enu, LocalFrame};
-use rai_core::integrity::residuals::parity;
-use rai_core::integrity::residuals::threshold::policy::Policy;
+use rai_core::integrity::raim::detection::threshold::policy::Policy;
+use rai_core::integrity::raim::isolation::parity;
 use rai_core::monitor::{Method, Monitor, Strategy};
 use rai_core::numeric::real::Real;
 use rai_core::requirements::Requirements;

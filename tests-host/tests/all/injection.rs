@@ -5,7 +5,7 @@
 //! and not from the core.
 
 use rai_core::frame::{Ecef, Enu, LocalFrame};
-use rai_core::integrity::residuals::threshold::Thresholds;
+use rai_core::integrity::raim::detection::threshold::Thresholds;
 use rai_core::numeric::probability::Probability;
 use rai_core::satellite::SatelliteId;
 use tests_host::encode::{Frequency, Selection};

@@ -1,6 +1,6 @@
 //! The committed threshold tables are what their generator writes, and what the gold values say.
 
-use rai_core::integrity::residuals::threshold::{self, Thresholds};
+use rai_core::integrity::raim::detection::threshold::{self, Thresholds};
 use rai_core::numeric::probability::Probability;
 use tests_host::{tables, vectors};
 

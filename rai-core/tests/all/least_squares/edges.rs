@@ -2,9 +2,9 @@
 #![allow(clippy::float_cmp)] // Exactly nothing and exactly all are meant.
 
 use nalgebra::Vector3;
-use rai_core::equations::{LinearEpoch, RowError};
+use rai_core::least_squares::equations::{LinearEpoch, RowError};
+use rai_core::least_squares::{Snapshot, SnapshotError};
 use rai_core::satellite::Constellation;
-use rai_core::snapshot::{Snapshot, SnapshotError};
 
 use crate::solved::solved;
 

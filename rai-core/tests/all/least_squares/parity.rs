@@ -2,16 +2,16 @@
 
 use nalgebra::Vector3;
 use proptest::prelude::*;
-use rai_core::equations::LinearEpoch;
-use rai_core::integrity::residuals::exclusion::Unidentified;
-use rai_core::integrity::residuals::parity::{
+use rai_core::integrity::raim::detection::threshold::Thresholds;
+use rai_core::integrity::raim::isolation::exclusion::Unidentified;
+use rai_core::integrity::raim::isolation::parity::{
     Finding, MAX_SETS, SearchLimits, correlation_threshold, grouping, hybrid, hybrid_without_grouping,
     sequential, simultaneous,
 };
-use rai_core::integrity::residuals::threshold::Thresholds;
+use rai_core::least_squares::Snapshot;
+use rai_core::least_squares::equations::LinearEpoch;
 use rai_core::numeric::probability::Probability;
 use rai_core::satellite::Constellation;
-use rai_core::snapshot::Snapshot;
 
 use crate::solved::solved;
 
@@ -149,7 +149,7 @@ fn all_of_size(count: usize, size: usize) -> Vec<Vec<usize>> {
 }
 
 fn answer(finding: &Finding<f64>) -> Answer {
-    let indices = |removal: &rai_core::removal::Removal<f64>| {
+    let indices = |removal: &rai_core::least_squares::downdate::Removal<f64>| {
         sorted(removal.rows().iter().map(|row| row.index).collect())
     };
     (finding.set.as_ref().map(indices).map_err(|why| *why), finding.sets)

@@ -2,12 +2,12 @@
 
 use nalgebra::{DMatrix, DVector, Vector3};
 use proptest::prelude::*;
-use rai_core::equations::LinearEpoch;
-use rai_core::integrity::residuals::parity::correlation;
+use rai_core::integrity::raim::isolation::parity::correlation;
+use rai_core::least_squares::Snapshot;
+use rai_core::least_squares::downdate::{NormalisedRows, Removal, testable_rows};
+use rai_core::least_squares::equations::LinearEpoch;
 use rai_core::numeric::real::Real;
-use rai_core::removal::{NormalisedRows, Removal, testable_rows};
 use rai_core::satellite::Constellation;
-use rai_core::snapshot::Snapshot;
 
 use crate::solved::solved;
 

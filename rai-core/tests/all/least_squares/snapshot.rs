@@ -2,10 +2,10 @@
 
 use nalgebra::Vector3;
 use proptest::prelude::*;
-use rai_core::equations::{LinearEpoch, MAX_ROWS};
+use rai_core::least_squares::equations::{LinearEpoch, MAX_ROWS};
+use rai_core::least_squares::{Snapshot, SnapshotError};
 use rai_core::numeric::real::Real;
 use rai_core::satellite::Constellation;
-use rai_core::snapshot::{Snapshot, SnapshotError};
 
 use crate::solved::{copied, solved};
 

@@ -2,15 +2,15 @@
 
 use nalgebra::Vector3;
 use proptest::prelude::*;
-use rai_core::equations::LinearEpoch;
-use rai_core::integrity::residuals::baarda::{identify, worst_two};
-use rai_core::integrity::residuals::exclusion::{Outcome, Unidentified};
-use rai_core::integrity::residuals::levels::Slopes;
-use rai_core::integrity::residuals::ransac::{self, MAX_WORK, Selection};
-use rai_core::integrity::residuals::threshold::Thresholds;
+use rai_core::integrity::raim::detection::threshold::Thresholds;
+use rai_core::integrity::raim::isolation::baarda::{identify, worst_two};
+use rai_core::integrity::raim::isolation::exclusion::{Outcome, Unidentified};
+use rai_core::integrity::raim::isolation::ransac::{self, MAX_WORK, Selection};
+use rai_core::integrity::raim::levels::Slopes;
+use rai_core::least_squares::Snapshot;
+use rai_core::least_squares::equations::LinearEpoch;
 use rai_core::numeric::probability::Probability;
 use rai_core::satellite::Constellation;
-use rai_core::snapshot::Snapshot;
 
 use crate::solved::solved;
 

@@ -2,11 +2,11 @@
 
 use nalgebra::Vector3;
 use proptest::prelude::*;
-use rai_core::equations::LinearEpoch;
-use rai_core::integrity::residuals::levels::largest_slopes;
+use rai_core::integrity::raim::levels::largest_slopes;
+use rai_core::least_squares::Snapshot;
+use rai_core::least_squares::equations::LinearEpoch;
 use rai_core::numeric::real::Real;
 use rai_core::satellite::Constellation;
-use rai_core::snapshot::Snapshot;
 
 use crate::solved::solved;
 

@@ -6,11 +6,11 @@
 
 use nalgebra::{Matrix3, Vector3};
 use proptest::prelude::*;
-use rai_core::equations::{LinearEpoch, MAX_ROWS};
-use rai_core::integrity::residuals::levels::{largest_slopes, slopes};
+use rai_core::integrity::raim::levels::{largest_slopes, slopes};
+use rai_core::least_squares::Snapshot;
+use rai_core::least_squares::equations::{LinearEpoch, MAX_ROWS};
 use rai_core::numeric::real::Real;
 use rai_core::satellite::Constellation;
-use rai_core::snapshot::Snapshot;
 
 use crate::solved::{copied, solved};
 

@@ -4,7 +4,7 @@
 use proptest::prelude::*;
 use rai_core::epoch::Observation;
 use rai_core::frame::Ecef;
-use rai_core::integrity::residuals::levels::largest_slopes;
+use rai_core::integrity::raim::levels::largest_slopes;
 use rai_core::monitor::Monitor;
 use rai_core::numeric::real::Real;
 use rai_core::report::{Alert, Protected, ProtectionLevels, Report, Solution, Verdict};

@@ -1,14 +1,14 @@
 //! The core in either precision: single as the shipped image has it ([`rai_core::single`]), double as compiled here.
 
 use rai_core::epoch::Epoch;
-use rai_core::integrity::residuals::baarda;
-use rai_core::integrity::residuals::levels::{self, Slopes};
-use rai_core::integrity::separation::{self, Allocation, Judged, Priors, Room, SeparationError};
+use rai_core::integrity::araim::{self, Allocation, Judged, Priors, Room, SeparationError};
+use rai_core::integrity::raim::isolation::baarda;
+use rai_core::integrity::raim::levels::{self, Slopes};
+use rai_core::least_squares::{Snapshot, SnapshotError};
 use rai_core::monitor::Monitor;
 use rai_core::numeric::real::Real;
 use rai_core::report::Report;
 use rai_core::single::{self, CAPACITY, stages};
-use rai_core::snapshot::{Snapshot, SnapshotError};
 
 /// The stages that are measured in both precisions.
 pub trait Precision: Real {
@@ -20,7 +20,7 @@ pub trait Precision: Real {
     fn worst_two(snapshot: &Snapshot<'_, Self>) -> Option<(usize, Self, Self)>;
     /// [`levels::largest_slopes`].
     fn largest_slopes(snapshot: &Snapshot<'_, Self>) -> Slopes<Self>;
-    /// [`separation::judge_in`].
+    /// [`araim::judge_in`].
     fn separate(
         snapshot: &mut Snapshot<'_, Self>,
         priors: &Priors<'_, Self>,
@@ -69,7 +69,7 @@ impl Precision for f64 {
         allocation: &Allocation,
         room: &mut Room<Self>,
     ) -> Result<Judged<Self>, SeparationError> {
-        separation::judge_in(snapshot, priors, allocation, room)
+        araim::judge_in(snapshot, priors, allocation, room)
     }
 
     fn leave_out(snapshot: &mut Snapshot<'_, Self>, index: usize) -> Result<(), SnapshotError> {

@@ -6,21 +6,22 @@ use core::ops::{Add, Sub};
 use rai_core::clock::{self, Autoregression, Clocks, CoastingClock, Extrapolation};
 use rai_core::continuity::{Continuity, ContinuityError, ContinuitySettings, Recovery};
 use rai_core::epoch::{Epoch, EpochError, EpochView};
-use rai_core::equations::{LinearEpoch, RowError};
-use rai_core::fix::{Fix, FixError};
 use rai_core::frame::{Ecef, Enu, Geodetic, LocalFrame};
-use rai_core::integrity::residuals::baarda;
-use rai_core::integrity::residuals::detection::{self, Detection};
-use rai_core::integrity::residuals::exclusion;
-use rai_core::integrity::residuals::levels::{self, Slopes};
-use rai_core::integrity::residuals::parity;
-use rai_core::integrity::residuals::ransac::{self, Selection};
-use rai_core::integrity::residuals::threshold::policy::{self, Demand, Weights};
-use rai_core::integrity::residuals::threshold::{self, ThresholdError, Thresholds};
-use rai_core::integrity::separation::{
-    self, Allocation, Finding, Hypothesis, Removable, Room, SeparationError,
-};
+use rai_core::integrity::araim::{self, Allocation, Finding, Hypothesis, Room, SeparationError};
+use rai_core::integrity::raim::detection::threshold::policy::{self, Demand, Weights};
+use rai_core::integrity::raim::detection::threshold::{self, ThresholdError, Thresholds};
+use rai_core::integrity::raim::detection::{self, Detection};
+use rai_core::integrity::raim::hypotheses::separability;
+use rai_core::integrity::raim::isolation::baarda;
+use rai_core::integrity::raim::isolation::exclusion;
+use rai_core::integrity::raim::isolation::parity;
+use rai_core::integrity::raim::isolation::ransac::{self, Selection};
+use rai_core::integrity::raim::levels::{self, Slopes};
 use rai_core::integrity::{self, Scratch};
+use rai_core::least_squares::downdate::{self, NormalisedRow, Removal};
+use rai_core::least_squares::equations::{LinearEpoch, RowError};
+use rai_core::least_squares::fix::{Fix, FixError};
+use rai_core::least_squares::{Excludable, Fit, Snapshot, SnapshotError, Workspace};
 use rai_core::monitor::{Accepted, Assessment, Memory, Monitor, MonitorError};
 use rai_core::numeric::absolute::{Absolute, Grid};
 use rai_core::numeric::chi_square::ChiSquare;
@@ -28,12 +29,10 @@ use rai_core::numeric::normal;
 use rai_core::numeric::probability::Probability;
 use rai_core::numeric::real::Real;
 use rai_core::numeric::{angle, bounds};
-use rai_core::removal::{self, NormalisedRow, Removal};
 use rai_core::report::Solution;
 use rai_core::requirements::{Requirements, RequirementsError};
 use rai_core::satellite::{Constellation, SatelliteId};
 use rai_core::single::{self, stages};
-use rai_core::snapshot::{Fit, Reducible, Snapshot, SnapshotError, Workspace};
 use rai_core::velocity::{self, RangeRate, Velocity, VelocityError};
 use rai_core::weighting;
 use rai_firmware::correction::CAPACITY as N;
@@ -93,10 +92,10 @@ fn the_linearised_epoch<T: Real>() {
         Snapshot::<T>::projection as fn(_, _, _) -> _,
         Snapshot::<T>::dilutions as fn(_) -> _,
         Snapshot::<T>::hdop_without as fn(_, _) -> _,
-        <Snapshot<'_, T> as Reducible<T>>::snapshot as fn(_) -> _,
-        <Snapshot<'_, T> as Reducible<T>>::leave_out as fn(_, _) -> _,
-        <Snapshot<'_, T> as Reducible<T>>::take_back as fn(_, _) -> _,
-        <Snapshot<'_, T> as Reducible<T>>::set_aside as fn(_, _) -> _,
+        <Snapshot<'_, T> as Excludable<T>>::snapshot as fn(_) -> _,
+        <Snapshot<'_, T> as Excludable<T>>::leave_out as fn(_, _) -> _,
+        <Snapshot<'_, T> as Excludable<T>>::take_back as fn(_, _) -> _,
+        <Snapshot<'_, T> as Excludable<T>>::set_aside as fn(_, _) -> _,
     );
 }
 
@@ -124,7 +123,7 @@ fn detection_and_protection<T: Real>() {
 
 fn removals<T: Real>() {
     reach!(
-        removal::testable_rows::<T> as fn(_, _),
+        downdate::testable_rows::<T> as fn(_, _),
         NormalisedRow::<T>::projection as fn(_, _) -> _,
         Removal::<T>::none as fn() -> _,
         <Removal<T> as Default>::default as fn() -> _,
@@ -149,8 +148,8 @@ fn identification_by_w_test<T: Real>() {
         baarda::identify::<T> as fn(_, _) -> _,
         baarda::exclude_sequentially::<T> as fn(&mut Snapshot<'static, T>, _) -> _,
         baarda::exclude_sequentially::<T> as fn(&mut Fix<'static, T>, _) -> _,
-        exclusion::separable::<T> as fn(&mut Snapshot<'static, T>, _, _) -> _,
-        exclusion::separable::<T> as fn(&mut Fix<'static, T>, _, _) -> _,
+        separability::separable::<T> as fn(&mut Snapshot<'static, T>, _, _) -> _,
+        separability::separable::<T> as fn(&mut Fix<'static, T>, _, _) -> _,
         exclusion::Exclusion::<T>::passed as fn() -> _,
         exclusion::Exclusion::<T>::not_isolated as fn(_) -> _,
         exclusion::leave_out::<T> as fn(&mut Snapshot<'static, T>, _, _) -> _,
@@ -187,17 +186,15 @@ fn identification_by_consensus<T: Real>() {
 
 fn separation_of_solutions<T: Real>() {
     reach!(
-        separation::judge::<T> as fn(&mut Snapshot<'static, T>, _, _) -> _,
-        separation::judge::<T> as fn(&mut Fix<'static, T>, _, _) -> _,
-        separation::judge_in::<T> as fn(&mut Fix<'static, T>, _, _, _) -> _,
+        araim::judge::<T> as fn(&mut Snapshot<'static, T>, _, _) -> _,
+        araim::judge::<T> as fn(&mut Fix<'static, T>, _, _) -> _,
+        araim::judge_in::<T> as fn(&mut Fix<'static, T>, _, _, _) -> _,
         Room::<T>::new as fn() -> _,
         <Room<T> as Default>::default as fn() -> _,
-        <Snapshot<'_, T> as Removable<T>>::view as fn(_) -> _,
-        <Snapshot<'_, T> as Removable<T>>::leave_out_all as fn(_, _) -> _,
-        <Snapshot<'_, T> as Removable<T>>::take_back_all as fn(_, _),
-        <Fix<'_, T> as Removable<T>>::view as fn(_) -> _,
-        <Fix<'_, T> as Removable<T>>::leave_out_all as fn(_, _) -> _,
-        <Fix<'_, T> as Removable<T>>::take_back_all as fn(_, _),
+        <Snapshot<'_, T> as Excludable<T>>::leave_out_all as fn(_, _) -> _,
+        <Snapshot<'_, T> as Excludable<T>>::take_back_all as fn(_, _),
+        <Fix<'_, T> as Excludable<T>>::leave_out_all as fn(_, _) -> _,
+        <Fix<'_, T> as Excludable<T>>::take_back_all as fn(_, _),
         Finding::<T>::hpl_m as fn(_) -> _,
         Finding::<T>::vpl_m as fn(_) -> _,
         normal::tail::<T> as fn(_) -> _,
@@ -281,10 +278,10 @@ fn the_pipeline<T: Real>() {
         Workspace::<T, N>::fix as fn(_, _, _) -> _,
         Fix::<T>::position as fn(_) -> _,
         Fix::<T>::snapshot as fn(_) -> _,
-        <Fix<'_, T> as Reducible<T>>::snapshot as fn(_) -> _,
-        <Fix<'_, T> as Reducible<T>>::leave_out as fn(_, _) -> _,
-        <Fix<'_, T> as Reducible<T>>::take_back as fn(_, _) -> _,
-        <Fix<'_, T> as Reducible<T>>::set_aside as fn(_, _) -> _,
+        <Fix<'_, T> as Excludable<T>>::snapshot as fn(_) -> _,
+        <Fix<'_, T> as Excludable<T>>::leave_out as fn(_, _) -> _,
+        <Fix<'_, T> as Excludable<T>>::take_back as fn(_, _) -> _,
+        <Fix<'_, T> as Excludable<T>>::set_aside as fn(_, _) -> _,
         Memory::<T, N>::new as fn() -> _,
         <Memory<T, N> as Default>::default as fn() -> _,
         Memory::<T, N>::workspace as fn(_) -> _,
@@ -481,7 +478,7 @@ fn tables() {
         Weights::new as fn(_, _) -> _,
         levels::noncentrality_at as fn(_, _) -> _,
         exclusion::leaves_enough as fn(_, _) -> _,
-        rai_core::integrity::residuals::sets::count_up_to as fn(_, _) -> _,
+        rai_core::integrity::raim::isolation::sets::count_up_to as fn(_, _) -> _,
         policy::range_threshold_m as fn(_, _, _) -> _,
         parity::SearchLimits::published as fn() -> _,
         ransac::ConsensusLimits::published as fn() -> _,

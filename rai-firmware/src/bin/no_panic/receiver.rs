@@ -4,7 +4,7 @@ use core::fmt::Display;
 
 use embedded_hal::digital::{self, OutputPin};
 use embedded_io::Write;
-use rai_core::integrity::residuals::threshold::ThresholdError;
+use rai_core::integrity::raim::detection::threshold::ThresholdError;
 use rai_firmware::bit_rate::BitRate;
 use rai_firmware::board::reset::{self, Record, ResetCause};
 use rai_firmware::board::{Board, Note, PortLosses, SEALED_BYTES};

@@ -4,7 +4,7 @@ mod lines;
 mod said;
 
 use rai_core::allocation::Allocation;
-use rai_core::integrity::residuals::threshold::{false_alarms, missed_detections};
+use rai_core::integrity::raim::detection::threshold::{false_alarms, missed_detections};
 use rai_core::numeric::probability::Probability;
 use rai_core::requirements::Requirements;
 use rai_core::satellite::Constellation;

@@ -9,8 +9,8 @@
 
 use anyhow::Result;
 use nalgebra::DVector;
-use rai_core::integrity::separation::{Allocation, Priors, judge};
-use rai_core::snapshot::Workspace;
+use rai_core::integrity::araim::{Allocation, Priors, judge};
+use rai_core::least_squares::Workspace;
 use rai_core::weighting::Ism;
 use rand::Rng as _;
 use rayon::prelude::*;

@@ -5,9 +5,9 @@
 
 use anyhow::{Context as _, Result};
 use nalgebra::{DVector, Vector3};
-use rai_core::integrity::separation::{Allocation, Priors, judge};
+use rai_core::integrity::araim::{Allocation, Priors, judge};
+use rai_core::least_squares::{Snapshot, Workspace};
 use rai_core::satellite::Constellation;
-use rai_core::snapshot::{Snapshot, Workspace};
 
 use super::scene::{Scene, Sighted, spread};
 use super::{Finding, Judgement, Row, Section};
@@ -86,8 +86,8 @@ pub(super) fn section() -> Result<Section> {
     })
 }
 
-fn widened(scene: &Scene) -> Result<rai_core::equations::LinearEpoch<f64, 64>> {
-    let mut epoch = rai_core::equations::LinearEpoch::new();
+fn widened(scene: &Scene) -> Result<rai_core::least_squares::equations::LinearEpoch<f64, 64>> {
+    let mut epoch = rai_core::least_squares::equations::LinearEpoch::new();
     for one in &scene.satellites {
         epoch.satellite(one.constellation, one.direction, 0.0, one.sigma_m)?;
     }

@@ -7,9 +7,9 @@ use std::fs::File;
 
 use anyhow::{Context as _, Result};
 use nalgebra::{DVector, Vector3};
-use rai_core::integrity::separation::{Allocation, Priors, judge};
+use rai_core::integrity::araim::{Allocation, Priors, judge};
+use rai_core::least_squares::Workspace;
 use rai_core::satellite::Constellation;
-use rai_core::snapshot::Workspace;
 use serde_json::Value;
 
 use super::scene::{Scene, Sighted};

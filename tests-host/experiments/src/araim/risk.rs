@@ -24,9 +24,9 @@
 
 use anyhow::Result;
 use nalgebra::{DMatrix, DVector};
-use rai_core::integrity::separation::{Allocation, Judged, Outcome, Priors, judge};
+use rai_core::integrity::araim::{Allocation, Judged, Outcome, Priors, judge};
+use rai_core::least_squares::Workspace;
 use rai_core::satellite::Constellation;
-use rai_core::snapshot::Workspace;
 use rai_core::weighting::Ism;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};

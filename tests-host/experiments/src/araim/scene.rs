@@ -6,8 +6,8 @@
 
 use anyhow::{Context as _, Result};
 use nalgebra::{DMatrix, DVector, Vector3};
-use rai_core::equations::LinearEpoch;
-use rai_core::integrity::separation::{Prior, ROWS};
+use rai_core::integrity::araim::{Prior, ROWS};
+use rai_core::least_squares::equations::LinearEpoch;
 use rai_core::numeric::real::Real;
 use rai_core::satellite::Constellation;
 use rai_core::weighting::{ErrorBudget, Ism, UserModel, integrity_sigma_m};

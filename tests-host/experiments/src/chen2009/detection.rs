@@ -21,11 +21,11 @@
 use anyhow::Result;
 use indicatif::ProgressBar;
 use nalgebra::Vector3;
-use rai_core::equations::LinearEpoch;
-use rai_core::integrity::residuals::threshold::Thresholds;
+use rai_core::integrity::raim::detection::threshold::Thresholds;
+use rai_core::least_squares::Workspace;
+use rai_core::least_squares::equations::LinearEpoch;
 use rai_core::numeric::probability::Probability;
 use rai_core::satellite::Constellation::Gps;
-use rai_core::snapshot::Workspace;
 use rayon::prelude::*;
 
 use super::super::{Finding, Judgement, Picture, Row, Section};

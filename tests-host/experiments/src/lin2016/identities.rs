@@ -10,18 +10,18 @@
 //! |---|---|---|
 //! | `P` | orthonormal basis of what the design does not reach | dense matrices |
 //! | `p = P y / σ` | parity vector; `p_i` its columns | dense matrices |
-//! | `SSE`, `S`, `ρ`, `A` | see [`rai_core::snapshot`], [`rai_core::integrity::residuals::parity`] | the core |
+//! | `SSE`, `S`, `ρ`, `A` | see [`rai_core::least_squares`], [`rai_core::integrity::raim::isolation::parity`] | the core |
 //! | `HDOP_i` | dilution without satellite `i` | the core, solved again without it |
-//! | `τ1`, `τ2` | see [`rai_core::integrity::residuals::threshold::policy`] | the core |
+//! | `τ1`, `τ2` | see [`rai_core::integrity::raim::detection::threshold::policy`] | the core |
 
 use anyhow::Context as _;
 use nalgebra::{DMatrix, DVector};
-use rai_core::integrity::residuals::levels::largest_slopes;
-use rai_core::integrity::residuals::levels::noncentrality_at;
-use rai_core::integrity::residuals::parity::correlation;
-use rai_core::integrity::residuals::threshold::policy::{Demand, Weights};
+use rai_core::integrity::raim::detection::threshold::policy::{Demand, Weights};
+use rai_core::integrity::raim::isolation::parity::correlation;
+use rai_core::integrity::raim::levels::largest_slopes;
+use rai_core::integrity::raim::levels::noncentrality_at;
+use rai_core::least_squares::{Snapshot, Workspace};
 use rai_core::numeric::probability::Probability;
-use rai_core::snapshot::{Snapshot, Workspace};
 
 use super::{Day, EPOCHS, Finding, HAL_M, Judgement, MISSED_DETECTION, ROWS, Row, SIGMA_M, Section};
 use tests_host::sky::linear;

@@ -15,13 +15,13 @@ mod single;
 
 use anyhow::Context as _;
 use indicatif::ProgressBar;
-use rai_core::integrity::residuals::levels::{hdop_change_limit, largest_hdop_change, largest_slopes};
-use rai_core::integrity::residuals::threshold::Thresholds;
-use rai_core::integrity::residuals::threshold::policy::range_threshold_m;
+use rai_core::integrity::raim::detection::threshold::Thresholds;
+use rai_core::integrity::raim::detection::threshold::policy::range_threshold_m;
+use rai_core::integrity::raim::levels::{hdop_change_limit, largest_hdop_change, largest_slopes};
+use rai_core::least_squares::Workspace;
 use rai_core::numeric::probability::Probability;
 use rai_core::numeric::real::Real;
 use rai_core::satellite::Constellation;
-use rai_core::snapshot::Workspace;
 
 use super::{Effort, Experiment, Finding, Judgement, Outcome, Picture, Row, Section};
 use tests_host::report::canvas::{BLUE, Mark, ORANGE};

@@ -18,8 +18,8 @@
 //! detected, as the paper must have done: in its figures identification leads detection.
 
 use anyhow::Context as _;
-use rai_core::integrity::residuals::baarda::identify;
-use rai_core::integrity::residuals::detection::detect;
+use rai_core::integrity::raim::detection::detect;
+use rai_core::integrity::raim::isolation::baarda::identify;
 use rand::Rng as _;
 use rayon::prelude::*;
 

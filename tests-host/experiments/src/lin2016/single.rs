@@ -1,9 +1,9 @@
 //! Figure 3: a day without faults but for 80 m on one satellite in one epoch.
 
-use rai_core::integrity::residuals::baarda::exclude_sequentially;
-use rai_core::integrity::residuals::detection::{Detection, detect};
-use rai_core::integrity::residuals::exclusion::Outcome;
-use rai_core::snapshot::Snapshot;
+use rai_core::integrity::raim::detection::{Detection, detect};
+use rai_core::integrity::raim::isolation::baarda::exclude_sequentially;
+use rai_core::integrity::raim::isolation::exclusion::Outcome;
+use rai_core::least_squares::Snapshot;
 use rand::Rng as _;
 
 use anyhow::Context as _;

@@ -16,7 +16,7 @@ use std::ops::Add;
 
 use rai_core::epoch::Observation;
 use rai_core::frame::{Ecef, Enu, LocalFrame};
-use rai_core::integrity::residuals::ransac::ConsensusLimits;
+use rai_core::integrity::raim::isolation::ransac::ConsensusLimits;
 use rai_core::monitor::{Method, Monitor, Strategy};
 use rai_core::report::{Alert, Protected, Report, Verdict};
 use rai_core::requirements::Requirements;

@@ -21,7 +21,7 @@ mod skies;
 
 use anyhow::Result;
 use indicatif::ProgressBar;
-use rai_core::integrity::residuals::parity;
+use rai_core::integrity::raim::isolation::parity;
 use rai_core::monitor::Method;
 use rayon::prelude::*;
 

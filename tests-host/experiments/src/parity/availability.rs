@@ -5,9 +5,9 @@
 
 use anyhow::Result;
 use indicatif::ProgressBar;
-use rai_core::integrity::residuals::levels::largest_slopes;
-use rai_core::integrity::residuals::threshold::Thresholds;
-use rai_core::snapshot::Workspace;
+use rai_core::integrity::raim::detection::threshold::Thresholds;
+use rai_core::integrity::raim::levels::largest_slopes;
+use rai_core::least_squares::Workspace;
 use rayon::prelude::*;
 
 use super::super::{Effort, Finding, Judgement, Picture, Row, Section};

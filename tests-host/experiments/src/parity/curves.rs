@@ -6,9 +6,9 @@
 
 use anyhow::Result;
 use indicatif::ProgressBar;
-use rai_core::integrity::residuals::parity::hybrid;
+use rai_core::integrity::raim::isolation::parity::hybrid;
+use rai_core::least_squares::Workspace;
 use rai_core::satellite::Constellation;
-use rai_core::snapshot::Workspace;
 use rand_distr::{Distribution as _, StandardNormal};
 use rayon::prelude::*;
 

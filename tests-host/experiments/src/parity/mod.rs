@@ -15,8 +15,8 @@ mod isolation;
 
 use anyhow::Result;
 use indicatif::ProgressBar;
-use rai_core::integrity::residuals::parity::SearchLimits;
-use rai_core::integrity::residuals::threshold::{ThresholdError, Thresholds};
+use rai_core::integrity::raim::detection::threshold::{ThresholdError, Thresholds};
+use rai_core::integrity::raim::isolation::parity::SearchLimits;
 use rai_core::numeric::probability::Probability;
 use rai_core::satellite::Constellation;
 

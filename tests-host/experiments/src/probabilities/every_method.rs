@@ -24,8 +24,8 @@
 use anyhow::{Context as _, Result, ensure};
 use nalgebra::DVector;
 use rai_core::epoch::Epoch;
-use rai_core::integrity::residuals::parity::Isolation;
-use rai_core::integrity::residuals::threshold::Thresholds;
+use rai_core::integrity::raim::detection::threshold::Thresholds;
+use rai_core::integrity::raim::isolation::parity::Isolation;
 use rai_core::monitor::{Memory, Method, Monitor, Search, Strategy};
 use rai_core::report::{Protected, Report, Verdict};
 use rai_core::requirements::Requirements;

@@ -23,7 +23,7 @@ mod worst;
 
 use anyhow::{Context as _, Result};
 use indicatif::ProgressBar;
-use rai_core::integrity::residuals::threshold::{Thresholds, false_alarms, missed_detections};
+use rai_core::integrity::raim::detection::threshold::{Thresholds, false_alarms, missed_detections};
 use rai_core::numeric::probability::Probability;
 use rai_core::requirements::Requirements;
 use rai_core::satellite::Constellation;

@@ -20,11 +20,11 @@
 
 use anyhow::{Context as _, Result};
 use nalgebra::DVector;
-use rai_core::integrity::residuals::detection::detect;
-use rai_core::integrity::residuals::levels::largest_slopes;
-use rai_core::integrity::residuals::threshold::Thresholds;
+use rai_core::integrity::raim::detection::detect;
+use rai_core::integrity::raim::detection::threshold::Thresholds;
+use rai_core::integrity::raim::levels::largest_slopes;
+use rai_core::least_squares::Workspace;
 use rai_core::numeric::real::Real;
-use rai_core::snapshot::Workspace;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
 use rayon::prelude::*;

@@ -21,11 +21,11 @@
 
 use anyhow::{Context as _, Result, ensure};
 use nalgebra::{Matrix2, Vector2};
-use rai_core::integrity::residuals::levels::{Exposure, Factors, Levels};
-use rai_core::integrity::residuals::threshold::Thresholds;
+use rai_core::integrity::raim::detection::threshold::Thresholds;
+use rai_core::integrity::raim::levels::{Exposure, Factors, Levels};
+use rai_core::least_squares::Workspace;
 use rai_core::numeric::probability::Probability;
 use rai_core::report::ProtectionLevels;
-use rai_core::snapshot::Workspace;
 use rayon::prelude::*;
 
 use super::CAPACITY;

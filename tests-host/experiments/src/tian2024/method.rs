@@ -10,13 +10,13 @@
 //! The paper's "wrong" is wrong or unresolved here.
 
 use anyhow::{Context as _, Result};
-use rai_core::equations::Row;
-use rai_core::integrity::residuals::baarda::exclude_sequentially;
-use rai_core::integrity::residuals::exclusion::{Exclusion, Outcome};
-use rai_core::integrity::residuals::threshold::Thresholds;
-use rai_core::integrity::residuals::{parity, ransac};
+use rai_core::integrity::raim::detection::threshold::Thresholds;
+use rai_core::integrity::raim::isolation::baarda::exclude_sequentially;
+use rai_core::integrity::raim::isolation::exclusion::{Exclusion, Outcome};
+use rai_core::integrity::raim::isolation::{parity, ransac};
+use rai_core::least_squares::Excludable;
+use rai_core::least_squares::equations::Row;
 use rai_core::numeric::probability::Probability;
-use rai_core::snapshot::Reducible;
 use rai_firmware::correction::CAPACITY;
 use rand_chacha::ChaCha8Rng;
 
@@ -73,7 +73,7 @@ impl Method {
     /// Isolates, and leaves the rows found out of `solution`.
     pub(super) fn exclude(
         self,
-        solution: &mut impl Reducible<f32>,
+        solution: &mut impl Excludable<f32>,
         selection: &ransac::Selection,
         limits: &Limits,
     ) -> Exclusion<f32> {

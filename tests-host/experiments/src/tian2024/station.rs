@@ -9,12 +9,13 @@
 use anyhow::{Context as _, Result};
 use indicatif::ProgressBar;
 use rai_core::epoch::{Epoch, Observation};
-use rai_core::fix::Fix;
 use rai_core::frame::Ecef;
-use rai_core::integrity::residuals::exclusion::{Outcome, separable};
-use rai_core::integrity::residuals::parity;
-use rai_core::integrity::residuals::ransac::{MAX_WORK, Selection};
-use rai_core::snapshot::Workspace;
+use rai_core::integrity::raim::hypotheses::separability::separable;
+use rai_core::integrity::raim::isolation::exclusion::Outcome;
+use rai_core::integrity::raim::isolation::parity;
+use rai_core::integrity::raim::isolation::ransac::{MAX_WORK, Selection};
+use rai_core::least_squares::Workspace;
+use rai_core::least_squares::fix::Fix;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 

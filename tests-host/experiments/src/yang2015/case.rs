@@ -1,12 +1,12 @@
 //! Under which requirements table 1 is computed, and what is counted.
 
 use anyhow::Context as _;
-use rai_core::integrity::residuals::levels::{Exposure, largest_slopes};
-use rai_core::integrity::residuals::threshold::Thresholds;
-use rai_core::integrity::residuals::threshold::policy::{Demand, Policy};
+use rai_core::integrity::raim::detection::threshold::Thresholds;
+use rai_core::integrity::raim::detection::threshold::policy::{Demand, Policy};
+use rai_core::integrity::raim::levels::{Exposure, largest_slopes};
+use rai_core::least_squares::Snapshot;
 use rai_core::numeric::real::Real;
 use rai_core::requirements::Requirements;
-use rai_core::snapshot::Snapshot;
 
 use super::grid::LATITUDES;
 use super::{FALSE_ALARM, LIMIT_M, thresholds};

@@ -15,7 +15,7 @@
 
 use std::ops::Range;
 
-use rai_core::snapshot::Snapshot;
+use rai_core::least_squares::Snapshot;
 use rayon::prelude::*;
 
 use super::SIGMA_M;

@@ -4,11 +4,11 @@
 //! direction by 2e-5 rad, of which no statistic can tell, and leaves one set of positions for all cells.
 
 use nalgebra::Vector3;
-use rai_core::equations::LinearEpoch;
 use rai_core::frame::{Ecef, Enu};
+use rai_core::least_squares::Workspace;
+use rai_core::least_squares::equations::LinearEpoch;
 use rai_core::numeric::real::Real;
 use rai_core::satellite::Constellation;
-use rai_core::snapshot::Workspace;
 
 use super::{MASK_DEG, ROWS, SIGMA_M};
 use tests_host::sky::{Fleet, Satellite, Site};

@@ -20,8 +20,8 @@ mod xian;
 
 use anyhow::Context as _;
 use indicatif::ProgressBar;
-use rai_core::integrity::residuals::threshold::Thresholds;
-use rai_core::integrity::residuals::threshold::policy::range_threshold_m;
+use rai_core::integrity::raim::detection::threshold::Thresholds;
+use rai_core::integrity::raim::detection::threshold::policy::range_threshold_m;
 use rai_core::numeric::probability::Probability;
 
 use super::{Effort, Experiment, Finding, Judgement, Outcome, Row, Section};

@@ -3,10 +3,10 @@
 //! Each second has a stream of random numbers of its own, so that the counts do not depend on who computes which.
 
 use indicatif::ProgressBar;
-use rai_core::integrity::residuals::detection::Detection;
-use rai_core::integrity::residuals::threshold::policy::Policy;
+use rai_core::integrity::raim::detection::Detection;
+use rai_core::integrity::raim::detection::threshold::policy::Policy;
+use rai_core::least_squares::Snapshot;
 use rai_core::numeric::real::Real as _;
-use rai_core::snapshot::Snapshot;
 use rand::Rng as _;
 use rand_distr::{Distribution as _, StandardNormal};
 use rayon::prelude::*;

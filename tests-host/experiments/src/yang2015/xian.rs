@@ -8,9 +8,9 @@ use std::ops::RangeInclusive;
 
 use anyhow::Context as _;
 use rai_core::frame::Enu;
-use rai_core::integrity::residuals::levels::largest_slopes;
-use rai_core::integrity::residuals::levels::noncentrality_at;
-use rai_core::integrity::residuals::threshold::policy::{Decision, Demand, Weights, range_threshold_m};
+use rai_core::integrity::raim::detection::threshold::policy::{Decision, Demand, Weights, range_threshold_m};
+use rai_core::integrity::raim::levels::largest_slopes;
+use rai_core::integrity::raim::levels::noncentrality_at;
 use rai_core::numeric::probability::Probability;
 
 use super::grid::pose;

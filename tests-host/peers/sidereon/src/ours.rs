@@ -1,18 +1,18 @@
 //! The core of this project.
 
 use anyhow::{Result, anyhow};
-use rai_core::equations::LinearEpoch;
-use rai_core::integrity::separation::{self, Allocation, Prior, Priors, ROWS};
+use rai_core::least_squares::equations::LinearEpoch;
+use rai_core::integrity::araim::{self, Allocation, Prior, Priors, ROWS};
 use rai_core::numeric::real::Real;
 use rai_core::satellite::Constellation;
-use rai_core::snapshot::{Snapshot, Workspace};
+use rai_core::least_squares::{Snapshot, Workspace};
 
 use super::{Answer, Line};
 
 /// Judges an epoch.
 pub(super) fn judge<T: Real>(line: &Line) -> Result<Answer> {
     with::<T, _>(line, |snapshot, priors| {
-        let judged = separation::judge(snapshot, priors, &Allocation::vertical_guidance())
+        let judged = araim::judge(snapshot, priors, &Allocation::vertical_guidance())
             .map_err(|error| anyhow!("{error}"))?;
         let whole = &judged.whole;
         Ok(Answer { modes: whole.modes, levels_m: [whole.hpl_m().widen(), whole.vpl_m().widen()] })
@@ -23,7 +23,7 @@ pub(super) fn judge<T: Real>(line: &Line) -> Result<Answer> {
 pub(super) fn microseconds<T: Real>(line: &Line) -> Result<f64> {
     let allocation = Allocation::vertical_guidance();
     with::<T, _>(line, |snapshot, priors| {
-        Ok(super::microseconds(|| separation::judge(snapshot, priors, &allocation).is_ok()))
+        Ok(super::microseconds(|| araim::judge(snapshot, priors, &allocation).is_ok()))
     })
 }
 

@@ -3,8 +3,8 @@
 use rai_core::continuity::ContinuitySettings;
 use rai_core::epoch::Epoch;
 use rai_core::integrity::Method;
-use rai_core::integrity::residuals::parity::Isolation;
-use rai_core::integrity::residuals::threshold::policy::Policy;
+use rai_core::integrity::raim::detection::threshold::policy::Policy;
+use rai_core::integrity::raim::isolation::parity::Isolation;
 use rai_core::monitor::Strategy;
 use rai_core::report::{Report, Verdict};
 use rai_core::requirements::Requirements;

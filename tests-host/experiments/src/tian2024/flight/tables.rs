@@ -3,9 +3,9 @@
 use std::time::Instant;
 
 use anyhow::Result;
-use rai_core::integrity::residuals::parity;
-use rai_core::integrity::residuals::ransac::{MAX_WORK, Selection};
-use rai_core::snapshot::Workspace;
+use rai_core::integrity::raim::isolation::parity;
+use rai_core::integrity::raim::isolation::ransac::{MAX_WORK, Selection};
+use rai_core::least_squares::Workspace;
 
 use super::super::super::draw::generator;
 use super::super::super::{Finding, Interval, Judgement, Picture, Row, Section};
@@ -223,7 +223,7 @@ pub(super) fn times(flight: &Flight) -> Result<[Section; 1]> {
 
 /// Seconds that parity, traditional and improved method take for one epoch, solution included.
 fn taken_s(
-    epoch: &rai_core::equations::LinearEpoch<f32, ROWS>,
+    epoch: &rai_core::least_squares::equations::LinearEpoch<f32, ROWS>,
     limits: &Limits,
     second: u64,
 ) -> Result<[f64; 3]> {

@@ -1,0 +1,179 @@
+//! An epoch judged by the separation of solutions, as [`super::super::judge`] wants it.
+
+use heapless::Vec;
+
+use super::modes::{ROOM, members};
+use super::{Finding, Hypothesis, Judged, Outcome, Prior, Priors, Room, SeparationError, judge_in};
+use crate::bounded::gather;
+use crate::epoch::EpochView;
+use crate::integrity::raim::detection::Detection;
+use crate::integrity::raim::detection::threshold::Thresholds;
+use crate::integrity::raim::detection::threshold::policy::NoThreshold;
+use crate::integrity::raim::hypotheses::time_tag::{RangeRates, Rates};
+use crate::integrity::raim::isolation::exclusion as residuals;
+use crate::integrity::raim::isolation::exclusion::{Excluded, Unidentified};
+use crate::integrity::raim::levels::common_shift;
+use crate::integrity::{Alone, Criteria, Judgement, Test};
+use crate::least_squares::{Excludable, infinity};
+use crate::numeric::real::Real;
+use crate::report::{MAX_EXCLUDED, ProtectionLevels, Separation};
+use crate::weighting::Ism;
+
+/// Judges an epoch whose sigmas are those for integrity ([`crate::weighting::integrity_sigma_m`]).
+#[inline(never)]
+pub(in crate::integrity) fn judge_epoch<T: Real>(
+    solution: &mut impl Excludable<T>,
+    epoch: &EpochView<'_>,
+    criteria: &Criteria<'_, T>,
+    rates: Option<&RangeRates<'_>>,
+    room: &mut Room<T>,
+) -> Judgement<T> {
+    let priors = priors(solution, epoch, criteria.ism);
+    let constellations = criteria.ism.constellations.map(|support| T::narrow(support.constellation_fault));
+    let priors = Priors { satellites: &priors, constellations };
+    if solution.snapshot().dof() == 0 {
+        return refused(residuals::Outcome::Passed, NoThreshold::Redundancy);
+    }
+    match judge_in(solution, &priors, &criteria.requirements.allocation, room) {
+        Ok(mut judged) => {
+            let is_of_time = blames_the_time(solution, epoch, &mut judged, criteria, rates);
+            let mut judgement = judgement(solution, epoch, &judged, &criteria.thresholds);
+            if is_of_time {
+                judgement.outcome = residuals::Outcome::NotIsolated(Unidentified::Time);
+            }
+            judgement
+        }
+        Err(SeparationError::Rows | SeparationError::Modes) => {
+            refused(residuals::Outcome::NotIsolated(Unidentified::Budget), NoThreshold::Risk)
+        }
+        Err(SeparationError::Prior) => refused(residuals::Outcome::Passed, NoThreshold::Risk),
+    }
+}
+
+/// Whether a wrong time of all ranges explains an alarm as well as what was left out for it, which then is taken back.
+#[inline(never)]
+fn blames_the_time<T: Real>(
+    solution: &mut impl Excludable<T>,
+    epoch: &EpochView<'_>,
+    judged: &mut Judged<T>,
+    criteria: &Criteria<'_, T>,
+    rates: Option<&RangeRates<'_>>,
+) -> bool {
+    let Some(rates) = rates.filter(|_| judged.whole.alarm).and_then(|rates| Rates::of(epoch, rates)) else {
+        return false;
+    };
+    let left = solution.snapshot().sse();
+    let gone = match &judged.outcome {
+        Outcome::Excluded { rows, .. } => *rows,
+        Outcome::Passed | Outcome::NotIsolated => 0,
+    };
+    if gone != 0 {
+        solution.take_back_all(gone);
+    }
+    let is_of_time = rates.rival(solution.snapshot(), gone.count_ones(), left, &criteria.thresholds);
+    if gone != 0 && (is_of_time || solution.leave_out_all(gone).is_err()) {
+        judged.outcome = Outcome::NotIsolated;
+    }
+    is_of_time
+}
+
+/// What an integrity support message says of each satellite of the epoch.
+///
+/// The accuracy's variance is the row's with the URE in the place of the URA. A row that claims less than the URA was
+/// made by another model, and is as accurate as it says.
+#[inline(never)]
+fn priors<T: Real>(solution: &impl Excludable<T>, epoch: &EpochView<'_>, ism: &Ism) -> Vec<Prior<T>, ROOM> {
+    let rows = solution.snapshot().equations();
+    gather(epoch.observations().iter().zip(rows).map(|(observation, row)| {
+        let support = ism.of(observation.satellite.constellation());
+        let [ura, ure] = [support.ura_m, support.ure_m].map(T::narrow);
+        let variance = row.sigma * row.sigma;
+        let accurate = variance - ura * ura + ure * ure;
+        let accuracy_m = if row.sigma >= ura { accurate.sqrt() } else { row.sigma };
+        Prior { accuracy_m, bias_m: T::narrow(support.bias_m), fault: T::narrow(support.satellite_fault) }
+    }))
+}
+
+fn refused<T: Real>(outcome: residuals::Outcome, reason: NoThreshold) -> Judgement<T> {
+    Judgement {
+        outcome,
+        excluded: Vec::new(),
+        test: Err(reason),
+        alone: Alone::Always,
+        searched: false,
+        separation: None,
+    }
+}
+
+#[inline(never)]
+fn judgement<T: Real>(
+    solution: &impl Excludable<T>,
+    epoch: &EpochView<'_>,
+    judged: &Judged<T>,
+    thresholds: &Thresholds<'_>,
+) -> Judgement<T> {
+    let (mut outcome, excluded, finding) = match &judged.outcome {
+        Outcome::Passed => (residuals::Outcome::Passed, None, &judged.whole),
+        Outcome::Excluded { rows, finding, .. } => (residuals::Outcome::Isolated, Some(*rows), finding),
+        Outcome::NotIsolated => (residuals::Outcome::NotIsolated(Unidentified::NoSet), None, &judged.whole),
+    };
+    let lost = match &judged.outcome {
+        Outcome::Excluded { excluded, .. } => excluded.constellations,
+        Outcome::Passed | Outcome::NotIsolated => 0,
+    };
+    let snapshot = solution.snapshot();
+    // Of a constellation as many as there is room for; the separation's part names it whole.
+    let excluded = members(excluded.unwrap_or(0)).filter_map(|index| {
+        let (_, fit) = snapshot.row(index)?;
+        Some(Excluded { index, w_test: fit.w_test() })
+    });
+    let levels = ProtectionLevels { hpl_m: finding.hpl_m().widen(), vpl_m: finding.vpl_m().widen() };
+    // What ranges share (one frequency's ionosphere) no test sees: it comes on top, as for every method.
+    let levels = levels.plus(&common_shift(snapshot, epoch.common_m()));
+    // What is not watched, for it is promised never to happen or is too unlikely, shows in the residuals alone: then no level is valid,
+    // and nothing says whom to leave out. Beyond the table no threshold is known.
+    let (sse, dof) = (snapshot.sse(), snapshot.dof());
+    let untested = Detection { sse, threshold: infinity(), dof };
+    let detection = Detection::of(sse, dof, thresholds).unwrap_or(untested);
+    if detection.fault() && !matches!(outcome, residuals::Outcome::NotIsolated(_)) {
+        outcome = residuals::Outcome::NotIsolated(Unidentified::NoSet);
+    }
+    Judgement {
+        outcome,
+        excluded: gather::<_, MAX_EXCLUDED>(excluded),
+        test: Ok(Test { detection, levels }),
+        alone: Alone::Always,
+        searched: judged.whole.alarm,
+        separation: Some(described(epoch, judged, finding, lost)),
+    }
+}
+
+fn described<T: Real>(
+    epoch: &EpochView<'_>,
+    judged: &Judged<T>,
+    finding: &Finding<T>,
+    excluded_constellations: u8,
+) -> Separation {
+    let name = |hypothesis: Hypothesis| {
+        let [first, second, third] = hypothesis.named();
+        [first, second, third].map(|row| Some(epoch.observations().get(row?)?.satellite))
+    };
+    let [east, north, up] = finding.levels_m;
+    let [of_east, of_north, of_up] = finding.dominant;
+    let horizontal = if east > north { of_east } else { of_north };
+    Separation {
+        modes: finding.modes as u16,
+        not_watched: finding.not_watched.widen(),
+        share: judged.share.widen(),
+        ratio: finding.ratio.widen(),
+        effective_monitor_threshold_m: finding.effective_monitor_threshold_m.widen(),
+        accuracy_m: finding.accuracy_m.widen(),
+        horizontal: crate::report::Dominant {
+            constellations: horizontal.constellations,
+            satellites: name(horizontal),
+        },
+        vertical: crate::report::Dominant { constellations: of_up.constellations, satellites: name(of_up) },
+        excluded_constellations,
+        is_risk_spent: !up.is_finite() || !east.is_finite(),
+    }
+}

@@ -1,0 +1,473 @@
+//! One walk through the modes of a set of satellites: tests, thresholds, levels.
+//!
+//! Modes that the remaining geometry cannot do without are met on the way. They count as not watched, which changes the
+//! number of modes and so all thresholds: the walk is then done once more.
+
+use core::ops::ControlFlow;
+
+use heapless::Vec;
+use nalgebra::Vector3;
+
+use super::levels::{Axis, Budget, Candidate, Gate, Level, Quantiles};
+use super::modes::{Batch, Mode, Modes, Remains, Set, Visitor, members, row};
+use super::subsets::{Bounds, Solution, Solutions};
+use super::{Finding, MAX_MODES, SeparationError};
+use crate::allocation::Allocation;
+use crate::bit_set::count_of;
+use crate::least_squares::infinity;
+use crate::numeric::normal::quantile;
+use crate::numeric::real::Real;
+use crate::numeric::space::{products, zero};
+use crate::satellite::Constellation;
+
+/// Modes that are kept in mind because the geometry cannot do without them, though enough satellites would be left.
+const SINGULAR: usize = 16;
+
+/// Walks for better references, at most.
+const REFINEMENTS: usize = 2;
+
+/// What of a prior the rounding of a single may take away.
+const PRIOR_ROUNDING: f64 = 1e-6;
+
+/// The choice of modes, and what is known of them with all satellites in view.
+#[derive(Clone, Debug)]
+pub(super) struct Watch<'a, T: Real> {
+    pub(super) modes: Modes<'a, T>,
+    pub(super) allocation: &'a Allocation,
+    /// `ρ`.
+    pub(super) share: T,
+    /// Rows whose loss leaves a geometry that determines no position.
+    pub(super) singular: Vec<Set, SINGULAR>,
+    /// `P_nm` with all satellites in view.
+    pub(super) not_watched: T,
+}
+
+/// How a walk is done.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Purpose {
+    /// Tests and levels, whatever the tests say.
+    Describe,
+    /// Nothing beyond the first alarm.
+    Accept,
+}
+
+impl<'a, T: Real> Watch<'a, T> {
+    /// With nothing chosen yet.
+    #[allow(clippy::inline_always, reason = "made where it stays: it is large")]
+    #[inline(always)]
+    pub(super) fn nothing(constellations: [T; Constellation::COUNT], allocation: &'a Allocation) -> Self {
+        Self {
+            modes: Modes::nothing(constellations, allocation),
+            allocation,
+            share: T::one(),
+            singular: Vec::new(),
+            not_watched: T::zero(),
+        }
+    }
+    /// Whether enough satellites are left without a set of rows, and are known to determine a position.
+    pub(super) fn is_monitorable(&self, taken: Set) -> bool {
+        self.leaves_enough(taken, 0) && !self.singular.contains(&taken)
+    }
+
+    /// Whether a position and the clocks are left, and so many satellites more.
+    pub(super) fn leaves_enough(&self, taken: Set, more: u32) -> bool {
+        let left = (self.modes.satellites & !taken).count_ones();
+        // Mostly enough for a clock of every constellation that there is.
+        left >= 3 + Constellation::COUNT as u32 + more || left >= 3 + self.clocks_left(taken) + more
+    }
+
+    /// Constellations of which satellites are left without a set of rows.
+    fn clocks_left(&self, taken: Set) -> u32 {
+        self.modes.members.iter().filter(|&&members| members & !taken != 0).count() as u32
+    }
+
+    /// Rows of which each by itself is watched without `gone`, where that leaves one satellite more than unknowns.
+    pub(super) fn singles(&self, gone: Set) -> Set {
+        let watched = |&index: &usize| self.modes.watches(index) && self.is_monitorable(row(index));
+        let left = self.modes.not_alone(gone) & !gone;
+        members(left).filter(watched).fold(0, |set, index| set | row(index))
+    }
+
+    /// Judges what is left without `gone`, of which `solutions` is the solution.
+    pub(super) fn judge(
+        &mut self,
+        solutions: &mut Solutions<'_, T>,
+        axes: &mut [Axis<T>; 3],
+        gone: Set,
+        purpose: Purpose,
+    ) -> Result<Finding<T>, SeparationError> {
+        let remains = self.modes.remains(gone);
+        let mut count = self.count(&remains);
+        if count.modes > MAX_MODES {
+            return Err(SeparationError::Modes);
+        }
+        // The second time nothing is found that is not counted already.
+        for _ in 0..2 {
+            if gone == 0 {
+                self.not_watched = self.modes.not_watched + count.unmonitorable;
+            }
+            let mut pass = Pass::new(self, solutions, (&remains, purpose), &count, axes);
+            if let Some(finding) = pass.run() {
+                return Ok(finding);
+            }
+            let Singular { modes, probability, sets } = pass.singular;
+            count.unmonitorable += probability;
+            count.modes -= modes.min(count.modes);
+            count.singular = true;
+            if gone == 0 {
+                self.singular = sets;
+            }
+        }
+        Err(SeparationError::Modes)
+    }
+
+    /// Counts what can be watched, by the number of satellites alone.
+    #[inline(never)]
+    fn count(&self, remains: &Remains) -> Count<T> {
+        let gone = remains.gone;
+        let ample =
+            count_of(self.modes.satellites & !gone).saturating_sub(3 + self.clocks_left(gone) as usize);
+        let count = Count { modes: 0, unmonitorable: T::zero(), singular: false };
+        let mut counter = Counter { watch: self, gone, ample, count };
+        let was_monitorable = |taken| self.is_monitorable(taken);
+        let _ = self.modes.visit(remains, &(1..=3), &was_monitorable, &mut counter);
+        counter.count
+    }
+}
+
+/// Modes that are watched, and the probability of those that cannot be.
+#[derive(Clone, Debug)]
+struct Count<T> {
+    modes: usize,
+    unmonitorable: T,
+    /// Whether modes that the geometry cannot do without are counted out already.
+    singular: bool,
+}
+
+/// Counts modes.
+struct Counter<'w, 'a, T: Real> {
+    watch: &'w Watch<'a, T>,
+    gone: Set,
+    /// So many satellites can be taken from any constellations.
+    ample: usize,
+    count: Count<T>,
+}
+
+impl<T: Real> Visitor<T> for Counter<'_, '_, T> {
+    fn sift(&mut self, batch: &Batch<T>) -> Set {
+        if batch.taken > self.ample {
+            return batch.rows;
+        }
+        self.count.modes += batch.rows.count_ones() as usize;
+        0
+    }
+
+    fn visit(&mut self, mode: &Mode<T>) -> ControlFlow<()> {
+        let taken = self.gone | self.watch.modes.taken_by(mode.hypothesis);
+        if mode.taken <= self.ample || self.watch.leaves_enough(taken, 0) {
+            self.count.modes += 1;
+        } else {
+            self.count.unmonitorable += mode.probability;
+        }
+        ControlFlow::Continue(())
+    }
+}
+
+/// Modes that turned out to leave no position.
+struct Singular<T> {
+    modes: usize,
+    probability: T,
+    sets: Vec<Set, SINGULAR>,
+}
+
+/// The root of a variance. Where a geometry is so poor that rounding leaves none of it, nothing is known, and it is infinite.
+fn deviation<T: Real>(variance: T) -> T {
+    if variance >= T::zero() { variance.root() } else { infinity() }
+}
+
+/// One walk.
+struct Pass<'p, 'a, 'v, T: Real> {
+    watch: &'p Watch<'a, T>,
+    solutions: &'p mut Solutions<'v, T>,
+    remains: &'p Remains,
+    purpose: Purpose,
+    modes: usize,
+    /// Modes taken, in this walk and those before.
+    taken: usize,
+    skips_singular: bool,
+    not_watched: T,
+    factors: Vector3<T>,
+    axes: &'p mut [Axis<T>; 3],
+    gate: Gate<T>,
+    quantiles: Quantiles<T>,
+    /// Whether the gate lets anything pass.
+    has_reference: bool,
+    levels: [Level<T>; 3],
+    squared_factors: Vector3<T>,
+    accuracy_m: T,
+    /// The largest of a likely mode, up, squared.
+    threshold: T,
+    likely: T,
+    /// The largest separation over its threshold, squared.
+    worst: T,
+    alarm: bool,
+    singular: Singular<T>,
+}
+
+impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
+    #[inline(never)]
+    fn new(
+        watch: &'p Watch<'a, T>,
+        solutions: &'p mut Solutions<'v, T>,
+        (remains, purpose): (&'p Remains, Purpose),
+        count: &Count<T>,
+        axes: &'p mut [Axis<T>; 3],
+    ) -> Self {
+        let allocation = watch.allocation;
+        let phmi = watch.modes.mandatory();
+        // With all satellites what cannot be watched is part of P_nm; after an exclusion it can fall on this outcome whole.
+        let newly = if remains.gone == 0 { T::zero() } else { count.unmonitorable };
+        let left = (watch.share * (phmi - watch.not_watched) - newly) / phmi;
+        let two = T::one() + T::one();
+        let vertical = left * T::narrow(allocation.integrity_vertical);
+        let horizontal = left * T::narrow(allocation.integrity_horizontal) / two;
+        let whole = solutions.whole();
+        let bias = solutions.whole_bias();
+        // Both sides of a test.
+        let modes = T::narrow(count.modes.max(1) as f64);
+        let tests = two * modes;
+        let horizontal_factor = quantile(T::narrow(allocation.alarm_horizontal) / (two * tests));
+        let vertical_factor = quantile(T::narrow(allocation.alarm_vertical) / tests);
+        let factors = Vector3::new(horizontal_factor, horizontal_factor, vertical_factor);
+        let mut pass = Self {
+            watch,
+            solutions,
+            remains,
+            purpose,
+            modes: count.modes,
+            taken: 0,
+            skips_singular: count.singular,
+            not_watched: watch.not_watched + newly,
+            factors,
+            squared_factors: products(&factors, &factors),
+            gate: Gate::closed(),
+            quantiles: Quantiles::none(),
+            has_reference: false,
+            axes,
+            levels: [Level::none(); 3],
+            accuracy_m: deviation(whole.separation.z),
+            threshold: T::zero(),
+            likely: T::narrow(allocation.effective_prior) * (T::one() - T::narrow(PRIOR_ROUNDING)),
+            worst: T::zero(),
+            alarm: false,
+            singular: Singular { modes: 0, probability: T::zero(), sets: Vec::new() },
+        };
+        let [east, north, up] = &mut *pass.axes;
+        let [horizontal, vertical] = [horizontal, vertical].map(|risk| Budget::of(risk, modes));
+        east.open(&horizontal, whole.variance.x, bias.x);
+        north.open(&horizontal, whole.variance.y, bias.y);
+        up.open(&vertical, whole.variance.z, bias.z);
+        pass.gate = Gate::of(pass.axes);
+        pass
+    }
+
+    fn run(&mut self) -> Option<Finding<T>> {
+        for refinement in 0..=REFINEMENTS {
+            self.walk(refinement == 0);
+            if self.singular.modes > 0 && !self.skips_singular {
+                return None;
+            }
+            if self.alarm && self.purpose == Purpose::Accept {
+                break;
+            }
+            self.solve();
+            if refinement == REFINEMENTS || !self.levels.iter().any(Axis::is_dear) {
+                break;
+            }
+            for (axis, level) in self.axes.iter_mut().zip(&self.levels) {
+                axis.restart(level.below_m);
+            }
+            self.gate = Gate::of(self.axes);
+        }
+        Some(self.finding())
+    }
+
+    /// Singles and constellations first: they say where the levels are, about.
+    fn walk(&mut self, is_first: bool) {
+        let (watch, remains) = (self.watch, self.remains);
+        let taken_before = self.taken;
+        let was_monitorable = |taken: Set| watch.is_monitorable(taken);
+        for sizes in [1..=1, 2..=3] {
+            if watch.modes.visit(remains, &sizes, &was_monitorable, self).is_break() {
+                return;
+            }
+            if self.taken + self.singular.modes >= taken_before + self.modes {
+                // What is left cannot be watched.
+                break;
+            }
+            if is_first && *sizes.end() == 1 {
+                self.settle();
+            }
+        }
+    }
+
+    /// With singles and constellations at hand, and more to come.
+    fn settle(&mut self) {
+        self.sort_out();
+        self.axes.iter_mut().filter(|axis| axis.is_open()).for_each(Axis::settle);
+        self.gate = Gate::of(self.axes);
+    }
+
+    /// What modes must stay below that are as likely as these at most.
+    fn bounds(&self, batch: &Batch<T>) -> Bounds<T> {
+        let limits = &self.squared_factors;
+        let [least, largest] = if limits.x < limits.z { [limits.x, limits.z] } else { [limits.z, limits.x] };
+        let bounds = self.gate.bounds(batch.ln_probability, limits);
+        let effective =
+            if self.may_be_likely(batch.probability) { self.threshold / limits.z } else { bounds.effective };
+        Bounds { worst: self.worst * least, evenness: least / largest, effective, ..bounds }
+    }
+
+    /// Looks for a reference in what one mode alone spends.
+    #[inline(never)]
+    fn sort_out(&mut self) {
+        for axis in self.axes.iter_mut().filter(|axis| axis.is_open()) {
+            axis.sort_out(&mut self.quantiles);
+        }
+        self.gate = Gate::of(self.axes);
+        self.has_reference = true;
+    }
+
+    /// Tests and thresholds by their squares: few modes need the roots.
+    #[inline]
+    fn take(&mut self, mode: &Mode<T>) {
+        let Some(solution) = self.solutions.without(mode.hypothesis) else {
+            self.note_singular(mode);
+            return;
+        };
+        self.taken += 1;
+        let thresholds = products(&solution.separation, &self.squared_factors);
+        let distances = products(&solution.shift, &solution.shift);
+        let worst = self.worst;
+        // What is no worse than the worst so far alarms no more than it does. What is not a number is worse.
+        let is_worse = |distance: T, threshold: T| !(distance <= worst * threshold);
+        if is_worse(distances.x, thresholds.x)
+            || is_worse(distances.y, thresholds.y)
+            || is_worse(distances.z, thresholds.z)
+        {
+            self.note(&distances, &thresholds);
+        }
+        if thresholds.z > self.threshold && self.is_likely(mode) {
+            self.threshold = thresholds.z;
+        }
+        if self.solutions.has_bias() {
+            self.add_biased(mode, &solution, &thresholds);
+        } else if !self.gate.is_clear(mode, &thresholds, &solution.variance) {
+            self.add(mode, &solution, &thresholds, &zero());
+        }
+    }
+
+    /// Takes note of the largest separation so far.
+    #[inline(never)]
+    fn note(&mut self, distances: &Vector3<T>, thresholds: &Vector3<T>) {
+        let axes = [(distances.x, thresholds.x), (distances.y, thresholds.y), (distances.z, thresholds.z)];
+        for (distance, threshold) in axes {
+            // Rounding can take a variance of nothing below nothing.
+            let threshold = if threshold < T::zero() { T::zero() } else { threshold };
+            if !(distance <= threshold) {
+                self.alarm = true;
+            }
+            let ratio = distance / threshold;
+            if ratio > self.worst {
+                self.worst = ratio;
+            }
+        }
+    }
+
+    fn is_likely(&self, mode: &Mode<T>) -> bool {
+        let watch = self.watch;
+        self.may_be_likely(mode.probability)
+            && watch.modes.prior(mode.hypothesis, self.remains.gone, &|taken| watch.is_monitorable(taken))
+                >= self.likely
+    }
+
+    fn may_be_likely(&self, probability: T) -> bool {
+        // The product of the odds is no smaller than that of the probabilities.
+        probability >= self.likely * self.watch.modes.healthy()
+    }
+
+    /// Adds the mode to the sums in which it may matter.
+    #[inline(never)]
+    fn add(&mut self, mode: &Mode<T>, solution: &Solution<T>, thresholds: &Vector3<T>, bias: &Vector3<T>) {
+        if !self.has_reference && mode.hypothesis.constellations == 0 {
+            self.sort_out();
+        }
+        let [east, north, up] = &mut *self.axes;
+        let variance = &solution.variance;
+        east.add(&Candidate::of(mode, thresholds.x, variance.x), bias.x);
+        north.add(&Candidate::of(mode, thresholds.y, variance.y), bias.y);
+        up.add(&Candidate::of(mode, thresholds.z, variance.z), bias.z);
+    }
+
+    /// The same with biases, which are worked out only where a bound on them does not decide.
+    #[inline(never)]
+    fn add_biased(&mut self, mode: &Mode<T>, solution: &Solution<T>, thresholds: &Vector3<T>) {
+        let bound = self.solutions.bias_bound();
+        if !bound.is_some_and(|bound| self.gate.is_clear_with(mode, thresholds, &solution.variance, &bound)) {
+            let bias = self.solutions.bias();
+            self.add(mode, solution, thresholds, &bias);
+        }
+    }
+
+    #[inline(never)]
+    fn note_singular(&mut self, mode: &Mode<T>) {
+        let taken = self.remains.gone | self.watch.modes.taken_by(mode.hypothesis);
+        if self.skips_singular || !self.watch.leaves_enough(taken, 0) {
+            return;
+        }
+        self.singular.modes += 1;
+        self.singular.probability += mode.probability;
+        // Beyond the room it is charged to whichever outcome meets it: more, never less.
+        let _ = self.singular.sets.push(taken & !self.remains.gone);
+    }
+
+    /// The levels with all modes.
+    #[inline(never)]
+    fn solve(&mut self) {
+        for (level, axis) in self.levels.iter_mut().zip(self.axes.iter()) {
+            *level = if axis.is_open() { axis.finish() } else { Level::none() };
+        }
+    }
+
+    fn finding(&self) -> Finding<T> {
+        Finding {
+            modes: self.modes,
+            not_watched: self.not_watched,
+            factors: self.factors.into(),
+            levels_m: self.levels.map(|level| level.distance_m),
+            effective_monitor_threshold_m: self.threshold.root(),
+            accuracy_m: self.accuracy_m,
+            alarm: self.alarm,
+            ratio: self.worst.root(),
+            dominant: self.levels.map(|level| level.dominant),
+        }
+    }
+}
+
+impl<T: Real> Visitor<T> for Pass<'_, '_, '_, T> {
+    fn sift(&mut self, batch: &Batch<T>) -> Set {
+        if !self.has_reference {
+            self.sort_out();
+        }
+        let bounds = self.bounds(batch);
+        let left = self.solutions.sift(batch.common, batch.rows, &bounds);
+        self.taken += (batch.rows & !left).count_ones() as usize;
+        left
+    }
+
+    fn visit(&mut self, mode: &Mode<T>) -> ControlFlow<()> {
+        self.take(mode);
+        let ends = self.alarm && self.purpose == Purpose::Accept;
+        if ends { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+}

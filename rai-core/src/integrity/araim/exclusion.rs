@@ -1,0 +1,290 @@
+//! After an alarm: which satellite, or which constellation, can be left out so that the others agree?
+//!
+//! Candidates leave at least one satellite more than unknowns. Satellites come first, then constellations, each in
+//! ascending weighted SSE of what remains; the first that does not alarm is taken. Each is judged by all the modes that
+//! were chosen with all satellites in view, restricted to what remains, so that a wrong exclusion is within the risk.
+//!
+//! To judge a candidate costs as much as to judge the epoch: no more than a satellite and a constellation are. Most
+//! candidates need no judgement, since another satellite is still so far off that its own test alarms. That test is
+//! algebra on the solution with all satellites:
+//!
+//! ```text
+//! contradicted    |A_k v_k| > (1 + margin) K |A_k| √κ_kk     on any axis, for any single satellite k that remains
+//! ```
+//!
+//! with `A_k`, `v_k`, `κ_kk` as the candidate leaves them ([`super::subsets`]). `K` is that of the modes with all
+//! satellites; the candidate's has no more of them and is no larger, so that what is contradicted here would alarm there.
+//!
+//! References: [MAAST] for the order and the shares.
+//!
+//! [MAAST]: crate#references
+
+use heapless::Vec;
+use nalgebra::Vector3;
+
+use super::evaluation::{Purpose, Watch};
+use super::levels::Axis;
+use super::modes::{Hypothesis, Odds, ROOM, Set, members};
+use super::subsets::{Own, Solutions};
+use super::{Finding, Prior, Priors, SeparationError, View};
+use crate::allocation::Allocation;
+use crate::bit_set::count_of;
+use crate::least_squares::Excludable;
+use crate::least_squares::equations::Row;
+use crate::numeric::real::Real;
+use crate::satellite::Constellation;
+
+/// How an epoch ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Outcome<T> {
+    /// No test alarms.
+    Passed,
+    /// One alarms; without what is named here, which has been left out, none does.
+    Excluded {
+        /// The satellite or the constellation.
+        excluded: Hypothesis,
+        /// Its rows.
+        rows: u64,
+        /// What is found without it.
+        finding: Finding<T>,
+    },
+    /// One alarms, and so does one without any single satellite or constellation; or exclusion is off.
+    NotIsolated,
+}
+
+/// Everything that was found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Judged<T> {
+    /// What may be left out after an alarm.
+    pub options: usize,
+    /// Share of the risk of each outcome.
+    pub share: T,
+    /// With all satellites.
+    pub whole: Finding<T>,
+    /// What came of it.
+    pub outcome: Outcome<T>,
+}
+
+/// Below this a constellation is not among the options.
+const OPTIONAL: f64 = 1e-7;
+
+/// Room for what judging has for each row and each term. It keeps nothing.
+#[derive(Clone, Debug)]
+pub struct Room<T: Real> {
+    odds: Odds<T>,
+    solving: Solving<T>,
+}
+
+/// What of it each solution and each walk takes up anew.
+#[derive(Clone, Debug)]
+struct Solving<T: Real> {
+    own: Vec<Own<T>, ROOM>,
+    axes: [Axis<T>; 3],
+}
+
+impl<T: Real> Default for Room<T> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<T: Real> Room<T> {
+    /// Of no epoch yet.
+    #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
+    #[inline(always)]
+    pub fn new() -> Self {
+        let axes = [Axis::closed(), Axis::closed(), Axis::closed()];
+        Self { odds: Vec::new(), solving: Solving { own: Vec::new(), axes } }
+    }
+}
+
+/// Judges an epoch, and leaves out what disturbs it.
+///
+/// # Errors
+/// [`SeparationError`] where the declared bounds do not hold: nothing is promised then.
+pub fn judge<T: Real>(
+    epoch: &mut impl Excludable<T>,
+    priors: &Priors<'_, T>,
+    allocation: &Allocation,
+) -> Result<Judged<T>, SeparationError> {
+    judge_in(epoch, priors, allocation, &mut Room::new())
+}
+
+/// As [`judge`], with room that who has little stack keeps elsewhere.
+///
+/// # Errors
+/// As there.
+pub fn judge_in<T: Real>(
+    epoch: &mut impl Excludable<T>,
+    priors: &Priors<'_, T>,
+    allocation: &Allocation,
+    room: &mut Room<T>,
+) -> Result<Judged<T>, SeparationError> {
+    let Room { odds, solving } = room;
+    let mut watch = Watch::nothing(priors.constellations, allocation);
+    choose(&mut watch, odds, &View::of(epoch.snapshot()), priors)?;
+    let options = Options::of(&watch, &priors.constellations);
+    if allocation.exclusion {
+        watch.share = T::narrow((options.count() + 1) as f64).recip();
+    }
+    let whole =
+        describe(&mut watch, solving, View::of(epoch.snapshot()), priors.satellites, 0, Purpose::Describe)?;
+    let mut judged = Judged { options: options.count(), share: watch.share, whole, outcome: Outcome::Passed };
+    if judged.whole.alarm {
+        judged.outcome = Outcome::NotIsolated;
+        if allocation.exclusion {
+            let factors = judged.whole.factors;
+            judged.outcome = exclude(&mut watch, solving, epoch, priors.satellites, options, factors)?;
+        }
+    }
+    Ok(judged)
+}
+
+/// Sigmas and biases beyond these are no promise, and squares of squares of them no numbers, m: as for a range
+/// ([`crate::epoch::Epoch::push`]).
+const LEAST_M: f64 = 1e-3;
+const LARGEST_M: f64 = 1e6;
+
+/// Chooses the modes of an epoch.
+#[inline(never)]
+pub(super) fn choose<'r, T: Real>(
+    watch: &mut Watch<'r, T>,
+    odds: &'r mut Odds<T>,
+    view: &View<'_, T>,
+    priors: &Priors<'_, T>,
+) -> Result<(), SeparationError> {
+    let is_size = |value: T| value >= T::zero() && value <= T::narrow(LARGEST_M);
+    let is_measured = |row: &Row<T>| row.sigma >= T::narrow(LEAST_M) && row.sigma <= T::narrow(LARGEST_M);
+    let is_valid = |prior: &Prior<T>| is_size(prior.accuracy_m) && is_size(prior.bias_m);
+    let mut rows = view.rows.iter().filter(|row| row.weight > T::zero());
+    if !priors.satellites.iter().all(is_valid) || !rows.all(is_measured) {
+        return Err(SeparationError::Prior);
+    }
+    let mut faults = priors.satellites.iter().map(|prior| prior.fault);
+    let satellites = view.rows.iter().map(|row| {
+        let fault = faults.next().filter(|_| row.weight > T::zero())?;
+        Some((row.clock?, fault))
+    });
+    watch.modes.choose(satellites, odds, watch.allocation)
+}
+
+/// What is found of an epoch without the rows of a set.
+#[inline(never)]
+fn describe<T: Real>(
+    watch: &mut Watch<'_, T>,
+    solving: &mut Solving<T>,
+    view: View<'_, T>,
+    priors: &[Prior<T>],
+    gone: Set,
+    purpose: Purpose,
+) -> Result<Finding<T>, SeparationError> {
+    let Solving { own, axes } = solving;
+    let mut solutions = Solutions::of(view, own);
+    solutions.prepare(priors);
+    watch.judge(&mut solutions, axes, gone, purpose)
+}
+
+/// What may be left out.
+#[derive(Clone, Copy, Debug)]
+struct Options {
+    satellites: Set,
+    /// A bit for each constellation id.
+    constellations: u8,
+}
+
+impl Options {
+    fn of<T: Real>(watch: &Watch<'_, T>, faults: &[T; Constellation::COUNT]) -> Self {
+        let modes = &watch.modes;
+        let is_option = |(&size, &fault): (&usize, &T)| {
+            // A lone satellite is its constellation: one option.
+            size > 1 && fault > T::narrow(OPTIONAL)
+        };
+        let each = modes.sizes.iter().zip(faults).map(is_option).enumerate();
+        let constellations = each.fold(0, |set, (id, is_option)| set | u8::from(is_option) << id);
+        Self { satellites: modes.satellites, constellations }
+    }
+
+    /// Each constellation among them.
+    fn constellations(&self) -> impl Iterator<Item = Hypothesis> {
+        let bits = (0..Constellation::COUNT).map(|id| 1 << id);
+        bits.filter(|bit| self.constellations & bit != 0).map(Hypothesis::of_constellations)
+    }
+
+    fn count(&self) -> usize {
+        count_of(self.satellites) + self.constellations.count_ones() as usize
+    }
+}
+
+/// By how much more than rounding can do the square of a test exceeds that of its threshold.
+const MARGIN: f64 = 1e-2;
+
+/// Options that are tried: the best satellite, then the best constellation. Each costs nearly as much as the epoch itself; what
+/// these do not explain is several faults, and an alert. A second satellite would be one that fits worse than the first.
+const MOST_TRIED: usize = 2;
+
+/// Tries one option after another.
+#[cold]
+#[inline(never)]
+fn exclude<T: Real>(
+    watch: &mut Watch<'_, T>,
+    solving: &mut Solving<T>,
+    epoch: &mut impl Excludable<T>,
+    priors: &[Prior<T>],
+    options: Options,
+    factors: [T; 3],
+) -> Result<Outcome<T>, SeparationError> {
+    let mut left = options;
+    let limits = Vector3::from(factors.map(|factor| factor * factor * T::narrow(1.0 + MARGIN)));
+    for _ in 0..MOST_TRIED {
+        let Some(excluded) = next(watch, solving, View::of(epoch.snapshot()), priors, &left, &limits) else {
+            break;
+        };
+        let rows = watch.modes.taken_by(excluded);
+        left.satellites = 0;
+        left.constellations &= !excluded.constellations;
+        if epoch.leave_out_all(rows).is_err() {
+            continue;
+        }
+        let finding = describe(watch, solving, View::of(epoch.snapshot()), priors, rows, Purpose::Accept)?;
+        if !finding.alarm {
+            return Ok(Outcome::Excluded { excluded, rows, finding });
+        }
+        epoch.take_back_all(rows);
+    }
+    Ok(Outcome::NotIsolated)
+}
+
+/// The option that leaves the smallest SSE, of those that no single satellite contradicts.
+#[inline(never)]
+fn next<T: Real>(
+    watch: &Watch<'_, T>,
+    solving: &mut Solving<T>,
+    view: View<'_, T>,
+    priors: &[Prior<T>],
+    left: &Options,
+    limits: &Vector3<T>,
+) -> Option<Hypothesis> {
+    let mut solutions = Solutions::of(view, &mut solving.own);
+    solutions.prepare_without_biases(priors);
+    let mut agreeing = |option: Hypothesis, least: Option<T>| {
+        let taken = watch.modes.taken_by(option);
+        let is_left = watch.leaves_enough(taken, 1);
+        let sse = if is_left { solutions.sse_without(view.sse, option)? } else { return None };
+        let is_better = least.is_none_or(|least| sse < least);
+        (is_better && !solutions.contradict(option, watch.singles(taken), limits)).then_some((sse, option))
+    };
+    let satellites = members(left.satellites).map(Hypothesis::of_row);
+    let satellite = last_of(satellites, &mut agreeing);
+    satellite.or_else(|| last_of(left.constellations(), &mut agreeing))
+}
+
+/// The last option that is better than those before it.
+fn last_of<T: Real>(
+    options: impl Iterator<Item = Hypothesis>,
+    better: &mut impl FnMut(Hypothesis, Option<T>) -> Option<(T, Hypothesis)>,
+) -> Option<Hypothesis> {
+    let best = options.fold(None, |best: Option<(T, Hypothesis)>, option| {
+        better(option, best.map(|(least, _)| least)).or(best)
+    });
+    best.map(|(_, option)| option)
+}

@@ -1,0 +1,427 @@
+//! Protection levels: within which distance is the truth, whatever fails, but for the risk?
+//!
+//! ```text
+//! 2 Q((L − b_0)/σ_0) + Σ_k p_k Q((L − T_k − b_k)/σ_k) = R          Q of 0 and below counts as 1
+//! ```
+//!
+//! | symbol | field | unit |
+//! |---|---|---|
+//! | `R` | [`Axis::risk`] | – |
+//! | `T_k + b_k` | [`Term::offset_m`] | m |
+//! | `1/σ_k` | [`Term::inverse_sigma`] | 1/m |
+//! | `p_k` | [`Term::probability`] | – |
+//!
+//! Solved by Newton's method on `ln f`, held in a bracket; what is returned is a distance at which the sum was found to
+//! be at most `R`, and 0.1 mm at most beyond the root.
+//!
+//! Of hundreds of modes a few dozen matter. At a distance that is known to be below the root (the *reference*), terms
+//! are told apart: one whose bound `½ p exp(−u²/2)` is far below `R` is not looked at further, all of these together
+//! being charged a fixed share of `R`; a small one is frozen, that is charged what it is there; the others stay. `Q` falls,
+//! so that all of this is on the safe side. What the frozen terms may cost at most is known in the end, and where it is
+//! too much the modes are walked through once more with a better reference.
+//!
+//! References: [Blanch2015], [MAAST] `compute_protection_level`.
+//!
+//! [Blanch2015]: crate#references
+//! [MAAST]: crate#references
+
+mod gate;
+
+use heapless::Vec;
+
+pub(super) use gate::Gate;
+
+use super::modes::{Hypothesis, Mode};
+use crate::least_squares::infinity;
+use crate::numeric::normal::{quantile, tail};
+use crate::numeric::real::Real;
+
+/// Terms that stay, at most; where more would, the smallest are frozen.
+const TERMS: usize = 48;
+
+/// Steps to the root; three to six are the rule.
+const MAX_STEPS: usize = 60;
+
+/// A step below this is the last, m: 0.1 mm, in single precision 0.6 mm.
+fn settled_m<T: Real>() -> T {
+    T::narrow(1e-4) + T::narrow(4e3) * T::default_epsilon()
+}
+
+/// Share of `R` that all terms together are charged which are not looked at; in single precision 2e-4 more, which is 0.1 mm
+/// of a level where `σ` is 2 m.
+fn clear<T: Real>() -> T {
+    T::narrow(1e-6) + T::narrow(1.7e3) * T::default_epsilon()
+}
+
+/// Share of `R` below which a term is frozen.
+const FROZEN: f64 = 1e-5;
+
+/// What the frozen terms may add to a level, m; in single precision 2.4 mm more, and 4e-5 of the level.
+const DEARNESS_M: f64 = 3e-4;
+
+/// One mode's share in the sum.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Term<T> {
+    probability: T,
+    offset_m: T,
+    inverse_sigma: T,
+    hypothesis: Hypothesis,
+}
+
+/// A mode on one axis, before it is known whether it matters.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Candidate<T> {
+    pub(super) probability: T,
+    /// `ln p_k`.
+    pub(super) ln_probability: T,
+    /// `T_k²`, m².
+    pub(super) threshold: T,
+    pub(super) variance: T,
+    pub(super) hypothesis: Hypothesis,
+}
+
+impl<T: Real> Candidate<T> {
+    #[inline]
+    pub(super) fn of(mode: &Mode<T>, threshold: T, variance: T) -> Self {
+        let Mode { hypothesis, probability, ln_probability, .. } = *mode;
+        Self { probability, ln_probability, threshold, variance, hypothesis }
+    }
+}
+
+/// The risk of an axis, and what is clear of it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Budget<T> {
+    risk: T,
+    /// [`Axis::clear`].
+    clear: T,
+}
+
+impl<T: Real> Budget<T> {
+    /// For a risk that so many modes share.
+    pub(super) fn of(risk: T, modes: T) -> Self {
+        let two = T::one() + T::one();
+        let each = risk * clear::<T>() / modes;
+        let clear = if risk > T::zero() { -two * (two * each).ln() } else { T::zero() };
+        Self { risk, clear }
+    }
+}
+
+/// The sum on one axis.
+#[derive(Clone, Debug)]
+pub(super) struct Axis<T> {
+    risk: T,
+    terms: Vec<Term<T>, TERMS>,
+    frozen: T,
+    /// Below this a term is frozen.
+    bar: T,
+    /// `−2 ln(2 q)`, where terms of at most `q` are clear.
+    clear: T,
+    /// Below the root.
+    reference_m: T,
+}
+
+/// The quantiles that were worked out last: both horizontal axes ask for the same ones.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Quantiles<T> {
+    latest: (T, T),
+    before: (T, T),
+}
+
+impl<T: Real> Quantiles<T> {
+    /// With the median alone.
+    pub(super) fn none() -> Self {
+        let median = (T::narrow(0.5), T::zero());
+        Self { latest: median, before: median }
+    }
+
+    fn of(&mut self, probability: T) -> T {
+        if self.latest.0 != probability {
+            core::mem::swap(&mut self.latest, &mut self.before);
+        }
+        if self.latest.0 != probability {
+            self.latest = (probability, quantile(probability));
+        }
+        self.latest.1
+    }
+}
+
+/// Where a sum stands.
+struct Sum<T> {
+    value: T,
+    /// How fast it falls.
+    slope: T,
+    /// Its largest term.
+    dominant: Hypothesis,
+}
+
+/// Where a term stands.
+struct Share<T> {
+    value: T,
+    slope: T,
+}
+
+/// A level, and how much above the root it may be.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Level<T> {
+    /// Where the sum is at most the risk.
+    pub(super) distance_m: T,
+    /// A distance below the root.
+    pub(super) below_m: T,
+    /// The mode with the largest share; none of them where that is the noise of all satellites.
+    pub(super) dominant: Hypothesis,
+}
+
+impl<T: Real> Level<T> {
+    /// Where there is no risk to spend.
+    pub(super) fn none() -> Self {
+        Self { distance_m: infinity(), below_m: T::zero(), dominant: Hypothesis::NONE }
+    }
+}
+
+impl<T: Real> Axis<T> {
+    /// Without risk, without terms.
+    #[allow(clippy::inline_always, reason = "made where it stays: it is large")]
+    #[inline(always)]
+    pub(super) fn closed() -> Self {
+        // Zeros all over would be written over the room for the terms too.
+        Self {
+            risk: T::zero(),
+            terms: Vec::new(),
+            frozen: infinity(),
+            bar: infinity(),
+            clear: infinity(),
+            reference_m: infinity(),
+        }
+    }
+
+    /// Back to that, where it is.
+    fn close(&mut self) {
+        self.terms.clear();
+        (self.risk, self.frozen, self.bar, self.clear) = (T::zero(), T::zero(), T::zero(), T::zero());
+        self.reference_m = infinity();
+    }
+
+    /// For a risk that modes share, with the solution of all satellites as the first term. Without risk there is no level,
+    /// and nothing to look at.
+    #[inline(never)]
+    pub(super) fn open(&mut self, budget: &Budget<T>, variance: T, bias_m: T) {
+        self.close();
+        (self.risk, self.clear) = (budget.risk, budget.clear);
+        if !self.is_open() {
+            return;
+        }
+        // There is room for the first.
+        let _ = self.terms.push(Term {
+            probability: T::one() + T::one(),
+            offset_m: bias_m,
+            inverse_sigma: variance.inverse_root(),
+            hypothesis: Hypothesis::NONE,
+        });
+        self.restart(T::zero());
+    }
+
+    /// Whether there is any risk to spend.
+    pub(super) fn is_open(&self) -> bool {
+        self.risk > T::zero()
+    }
+
+    /// Whether a mode is so far below the reference that it need not be looked at, its bias being at most this.
+    ///
+    /// That is `T + √C ≤ m` with `C = u²σ²`, without a root: `m² − T² − C ≥ 0` and its square `≥ 4 T² C`.
+    #[inline]
+    pub(super) fn is_clear(&self, mode: &Candidate<T>, bias_m: T) -> bool {
+        let margin = self.reference_m - bias_m;
+        let needed = self.clear + mode.ln_probability + mode.ln_probability;
+        let spread = if needed > T::zero() { needed * mode.variance } else { T::zero() };
+        let rest = margin * margin - mode.threshold - spread;
+        margin > T::zero() && rest >= T::zero() && rest * rest >= T::narrow(4.0) * mode.threshold * spread
+    }
+
+    /// Takes a mode into the sum, unless it is clear.
+    #[inline]
+    pub(super) fn add(&mut self, mode: &Candidate<T>, bias_m: T) {
+        if !self.is_clear(mode, bias_m) {
+            self.add_term(mode, bias_m);
+        }
+    }
+
+    #[inline(never)]
+    fn add_term(&mut self, mode: &Candidate<T>, bias_m: T) {
+        // Rounding can take a variance of nothing below nothing.
+        let is_spread = mode.threshold > T::zero();
+        let threshold_m = if is_spread { mode.threshold * mode.threshold.inverse_root() } else { T::zero() };
+        let term = Term {
+            probability: mode.probability,
+            offset_m: threshold_m + bias_m,
+            inverse_sigma: mode.variance.inverse_root(),
+            hypothesis: mode.hypothesis,
+        };
+        self.take(term);
+    }
+
+    fn take(&mut self, term: Term<T>) {
+        let charge = term.at(self.reference_m).value;
+        if charge < self.bar {
+            self.frozen += charge;
+            return;
+        }
+        while self.terms.is_full() {
+            self.bar *= T::narrow(4.0);
+            self.sift();
+        }
+        // Room was made.
+        let _ = self.terms.push(term);
+    }
+
+    /// Freezes what is below the bar; the first term stays.
+    fn sift(&mut self) {
+        let (mut frozen, mut is_first) = (self.frozen, true);
+        let (reference_m, bar) = (self.reference_m, self.bar);
+        self.terms.retain(|term| {
+            let charge = term.at(reference_m).value;
+            let stays = core::mem::take(&mut is_first) || !(charge < bar);
+            if !stays {
+                frozen += charge;
+            }
+            stays
+        });
+        self.frozen = frozen;
+    }
+
+    fn sum(&self, level_m: T) -> Sum<T> {
+        let mut sum = Sum { value: self.frozen, slope: T::zero(), dominant: Hypothesis::NONE };
+        let mut largest = T::zero();
+        for term in &self.terms {
+            let Share { value, slope } = term.at(level_m);
+            sum.value += value;
+            sum.slope += slope;
+            if value > largest {
+                (largest, sum.dominant) = (value, term.hypothesis);
+            }
+        }
+        sum
+    }
+
+    /// Freezes what is small where one mode alone spends the risk.
+    pub(super) fn sort_out(&mut self, quantiles: &mut Quantiles<T>) {
+        let lowest_m = self.lowest(quantiles);
+        self.refer(lowest_m);
+    }
+
+    /// With the modes so far, raises the reference for those to come: more modes only raise the root.
+    pub(super) fn settle(&mut self) {
+        let below_m = self.solve().below_m;
+        self.refer(below_m);
+    }
+
+    /// Starts over with a better reference.
+    pub(super) fn restart(&mut self, below_m: T) {
+        if !self.is_open() {
+            return;
+        }
+        self.terms.truncate(1);
+        self.frozen = self.risk * clear::<T>();
+        self.bar = self.risk * T::narrow(FROZEN);
+        self.reference_m = below_m;
+    }
+
+    fn refer(&mut self, below_m: T) {
+        if below_m > self.reference_m {
+            self.reference_m = below_m;
+            self.sift();
+        }
+    }
+
+    /// A distance below which one term alone exceeds the risk.
+    fn lowest(&self, quantiles: &mut Quantiles<T>) -> T {
+        let mut lowest = self.reference_m;
+        for term in &self.terms {
+            let share = self.risk / term.probability;
+            if !(share < T::one()) {
+                continue;
+            }
+            let distance = term.offset_m + quantiles.of(share) / term.inverse_sigma;
+            if distance > lowest {
+                lowest = distance;
+            }
+        }
+        lowest
+    }
+
+    /// The level with all modes.
+    pub(super) fn finish(&self) -> Level<T> {
+        let level = self.solve();
+        let below_m = if level.below_m > self.reference_m { level.below_m } else { self.reference_m };
+        Level { below_m, ..level }
+    }
+
+    /// Whether another walk with a better reference is worth it.
+    pub(super) fn is_dear(level: &Level<T>) -> bool {
+        let single = T::default_epsilon() * (T::narrow(2e4) + T::narrow(300.0) * level.distance_m);
+        let limit = T::narrow(DEARNESS_M) + single;
+        level.distance_m.is_finite() && level.distance_m - level.below_m > limit
+    }
+
+    /// Newton's method from the reference on.
+    #[inline(never)]
+    fn solve(&self) -> Level<T> {
+        let start_m = self.reference_m;
+        let unknown = Level { below_m: start_m, ..Level::none() };
+        let (mut low_m, mut high) = (start_m, None);
+        let mut at_m = start_m;
+        // Never a step so small that it leads nowhere: in vain, twice as far the next time.
+        let mut least_m = settled_m::<T>();
+        for _ in 0..MAX_STEPS {
+            let sum = self.sum(at_m);
+            let step = (sum.value / self.risk).ln() * sum.value / sum.slope;
+            let settled = settled_m::<T>() + T::narrow(16.0) * T::default_epsilon() * at_m;
+            if sum.value <= self.risk {
+                let slack = self.frozen / sum.slope;
+                high = Some((at_m, slack, sum.dominant));
+                // Where the sum does not fall, neither number means anything.
+                if step.abs() <= settled || at_m - low_m <= settled {
+                    break;
+                }
+            } else {
+                low_m = at_m;
+            }
+            if settled > least_m {
+                least_m = settled;
+            }
+            at_m = next(at_m, step, low_m, high.map(|(high_m, ..)| high_m), least_m);
+            least_m += least_m;
+        }
+        let Some((level_m, slack, dominant)) = high else { return unknown };
+        // Convex beyond every offset: without what is frozen the sum would reach the risk not below this.
+        let below_m = level_m - slack - T::narrow(2.0) * settled_m::<T>();
+        let below_m = if slack.is_finite() && below_m > T::zero() { below_m } else { T::zero() };
+        Level { distance_m: level_m, below_m, dominant }
+    }
+}
+
+/// Newton's step, if it stays between what is known to be too low and to be enough.
+fn next<T: Real>(at_m: T, step: T, low_m: T, high_m: Option<T>, least_m: T) -> T {
+    let wanted = at_m + step;
+    match high_m {
+        Some(high_m) if wanted > low_m && wanted < high_m => wanted,
+        Some(high_m) => (low_m + high_m) / T::narrow(2.0),
+        None if step > least_m && step.is_finite() => wanted,
+        None if step.is_finite() => at_m + least_m,
+        None => at_m + at_m + least_m,
+    }
+}
+
+impl<T: Real> Term<T> {
+    fn at(&self, level_m: T) -> Share<T> {
+        let distance = (level_m - self.offset_m) * self.inverse_sigma;
+        if distance > T::zero() {
+            let tail = tail(distance);
+            Share {
+                value: self.probability * tail.probability,
+                slope: self.probability * tail.density * self.inverse_sigma,
+            }
+        } else {
+            Share { value: self.probability, slope: T::zero() }
+        }
+    }
+}

@@ -1,0 +1,172 @@
+//! ARAIM: solutions with and without every plausible set of faulty satellites, and levels that hold all of them.
+//!
+//! ```text
+//! alarm          |x_k − x| > T_k = K σ_ss,k     on any axis, for any watched mode k
+//! K              Q⁻¹(P_FA_H / 4M), Q⁻¹(P_FA_V / 2M)
+//! level          2 Q((L − b_0)/σ_0) + Σ p_k Q((L − T_k − b_k)/σ_k) = R
+//! R              PHMI_V/PHMI (ρ (PHMI − P_nm) − p_new),  half of it with PHMI_H for each horizontal axis
+//! ρ = 1/(options + 1)
+//! ```
+//!
+//! | symbol | field | unit |
+//! |---|---|---|
+//! | `M` | [`Finding::modes`] | – |
+//! | `P_nm` | [`Finding::not_watched`] | – |
+//! | `K` | [`Finding::factors`] | – |
+//! | `L` | [`Finding::levels_m`], east, north, up | m |
+//! | largest `T_k`, up, of the likely modes | [`Finding::effective_monitor_threshold_m`] | m |
+//! | `σ_acc`, up | [`Finding::accuracy_m`] | m |
+//!
+//! In this order: [`modes`] chooses what is watched, [`subsets`] says what the position would be without each mode,
+//! [`levels`] sums up. After an alarm the satellites that may be left out are tried one after another, then the
+//! constellations: those that leave the smallest residuals first; the first set that agrees is taken. Every outcome,
+//! exclusion or none, has its share of the risk, so that a wrong exclusion is paid for too. An epoch's outcome has to pass
+//! the global test of [`super::raim::detection`] besides: it alone sees what is not watched.
+//!
+//! Unlike the levels of [`super::raim`], these hold noise, several faults and the loss of a constellation, with
+//! the risk accounted for. They are as good as the priors and sigmas they are given ([`crate::weighting`]).
+//!
+//! Cost on a Cortex-M4F in `f32`: some 400 instructions for each mode, tests and levels together, and nothing for those that
+//! are not watched: bounds dismiss most in 150, the others are solved. Nothing is stored for each mode.
+//! Limits: [`ROWS`] rows, [`MAX_MODES`] modes; beyond, nothing is promised.
+//!
+//! References: [Blanch2015], [MAAST], whose choices are taken wherever the paper leaves one.
+//!
+//! [Blanch2015]: crate#references
+//! [MAAST]: crate#references
+
+#[cfg(feature = "araim")]
+mod epoch;
+mod evaluation;
+mod exclusion;
+mod levels;
+mod modes;
+mod subsets;
+#[cfg(test)]
+#[allow(clippy::indexing_slicing, clippy::expect_used, reason = "a test may panic")]
+mod tests;
+
+use core::fmt;
+
+use nalgebra::Matrix3;
+
+pub use crate::allocation::Allocation;
+#[cfg(feature = "araim")]
+pub(super) use epoch::judge_epoch;
+pub use exclusion::{Judged, Outcome, Room, judge, judge_in};
+pub use modes::{Hypothesis, ROWS};
+
+use crate::least_squares::equations::Row;
+use crate::least_squares::{Fit, Snapshot};
+use crate::numeric::real::Real;
+use crate::satellite::Constellation;
+
+/// Most modes that are watched at once.
+pub const MAX_MODES: usize = 1024;
+
+/// A solved epoch as it is read here.
+#[derive(Clone, Copy, Debug)]
+pub struct View<'v, T: Real> {
+    /// The equations; of weight 0 where a row is left out.
+    pub rows: &'v [Row<T>],
+    /// What the solution says of each.
+    pub fits: &'v [Fit<T>],
+    /// Covariance of the position, m².
+    pub covariance: &'v Matrix3<T>,
+    /// Weighted sum of squared residuals.
+    pub sse: T,
+}
+
+impl<'v, T: Real> View<'v, T> {
+    /// Returns the view of a snapshot.
+    pub(crate) fn of(snapshot: &'v Snapshot<'_, T>) -> Self {
+        Self {
+            rows: snapshot.equations(),
+            fits: snapshot.fits(),
+            covariance: snapshot.covariance(),
+            sse: snapshot.sse(),
+        }
+    }
+}
+
+/// What integrity knows of one satellite beside the sigma of its row.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Prior<T> {
+    /// Standard deviation for accuracy and continuity, m.
+    pub accuracy_m: T,
+    /// Largest nominal bias, m.
+    pub bias_m: T,
+    /// Probability that it is faulty, in [0, 0.5).
+    pub fault: T,
+}
+
+/// Priors of the satellites, which are the first rows, and of their constellations.
+#[derive(Clone, Copy, Debug)]
+pub struct Priors<'p, T> {
+    /// For each satellite, in the order of the rows; rows beyond are aids that never fail.
+    pub satellites: &'p [Prior<T>],
+    /// Probability that a constellation as a whole is faulty, in [0, 0.5).
+    pub constellations: [T; Constellation::COUNT],
+}
+
+/// Why nothing can be said: a word, so that what is found in its place is copied by words.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u32)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum SeparationError {
+    /// More rows than [`ROWS`].
+    Rows,
+    /// More modes to watch than [`MAX_MODES`].
+    Modes,
+    /// A probability outside [0, 0.5), or a bias or sigma that no range has: below 1 mm, above 1000 km.
+    Prior,
+}
+
+impl fmt::Display for SeparationError {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(match self {
+            Self::Rows => "more rows than can be judged",
+            Self::Modes => "more modes than can be watched",
+            Self::Prior => "prior out of its range",
+        })
+    }
+}
+
+impl core::error::Error for SeparationError {}
+
+/// What the separation of solutions says of one set of satellites.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Finding<T> {
+    /// Watched modes.
+    pub modes: usize,
+    /// Probability of what is not watched, exclusion included.
+    pub not_watched: T,
+    /// Thresholds in units of the separation's sigma, east, north, up.
+    pub factors: [T; 3],
+    /// Protection levels, east, north, up, m; infinite where the risk is spent before.
+    pub levels_m: [T; 3],
+    /// The largest threshold of a likely mode, up, m.
+    pub effective_monitor_threshold_m: T,
+    /// Standard deviation of the height for accuracy, m.
+    pub accuracy_m: T,
+    /// The largest separation over its threshold.
+    pub ratio: T,
+    /// The mode with the largest share in each level.
+    pub dominant: [Hypothesis; 3],
+    /// Whether any solution lies beyond its threshold.
+    pub alarm: bool,
+}
+
+impl<T: Real> Finding<T> {
+    /// Horizontal protection level, m.
+    pub fn hpl_m(&self) -> T {
+        let [east, north, _] = self.levels_m;
+        (east * east + north * north).sqrt()
+    }
+
+    /// Vertical protection level, m.
+    pub fn vpl_m(&self) -> T {
+        let [.., up] = self.levels_m;
+        up
+    }
+}

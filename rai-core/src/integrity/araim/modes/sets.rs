@@ -1,0 +1,146 @@
+//! Sets of rows and of events, as words; and what a hypothesis takes away.
+
+pub(super) use crate::bit_set::above;
+pub(in crate::integrity::araim) use crate::bit_set::members;
+use crate::least_squares::equations::MAX_ROWS;
+use crate::satellite::Constellation;
+
+/// Most rows of an epoch that can be judged: rows and constellations together fit one word.
+pub const ROWS: usize = Set::BITS as usize - Constellation::COUNT;
+
+/// What there is room for: as many, or fewer where no epoch has as many.
+pub(in crate::integrity::araim) const ROOM: usize = if MAX_ROWS < ROWS { MAX_ROWS } else { ROWS };
+
+/// Most events at once.
+pub(in crate::integrity::araim) const EVENTS: usize = 3;
+
+/// Of a set of rows, or of events: rows by their index, constellations above them.
+pub(in crate::integrity::araim) type Set = u64;
+
+/// The bit of a row.
+pub(in crate::integrity::araim) fn row(index: usize) -> Set {
+    if index < ROWS { 1 << index } else { 0 }
+}
+
+/// The bit of a constellation's event.
+pub(super) fn event(constellation: usize) -> Set {
+    1u64.checked_shl((ROWS + constellation) as u32).unwrap_or(0)
+}
+
+/// The events of some constellations, which are named by a bit for each id.
+pub(super) fn losses(constellations: usize) -> Set {
+    let ids = (0..Constellation::COUNT).filter(|id| constellations >> id & 1 != 0);
+    ids.fold(0, |events, id| events | event(id))
+}
+
+/// The rows among a set of events.
+pub(super) const ROW_EVENTS: Set = (1 << ROWS) - 1;
+
+/// What a hypothesis takes away: whole constellations, and rows of the others.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Hypothesis {
+    /// A bit for each constellation id.
+    pub constellations: u8,
+    rows: [u8; EVENTS],
+}
+
+impl Hypothesis {
+    /// In the place of a row where there is none.
+    const NO_ROW: u8 = u8::MAX;
+
+    /// That nothing is wrong.
+    pub const NONE: Self = Self { constellations: 0, rows: [Self::NO_ROW; EVENTS] };
+
+    pub(super) fn of(constellations: usize, rows: [usize; EVENTS]) -> Self {
+        Self { constellations: constellations as u8, rows: rows.map(|row| row as u8) }
+    }
+
+    /// Indices of the rows of other constellations, ascending.
+    pub fn rows(self) -> impl Iterator<Item = usize> {
+        self.rows.into_iter().take_while(|&row| row != Self::NO_ROW).map(usize::from)
+    }
+
+    /// Indices of the rows of other constellations, `None` where there are no more.
+    pub fn named(self) -> [Option<usize>; EVENTS] {
+        self.rows.map(|row| (row != Self::NO_ROW).then_some(usize::from(row)))
+    }
+
+    /// One row.
+    pub(in crate::integrity::araim) fn of_row(index: usize) -> Self {
+        Self::of(0, [index, NONE, NONE])
+    }
+
+    /// The same with another row behind those that it has, of which it has one at most.
+    #[inline]
+    pub(super) fn and(mut self, index: usize) -> Self {
+        let [first, second, _] = &mut self.rows;
+        *if *first == Self::NO_ROW { first } else { second } = index as u8;
+        self
+    }
+
+    /// Constellations, a bit for each id.
+    pub(in crate::integrity::araim) fn of_constellations(constellations: u8) -> Self {
+        Self { constellations, ..Self::NONE }
+    }
+
+    /// Whether it is two rows and nothing else, the first of them the first of another one, which is rows alone too.
+    #[inline]
+    pub(in crate::integrity::araim) fn is_pair_after(self, other: Self) -> bool {
+        let ([first, second, third], [of_other, ..]) = (self.rows, other.rows);
+        let is_pair = second != Self::NO_ROW && third == Self::NO_ROW;
+        is_pair && first == of_other && self.constellations | other.constellations == 0
+    }
+
+    pub(in crate::integrity::araim) fn slots(self) -> [usize; EVENTS] {
+        self.rows.map(usize::from)
+    }
+}
+
+/// In the place of a row where there is none.
+pub(super) const NONE: usize = Hypothesis::NO_ROW as usize;
+/// Whether one combination is listed after another of as many events: as words are, satellites first.
+pub(super) fn is_listed_after(events: Set, other: Set) -> bool {
+    let differing = events ^ other;
+    let first = differing & differing.wrapping_neg();
+    other & first != 0
+}
+
+/// Every set of some events and no more than `most` of them: none first, and each before those with events behind its own.
+pub(super) fn subsets(pool: Set, most: u32) -> impl Iterator<Item = Set> {
+    let lowest = |set: Set| set & set.wrapping_neg();
+    core::iter::successors(Some(0), move |&last: &Set| {
+        let (mut set, mut behind) = (last, pool & above_all(last));
+        if behind != 0 && set.count_ones() < most {
+            return Some(set | lowest(behind));
+        }
+        // In the place of the last event the one behind it, or of the one before where there is none.
+        while set != 0 {
+            behind = pool & above_all(set);
+            set &= !highest(set);
+            if behind != 0 {
+                return Some(set | lowest(behind));
+            }
+        }
+        None
+    })
+}
+
+/// The last of a set's events.
+fn highest(set: Set) -> Set {
+    set & !(Set::MAX >> 1).unbounded_shr(set.leading_zeros())
+}
+
+/// What is behind all of a set's events.
+fn above_all(set: Set) -> Set {
+    !Set::MAX.unbounded_shr(set.leading_zeros())
+}
+
+#[cfg(test)]
+#[test]
+fn every_subset_is_listed_once_and_each_before_those_behind_it() {
+    let have = subsets(0b1_1010, 2).collect::<heapless::Vec<_, 8>>();
+    let want = [0, 0b10, 0b1010, 0b1_0010, 0b1000, 0b1_1000, 0b1_0000];
+    assert_eq!(have, want);
+    assert!(subsets(0b1_1010, 0).eq([0]), "none but the empty set");
+}

@@ -1,0 +1,156 @@
+//! Nominal biases: the largest effect they can have together, exactly where it counts and by a bound elsewhere.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::super::Prior;
+use super::super::modes::ROWS;
+use super::elimination::{Last, Point};
+use super::kernel::{GROUPS, group_of};
+use super::{Own, Solutions};
+use crate::least_squares::Fit;
+use crate::least_squares::equations::Row;
+use crate::numeric::real::Real;
+use crate::numeric::space::{
+    add_whole_outer_product, difference, identity, magnitudes, matrix_product, plus_scaled, scaled, sum, zero,
+};
+use crate::satellite::Constellation;
+
+impl<T: Real> Solutions<'_, T> {
+    /// A bound on each row's `Σ |M_ji| b_i`: `w_i b_ji` is a projection, so that `Σ w_i b_ji² = b_jj`.
+    pub(super) fn spread_biases(&mut self, priors: &[Prior<T>]) {
+        let rows = self.view.rows.iter().zip(priors);
+        let squared = |(row, prior): (&Row<T>, &Prior<T>)| row.weight * prior.bias_m * prior.bias_m;
+        let total = rows.clone().fold(T::zero(), |sum, row| sum + squared(row));
+        for ((row, prior), own) in rows.zip(self.own.iter_mut()) {
+            let redundancy = row.weight * own.pivot;
+            let others = (total - squared((row, prior))) * (T::one() - redundancy) * own.pivot;
+            // Rounding can take what is left below nothing.
+            let root = if others > T::zero() { others * others.inverse_root() } else { T::zero() };
+            own.spread = redundancy * prior.bias_m + root;
+        }
+    }
+
+    /// Bias of the solution with all satellites.
+    pub(super) fn summed_bias_of_whole(&self) -> Vector3<T> {
+        self.summed_bias(&NOTHING, &identity(), &[zero(); GROUPS])
+    }
+
+    /// The bias without one row, all constellations in view.
+    pub(super) fn bias_without(&self, index: usize, column: &Vector3<T>, point: &Point<T>) -> Vector3<T> {
+        let mut steps = [zero(); GROUPS];
+        if let Some(step) = steps.get_mut(point.group) {
+            *step = scaled(self.level(point.group), column);
+        }
+        let mut turn = identity();
+        add_whole_outer_product(&mut turn, column, &point.design);
+        self.summed_bias(&[index, NONE, NONE], &turn, &steps)
+    }
+
+    /// A bound on the bias of the mode that was asked for last, where one is cheap: for rows of all constellations.
+    #[inline]
+    pub(in crate::integrity::araim) fn bias_bound(&self) -> Option<Vector3<T>> {
+        if let Some((_, bias)) = &self.direct {
+            return Some(*bias);
+        }
+        let [_, second, third] = self.at.slots();
+        let Last { column, factor, spread } = &self.last;
+        if self.at.constellations != 0 || third < ROWS {
+            return None;
+        }
+        if second >= ROWS {
+            return Some(plus_scaled(&self.whole_bias, *spread, &magnitudes(column)));
+        }
+        let first = self.first.as_ref()?;
+        let spread = *spread + factor.abs() * first.point.spread;
+        Some(plus_scaled(&first.bias, spread, &magnitudes(column)))
+    }
+
+    /// The bias of the mode that was asked for last.
+    #[inline(never)]
+    pub(in crate::integrity::araim) fn bias(&self) -> Vector3<T> {
+        if let Some((_, bias)) = &self.direct {
+            return *bias;
+        }
+        let (mut turn, mut steps) = (identity(), [zero(); GROUPS]);
+        let [first, second, third] = self.at.slots();
+        let mut take = |column: &Vector3<T>, design: &Vector3<T>, group: usize| {
+            add_whole_outer_product(&mut turn, column, design);
+            if let Some((step, group)) = steps.get_mut(group).zip(self.groups.get(group)) {
+                *step = plus_scaled(step, group.level, column);
+            }
+        };
+        // Columns of A B⁻¹ from those of the elimination, the last row first.
+        let mut columns = [zero(); 3];
+        let [of_first, of_second, of_third] = &mut columns;
+        let point = |index: usize| self.point_here(index).map(|point| (point.design, point.group));
+        let mut last = self.last;
+        if let Some((taken, kept)) = self.third.as_ref().zip(self.second.as_ref()).filter(|_| third < ROWS) {
+            let [by_first, by_second] = taken.factors;
+            *of_third = taken.column;
+            *of_second = difference(of_second, &scaled(by_second, &taken.column));
+            *of_first = difference(of_first, &scaled(by_first, &taken.column));
+            take(of_third, &taken.design, taken.group);
+            last = kept.last();
+        }
+        if let Some((design, group)) = point(second) {
+            *of_second = sum(of_second, &last.column);
+            *of_first = difference(of_first, &scaled(last.factor, of_second));
+            take(of_second, &design, group);
+        }
+        if let Some(taken) = self.first.as_ref().filter(|_| first < ROWS) {
+            *of_first = sum(of_first, &taken.column);
+            take(of_first, &taken.point.design, taken.point.group);
+        } else if let Some((design, group)) = point(first) {
+            *of_first = sum(of_first, &last.column);
+            take(of_first, &design, group);
+        }
+        let rows = [first, second, third];
+        self.summed_bias(&rows, &turn, &steps)
+    }
+
+    /// `Σ w_i b_i |Z P'd_i + s_c|` over what is left, without the constellations that the kernel has lost.
+    #[inline(never)]
+    fn summed_bias(&self, out: &[usize; 3], turn: &Matrix3<T>, steps: &[Vector3<T>; GROUPS]) -> Vector3<T> {
+        let (turned, constellations) =
+            (matrix_product(turn, &self.kernel.covariance), self.at.constellations);
+        let part = |(row, fit, own): (&Row<T>, &Fit<T>, &Own<T>)| {
+            let group = group_of(row);
+            let is_lost = group < Constellation::COUNT && constellations >> group & 1 != 0;
+            if is_lost { zero() } else { share(&turned, &fit.centred, steps.get(group), own) }
+        };
+        let of_all = self.rows().fold(zero(), |of_all, row| sum(&of_all, &part(row)));
+        self.rows_of(out).fold(of_all, |left, row| difference(&left, &part(row)))
+    }
+
+    /// Some rows, as [`Self::rows`] has all.
+    fn rows_of(&self, rows: &[usize; 3]) -> impl Iterator<Item = (&Row<T>, &Fit<T>, &Own<T>)> {
+        rows.iter().filter_map(|&index| {
+            Some((self.view.rows.get(index)?, self.view.fits.get(index)?, self.own.get(index)?))
+        })
+    }
+}
+
+/// In the place of a row where there is none.
+const NONE: usize = usize::MAX;
+/// No rows.
+const NOTHING: [usize; 3] = [NONE; 3];
+
+/// What one row's bias can do.
+#[inline]
+fn share<T: Real>(
+    turn: &Matrix3<T>,
+    lever: &Vector3<T>,
+    step: Option<&Vector3<T>>,
+    own: &Own<T>,
+) -> Vector3<T> {
+    // Every group has its step.
+    let Some(step) = step else { return zero() };
+    let axis = |first: T, second: T, third: T, step: T| {
+        (first * lever.x + (second * lever.y + (third * lever.z + step))).abs() * own.weighted_bias
+    };
+    Vector3::new(
+        axis(turn.m11, turn.m12, turn.m13, step.x),
+        axis(turn.m21, turn.m22, turn.m23, step.y),
+        axis(turn.m31, turn.m32, turn.m33, step.z),
+    )
+}

@@ -1,0 +1,131 @@
+//! Sums over constellations, and the solution without some of them, from which rows are then taken out.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::Solution;
+use crate::least_squares::equations::Row;
+use crate::numeric::real::Real;
+use crate::numeric::space::{
+    columns, diagonal, dot, matrix_product, plus_scaled, product, products, sum, zero, zeros,
+};
+use crate::satellite::Constellation;
+
+/// Constellations, and a place for rows that touch no clock.
+pub(in crate::integrity::araim) const GROUPS: usize = Constellation::COUNT + 1;
+/// Sums over one constellation.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Group<T: Real> {
+    /// `1/W_c`.
+    pub(super) level: T,
+    /// `U_c/W_c²`.
+    pub(super) accuracy: T,
+    /// `τ_c/W_c`.
+    pub(super) lean: Vector3<T>,
+    pub(super) normal: Matrix3<T>,
+    pub(super) dispersion: Matrix3<T>,
+    /// `Σ w d v`.
+    pub(super) pull: Vector3<T>,
+}
+
+impl<T: Real> Group<T> {
+    pub(super) fn empty() -> Self {
+        Self {
+            level: T::zero(),
+            accuracy: T::zero(),
+            lean: zero(),
+            normal: zeros(),
+            dispersion: zeros(),
+            pull: zero(),
+        }
+    }
+}
+
+/// The solution without some constellations, from which rows are taken out.
+#[derive(Clone, Debug)]
+pub(super) struct Kernel<T: Real> {
+    pub(super) covariance: Matrix3<T>,
+    /// `P' − P`.
+    pub(super) change: Matrix3<T>,
+    /// `D'`.
+    pub(super) dispersion: Matrix3<T>,
+    /// `Γ`.
+    pub(super) gamma: Matrix3<T>,
+    /// `t_c`.
+    pub(super) leans: [Vector3<T>; GROUPS],
+    /// Whether `Γ` and `t_c` are worked out.
+    pub(super) is_complete: bool,
+    pub(super) solution: Solution<T>,
+}
+
+/// What must be left of 1 for algebra: below, single precision keeps less than five digits; 1e-9 in double precision.
+pub(super) fn hardly_left<T: Real>() -> T {
+    let digits = T::default_epsilon() * T::narrow(2e5);
+    if digits > T::UNTESTABLE { digits } else { T::UNTESTABLE }
+}
+
+/// Diagonal of `A M Aᵀ`, `M` symmetric.
+#[inline(never)]
+pub(super) fn diagonal_of<T: Real>(a: &Matrix3<T>, m: &Matrix3<T>) -> Vector3<T> {
+    let ([p1, p2, p3], [a1, a2, a3]) = (columns(&matrix_product(a, m)), columns(a));
+    sum(&sum(&products(&p1, &a1), &products(&p2, &a2)), &products(&p3, &a3))
+}
+
+pub(in crate::integrity::araim) fn group_of<T: Real>(row: &Row<T>) -> usize {
+    row.clock.map_or(Constellation::COUNT, |clock| clock as usize)
+}
+impl<T: Real> Kernel<T> {
+    /// Before it is known what is lost.
+    pub(super) fn nothing() -> Self {
+        let nothing = zero();
+        Self {
+            covariance: zeros(),
+            change: zeros(),
+            dispersion: zeros(),
+            gamma: zeros(),
+            leans: [nothing; GROUPS],
+            is_complete: false,
+            solution: Solution { variance: nothing, separation: nothing, shift: nothing },
+        }
+    }
+
+    /// Of all satellites.
+    pub(super) fn regain_all(&mut self, covariance: &Matrix3<T>, dispersion: &Matrix3<T>) {
+        (self.covariance, self.dispersion) = (*covariance, *dispersion);
+        self.change = zeros();
+        self.is_complete = false;
+        self.solution.variance = diagonal(covariance);
+        self.solution.separation = zero();
+        self.solution.shift = zero();
+    }
+
+    /// What follows from the covariance and the dispersion, for rows that are taken out.
+    #[inline(never)]
+    pub(super) fn complete(&mut self, groups: &[Group<T>; GROUPS]) {
+        if self.is_complete {
+            return;
+        }
+        self.is_complete = true;
+        self.gamma = matrix_product(&matrix_product(&self.covariance, &self.dispersion), &self.covariance);
+        for (lean, group) in self.leans.iter_mut().zip(groups) {
+            *lean = product(&self.covariance, &group.lean);
+        }
+    }
+
+    /// `κ_jj` by `b_jj`.
+    pub(super) fn kappa(
+        &self,
+        groups: &[Group<T>; GROUPS],
+        group: usize,
+        design: &Vector3<T>,
+        coupling: T,
+        weight: T,
+        share: T,
+    ) -> T {
+        let Some((sums, lean)) = groups.get(group).zip(self.leans.get(group)) else { return T::zero() };
+        let two = T::one() + T::one();
+        let own = if weight > T::zero() { weight.recip() } else { T::zero() };
+        share * (own - two * coupling)
+            + sums.accuracy
+            + dot(design, &plus_scaled(&product(&self.gamma, design), two, lean))
+    }
+}

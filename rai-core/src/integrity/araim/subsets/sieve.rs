@@ -1,0 +1,200 @@
+//! Modes that change nothing, told from the others by bounds: most of them.
+//!
+//! ```text
+//! test         |x_E − x|² ≤ Cov_ss v_Eᵀ κ_EE⁻¹ v_E  on any axis       of one row the same on all of them, and exact
+//! level        (T + u σ)² ≤ (1 + λ) K² σ_ss² + (1 + 1/λ) u² σ²       for any λ > 0
+//! bias         b ≤ b_first + |c| s,   (m − b)² ≥ (m − b_first)² − 2 (m − b_first) |c| s
+//! ```
+//!
+//! | symbol | field | unit |
+//! |---|---|---|
+//! | `(1 + λ) K²`, `(1 + 1/λ) u²` | [`Bounds::separation`], [`Bounds::variance`] | – |
+//! | `m` | [`Bounds::references_m`] | m |
+//! | `c` | a row's column `A/B` | – |
+//! | `s ≥ Σ \|M_ji\| b_i` | [`Part::spread`] | m |
+//!
+//! The variances of modes that have all but one row in common differ by squares of that row's column. Linear in both
+//! variances, the bound on a level takes a few operations for each axis, and no root. Where bounds do not decide, the mode
+//! is solved.
+
+use nalgebra::Vector3;
+
+use super::elimination::{First, Point};
+use super::kernel::hardly_left;
+use super::{Own, Solution, Solutions};
+use crate::bit_set::bit;
+use crate::integrity::araim::modes::{Hypothesis, Set};
+use crate::least_squares::Fit;
+use crate::least_squares::equations::Row;
+use crate::numeric::real::Real;
+use crate::numeric::space::{diagonal, difference, dot, magnitudes, products, scaled, sum, zero};
+
+/// What a mode must stay below to change nothing.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::integrity::araim) struct Bounds<T: Real> {
+    /// Of east and north, and of up.
+    pub(in crate::integrity::araim) separation: [T; 2],
+    /// Likewise.
+    pub(in crate::integrity::araim) variance: [T; 2],
+    pub(in crate::integrity::araim) references_m: Vector3<T>,
+    /// The largest `|x_k − x|²/σ_ss²` that is no worse than what was found before.
+    pub(in crate::integrity::araim) worst: T,
+    /// By what share of it the largest of a row's tests may exceed the smallest: their `K` differ.
+    pub(in crate::integrity::araim) evenness: T,
+    /// The largest `σ_ss²`, up, that does not count as a threshold of a likely mode.
+    pub(in crate::integrity::araim) effective: T,
+}
+
+/// What modes have in common that differ in one row.
+struct Base<T: Real> {
+    /// What is left for that row's squares, m².
+    margins: Vector3<T>,
+    /// What a bias of its takes of that, m² per m.
+    slopes: Vector3<T>,
+}
+
+impl<T: Real> Bounds<T> {
+    fn beyond(&self, common: &Solution<T>, bias_m: &Vector3<T>) -> Base<T> {
+        let [horizontal, vertical] = self.separation;
+        let separation = Vector3::new(horizontal, horizontal, vertical);
+        let [horizontal, vertical] = self.variance;
+        let variance = Vector3::new(horizontal, horizontal, vertical);
+        let left_m = difference(&self.references_m, bias_m);
+        let used = sum(&products(&separation, &common.separation), &products(&variance, &common.variance));
+        // A margin below nothing leaves less than nothing, whatever the row's biases.
+        let magnitude_m = magnitudes(&left_m);
+        Base {
+            margins: difference(&products(&left_m, &magnitude_m), &used),
+            slopes: sum(&magnitude_m, &magnitude_m),
+        }
+    }
+}
+
+/// A row's part in the variances of a mode.
+struct Part<T: Real> {
+    column: Vector3<T>,
+    /// What is left of its own `B_jj` and `κ_jj`.
+    pivot: T,
+    kappa: T,
+    /// Twice `κ` with the rows before, times their column.
+    cross: Vector3<T>,
+    /// `s`.
+    spread: T,
+}
+
+impl<T: Real> Part<T> {
+    /// Whether the mode is clear on all axes.
+    #[inline]
+    fn is_clear(&self, bounds: &Bounds<T>, base: &Base<T>) -> bool {
+        let [of_separation, vertical_of_separation] = bounds.separation;
+        let [of_variance, vertical_of_variance] = bounds.variance;
+        let horizontal = self.kappa * of_separation + self.pivot * of_variance;
+        let vertical = self.kappa * vertical_of_separation + self.pivot * vertical_of_variance;
+        let Self { column, cross, .. } = self;
+        let is_clear = |column: T, square: T, cross: T, slope: T, margin: T| {
+            column * (column * square + cross) + column.abs() * (slope * self.spread) <= margin
+        };
+        is_clear(column.z, vertical, cross.z * vertical_of_separation, base.slopes.z, base.margins.z)
+            && is_clear(column.x, horizontal, cross.x * of_separation, base.slopes.x, base.margins.x)
+            && is_clear(column.y, horizontal, cross.y * of_separation, base.slopes.y, base.margins.y)
+    }
+}
+
+impl<T: Real> Solutions<'_, T> {
+    /// Which of some modes may change anything, that take one row each beside what all of them take.
+    #[inline(never)]
+    pub(in crate::integrity::araim) fn sift(
+        &mut self,
+        common: Hypothesis,
+        rows: Set,
+        bounds: &Bounds<T>,
+    ) -> Set {
+        if common.constellations != 0 {
+            return rows;
+        }
+        if common == Hypothesis::NONE {
+            return self.sift_singles(rows, bounds);
+        }
+        // Thresholds of likely pairs count even where they are large by far.
+        if bounds.effective.is_finite() {
+            return rows;
+        }
+        self.enter_first(common);
+        match &self.first {
+            Some(first) => self.sift_pairs(first, rows, bounds),
+            None => rows,
+        }
+    }
+
+    /// Of single rows.
+    fn sift_singles(&self, rows: Set, bounds: &Bounds<T>) -> Set {
+        let nothing = zero();
+        let whole =
+            Solution { variance: diagonal(self.view.covariance), separation: nothing, shift: nothing };
+        let base = bounds.beyond(&whole, &self.whole_bias);
+        let mut worst = bounds.worst;
+        self.left_of(rows, |row, fit, own| {
+            let squared = fit.residual * fit.residual;
+            if !(squared <= worst * own.kappa) {
+                // Those to come are compared with it, if it is visited to some effect.
+                if own.kappa > T::zero() && dot(&fit.gain, &fit.gain) > T::zero() {
+                    worst = squared / own.kappa * bounds.evenness;
+                }
+                return false;
+            }
+            let part = Part {
+                column: scaled(own.pivot.recip(), &fit.gain),
+                pivot: own.pivot,
+                kappa: own.kappa,
+                cross: nothing,
+                spread: own.spread,
+            };
+            own.pivot * row.weight >= hardly_left()
+                && part.column.z * part.column.z * own.kappa <= bounds.effective
+                && part.is_clear(bounds, &base)
+        })
+    }
+
+    /// Of rows beside another one.
+    fn sift_pairs(&self, first: &First<T>, rows: Set, bounds: &Bounds<T>) -> Set {
+        let base = bounds.beyond(&first.solution, &first.bias);
+        let inverse = first.point.kappa.recip();
+        let left = bounds.worst - first.point.residual * first.point.residual * inverse;
+        let twice = sum(&first.column, &first.column);
+        self.left_of(rows, |row, fit, own| {
+            let point = Point::of(row, fit, own);
+            let Some(beside) = Self::beside(first, &point, zero()) else { return false };
+            let share = beside.kappa_first * inverse;
+            let residual = beside.residual - share * first.point.residual;
+            let part = Part {
+                column: beside.column,
+                pivot: beside.pivot,
+                kappa: beside.kappa,
+                cross: scaled(beside.kappa_first, &twice),
+                spread: own.spread + beside.factor.abs() * first.point.spread,
+            };
+            residual * residual <= left * (beside.kappa - share * beside.kappa_first)
+                && part.is_clear(bounds, &base)
+        })
+    }
+
+    /// Those of some rows that are not dismissed.
+    #[inline]
+    fn left_of(&self, rows: Set, mut is_dismissed: impl FnMut(&Row<T>, &Fit<T>, &Own<T>) -> bool) -> Set {
+        let start = rows.trailing_zeros() as usize;
+        let (mut left, mut rest) = (0, rows.unbounded_shr(start as u32));
+        let from_start =
+            self.view.rows.get(start..).zip(self.view.fits.get(start..)).zip(self.own.get(start..));
+        let Some(((equations, fits), owns)) = from_start else { return rows };
+        for (index, ((row, fit), own)) in (start..).zip(equations.iter().zip(fits).zip(owns)) {
+            if rest == 0 {
+                break;
+            }
+            if rest & 1 != 0 && !is_dismissed(row, fit, own) {
+                left |= bit(index);
+            }
+            rest >>= 1;
+        }
+        left
+    }
+}

@@ -1,0 +1,160 @@
+//! Shifts: would a whole constellation at a place of its own explain what leaving satellites out explains?
+//!
+//! All satellites of a constellation can be wrong at once, by orbits that agree with each other. That is three unknowns more, and splits
+//! the snapshot in two that share nothing: with the sums over the rows of the constellation and over all others
+//!
+//! ```text
+//! N_s = Σ_s w d dᵀ    N_o = N − N_s        u_s = Σ_s w d v = −u_o        (v are orthogonal to what was solved for)
+//! q_s = N_s⁻¹ u_s     q_o = N_o⁻¹ u_o      SSE_s+o = SSE − u_s·q_s − u_o·q_o = Σ w (v − d·q)²       dof − 3
+//! ```
+//!
+//! | symbol | meaning | unit |
+//! |---|---|---|
+//! | `d`, `v`, `w` | centred design, residual, weight of a row, as in [`crate::least_squares`] | –, m, 1/m² |
+//! | `q_s`, `q_o` | how far from the common place that of the constellation is, and that of all others | m |
+//!
+//! To leave out some of the satellites may leave others that agree, so an exclusion that this explains as well says nothing of who is
+//! wrong. What it explains of residuals that pass the global test is held against the threshold of its own three unknowns.
+//!
+//! **Limits.** Of two constellations nobody can tell which one stands elsewhere; of three that is not looked for. Four satellites or
+//! fewer of one agree on some place and clock whatever they say: they are a rival for the exclusion of others, where those agree without
+//! it, and for none of their own.
+
+use nalgebra::{Matrix3, Vector3};
+
+use crate::integrity::raim::detection::threshold::Thresholds;
+use crate::least_squares::equations::Row;
+use crate::least_squares::{Fit, Snapshot, invert};
+use crate::numeric::real::Real;
+use crate::numeric::space::{add_outer_product, dot, plus_scaled, scaled, symmetric_product, zero, zeros};
+use crate::satellite::Constellation;
+
+/// Unknowns that a place of its own has.
+const UNKNOWNS: usize = 3;
+
+/// Whether a constellation at a place of its own explains more of the residuals than noise and any row do.
+pub(crate) fn shows<T: Real>(snapshot: &Snapshot<'_, T>, thresholds: &Thresholds<'_>) -> bool {
+    let noise = thresholds.tau1::<T>(UNKNOWNS);
+    let least = noise.map(|tau1| tau1.max(snapshot.statistics().worst.largest));
+    let most = least.map(|least| snapshot.sse() - least).filter(|&most| most > T::zero());
+    most.is_some_and(|most| {
+        any_split(snapshot, &|split| {
+            split.mine.is_tested() && split.others.is_tested() && split.sse(snapshot) < most
+        })
+    })
+}
+
+/// Whether it explains the residuals of a snapshot of all satellites as well as the exclusion of a row, which leaves a sum of squares of
+/// `found`, or nearly as well as that of several.
+pub(crate) fn rivals<T: Real>(
+    snapshot: &Snapshot<'_, T>,
+    excluded: &[usize],
+    found: T,
+    thresholds: &Thresholds<'_>,
+) -> bool {
+    let Some(w_test) = thresholds.w_test::<T>(snapshot.used()) else { return false };
+    let most = if excluded.len() > 1 { found + w_test * w_test } else { found };
+    any_split(snapshot, &|split| {
+        // What leaving out satellites does that agree on a place whatever they say, this does as well.
+        let is_told =
+            |&index: &usize| snapshot.row(index).is_some_and(|(row, _)| split.part(row).is_tested());
+        let threshold = thresholds.tau1::<T>(split.dof()).filter(|_| excluded.iter().any(is_told));
+        threshold.is_some_and(|tau1| split.sse(snapshot) < tau1.min(most))
+    })
+}
+
+/// Whether something is true of a constellation at a place of its own.
+#[inline(never)]
+fn any_split<T: Real>(snapshot: &Snapshot<'_, T>, is_so: &dyn Fn(&Split<T>) -> bool) -> bool {
+    let systems = || Constellation::ALL.into_iter().filter(|&system| snapshot.determines(system));
+    // Either of two stands elsewhere than the other.
+    let asked = if systems().count() == 2 { 1 } else { Constellation::COUNT };
+    systems()
+        .take(asked)
+        .any(|shifted| Split::of(snapshot, shifted, systems().count()).is_some_and(|split| is_so(&split)))
+}
+
+/// A constellation at a place of its own.
+struct Split<T: Real> {
+    shifted: Constellation,
+    mine: Part<T>,
+    others: Part<T>,
+}
+
+impl<T: Real> Split<T> {
+    /// `None` where one of the two says nothing of a place, or has rows enough for one that they do not determine.
+    fn of(snapshot: &Snapshot<'_, T>, shifted: Constellation, clocks: usize) -> Option<Self> {
+        let (mine, others) = (Part::with_clocks(1), Part::with_clocks(clocks.saturating_sub(1)));
+        let mut split = Self { shifted, mine, others };
+        for (row, fit) in snapshot.rows() {
+            let part = if row.clock == Some(shifted) { &mut split.mine } else { &mut split.others };
+            part.add(row, fit);
+        }
+        (split.mine.settle() && split.others.settle()).then_some(split)
+    }
+
+    fn part(&self, row: &Row<T>) -> &Part<T> {
+        if row.clock == Some(self.shifted) { &self.mine } else { &self.others }
+    }
+
+    fn dof(&self) -> usize {
+        self.mine.dof + self.others.dof
+    }
+
+    /// The sum of squares that is left.
+    fn sse(&self, snapshot: &Snapshot<'_, T>) -> T {
+        snapshot.rows().fold(T::zero(), |sum, (row, fit)| {
+            let part = self.part(row);
+            let left = fit.residual - dot(&fit.centred, &part.place);
+            if part.is_tested() { sum + row.weight * left * left } else { sum }
+        })
+    }
+}
+
+/// What a part of the rows says of a place.
+struct Part<T: Real> {
+    rows: usize,
+    clocks: usize,
+    normal: Matrix3<T>,
+    gradient: Vector3<T>,
+    dof: usize,
+    /// From the common one.
+    place: Vector3<T>,
+}
+
+impl<T: Real> Part<T> {
+    fn with_clocks(clocks: usize) -> Self {
+        let (normal, gradient) = (zeros(), zero());
+        Self { rows: 0, clocks, normal, gradient, dof: 0, place: zero() }
+    }
+
+    // One without weight adds nothing.
+    #[inline]
+    fn add(&mut self, row: &Row<T>, fit: &Fit<T>) {
+        self.rows += usize::from(row.weight > T::zero());
+        let weighted = scaled(row.weight, &fit.centred);
+        add_outer_product(&mut self.normal, &weighted, &fit.centred);
+        self.gradient = plus_scaled(&self.gradient, fit.residual, &weighted);
+    }
+
+    /// Works out the place, where there are rows enough to test it; false where these determine none, or there are none but for clocks.
+    #[inline(never)]
+    fn settle(&mut self) -> bool {
+        if self.rows <= self.clocks {
+            return false;
+        }
+        self.dof = self.rows.saturating_sub(UNKNOWNS + self.clocks);
+        if self.dof == 0 {
+            return true;
+        }
+        // Where they hardly determine it, a place is worse than the best, and explains less.
+        let place = invert(&self.normal).map(|covariance| symmetric_product(&covariance, &self.gradient));
+        self.place = place.unwrap_or_else(|_| zero());
+        place.is_ok()
+    }
+
+    /// Whether its rows can contradict each other. What is left of the others is then nothing, whatever they say.
+    fn is_tested(&self) -> bool {
+        self.dof > 0
+    }
+}

@@ -1,0 +1,371 @@
+//! Time tags: would one wrong time of all ranges explain what leaving satellites out explains?
+//!
+//! Ranges that are tagged with another time than that at which they were measured are compared with where satellites were
+//! then: each is wrong by so much of its range rate. That is one hypothesis more beside "satellite `i` is faulty", and one
+//! column more in the design.
+//!
+//! ```text
+//! y_i = h_i · x + b_c + ṙ_i δ + ε_i
+//! a_i = ṙ_i − r̄_c − d_i · P Σ w_j d_j (ṙ_j − r̄_c)        A = Σ w_i a_i²        δ = Σ w_i a_i v_i / A
+//! SSE_δ = SSE − δ² A     dof_δ = dof − 1
+//! ```
+//!
+//! | symbol | meaning | unit |
+//! |---|---|---|
+//! | `ṙ_i` | how fast the range of a receiver at rest grows ([`RangeRates`]) | m/s |
+//! | `r̄_c` | their weighted mean over constellation `c`; `d`, `P`, `w`, `v` as in [`crate::least_squares`] | m/s |
+//! | `a_i` | what of the rates neither a place nor clocks explain | m/s |
+//! | `δ` | by how much the tag is late | s |
+//!
+//! In parity space the column is a line like that of a row: `√w_i a_i/√A` is its product with row `i`, and with it taken out
+//! rows stand as they do without another row ([`crate::least_squares::downdate`]). An exclusion of `k` rows therefore has rivals of one kind
+//! more: the time with none, one, …, `k − 1` rows. What makes a rival is asked as of rows ([`super::exclusion`]), but beside one row with
+//! `Q⁻¹(P_md)` in the place of `T_d`: a wrong time is then no likelier blamed on a satellite than a fault is missed, and where little
+//! redundancy lets the time explain something of everything, a satellite is still told from it.
+//!
+//! - The time alone explains everything, and where one row would do, as much as it: the tag is wrong ([`Doubt::Time`]).
+//! - It explains nearly as much, or does so together with rows: nobody can tell ([`Doubt::Rows`]).
+//! - Nothing was left out, but its own w-test `δ √A` is beyond the threshold of one, and beyond that of every row: the tag is wrong.
+//!   That is asked of epochs that pass the global test as well; false alarms are those of one more row.
+//! - Nothing was left out, and it is not beyond it: a wrong time moves the position up to three times as far as a satellite whose fault
+//!   shows as much, and the levels become as large as one needs that shows as this one does, `s_δ |δ √A| + k' √(s_δ² + σ²)` with
+//!   `s_δ = |P Σ w_j d_j (ṙ_j − r̄_c)| / √A` ([`super::levels`]). Under healthy tags that hardly ever says more than a satellite's.
+//!
+//! The column is right while satellites move evenly: a range's acceleration is below 0.2 m/s², 4 mm in 0.2 s. Whatever is wrong by
+//! as much of a receiver's own speed is part of the position, and no concern of this.
+//!
+//! **Limits.** Range rates are dear: where all residuals have less than half of the threshold's square, nothing is asked. Tags that
+//! differ between constellations are of different epochs, or differ by less than the test sees. Of little redundancy the time
+//! explains as much by chance as a satellite does.
+
+use heapless::Vec;
+
+use crate::bounded::{fill, gather};
+use crate::epoch::EpochView;
+use crate::integrity::raim::detection::Detection;
+use crate::integrity::raim::detection::threshold::Thresholds;
+use crate::integrity::raim::isolation::exclusion::Exclusion;
+use crate::integrity::raim::isolation::sets::{Work, count_up_to, each_of_size_beside};
+use crate::integrity::raim::levels::{Factors, Slopes};
+use crate::least_squares::downdate::{NormalisedRow, NormalisedRows, Removal, Standing, testable_rows};
+use crate::least_squares::equations::{MAX_ROWS, Row};
+use crate::least_squares::{Excludable, Fit, Snapshot, infinity};
+use crate::numeric::real::Real;
+use crate::numeric::space::{dot, plus_scaled, product, zero};
+use crate::report::MAX_EXCLUDED;
+use crate::satellite::{Constellation, SatelliteId};
+
+/// How fast the ranges of a receiver at rest grow, m/s, from whoever knows orbits; `None` of a satellite of which nothing is
+/// known.
+///
+/// It is asked only of epochs whose residuals are so large that a wrong time may be in them ([`is_suspicious`]).
+pub type RangeRates<'r> = dyn Fn(SatelliteId) -> Option<f32> + 'r;
+
+/// Whether a wrong time may be in residuals that moves the position beyond what a satellite does: their sum of squares is half of what
+/// its w-test would have to be, or fails the global test. At two thirds hardly a healthy epoch would be asked about, and no level of the
+/// attacks exceeded; but where most satellites' ranges change alike less of it moves a position beyond its level.
+pub(crate) fn is_suspicious<T: Real>(snapshot: &Snapshot<'_, T>, thresholds: &Thresholds<'_>) -> bool {
+    let least = least_suspicious(snapshot, thresholds);
+    !Detection::passes(snapshot, thresholds)
+        || least.is_some_and(|least| snapshot.sse() >= least * T::narrow(0.5))
+}
+
+/// The square of the threshold of a w-test; none beyond the tables.
+fn least_suspicious<T: Real>(snapshot: &Snapshot<'_, T>, thresholds: &Thresholds<'_>) -> Option<T> {
+    thresholds.w_test::<T>(snapshot.used()).map(|threshold| threshold * threshold)
+}
+
+/// What a wrong time leaves of an exclusion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Doubt<T> {
+    /// Nothing is to be said against it.
+    None,
+    /// Nothing was left out, and a wrong time of this w-test, in absolute value, would move the position by these slopes.
+    Shift(Slopes<T>, T),
+    /// Together with a wrong time other rows explain the data nearly as well, or it does so nearly by itself.
+    Rows,
+    /// A wrong time alone explains them.
+    Time,
+}
+
+/// The range rates of an epoch, one for each satellite.
+#[derive(Clone, Debug)]
+pub(crate) struct Rates<T> {
+    of_rows: Vec<T, MAX_ROWS>,
+}
+
+impl<T: Real> Rates<T> {
+    /// Those of all satellites; none where that of one is not known, or is no number.
+    // Not inlined: what orbits need of the stack the searches after it need not have beside their own.
+    #[inline(never)]
+    pub(crate) fn of(epoch: &EpochView<'_>, rates: &RangeRates<'_>) -> Option<Self> {
+        let mut of_rows = Vec::new();
+        for observation in epoch.observations() {
+            let rate = rates(observation.satellite).filter(|rate| rate.is_finite())?;
+            of_rows.push(T::narrow(f64::from(rate))).ok()?;
+        }
+        Some(Self { of_rows })
+    }
+
+    /// What a wrong time has against an exclusion, whose rows are taken back for it and left out again.
+    ///
+    /// Where the time is to blame they stay: `solution` then ends with all of them.
+    #[inline(never)]
+    pub(crate) fn contest(
+        &self,
+        solution: &mut impl Excludable<T>,
+        exclusion: &Exclusion<T>,
+        thresholds: &Thresholds<'_>,
+        factors: &Factors<T>,
+    ) -> Doubt<T> {
+        let set: Vec<usize, MAX_EXCLUDED> = gather(exclusion.rows.iter().map(|excluded| excluded.index));
+        if !set.is_empty() && solution.take_back(&set).is_err() {
+            return Doubt::None;
+        }
+        let doubt = self.doubt(solution.snapshot(), &set, thresholds, factors);
+        // What was solved before can be solved again.
+        if doubt != Doubt::Time && !set.is_empty() && solution.set_aside(&set).is_err() {
+            return Doubt::Rows;
+        }
+        doubt
+    }
+
+    /// Whether the time alone explains a snapshot's residuals, and no less than leaving `gone` rows out, which leaves a sum of
+    /// squares of `found`: where that is one row. Of none, and of a whole constellation, which takes as many unknowns as it has
+    /// rows, it need not be better.
+    ///
+    /// Separation has tests of its own, whose sigmas are larger than errors mostly are: a margin on sums of squares would
+    /// doubt what these tests tell apart.
+    #[cfg(feature = "araim")]
+    pub(crate) fn rival(
+        &self,
+        snapshot: &Snapshot<'_, T>,
+        gone: u32,
+        found: T,
+        thresholds: &Thresholds<'_>,
+    ) -> bool {
+        let mut rows = Vec::new();
+        testable_rows(snapshot, &mut rows);
+        Column::of(snapshot, &self.of_rows, &rows).is_some_and(|column| {
+            let left = column.sse(&rows);
+            let dof = snapshot.dof().saturating_sub(1);
+            let passes = Detection::of(left, dof, thresholds).is_some_and(|test| !test.fault());
+            passes && (gone != 1 || left <= found)
+        })
+    }
+
+    fn doubt(
+        &self,
+        snapshot: &Snapshot<'_, T>,
+        set: &[usize],
+        thresholds: &Thresholds<'_>,
+        factors: &Factors<T>,
+    ) -> Doubt<T> {
+        let mut rows = Vec::new();
+        testable_rows(snapshot, &mut rows);
+        let Some(column) = Column::of(snapshot, &self.of_rows, &rows) else { return Doubt::None };
+        let left = column.sse(&rows);
+        let passes = |left: T, unknowns: usize| {
+            let dof = snapshot.dof().saturating_sub(unknowns);
+            Detection::of(left, dof, thresholds).is_some_and(|test| !test.fault())
+        };
+        let is_alone = passes(left, 1);
+        let Some(margin) = least_suspicious(snapshot, thresholds) else { return Doubt::None };
+        if set.is_empty() {
+            let explained = column.residual * column.residual;
+            let is_best = explained >= margin && explained >= snapshot.statistics().worst.largest;
+            return if is_alone && is_best {
+                Doubt::Time
+            } else {
+                Doubt::Shift(column.slopes, column.residual.abs())
+            };
+        }
+        let Some(found) = Removal::among(&rows, set).map(|found| found.sse(&rows)) else {
+            return Doubt::Rows;
+        };
+        if set.len() > 1 && is_alone && left - found < margin {
+            return Doubt::Time;
+        }
+        if let [_] = set {
+            let missed = factors.detection();
+            return match is_alone && left - found < missed * missed {
+                true if left <= found => Doubt::Time,
+                true => Doubt::Rows,
+                false => Doubt::None,
+            };
+        }
+        let mut work = Work::new(count_up_to(set.len().saturating_sub(1), MAX_ROWS));
+        // What explains less than this besides is no rival.
+        let least = left - found - margin;
+        for size in 1..set.len() {
+            let mut has_rival = false;
+            each_of_size_beside(column.standings(&rows), size, &mut work, least, |explained| {
+                has_rival |= passes(left - explained, size + 1);
+                if has_rival { infinity() } else { least }
+            });
+            if has_rival || work.cut {
+                return Doubt::Rows;
+            }
+        }
+        Doubt::None
+    }
+}
+
+/// The line of a wrong time in parity space.
+pub(crate) struct Column<T: Real> {
+    /// Its products with the rows, in their order.
+    sheds: Vec<T, MAX_ROWS>,
+    /// What the data have of it: `δ √A`, dimensionless.
+    residual: T,
+    /// How far a wrong time moves the position by the time it shows.
+    slopes: Slopes<T>,
+}
+
+impl<T: Real> Column<T> {
+    /// `None` where a place and clocks explain the rates, or they are none that numbers can hold.
+    #[inline(never)]
+    fn of(snapshot: &Snapshot<'_, T>, rates: &[T], rows: &[NormalisedRow<T>]) -> Option<Self> {
+        // What knows of no satellite, as a clock's forecast, has no rate.
+        let rated = || snapshot.rows().zip(rates.iter().copied().chain(core::iter::repeat(T::zero())));
+        let used = || rated().filter(|((row, _), _)| row.weight > T::zero());
+        let means = Constellation::ALL.map(|clock| {
+            let mine = used().filter(|((row, _), _)| row.clock == Some(clock));
+            let (weighted, weight) = mine.fold((T::zero(), T::zero()), |(sum, weight), ((row, _), rate)| {
+                (sum + row.weight * rate, weight + row.weight)
+            });
+            if weight > T::zero() { weighted / weight } else { T::zero() }
+        });
+        let mean = |clock: Option<Constellation>| {
+            clock.and_then(|clock| means.get(clock as usize)).copied().unwrap_or_else(T::zero)
+        };
+        let (gradient, whole) = used().fold((zero(), T::zero()), |(sum, whole), ((row, fit), rate)| {
+            let centred = rate - mean(row.clock);
+            let sum = plus_scaled(&sum, row.weight * centred, &fit.centred);
+            (sum, whole + row.weight * centred * centred)
+        });
+        let place = product(snapshot.covariance(), &gradient);
+        let left = |row: &Row<T>, fit: &Fit<T>, rate: T| rate - mean(row.clock) - dot(&fit.centred, &place);
+        let (square, product) =
+            used().fold((T::zero(), T::zero()), |(square, product), ((row, fit), rate)| {
+                let left = left(row, fit, rate);
+                (square + row.weight * left * left, product + row.weight * left * fit.residual)
+            });
+        // Also the way out for what is not a number.
+        if !(square > whole * T::UNTESTABLE && square.is_finite()) {
+            return None;
+        }
+        let scale = square.sqrt().recip();
+        let mut sheds = Vec::new();
+        fill(
+            &mut sheds,
+            rows.iter().map(|testable| {
+                let rate = rates.get(testable.index).copied().unwrap_or_else(T::zero);
+                let row = snapshot.row(testable.index);
+                row.map_or_else(T::zero, |(row, fit)| left(row, fit, rate) * scale / row.sigma)
+            }),
+        );
+        let slopes = Slopes {
+            horizontal: (place.x * place.x + place.y * place.y).root() * scale,
+            vertical: place.z.abs() * scale,
+        };
+        Some(Self { sheds, residual: product * scale, slopes })
+    }
+
+    /// Rows as they stand beside it.
+    fn standings<'r>(&self, rows: &'r [NormalisedRow<T>]) -> impl Iterator<Item = Standing<'r, T>> {
+        self.beside(rows).map(|(row, shed)| Standing::beside(row, shed, self.residual))
+    }
+
+    /// Rows with their products with it.
+    fn beside<'r>(&self, rows: &'r [NormalisedRow<T>]) -> impl Iterator<Item = (&'r NormalisedRow<T>, T)> {
+        rows.iter().zip(self.sheds.iter().copied())
+    }
+
+    /// Sum of squares that a wrong time leaves, summed anew: `SSE − δ² A` would lose in `f32` what a gross fault leaves of the
+    /// digits.
+    fn sse(&self, rows: &NormalisedRows<T>) -> T {
+        self.beside(rows).fold(T::zero(), |sum, (row, shed)| {
+            let left = row.residual - shed * self.residual;
+            sum + left * left
+        })
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, clippy::indexing_slicing)]
+mod tests {
+    use nalgebra::{DMatrix, DVector, Vector3};
+
+    use super::*;
+    use crate::least_squares::Workspace;
+    use crate::least_squares::equations::LinearEpoch;
+
+    /// Twelve satellites of two constellations: direction, rate in m/s, residual in m, sigma in m.
+    fn drawn() -> [(Constellation, Vector3<f64>, f64, f64, f64); 12] {
+        core::array::from_fn(|index| {
+            let turn = index as f64;
+            let (azimuth, up) = (2.4 * turn, 0.2 + 0.75 * (0.37 * turn).sin().abs());
+            let level = (1.0 - up * up).sqrt();
+            let clock = if index % 3 == 0 { Constellation::Galileo } else { Constellation::Gps };
+            let direction = Vector3::new(level * azimuth.sin(), level * azimuth.cos(), up);
+            (clock, direction, 700.0 * (1.7 * turn).cos(), 8.0 * (2.9 * turn).sin(), 1.0 + 0.2 * turn)
+        })
+    }
+
+    /// Weighted sum of squares of dense least squares over all unknowns, the time among them or not.
+    fn dense_sse(with_time: bool) -> f64 {
+        let rows = drawn();
+        let design = DMatrix::from_fn(rows.len(), 5 + usize::from(with_time), |row, column| {
+            let (clock, direction, rate, _, sigma) = rows[row];
+            let value = match column {
+                0..3 => -direction[column],
+                3 | 4 => f64::from(u8::from((clock == Constellation::Galileo) == (column == 4))),
+                _ => rate,
+            };
+            value / sigma
+        });
+        let measured = DVector::from_fn(rows.len(), |row, _| rows[row].3 / rows[row].4);
+        let solved = design.clone().svd(true, true).solve(&measured, 1e-12).unwrap();
+        (measured - design * solved).norm_squared()
+    }
+
+    fn column_sse<T: Real>() -> (T, T) {
+        let mut equations = LinearEpoch::<T, 16>::new();
+        for (clock, direction, _, residual_m, sigma_m) in drawn() {
+            equations.satellite(clock, direction, residual_m, sigma_m).unwrap();
+        }
+        let mut workspace = Workspace::of(equations);
+        let snapshot = workspace.solve().unwrap();
+        let mut rows = Vec::new();
+        testable_rows(&snapshot, &mut rows);
+        let rates: Vec<T, 16> = gather(drawn().map(|(_, _, rate, _, _)| T::narrow(rate)));
+        (snapshot.sse(), Column::of(&snapshot, &rates, &rows).unwrap().sse(&rows))
+    }
+
+    #[test]
+    fn column_of_the_time_leaves_what_dense_least_squares_leave() {
+        let (without, with) = (dense_sse(false), dense_sse(true));
+        let (have, have_with) = column_sse::<f64>();
+        assert!((have - without).abs() < 1e-9 * without, "{have}, not {without}");
+        assert!((have_with - with).abs() < 1e-9 * with, "{have_with}, not {with}");
+        // Single precision resolves a millionth of the sum that it begins with.
+        let (_, have_with) = column_sse::<f32>();
+        assert!((f64::from(have_with) - with).abs() < 1e-5 * without, "{have_with}, not {with}");
+    }
+
+    #[test]
+    fn rates_that_a_place_explains_are_no_column() {
+        let mut equations = LinearEpoch::<f64, 16>::new();
+        for (clock, direction, _, residual_m, sigma_m) in drawn() {
+            equations.satellite(clock, direction, residual_m, sigma_m).unwrap();
+        }
+        let mut workspace = Workspace::of(equations);
+        let snapshot = workspace.solve().unwrap();
+        let mut rows = Vec::new();
+        testable_rows(&snapshot, &mut rows);
+        let mut of_motion: Vec<f64, 16> = gather(drawn().map(|(_, direction, ..)| 500.0 * direction.x));
+        assert!(Column::of(&snapshot, &of_motion, &rows).is_none());
+        of_motion[3] = f64::NAN;
+        assert!(Column::of(&snapshot, &of_motion, &rows).is_none());
+    }
+}

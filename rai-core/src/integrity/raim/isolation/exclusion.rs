@@ -1,0 +1,103 @@
+//! The vocabulary of exclusions: which rows were left out, and how it ended.
+//!
+//! **Least redundancy.** `k` biases can be told from any other `k` only where `2k` degrees of freedom show them: an
+//! exclusion of `k` rows must leave `k` of them ([`leaves_enough`]).
+//!
+//! | symbol | field | unit |
+//! |---|---|---|
+//! | `w_i` | [`Excluded::w_test`] | – |
+
+use heapless::Vec;
+
+use crate::integrity::raim::detection::Detection;
+use crate::integrity::raim::detection::threshold::Thresholds;
+use crate::least_squares::Excludable;
+use crate::numeric::real::Real;
+use crate::report::MAX_EXCLUDED;
+
+/// Why no row is named although a fault was detected.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Unidentified {
+    /// With fewer than two degrees of freedom all |w| are equal.
+    NoRedundancy,
+    /// No |w| is large enough.
+    BelowThreshold,
+    /// Several sets of rows explain the data nearly equally.
+    Ambiguous,
+    /// No set of rows that may be left out explains it.
+    NoSet,
+    /// The declared work ended the search.
+    Budget,
+    /// Not rows: a wrong time of all ranges explains them.
+    Time,
+}
+
+/// How an exclusion ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Outcome {
+    /// Nothing was detected.
+    Passed,
+    /// What remains passes the test.
+    Isolated,
+    /// The fault remains, and the reason why no row could be named.
+    NotIsolated(Unidentified),
+}
+
+/// A row that was left out, as it stood at that moment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Excluded<T> {
+    /// Index of the row in the epoch.
+    pub index: usize,
+    /// Its w-test, signed, dimensionless.
+    pub w_test: T,
+}
+
+/// Rows left out one after the other.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Exclusion<T> {
+    /// In the order of removal.
+    pub rows: Vec<Excluded<T>, MAX_EXCLUDED>,
+    /// How it ended.
+    pub outcome: Outcome,
+}
+
+impl<T: Real> Exclusion<T> {
+    /// Nothing to leave out.
+    pub const fn passed() -> Self {
+        Self { rows: Vec::new(), outcome: Outcome::Passed }
+    }
+
+    /// Nothing left out although there is a fault.
+    pub const fn not_isolated(reason: Unidentified) -> Self {
+        Self { rows: Vec::new(), outcome: Outcome::NotIsolated(reason) }
+    }
+}
+
+/// Leaves a set of rows out of a solution and tests what remains.
+pub fn leave_out<T: Real>(
+    solution: &mut impl Excludable<T>,
+    set: &[usize],
+    thresholds: &Thresholds<'_>,
+) -> Exclusion<T> {
+    let mut rows = Vec::new();
+    for &index in set {
+        let w_test = solution.snapshot().row(index).map_or(T::zero(), |(_, fit)| fit.w_test());
+        // Where no position is left, the test below speaks of the rows that are out so far.
+        if solution.leave_out(index).is_err() || rows.push(Excluded { index, w_test }).is_err() {
+            break;
+        }
+    }
+    let outcome = match (Detection::passes(solution.snapshot(), thresholds), rows.is_empty()) {
+        (true, true) => Outcome::Passed,
+        (true, false) => Outcome::Isolated,
+        (false, _) => Outcome::NotIsolated(Unidentified::NoSet),
+    };
+    Exclusion { rows, outcome }
+}
+
+/// Whether an exclusion leaves as many degrees of freedom as it has rows.
+pub fn leaves_enough(excluded: usize, dof: usize) -> bool {
+    dof >= excluded
+}

@@ -1,0 +1,224 @@
+//! Parity space: isolation of several faults from one snapshot.
+//!
+//! The parity vector `p` is what the ranges say once position and clocks are taken out. A bias of row `i` moves it
+//! along the line `p_i`; a set `E` of biases moves it within the plane of their lines, and what remains outside is
+//! `SSE_E`. All four methods compare sets by `SSE_E` without solving anything again ([`crate::least_squares::downdate`]).
+//!
+//! | method | rows named | function |
+//! |---|---|---|
+//! | simultaneous (A) | all with `|ρ_i| ≥ ρ_T` at once | [`simultaneous`] |
+//! | sequential | the largest `|w|`, again and again, until the rest passes | [`sequential`] |
+//! | hybrid (B, C) | A where its set is minimal and the rest passes, else sequential (B), else grouping (C) | [`hybrid`] |
+//! | grouping (D) | of all sets of 1, 2, … rows the one with the smallest `SSE_E`, until that passes | [`grouping`] |
+//!
+//! | symbol | meaning | unit |
+//! |---|---|---|
+//! | `SSE_E` | weighted sum of squared residuals without the set `E` | – |
+//! | `τ1` | threshold of the global test for the degrees of freedom left | – |
+//! | `ρ_T` | threshold on the correlation | – |
+//!
+//! Work is bounded: [`SearchLimits::sets`] sets at most, [`MAX_SETS`] of them being every set of up to three of 40 rows. A
+//! search that is cut names nothing and says so ([`Unidentified::Budget`]).
+//!
+//! In `f32` the ranking of sets resolves differences of about 1e-6 of SSE; the test of the set found does not lose
+//! these digits, so that a wrong set is refused.
+//!
+//! The searches are not inlined: each takes 2.5 KiB of the stack and more, and one after the other they share it.
+//!
+//! References: [Parity] and, for the global test, [Yang2015] §1.
+//!
+//! [Yang2015]: crate#references
+//! [Parity]: crate#references
+
+mod correlation;
+mod grouping;
+mod hybrid;
+mod sequential;
+
+pub use correlation::{correlation, correlation_threshold};
+pub use grouping::grouping;
+pub use hybrid::{hybrid, hybrid_without_grouping};
+pub use sequential::sequential;
+
+use heapless::Vec;
+
+use crate::bounded::gather;
+use crate::integrity::raim::detection::threshold::Thresholds;
+use crate::integrity::raim::detection::{Detection, detect};
+use crate::integrity::raim::isolation::exclusion::{Exclusion, Unidentified, leave_out};
+use crate::least_squares::downdate::{NormalisedRow, Removal, testable_rows};
+use crate::least_squares::equations::MAX_ROWS;
+use crate::least_squares::{Excludable, Snapshot};
+use crate::numeric::probability::Probability;
+use crate::numeric::real::Real;
+use crate::report::MAX_EXCLUDED;
+
+/// All sets of one, two or three of 40 rows.
+pub const MAX_SETS: usize = 40 + 40 * 39 / 2 + 40 * 39 * 38 / 6;
+const _: () = assert!(MAX_SETS == 10_700);
+
+/// `α` of [Parity].
+///
+/// [Parity]: crate#references
+const ALPHA: Probability = match Probability::new(0.01) {
+    Some(alpha) => alpha,
+    None => unreachable!(),
+};
+
+/// How the faulty rows are searched for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Isolation {
+    /// All rows whose correlation is large, at once.
+    Simultaneous,
+    /// The worst row, again and again.
+    Sequential,
+    /// Simultaneous, else sequential.
+    HybridWithoutGrouping,
+    /// Simultaneous, else sequential, else grouping.
+    Hybrid,
+    /// Every set of one row, then of two, then of three.
+    Grouping,
+}
+
+/// How far a search may go, and what it takes for a fault.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SearchLimits {
+    /// Rows that may be left out; above [`MAX_EXCLUDED`] it means that.
+    pub rows: usize,
+    /// Sets that may be tested before the search is cut.
+    pub sets: usize,
+    /// Probability that the correlation of a healthy row exceeds its threshold.
+    pub alpha: Probability,
+}
+
+impl SearchLimits {
+    /// As in [Parity]: `α = 0.01`; up to [`MAX_EXCLUDED`] rows, with the work that 40 rows need.
+    ///
+    /// [Parity]: crate#references
+    pub const fn published() -> Self {
+        Self { rows: MAX_EXCLUDED, sets: MAX_SETS, alpha: ALPHA }
+    }
+
+    fn rows(&self) -> usize {
+        self.rows.min(MAX_EXCLUDED)
+    }
+}
+
+/// What a search found, and what it cost.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Finding<T: Real> {
+    /// The set of rows without which the rest passes, empty where nothing was detected; or why there is none.
+    pub set: Result<Removal<T>, Unidentified>,
+    /// Sets whose `SSE_E` was looked at.
+    pub sets: usize,
+}
+
+/// A snapshot in which a fault was detected, and what a search in it needs.
+struct Search<'s, T: Real> {
+    snapshot: &'s Snapshot<'s, T>,
+    thresholds: &'s Thresholds<'s>,
+    limits: &'s SearchLimits,
+    rows: &'s [NormalisedRow<T>],
+}
+
+/// Prepares a search and makes it; says what there is to say where nothing is to be searched for.
+fn search<T: Real>(
+    snapshot: &Snapshot<'_, T>,
+    thresholds: &Thresholds<'_>,
+    limits: &SearchLimits,
+    find: impl FnOnce(&Search<'_, T>) -> Finding<T>,
+) -> Finding<T> {
+    match detect(snapshot, thresholds) {
+        None => Finding { set: Err(Unidentified::NoRedundancy), sets: 0 },
+        Some(detection) if !detection.fault() => Finding { set: Ok(Removal::none()), sets: 0 },
+        Some(_) => {
+            let mut rows = Vec::new();
+            testable_rows(snapshot, &mut rows);
+            find(&Search { snapshot, thresholds, limits, rows: &rows })
+        }
+    }
+}
+
+impl<T: Real> Search<'_, T> {
+    /// True when the rest passes the global test without a set.
+    fn passes(&self, removal: &Removal<T>) -> bool {
+        let test = Detection::of(removal.sse(self.rows), removal.dof(self.snapshot), self.thresholds);
+        test.is_some_and(|test| !test.fault())
+    }
+
+    /// Rows whose correlation reaches its threshold, none with fewer than two degrees of freedom.
+    fn correlated(&self) -> impl Iterator<Item = &NormalisedRow<T>> {
+        let threshold = correlation_threshold::<T>(self.limits.alpha, self.snapshot.dof());
+        // |ρ_i| ≥ ρ_T without a root: r_i² ≥ ρ_T² SSE S_ii.
+        let bound = threshold.map(|threshold| threshold * threshold * self.snapshot.sse());
+        self.rows.iter().filter(move |row| {
+            bound.is_some_and(|bound| row.residual * row.residual >= bound * row.redundancy)
+        })
+    }
+}
+
+/// Names all rows whose correlation with the parity vector is large, without testing what remains.
+///
+/// Empty where nothing was detected.
+#[inline(never)]
+pub fn simultaneous<T: Real>(
+    snapshot: &Snapshot<'_, T>,
+    thresholds: &Thresholds<'_>,
+    limits: &SearchLimits,
+) -> Vec<usize, MAX_ROWS> {
+    if !detect(snapshot, thresholds).is_some_and(|detection| detection.fault()) {
+        return Vec::new();
+    }
+    let mut rows = Vec::new();
+    testable_rows(snapshot, &mut rows);
+    let search = Search { snapshot, thresholds, limits, rows: &rows };
+    gather(search.correlated().map(|row| row.index))
+}
+
+/// Isolates by one of the methods and leaves the rows found out.
+///
+/// `solution` ends as the solution without the rows listed, solved again and tested again: whatever a method
+/// names, [`Outcome::Isolated`](super::exclusion::Outcome::Isolated) means that the rest passes.
+pub fn exclude<T: Real>(
+    method: Isolation,
+    solution: &mut impl Excludable<T>,
+    thresholds: &Thresholds<'_>,
+    limits: &SearchLimits,
+) -> Exclusion<T> {
+    let snapshot = solution.snapshot();
+    let found = match method {
+        Isolation::Simultaneous => all_at_once(snapshot, thresholds, limits),
+        Isolation::Sequential => indices(sequential(snapshot, thresholds, limits)),
+        Isolation::HybridWithoutGrouping => indices(hybrid_without_grouping(snapshot, thresholds, limits)),
+        Isolation::Hybrid => indices(hybrid(snapshot, thresholds, limits)),
+        Isolation::Grouping => indices(grouping(snapshot, thresholds, limits)),
+    };
+    match found {
+        Ok(set) => leave_out(solution, &set, thresholds),
+        Err(reason) => Exclusion::not_isolated(reason),
+    }
+}
+
+/// Rows that may be left out.
+type Set = Vec<usize, MAX_EXCLUDED>;
+
+fn indices<T: Real>(finding: Finding<T>) -> Result<Set, Unidentified> {
+    finding.set.map(|removal| gather(removal.rows().iter().map(|row| row.index)))
+}
+
+/// The simultaneous set; more rows than may be left out are none.
+fn all_at_once<T: Real>(
+    snapshot: &Snapshot<'_, T>,
+    thresholds: &Thresholds<'_>,
+    limits: &SearchLimits,
+) -> Result<Set, Unidentified> {
+    if snapshot.dof() == 0 {
+        return Err(Unidentified::NoRedundancy);
+    }
+    let set = simultaneous(snapshot, thresholds, limits);
+    if set.len() > limits.rows() {
+        return Err(Unidentified::NoSet);
+    }
+    Ok(gather(set.iter().copied()))
+}

@@ -1,0 +1,52 @@
+//! Sequential isolation: the row with the largest |w| goes, until the rest passes.
+//!
+//! `w²` of a row without the set removed so far is `q²/p` of [`crate::least_squares::downdate`]. Work: at most `n` sets for each row
+//! removed. Unlike [`crate::integrity::raim::isolation::baarda::exclude_sequentially`] no threshold is asked of |w|: [Parity]
+//! trusts the global test of what remains.
+//!
+//! [Parity]: crate#references
+
+use super::{Finding, Search, SearchLimits, search};
+use crate::integrity::raim::detection::threshold::Thresholds;
+use crate::integrity::raim::isolation::exclusion::Unidentified;
+use crate::least_squares::Snapshot;
+use crate::least_squares::downdate::Removal;
+use crate::numeric::real::Real;
+
+/// Removes the worst row, again and again, from a snapshot in which a fault was detected.
+#[inline(never)]
+pub fn sequential<T: Real>(
+    snapshot: &Snapshot<'_, T>,
+    thresholds: &Thresholds<'_>,
+    limits: &SearchLimits,
+) -> Finding<T> {
+    search(snapshot, thresholds, limits, |search: &Search<'_, T>| search.sequential())
+}
+
+impl<T: Real> Search<'_, T> {
+    pub(super) fn sequential(&self) -> Finding<T> {
+        let (mut removal, mut sets) = (Removal::none(), 0);
+        for _ in 0..self.limits.rows() {
+            sets += self.rows.len();
+            if self.leave_out_worst(&mut removal).is_none() {
+                break;
+            }
+            if self.passes(&removal) {
+                return Finding { set: Ok(removal), sets };
+            }
+        }
+        Finding { set: Err(Unidentified::NoSet), sets }
+    }
+
+    /// Takes the row of the largest |w| into the set, the first of equals; `None` where it is refused.
+    fn leave_out_worst(&self, removal: &mut Removal<T>) -> Option<()> {
+        let (mut worst, mut largest) = (None, T::zero());
+        for row in self.rows {
+            let squared = removal.explains_more(row);
+            if squared > largest {
+                (worst, largest) = (Some(row), squared);
+            }
+        }
+        removal.grow(worst?)
+    }
+}

@@ -1,0 +1,80 @@
+//! Refinement: solve with the satellites that nobody doubts, then test again, both ways.
+//!
+//! A subset's position is uncertain by tens of metres, so that small faults pass and a badly seen healthy satellite
+//! may be named. With all others in the solution: while the global test fails, the worst row goes too; at the end
+//! each row that was left out is held against the solution, and taken back where it agrees.
+//!
+//! Bounded by the number of faults that the selection can carry: at most [`MAX_EXCLUDED`] solves and as many tests.
+
+use heapless::Vec;
+
+use super::consensus::{deviation_squared, disagreement, most_faults};
+use super::{Consensus, ConsensusLimits, Selection};
+use crate::bit_set::{bit, first, members};
+use crate::integrity::raim::detection::Detection;
+use crate::least_squares::equations::Row;
+use crate::least_squares::{Solution, Worst};
+use crate::numeric::real::Real;
+use crate::report::MAX_EXCLUDED;
+
+/// The rows to leave out.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Refinement {
+    /// Those that disagree with all others.
+    pub rows: Vec<usize, MAX_EXCLUDED>,
+    /// True when the rest passed the global test.
+    pub passed: bool,
+}
+
+/// Settles what a consensus left open.
+pub fn refine<T: Real>(
+    rows: &[Row<T>],
+    selection: &Selection,
+    consensus: &Consensus,
+    limits: &ConsensusLimits<'_>,
+) -> Refinement {
+    let mut left_out = consensus.rows.clone();
+    let most = most_faults(selection).max(left_out.len());
+    let mut solution = Solution::none();
+    let passed = exclude_until_passed(rows, &mut left_out, most, limits, &mut solution).is_some();
+    if let Some(bound) = disagreement(rows, limits).filter(|_| passed) {
+        left_out.retain(|&index| rows.get(index).is_none_or(|row| disagrees(row, &solution, bound)));
+    }
+    Refinement { rows: left_out, passed }
+}
+
+/// Leaves the worst rows out and solves for the rest; `None` where there are more of them than `most`, or none is left to test
+/// with: the solution is then of no use.
+fn exclude_until_passed<T: Real>(
+    rows: &[Row<T>],
+    left_out: &mut Vec<usize, MAX_EXCLUDED>,
+    most: usize,
+    limits: &ConsensusLimits<'_>,
+    solution: &mut Solution<T>,
+) -> Option<()> {
+    loop {
+        let gone = left_out.iter().fold(0, |set, &index| set | bit(index));
+        let stay = first(rows.len()) & !gone;
+        solution.solve_set(rows, stay).ok()?;
+        let stay = members(stay).filter_map(|index| Some((index, rows.get(index)?)));
+        let stay = stay.filter(|(_, row)| row.weight > T::zero());
+        let fits = stay.map(|(index, row)| (index, row.weight, solution.fit(row)));
+        let sse =
+            fits.clone().fold(T::zero(), |sum, (_, weight, fit)| sum + weight * fit.residual * fit.residual);
+        if Detection::of(sse, solution.dof(), &limits.refinement).is_some_and(|test| !test.fault()) {
+            return Some(());
+        }
+        if left_out.len() >= most || solution.dof() < 2 {
+            return None;
+        }
+        let mut worst = Worst::none();
+        fits.for_each(|(index, _, fit)| worst.add(index, fit.w_squared()));
+        left_out.push(worst.index?).ok()?;
+    }
+}
+
+/// True where a row that was left out does not fit, or has no clock left to be compared with.
+fn disagrees<T: Real>(row: &Row<T>, solution: &Solution<T>, bound: T) -> bool {
+    let comparable = row.clock.is_none_or(|clock| solution.determines(clock));
+    !comparable || !(deviation_squared(row, solution, T::zero()) < bound)
+}

@@ -1,0 +1,153 @@
+//! Every set of one, two or three rows, and by how much SSE falls without it.
+//!
+//! Work: `n + n(n−1)/2 + n(n−1)(n−2)/6` sets, 10,700 for 40 rows. A set costs a dozen products: a third row that two
+//! others are tried with is taken out of all rows first ([`crate::least_squares::downdate`]).
+
+use crate::least_squares::downdate::{Going, NormalisedRow, Standing, Standings};
+use crate::numeric::real::Real;
+use crate::report::MAX_EXCLUDED;
+
+/// Sets of up to `largest` of `rows` rows; no more than [`MAX_EXCLUDED`] are ever left out.
+pub const fn count_up_to(largest: usize, rows: usize) -> usize {
+    let (ones, twos) = (rows, rows * rows.saturating_sub(1) / 2);
+    let threes = twos * rows.saturating_sub(2) / 3;
+    match largest {
+        0 => 0,
+        1 => ones,
+        2 => ones + twos,
+        _ => ones + twos + threes,
+    }
+}
+
+/// How many sets may still be looked at.
+pub(in crate::integrity::raim) struct Work {
+    pub(in crate::integrity::raim) left: usize,
+    /// More were asked for.
+    pub(in crate::integrity::raim) cut: bool,
+}
+
+impl Work {
+    pub(in crate::integrity::raim) const fn new(sets: usize) -> Self {
+        Self { left: sets, cut: false }
+    }
+
+    /// As many of `rows` as may still be looked at, which they are from now on.
+    fn granted<'q, E>(&mut self, rows: &'q [E]) -> &'q [E] {
+        self.cut |= rows.len() > self.left;
+        let granted = rows.get(..self.left).unwrap_or(rows);
+        self.left -= granted.len();
+        granted
+    }
+}
+
+/// Shows each set of a size that explains as much as the bar, in lexicographic order: what it explains, and the indices of its rows,
+/// as many as its size says. What is shown answers with the bar from then on: few sets reach it, and the rest cost one comparison.
+// Not inlined: the room for the rows as they stand is not needed beside what is made of the sets.
+#[inline(never)]
+pub(in crate::integrity::raim) fn each_of_size<T: Real>(
+    rows: &[NormalisedRow<T>],
+    size: usize,
+    work: &mut Work,
+    bar: T,
+    show: impl FnMut(T, [usize; MAX_EXCLUDED]) -> T,
+) {
+    let mut above = Above { bar, show };
+    // Once for pairs and triples: it is large.
+    let mut standings = Standings::new();
+    match size {
+        1 => {
+            for row in work.granted(rows) {
+                above.consider(row.explained(), || [row.index, 0, 0]);
+            }
+        }
+        2 => {
+            stand(&mut standings, rows.iter().map(Standing::of));
+            pairs(T::zero(), &standings, work, &mut above, |first, second| [first, second, 0]);
+        }
+        _ => triples(rows, &mut standings, work, &mut above),
+    }
+}
+
+/// Shows what each set of one or two rows explains, where that is as much as the bar; `rows` as they stand beside what is estimated
+/// besides.
+// Not inlined, as above.
+#[inline(never)]
+pub(in crate::integrity::raim) fn each_of_size_beside<'r, T: Real>(
+    rows: impl Iterator<Item = Standing<'r, T>>,
+    size: usize,
+    work: &mut Work,
+    bar: T,
+    mut show: impl FnMut(T) -> T,
+) {
+    let mut above = Above { bar, show: |explained, _| show(explained) };
+    let mut standings = Standings::new();
+    stand(&mut standings, rows);
+    match size {
+        1 => {
+            for standing in work.granted(&standings) {
+                above.consider(standing.explained(), || [standing.index(), 0, 0]);
+            }
+        }
+        _ => pairs(T::zero(), &standings, work, &mut above, |first, second| [first, second, 0]),
+    }
+}
+
+/// What a set must explain to be shown, and to whom.
+struct Above<T, S> {
+    bar: T,
+    show: S,
+}
+
+impl<T: Real, S: FnMut(T, [usize; MAX_EXCLUDED]) -> T> Above<T, S> {
+    fn consider(&mut self, explained: T, set: impl FnOnce() -> [usize; MAX_EXCLUDED]) {
+        if explained >= self.bar {
+            self.bar = (self.show)(explained, set());
+        }
+    }
+}
+
+/// Writes rows as they stand where there is room for them: never more than there are.
+fn stand<'r, T: Real>(place: &mut Standings<'r, T>, standings: impl Iterator<Item = Standing<'r, T>>) {
+    place.clear();
+    standings.for_each(|standing| _ = place.push(standing));
+}
+
+/// All pairs of rows, beside a row that is gone already, if one is, and explains so much; `set` names all that are out.
+fn pairs<T: Real>(
+    explained: T,
+    rows: &[Standing<'_, T>],
+    work: &mut Work,
+    above: &mut Above<T, impl FnMut(T, [usize; MAX_EXCLUDED]) -> T>,
+    set: impl Fn(usize, usize) -> [usize; MAX_EXCLUDED],
+) {
+    for (first, rest) in tails(rows) {
+        if first.is_untestable() {
+            continue;
+        }
+        let going = Going::new(first);
+        for second in work.granted(rest) {
+            let explained = explained + going.explains_with(second);
+            above.consider(explained, || set(first.index(), second.index()));
+        }
+    }
+}
+
+fn triples<'r, T: Real>(
+    rows: &'r [NormalisedRow<T>],
+    standings: &mut Standings<'r, T>,
+    work: &mut Work,
+    above: &mut Above<T, impl FnMut(T, [usize; MAX_EXCLUDED]) -> T>,
+) {
+    for (gone, rest) in tails(rows) {
+        if !work.cut {
+            let root = gone.redundancy.sqrt();
+            stand(standings, rest.iter().map(|row| Standing::without(row, gone, root)));
+            pairs(gone.explained(), standings, work, above, |first, second| [gone.index, first, second]);
+        }
+    }
+}
+
+/// Each element with those after it: nested, every combination once, in lexicographic order.
+fn tails<E>(elements: &[E]) -> impl Iterator<Item = (&E, &[E])> {
+    (0..elements.len()).filter_map(|first| elements.get(first..)?.split_first())
+}

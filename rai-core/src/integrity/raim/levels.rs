@@ -1,0 +1,358 @@
+//! Protection levels: how large can the position error be that the test does not see?
+//!
+//! A bias `b` of satellite `i` adds `b²r_i/σ_i²` to the non-centrality of SSE and moves the position by `b A_i`. The bias
+//! that is missed with probability `P_md` has the non-centrality `λ(dof, P_fa, P_md)`; with the noise `σ` on the position
+//!
+//! ```text
+//! slope_h,i = √(w_i (g_iE² + g_iN²) / r_i)     slope_v,i = √w_i |g_iU| / √r_i         s: the largest
+//! BOUND    PL = max( s (√λ − k) + k' √(s² + σ²),  K σ )
+//! SLOPE    PL = s √λ
+//! ```
+//!
+//! | symbol | field | unit |
+//! |---|---|---|
+//! | `slope_h`, `slope_v` | [`Slopes`] | m per unit of `√λ` |
+//! | `σ` | [`Spread`]: `σ_U`, and horizontally the longer semi-axis | m |
+//! | `k = Q⁻¹(P_md)` | [`Factors`] | – |
+//! | `k'`, `K` | the same: `Q⁻¹(P/2)` vertically, `√(2 ln 1/P)` horizontally, of `P_md` and `P_ff` | – |
+//! | `HPL`, `VPL` | [`ProtectionLevels`] | m |
+//!
+//! **Why the bound holds.** Along the fault's direction in parity space the test sees `b + noise`, and the position,
+//! independently, `s b + σ noise` (`b` in units of `√λ`). Up to the bias `√λ` the chance of a miss is at most
+//! `Q(b − (√λ − k))`; beyond, it is below `P_md` by itself. To be missed and to exceed the level are two independent normal
+//! tails, whose product lies in a half-plane through the corner (`√λ − k`, level); turned by `tan θ = σ/s` the bias drops
+//! out of its distance, and what is left is `Q(k') = P_md` for any bias. `√(s² + σ²)` is the standard deviation of
+//! the position without that satellite. The papers' level is the limit of `σ → 0`: it bounds the mean error of the worst
+//! missed bias, and an error beyond it is up to 84 times likelier than `P_md` at 1e-3, and 36,000 times at 1e-6.
+//!
+//! **Shared errors.** What a model of the ionosphere misses has one sign in all ranges: it hides in the clocks and lifts the
+//! position, and no test sees it. [`common_shift`] adds `k_c |Σ_i w_i g_i m_i|` to each level, where `m` is that part of each
+//! range's error at one sigma; as a bias, since it neither averages out over satellites nor over time.
+//!
+//! A satellite without redundancy has slope 0 if it does not move the position (the lone satellite of a
+//! constellation), else an infinite one. By the identity `HDOP_i² − HDOP² = (A_1i² + A_2i²)/S_ii` the change of HDOP
+//! bounds the same thing for a common sigma ([Lin2016] eq. 22–26).
+//!
+//! **Hardly tested rows.** `r_i` is what is left of 1, and where little is left, single precision is too coarse: a slope
+//! would come out as much as a fifth too small. Below a redundancy of 0.1 both are therefore taken from what the other
+//! rows say of this one, where nothing cancels. With `P`, `d_i` and `W_c` of the others, `q_i = 1/W_c + d_i·P d_i` is the
+//! variance of their prediction, and
+//!
+//! ```text
+//! r_i = 1 / (1 + w_i q_i)                      slope_i² = w_i r_i |P d_i|²
+//! ```
+//!
+//! Slopes below 100 m, protection levels of some 700 m, are then understated by 3 % at most in `f32`, and hardly ever by
+//! more than 0.1 %; the guard on the alert limit is 5 %.
+//!
+//! **Not monotone.** A satellite fewer leaves the position less well known, by just the square of its slope
+//! (`P_h` without `i` is `P_h + slope_h,i²`), and every other one less well tested. Yet the protection level may shrink, even
+//! with the same `λ`: the satellite that is hardest to test takes the largest slope with it, and `λ` falls with the
+//! degrees of freedom besides.
+//!
+//! Meaning: the worst bias of a single satellite. It is not an ARAIM protection level. References: [Yang2015] eq. 6–8, [Lin2016] eq. 21–26, [Brown1992].
+//!
+//! [Lin2016]: crate#references
+//! [Yang2015]: crate#references
+//! [Brown1992]: crate#references
+
+use nalgebra::Matrix3;
+
+use crate::bit_set::{bit, first};
+use crate::least_squares::equations::Row;
+use crate::least_squares::{Fit, Snapshot, Solution, SquaredSlopes, infinity, larger};
+use crate::numeric::chi_square::LARGEST;
+use crate::numeric::normal;
+use crate::numeric::probability::Probability;
+use crate::numeric::real::Real;
+use crate::numeric::space::{dot, plus_scaled, zero};
+use crate::report::ProtectionLevels;
+use crate::weighting::COMMON_SIGMAS;
+
+/// How far a row's bias moves the position by the time it shows in the test.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Slopes<T> {
+    /// Horizontal, m per unit of `√λ`.
+    pub horizontal: T,
+    /// Vertical, m per unit of `√λ`.
+    pub vertical: T,
+}
+
+/// The slopes of one row; 0 for a row that is left out.
+pub fn slopes<T: Real>(row: &Row<T>, fit: &Fit<T>) -> Slopes<T> {
+    Slopes::of(&squared_slopes(row, fit))
+}
+
+fn squared_slopes<T: Real>(row: &Row<T>, fit: &Fit<T>) -> SquaredSlopes<T> {
+    if row.weight > T::zero() && !(fit.test_weight > T::zero()) {
+        return untestable(row, fit);
+    }
+    fit.squared_slopes()
+}
+
+/// The squared slopes of a row whose bias never shows.
+fn untestable<T: Real>(row: &Row<T>, fit: &Fit<T>) -> SquaredSlopes<T> {
+    let unmoved = T::UNMOVED / row.weight;
+    let limit = unmoved * unmoved;
+    let slope = |moved: T| if moved <= limit { T::zero() } else { infinity() };
+    let (horizontal, vertical) = fit.squared_gains();
+    SquaredSlopes { horizontal: slope(horizontal), vertical: slope(vertical) }
+}
+
+/// Whether too little of 1 is left for a row's redundancy, though others speak of it.
+fn is_hardly_tested<T: Real>(snapshot: &Snapshot<'_, T>, row: &Row<T>, fit: &Fit<T>) -> bool {
+    let shares_clock = |other: &Row<T>| other.clock == row.clock && other.weight > T::zero();
+    row.weight > T::zero()
+        && fit.is_hardly_tested()
+        && snapshot.dof() > 0
+        && (row.clock.is_none() || snapshot.rows().filter(|(other, _)| shares_clock(other)).count() > 1)
+}
+
+/// The squared slopes of a row by what the others say of it; `None` where it is untestable.
+fn by_the_others<T: Real>(snapshot: &Snapshot<'_, T>, index: usize) -> Option<SquaredSlopes<T>> {
+    let (row, _) = snapshot.row(index)?;
+    let rows = snapshot.equations();
+    let mut solution = Solution::none();
+    solution.solve_set(rows, first(rows.len()) & !bit(index)).ok()?;
+    let fit = solution.fit(row);
+    let predicted = solution.level_variance(row) + dot(&fit.centred, &fit.gain);
+    let redundancy = (T::one() + row.weight * predicted).recip();
+    if !(redundancy >= T::UNTESTABLE) {
+        return None;
+    }
+    let scale = row.weight * redundancy;
+    let (horizontal, vertical) = fit.squared_gains();
+    Some(SquaredSlopes { horizontal: horizontal * scale, vertical: vertical * scale })
+}
+
+/// The largest slopes of a snapshot.
+pub fn largest_slopes<T: Real>(snapshot: &Snapshot<'_, T>) -> Slopes<T> {
+    let statistics = snapshot.statistics();
+    if statistics.all_are_tested {
+        return Slopes::of(&statistics.slopes);
+    }
+    Slopes::of(&largest_with_care(snapshot))
+}
+
+/// As [`largest_slopes`], where some rows are hardly tested, or not at all.
+#[inline(never)]
+fn largest_with_care<T: Real>(snapshot: &Snapshot<'_, T>) -> SquaredSlopes<T> {
+    let mut largest = SquaredSlopes::none();
+    for (index, (row, fit)) in snapshot.rows().enumerate() {
+        let squared = if is_hardly_tested(snapshot, row, fit) {
+            by_the_others(snapshot, index).unwrap_or_else(|| untestable(row, fit))
+        } else {
+            squared_slopes(row, fit)
+        };
+        largest = largest.or(&squared);
+    }
+    largest
+}
+
+impl<T: Real> Slopes<T> {
+    fn of(squared: &SquaredSlopes<T>) -> Self {
+        Self { horizontal: squared.horizontal.root(), vertical: squared.vertical.root() }
+    }
+
+    /// The papers' protection levels for a non-centrality `λ` ([`crate::integrity::raim::detection::threshold::Thresholds::lambda`]),
+    /// where these slopes are the largest.
+    pub fn protect(&self, lambda: f64) -> ProtectionLevels {
+        let root = T::narrow(lambda).root();
+        ProtectionLevels { hpl_m: (self.horizontal * root).widen(), vpl_m: (self.vertical * root).widen() }
+    }
+}
+
+/// How far errors that ranges share move the position, `k_c |Σ_i w_i g_i m_i|`, horizontally and vertically, m.
+///
+/// `common_m` are the `m_i` of the first rows; the rows after them share nothing.
+pub fn common_shift<T: Real>(snapshot: &Snapshot<'_, T>, common_m: &[f32]) -> ProtectionLevels {
+    let mut shift = zero();
+    for ((row, fit), &common_m) in snapshot.rows().zip(common_m) {
+        if common_m > 0.0 {
+            shift = plus_scaled(&shift, row.weight * T::narrow(f64::from(common_m)), &fit.gain);
+        }
+    }
+    let sigmas = f64::from(COMMON_SIGMAS);
+    ProtectionLevels {
+        hpl_m: sigmas * (shift.x * shift.x + shift.y * shift.y).root().widen(),
+        vpl_m: sigmas * shift.z.abs().widen(),
+    }
+}
+
+/// What a protection level bounds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Levels {
+    /// The error of a position that is called good: fault and noise together.
+    Bound,
+    /// The mean error under the worst missed fault, as in the papers.
+    Slope,
+}
+
+/// Standard deviation of a position along its worst horizontal axis and upwards.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spread<T> {
+    /// Longer semi-axis of the horizontal ellipse, m.
+    pub horizontal: T,
+    /// Vertical, m.
+    pub vertical: T,
+}
+
+impl<T: Real> Spread<T> {
+    /// Of a position with this covariance of east, north, up, m².
+    pub fn of(covariance: &Matrix3<T>) -> Self {
+        let half = T::narrow(0.5);
+        let (mean, difference) =
+            ((covariance.m11 + covariance.m22) * half, (covariance.m11 - covariance.m22) * half);
+        let radius = (difference * difference + covariance.m21 * covariance.m21).root();
+        Self { horizontal: (mean + radius).root(), vertical: covariance.m33.root() }
+    }
+}
+
+/// Factors of one axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct AxisFactors<T> {
+    /// `k'`, of a missed fault.
+    missed: T,
+    /// `K`, without a fault.
+    fault_free: T,
+}
+
+/// How many standard deviations go with the probabilities.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Factors<T> {
+    /// `k = Q⁻¹(P_md)`.
+    detection: T,
+    horizontal: AxisFactors<T>,
+    vertical: AxisFactors<T>,
+}
+
+impl<T: Real> Factors<T> {
+    /// `k = Q⁻¹(P_md)`.
+    pub(super) const fn detection(&self) -> T {
+        self.detection
+    }
+
+    /// Of a probability of missed detection and one of exceeding the level without any fault.
+    pub fn new(missed_detection: Probability, fault_free: Probability) -> Self {
+        let [missed, free] = [missed_detection, fault_free].map(|probability| T::narrow(probability.get()));
+        let two_sided = |probability: T| normal::quantile(probability * T::narrow(0.5));
+        // Of a circular normal distribution with the standard deviation of the longer axis.
+        let radial = |probability: T| (T::narrow(-2.0) * probability.ln()).sqrt();
+        Self {
+            detection: normal::quantile(missed),
+            horizontal: AxisFactors { missed: radial(missed), fault_free: radial(free) },
+            vertical: AxisFactors { missed: two_sided(missed), fault_free: two_sided(free) },
+        }
+    }
+}
+
+/// How a position is exposed to faults and noise: what turns a threshold into protection levels, and alert limits into a
+/// threshold.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Exposure<'f, T> {
+    /// The largest slopes.
+    pub slopes: Slopes<T>,
+    /// What the bound needs beside them; `None` for the papers' level.
+    noise: Option<(Spread<T>, &'f Factors<T>)>,
+}
+
+impl<T> Exposure<'_, T> {
+    /// To faults alone, with these largest slopes: for the papers' level.
+    pub const fn to_faults(slopes: Slopes<T>) -> Self {
+        Self { slopes, noise: None }
+    }
+}
+
+impl<'f, T: Real> Exposure<'f, T> {
+    /// Of a snapshot.
+    pub fn of(snapshot: &Snapshot<'_, T>, levels: Levels, factors: &'f Factors<T>) -> Self {
+        let noise = match levels {
+            Levels::Bound => Some((Spread::of(snapshot.covariance()), factors)),
+            Levels::Slope => None,
+        };
+        Self { slopes: largest_slopes(snapshot), noise }
+    }
+
+    /// Protection levels for a non-centrality `λ` of the threshold in use.
+    // Compiled once for the two who ask.
+    #[inline(never)]
+    pub fn protect(&self, lambda: f64) -> ProtectionLevels {
+        let Some((spread, factors)) = self.noise else { return self.slopes.protect(lambda) };
+        let beyond = T::narrow(lambda).root() - factors.detection;
+        let level = |slope: T, sigma: T, axis: AxisFactors<T>| {
+            let missed = slope * beyond + axis.missed * (slope * slope + sigma * sigma).root();
+            larger(missed, axis.fault_free * sigma).widen()
+        };
+        ProtectionLevels {
+            hpl_m: level(self.slopes.horizontal, spread.horizontal, factors.horizontal),
+            vpl_m: level(self.slopes.vertical, spread.vertical, factors.vertical),
+        }
+    }
+
+    /// Protection levels against a fault that is no satellite's, has these slopes and shows by `shown` standard deviations: by
+    /// `shown + k` at most.
+    pub(crate) fn protect_against(
+        self,
+        slopes: Slopes<T>,
+        shown: T,
+        factors: &Factors<T>,
+    ) -> ProtectionLevels {
+        let root = shown + factors.detection;
+        Self { slopes, ..self }.protect((root * root).widen())
+    }
+
+    /// The largest non-centrality whose horizontal level is within a limit; 0 where none is.
+    pub fn horizontal_noncentrality(&self, limit_m: f64) -> f64 {
+        let noise =
+            self.noise.map(|(spread, factors)| (spread.horizontal, factors.detection, factors.horizontal));
+        noncentrality_within(limit_m, self.slopes.horizontal, noise)
+    }
+
+    /// The same for the vertical level.
+    pub fn vertical_noncentrality(&self, limit_m: f64) -> f64 {
+        let noise =
+            self.noise.map(|(spread, factors)| (spread.vertical, factors.detection, factors.vertical));
+        noncentrality_within(limit_m, self.slopes.vertical, noise)
+    }
+}
+
+/// Non-centrality of the bias that moves the position by `limit_m`, which has the slope `slope_m`.
+///
+/// 0 for an infinite slope, or for one that is not a number; [`LARGEST`] for none.
+pub fn noncentrality_at(limit_m: f64, slope_m: f64) -> f64 {
+    let ratio = limit_m / slope_m;
+    // Written so that a ratio which is not a number is none.
+    if ratio > 0.0 { (ratio * ratio).min(LARGEST) } else { 0.0 }
+}
+
+/// `√δ = (f AL − k' √(s² + σ²)) / s + k`, squared; 0 where the limit is too small for any threshold.
+fn noncentrality_within<T: Real>(limit_m: f64, slope: T, noise: Option<(T, T, AxisFactors<T>)>) -> f64 {
+    let Some((sigma, detection, axis)) = noise else { return noncentrality_at(limit_m, slope.widen()) };
+    let limit = T::narrow(limit_m);
+    let spread = axis.missed * (slope * slope + sigma * sigma).root();
+    // Written so that what is not a number makes nothing available; an infinite slope does neither.
+    let suffices = limit >= spread - detection * slope && limit >= axis.fault_free * sigma;
+    if !(suffices && slope.is_finite()) {
+        return 0.0;
+    }
+    let root = (limit - spread) / slope + detection;
+    (root * root).widen().min(LARGEST)
+}
+
+/// The largest change of HDOP that leaving out one satellite brings, `max √(HDOP_i² − HDOP²)`, dimensionless.
+pub fn largest_hdop_change<T: Real>(snapshot: &Snapshot<'_, T>) -> T {
+    let (hdop, _) = snapshot.dilutions();
+    let changes = (0..snapshot.rows().count()).filter_map(|index| {
+        let without = snapshot.hdop_without(index)?;
+        Some((without * without - hdop * hdop).max(T::zero()))
+    });
+    changes.fold(T::zero(), T::max).sqrt()
+}
+
+/// The change of HDOP at which the protection level reaches the alert limit, `HAL/(σ√λ)`, dimensionless ([Lin2016] eq. 25).
+///
+/// [Lin2016]: crate#references
+pub fn hdop_change_limit(hal_m: f64, sigma_m: f64, lambda: f64) -> f64 {
+    hal_m / (sigma_m * libm::sqrt(lambda))
+}

@@ -1,0 +1,400 @@
+//! Leaving out a set of rows by algebra: what the snapshot says of the epoch without them.
+//!
+//! With sigma-normalised residuals `r_i = √w_i v_i`, gains `A_i = √w_i g_i`, and the block `S_EE` of the projection
+//! matrix that belongs to the set `E`,
+//!
+//! ```text
+//! S_ij  = δ_ij − (√w_i d_i)·(√w_j g_j) − [c_i = c_j] √(w_i/W_c) √(w_j/W_c)
+//! SSE_E = SSE − r_Eᵀ S_EE⁻¹ r_E        dof_E = dof − |E|
+//! x_E   = x − A_E S_EE⁻¹ r_E           P_E   = P + A_E S_EE⁻¹ A_Eᵀ
+//! r'_i  = r_i − S_iE S_EE⁻¹ r_E        (residual of a row that stays)
+//! ```
+//!
+//! A set grows row by row. With `s = S_Ek`, `u = S_EE⁻¹ s`, the redundancy `p = S_kk − s·u` that is left to row `k` and
+//! its residual `q = r_k − r_E·u` after `E` is gone,
+//!
+//! ```text
+//! S_E'E'⁻¹ = S_EE⁻¹ + t tᵀ / p,   t = (u, −1)        explained' = explained + q²/p
+//! ```
+//!
+//! so that one row costs a division, and the w-test squared of `k` without `E` is `q²/p`.
+//!
+//! | symbol | field | unit |
+//! |---|---|---|
+//! | `r_i` | [`NormalisedRow::residual`] | – |
+//! | `S_ii` | [`NormalisedRow::redundancy`] | – |
+//! | `r_Eᵀ S_EE⁻¹ r_E` | [`Removal::explained`] | – |
+//! | `x_E`, `P_E` | [`Removal::correction`], [`Removal::covariance`] | m, m² |
+//!
+//! A set is refused when the smallest eigenvalue of `S_EE` is below [`Real::UNTESTABLE`]: its rows can then not be told
+//! apart, or are needed for a position. A set that empties a constellation is such a set.
+//!
+//! Gone for good, as in a search over pairs with the same third row `k`, a row changes the others instead: with
+//! `a_i = S_ik/√S_kk` each keeps `r_i − a_i r_k/√S_kk` and `S_ij − a_i a_j` (`Standing::without`).
+//!
+//! In parity space `S_ij = p_i·p_j` and `r_i = p·p_i`: the rows here are the parity vectors, up to a rotation that no
+//! test sees. No n×n matrix is stored. Each row costs 48 bytes in `f32` and another 16 while triples are looked at, each `S_ij`
+//! about 10 instructions.
+//!
+//! Linear: for a fix that was linearised elsewhere, solve again without the set before a position is used.
+
+use heapless::Vec;
+use nalgebra::{Matrix3, Vector3};
+
+use crate::least_squares::equations::{MAX_ROWS, Row};
+use crate::least_squares::{Fit, Snapshot};
+use crate::numeric::real::Real;
+use crate::numeric::space::{
+    add_outer_product, add_outer_square, difference, dot, identity, matrix_product, matrix_sum, mirror,
+    of_columns, product, scaled, symmetric_determinant, symmetric_product, zero, zeros,
+};
+use crate::report::MAX_EXCLUDED;
+
+/// A row in units of its sigma, with what its products with other rows need.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NormalisedRow<T: Real> {
+    /// Index in the epoch.
+    pub index: usize,
+    /// `r_i`, dimensionless.
+    pub residual: T,
+    /// `S_ii`, dimensionless.
+    pub redundancy: T,
+    reach: Reach<T>,
+    gain: Vector3<T>,
+    /// `1/σ_i`.
+    root: T,
+}
+
+/// What a row's products with many others need of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Reach<T: Real> {
+    /// `√w_i d_i`.
+    design: Vector3<T>,
+    /// `1/(σ_i W_c)`: times another's root it is what the two share by their clock; 0 without a clock.
+    level: T,
+    /// Number of its clock, or [`NO_CLOCK`]: bytes are compared at once.
+    clock: u8,
+}
+
+/// Beyond every constellation.
+const NO_CLOCK: u8 = u8::MAX;
+
+impl<T: Real> Reach<T> {
+    /// `S_ij` of two rows, of which another one that is gone for good has taken `a_i a_j`.
+    fn coupling(&self, other: &NormalisedRow<T>, shed: T) -> T {
+        let shared = if self.clock == other.reach.clock { self.level * other.root } else { T::zero() };
+        -(dot(&self.design, &other.gain) + shed + shared)
+    }
+}
+
+impl<T: Real> NormalisedRow<T> {
+    fn new(index: usize, row: &Row<T>, fit: &Fit<T>, snapshot: &Snapshot<'_, T>) -> Self {
+        let root = row.sigma.recip();
+        Self {
+            index,
+            residual: fit.residual * root,
+            redundancy: fit.redundancy,
+            reach: Reach {
+                design: scaled(root, &fit.centred),
+                level: root * snapshot.level_variance(row),
+                clock: row.clock.map_or(NO_CLOCK, |clock| clock as u8),
+            },
+            gain: scaled(root, &fit.gain),
+            root,
+        }
+    }
+
+    /// `S_ij`: how far an error of one row shows in the other's residual, dimensionless.
+    pub fn projection(&self, other: &Self) -> T {
+        if self.index == other.index {
+            return self.redundancy;
+        }
+        self.reach.coupling(other, T::zero())
+    }
+
+    /// By how much SSE falls without this row: its w-test squared.
+    pub(crate) fn explained(&self) -> T {
+        squared_w_test(self.residual, self.redundancy)
+    }
+}
+
+/// A row as it stands beside a set that is looked at: as the snapshot has it, or as another row leaves it that is gone for
+/// good. Only what differs is in it, since there are as many as rows.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Standing<'r, T: Real> {
+    row: &'r NormalisedRow<T>,
+    residual: T,
+    redundancy: T,
+    /// `a_i` of the row that is gone for good, 0 without one.
+    shed: T,
+}
+
+/// Room for as many as there are rows.
+pub(crate) type Standings<'r, T> = Vec<Standing<'r, T>, MAX_ROWS>;
+
+impl<'r, T: Real> Standing<'r, T> {
+    /// As the snapshot has it.
+    pub(crate) fn of(row: &'r NormalisedRow<T>) -> Self {
+        Self { row, residual: row.residual, redundancy: row.redundancy, shed: T::zero() }
+    }
+
+    /// As another row leaves it that is gone for good.
+    ///
+    /// `root` is the root of that one's redundancy, taken once for all rows.
+    pub(crate) fn without(row: &'r NormalisedRow<T>, gone: &NormalisedRow<T>, root: T) -> Self {
+        let shed = gone.projection(row) / root;
+        Self {
+            row,
+            residual: row.residual - shed * gone.residual / root,
+            redundancy: row.redundancy - shed * shed,
+            shed,
+        }
+    }
+
+    /// As it stands beside a column of the design that is estimated with the position: `shed` is its product with the row in
+    /// parity space, `residual` what the data have of it.
+    pub(crate) fn beside(row: &'r NormalisedRow<T>, shed: T, residual: T) -> Self {
+        let redundancy = row.redundancy - shed * shed;
+        Self { row, residual: row.residual - shed * residual, redundancy, shed }
+    }
+
+    /// Index in the epoch.
+    pub(crate) fn index(&self) -> usize {
+        self.row.index
+    }
+
+    /// By how much SSE falls without this row: its w-test squared.
+    pub(crate) fn explained(&self) -> T {
+        squared_w_test(self.residual, self.redundancy)
+    }
+
+    /// Whether nothing is left to test it with.
+    pub(crate) fn is_untestable(&self) -> bool {
+        self.redundancy < T::UNTESTABLE
+    }
+}
+
+/// A row that is to go with any of many others, with what is the same for all of these: by value, so that it stays in registers.
+pub(crate) struct Going<T: Real> {
+    reach: Reach<T>,
+    /// `a_i`.
+    shed: T,
+    explained: T,
+    /// `1/S_ii`.
+    share: T,
+    /// `r_i/S_ii`.
+    bias: T,
+}
+
+impl<T: Real> Going<T> {
+    pub(crate) fn new(standing: &Standing<'_, T>) -> Self {
+        let share = standing.redundancy.recip();
+        Self {
+            reach: standing.row.reach,
+            shed: standing.shed,
+            explained: squared_w_test(standing.residual, standing.redundancy),
+            share,
+            bias: standing.residual * share,
+        }
+    }
+
+    /// By how much SSE falls without this row and another one: squared w-test of this row, then of the other.
+    pub(crate) fn explains_with(&self, other: &Standing<'_, T>) -> T {
+        let coupling = self.reach.coupling(other.row, self.shed * other.shed);
+        let residual = other.residual - coupling * self.bias;
+        let redundancy = other.redundancy - coupling * coupling * self.share;
+        self.explained + squared_w_test(residual, redundancy)
+    }
+}
+
+/// 0 where nothing is left to test with.
+fn squared_w_test<T: Real>(residual: T, redundancy: T) -> T {
+    if redundancy < T::UNTESTABLE { T::zero() } else { residual * residual / redundancy }
+}
+
+/// Room for the rows of a search.
+pub type NormalisedRows<T> = Vec<NormalisedRow<T>, MAX_ROWS>;
+
+/// Finds the rows of a snapshot that take part and can be tested, in the order of the epoch.
+///
+/// Any other row is untestable in every set. They are written where the caller wants them: as a result they would be moved,
+/// and be on the stack twice.
+pub fn testable_rows<T: Real>(snapshot: &Snapshot<'_, T>, rows: &mut NormalisedRows<T>) {
+    rows.clear();
+    for (index, (row, fit)) in snapshot.rows().enumerate() {
+        if row.weight > T::zero() && fit.redundancy >= T::UNTESTABLE {
+            // There are no more rows than there is room for.
+            let _ = rows.push(NormalisedRow::new(index, row, fit, snapshot));
+        }
+    }
+}
+
+/// A set of at most [`MAX_EXCLUDED`] rows to leave out, with the inverse of its `S_EE`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Removal<T: Real> {
+    rows: Vec<NormalisedRow<T>, MAX_EXCLUDED>,
+    /// `S_EE`, padded by an identity; its lower triangle.
+    projection: Matrix3<T>,
+    /// `S_EE⁻¹`, padded by zeros; its lower triangle.
+    inverse: Matrix3<T>,
+    /// `S_EE⁻¹ r_E`, padded by zeros.
+    solved: Vector3<T>,
+    explained: T,
+}
+
+// One row or column of the three-by-three blocks for each row of a set.
+const _: () = assert!(MAX_EXCLUDED == 3);
+
+impl<T: Real> Default for Removal<T> {
+    fn default() -> Self {
+        Self::none()
+    }
+}
+
+impl<T: Real> Removal<T> {
+    /// The empty set.
+    pub fn none() -> Self {
+        Self {
+            rows: Vec::new(),
+            projection: identity(),
+            inverse: zeros(),
+            solved: zero(),
+            explained: T::zero(),
+        }
+    }
+
+    /// The set of these rows of a snapshot; `None` where it is refused, or a row is not testable or listed twice.
+    pub fn of(snapshot: &Snapshot<'_, T>, set: &[usize]) -> Option<Self> {
+        let mut rows = Vec::new();
+        testable_rows(snapshot, &mut rows);
+        Self::among(&rows, set)
+    }
+
+    /// The set of those of `rows` that have these indices; `None` as for [`Self::of`].
+    pub fn among(rows: &[NormalisedRow<T>], set: &[usize]) -> Option<Self> {
+        let mut removal = Self::none();
+        for &index in set {
+            removal.grow(rows.iter().find(|row| row.index == index)?)?;
+        }
+        Some(removal)
+    }
+
+    /// The set with one more row; `None` where it is refused or full.
+    pub fn and(&self, row: &NormalisedRow<T>) -> Option<Self> {
+        let mut larger = self.clone();
+        larger.grow(row)?;
+        Some(larger)
+    }
+
+    /// Takes one more row into the set; `None` where it is refused or full, and nothing has changed then.
+    // In place and not inlined: a set is large, and several of one search would be on the stack at once.
+    #[inline(never)]
+    pub(crate) fn grow(&mut self, row: &NormalisedRow<T>) -> Option<()> {
+        let couplings = self.couplings(row);
+        let (gains, left) = self.left_to(row, &couplings);
+        let mut unit = [T::zero(); MAX_EXCLUDED];
+        *unit.get_mut(self.rows.len())? = T::one();
+        let unit = Vector3::from(unit);
+        let mut projection = self.projection;
+        add_outer_product(&mut projection, &unit, &couplings);
+        add_outer_product(&mut projection, &unit, &scaled(row.redundancy - T::one(), &unit));
+        // The smaller set passed: by interlacing only one eigenvalue can be below the bound, and the sign tells.
+        let mut shifted = projection;
+        shifted.m11 -= T::UNTESTABLE;
+        shifted.m22 -= T::UNTESTABLE;
+        shifted.m33 -= T::UNTESTABLE;
+        if !(symmetric_determinant(&shifted) > T::zero() && left.redundancy > T::zero()) {
+            return None;
+        }
+        self.rows.push(*row).ok()?;
+        let direction = difference(&gains, &unit);
+        let bias = left.residual / left.redundancy;
+        self.projection = projection;
+        add_outer_square(&mut self.inverse, &direction, left.redundancy);
+        self.solved = difference(&self.solved, &scaled(bias, &direction));
+        self.explained += left.residual * bias;
+        Some(())
+    }
+
+    /// Squared w-test of a row without this set: by how much SSE falls when the row goes too.
+    ///
+    /// 0 where nothing is left to test it with.
+    pub fn explains_more(&self, row: &NormalisedRow<T>) -> T {
+        let (_, left) = self.left_to(row, &self.couplings(row));
+        squared_w_test(left.residual, left.redundancy)
+    }
+
+    /// `S_Ek`, padded by zeros.
+    fn couplings(&self, row: &NormalisedRow<T>) -> Vector3<T> {
+        let mut couplings = [T::zero(); MAX_EXCLUDED];
+        for (slot, member) in couplings.iter_mut().zip(&self.rows) {
+            *slot = member.projection(row);
+        }
+        couplings.into()
+    }
+
+    /// `u`, and what a row keeps without this set.
+    fn left_to(&self, row: &NormalisedRow<T>, couplings: &Vector3<T>) -> (Vector3<T>, Left<T>) {
+        let gains = symmetric_product(&self.inverse, couplings);
+        let left = Left {
+            redundancy: row.redundancy - dot(couplings, &gains),
+            residual: row.residual - dot(couplings, &self.solved),
+        };
+        (gains, left)
+    }
+
+    /// The rows of the set, in the order they were added.
+    pub fn rows(&self) -> &[NormalisedRow<T>] {
+        &self.rows
+    }
+
+    /// By how much SSE falls without the set, dimensionless.
+    pub fn explained(&self) -> T {
+        self.explained
+    }
+
+    /// SSE of the rows that stay, summed anew from their residuals.
+    ///
+    /// `SSE − explained` would lose in `f32` what a fault of some kilometres leaves of the digits.
+    pub fn sse(&self, rows: &[NormalisedRow<T>]) -> T {
+        let stays = |row: &&NormalisedRow<T>| self.rows.iter().all(|member| member.index != row.index);
+        rows.iter().filter(stays).fold(T::zero(), |sum, row| {
+            let residual = row.residual - dot(&self.couplings(row), &self.solved);
+            sum + residual * residual
+        })
+    }
+
+    /// Degrees of freedom without the set.
+    pub fn dof(&self, snapshot: &Snapshot<'_, T>) -> usize {
+        snapshot.dof().saturating_sub(self.rows.len())
+    }
+
+    /// Correction of the position without the set, east, north, up, m.
+    pub fn correction(&self, snapshot: &Snapshot<'_, T>) -> Vector3<T> {
+        difference(&snapshot.correction(), &product(&self.gains(), &self.solved))
+    }
+
+    /// Covariance of that correction, m².
+    pub fn covariance(&self, snapshot: &Snapshot<'_, T>) -> Matrix3<T> {
+        let gains = self.gains();
+        let mut inverse = self.inverse;
+        mirror(&mut inverse);
+        let grown = matrix_product(&matrix_product(&gains, &inverse), &gains.transpose());
+        matrix_sum(snapshot.covariance(), &grown)
+    }
+
+    /// `A_E`: one column for each row of the set, padded by zeros.
+    fn gains(&self) -> Matrix3<T> {
+        let mut gains = [zero(); MAX_EXCLUDED];
+        for (column, row) in gains.iter_mut().zip(&self.rows) {
+            *column = row.gain;
+        }
+        of_columns(&gains)
+    }
+}
+
+/// What a row keeps once a set is gone.
+struct Left<T> {
+    redundancy: T,
+    residual: T,
+}

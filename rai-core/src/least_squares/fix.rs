@@ -1,0 +1,260 @@
+//! The position fix: Gauss–Newton in ECEF, whose last pass is the snapshot.
+//!
+//! ```text
+//! y_i = ρ_i − |s_i − p| − ω/c (x_s y_p − y_s x_p)        by differences of absolute lengths
+//! p  ← p + R x                                            x from the 3×3 solve in T, p in f64
+//! ```
+//!
+//! | symbol | field | unit |
+//! |---|---|---|
+//! | `ρ_i` | [`crate::epoch::Observation::range_m`] | m |
+//! | `s_i` | [`crate::epoch::Observation::position`] | m |
+//! | `p` | linearisation point | m |
+//!
+//! A correction of length `d` leaves a linearisation error of `d²/2ρ`: 2.5 cm after 1 km, 3 µm after 10 m. A pass
+//! whose correction is below 10 m is therefore the last one, and nothing is solved again for the test.
+//!
+//! From the centre of the earth it converges in five or six passes, from the last position in one or two.
+
+use core::fmt;
+
+use nalgebra::Vector3;
+
+use crate::bit_set::bit;
+use crate::epoch::{Aided, Aiding, Epoch};
+use crate::frame::{Ecef, LocalFrame, Lookout};
+use crate::least_squares::equations::{References, Row};
+use crate::least_squares::{Excludable, Snapshot, SnapshotError, Workspace};
+use crate::numeric::real::Real;
+use crate::numeric::space::dot;
+
+/// A pass whose correction is below this is the last one, m.
+const CONVERGED_M: f64 = 10.0;
+
+/// An exclusion that moves the position by more than this is solved again from there, m.
+const RELINEARISE_M: f64 = 300.0;
+
+/// From the centre of the earth six passes suffice; twice that is divergence.
+const MAX_PASSES: usize = 12;
+
+/// Farthest a correction may carry from the earth's centre, m: beyond any satellite.
+const MAX_RADIUS_M: f64 = 1e8;
+
+/// Why there is no position.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum FixError {
+    /// The linearised epoch could not be solved.
+    Snapshot(SnapshotError),
+    /// The corrections did not become small.
+    NotConverged,
+}
+
+impl fmt::Display for FixError {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Snapshot(error) => error.fmt(formatter),
+            Self::NotConverged => formatter.write_str("position did not converge"),
+        }
+    }
+}
+
+impl core::error::Error for FixError {}
+
+impl<T: Real, const N: usize> Workspace<T, N> {
+    /// Solves an epoch, starting at a point near the position, or at [`Ecef::CENTRE`].
+    ///
+    /// A start far from the truth may lead astray. The centre of the earth is the same distance from all places, and is
+    /// tried where the start leads nowhere.
+    ///
+    /// # Errors
+    /// [`FixError`] says what is missing.
+    pub fn fix<'r>(&'r mut self, epoch: &'r Epoch<N>, start: Ecef) -> Result<Fix<'r, T>, FixError> {
+        Fix::about(self, Aided::alone(epoch), start)
+    }
+}
+
+/// A converged position together with the linearised epoch it came from.
+#[derive(Debug)]
+pub struct Fix<'r, T: Real> {
+    aided: Aided<'r>,
+    /// The linearisation point.
+    lookout: Lookout<T>,
+    snapshot: Snapshot<'r, T>,
+}
+
+impl<'r, T: Real> Fix<'r, T> {
+    /// As [`Workspace::fix`], with a forecast beside the epoch.
+    pub(crate) fn about<const N: usize>(
+        workspace: &'r mut Workspace<T, N>,
+        aided: Aided<'r>,
+        start: Ecef,
+    ) -> Result<Self, FixError> {
+        let mut solve_about = |lookout: &Lookout<T>| {
+            let equations = workspace.equations_mut();
+            let written = equations.refill(|references, put| write(references, &aided, lookout, put));
+            written.ok_or(FixError::NotConverged)?;
+            workspace.solve_rows().map_err(FixError::Snapshot)
+        };
+        let lookout =
+            converge(start, &mut solve_about).or_else(|_| converge(Ecef::CENTRE, &mut solve_about))?;
+        Ok(Self { aided, lookout, snapshot: workspace.lend() })
+    }
+
+    /// The row of a clock's forecast, or of one that the epoch came with.
+    pub fn clock_row(&self) -> Option<usize> {
+        let is_clock = |aiding: &Aiding| matches!(aiding, Aiding::Clock { .. });
+        Some(self.aided.observations().len() + self.aided.aiding().position(is_clock)?)
+    }
+
+    /// The position.
+    pub fn position(&self) -> Ecef {
+        self.lookout.beside(&self.snapshot.correction())
+    }
+
+    /// The linearised epoch at the position.
+    pub fn snapshot(&self) -> &Snapshot<'r, T> {
+        &self.snapshot
+    }
+
+    /// Rows of weight 0, as a bit set.
+    fn left_out(&self) -> u64 {
+        let rows = self.snapshot.equations().iter().enumerate();
+        rows.fold(0, |set, (index, row)| if row.weight > T::zero() { set } else { set | bit(index) })
+    }
+
+    /// After a change of the rows: solves again from the new position if that is far from the linearisation point.
+    fn follow(&mut self) -> Result<(), SnapshotError> {
+        if is_within(&self.snapshot.correction(), RELINEARISE_M) {
+            return Ok(());
+        }
+        let (position, left_out) = (self.position(), self.left_out());
+        let solve_about = |lookout: &Lookout<T>| {
+            rewrite(&mut self.snapshot, &self.aided, lookout, left_out).map_err(FixError::Snapshot)?;
+            Ok(self.snapshot.correction())
+        };
+        self.lookout = converge(position, solve_about).map_err(|error| match error {
+            FixError::Snapshot(error) => error,
+            FixError::NotConverged => SnapshotError::Singular,
+        })?;
+        Ok(())
+    }
+
+    /// Back to rows that have been solved before, about the same point.
+    fn restore(&mut self, left_out: u64) {
+        // What could be formed and solved once can be so again.
+        let _ = rewrite(&mut self.snapshot, &self.aided, &self.lookout, left_out);
+    }
+}
+
+impl<T: Real> Excludable<T> for Fix<'_, T> {
+    fn snapshot(&self) -> &Snapshot<'_, T> {
+        &self.snapshot
+    }
+
+    fn leave_out(&mut self, index: usize) -> Result<(), SnapshotError> {
+        let before = self.left_out();
+        self.snapshot.leave_out(index)?;
+        let followed = self.follow();
+        if followed.is_err() {
+            self.restore(before);
+        }
+        followed
+    }
+
+    fn leave_out_all(&mut self, rows: u64) -> Result<(), SnapshotError> {
+        let before = self.left_out();
+        self.snapshot.leave_out_all(rows)?;
+        let followed = self.follow();
+        if followed.is_err() {
+            self.restore(before);
+        }
+        followed
+    }
+
+    fn take_back(&mut self, rows: &[usize]) -> Result<(), SnapshotError> {
+        Excludable::take_back(&mut self.snapshot, rows)
+    }
+
+    fn take_back_all(&mut self, rows: u64) {
+        self.snapshot.take_back_all(rows);
+    }
+
+    fn set_aside(&mut self, rows: &[usize]) -> Result<(), SnapshotError> {
+        Excludable::set_aside(&mut self.snapshot, rows)
+    }
+}
+
+/// Whether a correction is no longer than this, m: its length is the same in every frame, and needs no double.
+fn is_within<T: Real>(correction: &Vector3<T>, limit_m: f64) -> bool {
+    dot(correction, correction) <= T::narrow(limit_m * limit_m)
+}
+
+/// Gauss–Newton: solves about better and better points, until the correction is small. The last point is returned.
+#[inline(never)]
+fn converge<T: Real>(
+    start: Ecef,
+    mut solve_about: impl FnMut(&Lookout<T>) -> Result<Vector3<T>, FixError>,
+) -> Result<Lookout<T>, FixError> {
+    let mut point = if start.is_finite() { start } else { Ecef::CENTRE };
+    for _ in 0..MAX_PASSES {
+        let lookout = Lookout::at(point);
+        let correction = solve_about(&lookout)?;
+        if is_within(&correction, CONVERGED_M) {
+            return Ok(lookout);
+        }
+        point = lookout.beside(&correction);
+        // Also the way out for a position that is not a number.
+        if !(point.radius_m() < MAX_RADIUS_M) {
+            return Err(FixError::NotConverged);
+        }
+    }
+    Err(FixError::NotConverged)
+}
+
+/// The equations about another point, without the rows of a set.
+fn rewrite<T: Real>(
+    snapshot: &mut Snapshot<'_, T>,
+    aided: &Aided<'_>,
+    lookout: &Lookout<T>,
+    left_out: u64,
+) -> Result<(), SnapshotError> {
+    snapshot.rewrite(|references, put| {
+        let mut set = left_out;
+        write(references, aided, lookout, &mut |mut row| {
+            if set & 1 != 0 {
+                row.leave_out();
+            }
+            set >>= 1;
+            put(row)
+        })
+    })
+}
+
+/// The equations of an epoch about a point: row `i` is observation `i`, aiding rows follow.
+///
+/// `None` where a row cannot be formed, as at a point that coincides with a satellite: rows never move up.
+fn write<T: Real>(
+    references: &mut References<T>,
+    aided: &Aided<'_>,
+    lookout: &Lookout<T>,
+    put: &mut dyn FnMut(Row<T>) -> Option<()>,
+) -> Option<()> {
+    for (observation, sigma_m) in aided.weighed() {
+        let sight = lookout.sight(observation.position);
+        let constellation = observation.satellite.constellation();
+        put(references.sighted(constellation, &sight, observation.range_m, sigma_m).ok()?)?;
+    }
+    for aiding in aided.aiding() {
+        let row = match *aiding {
+            Aiding::Clock { constellation, value_m, sigma_m } => {
+                references.clock(constellation, value_m, sigma_m)
+            }
+            Aiding::Height { value_m, sigma_m } => {
+                Row::height(value_m - LocalFrame::at(lookout.point()).height_m(), sigma_m)
+            }
+        };
+        put(row.ok()?)?;
+    }
+    Some(())
+}

@@ -1,0 +1,84 @@
+//! Memory for equations and what a solution says of each: it is lent solved, or not at all.
+
+use heapless::Vec;
+use nalgebra::Vector3;
+
+use super::{Fit, Snapshot, SnapshotError, Solved};
+use crate::least_squares::equations::LinearEpoch;
+use crate::numeric::real::Real;
+
+/// Room for at most `N` equations and their solution, used again from epoch to epoch: what is large is never moved.
+#[derive(Clone, Debug)]
+pub struct Workspace<T: Real, const N: usize> {
+    equations: LinearEpoch<T, N>,
+    fits: Vec<Fit<T>, N>,
+    solved: Solved<T>,
+}
+
+impl<T: Real, const N: usize> Default for Workspace<T, N> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<T: Real, const N: usize> Workspace<T, N> {
+    /// Room without equations.
+    #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
+    #[inline(always)]
+    pub fn new() -> Self {
+        Self { equations: LinearEpoch::new(), fits: Vec::new(), solved: Solved::none() }
+    }
+
+    /// Room that holds these equations.
+    pub fn of(equations: LinearEpoch<T, N>) -> Self {
+        Self { equations, fits: Vec::new(), solved: Solved::none() }
+    }
+
+    /// The equations.
+    pub fn equations(&self) -> &LinearEpoch<T, N> {
+        &self.equations
+    }
+
+    /// The equations, to be added to or replaced.
+    pub fn equations_mut(&mut self) -> &mut LinearEpoch<T, N> {
+        &mut self.equations
+    }
+
+    /// Solves the equations.
+    ///
+    /// # Errors
+    /// [`SnapshotError::Insufficient`] with fewer rows than unknowns (without any, too),
+    /// [`SnapshotError::Singular`] where the rows do not determine them.
+    pub fn solve(&mut self) -> Result<Snapshot<'_, T>, SnapshotError> {
+        self.solve_rows()?;
+        Ok(self.lend())
+    }
+
+    /// Takes a copy of a snapshot, to leave rows out of while the other stays; `None` where it has more than `N`.
+    pub fn copy_of(&mut self, snapshot: &Snapshot<'_, T>) -> Option<Snapshot<'_, T>> {
+        self.equations.copy_from(snapshot.rows, snapshot.references)?;
+        self.solved = *snapshot.solved;
+        Some(self.lend())
+    }
+
+    /// Solves the equations where they are, and says nothing of each; the correction of the position, east, north, up, m.
+    ///
+    /// # Errors
+    /// As [`Self::solve`].
+    pub(crate) fn solve_rows(&mut self) -> Result<Vector3<T>, SnapshotError> {
+        self.solved.solution.solve(self.equations.rows().iter())?;
+        Ok(self.solved.solution.correction)
+    }
+
+    /// Lends what [`Self::solve_rows`] solved last, with what it says of each row.
+    pub(crate) fn lend(&mut self) -> Snapshot<'_, T> {
+        let Self { equations, fits, solved } = self;
+        let (rows, references) = equations.parts_mut();
+        // Both vectors hold N: there is always room. One that is long enough is written over, which spares the way round
+        // by the stack.
+        fits.truncate(rows.len());
+        while fits.len() < rows.len() && fits.push(Fit::nothing()).is_ok() {}
+        solved.fit_all(rows, fits);
+        Snapshot { rows, references, fits, solved }
+    }
+}
