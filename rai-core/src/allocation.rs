@@ -1,46 +1,46 @@
-//! What the user's operation allows: the risk, its split over the axes, and what need not be watched.
+//! Allocation of the integrity risk: its split over the axes, and the share of unmonitored faults.
 //!
 //! | symbol | field | unit |
 //! |---|---|---|
 //! | `PHMI_V`, `PHMI_H` | [`Allocation::integrity_vertical`], [`Allocation::integrity_horizontal`] | per sample |
 //! | `P_FA_V`, `P_FA_H` | [`Allocation::alarm_vertical`], [`Allocation::alarm_horizontal`] | per sample |
-//! | `P_THRES` | [`Allocation::not_watched`] | per sample |
+//! | `P_THRES` | [`Allocation::unmonitored_probability`] | per sample |
 //! | `FC_THRES` | [`Allocation::consolidation`] | – |
-//! | `P_EMT` | [`Allocation::effective_prior`] | – |
+//! | `P_EMT` | [`Allocation::emt_prior`] | – |
 //!
-//! The numbers are those of [MAAST], for one effective sample over the exposure: to be checked against the working
-//! group's own text before anyone relies on them for certification.
+//! The numbers are those of [MAAST], for one effective sample over the exposure. They must be compared with the working
+//! group's own text before they are used for certification.
 //!
 //! [MAAST]: crate#references
 
-/// How much may go wrong, and where.
+/// Risk that an operation allows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Allocation {
     /// Probability of hazardously misleading information that the vertical level may spend.
     pub integrity_vertical: f64,
-    /// The same of the horizontal level.
+    /// Probability of hazardously misleading information that the horizontal level may spend.
     pub integrity_horizontal: f64,
     /// Probability of a false alarm of the vertical tests.
     pub alarm_vertical: f64,
-    /// The same of the horizontal tests.
+    /// Probability of a false alarm of the horizontal tests.
     pub alarm_horizontal: f64,
-    /// Probability of faults that may go unwatched.
+    /// Probability of faults that may be unmonitored.
     pub not_watched: f64,
-    /// Below this share of a constellation's loss, faults within it are counted with that loss.
+    /// Share of a constellation's loss below which faults within it are counted with that loss.
     pub consolidation: f64,
-    /// Prior probability from which on a mode counts in the effective monitor threshold.
+    /// Prior probability from which on a mode counts in the effective monitor threshold (EMT).
     pub effective_prior: f64,
-    /// Largest effective monitor threshold with which a position may be used, m.
+    /// Largest effective monitor threshold of a usable position, m.
     pub effective_threshold_limit_m: Option<f64>,
-    /// Largest standard deviation of the height for accuracy with which a position may be used, m.
+    /// Largest standard deviation of the height for accuracy of a usable position, m.
     pub accuracy_limit_m: Option<f64>,
-    /// Whether satellites may be left out after an alarm, which takes its share of the risk, alarm or not.
+    /// True if satellites may be left out after an alarm, which takes its share of the risk with or without an alarm.
     pub exclusion: bool,
 }
 
 impl Allocation {
-    /// Approach with vertical guidance (LPV-200).
+    /// Returns the allocation of approaches with vertical guidance (LPV-200).
     pub const fn vertical_guidance() -> Self {
         Self {
             integrity_vertical: 9.8e-8,
@@ -56,12 +56,12 @@ impl Allocation {
         }
     }
 
-    /// An operation of its own that has a vertical limit: the same risk, and no limits of LPV-200.
+    /// Returns the allocation of any other operation with a vertical limit: the same risk without the EMT and accuracy limits.
     pub const fn vertical() -> Self {
         Self { effective_threshold_limit_m: None, accuracy_limit_m: None, ..Self::vertical_guidance() }
     }
 
-    /// Phases of flight where only the horizontal position matters (H-ARAIM).
+    /// Returns the allocation of phases of flight without vertical guidance (H-ARAIM).
     pub const fn horizontal() -> Self {
         Self {
             integrity_vertical: 1e-9,
@@ -77,7 +77,7 @@ impl Allocation {
         }
     }
 
-    /// `PHMI`, both levels together.
+    /// Returns `PHMI`, both levels together.
     pub const fn integrity(&self) -> f64 {
         self.integrity_vertical + self.integrity_horizontal
     }
@@ -85,7 +85,7 @@ impl Allocation {
     /// Checks every field once: probabilities in (0, 0.5), consolidation in [0, 1].
     ///
     /// # Errors
-    /// The first field out of its range, by name.
+    /// [`AllocationError`] names the first field that is out of its range, with its value.
     pub fn validate(self) -> Result<Self, &'static str> {
         let probabilities = [
             (self.integrity_vertical, "vertical integrity risk"),
@@ -95,7 +95,7 @@ impl Allocation {
             (self.not_watched, "probability of faults not watched"),
             (self.effective_prior, "prior of the effective monitor threshold"),
         ];
-        // Written so that what is not a number is refused.
+        // NaN fails these comparisons.
         let refused = probabilities.iter().find(|(value, _)| !(*value > 0.0 && *value < 0.5));
         match refused {
             Some((_, name)) => Err(name),

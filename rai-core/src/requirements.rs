@@ -1,6 +1,6 @@
-//! What the user's operation asks of the position: alert limits, probabilities, time to alert.
+//! Requirements of the user's operation: alert limits, probabilities, time to alert.
 //!
-//! A plain struct without `Default`: nobody gets requirements without having chosen them. Presets are those of
+//! A plain struct without `Default`, so that every user chooses them. Presets are those of
 //! the phases of flight ([ICAO-A10] table 3.7.2.4-1 for the limits and times; false-alert and missed-detection
 //! probabilities per sample as in [Yang2015] and [DO-229]).
 //!
@@ -13,28 +13,38 @@ use core::fmt;
 use crate::allocation::Allocation;
 use crate::numeric::probability::Probability;
 
-/// What an operation requires.
+/// Requirements of an operation.
+///
+/// ```
+/// use rai_core::Requirements;
+/// use rai_core::requirements::RequirementsError;
+///
+/// let mut requirements = Requirements::lpv200();
+/// assert_eq!((requirements.hal_m, requirements.val_m), (40.0, Some(35.0)));
+/// requirements.hal_m = -1.0;
+/// assert_eq!(requirements.validate(), Err(RequirementsError::HorizontalAlertLimit(-1.0)));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Requirements {
     /// Horizontal alert limit, m.
     pub hal_m: f64,
-    /// Vertical alert limit, m; `None` where only the horizontal position matters.
+    /// Vertical alert limit, m; `None` if only the horizontal position matters.
     pub val_m: Option<f64>,
     /// Probability of a false alarm per epoch.
     pub false_alarm: Probability,
-    /// Probability that a fault which matters is missed.
+    /// Probability that a relevant fault is missed.
     pub missed_detection: Probability,
     /// Probability that the error exceeds a protection level without any fault.
     pub fault_free_risk: Probability,
-    /// Longest silence after an epoch until the alarm, s; what is said of an epoch is said at once.
+    /// Longest silence after an epoch until the alert, s; a verdict on an epoch is reported at once.
     pub time_to_alert_s: f64,
     /// Fraction of the alert limit that the protection level may fill, in (0, 1] ([Yang2015]: 0.95). Levels of ARAIM hold all
     /// of the risk and may fill it.
     ///
     /// [Yang2015]: crate#references
     pub guard_fraction: f64,
-    /// How ARAIM spends the risk.
+    /// Allocation of the risk for ARAIM.
     pub allocation: Allocation,
 }
 
@@ -55,7 +65,7 @@ pub(crate) const MISSED_DETECTION: Probability = match Probability::new(1e-3) {
     None => unreachable!(),
 };
 
-/// Per sample without any fault: `K` is 5.68 horizontally and 5.33 vertically.
+/// Probability per sample without a fault: `K` is 5.68 horizontally and 5.33 vertically.
 const FAULT_FREE_RISK: Probability = match Probability::new(1e-7) {
     Some(probability) => probability,
     None => unreachable!(),
@@ -75,22 +85,22 @@ impl Requirements {
         }
     }
 
-    /// En route, oceanic and continental low density: HAL 3,704 m, 300 s.
+    /// Returns the requirements en route, oceanic and continental low density: HAL 3,704 m, 300 s.
     pub const fn en_route() -> Self {
         Self::horizontal(3704.0, 300.0)
     }
 
-    /// Terminal area: HAL 1,852 m, 15 s.
+    /// Returns the requirements of the terminal area: HAL 1,852 m, 15 s.
     pub const fn terminal() -> Self {
         Self::horizontal(1852.0, 15.0)
     }
 
-    /// Non-precision approach: HAL 556 m, 10 s.
+    /// Returns the requirements of a non-precision approach: HAL 556 m, 10 s.
     pub const fn non_precision_approach() -> Self {
         Self::horizontal(556.0, 10.0)
     }
 
-    /// Localiser performance with vertical guidance down to 200 ft: HAL 40 m, VAL 35 m, 6 s.
+    /// Returns the requirements of localiser performance with vertical guidance down to 200 ft: HAL 40 m, VAL 35 m, 6 s.
     pub const fn lpv200() -> Self {
         let mut requirements = Self::horizontal(40.0, 6.0);
         requirements.val_m = Some(35.0);
@@ -101,7 +111,7 @@ impl Requirements {
     /// Checks every field once.
     ///
     /// # Errors
-    /// The first field out of its range, by name.
+    /// [`RequirementsError`] names the first field that is out of its range, with its value.
     pub fn validate(self) -> Result<Self, RequirementsError> {
         let limit = |limit_m: f64| limit_m > 0.0 && limit_m <= 1e6;
         if !limit(self.hal_m) {
@@ -121,19 +131,19 @@ impl Requirements {
     }
 }
 
-/// Which requirement is out of its range.
+/// The requirement that is out of its range, with its value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum RequirementsError {
-    /// `hal_m` outside (0, 1e6].
+    /// `hal_m` is outside (0, 1e6].
     HorizontalAlertLimit,
-    /// `val_m` outside (0, 1e6].
+    /// `val_m` is outside (0, 1e6].
     VerticalAlertLimit,
-    /// `time_to_alert_s` outside (0, 3600].
+    /// `time_to_alert_s` is outside (0, 3600].
     TimeToAlert,
-    /// `guard_fraction` outside (0, 1].
+    /// `guard_fraction` is outside (0, 1].
     GuardFraction,
-    /// A probability of `allocation` outside (0, 0.5), by name.
+    /// A field of `allocation` is outside its range.
     Allocation(&'static str),
 }
 

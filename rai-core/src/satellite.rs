@@ -2,10 +2,10 @@
 //!
 //! A constellation matters to integrity because it has its own receiver clock: each range touches exactly one.
 //!
-//! The satellites of QZSS send the signals of GPS, with numbers of the same family (193 to 202), in the time of GPS: to
-//! a receiver their ranges touch the clock of GPS, and so they are satellites of [`Constellation::Gps`] here. Only their
+//! QZSS satellites transmit GPS signals in GPS time, with numbers of the same family (193 to 202). Their ranges touch the
+//! receiver's GPS clock, so that they are satellites of [`Constellation::Gps`] here. Only their
 //! names differ: `J01` to `J10`. Measured (`tests-host/tests/all/ubx/qzss.rs`): their corrected ranges are 0.5 m shorter than
-//! those of GPS in five minutes near Nagoya and 0.04 m longer in hours at Esbjerg, where the clocks of two systems differ
+//! those of GPS in five minutes near Nagoya and 0.04 m longer in hours at Esbjerg, while the clocks of two systems differ
 //! by tens of metres and more.
 
 use core::fmt;
@@ -28,13 +28,13 @@ pub enum Constellation {
 }
 
 impl Constellation {
-    /// How many constellations there are.
+    /// Number of constellations.
     pub const COUNT: usize = 4;
 
     /// All constellations in ascending id.
     pub const ALL: [Self; Self::COUNT] = [Self::Gps, Self::Beidou, Self::Galileo, Self::Glonass];
 
-    /// The letter that RINEX uses: `G`, `C`, `E`, `R`.
+    /// Returns the RINEX letter: `G`, `C`, `E`, `R`.
     pub const fn letter(self) -> char {
         match self {
             Self::Gps => 'G',
@@ -44,13 +44,13 @@ impl Constellation {
         }
     }
 
-    /// The constellation of a RINEX letter.
+    /// Returns the constellation of a RINEX letter.
     pub fn from_letter(letter: char) -> Option<Self> {
         Self::ALL.into_iter().find(|constellation| constellation.letter() == letter)
     }
 }
 
-/// The number of a QZSS satellite is what its name says plus this.
+/// Offset from the number in a QZSS satellite's name to its number here.
 const QZSS: u8 = 192;
 
 /// One satellite, named as in RINEX: `G05`, `C12`, `E31`, `J02`.
@@ -62,7 +62,7 @@ pub struct SatelliteId {
 }
 
 impl SatelliteId {
-    /// A satellite by its number within the constellation, 1 to 99, or 193 to 202 of QZSS beside GPS; `None` outside.
+    /// Returns a satellite by its number within the constellation, 1 to 99, or 193 to 202 for QZSS within GPS; `None` outside.
     pub const fn new(constellation: Constellation, number: u8) -> Option<Self> {
         match (constellation, number) {
             (_, 1..=99) | (Constellation::Gps, 193..=202) => Some(Self { constellation, number }),
@@ -70,7 +70,7 @@ impl SatelliteId {
         }
     }
 
-    /// A satellite of QZSS by the number in its name, 1 to 10; `None` outside.
+    /// Returns a QZSS satellite by the number in its name, 1 to 10; `None` outside.
     pub const fn qzss(number: u8) -> Option<Self> {
         if number <= 10 { Self::new(Constellation::Gps, QZSS + number) } else { None }
     }
@@ -85,22 +85,22 @@ impl SatelliteId {
         }
     }
 
-    /// The constellation whose clock the satellite's range touches.
+    /// Returns the constellation whose clock the satellite's range touches.
     pub const fn constellation(self) -> Constellation {
         self.constellation
     }
 
-    /// The number within the constellation, 1 to 99, or 193 to 202.
+    /// Returns the number within the constellation, 1 to 99, or 193 to 202.
     pub const fn number(self) -> u8 {
         self.number
     }
 
-    /// Whether it is one of QZSS.
+    /// Returns true for a QZSS satellite.
     pub const fn is_qzss(self) -> bool {
         self.number > QZSS
     }
 
-    /// The letter and the number of its name.
+    /// Returns the letter and the number of its name.
     pub const fn name(self) -> (char, u8) {
         if self.is_qzss() { ('J', self.number - QZSS) } else { (self.constellation.letter(), self.number) }
     }

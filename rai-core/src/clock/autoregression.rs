@@ -33,7 +33,7 @@ use crate::numeric::cholesky::Cholesky;
 use crate::numeric::real::Real;
 use crate::numeric::space::dot;
 
-/// Differences that the next one is forecast from.
+/// Number of differences that the next one is forecast from.
 pub const ORDER: usize = 3;
 
 /// A fitted process.
@@ -45,14 +45,14 @@ pub struct Autoregression<T: Real> {
 }
 
 impl<T: Real> Autoregression<T> {
-    /// The process that forecasts nothing but the mean, fitted to nothing.
+    /// Returns the process that forecasts the mean alone, without a fit.
     pub fn white() -> Self {
         Self { coefficients: Vector3::zeros(), variance: T::zero(), rows: 0 }
     }
 
     /// Fits centred differences, oldest first; a missing one is `None`, and no row reaches across it.
     ///
-    /// Where the normal equations are singular, or their solution is no better than forecasting the mean, the
+    /// If the normal equations are singular, or their solution is no better than forecasting the mean, the
     /// coefficients are zero.
     pub fn fit(differences: impl Iterator<Item = Option<T>> + Clone) -> Self {
         let sums = Sums::over(differences.clone());
@@ -60,11 +60,11 @@ impl<T: Real> Autoregression<T> {
         let Some(coefficients) = sums.solve() else { return white };
         let squares = rows(differences).fold(T::zero(), |sum, row| sum + squared_errors(&coefficients, row));
         let variance = sums.variance(squares);
-        // Written so that a variance which is not a number is not taken.
+        // A NaN variance fails this comparison.
         if variance < white.variance { Self { coefficients, variance, ..white } } else { white }
     }
 
-    /// `a_1, a_2, a_3`.
+    /// Returns `a_1, a_2, a_3`.
     pub fn coefficients(&self) -> [T; ORDER] {
         self.coefficients.into()
     }
@@ -74,7 +74,7 @@ impl<T: Real> Autoregression<T> {
         self.variance
     }
 
-    /// Runs of four consecutive differences that were fitted.
+    /// Returns the number of runs of four consecutive differences that were fitted.
     pub fn rows(&self) -> usize {
         self.rows
     }
@@ -117,12 +117,12 @@ impl<T: Real> Iterator for Extrapolation<T> {
     }
 }
 
-/// The latest three after one more.
+/// Returns the latest three after one more.
 fn shifted<T: Real>(latest: T, recent: &Vector3<T>) -> Vector3<T> {
     Vector3::new(latest, recent.x, recent.y)
 }
 
-/// Four consecutive differences, latest first: one forward and one backward equation.
+/// Iterates over runs of four consecutive differences, latest first: one forward and one backward equation.
 fn rows<T: Real>(differences: impl Iterator<Item = Option<T>>) -> impl Iterator<Item = [T; ORDER + 1]> {
     let (mut row, mut run) = ([T::zero(); ORDER + 1], 0);
     differences.filter_map(move |difference| {
@@ -172,7 +172,7 @@ impl<T: Real> Sums<T> {
         self
     }
 
-    /// `a` where it is determined.
+    /// Returns `a` if it is determined.
     fn solve(&self) -> Option<Vector3<T>> {
         let Self { c00, c01, c02, c03, c11, c12, .. } = *self;
         let (zero, one) = (T::zero(), T::one());

@@ -1,14 +1,14 @@
-//! Integrity: is something wrong, which satellite is it, and how wrong could the position be without anyone noticing?
+//! Integrity: is something wrong, which satellite is faulty, and how large can the undetected error be?
 //!
 //! ```text
 //! fix ─► test ─► (search, leave out, test again) ─► is it the only explanation? ─► judgement
 //! ```
 //!
-//! [`judge`] is the only place that knows one [`Method`] from another. A [`Judgement`] is what the method found; what it
-//! means for the user is the monitor's to say ([`crate::monitor`]).
+//! [`judge`] is the only place that distinguishes one [`Method`] from another. A [`Judgement`] is the method's result; the
+//! monitor derives the verdict from it ([`crate::monitor`]).
 //!
-//! **A forecast beside the satellites** raises what four satellites can say of each other, and vouches for itself. Where the
-//! satellites can be tested without it they are, too: both tests must pass, and the protection levels are the larger ones.
+//! **A clock forecast beside the satellites** lets four satellites be tested, but it confirms itself. If the
+//! satellites can be tested without it, both tests must pass, and the larger protection levels count.
 
 pub mod araim;
 pub mod raim;
@@ -37,32 +37,32 @@ use raim::isolation::sets::count_up_to;
 use raim::isolation::{parity, ransac};
 use raim::levels::{Exposure, Factors, Levels, common_shift};
 
-/// How the faulty satellites are found.
+/// Method that finds the faulty satellites.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Method {
-    /// Every set of one row, then of two, then of three, where that is within [`AUTOMATIC_SETS`]; else the largest w-test.
+    /// Every set of one row, then of two, then of three, within [`AUTOMATIC_SETS`]; beyond, the largest w-test.
     Auto,
-    /// The largest w-test, again and again.
+    /// The largest w-test, repeatedly.
     Baarda,
-    /// In parity space.
+    /// Searches in parity space.
     #[cfg(feature = "searches")]
     Parity(parity::Isolation),
-    /// By consensus of disjoint subsets.
+    /// Consensus of disjoint subsets.
     #[cfg(feature = "searches")]
     Ransac,
-    /// By solutions with and without every plausible set of them: ARAIM.
+    /// Solution separation over all monitored fault modes: ARAIM.
     #[cfg(feature = "araim")]
     Separation,
 }
 
 impl Method {
-    /// Whether a forecast may stand beside the satellites: separation knows none that could be wrong.
+    /// Returns true if a clock forecast may take a row: ARAIM has no fault mode for it.
     pub(crate) fn takes_a_forecast(self) -> bool {
         !self.holds_a_promise()
     }
 
-    /// Whether sigmas are what is promised of the satellites, and not what is expected of them.
+    /// Returns true if sigmas are those of an integrity support message, and not the expected ones.
     #[cfg_attr(not(feature = "araim"), expect(clippy::unused_self, reason = "no other method does"))]
     pub(crate) fn holds_a_promise(self) -> bool {
         #[cfg(feature = "araim")]
@@ -73,15 +73,15 @@ impl Method {
     }
 }
 
-/// Sets that [`Method::Auto`] looks at: all of up to three of 40 rows, some 0.9 million instructions in `f32` on a
+/// Most sets that [`Method::Auto`] compares: all of up to three of 40 rows, some 0.9 million instructions in `f32` on a
 /// Cortex-M4F. Beyond, the largest w-test costs a hundredth.
 pub const AUTOMATIC_SETS: usize = parity::MAX_SETS;
 
-/// Sum of squares of which a fault is gross: of ten thousand sigmas, some tens of kilometres. Where it moves the position by `d`,
-/// ranges are off by `d²/2ρ`, metres.
+/// Sum of squares of a gross fault: ten thousand sigmas, some tens of kilometres. If it moves the position by `d`,
+/// the linearised ranges are off by `d²/2ρ`, metres.
 const GROSS_SSE: f64 = 1e8;
 
-/// What an epoch is judged by.
+/// Criteria of a judgement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Criteria<'c, T> {
     /// Limits and probabilities.
@@ -90,22 +90,22 @@ pub struct Criteria<'c, T> {
     pub thresholds: Thresholds<'static>,
     /// Factors of the protection levels for these probabilities.
     pub factors: &'c Factors<T>,
-    /// Which threshold the global test uses.
+    /// Threshold policy of the global test.
     pub policy: Policy,
-    /// How the faulty satellites are found.
+    /// Method that finds the faulty satellites.
     pub method: Method,
-    /// What a protection level bounds.
+    /// Quantity that a protection level bounds.
     pub levels: Levels,
-    /// What is promised of the satellites, for [`Method::Separation`].
+    /// Integrity support message, for [`Method::Araim`].
     pub ism: &'c Ism,
 }
 
-/// Room that methods take beside the equations, and the subsets that [`Method::Ransac`] keeps from epoch to epoch.
+/// Scratch memory of the methods, and the subsets that [`Method::Ransac`] keeps from epoch to epoch.
 #[derive(Clone, Debug)]
 pub struct Scratch<T: Real> {
-    /// For [`Method::Ransac`].
+    /// Subsets of [`Method::Ransac`].
     pub subsets: ransac::Subsets,
-    /// Made when it is asked for first: it is large, and empty it need not be on the stack before it is where it stays.
+    /// Made at the first use, so that this large value is made in place and not on the stack first.
     #[cfg(feature = "araim")]
     separation: Option<araim::Room<T>>,
     #[cfg(not(feature = "araim"))]
@@ -119,7 +119,7 @@ impl<T: Real> Default for Scratch<T> {
 }
 
 impl<T: Real> Scratch<T> {
-    /// Of no epoch yet.
+    /// Returns empty scratch memory.
     #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
     #[inline(always)]
     pub fn new() -> Self {
@@ -132,7 +132,7 @@ impl<T: Real> Scratch<T> {
         }
     }
 
-    // Not inlined: what its making takes of the stack is not needed beside the judging.
+    // Not inlined, so that the stack of the initialisation is free during the judging.
     #[cfg(feature = "araim")]
     #[inline(never)]
     fn separation(&mut self) -> &mut araim::Room<T> {
@@ -140,19 +140,20 @@ impl<T: Real> Scratch<T> {
     }
 }
 
-/// What may be done once a fault is detected.
+/// Permitted search after a detected fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Search<'s> {
-    /// Look for the faulty satellites.
+    /// Search for the faulty satellites.
     Anew,
-    /// Look for them about a poor point, and believe what is found for now: whether anything else explains as much, which is as dear
-    /// as the search, is asked about a better point, where they are [`Self::Known`].
+    /// Search about an inaccurate point and accept the result provisionally.
+    ///
+    /// The separability check, as expensive as the search, runs from a better point, where the satellites are [`Self::Known`].
     Rough,
-    /// Leave out those that a search about another point has found, and look for no others.
+    /// Leave out the satellites that a search about another point found, and search for no others.
     Known(&'s [SatelliteId]),
 }
 
-/// The global test of a snapshot, and what an undetected fault can do under its threshold.
+/// The global test of a snapshot, and the protection levels under its threshold.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Test<T> {
     /// The test.
@@ -161,36 +162,36 @@ pub struct Test<T> {
     pub levels: ProtectionLevels,
 }
 
-/// What the satellites say without the forecast beside them.
+/// The test without the clock forecast.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Alone<T> {
     /// No forecast takes part.
     Always,
-    /// Without it nothing is left to test.
+    /// The satellites cannot be tested without the forecast.
     Untested,
     /// The test of the satellites alone.
     Tested(Test<T>),
 }
 
-/// What a method found in an epoch.
+/// Result of a method for one epoch.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Judgement<T> {
-    /// How it ended.
+    /// Result of the exclusion.
     pub outcome: Outcome,
-    /// Rows left out, in the order of removal.
+    /// Rows left out, in the order of exclusion.
     pub excluded: Vec<Excluded<T>, MAX_EXCLUDED>,
-    /// The test of what is left, or why there is none.
+    /// Test of the remaining rows, or the reason why there is none.
     pub test: Result<Test<T>, NoThreshold>,
-    /// The same without the forecast.
+    /// Test without the clock forecast.
     pub alone: Alone<T>,
-    /// Whether faulty satellites were searched for.
+    /// True if faulty satellites were searched for.
     pub searched: bool,
-    /// What only [`Method::Separation`] finds.
+    /// Additional results of [`Method::Araim`].
     pub separation: Option<Separation>,
 }
 
 impl<T: Real> Judgement<T> {
-    /// Protection levels: the larger of those with and without the forecast.
+    /// Returns the protection levels: the larger of those with and without the forecast.
     pub fn levels(&self) -> Option<ProtectionLevels> {
         let levels = self.test.ok()?.levels;
         Some(match &self.alone {
@@ -201,12 +202,12 @@ impl<T: Real> Judgement<T> {
 }
 
 impl<T: Real> Criteria<'_, T> {
-    /// The global test of a snapshot under the policy, and the protection levels that go with its threshold.
+    /// Applies the global test to a snapshot under the policy, and computes the protection levels for its threshold.
     ///
-    /// `common_m` is what the first rows' errors share ([`EpochView::common_m`]).
+    /// `common_m` is the shared error of the first rows ([`EpochView::common_m`]).
     ///
     /// # Errors
-    /// [`NoThreshold`] says why there is none.
+    /// [`NoThreshold`] names the reason why there is none.
     pub fn test(&self, snapshot: &Snapshot<'_, T>, common_m: &[f32]) -> Result<Test<T>, NoThreshold> {
         let exposure = Exposure::of(snapshot, self.levels, self.factors);
         let demand = Demand::new(snapshot.dof(), &exposure, self.requirements, self.thresholds);
@@ -238,7 +239,7 @@ pub fn judge<T: Real>(
     judge_by_residuals(solution, epoch, forecast, criteria, search, rates, &mut scratch.subsets)
 }
 
-// Not inlined: separation has frames of its own, the deepest of all, and needs nothing of this one's.
+// Not inlined, because ARAIM has the deepest stack of all and needs nothing of this frame.
 #[inline(never)]
 fn judge_by_residuals<T: Real>(
     solution: &mut impl Excludable<T>,
@@ -252,7 +253,7 @@ fn judge_by_residuals<T: Real>(
     let mut test = criteria.test(solution.snapshot(), epoch.common_m());
     let mut exclusion = Exclusion::passed();
     let mut searched = false;
-    // Whatever the policy: where it tolerates what a satellite can do, a wrong time may do more.
+    // Independent of the policy: where a policy tolerates the effect of a satellite, a wrong time may have a larger one.
     let is_odd = test.is_ok() && is_suspicious(solution.snapshot(), &criteria.thresholds);
     if test.as_ref().is_ok_and(|test| test.detection.fault()) {
         let jump = forecast.and_then(|row| jump(solution, row, &criteria.thresholds));
@@ -274,7 +275,7 @@ fn judge_by_residuals<T: Real>(
             exclusion.outcome = Outcome::NotIsolated(Unidentified::Ambiguous);
         }
     }
-    // As of other sets: what is left out about a rough point is asked about the next.
+    // As for other sets, exclusions about an inaccurate point are checked about the next one.
     let is_asked = search != Search::Rough || exclusion.outcome == Outcome::Passed;
     let is_good = test.is_ok() && !matches!(exclusion.outcome, Outcome::NotIsolated(_));
     if is_asked && is_good && constellation_shift::shows(solution.snapshot(), &criteria.thresholds) {
@@ -313,7 +314,7 @@ fn judge_by_residuals<T: Real>(
     }
 }
 
-/// The test of a solution without its forecast, which ends as it began.
+/// Tests a solution without its forecast; the solution ends as it began.
 fn without_forecast<T: Real>(
     solution: &mut impl Excludable<T>,
     row: usize,
@@ -328,15 +329,15 @@ fn without_forecast<T: Real>(
         return Alone::Untested;
     }
     let test = criteria.test(solution.snapshot(), epoch.common_m());
-    // What was there a moment ago determines a position.
+    // These rows determined a position a moment ago.
     let _ = solution.take_back(&[row]);
     test.map_or(Alone::Untested, Alone::Tested)
 }
 
-/// Looks for the faulty satellites and leaves them out.
+/// Searches for the faulty satellites and leaves them out.
 ///
-/// A function of its own, as are the ways that it branches into: what one search needs of the stack would else be taken
-/// by every epoch, and beside what the others need.
+/// A separate function, as are its branches, so that an epoch without a fault does not pay for the stack of the searches, and
+/// each search only for its own.
 #[inline(never)]
 fn isolate<T: Real>(
     solution: &mut impl Excludable<T>,
@@ -353,8 +354,8 @@ fn isolate<T: Real>(
         return leave_out(solution, &rows, thresholds);
     }
     if solution.snapshot().sse() > T::narrow(GROSS_SSE) {
-        // It bends what all sets are compared in, one of a millisecond beyond recognition. Leaving out the worst and solving again
-        // about another point does not mind.
+        // A gross fault distorts the linearised comparison of sets, beyond recognition at one millisecond. Leaving out the worst row
+        // and solving again about another point is robust against it.
         return exclude_sequentially(solution, thresholds);
     }
     match criteria.method {
@@ -366,13 +367,13 @@ fn isolate<T: Real>(
         #[cfg(feature = "searches")]
         Method::Ransac => ransac::exclude_in(solution, epoch, thresholds, subsets),
         Method::Baarda => exclude_sequentially(solution, thresholds),
-        // Separation excludes by its own tests.
+        // ARAIM excludes by its own tests.
         #[cfg(feature = "araim")]
         Method::Separation => exclude_sequentially(solution, thresholds),
     }
 }
 
-/// By every set, as far as sets can be told apart at all, or by the largest w-test where these are too many.
+/// Isolates by every set if sets can be distinguished at all, or by the largest w-test if they are too many.
 fn isolate_within_budget<T: Real>(
     solution: &mut impl Excludable<T>,
     thresholds: &Thresholds<'_>,
@@ -385,10 +386,10 @@ fn isolate_within_budget<T: Real>(
     parity::exclude(parity::Isolation::Grouping, solution, thresholds, &limits)
 }
 
-/// The exclusion of the forecast alone, where that explains everything and no satellite does nearly as well.
+/// Returns the exclusion of the forecast alone, if it explains everything and no satellite does nearly as well.
 ///
-/// Asked before any method is: a jump of a millisecond shows in every satellite's test, and methods that leave out
-/// whoever correlates with the worst would leave out healthy ones with it.
+/// This comes before any method: a jump of a millisecond shows in every satellite's test, and methods that leave out
+/// all rows that correlate with the worst would leave out healthy ones.
 fn jump<T: Real>(
     solution: &mut impl Excludable<T>,
     row: usize,
@@ -401,7 +402,7 @@ fn jump<T: Real>(
     if Detection::passes(solution.snapshot(), thresholds) && separable(solution, &jump, thresholds) {
         return Some(jump);
     }
-    // What was there a moment ago determines a position.
+    // These rows determined a position a moment ago.
     let _ = solution.take_back(&[row]);
     None
 }

@@ -1,4 +1,4 @@
-//! Leaving out a set of rows by algebra: what the snapshot says of the epoch without them.
+//! Downdate: the solution of a snapshot without a set of rows, by algebra.
 //!
 //! With sigma-normalised residuals `r_i = √w_i v_i`, gains `A_i = √w_i g_i`, and the block `S_EE` of the projection
 //! matrix that belongs to the set `E`,
@@ -10,33 +10,34 @@
 //! r'_i  = r_i − S_iE S_EE⁻¹ r_E        (residual of a row that stays)
 //! ```
 //!
-//! A set grows row by row. With `s = S_Ek`, `u = S_EE⁻¹ s`, the redundancy `p = S_kk − s·u` that is left to row `k` and
-//! its residual `q = r_k − r_E·u` after `E` is gone,
+//! A set grows row by row. With `s = S_Ek`, `u = S_EE⁻¹ s`, the redundancy `p = S_kk − s·u` that row `k` keeps and
+//! its residual `q = r_k − r_E·u` without `E`,
 //!
 //! ```text
 //! S_E'E'⁻¹ = S_EE⁻¹ + t tᵀ / p,   t = (u, −1)        explained' = explained + q²/p
 //! ```
 //!
-//! so that one row costs a division, and the w-test squared of `k` without `E` is `q²/p`.
+//! so that one row costs a division, and the squared w-test of `k` without `E` is `q²/p`.
 //!
 //! | symbol | field | unit |
 //! |---|---|---|
 //! | `r_i` | [`NormalisedRow::residual`] | – |
 //! | `S_ii` | [`NormalisedRow::redundancy`] | – |
-//! | `r_Eᵀ S_EE⁻¹ r_E` | [`Removal::explained`] | – |
-//! | `x_E`, `P_E` | [`Removal::correction`], [`Removal::covariance`] | m, m² |
+//! | `r_Eᵀ S_EE⁻¹ r_E` | [`ExclusionSet::explained`] | – |
+//! | `x_E`, `P_E` | [`ExclusionSet::correction`], [`ExclusionSet::covariance`] | m, m² |
 //!
-//! A set is refused when the smallest eigenvalue of `S_EE` is below [`Real::UNTESTABLE`]: its rows can then not be told
-//! apart, or are needed for a position. A set that empties a constellation is such a set.
+//! A set is refused if the smallest eigenvalue of `S_EE` is below [`Real::UNTESTABLE`], because its rows then cannot be
+//! distinguished or are needed for a position. A set that empties a constellation is such a set.
 //!
-//! Gone for good, as in a search over pairs with the same third row `k`, a row changes the others instead: with
-//! `a_i = S_ik/√S_kk` each keeps `r_i − a_i r_k/√S_kk` and `S_ij − a_i a_j` (`Standing::without`).
+//! A search over pairs with the same third row `k` projects `k` out of all other rows first: with
+//! `a_i = S_ik/√S_kk` each row keeps the residual `r_i − a_i r_k/√S_kk` and the products `S_ij − a_i a_j`
+//! (`ReducedRow::without`).
 //!
-//! In parity space `S_ij = p_i·p_j` and `r_i = p·p_i`: the rows here are the parity vectors, up to a rotation that no
-//! test sees. No n×n matrix is stored. Each row costs 48 bytes in `f32` and another 16 while triples are looked at, each `S_ij`
-//! about 10 instructions.
+//! In parity space `S_ij = p_i·p_j` and `r_i = p·p_i`, so that the rows here are the parity vectors up to a rotation that
+//! no test sees. No n×n matrix is stored. Each row costs 48 bytes in `f32`, another 16 while triples are compared, and
+//! about 10 instructions for each `S_ij`.
 //!
-//! Linear: for a fix that was linearised elsewhere, solve again without the set before a position is used.
+//! The algebra is linear: if the fix was linearised elsewhere, solve again without the set before the position is used.
 
 use heapless::Vec;
 use nalgebra::{Matrix3, Vector3};
@@ -50,7 +51,7 @@ use crate::numeric::space::{
 };
 use crate::report::MAX_EXCLUDED;
 
-/// A row in units of its sigma, with what its products with other rows need.
+/// A row in units of its sigma, with the terms that its products with other rows need.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NormalisedRow<T: Real> {
     /// Index in the epoch.
@@ -65,22 +66,22 @@ pub struct NormalisedRow<T: Real> {
     root: T,
 }
 
-/// What a row's products with many others need of it.
+/// Terms of a row that its products with many others need.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Reach<T: Real> {
     /// `√w_i d_i`.
     design: Vector3<T>,
-    /// `1/(σ_i W_c)`: times another's root it is what the two share by their clock; 0 without a clock.
+    /// `1/(σ_i W_c)`; times the root of another row's weight it is the term that two rows share by their clock. 0 without a clock.
     level: T,
-    /// Number of its clock, or [`NO_CLOCK`]: bytes are compared at once.
+    /// Number of its clock, or [`NO_CLOCK`], so that one comparison of bytes suffices.
     clock: u8,
 }
 
-/// Beyond every constellation.
+/// Number beyond every constellation.
 const NO_CLOCK: u8 = u8::MAX;
 
 impl<T: Real> Reach<T> {
-    /// `S_ij` of two rows, of which another one that is gone for good has taken `a_i a_j`.
+    /// Returns `S_ij` of two rows, less the product `a_i a_j` of a row that was projected out.
     fn coupling(&self, other: &NormalisedRow<T>, shed: T) -> T {
         let shared = if self.clock == other.reach.clock { self.level * other.root } else { T::zero() };
         -(dot(&self.design, &other.gain) + shed + shared)
@@ -104,7 +105,7 @@ impl<T: Real> NormalisedRow<T> {
         }
     }
 
-    /// `S_ij`: how far an error of one row shows in the other's residual, dimensionless.
+    /// Returns `S_ij`, dimensionless: the share of one row's error that shows in the other's residual.
     pub fn projection(&self, other: &Self) -> T {
         if self.index == other.index {
             return self.redundancy;
@@ -112,35 +113,36 @@ impl<T: Real> NormalisedRow<T> {
         self.reach.coupling(other, T::zero())
     }
 
-    /// By how much SSE falls without this row: its w-test squared.
+    /// Returns the decrease of SSE without this row, which is its squared w-test.
     pub(crate) fn explained(&self) -> T {
         squared_w_test(self.residual, self.redundancy)
     }
 }
 
-/// A row as it stands beside a set that is looked at: as the snapshot has it, or as another row leaves it that is gone for
-/// good. Only what differs is in it, since there are as many as rows.
+/// A row beside a set under comparison: as in the snapshot, or with another row projected out.
+///
+/// It stores only what differs from the row, because there are as many as rows.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Standing<'r, T: Real> {
     row: &'r NormalisedRow<T>,
     residual: T,
     redundancy: T,
-    /// `a_i` of the row that is gone for good, 0 without one.
+    /// `a_i` of the row that was projected out, 0 without one.
     shed: T,
 }
 
-/// Room for as many as there are rows.
+/// Capacity for one reduced row per row.
 pub(crate) type Standings<'r, T> = Vec<Standing<'r, T>, MAX_ROWS>;
 
 impl<'r, T: Real> Standing<'r, T> {
-    /// As the snapshot has it.
+    /// Returns the row as in the snapshot.
     pub(crate) fn of(row: &'r NormalisedRow<T>) -> Self {
         Self { row, residual: row.residual, redundancy: row.redundancy, shed: T::zero() }
     }
 
-    /// As another row leaves it that is gone for good.
+    /// Returns the row with another row projected out.
     ///
-    /// `root` is the root of that one's redundancy, taken once for all rows.
+    /// `root` is the square root of the other row's redundancy, taken once for all rows.
     pub(crate) fn without(row: &'r NormalisedRow<T>, gone: &NormalisedRow<T>, root: T) -> Self {
         let shed = gone.projection(row) / root;
         Self {
@@ -151,8 +153,9 @@ impl<'r, T: Real> Standing<'r, T> {
         }
     }
 
-    /// As it stands beside a column of the design that is estimated with the position: `shed` is its product with the row in
-    /// parity space, `residual` what the data have of it.
+    /// Returns the row beside a column of the design that is estimated with the position.
+    ///
+    /// `projected` is the column's product with the row in parity space, `residual` the column's own residual.
     pub(crate) fn beside(row: &'r NormalisedRow<T>, shed: T, residual: T) -> Self {
         let redundancy = row.redundancy - shed * shed;
         Self { row, residual: row.residual - shed * residual, redundancy, shed }
@@ -163,18 +166,18 @@ impl<'r, T: Real> Standing<'r, T> {
         self.row.index
     }
 
-    /// By how much SSE falls without this row: its w-test squared.
+    /// Returns the decrease of SSE without this row, which is its squared w-test.
     pub(crate) fn explained(&self) -> T {
         squared_w_test(self.residual, self.redundancy)
     }
 
-    /// Whether nothing is left to test it with.
+    /// Returns true if no redundancy is left to test the row with.
     pub(crate) fn is_untestable(&self) -> bool {
         self.redundancy < T::UNTESTABLE
     }
 }
 
-/// A row that is to go with any of many others, with what is the same for all of these: by value, so that it stays in registers.
+/// The first row of a pair, with the terms that are the same for all second rows. Passed by value, so that it stays in registers.
 pub(crate) struct Going<T: Real> {
     reach: Reach<T>,
     /// `a_i`.
@@ -198,7 +201,7 @@ impl<T: Real> Going<T> {
         }
     }
 
-    /// By how much SSE falls without this row and another one: squared w-test of this row, then of the other.
+    /// Returns the decrease of SSE without this row and another one: the squared w-test of this row, then of the other.
     pub(crate) fn explains_with(&self, other: &Standing<'_, T>) -> T {
         let coupling = self.reach.coupling(other.row, self.shed * other.shed);
         let residual = other.residual - coupling * self.bias;
@@ -207,23 +210,22 @@ impl<T: Real> Going<T> {
     }
 }
 
-/// 0 where nothing is left to test with.
+/// Returns the squared w-test, or 0 if no redundancy is left.
 fn squared_w_test<T: Real>(residual: T, redundancy: T) -> T {
     if redundancy < T::UNTESTABLE { T::zero() } else { residual * residual / redundancy }
 }
 
-/// Room for the rows of a search.
+/// Capacity for the rows of a search.
 pub type NormalisedRows<T> = Vec<NormalisedRow<T>, MAX_ROWS>;
 
-/// Finds the rows of a snapshot that take part and can be tested, in the order of the epoch.
+/// Writes the rows of a snapshot that take part and can be tested, in the order of the epoch.
 ///
-/// Any other row is untestable in every set. They are written where the caller wants them: as a result they would be moved,
-/// and be on the stack twice.
+/// Any other row is untestable in every set. The caller provides the memory, because a returned vector would be on the stack twice.
 pub fn testable_rows<T: Real>(snapshot: &Snapshot<'_, T>, rows: &mut NormalisedRows<T>) {
     rows.clear();
     for (index, (row, fit)) in snapshot.rows().enumerate() {
         if row.weight > T::zero() && fit.redundancy >= T::UNTESTABLE {
-            // There are no more rows than there is room for.
+            // Never full, because the capacity is that of the epoch.
             let _ = rows.push(NormalisedRow::new(index, row, fit, snapshot));
         }
     }
@@ -263,14 +265,14 @@ impl<T: Real> Removal<T> {
         }
     }
 
-    /// The set of these rows of a snapshot; `None` where it is refused, or a row is not testable or listed twice.
+    /// Returns the set of these rows of a snapshot, or `None` if it is refused, or a row is not testable or listed twice.
     pub fn of(snapshot: &Snapshot<'_, T>, set: &[usize]) -> Option<Self> {
         let mut rows = Vec::new();
         testable_rows(snapshot, &mut rows);
         Self::among(&rows, set)
     }
 
-    /// The set of those of `rows` that have these indices; `None` as for [`Self::of`].
+    /// Returns the set of those of `rows` that have these indices, or `None` as for [`Self::of`].
     pub fn among(rows: &[NormalisedRow<T>], set: &[usize]) -> Option<Self> {
         let mut removal = Self::none();
         for &index in set {
@@ -279,15 +281,15 @@ impl<T: Real> Removal<T> {
         Some(removal)
     }
 
-    /// The set with one more row; `None` where it is refused or full.
+    /// Returns the set with one more row, or `None` if it is refused or full.
     pub fn and(&self, row: &NormalisedRow<T>) -> Option<Self> {
         let mut larger = self.clone();
         larger.grow(row)?;
         Some(larger)
     }
 
-    /// Takes one more row into the set; `None` where it is refused or full, and nothing has changed then.
-    // In place and not inlined: a set is large, and several of one search would be on the stack at once.
+    /// Adds one row to the set. Returns `None` without a change if the row is refused or the set is full.
+    // In place and not inlined, because a set is large and several of one search would be on the stack at once.
     #[inline(never)]
     pub(crate) fn grow(&mut self, row: &NormalisedRow<T>) -> Option<()> {
         let couplings = self.couplings(row);
@@ -298,7 +300,7 @@ impl<T: Real> Removal<T> {
         let mut projection = self.projection;
         add_outer_product(&mut projection, &unit, &couplings);
         add_outer_product(&mut projection, &unit, &scaled(row.redundancy - T::one(), &unit));
-        // The smaller set passed: by interlacing only one eigenvalue can be below the bound, and the sign tells.
+        // The smaller set passed: by interlacing only one eigenvalue can be below the bound, and the sign of the determinant decides.
         let mut shifted = projection;
         shifted.m11 -= T::UNTESTABLE;
         shifted.m22 -= T::UNTESTABLE;
@@ -316,9 +318,9 @@ impl<T: Real> Removal<T> {
         Some(())
     }
 
-    /// Squared w-test of a row without this set: by how much SSE falls when the row goes too.
+    /// Returns the squared w-test of a row without this set: the decrease of SSE if the row is left out too.
     ///
-    /// 0 where nothing is left to test it with.
+    /// 0 if no redundancy is left.
     pub fn explains_more(&self, row: &NormalisedRow<T>) -> T {
         let (_, left) = self.left_to(row, &self.couplings(row));
         squared_w_test(left.residual, left.redundancy)
@@ -333,7 +335,7 @@ impl<T: Real> Removal<T> {
         couplings.into()
     }
 
-    /// `u`, and what a row keeps without this set.
+    /// Returns `u`, and what remains of a row without this set.
     fn left_to(&self, row: &NormalisedRow<T>, couplings: &Vector3<T>) -> (Vector3<T>, Left<T>) {
         let gains = symmetric_product(&self.inverse, couplings);
         let left = Left {
@@ -343,19 +345,19 @@ impl<T: Real> Removal<T> {
         (gains, left)
     }
 
-    /// The rows of the set, in the order they were added.
+    /// Returns the rows of the set, in the order they were added.
     pub fn rows(&self) -> &[NormalisedRow<T>] {
         &self.rows
     }
 
-    /// By how much SSE falls without the set, dimensionless.
+    /// Returns the decrease of SSE without the set, dimensionless.
     pub fn explained(&self) -> T {
         self.explained
     }
 
-    /// SSE of the rows that stay, summed anew from their residuals.
+    /// Returns the SSE of the remaining rows, summed from their residuals.
     ///
-    /// `SSE − explained` would lose in `f32` what a fault of some kilometres leaves of the digits.
+    /// `SSE − explained` would cancel in `f32` after a fault of some kilometres.
     pub fn sse(&self, rows: &[NormalisedRow<T>]) -> T {
         let stays = |row: &&NormalisedRow<T>| self.rows.iter().all(|member| member.index != row.index);
         rows.iter().filter(stays).fold(T::zero(), |sum, row| {
@@ -383,7 +385,7 @@ impl<T: Real> Removal<T> {
         matrix_sum(snapshot.covariance(), &grown)
     }
 
-    /// `A_E`: one column for each row of the set, padded by zeros.
+    /// Returns `A_E`: one column for each row of the set, padded by zeros.
     fn gains(&self) -> Matrix3<T> {
         let mut gains = [zero(); MAX_EXCLUDED];
         for (column, row) in gains.iter_mut().zip(&self.rows) {
@@ -393,7 +395,7 @@ impl<T: Real> Removal<T> {
     }
 }
 
-/// What a row keeps once a set is gone.
+/// Remainder of a row without a set.
 struct Left<T> {
     redundancy: T,
     residual: T,

@@ -27,12 +27,12 @@ use crate::numeric::real::Real;
 use crate::numeric::space::{dot, scaled, zero};
 use crate::satellite::Constellation;
 
-/// Squared length of what passes as a unit vector: the length may be off by 1e-3.
+/// Range of the squared length that counts as a unit vector: the length may be off by 1e-3.
 const UNIT_SQUARED: core::ops::RangeInclusive<f64> = 0.999 * 0.999..=1.001 * 1.001;
 
-/// Most equations of one instant: more satellites than are ever in view of all systems, and what the searches for faulty
-/// ones have room for. Sets of them fit one word. Fewer where memory is scarce: on a microcontroller as
-/// [`crate::single::CAPACITY`].
+/// Most equations of one epoch: more satellites than all systems ever show at once, and the capacity of the searches.
+///
+/// Sets of them fit one word. On a microcontroller it is [`crate::single::CAPACITY`], because memory is scarce.
 pub const MAX_ROWS: usize = if cfg!(feature = "satellites-16") {
     16
 } else if cfg!(feature = "satellites-32") {
@@ -46,9 +46,9 @@ pub const MAX_ROWS: usize = if cfg!(feature = "satellites-16") {
 /// One equation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Row<T> {
-    /// Whose receiver clock the row touches; `None` for a height.
+    /// Constellation of the receiver clock that the row touches; `None` for a height.
     pub clock: Option<Constellation>,
-    /// Partial derivative of the range by the position, east, north, up.
+    /// Partial derivative of the range with respect to the position, east, north, up.
     pub design: Vector3<T>,
     /// Measured minus predicted, less the reference of its clock, m.
     pub residual: T,
@@ -65,20 +65,20 @@ impl<T: Real> Row<T> {
         residual: T,
         sigma_m: f64,
     ) -> Result<Self, RowError> {
-        // Neither is a difference of two infinities.
+        // The difference of two infinities is NaN.
         if !residual.is_finite() {
             return Err(RowError::Residual);
         }
         let sigma = T::narrow(sigma_m);
         let weight = (sigma * sigma).recip();
-        // Beyond the scalar's range a row would silently weigh nothing, or everything.
+        // Outside the scalar's range a row would silently have no weight or infinite weight.
         if !(sigma > T::zero() && weight > T::zero() && weight.is_finite()) {
             return Err(RowError::Sigma);
         }
         Ok(Self { clock, design, residual, sigma, weight })
     }
 
-    /// A known height.
+    /// Returns the row of a known height.
     pub(crate) fn height(residual_m: f64, sigma_m: f64) -> Result<Self, RowError> {
         Self::new(None, Vector3::z(), T::narrow(residual_m), sigma_m)
     }
@@ -88,13 +88,13 @@ impl<T: Real> Row<T> {
         self.weight = T::zero();
     }
 
-    /// Takes it back.
+    /// Takes the row back.
     pub(crate) fn take_back(&mut self) {
         self.weight = (self.sigma * self.sigma).recip();
     }
 }
 
-/// Why a row was refused.
+/// Reason why a row was refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum RowError {
@@ -121,17 +121,17 @@ impl fmt::Display for RowError {
 
 impl core::error::Error for RowError {}
 
-/// What the residuals of each constellation are relative to: nearly the first of them.
+/// References of the residuals, one for each constellation: nearly its first residual.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct References<T: Real>([Option<T::Absolute>; Constellation::COUNT]);
 
 impl<T: Real> References<T> {
-    /// Of no rows.
+    /// Returns the references of no rows.
     pub(crate) const fn none() -> Self {
         Self([None; Constellation::COUNT])
     }
 
-    /// A constellation's; `None` where it has no row.
+    /// Returns a constellation's reference, or `None` if it has no row.
     pub(crate) fn of(&self, constellation: Constellation) -> Option<T::Absolute> {
         self.0.get(constellation as usize).copied().flatten()
     }
@@ -151,7 +151,7 @@ impl<T: Real> References<T> {
         self.relative(constellation, design, residual_m, sigma_m)
     }
 
-    /// A satellite as it is seen, with its range.
+    /// Returns the row of a satellite on a line of sight, with its range.
     pub(crate) fn sighted(
         &mut self,
         constellation: Constellation,
@@ -161,14 +161,14 @@ impl<T: Real> References<T> {
     ) -> Result<Row<T>, RowError> {
         let longer = T::Absolute::of(range_m).less(sight.distance.whole);
         let reference = self.of(constellation).unwrap_or(longer);
-        // What is small enough for the scalar is taken off where no more digits are needed.
+        // Small terms are subtracted last, where the scalar's digits suffice.
         let residual = longer.less(reference).narrow() - (sight.distance.rest + sight.rotation);
         let row = Row::new(Some(constellation), scaled(-T::one(), &sight.direction), residual, sigma_m)?;
         self.keep(constellation, reference);
         Ok(row)
     }
 
-    /// A predicted clock of a constellation, on the same scale as its residuals.
+    /// Returns the row of a predicted clock, on the same scale as the constellation's residuals.
     pub(crate) fn clock(
         &mut self,
         constellation: Constellation,
@@ -199,7 +199,7 @@ impl<T: Real> References<T> {
     }
 }
 
-/// The equations of one instant, satellites first, then aiding rows; at most `N`.
+/// The equations of one epoch, satellites first, then aiding rows; at most `N`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LinearEpoch<T: Real, const N: usize> {
     rows: Vec<Row<T>, N>,
@@ -213,7 +213,7 @@ impl<T: Real, const N: usize> Default for LinearEpoch<T, N> {
 }
 
 impl<T: Real, const N: usize> LinearEpoch<T, N> {
-    /// No equations yet.
+    /// Returns an epoch without equations.
     #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
     #[inline(always)]
     pub fn new() -> Self {
@@ -224,7 +224,7 @@ impl<T: Real, const N: usize> LinearEpoch<T, N> {
     /// Adds a satellite: its direction (east, north, up), its residual and its standard deviation in metres.
     ///
     /// # Errors
-    /// [`RowError`] names what is wrong; nothing is added then.
+    /// [`RowError`] names the invalid value; nothing is added then.
     pub fn satellite(
         &mut self,
         constellation: Constellation,
@@ -248,7 +248,7 @@ impl<T: Real, const N: usize> LinearEpoch<T, N> {
         self.add(|references| references.clock(constellation, residual_m, sigma_m))
     }
 
-    /// Adds a known height: how far it is above the linearisation point.
+    /// Adds a known height, as its difference to the linearisation point.
     ///
     /// # Errors
     /// As [`Self::satellite`].
@@ -256,8 +256,9 @@ impl<T: Real, const N: usize> LinearEpoch<T, N> {
         self.add(|_| Row::height(residual_m, sigma_m))
     }
 
-    /// Replaces all equations by those that `write` makes relative to the references it is handed; `None` where it gives up
-    /// or there are too many of them.
+    /// Replaces all equations by those that `write` makes relative to the references.
+    ///
+    /// Returns `None` if `write` stops early or makes more than `N`.
     pub(crate) fn refill(
         &mut self,
         write: impl FnOnce(&mut References<T>, &mut dyn FnMut(Row<T>) -> Option<()>) -> Option<()>,
@@ -279,35 +280,35 @@ impl<T: Real, const N: usize> LinearEpoch<T, N> {
         self.rows.push(row).map_err(|_| RowError::Full)
     }
 
-    /// The equations, in the order they were added.
+    /// Returns the equations, in the order they were added.
     pub fn rows(&self) -> &[Row<T>] {
         &self.rows
     }
 
-    /// What a constellation's residuals are relative to, m; `None` where it has no row.
+    /// Returns the reference of a constellation's residuals, m, or `None` if it has no row.
     pub fn reference_m(&self, constellation: Constellation) -> Option<f64> {
         self.references.of(constellation).map(Absolute::widen)
     }
 
-    /// Replaces all equations; `None` where they are more than `N`.
+    /// Replaces all equations. Returns `None` if they are more than `N`.
     pub(crate) fn copy_from(&mut self, rows: &[Row<T>], references: &References<T>) -> Option<()> {
         self.rows.clear();
         self.references = *references;
         self.rows.extend_from_slice(rows).ok()
     }
 
-    /// The equations and what they are relative to, to be solved where they are.
+    /// Returns the equations and their references, for solving in place.
     pub(crate) fn parts_mut(&mut self) -> (&mut [Row<T>], &mut References<T>) {
         (&mut self.rows, &mut self.references)
     }
 
-    /// Makes room for the equations of another instant.
+    /// Removes all equations.
     pub fn clear(&mut self) {
         self.rows.clear();
         self.references = References::none();
     }
 
-    /// Leaves a row out of everything computed from now on; its index stays taken.
+    /// Leaves a row out of all further computations; its index stays in use.
     pub fn leave_out(&mut self, index: usize) {
         if let Some(row) = self.rows.get_mut(index) {
             row.leave_out();

@@ -12,9 +12,9 @@
 //! | `p` | linearisation point | m |
 //!
 //! A correction of length `d` leaves a linearisation error of `d²/2ρ`: 2.5 cm after 1 km, 3 µm after 10 m. A pass
-//! whose correction is below 10 m is therefore the last one, and nothing is solved again for the test.
+//! with a correction below 10 m is therefore the last one, and the test needs no further solve.
 //!
-//! From the centre of the earth it converges in five or six passes, from the last position in one or two.
+//! From the centre of the earth the fix converges in five or six passes, from the last position in one or two.
 
 use core::fmt;
 
@@ -28,16 +28,16 @@ use crate::least_squares::{Excludable, Snapshot, SnapshotError, Workspace};
 use crate::numeric::real::Real;
 use crate::numeric::space::dot;
 
-/// A pass whose correction is below this is the last one, m.
+/// Correction below which a pass is the last one, m.
 const CONVERGED_M: f64 = 10.0;
 
-/// An exclusion that moves the position by more than this is solved again from there, m.
+/// Change of the position above which an exclusion is solved again from there, m.
 const RELINEARISE_M: f64 = 300.0;
 
-/// From the centre of the earth six passes suffice; twice that is divergence.
+/// Most passes: twice the six that suffice from the centre of the earth.
 const MAX_PASSES: usize = 12;
 
-/// Farthest a correction may carry from the earth's centre, m: beyond any satellite.
+/// Largest distance from the earth's centre that a correction may lead to, m: beyond any satellite.
 const MAX_RADIUS_M: f64 = 1e8;
 
 /// Why there is no position.
@@ -62,13 +62,13 @@ impl fmt::Display for FixError {
 impl core::error::Error for FixError {}
 
 impl<T: Real, const N: usize> Workspace<T, N> {
-    /// Solves an epoch, starting at a point near the position, or at [`Ecef::CENTRE`].
+    /// Solves an epoch from a start near the position, or from [`Ecef::CENTRE`].
     ///
-    /// A start far from the truth may lead astray. The centre of the earth is the same distance from all places, and is
-    /// tried where the start leads nowhere.
+    /// A start far from the truth may not converge. The centre of the earth is equally far from all places, so that it is
+    /// the second start if the first fails.
     ///
     /// # Errors
-    /// [`FixError`] says what is missing.
+    /// [`FixError`] names what is missing.
     pub fn fix<'r>(&'r mut self, epoch: &'r Epoch<N>, start: Ecef) -> Result<Fix<'r, T>, FixError> {
         Fix::about(self, Aided::alone(epoch), start)
     }
@@ -84,7 +84,7 @@ pub struct Fix<'r, T: Real> {
 }
 
 impl<'r, T: Real> Fix<'r, T> {
-    /// As [`Workspace::fix`], with a forecast beside the epoch.
+    /// Works like [`Workspace::fix`], with a clock forecast beside the epoch.
     pub(crate) fn about<const N: usize>(
         workspace: &'r mut Workspace<T, N>,
         aided: Aided<'r>,
@@ -101,7 +101,7 @@ impl<'r, T: Real> Fix<'r, T> {
         Ok(Self { aided, lookout, snapshot: workspace.lend() })
     }
 
-    /// The row of a clock's forecast, or of one that the epoch came with.
+    /// Returns the row of a clock forecast, or of a clock that the epoch came with.
     pub fn clock_row(&self) -> Option<usize> {
         let is_clock = |aiding: &Aiding| matches!(aiding, Aiding::Clock { .. });
         Some(self.aided.observations().len() + self.aided.aiding().position(is_clock)?)
@@ -117,13 +117,13 @@ impl<'r, T: Real> Fix<'r, T> {
         &self.snapshot
     }
 
-    /// Rows of weight 0, as a bit set.
+    /// Returns the rows of weight 0, as a bit set.
     fn left_out(&self) -> u64 {
         let rows = self.snapshot.equations().iter().enumerate();
         rows.fold(0, |set, (index, row)| if row.weight > T::zero() { set } else { set | bit(index) })
     }
 
-    /// After a change of the rows: solves again from the new position if that is far from the linearisation point.
+    /// Solves again from the new position if a change of the rows moved it far from the linearisation point.
     fn follow(&mut self) -> Result<(), SnapshotError> {
         if is_within(&self.snapshot.correction(), RELINEARISE_M) {
             return Ok(());
@@ -140,9 +140,9 @@ impl<'r, T: Real> Fix<'r, T> {
         Ok(())
     }
 
-    /// Back to rows that have been solved before, about the same point.
+    /// Restores rows that were solved before, about the same point.
     fn restore(&mut self, left_out: u64) {
-        // What could be formed and solved once can be so again.
+        // These rows were formed and solved before, so that it succeeds.
         let _ = rewrite(&mut self.snapshot, &self.aided, &self.lookout, left_out);
     }
 }
@@ -185,12 +185,12 @@ impl<T: Real> Excludable<T> for Fix<'_, T> {
     }
 }
 
-/// Whether a correction is no longer than this, m: its length is the same in every frame, and needs no double.
+/// Returns true if a correction is no longer than a limit, m. Its length is the same in every frame and needs no double.
 fn is_within<T: Real>(correction: &Vector3<T>, limit_m: f64) -> bool {
     dot(correction, correction) <= T::narrow(limit_m * limit_m)
 }
 
-/// Gauss–Newton: solves about better and better points, until the correction is small. The last point is returned.
+/// Gauss–Newton: solves about successive points until the correction is small. Returns the last point.
 #[inline(never)]
 fn converge<T: Real>(
     start: Ecef,
@@ -204,7 +204,7 @@ fn converge<T: Real>(
             return Ok(lookout);
         }
         point = lookout.beside(&correction);
-        // Also the way out for a position that is not a number.
+        // A NaN position leaves here too.
         if !(point.radius_m() < MAX_RADIUS_M) {
             return Err(FixError::NotConverged);
         }
@@ -212,7 +212,7 @@ fn converge<T: Real>(
     Err(FixError::NotConverged)
 }
 
-/// The equations about another point, without the rows of a set.
+/// Writes the equations about another point, without the rows of a set.
 fn rewrite<T: Real>(
     snapshot: &mut Snapshot<'_, T>,
     aided: &Aided<'_>,
@@ -231,9 +231,9 @@ fn rewrite<T: Real>(
     })
 }
 
-/// The equations of an epoch about a point: row `i` is observation `i`, aiding rows follow.
+/// Writes the equations of an epoch about a point: row `i` is observation `i`, aiding rows follow.
 ///
-/// `None` where a row cannot be formed, as at a point that coincides with a satellite: rows never move up.
+/// Returns `None` if a row cannot be formed, as at a point that coincides with a satellite, so that rows never move up.
 fn write<T: Real>(
     references: &mut References<T>,
     aided: &Aided<'_>,

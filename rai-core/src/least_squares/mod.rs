@@ -1,4 +1,4 @@
-//! The snapshot: weighted least squares of one linearised epoch by a single 3×3 solve.
+//! Weighted least squares of one linearised epoch by a single 3×3 solve.
 //!
 //! Each range touches exactly one receiver clock, so clocks need no columns: centring the rows of each
 //! constellation eliminates them. With the weighted means `h̄_c`, `ȳ_c` over the rows of constellation `c`
@@ -15,20 +15,27 @@
 //! |---|---|---|
 //! | `x` | [`Snapshot::correction`] east, north, up | m |
 //! | `P` | [`Snapshot::covariance`] | m² |
-//! | `v_i` | [`Fit::residual`] | m |
-//! | `g_i` | [`Fit::gain`] (`w_i g_i` is the row of the least-squares gain) | m² |
-//! | `r_i = S_ii` | [`Fit::redundancy`] number, 0 untestable … 1 fully tested | – |
-//! | `w_i / r_i` | [`Fit::test_weight`] | 1/m² |
+//! | `v_i` | [`RowFit::residual`] | m |
+//! | `g_i` | [`RowFit::gain`] (`w_i g_i` is the row of the least-squares gain) | m² |
+//! | `r_i = S_ii` | [`RowFit::redundancy`] number, 0 untestable … 1 fully tested | – |
+//! | `w_i / r_i` | [`RowFit::test_weight`] | 1/m² |
 //! | `SSE` | [`Snapshot::sse`] | – |
 //!
-//! Equal to least squares with 3 + C columns in `x`, `v`, `S` and the gain, to rounding. Centring is also what makes
-//! `f32` safe: the clocks and their size are gone.
+//! The result equals least squares with 3 + C columns in `x`, `v`, `S` and the gain, to rounding. Centring also makes
+//! `f32` safe, because it removes the clocks and their size.
 //!
 //! A row of weight 0 is left out: it contributes nothing, keeps its index, and its residual is that of a prediction.
-//! No n×n matrix is stored; [`Snapshot::projection`] gives `S_ij` on demand.
+//! No n×n matrix is stored; [`Snapshot::projection`] computes `S_ij` on demand.
 //!
-//! A [`Workspace`] is the memory: it holds equations, and lends them solved. A [`Snapshot`] is what it lends; rows can be
-//! left out of it and taken back, and it is solved at any time.
+//! A [`Workspace`] owns the memory of the equations and lends them solved as a [`Snapshot`]. Rows can be left out of a
+//! snapshot and taken back, and it is solved at any time.
+//!
+//! | module | content |
+//! |---|---|
+//! | [`equations`] | the linearised epoch |
+//! | [`fix`] | Gauss–Newton on an epoch |
+//! | [`downdate`] | the solution without a set of rows |
+//! | [`Excludable`] | the interface of all searches |
 //!
 //! Cost on a Cortex-M4F in `f32`, for 20 satellites of two constellations: 2,900 instructions for a solve with all that its
 //! tests need, 1,800 to leave a row out of it. References: [Baarda1968] for the redundancy numbers; the elimination of nuisance
@@ -61,7 +68,7 @@ pub use workspace::Workspace;
 
 use solve::Geometry;
 
-/// Why an epoch has no position.
+/// Reason why an epoch has no position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum SnapshotError {
@@ -82,34 +89,35 @@ impl fmt::Display for SnapshotError {
 
 impl core::error::Error for SnapshotError {}
 
-/// What the solution says of one row.
+/// Fit of one row: how it compares with the solution.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fit<T: Real> {
     /// Centred design row `d_i`.
     pub centred: Vector3<T>,
-    /// `g_i = P d_i`, m².
+    /// Gain `g_i = P d_i`, m².
     pub gain: Vector3<T>,
     /// Residual `v_i`, m.
     pub residual: T,
-    /// Redundancy number `r_i`: the share of a bias that shows in the row's own residual.
+    /// Redundancy number `r_i`, the share of a bias that shows in the row's own residual, dimensionless.
     pub redundancy: T,
-    /// `w_i / r_i`, 1/m², by which squared residuals become squared w-tests and squared gains squared slopes; 0 for a
-    /// row that cannot be tested, and for one that is left out.
+    /// `w_i / r_i`, 1/m², the factor from squared residuals to squared w-tests and from squared gains to squared slopes.
+    ///
+    /// 0 for a row that cannot be tested or is left out.
     pub test_weight: T,
 }
 
 impl<T: Real> Fit<T> {
-    /// The w-test of the row, dimensionless; 0 where the row is untestable or left out.
+    /// Returns the w-test of the row, dimensionless; 0 if the row is untestable or left out.
     pub fn w_test(&self) -> T {
         self.residual * self.test_weight.sqrt()
     }
 
-    /// The w-test squared, without the root: the decrease of SSE when the row is left out.
+    /// Returns the squared w-test without a root, which is the decrease of SSE if the row is left out.
     pub fn w_squared(&self) -> T {
         self.residual * self.residual * self.test_weight
     }
 
-    /// Of a row about which nothing has been said.
+    /// Returns the fit of a row that is not solved yet.
     fn nothing() -> Self {
         Self {
             centred: zero(),
@@ -121,7 +129,7 @@ impl<T: Real> Fit<T> {
     }
 }
 
-/// Equations that are solved: a view of a [`Workspace`], everything in it derived from one 3×3 solve.
+/// A solved view of a [`Workspace`], derived from one 3×3 solve.
 #[derive(Debug, PartialEq)]
 pub struct Snapshot<'w, T: Real> {
     rows: &'w mut [Row<T>],
@@ -138,26 +146,26 @@ struct Solved<T: Real> {
 }
 
 impl<T: Real> Solved<T> {
-    /// Of no rows.
+    /// Returns the solution of no rows.
     fn none() -> Self {
         Self { solution: Solution::none(), statistics: Statistics::none() }
     }
 
-    /// One solve over the rows, and what it says of each. Unless it succeeds, what is there then is of no use.
+    /// Solves the rows once and fits each of them. On error the contents are unspecified.
     fn solve(&mut self, rows: &[Row<T>], fits: &mut [Fit<T>]) -> Result<(), SnapshotError> {
         self.solution.solve(rows.iter())?;
         self.fit_all(rows, fits);
         Ok(())
     }
 
-    /// Says of each row what the solution says of it.
+    /// Fits each row.
     fn fit_all(&mut self, rows: &[Row<T>], fits: &mut [Fit<T>]) {
         self.statistics = self.solution.fit_all(rows, fits);
     }
 }
 
 impl<T: Real> Snapshot<'_, T> {
-    /// Leaves one more row out, in place: by algebra on the solution, or solves again where that would cost digits.
+    /// Leaves one more row out, in place: by algebra on the solution, or by solving again if algebra would cost digits.
     ///
     /// # Errors
     /// As [`Workspace::solve`]; the snapshot is then unchanged.
@@ -196,7 +204,7 @@ impl<T: Real> Snapshot<'_, T> {
         self.change(rows, Row::take_back, Row::leave_out)
     }
 
-    /// Changes rows and solves again; where that fails, changes them back to what has been solved before.
+    /// Changes rows and solves again; on failure restores the rows that were solved before.
     #[inline(never)]
     fn change(
         &mut self,
@@ -221,16 +229,16 @@ impl<T: Real> Snapshot<'_, T> {
         }
     }
 
-    /// One 3×3 solve over the rows as they stand now.
+    /// Solves the rows once as they are now.
     fn solve_again(&mut self) -> Result<(), SnapshotError> {
         self.solved.solve(self.rows, self.fits)
     }
 
-    /// Writes the equations anew, as many as there are, and solves them.
+    /// Overwrites the equations, as many as there are, and solves them.
     ///
     /// # Errors
-    /// As [`Workspace::solve`], and [`SnapshotError::Singular`] where `write` gives up. The rows are then those written, and
-    /// what is said of them is not theirs: the caller must write others.
+    /// As [`Workspace::solve`], and [`SnapshotError::Singular`] if `write` stops early. The rows are then the new ones and
+    /// their fits are unspecified, so that the caller must write again.
     pub(crate) fn rewrite(
         &mut self,
         write: impl FnOnce(&mut References<T>, &mut dyn FnMut(Row<T>) -> Option<()>) -> Option<()>,
@@ -245,32 +253,32 @@ impl<T: Real> Snapshot<'_, T> {
         self.solve_again()
     }
 
-    /// The equations, left-out ones included.
+    /// Returns the equations, left-out ones included.
     pub fn equations(&self) -> &[Row<T>] {
         self.rows
     }
 
-    /// What the equations' residuals are relative to, m; `None` where a constellation has no row.
+    /// Returns the reference of a constellation's residuals, m, or `None` if it has no row.
     pub fn reference_m(&self, constellation: Constellation) -> Option<f64> {
         self.references.of(constellation).map(Absolute::widen)
     }
 
-    /// The equations, left-out ones included, each with what the solution says of it.
+    /// Iterates over the equations with their fits, left-out ones included.
     pub fn rows(&self) -> impl Iterator<Item = (&Row<T>, &Fit<T>)> {
         self.rows.iter().zip(self.fits.iter())
     }
 
-    /// What the solution says of each row, in their order.
+    /// Returns the fit of each row, in their order.
     pub fn fits(&self) -> &[Fit<T>] {
         self.fits
     }
 
-    /// One row with what the solution says of it.
+    /// Returns one row with its fit.
     pub fn row(&self, index: usize) -> Option<(&Row<T>, &Fit<T>)> {
         self.rows.get(index).zip(self.fits.get(index))
     }
 
-    /// Correction of the position, east, north, up, m.
+    /// Returns the correction of the position, east, north, up, m.
     pub fn correction(&self) -> Vector3<T> {
         self.solved.solution.correction
     }
@@ -285,12 +293,12 @@ impl<T: Real> Snapshot<'_, T> {
         self.solved.statistics.sse
     }
 
-    /// What the rows say together.
+    /// Returns the statistics of all rows.
     pub(crate) fn statistics(&self) -> &Statistics<T> {
         &self.solved.statistics
     }
 
-    /// Rows that take part.
+    /// Returns the number of rows that take part.
     pub fn used(&self) -> usize {
         self.solved.solution.used
     }
@@ -300,31 +308,31 @@ impl<T: Real> Snapshot<'_, T> {
         self.solved.solution.dof
     }
 
-    /// Receiver clock of a constellation times the speed of light, m; `None` where it has no row that takes part.
+    /// Returns the receiver clock of a constellation times the speed of light, m, or `None` if no row of it takes part.
     pub fn clock_m(&self, constellation: Constellation) -> Option<f64> {
         let group = self.solved.solution.groups.of_clock(constellation)?;
         let relative = group.residual - dot(&group.design, &self.solved.solution.correction);
         Some(self.reference_m(constellation)? + relative.widen())
     }
 
-    /// True where a constellation has a row that takes part, and so a clock.
+    /// Returns true if a row of a constellation takes part, which determines its clock.
     pub fn determines(&self, constellation: Constellation) -> bool {
         self.solved.solution.determines(constellation)
     }
 
-    /// Variance of [`Self::clock_m`], m²: `1/W_c + h̄_c P h̄_cᵀ`.
+    /// Returns the variance of [`Self::clock_m`], m²: `1/W_c + h̄_c P h̄_cᵀ`.
     pub fn clock_variance(&self, constellation: Constellation) -> Option<T> {
         let group = self.solved.solution.groups.of_clock(constellation)?;
         let gain = product(&self.solved.solution.covariance, &group.design);
         Some(group.variance + dot(&group.design, &gain))
     }
 
-    /// Variance `1/W_c` of the clock that a row touches, the position known, m²; 0 where no row determines it.
+    /// Returns the variance `1/W_c` of the clock that a row touches for a known position, m²; 0 if no row determines it.
     pub fn level_variance(&self, row: &Row<T>) -> T {
         self.solved.solution.level_variance(row)
     }
 
-    /// Element `S_ij` of the matrix that projects ranges on normalised residuals; `None` outside the epoch.
+    /// Returns element `S_ij` of the matrix that projects ranges on normalised residuals, or `None` outside the epoch.
     pub fn projection(&self, i: usize, j: usize) -> Option<T> {
         let (row_i, fit_i) = self.row(i)?;
         let (row_j, fit_j) = self.row(j)?;
@@ -338,18 +346,18 @@ impl<T: Real> Snapshot<'_, T> {
         Some(-(row_i.weight * row_j.weight).sqrt() * (shared + dot(&fit_i.centred, &fit_j.gain)))
     }
 
-    /// Horizontal and vertical dilution of precision, dimensionless, of the unweighted geometry.
+    /// Returns the horizontal and vertical dilution of precision of the unweighted geometry, dimensionless.
     pub fn dilutions(&self) -> (T, T) {
-        // What was solved is not singular: the fall-back is never taken.
+        // A solved geometry is not singular, so that the default is never taken.
         let geometry = Geometry::of(self.rows.iter());
         let covariance = geometry.map_or(self.solved.solution.covariance, |geometry| geometry.covariance);
         ((covariance.m11 + covariance.m22).sqrt(), covariance.m33.sqrt())
     }
 
-    /// HDOP without one row: `√(HDOP² + (A_1i² + A_2i²)/S_ii)` of the unweighted geometry ([Lin2016] eq. 22).
+    /// Returns HDOP without one row: `√(HDOP² + (A_1i² + A_2i²)/S_ii)` of the unweighted geometry ([Lin2016] eq. 22).
     ///
-    /// The lone satellite of a constellation takes its clock with it and changes nothing; a row without which the
-    /// geometry is singular gives infinity. `None` for a row that takes no part.
+    /// The lone satellite of a constellation takes its clock with it and changes nothing. If the geometry is singular without
+    /// the row, HDOP is infinite. `None` for a row that takes no part.
     ///
     /// [Lin2016]: crate#references
     pub fn hdop_without(&self, index: usize) -> Option<T> {

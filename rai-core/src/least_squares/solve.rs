@@ -1,7 +1,7 @@
-//! One 3×3 solve over whatever rows it is given: the equations stand at the top of [`super`].
+//! One 3×3 solve over any rows; the equations are in the documentation of [`super`].
 //!
-//! Needs no memory beside its result, so that a search may solve for a subset of the rows, or for all but one, without a
-//! copy of them.
+//! A solve needs no memory beside its result, so that a search may solve for a subset of the rows, or for all but one,
+//! without a copy of them.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -15,7 +15,7 @@ use crate::numeric::space::{
 };
 use crate::satellite::Constellation;
 
-/// The weighted means of the rows that touch one clock.
+/// Weighted means of the rows that touch one clock.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Group<T: Real> {
     pub(super) count: usize,
@@ -39,7 +39,7 @@ impl<T: Real> Group<T> {
         self.residual += row.residual * weight;
     }
 
-    /// Sums to means.
+    /// Converts sums to means.
     fn centre(&mut self) {
         if self.count > 0 {
             self.variance = self.weight.recip();
@@ -48,7 +48,7 @@ impl<T: Real> Group<T> {
         }
     }
 
-    /// Takes a row out of the means.
+    /// Removes a row from the means.
     fn leave_out(&mut self, row: &Row<T>, centred: &Vector3<T>) {
         self.count = self.count.saturating_sub(1);
         self.weight -= row.weight;
@@ -61,15 +61,15 @@ impl<T: Real> Group<T> {
     }
 }
 
-/// The place of the rows that touch no clock, after those of the constellations.
+/// Index of the rows that touch no clock, after the constellations.
 const CLOCKLESS: usize = Constellation::COUNT;
 
-/// Where the group of a row stands.
+/// Returns the index of a row's clock.
 fn place<T>(row: &Row<T>) -> usize {
     row.clock.map_or(CLOCKLESS, |clock| clock as usize)
 }
 
-/// All constellations' means, and what is counted of the rows without a clock, whose means are 0: they are not centred.
+/// Means of all constellations, and the count of rows without a clock, whose means are 0 because they are not centred.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Groups<T: Real>([Group<T>; CLOCKLESS + 1]);
 
@@ -78,18 +78,18 @@ impl<T: Real> Groups<T> {
         Self([Group::empty(); CLOCKLESS + 1])
     }
 
-    /// Of the rows that have a weight.
+    /// Returns the means of the rows that have a weight.
     fn of<'r>(rows: impl Iterator<Item = &'r Row<T>>, weight: impl Fn(&Row<T>) -> T) -> Self {
         let mut groups = Self::empty();
         groups.fill(rows, weight);
         groups
     }
 
-    /// The same, in place.
+    /// Computes the means in place.
     #[inline]
     fn fill<'r>(&mut self, rows: impl Iterator<Item = &'r Row<T>>, weight: impl Fn(&Row<T>) -> T) {
         *self = Self::empty();
-        // Rows of a constellation mostly stand together: while they do, their sums stay in registers.
+        // Rows of a constellation are mostly adjacent: while they are, their sums stay in registers.
         let (mut here, mut sums) = (CLOCKLESS, Group::empty());
         for (row, weight) in rows.map(|row| (row, weight(row))).filter(|&(_, weight)| weight > T::zero()) {
             let place = place(row);
@@ -105,7 +105,7 @@ impl<T: Real> Groups<T> {
         (clockless.design, clockless.residual) = (zero(), T::zero());
     }
 
-    /// That of a place.
+    /// Returns the means at an index.
     #[inline]
     fn get(&self, place: usize) -> Group<T> {
         self.0.get(place).copied().unwrap_or_else(Group::empty)
@@ -118,24 +118,24 @@ impl<T: Real> Groups<T> {
         }
     }
 
-    /// Takes a row out that is not the only one of its clock.
+    /// Removes a row that is not the only one of its clock.
     fn leave_out(&mut self, row: &Row<T>, centred: &Vector3<T>) {
         if let Some(group) = self.0.get_mut(place(row)) {
             group.leave_out(row, centred);
         }
     }
 
-    /// That of a row; one without rows has means, level and variance 0.
+    /// Returns the means of a row's clock; 0 for a clock without rows.
     fn of_row(&self, row: &Row<T>) -> Group<T> {
         self.get(place(row))
     }
 
-    /// A constellation's, if one of its rows takes part.
+    /// Returns a constellation's means if one of its rows takes part.
     pub(super) fn of_clock(&self, clock: Constellation) -> Option<&Group<T>> {
         self.0.get(clock as usize).filter(|group| group.count > 0)
     }
 
-    /// That of each row that is asked for; one without rows has means, level and variance 0.
+    /// Returns an accessor for the means of each requested row; 0 for a clock without rows.
     fn of_rows(&self) -> GroupOfRow<'_, T> {
         GroupOfRow { groups: self, place: CLOCKLESS, group: self.get(CLOCKLESS) }
     }
@@ -144,15 +144,15 @@ impl<T: Real> Groups<T> {
         self.0.iter().take(CLOCKLESS).filter(|group| group.count > 0)
     }
 
-    /// Rows that take part.
+    /// Returns the number of rows that take part.
     fn used(&self) -> usize {
         self.0.iter().map(|group| group.count).sum()
     }
 
-    /// Bound on the trace of `(HᵀH)⁻¹`, clocks included, that needs no unweighted geometry.
+    /// Returns a bound on the trace of `(HᵀH)⁻¹`, clocks included, that needs no unweighted geometry.
     ///
-    /// No weight being above the sum of all, it is at most that sum times the trace of the weighted covariance; and there
-    /// `h̄_c P h̄_cᵀ` of a clock is at most the trace of `P`, no mean of unit vectors being longer than 1.
+    /// No weight is above the sum of all, so that the trace is at most that sum times the trace of the weighted covariance.
+    /// There `h̄_c P h̄_cᵀ` of a clock is at most the trace of `P`, because no mean of unit vectors is longer than 1.
     fn largest_trace(&self, covariance: &Matrix3<T>) -> T {
         let sum = |of: fn(&Group<T>) -> T| self.0.iter().fold(T::zero(), |sum, group| sum + of(group));
         let positions = T::narrow((Constellation::COUNT + 1) as f64) * trace(covariance);
@@ -168,7 +168,7 @@ impl<T: Real> Groups<T> {
     }
 }
 
-/// The group of the row at hand. Rows of a constellation mostly stand together: while they do, it stays in registers.
+/// Means of the current row's clock. Rows of a constellation are mostly adjacent: while they are, the means stay in registers.
 struct GroupOfRow<'g, T: Real> {
     groups: &'g Groups<T>,
     place: usize,
@@ -186,11 +186,10 @@ impl<T: Real> GroupOfRow<'_, T> {
     }
 }
 
-/// Squared w-test from which on a fault is gross, and what it moved is worked out anew: below, `f32` takes it back within a
-/// ten-thousandth of a standard deviation.
+/// Squared w-test above which a row is removed by solving again. Below it the `f32` downdate is accurate to 1e-4 sigma.
 const GROSS: f64 = 1e6;
 
-/// What rows say of the position: everything of a snapshot but what it says of each row.
+/// Least-squares estimate: everything of a snapshot except the fits of its rows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Solution<T: Real> {
     pub(super) groups: Groups<T>,
@@ -203,7 +202,7 @@ pub(crate) struct Solution<T: Real> {
 }
 
 impl<T: Real> Solution<T> {
-    /// Of no rows.
+    /// Returns the estimate of no rows.
     pub(crate) fn none() -> Self {
         Self {
             groups: Groups::empty(),
@@ -215,8 +214,7 @@ impl<T: Real> Solution<T> {
         }
     }
 
-    /// Solves for the rows that take part, in place: what is large is not moved. Unless it succeeds, what is there then is of no
-    /// use.
+    /// Solves for the rows that take part, in place, so that nothing large is moved. On error the contents are unspecified.
     ///
     /// # Errors
     /// As [`super::Workspace::solve`].
@@ -240,7 +238,7 @@ impl<T: Real> Solution<T> {
         }
     }
 
-    /// The same, of a set of the rows.
+    /// Solves for a set of the rows, like [`Self::solve`].
     ///
     /// # Errors
     /// As [`super::Workspace::solve`].
@@ -248,7 +246,7 @@ impl<T: Real> Solution<T> {
         self.solve(members(set).filter_map(|index| rows.get(index)))
     }
 
-    /// Leaves a row out by what is said of it ([`crate::least_squares::downdate`]):
+    /// Leaves a row out by its fit ([`super::downdate`]):
     ///
     /// ```text
     /// P' = P + w/r g gᵀ   x' = x − w v/r g   W' = W − w   h̄' = h̄ − w/W' d   ȳ' = ȳ − w/W' (y − ȳ)
@@ -256,8 +254,8 @@ impl<T: Real> Solution<T> {
     ///
     /// With `w d·g ≤ 1 − r` and `w/W ≤ 1 − r` no variance grows by more than `1/r`.
     ///
-    /// False, and nothing has changed, where that would cost digits: of a row that is hardly tested or takes no part, of a
-    /// gross fault, and where the geometry might be hardly determined.
+    /// Returns false without a change if this would cost digits: for a row that is hardly tested or takes no part, for a
+    /// gross fault, and for a geometry that might be hardly determined.
     pub(super) fn leave_out(&mut self, row: &Row<T>, fit: &Fit<T>) -> bool {
         let keeps_digits =
             fit.test_weight > T::zero() && !fit.is_hardly_tested() && fit.w_squared() < T::narrow(GROSS);
@@ -289,17 +287,17 @@ impl<T: Real> Solution<T> {
         self.dof
     }
 
-    /// True where a constellation has a row that takes part, and so a clock.
+    /// Returns true if a row of a constellation takes part, which determines its clock.
     pub(crate) fn determines(&self, clock: Constellation) -> bool {
         self.groups.of_clock(clock).is_some()
     }
 
-    /// Variance `1/W_c` of the clock that a row touches, the position known, m²; 0 where no row determines it.
+    /// Returns the variance `1/W_c` of the clock that a row touches for a known position, m²; 0 if no row determines it.
     pub(crate) fn level_variance(&self, row: &Row<T>) -> T {
         self.groups.of_row(row).variance
     }
 
-    /// What is said of a row, whether it takes part or not.
+    /// Returns the fit of a row, which may be left out.
     pub(crate) fn fit(&self, row: &Row<T>) -> Fit<T> {
         let group = self.groups.of_row(row);
         let mut fit = compare(row, &group, &self.covariance, &self.correction);
@@ -307,7 +305,7 @@ impl<T: Real> Solution<T> {
         fit
     }
 
-    /// Says it of each row, in their order; what they say together.
+    /// Writes the fit of each row, in their order. Returns the statistics of all rows.
     pub(super) fn fit_all(&self, rows: &[Row<T>], fits: &mut [Fit<T>]) -> Statistics<T> {
         // Copies, which the compiler keeps in registers while the fits are written.
         let (covariance, correction) = (self.covariance, self.correction);
@@ -325,7 +323,7 @@ impl<T: Real> Solution<T> {
     }
 }
 
-/// Compares a row with the solution; its redundancy is then whatever the subtraction leaves, and its test has no weight yet.
+/// Compares a row with the solution. Its redundancy is then the plain subtraction, and its test has no weight yet.
 #[inline]
 fn compare<T: Real>(
     row: &Row<T>,
@@ -345,10 +343,10 @@ fn compare<T: Real>(
 }
 
 impl<T: Real> Fit<T> {
-    /// Gives the test its weight; false for a row that is hardly tested.
+    /// Sets the weight of the row's test. Returns false for a row that is hardly tested.
     #[inline]
     fn weigh(&mut self, row: &Row<T>, group: &Group<T>) -> bool {
-        // One comparison for nearly all rows.
+        // One comparison suffices for nearly all rows.
         let is_tested = !self.is_hardly_tested();
         if is_tested {
             self.test_weight = row.weight / self.redundancy;
@@ -359,9 +357,9 @@ impl<T: Real> Fit<T> {
     }
 
     fn weigh_with_care(&mut self, row: &Row<T>, group: &Group<T>) {
-        // A lone satellite determines its clock: exactly nothing is left to test.
+        // A lone satellite determines its clock, so that exactly nothing is left to test.
         let is_lone = row.clock.is_some() && group.count == 1 && row.weight > T::zero();
-        // Also the way out for what is not a number.
+        // NaN leaves here too.
         if is_lone || !(self.redundancy > T::zero()) {
             self.redundancy = T::zero();
         }
@@ -394,7 +392,7 @@ impl<T: Real> Geometry<T> {
         let increase = if redundancy > T::UNTESTABLE {
             moved / redundancy
         } else if dot(&gain, &gain) > T::UNMOVED * T::UNMOVED {
-            // Whichever coordinate it is: without this row there is no position at all.
+            // The affected coordinate does not matter: without this row there is no position.
             infinity()
         } else {
             T::zero()
@@ -403,7 +401,7 @@ impl<T: Real> Geometry<T> {
     }
 }
 
-/// Infinity in the scalar at hand.
+/// Returns infinity in the scalar at hand.
 pub(crate) fn infinity<T: Real>() -> T {
     T::narrow(f64::INFINITY)
 }
@@ -423,7 +421,7 @@ impl<T: Real> NormalEquations<T> {
     ) -> Self {
         let (mut normal, mut right_hand_side) = (zeros(), zero());
         let mut groups = groups.of_rows();
-        // One without weight adds nothing, for which it need not be asked.
+        // A row without weight adds zeros, so that no branch is needed.
         for row in rows {
             let group = groups.of(row);
             let centred = difference(&row.design, &group.design);
@@ -437,15 +435,15 @@ impl<T: Real> NormalEquations<T> {
 
 /// True when the trace of `(HᵀH)⁻¹`, clocks included, is below [`Real::SINGULAR`].
 fn is_determined<'r, T: Real>(rows: impl Iterator<Item = &'r Row<T>> + Clone) -> bool {
-    // A trace that is not a number is below nothing.
+    // A NaN sum fails this comparison.
     Geometry::of(rows).is_ok_and(|plain| plain.groups.trace(&plain.covariance) < T::SINGULAR)
 }
 
-/// Inverse of a symmetric matrix by `L D Lᵀ`, `P = L⁻ᵀ D⁻¹ L⁻¹`: no root, and a pivot that is not positive is singular.
+/// Inverts a symmetric matrix by `L D Lᵀ`, `P = L⁻ᵀ D⁻¹ L⁻¹`, without a root. A pivot that is not positive is singular.
 ///
 /// Reads the lower triangle.
 pub(crate) fn invert<T: Real>(normal: &Matrix3<T>) -> Result<Matrix3<T>, SnapshotError> {
-    // Also the way out for a pivot that is not a number.
+    // A NaN pivot leaves here too.
     let pivot = |value: T| if value > T::zero() { Ok(value.recip()) } else { Err(SnapshotError::Singular) };
     let d1 = pivot(normal.m11)?;
     let (l21, l31) = (normal.m21 * d1, normal.m31 * d1);

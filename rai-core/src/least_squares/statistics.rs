@@ -1,4 +1,4 @@
-//! What the rows say together: gathered while their fits are written, so that no test reads them again.
+//! Statistics of all rows, gathered while the fits are written, so that no test reads the rows again.
 //!
 //! | symbol | field | unit |
 //! |---|---|---|
@@ -10,30 +10,29 @@ use super::Fit;
 use crate::least_squares::equations::Row;
 use crate::numeric::real::Real;
 
-/// Redundancy number below which too little of 1 is left for it, dimensionless: above, what is made of it in `f32` is good to
-/// 0.5 %.
+/// Redundancy number below which the subtraction from 1 loses digits, dimensionless. Above it, `f32` results are accurate to 0.5 %.
 const HARDLY_TESTED: f64 = 0.1;
 
-/// Of all rows.
+/// Statistics of all rows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Statistics<T: Real> {
     /// Weighted sum of squared residuals, dimensionless.
     pub(crate) sse: T,
-    /// Of those that can be tested; none where all w-tests are 0.
+    /// Worst of the testable rows; none if all w-tests are 0.
     pub(crate) worst: Worst<T>,
-    /// The largest of those that can be tested.
+    /// Largest slopes of the testable rows.
     pub(crate) slopes: SquaredSlopes<T>,
-    /// Whether no row that takes part is hardly tested.
+    /// True if no row that takes part is hardly tested.
     pub(crate) all_are_tested: bool,
 }
 
 impl<T: Real> Statistics<T> {
-    /// Of no rows.
+    /// Returns the statistics of no rows.
     pub(super) fn none() -> Self {
         Self { sse: T::zero(), worst: Worst::none(), slopes: SquaredSlopes::none(), all_are_tested: true }
     }
 
-    /// Takes one more row, but for whether it is hardly tested. One that is left out has weights of 0, and so says nothing.
+    /// Adds one row, except for `all_are_tested`. A row that is left out has weight 0, so that it adds nothing.
     #[inline]
     pub(super) fn add(&mut self, index: usize, row: &Row<T>, fit: &Fit<T>) {
         let squared = fit.residual * fit.residual;
@@ -43,7 +42,7 @@ impl<T: Real> Statistics<T> {
     }
 }
 
-/// The largest of squared w-tests, and the next. First of equals wins.
+/// The largest squared w-test and the runner-up. The first of equal ones wins.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Worst<T> {
     /// Index of the row; `None` where no test is above 0.
@@ -55,7 +54,7 @@ pub(crate) struct Worst<T> {
 }
 
 impl<T: Real> Worst<T> {
-    /// Of no rows.
+    /// Returns the result of no rows.
     pub(crate) fn none() -> Self {
         Self { index: None, largest: T::zero(), runner_up: T::zero() }
     }
@@ -73,7 +72,7 @@ impl<T: Real> Worst<T> {
     }
 }
 
-/// Squared slopes: the largest is found without a root for each row.
+/// Squared slopes, so that the largest is found without a root for each row.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct SquaredSlopes<T> {
     /// Horizontal, m² per unit of `λ`.
@@ -83,12 +82,12 @@ pub(crate) struct SquaredSlopes<T> {
 }
 
 impl<T: Real> SquaredSlopes<T> {
-    /// Below all others.
+    /// Returns slopes below all others.
     pub(crate) fn none() -> Self {
         Self { horizontal: T::zero(), vertical: T::zero() }
     }
 
-    /// The larger of both, each component by itself.
+    /// Returns the larger of both, each component by itself.
     #[inline]
     pub(crate) fn or(&self, other: &Self) -> Self {
         Self {
@@ -98,7 +97,7 @@ impl<T: Real> SquaredSlopes<T> {
     }
 }
 
-/// The larger of two numbers; one comparison, where a library call also orders what is not a number.
+/// Returns the larger of two numbers by one comparison; a library call would also order NaN.
 pub(crate) fn larger<T: Real>(a: T, b: T) -> T {
     if b > a { b } else { a }
 }
@@ -108,7 +107,7 @@ fn smaller<T: Real>(a: T, b: T) -> T {
 }
 
 impl<T: Real> Fit<T> {
-    /// The squared slopes of the row; 0 for one that cannot be tested or is left out.
+    /// Returns the squared slopes of the row; 0 if it cannot be tested or is left out.
     #[inline]
     pub(crate) fn squared_slopes(&self) -> SquaredSlopes<T> {
         let (horizontal, vertical) = self.squared_gains();
@@ -121,7 +120,7 @@ impl<T: Real> Fit<T> {
         (self.gain.x * self.gain.x + self.gain.y * self.gain.y, self.gain.z * self.gain.z)
     }
 
-    /// Whether too little of 1 is left for the redundancy, or what is not a number; never of a row that is left out.
+    /// Returns true if too little of 1 is left for the redundancy, or if it is NaN; false for a row that is left out.
     pub(crate) fn is_hardly_tested(&self) -> bool {
         !(self.redundancy >= T::narrow(HARDLY_TESTED))
     }

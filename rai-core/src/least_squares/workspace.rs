@@ -1,4 +1,4 @@
-//! Memory for equations and what a solution says of each: it is lent solved, or not at all.
+//! Memory for equations and their fits, which lends them solved or not at all.
 
 use heapless::Vec;
 use nalgebra::Vector3;
@@ -7,7 +7,7 @@ use super::{Fit, Snapshot, SnapshotError, Solved};
 use crate::least_squares::equations::LinearEpoch;
 use crate::numeric::real::Real;
 
-/// Room for at most `N` equations and their solution, used again from epoch to epoch: what is large is never moved.
+/// Memory for at most `N` equations and their solution, reused from epoch to epoch so that nothing large is moved.
 #[derive(Clone, Debug)]
 pub struct Workspace<T: Real, const N: usize> {
     equations: LinearEpoch<T, N>,
@@ -22,14 +22,14 @@ impl<T: Real, const N: usize> Default for Workspace<T, N> {
 }
 
 impl<T: Real, const N: usize> Workspace<T, N> {
-    /// Room without equations.
+    /// Returns a workspace without equations.
     #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
     #[inline(always)]
     pub fn new() -> Self {
         Self { equations: LinearEpoch::new(), fits: Vec::new(), solved: Solved::none() }
     }
 
-    /// Room that holds these equations.
+    /// Returns a workspace that holds these equations.
     pub fn of(equations: LinearEpoch<T, N>) -> Self {
         Self { equations, fits: Vec::new(), solved: Solved::none() }
     }
@@ -39,7 +39,7 @@ impl<T: Real, const N: usize> Workspace<T, N> {
         &self.equations
     }
 
-    /// The equations, to be added to or replaced.
+    /// Returns the equations, for adding to or replacing them.
     pub fn equations_mut(&mut self) -> &mut LinearEpoch<T, N> {
         &mut self.equations
     }
@@ -54,14 +54,14 @@ impl<T: Real, const N: usize> Workspace<T, N> {
         Ok(self.lend())
     }
 
-    /// Takes a copy of a snapshot, to leave rows out of while the other stays; `None` where it has more than `N`.
+    /// Copies a snapshot, so that rows can be left out of the copy. Returns `None` if the snapshot has more than `N` rows.
     pub fn copy_of(&mut self, snapshot: &Snapshot<'_, T>) -> Option<Snapshot<'_, T>> {
         self.equations.copy_from(snapshot.rows, snapshot.references)?;
         self.solved = *snapshot.solved;
         Some(self.lend())
     }
 
-    /// Solves the equations where they are, and says nothing of each; the correction of the position, east, north, up, m.
+    /// Solves the equations in place without fits. Returns the correction of the position, east, north, up, m.
     ///
     /// # Errors
     /// As [`Self::solve`].
@@ -70,12 +70,12 @@ impl<T: Real, const N: usize> Workspace<T, N> {
         Ok(self.solved.solution.correction)
     }
 
-    /// Lends what [`Self::solve_rows`] solved last, with what it says of each row.
+    /// Lends the last solution of [`Self::solve_rows`], with the fit of each row.
     pub(crate) fn lend(&mut self) -> Snapshot<'_, T> {
         let Self { equations, fits, solved } = self;
         let (rows, references) = equations.parts_mut();
-        // Both vectors hold N: there is always room. One that is long enough is written over, which spares the way round
-        // by the stack.
+        // Both vectors hold `N`, so that there is always capacity. A vector that is long enough is overwritten, which avoids a copy on
+        // the stack.
         fits.truncate(rows.len());
         while fits.len() < rows.len() && fits.push(Fit::nothing()).is_ok() {}
         solved.fit_all(rows, fits);

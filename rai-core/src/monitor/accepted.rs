@@ -1,4 +1,4 @@
-//! Requirements that a monitor can meet.
+//! Validated requirements.
 
 use core::fmt;
 
@@ -7,13 +7,13 @@ use crate::integrity::raim::levels::Factors;
 use crate::numeric::real::Real;
 use crate::requirements::{Requirements, RequirementsError};
 
-/// Why a monitor cannot be made.
+/// Reason why a monitor cannot be made.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum MonitorError {
     /// A requirement is out of its range.
     Requirements(RequirementsError),
-    /// A probability is not among the committed tables.
+    /// A probability is not in the committed tables.
     Threshold(ThresholdError),
 }
 
@@ -28,7 +28,7 @@ impl fmt::Display for MonitorError {
 
 impl core::error::Error for MonitorError {}
 
-/// Requirements that can be met, and what follows from them.
+/// Requirements that were validated, with their thresholds and factors.
 #[derive(Clone, Copy, Debug)]
 pub struct Accepted<T> {
     pub(super) requirements: Requirements,
@@ -37,10 +37,10 @@ pub struct Accepted<T> {
 }
 
 impl<T: Real> Accepted<T> {
-    /// Looks whether they can be met.
+    /// Validates the requirements.
     ///
     /// # Errors
-    /// [`MonitorError`] names the requirement that cannot.
+    /// [`MonitorError`] names the requirement that cannot be met.
     pub fn new(requirements: Requirements) -> Result<Self, MonitorError> {
         let requirements = requirements.validate().map_err(MonitorError::Requirements)?;
         let thresholds = Thresholds::from_tables(requirements.false_alarm, requirements.missed_detection)
@@ -49,12 +49,12 @@ impl<T: Real> Accepted<T> {
         Ok(Self { requirements, thresholds, factors })
     }
 
-    /// Thresholds for their probabilities.
+    /// Returns the thresholds for the required probabilities.
     pub fn thresholds(&self) -> &Thresholds<'static> {
         &self.thresholds
     }
 
-    /// Factors of the protection levels for their probabilities.
+    /// Returns the factors of the protection levels for the required probabilities.
     pub fn factors(&self) -> &Factors<T> {
         &self.factors
     }

@@ -1,4 +1,4 @@
-//! From a judged fix to a report: what is known about the position and its satellites, in plain numbers.
+//! The report of a judged fix: the position and its satellites in plain numbers.
 
 use heapless::Vec;
 
@@ -15,7 +15,7 @@ use crate::report::{MAX_EXCLUDED, Report, Separation, Solution, Suspect, TestSta
 use crate::satellite::Constellation;
 use crate::weighting::adaptation::Residuals;
 
-/// The residuals of the satellites used, by the sigmas that they came with.
+/// Returns the residuals of the satellites used, weighted by the sigmas of the epoch.
 pub(super) fn residuals<T: Real>(snapshot: &Snapshot<'_, T>, epoch: &EpochView<'_>) -> Residuals {
     let takes_part = |weight: T| weight > T::zero();
     let used = snapshot.rows().zip(epoch.observations()).filter(|((row, _), _)| takes_part(row.weight));
@@ -28,9 +28,9 @@ pub(super) fn residuals<T: Real>(snapshot: &Snapshot<'_, T>, epoch: &EpochView<'
     Residuals { sse, dof: snapshot.dof().saturating_sub(aided) as u32 }
 }
 
-/// The excluded satellites with the biases that the final solution shows.
+/// Returns the excluded satellites with their biases in the final solution.
 ///
-/// A left-out row's residual is that of a prediction: it is the bias. An aiding row that was left out names no
+/// A left-out row's residual is that of a prediction, which is the bias. An aiding row that was left out belongs to no
 /// satellite and is not listed.
 pub(super) fn suspects<T: Real>(
     judgement: &Judgement<T>,
@@ -66,7 +66,7 @@ pub(super) fn describe<T: Real, const N: usize>(
     report.used.clear();
     let mut squares = T::zero();
     for ((_, fit), observation) in used {
-        // Both hold N: never full here.
+        // Never full, because both hold `N`.
         let _ = report.used.push(observation.satellite);
         squares += fit.residual * fit.residual;
     }
@@ -80,7 +80,7 @@ pub(super) fn describe<T: Real, const N: usize>(
     report.separation = judgement.separation;
 }
 
-/// The global test, or the largest of the separation's tests, held against 1, where it is not the global test alone that fails.
+/// Returns the global test, or the largest separation test compared with 1, unless the global test alone fails.
 fn statistic<T: Real>(test: &Test<T>, separation: Option<&Separation>) -> TestStatistic {
     let global = test.detection.statistic();
     match separation.filter(|separation| separation.ratio >= 1.0 || !test.detection.fault()) {

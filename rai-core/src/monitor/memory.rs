@@ -1,4 +1,4 @@
-//! What one epoch takes and leaves: room to judge it in, what is said of it, and what it teaches.
+//! Memory of one epoch: the workspace of its judgement, its report, and its update of the state.
 
 use crate::clock::SolvedClocks;
 use crate::frame::Ecef;
@@ -8,8 +8,9 @@ use crate::numeric::real::Real;
 use crate::report::{Alert, Report, Verdict};
 use crate::weighting::adaptation::Residuals;
 
-/// Room that judging takes, and where it says what it found. Nothing in it is remembered but the subsets of the satellites,
-/// which [`Method::Ransac`](super::Method::Ransac) keeps from epoch to epoch.
+/// Memory for judging, which also holds the outcome.
+///
+/// It keeps no state except for the subsets of satellites, which [`Method::Ransac`](super::Method::Ransac) keeps from epoch to epoch.
 #[derive(Clone, Debug)]
 pub struct Memory<T: Real, const N: usize> {
     pub(super) workspace: Workspace<T, N>,
@@ -24,49 +25,50 @@ impl<T: Real, const N: usize> Default for Memory<T, N> {
 }
 
 impl<T: Real, const N: usize> Memory<T, N> {
-    /// Of no epoch yet.
+    /// Returns empty memory.
     #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
     #[inline(always)]
     pub fn new() -> Self {
         Self { workspace: Workspace::new(), scratch: Scratch::new(), assessment: Assessment::nothing() }
     }
 
-    /// What is said of the epoch that was judged last.
+    /// Returns the outcome of the epoch that was judged last.
     pub fn assessment(&self) -> &Assessment<N> {
         &self.assessment
     }
 
-    /// The same, to be learned from, or revised by who knows more.
+    /// Returns the outcome, for learning from it or for a caller that revises it.
     pub fn assessment_mut(&mut self) -> &mut Assessment<N> {
         &mut self.assessment
     }
 
-    /// The room for equations, while nothing is judged.
+    /// Returns the workspace of the equations, which is free between judgements.
     pub fn workspace(&mut self) -> &mut Workspace<T, N> {
         &mut self.workspace
     }
 }
 
-/// What is said of an epoch, and what it teaches.
+/// Outcome of an epoch: its report and its update of the state.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Assessment<const N: usize> {
-    /// What is said.
+    /// Report of the epoch.
     pub report: Report<N>,
-    /// Whether faulty satellites were searched for: the expensive part.
+    /// True if faulty satellites were searched for, the expensive part.
     pub searched: bool,
     pub(super) lesson: Lesson,
 }
 
 impl<const N: usize> Assessment<N> {
-    /// Of no epoch.
+    /// Returns the outcome of no epoch.
     #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
     #[inline(always)]
     fn nothing() -> Self {
         Self { report: Report::nothing(), searched: false, lesson: Lesson::none(0.0) }
     }
 
-    /// Says an alert for a reason that the ranges do not tell, before anything is learned: the position is not what it seems,
-    /// has no levels and teaches nothing. An epoch without a position, or under an alert already, stays what it is.
+    /// Overrides the verdict by an alert whose reason is outside the ranges, before [`Monitor::learn`](super::Monitor::learn).
+    ///
+    /// The position then has no levels and updates nothing. An epoch without a position, or under an alert already, stays as it is.
     pub fn distrust(&mut self, reason: Alert) {
         if self.report.solution.is_some() && !matches!(self.report.verdict, Verdict::Alert(_)) {
             self.report.verdict = Verdict::Alert(reason);
@@ -76,22 +78,22 @@ impl<const N: usize> Assessment<N> {
     }
 }
 
-/// What [`Monitor::learn`](super::Monitor::learn) takes from an epoch.
+/// Update of the state by [`Monitor::learn`](super::Monitor::learn).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Lesson {
     pub(super) time_s: f64,
-    /// A position that may be used.
+    /// Start of the next fix, from a position that is not under an alert.
     pub(super) start: Option<Ecef>,
-    /// SSE/dof of a test that passed: a detected fault says nothing about sigma.
+    /// SSE/dof of a test that passed, because a detected fault has no information on sigma.
     pub(super) ratio: Option<f32>,
-    /// Clocks of satellites that were protected by themselves.
+    /// Clocks of satellites that were protected without a forecast.
     pub(super) clocks: Option<SolvedClocks>,
-    /// Residuals of a test that passed, by the sigmas as they came.
+    /// Residuals of a test that passed, by the sigmas of the epoch.
     pub(super) residuals: Option<Residuals>,
 }
 
 impl Lesson {
-    /// That teaches nothing.
+    /// Returns an update without effect.
     pub(super) const fn none(time_s: f64) -> Self {
         Self { time_s, start: None, ratio: None, clocks: None, residuals: None }
     }

@@ -1,4 +1,4 @@
-//! From what was found to what is said: protected, alert or unavailable, with the reason.
+//! From a judgement to a verdict: protected, alert or unavailable, with the reason.
 
 use crate::integrity::raim::detection::threshold::policy::{NoThreshold, Policy};
 use crate::integrity::raim::isolation::exclusion::{Outcome, Unidentified};
@@ -19,7 +19,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
             (_, Err(NoThreshold::Redundancy)) => Verdict::Unavailable(Unavailable::Redundancy),
             (_, Err(NoThreshold::Risk)) => Verdict::Unavailable(Unavailable::Risk),
             (Outcome::Isolated | Outcome::Passed, Ok(test)) => {
-                // Nothing was left out, or a forecast whose clock has jumped: no satellite's fault.
+                // No row was left out, or only a forecast whose clock has jumped, which is no satellite's fault.
                 let reason = if none_excluded { Protected::Ok } else { Protected::Excluded };
                 match &judgement.separation {
                     Some(separation) => self.bounded_by_separation(reason, &test.levels, separation),
@@ -29,7 +29,8 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         }
     }
 
-    /// Whether the position would be protected without the forecast too: what only a forecast vouches for teaches none.
+    /// Returns true if the position would also be protected without the forecast: no clock is learned from an epoch that only
+    /// the forecast protects.
     pub(super) fn satellites_are_protected(&self, judgement: &Judgement<T>, verdict: Verdict) -> bool {
         let alone = match &judgement.alone {
             Alone::Always => true,
@@ -39,14 +40,14 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         alone && matches!(verdict, Verdict::Protected(_))
     }
 
-    /// The verdict on a set of satellites that agree: are their protection levels within the limits?
+    /// Returns the verdict on satellites that agree, by comparing their protection levels with the limits.
     ///
-    /// A policy other than `T1` has decided that already, and fills its share of the limit on purpose.
+    /// A policy other than `T1` has compared them already, and fills its share of the limit on purpose.
     fn bounded(&self, reason: Protected, levels: &ProtectionLevels) -> Verdict {
         let ProtectionLevels { hpl_m, vpl_m } = *levels;
         let fraction = self.accepted.requirements.guard_fraction;
         let decided = self.strategy.policy != Policy::T1;
-        // Written so that a level which is not a number is not within a limit.
+        // A NaN level fails this comparison.
         let within = |level_m: f64, limit_m: f64| decided || level_m < fraction * limit_m;
         if !hpl_m.is_finite() || (self.accepted.requirements.val_m.is_some() && !vpl_m.is_finite()) {
             Verdict::Unavailable(Unavailable::Geometry)
@@ -59,7 +60,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         }
     }
 
-    /// As [`Self::bounded`], by ARAIM: with what it asks beside levels, which may fill the limits.
+    /// Works like [`Self::bounded`] for ARAIM, which has two more limits and whose levels may fill the alert limits.
     fn bounded_by_separation(
         &self,
         reason: Protected,
@@ -67,7 +68,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         separation: &Separation,
     ) -> Verdict {
         let Requirements { hal_m, val_m, allocation, .. } = &self.accepted.requirements;
-        // Written so that what is not a number is not within a limit.
+        // NaN fails this comparison.
         let within = |value: f64, limit: Option<f64>| limit.is_none_or(|limit| value <= limit);
         let is_sharp =
             within(separation.effective_monitor_threshold_m, allocation.effective_threshold_limit_m)

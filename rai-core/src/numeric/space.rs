@@ -1,8 +1,8 @@
 //! Sums and products of vectors in space, written out.
 //!
 //! nalgebra's operators are loops over a general shape. Compiled for speed they melt away; compiled for size each is a call
-//! through memory, three to five times as dear as its arithmetic. What every satellite or every mode needs is written with these
-//! instead, and is then as fast at `opt-level = "s"` as at `2`, in less flash.
+//! through memory, three to five times as expensive as its arithmetic. Operations on every satellite or every mode use these
+//! functions instead, and are then as fast at `opt-level = "s"` as at `2`, in less flash.
 //!
 //! ```text
 //! dot        a·b                 difference   a − b          product             M v
@@ -10,11 +10,11 @@
 //! scaled     f a                 sum          a + b          symmetric_product   S v
 //! products   a_i b_i             magnitudes   |a_i|          matrix_product      A B
 //! trace      tr M                diagonal     M_ii           matrix_sum, matrix_difference  A ± B
-//! told       S, six numbers
+//! upper_triangle  S, six numbers
 //! add_outer_product  S + a bᵀ    add_outer_square  S + a aᵀ/f    add_whole_outer_product  M + a bᵀ
 //! ```
 //!
-//! A symmetric matrix is read and written in its lower triangle alone: six numbers stay in registers where nine do not.
+//! A symmetric matrix is read and written in its lower triangle alone: six numbers stay in registers, nine do not.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -32,20 +32,20 @@ pub(crate) fn cross<T: Real>(a: &Vector3<T>, b: &Vector3<T>) -> Vector3<T> {
     Vector3::new(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x)
 }
 
-/// A vector of no length.
+/// Returns the zero vector.
 #[inline]
 pub(crate) fn zero<T: Real>() -> Vector3<T> {
     Vector3::new(T::zero(), T::zero(), T::zero())
 }
 
-/// A matrix of nothing else.
+/// Returns the zero matrix.
 #[inline]
 pub(crate) fn zeros<T: Real>() -> Matrix3<T> {
     let zero = T::zero();
     Matrix3::new(zero, zero, zero, zero, zero, zero, zero, zero, zero)
 }
 
-/// The matrix that changes nothing.
+/// Returns the identity matrix.
 #[inline]
 pub(crate) fn identity<T: Real>() -> Matrix3<T> {
     let (zero, one) = (T::zero(), T::one());
@@ -82,13 +82,13 @@ pub(crate) fn plus_scaled<T: Real>(a: &Vector3<T>, factor: T, b: &Vector3<T>) ->
     Vector3::new(a.x + factor * b.x, a.y + factor * b.y, a.z + factor * b.z)
 }
 
-/// Axis by axis, `a_i b_i`.
+/// Returns `a_i b_i`, axis by axis.
 #[inline]
 pub(crate) fn products<T: Real>(a: &Vector3<T>, b: &Vector3<T>) -> Vector3<T> {
     Vector3::new(a.x * b.x, a.y * b.y, a.z * b.z)
 }
 
-/// Axis by axis, `|a_i|`.
+/// Returns `|a_i|`, axis by axis.
 #[inline]
 pub(crate) fn magnitudes<T: Real>(a: &Vector3<T>) -> Vector3<T> {
     Vector3::new(a.x.abs(), a.y.abs(), a.z.abs())
@@ -190,7 +190,7 @@ pub(crate) fn mirror<T: Real>(matrix: &mut Matrix3<T>) {
     matrix.m23 = matrix.m32;
 }
 
-/// A symmetric matrix, row by row from the diagonal on, in doubles.
+/// Returns the upper triangle of a symmetric matrix, row by row, in doubles.
 #[inline]
 pub(crate) fn told<T: Real>(matrix: &Matrix3<T>) -> [f64; 6] {
     [matrix.m11, matrix.m21, matrix.m31, matrix.m22, matrix.m32, matrix.m33].map(T::widen)
@@ -210,7 +210,7 @@ pub(crate) fn symmetric_determinant<T: Real>(matrix: &Matrix3<T>) -> T {
         + matrix.m31 * (matrix.m21 * matrix.m32 - matrix.m31 * matrix.m22)
 }
 
-/// Its columns.
+/// Returns the columns of a matrix.
 #[inline]
 pub(crate) fn columns<T: Real>(matrix: &Matrix3<T>) -> [Vector3<T>; 3] {
     [
@@ -220,7 +220,7 @@ pub(crate) fn columns<T: Real>(matrix: &Matrix3<T>) -> [Vector3<T>; 3] {
     ]
 }
 
-/// The matrix of three columns.
+/// Returns the matrix of three columns.
 #[inline]
 pub(crate) fn of_columns<T: Real>([first, second, third]: &[Vector3<T>; 3]) -> Matrix3<T> {
     #[rustfmt::skip]

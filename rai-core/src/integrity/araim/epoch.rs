@@ -1,4 +1,4 @@
-//! An epoch judged by the separation of solutions, as [`super::super::judge`] wants it.
+//! Judgement of an epoch by ARAIM, in the form of [`super::super::judge`].
 
 use heapless::Vec;
 
@@ -50,7 +50,7 @@ pub(in crate::integrity) fn judge_epoch<T: Real>(
     }
 }
 
-/// Whether a wrong time of all ranges explains an alarm as well as what was left out for it, which then is taken back.
+/// Returns true if a wrong time of all ranges explains an alarm as well as the exclusion, which then is taken back.
 #[inline(never)]
 fn blames_the_time<T: Real>(
     solution: &mut impl Excludable<T>,
@@ -77,10 +77,10 @@ fn blames_the_time<T: Real>(
     is_of_time
 }
 
-/// What an integrity support message says of each satellite of the epoch.
+/// Returns the integrity support data of each satellite of the epoch.
 ///
-/// The accuracy's variance is the row's with the URE in the place of the URA. A row that claims less than the URA was
-/// made by another model, and is as accurate as it says.
+/// The accuracy's variance is the row's with the URE in place of the URA. A row whose variance is below the URA's was
+/// made by another model, and its accuracy is its sigma.
 #[inline(never)]
 fn priors<T: Real>(solution: &impl Excludable<T>, epoch: &EpochView<'_>, ism: &Ism) -> Vec<Prior<T>, ROOM> {
     let rows = solution.snapshot().equations();
@@ -122,16 +122,16 @@ fn judgement<T: Real>(
         Outcome::Passed | Outcome::NotIsolated => 0,
     };
     let snapshot = solution.snapshot();
-    // Of a constellation as many as there is room for; the separation's part names it whole.
+    // At most [`MAX_EXCLUDED`] satellites of a constellation; the ARAIM part of the report names it as a whole.
     let excluded = members(excluded.unwrap_or(0)).filter_map(|index| {
         let (_, fit) = snapshot.row(index)?;
         Some(Excluded { index, w_test: fit.w_test() })
     });
     let levels = ProtectionLevels { hpl_m: finding.hpl_m().widen(), vpl_m: finding.vpl_m().widen() };
-    // What ranges share (one frequency's ionosphere) no test sees: it comes on top, as for every method.
+    // Shared range errors (one frequency's ionosphere) are invisible to every test, so that they are added, as for every method.
     let levels = levels.plus(&common_shift(snapshot, epoch.common_m()));
-    // What is not watched, for it is promised never to happen or is too unlikely, shows in the residuals alone: then no level is valid,
-    // and nothing says whom to leave out. Beyond the table no threshold is known.
+    // Unmonitored faults, which have probability 0 or are too unlikely, show only in the residuals. Then no level is valid,
+    // and the faulty satellite is unknown. Beyond the table no threshold is known.
     let (sse, dof) = (snapshot.sse(), snapshot.dof());
     let untested = Detection { sse, threshold: infinity(), dof };
     let detection = Detection::of(sse, dof, thresholds).unwrap_or(untested);

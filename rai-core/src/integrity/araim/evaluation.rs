@@ -1,7 +1,7 @@
-//! One walk through the modes of a set of satellites: tests, thresholds, levels.
+//! Evaluation of the modes of a set of satellites: tests, thresholds, levels.
 //!
-//! Modes that the remaining geometry cannot do without are met on the way. They count as not watched, which changes the
-//! number of modes and so all thresholds: the walk is then done once more.
+//! Modes that leave a singular geometry are found on the way. They count as unmonitored, which changes the
+//! number of modes and so all thresholds; the evaluation then runs once more.
 
 use core::ops::ControlFlow;
 
@@ -20,39 +20,39 @@ use crate::numeric::real::Real;
 use crate::numeric::space::{products, zero};
 use crate::satellite::Constellation;
 
-/// Modes that are kept in mind because the geometry cannot do without them, though enough satellites would be left.
+/// Capacity for modes that leave a singular geometry, although enough satellites would remain.
 const SINGULAR: usize = 16;
 
-/// Walks for better references, at most.
+/// Most passes for better references.
 const REFINEMENTS: usize = 2;
 
-/// What of a prior the rounding of a single may take away.
+/// Largest relative loss of a prior by rounding in single precision.
 const PRIOR_ROUNDING: f64 = 1e-6;
 
-/// The choice of modes, and what is known of them with all satellites in view.
+/// Monitored modes, and their properties with all satellites in view.
 #[derive(Clone, Debug)]
 pub(super) struct Watch<'a, T: Real> {
     pub(super) modes: Modes<'a, T>,
     pub(super) allocation: &'a Allocation,
-    /// `ρ`.
+    /// `ρ`, the share of the risk.
     pub(super) share: T,
-    /// Rows whose loss leaves a geometry that determines no position.
+    /// Rows whose loss leaves a singular geometry.
     pub(super) singular: Vec<Set, SINGULAR>,
     /// `P_nm` with all satellites in view.
     pub(super) not_watched: T,
 }
 
-/// How a walk is done.
+/// Purpose of an evaluation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Purpose {
-    /// Tests and levels, whatever the tests say.
+    /// All tests and levels.
     Describe,
-    /// Nothing beyond the first alarm.
+    /// Stops at the first alarm.
     Accept,
 }
 
 impl<'a, T: Real> Watch<'a, T> {
-    /// With nothing chosen yet.
+    /// Returns the modes before the choice.
     #[allow(clippy::inline_always, reason = "made where it stays: it is large")]
     #[inline(always)]
     pub(super) fn nothing(constellations: [T; Constellation::COUNT], allocation: &'a Allocation) -> Self {
@@ -64,31 +64,31 @@ impl<'a, T: Real> Watch<'a, T> {
             not_watched: T::zero(),
         }
     }
-    /// Whether enough satellites are left without a set of rows, and are known to determine a position.
+    /// Returns true if enough satellites remain without a set of rows, and their geometry is not known to be singular.
     pub(super) fn is_monitorable(&self, taken: Set) -> bool {
         self.leaves_enough(taken, 0) && !self.singular.contains(&taken)
     }
 
-    /// Whether a position and the clocks are left, and so many satellites more.
+    /// Returns true if the remaining satellites determine position and clocks, and `more` exceed that.
     pub(super) fn leaves_enough(&self, taken: Set, more: u32) -> bool {
         let left = (self.modes.satellites & !taken).count_ones();
-        // Mostly enough for a clock of every constellation that there is.
+        // Mostly enough for a clock of every constellation.
         left >= 3 + Constellation::COUNT as u32 + more || left >= 3 + self.clocks_left(taken) + more
     }
 
-    /// Constellations of which satellites are left without a set of rows.
+    /// Returns the number of constellations with remaining satellites.
     fn clocks_left(&self, taken: Set) -> u32 {
         self.modes.members.iter().filter(|&&members| members & !taken != 0).count() as u32
     }
 
-    /// Rows of which each by itself is watched without `gone`, where that leaves one satellite more than unknowns.
+    /// Returns the rows that are monitored singly without `gone` and leave one satellite more than unknowns.
     pub(super) fn singles(&self, gone: Set) -> Set {
         let watched = |&index: &usize| self.modes.watches(index) && self.is_monitorable(row(index));
         let left = self.modes.not_alone(gone) & !gone;
         members(left).filter(watched).fold(0, |set, index| set | row(index))
     }
 
-    /// Judges what is left without `gone`, of which `solutions` is the solution.
+    /// Judges the remaining rows without `gone`; `solutions` holds their solution.
     pub(super) fn judge(
         &mut self,
         solutions: &mut Solutions<'_, T>,
@@ -101,7 +101,7 @@ impl<'a, T: Real> Watch<'a, T> {
         if count.modes > MAX_MODES {
             return Err(SeparationError::Modes);
         }
-        // The second time nothing is found that is not counted already.
+        // The second evaluation finds no singular mode that is not counted.
         for _ in 0..2 {
             if gone == 0 {
                 self.not_watched = self.modes.not_watched + count.unmonitorable;
@@ -121,7 +121,7 @@ impl<'a, T: Real> Watch<'a, T> {
         Err(SeparationError::Modes)
     }
 
-    /// Counts what can be watched, by the number of satellites alone.
+    /// Counts the modes that can be monitored, by the number of satellites alone.
     #[inline(never)]
     fn count(&self, remains: &Remains) -> Count<T> {
         let gone = remains.gone;
@@ -135,20 +135,20 @@ impl<'a, T: Real> Watch<'a, T> {
     }
 }
 
-/// Modes that are watched, and the probability of those that cannot be.
+/// Number of monitored modes, and the probability of those that cannot be monitored.
 #[derive(Clone, Debug)]
 struct Count<T> {
     modes: usize,
     unmonitorable: T,
-    /// Whether modes that the geometry cannot do without are counted out already.
+    /// True if modes with a singular geometry are excluded already.
     singular: bool,
 }
 
-/// Counts modes.
+/// Visitor that counts modes.
 struct Counter<'w, 'a, T: Real> {
     watch: &'w Watch<'a, T>,
     gone: Set,
-    /// So many satellites can be taken from any constellations.
+    /// Number of satellites that any mode may take.
     ample: usize,
     count: Count<T>,
 }
@@ -173,26 +173,26 @@ impl<T: Real> Visitor<T> for Counter<'_, '_, T> {
     }
 }
 
-/// Modes that turned out to leave no position.
+/// Modes that were found to leave a singular geometry.
 struct Singular<T> {
     modes: usize,
     probability: T,
     sets: Vec<Set, SINGULAR>,
 }
 
-/// The root of a variance. Where a geometry is so poor that rounding leaves none of it, nothing is known, and it is infinite.
+/// Returns the root of a variance, or infinity for a negative or NaN one, which a very poor geometry can give.
 fn deviation<T: Real>(variance: T) -> T {
     if variance >= T::zero() { variance.root() } else { infinity() }
 }
 
-/// One walk.
+/// One evaluation.
 struct Pass<'p, 'a, 'v, T: Real> {
     watch: &'p Watch<'a, T>,
     solutions: &'p mut Solutions<'v, T>,
     remains: &'p Remains,
     purpose: Purpose,
     modes: usize,
-    /// Modes taken, in this walk and those before.
+    /// Number of modes evaluated, in this pass and those before.
     taken: usize,
     skips_singular: bool,
     not_watched: T,
@@ -200,15 +200,15 @@ struct Pass<'p, 'a, 'v, T: Real> {
     axes: &'p mut [Axis<T>; 3],
     gate: Gate<T>,
     quantiles: Quantiles<T>,
-    /// Whether the gate lets anything pass.
+    /// True if the screen lets modes pass.
     has_reference: bool,
     levels: [Level<T>; 3],
     squared_factors: Vector3<T>,
     accuracy_m: T,
-    /// The largest of a likely mode, up, squared.
+    /// Largest squared threshold of a likely mode, up, m².
     threshold: T,
     likely: T,
-    /// The largest separation over its threshold, squared.
+    /// Largest squared separation over its squared threshold.
     worst: T,
     alarm: bool,
     singular: Singular<T>,
@@ -225,7 +225,7 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
     ) -> Self {
         let allocation = watch.allocation;
         let phmi = watch.modes.mandatory();
-        // With all satellites what cannot be watched is part of P_nm; after an exclusion it can fall on this outcome whole.
+        // With all satellites the modes that cannot be monitored are part of P_nm; after an exclusion they may all belong to this outcome.
         let newly = if remains.gone == 0 { T::zero() } else { count.unmonitorable };
         let left = (watch.share * (phmi - watch.not_watched) - newly) / phmi;
         let two = T::one() + T::one();
@@ -292,7 +292,7 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
         Some(self.finding())
     }
 
-    /// Singles and constellations first: they say where the levels are, about.
+    /// Evaluates singles and constellations first, because they give approximate levels.
     fn walk(&mut self, is_first: bool) {
         let (watch, remains) = (self.watch, self.remains);
         let taken_before = self.taken;
@@ -302,7 +302,7 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
                 return;
             }
             if self.taken + self.singular.modes >= taken_before + self.modes {
-                // What is left cannot be watched.
+                // The remaining modes cannot be monitored.
                 break;
             }
             if is_first && *sizes.end() == 1 {
@@ -311,14 +311,14 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
         }
     }
 
-    /// With singles and constellations at hand, and more to come.
+    /// Raises the references after singles and constellations, before the other modes.
     fn settle(&mut self) {
         self.sort_out();
         self.axes.iter_mut().filter(|axis| axis.is_open()).for_each(Axis::settle);
         self.gate = Gate::of(self.axes);
     }
 
-    /// What modes must stay below that are as likely as these at most.
+    /// Returns the bounds for modes of at most this batch's probability.
     fn bounds(&self, batch: &Batch<T>) -> Bounds<T> {
         let limits = &self.squared_factors;
         let [least, largest] = if limits.x < limits.z { [limits.x, limits.z] } else { [limits.z, limits.x] };
@@ -328,7 +328,7 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
         Bounds { worst: self.worst * least, evenness: least / largest, effective, ..bounds }
     }
 
-    /// Looks for a reference in what one mode alone spends.
+    /// Raises the references to the distance at which one mode alone spends the risk.
     #[inline(never)]
     fn sort_out(&mut self) {
         for axis in self.axes.iter_mut().filter(|axis| axis.is_open()) {
@@ -338,7 +338,7 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
         self.has_reference = true;
     }
 
-    /// Tests and thresholds by their squares: few modes need the roots.
+    /// Tests by squares, because few modes need the roots.
     #[inline]
     fn take(&mut self, mode: &Mode<T>) {
         let Some(solution) = self.solutions.without(mode.hypothesis) else {
@@ -349,7 +349,7 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
         let thresholds = products(&solution.separation, &self.squared_factors);
         let distances = products(&solution.shift, &solution.shift);
         let worst = self.worst;
-        // What is no worse than the worst so far alarms no more than it does. What is not a number is worse.
+        // A separation no worse than the worst so far cannot alarm anew. NaN fails this comparison, so that it counts as worse.
         let is_worse = |distance: T, threshold: T| !(distance <= worst * threshold);
         if is_worse(distances.x, thresholds.x)
             || is_worse(distances.y, thresholds.y)
@@ -367,12 +367,12 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
         }
     }
 
-    /// Takes note of the largest separation so far.
+    /// Stores the largest separation so far.
     #[inline(never)]
     fn note(&mut self, distances: &Vector3<T>, thresholds: &Vector3<T>) {
         let axes = [(distances.x, thresholds.x), (distances.y, thresholds.y), (distances.z, thresholds.z)];
         for (distance, threshold) in axes {
-            // Rounding can take a variance of nothing below nothing.
+            // Rounding can make a zero variance slightly negative.
             let threshold = if threshold < T::zero() { T::zero() } else { threshold };
             if !(distance <= threshold) {
                 self.alarm = true;
@@ -396,7 +396,7 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
         probability >= self.likely * self.watch.modes.healthy()
     }
 
-    /// Adds the mode to the sums in which it may matter.
+    /// Adds the mode to the sums on which it may matter.
     #[inline(never)]
     fn add(&mut self, mode: &Mode<T>, solution: &Solution<T>, thresholds: &Vector3<T>, bias: &Vector3<T>) {
         if !self.has_reference && mode.hypothesis.constellations == 0 {
@@ -409,7 +409,7 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
         up.add(&Candidate::of(mode, thresholds.z, variance.z), bias.z);
     }
 
-    /// The same with biases, which are worked out only where a bound on them does not decide.
+    /// Adds the mode with its biases, which are computed only if a bound on them does not decide.
     #[inline(never)]
     fn add_biased(&mut self, mode: &Mode<T>, solution: &Solution<T>, thresholds: &Vector3<T>) {
         let bound = self.solutions.bias_bound();
@@ -427,11 +427,11 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
         }
         self.singular.modes += 1;
         self.singular.probability += mode.probability;
-        // Beyond the room it is charged to whichever outcome meets it: more, never less.
+        // Beyond the capacity it is charged to every outcome that meets it: more, never less.
         let _ = self.singular.sets.push(taken & !self.remains.gone);
     }
 
-    /// The levels with all modes.
+    /// Computes the levels with all modes.
     #[inline(never)]
     fn solve(&mut self) {
         for (level, axis) in self.levels.iter_mut().zip(self.axes.iter()) {

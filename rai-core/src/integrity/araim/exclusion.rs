@@ -1,19 +1,19 @@
-//! After an alarm: which satellite, or which constellation, can be left out so that the others agree?
+//! Exclusion after an alarm: the satellite or the constellation without which the others agree.
 //!
 //! Candidates leave at least one satellite more than unknowns. Satellites come first, then constellations, each in
-//! ascending weighted SSE of what remains; the first that does not alarm is taken. Each is judged by all the modes that
-//! were chosen with all satellites in view, restricted to what remains, so that a wrong exclusion is within the risk.
+//! ascending weighted SSE of the remaining rows; the first that does not alarm is taken. Each is judged by all modes that
+//! were chosen with all satellites in view, restricted to the remaining ones, so that a wrong exclusion is within the risk.
 //!
-//! To judge a candidate costs as much as to judge the epoch: no more than a satellite and a constellation are. Most
-//! candidates need no judgement, since another satellite is still so far off that its own test alarms. That test is
-//! algebra on the solution with all satellites:
+//! Judging a candidate costs as much as judging the epoch, so that at most one satellite and one constellation are judged. Most
+//! candidates need no judgement, because another satellite is still so far off that its own test alarms. That test is
+//! algebra on the all-in-view solution:
 //!
 //! ```text
 //! contradicted    |A_k v_k| > (1 + margin) K |A_k| √κ_kk     on any axis, for any single satellite k that remains
 //! ```
 //!
-//! with `A_k`, `v_k`, `κ_kk` as the candidate leaves them ([`super::subsets`]). `K` is that of the modes with all
-//! satellites; the candidate's has no more of them and is no larger, so that what is contradicted here would alarm there.
+//! with `A_k`, `v_k`, `κ_kk` without the candidate ([`super::subsets`]). `K` is that of the modes with all
+//! satellites. The candidate's `K` is no larger, because it has no more modes, so that a contradiction here is an alarm there.
 //!
 //! References: [MAAST] for the order and the shares.
 //!
@@ -34,48 +34,48 @@ use crate::least_squares::equations::Row;
 use crate::numeric::real::Real;
 use crate::satellite::Constellation;
 
-/// How an epoch ends.
+/// Result of an epoch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Outcome<T> {
     /// No test alarms.
     Passed,
-    /// One alarms; without what is named here, which has been left out, none does.
+    /// A test alarms; without the satellite or constellation below, which was left out, no test does.
     Excluded {
         /// The satellite or the constellation.
         excluded: Hypothesis,
-        /// Its rows.
+        /// Rows of it.
         rows: u64,
-        /// What is found without it.
+        /// Finding without it.
         finding: Finding<T>,
     },
-    /// One alarms, and so does one without any single satellite or constellation; or exclusion is off.
+    /// A test alarms with every single satellite or constellation left out, or exclusion is off.
     NotIsolated,
 }
 
-/// Everything that was found.
+/// Result of the judgement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Judged<T> {
-    /// What may be left out after an alarm.
+    /// Number of exclusions that are possible after an alarm.
     pub options: usize,
     /// Share of the risk of each outcome.
     pub share: T,
-    /// With all satellites.
+    /// Finding with all satellites.
     pub whole: Finding<T>,
-    /// What came of it.
+    /// Result after an alarm, if any.
     pub outcome: Outcome<T>,
 }
 
-/// Below this a constellation is not among the options.
+/// Prior probability below which a constellation is not among the options.
 const OPTIONAL: f64 = 1e-7;
 
-/// Room for what judging has for each row and each term. It keeps nothing.
+/// Scratch memory for each row and each term. It keeps no state.
 #[derive(Clone, Debug)]
 pub struct Room<T: Real> {
     odds: Odds<T>,
     solving: Solving<T>,
 }
 
-/// What of it each solution and each walk takes up anew.
+/// Part of the scratch memory that each solution and each pass overwrites.
 #[derive(Clone, Debug)]
 struct Solving<T: Real> {
     own: Vec<Own<T>, ROOM>,
@@ -89,7 +89,7 @@ impl<T: Real> Default for Room<T> {
 }
 
 impl<T: Real> Room<T> {
-    /// Of no epoch yet.
+    /// Returns empty scratch memory.
     #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
     #[inline(always)]
     pub fn new() -> Self {
@@ -98,10 +98,10 @@ impl<T: Real> Room<T> {
     }
 }
 
-/// Judges an epoch, and leaves out what disturbs it.
+/// Judges an epoch, and leaves out the faulty satellite or constellation.
 ///
 /// # Errors
-/// [`SeparationError`] where the declared bounds do not hold: nothing is promised then.
+/// [`AraimError`] if a declared bound is exceeded; no level is valid then.
 pub fn judge<T: Real>(
     epoch: &mut impl Excludable<T>,
     priors: &Priors<'_, T>,
@@ -110,10 +110,10 @@ pub fn judge<T: Real>(
     judge_in(epoch, priors, allocation, &mut Room::new())
 }
 
-/// As [`judge`], with room that who has little stack keeps elsewhere.
+/// Works like [`judge`], with scratch memory of a caller with a small stack.
 ///
 /// # Errors
-/// As there.
+/// As [`judge`].
 pub fn judge_in<T: Real>(
     epoch: &mut impl Excludable<T>,
     priors: &Priors<'_, T>,
@@ -140,7 +140,7 @@ pub fn judge_in<T: Real>(
     Ok(judged)
 }
 
-/// Sigmas and biases beyond these are no promise, and squares of squares of them no numbers, m: as for a range
+/// Range of sigmas and biases, m. Beyond it no integrity support is plausible, and fourth powers overflow; as for a range
 /// ([`crate::epoch::Epoch::push`]).
 const LEAST_M: f64 = 1e-3;
 const LARGEST_M: f64 = 1e6;
@@ -168,7 +168,7 @@ pub(super) fn choose<'r, T: Real>(
     watch.modes.choose(satellites, odds, watch.allocation)
 }
 
-/// What is found of an epoch without the rows of a set.
+/// Evaluates an epoch without the rows of a set.
 #[inline(never)]
 fn describe<T: Real>(
     watch: &mut Watch<'_, T>,
@@ -184,11 +184,11 @@ fn describe<T: Real>(
     watch.judge(&mut solutions, axes, gone, purpose)
 }
 
-/// What may be left out.
+/// Satellites and constellations that may be left out.
 #[derive(Clone, Copy, Debug)]
 struct Options {
     satellites: Set,
-    /// A bit for each constellation id.
+    /// Constellations, a bit for each id.
     constellations: u8,
 }
 
@@ -196,7 +196,7 @@ impl Options {
     fn of<T: Real>(watch: &Watch<'_, T>, faults: &[T; Constellation::COUNT]) -> Self {
         let modes = &watch.modes;
         let is_option = |(&size, &fault): (&usize, &T)| {
-            // A lone satellite is its constellation: one option.
+            // A lone satellite is its constellation, which is one option.
             size > 1 && fault > T::narrow(OPTIONAL)
         };
         let each = modes.sizes.iter().zip(faults).map(is_option).enumerate();
@@ -204,7 +204,7 @@ impl Options {
         Self { satellites: modes.satellites, constellations }
     }
 
-    /// Each constellation among them.
+    /// Iterates over the constellations among them.
     fn constellations(&self) -> impl Iterator<Item = Hypothesis> {
         let bits = (0..Constellation::COUNT).map(|id| 1 << id);
         bits.filter(|bit| self.constellations & bit != 0).map(Hypothesis::of_constellations)
@@ -215,14 +215,16 @@ impl Options {
     }
 }
 
-/// By how much more than rounding can do the square of a test exceeds that of its threshold.
+/// Relative margin of a squared test over its squared threshold, above the effect of rounding.
 const MARGIN: f64 = 1e-2;
 
-/// Options that are tried: the best satellite, then the best constellation. Each costs nearly as much as the epoch itself; what
-/// these do not explain is several faults, and an alert. A second satellite would be one that fits worse than the first.
+/// Most options that are judged: the best satellite, then the best constellation.
+///
+/// Each costs nearly as much as the epoch itself. Data that these do not explain contain several faults, which is an alert. A
+/// second satellite would be one that fits worse than the first.
 const MOST_TRIED: usize = 2;
 
-/// Tries one option after another.
+/// Judges one option after another.
 #[cold]
 #[inline(never)]
 fn exclude<T: Real>(
@@ -254,7 +256,7 @@ fn exclude<T: Real>(
     Ok(Outcome::NotIsolated)
 }
 
-/// The option that leaves the smallest SSE, of those that no single satellite contradicts.
+/// Returns the option that leaves the smallest SSE, of those that no single satellite contradicts.
 #[inline(never)]
 fn next<T: Real>(
     watch: &Watch<'_, T>,
@@ -278,7 +280,7 @@ fn next<T: Real>(
     satellite.or_else(|| last_of(left.constellations(), &mut agreeing))
 }
 
-/// The last option that is better than those before it.
+/// Returns the last option that is better than those before it.
 fn last_of<T: Real>(
     options: impl Iterator<Item = Hypothesis>,
     better: &mut impl FnMut(Hypothesis, Option<T>) -> Option<(T, Hypothesis)>,

@@ -1,7 +1,7 @@
-//! ARAIM: solutions with and without every plausible set of faulty satellites, and levels that hold all of them.
+//! ARAIM: solution separation over all monitored fault modes, with protection levels that account for the whole risk.
 //!
 //! ```text
-//! alarm          |x_k − x| > T_k = K σ_ss,k     on any axis, for any watched mode k
+//! alarm          |x_k − x| > T_k = K σ_ss,k     on any axis, for any monitored mode k
 //! K              Q⁻¹(P_FA_H / 4M), Q⁻¹(P_FA_V / 2M)
 //! level          2 Q((L − b_0)/σ_0) + Σ p_k Q((L − T_k − b_k)/σ_k) = R
 //! R              PHMI_V/PHMI (ρ (PHMI − P_nm) − p_new),  half of it with PHMI_H for each horizontal axis
@@ -11,26 +11,26 @@
 //! | symbol | field | unit |
 //! |---|---|---|
 //! | `M` | [`Finding::modes`] | – |
-//! | `P_nm` | [`Finding::not_watched`] | – |
+//! | `P_nm` | [`Finding::unmonitored_probability`] | – |
 //! | `K` | [`Finding::factors`] | – |
 //! | `L` | [`Finding::levels_m`], east, north, up | m |
 //! | largest `T_k`, up, of the likely modes | [`Finding::effective_monitor_threshold_m`] | m |
 //! | `σ_acc`, up | [`Finding::accuracy_m`] | m |
 //!
-//! In this order: [`modes`] chooses what is watched, [`subsets`] says what the position would be without each mode,
-//! [`levels`] sums up. After an alarm the satellites that may be left out are tried one after another, then the
-//! constellations: those that leave the smallest residuals first; the first set that agrees is taken. Every outcome,
-//! exclusion or none, has its share of the risk, so that a wrong exclusion is paid for too. An epoch's outcome has to pass
-//! the global test of [`super::raim::detection`] besides: it alone sees what is not watched.
+//! Three steps: [`modes`] chooses the monitored fault modes, [`subsets`] computes the position without each mode,
+//! [`levels`] sums the risk. After an alarm, exclusions are tried one after another: satellites, then
+//! constellations, in ascending residuals; the first set that agrees is taken. Every outcome,
+//! with or without an exclusion, has its share of the risk, so that the risk includes a wrong exclusion. An epoch must also pass
+//! the global test of [`super::raim::detection`], which alone sees unmonitored faults.
 //!
-//! Unlike the levels of [`super::raim`], these hold noise, several faults and the loss of a constellation, with
-//! the risk accounted for. They are as good as the priors and sigmas they are given ([`crate::weighting`]).
+//! Unlike the levels of [`super::raim`], these include noise, several faults and the loss of a constellation, with
+//! the risk accounted for. They are as good as the priors and sigmas that they are given ([`crate::weighting`]).
 //!
-//! Cost on a Cortex-M4F in `f32`: some 400 instructions for each mode, tests and levels together, and nothing for those that
-//! are not watched: bounds dismiss most in 150, the others are solved. Nothing is stored for each mode.
-//! Limits: [`ROWS`] rows, [`MAX_MODES`] modes; beyond, nothing is promised.
+//! Cost on a Cortex-M4F in `f32`: some 400 instructions for each monitored mode, tests and levels together. Bounds dismiss most
+//! modes in 150, the others are solved. Nothing is stored for each mode.
+//! Limits: [`ROWS`] rows, [`MAX_MODES`] modes; beyond, [`AraimError`].
 //!
-//! References: [Blanch2015], [MAAST], whose choices are taken wherever the paper leaves one.
+//! References: [Blanch2015], [MAAST], whose choices are taken where the paper leaves one.
 //!
 //! [Blanch2015]: crate#references
 //! [MAAST]: crate#references
@@ -61,15 +61,15 @@ use crate::least_squares::{Fit, Snapshot};
 use crate::numeric::real::Real;
 use crate::satellite::Constellation;
 
-/// Most modes that are watched at once.
+/// Most modes that are monitored at once.
 pub const MAX_MODES: usize = 1024;
 
-/// A solved epoch as it is read here.
+/// A solved epoch as ARAIM reads it.
 #[derive(Clone, Copy, Debug)]
 pub struct View<'v, T: Real> {
-    /// The equations; of weight 0 where a row is left out.
+    /// The equations; weight 0 for a row that is left out.
     pub rows: &'v [Row<T>],
-    /// What the solution says of each.
+    /// The fit of each equation.
     pub fits: &'v [Fit<T>],
     /// Covariance of the position, m².
     pub covariance: &'v Matrix3<T>,
@@ -89,7 +89,7 @@ impl<'v, T: Real> View<'v, T> {
     }
 }
 
-/// What integrity knows of one satellite beside the sigma of its row.
+/// Integrity data of one satellite beside the sigma of its row.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Prior<T> {
     /// Standard deviation for accuracy and continuity, m.
@@ -103,22 +103,24 @@ pub struct Prior<T> {
 /// Priors of the satellites, which are the first rows, and of their constellations.
 #[derive(Clone, Copy, Debug)]
 pub struct Priors<'p, T> {
-    /// For each satellite, in the order of the rows; rows beyond are aids that never fail.
+    /// Priors of each satellite, in the order of the rows; later rows are aiding rows that never fail.
     pub satellites: &'p [Prior<T>],
     /// Probability that a constellation as a whole is faulty, in [0, 0.5).
     pub constellations: [T; Constellation::COUNT],
 }
 
-/// Why nothing can be said: a word, so that what is found in its place is copied by words.
+/// Reason why ARAIM gives no result.
+///
+/// A word in memory, so that the alternative is copied by words.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u32)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum SeparationError {
     /// More rows than [`ROWS`].
     Rows,
-    /// More modes to watch than [`MAX_MODES`].
+    /// More modes to monitor than [`MAX_MODES`].
     Modes,
-    /// A probability outside [0, 0.5), or a bias or sigma that no range has: below 1 mm, above 1000 km.
+    /// A probability outside [0, 0.5), or a bias or sigma below 1 mm or above 1000 km.
     Prior,
 }
 
@@ -134,16 +136,16 @@ impl fmt::Display for SeparationError {
 
 impl core::error::Error for SeparationError {}
 
-/// What the separation of solutions says of one set of satellites.
+/// Result of solution separation for one set of satellites.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Finding<T> {
-    /// Watched modes.
+    /// Number of monitored modes.
     pub modes: usize,
-    /// Probability of what is not watched, exclusion included.
+    /// Probability of unmonitored faults, those after an exclusion included.
     pub not_watched: T,
     /// Thresholds in units of the separation's sigma, east, north, up.
     pub factors: [T; 3],
-    /// Protection levels, east, north, up, m; infinite where the risk is spent before.
+    /// Protection levels, east, north, up, m; infinite if the unmonitored faults spend the risk.
     pub levels_m: [T; 3],
     /// The largest threshold of a likely mode, up, m.
     pub effective_monitor_threshold_m: T,
@@ -153,7 +155,7 @@ pub struct Finding<T> {
     pub ratio: T,
     /// The mode with the largest share in each level.
     pub dominant: [Hypothesis; 3],
-    /// Whether any solution lies beyond its threshold.
+    /// True if any solution is beyond its threshold.
     pub alarm: bool,
 }
 

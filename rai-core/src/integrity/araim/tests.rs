@@ -1,5 +1,4 @@
-//! What is internal to the method: the worked example with every intermediate, and random skies against dense
-//! least squares.
+//! Tests of internals: the worked example with every intermediate, and random skies against dense least squares.
 
 use std::ops::ControlFlow;
 use std::prelude::rust_2024::*;
@@ -18,7 +17,7 @@ use crate::satellite::Constellation;
 
 type Epoch = LinearEpoch<f64, ROWS>;
 
-/// Does something with each mode.
+/// Calls a function for each mode.
 struct Each<F>(F);
 
 impl<T, F: FnMut(&Mode<T>) -> ControlFlow<()>> Visitor<T> for Each<F> {
@@ -71,7 +70,7 @@ fn example() -> (Epoch, Vec<Prior<f64>>) {
 
 const EXAMPLE_CONSTELLATIONS: [f64; Constellation::COUNT] = [1e-4, 1e-4, 0.0, 0.0];
 
-/// As the example has it: no consolidation, 8e-8 unwatched, detection only.
+/// Returns the allocation of the example: no consolidation, 8e-8 unmonitored, detection only.
 fn example_allocation() -> Allocation {
     Allocation { not_watched: 8e-8, consolidation: 0.0, exclusion: false, ..Allocation::vertical_guidance() }
 }
@@ -80,7 +79,7 @@ fn close(what: &str, have: f64, want: f64, within: f64) {
     assert!((have - want).abs() <= within, "{what}: have {have:.9}, want {want:.9}");
 }
 
-/// The choice of modes.
+/// Returns the chosen modes.
 fn watched<'a>(
     snapshot: &Snapshot<'_, f64>,
     priors: &Priors<'_, f64>,
@@ -92,7 +91,7 @@ fn watched<'a>(
     watch
 }
 
-/// Ready for the modes.
+/// Returns solutions that are ready for the modes.
 fn solutions<'s>(snapshot: &'s Snapshot<'_, f64>, priors: &[Prior<f64>]) -> Solutions<'s, f64> {
     let mut solutions = Solutions::of(View::of(&snapshot), std::boxed::Box::leak(std::boxed::Box::default()));
     solutions.prepare(priors);
@@ -112,7 +111,7 @@ fn the_worked_example_has_the_published_levels() {
     for (factor, want) in found.factors.into_iter().zip([5.894_859_64, 5.894_859_64, 5.108_340_84]) {
         close("K", factor, want, 1e-8);
     }
-    // What is reported is never below the root; 0.3 mm above it are allowed, here it is closer.
+    // A reported level is never below the root; up to 0.3 mm above it are allowed, here it is closer.
     let wanted = [8.903_414_15, 10.022_778_92, 18.292_447_11];
     for (level_m, want) in found.levels_m.into_iter().zip(wanted) {
         assert!(level_m > want - 1e-8 && level_m < want + 1e-5, "level {level_m:.9}, want {want:.9}");
@@ -175,7 +174,7 @@ fn the_worked_example_has_the_published_intermediates() {
     }
 }
 
-/// Numbers between 0 and 1, the same every time.
+/// Pseudo-random numbers between 0 and 1 with a fixed seed.
 struct Dice(u64);
 
 impl Dice {
@@ -209,7 +208,7 @@ fn sky(dice: &mut Dice, count: usize) -> Sky {
     Sky { epoch, priors, constellations }
 }
 
-/// What dense least squares with a column for each clock gives: gains (three rows of `S`) and position.
+/// Returns the result of dense least squares with a column for each clock: gains (three rows of `S`) and position.
 fn dense(sky: &Sky, taken: u64) -> (DMatrix<f64>, DVector<f64>) {
     let kept: Vec<usize> = (0..sky.priors.len()).filter(|index| taken >> index & 1 == 0).collect();
     let mut clocks: Vec<usize> = kept.iter().map(|&index| sky.constellations[index]).collect();
@@ -279,7 +278,7 @@ fn every_set_of_three_events_is_as_dense_least_squares_has_it() {
         let mut workspace = Workspace::of(sky.epoch.clone());
         let snapshot = workspace.solve().expect("a position");
         let constellations = [1e-4, 1e-4, 1e-4, 1e-4];
-        // Faults so likely that three at once must be watched, and one that is not watched is hardly allowed.
+        // Faults so likely that three at once must be monitored, and hardly any may be unmonitored.
         let priors: Vec<_> = sky.priors.iter().map(|&prior| Prior { fault: 0.05, ..prior }).collect();
         let all = Priors { satellites: &priors, constellations };
         let allocation =
@@ -298,7 +297,7 @@ fn every_set_of_three_events_is_as_dense_least_squares_has_it() {
                 core::ops::ControlFlow::Continue(())
             }),
         );
-        // What neighbours share is kept: any order must do.
+        // Intermediate results of neighbours are kept: any order must give the same.
         for step in [1, 2, 7] {
             for offset in 0..step {
                 for &hypothesis in hypotheses.iter().skip(offset).step_by(step) {
@@ -313,7 +312,7 @@ fn every_set_of_three_events_is_as_dense_least_squares_has_it() {
     assert!(compared > 3000, "{compared} sets");
 }
 
-/// Every combination, one after another, as the rule reads: the reference for the choice and for merging.
+/// Enumerates every combination as the rule reads: the reference for the choice and for merging.
 #[test]
 fn the_choice_is_that_of_the_rule_read_literally() {
     let mut dice = Dice(5);
@@ -429,7 +428,7 @@ fn literal(
     (merged, not_watched)
 }
 
-/// The order of the rows means nothing, nor does a turn about the vertical.
+/// The order of the rows has no meaning, nor has a rotation about the vertical.
 #[test]
 fn levels_do_not_depend_on_the_order_of_the_satellites() {
     let mut dice = Dice(3);
@@ -450,7 +449,7 @@ fn levels_do_not_depend_on_the_order_of_the_satellites() {
         judge(&mut snapshot, &priors, &Allocation::vertical_guidance()).expect("a judgement").whole
     };
     let forwards: Vec<usize> = (0..16).collect();
-    // Within each constellation the other way round: which pairs are watched last depends on the listing.
+    // Reversed within each constellation, because the last monitored pairs depend on the listing.
     let backwards: Vec<usize> = (0..16).rev().collect();
     let (one, other) = (levels(&forwards), levels(&backwards));
     assert_eq!(one.modes, other.modes);

@@ -1,4 +1,4 @@
-//! Protection levels: how large can the position error be that the test does not see?
+//! Protection levels: how large can the position error be while the test passes?
 //!
 //! A bias `b` of satellite `i` adds `b²r_i/σ_i²` to the non-centrality of SSE and moves the position by `b A_i`. The bias
 //! that is missed with probability `P_md` has the non-centrality `λ(dof, P_fa, P_md)`; with the noise `σ` on the position
@@ -12,45 +12,46 @@
 //! | symbol | field | unit |
 //! |---|---|---|
 //! | `slope_h`, `slope_v` | [`Slopes`] | m per unit of `√λ` |
-//! | `σ` | [`Spread`]: `σ_U`, and horizontally the longer semi-axis | m |
-//! | `k = Q⁻¹(P_md)` | [`Factors`] | – |
-//! | `k'`, `K` | the same: `Q⁻¹(P/2)` vertically, `√(2 ln 1/P)` horizontally, of `P_md` and `P_ff` | – |
+//! | `σ` | [`PositionSigma`]: `σ_U`, and horizontally the longer semi-axis | m |
+//! | `k = Q⁻¹(P_md)` | [`KFactors`] | – |
+//! | `k'`, `K` | [`KFactors`]: `Q⁻¹(P/2)` vertically, `√(2 ln 1/P)` horizontally, with `P_md` and `P_ff` | – |
 //! | `HPL`, `VPL` | [`ProtectionLevels`] | m |
 //!
-//! **Why the bound holds.** Along the fault's direction in parity space the test sees `b + noise`, and the position,
-//! independently, `s b + σ noise` (`b` in units of `√λ`). Up to the bias `√λ` the chance of a miss is at most
-//! `Q(b − (√λ − k))`; beyond, it is below `P_md` by itself. To be missed and to exceed the level are two independent normal
-//! tails, whose product lies in a half-plane through the corner (`√λ − k`, level); turned by `tan θ = σ/s` the bias drops
-//! out of its distance, and what is left is `Q(k') = P_md` for any bias. `√(s² + σ²)` is the standard deviation of
+//! **Proof of the bound.** Along the fault's direction in parity space the test sees `b + noise`, and the position,
+//! independently, `s b + σ noise` (`b` in units of `√λ`). Up to the bias `√λ` the probability of a miss is at most
+//! `Q(b − (√λ − k))`; beyond, it is below `P_md` alone. A miss and an error above the level are two independent normal
+//! tails, whose product lies in a half-plane through the corner (`√λ − k`, level). Turned by `tan θ = σ/s` the bias cancels
+//! in its distance, and `Q(k') = P_md` remains for any bias. `√(s² + σ²)` is the standard deviation of
 //! the position without that satellite. The papers' level is the limit of `σ → 0`: it bounds the mean error of the worst
 //! missed bias, and an error beyond it is up to 84 times likelier than `P_md` at 1e-3, and 36,000 times at 1e-6.
 //!
-//! **Shared errors.** What a model of the ionosphere misses has one sign in all ranges: it hides in the clocks and lifts the
-//! position, and no test sees it. [`common_shift`] adds `k_c |Σ_i w_i g_i m_i|` to each level, where `m` is that part of each
-//! range's error at one sigma; as a bias, since it neither averages out over satellites nor over time.
+//! **Shared errors.** The residual error of an ionosphere model has one sign in all ranges. It is absorbed by the clocks and
+//! lifts the position, and no test sees it. [`common_shift`] adds `k_c |Σ_i w_i g_i m_i|` to each level, where `m` is that part
+//! of each range's error at one sigma. It counts as a bias, because it averages out neither over satellites nor over time.
 //!
 //! A satellite without redundancy has slope 0 if it does not move the position (the lone satellite of a
 //! constellation), else an infinite one. By the identity `HDOP_i² − HDOP² = (A_1i² + A_2i²)/S_ii` the change of HDOP
 //! bounds the same thing for a common sigma ([Lin2016] eq. 22–26).
 //!
-//! **Hardly tested rows.** `r_i` is what is left of 1, and where little is left, single precision is too coarse: a slope
-//! would come out as much as a fifth too small. Below a redundancy of 0.1 both are therefore taken from what the other
-//! rows say of this one, where nothing cancels. With `P`, `d_i` and `W_c` of the others, `q_i = 1/W_c + d_i·P d_i` is the
+//! **Hardly tested rows.** `r_i` is a difference to 1. If little is left, single precision is too coarse: a slope
+//! would be up to a fifth too small. Below a redundancy of 0.1 both are therefore computed from the prediction of this row
+//! by the other rows, where nothing cancels. With `P`, `d_i` and `W_c` of the others, `q_i = 1/W_c + d_i·P d_i` is the
 //! variance of their prediction, and
 //!
 //! ```text
 //! r_i = 1 / (1 + w_i q_i)                      slope_i² = w_i r_i |P d_i|²
 //! ```
 //!
-//! Slopes below 100 m, protection levels of some 700 m, are then understated by 3 % at most in `f32`, and hardly ever by
+//! Slopes below 100 m, protection levels of some 700 m, are then understated by 3 % at most in `f32`, and rarely by
 //! more than 0.1 %; the guard on the alert limit is 5 %.
 //!
-//! **Not monotone.** A satellite fewer leaves the position less well known, by just the square of its slope
-//! (`P_h` without `i` is `P_h + slope_h,i²`), and every other one less well tested. Yet the protection level may shrink, even
-//! with the same `λ`: the satellite that is hardest to test takes the largest slope with it, and `λ` falls with the
-//! degrees of freedom besides.
+//! **Not monotone.** Without a satellite the position is less well known, by just the square of its slope
+//! (`P_h` without `i` is `P_h + slope_h,i²`), and every other one is less well tested. Yet the protection level may shrink, even
+//! with the same `λ`: the satellite that is hardest to test takes the largest slope with it, and `λ` also falls with the
+//! degrees of freedom.
 //!
-//! Meaning: the worst bias of a single satellite. It is not an ARAIM protection level. References: [Yang2015] eq. 6–8, [Lin2016] eq. 21–26, [Brown1992].
+//! The level bounds the worst bias of a single satellite. It is not an ARAIM protection level
+//! ([`crate::integrity::araim`]). References: [Yang2015] eq. 6–8, [Lin2016] eq. 21–26, [Brown1992].
 //!
 //! [Lin2016]: crate#references
 //! [Yang2015]: crate#references
@@ -69,7 +70,7 @@ use crate::numeric::space::{dot, plus_scaled, zero};
 use crate::report::ProtectionLevels;
 use crate::weighting::COMMON_SIGMAS;
 
-/// How far a row's bias moves the position by the time it shows in the test.
+/// Largest effect of a row's bias on the position per unit of its effect on the test.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Slopes<T> {
     /// Horizontal, m per unit of `√λ`.
@@ -78,7 +79,7 @@ pub struct Slopes<T> {
     pub vertical: T,
 }
 
-/// The slopes of one row; 0 for a row that is left out.
+/// Returns the slopes of one row; 0 for a row that is left out.
 pub fn slopes<T: Real>(row: &Row<T>, fit: &Fit<T>) -> Slopes<T> {
     Slopes::of(&squared_slopes(row, fit))
 }
@@ -90,7 +91,7 @@ fn squared_slopes<T: Real>(row: &Row<T>, fit: &Fit<T>) -> SquaredSlopes<T> {
     fit.squared_slopes()
 }
 
-/// The squared slopes of a row whose bias never shows.
+/// Returns the squared slopes of a row whose bias never shows.
 fn untestable<T: Real>(row: &Row<T>, fit: &Fit<T>) -> SquaredSlopes<T> {
     let unmoved = T::UNMOVED / row.weight;
     let limit = unmoved * unmoved;
@@ -99,7 +100,7 @@ fn untestable<T: Real>(row: &Row<T>, fit: &Fit<T>) -> SquaredSlopes<T> {
     SquaredSlopes { horizontal: slope(horizontal), vertical: slope(vertical) }
 }
 
-/// Whether too little of 1 is left for a row's redundancy, though others speak of it.
+/// Returns true if the subtraction from 1 loses digits of a row's redundancy, although other rows predict it.
 fn is_hardly_tested<T: Real>(snapshot: &Snapshot<'_, T>, row: &Row<T>, fit: &Fit<T>) -> bool {
     let shares_clock = |other: &Row<T>| other.clock == row.clock && other.weight > T::zero();
     row.weight > T::zero()
@@ -108,7 +109,7 @@ fn is_hardly_tested<T: Real>(snapshot: &Snapshot<'_, T>, row: &Row<T>, fit: &Fit
         && (row.clock.is_none() || snapshot.rows().filter(|(other, _)| shares_clock(other)).count() > 1)
 }
 
-/// The squared slopes of a row by what the others say of it; `None` where it is untestable.
+/// Returns the squared slopes of a row from its prediction by the others, or `None` if it is untestable.
 fn by_the_others<T: Real>(snapshot: &Snapshot<'_, T>, index: usize) -> Option<SquaredSlopes<T>> {
     let (row, _) = snapshot.row(index)?;
     let rows = snapshot.equations();
@@ -134,7 +135,7 @@ pub fn largest_slopes<T: Real>(snapshot: &Snapshot<'_, T>) -> Slopes<T> {
     Slopes::of(&largest_with_care(snapshot))
 }
 
-/// As [`largest_slopes`], where some rows are hardly tested, or not at all.
+/// Works like [`largest_slopes`] for rows that are hardly tested or untestable.
 #[inline(never)]
 fn largest_with_care<T: Real>(snapshot: &Snapshot<'_, T>) -> SquaredSlopes<T> {
     let mut largest = SquaredSlopes::none();
@@ -154,17 +155,17 @@ impl<T: Real> Slopes<T> {
         Self { horizontal: squared.horizontal.root(), vertical: squared.vertical.root() }
     }
 
-    /// The papers' protection levels for a non-centrality `λ` ([`crate::integrity::raim::detection::threshold::Thresholds::lambda`]),
-    /// where these slopes are the largest.
+    /// Returns the papers' protection levels for a non-centrality `λ` ([`crate::integrity::raim::detection::threshold::Thresholds::lambda`]),
+    /// if these slopes are the largest.
     pub fn protect(&self, lambda: f64) -> ProtectionLevels {
         let root = T::narrow(lambda).root();
         ProtectionLevels { hpl_m: (self.horizontal * root).widen(), vpl_m: (self.vertical * root).widen() }
     }
 }
 
-/// How far errors that ranges share move the position, `k_c |Σ_i w_i g_i m_i|`, horizontally and vertically, m.
+/// Returns the effect of shared range errors on the position, `k_c |Σ_i w_i g_i m_i|`, horizontally and vertically, m.
 ///
-/// `common_m` are the `m_i` of the first rows; the rows after them share nothing.
+/// `common_m` are the `m_i` of the first rows; later rows share no error.
 pub fn common_shift<T: Real>(snapshot: &Snapshot<'_, T>, common_m: &[f32]) -> ProtectionLevels {
     let mut shift = zero();
     for ((row, fit), &common_m) in snapshot.rows().zip(common_m) {
@@ -179,11 +180,11 @@ pub fn common_shift<T: Real>(snapshot: &Snapshot<'_, T>, common_m: &[f32]) -> Pr
     }
 }
 
-/// What a protection level bounds.
+/// Quantity that a protection level bounds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Levels {
-    /// The error of a position that is called good: fault and noise together.
+    /// The error of a position that is reported as protected: fault and noise together.
     Bound,
     /// The mean error under the worst missed fault, as in the papers.
     Slope,
@@ -199,7 +200,7 @@ pub struct Spread<T> {
 }
 
 impl<T: Real> Spread<T> {
-    /// Of a position with this covariance of east, north, up, m².
+    /// Returns the standard deviations for a covariance of east, north, up, m².
     pub fn of(covariance: &Matrix3<T>) -> Self {
         let half = T::narrow(0.5);
         let (mean, difference) =
@@ -212,13 +213,13 @@ impl<T: Real> Spread<T> {
 /// Factors of one axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct AxisFactors<T> {
-    /// `k'`, of a missed fault.
+    /// `k'`, for a missed fault.
     missed: T,
-    /// `K`, without a fault.
+    /// `K`, for the fault-free case.
     fault_free: T,
 }
 
-/// How many standard deviations go with the probabilities.
+/// Numbers of standard deviations for the required probabilities.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Factors<T> {
     /// `k = Q⁻¹(P_md)`.
@@ -233,11 +234,11 @@ impl<T: Real> Factors<T> {
         self.detection
     }
 
-    /// Of a probability of missed detection and one of exceeding the level without any fault.
+    /// Returns the factors for a probability of missed detection and one of exceeding the level without a fault.
     pub fn new(missed_detection: Probability, fault_free: Probability) -> Self {
         let [missed, free] = [missed_detection, fault_free].map(|probability| T::narrow(probability.get()));
         let two_sided = |probability: T| normal::quantile(probability * T::narrow(0.5));
-        // Of a circular normal distribution with the standard deviation of the longer axis.
+        // Circular normal distribution with the standard deviation of the longer axis.
         let radial = |probability: T| (T::narrow(-2.0) * probability.ln()).sqrt();
         Self {
             detection: normal::quantile(missed),
@@ -247,25 +248,26 @@ impl<T: Real> Factors<T> {
     }
 }
 
-/// How a position is exposed to faults and noise: what turns a threshold into protection levels, and alert limits into a
-/// threshold.
+/// Inputs of the protection levels: largest slopes and noise.
+///
+/// They turn a threshold into levels, and alert limits into a threshold.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Exposure<'f, T> {
     /// The largest slopes.
     pub slopes: Slopes<T>,
-    /// What the bound needs beside them; `None` for the papers' level.
+    /// Additional inputs of the bound; `None` for the papers' level.
     noise: Option<(Spread<T>, &'f Factors<T>)>,
 }
 
 impl<T> Exposure<'_, T> {
-    /// To faults alone, with these largest slopes: for the papers' level.
+    /// Returns the inputs for faults alone, with these largest slopes: for the papers' level.
     pub const fn to_faults(slopes: Slopes<T>) -> Self {
         Self { slopes, noise: None }
     }
 }
 
 impl<'f, T: Real> Exposure<'f, T> {
-    /// Of a snapshot.
+    /// Returns the inputs of a snapshot.
     pub fn of(snapshot: &Snapshot<'_, T>, levels: Levels, factors: &'f Factors<T>) -> Self {
         let noise = match levels {
             Levels::Bound => Some((Spread::of(snapshot.covariance()), factors)),
@@ -274,8 +276,8 @@ impl<'f, T: Real> Exposure<'f, T> {
         Self { slopes: largest_slopes(snapshot), noise }
     }
 
-    /// Protection levels for a non-centrality `λ` of the threshold in use.
-    // Compiled once for the two who ask.
+    /// Returns the protection levels for the non-centrality `λ` of the threshold in use.
+    // Compiled once for both callers.
     #[inline(never)]
     pub fn protect(&self, lambda: f64) -> ProtectionLevels {
         let Some((spread, factors)) = self.noise else { return self.slopes.protect(lambda) };
@@ -290,8 +292,9 @@ impl<'f, T: Real> Exposure<'f, T> {
         }
     }
 
-    /// Protection levels against a fault that is no satellite's, has these slopes and shows by `shown` standard deviations: by
-    /// `shown + k` at most.
+    /// Returns the protection levels against a fault that is not a satellite's, with these slopes and a w-test of `shown`.
+    ///
+    /// The non-centrality is that of `shown + k` standard deviations.
     pub(crate) fn protect_against(
         self,
         slopes: Slopes<T>,
@@ -302,14 +305,14 @@ impl<'f, T: Real> Exposure<'f, T> {
         Self { slopes, ..self }.protect((root * root).widen())
     }
 
-    /// The largest non-centrality whose horizontal level is within a limit; 0 where none is.
+    /// Returns the largest non-centrality whose horizontal level is within a limit, or 0.
     pub fn horizontal_noncentrality(&self, limit_m: f64) -> f64 {
         let noise =
             self.noise.map(|(spread, factors)| (spread.horizontal, factors.detection, factors.horizontal));
         noncentrality_within(limit_m, self.slopes.horizontal, noise)
     }
 
-    /// The same for the vertical level.
+    /// Returns the largest non-centrality whose vertical level is within a limit, or 0.
     pub fn vertical_noncentrality(&self, limit_m: f64) -> f64 {
         let noise =
             self.noise.map(|(spread, factors)| (spread.vertical, factors.detection, factors.vertical));
@@ -317,21 +320,21 @@ impl<'f, T: Real> Exposure<'f, T> {
     }
 }
 
-/// Non-centrality of the bias that moves the position by `limit_m`, which has the slope `slope_m`.
+/// Returns the non-centrality of the bias that moves the position by `limit_m` with the slope `slope_m`.
 ///
-/// 0 for an infinite slope, or for one that is not a number; [`LARGEST`] for none.
+/// 0 for an infinite or NaN slope; [`LARGEST`] for a slope of 0.
 pub fn noncentrality_at(limit_m: f64, slope_m: f64) -> f64 {
     let ratio = limit_m / slope_m;
-    // Written so that a ratio which is not a number is none.
+    // A NaN ratio fails this comparison.
     if ratio > 0.0 { (ratio * ratio).min(LARGEST) } else { 0.0 }
 }
 
-/// `√δ = (f AL − k' √(s² + σ²)) / s + k`, squared; 0 where the limit is too small for any threshold.
+/// Returns `√δ = (f AL − k' √(s² + σ²)) / s + k`, squared; 0 if the limit is too small for any threshold.
 fn noncentrality_within<T: Real>(limit_m: f64, slope: T, noise: Option<(T, T, AxisFactors<T>)>) -> f64 {
     let Some((sigma, detection, axis)) = noise else { return noncentrality_at(limit_m, slope.widen()) };
     let limit = T::narrow(limit_m);
     let spread = axis.missed * (slope * slope + sigma * sigma).root();
-    // Written so that what is not a number makes nothing available; an infinite slope does neither.
+    // NaN fails these comparisons, so that nothing is available; nor is it with an infinite slope.
     let suffices = limit >= spread - detection * slope && limit >= axis.fault_free * sigma;
     if !(suffices && slope.is_finite()) {
         return 0.0;
@@ -340,7 +343,7 @@ fn noncentrality_within<T: Real>(limit_m: f64, slope: T, noise: Option<(T, T, Ax
     (root * root).widen().min(LARGEST)
 }
 
-/// The largest change of HDOP that leaving out one satellite brings, `max √(HDOP_i² − HDOP²)`, dimensionless.
+/// Returns the largest change of HDOP from leaving out one satellite, `max √(HDOP_i² − HDOP²)`, dimensionless.
 pub fn largest_hdop_change<T: Real>(snapshot: &Snapshot<'_, T>) -> T {
     let (hdop, _) = snapshot.dilutions();
     let changes = (0..snapshot.rows().count()).filter_map(|index| {
@@ -350,7 +353,7 @@ pub fn largest_hdop_change<T: Real>(snapshot: &Snapshot<'_, T>) -> T {
     changes.fold(T::zero(), T::max).sqrt()
 }
 
-/// The change of HDOP at which the protection level reaches the alert limit, `HAL/(σ√λ)`, dimensionless ([Lin2016] eq. 25).
+/// Returns the change of HDOP at which the protection level reaches the alert limit, `HAL/(σ√λ)`, dimensionless ([Lin2016] eq. 25).
 ///
 /// [Lin2016]: crate#references
 pub fn hdop_change_limit(hal_m: f64, sigma_m: f64, lambda: f64) -> f64 {

@@ -1,4 +1,4 @@
-//! Modes that are clear of the levels on every axis: they need not be looked at one by one.
+//! Screen: modes that are below the levels on every axis need no evaluation one by one.
 
 use nalgebra::Vector3;
 
@@ -9,24 +9,24 @@ use crate::least_squares::infinity;
 use crate::numeric::real::Real;
 use crate::numeric::space::{difference, magnitudes, products};
 
-/// A distance beyond every level whose square is a number in single precision, m.
+/// A distance beyond every level whose square is finite in single precision, m.
 const FAR_M: f64 = 1e12;
 
 /// `λ` of [`Bounds`]: about `u σ/T` of modes that nearly matter.
 const LAMBDA: f64 = 1.5;
 
-/// Where modes are clear on every axis: [`Axis::is_clear`] of all three at once.
+/// The screen: [`Axis::is_clear`] on all three axes at once.
 #[derive(Clone, Copy, Debug)]
 pub(in super::super) struct Gate<T> {
     references_m: Vector3<T>,
-    /// Their squares.
+    /// Squares of the references, m².
     references_m2: Vector3<T>,
-    /// Of east and north, and of up.
+    /// Clear bounds of east and north, and of up.
     clear: [T; 2],
 }
 
 impl<T: Real> Gate<T> {
-    /// Of axes without risk.
+    /// Returns the screen of axes without risk.
     pub(in super::super) fn closed() -> Self {
         let everywhere = Vector3::new(infinity(), infinity(), infinity());
         Self { references_m: everywhere, references_m2: everywhere, clear: [T::zero(); 2] }
@@ -43,7 +43,7 @@ impl<T: Real> Gate<T> {
         }
     }
 
-    /// Bounds for modes that are as likely as this at most, `limits` being the squares of `K`.
+    /// Returns the bounds for modes with at most this probability, `limits` being the squares of `K`.
     pub(in super::super) fn bounds(&self, ln_probability: T, limits: &Vector3<T>) -> Bounds<T> {
         let far = T::narrow(FAR_M);
         let near = |reference_m: T| if reference_m < far { reference_m } else { far };
@@ -62,7 +62,7 @@ impl<T: Real> Gate<T> {
         }
     }
 
-    /// `u²`.
+    /// Returns `u²`.
     #[inline]
     fn needed(&self, ln_probability: T) -> [T; 2] {
         self.clear.map(|clear| {
@@ -71,7 +71,7 @@ impl<T: Real> Gate<T> {
         })
     }
 
-    /// Whether a mode without biases need not be looked at.
+    /// Returns true if a mode without biases needs no evaluation.
     #[inline]
     pub(in super::super) fn is_clear(
         &self,
@@ -82,7 +82,7 @@ impl<T: Real> Gate<T> {
         self.clears(mode, thresholds, variance, &self.references_m2)
     }
 
-    /// The same, its biases being at most these.
+    /// Returns true if a mode whose biases are at most these needs no evaluation.
     #[inline]
     pub(in super::super) fn is_clear_with(
         &self,
@@ -91,13 +91,13 @@ impl<T: Real> Gate<T> {
         variance: &Vector3<T>,
         bias_m: &Vector3<T>,
     ) -> bool {
-        // A margin below nothing leaves a rest below nothing.
+        // The square keeps the sign, so that a negative margin leaves a negative rest.
         let margins = difference(&self.references_m, bias_m);
         let margins = products(&margins, &magnitudes(&margins));
         self.clears(mode, thresholds, variance, &margins)
     }
 
-    /// By the squares of what is left up to the references.
+    /// Compares with the squares of the margins up to the references.
     #[inline]
     fn clears(
         &self,

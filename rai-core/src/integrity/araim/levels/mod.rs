@@ -1,4 +1,4 @@
-//! Protection levels: within which distance is the truth, whatever fails, but for the risk?
+//! Protection levels of ARAIM: the distance that bounds the error under all fault modes, except for the risk.
 //!
 //! ```text
 //! 2 Q((L − b_0)/σ_0) + Σ_k p_k Q((L − T_k − b_k)/σ_k) = R          Q of 0 and below counts as 1
@@ -11,14 +11,14 @@
 //! | `1/σ_k` | [`Term::inverse_sigma`] | 1/m |
 //! | `p_k` | [`Term::probability`] | – |
 //!
-//! Solved by Newton's method on `ln f`, held in a bracket; what is returned is a distance at which the sum was found to
-//! be at most `R`, and 0.1 mm at most beyond the root.
+//! Solved by Newton's method on `ln f`, held in a bracket. The result is a distance at which the sum was at most `R`,
+//! and at most 0.1 mm beyond the root.
 //!
-//! Of hundreds of modes a few dozen matter. At a distance that is known to be below the root (the *reference*), terms
-//! are told apart: one whose bound `½ p exp(−u²/2)` is far below `R` is not looked at further, all of these together
-//! being charged a fixed share of `R`; a small one is frozen, that is charged what it is there; the others stay. `Q` falls,
-//! so that all of this is on the safe side. What the frozen terms may cost at most is known in the end, and where it is
-//! too much the modes are walked through once more with a better reference.
+//! A few dozen of hundreds of modes matter. Terms are classified at a distance below the root (the *reference*). A term whose
+//! bound `½ p exp(−u²/2)` is far below `R` is clear and not evaluated; all clear terms together are charged a fixed share of
+//! `R`. A small term is frozen, which means that it is charged its value at the reference. The others stay. `Q` falls,
+//! so that all of this is on the safe side. If the final bound on the frozen terms' cost is too large, the modes are
+//! evaluated once more with a better reference.
 //!
 //! References: [Blanch2015], [MAAST] `compute_protection_level`.
 //!
@@ -36,19 +36,19 @@ use crate::least_squares::infinity;
 use crate::numeric::normal::{quantile, tail};
 use crate::numeric::real::Real;
 
-/// Terms that stay, at most; where more would, the smallest are frozen.
+/// Most terms that stay; beyond, the smallest are frozen.
 const TERMS: usize = 48;
 
-/// Steps to the root; three to six are the rule.
+/// Most steps to the root; three to six are usual.
 const MAX_STEPS: usize = 60;
 
-/// A step below this is the last, m: 0.1 mm, in single precision 0.6 mm.
+/// Returns the step below which the iteration ends, m: 0.1 mm, in single precision 0.6 mm.
 fn settled_m<T: Real>() -> T {
     T::narrow(1e-4) + T::narrow(4e3) * T::default_epsilon()
 }
 
-/// Share of `R` that all terms together are charged which are not looked at; in single precision 2e-4 more, which is 0.1 mm
-/// of a level where `σ` is 2 m.
+/// Returns the share of `R` that all clear terms together are charged; in single precision 2e-4 more, which is 0.1 mm
+/// of a level for a `σ` of 2 m.
 fn clear<T: Real>() -> T {
     T::narrow(1e-6) + T::narrow(1.7e3) * T::default_epsilon()
 }
@@ -56,10 +56,10 @@ fn clear<T: Real>() -> T {
 /// Share of `R` below which a term is frozen.
 const FROZEN: f64 = 1e-5;
 
-/// What the frozen terms may add to a level, m; in single precision 2.4 mm more, and 4e-5 of the level.
+/// Tolerated increase of a level by the frozen terms, m; in single precision 2.4 mm more, and 4e-5 of the level.
 const DEARNESS_M: f64 = 3e-4;
 
-/// One mode's share in the sum.
+/// Term of one mode in the sum.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Term<T> {
     probability: T,
@@ -68,7 +68,7 @@ pub(super) struct Term<T> {
     hypothesis: Hypothesis,
 }
 
-/// A mode on one axis, before it is known whether it matters.
+/// A mode on one axis, before it is classified.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Candidate<T> {
     pub(super) probability: T,
@@ -88,16 +88,16 @@ impl<T: Real> Candidate<T> {
     }
 }
 
-/// The risk of an axis, and what is clear of it.
+/// The risk of an axis, and its clear bound.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Budget<T> {
     risk: T,
-    /// [`Axis::clear`].
+    /// Clear bound, as [`Axis::clear`].
     clear: T,
 }
 
 impl<T: Real> Budget<T> {
-    /// For a risk that so many modes share.
+    /// Returns the risk for a number of modes that share it.
     pub(super) fn of(risk: T, modes: T) -> Self {
         let two = T::one() + T::one();
         let each = risk * clear::<T>() / modes;
@@ -112,15 +112,15 @@ pub(super) struct Axis<T> {
     risk: T,
     terms: Vec<Term<T>, TERMS>,
     frozen: T,
-    /// Below this a term is frozen.
+    /// Value below which a term is frozen.
     bar: T,
     /// `−2 ln(2 q)`, where terms of at most `q` are clear.
     clear: T,
-    /// Below the root.
+    /// Distance below the root, m.
     reference_m: T,
 }
 
-/// The quantiles that were worked out last: both horizontal axes ask for the same ones.
+/// The latest quantiles, because both horizontal axes need the same ones.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Quantiles<T> {
     latest: (T, T),
@@ -128,7 +128,7 @@ pub(super) struct Quantiles<T> {
 }
 
 impl<T: Real> Quantiles<T> {
-    /// With the median alone.
+    /// Returns the cache with the median alone.
     pub(super) fn none() -> Self {
         let median = (T::narrow(0.5), T::zero());
         Self { latest: median, before: median }
@@ -145,45 +145,45 @@ impl<T: Real> Quantiles<T> {
     }
 }
 
-/// Where a sum stands.
+/// Value of the sum at a distance.
 struct Sum<T> {
     value: T,
-    /// How fast it falls.
+    /// Rate at which the sum falls, 1/m.
     slope: T,
-    /// Its largest term.
+    /// Mode of the largest term.
     dominant: Hypothesis,
 }
 
-/// Where a term stands.
+/// Value of a term at a distance.
 struct Share<T> {
     value: T,
     slope: T,
 }
 
-/// A level, and how much above the root it may be.
+/// A level with a distance below the root.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Level<T> {
-    /// Where the sum is at most the risk.
+    /// Distance at which the sum is at most the risk, m.
     pub(super) distance_m: T,
     /// A distance below the root.
     pub(super) below_m: T,
-    /// The mode with the largest share; none of them where that is the noise of all satellites.
+    /// Mode with the largest term; [`Hypothesis::NONE`] if that is the noise of all satellites.
     pub(super) dominant: Hypothesis,
 }
 
 impl<T: Real> Level<T> {
-    /// Where there is no risk to spend.
+    /// Returns the level without risk to spend.
     pub(super) fn none() -> Self {
         Self { distance_m: infinity(), below_m: T::zero(), dominant: Hypothesis::NONE }
     }
 }
 
 impl<T: Real> Axis<T> {
-    /// Without risk, without terms.
+    /// Returns an axis without risk and without terms.
     #[allow(clippy::inline_always, reason = "made where it stays: it is large")]
     #[inline(always)]
     pub(super) fn closed() -> Self {
-        // Zeros all over would be written over the room for the terms too.
+        // Zeros throughout would also be written over the capacity for the terms.
         Self {
             risk: T::zero(),
             terms: Vec::new(),
@@ -194,15 +194,14 @@ impl<T: Real> Axis<T> {
         }
     }
 
-    /// Back to that, where it is.
+    /// Resets the axis, in place.
     fn close(&mut self) {
         self.terms.clear();
         (self.risk, self.frozen, self.bar, self.clear) = (T::zero(), T::zero(), T::zero(), T::zero());
         self.reference_m = infinity();
     }
 
-    /// For a risk that modes share, with the solution of all satellites as the first term. Without risk there is no level,
-    /// and nothing to look at.
+    /// Starts an axis with the risk of its modes and the all-in-view solution as the first term. Without risk there is no level.
     #[inline(never)]
     pub(super) fn open(&mut self, budget: &Budget<T>, variance: T, bias_m: T) {
         self.close();
@@ -210,7 +209,7 @@ impl<T: Real> Axis<T> {
         if !self.is_open() {
             return;
         }
-        // There is room for the first.
+        // The empty list has capacity for the first.
         let _ = self.terms.push(Term {
             probability: T::one() + T::one(),
             offset_m: bias_m,
@@ -220,14 +219,14 @@ impl<T: Real> Axis<T> {
         self.restart(T::zero());
     }
 
-    /// Whether there is any risk to spend.
+    /// Returns true if there is risk to spend.
     pub(super) fn is_open(&self) -> bool {
         self.risk > T::zero()
     }
 
-    /// Whether a mode is so far below the reference that it need not be looked at, its bias being at most this.
+    /// Returns true if a mode with at most this bias is so far below the reference that its term is clear.
     ///
-    /// That is `T + √C ≤ m` with `C = u²σ²`, without a root: `m² − T² − C ≥ 0` and its square `≥ 4 T² C`.
+    /// The condition is `T + √C ≤ m` with `C = u²σ²`, without a root: `m² − T² − C ≥ 0` and its square `≥ 4 T² C`.
     #[inline]
     pub(super) fn is_clear(&self, mode: &Candidate<T>, bias_m: T) -> bool {
         let margin = self.reference_m - bias_m;
@@ -237,7 +236,7 @@ impl<T: Real> Axis<T> {
         margin > T::zero() && rest >= T::zero() && rest * rest >= T::narrow(4.0) * mode.threshold * spread
     }
 
-    /// Takes a mode into the sum, unless it is clear.
+    /// Adds a mode to the sum, unless it is clear.
     #[inline]
     pub(super) fn add(&mut self, mode: &Candidate<T>, bias_m: T) {
         if !self.is_clear(mode, bias_m) {
@@ -247,7 +246,7 @@ impl<T: Real> Axis<T> {
 
     #[inline(never)]
     fn add_term(&mut self, mode: &Candidate<T>, bias_m: T) {
-        // Rounding can take a variance of nothing below nothing.
+        // Rounding can make a zero variance slightly negative.
         let is_spread = mode.threshold > T::zero();
         let threshold_m = if is_spread { mode.threshold * mode.threshold.inverse_root() } else { T::zero() };
         let term = Term {
@@ -269,11 +268,11 @@ impl<T: Real> Axis<T> {
             self.bar *= T::narrow(4.0);
             self.sift();
         }
-        // Room was made.
+        // The loop above made a free place.
         let _ = self.terms.push(term);
     }
 
-    /// Freezes what is below the bar; the first term stays.
+    /// Freezes the terms below the bar; the first term stays.
     fn sift(&mut self) {
         let (mut frozen, mut is_first) = (self.frozen, true);
         let (reference_m, bar) = (self.reference_m, self.bar);
@@ -302,19 +301,19 @@ impl<T: Real> Axis<T> {
         sum
     }
 
-    /// Freezes what is small where one mode alone spends the risk.
+    /// Raises the reference to the distance at which one mode alone spends the risk, and freezes small terms.
     pub(super) fn sort_out(&mut self, quantiles: &mut Quantiles<T>) {
         let lowest_m = self.lowest(quantiles);
         self.refer(lowest_m);
     }
 
-    /// With the modes so far, raises the reference for those to come: more modes only raise the root.
+    /// Raises the reference by the modes so far, because more modes only raise the root.
     pub(super) fn settle(&mut self) {
         let below_m = self.solve().below_m;
         self.refer(below_m);
     }
 
-    /// Starts over with a better reference.
+    /// Restarts with a better reference.
     pub(super) fn restart(&mut self, below_m: T) {
         if !self.is_open() {
             return;
@@ -332,7 +331,7 @@ impl<T: Real> Axis<T> {
         }
     }
 
-    /// A distance below which one term alone exceeds the risk.
+    /// Returns a distance below which one term alone exceeds the risk, m.
     fn lowest(&self, quantiles: &mut Quantiles<T>) -> T {
         let mut lowest = self.reference_m;
         for term in &self.terms {
@@ -348,28 +347,28 @@ impl<T: Real> Axis<T> {
         lowest
     }
 
-    /// The level with all modes.
+    /// Returns the level with all modes.
     pub(super) fn finish(&self) -> Level<T> {
         let level = self.solve();
         let below_m = if level.below_m > self.reference_m { level.below_m } else { self.reference_m };
         Level { below_m, ..level }
     }
 
-    /// Whether another walk with a better reference is worth it.
+    /// Returns true if another pass with a better reference is worth it.
     pub(super) fn is_dear(level: &Level<T>) -> bool {
         let single = T::default_epsilon() * (T::narrow(2e4) + T::narrow(300.0) * level.distance_m);
         let limit = T::narrow(DEARNESS_M) + single;
         level.distance_m.is_finite() && level.distance_m - level.below_m > limit
     }
 
-    /// Newton's method from the reference on.
+    /// Solves by Newton's method, starting at the reference.
     #[inline(never)]
     fn solve(&self) -> Level<T> {
         let start_m = self.reference_m;
         let unknown = Level { below_m: start_m, ..Level::none() };
         let (mut low_m, mut high) = (start_m, None);
         let mut at_m = start_m;
-        // Never a step so small that it leads nowhere: in vain, twice as far the next time.
+        // Least step, doubled after each step without effect, so that the iteration always advances.
         let mut least_m = settled_m::<T>();
         for _ in 0..MAX_STEPS {
             let sum = self.sum(at_m);
@@ -378,7 +377,7 @@ impl<T: Real> Axis<T> {
             if sum.value <= self.risk {
                 let slack = self.frozen / sum.slope;
                 high = Some((at_m, slack, sum.dominant));
-                // Where the sum does not fall, neither number means anything.
+                // If the sum does not fall, neither value is meaningful.
                 if step.abs() <= settled || at_m - low_m <= settled {
                     break;
                 }
@@ -392,14 +391,14 @@ impl<T: Real> Axis<T> {
             least_m += least_m;
         }
         let Some((level_m, slack, dominant)) = high else { return unknown };
-        // Convex beyond every offset: without what is frozen the sum would reach the risk not below this.
+        // The sum is convex beyond every offset: without the frozen terms it would reach the risk no earlier than here.
         let below_m = level_m - slack - T::narrow(2.0) * settled_m::<T>();
         let below_m = if slack.is_finite() && below_m > T::zero() { below_m } else { T::zero() };
         Level { distance_m: level_m, below_m, dominant }
     }
 }
 
-/// Newton's step, if it stays between what is known to be too low and to be enough.
+/// Returns Newton's step if it stays within the bracket, else a point inside it.
 fn next<T: Real>(at_m: T, step: T, low_m: T, high_m: Option<T>, least_m: T) -> T {
     let wanted = at_m + step;
     match high_m {

@@ -1,5 +1,5 @@
-//! Where watching ends: what every satellite and constellation can do is gathered, and probability summed by the size of what it
-//! takes, from the largest set on, until the share of what is not watched is used up.
+//! Choice of the cut: gathers the odds of every satellite and constellation, and sums probability by size, from the largest
+//! sets on, until the share of unmonitored faults is used up.
 
 use core::ops::{ControlFlow, Range};
 
@@ -14,7 +14,7 @@ use crate::integrity::araim::SeparationError;
 use crate::numeric::real::Real;
 use crate::satellite::Constellation;
 
-/// A row's odds.
+/// Odds of a row's fault.
 #[derive(Clone, Copy, Debug)]
 pub(in super::super) struct Fallible<T> {
     pub(super) odds: T,
@@ -23,15 +23,15 @@ pub(in super::super) struct Fallible<T> {
 }
 
 impl<T: Real> Fallible<T> {
-    /// What never fails.
+    /// Returns the odds of a row that never fails.
     pub(super) fn never() -> Self {
         Self { odds: T::zero(), ln: T::zero(), constellation: NONE }
     }
 
-    /// A satellite's, of a constellation and a probability.
+    /// Returns the odds of a satellite, by its constellation and its probability.
     ///
     /// # Errors
-    /// Where the latter is none or too large.
+    /// [`AraimError::Prior`] for a probability outside [0, 0.5).
     fn of((constellation, probability): (usize, T)) -> Result<Self, SeparationError> {
         let odds = fault_odds(probability)?;
         let ln = if odds > T::zero() { odds.ln() } else { T::zero() };
@@ -39,17 +39,17 @@ impl<T: Real> Fallible<T> {
     }
 }
 
-/// `P/(1 − P)`.
+/// Returns `P/(1 − P)`.
 ///
 /// # Errors
-/// Where `P` is not in [0, 0.5).
+/// [`AraimError::Prior`] for a probability outside [0, 0.5).
 fn fault_odds<T: Real>(probability: T) -> Result<T, SeparationError> {
     let is_valid = probability >= T::zero() && probability < T::narrow(0.5);
     if is_valid { Ok(probability / (T::one() - probability)) } else { Err(SeparationError::Prior) }
 }
 
 impl<'r, T: Real> Modes<'r, T> {
-    /// Takes over the satellites; how many of them fail at once.
+    /// Stores the satellites. Returns the probabilities of simultaneous faults.
     pub(super) fn gather(
         &mut self,
         satellites: impl Iterator<Item = Option<(Constellation, T)>>,
@@ -57,7 +57,7 @@ impl<'r, T: Real> Modes<'r, T> {
         alike: &mut [Alike<T>; Constellation::COUNT],
     ) -> Result<Simultaneous<T>, SeparationError> {
         let mut simultaneous = Simultaneous::nothing();
-        // Satellites of one constellation mostly follow each other, and share their probability.
+        // Satellites of one constellation are mostly adjacent and share their probability.
         let never = (NONE, T::zero());
         let (mut run, mut of_run, mut start) = (never, Fallible::never(), 0);
         room.clear();
@@ -85,7 +85,7 @@ impl<'r, T: Real> Modes<'r, T> {
         Ok(simultaneous)
     }
 
-    /// Takes over rows that follow each other, of equal odds.
+    /// Stores adjacent rows of equal odds.
     #[inline(never)]
     fn take_over(
         &mut self,
@@ -110,7 +110,7 @@ impl<'r, T: Real> Modes<'r, T> {
         }
     }
 
-    /// Everything that can go wrong, satellites first.
+    /// Iterates over all events, satellites first.
     #[inline]
     pub(super) fn events(&self) -> impl Iterator<Item = Event<T>> {
         let satellites = self.odds.iter().enumerate().map(|(index, odds)| Event {
@@ -131,14 +131,14 @@ impl<'r, T: Real> Modes<'r, T> {
         satellites.chain(whole).filter(|event| event.odds > T::zero())
     }
 
-    /// The same as a list.
+    /// Returns all events as a list.
     #[inline(never)]
     pub(super) fn gathered(&self) -> Vec<Event<T>, { ROOM + Constellation::COUNT }> {
-        // There is room for all.
+        // Never full, because the capacity is that of all events.
         crate::bounded::gather(self.events())
     }
 
-    /// `p_0`, how many events at once are listed, and the probability of more.
+    /// Sets `p_0` and the limit of simultaneous events. Returns the probability of more.
     pub(super) fn count_events(&mut self, of_satellites: Simultaneous<T>, limit: T) -> T {
         let mut simultaneous = of_satellites;
         let mut count = count_of(self.fallible);
@@ -155,12 +155,12 @@ impl<'r, T: Real> Modes<'r, T> {
         if self.limit == EVENTS { more } else { beyond_two }
     }
 
-    /// Whether every satellite's fault is watched for its own weight.
+    /// Returns true if monitoring every satellite's fault is mandatory.
     pub(super) fn must_watch_all_singles(&self) -> bool {
         self.healthy * self.rarest_odds > self.mandatory
     }
 
-    /// Decides where watching ends.
+    /// Chooses the cut.
     pub(super) fn cut(&mut self, tail: T, share: T, alike: &[Alike<T>; Constellation::COUNT]) {
         let mut sums = [T::zero(); ROWS + 1];
         self.is_regular = self.sum_by_constellation(alike, &mut sums).is_some();
@@ -187,7 +187,7 @@ impl<'r, T: Real> Modes<'r, T> {
         }
     }
 
-    /// Decides where watching ends among the combinations of one size.
+    /// Chooses the cut among the combinations of one size.
     #[inline(never)]
     fn cut_within(&mut self, size: usize, share: T) {
         let events = self.gathered();

@@ -1,4 +1,4 @@
-//! Events that happen together, and how they are listed.
+//! Combinations of simultaneous events, and their order.
 
 use core::ops::ControlFlow;
 
@@ -6,7 +6,7 @@ use super::sets::{NONE, ROW_EVENTS, Set};
 use crate::bit_set::count_of;
 use crate::numeric::real::Real;
 
-/// What can go wrong by itself.
+/// A fault of one satellite or one constellation.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Event<T> {
     pub(super) rows: Set,
@@ -16,13 +16,13 @@ pub(super) struct Event<T> {
     pub(super) odds: T,
 }
 
-/// Events that happen together.
+/// A combination of simultaneous events.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Combination<T> {
     pub(super) events: Set,
     pub(super) rows: Set,
     pub(super) size: usize,
-    /// The only constellation that is touched; none if there are several.
+    /// The only constellation that is touched; [`NONE`] if there are several.
     pub(super) constellation: usize,
     pub(super) odds: T,
     pub(super) bare: T,
@@ -33,7 +33,7 @@ impl<T: Real> Combination<T> {
         Self { events: 0, rows: 0, size: 0, constellation: NONE, odds: T::one(), bare: T::one() }
     }
 
-    /// Adds an event; `events` and `size` are left to the caller.
+    /// Adds an event. The caller sets `events` and `size`.
     pub(super) fn add(&mut self, rows: Set, constellation: usize, odds: T) {
         let is_first = self.rows == 0;
         self.constellation =
@@ -49,7 +49,7 @@ impl<T: Real> Combination<T> {
     }
 
     pub(super) fn with(&self, event: &Event<T>) -> Self {
-        // A satellite is in a constellation or is not: sets are nested or have nothing in common.
+        // A satellite is in a constellation or not, so that sets are nested or disjoint.
         let apart = self.rows & event.rows == 0;
         Self {
             events: self.events | event.bit,
@@ -61,13 +61,13 @@ impl<T: Real> Combination<T> {
         }
     }
 
-    /// Whether it is the loss of one constellation and nothing else.
+    /// Returns true for the loss of one constellation and no other event.
     pub(super) fn is_whole_constellation(&self) -> bool {
         self.events & ROW_EVENTS == 0 && self.events & self.events.wrapping_sub(1) == 0
     }
 }
 
-/// Probabilities of 0, 1, 2, 3 and of more events at once: sums of positive terms.
+/// Probabilities of 0, 1, 2, 3 and of more simultaneous events: sums of positive terms.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Simultaneous<T> {
     pub(super) none: T,
@@ -78,12 +78,12 @@ pub(super) struct Simultaneous<T> {
 }
 
 impl<T: Real> Simultaneous<T> {
-    /// Of no event yet.
+    /// Returns the probabilities without events.
     pub(super) fn nothing() -> Self {
         Self { none: T::one(), one: T::zero(), two: T::zero(), three: T::zero(), more: T::zero() }
     }
 
-    /// With one more that can happen.
+    /// Adds an event by its odds.
     #[inline]
     pub(super) fn add(&mut self, odds: T) {
         let fine = (T::one() + odds).recip();
@@ -96,7 +96,7 @@ impl<T: Real> Simultaneous<T> {
     }
 }
 
-/// Every combination of a number of events, the last one listed first.
+/// Visits every combination of a number of events, the last in the order first.
 #[inline(never)]
 pub(super) fn combinations_backwards<T: Real>(
     events: &[Event<T>],

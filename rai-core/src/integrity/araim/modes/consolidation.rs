@@ -1,4 +1,4 @@
-//! What is counted with a constellation's loss, and how much is left to watch by the number of satellites taken.
+//! Consolidation of faults into a constellation's loss, and the remaining probability by the number of satellites taken.
 
 use core::ops::ControlFlow;
 
@@ -12,16 +12,16 @@ use crate::satellite::Constellation;
 pub(super) type Sums<T> = [T; ROWS + 1];
 
 impl<T: Real> Modes<'_, T> {
-    /// The constellation in whose loss a combination is counted.
+    /// Returns the constellation whose loss a combination is consolidated into.
     #[inline]
     pub(super) fn consolidates(&self, combination: &Combination<T>, probability: T) -> Option<usize> {
         let odds = *self.constellations.get(combination.constellation)?;
-        // Written so that a loss that cannot happen takes nothing.
+        // A loss with probability 0 fails this comparison, so that it takes no faults over.
         let rare = probability < self.consolidation * (self.healthy * odds);
         (rare && !combination.is_whole_constellation()).then_some(combination.constellation)
     }
 
-    /// Sums of what is not watched for its own weight, the losses of single constellations apart; and what is consolidated.
+    /// Sums the probability of combinations that are not mandatory, single losses apart, and the consolidated probability.
     #[inline(never)]
     pub(super) fn sum_one_by_one(&mut self, sums: &mut Sums<T>) {
         let events = self.gathered();
@@ -42,8 +42,8 @@ impl<T: Real> Modes<'_, T> {
         self.added = added;
     }
 
-    /// As [`Self::sum_one_by_one`], where constellations are alike within: all pairs of one are consolidated or none, and
-    /// no pair is watched for its own weight. `None` where they are not, with sums that mean nothing.
+    /// Works like [`Self::sum_one_by_one`] for homogeneous constellations: all pairs of one are consolidated or none, and
+    /// no pair is mandatory. Returns `None` for others; the sums are then unspecified.
     #[inline(never)]
     pub(super) fn sum_by_constellation(
         &mut self,
@@ -72,7 +72,7 @@ impl<T: Real> Modes<'_, T> {
         let mut added = [T::zero(); Constellation::COUNT];
         let losses = self.constellations;
         for (id, (here, &loss)) in alike.iter().zip(&losses).enumerate() {
-            // None of its satellites can fail.
+            // No satellite of it can fail.
             if !(here.sum > T::zero() || loss > T::zero()) {
                 continue;
             }
@@ -114,7 +114,7 @@ impl<T: Real> Modes<'_, T> {
     }
 }
 
-/// Adds to the sum of a size.
+/// Adds a probability to the sum of a size.
 pub(super) fn add_to<T: Real>(sums: &mut Sums<T>, size: usize, probability: T) {
     if let Some(sum) = sums.get_mut(size) {
         *sum += probability;
@@ -135,7 +135,7 @@ impl<T: Real> Alike<T> {
         Self { sum: T::zero(), squares: T::zero(), largest: T::zero(), least: T::zero() }
     }
 
-    /// So many of equal odds.
+    /// Adds a number of satellites with equal odds.
     pub(super) fn add(&mut self, odds: T, count: usize) {
         if !(self.sum > T::zero()) || odds < self.least {
             self.least = odds;
@@ -149,14 +149,14 @@ impl<T: Real> Alike<T> {
         }
     }
 
-    /// Sum over all pairs.
+    /// Returns the sum over all pairs.
     fn pairs(&self) -> T {
         let twice = self.sum * self.sum - self.squares;
         if twice > T::zero() { twice * T::narrow(0.5) } else { T::zero() }
     }
 }
 
-/// Whether all of some numbers are below a bar, by the least and the largest; `None` where only some are.
+/// Returns true if all of some numbers are below a bar, by the least and the largest; `None` if only some are.
 fn is_all_below<T: Real>(least: T, largest: T, bar: T) -> Option<bool> {
     if largest < bar {
         Some(true)

@@ -1,8 +1,8 @@
-//! Which faults are watched: combinations of events, and how likely each is.
+//! Choice of the monitored fault modes: combinations of events with their probabilities.
 //!
 //! ```text
 //! p_k  = p_0 Π P_e/(1 − P_e)      over the events of the combination          p_0 = Π (1 − P_e)
-//! P_nm = P(more than r events) + Σ p_k of what is not watched
+//! P_nm = P(more than r events) + Σ p_k of the unmonitored combinations
 //! ```
 //!
 //! | symbol | field | unit |
@@ -10,21 +10,21 @@
 //! | `P_e/(1 − P_e)` | `odds` | – |
 //! | `p_0` | `healthy` | – |
 //! | `p_k` | [`Mode::probability`] | – |
-//! | `P_nm` | [`Modes::not_watched`] | – |
+//! | `P_nm` | [`Modes::unmonitored_probability`] | – |
 //!
 //! An event is a fault of one satellite, or of all satellites of one constellation. Combinations of 1 to `r` events are
-//! listed, `r` being 2, or 3 where more than 2 events are too likely to be left alone. One that lies wholly inside a
+//! listed, `r` being 2, or 3 if more than 2 events are too likely to be unmonitored. A combination that lies wholly inside a
 //! constellation and is far less likely than the loss of that constellation is counted with the latter
-//! (consolidation). Of the others every one that alone would break the requirement is watched, and then, from the
-//! smallest set of satellites to the largest, as many as bring `P_nm` down to its share.
+//! (consolidation). Of the others, every one that alone would break the requirement is monitored. Then, from the
+//! smallest set of satellites to the largest, as many are monitored as bring `P_nm` down to its share.
 //!
 //! Several combinations may take the same satellites: a constellation with or without one of its satellites, or a lone
-//! satellite with or without its constellation. A [`Mode`] is a set of satellites, with the probability of all watched
-//! combinations that take just these. What it leaves out is written as whole constellations and as rows of the others,
-//! which is how the algebra takes them out.
+//! satellite with or without its constellation. A [`Mode`] is a set of satellites, with the probability of all monitored
+//! combinations that take just these. It is written as whole constellations and as rows of the others, as the algebra
+//! leaves them out.
 //!
-//! Nothing is stored for each mode: they are walked through as often as needed. Sums run over what is *not* watched,
-//! from the rarest on, so that single precision suffices. At most three events at once are looked at.
+//! Nothing is stored for each mode, so that the modes are visited as often as needed. Sums run over the *unmonitored*
+//! combinations, from the rarest on, so that single precision suffices. At most three simultaneous events are considered.
 //!
 //! References: [MAAST] `determine_subsets`, [Blanch2015].
 //!
@@ -64,36 +64,36 @@ struct Loss<T> {
     rows: Set,
     size: usize,
     odds: T,
-    /// With what is counted with it.
+    /// Probability with the consolidated faults.
     probability: T,
 }
 
-/// Where watching ends, among what is not watched for its own weight.
+/// End of the monitored combinations among those that are not mandatory.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Cutoff {
-    /// Satellites that the last watched combination takes; smaller ones are all watched.
+    /// Number of satellites of the last monitored combination; smaller combinations are all monitored.
     size: usize,
-    /// Events of the last watched combination of this size.
+    /// Number of events of the last monitored combination of this size.
     count: u32,
     /// These events.
     events: Set,
 }
 
-/// Room for the odds of all rows.
+/// Capacity for the odds of all rows.
 pub(super) type Odds<T> = Vec<Fallible<T>, ROOM>;
 
-/// The choice of modes for one epoch.
+/// Monitored modes of one epoch.
 #[derive(Clone, Debug)]
 pub(super) struct Modes<'r, T: Real> {
     odds: &'r [Fallible<T>],
     constellations: [T; Constellation::COUNT],
     /// The likeliest of the rows.
     likeliest: Fallible<T>,
-    /// The least of the rows' odds.
+    /// Smallest of the rows' odds.
     rarest_odds: T,
     /// Rows of each constellation, all satellites in view.
     pub(super) members: [Set; Constellation::COUNT],
-    /// How many these are.
+    /// Number of these rows.
     pub(super) sizes: [usize; Constellation::COUNT],
     /// Rows that are satellites.
     pub(super) satellites: Set,
@@ -102,28 +102,29 @@ pub(super) struct Modes<'r, T: Real> {
     healthy: T,
     ln_healthy: T,
     limit: usize,
-    /// Probability that was consolidated into each constellation's loss.
+    /// Probability that is consolidated into each constellation's loss.
     added: [T; Constellation::COUNT],
     mandatory: T,
     consolidation: T,
     cutoff: Cutoff,
-    /// Constellations whose loss takes over every fault within, a bit for each id.
+    /// Constellations whose loss stands for every fault within, a bit for each id.
     swallows: u8,
-    /// Constellations whose loss stands for every pair within, likewise.
+    /// Constellations whose loss stands for every pair within, a bit for each id.
     swallows_pairs: u8,
-    /// Whether at most two events are listed, and constellations are alike within: what is watched of pairs then depends
-    /// on [`Self::swallows_pairs`] and on the cut alone.
+    /// True if at most two events are listed and constellations are homogeneous, so that the monitored pairs depend only
+    /// on [`Self::consolidates_pairs`] and on the cut.
     is_regular: bool,
-    /// `P_nm` as far as the choice goes.
+    /// `P_nm` of the choice.
     pub(super) not_watched: T,
 }
 
 impl<'r, T: Real> Modes<'r, T> {
-    /// Chooses for satellites `(constellation, P_sat)` in the order of their rows and for the constellations' `P_const`;
-    /// a row without a satellite is an aid that never fails, and an event with probability 0 is none.
+    /// Chooses the modes for satellites `(constellation, P_sat)` in the order of their rows and for the constellations' `P_const`.
+    ///
+    /// A row without a satellite is an aiding row that never fails, and an event with probability 0 does not exist.
     ///
     /// # Errors
-    /// Beyond the room, and where a probability is not in [0, 0.5).
+    /// [`AraimError`] beyond the capacity, and for a probability outside [0, 0.5).
     pub(super) fn choose(
         &mut self,
         satellites: impl Iterator<Item = Option<(Constellation, T)>>,
@@ -138,7 +139,7 @@ impl<'r, T: Real> Modes<'r, T> {
         Ok(())
     }
 
-    /// Before the choice.
+    /// Returns the modes before the choice.
     #[allow(clippy::inline_always, reason = "made where it stays: it is large")]
     #[inline(always)]
     pub(super) fn nothing(constellations: [T; Constellation::COUNT], allocation: &Allocation) -> Self {
@@ -165,14 +166,15 @@ impl<'r, T: Real> Modes<'r, T> {
         }
     }
 
-    /// The probability that a constellation is lost, with what is counted with it.
+    /// Returns the probability of a constellation's loss, with the consolidated faults.
     fn loss(&self, id: usize) -> T {
         let odds = self.constellations.get(id).copied().unwrap_or_else(T::zero);
         if odds > T::zero() { self.healthy * odds + self.added_to(id) } else { T::zero() }
     }
 
-    /// The loss of one constellation, where only that takes its satellites and no others: they are more than can fail at
-    /// once, and one that fails beside its constellation is counted with that, or is one too many.
+    /// Returns the loss of one constellation if no other combination takes just its satellites.
+    ///
+    /// They are then more than can fail at once, and a satellite's fault beside the loss is consolidated or one event too many.
     fn sole_loss(&self, lost: usize, gone: Set) -> Option<Loss<T>> {
         if gone != 0 || !lost.is_power_of_two() {
             return None;
@@ -189,7 +191,7 @@ impl<'r, T: Real> Modes<'r, T> {
         loss.probability > self.mandatory || self.comes_before_the_cut(event(loss.id), 1, loss.size)
     }
 
-    /// The probability of a combination.
+    /// Returns the probability of a combination.
     fn probability_of(&self, combination: &Combination<T>) -> T {
         let own = self.healthy * combination.odds;
         if combination.is_whole_constellation() {
@@ -203,7 +205,7 @@ impl<'r, T: Real> Modes<'r, T> {
         self.added.get(constellation).copied().unwrap_or_else(T::zero)
     }
 
-    /// Whether a combination is watched by itself.
+    /// Returns true if a combination is monitored separately.
     #[inline(never)]
     fn is_watched(&self, combination: &Combination<T>, probability: T) -> bool {
         self.consolidates(combination, probability).is_none()
@@ -222,23 +224,23 @@ impl<'r, T: Real> Modes<'r, T> {
         size < at_size || size == at_size && is_before()
     }
 
-    /// Whether the fault of one satellite is watched by itself.
+    /// Returns true if the fault of one satellite is monitored separately.
     pub(super) fn watches(&self, index: usize) -> bool {
         let combination = self.combination(row(index));
         let probability = self.probability_of(&combination);
         probability > T::zero() && self.is_watched(&combination, probability)
     }
 
-    /// Satellites that are not the only ones of their constellation which are left without `gone`.
+    /// Returns the satellites that are not the only remaining ones of their constellation without `gone`.
     pub(super) fn not_alone(&self, gone: Set) -> Set {
         let left = self.members.iter().map(|members| members & !gone);
         left.filter(|left| !left.is_power_of_two()).fold(0, |set, left| set | left)
     }
 
-    /// A set of events as a combination.
+    /// Returns a set of events as a combination.
     fn combination(&self, events: Set) -> Combination<T> {
         let mut combination = Combination::empty();
-        // By its lowest bit and not by its index, which would have to be made a bit again: this is done for every cause.
+        // By its lowest bit and not by its index, because this runs for every cause and would need the bit again.
         let mut left = events & ROW_EVENTS;
         while left != 0 {
             let lowest = left & left.wrapping_neg();
@@ -257,15 +259,15 @@ impl<'r, T: Real> Modes<'r, T> {
         combination
     }
 
-    /// What is left of each constellation without `gone`.
+    /// Returns the remaining rows of each constellation without `gone`.
     pub(super) fn remains(&self, gone: Set) -> Remains {
         Remains::of(&self.members, gone)
     }
 
-    /// Walks through the modes of the satellites that are left, of a number of rows and constellations.
+    /// Visits the modes of the remaining satellites with a number of rows and constellations.
     ///
-    /// `was_monitorable` says of the rows that a combination takes, all satellites in view, whether it counts at all. The
-    /// walk is large: there is one for all visitors.
+    /// `was_monitorable` decides for the rows of a combination, all satellites in view, whether it counts. The
+    /// code of the walk is large, so that all visitors share one.
     #[inline(never)]
     pub(super) fn visit(
         &self,
@@ -276,7 +278,7 @@ impl<'r, T: Real> Modes<'r, T> {
     ) -> ControlFlow<()> {
         let in_view = remains.in_view;
         let most = self.limit.min(*sizes.end()) as u32;
-        // Constellations first: what they add to the levels is mostly the largest part.
+        // Constellations first, because their part of the levels is mostly the largest.
         let mut lost = in_view;
         for _ in 0..1usize << Constellation::COUNT {
             if lost.count_ones() <= most {
@@ -291,7 +293,7 @@ impl<'r, T: Real> Modes<'r, T> {
         ControlFlow::Continue(())
     }
 
-    /// The largest bare product of probabilities, without `p_0`, among the watched combinations of a mode.
+    /// Returns the largest bare product of probabilities, without `p_0`, among the monitored combinations of a mode.
     #[inline(never)]
     pub(super) fn prior(
         &self,
@@ -322,7 +324,7 @@ impl<'r, T: Real> Modes<'r, T> {
         largest
     }
 
-    /// Above this a mode is watched for its own weight: it alone would break the requirement.
+    /// Returns the probability above which monitoring a mode is mandatory, because it alone would break the requirement.
     pub(super) fn mandatory(&self) -> T {
         self.mandatory
     }
@@ -332,19 +334,19 @@ impl<'r, T: Real> Modes<'r, T> {
         self.healthy
     }
 
-    /// The rows that a hypothesis takes, all satellites in view.
+    /// Returns the rows that a hypothesis takes, all satellites in view.
     pub(super) fn taken_by(&self, hypothesis: Hypothesis) -> Set {
         let rows = hypothesis.rows().fold(0, |set, index| set | row(index));
         rows | self.rows_of(usize::from(hypothesis.constellations))
     }
 
-    /// All rows of some constellations.
+    /// Returns all rows of some constellations.
     fn rows_of(&self, constellations: usize) -> Set {
         let chosen = self.members.iter().enumerate().filter(|(id, _)| constellations >> id & 1 != 0);
         chosen.fold(0, |rows, (_, members)| rows | members)
     }
 
-    /// Every combination, watched or not, that leaves the same satellites as a mode.
+    /// Visits every combination, monitored or not, that leaves the same satellites as a mode.
     #[inline(never)]
     fn causes(&self, lost_rows: Set, chosen: Set, gone: Set, cause: &mut dyn FnMut(&Combination<T>, T)) {
         let (target, room) = (lost_rows | chosen, lost_rows | chosen | gone);
@@ -353,7 +355,7 @@ impl<'r, T: Real> Modes<'r, T> {
         let left = self.limit.saturating_sub(count_of(chosen));
         for (id, (&odds, &rows)) in self.constellations.iter().zip(&self.members).enumerate() {
             if odds > T::zero() && rows & !room == 0 {
-                // Too many to go one by one: only the loss of the constellation takes them.
+                // They are too many to fail one by one, so that only the loss of the constellation takes them.
                 let is_forced = count_of(rows & lost_rows) > left;
                 *if is_forced { &mut forced } else { &mut pool } |= event(id);
             }

@@ -1,33 +1,33 @@
-//! Sets of rows and of events, as words; and what a hypothesis takes away.
+//! Sets of rows and of events, as words, and the hypotheses made of them.
 
 pub(super) use crate::bit_set::above;
 pub(in crate::integrity::araim) use crate::bit_set::members;
 use crate::least_squares::equations::MAX_ROWS;
 use crate::satellite::Constellation;
 
-/// Most rows of an epoch that can be judged: rows and constellations together fit one word.
+/// Most rows of an epoch: rows and constellations together fit one word.
 pub const ROWS: usize = Set::BITS as usize - Constellation::COUNT;
 
-/// What there is room for: as many, or fewer where no epoch has as many.
+/// Capacity for rows: as many, or fewer on targets whose epochs have fewer.
 pub(in crate::integrity::araim) const ROOM: usize = if MAX_ROWS < ROWS { MAX_ROWS } else { ROWS };
 
-/// Most events at once.
+/// Most simultaneous events.
 pub(in crate::integrity::araim) const EVENTS: usize = 3;
 
-/// Of a set of rows, or of events: rows by their index, constellations above them.
+/// A set of rows, or of events: rows by their index, constellations above them.
 pub(in crate::integrity::araim) type Set = u64;
 
-/// The bit of a row.
+/// Returns the bit of a row.
 pub(in crate::integrity::araim) fn row(index: usize) -> Set {
     if index < ROWS { 1 << index } else { 0 }
 }
 
-/// The bit of a constellation's event.
+/// Returns the bit of a constellation's event.
 pub(super) fn event(constellation: usize) -> Set {
     1u64.checked_shl((ROWS + constellation) as u32).unwrap_or(0)
 }
 
-/// The events of some constellations, which are named by a bit for each id.
+/// Returns the events of some constellations, which are given by a bit for each id.
 pub(super) fn losses(constellations: usize) -> Set {
     let ids = (0..Constellation::COUNT).filter(|id| constellations >> id & 1 != 0);
     ids.fold(0, |events, id| events | event(id))
@@ -36,42 +36,42 @@ pub(super) fn losses(constellations: usize) -> Set {
 /// The rows among a set of events.
 pub(super) const ROW_EVENTS: Set = (1 << ROWS) - 1;
 
-/// What a hypothesis takes away: whole constellations, and rows of the others.
+/// A fault hypothesis: whole constellations, and rows of the others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Hypothesis {
-    /// A bit for each constellation id.
+    /// Constellations, a bit for each id.
     pub constellations: u8,
     rows: [u8; EVENTS],
 }
 
 impl Hypothesis {
-    /// In the place of a row where there is none.
+    /// Index in place of a missing row.
     const NO_ROW: u8 = u8::MAX;
 
-    /// That nothing is wrong.
+    /// The fault-free hypothesis.
     pub const NONE: Self = Self { constellations: 0, rows: [Self::NO_ROW; EVENTS] };
 
     pub(super) fn of(constellations: usize, rows: [usize; EVENTS]) -> Self {
         Self { constellations: constellations as u8, rows: rows.map(|row| row as u8) }
     }
 
-    /// Indices of the rows of other constellations, ascending.
+    /// Iterates over the indices of the rows of other constellations, ascending.
     pub fn rows(self) -> impl Iterator<Item = usize> {
         self.rows.into_iter().take_while(|&row| row != Self::NO_ROW).map(usize::from)
     }
 
-    /// Indices of the rows of other constellations, `None` where there are no more.
+    /// Returns the indices of the rows of other constellations, `None` for missing ones.
     pub fn named(self) -> [Option<usize>; EVENTS] {
         self.rows.map(|row| (row != Self::NO_ROW).then_some(usize::from(row)))
     }
 
-    /// One row.
+    /// Returns the hypothesis of one faulty row.
     pub(in crate::integrity::araim) fn of_row(index: usize) -> Self {
         Self::of(0, [index, NONE, NONE])
     }
 
-    /// The same with another row behind those that it has, of which it has one at most.
+    /// Adds another row behind those of a hypothesis with at most one row.
     #[inline]
     pub(super) fn and(mut self, index: usize) -> Self {
         let [first, second, _] = &mut self.rows;
@@ -79,12 +79,12 @@ impl Hypothesis {
         self
     }
 
-    /// Constellations, a bit for each id.
+    /// Returns the hypothesis of faulty constellations, a bit for each id.
     pub(in crate::integrity::araim) fn of_constellations(constellations: u8) -> Self {
         Self { constellations, ..Self::NONE }
     }
 
-    /// Whether it is two rows and nothing else, the first of them the first of another one, which is rows alone too.
+    /// Returns true for a pair of rows and no constellations whose first row is the first of another hypothesis of rows alone.
     #[inline]
     pub(in crate::integrity::araim) fn is_pair_after(self, other: Self) -> bool {
         let ([first, second, third], [of_other, ..]) = (self.rows, other.rows);
@@ -97,16 +97,16 @@ impl Hypothesis {
     }
 }
 
-/// In the place of a row where there is none.
+/// Index in place of a missing row.
 pub(super) const NONE: usize = Hypothesis::NO_ROW as usize;
-/// Whether one combination is listed after another of as many events: as words are, satellites first.
+/// Returns true if a combination is listed after another of as many events: in the order of words, satellites first.
 pub(super) fn is_listed_after(events: Set, other: Set) -> bool {
     let differing = events ^ other;
     let first = differing & differing.wrapping_neg();
     other & first != 0
 }
 
-/// Every set of some events and no more than `most` of them: none first, and each before those with events behind its own.
+/// Iterates over every set of at most `most` of some events: the empty set first, and each before those that extend it.
 pub(super) fn subsets(pool: Set, most: u32) -> impl Iterator<Item = Set> {
     let lowest = |set: Set| set & set.wrapping_neg();
     core::iter::successors(Some(0), move |&last: &Set| {
@@ -114,7 +114,7 @@ pub(super) fn subsets(pool: Set, most: u32) -> impl Iterator<Item = Set> {
         if behind != 0 && set.count_ones() < most {
             return Some(set | lowest(behind));
         }
-        // In the place of the last event the one behind it, or of the one before where there is none.
+        // Replaces the last event by the next one, or drops it and replaces the one before.
         while set != 0 {
             behind = pool & above_all(set);
             set &= !highest(set);
@@ -126,12 +126,12 @@ pub(super) fn subsets(pool: Set, most: u32) -> impl Iterator<Item = Set> {
     })
 }
 
-/// The last of a set's events.
+/// Returns the last of a set's events.
 fn highest(set: Set) -> Set {
     set & !(Set::MAX >> 1).unbounded_shr(set.leading_zeros())
 }
 
-/// What is behind all of a set's events.
+/// Returns all bits above a set's events.
 fn above_all(set: Set) -> Set {
     !Set::MAX.unbounded_shr(set.leading_zeros())
 }

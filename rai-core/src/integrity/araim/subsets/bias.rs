@@ -1,4 +1,4 @@
-//! Nominal biases: the largest effect they can have together, exactly where it counts and by a bound elsewhere.
+//! Nominal biases: the largest effect that they can have together, exact where it matters and bounded elsewhere.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -16,7 +16,7 @@ use crate::numeric::space::{
 use crate::satellite::Constellation;
 
 impl<T: Real> Solutions<'_, T> {
-    /// A bound on each row's `Σ |M_ji| b_i`: `w_i b_ji` is a projection, so that `Σ w_i b_ji² = b_jj`.
+    /// Sets a bound on each row's `Σ |M_ji| b_i`: `w_i b_ji` is a projection, so that `Σ w_i b_ji² = b_jj`.
     pub(super) fn spread_biases(&mut self, priors: &[Prior<T>]) {
         let rows = self.view.rows.iter().zip(priors);
         let squared = |(row, prior): (&Row<T>, &Prior<T>)| row.weight * prior.bias_m * prior.bias_m;
@@ -24,18 +24,18 @@ impl<T: Real> Solutions<'_, T> {
         for ((row, prior), own) in rows.zip(self.own.iter_mut()) {
             let redundancy = row.weight * own.pivot;
             let others = (total - squared((row, prior))) * (T::one() - redundancy) * own.pivot;
-            // Rounding can take what is left below nothing.
+            // Rounding can make the remainder slightly negative.
             let root = if others > T::zero() { others * others.inverse_root() } else { T::zero() };
             own.spread = redundancy * prior.bias_m + root;
         }
     }
 
-    /// Bias of the solution with all satellites.
+    /// Returns the bias of the all-in-view solution, m.
     pub(super) fn summed_bias_of_whole(&self) -> Vector3<T> {
         self.summed_bias(&NOTHING, &identity(), &[zero(); GROUPS])
     }
 
-    /// The bias without one row, all constellations in view.
+    /// Returns the bias without one row, all constellations in view, m.
     pub(super) fn bias_without(&self, index: usize, column: &Vector3<T>, point: &Point<T>) -> Vector3<T> {
         let mut steps = [zero(); GROUPS];
         if let Some(step) = steps.get_mut(point.group) {
@@ -46,7 +46,7 @@ impl<T: Real> Solutions<'_, T> {
         self.summed_bias(&[index, NONE, NONE], &turn, &steps)
     }
 
-    /// A bound on the bias of the mode that was asked for last, where one is cheap: for rows of all constellations.
+    /// Returns a bound on the bias of the mode solved last, if one is cheap: for rows of all constellations.
     #[inline]
     pub(in crate::integrity::araim) fn bias_bound(&self) -> Option<Vector3<T>> {
         if let Some((_, bias)) = &self.direct {
@@ -65,7 +65,7 @@ impl<T: Real> Solutions<'_, T> {
         Some(plus_scaled(&first.bias, spread, &magnitudes(column)))
     }
 
-    /// The bias of the mode that was asked for last.
+    /// Returns the bias of the mode solved last, m.
     #[inline(never)]
     pub(in crate::integrity::araim) fn bias(&self) -> Vector3<T> {
         if let Some((_, bias)) = &self.direct {
@@ -108,7 +108,7 @@ impl<T: Real> Solutions<'_, T> {
         self.summed_bias(&rows, &turn, &steps)
     }
 
-    /// `Σ w_i b_i |Z P'd_i + s_c|` over what is left, without the constellations that the kernel has lost.
+    /// Returns `Σ w_i b_i |Z P'd_i + s_c|` over the remaining rows, without the constellations that the kernel has lost.
     #[inline(never)]
     fn summed_bias(&self, out: &[usize; 3], turn: &Matrix3<T>, steps: &[Vector3<T>; GROUPS]) -> Vector3<T> {
         let (turned, constellations) =
@@ -122,7 +122,7 @@ impl<T: Real> Solutions<'_, T> {
         self.rows_of(out).fold(of_all, |left, row| difference(&left, &part(row)))
     }
 
-    /// Some rows, as [`Self::rows`] has all.
+    /// Iterates over some rows, as [`Self::rows`] does over all.
     fn rows_of(&self, rows: &[usize; 3]) -> impl Iterator<Item = (&Row<T>, &Fit<T>, &Own<T>)> {
         rows.iter().filter_map(|&index| {
             Some((self.view.rows.get(index)?, self.view.fits.get(index)?, self.own.get(index)?))
@@ -130,12 +130,12 @@ impl<T: Real> Solutions<'_, T> {
     }
 }
 
-/// In the place of a row where there is none.
+/// Index in place of a missing row.
 const NONE: usize = usize::MAX;
 /// No rows.
 const NOTHING: [usize; 3] = [NONE; 3];
 
-/// What one row's bias can do.
+/// Returns the effect of one row's bias.
 #[inline]
 fn share<T: Real>(
     turn: &Matrix3<T>,

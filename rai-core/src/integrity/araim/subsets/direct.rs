@@ -1,7 +1,7 @@
-//! A mode that leaves a poor geometry: solved by itself, row by row.
+//! A mode that leaves a poor geometry, solved directly row by row.
 //!
-//! Taking rows out by algebra costs what is left of 1: with a redundancy of 1 % single precision keeps five digits, with
-//! 1e-5 two. Turning the remaining rows one after another into a triangle (Givens) loses as many digits as the dilution
+//! Leaving rows out by algebra subtracts from 1: with a redundancy of 1 % single precision keeps five digits, with
+//! 1e-5 two. Rotating the remaining rows one after another into a triangle (Givens) loses as many digits as the dilution
 //! of precision has, not its square:
 //!
 //! ```text
@@ -26,7 +26,7 @@ use crate::satellite::Constellation;
 /// normal matrix is then about 1e-8.
 const SINGULAR: f64 = 1e8;
 
-/// Rows turned into a triangle, with their residuals.
+/// Rows rotated into a triangle, with their residuals.
 struct Triangle<T: Real> {
     rows: [Vector3<T>; 3],
     right: [T; 3],
@@ -42,7 +42,7 @@ impl<T: Real> Triangle<T> {
         }
     }
 
-    /// `R⁻¹`; what is not finite is seen by the caller.
+    /// Returns `R⁻¹`; the caller checks that it is finite.
     fn inverse(&self) -> Matrix3<T> {
         let [first, second, third] = &self.rows;
         let (u11, u22, u33) = (first.x.recip(), second.y.recip(), third.z.recip());
@@ -53,7 +53,7 @@ impl<T: Real> Triangle<T> {
     }
 }
 
-/// Turns two rows so that the second has nothing left in a column.
+/// Rotates two rows so that the second is zero in a column.
 #[inline(never)]
 fn turn<T: Real>(column: usize, top: &Turned<T>, below: &Turned<T>) -> [Turned<T>; 2] {
     let [(top, right), (row, residual)] = [*top, *below];
@@ -69,7 +69,7 @@ fn turn<T: Real>(column: usize, top: &Turned<T>, below: &Turned<T>) -> [Turned<T
     ]
 }
 
-/// The solution without a mode and its bias; `None` where what is left does not determine it.
+/// Returns the solution without a mode and its bias, or `None` if the remaining rows do not determine it.
 #[cold]
 #[inline(never)]
 pub(super) fn solve<T: Real>(
@@ -94,7 +94,7 @@ pub(super) fn solve<T: Real>(
     let inverse = triangle.inverse();
     let [first, second, third] = columns(&inverse).map(|column| products(&column, &column));
     let variance = sum(&sum(&first, &second), &third);
-    // A sum that is not a number is below nothing.
+    // A NaN sum fails this comparison.
     if !(solutions.largest_weight() * (variance.x + variance.y + variance.z) < T::narrow(SINGULAR)) {
         return None;
     }
@@ -113,7 +113,7 @@ pub(super) fn solve<T: Real>(
     Some((Solution { variance, separation, shift: product(&inverse, &triangle.right.into()) }, bias))
 }
 
-/// Weighted means of what is left of each constellation.
+/// Returns the weighted means of the remaining rows of each constellation.
 fn means<T: Real>(
     solutions: &Solutions<'_, T>,
     is_left: &impl Fn(usize, usize) -> bool,
@@ -127,7 +127,7 @@ fn means<T: Real>(
         }
     }
     let mut means = sums.map(|(sum, weight)| if weight > T::zero() { divided(&sum, weight) } else { zero() });
-    // What touches no clock is not centred.
+    // Rows without a clock are not centred.
     if let Some(mean) = means.last_mut() {
         *mean = zero();
     }

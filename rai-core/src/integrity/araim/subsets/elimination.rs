@@ -1,4 +1,4 @@
-//! Rows taken out of a kernel one after another.
+//! Elimination: rows left out of a kernel one after another.
 
 use nalgebra::Vector3;
 
@@ -10,7 +10,7 @@ use crate::least_squares::equations::Row;
 use crate::numeric::real::Real;
 use crate::numeric::space::{difference, divided, dot, plus_scaled, product, products, scaled, sum, zero};
 
-/// A row as a kernel sees it.
+/// A row in a kernel.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Point<T: Real> {
     pub(super) group: usize,
@@ -27,7 +27,7 @@ pub(super) struct Point<T: Real> {
 }
 
 impl<T: Real> Point<T> {
-    /// A row of the view as the kernel of all satellites sees it.
+    /// Returns a row of the view in the kernel of all satellites.
     #[inline]
     pub(super) fn of(row: &Row<T>, fit: &Fit<T>, own: &Own<T>) -> Self {
         Self {
@@ -45,19 +45,19 @@ impl<T: Real> Point<T> {
     }
 }
 
-/// What one row says of its `b` and `κ` with any other.
+/// Terms of one row for its `b` and `κ` with any other.
 #[derive(Clone, Copy, Debug)]
 struct Reach<T: Real> {
     design: Vector3<T>,
     share: T,
     /// `Γd + t_c`.
     towards: Vector3<T>,
-    /// What depends on nothing but the other's group: `[c_j = c_k]/W_c`, and `d·t_c + [c_j = c_k] U_c/W_c²`.
+    /// Terms that depend only on the other row's group: `[c_j = c_k]/W_c`, and `d·t_c + [c_j = c_k] U_c/W_c²`.
     groups: [[T; 2]; GROUPS],
 }
 
 impl<T: Real> Reach<T> {
-    /// `b_jk` and `κ_jk`.
+    /// Returns `b_jk` and `κ_jk`.
     #[inline]
     fn with(&self, other: &Point<T>) -> (T, T) {
         let [level, accuracy] = self.groups.get(other.group).copied().unwrap_or([T::zero(); 2]);
@@ -66,7 +66,7 @@ impl<T: Real> Reach<T> {
     }
 }
 
-/// The first row taken out, and the solution without it.
+/// First row left out, and the solution without it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct First<T: Real> {
     pub(super) point: Point<T>,
@@ -74,12 +74,12 @@ pub(super) struct First<T: Real> {
     pub(super) inverse: T,
     /// `A/B`.
     pub(super) column: Vector3<T>,
-    /// Without it and nothing else; 0 without biases.
+    /// Bias without this row alone, m; 0 without biases.
     pub(super) bias: Vector3<T>,
     pub(super) solution: Solution<T>,
 }
 
-/// The second row, as the first leaves it, and the solution without both.
+/// Second row left out, after the first, and the solution without both.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Second<T: Real> {
     point: Point<T>,
@@ -94,7 +94,7 @@ impl<T: Real> Second<T> {
     }
 }
 
-/// What a first row leaves of another.
+/// Remainder of a row after the first.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Beside<T: Real> {
     coupling: T,
@@ -127,7 +127,7 @@ impl<T: Real> Beside<T> {
     }
 }
 
-/// What a bias needs of the row that was taken out last: of a single one, or of a pair's second.
+/// Values of the row left out last that a bias needs: a single row, or a pair's second.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Last<T: Real> {
     pub(super) column: Vector3<T>,
@@ -135,7 +135,7 @@ pub(super) struct Last<T: Real> {
     pub(super) spread: T,
 }
 
-/// The third row, likewise: only what a bias needs.
+/// Values of the third row that a bias needs.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Third<T: Real> {
     pub(super) factors: [T; 2],
@@ -144,7 +144,7 @@ pub(super) struct Third<T: Real> {
     pub(super) group: usize,
 }
 
-/// A row's test: `A_k v_k` is how far the position moves without it.
+/// Test of a row: `A_k v_k` is the change of the position without it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Tested<T: Real> {
     column: Vector3<T>,
@@ -153,7 +153,7 @@ pub(super) struct Tested<T: Real> {
 }
 
 impl<T: Real> Tested<T> {
-    /// Whether the position moves by more than its threshold on any axis.
+    /// Returns true if the position moves by more than its threshold on any axis.
     #[inline]
     pub(super) fn exceeds(&self, limits: &Vector3<T>) -> bool {
         let squared = self.residual * self.residual;
@@ -169,7 +169,7 @@ impl<T: Real> Tested<T> {
 }
 
 impl<T: Real> Solutions<'_, T> {
-    /// The test of a row without the first row, all constellations in view.
+    /// Returns the test of a row without the first row, all constellations in view.
     #[inline]
     pub(super) fn left_by_first(&self, index: usize) -> Option<Tested<T>> {
         let (first, point) = (self.first.as_ref()?, self.point(index)?);
@@ -177,7 +177,7 @@ impl<T: Real> Solutions<'_, T> {
         Some(Tested { column, residual, kappa })
     }
 
-    /// The test of a row without the constellations that the kernel has lost.
+    /// Returns the test of a row without the constellations that the kernel has lost.
     #[inline]
     pub(super) fn left_by_kernel(&self, index: usize) -> Option<Tested<T>> {
         let point = self.point_here(index)?;
@@ -185,7 +185,7 @@ impl<T: Real> Solutions<'_, T> {
         is_sound.then_some(Tested { column: point.gain, residual: point.residual, kappa: point.kappa })
     }
 
-    /// The row of the view as the kernel of all satellites sees it; `None` where it takes no part.
+    /// Returns a row of the view in the kernel of all satellites, or `None` if it takes no part.
     #[inline]
     pub(super) fn point(&self, index: usize) -> Option<Point<T>> {
         let (row, fit) = self.view.rows.get(index).zip(self.view.fits.get(index))?;
@@ -193,14 +193,14 @@ impl<T: Real> Solutions<'_, T> {
         Some(Point::of(row, fit, own))
     }
 
-    /// The row as the present kernel sees it.
+    /// Returns a row in the present kernel.
     #[inline]
     pub(super) fn point_here(&self, index: usize) -> Option<Point<T>> {
         let point = self.point(index)?;
         if self.at.constellations == 0 { Some(point) } else { Some(self.point_beyond(point)) }
     }
 
-    /// The row without the constellations that the kernel has lost.
+    /// Returns a row without the constellations that the kernel has lost.
     #[inline(never)]
     pub(super) fn point_beyond(&self, mut point: Point<T>) -> Point<T> {
         let kernel = &self.kernel;
@@ -233,7 +233,7 @@ impl<T: Real> Solutions<'_, T> {
         Some(First { reach: self.reach(&point), inverse, column, bias, solution, point })
     }
 
-    /// The solution without a row and nothing else of what the kernel has.
+    /// Returns the solution without a row of the present kernel.
     #[inline(never)]
     pub(super) fn leave_out_alone(&mut self, index: usize) -> Option<Solution<T>> {
         let point = self.point_here(index)?;
@@ -247,7 +247,7 @@ impl<T: Real> Solutions<'_, T> {
         Some(self.alone(&point, &column))
     }
 
-    /// The same by the row's column `A/B`.
+    /// Returns the solution without a row, by its column `A/B`.
     #[inline]
     fn alone(&self, point: &Point<T>, column: &Vector3<T>) -> Solution<T> {
         let base = &self.kernel.solution;
@@ -271,7 +271,7 @@ impl<T: Real> Solutions<'_, T> {
         Reach { design: point.design, share: point.share, towards, groups }
     }
 
-    /// What the first row leaves of another one.
+    /// Returns the remainder of another row after the first.
     #[inline]
     pub(super) fn beside(first: &First<T>, point: &Point<T>, lag: Vector3<T>) -> Option<Beside<T>> {
         let (coupling, kappa) = first.reach.with(point);
@@ -297,7 +297,7 @@ impl<T: Real> Solutions<'_, T> {
         })
     }
 
-    /// The solution without a pair whose first row is out already, all constellations in view: nothing lags then.
+    /// Returns the solution without a pair whose first row is left out already, all constellations in view, so that no lag remains.
     #[allow(clippy::inline_always, reason = "called in one place, once for every mode")]
     #[inline(always)]
     pub(super) fn leave_out_pair(&mut self, pair: Hypothesis) -> Option<Solution<T>> {
@@ -330,7 +330,7 @@ impl<T: Real> Solutions<'_, T> {
         let point = self.point_here(index)?;
         let (to_first, kappa_first) = first.reach.with(&point);
         let (to_second, kappa_second) = second.reach.with(&point);
-        // What couples it to the second, the first gone.
+        // Coupling to the second row without the first.
         let rest = -to_second - left.coupling * to_first * first.inverse;
         let factors = [-to_first * first.inverse, rest * left.inverse];
         let [by_first, by_second] = factors;

@@ -1,4 +1,4 @@
-//! Sums over constellations, and the solution without some of them, from which rows are then taken out.
+//! Sums over constellations, and the solution without some of them, from which rows are then left out.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -10,7 +10,7 @@ use crate::numeric::space::{
 };
 use crate::satellite::Constellation;
 
-/// Constellations, and a place for rows that touch no clock.
+/// Number of constellations, and one more for rows that touch no clock.
 pub(in crate::integrity::araim) const GROUPS: usize = Constellation::COUNT + 1;
 /// Sums over one constellation.
 #[derive(Clone, Copy, Debug)]
@@ -40,7 +40,7 @@ impl<T: Real> Group<T> {
     }
 }
 
-/// The solution without some constellations, from which rows are taken out.
+/// Solution without some constellations, from which rows are left out.
 #[derive(Clone, Debug)]
 pub(super) struct Kernel<T: Real> {
     pub(super) covariance: Matrix3<T>,
@@ -52,18 +52,18 @@ pub(super) struct Kernel<T: Real> {
     pub(super) gamma: Matrix3<T>,
     /// `t_c`.
     pub(super) leans: [Vector3<T>; GROUPS],
-    /// Whether `Γ` and `t_c` are worked out.
+    /// True if `Γ` and `t_c` are computed.
     pub(super) is_complete: bool,
     pub(super) solution: Solution<T>,
 }
 
-/// What must be left of 1 for algebra: below, single precision keeps less than five digits; 1e-9 in double precision.
+/// Returns the least remainder of 1 for algebra: below, single precision keeps less than five digits; 1e-9 in double precision.
 pub(super) fn hardly_left<T: Real>() -> T {
     let digits = T::default_epsilon() * T::narrow(2e5);
     if digits > T::UNTESTABLE { digits } else { T::UNTESTABLE }
 }
 
-/// Diagonal of `A M Aᵀ`, `M` symmetric.
+/// Returns the diagonal of `A M Aᵀ`, `M` symmetric.
 #[inline(never)]
 pub(super) fn diagonal_of<T: Real>(a: &Matrix3<T>, m: &Matrix3<T>) -> Vector3<T> {
     let ([p1, p2, p3], [a1, a2, a3]) = (columns(&matrix_product(a, m)), columns(a));
@@ -74,7 +74,7 @@ pub(in crate::integrity::araim) fn group_of<T: Real>(row: &Row<T>) -> usize {
     row.clock.map_or(Constellation::COUNT, |clock| clock as usize)
 }
 impl<T: Real> Kernel<T> {
-    /// Before it is known what is lost.
+    /// Returns the kernel before its first use.
     pub(super) fn nothing() -> Self {
         let nothing = zero();
         Self {
@@ -88,7 +88,7 @@ impl<T: Real> Kernel<T> {
         }
     }
 
-    /// Of all satellites.
+    /// Resets the kernel to all satellites.
     pub(super) fn regain_all(&mut self, covariance: &Matrix3<T>, dispersion: &Matrix3<T>) {
         (self.covariance, self.dispersion) = (*covariance, *dispersion);
         self.change = zeros();
@@ -98,7 +98,7 @@ impl<T: Real> Kernel<T> {
         self.solution.shift = zero();
     }
 
-    /// What follows from the covariance and the dispersion, for rows that are taken out.
+    /// Computes `Γ` and `t_c` from the covariance and the dispersion, for rows that are left out.
     #[inline(never)]
     pub(super) fn complete(&mut self, groups: &[Group<T>; GROUPS]) {
         if self.is_complete {
@@ -111,7 +111,7 @@ impl<T: Real> Kernel<T> {
         }
     }
 
-    /// `κ_jj` by `b_jj`.
+    /// Returns `κ_jj` for a given `b_jj`.
     pub(super) fn kappa(
         &self,
         groups: &[Group<T>; GROUPS],

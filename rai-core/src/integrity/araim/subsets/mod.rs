@@ -1,5 +1,5 @@
-//! The position without a mode's satellites, by algebra on the one 3×3 solve: how uncertain it is, and how far it may
-//! lie from the position with all of them.
+//! The position without a mode's satellites, by algebra on the one 3×3 solve: its uncertainty, and its separation from the
+//! all-in-view position.
 //!
 //! ```text
 //! constellations X     P' = (N − N_X)⁻¹    T = P' − P    D' = D − D_X    x' − x = −P' Σ_X w_i d_i v_i
@@ -16,19 +16,19 @@
 //! | `a_i = w_i σ_acc,i²` | `share` | – |
 //! | `B_jj` | `pivot` | m² |
 //! | `κ_jj` | `kappa` | m² |
-//! | `N_c = Σ w d dᵀ`, `D_c = Σ a w d dᵀ`, `U_c = Σ a w`, `τ_c = Σ a w d` | [`Group`] | 1/m² |
+//! | `N_c = Σ w d dᵀ`, `D_c = Σ a w d dᵀ`, `U_c = Σ a w`, `τ_c = Σ a w d` | [`ConstellationSums`] | 1/m² |
 //! | `Γ = P'D'P'`, `t_c = P'τ_c/W_c` | [`Kernel`] | m² |
-//! | diagonal of `P_E` | [`Solution::variance`] | m² |
-//! | diagonal of `Cov_ss` | [`Solution::separation`] | m² |
-//! | `x_E − x` | [`Solution::shift`] | m |
-//! | `Σ |S_qi| b_i` | [`Solutions::bias`] | m |
+//! | diagonal of `P_E` | [`SubsetSolution::variance`] | m² |
+//! | diagonal of `Cov_ss` | [`SubsetSolution::separation`] | m² |
+//! | `x_E − x` | [`SubsetSolution::shift`] | m |
+//! | `Σ |S_qi| b_i` | [`SubsetSolutions::bias`] | m |
 //!
-//! Rows are taken out one after another, each from what the ones before it left (elimination): a single costs about 70
-//! operations, a pair another 90, and what a first row shares with its pairs is worked out once. `C_acc` need not be
-//! proportional to `C`. Of modes that differ in one row those that change nothing are dismissed before ([`sieve`]). Only the
-//! bias is a sum over all rows, and only worked out where a bound on it does not decide.
+//! Rows are left out one after another, each from the remainder of the rows before it (elimination): a single costs about 70
+//! operations, a pair another 90, and the part of a first row that its pairs share is computed once. `C_acc` need not be
+//! proportional to `C`. Of modes that differ in one row, those without an effect are dismissed before ([`bounds`]). Only the
+//! bias is a sum over all rows, and it is computed only if a bound on it does not decide.
 //!
-//! Assumes that a set leaves something of every constellation that it does not name. References: [Blanch2015],
+//! Assumes that a set leaves at least one row of every constellation that it does not name. References: [Blanch2015],
 //! [`crate::least_squares::downdate`] for the elimination.
 //!
 //! [Blanch2015]: crate#references
@@ -58,7 +58,7 @@ use crate::numeric::space::{
     sum, trace, zero, zeros,
 };
 use crate::satellite::Constellation;
-/// What one mode's solution is.
+/// Solution without one mode.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Solution<T> {
     pub(super) variance: Vector3<T>,
@@ -66,7 +66,7 @@ pub(super) struct Solution<T> {
     pub(super) shift: Vector3<T>,
 }
 
-/// What integrity adds to a row.
+/// Integrity data of a row.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Own<T> {
     pub(super) share: T,
@@ -74,10 +74,10 @@ pub(super) struct Own<T> {
     kappa: T,
     /// `w_i b_i`.
     pub(super) weighted_bias: T,
-    /// A bound on `Σ_i |M_ji| b_i`; 0 without biases.
+    /// Bound on `Σ_i |M_ji| b_i`, m; 0 without biases.
     spread: T,
 }
-/// Solutions without modes; what neighbouring modes share is kept.
+/// Solutions without modes; intermediate results of neighbouring modes are kept.
 pub(super) struct Solutions<'v, T: Real> {
     view: View<'v, T>,
     own: &'v mut Vec<Own<T>, ROOM>,
@@ -85,24 +85,24 @@ pub(super) struct Solutions<'v, T: Real> {
     total_dispersion: Matrix3<T>,
     largest_weight: T,
     has_bias: bool,
-    /// Of the solution with all satellites.
+    /// Bias of the all-in-view solution, m.
     whole_bias: Vector3<T>,
     kernel: Kernel<T>,
-    /// Of which mode the following are.
+    /// Mode that the following fields belong to.
     at: Hypothesis,
-    /// Whether the kernel is good to enough digits for taking rows out of it.
+    /// True if the kernel keeps enough digits for leaving rows out of it.
     is_sound: bool,
-    /// What was solved by itself, where algebra would cost too many digits, and its bias.
+    /// Solution and bias of a mode that was solved directly, because algebra would cost too many digits.
     direct: Option<(Solution<T>, Vector3<T>)>,
     first: Option<First<T>>,
-    /// Of the single row or the pair that was asked for last.
+    /// The single row or the pair that was solved last.
     last: Last<T>,
-    /// Kept for triples.
+    /// Second row of a pair, kept for triples.
     second: Option<Second<T>>,
     third: Option<Third<T>>,
 }
 impl<'v, T: Real> Solutions<'v, T> {
-    /// Of a view, to be prepared where it is: it is large.
+    /// Returns the solutions of a view, which must be prepared in place, because they are large.
     #[allow(clippy::inline_always, reason = "made where it stays: it is large")]
     #[inline(always)]
     pub(super) fn of(view: View<'v, T>, own: &'v mut Vec<Own<T>, ROOM>) -> Self {
@@ -126,7 +126,7 @@ impl<'v, T: Real> Solutions<'v, T> {
         }
     }
 
-    /// Prepares for the modes.
+    /// Prepares the solutions for the modes.
     #[inline(never)]
     pub(super) fn prepare(&mut self, priors: &[Prior<T>]) {
         self.has_bias = self.prepare_without_biases(priors);
@@ -136,7 +136,7 @@ impl<'v, T: Real> Solutions<'v, T> {
         }
     }
 
-    /// As [`Self::prepare`], as if no satellite had a nominal bias: for tests, which know none. Whether any has one.
+    /// Prepares the solutions as if no satellite had a nominal bias, for tests. Returns true if any satellite has one.
     #[inline(never)]
     pub(super) fn prepare_without_biases(&mut self, priors: &[Prior<T>]) -> bool {
         let has_bias = self.sum_up(priors);
@@ -144,25 +144,25 @@ impl<'v, T: Real> Solutions<'v, T> {
         has_bias
     }
 
-    /// Sums over the rows of each constellation; whether any has a nominal bias.
+    /// Sums over the rows of each constellation. Returns true if any row has a nominal bias.
     fn sum_up(&mut self, priors: &[Prior<T>]) -> bool {
         let (mut biases, mut largest_weight) = (T::zero(), T::zero());
         let rows = self.view.rows.iter().zip(self.view.fits).enumerate();
         for (index, (row, fit)) in rows {
             let weight = row.weight;
             let prior = priors.get(index);
-            // An aid is as accurate as its sigma.
+            // The accuracy of an aiding row is its sigma.
             let share = prior.map_or(T::one(), |prior| weight * prior.accuracy_m * prior.accuracy_m);
             let bias = prior.map_or(T::zero(), |prior| prior.bias_m);
             let pivot = if weight > T::zero() { fit.redundancy / weight } else { T::zero() };
             let own = Own { share, pivot, kappa: T::zero(), weighted_bias: weight * bias, spread: T::zero() };
-            // The view holds no more rows than there is room for.
+            // Never full, because the view holds no more rows than the capacity.
             let _ = self.own.push(own);
             biases += own.weighted_bias;
             if weight > largest_weight {
                 largest_weight = weight;
             }
-            // What is left out is of no group.
+            // A row that is left out belongs to no group.
             let group = if weight > T::zero() { group_of(row) } else { GROUPS };
             if let Some(group) = self.groups.get_mut(group) {
                 let (centred, residual) = (fit.centred, fit.residual);
@@ -185,11 +185,11 @@ impl<'v, T: Real> Solutions<'v, T> {
             group.accuracy *= group.level * group.level;
             group.lean = scaled(group.level, &group.lean);
         }
-        // None is below nothing.
+        // False if no bias is positive.
         biases > T::zero()
     }
 
-    /// The kernel of all satellites, and each row's `κ_jj` there.
+    /// Computes the kernel of all satellites, and each row's `κ_jj` there.
     fn describe_whole(&mut self) {
         self.kernel.regain_all(self.view.covariance, &self.total_dispersion);
         self.kernel.complete(&self.groups);
@@ -202,22 +202,22 @@ impl<'v, T: Real> Solutions<'v, T> {
             }
         }
     }
-    /// `1/W_c`.
+    /// Returns `1/W_c`.
     fn level(&self, group: usize) -> T {
         self.groups.get(group).map_or(T::zero(), |group| group.level)
     }
 
-    /// Whether any satellite has a nominal bias.
+    /// Returns true if any satellite has a nominal bias.
     pub(super) fn has_bias(&self) -> bool {
         self.has_bias
     }
 
-    /// Bias of the solution with all satellites.
+    /// Returns the bias of the all-in-view solution, m.
     pub(super) fn whole_bias(&self) -> Vector3<T> {
         self.whole_bias
     }
 
-    /// Of all satellites: variances, and the accuracy's in the place of the separation's.
+    /// Returns the all-in-view solution: variances, with the accuracy's in place of the separation's.
     pub(super) fn whole(&self) -> Solution<T> {
         let covariance = self.view.covariance;
         Solution {
@@ -227,23 +227,23 @@ impl<'v, T: Real> Solutions<'v, T> {
         }
     }
 
-    /// Rows, what the solution says of each, and what integrity adds.
+    /// Iterates over the rows with their fits and integrity data.
     pub(super) fn rows(&self) -> impl Iterator<Item = (&Row<T>, &Fit<T>, &Own<T>)> {
         self.view.rows.iter().zip(self.view.fits).zip(&*self.own).map(|((row, fit), own)| (row, fit, own))
     }
 
-    /// The largest weight of all rows.
+    /// Returns the largest weight of all rows.
     pub(super) fn largest_weight(&self) -> T {
         self.largest_weight
     }
 
-    /// The solution without a mode; `None` where what is left does not determine it.
+    /// Returns the solution without a mode, or `None` if the remaining rows do not determine it.
     #[allow(clippy::inline_always, reason = "called in one place, once for every mode")]
     #[inline(always)]
     pub(super) fn without(&mut self, hypothesis: Hypothesis) -> Option<Solution<T>> {
         let by_algebra = if self.first.is_some() && hypothesis.is_pair_after(self.at) {
             self.at = hypothesis;
-            // Another pair than the one that was kept for its triples.
+            // The pair differs from the one that was kept for its triples.
             self.second = None;
             self.leave_out_pair(hypothesis)
         } else {
@@ -259,7 +259,7 @@ impl<'v, T: Real> Solutions<'v, T> {
         self.direct.as_ref().map(|(solution, _)| *solution)
     }
 
-    /// The solution without a mode; `None` where too many digits would be lost.
+    /// Returns the solution without a mode by algebra, or `None` if it would cost too many digits.
     #[inline(never)]
     fn by_algebra(&mut self, hypothesis: Hypothesis) -> Option<Solution<T>> {
         let [first, second, third] = hypothesis.slots();
@@ -288,7 +288,7 @@ impl<'v, T: Real> Solutions<'v, T> {
             return self.leave_out_pair(hypothesis);
         }
         if third >= ROWS {
-            // Another pair than the one that was kept for its triples.
+            // The pair differs from the one that was kept for its triples.
             self.second = None;
             let taken = self.leave_out_second(second)?;
             self.last = taken.last();
@@ -300,7 +300,7 @@ impl<'v, T: Real> Solutions<'v, T> {
         self.leave_out_third(third)
     }
 
-    /// Takes one row out of all satellites, from which pairs with it are then taken.
+    /// Leaves one row out of all satellites, from which pairs with it are then solved.
     #[inline(never)]
     fn enter_first(&mut self, hypothesis: Hypothesis) {
         if self.at.constellations != hypothesis.constellations {
@@ -313,7 +313,7 @@ impl<'v, T: Real> Solutions<'v, T> {
         self.first = self.leave_out_first(first);
     }
 
-    /// Goes to the kernel without some constellations.
+    /// Computes the kernel without some constellations.
     #[inline(never)]
     fn enter(&mut self, constellations: u8) {
         self.at = Hypothesis::of_constellations(constellations);
@@ -340,7 +340,7 @@ impl<'v, T: Real> Solutions<'v, T> {
             }
         }
         let covariance = invert(&normal).ok()?;
-        // A trace that is not a number is below nothing.
+        // A NaN trace fails this comparison.
         if !(self.largest_weight * trace(&covariance) * hardly_left() < T::one()) {
             return None;
         }
@@ -356,9 +356,9 @@ impl<'v, T: Real> Solutions<'v, T> {
         kernel.is_complete = false;
         Some(())
     }
-    /// Whether the test of any of some single rows alarms without a hypothesis, `limits` being the squares of `K`.
+    /// Returns true if the test of any single row alarms without a hypothesis, `limits` being the squares of `K`.
     ///
-    /// One row or constellations are left out; rows whose loss would leave too poor a geometry for algebra are not tested.
+    /// The hypothesis is one row or constellations. Rows whose loss would leave too poor a geometry for algebra are not tested.
     #[inline(never)]
     pub(super) fn contradict(&mut self, hypothesis: Hypothesis, singles: Set, limits: &Vector3<T>) -> bool {
         if self.by_algebra(hypothesis).is_none() {
@@ -372,7 +372,7 @@ impl<'v, T: Real> Solutions<'v, T> {
         })
     }
 
-    /// Weighted SSE of what is left without one row, or without one constellation.
+    /// Returns the weighted SSE of the remaining rows without one row, or without one constellation.
     pub(super) fn sse_without(&mut self, sse: T, hypothesis: Hypothesis) -> Option<T> {
         if let Some(index) = hypothesis.rows().next() {
             let point = self.point(index)?;

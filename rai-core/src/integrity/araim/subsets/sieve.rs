@@ -1,4 +1,4 @@
-//! Modes that change nothing, told from the others by bounds: most of them.
+//! Bounds that dismiss the modes without an effect, which are most of them.
 //!
 //! ```text
 //! test         |x_E − x|² ≤ Cov_ss v_Eᵀ κ_EE⁻¹ v_E  on any axis       of one row the same on all of them, and exact
@@ -11,10 +11,10 @@
 //! | `(1 + λ) K²`, `(1 + 1/λ) u²` | [`Bounds::separation`], [`Bounds::variance`] | – |
 //! | `m` | [`Bounds::references_m`] | m |
 //! | `c` | a row's column `A/B` | – |
-//! | `s ≥ Σ \|M_ji\| b_i` | [`Part::spread`] | m |
+//! | `s ≥ Σ \|M_ji\| b_i` | [`RowContribution::spread`] | m |
 //!
-//! The variances of modes that have all but one row in common differ by squares of that row's column. Linear in both
-//! variances, the bound on a level takes a few operations for each axis, and no root. Where bounds do not decide, the mode
+//! The variances of modes that have all but one row in common differ by squares of that row's column. The bound on a level is
+//! linear in both variances, so that it takes a few operations for each axis, and no root. If the bounds do not decide, the mode
 //! is solved.
 
 use nalgebra::Vector3;
@@ -29,27 +29,27 @@ use crate::least_squares::equations::Row;
 use crate::numeric::real::Real;
 use crate::numeric::space::{diagonal, difference, dot, magnitudes, products, scaled, sum, zero};
 
-/// What a mode must stay below to change nothing.
+/// Bounds below which a mode has no effect.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::integrity::araim) struct Bounds<T: Real> {
-    /// Of east and north, and of up.
+    /// Factors on the separation's variance, for east and north, and for up.
     pub(in crate::integrity::araim) separation: [T; 2],
-    /// Likewise.
+    /// Factors on the variance, likewise.
     pub(in crate::integrity::araim) variance: [T; 2],
     pub(in crate::integrity::araim) references_m: Vector3<T>,
-    /// The largest `|x_k − x|²/σ_ss²` that is no worse than what was found before.
+    /// Largest `|x_k − x|²/σ_ss²` that is no worse than an earlier one.
     pub(in crate::integrity::araim) worst: T,
-    /// By what share of it the largest of a row's tests may exceed the smallest: their `K` differ.
+    /// Ratio by which the largest of a row's tests may exceed the smallest, because their `K` differ.
     pub(in crate::integrity::araim) evenness: T,
-    /// The largest `σ_ss²`, up, that does not count as a threshold of a likely mode.
+    /// Largest `σ_ss²`, up, that does not count as a threshold of a likely mode, m².
     pub(in crate::integrity::araim) effective: T,
 }
 
-/// What modes have in common that differ in one row.
+/// Common part of modes that differ in one row.
 struct Base<T: Real> {
-    /// What is left for that row's squares, m².
+    /// Margins that remain for that row's squares, m².
     margins: Vector3<T>,
-    /// What a bias of its takes of that, m² per m.
+    /// Decrease of the margins by a bias of that row, m² per m.
     slopes: Vector3<T>,
 }
 
@@ -61,7 +61,7 @@ impl<T: Real> Bounds<T> {
         let variance = Vector3::new(horizontal, horizontal, vertical);
         let left_m = difference(&self.references_m, bias_m);
         let used = sum(&products(&separation, &common.separation), &products(&variance, &common.variance));
-        // A margin below nothing leaves less than nothing, whatever the row's biases.
+        // A negative margin stays negative with any bias of the row.
         let magnitude_m = magnitudes(&left_m);
         Base {
             margins: difference(&products(&left_m, &magnitude_m), &used),
@@ -70,20 +70,20 @@ impl<T: Real> Bounds<T> {
     }
 }
 
-/// A row's part in the variances of a mode.
+/// Contribution of a row to the variances of a mode.
 struct Part<T: Real> {
     column: Vector3<T>,
-    /// What is left of its own `B_jj` and `κ_jj`.
+    /// Remainders of its own `B_jj` and `κ_jj`.
     pivot: T,
     kappa: T,
-    /// Twice `κ` with the rows before, times their column.
+    /// Twice `κ` with the earlier rows, times their column.
     cross: Vector3<T>,
-    /// `s`.
+    /// Bound `s` on the biases, m.
     spread: T,
 }
 
 impl<T: Real> Part<T> {
-    /// Whether the mode is clear on all axes.
+    /// Returns true if the mode is clear on all axes.
     #[inline]
     fn is_clear(&self, bounds: &Bounds<T>, base: &Base<T>) -> bool {
         let [of_separation, vertical_of_separation] = bounds.separation;
@@ -101,7 +101,7 @@ impl<T: Real> Part<T> {
 }
 
 impl<T: Real> Solutions<'_, T> {
-    /// Which of some modes may change anything, that take one row each beside what all of them take.
+    /// Returns the modes that may have an effect, of modes that take one row each beside the common ones.
     #[inline(never)]
     pub(in crate::integrity::araim) fn sift(
         &mut self,
@@ -115,7 +115,7 @@ impl<T: Real> Solutions<'_, T> {
         if common == Hypothesis::NONE {
             return self.sift_singles(rows, bounds);
         }
-        // Thresholds of likely pairs count even where they are large by far.
+        // Thresholds of likely pairs count even if they are large.
         if bounds.effective.is_finite() {
             return rows;
         }
@@ -126,7 +126,7 @@ impl<T: Real> Solutions<'_, T> {
         }
     }
 
-    /// Of single rows.
+    /// Screens single rows.
     fn sift_singles(&self, rows: Set, bounds: &Bounds<T>) -> Set {
         let nothing = zero();
         let whole =
@@ -136,7 +136,7 @@ impl<T: Real> Solutions<'_, T> {
         self.left_of(rows, |row, fit, own| {
             let squared = fit.residual * fit.residual;
             if !(squared <= worst * own.kappa) {
-                // Those to come are compared with it, if it is visited to some effect.
+                // Later rows are compared with this one, if its visit has an effect.
                 if own.kappa > T::zero() && dot(&fit.gain, &fit.gain) > T::zero() {
                     worst = squared / own.kappa * bounds.evenness;
                 }
@@ -155,7 +155,7 @@ impl<T: Real> Solutions<'_, T> {
         })
     }
 
-    /// Of rows beside another one.
+    /// Screens rows beside another one.
     fn sift_pairs(&self, first: &First<T>, rows: Set, bounds: &Bounds<T>) -> Set {
         let base = bounds.beyond(&first.solution, &first.bias);
         let inverse = first.point.kappa.recip();
@@ -178,7 +178,7 @@ impl<T: Real> Solutions<'_, T> {
         })
     }
 
-    /// Those of some rows that are not dismissed.
+    /// Returns the rows that are not dismissed.
     #[inline]
     fn left_of(&self, rows: Set, mut is_dismissed: impl FnMut(&Row<T>, &Fit<T>, &Own<T>) -> bool) -> Set {
         let start = rows.trailing_zeros() as usize;

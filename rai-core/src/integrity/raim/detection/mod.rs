@@ -1,14 +1,14 @@
 //! Global test: are the residuals larger than noise explains?
 //!
-//! `SSE = Σ w_i v_i²` follows χ² with `n − 3 − C` degrees of freedom when no satellite is faulty. A fault is detected
-//! when `SSE ≥ τ1(dof, P_fa)`.
+//! `SSE = Σ w_i v_i²` follows χ² with `n − 3 − C` degrees of freedom if no satellite is faulty. A fault is detected
+//! if `SSE ≥ τ1(dof, P_fa)`.
 //!
 //! | symbol | field | unit |
 //! |---|---|---|
 //! | `SSE` | `sse` | – |
 //! | `τ1` | `threshold` | – |
 //!
-//! Whoever holds a sum of squares against a threshold does it here: [`Detection::fault`] is the only comparison.
+//! [`Detection::fault`] is the only comparison of a sum of squares with a threshold.
 //!
 //! Assumes independent Gaussian errors. Blind to a bias common to a constellation (its clock absorbs it) and to a
 //! fault of a constellation's lone satellite. References: [Yang2015] §1, [Lin2016] §2.2.
@@ -23,44 +23,44 @@ use crate::numeric::real::Real;
 use crate::report::TestStatistic;
 use threshold::Thresholds;
 
-/// Outcome of the global test.
+/// Result of the global test.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Detection<T> {
     /// Weighted sum of squared residuals, dimensionless.
     pub sse: T,
-    /// What it was held against, dimensionless.
+    /// Threshold that it was compared with, dimensionless.
     pub threshold: T,
     /// Degrees of freedom, at least 1.
     pub dof: usize,
 }
 
 impl<T: Real> Detection<T> {
-    /// Tests a sum of squares; `None` without redundancy, or beyond the table's degrees of freedom.
+    /// Tests a sum of squares. Returns `None` without redundancy, or beyond the table's degrees of freedom.
     pub fn of(sse: T, dof: usize, thresholds: &Thresholds<'_>) -> Option<Self> {
         Some(Self { sse, threshold: thresholds.tau1(dof)?, dof })
     }
 
-    /// True when the residuals are larger than noise explains.
+    /// Returns true if the residuals are larger than noise explains.
     pub fn fault(&self) -> bool {
-        // Written so that an SSE which is not a number counts as a fault.
+        // A NaN SSE fails this comparison, so that it counts as a fault.
         !(self.sse < self.threshold)
     }
 
-    /// True when a snapshot can be tested and no fault is detected in it.
+    /// Returns true if a snapshot can be tested and no fault is detected in it.
     pub fn passes(snapshot: &Snapshot<'_, T>, thresholds: &Thresholds<'_>) -> bool {
         detect(snapshot, thresholds).is_some_and(|detection| !detection.fault())
     }
 
-    /// The test as root mean squares: `√(SSE/dof)` against `√(τ/dof)`.
+    /// Returns the test as root mean squares: `√(SSE/dof)` and `√(τ/dof)`.
     pub fn statistic(&self) -> TestStatistic {
         let root = |value: T| (value / T::narrow(self.dof as f64)).root().widen();
         TestStatistic { statistic: root(self.sse), threshold: root(self.threshold), dof: self.dof as u8 }
     }
 }
 
-/// Tests a snapshot; `None` without redundancy, or beyond the table's degrees of freedom.
+/// Tests a snapshot. Returns `None` without redundancy, or beyond the table's degrees of freedom.
 ///
-/// With `dof = 0` the residuals vanish whatever the ranges are: that is not a pass, it is no test.
+/// With `dof = 0` the residuals vanish for any ranges, so that there is no test to pass.
 pub fn detect<T: Real>(snapshot: &Snapshot<'_, T>, thresholds: &Thresholds<'_>) -> Option<Detection<T>> {
     Detection::of(snapshot.sse(), snapshot.dof(), thresholds)
 }

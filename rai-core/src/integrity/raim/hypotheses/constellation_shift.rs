@@ -1,7 +1,7 @@
-//! Shifts: would a whole constellation at a place of its own explain what leaving satellites out explains?
+//! Constellation-shift hypothesis: does another position of a whole constellation explain the data as well as an exclusion?
 //!
-//! All satellites of a constellation can be wrong at once, by orbits that agree with each other. That is three unknowns more, and splits
-//! the snapshot in two that share nothing: with the sums over the rows of the constellation and over all others
+//! All satellites of a constellation can be wrong at once, by orbits that agree with each other. The hypothesis has three more
+//! unknowns and splits the snapshot into two independent parts: with the sums over the rows of the constellation and over all others
 //!
 //! ```text
 //! N_s = Σ_s w d dᵀ    N_o = N − N_s        u_s = Σ_s w d v = −u_o        (v are orthogonal to what was solved for)
@@ -11,14 +11,15 @@
 //! | symbol | meaning | unit |
 //! |---|---|---|
 //! | `d`, `v`, `w` | centred design, residual, weight of a row, as in [`crate::least_squares`] | –, m, 1/m² |
-//! | `q_s`, `q_o` | how far from the common place that of the constellation is, and that of all others | m |
+//! | `q_s`, `q_o` | offset from the common position to that of the constellation, and to that of all others | m |
 //!
-//! To leave out some of the satellites may leave others that agree, so an exclusion that this explains as well says nothing of who is
-//! wrong. What it explains of residuals that pass the global test is held against the threshold of its own three unknowns.
+//! An exclusion may leave satellites that agree on a wrong position. If a shift explains the data as well, the exclusion
+//! therefore does not prove which satellites are wrong. The residuals that pass the global test are compared with the threshold of
+//! the shift's own three unknowns.
 //!
-//! **Limits.** Of two constellations nobody can tell which one stands elsewhere; of three that is not looked for. Four satellites or
-//! fewer of one agree on some place and clock whatever they say: they are a rival for the exclusion of others, where those agree without
-//! it, and for none of their own.
+//! **Limits.** With two constellations the shifted one cannot be identified; with three that is not attempted. Four satellites or
+//! fewer of one constellation always agree on some position and clock. They are a rival for the exclusion of others, if those agree
+//! without it, and for none of their own.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -29,10 +30,10 @@ use crate::numeric::real::Real;
 use crate::numeric::space::{add_outer_product, dot, plus_scaled, scaled, symmetric_product, zero, zeros};
 use crate::satellite::Constellation;
 
-/// Unknowns that a place of its own has.
+/// Unknowns of a second position.
 const UNKNOWNS: usize = 3;
 
-/// Whether a constellation at a place of its own explains more of the residuals than noise and any row do.
+/// Returns true if a shifted constellation explains more of the residuals than noise and any row do.
 pub(crate) fn shows<T: Real>(snapshot: &Snapshot<'_, T>, thresholds: &Thresholds<'_>) -> bool {
     let noise = thresholds.tau1::<T>(UNKNOWNS);
     let least = noise.map(|tau1| tau1.max(snapshot.statistics().worst.largest));
@@ -44,8 +45,10 @@ pub(crate) fn shows<T: Real>(snapshot: &Snapshot<'_, T>, thresholds: &Thresholds
     })
 }
 
-/// Whether it explains the residuals of a snapshot of all satellites as well as the exclusion of a row, which leaves a sum of squares of
-/// `found`, or nearly as well as that of several.
+/// Returns true if a shift explains the residuals of a snapshot of all satellites as well as the exclusion of one row, or
+/// nearly as well as that of several.
+///
+/// `found` is the sum of squares without the excluded rows.
 pub(crate) fn rivals<T: Real>(
     snapshot: &Snapshot<'_, T>,
     excluded: &[usize],
@@ -55,7 +58,7 @@ pub(crate) fn rivals<T: Real>(
     let Some(w_test) = thresholds.w_test::<T>(snapshot.used()) else { return false };
     let most = if excluded.len() > 1 { found + w_test * w_test } else { found };
     any_split(snapshot, &|split| {
-        // What leaving out satellites does that agree on a place whatever they say, this does as well.
+        // Only tested parts count: any exclusion among satellites that always agree would have a shift as rival.
         let is_told =
             |&index: &usize| snapshot.row(index).is_some_and(|(row, _)| split.part(row).is_tested());
         let threshold = thresholds.tau1::<T>(split.dof()).filter(|_| excluded.iter().any(is_told));
@@ -63,18 +66,18 @@ pub(crate) fn rivals<T: Real>(
     })
 }
 
-/// Whether something is true of a constellation at a place of its own.
+/// Returns true if a predicate holds for any shifted constellation.
 #[inline(never)]
 fn any_split<T: Real>(snapshot: &Snapshot<'_, T>, is_so: &dyn Fn(&Split<T>) -> bool) -> bool {
     let systems = || Constellation::ALL.into_iter().filter(|&system| snapshot.determines(system));
-    // Either of two stands elsewhere than the other.
+    // With two constellations both shifts are the same hypothesis.
     let asked = if systems().count() == 2 { 1 } else { Constellation::COUNT };
     systems()
         .take(asked)
         .any(|shifted| Split::of(snapshot, shifted, systems().count()).is_some_and(|split| is_so(&split)))
 }
 
-/// A constellation at a place of its own.
+/// The rows in two parts: a shifted constellation and all others.
 struct Split<T: Real> {
     shifted: Constellation,
     mine: Part<T>,
@@ -82,7 +85,7 @@ struct Split<T: Real> {
 }
 
 impl<T: Real> Split<T> {
-    /// `None` where one of the two says nothing of a place, or has rows enough for one that they do not determine.
+    /// Returns `None` if one part has no information on a position, or has rows enough for one that they do not determine.
     fn of(snapshot: &Snapshot<'_, T>, shifted: Constellation, clocks: usize) -> Option<Self> {
         let (mine, others) = (Part::with_clocks(1), Part::with_clocks(clocks.saturating_sub(1)));
         let mut split = Self { shifted, mine, others };
@@ -101,7 +104,7 @@ impl<T: Real> Split<T> {
         self.mine.dof + self.others.dof
     }
 
-    /// The sum of squares that is left.
+    /// Returns the remaining sum of squares.
     fn sse(&self, snapshot: &Snapshot<'_, T>) -> T {
         snapshot.rows().fold(T::zero(), |sum, (row, fit)| {
             let part = self.part(row);
@@ -111,14 +114,14 @@ impl<T: Real> Split<T> {
     }
 }
 
-/// What a part of the rows says of a place.
+/// Rows of one part and the position that they determine.
 struct Part<T: Real> {
     rows: usize,
     clocks: usize,
     normal: Matrix3<T>,
     gradient: Vector3<T>,
     dof: usize,
-    /// From the common one.
+    /// Offset from the common position, m.
     place: Vector3<T>,
 }
 
@@ -128,7 +131,7 @@ impl<T: Real> Part<T> {
         Self { rows: 0, clocks, normal, gradient, dof: 0, place: zero() }
     }
 
-    // One without weight adds nothing.
+    // A row without weight adds zeros.
     #[inline]
     fn add(&mut self, row: &Row<T>, fit: &Fit<T>) {
         self.rows += usize::from(row.weight > T::zero());
@@ -137,7 +140,7 @@ impl<T: Real> Part<T> {
         self.gradient = plus_scaled(&self.gradient, fit.residual, &weighted);
     }
 
-    /// Works out the place, where there are rows enough to test it; false where these determine none, or there are none but for clocks.
+    /// Computes the position if there are rows enough to test it. Returns false if they determine none, or determine only clocks.
     #[inline(never)]
     fn settle(&mut self) -> bool {
         if self.rows <= self.clocks {
@@ -147,13 +150,13 @@ impl<T: Real> Part<T> {
         if self.dof == 0 {
             return true;
         }
-        // Where they hardly determine it, a place is worse than the best, and explains less.
+        // If the rows hardly determine it, any offset is worse than the best one and explains less.
         let place = invert(&self.normal).map(|covariance| symmetric_product(&covariance, &self.gradient));
         self.place = place.unwrap_or_else(|_| zero());
         place.is_ok()
     }
 
-    /// Whether its rows can contradict each other. What is left of the others is then nothing, whatever they say.
+    /// Returns true if its rows can contradict each other. Otherwise their residuals vanish for any data.
     fn is_tested(&self) -> bool {
         self.dof > 0
     }

@@ -33,10 +33,10 @@ use crate::least_squares::{Excludable, Snapshot, infinity};
 use crate::numeric::real::Real;
 use crate::report::MAX_EXCLUDED;
 
-/// True when no other exclusion of as many rows or fewer explains the data nearly as well as the one found, nor a constellation at a
-/// place of its own.
+/// Returns true if no rival explains the data nearly as well as the exclusion: no other set of as many rows or fewer, and
+/// no shifted constellation.
 ///
-/// The rows left out are taken back together, and left out again: `solution` ends as it began.
+/// The rows are taken back together and left out again, so that `solution` ends as it began.
 #[inline(never)]
 pub fn separable<T: Real>(
     solution: &mut impl Excludable<T>,
@@ -53,7 +53,7 @@ pub fn separable<T: Real>(
     solution.set_aside(&set).is_ok() && unrivalled
 }
 
-/// True when no other set of as many rows or fewer passes the global test with a sum of squares within `T_d²` of this one's.
+/// Returns true if no other set of as many rows or fewer passes the global test with a sum of squares within `T_d²` of this one's.
 fn is_unrivalled<T: Real>(snapshot: &Snapshot<'_, T>, set: &[usize], thresholds: &Thresholds<'_>) -> bool {
     let mut rows = Vec::new();
     testable_rows(snapshot, &mut rows);
@@ -64,14 +64,14 @@ fn is_unrivalled<T: Real>(snapshot: &Snapshot<'_, T>, set: &[usize], thresholds:
     };
     let margin = threshold * threshold;
     let contest = Contest { snapshot, thresholds, rows: &rows, set, left: found.sse(&rows), margin };
-    // What explains less than this by the sums at hand, which lose digits to gross faults, need not be looked at closely.
+    // The sums at hand lose digits to gross faults. A set that explains less than this by them needs no closer test.
     let least = found.explained() - margin - snapshot.sse() * T::UNTESTABLE;
     let mut work = Work::new(count_up_to(set.len(), MAX_ROWS));
     for size in 1..=set.len() {
         let mut has_rival = false;
         each_of_size(&rows, size, &mut work, least, |_, rival| {
             has_rival |= rival.get(..size).is_some_and(|rival| contest.has(rival));
-            // One is enough: no other set is shown.
+            // One rival suffices, so that no other set is shown.
             if has_rival { infinity() } else { least }
         });
         if has_rival {
@@ -81,20 +81,20 @@ fn is_unrivalled<T: Real>(snapshot: &Snapshot<'_, T>, set: &[usize], thresholds:
     !work.cut
 }
 
-/// A set that was found, and what another has to reach to be its rival.
+/// A set that was found, and the limits that its rivals must reach.
 struct Contest<'c, T: Real> {
     snapshot: &'c Snapshot<'c, T>,
     thresholds: &'c Thresholds<'c>,
     rows: &'c [NormalisedRow<T>],
     set: &'c [usize],
-    /// Sum of squares that it leaves.
+    /// Sum of squares without the set.
     left: T,
-    /// How much more a rival leaves at most.
+    /// Largest excess of a rival's sum of squares.
     margin: T,
 }
 
 impl<T: Real> Contest<'_, T> {
-    /// Looks closely at a set. Never inlined: hardly one in a thousand gets here, and the search over all is to stay small.
+    /// Tests one set exactly. Never inlined, because few sets get here and the search over all must stay small.
     #[inline(never)]
     fn has(&self, rival: &[usize]) -> bool {
         if rival.iter().all(|row| self.set.contains(row)) {

@@ -1,8 +1,8 @@
-//! Time tags: would one wrong time of all ranges explain what leaving satellites out explains?
+//! Time-tag hypothesis: does one wrong time of all ranges explain the data as well as an exclusion?
 //!
-//! Ranges that are tagged with another time than that at which they were measured are compared with where satellites were
-//! then: each is wrong by so much of its range rate. That is one hypothesis more beside "satellite `i` is faulty", and one
-//! column more in the design.
+//! A receiver that tags its ranges with a wrong time makes the module compare them with satellite positions at that time.
+//! Each range is then wrong by a multiple of its range rate. This is one more hypothesis beside "satellite `i` is faulty",
+//! and one more column in the design.
 //!
 //! ```text
 //! y_i = h_i · x + b_c + ṙ_i δ + ε_i
@@ -12,31 +12,32 @@
 //!
 //! | symbol | meaning | unit |
 //! |---|---|---|
-//! | `ṙ_i` | how fast the range of a receiver at rest grows ([`RangeRates`]) | m/s |
-//! | `r̄_c` | their weighted mean over constellation `c`; `d`, `P`, `w`, `v` as in [`crate::least_squares`] | m/s |
-//! | `a_i` | what of the rates neither a place nor clocks explain | m/s |
-//! | `δ` | by how much the tag is late | s |
+//! | `ṙ_i` | range rate of a receiver at rest ([`RangeRates`]) | m/s |
+//! | `r̄_c` | its weighted mean over constellation `c`; `d`, `P`, `w`, `v` as in [`crate::least_squares`] | m/s |
+//! | `a_i` | part of the rates that neither position nor clocks explain | m/s |
+//! | `δ` | lateness of the tag | s |
 //!
-//! In parity space the column is a line like that of a row: `√w_i a_i/√A` is its product with row `i`, and with it taken out
-//! rows stand as they do without another row ([`crate::least_squares::downdate`]). An exclusion of `k` rows therefore has rivals of one kind
-//! more: the time with none, one, …, `k − 1` rows. What makes a rival is asked as of rows ([`super::exclusion`]), but beside one row with
-//! `Q⁻¹(P_md)` in the place of `T_d`: a wrong time is then no likelier blamed on a satellite than a fault is missed, and where little
-//! redundancy lets the time explain something of everything, a satellite is still told from it.
+//! In parity space the column is a line like that of a row: `√w_i a_i/√A` is its product with row `i`, and it is projected
+//! out of the rows like another row ([`crate::least_squares::downdate`]). An exclusion of `k` rows therefore has one more kind of
+//! rival: the time with 0 to `k − 1` rows. The rule for a rival is that of rows ([`super::separability`]), but beside one row with
+//! `Q⁻¹(P_md)` for `T_d`. A wrong time is then no likelier attributed to a satellite than a fault is missed, and a satellite is
+//! still distinguished if little redundancy lets the time explain a part of every fault.
 //!
-//! - The time alone explains everything, and where one row would do, as much as it: the tag is wrong ([`Doubt::Time`]).
-//! - It explains nearly as much, or does so together with rows: nobody can tell ([`Doubt::Rows`]).
-//! - Nothing was left out, but its own w-test `δ √A` is beyond the threshold of one, and beyond that of every row: the tag is wrong.
-//!   That is asked of epochs that pass the global test as well; false alarms are those of one more row.
-//! - Nothing was left out, and it is not beyond it: a wrong time moves the position up to three times as far as a satellite whose fault
-//!   shows as much, and the levels become as large as one needs that shows as this one does, `s_δ |δ √A| + k' √(s_δ² + σ²)` with
-//!   `s_δ = |P Σ w_j d_j (ṙ_j − r̄_c)| / √A` ([`super::levels`]). Under healthy tags that hardly ever says more than a satellite's.
+//! - If the time alone explains the data, and at least as well as one row, the tag is wrong ([`TimeTagOutcome::Time`]).
+//! - If it explains nearly as much, or does so together with rows, the case is ambiguous ([`TimeTagOutcome::Rows`]).
+//! - If no row was left out, but its own w-test `δ √A` is above the threshold of one test and above that of every row, the
+//!   tag is wrong. This test also applies to epochs that pass the global test; it adds the false alarms of one more row.
+//! - If no row was left out and the test is below the threshold, the levels are enlarged, because a wrong time moves the
+//!   position up to three times as far as a satellite with the same test. They become at least
+//!   `s_δ |δ √A| + k' √(s_δ² + σ²)` with `s_δ = |P Σ w_j d_j (ṙ_j − r̄_c)| / √A` ([`crate::integrity::raim::levels`]). With
+//!   correct tags this rarely exceeds a satellite's level.
 //!
-//! The column is right while satellites move evenly: a range's acceleration is below 0.2 m/s², 4 mm in 0.2 s. Whatever is wrong by
-//! as much of a receiver's own speed is part of the position, and no concern of this.
+//! The column holds while satellites move evenly: a range's acceleration is below 0.2 m/s², 4 mm in 0.2 s. An error in
+//! proportion to the receiver's own speed is part of the position and not tested here.
 //!
-//! **Limits.** Range rates are dear: where all residuals have less than half of the threshold's square, nothing is asked. Tags that
-//! differ between constellations are of different epochs, or differ by less than the test sees. Of little redundancy the time
-//! explains as much by chance as a satellite does.
+//! **Limits.** Range rates are expensive, so that the test is skipped while all residuals together have less than half of the
+//! squared threshold. Tags that differ between constellations belong to different epochs, or differ by less than the test sees.
+//! With little redundancy the time explains by chance as much as a satellite does.
 
 use heapless::Vec;
 
@@ -55,48 +56,49 @@ use crate::numeric::space::{dot, plus_scaled, product, zero};
 use crate::report::MAX_EXCLUDED;
 use crate::satellite::{Constellation, SatelliteId};
 
-/// How fast the ranges of a receiver at rest grow, m/s, from whoever knows orbits; `None` of a satellite of which nothing is
-/// known.
+/// Source of range rates of a receiver at rest, m/s; `None` for a satellite without a known orbit.
 ///
-/// It is asked only of epochs whose residuals are so large that a wrong time may be in them ([`is_suspicious`]).
+/// It is called only for epochs whose residuals are large enough for a wrong time ([`is_suspicious`]).
 pub type RangeRates<'r> = dyn Fn(SatelliteId) -> Option<f32> + 'r;
 
-/// Whether a wrong time may be in residuals that moves the position beyond what a satellite does: their sum of squares is half of what
-/// its w-test would have to be, or fails the global test. At two thirds hardly a healthy epoch would be asked about, and no level of the
-/// attacks exceeded; but where most satellites' ranges change alike less of it moves a position beyond its level.
+/// Returns true if the residuals may contain a wrong time that moves the position farther than a satellite does.
+///
+/// Their sum of squares is then half of the squared threshold of its w-test, or fails the global test. At two thirds hardly a
+/// healthy epoch would be tested, and no level of the attacks was exceeded. But if most ranges change alike, a smaller wrong
+/// time moves a position beyond its level.
 pub(crate) fn is_suspicious<T: Real>(snapshot: &Snapshot<'_, T>, thresholds: &Thresholds<'_>) -> bool {
     let least = least_suspicious(snapshot, thresholds);
     !Detection::passes(snapshot, thresholds)
         || least.is_some_and(|least| snapshot.sse() >= least * T::narrow(0.5))
 }
 
-/// The square of the threshold of a w-test; none beyond the tables.
+/// Returns the squared threshold of one w-test, or `None` beyond the tables.
 fn least_suspicious<T: Real>(snapshot: &Snapshot<'_, T>, thresholds: &Thresholds<'_>) -> Option<T> {
     thresholds.w_test::<T>(snapshot.used()).map(|threshold| threshold * threshold)
 }
 
-/// What a wrong time leaves of an exclusion.
+/// Effect of a wrong time on an exclusion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Doubt<T> {
-    /// Nothing is to be said against it.
+    /// The exclusion stands.
     None,
-    /// Nothing was left out, and a wrong time of this w-test, in absolute value, would move the position by these slopes.
+    /// No row was left out, and a wrong time with this absolute w-test would move the position by these slopes.
     Shift(Slopes<T>, T),
-    /// Together with a wrong time other rows explain the data nearly as well, or it does so nearly by itself.
+    /// Together with a wrong time other rows explain the data nearly as well, or the time nearly does so alone.
     Rows,
-    /// A wrong time alone explains them.
+    /// A wrong time alone explains the data.
     Time,
 }
 
-/// The range rates of an epoch, one for each satellite.
+/// Range rates of an epoch, one for each satellite, m/s.
 #[derive(Clone, Debug)]
 pub(crate) struct Rates<T> {
     of_rows: Vec<T, MAX_ROWS>,
 }
 
 impl<T: Real> Rates<T> {
-    /// Those of all satellites; none where that of one is not known, or is no number.
-    // Not inlined: what orbits need of the stack the searches after it need not have beside their own.
+    /// Returns the rates of all satellites, or `None` if one is unknown or NaN.
+    // Not inlined, so that the stack of the orbits is free during the searches.
     #[inline(never)]
     pub(crate) fn of(epoch: &EpochView<'_>, rates: &RangeRates<'_>) -> Option<Self> {
         let mut of_rows = Vec::new();
@@ -107,9 +109,9 @@ impl<T: Real> Rates<T> {
         Some(Self { of_rows })
     }
 
-    /// What a wrong time has against an exclusion, whose rows are taken back for it and left out again.
+    /// Compares a wrong time with an exclusion, whose rows are taken back for it and left out again.
     ///
-    /// Where the time is to blame they stay: `solution` then ends with all of them.
+    /// If the time is to blame the rows stay, so that `solution` then ends with all of them.
     #[inline(never)]
     pub(crate) fn contest(
         &self,
@@ -123,19 +125,20 @@ impl<T: Real> Rates<T> {
             return Doubt::None;
         }
         let doubt = self.doubt(solution.snapshot(), &set, thresholds, factors);
-        // What was solved before can be solved again.
+        // These rows were solved before, so that they can be solved again.
         if doubt != Doubt::Time && !set.is_empty() && solution.set_aside(&set).is_err() {
             return Doubt::Rows;
         }
         doubt
     }
 
-    /// Whether the time alone explains a snapshot's residuals, and no less than leaving `gone` rows out, which leaves a sum of
-    /// squares of `found`: where that is one row. Of none, and of a whole constellation, which takes as many unknowns as it has
-    /// rows, it need not be better.
+    /// Returns true if the time alone explains a snapshot's residuals as well as an exclusion does.
     ///
-    /// Separation has tests of its own, whose sigmas are larger than errors mostly are: a margin on sums of squares would
-    /// doubt what these tests tell apart.
+    /// `found` is the sum of squares without the rows of `gone`. Only for one row must the time explain no less: with no row, and with
+    /// a whole constellation, which takes as many unknowns as it has rows, it need not be better.
+    ///
+    /// Solution separation has its own tests, whose sigmas are larger than most errors: a margin on sums of squares would
+    /// reject exclusions that these tests distinguish.
     #[cfg(feature = "araim")]
     pub(crate) fn rival(
         &self,
@@ -195,7 +198,7 @@ impl<T: Real> Rates<T> {
             };
         }
         let mut work = Work::new(count_up_to(set.len().saturating_sub(1), MAX_ROWS));
-        // What explains less than this besides is no rival.
+        // Sets that explain less than this beside the time are no rivals.
         let least = left - found - margin;
         for size in 1..set.len() {
             let mut has_rival = false;
@@ -211,21 +214,21 @@ impl<T: Real> Rates<T> {
     }
 }
 
-/// The line of a wrong time in parity space.
+/// Line of a wrong time in parity space.
 pub(crate) struct Column<T: Real> {
-    /// Its products with the rows, in their order.
+    /// Products with the rows, in their order.
     sheds: Vec<T, MAX_ROWS>,
-    /// What the data have of it: `δ √A`, dimensionless.
+    /// W-test of the time: `δ √A`, dimensionless.
     residual: T,
-    /// How far a wrong time moves the position by the time it shows.
+    /// Effect of a wrong time on the position per unit of its w-test.
     slopes: Slopes<T>,
 }
 
 impl<T: Real> Column<T> {
-    /// `None` where a place and clocks explain the rates, or they are none that numbers can hold.
+    /// Returns `None` if position and clocks explain the rates, or if the scalar cannot hold them.
     #[inline(never)]
     fn of(snapshot: &Snapshot<'_, T>, rates: &[T], rows: &[NormalisedRow<T>]) -> Option<Self> {
-        // What knows of no satellite, as a clock's forecast, has no rate.
+        // Rows without a satellite, as a clock forecast, have rate 0.
         let rated = || snapshot.rows().zip(rates.iter().copied().chain(core::iter::repeat(T::zero())));
         let used = || rated().filter(|((row, _), _)| row.weight > T::zero());
         let means = Constellation::ALL.map(|clock| {
@@ -250,7 +253,7 @@ impl<T: Real> Column<T> {
                 let left = left(row, fit, rate);
                 (square + row.weight * left * left, product + row.weight * left * fit.residual)
             });
-        // Also the way out for what is not a number.
+        // NaN leaves here too.
         if !(square > whole * T::UNTESTABLE && square.is_finite()) {
             return None;
         }
@@ -271,18 +274,17 @@ impl<T: Real> Column<T> {
         Some(Self { sheds, residual: product * scale, slopes })
     }
 
-    /// Rows as they stand beside it.
+    /// Iterates over the rows with the column projected out.
     fn standings<'r>(&self, rows: &'r [NormalisedRow<T>]) -> impl Iterator<Item = Standing<'r, T>> {
         self.beside(rows).map(|(row, shed)| Standing::beside(row, shed, self.residual))
     }
 
-    /// Rows with their products with it.
+    /// Iterates over the rows with their products with the column.
     fn beside<'r>(&self, rows: &'r [NormalisedRow<T>]) -> impl Iterator<Item = (&'r NormalisedRow<T>, T)> {
         rows.iter().zip(self.sheds.iter().copied())
     }
 
-    /// Sum of squares that a wrong time leaves, summed anew: `SSE − δ² A` would lose in `f32` what a gross fault leaves of the
-    /// digits.
+    /// Returns the sum of squares beside a wrong time, summed again: `SSE − δ² A` would cancel in `f32` after a gross fault.
     fn sse(&self, rows: &NormalisedRows<T>) -> T {
         self.beside(rows).fold(T::zero(), |sum, (row, shed)| {
             let left = row.residual - shed * self.residual;
@@ -300,7 +302,7 @@ mod tests {
     use crate::least_squares::Workspace;
     use crate::least_squares::equations::LinearEpoch;
 
-    /// Twelve satellites of two constellations: direction, rate in m/s, residual in m, sigma in m.
+    /// Returns twelve satellites of two constellations: direction, rate in m/s, residual in m, sigma in m.
     fn drawn() -> [(Constellation, Vector3<f64>, f64, f64, f64); 12] {
         core::array::from_fn(|index| {
             let turn = index as f64;
@@ -312,7 +314,7 @@ mod tests {
         })
     }
 
-    /// Weighted sum of squares of dense least squares over all unknowns, the time among them or not.
+    /// Returns the weighted sum of squares of dense least squares over all unknowns, with or without the time.
     fn dense_sse(with_time: bool) -> f64 {
         let rows = drawn();
         let design = DMatrix::from_fn(rows.len(), 5 + usize::from(with_time), |row, column| {

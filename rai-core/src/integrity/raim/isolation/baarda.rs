@@ -8,15 +8,15 @@
 //!
 //! | symbol | field | unit |
 //! |---|---|---|
-//! | `w_i` | [`Fit::w_test`](crate::least_squares::Fit::w_test) | – |
-//! | `r_i` | [`Fit::redundancy`](crate::least_squares::Fit::redundancy) | – |
+//! | `w_i` | [`RowFit::w_test`](crate::least_squares::RowFit::w_test) | – |
+//! | `r_i` | [`RowFit::redundancy`](crate::least_squares::RowFit::redundancy) | – |
 //! | `b_i = v_i / r_i` | [`Suspect::bias_m`](crate::report::Suspect::bias_m) with standard deviation `σ_i/√r_i` | m |
 //!
-//! A row is identified when a fault was detected, `dof ≥ 2`, its |w| is the largest, above `T_d`, and unique. It is
-//! removed and the rest tested again, until the test passes or no row can be named.
+//! A row is identified if a fault was detected, `dof ≥ 2`, and its |w| is the largest, above `T_d`, and unique. It is
+//! left out and the rest tested again, until the test passes or no row can be identified.
 //!
 //! Departures from the papers: [Lin2016] prints `d_i > T_d` without the absolute value; [Chen2009] eq. 13 prints
-//! `ω_i/S_ii` where the statistic is `ω_i²/S_ii`. References: [Baarda1968], [Lin2016] eq. 14–20.
+//! `ω_i/S_ii`, but the statistic is `ω_i²/S_ii`. References: [Baarda1968], [Lin2016] eq. 14–20.
 //!
 //! [Lin2016]: crate#references
 //! [Chen2009]: crate#references
@@ -30,17 +30,17 @@ use crate::integrity::raim::detection::threshold::Thresholds;
 use crate::least_squares::{Excludable, Snapshot, Worst};
 use crate::numeric::real::Real;
 
-/// The row with the largest |w| and its w², and the w² of the runner-up. First of equals wins.
+/// Returns the row with the largest |w| with its w², and the w² of the runner-up. The first of equal rows wins.
 pub fn worst_two<T: Real>(snapshot: &Snapshot<'_, T>) -> Option<(usize, T, T)> {
     let Worst { index, largest, runner_up } = snapshot.statistics().worst;
     let first = || snapshot.equations().iter().position(|row| row.weight > T::zero());
     Some((index.or_else(first)?, largest, runner_up))
 }
 
-/// Names the faulty row of a snapshot in which a fault was detected.
+/// Returns the faulty row of a snapshot in which a fault was detected.
 ///
 /// # Errors
-/// [`Unidentified`] says why no row is named.
+/// [`Unidentified`] names the reason why no row is identified.
 pub fn identify<T: Real>(
     snapshot: &Snapshot<'_, T>,
     thresholds: &Thresholds<'_>,
@@ -53,7 +53,7 @@ pub fn identify<T: Real>(
     else {
         return Err(Unidentified::BelowThreshold);
     };
-    // Written so that a w which is not a number is never identified.
+    // NaN fails this comparison, so that it is never identified.
     if !(largest > threshold * threshold) {
         return Err(Unidentified::BelowThreshold);
     }
@@ -63,8 +63,8 @@ pub fn identify<T: Real>(
 
 /// Leaves out the worst row until the rest passes the global test, at most [`MAX_EXCLUDED`](crate::report::MAX_EXCLUDED) of them.
 ///
-/// `solution` ends as the solution without the rows listed. A snapshot without redundancy passes nothing: it ends
-/// as [`Outcome::NotIsolated`].
+/// `solution` ends as the solution without the listed rows. A snapshot without redundancy cannot pass: it ends
+/// as [`ExclusionOutcome::NotIsolated`].
 pub fn exclude_sequentially<T: Real>(
     solution: &mut impl Excludable<T>,
     thresholds: &Thresholds<'_>,

@@ -15,37 +15,37 @@ use crate::least_squares::Excludable;
 use crate::numeric::real::Real;
 use crate::report::MAX_EXCLUDED;
 
-/// Why no row is named although a fault was detected.
+/// Reason why no row is identified although a fault was detected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Unidentified {
-    /// With fewer than two degrees of freedom all |w| are equal.
+    /// All |w| are equal, because fewer than two degrees of freedom exist.
     NoRedundancy,
     /// No |w| is large enough.
     BelowThreshold,
     /// Several sets of rows explain the data nearly equally.
     Ambiguous,
-    /// No set of rows that may be left out explains it.
+    /// No set of rows that may be left out explains the data.
     NoSet,
-    /// The declared work ended the search.
+    /// The declared work budget ended the search.
     Budget,
-    /// Not rows: a wrong time of all ranges explains them.
+    /// A wrong time of all ranges explains the data.
     Time,
 }
 
-/// How an exclusion ended.
+/// Result of an exclusion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Outcome {
-    /// Nothing was detected.
+    /// No fault was detected.
     Passed,
-    /// What remains passes the test.
+    /// The remaining rows pass the test.
     Isolated,
-    /// The fault remains, and the reason why no row could be named.
+    /// The fault remains, with the reason why no row is identified.
     NotIsolated(Unidentified),
 }
 
-/// A row that was left out, as it stood at that moment.
+/// A row that was left out, with its w-test at that moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Excluded<T> {
     /// Index of the row in the epoch.
@@ -57,25 +57,25 @@ pub struct Excluded<T> {
 /// Rows left out one after the other.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Exclusion<T> {
-    /// In the order of removal.
+    /// Rows in the order of exclusion.
     pub rows: Vec<Excluded<T>, MAX_EXCLUDED>,
-    /// How it ended.
+    /// Result.
     pub outcome: Outcome,
 }
 
 impl<T: Real> Exclusion<T> {
-    /// Nothing to leave out.
+    /// Returns the exclusion of no rows.
     pub const fn passed() -> Self {
         Self { rows: Vec::new(), outcome: Outcome::Passed }
     }
 
-    /// Nothing left out although there is a fault.
+    /// Returns the exclusion of no rows although there is a fault.
     pub const fn not_isolated(reason: Unidentified) -> Self {
         Self { rows: Vec::new(), outcome: Outcome::NotIsolated(reason) }
     }
 }
 
-/// Leaves a set of rows out of a solution and tests what remains.
+/// Leaves a set of rows out of a solution and tests the remaining ones.
 pub fn leave_out<T: Real>(
     solution: &mut impl Excludable<T>,
     set: &[usize],
@@ -84,7 +84,7 @@ pub fn leave_out<T: Real>(
     let mut rows = Vec::new();
     for &index in set {
         let w_test = solution.snapshot().row(index).map_or(T::zero(), |(_, fit)| fit.w_test());
-        // Where no position is left, the test below speaks of the rows that are out so far.
+        // If no position is left, the test below applies to the rows left out so far.
         if solution.leave_out(index).is_err() || rows.push(Excluded { index, w_test }).is_err() {
             break;
         }
@@ -97,7 +97,7 @@ pub fn leave_out<T: Real>(
     Exclusion { rows, outcome }
 }
 
-/// Whether an exclusion leaves as many degrees of freedom as it has rows.
+/// Returns true if an exclusion leaves as many degrees of freedom as it has rows.
 pub fn leaves_enough(excluded: usize, dof: usize) -> bool {
     dof >= excluded
 }

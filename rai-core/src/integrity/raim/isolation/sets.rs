@@ -1,13 +1,13 @@
-//! Every set of one, two or three rows, and by how much SSE falls without it.
+//! Enumeration of all sets of one, two or three rows, with the decrease of SSE without each.
 //!
-//! Work: `n + n(n−1)/2 + n(n−1)(n−2)/6` sets, 10,700 for 40 rows. A set costs a dozen products: a third row that two
-//! others are tried with is taken out of all rows first ([`crate::least_squares::downdate`]).
+//! Work: `n + n(n−1)/2 + n(n−1)(n−2)/6` sets, 10,700 for 40 rows. A set costs a dozen products, because a third row that is
+//! combined with many pairs is projected out of all rows first ([`crate::least_squares::downdate`]).
 
 use crate::least_squares::downdate::{Going, NormalisedRow, Standing, Standings};
 use crate::numeric::real::Real;
 use crate::report::MAX_EXCLUDED;
 
-/// Sets of up to `largest` of `rows` rows; no more than [`MAX_EXCLUDED`] are ever left out.
+/// Returns the number of sets of up to `largest` of `rows` rows; a set has at most [`MAX_EXCLUDED`].
 pub const fn count_up_to(largest: usize, rows: usize) -> usize {
     let (ones, twos) = (rows, rows * rows.saturating_sub(1) / 2);
     let threes = twos * rows.saturating_sub(2) / 3;
@@ -19,10 +19,10 @@ pub const fn count_up_to(largest: usize, rows: usize) -> usize {
     }
 }
 
-/// How many sets may still be looked at.
+/// Budget of sets that may still be compared.
 pub(in crate::integrity::raim) struct Work {
     pub(in crate::integrity::raim) left: usize,
-    /// More were asked for.
+    /// True if more sets were needed than granted.
     pub(in crate::integrity::raim) cut: bool,
 }
 
@@ -31,7 +31,7 @@ impl Work {
         Self { left: sets, cut: false }
     }
 
-    /// As many of `rows` as may still be looked at, which they are from now on.
+    /// Returns as many of `rows` as the budget grants, and charges them.
     fn granted<'q, E>(&mut self, rows: &'q [E]) -> &'q [E] {
         self.cut |= rows.len() > self.left;
         let granted = rows.get(..self.left).unwrap_or(rows);
@@ -40,9 +40,10 @@ impl Work {
     }
 }
 
-/// Shows each set of a size that explains as much as the bar, in lexicographic order: what it explains, and the indices of its rows,
-/// as many as its size says. What is shown answers with the bar from then on: few sets reach it, and the rest cost one comparison.
-// Not inlined: the room for the rows as they stand is not needed beside what is made of the sets.
+/// Shows each set of a size that explains at least the bar, in lexicographic order: its decrease of SSE and its rows.
+///
+/// The callback returns the new bar. Few sets reach it, so that most cost one comparison.
+// Not inlined, so that the reduced rows are off the stack when the sets are used.
 #[inline(never)]
 pub(in crate::integrity::raim) fn each_of_size<T: Real>(
     rows: &[NormalisedRow<T>],
@@ -52,7 +53,7 @@ pub(in crate::integrity::raim) fn each_of_size<T: Real>(
     show: impl FnMut(T, [usize; MAX_EXCLUDED]) -> T,
 ) {
     let mut above = Above { bar, show };
-    // Once for pairs and triples: it is large.
+    // One buffer for pairs and triples, because it is large.
     let mut standings = Standings::new();
     match size {
         1 => {
@@ -68,9 +69,8 @@ pub(in crate::integrity::raim) fn each_of_size<T: Real>(
     }
 }
 
-/// Shows what each set of one or two rows explains, where that is as much as the bar; `rows` as they stand beside what is estimated
-/// besides.
-// Not inlined, as above.
+/// Shows the decrease of SSE of each set of one or two rows that explains at least the bar, for rows beside an estimated column.
+// Not inlined, for the same reason.
 #[inline(never)]
 pub(in crate::integrity::raim) fn each_of_size_beside<'r, T: Real>(
     rows: impl Iterator<Item = Standing<'r, T>>,
@@ -92,7 +92,7 @@ pub(in crate::integrity::raim) fn each_of_size_beside<'r, T: Real>(
     }
 }
 
-/// What a set must explain to be shown, and to whom.
+/// Least decrease of SSE that a set must reach, and the callback that receives the set.
 struct Above<T, S> {
     bar: T,
     show: S,
@@ -106,13 +106,13 @@ impl<T: Real, S: FnMut(T, [usize; MAX_EXCLUDED]) -> T> Above<T, S> {
     }
 }
 
-/// Writes rows as they stand where there is room for them: never more than there are.
+/// Writes reduced rows into a buffer that holds as many as there are.
 fn stand<'r, T: Real>(place: &mut Standings<'r, T>, standings: impl Iterator<Item = Standing<'r, T>>) {
     place.clear();
     standings.for_each(|standing| _ = place.push(standing));
 }
 
-/// All pairs of rows, beside a row that is gone already, if one is, and explains so much; `set` names all that are out.
+/// Visits all pairs of rows, beside a row that is projected out already and explains `explained`; `set` names all rows left out.
 fn pairs<T: Real>(
     explained: T,
     rows: &[Standing<'_, T>],
@@ -147,7 +147,7 @@ fn triples<'r, T: Real>(
     }
 }
 
-/// Each element with those after it: nested, every combination once, in lexicographic order.
+/// Iterates over each element with those after it; nested, it visits every combination once, in lexicographic order.
 fn tails<E>(elements: &[E]) -> impl Iterator<Item = (&E, &[E])> {
     (0..elements.len()).filter_map(|first| elements.get(first..)?.split_first())
 }

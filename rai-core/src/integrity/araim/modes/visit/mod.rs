@@ -1,4 +1,4 @@
-//! The walk through the modes: every set of satellites that some watched combination takes, once.
+//! Walk through the modes: visits every set of satellites that a monitored combination takes, once.
 
 mod pairs;
 
@@ -10,36 +10,36 @@ use crate::numeric::real::Real;
 use crate::satellite::Constellation;
 use pairs::Pairs;
 
-/// One set of satellites that is watched.
+/// One monitored set of satellites.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::integrity::araim) struct Mode<T> {
     pub(in crate::integrity::araim) hypothesis: Hypothesis,
-    /// Satellites that it takes.
+    /// Number of satellites that it takes.
     pub(in crate::integrity::araim) taken: usize,
     /// `p_k`.
     pub(in crate::integrity::araim) probability: T,
-    /// `ln p_k`, or a little more.
+    /// `ln p_k`, or slightly more.
     pub(in crate::integrity::araim) ln_probability: T,
 }
 
-/// Modes that differ in one row and in nothing else.
+/// Modes that differ only in one row.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::integrity::araim) struct Batch<T> {
-    /// What all of them take.
+    /// Common part of all modes.
     pub(in crate::integrity::araim) common: Hypothesis,
-    /// The row that each takes beside.
+    /// Rows, one for each mode.
     pub(in crate::integrity::araim) rows: Set,
-    /// Satellites that each takes.
+    /// Number of satellites that each mode takes.
     pub(in crate::integrity::araim) taken: usize,
     /// `p_k` of the likeliest, or more.
     pub(in crate::integrity::araim) probability: T,
-    /// Its logarithm.
+    /// Logarithm of `probability`.
     pub(in crate::integrity::araim) ln_probability: T,
 }
 
-/// What is done with the modes.
+/// Receiver of the visited modes.
 pub(in crate::integrity::araim) trait Visitor<T> {
-    /// Which modes of a batch are to be visited one by one, by their rows. The others are dealt with.
+    /// Returns the rows of those modes of a batch that must be visited one by one. The others are finished.
     fn sift(&mut self, batch: &Batch<T>) -> Set {
         batch.rows
     }
@@ -47,16 +47,16 @@ pub(in crate::integrity::araim) trait Visitor<T> {
     fn visit(&mut self, mode: &Mode<T>) -> ControlFlow<()>;
 }
 
-/// What is left of each constellation without some rows.
+/// Remaining rows of each constellation after an exclusion.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::integrity::araim) struct Remains {
     pub(in crate::integrity::araim) gone: Set,
     members: [Set; Constellation::COUNT],
-    /// Rows that are all that is left of theirs.
+    /// Rows that are the only remaining ones of their constellation.
     alone: Set,
-    /// Rows of constellations that a few of them can be all of.
+    /// Rows of constellations that a few of them can empty.
     few: Set,
-    /// Constellations of which anything is left, a bit for each id.
+    /// Constellations with remaining rows, a bit for each id.
     pub(super) in_view: usize,
 }
 
@@ -81,20 +81,20 @@ pub(super) struct Walk<'m, T: Real> {
     lost_rows: Set,
     pub(super) lost_count: usize,
     pub(super) gone: Set,
-    /// What is left of each constellation.
+    /// Remaining rows of each constellation.
     pub(super) members: &'m [Set; Constellation::COUNT],
-    /// Whether a few rows can be all that is left of a constellation.
+    /// True if a few rows can empty a constellation.
     has_few: bool,
-    /// Rows that can be named: of other constellations, and not alone in theirs.
+    /// Rows that a mode can name: of other constellations, and not alone in theirs.
     pub(super) left: Set,
 }
 
 impl<'m, T: Real> Walk<'m, T> {
-    /// The constellations are in view, and no more than are lost at once.
+    /// Returns the walk of modes that lose these constellations, which are in view and no more than the limit.
     pub(super) fn without(modes: &'m Modes<T>, lost: usize, remains: &'m Remains) -> Self {
         let Remains { gone, members, alone, few, .. } = remains;
         let lost_rows = modes.rows_of(lost) & !gone;
-        // Without its only satellite a constellation is lost: that is another mode.
+        // Without its only satellite a constellation is lost, which is another mode.
         let left = modes.fallible & !gone & !lost_rows & !alone;
         let lost_count = lost_rows.count_ones() as usize;
         Self { modes, lost, lost_rows, lost_count, gone: *gone, members, has_few: few & left != 0, left }
@@ -148,7 +148,7 @@ impl<'m, T: Real> Walk<'m, T> {
         ControlFlow::Continue(())
     }
 
-    /// The mode that takes these rows beside the constellations; `None` where it is not watched, or is another.
+    /// Returns the mode of these rows beside the constellations, or `None` if it is not monitored, or is another mode.
     #[inline]
     fn mode(
         &self,
@@ -160,7 +160,7 @@ impl<'m, T: Real> Walk<'m, T> {
         if self.has_few && size > 1 && self.empties(chosen) {
             return None;
         }
-        // With nothing gone, only these very events take just these rows; and beyond the number of events, none more.
+        // Without an exclusion only these events take just these rows, and beyond the limit of events no others do.
         let is_sole = self.lost == 0 && (self.gone == 0 || size == self.modes.limit);
         let (probability, ln_probability) = if is_sole {
             self.sole(chosen, rows, size, was_monitorable)?
@@ -173,12 +173,12 @@ impl<'m, T: Real> Walk<'m, T> {
         (probability > T::zero()).then_some(Mode { hypothesis, taken, probability, ln_probability })
     }
 
-    /// Whether some rows are all that is left of a constellation: that is another mode.
+    /// Returns true if some rows are all remaining ones of a constellation, which is another mode.
     fn empties(&self, chosen: Set) -> bool {
         self.members.iter().any(|&members| members & self.left != 0 && members & !chosen == 0)
     }
 
-    /// The probability of these rows failing each by itself, and its logarithm.
+    /// Returns the probability that each of these rows fails independently, and its logarithm.
     #[inline]
     fn sole(
         &self,
@@ -203,8 +203,9 @@ impl<'m, T: Real> Walk<'m, T> {
         (watched && (self.gone == 0 || was_monitorable(chosen))).then_some((product, ln))
     }
 
-    /// Whether only the loss of these constellations takes their satellites and no others: they have more of them than can
-    /// fail at once, and no more can fail than they.
+    /// Returns true if only the loss of these constellations takes just their satellites.
+    ///
+    /// They then have more satellites than can fail at once, and no more events are allowed.
     fn has_one_cause(&self) -> bool {
         let limit = self.modes.limit;
         let is_large = |size: &usize| *size > limit;
@@ -212,7 +213,7 @@ impl<'m, T: Real> Walk<'m, T> {
         self.gone == 0 && self.lost.count_ones() as usize == limit && lost.all(|(_, size)| is_large(size))
     }
 
-    /// The probability of all watched combinations that leave the same satellites.
+    /// Returns the probability of all monitored combinations that leave the same satellites.
     #[inline(never)]
     fn sum_of_causes(&self, chosen: Set, was_monitorable: &dyn Fn(Set) -> bool) -> T {
         if chosen == 0

@@ -1,8 +1,8 @@
-//! Pairs of events, where sets say which of them are watched: no pair that is not is looked at.
+//! Pairs of events as sets, so that unmonitored pairs are never visited.
 //!
-//! Where constellations are alike within ([`super::super::Modes::is_regular`]), a pair of satellites is watched unless both are of a
-//! constellation that its loss stands for, or it comes after the cut; a constellation's loss with a satellite of another
-//! unless it comes after the cut. Each such pair is the only cause of its mode.
+//! If constellations are homogeneous ([`super::super::Modes::is_regular`]), a pair of satellites is monitored unless both are in a
+//! constellation whose loss stands for it, or it comes after the cut. A constellation's loss with a satellite of another
+//! is monitored unless it comes after the cut. Each such pair is the only cause of its mode.
 
 use core::cmp::Ordering;
 use core::ops::ControlFlow;
@@ -13,21 +13,21 @@ use super::{Batch, Mode, Visitor, Walk};
 use crate::bit_set::count_of;
 use crate::numeric::real::Real;
 
-/// The pairs among a walk's modes.
+/// The pairs among the modes of a walk.
 pub(super) struct Pairs<'w, 'm, T: Real> {
     walk: &'w Walk<'m, T>,
 }
 
-/// What all pairs with the same first event have in common.
+/// Common part of all pairs with the same first event.
 struct First<T> {
-    /// It and nothing else.
+    /// The first event alone.
     hypothesis: Hypothesis,
     event: Set,
-    /// Rows that it takes with all satellites in view.
+    /// Rows of the event with all satellites in view.
     rows: Set,
-    /// How many pairs with it take, all satellites in view.
+    /// Number of rows that a pair with it takes, all satellites in view.
     size: usize,
-    /// Rows that pairs with it take of those that are left.
+    /// Number of remaining rows that a pair with it takes.
     taken: usize,
     /// `p_0 P/(1 − P)`.
     probability: T,
@@ -35,10 +35,10 @@ struct First<T> {
 }
 
 impl<'w, 'm, T: Real> Pairs<'w, 'm, T> {
-    /// `None` where modes of two events are to be looked at one by one.
+    /// Returns `None` if modes of two events must be visited one by one.
     pub(super) fn of(walk: &'w Walk<'m, T>) -> Option<Self> {
         let lost = walk.lost;
-        // The last row of a constellation is lost with it as well as by itself.
+        // The last row of a constellation is lost with it as well as alone.
         let is_alone = |(id, rows): (usize, &Set)| lost >> id & 1 != 0 && rows.is_power_of_two();
         let has_one_cause = !walk.members.iter().enumerate().any(is_alone);
         (walk.modes.is_regular && lost.count_ones() < 2 && has_one_cause).then_some(Self { walk })
@@ -65,7 +65,7 @@ impl<'w, 'm, T: Real> Pairs<'w, 'm, T> {
         })
     }
 
-    /// Visits rows that are watched each by itself, nothing gone: none of them is counted with its constellation's loss.
+    /// Visits the singly monitored rows, without exclusions: none of them is consolidated into its constellation's loss.
     pub(super) fn visit_singles(&self, visitor: &mut dyn Visitor<T>) -> ControlFlow<()> {
         let modes = self.walk.modes;
         let rows = self.watched_singles();
@@ -87,7 +87,7 @@ impl<'w, 'm, T: Real> Pairs<'w, 'm, T> {
         })
     }
 
-    /// Rows that are watched each by itself.
+    /// Returns the rows that are monitored singly.
     fn watched_singles(&self) -> Set {
         let Walk { modes, left, .. } = *self.walk;
         if modes.cutoff.size > 1 || modes.must_watch_all_singles() {
@@ -100,7 +100,7 @@ impl<'w, 'm, T: Real> Pairs<'w, 'm, T> {
         members(left).filter(is_watched).fold(0, |set, index| set | row(index))
     }
 
-    /// Whether any of the pairs comes before the cut.
+    /// Returns true if any of the pairs comes before the cut.
     fn reach_the_cut(&self) -> bool {
         let Walk { modes, lost, .. } = *self.walk;
         let lost_size = modes.sizes.get(lost.trailing_zeros() as usize).filter(|_| lost != 0);
@@ -108,7 +108,7 @@ impl<'w, 'm, T: Real> Pairs<'w, 'm, T> {
         size < modes.cutoff.size || size == modes.cutoff.size && modes.cutoff.count >= 2
     }
 
-    /// The lost constellation as the first event.
+    /// Returns the lost constellation as the first event.
     fn constellation(&self) -> Option<First<T>> {
         let Walk { modes, lost, lost_count, .. } = *self.walk;
         let id = lost.trailing_zeros() as usize;
@@ -138,8 +138,8 @@ impl<'w, 'm, T: Real> Pairs<'w, 'm, T> {
         })
     }
 
-    /// Rows that are watched in no pair with a row: those of its constellation, where its loss stands for such pairs, or
-    /// where both are all that is left of it.
+    /// Returns the rows that are monitored in no pair with a row: those of its constellation, if its loss stands for such pairs
+    /// or both are all remaining rows of it.
     fn swallowed_with(&self, index: usize) -> Set {
         let Walk { modes, members, .. } = self.walk;
         let fellows = modes
@@ -151,7 +151,7 @@ impl<'w, 'm, T: Real> Pairs<'w, 'm, T> {
         if is_swallowed { fellows } else { 0 }
     }
 
-    /// Visits what is watched of the pairs with a first event.
+    /// Visits the monitored pairs with a first event.
     #[inline]
     fn visit_with(
         &self,
@@ -184,14 +184,14 @@ impl<'w, 'm, T: Real> Pairs<'w, 'm, T> {
         })
     }
 
-    /// Those of some rows whose pairs with the first event come before the cut.
+    /// Returns the rows whose pairs with the first event come before the cut.
     fn before_the_cut(&self, first: &First<T>, others: Set) -> Set {
         let modes = self.walk.modes;
         let (size, at) = (first.size, &modes.cutoff);
         if size != at.size || at.count != 2 {
             return if modes.comes_before_the_cut(first.event, 2, size) { others } else { 0 };
         }
-        // The last pair that is watched; pairs are listed as words are.
+        // The last monitored pair; pairs are listed in the order of words.
         let (least, largest) = (at.events & at.events.wrapping_neg(), at.events & at.events.wrapping_sub(1));
         if first.hypothesis.constellations != 0 {
             let lesser = others & (least.wrapping_sub(1));

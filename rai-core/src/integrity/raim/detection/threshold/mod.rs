@@ -1,4 +1,4 @@
-//! Thresholds from committed tables: what a statistic must exceed to mean a fault.
+//! Thresholds from committed tables: the value above which a statistic means a fault.
 //!
 //! ```text
 //! tau1(ν)    Q(tau1; ν) = Pfa                 global test: SSE ≥ tau1 detects
@@ -17,10 +17,10 @@
 //!
 //! The table is generated (`cargo xtask tables`) and exact to 1e-12 relative. Nothing is interpolated between
 //! probabilities and nothing is extrapolated: a probability that is not in the table is an error that names
-//! the nearest one, and a row's end is `None`. Without the feature `tables` those of the phases of flight
-//! alone are there, and with `short-tables` rows end earlier and are in single precision.
+//! the nearest one, and beyond a row's end the result is `None`. Without the feature `tables` only the probabilities of the
+//! phases of flight are there, and with `short-tables` rows end earlier and are in single precision.
 //!
-//! What tables cannot hold, because it depends on the geometry, is solved for in [`chi_square`](crate::numeric::chi_square); [`policy`] chooses.
+//! Thresholds that depend on the geometry are computed in [`chi_square`](crate::numeric::chi_square); [`policy`] chooses.
 //!
 //! References: [Yang2015] §1–2, [Lin2016] eq. 12, 20, 24.
 //!
@@ -42,10 +42,10 @@ pub use rows::Held;
 /// The largest number of simultaneous w-tests in the tables.
 pub const MAX_TESTS: usize = 64;
 
-/// How far, relatively, a probability may be from one of the table and still mean it: decimal rounding, no more.
+/// Largest relative difference from a probability of the table that still counts as equal: decimal rounding, no more.
 const SAME_PROBABILITY: f64 = 1e-9;
 
-/// Thresholds of one pair of probabilities, in the precision of the test that asks.
+/// Thresholds for one pair of probabilities, in the precision of the test.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Thresholds<'t> {
     tau1: &'t [Held],
@@ -53,7 +53,7 @@ pub struct Thresholds<'t> {
     w_test: &'t [Held],
 }
 
-/// Which probability is not in the tables.
+/// The probability that is not in the tables.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ThresholdError {
@@ -80,21 +80,21 @@ impl fmt::Display for ThresholdError {
 
 impl core::error::Error for ThresholdError {}
 
-/// The probabilities of false alarm in the tables, largest first.
+/// Returns the probabilities of false alarm in the tables, largest first.
 pub fn false_alarms() -> &'static [Probability] {
     &rows::FALSE_ALARM
 }
 
-/// The probabilities of missed detection in the tables, largest first.
+/// Returns the probabilities of missed detection in the tables, largest first.
 pub fn missed_detections() -> &'static [Probability] {
     &rows::MISSED_DETECTION
 }
 
 impl Thresholds<'static> {
-    /// The committed rows of a pair of probabilities.
+    /// Returns the committed rows of a pair of probabilities.
     ///
     /// # Errors
-    /// [`ThresholdError`] says which of the two is not in the tables, and which one is nearest.
+    /// [`ThresholdError`] names the probability that is not in the tables, and the nearest one.
     pub fn from_tables(
         false_alarm: Probability,
         missed_detection: Probability,
@@ -103,7 +103,7 @@ impl Thresholds<'static> {
             .map_err(|nearest| ThresholdError::FalseAlarm { nearest })?;
         let miss = matching(&rows::MISSED_DETECTION, missed_detection)
             .map_err(|nearest| ThresholdError::MissedDetection { nearest })?;
-        // As many rows as probabilities: there is always one.
+        // There are as many rows as probabilities, so that there is always one.
         let tau1 = rows::TAU1.get(alarm).map_or(&[][..], |row| row);
         let w_test = rows::W_TEST.get(alarm).map_or(&[][..], |row| row);
         let lambda = rows::LAMBDA.get(alarm).and_then(|rows| rows.get(miss)).map_or(&[][..], |row| row);
@@ -112,37 +112,38 @@ impl Thresholds<'static> {
 }
 
 impl<'t> Thresholds<'t> {
-    /// Rows that the caller computed, for probabilities outside the tables: element 0 is for one degree of
-    /// freedom (`tau1`, `lambda`) and for one test (`w_test`).
+    /// Returns thresholds from rows that the caller computed, for probabilities outside the tables.
+    ///
+    /// Element 0 is for one degree of freedom (`tau1`, `lambda`) and for one test (`w_test`).
     pub const fn from_rows(tau1: &'t [Held], lambda: &'t [Held], w_test: &'t [Held]) -> Self {
         Self { tau1, lambda, w_test }
     }
 
-    /// Threshold of the global test; `None` without redundancy or beyond the row.
+    /// Returns the threshold of the global test, or `None` without redundancy or beyond the row.
     pub fn tau1<T: Real>(&self, dof: usize) -> Option<T> {
         element(self.tau1, dof)
     }
 
-    /// Non-centrality of the smallest fault that is missed with the required probability at most; `None` as above.
+    /// Returns the non-centrality of the smallest fault that is missed with the required probability at most, or `None` as above.
     pub fn lambda<T: Real>(&self, dof: usize) -> Option<T> {
         element(self.lambda, dof)
     }
 
-    /// Two-sided threshold of one of `tests` w-tests; `None` for no test or beyond the row.
+    /// Returns the two-sided threshold of one of `tests` w-tests, or `None` for no test or beyond the row.
     pub fn w_test<T: Real>(&self, tests: usize) -> Option<T> {
         element(self.w_test, tests)
     }
 }
 
-/// A row's element, counted from one.
+/// Returns a row's element, counted from one.
 fn element<T: Real>(row: &[Held], number: usize) -> Option<T> {
     row.get(number.checked_sub(1)?).map(|element| T::narrow(element.widen()))
 }
 
-/// Where the probabilities have `wanted`, or the nearest of them.
+/// Returns the index of `wanted` among the probabilities, or the nearest of them as an error.
 #[inline(never)]
 fn matching(grid: &[Probability], wanted: Probability) -> Result<usize, Probability> {
-    // That it is written alike costs a comparison, that it means the same divisions of each.
+    // Equality is tested first, because it is cheap. The tolerance test divides for every entry.
     if let Some(index) = grid.iter().position(|known| *known == wanted) {
         return Ok(index);
     }
@@ -155,7 +156,7 @@ fn matching(grid: &[Probability], wanted: Probability) -> Result<usize, Probabil
     }
 }
 
-/// A probability of the generated table, checked while compiling.
+/// Returns a probability of the generated table, checked at compile time.
 const fn tail(probability: f64) -> Probability {
     match Probability::new(probability) {
         Some(tail) => tail,
@@ -210,7 +211,7 @@ mod tests {
         }
     }
 
-    /// Or a module in single precision, whose tables hold no more, would not judge as the same on a host.
+    /// Otherwise a module in single precision, whose tables hold no more digits, would judge differently from a host.
     #[test]
     fn a_test_in_single_precision_takes_the_nearest_to_the_published() {
         let approach = thresholds(3.33e-7, 1e-3);

@@ -1,4 +1,4 @@
-//! Threshold policies: between which two risks is the threshold of the global test placed?
+//! Threshold policies: the position of the global test's threshold between two risks.
 //!
 //! ```text
 //! δ      = min (f AL / max slope)²           horizontal, and vertical where a limit is set
@@ -9,7 +9,7 @@
 //!
 //! `f` and `g` are the densities of the statistic without a fault and with one that moves the position just to its
 //! share of the alert limit. A threshold meets both probabilities if `τ1 < τ2`, which is the same as `δ > λ(τ1)` and
-//! as `HPL < f HAL`; it is decided by `δ > λ(τ1)`, which needs no quantile.
+//! as `HPL < f HAL`; the code compares `δ > λ(τ1)`, which needs no quantile.
 //!
 //! | symbol | field | unit |
 //! |---|---|---|
@@ -36,19 +36,19 @@ use crate::numeric::probability::Probability;
 use crate::numeric::real::Real;
 use crate::requirements::Requirements;
 
-/// Where the threshold is placed.
+/// Position of the threshold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Policy {
-    /// As low as false alarms allow: the least risk to integrity, the classic threshold.
+    /// The threshold is as low as false alarms allow: the least risk to integrity, the classic threshold.
     T1,
-    /// As high as missed detections allow: the least risk to continuity.
+    /// The threshold is as high as missed detections allow: the least risk to continuity.
     T2,
-    /// Where the weighted sum of both risks is smallest.
+    /// The threshold minimises the weighted sum of both risks.
     TOp,
 }
 
-/// What a false alarm costs, compared with a missed detection.
+/// Cost of a false alarm relative to a missed detection.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Weights {
@@ -60,7 +60,7 @@ impl Weights {
     /// Both cost the same, as published.
     pub const EQUAL: Self = Self { ln_ratio: 0.0 };
 
-    /// Checks once that both are above 0 and their ratio within 1e-12 to 1e12; `None` otherwise.
+    /// Returns the weights if both are above 0 and their ratio is within 1e-12 to 1e12; `None` otherwise.
     pub fn new(false_alarm: f64, missed_detection: f64) -> Option<Self> {
         let ratio = false_alarm / missed_detection;
         let valid = false_alarm > 0.0 && (1e-12..=1e12).contains(&ratio);
@@ -68,7 +68,7 @@ impl Weights {
     }
 }
 
-/// What a geometry and its user demand of the threshold.
+/// Inputs of the threshold: geometry, probabilities and weights.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Demand<'t> {
     /// Degrees of freedom of the global test.
@@ -79,24 +79,24 @@ pub struct Demand<'t> {
     pub thresholds: Thresholds<'t>,
     /// Probability that a fault which matters is missed.
     pub missed_detection: Probability,
-    /// What is minimised by [`Policy::TOp`].
+    /// Weights that [`Policy::TOp`] minimises with.
     pub weights: Weights,
 }
 
-/// The threshold of a policy.
+/// Threshold of a policy.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct PolicyThreshold {
-    /// What SSE must reach to mean a fault, dimensionless.
+    /// Value that SSE must reach to mean a fault, dimensionless.
     pub tau: f64,
     /// Non-centrality for the protection levels under this threshold, dimensionless.
     ///
-    /// For [`Policy::T2`] it is the demanded one: the protection level then is its share of the alert limit, neither
-    /// more nor less. That the limits are met is decided before, not by comparing the levels with them again.
+    /// For [`Policy::T2`] it equals [`ThresholdProblem::noncentrality`]: the protection level then is its share of the alert limit,
+    /// neither more nor less. The policy decides before whether the limits are met, not a second comparison of the levels.
     pub lambda: f64,
 }
 
-/// Why a policy has no threshold.
+/// Reason why a policy has no threshold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum NoThreshold {
@@ -106,15 +106,15 @@ pub enum NoThreshold {
     Risk,
 }
 
-/// Which threshold [`Policy::TOp`] came to.
+/// Source of the threshold of [`Policy::TOp`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Status {
     /// The crossing itself.
     Op,
-    /// The crossing is below `τ1`, and raised to it: false alarms would be too many.
+    /// The crossing is below `τ1` and raised to it, because false alarms would be too many.
     OpIsTau1,
-    /// The crossing is above `τ2`, and lowered to it: missed detections would be too many.
+    /// The crossing is above `τ2` and lowered to it, because missed detections would be too many.
     OpIsTau2,
     /// No threshold meets both probabilities.
     Unavailable,
@@ -124,19 +124,19 @@ pub enum Status {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Decision {
-    /// Lower bound: demanded by false alarms.
+    /// Lower bound, set by false alarms.
     pub tau1: f64,
-    /// Upper bound: demanded by missed detections.
+    /// Upper bound, set by missed detections.
     pub tau2: f64,
-    /// Where the densities cross, whatever the bounds are; 0 where they do not.
+    /// Crossing of the densities without the bounds; 0 if they do not cross.
     pub tau_op_raw: f64,
-    /// The same, held between the bounds; `None` where there is nothing between them.
+    /// Crossing within the bounds; `None` if the interval is empty.
     pub tau_op: Option<f64>,
-    /// Which bound held, if any.
+    /// Bound that applied, if any.
     pub status: Status,
 }
 
-/// A threshold on SSE as one on `√(Σv²/ν)`, in m, where all ranges have the same sigma ([Yang2015] eq. 5).
+/// Converts a threshold on SSE to one on `√(Σv²/ν)`, m, if all ranges have the same sigma ([Yang2015] eq. 5).
 ///
 /// [Yang2015]: crate#references
 pub fn range_threshold_m(tau: f64, dof: usize, sigma_m: f64) -> f64 {
@@ -144,7 +144,7 @@ pub fn range_threshold_m(tau: f64, dof: usize, sigma_m: f64) -> f64 {
 }
 
 impl<'t> Demand<'t> {
-    /// What `requirements` demand of a position so exposed; both risks weigh the same.
+    /// Returns the problem that `requirements` pose for these level inputs; both risks weigh the same.
     pub fn new<T: Real>(
         dof: usize,
         exposure: &Exposure<'_, T>,
@@ -164,13 +164,13 @@ impl<'t> Demand<'t> {
         }
     }
 
-    /// The threshold of one policy, with no more work than it needs: none for `T1`, one quantile for `T2`, one crossing
+    /// Returns the threshold of one policy with no more work than it needs: none for `T1`, one quantile for `T2`, one crossing
     /// and one non-centrality for `TOp`.
     ///
-    /// `T1` is never refused for its risk: its protection levels say whether they are within the limits.
+    /// `T1` is never refused for its risk, because its protection levels show whether the limits are met.
     ///
     /// # Errors
-    /// [`NoThreshold`] says what is missing.
+    /// [`NoThreshold`] names what is missing.
     pub fn threshold<T: Real>(&self, policy: Policy) -> Result<PolicyThreshold, NoThreshold> {
         let (classic, test) = self.classic::<T>().ok_or(NoThreshold::Redundancy)?;
         match policy {
@@ -181,7 +181,7 @@ impl<'t> Demand<'t> {
         }
     }
 
-    /// All thresholds; `None` without redundancy or beyond the tables.
+    /// Returns all thresholds, or `None` without redundancy or beyond the tables.
     pub fn decide<T: Real>(&self) -> Option<Decision> {
         let (classic, test) = self.classic::<T>()?;
         let tau1 = classic.tau;
@@ -202,7 +202,7 @@ impl<'t> Demand<'t> {
         Some((PolicyThreshold { tau: tau.widen(), lambda: lambda.widen() }, ChiSquare::new(self.dof)?))
     }
 
-    /// Written so that a non-centrality which is not a number makes nothing available.
+    /// Returns true if the classic threshold meets both probabilities. A NaN non-centrality fails this comparison.
     fn available(&self, classic: PolicyThreshold) -> bool {
         self.noncentrality > classic.lambda
     }
@@ -216,8 +216,10 @@ impl<'t> Demand<'t> {
         test.crossing(self.noncentrality, self.weights.ln_ratio).widen()
     }
 
-    /// The crossing, held within the bounds. It is below `τ2` exactly if its own non-centrality is below the demanded one:
-    /// the upper bound itself is needed only where it holds.
+    /// Returns the crossing, held within the bounds.
+    ///
+    /// It is below `τ2` exactly if its own non-centrality is below the given one, so that the upper bound itself is
+    /// computed only if it applies.
     fn optimal<T: Real>(&self, classic: PolicyThreshold, test: &ChiSquare<T>) -> PolicyThreshold {
         let tau = self.crossing(test);
         if tau <= classic.tau {

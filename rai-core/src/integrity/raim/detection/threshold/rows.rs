@@ -1,8 +1,8 @@
-//! What a build takes of the committed tables.
+//! Rows of the committed tables that a build contains.
 //!
-//! Without the feature `tables` it is the phases of flight alone, which all ask for the same two probabilities
-//! ([`crate::requirements`]). With the feature `short-tables` rows end where [`single`](crate::single) has no room for more
-//! satellites, and are in its precision, unless `double-tables` asks for more: who runs nothing else has no use for the rest. All
+//! Without the feature `tables` they are those of the phases of flight, which all need the same two probabilities
+//! ([`crate::requirements`]). With the feature `short-tables` rows end at the capacity of [`single`](crate::single) and are in
+//! its precision, unless `double-tables` asks for more, because a build for `single` alone cannot use the rest. All
 //! rows take 26 KB of flash, short ones 20, in single precision 10, one pair of these 0.8.
 #![allow(clippy::indexing_slicing, reason = "while compiling, where an index beyond the end is an error")]
 
@@ -10,7 +10,7 @@ use super::table;
 use crate::epoch::CAPACITY;
 use crate::numeric::probability::Probability;
 
-/// Degrees of freedom, and tests, that the rows are for.
+/// Length of the rows, in degrees of freedom and in tests.
 const DOF: usize = if cfg!(feature = "short-tables") { CAPACITY } else { super::MAX_DOF };
 const TESTS: usize = if cfg!(feature = "short-tables") { CAPACITY } else { super::MAX_TESTS };
 
@@ -25,7 +25,7 @@ mod taken {
     use super::super::table;
     use crate::requirements;
 
-    /// Where the tables have the phases' probability of false alarm, and where that of missed detection.
+    /// Indices of the phases' probability of false alarm and of missed detection in the tables.
     pub(super) const ALARMS: [usize; 1] = [6];
     pub(super) const MISSES: [usize; 1] = [0];
 
@@ -41,11 +41,11 @@ use taken::{ALARMS, MISSES};
 pub(super) static FALSE_ALARM: [Probability; ALARMS.len()] = probabilities(&table::FALSE_ALARM, ALARMS);
 pub(super) static MISSED_DETECTION: [Probability; MISSES.len()] =
     probabilities(&table::MISSED_DETECTION, MISSES);
-/// What the rows are held in. A test takes its threshold in its own precision: one in single precision takes the same from both.
-/// Double precision, unless the feature `short-tables` is on without `double-tables`.
+/// Scalar of the rows. A test rounds its threshold to its own precision, so that a test in single precision gets the same
+/// from both. Double precision, unless the feature `short-tables` is on without `double-tables`.
 #[cfg(all(feature = "short-tables", not(feature = "double-tables")))]
 pub type Held = f32;
-/// What the rows are held in.
+/// Scalar of the rows.
 #[cfg(not(all(feature = "short-tables", not(feature = "double-tables"))))]
 pub type Held = f64;
 
@@ -69,7 +69,7 @@ const fn probabilities<const N: usize>(all: &[Probability], taken: [usize; N]) -
     probabilities
 }
 
-/// The fronts of the rows that are taken.
+/// Returns the fronts of the selected rows.
 const fn fronts<const LONG: usize, const SHORT: usize, const N: usize>(
     rows: &[[f64; LONG]],
     taken: [usize; N],

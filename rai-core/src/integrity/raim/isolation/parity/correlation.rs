@@ -34,23 +34,23 @@ use crate::least_squares::{Fit, Snapshot};
 use crate::numeric::probability::Probability;
 use crate::numeric::real::Real;
 
-/// Newton steps at most: from the left of a convex falling function each divides the tail by about e.
+/// Most Newton steps: from the left of a convex falling function each divides the tail by about e.
 const MAX_STEPS: usize = 64;
 
-/// `ρ_i` of one row, dimensionless; 0 where the row is untestable or nothing is left to explain.
+/// Returns `ρ_i` of one row, dimensionless; 0 if the row is untestable or no residual is left to explain.
 pub fn correlation<T: Real>(snapshot: &Snapshot<'_, T>, fit: &Fit<T>) -> T {
     let length = snapshot.sse().sqrt();
     if length > T::zero() { fit.w_test() / length } else { T::zero() }
 }
 
-/// `ρ_T` for a confidence and a number of degrees of freedom; `None` below two, where every |ρ| is 1.
+/// Returns `ρ_T` for a confidence and a number of degrees of freedom, or `None` below two, where every |ρ| is 1.
 pub fn correlation_threshold<T: Real>(alpha: Probability, dof: usize) -> Option<T> {
     let student_dof = dof.checked_sub(1).filter(|&student_dof| student_dof > 0)?;
     let (alpha, mut angle) = (T::narrow(alpha.get()), T::zero());
     for _ in 0..MAX_STEPS {
         let (tail, slope) = student_tail(angle, student_dof);
         let next = angle + (tail - alpha) / slope;
-        // From the left it only ever grows, until rounding decides; also the way out for what is not a number.
+        // From the left the angle only grows, until rounding decides. NaN leaves here too.
         if !(next > angle) {
             break;
         }
@@ -60,7 +60,7 @@ pub fn correlation_threshold<T: Real>(alpha: Probability, dof: usize) -> Option<
     Some(threshold)
 }
 
-/// Two-sided tail of Student's distribution beyond `√m tan(angle)`, and minus its derivative by the angle.
+/// Returns the two-sided tail of Student's distribution beyond `√m tan(angle)`, and minus its derivative by the angle.
 fn student_tail<T: Real>(angle: T, m: usize) -> (T, T) {
     let (sin, cos) = angle.sine_and_cosine();
     let odd = m % 2 == 1;

@@ -1,11 +1,11 @@
-//! Grouping: of all sets of one row the best, then of all sets of two, then of three, until one passes.
+//! Grouping: the best of all sets of one row, then of two, then of three, until one passes.
 //!
 //! The best set of a size is the one with the smallest `SSE_E`, the first in lexicographic order of equals. It finds
-//! what sequential isolation misses: two faults that hide behind a third, healthy row.
+//! two faults that hide behind a third, healthy row, which sequential isolation misses.
 //!
-//! Only the best of a size is checked for being refused; where it is, the size is looked through again below it. In `f32`
-//! on a Cortex-M4F all pairs of 20 rows take 14,400 instructions, all triples 78,800. A budget that is used up ends the
-//! search without a result.
+//! Only the best set of a size is checked for refusal. If it is refused, the sets of that size are compared again below it.
+//! In `f32` on a Cortex-M4F all pairs of 20 rows take 14,400 instructions, all triples 78,800. If the budget is used up,
+//! the search ends without a result.
 
 use super::{Finding, Search, SearchLimits, search};
 use crate::integrity::raim::detection::threshold::Thresholds;
@@ -16,7 +16,7 @@ use crate::least_squares::{Snapshot, infinity};
 use crate::numeric::real::Real;
 use crate::report::MAX_EXCLUDED;
 
-/// Looks for the smallest set of rows without which the rest passes.
+/// Finds the smallest set of rows without which the rest passes.
 #[inline(never)]
 pub fn grouping<T: Real>(
     snapshot: &Snapshot<'_, T>,
@@ -30,7 +30,7 @@ impl<T: Real> Search<'_, T> {
     pub(super) fn grouping(&self) -> Finding<T> {
         let mut contest = Contest { rows: self.rows, work: Work::new(self.limits.sets) };
         let sets = |contest: &Contest<'_, T>| self.limits.sets - contest.work.left;
-        // With no degree of freedom left every set would pass, and none would mean anything.
+        // Without a degree of freedom every set would pass and none would be significant.
         let largest = self.limits.rows().min(self.snapshot.dof().saturating_sub(1));
         for size in 1..=largest {
             let best = contest.best_of_size(size);
@@ -45,7 +45,7 @@ impl<T: Real> Search<'_, T> {
     }
 }
 
-/// The rows, and how many sets of them may still be looked at.
+/// The rows, and the budget of sets.
 struct Contest<'r, T: Real> {
     rows: &'r [NormalisedRow<T>],
     work: Work,
@@ -59,10 +59,11 @@ struct Entrant<T> {
 }
 
 impl<T: Real> Contest<'_, T> {
-    /// The best set of a size that is not refused. The best are rarely refused: it is cheaper to look through all sets
-    /// again than to examine each that leads for a while.
+    /// Returns the best set of a size that is not refused.
+    ///
+    /// The best set is rarely refused, so that it is cheaper to compare all sets again than to check each leading one.
     fn best_of_size(&mut self, size: usize) -> Option<Removal<T>> {
-        // Sets that explain as much as this are refused.
+        // Sets that explain at least this much were refused.
         let mut ceiling = infinity();
         loop {
             let mut best = Entrant { explained: -infinity::<T>(), set: [0; MAX_EXCLUDED] };

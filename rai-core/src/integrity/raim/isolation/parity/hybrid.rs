@@ -1,10 +1,10 @@
-//! Hybrid isolation: the cheap guess first, the search only where the guess fails.
+//! Hybrid isolation: the cheap guess first, the search only if the guess fails.
 //!
-//! The simultaneous set is taken when it is not empty, not too large, passes the test, and is **minimal**: no set with
+//! The simultaneous set is taken if it is not empty, not too large, passes the test, and is **minimal**: no set with
 //! one row less passes. [Parity] does not state the last rule, but without it collinear rows are removed together
 //! with the faulty one, and its own rate for single faults cannot be reached (0.923 instead of 0.993).
 //!
-//! Otherwise sequential isolation (method B); where that fails too, grouping (method C).
+//! Otherwise sequential isolation is tried (method B); if that fails too, grouping (method C).
 //!
 //! [Parity]: crate#references
 
@@ -14,7 +14,7 @@ use crate::least_squares::Snapshot;
 use crate::least_squares::downdate::Removal;
 use crate::numeric::real::Real;
 
-/// Simultaneous, else sequential (method B).
+/// Isolates simultaneously, else sequentially (method B).
 #[inline(never)]
 pub fn hybrid_without_grouping<T: Real>(
     snapshot: &Snapshot<'_, T>,
@@ -24,7 +24,7 @@ pub fn hybrid_without_grouping<T: Real>(
     search(snapshot, thresholds, limits, |search: &Search<'_, T>| search.hybrid_without_grouping())
 }
 
-/// Simultaneous, else sequential, else grouping (method C).
+/// Isolates simultaneously, else sequentially, else by grouping (method C).
 #[inline(never)]
 pub fn hybrid<T: Real>(
     snapshot: &Snapshot<'_, T>,
@@ -45,7 +45,7 @@ impl<T: Real> Search<'_, T> {
     fn hybrid_without_grouping(&self) -> Finding<T> {
         match self.correlated_set() {
             Some(removal) => {
-                // The set itself, and each set with one row less.
+                // Cost: the set itself, and each set with one row less.
                 let sets = 1 + removal.rows().len();
                 if self.passes(&removal) && self.is_minimal(&removal) {
                     return Finding { set: Ok(removal), sets };
@@ -57,8 +57,8 @@ impl<T: Real> Search<'_, T> {
         }
     }
 
-    /// The simultaneous set; `None` where it is empty, larger than may be left out, or refused.
-    // Not inlined, nor is the next: sets are large, and these need not be on the stack beside those that follow.
+    /// Returns the simultaneous set, or `None` if it is empty, larger than may be left out, or refused.
+    // Not inlined, nor is the next function, so that these large sets are off the stack in later searches.
     #[inline(never)]
     fn correlated_set(&self) -> Option<Removal<T>> {
         if self.correlated().count() > self.limits.rows() {
@@ -71,7 +71,7 @@ impl<T: Real> Search<'_, T> {
         if set.rows().is_empty() { None } else { Some(set) }
     }
 
-    /// True when every row of a set is needed.
+    /// Returns true if every row of a set is needed.
     #[inline(never)]
     fn is_minimal(&self, removal: &Removal<T>) -> bool {
         removal.rows().iter().all(|spared| {

@@ -1,14 +1,14 @@
 //! Parity space: isolation of several faults from one snapshot.
 //!
-//! The parity vector `p` is what the ranges say once position and clocks are taken out. A bias of row `i` moves it
-//! along the line `p_i`; a set `E` of biases moves it within the plane of their lines, and what remains outside is
-//! `SSE_E`. All four methods compare sets by `SSE_E` without solving anything again ([`crate::least_squares::downdate`]).
+//! The parity vector `p` is the part of the ranges that position and clocks do not explain. A bias of row `i` moves it
+//! along the line `p_i`; a set `E` of biases moves it within the plane of their lines, and the part outside is
+//! `SSE_E`. All four methods compare sets by `SSE_E` without solving again ([`crate::least_squares::downdate`]).
 //!
-//! | method | rows named | function |
+//! | method | rows identified | function |
 //! |---|---|---|
 //! | simultaneous (A) | all with `|ρ_i| ≥ ρ_T` at once | [`simultaneous`] |
-//! | sequential | the largest `|w|`, again and again, until the rest passes | [`sequential`] |
-//! | hybrid (B, C) | A where its set is minimal and the rest passes, else sequential (B), else grouping (C) | [`hybrid`] |
+//! | sequential | the largest `|w|`, repeatedly, until the rest passes | [`sequential`] |
+//! | hybrid (B, C) | A if its set is minimal and the rest passes, else sequential (B), else grouping (C) | [`hybrid`] |
 //! | grouping (D) | of all sets of 1, 2, … rows the one with the smallest `SSE_E`, until that passes | [`grouping`] |
 //!
 //! | symbol | meaning | unit |
@@ -18,12 +18,12 @@
 //! | `ρ_T` | threshold on the correlation | – |
 //!
 //! Work is bounded: [`SearchLimits::sets`] sets at most, [`MAX_SETS`] of them being every set of up to three of 40 rows. A
-//! search that is cut names nothing and says so ([`Unidentified::Budget`]).
+//! search that is cut identifies no row and reports it ([`Unidentified::Budget`]).
 //!
-//! In `f32` the ranking of sets resolves differences of about 1e-6 of SSE; the test of the set found does not lose
+//! In `f32` the ranking of sets resolves differences of about 1e-6 of SSE. The test of the set found does not lose
 //! these digits, so that a wrong set is refused.
 //!
-//! The searches are not inlined: each takes 2.5 KiB of the stack and more, and one after the other they share it.
+//! The searches are not inlined, because each takes 2.5 KiB of the stack and more, and in turn they share it.
 //!
 //! References: [Parity] and, for the global test, [Yang2015] §1.
 //!
@@ -53,11 +53,11 @@ use crate::numeric::probability::Probability;
 use crate::numeric::real::Real;
 use crate::report::MAX_EXCLUDED;
 
-/// All sets of one, two or three of 40 rows.
+/// Number of all sets of one, two or three of 40 rows.
 pub const MAX_SETS: usize = 40 + 40 * 39 / 2 + 40 * 39 * 38 / 6;
 const _: () = assert!(MAX_SETS == 10_700);
 
-/// `α` of [Parity].
+/// `α` as published in [Parity].
 ///
 /// [Parity]: crate#references
 const ALPHA: Probability = match Probability::new(0.01) {
@@ -65,13 +65,13 @@ const ALPHA: Probability = match Probability::new(0.01) {
     None => unreachable!(),
 };
 
-/// How the faulty rows are searched for.
+/// Search method in parity space.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Isolation {
     /// All rows whose correlation is large, at once.
     Simultaneous,
-    /// The worst row, again and again.
+    /// The worst row, repeatedly.
     Sequential,
     /// Simultaneous, else sequential.
     HybridWithoutGrouping,
@@ -81,10 +81,10 @@ pub enum Isolation {
     Grouping,
 }
 
-/// How far a search may go, and what it takes for a fault.
+/// Limits of a search.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SearchLimits {
-    /// Rows that may be left out; above [`MAX_EXCLUDED`] it means that.
+    /// Rows that may be left out; larger values mean [`MAX_EXCLUDED`].
     pub rows: usize,
     /// Sets that may be tested before the search is cut.
     pub sets: usize,
@@ -93,7 +93,7 @@ pub struct SearchLimits {
 }
 
 impl SearchLimits {
-    /// As in [Parity]: `α = 0.01`; up to [`MAX_EXCLUDED`] rows, with the work that 40 rows need.
+    /// Returns the limits of [Parity]: `α = 0.01`; up to [`MAX_EXCLUDED`] rows, with the work that 40 rows need.
     ///
     /// [Parity]: crate#references
     pub const fn published() -> Self {
@@ -105,16 +105,16 @@ impl SearchLimits {
     }
 }
 
-/// What a search found, and what it cost.
+/// Result of a search with its cost.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding<T: Real> {
-    /// The set of rows without which the rest passes, empty where nothing was detected; or why there is none.
+    /// Set of rows without which the rest passes, empty if no fault was detected; or the reason why there is none.
     pub set: Result<Removal<T>, Unidentified>,
-    /// Sets whose `SSE_E` was looked at.
+    /// Number of sets whose `SSE_E` was compared.
     pub sets: usize,
 }
 
-/// A snapshot in which a fault was detected, and what a search in it needs.
+/// A snapshot in which a fault was detected, with the rows and thresholds of a search.
 struct Search<'s, T: Real> {
     snapshot: &'s Snapshot<'s, T>,
     thresholds: &'s Thresholds<'s>,
@@ -122,7 +122,7 @@ struct Search<'s, T: Real> {
     rows: &'s [NormalisedRow<T>],
 }
 
-/// Prepares a search and makes it; says what there is to say where nothing is to be searched for.
+/// Runs a search, or returns at once if no fault is detected or none can be isolated.
 fn search<T: Real>(
     snapshot: &Snapshot<'_, T>,
     thresholds: &Thresholds<'_>,
@@ -141,13 +141,13 @@ fn search<T: Real>(
 }
 
 impl<T: Real> Search<'_, T> {
-    /// True when the rest passes the global test without a set.
+    /// Returns true if the rest passes the global test without a set.
     fn passes(&self, removal: &Removal<T>) -> bool {
         let test = Detection::of(removal.sse(self.rows), removal.dof(self.snapshot), self.thresholds);
         test.is_some_and(|test| !test.fault())
     }
 
-    /// Rows whose correlation reaches its threshold, none with fewer than two degrees of freedom.
+    /// Iterates over the rows whose correlation reaches its threshold; none with fewer than two degrees of freedom.
     fn correlated(&self) -> impl Iterator<Item = &NormalisedRow<T>> {
         let threshold = correlation_threshold::<T>(self.limits.alpha, self.snapshot.dof());
         // |ρ_i| ≥ ρ_T without a root: r_i² ≥ ρ_T² SSE S_ii.
@@ -158,9 +158,9 @@ impl<T: Real> Search<'_, T> {
     }
 }
 
-/// Names all rows whose correlation with the parity vector is large, without testing what remains.
+/// Identifies all rows whose correlation with the parity vector is large, without testing the remaining rows.
 ///
-/// Empty where nothing was detected.
+/// Empty if no fault was detected.
 #[inline(never)]
 pub fn simultaneous<T: Real>(
     snapshot: &Snapshot<'_, T>,
@@ -176,10 +176,10 @@ pub fn simultaneous<T: Real>(
     gather(search.correlated().map(|row| row.index))
 }
 
-/// Isolates by one of the methods and leaves the rows found out.
+/// Isolates by one of the methods and leaves out the rows found.
 ///
-/// `solution` ends as the solution without the rows listed, solved again and tested again: whatever a method
-/// names, [`Outcome::Isolated`](super::exclusion::Outcome::Isolated) means that the rest passes.
+/// `solution` ends as the solution without the listed rows, solved and tested again. For every method
+/// [`ExclusionOutcome::Isolated`](super::exclusion::ExclusionOutcome::Isolated) means that the rest passes.
 pub fn exclude<T: Real>(
     method: Isolation,
     solution: &mut impl Excludable<T>,
@@ -200,14 +200,14 @@ pub fn exclude<T: Real>(
     }
 }
 
-/// Rows that may be left out.
+/// Indices of rows that may be left out.
 type Set = Vec<usize, MAX_EXCLUDED>;
 
 fn indices<T: Real>(finding: Finding<T>) -> Result<Set, Unidentified> {
     finding.set.map(|removal| gather(removal.rows().iter().map(|row| row.index)))
 }
 
-/// The simultaneous set; more rows than may be left out are none.
+/// Returns the simultaneous set, empty if it has more rows than may be left out.
 fn all_at_once<T: Real>(
     snapshot: &Snapshot<'_, T>,
     thresholds: &Thresholds<'_>,

@@ -1,8 +1,8 @@
-//! Sequential isolation: the row with the largest |w| goes, until the rest passes.
+//! Sequential isolation: leaves out the row with the largest |w| until the rest passes.
 //!
-//! `w²` of a row without the set removed so far is `q²/p` of [`crate::least_squares::downdate`]. Work: at most `n` sets for each row
-//! removed. Unlike [`crate::integrity::raim::isolation::baarda::exclude_sequentially`] no threshold is asked of |w|: [Parity]
-//! trusts the global test of what remains.
+//! `w²` of a row without the set so far is `q²/p` of [`crate::least_squares::downdate`]. Work: at most `n` sets for each row
+//! left out. Unlike [`crate::integrity::raim::isolation::baarda::exclude_sequentially`] it applies no threshold to |w|:
+//! [Parity] relies on the global test of the remaining rows.
 //!
 //! [Parity]: crate#references
 
@@ -13,7 +13,7 @@ use crate::least_squares::Snapshot;
 use crate::least_squares::downdate::Removal;
 use crate::numeric::real::Real;
 
-/// Removes the worst row, again and again, from a snapshot in which a fault was detected.
+/// Leaves out the worst row repeatedly from a snapshot in which a fault was detected.
 #[inline(never)]
 pub fn sequential<T: Real>(
     snapshot: &Snapshot<'_, T>,
@@ -38,7 +38,7 @@ impl<T: Real> Search<'_, T> {
         Finding { set: Err(Unidentified::NoSet), sets }
     }
 
-    /// Takes the row of the largest |w| into the set, the first of equals; `None` where it is refused.
+    /// Adds the row of the largest |w| to the set, the first of equal ones. Returns `None` if it is refused.
     fn leave_out_worst(&self, removal: &mut Removal<T>) -> Option<()> {
         let (mut worst, mut largest) = (None, T::zero());
         for row in self.rows {

@@ -1,10 +1,10 @@
-//! Consensus: which subset do the other satellites agree with, and who disagrees?
+//! Consensus: the subset that the other satellites agree with, and the satellites that disagree.
 //!
 //! A subset's solution is that of its rows alone; the residuals of all others are then those of a prediction.
-//! A constellation that a subset lacks has no clock in it: its residuals are referred to their median, which up to
-//! half of them may not move.
+//! A subset determines no clock of a constellation that it lacks. The residuals of that constellation are referred to
+//! their median, which up to half of them cannot move.
 //!
-//! Of several subsets that are inliers, the one with the fewest disagreements wins, then the one with the smallest sum
+//! Of several inlier subsets the one with the fewest disagreements wins, then the one with the smallest sum
 //! of `min(z_i², T_r²)`, then the first. Cost: one solve for each subset.
 
 use heapless::Vec;
@@ -18,14 +18,14 @@ use crate::numeric::real::Real;
 use crate::report::MAX_EXCLUDED;
 use crate::satellite::Constellation;
 
-/// Largest position variance of a subset that still votes, in units of its mean variance of a range (`PDOP²`).
+/// Largest position variance of a subset that still votes, in units of its mean range variance (`PDOP²`).
 ///
-/// [Tian2024] leaves badly shaped subsets to the selection; beyond a PDOP of 1,000 nothing would ever disagree.
+/// [Tian2024] leaves badly shaped subsets to the selection; beyond a PDOP of 1,000 no satellite would ever disagree.
 ///
 /// [Tian2024]: crate#references
 const MAX_DILUTION: f64 = 1e6;
 
-/// Why no subset is an inlier.
+/// Reason why no subset is an inlier.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum NoConsensus {
@@ -35,30 +35,30 @@ pub enum NoConsensus {
     NoInlier,
 }
 
-/// The inlier, and who disagrees with it.
+/// The inlier subset, and the rows that disagree with it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Consensus {
-    /// Its number in the selection.
+    /// Number of the subset in the selection.
     pub subset: usize,
     /// Rows with `z_i ≥ T_r`.
     pub rows: Vec<usize, MAX_EXCLUDED>,
 }
 
-/// Satellites that may disagree with an inlier.
+/// Returns the number of satellites that may disagree with an inlier.
 pub(super) fn most_faults(selection: &Selection) -> usize {
     selection.subsets().saturating_sub(1).min(MAX_EXCLUDED)
 }
 
-/// `T_r²` for the rows that take part; `None` beyond the table.
+/// Returns `T_r²` for the rows that take part, or `None` beyond the table.
 pub(super) fn disagreement<T: Real>(rows: &[Row<T>], limits: &ConsensusLimits<'_>) -> Option<T> {
     let used = rows.iter().filter(|row| row.weight > T::zero()).count();
     limits.consensus.w_test(used).map(|threshold: T| threshold * threshold)
 }
 
-/// Lets each subset judge the rows outside it.
+/// Lets each subset test the rows outside it.
 ///
 /// # Errors
-/// [`NoConsensus`] where no subset is an inlier.
+/// [`NoConsensus`] if no subset is an inlier.
 pub fn consensus<T: Real>(
     rows: &[Row<T>],
     selection: &Selection,
@@ -79,10 +79,10 @@ pub fn consensus<T: Real>(
     best.map(|(vote, subset)| Consensus { subset, rows: vote.rows }).ok_or(NoConsensus::NoInlier)
 }
 
-/// How the rows outside a subset agree with it.
+/// Agreement of the rows outside a subset with its position.
 struct Vote<T> {
     against: usize,
-    /// Those against, as far as they may be left out.
+    /// Rows that disagree, as far as they may be left out.
     rows: Vec<usize, MAX_EXCLUDED>,
     /// `Σ min(z², T_r²)`.
     misfit: T,
@@ -94,7 +94,7 @@ impl<T: Real> Vote<T> {
     }
 }
 
-/// `None` where a subset gives no position worth a vote.
+/// Returns `None` if a subset gives no usable position.
 fn vote<T: Real>(rows: &[Row<T>], selection: &Selection, subset: usize, bound: T) -> Option<Vote<T>> {
     let set = selection.set(subset);
     let mut solution = Solution::none();
@@ -111,7 +111,7 @@ fn vote<T: Real>(rows: &[Row<T>], selection: &Selection, subset: usize, bound: T
         }
         let level = row.clock.and_then(|clock| levels.get(clock as usize)).copied().flatten();
         let squared = deviation_squared(row, &solution, level.unwrap_or(T::zero()));
-        // Written so that what is not a number disagrees.
+        // NaN fails this comparison, so that it disagrees.
         if squared < bound {
             vote.misfit += squared;
         } else {
@@ -123,7 +123,7 @@ fn vote<T: Real>(rows: &[Row<T>], selection: &Selection, subset: usize, bound: T
     Some(vote)
 }
 
-/// False for a position that a subset determines too badly.
+/// Returns false for a position that a subset determines too badly.
 fn is_worth_a_vote<'r, T: Real>(members: impl Iterator<Item = &'r Row<T>>, solution: &Solution<T>) -> bool {
     let members = members.filter(|row| row.weight > T::zero());
     let sum = members.fold(T::zero(), |sum, row| sum + row.sigma);
@@ -131,7 +131,7 @@ fn is_worth_a_vote<'r, T: Real>(members: impl Iterator<Item = &'r Row<T>>, solut
     solution.covariance().trace() <= mean * mean * T::narrow(MAX_DILUTION)
 }
 
-/// `z_i²` of a row that is left out of a solution, its residual first referred to a level.
+/// Returns `z_i²` of a row that is left out of a solution, its residual first referred to a level.
 #[inline(never)]
 pub(super) fn deviation_squared<T: Real>(row: &Row<T>, solution: &Solution<T>, level: T) -> T {
     let fit = solution.fit(row);
@@ -140,7 +140,7 @@ pub(super) fn deviation_squared<T: Real>(row: &Row<T>, solution: &Solution<T>, l
     residual * residual / variance
 }
 
-/// Median of the residuals of a constellation that takes part in the epoch, but not in the solution.
+/// Returns the median of the residuals of a constellation that takes part in the epoch, but not in the solution.
 #[inline(never)]
 fn median_without_clock<T: Real>(rows: &[Row<T>], solution: &Solution<T>, clock: Constellation) -> Option<T> {
     if solution.determines(clock) {
@@ -152,7 +152,7 @@ fn median_without_clock<T: Real>(rows: &[Row<T>], solution: &Solution<T>, clock:
     Some((ranked(&residuals, last / 2)? + ranked(&residuals, last.div_ceil(2))?) / T::narrow(2.0))
 }
 
-/// The value with `rank` others before it, in ascending order, the first of equals first.
+/// Returns the value with `rank` others before it, in ascending order, the first of equal ones first.
 fn ranked<T: Real>(values: &[T], rank: usize) -> Option<T> {
     let before = |index: usize, value: T| {
         let earlier = values.iter().enumerate();

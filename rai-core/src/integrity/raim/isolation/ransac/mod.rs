@@ -1,8 +1,8 @@
-//! Range consensus: let small, well-shaped subsets of the satellites vote on the others ([Tian2024], improved method).
+//! Range consensus: small, well-shaped subsets of the satellites test the others ([Tian2024], improved method).
 //!
 //! The satellites are dealt into `M = ⌊n/(3 + C)⌋` disjoint subsets of good geometry ([`Selection`]). Each subset
-//! gives a position, and each other satellite is held against it. A fault spoils one subset; the others agree on who it
-//! is ([`consensus`]). A least-squares solution without the satellites named then settles the small faults ([`refine`]).
+//! gives a position, and each other satellite is compared with it. A fault spoils one subset; the others agree which
+//! satellite is faulty ([`consensus`]). A least-squares solution without these satellites then finds the small faults ([`refine`]).
 //!
 //! ```text
 //! x_k from subset k      v_i = y_i − h_i x_k      s_i² = σ_i² + h_i Cov_k h_iᵀ      z_i = |v_i| / s_i
@@ -16,13 +16,13 @@
 //! | `T_r` | [`ConsensusLimits::consensus`] | – |
 //! | `σ_i`, `v_i`, `s_i` | of one range | m |
 //!
-//! Fewer than two subsets, or none that the others agree with, leaves the matter to sequential exclusion
-//! ([`baarda`](super::baarda)). Three faults need four subsets: 16 satellites of one constellation, 20 of two. No more than three
+//! If there are fewer than two subsets, or none that the others agree with, sequential exclusion is used
+//! ([`baarda`](super::baarda)). Three faults need four subsets: 16 satellites of one constellation, 20 of two. At most three
 //! faults are treated.
 //!
-//! Departures from [Tian2024], which prints a root mean square held against a χ² threshold: as soon as one satellite is
-//! faulty, every subset without it fails that test, so subsets are judged by how many others disagree. `M` is
-//! `⌊n/(3 + C)⌋`, as in its text, not `⌊n/(4 + C)⌋`, as in its flow chart. The refinement is ours: without it a
+//! Departures from [Tian2024], which compares a root mean square with a χ² threshold: as soon as one satellite is
+//! faulty, every subset without it fails that test, so that subsets are ranked by the number of disagreeing satellites. `M` is
+//! `⌊n/(3 + C)⌋`, as in its text, not `⌊n/(4 + C)⌋`, as in its flow chart. The refinement is an addition: without it a
 //! fault of 150 m on a low satellite stays below `T_r s_i`.
 //!
 //! References: [Tian2024] §2, [Schroth2008] for consensus by counting.
@@ -50,22 +50,22 @@ use crate::least_squares::Excludable;
 use crate::numeric::probability::Probability;
 use crate::numeric::real::Real;
 
-/// What disagreement means.
+/// Thresholds of disagreement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConsensusLimits<'t> {
-    /// Its w-test thresholds are those on `z_i`.
+    /// Thresholds whose w-test part applies to `z_i`.
     pub consensus: Thresholds<'t>,
-    /// Its global-test thresholds end the refinement.
+    /// Thresholds whose global test ends the refinement.
     pub refinement: Thresholds<'t>,
 }
 
 impl ConsensusLimits<'static> {
-    /// One false disagreement in a thousand epochs, one false alarm of the refinement in ten thousand.
+    /// Returns the published limits: one false disagreement in a thousand epochs, one false alarm of the refinement in ten thousand.
     ///
     /// # Errors
-    /// [`ThresholdError`] where the tables lack one of the two.
+    /// [`ThresholdError`] if the tables lack one of the two probabilities.
     pub fn published() -> Result<Self, ThresholdError> {
-        // Nothing here asks for the second probability, that of a missed detection.
+        // The probability of missed detection is not used here.
         Ok(Self {
             consensus: Thresholds::from_tables(DISAGREEMENT, DISAGREEMENT)?,
             refinement: Thresholds::from_tables(ALARM, DISAGREEMENT)?,
@@ -73,13 +73,13 @@ impl ConsensusLimits<'static> {
     }
 }
 
-/// `p_r`: some healthy satellite disagrees with a subset.
+/// `p_r`, the probability that a healthy satellite disagrees with a subset.
 const DISAGREEMENT: Probability = certain(1e-3);
 
-/// The refinement excludes one satellite too many.
+/// Probability that the refinement excludes one satellite too many.
 const ALARM: Probability = certain(1e-4);
 
-/// A probability that is checked while compiling.
+/// Returns a probability that is checked at compile time.
 const fn certain(tail: f64) -> Probability {
     match Probability::new(tail) {
         Some(tail) => tail,
@@ -87,10 +87,10 @@ const fn certain(tail: f64) -> Probability {
     }
 }
 
-/// Isolates by consensus and leaves the rows found out; falls back to sequential exclusion where there is none.
+/// Isolates by consensus and leaves out the rows found; without consensus falls back to sequential exclusion.
 ///
 /// `selection` must have been made for the same satellites in the same order; one of another length counts as none.
-/// `solution` ends as the solution without the rows listed, solved again and tested again.
+/// `solution` ends as the solution without the listed rows, solved and tested again.
 #[inline(never)]
 pub fn exclude<T: Real>(
     solution: &mut impl Excludable<T>,
@@ -115,7 +115,7 @@ pub fn exclude<T: Real>(
     Exclusion { outcome: Outcome::NotIsolated(Unidentified::NoSet), ..exclusion }
 }
 
-/// As [`exclude`], with the subsets that are kept while the satellites stay the same.
+/// Works like [`exclude`], with the subsets that are kept while the satellites stay the same.
 #[inline(never)]
 pub fn exclude_in<T: Real>(
     solution: &mut impl Excludable<T>,
@@ -123,11 +123,11 @@ pub fn exclude_in<T: Real>(
     thresholds: &Thresholds<'_>,
     subsets: &mut Subsets,
 ) -> Exclusion<T> {
-    // The tables hold both of its probabilities; without them it falls back as without consensus.
+    // The tables hold both probabilities; without them it falls back as without consensus.
     let Ok(published) = ConsensusLimits::published() else {
         return exclude_sequentially(solution, thresholds);
     };
-    // What is left must pass the test that it will be held to, not the paper's.
+    // The remaining rows must pass the test in force, not the paper's.
     let limits = ConsensusLimits { refinement: *thresholds, ..published };
     let selection = subsets.of(epoch, solution.snapshot().equations());
     exclude(solution, selection, thresholds, &limits)

@@ -1,8 +1,8 @@
-//! Refinement: solve with the satellites that nobody doubts, then test again, both ways.
+//! Refinement: solves with the satellites that agree, then tests again, in both directions.
 //!
 //! A subset's position is uncertain by tens of metres, so that small faults pass and a badly seen healthy satellite
-//! may be named. With all others in the solution: while the global test fails, the worst row goes too; at the end
-//! each row that was left out is held against the solution, and taken back where it agrees.
+//! may be identified. With all others in the solution, the worst row is left out while the global test fails. At the end
+//! each row left out is compared with the solution, and taken back if it agrees.
 //!
 //! Bounded by the number of faults that the selection can carry: at most [`MAX_EXCLUDED`] solves and as many tests.
 
@@ -17,16 +17,16 @@ use crate::least_squares::{Solution, Worst};
 use crate::numeric::real::Real;
 use crate::report::MAX_EXCLUDED;
 
-/// The rows to leave out.
+/// Result: the rows to leave out.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Refinement {
-    /// Those that disagree with all others.
+    /// Rows that disagree with all others.
     pub rows: Vec<usize, MAX_EXCLUDED>,
-    /// True when the rest passed the global test.
+    /// True if the rest passed the global test.
     pub passed: bool,
 }
 
-/// Settles what a consensus left open.
+/// Refines a consensus.
 pub fn refine<T: Real>(
     rows: &[Row<T>],
     selection: &Selection,
@@ -43,8 +43,9 @@ pub fn refine<T: Real>(
     Refinement { rows: left_out, passed }
 }
 
-/// Leaves the worst rows out and solves for the rest; `None` where there are more of them than `most`, or none is left to test
-/// with: the solution is then of no use.
+/// Leaves the worst rows out and solves for the rest.
+///
+/// Returns `None` if there are more of them than `most`, or none is left to test with; the solution is then unspecified.
 fn exclude_until_passed<T: Real>(
     rows: &[Row<T>],
     left_out: &mut Vec<usize, MAX_EXCLUDED>,
@@ -73,7 +74,7 @@ fn exclude_until_passed<T: Real>(
     }
 }
 
-/// True where a row that was left out does not fit, or has no clock left to be compared with.
+/// Returns true if a row that was left out does not fit, or has no clock to be compared with.
 fn disagrees<T: Real>(row: &Row<T>, solution: &Solution<T>, bound: T) -> bool {
     let comparable = row.clock.is_none_or(|clock| solution.determines(clock));
     !comparable || !(deviation_squared(row, solution, T::zero()) < bound)

@@ -1,7 +1,7 @@
 //! Selection: deals the satellites into disjoint subsets of good geometry.
 //!
-//! Each subset begins with the four free satellites that span the largest tetrahedron; a subset that lacks a
-//! constellation then takes one of it; the rest go, one by one, to the smallest subset, each time the satellite that
+//! Each subset begins with the four free satellites that span the largest tetrahedron. A subset that lacks a
+//! constellation then takes one of it. The rest go, one by one, to the smallest subset, each time the satellite that
 //! improves its geometry most:
 //!
 //! ```text
@@ -15,13 +15,13 @@
 //! | `V` | volume of the tetrahedron of four unit vectors | – |
 //! | `ΔGDOP_i²` | exact decrease of `tr G` when satellite `i` joins (Sherman–Morrison) | – |
 //!
-//! Ties go to the first in lexicographic order, the lowest index, the lowest subset. Geometry is judged with one common
-//! clock and without weights, as [Tian2024] does: a subset needs its constellations' clocks only to be solved.
+//! Ties go to the first in lexicographic order, the lowest index, the lowest subset. Geometry is compared with one common
+//! clock and without weights, as in [Tian2024]: a subset needs its constellations' clocks only to be solved.
 //!
-//! **Work.** The largest of `n` over four is found exactly, and most are never looked at: a bound on what two directions can
-//! span rules them out (`tetrahedra.rs`). What is looked at counts as work. [`MAX_WORK`] suffices for 24 satellites
-//! whatever their geometry; 40 of them, in 300 random skies, took 1,400 in the mean and 8,700 at most. Work that is used up
-//! leaves subsets that no exchange of one corner enlarges by much, as many as otherwise, and [`Selection::cut`] says so.
+//! **Work.** The largest tetrahedron of `n` is found exactly, but most are never computed: a bound on two directions
+//! excludes them (`tetrahedra.rs`). Every computed one counts as work. [`MAX_WORK`] suffices for 24 satellites
+//! in any geometry; 40 of them, in 300 random skies, took 1,400 in the mean and 8,700 at most. If the budget is used up,
+//! the subsets are as many as otherwise, no exchange of one corner enlarges them by much, and [`Selection::cut`] is true.
 //!
 //! The result depends on geometry alone, which hardly changes in minutes: keep it while the same satellites are
 //! visible.
@@ -40,14 +40,14 @@ use crate::numeric::real::Real;
 use crate::numeric::space::zero;
 use crate::satellite::Constellation;
 
-/// Subsets at most, of four rows each: as many as all rows of one constellation give.
+/// Most subsets, of four rows each: as many as all rows of one constellation give.
 pub const MAX_SUBSETS: usize = MAX_ROWS / 4;
 
-/// Triangles and tetrahedra of all subsets of 24 satellites.
+/// Number of triangles and tetrahedra of all subsets of 24 satellites.
 pub const MAX_WORK: usize = work_for(24);
 const _: () = assert!(MAX_WORK == 21_861);
 
-/// `Σ C(s, 3) + C(s, 4) = Σ C(s + 1, 4)` over the free satellites `s` of each subset.
+/// Returns `Σ C(s, 3) + C(s, 4) = Σ C(s + 1, 4)` over the free satellites `s` of each subset.
 const fn work_for(satellites: usize) -> usize {
     let (mut work, mut free) = (0, satellites);
     while free >= 4 {
@@ -57,7 +57,7 @@ const fn work_for(satellites: usize) -> usize {
     work
 }
 
-/// Which subset each row of an epoch belongs to.
+/// Assignment of the rows of an epoch to subsets.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Selection {
     members: Vec<Option<u8>, MAX_ROWS>,
@@ -67,7 +67,7 @@ pub struct Selection {
 }
 
 impl Selection {
-    /// Of no rows.
+    /// Returns the selection for no rows.
     pub const fn none() -> Self {
         Self { members: Vec::new(), subsets: 0, work: 0, cut: false }
     }
@@ -81,7 +81,7 @@ impl Selection {
         selection
     }
 
-    /// As [`Self::choose`], in the place of the selection before.
+    /// Works like [`Self::choose`], in place of the previous selection.
     #[inline(never)]
     pub(super) fn deal<T: Real>(&mut self, rows: &[Row<T>], work: usize) {
         let mut dealer = Dealer::new(work);
@@ -90,7 +90,7 @@ impl Selection {
         dealer.complete_constellations();
         dealer.deal_the_rest();
         self.members.clear();
-        // As many as there are rows at most: never full here.
+        // Never full, because there are at most as many rows.
         let _ = self.members.resize(rows.len(), None);
         for candidate in &dealer.candidates {
             if let Some(member) = self.members.get_mut(candidate.index) {
@@ -102,33 +102,33 @@ impl Selection {
         self.cut = dealer.work.cut;
     }
 
-    /// Number of subsets.
+    /// Returns the number of subsets.
     pub fn subsets(&self) -> usize {
         self.subsets
     }
 
-    /// Rows of the epoch that the selection was made for.
+    /// Returns the number of rows of the epoch that the selection was made for.
     pub fn rows(&self) -> usize {
         self.members.len()
     }
 
-    /// True when a row belongs to a subset.
+    /// Returns true if a row belongs to a subset.
     pub fn contains(&self, subset: usize, row: usize) -> bool {
         self.members.get(row).is_some_and(|member| member.map(usize::from) == Some(subset))
     }
 
-    /// The rows of a subset.
+    /// Returns the rows of a subset.
     pub(super) fn set(&self, subset: usize) -> u64 {
         let members = (0..self.members.len()).filter(|&row| self.contains(subset, row));
         members.fold(0, |set, row| set | bit(row))
     }
 
-    /// Triangles and tetrahedra looked at.
+    /// Returns the number of triangles and tetrahedra compared.
     pub fn work(&self) -> usize {
         self.work
     }
 
-    /// True when the work was used up before every tetrahedron had been compared.
+    /// Returns true if the work was used up before every tetrahedron was compared.
     pub fn cut(&self) -> bool {
         self.cut
     }
@@ -143,16 +143,16 @@ struct Candidate<T: Real> {
 }
 
 impl<T: Real> Candidate<T> {
-    /// `h`, with the common clock.
+    /// Returns `h`, with the common clock.
     fn row(&self) -> Vector<T> {
         with_clock(&self.design)
     }
 }
 
-/// What a subset's next member is chosen by.
+/// Geometry by which a subset's next member is chosen.
 struct Subset<T: Real> {
     size: usize,
-    /// `G`; zero where the first four lie in a plane, and nothing improves that.
+    /// `G`; zero if the first four lie in a plane, which no further row improves.
     covariance: Matrix<T>,
 }
 
@@ -169,7 +169,7 @@ impl<T: Real> Subset<T> {
         Self { size, covariance }
     }
 
-    /// `ΔGDOP²` of one more row.
+    /// Returns `ΔGDOP²` of one more row.
     fn contribution(&self, row: &Vector<T>) -> T {
         let gain = product(&self.covariance, row);
         dot(&gain, &gain) / (T::one() + dot(row, &gain))
@@ -187,7 +187,7 @@ impl<T: Real> Subset<T> {
     }
 }
 
-/// The satellites, the subsets so far, and the work that is left.
+/// The satellites, the subsets so far, and the remaining budget.
 struct Dealer<T: Real> {
     candidates: Vec<Candidate<T>, MAX_ROWS>,
     subsets: Vec<Subset<T>, MAX_SUBSETS>,
@@ -225,12 +225,12 @@ impl<T: Real> Dealer<T> {
                 }
             }
             let members = self.candidates.iter().filter(|candidate| candidate.subset == Some(number));
-            // No more than MAX_SUBSETS rounds: never full here.
+            // Never full, because there are at most MAX_SUBSETS rounds.
             let _ = self.subsets.push(Subset::of(members.map(Candidate::row)));
         }
     }
 
-    /// Row indices of the four free satellites that span the largest tetrahedron.
+    /// Returns the row indices of the four free satellites that span the largest tetrahedron.
     fn largest_tetrahedron(&mut self) -> Option<[usize; 4]> {
         let free = self.candidates.iter().filter(|candidate| candidate.subset.is_none());
         let mut corners = Vec::<Corner<'_, T>, MAX_ROWS>::new();
@@ -260,7 +260,7 @@ impl<T: Real> Dealer<T> {
         }
     }
 
-    /// Gives a subset the free satellite that contributes most, of one clock or of any, if there is one.
+    /// Assigns to a subset the free satellite that contributes most, of one clock or of any, if there is one.
     #[inline(never)]
     fn take_best(&mut self, number: usize, clock: Option<Constellation>) {
         let Some(subset) = self.subsets.get_mut(number) else { return };

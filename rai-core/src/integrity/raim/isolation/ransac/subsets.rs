@@ -9,9 +9,9 @@ use crate::least_squares::equations::{MAX_ROWS, Row};
 use crate::numeric::real::Real;
 use crate::satellite::SatelliteId;
 
-/// Disjoint subsets of an epoch's satellites, chosen when they are first asked for.
+/// Disjoint subsets of an epoch's satellites, chosen at the first use.
 ///
-/// Kept by whoever judges, so that judging changes nothing else.
+/// The caller of the judging keeps them, so that judging has no other side effect.
 #[derive(Clone, Debug, Default)]
 pub struct Subsets {
     satellites: Vec<SatelliteId, MAX_ROWS>,
@@ -19,18 +19,18 @@ pub struct Subsets {
 }
 
 impl Subsets {
-    /// Of no satellites yet.
+    /// Returns the subsets of no satellites.
     pub const fn new() -> Self {
         Self { satellites: Vec::new(), selection: Selection::none() }
     }
 
-    /// The subsets of an epoch: those known, if they are of the same satellites.
+    /// Returns the subsets of an epoch: the kept ones if the satellites are the same.
     #[inline(never)]
     pub fn of<T: Real>(&mut self, epoch: &EpochView<'_>, rows: &[Row<T>]) -> &Selection {
         let satellites = || epoch.observations().iter().map(|observation| observation.satellite);
         if !self.satellites.iter().copied().eq(satellites()) {
             self.satellites = gather(satellites());
-            // Without the aiding rows behind them, which come and go.
+            // Without the aiding rows at the end, which come and go.
             let of_satellites = rows.get(..self.satellites.len()).unwrap_or(rows);
             self.selection.deal(of_satellites, MAX_WORK);
         }

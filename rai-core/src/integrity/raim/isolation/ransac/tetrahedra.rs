@@ -1,4 +1,4 @@
-//! The largest tetrahedron of four among unit vectors, found without a look at most of them.
+//! The largest tetrahedron of four among unit vectors, found by bounds that exclude most of them.
 //!
 //! Six volumes are a determinant, and a Gram determinant in the metric of any positive definite `M`. Fischer's
 //! inequality bounds it by two of the four and by the longest of all:
@@ -16,20 +16,20 @@
 //! | `g_ii` | leverage of a direction | – |
 //! | `w` | its weight in the metric, at first 1 | – |
 //!
-//! 1. One corner after another is exchanged for the best in its place, until none is better; once from the first four on, once
-//!    from the last four. The larger of both is hardly below the largest as a rule.
-//! 2. The weights bring the leverages of those that matter together, as in the design of experiments
+//! 1. One corner after another is exchanged for the best in its place, until none is better: once from the first four,
+//!    once from the last four. The larger of both is rarely below the largest.
+//! 2. The weights bring the leverages of the relevant directions together, as in the design of experiments
 //!    ([Kiefer1960]). The bound holds for any weights; with these it is tight.
-//! 3. Two directions whose bound is below what the exchange found are in no largest tetrahedron together. Only fours of
+//! 3. Two directions whose bound is below the exchange's result are in no largest tetrahedron together. Only fours of
 //!    which each two may be together are computed, in lexicographic order.
 //!
-//! The result is that of looking at all of them, of several as large the first. Where the directions nearly lie in a plane,
-//! the metric is not computed well enough to rule anything out, and all are looked at.
+//! The result equals that of an exhaustive search; of several equal ones it is the first. If the directions nearly lie in a
+//! plane, the metric is too inaccurate to exclude any, and all are compared.
 //!
-//! **Work.** Triangles and tetrahedra looked at: some hundreds for 40 directions over a sky, at most `C(n + 1, 4)`. Work
-//! that is used up leaves the best found so far, at most 2 % below what the exchange found.
+//! **Work.** Triangles and tetrahedra compared: some hundreds for 40 directions over a sky, at most `C(n + 1, 4)`. If the
+//! budget is used up, the best found so far is returned, at most 2 % below the exchange's result.
 //!
-//! References: [Kiefer1960] for the weights, whose equivalence theorem says when they are best.
+//! References: [Kiefer1960] for the weights; its equivalence theorem states when they are best.
 //!
 //! [Kiefer1960]: crate#references
 
@@ -43,36 +43,35 @@ use crate::numeric::cholesky::{Cholesky, Matrix, ORDER, Vector, add_outer_produc
 use crate::numeric::real::Real;
 use crate::numeric::space::{self, cross, difference};
 
-/// Exchanges of a corner at most; in a sky of 40 it takes nine as a rule.
+/// Most exchanges of a corner; a sky of 40 mostly needs nine.
 const EXCHANGES: usize = 32;
 
-/// An exchange has to enlarge the volume by so much, so that rounding does not keep it going.
+/// Least growth of the volume in an exchange, so that rounding does not keep it going.
 const ENLARGED: f64 = 1.001;
 
-/// Weights are improved so many times.
+/// Number of times that the weights are improved.
 const IMPROVEMENTS: usize = 2;
 
-/// Condition number of `M` up to which the metric rules anything out.
+/// Largest condition number of `M` with which the metric excludes pairs.
 ///
 /// `M⁻¹` is then off by less than 1 %: ten roundings of `f32`, 6e-8 each, times this number.
 const MAX_CONDITION: f64 = 1e4;
 
-/// Of the volume that the exchange found, what a pair has to be able to reach: less than all of it, so that rounding
-/// rules out none that is larger.
+/// Share of the exchange's volume that a pair must be able to reach: below 1, so that rounding excludes no larger one.
 const REACHED: f64 = 0.98;
 
 /// A satellite's row index and direction.
 pub(super) type Corner<'r, T> = (usize, &'r Vector3<T>);
 
-/// Triangles and tetrahedra that may still be looked at.
+/// Budget of triangles and tetrahedra that may still be compared.
 pub(super) struct Work {
     pub(super) left: usize,
-    /// More were needed.
+    /// True if more were needed.
     pub(super) cut: bool,
 }
 
 impl Work {
-    /// Takes from the work that is left; false when there is not enough.
+    /// Charges the budget. Returns false if it is not sufficient.
     fn spend(&mut self, work: usize) -> bool {
         match self.left.checked_sub(work) {
             Some(left) => self.left = left,
@@ -82,7 +81,7 @@ impl Work {
     }
 }
 
-/// Row indices of the four that span the largest tetrahedron; `None` where all of them lie in one plane.
+/// Returns the row indices of the four that span the largest tetrahedron, or `None` if all of them lie in one plane.
 pub(super) fn largest<T: Real>(corners: &[Corner<'_, T>], work: &mut Work) -> Option<[usize; 4]> {
     let start = start(corners);
     let volume = start.as_ref().map_or(T::zero(), |start| start.volume);
@@ -96,7 +95,7 @@ pub(super) fn largest<T: Real>(corners: &[Corner<'_, T>], work: &mut Work) -> Op
 
 /// A plane through three directions.
 struct Plane<T: Real> {
-    /// As long as twice the triangle's area.
+    /// Normal vector, as long as twice the triangle's area.
     normal: Vector3<T>,
     level: T,
 }
@@ -107,20 +106,19 @@ impl<T: Real> Plane<T> {
         Self { normal, level: space::dot(&normal, a.1) }
     }
 
-    /// Six volumes of the tetrahedron from the triangle to a tip.
+    /// Returns six volumes of the tetrahedron from the triangle to a tip.
     fn volume(&self, tip: &Corner<'_, T>) -> T {
         (space::dot(&self.normal, tip.1) - self.level).abs()
     }
 }
 
-/// Four that no exchange of one corner enlarges.
+/// Four directions that no exchange of one corner enlarges.
 struct Start<T> {
     volume: T,
     rows: [usize; 4],
 }
 
-/// The larger of what the exchange ends with from the first four on and from the last four on; `None` where no four are off
-/// a plane.
+/// Returns the larger result of the exchange from the first four and from the last four, or `None` if all lie in one plane.
 fn start<T: Real>(corners: &[Corner<'_, T>]) -> Option<Start<T>> {
     let ends = [corners.first_chunk(), corners.last_chunk()];
     let ended = ends.into_iter().flatten().filter_map(|four| exchanged(corners, four.each_ref()));
@@ -141,7 +139,7 @@ fn exchanged<'c, T: Real>(
         let (reached, tip) = best?;
         unchanged = if reached > volume * T::narrow(ENLARGED) { 0 } else { unchanged + 1 };
         (volume, four) = (reached, [b, c, d, tip]);
-        // The last one exchanged is the best in its place already.
+        // The corner exchanged last is the best in its place already.
         if unchanged == 3 {
             break;
         }
@@ -149,9 +147,9 @@ fn exchanged<'c, T: Real>(
     (volume > T::zero()).then_some(Start { volume, rows: four.map(|corner| corner.0) })
 }
 
-/// Finds for each direction the later ones beside which it may span a volume of at least `least`, as a set.
+/// Finds for each direction the later ones that may span a volume of at least `least` with it, as a set.
 ///
-/// Not inlined: the metric needs the stack no longer when the search begins.
+/// Not inlined, so that the stack of the metric is free during the search.
 #[inline(never)]
 fn find_companions<T: Real>(corners: &[Corner<'_, T>], least: T, companions: &mut Vec<u64, MAX_ROWS>) {
     let Some(metric) = Metric::over(corners) else {
@@ -173,23 +171,23 @@ fn find_companions<T: Real>(corners: &[Corner<'_, T>], least: T, companions: &mu
     );
 }
 
-/// `h`.
+/// Returns `h`.
 pub(super) fn with_clock<T: Real>(direction: &Vector3<T>) -> Vector<T> {
     [direction.x, direction.y, direction.z, T::one()]
 }
 
-/// What lengths are measured by.
+/// The metric by which lengths are measured.
 struct Metric<T: Real> {
     /// `M⁻¹`.
     inverse: Matrix<T>,
     determinant: T,
     leverages: Vec<T, MAX_ROWS>,
-    /// Of the leverages.
+    /// Largest of the leverages.
     largest: T,
 }
 
 impl<T: Real> Metric<T> {
-    /// The metric in which the directions that matter are about as long; `None` where they nearly lie in a plane.
+    /// Returns the metric in which the relevant directions are about equally long, or `None` if they nearly lie in a plane.
     fn over(corners: &[Corner<'_, T>]) -> Option<Self> {
         let mut weights: Vec<T, MAX_ROWS> = gather(corners.iter().map(|_| T::one()));
         for _ in 0..IMPROVEMENTS {
@@ -218,7 +216,7 @@ impl<T: Real> Metric<T> {
     }
 }
 
-/// The search over what may be together.
+/// Search over the directions that may be together.
 struct Search<'c, T: Real> {
     corners: &'c [Corner<'c, T>],
     companions: Vec<u64, MAX_ROWS>,
@@ -246,12 +244,12 @@ impl<T: Real> Search<'_, T> {
         }
     }
 
-    /// Those after a direction that it may be together with.
+    /// Returns the later directions that may be together with one.
     fn after(&self, index: usize) -> u64 {
         self.companions.get(index).copied().unwrap_or(0)
     }
 
-    /// The tetrahedra over one triangle.
+    /// Compares the tetrahedra over one triangle.
     fn over_triangle(&mut self, [a, b, c]: [usize; 3], tips: u64) {
         let corner = |index: usize| self.corners.get(index);
         let (Some(a), Some(b), Some(c)) = (corner(a), corner(b), corner(c)) else { return };
