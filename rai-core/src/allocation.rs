@@ -8,10 +8,12 @@
 //! | `FC_THRES` | [`Allocation::consolidation`] | – |
 //! | `P_EMT` | [`Allocation::emt_prior`] | – |
 //!
-//! The numbers are those of [MAAST], for one effective sample over the exposure. They must be compared with the working
-//! group's own text before they are used for certification.
+//! The numbers are those of [MAAST], for one effective sample over the exposure. They must be
+//! compared with the working group's own text before they are used for certification.
 //!
 //! [MAAST]: crate#references
+
+use core::fmt;
 
 /// Risk that an operation allows.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,16 +28,17 @@ pub struct Allocation {
     /// Probability of a false alarm of the horizontal tests.
     pub alarm_horizontal: f64,
     /// Probability of faults that may be unmonitored.
-    pub not_watched: f64,
+    pub unmonitored_probability: f64,
     /// Share of a constellation's loss below which faults within it are counted with that loss.
     pub consolidation: f64,
     /// Prior probability from which on a mode counts in the effective monitor threshold (EMT).
-    pub effective_prior: f64,
+    pub emt_prior: f64,
     /// Largest effective monitor threshold of a usable position, m.
-    pub effective_threshold_limit_m: Option<f64>,
+    pub emt_limit_m: Option<f64>,
     /// Largest standard deviation of the height for accuracy of a usable position, m.
     pub accuracy_limit_m: Option<f64>,
-    /// True if satellites may be left out after an alarm, which takes its share of the risk with or without an alarm.
+    /// True if satellites may be left out after an alarm, which takes its share of the risk with or
+    /// without an alarm.
     pub exclusion: bool,
 }
 
@@ -47,18 +50,19 @@ impl Allocation {
             integrity_horizontal: 2e-9,
             alarm_vertical: 3.9e-6,
             alarm_horizontal: 9e-8,
-            not_watched: 6e-8,
+            unmonitored_probability: 6e-8,
             consolidation: 0.01,
-            effective_prior: 1e-5,
-            effective_threshold_limit_m: Some(15.0),
+            emt_prior: 1e-5,
+            emt_limit_m: Some(15.0),
             accuracy_limit_m: Some(1.87),
             exclusion: true,
         }
     }
 
-    /// Returns the allocation of any other operation with a vertical limit: the same risk without the EMT and accuracy limits.
+    /// Returns the allocation of any other operation with a vertical limit: the same risk without
+    /// the EMT and accuracy limits.
     pub const fn vertical() -> Self {
-        Self { effective_threshold_limit_m: None, accuracy_limit_m: None, ..Self::vertical_guidance() }
+        Self { emt_limit_m: None, accuracy_limit_m: None, ..Self::vertical_guidance() }
     }
 
     /// Returns the allocation of phases of flight without vertical guidance (H-ARAIM).
@@ -68,10 +72,10 @@ impl Allocation {
             integrity_horizontal: 9.9e-8,
             alarm_vertical: 1e-9,
             alarm_horizontal: 5e-7,
-            not_watched: 9e-8,
+            unmonitored_probability: 9e-8,
             consolidation: 0.05,
-            effective_prior: 1e-5,
-            effective_threshold_limit_m: None,
+            emt_prior: 1e-5,
+            emt_limit_m: None,
             accuracy_limit_m: None,
             exclusion: true,
         }
@@ -86,21 +90,43 @@ impl Allocation {
     ///
     /// # Errors
     /// [`AllocationError`] names the first field that is out of its range, with its value.
-    pub fn validate(self) -> Result<Self, &'static str> {
+    pub fn validate(self) -> Result<Self, AllocationError> {
         let probabilities = [
-            (self.integrity_vertical, "vertical integrity risk"),
-            (self.integrity_horizontal, "horizontal integrity risk"),
-            (self.alarm_vertical, "vertical false-alarm probability"),
-            (self.alarm_horizontal, "horizontal false-alarm probability"),
-            (self.not_watched, "probability of faults not watched"),
-            (self.effective_prior, "prior of the effective monitor threshold"),
+            (self.integrity_vertical, "vertical integrity risk must be above 0 and below 0.5"),
+            (self.integrity_horizontal, "horizontal integrity risk must be above 0 and below 0.5"),
+            (self.alarm_vertical, "vertical false-alarm probability must be above 0 and below 0.5"),
+            (self.alarm_horizontal, "horizontal false-alarm probability must be above 0 and below 0.5"),
+            (self.unmonitored_probability, "unmonitored probability must be above 0 and below 0.5"),
+            (self.emt_prior, "prior of the monitor threshold must be above 0 and below 0.5"),
         ];
         // NaN fails these comparisons.
         let refused = probabilities.iter().find(|(value, _)| !(*value > 0.0 && *value < 0.5));
         match refused {
-            Some((_, name)) => Err(name),
+            Some(&(value, rule)) => Err(AllocationError { rule, value }),
             None if (0.0..=1.0).contains(&self.consolidation) => Ok(self),
-            None => Err("share of consolidation"),
+            None => {
+                let rule = "consolidation share must be within 0 to 1";
+                Err(AllocationError { rule, value: self.consolidation })
+            }
         }
     }
 }
+
+/// The field of an allocation that is out of its range.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub struct AllocationError {
+    /// The range that the field must be in, with its name.
+    pub rule: &'static str,
+    /// The value that was given.
+    pub value: f64,
+}
+
+impl fmt::Display for AllocationError {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(self.rule)
+    }
+}
+
+impl core::error::Error for AllocationError {}

@@ -16,7 +16,8 @@ pub(crate) fn first(count: usize) -> u64 {
 }
 
 /// Returns the number of members.
-// The processor has no instruction for it, so that it is compiled once and not inlined at every call.
+// The processor has no instruction for it, so that it is compiled once and not inlined at every
+// call.
 #[inline(never)]
 pub(crate) fn count_of(set: u64) -> usize {
     set.count_ones() as usize

@@ -1,6 +1,7 @@
 //! Collection into a vector of fixed capacity without a reachable panic.
 //!
-//! `heapless::Vec` also collects, but panics beyond its capacity, and a linker cannot prove that the capacity always suffices.
+//! `heapless::Vec` also collects, but panics beyond its capacity, and a linker cannot prove that
+//! the capacity always suffices.
 
 use heapless::Vec;
 
@@ -11,7 +12,8 @@ pub(crate) fn gather<E, const N: usize>(elements: impl IntoIterator<Item = E>) -
     gathered
 }
 
-/// Adds the elements, as far as the capacity goes, to a vector in place, so that no copy takes stack.
+/// Adds the elements, as far as the capacity goes, to a vector in place, so that no copy takes
+/// stack.
 pub(crate) fn fill<E, const N: usize>(gathered: &mut Vec<E, N>, elements: impl IntoIterator<Item = E>) {
     for element in elements {
         if gathered.push(element).is_err() {

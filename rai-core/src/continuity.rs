@@ -1,7 +1,7 @@
 //! Continuity between epochs: recovery after an alert, jumps, and places where no receiver can be.
 //!
-//! A single epoch can deceive. In a receiver that tracks falsely, ranges sometimes agree by chance; in a
-//! counterfeit sky they agree perfectly. The epochs before reveal it:
+//! A single epoch can deceive. In a receiver that tracks falsely, ranges sometimes agree by chance;
+//! in a counterfeit sky they agree perfectly. The epochs before reveal it:
 //!
 //! ```text
 //! √(|p − pₐ|² − (h − hₐ)²) ≤ v Δt + HPL + HPLₐ     and     |h − hₐ| ≤ v Δt + VPL + VPLₐ       else a jump
@@ -18,15 +18,18 @@
 //! | an alert, a jump, an impossible place | when the satellites have agreed for [`Recovery`]: epochs and seconds, at positions that are within reach of each other; for [`WEAK`] if an epoch of them had one degree of freedom |
 //! | a jump | also when time has made the position reachable, or after [`Continuity::forget`]; or when the contradicting epochs have agreed for [`WEAK`], and those that led to the anchor had not |
 //!
-//! An epoch that agrees only after an exclusion, with one degree of freedom left, does not count, because
-//! among many satellites that disagree some pair always remains that agrees. A first epoch with one degree of
-//! freedom, or the first after a long gap, is not protected either: satellites agree by chance too easily.
+//! An epoch that agrees only after an exclusion, with one degree of freedom left, does not count,
+//! because among many satellites that disagree some pair always remains that agrees. A first epoch
+//! with one degree of freedom, or the first after a long gap, is not protected either: satellites
+//! agree by chance too easily.
 //!
-//! **Ends.** An anchor is forgotten after [`ANCHOR_AGE_S`]; agreement with a gap longer than [`GAP_S`]
-//! begins anew. A time that goes back keeps the anchor's age, so that nothing becomes reachable by it.
+//! **Ends.** An anchor is forgotten after [`ANCHOR_AGE_S`]; agreement with a gap longer than
+//! [`GAP_S`] begins anew. A time that goes back keeps the anchor's age, so that nothing becomes
+//! reachable by it.
 //!
-//! **Limits.** A counterfeit that moves a position slower than `v` is not detected here, nor one that is there from
-//! the start. A time tag that leaps ahead makes everything reachable unless the caller has its own clock.
+//! **Limits.** A counterfeit that moves a position slower than `v` is not detected here, nor one
+//! that is there from the start. A time tag that leaps ahead makes everything reachable unless the
+//! caller has its own clock.
 
 use crate::frame::Ecef;
 use crate::report::{Alert, Protected, ProtectionLevels, Report, Unavailable, Verdict};
@@ -36,7 +39,8 @@ use crate::report::{Alert, Protected, ProtectionLevels, Report, Unavailable, Ver
 /// At the default speed the whole earth is within reach before.
 pub const ANCHOR_AGE_S: f64 = 86_400.0;
 
-/// Longest gap in an agreement that continues, s: three epochs of a logger with one epoch in five minutes.
+/// Longest gap in an agreement that continues, s: three epochs of a logger with one epoch in five
+/// minutes.
 pub const GAP_S: f64 = 900.0;
 
 /// Largest variation of the delay from an epoch to the caller's clock, s.
@@ -51,7 +55,8 @@ pub const WEAK: Recovery = Recovery { epochs: 10, seconds: 10.0 };
 pub struct Recovery {
     /// Epochs in a row.
     pub epochs: u16,
-    /// Time from the first epoch to the last, s; no less by the caller's own clock, up to [`DELAY_S`].
+    /// Time from the first epoch to the last, s; no less by the caller's own clock, up to
+    /// [`DELAY_S`].
     pub seconds: f64,
 }
 
@@ -60,7 +65,8 @@ impl Recovery {
         Self { epochs: self.epochs.max(other.epochs), seconds: self.seconds.max(other.seconds) }
     }
 
-    /// Returns true if an agreement of this length suffices; [`WEAK`] applies if one of its epochs had one degree of freedom.
+    /// Returns true if an agreement of this length suffices; [`WEAK`] applies if one of its epochs
+    /// had one degree of freedom.
     pub fn is_met(self, epochs: u16, seconds: f64, is_weak: bool) -> bool {
         let wanted = if is_weak { self.at_least(WEAK) } else { self };
         epochs >= wanted.epochs && seconds >= wanted.seconds
@@ -82,7 +88,8 @@ pub struct ContinuitySettings {
 }
 
 impl ContinuitySettings {
-    /// Returns limits for the ground, the sea and the air: 515 m/s (1000 knots), −500 to 20,000 m, 3 epochs and 3 s.
+    /// Returns limits for the ground, the sea and the air: 515 m/s (1000 knots), −500 to 20,000 m,
+    /// 3 epochs and 3 s.
     pub const fn anywhere() -> Self {
         Self {
             max_speed_m_s: 515.0,
@@ -99,40 +106,46 @@ impl ContinuitySettings {
     pub fn validate(self) -> Result<Self, ContinuityError> {
         // NaN fails each of these comparisons.
         if !(0.0..=1e5).contains(&self.max_speed_m_s) {
-            return Err(ContinuityError::Speed);
+            return Err(ContinuityError::Speed(self.max_speed_m_s));
         }
         let heights = -1.2e4..=1e8;
         if !heights.contains(&self.min_height_m)
             || !heights.contains(&self.max_height_m)
             || self.min_height_m >= self.max_height_m
         {
-            return Err(ContinuityError::Height);
+            let Self { min_height_m, max_height_m, .. } = self;
+            return Err(ContinuityError::Height { min_height_m, max_height_m });
         }
         if self.recovery.epochs == 0 || !(0.0..=3600.0).contains(&self.recovery.seconds) {
-            return Err(ContinuityError::Recovery);
+            return Err(ContinuityError::Recovery(self.recovery));
         }
         Ok(self)
     }
 }
 
 /// The setting that is out of its range.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ContinuityError {
-    /// `max_speed_m_s` outside [0, 1e5].
-    Speed,
-    /// Heights outside [−1.2e4, 1e8], or the least not below the greatest.
-    Height,
-    /// No epoch, or seconds outside [0, 3600].
-    Recovery,
+    /// `max_speed_m_s` is outside [0, 1e5].
+    Speed(f64),
+    /// The heights are outside [−1.2e4, 1e8], or the least is not below the greatest.
+    Height {
+        /// Least height, m.
+        min_height_m: f64,
+        /// Greatest height, m.
+        max_height_m: f64,
+    },
+    /// The recovery has no epoch, or seconds outside [0, 3600].
+    Recovery(Recovery),
 }
 
 impl core::fmt::Display for ContinuityError {
     fn fmt(&self, formatter: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         formatter.write_str(match self {
-            Self::Speed => "highest speed outside [0, 1e5] m/s",
-            Self::Height => "heights outside [-1.2e4, 1e8] m, or the least not below the greatest",
-            Self::Recovery => "recovery of no epoch, or outside [0, 3600] s",
+            Self::Speed(_) => "highest speed must be within 0 to 1e5 m/s",
+            Self::Height { .. } => "height limits must be within -12000 to 1e8 m, minimum below maximum",
+            Self::Recovery(_) => "recovery needs at least 1 epoch and 0 to 3600 s",
         })
     }
 }
@@ -159,15 +172,16 @@ impl Instant {
 
 /// A position with the levels that bound its error.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Place {
+struct BoundedPosition {
     instant: Instant,
     position: Ecef,
     height_m: f64,
     levels: ProtectionLevels,
 }
 
-impl Place {
-    /// Returns true if a receiver can have moved from there to here. A NaN distance is beyond reach.
+impl BoundedPosition {
+    /// Returns true if a receiver can have moved from there to here. A NaN distance is beyond
+    /// reach.
     fn is_within_reach_of(&self, from: &Self, max_speed_m_s: f64) -> bool {
         let way_m = max_speed_m_s * self.instant.since_s(from.instant);
         let climb_m = (self.height_m - from.height_m).abs();
@@ -177,7 +191,8 @@ impl Place {
     }
 }
 
-/// Returns the horizontal part of the way between two points, m. Metres suffice, because levels are no smaller.
+/// Returns the horizontal part of the way between two points, m. Metres suffice, because levels are
+/// no smaller.
 fn across_m(way: Ecef, climb_m: f64) -> f64 {
     let [x, y, z, climb] = [way.x_m, way.y_m, way.z_m, climb_m].map(|length_m| length_m as f32);
     let squared = x * x + y * y + z * z - climb * climb;
@@ -189,18 +204,18 @@ fn across_m(way: Ecef, climb_m: f64) -> f64 {
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Agreement {
     first: Instant,
-    last: Place,
+    last: BoundedPosition,
     epochs: u16,
     /// True if one of them had one degree of freedom.
     is_weak: bool,
 }
 
 impl Agreement {
-    fn begun(place: Place, is_weak: bool) -> Self {
+    fn begun(place: BoundedPosition, is_weak: bool) -> Self {
         Self { first: place.instant, last: place, epochs: 1, is_weak }
     }
 
-    fn extended(self, place: Place, is_weak: bool) -> Self {
+    fn extended(self, place: BoundedPosition, is_weak: bool) -> Self {
         let epochs = self.epochs.saturating_add(1);
         Self { last: place, epochs, is_weak: self.is_weak || is_weak, ..self }
     }
@@ -243,16 +258,18 @@ impl Continuity {
         Self { standing: Standing::New, anchor: None, agreement: None, latest_s: None }
     }
 
-    /// Forgets the last position, so that the next may be anywhere. Recovery from an alert is still required.
+    /// Forgets the last position, so that the next may be anywhere. Recovery from an alert is still
+    /// required.
     pub fn forget(&mut self) {
         (self.anchor, self.agreement) = (None, None);
         self.interrupt();
     }
 
-    /// Restarts after a gap longer than the time to alert: the next epoch is judged as if it were the first.
+    /// Restarts after a gap longer than the time to alert: the next epoch is judged as if it were
+    /// the first.
     ///
-    /// Recovery from an alert is still required, and agreement so far counts; otherwise a receiver whose epochs are farther apart
-    /// than the time to alert would never recover.
+    /// Recovery from an alert is still required, and agreement so far counts; otherwise a receiver
+    /// whose epochs are farther apart than the time to alert would never recover.
     pub fn interrupt(&mut self) {
         if self.standing == Standing::Good {
             self.standing = Standing::New;
@@ -261,8 +278,8 @@ impl Continuity {
 
     /// Returns the verdict on an epoch in the light of those before it.
     ///
-    /// `time_s` is the epoch's time. `own_clock_s` is the time of its arrival by the caller's own clock, which no signal can set.
-    /// A time that is not finite counts as the last one.
+    /// `time_s` is the epoch's time. `own_clock_s` is the time of its arrival by the caller's own
+    /// clock, which no signal can set. A time that is not finite counts as the last one.
     pub fn conclude<const N: usize>(
         &mut self,
         settings: &ContinuitySettings,
@@ -272,12 +289,13 @@ impl Continuity {
     ) -> Verdict {
         let own_s = own_clock_s.filter(|clock_s| clock_s.is_finite());
         let instant = self.pass_time(Instant { epoch_s: time_s, own_s });
-        let place = report.solution.as_ref().zip(report.protection).map(|(solution, levels)| Place {
-            instant,
-            position: solution.position,
-            height_m: solution.geodetic.height_m,
-            levels,
-        });
+        let place =
+            report.solution.as_ref().zip(report.protection).map(|(solution, levels)| BoundedPosition {
+                instant,
+                position: solution.position,
+                height_m: solution.geodetic.height_m,
+                levels,
+            });
         let dof = report.test.map_or(0, |test| test.dof);
         match (report.verdict, place) {
             (Verdict::Protected(how), Some(place)) => self.promise(settings, how, place, dof),
@@ -286,7 +304,15 @@ impl Continuity {
             (Verdict::Alert(reason), _) => self.lose(Verdict::Alert(reason)),
             (Verdict::Unavailable(reason), _) => {
                 // Levels above the limits are no evidence against the satellites.
-                if !matches!(reason, Unavailable::Hpl | Unavailable::Vpl | Unavailable::Risk) {
+                let is_level = matches!(
+                    reason,
+                    Unavailable::Hpl
+                        | Unavailable::Vpl
+                        | Unavailable::Emt
+                        | Unavailable::Accuracy
+                        | Unavailable::Risk
+                );
+                if !is_level {
                     self.agreement = None;
                 }
                 report.verdict
@@ -295,7 +321,13 @@ impl Continuity {
     }
 
     /// Returns the verdict on an epoch that is protected on its own.
-    fn promise(&mut self, settings: &ContinuitySettings, how: Protected, place: Place, dof: u8) -> Verdict {
+    fn promise(
+        &mut self,
+        settings: &ContinuitySettings,
+        how: Protected,
+        place: BoundedPosition,
+        dof: u8,
+    ) -> Verdict {
         let is_weak = dof <= 1;
         let from = self.anchor.map(|anchor| anchor.last);
         if from.is_some_and(|from| !place.is_within_reach_of(&from, settings.max_speed_m_s)) {
@@ -323,7 +355,8 @@ impl Continuity {
         Verdict::Protected(how)
     }
 
-    /// Returns true if epochs out of the anchor's reach have agreed for [`WEAK`], while those that led to it had not.
+    /// Returns true if epochs out of the anchor's reach have agreed for [`WEAK`], while those that
+    /// led to it had not.
     fn contradicts_anchor(&self, settings: &ContinuitySettings) -> bool {
         let wanted = settings.recovery.at_least(WEAK);
         // A longer required recovery does not weaken an anchor that was firm without it.
@@ -332,7 +365,13 @@ impl Continuity {
     }
 
     /// Counts an epoch that agrees after one that did not.
-    fn agree(&mut self, settings: &ContinuitySettings, how: Protected, place: Place, is_weak: bool) {
+    fn agree(
+        &mut self,
+        settings: &ContinuitySettings,
+        how: Protected,
+        place: BoundedPosition,
+        is_weak: bool,
+    ) {
         self.agreement = match self.agreement {
             _ if is_weak && how == Protected::Excluded => None,
             // Counted before.

@@ -1,8 +1,8 @@
 //! The ranges of one instant, checked once on entry.
 //!
-//! Only [`Epoch::new`] and [`Epoch::push`] make an epoch, so that every epoch holds this: every number is finite,
-//! every sigma is positive, no satellite appears twice, no position lies inside the earth. No later stage checks
-//! it again.
+//! Only [`Epoch::new`] and [`Epoch::push`] make an epoch, so that every epoch holds this: every
+//! number is finite, every sigma is positive, no satellite appears twice, no position lies inside
+//! the earth. No later stage checks it again.
 //!
 //! | symbol | field | unit |
 //! |---|---|---|
@@ -19,8 +19,8 @@ use crate::numeric::bounds::is_within;
 use crate::satellite::{Constellation, SatelliteId};
 use crate::weighting::adaptation::Adaptation;
 
-/// Most satellites in one epoch of [`single`](crate::single): more than three systems show at once anywhere on earth, or
-/// fewer if memory is scarce.
+/// Most satellites in one epoch of [`single`](crate::single): more than three systems show at once
+/// anywhere on earth, or fewer if memory is scarce.
 pub const CAPACITY: usize = if cfg!(feature = "satellites-16") {
     16
 } else if cfg!(feature = "satellites-32") {
@@ -34,10 +34,12 @@ pub const CAPACITY: usize = if cfg!(feature = "satellites-16") {
 /// A receiver clock may be off by a second and more; nothing physical is beyond.
 const RANGE_LIMIT_M: f64 = 1e9;
 
-/// Range of a satellite's distance from the centre of the earth, m: the ground to well beyond geostationary.
+/// Range of a satellite's distance from the centre of the earth, m: the ground to well beyond
+/// geostationary.
 const RADIUS_M: core::ops::RangeInclusive<f32> = 6.3e6..=1e8;
 
-/// Range of a standard deviation, m. Smaller ones exceed the dynamic range of `f32` weights; larger ones have no effect.
+/// Range of a standard deviation, m. Smaller ones exceed the dynamic range of `f32` weights; larger
+/// ones have no effect.
 const SIGMA_M: core::ops::RangeInclusive<f64> = 1e-3..=1e6;
 
 /// One satellite's corrected range, with the satellite's position when it sent the signal.
@@ -92,22 +94,23 @@ pub enum Aiding {
 }
 
 /// Reason why an observation or an aiding row was refused. The epoch is unchanged.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum EpochError {
-    /// The range is not finite or beyond any receiver clock.
-    Range,
+    /// The range is not finite or beyond ±1e9 m.
+    Range(f64),
     /// The satellite's position is not finite, inside the earth or beyond 100,000 km.
-    Position,
-    /// The standard deviation is not finite, not positive or absurd.
-    Sigma,
+    Position(Ecef),
+    /// The standard deviation is not within 1e-3 to 1e6 m.
+    Sigma(f64),
     /// The satellite is in the epoch already.
     Duplicate,
     /// The epoch holds `N` satellites already.
     Full,
 }
 
-/// Returns true if a satellite can be at a position. Single precision has a hundred times the digits that the bounds need.
+/// Returns true if a satellite can be at a position. Single precision has a hundred times the
+/// digits that the bounds need.
 fn is_plausible(position: Ecef) -> bool {
     let [x, y, z] = [position.x_m, position.y_m, position.z_m].map(|coordinate| coordinate as f32);
     let squares = |radius: &f32| radius * radius;
@@ -117,11 +120,11 @@ fn is_plausible(position: Ecef) -> bool {
 impl fmt::Display for EpochError {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.write_str(match self {
-            Self::Range => "range not finite or out of bounds",
-            Self::Position => "satellite position not finite or out of bounds",
-            Self::Sigma => "sigma not finite or out of bounds",
-            Self::Duplicate => "satellite appears twice",
-            Self::Full => "epoch is full",
+            Self::Range(_) => "range must be within -1e9 to 1e9 m",
+            Self::Position(_) => "satellite must be within 6.3e6 to 1e8 m of the earth's centre",
+            Self::Sigma(_) => "sigma must be within 1e-3 to 1e6 m",
+            Self::Duplicate => "satellite or kind of aiding must appear once",
+            Self::Full => "epoch has no place for another satellite",
         })
     }
 }
@@ -155,14 +158,15 @@ pub struct Epoch<const N: usize> {
 impl<const N: usize> Epoch<N> {
     /// Returns an epoch without satellites.
     ///
-    /// `time_s` counts seconds of any continuous time scale; only differences are used. A time that is not
-    /// finite counts as 0.
+    /// `time_s` counts seconds of any continuous time scale; only differences are used. A time that
+    /// is not finite counts as 0.
     pub fn new(time_s: f64) -> Self {
         let time_s = if time_s.is_finite() { time_s } else { 0.0 };
         Self { time_s, observations: Vec::new(), common_m: Vec::new(), aiding: Vec::new() }
     }
 
-    /// Empties the epoch for another instant, in place, so that a caller need not make a new one for each epoch.
+    /// Empties the epoch for another instant, in place, so that a caller need not make a new one
+    /// for each epoch.
     pub fn restart(&mut self, time_s: f64) {
         self.time_s = if time_s.is_finite() { time_s } else { 0.0 };
         self.observations.clear();
@@ -178,22 +182,27 @@ impl<const N: usize> Epoch<N> {
         self.push_sharing(observation, 0.0)
     }
 
-    /// Adds a satellite whose range shares an error with others, such as the residual of an ionosphere model.
+    /// Adds a satellite whose range shares an error with others, such as the residual of an
+    /// ionosphere model.
     ///
     /// `common_m` is its size at one sigma, with one sign in all ranges.
     ///
     /// # Errors
-    /// As [`Self::push`]; [`EpochError::Sigma`] also if `common_m` is negative, not finite or above 1e6 m.
+    /// As [`Self::push`]; [`EpochError::Sigma`] also if `common_m` is negative, not finite or above
+    /// 1e6 m.
     pub fn push_sharing(&mut self, observation: Observation, common_m: f32) -> Result<(), EpochError> {
         // NaN fails every one of these comparisons.
         if !is_within(observation.range_m.abs(), &(0.0..=RANGE_LIMIT_M)) {
-            return Err(EpochError::Range);
+            return Err(EpochError::Range(observation.range_m));
         }
         if !is_plausible(observation.position) {
-            return Err(EpochError::Position);
+            return Err(EpochError::Position(observation.position));
         }
-        if !is_within(observation.sigma_m, &SIGMA_M) || !(0.0..=1e6).contains(&common_m) {
-            return Err(EpochError::Sigma);
+        if !is_within(observation.sigma_m, &SIGMA_M) {
+            return Err(EpochError::Sigma(observation.sigma_m));
+        }
+        if !(0.0..=1e6).contains(&common_m) {
+            return Err(EpochError::Sigma(common_m.into()));
         }
         if self.observations.iter().any(|known| known.satellite == observation.satellite) {
             return Err(EpochError::Duplicate);
@@ -205,8 +214,8 @@ impl<const N: usize> Epoch<N> {
     /// Adds outside knowledge: one clock and one height at most.
     ///
     /// # Errors
-    /// [`EpochError::Range`] or [`EpochError::Sigma`] for values out of range, [`EpochError::Duplicate`] for a second
-    /// row of the same kind.
+    /// [`EpochError::Range`] or [`EpochError::Sigma`] for values out of range,
+    /// [`EpochError::Duplicate`] for a second row of the same kind.
     pub fn aid(&mut self, aiding: Aiding) -> Result<(), EpochError> {
         self.accepts(&aiding)?;
         self.aiding.push(aiding).map_err(|_| EpochError::Full)
@@ -216,10 +225,10 @@ impl<const N: usize> Epoch<N> {
     fn accepts(&self, aiding: &Aiding) -> Result<(), EpochError> {
         let (Aiding::Clock { value_m, sigma_m, .. } | Aiding::Height { value_m, sigma_m }) = *aiding;
         if !is_within(value_m.abs(), &(0.0..=RANGE_LIMIT_M)) {
-            return Err(EpochError::Range);
+            return Err(EpochError::Range(value_m));
         }
         if !is_within(sigma_m, &SIGMA_M) {
-            return Err(EpochError::Sigma);
+            return Err(EpochError::Sigma(sigma_m));
         }
         let same_kind = |known: &Aiding| core::mem::discriminant(known) == core::mem::discriminant(aiding);
         if self.aiding.iter().any(same_kind) { Err(EpochError::Duplicate) } else { Ok(()) }
@@ -236,7 +245,7 @@ impl<const N: usize> Epoch<N> {
         self.time_s
     }
 
-    /// The satellites, in the order they were added.
+    /// Returns the satellites, in the order they were added.
     pub fn observations(&self) -> &[Observation] {
         &self.observations
     }
@@ -246,7 +255,7 @@ impl<const N: usize> Epoch<N> {
         &self.common_m
     }
 
-    /// The aiding rows, in the order they were added.
+    /// Returns the aiding rows, in the order they were added.
     pub fn aiding(&self) -> &[Aiding] {
         &self.aiding
     }
@@ -278,7 +287,8 @@ impl<'e> EpochView<'e> {
     }
 }
 
-/// Ranges as they are solved: with a forecast beside the epoch's own outside knowledge, without a copy.
+/// Ranges as they are solved: with a forecast beside the epoch's own outside knowledge, without a
+/// copy.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Aided<'e> {
     view: EpochView<'e>,
@@ -315,7 +325,7 @@ impl<'e> Aided<'e> {
         })
     }
 
-    /// The satellites.
+    /// Returns the satellites.
     pub(crate) fn observations(&self) -> &'e [Observation] {
         self.view.observations
     }

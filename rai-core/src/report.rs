@@ -1,14 +1,16 @@
 //! The monitor's report on one epoch: plain values.
 //!
-//! A verdict has three states, never two: [`Verdict::Protected`], [`Verdict::Alert`], [`Verdict::Unavailable`], each with its
-//! reason. An alert is a value. If a value cannot be computed, the verdict is unavailable with a reason, not silent.
+//! A verdict has three states, never two: [`Verdict::Protected`], [`Verdict::Alert`],
+//! [`Verdict::Unavailable`], each with its reason. An alert is a value. If a value cannot be
+//! computed, the verdict is unavailable with a reason, not silent.
 
 use heapless::Vec;
 
 use crate::frame::{Ecef, Geodetic};
 use crate::satellite::{Constellation, SatelliteId};
 
-/// Most satellites that may be left out of one epoch ([Tian2024] treats no more than 3 faults, nor does any source here).
+/// Most satellites that may be left out of one epoch ([Tian2024] treats no more than 3 faults, nor
+/// does any source here).
 ///
 /// [Tian2024]: crate#references
 pub const MAX_EXCLUDED: usize = 3;
@@ -26,8 +28,8 @@ pub const MAX_EXCLUDED: usize = 3;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Verdict {
-    /// No fault was detected in the satellites used, and an undetected one of a single satellite stays within the alert
-    /// limits ([`ProtectionLevels`]).
+    /// No fault was detected in the satellites used, and an undetected one of a single satellite
+    /// stays within the alert limits ([`ProtectionLevels`]).
     Protected(Protected),
     /// The position must not be used, because a fault was detected.
     Alert(Alert),
@@ -55,10 +57,11 @@ pub enum Alert {
     Ambiguous,
     /// A wrong time tag of all ranges explains the data, and no exclusion does better.
     Time,
-    /// No epoch came within the time to alert. The receiver around the core reports it, because it has a clock.
+    /// No epoch came within the time to alert. The receiver around the core reports it, because it
+    /// has a clock.
     Stale,
-    /// The position moved farther than it can since it was last protected: the satellites that agree on it agree by chance,
-    /// or are counterfeit.
+    /// The position moved farther than it can since it was last protected: the satellites that
+    /// agree on it agree by chance, or are counterfeit.
     Jump,
     /// The GNSS receiver reports counterfeit signals. The receiver around the core sets it.
     Spoofed,
@@ -72,7 +75,8 @@ pub enum Unavailable {
     NoFix,
     /// The position has no redundancy to test it with.
     Redundancy,
-    /// The satellites' geometry is singular, or a satellite that moves the position cannot be tested.
+    /// The satellites' geometry is singular, or a satellite that moves the position cannot be
+    /// tested.
     Geometry,
     /// No threshold meets both probabilities (T1 ≥ T2).
     Risk,
@@ -80,6 +84,10 @@ pub enum Unavailable {
     Hpl,
     /// The vertical protection level exceeds its share of the alert limit.
     Vpl,
+    /// The effective monitor threshold of ARAIM exceeds its limit.
+    Emt,
+    /// The vertical accuracy of ARAIM exceeds its limit.
+    Accuracy,
     /// The declared work budget cut the search.
     Budget,
     /// The input was refused as a whole.
@@ -92,7 +100,8 @@ pub enum Unavailable {
     SelfTest,
     /// Ranges came without orbits.
     Ephemeris,
-    /// An unexpected restart: the settings in force are those at start, and the user has not confirmed them.
+    /// An unexpected restart: the settings in force are those at start, and the user has not
+    /// confirmed them.
     Settings,
 }
 
@@ -106,7 +115,8 @@ pub struct Solution {
     pub geodetic: Geodetic,
     /// Covariance of east, north, up in this order: EE, EN, EU, NN, NU, UU, m².
     pub covariance_m2: [f64; 6],
-    /// Receiver clock times the speed of light for each constellation id, m; `None` if it has no satellite.
+    /// Receiver clock times the speed of light for each constellation id, m; `None` if it has no
+    /// satellite.
     pub clocks_m: [Option<f64>; Constellation::COUNT],
     /// Horizontal dilution of precision, dimensionless.
     pub hdop: f64,
@@ -136,7 +146,8 @@ pub struct TestStatistic {
 
 /// Bounds on the error of a position that is protected although one satellite is faulty, m.
 ///
-/// Infinite if a satellite moves the position but cannot be tested ([`crate::integrity::raim::levels`]).
+/// Infinite if a satellite moves the position but cannot be tested
+/// ([`crate::integrity::raim::levels`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ProtectionLevels {
@@ -164,11 +175,11 @@ impl ProtectionLevels {
 /// Results of ARAIM beside its levels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Separation {
+pub struct AraimReport {
     /// Number of monitored modes.
     pub modes: u16,
     /// Probability of unmonitored faults.
-    pub not_watched: f64,
+    pub unmonitored_probability: f64,
     /// Share of the risk of this outcome: one of every possible exclusion and of none.
     pub share: f64,
     /// Largest separation over its threshold, dimensionless: an alarm from 1 on.
@@ -178,9 +189,9 @@ pub struct Separation {
     /// Standard deviation of the height for accuracy, m.
     pub accuracy_m: f64,
     /// The fault mode that dominates the HPL.
-    pub horizontal: Dominant,
+    pub horizontal: DominantMode,
     /// The fault mode that dominates the VPL.
-    pub vertical: Dominant,
+    pub vertical: DominantMode,
     /// Constellations left out as a whole, a bit for each id.
     pub excluded_constellations: u8,
     /// True if the unmonitored faults use up the risk, so that no level exists.
@@ -190,7 +201,7 @@ pub struct Separation {
 /// A fault mode by its satellites; empty if the noise of all satellites dominates the level.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Dominant {
+pub struct DominantMode {
     /// Whole constellations, a bit for each id.
     pub constellations: u8,
     /// Satellites of other constellations.
@@ -244,8 +255,9 @@ pub struct Report<const N: usize> {
     /// Satellites in the epoch.
     pub tracked: u8,
     /// Results of ARAIM beside its levels, if that is the method.
-    pub separation: Option<Separation>,
-    /// Mean of SSE/dof over the last epochs: about 1 if sigma is right, `None` before the first test.
+    pub araim: Option<AraimReport>,
+    /// Mean of SSE/dof over the last epochs: about 1 if sigma is right, `None` before the first
+    /// test.
     pub sigma_check: Option<f64>,
 }
 
@@ -264,7 +276,7 @@ impl<const N: usize> Report<N> {
             used: Vec::new(),
             residual_rms_m: 0.0,
             tracked: 0,
-            separation: None,
+            araim: None,
             sigma_check: None,
         }
     }
@@ -277,6 +289,6 @@ impl<const N: usize> Report<N> {
         (self.verdict, self.residual_rms_m, self.tracked) =
             (Verdict::Unavailable(Unavailable::NoFix), 0.0, 0);
         (self.solution, self.test, self.protection) = (None, None, None);
-        (self.suspect, self.separation, self.sigma_check) = (None, None, None);
+        (self.suspect, self.araim, self.sigma_check) = (None, None, None);
     }
 }

@@ -1,8 +1,8 @@
 //! Requirements of the user's operation: alert limits, probabilities, time to alert.
 //!
-//! A plain struct without `Default`, so that every user chooses them. Presets are those of
-//! the phases of flight ([ICAO-A10] table 3.7.2.4-1 for the limits and times; false-alert and missed-detection
-//! probabilities per sample as in [Yang2015] and [DO-229]).
+//! A plain struct without `Default`, so that every user chooses them. Presets are those of the
+//! phases of flight ([ICAO-A10] table 3.7.2.4-1 for the limits and times; false-alert and
+//! missed-detection probabilities per sample as in [Yang2015] and [DO-229]).
 //!
 //! [ICAO-A10]: crate#references
 //! [Yang2015]: crate#references
@@ -10,7 +10,7 @@
 
 use core::fmt;
 
-use crate::allocation::Allocation;
+use crate::allocation::{Allocation, AllocationError};
 use crate::numeric::probability::Probability;
 
 /// Requirements of an operation.
@@ -37,10 +37,11 @@ pub struct Requirements {
     pub missed_detection: Probability,
     /// Probability that the error exceeds a protection level without any fault.
     pub fault_free_risk: Probability,
-    /// Longest silence after an epoch until the alert, s; a verdict on an epoch is reported at once.
+    /// Longest silence after an epoch until the alert, s; a verdict on an epoch is reported at
+    /// once.
     pub time_to_alert_s: f64,
-    /// Fraction of the alert limit that the protection level may fill, in (0, 1] ([Yang2015]: 0.95). Levels of ARAIM hold all
-    /// of the risk and may fill it.
+    /// Fraction of the alert limit that the protection level may fill, in (0, 1] ([Yang2015]:
+    /// 0.95). Levels of ARAIM hold all of the risk and may fill it.
     ///
     /// [Yang2015]: crate#references
     pub guard_fraction: f64,
@@ -48,7 +49,8 @@ pub struct Requirements {
     pub allocation: Allocation,
 }
 
-/// False-alarm probability per sample of non-precision approach ([Yang2015], [DO-229]: 1/3 of 1e-6).
+/// False-alarm probability per sample of non-precision approach ([Yang2015], [DO-229]: 1/3 of
+/// 1e-6).
 ///
 /// [Yang2015]: crate#references
 /// [DO-229]: crate#references
@@ -100,7 +102,8 @@ impl Requirements {
         Self::horizontal(556.0, 10.0)
     }
 
-    /// Returns the requirements of localiser performance with vertical guidance down to 200 ft: HAL 40 m, VAL 35 m, 6 s.
+    /// Returns the requirements of localiser performance with vertical guidance down to 200 ft: HAL
+    /// 40 m, VAL 35 m, 6 s.
     pub const fn lpv200() -> Self {
         let mut requirements = Self::horizontal(40.0, 6.0);
         requirements.val_m = Some(35.0);
@@ -115,16 +118,16 @@ impl Requirements {
     pub fn validate(self) -> Result<Self, RequirementsError> {
         let limit = |limit_m: f64| limit_m > 0.0 && limit_m <= 1e6;
         if !limit(self.hal_m) {
-            return Err(RequirementsError::HorizontalAlertLimit);
+            return Err(RequirementsError::HorizontalAlertLimit(self.hal_m));
         }
-        if !self.val_m.is_none_or(limit) {
-            return Err(RequirementsError::VerticalAlertLimit);
+        if let Some(val_m) = self.val_m.filter(|&val_m| !limit(val_m)) {
+            return Err(RequirementsError::VerticalAlertLimit(val_m));
         }
         if !(self.time_to_alert_s > 0.0 && self.time_to_alert_s <= 3600.0) {
-            return Err(RequirementsError::TimeToAlert);
+            return Err(RequirementsError::TimeToAlert(self.time_to_alert_s));
         }
         if !(self.guard_fraction > 0.0 && self.guard_fraction <= 1.0) {
-            return Err(RequirementsError::GuardFraction);
+            return Err(RequirementsError::GuardFraction(self.guard_fraction));
         }
         self.allocation.validate().map_err(RequirementsError::Allocation)?;
         Ok(self)
@@ -132,29 +135,31 @@ impl Requirements {
 }
 
 /// The requirement that is out of its range, with its value.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub enum RequirementsError {
     /// `hal_m` is outside (0, 1e6].
-    HorizontalAlertLimit,
+    HorizontalAlertLimit(f64),
     /// `val_m` is outside (0, 1e6].
-    VerticalAlertLimit,
+    VerticalAlertLimit(f64),
     /// `time_to_alert_s` is outside (0, 3600].
-    TimeToAlert,
+    TimeToAlert(f64),
     /// `guard_fraction` is outside (0, 1].
-    GuardFraction,
+    GuardFraction(f64),
     /// A field of `allocation` is outside its range.
-    Allocation(&'static str),
+    Allocation(AllocationError),
 }
 
 impl fmt::Display for RequirementsError {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str(match *self {
-            Self::HorizontalAlertLimit => "horizontal alert limit outside (0, 1e6] m",
-            Self::VerticalAlertLimit => "vertical alert limit outside (0, 1e6] m",
-            Self::TimeToAlert => "time to alert outside (0, 3600] s",
-            Self::GuardFraction => "guard fraction outside (0, 1]",
-            Self::Allocation(name) => name,
+        // Without the value: code that prints doubles can panic, and takes 10 KB.
+        formatter.write_str(match self {
+            Self::HorizontalAlertLimit(_) => "horizontal alert limit must be above 0 and at most 1e6 m",
+            Self::VerticalAlertLimit(_) => "vertical alert limit must be above 0 and at most 1e6 m",
+            Self::TimeToAlert(_) => "time to alert must be above 0 and at most 3600 s",
+            Self::GuardFraction(_) => "guard fraction must be above 0 and at most 1",
+            Self::Allocation(error) => return error.fmt(formatter),
         })
     }
 }

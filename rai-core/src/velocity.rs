@@ -13,16 +13,18 @@
 //! | `ḋ` | [`Velocity::drift_m_s`], drift of the receiver clock times the speed of light | m/s |
 //!
 //! It is the equation of the position in metres per second, and is solved by the same
-//! [`Snapshot`](crate::least_squares::Snapshot). One drift
-//! serves all systems, because their times drift against each other by millimetres per second: with `n` satellites
-//! `dof = n − 4`, more redundancy than the position has. The global test, the exclusion of up to three satellites and the
-//! levels are those of the position, with the same probabilities. An exclusion must leave two degrees of freedom and as many as it
-//! has rows: among many rates that all disagree, some five always agree by chance.
+//! [`Snapshot`](crate::least_squares::Snapshot). One drift serves all systems, because their times
+//! drift against each other by millimetres per second: with `n` satellites `dof = n − 4`, more
+//! redundancy than the position has. The global test, the exclusion of up to three satellites and
+//! the levels are those of the position, with the same probabilities. An exclusion must leave two
+//! degrees of freedom and as many as it has rows: among many rates that all disagree, some five
+//! always agree by chance.
 //!
-//! A fault here is independent of the position: a range can be false and its rate true. A returned velocity passed its own test.
+//! A fault here is independent of the position: a range can be false and its rate true. A returned
+//! velocity passed its own test.
 //!
-//! Assumes independent Gaussian errors. References: [Lin2016] §2.2 for the test, [`crate::integrity::raim::levels`]
-//! for the levels.
+//! Assumes independent Gaussian errors. References: [Lin2016] §2.2 for the test,
+//! [`crate::integrity::raim::levels`] for the levels.
 //!
 //! [Lin2016]: crate#references
 
@@ -35,11 +37,11 @@ use crate::integrity::raim::detection::detect;
 use crate::integrity::raim::detection::threshold::Thresholds;
 use crate::integrity::raim::hypotheses::separability::separable;
 use crate::integrity::raim::isolation::baarda::exclude_sequentially;
-use crate::integrity::raim::isolation::exclusion::{Outcome, leaves_enough};
-use crate::integrity::raim::levels::{Exposure, Factors, Levels};
+use crate::integrity::raim::isolation::exclusion::{ExclusionOutcome, leaves_enough};
+use crate::integrity::raim::levels::{KFactors, LevelInputs, Levels};
 use crate::least_squares::Workspace;
 use crate::numeric::real::Real;
-use crate::numeric::space::told;
+use crate::numeric::space::upper_triangle;
 use crate::report::{MAX_EXCLUDED, ProtectionLevels, TestStatistic};
 use crate::satellite::{Constellation, SatelliteId};
 
@@ -77,7 +79,8 @@ pub struct Velocity {
 }
 
 impl Velocity {
-    /// Returns true if a receiver with this maximum speed can have the velocity, over the ground and in height, each with its level.
+    /// Returns true if a receiver with this maximum speed can have the velocity, over the ground
+    /// and in height, each with its level.
     ///
     /// A NaN speed is not possible.
     pub fn is_within(&self, max_speed_m_s: f64) -> bool {
@@ -112,7 +115,8 @@ impl fmt::Display for VelocityError {
 
 impl core::error::Error for VelocityError {}
 
-/// Returns the velocity that the range rates agree on. A NaN rate, or one without a direction, is discarded.
+/// Returns the velocity that the range rates agree on. A NaN rate, or one without a direction, is
+/// discarded.
 ///
 /// # Errors
 /// [`VelocityError`] if there is no velocity, or none that passes the test.
@@ -120,7 +124,7 @@ pub fn estimate<T: Real, const N: usize>(
     workspace: &mut Workspace<T, N>,
     rates: impl IntoIterator<Item = RangeRate>,
     thresholds: &Thresholds<'_>,
-    factors: &Factors<T>,
+    factors: &KFactors<T>,
 ) -> Result<Velocity, VelocityError> {
     workspace.equations_mut().clear();
     let mut satellites = Vec::<SatelliteId, N>::new();
@@ -136,7 +140,7 @@ pub fn estimate<T: Real, const N: usize>(
     let mut excluded = Vec::new();
     if detect(&snapshot, thresholds).ok_or(VelocityError::Redundancy)?.fault() {
         let exclusion = exclude_sequentially(&mut snapshot, thresholds);
-        let is_isolated = matches!(exclusion.outcome, Outcome::Isolated | Outcome::Passed);
+        let is_isolated = matches!(exclusion.outcome, ExclusionOutcome::Isolated | ExclusionOutcome::Passed);
         let is_told = snapshot.dof() > 1 && leaves_enough(exclusion.rows.len(), snapshot.dof());
         if !is_isolated || !is_told || !separable(&mut snapshot, &exclusion, thresholds) {
             return Err(VelocityError::Fault);
@@ -152,10 +156,10 @@ pub fn estimate<T: Real, const N: usize>(
     let lambda: T = thresholds.lambda(snapshot.dof()).ok_or(VelocityError::Redundancy)?;
     Ok(Velocity {
         east_north_up_m_s: snapshot.correction().map(Real::widen).into(),
-        covariance_m2_s2: told(snapshot.covariance()),
+        covariance_m2_s2: upper_triangle(snapshot.covariance()),
         drift_m_s: snapshot.clock_m(DRIFT).unwrap_or_default(),
         test: detection.statistic(),
-        levels_m_s: Exposure::of(&snapshot, Levels::Bound, factors).protect(lambda.widen()),
+        levels_m_s: LevelInputs::of(&snapshot, Levels::Bound, factors).protect(lambda.widen()),
         excluded,
     })
 }

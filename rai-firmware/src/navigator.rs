@@ -17,7 +17,7 @@ use rai_core::numeric::real::Real;
 use rai_core::report::{Alert, MAX_EXCLUDED, Report, Unavailable, Verdict};
 use rai_core::requirements::Requirements;
 use rai_core::satellite::{Constellation, SatelliteId};
-use rai_core::single::{self, Memory, Monitor, Workspace};
+use rai_core::single::{self, Monitor, MonitorWorkspace, Workspace};
 use rai_core::velocity::Velocity;
 use rai_core::weighting::Ism;
 
@@ -70,7 +70,7 @@ pub struct Navigator {
 struct Room {
     sky: Sky,
     epoch: Epoch<CAPACITY>,
-    memory: Memory,
+    memory: MonitorWorkspace,
 }
 
 impl Navigator {
@@ -79,17 +79,17 @@ impl Navigator {
     /// # Errors
     /// [`MonitorError`] names the requirement that cannot be met.
     pub fn new(requirements: Requirements) -> Result<Self, MonitorError> {
-        Ok(Self::of(single::Accepted::new(requirements)?))
+        Ok(Self::of(single::ValidatedRequirements::new(requirements)?))
     }
 
     /// As [`Self::new`], of requirements that are known to be met.
     #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
     #[inline(always)]
-    pub(crate) fn of(requirements: single::Accepted) -> Self {
+    pub(crate) fn of(requirements: single::ValidatedRequirements) -> Self {
         Self {
             store: Store::new(),
             monitor: Monitor::of(requirements),
-            room: Room { sky: Sky::new(), epoch: Epoch::new(0.0), memory: Memory::new() },
+            room: Room { sky: Sky::new(), epoch: Epoch::new(0.0), memory: MonitorWorkspace::new() },
             tally: Tally::default(),
             preference: Preference::new(),
             learned: None,
@@ -152,7 +152,7 @@ impl Navigator {
     /// # Errors
     /// As [`Self::new`]; nothing has changed then.
     pub fn configure(&mut self, configuration: &Configuration) -> Result<(), MonitorError> {
-        self.monitor.require(configuration.requirements)?;
+        self.monitor.set_requirements(configuration.requirements)?;
         self.monitor.set_strategy(configuration.strategy());
         // Every value within the ranges of the commands is one that the core takes.
         let _ = self.monitor.set_continuity(configuration.continuity());
@@ -172,7 +172,7 @@ impl Navigator {
 
     /// What was said of the epoch that was judged last.
     pub fn report(&self) -> &Report<CAPACITY> {
-        &self.room.memory.assessment().report
+        &self.room.memory.outcome().report
     }
 
     /// The room for equations, while nothing is judged.
@@ -231,7 +231,7 @@ impl Navigator {
         let search = if is_rough { Search::Rough } else { Search::Anew };
         self.judge_about(guess, raw.time, ranges, configuration, search, &rates);
         for _ in 1..MAX_PASSES {
-            let assessment = self.room.memory.assessment();
+            let assessment = self.room.memory.outcome();
             let found = found(&assessment.report);
             let is_believed = is_rough && assessment.searched && is_excluded(&assessment.report);
             if !is_believed && found.is_some_and(|found| found.distance_m(guess) <= GUESS_HOLDS_M) {
@@ -296,14 +296,14 @@ impl Navigator {
     ) -> &mut Report<CAPACITY> {
         let Room { sky, memory, .. } = &mut self.room;
         if let Some(reason) = self.distrusted {
-            memory.assessment_mut().distrust(reason);
+            memory.outcome_mut().override_alert(reason);
         }
-        self.monitor.learn(memory.assessment_mut(), Some(came_ms as f64 * 1e-3));
+        self.monitor.learn(memory.outcome_mut(), Some(came_ms as f64 * 1e-3));
         // Under an alert nobody is told a velocity, and one about a wrong place would only be dear.
-        let report = &memory.assessment().report;
+        let report = &memory.outcome().report;
         let place = found(report).filter(|_| !matches!(report.verdict, Verdict::Alert(_)));
         self.velocity = self.rates.velocity(raw, sky, place, &self.monitor, memory.workspace());
-        let report = &mut memory.assessment_mut().report;
+        let report = &mut memory.outcome_mut().report;
         if report.solution.is_none() && refused_a_range {
             report.verdict = Verdict::Unavailable(Unavailable::Input);
         } else if report.verdict == Verdict::Unavailable(Unavailable::NoFix)
@@ -377,7 +377,7 @@ impl Navigator {
     /// What the ranges are weighed by: ARAIM by what is promised, the other methods by what is expected.
     fn promise(&self, configuration: &Configuration) -> Option<Ism> {
         #[cfg(feature = "araim")]
-        if configuration.method == Method::Separation {
+        if configuration.method == Method::Araim {
             return Some(*self.monitor.ism());
         }
         let _ = configuration;
@@ -405,7 +405,7 @@ const APART_MS: u32 = 128;
 fn range_rate(located: &Located, last: &Rates, store: &Store, point: Ecef, time: GpsTime) -> Option<f32> {
     let velocity_m_s = last.of_satellite(located, time).or_else(|| velocity_m_s(located, store, time))?;
     let way_m = Vector3::from(coordinates_m(located.state().position - point));
-    Some(way_m.dot(&velocity_m_s) * way_m.dot(&way_m).inverse_root())
+    Some(way_m.dot(&velocity_m_s) * way_m.dot(&way_m).inverse_sqrt_approx())
 }
 
 /// How fast a satellite moves in the earth-fixed frame, m/s, by two places on its orbit.

@@ -235,7 +235,7 @@ impl Rates {
         let Self { last, trust, tally, .. } = self;
         let horizon = Horizon::at(place, &LocalFrame::at(place));
         let since = Since { last, raw, horizon, elapsed_s: elapsed_ms as f32 * 1e-3 };
-        let (required, settings) = (monitor.accepted(), monitor.continuity_settings());
+        let (required, settings) = (monitor.validated(), monitor.continuity_settings());
         // Worked out as they are asked for, and nothing is stored: a second time only where the first has failed.
         let mut agree_on = |sign| {
             let rates = sky.iter().filter_map(|located| since.measure(located));
@@ -374,7 +374,7 @@ fn velocity_at_the_end(end_m: [f32; 3], moved_m: [f32; 3], apart_s: f32) -> [f32
 /// What a satellite's place alone accelerates it by in the frame that turns with the earth: gravity and what drives it
 /// outwards, m/s².
 fn pull_m_s2([x_m, y_m, z_m]: [f32; 3]) -> [f32; 3] {
-    let inverse = (x_m * x_m + y_m * y_m + z_m * z_m).inverse_root();
+    let inverse = (x_m * x_m + y_m * y_m + z_m * z_m).inverse_sqrt_approx();
     let inward = -GRAVITY_M3_S2 * inverse * inverse * inverse;
     let across = inward + TURN_RAD_S * TURN_RAD_S;
     [across * x_m, across * y_m, inward * z_m]

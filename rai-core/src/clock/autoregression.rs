@@ -15,12 +15,13 @@
 //! | `rows` | `rows`, runs of four consecutive differences | – |
 //! | `Ψ` | [`Extrapolation`]'s response of the level to an old innovation | – |
 //!
-//! Unlike Burg's and the Yule–Walker estimates it has no bias on short records; unlike them it may be unstable. An
-//! unstable process forecasts with a variance that grows without bound, and the caller bounds the horizon.
+//! Unlike Burg's and the Yule–Walker estimates it has no bias on short records; unlike them it may
+//! be unstable. An unstable process forecasts with a variance that grows without bound, and the
+//! caller bounds the horizon.
 //!
-//! The six distinct `c_ij` are summed anew for every window: 600 products for 60 values, cheaper in hardware single
-//! precision than keeping running sums honest. `σ_e²` is a second pass over the residuals: a difference of sums would
-//! cancel for a clock that is forecast well.
+//! The six distinct `c_ij` are summed anew for every window: 600 products for 60 values, cheaper in
+//! hardware single precision than keeping running sums honest. `σ_e²` is a second pass over the
+//! residuals: a difference of sums would cancel for a clock that is forecast well.
 //!
 //! References: [Ulrych1976], [Chen2009] §2.
 //!
@@ -50,12 +51,13 @@ impl<T: Real> Autoregression<T> {
         Self { coefficients: Vector3::zeros(), variance: T::zero(), rows: 0 }
     }
 
-    /// Fits centred differences, oldest first; a missing one is `None`, and no row reaches across it.
+    /// Fits centred differences, oldest first; a missing one is `None`, and no row reaches across
+    /// it.
     ///
-    /// If the normal equations are singular, or their solution is no better than forecasting the mean, the
-    /// coefficients are zero.
+    /// If the normal equations are singular, or their solution is no better than forecasting the
+    /// mean, the coefficients are zero.
     pub fn fit(differences: impl Iterator<Item = Option<T>> + Clone) -> Self {
-        let sums = Sums::over(differences.clone());
+        let sums = LagSums::over(differences.clone());
         let white = Self { variance: sums.variance(sums.c00), rows: sums.rows, ..Self::white() };
         let Some(coefficients) = sums.solve() else { return white };
         let squares = rows(differences).fold(T::zero(), |sum, row| sum + squared_errors(&coefficients, row));
@@ -69,7 +71,7 @@ impl<T: Real> Autoregression<T> {
         self.coefficients.into()
     }
 
-    /// Variance of one step, m².
+    /// Returns variance of one step, m².
     pub fn variance(&self) -> T {
         self.variance
     }
@@ -91,7 +93,8 @@ impl<T: Real> Autoregression<T> {
     }
 }
 
-/// Steps of a forecast: each item is the next centred difference, and the variance of the level it leads to.
+/// Steps of a forecast: each item is the next centred difference, and the variance of the level it
+/// leads to.
 #[derive(Clone, Debug)]
 pub struct Extrapolation<T: Real> {
     process: Autoregression<T>,
@@ -122,7 +125,8 @@ fn shifted<T: Real>(latest: T, recent: &Vector3<T>) -> Vector3<T> {
     Vector3::new(latest, recent.x, recent.y)
 }
 
-/// Iterates over runs of four consecutive differences, latest first: one forward and one backward equation.
+/// Iterates over runs of four consecutive differences, latest first: one forward and one backward
+/// equation.
 fn rows<T: Real>(differences: impl Iterator<Item = Option<T>>) -> impl Iterator<Item = [T; ORDER + 1]> {
     let (mut row, mut run) = ([T::zero(); ORDER + 1], 0);
     differences.filter_map(move |difference| {
@@ -139,9 +143,9 @@ fn squared_errors<T: Real>(coefficients: &Vector3<T>, [x0, x1, x2, x3]: [T; ORDE
     forward * forward + backward * backward
 }
 
-/// The distinct sums of products; by the symmetry of the two directions `c_22 = c_11`, `c_13 = c_02`,
-/// `c_23 = c_01` and `c_33 = c_00`.
-struct Sums<T> {
+/// The distinct sums of products; by the symmetry of the two directions `c_22 = c_11`,
+/// `c_13 = c_02`, `c_23 = c_01` and `c_33 = c_00`.
+struct LagSums<T> {
     c00: T,
     c01: T,
     c02: T,
@@ -151,7 +155,7 @@ struct Sums<T> {
     rows: usize,
 }
 
-impl<T: Real> Sums<T> {
+impl<T: Real> LagSums<T> {
     fn over(differences: impl Iterator<Item = Option<T>>) -> Self {
         let zero = T::zero();
         let none = Self { c00: zero, c01: zero, c02: zero, c03: zero, c11: zero, c12: zero, rows: 0 };

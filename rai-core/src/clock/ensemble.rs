@@ -1,4 +1,5 @@
-//! One coasting clock for each constellation: the choice of the aiding one, and the clocks of a snapshot.
+//! One coasting clock for each constellation: the choice of the aiding one, and the clocks of a
+//! snapshot.
 //!
 //! ```text
 //! Q_cc = 1/W_c + h̄_c P h̄_cᵀ                    variance of the solved clock b_c
@@ -12,29 +13,31 @@
 //! | `√Q_cc` | [`SolvedClock::sigma_m`] | m |
 //! | `v_i`, `w_i`, `r_i` | residual, weight and redundancy of the aiding row | m, 1/m², – |
 //!
-//! An epoch takes one aiding clock. It is the one with the smallest standard deviation among the constellations
-//! observed: with few satellites every clock raises the degrees of freedom by one, so that the most accurate serves best.
+//! An epoch takes one aiding clock. It is the one with the smallest standard deviation among the
+//! constellations observed: with few satellites every clock raises the degrees of freedom by one,
+//! so that the most accurate serves best.
 //!
-//! Four windows of 60 values in `f32` take 2.4 kB; each constellation observed costs 5,000 instructions an epoch.
-//! References: [Chen2009] §3.
+//! Four windows of 60 values in `f32` take 2.4 kB; each constellation observed costs 5,000
+//! instructions an epoch. References: [Chen2009] §3.
 //!
 //! [Chen2009]: crate#references
 
 use super::{CoastingClock, WINDOW};
 use crate::epoch::{Aiding, EpochView};
 use crate::least_squares::equations::Row;
-use crate::least_squares::{Fit, Snapshot};
+use crate::least_squares::{RowFit, Snapshot};
 use crate::numeric::real::Real;
 use crate::numeric::space::zero;
 use crate::satellite::Constellation;
 
-/// Least number of a constellation's satellites from which its clock is learned, because a lone satellite determines it untested.
+/// Least number of a constellation's satellites from which its clock is learned, because a lone
+/// satellite determines it untested.
 const MIN_SATELLITES: usize = 2;
 
 /// Longest time between the last learned value of a clock and its forecast, s.
 ///
-/// A forecast takes a row without learning while the satellites alone cannot be tested. The last minute shows how temperature
-/// and shock move a quartz within a minute, but not within ten.
+/// A forecast takes a row without learning while the satellites alone cannot be tested. The last
+/// minute shows how temperature and shock move a quartz within a minute, but not within ten.
 pub const HOLD_OVER_S: f64 = 60.0;
 
 /// A receiver clock as solved from the satellites of an epoch.
@@ -81,7 +84,8 @@ impl<T: Real, const L: usize> Clocks<T, L> {
 
     /// Returns the row that aids an epoch, or `None` if no constellation observed has a forecast.
     ///
-    /// No forecast reaches beyond [`HOLD_OVER_S`] after the last learned value, because it confirms itself.
+    /// No forecast reaches beyond [`HOLD_OVER_S`] after the last learned value, because it confirms
+    /// itself.
     #[inline(never)]
     pub fn aiding(&self, epoch: &EpochView<'_>) -> Option<Aiding> {
         let observed = |constellation: &Constellation| {
@@ -101,7 +105,8 @@ impl<T: Real, const L: usize> Clocks<T, L> {
 
     /// Learns the clocks of an epoch.
     ///
-    /// If an epoch left a forecast out, that clock has jumped: it starts again from the satellites' value.
+    /// If an epoch left a forecast out, that clock has jumped: it starts again from the satellites'
+    /// value.
     pub fn learn(&mut self, time_s: f64, solved: &SolvedClocks) {
         for (clock, of_epoch) in self.each.iter_mut().zip(&solved.each) {
             if of_epoch.has_jumped {
@@ -142,8 +147,8 @@ impl SolvedClocks {
     }
 }
 
-/// Returns a constellation's receiver clock without its forecast, or `None` if fewer than two of its satellites, or the
-/// satellites alone, do not determine it.
+/// Returns a constellation's receiver clock without its forecast, or `None` if fewer than two of
+/// its satellites, or the satellites alone, do not determine it.
 pub fn satellites_alone<T: Real>(
     snapshot: &Snapshot<'_, T>,
     constellation: Constellation,
@@ -170,7 +175,7 @@ pub fn satellites_alone<T: Real>(
 fn aiding_row<'s, T: Real>(
     snapshot: &'s Snapshot<'_, T>,
     constellation: Constellation,
-) -> Option<(&'s Row<T>, &'s Fit<T>)> {
+) -> Option<(&'s Row<T>, &'s RowFit<T>)> {
     snapshot.rows().find(|(row, _)| row.clock == Some(constellation) && is_forecast(row))
 }
 

@@ -9,7 +9,8 @@
 //! | `x_t` | `differences`; `None` if the epoch before or at `t` is missing | m |
 //! | `m` | [`Window::mean`] | m |
 //!
-//! Levels of 3e8 m and the drift stay in `f64`. The stored values are centimetres to metres, so that `f32` suffices.
+//! Levels of 3e8 m and the drift stay in `f64`. The stored values are centimetres to metres, so
+//! that `f32` suffices.
 
 use heapless::Deque;
 
@@ -41,7 +42,8 @@ impl<T: Real, const L: usize> Window<T, L> {
         self.reference_m.unwrap_or(0.0)
     }
 
-    /// Returns the mean of the `steps` differences that make `change_m`, relative to the reference, which the first one becomes.
+    /// Returns the mean of the `steps` differences that make `change_m`, relative to the reference,
+    /// which the first one becomes.
     pub(super) fn relative(&mut self, change_m: f64, steps: usize) -> T {
         let reference_m = *self.reference_m.get_or_insert(change_m);
         T::narrow(change_m - steps as f64 * reference_m) / T::narrow(steps as f64)

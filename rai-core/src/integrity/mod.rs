@@ -1,14 +1,16 @@
-//! Integrity: is something wrong, which satellite is faulty, and how large can the undetected error be?
+//! Integrity: is something wrong, which satellite is faulty, and how large can the undetected error
+//! be?
 //!
 //! ```text
 //! fix ─► test ─► (search, leave out, test again) ─► is it the only explanation? ─► judgement
 //! ```
 //!
-//! [`judge`] is the only place that distinguishes one [`Method`] from another. A [`Judgement`] is the method's result; the
-//! monitor derives the verdict from it ([`crate::monitor`]).
+//! [`judge`] is the only place that distinguishes one [`Method`] from another. A [`Judgement`] is
+//! the method's result; the monitor derives the verdict from it ([`crate::monitor`]).
 //!
-//! **A clock forecast beside the satellites** lets four satellites be tested, but it confirms itself. If the
-//! satellites can be tested without it, both tests must pass, and the larger protection levels count.
+//! **A clock forecast beside the satellites** lets four satellites be tested, but it confirms
+//! itself. If the satellites can be tested without it, both tests must pass, and the larger
+//! protection levels count.
 
 pub mod araim;
 pub mod raim;
@@ -19,7 +21,7 @@ use crate::bounded::gather;
 use crate::epoch::EpochView;
 use crate::least_squares::{Excludable, Snapshot};
 use crate::numeric::real::Real;
-use crate::report::{MAX_EXCLUDED, ProtectionLevels, Separation};
+use crate::report::{AraimReport, MAX_EXCLUDED, ProtectionLevels};
 use crate::requirements::Requirements;
 use crate::satellite::SatelliteId;
 use crate::weighting::Ism;
@@ -27,21 +29,33 @@ use crate::weighting::Ism;
 use araim::judge_epoch;
 use raim::detection::Detection;
 use raim::detection::threshold::Thresholds;
-use raim::detection::threshold::policy::{Demand, NoThreshold, Policy};
+use raim::detection::threshold::policy::{NoThreshold, Policy, ThresholdProblem};
 use raim::hypotheses::constellation_shift;
 use raim::hypotheses::separability::separable;
-use raim::hypotheses::time_tag::{Doubt, RangeRates, Rates, is_suspicious};
+use raim::hypotheses::time_tag::{EpochRates, RangeRates, TimeTagOutcome, is_suspicious};
 use raim::isolation::baarda::exclude_sequentially;
-use raim::isolation::exclusion::{Excluded, Exclusion, Outcome, Unidentified, leave_out, leaves_enough};
+use raim::isolation::exclusion::{
+    Excluded, Exclusion, ExclusionOutcome, Unidentified, leave_out, leaves_enough,
+};
 use raim::isolation::sets::count_up_to;
 use raim::isolation::{parity, ransac};
-use raim::levels::{Exposure, Factors, Levels, common_shift};
+use raim::levels::{KFactors, LevelInputs, Levels, common_shift};
 
 /// Method that finds the faulty satellites.
+///
+/// ```
+/// use rai_core::{Method, Monitor, Requirements};
+/// use rai_core::monitor::Strategy;
+///
+/// let mut monitor = Monitor::<f32, 16>::new(Requirements::en_route())?;
+/// monitor.set_strategy(Strategy { method: Method::Baarda, ..Strategy::DEFAULT });
+/// # Ok::<(), rai_core::monitor::MonitorError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Method {
-    /// Every set of one row, then of two, then of three, within [`AUTOMATIC_SETS`]; beyond, the largest w-test.
+    /// Every set of one row, then of two, then of three, within [`AUTOMATIC_SETS`]; beyond, the
+    /// largest w-test.
     Auto,
     /// The largest w-test, repeatedly.
     Baarda,
@@ -53,32 +67,32 @@ pub enum Method {
     Ransac,
     /// Solution separation over all monitored fault modes: ARAIM.
     #[cfg(feature = "araim")]
-    Separation,
+    Araim,
 }
 
 impl Method {
     /// Returns true if a clock forecast may take a row: ARAIM has no fault mode for it.
-    pub(crate) fn takes_a_forecast(self) -> bool {
-        !self.holds_a_promise()
+    pub(crate) fn allows_clock_aiding(self) -> bool {
+        !self.uses_ism()
     }
 
     /// Returns true if sigmas are those of an integrity support message, and not the expected ones.
     #[cfg_attr(not(feature = "araim"), expect(clippy::unused_self, reason = "no other method does"))]
-    pub(crate) fn holds_a_promise(self) -> bool {
+    pub(crate) fn uses_ism(self) -> bool {
         #[cfg(feature = "araim")]
-        if self == Self::Separation {
+        if self == Self::Araim {
             return true;
         }
         false
     }
 }
 
-/// Most sets that [`Method::Auto`] compares: all of up to three of 40 rows, some 0.9 million instructions in `f32` on a
-/// Cortex-M4F. Beyond, the largest w-test costs a hundredth.
+/// Most sets that [`Method::Auto`] compares: all of up to three of 40 rows, some 0.9 million
+/// instructions in `f32` on a Cortex-M4F. Beyond, the largest w-test costs a hundredth.
 pub const AUTOMATIC_SETS: usize = parity::MAX_SETS;
 
-/// Sum of squares of a gross fault: ten thousand sigmas, some tens of kilometres. If it moves the position by `d`,
-/// the linearised ranges are off by `d²/2ρ`, metres.
+/// Sum of squares of a gross fault: ten thousand sigmas, some tens of kilometres. If it moves the
+/// position by `d`, the linearised ranges are off by `d²/2ρ`, metres.
 const GROSS_SSE: f64 = 1e8;
 
 /// Criteria of a judgement.
@@ -89,7 +103,7 @@ pub struct Criteria<'c, T> {
     /// Thresholds for these probabilities.
     pub thresholds: Thresholds<'static>,
     /// Factors of the protection levels for these probabilities.
-    pub factors: &'c Factors<T>,
+    pub factors: &'c KFactors<T>,
     /// Threshold policy of the global test.
     pub policy: Policy,
     /// Method that finds the faulty satellites.
@@ -100,25 +114,26 @@ pub struct Criteria<'c, T> {
     pub ism: &'c Ism,
 }
 
-/// Scratch memory of the methods, and the subsets that [`Method::Ransac`] keeps from epoch to epoch.
+/// Scratch memory of the methods, and the subsets that [`Method::Ransac`] keeps from epoch to
+/// epoch.
 #[derive(Clone, Debug)]
-pub struct Scratch<T: Real> {
+pub struct MethodScratch<T: Real> {
     /// Subsets of [`Method::Ransac`].
     pub subsets: ransac::Subsets,
     /// Made at the first use, so that this large value is made in place and not on the stack first.
     #[cfg(feature = "araim")]
-    separation: Option<araim::Room<T>>,
+    araim: Option<araim::AraimScratch<T>>,
     #[cfg(not(feature = "araim"))]
     scalar: core::marker::PhantomData<T>,
 }
 
-impl<T: Real> Default for Scratch<T> {
+impl<T: Real> Default for MethodScratch<T> {
     fn default() -> Self {
         Self::new()
     }
 }
 
-impl<T: Real> Scratch<T> {
+impl<T: Real> MethodScratch<T> {
     /// Returns empty scratch memory.
     #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
     #[inline(always)]
@@ -126,7 +141,7 @@ impl<T: Real> Scratch<T> {
         Self {
             subsets: ransac::Subsets::new(),
             #[cfg(feature = "araim")]
-            separation: None,
+            araim: None,
             #[cfg(not(feature = "araim"))]
             scalar: core::marker::PhantomData,
         }
@@ -135,8 +150,8 @@ impl<T: Real> Scratch<T> {
     // Not inlined, so that the stack of the initialisation is free during the judging.
     #[cfg(feature = "araim")]
     #[inline(never)]
-    fn separation(&mut self) -> &mut araim::Room<T> {
-        self.separation.get_or_insert_with(araim::Room::new)
+    fn araim(&mut self) -> &mut araim::AraimScratch<T> {
+        self.araim.get_or_insert_with(araim::AraimScratch::new)
     }
 }
 
@@ -147,7 +162,8 @@ pub enum Search<'s> {
     Anew,
     /// Search about an inaccurate point and accept the result provisionally.
     ///
-    /// The separability check, as expensive as the search, runs from a better point, where the satellites are [`Self::Known`].
+    /// The separability check, as expensive as the search, runs from a better point, where the
+    /// satellites are [`Self::Known`].
     Rough,
     /// Leave out the satellites that a search about another point found, and search for no others.
     Known(&'s [SatelliteId]),
@@ -164,7 +180,7 @@ pub struct Test<T> {
 
 /// The test without the clock forecast.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Alone<T> {
+pub enum WithoutAiding<T> {
     /// No forecast takes part.
     Always,
     /// The satellites cannot be tested without the forecast.
@@ -177,40 +193,41 @@ pub enum Alone<T> {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Judgement<T> {
     /// Result of the exclusion.
-    pub outcome: Outcome,
+    pub outcome: ExclusionOutcome,
     /// Rows left out, in the order of exclusion.
     pub excluded: Vec<Excluded<T>, MAX_EXCLUDED>,
     /// Test of the remaining rows, or the reason why there is none.
     pub test: Result<Test<T>, NoThreshold>,
     /// Test without the clock forecast.
-    pub alone: Alone<T>,
+    pub without_aiding: WithoutAiding<T>,
     /// True if faulty satellites were searched for.
     pub searched: bool,
     /// Additional results of [`Method::Araim`].
-    pub separation: Option<Separation>,
+    pub araim: Option<AraimReport>,
 }
 
 impl<T: Real> Judgement<T> {
     /// Returns the protection levels: the larger of those with and without the forecast.
     pub fn levels(&self) -> Option<ProtectionLevels> {
         let levels = self.test.ok()?.levels;
-        Some(match &self.alone {
-            Alone::Tested(alone) => levels.or_larger(&alone.levels),
-            Alone::Always | Alone::Untested => levels,
+        Some(match &self.without_aiding {
+            WithoutAiding::Tested(alone) => levels.or_larger(&alone.levels),
+            WithoutAiding::Always | WithoutAiding::Untested => levels,
         })
     }
 }
 
 impl<T: Real> Criteria<'_, T> {
-    /// Applies the global test to a snapshot under the policy, and computes the protection levels for its threshold.
+    /// Applies the global test to a snapshot under the policy, and computes the protection levels
+    /// for its threshold.
     ///
     /// `common_m` is the shared error of the first rows ([`EpochView::common_m`]).
     ///
     /// # Errors
     /// [`NoThreshold`] names the reason why there is none.
     pub fn test(&self, snapshot: &Snapshot<'_, T>, common_m: &[f32]) -> Result<Test<T>, NoThreshold> {
-        let exposure = Exposure::of(snapshot, self.levels, self.factors);
-        let demand = Demand::new(snapshot.dof(), &exposure, self.requirements, self.thresholds);
+        let exposure = LevelInputs::of(snapshot, self.levels, self.factors);
+        let demand = ThresholdProblem::new(snapshot.dof(), &exposure, self.requirements, self.thresholds);
         let threshold = demand.threshold::<T>(self.policy)?;
         let detection =
             Detection { sse: snapshot.sse(), threshold: T::narrow(threshold.tau), dof: snapshot.dof() };
@@ -219,10 +236,11 @@ impl<T: Real> Criteria<'_, T> {
     }
 }
 
-/// Tests a solution, looks for what is wrong and leaves it out.
+/// Tests a solution, searches for faulty rows and leaves them out.
 ///
-/// `forecast` is the row of a predicted clock, if there is one; `rates`, of whom knows orbits, tell wrong tags from wrong
-/// satellites ([`raim::hypotheses::time_tag`]). `solution` ends as the solution without the rows listed.
+/// `forecast` is the row of a predicted clock, if there is one. A caller that knows orbits passes
+/// `rates`, which distinguish wrong time tags from faulty satellites
+/// ([`raim::hypotheses::time_tag`]). `solution` ends as the solution without the listed rows.
 pub fn judge<T: Real>(
     solution: &mut impl Excludable<T>,
     epoch: &EpochView<'_>,
@@ -230,11 +248,11 @@ pub fn judge<T: Real>(
     criteria: &Criteria<'_, T>,
     search: Search<'_>,
     rates: Option<&RangeRates<'_>>,
-    scratch: &mut Scratch<T>,
+    scratch: &mut MethodScratch<T>,
 ) -> Judgement<T> {
     #[cfg(feature = "araim")]
-    if criteria.method == Method::Separation {
-        return judge_epoch(solution, epoch, criteria, rates, scratch.separation());
+    if criteria.method == Method::Araim {
+        return judge_epoch(solution, epoch, criteria, rates, scratch.araim());
     }
     judge_by_residuals(solution, epoch, forecast, criteria, search, rates, &mut scratch.subsets)
 }
@@ -253,7 +271,8 @@ fn judge_by_residuals<T: Real>(
     let mut test = criteria.test(solution.snapshot(), epoch.common_m());
     let mut exclusion = Exclusion::passed();
     let mut searched = false;
-    // Independent of the policy: where a policy tolerates the effect of a satellite, a wrong time may have a larger one.
+    // Independent of the policy: where a policy tolerates the effect of a satellite, a wrong time
+    // may have a larger one.
     let is_odd = test.is_ok() && is_suspicious(solution.snapshot(), &criteria.thresholds);
     if test.as_ref().is_ok_and(|test| test.detection.fault()) {
         let jump = forecast.and_then(|row| jump(solution, row, &criteria.thresholds));
@@ -261,44 +280,45 @@ fn judge_by_residuals<T: Real>(
         exclusion = jump.unwrap_or_else(|| isolate(solution, epoch, criteria, search, subsets));
         test = criteria.test(solution.snapshot(), epoch.common_m());
     }
-    let alone = forecast.map_or(Alone::Always, |row| without_forecast(solution, row, epoch, criteria));
-    if let Alone::Tested(test) = &alone
+    let without_aiding =
+        forecast.map_or(WithoutAiding::Always, |row| without_forecast(solution, row, epoch, criteria));
+    if let WithoutAiding::Tested(test) = &without_aiding
         && test.detection.fault()
     {
-        exclusion.outcome = Outcome::NotIsolated(Unidentified::NoSet);
+        exclusion.outcome = ExclusionOutcome::NotIsolated(Unidentified::NoSet);
     }
-    if exclusion.outcome == Outcome::Isolated && test.is_ok() {
+    if exclusion.outcome == ExclusionOutcome::Isolated && test.is_ok() {
         let satellites = exclusion.rows.iter().filter(|excluded| Some(excluded.index) != forecast).count();
         if !leaves_enough(satellites, solution.snapshot().dof()) {
-            exclusion.outcome = Outcome::NotIsolated(Unidentified::NoRedundancy);
+            exclusion.outcome = ExclusionOutcome::NotIsolated(Unidentified::NoRedundancy);
         } else if search != Search::Rough && !separable(solution, &exclusion, &criteria.thresholds) {
-            exclusion.outcome = Outcome::NotIsolated(Unidentified::Ambiguous);
+            exclusion.outcome = ExclusionOutcome::NotIsolated(Unidentified::Ambiguous);
         }
     }
     // As for other sets, exclusions about an inaccurate point are checked about the next one.
-    let is_asked = search != Search::Rough || exclusion.outcome == Outcome::Passed;
-    let is_good = test.is_ok() && !matches!(exclusion.outcome, Outcome::NotIsolated(_));
+    let is_asked = search != Search::Rough || exclusion.outcome == ExclusionOutcome::Passed;
+    let is_good = test.is_ok() && !matches!(exclusion.outcome, ExclusionOutcome::NotIsolated(_));
     if is_asked && is_good && constellation_shift::shows(solution.snapshot(), &criteria.thresholds) {
-        exclusion.outcome = Outcome::NotIsolated(Unidentified::Ambiguous);
+        exclusion.outcome = ExclusionOutcome::NotIsolated(Unidentified::Ambiguous);
     }
-    let is_believed = searched && search == Search::Rough && exclusion.outcome == Outcome::Isolated;
+    let is_believed = searched && search == Search::Rough && exclusion.outcome == ExclusionOutcome::Isolated;
     let asked = rates.filter(|_| is_odd && !is_believed);
-    if let Some(rates) = asked.and_then(|rates| Rates::of(epoch, rates)) {
-        match rates.contest(solution, &exclusion, &criteria.thresholds, criteria.factors) {
-            Doubt::Rows if exclusion.outcome == Outcome::Isolated => {
-                exclusion.outcome = Outcome::NotIsolated(Unidentified::Ambiguous);
+    if let Some(rates) = asked.and_then(|rates| EpochRates::of(epoch, rates)) {
+        match rates.compare(solution, &exclusion, &criteria.thresholds, criteria.factors) {
+            TimeTagOutcome::Rows if exclusion.outcome == ExclusionOutcome::Isolated => {
+                exclusion.outcome = ExclusionOutcome::NotIsolated(Unidentified::Ambiguous);
             }
-            Doubt::None | Doubt::Rows => {}
-            Doubt::Shift(slopes, shown) => {
+            TimeTagOutcome::None | TimeTagOutcome::Rows => {}
+            TimeTagOutcome::Shift(slopes, shown) => {
                 if let Ok(test) = &mut test {
                     let snapshot = solution.snapshot();
-                    let levels = Exposure::of(snapshot, criteria.levels, criteria.factors)
+                    let levels = LevelInputs::of(snapshot, criteria.levels, criteria.factors)
                         .protect_against(slopes, shown, criteria.factors)
                         .plus(&common_shift(snapshot, epoch.common_m()));
                     test.levels = test.levels.or_larger(&levels);
                 }
             }
-            Doubt::Time => {
+            TimeTagOutcome::Time => {
                 exclusion = Exclusion::not_isolated(Unidentified::Time);
                 test = criteria.test(solution.snapshot(), epoch.common_m());
             }
@@ -308,9 +328,9 @@ fn judge_by_residuals<T: Real>(
         outcome: exclusion.outcome,
         excluded: exclusion.rows,
         test,
-        alone,
+        without_aiding,
         searched,
-        separation: None,
+        araim: None,
     }
 }
 
@@ -320,24 +340,24 @@ fn without_forecast<T: Real>(
     row: usize,
     epoch: &EpochView<'_>,
     criteria: &Criteria<'_, T>,
-) -> Alone<T> {
+) -> WithoutAiding<T> {
     let takes_part = solution.snapshot().row(row).is_some_and(|(row, _)| row.weight > T::zero());
     if !takes_part {
-        return Alone::Always;
+        return WithoutAiding::Always;
     }
     if solution.set_aside(&[row]).is_err() {
-        return Alone::Untested;
+        return WithoutAiding::Untested;
     }
     let test = criteria.test(solution.snapshot(), epoch.common_m());
     // These rows determined a position a moment ago.
     let _ = solution.take_back(&[row]);
-    test.map_or(Alone::Untested, Alone::Tested)
+    test.map_or(WithoutAiding::Untested, WithoutAiding::Tested)
 }
 
-/// Searches for the faulty satellites and leaves them out.
+/// Returns searches for the faulty satellites and leaves them out.
 ///
-/// A separate function, as are its branches, so that an epoch without a fault does not pay for the stack of the searches, and
-/// each search only for its own.
+/// A separate function, as are its branches, so that an epoch without a fault does not pay for the
+/// stack of the searches, and each search only for its own.
 #[inline(never)]
 fn isolate<T: Real>(
     solution: &mut impl Excludable<T>,
@@ -354,8 +374,9 @@ fn isolate<T: Real>(
         return leave_out(solution, &rows, thresholds);
     }
     if solution.snapshot().sse() > T::narrow(GROSS_SSE) {
-        // A gross fault distorts the linearised comparison of sets, beyond recognition at one millisecond. Leaving out the worst row
-        // and solving again about another point is robust against it.
+        // A gross fault distorts the linearised comparison of sets, beyond recognition at one
+        // millisecond. Leaving out the worst row and solving again about another point is robust
+        // against it.
         return exclude_sequentially(solution, thresholds);
     }
     match criteria.method {
@@ -369,11 +390,12 @@ fn isolate<T: Real>(
         Method::Baarda => exclude_sequentially(solution, thresholds),
         // ARAIM excludes by its own tests.
         #[cfg(feature = "araim")]
-        Method::Separation => exclude_sequentially(solution, thresholds),
+        Method::Araim => exclude_sequentially(solution, thresholds),
     }
 }
 
-/// Isolates by every set if sets can be distinguished at all, or by the largest w-test if they are too many.
+/// Isolates by every set if sets can be distinguished at all, or by the largest w-test if they are
+/// too many.
 fn isolate_within_budget<T: Real>(
     solution: &mut impl Excludable<T>,
     thresholds: &Thresholds<'_>,
@@ -386,10 +408,11 @@ fn isolate_within_budget<T: Real>(
     parity::exclude(parity::Isolation::Grouping, solution, thresholds, &limits)
 }
 
-/// Returns the exclusion of the forecast alone, if it explains everything and no satellite does nearly as well.
+/// Returns the exclusion of the forecast alone, if it explains everything and no satellite does
+/// nearly as well.
 ///
-/// This comes before any method: a jump of a millisecond shows in every satellite's test, and methods that leave out
-/// all rows that correlate with the worst would leave out healthy ones.
+/// This comes before any method: a jump of a millisecond shows in every satellite's test, and
+/// methods that leave out all rows that correlate with the worst would leave out healthy ones.
 fn jump<T: Real>(
     solution: &mut impl Excludable<T>,
     row: usize,
@@ -398,7 +421,7 @@ fn jump<T: Real>(
     let (_, fit) = solution.snapshot().row(row)?;
     let forecast = Excluded { index: row, w_test: fit.w_test() };
     solution.leave_out(row).ok()?;
-    let jump = Exclusion { rows: gather([forecast]), outcome: Outcome::Isolated };
+    let jump = Exclusion { rows: gather([forecast]), outcome: ExclusionOutcome::Isolated };
     if Detection::passes(solution.snapshot(), thresholds) && separable(solution, &jump, thresholds) {
         return Some(jump);
     }

@@ -11,17 +11,19 @@
 //! | `x` | correction of the position, east, north, up | m |
 //! | `b_c` | receiver clock of constellation `c` times the speed of light | m |
 //!
-//! A receiver clock can be 3e8 m while the residuals are metres. Each constellation's first residual is therefore
-//! kept aside in `f64`, and the rows hold the differences to it, which are small enough for `f32`.
+//! A receiver clock can be 3e8 m while the residuals are metres. Each constellation's first
+//! residual is therefore kept aside in `f64`, and the rows hold the differences to it, which are
+//! small enough for `f32`.
 //!
-//! An aiding row is a row like any other: a predicted clock has `h = 0`, a known height `h = (0, 0, 1)` and no clock.
+//! An aiding row is a row like any other: a predicted clock has `h = 0`, a known height
+//! `h = (0, 0, 1)` and no clock.
 
 use core::fmt;
 
 use heapless::Vec;
 use nalgebra::Vector3;
 
-use crate::frame::Sight;
+use crate::frame::LineOfSight;
 use crate::numeric::absolute::Absolute;
 use crate::numeric::real::Real;
 use crate::numeric::space::{dot, scaled, zero};
@@ -30,9 +32,11 @@ use crate::satellite::Constellation;
 /// Range of the squared length that counts as a unit vector: the length may be off by 1e-3.
 const UNIT_SQUARED: core::ops::RangeInclusive<f64> = 0.999 * 0.999..=1.001 * 1.001;
 
-/// Most equations of one epoch: more satellites than all systems ever show at once, and the capacity of the searches.
+/// Most equations of one epoch: more satellites than all systems ever show at once, and the
+/// capacity of the searches.
 ///
-/// Sets of them fit one word. On a microcontroller it is [`crate::single::CAPACITY`], because memory is scarce.
+/// Sets of them fit one word. On a microcontroller it is [`crate::single::CAPACITY`], because
+/// memory is scarce.
 pub const MAX_ROWS: usize = if cfg!(feature = "satellites-16") {
     16
 } else if cfg!(feature = "satellites-32") {
@@ -111,10 +115,10 @@ pub enum RowError {
 impl fmt::Display for RowError {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.write_str(match self {
-            Self::Residual => "residual not finite",
-            Self::LineOfSight => "line of sight not a unit vector",
-            Self::Sigma => "sigma not finite or not positive",
-            Self::Full => "too many rows",
+            Self::Residual => "residual must be finite",
+            Self::LineOfSight => "line of sight must be a unit vector within 1e-3",
+            Self::Sigma => "sigma must be finite and positive",
+            Self::Full => "all rows are in use",
         })
     }
 }
@@ -155,7 +159,7 @@ impl<T: Real> References<T> {
     pub(crate) fn sighted(
         &mut self,
         constellation: Constellation,
-        sight: &Sight<T>,
+        sight: &LineOfSight<T>,
         range_m: f64,
         sigma_m: f64,
     ) -> Result<Row<T>, RowError> {
@@ -221,7 +225,8 @@ impl<T: Real, const N: usize> LinearEpoch<T, N> {
         Self { rows: Vec::new(), references: References::none() }
     }
 
-    /// Adds a satellite: its direction (east, north, up), its residual and its standard deviation in metres.
+    /// Adds a satellite: its direction (east, north, up), its residual and its standard deviation
+    /// in metres.
     ///
     /// # Errors
     /// [`RowError`] names the invalid value; nothing is added then.

@@ -6,8 +6,8 @@ use crate::numeric::real::Real;
 
 /// A solved epoch from which rows can be left out and to which they can be given back.
 ///
-/// A [`Snapshot`] stays linearised about its point. A [`Fix`](super::fix::Fix) linearises again after an exclusion that
-/// moves the position far.
+/// A [`Snapshot`] stays linearised about its point. A [`Fix`](super::fix::Fix) linearises again
+/// after an exclusion that moves the position far.
 pub trait Excludable<T: Real> {
     /// Returns the linearised epoch as it is solved now.
     fn snapshot(&self) -> &Snapshot<'_, T>;
@@ -24,7 +24,8 @@ pub trait Excludable<T: Real> {
     /// As [`Self::leave_out`].
     fn leave_out_all(&mut self, rows: u64) -> Result<(), SnapshotError>;
 
-    /// Takes rows back, all at once and about the same point, so that exclusions of one epoch can be compared.
+    /// Takes rows back, all at once and about the same point, so that exclusions of one epoch can
+    /// be compared.
     ///
     /// # Errors
     /// As [`Self::leave_out`].
@@ -33,7 +34,8 @@ pub trait Excludable<T: Real> {
     /// Takes back all rows that [`Self::leave_out_all`] left out.
     fn take_back_all(&mut self, rows: u64);
 
-    /// Leaves rows out again that [`Self::take_back`] took back, which restores the solution before it.
+    /// Leaves rows out again that [`Self::take_back`] took back, which restores the solution before
+    /// it.
     ///
     /// # Errors
     /// As [`Self::leave_out`].

@@ -11,10 +11,12 @@
 //! | `s_i` | [`crate::epoch::Observation::position`] | m |
 //! | `p` | linearisation point | m |
 //!
-//! A correction of length `d` leaves a linearisation error of `d²/2ρ`: 2.5 cm after 1 km, 3 µm after 10 m. A pass
-//! with a correction below 10 m is therefore the last one, and the test needs no further solve.
+//! A correction of length `d` leaves a linearisation error of `d²/2ρ`: 2.5 cm after 1 km, 3 µm
+//! after 10 m. A pass with a correction below 10 m is therefore the last one, and the test needs no
+//! further solve.
 //!
-//! From the centre of the earth the fix converges in five or six passes, from the last position in one or two.
+//! From the centre of the earth the fix converges in five or six passes, from the last position in
+//! one or two.
 
 use core::fmt;
 
@@ -22,7 +24,7 @@ use nalgebra::Vector3;
 
 use crate::bit_set::bit;
 use crate::epoch::{Aided, Aiding, Epoch};
-use crate::frame::{Ecef, LocalFrame, Lookout};
+use crate::frame::{Ecef, LinearisationPoint, LocalFrame};
 use crate::least_squares::equations::{References, Row};
 use crate::least_squares::{Excludable, Snapshot, SnapshotError, Workspace};
 use crate::numeric::real::Real;
@@ -40,7 +42,7 @@ const MAX_PASSES: usize = 12;
 /// Largest distance from the earth's centre that a correction may lead to, m: beyond any satellite.
 const MAX_RADIUS_M: f64 = 1e8;
 
-/// Why there is no position.
+/// Reason why there is no position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum FixError {
@@ -64,8 +66,8 @@ impl core::error::Error for FixError {}
 impl<T: Real, const N: usize> Workspace<T, N> {
     /// Solves an epoch from a start near the position, or from [`Ecef::CENTRE`].
     ///
-    /// A start far from the truth may not converge. The centre of the earth is equally far from all places, so that it is
-    /// the second start if the first fails.
+    /// A start far from the truth may not converge. The centre of the earth is equally far from all
+    /// places, so that it is the second start if the first fails.
     ///
     /// # Errors
     /// [`FixError`] names what is missing.
@@ -79,7 +81,7 @@ impl<T: Real, const N: usize> Workspace<T, N> {
 pub struct Fix<'r, T: Real> {
     aided: Aided<'r>,
     /// The linearisation point.
-    lookout: Lookout<T>,
+    linearisation: LinearisationPoint<T>,
     snapshot: Snapshot<'r, T>,
 }
 
@@ -90,15 +92,15 @@ impl<'r, T: Real> Fix<'r, T> {
         aided: Aided<'r>,
         start: Ecef,
     ) -> Result<Self, FixError> {
-        let mut solve_about = |lookout: &Lookout<T>| {
+        let mut solve_about = |linearisation: &LinearisationPoint<T>| {
             let equations = workspace.equations_mut();
-            let written = equations.refill(|references, put| write(references, &aided, lookout, put));
+            let written = equations.refill(|references, put| write(references, &aided, linearisation, put));
             written.ok_or(FixError::NotConverged)?;
             workspace.solve_rows().map_err(FixError::Snapshot)
         };
-        let lookout =
+        let linearisation =
             converge(start, &mut solve_about).or_else(|_| converge(Ecef::CENTRE, &mut solve_about))?;
-        Ok(Self { aided, lookout, snapshot: workspace.lend() })
+        Ok(Self { aided, linearisation, snapshot: workspace.lend() })
     }
 
     /// Returns the row of a clock forecast, or of a clock that the epoch came with.
@@ -107,12 +109,12 @@ impl<'r, T: Real> Fix<'r, T> {
         Some(self.aided.observations().len() + self.aided.aiding().position(is_clock)?)
     }
 
-    /// The position.
+    /// Returns the position.
     pub fn position(&self) -> Ecef {
-        self.lookout.beside(&self.snapshot.correction())
+        self.linearisation.beside(&self.snapshot.correction())
     }
 
-    /// The linearised epoch at the position.
+    /// Returns the linearised epoch at the position.
     pub fn snapshot(&self) -> &Snapshot<'r, T> {
         &self.snapshot
     }
@@ -123,17 +125,18 @@ impl<'r, T: Real> Fix<'r, T> {
         rows.fold(0, |set, (index, row)| if row.weight > T::zero() { set } else { set | bit(index) })
     }
 
-    /// Solves again from the new position if a change of the rows moved it far from the linearisation point.
+    /// Solves again from the new position if a change of the rows moved it far from the
+    /// linearisation point.
     fn follow(&mut self) -> Result<(), SnapshotError> {
         if is_within(&self.snapshot.correction(), RELINEARISE_M) {
             return Ok(());
         }
         let (position, left_out) = (self.position(), self.left_out());
-        let solve_about = |lookout: &Lookout<T>| {
-            rewrite(&mut self.snapshot, &self.aided, lookout, left_out).map_err(FixError::Snapshot)?;
+        let solve_about = |linearisation: &LinearisationPoint<T>| {
+            rewrite(&mut self.snapshot, &self.aided, linearisation, left_out).map_err(FixError::Snapshot)?;
             Ok(self.snapshot.correction())
         };
-        self.lookout = converge(position, solve_about).map_err(|error| match error {
+        self.linearisation = converge(position, solve_about).map_err(|error| match error {
             FixError::Snapshot(error) => error,
             FixError::NotConverged => SnapshotError::Singular,
         })?;
@@ -143,7 +146,7 @@ impl<'r, T: Real> Fix<'r, T> {
     /// Restores rows that were solved before, about the same point.
     fn restore(&mut self, left_out: u64) {
         // These rows were formed and solved before, so that it succeeds.
-        let _ = rewrite(&mut self.snapshot, &self.aided, &self.lookout, left_out);
+        let _ = rewrite(&mut self.snapshot, &self.aided, &self.linearisation, left_out);
     }
 }
 
@@ -185,25 +188,27 @@ impl<T: Real> Excludable<T> for Fix<'_, T> {
     }
 }
 
-/// Returns true if a correction is no longer than a limit, m. Its length is the same in every frame and needs no double.
+/// Returns true if a correction is no longer than a limit, m. Its length is the same in every frame
+/// and needs no double.
 fn is_within<T: Real>(correction: &Vector3<T>, limit_m: f64) -> bool {
     dot(correction, correction) <= T::narrow(limit_m * limit_m)
 }
 
-/// Gauss–Newton: solves about successive points until the correction is small. Returns the last point.
+/// Gauss–Newton: solves about successive points until the correction is small. Returns the last
+/// point.
 #[inline(never)]
 fn converge<T: Real>(
     start: Ecef,
-    mut solve_about: impl FnMut(&Lookout<T>) -> Result<Vector3<T>, FixError>,
-) -> Result<Lookout<T>, FixError> {
+    mut solve_about: impl FnMut(&LinearisationPoint<T>) -> Result<Vector3<T>, FixError>,
+) -> Result<LinearisationPoint<T>, FixError> {
     let mut point = if start.is_finite() { start } else { Ecef::CENTRE };
     for _ in 0..MAX_PASSES {
-        let lookout = Lookout::at(point);
-        let correction = solve_about(&lookout)?;
+        let linearisation = LinearisationPoint::at(point);
+        let correction = solve_about(&linearisation)?;
         if is_within(&correction, CONVERGED_M) {
-            return Ok(lookout);
+            return Ok(linearisation);
         }
-        point = lookout.beside(&correction);
+        point = linearisation.beside(&correction);
         // A NaN position leaves here too.
         if !(point.radius_m() < MAX_RADIUS_M) {
             return Err(FixError::NotConverged);
@@ -216,12 +221,12 @@ fn converge<T: Real>(
 fn rewrite<T: Real>(
     snapshot: &mut Snapshot<'_, T>,
     aided: &Aided<'_>,
-    lookout: &Lookout<T>,
+    linearisation: &LinearisationPoint<T>,
     left_out: u64,
 ) -> Result<(), SnapshotError> {
     snapshot.rewrite(|references, put| {
         let mut set = left_out;
-        write(references, aided, lookout, &mut |mut row| {
+        write(references, aided, linearisation, &mut |mut row| {
             if set & 1 != 0 {
                 row.leave_out();
             }
@@ -233,15 +238,16 @@ fn rewrite<T: Real>(
 
 /// Writes the equations of an epoch about a point: row `i` is observation `i`, aiding rows follow.
 ///
-/// Returns `None` if a row cannot be formed, as at a point that coincides with a satellite, so that rows never move up.
+/// Returns `None` if a row cannot be formed, as at a point that coincides with a satellite, so that
+/// rows never move up.
 fn write<T: Real>(
     references: &mut References<T>,
     aided: &Aided<'_>,
-    lookout: &Lookout<T>,
+    linearisation: &LinearisationPoint<T>,
     put: &mut dyn FnMut(Row<T>) -> Option<()>,
 ) -> Option<()> {
     for (observation, sigma_m) in aided.weighed() {
-        let sight = lookout.sight(observation.position);
+        let sight = linearisation.sight(observation.position);
         let constellation = observation.satellite.constellation();
         put(references.sighted(constellation, &sight, observation.range_m, sigma_m).ok()?)?;
     }
@@ -251,7 +257,7 @@ fn write<T: Real>(
                 references.clock(constellation, value_m, sigma_m)
             }
             Aiding::Height { value_m, sigma_m } => {
-                Row::height(value_m - LocalFrame::at(lookout.point()).height_m(), sigma_m)
+                Row::height(value_m - LocalFrame::at(linearisation.point()).height_m(), sigma_m)
             }
         };
         put(row.ok()?)?;

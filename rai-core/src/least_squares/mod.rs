@@ -1,8 +1,8 @@
 //! Weighted least squares of one linearised epoch by a single 3×3 solve.
 //!
-//! Each range touches exactly one receiver clock, so clocks need no columns: centring the rows of each
-//! constellation eliminates them. With the weighted means `h̄_c`, `ȳ_c` over the rows of constellation `c`
-//! (`W_c = Σ w_i`),
+//! Each range touches exactly one receiver clock, so clocks need no columns: centring the rows of
+//! each constellation eliminates them. With the weighted means `h̄_c`, `ȳ_c` over the rows of
+//! constellation `c` (`W_c = Σ w_i`),
 //!
 //! ```text
 //! d_i = h_i − h̄_c      z_i = y_i − ȳ_c
@@ -21,14 +21,14 @@
 //! | `w_i / r_i` | [`RowFit::test_weight`] | 1/m² |
 //! | `SSE` | [`Snapshot::sse`] | – |
 //!
-//! The result equals least squares with 3 + C columns in `x`, `v`, `S` and the gain, to rounding. Centring also makes
-//! `f32` safe, because it removes the clocks and their size.
+//! The result equals least squares with 3 + C columns in `x`, `v`, `S` and the gain, to rounding.
+//! Centring also makes `f32` safe, because it removes the clocks and their size.
 //!
-//! A row of weight 0 is left out: it contributes nothing, keeps its index, and its residual is that of a prediction.
-//! No n×n matrix is stored; [`Snapshot::projection`] computes `S_ij` on demand.
+//! A row of weight 0 is left out: it contributes nothing, keeps its index, and its residual is that
+//! of a prediction. No n×n matrix is stored; [`Snapshot::projection`] computes `S_ij` on demand.
 //!
-//! A [`Workspace`] owns the memory of the equations and lends them solved as a [`Snapshot`]. Rows can be left out of a
-//! snapshot and taken back, and it is solved at any time.
+//! A [`Workspace`] owns the memory of the equations and lends them solved as a [`Snapshot`]. Rows
+//! can be left out of a snapshot and taken back, and it is solved at any time.
 //!
 //! | module | content |
 //! |---|---|
@@ -37,9 +37,9 @@
 //! | [`downdate`] | the solution without a set of rows |
 //! | [`Excludable`] | the interface of all searches |
 //!
-//! Cost on a Cortex-M4F in `f32`, for 20 satellites of two constellations: 2,900 instructions for a solve with all that its
-//! tests need, 1,800 to leave a row out of it. References: [Baarda1968] for the redundancy numbers; the elimination of nuisance
-//! columns is the Frisch–Waugh–Lovell theorem.
+//! Cost on a Cortex-M4F in `f32`, for 20 satellites of two constellations: 2,900 instructions for a
+//! solve with all that its tests need, 1,800 to leave a row out of it. References: [Baarda1968] for
+//! the redundancy numbers; the elimination of nuisance columns is the Frisch–Waugh–Lovell theorem.
 //!
 //! [Baarda1968]: crate#references
 
@@ -62,7 +62,7 @@ mod statistics;
 mod workspace;
 
 pub use excludable::Excludable;
-pub(crate) use solve::{Solution, infinity, invert};
+pub(crate) use solve::{Estimate, infinity, invert};
 pub(crate) use statistics::{SquaredSlopes, Statistics, Worst, larger};
 pub use workspace::Workspace;
 
@@ -91,28 +91,31 @@ impl core::error::Error for SnapshotError {}
 
 /// Fit of one row: how it compares with the solution.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Fit<T: Real> {
+pub struct RowFit<T: Real> {
     /// Centred design row `d_i`.
     pub centred: Vector3<T>,
     /// Gain `g_i = P d_i`, m².
     pub gain: Vector3<T>,
     /// Residual `v_i`, m.
     pub residual: T,
-    /// Redundancy number `r_i`, the share of a bias that shows in the row's own residual, dimensionless.
+    /// Redundancy number `r_i`, the share of a bias that shows in the row's own residual,
+    /// dimensionless.
     pub redundancy: T,
-    /// `w_i / r_i`, 1/m², the factor from squared residuals to squared w-tests and from squared gains to squared slopes.
+    /// `w_i / r_i`, 1/m², the factor from squared residuals to squared w-tests and from squared
+    /// gains to squared slopes.
     ///
     /// 0 for a row that cannot be tested or is left out.
     pub test_weight: T,
 }
 
-impl<T: Real> Fit<T> {
+impl<T: Real> RowFit<T> {
     /// Returns the w-test of the row, dimensionless; 0 if the row is untestable or left out.
     pub fn w_test(&self) -> T {
         self.residual * self.test_weight.sqrt()
     }
 
-    /// Returns the squared w-test without a root, which is the decrease of SSE if the row is left out.
+    /// Returns the squared w-test without a root, which is the decrease of SSE if the row is left
+    /// out.
     pub fn w_squared(&self) -> T {
         self.residual * self.residual * self.test_weight
     }
@@ -134,44 +137,45 @@ impl<T: Real> Fit<T> {
 pub struct Snapshot<'w, T: Real> {
     rows: &'w mut [Row<T>],
     references: &'w mut References<T>,
-    fits: &'w mut [Fit<T>],
+    fits: &'w mut [RowFit<T>],
     solved: &'w mut Solved<T>,
 }
 
 /// The solution of rows whose fits are written.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Solved<T: Real> {
-    solution: Solution<T>,
+    estimate: Estimate<T>,
     statistics: Statistics<T>,
 }
 
 impl<T: Real> Solved<T> {
     /// Returns the solution of no rows.
     fn none() -> Self {
-        Self { solution: Solution::none(), statistics: Statistics::none() }
+        Self { estimate: Estimate::none(), statistics: Statistics::none() }
     }
 
     /// Solves the rows once and fits each of them. On error the contents are unspecified.
-    fn solve(&mut self, rows: &[Row<T>], fits: &mut [Fit<T>]) -> Result<(), SnapshotError> {
-        self.solution.solve(rows.iter())?;
+    fn solve(&mut self, rows: &[Row<T>], fits: &mut [RowFit<T>]) -> Result<(), SnapshotError> {
+        self.estimate.solve(rows.iter())?;
         self.fit_all(rows, fits);
         Ok(())
     }
 
     /// Fits each row.
-    fn fit_all(&mut self, rows: &[Row<T>], fits: &mut [Fit<T>]) {
-        self.statistics = self.solution.fit_all(rows, fits);
+    fn fit_all(&mut self, rows: &[Row<T>], fits: &mut [RowFit<T>]) {
+        self.statistics = self.estimate.fit_all(rows, fits);
     }
 }
 
 impl<T: Real> Snapshot<'_, T> {
-    /// Leaves one more row out, in place: by algebra on the solution, or by solving again if algebra would cost digits.
+    /// Leaves one more row out, in place: by algebra on the solution, or by solving again if
+    /// algebra would cost digits.
     ///
     /// # Errors
     /// As [`Workspace::solve`]; the snapshot is then unchanged.
     pub fn leave_out(&mut self, index: usize) -> Result<(), SnapshotError> {
         if let (Some(row), Some(fit)) = (self.rows.get_mut(index), self.fits.get(index))
-            && self.solved.solution.leave_out(row, fit)
+            && self.solved.estimate.leave_out(row, fit)
         {
             row.leave_out();
             self.solved.fit_all(self.rows, self.fits);
@@ -237,8 +241,8 @@ impl<T: Real> Snapshot<'_, T> {
     /// Overwrites the equations, as many as there are, and solves them.
     ///
     /// # Errors
-    /// As [`Workspace::solve`], and [`SnapshotError::Singular`] if `write` stops early. The rows are then the new ones and
-    /// their fits are unspecified, so that the caller must write again.
+    /// As [`Workspace::solve`], and [`SnapshotError::Singular`] if `write` stops early. The rows
+    /// are then the new ones and their fits are unspecified, so that the caller must write again.
     pub(crate) fn rewrite(
         &mut self,
         write: impl FnOnce(&mut References<T>, &mut dyn FnMut(Row<T>) -> Option<()>) -> Option<()>,
@@ -264,31 +268,31 @@ impl<T: Real> Snapshot<'_, T> {
     }
 
     /// Iterates over the equations with their fits, left-out ones included.
-    pub fn rows(&self) -> impl Iterator<Item = (&Row<T>, &Fit<T>)> {
+    pub fn rows(&self) -> impl Iterator<Item = (&Row<T>, &RowFit<T>)> {
         self.rows.iter().zip(self.fits.iter())
     }
 
     /// Returns the fit of each row, in their order.
-    pub fn fits(&self) -> &[Fit<T>] {
+    pub fn fits(&self) -> &[RowFit<T>] {
         self.fits
     }
 
     /// Returns one row with its fit.
-    pub fn row(&self, index: usize) -> Option<(&Row<T>, &Fit<T>)> {
+    pub fn row(&self, index: usize) -> Option<(&Row<T>, &RowFit<T>)> {
         self.rows.get(index).zip(self.fits.get(index))
     }
 
     /// Returns the correction of the position, east, north, up, m.
     pub fn correction(&self) -> Vector3<T> {
-        self.solved.solution.correction
+        self.solved.estimate.correction
     }
 
-    /// Covariance of the correction, m².
+    /// Returns covariance of the correction, m².
     pub fn covariance(&self) -> &Matrix3<T> {
-        &self.solved.solution.covariance
+        &self.solved.estimate.covariance
     }
 
-    /// Weighted sum of squared residuals, dimensionless.
+    /// Returns weighted sum of squared residuals, dimensionless.
     pub fn sse(&self) -> T {
         self.solved.statistics.sse
     }
@@ -300,39 +304,42 @@ impl<T: Real> Snapshot<'_, T> {
 
     /// Returns the number of rows that take part.
     pub fn used(&self) -> usize {
-        self.solved.solution.used
+        self.solved.estimate.used
     }
 
-    /// Degrees of freedom: rows that take part, less 3, less the clocks among them.
+    /// Returns degrees of freedom: rows that take part, less 3, less the clocks among them.
     pub fn dof(&self) -> usize {
-        self.solved.solution.dof
+        self.solved.estimate.dof
     }
 
-    /// Returns the receiver clock of a constellation times the speed of light, m, or `None` if no row of it takes part.
+    /// Returns the receiver clock of a constellation times the speed of light, m, or `None` if no
+    /// row of it takes part.
     pub fn clock_m(&self, constellation: Constellation) -> Option<f64> {
-        let group = self.solved.solution.groups.of_clock(constellation)?;
-        let relative = group.residual - dot(&group.design, &self.solved.solution.correction);
+        let group = self.solved.estimate.groups.of_clock(constellation)?;
+        let relative = group.residual - dot(&group.design, &self.solved.estimate.correction);
         Some(self.reference_m(constellation)? + relative.widen())
     }
 
     /// Returns true if a row of a constellation takes part, which determines its clock.
     pub fn determines(&self, constellation: Constellation) -> bool {
-        self.solved.solution.determines(constellation)
+        self.solved.estimate.determines(constellation)
     }
 
     /// Returns the variance of [`Self::clock_m`], m²: `1/W_c + h̄_c P h̄_cᵀ`.
     pub fn clock_variance(&self, constellation: Constellation) -> Option<T> {
-        let group = self.solved.solution.groups.of_clock(constellation)?;
-        let gain = product(&self.solved.solution.covariance, &group.design);
+        let group = self.solved.estimate.groups.of_clock(constellation)?;
+        let gain = product(&self.solved.estimate.covariance, &group.design);
         Some(group.variance + dot(&group.design, &gain))
     }
 
-    /// Returns the variance `1/W_c` of the clock that a row touches for a known position, m²; 0 if no row determines it.
+    /// Returns the variance `1/W_c` of the clock that a row touches for a known position, m²; 0 if
+    /// no row determines it.
     pub fn level_variance(&self, row: &Row<T>) -> T {
-        self.solved.solution.level_variance(row)
+        self.solved.estimate.level_variance(row)
     }
 
-    /// Returns element `S_ij` of the matrix that projects ranges on normalised residuals, or `None` outside the epoch.
+    /// Returns element `S_ij` of the matrix that projects ranges on normalised residuals, or `None`
+    /// outside the epoch.
     pub fn projection(&self, i: usize, j: usize) -> Option<T> {
         let (row_i, fit_i) = self.row(i)?;
         let (row_j, fit_j) = self.row(j)?;
@@ -346,18 +353,20 @@ impl<T: Real> Snapshot<'_, T> {
         Some(-(row_i.weight * row_j.weight).sqrt() * (shared + dot(&fit_i.centred, &fit_j.gain)))
     }
 
-    /// Returns the horizontal and vertical dilution of precision of the unweighted geometry, dimensionless.
+    /// Returns the horizontal and vertical dilution of precision of the unweighted geometry,
+    /// dimensionless.
     pub fn dilutions(&self) -> (T, T) {
         // A solved geometry is not singular, so that the default is never taken.
         let geometry = Geometry::of(self.rows.iter());
-        let covariance = geometry.map_or(self.solved.solution.covariance, |geometry| geometry.covariance);
+        let covariance = geometry.map_or(self.solved.estimate.covariance, |geometry| geometry.covariance);
         ((covariance.m11 + covariance.m22).sqrt(), covariance.m33.sqrt())
     }
 
-    /// Returns HDOP without one row: `√(HDOP² + (A_1i² + A_2i²)/S_ii)` of the unweighted geometry ([Lin2016] eq. 22).
+    /// Returns HDOP without one row: `√(HDOP² + (A_1i² + A_2i²)/S_ii)` of the unweighted geometry
+    /// ([Lin2016] eq. 22).
     ///
-    /// The lone satellite of a constellation takes its clock with it and changes nothing. If the geometry is singular without
-    /// the row, HDOP is infinite. `None` for a row that takes no part.
+    /// The lone satellite of a constellation takes its clock with it and changes nothing. If the
+    /// geometry is singular without the row, HDOP is infinite. `None` for a row that takes no part.
     ///
     /// [Lin2016]: crate#references
     pub fn hdop_without(&self, index: usize) -> Option<T> {

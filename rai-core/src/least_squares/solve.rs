@@ -1,11 +1,11 @@
 //! One 3×3 solve over any rows; the equations are in the documentation of [`super`].
 //!
-//! A solve needs no memory beside its result, so that a search may solve for a subset of the rows, or for all but one,
-//! without a copy of them.
+//! A solve needs no memory beside its result, so that a search may solve for a subset of the rows,
+//! or for all but one, without a copy of them.
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::{Fit, SnapshotError, Statistics};
+use super::{RowFit, SnapshotError, Statistics};
 use crate::bit_set::members;
 use crate::least_squares::equations::Row;
 use crate::numeric::real::Real;
@@ -17,7 +17,7 @@ use crate::satellite::Constellation;
 
 /// Weighted means of the rows that touch one clock.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Group<T: Real> {
+pub(super) struct ClockMeans<T: Real> {
     pub(super) count: usize,
     weight: T,
     /// `1/W_c`.
@@ -26,7 +26,7 @@ pub(super) struct Group<T: Real> {
     pub(super) residual: T,
 }
 
-impl<T: Real> Group<T> {
+impl<T: Real> ClockMeans<T> {
     fn empty() -> Self {
         Self { count: 0, weight: T::zero(), variance: T::zero(), design: zero(), residual: T::zero() }
     }
@@ -69,13 +69,14 @@ fn place<T>(row: &Row<T>) -> usize {
     row.clock.map_or(CLOCKLESS, |clock| clock as usize)
 }
 
-/// Means of all constellations, and the count of rows without a clock, whose means are 0 because they are not centred.
+/// Means of all constellations, and the count of rows without a clock, whose means are 0 because
+/// they are not centred.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Groups<T: Real>([Group<T>; CLOCKLESS + 1]);
+pub(super) struct MeansByClock<T: Real>([ClockMeans<T>; CLOCKLESS + 1]);
 
-impl<T: Real> Groups<T> {
+impl<T: Real> MeansByClock<T> {
     fn empty() -> Self {
-        Self([Group::empty(); CLOCKLESS + 1])
+        Self([ClockMeans::empty(); CLOCKLESS + 1])
     }
 
     /// Returns the means of the rows that have a weight.
@@ -89,8 +90,9 @@ impl<T: Real> Groups<T> {
     #[inline]
     fn fill<'r>(&mut self, rows: impl Iterator<Item = &'r Row<T>>, weight: impl Fn(&Row<T>) -> T) {
         *self = Self::empty();
-        // Rows of a constellation are mostly adjacent: while they are, their sums stay in registers.
-        let (mut here, mut sums) = (CLOCKLESS, Group::empty());
+        // Rows of a constellation are mostly adjacent: while they are, their sums stay in
+        // registers.
+        let (mut here, mut sums) = (CLOCKLESS, ClockMeans::empty());
         for (row, weight) in rows.map(|row| (row, weight(row))).filter(|&(_, weight)| weight > T::zero()) {
             let place = place(row);
             if place != here {
@@ -101,18 +103,18 @@ impl<T: Real> Groups<T> {
         }
         self.set(here, &sums);
         let [of_clocks @ .., clockless] = &mut self.0;
-        of_clocks.iter_mut().for_each(Group::centre);
+        of_clocks.iter_mut().for_each(ClockMeans::centre);
         (clockless.design, clockless.residual) = (zero(), T::zero());
     }
 
     /// Returns the means at an index.
     #[inline]
-    fn get(&self, place: usize) -> Group<T> {
-        self.0.get(place).copied().unwrap_or_else(Group::empty)
+    fn get(&self, place: usize) -> ClockMeans<T> {
+        self.0.get(place).copied().unwrap_or_else(ClockMeans::empty)
     }
 
     #[inline]
-    fn set(&mut self, place: usize, group: &Group<T>) {
+    fn set(&mut self, place: usize, group: &ClockMeans<T>) {
         if let Some(slot) = self.0.get_mut(place) {
             *slot = *group;
         }
@@ -126,21 +128,21 @@ impl<T: Real> Groups<T> {
     }
 
     /// Returns the means of a row's clock; 0 for a clock without rows.
-    fn of_row(&self, row: &Row<T>) -> Group<T> {
+    fn of_row(&self, row: &Row<T>) -> ClockMeans<T> {
         self.get(place(row))
     }
 
     /// Returns a constellation's means if one of its rows takes part.
-    pub(super) fn of_clock(&self, clock: Constellation) -> Option<&Group<T>> {
+    pub(super) fn of_clock(&self, clock: Constellation) -> Option<&ClockMeans<T>> {
         self.0.get(clock as usize).filter(|group| group.count > 0)
     }
 
     /// Returns an accessor for the means of each requested row; 0 for a clock without rows.
-    fn of_rows(&self) -> GroupOfRow<'_, T> {
-        GroupOfRow { groups: self, place: CLOCKLESS, group: self.get(CLOCKLESS) }
+    fn of_rows(&self) -> MeansOfRow<'_, T> {
+        MeansOfRow { groups: self, place: CLOCKLESS, group: self.get(CLOCKLESS) }
     }
 
-    fn of_clocks(&self) -> impl Iterator<Item = &Group<T>> {
+    fn of_clocks(&self) -> impl Iterator<Item = &ClockMeans<T>> {
         self.0.iter().take(CLOCKLESS).filter(|group| group.count > 0)
     }
 
@@ -149,17 +151,19 @@ impl<T: Real> Groups<T> {
         self.0.iter().map(|group| group.count).sum()
     }
 
-    /// Returns a bound on the trace of `(HᵀH)⁻¹`, clocks included, that needs no unweighted geometry.
+    /// Returns a bound on the trace of `(HᵀH)⁻¹`, clocks included, that needs no unweighted
+    /// geometry.
     ///
-    /// No weight is above the sum of all, so that the trace is at most that sum times the trace of the weighted covariance.
-    /// There `h̄_c P h̄_cᵀ` of a clock is at most the trace of `P`, because no mean of unit vectors is longer than 1.
+    /// No weight is above the sum of all, so that the trace is at most that sum times the trace of
+    /// the weighted covariance. There `h̄_c P h̄_cᵀ` of a clock is at most the trace of `P`,
+    /// because no mean of unit vectors is longer than 1.
     fn largest_trace(&self, covariance: &Matrix3<T>) -> T {
-        let sum = |of: fn(&Group<T>) -> T| self.0.iter().fold(T::zero(), |sum, group| sum + of(group));
+        let sum = |of: fn(&ClockMeans<T>) -> T| self.0.iter().fold(T::zero(), |sum, group| sum + of(group));
         let positions = T::narrow((Constellation::COUNT + 1) as f64) * trace(covariance);
         sum(|group| group.weight) * (sum(|group| group.variance) + positions)
     }
 
-    /// Trace of the covariance of all unknowns, clocks included.
+    /// Returns trace of the covariance of all unknowns, clocks included.
     fn trace(&self, covariance: &Matrix3<T>) -> T {
         let clocks = self
             .of_clocks()
@@ -168,16 +172,17 @@ impl<T: Real> Groups<T> {
     }
 }
 
-/// Means of the current row's clock. Rows of a constellation are mostly adjacent: while they are, the means stay in registers.
-struct GroupOfRow<'g, T: Real> {
-    groups: &'g Groups<T>,
+/// Means of the current row's clock. Rows of a constellation are mostly adjacent: while they are,
+/// the means stay in registers.
+struct MeansOfRow<'g, T: Real> {
+    groups: &'g MeansByClock<T>,
     place: usize,
-    group: Group<T>,
+    group: ClockMeans<T>,
 }
 
-impl<T: Real> GroupOfRow<'_, T> {
+impl<T: Real> MeansOfRow<'_, T> {
     #[inline]
-    fn of(&mut self, row: &Row<T>) -> &Group<T> {
+    fn of(&mut self, row: &Row<T>) -> &ClockMeans<T> {
         let place = place(row);
         if place != self.place {
             (self.place, self.group) = (place, self.groups.get(place));
@@ -186,13 +191,14 @@ impl<T: Real> GroupOfRow<'_, T> {
     }
 }
 
-/// Squared w-test above which a row is removed by solving again. Below it the `f32` downdate is accurate to 1e-4 sigma.
+/// Squared w-test above which a row is removed by solving again. Below it the `f32` downdate is
+/// accurate to 1e-4 sigma.
 const GROSS: f64 = 1e6;
 
 /// Least-squares estimate: everything of a snapshot except the fits of its rows.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Solution<T: Real> {
-    pub(super) groups: Groups<T>,
+pub(crate) struct Estimate<T: Real> {
+    pub(super) groups: MeansByClock<T>,
     pub(super) covariance: Matrix3<T>,
     pub(super) correction: Vector3<T>,
     /// Bound on the trace of `(HᵀH)⁻¹`, clocks included, dimensionless.
@@ -201,11 +207,11 @@ pub(crate) struct Solution<T: Real> {
     pub(super) dof: usize,
 }
 
-impl<T: Real> Solution<T> {
+impl<T: Real> Estimate<T> {
     /// Returns the estimate of no rows.
     pub(crate) fn none() -> Self {
         Self {
-            groups: Groups::empty(),
+            groups: MeansByClock::empty(),
             covariance: zeros(),
             correction: zero(),
             largest_trace: T::zero(),
@@ -214,7 +220,8 @@ impl<T: Real> Solution<T> {
         }
     }
 
-    /// Solves for the rows that take part, in place, so that nothing large is moved. On error the contents are unspecified.
+    /// Solves for the rows that take part, in place, so that nothing large is moved. On error the
+    /// contents are unspecified.
     ///
     /// # Errors
     /// As [`super::Workspace::solve`].
@@ -254,9 +261,9 @@ impl<T: Real> Solution<T> {
     ///
     /// With `w d·g ≤ 1 − r` and `w/W ≤ 1 − r` no variance grows by more than `1/r`.
     ///
-    /// Returns false without a change if this would cost digits: for a row that is hardly tested or takes no part, for a
-    /// gross fault, and for a geometry that might be hardly determined.
-    pub(super) fn leave_out(&mut self, row: &Row<T>, fit: &Fit<T>) -> bool {
+    /// Returns false without a change if this would cost digits: for a row that is hardly tested or
+    /// takes no part, for a gross fault, and for a geometry that might be hardly determined.
+    pub(super) fn leave_out(&mut self, row: &Row<T>, fit: &RowFit<T>) -> bool {
         let keeps_digits =
             fit.test_weight > T::zero() && !fit.is_hardly_tested() && fit.w_squared() < T::narrow(GROSS);
         let largest_trace = self.largest_trace / fit.redundancy;
@@ -272,17 +279,17 @@ impl<T: Real> Solution<T> {
         true
     }
 
-    /// Covariance of the correction, m².
+    /// Returns covariance of the correction, m².
     pub(crate) fn covariance(&self) -> &Matrix3<T> {
         &self.covariance
     }
 
-    /// Rows that take part.
+    /// Returns rows that take part.
     pub(crate) fn used(&self) -> usize {
         self.used
     }
 
-    /// Degrees of freedom.
+    /// Returns degrees of freedom.
     pub(crate) fn dof(&self) -> usize {
         self.dof
     }
@@ -292,13 +299,14 @@ impl<T: Real> Solution<T> {
         self.groups.of_clock(clock).is_some()
     }
 
-    /// Returns the variance `1/W_c` of the clock that a row touches for a known position, m²; 0 if no row determines it.
+    /// Returns the variance `1/W_c` of the clock that a row touches for a known position, m²; 0 if
+    /// no row determines it.
     pub(crate) fn level_variance(&self, row: &Row<T>) -> T {
         self.groups.of_row(row).variance
     }
 
     /// Returns the fit of a row, which may be left out.
-    pub(crate) fn fit(&self, row: &Row<T>) -> Fit<T> {
+    pub(crate) fn fit(&self, row: &Row<T>) -> RowFit<T> {
         let group = self.groups.of_row(row);
         let mut fit = compare(row, &group, &self.covariance, &self.correction);
         fit.weigh(row, &group);
@@ -306,7 +314,7 @@ impl<T: Real> Solution<T> {
     }
 
     /// Writes the fit of each row, in their order. Returns the statistics of all rows.
-    pub(super) fn fit_all(&self, rows: &[Row<T>], fits: &mut [Fit<T>]) -> Statistics<T> {
+    pub(super) fn fit_all(&self, rows: &[Row<T>], fits: &mut [RowFit<T>]) -> Statistics<T> {
         // Copies, which the compiler keeps in registers while the fits are written.
         let (covariance, correction) = (self.covariance, self.correction);
         let (mut groups, mut statistics) = (self.groups.of_rows(), Statistics::none());
@@ -323,17 +331,18 @@ impl<T: Real> Solution<T> {
     }
 }
 
-/// Compares a row with the solution. Its redundancy is then the plain subtraction, and its test has no weight yet.
+/// Compares a row with the solution. Its redundancy is then the plain subtraction, and its test has
+/// no weight yet.
 #[inline]
 fn compare<T: Real>(
     row: &Row<T>,
-    group: &Group<T>,
+    group: &ClockMeans<T>,
     covariance: &Matrix3<T>,
     correction: &Vector3<T>,
-) -> Fit<T> {
+) -> RowFit<T> {
     let centred = difference(&row.design, &group.design);
     let gain = symmetric_product(covariance, &centred);
-    Fit {
+    RowFit {
         centred,
         gain,
         residual: row.residual - group.residual - dot(&centred, correction),
@@ -342,10 +351,10 @@ fn compare<T: Real>(
     }
 }
 
-impl<T: Real> Fit<T> {
+impl<T: Real> RowFit<T> {
     /// Sets the weight of the row's test. Returns false for a row that is hardly tested.
     #[inline]
-    fn weigh(&mut self, row: &Row<T>, group: &Group<T>) -> bool {
+    fn weigh(&mut self, row: &Row<T>, group: &ClockMeans<T>) -> bool {
         // One comparison suffices for nearly all rows.
         let is_tested = !self.is_hardly_tested();
         if is_tested {
@@ -356,7 +365,7 @@ impl<T: Real> Fit<T> {
         is_tested
     }
 
-    fn weigh_with_care(&mut self, row: &Row<T>, group: &Group<T>) {
+    fn weigh_with_care(&mut self, row: &Row<T>, group: &ClockMeans<T>) {
         // A lone satellite determines its clock, so that exactly nothing is left to test.
         let is_lone = row.clock.is_some() && group.count == 1 && row.weight > T::zero();
         // NaN leaves here too.
@@ -371,14 +380,14 @@ impl<T: Real> Fit<T> {
 
 /// The geometry of the rows that take part, all with the same weight.
 pub(super) struct Geometry<T: Real> {
-    groups: Groups<T>,
+    groups: MeansByClock<T>,
     pub(super) covariance: Matrix3<T>,
 }
 
 impl<T: Real> Geometry<T> {
     pub(super) fn of<'r>(rows: impl Iterator<Item = &'r Row<T>> + Clone) -> Result<Self, SnapshotError> {
         let equal = |row: &Row<T>| if row.weight > T::zero() { T::one() } else { T::zero() };
-        let groups = Groups::of(rows.clone(), equal);
+        let groups = MeansByClock::of(rows.clone(), equal);
         let equations = NormalEquations::of(rows, &groups, equal);
         Ok(Self { groups, covariance: invert(&equations.normal)? })
     }
@@ -416,7 +425,7 @@ impl<T: Real> NormalEquations<T> {
     #[inline]
     fn of<'r>(
         rows: impl Iterator<Item = &'r Row<T>>,
-        groups: &Groups<T>,
+        groups: &MeansByClock<T>,
         weight: impl Fn(&Row<T>) -> T,
     ) -> Self {
         let (mut normal, mut right_hand_side) = (zeros(), zero());
@@ -433,13 +442,14 @@ impl<T: Real> NormalEquations<T> {
     }
 }
 
-/// True when the trace of `(HᵀH)⁻¹`, clocks included, is below [`Real::SINGULAR`].
+/// Returns true if the trace of `(HᵀH)⁻¹`, clocks included, is below [`Real::SINGULAR`].
 fn is_determined<'r, T: Real>(rows: impl Iterator<Item = &'r Row<T>> + Clone) -> bool {
     // A NaN sum fails this comparison.
     Geometry::of(rows).is_ok_and(|plain| plain.groups.trace(&plain.covariance) < T::SINGULAR)
 }
 
-/// Inverts a symmetric matrix by `L D Lᵀ`, `P = L⁻ᵀ D⁻¹ L⁻¹`, without a root. A pivot that is not positive is singular.
+/// Inverts a symmetric matrix by `L D Lᵀ`, `P = L⁻ᵀ D⁻¹ L⁻¹`, without a root. A pivot that is not
+/// positive is singular.
 ///
 /// Reads the lower triangle.
 pub(crate) fn invert<T: Real>(normal: &Matrix3<T>) -> Result<Matrix3<T>, SnapshotError> {

@@ -1,4 +1,5 @@
-//! Statistics of all rows, gathered while the fits are written, so that no test reads the rows again.
+//! Statistics of all rows, gathered while the fits are written, so that no test reads the rows
+//! again.
 //!
 //! | symbol | field | unit |
 //! |---|---|---|
@@ -6,11 +7,12 @@
 //! | `w²` of the worst row and of the runner-up | [`Worst`] | – |
 //! | `slope_h²`, `slope_v²` | [`SquaredSlopes`] | m² |
 
-use super::Fit;
+use super::RowFit;
 use crate::least_squares::equations::Row;
 use crate::numeric::real::Real;
 
-/// Redundancy number below which the subtraction from 1 loses digits, dimensionless. Above it, `f32` results are accurate to 0.5 %.
+/// Redundancy number below which the subtraction from 1 loses digits, dimensionless. Above it,
+/// `f32` results are accurate to 0.5 %.
 const HARDLY_TESTED: f64 = 0.1;
 
 /// Statistics of all rows.
@@ -32,9 +34,10 @@ impl<T: Real> Statistics<T> {
         Self { sse: T::zero(), worst: Worst::none(), slopes: SquaredSlopes::none(), all_are_tested: true }
     }
 
-    /// Adds one row, except for `all_are_tested`. A row that is left out has weight 0, so that it adds nothing.
+    /// Adds one row, except for `all_are_tested`. A row that is left out has weight 0, so that it
+    /// adds nothing.
     #[inline]
-    pub(super) fn add(&mut self, index: usize, row: &Row<T>, fit: &Fit<T>) {
+    pub(super) fn add(&mut self, index: usize, row: &Row<T>, fit: &RowFit<T>) {
         let squared = fit.residual * fit.residual;
         self.sse += row.weight * squared;
         self.worst.add(index, squared * fit.test_weight);
@@ -106,7 +109,7 @@ fn smaller<T: Real>(a: T, b: T) -> T {
     if b < a { b } else { a }
 }
 
-impl<T: Real> Fit<T> {
+impl<T: Real> RowFit<T> {
     /// Returns the squared slopes of the row; 0 if it cannot be tested or is left out.
     #[inline]
     pub(crate) fn squared_slopes(&self) -> SquaredSlopes<T> {
@@ -114,13 +117,14 @@ impl<T: Real> Fit<T> {
         SquaredSlopes { horizontal: horizontal * self.test_weight, vertical: vertical * self.test_weight }
     }
 
-    /// `g_E² + g_N²` and `g_U²`, m⁴.
+    /// Returns `g_E² + g_N²` and `g_U²`, m⁴.
     #[inline]
     pub(crate) fn squared_gains(&self) -> (T, T) {
         (self.gain.x * self.gain.x + self.gain.y * self.gain.y, self.gain.z * self.gain.z)
     }
 
-    /// Returns true if too little of 1 is left for the redundancy, or if it is NaN; false for a row that is left out.
+    /// Returns true if too little of 1 is left for the redundancy, or if it is NaN; false for a row
+    /// that is left out.
     pub(crate) fn is_hardly_tested(&self) -> bool {
         !(self.redundancy >= T::narrow(HARDLY_TESTED))
     }

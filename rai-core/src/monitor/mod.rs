@@ -7,22 +7,23 @@
 //! ```
 //!
 //! A [`Strategy`] selects the threshold and the isolation method. Every policy's threshold is at or
-//! above `τ1`, so that the search, which compares every step with `τ1`, ends with a set that passes under any policy;
-//! protection levels are those of the threshold in use.
+//! above `τ1`, so that the search, which compares every step with `τ1`, ends with a set that passes
+//! under any policy; protection levels are those of the threshold in use.
 //!
-//! The state contains the last position, as the start of the next fix; a window of SSE/dof, which shows whether the
-//! sigmas are right; with clock aiding, the receiver clocks of the epochs that passed; and the verdicts of the epochs
-//! before ([`crate::continuity`]).
+//! The state contains the last position, as the start of the next fix; a window of SSE/dof, which
+//! shows whether the sigmas are right; with clock aiding, the receiver clocks of the epochs that
+//! passed; and the verdicts of the epochs before ([`crate::continuity`]).
 //!
-//! References: [Yang2015] §1 for the order of the decisions, [Lin2016] §2 for detection and identification.
+//! References: [Yang2015] §1 for the order of the decisions, [Lin2016] §2 for detection and
+//! identification.
 //!
 //! [Yang2015]: crate#references
 //! [Lin2016]: crate#references
 
-mod accepted;
 mod description;
-mod memory;
+mod validated;
 mod verdict;
+mod workspace;
 
 use heapless::Deque;
 
@@ -32,7 +33,7 @@ use crate::epoch::{Aided, Epoch, EpochView};
 use crate::frame::Ecef;
 use crate::integrity::raim::detection::threshold::policy::Policy;
 use crate::integrity::raim::hypotheses::time_tag::RangeRates;
-use crate::integrity::raim::isolation::exclusion::Outcome;
+use crate::integrity::raim::isolation::exclusion::ExclusionOutcome;
 use crate::integrity::raim::isolation::ransac::Subsets;
 use crate::integrity::raim::levels::Levels;
 use crate::integrity::{Criteria, Judgement, judge};
@@ -45,13 +46,14 @@ use crate::weighting::Ism;
 use crate::weighting::adaptation::Adaptation;
 
 use description::{describe, residuals, suspects};
-use memory::Lesson;
+use workspace::Update;
 
 pub use crate::integrity::{Method, Search};
-pub use accepted::{Accepted, MonitorError};
-pub use memory::{Assessment, Memory};
+pub use validated::{MonitorError, ValidatedRequirements};
+pub use workspace::{EpochOutcome, MonitorWorkspace};
 
-/// Number of epochs over which SSE/dof is averaged: with 10 degrees of freedom the mean is then known to 6 %.
+/// Number of epochs over which SSE/dof is averaged: with 10 degrees of freedom the mean is then
+/// known to 6 %.
 pub const SIGMA_CHECK_WINDOW: usize = 60;
 
 /// Configuration of the monitoring: threshold, method, levels and aiding.
@@ -71,7 +73,8 @@ pub struct Strategy {
 }
 
 impl Strategy {
-    /// The classic threshold, the best exclusion within the work budget, levels that bound, no aiding.
+    /// The classic threshold, the best exclusion within the work budget, levels that bound, no
+    /// aiding.
     pub const DEFAULT: Self = Self { method: Method::Auto, ..Self::CLASSIC };
 
     /// The classic threshold with sequential exclusion, levels that bound, no aiding.
@@ -107,7 +110,7 @@ impl Strategy {
 /// ```
 #[derive(Clone, Debug)]
 pub struct Monitor<T: Real, const N: usize> {
-    accepted: Accepted<T>,
+    validated: ValidatedRequirements<T>,
     strategy: Strategy,
     ism: Ism,
     clocks: Clocks<T>,
@@ -125,15 +128,15 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     /// # Errors
     /// [`MonitorError`] names the requirement that cannot be met.
     pub fn new(requirements: Requirements) -> Result<Self, MonitorError> {
-        Ok(Self::of(Accepted::new(requirements)?))
+        Ok(Self::of(ValidatedRequirements::new(requirements)?))
     }
 
     /// Works like [`Self::new`], from validated requirements.
     #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
     #[inline(always)]
-    pub fn of(accepted: Accepted<T>) -> Self {
+    pub fn of(validated: ValidatedRequirements<T>) -> Self {
         Self {
-            accepted,
+            validated,
             strategy: Strategy::DEFAULT,
             ism: Ism::ICAO,
             clocks: Clocks::new(),
@@ -150,27 +153,28 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     ///
     /// # Errors
     /// As [`Self::new`]; nothing changes then.
-    pub fn require(&mut self, requirements: Requirements) -> Result<(), MonitorError> {
-        self.accepted = Accepted::new(requirements)?;
+    pub fn set_requirements(&mut self, requirements: Requirements) -> Result<(), MonitorError> {
+        self.validated = ValidatedRequirements::new(requirements)?;
         Ok(())
     }
 
     /// Replaces the strategy.
     ///
-    /// A change of clock aiding forgets the clocks. A change of adaptation forgets the residuals, as does one between
-    /// expected sigmas and those of an integrity support message.
+    /// A change of clock aiding forgets the clocks. A change of adaptation forgets the residuals,
+    /// as does one between expected sigmas and those of an integrity support message.
     pub fn set_strategy(&mut self, strategy: Strategy) {
         if strategy.clock_aid != self.strategy.clock_aid {
             self.clocks.restart();
         }
-        let is_weighted_alike = strategy.method.holds_a_promise() == self.strategy.method.holds_a_promise();
+        let is_weighted_alike = strategy.method.uses_ism() == self.strategy.method.uses_ism();
         if strategy.sigma_adapt != self.strategy.sigma_adapt || !is_weighted_alike {
             self.forget_residuals();
         }
         self.strategy = strategy;
     }
 
-    /// Forgets the residuals of the adaptation, because the ranges are now made in another way or come from other satellites.
+    /// Forgets the residuals of the adaptation, because the ranges are now made in another way or
+    /// come from other satellites.
     pub fn forget_residuals(&mut self) {
         self.adaptation.restart();
     }
@@ -192,7 +196,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     /// Judges every epoch independently from now on: without jumps and without recovery.
     ///
     /// Experiments that draw each epoch independently need it.
-    pub fn forgo_continuity(&mut self) {
+    pub fn disable_continuity(&mut self) {
         self.continuity_settings = None;
     }
 
@@ -201,7 +205,8 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         self.continuity.forget();
     }
 
-    /// Restarts the continuity after a gap longer than the time to alert: the next epoch is judged as if it were the first.
+    /// Restarts the continuity after a gap longer than the time to alert: the next epoch is judged
+    /// as if it were the first.
     pub fn interrupt(&mut self) {
         self.continuity.interrupt();
     }
@@ -223,12 +228,12 @@ impl<T: Real, const N: usize> Monitor<T, N> {
 
     /// Returns the requirements.
     pub fn requirements(&self) -> &Requirements {
-        &self.accepted.requirements
+        &self.validated.requirements
     }
 
     /// Returns the validated requirements, with their thresholds and factors.
-    pub fn accepted(&self) -> &Accepted<T> {
-        &self.accepted
+    pub fn validated(&self) -> &ValidatedRequirements<T> {
+        &self.validated
     }
 
     /// Returns the start of the next fix: the last position, or that of [`Self::start_from`].
@@ -246,19 +251,21 @@ impl<T: Real, const N: usize> Monitor<T, N> {
     /// Judges one epoch about [`Self::start`] and learns from it.
     pub fn process(&mut self, epoch: &Epoch<N>) -> Report<N> {
         // Moved out while the monitor is read, and moved back.
-        let mut memory = Memory::new();
+        let mut memory = MonitorWorkspace::new();
         core::mem::swap(&mut memory.scratch.subsets, &mut self.subsets);
         self.judge(epoch, self.start, Search::Anew, None, &mut memory);
         core::mem::swap(&mut memory.scratch.subsets, &mut self.subsets);
-        self.learn(&mut memory.assessment, None);
-        memory.assessment.report
+        self.learn(&mut memory.outcome, None);
+        memory.outcome.report
     }
 
-    /// Judges one epoch whose position is near `start`; with clock aiding, beside the forecast of a receiver clock.
+    /// Judges one epoch whose position is near `start`; with clock aiding, beside the forecast of a
+    /// receiver clock.
     ///
-    /// Writes only to `memory`; a caller with a small stack can keep it in a static. The [`EpochOutcome`] is in it. A caller that
-    /// corrects ranges for the position may judge about several successive points, and learns once, from the last. A caller that
-    /// knows orbits passes `rates`: without them a wrong time tag counts as faulty satellites
+    /// Writes only to `memory`; a caller with a small stack can keep it in a static. The
+    /// [`EpochOutcome`] is in it. A caller that corrects ranges for the position may judge about
+    /// several successive points, and learns once, from the last. A caller that knows orbits passes
+    /// `rates`: without them a wrong time tag counts as faulty satellites
     /// ([`crate::integrity::raim::hypotheses::time_tag`]).
     #[inline(never)]
     pub fn judge<'m>(
@@ -267,33 +274,34 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         start: Ecef,
         search: Search<'_>,
         rates: Option<&RangeRates<'_>>,
-        memory: &'m mut Memory<T, N>,
-    ) -> &'m mut Assessment<N> {
-        let is_aided = self.strategy.clock_aid && self.strategy.method.takes_a_forecast();
+        memory: &'m mut MonitorWorkspace<T, N>,
+    ) -> &'m mut EpochOutcome<N> {
+        let is_aided = self.strategy.clock_aid && self.strategy.method.allows_clock_aiding();
         let forecast = self.clocks.aiding(&epoch.view()).filter(|_| is_aided);
         let scale = self.scale(epoch.time_s());
-        let Memory { workspace, scratch, assessment } = memory;
-        // Judged in place, because a copy would be on the stack below every search.
+        let MonitorWorkspace { workspace, scratch, outcome } = memory;
+        // AraimJudgement in place, because a copy would be on the stack below every search.
         match &mut Fix::about(workspace, Aided::by(epoch, forecast).scaled(scale), start) {
             Ok(fix) => {
                 let clock_row = fix.clock_row();
                 let judgement =
                     judge(fix, &epoch.view(), clock_row, &self.criteria(), search, rates, scratch);
-                self.assess(fix, &epoch.view(), &judgement, assessment);
+                self.assess(fix, &epoch.view(), &judgement, outcome);
             }
-            Err(error) => self.assess_without_position(*error, epoch, assessment),
+            Err(error) => self.assess_without_position(*error, epoch, outcome),
         }
-        assessment
+        outcome
     }
 
-    /// Updates the state from a judged epoch: the start of the next fix, the sigma check, and the clocks. Then makes the
-    /// report's verdict final in the light of the epochs before.
+    /// Updates the state from a judged epoch: the start of the next fix, the sigma check, and the
+    /// clocks. Then makes the report's verdict final in the light of the epochs before.
     ///
-    /// `own_clock_s` is the arrival of the epoch by a clock that no signal can set, if the caller has one.
+    /// `own_clock_s` is the arrival of the epoch by a clock that no signal can set, if the caller
+    /// has one.
     #[inline(never)]
-    pub fn learn(&mut self, assessment: &mut Assessment<N>, own_clock_s: Option<f64>) {
-        self.continue_from(assessment, own_clock_s);
-        let Lesson { time_s, start, ratio, clocks, residuals } = &assessment.lesson;
+    pub fn learn(&mut self, outcome: &mut EpochOutcome<N>, own_clock_s: Option<f64>) {
+        self.continue_from(outcome, own_clock_s);
+        let Update { time_s, start, ratio, clocks, residuals } = &outcome.update;
         if let Some(start) = *start {
             self.start = start;
         }
@@ -311,38 +319,39 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         }
     }
 
-    /// Applies continuity to an epoch. An epoch that loses its protection by it updates no state either.
-    fn continue_from(&mut self, assessment: &mut Assessment<N>, own_clock_s: Option<f64>) {
+    /// Applies continuity to an epoch. An epoch that loses its protection by it updates no state
+    /// either.
+    fn continue_from(&mut self, outcome: &mut EpochOutcome<N>, own_clock_s: Option<f64>) {
         let Some(settings) = &self.continuity_settings else { return };
-        let Assessment { report, lesson, .. } = assessment;
-        report.verdict = self.continuity.conclude(settings, lesson.time_s, own_clock_s, report);
+        let EpochOutcome { report, update, .. } = outcome;
+        report.verdict = self.continuity.conclude(settings, update.time_s, own_clock_s, report);
         match report.verdict {
             Verdict::Alert(Alert::Jump) => {
                 report.protection = None;
-                *lesson = Lesson::none(lesson.time_s);
+                *update = Update::none(update.time_s);
             }
             Verdict::Unavailable(Unavailable::Place) => {
-                *lesson = Lesson::none(lesson.time_s);
+                *update = Update::none(update.time_s);
             }
-            Verdict::Unavailable(Unavailable::Recovering) => lesson.clocks = None,
+            Verdict::Unavailable(Unavailable::Recovering) => update.clocks = None,
             _ => {}
         }
     }
 
     /// Returns the scale on all sigmas while `sigma_adapt` is on.
     ///
-    /// It is at least 1 on sigmas of an integrity support message, because that message covers faults that minutes of
-    /// small residuals have not seen.
+    /// It is at least 1 on sigmas of an integrity support message, because that message covers
+    /// faults that minutes of small residuals have not seen.
     fn scale(&self, time_s: f64) -> Option<f64> {
-        let least = if self.strategy.method.holds_a_promise() { 1.0 } else { 0.0 };
+        let least = if self.strategy.method.uses_ism() { 1.0 } else { 0.0 };
         self.strategy.sigma_adapt.then(|| self.adaptation.scale(time_s).max(least))
     }
 
     fn criteria(&self) -> Criteria<'_, T> {
         Criteria {
-            requirements: &self.accepted.requirements,
-            thresholds: self.accepted.thresholds,
-            factors: &self.accepted.factors,
+            requirements: &self.validated.requirements,
+            thresholds: self.validated.thresholds,
+            factors: &self.validated.factors,
             policy: self.strategy.policy,
             method: self.strategy.method,
             levels: self.strategy.levels,
@@ -358,18 +367,19 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         fix: &Fix<'_, T>,
         epoch: &EpochView<'_>,
         judgement: &Judgement<T>,
-        assessment: &mut Assessment<N>,
+        outcome: &mut EpochOutcome<N>,
     ) {
         let excluded = suspects(judgement, fix, epoch);
         let verdict = self.verdict(judgement, excluded.is_empty());
-        let passed = !matches!(judgement.outcome, Outcome::NotIsolated(_));
-        // Under a policy above T1 a search can fail although its remaining rows pass: such an epoch updates nothing.
+        let passed = !matches!(judgement.outcome, ExclusionOutcome::NotIsolated(_));
+        // Under a policy above T1 a search can fail although its remaining rows pass: such an epoch
+        // updates nothing.
         let test = judgement.test.as_ref().ok().map(|test| test.detection);
         let ratio = test.filter(|test| passed && !test.fault());
         let ratio = ratio.map(|test| (test.sse.widen() / test.dof as f64) as f32);
         let teaches = self.strategy.clock_aid && self.satellites_are_protected(judgement, verdict);
-        let Assessment { report, searched, lesson } = assessment;
-        *lesson = Lesson {
+        let EpochOutcome { report, searched, update } = outcome;
+        *update = Update {
             time_s: epoch.time_s(),
             // A position under an alert is no start of the next fix.
             start: (!matches!(verdict, Verdict::Alert(_))).then(|| fix.position()),
@@ -383,8 +393,8 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         describe(fix, epoch, verdict, judgement, report);
     }
 
-    /// Returns the mean of SSE/dof over the last [`SIGMA_CHECK_WINDOW`] tested epochs, this one included: about 1 if the sigmas are
-    /// right.
+    /// Returns the mean of SSE/dof over the last [`SIGMA_CHECK_WINDOW`] tested epochs, this one
+    /// included: about 1 if the sigmas are right.
     fn sigma_check(&self, latest: Option<f32>) -> Option<f64> {
         let forgotten = usize::from(latest.is_some() && self.ratios.is_full());
         let ratios = || self.ratios.iter().skip(forgotten).copied().chain(latest);
@@ -394,14 +404,14 @@ impl<T: Real, const N: usize> Monitor<T, N> {
 
     /// Writes the outcome of an epoch without a position.
     #[inline(never)]
-    fn assess_without_position(&self, error: FixError, epoch: &Epoch<N>, assessment: &mut Assessment<N>) {
+    fn assess_without_position(&self, error: FixError, epoch: &Epoch<N>, outcome: &mut EpochOutcome<N>) {
         let reason = match error {
             FixError::Snapshot(SnapshotError::Singular) => Unavailable::Geometry,
             FixError::Snapshot(SnapshotError::Insufficient) | FixError::NotConverged => Unavailable::NoFix,
         };
-        assessment.searched = false;
-        assessment.lesson = Lesson::none(epoch.time_s());
-        let report = &mut assessment.report;
+        outcome.searched = false;
+        outcome.update = Update::none(epoch.time_s());
+        let report = &mut outcome.report;
         report.clear();
         report.verdict = Verdict::Unavailable(reason);
         report.tracked = epoch.observations().len() as u8;

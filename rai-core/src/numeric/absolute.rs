@@ -1,14 +1,16 @@
 //! Absolute lengths whose small differences a scalar computes with.
 //!
-//! A range of 26,000 km must be right to a millimetre, twelve digits; its difference to the distance of the satellite
-//! needs seven. The companion of `f64` is a double. The companion of `f32`, on a processor that emulates doubles, is a whole
-//! multiple of 2⁻¹⁴ m: 64-bit integers add exactly, and multiply in five instructions where a double takes seventy.
+//! A range of 26,000 km must be right to a millimetre, twelve digits; its difference to the
+//! distance of the satellite needs seven. The companion of `f64` is a double. The companion of
+//! `f32`, on a processor that emulates doubles, is a whole multiple of 2⁻¹⁴ m: 64-bit integers add
+//! exactly, and multiply in five instructions where a double takes seventy.
 //!
 //! ```text
 //! |v| = D + ρ        D ≈ √(v·v), computed in f32 and then taken as exact        ρ = (v·v − D²) / 2D
 //! ```
 //!
-//! `v·v − D²` is exact: its terms wrap round in 64 bits, their sum does not. The neglected part of `ρ` is `ρ²/2D`.
+//! `v·v − D²` is exact: its terms wrap round in 64 bits, their sum does not. The neglected part of
+//! `ρ` is `ρ²/2D`.
 //!
 //! | symbol | where | unit |
 //! |---|---|---|
@@ -16,8 +18,9 @@
 //! | `D`, rounded | [`Length::rounded`] | m |
 //! | `ρ` | [`Length::rest`] | m, beside `f32` below 8·10⁻⁷ of `D` |
 //!
-//! Beside `f32` a coordinate is rounded by 31 µm at most, and `ρ²/2D` is below 2 µm for a satellite of any navigation
-//! system. Lengths up to [`Grid::LONGEST_M`] are right; longer ones give an unspecified value, without panic.
+//! Beside `f32` a coordinate is rounded by 31 µm at most, and `ρ²/2D` is below 2 µm for a satellite
+//! of any navigation system. Lengths up to [`Grid::LONGEST_M`] are right; longer ones give an
+//! unspecified value, without panic.
 
 use core::fmt::Debug;
 
@@ -36,7 +39,8 @@ pub struct Length<A, T> {
 
 /// A coordinate or a range, m, beside a scalar `T`.
 pub trait Absolute<T>: Copy + Debug + PartialEq {
-    /// Converts a number of metres. NaN, and values beyond all lengths, become the largest or the smallest value.
+    /// Converts a number of metres. NaN, and values beyond all lengths, become the largest or the
+    /// smallest value.
     fn of(metres: f64) -> Self;
     /// Returns the difference to another.
     #[must_use]
@@ -83,7 +87,8 @@ impl Absolute<f64> for f64 {
 pub struct Grid(i64);
 
 impl Grid {
-    /// Longest vector whose length is right, m: twice the largest distance of a satellite or a receiver.
+    /// Longest vector whose length is right, m: twice the largest distance of a satellite or a
+    /// receiver.
     pub const LONGEST_M: f64 = 2e8;
 
     /// Number of binary digits behind the point.
@@ -92,7 +97,8 @@ impl Grid {
     /// Largest number, beyond 10¹¹ m, so that sums of a few do not wrap.
     const LARGEST: i64 = 1 << 51;
 
-    /// Number of binary digits that a coordinate loses so that it fits 32 bits, and the number behind the point that remain.
+    /// Number of binary digits that a coordinate loses so that it fits 32 bits, and the number
+    /// behind the point that remain.
     const COARSER: i32 = 11;
     const COARSE_DIGITS: i32 = Self::DIGITS - Self::COARSER;
     const COARSE_STEP_M: f32 = 1.0 / (1 << Self::COARSE_DIGITS) as f32;
@@ -132,7 +138,8 @@ impl Absolute<f32> for Grid {
 
     fn narrow(self) -> f32 {
         const STEP_M: f32 = 1.0 / (1 << Grid::DIGITS) as f32;
-        // In two words, which the processor converts: below 2³² m both exactly, so that one rounding remains.
+        // In two words, which the processor converts: below 2³² m both exactly, so that one
+        // rounding remains.
         const LOWER: u32 = 22;
         let upper = (self.0 >> LOWER) as i32 as f32 * (1 << LOWER) as f32;
         let lower = (self.0 & ((1 << LOWER) - 1)) as i32 as f32;
@@ -144,7 +151,8 @@ impl Absolute<f32> for Grid {
     }
 
     fn length(coordinates: [Self; 3]) -> Length<Self, f32> {
-        // Half of the digits suffice, because the lower ones are below a nanometre. 2D in the same unit, and both to metres.
+        // Half of the digits suffice, because the lower ones are below a nanometre. 2D in the same
+        // unit, and both to metres.
         const LOWER: u32 = 31;
         const SCALE: f32 = (1_u64 << LOWER) as f32 / (1_u64 << (Grid::DIGITS + Grid::COARSER + 1)) as f32;
         let [x, y, z] = coordinates.map(coarse);

@@ -1,4 +1,5 @@
-//! Comparison of doubles by their bits, because each comparison of two is a call on a processor that emulates doubles.
+//! Comparison of doubles by their bits, because each comparison of two is a call on a processor
+//! that emulates doubles.
 
 use core::ops::RangeInclusive;
 

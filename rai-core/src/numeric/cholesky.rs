@@ -4,8 +4,8 @@
 //! L_ij = (M_ij − Σ_k<j L_ik L_jk) / L_jj        L_jj = √(M_jj − Σ_k<j L_jk²)
 //! ```
 //!
-//! Four rows, as for a position with one clock; a smaller matrix is bordered by ones on its diagonal. nalgebra has the same by
-//! views that can panic and that are compiled for each size.
+//! Four rows, as for a position with one clock; a smaller matrix is bordered by ones on its
+//! diagonal. nalgebra has the same by views that can panic and that are compiled for each size.
 
 use super::real::Real;
 
@@ -22,7 +22,8 @@ pub(crate) type Matrix<T> = [Vector<T>; ORDER];
 pub(crate) struct Cholesky<T>(Matrix<T>);
 
 impl<T: Real> Cholesky<T> {
-    /// Factorises a symmetric matrix, of which the lower triangle is read. Returns `None` if it is not positive definite.
+    /// Factorises a symmetric matrix, of which the lower triangle is read. Returns `None` if it is
+    /// not positive definite.
     pub(crate) fn new(matrix: &Matrix<T>) -> Option<Self> {
         let mut lower = [[T::zero(); ORDER]; ORDER];
         for (i, given) in matrix.iter().enumerate() {
@@ -42,7 +43,7 @@ impl<T: Real> Cholesky<T> {
         Some(Self(lower))
     }
 
-    /// `M⁻¹ b`.
+    /// Returns `M⁻¹ b`.
     pub(crate) fn solve(&self, right_hand_side: &Vector<T>) -> Vector<T> {
         let mut solved = *right_hand_side;
         for (i, row) in self.0.iter().enumerate() {
@@ -58,7 +59,7 @@ impl<T: Real> Cholesky<T> {
         solved
     }
 
-    /// `M⁻¹`.
+    /// Returns `M⁻¹`.
     pub(crate) fn inverse(&self) -> Matrix<T> {
         let mut inverse = [[T::zero(); ORDER]; ORDER];
         for (i, column) in inverse.iter_mut().enumerate() {
@@ -68,19 +69,19 @@ impl<T: Real> Cholesky<T> {
         inverse
     }
 
-    /// `det M`.
+    /// Returns `det M`.
     pub(crate) fn determinant(&self) -> T {
         let root = self.0.iter().enumerate().fold(T::one(), |product, (i, row)| product * entry(row, i));
         root * root
     }
 }
 
-/// `tr M`.
+/// Returns `tr M`.
 pub(crate) fn trace<T: Real>(matrix: &Matrix<T>) -> T {
     matrix.iter().enumerate().fold(T::zero(), |sum, (i, row)| sum + entry(row, i))
 }
 
-/// `M v` of a symmetric matrix, by its columns.
+/// Returns `M v` of a symmetric matrix, by its columns.
 pub(crate) fn product<T: Real>(matrix: &Matrix<T>, vector: &Vector<T>) -> Vector<T> {
     let mut product = [T::zero(); ORDER];
     for (column, &factor) in matrix.iter().zip(vector) {

@@ -11,12 +11,14 @@
 //! | `Q(u)` | [`Tail::probability`] | – |
 //! | `φ(u) = −dQ/du` | [`Tail::density`] | – |
 //!
-//! Protection levels are sums of such tails, of 1e-4 to 1e-9 each, so that the relative error counts. It is below 1e-6 in `f32`
-//! and below 1e-13 in `f64`, from 0.5 down to 1e-30, of both functions.
+//! Protection levels are sums of such tails, of 1e-4 to 1e-9 each, so that the relative error
+//! counts. It is below 1e-6 in `f32` and below 1e-13 in `f64`, from 0.5 down to 1e-30, of both
+//! functions.
 //!
-//! In `f32`, `u²` would lose that: half an ulp of 66 is 4e-6. Therefore `u` is split into twelve leading bits, whose square is
-//! exact, and a rest. `F(u)(u + 3)` is a polynomial in `(u − 3)/(u + 3)` with a relative error of 4e-8. In `f64` it is libm's
-//! `erfc`. The inverse is [Wichura1988] in both, to seven and to sixteen digits.
+//! In `f32`, `u²` would lose that: half an ulp of 66 is 4e-6. Therefore `u` is split into twelve
+//! leading bits, whose square is exact, and a rest. `F(u)(u + 3)` is a polynomial in
+//! `(u − 3)/(u + 3)` with a relative error of 4e-8. In `f64` it is libm's `erfc`. The inverse is
+//! [Wichura1988] in both, to seven and to sixteen digits.
 //!
 //! References: [Wichura1988] (AS 241), [Cody1969] for the split.
 //!
@@ -28,7 +30,8 @@ use super::root::single_inverse;
 
 pub use super::real::Tail;
 
-/// Returns `Q(u)` and `φ(u)` for `u ≥ 0`; below 0 as at 0, and 0.5 for NaN, the largest probability.
+/// Returns `Q(u)` and `φ(u)` for `u ≥ 0`; below 0 as at 0, and 0.5 for NaN, the largest
+/// probability.
 ///
 /// About 50 instructions on a Cortex-M4F in `f32`.
 #[inline]
@@ -51,7 +54,8 @@ pub fn quantile<T: Real>(p: T) -> T {
 /// Largest argument with a normal single `Q`: beyond, it counts as 0, and is 2e-38.
 const SINGLE_END: f32 = 12.875;
 
-/// `F(u)(u + 3)` by powers of `(u − 3)/(u + 3)`, for `u` up to 13.5: fitted to the least relative error.
+/// `F(u)(u + 3)` by powers of `(u − 3)/(u + 3)`, for `u` up to 13.5: fitted to the least relative
+/// error.
 const SCALED: [f32; 9] = [
     0.729_083_66,
     -0.509_332_24,
@@ -108,7 +112,8 @@ pub(super) fn double_tail(u: f64) -> Tail<f64> {
 /// [Wichura1988]: crate#references
 type Quotient<T, const N: usize, const D: usize> = ([T; N], [T; D]);
 
-/// Within 0.425 of one half, by the square of the distance; the others by `√(−ln p)`, up to 5 and beyond.
+/// Within 0.425 of one half, by the square of the distance; the others by `√(−ln p)`, up to 5 and
+/// beyond.
 const SINGLE_CENTRE: Quotient<f32, 4, 4> =
     ([3.387_132_7, 50.434_27, 159.291_13, 59.109_375], [1.0, 17.895_17, 78.757_76, 67.187_56]);
 const SINGLE_TAIL: Quotient<f32, 4, 3> =
@@ -183,7 +188,8 @@ const DOUBLE_FAR: Quotient<f64, 8, 8> = (
     ],
 );
 
-/// Half the width of the central range, whose square it is compared with, and where the far range begins.
+/// Half the width of the central range, whose square it is compared with, and where the far range
+/// begins.
 const CENTRE: f64 = 0.425;
 const FAR: f64 = 5.0;
 

@@ -1,6 +1,7 @@
 //! Precision of the sums and integrals of a distribution, in each scalar.
 //!
-//! [`Real`](super::real::Real) has one as a constant; [`chi_square`](super::chi_square) computes by it.
+//! [`Real`](super::real::Real) has one as a constant; [`chi_square`](super::chi_square) computes by
+//! it.
 
 /// Limits of the sums in one scalar.
 #[derive(Clone, Copy, Debug)]
@@ -39,7 +40,8 @@ pub const DOUBLE: Precision<f64> = Precision {
     ],
 };
 
-/// Precision of `f32`: relative error of the results below 3e-5, at a three-hundredth of the cost of emulated `f64`.
+/// Precision of `f32`: relative error of the results below 3e-5, at a three-hundredth of the cost
+/// of emulated `f64`.
 pub const SINGLE: Precision<f32> = Precision {
     asymptotic: 16.0,
     rounding: 3e-8,

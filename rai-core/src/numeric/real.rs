@@ -1,8 +1,8 @@
 //! The scalar of everything that is linearised: `f32` or `f64`.
 //!
-//! Absolute values (positions, ranges, times) are `f64` everywhere. Small differences, centred on their
-//! constellation's mean, are generic: the Cortex-M4F has `f32` in hardware and emulates `f64` at fifty times the
-//! cost. The constants define "zero" at each precision.
+//! Absolute values (positions, ranges, times) are `f64` everywhere. Small differences, centred on
+//! their constellation's mean, are generic: the Cortex-M4F has `f32` in hardware and emulates `f64`
+//! at fifty times the cost. The constants define "zero" at each precision.
 
 use nalgebra::RealField;
 
@@ -42,11 +42,11 @@ pub trait Real: RealField + Copy {
     fn widen(self) -> f64;
     /// Returns `√x` for `x ≥ 0`, to a few units in the last place.
     #[must_use]
-    fn root(self) -> Self;
+    fn sqrt_approx(self) -> Self;
     /// Returns `1/√x` for `x > 0`, to a few units in the last place.
     #[must_use]
-    fn inverse_root(self) -> Self;
-    /// Sine and cosine of an angle between 0 and π/2.
+    fn inverse_sqrt_approx(self) -> Self;
+    /// Returns sine and cosine of an angle between 0 and π/2.
     #[must_use]
     fn sine_and_cosine(self) -> (Self, Self);
     /// Returns [`tail`](super::normal::tail) for `u ≥ 0`.

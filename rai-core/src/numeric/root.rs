@@ -1,11 +1,13 @@
-//! Roots and inverse roots without a division: 20 instructions, instead of 76 in a software library.
+//! Roots and inverse roots without a division: 20 instructions, instead of 76 in a software
+//! library.
 //!
 //! ```text
 //! y ← y (3 − x y²)/2
 //! ```
 //!
-//! from half the exponent, by which `y` is within 3.5 % of `1/√x`: three steps leave rounding alone. The result is within
-//! 2e-7 of `1/√x`, relatively, and the same on every machine. Roots that must be correctly rounded use libm.
+//! from half the exponent, by which `y` is within 3.5 % of `1/√x`: three steps leave rounding
+//! alone. The result is within 2e-7 of `1/√x`, relatively, and the same on every machine. Roots
+//! that must be correctly rounded use libm.
 //!
 //! Reference: [Lomont2003] for the constant.
 //!

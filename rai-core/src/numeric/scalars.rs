@@ -22,10 +22,10 @@ impl Real for f64 {
     fn widen(self) -> f64 {
         self
     }
-    fn root(self) -> Self {
+    fn sqrt_approx(self) -> Self {
         libm::sqrt(self)
     }
-    fn inverse_root(self) -> Self {
+    fn inverse_sqrt_approx(self) -> Self {
         libm::sqrt(self).recip()
     }
     fn sine_and_cosine(self) -> (Self, Self) {
@@ -46,7 +46,8 @@ impl Real for f32 {
     const UNTESTABLE: Self = 1e-5;
     const UNMOVED: Self = 1e-4;
     const SINGULAR: Self = 2e5;
-    // Accuracy of a w-test: two satellites alone with their clock have equal |w|, and differ by up to 8e-5 here.
+    // Accuracy of a w-test: two satellites alone with their clock have equal |w|, and differ by up
+    // to 8e-5 here.
     const TIE: Self = 1e-3;
     const CHI_SQUARE: Precision<Self> = SINGLE;
 
@@ -57,11 +58,11 @@ impl Real for f32 {
         f64::from(self)
     }
     #[inline]
-    fn root(self) -> Self {
+    fn sqrt_approx(self) -> Self {
         root::single(self)
     }
     #[inline]
-    fn inverse_root(self) -> Self {
+    fn inverse_sqrt_approx(self) -> Self {
         root::single_inverse(self)
     }
     fn sine_and_cosine(self) -> (Self, Self) {

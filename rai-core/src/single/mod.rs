@@ -1,8 +1,8 @@
 //! The core as a microcontroller runs it: in single precision, for 48 satellites.
 //!
-//! Generic code is compiled in the crate that uses it, with that crate's optimisation. These functions are compiled with
-//! this crate instead, so that a firmware that is compiled for size has its integrity compiled for speed, and once. Each
-//! function calls the generic one of its name.
+//! Generic code is compiled in the crate that uses it, with that crate's optimisation. These
+//! functions are compiled with this crate instead, so that a firmware that is compiled for size has
+//! its integrity compiled for speed, and once. Each function calls the generic one of its name.
 
 #[cfg(feature = "stages")]
 pub mod stages;
@@ -13,7 +13,7 @@ use crate::epoch::Epoch;
 use crate::frame::Ecef;
 use crate::integrity::raim::detection::threshold::Thresholds;
 use crate::integrity::raim::hypotheses::time_tag::RangeRates;
-use crate::integrity::raim::levels::Factors;
+use crate::integrity::raim::levels::KFactors;
 use crate::least_squares::{Snapshot, SnapshotError};
 use crate::monitor::Search;
 use crate::report::Report;
@@ -22,14 +22,14 @@ use crate::velocity::{RangeRate, Velocity, VelocityError};
 /// [`crate::monitor::Monitor`] of this instance.
 pub type Monitor = crate::monitor::Monitor<f32, CAPACITY>;
 
-/// [`crate::monitor::Accepted`] of this instance.
-pub type Accepted = crate::monitor::Accepted<f32>;
+/// [`crate::monitor::ValidatedRequirements`] of this instance.
+pub type ValidatedRequirements = crate::monitor::ValidatedRequirements<f32>;
 
-/// [`crate::monitor::Assessment`] of this instance.
-pub type Assessment = crate::monitor::Assessment<CAPACITY>;
+/// [`crate::monitor::EpochOutcome`] of this instance.
+pub type EpochOutcome = crate::monitor::EpochOutcome<CAPACITY>;
 
-/// [`crate::monitor::Memory`] of this instance.
-pub type Memory = crate::monitor::Memory<f32, CAPACITY>;
+/// [`crate::monitor::MonitorWorkspace`] of this instance.
+pub type MonitorWorkspace = crate::monitor::MonitorWorkspace<f32, CAPACITY>;
 
 /// [`crate::least_squares::Workspace`] of this instance.
 pub type Workspace = crate::least_squares::Workspace<f32, CAPACITY>;
@@ -48,8 +48,8 @@ pub fn judge<'m>(
     start: Ecef,
     search: Search<'_>,
     rates: Option<&RangeRates<'_>>,
-    memory: &'m mut Memory,
-) -> &'m mut Assessment {
+    memory: &'m mut MonitorWorkspace,
+) -> &'m mut EpochOutcome {
     monitor.judge(epoch, start, search, rates, memory)
 }
 
@@ -77,7 +77,7 @@ pub fn velocity(
     workspace: &mut Workspace,
     rates: &mut dyn Iterator<Item = RangeRate>,
     thresholds: &Thresholds<'_>,
-    factors: &Factors<f32>,
+    factors: &KFactors<f32>,
 ) -> Result<Velocity, VelocityError> {
     crate::velocity::estimate(workspace, rates, thresholds, factors)
 }

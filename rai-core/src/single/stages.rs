@@ -1,14 +1,17 @@
-//! The stages of this instance one by one, for measurements: as in the shipped image, compiled for speed.
+//! The stages of this instance one by one, for measurements: as in the shipped image, compiled for
+//! speed.
 //!
 //! Each function calls the generic one of its name.
 
-use crate::clock::{CoastingClock, Forecast, Uptake};
-use crate::integrity::araim::{self, Allocation, Judged, Priors, Room, SeparationError};
+use crate::clock::{CoastingClock, Forecast, Observed};
+use crate::integrity::araim::{self, Allocation, AraimError, AraimJudgement, AraimScratch, Priors};
 use crate::integrity::raim::detection::threshold::Thresholds;
-use crate::integrity::raim::detection::threshold::policy::{Demand, NoThreshold, Policy, PolicyThreshold};
+use crate::integrity::raim::detection::threshold::policy::{
+    NoThreshold, Policy, PolicyThreshold, ThresholdProblem,
+};
 use crate::integrity::raim::isolation::baarda;
 use crate::integrity::raim::isolation::exclusion::Exclusion;
-use crate::integrity::raim::isolation::parity::{self, Finding};
+use crate::integrity::raim::isolation::parity::{self, ParityFinding};
 use crate::integrity::raim::isolation::ransac::{self, Selection};
 use crate::integrity::raim::levels::{self, Slopes};
 use crate::least_squares::equations::Row;
@@ -53,8 +56,8 @@ pub fn separate(
     snapshot: &mut Snapshot<'_, f32>,
     priors: &Priors<'_, f32>,
     allocation: &Allocation,
-    room: &mut Room<f32>,
-) -> Result<Judged<f32>, SeparationError> {
+    room: &mut AraimScratch<f32>,
+) -> Result<AraimJudgement<f32>, AraimError> {
     separation::judge_in(snapshot, priors, allocation, room)
 }
 
@@ -64,7 +67,7 @@ pub fn grouping(
     snapshot: &Snapshot<'_, f32>,
     thresholds: &Thresholds<'_>,
     limits: &parity::SearchLimits,
-) -> Finding<f32> {
+) -> ParityFinding<f32> {
     parity::grouping(snapshot, thresholds, limits)
 }
 
@@ -87,7 +90,7 @@ pub fn exclude_by_consensus(
 
 /// Calls [`CoastingClock::observe`].
 #[inline(never)]
-pub fn observe(clock: &mut CoastingClock<f32>, time_s: f64, clock_m: f64, clock_sigma_m: f64) -> Uptake {
+pub fn observe(clock: &mut CoastingClock<f32>, time_s: f64, clock_m: f64, clock_sigma_m: f64) -> Observed {
     clock.observe(time_s, clock_m, clock_sigma_m)
 }
 
@@ -102,6 +105,6 @@ pub fn forecast(clock: &CoastingClock<f32>, time_s: f64) -> Option<Forecast> {
 /// # Errors
 /// As [`ThresholdProblem::threshold`].
 #[inline(never)]
-pub fn threshold(demand: &Demand<'_>, policy: Policy) -> Result<PolicyThreshold, NoThreshold> {
+pub fn threshold(demand: &ThresholdProblem<'_>, policy: Policy) -> Result<PolicyThreshold, NoThreshold> {
     demand.threshold::<f32>(policy)
 }

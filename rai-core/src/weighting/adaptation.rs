@@ -12,16 +12,18 @@
 //! | `χ²_α(ν)` | Wilson and Hilferty's cube of a normal one, accurate to 1e-4 from 600 degrees of freedom on | – |
 //! | `scale` | [`Adaptation::scale`] | – |
 //!
-//! Sums are kept for each of ten minutes. Only epochs that passed their test are learned: if sigmas are so small that
-//! no epoch passes, nothing is learned and the verdict stays an alert. If time goes back, or after a gap of ten minutes, the
-//! sums begin anew.
+//! Sums are kept for each of ten minutes. Only epochs that passed their test are learned: if sigmas
+//! are so small that no epoch passes, nothing is learned and the verdict stays an alert. If time
+//! goes back, or after a gap of ten minutes, the sums begin anew.
 //!
-//! No scaled sigma is below that of the satellite's broadcast orbit and clock together with the residual error of the
-//! ionosphere model ([`Adaptation::sigma_m`]), because an error that stays for minutes leaves residuals that look like others.
-//! For the same reason the monitor allows no scale below 1 on sigmas of an integrity support message.
+//! No scaled sigma is below that of the satellite's broadcast orbit and clock together with the
+//! residual error of the ionosphere model ([`Adaptation::sigma_m`]), because an error that stays
+//! for minutes leaves residuals that look like others. For the same reason the monitor allows no
+//! scale below 1 on sigmas of an integrity support message.
 //!
-//! Assumes that the errors of ten minutes are independent. Multipath that repeats from epoch to epoch counts each time,
-//! and the bound is then tighter than its probability says; therefore the least scale is 0.5.
+//! Assumes that the errors of ten minutes are independent. Multipath that repeats from epoch to
+//! epoch counts each time, and the bound is then tighter than its probability says; therefore the
+//! least scale is 0.5.
 
 use heapless::Deque;
 
@@ -40,7 +42,8 @@ pub const LEAST_DOF: u32 = 600;
 /// Bounds of the scale, dimensionless.
 pub const SCALES: core::ops::RangeInclusive<f64> = 0.5..=3.0;
 
-/// `Q⁻¹(α)` for `α` = 1e-3: the variance factor is larger than its bound in one of a thousand windows.
+/// `Q⁻¹(α)` for `α` = 1e-3: the variance factor is larger than its bound in one of a thousand
+/// windows.
 const CONFIDENCE: f64 = 3.090_232_306_167_813;
 
 /// Sums of one minute.
@@ -123,8 +126,8 @@ impl Adaptation {
 
     /// Returns a scaled sigma, m.
     ///
-    /// It is never below that of the satellite's orbit and clock together with `common_m`, the shared part of the
-    /// error, unless the sigma was below already.
+    /// It is never below that of the satellite's orbit and clock together with `common_m`, the
+    /// shared part of the error, unless the sigma was below already.
     pub fn sigma_m(scale: f64, satellite: SatelliteId, sigma_m: f64, common_m: f32) -> f64 {
         let orbit_m = ephemeris_sigma_m(satellite, 0.0);
         let floor_m = f64::from(libm::sqrtf(orbit_m * orbit_m + common_m * common_m)).min(sigma_m);

@@ -1,14 +1,16 @@
-//! The coasting clock: forecasts of clocks whose law is known, windows with gaps and jumps, hostile input.
+//! The coasting clock: forecasts of clocks whose law is known, windows with gaps and jumps, hostile
+//! input.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing)]
 
 use crate::noise::Noise;
 use proptest::prelude::*;
 use rai_core::clock::{
-    Autoregression, CoastingClock, Forecast, HOLD_OVER_STEPS, INFLATION, MIN_VALUES, Uptake, WINDOW,
+    Autoregression, CoastingClock, Forecast, HOLD_OVER_STEPS, INFLATION, MIN_VALUES, Observed, WINDOW,
 };
 use rai_core::numeric::real::Real;
 
-/// A level of one second, a drift of 300 m/s, and noise of the rate, 1 m each second; measured exactly.
+/// A level of one second, a drift of 300 m/s, and noise of the rate, 1 m each second; measured
+/// exactly.
 fn crystal(seed: u64, values: usize) -> Vec<f64> {
     let mut noise = Noise(seed);
     let mut level_m = 299_792_458.0;
@@ -54,7 +56,8 @@ fn steady_clock_of_a_second_is_continued_exactly_in_both_precisions() {
     steady_clock_is_continued::<f32>();
 }
 
-/// `cos ωt` obeys `1 − 2 cos ω z + z²` forwards and backwards, `(−1)^t` obeys `1 + z`: their sum the product of both.
+/// `cos ωt` obeys `1 − 2 cos ω z + z²` forwards and backwards, `(−1)^t` obeys `1 + z`: their sum
+/// the product of both.
 fn harmonic_process_is_found<T: Real>(tolerance: f64) {
     let omega = core::f64::consts::TAU * 7.0 / 60.0;
     let series: Vec<Option<T>> =
@@ -149,7 +152,7 @@ fn window_continues_after_an_outage_as_if_it_had_been_forecast() {
     let levels_m = crystal(11, WINDOW + 21);
     let mut clock = after::<f64>(&levels_m[..WINDOW]);
     let time_s = (WINDOW + 19) as f64;
-    assert_eq!(clock.observe(time_s, levels_m[WINDOW + 19], 1.0), Uptake::Continued);
+    assert_eq!(clock.observe(time_s, levels_m[WINDOW + 19], 1.0), Observed::Continued);
     let have = clock.forecast(time_s + 1.0).expect("the window goes on");
     assert_eq!(have.steps, 1);
     assert_close(have.value_m, levels_m[WINDOW + 20], 4.0);
@@ -161,7 +164,7 @@ fn window_full_of_gaps_is_not_surer_than_one_without() {
     let (mut thin, mut dense) = (CoastingClock::<f32>::new(), CoastingClock::<f32>::new());
     for (second, level_m) in crystal(13, 240).into_iter().enumerate() {
         if second % 4 < 2 {
-            assert_ne!(thin.observe(second as f64, level_m, 1.0), Uptake::Refused);
+            assert_ne!(thin.observe(second as f64, level_m, 1.0), Observed::Refused);
         }
         // Twelve values, one missing.
         if second % 13 < 12 {
@@ -177,7 +180,7 @@ fn window_full_of_gaps_is_not_surer_than_one_without() {
 fn outage_longer_than_the_hold_over_restarts_the_window() {
     let mut clock = after::<f32>(&crystal(1, WINDOW));
     let time_s = (WINDOW + HOLD_OVER_STEPS) as f64;
-    assert_eq!(clock.observe(time_s, 299_828_000.0, 1.0), Uptake::Restarted);
+    assert_eq!(clock.observe(time_s, 299_828_000.0, 1.0), Observed::Restarted);
     assert_eq!(clock.forecast(time_s + 1.0), None);
 }
 
@@ -187,7 +190,7 @@ fn time_that_goes_back_or_stands_still_restarts_the_window() {
         let levels_m = crystal(1, WINDOW);
         let mut clock = after::<f32>(&levels_m);
         assert_eq!(clock.forecast(time_s), None);
-        assert_eq!(clock.observe(time_s, levels_m[WINDOW - 1], 1.0), Uptake::Restarted, "{time_s} s");
+        assert_eq!(clock.observe(time_s, levels_m[WINDOW - 1], 1.0), Observed::Restarted, "{time_s} s");
     }
 }
 
@@ -196,7 +199,7 @@ fn interval_that_is_no_multiple_of_the_spacing_restarts_the_window() {
     let levels_m = crystal(1, WINDOW);
     let mut clock = after::<f32>(&levels_m);
     assert_eq!(clock.forecast(WINDOW as f64 + 0.5), None);
-    assert_eq!(clock.observe(WINDOW as f64 + 0.5, levels_m[WINDOW - 1] + 450.0, 1.0), Uptake::Restarted);
+    assert_eq!(clock.observe(WINDOW as f64 + 0.5, levels_m[WINDOW - 1] + 450.0, 1.0), Observed::Restarted);
 }
 
 #[test]
@@ -214,7 +217,7 @@ fn window_of_thirty_seconds_between_values_is_as_good() {
     let levels_m = crystal(19, WINDOW);
     let mut clock = CoastingClock::<f64>::new();
     for (index, &level_m) in levels_m.iter().enumerate() {
-        assert_ne!(clock.observe(30.0 * index as f64, level_m, 1.0), Uptake::Refused);
+        assert_ne!(clock.observe(30.0 * index as f64, level_m, 1.0), Observed::Refused);
     }
     let want = after::<f64>(&levels_m).forecast(WINDOW as f64);
     assert_eq!(clock.forecast(30.0 * WINDOW as f64), want);
@@ -228,10 +231,10 @@ fn jump_of_a_millisecond_or_of_a_steering_step_restarts_the_window() {
         let mut levels_m = crystal(23, values + 40);
         let mut clock = after::<f32>(&levels_m[..values]);
         levels_m[values..].iter_mut().for_each(|level_m| *level_m += jump_m);
-        let uptake: Vec<Uptake> =
+        let uptake: Vec<Observed> =
             (values..values + 40).map(|second| clock.observe(second as f64, levels_m[second], 1.0)).collect();
-        assert_eq!(uptake[0], Uptake::Restarted, "{jump_m} m after {values} values");
-        assert!(uptake[1..].iter().all(|&uptake| uptake == Uptake::Continued));
+        assert_eq!(uptake[0], Observed::Restarted, "{jump_m} m after {values} values");
+        assert!(uptake[1..].iter().all(|&uptake| uptake == Observed::Continued));
         let have = clock.forecast((values + 40) as f64).expect("a new window");
         assert_close(have.value_m, levels_m[values + 39] + 300.0, 5.0);
         assert!(have.sigma_predict_m < 2.0, "{} m: the jump is in the window", have.sigma_predict_m);
@@ -252,7 +255,7 @@ fn value_out_of_bounds_changes_nothing() {
         (60.0, 3e8, 1e9),
     ] {
         let mut clock = clock.clone();
-        assert_eq!(clock.observe(time_s, level_m, sigma_m), Uptake::Refused);
+        assert_eq!(clock.observe(time_s, level_m, sigma_m), Observed::Refused);
         assert_eq!(clock.forecast(WINDOW as f64), want);
     }
     assert_eq!(clock.forecast(nan), None);
@@ -287,7 +290,7 @@ proptest! {
         let (mut time_s, mut level_m) = (0.0, 0.0);
         for (elapsed_s, step_m, sigma_m) in observations {
             let (next_s, next_m) = (time_s + elapsed_s, level_m + step_m);
-            if clock.observe(next_s, next_m, sigma_m) != Uptake::Refused {
+            if clock.observe(next_s, next_m, sigma_m) != Observed::Refused {
                 (time_s, level_m) = (next_s, next_m);
             }
             for steps in [1.0, 2.0, 59.0, 61.0] {

@@ -4,9 +4,9 @@
 use nalgebra::Vector3;
 use proptest::prelude::*;
 use rai_core::integrity::raim::detection::threshold::Thresholds;
-use rai_core::integrity::raim::isolation::exclusion::{Exclusion, Outcome, Unidentified};
+use rai_core::integrity::raim::isolation::exclusion::{Exclusion, ExclusionOutcome, Unidentified};
 use rai_core::integrity::raim::isolation::parity::{
-    Finding, Isolation, MAX_SETS, SearchLimits, correlation_threshold, exclude, grouping, hybrid,
+    Isolation, MAX_SETS, ParityFinding, SearchLimits, correlation_threshold, exclude, grouping, hybrid,
     hybrid_without_grouping, sequential, simultaneous,
 };
 use rai_core::least_squares::Snapshot;
@@ -31,7 +31,7 @@ const METHODS: [Isolation; 5] = [
 /// Two more, low.
 const LOW: [(f64, f64); 2] = [(80.0, 10.0), (225.0, 8.0)];
 
-/// Noise of some metres that is nobody's fault.
+/// Noise of some metres, which is not a fault.
 const NOISE_M: [f64; 10] = [1.3, -2.1, 0.4, 3.0, -1.7, 0.9, -0.6, 2.2, -2.8, 1.1];
 
 fn thresholds() -> Thresholds<'static> {
@@ -57,7 +57,7 @@ fn sky<T: Real>(count: usize, biases_m: &[(usize, f64)]) -> Sky<T> {
     solved(epoch).unwrap()
 }
 
-fn named<T: Real>(finding: &Finding<T>) -> Result<Vec<usize>, Unidentified> {
+fn named<T: Real>(finding: &ParityFinding<T>) -> Result<Vec<usize>, Unidentified> {
     let mut rows: Vec<usize> = match &finding.set {
         Ok(removal) => removal.rows().iter().map(|row| row.index).collect(),
         Err(why) => return Err(*why),
@@ -119,7 +119,7 @@ fn nothing_detected_names_nothing() {
     assert!(simultaneous(&sky, &thresholds, &limits).is_empty());
     for method in METHODS {
         let have = exclude(method, &mut copied(&sky), &thresholds, &limits);
-        assert_eq!((rows(&have), have.outcome), (vec![], Outcome::Passed));
+        assert_eq!((rows(&have), have.outcome), (vec![], ExclusionOutcome::Passed));
     }
 }
 
@@ -129,7 +129,7 @@ fn one_fault_is_named_by_every_method_in_both_precisions() {
         for method in METHODS {
             let mut sky = sky::<T>(10, &[(6, 120.0)]);
             let have = exclude(method, &mut sky, &thresholds(), &SearchLimits::published());
-            assert_eq!((rows(&have), have.outcome), (vec![6], Outcome::Isolated), "{method:?}");
+            assert_eq!((rows(&have), have.outcome), (vec![6], ExclusionOutcome::Isolated), "{method:?}");
             assert_eq!(sky.used(), 9);
         }
     }
@@ -142,7 +142,7 @@ fn a_fault_of_a_thousand_kilometres_is_named_in_single_precision() {
     for method in METHODS {
         let have =
             exclude(method, &mut sky::<f32>(10, &[(6, 1e6)]), &thresholds(), &SearchLimits::published());
-        assert_eq!((rows(&have), have.outcome), (vec![6], Outcome::Isolated), "{method:?}");
+        assert_eq!((rows(&have), have.outcome), (vec![6], ExclusionOutcome::Isolated), "{method:?}");
     }
 }
 
@@ -172,12 +172,13 @@ fn three_faults_are_grouped() {
     let mut sky = sky::<f64>(10, &[(0, 150.0), (4, -220.0), (7, 300.0)]);
     let mut have = exclude(Isolation::Grouping, &mut sky, &thresholds(), &SearchLimits::published());
     have.rows.sort_unstable_by_key(|excluded| excluded.index);
-    assert_eq!((rows(&have), have.outcome), (vec![0, 4, 7], Outcome::Isolated));
+    assert_eq!((rows(&have), have.outcome), (vec![0, 4, 7], ExclusionOutcome::Isolated));
 }
 
 #[test]
 fn grouping_finds_what_hides_from_the_sequential_method() {
-    // Two biases that look most like a third row's: the sky is searched for such a pair, the truth is known.
+    // Two biases that look most like a third row's: the sky is searched for such a pair, the truth
+    // is known.
     let (thresholds, limits) = (thresholds(), SearchLimits { rows: 2, ..SearchLimits::published() });
     let mut hidden = 0;
     for first in 0..10 {
@@ -215,7 +216,7 @@ fn without_redundancy_nothing_is_searched() {
     assert_eq!(sky.dof(), 0);
     for method in METHODS {
         let have = exclude(method, &mut copied(&sky), &thresholds(), &SearchLimits::published());
-        assert_eq!(have.outcome, Outcome::NotIsolated(Unidentified::NoRedundancy), "{method:?}");
+        assert_eq!(have.outcome, ExclusionOutcome::NotIsolated(Unidentified::NoRedundancy), "{method:?}");
     }
 }
 
@@ -225,7 +226,7 @@ fn with_one_degree_of_freedom_no_row_can_be_named() {
     assert_eq!(sky.dof(), 1);
     for method in METHODS {
         let have = exclude(method, &mut copied(&sky), &thresholds(), &SearchLimits::published());
-        assert_eq!(have.outcome, Outcome::NotIsolated(Unidentified::NoSet), "{method:?}");
+        assert_eq!(have.outcome, ExclusionOutcome::NotIsolated(Unidentified::NoSet), "{method:?}");
     }
 }
 
@@ -251,7 +252,7 @@ fn the_lone_satellite_of_a_constellation_is_never_named() {
     let sky = solved(epoch).unwrap();
     for method in METHODS {
         let have = exclude(method, &mut copied(&sky), &thresholds(), &SearchLimits::published());
-        assert_eq!((rows(&have), have.outcome), (vec![2], Outcome::Isolated), "{method:?}");
+        assert_eq!((rows(&have), have.outcome), (vec![2], ExclusionOutcome::Isolated), "{method:?}");
     }
 }
 
@@ -267,7 +268,7 @@ proptest! {
             let mut sky = sky::<f32>(count, &biases_m);
             let have = exclude(method, &mut sky, &thresholds(), &SearchLimits::published());
             let passes = thresholds().tau1(sky.dof()).is_some_and(|tau1| f64::from(sky.sse()) < tau1);
-            let isolated = matches!(have.outcome, Outcome::Isolated | Outcome::Passed);
+            let isolated = matches!(have.outcome, ExclusionOutcome::Isolated | ExclusionOutcome::Passed);
             prop_assert_eq!(isolated, passes);
             prop_assert_eq!(sky.used() + have.rows.len(), count);
         }

@@ -1,4 +1,5 @@
-//! Threshold policies and the χ² inverses below them: against 50-digit tables, closed forms and each other.
+//! Threshold policies and the χ² inverses below them: against 50-digit tables, closed forms and
+//! each other.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing, clippy::float_cmp)]
 
 use std::path::Path;
@@ -6,10 +7,10 @@ use std::path::Path;
 use proptest::prelude::*;
 use rai_core::integrity::raim::detection::threshold::Thresholds;
 use rai_core::integrity::raim::detection::threshold::policy::{
-    Decision, Demand, NoThreshold, Policy, Status, Weights, range_threshold_m,
+    Decision, NoThreshold, Policy, Status, ThresholdProblem, Weights, range_threshold_m,
 };
 use rai_core::integrity::raim::levels::noncentrality_at;
-use rai_core::integrity::raim::levels::{Exposure, Slopes};
+use rai_core::integrity::raim::levels::{LevelInputs, Slopes};
 use rai_core::numeric::chi_square::{ChiSquare, LARGEST};
 use rai_core::numeric::probability::Probability;
 use rai_core::numeric::real::Real;
@@ -26,11 +27,11 @@ fn chi_square<T: Real>(dof: f64) -> ChiSquare<T> {
     ChiSquare::new(dof as usize).expect("a number of degrees of freedom within the tables")
 }
 
-fn demand(dof: usize, noncentrality: f64, false_alarm: f64, missed: f64) -> Demand<'static> {
+fn demand(dof: usize, noncentrality: f64, false_alarm: f64, missed: f64) -> ThresholdProblem<'static> {
     let missed_detection = probability(missed);
     let thresholds =
         Thresholds::from_tables(probability(false_alarm), missed_detection).expect("in the tables");
-    Demand { dof, noncentrality, thresholds, missed_detection, weights: Weights::EQUAL }
+    ThresholdProblem { dof, noncentrality, thresholds, missed_detection, weights: Weights::EQUAL }
 }
 
 fn assert_close(have: f64, want: f64, relative: f64, case: &str) {
@@ -48,7 +49,7 @@ fn gold<const N: usize>(table: &str) -> Vec<[f64; N]> {
     text.lines().skip(1).map(row).collect()
 }
 
-/// Prints the worst relative error over all rows, and holds it against what is declared.
+/// Prints the worst relative error over all rows, and compares it with the declared one.
 fn compare<const N: usize>(
     name: &str,
     rows: &[[f64; N]],
@@ -281,8 +282,8 @@ fn a_crossing_outside_the_bounds_is_held_at_them() {
 #[test]
 fn costlier_false_alarms_raise_the_optimal_threshold() {
     let equal = demand(6, 400.0, 3.33e-7, 1e-3);
-    let weighted = Demand { weights: Weights::new(1e4, 1.0).expect("weights"), ..equal };
-    let tau = |demand: Demand| demand.threshold::<f64>(Policy::TOp).map(|threshold| threshold.tau);
+    let weighted = ThresholdProblem { weights: Weights::new(1e4, 1.0).expect("weights"), ..equal };
+    let tau = |demand: ThresholdProblem| demand.threshold::<f64>(Policy::TOp).map(|threshold| threshold.tau);
     assert!(tau(equal).expect("available") < tau(weighted).expect("available"));
     for (false_alarm, missed) in [(0.0, 1.0), (-1.0, -1.0), (1.0, 0.0), (f64::NAN, 1.0), (f64::INFINITY, 1.0)]
     {
@@ -311,21 +312,22 @@ fn vertical_limit_counts_where_it_is_set() {
     let largest = Slopes { horizontal: 1.0, vertical: 4.0 };
     let rows = demand(4, 0.0, 3.33e-7, 1e-3).thresholds;
     let noncentrality = |requirements: &Requirements| {
-        Demand::new(4, &Exposure::to_faults(largest), requirements, rows).noncentrality
+        ThresholdProblem::new(4, &LevelInputs::to_faults(largest), requirements, rows).noncentrality
     };
     let horizontal_only = Requirements { val_m: None, ..Requirements::lpv200() };
     assert_eq!(noncentrality(&horizontal_only), (0.95_f64 * 40.0).powi(2));
     assert_eq!(noncentrality(&Requirements::lpv200()), (0.95_f64 * 35.0 / 4.0).powi(2));
 }
 
-/// Degrees of freedom, logarithm of the non-centrality, false alarm and missed detection of the tables.
-fn any_demand() -> impl Strategy<Value = Demand<'static>> {
+/// Degrees of freedom, logarithm of the non-centrality, false alarm and missed detection of the
+/// tables.
+fn any_demand() -> impl Strategy<Value = ThresholdProblem<'static>> {
     let tail = |tails: &'static [f64]| prop::sample::select(tails);
     (1_usize..=60, -1.0..7.0_f64, tail(&[1e-3, 1e-4, 1e-5, 3.33e-7, 1e-8]), tail(&[1e-3, 1e-4, 1e-5, 1e-6]))
         .prop_map(|(dof, decades, alarm, missed)| demand(dof, 10_f64.powf(decades), alarm, missed))
 }
 
-fn assert_policies_agree<T: Real>(demand: &Demand, relative: f64) {
+fn assert_policies_agree<T: Real>(demand: &ThresholdProblem, relative: f64) {
     let decision = demand.decide::<T>().expect("redundancy");
     let threshold = |policy| demand.threshold::<T>(policy);
     let classic = threshold(Policy::T1).expect("redundancy");
@@ -352,7 +354,8 @@ proptest! {
         let missed = demand.missed_detection;
         let (double, single) = (chi_square::<f64>(demand.dof as f64), chi_square::<f32>(demand.dof as f64));
         prop_assert!(double.quantile(missed, demand.noncentrality) < double.quantile(missed, greater));
-        // In single precision where the increase is above what is declared: the tail of ν ≫ δ hardly moves.
+        // In single precision where the increase is above what is declared: the tail of ν ≫ δ
+        // hardly moves.
         if demand.noncentrality > demand.dof as f64 {
             prop_assert!(single.quantile(missed, demand.noncentrality) < single.quantile(missed, greater));
         }

@@ -4,7 +4,7 @@
 use nalgebra::Vector3;
 use proptest::prelude::*;
 use rai_core::integrity::raim::detection::threshold::Thresholds;
-use rai_core::integrity::raim::isolation::exclusion::Outcome;
+use rai_core::integrity::raim::isolation::exclusion::ExclusionOutcome;
 use rai_core::integrity::raim::isolation::ransac::{
     ConsensusLimits, MAX_SUBSETS, MAX_WORK, NoConsensus, Selection, consensus, exclude, refine,
 };
@@ -146,7 +146,7 @@ proptest! {
         let mut solution = solved(epoch).unwrap();
         let have = exclude(&mut solution, &selection, &thresholds(), &ConsensusLimits::published().unwrap());
         let passes = thresholds().tau1(solution.dof()).is_some_and(|tau1| f64::from(solution.sse()) < tau1);
-        if matches!(have.outcome, Outcome::Isolated | Outcome::Passed) {
+        if matches!(have.outcome, ExclusionOutcome::Isolated | ExclusionOutcome::Passed) {
             prop_assert!(passes);
         }
         prop_assert_eq!(solution.used() + have.rows.len(), count);
@@ -162,7 +162,7 @@ fn three_faults_among_twenty_are_named_in_both_precisions() {
         let have = exclude(&mut solution, &selection, &thresholds(), &ConsensusLimits::published().unwrap());
         let mut rows: Vec<usize> = have.rows.iter().map(|excluded| excluded.index).collect();
         rows.sort_unstable();
-        assert_eq!((rows, have.outcome), (vec![3, 8, 17], Outcome::Isolated));
+        assert_eq!((rows, have.outcome), (vec![3, 8, 17], ExclusionOutcome::Isolated));
         assert_eq!(solution.used(), 17);
     }
     check::<f64>();
@@ -189,7 +189,7 @@ fn too_few_satellites_fall_back_to_sequential_exclusion() {
     assert_eq!(consensus(epoch.rows(), &selection, &limits), Err(NoConsensus::TooFewSubsets));
     let mut solution = solved(epoch).unwrap();
     let have = exclude(&mut solution, &selection, &thresholds(), &limits);
-    assert_eq!((have.rows[0].index, have.outcome), (4, Outcome::Isolated));
+    assert_eq!((have.rows[0].index, have.outcome), (4, ExclusionOutcome::Isolated));
 }
 
 #[test]

@@ -1,4 +1,5 @@
-//! ARAIM behind the monitor: skies whose truth is known by construction, one satellite or a whole constellation wrong.
+//! ARAIM behind the monitor: skies whose truth is known by construction, one satellite or a whole
+//! constellation wrong.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing)]
 
@@ -33,7 +34,7 @@ fn visible(constellations: &[Constellation], count: usize) -> Vec<Observation> {
 
 fn monitor(requirements: Requirements) -> Monitor<f32, CAPACITY> {
     let mut monitor = Monitor::new(requirements).unwrap();
-    monitor.set_strategy(Pursuit { method: Method::Separation, ..Pursuit::CLASSIC });
+    monitor.set_strategy(Pursuit { method: Method::Araim, ..Pursuit::CLASSIC });
     monitor.set_ism(Ism::RESEARCH);
     monitor
 }
@@ -54,12 +55,36 @@ fn lpv() -> Requirements {
 fn two_healthy_constellations_are_protected_and_say_what_makes_the_levels() {
     let report = judge(lpv(), &visible(&[Gps, Galileo], 10));
     assert_eq!(report.verdict, Verdict::Protected(Protected::Ok), "{:?}", report.protection);
-    let separation = report.separation.unwrap();
+    let separation = report.araim.unwrap();
     assert!(separation.modes >= 21 && separation.share < 0.05, "{separation:?}");
     // Galileo as a whole is the likeliest fault, and leaves the fewest satellites.
     assert_eq!(separation.vertical.constellations, 1 << Galileo as u8, "{separation:?}");
     let test = report.test.unwrap();
     assert!(test.statistic < 0.01 && (test.threshold - 1.0).abs() < 1e-9, "{test:?}");
+}
+
+#[test]
+fn each_limit_that_fails_is_the_reason() {
+    let sky = visible(&[Gps, Galileo], 10);
+    let report = judge(lpv(), &sky);
+    let (araim, levels) = (report.araim.unwrap(), report.protection.unwrap());
+    let with = |val_m: f64, emt_m: f64, accuracy_m: f64| {
+        let mut requirements = Requirements { val_m: Some(val_m), ..lpv() };
+        requirements.allocation.emt_limit_m = Some(emt_m);
+        requirements.allocation.accuracy_limit_m = Some(accuracy_m);
+        judge(requirements, &sky).verdict
+    };
+    let (emt_m, accuracy_m) = (araim.effective_monitor_threshold_m, araim.accuracy_m);
+    let (above, below) = (1.001, 0.999);
+    let ok = with(levels.vpl_m * above, emt_m * above, accuracy_m * above);
+    assert_eq!(ok, Verdict::Protected(Protected::Ok), "VPL {}, {araim:?}", levels.vpl_m);
+    let have = with(levels.vpl_m * above, emt_m * below, accuracy_m * above);
+    assert_eq!(have, Verdict::Unavailable(Unavailable::Emt));
+    let have = with(levels.vpl_m * above, emt_m * above, accuracy_m * below);
+    assert_eq!(have, Verdict::Unavailable(Unavailable::Accuracy));
+    // A level beyond its limit is named first.
+    let have = with(levels.vpl_m * below, emt_m * below, accuracy_m * below);
+    assert_eq!(have, Verdict::Unavailable(Unavailable::Vpl));
 }
 
 #[test]
@@ -124,7 +149,7 @@ fn with_three_constellations_the_shifted_one_is_left_out_as_a_whole() {
         seen.range_m -= 80.0 * elevation.to_radians().sin();
     }
     let report = judge(Requirements::non_precision_approach(), &sky);
-    let lost = report.separation.map(|separation| separation.excluded_constellations);
+    let lost = report.araim.map(|separation| separation.excluded_constellations);
     assert_eq!(lost, Some(1 << Galileo as u8), "{:?}", report.verdict);
     assert_eq!(report.used.len(), 18);
     assert!(report.solution.unwrap().position.distance_m(receiver()) < 0.1);
@@ -140,7 +165,7 @@ fn a_constellation_alone_that_may_fail_as_a_whole_has_no_level() {
 fn without_redundancy_nothing_is_promised() {
     let report = judge(lpv(), &visible(&[Gps], 4));
     assert_eq!(report.verdict, Verdict::Unavailable(Unavailable::Redundancy));
-    assert!(report.separation.is_none());
+    assert!(report.araim.is_none());
 }
 
 #[test]
@@ -152,7 +177,7 @@ fn two_faults_of_one_epoch_that_cannot_be_told_alarm() {
     assert_eq!(report.verdict, Verdict::Alert(Alert::Fault));
 }
 
-/// Whom nobody watches shows in the residuals alone.
+/// An unmonitored fault shows in the residuals alone.
 #[test]
 fn fault_that_is_promised_never_to_happen_is_an_alert_of_the_global_test() {
     let mut ism = Ism::RESEARCH;
@@ -185,8 +210,8 @@ fn a_promise_that_is_no_number_changes_nothing() {
 }
 
 proptest! {
-    /// Whatever the ranges, sigmas and constellations: no level is a number that means nothing, and what is called good
-    /// has levels within the limits.
+    /// For all ranges, sigmas and constellations: no level is NaN, and a protected position has
+    /// levels within the limits.
     #[test]
     fn levels_are_numbers_and_hold_the_limits(
         seen in prop::collection::vec((0usize..4, 0.0..360.0f64, 5.0..90.0f64, -200.0..200.0f64, 0.1..20.0f64), 0..45),
@@ -207,12 +232,12 @@ proptest! {
             prop_assert!(!levels.hpl_m.is_nan() && !levels.vpl_m.is_nan(), "{levels:?}");
             if matches!(report.verdict, Verdict::Protected(_)) {
                 prop_assert!(levels.hpl_m <= 40.0 && levels.vpl_m <= 35.0, "{levels:?}");
-                let separation = report.separation.expect("a judgement");
+                let separation = report.araim.expect("a judgement");
                 prop_assert!(separation.effective_monitor_threshold_m <= 15.0 && separation.accuracy_m <= 1.87);
             }
         }
-        if let Some(separation) = report.separation {
-            prop_assert!(separation.not_watched >= 0.0 && separation.ratio >= 0.0, "{separation:?}");
+        if let Some(separation) = report.araim {
+            prop_assert!(separation.unmonitored_probability >= 0.0 && separation.ratio >= 0.0, "{separation:?}");
         }
     }
 }

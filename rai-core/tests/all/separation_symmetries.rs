@@ -1,15 +1,17 @@
-//! What the separation of solutions must not depend on: the order of the rows, the direction of north, the way in which a
-//! satellite came to be missing.
+//! Invariances of solution separation: the order of the rows, the direction of north, the way in
+//! which a satellite is missing.
 //!
-//! Priors are such that single satellites and constellations are watched and nothing else is: two events at once are
-//! rarer than what may go unwatched. `P_nm` is then the probability of two events and more, which is summed up here from
-//! elementary symmetric sums.
+//! Priors are such that single satellites and constellations are monitored and no other mode is,
+//! because two events at once are rarer than the allowed unmonitored probability. `P_nm` is then
+//! the probability of two events and more, which is summed up here from elementary symmetric sums.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing)]
 
 use nalgebra::Vector3;
 use proptest::prelude::*;
-use rai_core::integrity::araim::{Allocation, Finding, Judged, Outcome, Prior, Priors, ROWS, judge};
+use rai_core::integrity::araim::{
+    Allocation, AraimJudgement, AraimOutcome, Finding, Prior, Priors, ROWS, judge,
+};
 use rai_core::least_squares::equations::LinearEpoch;
 use rai_core::least_squares::{Snapshot, Workspace};
 use rai_core::numeric::real::Real;
@@ -71,19 +73,19 @@ fn priors<T: Real>(sky: &[Sighted]) -> Vec<Prior<T>> {
     sky.iter().map(prior).collect()
 }
 
-fn judged<T: Real>(snapshot: &mut Snapshot<'_, T>, sky: &[Sighted]) -> Judged<T> {
+fn judged<T: Real>(snapshot: &mut Snapshot<'_, T>, sky: &[Sighted]) -> AraimJudgement<T> {
     let constellations = [T::narrow(CONSTELLATION); Constellation::COUNT];
     judge(snapshot, &Priors { satellites: &priors(sky), constellations }, &allocation()).unwrap()
 }
 
-/// Of geometries that determine a position well enough to compare roundings.
-fn solved(sky: &[Sighted], turned: f64) -> Option<Judged<f64>> {
+/// Solutions of geometries that determine a position well enough to compare roundings.
+fn solved(sky: &[Sighted], turned: f64) -> Option<AraimJudgement<f64>> {
     let mut workspace = Workspace::of(epoch(sky, turned));
     let mut snapshot = workspace.solve().ok()?;
     Some(judged(&mut snapshot, sky))
 }
 
-/// Whether two numbers are the same but for rounding; infinities are.
+/// Returns true if two numbers are the same but for rounding; infinities are.
 fn same(have: f64, want: f64, within: f64) -> bool {
     have.to_bits() == want.to_bits() || (have - want).abs() <= within * want.abs()
 }
@@ -92,7 +94,7 @@ fn assert_same(have: &Finding<f64>, want: &Finding<f64>, within: f64) -> Result<
     prop_assert_eq!(have.modes, want.modes);
     prop_assert_eq!(have.alarm, want.alarm);
     let pairs = [
-        (have.not_watched, want.not_watched),
+        (have.unmonitored_probability, want.unmonitored_probability),
         (have.hpl_m(), want.hpl_m()),
         (have.vpl_m(), want.vpl_m()),
         (have.effective_monitor_threshold_m, want.effective_monitor_threshold_m),
@@ -141,7 +143,8 @@ proptest! {
         prop_assert_eq!(have.options, want.options);
     }
 
-    /// A quarter turn changes the names of east and north; any other turn leaves the height as it is.
+    /// A quarter turn changes the names of east and north; any other turn leaves the height as it
+    /// is.
     #[test]
     fn the_direction_of_north_means_nothing(sky in sky(), turned in 0.0..std::f64::consts::TAU) {
         let Some(want) = solved(&sky, 0.0) else { return Ok(()) };
@@ -156,7 +159,7 @@ proptest! {
         prop_assert_eq!(any.whole.modes, want.whole.modes);
     }
 
-    /// `P_nm` is that of what is there: left out of a solution, or never in it.
+    /// `P_nm` is that of the existing satellites: left out of a solution, or never in it.
     #[test]
     fn a_satellite_that_is_left_out_is_as_one_that_never_was(sky in sky(), choice in any::<prop::sample::Index>()) {
         let gone = choice.index(sky.len());
@@ -171,31 +174,33 @@ proptest! {
         let Some(want) = solved(&rest, 0.0) else { return Ok(()) };
         assert_same(&have.whole, &want.whole, 1e-6)?;
         prop_assert_eq!(have.options, want.options);
-        // Every single and every constellation is watched; where geometry forbids one, its probability is added.
+        // Every single and every constellation is monitored; if geometry forbids one, its
+        // probability is added.
         let least = two_and_more(&rest);
-        prop_assert!(have.whole.not_watched >= least * (1.0 - 1e-9), "{} < {}", have.whole.not_watched, least);
+        prop_assert!(have.whole.unmonitored_probability >= least * (1.0 - 1e-9), "{} < {}", have.whole.unmonitored_probability, least);
         let events = rest.len() + 2;
         if have.whole.modes == events {
-            prop_assert!(same(have.whole.not_watched, least, 1e-6), "{} {}", have.whole.not_watched, least);
+            prop_assert!(same(have.whole.unmonitored_probability, least, 1e-6), "{} {}", have.whole.unmonitored_probability, least);
         }
     }
 
-    /// Whatever is wrong: what is said after an exclusion has lost no probability, and is of the others.
+    /// For any fault: a finding after an exclusion has lost no probability, and belongs to the
+    /// others.
     #[test]
     fn an_exclusion_loses_no_probability(sky in sky(), choice in any::<prop::sample::Index>(), size_m in -500.0..500.0f64) {
         let mut sky = sky;
         let faulty = choice.index(sky.len());
         sky[faulty].residual_m += size_m;
         let Some(judged) = solved(&sky, 0.0) else { return Ok(()) };
-        prop_assert_eq!(judged.outcome == Outcome::Passed, !judged.whole.alarm);
-        if let Outcome::Excluded { rows, finding, .. } = judged.outcome {
+        prop_assert_eq!(judged.outcome == AraimOutcome::Passed, !judged.whole.alarm);
+        if let AraimOutcome::Excluded { rows, finding, .. } = judged.outcome {
             prop_assert!(rows != 0 && rows >> sky.len() == 0);
-            prop_assert!(finding.not_watched >= judged.whole.not_watched);
+            prop_assert!(finding.unmonitored_probability >= judged.whole.unmonitored_probability);
             prop_assert!(!finding.alarm && finding.modes <= judged.whole.modes);
         }
     }
 
-    /// However poor the geometry and however large the numbers, in both scalars.
+    /// For any geometry and any magnitude, in both scalars.
     #[test]
     fn no_number_is_none(
         sky in prop::collection::vec(
@@ -229,12 +234,12 @@ fn check_numbers<T: Real>(sky: &[Sighted]) -> Result<(), TestCaseError> {
     let priors = Priors { satellites: &priors(sky), constellations };
     let Ok(judged) = judge(&mut snapshot, &priors, &allocation()) else { return Ok(()) };
     let excluded = match &judged.outcome {
-        Outcome::Excluded { finding, .. } => Some(finding),
-        Outcome::Passed | Outcome::NotIsolated => None,
+        AraimOutcome::Excluded { finding, .. } => Some(finding),
+        AraimOutcome::Passed | AraimOutcome::NotIsolated => None,
     };
     for finding in [Some(&judged.whole), excluded].into_iter().flatten() {
         let numbers = [
-            finding.not_watched,
+            finding.unmonitored_probability,
             finding.hpl_m(),
             finding.vpl_m(),
             finding.effective_monitor_threshold_m,

@@ -1,4 +1,4 @@
-//! A wrong time of all ranges, told from wrong satellites.
+//! A wrong time of all ranges, distinguished from faulty satellites.
 #![allow(clippy::unwrap_used, clippy::indexing_slicing)]
 
 use rai_core::epoch::{Epoch, Observation};
@@ -6,7 +6,7 @@ use rai_core::frame::LocalFrame;
 use rai_core::integrity::raim::detection::threshold::policy::Policy;
 use rai_core::integrity::raim::hypotheses::time_tag::RangeRates;
 use rai_core::integrity::raim::isolation::parity::Isolation;
-use rai_core::monitor::{Memory, Method, Monitor, Search, Strategy};
+use rai_core::monitor::{Method, Monitor, MonitorWorkspace, Search, Strategy};
 use rai_core::report::{Alert, Protected, Report, Verdict};
 use rai_core::requirements::Requirements;
 use rai_core::satellite::{Constellation, SatelliteId};
@@ -15,7 +15,7 @@ use crate::sky::{observe, receiver, satellite};
 
 const CAPACITY: usize = 16;
 
-/// Where satellites stand, azimuth and elevation in degrees, and how fast their ranges grow, m/s.
+/// Azimuth and elevation of satellites in degrees, with their range rates, m/s.
 const SATELLITES: [((f64, f64), f32); 12] = [
     ((10.0, 75.0), -120.0),
     ((50.0, 20.0), 640.0),
@@ -36,14 +36,14 @@ const METHODS: [Method; 5] = [
     Method::Baarda,
     Method::Parity(Isolation::Hybrid),
     Method::Parity(Isolation::Grouping),
-    Method::Separation,
+    Method::Araim,
 ];
 
 fn rate_m_s(id: SatelliteId) -> Option<f32> {
     SATELLITES.get(usize::from(id.number()).checked_sub(1)?).map(|(_, rate_m_s)| *rate_m_s)
 }
 
-/// All of them, tagged late by `late_s`: where they then were differs from where the signals left by their way of that time.
+/// All of them, tagged late by `late_s`: the satellites have moved since the signals left.
 fn tagged(late_s: f64) -> Vec<Observation> {
     let numbered = (1..).zip(SATELLITES);
     numbered
@@ -67,7 +67,7 @@ fn judge(
     }
     let mut monitor = Monitor::<f32, CAPACITY>::new(requirements).unwrap();
     monitor.set_strategy(strategy);
-    let mut memory = Memory::new();
+    let mut memory = MonitorWorkspace::new();
     monitor.judge(&epoch, receiver(), Search::Anew, rates, &mut memory).report.clone()
 }
 
@@ -149,7 +149,7 @@ fn rates_that_are_unknown_or_no_numbers_leave_what_is_said_without_them() {
     }
 }
 
-/// Rates of which a movement to the east explains most, as it does where most satellites rise on one side.
+/// Rates that a movement to the east mostly explains, as if most satellites rise on one side.
 fn eastward_m_s(id: SatelliteId) -> Option<f32> {
     let index = usize::from(id.number()).checked_sub(1)?;
     let ((azimuth_deg, elevation_deg), rate_m_s) = SATELLITES.get(index)?;

@@ -4,7 +4,7 @@ use rai_core::epoch::{Epoch, Observation};
 use rai_core::frame::Ecef;
 use rai_core::monitor::{MonitorError, Search};
 use rai_core::satellite::SatelliteId;
-use rai_core::single::{self, CAPACITY, Memory, Monitor};
+use rai_core::single::{self, CAPACITY, Monitor, MonitorWorkspace};
 
 use crate::pointer::{Object, can_give, give, slice, status_of, take};
 use crate::settings::{rai_settings_t, refusal_of};
@@ -28,7 +28,7 @@ type Stored = Object<Watch, 1>;
 struct Watch {
     /// As it was made, or was not: to take it out of the result would lay it out on the stack.
     made: Result<Monitor, MonitorError>,
-    memory: Memory,
+    memory: MonitorWorkspace,
     epoch: Epoch<CAPACITY>,
 }
 
@@ -101,7 +101,7 @@ pub unsafe extern "C" fn rai_monitor_init(
             room.fill(
                 |watch: *mut Watch| {
                     (&raw mut (*watch).made).write(Monitor::new(requirements));
-                    (&raw mut (*watch).memory).write(Memory::new());
+                    (&raw mut (*watch).memory).write(MonitorWorkspace::new());
                     (&raw mut (*watch).epoch).write(Epoch::new(0.0));
                 },
                 |watch| configure(watch.monitor()?, &settings),
@@ -133,7 +133,7 @@ pub unsafe extern "C" fn rai_monitor_configure(
 fn configure(monitor: &mut Monitor, settings: &rai_settings_t) -> Result<(), rai_status_t> {
     // All is read before anything is changed.
     let (strategy, continuity) = (settings.strategy()?, settings.continuity()?);
-    monitor.require(settings.requirements()?).map_err(refusal_of)?;
+    monitor.set_requirements(settings.requirements()?).map_err(refusal_of)?;
     monitor.set_strategy(strategy);
     monitor.set_continuity(continuity).map_err(|_| RAI_STATUS_SETTING)
 }

@@ -185,9 +185,9 @@ impl rai_settings_t {
             recovery,
         };
         settings.validate().map_err(|error| match error {
-            ContinuityError::Speed => RAI_STATUS_SPEED,
-            ContinuityError::Height => RAI_STATUS_HEIGHT,
-            ContinuityError::Recovery => RAI_STATUS_RECOVERY,
+            ContinuityError::Speed { .. } => RAI_STATUS_SPEED,
+            ContinuityError::Height { .. } => RAI_STATUS_HEIGHT,
+            ContinuityError::Recovery { .. } => RAI_STATUS_RECOVERY,
         })
     }
 
@@ -214,7 +214,7 @@ impl rai_settings_t {
                 #[cfg(feature = "searches")]
                 RAI_METHOD_RANSAC => Method::Ransac,
                 #[cfg(feature = "araim")]
-                RAI_METHOD_SEPARATION => Method::Separation,
+                RAI_METHOD_SEPARATION => Method::Araim,
                 _ => return Err(RAI_STATUS_METHOD),
             },
             levels: match self.levels {
@@ -232,8 +232,8 @@ impl rai_settings_t {
 /// What a core's refusal of the requirements is called here.
 pub(crate) fn refusal_of(error: MonitorError) -> rai_status_t {
     match error {
-        MonitorError::Requirements(RequirementsError::HorizontalAlertLimit) => RAI_STATUS_HAL,
-        MonitorError::Requirements(RequirementsError::VerticalAlertLimit) => RAI_STATUS_VAL,
+        MonitorError::Requirements(RequirementsError::HorizontalAlertLimit(_)) => RAI_STATUS_HAL,
+        MonitorError::Requirements(RequirementsError::VerticalAlertLimit(_)) => RAI_STATUS_VAL,
         MonitorError::Requirements(_) => RAI_STATUS_SETTING,
         MonitorError::Threshold(ThresholdError::FalseAlarm { .. }) => RAI_STATUS_FALSE_ALARM,
         MonitorError::Threshold(ThresholdError::MissedDetection { .. }) => RAI_STATUS_MISSED_DETECTION,

@@ -101,9 +101,9 @@ pub extern "C" fn rai_status_text(status: rai_status_t) -> *const c_char {
 /// What a core's refusal of one range is called here.
 pub(crate) fn of_refused_range(error: EpochError) -> rai_status_t {
     match error {
-        EpochError::Range => RAI_STATUS_RANGE,
-        EpochError::Position => RAI_STATUS_POSITION,
-        EpochError::Sigma => RAI_STATUS_SIGMA,
+        EpochError::Range { .. } => RAI_STATUS_RANGE,
+        EpochError::Position { .. } => RAI_STATUS_POSITION,
+        EpochError::Sigma { .. } => RAI_STATUS_SIGMA,
         EpochError::Duplicate => RAI_STATUS_DUPLICATE,
         EpochError::Full => RAI_STATUS_FULL,
     }

@@ -112,7 +112,7 @@ pub struct Configuration {
     pub sigma: Sigma,
     /// Bit rate of the GNSS port; `None` finds out.
     pub bit_rate: Option<u32>,
-    /// What is promised of the satellites, for [`Method::Separation`].
+    /// What is promised of the satellites, for [`Method::Araim`].
     pub promises: Promises,
     /// What is sent, how often.
     pub outputs: Schedule,

@@ -4,14 +4,14 @@
 //!
 //! | value | field | range | unit |
 //! |---|---|---|---|
-//! | URA | [`Support::ura_m`] | 0.01 to 100 | m |
-//! | URE | [`Support::ure_m`] | 0.01 to the URA | m |
-//! | `b_nom` | [`Support::bias_m`] | 0 to 100 | m |
-//! | `P_sat` | [`Support::satellite_fault`] | 0, or 1e-12 to 0.1 | – |
-//! | `P_const` | [`Support::constellation_fault`] | the same | – |
+//! | URA | [`IsmParameters::ura_m`] | 0.01 to 100 | m |
+//! | URE | [`IsmParameters::ure_m`] | 0.01 to the URA | m |
+//! | `b_nom` | [`IsmParameters::bias_m`] | 0 to 100 | m |
+//! | `P_sat` | [`IsmParameters::satellite_fault`] | 0, or 1e-12 to 0.1 | – |
+//! | `P_const` | [`IsmParameters::constellation_fault`] | the same | – |
 
 use rai_core::satellite::Constellation;
-use rai_core::weighting::{Ism, Support};
+use rai_core::weighting::{Ism, IsmParameters};
 
 use super::Refusal;
 use super::number::{plain, signed_scientific};
@@ -38,7 +38,7 @@ const LEAST_WATCHED: f64 = 2e-8;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Promises {
     preset: Ism,
-    own: [Option<Support>; Constellation::COUNT],
+    own: [Option<IsmParameters>; Constellation::COUNT],
 }
 
 impl Promises {
@@ -48,7 +48,7 @@ impl Promises {
     }
 
     /// With the values of one system replaced.
-    pub(super) fn with(mut self, constellation: Constellation, support: Support) -> Self {
+    pub(super) fn with(mut self, constellation: Constellation, support: IsmParameters) -> Self {
         if let Some(own) = self.own.get_mut(constellation as usize) {
             *own = Some(support);
         }
@@ -75,7 +75,7 @@ impl Promises {
     }
 
     /// Each system with the values that were given for it.
-    pub(super) fn own(&self) -> impl Iterator<Item = (Constellation, Option<Support>)> + use<> {
+    pub(super) fn own(&self) -> impl Iterator<Item = (Constellation, Option<IsmParameters>)> + use<> {
         Constellation::ALL.into_iter().zip(self.own)
     }
 }
@@ -88,8 +88,8 @@ pub(super) fn system(value: &str) -> Option<Constellation> {
 }
 
 /// Reads the five values of a system.
-pub(super) fn support(values: Values<'_, '_>) -> Result<Support, Refusal> {
-    let support = Support {
+pub(super) fn support(values: Values<'_, '_>) -> Result<IsmParameters, Refusal> {
+    let support = IsmParameters {
         ura_m: next_number(values, SIGMA_M)?,
         ure_m: next_number(values, SIGMA_M)?,
         bias_m: next_number(values, BIAS_M)?,
@@ -106,7 +106,7 @@ fn fault(values: Values<'_, '_>) -> Result<f64, Refusal> {
 }
 
 /// Says the five values of a system.
-pub(super) fn say(support: &Support, take: &mut dyn FnMut(&str)) {
+pub(super) fn say(support: &IsmParameters, take: &mut dyn FnMut(&str)) {
     for metres in [support.ura_m, support.ure_m, support.bias_m] {
         take(&plain(metres));
     }

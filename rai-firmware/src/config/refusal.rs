@@ -39,7 +39,7 @@ pub enum Refusal {
 impl From<ThresholdError> for Refusal {
     fn from(error: ThresholdError) -> Self {
         match error {
-            ThresholdError::FalseAlarm { nearest } | ThresholdError::MissedDetection { nearest } => {
+            ThresholdError::FalseAlarm { nearest, .. } | ThresholdError::MissedDetection { nearest, .. } => {
                 Self::NotInTables { nearest }
             }
         }

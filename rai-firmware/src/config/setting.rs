@@ -6,7 +6,7 @@ use rai_core::integrity::raim::detection::threshold::policy::Policy;
 use rai_core::monitor::Method;
 use rai_core::numeric::probability::Probability;
 use rai_core::satellite::Constellation;
-use rai_core::weighting::{Ism, Support};
+use rai_core::weighting::{Ism, IsmParameters};
 
 use super::Phase;
 use crate::output::schedule::Item;
@@ -129,7 +129,7 @@ pub enum Setting {
     /// `ISM`: what is promised of the satellites, by a preset.
     Support(Ism),
     /// `ISM`: what is promised of one system's.
-    SupportOf(Constellation, Support),
+    SupportOf(Constellation, IsmParameters),
     /// `OUTPUT`: something that is sent, and with every how many epochs.
     Output(Item, u8),
 }

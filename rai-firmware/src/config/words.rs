@@ -45,7 +45,8 @@ pub(super) const METHODS: &Words<Method> = &[
     ("HYBRID", with!("searches", Method::Parity(Isolation::Hybrid))),
     ("GROUPING", with!("searches", Method::Parity(Isolation::Grouping))),
     ("RANSAC", with!("searches", Method::Ransac)),
-    ("SEPARATION", with!("araim", Method::Separation)),
+    ("SEPARATION", with!("araim", Method::Araim)),
+    ("ARAIM", with!("araim", Method::Araim)),
 ];
 
 pub(super) const LEVELS: &Words<Levels> = &[("BOUND", Some(Levels::Bound)), ("SLOPE", Some(Levels::Slope))];

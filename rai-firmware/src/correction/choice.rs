@@ -25,7 +25,7 @@
 //! [BDS-SIS-B3I]: crate#references
 
 use rai_core::frame::SPEED_OF_LIGHT_M_S;
-use rai_core::weighting::weakness;
+use rai_core::weighting::noise_factor_from_cn0;
 
 use super::root_of_squares;
 use crate::ephemeris::Ephemeris;
@@ -148,7 +148,7 @@ fn combine(
         bands: (pair.first, Some(pair.second)),
         range_m: second.range_m + f64::from(added_m),
         noise_gain: libm::sqrtf(pair.share * pair.share + (1.0 - pair.share) * (1.0 - pair.share)),
-        weakness: weakness(Some(strength_dbhz)),
+        weakness: noise_factor_from_cn0(Some(strength_dbhz)),
         uncalibrated_m: root_of_squares(
             pair.share * delay_first.uncalibrated_m(),
             (1.0 - pair.share) * delay_second.uncalibrated_m(),
@@ -163,7 +163,7 @@ fn alone(signal: &RawSignal, ephemeris: &Ephemeris, unsaid_dbhz: f32) -> Option<
         bands: (signal.carrier.band, None),
         range_m: signal.range_m - f64::from(LIGHT_M_S * delay.seconds()),
         noise_gain: 1.0,
-        weakness: weakness(Some(strength(signal, unsaid_dbhz))),
+        weakness: noise_factor_from_cn0(Some(strength(signal, unsaid_dbhz))),
         uncalibrated_m: delay.uncalibrated_m(),
     })
 }

@@ -95,7 +95,7 @@ impl Site {
             };
             if let Err(error) = epoch.push_sharing(observation, corrected.common_m) {
                 count(match error {
-                    EpochError::Range | EpochError::Position | EpochError::Sigma => {
+                    EpochError::Range { .. } | EpochError::Position { .. } | EpochError::Sigma { .. } => {
                         &mut refusals.range_implausible
                     }
                     EpochError::Duplicate => &mut refusals.satellite_twice,

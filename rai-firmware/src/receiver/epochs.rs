@@ -5,7 +5,7 @@ use embedded_io::Write;
 use rai_core::monitor::MonitorError;
 use rai_core::report::{Alert, Report, Unavailable, Verdict};
 use rai_core::satellite::Constellation;
-use rai_core::single::Accepted;
+use rai_core::single::ValidatedRequirements;
 
 use super::lateness::Lateness;
 use crate::config::Configuration;
@@ -92,7 +92,7 @@ impl<P: OutputPin> EpochLoop<P> {
         if pin.set_low().is_err() {
             count(&mut verdicts.pin_failures);
         }
-        let requirements = Accepted::new(AT_START.requirements)?;
+        let requirements = ValidatedRequirements::new(AT_START.requirements)?;
         let settings_hash = AT_START.hash();
         Ok(Self {
             pin,
@@ -315,9 +315,11 @@ impl<P: OutputPin> EpochLoop<P> {
 /// Whether ranges agree with orbits that tell the week, though perhaps not well enough for a promise: the epoch is of the instant that
 /// it is tagged with. GLONASS alone fits every week.
 fn agree<const N: usize>(report: &Report<N>) -> bool {
-    use Unavailable::{Hpl, Risk, Vpl};
-    let is_contradicted =
-        !matches!(report.verdict, Verdict::Protected(_) | Verdict::Unavailable(Hpl | Vpl | Risk));
+    use Unavailable::{Accuracy, Emt, Hpl, Risk, Vpl};
+    let is_contradicted = !matches!(
+        report.verdict,
+        Verdict::Protected(_) | Verdict::Unavailable(Hpl | Vpl | Emt | Accuracy | Risk)
+    );
     !is_contradicted
         && report.used.iter().any(|satellite| satellite.constellation() != Constellation::Glonass)
 }

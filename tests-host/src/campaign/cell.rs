@@ -37,7 +37,7 @@ impl Judge {
     ) -> Result<Self, rai_core::monitor::MonitorError> {
         let mut monitor = Monitor::new(configuration.requirements)?;
         monitor.set_strategy(configuration.strategy());
-        monitor.forgo_continuity();
+        monitor.disable_continuity();
         Ok(Self { words, configuration, monitor })
     }
 }

@@ -67,7 +67,7 @@ impl ErrorModel {
     /// What is said of a range to a method, m.
     fn said_m(self, judge: &Configuration, satellite: SatelliteId, sin_elevation: f64) -> f64 {
         match self {
-            Self::User(user) if judge.method == Method::Separation => {
+            Self::User(user) if judge.method == Method::Araim => {
                 let support = judge.promises.ism().of(satellite.constellation());
                 f64::from(integrity_sigma_m(&support, 0.0, &budget(user, satellite, sin_elevation)))
             }
@@ -75,7 +75,7 @@ impl ErrorModel {
         }
     }
 
-    /// The promises that go with it, for [`Method::Separation`].
+    /// The promises that go with it, for [`Method::Araim`].
     pub fn promises(self, ism: Ism) -> Ism {
         match self {
             Self::User(user) => Ism { user, ..ism },

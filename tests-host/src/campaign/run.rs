@@ -223,7 +223,7 @@ fn judges(spec: &Spec) -> Result<Vec<Judge>> {
             for levels in &judgement.levels {
                 let configuration =
                     commanded(&configuration, &format!("LEVELS,{levels}")).context("judgement.levels")?;
-                let is_separation = configuration.method == Method::Separation;
+                let is_separation = configuration.method == Method::Araim;
                 let word = |word: &String| if is_separation { "-".to_owned() } else { word.clone() };
                 let words = [method.clone(), word(policy), word(levels)];
                 if judges.iter().all(|judge| judge.words != words) {

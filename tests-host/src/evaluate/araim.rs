@@ -1,7 +1,7 @@
 //! Linearised epochs with what integrity knows of each satellite: ARAIM, under the two published allocations.
 
 use rai_core::integrity::araim::{
-    self, Allocation, Finding, Hypothesis, Judged, Outcome, Prior, Priors, ROWS,
+    self, Allocation, AraimJudgement, AraimOutcome, Finding, Hypothesis, Prior, Priors, ROWS,
 };
 use rai_core::least_squares::equations::LinearEpoch;
 use rai_core::least_squares::{Snapshot, SnapshotError, Workspace};
@@ -169,13 +169,13 @@ fn judge<T: Real>(line: &Line, allocation: &Allocation) -> Judgement {
     }
 }
 
-fn found<T: Real>(line: &Line, judged: &Judged<T>, x: Vec<Number>, after: &Snapshot<'_, T>) -> Found {
+fn found<T: Real>(line: &Line, judged: &AraimJudgement<T>, x: Vec<Number>, after: &Snapshot<'_, T>) -> Found {
     let whole = &judged.whole;
     Found {
         n_options: judged.options,
-        rho: wide(judged.share),
+        rho: wide(judged.risk_share),
         n_modes: whole.modes,
-        p_nm: wide(whole.not_watched),
+        p_nm: wide(whole.unmonitored_probability),
         K_fa: whole.factors.map(wide),
         x,
         pl: whole.levels_m.map(wide),
@@ -190,19 +190,19 @@ fn found<T: Real>(line: &Line, judged: &Judged<T>, x: Vec<Number>, after: &Snaps
     }
 }
 
-fn excluded<T: Real>(line: &Line, outcome: &Outcome<T>, after: &Snapshot<'_, T>) -> Option<Excluded> {
+fn excluded<T: Real>(line: &Line, outcome: &AraimOutcome<T>, after: &Snapshot<'_, T>) -> Option<Excluded> {
     let level = |finding: &Finding<T>, level: fn(&Finding<T>) -> T| Some(wide(level(finding)));
     match outcome {
-        Outcome::Passed => None,
-        Outcome::NotIsolated => {
+        AraimOutcome::Passed => None,
+        AraimOutcome::NotIsolated => {
             Some(Excluded { excl: None, hpl_excl: None, vpl_excl: None, x_excl: None, p_nm_excl: None })
         }
-        Outcome::Excluded { excluded, finding, .. } => Some(Excluded {
+        AraimOutcome::Excluded { excluded, finding, .. } => Some(Excluded {
             excl: Some(line.rows_of(*excluded)),
             hpl_excl: level(finding, Finding::hpl_m),
             vpl_excl: level(finding, Finding::vpl_m),
             x_excl: Some(unknowns(after)),
-            p_nm_excl: Some(wide(finding.not_watched)),
+            p_nm_excl: Some(wide(finding.unmonitored_probability)),
         }),
     }
 }

@@ -1,7 +1,7 @@
 //! The protection levels that bound, beside the papers' of the least-squares part.
 
 use rai_core::integrity::raim::detection::threshold::Thresholds;
-use rai_core::integrity::raim::levels::{Exposure, Factors, Levels};
+use rai_core::integrity::raim::levels::{KFactors, LevelInputs, Levels};
 use rai_core::least_squares::Snapshot;
 use rai_core::numeric::probability::Probability;
 use rai_core::numeric::real::Real;
@@ -34,8 +34,8 @@ impl Bound {
             thresholds.lambda(dof).ok_or_else(|| format!("{dof} degrees of freedom: beyond the tables"))?;
         let (_, missed_detection) = line.probabilities()?;
         let fault_free: Probability = line::probability("pff", FAULT_FREE)?;
-        let factors = Factors::new(missed_detection, fault_free);
-        let levels = Exposure::of(snapshot, Levels::Bound, &factors).protect(lambda);
+        let factors = KFactors::new(missed_detection, fault_free);
+        let levels = LevelInputs::of(snapshot, Levels::Bound, &factors).protect(lambda);
         Ok(Self { hpl: levels.hpl_m.into(), vpl: levels.vpl_m.into() })
     }
 }

@@ -1,6 +1,6 @@
 //! Windows of receiver clocks: the core's process and its forecasts, and others for comparison.
 
-use rai_core::clock::{Autoregression, CoastingClock, MIN_VALUES, Uptake};
+use rai_core::clock::{Autoregression, CoastingClock, MIN_VALUES, Observed};
 use rai_core::numeric::real::Real;
 use serde::Serialize;
 use serde_json::{Map, Value};
@@ -75,7 +75,7 @@ fn observed<T: Real>(levels_m: &[f64]) -> Result<CoastingClock<T, MAX_VALUES>, S
     for (index, &level_m) in levels_m.iter().enumerate() {
         // The sigma of a value does not enter the process; a large one accepts any step between values.
         let uptake = clock.observe(index as f64, level_m, SIGMA_M);
-        let wanted = if index == 0 { Uptake::Restarted } else { Uptake::Continued };
+        let wanted = if index == 0 { Observed::Restarted } else { Observed::Continued };
         if uptake != wanted {
             return Err(format!("Z[{index}]: {level_m} does not continue the window"));
         }

@@ -2,8 +2,8 @@
 
 use rai_core::integrity::raim::detection::threshold::Thresholds;
 use rai_core::integrity::raim::isolation::parity::{
-    Finding, SearchLimits, correlation, correlation_threshold, grouping, hybrid, hybrid_without_grouping,
-    sequential, simultaneous,
+    ParityFinding, SearchLimits, correlation, correlation_threshold, grouping, hybrid,
+    hybrid_without_grouping, sequential, simultaneous,
 };
 use rai_core::least_squares::Snapshot;
 use rai_core::numeric::real::Real;
@@ -49,7 +49,7 @@ pub(super) fn evaluate<T: Real>(
     })
 }
 
-fn rows<T: Real>(finding: &Finding<T>) -> Option<Vec<usize>> {
+fn rows<T: Real>(finding: &ParityFinding<T>) -> Option<Vec<usize>> {
     let removal = finding.set.as_ref().ok()?;
     Some(removal.rows().iter().map(|row| row.index).collect())
 }

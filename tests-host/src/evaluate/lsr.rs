@@ -5,11 +5,11 @@
 use rai_core::integrity::raim::detection::threshold::Thresholds;
 use rai_core::integrity::raim::detection::{Detection, detect};
 use rai_core::integrity::raim::isolation::baarda::{exclude_sequentially, identify};
-use rai_core::integrity::raim::isolation::exclusion::{Outcome, Unidentified};
+use rai_core::integrity::raim::isolation::exclusion::{ExclusionOutcome, Unidentified};
 use rai_core::integrity::raim::levels::noncentrality_at;
 use rai_core::integrity::raim::levels::{largest_slopes, slopes};
 use rai_core::least_squares::equations::{LinearEpoch, Row, RowError};
-use rai_core::least_squares::{Fit, Snapshot, SnapshotError, Workspace};
+use rai_core::least_squares::{RowFit, Snapshot, SnapshotError, Workspace};
 use rai_core::numeric::real::Real;
 use rai_core::satellite::Constellation;
 use serde::Serialize;
@@ -212,9 +212,9 @@ fn identification<T: Real>(
 fn exclude<T: Real>(mut snapshot: Snapshot<'_, T>, thresholds: &Thresholds<'_>) -> Exclusion {
     let exclusion = exclude_sequentially(&mut snapshot, thresholds);
     let (fde_status, settled) = match exclusion.outcome {
-        Outcome::Passed => ("passed", true),
-        Outcome::Isolated => ("isolated", true),
-        Outcome::NotIsolated(_) => ("not_isolated", false),
+        ExclusionOutcome::Passed => ("passed", true),
+        ExclusionOutcome::Isolated => ("isolated", true),
+        ExclusionOutcome::NotIsolated(_) => ("not_isolated", false),
     };
     Exclusion {
         excluded: exclusion.rows.iter().map(|excluded| excluded.index).collect(),
@@ -232,7 +232,7 @@ fn unknowns<T: Real>(snapshot: &Snapshot<'_, T>) -> Vec<Number> {
     position.iter().map(|&coordinate| wide(coordinate)).chain(clocks.map(Number)).collect()
 }
 
-fn each_row<T: Real>(snapshot: &Snapshot<'_, T>, value: impl Fn(&Row<T>, &Fit<T>) -> T) -> Vec<Number> {
+fn each_row<T: Real>(snapshot: &Snapshot<'_, T>, value: impl Fn(&Row<T>, &RowFit<T>) -> T) -> Vec<Number> {
     snapshot.rows().map(|(row, fit)| wide(value(row, fit))).collect()
 }
 

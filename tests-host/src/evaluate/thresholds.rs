@@ -1,7 +1,7 @@
 //! Thresholds of the policies: of one line `{nu, pfa, pmd, delta}`, and of an epoch's geometry.
 
 use rai_core::integrity::raim::detection::threshold::Thresholds;
-use rai_core::integrity::raim::detection::threshold::policy::{Decision, Demand, Status, Weights};
+use rai_core::integrity::raim::detection::threshold::policy::{Decision, Status, ThresholdProblem, Weights};
 use rai_core::numeric::probability::Probability;
 use rai_core::numeric::real::Real;
 use serde::Serialize;
@@ -41,7 +41,8 @@ pub(super) fn decide<T: Real>(
     thresholds: Thresholds<'_>,
     missed_detection: Probability,
 ) -> Option<Policies> {
-    let demand = Demand { dof, noncentrality, thresholds, missed_detection, weights: Weights::EQUAL };
+    let demand =
+        ThresholdProblem { dof, noncentrality, thresholds, missed_detection, weights: Weights::EQUAL };
     let Decision { tau2, tau_op_raw, tau_op, status, .. } = demand.decide::<T>()?;
     Some(Policies {
         tau2: tau2.into(),

@@ -81,7 +81,7 @@ fn strategy(tape: &mut Tape<'_>) -> Strategy {
     use parity::Isolation::{Grouping, Hybrid, HybridWithoutGrouping, Sequential, Simultaneous};
     let parity = [Simultaneous, Sequential, HybridWithoutGrouping, Hybrid, Grouping].map(Method::Parity);
     let methods =
-        [Method::Baarda, Method::Ransac, Method::Separation].into_iter().chain(parity).collect::<Vec<_>>();
+        [Method::Baarda, Method::Ransac, Method::Araim].into_iter().chain(parity).collect::<Vec<_>>();
     Strategy {
         policy: tape.one_of(&[Policy::T1, Policy::T2, Policy::TOp]),
         method: tape.one_of(&methods),
@@ -186,7 +186,7 @@ fn check_promise(report: &Report<ROOM>, reason: Protected, requirements: &Requir
     assert!(test.statistic >= 0.0 && test.statistic <= test.threshold, "{report:?}");
     let levels = report.protection.expect("protected without levels");
     // Levels of ARAIM may fill the limits.
-    let fraction = if report.separation.is_some() { 1.0 } else { requirements.guard_fraction };
+    let fraction = if report.araim.is_some() { 1.0 } else { requirements.guard_fraction };
     let share = |limit_m: f64| fraction * limit_m * (1.0 + ROUNDED);
     assert!(
         levels.hpl_m >= 0.0 && levels.hpl_m <= share(requirements.hal_m),

@@ -6,7 +6,7 @@
 
 use nalgebra::Vector3;
 use rai_core::integrity::araim::{
-    Allocation, Finding, Judged, MAX_MODES, Outcome, Prior, Priors, ROWS, SeparationError, judge,
+    Allocation, AraimError, AraimJudgement, AraimOutcome, Finding, MAX_MODES, Prior, Priors, ROWS, judge,
 };
 use rai_core::least_squares::equations::LinearEpoch;
 use rai_core::least_squares::{Snapshot, Workspace};
@@ -31,8 +31,8 @@ fn epochs<T: Real>(tape: &mut Tape<'_>) {
         let Ok(mut snapshot) = workspace.solve() else { continue };
         match judge(&mut snapshot, &priors, &allocation) {
             Ok(judged) => check(&judged, &snapshot, &allocation),
-            Err(SeparationError::Prior) => assert!(!are_sound(&priors, &snapshot), "refused: {priors:?}"),
-            Err(SeparationError::Rows | SeparationError::Modes) => {}
+            Err(AraimError::Prior) => assert!(!are_sound(&priors, &snapshot), "refused: {priors:?}"),
+            Err(AraimError::Rows | AraimError::Modes) => {}
         }
     }
 }
@@ -41,7 +41,7 @@ fn epochs<T: Real>(tape: &mut Tape<'_>) {
 fn allocation(tape: &mut Tape<'_>) -> Allocation {
     let base = tape.one_of(&[Allocation::horizontal(), Allocation::vertical_guidance()]);
     Allocation {
-        not_watched: tape.one_of(&[base.not_watched, 1e-12, 1e-4]),
+        unmonitored_probability: tape.one_of(&[base.unmonitored_probability, 1e-12, 1e-4]),
         consolidation: tape.one_of(&[base.consolidation, 0.0, 1.0]),
         exclusion: tape.byte() < 200,
         ..base
@@ -92,33 +92,36 @@ fn are_sound<T: Real>(priors: &Priors<'_, T>, snapshot: &Snapshot<'_, T>) -> boo
         && priors.constellations.into_iter().all(probability)
 }
 
-fn check<T: Real>(judged: &Judged<T>, after: &Snapshot<'_, T>, allocation: &Allocation) {
+fn check<T: Real>(judged: &AraimJudgement<T>, after: &Snapshot<'_, T>, allocation: &Allocation) {
     check_finding(&judged.whole, judged);
-    let share = judged.share.widen();
+    let share = judged.risk_share.widen();
     let want = if allocation.exclusion { 1.0 / (judged.options + 1) as f64 } else { 1.0 };
     assert!((share / want - 1.0).abs() < 1e-6, "{judged:?}");
-    assert_eq!(judged.outcome == Outcome::Passed, !judged.whole.alarm, "{judged:?}");
+    assert_eq!(judged.outcome == AraimOutcome::Passed, !judged.whole.alarm, "{judged:?}");
     let left_out = after.equations().iter().enumerate().filter(|(_, row)| row.weight <= T::zero());
     let left_out = left_out.fold(0_u64, |set, (index, _)| set | 1 << index);
     match &judged.outcome {
-        Outcome::Passed | Outcome::NotIsolated => assert_eq!(left_out, 0, "{judged:?}"),
-        Outcome::Excluded { rows, finding, .. } => {
+        AraimOutcome::Passed | AraimOutcome::NotIsolated => assert_eq!(left_out, 0, "{judged:?}"),
+        AraimOutcome::Excluded { rows, finding, .. } => {
             assert!(allocation.exclusion && *rows != 0, "{judged:?}");
             assert_eq!(left_out, *rows, "{judged:?}");
-            assert!(!finding.alarm && finding.not_watched >= judged.whole.not_watched, "{judged:?}");
+            assert!(
+                !finding.alarm && finding.unmonitored_probability >= judged.whole.unmonitored_probability,
+                "{judged:?}"
+            );
             check_finding(finding, judged);
         }
     }
 }
 
-fn check_finding<T: Real>(finding: &Finding<T>, judged: &Judged<T>) {
+fn check_finding<T: Real>(finding: &Finding<T>, judged: &AraimJudgement<T>) {
     let [east, north, up] = finding.levels_m;
     let numbers = [
         east,
         north,
         up,
         finding.hpl_m(),
-        finding.not_watched,
+        finding.unmonitored_probability,
         finding.effective_monitor_threshold_m,
         finding.accuracy_m,
         finding.ratio,

@@ -8,7 +8,7 @@ use std::io::{BufRead, BufReader};
 
 use flate2::read::GzDecoder;
 use nalgebra::Vector3;
-use rai_core::integrity::araim::{Allocation, Outcome, Prior, Priors, ROWS, judge};
+use rai_core::integrity::araim::{Allocation, AraimOutcome, Prior, Priors, ROWS, judge};
 use rai_core::least_squares::Workspace;
 use rai_core::least_squares::equations::LinearEpoch;
 use rai_core::satellite::Constellation;
@@ -159,10 +159,10 @@ fn a_published_run_agrees_within_its_bisection() {
         integrity_horizontal: constant("phmi_h"),
         alarm_vertical: constant("p_fa_v"),
         alarm_horizontal: constant("p_fa_h"),
-        not_watched: constant("p_thres"),
+        unmonitored_probability: constant("p_thres"),
         consolidation: constant("fc_thres"),
-        effective_prior: constant("p_emt"),
-        effective_threshold_limit_m: None,
+        emt_prior: constant("p_emt"),
+        emt_limit_m: None,
         accuracy_limit_m: None,
         exclusion: false,
     };
@@ -184,9 +184,13 @@ fn a_published_run_agrees_within_its_bisection() {
     let priors = Priors { satellites: &vec![prior; sights.len()], constellations };
     let judged = judge(&mut snapshot, &priors, &allocation).expect("a judgement");
     let (found, published) = (judged.whole, &run["published"]);
-    assert_eq!(judged.outcome, Outcome::Passed);
+    assert_eq!(judged.outcome, AraimOutcome::Passed);
     assert_eq!(Some(found.modes as u64), published["n_modes"].as_u64());
-    assert!((found.not_watched / EXACT - 1.0).abs() < 1e-12, "have {:e}", found.not_watched);
+    assert!(
+        (found.unmonitored_probability / EXACT - 1.0).abs() < 1e-12,
+        "have {:e}",
+        found.unmonitored_probability
+    );
     // The published run takes sums from one, and may lose a rounding of one for each of its 25 modes.
     assert!((number(&published["p_nm"]) - EXACT).abs() < 25.0 * f64::EPSILON);
     let cases =

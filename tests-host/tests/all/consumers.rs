@@ -56,7 +56,7 @@ fn report(verdict: Verdict) -> Report<64> {
         residual_rms_m: 0.934,
         tracked: 10,
         sigma_check: None,
-        separation: None,
+        araim: None,
     }
 }
 

@@ -66,7 +66,7 @@ fn report(verdict: Verdict) -> Report<64> {
         used: used.filter_map(|(system, number)| SatelliteId::new(system, number)).collect(),
         residual_rms_m: 0.934,
         tracked: 19,
-        separation: None,
+        araim: None,
         sigma_check: None,
     }
 }

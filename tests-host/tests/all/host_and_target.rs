@@ -27,7 +27,7 @@ const METHODS: [Method; 8] = [
     Method::Parity(parity::Isolation::Hybrid),
     Method::Parity(parity::Isolation::Grouping),
     Method::Ransac,
-    Method::Separation,
+    Method::Araim,
     Method::Auto,
 ];
 const POLICIES: [Policy; 3] = [Policy::T1, Policy::T2, Policy::TOp];

@@ -1,17 +1,17 @@
 //! Evaluation of the modes of a set of satellites: tests, thresholds, levels.
 //!
-//! Modes that leave a singular geometry are found on the way. They count as unmonitored, which changes the
-//! number of modes and so all thresholds; the evaluation then runs once more.
+//! Modes that leave a singular geometry are found on the way. They count as unmonitored, which
+//! changes the number of modes and so all thresholds; the evaluation then runs once more.
 
 use core::ops::ControlFlow;
 
 use heapless::Vec;
 use nalgebra::Vector3;
 
-use super::levels::{Axis, Budget, Candidate, Gate, Level, Quantiles};
-use super::modes::{Batch, Mode, Modes, Remains, Set, Visitor, members, row};
-use super::subsets::{Bounds, Solution, Solutions};
-use super::{Finding, MAX_MODES, SeparationError};
+use super::levels::{Axis, AxisLevel, AxisMode, AxisRisk, QuantileCache, Screen};
+use super::modes::{Mode, ModeBatch, Modes, RemainingRows, RowSet, Visitor, members, row};
+use super::subsets::{Bounds, SubsetSolution, SubsetSolutions};
+use super::{AraimError, Finding, MAX_MODES};
 use crate::allocation::Allocation;
 use crate::bit_set::count_of;
 use crate::least_squares::infinity;
@@ -31,15 +31,15 @@ const PRIOR_ROUNDING: f64 = 1e-6;
 
 /// Monitored modes, and their properties with all satellites in view.
 #[derive(Clone, Debug)]
-pub(super) struct Watch<'a, T: Real> {
+pub(super) struct MonitoredModes<'a, T: Real> {
     pub(super) modes: Modes<'a, T>,
     pub(super) allocation: &'a Allocation,
     /// `ρ`, the share of the risk.
-    pub(super) share: T,
+    pub(super) risk_share: T,
     /// Rows whose loss leaves a singular geometry.
-    pub(super) singular: Vec<Set, SINGULAR>,
+    pub(super) singular: Vec<RowSet, SINGULAR>,
     /// `P_nm` with all satellites in view.
-    pub(super) not_watched: T,
+    pub(super) unmonitored_probability: T,
 }
 
 /// Purpose of an evaluation.
@@ -51,7 +51,7 @@ pub(super) enum Purpose {
     Accept,
 }
 
-impl<'a, T: Real> Watch<'a, T> {
+impl<'a, T: Real> MonitoredModes<'a, T> {
     /// Returns the modes before the choice.
     #[allow(clippy::inline_always, reason = "made where it stays: it is large")]
     #[inline(always)]
@@ -59,31 +59,34 @@ impl<'a, T: Real> Watch<'a, T> {
         Self {
             modes: Modes::nothing(constellations, allocation),
             allocation,
-            share: T::one(),
+            risk_share: T::one(),
             singular: Vec::new(),
-            not_watched: T::zero(),
+            unmonitored_probability: T::zero(),
         }
     }
-    /// Returns true if enough satellites remain without a set of rows, and their geometry is not known to be singular.
-    pub(super) fn is_monitorable(&self, taken: Set) -> bool {
+    /// Returns true if enough satellites remain without a set of rows, and their geometry is not
+    /// known to be singular.
+    pub(super) fn is_monitorable(&self, taken: RowSet) -> bool {
         self.leaves_enough(taken, 0) && !self.singular.contains(&taken)
     }
 
-    /// Returns true if the remaining satellites determine position and clocks, and `more` exceed that.
-    pub(super) fn leaves_enough(&self, taken: Set, more: u32) -> bool {
+    /// Returns true if the remaining satellites determine position and clocks, and `more` exceed
+    /// that.
+    pub(super) fn leaves_enough(&self, taken: RowSet, more: u32) -> bool {
         let left = (self.modes.satellites & !taken).count_ones();
         // Mostly enough for a clock of every constellation.
         left >= 3 + Constellation::COUNT as u32 + more || left >= 3 + self.clocks_left(taken) + more
     }
 
     /// Returns the number of constellations with remaining satellites.
-    fn clocks_left(&self, taken: Set) -> u32 {
+    fn clocks_left(&self, taken: RowSet) -> u32 {
         self.modes.members.iter().filter(|&&members| members & !taken != 0).count() as u32
     }
 
-    /// Returns the rows that are monitored singly without `gone` and leave one satellite more than unknowns.
-    pub(super) fn singles(&self, gone: Set) -> Set {
-        let watched = |&index: &usize| self.modes.watches(index) && self.is_monitorable(row(index));
+    /// Returns the rows that are monitored singly without `gone` and leave one satellite more than
+    /// unknowns.
+    pub(super) fn singles(&self, gone: RowSet) -> RowSet {
+        let watched = |&index: &usize| self.modes.monitors(index) && self.is_monitorable(row(index));
         let left = self.modes.not_alone(gone) & !gone;
         members(left).filter(watched).fold(0, |set, index| set | row(index))
     }
@@ -91,22 +94,22 @@ impl<'a, T: Real> Watch<'a, T> {
     /// Judges the remaining rows without `gone`; `solutions` holds their solution.
     pub(super) fn judge(
         &mut self,
-        solutions: &mut Solutions<'_, T>,
+        solutions: &mut SubsetSolutions<'_, T>,
         axes: &mut [Axis<T>; 3],
-        gone: Set,
+        gone: RowSet,
         purpose: Purpose,
-    ) -> Result<Finding<T>, SeparationError> {
+    ) -> Result<Finding<T>, AraimError> {
         let remains = self.modes.remains(gone);
         let mut count = self.count(&remains);
         if count.modes > MAX_MODES {
-            return Err(SeparationError::Modes);
+            return Err(AraimError::Modes);
         }
         // The second evaluation finds no singular mode that is not counted.
         for _ in 0..2 {
             if gone == 0 {
-                self.not_watched = self.modes.not_watched + count.unmonitorable;
+                self.unmonitored_probability = self.modes.unmonitored_probability + count.unmonitorable;
             }
-            let mut pass = Pass::new(self, solutions, (&remains, purpose), &count, axes);
+            let mut pass = Evaluation::new(self, solutions, (&remains, purpose), &count, axes);
             if let Some(finding) = pass.run() {
                 return Ok(finding);
             }
@@ -118,17 +121,17 @@ impl<'a, T: Real> Watch<'a, T> {
                 self.singular = sets;
             }
         }
-        Err(SeparationError::Modes)
+        Err(AraimError::Modes)
     }
 
     /// Counts the modes that can be monitored, by the number of satellites alone.
     #[inline(never)]
-    fn count(&self, remains: &Remains) -> Count<T> {
+    fn count(&self, remains: &RemainingRows) -> ModeCount<T> {
         let gone = remains.gone;
         let ample =
             count_of(self.modes.satellites & !gone).saturating_sub(3 + self.clocks_left(gone) as usize);
-        let count = Count { modes: 0, unmonitorable: T::zero(), singular: false };
-        let mut counter = Counter { watch: self, gone, ample, count };
+        let count = ModeCount { modes: 0, unmonitorable: T::zero(), singular: false };
+        let mut counter = ModeCounter { monitored: self, gone, ample, count };
         let was_monitorable = |taken| self.is_monitorable(taken);
         let _ = self.modes.visit(remains, &(1..=3), &was_monitorable, &mut counter);
         counter.count
@@ -137,7 +140,7 @@ impl<'a, T: Real> Watch<'a, T> {
 
 /// Number of monitored modes, and the probability of those that cannot be monitored.
 #[derive(Clone, Debug)]
-struct Count<T> {
+struct ModeCount<T> {
     modes: usize,
     unmonitorable: T,
     /// True if modes with a singular geometry are excluded already.
@@ -145,16 +148,16 @@ struct Count<T> {
 }
 
 /// Visitor that counts modes.
-struct Counter<'w, 'a, T: Real> {
-    watch: &'w Watch<'a, T>,
-    gone: Set,
+struct ModeCounter<'w, 'a, T: Real> {
+    monitored: &'w MonitoredModes<'a, T>,
+    gone: RowSet,
     /// Number of satellites that any mode may take.
     ample: usize,
-    count: Count<T>,
+    count: ModeCount<T>,
 }
 
-impl<T: Real> Visitor<T> for Counter<'_, '_, T> {
-    fn sift(&mut self, batch: &Batch<T>) -> Set {
+impl<T: Real> Visitor<T> for ModeCounter<'_, '_, T> {
+    fn screen(&mut self, batch: &ModeBatch<T>) -> RowSet {
         if batch.taken > self.ample {
             return batch.rows;
         }
@@ -163,8 +166,8 @@ impl<T: Real> Visitor<T> for Counter<'_, '_, T> {
     }
 
     fn visit(&mut self, mode: &Mode<T>) -> ControlFlow<()> {
-        let taken = self.gone | self.watch.modes.taken_by(mode.hypothesis);
-        if mode.taken <= self.ample || self.watch.leaves_enough(taken, 0) {
+        let taken = self.gone | self.monitored.modes.taken_by(mode.hypothesis);
+        if mode.taken <= self.ample || self.monitored.leaves_enough(taken, 0) {
             self.count.modes += 1;
         } else {
             self.count.unmonitorable += mode.probability;
@@ -177,32 +180,33 @@ impl<T: Real> Visitor<T> for Counter<'_, '_, T> {
 struct Singular<T> {
     modes: usize,
     probability: T,
-    sets: Vec<Set, SINGULAR>,
+    sets: Vec<RowSet, SINGULAR>,
 }
 
-/// Returns the root of a variance, or infinity for a negative or NaN one, which a very poor geometry can give.
+/// Returns the root of a variance, or infinity for a negative or NaN one, which a very poor
+/// geometry can give.
 fn deviation<T: Real>(variance: T) -> T {
-    if variance >= T::zero() { variance.root() } else { infinity() }
+    if variance >= T::zero() { variance.sqrt_approx() } else { infinity() }
 }
 
 /// One evaluation.
-struct Pass<'p, 'a, 'v, T: Real> {
-    watch: &'p Watch<'a, T>,
-    solutions: &'p mut Solutions<'v, T>,
-    remains: &'p Remains,
+struct Evaluation<'p, 'a, 'v, T: Real> {
+    monitored: &'p MonitoredModes<'a, T>,
+    solutions: &'p mut SubsetSolutions<'v, T>,
+    remains: &'p RemainingRows,
     purpose: Purpose,
     modes: usize,
     /// Number of modes evaluated, in this pass and those before.
     taken: usize,
     skips_singular: bool,
-    not_watched: T,
+    unmonitored_probability: T,
     factors: Vector3<T>,
     axes: &'p mut [Axis<T>; 3],
-    gate: Gate<T>,
-    quantiles: Quantiles<T>,
+    screen: Screen<T>,
+    quantiles: QuantileCache<T>,
     /// True if the screen lets modes pass.
     has_reference: bool,
-    levels: [Level<T>; 3],
+    levels: [AxisLevel<T>; 3],
     squared_factors: Vector3<T>,
     accuracy_m: T,
     /// Largest squared threshold of a likely mode, up, m².
@@ -214,20 +218,21 @@ struct Pass<'p, 'a, 'v, T: Real> {
     singular: Singular<T>,
 }
 
-impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
+impl<'p, 'a, 'v, T: Real> Evaluation<'p, 'a, 'v, T> {
     #[inline(never)]
     fn new(
-        watch: &'p Watch<'a, T>,
-        solutions: &'p mut Solutions<'v, T>,
-        (remains, purpose): (&'p Remains, Purpose),
-        count: &Count<T>,
+        monitored: &'p MonitoredModes<'a, T>,
+        solutions: &'p mut SubsetSolutions<'v, T>,
+        (remains, purpose): (&'p RemainingRows, Purpose),
+        count: &ModeCount<T>,
         axes: &'p mut [Axis<T>; 3],
     ) -> Self {
-        let allocation = watch.allocation;
-        let phmi = watch.modes.mandatory();
-        // With all satellites the modes that cannot be monitored are part of P_nm; after an exclusion they may all belong to this outcome.
+        let allocation = monitored.allocation;
+        let phmi = monitored.modes.mandatory();
+        // With all satellites the modes that cannot be monitored are part of P_nm; after an
+        // exclusion they may all belong to this outcome.
         let newly = if remains.gone == 0 { T::zero() } else { count.unmonitorable };
-        let left = (watch.share * (phmi - watch.not_watched) - newly) / phmi;
+        let left = (monitored.risk_share * (phmi - monitored.unmonitored_probability) - newly) / phmi;
         let two = T::one() + T::one();
         let vertical = left * T::narrow(allocation.integrity_vertical);
         let horizontal = left * T::narrow(allocation.integrity_horizontal) / two;
@@ -240,34 +245,34 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
         let vertical_factor = quantile(T::narrow(allocation.alarm_vertical) / tests);
         let factors = Vector3::new(horizontal_factor, horizontal_factor, vertical_factor);
         let mut pass = Self {
-            watch,
+            monitored,
             solutions,
             remains,
             purpose,
             modes: count.modes,
             taken: 0,
             skips_singular: count.singular,
-            not_watched: watch.not_watched + newly,
+            unmonitored_probability: monitored.unmonitored_probability + newly,
             factors,
             squared_factors: products(&factors, &factors),
-            gate: Gate::closed(),
-            quantiles: Quantiles::none(),
+            screen: Screen::closed(),
+            quantiles: QuantileCache::none(),
             has_reference: false,
             axes,
-            levels: [Level::none(); 3],
+            levels: [AxisLevel::none(); 3],
             accuracy_m: deviation(whole.separation.z),
             threshold: T::zero(),
-            likely: T::narrow(allocation.effective_prior) * (T::one() - T::narrow(PRIOR_ROUNDING)),
+            likely: T::narrow(allocation.emt_prior) * (T::one() - T::narrow(PRIOR_ROUNDING)),
             worst: T::zero(),
             alarm: false,
             singular: Singular { modes: 0, probability: T::zero(), sets: Vec::new() },
         };
         let [east, north, up] = &mut *pass.axes;
-        let [horizontal, vertical] = [horizontal, vertical].map(|risk| Budget::of(risk, modes));
+        let [horizontal, vertical] = [horizontal, vertical].map(|risk| AxisRisk::of(risk, modes));
         east.open(&horizontal, whole.variance.x, bias.x);
         north.open(&horizontal, whole.variance.y, bias.y);
         up.open(&vertical, whole.variance.z, bias.z);
-        pass.gate = Gate::of(pass.axes);
+        pass.screen = Screen::of(pass.axes);
         pass
     }
 
@@ -281,24 +286,24 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
                 break;
             }
             self.solve();
-            if refinement == REFINEMENTS || !self.levels.iter().any(Axis::is_dear) {
+            if refinement == REFINEMENTS || !self.levels.iter().any(Axis::exceeds_tolerance) {
                 break;
             }
             for (axis, level) in self.axes.iter_mut().zip(&self.levels) {
                 axis.restart(level.below_m);
             }
-            self.gate = Gate::of(self.axes);
+            self.screen = Screen::of(self.axes);
         }
         Some(self.finding())
     }
 
     /// Evaluates singles and constellations first, because they give approximate levels.
     fn walk(&mut self, is_first: bool) {
-        let (watch, remains) = (self.watch, self.remains);
+        let (monitored, remains) = (self.monitored, self.remains);
         let taken_before = self.taken;
-        let was_monitorable = |taken: Set| watch.is_monitorable(taken);
+        let was_monitorable = |taken: RowSet| monitored.is_monitorable(taken);
         for sizes in [1..=1, 2..=3] {
-            if watch.modes.visit(remains, &sizes, &was_monitorable, self).is_break() {
+            if monitored.modes.visit(remains, &sizes, &was_monitorable, self).is_break() {
                 return;
             }
             if self.taken + self.singular.modes >= taken_before + self.modes {
@@ -306,23 +311,23 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
                 break;
             }
             if is_first && *sizes.end() == 1 {
-                self.settle();
+                self.refine_reference();
             }
         }
     }
 
     /// Raises the references after singles and constellations, before the other modes.
-    fn settle(&mut self) {
-        self.sort_out();
-        self.axes.iter_mut().filter(|axis| axis.is_open()).for_each(Axis::settle);
-        self.gate = Gate::of(self.axes);
+    fn refine_reference(&mut self) {
+        self.raise_reference();
+        self.axes.iter_mut().filter(|axis| axis.is_open()).for_each(Axis::refine_reference);
+        self.screen = Screen::of(self.axes);
     }
 
     /// Returns the bounds for modes of at most this batch's probability.
-    fn bounds(&self, batch: &Batch<T>) -> Bounds<T> {
+    fn bounds(&self, batch: &ModeBatch<T>) -> Bounds<T> {
         let limits = &self.squared_factors;
         let [least, largest] = if limits.x < limits.z { [limits.x, limits.z] } else { [limits.z, limits.x] };
-        let bounds = self.gate.bounds(batch.ln_probability, limits);
+        let bounds = self.screen.bounds(batch.ln_probability, limits);
         let effective =
             if self.may_be_likely(batch.probability) { self.threshold / limits.z } else { bounds.effective };
         Bounds { worst: self.worst * least, evenness: least / largest, effective, ..bounds }
@@ -330,11 +335,11 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
 
     /// Raises the references to the distance at which one mode alone spends the risk.
     #[inline(never)]
-    fn sort_out(&mut self) {
+    fn raise_reference(&mut self) {
         for axis in self.axes.iter_mut().filter(|axis| axis.is_open()) {
-            axis.sort_out(&mut self.quantiles);
+            axis.raise_reference(&mut self.quantiles);
         }
-        self.gate = Gate::of(self.axes);
+        self.screen = Screen::of(self.axes);
         self.has_reference = true;
     }
 
@@ -349,7 +354,8 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
         let thresholds = products(&solution.separation, &self.squared_factors);
         let distances = products(&solution.shift, &solution.shift);
         let worst = self.worst;
-        // A separation no worse than the worst so far cannot alarm anew. NaN fails this comparison, so that it counts as worse.
+        // A separation no worse than the worst so far cannot alarm anew. NaN fails this comparison,
+        // so that it counts as worse.
         let is_worse = |distance: T, threshold: T| !(distance <= worst * threshold);
         if is_worse(distances.x, thresholds.x)
             || is_worse(distances.y, thresholds.y)
@@ -362,7 +368,7 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
         }
         if self.solutions.has_bias() {
             self.add_biased(mode, &solution, &thresholds);
-        } else if !self.gate.is_clear(mode, &thresholds, &solution.variance) {
+        } else if !self.screen.is_clear(mode, &thresholds, &solution.variance) {
             self.add(mode, &solution, &thresholds, &zero());
         }
     }
@@ -385,35 +391,44 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
     }
 
     fn is_likely(&self, mode: &Mode<T>) -> bool {
-        let watch = self.watch;
+        let monitored = self.monitored;
         self.may_be_likely(mode.probability)
-            && watch.modes.prior(mode.hypothesis, self.remains.gone, &|taken| watch.is_monitorable(taken))
+            && monitored
+                .modes
+                .prior(mode.hypothesis, self.remains.gone, &|taken| monitored.is_monitorable(taken))
                 >= self.likely
     }
 
     fn may_be_likely(&self, probability: T) -> bool {
         // The product of the odds is no smaller than that of the probabilities.
-        probability >= self.likely * self.watch.modes.healthy()
+        probability >= self.likely * self.monitored.modes.healthy()
     }
 
     /// Adds the mode to the sums on which it may matter.
     #[inline(never)]
-    fn add(&mut self, mode: &Mode<T>, solution: &Solution<T>, thresholds: &Vector3<T>, bias: &Vector3<T>) {
+    fn add(
+        &mut self,
+        mode: &Mode<T>,
+        solution: &SubsetSolution<T>,
+        thresholds: &Vector3<T>,
+        bias: &Vector3<T>,
+    ) {
         if !self.has_reference && mode.hypothesis.constellations == 0 {
-            self.sort_out();
+            self.raise_reference();
         }
         let [east, north, up] = &mut *self.axes;
         let variance = &solution.variance;
-        east.add(&Candidate::of(mode, thresholds.x, variance.x), bias.x);
-        north.add(&Candidate::of(mode, thresholds.y, variance.y), bias.y);
-        up.add(&Candidate::of(mode, thresholds.z, variance.z), bias.z);
+        east.add(&AxisMode::of(mode, thresholds.x, variance.x), bias.x);
+        north.add(&AxisMode::of(mode, thresholds.y, variance.y), bias.y);
+        up.add(&AxisMode::of(mode, thresholds.z, variance.z), bias.z);
     }
 
     /// Adds the mode with its biases, which are computed only if a bound on them does not decide.
     #[inline(never)]
-    fn add_biased(&mut self, mode: &Mode<T>, solution: &Solution<T>, thresholds: &Vector3<T>) {
+    fn add_biased(&mut self, mode: &Mode<T>, solution: &SubsetSolution<T>, thresholds: &Vector3<T>) {
         let bound = self.solutions.bias_bound();
-        if !bound.is_some_and(|bound| self.gate.is_clear_with(mode, thresholds, &solution.variance, &bound)) {
+        if !bound.is_some_and(|bound| self.screen.is_clear_with(mode, thresholds, &solution.variance, &bound))
+        {
             let bias = self.solutions.bias();
             self.add(mode, solution, thresholds, &bias);
         }
@@ -421,8 +436,8 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
 
     #[inline(never)]
     fn note_singular(&mut self, mode: &Mode<T>) {
-        let taken = self.remains.gone | self.watch.modes.taken_by(mode.hypothesis);
-        if self.skips_singular || !self.watch.leaves_enough(taken, 0) {
+        let taken = self.remains.gone | self.monitored.modes.taken_by(mode.hypothesis);
+        if self.skips_singular || !self.monitored.leaves_enough(taken, 0) {
             return;
         }
         self.singular.modes += 1;
@@ -435,32 +450,32 @@ impl<'p, 'a, 'v, T: Real> Pass<'p, 'a, 'v, T> {
     #[inline(never)]
     fn solve(&mut self) {
         for (level, axis) in self.levels.iter_mut().zip(self.axes.iter()) {
-            *level = if axis.is_open() { axis.finish() } else { Level::none() };
+            *level = if axis.is_open() { axis.finish() } else { AxisLevel::none() };
         }
     }
 
     fn finding(&self) -> Finding<T> {
         Finding {
             modes: self.modes,
-            not_watched: self.not_watched,
+            unmonitored_probability: self.unmonitored_probability,
             factors: self.factors.into(),
             levels_m: self.levels.map(|level| level.distance_m),
-            effective_monitor_threshold_m: self.threshold.root(),
+            effective_monitor_threshold_m: self.threshold.sqrt_approx(),
             accuracy_m: self.accuracy_m,
             alarm: self.alarm,
-            ratio: self.worst.root(),
+            ratio: self.worst.sqrt_approx(),
             dominant: self.levels.map(|level| level.dominant),
         }
     }
 }
 
-impl<T: Real> Visitor<T> for Pass<'_, '_, '_, T> {
-    fn sift(&mut self, batch: &Batch<T>) -> Set {
+impl<T: Real> Visitor<T> for Evaluation<'_, '_, '_, T> {
+    fn screen(&mut self, batch: &ModeBatch<T>) -> RowSet {
         if !self.has_reference {
-            self.sort_out();
+            self.raise_reference();
         }
         let bounds = self.bounds(batch);
-        let left = self.solutions.sift(batch.common, batch.rows, &bounds);
+        let left = self.solutions.screen(batch.common, batch.rows, &bounds);
         self.taken += (batch.rows & !left).count_ones() as usize;
         left
     }

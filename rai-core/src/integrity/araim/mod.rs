@@ -1,4 +1,5 @@
-//! ARAIM: solution separation over all monitored fault modes, with protection levels that account for the whole risk.
+//! ARAIM: solution separation over all monitored fault modes, with protection levels that account
+//! for the whole risk.
 //!
 //! ```text
 //! alarm          |x_k − x| > T_k = K σ_ss,k     on any axis, for any monitored mode k
@@ -17,18 +18,20 @@
 //! | largest `T_k`, up, of the likely modes | [`Finding::effective_monitor_threshold_m`] | m |
 //! | `σ_acc`, up | [`Finding::accuracy_m`] | m |
 //!
-//! Three steps: [`modes`] chooses the monitored fault modes, [`subsets`] computes the position without each mode,
-//! [`levels`] sums the risk. After an alarm, exclusions are tried one after another: satellites, then
-//! constellations, in ascending residuals; the first set that agrees is taken. Every outcome,
-//! with or without an exclusion, has its share of the risk, so that the risk includes a wrong exclusion. An epoch must also pass
-//! the global test of [`super::raim::detection`], which alone sees unmonitored faults.
+//! Three steps: [`modes`] chooses the monitored fault modes, [`subsets`] computes the position
+//! without each mode, [`levels`] sums the risk. After an alarm, exclusions are tried one after
+//! another: satellites, then constellations, in ascending residuals; the first set that agrees is
+//! taken. Every outcome, with or without an exclusion, has its share of the risk, so that the risk
+//! includes a wrong exclusion. An epoch must also pass the global test of
+//! [`super::raim::detection`], which alone sees unmonitored faults.
 //!
-//! Unlike the levels of [`super::raim`], these include noise, several faults and the loss of a constellation, with
-//! the risk accounted for. They are as good as the priors and sigmas that they are given ([`crate::weighting`]).
+//! Unlike the levels of [`super::raim`], these include noise, several faults and the loss of a
+//! constellation, with the risk accounted for. They are as good as the priors and sigmas that they
+//! are given ([`crate::weighting`]).
 //!
-//! Cost on a Cortex-M4F in `f32`: some 400 instructions for each monitored mode, tests and levels together. Bounds dismiss most
-//! modes in 150, the others are solved. Nothing is stored for each mode.
-//! Limits: [`ROWS`] rows, [`MAX_MODES`] modes; beyond, [`AraimError`].
+//! Cost on a Cortex-M4F in `f32`: some 400 instructions for each monitored mode, tests and levels
+//! together. Bounds dismiss most modes in 150, the others are solved. Nothing is stored for each
+//! mode. Limits: [`ROWS`] rows, [`MAX_MODES`] modes; beyond, [`AraimError`].
 //!
 //! References: [Blanch2015], [MAAST], whose choices are taken where the paper leaves one.
 //!
@@ -53,11 +56,11 @@ use nalgebra::Matrix3;
 pub use crate::allocation::Allocation;
 #[cfg(feature = "araim")]
 pub(super) use epoch::judge_epoch;
-pub use exclusion::{Judged, Outcome, Room, judge, judge_in};
+pub use exclusion::{AraimJudgement, AraimOutcome, AraimScratch, judge, judge_in};
 pub use modes::{Hypothesis, ROWS};
 
 use crate::least_squares::equations::Row;
-use crate::least_squares::{Fit, Snapshot};
+use crate::least_squares::{RowFit, Snapshot};
 use crate::numeric::real::Real;
 use crate::satellite::Constellation;
 
@@ -70,7 +73,7 @@ pub struct View<'v, T: Real> {
     /// The equations; weight 0 for a row that is left out.
     pub rows: &'v [Row<T>],
     /// The fit of each equation.
-    pub fits: &'v [Fit<T>],
+    pub fits: &'v [RowFit<T>],
     /// Covariance of the position, m².
     pub covariance: &'v Matrix3<T>,
     /// Weighted sum of squared residuals.
@@ -103,7 +106,8 @@ pub struct Prior<T> {
 /// Priors of the satellites, which are the first rows, and of their constellations.
 #[derive(Clone, Copy, Debug)]
 pub struct Priors<'p, T> {
-    /// Priors of each satellite, in the order of the rows; later rows are aiding rows that never fail.
+    /// Priors of each satellite, in the order of the rows; later rows are aiding rows that never
+    /// fail.
     pub satellites: &'p [Prior<T>],
     /// Probability that a constellation as a whole is faulty, in [0, 0.5).
     pub constellations: [T; Constellation::COUNT],
@@ -115,7 +119,7 @@ pub struct Priors<'p, T> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u32)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum SeparationError {
+pub enum AraimError {
     /// More rows than [`ROWS`].
     Rows,
     /// More modes to monitor than [`MAX_MODES`].
@@ -124,17 +128,17 @@ pub enum SeparationError {
     Prior,
 }
 
-impl fmt::Display for SeparationError {
+impl fmt::Display for AraimError {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.write_str(match self {
-            Self::Rows => "more rows than can be judged",
-            Self::Modes => "more modes than can be watched",
-            Self::Prior => "prior out of its range",
+            Self::Rows => "rows must be at most 60",
+            Self::Modes => "monitored modes must be at most 1024",
+            Self::Prior => "probabilities must be within 0 to 0.5, sigmas and biases within 1 mm to 1000 km",
         })
     }
 }
 
-impl core::error::Error for SeparationError {}
+impl core::error::Error for AraimError {}
 
 /// Result of solution separation for one set of satellites.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -142,7 +146,7 @@ pub struct Finding<T> {
     /// Number of monitored modes.
     pub modes: usize,
     /// Probability of unmonitored faults, those after an exclusion included.
-    pub not_watched: T,
+    pub unmonitored_probability: T,
     /// Thresholds in units of the separation's sigma, east, north, up.
     pub factors: [T; 3],
     /// Protection levels, east, north, up, m; infinite if the unmonitored faults spend the risk.
@@ -160,13 +164,13 @@ pub struct Finding<T> {
 }
 
 impl<T: Real> Finding<T> {
-    /// Horizontal protection level, m.
+    /// Returns horizontal protection level, m.
     pub fn hpl_m(&self) -> T {
         let [east, north, _] = self.levels_m;
         (east * east + north * north).sqrt()
     }
 
-    /// Vertical protection level, m.
+    /// Returns vertical protection level, m.
     pub fn vpl_m(&self) -> T {
         let [.., up] = self.levels_m;
         up

@@ -1,4 +1,5 @@
-//! Tests of internals: the worked example with every intermediate, and random skies against dense least squares.
+//! Tests of internals: the worked example with every intermediate, and random skies against dense
+//! least squares.
 
 use std::ops::ControlFlow;
 use std::prelude::rust_2024::*;
@@ -6,11 +7,11 @@ use std::{format, println, vec};
 
 use nalgebra::{DMatrix, DVector, Vector3};
 
-use super::evaluation::Watch;
+use super::evaluation::MonitoredModes;
 use super::exclusion::choose;
 use super::modes::{Hypothesis, Mode, ROWS, Visitor, members, row};
-use super::subsets::Solutions;
-use super::{Allocation, Outcome, Prior, Priors, View, judge};
+use super::subsets::SubsetSolutions;
+use super::{Allocation, AraimOutcome, Prior, Priors, View, judge};
 use crate::least_squares::equations::LinearEpoch;
 use crate::least_squares::{Snapshot, Workspace};
 use crate::satellite::Constellation;
@@ -26,8 +27,8 @@ impl<T, F: FnMut(&Mode<T>) -> ControlFlow<()>> Visitor<T> for Each<F> {
     }
 }
 
-/// The worked example of the working group's algorithm description, version 3.1, appendix D: east, north, up,
-/// constellation, variances for integrity and for accuracy, m².
+/// The worked example of the working group's algorithm description, version 3.1, appendix D: east,
+/// north, up, constellation, variances for integrity and for accuracy, m².
 const EXAMPLE: [([f64; 3], usize, f64, f64); 10] = [
     ([0.0225, 0.9951, -0.0966], 0, 3.2899, 2.9774),
     ([0.6750, -0.6900, -0.2612], 0, 1.2792, 0.9667),
@@ -41,7 +42,8 @@ const EXAMPLE: [([f64; 3], usize, f64, f64); 10] = [
     ([0.6622, 0.6958, -0.2780], 1, 1.2166, 0.9041),
 ];
 
-/// Without each satellite, then without each constellation: sigma, sigma of the separation, bias; east, north, up, m.
+/// Without each satellite, then without each constellation: sigma, sigma of the separation, bias;
+/// east, north, up, m.
 #[rustfmt::skip]
 const WITHOUT: [[[f64; 3]; 3]; 12] = [
     [[0.62720, 0.84141, 1.69680], [0.07111, 0.35731, 0.01445], [0.88397, 1.06907, 2.40316]],
@@ -72,7 +74,12 @@ const EXAMPLE_CONSTELLATIONS: [f64; Constellation::COUNT] = [1e-4, 1e-4, 0.0, 0.
 
 /// Returns the allocation of the example: no consolidation, 8e-8 unmonitored, detection only.
 fn example_allocation() -> Allocation {
-    Allocation { not_watched: 8e-8, consolidation: 0.0, exclusion: false, ..Allocation::vertical_guidance() }
+    Allocation {
+        unmonitored_probability: 8e-8,
+        consolidation: 0.0,
+        exclusion: false,
+        ..Allocation::vertical_guidance()
+    }
 }
 
 fn close(what: &str, have: f64, want: f64, within: f64) {
@@ -84,16 +91,17 @@ fn watched<'a>(
     snapshot: &Snapshot<'_, f64>,
     priors: &Priors<'_, f64>,
     allocation: &'a Allocation,
-) -> Watch<'a, f64> {
-    let mut watch = Watch::nothing(priors.constellations, allocation);
+) -> MonitoredModes<'a, f64> {
+    let mut monitored = MonitoredModes::nothing(priors.constellations, allocation);
     let odds = Box::leak(Box::default());
-    choose(&mut watch, odds, &View::of(&snapshot), priors).expect("a choice");
-    watch
+    choose(&mut monitored, odds, &View::of(&snapshot), priors).expect("a choice");
+    monitored
 }
 
 /// Returns solutions that are ready for the modes.
-fn solutions<'s>(snapshot: &'s Snapshot<'_, f64>, priors: &[Prior<f64>]) -> Solutions<'s, f64> {
-    let mut solutions = Solutions::of(View::of(&snapshot), std::boxed::Box::leak(std::boxed::Box::default()));
+fn solutions<'s>(snapshot: &'s Snapshot<'_, f64>, priors: &[Prior<f64>]) -> SubsetSolutions<'s, f64> {
+    let mut solutions =
+        SubsetSolutions::of(View::of(&snapshot), std::boxed::Box::leak(std::boxed::Box::default()));
     solutions.prepare(priors);
     solutions
 }
@@ -106,12 +114,13 @@ fn the_worked_example_has_the_published_levels() {
     let priors = Priors { satellites: &priors, constellations: EXAMPLE_CONSTELLATIONS };
     let judged = judge(&mut snapshot, &priors, &example_allocation()).expect("a judgement");
     let found = judged.whole;
-    assert_eq!((found.modes, judged.outcome), (12, Outcome::Passed));
-    close("P_nm", found.not_watched, 3.449_595_95e-8, 1e-15);
+    assert_eq!((found.modes, judged.outcome), (12, AraimOutcome::Passed));
+    close("P_nm", found.unmonitored_probability, 3.449_595_95e-8, 1e-15);
     for (factor, want) in found.factors.into_iter().zip([5.894_859_64, 5.894_859_64, 5.108_340_84]) {
         close("K", factor, want, 1e-8);
     }
-    // A reported level is never below the root; up to 0.3 mm above it are allowed, here it is closer.
+    // A reported level is never below the root; up to 0.3 mm above it are allowed, here it is
+    // closer.
     let wanted = [8.903_414_15, 10.022_778_92, 18.292_447_11];
     for (level_m, want) in found.levels_m.into_iter().zip(wanted) {
         assert!(level_m > want - 1e-8 && level_m < want + 1e-5, "level {level_m:.9}, want {want:.9}");
@@ -128,11 +137,11 @@ fn the_worked_example_has_the_published_intermediates() {
     let constellations = EXAMPLE_CONSTELLATIONS;
     let all = Priors { satellites: &priors, constellations };
     let allocation = example_allocation();
-    let watch = watched(&snapshot, &all, &allocation);
-    close("p_0", watch.modes.healthy(), 0.999_700_034_5, 1e-10);
+    let monitored = watched(&snapshot, &all, &allocation);
+    close("p_0", monitored.modes.healthy(), 0.999_700_034_5, 1e-10);
     let mut probabilities = Vec::new();
-    let _ = watch.modes.visit(
-        &watch.modes.remains(0),
+    let _ = monitored.modes.visit(
+        &monitored.modes.remains(0),
         &(1..=3),
         &|_| true,
         &mut Each(|mode: &Mode<_>| {
@@ -208,7 +217,8 @@ fn sky(dice: &mut Dice, count: usize) -> Sky {
     Sky { epoch, priors, constellations }
 }
 
-/// Returns the result of dense least squares with a column for each clock: gains (three rows of `S`) and position.
+/// Returns the result of dense least squares with a column for each clock: gains (three rows of
+/// `S`) and position.
 fn dense(sky: &Sky, taken: u64) -> (DMatrix<f64>, DVector<f64>) {
     let kept: Vec<usize> = (0..sky.priors.len()).filter(|index| taken >> index & 1 == 0).collect();
     let mut clocks: Vec<usize> = kept.iter().map(|&index| sky.constellations[index]).collect();
@@ -238,7 +248,7 @@ fn dense(sky: &Sky, taken: u64) -> (DMatrix<f64>, DVector<f64>) {
     (full, position)
 }
 
-fn compare(sky: &Sky, hypothesis: Hypothesis, solutions: &mut Solutions<'_, f64>) {
+fn compare(sky: &Sky, hypothesis: Hypothesis, solutions: &mut SubsetSolutions<'_, f64>) {
     let lost = (0..sky.priors.len()).filter(|&i| hypothesis.constellations >> sky.constellations[i] & 1 != 0);
     let taken = lost.chain(hypothesis.rows()).fold(0, |set, index| set | row(index));
     let ((all, at_all), (without, at)) = (dense(sky, 0), dense(sky, taken));
@@ -281,17 +291,20 @@ fn every_set_of_three_events_is_as_dense_least_squares_has_it() {
         // Faults so likely that three at once must be monitored, and hardly any may be unmonitored.
         let priors: Vec<_> = sky.priors.iter().map(|&prior| Prior { fault: 0.05, ..prior }).collect();
         let all = Priors { satellites: &priors, constellations };
-        let allocation =
-            Allocation { not_watched: 1e-12, consolidation: 0.0, ..Allocation::vertical_guidance() };
-        let watch = watched(&snapshot, &all, &allocation);
+        let allocation = Allocation {
+            unmonitored_probability: 1e-12,
+            consolidation: 0.0,
+            ..Allocation::vertical_guidance()
+        };
+        let monitored = watched(&snapshot, &all, &allocation);
         let mut solutions = solutions(&snapshot, &sky.priors);
         let mut hypotheses = Vec::new();
-        let _ = watch.modes.visit(
-            &watch.modes.remains(0),
+        let _ = monitored.modes.visit(
+            &monitored.modes.remains(0),
             &(1..=3),
             &|_| true,
             &mut Each(|mode: &Mode<_>| {
-                if watch.leaves_enough(watch.modes.taken_by(mode.hypothesis), 0) {
+                if monitored.leaves_enough(monitored.modes.taken_by(mode.hypothesis), 0) {
                     hypotheses.push(mode.hypothesis);
                 }
                 core::ops::ControlFlow::Continue(())
@@ -330,15 +343,15 @@ fn the_choice_is_that_of_the_rule_read_literally() {
             let constellations = [1e-8, 1e-4, 2e-4, 3e-3];
             let allocation = Allocation { consolidation, ..Allocation::vertical_guidance() };
             let all = Priors { satellites: &priors, constellations };
-            let watch = watched(&snapshot, &all, &allocation);
-            let (want, not_watched) = literal(&sky, &priors, constellations, &allocation);
+            let monitored = watched(&snapshot, &all, &allocation);
+            let (want, unmonitored_probability) = literal(&sky, &priors, constellations, &allocation);
             let mut have = Vec::new();
-            let _ = watch.modes.visit(
-                &watch.modes.remains(0),
+            let _ = monitored.modes.visit(
+                &monitored.modes.remains(0),
                 &(1..=3),
                 &|_| true,
                 &mut Each(|mode: &Mode<_>| {
-                    have.push((watch.modes.taken_by(mode.hypothesis), mode.probability));
+                    have.push((monitored.modes.taken_by(mode.hypothesis), mode.probability));
                     core::ops::ControlFlow::Continue(())
                 }),
             );
@@ -348,7 +361,7 @@ fn the_choice_is_that_of_the_rule_read_literally() {
                 assert_eq!(set, want_set);
                 close("p", probability / want, 1.0, 1e-10);
             }
-            close("P_nm", watch.modes.not_watched / not_watched, 1.0, 1e-10);
+            close("P_nm", monitored.modes.unmonitored_probability / unmonitored_probability, 1.0, 1e-10);
         }
     }
 }
@@ -375,7 +388,7 @@ fn literal(
         }
     }
     let tail = |r: usize| exactly.iter().skip(r + 1).sum::<f64>();
-    let limit = if tail(2) <= allocation.not_watched { 2 } else { 3 };
+    let limit = if tail(2) <= allocation.unmonitored_probability { 2 } else { 3 };
     let mut listed: Vec<(Vec<usize>, u64, f64)> = Vec::new();
     let count = events.len();
     let mut list = |chosen: Vec<usize>| {
@@ -403,19 +416,19 @@ fn literal(
         let own = listed.iter().position(|(chosen, ..)| *chosen == name).expect("kept");
         listed[own].2 += added;
     }
-    let mut not_watched = tail(limit) + listed.iter().map(|entry| entry.2).sum::<f64>();
+    let mut unmonitored_probability = tail(limit) + listed.iter().map(|entry| entry.2).sum::<f64>();
     let (mandatory, mut optional): (Vec<_>, Vec<_>) =
         listed.into_iter().partition(|entry| entry.2 > allocation.integrity());
     let exact =
         |optional: &[(Vec<usize>, u64, f64)]| tail(limit) + optional.iter().map(|entry| entry.2).sum::<f64>();
     optional.sort_by_key(|entry| entry.1.count_ones());
     let mut watched = mandatory;
-    not_watched = exact(&optional).min(not_watched);
+    unmonitored_probability = exact(&optional).min(unmonitored_probability);
     let mut from = 0;
-    while not_watched > allocation.not_watched && from < optional.len() {
+    while unmonitored_probability > allocation.unmonitored_probability && from < optional.len() {
         watched.push(optional[from].clone());
         from += 1;
-        not_watched = exact(&optional[from..]);
+        unmonitored_probability = exact(&optional[from..]);
     }
     let mut merged: Vec<(u64, f64)> = Vec::new();
     for (_, set, probability) in watched {
@@ -425,7 +438,7 @@ fn literal(
         }
     }
     merged.sort_by_key(|&(set, _)| set);
-    (merged, not_watched)
+    (merged, unmonitored_probability)
 }
 
 /// The order of the rows has no meaning, nor has a rotation about the vertical.

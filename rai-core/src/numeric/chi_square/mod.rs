@@ -1,4 +1,5 @@
-//! Non-central χ² where tables end: its quantile, its non-centrality, and where it crosses the central density.
+//! Non-central χ² where tables end: its quantile, its non-centrality, and where it crosses the
+//! central density.
 //!
 //! ```text
 //! quantile        G(τ; ν, δ) = p            solved for τ
@@ -6,8 +7,9 @@
 //! crossing        g(τ; ν, δ) = κ f(τ; ν)    solved for τ
 //! ```
 //!
-//! Everything is done in the roots `r = √t` and `m = √δ`, where the distribution is nearly normal with unit variance
-//! whatever the size of `δ`, and all rests on one function, the growth of Bessel's series:
+//! Everything is done in the roots `r = √t` and `m = √δ`, where the distribution is nearly normal
+//! with unit variance whatever the size of `δ`, and all rests on one function, the growth of
+//! Bessel's series:
 //!
 //! ```text
 //! L(z)    = ln ₀F₁(; ν/2; z²/4) = lnΓ(v+1) − v ln(z/2) + ln I_v(z),    v = ν/2 − 1
@@ -17,9 +19,9 @@
 //! g/f     = exp(L(√(δt)) − δ/2)
 //! ```
 //!
-//! `L` is summed as a power series up to a moderate `z`, and comes from Debye's uniform expansion beyond: `v ≤ 29`
-//! needs no other case, `v = −1/2` included. What is integrated or compared is always `L(z) − z`, so nothing
-//! overflows and nothing cancels at `δ = 1e7`.
+//! `L` is summed as a power series up to a moderate `z`, and comes from Debye's uniform expansion
+//! beyond: `v ≤ 29` needs no other case, `v = −1/2` included. What is integrated or compared is
+//! always `L(z) − z`, so nothing overflows and nothing cancels at `δ = 1e7`.
 //!
 //! | symbol | name | unit |
 //! |---|---|---|
@@ -30,8 +32,9 @@
 //! | `p` | `tail` | probability |
 //! | `ln κ` | `ln_weight` | dimensionless: logarithm of the cost of a false alarm over that of a missed detection |
 //!
-//! Limits: non-centralities are held within [`SMALLEST`] and [`LARGEST`], below and beyond which thresholds no longer
-//! tell anything. The lower tail is meant for `p < 1/2`, as [`Probability`] is.
+//! Limits: non-centralities are held within [`SMALLEST`] and [`LARGEST`], below and beyond which
+//! thresholds no longer tell anything. The lower tail is meant for `p < 1/2`, as [`Probability`]
+//! is.
 //!
 //! References: [Yang2015] eq. 9–12, [Sankaran1963], [DLMF] 10.41, 25.4.30 of [Abramowitz1964].
 //!
@@ -90,7 +93,7 @@ struct Growth<T> {
 }
 
 /// The lower tail at a root.
-struct Tail<T> {
+struct LowerTail<T> {
     /// `ln G`.
     ln_probability: T,
     /// `d ln G / dr`.
@@ -124,10 +127,11 @@ impl<T: Real> ChiSquare<T> {
         Some(Self { dof: T::narrow(dof as f64), order: T::narrow(half - 1.0), ln_gamma: gamma.ln() })
     }
 
-    /// Returns the statistic below which a bias of this non-centrality stays with the probability `tail`.
+    /// Returns the statistic below which a bias of this non-centrality stays with the probability
+    /// `tail`.
     ///
-    /// Relative error below 3e-11 (`f64`), 3e-5 (`f32`); increases with both arguments. One integral is usual in
-    /// `f32`, three in `f64`: 4,200 and 970,000 instructions on a Cortex-M4F.
+    /// Relative error below 3e-11 (`f64`), 3e-5 (`f32`); increases with both arguments. One
+    /// integral is usual in `f32`, three in `f64`: 4,200 and 970,000 instructions on a Cortex-M4F.
     pub fn quantile(&self, tail: Probability, noncentrality: f64) -> T {
         let ln_tail = ln(tail);
         let mean = T::narrow(bounded(noncentrality)).sqrt();
@@ -135,7 +139,8 @@ impl<T: Real> ChiSquare<T> {
         let mut root = self.root_guess(ln_tail, mean).max(T::narrow(SMALLEST_ROOT));
         for _ in 0..MAX_STEPS {
             let tail = self.lower_tail(root, mean);
-            // In ln r the tail is a straight line for small r, and concave, so that Newton's method converges from any start.
+            // In ln r the tail is a straight line for small r, and concave, so that Newton's method
+            // converges from any start.
             let step = ((ln_tail - tail.ln_probability) / (tail.by_root * root)).clamp(-longest, longest);
             root = (root * step.exp()).max(T::narrow(SMALLEST_ROOT));
             if step * step * root.max(T::one()) < T::CHI_SQUARE.settled {
@@ -145,11 +150,12 @@ impl<T: Real> ChiSquare<T> {
         root * root
     }
 
-    /// Returns the non-centrality of the bias that stays below `statistic` with the probability `tail`; 0 if even no bias
-    /// does so less often.
+    /// Returns the non-centrality of the bias that stays below `statistic` with the probability
+    /// `tail`; 0 if even no bias does so less often.
     ///
-    /// A NaN statistic counts as the largest, which is the safe side. Relative error below 3e-11 (`f64`),
-    /// 3e-5 (`f32`). One integral is usual in `f32`, three in `f64`: 4,500 and 1,000,000 instructions on a Cortex-M4F.
+    /// A NaN statistic counts as the largest, which is the safe side. Relative error below 3e-11
+    /// (`f64`), 3e-5 (`f32`). One integral is usual in `f32`, three in `f64`: 4,500 and 1,000,000
+    /// instructions on a Cortex-M4F.
     pub fn noncentrality(&self, statistic: f64, tail: Probability) -> T {
         let ln_tail = ln(tail);
         let root = T::narrow(statistic.min(LARGEST)).max(T::zero()).sqrt().max(T::narrow(SMALLEST_ROOT));
@@ -170,12 +176,13 @@ impl<T: Real> ChiSquare<T> {
         mean * mean
     }
 
-    /// Returns the statistic at which a bias of this non-centrality is `κ` times as likely as none, `κ` given by its logarithm.
+    /// Returns the statistic at which a bias of this non-centrality is `κ` times as likely as none,
+    /// `κ` given by its logarithm.
     ///
-    /// With `κ = 1` the densities cross there, and `P_F + P_M` is smallest; as the non-centrality vanishes the
-    /// crossing goes to `ν`. 0 if the densities do not cross, because the bias is then likelier everywhere. Relative error
-    /// below 3e-11 (`f64`), 3e-5 (`f32`). Two to four values of `L`, no integral:
-    /// 840 instructions on a Cortex-M4F in `f32`.
+    /// With `κ = 1` the densities cross there, and `P_F + P_M` is smallest; as the non-centrality
+    /// vanishes the crossing goes to `ν`. 0 if the densities do not cross, because the bias is then
+    /// likelier everywhere. Relative error below 3e-11 (`f64`), 3e-5 (`f32`). Two to four values of
+    /// `L`, no integral: 840 instructions on a Cortex-M4F in `f32`.
     pub fn crossing(&self, noncentrality: f64, ln_weight: f64) -> T {
         let noncentrality = bounded(noncentrality);
         let target = noncentrality / 2.0 + ln_weight;
@@ -183,7 +190,8 @@ impl<T: Real> ChiSquare<T> {
             return T::zero();
         }
         let (target, noncentrality) = (T::narrow(target), T::narrow(noncentrality));
-        // Exact at both ends: τ → ν and τ → δ/4. L is convex, so that Newton's method converges from any start.
+        // Exact at both ends: τ → ν and τ → δ/4. L is convex, so that Newton's method converges
+        // from any start.
         let mut argument = (target * (self.dof + self.dof + target)).sqrt();
         for _ in 0..MAX_STEPS {
             let Growth { value, slope, .. } = self.growth(argument);
@@ -197,7 +205,7 @@ impl<T: Real> ChiSquare<T> {
     }
 
     /// Returns `G` at a root, with its derivatives: `∂G/∂r = h`, `∂G/∂m = −h I_{v+1}/I_v`.
-    fn lower_tail(&self, root: T, mean: T) -> Tail<T> {
+    fn lower_tail(&self, root: T, mean: T) -> LowerTail<T> {
         let growth = self.growth(mean * root);
         let height = self.ln_density(root, mean, growth.excess);
         let steepness = (self.dof - T::one()) / root + mean * growth.slope - root;
@@ -215,14 +223,14 @@ impl<T: Real> ChiSquare<T> {
             }
         }
         let integral = width * mean_height / (T::one() + T::one());
-        Tail {
+        LowerTail {
             ln_probability: height + integral.ln(),
             by_root: T::one() / integral,
             by_mean: growth.slope / integral,
         }
     }
 
-    /// `ln h(r)`.
+    /// Returns `ln h(r)`.
     fn ln_density(&self, root: T, mean: T, excess: T) -> T {
         let distance = root - mean;
         let half = T::narrow(0.5);
@@ -233,7 +241,8 @@ impl<T: Real> ChiSquare<T> {
             + excess
     }
 
-    /// `L(z)`; relative error 1e-15 (`f64`) where summed, `|error|` below 3e-10 where expanded.
+    /// Returns `L(z)`; relative error 1e-15 (`f64`) where summed, `|error|` below 3e-10 where
+    /// expanded.
     fn growth(&self, argument: T) -> Growth<T> {
         if argument > T::CHI_SQUARE.asymptotic { self.expanded(argument) } else { self.summed(argument) }
     }
@@ -257,7 +266,8 @@ impl<T: Real> ChiSquare<T> {
         Growth { value, excess: value - argument, slope }
     }
 
-    /// Evaluates Debye's expansion with four terms, [DLMF] 10.41.3, in `s = √(v² + z²)` and `w = v²/s²`.
+    /// Evaluates Debye's expansion with four terms, [DLMF] 10.41.3, in `s = √(v² + z²)` and
+    /// `w = v²/s²`.
     ///
     /// It is even in `v`, so that it also holds for `v = −1/2`.
     ///
@@ -298,7 +308,8 @@ impl<T: Real> ChiSquare<T> {
         }
     }
 
-    /// Returns an approximate root of the quantile: by a normal power, or if that fails by the leading term of the tail at 0.
+    /// Returns an approximate root of the quantile: by a normal power, or if that fails by the
+    /// leading term of the tail at 0.
     fn root_guess(&self, ln_tail: T, mean: T) -> T {
         let normal = self.nearly_normal(mean);
         let powered = normal.centre - normal_quantile(ln_tail) * normal.deviation;
@@ -310,7 +321,8 @@ impl<T: Real> ChiSquare<T> {
         (leading / self.dof).exp().min(normal.expectation.sqrt())
     }
 
-    /// Returns an approximate root of the non-centrality: a normal one with unit variance, twice corrected by the normal power.
+    /// Returns an approximate root of the non-centrality: a normal one with unit variance, twice
+    /// corrected by the normal power.
     fn mean_guess(&self, ln_tail: T, root: T) -> T {
         let quantile = normal_quantile(ln_tail);
         let shifted = root + quantile;
@@ -337,7 +349,8 @@ fn polynomial<T: Real, const N: usize>(coefficients: &[f64; N], argument: T) -> 
     coefficients.iter().rev().fold(T::zero(), |sum, &next| sum * argument + T::narrow(next))
 }
 
-/// Returns `base` to an exponent, for starting values: two functions that are linked already, while the library's has 1.4 KiB more.
+/// Returns `base` to an exponent, for starting values: two functions that are linked already, while
+/// the library's has 1.4 KiB more.
 fn power<T: Real>(base: T, exponent: T) -> T {
     (exponent * base.ln()).exp()
 }
@@ -352,7 +365,8 @@ fn ln<T: Real>(tail: Probability) -> T {
     T::narrow(tail.get().max(SMALLEST_TAIL)).ln()
 }
 
-/// Returns the upper quantile of the normal distribution, accurate to 4.5e-4: for starting values ([Abramowitz1964] 26.2.23).
+/// Returns the upper quantile of the normal distribution, accurate to 4.5e-4: for starting values
+/// ([Abramowitz1964] 26.2.23).
 ///
 /// [Abramowitz1964]: crate#references
 fn normal_quantile<T: Real>(ln_tail: T) -> T {

@@ -1,4 +1,5 @@
-//! Tests of the starting values: a step from them costs as much as an integral, so that they must be accurate.
+//! Tests of the starting values: a step from them costs as much as an integral, so that they must
+//! be accurate.
 
 use super::*;
 
@@ -43,7 +44,8 @@ fn normal_quantile_is_as_good_as_the_handbook_says() {
 /// Relative accuracy of a guess, which two Newton steps in `f64`, one in `f32`, complete.
 const NEAR: f64 = 1e-2;
 
-/// Degrees of freedom, non-centrality, probability of staying below, statistic: as in the tests of the crate.
+/// Degrees of freedom, non-centrality, probability of staying below, statistic: as in the tests of
+/// the crate.
 const KNOWN: [(usize, f64, f64, f64); 8] = [
     (1, 60.0, 1e-3, 21.675_862_675_282_918),
     (2, 25.0, 1e-3, 4.257_038_996_201_98),

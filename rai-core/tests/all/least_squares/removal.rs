@@ -1,10 +1,11 @@
-//! Sets of rows left out by algebra, against solving again without them, and against parity space written out.
+//! Sets of rows left out by algebra, compared with solving again without them, and with parity
+//! space written out.
 
 use nalgebra::{DMatrix, DVector, Vector3};
 use proptest::prelude::*;
 use rai_core::integrity::raim::isolation::parity::correlation;
 use rai_core::least_squares::Snapshot;
-use rai_core::least_squares::downdate::{NormalisedRows, Removal, testable_rows};
+use rai_core::least_squares::downdate::{ExclusionSet, NormalisedRows, testable_rows};
 use rai_core::least_squares::equations::LinearEpoch;
 use rai_core::numeric::real::Real;
 use rai_core::satellite::Constellation;
@@ -39,7 +40,8 @@ fn any_range(constellations: usize) -> impl Strategy<Value = Range> {
     )
 }
 
-/// Between 8 and 40 ranges of up to three constellations, and a set of one to three of the first eight.
+/// Between 8 and 40 ranges of up to three constellations, and a set of one to three of the first
+/// eight.
 fn ranges_and_set() -> impl Strategy<Value = (Vec<Range>, Vec<usize>)> {
     (prop::collection::vec(any_range(3), 8..40), prop::sample::subsequence((0..8).collect::<Vec<_>>(), 1..=3))
 }
@@ -48,12 +50,12 @@ fn well_conditioned(dense: &Dense) -> bool {
     dense.hdop < 20.0 && (0..3).all(|axis| dense.covariance_m2[(axis, axis)] < 1e3)
 }
 
-/// Beyond, the last digits of a single become metres.
+/// Limit beyond which the last digits of a single become metres.
 fn is_known_to_10_m(dense: &Dense) -> bool {
     (0..3).all(|axis| dense.covariance_m2[(axis, axis)] < 100.0)
 }
 
-/// Does a constellation lose its last range?
+/// Returns true if a constellation loses its last range.
 fn empties_a_constellation(ranges: &[Range], set: &[usize]) -> bool {
     set.iter().any(|&gone| {
         let same = |index: &usize| ranges[*index].constellation == ranges[gone].constellation;
@@ -66,8 +68,8 @@ fn assert_close(what: &str, have: f64, want: f64, relative: f64, absolute: f64) 
     assert!((have - want).abs() <= allowed, "{what}: have {have}, want {want}");
 }
 
-/// The parity matrix: an orthonormal basis of what the design does not reach, from a full singular value
-/// decomposition of the design bordered by zeros.
+/// The parity matrix: an orthonormal basis of what the design does not reach, from a full singular
+/// value decomposition of the design bordered by zeros.
 fn parity_matrix(ranges: &[Range], dense: &Dense) -> DMatrix<f64> {
     let count = ranges.len();
     let clocks: Vec<Constellation> = Constellation::ALL
@@ -98,7 +100,7 @@ proptest! {
         prop_assume!(dense.as_ref().is_some_and(well_conditioned));
         let want = dense.unwrap();
         let snapshot = snapshot::<f64>(&ranges);
-        let have = Removal::of(&snapshot, &set).unwrap();
+        let have = ExclusionSet::of(&snapshot, &set).unwrap();
         prop_assert_eq!(have.dof(&snapshot), want.dof);
         assert_close("sse", have.sse(&testable(&snapshot)), want.sse, 1e-8, 1e-7);
         assert_close("sse by difference", snapshot.sse() - have.explained(), want.sse, 1e-8, 1e-6);
@@ -120,7 +122,7 @@ proptest! {
         prop_assume!(dense.as_ref().is_some_and(is_known_to_10_m));
         let want = dense.unwrap();
         let snapshot = snapshot::<f32>(&ranges);
-        let have = Removal::of(&snapshot, &set).unwrap();
+        let have = ExclusionSet::of(&snapshot, &set).unwrap();
         assert_close("sse", have.sse(&testable(&snapshot)).into(), want.sse, 1e-3, 1e-2);
         for axis in 0..3 {
             assert_close("x", have.correction(&snapshot)[axis].into(), want.unknowns_m[axis], 1e-3, 0.05);
@@ -136,8 +138,8 @@ proptest! {
         let set: Vec<usize> = (ranges.len()..ranges.len() + lone.len()).collect();
         ranges.extend(lone);
         prop_assume!(oracle::solve(&ranges).as_ref().is_some_and(well_conditioned));
-        prop_assert_eq!(Removal::of(&snapshot::<f64>(&ranges), &set), None);
-        prop_assert_eq!(Removal::of(&snapshot::<f32>(&ranges), &set), None);
+        prop_assert_eq!(ExclusionSet::of(&snapshot::<f64>(&ranges), &set), None);
+        prop_assert_eq!(ExclusionSet::of(&snapshot::<f32>(&ranges), &set), None);
     }
 
     #[test]

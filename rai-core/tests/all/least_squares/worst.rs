@@ -1,10 +1,11 @@
-//! Who is named: the row whose removal lowers SSE most, where that is enough, and where nobody else does as well.
+//! Identification: the row whose removal lowers SSE most, if that is enough and no other row does
+//! as well.
 
 use nalgebra::Vector3;
 use proptest::prelude::*;
 use rai_core::integrity::raim::detection::threshold::Thresholds;
 use rai_core::integrity::raim::isolation::baarda::{identify, worst_two};
-use rai_core::integrity::raim::isolation::exclusion::{Outcome, Unidentified};
+use rai_core::integrity::raim::isolation::exclusion::{ExclusionOutcome, Unidentified};
 use rai_core::integrity::raim::isolation::ransac::{self, MAX_WORK, Selection};
 use rai_core::integrity::raim::levels::Slopes;
 use rai_core::least_squares::Snapshot;
@@ -67,7 +68,7 @@ fn consensus_is_not_asked_where_nothing_is_detected() {
     let (selection, limits) =
         (Selection::choose(solution.equations(), MAX_WORK), ransac::ConsensusLimits::published().unwrap());
     let exclusion = ransac::exclude(&mut solution, &selection, &thresholds(), &limits);
-    assert_eq!((exclusion.outcome, exclusion.rows.len(), solution.used()), (Outcome::Passed, 0, 10));
+    assert_eq!((exclusion.outcome, exclusion.rows.len(), solution.used()), (ExclusionOutcome::Passed, 0, 10));
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! The core in either precision: single as the shipped image has it ([`rai_core::single`]), double as compiled here.
 
 use rai_core::epoch::Epoch;
-use rai_core::integrity::araim::{self, Allocation, Judged, Priors, Room, SeparationError};
+use rai_core::integrity::araim::{self, Allocation, AraimError, AraimJudgement, AraimScratch, Priors};
 use rai_core::integrity::raim::isolation::baarda;
 use rai_core::integrity::raim::levels::{self, Slopes};
 use rai_core::least_squares::{Snapshot, SnapshotError};
@@ -25,8 +25,8 @@ pub trait Precision: Real {
         snapshot: &mut Snapshot<'_, Self>,
         priors: &Priors<'_, Self>,
         allocation: &Allocation,
-        room: &mut Room<Self>,
-    ) -> Result<Judged<Self>, SeparationError>;
+        room: &mut AraimScratch<Self>,
+    ) -> Result<AraimJudgement<Self>, AraimError>;
     /// [`Monitor::process`].
     fn process(monitor: &mut Monitor<Self, CAPACITY>, epoch: &Epoch<CAPACITY>) -> Report<CAPACITY>;
 }
@@ -36,8 +36,8 @@ impl Precision for f32 {
         snapshot: &mut Snapshot<'_, Self>,
         priors: &Priors<'_, Self>,
         allocation: &Allocation,
-        room: &mut Room<Self>,
-    ) -> Result<Judged<Self>, SeparationError> {
+        room: &mut AraimScratch<Self>,
+    ) -> Result<AraimJudgement<Self>, AraimError> {
         stages::separate(snapshot, priors, allocation, room)
     }
 
@@ -67,8 +67,8 @@ impl Precision for f64 {
         snapshot: &mut Snapshot<'_, Self>,
         priors: &Priors<'_, Self>,
         allocation: &Allocation,
-        room: &mut Room<Self>,
-    ) -> Result<Judged<Self>, SeparationError> {
+        room: &mut AraimScratch<Self>,
+    ) -> Result<AraimJudgement<Self>, AraimError> {
         araim::judge_in(snapshot, priors, allocation, room)
     }
 

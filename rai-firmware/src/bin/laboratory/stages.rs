@@ -5,12 +5,12 @@ use core::hint::black_box;
 use heapless::Vec;
 use rai_core::clock::{CoastingClock, WINDOW};
 use rai_core::frame::Ecef;
-use rai_core::integrity::araim::{Allocation, Prior, Priors, Room};
+use rai_core::integrity::araim::{Allocation, AraimScratch, Prior, Priors};
 use rai_core::integrity::raim::detection::detect;
 use rai_core::integrity::raim::detection::threshold::Thresholds;
-use rai_core::integrity::raim::detection::threshold::policy::{Demand, Policy};
+use rai_core::integrity::raim::detection::threshold::policy::{Policy, ThresholdProblem};
 use rai_core::integrity::raim::isolation::{parity, ransac};
-use rai_core::integrity::raim::levels::{Exposure, largest_slopes};
+use rai_core::integrity::raim::levels::{LevelInputs, largest_slopes};
 use rai_core::least_squares::{Snapshot, Workspace};
 use rai_core::monitor::{Method, Monitor, Strategy};
 use rai_core::numeric::real::Real;
@@ -184,7 +184,7 @@ fn separate<T: Precision>(
     let constellations = Ism::RESEARCH.constellations.map(|support| T::narrow(support.constellation_fault));
     let allocation = Allocation::vertical_guidance();
     // A monitor keeps it.
-    let mut room = Room::new();
+    let mut room = AraimScratch::new();
     let (found, ticks) = stopwatch.time(|| {
         let priors = Priors { satellites: &satellites, constellations };
         T::separate(black_box(&mut snapshot), &priors, &allocation, &mut room)
@@ -217,8 +217,12 @@ fn policy(mut input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers
     let snapshot = workspace.solve().ok()?;
     let (slopes, thresholds) = (largest_slopes(&snapshot), thresholds()?);
     let (found, ticks) = stopwatch.time(|| {
-        let demand =
-            Demand::new(black_box(snapshot.dof()), &Exposure::to_faults(slopes), &requirements(), thresholds);
+        let demand = ThresholdProblem::new(
+            black_box(snapshot.dof()),
+            &LevelInputs::to_faults(slopes),
+            &requirements(),
+            thresholds,
+        );
         stages::threshold(&demand, policy)
     });
     answers.write(ticks, &found)
@@ -262,7 +266,7 @@ fn method_of(number: u8) -> Option<Method> {
         Method::Parity(Hybrid),
         Method::Parity(Grouping),
         Method::Ransac,
-        Method::Separation,
+        Method::Araim,
         Method::Auto,
     ];
     methods.get(usize::from(number)).copied()

@@ -7,8 +7,8 @@ use rai_core::clock::{self, Autoregression, Clocks, CoastingClock, Extrapolation
 use rai_core::continuity::{Continuity, ContinuityError, ContinuitySettings, Recovery};
 use rai_core::epoch::{Epoch, EpochError, EpochView};
 use rai_core::frame::{Ecef, Enu, Geodetic, LocalFrame};
-use rai_core::integrity::araim::{self, Allocation, Finding, Hypothesis, Room, SeparationError};
-use rai_core::integrity::raim::detection::threshold::policy::{self, Demand, Weights};
+use rai_core::integrity::araim::{self, Allocation, AraimError, AraimScratch, Finding, Hypothesis};
+use rai_core::integrity::raim::detection::threshold::policy::{self, ThresholdProblem, Weights};
 use rai_core::integrity::raim::detection::threshold::{self, ThresholdError, Thresholds};
 use rai_core::integrity::raim::detection::{self, Detection};
 use rai_core::integrity::raim::hypotheses::separability;
@@ -17,12 +17,12 @@ use rai_core::integrity::raim::isolation::exclusion;
 use rai_core::integrity::raim::isolation::parity;
 use rai_core::integrity::raim::isolation::ransac::{self, Selection};
 use rai_core::integrity::raim::levels::{self, Slopes};
-use rai_core::integrity::{self, Scratch};
-use rai_core::least_squares::downdate::{self, NormalisedRow, Removal};
+use rai_core::integrity::{self, MethodScratch};
+use rai_core::least_squares::downdate::{self, ExclusionSet, NormalisedRow};
 use rai_core::least_squares::equations::{LinearEpoch, RowError};
 use rai_core::least_squares::fix::{Fix, FixError};
-use rai_core::least_squares::{Excludable, Fit, Snapshot, SnapshotError, Workspace};
-use rai_core::monitor::{Accepted, Assessment, Memory, Monitor, MonitorError};
+use rai_core::least_squares::{Excludable, RowFit, Snapshot, SnapshotError, Workspace};
+use rai_core::monitor::{EpochOutcome, Monitor, MonitorError, MonitorWorkspace, ValidatedRequirements};
 use rai_core::numeric::absolute::{Absolute, Grid};
 use rai_core::numeric::chi_square::ChiSquare;
 use rai_core::numeric::normal;
@@ -108,14 +108,14 @@ fn detection_and_protection<T: Real>() {
         levels::largest_slopes::<T> as fn(_) -> _,
         Slopes::<T>::protect as fn(_, _) -> _,
         levels::largest_hdop_change::<T> as fn(_) -> _,
-        levels::Spread::<T>::of as fn(_) -> _,
+        levels::PositionSigma::<T>::of as fn(_) -> _,
         levels::common_shift::<T> as fn(_, _) -> _,
-        levels::Factors::<T>::new as fn(_, _) -> _,
-        levels::Exposure::<T>::of as fn(_, _, _) -> _,
-        levels::Exposure::<T>::to_faults as fn(_) -> _,
-        levels::Exposure::<T>::protect as fn(_, _) -> _,
-        levels::Exposure::<T>::horizontal_noncentrality as fn(_, _) -> _,
-        levels::Exposure::<T>::vertical_noncentrality as fn(_, _) -> _,
+        levels::KFactors::<T>::new as fn(_, _) -> _,
+        levels::LevelInputs::<T>::of as fn(_, _, _) -> _,
+        levels::LevelInputs::<T>::to_faults as fn(_) -> _,
+        levels::LevelInputs::<T>::protect as fn(_, _) -> _,
+        levels::LevelInputs::<T>::horizontal_noncentrality as fn(_, _) -> _,
+        levels::LevelInputs::<T>::vertical_noncentrality as fn(_, _) -> _,
         Detection::<T>::of as fn(_, _, _) -> _,
         Detection::<T>::passes as fn(_, _) -> _,
     );
@@ -125,25 +125,25 @@ fn removals<T: Real>() {
     reach!(
         downdate::testable_rows::<T> as fn(_, _),
         NormalisedRow::<T>::projection as fn(_, _) -> _,
-        Removal::<T>::none as fn() -> _,
-        <Removal<T> as Default>::default as fn() -> _,
-        Removal::<T>::of as fn(_, _) -> _,
-        Removal::<T>::among as fn(_, _) -> _,
-        Removal::<T>::and as fn(_, _) -> _,
-        Removal::<T>::explains_more as fn(_, _) -> _,
-        Removal::<T>::rows as fn(_) -> _,
-        Removal::<T>::explained as fn(_) -> _,
-        Removal::<T>::sse as fn(_, _) -> _,
-        Removal::<T>::dof as fn(_, _) -> _,
-        Removal::<T>::correction as fn(_, _) -> _,
-        Removal::<T>::covariance as fn(_, _) -> _,
+        ExclusionSet::<T>::none as fn() -> _,
+        <ExclusionSet<T> as Default>::default as fn() -> _,
+        ExclusionSet::<T>::of as fn(_, _) -> _,
+        ExclusionSet::<T>::among as fn(_, _) -> _,
+        ExclusionSet::<T>::and as fn(_, _) -> _,
+        ExclusionSet::<T>::explains_more as fn(_, _) -> _,
+        ExclusionSet::<T>::rows as fn(_) -> _,
+        ExclusionSet::<T>::explained as fn(_) -> _,
+        ExclusionSet::<T>::sse as fn(_, _) -> _,
+        ExclusionSet::<T>::dof as fn(_, _) -> _,
+        ExclusionSet::<T>::correction as fn(_, _) -> _,
+        ExclusionSet::<T>::covariance as fn(_, _) -> _,
     );
 }
 
 fn identification_by_w_test<T: Real>() {
     reach!(
-        Fit::<T>::w_test as fn(_) -> _,
-        Fit::<T>::w_squared as fn(_) -> _,
+        RowFit::<T>::w_test as fn(_) -> _,
+        RowFit::<T>::w_squared as fn(_) -> _,
         baarda::worst_two::<T> as fn(_) -> _,
         baarda::identify::<T> as fn(_, _) -> _,
         baarda::exclude_sequentially::<T> as fn(&mut Snapshot<'static, T>, _) -> _,
@@ -189,8 +189,8 @@ fn separation_of_solutions<T: Real>() {
         araim::judge::<T> as fn(&mut Snapshot<'static, T>, _, _) -> _,
         araim::judge::<T> as fn(&mut Fix<'static, T>, _, _) -> _,
         araim::judge_in::<T> as fn(&mut Fix<'static, T>, _, _, _) -> _,
-        Room::<T>::new as fn() -> _,
-        <Room<T> as Default>::default as fn() -> _,
+        AraimScratch::<T>::new as fn() -> _,
+        <AraimScratch<T> as Default>::default as fn() -> _,
         <Snapshot<'_, T> as Excludable<T>>::leave_out_all as fn(_, _) -> _,
         <Snapshot<'_, T> as Excludable<T>>::take_back_all as fn(_, _),
         <Fix<'_, T> as Excludable<T>>::leave_out_all as fn(_, _) -> _,
@@ -257,9 +257,9 @@ fn thresholds<T: Real>() {
         ChiSquare::<T>::quantile as fn(_, _, _) -> _,
         ChiSquare::<T>::noncentrality as fn(_, _, _) -> _,
         ChiSquare::<T>::crossing as fn(_, _, _) -> _,
-        Demand::new::<T> as fn(_, _, _, _) -> _,
-        Demand::threshold::<T> as fn(_, _) -> _,
-        Demand::decide::<T> as fn(_) -> _,
+        ThresholdProblem::new::<T> as fn(_, _, _, _) -> _,
+        ThresholdProblem::threshold::<T> as fn(_, _) -> _,
+        ThresholdProblem::decide::<T> as fn(_) -> _,
     );
 }
 
@@ -282,19 +282,19 @@ fn the_pipeline<T: Real>() {
         <Fix<'_, T> as Excludable<T>>::leave_out as fn(_, _) -> _,
         <Fix<'_, T> as Excludable<T>>::take_back as fn(_, _) -> _,
         <Fix<'_, T> as Excludable<T>>::set_aside as fn(_, _) -> _,
-        Memory::<T, N>::new as fn() -> _,
-        <Memory<T, N> as Default>::default as fn() -> _,
-        Memory::<T, N>::workspace as fn(_) -> _,
-        Memory::<T, N>::assessment as fn(_) -> _,
-        Memory::<T, N>::assessment_mut as fn(_) -> _,
-        Assessment::<N>::distrust as fn(_, _),
-        Accepted::<T>::new as fn(_) -> _,
-        Accepted::<T>::thresholds as fn(_) -> _,
-        Accepted::<T>::factors as fn(_) -> _,
+        MonitorWorkspace::<T, N>::new as fn() -> _,
+        <MonitorWorkspace<T, N> as Default>::default as fn() -> _,
+        MonitorWorkspace::<T, N>::workspace as fn(_) -> _,
+        MonitorWorkspace::<T, N>::outcome as fn(_) -> _,
+        MonitorWorkspace::<T, N>::outcome_mut as fn(_) -> _,
+        EpochOutcome::<N>::override_alert as fn(_, _),
+        ValidatedRequirements::<T>::new as fn(_) -> _,
+        ValidatedRequirements::<T>::thresholds as fn(_) -> _,
+        ValidatedRequirements::<T>::factors as fn(_) -> _,
         Monitor::<T, N>::of as fn(_) -> _,
-        Monitor::<T, N>::accepted as fn(_) -> _,
+        Monitor::<T, N>::validated as fn(_) -> _,
         Monitor::<T, N>::new as fn(_) -> _,
-        Monitor::<T, N>::require as fn(_, _) -> _,
+        Monitor::<T, N>::set_requirements as fn(_, _) -> _,
         Monitor::<T, N>::set_strategy as fn(_, _),
         Monitor::<T, N>::forget_residuals as fn(_),
         Monitor::<T, N>::set_ism as fn(_, _),
@@ -307,12 +307,12 @@ fn the_pipeline<T: Real>() {
         Monitor::<T, N>::learn as fn(_, _, _),
         Monitor::<T, N>::set_continuity as fn(_, _) -> _,
         Monitor::<T, N>::continuity_settings as fn(_) -> _,
-        Monitor::<T, N>::forgo_continuity as fn(_),
+        Monitor::<T, N>::disable_continuity as fn(_),
         Monitor::<T, N>::forget_position as fn(_),
         Monitor::<T, N>::interrupt as fn(_),
         Fix::<T>::clock_row as fn(_) -> _,
-        Scratch::<T>::new as fn() -> _,
-        <Scratch<T> as Default>::default as fn() -> _,
+        MethodScratch::<T>::new as fn() -> _,
+        <MethodScratch<T> as Default>::default as fn() -> _,
         integrity::judge::<T> as fn(&mut Snapshot<'static, T>, _, _, _, _, _, _) -> _,
         integrity::judge::<T> as fn(&mut Fix<'static, T>, _, _, _, _, _, _) -> _,
         integrity::Criteria::<T>::test as fn(_, _, _) -> _,
@@ -410,14 +410,14 @@ fn requirements() {
         Solution::pdop as fn(_) -> _,
         <f32 as Real>::narrow as fn(_) -> _,
         <f32 as Real>::widen as fn(_) -> _,
-        <f32 as Real>::root as fn(_) -> _,
+        <f32 as Real>::sqrt_approx as fn(_) -> _,
         <f32 as Real>::sine_and_cosine as fn(_) -> _,
-        <f32 as Real>::inverse_root as fn(_) -> _,
+        <f32 as Real>::inverse_sqrt_approx as fn(_) -> _,
         <f32 as Real>::normal_tail as fn(_) -> _,
         <f32 as Real>::normal_quantile as fn(_) -> _,
-        <f64 as Real>::root as fn(_) -> _,
+        <f64 as Real>::sqrt_approx as fn(_) -> _,
         <f64 as Real>::sine_and_cosine as fn(_) -> _,
-        <f64 as Real>::inverse_root as fn(_) -> _,
+        <f64 as Real>::inverse_sqrt_approx as fn(_) -> _,
         <f64 as Real>::normal_tail as fn(_) -> _,
         <f64 as Real>::normal_quantile as fn(_) -> _,
         <f64 as Real>::narrow as fn(_) -> _,
@@ -438,13 +438,13 @@ fn epochs() {
         SatelliteId::number as fn(_) -> _,
         weighting::ephemeris_sigma_m as fn(_, _) -> _,
         weighting::sigma_m as fn(_) -> _,
-        weighting::weakness as fn(_) -> _,
+        weighting::noise_factor_from_cn0 as fn(_) -> _,
         weighting::ionosphere_sigma_m as fn(_, _, _, _) -> _,
         weighting::obliquity as fn(_) -> _,
         weighting::integrity_sigma_m as fn(_, _, _) -> _,
         weighting::Ism::of as fn(_, _) -> _,
         weighting::Ism::is_valid as fn(_) -> _,
-        weighting::Support::is_valid as fn(_) -> _,
+        weighting::IsmParameters::is_valid as fn(_) -> _,
         weighting::adaptation::Adaptation::new as fn() -> _,
         weighting::adaptation::Adaptation::restart as fn(_),
         weighting::adaptation::Adaptation::learn as fn(_, _, _),
@@ -501,8 +501,14 @@ fn errors() {
         <RequirementsError as Display>::fmt as fn(_, _) -> _,
         <RowError as Display>::fmt as fn(_, _) -> _,
         <SatelliteId as Display>::fmt as fn(_, _) -> _,
-        <SeparationError as Display>::fmt as fn(_, _) -> _,
+        <AraimError as Display>::fmt as fn(_, _) -> _,
         <SnapshotError as Display>::fmt as fn(_, _) -> _,
         <ThresholdError as Display>::fmt as fn(_, _) -> _,
+        <rai_core::allocation::AllocationError as Display>::fmt as fn(_, _) -> _,
+        <rai_core::integrity::raim::detection::threshold::policy::NoThreshold as Display>::fmt
+            as fn(_, _) -> _,
+        <ransac::NoConsensus as Display>::fmt as fn(_, _) -> _,
+        <rai_core::satellite::ParseSatelliteError as Display>::fmt as fn(_, _) -> _,
+        <SatelliteId as core::str::FromStr>::from_str as fn(_) -> _,
     );
 }

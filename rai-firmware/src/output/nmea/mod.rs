@@ -81,7 +81,7 @@ pub fn write_epoch<W: Write, const N: usize>(
     }
     proprietary::write_state(statement, time, out)?;
     proprietary::write_exclusions(statement.report, time, out)?;
-    if let Some(separation) = &statement.report.separation {
+    if let Some(separation) = &statement.report.araim {
         proprietary::write_separation(separation, time, out)?;
     }
     proprietary::write_settings_and_interference(statement, time, out)

@@ -21,7 +21,7 @@
 
 use embedded_io::Write;
 use heapless::String;
-use rai_core::report::{Alert, Dominant, Protected, Report, Separation, Unavailable, Verdict};
+use rai_core::report::{Alert, AraimReport, DominantMode, Protected, Report, Unavailable, Verdict};
 use rai_core::requirements::Requirements;
 use rai_core::satellite::Constellation;
 
@@ -66,6 +66,8 @@ const fn words(verdict: Verdict) -> (&'static str, &'static str) {
         Verdict::Unavailable(Unavailable::Risk) => ("U", "RISK"),
         Verdict::Unavailable(Unavailable::Hpl) => ("U", "HPL"),
         Verdict::Unavailable(Unavailable::Vpl) => ("U", "VPL"),
+        Verdict::Unavailable(Unavailable::Emt) => ("U", "EMT"),
+        Verdict::Unavailable(Unavailable::Accuracy) => ("U", "ACCURACY"),
         Verdict::Unavailable(Unavailable::Budget) => ("U", "BUDGET"),
         Verdict::Unavailable(Unavailable::Input) => ("U", "INPUT"),
         Verdict::Unavailable(Unavailable::Recovering) => ("U", "RECOVERING"),
@@ -112,7 +114,7 @@ fn state<const N: usize>(statement: &Statement<'_, N>, time: TimeOfDay, precisio
 
 /// `PRAIM`: what ARAIM says beside its levels.
 pub(super) fn write_separation<W: Write>(
-    separation: &Separation,
+    separation: &AraimReport,
     time: TimeOfDay,
     out: &mut W,
 ) -> Result<(), W::Error> {
@@ -120,7 +122,7 @@ pub(super) fn write_separation<W: Write>(
     sentence
         .time(Some(time))
         .integer(u32::from(separation.modes), 1)
-        .probability(separation.not_watched)
+        .probability(separation.unmonitored_probability)
         .number(separation.effective_monitor_threshold_m, 2, 9)
         .number(separation.accuracy_m, 2, 9)
         .text(&named(separation.vertical))
@@ -129,7 +131,7 @@ pub(super) fn write_separation<W: Write>(
 }
 
 /// A mode by what it takes away.
-fn named(mode: Dominant) -> String<16> {
+fn named(mode: DominantMode) -> String<16> {
     let mut name = String::new();
     let lost = Constellation::ALL.into_iter().filter(|system| mode.constellations >> *system as u8 & 1 != 0);
     for system in lost {
@@ -155,7 +157,10 @@ pub(super) fn write_settings_and_interference<W: Write, const N: usize>(
     // A level that was refused for its size is a level; one that is there for want of anything better is none.
     let bounds = matches!(
         statement.report.verdict,
-        Verdict::Protected(_) | Verdict::Unavailable(Unavailable::Hpl | Unavailable::Vpl)
+        Verdict::Protected(_)
+            | Verdict::Unavailable(
+                Unavailable::Hpl | Unavailable::Vpl | Unavailable::Emt | Unavailable::Accuracy
+            )
     );
     let mut sentence = Sentence::new("PRAIN");
     sentence

@@ -8,7 +8,7 @@ use rai_core::integrity::raim::detection::threshold::{false_alarms, missed_detec
 use rai_core::numeric::probability::Probability;
 use rai_core::requirements::Requirements;
 use rai_core::satellite::Constellation;
-use rai_core::weighting::{Ism, Support};
+use rai_core::weighting::{Ism, IsmParameters};
 use rai_firmware::config::{Action, CommandPort, Configuration, Key, Phase, scientific};
 
 /// A command with its checksum and line end.
@@ -328,7 +328,7 @@ fn the_promises_of_one_system_replace_those_of_the_preset_until_the_next_preset(
         module.ask(&format!("PRAIC,{command}"));
     }
     let mut want = Ism::RESEARCH_AIRBORNE;
-    let support = |ura_m, ure_m, bias_m, satellite_fault, constellation_fault| Support {
+    let support = |ura_m, ure_m, bias_m, satellite_fault, constellation_fault| IsmParameters {
         ura_m,
         ure_m,
         bias_m,

@@ -114,7 +114,7 @@ fn report() -> Report<CAPACITY> {
         used,
         residual_rms_m: 0.9,
         tracked: 17,
-        separation: None,
+        araim: None,
         sigma_check: None,
     }
 }

@@ -74,7 +74,7 @@ prop_compose! {
             used: used.into_iter().collect(),
             residual_rms_m,
             tracked,
-            separation: None,
+            araim: None,
             sigma_check: None,
         }
     }

@@ -172,7 +172,7 @@ fn modes(scene: &Scene, snapshot: &mut Snapshot<'_, f64>) -> Result<Vec<Row>> {
 /// What the core says of the whole.
 fn levels(scene: &Scene) -> Result<Vec<Row>> {
     let allocation = Allocation {
-        not_watched: 8e-8,
+        unmonitored_probability: 8e-8,
         consolidation: 0.0,
         exclusion: false,
         ..Allocation::vertical_guidance()
@@ -187,7 +187,7 @@ fn levels(scene: &Scene) -> Result<Vec<Row>> {
     };
     Ok(vec![
         number("modes", "12", found.modes as f64, 12.0, 0, 0.0),
-        number("P_nm / 1e-8", "", found.not_watched * 1e8, 3.449_595_95, 8, 1e-7),
+        number("P_nm / 1e-8", "", found.unmonitored_probability * 1e8, 3.449_595_95, 8, 1e-7),
         number("K, horizontal", "", found.factors[0], 5.894_859_64, 8, 1e-8),
         number("K, vertical", "", found.factors[2], 5.108_340_84, 8, 1e-8),
         // What is reported is never below the root; 0.3 mm above it are allowed, here it is closer.

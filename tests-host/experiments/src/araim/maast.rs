@@ -29,10 +29,10 @@ pub(super) fn section() -> Result<Section> {
         integrity_horizontal: constant("phmi_h")?,
         alarm_vertical: constant("p_fa_v")?,
         alarm_horizontal: constant("p_fa_h")?,
-        not_watched: constant("p_thres")?,
+        unmonitored_probability: constant("p_thres")?,
         consolidation: constant("fc_thres")?,
-        effective_prior: constant("p_emt")?,
-        effective_threshold_limit_m: None,
+        emt_prior: constant("p_emt")?,
+        emt_limit_m: None,
         accuracy_limit_m: None,
         exclusion: false,
     };
@@ -56,7 +56,7 @@ pub(super) fn section() -> Result<Section> {
         title: "A published run of MAAST for ARAIM 2: 12 satellites of GPS and 12 of Galileo".into(),
         rows: vec![
             near("modes", found.modes as f64, published("n_modes")?, 0, 0.0),
-            near("P_nm / 1e-8", found.not_watched * 1e8, published("p_nm")? * 1e8, 6, 1e-6),
+            near("P_nm / 1e-8", found.unmonitored_probability * 1e8, published("p_nm")? * 1e8, 6, 1e-6),
             near("EMT / m", found.effective_monitor_threshold_m, published("emt_m")?, 8, 1e-8),
             near(
                 "sigma of the height for accuracy / m",

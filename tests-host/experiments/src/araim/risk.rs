@@ -24,7 +24,7 @@
 
 use anyhow::Result;
 use nalgebra::{DMatrix, DVector};
-use rai_core::integrity::araim::{Allocation, Judged, Outcome, Priors, judge};
+use rai_core::integrity::araim::{Allocation, AraimJudgement, AraimOutcome, Priors, judge};
 use rai_core::least_squares::Workspace;
 use rai_core::satellite::Constellation;
 use rai_core::weighting::Ism;
@@ -197,7 +197,7 @@ fn trial(
         Row::new(format!("{words}: {what}"), "", estimate.finding(), Judgement::Ours)
             .holding("interval below 1", high < 1.0)
     };
-    let unwatched = f64::from(judged.whole.not_watched) / allocation.integrity();
+    let unwatched = f64::from(judged.whole.unmonitored_probability) / allocation.integrity();
     let mut rows =
         if is_vertical { vec![against_the_closed_form(&trial, &judged, words)?] } else { Vec::new() };
     rows.extend([
@@ -210,7 +210,7 @@ fn trial(
 }
 
 /// That the weights are right: without a fault the height is normal, and `P(|x_U| > L) = 2 Q((L − b)/σ)`.
-fn against_the_closed_form(trial: &Trial<'_>, judged: &Judged<f32>, words: &str) -> Result<Row> {
+fn against_the_closed_form(trial: &Trial<'_>, judged: &AraimJudgement<f32>, words: &str) -> Result<Row> {
     /// Of six rows of this kind none may miss by chance.
     const WIDE: f64 = 4.0;
     let gains = trial.scene.gains(&[])?;
@@ -230,7 +230,7 @@ fn against_the_closed_form(trial: &Trial<'_>, judged: &Judged<f32>, words: &str)
 
 impl Trial<'_> {
     /// What the core makes of these ranges, and where it puts the position.
-    fn judge(&self, ranges_m: &DVector<f64>) -> Result<(Judged<f32>, [f64; 3])> {
+    fn judge(&self, ranges_m: &DVector<f64>) -> Result<(AraimJudgement<f32>, [f64; 3])> {
         let mut workspace = Workspace::of(self.scene.epoch::<f32>(ranges_m)?);
         let mut snapshot = workspace.solve()?;
         let priors = Priors {
@@ -260,7 +260,7 @@ impl Trial<'_> {
         if self.is_vertical { up } else { east.hypot(north) }
     }
 
-    fn fault_free(&self, judged: &Judged<f32>) -> Result<Estimate> {
+    fn fault_free(&self, judged: &AraimJudgement<f32>) -> Result<Estimate> {
         let gains = self.scene.gains(&[])?;
         let mut largest = Estimate::default();
         for &axis in self.axes() {
@@ -276,7 +276,7 @@ impl Trial<'_> {
     }
 
     /// Of all outcomes under a mode, the largest over the size of the fault each.
-    fn risk_of(&self, mode: &Mode, judged: &Judged<f32>) -> Result<Estimate> {
+    fn risk_of(&self, mode: &Mode, judged: &AraimJudgement<f32>) -> Result<Estimate> {
         let mut largest = Estimate::default();
         for &axis in self.axes() {
             let mut sum = self.largest(mode, &[], judged.whole.levels_m, axis, &SIZES)?;
@@ -334,7 +334,7 @@ impl Trial<'_> {
         }
         let (judged, _) = self.judge(&ranges_m)?;
         Ok(match judged.outcome {
-            Outcome::Excluded { rows, finding, .. } if rows == set(left_out) => Some(finding.levels_m),
+            AraimOutcome::Excluded { rows, finding, .. } if rows == set(left_out) => Some(finding.levels_m),
             _ => None,
         })
     }
@@ -411,9 +411,9 @@ impl Trial<'_> {
                 DVector::from_fn(count, |index, _| drawn[index] * self.scene.satellites[index].sigma_m);
             let (judged, position_m) = self.judge(&(noise + &aim.fault_m))?;
             let (left_out, levels_m) = match &judged.outcome {
-                Outcome::Passed => (0, judged.whole.levels_m),
-                Outcome::Excluded { rows, finding, .. } => (*rows, finding.levels_m),
-                Outcome::NotIsolated => return Ok(0.0),
+                AraimOutcome::Passed => (0, judged.whole.levels_m),
+                AraimOutcome::Excluded { rows, finding, .. } => (*rows, finding.levels_m),
+                AraimOutcome::NotIsolated => return Ok(0.0),
             };
             let counts = left_out == aim.left_out && self.is_beyond(position_m, levels_m);
             Ok(if counts { (half - aim.centre.dot(&drawn)).exp() } else { 0.0 })

@@ -123,7 +123,7 @@ pub(super) fn spread(gains: impl Iterator<Item = f64>, sigmas_m: impl Iterator<I
 }
 
 /// What integrity is told of a pair of frequencies aboard an aircraft, m.
-fn sigma_m(support: &rai_core::weighting::Support, sin_elevation: f64) -> f64 {
+fn sigma_m(support: &rai_core::weighting::IsmParameters, sin_elevation: f64) -> f64 {
     let budget = ErrorBudget {
         sin_elevation: sin_elevation as f32,
         ephemeris_m: 0.0,

@@ -16,7 +16,7 @@
 
 use anyhow::Context as _;
 use nalgebra::{DMatrix, DVector};
-use rai_core::integrity::raim::detection::threshold::policy::{Demand, Weights};
+use rai_core::integrity::raim::detection::threshold::policy::{ThresholdProblem, Weights};
 use rai_core::integrity::raim::isolation::parity::correlation;
 use rai_core::integrity::raim::levels::largest_slopes;
 use rai_core::integrity::raim::levels::noncentrality_at;
@@ -117,7 +117,7 @@ fn disagreements(day: &Day, snapshot: &Snapshot<'_, f64>) -> anyhow::Result<usiz
     let hpl_m = slopes.protect(day.thresholds.lambda(dof).context("beyond the tables")?).hpl_m;
     let limits_m = [0.5, 0.9, 0.999, 1.001, 1.1, 2.0].map(|factor| factor * hpl_m);
     let disagrees = |limit_m: f64| {
-        let demand = Demand {
+        let demand = ThresholdProblem {
             dof,
             noncentrality: noncentrality_at(limit_m, slopes.horizontal),
             thresholds: day.thresholds,

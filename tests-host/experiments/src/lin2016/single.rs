@@ -2,7 +2,7 @@
 
 use rai_core::integrity::raim::detection::{Detection, detect};
 use rai_core::integrity::raim::isolation::baarda::exclude_sequentially;
-use rai_core::integrity::raim::isolation::exclusion::Outcome;
+use rai_core::integrity::raim::isolation::exclusion::ExclusionOutcome;
 use rai_core::least_squares::Snapshot;
 use rand::Rng as _;
 
@@ -44,7 +44,7 @@ fn test(day: &Day, rows: &[linear::Row]) -> anyhow::Result<Tested> {
         threshold_m: SIGMA_M * before.statistic().threshold,
         fault: before.fault(),
         excluded: exclusion.rows.iter().map(|excluded| excluded.index).collect(),
-        isolated: exclusion.outcome == Outcome::Isolated,
+        isolated: exclusion.outcome == ExclusionOutcome::Isolated,
     })
 }
 

@@ -10,7 +10,7 @@ use anyhow::{Context as _, Result};
 use indicatif::ProgressBar;
 use nalgebra::Vector3;
 use rai_core::integrity::raim::isolation::parity::{
-    Finding as Found, grouping, hybrid, hybrid_without_grouping, simultaneous,
+    ParityFinding as Found, grouping, hybrid, hybrid_without_grouping, simultaneous,
 };
 use rai_core::least_squares::Workspace;
 use rai_core::least_squares::equations::LinearEpoch;

@@ -128,7 +128,7 @@ impl Day<'_> {
             let mut monitor = Monitor::<f32, CAPACITY>::new(self.requirements)?;
             // The level of the papers, whose misleading epochs theory foretells.
             monitor.set_strategy(Strategy { levels: Levels::Slope, ..Strategy::CLASSIC });
-            monitor.forgo_continuity();
+            monitor.disable_continuity();
             let mut tally = Tally::default();
             for number in start..(start + CHUNK).min(self.epochs) {
                 let instant = self.instant(&satellites, number)?;

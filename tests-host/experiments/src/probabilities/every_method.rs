@@ -26,7 +26,7 @@ use nalgebra::DVector;
 use rai_core::epoch::Epoch;
 use rai_core::integrity::raim::detection::threshold::Thresholds;
 use rai_core::integrity::raim::isolation::parity::Isolation;
-use rai_core::monitor::{Memory, Method, Monitor, Search, Strategy};
+use rai_core::monitor::{Method, Monitor, MonitorWorkspace, Search, Strategy};
 use rai_core::report::{Protected, Report, Verdict};
 use rai_core::requirements::Requirements;
 use rai_core::weighting::Ism;
@@ -50,7 +50,7 @@ const METHODS: [(&str, Method); 8] = [
     ("HYBRID", Method::Parity(Isolation::Hybrid)),
     ("GROUPING", Method::Parity(Isolation::Grouping)),
     ("RANSAC", Method::Ransac),
-    ("SEPARATION", Method::Separation),
+    ("SEPARATION", Method::Araim),
 ];
 
 /// Sizes of the bias, as multiples of the one behind `√λ`: what is missed by chance, and what is surely found.
@@ -130,7 +130,7 @@ pub(super) fn sections(effort: Effort, site: &Site) -> Result<Vec<Section>> {
                 let by_size: Vec<Count> = by_size.iter().map(|counts| counts[limit][number]).collect();
                 faulty.push(row(&format!("{who}, {name}"), &asked(*method), &by_size));
             }
-            if *method != Method::Separation {
+            if *method != Method::Araim {
                 let FaultFree { weights, heaviest } = &without_fault;
                 fault_free.push(row_without_fault(who, &weights[number], *heaviest));
             }
@@ -177,7 +177,7 @@ impl Watched {
         let monitors = METHODS.iter().map(|&(_, method)| {
             let approach = Requirements::non_precision_approach();
             let usual = monitor(approach, method)?;
-            let mut memory = Memory::new();
+            let mut memory = MonitorWorkspace::new();
             let report = &usual.judge(&noiseless, site.position, Search::Anew, None, &mut memory).report;
             let levels = report.protection.context("a sky with levels")?;
             let limit = |level_m: f64| (level_m * ABOVE / approach.guard_fraction).min(approach.hal_m);
@@ -198,7 +198,7 @@ impl Watched {
         method: usize,
         limit: usize,
         epoch: &Epoch<CAPACITY>,
-        memory: &mut Memory<f32, CAPACITY>,
+        memory: &mut MonitorWorkspace<f32, CAPACITY>,
     ) -> Fate {
         let monitor = &self.monitors[method][limit];
         self.fate(&monitor.judge(epoch, self.site.position, Search::Anew, None, memory).report)
@@ -228,7 +228,7 @@ impl Watched {
     ) -> Result<Counts> {
         let Scene { geometry, .. } = &self.scene;
         let root = thresholds.lambda::<f64>(geometry.dof()).context("beyond the tables")?.sqrt();
-        let mut memory = core::array::from_fn::<_, { METHODS.len() }, _>(|_| Memory::new());
+        let mut memory = core::array::from_fn::<_, { METHODS.len() }, _>(|_| MonitorWorkspace::new());
         let mut counts = Counts::default();
         for (draw, &index) in draws.zip(self.faulty.iter().cycle()) {
             let bias_m = SIZES[size] * root / geometry.visibility(index);
@@ -279,7 +279,7 @@ struct FaultFree {
 fn judged_without_fault(watched: &[Watched], draws: usize) -> Result<FaultFree> {
     let thresholds = thresholds()?;
     let of_sky = |sky: usize| -> Result<Vec<([f64; METHODS.len()], f64)>> {
-        let mut memory = core::array::from_fn::<_, { METHODS.len() }, _>(|_| Memory::new());
+        let mut memory = core::array::from_fn::<_, { METHODS.len() }, _>(|_| MonitorWorkspace::new());
         let of_draw = |draw: usize| {
             let mut chance = generator(SEED + SIZES.len() as u64, draw as u64);
             let drawn = alarming(&watched[sky].scene.geometry, &thresholds, &mut chance)?;
@@ -307,7 +307,7 @@ fn judged_without_fault(watched: &[Watched], draws: usize) -> Result<FaultFree> 
 /// What is asked of a method under a fault, horizontally and vertically; where nothing is asked, `None`.
 fn asked(method: Method) -> [Option<f64>; 2] {
     let Requirements { missed_detection, allocation, .. } = Requirements::non_precision_approach();
-    if method != Method::Separation {
+    if method != Method::Araim {
         return [Some(missed_detection.get()); 2];
     }
     let likeliest =

@@ -22,7 +22,7 @@
 use anyhow::{Context as _, Result, ensure};
 use nalgebra::{Matrix2, Vector2};
 use rai_core::integrity::raim::detection::threshold::Thresholds;
-use rai_core::integrity::raim::levels::{Exposure, Factors, Levels};
+use rai_core::integrity::raim::levels::{KFactors, LevelInputs, Levels};
 use rai_core::least_squares::Workspace;
 use rai_core::numeric::probability::Probability;
 use rai_core::report::ProtectionLevels;
@@ -171,6 +171,6 @@ fn promised(geometry: &Geometry, levels: Levels, lambda: f64, missed: f64) -> Re
     let probability = |value| Probability::new(value).context("a probability");
     let mut workspace = Workspace::<f32, CAPACITY>::of(equations(&geometry.rows)?);
     let snapshot = workspace.solve()?;
-    let factors = Factors::new(probability(missed)?, probability(FAULT_FREE)?);
-    Ok(Exposure::of(&snapshot, levels, &factors).protect(lambda))
+    let factors = KFactors::new(probability(missed)?, probability(FAULT_FREE)?);
+    Ok(LevelInputs::of(&snapshot, levels, &factors).protect(lambda))
 }

@@ -12,7 +12,7 @@
 use anyhow::{Context as _, Result};
 use rai_core::integrity::raim::detection::threshold::Thresholds;
 use rai_core::integrity::raim::isolation::baarda::exclude_sequentially;
-use rai_core::integrity::raim::isolation::exclusion::{Exclusion, Outcome};
+use rai_core::integrity::raim::isolation::exclusion::{Exclusion, ExclusionOutcome};
 use rai_core::integrity::raim::isolation::{parity, ransac};
 use rai_core::least_squares::Excludable;
 use rai_core::least_squares::equations::Row;
@@ -100,9 +100,9 @@ impl Answer {
     /// Of an exclusion by the core.
     pub(super) fn of(exclusion: &Exclusion<f32>) -> Self {
         match exclusion.outcome {
-            Outcome::Passed => Self::Nothing,
-            Outcome::Isolated => Self::named(exclusion.rows.iter().map(|excluded| excluded.index)),
-            Outcome::NotIsolated(_) => Self::Unresolved,
+            ExclusionOutcome::Passed => Self::Nothing,
+            ExclusionOutcome::Isolated => Self::named(exclusion.rows.iter().map(|excluded| excluded.index)),
+            ExclusionOutcome::NotIsolated(_) => Self::Unresolved,
         }
     }
 

@@ -11,7 +11,7 @@ use indicatif::ProgressBar;
 use rai_core::epoch::{Epoch, Observation};
 use rai_core::frame::Ecef;
 use rai_core::integrity::raim::hypotheses::separability::separable;
-use rai_core::integrity::raim::isolation::exclusion::Outcome;
+use rai_core::integrity::raim::isolation::exclusion::ExclusionOutcome;
 use rai_core::integrity::raim::isolation::parity;
 use rai_core::integrity::raim::isolation::ransac::{MAX_WORK, Selection};
 use rai_core::least_squares::Workspace;
@@ -151,8 +151,8 @@ fn with_faults(
 /// What a method says of a position, as the module reports it.
 fn answer(method: Method, mut fix: Fix<'_, f32>, selection: &Selection, limits: &Limits) -> Answer {
     let exclusion = method.exclude(&mut fix, selection, limits);
-    let accepted =
-        exclusion.outcome != Outcome::Isolated || separable(&mut fix, &exclusion, &limits.thresholds);
+    let accepted = exclusion.outcome != ExclusionOutcome::Isolated
+        || separable(&mut fix, &exclusion, &limits.thresholds);
     if accepted { Answer::of(&exclusion) } else { Answer::Unresolved }
 }
 

@@ -2,8 +2,8 @@
 
 use anyhow::Context as _;
 use rai_core::integrity::raim::detection::threshold::Thresholds;
-use rai_core::integrity::raim::detection::threshold::policy::{Demand, Policy};
-use rai_core::integrity::raim::levels::{Exposure, largest_slopes};
+use rai_core::integrity::raim::detection::threshold::policy::{Policy, ThresholdProblem};
+use rai_core::integrity::raim::levels::{LevelInputs, largest_slopes};
 use rai_core::least_squares::Snapshot;
 use rai_core::numeric::real::Real;
 use rai_core::requirements::Requirements;
@@ -72,10 +72,10 @@ impl Case {
         self.demand(snapshot).threshold::<f64>(Policy::TOp).is_ok()
     }
 
-    fn demand<T: Real>(&self, snapshot: &Snapshot<'_, T>) -> Demand<'static> {
-        Demand::new(
+    fn demand<T: Real>(&self, snapshot: &Snapshot<'_, T>) -> ThresholdProblem<'static> {
+        ThresholdProblem::new(
             snapshot.dof(),
-            &Exposure::to_faults(largest_slopes(snapshot)),
+            &LevelInputs::to_faults(largest_slopes(snapshot)),
             &self.requirements,
             self.thresholds,
         )

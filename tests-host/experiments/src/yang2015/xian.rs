@@ -8,7 +8,9 @@ use std::ops::RangeInclusive;
 
 use anyhow::Context as _;
 use rai_core::frame::Enu;
-use rai_core::integrity::raim::detection::threshold::policy::{Decision, Demand, Weights, range_threshold_m};
+use rai_core::integrity::raim::detection::threshold::policy::{
+    Decision, ThresholdProblem, Weights, range_threshold_m,
+};
 use rai_core::integrity::raim::levels::largest_slopes;
 use rai_core::integrity::raim::levels::noncentrality_at;
 use rai_core::numeric::probability::Probability;
@@ -86,7 +88,7 @@ fn judge(directions: &[Enu], limit_m: f64) -> anyhow::Result<Minute> {
     let mut workspace = pose::<f64>(directions, |_| 0.0)?;
     let snapshot = workspace.solve()?;
     let (dof, slopes, thresholds) = (snapshot.dof(), largest_slopes(&snapshot), thresholds(FALSE_ALARM)?);
-    let demand = Demand {
+    let demand = ThresholdProblem {
         dof,
         noncentrality: noncentrality_at(limit_m, slopes.horizontal),
         thresholds,

@@ -78,7 +78,7 @@ impl Session {
                 Method::Parity(Isolation::Hybrid),
                 Method::Parity(Isolation::Grouping),
                 Method::Ransac,
-                Method::Separation,
+                Method::Araim,
             ][usize::from(method)],
             clock_aid: clock_aid != 0,
             ..Strategy::DEFAULT

@@ -1,4 +1,5 @@
-//! Protection levels of ARAIM: the distance that bounds the error under all fault modes, except for the risk.
+//! Protection levels of ARAIM: the distance that bounds the error under all fault modes, except for
+//! the risk.
 //!
 //! ```text
 //! 2 Q((L − b_0)/σ_0) + Σ_k p_k Q((L − T_k − b_k)/σ_k) = R          Q of 0 and below counts as 1
@@ -11,13 +12,14 @@
 //! | `1/σ_k` | [`Term::inverse_sigma`] | 1/m |
 //! | `p_k` | [`Term::probability`] | – |
 //!
-//! Solved by Newton's method on `ln f`, held in a bracket. The result is a distance at which the sum was at most `R`,
-//! and at most 0.1 mm beyond the root.
+//! Solved by Newton's method on `ln f`, held in a bracket. The result is a distance at which the
+//! sum was at most `R`, and at most 0.1 mm beyond the root.
 //!
-//! A few dozen of hundreds of modes matter. Terms are classified at a distance below the root (the *reference*). A term whose
-//! bound `½ p exp(−u²/2)` is far below `R` is clear and not evaluated; all clear terms together are charged a fixed share of
-//! `R`. A small term is frozen, which means that it is charged its value at the reference. The others stay. `Q` falls,
-//! so that all of this is on the safe side. If the final bound on the frozen terms' cost is too large, the modes are
+//! A few dozen of hundreds of modes matter. Terms are classified at a distance below the root (the
+//! *reference*). A term whose bound `½ p exp(−u²/2)` is far below `R` is clear and not evaluated;
+//! all clear terms together are charged a fixed share of `R`. A small term is frozen, which means
+//! that it is charged its value at the reference. The others stay. `Q` falls, so that all of this
+//! is on the safe side. If the final bound on the frozen terms' cost is too large, the modes are
 //! evaluated once more with a better reference.
 //!
 //! References: [Blanch2015], [MAAST] `compute_protection_level`.
@@ -25,11 +27,11 @@
 //! [Blanch2015]: crate#references
 //! [MAAST]: crate#references
 
-mod gate;
+mod screen;
 
 use heapless::Vec;
 
-pub(super) use gate::Gate;
+pub(super) use screen::Screen;
 
 use super::modes::{Hypothesis, Mode};
 use crate::least_squares::infinity;
@@ -47,8 +49,8 @@ fn settled_m<T: Real>() -> T {
     T::narrow(1e-4) + T::narrow(4e3) * T::default_epsilon()
 }
 
-/// Returns the share of `R` that all clear terms together are charged; in single precision 2e-4 more, which is 0.1 mm
-/// of a level for a `σ` of 2 m.
+/// Returns the share of `R` that all clear terms together are charged; in single precision 2e-4
+/// more, which is 0.1 mm of a level for a `σ` of 2 m.
 fn clear<T: Real>() -> T {
     T::narrow(1e-6) + T::narrow(1.7e3) * T::default_epsilon()
 }
@@ -56,8 +58,9 @@ fn clear<T: Real>() -> T {
 /// Share of `R` below which a term is frozen.
 const FROZEN: f64 = 1e-5;
 
-/// Tolerated increase of a level by the frozen terms, m; in single precision 2.4 mm more, and 4e-5 of the level.
-const DEARNESS_M: f64 = 3e-4;
+/// Tolerated increase of a level by the frozen terms, m; in single precision 2.4 mm more, and 4e-5
+/// of the level.
+const TOLERANCE_M: f64 = 3e-4;
 
 /// Term of one mode in the sum.
 #[derive(Clone, Copy, Debug)]
@@ -70,7 +73,7 @@ pub(super) struct Term<T> {
 
 /// A mode on one axis, before it is classified.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Candidate<T> {
+pub(super) struct AxisMode<T> {
     pub(super) probability: T,
     /// `ln p_k`.
     pub(super) ln_probability: T,
@@ -80,7 +83,7 @@ pub(super) struct Candidate<T> {
     pub(super) hypothesis: Hypothesis,
 }
 
-impl<T: Real> Candidate<T> {
+impl<T: Real> AxisMode<T> {
     #[inline]
     pub(super) fn of(mode: &Mode<T>, threshold: T, variance: T) -> Self {
         let Mode { hypothesis, probability, ln_probability, .. } = *mode;
@@ -90,13 +93,13 @@ impl<T: Real> Candidate<T> {
 
 /// The risk of an axis, and its clear bound.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Budget<T> {
+pub(super) struct AxisRisk<T> {
     risk: T,
     /// Clear bound, as [`Axis::clear`].
     clear: T,
 }
 
-impl<T: Real> Budget<T> {
+impl<T: Real> AxisRisk<T> {
     /// Returns the risk for a number of modes that share it.
     pub(super) fn of(risk: T, modes: T) -> Self {
         let two = T::one() + T::one();
@@ -122,12 +125,12 @@ pub(super) struct Axis<T> {
 
 /// The latest quantiles, because both horizontal axes need the same ones.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Quantiles<T> {
+pub(super) struct QuantileCache<T> {
     latest: (T, T),
     before: (T, T),
 }
 
-impl<T: Real> Quantiles<T> {
+impl<T: Real> QuantileCache<T> {
     /// Returns the cache with the median alone.
     pub(super) fn none() -> Self {
         let median = (T::narrow(0.5), T::zero());
@@ -146,7 +149,7 @@ impl<T: Real> Quantiles<T> {
 }
 
 /// Value of the sum at a distance.
-struct Sum<T> {
+struct RiskSum<T> {
     value: T,
     /// Rate at which the sum falls, 1/m.
     slope: T,
@@ -155,14 +158,14 @@ struct Sum<T> {
 }
 
 /// Value of a term at a distance.
-struct Share<T> {
+struct TermValue<T> {
     value: T,
     slope: T,
 }
 
 /// A level with a distance below the root.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Level<T> {
+pub(super) struct AxisLevel<T> {
     /// Distance at which the sum is at most the risk, m.
     pub(super) distance_m: T,
     /// A distance below the root.
@@ -171,7 +174,7 @@ pub(super) struct Level<T> {
     pub(super) dominant: Hypothesis,
 }
 
-impl<T: Real> Level<T> {
+impl<T: Real> AxisLevel<T> {
     /// Returns the level without risk to spend.
     pub(super) fn none() -> Self {
         Self { distance_m: infinity(), below_m: T::zero(), dominant: Hypothesis::NONE }
@@ -201,9 +204,10 @@ impl<T: Real> Axis<T> {
         self.reference_m = infinity();
     }
 
-    /// Starts an axis with the risk of its modes and the all-in-view solution as the first term. Without risk there is no level.
+    /// Starts an axis with the risk of its modes and the all-in-view solution as the first term.
+    /// Without risk there is no level.
     #[inline(never)]
-    pub(super) fn open(&mut self, budget: &Budget<T>, variance: T, bias_m: T) {
+    pub(super) fn open(&mut self, budget: &AxisRisk<T>, variance: T, bias_m: T) {
         self.close();
         (self.risk, self.clear) = (budget.risk, budget.clear);
         if !self.is_open() {
@@ -213,7 +217,7 @@ impl<T: Real> Axis<T> {
         let _ = self.terms.push(Term {
             probability: T::one() + T::one(),
             offset_m: bias_m,
-            inverse_sigma: variance.inverse_root(),
+            inverse_sigma: variance.inverse_sqrt_approx(),
             hypothesis: Hypothesis::NONE,
         });
         self.restart(T::zero());
@@ -224,11 +228,13 @@ impl<T: Real> Axis<T> {
         self.risk > T::zero()
     }
 
-    /// Returns true if a mode with at most this bias is so far below the reference that its term is clear.
+    /// Returns true if a mode with at most this bias is so far below the reference that its term is
+    /// clear.
     ///
-    /// The condition is `T + √C ≤ m` with `C = u²σ²`, without a root: `m² − T² − C ≥ 0` and its square `≥ 4 T² C`.
+    /// The condition is `T + √C ≤ m` with `C = u²σ²`, without a root: `m² − T² − C ≥ 0` and its
+    /// square `≥ 4 T² C`.
     #[inline]
-    pub(super) fn is_clear(&self, mode: &Candidate<T>, bias_m: T) -> bool {
+    pub(super) fn is_clear(&self, mode: &AxisMode<T>, bias_m: T) -> bool {
         let margin = self.reference_m - bias_m;
         let needed = self.clear + mode.ln_probability + mode.ln_probability;
         let spread = if needed > T::zero() { needed * mode.variance } else { T::zero() };
@@ -238,21 +244,22 @@ impl<T: Real> Axis<T> {
 
     /// Adds a mode to the sum, unless it is clear.
     #[inline]
-    pub(super) fn add(&mut self, mode: &Candidate<T>, bias_m: T) {
+    pub(super) fn add(&mut self, mode: &AxisMode<T>, bias_m: T) {
         if !self.is_clear(mode, bias_m) {
             self.add_term(mode, bias_m);
         }
     }
 
     #[inline(never)]
-    fn add_term(&mut self, mode: &Candidate<T>, bias_m: T) {
+    fn add_term(&mut self, mode: &AxisMode<T>, bias_m: T) {
         // Rounding can make a zero variance slightly negative.
         let is_spread = mode.threshold > T::zero();
-        let threshold_m = if is_spread { mode.threshold * mode.threshold.inverse_root() } else { T::zero() };
+        let threshold_m =
+            if is_spread { mode.threshold * mode.threshold.inverse_sqrt_approx() } else { T::zero() };
         let term = Term {
             probability: mode.probability,
             offset_m: threshold_m + bias_m,
-            inverse_sigma: mode.variance.inverse_root(),
+            inverse_sigma: mode.variance.inverse_sqrt_approx(),
             hypothesis: mode.hypothesis,
         };
         self.take(term);
@@ -266,14 +273,14 @@ impl<T: Real> Axis<T> {
         }
         while self.terms.is_full() {
             self.bar *= T::narrow(4.0);
-            self.sift();
+            self.freeze_small_terms();
         }
         // The loop above made a free place.
         let _ = self.terms.push(term);
     }
 
     /// Freezes the terms below the bar; the first term stays.
-    fn sift(&mut self) {
+    fn freeze_small_terms(&mut self) {
         let (mut frozen, mut is_first) = (self.frozen, true);
         let (reference_m, bar) = (self.reference_m, self.bar);
         self.terms.retain(|term| {
@@ -287,11 +294,11 @@ impl<T: Real> Axis<T> {
         self.frozen = frozen;
     }
 
-    fn sum(&self, level_m: T) -> Sum<T> {
-        let mut sum = Sum { value: self.frozen, slope: T::zero(), dominant: Hypothesis::NONE };
+    fn sum(&self, level_m: T) -> RiskSum<T> {
+        let mut sum = RiskSum { value: self.frozen, slope: T::zero(), dominant: Hypothesis::NONE };
         let mut largest = T::zero();
         for term in &self.terms {
-            let Share { value, slope } = term.at(level_m);
+            let TermValue { value, slope } = term.at(level_m);
             sum.value += value;
             sum.slope += slope;
             if value > largest {
@@ -301,14 +308,15 @@ impl<T: Real> Axis<T> {
         sum
     }
 
-    /// Raises the reference to the distance at which one mode alone spends the risk, and freezes small terms.
-    pub(super) fn sort_out(&mut self, quantiles: &mut Quantiles<T>) {
+    /// Raises the reference to the distance at which one mode alone spends the risk, and freezes
+    /// small terms.
+    pub(super) fn raise_reference(&mut self, quantiles: &mut QuantileCache<T>) {
         let lowest_m = self.lowest(quantiles);
         self.refer(lowest_m);
     }
 
     /// Raises the reference by the modes so far, because more modes only raise the root.
-    pub(super) fn settle(&mut self) {
+    pub(super) fn refine_reference(&mut self) {
         let below_m = self.solve().below_m;
         self.refer(below_m);
     }
@@ -327,12 +335,12 @@ impl<T: Real> Axis<T> {
     fn refer(&mut self, below_m: T) {
         if below_m > self.reference_m {
             self.reference_m = below_m;
-            self.sift();
+            self.freeze_small_terms();
         }
     }
 
     /// Returns a distance below which one term alone exceeds the risk, m.
-    fn lowest(&self, quantiles: &mut Quantiles<T>) -> T {
+    fn lowest(&self, quantiles: &mut QuantileCache<T>) -> T {
         let mut lowest = self.reference_m;
         for term in &self.terms {
             let share = self.risk / term.probability;
@@ -348,27 +356,28 @@ impl<T: Real> Axis<T> {
     }
 
     /// Returns the level with all modes.
-    pub(super) fn finish(&self) -> Level<T> {
+    pub(super) fn finish(&self) -> AxisLevel<T> {
         let level = self.solve();
         let below_m = if level.below_m > self.reference_m { level.below_m } else { self.reference_m };
-        Level { below_m, ..level }
+        AxisLevel { below_m, ..level }
     }
 
     /// Returns true if another pass with a better reference is worth it.
-    pub(super) fn is_dear(level: &Level<T>) -> bool {
+    pub(super) fn exceeds_tolerance(level: &AxisLevel<T>) -> bool {
         let single = T::default_epsilon() * (T::narrow(2e4) + T::narrow(300.0) * level.distance_m);
-        let limit = T::narrow(DEARNESS_M) + single;
+        let limit = T::narrow(TOLERANCE_M) + single;
         level.distance_m.is_finite() && level.distance_m - level.below_m > limit
     }
 
     /// Solves by Newton's method, starting at the reference.
     #[inline(never)]
-    fn solve(&self) -> Level<T> {
+    fn solve(&self) -> AxisLevel<T> {
         let start_m = self.reference_m;
-        let unknown = Level { below_m: start_m, ..Level::none() };
+        let unknown = AxisLevel { below_m: start_m, ..AxisLevel::none() };
         let (mut low_m, mut high) = (start_m, None);
         let mut at_m = start_m;
-        // Least step, doubled after each step without effect, so that the iteration always advances.
+        // Least step, doubled after each step without effect, so that the iteration always
+        // advances.
         let mut least_m = settled_m::<T>();
         for _ in 0..MAX_STEPS {
             let sum = self.sum(at_m);
@@ -391,10 +400,11 @@ impl<T: Real> Axis<T> {
             least_m += least_m;
         }
         let Some((level_m, slack, dominant)) = high else { return unknown };
-        // The sum is convex beyond every offset: without the frozen terms it would reach the risk no earlier than here.
+        // The sum is convex beyond every offset: without the frozen terms it would reach the risk
+        // no earlier than here.
         let below_m = level_m - slack - T::narrow(2.0) * settled_m::<T>();
         let below_m = if slack.is_finite() && below_m > T::zero() { below_m } else { T::zero() };
-        Level { distance_m: level_m, below_m, dominant }
+        AxisLevel { distance_m: level_m, below_m, dominant }
     }
 }
 
@@ -411,16 +421,16 @@ fn next<T: Real>(at_m: T, step: T, low_m: T, high_m: Option<T>, least_m: T) -> T
 }
 
 impl<T: Real> Term<T> {
-    fn at(&self, level_m: T) -> Share<T> {
+    fn at(&self, level_m: T) -> TermValue<T> {
         let distance = (level_m - self.offset_m) * self.inverse_sigma;
         if distance > T::zero() {
             let tail = tail(distance);
-            Share {
+            TermValue {
                 value: self.probability * tail.probability,
                 slope: self.probability * tail.density * self.inverse_sigma,
             }
         } else {
-            Share { value: self.probability, slope: T::zero() }
+            TermValue { value: self.probability, slope: T::zero() }
         }
     }
 }

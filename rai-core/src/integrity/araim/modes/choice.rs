@@ -1,28 +1,28 @@
-//! Choice of the cut: gathers the odds of every satellite and constellation, and sums probability by size, from the largest
-//! sets on, until the share of unmonitored faults is used up.
+//! Choice of the cut: gathers the odds of every satellite and constellation, and sums probability
+//! by size, from the largest sets on, until the share of unmonitored faults is used up.
 
 use core::ops::{ControlFlow, Range};
 
 use heapless::Vec;
 
 use super::combination::{Event, Simultaneous, combinations_backwards};
-use super::consolidation::{Alike, add_to};
+use super::consolidation::{OddsRange, add_to};
 use super::sets::{EVENTS, NONE, ROOM, ROWS, event, row};
-use super::{Cutoff, Modes, Odds};
+use super::{Cutoff, Modes, PriorOdds};
 use crate::bit_set::{bit, count_of};
-use crate::integrity::araim::SeparationError;
+use crate::integrity::araim::AraimError;
 use crate::numeric::real::Real;
 use crate::satellite::Constellation;
 
 /// Odds of a row's fault.
 #[derive(Clone, Copy, Debug)]
-pub(in super::super) struct Fallible<T> {
+pub(in super::super) struct FaultOdds<T> {
     pub(super) odds: T,
     pub(super) ln: T,
     pub(super) constellation: usize,
 }
 
-impl<T: Real> Fallible<T> {
+impl<T: Real> FaultOdds<T> {
     /// Returns the odds of a row that never fails.
     pub(super) fn never() -> Self {
         Self { odds: T::zero(), ln: T::zero(), constellation: NONE }
@@ -32,7 +32,7 @@ impl<T: Real> Fallible<T> {
     ///
     /// # Errors
     /// [`AraimError::Prior`] for a probability outside [0, 0.5).
-    fn of((constellation, probability): (usize, T)) -> Result<Self, SeparationError> {
+    fn of((constellation, probability): (usize, T)) -> Result<Self, AraimError> {
         let odds = fault_odds(probability)?;
         let ln = if odds > T::zero() { odds.ln() } else { T::zero() };
         Ok(Self { odds, ln, constellation })
@@ -43,9 +43,9 @@ impl<T: Real> Fallible<T> {
 ///
 /// # Errors
 /// [`AraimError::Prior`] for a probability outside [0, 0.5).
-fn fault_odds<T: Real>(probability: T) -> Result<T, SeparationError> {
+fn fault_odds<T: Real>(probability: T) -> Result<T, AraimError> {
     let is_valid = probability >= T::zero() && probability < T::narrow(0.5);
-    if is_valid { Ok(probability / (T::one() - probability)) } else { Err(SeparationError::Prior) }
+    if is_valid { Ok(probability / (T::one() - probability)) } else { Err(AraimError::Prior) }
 }
 
 impl<'r, T: Real> Modes<'r, T> {
@@ -53,21 +53,21 @@ impl<'r, T: Real> Modes<'r, T> {
     pub(super) fn gather(
         &mut self,
         satellites: impl Iterator<Item = Option<(Constellation, T)>>,
-        room: &'r mut Odds<T>,
-        alike: &mut [Alike<T>; Constellation::COUNT],
-    ) -> Result<Simultaneous<T>, SeparationError> {
+        room: &'r mut PriorOdds<T>,
+        alike: &mut [OddsRange<T>; Constellation::COUNT],
+    ) -> Result<Simultaneous<T>, AraimError> {
         let mut simultaneous = Simultaneous::nothing();
         // Satellites of one constellation are mostly adjacent and share their probability.
         let never = (NONE, T::zero());
-        let (mut run, mut of_run, mut start) = (never, Fallible::never(), 0);
+        let (mut run, mut of_run, mut start) = (never, FaultOdds::never(), 0);
         room.clear();
         for satellite in satellites {
             let own = satellite.map_or(never, |(constellation, fault)| (constellation as usize, fault));
             if own != run {
                 self.take_over(&of_run, start..room.len(), alike);
-                (run, of_run, start) = (own, Fallible::of(own)?, room.len());
+                (run, of_run, start) = (own, FaultOdds::of(own)?, room.len());
             }
-            room.push(of_run).map_err(|_| SeparationError::Rows)?;
+            room.push(of_run).map_err(|_| AraimError::Rows)?;
             if of_run.odds > T::zero() {
                 simultaneous.add(of_run.odds);
             }
@@ -89,11 +89,11 @@ impl<'r, T: Real> Modes<'r, T> {
     #[inline(never)]
     fn take_over(
         &mut self,
-        of_each: &Fallible<T>,
+        of_each: &FaultOdds<T>,
         rows: Range<usize>,
-        alike: &mut [Alike<T>; Constellation::COUNT],
+        alike: &mut [OddsRange<T>; Constellation::COUNT],
     ) {
-        let Fallible { odds, constellation, .. } = *of_each;
+        let FaultOdds { odds, constellation, .. } = *of_each;
         let of_constellation = self.members.get_mut(constellation).zip(alike.get_mut(constellation));
         let Some((members, alike)) = of_constellation else { return };
         let set = bit(rows.end).wrapping_sub(bit(rows.start));
@@ -102,7 +102,7 @@ impl<'r, T: Real> Modes<'r, T> {
             self.fallible |= set;
             alike.add(odds, rows.len());
             if odds > self.likeliest.odds {
-                self.likeliest = Fallible { constellation: NONE, ..*of_each };
+                self.likeliest = FaultOdds { constellation: NONE, ..*of_each };
             }
             if odds < self.rarest_odds {
                 self.rarest_odds = odds;
@@ -156,12 +156,12 @@ impl<'r, T: Real> Modes<'r, T> {
     }
 
     /// Returns true if monitoring every satellite's fault is mandatory.
-    pub(super) fn must_watch_all_singles(&self) -> bool {
+    pub(super) fn must_monitor_all_singles(&self) -> bool {
         self.healthy * self.rarest_odds > self.mandatory
     }
 
     /// Chooses the cut.
-    pub(super) fn cut(&mut self, tail: T, share: T, alike: &[Alike<T>; Constellation::COUNT]) {
+    pub(super) fn cut(&mut self, tail: T, share: T, alike: &[OddsRange<T>; Constellation::COUNT]) {
         let mut sums = [T::zero(); ROWS + 1];
         self.is_regular = self.sum_by_constellation(alike, &mut sums).is_some();
         if !self.is_regular {
@@ -175,13 +175,13 @@ impl<'r, T: Real> Modes<'r, T> {
             }
         }
         // No combination takes more satellites than there are.
-        let mut not_watched = tail;
+        let mut unmonitored_probability = tail;
         let cut = sums.iter().enumerate().take(self.odds.len() + 1).rev().find(|&(_, &sum)| {
-            let fits = not_watched + sum <= share;
-            not_watched += if fits { sum } else { T::zero() };
+            let fits = unmonitored_probability + sum <= share;
+            unmonitored_probability += if fits { sum } else { T::zero() };
             !fits
         });
-        self.not_watched = not_watched;
+        self.unmonitored_probability = unmonitored_probability;
         if let Some((size, _)) = cut {
             self.cut_within(size, share);
         }
@@ -191,7 +191,7 @@ impl<'r, T: Real> Modes<'r, T> {
     #[inline(never)]
     fn cut_within(&mut self, size: usize, share: T) {
         let events = self.gathered();
-        let (mut sum, mut cutoff) = (self.not_watched, Cutoff { size, count: 0, events: 0 });
+        let (mut sum, mut cutoff) = (self.unmonitored_probability, Cutoff { size, count: 0, events: 0 });
         for count in (1..=self.limit).rev() {
             let walk = combinations_backwards(&events, count, &mut |combination| {
                 let probability = self.probability_of(&combination);
@@ -211,7 +211,7 @@ impl<'r, T: Real> Modes<'r, T> {
                 break;
             }
         }
-        self.not_watched = sum;
+        self.unmonitored_probability = sum;
         self.cutoff = cutoff;
     }
 }

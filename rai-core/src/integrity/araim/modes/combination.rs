@@ -2,15 +2,15 @@
 
 use core::ops::ControlFlow;
 
-use super::sets::{NONE, ROW_EVENTS, Set};
+use super::sets::{NONE, ROW_EVENTS, RowSet};
 use crate::bit_set::count_of;
 use crate::numeric::real::Real;
 
 /// A fault of one satellite or one constellation.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Event<T> {
-    pub(super) rows: Set,
-    pub(super) bit: Set,
+    pub(super) rows: RowSet,
+    pub(super) bit: RowSet,
     pub(super) size: usize,
     pub(super) constellation: usize,
     pub(super) odds: T,
@@ -19,8 +19,8 @@ pub(super) struct Event<T> {
 /// A combination of simultaneous events.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Combination<T> {
-    pub(super) events: Set,
-    pub(super) rows: Set,
+    pub(super) events: RowSet,
+    pub(super) rows: RowSet,
     pub(super) size: usize,
     /// The only constellation that is touched; [`NONE`] if there are several.
     pub(super) constellation: usize,
@@ -34,7 +34,7 @@ impl<T: Real> Combination<T> {
     }
 
     /// Adds an event. The caller sets `events` and `size`.
-    pub(super) fn add(&mut self, rows: Set, constellation: usize, odds: T) {
+    pub(super) fn add(&mut self, rows: RowSet, constellation: usize, odds: T) {
         let is_first = self.rows == 0;
         self.constellation =
             if is_first || self.constellation == constellation { constellation } else { NONE };

@@ -1,4 +1,5 @@
-//! Consolidation of faults into a constellation's loss, and the remaining probability by the number of satellites taken.
+//! Consolidation of faults into a constellation's loss, and the remaining probability by the number
+//! of satellites taken.
 
 use core::ops::ControlFlow;
 
@@ -9,7 +10,7 @@ use crate::numeric::real::Real;
 use crate::satellite::Constellation;
 
 /// Sums of probability by the number of satellites taken.
-pub(super) type Sums<T> = [T; ROWS + 1];
+pub(super) type ProbabilityBySize<T> = [T; ROWS + 1];
 
 impl<T: Real> Modes<'_, T> {
     /// Returns the constellation whose loss a combination is consolidated into.
@@ -21,9 +22,10 @@ impl<T: Real> Modes<'_, T> {
         (rare && !combination.is_whole_constellation()).then_some(combination.constellation)
     }
 
-    /// Sums the probability of combinations that are not mandatory, single losses apart, and the consolidated probability.
+    /// Sums the probability of combinations that are not mandatory, single losses apart, and the
+    /// consolidated probability.
     #[inline(never)]
-    pub(super) fn sum_one_by_one(&mut self, sums: &mut Sums<T>) {
+    pub(super) fn sum_one_by_one(&mut self, sums: &mut ProbabilityBySize<T>) {
         let events = self.gathered();
         let mut added = [T::zero(); Constellation::COUNT];
         for size in 1..=self.limit {
@@ -42,18 +44,19 @@ impl<T: Real> Modes<'_, T> {
         self.added = added;
     }
 
-    /// Works like [`Self::sum_one_by_one`] for homogeneous constellations: all pairs of one are consolidated or none, and
-    /// no pair is mandatory. Returns `None` for others; the sums are then unspecified.
+    /// Works like [`Self::sum_one_by_one`] for homogeneous constellations: all pairs of one are
+    /// consolidated or none, and no pair is mandatory. Returns `None` for others; the sums are then
+    /// unspecified.
     #[inline(never)]
     pub(super) fn sum_by_constellation(
         &mut self,
-        alike: &[Alike<T>; Constellation::COUNT],
-        sums: &mut Sums<T>,
+        alike: &[OddsRange<T>; Constellation::COUNT],
+        sums: &mut ProbabilityBySize<T>,
     ) -> Option<()> {
         if self.limit != 2 {
             return None;
         }
-        if !self.must_watch_all_singles() {
+        if !self.must_monitor_all_singles() {
             for fallible in self.odds.iter().filter(|fallible| fallible.odds > T::zero()) {
                 let probability = self.healthy * fallible.odds;
                 if !(probability > self.mandatory) {
@@ -96,8 +99,8 @@ impl<T: Real> Modes<'_, T> {
             } else {
                 add_to(sums, size, with_loss);
             }
-            self.swallows |= u8::from(nested) << id;
-            self.swallows_pairs |= u8::from(pair) << id;
+            self.consolidates_all |= u8::from(nested) << id;
+            self.consolidates_pairs |= u8::from(pair) << id;
             for (other, (there, &other_loss)) in alike.iter().zip(&losses).enumerate() {
                 if other != id {
                     add_to(sums, size + 1, self.healthy * (loss * there.sum));
@@ -115,7 +118,7 @@ impl<T: Real> Modes<'_, T> {
 }
 
 /// Adds a probability to the sum of a size.
-pub(super) fn add_to<T: Real>(sums: &mut Sums<T>, size: usize, probability: T) {
+pub(super) fn add_to<T: Real>(sums: &mut ProbabilityBySize<T>, size: usize, probability: T) {
     if let Some(sum) = sums.get_mut(size) {
         *sum += probability;
     }
@@ -123,14 +126,14 @@ pub(super) fn add_to<T: Real>(sums: &mut Sums<T>, size: usize, probability: T) {
 
 /// Odds of one constellation's satellites.
 #[derive(Clone, Copy)]
-pub(super) struct Alike<T> {
+pub(super) struct OddsRange<T> {
     sum: T,
     squares: T,
     largest: T,
     least: T,
 }
 
-impl<T: Real> Alike<T> {
+impl<T: Real> OddsRange<T> {
     pub(super) fn none() -> Self {
         Self { sum: T::zero(), squares: T::zero(), largest: T::zero(), least: T::zero() }
     }
@@ -156,7 +159,8 @@ impl<T: Real> Alike<T> {
     }
 }
 
-/// Returns true if all of some numbers are below a bar, by the least and the largest; `None` if only some are.
+/// Returns true if all of some numbers are below a bar, by the least and the largest; `None` if
+/// only some are.
 fn is_all_below<T: Real>(least: T, largest: T, bar: T) -> Option<bool> {
     if largest < bar {
         Some(true)

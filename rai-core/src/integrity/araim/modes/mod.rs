@@ -12,19 +12,21 @@
 //! | `p_k` | [`Mode::probability`] | – |
 //! | `P_nm` | [`Modes::unmonitored_probability`] | – |
 //!
-//! An event is a fault of one satellite, or of all satellites of one constellation. Combinations of 1 to `r` events are
-//! listed, `r` being 2, or 3 if more than 2 events are too likely to be unmonitored. A combination that lies wholly inside a
-//! constellation and is far less likely than the loss of that constellation is counted with the latter
-//! (consolidation). Of the others, every one that alone would break the requirement is monitored. Then, from the
-//! smallest set of satellites to the largest, as many are monitored as bring `P_nm` down to its share.
+//! An event is a fault of one satellite, or of all satellites of one constellation. Combinations of
+//! 1 to `r` events are listed, `r` being 2, or 3 if more than 2 events are too likely to be
+//! unmonitored. A combination that lies wholly inside a constellation and is far less likely than
+//! the loss of that constellation is counted with the latter (consolidation). Of the others, every
+//! one that alone would break the requirement is monitored. Then, from the smallest set of
+//! satellites to the largest, as many are monitored as bring `P_nm` down to its share.
 //!
-//! Several combinations may take the same satellites: a constellation with or without one of its satellites, or a lone
-//! satellite with or without its constellation. A [`Mode`] is a set of satellites, with the probability of all monitored
-//! combinations that take just these. It is written as whole constellations and as rows of the others, as the algebra
-//! leaves them out.
+//! Several combinations may take the same satellites: a constellation with or without one of its
+//! satellites, or a lone satellite with or without its constellation. A [`Mode`] is a set of
+//! satellites, with the probability of all monitored combinations that take just these. It is
+//! written as whole constellations and as rows of the others, as the algebra leaves them out.
 //!
-//! Nothing is stored for each mode, so that the modes are visited as often as needed. Sums run over the *unmonitored*
-//! combinations, from the rarest on, so that single precision suffices. At most three simultaneous events are considered.
+//! Nothing is stored for each mode, so that the modes are visited as often as needed. Sums run over
+//! the *unmonitored* combinations, from the rarest on, so that single precision suffices. At most
+//! three simultaneous events are considered.
 //!
 //! References: [MAAST] `determine_subsets`, [Blanch2015].
 //!
@@ -42,16 +44,16 @@ use core::ops::{ControlFlow, RangeInclusive};
 use heapless::Vec;
 
 pub use sets::{Hypothesis, ROWS};
-pub(super) use sets::{ROOM, Set, members, row};
-pub(super) use visit::{Batch, Mode, Remains, Visitor};
+pub(super) use sets::{ROOM, RowSet, members, row};
+pub(super) use visit::{Mode, ModeBatch, RemainingRows, Visitor};
 
-use choice::Fallible;
+use choice::FaultOdds;
 use combination::Combination;
-use consolidation::Alike;
+use consolidation::OddsRange;
 use sets::{ROW_EVENTS, event, is_listed_after, subsets};
-use visit::Walk;
+use visit::ModeWalk;
 
-use super::SeparationError;
+use super::AraimError;
 use crate::allocation::Allocation;
 use crate::bit_set::count_of;
 use crate::numeric::real::Real;
@@ -59,9 +61,9 @@ use crate::satellite::Constellation;
 
 /// The loss of a constellation.
 #[derive(Clone, Copy, Debug)]
-struct Loss<T> {
+struct ConstellationLoss<T> {
     id: usize,
-    rows: Set,
+    rows: RowSet,
     size: usize,
     odds: T,
     /// Probability with the consolidated faults.
@@ -71,34 +73,35 @@ struct Loss<T> {
 /// End of the monitored combinations among those that are not mandatory.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Cutoff {
-    /// Number of satellites of the last monitored combination; smaller combinations are all monitored.
+    /// Number of satellites of the last monitored combination; smaller combinations are all
+    /// monitored.
     size: usize,
     /// Number of events of the last monitored combination of this size.
     count: u32,
     /// These events.
-    events: Set,
+    events: RowSet,
 }
 
 /// Capacity for the odds of all rows.
-pub(super) type Odds<T> = Vec<Fallible<T>, ROOM>;
+pub(super) type PriorOdds<T> = Vec<FaultOdds<T>, ROOM>;
 
 /// Monitored modes of one epoch.
 #[derive(Clone, Debug)]
 pub(super) struct Modes<'r, T: Real> {
-    odds: &'r [Fallible<T>],
+    odds: &'r [FaultOdds<T>],
     constellations: [T; Constellation::COUNT],
     /// The likeliest of the rows.
-    likeliest: Fallible<T>,
+    likeliest: FaultOdds<T>,
     /// Smallest of the rows' odds.
     rarest_odds: T,
     /// Rows of each constellation, all satellites in view.
-    pub(super) members: [Set; Constellation::COUNT],
+    pub(super) members: [RowSet; Constellation::COUNT],
     /// Number of these rows.
     pub(super) sizes: [usize; Constellation::COUNT],
     /// Rows that are satellites.
-    pub(super) satellites: Set,
+    pub(super) satellites: RowSet,
     /// Satellites that can fail by themselves.
-    fallible: Set,
+    fallible: RowSet,
     healthy: T,
     ln_healthy: T,
     limit: usize,
@@ -108,32 +111,34 @@ pub(super) struct Modes<'r, T: Real> {
     consolidation: T,
     cutoff: Cutoff,
     /// Constellations whose loss stands for every fault within, a bit for each id.
-    swallows: u8,
+    consolidates_all: u8,
     /// Constellations whose loss stands for every pair within, a bit for each id.
-    swallows_pairs: u8,
-    /// True if at most two events are listed and constellations are homogeneous, so that the monitored pairs depend only
-    /// on [`Self::consolidates_pairs`] and on the cut.
+    consolidates_pairs: u8,
+    /// True if at most two events are listed and constellations are homogeneous, so that the
+    /// monitored pairs depend only on [`Self::consolidates_pairs`] and on the cut.
     is_regular: bool,
     /// `P_nm` of the choice.
-    pub(super) not_watched: T,
+    pub(super) unmonitored_probability: T,
 }
 
 impl<'r, T: Real> Modes<'r, T> {
-    /// Chooses the modes for satellites `(constellation, P_sat)` in the order of their rows and for the constellations' `P_const`.
+    /// Chooses the modes for satellites `(constellation, P_sat)` in the order of their rows and for
+    /// the constellations' `P_const`.
     ///
-    /// A row without a satellite is an aiding row that never fails, and an event with probability 0 does not exist.
+    /// A row without a satellite is an aiding row that never fails, and an event with probability 0
+    /// does not exist.
     ///
     /// # Errors
     /// [`AraimError`] beyond the capacity, and for a probability outside [0, 0.5).
     pub(super) fn choose(
         &mut self,
         satellites: impl Iterator<Item = Option<(Constellation, T)>>,
-        room: &'r mut Odds<T>,
+        room: &'r mut PriorOdds<T>,
         allocation: &Allocation,
-    ) -> Result<(), SeparationError> {
-        let mut alike = [Alike::none(); Constellation::COUNT];
+    ) -> Result<(), AraimError> {
+        let mut alike = [OddsRange::none(); Constellation::COUNT];
         let simultaneous = self.gather(satellites, room, &mut alike)?;
-        let share = T::narrow(allocation.not_watched);
+        let share = T::narrow(allocation.unmonitored_probability);
         let tail = self.count_events(simultaneous, share);
         self.cut(tail, share, &alike);
         Ok(())
@@ -146,7 +151,7 @@ impl<'r, T: Real> Modes<'r, T> {
         Self {
             odds: &[],
             constellations,
-            likeliest: Fallible::never(),
+            likeliest: FaultOdds::never(),
             rarest_odds: T::one(),
             members: [0; Constellation::COUNT],
             sizes: [0; Constellation::COUNT],
@@ -159,10 +164,10 @@ impl<'r, T: Real> Modes<'r, T> {
             mandatory: T::narrow(allocation.integrity_vertical) + T::narrow(allocation.integrity_horizontal),
             consolidation: T::narrow(allocation.consolidation),
             cutoff: Cutoff { size: 0, count: 0, events: 0 },
-            swallows: 0,
-            swallows_pairs: 0,
+            consolidates_all: 0,
+            consolidates_pairs: 0,
             is_regular: false,
-            not_watched: T::zero(),
+            unmonitored_probability: T::zero(),
         }
     }
 
@@ -174,20 +179,27 @@ impl<'r, T: Real> Modes<'r, T> {
 
     /// Returns the loss of one constellation if no other combination takes just its satellites.
     ///
-    /// They are then more than can fail at once, and a satellite's fault beside the loss is consolidated or one event too many.
-    fn sole_loss(&self, lost: usize, gone: Set) -> Option<Loss<T>> {
+    /// They are then more than can fail at once, and a satellite's fault beside the loss is
+    /// consolidated or one event too many.
+    fn sole_loss(&self, lost: usize, gone: RowSet) -> Option<ConstellationLoss<T>> {
         if gone != 0 || !lost.is_power_of_two() {
             return None;
         }
         let id = lost.trailing_zeros() as usize;
         let rows = *self.members.get(id)?;
-        let is_alone = self.limit == 1 || self.limit == 2 && self.swallows >> id & 1 != 0;
+        let is_alone = self.limit == 1 || self.limit == 2 && self.consolidates_all >> id & 1 != 0;
         let odds = *self.constellations.get(id)?;
         let size = *self.sizes.get(id)?;
-        (is_alone && size > self.limit).then_some(Loss { id, rows, size, odds, probability: self.loss(id) })
+        (is_alone && size > self.limit).then_some(ConstellationLoss {
+            id,
+            rows,
+            size,
+            odds,
+            probability: self.loss(id),
+        })
     }
 
-    fn is_loss_watched(&self, loss: Loss<T>) -> bool {
+    fn is_loss_watched(&self, loss: ConstellationLoss<T>) -> bool {
         loss.probability > self.mandatory || self.comes_before_the_cut(event(loss.id), 1, loss.size)
     }
 
@@ -207,7 +219,7 @@ impl<'r, T: Real> Modes<'r, T> {
 
     /// Returns true if a combination is monitored separately.
     #[inline(never)]
-    fn is_watched(&self, combination: &Combination<T>, probability: T) -> bool {
+    fn is_monitored(&self, combination: &Combination<T>, probability: T) -> bool {
         self.consolidates(combination, probability).is_none()
             && (probability > self.mandatory
                 || self.comes_before_the_cut(
@@ -218,29 +230,31 @@ impl<'r, T: Real> Modes<'r, T> {
     }
 
     #[inline]
-    fn comes_before_the_cut(&self, events: Set, count: u32, size: usize) -> bool {
+    fn comes_before_the_cut(&self, events: RowSet, count: u32, size: usize) -> bool {
         let Cutoff { size: at_size, count: at_count, events: at } = self.cutoff;
         let is_before = || count < at_count || count == at_count && !is_listed_after(events, at);
         size < at_size || size == at_size && is_before()
     }
 
     /// Returns true if the fault of one satellite is monitored separately.
-    pub(super) fn watches(&self, index: usize) -> bool {
+    pub(super) fn monitors(&self, index: usize) -> bool {
         let combination = self.combination(row(index));
         let probability = self.probability_of(&combination);
-        probability > T::zero() && self.is_watched(&combination, probability)
+        probability > T::zero() && self.is_monitored(&combination, probability)
     }
 
-    /// Returns the satellites that are not the only remaining ones of their constellation without `gone`.
-    pub(super) fn not_alone(&self, gone: Set) -> Set {
+    /// Returns the satellites that are not the only remaining ones of their constellation without
+    /// `gone`.
+    pub(super) fn not_alone(&self, gone: RowSet) -> RowSet {
         let left = self.members.iter().map(|members| members & !gone);
         left.filter(|left| !left.is_power_of_two()).fold(0, |set, left| set | left)
     }
 
     /// Returns a set of events as a combination.
-    fn combination(&self, events: Set) -> Combination<T> {
+    fn combination(&self, events: RowSet) -> Combination<T> {
         let mut combination = Combination::empty();
-        // By its lowest bit and not by its index, because this runs for every cause and would need the bit again.
+        // By its lowest bit and not by its index, because this runs for every cause and would need
+        // the bit again.
         let mut left = events & ROW_EVENTS;
         while left != 0 {
             let lowest = left & left.wrapping_neg();
@@ -260,20 +274,20 @@ impl<'r, T: Real> Modes<'r, T> {
     }
 
     /// Returns the remaining rows of each constellation without `gone`.
-    pub(super) fn remains(&self, gone: Set) -> Remains {
-        Remains::of(&self.members, gone)
+    pub(super) fn remains(&self, gone: RowSet) -> RemainingRows {
+        RemainingRows::of(&self.members, gone)
     }
 
     /// Visits the modes of the remaining satellites with a number of rows and constellations.
     ///
-    /// `was_monitorable` decides for the rows of a combination, all satellites in view, whether it counts. The
-    /// code of the walk is large, so that all visitors share one.
+    /// `was_monitorable` decides for the rows of a combination, all satellites in view, whether it
+    /// counts. The code of the walk is large, so that all visitors share one.
     #[inline(never)]
     pub(super) fn visit(
         &self,
-        remains: &Remains,
+        remains: &RemainingRows,
         sizes: &RangeInclusive<usize>,
-        was_monitorable: &dyn Fn(Set) -> bool,
+        was_monitorable: &dyn Fn(RowSet) -> bool,
         visitor: &mut dyn Visitor<T>,
     ) -> ControlFlow<()> {
         let in_view = remains.in_view;
@@ -282,7 +296,7 @@ impl<'r, T: Real> Modes<'r, T> {
         let mut lost = in_view;
         for _ in 0..1usize << Constellation::COUNT {
             if lost.count_ones() <= most {
-                let walk = Walk::without(self, lost, remains);
+                let walk = ModeWalk::without(self, lost, remains);
                 walk.visit(sizes, was_monitorable, visitor)?;
             }
             if lost == 0 {
@@ -293,13 +307,14 @@ impl<'r, T: Real> Modes<'r, T> {
         ControlFlow::Continue(())
     }
 
-    /// Returns the largest bare product of probabilities, without `p_0`, among the monitored combinations of a mode.
+    /// Returns the largest bare product of probabilities, without `p_0`, among the monitored
+    /// combinations of a mode.
     #[inline(never)]
     pub(super) fn prior(
         &self,
         hypothesis: Hypothesis,
-        gone: Set,
-        was_monitorable: &dyn Fn(Set) -> bool,
+        gone: RowSet,
+        was_monitorable: &dyn Fn(RowSet) -> bool,
     ) -> T {
         let chosen = hypothesis.rows().fold(0, |set, index| set | row(index));
         if hypothesis.constellations == 0 && gone == 0 {
@@ -308,13 +323,13 @@ impl<'r, T: Real> Modes<'r, T> {
         if chosen == 0
             && let Some(loss) = self.sole_loss(usize::from(hypothesis.constellations), gone)
         {
-            let is_watched = self.is_loss_watched(loss) && was_monitorable(loss.rows);
-            return if is_watched { loss.odds / (T::one() + loss.odds) } else { T::zero() };
+            let is_monitored = self.is_loss_watched(loss) && was_monitorable(loss.rows);
+            return if is_monitored { loss.odds / (T::one() + loss.odds) } else { T::zero() };
         }
         let lost_rows = self.rows_of(usize::from(hypothesis.constellations)) & !gone;
         let mut largest = T::zero();
         self.causes(lost_rows, chosen, gone, &mut |combination, probability| {
-            if self.is_watched(combination, probability)
+            if self.is_monitored(combination, probability)
                 && was_monitorable(combination.rows)
                 && combination.bare > largest
             {
@@ -324,46 +339,55 @@ impl<'r, T: Real> Modes<'r, T> {
         largest
     }
 
-    /// Returns the probability above which monitoring a mode is mandatory, because it alone would break the requirement.
+    /// Returns the probability above which monitoring a mode is mandatory, because it alone would
+    /// break the requirement.
     pub(super) fn mandatory(&self) -> T {
         self.mandatory
     }
 
-    /// `p_0`.
+    /// Returns `p_0`.
     pub(super) fn healthy(&self) -> T {
         self.healthy
     }
 
     /// Returns the rows that a hypothesis takes, all satellites in view.
-    pub(super) fn taken_by(&self, hypothesis: Hypothesis) -> Set {
+    pub(super) fn taken_by(&self, hypothesis: Hypothesis) -> RowSet {
         let rows = hypothesis.rows().fold(0, |set, index| set | row(index));
         rows | self.rows_of(usize::from(hypothesis.constellations))
     }
 
     /// Returns all rows of some constellations.
-    fn rows_of(&self, constellations: usize) -> Set {
+    fn rows_of(&self, constellations: usize) -> RowSet {
         let chosen = self.members.iter().enumerate().filter(|(id, _)| constellations >> id & 1 != 0);
         chosen.fold(0, |rows, (_, members)| rows | members)
     }
 
     /// Visits every combination, monitored or not, that leaves the same satellites as a mode.
     #[inline(never)]
-    fn causes(&self, lost_rows: Set, chosen: Set, gone: Set, cause: &mut dyn FnMut(&Combination<T>, T)) {
+    fn causes(
+        &self,
+        lost_rows: RowSet,
+        chosen: RowSet,
+        gone: RowSet,
+        cause: &mut dyn FnMut(&Combination<T>, T),
+    ) {
         let (target, room) = (lost_rows | chosen, lost_rows | chosen | gone);
         let mut forced = chosen;
         let mut pool = (lost_rows | gone) & self.fallible;
         let left = self.limit.saturating_sub(count_of(chosen));
         for (id, (&odds, &rows)) in self.constellations.iter().zip(&self.members).enumerate() {
             if odds > T::zero() && rows & !room == 0 {
-                // They are too many to fail one by one, so that only the loss of the constellation takes them.
+                // They are too many to fail one by one, so that only the loss of the constellation
+                // takes them.
                 let is_forced = count_of(rows & lost_rows) > left;
                 *if is_forced { &mut forced } else { &mut pool } |= event(id);
             }
         }
         if self.limit == 2 {
-            // The loss of a constellation with one of its satellites is counted with the loss already.
+            // The loss of a constellation with one of its satellites is counted with the loss
+            // already.
             for (id, &rows) in self.members.iter().enumerate() {
-                if forced & event(id) != 0 && self.swallows >> id & 1 != 0 {
+                if forced & event(id) != 0 && self.consolidates_all >> id & 1 != 0 {
                     pool &= !rows;
                 }
             }

@@ -6,7 +6,7 @@ use crate::least_squares::equations::MAX_ROWS;
 use crate::satellite::Constellation;
 
 /// Most rows of an epoch: rows and constellations together fit one word.
-pub const ROWS: usize = Set::BITS as usize - Constellation::COUNT;
+pub const ROWS: usize = RowSet::BITS as usize - Constellation::COUNT;
 
 /// Capacity for rows: as many, or fewer on targets whose epochs have fewer.
 pub(in crate::integrity::araim) const ROOM: usize = if MAX_ROWS < ROWS { MAX_ROWS } else { ROWS };
@@ -15,26 +15,26 @@ pub(in crate::integrity::araim) const ROOM: usize = if MAX_ROWS < ROWS { MAX_ROW
 pub(in crate::integrity::araim) const EVENTS: usize = 3;
 
 /// A set of rows, or of events: rows by their index, constellations above them.
-pub(in crate::integrity::araim) type Set = u64;
+pub(in crate::integrity::araim) type RowSet = u64;
 
 /// Returns the bit of a row.
-pub(in crate::integrity::araim) fn row(index: usize) -> Set {
+pub(in crate::integrity::araim) fn row(index: usize) -> RowSet {
     if index < ROWS { 1 << index } else { 0 }
 }
 
 /// Returns the bit of a constellation's event.
-pub(super) fn event(constellation: usize) -> Set {
+pub(super) fn event(constellation: usize) -> RowSet {
     1u64.checked_shl((ROWS + constellation) as u32).unwrap_or(0)
 }
 
 /// Returns the events of some constellations, which are given by a bit for each id.
-pub(super) fn losses(constellations: usize) -> Set {
+pub(super) fn losses(constellations: usize) -> RowSet {
     let ids = (0..Constellation::COUNT).filter(|id| constellations >> id & 1 != 0);
     ids.fold(0, |events, id| events | event(id))
 }
 
 /// The rows among a set of events.
-pub(super) const ROW_EVENTS: Set = (1 << ROWS) - 1;
+pub(super) const ROW_EVENTS: RowSet = (1 << ROWS) - 1;
 
 /// A fault hypothesis: whole constellations, and rows of the others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -84,7 +84,8 @@ impl Hypothesis {
         Self { constellations, ..Self::NONE }
     }
 
-    /// Returns true for a pair of rows and no constellations whose first row is the first of another hypothesis of rows alone.
+    /// Returns true for a pair of rows and no constellations whose first row is the first of
+    /// another hypothesis of rows alone.
     #[inline]
     pub(in crate::integrity::araim) fn is_pair_after(self, other: Self) -> bool {
         let ([first, second, third], [of_other, ..]) = (self.rows, other.rows);
@@ -99,17 +100,19 @@ impl Hypothesis {
 
 /// Index in place of a missing row.
 pub(super) const NONE: usize = Hypothesis::NO_ROW as usize;
-/// Returns true if a combination is listed after another of as many events: in the order of words, satellites first.
-pub(super) fn is_listed_after(events: Set, other: Set) -> bool {
+/// Returns true if a combination is listed after another of as many events: in the order of words,
+/// satellites first.
+pub(super) fn is_listed_after(events: RowSet, other: RowSet) -> bool {
     let differing = events ^ other;
     let first = differing & differing.wrapping_neg();
     other & first != 0
 }
 
-/// Iterates over every set of at most `most` of some events: the empty set first, and each before those that extend it.
-pub(super) fn subsets(pool: Set, most: u32) -> impl Iterator<Item = Set> {
-    let lowest = |set: Set| set & set.wrapping_neg();
-    core::iter::successors(Some(0), move |&last: &Set| {
+/// Iterates over every set of at most `most` of some events: the empty set first, and each before
+/// those that extend it.
+pub(super) fn subsets(pool: RowSet, most: u32) -> impl Iterator<Item = RowSet> {
+    let lowest = |set: RowSet| set & set.wrapping_neg();
+    core::iter::successors(Some(0), move |&last: &RowSet| {
         let (mut set, mut behind) = (last, pool & above_all(last));
         if behind != 0 && set.count_ones() < most {
             return Some(set | lowest(behind));
@@ -127,13 +130,13 @@ pub(super) fn subsets(pool: Set, most: u32) -> impl Iterator<Item = Set> {
 }
 
 /// Returns the last of a set's events.
-fn highest(set: Set) -> Set {
-    set & !(Set::MAX >> 1).unbounded_shr(set.leading_zeros())
+fn highest(set: RowSet) -> RowSet {
+    set & !(RowSet::MAX >> 1).unbounded_shr(set.leading_zeros())
 }
 
 /// Returns all bits above a set's events.
-fn above_all(set: Set) -> Set {
-    !Set::MAX.unbounded_shr(set.leading_zeros())
+fn above_all(set: RowSet) -> RowSet {
+    !RowSet::MAX.unbounded_shr(set.leading_zeros())
 }
 
 #[cfg(test)]

@@ -1,13 +1,14 @@
-//! Nominal biases: the largest effect that they can have together, exact where it matters and bounded elsewhere.
+//! Nominal biases: the largest effect that they can have together, exact where it matters and
+//! bounded elsewhere.
 
 use nalgebra::{Matrix3, Vector3};
 
 use super::super::Prior;
 use super::super::modes::ROWS;
-use super::elimination::{Last, Point};
+use super::elimination::{KernelRow, LastRow};
 use super::kernel::{GROUPS, group_of};
-use super::{Own, Solutions};
-use crate::least_squares::Fit;
+use super::{IntegrityRow, SubsetSolutions};
+use crate::least_squares::RowFit;
 use crate::least_squares::equations::Row;
 use crate::numeric::real::Real;
 use crate::numeric::space::{
@@ -15,8 +16,9 @@ use crate::numeric::space::{
 };
 use crate::satellite::Constellation;
 
-impl<T: Real> Solutions<'_, T> {
-    /// Sets a bound on each row's `Σ |M_ji| b_i`: `w_i b_ji` is a projection, so that `Σ w_i b_ji² = b_jj`.
+impl<T: Real> SubsetSolutions<'_, T> {
+    /// Sets a bound on each row's `Σ |M_ji| b_i`: `w_i b_ji` is a projection, so that
+    /// `Σ w_i b_ji² = b_jj`.
     pub(super) fn spread_biases(&mut self, priors: &[Prior<T>]) {
         let rows = self.view.rows.iter().zip(priors);
         let squared = |(row, prior): (&Row<T>, &Prior<T>)| row.weight * prior.bias_m * prior.bias_m;
@@ -25,7 +27,7 @@ impl<T: Real> Solutions<'_, T> {
             let redundancy = row.weight * own.pivot;
             let others = (total - squared((row, prior))) * (T::one() - redundancy) * own.pivot;
             // Rounding can make the remainder slightly negative.
-            let root = if others > T::zero() { others * others.inverse_root() } else { T::zero() };
+            let root = if others > T::zero() { others * others.inverse_sqrt_approx() } else { T::zero() };
             own.spread = redundancy * prior.bias_m + root;
         }
     }
@@ -36,7 +38,7 @@ impl<T: Real> Solutions<'_, T> {
     }
 
     /// Returns the bias without one row, all constellations in view, m.
-    pub(super) fn bias_without(&self, index: usize, column: &Vector3<T>, point: &Point<T>) -> Vector3<T> {
+    pub(super) fn bias_without(&self, index: usize, column: &Vector3<T>, point: &KernelRow<T>) -> Vector3<T> {
         let mut steps = [zero(); GROUPS];
         if let Some(step) = steps.get_mut(point.group) {
             *step = scaled(self.level(point.group), column);
@@ -46,14 +48,15 @@ impl<T: Real> Solutions<'_, T> {
         self.summed_bias(&[index, NONE, NONE], &turn, &steps)
     }
 
-    /// Returns a bound on the bias of the mode solved last, if one is cheap: for rows of all constellations.
+    /// Returns a bound on the bias of the mode solved last, if one is cheap: for rows of all
+    /// constellations.
     #[inline]
     pub(in crate::integrity::araim) fn bias_bound(&self) -> Option<Vector3<T>> {
         if let Some((_, bias)) = &self.direct {
             return Some(*bias);
         }
         let [_, second, third] = self.at.slots();
-        let Last { column, factor, spread } = &self.last;
+        let LastRow { column, factor, spread } = &self.last;
         if self.at.constellations != 0 || third < ROWS {
             return None;
         }
@@ -108,12 +111,13 @@ impl<T: Real> Solutions<'_, T> {
         self.summed_bias(&rows, &turn, &steps)
     }
 
-    /// Returns `Σ w_i b_i |Z P'd_i + s_c|` over the remaining rows, without the constellations that the kernel has lost.
+    /// Returns `Σ w_i b_i |Z P'd_i + s_c|` over the remaining rows, without the constellations that
+    /// the kernel has lost.
     #[inline(never)]
     fn summed_bias(&self, out: &[usize; 3], turn: &Matrix3<T>, steps: &[Vector3<T>; GROUPS]) -> Vector3<T> {
         let (turned, constellations) =
             (matrix_product(turn, &self.kernel.covariance), self.at.constellations);
-        let part = |(row, fit, own): (&Row<T>, &Fit<T>, &Own<T>)| {
+        let part = |(row, fit, own): (&Row<T>, &RowFit<T>, &IntegrityRow<T>)| {
             let group = group_of(row);
             let is_lost = group < Constellation::COUNT && constellations >> group & 1 != 0;
             if is_lost { zero() } else { share(&turned, &fit.centred, steps.get(group), own) }
@@ -123,7 +127,7 @@ impl<T: Real> Solutions<'_, T> {
     }
 
     /// Iterates over some rows, as [`Self::rows`] does over all.
-    fn rows_of(&self, rows: &[usize; 3]) -> impl Iterator<Item = (&Row<T>, &Fit<T>, &Own<T>)> {
+    fn rows_of(&self, rows: &[usize; 3]) -> impl Iterator<Item = (&Row<T>, &RowFit<T>, &IntegrityRow<T>)> {
         rows.iter().filter_map(|&index| {
             Some((self.view.rows.get(index)?, self.view.fits.get(index)?, self.own.get(index)?))
         })
@@ -141,7 +145,7 @@ fn share<T: Real>(
     turn: &Matrix3<T>,
     lever: &Vector3<T>,
     step: Option<&Vector3<T>>,
-    own: &Own<T>,
+    own: &IntegrityRow<T>,
 ) -> Vector3<T> {
     // Every group has its step.
     let Some(step) = step else { return zero() };

@@ -1,8 +1,8 @@
 //! A mode that leaves a poor geometry, solved directly row by row.
 //!
-//! Leaving rows out by algebra subtracts from 1: with a redundancy of 1 % single precision keeps five digits, with
-//! 1e-5 two. Rotating the remaining rows one after another into a triangle (Givens) loses as many digits as the dilution
-//! of precision has, not its square:
+//! Leaving rows out by algebra subtracts from 1: with a redundancy of 1 % single precision keeps
+//! five digits, with 1e-5 two. Rotating the remaining rows one after another into a triangle
+//! (Givens) loses as many digits as the dilution of precision has, not its square:
 //!
 //! ```text
 //! R from rows √w_i (d_i − d̄_c)        U = R⁻¹       P_E = U Uᵀ      x_E − x = U Qᵀ√w v
@@ -13,8 +13,8 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::super::modes::{Hypothesis, Set, row};
-use super::{GROUPS, Solution, Solutions, group_of};
+use super::super::modes::{Hypothesis, RowSet, row};
+use super::{GROUPS, SubsetSolution, SubsetSolutions, group_of};
 use crate::numeric::real::Real;
 use crate::numeric::space::{
     columns, difference, divided, magnitudes, plus_scaled, product, products, scaled, sum,
@@ -22,8 +22,8 @@ use crate::numeric::space::{
 };
 use crate::satellite::Constellation;
 
-/// `w_max` times the trace of a covariance beyond which a geometry counts as singular: the smallest eigenvalue of its
-/// normal matrix is then about 1e-8.
+/// `w_max` times the trace of a covariance beyond which a geometry counts as singular: the smallest
+/// eigenvalue of its normal matrix is then about 1e-8.
 const SINGULAR: f64 = 1e8;
 
 /// Rows rotated into a triangle, with their residuals.
@@ -69,14 +69,15 @@ fn turn<T: Real>(column: usize, top: &Turned<T>, below: &Turned<T>) -> [Turned<T
     ]
 }
 
-/// Returns the solution without a mode and its bias, or `None` if the remaining rows do not determine it.
+/// Returns the solution without a mode and its bias, or `None` if the remaining rows do not
+/// determine it.
 #[cold]
 #[inline(never)]
 pub(super) fn solve<T: Real>(
-    solutions: &Solutions<'_, T>,
+    solutions: &SubsetSolutions<'_, T>,
     hypothesis: Hypothesis,
-) -> Option<(Solution<T>, Vector3<T>)> {
-    let chosen = hypothesis.rows().fold(0, |set: Set, index| set | row(index));
+) -> Option<(SubsetSolution<T>, Vector3<T>)> {
+    let chosen = hypothesis.rows().fold(0, |set: RowSet, index| set | row(index));
     let is_left = |index: usize, group: usize| {
         let is_lost = group < Constellation::COUNT && hypothesis.constellations >> group & 1 != 0;
         !is_lost && chosen & row(index) == 0
@@ -110,12 +111,12 @@ pub(super) fn solve<T: Real>(
         separation = plus_scaled(&separation, row.weight * own.share, &products(&moved, &moved));
         bias = plus_scaled(&bias, own.weighted_bias, &magnitudes(&gain));
     }
-    Some((Solution { variance, separation, shift: product(&inverse, &triangle.right.into()) }, bias))
+    Some((SubsetSolution { variance, separation, shift: product(&inverse, &triangle.right.into()) }, bias))
 }
 
 /// Returns the weighted means of the remaining rows of each constellation.
 fn means<T: Real>(
-    solutions: &Solutions<'_, T>,
+    solutions: &SubsetSolutions<'_, T>,
     is_left: &impl Fn(usize, usize) -> bool,
 ) -> [Vector3<T>; GROUPS] {
     let mut sums = [(zero(), T::zero()); GROUPS];

@@ -4,15 +4,15 @@ use nalgebra::Vector3;
 
 use super::super::modes::Hypothesis;
 use super::kernel::{GROUPS, group_of, hardly_left};
-use super::{Own, Solution, Solutions};
-use crate::least_squares::Fit;
+use super::{IntegrityRow, SubsetSolution, SubsetSolutions};
+use crate::least_squares::RowFit;
 use crate::least_squares::equations::Row;
 use crate::numeric::real::Real;
 use crate::numeric::space::{difference, divided, dot, plus_scaled, product, products, scaled, sum, zero};
 
 /// A row in a kernel.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Point<T: Real> {
+pub(super) struct KernelRow<T: Real> {
     pub(super) group: usize,
     pub(super) design: Vector3<T>,
     pub(super) gain: Vector3<T>,
@@ -26,10 +26,10 @@ pub(super) struct Point<T: Real> {
     pub(super) spread: T,
 }
 
-impl<T: Real> Point<T> {
+impl<T: Real> KernelRow<T> {
     /// Returns a row of the view in the kernel of all satellites.
     #[inline]
-    pub(super) fn of(row: &Row<T>, fit: &Fit<T>, own: &Own<T>) -> Self {
+    pub(super) fn of(row: &Row<T>, fit: &RowFit<T>, own: &IntegrityRow<T>) -> Self {
         Self {
             group: group_of(row),
             design: fit.centred,
@@ -47,19 +47,20 @@ impl<T: Real> Point<T> {
 
 /// Terms of one row for its `b` and `κ` with any other.
 #[derive(Clone, Copy, Debug)]
-struct Reach<T: Real> {
+struct RowCoupling<T: Real> {
     design: Vector3<T>,
     share: T,
     /// `Γd + t_c`.
     towards: Vector3<T>,
-    /// Terms that depend only on the other row's group: `[c_j = c_k]/W_c`, and `d·t_c + [c_j = c_k] U_c/W_c²`.
+    /// Terms that depend only on the other row's group: `[c_j = c_k]/W_c`, and
+    /// `d·t_c + [c_j = c_k] U_c/W_c²`.
     groups: [[T; 2]; GROUPS],
 }
 
-impl<T: Real> Reach<T> {
+impl<T: Real> RowCoupling<T> {
     /// Returns `b_jk` and `κ_jk`.
     #[inline]
-    fn with(&self, other: &Point<T>) -> (T, T) {
+    fn with(&self, other: &KernelRow<T>) -> (T, T) {
         let [level, accuracy] = self.groups.get(other.group).copied().unwrap_or([T::zero(); 2]);
         let coupling = dot(&self.design, &other.gain) + level;
         (coupling, dot(&other.design, &self.towards) + accuracy - (self.share + other.share) * coupling)
@@ -68,35 +69,35 @@ impl<T: Real> Reach<T> {
 
 /// First row left out, and the solution without it.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct First<T: Real> {
-    pub(super) point: Point<T>,
-    reach: Reach<T>,
+pub(super) struct FirstRow<T: Real> {
+    pub(super) point: KernelRow<T>,
+    reach: RowCoupling<T>,
     pub(super) inverse: T,
     /// `A/B`.
     pub(super) column: Vector3<T>,
     /// Bias without this row alone, m; 0 without biases.
     pub(super) bias: Vector3<T>,
-    pub(super) solution: Solution<T>,
+    pub(super) solution: SubsetSolution<T>,
 }
 
 /// Second row left out, after the first, and the solution without both.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Second<T: Real> {
-    point: Point<T>,
-    reach: Reach<T>,
-    left: Beside<T>,
-    pub(super) solution: Solution<T>,
+pub(super) struct SecondRow<T: Real> {
+    point: KernelRow<T>,
+    reach: RowCoupling<T>,
+    left: RowBesideFirst<T>,
+    pub(super) solution: SubsetSolution<T>,
 }
 
-impl<T: Real> Second<T> {
-    pub(super) fn last(&self) -> Last<T> {
-        Last { column: self.left.column, factor: self.left.factor, spread: self.point.spread }
+impl<T: Real> SecondRow<T> {
+    pub(super) fn last(&self) -> LastRow<T> {
+        LastRow { column: self.left.column, factor: self.left.factor, spread: self.point.spread }
     }
 }
 
 /// Remainder of a row after the first.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Beside<T: Real> {
+pub(super) struct RowBesideFirst<T: Real> {
     coupling: T,
     pub(super) factor: T,
     pub(super) pivot: T,
@@ -109,14 +110,14 @@ pub(super) struct Beside<T: Real> {
     pub(super) kappa_first: T,
 }
 
-impl<T: Real> Beside<T> {
+impl<T: Real> RowBesideFirst<T> {
     #[inline]
-    fn solution(&self, first: &First<T>) -> Solution<T> {
+    fn solution(&self, first: &FirstRow<T>) -> SubsetSolution<T> {
         let two = T::one() + T::one();
         let cross = scaled(two * self.kappa_first, &first.column);
         let cross = difference(&difference(&cross, &self.lag), &self.lag);
-        let Solution { variance, separation, shift } = &first.solution;
-        Solution {
+        let SubsetSolution { variance, separation, shift } = &first.solution;
+        SubsetSolution {
             variance: sum(variance, &products(&self.direction, &self.column)),
             separation: sum(
                 separation,
@@ -129,7 +130,7 @@ impl<T: Real> Beside<T> {
 
 /// Values of the row left out last that a bias needs: a single row, or a pair's second.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Last<T: Real> {
+pub(super) struct LastRow<T: Real> {
     pub(super) column: Vector3<T>,
     pub(super) factor: T,
     pub(super) spread: T,
@@ -137,7 +138,7 @@ pub(super) struct Last<T: Real> {
 
 /// Values of the third row that a bias needs.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Third<T: Real> {
+pub(super) struct ThirdRow<T: Real> {
     pub(super) factors: [T; 2],
     pub(super) column: Vector3<T>,
     pub(super) design: Vector3<T>,
@@ -146,13 +147,13 @@ pub(super) struct Third<T: Real> {
 
 /// Test of a row: `A_k v_k` is the change of the position without it.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Tested<T: Real> {
+pub(super) struct RowTest<T: Real> {
     column: Vector3<T>,
     residual: T,
     kappa: T,
 }
 
-impl<T: Real> Tested<T> {
+impl<T: Real> RowTest<T> {
     /// Returns true if the position moves by more than its threshold on any axis.
     #[inline]
     pub(super) fn exceeds(&self, limits: &Vector3<T>) -> bool {
@@ -168,41 +169,41 @@ impl<T: Real> Tested<T> {
     }
 }
 
-impl<T: Real> Solutions<'_, T> {
+impl<T: Real> SubsetSolutions<'_, T> {
     /// Returns the test of a row without the first row, all constellations in view.
     #[inline]
-    pub(super) fn left_by_first(&self, index: usize) -> Option<Tested<T>> {
+    pub(super) fn left_by_first(&self, index: usize) -> Option<RowTest<T>> {
         let (first, point) = (self.first.as_ref()?, self.point(index)?);
-        let Beside { column, residual, kappa, .. } = Self::beside(first, &point, zero())?;
-        Some(Tested { column, residual, kappa })
+        let RowBesideFirst { column, residual, kappa, .. } = Self::beside(first, &point, zero())?;
+        Some(RowTest { column, residual, kappa })
     }
 
     /// Returns the test of a row without the constellations that the kernel has lost.
     #[inline]
-    pub(super) fn left_by_kernel(&self, index: usize) -> Option<Tested<T>> {
+    pub(super) fn left_by_kernel(&self, index: usize) -> Option<RowTest<T>> {
         let point = self.point_here(index)?;
         let is_sound = point.pivot * point.weight >= hardly_left();
-        is_sound.then_some(Tested { column: point.gain, residual: point.residual, kappa: point.kappa })
+        is_sound.then_some(RowTest { column: point.gain, residual: point.residual, kappa: point.kappa })
     }
 
     /// Returns a row of the view in the kernel of all satellites, or `None` if it takes no part.
     #[inline]
-    pub(super) fn point(&self, index: usize) -> Option<Point<T>> {
+    pub(super) fn point(&self, index: usize) -> Option<KernelRow<T>> {
         let (row, fit) = self.view.rows.get(index).zip(self.view.fits.get(index))?;
         let own = self.own.get(index)?;
-        Some(Point::of(row, fit, own))
+        Some(KernelRow::of(row, fit, own))
     }
 
     /// Returns a row in the present kernel.
     #[inline]
-    pub(super) fn point_here(&self, index: usize) -> Option<Point<T>> {
+    pub(super) fn point_here(&self, index: usize) -> Option<KernelRow<T>> {
         let point = self.point(index)?;
         if self.at.constellations == 0 { Some(point) } else { Some(self.point_beyond(point)) }
     }
 
     /// Returns a row without the constellations that the kernel has lost.
     #[inline(never)]
-    pub(super) fn point_beyond(&self, mut point: Point<T>) -> Point<T> {
+    pub(super) fn point_beyond(&self, mut point: KernelRow<T>) -> KernelRow<T> {
         let kernel = &self.kernel;
         point.gain = product(&kernel.covariance, &point.design);
         point.residual -= dot(&point.design, &kernel.solution.shift);
@@ -217,7 +218,7 @@ impl<T: Real> Solutions<'_, T> {
     }
 
     #[inline]
-    pub(super) fn leave_out_first(&self, index: usize) -> Option<First<T>> {
+    pub(super) fn leave_out_first(&self, index: usize) -> Option<FirstRow<T>> {
         let point = self.point_here(index)?;
         if !(point.pivot * point.weight >= hardly_left()) {
             return None;
@@ -230,36 +231,36 @@ impl<T: Real> Solutions<'_, T> {
         } else {
             zero()
         };
-        Some(First { reach: self.reach(&point), inverse, column, bias, solution, point })
+        Some(FirstRow { reach: self.reach(&point), inverse, column, bias, solution, point })
     }
 
     /// Returns the solution without a row of the present kernel.
     #[inline(never)]
-    pub(super) fn leave_out_alone(&mut self, index: usize) -> Option<Solution<T>> {
+    pub(super) fn leave_out_alone(&mut self, index: usize) -> Option<SubsetSolution<T>> {
         let point = self.point_here(index)?;
         if !(point.pivot * point.weight >= hardly_left()) {
             return None;
         }
         let column = scaled(point.pivot.recip(), &point.gain);
         if self.has_bias {
-            self.last = Last { column, factor: T::zero(), spread: point.spread };
+            self.last = LastRow { column, factor: T::zero(), spread: point.spread };
         }
         Some(self.alone(&point, &column))
     }
 
     /// Returns the solution without a row, by its column `A/B`.
     #[inline]
-    fn alone(&self, point: &Point<T>, column: &Vector3<T>) -> Solution<T> {
+    fn alone(&self, point: &KernelRow<T>, column: &Vector3<T>) -> SubsetSolution<T> {
         let base = &self.kernel.solution;
         let across = difference(&difference(&scaled(point.kappa, column), &point.lag), &point.lag);
-        Solution {
+        SubsetSolution {
             variance: sum(&base.variance, &products(&point.gain, column)),
             separation: sum(&base.separation, &products(column, &across)),
             shift: difference(&base.shift, &scaled(point.residual, column)),
         }
     }
 
-    fn reach(&self, point: &Point<T>) -> Reach<T> {
+    fn reach(&self, point: &KernelRow<T>) -> RowCoupling<T> {
         let lean = self.kernel.leans.get(point.group).copied().unwrap_or_else(zero);
         let mut groups = [[T::zero(); 2]; GROUPS];
         for (id, (slot, lean)) in groups.iter_mut().zip(&self.kernel.leans).enumerate() {
@@ -268,12 +269,16 @@ impl<T: Real> Solutions<'_, T> {
             *slot = [level, dot(&point.design, lean) + accuracy];
         }
         let towards = sum(&product(&self.kernel.gamma, &point.design), &lean);
-        Reach { design: point.design, share: point.share, towards, groups }
+        RowCoupling { design: point.design, share: point.share, towards, groups }
     }
 
     /// Returns the remainder of another row after the first.
     #[inline]
-    pub(super) fn beside(first: &First<T>, point: &Point<T>, lag: Vector3<T>) -> Option<Beside<T>> {
+    pub(super) fn beside(
+        first: &FirstRow<T>,
+        point: &KernelRow<T>,
+        lag: Vector3<T>,
+    ) -> Option<RowBesideFirst<T>> {
         let (coupling, kappa) = first.reach.with(point);
         let factor = -coupling * first.inverse;
         let pivot = point.pivot + factor * coupling;
@@ -283,7 +288,7 @@ impl<T: Real> Solutions<'_, T> {
         let inverse = pivot.recip();
         let kappa_first = kappa - factor * first.point.kappa;
         let direction = difference(&point.gain, &scaled(factor, &first.point.gain));
-        Some(Beside {
+        Some(RowBesideFirst {
             coupling,
             factor,
             pivot,
@@ -297,33 +302,34 @@ impl<T: Real> Solutions<'_, T> {
         })
     }
 
-    /// Returns the solution without a pair whose first row is left out already, all constellations in view, so that no lag remains.
+    /// Returns the solution without a pair whose first row is left out already, all constellations
+    /// in view, so that no lag remains.
     #[allow(clippy::inline_always, reason = "called in one place, once for every mode")]
     #[inline(always)]
-    pub(super) fn leave_out_pair(&mut self, pair: Hypothesis) -> Option<Solution<T>> {
+    pub(super) fn leave_out_pair(&mut self, pair: Hypothesis) -> Option<SubsetSolution<T>> {
         let [_, second, _] = pair.slots();
         let (first, point) = (self.first.as_ref()?, self.point(second)?);
         let left = Self::beside(first, &point, zero())?;
         let solution = left.solution(first);
         if self.has_bias {
-            self.last = Last { column: left.column, factor: left.factor, spread: point.spread };
+            self.last = LastRow { column: left.column, factor: left.factor, spread: point.spread };
         }
         Some(solution)
     }
 
     #[inline(never)]
-    pub(super) fn leave_out_second(&self, index: usize) -> Option<Second<T>> {
+    pub(super) fn leave_out_second(&self, index: usize) -> Option<SecondRow<T>> {
         let first = self.first.as_ref()?;
         let point = self.point_here(index)?;
         let (coupling, _) = first.reach.with(&point);
         let lag = plus_scaled(&point.lag, coupling * first.inverse, &first.point.lag);
         let left = Self::beside(first, &point, lag)?;
         let solution = left.solution(first);
-        Some(Second { reach: self.reach(&point), point, left, solution })
+        Some(SecondRow { reach: self.reach(&point), point, left, solution })
     }
 
     #[inline(never)]
-    pub(super) fn leave_out_third(&mut self, index: usize) -> Option<Solution<T>> {
+    pub(super) fn leave_out_third(&mut self, index: usize) -> Option<SubsetSolution<T>> {
         self.third = None;
         let (first, second) = (self.first?, self.second?);
         let left = second.left;
@@ -356,8 +362,8 @@ impl<T: Real> Solutions<'_, T> {
         let column = divided(&direction, pivot);
         let cross = plus_scaled(&scaled(across_first, &first.column), across_second, &left.column);
         let cross = scaled(two, &difference(&cross, &lag));
-        self.third = Some(Third { factors, column, design: point.design, group: point.group });
-        Some(Solution {
+        self.third = Some(ThirdRow { factors, column, design: point.design, group: point.group });
+        Some(SubsetSolution {
             variance: sum(&second.solution.variance, &products(&direction, &column)),
             separation: sum(
                 &second.solution.separation,

@@ -1,8 +1,9 @@
-//! Sums over constellations, and the solution without some of them, from which rows are then left out.
+//! Sums over constellations, and the solution without some of them, from which rows are then left
+//! out.
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::Solution;
+use super::SubsetSolution;
 use crate::least_squares::equations::Row;
 use crate::numeric::real::Real;
 use crate::numeric::space::{
@@ -14,7 +15,7 @@ use crate::satellite::Constellation;
 pub(in crate::integrity::araim) const GROUPS: usize = Constellation::COUNT + 1;
 /// Sums over one constellation.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Group<T: Real> {
+pub(super) struct ConstellationSums<T: Real> {
     /// `1/W_c`.
     pub(super) level: T,
     /// `U_c/W_c²`.
@@ -27,7 +28,7 @@ pub(super) struct Group<T: Real> {
     pub(super) pull: Vector3<T>,
 }
 
-impl<T: Real> Group<T> {
+impl<T: Real> ConstellationSums<T> {
     pub(super) fn empty() -> Self {
         Self {
             level: T::zero(),
@@ -54,10 +55,11 @@ pub(super) struct Kernel<T: Real> {
     pub(super) leans: [Vector3<T>; GROUPS],
     /// True if `Γ` and `t_c` are computed.
     pub(super) is_complete: bool,
-    pub(super) solution: Solution<T>,
+    pub(super) solution: SubsetSolution<T>,
 }
 
-/// Returns the least remainder of 1 for algebra: below, single precision keeps less than five digits; 1e-9 in double precision.
+/// Returns the least remainder of 1 for algebra: below, single precision keeps less than five
+/// digits; 1e-9 in double precision.
 pub(super) fn hardly_left<T: Real>() -> T {
     let digits = T::default_epsilon() * T::narrow(2e5);
     if digits > T::UNTESTABLE { digits } else { T::UNTESTABLE }
@@ -84,7 +86,7 @@ impl<T: Real> Kernel<T> {
             gamma: zeros(),
             leans: [nothing; GROUPS],
             is_complete: false,
-            solution: Solution { variance: nothing, separation: nothing, shift: nothing },
+            solution: SubsetSolution { variance: nothing, separation: nothing, shift: nothing },
         }
     }
 
@@ -100,7 +102,7 @@ impl<T: Real> Kernel<T> {
 
     /// Computes `Γ` and `t_c` from the covariance and the dispersion, for rows that are left out.
     #[inline(never)]
-    pub(super) fn complete(&mut self, groups: &[Group<T>; GROUPS]) {
+    pub(super) fn complete(&mut self, groups: &[ConstellationSums<T>; GROUPS]) {
         if self.is_complete {
             return;
         }
@@ -114,7 +116,7 @@ impl<T: Real> Kernel<T> {
     /// Returns `κ_jj` for a given `b_jj`.
     pub(super) fn kappa(
         &self,
-        groups: &[Group<T>; GROUPS],
+        groups: &[ConstellationSums<T>; GROUPS],
         group: usize,
         design: &Vector3<T>,
         coupling: T,

@@ -1,5 +1,5 @@
-//! The position without a mode's satellites, by algebra on the one 3×3 solve: its uncertainty, and its separation from the
-//! all-in-view position.
+//! The position without a mode's satellites, by algebra on the one 3×3 solve: its uncertainty, and
+//! its separation from the all-in-view position.
 //!
 //! ```text
 //! constellations X     P' = (N − N_X)⁻¹    T = P' − P    D' = D − D_X    x' − x = −P' Σ_X w_i d_i v_i
@@ -23,35 +23,36 @@
 //! | `x_E − x` | [`SubsetSolution::shift`] | m |
 //! | `Σ |S_qi| b_i` | [`SubsetSolutions::bias`] | m |
 //!
-//! Rows are left out one after another, each from the remainder of the rows before it (elimination): a single costs about 70
-//! operations, a pair another 90, and the part of a first row that its pairs share is computed once. `C_acc` need not be
-//! proportional to `C`. Of modes that differ in one row, those without an effect are dismissed before ([`bounds`]). Only the
-//! bias is a sum over all rows, and it is computed only if a bound on it does not decide.
+//! Rows are left out one after another, each from the remainder of the rows before it
+//! (elimination): a single costs about 70 operations, a pair another 90, and the part of a first
+//! row that its pairs share is computed once. `C_acc` need not be proportional to `C`. Of modes
+//! that differ in one row, those without an effect are dismissed before ([`bounds`]). Only the bias
+//! is a sum over all rows, and it is computed only if a bound on it does not decide.
 //!
-//! Assumes that a set leaves at least one row of every constellation that it does not name. References: [Blanch2015],
-//! [`crate::least_squares::downdate`] for the elimination.
+//! Assumes that a set leaves at least one row of every constellation that it does not name.
+//! References: [Blanch2015], [`crate::least_squares::downdate`] for the elimination.
 //!
 //! [Blanch2015]: crate#references
 
 mod bias;
+mod bounds;
 mod direct;
 mod elimination;
 mod kernel;
-mod sieve;
 
 use heapless::Vec;
 use nalgebra::{Matrix3, Vector3};
 
-use elimination::{First, Last, Second, Third};
+use elimination::{FirstRow, LastRow, SecondRow, ThirdRow};
+use kernel::{ConstellationSums, Kernel, diagonal_of, hardly_left};
 pub(super) use kernel::{GROUPS, group_of};
-use kernel::{Group, Kernel, diagonal_of, hardly_left};
 
-pub(super) use sieve::Bounds;
+pub(super) use bounds::Bounds;
 
-use super::modes::{Hypothesis, ROOM, ROWS, Set, members};
+use super::modes::{Hypothesis, ROOM, ROWS, RowSet, members};
 use super::{Prior, View};
 use crate::least_squares::equations::Row;
-use crate::least_squares::{Fit, invert};
+use crate::least_squares::{RowFit, invert};
 use crate::numeric::real::Real;
 use crate::numeric::space::{
     add_outer_product, diagonal, dot, matrix_difference, matrix_sum, mirror, plus_scaled, product, scaled,
@@ -60,7 +61,7 @@ use crate::numeric::space::{
 use crate::satellite::Constellation;
 /// Solution without one mode.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Solution<T> {
+pub(super) struct SubsetSolution<T> {
     pub(super) variance: Vector3<T>,
     pub(super) separation: Vector3<T>,
     pub(super) shift: Vector3<T>,
@@ -68,7 +69,7 @@ pub(super) struct Solution<T> {
 
 /// Integrity data of a row.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Own<T> {
+pub(super) struct IntegrityRow<T> {
     pub(super) share: T,
     pivot: T,
     kappa: T,
@@ -77,11 +78,11 @@ pub(super) struct Own<T> {
     /// Bound on `Σ_i |M_ji| b_i`, m; 0 without biases.
     spread: T,
 }
-/// Solutions without modes; intermediate results of neighbouring modes are kept.
-pub(super) struct Solutions<'v, T: Real> {
+/// SubsetSolutions without modes; intermediate results of neighbouring modes are kept.
+pub(super) struct SubsetSolutions<'v, T: Real> {
     view: View<'v, T>,
-    own: &'v mut Vec<Own<T>, ROOM>,
-    groups: [Group<T>; GROUPS],
+    own: &'v mut Vec<IntegrityRow<T>, ROOM>,
+    groups: [ConstellationSums<T>; GROUPS],
     total_dispersion: Matrix3<T>,
     largest_weight: T,
     has_bias: bool,
@@ -92,25 +93,26 @@ pub(super) struct Solutions<'v, T: Real> {
     at: Hypothesis,
     /// True if the kernel keeps enough digits for leaving rows out of it.
     is_sound: bool,
-    /// Solution and bias of a mode that was solved directly, because algebra would cost too many digits.
-    direct: Option<(Solution<T>, Vector3<T>)>,
-    first: Option<First<T>>,
+    /// Solution and bias of a mode that was solved directly, because algebra would cost too many
+    /// digits.
+    direct: Option<(SubsetSolution<T>, Vector3<T>)>,
+    first: Option<FirstRow<T>>,
     /// The single row or the pair that was solved last.
-    last: Last<T>,
+    last: LastRow<T>,
     /// Second row of a pair, kept for triples.
-    second: Option<Second<T>>,
-    third: Option<Third<T>>,
+    second: Option<SecondRow<T>>,
+    third: Option<ThirdRow<T>>,
 }
-impl<'v, T: Real> Solutions<'v, T> {
+impl<'v, T: Real> SubsetSolutions<'v, T> {
     /// Returns the solutions of a view, which must be prepared in place, because they are large.
     #[allow(clippy::inline_always, reason = "made where it stays: it is large")]
     #[inline(always)]
-    pub(super) fn of(view: View<'v, T>, own: &'v mut Vec<Own<T>, ROOM>) -> Self {
+    pub(super) fn of(view: View<'v, T>, own: &'v mut Vec<IntegrityRow<T>, ROOM>) -> Self {
         own.clear();
         Self {
             view,
             own,
-            groups: [Group::empty(); GROUPS],
+            groups: [ConstellationSums::empty(); GROUPS],
             total_dispersion: zeros(),
             largest_weight: T::zero(),
             has_bias: false,
@@ -120,7 +122,7 @@ impl<'v, T: Real> Solutions<'v, T> {
             is_sound: true,
             direct: None,
             first: None,
-            last: Last { column: zero(), factor: T::zero(), spread: T::zero() },
+            last: LastRow { column: zero(), factor: T::zero(), spread: T::zero() },
             second: None,
             third: None,
         }
@@ -136,7 +138,8 @@ impl<'v, T: Real> Solutions<'v, T> {
         }
     }
 
-    /// Prepares the solutions as if no satellite had a nominal bias, for tests. Returns true if any satellite has one.
+    /// Prepares the solutions as if no satellite had a nominal bias, for tests. Returns true if any
+    /// satellite has one.
     #[inline(never)]
     pub(super) fn prepare_without_biases(&mut self, priors: &[Prior<T>]) -> bool {
         let has_bias = self.sum_up(priors);
@@ -155,7 +158,13 @@ impl<'v, T: Real> Solutions<'v, T> {
             let share = prior.map_or(T::one(), |prior| weight * prior.accuracy_m * prior.accuracy_m);
             let bias = prior.map_or(T::zero(), |prior| prior.bias_m);
             let pivot = if weight > T::zero() { fit.redundancy / weight } else { T::zero() };
-            let own = Own { share, pivot, kappa: T::zero(), weighted_bias: weight * bias, spread: T::zero() };
+            let own = IntegrityRow {
+                share,
+                pivot,
+                kappa: T::zero(),
+                weighted_bias: weight * bias,
+                spread: T::zero(),
+            };
             // Never full, because the view holds no more rows than the capacity.
             let _ = self.own.push(own);
             biases += own.weighted_bias;
@@ -217,10 +226,11 @@ impl<'v, T: Real> Solutions<'v, T> {
         self.whole_bias
     }
 
-    /// Returns the all-in-view solution: variances, with the accuracy's in place of the separation's.
-    pub(super) fn whole(&self) -> Solution<T> {
+    /// Returns the all-in-view solution: variances, with the accuracy's in place of the
+    /// separation's.
+    pub(super) fn whole(&self) -> SubsetSolution<T> {
         let covariance = self.view.covariance;
-        Solution {
+        SubsetSolution {
             variance: diagonal(covariance),
             separation: diagonal_of(covariance, &self.total_dispersion),
             shift: zero(),
@@ -228,7 +238,7 @@ impl<'v, T: Real> Solutions<'v, T> {
     }
 
     /// Iterates over the rows with their fits and integrity data.
-    pub(super) fn rows(&self) -> impl Iterator<Item = (&Row<T>, &Fit<T>, &Own<T>)> {
+    pub(super) fn rows(&self) -> impl Iterator<Item = (&Row<T>, &RowFit<T>, &IntegrityRow<T>)> {
         self.view.rows.iter().zip(self.view.fits).zip(&*self.own).map(|((row, fit), own)| (row, fit, own))
     }
 
@@ -240,7 +250,7 @@ impl<'v, T: Real> Solutions<'v, T> {
     /// Returns the solution without a mode, or `None` if the remaining rows do not determine it.
     #[allow(clippy::inline_always, reason = "called in one place, once for every mode")]
     #[inline(always)]
-    pub(super) fn without(&mut self, hypothesis: Hypothesis) -> Option<Solution<T>> {
+    pub(super) fn without(&mut self, hypothesis: Hypothesis) -> Option<SubsetSolution<T>> {
         let by_algebra = if self.first.is_some() && hypothesis.is_pair_after(self.at) {
             self.at = hypothesis;
             // The pair differs from the one that was kept for its triples.
@@ -261,7 +271,7 @@ impl<'v, T: Real> Solutions<'v, T> {
 
     /// Returns the solution without a mode by algebra, or `None` if it would cost too many digits.
     #[inline(never)]
-    fn by_algebra(&mut self, hypothesis: Hypothesis) -> Option<Solution<T>> {
+    fn by_algebra(&mut self, hypothesis: Hypothesis) -> Option<SubsetSolution<T>> {
         let [first, second, third] = hypothesis.slots();
         if self.at.constellations != hypothesis.constellations {
             self.enter(hypothesis.constellations);
@@ -347,7 +357,7 @@ impl<'v, T: Real> Solutions<'v, T> {
         let whole = self.view.covariance;
         let change = matrix_difference(&covariance, whole);
         let kernel = &mut self.kernel;
-        kernel.solution = Solution {
+        kernel.solution = SubsetSolution {
             variance: diagonal(&covariance),
             separation: sum(&diagonal_of(&change, &kept), &diagonal_of(whole, &lost)),
             shift: scaled(-T::one(), &product(&covariance, &pull)),
@@ -356,11 +366,18 @@ impl<'v, T: Real> Solutions<'v, T> {
         kernel.is_complete = false;
         Some(())
     }
-    /// Returns true if the test of any single row alarms without a hypothesis, `limits` being the squares of `K`.
+    /// Returns true if the test of any single row alarms without a hypothesis, `limits` being the
+    /// squares of `K`.
     ///
-    /// The hypothesis is one row or constellations. Rows whose loss would leave too poor a geometry for algebra are not tested.
+    /// The hypothesis is one row or constellations. Rows whose loss would leave too poor a geometry
+    /// for algebra are not tested.
     #[inline(never)]
-    pub(super) fn contradict(&mut self, hypothesis: Hypothesis, singles: Set, limits: &Vector3<T>) -> bool {
+    pub(super) fn contradict(
+        &mut self,
+        hypothesis: Hypothesis,
+        singles: RowSet,
+        limits: &Vector3<T>,
+    ) -> bool {
         if self.by_algebra(hypothesis).is_none() {
             return false;
         }
@@ -372,7 +389,8 @@ impl<'v, T: Real> Solutions<'v, T> {
         })
     }
 
-    /// Returns the weighted SSE of the remaining rows without one row, or without one constellation.
+    /// Returns the weighted SSE of the remaining rows without one row, or without one
+    /// constellation.
     pub(super) fn sse_without(&mut self, sse: T, hypothesis: Hypothesis) -> Option<T> {
         if let Some(index) = hypothesis.rows().next() {
             let point = self.point(index)?;

@@ -1,7 +1,7 @@
 //! Global test: are the residuals larger than noise explains?
 //!
-//! `SSE = Σ w_i v_i²` follows χ² with `n − 3 − C` degrees of freedom if no satellite is faulty. A fault is detected
-//! if `SSE ≥ τ1(dof, P_fa)`.
+//! `SSE = Σ w_i v_i²` follows χ² with `n − 3 − C` degrees of freedom if no satellite is faulty. A
+//! fault is detected if `SSE ≥ τ1(dof, P_fa)`.
 //!
 //! | symbol | field | unit |
 //! |---|---|---|
@@ -10,8 +10,9 @@
 //!
 //! [`Detection::fault`] is the only comparison of a sum of squares with a threshold.
 //!
-//! Assumes independent Gaussian errors. Blind to a bias common to a constellation (its clock absorbs it) and to a
-//! fault of a constellation's lone satellite. References: [Yang2015] §1, [Lin2016] §2.2.
+//! Assumes independent Gaussian errors. Blind to a bias common to a constellation (its clock
+//! absorbs it) and to a fault of a constellation's lone satellite. References: [Yang2015] §1,
+//! [Lin2016] §2.2.
 //!
 //! [Yang2015]: crate#references
 //! [Lin2016]: crate#references
@@ -35,7 +36,8 @@ pub struct Detection<T> {
 }
 
 impl<T: Real> Detection<T> {
-    /// Tests a sum of squares. Returns `None` without redundancy, or beyond the table's degrees of freedom.
+    /// Tests a sum of squares. Returns `None` without redundancy, or beyond the table's degrees of
+    /// freedom.
     pub fn of(sse: T, dof: usize, thresholds: &Thresholds<'_>) -> Option<Self> {
         Some(Self { sse, threshold: thresholds.tau1(dof)?, dof })
     }
@@ -53,7 +55,7 @@ impl<T: Real> Detection<T> {
 
     /// Returns the test as root mean squares: `√(SSE/dof)` and `√(τ/dof)`.
     pub fn statistic(&self) -> TestStatistic {
-        let root = |value: T| (value / T::narrow(self.dof as f64)).root().widen();
+        let root = |value: T| (value / T::narrow(self.dof as f64)).sqrt_approx().widen();
         TestStatistic { statistic: root(self.sse), threshold: root(self.threshold), dof: self.dof as u8 }
     }
 }

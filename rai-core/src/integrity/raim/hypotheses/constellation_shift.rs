@@ -1,7 +1,9 @@
-//! Constellation-shift hypothesis: does another position of a whole constellation explain the data as well as an exclusion?
+//! Constellation-shift hypothesis: does another position of a whole constellation explain the data
+//! as well as an exclusion?
 //!
-//! All satellites of a constellation can be wrong at once, by orbits that agree with each other. The hypothesis has three more
-//! unknowns and splits the snapshot into two independent parts: with the sums over the rows of the constellation and over all others
+//! All satellites of a constellation can be wrong at once, by orbits that agree with each other.
+//! The hypothesis has three more unknowns and splits the snapshot into two independent parts: with
+//! the sums over the rows of the constellation and over all others
 //!
 //! ```text
 //! N_s = Σ_s w d dᵀ    N_o = N − N_s        u_s = Σ_s w d v = −u_o        (v are orthogonal to what was solved for)
@@ -13,19 +15,20 @@
 //! | `d`, `v`, `w` | centred design, residual, weight of a row, as in [`crate::least_squares`] | –, m, 1/m² |
 //! | `q_s`, `q_o` | offset from the common position to that of the constellation, and to that of all others | m |
 //!
-//! An exclusion may leave satellites that agree on a wrong position. If a shift explains the data as well, the exclusion
-//! therefore does not prove which satellites are wrong. The residuals that pass the global test are compared with the threshold of
-//! the shift's own three unknowns.
+//! An exclusion may leave satellites that agree on a wrong position. If a shift explains the data
+//! as well, the exclusion therefore does not prove which satellites are wrong. The residuals that
+//! pass the global test are compared with the threshold of the shift's own three unknowns.
 //!
-//! **Limits.** With two constellations the shifted one cannot be identified; with three that is not attempted. Four satellites or
-//! fewer of one constellation always agree on some position and clock. They are a rival for the exclusion of others, if those agree
-//! without it, and for none of their own.
+//! **Limits.** With two constellations the shifted one cannot be identified; with three that is not
+//! attempted. Four satellites or fewer of one constellation always agree on some position and
+//! clock. They are a rival for the exclusion of others, if those agree without it, and for none of
+//! their own.
 
 use nalgebra::{Matrix3, Vector3};
 
 use crate::integrity::raim::detection::threshold::Thresholds;
 use crate::least_squares::equations::Row;
-use crate::least_squares::{Fit, Snapshot, invert};
+use crate::least_squares::{RowFit, Snapshot, invert};
 use crate::numeric::real::Real;
 use crate::numeric::space::{add_outer_product, dot, plus_scaled, scaled, symmetric_product, zero, zeros};
 use crate::satellite::Constellation;
@@ -33,7 +36,8 @@ use crate::satellite::Constellation;
 /// Unknowns of a second position.
 const UNKNOWNS: usize = 3;
 
-/// Returns true if a shifted constellation explains more of the residuals than noise and any row do.
+/// Returns true if a shifted constellation explains more of the residuals than noise and any row
+/// do.
 pub(crate) fn shows<T: Real>(snapshot: &Snapshot<'_, T>, thresholds: &Thresholds<'_>) -> bool {
     let noise = thresholds.tau1::<T>(UNKNOWNS);
     let least = noise.map(|tau1| tau1.max(snapshot.statistics().worst.largest));
@@ -45,8 +49,8 @@ pub(crate) fn shows<T: Real>(snapshot: &Snapshot<'_, T>, thresholds: &Thresholds
     })
 }
 
-/// Returns true if a shift explains the residuals of a snapshot of all satellites as well as the exclusion of one row, or
-/// nearly as well as that of several.
+/// Returns true if a shift explains the residuals of a snapshot of all satellites as well as the
+/// exclusion of one row, or nearly as well as that of several.
 ///
 /// `found` is the sum of squares without the excluded rows.
 pub(crate) fn rivals<T: Real>(
@@ -58,7 +62,8 @@ pub(crate) fn rivals<T: Real>(
     let Some(w_test) = thresholds.w_test::<T>(snapshot.used()) else { return false };
     let most = if excluded.len() > 1 { found + w_test * w_test } else { found };
     any_split(snapshot, &|split| {
-        // Only tested parts count: any exclusion among satellites that always agree would have a shift as rival.
+        // Only tested parts count: any exclusion among satellites that always agree would have a
+        // shift as rival.
         let is_told =
             |&index: &usize| snapshot.row(index).is_some_and(|(row, _)| split.part(row).is_tested());
         let threshold = thresholds.tau1::<T>(split.dof()).filter(|_| excluded.iter().any(is_told));
@@ -80,14 +85,16 @@ fn any_split<T: Real>(snapshot: &Snapshot<'_, T>, is_so: &dyn Fn(&Split<T>) -> b
 /// The rows in two parts: a shifted constellation and all others.
 struct Split<T: Real> {
     shifted: Constellation,
-    mine: Part<T>,
-    others: Part<T>,
+    mine: PositionPart<T>,
+    others: PositionPart<T>,
 }
 
 impl<T: Real> Split<T> {
-    /// Returns `None` if one part has no information on a position, or has rows enough for one that they do not determine.
+    /// Returns `None` if one part has no information on a position, or has rows enough for one that
+    /// they do not determine.
     fn of(snapshot: &Snapshot<'_, T>, shifted: Constellation, clocks: usize) -> Option<Self> {
-        let (mine, others) = (Part::with_clocks(1), Part::with_clocks(clocks.saturating_sub(1)));
+        let (mine, others) =
+            (PositionPart::with_clocks(1), PositionPart::with_clocks(clocks.saturating_sub(1)));
         let mut split = Self { shifted, mine, others };
         for (row, fit) in snapshot.rows() {
             let part = if row.clock == Some(shifted) { &mut split.mine } else { &mut split.others };
@@ -96,7 +103,7 @@ impl<T: Real> Split<T> {
         (split.mine.settle() && split.others.settle()).then_some(split)
     }
 
-    fn part(&self, row: &Row<T>) -> &Part<T> {
+    fn part(&self, row: &Row<T>) -> &PositionPart<T> {
         if row.clock == Some(self.shifted) { &self.mine } else { &self.others }
     }
 
@@ -115,7 +122,7 @@ impl<T: Real> Split<T> {
 }
 
 /// Rows of one part and the position that they determine.
-struct Part<T: Real> {
+struct PositionPart<T: Real> {
     rows: usize,
     clocks: usize,
     normal: Matrix3<T>,
@@ -125,7 +132,7 @@ struct Part<T: Real> {
     place: Vector3<T>,
 }
 
-impl<T: Real> Part<T> {
+impl<T: Real> PositionPart<T> {
     fn with_clocks(clocks: usize) -> Self {
         let (normal, gradient) = (zeros(), zero());
         Self { rows: 0, clocks, normal, gradient, dof: 0, place: zero() }
@@ -133,14 +140,15 @@ impl<T: Real> Part<T> {
 
     // A row without weight adds zeros.
     #[inline]
-    fn add(&mut self, row: &Row<T>, fit: &Fit<T>) {
+    fn add(&mut self, row: &Row<T>, fit: &RowFit<T>) {
         self.rows += usize::from(row.weight > T::zero());
         let weighted = scaled(row.weight, &fit.centred);
         add_outer_product(&mut self.normal, &weighted, &fit.centred);
         self.gradient = plus_scaled(&self.gradient, fit.residual, &weighted);
     }
 
-    /// Computes the position if there are rows enough to test it. Returns false if they determine none, or determine only clocks.
+    /// Computes the position if there are rows enough to test it. Returns false if they determine
+    /// none, or determine only clocks.
     #[inline(never)]
     fn settle(&mut self) -> bool {
         if self.rows <= self.clocks {
@@ -156,7 +164,8 @@ impl<T: Real> Part<T> {
         place.is_ok()
     }
 
-    /// Returns true if its rows can contradict each other. Otherwise their residuals vanish for any data.
+    /// Returns true if its rows can contradict each other. Otherwise their residuals vanish for any
+    /// data.
     fn is_tested(&self) -> bool {
         self.dof > 0
     }

@@ -12,11 +12,13 @@
 //! | `r_i` | [`RowFit::redundancy`](crate::least_squares::RowFit::redundancy) | – |
 //! | `b_i = v_i / r_i` | [`Suspect::bias_m`](crate::report::Suspect::bias_m) with standard deviation `σ_i/√r_i` | m |
 //!
-//! A row is identified if a fault was detected, `dof ≥ 2`, and its |w| is the largest, above `T_d`, and unique. It is
-//! left out and the rest tested again, until the test passes or no row can be identified.
+//! A row is identified if a fault was detected, `dof ≥ 2`, and its |w| is the largest, above `T_d`,
+//! and unique. It is left out and the rest tested again, until the test passes or no row can be
+//! identified.
 //!
-//! Departures from the papers: [Lin2016] prints `d_i > T_d` without the absolute value; [Chen2009] eq. 13 prints
-//! `ω_i/S_ii`, but the statistic is `ω_i²/S_ii`. References: [Baarda1968], [Lin2016] eq. 14–20.
+//! Departures from the papers: [Lin2016] prints `d_i > T_d` without the absolute value; [Chen2009]
+//! eq. 13 prints `ω_i/S_ii`, but the statistic is `ω_i²/S_ii`. References: [Baarda1968], [Lin2016]
+//! eq. 14–20.
 //!
 //! [Lin2016]: crate#references
 //! [Chen2009]: crate#references
@@ -24,13 +26,14 @@
 
 use heapless::Vec;
 
-use super::exclusion::{Excluded, Exclusion, Outcome, Unidentified};
+use super::exclusion::{Excluded, Exclusion, ExclusionOutcome, Unidentified};
 use crate::integrity::raim::detection::Detection;
 use crate::integrity::raim::detection::threshold::Thresholds;
 use crate::least_squares::{Excludable, Snapshot, Worst};
 use crate::numeric::real::Real;
 
-/// Returns the row with the largest |w| with its w², and the w² of the runner-up. The first of equal rows wins.
+/// Returns the row with the largest |w| with its w², and the w² of the runner-up. The first of
+/// equal rows wins.
 pub fn worst_two<T: Real>(snapshot: &Snapshot<'_, T>) -> Option<(usize, T, T)> {
     let Worst { index, largest, runner_up } = snapshot.statistics().worst;
     let first = || snapshot.equations().iter().position(|row| row.weight > T::zero());
@@ -61,10 +64,11 @@ pub fn identify<T: Real>(
     if runner_up < largest * unique * unique { Ok(index) } else { Err(Unidentified::Ambiguous) }
 }
 
-/// Leaves out the worst row until the rest passes the global test, at most [`MAX_EXCLUDED`](crate::report::MAX_EXCLUDED) of them.
+/// Leaves out the worst row until the rest passes the global test, at most
+/// [`MAX_EXCLUDED`](crate::report::MAX_EXCLUDED) of them.
 ///
-/// `solution` ends as the solution without the listed rows. A snapshot without redundancy cannot pass: it ends
-/// as [`ExclusionOutcome::NotIsolated`].
+/// `solution` ends as the solution without the listed rows. A snapshot without redundancy cannot
+/// pass: it ends as [`ExclusionOutcome::NotIsolated`].
 pub fn exclude_sequentially<T: Real>(
     solution: &mut impl Excludable<T>,
     thresholds: &Thresholds<'_>,
@@ -72,7 +76,7 @@ pub fn exclude_sequentially<T: Real>(
     let mut rows = Vec::new();
     loop {
         if Detection::passes(solution.snapshot(), thresholds) {
-            let outcome = if rows.is_empty() { Outcome::Passed } else { Outcome::Isolated };
+            let outcome = if rows.is_empty() { ExclusionOutcome::Passed } else { ExclusionOutcome::Isolated };
             return Exclusion { rows, outcome };
         }
         let reason = match identify(solution.snapshot(), thresholds) {
@@ -86,6 +90,6 @@ pub fn exclude_sequentially<T: Real>(
             Ok(_) => Unidentified::NoSet,
             Err(reason) => reason,
         };
-        return Exclusion { rows, outcome: Outcome::NotIsolated(reason) };
+        return Exclusion { rows, outcome: ExclusionOutcome::NotIsolated(reason) };
     }
 }

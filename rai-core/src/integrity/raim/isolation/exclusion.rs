@@ -1,7 +1,8 @@
 //! The vocabulary of exclusions: which rows were left out, and how it ended.
 //!
-//! **Least redundancy.** `k` biases can be told from any other `k` only where `2k` degrees of freedom show them: an
-//! exclusion of `k` rows must leave `k` of them ([`leaves_enough`]).
+//! **Least redundancy.** `k` biases can be upper_triangle from any other `k` only where `2k`
+//! degrees of freedom show them: an exclusion of `k` rows must leave `k` of them
+//! ([`leaves_enough`]).
 //!
 //! | symbol | field | unit |
 //! |---|---|---|
@@ -36,7 +37,7 @@ pub enum Unidentified {
 /// Result of an exclusion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Outcome {
+pub enum ExclusionOutcome {
     /// No fault was detected.
     Passed,
     /// The remaining rows pass the test.
@@ -60,18 +61,18 @@ pub struct Exclusion<T> {
     /// Rows in the order of exclusion.
     pub rows: Vec<Excluded<T>, MAX_EXCLUDED>,
     /// Result.
-    pub outcome: Outcome,
+    pub outcome: ExclusionOutcome,
 }
 
 impl<T: Real> Exclusion<T> {
     /// Returns the exclusion of no rows.
     pub const fn passed() -> Self {
-        Self { rows: Vec::new(), outcome: Outcome::Passed }
+        Self { rows: Vec::new(), outcome: ExclusionOutcome::Passed }
     }
 
     /// Returns the exclusion of no rows although there is a fault.
     pub const fn not_isolated(reason: Unidentified) -> Self {
-        Self { rows: Vec::new(), outcome: Outcome::NotIsolated(reason) }
+        Self { rows: Vec::new(), outcome: ExclusionOutcome::NotIsolated(reason) }
     }
 }
 
@@ -90,9 +91,9 @@ pub fn leave_out<T: Real>(
         }
     }
     let outcome = match (Detection::passes(solution.snapshot(), thresholds), rows.is_empty()) {
-        (true, true) => Outcome::Passed,
-        (true, false) => Outcome::Isolated,
-        (false, _) => Outcome::NotIsolated(Unidentified::NoSet),
+        (true, true) => ExclusionOutcome::Passed,
+        (true, false) => ExclusionOutcome::Isolated,
+        (false, _) => ExclusionOutcome::NotIsolated(Unidentified::NoSet),
     };
     Exclusion { rows, outcome }
 }

@@ -5,7 +5,7 @@ mod pairs;
 use core::ops::{ControlFlow, RangeInclusive};
 
 use super::Modes;
-use super::sets::{EVENTS, Hypothesis, NONE, Set, above, losses, members, row};
+use super::sets::{EVENTS, Hypothesis, NONE, RowSet, above, losses, members, row};
 use crate::numeric::real::Real;
 use crate::satellite::Constellation;
 use pairs::Pairs;
@@ -24,11 +24,11 @@ pub(in crate::integrity::araim) struct Mode<T> {
 
 /// Modes that differ only in one row.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::integrity::araim) struct Batch<T> {
+pub(in crate::integrity::araim) struct ModeBatch<T> {
     /// Common part of all modes.
     pub(in crate::integrity::araim) common: Hypothesis,
     /// Rows, one for each mode.
-    pub(in crate::integrity::araim) rows: Set,
+    pub(in crate::integrity::araim) rows: RowSet,
     /// Number of satellites that each mode takes.
     pub(in crate::integrity::araim) taken: usize,
     /// `p_k` of the likeliest, or more.
@@ -39,8 +39,9 @@ pub(in crate::integrity::araim) struct Batch<T> {
 
 /// Receiver of the visited modes.
 pub(in crate::integrity::araim) trait Visitor<T> {
-    /// Returns the rows of those modes of a batch that must be visited one by one. The others are finished.
-    fn sift(&mut self, batch: &Batch<T>) -> Set {
+    /// Returns the rows of those modes of a batch that must be visited one by one. The others are
+    /// finished.
+    fn screen(&mut self, batch: &ModeBatch<T>) -> RowSet {
         batch.rows
     }
 
@@ -49,24 +50,24 @@ pub(in crate::integrity::araim) trait Visitor<T> {
 
 /// Remaining rows of each constellation after an exclusion.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::integrity::araim) struct Remains {
-    pub(in crate::integrity::araim) gone: Set,
-    members: [Set; Constellation::COUNT],
+pub(in crate::integrity::araim) struct RemainingRows {
+    pub(in crate::integrity::araim) gone: RowSet,
+    members: [RowSet; Constellation::COUNT],
     /// Rows that are the only remaining ones of their constellation.
-    alone: Set,
+    alone: RowSet,
     /// Rows of constellations that a few of them can empty.
-    few: Set,
+    few: RowSet,
     /// Constellations with remaining rows, a bit for each id.
     pub(super) in_view: usize,
 }
 
-impl Remains {
-    pub(super) fn of(members: &[Set; Constellation::COUNT], gone: Set) -> Self {
+impl RemainingRows {
+    pub(super) fn of(members: &[RowSet; Constellation::COUNT], gone: RowSet) -> Self {
         let members = members.map(|members| members & !gone);
-        let union = |set: Set, rows: &Set| set | rows;
+        let union = |set: RowSet, rows: &RowSet| set | rows;
         let alone = members.iter().filter(|rows| rows.is_power_of_two()).fold(0, union);
-        let without_one = |rows: Set| rows & rows.wrapping_sub(1);
-        let is_few = |rows: &&Set| (0..EVENTS).fold(**rows, |rows, _| without_one(rows)) == 0;
+        let without_one = |rows: RowSet| rows & rows.wrapping_sub(1);
+        let is_few = |rows: &&RowSet| (0..EVENTS).fold(**rows, |rows, _| without_one(rows)) == 0;
         let few = members.iter().filter(is_few).fold(0, union);
         let is_left = members.iter().enumerate().filter(|&(_, &members)| members != 0);
         let in_view = is_left.fold(0, |set, (id, _)| set | 1 << id);
@@ -75,24 +76,25 @@ impl Remains {
 }
 
 /// The modes that lose the same constellations.
-pub(super) struct Walk<'m, T: Real> {
+pub(super) struct ModeWalk<'m, T: Real> {
     pub(super) modes: &'m Modes<'m, T>,
     pub(super) lost: usize,
-    lost_rows: Set,
+    lost_rows: RowSet,
     pub(super) lost_count: usize,
-    pub(super) gone: Set,
+    pub(super) gone: RowSet,
     /// Remaining rows of each constellation.
-    pub(super) members: &'m [Set; Constellation::COUNT],
+    pub(super) members: &'m [RowSet; Constellation::COUNT],
     /// True if a few rows can empty a constellation.
     has_few: bool,
     /// Rows that a mode can name: of other constellations, and not alone in theirs.
-    pub(super) left: Set,
+    pub(super) left: RowSet,
 }
 
-impl<'m, T: Real> Walk<'m, T> {
-    /// Returns the walk of modes that lose these constellations, which are in view and no more than the limit.
-    pub(super) fn without(modes: &'m Modes<T>, lost: usize, remains: &'m Remains) -> Self {
-        let Remains { gone, members, alone, few, .. } = remains;
+impl<'m, T: Real> ModeWalk<'m, T> {
+    /// Returns the walk of modes that lose these constellations, which are in view and no more than
+    /// the limit.
+    pub(super) fn without(modes: &'m Modes<T>, lost: usize, remains: &'m RemainingRows) -> Self {
+        let RemainingRows { gone, members, alone, few, .. } = remains;
         let lost_rows = modes.rows_of(lost) & !gone;
         // Without its only satellite a constellation is lost, which is another mode.
         let left = modes.fallible & !gone & !lost_rows & !alone;
@@ -103,7 +105,7 @@ impl<'m, T: Real> Walk<'m, T> {
     pub(super) fn visit(
         &self,
         sizes: &RangeInclusive<usize>,
-        was_monitorable: &dyn Fn(Set) -> bool,
+        was_monitorable: &dyn Fn(RowSet) -> bool,
         visitor: &mut dyn Visitor<T>,
     ) -> ControlFlow<()> {
         let (lost, size, limit) = (self.lost, self.lost.count_ones() as usize, self.modes.limit);
@@ -148,19 +150,21 @@ impl<'m, T: Real> Walk<'m, T> {
         ControlFlow::Continue(())
     }
 
-    /// Returns the mode of these rows beside the constellations, or `None` if it is not monitored, or is another mode.
+    /// Returns the mode of these rows beside the constellations, or `None` if it is not monitored,
+    /// or is another mode.
     #[inline]
     fn mode(
         &self,
         size: usize,
         rows: [usize; EVENTS],
-        was_monitorable: &dyn Fn(Set) -> bool,
+        was_monitorable: &dyn Fn(RowSet) -> bool,
     ) -> Option<Mode<T>> {
         let chosen = rows.iter().fold(0, |set, &index| set | row(index));
         if self.has_few && size > 1 && self.empties(chosen) {
             return None;
         }
-        // Without an exclusion only these events take just these rows, and beyond the limit of events no others do.
+        // Without an exclusion only these events take just these rows, and beyond the limit of
+        // events no others do.
         let is_sole = self.lost == 0 && (self.gone == 0 || size == self.modes.limit);
         let (probability, ln_probability) = if is_sole {
             self.sole(chosen, rows, size, was_monitorable)?
@@ -174,7 +178,7 @@ impl<'m, T: Real> Walk<'m, T> {
     }
 
     /// Returns true if some rows are all remaining ones of a constellation, which is another mode.
-    fn empties(&self, chosen: Set) -> bool {
+    fn empties(&self, chosen: RowSet) -> bool {
         self.members.iter().any(|&members| members & self.left != 0 && members & !chosen == 0)
     }
 
@@ -182,10 +186,10 @@ impl<'m, T: Real> Walk<'m, T> {
     #[inline]
     fn sole(
         &self,
-        chosen: Set,
+        chosen: RowSet,
         rows: [usize; EVENTS],
         size: usize,
-        was_monitorable: &dyn Fn(Set) -> bool,
+        was_monitorable: &dyn Fn(RowSet) -> bool,
     ) -> Option<(T, T)> {
         let modes = self.modes;
         let (mut product, mut ln, mut constellation) = (modes.healthy, modes.ln_healthy, NONE);
@@ -215,7 +219,7 @@ impl<'m, T: Real> Walk<'m, T> {
 
     /// Returns the probability of all monitored combinations that leave the same satellites.
     #[inline(never)]
-    fn sum_of_causes(&self, chosen: Set, was_monitorable: &dyn Fn(Set) -> bool) -> T {
+    fn sum_of_causes(&self, chosen: RowSet, was_monitorable: &dyn Fn(RowSet) -> bool) -> T {
         if chosen == 0
             && let Some(loss) = self.modes.sole_loss(self.lost, self.gone)
         {
@@ -224,12 +228,12 @@ impl<'m, T: Real> Walk<'m, T> {
         if chosen == 0 && self.has_one_cause() {
             let combination = self.modes.combination(losses(self.lost));
             let probability = self.modes.probability_of(&combination);
-            let is_watched = self.modes.is_watched(&combination, probability);
-            return if is_watched { probability } else { T::zero() };
+            let is_monitored = self.modes.is_monitored(&combination, probability);
+            return if is_monitored { probability } else { T::zero() };
         }
         let mut sum = T::zero();
         self.modes.causes(self.lost_rows, chosen, self.gone, &mut |combination, probability| {
-            let counts = self.modes.is_watched(combination, probability)
+            let counts = self.modes.is_monitored(combination, probability)
                 && (self.gone == 0 || was_monitorable(combination.rows));
             if counts {
                 sum += probability;

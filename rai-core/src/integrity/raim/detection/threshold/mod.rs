@@ -15,12 +15,14 @@
 //! | `T_d` | `w_test` | dimensionless: a residual in units of its sigma |
 //! | `ν` | `dof` | degrees of freedom |
 //!
-//! The table is generated (`cargo xtask tables`) and exact to 1e-12 relative. Nothing is interpolated between
-//! probabilities and nothing is extrapolated: a probability that is not in the table is an error that names
-//! the nearest one, and beyond a row's end the result is `None`. Without the feature `tables` only the probabilities of the
-//! phases of flight are there, and with `short-tables` rows end earlier and are in single precision.
+//! The table is generated (`cargo xtask tables`) and exact to 1e-12 relative. Nothing is
+//! interpolated between probabilities and nothing is extrapolated: a probability that is not in the
+//! table is an error that names the nearest one, and beyond a row's end the result is `None`.
+//! Without the feature `tables` only the probabilities of the phases of flight are there, and with
+//! `short-tables` rows end earlier and are in single precision.
 //!
-//! Thresholds that depend on the geometry are computed in [`chi_square`](crate::numeric::chi_square); [`policy`] chooses.
+//! Thresholds that depend on the geometry are computed in
+//! [`chi_square`](crate::numeric::chi_square); [`policy`] chooses.
 //!
 //! References: [Yang2015] §1–2, [Lin2016] eq. 12, 20, 24.
 //!
@@ -37,20 +39,21 @@ mod rows;
 mod table;
 
 pub use crate::numeric::chi_square::MAX_DOF;
-pub use rows::Held;
+pub use rows::TableScalar;
 
 /// The largest number of simultaneous w-tests in the tables.
 pub const MAX_TESTS: usize = 64;
 
-/// Largest relative difference from a probability of the table that still counts as equal: decimal rounding, no more.
+/// Largest relative difference from a probability of the table that still counts as equal: decimal
+/// rounding, no more.
 const SAME_PROBABILITY: f64 = 1e-9;
 
 /// Thresholds for one pair of probabilities, in the precision of the test.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Thresholds<'t> {
-    tau1: &'t [Held],
-    lambda: &'t [Held],
-    w_test: &'t [Held],
+    tau1: &'t [TableScalar],
+    lambda: &'t [TableScalar],
+    w_test: &'t [TableScalar],
 }
 
 /// The probability that is not in the tables.
@@ -59,11 +62,15 @@ pub struct Thresholds<'t> {
 pub enum ThresholdError {
     /// No thresholds for this probability of false alarm.
     FalseAlarm {
+        /// The probability that was given.
+        value: Probability,
         /// The table's probability with the closest ratio.
         nearest: Probability,
     },
     /// No thresholds for this probability of missed detection.
     MissedDetection {
+        /// The probability that was given.
+        value: Probability,
         /// The table's probability with the closest ratio.
         nearest: Probability,
     },
@@ -72,8 +79,8 @@ pub enum ThresholdError {
 impl fmt::Display for ThresholdError {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.write_str(match self {
-            Self::FalseAlarm { .. } => "probability of false alarm not in the tables",
-            Self::MissedDetection { .. } => "probability of missed detection not in the tables",
+            Self::FalseAlarm { .. } => "probability of false alarm must be one of the tables",
+            Self::MissedDetection { .. } => "probability of missed detection must be one of the tables",
         })
     }
 }
@@ -100,9 +107,9 @@ impl Thresholds<'static> {
         missed_detection: Probability,
     ) -> Result<Self, ThresholdError> {
         let alarm = matching(&rows::FALSE_ALARM, false_alarm)
-            .map_err(|nearest| ThresholdError::FalseAlarm { nearest })?;
+            .map_err(|nearest| ThresholdError::FalseAlarm { value: false_alarm, nearest })?;
         let miss = matching(&rows::MISSED_DETECTION, missed_detection)
-            .map_err(|nearest| ThresholdError::MissedDetection { nearest })?;
+            .map_err(|nearest| ThresholdError::MissedDetection { value: missed_detection, nearest })?;
         // There are as many rows as probabilities, so that there is always one.
         let tau1 = rows::TAU1.get(alarm).map_or(&[][..], |row| row);
         let w_test = rows::W_TEST.get(alarm).map_or(&[][..], |row| row);
@@ -115,7 +122,11 @@ impl<'t> Thresholds<'t> {
     /// Returns thresholds from rows that the caller computed, for probabilities outside the tables.
     ///
     /// Element 0 is for one degree of freedom (`tau1`, `lambda`) and for one test (`w_test`).
-    pub const fn from_rows(tau1: &'t [Held], lambda: &'t [Held], w_test: &'t [Held]) -> Self {
+    pub const fn from_rows(
+        tau1: &'t [TableScalar],
+        lambda: &'t [TableScalar],
+        w_test: &'t [TableScalar],
+    ) -> Self {
         Self { tau1, lambda, w_test }
     }
 
@@ -124,19 +135,21 @@ impl<'t> Thresholds<'t> {
         element(self.tau1, dof)
     }
 
-    /// Returns the non-centrality of the smallest fault that is missed with the required probability at most, or `None` as above.
+    /// Returns the non-centrality of the smallest fault that is missed with the required
+    /// probability at most, or `None` as above.
     pub fn lambda<T: Real>(&self, dof: usize) -> Option<T> {
         element(self.lambda, dof)
     }
 
-    /// Returns the two-sided threshold of one of `tests` w-tests, or `None` for no test or beyond the row.
+    /// Returns the two-sided threshold of one of `tests` w-tests, or `None` for no test or beyond
+    /// the row.
     pub fn w_test<T: Real>(&self, tests: usize) -> Option<T> {
         element(self.w_test, tests)
     }
 }
 
 /// Returns a row's element, counted from one.
-fn element<T: Real>(row: &[Held], number: usize) -> Option<T> {
+fn element<T: Real>(row: &[TableScalar], number: usize) -> Option<T> {
     row.get(number.checked_sub(1)?).map(|element| T::narrow(element.widen()))
 }
 
@@ -211,7 +224,8 @@ mod tests {
         }
     }
 
-    /// Otherwise a module in single precision, whose tables hold no more digits, would judge differently from a host.
+    /// Otherwise a module in single precision, whose tables hold no more digits, would judge
+    /// differently from a host.
     #[test]
     fn a_test_in_single_precision_takes_the_nearest_to_the_published() {
         let approach = thresholds(3.33e-7, 1e-3);
@@ -236,9 +250,15 @@ mod tests {
     #[test]
     fn unknown_probability_names_the_nearest() {
         let have = Thresholds::from_tables(probability(2e-8), probability(1e-3));
-        assert_eq!(have, Err(ThresholdError::FalseAlarm { nearest: probability(1e-8) }));
+        assert_eq!(
+            have,
+            Err(ThresholdError::FalseAlarm { value: probability(2e-8), nearest: probability(1e-8) })
+        );
         let have = Thresholds::from_tables(probability(1e-5), probability(0.4));
-        assert_eq!(have, Err(ThresholdError::MissedDetection { nearest: probability(1e-3) }));
+        assert_eq!(
+            have,
+            Err(ThresholdError::MissedDetection { value: probability(0.4), nearest: probability(1e-3) })
+        );
     }
 
     #[test]

@@ -7,9 +7,10 @@
 //! T_OP   κ f(τ; ν) = g(τ; ν, δ)              least κ P_F + P_M, held between τ1 and τ2
 //! ```
 //!
-//! `f` and `g` are the densities of the statistic without a fault and with one that moves the position just to its
-//! share of the alert limit. A threshold meets both probabilities if `τ1 < τ2`, which is the same as `δ > λ(τ1)` and
-//! as `HPL < f HAL`; the code compares `δ > λ(τ1)`, which needs no quantile.
+//! `f` and `g` are the densities of the statistic without a fault and with one that moves the
+//! position just to its share of the alert limit. A threshold meets both probabilities if
+//! `τ1 < τ2`, which is the same as `δ > λ(τ1)` and as `HPL < f HAL`; the code compares `δ > λ(τ1)`,
+//! which needs no quantile.
 //!
 //! | symbol | field | unit |
 //! |---|---|---|
@@ -20,17 +21,20 @@
 //! | `κ` | [`Weights`] | dimensionless: cost of a false alarm over that of a missed detection |
 //! | `f` | `guard_fraction` | dimensionless |
 //!
-//! Departures from [Yang2015]: the text's `HAL (1 − f)` is the guard band, its formula and figures use `HAL f`, as
-//! here. A crossing above `τ2` is lowered to `τ2`, on which the paper is silent: `P_md` would be exceeded. The sum
-//! `P_F + P_M` is a cost, not a probability, since the two hold under different hypotheses; equal weights are the
-//! paper's, other ones its natural generalisation.
+//! Departures from [Yang2015]: the text's `HAL (1 − f)` is the guard band, its formula and figures
+//! use `HAL f`, as here. A crossing above `τ2` is lowered to `τ2`, on which the paper is silent:
+//! `P_md` would be exceeded. The sum `P_F + P_M` is a cost, not a probability, since the two hold
+//! under different hypotheses; equal weights are the paper's, other ones its natural
+//! generalisation.
 //!
 //! References: [Yang2015] §1–2.
 //!
 //! [Yang2015]: crate#references
 
+use core::fmt;
+
 use super::Thresholds;
-use crate::integrity::raim::levels::Exposure;
+use crate::integrity::raim::levels::LevelInputs;
 use crate::numeric::chi_square::{ChiSquare, LARGEST};
 use crate::numeric::probability::Probability;
 use crate::numeric::real::Real;
@@ -40,7 +44,8 @@ use crate::requirements::Requirements;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Policy {
-    /// The threshold is as low as false alarms allow: the least risk to integrity, the classic threshold.
+    /// The threshold is as low as false alarms allow: the least risk to integrity, the classic
+    /// threshold.
     T1,
     /// The threshold is as high as missed detections allow: the least risk to continuity.
     T2,
@@ -60,7 +65,8 @@ impl Weights {
     /// Both cost the same, as published.
     pub const EQUAL: Self = Self { ln_ratio: 0.0 };
 
-    /// Returns the weights if both are above 0 and their ratio is within 1e-12 to 1e12; `None` otherwise.
+    /// Returns the weights if both are above 0 and their ratio is within 1e-12 to 1e12; `None`
+    /// otherwise.
     pub fn new(false_alarm: f64, missed_detection: f64) -> Option<Self> {
         let ratio = false_alarm / missed_detection;
         let valid = false_alarm > 0.0 && (1e-12..=1e12).contains(&ratio);
@@ -70,10 +76,11 @@ impl Weights {
 
 /// Inputs of the threshold: geometry, probabilities and weights.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Demand<'t> {
+pub struct ThresholdProblem<'t> {
     /// Degrees of freedom of the global test.
     pub dof: usize,
-    /// Non-centrality of the fault that moves the position to its share of the alert limit, dimensionless.
+    /// Non-centrality of the fault that moves the position to its share of the alert limit,
+    /// dimensionless.
     pub noncentrality: f64,
     /// Rows of `tau1` and `lambda` for the demanded probabilities.
     pub thresholds: Thresholds<'t>,
@@ -91,8 +98,9 @@ pub struct PolicyThreshold {
     pub tau: f64,
     /// Non-centrality for the protection levels under this threshold, dimensionless.
     ///
-    /// For [`Policy::T2`] it equals [`ThresholdProblem::noncentrality`]: the protection level then is its share of the alert limit,
-    /// neither more nor less. The policy decides before whether the limits are met, not a second comparison of the levels.
+    /// For [`Policy::T2`] it equals [`ThresholdProblem::noncentrality`]: the protection level then
+    /// is its share of the alert limit, neither more nor less. The policy decides before whether
+    /// the limits are met, not a second comparison of the levels.
     pub lambda: f64,
 }
 
@@ -105,6 +113,17 @@ pub enum NoThreshold {
     /// No threshold meets both probabilities.
     Risk,
 }
+
+impl fmt::Display for NoThreshold {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(match self {
+            Self::Redundancy => "degrees of freedom must be at least 1 and within the tables",
+            Self::Risk => "no threshold meets both probabilities",
+        })
+    }
+}
+
+impl core::error::Error for NoThreshold {}
 
 /// Source of the threshold of [`Policy::TOp`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -136,18 +155,20 @@ pub struct Decision {
     pub status: Status,
 }
 
-/// Converts a threshold on SSE to one on `√(Σv²/ν)`, m, if all ranges have the same sigma ([Yang2015] eq. 5).
+/// Converts a threshold on SSE to one on `√(Σv²/ν)`, m, if all ranges have the same sigma
+/// ([Yang2015] eq. 5).
 ///
 /// [Yang2015]: crate#references
 pub fn range_threshold_m(tau: f64, dof: usize, sigma_m: f64) -> f64 {
     sigma_m * libm::sqrt(tau / dof as f64)
 }
 
-impl<'t> Demand<'t> {
-    /// Returns the problem that `requirements` pose for these level inputs; both risks weigh the same.
+impl<'t> ThresholdProblem<'t> {
+    /// Returns the problem that `requirements` pose for these level inputs; both risks weigh the
+    /// same.
     pub fn new<T: Real>(
         dof: usize,
-        exposure: &Exposure<'_, T>,
+        exposure: &LevelInputs<'_, T>,
         requirements: &Requirements,
         thresholds: Thresholds<'t>,
     ) -> Self {
@@ -164,10 +185,11 @@ impl<'t> Demand<'t> {
         }
     }
 
-    /// Returns the threshold of one policy with no more work than it needs: none for `T1`, one quantile for `T2`, one crossing
-    /// and one non-centrality for `TOp`.
+    /// Returns the threshold of one policy with no more work than it needs: none for `T1`, one
+    /// quantile for `T2`, one crossing and one non-centrality for `TOp`.
     ///
-    /// `T1` is never refused for its risk, because its protection levels show whether the limits are met.
+    /// `T1` is never refused for its risk, because its protection levels show whether the limits
+    /// are met.
     ///
     /// # Errors
     /// [`NoThreshold`] names what is missing.
@@ -202,7 +224,8 @@ impl<'t> Demand<'t> {
         Some((PolicyThreshold { tau: tau.widen(), lambda: lambda.widen() }, ChiSquare::new(self.dof)?))
     }
 
-    /// Returns true if the classic threshold meets both probabilities. A NaN non-centrality fails this comparison.
+    /// Returns true if the classic threshold meets both probabilities. A NaN non-centrality fails
+    /// this comparison.
     fn available(&self, classic: PolicyThreshold) -> bool {
         self.noncentrality > classic.lambda
     }
@@ -218,8 +241,8 @@ impl<'t> Demand<'t> {
 
     /// Returns the crossing, held within the bounds.
     ///
-    /// It is below `τ2` exactly if its own non-centrality is below the given one, so that the upper bound itself is
-    /// computed only if it applies.
+    /// It is below `τ2` exactly if its own non-centrality is below the given one, so that the upper
+    /// bound itself is computed only if it applies.
     fn optimal<T: Real>(&self, classic: PolicyThreshold, test: &ChiSquare<T>) -> PolicyThreshold {
         let tau = self.crossing(test);
         if tau <= classic.tau {

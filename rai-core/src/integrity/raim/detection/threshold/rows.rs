@@ -1,9 +1,10 @@
 //! Rows of the committed tables that a build contains.
 //!
-//! Without the feature `tables` they are those of the phases of flight, which all need the same two probabilities
-//! ([`crate::requirements`]). With the feature `short-tables` rows end at the capacity of [`single`](crate::single) and are in
-//! its precision, unless `double-tables` asks for more, because a build for `single` alone cannot use the rest. All
-//! rows take 26 KB of flash, short ones 20, in single precision 10, one pair of these 0.8.
+//! Without the feature `tables` they are those of the phases of flight, which all need the same two
+//! probabilities ([`crate::requirements`]). With the feature `short-tables` rows end at the
+//! capacity of [`single`](crate::single) and are in its precision, unless `double-tables` asks for
+//! more, because a build for `single` alone cannot use the rest. All rows take 26 KB of flash,
+//! short ones 20, in single precision 10, one pair of these 0.8.
 #![allow(clippy::indexing_slicing, reason = "while compiling, where an index beyond the end is an error")]
 
 use super::table;
@@ -41,17 +42,18 @@ use taken::{ALARMS, MISSES};
 pub(super) static FALSE_ALARM: [Probability; ALARMS.len()] = probabilities(&table::FALSE_ALARM, ALARMS);
 pub(super) static MISSED_DETECTION: [Probability; MISSES.len()] =
     probabilities(&table::MISSED_DETECTION, MISSES);
-/// Scalar of the rows. A test rounds its threshold to its own precision, so that a test in single precision gets the same
-/// from both. Double precision, unless the feature `short-tables` is on without `double-tables`.
+/// Scalar of the rows. A test rounds its threshold to its own precision, so that a test in single
+/// precision gets the same from both. Double precision, unless the feature `short-tables` is on
+/// without `double-tables`.
 #[cfg(all(feature = "short-tables", not(feature = "double-tables")))]
-pub type Held = f32;
+pub type TableScalar = f32;
 /// Scalar of the rows.
 #[cfg(not(all(feature = "short-tables", not(feature = "double-tables"))))]
-pub type Held = f64;
+pub type TableScalar = f64;
 
-pub(super) static TAU1: [[Held; DOF]; ALARMS.len()] = fronts(&table::TAU1, ALARMS);
-pub(super) static W_TEST: [[Held; TESTS]; ALARMS.len()] = fronts(&table::W_TEST, ALARMS);
-pub(super) static LAMBDA: [[[Held; DOF]; MISSES.len()]; ALARMS.len()] = {
+pub(super) static TAU1: [[TableScalar; DOF]; ALARMS.len()] = fronts(&table::TAU1, ALARMS);
+pub(super) static W_TEST: [[TableScalar; TESTS]; ALARMS.len()] = fronts(&table::W_TEST, ALARMS);
+pub(super) static LAMBDA: [[[TableScalar; DOF]; MISSES.len()]; ALARMS.len()] = {
     let (mut blocks, mut alarm) = ([[[0.0; DOF]; MISSES.len()]; ALARMS.len()], 0);
     while alarm < ALARMS.len() {
         blocks[alarm] = fronts(&table::LAMBDA[ALARMS[alarm]], MISSES);
@@ -73,12 +75,12 @@ const fn probabilities<const N: usize>(all: &[Probability], taken: [usize; N]) -
 const fn fronts<const LONG: usize, const SHORT: usize, const N: usize>(
     rows: &[[f64; LONG]],
     taken: [usize; N],
-) -> [[Held; SHORT]; N] {
+) -> [[TableScalar; SHORT]; N] {
     let (mut fronts, mut index) = ([[0.0; SHORT]; N], 0);
     while index < N {
         let mut column = 0;
         while column < SHORT {
-            fronts[index][column] = rows[taken[index]][column] as Held;
+            fronts[index][column] = rows[taken[index]][column] as TableScalar;
             column += 1;
         }
         index += 1;

@@ -13,37 +13,41 @@
 //! | `ν` | degrees of freedom, the dimension of parity space | – |
 //! | `t` | quantile of Student's distribution | – |
 //!
-//! Without fault the direction of `p` is uniform on the sphere in `ν` dimensions, so a cosine to any line follows a
-//! transformed Student distribution with `ν − 1` degrees of freedom. With `ρ_T = sin θ` its tail is a finite sum in
-//! `θ` ([Abramowitz1964] 26.7.3, 26.7.4), and no table is needed:
+//! Without fault the direction of `p` is uniform on the sphere in `ν` dimensions, so a cosine to
+//! any line follows a transformed Student distribution with `ν − 1` degrees of freedom. With
+//! `ρ_T = sin θ` its tail is a finite sum in `θ` ([Abramowitz1964] 26.7.3, 26.7.4), and no table is
+//! needed:
 //!
 //! ```text
 //! m = ν − 1 odd    1 − α = 2/π (θ + sin θ (cos θ + 2/3 cos³θ + … ))     (m − 1)/2 terms
 //! m even           1 − α = sin θ (1 + 1/2 cos²θ + (1·3)/(2·4) cos⁴θ + …)  m/2 terms
 //! ```
 //!
-//! Accuracy: in `f64` relative 1e-9 for `α ≥ 1e-6`, in `f32` 5e-5 for `α ≥ 1e-3`. It is computed once a fault was
-//! detected, not before; in some ten Newton steps of `ν/2` terms.
+//! Accuracy: in `f64` relative 1e-9 for `α ≥ 1e-6`, in `f32` 5e-5 for `α ≥ 1e-3`. It is computed
+//! once a fault was detected, not before; in some ten Newton steps of `ν/2` terms.
 //!
-//! [Parity] leaves the threshold's form open; Student's is the exact one under equal sigmas and any geometry.
+//! [Parity] leaves the threshold's form open; Student's is the exact one under equal sigmas and any
+//! geometry.
 //!
 //! [Abramowitz1964]: crate#references
 //! [Parity]: crate#references
 
-use crate::least_squares::{Fit, Snapshot};
+use crate::least_squares::{RowFit, Snapshot};
 use crate::numeric::probability::Probability;
 use crate::numeric::real::Real;
 
 /// Most Newton steps: from the left of a convex falling function each divides the tail by about e.
 const MAX_STEPS: usize = 64;
 
-/// Returns `ρ_i` of one row, dimensionless; 0 if the row is untestable or no residual is left to explain.
-pub fn correlation<T: Real>(snapshot: &Snapshot<'_, T>, fit: &Fit<T>) -> T {
+/// Returns `ρ_i` of one row, dimensionless; 0 if the row is untestable or no residual is left to
+/// explain.
+pub fn correlation<T: Real>(snapshot: &Snapshot<'_, T>, fit: &RowFit<T>) -> T {
     let length = snapshot.sse().sqrt();
     if length > T::zero() { fit.w_test() / length } else { T::zero() }
 }
 
-/// Returns `ρ_T` for a confidence and a number of degrees of freedom, or `None` below two, where every |ρ| is 1.
+/// Returns `ρ_T` for a confidence and a number of degrees of freedom, or `None` below two, where
+/// every |ρ| is 1.
 pub fn correlation_threshold<T: Real>(alpha: Probability, dof: usize) -> Option<T> {
     let student_dof = dof.checked_sub(1).filter(|&student_dof| student_dof > 0)?;
     let (alpha, mut angle) = (T::narrow(alpha.get()), T::zero());
@@ -60,7 +64,8 @@ pub fn correlation_threshold<T: Real>(alpha: Probability, dof: usize) -> Option<
     Some(threshold)
 }
 
-/// Returns the two-sided tail of Student's distribution beyond `√m tan(angle)`, and minus its derivative by the angle.
+/// Returns the two-sided tail of Student's distribution beyond `√m tan(angle)`, and minus its
+/// derivative by the angle.
 fn student_tail<T: Real>(angle: T, m: usize) -> (T, T) {
     let (sin, cos) = angle.sine_and_cosine();
     let odd = m % 2 == 1;

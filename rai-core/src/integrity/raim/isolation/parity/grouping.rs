@@ -1,17 +1,18 @@
 //! Grouping: the best of all sets of one row, then of two, then of three, until one passes.
 //!
-//! The best set of a size is the one with the smallest `SSE_E`, the first in lexicographic order of equals. It finds
-//! two faults that hide behind a third, healthy row, which sequential isolation misses.
+//! The best set of a size is the one with the smallest `SSE_E`, the first in lexicographic order of
+//! equals. It finds two faults that hide behind a third, healthy row, which sequential isolation
+//! misses.
 //!
-//! Only the best set of a size is checked for refusal. If it is refused, the sets of that size are compared again below it.
-//! In `f32` on a Cortex-M4F all pairs of 20 rows take 14,400 instructions, all triples 78,800. If the budget is used up,
-//! the search ends without a result.
+//! Only the best set of a size is checked for refusal. If it is refused, the sets of that size are
+//! compared again below it. In `f32` on a Cortex-M4F all pairs of 20 rows take 14,400 instructions,
+//! all triples 78,800. If the budget is used up, the search ends without a result.
 
-use super::{Finding, Search, SearchLimits, search};
+use super::{ParityFinding, ParitySearch, SearchLimits, search};
 use crate::integrity::raim::detection::threshold::Thresholds;
 use crate::integrity::raim::isolation::exclusion::Unidentified;
-use crate::integrity::raim::isolation::sets::{Work, each_of_size};
-use crate::least_squares::downdate::{NormalisedRow, Removal};
+use crate::integrity::raim::isolation::sets::{SetBudget, each_of_size};
+use crate::least_squares::downdate::{ExclusionSet, NormalisedRow};
 use crate::least_squares::{Snapshot, infinity};
 use crate::numeric::real::Real;
 use crate::report::MAX_EXCLUDED;
@@ -22,61 +23,62 @@ pub fn grouping<T: Real>(
     snapshot: &Snapshot<'_, T>,
     thresholds: &Thresholds<'_>,
     limits: &SearchLimits,
-) -> Finding<T> {
-    search(snapshot, thresholds, limits, |search: &Search<'_, T>| search.grouping())
+) -> ParityFinding<T> {
+    search(snapshot, thresholds, limits, |search: &ParitySearch<'_, T>| search.grouping())
 }
 
-impl<T: Real> Search<'_, T> {
-    pub(super) fn grouping(&self) -> Finding<T> {
-        let mut contest = Contest { rows: self.rows, work: Work::new(self.limits.sets) };
-        let sets = |contest: &Contest<'_, T>| self.limits.sets - contest.work.left;
+impl<T: Real> ParitySearch<'_, T> {
+    pub(super) fn grouping(&self) -> ParityFinding<T> {
+        let mut contest = GroupingSearch { rows: self.rows, work: SetBudget::new(self.limits.sets) };
+        let sets = |contest: &GroupingSearch<'_, T>| self.limits.sets - contest.work.left;
         // Without a degree of freedom every set would pass and none would be significant.
         let largest = self.limits.rows().min(self.snapshot.dof().saturating_sub(1));
         for size in 1..=largest {
             let best = contest.best_of_size(size);
             if contest.work.cut {
-                return Finding { set: Err(Unidentified::Budget), sets: sets(&contest) };
+                return ParityFinding { set: Err(Unidentified::Budget), sets: sets(&contest) };
             }
             if let Some(best) = best.filter(|best| self.passes(best)) {
-                return Finding { set: Ok(best), sets: sets(&contest) };
+                return ParityFinding { set: Ok(best), sets: sets(&contest) };
             }
         }
-        Finding { set: Err(Unidentified::NoSet), sets: sets(&contest) }
+        ParityFinding { set: Err(Unidentified::NoSet), sets: sets(&contest) }
     }
 }
 
 /// The rows, and the budget of sets.
-struct Contest<'r, T: Real> {
+struct GroupingSearch<'r, T: Real> {
     rows: &'r [NormalisedRow<T>],
-    work: Work,
+    work: SetBudget,
 }
 
 /// A set by the indices of its rows, as many as its size says.
 #[derive(Clone, Copy)]
-struct Entrant<T> {
+struct SetCandidate<T> {
     explained: T,
     set: [usize; MAX_EXCLUDED],
 }
 
-impl<T: Real> Contest<'_, T> {
+impl<T: Real> GroupingSearch<'_, T> {
     /// Returns the best set of a size that is not refused.
     ///
-    /// The best set is rarely refused, so that it is cheaper to compare all sets again than to check each leading one.
-    fn best_of_size(&mut self, size: usize) -> Option<Removal<T>> {
+    /// The best set is rarely refused, so that it is cheaper to compare all sets again than to
+    /// check each leading one.
+    fn best_of_size(&mut self, size: usize) -> Option<ExclusionSet<T>> {
         // Sets that explain at least this much were refused.
         let mut ceiling = infinity();
         loop {
-            let mut best = Entrant { explained: -infinity::<T>(), set: [0; MAX_EXCLUDED] };
+            let mut best = SetCandidate { explained: -infinity::<T>(), set: [0; MAX_EXCLUDED] };
             each_of_size(self.rows, size, &mut self.work, best.explained, |explained, set| {
                 if explained > best.explained && explained < ceiling {
-                    best = Entrant { explained, set };
+                    best = SetCandidate { explained, set };
                 }
                 best.explained
             });
             if self.work.cut || best.explained < T::zero() {
                 return None;
             }
-            if let Some(removal) = Removal::among(self.rows, best.set.get(..size)?) {
+            if let Some(removal) = ExclusionSet::among(self.rows, best.set.get(..size)?) {
                 return Some(removal);
             }
             ceiling = best.explained;

@@ -1,8 +1,9 @@
 //! Parity space: isolation of several faults from one snapshot.
 //!
-//! The parity vector `p` is the part of the ranges that position and clocks do not explain. A bias of row `i` moves it
-//! along the line `p_i`; a set `E` of biases moves it within the plane of their lines, and the part outside is
-//! `SSE_E`. All four methods compare sets by `SSE_E` without solving again ([`crate::least_squares::downdate`]).
+//! The parity vector `p` is the part of the ranges that position and clocks do not explain. A bias
+//! of row `i` moves it along the line `p_i`; a set `E` of biases moves it within the plane of their
+//! lines, and the part outside is `SSE_E`. All four methods compare sets by `SSE_E` without solving
+//! again ([`crate::least_squares::downdate`]).
 //!
 //! | method | rows identified | function |
 //! |---|---|---|
@@ -17,13 +18,15 @@
 //! | `τ1` | threshold of the global test for the degrees of freedom left | – |
 //! | `ρ_T` | threshold on the correlation | – |
 //!
-//! Work is bounded: [`SearchLimits::sets`] sets at most, [`MAX_SETS`] of them being every set of up to three of 40 rows. A
-//! search that is cut identifies no row and reports it ([`Unidentified::Budget`]).
+//! Work is bounded: [`SearchLimits::sets`] sets at most, [`MAX_SETS`] of them being every set of up
+//! to three of 40 rows. A search that is cut identifies no row and reports it
+//! ([`Unidentified::Budget`]).
 //!
-//! In `f32` the ranking of sets resolves differences of about 1e-6 of SSE. The test of the set found does not lose
-//! these digits, so that a wrong set is refused.
+//! In `f32` the ranking of sets resolves differences of about 1e-6 of SSE. The test of the set
+//! found does not lose these digits, so that a wrong set is refused.
 //!
-//! The searches are not inlined, because each takes 2.5 KiB of the stack and more, and in turn they share it.
+//! The searches are not inlined, because each takes 2.5 KiB of the stack and more, and in turn they
+//! share it.
 //!
 //! References: [Parity] and, for the global test, [Yang2015] §1.
 //!
@@ -46,7 +49,7 @@ use crate::bounded::gather;
 use crate::integrity::raim::detection::threshold::Thresholds;
 use crate::integrity::raim::detection::{Detection, detect};
 use crate::integrity::raim::isolation::exclusion::{Exclusion, Unidentified, leave_out};
-use crate::least_squares::downdate::{NormalisedRow, Removal, testable_rows};
+use crate::least_squares::downdate::{ExclusionSet, NormalisedRow, testable_rows};
 use crate::least_squares::equations::MAX_ROWS;
 use crate::least_squares::{Excludable, Snapshot};
 use crate::numeric::probability::Probability;
@@ -93,7 +96,8 @@ pub struct SearchLimits {
 }
 
 impl SearchLimits {
-    /// Returns the limits of [Parity]: `α = 0.01`; up to [`MAX_EXCLUDED`] rows, with the work that 40 rows need.
+    /// Returns the limits of [Parity]: `α = 0.01`; up to [`MAX_EXCLUDED`] rows, with the work that
+    /// 40 rows need.
     ///
     /// [Parity]: crate#references
     pub const fn published() -> Self {
@@ -107,15 +111,16 @@ impl SearchLimits {
 
 /// Result of a search with its cost.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Finding<T: Real> {
-    /// Set of rows without which the rest passes, empty if no fault was detected; or the reason why there is none.
-    pub set: Result<Removal<T>, Unidentified>,
+pub struct ParityFinding<T: Real> {
+    /// Set of rows without which the rest passes, empty if no fault was detected; or the reason why
+    /// there is none.
+    pub set: Result<ExclusionSet<T>, Unidentified>,
     /// Number of sets whose `SSE_E` was compared.
     pub sets: usize,
 }
 
 /// A snapshot in which a fault was detected, with the rows and thresholds of a search.
-struct Search<'s, T: Real> {
+struct ParitySearch<'s, T: Real> {
     snapshot: &'s Snapshot<'s, T>,
     thresholds: &'s Thresholds<'s>,
     limits: &'s SearchLimits,
@@ -127,27 +132,28 @@ fn search<T: Real>(
     snapshot: &Snapshot<'_, T>,
     thresholds: &Thresholds<'_>,
     limits: &SearchLimits,
-    find: impl FnOnce(&Search<'_, T>) -> Finding<T>,
-) -> Finding<T> {
+    find: impl FnOnce(&ParitySearch<'_, T>) -> ParityFinding<T>,
+) -> ParityFinding<T> {
     match detect(snapshot, thresholds) {
-        None => Finding { set: Err(Unidentified::NoRedundancy), sets: 0 },
-        Some(detection) if !detection.fault() => Finding { set: Ok(Removal::none()), sets: 0 },
+        None => ParityFinding { set: Err(Unidentified::NoRedundancy), sets: 0 },
+        Some(detection) if !detection.fault() => ParityFinding { set: Ok(ExclusionSet::none()), sets: 0 },
         Some(_) => {
             let mut rows = Vec::new();
             testable_rows(snapshot, &mut rows);
-            find(&Search { snapshot, thresholds, limits, rows: &rows })
+            find(&ParitySearch { snapshot, thresholds, limits, rows: &rows })
         }
     }
 }
 
-impl<T: Real> Search<'_, T> {
+impl<T: Real> ParitySearch<'_, T> {
     /// Returns true if the rest passes the global test without a set.
-    fn passes(&self, removal: &Removal<T>) -> bool {
+    fn passes(&self, removal: &ExclusionSet<T>) -> bool {
         let test = Detection::of(removal.sse(self.rows), removal.dof(self.snapshot), self.thresholds);
         test.is_some_and(|test| !test.fault())
     }
 
-    /// Iterates over the rows whose correlation reaches its threshold; none with fewer than two degrees of freedom.
+    /// Iterates over the rows whose correlation reaches its threshold; none with fewer than two
+    /// degrees of freedom.
     fn correlated(&self) -> impl Iterator<Item = &NormalisedRow<T>> {
         let threshold = correlation_threshold::<T>(self.limits.alpha, self.snapshot.dof());
         // |ρ_i| ≥ ρ_T without a root: r_i² ≥ ρ_T² SSE S_ii.
@@ -158,7 +164,8 @@ impl<T: Real> Search<'_, T> {
     }
 }
 
-/// Identifies all rows whose correlation with the parity vector is large, without testing the remaining rows.
+/// Identifies all rows whose correlation with the parity vector is large, without testing the
+/// remaining rows.
 ///
 /// Empty if no fault was detected.
 #[inline(never)]
@@ -172,14 +179,15 @@ pub fn simultaneous<T: Real>(
     }
     let mut rows = Vec::new();
     testable_rows(snapshot, &mut rows);
-    let search = Search { snapshot, thresholds, limits, rows: &rows };
+    let search = ParitySearch { snapshot, thresholds, limits, rows: &rows };
     gather(search.correlated().map(|row| row.index))
 }
 
 /// Isolates by one of the methods and leaves out the rows found.
 ///
-/// `solution` ends as the solution without the listed rows, solved and tested again. For every method
-/// [`ExclusionOutcome::Isolated`](super::exclusion::ExclusionOutcome::Isolated) means that the rest passes.
+/// `solution` ends as the solution without the listed rows, solved and tested again. For every
+/// method [`ExclusionOutcome::Isolated`](super::exclusion::ExclusionOutcome::Isolated) means that
+/// the rest passes.
 pub fn exclude<T: Real>(
     method: Isolation,
     solution: &mut impl Excludable<T>,
@@ -201,9 +209,9 @@ pub fn exclude<T: Real>(
 }
 
 /// Indices of rows that may be left out.
-type Set = Vec<usize, MAX_EXCLUDED>;
+type RowIndices = Vec<usize, MAX_EXCLUDED>;
 
-fn indices<T: Real>(finding: Finding<T>) -> Result<Set, Unidentified> {
+fn indices<T: Real>(finding: ParityFinding<T>) -> Result<RowIndices, Unidentified> {
     finding.set.map(|removal| gather(removal.rows().iter().map(|row| row.index)))
 }
 
@@ -212,7 +220,7 @@ fn all_at_once<T: Real>(
     snapshot: &Snapshot<'_, T>,
     thresholds: &Thresholds<'_>,
     limits: &SearchLimits,
-) -> Result<Set, Unidentified> {
+) -> Result<RowIndices, Unidentified> {
     if snapshot.dof() == 0 {
         return Err(Unidentified::NoRedundancy);
     }

@@ -1,26 +1,30 @@
 //! Consensus: the subset that the other satellites agree with, and the satellites that disagree.
 //!
-//! A subset's solution is that of its rows alone; the residuals of all others are then those of a prediction.
-//! A subset determines no clock of a constellation that it lacks. The residuals of that constellation are referred to
-//! their median, which up to half of them cannot move.
+//! A subset's solution is that of its rows alone; the residuals of all others are then those of a
+//! prediction. A subset determines no clock of a constellation that it lacks. The residuals of that
+//! constellation are referred to their median, which up to half of them cannot move.
 //!
-//! Of several inlier subsets the one with the fewest disagreements wins, then the one with the smallest sum
-//! of `min(z_i², T_r²)`, then the first. Cost: one solve for each subset.
+//! Of several inlier subsets the one with the fewest disagreements wins, then the one with the
+//! smallest sum of `min(z_i², T_r²)`, then the first. Cost: one solve for each subset.
+
+use core::fmt;
 
 use heapless::Vec;
 
 use super::{ConsensusLimits, Selection};
 use crate::bit_set::members;
 use crate::bounded::gather;
-use crate::least_squares::Solution;
+use crate::least_squares::Estimate;
 use crate::least_squares::equations::{MAX_ROWS, Row};
 use crate::numeric::real::Real;
 use crate::report::MAX_EXCLUDED;
 use crate::satellite::Constellation;
 
-/// Largest position variance of a subset that still votes, in units of its mean range variance (`PDOP²`).
+/// Largest position variance of a subset that still votes, in units of its mean range variance
+/// (`PDOP²`).
 ///
-/// [Tian2024] leaves badly shaped subsets to the selection; beyond a PDOP of 1,000 no satellite would ever disagree.
+/// [Tian2024] leaves badly shaped subsets to the selection; beyond a PDOP of 1,000 no satellite
+/// would ever disagree.
 ///
 /// [Tian2024]: crate#references
 const MAX_DILUTION: f64 = 1e6;
@@ -34,6 +38,17 @@ pub enum NoConsensus {
     /// Too many others disagree with each of them.
     NoInlier,
 }
+
+impl fmt::Display for NoConsensus {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(match self {
+            Self::TooFewSubsets => "consensus needs at least two subsets of the same rows",
+            Self::NoInlier => "too many satellites disagree with every subset",
+        })
+    }
+}
+
+impl core::error::Error for NoConsensus {}
 
 /// The inlier subset, and the rows that disagree with it.
 #[derive(Clone, Debug, PartialEq)]
@@ -97,7 +112,7 @@ impl<T: Real> Vote<T> {
 /// Returns `None` if a subset gives no usable position.
 fn vote<T: Real>(rows: &[Row<T>], selection: &Selection, subset: usize, bound: T) -> Option<Vote<T>> {
     let set = selection.set(subset);
-    let mut solution = Solution::none();
+    let mut solution = Estimate::none();
     solution.solve_set(rows, set).ok()?;
     let solved = members(set).filter_map(|index| rows.get(index));
     if !is_worth_a_vote(solved, &solution) {
@@ -124,7 +139,7 @@ fn vote<T: Real>(rows: &[Row<T>], selection: &Selection, subset: usize, bound: T
 }
 
 /// Returns false for a position that a subset determines too badly.
-fn is_worth_a_vote<'r, T: Real>(members: impl Iterator<Item = &'r Row<T>>, solution: &Solution<T>) -> bool {
+fn is_worth_a_vote<'r, T: Real>(members: impl Iterator<Item = &'r Row<T>>, solution: &Estimate<T>) -> bool {
     let members = members.filter(|row| row.weight > T::zero());
     let sum = members.fold(T::zero(), |sum, row| sum + row.sigma);
     let mean = sum / T::narrow(solution.used() as f64);
@@ -133,16 +148,17 @@ fn is_worth_a_vote<'r, T: Real>(members: impl Iterator<Item = &'r Row<T>>, solut
 
 /// Returns `z_i²` of a row that is left out of a solution, its residual first referred to a level.
 #[inline(never)]
-pub(super) fn deviation_squared<T: Real>(row: &Row<T>, solution: &Solution<T>, level: T) -> T {
+pub(super) fn deviation_squared<T: Real>(row: &Row<T>, solution: &Estimate<T>, level: T) -> T {
     let fit = solution.fit(row);
     let residual = fit.residual - level;
     let variance = row.sigma * row.sigma + solution.level_variance(row) + fit.centred.dot(&fit.gain);
     residual * residual / variance
 }
 
-/// Returns the median of the residuals of a constellation that takes part in the epoch, but not in the solution.
+/// Returns the median of the residuals of a constellation that takes part in the epoch, but not in
+/// the solution.
 #[inline(never)]
-fn median_without_clock<T: Real>(rows: &[Row<T>], solution: &Solution<T>, clock: Constellation) -> Option<T> {
+fn median_without_clock<T: Real>(rows: &[Row<T>], solution: &Estimate<T>, clock: Constellation) -> Option<T> {
     if solution.determines(clock) {
         return None;
     }
@@ -152,7 +168,8 @@ fn median_without_clock<T: Real>(rows: &[Row<T>], solution: &Solution<T>, clock:
     Some((ranked(&residuals, last / 2)? + ranked(&residuals, last.div_ceil(2))?) / T::narrow(2.0))
 }
 
-/// Returns the value with `rank` others before it, in ascending order, the first of equal ones first.
+/// Returns the value with `rank` others before it, in ascending order, the first of equal ones
+/// first.
 fn ranked<T: Real>(values: &[T], rank: usize) -> Option<T> {
     let before = |index: usize, value: T| {
         let earlier = values.iter().enumerate();

@@ -1,8 +1,10 @@
-//! Range consensus: small, well-shaped subsets of the satellites test the others ([Tian2024], improved method).
+//! Range consensus: small, well-shaped subsets of the satellites test the others ([Tian2024],
+//! improved method).
 //!
-//! The satellites are dealt into `M = ⌊n/(3 + C)⌋` disjoint subsets of good geometry ([`Selection`]). Each subset
-//! gives a position, and each other satellite is compared with it. A fault spoils one subset; the others agree which
-//! satellite is faulty ([`consensus`]). A least-squares solution without these satellites then finds the small faults ([`refine`]).
+//! The satellites are dealt into `M = ⌊n/(3 + C)⌋` disjoint subsets of good geometry
+//! ([`Selection`]). Each subset gives a position, and each other satellite is compared with it. A
+//! fault spoils one subset; the others agree which satellite is faulty ([`consensus`]). A
+//! least-squares solution without these satellites then finds the small faults ([`refine`]).
 //!
 //! ```text
 //! x_k from subset k      v_i = y_i − h_i x_k      s_i² = σ_i² + h_i Cov_k h_iᵀ      z_i = |v_i| / s_i
@@ -16,14 +18,15 @@
 //! | `T_r` | [`ConsensusLimits::consensus`] | – |
 //! | `σ_i`, `v_i`, `s_i` | of one range | m |
 //!
-//! If there are fewer than two subsets, or none that the others agree with, sequential exclusion is used
-//! ([`baarda`](super::baarda)). Three faults need four subsets: 16 satellites of one constellation, 20 of two. At most three
-//! faults are treated.
+//! If there are fewer than two subsets, or none that the others agree with, sequential exclusion is
+//! used ([`baarda`](super::baarda)). Three faults need four subsets: 16 satellites of one
+//! constellation, 20 of two. At most three faults are treated.
 //!
-//! Departures from [Tian2024], which compares a root mean square with a χ² threshold: as soon as one satellite is
-//! faulty, every subset without it fails that test, so that subsets are ranked by the number of disagreeing satellites. `M` is
-//! `⌊n/(3 + C)⌋`, as in its text, not `⌊n/(4 + C)⌋`, as in its flow chart. The refinement is an addition: without it a
-//! fault of 150 m on a low satellite stays below `T_r s_i`.
+//! Departures from [Tian2024], which compares a root mean square with a χ² threshold: as soon as
+//! one satellite is faulty, every subset without it fails that test, so that subsets are ranked by
+//! the number of disagreeing satellites. `M` is `⌊n/(3 + C)⌋`, as in its text, not `⌊n/(4 + C)⌋`,
+//! as in its flow chart. The refinement is an addition: without it a fault of 150 m on a low
+//! satellite stays below `T_r s_i`.
 //!
 //! References: [Tian2024] §2, [Schroth2008] for consensus by counting.
 //!
@@ -45,7 +48,7 @@ use crate::epoch::EpochView;
 use crate::integrity::raim::detection::detect;
 use crate::integrity::raim::detection::threshold::{ThresholdError, Thresholds};
 use crate::integrity::raim::isolation::baarda::exclude_sequentially;
-use crate::integrity::raim::isolation::exclusion::{Exclusion, Outcome, Unidentified, leave_out};
+use crate::integrity::raim::isolation::exclusion::{Exclusion, ExclusionOutcome, Unidentified, leave_out};
 use crate::least_squares::Excludable;
 use crate::numeric::probability::Probability;
 use crate::numeric::real::Real;
@@ -60,7 +63,8 @@ pub struct ConsensusLimits<'t> {
 }
 
 impl ConsensusLimits<'static> {
-    /// Returns the published limits: one false disagreement in a thousand epochs, one false alarm of the refinement in ten thousand.
+    /// Returns the published limits: one false disagreement in a thousand epochs, one false alarm
+    /// of the refinement in ten thousand.
     ///
     /// # Errors
     /// [`ThresholdError`] if the tables lack one of the two probabilities.
@@ -87,10 +91,12 @@ const fn certain(tail: f64) -> Probability {
     }
 }
 
-/// Isolates by consensus and leaves out the rows found; without consensus falls back to sequential exclusion.
+/// Isolates by consensus and leaves out the rows found; without consensus falls back to sequential
+/// exclusion.
 ///
-/// `selection` must have been made for the same satellites in the same order; one of another length counts as none.
-/// `solution` ends as the solution without the listed rows, solved and tested again.
+/// `selection` must have been made for the same satellites in the same order; one of another length
+/// counts as none. `solution` ends as the solution without the listed rows, solved and tested
+/// again.
 #[inline(never)]
 pub fn exclude<T: Real>(
     solution: &mut impl Excludable<T>,
@@ -109,10 +115,10 @@ pub fn exclude<T: Real>(
     };
     let refinement = refine(rows, selection, &consensus, limits);
     let exclusion = leave_out(solution, &refinement.rows, thresholds);
-    if refinement.passed || exclusion.outcome != Outcome::Isolated {
+    if refinement.passed || exclusion.outcome != ExclusionOutcome::Isolated {
         return exclusion;
     }
-    Exclusion { outcome: Outcome::NotIsolated(Unidentified::NoSet), ..exclusion }
+    Exclusion { outcome: ExclusionOutcome::NotIsolated(Unidentified::NoSet), ..exclusion }
 }
 
 /// Works like [`exclude`], with the subsets that are kept while the satellites stay the same.

@@ -1,10 +1,12 @@
 //! Refinement: solves with the satellites that agree, then tests again, in both directions.
 //!
-//! A subset's position is uncertain by tens of metres, so that small faults pass and a badly seen healthy satellite
-//! may be identified. With all others in the solution, the worst row is left out while the global test fails. At the end
-//! each row left out is compared with the solution, and taken back if it agrees.
+//! A subset's position is uncertain by tens of metres, so that small faults pass and a badly seen
+//! healthy satellite may be identified. With all others in the solution, the worst row is left out
+//! while the global test fails. At the end each row left out is compared with the solution, and
+//! taken back if it agrees.
 //!
-//! Bounded by the number of faults that the selection can carry: at most [`MAX_EXCLUDED`] solves and as many tests.
+//! Bounded by the number of faults that the selection can carry: at most [`MAX_EXCLUDED`] solves
+//! and as many tests.
 
 use heapless::Vec;
 
@@ -13,7 +15,7 @@ use super::{Consensus, ConsensusLimits, Selection};
 use crate::bit_set::{bit, first, members};
 use crate::integrity::raim::detection::Detection;
 use crate::least_squares::equations::Row;
-use crate::least_squares::{Solution, Worst};
+use crate::least_squares::{Estimate, Worst};
 use crate::numeric::real::Real;
 use crate::report::MAX_EXCLUDED;
 
@@ -35,7 +37,7 @@ pub fn refine<T: Real>(
 ) -> Refinement {
     let mut left_out = consensus.rows.clone();
     let most = most_faults(selection).max(left_out.len());
-    let mut solution = Solution::none();
+    let mut solution = Estimate::none();
     let passed = exclude_until_passed(rows, &mut left_out, most, limits, &mut solution).is_some();
     if let Some(bound) = disagreement(rows, limits).filter(|_| passed) {
         left_out.retain(|&index| rows.get(index).is_none_or(|row| disagrees(row, &solution, bound)));
@@ -45,13 +47,14 @@ pub fn refine<T: Real>(
 
 /// Leaves the worst rows out and solves for the rest.
 ///
-/// Returns `None` if there are more of them than `most`, or none is left to test with; the solution is then unspecified.
+/// Returns `None` if there are more of them than `most`, or none is left to test with; the solution
+/// is then unspecified.
 fn exclude_until_passed<T: Real>(
     rows: &[Row<T>],
     left_out: &mut Vec<usize, MAX_EXCLUDED>,
     most: usize,
     limits: &ConsensusLimits<'_>,
-    solution: &mut Solution<T>,
+    solution: &mut Estimate<T>,
 ) -> Option<()> {
     loop {
         let gone = left_out.iter().fold(0, |set, &index| set | bit(index));
@@ -75,7 +78,7 @@ fn exclude_until_passed<T: Real>(
 }
 
 /// Returns true if a row that was left out does not fit, or has no clock to be compared with.
-fn disagrees<T: Real>(row: &Row<T>, solution: &Solution<T>, bound: T) -> bool {
+fn disagrees<T: Real>(row: &Row<T>, solution: &Estimate<T>, bound: T) -> bool {
     let comparable = row.clock.is_none_or(|clock| solution.determines(clock));
     !comparable || !(deviation_squared(row, solution, T::zero()) < bound)
 }

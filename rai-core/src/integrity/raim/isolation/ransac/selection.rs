@@ -1,8 +1,8 @@
 //! Selection: deals the satellites into disjoint subsets of good geometry.
 //!
-//! Each subset begins with the four free satellites that span the largest tetrahedron. A subset that lacks a
-//! constellation then takes one of it. The rest go, one by one, to the smallest subset, each time the satellite that
-//! improves its geometry most:
+//! Each subset begins with the four free satellites that span the largest tetrahedron. A subset
+//! that lacks a constellation then takes one of it. The rest go, one by one, to the smallest
+//! subset, each time the satellite that improves its geometry most:
 //!
 //! ```text
 //! 6 V = |det(u_2 − u_1, u_3 − u_1, u_4 − u_1)|
@@ -15,23 +15,25 @@
 //! | `V` | volume of the tetrahedron of four unit vectors | – |
 //! | `ΔGDOP_i²` | exact decrease of `tr G` when satellite `i` joins (Sherman–Morrison) | – |
 //!
-//! Ties go to the first in lexicographic order, the lowest index, the lowest subset. Geometry is compared with one common
-//! clock and without weights, as in [Tian2024]: a subset needs its constellations' clocks only to be solved.
+//! Ties go to the first in lexicographic order, the lowest index, the lowest subset. Geometry is
+//! compared with one common clock and without weights, as in [Tian2024]: a subset needs its
+//! constellations' clocks only to be solved.
 //!
-//! **Work.** The largest tetrahedron of `n` is found exactly, but most are never computed: a bound on two directions
-//! excludes them (`tetrahedra.rs`). Every computed one counts as work. [`MAX_WORK`] suffices for 24 satellites
-//! in any geometry; 40 of them, in 300 random skies, took 1,400 in the mean and 8,700 at most. If the budget is used up,
-//! the subsets are as many as otherwise, no exchange of one corner enlarges them by much, and [`Selection::cut`] is true.
+//! **Work.** The largest tetrahedron of `n` is found exactly, but most are never computed: a bound
+//! on two directions excludes them (`tetrahedra.rs`). Every computed one counts as work.
+//! [`MAX_WORK`] suffices for 24 satellites in any geometry; 40 of them, in 300 random skies, took
+//! 1,400 in the mean and 8,700 at most. If the budget is used up, the subsets are as many as
+//! otherwise, no exchange of one corner enlarges them by much, and [`Selection::cut`] is true.
 //!
-//! The result depends on geometry alone, which hardly changes in minutes: keep it while the same satellites are
-//! visible.
+//! The result depends on geometry alone, which hardly changes in minutes: keep it while the same
+//! satellites are visible.
 //!
 //! [Tian2024]: crate#references
 
 use heapless::Vec;
 use nalgebra::Vector3;
 
-use super::tetrahedra::{Corner, Work, largest, with_clock};
+use super::tetrahedra::{Corner, TetrahedronBudget, largest, with_clock};
 use crate::bit_set::bit;
 use crate::bounded::{fill, gather};
 use crate::least_squares::equations::{MAX_ROWS, Row};
@@ -135,14 +137,14 @@ impl Selection {
 }
 
 /// A satellite to deal.
-struct Candidate<T: Real> {
+struct DealtSatellite<T: Real> {
     index: usize,
     clock: Constellation,
     design: Vector3<T>,
     subset: Option<u8>,
 }
 
-impl<T: Real> Candidate<T> {
+impl<T: Real> DealtSatellite<T> {
     /// Returns `h`, with the common clock.
     fn row(&self) -> Vector<T> {
         with_clock(&self.design)
@@ -189,21 +191,25 @@ impl<T: Real> Subset<T> {
 
 /// The satellites, the subsets so far, and the remaining budget.
 struct Dealer<T: Real> {
-    candidates: Vec<Candidate<T>, MAX_ROWS>,
+    candidates: Vec<DealtSatellite<T>, MAX_ROWS>,
     subsets: Vec<Subset<T>, MAX_SUBSETS>,
-    work: Work,
+    work: TetrahedronBudget,
 }
 
 impl<T: Real> Dealer<T> {
     fn new(work: usize) -> Self {
-        Self { candidates: Vec::new(), subsets: Vec::new(), work: Work { left: work, cut: false } }
+        Self {
+            candidates: Vec::new(),
+            subsets: Vec::new(),
+            work: TetrahedronBudget { left: work, cut: false },
+        }
     }
 
     fn take_candidates(&mut self, rows: &[Row<T>]) {
         let satellites = rows.iter().enumerate().filter_map(|(index, row)| {
             let takes_part = row.weight > T::zero() && row.design != zero();
             let clock = row.clock.filter(|_| takes_part)?;
-            Some(Candidate { index, clock, design: row.design, subset: None })
+            Some(DealtSatellite { index, clock, design: row.design, subset: None })
         });
         fill(&mut self.candidates, satellites);
     }
@@ -226,7 +232,7 @@ impl<T: Real> Dealer<T> {
             }
             let members = self.candidates.iter().filter(|candidate| candidate.subset == Some(number));
             // Never full, because there are at most MAX_SUBSETS rounds.
-            let _ = self.subsets.push(Subset::of(members.map(Candidate::row)));
+            let _ = self.subsets.push(Subset::of(members.map(DealtSatellite::row)));
         }
     }
 
@@ -242,7 +248,7 @@ impl<T: Real> Dealer<T> {
         let present: Vec<Constellation, { Constellation::COUNT }> = gather(self.constellations());
         for number in 0..self.subsets.len() {
             for &clock in &present {
-                let known = |candidate: &Candidate<T>| {
+                let known = |candidate: &DealtSatellite<T>| {
                     candidate.clock == clock && candidate.subset == Some(number as u8)
                 };
                 if !self.candidates.iter().any(known) {
@@ -260,12 +266,13 @@ impl<T: Real> Dealer<T> {
         }
     }
 
-    /// Assigns to a subset the free satellite that contributes most, of one clock or of any, if there is one.
+    /// Assigns to a subset the free satellite that contributes most, of one clock or of any, if
+    /// there is one.
     #[inline(never)]
     fn take_best(&mut self, number: usize, clock: Option<Constellation>) {
         let Some(subset) = self.subsets.get_mut(number) else { return };
         let free = self.candidates.iter_mut().filter(|candidate| candidate.subset.is_none());
-        let mut best: Option<(T, &mut Candidate<T>)> = None;
+        let mut best: Option<(T, &mut DealtSatellite<T>)> = None;
         for candidate in free.filter(|candidate| clock.is_none_or(|clock| candidate.clock == clock)) {
             let contribution = subset.contribution(&candidate.row());
             if best.as_ref().is_none_or(|(largest, _)| contribution > *largest) {

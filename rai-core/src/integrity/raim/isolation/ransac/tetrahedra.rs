@@ -1,7 +1,7 @@
 //! The largest tetrahedron of four among unit vectors, found by bounds that exclude most of them.
 //!
-//! Six volumes are a determinant, and a Gram determinant in the metric of any positive definite `M`. Fischer's
-//! inequality bounds it by two of the four and by the longest of all:
+//! Six volumes are a determinant, and a Gram determinant in the metric of any positive definite
+//! `M`. Fischer's inequality bounds it by two of the four and by the longest of all:
 //!
 //! ```text
 //! 6 V = |det(u_2 − u_1, u_3 − u_1, u_4 − u_1)| = |det(h_1, h_2, h_3, h_4)|,   h = (u, 1)
@@ -16,18 +16,20 @@
 //! | `g_ii` | leverage of a direction | – |
 //! | `w` | its weight in the metric, at first 1 | – |
 //!
-//! 1. One corner after another is exchanged for the best in its place, until none is better: once from the first four,
-//!    once from the last four. The larger of both is rarely below the largest.
-//! 2. The weights bring the leverages of the relevant directions together, as in the design of experiments
-//!    ([Kiefer1960]). The bound holds for any weights; with these it is tight.
-//! 3. Two directions whose bound is below the exchange's result are in no largest tetrahedron together. Only fours of
-//!    which each two may be together are computed, in lexicographic order.
+//! 1. One corner after another is exchanged for the best in its place, until none is better: once
+//!    from the first four, once from the last four. The larger of both is rarely below the largest.
+//! 2. The weights bring the leverages of the relevant directions together, as in the design of
+//!    experiments ([Kiefer1960]). The bound holds for any weights; with these it is tight.
+//! 3. Two directions whose bound is below the exchange's result are in no largest tetrahedron
+//!    together. Only fours of which each two may be together are computed, in lexicographic order.
 //!
-//! The result equals that of an exhaustive search; of several equal ones it is the first. If the directions nearly lie in a
-//! plane, the metric is too inaccurate to exclude any, and all are compared.
+//! The result equals that of an exhaustive search; of several equal ones it is the first. If the
+//! directions nearly lie in a plane, the metric is too inaccurate to exclude any, and all are
+//! compared.
 //!
-//! **Work.** Triangles and tetrahedra compared: some hundreds for 40 directions over a sky, at most `C(n + 1, 4)`. If the
-//! budget is used up, the best found so far is returned, at most 2 % below the exchange's result.
+//! **Work.** Triangles and tetrahedra compared: some hundreds for 40 directions over a sky, at most
+//! `C(n + 1, 4)`. If the budget is used up, the best found so far is returned, at most 2 % below
+//! the exchange's result.
 //!
 //! References: [Kiefer1960] for the weights; its equivalence theorem states when they are best.
 //!
@@ -57,20 +59,21 @@ const IMPROVEMENTS: usize = 2;
 /// `M⁻¹` is then off by less than 1 %: ten roundings of `f32`, 6e-8 each, times this number.
 const MAX_CONDITION: f64 = 1e4;
 
-/// Share of the exchange's volume that a pair must be able to reach: below 1, so that rounding excludes no larger one.
+/// Share of the exchange's volume that a pair must be able to reach: below 1, so that rounding
+/// excludes no larger one.
 const REACHED: f64 = 0.98;
 
 /// A satellite's row index and direction.
 pub(super) type Corner<'r, T> = (usize, &'r Vector3<T>);
 
 /// Budget of triangles and tetrahedra that may still be compared.
-pub(super) struct Work {
+pub(super) struct TetrahedronBudget {
     pub(super) left: usize,
     /// True if more were needed.
     pub(super) cut: bool,
 }
 
-impl Work {
+impl TetrahedronBudget {
     /// Charges the budget. Returns false if it is not sufficient.
     fn spend(&mut self, work: usize) -> bool {
         match self.left.checked_sub(work) {
@@ -81,13 +84,21 @@ impl Work {
     }
 }
 
-/// Returns the row indices of the four that span the largest tetrahedron, or `None` if all of them lie in one plane.
-pub(super) fn largest<T: Real>(corners: &[Corner<'_, T>], work: &mut Work) -> Option<[usize; 4]> {
+/// Returns the row indices of the four that span the largest tetrahedron, or `None` if all of them
+/// lie in one plane.
+pub(super) fn largest<T: Real>(
+    corners: &[Corner<'_, T>],
+    work: &mut TetrahedronBudget,
+) -> Option<[usize; 4]> {
     let start = start(corners);
     let volume = start.as_ref().map_or(T::zero(), |start| start.volume);
     let least = volume * T::narrow(REACHED);
-    let mut search =
-        Search { corners, companions: Vec::new(), largest: least, found: start.map(|start| start.rows) };
+    let mut search = TetrahedronSearch {
+        corners,
+        companions: Vec::new(),
+        largest: least,
+        found: start.map(|start| start.rows),
+    };
     find_companions(corners, least, &mut search.companions);
     search.run(work);
     search.found
@@ -113,13 +124,14 @@ impl<T: Real> Plane<T> {
 }
 
 /// Four directions that no exchange of one corner enlarges.
-struct Start<T> {
+struct ExchangeOptimum<T> {
     volume: T,
     rows: [usize; 4],
 }
 
-/// Returns the larger result of the exchange from the first four and from the last four, or `None` if all lie in one plane.
-fn start<T: Real>(corners: &[Corner<'_, T>]) -> Option<Start<T>> {
+/// Returns the larger result of the exchange from the first four and from the last four, or `None`
+/// if all lie in one plane.
+fn start<T: Real>(corners: &[Corner<'_, T>]) -> Option<ExchangeOptimum<T>> {
     let ends = [corners.first_chunk(), corners.last_chunk()];
     let ended = ends.into_iter().flatten().filter_map(|four| exchanged(corners, four.each_ref()));
     ended.reduce(|one, other| if other.volume > one.volume { other } else { one })
@@ -129,7 +141,7 @@ fn start<T: Real>(corners: &[Corner<'_, T>]) -> Option<Start<T>> {
 fn exchanged<'c, T: Real>(
     corners: &'c [Corner<'c, T>],
     mut four: [&'c Corner<'c, T>; 4],
-) -> Option<Start<T>> {
+) -> Option<ExchangeOptimum<T>> {
     let (mut volume, mut unchanged) = (T::zero(), 0);
     for _ in 0..EXCHANGES {
         let [_, b, c, d] = four;
@@ -144,10 +156,11 @@ fn exchanged<'c, T: Real>(
             break;
         }
     }
-    (volume > T::zero()).then_some(Start { volume, rows: four.map(|corner| corner.0) })
+    (volume > T::zero()).then_some(ExchangeOptimum { volume, rows: four.map(|corner| corner.0) })
 }
 
-/// Finds for each direction the later ones that may span a volume of at least `least` with it, as a set.
+/// Finds for each direction the later ones that may span a volume of at least `least` with it, as a
+/// set.
 ///
 /// Not inlined, so that the stack of the metric is free during the search.
 #[inline(never)]
@@ -187,7 +200,8 @@ struct Metric<T: Real> {
 }
 
 impl<T: Real> Metric<T> {
-    /// Returns the metric in which the relevant directions are about equally long, or `None` if they nearly lie in a plane.
+    /// Returns the metric in which the relevant directions are about equally long, or `None` if
+    /// they nearly lie in a plane.
     fn over(corners: &[Corner<'_, T>]) -> Option<Self> {
         let mut weights: Vec<T, MAX_ROWS> = gather(corners.iter().map(|_| T::one()));
         for _ in 0..IMPROVEMENTS {
@@ -217,15 +231,15 @@ impl<T: Real> Metric<T> {
 }
 
 /// Search over the directions that may be together.
-struct Search<'c, T: Real> {
+struct TetrahedronSearch<'c, T: Real> {
     corners: &'c [Corner<'c, T>],
     companions: Vec<u64, MAX_ROWS>,
     largest: T,
     found: Option<[usize; 4]>,
 }
 
-impl<T: Real> Search<'_, T> {
-    fn run(&mut self, work: &mut Work) {
+impl<T: Real> TetrahedronSearch<'_, T> {
+    fn run(&mut self, work: &mut TetrahedronBudget) {
         for a in 0..self.corners.len() {
             let of_a = self.after(a);
             for b in members(of_a) {

@@ -13,18 +13,18 @@
 //! | `c` | a row's column `A/B` | – |
 //! | `s ≥ Σ \|M_ji\| b_i` | [`RowContribution::spread`] | m |
 //!
-//! The variances of modes that have all but one row in common differ by squares of that row's column. The bound on a level is
-//! linear in both variances, so that it takes a few operations for each axis, and no root. If the bounds do not decide, the mode
-//! is solved.
+//! The variances of modes that have all but one row in common differ by squares of that row's
+//! column. The bound on a level is linear in both variances, so that it takes a few operations for
+//! each axis, and no root. If the bounds do not decide, the mode is solved.
 
 use nalgebra::Vector3;
 
-use super::elimination::{First, Point};
+use super::elimination::{FirstRow, KernelRow};
 use super::kernel::hardly_left;
-use super::{Own, Solution, Solutions};
+use super::{IntegrityRow, SubsetSolution, SubsetSolutions};
 use crate::bit_set::bit;
-use crate::integrity::araim::modes::{Hypothesis, Set};
-use crate::least_squares::Fit;
+use crate::integrity::araim::modes::{Hypothesis, RowSet};
+use crate::least_squares::RowFit;
 use crate::least_squares::equations::Row;
 use crate::numeric::real::Real;
 use crate::numeric::space::{diagonal, difference, dot, magnitudes, products, scaled, sum, zero};
@@ -39,14 +39,15 @@ pub(in crate::integrity::araim) struct Bounds<T: Real> {
     pub(in crate::integrity::araim) references_m: Vector3<T>,
     /// Largest `|x_k − x|²/σ_ss²` that is no worse than an earlier one.
     pub(in crate::integrity::araim) worst: T,
-    /// Ratio by which the largest of a row's tests may exceed the smallest, because their `K` differ.
+    /// Ratio by which the largest of a row's tests may exceed the smallest, because their `K`
+    /// differ.
     pub(in crate::integrity::araim) evenness: T,
     /// Largest `σ_ss²`, up, that does not count as a threshold of a likely mode, m².
     pub(in crate::integrity::araim) effective: T,
 }
 
 /// Common part of modes that differ in one row.
-struct Base<T: Real> {
+struct SharedMargins<T: Real> {
     /// Margins that remain for that row's squares, m².
     margins: Vector3<T>,
     /// Decrease of the margins by a bias of that row, m² per m.
@@ -54,7 +55,7 @@ struct Base<T: Real> {
 }
 
 impl<T: Real> Bounds<T> {
-    fn beyond(&self, common: &Solution<T>, bias_m: &Vector3<T>) -> Base<T> {
+    fn beyond(&self, common: &SubsetSolution<T>, bias_m: &Vector3<T>) -> SharedMargins<T> {
         let [horizontal, vertical] = self.separation;
         let separation = Vector3::new(horizontal, horizontal, vertical);
         let [horizontal, vertical] = self.variance;
@@ -63,7 +64,7 @@ impl<T: Real> Bounds<T> {
         let used = sum(&products(&separation, &common.separation), &products(&variance, &common.variance));
         // A negative margin stays negative with any bias of the row.
         let magnitude_m = magnitudes(&left_m);
-        Base {
+        SharedMargins {
             margins: difference(&products(&left_m, &magnitude_m), &used),
             slopes: sum(&magnitude_m, &magnitude_m),
         }
@@ -71,7 +72,7 @@ impl<T: Real> Bounds<T> {
 }
 
 /// Contribution of a row to the variances of a mode.
-struct Part<T: Real> {
+struct RowContribution<T: Real> {
     column: Vector3<T>,
     /// Remainders of its own `B_jj` and `κ_jj`.
     pivot: T,
@@ -82,10 +83,10 @@ struct Part<T: Real> {
     spread: T,
 }
 
-impl<T: Real> Part<T> {
+impl<T: Real> RowContribution<T> {
     /// Returns true if the mode is clear on all axes.
     #[inline]
-    fn is_clear(&self, bounds: &Bounds<T>, base: &Base<T>) -> bool {
+    fn is_clear(&self, bounds: &Bounds<T>, base: &SharedMargins<T>) -> bool {
         let [of_separation, vertical_of_separation] = bounds.separation;
         let [of_variance, vertical_of_variance] = bounds.variance;
         let horizontal = self.kappa * of_separation + self.pivot * of_variance;
@@ -100,20 +101,21 @@ impl<T: Real> Part<T> {
     }
 }
 
-impl<T: Real> Solutions<'_, T> {
-    /// Returns the modes that may have an effect, of modes that take one row each beside the common ones.
+impl<T: Real> SubsetSolutions<'_, T> {
+    /// Returns the modes that may have an effect, of modes that take one row each beside the common
+    /// ones.
     #[inline(never)]
-    pub(in crate::integrity::araim) fn sift(
+    pub(in crate::integrity::araim) fn screen(
         &mut self,
         common: Hypothesis,
-        rows: Set,
+        rows: RowSet,
         bounds: &Bounds<T>,
-    ) -> Set {
+    ) -> RowSet {
         if common.constellations != 0 {
             return rows;
         }
         if common == Hypothesis::NONE {
-            return self.sift_singles(rows, bounds);
+            return self.screen_singles(rows, bounds);
         }
         // Thresholds of likely pairs count even if they are large.
         if bounds.effective.is_finite() {
@@ -121,16 +123,16 @@ impl<T: Real> Solutions<'_, T> {
         }
         self.enter_first(common);
         match &self.first {
-            Some(first) => self.sift_pairs(first, rows, bounds),
+            Some(first) => self.screen_pairs(first, rows, bounds),
             None => rows,
         }
     }
 
     /// Screens single rows.
-    fn sift_singles(&self, rows: Set, bounds: &Bounds<T>) -> Set {
+    fn screen_singles(&self, rows: RowSet, bounds: &Bounds<T>) -> RowSet {
         let nothing = zero();
         let whole =
-            Solution { variance: diagonal(self.view.covariance), separation: nothing, shift: nothing };
+            SubsetSolution { variance: diagonal(self.view.covariance), separation: nothing, shift: nothing };
         let base = bounds.beyond(&whole, &self.whole_bias);
         let mut worst = bounds.worst;
         self.left_of(rows, |row, fit, own| {
@@ -142,7 +144,7 @@ impl<T: Real> Solutions<'_, T> {
                 }
                 return false;
             }
-            let part = Part {
+            let part = RowContribution {
                 column: scaled(own.pivot.recip(), &fit.gain),
                 pivot: own.pivot,
                 kappa: own.kappa,
@@ -156,17 +158,17 @@ impl<T: Real> Solutions<'_, T> {
     }
 
     /// Screens rows beside another one.
-    fn sift_pairs(&self, first: &First<T>, rows: Set, bounds: &Bounds<T>) -> Set {
+    fn screen_pairs(&self, first: &FirstRow<T>, rows: RowSet, bounds: &Bounds<T>) -> RowSet {
         let base = bounds.beyond(&first.solution, &first.bias);
         let inverse = first.point.kappa.recip();
         let left = bounds.worst - first.point.residual * first.point.residual * inverse;
         let twice = sum(&first.column, &first.column);
         self.left_of(rows, |row, fit, own| {
-            let point = Point::of(row, fit, own);
+            let point = KernelRow::of(row, fit, own);
             let Some(beside) = Self::beside(first, &point, zero()) else { return false };
             let share = beside.kappa_first * inverse;
             let residual = beside.residual - share * first.point.residual;
-            let part = Part {
+            let part = RowContribution {
                 column: beside.column,
                 pivot: beside.pivot,
                 kappa: beside.kappa,
@@ -180,7 +182,11 @@ impl<T: Real> Solutions<'_, T> {
 
     /// Returns the rows that are not dismissed.
     #[inline]
-    fn left_of(&self, rows: Set, mut is_dismissed: impl FnMut(&Row<T>, &Fit<T>, &Own<T>) -> bool) -> Set {
+    fn left_of(
+        &self,
+        rows: RowSet,
+        mut is_dismissed: impl FnMut(&Row<T>, &RowFit<T>, &IntegrityRow<T>) -> bool,
+    ) -> RowSet {
         let start = rows.trailing_zeros() as usize;
         let (mut left, mut rest) = (0, rows.unbounded_shr(start as u32));
         let from_start =

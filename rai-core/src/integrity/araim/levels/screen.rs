@@ -17,7 +17,7 @@ const LAMBDA: f64 = 1.5;
 
 /// The screen: [`Axis::is_clear`] on all three axes at once.
 #[derive(Clone, Copy, Debug)]
-pub(in super::super) struct Gate<T> {
+pub(in super::super) struct Screen<T> {
     references_m: Vector3<T>,
     /// Squares of the references, m².
     references_m2: Vector3<T>,
@@ -25,7 +25,7 @@ pub(in super::super) struct Gate<T> {
     clear: [T; 2],
 }
 
-impl<T: Real> Gate<T> {
+impl<T: Real> Screen<T> {
     /// Returns the screen of axes without risk.
     pub(in super::super) fn closed() -> Self {
         let everywhere = Vector3::new(infinity(), infinity(), infinity());
@@ -43,7 +43,8 @@ impl<T: Real> Gate<T> {
         }
     }
 
-    /// Returns the bounds for modes with at most this probability, `limits` being the squares of `K`.
+    /// Returns the bounds for modes with at most this probability, `limits` being the squares of
+    /// `K`.
     pub(in super::super) fn bounds(&self, ln_probability: T, limits: &Vector3<T>) -> Bounds<T> {
         let far = T::narrow(FAR_M);
         let near = |reference_m: T| if reference_m < far { reference_m } else { far };

@@ -2,7 +2,7 @@
 
 use crate::clock::SolvedClocks;
 use crate::frame::Ecef;
-use crate::integrity::Scratch;
+use crate::integrity::MethodScratch;
 use crate::least_squares::Workspace;
 use crate::numeric::real::Real;
 use crate::report::{Alert, Report, Verdict};
@@ -10,36 +10,37 @@ use crate::weighting::adaptation::Residuals;
 
 /// Memory for judging, which also holds the outcome.
 ///
-/// It keeps no state except for the subsets of satellites, which [`Method::Ransac`](super::Method::Ransac) keeps from epoch to epoch.
+/// It keeps no state except for the subsets of satellites, which
+/// [`Method::Ransac`](super::Method::Ransac) keeps from epoch to epoch.
 #[derive(Clone, Debug)]
-pub struct Memory<T: Real, const N: usize> {
+pub struct MonitorWorkspace<T: Real, const N: usize> {
     pub(super) workspace: Workspace<T, N>,
-    pub(super) scratch: Scratch<T>,
-    pub(super) assessment: Assessment<N>,
+    pub(super) scratch: MethodScratch<T>,
+    pub(super) outcome: EpochOutcome<N>,
 }
 
-impl<T: Real, const N: usize> Default for Memory<T, N> {
+impl<T: Real, const N: usize> Default for MonitorWorkspace<T, N> {
     fn default() -> Self {
         Self::new()
     }
 }
 
-impl<T: Real, const N: usize> Memory<T, N> {
+impl<T: Real, const N: usize> MonitorWorkspace<T, N> {
     /// Returns empty memory.
     #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
     #[inline(always)]
     pub fn new() -> Self {
-        Self { workspace: Workspace::new(), scratch: Scratch::new(), assessment: Assessment::nothing() }
+        Self { workspace: Workspace::new(), scratch: MethodScratch::new(), outcome: EpochOutcome::nothing() }
     }
 
     /// Returns the outcome of the epoch that was judged last.
-    pub fn assessment(&self) -> &Assessment<N> {
-        &self.assessment
+    pub fn outcome(&self) -> &EpochOutcome<N> {
+        &self.outcome
     }
 
     /// Returns the outcome, for learning from it or for a caller that revises it.
-    pub fn assessment_mut(&mut self) -> &mut Assessment<N> {
-        &mut self.assessment
+    pub fn outcome_mut(&mut self) -> &mut EpochOutcome<N> {
+        &mut self.outcome
     }
 
     /// Returns the workspace of the equations, which is free between judgements.
@@ -50,37 +51,39 @@ impl<T: Real, const N: usize> Memory<T, N> {
 
 /// Outcome of an epoch: its report and its update of the state.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Assessment<const N: usize> {
+pub struct EpochOutcome<const N: usize> {
     /// Report of the epoch.
     pub report: Report<N>,
     /// True if faulty satellites were searched for, the expensive part.
     pub searched: bool,
-    pub(super) lesson: Lesson,
+    pub(super) update: Update,
 }
 
-impl<const N: usize> Assessment<N> {
+impl<const N: usize> EpochOutcome<N> {
     /// Returns the outcome of no epoch.
     #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
     #[inline(always)]
     fn nothing() -> Self {
-        Self { report: Report::nothing(), searched: false, lesson: Lesson::none(0.0) }
+        Self { report: Report::nothing(), searched: false, update: Update::none(0.0) }
     }
 
-    /// Overrides the verdict by an alert whose reason is outside the ranges, before [`Monitor::learn`](super::Monitor::learn).
+    /// Overrides the verdict by an alert whose reason is outside the ranges, before
+    /// [`Monitor::learn`](super::Monitor::learn).
     ///
-    /// The position then has no levels and updates nothing. An epoch without a position, or under an alert already, stays as it is.
-    pub fn distrust(&mut self, reason: Alert) {
+    /// The position then has no levels and updates nothing. An epoch without a position, or under
+    /// an alert already, stays as it is.
+    pub fn override_alert(&mut self, reason: Alert) {
         if self.report.solution.is_some() && !matches!(self.report.verdict, Verdict::Alert(_)) {
             self.report.verdict = Verdict::Alert(reason);
             self.report.protection = None;
-            self.lesson = Lesson::none(self.lesson.time_s);
+            self.update = Update::none(self.update.time_s);
         }
     }
 }
 
 /// Update of the state by [`Monitor::learn`](super::Monitor::learn).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Lesson {
+pub(super) struct Update {
     pub(super) time_s: f64,
     /// Start of the next fix, from a position that is not under an alert.
     pub(super) start: Option<Ecef>,
@@ -92,7 +95,7 @@ pub(super) struct Lesson {
     pub(super) residuals: Option<Residuals>,
 }
 
-impl Lesson {
+impl Update {
     /// Returns an update without effect.
     pub(super) const fn none(time_s: f64) -> Self {
         Self { time_s, start: None, ratio: None, clocks: None, residuals: None }

@@ -3,7 +3,7 @@
 use core::fmt;
 
 use crate::integrity::raim::detection::threshold::{ThresholdError, Thresholds};
-use crate::integrity::raim::levels::Factors;
+use crate::integrity::raim::levels::KFactors;
 use crate::numeric::real::Real;
 use crate::requirements::{Requirements, RequirementsError};
 
@@ -30,13 +30,13 @@ impl core::error::Error for MonitorError {}
 
 /// Requirements that were validated, with their thresholds and factors.
 #[derive(Clone, Copy, Debug)]
-pub struct Accepted<T> {
+pub struct ValidatedRequirements<T> {
     pub(super) requirements: Requirements,
     pub(super) thresholds: Thresholds<'static>,
-    pub(super) factors: Factors<T>,
+    pub(super) factors: KFactors<T>,
 }
 
-impl<T: Real> Accepted<T> {
+impl<T: Real> ValidatedRequirements<T> {
     /// Validates the requirements.
     ///
     /// # Errors
@@ -45,7 +45,7 @@ impl<T: Real> Accepted<T> {
         let requirements = requirements.validate().map_err(MonitorError::Requirements)?;
         let thresholds = Thresholds::from_tables(requirements.false_alarm, requirements.missed_detection)
             .map_err(MonitorError::Threshold)?;
-        let factors = Factors::new(requirements.missed_detection, requirements.fault_free_risk);
+        let factors = KFactors::new(requirements.missed_detection, requirements.fault_free_risk);
         Ok(Self { requirements, thresholds, factors })
     }
 
@@ -55,7 +55,7 @@ impl<T: Real> Accepted<T> {
     }
 
     /// Returns the factors of the protection levels for the required probabilities.
-    pub fn factors(&self) -> &Factors<T> {
+    pub fn factors(&self) -> &KFactors<T> {
         &self.factors
     }
 }
