@@ -19,8 +19,8 @@
 //!
 //! Further modules: [`least_squares::downdate`] (the solution without any set of satellites),
 //! [`weighting`] (the error model), [`clock`] (a forecast of the receiver clock as one more row),
-//! [`continuity`] (recovery and jumps), [`velocity`], [`frame`] (WGS 84) and [`single`] (the instance
-//! for a microcontroller).
+//! [`continuity`] (recovery and jumps), [`velocity`], [`frame`] (WGS 84) and [`single`] (the
+//! instance for a microcontroller).
 //!
 //! # Example
 //!
@@ -72,7 +72,8 @@
 //!
 //! # Minimum supported Rust version
 //!
-//! Rust 1.95. A newer minimum is a breaking change of the minor version, and the changelog names it.
+//! Rust 1.95. A newer minimum is a breaking change of the minor version, and the changelog names
+//! it.
 //!
 //! # Symbols
 //!
@@ -90,8 +91,8 @@
 //!
 //! # Limits
 //!
-//! This crate does not decode messages, compute orbits or know the time of day: `rai-firmware` does.
-//! It does not smooth or filter positions and uses no carrier phase. The protection levels of
+//! This crate does not decode messages, compute orbits or know the time of day: `rai-firmware`
+//! does. It does not smooth or filter positions and uses no carrier phase. The protection levels of
 //! [`integrity::raim`] bound the effect of a single undetected fault. Those of [`integrity::araim`]
 //! also cover several faults and the loss of a constellation, as far as the integrity support
 //! message describes them. Neither covers an error that all satellites share, except for the shared

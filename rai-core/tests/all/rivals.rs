@@ -129,8 +129,7 @@ impl Sky {
     }
 
     /// Returns true if no other set of as many satellites or fewer passes the test within `T_d²`,
-    /// nor places of their own within as much, or beside one satellite with less; `None` where
-    /// rounding decides.
+    /// and no separate positions do, or beside one satellite with less. `None` if rounding decides.
     fn is_unrivalled(&self) -> Option<bool> {
         let thresholds = thresholds();
         let margin = thresholds.w_test::<f64>(self.rows.len()).unwrap().powi(2);

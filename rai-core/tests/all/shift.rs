@@ -82,7 +82,7 @@ fn shift_that_passes_the_global_test_is_held_against_the_threshold_of_its_own_un
         let mut noticed = 0;
         for tenths in 0..400 {
             let report = judge(Method::Auto, &sky_of(constellations, 0.1 * f64::from(tenths)));
-            // What is left after an exclusion says nothing of the whole.
+            // The remaining rows after an exclusion are not the whole.
             let Some(test) = report.test.filter(|_| report.excluded.is_empty()) else { continue };
             let sse = test.statistic * test.statistic * f64::from(test.dof);
             // Without noise nothing else is in the residuals.

@@ -66,8 +66,8 @@ fn is_weak(solution: &Solution) -> bool {
     solution.hdop.max(solution.vdop) > 20.0 || solution.geodetic.height_m.abs() > 1e5
 }
 
-/// Returns true if several satellites explain the ranges equally well: rounding decides who is
-/// tried first, and what is left to say then.
+/// Returns true if several satellites explain the ranges equally well, so that rounding decides the
+/// order of the search and its result.
 fn is_ambiguous(report: &Report<CAPACITY>) -> bool {
     report.verdict == Verdict::Alert(Alert::Ambiguous)
 }

@@ -1,14 +1,15 @@
 //! Separability: does no other set of rows explain the data as well as the one that was left out?
 //!
-//! The set that explains the data best may consist of healthy satellites: of one where two are
-//! strongly correlated, of several where few are left to contradict. Under a fault of `j`,
-//! `w_i² − w_j²` exceeds `κ²` with a probability of at most `Q(κ)`, whatever the fault's size and
-//! the correlation: with `u = w_i − w_j`, `s = w_i + w_j` and correlation ρ, the product `u s`
-//! needs `u ≥ κ²/((1+ρ)δ)`, which is `κ √2/√(1+ρ) ≥ κ` standard deviations from its mean at the
-//! most favourable δ. [`separable`] therefore asks every other set of as many rows or fewer to
-//! explain less by `T_d²`, or to fail the global test: a wrong exclusion is then no likelier than a
-//! false alarm. A set within the one that was found is no rival: who leaves out more than is faulty
-//! errs on the safe side.
+//! The set that explains the data best may consist of healthy satellites: of one if two are
+//! strongly correlated, of several if few are left to contradict. Let a fault of row `j` have any
+//! size, and let `ρ` be any correlation. Then `w_i² − w_j²` exceeds `κ²` with a probability of at
+//! most `Q(κ)`. The proof takes `u = w_i − w_j` and `s = w_i + w_j`: the product `u s` needs
+//! `u ≥ κ²/((1+ρ)δ)`, which is `κ √2/√(1+ρ) ≥ κ` standard deviations from its mean at the most
+//! favourable δ.
+//!
+//! [`separable`] therefore requires that every other set of as many rows or fewer explains less by
+//! `T_d²`, or fails the global test. A wrong exclusion is then no likelier than a false alarm. A
+//! subset of the set found is no rival, because leaving out more than the faulty rows is safe.
 //!
 //! Work: all sets of up to as many of [`MAX_ROWS`] rows.
 //!
