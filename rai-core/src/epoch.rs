@@ -138,13 +138,13 @@ impl core::error::Error for EpochError {}
 /// use rai_core::epoch::EpochError;
 ///
 /// let mut epoch = Epoch::<16>::new(345_600.0);
-/// let satellite = SatelliteId::new(Constellation::Galileo, 31).ok_or("number must be within 1 to 99")?;
-/// let observation =
-///     Observation { satellite, position: Ecef::new(15.6e6, 0.0, 24.9e6), range_m: 23.4e6, sigma_m: 2.0 };
+/// let satellite = SatelliteId::new(Constellation::Galileo, 31).ok_or("no such satellite")?;
+/// let position = Ecef::new(15.6e6, 0.0, 24.9e6);
+/// let observation = Observation { satellite, position, range_m: 23.4e6, sigma_m: 2.0 };
 /// epoch.push(observation)?;
 /// assert_eq!(epoch.push(observation), Err(EpochError::Duplicate));
 /// assert_eq!(epoch.observations().len(), 1);
-/// # Ok::<(), EpochError>(())
+/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Epoch<const N: usize> {
