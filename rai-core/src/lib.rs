@@ -67,7 +67,7 @@
 //! | `short-tables` | no | thresholds for no more satellites than [`single::CAPACITY`], in single precision |
 //! | `double-tables` | no | `short-tables` in double precision |
 //! | `satellites-16`, `satellites-32` | no | smaller [`single::CAPACITY`]; for a binary, not for a library |
-//! | `stages` | no | [`single::stages`], the stages one by one for measurements |
+//! | `stages` | no | `single::stages`, the stages one by one for measurements |
 //! | `defmt` | no | `defmt::Format` on public types |
 //!
 //! # Minimum supported Rust version
