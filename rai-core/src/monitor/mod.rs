@@ -271,7 +271,7 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         let forecast = self.clocks.aiding(&epoch.view()).filter(|_| is_aided);
         let scale = self.scale(epoch.time_s());
         let MonitorWorkspace { workspace, scratch, outcome } = memory;
-        // AraimJudgement in place, because a copy would be on the stack below every search.
+        // Judged in place, because a copy would be on the stack below every search.
         match &mut Fix::about(workspace, Aided::by(epoch, forecast).scaled(scale), start) {
             Ok(fix) => {
                 let clock_row = fix.clock_row();

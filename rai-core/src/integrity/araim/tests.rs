@@ -94,14 +94,14 @@ fn watched<'a>(
 ) -> MonitoredModes<'a, f64> {
     let mut monitored = MonitoredModes::nothing(priors.constellations, allocation);
     let odds = Box::leak(Box::default());
-    choose(&mut monitored, odds, &View::of(&snapshot), priors).expect("a choice");
+    choose(&mut monitored, odds, &View::of(snapshot), priors).expect("a choice");
     monitored
 }
 
 /// Returns solutions that are ready for the modes.
 fn solutions<'s>(snapshot: &'s Snapshot<'_, f64>, priors: &[Prior<f64>]) -> SubsetSolutions<'s, f64> {
     let mut solutions =
-        SubsetSolutions::of(View::of(&snapshot), std::boxed::Box::leak(std::boxed::Box::default()));
+        SubsetSolutions::of(View::of(snapshot), std::boxed::Box::leak(std::boxed::Box::default()));
     solutions.prepare(priors);
     solutions
 }

@@ -78,7 +78,7 @@ pub(super) struct IntegrityRow<T> {
     /// Bound on `Σ_i |M_ji| b_i`, m; 0 without biases.
     spread: T,
 }
-/// SubsetSolutions without modes; intermediate results of neighbouring modes are kept.
+/// Solutions without modes; intermediate results of neighbouring modes are kept.
 pub(super) struct SubsetSolutions<'v, T: Real> {
     view: View<'v, T>,
     own: &'v mut Vec<IntegrityRow<T>, ROOM>,

@@ -1,8 +1,7 @@
 //! The vocabulary of exclusions: which rows were left out, and how it ended.
 //!
-//! **Least redundancy.** `k` biases can be upper_triangle from any other `k` only where `2k`
-//! degrees of freedom show them: an exclusion of `k` rows must leave `k` of them
-//! ([`leaves_enough`]).
+//! **Least redundancy.** `k` biases can be distinguished from any other `k` only where `2k` degrees
+//! of freedom show them: an exclusion of `k` rows must leave `k` of them ([`leaves_enough`]).
 //!
 //! | symbol | field | unit |
 //! |---|---|---|
