@@ -2,20 +2,22 @@
 
 use core::fmt::Display;
 use core::ops::{Add, Sub};
+use core::str::FromStr;
 
+use rai_core::allocation::AllocationError;
 use rai_core::clock::{self, Autoregression, Clocks, CoastingClock, Extrapolation};
 use rai_core::continuity::{Continuity, ContinuityError, ContinuitySettings, Recovery};
 use rai_core::epoch::{Epoch, EpochError, EpochView};
 use rai_core::frame::{Ecef, Enu, Geodetic, LocalFrame};
 use rai_core::integrity::araim::{self, Allocation, AraimError, AraimScratch, Finding, Hypothesis};
-use rai_core::integrity::raim::detection::threshold::policy::{self, ThresholdProblem, Weights};
+use rai_core::integrity::raim::detection::threshold::policy::{self, NoThreshold, ThresholdProblem, Weights};
 use rai_core::integrity::raim::detection::threshold::{self, ThresholdError, Thresholds};
 use rai_core::integrity::raim::detection::{self, Detection};
 use rai_core::integrity::raim::hypotheses::separability;
 use rai_core::integrity::raim::isolation::baarda;
 use rai_core::integrity::raim::isolation::exclusion;
 use rai_core::integrity::raim::isolation::parity;
-use rai_core::integrity::raim::isolation::ransac::{self, Selection};
+use rai_core::integrity::raim::isolation::ransac::{self, NoConsensus, Selection};
 use rai_core::integrity::raim::levels::{self, Slopes};
 use rai_core::integrity::{self, MethodScratch};
 use rai_core::least_squares::downdate::{self, ExclusionSet, NormalisedRow};
@@ -31,7 +33,7 @@ use rai_core::numeric::real::Real;
 use rai_core::numeric::{angle, bounds};
 use rai_core::report::Solution;
 use rai_core::requirements::{Requirements, RequirementsError};
-use rai_core::satellite::{Constellation, SatelliteId};
+use rai_core::satellite::{Constellation, ParseSatelliteError, SatelliteId};
 use rai_core::single::{self, stages};
 use rai_core::velocity::{self, RangeRate, Velocity, VelocityError};
 use rai_core::weighting;
@@ -504,11 +506,10 @@ fn errors() {
         <AraimError as Display>::fmt as fn(_, _) -> _,
         <SnapshotError as Display>::fmt as fn(_, _) -> _,
         <ThresholdError as Display>::fmt as fn(_, _) -> _,
-        <rai_core::allocation::AllocationError as Display>::fmt as fn(_, _) -> _,
-        <rai_core::integrity::raim::detection::threshold::policy::NoThreshold as Display>::fmt
-            as fn(_, _) -> _,
-        <ransac::NoConsensus as Display>::fmt as fn(_, _) -> _,
-        <rai_core::satellite::ParseSatelliteError as Display>::fmt as fn(_, _) -> _,
-        <SatelliteId as core::str::FromStr>::from_str as fn(_) -> _,
+        <AllocationError as Display>::fmt as fn(_, _) -> _,
+        <NoThreshold as Display>::fmt as fn(_, _) -> _,
+        <NoConsensus as Display>::fmt as fn(_, _) -> _,
+        <ParseSatelliteError as Display>::fmt as fn(_, _) -> _,
+        <SatelliteId as FromStr>::from_str as fn(_) -> _,
     );
 }
