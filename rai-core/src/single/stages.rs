@@ -58,7 +58,7 @@ pub fn separate(
     allocation: &Allocation,
     room: &mut AraimScratch<f32>,
 ) -> Result<AraimJudgement<f32>, AraimError> {
-    separation::judge_in(snapshot, priors, allocation, room)
+    araim::judge_in(snapshot, priors, allocation, room)
 }
 
 /// Calls [`parity::grouping`].
