@@ -89,10 +89,10 @@ fn the_tables_last_degree_of_freedom_is_tested_and_one_more_is_an_error() {
 #[test]
 fn numbers_that_make_no_epoch_are_invalid_input_and_say_why() {
     let cases = [
-        (with("y", json!([1, 2, 3, 4, 5, null])), "satellite 5: residual not finite"),
-        (with("y", json!(["-inf", 2, 3, 4, 5, 6])), "satellite 0: residual not finite"),
-        (with("sigma", json!([6, 6, 0, 6, 6, 6])), "satellite 2: sigma not finite or not positive"),
-        (with("sigma", json!([6, 6, 6, 1e200, 6, 6])), "satellite 3: sigma not finite or not positive"),
+        (with("y", json!([1, 2, 3, 4, 5, null])), "satellite 5: residual must be finite"),
+        (with("y", json!(["-inf", 2, 3, 4, 5, 6])), "satellite 0: residual must be finite"),
+        (with("sigma", json!([6, 6, 0, 6, 6, 6])), "satellite 2: sigma must be finite and positive"),
+        (with("sigma", json!([6, 6, 6, 1e200, 6, 6])), "satellite 3: sigma must be finite and positive"),
         (with("pfa", json!(0.5)), "pfa: 0.5 outside (0, 0.5)"),
         (with("pfa", json!(null)), "pfa: NaN outside (0, 0.5)"),
         (with("pmd", json!(0)), "pmd: 0 outside (0, 0.5)"),
@@ -108,8 +108,8 @@ fn numbers_that_make_no_epoch_are_invalid_input_and_say_why() {
 #[test]
 fn numbers_beyond_single_precision_are_invalid_there_and_not_a_silent_nan() {
     let cases = [
-        (with("y", json!([0, 1e300, 0, 0, 0, 0])), "satellite 1: residual not finite"),
-        (with("sigma", json!([1e-30, 6, 6, 6, 6, 6])), "satellite 0: sigma not finite or not positive"),
+        (with("y", json!([0, 1e300, 0, 0, 0, 0])), "satellite 1: residual must be finite"),
+        (with("sigma", json!([1e-30, 6, 6, 6, 6, 6])), "satellite 0: sigma must be finite and positive"),
     ];
     for (mut line, want) in cases {
         assert_eq!(answer(&line)["out"]["lsr"]["status"], "ok", "in double precision: {line}");
@@ -245,8 +245,8 @@ fn every_aided_epoch_that_is_none_says_what_and_where() {
     };
     assert_eq!(answer_as(Part::ClockRaim, &epoch())["out"]["dof"], 3);
     let cases = [
-        (with("sigma_b", json!(0.0)), "line 1: T: sigma not finite or not positive"),
-        (with("T", Value::Null), "line 1: T: residual not finite"),
+        (with("sigma_b", json!(0.0)), "line 1: T: sigma must be finite and positive"),
+        (with("T", Value::Null), "line 1: T: residual must be finite"),
         (with("y", json!([1.0])), "line 1: y: 1 entries, but los_enu has 6"),
         (with("pfa", json!(0.7)), "line 1: pfa: 0.7 outside (0, 0.5)"),
         (with("los_enu", json!([[0, 0, 1], [0, 1, 0], 3, 4, 5, 6])), "line 1: los_enu[2]: not three numbers"),
