@@ -4,7 +4,7 @@
 //! prediction. A subset determines no clock of a constellation that it lacks. The residuals of that
 //! constellation are referred to their median, which up to half of them cannot move.
 //!
-//! Of several inlier subsets the one with the fewest disagreements wins, then the one with the
+//! Among several inlier subsets the one with the fewest disagreements wins, then the one with the
 //! smallest sum of `min(z_i², T_r²)`, then the first. Cost: one solve for each subset.
 
 use core::fmt;
