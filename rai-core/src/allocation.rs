@@ -1,83 +1,87 @@
-//! What the user's operation allows: the risk, its split over the axes, and what need not be watched.
+//! Allocation of the integrity risk: its split over the axes, and the share of unmonitored faults.
 //!
 //! | symbol | field | unit |
 //! |---|---|---|
 //! | `PHMI_V`, `PHMI_H` | [`Allocation::integrity_vertical`], [`Allocation::integrity_horizontal`] | per sample |
 //! | `P_FA_V`, `P_FA_H` | [`Allocation::alarm_vertical`], [`Allocation::alarm_horizontal`] | per sample |
-//! | `P_THRES` | [`Allocation::not_watched`] | per sample |
+//! | `P_THRES` | [`Allocation::unmonitored_probability`] | per sample |
 //! | `FC_THRES` | [`Allocation::consolidation`] | – |
-//! | `P_EMT` | [`Allocation::effective_prior`] | – |
+//! | `P_EMT` | [`Allocation::emt_prior`] | – |
 //!
-//! The numbers are those of [MAAST], for one effective sample over the exposure: to be checked against the working
-//! group's own text before anyone relies on them for certification.
+//! The numbers are those of [MAAST], for one effective sample over the exposure. They must be
+//! compared with the working group's own text before they are used for certification.
 //!
 //! [MAAST]: crate#references
 
-/// How much may go wrong, and where.
+use core::fmt;
+
+/// Risk that an operation allows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Allocation {
     /// Probability of hazardously misleading information that the vertical level may spend.
     pub integrity_vertical: f64,
-    /// The same of the horizontal level.
+    /// Probability of hazardously misleading information that the horizontal level may spend.
     pub integrity_horizontal: f64,
     /// Probability of a false alarm of the vertical tests.
     pub alarm_vertical: f64,
-    /// The same of the horizontal tests.
+    /// Probability of a false alarm of the horizontal tests.
     pub alarm_horizontal: f64,
-    /// Probability of faults that may go unwatched.
-    pub not_watched: f64,
-    /// Below this share of a constellation's loss, faults within it are counted with that loss.
+    /// Probability of faults that may be unmonitored.
+    pub unmonitored_probability: f64,
+    /// Share of a constellation's loss below which faults within it are counted with that loss.
     pub consolidation: f64,
-    /// Prior probability from which on a mode counts in the effective monitor threshold.
-    pub effective_prior: f64,
-    /// Largest effective monitor threshold with which a position may be used, m.
-    pub effective_threshold_limit_m: Option<f64>,
-    /// Largest standard deviation of the height for accuracy with which a position may be used, m.
+    /// Prior probability from which on a mode counts in the effective monitor threshold (EMT).
+    pub emt_prior: f64,
+    /// Largest effective monitor threshold of a usable position, m.
+    pub emt_limit_m: Option<f64>,
+    /// Largest standard deviation of the height for accuracy of a usable position, m.
     pub accuracy_limit_m: Option<f64>,
-    /// Whether satellites may be left out after an alarm, which takes its share of the risk, alarm or not.
+    /// True if satellites may be left out after an alarm, which takes its share of the risk with or
+    /// without an alarm.
     pub exclusion: bool,
 }
 
 impl Allocation {
-    /// Approach with vertical guidance (LPV-200).
+    /// Returns the allocation of approaches with vertical guidance (LPV-200).
     pub const fn vertical_guidance() -> Self {
         Self {
             integrity_vertical: 9.8e-8,
             integrity_horizontal: 2e-9,
             alarm_vertical: 3.9e-6,
             alarm_horizontal: 9e-8,
-            not_watched: 6e-8,
+            unmonitored_probability: 6e-8,
             consolidation: 0.01,
-            effective_prior: 1e-5,
-            effective_threshold_limit_m: Some(15.0),
+            emt_prior: 1e-5,
+            emt_limit_m: Some(15.0),
             accuracy_limit_m: Some(1.87),
             exclusion: true,
         }
     }
 
-    /// An operation of its own that has a vertical limit: the same risk, and no limits of LPV-200.
+    /// Returns the allocation of any other operation with a vertical limit: the same risk without
+    /// the EMT and accuracy limits.
     pub const fn vertical() -> Self {
-        Self { effective_threshold_limit_m: None, accuracy_limit_m: None, ..Self::vertical_guidance() }
+        Self { emt_limit_m: None, accuracy_limit_m: None, ..Self::vertical_guidance() }
     }
 
-    /// Phases of flight where only the horizontal position matters (H-ARAIM).
+    /// Returns the allocation of phases of flight without vertical guidance (H-ARAIM).
     pub const fn horizontal() -> Self {
         Self {
             integrity_vertical: 1e-9,
             integrity_horizontal: 9.9e-8,
             alarm_vertical: 1e-9,
             alarm_horizontal: 5e-7,
-            not_watched: 9e-8,
+            unmonitored_probability: 9e-8,
             consolidation: 0.05,
-            effective_prior: 1e-5,
-            effective_threshold_limit_m: None,
+            emt_prior: 1e-5,
+            emt_limit_m: None,
             accuracy_limit_m: None,
             exclusion: true,
         }
     }
 
-    /// `PHMI`, both levels together.
+    /// Returns `PHMI`, both levels together.
     pub const fn integrity(&self) -> f64 {
         self.integrity_vertical + self.integrity_horizontal
     }
@@ -85,22 +89,44 @@ impl Allocation {
     /// Checks every field once: probabilities in (0, 0.5), consolidation in [0, 1].
     ///
     /// # Errors
-    /// The first field out of its range, by name.
-    pub fn validate(self) -> Result<Self, &'static str> {
+    /// [`AllocationError`] names the first field that is out of its range, with its value.
+    pub fn validate(self) -> Result<Self, AllocationError> {
         let probabilities = [
-            (self.integrity_vertical, "vertical integrity risk"),
-            (self.integrity_horizontal, "horizontal integrity risk"),
-            (self.alarm_vertical, "vertical false-alarm probability"),
-            (self.alarm_horizontal, "horizontal false-alarm probability"),
-            (self.not_watched, "probability of faults not watched"),
-            (self.effective_prior, "prior of the effective monitor threshold"),
+            (self.integrity_vertical, "vertical integrity risk must be above 0 and below 0.5"),
+            (self.integrity_horizontal, "horizontal integrity risk must be above 0 and below 0.5"),
+            (self.alarm_vertical, "vertical false-alarm probability must be above 0 and below 0.5"),
+            (self.alarm_horizontal, "horizontal false-alarm probability must be above 0 and below 0.5"),
+            (self.unmonitored_probability, "unmonitored probability must be above 0 and below 0.5"),
+            (self.emt_prior, "prior of the monitor threshold must be above 0 and below 0.5"),
         ];
-        // Written so that what is not a number is refused.
+        // NaN fails these comparisons.
         let refused = probabilities.iter().find(|(value, _)| !(*value > 0.0 && *value < 0.5));
         match refused {
-            Some((_, name)) => Err(name),
+            Some(&(value, rule)) => Err(AllocationError { rule, value }),
             None if (0.0..=1.0).contains(&self.consolidation) => Ok(self),
-            None => Err("share of consolidation"),
+            None => {
+                let rule = "consolidation share must be within 0 to 1";
+                Err(AllocationError { rule, value: self.consolidation })
+            }
         }
     }
 }
+
+/// The field of an allocation that is out of its range.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub struct AllocationError {
+    /// The range that the field must be in, with its name.
+    pub rule: &'static str,
+    /// The value that was given.
+    pub value: f64,
+}
+
+impl fmt::Display for AllocationError {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(self.rule)
+    }
+}
+
+impl core::error::Error for AllocationError {}

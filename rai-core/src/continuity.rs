@@ -1,7 +1,7 @@
-//! What one epoch says about the next: recovery after an alert, jumps, places where no receiver can be.
+//! Continuity between epochs: recovery after an alert, jumps, and places where no receiver can be.
 //!
-//! An epoch by itself can deceive. Where a receiver tracks falsely, its ranges agree by chance now and then; where
-//! somebody counterfeits a whole sky, they agree perfectly. What came before tells:
+//! A single epoch can deceive. In a receiver that tracks falsely, ranges sometimes agree by chance;
+//! in a counterfeit sky they agree perfectly. The epochs before reveal it:
 //!
 //! ```text
 //! √(|p − pₐ|² − (h − hₐ)²) ≤ v Δt + HPL + HPLₐ     and     |h − hₐ| ≤ v Δt + VPL + VPLₐ       else a jump
@@ -11,46 +11,52 @@
 //! |---|---|---|
 //! | `p`, `h`; `pₐ`, `hₐ` | position and height of the epoch; of the last protected one, the anchor | m |
 //! | `v` | [`ContinuitySettings::max_speed_m_s`] | m/s |
-//! | `Δt` | time since the anchor, by the epochs, and by the caller's own clock where it has one: the shorter | s |
+//! | `Δt` | time since the anchor, by the epochs or by the caller's own clock if it has one: the shorter | s |
 //!
-//! | after | the promise returns |
+//! | after | the position is protected again |
 //! |---|---|
-//! | an alert, a jump, an impossible place | when the satellites have agreed for [`Recovery`]: epochs and seconds, at positions that are within reach of each other; [`WEAK`] epochs and seconds where an epoch of them had one degree of freedom |
-//! | a jump | besides, when time has made the position reachable, or [`Continuity::forget`]; or when what contradicts the anchor has agreed for [`WEAK`], and what led to the anchor had not |
+//! | an alert, a jump, an impossible place | when the satellites have agreed for [`Recovery`]: epochs and seconds, at positions that are within reach of each other; for [`WEAK`] if an epoch of them had one degree of freedom |
+//! | a jump | also when time has made the position reachable, or after [`Continuity::forget`]; or when the contradicting epochs have agreed for [`WEAK`], and those that led to the anchor had not |
 //!
-//! An epoch that agrees only because a satellite was left out, with one degree of freedom after that, counts for
-//! nothing: among many satellites that disagree some pair is always left that does not. One epoch of one degree of
-//! freedom is no promise either where nothing came before it, or nothing for too long: the satellites agree by chance too easily.
+//! An epoch that agrees only after an exclusion, with one degree of freedom left, does not count,
+//! because among many satellites that disagree some pair always remains that agrees. A first epoch
+//! with one degree of freedom, or the first after a long gap, is not protected either: satellites
+//! agree by chance too easily.
 //!
-//! **What has an end.** An anchor is forgotten after [`ANCHOR_AGE_S`]; agreement with a gap longer than [`GAP_S`]
-//! begins anew. A time that goes back keeps the anchor's age: nothing becomes reachable by it.
+//! **Ends.** An anchor is forgotten after [`ANCHOR_AGE_S`]; agreement with a gap longer than
+//! [`GAP_S`] begins anew. A time that goes back keeps the anchor's age, so that nothing becomes
+//! reachable by it.
 //!
-//! **Limits.** A counterfeit that leads a position away slower than `v` is not seen here, nor one that is there from
-//! the start. A time tag that leaps ahead makes everything reachable unless the caller has a clock of its own.
+//! **Limits.** A counterfeit that moves a position slower than `v` is not detected here, nor one
+//! that is there from the start. A time tag that leaps ahead makes everything reachable unless the
+//! caller has its own clock.
 
 use crate::frame::Ecef;
 use crate::report::{Alert, Protected, ProtectionLevels, Report, Unavailable, Verdict};
 
-/// The longest time for which the last protected position says where the next can be, s: at the start's highest speed
-/// all the earth is within reach before.
+/// Longest time for which the last protected position limits the next one, s.
+///
+/// At the default speed the whole earth is within reach before.
 pub const ANCHOR_AGE_S: f64 = 86_400.0;
 
-/// The longest gap in an agreement that goes on, s: three epochs of a logger that says one in five minutes.
+/// Longest gap in an agreement that continues, s: three epochs of a logger with one epoch in five
+/// minutes.
 pub const GAP_S: f64 = 900.0;
 
-/// How much later than another an epoch may have come on its way to the caller's clock, s.
+/// Largest variation of the delay from an epoch to the caller's clock, s.
 pub const DELAY_S: f64 = 1.0;
 
-/// Agreement that is asked for where an epoch of it has one degree of freedom only.
+/// Required agreement if one of its epochs has only one degree of freedom.
 pub const WEAK: Recovery = Recovery { epochs: 10, seconds: 10.0 };
 
-/// How long satellites must agree, both.
+/// Required length of an agreement, in epochs and in seconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Recovery {
     /// Epochs in a row.
     pub epochs: u16,
-    /// Time from the first of them to the last, s; by the caller's own clock no less, but for [`DELAY_S`].
+    /// Time from the first epoch to the last, s; no less by the caller's own clock, up to
+    /// [`DELAY_S`].
     pub seconds: f64,
 }
 
@@ -59,14 +65,15 @@ impl Recovery {
         Self { epochs: self.epochs.max(other.epochs), seconds: self.seconds.max(other.seconds) }
     }
 
-    /// Whether so many epochs in a row, over so long, are enough; [`WEAK`] holds where one of them had one degree of freedom.
+    /// Returns true if an agreement of this length suffices; [`WEAK`] applies if one of its epochs
+    /// had one degree of freedom.
     pub fn is_met(self, epochs: u16, seconds: f64, is_weak: bool) -> bool {
         let wanted = if is_weak { self.at_least(WEAK) } else { self };
         epochs >= wanted.epochs && seconds >= wanted.seconds
     }
 }
 
-/// What a receiver can do, and how long its satellites must agree.
+/// Limits of the receiver's motion, and the required agreement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ContinuitySettings {
@@ -76,12 +83,13 @@ pub struct ContinuitySettings {
     pub min_height_m: f64,
     /// Greatest height above the ellipsoid, m.
     pub max_height_m: f64,
-    /// What an alert is to be followed by.
+    /// Required agreement after an alert.
     pub recovery: Recovery,
 }
 
 impl ContinuitySettings {
-    /// Anything on the ground, on the sea and in the air: 515 m/s (1000 knots), −500 to 20,000 m, 3 epochs and 3 s.
+    /// Returns limits for the ground, the sea and the air: 515 m/s (1000 knots), −500 to 20,000 m,
+    /// 3 epochs and 3 s.
     pub const fn anywhere() -> Self {
         Self {
             max_speed_m_s: 515.0,
@@ -94,51 +102,57 @@ impl ContinuitySettings {
     /// Checks every field once.
     ///
     /// # Errors
-    /// The first field out of its range, by name.
+    /// [`ContinuityError`] names the first field that is out of its range, with its value.
     pub fn validate(self) -> Result<Self, ContinuityError> {
-        // A NaN is in none of these ranges.
+        // NaN fails each of these comparisons.
         if !(0.0..=1e5).contains(&self.max_speed_m_s) {
-            return Err(ContinuityError::Speed);
+            return Err(ContinuityError::Speed(self.max_speed_m_s));
         }
         let heights = -1.2e4..=1e8;
         if !heights.contains(&self.min_height_m)
             || !heights.contains(&self.max_height_m)
             || self.min_height_m >= self.max_height_m
         {
-            return Err(ContinuityError::Height);
+            let Self { min_height_m, max_height_m, .. } = self;
+            return Err(ContinuityError::Height { min_height_m, max_height_m });
         }
         if self.recovery.epochs == 0 || !(0.0..=3600.0).contains(&self.recovery.seconds) {
-            return Err(ContinuityError::Recovery);
+            return Err(ContinuityError::Recovery(self.recovery));
         }
         Ok(self)
     }
 }
 
-/// Which setting is out of its range.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// The setting that is out of its range.
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ContinuityError {
-    /// `max_speed_m_s` outside [0, 1e5].
-    Speed,
-    /// Heights outside [−1.2e4, 1e8], or the least not below the greatest.
-    Height,
-    /// No epoch, or seconds outside [0, 3600].
-    Recovery,
+    /// `max_speed_m_s` is outside [0, 1e5].
+    Speed(f64),
+    /// The heights are outside [−1.2e4, 1e8], or the least is not below the greatest.
+    Height {
+        /// Least height, m.
+        min_height_m: f64,
+        /// Greatest height, m.
+        max_height_m: f64,
+    },
+    /// The recovery has no epoch, or seconds outside [0, 3600].
+    Recovery(Recovery),
 }
 
 impl core::fmt::Display for ContinuityError {
     fn fmt(&self, formatter: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         formatter.write_str(match self {
-            Self::Speed => "highest speed outside [0, 1e5] m/s",
-            Self::Height => "heights outside [-1.2e4, 1e8] m, or the least not below the greatest",
-            Self::Recovery => "recovery of no epoch, or outside [0, 3600] s",
+            Self::Speed(_) => "highest speed must be within 0 to 1e5 m/s",
+            Self::Height { .. } => "height limits must be within -12000 to 1e8 m, minimum below maximum",
+            Self::Recovery(_) => "recovery needs at least 1 epoch and 0 to 3600 s",
         })
     }
 }
 
 impl core::error::Error for ContinuityError {}
 
-/// When an epoch was, by both clocks.
+/// Time of an epoch, by both clocks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Instant {
     epoch_s: f64,
@@ -146,7 +160,7 @@ struct Instant {
 }
 
 impl Instant {
-    /// Time that may have passed since an earlier instant, s; none where it goes back.
+    /// Returns the time since an earlier instant, s; 0 if it goes back.
     fn since_s(self, earlier: Self) -> f64 {
         let by_epochs_s = (self.epoch_s - earlier.epoch_s).max(0.0);
         match self.own_s.zip(earlier.own_s) {
@@ -158,15 +172,16 @@ impl Instant {
 
 /// A position with the levels that bound its error.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Place {
+struct BoundedPosition {
     instant: Instant,
     position: Ecef,
     height_m: f64,
     levels: ProtectionLevels,
 }
 
-impl Place {
-    /// Whether a receiver can have come from there to here. A distance that is no number is beyond reach.
+impl BoundedPosition {
+    /// Returns true if a receiver can have moved from there to here. A NaN distance is beyond
+    /// reach.
     fn is_within_reach_of(&self, from: &Self, max_speed_m_s: f64) -> bool {
         let way_m = max_speed_m_s * self.instant.since_s(from.instant);
         let climb_m = (self.height_m - from.height_m).abs();
@@ -176,30 +191,31 @@ impl Place {
     }
 }
 
-/// What of the way between two points is not climbed, m. Metres suffice: levels are no smaller.
+/// Returns the horizontal part of the way between two points, m. Metres suffice, because levels are
+/// no smaller.
 fn across_m(way: Ecef, climb_m: f64) -> f64 {
     let [x, y, z, climb] = [way.x_m, way.y_m, way.z_m, climb_m].map(|length_m| length_m as f32);
     let squared = x * x + y * y + z * z - climb * climb;
-    // A square that is not a number stays none, and is no distance within reach.
+    // A NaN square stays NaN, which is beyond reach.
     f64::from(libm::sqrtf(if squared < 0.0 { 0.0 } else { squared }))
 }
 
-/// Epochs in a row that agree.
+/// Consecutive epochs that agree.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Agreement {
     first: Instant,
-    last: Place,
+    last: BoundedPosition,
     epochs: u16,
-    /// Whether one of them had one degree of freedom.
+    /// True if one of them had one degree of freedom.
     is_weak: bool,
 }
 
 impl Agreement {
-    fn begun(place: Place, is_weak: bool) -> Self {
+    fn begun(place: BoundedPosition, is_weak: bool) -> Self {
         Self { first: place.instant, last: place, epochs: 1, is_weak }
     }
 
-    fn extended(self, place: Place, is_weak: bool) -> Self {
+    fn extended(self, place: BoundedPosition, is_weak: bool) -> Self {
         let epochs = self.epochs.saturating_add(1);
         Self { last: place, epochs, is_weak: self.is_weak || is_weak, ..self }
     }
@@ -209,22 +225,22 @@ impl Agreement {
     }
 }
 
-/// Whether a promise needs an agreement first.
+/// State of the continuity: is an agreement required before protection?
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Standing {
-    /// Nothing came before, or too long ago.
+    /// No earlier epoch, or a long gap.
     New,
-    /// The last epoch with a position was promised, or nothing spoke against it.
+    /// The last epoch with a position was protected, or nothing contradicted it.
     Good,
-    /// After an alert, or a contradiction.
+    /// After an alert or a contradiction, so that an agreement is required.
     Lost,
 }
 
-/// The memory of what was said.
+/// State of the verdicts so far.
 #[derive(Clone, Debug)]
 pub struct Continuity {
     standing: Standing,
-    /// The protected epochs within reach of each other that ended with the last protected one.
+    /// Protected epochs within reach of each other that end with the last protected one.
     anchor: Option<Agreement>,
     agreement: Option<Agreement>,
     latest_s: Option<f64>,
@@ -237,29 +253,33 @@ impl Default for Continuity {
 }
 
 impl Continuity {
-    /// Nothing was said yet.
+    /// Returns the state before the first epoch.
     pub const fn new() -> Self {
         Self { standing: Standing::New, anchor: None, agreement: None, latest_s: None }
     }
 
-    /// The last position counts for nothing: the next may be anywhere. An alert still has to be recovered from.
+    /// Forgets the last position, so that the next may be anywhere. Recovery from an alert is still
+    /// required.
     pub fn forget(&mut self) {
         (self.anchor, self.agreement) = (None, None);
         self.interrupt();
     }
 
-    /// Nothing was heard for too long: the next epoch stands by itself, as the first of all. An alert still has to be recovered
-    /// from, and what has agreed since counts: else a receiver whose epochs are farther apart than the time to alert never did.
+    /// Restarts after a gap longer than the time to alert: the next epoch is judged as if it were
+    /// the first.
+    ///
+    /// Recovery from an alert is still required, and agreement so far counts; otherwise a receiver
+    /// whose epochs are farther apart than the time to alert would never recover.
     pub fn interrupt(&mut self) {
         if self.standing == Standing::Good {
             self.standing = Standing::New;
         }
     }
 
-    /// The verdict on an epoch, in the light of those before it.
+    /// Returns the verdict on an epoch in the light of those before it.
     ///
-    /// `time_s` is the epoch's; `own_clock_s` is that of a clock of the caller's own, which no signal can set, when the
-    /// epoch came. A time that is not finite stands still.
+    /// `time_s` is the epoch's time. `own_clock_s` is the time of its arrival by the caller's own
+    /// clock, which no signal can set. A time that is not finite counts as the last one.
     pub fn conclude<const N: usize>(
         &mut self,
         settings: &ContinuitySettings,
@@ -269,21 +289,30 @@ impl Continuity {
     ) -> Verdict {
         let own_s = own_clock_s.filter(|clock_s| clock_s.is_finite());
         let instant = self.pass_time(Instant { epoch_s: time_s, own_s });
-        let place = report.solution.as_ref().zip(report.protection).map(|(solution, levels)| Place {
-            instant,
-            position: solution.position,
-            height_m: solution.geodetic.height_m,
-            levels,
-        });
+        let place =
+            report.solution.as_ref().zip(report.protection).map(|(solution, levels)| BoundedPosition {
+                instant,
+                position: solution.position,
+                height_m: solution.geodetic.height_m,
+                levels,
+            });
         let dof = report.test.map_or(0, |test| test.dof);
         match (report.verdict, place) {
             (Verdict::Protected(how), Some(place)) => self.promise(settings, how, place, dof),
-            // Nobody promises a position that is not there.
+            // A missing position is never protected.
             (Verdict::Protected(_), None) => Verdict::Unavailable(Unavailable::NoFix),
             (Verdict::Alert(reason), _) => self.lose(Verdict::Alert(reason)),
             (Verdict::Unavailable(reason), _) => {
-                // Levels too large for the limits say nothing against the satellites.
-                if !matches!(reason, Unavailable::Hpl | Unavailable::Vpl | Unavailable::Risk) {
+                // Levels above the limits are no evidence against the satellites.
+                let is_level = matches!(
+                    reason,
+                    Unavailable::Hpl
+                        | Unavailable::Vpl
+                        | Unavailable::Emt
+                        | Unavailable::Accuracy
+                        | Unavailable::Risk
+                );
+                if !is_level {
                     self.agreement = None;
                 }
                 report.verdict
@@ -291,8 +320,14 @@ impl Continuity {
         }
     }
 
-    /// What becomes of an epoch that by itself is protected.
-    fn promise(&mut self, settings: &ContinuitySettings, how: Protected, place: Place, dof: u8) -> Verdict {
+    /// Returns the verdict on an epoch that is protected on its own.
+    fn promise(
+        &mut self,
+        settings: &ContinuitySettings,
+        how: Protected,
+        place: BoundedPosition,
+        dof: u8,
+    ) -> Verdict {
         let is_weak = dof <= 1;
         let from = self.anchor.map(|anchor| anchor.last);
         if from.is_some_and(|from| !place.is_within_reach_of(&from, settings.max_speed_m_s)) {
@@ -303,7 +338,7 @@ impl Continuity {
             }
             self.anchor = None;
         }
-        // Written so that a height which is not a number is none.
+        // NaN fails this comparison, so that it counts as outside.
         if !(settings.min_height_m..=settings.max_height_m).contains(&place.height_m) {
             return self.lose(Verdict::Unavailable(Unavailable::Place));
         }
@@ -313,23 +348,30 @@ impl Continuity {
                 return Verdict::Unavailable(Unavailable::Recovering);
             }
         }
-        // An anchor that this is within reach of is as firm as it was.
+        // An anchor within reach makes this epoch as firm as it was.
         let agreement = self.agreement.take().unwrap_or_else(|| Agreement::begun(place, is_weak));
         self.anchor = Some(self.anchor.map_or(agreement, |anchor| anchor.extended(place, is_weak)));
         self.standing = Standing::Good;
         Verdict::Protected(how)
     }
 
-    /// Whether epochs out of the anchor's reach have agreed for [`WEAK`], while those that led to it had not: either may be wrong.
+    /// Returns true if epochs out of the anchor's reach have agreed for [`WEAK`], while those that
+    /// led to it had not.
     fn contradicts_anchor(&self, settings: &ContinuitySettings) -> bool {
         let wanted = settings.recovery.at_least(WEAK);
-        // Who asks for a longer recovery does not doubt what was firm without it.
+        // A longer required recovery does not weaken an anchor that was firm without it.
         self.agreement.is_some_and(|agreement| agreement.suffices(wanted))
             && !self.anchor.is_some_and(|anchor| anchor.suffices(WEAK))
     }
 
     /// Counts an epoch that agrees after one that did not.
-    fn agree(&mut self, settings: &ContinuitySettings, how: Protected, place: Place, is_weak: bool) {
+    fn agree(
+        &mut self,
+        settings: &ContinuitySettings,
+        how: Protected,
+        place: BoundedPosition,
+        is_weak: bool,
+    ) {
         self.agreement = match self.agreement {
             _ if is_weak && how == Protected::Excluded => None,
             // Counted before.
@@ -344,13 +386,13 @@ impl Continuity {
         };
     }
 
-    /// After this a promise has to be earned anew.
+    /// Records the loss of protection, which then requires an agreement.
     fn lose(&mut self, verdict: Verdict) -> Verdict {
         (self.standing, self.agreement) = (Standing::Lost, None);
         verdict
     }
 
-    /// Notes the time of an epoch; one that is no number stands still.
+    /// Records the time of an epoch; a NaN time counts as the last one.
     fn pass_time(&mut self, mut instant: Instant) -> Instant {
         let latest_s = self.latest_s.unwrap_or(0.0);
         if !instant.epoch_s.is_finite() {
@@ -358,7 +400,7 @@ impl Continuity {
         }
         let back_s = latest_s - instant.epoch_s;
         if back_s > 0.0 && self.latest_s.is_some() {
-            // The time was set back: what is remembered is as old as it was.
+            // The time was set back: the anchor and its age stay.
             self.agreement = None;
             if let Some(anchor) = &mut self.anchor {
                 anchor.first.epoch_s -= back_s;

@@ -1,13 +1,13 @@
-//! One instant's ranges, checked once on entry.
+//! The ranges of one instant, checked once on entry.
 //!
-//! Only [`Epoch::new`] and [`Epoch::push`] make an epoch, so whoever holds one knows: every number is finite,
-//! every sigma is positive, no satellite appears twice, no position lies inside the earth. No later stage checks
-//! this again.
+//! Only [`Epoch::new`] and [`Epoch::push`] make an epoch, so that every epoch holds this: every
+//! number is finite, every sigma is positive, no satellite appears twice, no position lies inside
+//! the earth. No later stage checks it again.
 //!
 //! | symbol | field | unit |
 //! |---|---|---|
 //! | `ρ` | `range_m` | m, corrected for the satellite's clock and for the atmosphere, receiver clock left in |
-//! | `m` | `common_m`, the part of the error that all ranges share ([`crate::integrity::residuals::levels`]) | m at one sigma |
+//! | `m` | `common_m`, the part of the error that all ranges share ([`crate::integrity::raim::levels`]) | m at one sigma |
 //! | `σ` | `sigma_m` | m, standard deviation of the corrected range ([`crate::weighting`]) |
 
 use core::fmt;
@@ -19,8 +19,8 @@ use crate::numeric::bounds::is_within;
 use crate::satellite::{Constellation, SatelliteId};
 use crate::weighting::adaptation::Adaptation;
 
-/// Most satellites in one epoch of [`single`](crate::single): more than three systems show at once anywhere on earth, or
-/// fewer where memory is scarce.
+/// Most satellites in one epoch of [`single`](crate::single): more than three systems show at once
+/// anywhere on earth, or fewer if memory is scarce.
 pub const CAPACITY: usize = if cfg!(feature = "satellites-16") {
     16
 } else if cfg!(feature = "satellites-32") {
@@ -29,22 +29,37 @@ pub const CAPACITY: usize = if cfg!(feature = "satellites-16") {
     48
 };
 
-/// Bounds of what a range to a navigation satellite can be, receiver clock included, m.
+/// Largest range to a navigation satellite, receiver clock included, m.
 ///
 /// A receiver clock may be off by a second and more; nothing physical is beyond.
 const RANGE_LIMIT_M: f64 = 1e9;
 
-/// Bounds of a satellite's distance from the centre of the earth, m: the ground to well beyond geostationary.
+/// Range of a satellite's distance from the centre of the earth, m: the ground to well beyond
+/// geostationary.
 const RADIUS_M: core::ops::RangeInclusive<f32> = 6.3e6..=1e8;
 
-/// Bounds of a standard deviation, m. Below, `f32` weights overflow the dynamic of the solve; above, a row says nothing.
+/// Range of a standard deviation, m. Smaller ones exceed the dynamic range of `f32` weights; larger
+/// ones have no effect.
 const SIGMA_M: core::ops::RangeInclusive<f64> = 1e-3..=1e6;
 
-/// One satellite's corrected range and where the satellite was when it sent the signal.
+/// One satellite's corrected range, with the satellite's position when it sent the signal.
+///
+/// ```
+/// use rai_core::{Constellation, Ecef, Observation, SatelliteId};
+///
+/// let observation = Observation {
+///     satellite: SatelliteId::new(Constellation::Gps, 5).ok_or("number must be within 1 to 99")?,
+///     position: Ecef::new(15.6e6, 0.0, 21.6e6),
+///     range_m: 20_850_000.0,
+///     sigma_m: 3.0,
+/// };
+/// assert_eq!(observation.satellite, "G05".parse()?);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Observation {
-    /// Which satellite.
+    /// The satellite.
     pub satellite: SatelliteId,
     /// Satellite position in the earth-fixed frame at the instant of transmission.
     pub position: Ecef,
@@ -62,7 +77,7 @@ pub enum Aiding {
     ///
     /// [Chen2009]: crate#references
     Clock {
-        /// Whose clock.
+        /// Constellation of the clock.
         constellation: Constellation,
         /// Predicted receiver clock offset times the speed of light, m.
         value_m: f64,
@@ -78,23 +93,24 @@ pub enum Aiding {
     },
 }
 
-/// Why an observation or an aiding row was refused. The epoch is unchanged.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// Reason why an observation or an aiding row was refused. The epoch is unchanged.
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum EpochError {
-    /// The range is not finite or beyond any receiver clock.
-    Range,
+    /// The range is not finite or beyond ±1e9 m.
+    Range(f64),
     /// The satellite's position is not finite, inside the earth or beyond 100,000 km.
-    Position,
-    /// The standard deviation is not finite, not positive or absurd.
-    Sigma,
+    Position(Ecef),
+    /// The standard deviation is not within 1e-3 to 1e6 m.
+    Sigma(f64),
     /// The satellite is in the epoch already.
     Duplicate,
     /// The epoch holds `N` satellites already.
     Full,
 }
 
-/// Whether a satellite can be there. Single precision has a hundred times the digits that the bounds need.
+/// Returns true if a satellite can be at a position. Single precision has a hundred times the
+/// digits that the bounds need.
 fn is_plausible(position: Ecef) -> bool {
     let [x, y, z] = [position.x_m, position.y_m, position.z_m].map(|coordinate| coordinate as f32);
     let squares = |radius: &f32| radius * radius;
@@ -104,11 +120,11 @@ fn is_plausible(position: Ecef) -> bool {
 impl fmt::Display for EpochError {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.write_str(match self {
-            Self::Range => "range not finite or out of bounds",
-            Self::Position => "satellite position not finite or out of bounds",
-            Self::Sigma => "sigma not finite or out of bounds",
-            Self::Duplicate => "satellite appears twice",
-            Self::Full => "epoch is full",
+            Self::Range(_) => "range must be within -1e9 to 1e9 m",
+            Self::Position(_) => "satellite must be within 6.3e6 to 1e8 m of the earth's centre",
+            Self::Sigma(_) => "sigma must be within 1e-3 to 1e6 m",
+            Self::Duplicate => "satellite or kind of aiding must appear once",
+            Self::Full => "epoch has no place for another satellite",
         })
     }
 }
@@ -116,26 +132,41 @@ impl fmt::Display for EpochError {
 impl core::error::Error for EpochError {}
 
 /// The ranges of one instant, at most `N`.
+///
+/// ```
+/// use rai_core::{Constellation, Ecef, Epoch, Observation, SatelliteId};
+/// use rai_core::epoch::EpochError;
+///
+/// let mut epoch = Epoch::<16>::new(345_600.0);
+/// let satellite = SatelliteId::new(Constellation::Galileo, 31).ok_or("no such satellite")?;
+/// let position = Ecef::new(15.6e6, 0.0, 24.9e6);
+/// let observation = Observation { satellite, position, range_m: 23.4e6, sigma_m: 2.0 };
+/// epoch.push(observation)?;
+/// assert_eq!(epoch.push(observation), Err(EpochError::Duplicate));
+/// assert_eq!(epoch.observations().len(), 1);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Epoch<const N: usize> {
     time_s: f64,
     observations: Vec<Observation, N>,
-    /// As many as observations.
+    /// Shared error of each observation, m.
     common_m: Vec<f32, N>,
     aiding: Vec<Aiding, 2>,
 }
 
 impl<const N: usize> Epoch<N> {
-    /// An epoch without satellites.
+    /// Returns an epoch without satellites.
     ///
-    /// `time_s` counts seconds of any continuous time scale; only differences are used. A time that is not
-    /// finite counts as 0.
+    /// `time_s` counts seconds of any continuous time scale; only differences are used. A time that
+    /// is not finite counts as 0.
     pub fn new(time_s: f64) -> Self {
         let time_s = if time_s.is_finite() { time_s } else { 0.0 };
         Self { time_s, observations: Vec::new(), common_m: Vec::new(), aiding: Vec::new() }
     }
 
-    /// Empties the epoch for another instant, where it lies: who judges epoch after epoch need not make each anew.
+    /// Empties the epoch for another instant, in place, so that a caller need not make a new one
+    /// for each epoch.
     pub fn restart(&mut self, time_s: f64) {
         self.time_s = if time_s.is_finite() { time_s } else { 0.0 };
         self.observations.clear();
@@ -146,26 +177,32 @@ impl<const N: usize> Epoch<N> {
     /// Adds a satellite.
     ///
     /// # Errors
-    /// [`EpochError`] names what is wrong with it; the epoch is then unchanged.
+    /// [`EpochError`] names the invalid value; the epoch is then unchanged.
     pub fn push(&mut self, observation: Observation) -> Result<(), EpochError> {
         self.push_sharing(observation, 0.0)
     }
 
-    /// Adds a satellite whose range shares an error with others: `common_m` at one sigma, of one sign in all of them, as
-    /// what a model of the ionosphere misses.
+    /// Adds a satellite whose range shares an error with others, such as the residual of an
+    /// ionosphere model.
+    ///
+    /// `common_m` is its size at one sigma, with one sign in all ranges.
     ///
     /// # Errors
-    /// As [`Self::push`]; [`EpochError::Sigma`] also where `common_m` is negative, not finite or absurd.
+    /// As [`Self::push`]; [`EpochError::Sigma`] also if `common_m` is negative, not finite or above
+    /// 1e6 m.
     pub fn push_sharing(&mut self, observation: Observation, common_m: f32) -> Result<(), EpochError> {
-        // A NaN fails every one of these comparisons.
+        // NaN fails every one of these comparisons.
         if !is_within(observation.range_m.abs(), &(0.0..=RANGE_LIMIT_M)) {
-            return Err(EpochError::Range);
+            return Err(EpochError::Range(observation.range_m));
         }
         if !is_plausible(observation.position) {
-            return Err(EpochError::Position);
+            return Err(EpochError::Position(observation.position));
         }
-        if !is_within(observation.sigma_m, &SIGMA_M) || !(0.0..=1e6).contains(&common_m) {
-            return Err(EpochError::Sigma);
+        if !is_within(observation.sigma_m, &SIGMA_M) {
+            return Err(EpochError::Sigma(observation.sigma_m));
+        }
+        if !(0.0..=1e6).contains(&common_m) {
+            return Err(EpochError::Sigma(common_m.into()));
         }
         if self.observations.iter().any(|known| known.satellite == observation.satellite) {
             return Err(EpochError::Duplicate);
@@ -177,54 +214,54 @@ impl<const N: usize> Epoch<N> {
     /// Adds outside knowledge: one clock and one height at most.
     ///
     /// # Errors
-    /// [`EpochError::Range`] or [`EpochError::Sigma`] for absurd numbers, [`EpochError::Duplicate`] for a second
-    /// row of the same kind.
+    /// [`EpochError::Range`] or [`EpochError::Sigma`] for values out of range,
+    /// [`EpochError::Duplicate`] for a second row of the same kind.
     pub fn aid(&mut self, aiding: Aiding) -> Result<(), EpochError> {
         self.accepts(&aiding)?;
         self.aiding.push(aiding).map_err(|_| EpochError::Full)
     }
 
-    /// What is wrong with outside knowledge, if anything is.
+    /// Checks outside knowledge.
     fn accepts(&self, aiding: &Aiding) -> Result<(), EpochError> {
         let (Aiding::Clock { value_m, sigma_m, .. } | Aiding::Height { value_m, sigma_m }) = *aiding;
         if !is_within(value_m.abs(), &(0.0..=RANGE_LIMIT_M)) {
-            return Err(EpochError::Range);
+            return Err(EpochError::Range(value_m));
         }
         if !is_within(sigma_m, &SIGMA_M) {
-            return Err(EpochError::Sigma);
+            return Err(EpochError::Sigma(sigma_m));
         }
         let same_kind = |known: &Aiding| core::mem::discriminant(known) == core::mem::discriminant(aiding);
         if self.aiding.iter().any(same_kind) { Err(EpochError::Duplicate) } else { Ok(()) }
     }
 
-    /// All of it, whatever its capacity.
+    /// Returns a view without the capacity.
     pub fn view(&self) -> EpochView<'_> {
         let Self { time_s, observations, common_m, aiding } = self;
         EpochView { time_s: *time_s, observations, common_m, aiding }
     }
 
-    /// Seconds of the caller's continuous time scale.
+    /// Returns the seconds of the caller's continuous time scale.
     pub fn time_s(&self) -> f64 {
         self.time_s
     }
 
-    /// The satellites, in the order they were added.
+    /// Returns the satellites, in the order they were added.
     pub fn observations(&self) -> &[Observation] {
         &self.observations
     }
 
-    /// What each observation's error shares with the others', one sigma, m, in the same order.
+    /// Returns the shared error of each observation, one sigma, m, in the same order.
     pub fn common_m(&self) -> &[f32] {
         &self.common_m
     }
 
-    /// The aiding rows, in the order they were added.
+    /// Returns the aiding rows, in the order they were added.
     pub fn aiding(&self) -> &[Aiding] {
         &self.aiding
     }
 }
 
-/// One instant's ranges wherever they are kept: what is judged.
+/// One instant's ranges independent of their storage, as the judging reads them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EpochView<'e> {
     time_s: f64,
@@ -234,50 +271,51 @@ pub struct EpochView<'e> {
 }
 
 impl<'e> EpochView<'e> {
-    /// As [`Epoch::time_s`].
+    /// Works like [`Epoch::time_s`].
     pub fn time_s(&self) -> f64 {
         self.time_s
     }
 
-    /// As [`Epoch::observations`].
+    /// Works like [`Epoch::observations`].
     pub fn observations(&self) -> &'e [Observation] {
         self.observations
     }
 
-    /// As [`Epoch::common_m`].
+    /// Works like [`Epoch::common_m`].
     pub fn common_m(&self) -> &'e [f32] {
         self.common_m
     }
 }
 
-/// Ranges as they are solved: with a forecast beside their own outside knowledge, and without a copy.
+/// Ranges as they are solved: with a forecast beside the epoch's own outside knowledge, without a
+/// copy.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Aided<'e> {
     view: EpochView<'e>,
     forecast: Option<Aiding>,
-    /// On all sigmas, dimensionless, where there is one.
+    /// Scale on all sigmas, dimensionless, if there is one.
     scale: Option<f64>,
 }
 
 impl<'e> Aided<'e> {
-    /// The epoch by itself.
+    /// Returns the epoch without a forecast.
     pub(crate) fn alone<const N: usize>(epoch: &'e Epoch<N>) -> Self {
         Self { view: epoch.view(), forecast: None, scale: None }
     }
 
-    /// The epoch with a forecast, where it has room for the row and knows nothing of the kind.
+    /// Returns the epoch with a forecast, if it has capacity for the row and no aiding of the kind.
     pub(crate) fn by<const N: usize>(epoch: &'e Epoch<N>, forecast: Option<Aiding>) -> Self {
         let has_room = epoch.observations.len() + epoch.aiding.len() < N;
         let forecast = forecast.filter(|forecast| has_room && epoch.accepts(forecast).is_ok());
         Self { forecast, ..Self::alone(epoch) }
     }
 
-    /// The same with all sigmas multiplied by a scale, where there is one.
+    /// Returns the epoch with all sigmas multiplied by a scale, if there is one.
     pub(crate) fn scaled(self, scale: Option<f64>) -> Self {
         Self { scale, ..self }
     }
 
-    /// The satellites, each with the standard deviation of its range, m.
+    /// Iterates over the satellites, each with the standard deviation of its range, m.
     pub(crate) fn weighed(&self) -> impl Iterator<Item = (&'e Observation, f64)> {
         let scale = self.scale;
         self.view.observations.iter().zip(self.view.common_m).map(move |(observation, &common_m)| {
@@ -287,12 +325,12 @@ impl<'e> Aided<'e> {
         })
     }
 
-    /// The satellites.
+    /// Returns the satellites.
     pub(crate) fn observations(&self) -> &'e [Observation] {
         self.view.observations
     }
 
-    /// All aiding rows, the forecast last.
+    /// Iterates over all aiding rows, the forecast last.
     pub(crate) fn aiding(&self) -> impl Iterator<Item = &Aiding> {
         self.view.aiding.iter().chain(&self.forecast)
     }

@@ -1,4 +1,4 @@
-//! Coordinate frames. A coordinate's frame is its type; this is the only file that knows WGS 84.
+//! Coordinate frames. A coordinate's frame is its type; no other file knows WGS 84.
 //!
 //! | type | axes | origin |
 //! |---|---|---|
@@ -8,8 +8,8 @@
 //!
 //! [`LocalFrame::rotate`] is the only way to an [`Enu`].
 //!
-//! Assumes the WGS 84 ellipsoid; the ellipsoids of the other systems differ by less than 0.1 mm at the surface.
-//! References: [WGS84], [Bowring1985] for the latitude.
+//! Assumes the WGS 84 ellipsoid; the ellipsoids of the other systems differ by less than 0.1 mm at
+//! the surface. References: [WGS84], [Bowring1985] for the latitude.
 //!
 //! [WGS84]: crate#references
 //! [Bowring1985]: crate#references
@@ -47,37 +47,45 @@ const ECCENTRICITY_SQUARED: f64 = FLATTENING * (2.0 - FLATTENING);
 const SEMI_MINOR_AXIS_M: f64 = SEMI_MAJOR_AXIS_M * (1.0 - FLATTENING);
 
 /// An earth-fixed position or difference of positions, in metres.
+///
+/// ```
+/// use rai_core::Ecef;
+///
+/// let satellite = Ecef::new(26_560_000.0, 0.0, 0.0);
+/// let receiver = Ecef::new(6_378_137.0, 0.0, 0.0);
+/// assert_eq!(satellite.distance_m(receiver), 20_181_863.0);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Ecef {
-    /// Towards the prime meridian on the equator, m.
+    /// Component towards the prime meridian on the equator, m.
     pub x_m: f64,
-    /// Towards 90° E on the equator, m.
+    /// Component towards 90° E on the equator, m.
     pub y_m: f64,
-    /// Towards the north pole, m.
+    /// Component towards the north pole, m.
     pub z_m: f64,
 }
 
 impl Ecef {
-    /// The centre of the earth: where a fix starts that knows nothing.
+    /// The centre of the earth, the start of a fix without a known position.
     pub const CENTRE: Self = Self { x_m: 0.0, y_m: 0.0, z_m: 0.0 };
 
-    /// A position from its coordinates in metres.
+    /// Returns a position from its coordinates in metres.
     pub const fn new(x_m: f64, y_m: f64, z_m: f64) -> Self {
         Self { x_m, y_m, z_m }
     }
 
-    /// Distance from the centre of the earth, m.
+    /// Returns distance from the centre of the earth, m.
     pub fn radius_m(self) -> f64 {
         libm::sqrt(self.x_m * self.x_m + self.y_m * self.y_m + self.z_m * self.z_m)
     }
 
-    /// Straight-line distance to another point, m.
+    /// Returns Straight-line distance to another point, m.
     pub fn distance_m(self, other: Self) -> f64 {
         (other - self).radius_m()
     }
 
-    /// True when all coordinates are finite.
+    /// Returns true if all coordinates are finite.
     pub fn is_finite(self) -> bool {
         self.x_m.is_finite() && self.y_m.is_finite() && self.z_m.is_finite()
     }
@@ -110,7 +118,7 @@ pub struct Geodetic {
 }
 
 impl Geodetic {
-    /// The earth-fixed position.
+    /// Returns the earth-fixed position.
     pub fn to_ecef(self) -> Ecef {
         let (sin_latitude, cos_latitude) = libm::sincos(self.latitude_rad);
         let (sin_longitude, cos_longitude) = libm::sincos(self.longitude_rad);
@@ -138,13 +146,14 @@ pub struct Enu {
 }
 
 impl Enu {
-    /// Length of the horizontal part, in the unit of the components.
+    /// Returns length of the horizontal part, in the unit of the components.
     pub fn horizontal(self) -> f64 {
         libm::sqrt(self.east * self.east + self.north * self.north)
     }
 }
 
-/// The directions east, north and up at a point, by the sines and cosines of its geodetic latitude and longitude.
+/// The directions east, north and up at a point, by the sines and cosines of its geodetic latitude
+/// and longitude.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 struct Directions<T> {
@@ -155,21 +164,24 @@ struct Directions<T> {
 }
 
 impl<T: Real> Directions<T> {
-    /// At an earth-fixed point, and its distance to the axis, m; see [`LocalFrame::at`]. `None` where no direction is up.
+    /// Returns the directions at an earth-fixed point and its distance to the axis, m; see
+    /// [`LocalFrame::at`].
+    ///
+    /// `None` if no direction is up.
     fn at(point: &Vector3<T>) -> Option<(Self, T)> {
-        let radius = dot(point, point).root();
-        // Also the way out for NaN and infinity, which are within no bounds.
+        let radius = dot(point, point).sqrt_approx();
+        // NaN and infinity leave here too, because they are within no bounds.
         if !(radius >= T::narrow(1e3) && radius <= T::narrow(1e15)) {
             return None;
         }
-        let axial = (point.x * point.x + point.y * point.y).root();
+        let axial = (point.x * point.x + point.y * point.y).sqrt_approx();
         let (sin_longitude, cos_longitude) =
             if axial > T::narrow(1e-6) { (point.y / axial, point.x / axial) } else { (T::zero(), T::one()) };
         let (sin_latitude, cos_latitude) = latitude(axial, point.z, radius);
         Some((Self { sin_latitude, cos_latitude, sin_longitude, cos_longitude }, axial))
     }
 
-    /// Latitude 0, longitude 0.
+    /// Returns the directions at latitude 0, longitude 0.
     fn of_origin() -> Self {
         Self {
             sin_latitude: T::zero(),
@@ -179,7 +191,7 @@ impl<T: Real> Directions<T> {
         }
     }
 
-    /// Rows east, north, up.
+    /// Returns the matrix with rows east, north, up.
     fn axes(&self) -> Matrix3<T> {
         let Self { sin_latitude, cos_latitude, sin_longitude, cos_longitude } = *self;
         #[rustfmt::skip]
@@ -201,11 +213,12 @@ pub struct LocalFrame {
 }
 
 impl LocalFrame {
-    /// The frame at an earth-fixed point.
+    /// Returns the frame at an earth-fixed point.
     ///
-    /// Latitude by one step of [Bowring1985] (error below 1e-11 rad from the ground to 30,000 km), with square
-    /// roots only, no trigonometric function. On the earth's axis the longitude is 0; within 1 km of the centre,
-    /// where no direction is up, the frame is that of latitude 0, longitude 0.
+    /// Latitude by one step of [Bowring1985] (error below 1e-11 rad from the ground to 30,000 km),
+    /// with square roots only, no trigonometric function. On the earth's axis the longitude is 0.
+    /// Within 1 km of the centre no direction is up, so that the frame is that of latitude 0,
+    /// longitude 0.
     ///
     /// [Bowring1985]: crate#references
     pub fn at(point: Ecef) -> Self {
@@ -219,7 +232,7 @@ impl LocalFrame {
         Self { directions, height_m }
     }
 
-    /// The origin's coordinates on the ellipsoid.
+    /// Returns the origin's coordinates on the ellipsoid.
     pub fn geodetic(&self) -> Geodetic {
         let Directions { sin_latitude, cos_latitude, sin_longitude, cos_longitude } = self.directions;
         Geodetic {
@@ -229,17 +242,17 @@ impl LocalFrame {
         }
     }
 
-    /// Height of the origin above the ellipsoid, m.
+    /// Returns height of the origin above the ellipsoid, m.
     pub fn height_m(&self) -> f64 {
         self.height_m
     }
 
-    /// Sine of the origin's geodetic latitude.
+    /// Returns sine of the origin's geodetic latitude.
     pub fn sin_latitude(&self) -> f64 {
         self.directions.sin_latitude
     }
 
-    /// An earth-fixed vector in east, north, up.
+    /// Rotates an earth-fixed vector into east, north, up.
     pub fn rotate(&self, vector: Ecef) -> Enu {
         let Directions { sin_latitude, cos_latitude, sin_longitude, cos_longitude } = self.directions;
         let outward = cos_longitude * vector.x_m + sin_longitude * vector.y_m;
@@ -250,7 +263,7 @@ impl LocalFrame {
         }
     }
 
-    /// An east, north, up vector back in the earth-fixed frame.
+    /// Rotates an east, north, up vector back into the earth-fixed frame.
     pub fn unrotate(&self, vector: Enu) -> Ecef {
         let Directions { sin_latitude, cos_latitude, sin_longitude, cos_longitude } = self.directions;
         let outward = cos_latitude * vector.up - sin_latitude * vector.north;
@@ -262,8 +275,8 @@ impl LocalFrame {
     }
 }
 
-/// Sine and cosine of the geodetic latitude, from the distance to the axis, the height over the equator and the distance
-/// to the centre, m.
+/// Returns the sine and cosine of the geodetic latitude, from the distance to the axis, the height
+/// over the equator and the distance to the centre, m.
 fn latitude<T: Real>(axial: T, z: T, radius: T) -> (T, T) {
     const SECOND_ECCENTRICITY_SQUARED: f64 = ECCENTRICITY_SQUARED / (1.0 - ECCENTRICITY_SQUARED);
     let [semi_major, semi_minor] = [SEMI_MAJOR_AXIS_M, SEMI_MINOR_AXIS_M].map(T::narrow);
@@ -271,33 +284,33 @@ fn latitude<T: Real>(axial: T, z: T, radius: T) -> (T, T) {
     // Reduced latitude, Bowring's improved start.
     let top = z * semi_minor * (T::one() + second * semi_minor / radius);
     let bottom = semi_major * axial;
-    let length = (top * top + bottom * bottom).root();
+    let length = (top * top + bottom * bottom).sqrt_approx();
     let (sin_reduced, cos_reduced) = (top / length, bottom / length);
     let north = z + second * semi_minor * sin_reduced * sin_reduced * sin_reduced;
     let outward = axial - first * semi_major * cos_reduced * cos_reduced * cos_reduced;
-    let length = (north * north + outward * outward).root();
+    let length = (north * north + outward * outward).sqrt_approx();
     if length > T::zero() { (north / length, outward / length) } else { (T::zero(), T::one()) }
 }
 
-/// What a receiver sees of a satellite.
+/// Line of sight from a receiver to a satellite.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Sight<T: Real> {
+pub(crate) struct LineOfSight<T: Real> {
     /// Straight distance between the satellite at transmission and the receiver.
     pub(crate) distance: Length<T::Absolute, T>,
-    /// What the earth's rotation adds to the distance while the signal travels, m.
+    /// Increase of the distance by the earth's rotation while the signal travels, m.
     pub(crate) rotation: T,
     /// Unit vector receiver → satellite, east, north, up.
     pub(crate) direction: Vector3<T>,
 }
 
-/// A receiver's place as a scalar of directions has it.
+/// A receiver's position in a scalar for directions.
 ///
-/// A range must be right to a millimetre in 26,000 km ([`Absolute`]). A direction that is right to 1e-7 moves no
-/// residual, nor do the 40 m of the earth's rotation with as many digits.
+/// A range must be right to a millimetre in 26,000 km ([`Absolute`]). A direction that is right to
+/// 1e-7 moves no residual, nor do the 40 m of the earth's rotation with as many digits.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Lookout<T: Real> {
+pub(crate) struct LinearisationPoint<T: Real> {
     point: Ecef,
-    /// The same, x, y, z.
+    /// Position in the scalar's absolute lengths, x, y, z.
     place: [T::Absolute; 3],
     /// Rows east, north, up.
     axes: Matrix3<T>,
@@ -305,8 +318,8 @@ pub(crate) struct Lookout<T: Real> {
     turning: [T; 2],
 }
 
-impl<T: Real> Lookout<T> {
-    /// A receiver at a point.
+impl<T: Real> LinearisationPoint<T> {
+    /// Returns the linearisation point at an earth-fixed point.
     pub(crate) fn at(point: Ecef) -> Self {
         const RATE: f64 = EARTH_ROTATION_RAD_S / SPEED_OF_LIGHT_M_S;
         let position = Vector3::new(T::narrow(point.x_m), T::narrow(point.y_m), T::narrow(point.z_m));
@@ -321,31 +334,32 @@ impl<T: Real> Lookout<T> {
         }
     }
 
-    /// Where the receiver is.
+    /// Returns the earth-fixed point.
     pub(crate) fn point(&self) -> Ecef {
         self.point
     }
 
-    /// What is seen of a satellite that sent its signal from `satellite`.
+    /// Returns the line of sight to a satellite that sent its signal from `satellite`.
     ///
-    /// The satellite's coordinates are those of the earth-fixed frame at transmission. While the signal travels,
-    /// the earth turns; to first order in the angle this adds `ω/c (x_s y_r − y_s x_r)` to the range (second
-    /// order: 0.3 mm). The difference of the positions gives the same product as the satellite's position.
-    pub(crate) fn sight(&self, satellite: Ecef) -> Sight<T> {
+    /// The satellite's coordinates are those of the earth-fixed frame at transmission. While the
+    /// signal travels, the earth turns; to first order in the angle this adds
+    /// `ω/c (x_s y_r − y_s x_r)` to the range (second order: 0.3 mm). The difference of the
+    /// positions gives the same product as the satellite's position.
+    pub(crate) fn sight(&self, satellite: Ecef) -> LineOfSight<T> {
         let [x, y, z] = coordinates::<T>(satellite);
         let [here_x, here_y, here_z] = self.place;
         let difference = [x.less(here_x), y.less(here_y), z.less(here_z)];
         let sight = Vector3::from(T::Absolute::vector(difference));
         let distance = T::Absolute::length(difference);
         let [turning_x, turning_y] = self.turning;
-        Sight {
+        LineOfSight {
             distance,
             rotation: sight.x * turning_y - sight.y * turning_x,
             direction: scaled(distance.rounded.recip(), &product(&self.axes, &sight)),
         }
     }
 
-    /// The point that is a vector of east, north, up away, m.
+    /// Returns the point at an offset of east, north, up, m.
     pub(crate) fn beside(&self, vector: &Vector3<T>) -> Ecef {
         let away = transposed_product(&self.axes, vector);
         self.point + Ecef::new(away.x.widen(), away.y.widen(), away.z.widen())
@@ -357,7 +371,7 @@ fn coordinates<T: Real>(point: Ecef) -> [T::Absolute; 3] {
 }
 
 impl LocalFrame {
-    /// Sine of the elevation at which the origin sees a point.
+    /// Returns the sine of the elevation of a point seen from the origin.
     pub fn sin_elevation(&self, origin: Ecef, point: Ecef) -> f64 {
         let difference = point - origin;
         let distance_m = difference.radius_m();

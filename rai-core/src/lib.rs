@@ -1,62 +1,102 @@
-//! Receiver autonomous integrity monitoring (RAIM) for microcontrollers: from ranges and satellite positions to a
-//! verdict on the position they give. No heap, no panic, no clock of its own, no I/O.
+//! Receiver autonomous integrity monitoring (RAIM) for microcontrollers: from ranges and satellite
+//! positions to a verdict on the position they give. No heap, no panic, no clock of its own, no
+//! I/O.
 //!
-//! A receiver can be confidently wrong: one satellite's range is off by 100 m, and the position walks away with it.
-//! Redundant satellites show it, say which one it is, and bound what remains. One epoch walks through the
-//! modules in this order:
+//! A receiver can be confidently wrong: one satellite's range is off by 100 m, and the position
+//! moves with it. Redundant satellites detect the fault, identify the satellite, and bound the
+//! remaining error. One epoch passes through the modules in this order:
 //!
 //! | stage | module | question |
 //! |---|---|---|
-//! | 1 | [`epoch`] | are these ranges numbers at all? |
-//! | 2 | [`fix`] | where are we? |
-//! | 3 | [`equations`], [`snapshot`] | what does each range say of the others? |
-//! | 4 | [`detection`](integrity::residuals::detection) | is something wrong? |
-//! | 5 | [`baarda`](integrity::residuals::baarda), [`parity`](integrity::residuals::parity), [`ransac`](integrity::residuals::ransac) | which satellite is it? |
-//! | 6 | [`levels`](integrity::residuals::levels) | how wrong could we be without noticing? |
-//! | 7 | [`monitor`] → [`report`] | may the position be used? |
+//! | 1 | [`epoch`] | Are these ranges valid? |
+//! | 2 | [`least_squares::fix`] | Where is the receiver? |
+//! | 3 | [`least_squares`] | How well do the ranges agree? |
+//! | 4 | [`integrity::raim::detection`] | Is a range faulty? |
+//! | 5 | [`integrity::raim::isolation`], [`integrity::raim::hypotheses`] | Which satellite is faulty? |
+//! | 6 | [`integrity::raim::levels`] | How large can the undetected error be? |
+//! | 4–6 | [`integrity::araim`] | The same for several faults and whole constellations, with the risk accounted for |
+//! | 7 | [`monitor`] → [`report`] | May the position be used? |
 //!
-//! beside them [`removal`] (any set of satellites left out by algebra), [`weighting`] (what a sigma is made of),
-//! [`clock`] (a forecast of the receiver clock as one more row), [`threshold`](integrity::residuals::threshold) (committed tables), [`frame`]
-//! (WGS 84) and [`single`] (all of it as a microcontroller runs it).
+//! Further modules: [`least_squares::downdate`] (the solution without any set of satellites),
+//! [`weighting`] (the error model), [`clock`] (a forecast of the receiver clock as one more row),
+//! [`continuity`] (recovery and jumps), [`velocity`], [`frame`] (WGS 84) and [`single`] (the
+//! instance for a microcontroller).
+//!
+//! # Example
+//!
+//! Six satellites agree on a position, and the monitor protects it:
 //!
 //! ```
-//! use rai_core::epoch::{Epoch, Observation};
-//! use rai_core::frame::Ecef;
-//! use rai_core::monitor::Monitor;
-//! use rai_core::requirements::Requirements;
-//! use rai_core::satellite::{Constellation, SatelliteId};
+//! use rai_core::{Ecef, Epoch, Monitor, Observation, Requirements, SatelliteId, Verdict};
 //!
-//! let mut monitor = Monitor::<f32, 40>::new(Requirements::non_precision_approach())?;
+//! let receiver = Ecef::new(6_378_137.0, 0.0, 0.0); // on the equator and the prime meridian
+//! let clock_m = 150.0; // the receiver clock, which every range contains
+//! let sky = [
+//!     ("G01", 20.2e6, 16.9e6, 0.0),
+//!     ("G02", 20.2e6, -16.9e6, 0.0),
+//!     ("G03", 20.2e6, 0.0, 16.9e6),
+//!     ("G04", 20.2e6, 0.0, -16.9e6),
+//!     ("G05", 26.4e6, 1.0e6, 1.0e6),
+//!     ("G06", 15.3e6, 15.3e6, 15.3e6),
+//!     ("G07", 15.3e6, -15.3e6, -15.3e6),
+//! ];
 //! let mut epoch = Epoch::new(0.0);
-//! epoch.push(Observation {
-//!     satellite: SatelliteId::new(Constellation::Gps, 5).ok_or("no such satellite")?,
-//!     position: Ecef::new(15.6e6, 0.0, 21.6e6),
-//!     range_m: 20_850_000.0,
-//!     sigma_m: 3.0,
-//! })?;
-//! let report = monitor.process(&epoch); // one satellite: unavailable, no position
-//! assert!(report.solution.is_none());
+//! for (name, x_m, y_m, z_m) in sky {
+//!     let position = Ecef::new(x_m, y_m, z_m);
+//!     // While the signal travels, the earth turns.
+//!     let turning_m = 7.292_115e-5 / 299_792_458.0 * (x_m * receiver.y_m - y_m * receiver.x_m);
+//!     let range_m = position.distance_m(receiver) + turning_m + clock_m;
+//!     let satellite: SatelliteId = name.parse()?;
+//!     epoch.push(Observation { satellite, position, range_m, sigma_m: 3.0 })?;
+//! }
+//! let mut monitor = Monitor::<f32, 16>::new(Requirements::en_route())?;
+//! let report = monitor.process(&epoch);
+//! assert!(matches!(report.verdict, Verdict::Protected(_)));
+//! let levels = report.protection.ok_or("seven satellites are redundant")?;
+//! assert!(levels.hpl_m < 3_704.0);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
+//! # Features
+//!
+//! | feature | default | effect |
+//! |---|---|---|
+//! | `araim` | yes | [`Method::Araim`], solution separation over all monitored fault modes |
+//! | `searches` | yes | [`Method::Parity`] and [`Method::Ransac`] |
+//! | `tables` | yes | thresholds of all committed probabilities; without it those of the phases of flight |
+//! | `short-tables` | no | thresholds for no more satellites than [`single::CAPACITY`], in single precision |
+//! | `double-tables` | no | `short-tables` in double precision |
+//! | `satellites-16`, `satellites-32` | no | smaller [`single::CAPACITY`]; for a binary, not for a library |
+//! | `stages` | no | `single::stages`, the stages one by one for measurements |
+//! | `defmt` | no | `defmt::Format` on public types |
+//!
+//! # Minimum supported Rust version
+//!
+//! Rust 1.95. A newer minimum is a breaking change of the minor version, and the changelog names
+//! it.
+//!
 //! # Symbols
 //!
-//! `n` ranges, `C` constellations, `dof = n − 3 − C`. `LOS` unit vector receiver → satellite, `σ` standard deviation,
-//! `w = 1/σ²`, `v` residual, `r = S_ii` redundancy number, `SSE = Σ w v²`, `τ` threshold on SSE, `λ` non-centrality, `P_fa`
-//! and `P_md` probabilities of false alarm and missed detection. Metres, seconds and radians throughout; units are
-//! in the names.
+//! `n` ranges, `C` constellations, `dof = n − 3 − C`. `LOS` unit vector receiver → satellite, `σ`
+//! standard deviation, `w = 1/σ²`, `v` residual, `r = S_ii` redundancy number, `SSE = Σ w v²`, `τ`
+//! threshold on SSE, `λ` non-centrality, `P_fa` and `P_md` probabilities of false alarm and missed
+//! detection. Metres, seconds and radians throughout; units are in the names.
 //!
 //! # Numeric rule
 //!
-//! What is absolute is `f64`; what is linearised is generic over [`Real`](numeric::real::Real). The Cortex-M4F runs the latter in
-//! `f32`; tests hold both to the same reference. All transcendental functions are libm's, so that the same epochs
-//! give the same reports on every machine, bit for bit.
+//! Absolute values are `f64`; linearised values are generic over [`Real`](numeric::real::Real). The
+//! Cortex-M4F computes the latter in `f32`; tests compare both with the same reference. All
+//! transcendental functions are libm's, so that the same epochs give the same reports on every
+//! machine, bit for bit.
 //!
-//! # What this crate does not do
+//! # Limits
 //!
-//! It does not decode messages, compute orbits or know the time of day: `rai-firmware` does. It does not smooth or
-//! filter positions, uses no carrier phase, and promises nothing about faults common to all satellites. Its
-//! protection levels bound the effect of a single undetected fault; they are not those of ARAIM.
+//! This crate does not decode messages, compute orbits or know the time of day: `rai-firmware`
+//! does. It does not smooth or filter positions and uses no carrier phase. The protection levels of
+//! [`integrity::raim`] bound the effect of a single undetected fault. Those of [`integrity::araim`]
+//! also cover several faults and the loss of a constellation, as far as the integrity support
+//! message describes them. Neither covers an error that all satellites share, except for the shared
+//! error that an epoch declares ([`Epoch::push_sharing`]).
 //!
 //! # References
 //!
@@ -103,17 +143,22 @@ mod bounded;
 pub mod clock;
 pub mod continuity;
 pub mod epoch;
-pub mod equations;
-pub mod fix;
 pub mod frame;
 pub mod integrity;
+pub mod least_squares;
 pub mod monitor;
 pub mod numeric;
-pub mod removal;
 pub mod report;
 pub mod requirements;
 pub mod satellite;
 pub mod single;
-pub mod snapshot;
 pub mod velocity;
 pub mod weighting;
+
+pub use epoch::{Epoch, Observation};
+pub use frame::Ecef;
+pub use integrity::Method;
+pub use monitor::Monitor;
+pub use report::{Report, Verdict};
+pub use requirements::Requirements;
+pub use satellite::{Constellation, SatelliteId};

@@ -1,32 +1,43 @@
-//! What the monitor says of one epoch: plain data.
+//! The monitor's report on one epoch: plain values.
 //!
-//! Three states, never two: [`Verdict::Protected`], [`Verdict::Alert`], [`Verdict::Unavailable`], each with its
-//! reason. An alert is a value; what could not be computed is an unavailability with a reason, not a silence.
+//! A verdict has three states, never two: [`Verdict::Protected`], [`Verdict::Alert`],
+//! [`Verdict::Unavailable`], each with its reason. An alert is a value. If a value cannot be
+//! computed, the verdict is unavailable with a reason, not silent.
 
 use heapless::Vec;
 
 use crate::frame::{Ecef, Geodetic};
 use crate::satellite::{Constellation, SatelliteId};
 
-/// How many satellites may be left out of one epoch ([Tian2024] treats no more than 3 faults, nor does any source here).
+/// Most satellites that may be left out of one epoch ([Tian2024] treats no more than 3 faults, nor
+/// does any source here).
 ///
 /// [Tian2024]: crate#references
 pub const MAX_EXCLUDED: usize = 3;
 
-/// May the position be used?
+/// The answer to one question: may the position be used?
+///
+/// ```
+/// use rai_core::Verdict;
+/// use rai_core::report::{Protected, Unavailable};
+///
+/// let may_use = |verdict: Verdict| matches!(verdict, Verdict::Protected(_));
+/// assert!(may_use(Verdict::Protected(Protected::Ok)));
+/// assert!(!may_use(Verdict::Unavailable(Unavailable::NoFix)));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Verdict {
-    /// No fault was detected in what is used, and an undetected one of a single satellite stays within the alert
-    /// limits ([`ProtectionLevels`]).
+    /// No fault was detected in the satellites used, and an undetected one of a single satellite
+    /// stays within the alert limits ([`ProtectionLevels`]).
     Protected(Protected),
-    /// The position must not be used: something is wrong with it.
+    /// The position must not be used, because a fault was detected.
     Alert(Alert),
-    /// Nothing can be promised: the means to tell are missing.
+    /// The position has no integrity, because the means to test it are missing.
     Unavailable(Unavailable),
 }
 
-/// Why a position is protected.
+/// Reason why a position is protected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Protected {
@@ -36,7 +47,7 @@ pub enum Protected {
     Excluded,
 }
 
-/// Why a position must not be used.
+/// Reason why a position must not be used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Alert {
@@ -46,27 +57,29 @@ pub enum Alert {
     Ambiguous,
     /// A wrong time tag of all ranges explains the data, and no exclusion does better.
     Time,
-    /// No epoch came within the time to alert. Said by the receiver around the core, which has a clock.
+    /// No epoch came within the time to alert. The receiver around the core reports it, because it
+    /// has a clock.
     Stale,
-    /// The position moved farther than it can since it was last protected: satellites that agree on it agree by chance,
-    /// or on somebody's purpose.
+    /// The position moved farther than it can since it was last protected: the satellites that
+    /// agree on it agree by chance, or are counterfeit.
     Jump,
-    /// No epoch of the receiver in use came within the time to alert, and epochs of another station or in another format did. Said by
-    /// the receiver around the core.
+    /// No epoch of the receiver in use came within the time to alert, and epochs of another station or
+    /// in another format did. The receiver around the core sets it.
     Source,
-    /// The receiver that measures is sure that its signals are counterfeit. Said by the receiver around the core.
+    /// The GNSS receiver reports counterfeit signals. The receiver around the core sets it.
     Spoofed,
 }
 
-/// Why nothing can be promised.
+/// Reason why a position has no integrity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Unavailable {
     /// Too few satellites for a position, or the fix did not converge.
     NoFix,
-    /// A position, but no redundancy to test it with.
+    /// The position has no redundancy to test it with.
     Redundancy,
-    /// The satellites' geometry is singular, or leaves a satellite untestable that moves the position.
+    /// The satellites' geometry is singular, or a satellite that moves the position cannot be
+    /// tested.
     Geometry,
     /// No threshold meets both probabilities (T1 ≥ T2).
     Risk,
@@ -74,6 +87,10 @@ pub enum Unavailable {
     Hpl,
     /// The vertical protection level exceeds its share of the alert limit.
     Vpl,
+    /// The effective monitor threshold of ARAIM exceeds its limit.
+    Emt,
+    /// The vertical accuracy of ARAIM exceeds its limit.
+    Accuracy,
     /// The declared work budget cut the search.
     Budget,
     /// The input was refused as a whole.
@@ -82,11 +99,12 @@ pub enum Unavailable {
     Recovering,
     /// No receiver can be at this height or place.
     Place,
-    /// A known answer was missed. Said by the receiver around the core, as are the next two.
+    /// A known answer was missed. The receiver around the core sets it, as it sets the next two.
     SelfTest,
-    /// Ranges came, orbits did not.
+    /// Ranges came without orbits.
     Ephemeris,
-    /// An unexpected restart: the settings in force are those at start, and nobody has confirmed them.
+    /// An unexpected restart: the settings in force are those at start, and the user has not
+    /// confirmed them.
     Settings,
 }
 
@@ -96,11 +114,12 @@ pub enum Unavailable {
 pub struct Solution {
     /// Earth-fixed position.
     pub position: Ecef,
-    /// The same on the ellipsoid.
+    /// Position on the ellipsoid.
     pub geodetic: Geodetic,
     /// Covariance of east, north, up in this order: EE, EN, EU, NN, NU, UU, m².
     pub covariance_m2: [f64; 6],
-    /// Receiver clock times the speed of light for each constellation id, m; `None` where it has no satellite.
+    /// Receiver clock times the speed of light for each constellation id, m; `None` if it has no
+    /// satellite.
     pub clocks_m: [Option<f64>; Constellation::COUNT],
     /// Horizontal dilution of precision, dimensionless.
     pub hdop: f64,
@@ -109,27 +128,29 @@ pub struct Solution {
 }
 
 impl Solution {
-    /// Position dilution of precision, dimensionless.
+    /// Returns the position dilution of precision, dimensionless.
     pub fn pdop(&self) -> f64 {
         let (hdop, vdop) = (self.hdop as f32, self.vdop as f32);
         f64::from(libm::sqrtf(hdop * hdop + vdop * vdop))
     }
 }
 
-/// The global test that the verdict rests on.
+/// The global test behind the verdict.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct TestStatistic {
     /// `√(SSE/dof)`, dimensionless.
     pub statistic: f64,
-    /// What it was held against, dimensionless.
+    /// Threshold that it was compared with, dimensionless.
     pub threshold: f64,
     /// Degrees of freedom.
     pub dof: u8,
 }
 
-/// How wrong a position can be, m, that is called good although one satellite is faulty; infinite where a satellite moves
-/// it but cannot be tested ([`crate::integrity::residuals::levels`]).
+/// Bounds on the error of a position that is protected although one satellite is faulty, m.
+///
+/// Infinite if a satellite moves the position but cannot be tested
+/// ([`crate::integrity::raim::levels`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ProtectionLevels {
@@ -140,13 +161,13 @@ pub struct ProtectionLevels {
 }
 
 impl ProtectionLevels {
-    /// Both added.
+    /// Returns the sum of both.
     #[must_use]
     pub fn plus(&self, other: &Self) -> Self {
         Self { hpl_m: self.hpl_m + other.hpl_m, vpl_m: self.vpl_m + other.vpl_m }
     }
 
-    /// The larger of each; what is not a number is the largest.
+    /// Returns the larger of each; NaN counts as the largest.
     #[must_use]
     pub fn or_larger(&self, other: &Self) -> Self {
         let larger = |a: f64, b: f64| if a > b || a.is_nan() { a } else { b };
@@ -154,39 +175,39 @@ impl ProtectionLevels {
     }
 }
 
-/// What ARAIM says beside its levels.
+/// Results of ARAIM beside its levels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Separation {
-    /// Watched modes.
+pub struct AraimReport {
+    /// Number of monitored modes.
     pub modes: u16,
-    /// Probability of what is not watched.
-    pub not_watched: f64,
-    /// Share of the risk that this outcome has: one of every possible exclusion and of none.
+    /// Probability of unmonitored faults.
+    pub unmonitored_probability: f64,
+    /// Share of the risk of this outcome: one of every possible exclusion and of none.
     pub share: f64,
-    /// The largest separation over its threshold: an alarm from 1 on.
+    /// Largest separation over its threshold, dimensionless: an alarm from 1 on.
     pub ratio: f64,
     /// The largest threshold of a likely mode, up, m.
     pub effective_monitor_threshold_m: f64,
     /// Standard deviation of the height for accuracy, m.
     pub accuracy_m: f64,
-    /// The mode that makes the horizontal level.
-    pub horizontal: Dominant,
-    /// The mode that makes the vertical level.
-    pub vertical: Dominant,
+    /// The fault mode that dominates the HPL.
+    pub horizontal: DominantMode,
+    /// The fault mode that dominates the VPL.
+    pub vertical: DominantMode,
     /// Constellations left out as a whole, a bit for each id.
     pub excluded_constellations: u8,
-    /// Whether what is not watched uses up the risk, so that no level exists.
+    /// True if the unmonitored faults use up the risk, so that no level exists.
     pub is_risk_spent: bool,
 }
 
-/// A mode, by what it takes away; nothing where the noise of all satellites makes the level.
+/// A fault mode by its satellites; empty if the noise of all satellites dominates the level.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Dominant {
+pub struct DominantMode {
     /// Whole constellations, a bit for each id.
     pub constellations: u8,
-    /// Satellites of others.
+    /// Satellites of other constellations.
     pub satellites: [Option<SatelliteId>; 3],
 }
 
@@ -194,9 +215,9 @@ pub struct Dominant {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Suspect {
-    /// Which satellite.
+    /// The satellite.
     pub satellite: SatelliteId,
-    /// Signed w-test at the moment of suspicion, dimensionless.
+    /// Signed w-test when it was suspected, dimensionless.
     pub w_test: f64,
     /// Estimated bias of its range, m.
     pub bias_m: f64,
@@ -204,20 +225,31 @@ pub struct Suspect {
     pub bias_sigma_m: f64,
 }
 
-/// All that is known about one epoch, at most `N` satellites.
+/// Results for one epoch, at most `N` satellites.
+///
+/// ```
+/// use rai_core::{Epoch, Monitor, Requirements, Verdict};
+/// use rai_core::report::Unavailable;
+///
+/// let mut monitor = Monitor::<f32, 16>::new(Requirements::terminal())?;
+/// let report = monitor.process(&Epoch::new(0.0)); // no satellite
+/// assert_eq!(report.verdict, Verdict::Unavailable(Unavailable::NoFix));
+/// assert!(report.solution.is_none() && report.protection.is_none());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Report<const N: usize> {
-    /// May the position be used, and why (not).
+    /// The verdict with its reason.
     pub verdict: Verdict,
-    /// The position, where there is one; after exclusion, without the excluded.
+    /// The position, if there is one; after an exclusion, without the excluded satellites.
     pub solution: Option<Solution>,
-    /// The last global test, where there was redundancy.
+    /// The last global test, if there was redundancy.
     pub test: Option<TestStatistic>,
-    /// Protection levels of the satellites used, where there was redundancy.
+    /// Protection levels of the satellites used, if there was redundancy.
     pub protection: Option<ProtectionLevels>,
     /// Satellites left out, in the order of exclusion.
     pub excluded: Vec<Suspect, MAX_EXCLUDED>,
-    /// Among the satellites used, the one that fits worst; `None` without redundancy.
+    /// The satellite used with the largest w-test; `None` without redundancy.
     pub suspect: Option<Suspect>,
     /// Satellites in the solution, in the order of the epoch.
     pub used: Vec<SatelliteId, N>,
@@ -225,14 +257,15 @@ pub struct Report<const N: usize> {
     pub residual_rms_m: f64,
     /// Satellites in the epoch.
     pub tracked: u8,
-    /// What ARAIM says beside its levels, where it judged.
-    pub separation: Option<Separation>,
-    /// Mean of SSE/dof over the last epochs: about 1 where sigma is right, `None` before the first test.
+    /// Results of ARAIM beside its levels, if that is the method.
+    pub araim: Option<AraimReport>,
+    /// Mean of SSE/dof over the last epochs: about 1 if sigma is right, `None` before the first
+    /// test.
     pub sigma_check: Option<f64>,
 }
 
 impl<const N: usize> Report<N> {
-    /// On no epoch.
+    /// Returns the report on no epoch.
     #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
     #[inline(always)]
     pub(crate) fn nothing() -> Self {
@@ -246,12 +279,12 @@ impl<const N: usize> Report<N> {
             used: Vec::new(),
             residual_rms_m: 0.0,
             tracked: 0,
-            separation: None,
+            araim: None,
             sigma_check: None,
         }
     }
 
-    /// Back to that.
+    /// Resets the report to that on no epoch.
     pub(crate) fn clear(&mut self) {
         let Self { excluded, used, .. } = self;
         excluded.clear();
@@ -259,6 +292,6 @@ impl<const N: usize> Report<N> {
         (self.verdict, self.residual_rms_m, self.tracked) =
             (Verdict::Unavailable(Unavailable::NoFix), 0.0, 0);
         (self.solution, self.test, self.protection) = (None, None, None);
-        (self.suspect, self.separation, self.sigma_check) = (None, None, None);
+        (self.suspect, self.araim, self.sigma_check) = (None, None, None);
     }
 }

@@ -1,8 +1,8 @@
-//! What the user's operation asks of the position: alert limits, probabilities, time to alert.
+//! Requirements of the user's operation: alert limits, probabilities, time to alert.
 //!
-//! A plain struct without `Default`: nobody gets requirements without having chosen them. Presets are those of
-//! the phases of flight ([ICAO-A10] table 3.7.2.4-1 for the limits and times; false-alert and missed-detection
-//! probabilities per sample as in [Yang2015] and [DO-229]).
+//! A plain struct without `Default`, so that every user chooses them. Presets are those of the
+//! phases of flight ([ICAO-A10] table 3.7.2.4-1 for the limits and times; false-alert and
+//! missed-detection probabilities per sample as in [Yang2015] and [DO-229]).
 //!
 //! [ICAO-A10]: crate#references
 //! [Yang2015]: crate#references
@@ -10,35 +10,47 @@
 
 use core::fmt;
 
-use crate::allocation::Allocation;
+use crate::allocation::{Allocation, AllocationError};
 use crate::numeric::probability::Probability;
 
-/// What an operation requires.
+/// Requirements of an operation.
+///
+/// ```
+/// use rai_core::Requirements;
+/// use rai_core::requirements::RequirementsError;
+///
+/// let mut requirements = Requirements::lpv200();
+/// assert_eq!((requirements.hal_m, requirements.val_m), (40.0, Some(35.0)));
+/// requirements.hal_m = -1.0;
+/// assert_eq!(requirements.validate(), Err(RequirementsError::HorizontalAlertLimit(-1.0)));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Requirements {
     /// Horizontal alert limit, m.
     pub hal_m: f64,
-    /// Vertical alert limit, m; `None` where only the horizontal position matters.
+    /// Vertical alert limit, m; `None` if only the horizontal position matters.
     pub val_m: Option<f64>,
     /// Probability of a false alarm per epoch.
     pub false_alarm: Probability,
-    /// Probability that a fault which matters is missed.
+    /// Probability that a relevant fault is missed.
     pub missed_detection: Probability,
     /// Probability that the error exceeds a protection level without any fault.
     pub fault_free_risk: Probability,
-    /// Longest silence after an epoch until the alarm, s; what is said of an epoch is said at once.
+    /// Longest silence after an epoch until the alert, s; a verdict on an epoch is reported at
+    /// once.
     pub time_to_alert_s: f64,
-    /// Fraction of the alert limit that the protection level may fill, in (0, 1] ([Yang2015]: 0.95). Levels of ARAIM hold all
-    /// of the risk and may fill it.
+    /// Fraction of the alert limit that the protection level may fill, in (0, 1] ([Yang2015]:
+    /// 0.95). Levels of ARAIM hold all of the risk and may fill it.
     ///
     /// [Yang2015]: crate#references
     pub guard_fraction: f64,
-    /// How ARAIM spends the risk.
+    /// Allocation of the risk for ARAIM.
     pub allocation: Allocation,
 }
 
-/// False-alarm probability per sample of non-precision approach ([Yang2015], [DO-229]: 1/3 of 1e-6).
+/// False-alarm probability per sample of non-precision approach ([Yang2015], [DO-229]: 1/3 of
+/// 1e-6).
 ///
 /// [Yang2015]: crate#references
 /// [DO-229]: crate#references
@@ -55,7 +67,7 @@ pub(crate) const MISSED_DETECTION: Probability = match Probability::new(1e-3) {
     None => unreachable!(),
 };
 
-/// Per sample without any fault: `K` is 5.68 horizontally and 5.33 vertically.
+/// Probability per sample without a fault: `K` is 5.68 horizontally and 5.33 vertically.
 const FAULT_FREE_RISK: Probability = match Probability::new(1e-7) {
     Some(probability) => probability,
     None => unreachable!(),
@@ -75,22 +87,23 @@ impl Requirements {
         }
     }
 
-    /// En route, oceanic and continental low density: HAL 3,704 m, 300 s.
+    /// Returns the requirements en route, oceanic and continental low density: HAL 3,704 m, 300 s.
     pub const fn en_route() -> Self {
         Self::horizontal(3704.0, 300.0)
     }
 
-    /// Terminal area: HAL 1,852 m, 15 s.
+    /// Returns the requirements of the terminal area: HAL 1,852 m, 15 s.
     pub const fn terminal() -> Self {
         Self::horizontal(1852.0, 15.0)
     }
 
-    /// Non-precision approach: HAL 556 m, 10 s.
+    /// Returns the requirements of a non-precision approach: HAL 556 m, 10 s.
     pub const fn non_precision_approach() -> Self {
         Self::horizontal(556.0, 10.0)
     }
 
-    /// Localiser performance with vertical guidance down to 200 ft: HAL 40 m, VAL 35 m, 6 s.
+    /// Returns the requirements of localiser performance with vertical guidance down to 200 ft: HAL
+    /// 40 m, VAL 35 m, 6 s.
     pub const fn lpv200() -> Self {
         let mut requirements = Self::horizontal(40.0, 6.0);
         requirements.val_m = Some(35.0);
@@ -101,50 +114,52 @@ impl Requirements {
     /// Checks every field once.
     ///
     /// # Errors
-    /// The first field out of its range, by name.
+    /// [`RequirementsError`] names the first field that is out of its range, with its value.
     pub fn validate(self) -> Result<Self, RequirementsError> {
         let limit = |limit_m: f64| limit_m > 0.0 && limit_m <= 1e6;
         if !limit(self.hal_m) {
-            return Err(RequirementsError::HorizontalAlertLimit);
+            return Err(RequirementsError::HorizontalAlertLimit(self.hal_m));
         }
-        if !self.val_m.is_none_or(limit) {
-            return Err(RequirementsError::VerticalAlertLimit);
+        if let Some(val_m) = self.val_m.filter(|&val_m| !limit(val_m)) {
+            return Err(RequirementsError::VerticalAlertLimit(val_m));
         }
         if !(self.time_to_alert_s > 0.0 && self.time_to_alert_s <= 3600.0) {
-            return Err(RequirementsError::TimeToAlert);
+            return Err(RequirementsError::TimeToAlert(self.time_to_alert_s));
         }
         if !(self.guard_fraction > 0.0 && self.guard_fraction <= 1.0) {
-            return Err(RequirementsError::GuardFraction);
+            return Err(RequirementsError::GuardFraction(self.guard_fraction));
         }
         self.allocation.validate().map_err(RequirementsError::Allocation)?;
         Ok(self)
     }
 }
 
-/// Which requirement is out of its range.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// The requirement that is out of its range, with its value.
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub enum RequirementsError {
-    /// `hal_m` outside (0, 1e6].
-    HorizontalAlertLimit,
-    /// `val_m` outside (0, 1e6].
-    VerticalAlertLimit,
-    /// `time_to_alert_s` outside (0, 3600].
-    TimeToAlert,
-    /// `guard_fraction` outside (0, 1].
-    GuardFraction,
-    /// A probability of `allocation` outside (0, 0.5), by name.
-    Allocation(&'static str),
+    /// `hal_m` is outside (0, 1e6].
+    HorizontalAlertLimit(f64),
+    /// `val_m` is outside (0, 1e6].
+    VerticalAlertLimit(f64),
+    /// `time_to_alert_s` is outside (0, 3600].
+    TimeToAlert(f64),
+    /// `guard_fraction` is outside (0, 1].
+    GuardFraction(f64),
+    /// A field of `allocation` is outside its range.
+    Allocation(AllocationError),
 }
 
 impl fmt::Display for RequirementsError {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str(match *self {
-            Self::HorizontalAlertLimit => "horizontal alert limit outside (0, 1e6] m",
-            Self::VerticalAlertLimit => "vertical alert limit outside (0, 1e6] m",
-            Self::TimeToAlert => "time to alert outside (0, 3600] s",
-            Self::GuardFraction => "guard fraction outside (0, 1]",
-            Self::Allocation(name) => name,
+        // Without the value: code that prints doubles can panic, and takes 10 KB.
+        formatter.write_str(match self {
+            Self::HorizontalAlertLimit(_) => "horizontal alert limit must be above 0 and at most 1e6 m",
+            Self::VerticalAlertLimit(_) => "vertical alert limit must be above 0 and at most 1e6 m",
+            Self::TimeToAlert(_) => "time to alert must be above 0 and at most 3600 s",
+            Self::GuardFraction(_) => "guard fraction must be above 0 and at most 1",
+            Self::Allocation(error) => return error.fmt(formatter),
         })
     }
 }

@@ -1,18 +1,29 @@
 //! Satellites and the constellations they belong to.
 //!
-//! A constellation matters to integrity because it has its own receiver clock: each range touches exactly one.
+//! A constellation matters to integrity because it has its own receiver clock: each range touches
+//! exactly one.
 //!
-//! The satellites of QZSS send the signals of GPS, with numbers of the same family (193 to 202), in the time of GPS: to
-//! a receiver their ranges touch the clock of GPS, and so they are satellites of [`Constellation::Gps`] here. Only their
-//! names differ: `J01` to `J10`. Measured (`tests-host/tests/all/ubx/qzss.rs`): their corrected ranges are 0.5 m shorter than
-//! those of GPS in five minutes near Nagoya and 0.04 m longer in hours at Esbjerg, where the clocks of two systems differ
-//! by tens of metres and more.
+//! QZSS satellites transmit GPS signals in GPS time, with numbers of the same family (193 to 202).
+//! Their ranges touch the receiver's GPS clock, so that they are satellites of
+//! [`Constellation::Gps`] here. Only their names differ: `J01` to `J10`. Measured
+//! (`tests-host/tests/all/ubx/qzss.rs`): their corrected ranges are 0.5 m shorter than those of GPS
+//! in five minutes near Nagoya and 0.04 m longer in hours at Esbjerg, while the clocks of two
+//! systems differ by tens of metres and more.
 
 use core::fmt;
+use core::str::FromStr;
 
 /// A satellite navigation system with its own time scale, hence with its own receiver clock offset.
 ///
-/// The discriminants are the ids of the published vectors, and the order of the clocks in every result.
+/// ```
+/// use rai_core::Constellation;
+///
+/// assert_eq!(Constellation::from_letter('C'), Some(Constellation::Beidou));
+/// assert_eq!(Constellation::ALL.map(Constellation::letter), ['G', 'C', 'E', 'R']);
+/// ```
+///
+/// The discriminants are the ids of the published vectors, and the order of the clocks in every
+/// result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[repr(u8)]
@@ -28,13 +39,13 @@ pub enum Constellation {
 }
 
 impl Constellation {
-    /// How many constellations there are.
+    /// Number of constellations.
     pub const COUNT: usize = 4;
 
     /// All constellations in ascending id.
     pub const ALL: [Self; Self::COUNT] = [Self::Gps, Self::Beidou, Self::Galileo, Self::Glonass];
 
-    /// The letter that RINEX uses: `G`, `C`, `E`, `R`.
+    /// Returns the RINEX letter: `G`, `C`, `E`, `R`.
     pub const fn letter(self) -> char {
         match self {
             Self::Gps => 'G',
@@ -44,16 +55,26 @@ impl Constellation {
         }
     }
 
-    /// The constellation of a RINEX letter.
+    /// Returns the constellation of a RINEX letter.
     pub fn from_letter(letter: char) -> Option<Self> {
         Self::ALL.into_iter().find(|constellation| constellation.letter() == letter)
     }
 }
 
-/// The number of a QZSS satellite is what its name says plus this.
+/// Offset from the number in a QZSS satellite's name to its number here.
 const QZSS: u8 = 192;
 
 /// One satellite, named as in RINEX: `G05`, `C12`, `E31`, `J02`.
+///
+/// ```
+/// use rai_core::{Constellation, SatelliteId};
+///
+/// let satellite: SatelliteId = "E31".parse()?;
+/// assert_eq!(satellite.constellation(), Constellation::Galileo);
+/// assert_eq!((satellite.number(), satellite.to_string().as_str()), (31, "E31"));
+/// assert!("X01".parse::<SatelliteId>().is_err());
+/// # Ok::<(), rai_core::satellite::ParseSatelliteError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct SatelliteId {
@@ -62,7 +83,8 @@ pub struct SatelliteId {
 }
 
 impl SatelliteId {
-    /// A satellite by its number within the constellation, 1 to 99, or 193 to 202 of QZSS beside GPS; `None` outside.
+    /// Returns a satellite by its number within the constellation, 1 to 99, or 193 to 202 for QZSS
+    /// within GPS; `None` outside.
     pub const fn new(constellation: Constellation, number: u8) -> Option<Self> {
         match (constellation, number) {
             (_, 1..=99) | (Constellation::Gps, 193..=202) => Some(Self { constellation, number }),
@@ -70,12 +92,12 @@ impl SatelliteId {
         }
     }
 
-    /// A satellite of QZSS by the number in its name, 1 to 10; `None` outside.
+    /// Returns a QZSS satellite by the number in its name, 1 to 10; `None` outside.
     pub const fn qzss(number: u8) -> Option<Self> {
         if number <= 10 { Self::new(Constellation::Gps, QZSS + number) } else { None }
     }
 
-    /// A satellite by the letter and the number of its name.
+    /// Returns a satellite by the letter and the number of its name.
     pub fn from_name(letter: char, number: u8) -> Option<Self> {
         match letter {
             'J' => Self::qzss(number),
@@ -85,26 +107,60 @@ impl SatelliteId {
         }
     }
 
-    /// The constellation whose clock the satellite's range touches.
+    /// Returns the constellation whose clock the satellite's range touches.
     pub const fn constellation(self) -> Constellation {
         self.constellation
     }
 
-    /// The number within the constellation, 1 to 99, or 193 to 202.
+    /// Returns the number within the constellation, 1 to 99, or 193 to 202.
     pub const fn number(self) -> u8 {
         self.number
     }
 
-    /// Whether it is one of QZSS.
+    /// Returns true for a QZSS satellite.
     pub const fn is_qzss(self) -> bool {
         self.number > QZSS
     }
 
-    /// The letter and the number of its name.
+    /// Returns the letter and the number of its name.
     pub const fn name(self) -> (char, u8) {
         if self.is_qzss() { ('J', self.number - QZSS) } else { (self.constellation.letter(), self.number) }
     }
 }
+
+impl FromStr for SatelliteId {
+    type Err = ParseSatelliteError;
+
+    /// Parses a name as RINEX writes it: a letter and one or two digits.
+    fn from_str(name: &str) -> Result<Self, ParseSatelliteError> {
+        let parsed = || {
+            let mut characters = name.chars();
+            let letter = characters.next()?;
+            let tens = characters.next()?.to_digit(10)? as u8;
+            let number = match characters.next() {
+                Some(ones) => 10 * tens + ones.to_digit(10)? as u8,
+                None => tens,
+            };
+            characters.next().is_none().then_some(())?;
+            Self::from_name(letter, number)
+        };
+        parsed().ok_or(ParseSatelliteError)
+    }
+}
+
+/// A name that no satellite has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub struct ParseSatelliteError;
+
+impl fmt::Display for ParseSatelliteError {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str("satellite must be G, C, E or R with 1 to 99, or J with 1 to 10")
+    }
+}
+
+impl core::error::Error for ParseSatelliteError {}
 
 impl fmt::Display for SatelliteId {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -1,4 +1,4 @@
-//! Velocity from range rates, with a test and levels of its own.
+//! Velocity from range rates, with its own test and levels.
 //!
 //! ```text
 //! y_i = −e_i · v + ḋ + ε_i            ε_i ~ N(0, σ_i²)
@@ -7,21 +7,24 @@
 //! | symbol | field | unit |
 //! |---|---|---|
 //! | `e_i` | [`RangeRate::line_of_sight`], receiver → satellite, east, north, up | – |
-//! | `y_i` | [`RangeRate::residual_m_s`], measured less what the satellite's motion and clock make of it | m/s |
+//! | `y_i` | [`RangeRate::residual_m_s`], measured less the contribution of the satellite's motion and clock | m/s |
 //! | `σ_i` | [`RangeRate::sigma_m_s`] | m/s |
 //! | `v` | [`Velocity::east_north_up_m_s`] | m/s |
 //! | `ḋ` | [`Velocity::drift_m_s`], drift of the receiver clock times the speed of light | m/s |
 //!
-//! It is the equation of the position with metres a second for metres, and is solved by the same [`Snapshot`](crate::snapshot::Snapshot). One drift
-//! serves all systems, since their times drift against each other by millimetres a second: with `n` satellites
-//! `dof = n − 4`, more redundancy than the position has. The global test, the exclusion of up to three satellites and the
-//! levels are those of the position, with the same probabilities. An exclusion must leave two degrees of freedom and as many as it
-//! has rows: of many rates that all disagree, some five are always found that do not.
+//! It is the equation of the position in metres per second, and is solved by the same
+//! [`Snapshot`](crate::least_squares::Snapshot). One drift serves all systems, because their times
+//! drift against each other by millimetres per second: with `n` satellites `dof = n − 4`, more
+//! redundancy than the position has. The global test, the exclusion of up to three satellites and
+//! the levels are those of the position, with the same probabilities. An exclusion must leave two
+//! degrees of freedom and as many as it has rows: among many rates that all disagree, some five
+//! always agree by chance.
 //!
-//! A fault here is none of the position: a range can be false and its rate true. What is returned passed its own test.
+//! A fault here is independent of the position: a range can be false and its rate true. A returned
+//! velocity passed its own test.
 //!
-//! Assumes independent Gaussian errors. References: [Lin2016] §2.2 for the test, [`crate::integrity::residuals::levels`]
-//! for the levels.
+//! Assumes independent Gaussian errors. References: [Lin2016] §2.2 for the test,
+//! [`crate::integrity::raim::levels`] for the levels.
 //!
 //! [Lin2016]: crate#references
 
@@ -30,24 +33,25 @@ use core::fmt;
 use heapless::Vec;
 use nalgebra::Vector3;
 
-use crate::integrity::residuals::baarda::exclude_sequentially;
-use crate::integrity::residuals::detection::detect;
-use crate::integrity::residuals::exclusion::{Outcome, leaves_enough, separable};
-use crate::integrity::residuals::levels::{Exposure, Factors, Levels};
-use crate::integrity::residuals::threshold::Thresholds;
+use crate::integrity::raim::detection::detect;
+use crate::integrity::raim::detection::threshold::Thresholds;
+use crate::integrity::raim::hypotheses::separability::separable;
+use crate::integrity::raim::isolation::baarda::exclude_sequentially;
+use crate::integrity::raim::isolation::exclusion::{ExclusionOutcome, leaves_enough};
+use crate::integrity::raim::levels::{KFactors, LevelInputs, Levels};
+use crate::least_squares::Workspace;
 use crate::numeric::real::Real;
-use crate::numeric::space::told;
+use crate::numeric::space::upper_triangle;
 use crate::report::{MAX_EXCLUDED, ProtectionLevels, TestStatistic};
 use crate::satellite::{Constellation, SatelliteId};
-use crate::snapshot::Workspace;
 
-/// Stands for the one drift of all systems among the clocks of a snapshot.
+/// Constellation that holds the one drift of all systems in a snapshot.
 const DRIFT: Constellation = Constellation::Gps;
 
-/// How fast a satellite's range grows.
+/// Range rate of one satellite.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RangeRate {
-    /// Which satellite.
+    /// The satellite.
     pub satellite: SatelliteId,
     /// Unit vector receiver → satellite, east, north, up.
     pub line_of_sight: Vector3<f64>,
@@ -68,15 +72,17 @@ pub struct Velocity {
     pub drift_m_s: f64,
     /// The test that it passed.
     pub test: TestStatistic,
-    /// What bounds its error, a fault of one range rate and the noise together: metres a second in the place of metres.
+    /// Bounds on its error, a fault of one range rate and the noise together, m/s.
     pub levels_m_s: ProtectionLevels,
     /// Satellites whose rate was left out.
     pub excluded: Vec<SatelliteId, MAX_EXCLUDED>,
 }
 
 impl Velocity {
-    /// Whether a receiver that moves no faster than this can have it, over the ground and in height, each with its level. A speed
-    /// that is no number is no receiver's.
+    /// Returns true if a receiver with this maximum speed can have the velocity, over the ground
+    /// and in height, each with its level.
+    ///
+    /// A NaN speed is not possible.
     pub fn is_within(&self, max_speed_m_s: f64) -> bool {
         let [east, north, up] = self.east_north_up_m_s.map(|component_m_s| component_m_s as f32);
         let reach = |level_m_s: f64| (max_speed_m_s + level_m_s) as f32;
@@ -85,15 +91,15 @@ impl Velocity {
     }
 }
 
-/// Why there is no velocity.
+/// Reason why there is no velocity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum VelocityError {
-    /// Fewer than five usable rates: nothing to test with.
+    /// Fewer than five usable rates, so that no test is possible.
     Redundancy,
     /// The geometry is singular.
     Geometry,
-    /// The rates contradict each other, and it cannot be told which is wrong.
+    /// The rates contradict each other, and the wrong one cannot be identified.
     Fault,
 }
 
@@ -109,15 +115,16 @@ impl fmt::Display for VelocityError {
 
 impl core::error::Error for VelocityError {}
 
-/// The velocity that range rates agree on. A rate that is no number, or without a direction, is left aside.
+/// Returns the velocity that the range rates agree on. A NaN rate, or one without a direction, is
+/// discarded.
 ///
 /// # Errors
-/// [`VelocityError`]: there is none, or none that passes.
+/// [`VelocityError`] if there is no velocity, or none that passes the test.
 pub fn estimate<T: Real, const N: usize>(
     workspace: &mut Workspace<T, N>,
     rates: impl IntoIterator<Item = RangeRate>,
     thresholds: &Thresholds<'_>,
-    factors: &Factors<T>,
+    factors: &KFactors<T>,
 ) -> Result<Velocity, VelocityError> {
     workspace.equations_mut().clear();
     let mut satellites = Vec::<SatelliteId, N>::new();
@@ -125,7 +132,7 @@ pub fn estimate<T: Real, const N: usize>(
         let taken =
             workspace.equations_mut().satellite(DRIFT, rate.line_of_sight, rate.residual_m_s, rate.sigma_m_s);
         if taken.is_ok() {
-            // Both hold N.
+            // Never full, because both hold `N`.
             let _ = satellites.push(rate.satellite);
         }
     }
@@ -133,13 +140,13 @@ pub fn estimate<T: Real, const N: usize>(
     let mut excluded = Vec::new();
     if detect(&snapshot, thresholds).ok_or(VelocityError::Redundancy)?.fault() {
         let exclusion = exclude_sequentially(&mut snapshot, thresholds);
-        let is_isolated = matches!(exclusion.outcome, Outcome::Isolated | Outcome::Passed);
+        let is_isolated = matches!(exclusion.outcome, ExclusionOutcome::Isolated | ExclusionOutcome::Passed);
         let is_told = snapshot.dof() > 1 && leaves_enough(exclusion.rows.len(), snapshot.dof());
         if !is_isolated || !is_told || !separable(&mut snapshot, &exclusion, thresholds) {
             return Err(VelocityError::Fault);
         }
         let named = exclusion.rows.iter().filter_map(|row| satellites.get(row.index));
-        // As many as can be left out.
+        // Never full, because its capacity is that of an exclusion.
         named.for_each(|satellite| _ = excluded.push(*satellite));
     }
     let detection = detect(&snapshot, thresholds).ok_or(VelocityError::Redundancy)?;
@@ -149,10 +156,10 @@ pub fn estimate<T: Real, const N: usize>(
     let lambda: T = thresholds.lambda(snapshot.dof()).ok_or(VelocityError::Redundancy)?;
     Ok(Velocity {
         east_north_up_m_s: snapshot.correction().map(Real::widen).into(),
-        covariance_m2_s2: told(snapshot.covariance()),
+        covariance_m2_s2: upper_triangle(snapshot.covariance()),
         drift_m_s: snapshot.clock_m(DRIFT).unwrap_or_default(),
         test: detection.statistic(),
-        levels_m_s: Exposure::of(&snapshot, Levels::Bound, factors).protect(lambda.widen()),
+        levels_m_s: LevelInputs::of(&snapshot, Levels::Bound, factors).protect(lambda.widen()),
         excluded,
     })
 }

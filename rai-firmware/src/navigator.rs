@@ -66,7 +66,7 @@ pub struct Navigator {
     ionosphere: [Option<(Klobuchar, Option<GpsTime>)>; 2],
 }
 
-/// MonitorWorkspace of one epoch, with its result, kept here so that the stack does not need it.
+/// Memory of one epoch, with its result, kept here so that the stack does not need it.
 #[derive(Debug)]
 struct Room {
     sky: Sky,

@@ -15,12 +15,13 @@
 //! | `rows` | `rows`, runs of four consecutive differences | – |
 //! | `Ψ` | [`Extrapolation`]'s response of the level to an old innovation | – |
 //!
-//! Unlike Burg's and the Yule–Walker estimates it has no bias on short records; unlike them it may be unstable. An
-//! unstable process forecasts with a variance that grows without bound, and the caller bounds the horizon.
+//! Unlike Burg's and the Yule–Walker estimates it has no bias on short records; unlike them it may
+//! be unstable. An unstable process forecasts with a variance that grows without bound, and the
+//! caller bounds the horizon.
 //!
-//! The six distinct `c_ij` are summed anew for every window: 600 products for 60 values, cheaper in hardware single
-//! precision than keeping running sums honest. `σ_e²` is a second pass over the residuals: a difference of sums would
-//! cancel for a clock that is forecast well.
+//! The six distinct `c_ij` are summed anew for every window: 600 products for 60 values, cheaper in
+//! hardware single precision than keeping running sums honest. `σ_e²` is a second pass over the
+//! residuals: a difference of sums would cancel for a clock that is forecast well.
 //!
 //! References: [Ulrych1976], [Chen2009] §2.
 //!
@@ -33,7 +34,7 @@ use crate::numeric::cholesky::Cholesky;
 use crate::numeric::real::Real;
 use crate::numeric::space::dot;
 
-/// Differences that the next one is forecast from.
+/// Number of differences that the next one is forecast from.
 pub const ORDER: usize = 3;
 
 /// A fitted process.
@@ -45,36 +46,37 @@ pub struct Autoregression<T: Real> {
 }
 
 impl<T: Real> Autoregression<T> {
-    /// The process that forecasts nothing but the mean, fitted to nothing.
+    /// Returns the process that forecasts the mean alone, without a fit.
     pub fn white() -> Self {
         Self { coefficients: Vector3::zeros(), variance: T::zero(), rows: 0 }
     }
 
-    /// Fits centred differences, oldest first; a missing one is `None`, and no row reaches across it.
+    /// Fits centred differences, oldest first; a missing one is `None`, and no row reaches across
+    /// it.
     ///
-    /// Where the normal equations are singular, or their solution is no better than forecasting the mean, the
-    /// coefficients are zero.
+    /// If the normal equations are singular, or their solution is no better than forecasting the
+    /// mean, the coefficients are zero.
     pub fn fit(differences: impl Iterator<Item = Option<T>> + Clone) -> Self {
-        let sums = Sums::over(differences.clone());
+        let sums = LagSums::over(differences.clone());
         let white = Self { variance: sums.variance(sums.c00), rows: sums.rows, ..Self::white() };
         let Some(coefficients) = sums.solve() else { return white };
         let squares = rows(differences).fold(T::zero(), |sum, row| sum + squared_errors(&coefficients, row));
         let variance = sums.variance(squares);
-        // Written so that a variance which is not a number is not taken.
+        // A NaN variance fails this comparison.
         if variance < white.variance { Self { coefficients, variance, ..white } } else { white }
     }
 
-    /// `a_1, a_2, a_3`.
+    /// Returns `a_1, a_2, a_3`.
     pub fn coefficients(&self) -> [T; ORDER] {
         self.coefficients.into()
     }
 
-    /// Variance of one step, m².
+    /// Returns variance of one step, m².
     pub fn variance(&self) -> T {
         self.variance
     }
 
-    /// Runs of four consecutive differences that were fitted.
+    /// Returns the number of runs of four consecutive differences that were fitted.
     pub fn rows(&self) -> usize {
         self.rows
     }
@@ -91,7 +93,8 @@ impl<T: Real> Autoregression<T> {
     }
 }
 
-/// Steps of a forecast: each item is the next centred difference, and the variance of the level it leads to.
+/// Steps of a forecast: each item is the next centred difference, and the variance of the level it
+/// leads to.
 #[derive(Clone, Debug)]
 pub struct Extrapolation<T: Real> {
     process: Autoregression<T>,
@@ -117,12 +120,13 @@ impl<T: Real> Iterator for Extrapolation<T> {
     }
 }
 
-/// The latest three after one more.
+/// Returns the latest three after one more.
 fn shifted<T: Real>(latest: T, recent: &Vector3<T>) -> Vector3<T> {
     Vector3::new(latest, recent.x, recent.y)
 }
 
-/// Four consecutive differences, latest first: one forward and one backward equation.
+/// Iterates over runs of four consecutive differences, latest first: one forward and one backward
+/// equation.
 fn rows<T: Real>(differences: impl Iterator<Item = Option<T>>) -> impl Iterator<Item = [T; ORDER + 1]> {
     let (mut row, mut run) = ([T::zero(); ORDER + 1], 0);
     differences.filter_map(move |difference| {
@@ -139,9 +143,9 @@ fn squared_errors<T: Real>(coefficients: &Vector3<T>, [x0, x1, x2, x3]: [T; ORDE
     forward * forward + backward * backward
 }
 
-/// The distinct sums of products; by the symmetry of the two directions `c_22 = c_11`, `c_13 = c_02`,
-/// `c_23 = c_01` and `c_33 = c_00`.
-struct Sums<T> {
+/// The distinct sums of products; by the symmetry of the two directions `c_22 = c_11`,
+/// `c_13 = c_02`, `c_23 = c_01` and `c_33 = c_00`.
+struct LagSums<T> {
     c00: T,
     c01: T,
     c02: T,
@@ -151,7 +155,7 @@ struct Sums<T> {
     rows: usize,
 }
 
-impl<T: Real> Sums<T> {
+impl<T: Real> LagSums<T> {
     fn over(differences: impl Iterator<Item = Option<T>>) -> Self {
         let zero = T::zero();
         let none = Self { c00: zero, c01: zero, c02: zero, c03: zero, c11: zero, c12: zero, rows: 0 };
@@ -172,7 +176,7 @@ impl<T: Real> Sums<T> {
         self
     }
 
-    /// `a` where it is determined.
+    /// Returns `a` if it is determined.
     fn solve(&self) -> Option<Vector3<T>> {
         let Self { c00, c01, c02, c03, c11, c12, .. } = *self;
         let (zero, one) = (T::zero(), T::one());

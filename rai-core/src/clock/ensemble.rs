@@ -1,4 +1,5 @@
-//! One coasting clock for each constellation: which one aids the next epoch, and what each learns from a snapshot.
+//! One coasting clock for each constellation: the choice of the aiding one, and the clocks of a
+//! snapshot.
 //!
 //! ```text
 //! Q_cc = 1/W_c + h̄_c P h̄_cᵀ                    variance of the solved clock b_c
@@ -12,32 +13,34 @@
 //! | `√Q_cc` | [`SolvedClock::sigma_m`] | m |
 //! | `v_i`, `w_i`, `r_i` | residual, weight and redundancy of the aiding row | m, 1/m², – |
 //!
-//! An epoch takes one aiding clock. It is the one with the smallest standard deviation among the constellations
-//! observed: where satellites are few every clock raises the degrees of freedom by one, so the surest serves best.
+//! An epoch takes one aiding clock. It is the one with the smallest standard deviation among the
+//! constellations observed: with few satellites every clock raises the degrees of freedom by one,
+//! so that the most accurate serves best.
 //!
-//! Four windows of 60 values in `f32` take 2.4 kB; each constellation observed costs 5,000 instructions an epoch.
-//! References: [Chen2009] §3.
+//! Four windows of 60 values in `f32` take 2.4 kB; each constellation observed costs 5,000
+//! instructions an epoch. References: [Chen2009] §3.
 //!
 //! [Chen2009]: crate#references
 
 use super::{CoastingClock, WINDOW};
 use crate::epoch::{Aiding, EpochView};
-use crate::equations::Row;
+use crate::least_squares::equations::Row;
+use crate::least_squares::{RowFit, Snapshot};
 use crate::numeric::real::Real;
 use crate::numeric::space::zero;
 use crate::satellite::Constellation;
-use crate::snapshot::{Fit, Snapshot};
 
-/// Satellites of a constellation without which its clock is not learned: a lone one determines it untested.
+/// Least number of a constellation's satellites from which its clock is learned, because a lone
+/// satellite determines it untested.
 const MIN_SATELLITES: usize = 2;
 
-/// Longest time that a clock is forecast over after it was learned last, s.
+/// Longest time between the last learned value of a clock and its forecast, s.
 ///
-/// A forecast takes a row without being learned from while the satellites alone cannot be tested. What a temperature or a
-/// shock does to a quartz within a minute is still what the minute before has shown; what it does in ten is not.
+/// A forecast takes a row without learning while the satellites alone cannot be tested. The last
+/// minute shows how temperature and shock move a quartz within a minute, but not within ten.
 pub const HOLD_OVER_S: f64 = 60.0;
 
-/// A receiver clock as the satellites of an epoch have it.
+/// A receiver clock as solved from the satellites of an epoch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SolvedClock {
     /// Receiver clock times the speed of light, m.
@@ -59,11 +62,11 @@ impl<T: Real, const L: usize> Default for Clocks<T, L> {
 }
 
 impl<T: Real, const L: usize> Clocks<T, L> {
-    /// Clocks of which nothing is known.
+    /// Returns clocks without values.
     #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
     #[inline(always)]
     pub fn new() -> Self {
-        // One by one, and not by a loop, which would make them beside where they stay.
+        // One by one, because a loop would make them on the stack first.
         Self {
             each: [CoastingClock::new(), CoastingClock::new(), CoastingClock::new(), CoastingClock::new()],
         }
@@ -74,14 +77,15 @@ impl<T: Real, const L: usize> Clocks<T, L> {
         self.each.iter_mut().for_each(CoastingClock::restart);
     }
 
-    /// One constellation's clock.
+    /// Returns one constellation's clock.
     pub fn of(&self, constellation: Constellation) -> Option<&CoastingClock<T, L>> {
         self.each.get(constellation as usize)
     }
 
-    /// The row that aids an epoch; `None` where no constellation observed has a forecast.
+    /// Returns the row that aids an epoch, or `None` if no constellation observed has a forecast.
     ///
-    /// None reaches farther than [`HOLD_OVER_S`] beyond what was learned last: what vouches for itself ends by itself.
+    /// No forecast reaches beyond [`HOLD_OVER_S`] after the last learned value, because it confirms
+    /// itself.
     #[inline(never)]
     pub fn aiding(&self, epoch: &EpochView<'_>) -> Option<Aiding> {
         let observed = |constellation: &Constellation| {
@@ -99,10 +103,10 @@ impl<T: Real, const L: usize> Clocks<T, L> {
         Some(Aiding::Clock { constellation, value_m: forecast.value_m, sigma_m: forecast.sigma_m })
     }
 
-    /// Learns what an epoch says of the clocks.
+    /// Learns the clocks of an epoch.
     ///
-    /// A forecast that was left out in it was a jump of the clock: that clock starts again from what the satellites
-    /// say.
+    /// If an epoch left a forecast out, that clock has jumped: it starts again from the satellites'
+    /// value.
     pub fn learn(&mut self, time_s: f64, solved: &SolvedClocks) {
         for (clock, of_epoch) in self.each.iter_mut().zip(&solved.each) {
             if of_epoch.has_jumped {
@@ -115,18 +119,18 @@ impl<T: Real, const L: usize> Clocks<T, L> {
     }
 }
 
-/// What an epoch that passed the test says of the receiver clocks, exclusions done.
+/// Receiver clocks of an epoch that passed the test, after exclusions.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SolvedClocks {
     each: [ClockOfEpoch; Constellation::COUNT],
 }
 
-/// What it says of one constellation's.
+/// Receiver clock of one constellation in an epoch.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct ClockOfEpoch {
-    /// Its forecast was left out.
+    /// True if its forecast was left out.
     has_jumped: bool,
-    /// By the satellites alone.
+    /// Clock from the satellites alone.
     alone: Option<SolvedClock>,
 }
 
@@ -143,8 +147,8 @@ impl SolvedClocks {
     }
 }
 
-/// A constellation's receiver clock without its forecast; `None` where fewer than two of its satellites, or the
-/// satellites alone, do not determine it.
+/// Returns a constellation's receiver clock without its forecast, or `None` if fewer than two of
+/// its satellites, or the satellites alone, do not determine it.
 pub fn satellites_alone<T: Real>(
     snapshot: &Snapshot<'_, T>,
     constellation: Constellation,
@@ -171,11 +175,11 @@ pub fn satellites_alone<T: Real>(
 fn aiding_row<'s, T: Real>(
     snapshot: &'s Snapshot<'_, T>,
     constellation: Constellation,
-) -> Option<(&'s Row<T>, &'s Fit<T>)> {
+) -> Option<(&'s Row<T>, &'s RowFit<T>)> {
     snapshot.rows().find(|(row, _)| row.clock == Some(constellation) && is_forecast(row))
 }
 
-/// A row that touches a clock and no coordinate.
+/// Returns true for a row that touches a clock and no coordinate.
 fn is_forecast<T: Real>(row: &Row<T>) -> bool {
     row.design == zero()
 }

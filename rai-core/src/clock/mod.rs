@@ -1,7 +1,7 @@
-//! Clock coasting: what will the receiver clock be at the next epoch?
+//! Clock coasting: a forecast of the receiver clock for the next epoch.
 //!
-//! A clock that is forecast takes a row beside the satellites, `[0 0 0 1] x = Ẑ` with standard deviation `σ_b`. Four
-//! satellites can then be tested and with five the faulty one can be named.
+//! A forecast clock takes a row beside the satellites, `[0 0 0 1] x = Ẑ` with standard deviation
+//! `σ_b`. Four satellites can then be tested, and with five the faulty one can be identified.
 //!
 //! ```text
 //! x_t = Z_t − Z_{t−1}                       window of L values, equally spaced
@@ -15,34 +15,38 @@
 //! | `Z` | `clock_m`: receiver clock times the speed of light | m |
 //! | `σ_clock` | `clock_sigma_m`, of the epoch that gave the last `Z`: `σ TDOP`, or `√Q_cc` of weighted rows | m |
 //! | `Ẑ` | [`Forecast::value_m`] | m |
-//! | `σ_predict` | [`Forecast::sigma_predict_m`], as the fit has it | m |
+//! | `σ_predict` | [`Forecast::sigma_predict_m`], from the fit | m |
 //! | `σ_b` | [`Forecast::sigma_m`] | m |
 //! | `h` | [`Forecast::steps`] | – |
 //! | `L` | const generic, [`WINDOW`] by default, at least [`MIN_VALUES`] | – |
 //!
-//! **What may enter the window.** Only clocks of epochs whose satellites alone would be protected, and solved without the
-//! forecast itself: a faulty fix would poison the forecasts of a minute, and a forecast that confirms itself would follow
-//! a fault wherever it goes. [`SolvedClocks::of`] does the second, its caller the first. A bias that grows too slowly for
-//! the test is learned with the clock: it stays within the protection level of the satellites alone, and that level is kept.
+//! **Accepted values.** Only clocks of epochs whose satellites alone would be protected, and solved
+//! without the forecast itself: a faulty fix would spoil the forecasts of a minute, and a forecast
+//! that confirms itself would follow any fault. [`SolvedClocks::of`] does the second, its caller
+//! the first. A bias that grows too slowly for the test is learned with the clock. It stays within
+//! the protection level of the satellites alone, and that level is kept.
 //!
-//! **Gaps.** The spacing is that of the first two values. A multiple of it is a hold-over: forecasts reach up to
-//! [`HOLD_OVER_STEPS`] ahead with growing variance, and a value after the gap continues the window without a
-//! difference across it. The steps in between count as the forecast ones, the remaining error spread evenly, for the
-//! next forecast only and never for a fit: a window with gaps is not surer than one without. Any other interval, and
-//! time that stands still or goes back, restarts the window.
+//! **Gaps.** The spacing is that of the first two values. A multiple of it is a hold-over:
+//! forecasts reach up to [`HOLD_OVER_STEPS`] ahead with growing variance, and a value after the gap
+//! continues the window without a difference across it. The steps in between count as forecast,
+//! with the remaining error spread evenly, for the next forecast only and never for a fit, because
+//! a window with gaps is not more accurate than one without. Any other interval, and time that does
+//! not advance, restarts the window.
 //!
-//! **Jumps.** A value farther than [`JUMP_SIGMAS`] from its forecast is a jump of the clock, a millisecond or a steering
-//! step: the window restarts with it. While there is no forecast yet, a change of rate that no quartz makes
-//! ([`RATE_CHANGE_M_S`]) is one.
+//! **Jumps.** A value farther than [`JUMP_SIGMAS`] from its forecast is a jump of the clock, a
+//! millisecond or a steering step: the window restarts with it. Before the first forecast, a change
+//! of rate above the limit of a quartz ([`RATE_CHANGE_M_S`]) is a jump.
 //!
-//! **Numbers.** Levels and the drift are `f64`, the differences less the first one are generic: for a clock of 3e8 m
-//! that drifts 300 m/s they are centimetres to metres. Everything is summed anew from the window at each value; no
-//! sum is carried along, so none drifts. In `f32` a clock of 60 values takes 600 bytes, a value 5,000 instructions on
-//! a Cortex-M4F, a forecast 900 for one step and 2,200 for sixty.
+//! **Numbers.** Levels and the drift are `f64`, the differences less the first one are generic: for
+//! a clock of 3e8 m that drifts 300 m/s they are centimetres to metres. All sums are computed again
+//! from the window at each value, so that none drifts. In `f32` a clock of 60 values takes 600
+//! bytes, a value 5,000 instructions on a Cortex-M4F, a forecast 900 for one step and 2,200 for
+//! sixty.
 //!
-//! Departures from [Chen2009]: it removes the mean of `Z`, which the differences cancel, instead of the mean of `x`;
-//! it gives no window length; its eq. 7 lost the new row's entry. The factor 1.2 is not in the paper: a variance
-//! fitted to 60 values is that of errors already seen, and one-step errors measured 1.09 to 1.17 of it.
+//! Departures from [Chen2009]: it removes the mean of `Z`, which the differences cancel, instead of
+//! the mean of `x`; it gives no window length; its eq. 7 lost the new row's entry. The factor 1.2
+//! is not in the paper: a variance fitted to 60 values is that of past errors, and one-step errors
+//! measured 1.09 to 1.17 of it.
 //!
 //! References: [Chen2009], [Ulrych1976].
 //!
@@ -59,106 +63,111 @@ pub use ensemble::{Clocks, HOLD_OVER_S, SolvedClock, SolvedClocks, satellites_al
 use crate::numeric::real::Real;
 use window::Window;
 
-/// Values in a window, unless told otherwise.
+/// Default number of values in a window.
 pub const WINDOW: usize = 60;
 
-/// Values without which nothing is forecast.
+/// Least number of values for a forecast.
 pub const MIN_VALUES: usize = 12;
 
-/// Runs of four differences that [`MIN_VALUES`] have.
+/// Number of runs of four differences in [`MIN_VALUES`].
 const MIN_ROWS: usize = MIN_VALUES - 1 - ORDER;
 const _: () = assert!(2 * MIN_ROWS > ORDER, "more equations than coefficients");
 
-/// Steps that a forecast may reach ahead: no farther than the window reaches back.
+/// Most steps of a forecast: no farther ahead than the window reaches back.
 pub const HOLD_OVER_STEPS: usize = WINDOW;
 
-/// Standard deviation beyond which there is no forecast, m: as a row it would say nothing.
+/// Largest standard deviation of a forecast, m: as a row a larger one would have no effect.
 pub const SIGMA_LIMIT_M: f64 = 1000.0;
 
-/// Actual one-step error over `σ_predict`, dimensionless: 1.09 to 1.17 measured for 60 values, rounded up.
+/// Ratio of the actual one-step error to `σ_predict`, dimensionless: 1.09 to 1.17 measured for 60
+/// values, rounded up.
 pub const INFLATION: f64 = 1.2;
 
-/// An error this many standard deviations from a forecast is a jump: normal noise does it with a probability of 1e-7.
+/// Smallest error of a jump in standard deviations of the forecast: normal noise exceeds it with a
+/// probability of 1e-7.
 pub const JUMP_SIGMAS: f64 = 5.33;
 
-/// Change of rate between two epochs that a quartz does not make, m/s: 0.1 ppm.
+/// Change of rate between two epochs beyond that of a quartz, m/s: 0.1 ppm.
 pub const RATE_CHANGE_M_S: f64 = 30.0;
 
-/// By how much an interval may differ from a multiple of the spacing, s: times are stamped to the millisecond, and
-/// at 300 m/s a millisecond is 0.3 m.
+/// Largest difference of an interval from a multiple of the spacing, s.
+///
+/// Times are stamped to the millisecond, and at 300 m/s a millisecond is 0.3 m.
 const TIME_TOLERANCE_S: f64 = 1e-3;
 
-/// Bounds of a receiver clock, m: as of a range.
+/// Largest receiver clock, m, as for a range.
 const LEVEL_LIMIT_M: f64 = 1e9;
 
-/// Bounds of its standard deviation, m: as of a range.
+/// Range of its standard deviation, m, as for a range.
 const SIGMA_M: core::ops::RangeInclusive<f64> = 1e-3..=1e6;
 
-/// A clock as it is expected to be.
+/// Forecast of a clock.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Forecast {
     /// Receiver clock times the speed of light, m.
     pub value_m: f64,
-    /// Standard deviation of the forecast steps, as the fit has it, m.
+    /// Standard deviation of the forecast steps, from the fit, m.
     pub sigma_predict_m: f64,
-    /// Standard deviation with that of the last value and [`INFLATION`], m: what an aiding row has.
+    /// Standard deviation with that of the last value and [`INFLATION`], m: the sigma of an aiding
+    /// row.
     pub sigma_m: f64,
     /// Steps ahead of the last value, at least 1.
     pub steps: usize,
 }
 
-/// What became of a value.
+/// Use of an observed value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Uptake {
-    /// It continues the window.
+pub enum Observed {
+    /// The value continues the window.
     Continued,
-    /// It begins a window: the first one, a jump, an odd interval, or too long after the last.
+    /// The value begins a window: the first one, a jump, an odd interval, or too long after the
+    /// last.
     Restarted,
-    /// It is not finite or out of bounds; nothing has changed.
+    /// The value is not finite or out of bounds, and discarded.
     Refused,
 }
 
 /// One value of the clock, its standard deviation in metres.
 #[derive(Clone, Copy, Debug)]
-struct Reading<T> {
+struct ClockReading<T> {
     time_s: f64,
     level_m: f64,
     sigma: T,
 }
 
-impl<T: Real> Reading<T> {
+impl<T: Real> ClockReading<T> {
     fn new(time_s: f64, level_m: f64, sigma_m: f64) -> Option<Self> {
-        // A NaN fails each of these comparisons.
+        // NaN fails each of these comparisons.
         let sound = time_s.is_finite() && level_m.abs() <= LEVEL_LIMIT_M && SIGMA_M.contains(&sigma_m);
         sound.then(|| Self { time_s, level_m, sigma: T::narrow(sigma_m) })
     }
 }
 
-/// A forecast before its roots are taken, variances in m².
-struct Ahead<T> {
+/// A forecast before the roots are taken, variances in m².
+struct Prediction<T> {
     value_m: f64,
     variance_predict: T,
     variance: T,
 }
 
-impl<T: Real> Ahead<T> {
-    /// True where a reading is farther off than noise explains.
-    fn misses(&self, reading: &Reading<T>) -> bool {
+impl<T: Real> Prediction<T> {
+    /// Returns true if a reading is farther off than noise explains.
+    fn misses(&self, reading: &ClockReading<T>) -> bool {
         let error = T::narrow(reading.level_m - self.value_m);
         let variance = self.variance + reading.sigma * reading.sigma;
-        // Written so that an error which is not a number is a miss.
+        // A NaN error fails this comparison, so that it counts as a miss.
         !(error * error <= T::narrow(JUMP_SIGMAS * JUMP_SIGMAS) * variance)
     }
 }
 
-/// A window of one constellation's receiver clock, and what it forecasts.
+/// Window of one constellation's receiver clock, with its forecasts.
 #[derive(Clone, Debug)]
 pub struct CoastingClock<T: Real, const L: usize = WINDOW> {
     window: Window<T, L>,
     spacing_s: Option<f64>,
-    last: Option<Reading<T>>,
-    /// Latest first, relative to the window's reference, m.
+    last: Option<ClockReading<T>>,
+    /// Latest differences first, relative to the window's reference, m.
     recent: [T; ORDER],
     /// Mean of the window, relative to its reference, m.
     mean: T,
@@ -172,7 +181,7 @@ impl<T: Real, const L: usize> Default for CoastingClock<T, L> {
 }
 
 impl<T: Real, const L: usize> CoastingClock<T, L> {
-    /// A clock of which nothing is known.
+    /// Returns a clock without values.
     #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
     #[inline(always)]
     pub fn new() -> Self {
@@ -187,28 +196,31 @@ impl<T: Real, const L: usize> CoastingClock<T, L> {
         }
     }
 
-    /// Forgets everything: the clock has jumped, or its values are not to be trusted.
+    /// Forgets all values, because the clock has jumped or they are not trustworthy.
     pub fn restart(&mut self) {
-        // Field by field: a new one would be on the stack first.
+        // Field by field, because a new one would be on the stack first.
         self.window.clear();
         (self.spacing_s, self.last) = (None, None);
         (self.recent, self.mean) = ([T::zero(); ORDER], T::zero());
         self.process = Autoregression::white();
     }
 
-    /// Takes the clock of an epoch that passed the test.
-    pub fn observe(&mut self, time_s: f64, clock_m: f64, clock_sigma_m: f64) -> Uptake {
-        let Some(reading) = Reading::new(time_s, clock_m, clock_sigma_m) else { return Uptake::Refused };
+    /// Adds the clock of an epoch that passed the test.
+    pub fn observe(&mut self, time_s: f64, clock_m: f64, clock_sigma_m: f64) -> Observed {
+        let Some(reading) = ClockReading::new(time_s, clock_m, clock_sigma_m) else {
+            return Observed::Refused;
+        };
         if self.follow(&reading).is_some() {
             self.last = Some(reading);
-            return Uptake::Continued;
+            return Observed::Continued;
         }
         self.restart();
         self.last = Some(reading);
-        Uptake::Restarted
+        Observed::Restarted
     }
 
-    /// The clock at a time after the last value; `None` while the window is short, and beyond the hold-over.
+    /// Returns the forecast for a time after the last value, or `None` with a short window or
+    /// beyond the hold-over.
     pub fn forecast(&self, time_s: f64) -> Option<Forecast> {
         let steps = Self::steps_in(time_s - self.last?.time_s, self.spacing_s?)?;
         let ahead = self.coast(steps)?;
@@ -217,8 +229,9 @@ impl<T: Real, const L: usize> CoastingClock<T, L> {
         Some(Forecast { value_m: ahead.value_m, sigma_predict_m, sigma_m, steps })
     }
 
-    /// The clock some steps ahead; `None` while the window is short, and where it is too unsure.
-    fn coast(&self, steps: usize) -> Option<Ahead<T>> {
+    /// Returns the forecast some steps ahead, or `None` with a short window or too large a
+    /// variance.
+    fn coast(&self, steps: usize) -> Option<Prediction<T>> {
         let last = self.last.filter(|_| self.ready())?;
         let none = (T::zero(), T::zero());
         let path = self.process.extrapolate(self.centred_recent()).take(steps);
@@ -228,17 +241,17 @@ impl<T: Real, const L: usize> CoastingClock<T, L> {
         let drifted_m = steps as f64 * self.window.reference_m() + (count * self.mean + sum).widen();
         let value_m = last.level_m + drifted_m;
         let variance = last.sigma * last.sigma + variance_predict * T::narrow(INFLATION * INFLATION);
-        // A NaN is neither.
+        // NaN fails both comparisons.
         let sound = value_m.abs() <= LEVEL_LIMIT_M && variance <= T::narrow(SIGMA_LIMIT_M * SIGMA_LIMIT_M);
-        sound.then_some(Ahead { value_m, variance_predict, variance })
+        sound.then_some(Prediction { value_m, variance_predict, variance })
     }
 
-    /// When the last value was taken, s.
+    /// Returns the time of the last value, s.
     pub fn last_time_s(&self) -> Option<f64> {
         self.last.map(|last| last.time_s)
     }
 
-    /// The fitted process.
+    /// Returns the fitted process.
     pub fn process(&self) -> &Autoregression<T> {
         &self.process
     }
@@ -251,9 +264,10 @@ impl<T: Real, const L: usize> CoastingClock<T, L> {
         self.recent.map(|difference| difference - self.mean)
     }
 
-    /// Steps that make an interval; `None` where it is not a multiple of the spacing, or too long.
+    /// Returns the steps of an interval, or `None` if it is not a multiple of the spacing or too
+    /// long.
     fn steps_in(elapsed_s: f64, spacing_s: f64) -> Option<usize> {
-        // The usual case, without dividing.
+        // The usual case, without a division.
         if libm::fabs(elapsed_s - spacing_s) <= TIME_TOLERANCE_S {
             return Some(1);
         }
@@ -262,8 +276,9 @@ impl<T: Real, const L: usize> CoastingClock<T, L> {
         (on_time && (1.0..=HOLD_OVER_STEPS as f64).contains(&steps)).then_some(steps as usize)
     }
 
-    /// Continues the window; `None` where the reading does not, and the window is then to be restarted.
-    fn follow(&mut self, reading: &Reading<T>) -> Option<()> {
+    /// Continues the window. Returns `None` if the reading does not fit, so that the window must
+    /// restart.
+    fn follow(&mut self, reading: &ClockReading<T>) -> Option<()> {
         let last = self.last?;
         let elapsed_s = reading.time_s - last.time_s;
         let spacing_s = *self.spacing_s.get_or_insert(elapsed_s);
@@ -288,8 +303,8 @@ impl<T: Real, const L: usize> CoastingClock<T, L> {
         Some(())
     }
 
-    /// Walks over `steps` differences whose mean is `per_step`: as forecast, the error spread evenly. A single one
-    /// is then exactly `per_step`.
+    /// Appends `steps` differences whose mean is `per_step`: as forecast, with the error spread
+    /// evenly. A single one is then exactly `per_step`.
     fn bridge(&mut self, steps: usize, per_step: T) {
         let ahead = self.process.extrapolate(self.centred_recent()).take(steps);
         let sum = ahead.clone().fold(T::zero(), |sum, (step, _)| sum + step);

@@ -1,15 +1,16 @@
-//! The window: first differences of the clock, equally spaced, without the level.
+//! Window of equally spaced first differences of the clock, without the level.
 //!
 //! `x_t = Z_t − Z_{t−1} − x_ref`, `m = mean x`
 //!
 //! | symbol | field | unit |
 //! |---|---|---|
 //! | `Z` | receiver clock times the speed of light, only differences of it enter | m |
-//! | `x_ref` | `reference_m`, the first difference: a drift of hundreds of metres that all share | m |
-//! | `x_t` | `differences`; `None` where the epoch before or at `t` is missing | m |
+//! | `x_ref` | `reference_m`, the first difference: the common drift of hundreds of metres | m |
+//! | `x_t` | `differences`; `None` if the epoch before or at `t` is missing | m |
 //! | `m` | [`Window::mean`] | m |
 //!
-//! Levels of 3e8 m and the drift stay in `f64`; what is stored is centimetres to metres, and loses nothing in `f32`.
+//! Levels of 3e8 m and the drift stay in `f64`. The stored values are centimetres to metres, so
+//! that `f32` suffices.
 
 use heapless::Deque;
 
@@ -19,7 +20,7 @@ use crate::numeric::real::Real;
 #[derive(Clone, Debug)]
 pub(super) struct Window<T, const L: usize> {
     reference_m: Option<f64>,
-    /// Not a number where one is missing: an [`Option`] of each would take twice the room.
+    /// Differences, NaN for a missing one, because an [`Option`] would double the memory.
     differences: Deque<T, L>,
 }
 
@@ -36,43 +37,44 @@ impl<T: Real, const L: usize> Window<T, L> {
         self.differences.clear();
     }
 
-    /// What every difference is relative to, m.
+    /// Returns the reference of every difference, m.
     pub(super) fn reference_m(&self) -> f64 {
         self.reference_m.unwrap_or(0.0)
     }
 
-    /// Mean of the `steps` differences that make `change_m`, relative to the reference, which the first one becomes.
+    /// Returns the mean of the `steps` differences that make `change_m`, relative to the reference,
+    /// which the first one becomes.
     pub(super) fn relative(&mut self, change_m: f64, steps: usize) -> T {
         let reference_m = *self.reference_m.get_or_insert(change_m);
         T::narrow(change_m - steps as f64 * reference_m) / T::narrow(steps as f64)
     }
 
-    /// Appends a relative difference, or the lack of one; `L` values have `L − 1` differences.
+    /// Appends a relative difference, or a missing one; `L` values have `L − 1` differences.
     pub(super) fn push(&mut self, difference: Option<T>) {
         while self.differences.len() + 1 >= L {
             if self.differences.pop_front().is_none() {
                 return;
             }
         }
-        // Room was made above.
+        // Never full, because the oldest was removed above.
         let _ = self.differences.push_back(difference.unwrap_or(T::narrow(f64::NAN)));
     }
 
-    /// Oldest first.
+    /// Iterates over the differences, oldest first.
     fn each(&self) -> impl Iterator<Item = Option<T>> + Clone {
-        // Two slices are walked with one test of their border each, the ring with one for each element.
+        // Two slices need one bounds test each, the ring one for each element.
         let (older, newer) = self.differences.as_slices();
         older.iter().chain(newer).map(|&x| x.is_finite().then_some(x))
     }
 
-    /// Mean of the relative differences that are there; 0 without any.
+    /// Returns the mean of the relative differences that exist, or 0.
     pub(super) fn mean(&self) -> T {
         let add = |(sum, count), x| (sum + x, count + 1_u16);
         let (sum, count) = self.each().flatten().fold((T::zero(), 0), add);
         sum / T::narrow(f64::from(count.max(1)))
     }
 
-    /// The differences less `mean`, oldest first.
+    /// Iterates over the differences less `mean`, oldest first.
     pub(super) fn centred(&self, mean: T) -> impl Iterator<Item = Option<T>> + Clone {
         self.each().map(move |difference| difference.map(|x| x - mean))
     }

@@ -1,87 +1,101 @@
-//! Integrity: is something wrong, which satellite is it, and how wrong could the position be without anyone noticing?
+//! Integrity: is something wrong, which satellite is faulty, and how large can the undetected error
+//! be?
 //!
 //! ```text
 //! fix ─► test ─► (search, leave out, test again) ─► is it the only explanation? ─► judgement
 //! ```
 //!
-//! [`judge`] is the only place that knows one [`Method`] from another. A [`Judgement`] is what the method found; what it
-//! means for the user is the monitor's to say ([`crate::monitor`]).
+//! [`judge`] is the only place that distinguishes one [`Method`] from another. A [`Judgement`] is
+//! the method's result; the monitor derives the verdict from it ([`crate::monitor`]).
 //!
-//! **A forecast beside the satellites** raises what four satellites can say of each other, and vouches for itself. Where the
-//! satellites can be tested without it they are, too: both tests must pass, and the protection levels are the larger ones.
+//! **A clock forecast beside the satellites** lets four satellites be tested, but it confirms
+//! itself. If the satellites can be tested without it, both tests must pass, and the larger
+//! protection levels count.
 
-pub mod residuals;
-pub mod separation;
+pub mod araim;
+pub mod raim;
 
 use heapless::Vec;
 
 use crate::bounded::gather;
 use crate::epoch::EpochView;
+use crate::least_squares::{Excludable, Snapshot};
 use crate::numeric::real::Real;
-use crate::report::{MAX_EXCLUDED, ProtectionLevels, Separation};
+use crate::report::{AraimReport, MAX_EXCLUDED, ProtectionLevels};
 use crate::requirements::Requirements;
 use crate::satellite::SatelliteId;
-use crate::snapshot::{Reducible, Snapshot};
 use crate::weighting::Ism;
-use residuals::baarda::exclude_sequentially;
-use residuals::detection::Detection;
-use residuals::exclusion::{Excluded, Exclusion, Outcome, Unidentified, leave_out, leaves_enough, separable};
-use residuals::levels::{Exposure, Factors, Levels, common_shift};
-use residuals::sets::count_up_to;
-use residuals::shift;
-use residuals::tags::{Doubt, RangeRates, Rates, is_suspicious};
-use residuals::threshold::Thresholds;
-use residuals::threshold::policy::{Demand, NoThreshold, Policy};
-use residuals::{parity, ransac};
-use separation::Removable;
 #[cfg(feature = "araim")]
-use separation::judge_epoch;
+use araim::judge_epoch;
+use raim::detection::Detection;
+use raim::detection::threshold::Thresholds;
+use raim::detection::threshold::policy::{NoThreshold, Policy, ThresholdProblem};
+use raim::hypotheses::constellation_shift;
+use raim::hypotheses::separability::separable;
+use raim::hypotheses::time_tag::{EpochRates, RangeRates, TimeTagOutcome, is_suspicious};
+use raim::isolation::baarda::exclude_sequentially;
+use raim::isolation::exclusion::{
+    Excluded, Exclusion, ExclusionOutcome, Unidentified, leave_out, leaves_enough,
+};
+use raim::isolation::sets::count_up_to;
+use raim::isolation::{parity, ransac};
+use raim::levels::{KFactors, LevelInputs, Levels, common_shift};
 
-/// How the faulty satellites are found.
+/// Method that finds the faulty satellites.
+///
+/// ```
+/// use rai_core::{Method, Monitor, Requirements};
+/// use rai_core::monitor::Strategy;
+///
+/// let mut monitor = Monitor::<f32, 16>::new(Requirements::en_route())?;
+/// monitor.set_strategy(Strategy { method: Method::Baarda, ..Strategy::DEFAULT });
+/// # Ok::<(), rai_core::monitor::MonitorError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Method {
-    /// Every set of one row, then of two, then of three, where that is within [`AUTOMATIC_SETS`]; else the largest w-test.
+    /// Every set of one row, then of two, then of three, within [`AUTOMATIC_SETS`]; beyond, the
+    /// largest w-test.
     Auto,
-    /// The largest w-test, again and again.
+    /// The largest w-test, repeatedly.
     Baarda,
-    /// In parity space.
+    /// Searches in parity space.
     #[cfg(feature = "searches")]
     Parity(parity::Isolation),
-    /// By consensus of disjoint subsets.
+    /// Consensus of disjoint subsets.
     #[cfg(feature = "searches")]
     Ransac,
-    /// By solutions with and without every plausible set of them: ARAIM.
+    /// Solution separation over all monitored fault modes: ARAIM.
     #[cfg(feature = "araim")]
-    Separation,
+    Araim,
 }
 
 impl Method {
-    /// Whether a forecast may stand beside the satellites: separation knows none that could be wrong.
-    pub(crate) fn takes_a_forecast(self) -> bool {
-        !self.holds_a_promise()
+    /// Returns true if a clock forecast may take a row: ARAIM has no fault mode for it.
+    pub(crate) fn allows_clock_aiding(self) -> bool {
+        !self.uses_ism()
     }
 
-    /// Whether sigmas are what is promised of the satellites, and not what is expected of them.
+    /// Returns true if sigmas are those of an integrity support message, and not the expected ones.
     #[cfg_attr(not(feature = "araim"), expect(clippy::unused_self, reason = "no other method does"))]
-    pub(crate) fn holds_a_promise(self) -> bool {
+    pub(crate) fn uses_ism(self) -> bool {
         #[cfg(feature = "araim")]
-        if self == Self::Separation {
+        if self == Self::Araim {
             return true;
         }
         false
     }
 }
 
-/// Sets that [`Method::Auto`] looks at: all of up to three of 40 rows, some 0.9 million instructions in `f32` on a
-/// Cortex-M4F. Beyond, the largest w-test costs a hundredth.
+/// Most sets that [`Method::Auto`] compares: all of up to three of 40 rows, some 0.9 million
+/// instructions in `f32` on a Cortex-M4F. Beyond, the largest w-test costs a hundredth.
 pub const AUTOMATIC_SETS: usize = parity::MAX_SETS;
 
-/// Sum of squares of which a fault is gross: of ten thousand sigmas, some tens of kilometres. Where it moves the position by `d`,
-/// ranges are off by `d²/2ρ`, metres.
+/// Sum of squares of a gross fault: ten thousand sigmas, some tens of kilometres. If it moves the
+/// position by `d`, the linearised ranges are off by `d²/2ρ`, metres.
 const GROSS_SSE: f64 = 1e8;
 
-/// What an epoch is judged by.
+/// Criteria of a judgement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Criteria<'c, T> {
     /// Limits and probabilities.
@@ -89,70 +103,73 @@ pub struct Criteria<'c, T> {
     /// Thresholds for these probabilities.
     pub thresholds: Thresholds<'static>,
     /// Factors of the protection levels for these probabilities.
-    pub factors: &'c Factors<T>,
-    /// Which threshold the global test uses.
+    pub factors: &'c KFactors<T>,
+    /// Threshold policy of the global test.
     pub policy: Policy,
-    /// How the faulty satellites are found.
+    /// Method that finds the faulty satellites.
     pub method: Method,
-    /// What a protection level bounds.
+    /// Quantity that a protection level bounds.
     pub levels: Levels,
-    /// What is promised of the satellites, for [`Method::Separation`].
+    /// Integrity support message, for [`Method::Araim`].
     pub ism: &'c Ism,
 }
 
-/// Room that methods take beside the equations, and the subsets that [`Method::Ransac`] keeps from epoch to epoch.
+/// Scratch memory of the methods, and the subsets that [`Method::Ransac`] keeps from epoch to
+/// epoch.
 #[derive(Clone, Debug)]
-pub struct Scratch<T: Real> {
-    /// For [`Method::Ransac`].
+pub struct MethodScratch<T: Real> {
+    /// Subsets of [`Method::Ransac`].
     pub subsets: ransac::Subsets,
-    /// Made when it is asked for first: it is large, and empty it need not be on the stack before it is where it stays.
+    /// Made at the first use, so that this large value is made in place and not on the stack first.
     #[cfg(feature = "araim")]
-    separation: Option<separation::Room<T>>,
+    araim: Option<araim::AraimScratch<T>>,
     #[cfg(not(feature = "araim"))]
     scalar: core::marker::PhantomData<T>,
 }
 
-impl<T: Real> Default for Scratch<T> {
+impl<T: Real> Default for MethodScratch<T> {
     fn default() -> Self {
         Self::new()
     }
 }
 
-impl<T: Real> Scratch<T> {
-    /// Of no epoch yet.
+impl<T: Real> MethodScratch<T> {
+    /// Returns empty scratch memory.
     #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
     #[inline(always)]
     pub fn new() -> Self {
         Self {
             subsets: ransac::Subsets::new(),
             #[cfg(feature = "araim")]
-            separation: None,
+            araim: None,
             #[cfg(not(feature = "araim"))]
             scalar: core::marker::PhantomData,
         }
     }
 
-    // Not inlined: what its making takes of the stack is not needed beside the judging.
+    // Not inlined, so that the stack of the initialisation is free during the judging.
     #[cfg(feature = "araim")]
     #[inline(never)]
-    fn separation(&mut self) -> &mut separation::Room<T> {
-        self.separation.get_or_insert_with(separation::Room::new)
+    fn araim(&mut self) -> &mut araim::AraimScratch<T> {
+        self.araim.get_or_insert_with(araim::AraimScratch::new)
     }
 }
 
-/// What may be done once a fault is detected.
+/// Permitted search after a detected fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Search<'s> {
-    /// Look for the faulty satellites.
+    /// Search for the faulty satellites.
     Anew,
-    /// Look for them about a poor point, and believe what is found for now: whether anything else explains as much, which is as dear
-    /// as the search, is asked about a better point, where they are [`Self::Known`].
+    /// Search about an inaccurate point and accept the result provisionally.
+    ///
+    /// The separability check, as expensive as the search, runs from a better point, where the
+    /// satellites are [`Self::Known`].
     Rough,
-    /// Leave out those that a search about another point has found, and look for no others.
+    /// Leave out the satellites that a search about another point found, and search for no others.
     Known(&'s [SatelliteId]),
 }
 
-/// The global test of a snapshot, and what an undetected fault can do under its threshold.
+/// The global test of a snapshot, and the protection levels under its threshold.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Test<T> {
     /// The test.
@@ -161,55 +178,56 @@ pub struct Test<T> {
     pub levels: ProtectionLevels,
 }
 
-/// What the satellites say without the forecast beside them.
+/// The test without the clock forecast.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Alone<T> {
+pub enum WithoutAiding<T> {
     /// No forecast takes part.
     Always,
-    /// Without it nothing is left to test.
+    /// The satellites cannot be tested without the forecast.
     Untested,
     /// The test of the satellites alone.
     Tested(Test<T>),
 }
 
-/// What a method found in an epoch.
+/// Result of a method for one epoch.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Judgement<T> {
-    /// How it ended.
-    pub outcome: Outcome,
-    /// Rows left out, in the order of removal.
+    /// Result of the exclusion.
+    pub outcome: ExclusionOutcome,
+    /// Rows left out, in the order of exclusion.
     pub excluded: Vec<Excluded<T>, MAX_EXCLUDED>,
-    /// The test of what is left, or why there is none.
+    /// Test of the remaining rows, or the reason why there is none.
     pub test: Result<Test<T>, NoThreshold>,
-    /// The same without the forecast.
-    pub alone: Alone<T>,
-    /// Whether faulty satellites were searched for.
+    /// Test without the clock forecast.
+    pub without_aiding: WithoutAiding<T>,
+    /// True if faulty satellites were searched for.
     pub searched: bool,
-    /// What only [`Method::Separation`] finds.
-    pub separation: Option<Separation>,
+    /// Additional results of [`Method::Araim`].
+    pub araim: Option<AraimReport>,
 }
 
 impl<T: Real> Judgement<T> {
-    /// Protection levels: the larger of those with and without the forecast.
+    /// Returns the protection levels: the larger of those with and without the forecast.
     pub fn levels(&self) -> Option<ProtectionLevels> {
         let levels = self.test.ok()?.levels;
-        Some(match &self.alone {
-            Alone::Tested(alone) => levels.or_larger(&alone.levels),
-            Alone::Always | Alone::Untested => levels,
+        Some(match &self.without_aiding {
+            WithoutAiding::Tested(alone) => levels.or_larger(&alone.levels),
+            WithoutAiding::Always | WithoutAiding::Untested => levels,
         })
     }
 }
 
 impl<T: Real> Criteria<'_, T> {
-    /// The global test of a snapshot under the policy, and the protection levels that go with its threshold.
+    /// Applies the global test to a snapshot under the policy, and computes the protection levels
+    /// for its threshold.
     ///
-    /// `common_m` is what the first rows' errors share ([`EpochView::common_m`]).
+    /// `common_m` is the shared error of the first rows ([`EpochView::common_m`]).
     ///
     /// # Errors
-    /// [`NoThreshold`] says why there is none.
+    /// [`NoThreshold`] names the reason why there is none.
     pub fn test(&self, snapshot: &Snapshot<'_, T>, common_m: &[f32]) -> Result<Test<T>, NoThreshold> {
-        let exposure = Exposure::of(snapshot, self.levels, self.factors);
-        let demand = Demand::new(snapshot.dof(), &exposure, self.requirements, self.thresholds);
+        let exposure = LevelInputs::of(snapshot, self.levels, self.factors);
+        let demand = ThresholdProblem::new(snapshot.dof(), &exposure, self.requirements, self.thresholds);
         let threshold = demand.threshold::<T>(self.policy)?;
         let detection =
             Detection { sse: snapshot.sse(), threshold: T::narrow(threshold.tau), dof: snapshot.dof() };
@@ -218,30 +236,31 @@ impl<T: Real> Criteria<'_, T> {
     }
 }
 
-/// Tests a solution, looks for what is wrong and leaves it out.
+/// Tests a solution, searches for faulty rows and leaves them out.
 ///
-/// `forecast` is the row of a predicted clock, if there is one; `rates`, of whom knows orbits, tell wrong tags from wrong
-/// satellites ([`residuals::tags`]). `solution` ends as the solution without the rows listed.
+/// `forecast` is the row of a predicted clock, if there is one. A caller that knows orbits passes
+/// `rates`, which distinguish wrong time tags from faulty satellites
+/// ([`raim::hypotheses::time_tag`]). `solution` ends as the solution without the listed rows.
 pub fn judge<T: Real>(
-    solution: &mut (impl Reducible<T> + Removable<T>),
+    solution: &mut impl Excludable<T>,
     epoch: &EpochView<'_>,
     forecast: Option<usize>,
     criteria: &Criteria<'_, T>,
     search: Search<'_>,
     rates: Option<&RangeRates<'_>>,
-    scratch: &mut Scratch<T>,
+    scratch: &mut MethodScratch<T>,
 ) -> Judgement<T> {
     #[cfg(feature = "araim")]
-    if criteria.method == Method::Separation {
-        return judge_epoch(solution, epoch, criteria, rates, scratch.separation());
+    if criteria.method == Method::Araim {
+        return judge_epoch(solution, epoch, criteria, rates, scratch.araim());
     }
     judge_by_residuals(solution, epoch, forecast, criteria, search, rates, &mut scratch.subsets)
 }
 
-// Not inlined: separation has frames of its own, the deepest of all, and needs nothing of this one's.
+// Not inlined, because ARAIM has the deepest stack of all and needs nothing of this frame.
 #[inline(never)]
 fn judge_by_residuals<T: Real>(
-    solution: &mut impl Reducible<T>,
+    solution: &mut impl Excludable<T>,
     epoch: &EpochView<'_>,
     forecast: Option<usize>,
     criteria: &Criteria<'_, T>,
@@ -252,7 +271,8 @@ fn judge_by_residuals<T: Real>(
     let mut test = criteria.test(solution.snapshot(), epoch.common_m());
     let mut exclusion = Exclusion::passed();
     let mut searched = false;
-    // Whatever the policy: where it tolerates what a satellite can do, a wrong time may do more.
+    // Independent of the policy: where a policy tolerates the effect of a satellite, a wrong time
+    // may have a larger one.
     let is_odd = test.is_ok() && is_suspicious(solution.snapshot(), &criteria.thresholds);
     if test.as_ref().is_ok_and(|test| test.detection.fault()) {
         let jump = forecast.and_then(|row| jump(solution, row, &criteria.thresholds));
@@ -260,44 +280,45 @@ fn judge_by_residuals<T: Real>(
         exclusion = jump.unwrap_or_else(|| isolate(solution, epoch, criteria, search, subsets));
         test = criteria.test(solution.snapshot(), epoch.common_m());
     }
-    let alone = forecast.map_or(Alone::Always, |row| without_forecast(solution, row, epoch, criteria));
-    if let Alone::Tested(test) = &alone
+    let without_aiding =
+        forecast.map_or(WithoutAiding::Always, |row| without_forecast(solution, row, epoch, criteria));
+    if let WithoutAiding::Tested(test) = &without_aiding
         && test.detection.fault()
     {
-        exclusion.outcome = Outcome::NotIsolated(Unidentified::NoSet);
+        exclusion.outcome = ExclusionOutcome::NotIsolated(Unidentified::NoSet);
     }
-    if exclusion.outcome == Outcome::Isolated && test.is_ok() {
+    if exclusion.outcome == ExclusionOutcome::Isolated && test.is_ok() {
         let satellites = exclusion.rows.iter().filter(|excluded| Some(excluded.index) != forecast).count();
         if !leaves_enough(satellites, solution.snapshot().dof()) {
-            exclusion.outcome = Outcome::NotIsolated(Unidentified::NoRedundancy);
+            exclusion.outcome = ExclusionOutcome::NotIsolated(Unidentified::NoRedundancy);
         } else if search != Search::Rough && !separable(solution, &exclusion, &criteria.thresholds) {
-            exclusion.outcome = Outcome::NotIsolated(Unidentified::Ambiguous);
+            exclusion.outcome = ExclusionOutcome::NotIsolated(Unidentified::Ambiguous);
         }
     }
-    // As of other sets: what is left out about a rough point is asked about the next.
-    let is_asked = search != Search::Rough || exclusion.outcome == Outcome::Passed;
-    let is_good = test.is_ok() && !matches!(exclusion.outcome, Outcome::NotIsolated(_));
-    if is_asked && is_good && shift::shows(solution.snapshot(), &criteria.thresholds) {
-        exclusion.outcome = Outcome::NotIsolated(Unidentified::Ambiguous);
+    // As for other sets, exclusions about an inaccurate point are checked about the next one.
+    let is_asked = search != Search::Rough || exclusion.outcome == ExclusionOutcome::Passed;
+    let is_good = test.is_ok() && !matches!(exclusion.outcome, ExclusionOutcome::NotIsolated(_));
+    if is_asked && is_good && constellation_shift::shows(solution.snapshot(), &criteria.thresholds) {
+        exclusion.outcome = ExclusionOutcome::NotIsolated(Unidentified::Ambiguous);
     }
-    let is_believed = searched && search == Search::Rough && exclusion.outcome == Outcome::Isolated;
+    let is_believed = searched && search == Search::Rough && exclusion.outcome == ExclusionOutcome::Isolated;
     let asked = rates.filter(|_| is_odd && !is_believed);
-    if let Some(rates) = asked.and_then(|rates| Rates::of(epoch, rates)) {
-        match rates.contest(solution, &exclusion, &criteria.thresholds, criteria.factors) {
-            Doubt::Rows if exclusion.outcome == Outcome::Isolated => {
-                exclusion.outcome = Outcome::NotIsolated(Unidentified::Ambiguous);
+    if let Some(rates) = asked.and_then(|rates| EpochRates::of(epoch, rates)) {
+        match rates.compare(solution, &exclusion, &criteria.thresholds, criteria.factors) {
+            TimeTagOutcome::Rows if exclusion.outcome == ExclusionOutcome::Isolated => {
+                exclusion.outcome = ExclusionOutcome::NotIsolated(Unidentified::Ambiguous);
             }
-            Doubt::None | Doubt::Rows => {}
-            Doubt::Shift(slopes, shown) => {
+            TimeTagOutcome::None | TimeTagOutcome::Rows => {}
+            TimeTagOutcome::Shift(slopes, shown) => {
                 if let Ok(test) = &mut test {
                     let snapshot = solution.snapshot();
-                    let levels = Exposure::of(snapshot, criteria.levels, criteria.factors)
+                    let levels = LevelInputs::of(snapshot, criteria.levels, criteria.factors)
                         .protect_against(slopes, shown, criteria.factors)
                         .plus(&common_shift(snapshot, epoch.common_m()));
                     test.levels = test.levels.or_larger(&levels);
                 }
             }
-            Doubt::Time => {
+            TimeTagOutcome::Time => {
                 exclusion = Exclusion::not_isolated(Unidentified::Time);
                 test = criteria.test(solution.snapshot(), epoch.common_m());
             }
@@ -307,39 +328,39 @@ fn judge_by_residuals<T: Real>(
         outcome: exclusion.outcome,
         excluded: exclusion.rows,
         test,
-        alone,
+        without_aiding,
         searched,
-        separation: None,
+        araim: None,
     }
 }
 
-/// The test of a solution without its forecast, which ends as it began.
+/// Tests a solution without its forecast; the solution ends as it began.
 fn without_forecast<T: Real>(
-    solution: &mut impl Reducible<T>,
+    solution: &mut impl Excludable<T>,
     row: usize,
     epoch: &EpochView<'_>,
     criteria: &Criteria<'_, T>,
-) -> Alone<T> {
+) -> WithoutAiding<T> {
     let takes_part = solution.snapshot().row(row).is_some_and(|(row, _)| row.weight > T::zero());
     if !takes_part {
-        return Alone::Always;
+        return WithoutAiding::Always;
     }
     if solution.set_aside(&[row]).is_err() {
-        return Alone::Untested;
+        return WithoutAiding::Untested;
     }
     let test = criteria.test(solution.snapshot(), epoch.common_m());
-    // What was there a moment ago determines a position.
+    // These rows determined a position a moment ago.
     let _ = solution.take_back(&[row]);
-    test.map_or(Alone::Untested, Alone::Tested)
+    test.map_or(WithoutAiding::Untested, WithoutAiding::Tested)
 }
 
-/// Looks for the faulty satellites and leaves them out.
+/// Returns searches for the faulty satellites and leaves them out.
 ///
-/// A function of its own, as are the ways that it branches into: what one search needs of the stack would else be taken
-/// by every epoch, and beside what the others need.
+/// A separate function, as are its branches, so that an epoch without a fault does not pay for the
+/// stack of the searches, and each search only for its own.
 #[inline(never)]
 fn isolate<T: Real>(
-    solution: &mut impl Reducible<T>,
+    solution: &mut impl Excludable<T>,
     epoch: &EpochView<'_>,
     criteria: &Criteria<'_, T>,
     search: Search<'_>,
@@ -353,8 +374,9 @@ fn isolate<T: Real>(
         return leave_out(solution, &rows, thresholds);
     }
     if solution.snapshot().sse() > T::narrow(GROSS_SSE) {
-        // It bends what all sets are compared in, one of a millisecond beyond recognition. Leaving out the worst and solving again
-        // about another point does not mind.
+        // A gross fault distorts the linearised comparison of sets, beyond recognition at one
+        // millisecond. Leaving out the worst row and solving again about another point is robust
+        // against it.
         return exclude_sequentially(solution, thresholds);
     }
     match criteria.method {
@@ -366,15 +388,16 @@ fn isolate<T: Real>(
         #[cfg(feature = "searches")]
         Method::Ransac => ransac::exclude_in(solution, epoch, thresholds, subsets),
         Method::Baarda => exclude_sequentially(solution, thresholds),
-        // Separation excludes by its own tests.
+        // ARAIM excludes by its own tests.
         #[cfg(feature = "araim")]
-        Method::Separation => exclude_sequentially(solution, thresholds),
+        Method::Araim => exclude_sequentially(solution, thresholds),
     }
 }
 
-/// By every set, as far as sets can be told apart at all, or by the largest w-test where these are too many.
+/// Isolates by every set if sets can be distinguished at all, or by the largest w-test if they are
+/// too many.
 fn isolate_within_budget<T: Real>(
-    solution: &mut impl Reducible<T>,
+    solution: &mut impl Excludable<T>,
     thresholds: &Thresholds<'_>,
 ) -> Exclusion<T> {
     let rows = (solution.snapshot().dof() / 2).min(MAX_EXCLUDED);
@@ -385,23 +408,24 @@ fn isolate_within_budget<T: Real>(
     parity::exclude(parity::Isolation::Grouping, solution, thresholds, &limits)
 }
 
-/// The exclusion of the forecast alone, where that explains everything and no satellite does nearly as well.
+/// Returns the exclusion of the forecast alone, if it explains everything and no satellite does
+/// nearly as well.
 ///
-/// Asked before any method is: a jump of a millisecond shows in every satellite's test, and methods that leave out
-/// whoever correlates with the worst would leave out healthy ones with it.
+/// This comes before any method: a jump of a millisecond shows in every satellite's test, and
+/// methods that leave out all rows that correlate with the worst would leave out healthy ones.
 fn jump<T: Real>(
-    solution: &mut impl Reducible<T>,
+    solution: &mut impl Excludable<T>,
     row: usize,
     thresholds: &Thresholds<'_>,
 ) -> Option<Exclusion<T>> {
     let (_, fit) = solution.snapshot().row(row)?;
     let forecast = Excluded { index: row, w_test: fit.w_test() };
     solution.leave_out(row).ok()?;
-    let jump = Exclusion { rows: gather([forecast]), outcome: Outcome::Isolated };
+    let jump = Exclusion { rows: gather([forecast]), outcome: ExclusionOutcome::Isolated };
     if Detection::passes(solution.snapshot(), thresholds) && separable(solution, &jump, thresholds) {
         return Some(jump);
     }
-    // What was there a moment ago determines a position.
+    // These rows determined a position a moment ago.
     let _ = solution.take_back(&[row]);
     None
 }

@@ -1,21 +1,21 @@
-//! From a judged fix to a report: what is known about the position and its satellites, in plain numbers.
+//! The report of a judged fix: the position and its satellites in plain numbers.
 
 use heapless::Vec;
 
 use crate::bounded::gather;
 use crate::epoch::EpochView;
-use crate::fix::Fix;
 use crate::frame::LocalFrame;
-use crate::integrity::residuals::baarda;
+use crate::integrity::raim::isolation::baarda;
 use crate::integrity::{Judgement, Test};
+use crate::least_squares::Snapshot;
+use crate::least_squares::fix::Fix;
 use crate::numeric::real::Real;
-use crate::numeric::space::{dot, told};
-use crate::report::{MAX_EXCLUDED, Report, Separation, Solution, Suspect, TestStatistic, Verdict};
+use crate::numeric::space::{dot, upper_triangle};
+use crate::report::{AraimReport, MAX_EXCLUDED, Report, Solution, Suspect, TestStatistic, Verdict};
 use crate::satellite::Constellation;
-use crate::snapshot::Snapshot;
 use crate::weighting::adaptation::Residuals;
 
-/// The residuals of the satellites used, by the sigmas that they came with.
+/// Returns the residuals of the satellites used, weighted by the sigmas of the epoch.
 pub(super) fn residuals<T: Real>(snapshot: &Snapshot<'_, T>, epoch: &EpochView<'_>) -> Residuals {
     let takes_part = |weight: T| weight > T::zero();
     let used = snapshot.rows().zip(epoch.observations()).filter(|((row, _), _)| takes_part(row.weight));
@@ -28,10 +28,10 @@ pub(super) fn residuals<T: Real>(snapshot: &Snapshot<'_, T>, epoch: &EpochView<'
     Residuals { sse, dof: snapshot.dof().saturating_sub(aided) as u32 }
 }
 
-/// The excluded satellites with the biases that the final solution shows.
+/// Returns the excluded satellites with their biases in the final solution.
 ///
-/// A left-out row's residual is that of a prediction: it is the bias. An aiding row that was left out names no
-/// satellite and is not listed.
+/// A left-out row's residual is that of a prediction, which is the bias. An aiding row that was
+/// left out belongs to no satellite and is not listed.
 pub(super) fn suspects<T: Real>(
     judgement: &Judgement<T>,
     fix: &Fix<'_, T>,
@@ -51,8 +51,8 @@ pub(super) fn suspects<T: Real>(
     gather(listed)
 }
 
-/// The report on a position: the verdict, and what is known about the satellites. Who is left out, and what is known of the
-/// sigmas, stands in it already.
+/// Writes the report on a position, except for the excluded satellites and the sigma check, which
+/// are written already.
 #[inline(never)]
 pub(super) fn describe<T: Real, const N: usize>(
     fix: &Fix<'_, T>,
@@ -66,25 +66,26 @@ pub(super) fn describe<T: Real, const N: usize>(
     report.used.clear();
     let mut squares = T::zero();
     for ((_, fit), observation) in used {
-        // Both hold N: never full here.
+        // Never full, because both hold `N`.
         let _ = report.used.push(observation.satellite);
         squares += fit.residual * fit.residual;
     }
     report.verdict = verdict;
     report.solution = Some(solution(fix));
-    report.test = test.map(|test| statistic(test, judgement.separation.as_ref()));
+    report.test = test.map(|test| statistic(test, judgement.araim.as_ref()));
     report.protection = judgement.levels();
     report.suspect = test.and_then(|_| suspect(fix.snapshot(), epoch));
     report.residual_rms_m = libm::sqrt(squares.widen() / report.used.len().max(1) as f64);
     report.tracked = epoch.observations().len() as u8;
-    report.separation = judgement.separation;
+    report.araim = judgement.araim;
 }
 
-/// The global test, or the largest of the separation's tests, held against 1, where it is not the global test alone that fails.
-fn statistic<T: Real>(test: &Test<T>, separation: Option<&Separation>) -> TestStatistic {
+/// Returns the global test, or the largest araim test compared with 1, unless the global test alone
+/// fails.
+fn statistic<T: Real>(test: &Test<T>, araim: Option<&AraimReport>) -> TestStatistic {
     let global = test.detection.statistic();
-    match separation.filter(|separation| separation.ratio >= 1.0 || !test.detection.fault()) {
-        Some(separation) => TestStatistic { statistic: separation.ratio, threshold: 1.0, ..global },
+    match araim.filter(|araim| araim.ratio >= 1.0 || !test.detection.fault()) {
+        Some(araim) => TestStatistic { statistic: araim.ratio, threshold: 1.0, ..global },
         None => global,
     }
 }
@@ -111,7 +112,7 @@ fn solution<T: Real>(fix: &Fix<'_, T>) -> Solution {
     Solution {
         position,
         geodetic: LocalFrame::at(position).geodetic(),
-        covariance_m2: told(snapshot.covariance()),
+        covariance_m2: upper_triangle(snapshot.covariance()),
         clocks_m: Constellation::ALL.map(|constellation| snapshot.clock_m(constellation)),
         hdop: hdop.widen(),
         vdop: vdop.widen(),

@@ -1,80 +1,83 @@
-//! The pipeline: one epoch in, one report out, and the little that is remembered between epochs.
+//! The pipeline: one epoch in, one report out, with a small state between epochs.
 //!
 //! ```text
-//! epoch ─► (clock aiding) ─► fix ─► integrity::judge ─► verdict ─► report        judge: changes nothing
-//!                                                                 └────► lesson        learn: a step, after which the
-//!                                                                                      report is what is said
+//! epoch ─► (clock aiding) ─► fix ─► integrity::judge ─► verdict ─► report        judge: no side effects
+//!                                                                 └────► update        learn: a step, after which the
+//!                                                                                      report is final
 //! ```
 //!
-//! A [`Strategy`] says which threshold detects and how the faulty satellite is found. Every policy's threshold is at or
-//! above `τ1`, so the search, whose every step is held against `τ1`, ends with a set that passes under any policy;
-//! protection levels are those of the threshold in use.
+//! A [`Strategy`] selects the threshold and the isolation method. Every policy's threshold is at or
+//! above `τ1`, so that the search, which compares every step with `τ1`, ends with a set that passes
+//! under any policy; protection levels are those of the threshold in use.
 //!
-//! Remembered are the last position, as the start of the next fix; a window of SSE/dof, which says whether the
-//! sigmas are right; with clock aiding, the receiver clocks of the epochs that passed; and what was said of the epochs
-//! before ([`crate::continuity`]).
+//! The state contains the last position, as the start of the next fix; a window of SSE/dof, which
+//! shows whether the sigmas are right; with clock aiding, the receiver clocks of the epochs that
+//! passed; and the verdicts of the epochs before ([`crate::continuity`]).
 //!
-//! References: [Yang2015] §1 for the order of the decisions, [Lin2016] §2 for detection and identification.
+//! References: [Yang2015] §1 for the order of the decisions, [Lin2016] §2 for detection and
+//! identification.
 //!
 //! [Yang2015]: crate#references
 //! [Lin2016]: crate#references
 
-mod accepted;
 mod description;
-mod memory;
+mod validated;
 mod verdict;
+mod workspace;
 
 use heapless::Deque;
 
 use crate::clock::{Clocks, SolvedClocks};
 use crate::continuity::{Continuity, ContinuityError, ContinuitySettings};
 use crate::epoch::{Aided, Epoch, EpochView};
-use crate::fix::{Fix, FixError};
 use crate::frame::Ecef;
-use crate::integrity::residuals::exclusion::Outcome;
-use crate::integrity::residuals::levels::Levels;
-use crate::integrity::residuals::ransac::Subsets;
-use crate::integrity::residuals::tags::RangeRates;
-use crate::integrity::residuals::threshold::policy::Policy;
+use crate::integrity::raim::detection::threshold::policy::Policy;
+use crate::integrity::raim::hypotheses::time_tag::RangeRates;
+use crate::integrity::raim::isolation::exclusion::ExclusionOutcome;
+use crate::integrity::raim::isolation::ransac::Subsets;
+use crate::integrity::raim::levels::Levels;
 use crate::integrity::{Criteria, Judgement, judge};
+use crate::least_squares::SnapshotError;
+use crate::least_squares::fix::{Fix, FixError};
 use crate::numeric::real::Real;
 use crate::report::{Alert, Report, Unavailable, Verdict};
 use crate::requirements::Requirements;
-use crate::snapshot::SnapshotError;
 use crate::weighting::Ism;
 use crate::weighting::adaptation::Adaptation;
 
 use description::{describe, residuals, suspects};
-use memory::Lesson;
+use workspace::Update;
 
 pub use crate::integrity::{Method, Search};
-pub use accepted::{Accepted, MonitorError};
-pub use memory::{Assessment, Memory};
+pub use validated::{MonitorError, ValidatedRequirements};
+pub use workspace::{EpochOutcome, MonitorWorkspace};
 
-/// Epochs over which SSE/dof is averaged: with 10 degrees of freedom the mean is then known to 6 %.
+/// Number of epochs over which SSE/dof is averaged: with 10 degrees of freedom the mean is then
+/// known to 6 %.
 pub const SIGMA_CHECK_WINDOW: usize = 60;
 
-/// How integrity is monitored.
+/// Configuration of the monitoring: threshold, method, levels and aiding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Strategy {
-    /// Which threshold the global test uses.
+    /// Threshold policy of the global test.
     pub policy: Policy,
-    /// How the faulty satellites are found.
+    /// Method that finds the faulty satellites.
     pub method: Method,
-    /// What a protection level bounds.
+    /// Quantity that a protection level bounds.
     pub levels: Levels,
-    /// Whether the predicted receiver clock takes a row beside the satellites.
+    /// True if the predicted receiver clock takes a row beside the satellites.
     pub clock_aid: bool,
-    /// Whether the sigmas are scaled by what the residuals of the last minutes say ([`Adaptation`]).
+    /// True if the residuals of the last minutes scale the sigmas ([`Adaptation`]).
     pub sigma_adapt: bool,
 }
 
 impl Strategy {
-    /// The classic threshold, the best exclusion that the budget of work allows, levels that bound, no aiding.
+    /// The classic threshold, the best exclusion within the work budget, levels that bound, no
+    /// aiding.
     pub const DEFAULT: Self = Self { method: Method::Auto, ..Self::CLASSIC };
 
-    /// The same with sequential exclusion.
+    /// The classic threshold with sequential exclusion, levels that bound, no aiding.
     pub const CLASSIC: Self = Self {
         policy: Policy::T1,
         method: Method::Baarda,
@@ -84,10 +87,21 @@ impl Strategy {
     };
 }
 
-/// Watches over the positions of one receiver, at most `N` satellites at a time.
+/// Integrity monitor for the positions of one receiver, at most `N` satellites at a time.
+///
+/// ```
+/// use rai_core::{Epoch, Monitor, Requirements, Verdict};
+///
+/// let mut monitor = Monitor::<f32, 16>::new(Requirements::en_route())?;
+/// let report = monitor.process(&Epoch::new(0.0)); // no satellite, so that there is no position
+/// assert!(matches!(report.verdict, Verdict::Unavailable(_)));
+/// # Ok::<(), rai_core::monitor::MonitorError>(())
+/// ```
+///
+/// The [crate documentation](crate#example) has an epoch that ends protected.
 #[derive(Clone, Debug)]
 pub struct Monitor<T: Real, const N: usize> {
-    accepted: Accepted<T>,
+    validated: ValidatedRequirements<T>,
     strategy: Strategy,
     ism: Ism,
     clocks: Clocks<T>,
@@ -100,20 +114,20 @@ pub struct Monitor<T: Real, const N: usize> {
 }
 
 impl<T: Real, const N: usize> Monitor<T, N> {
-    /// A monitor that knows no position yet.
+    /// Returns a monitor without a known position.
     ///
     /// # Errors
     /// [`MonitorError`] names the requirement that cannot be met.
     pub fn new(requirements: Requirements) -> Result<Self, MonitorError> {
-        Ok(Self::of(Accepted::new(requirements)?))
+        Ok(Self::of(ValidatedRequirements::new(requirements)?))
     }
 
-    /// As [`Self::new`], of requirements that are known to be met.
+    /// Works like [`Self::new`], from validated requirements.
     #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
     #[inline(always)]
-    pub fn of(accepted: Accepted<T>) -> Self {
+    pub fn of(validated: ValidatedRequirements<T>) -> Self {
         Self {
-            accepted,
+            validated,
             strategy: Strategy::DEFAULT,
             ism: Ism::ICAO,
             clocks: Clocks::new(),
@@ -126,92 +140,99 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         }
     }
 
-    /// Replaces the requirements; what is remembered stays.
+    /// Replaces the requirements; the state stays.
     ///
     /// # Errors
-    /// As [`Self::new`]; nothing has changed then.
-    pub fn require(&mut self, requirements: Requirements) -> Result<(), MonitorError> {
-        self.accepted = Accepted::new(requirements)?;
+    /// As [`Self::new`]; nothing changes then.
+    pub fn set_requirements(&mut self, requirements: Requirements) -> Result<(), MonitorError> {
+        self.validated = ValidatedRequirements::new(requirements)?;
         Ok(())
     }
 
-    /// Replaces the strategy; a change of clock aiding forgets the clocks; one of adaptation the residuals, as does one between
-    /// sigmas that are expected and such that are promised.
+    /// Replaces the strategy.
+    ///
+    /// A change of clock aiding forgets the clocks. A change of adaptation forgets the residuals,
+    /// as does one between expected sigmas and those of an integrity support message.
     pub fn set_strategy(&mut self, strategy: Strategy) {
         if strategy.clock_aid != self.strategy.clock_aid {
             self.clocks.restart();
         }
-        let is_weighted_alike = strategy.method.holds_a_promise() == self.strategy.method.holds_a_promise();
+        let is_weighted_alike = strategy.method.uses_ism() == self.strategy.method.uses_ism();
         if strategy.sigma_adapt != self.strategy.sigma_adapt || !is_weighted_alike {
             self.forget_residuals();
         }
         self.strategy = strategy;
     }
 
-    /// Ranges are made another way, or are of other satellites: what residuals have said of the sigmas counts for nothing.
+    /// Forgets the residuals of the adaptation, because the ranges are now made in another way or
+    /// come from other satellites.
     pub fn forget_residuals(&mut self) {
         self.adaptation.restart();
     }
 
-    /// Replaces what a receiver can do and how long satellites must agree after an alert; what is remembered stays.
+    /// Replaces the limits of the receiver's motion and the required agreement; the state stays.
     ///
     /// # Errors
-    /// [`ContinuityError`] names the setting that is out of its range; nothing has changed then.
+    /// [`ContinuityError`] names the setting that is out of its range; nothing changes then.
     pub fn set_continuity(&mut self, settings: ContinuitySettings) -> Result<(), ContinuityError> {
         self.continuity_settings = Some(settings.validate()?);
         Ok(())
     }
 
-    /// What a receiver can do and how long satellites must agree after an alert; none where every epoch is judged by itself.
+    /// Returns the continuity settings, or `None` if every epoch is judged independently.
     pub fn continuity_settings(&self) -> Option<&ContinuitySettings> {
         self.continuity_settings.as_ref()
     }
 
-    /// From now on every epoch is judged by itself, as experiments need that draw each anew: nothing is a jump, nothing
-    /// has to be recovered from.
-    pub fn forgo_continuity(&mut self) {
+    /// Judges every epoch independently from now on: without jumps and without recovery.
+    ///
+    /// Experiments that draw each epoch independently need it.
+    pub fn disable_continuity(&mut self) {
         self.continuity_settings = None;
     }
 
-    /// The last position counts for nothing: the next may be anywhere.
+    /// Forgets the last position, so that the next may be anywhere.
     pub fn forget_position(&mut self) {
         self.continuity.forget();
     }
 
-    /// No epoch came for too long, of which the caller has told: the next stands by itself, as the first of all.
+    /// Restarts the continuity after a gap longer than the time to alert: the next epoch is judged
+    /// as if it were the first.
     pub fn interrupt(&mut self) {
         self.continuity.interrupt();
     }
 
-    /// Replaces what is promised of the satellites ([`Ism::ICAO`] at first), for [`Method::Separation`].
+    /// Replaces the integrity support message ([`Ism::ICAO`] at first), for [`Method::Araim`].
+    ///
+    /// An invalid message is ignored.
     pub fn set_ism(&mut self, ism: Ism) {
-        // Nothing is worse than a promise that is no number.
+        // NaN is no valid integrity support.
         if ism.is_valid() {
             self.ism = ism;
         }
     }
 
-    /// What is promised of the satellites.
+    /// Returns the integrity support message.
     pub fn ism(&self) -> &Ism {
         &self.ism
     }
 
-    /// What is required.
+    /// Returns the requirements.
     pub fn requirements(&self) -> &Requirements {
-        &self.accepted.requirements
+        &self.validated.requirements
     }
 
-    /// What is required, with what follows from it.
-    pub fn accepted(&self) -> &Accepted<T> {
-        &self.accepted
+    /// Returns the validated requirements, with their thresholds and factors.
+    pub fn validated(&self) -> &ValidatedRequirements<T> {
+        &self.validated
     }
 
-    /// Where the next fix starts: the last position, or what [`Self::start_from`] said.
+    /// Returns the start of the next fix: the last position, or that of [`Self::start_from`].
     pub fn start(&self) -> Ecef {
         self.start
     }
 
-    /// Sets where the next fix starts; a point that is not finite is ignored.
+    /// Sets the start of the next fix; a point that is not finite is ignored.
     pub fn start_from(&mut self, point: Ecef) {
         if point.is_finite() {
             self.start = point;
@@ -220,20 +241,23 @@ impl<T: Real, const N: usize> Monitor<T, N> {
 
     /// Judges one epoch about [`Self::start`] and learns from it.
     pub fn process(&mut self, epoch: &Epoch<N>) -> Report<N> {
-        // Taken out while the monitor is read, and put back.
-        let mut memory = Memory::new();
+        // Moved out while the monitor is read, and moved back.
+        let mut memory = MonitorWorkspace::new();
         core::mem::swap(&mut memory.scratch.subsets, &mut self.subsets);
         self.judge(epoch, self.start, Search::Anew, None, &mut memory);
         core::mem::swap(&mut memory.scratch.subsets, &mut self.subsets);
-        self.learn(&mut memory.assessment, None);
-        memory.assessment.report
+        self.learn(&mut memory.outcome, None);
+        memory.outcome.report
     }
 
-    /// Judges one epoch whose position is near `start`; with clock aiding, with the forecast of a receiver clock beside it.
+    /// Judges one epoch whose position is near `start`; with clock aiding, beside the forecast of a
+    /// receiver clock.
     ///
-    /// Changes nothing but `memory`, which who has little stack keeps elsewhere, and leaves the [`Assessment`] in it. Whoever
-    /// corrects ranges about the position may judge about better and better points, and learns once, from the last. Whoever knows
-    /// orbits gives `rates`: without them a wrong time tag is taken for faulty satellites ([`crate::integrity::residuals::tags`]).
+    /// Writes only to `memory`; a caller with a small stack can keep it in a static. The
+    /// [`EpochOutcome`] is in it. A caller that corrects ranges for the position may judge about
+    /// several successive points, and learns once, from the last. A caller that knows orbits passes
+    /// `rates`: without them a wrong time tag counts as faulty satellites
+    /// ([`crate::integrity::raim::hypotheses::time_tag`]).
     #[inline(never)]
     pub fn judge<'m>(
         &self,
@@ -241,33 +265,34 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         start: Ecef,
         search: Search<'_>,
         rates: Option<&RangeRates<'_>>,
-        memory: &'m mut Memory<T, N>,
-    ) -> &'m mut Assessment<N> {
-        let is_aided = self.strategy.clock_aid && self.strategy.method.takes_a_forecast();
+        memory: &'m mut MonitorWorkspace<T, N>,
+    ) -> &'m mut EpochOutcome<N> {
+        let is_aided = self.strategy.clock_aid && self.strategy.method.allows_clock_aiding();
         let forecast = self.clocks.aiding(&epoch.view()).filter(|_| is_aided);
         let scale = self.scale(epoch.time_s());
-        let Memory { workspace, scratch, assessment } = memory;
-        // Judged where it is: a copy would lie on the stack below every search.
+        let MonitorWorkspace { workspace, scratch, outcome } = memory;
+        // Judged in place, because a copy would be on the stack below every search.
         match &mut Fix::about(workspace, Aided::by(epoch, forecast).scaled(scale), start) {
             Ok(fix) => {
                 let clock_row = fix.clock_row();
                 let judgement =
                     judge(fix, &epoch.view(), clock_row, &self.criteria(), search, rates, scratch);
-                self.assess(fix, &epoch.view(), &judgement, assessment);
+                self.assess(fix, &epoch.view(), &judgement, outcome);
             }
-            Err(error) => self.assess_without_position(*error, epoch, assessment),
+            Err(error) => self.assess_without_position(*error, epoch, outcome),
         }
-        assessment
+        outcome
     }
 
-    /// Takes from an epoch what it teaches: where the next fix starts, whether the sigmas are right, and the clocks. What
-    /// the report says is then said in the light of the epochs before.
+    /// Updates the state from a judged epoch: the start of the next fix, the sigma check, and the
+    /// clocks. Then makes the report's verdict final in the light of the epochs before.
     ///
-    /// `own_clock_s` is when the epoch came, by a clock that no signal can set, where the caller has one.
+    /// `own_clock_s` is the arrival of the epoch by a clock that no signal can set, if the caller
+    /// has one.
     #[inline(never)]
-    pub fn learn(&mut self, assessment: &mut Assessment<N>, own_clock_s: Option<f64>) {
-        self.continue_from(assessment, own_clock_s);
-        let Lesson { time_s, start, ratio, clocks, residuals } = &assessment.lesson;
+    pub fn learn(&mut self, outcome: &mut EpochOutcome<N>, own_clock_s: Option<f64>) {
+        self.continue_from(outcome, own_clock_s);
+        let Update { time_s, start, ratio, clocks, residuals } = &outcome.update;
         if let Some(start) = *start {
             self.start = start;
         }
@@ -285,38 +310,39 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         }
     }
 
-    /// Says of an epoch what it comes to after those before; what is not said any more teaches nothing either.
-    fn continue_from(&mut self, assessment: &mut Assessment<N>, own_clock_s: Option<f64>) {
+    /// Applies continuity to an epoch. An epoch that loses its protection by it updates no state
+    /// either.
+    fn continue_from(&mut self, outcome: &mut EpochOutcome<N>, own_clock_s: Option<f64>) {
         let Some(settings) = &self.continuity_settings else { return };
-        let Assessment { report, lesson, .. } = assessment;
-        report.verdict = self.continuity.conclude(settings, lesson.time_s, own_clock_s, report);
+        let EpochOutcome { report, update, .. } = outcome;
+        report.verdict = self.continuity.conclude(settings, update.time_s, own_clock_s, report);
         match report.verdict {
             Verdict::Alert(Alert::Jump) => {
                 report.protection = None;
-                *lesson = Lesson::none(lesson.time_s);
+                *update = Update::none(update.time_s);
             }
             Verdict::Unavailable(Unavailable::Place) => {
-                *lesson = Lesson::none(lesson.time_s);
+                *update = Update::none(update.time_s);
             }
-            Verdict::Unavailable(Unavailable::Recovering) => lesson.clocks = None,
+            Verdict::Unavailable(Unavailable::Recovering) => update.clocks = None,
             _ => {}
         }
     }
 
-    /// What all sigmas are multiplied by, where they learn.
+    /// Returns the scale on all sigmas while `sigma_adapt` is on.
     ///
-    /// Minutes of small residuals take nothing off what is promised: an integrity support message speaks of faults that they have
-    /// not seen.
+    /// It is at least 1 on sigmas of an integrity support message, because that message covers
+    /// faults that minutes of small residuals have not seen.
     fn scale(&self, time_s: f64) -> Option<f64> {
-        let least = if self.strategy.method.holds_a_promise() { 1.0 } else { 0.0 };
+        let least = if self.strategy.method.uses_ism() { 1.0 } else { 0.0 };
         self.strategy.sigma_adapt.then(|| self.adaptation.scale(time_s).max(least))
     }
 
     fn criteria(&self) -> Criteria<'_, T> {
         Criteria {
-            requirements: &self.accepted.requirements,
-            thresholds: self.accepted.thresholds,
-            factors: &self.accepted.factors,
+            requirements: &self.validated.requirements,
+            thresholds: self.validated.thresholds,
+            factors: &self.validated.factors,
             policy: self.strategy.policy,
             method: self.strategy.method,
             levels: self.strategy.levels,
@@ -324,28 +350,29 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         }
     }
 
-    /// Makes of what was found what is said and what is learned.
-    // Not inlined: what it needs of the stack the search before it need not have beside its own.
+    /// Derives the verdict, the report and the update from a judgement.
+    // Not inlined, so that its stack is free during the search before it.
     #[inline(never)]
     fn assess(
         &self,
         fix: &Fix<'_, T>,
         epoch: &EpochView<'_>,
         judgement: &Judgement<T>,
-        assessment: &mut Assessment<N>,
+        outcome: &mut EpochOutcome<N>,
     ) {
         let excluded = suspects(judgement, fix, epoch);
         let verdict = self.verdict(judgement, excluded.is_empty());
-        let passed = !matches!(judgement.outcome, Outcome::NotIsolated(_));
-        // Under a policy above T1 a search can fail although what it left passes: that is no epoch to learn from.
+        let passed = !matches!(judgement.outcome, ExclusionOutcome::NotIsolated(_));
+        // Under a policy above T1 a search can fail although its remaining rows pass: such an epoch
+        // updates nothing.
         let test = judgement.test.as_ref().ok().map(|test| test.detection);
         let ratio = test.filter(|test| passed && !test.fault());
         let ratio = ratio.map(|test| (test.sse.widen() / test.dof as f64) as f32);
         let teaches = self.strategy.clock_aid && self.satellites_are_protected(judgement, verdict);
-        let Assessment { report, searched, lesson } = assessment;
-        *lesson = Lesson {
+        let EpochOutcome { report, searched, update } = outcome;
+        *update = Update {
             time_s: epoch.time_s(),
-            // A position that must not be used is no start either.
+            // A position under an alert is no start of the next fix.
             start: (!matches!(verdict, Verdict::Alert(_))).then(|| fix.position()),
             ratio,
             clocks: teaches.then(|| SolvedClocks::of(fix.snapshot())),
@@ -357,8 +384,8 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         describe(fix, epoch, verdict, judgement, report);
     }
 
-    /// Mean of SSE/dof over the last [`SIGMA_CHECK_WINDOW`] tested epochs, this one included: about 1 where the sigmas are
-    /// right.
+    /// Returns the mean of SSE/dof over the last [`SIGMA_CHECK_WINDOW`] tested epochs, this one
+    /// included: about 1 if the sigmas are right.
     fn sigma_check(&self, latest: Option<f32>) -> Option<f64> {
         let forgotten = usize::from(latest.is_some() && self.ratios.is_full());
         let ratios = || self.ratios.iter().skip(forgotten).copied().chain(latest);
@@ -366,16 +393,16 @@ impl<T: Real, const N: usize> Monitor<T, N> {
         (count > 0).then(|| f64::from(ratios().sum::<f32>()) / count as f64)
     }
 
-    /// What is said of an epoch that has no position.
+    /// Writes the outcome of an epoch without a position.
     #[inline(never)]
-    fn assess_without_position(&self, error: FixError, epoch: &Epoch<N>, assessment: &mut Assessment<N>) {
+    fn assess_without_position(&self, error: FixError, epoch: &Epoch<N>, outcome: &mut EpochOutcome<N>) {
         let reason = match error {
             FixError::Snapshot(SnapshotError::Singular) => Unavailable::Geometry,
             FixError::Snapshot(SnapshotError::Insufficient) | FixError::NotConverged => Unavailable::NoFix,
         };
-        assessment.searched = false;
-        assessment.lesson = Lesson::none(epoch.time_s());
-        let report = &mut assessment.report;
+        outcome.searched = false;
+        outcome.update = Update::none(epoch.time_s());
+        let report = &mut outcome.report;
         report.clear();
         report.verdict = Verdict::Unavailable(reason);
         report.tracked = epoch.observations().len() as u8;

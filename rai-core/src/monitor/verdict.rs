@@ -1,10 +1,10 @@
-//! From what was found to what is said: protected, alert or unavailable, with the reason.
+//! From a judgement to a verdict: protected, alert or unavailable, with the reason.
 
-use crate::integrity::residuals::exclusion::{Outcome, Unidentified};
-use crate::integrity::residuals::threshold::policy::{NoThreshold, Policy};
-use crate::integrity::{Alone, Judgement};
+use crate::integrity::raim::detection::threshold::policy::{NoThreshold, Policy};
+use crate::integrity::raim::isolation::exclusion::{ExclusionOutcome, Unidentified};
+use crate::integrity::{Judgement, WithoutAiding};
 use crate::numeric::real::Real;
-use crate::report::{Alert, Protected, ProtectionLevels, Separation, Unavailable, Verdict};
+use crate::report::{Alert, AraimReport, Protected, ProtectionLevels, Unavailable, Verdict};
 use crate::requirements::Requirements;
 
 use super::Monitor;
@@ -12,76 +12,77 @@ use super::Monitor;
 impl<T: Real, const N: usize> Monitor<T, N> {
     pub(super) fn verdict(&self, judgement: &Judgement<T>, none_excluded: bool) -> Verdict {
         match (judgement.outcome, &judgement.test) {
-            (Outcome::NotIsolated(Unidentified::Ambiguous), _) => Verdict::Alert(Alert::Ambiguous),
-            (Outcome::NotIsolated(Unidentified::Time), _) => Verdict::Alert(Alert::Time),
-            (Outcome::NotIsolated(Unidentified::Budget), _) => Verdict::Unavailable(Unavailable::Budget),
-            (Outcome::NotIsolated(_), _) => Verdict::Alert(Alert::Fault),
+            (ExclusionOutcome::NotIsolated(Unidentified::Ambiguous), _) => Verdict::Alert(Alert::Ambiguous),
+            (ExclusionOutcome::NotIsolated(Unidentified::Time), _) => Verdict::Alert(Alert::Time),
+            (ExclusionOutcome::NotIsolated(Unidentified::Budget), _) => {
+                Verdict::Unavailable(Unavailable::Budget)
+            }
+            (ExclusionOutcome::NotIsolated(_), _) => Verdict::Alert(Alert::Fault),
             (_, Err(NoThreshold::Redundancy)) => Verdict::Unavailable(Unavailable::Redundancy),
             (_, Err(NoThreshold::Risk)) => Verdict::Unavailable(Unavailable::Risk),
-            (Outcome::Isolated | Outcome::Passed, Ok(test)) => {
-                // Nothing was left out, or a forecast whose clock has jumped: no satellite's fault.
+            (ExclusionOutcome::Isolated | ExclusionOutcome::Passed, Ok(test)) => {
+                // No row was left out, or only a forecast whose clock has jumped, which is no
+                // satellite's fault.
                 let reason = if none_excluded { Protected::Ok } else { Protected::Excluded };
-                match &judgement.separation {
-                    Some(separation) => self.bounded_by_separation(reason, &test.levels, separation),
+                match &judgement.araim {
+                    Some(araim) => self.bounded_by_araim(reason, &test.levels, araim),
                     None => self.bounded(reason, &judgement.levels().unwrap_or(test.levels)),
                 }
             }
         }
     }
 
-    /// Whether the position would be protected without the forecast too: what only a forecast vouches for teaches none.
+    /// Returns true if the position would also be protected without the forecast: no clock is
+    /// learned from an epoch that only the forecast protects.
     pub(super) fn satellites_are_protected(&self, judgement: &Judgement<T>, verdict: Verdict) -> bool {
-        let alone = match &judgement.alone {
-            Alone::Always => true,
-            Alone::Untested => false,
-            Alone::Tested(test) => matches!(self.bounded(Protected::Ok, &test.levels), Verdict::Protected(_)),
+        let alone = match &judgement.without_aiding {
+            WithoutAiding::Always => true,
+            WithoutAiding::Untested => false,
+            WithoutAiding::Tested(test) => {
+                matches!(self.bounded(Protected::Ok, &test.levels), Verdict::Protected(_))
+            }
         };
         alone && matches!(verdict, Verdict::Protected(_))
     }
 
-    /// The verdict on a set of satellites that agree: are their protection levels within the limits?
+    /// Returns the verdict on satellites that agree, by comparing their protection levels with the
+    /// limits.
     ///
-    /// A policy other than `T1` has decided that already, and fills its share of the limit on purpose.
+    /// A policy other than `T1` has compared them already, and fills its share of the limit on
+    /// purpose.
     fn bounded(&self, reason: Protected, levels: &ProtectionLevels) -> Verdict {
         let ProtectionLevels { hpl_m, vpl_m } = *levels;
-        let fraction = self.accepted.requirements.guard_fraction;
+        let fraction = self.validated.requirements.guard_fraction;
         let decided = self.strategy.policy != Policy::T1;
-        // Written so that a level which is not a number is not within a limit.
+        // A NaN level fails this comparison.
         let within = |level_m: f64, limit_m: f64| decided || level_m < fraction * limit_m;
-        if !hpl_m.is_finite() || (self.accepted.requirements.val_m.is_some() && !vpl_m.is_finite()) {
+        if !hpl_m.is_finite() || (self.validated.requirements.val_m.is_some() && !vpl_m.is_finite()) {
             Verdict::Unavailable(Unavailable::Geometry)
-        } else if !within(hpl_m, self.accepted.requirements.hal_m) {
+        } else if !within(hpl_m, self.validated.requirements.hal_m) {
             Verdict::Unavailable(Unavailable::Hpl)
-        } else if !self.accepted.requirements.val_m.is_none_or(|val_m| within(vpl_m, val_m)) {
+        } else if !self.validated.requirements.val_m.is_none_or(|val_m| within(vpl_m, val_m)) {
             Verdict::Unavailable(Unavailable::Vpl)
         } else {
             Verdict::Protected(reason)
         }
     }
 
-    /// As [`Self::bounded`], by ARAIM: with what it asks beside levels, which may fill the limits.
-    fn bounded_by_separation(
-        &self,
-        reason: Protected,
-        levels: &ProtectionLevels,
-        separation: &Separation,
-    ) -> Verdict {
-        let Requirements { hal_m, val_m, allocation, .. } = &self.accepted.requirements;
-        // Written so that what is not a number is not within a limit.
+    /// Works like [`Self::bounded`] for ARAIM, which has two more limits and whose levels may fill
+    /// the alert limits.
+    fn bounded_by_araim(&self, reason: Protected, levels: &ProtectionLevels, araim: &AraimReport) -> Verdict {
+        let Requirements { hal_m, val_m, allocation, .. } = &self.validated.requirements;
+        // NaN fails this comparison.
         let within = |value: f64, limit: Option<f64>| limit.is_none_or(|limit| value <= limit);
-        let is_sharp =
-            within(separation.effective_monitor_threshold_m, allocation.effective_threshold_limit_m)
-                && within(separation.accuracy_m, allocation.accuracy_limit_m);
         if !levels.hpl_m.is_finite() || (val_m.is_some() && !levels.vpl_m.is_finite()) {
-            Verdict::Unavailable(if separation.is_risk_spent {
-                Unavailable::Risk
-            } else {
-                Unavailable::Geometry
-            })
+            Verdict::Unavailable(if araim.is_risk_spent { Unavailable::Risk } else { Unavailable::Geometry })
         } else if !within(levels.hpl_m, Some(*hal_m)) {
             Verdict::Unavailable(Unavailable::Hpl)
-        } else if !within(levels.vpl_m, *val_m) || !is_sharp {
+        } else if !within(levels.vpl_m, *val_m) {
             Verdict::Unavailable(Unavailable::Vpl)
+        } else if !within(araim.effective_monitor_threshold_m, allocation.emt_limit_m) {
+            Verdict::Unavailable(Unavailable::Emt)
+        } else if !within(araim.accuracy_m, allocation.accuracy_limit_m) {
+            Verdict::Unavailable(Unavailable::Accuracy)
         } else {
             Verdict::Protected(reason)
         }

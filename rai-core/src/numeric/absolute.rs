@@ -1,14 +1,16 @@
-//! Absolute lengths, where what a scalar works with are their small differences.
+//! Absolute lengths whose small differences a scalar computes with.
 //!
-//! A range of 26,000 km must be right to a millimetre, twelve digits; what is left of it once the distance to the satellite is
-//! taken off needs seven. Beside `f64` stand doubles. Beside `f32`, on a processor that emulates doubles, stand whole
-//! multiples of 2⁻¹⁴ m: 64-bit integers add exactly, and multiply in five instructions where a double takes seventy.
+//! A range of 26,000 km must be right to a millimetre, twelve digits; its difference to the
+//! distance of the satellite needs seven. The companion of `f64` is a double. The companion of
+//! `f32`, on a processor that emulates doubles, is a whole multiple of 2⁻¹⁴ m: 64-bit integers add
+//! exactly, and multiply in five instructions where a double takes seventy.
 //!
 //! ```text
-//! |v| = D + ρ        D ≈ √(v·v), worked out in f32 and then exact as it is        ρ = (v·v − D²) / 2D
+//! |v| = D + ρ        D ≈ √(v·v), computed in f32 and then taken as exact        ρ = (v·v − D²) / 2D
 //! ```
 //!
-//! `v·v − D²` is exact: its terms wrap round in 64 bits, their sum does not. What `ρ` leaves out is `ρ²/2D`.
+//! `v·v − D²` is exact: its terms wrap round in 64 bits, their sum does not. The neglected part of
+//! `ρ` is `ρ²/2D`.
 //!
 //! | symbol | where | unit |
 //! |---|---|---|
@@ -16,38 +18,40 @@
 //! | `D`, rounded | [`Length::rounded`] | m |
 //! | `ρ` | [`Length::rest`] | m, beside `f32` below 8·10⁻⁷ of `D` |
 //!
-//! Beside `f32` a coordinate is rounded by 31 µm at most, and `ρ²/2D` is below 2 µm for a satellite of any navigation
-//! system. Lengths up to [`Grid::LONGEST_M`] are right; longer ones are some number, and no harm.
+//! Beside `f32` a coordinate is rounded by 31 µm at most, and `ρ²/2D` is below 2 µm for a satellite
+//! of any navigation system. Lengths up to [`Grid::LONGEST_M`] are right; longer ones give an
+//! unspecified value, without panic.
 
 use core::fmt::Debug;
 
 use super::root;
 
-/// A length in parts: what is large, and what is small.
+/// A length in two parts, a large and a small one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Length<A, T> {
-    /// Nearly all of it, exactly.
+    /// Large part, exact.
     pub whole: A,
-    /// The same as far as the scalar has digits, m.
+    /// Large part in the digits of the scalar, m.
     pub rounded: T,
-    /// The rest, m.
+    /// Small part, m.
     pub rest: T,
 }
 
 /// A coordinate or a range, m, beside a scalar `T`.
 pub trait Absolute<T>: Copy + Debug + PartialEq {
-    /// Of a number of metres. One that is none, or is beyond all lengths, becomes the largest or the smallest there is.
+    /// Converts a number of metres. NaN, and values beyond all lengths, become the largest or the
+    /// smallest value.
     fn of(metres: f64) -> Self;
-    /// By how much it is more than another.
+    /// Returns the difference to another.
     #[must_use]
     fn less(self, other: Self) -> Self;
-    /// The number of metres, exactly.
+    /// Returns the number of metres, exactly.
     fn widen(self) -> f64;
-    /// A difference, m.
+    /// Returns a difference in the scalar, m.
     fn narrow(self) -> T;
-    /// A vector for directions, m.
+    /// Returns a vector for directions, m.
     fn vector(coordinates: [Self; 3]) -> [T; 3];
-    /// Length of a vector.
+    /// Returns the length of a vector.
     fn length(coordinates: [Self; 3]) -> Length<Self, T>;
 }
 
@@ -83,22 +87,24 @@ impl Absolute<f64> for f64 {
 pub struct Grid(i64);
 
 impl Grid {
-    /// Longest vector whose length is right, m: twice the distance at which a satellite, or a receiver, may be.
+    /// Longest vector whose length is right, m: twice the largest distance of a satellite or a
+    /// receiver.
     pub const LONGEST_M: f64 = 2e8;
 
-    /// Binary digits behind the point.
+    /// Number of binary digits behind the point.
     const DIGITS: i32 = 14;
 
-    /// The largest number, beyond 10¹¹ m: sums of a few do not wrap.
+    /// Largest number, beyond 10¹¹ m, so that sums of a few do not wrap.
     const LARGEST: i64 = 1 << 51;
 
-    /// Binary digits that a coordinate loses so that it fits 32 bits, and what is left of those behind the point.
+    /// Number of binary digits that a coordinate loses so that it fits 32 bits, and the number
+    /// behind the point that remain.
     const COARSER: i32 = 11;
     const COARSE_DIGITS: i32 = Self::DIGITS - Self::COARSER;
     const COARSE_STEP_M: f32 = 1.0 / (1 << Self::COARSE_DIGITS) as f32;
 }
 
-// The longest vector, in units of its coarse form, fits 32 bits.
+// The longest vector, in units of its coarse form, must fit 32 bits.
 const _: () = assert!(Grid::LONGEST_M * ((1 << Grid::COARSE_DIGITS) as f64) < i32::MAX as f64);
 
 impl Absolute<f32> for Grid {
@@ -106,14 +112,14 @@ impl Absolute<f32> for Grid {
     fn of(metres: f64) -> Self {
         const MANTISSA_BITS: i32 = 52;
         const BIAS: i32 = 1023;
-        // The upper word decides, so that one shift is all that takes two.
+        // The upper word decides, so that only one shift needs both words.
         let upper = (metres.to_bits() >> 32) as i32;
         let exponent = upper >> (MANTISSA_BITS - 32) & 0x7FF;
         let mantissa = metres.to_bits() & ((1 << MANTISSA_BITS) - 1) | 1 << MANTISSA_BITS;
-        // Digits behind the grid's, but for one, which rounds.
+        // Digits behind the grid's, except for one, which rounds.
         let shift = BIAS + MANTISSA_BITS - Self::DIGITS - 1 - exponent;
         let magnitude = match shift {
-            // Infinity and what is no number have the largest exponent.
+            // Infinity and NaN have the largest exponent.
             ..=0 => Self::LARGEST,
             1..=52 => (((mantissa >> shift) + 1) >> 1).cast_signed(),
             _ => 0,
@@ -132,7 +138,8 @@ impl Absolute<f32> for Grid {
 
     fn narrow(self) -> f32 {
         const STEP_M: f32 = 1.0 / (1 << Grid::DIGITS) as f32;
-        // In two words, which the processor converts: below 2³² m both exactly, so that one rounding is left.
+        // In two words, which the processor converts: below 2³² m both exactly, so that one
+        // rounding remains.
         const LOWER: u32 = 22;
         let upper = (self.0 >> LOWER) as i32 as f32 * (1 << LOWER) as f32;
         let lower = (self.0 & ((1 << LOWER) - 1)) as i32 as f32;
@@ -144,7 +151,8 @@ impl Absolute<f32> for Grid {
     }
 
     fn length(coordinates: [Self; 3]) -> Length<Self, f32> {
-        // Half of the digits suffice: the lower ones are below a nanometre. 2D in the same unit, and both to metres.
+        // Half of the digits suffice, because the lower ones are below a nanometre. 2D in the same
+        // unit, and both to metres.
         const LOWER: u32 = 31;
         const SCALE: f32 = (1_u64 << LOWER) as f32 / (1_u64 << (Grid::DIGITS + Grid::COARSER + 1)) as f32;
         let [x, y, z] = coordinates.map(coarse);
@@ -160,7 +168,7 @@ impl Absolute<f32> for Grid {
     }
 }
 
-/// A coordinate with as many digits as 32 bits hold, in units of 2⁻³ m.
+/// Returns a coordinate with as many digits as 32 bits hold, in units of 2⁻³ m.
 fn coarse(Grid(value): Grid) -> f32 {
     (value >> Grid::COARSER) as i32 as f32
 }

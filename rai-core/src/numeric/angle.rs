@@ -1,4 +1,5 @@
-//! Angles for a processor that emulates doubles: that of a unit vector, to a trillionth of a turn, and the sine of a small one.
+//! Angles for a processor that emulates doubles: that of a unit vector, to a trillionth of a turn,
+//! and the sine of a small one.
 //!
 //! ```text
 //! folded into 0 … π/4, and turned back by the nearest of 17 known directions α_k = k π/64:
@@ -6,8 +7,9 @@
 //! a = α_k + s + s³ (1/6 + 3/40 s²)                         the cubic part in f32
 //! ```
 //!
-//! What is left out, `5/112 s⁷`, is below 1e-12 rad, as is the rounding of the cubic part; together less than 10 µm on the
-//! ground. It costs a quarter of an arc tangent in doubles, and one multiplication where those take eleven.
+//! The neglected term, `5/112 s⁷`, is below 1e-12 rad, as is the rounding of the cubic part;
+//! together less than 10 µm on the ground. It costs a quarter of an arc tangent in doubles, and one
+//! multiplication where those take eleven.
 
 use core::f64::consts::{FRAC_PI_2, PI};
 
@@ -33,19 +35,21 @@ const DIRECTIONS: [(f64, f64, f64); 17] = [
     (0.785_398_163_397_448_3, 0.707_106_781_186_547_6, 0.707_106_781_186_547_6),
 ];
 
-/// The sine of an angle of at most a quarter turn either way, within 2e-7; of a larger one that of a quarter turn.
+/// Returns the sine of an angle of at most a quarter turn either way, within 2e-7; of a larger one
+/// that of a quarter turn.
 ///
 /// ```text
-/// sin x = x (1 − x²/2·3 (1 − x²/4·5 (1 − x²/6·7 (1 − x²/8·9 (1 − x²/10·11)))))        what is left out is below 6e-8
+/// sin x = x (1 − x²/2·3 (1 − x²/4·5 (1 − x²/6·7 (1 − x²/8·9 (1 − x²/10·11)))))        the neglected terms are below 6e-8
 /// ```
 ///
-/// That of a library, for whatever angle, takes 5 KB and doubles.
+/// A library's sine, for any angle, takes 5 KB and doubles.
 pub fn sine(angle_rad: f32) -> f32 {
     let x = angle_rad.clamp(-core::f32::consts::FRAC_PI_2, core::f32::consts::FRAC_PI_2);
     [110.0, 72.0, 42.0, 20.0, 6.0].iter().fold(1.0, |inner, product| 1.0 - x * x / product * inner) * x
 }
 
-/// The angle whose sine and cosine these are, −π … π rad. Of what is no unit vector it is some number, or none.
+/// Returns the angle with this sine and cosine, −π … π rad. Unspecified, possibly NaN, for anything
+/// but a unit vector.
 pub fn of_unit_vector(sine: f64, cosine: f64) -> f64 {
     let (up, across) = (sine.abs(), cosine.abs());
     let is_steep = up > across;
@@ -56,11 +60,11 @@ pub fn of_unit_vector(sine: f64, cosine: f64) -> f64 {
     if sine < 0.0 { -half } else { half }
 }
 
-/// The same between 0 and π/4.
+/// Returns the angle between 0 and π/4.
 fn of_octant(sine: f64, cosine: f64) -> f64 {
     const PER_RADIAN: f32 = 64.0 / core::f32::consts::PI;
     let coarse = sine as f32;
-    // The arc sine to 3 mrad: whichever of two neighbours is taken, it is near enough.
+    // The arc sine to 3 mrad: either of two neighbours is near enough.
     let nearest = coarse * (1.0 + 0.2215 * coarse * coarse) * PER_RADIAN + 0.5;
     let [.., last] = &DIRECTIONS;
     let &(angle, sine_k, cosine_k) = DIRECTIONS.get(nearest as usize).unwrap_or(last);

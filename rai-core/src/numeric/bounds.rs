@@ -1,10 +1,11 @@
-//! Comparing doubles by their bits: on a processor that emulates doubles, each comparison of two is a call.
+//! Comparison of doubles by their bits, because each comparison of two is a call on a processor
+//! that emulates doubles.
 
 use core::ops::RangeInclusive;
 
-/// Whether a number lies between two that are not negative.
+/// Returns true if a number lies between two that are not negative.
 ///
-/// Positive doubles have the order of their bits, and those of what is negative, infinite or no number lie beyond.
+/// Positive doubles have the order of their bits; negative numbers, infinity and NaN lie beyond.
 pub fn is_within(value: f64, range: &RangeInclusive<f64>) -> bool {
     (range.start().to_bits()..=range.end().to_bits()).contains(&value.to_bits())
 }

@@ -1,15 +1,15 @@
-//! Cholesky's factor of a small matrix, `M = L Lᵀ`, and what is solved with it.
+//! Cholesky factor of a small matrix, `M = L Lᵀ`, and solutions with it.
 //!
 //! ```text
 //! L_ij = (M_ij − Σ_k<j L_ik L_jk) / L_jj        L_jj = √(M_jj − Σ_k<j L_jk²)
 //! ```
 //!
-//! Four rows, as a position with one clock has: a smaller matrix is bordered by ones on its diagonal. nalgebra has the same by views
-//! that can panic and that are compiled for each size.
+//! Four rows, as for a position with one clock; a smaller matrix is bordered by ones on its
+//! diagonal. nalgebra has the same by views that can panic and that are compiled for each size.
 
 use super::real::Real;
 
-/// Rows.
+/// Number of rows.
 pub(crate) const ORDER: usize = 4;
 
 /// A vector.
@@ -22,7 +22,8 @@ pub(crate) type Matrix<T> = [Vector<T>; ORDER];
 pub(crate) struct Cholesky<T>(Matrix<T>);
 
 impl<T: Real> Cholesky<T> {
-    /// Of a symmetric matrix, of which the lower triangle is read; `None` where it is not positive definite.
+    /// Factorises a symmetric matrix, of which the lower triangle is read. Returns `None` if it is
+    /// not positive definite.
     pub(crate) fn new(matrix: &Matrix<T>) -> Option<Self> {
         let mut lower = [[T::zero(); ORDER]; ORDER];
         for (i, given) in matrix.iter().enumerate() {
@@ -33,7 +34,7 @@ impl<T: Real> Cholesky<T> {
                 *row.get_mut(j)? = left / entry(other, j);
             }
             let pivot = (0..i).fold(entry(given, i), |left, k| left - entry(row, k) * entry(row, k));
-            // Also the way out for what is not a number.
+            // NaN leaves here too.
             if !(pivot > T::zero()) {
                 return None;
             }
@@ -42,7 +43,7 @@ impl<T: Real> Cholesky<T> {
         Some(Self(lower))
     }
 
-    /// `M⁻¹ b`.
+    /// Returns `M⁻¹ b`.
     pub(crate) fn solve(&self, right_hand_side: &Vector<T>) -> Vector<T> {
         let mut solved = *right_hand_side;
         for (i, row) in self.0.iter().enumerate() {
@@ -58,7 +59,7 @@ impl<T: Real> Cholesky<T> {
         solved
     }
 
-    /// `M⁻¹`.
+    /// Returns `M⁻¹`.
     pub(crate) fn inverse(&self) -> Matrix<T> {
         let mut inverse = [[T::zero(); ORDER]; ORDER];
         for (i, column) in inverse.iter_mut().enumerate() {
@@ -68,19 +69,19 @@ impl<T: Real> Cholesky<T> {
         inverse
     }
 
-    /// `det M`.
+    /// Returns `det M`.
     pub(crate) fn determinant(&self) -> T {
         let root = self.0.iter().enumerate().fold(T::one(), |product, (i, row)| product * entry(row, i));
         root * root
     }
 }
 
-/// `tr M`.
+/// Returns `tr M`.
 pub(crate) fn trace<T: Real>(matrix: &Matrix<T>) -> T {
     matrix.iter().enumerate().fold(T::zero(), |sum, (i, row)| sum + entry(row, i))
 }
 
-/// `M v` of a symmetric matrix, by its columns.
+/// Returns `M v` of a symmetric matrix, by its columns.
 pub(crate) fn product<T: Real>(matrix: &Matrix<T>, vector: &Vector<T>) -> Vector<T> {
     let mut product = [T::zero(); ORDER];
     for (column, &factor) in matrix.iter().zip(vector) {
@@ -91,13 +92,13 @@ pub(crate) fn product<T: Real>(matrix: &Matrix<T>, vector: &Vector<T>) -> Vector
     product
 }
 
-/// `a·b`, by two sums that do not wait for each other.
+/// Returns `a·b`, by two independent sums.
 pub(crate) fn dot<T: Real>(a: &Vector<T>, b: &Vector<T>) -> T {
     let ([a0, a1, a2, a3], [b0, b1, b2, b3]) = (*a, *b);
     (a0 * b0 + a2 * b2) + (a1 * b1 + a3 * b3)
 }
 
-/// Adds `a bᵀ`.
+/// Adds `a bᵀ` to a matrix.
 pub(crate) fn add_outer_product<T: Real>(matrix: &mut Matrix<T>, a: &Vector<T>, b: &Vector<T>) {
     for (row, &of_a) in matrix.iter_mut().zip(a) {
         for (entry, &of_b) in row.iter_mut().zip(b) {
@@ -106,7 +107,7 @@ pub(crate) fn add_outer_product<T: Real>(matrix: &mut Matrix<T>, a: &Vector<T>, 
     }
 }
 
-/// One of the four.
+/// Returns one of the four elements.
 fn entry<T: Real>(vector: &Vector<T>, index: usize) -> T {
     vector.get(index).copied().unwrap_or_else(T::zero)
 }
@@ -127,7 +128,7 @@ mod tests {
     const MATRIX: Matrix<f64> =
         [[4.0, 1.0, -0.5, 0.25], [1.0, 3.0, 0.75, -1.0], [-0.5, 0.75, 2.5, 0.125], [0.25, -1.0, 0.125, 1.5]];
 
-    /// To the last digit: the order of the operations is the same.
+    /// To the last digit, because the order of the operations is the same.
     #[test]
     fn factor_solves_as_nalgebra_does() {
         let want = nalgebra::Cholesky::new(Matrix4::from(MATRIX)).unwrap();

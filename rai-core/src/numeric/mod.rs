@@ -1,4 +1,4 @@
-//! Numbers: scalars, probabilities and distributions. Knows nothing of satellites.
+//! Numbers: scalars, probabilities and distributions, independent of satellites.
 
 pub mod absolute;
 pub mod angle;

@@ -1,4 +1,4 @@
-//! The normal distribution where it counts: far out in its upper tail.
+//! The normal distribution far out in its upper tail.
 //!
 //! ```text
 //! Q(u)   = P(N(0, 1) > u) = exp(−u²/2) F(u)        F is smooth and slow: 0.5 … 0.4/u
@@ -11,12 +11,14 @@
 //! | `Q(u)` | [`Tail::probability`] | – |
 //! | `φ(u) = −dQ/du` | [`Tail::density`] | – |
 //!
-//! Protection levels are sums of such tails, of 1e-4 to 1e-9 each: the relative error counts. It is below 1e-6 in `f32`
-//! and below 1e-13 in `f64`, from 0.5 down to 1e-30, of both functions.
+//! Protection levels are sums of such tails, of 1e-4 to 1e-9 each, so that the relative error
+//! counts. It is below 1e-6 in `f32` and below 1e-13 in `f64`, from 0.5 down to 1e-30, of both
+//! functions.
 //!
-//! In `f32`, `u²` would lose that: half an ulp of 66 is 4e-6. So `u` is split into twelve leading bits, whose square is
-//! exact, and a rest. `F(u)(u + 3)` is a polynomial in `(u − 3)/(u + 3)` with a relative error of 4e-8. In `f64` it is libm's
-//! `erfc`. The inverse is [Wichura1988] in both, to seven and to sixteen digits.
+//! In `f32`, `u²` would lose that: half an ulp of 66 is 4e-6. Therefore `u` is split into twelve
+//! leading bits, whose square is exact, and a rest. `F(u)(u + 3)` is a polynomial in
+//! `(u − 3)/(u + 3)` with a relative error of 4e-8. In `f64` it is libm's `erfc`. The inverse is
+//! [Wichura1988] in both, to seven and to sixteen digits.
 //!
 //! References: [Wichura1988] (AS 241), [Cody1969] for the split.
 //!
@@ -28,7 +30,8 @@ use super::root::single_inverse;
 
 pub use super::real::Tail;
 
-/// `Q(u)` and `φ(u)` for `u ≥ 0`; below 0 as at 0, and what is not a number is as likely as can be: 0.5.
+/// Returns `Q(u)` and `φ(u)` for `u ≥ 0`; below 0 as at 0, and 0.5 for NaN, the largest
+/// probability.
 ///
 /// About 50 instructions on a Cortex-M4F in `f32`.
 #[inline]
@@ -36,7 +39,7 @@ pub fn tail<T: Real>(u: T) -> Tail<T> {
     T::normal_tail(if u > T::zero() { u } else { T::zero() })
 }
 
-/// `Q⁻¹(p)`: 0 from 0.5 on, infinite for 0 and below, and for what is not a number.
+/// Returns `Q⁻¹(p)`: 0 from 0.5 on, infinite for 0, negative numbers and NaN.
 pub fn quantile<T: Real>(p: T) -> T {
     let half = T::narrow(0.5);
     if p >= half {
@@ -48,10 +51,11 @@ pub fn quantile<T: Real>(p: T) -> T {
     }
 }
 
-/// Beyond, `Q` is no normal single: it counts as 0 there, and is 2e-38.
+/// Largest argument with a normal single `Q`: beyond, it counts as 0, and is 2e-38.
 const SINGLE_END: f32 = 12.875;
 
-/// `F(u)(u + 3)` by powers of `(u − 3)/(u + 3)`, for `u` up to 13.5: fitted to the least relative error.
+/// `F(u)(u + 3)` by powers of `(u − 3)/(u + 3)`, for `u` up to 13.5: fitted to the least relative
+/// error.
 const SCALED: [f32; 9] = [
     0.729_083_66,
     -0.509_332_24,
@@ -74,7 +78,7 @@ const LN_2: [f32; 2] = [0.693_359_4, -2.121_944_4e-4];
 /// `1/√(2π)`.
 const INVERSE_ROOT_2PI: f64 = 0.398_942_280_401_432_7;
 
-/// In single precision, `u ≥ 0`.
+/// Returns the tail in single precision, `u ≥ 0`.
 pub(super) fn single_tail(u: f32) -> Tail<f32> {
     if !(u < SINGLE_END) {
         return Tail { probability: 0.0, density: 0.0 };
@@ -85,7 +89,7 @@ pub(super) fn single_tail(u: f32) -> Tail<f32> {
     let count = doublings as f32;
     let [leading_ln, trailing_ln] = LN_2;
     let reduced = half - count * leading_ln - count * trailing_ln + rest;
-    // At most 120 doublings: a normal number.
+    // At most 120 doublings, so that the result is a normal number.
     let scale = f32::from_bits((127 - doublings.min(126)) << 23);
     let exponential = polynomial(&EXPONENTIAL, reduced) * scale;
     let inverse = (u + 3.0).recip();
@@ -95,7 +99,7 @@ pub(super) fn single_tail(u: f32) -> Tail<f32> {
     }
 }
 
-/// In double precision, `u ≥ 0`.
+/// Returns the tail in double precision, `u ≥ 0`.
 pub(super) fn double_tail(u: f64) -> Tail<f64> {
     Tail {
         probability: 0.5 * libm::erfc(u * core::f64::consts::FRAC_1_SQRT_2),
@@ -108,7 +112,8 @@ pub(super) fn double_tail(u: f64) -> Tail<f64> {
 /// [Wichura1988]: crate#references
 type Quotient<T, const N: usize, const D: usize> = ([T; N], [T; D]);
 
-/// Within 0.425 of one half, by the square of the distance; the others by `√(−ln p)`, up to 5 and beyond.
+/// Within 0.425 of one half, by the square of the distance; the others by `√(−ln p)`, up to 5 and
+/// beyond.
 const SINGLE_CENTRE: Quotient<f32, 4, 4> =
     ([3.387_132_7, 50.434_27, 159.291_13, 59.109_375], [1.0, 17.895_17, 78.757_76, 67.187_56]);
 const SINGLE_TAIL: Quotient<f32, 4, 3> =
@@ -183,11 +188,12 @@ const DOUBLE_FAR: Quotient<f64, 8, 8> = (
     ],
 );
 
-/// Half the width of the central range, whose square it is compared with, and where the far range begins.
+/// Half the width of the central range, whose square it is compared with, and where the far range
+/// begins.
 const CENTRE: f64 = 0.425;
 const FAR: f64 = 5.0;
 
-/// In single precision, `0 < p < 0.5`.
+/// Returns the quantile in single precision, `0 < p < 0.5`.
 pub(super) fn single_quantile(p: f32) -> f32 {
     let distance = 0.5 - p;
     if distance <= CENTRE as f32 {
@@ -199,7 +205,7 @@ pub(super) fn single_quantile(p: f32) -> f32 {
     if far <= 0.0 { quotient(&SINGLE_TAIL, near) } else { quotient(&SINGLE_FAR, far) }
 }
 
-/// In double precision, `0 < p < 0.5`.
+/// Returns the quantile in double precision, `0 < p < 0.5`.
 pub(super) fn double_quantile(p: f64) -> f64 {
     let distance = 0.5 - p;
     if distance <= CENTRE {
@@ -214,7 +220,7 @@ fn quotient<T: Real, const N: usize, const D: usize>(of: &Quotient<T, N, D>, x: 
     polynomial(&of.0, x) / polynomial(&of.1, x)
 }
 
-/// Horner's scheme, constant term first.
+/// Evaluates a polynomial by Horner's scheme, constant term first.
 #[inline]
 fn polynomial<T: Real, const N: usize>(coefficients: &[T; N], x: T) -> T {
     coefficients.iter().rev().fold(T::zero(), |sum, &coefficient| sum * x + coefficient)

@@ -1,15 +1,16 @@
-//! How far the sums and integrals of a distribution are carried, in each scalar.
+//! Precision of the sums and integrals of a distribution, in each scalar.
 //!
-//! [`Real`](super::real::Real) names one for itself; [`chi_square`](super::chi_square) computes by it.
+//! [`Real`](super::real::Real) has one as a constant; [`chi_square`](super::chi_square) computes by
+//! it.
 
-/// How far the sums are carried in one scalar.
+/// Limits of the sums in one scalar.
 #[derive(Clone, Copy, Debug)]
 pub struct Precision<T: 'static> {
-    /// Beyond this argument the asymptotic expansion serves.
+    /// Argument beyond which the asymptotic expansion applies.
     pub(super) asymptotic: T,
-    /// A term of the series smaller than this, relatively, is the last.
+    /// Relative size below which a term of the series is the last.
     pub(super) rounding: T,
-    /// A Newton step whose square, relatively, is smaller than this is the last: less is left than that.
+    /// Relative square below which a Newton step is the last: the remaining error is smaller.
     pub(super) settled: T,
     /// Drop of the logarithmic density beyond which the tail is cut.
     pub(super) drop: T,
@@ -17,7 +18,7 @@ pub struct Precision<T: 'static> {
     pub(super) rule: &'static [(T, T)],
 }
 
-/// For `f64`: relative error of the results below 3e-11.
+/// Precision of `f64`: relative error of the results below 3e-11.
 pub const DOUBLE: Precision<f64> = Precision {
     asymptotic: 60.0,
     rounding: 1e-17,
@@ -39,7 +40,8 @@ pub const DOUBLE: Precision<f64> = Precision {
     ],
 };
 
-/// For `f32`: relative error of the results below 3e-5, at a three-hundredth of the cost where `f64` is emulated.
+/// Precision of `f32`: relative error of the results below 3e-5, at a three-hundredth of the cost
+/// of emulated `f64`.
 pub const SINGLE: Precision<f32> = Precision {
     asymptotic: 16.0,
     rounding: 3e-8,

@@ -1,15 +1,15 @@
 //! The scalar of everything that is linearised: `f32` or `f64`.
 //!
-//! What is absolute (positions, ranges, times) is `f64` everywhere. What is a small difference, centred on its
-//! constellation's mean, is generic: the Cortex-M4F has `f32` in hardware and emulates `f64` at fifty times the
-//! cost. The constants say what "zero" means at each precision.
+//! Absolute values (positions, ranges, times) are `f64` everywhere. Small differences, centred on
+//! their constellation's mean, are generic: the Cortex-M4F has `f32` in hardware and emulates `f64`
+//! at fifty times the cost. The constants define "zero" at each precision.
 
 use nalgebra::RealField;
 
 use super::absolute::Absolute;
 use super::precision::Precision;
 
-/// What of the normal distribution lies beyond a point `u`.
+/// The part of the normal distribution beyond a point `u`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tail<T> {
     /// `Q(u)`.
@@ -20,7 +20,7 @@ pub struct Tail<T> {
 
 /// A floating-point number that a snapshot can be solved in.
 pub trait Real: RealField + Copy {
-    /// What coordinates and ranges are held in whose differences become small numbers of this scalar.
+    /// Type of coordinates and ranges whose differences become small numbers of this scalar.
     type Absolute: Absolute<Self>;
 
     /// Redundancy number below which a satellite counts as untestable, dimensionless.
@@ -33,24 +33,24 @@ pub trait Real: RealField + Copy {
     const SINGULAR: Self;
     /// Relative difference below which two test statistics count as equal.
     const TIE: Self;
-    /// How far the sums of the χ² distributions are carried.
+    /// Precision of the sums of the χ² distributions.
     const CHI_SQUARE: Precision<Self>;
 
     /// Rounds a double.
     fn narrow(value: f64) -> Self;
-    /// Widens to a double, exactly.
+    /// Converts to a double, exactly.
     fn widen(self) -> f64;
-    /// `√x` for `x ≥ 0`, to a few units in the last place.
+    /// Returns `√x` for `x ≥ 0`, to a few units in the last place.
     #[must_use]
-    fn root(self) -> Self;
-    /// `1/√x` for `x > 0`, to a few units in the last place.
+    fn sqrt_approx(self) -> Self;
+    /// Returns `1/√x` for `x > 0`, to a few units in the last place.
     #[must_use]
-    fn inverse_root(self) -> Self;
-    /// Sine and cosine of an angle between 0 and π/2.
+    fn inverse_sqrt_approx(self) -> Self;
+    /// Returns sine and cosine of an angle between 0 and π/2.
     #[must_use]
     fn sine_and_cosine(self) -> (Self, Self);
-    /// [`tail`](super::normal::tail) for `u ≥ 0`.
+    /// Returns [`tail`](super::normal::tail) for `u ≥ 0`.
     fn normal_tail(u: Self) -> Tail<Self>;
-    /// [`quantile`](super::normal::quantile) for `0 < p < 0.5`.
+    /// Returns [`quantile`](super::normal::quantile) for `0 < p < 0.5`.
     fn normal_quantile(p: Self) -> Self;
 }

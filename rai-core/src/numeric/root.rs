@@ -1,31 +1,33 @@
-//! Roots and inverse roots without a division: what a library in software takes 76 instructions for, takes 20.
+//! Roots and inverse roots without a division: 20 instructions, instead of 76 in a software
+//! library.
 //!
 //! ```text
 //! y ← y (3 − x y²)/2
 //! ```
 //!
-//! from half the exponent, by which `y` is within 3.5 % of `1/√x`: three steps leave rounding alone. The result is within
-//! 2e-7 of `1/√x`, relatively, and the same on every machine. Not for roots that must be the nearest: those are libm's.
+//! from half the exponent, by which `y` is within 3.5 % of `1/√x`: three steps leave rounding
+//! alone. The result is within 2e-7 of `1/√x`, relatively, and the same on every machine. Roots
+//! that must be correctly rounded use libm.
 //!
 //! Reference: [Lomont2003] for the constant.
 //!
 //! [Lomont2003]: crate#references
 
-/// `1/√x` for `x > 0`; 0 and what is no normal number as libm has it.
+/// Returns `1/√x` for `x > 0`; for 0 and numbers that are not normal the result of libm.
 #[inline]
 pub(super) fn single_inverse(x: f32) -> f32 {
     if is_normal(x) { inverse_of_normal(x) } else { libm::sqrtf(x).recip() }
 }
 
-/// `√x` for `x ≥ 0`; 0 and what is no normal number as libm has it.
+/// Returns `√x` for `x ≥ 0`; for 0 and numbers that are not normal the result of libm.
 #[inline]
 pub(super) fn single(x: f32) -> f32 {
     if is_normal(x) { x * inverse_of_normal(x) } else { libm::sqrtf(x) }
 }
 
-/// Whether half of it is a normal number too.
+/// Returns true if half of it is a normal number too.
 fn is_normal(x: f32) -> bool {
-    // Of positive numbers the patterns are in order; those of negative ones are beyond.
+    // The patterns of positive numbers are in order; those of negative ones are beyond.
     (2 * f32::MIN_POSITIVE.to_bits()..=f32::MAX.to_bits()).contains(&x.to_bits())
 }
 

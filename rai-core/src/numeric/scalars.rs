@@ -22,10 +22,10 @@ impl Real for f64 {
     fn widen(self) -> f64 {
         self
     }
-    fn root(self) -> Self {
+    fn sqrt_approx(self) -> Self {
         libm::sqrt(self)
     }
-    fn inverse_root(self) -> Self {
+    fn inverse_sqrt_approx(self) -> Self {
         libm::sqrt(self).recip()
     }
     fn sine_and_cosine(self) -> (Self, Self) {
@@ -42,11 +42,12 @@ impl Real for f64 {
 impl Real for f32 {
     type Absolute = Grid;
 
-    // Some hundred units in the last place of the sums over 40 satellites that these are compared with.
+    // Some hundred units in the last place of the sums over 40 satellites that it is compared with.
     const UNTESTABLE: Self = 1e-5;
     const UNMOVED: Self = 1e-4;
     const SINGULAR: Self = 2e5;
-    // What a w-test is good to: two satellites alone with their clock have equal |w|, and 8e-5 was seen between them.
+    // Accuracy of a w-test: two satellites alone with their clock have equal |w|, and differ by up
+    // to 8e-5 here.
     const TIE: Self = 1e-3;
     const CHI_SQUARE: Precision<Self> = SINGLE;
 
@@ -57,15 +58,15 @@ impl Real for f32 {
         f64::from(self)
     }
     #[inline]
-    fn root(self) -> Self {
+    fn sqrt_approx(self) -> Self {
         root::single(self)
     }
     #[inline]
-    fn inverse_root(self) -> Self {
+    fn inverse_sqrt_approx(self) -> Self {
         root::single_inverse(self)
     }
     fn sine_and_cosine(self) -> (Self, Self) {
-        // A quarter turn is so much more than its nearest number.
+        // Excess of a quarter turn over its nearest number.
         const BEYOND: f32 = -4.371_139e-8;
         (sine(self), sine(core::f32::consts::FRAC_PI_2 - self + BEYOND))
     }

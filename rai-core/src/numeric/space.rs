@@ -1,8 +1,9 @@
 //! Sums and products of vectors in space, written out.
 //!
-//! nalgebra's operators are loops over a general shape. Compiled for speed they melt away; compiled for size each is a call
-//! through memory, three to five times as dear as its arithmetic. What every satellite or every mode needs is written with these
-//! instead, and is then as fast at `opt-level = "s"` as at `2`, in less flash.
+//! nalgebra's operators are loops over a general shape. Compiled for speed they melt away; compiled
+//! for size each is a call through memory, three to five times as expensive as its arithmetic.
+//! Operations on every satellite or every mode use these functions instead, and are then as fast at
+//! `opt-level = "s"` as at `2`, in less flash.
 //!
 //! ```text
 //! dot        a·b                 difference   a − b          product             M v
@@ -10,118 +11,119 @@
 //! scaled     f a                 sum          a + b          symmetric_product   S v
 //! products   a_i b_i             magnitudes   |a_i|          matrix_product      A B
 //! trace      tr M                diagonal     M_ii           matrix_sum, matrix_difference  A ± B
-//! told       S, six numbers
+//! upper_triangle  S, six numbers
 //! add_outer_product  S + a bᵀ    add_outer_square  S + a aᵀ/f    add_whole_outer_product  M + a bᵀ
 //! ```
 //!
-//! A symmetric matrix is read and written in its lower triangle alone: six numbers stay in registers where nine do not.
+//! A symmetric matrix is read and written in its lower triangle alone: six numbers stay in
+//! registers, nine do not.
 
 use nalgebra::{Matrix3, Vector3};
 
 use super::real::Real;
 
-/// `a·b`.
+/// Returns `a·b`.
 #[inline]
 pub(crate) fn dot<T: Real>(a: &Vector3<T>, b: &Vector3<T>) -> T {
     a.x * b.x + a.y * b.y + a.z * b.z
 }
 
-/// `a × b`.
+/// Returns `a × b`.
 #[inline]
 pub(crate) fn cross<T: Real>(a: &Vector3<T>, b: &Vector3<T>) -> Vector3<T> {
     Vector3::new(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x)
 }
 
-/// A vector of no length.
+/// Returns the zero vector.
 #[inline]
 pub(crate) fn zero<T: Real>() -> Vector3<T> {
     Vector3::new(T::zero(), T::zero(), T::zero())
 }
 
-/// A matrix of nothing else.
+/// Returns the zero matrix.
 #[inline]
 pub(crate) fn zeros<T: Real>() -> Matrix3<T> {
     let zero = T::zero();
     Matrix3::new(zero, zero, zero, zero, zero, zero, zero, zero, zero)
 }
 
-/// The matrix that changes nothing.
+/// Returns the identity matrix.
 #[inline]
 pub(crate) fn identity<T: Real>() -> Matrix3<T> {
     let (zero, one) = (T::zero(), T::one());
     Matrix3::new(one, zero, zero, zero, one, zero, zero, zero, one)
 }
 
-/// `f a`.
+/// Returns `f a`.
 #[inline]
 pub(crate) fn scaled<T: Real>(factor: T, a: &Vector3<T>) -> Vector3<T> {
     Vector3::new(factor * a.x, factor * a.y, factor * a.z)
 }
 
-/// `a/f`.
+/// Returns `a/f`.
 #[inline]
 pub(crate) fn divided<T: Real>(a: &Vector3<T>, divisor: T) -> Vector3<T> {
     Vector3::new(a.x / divisor, a.y / divisor, a.z / divisor)
 }
 
-/// `a + b`.
+/// Returns `a + b`.
 #[inline]
 pub(crate) fn sum<T: Real>(a: &Vector3<T>, b: &Vector3<T>) -> Vector3<T> {
     Vector3::new(a.x + b.x, a.y + b.y, a.z + b.z)
 }
 
-/// `a − b`.
+/// Returns `a − b`.
 #[inline]
 pub(crate) fn difference<T: Real>(a: &Vector3<T>, b: &Vector3<T>) -> Vector3<T> {
     Vector3::new(a.x - b.x, a.y - b.y, a.z - b.z)
 }
 
-/// `a + f b`.
+/// Returns `a + f b`.
 #[inline]
 pub(crate) fn plus_scaled<T: Real>(a: &Vector3<T>, factor: T, b: &Vector3<T>) -> Vector3<T> {
     Vector3::new(a.x + factor * b.x, a.y + factor * b.y, a.z + factor * b.z)
 }
 
-/// Axis by axis, `a_i b_i`.
+/// Returns `a_i b_i`, axis by axis.
 #[inline]
 pub(crate) fn products<T: Real>(a: &Vector3<T>, b: &Vector3<T>) -> Vector3<T> {
     Vector3::new(a.x * b.x, a.y * b.y, a.z * b.z)
 }
 
-/// Axis by axis, `|a_i|`.
+/// Returns `|a_i|`, axis by axis.
 #[inline]
 pub(crate) fn magnitudes<T: Real>(a: &Vector3<T>) -> Vector3<T> {
     Vector3::new(a.x.abs(), a.y.abs(), a.z.abs())
 }
 
-/// `M_ii`.
+/// Returns `M_ii`.
 #[inline]
 pub(crate) fn diagonal<T: Real>(matrix: &Matrix3<T>) -> Vector3<T> {
     Vector3::new(matrix.m11, matrix.m22, matrix.m33)
 }
 
-/// `A + B`.
+/// Returns `A + B`.
 #[inline]
 pub(crate) fn matrix_sum<T: Real>(a: &Matrix3<T>, b: &Matrix3<T>) -> Matrix3<T> {
     let ([a1, a2, a3], [b1, b2, b3]) = (columns(a), columns(b));
     of_columns(&[sum(&a1, &b1), sum(&a2, &b2), sum(&a3, &b3)])
 }
 
-/// `A − B`.
+/// Returns `A − B`.
 #[inline]
 pub(crate) fn matrix_difference<T: Real>(a: &Matrix3<T>, b: &Matrix3<T>) -> Matrix3<T> {
     let ([a1, a2, a3], [b1, b2, b3]) = (columns(a), columns(b));
     of_columns(&[difference(&a1, &b1), difference(&a2, &b2), difference(&a3, &b3)])
 }
 
-/// `A B`.
+/// Returns `A B`.
 #[inline(never)]
 pub(crate) fn matrix_product<T: Real>(a: &Matrix3<T>, b: &Matrix3<T>) -> Matrix3<T> {
     let [b1, b2, b3] = columns(b);
     of_columns(&[product(a, &b1), product(a, &b2), product(a, &b3)])
 }
 
-/// `M v`.
+/// Returns `M v`.
 #[inline]
 pub(crate) fn product<T: Real>(matrix: &Matrix3<T>, vector: &Vector3<T>) -> Vector3<T> {
     Vector3::new(
@@ -131,7 +133,7 @@ pub(crate) fn product<T: Real>(matrix: &Matrix3<T>, vector: &Vector3<T>) -> Vect
     )
 }
 
-/// `Mᵀ v`.
+/// Returns `Mᵀ v`.
 #[inline]
 pub(crate) fn transposed_product<T: Real>(matrix: &Matrix3<T>, vector: &Vector3<T>) -> Vector3<T> {
     Vector3::new(
@@ -141,7 +143,7 @@ pub(crate) fn transposed_product<T: Real>(matrix: &Matrix3<T>, vector: &Vector3<
     )
 }
 
-/// `S v` of a symmetric matrix.
+/// Returns `S v` of a symmetric matrix.
 #[inline]
 pub(crate) fn symmetric_product<T: Real>(matrix: &Matrix3<T>, vector: &Vector3<T>) -> Vector3<T> {
     Vector3::new(
@@ -190,19 +192,19 @@ pub(crate) fn mirror<T: Real>(matrix: &mut Matrix3<T>) {
     matrix.m23 = matrix.m32;
 }
 
-/// A symmetric matrix, row by row from the diagonal on, in doubles.
+/// Returns the upper triangle of a symmetric matrix, row by row, in doubles.
 #[inline]
-pub(crate) fn told<T: Real>(matrix: &Matrix3<T>) -> [f64; 6] {
+pub(crate) fn upper_triangle<T: Real>(matrix: &Matrix3<T>) -> [f64; 6] {
     [matrix.m11, matrix.m21, matrix.m31, matrix.m22, matrix.m32, matrix.m33].map(T::widen)
 }
 
-/// `tr M`.
+/// Returns `tr M`.
 #[inline]
 pub(crate) fn trace<T: Real>(matrix: &Matrix3<T>) -> T {
     matrix.m11 + matrix.m22 + matrix.m33
 }
 
-/// `det S` of a symmetric matrix.
+/// Returns `det S` of a symmetric matrix.
 #[inline]
 pub(crate) fn symmetric_determinant<T: Real>(matrix: &Matrix3<T>) -> T {
     matrix.m11 * (matrix.m22 * matrix.m33 - matrix.m32 * matrix.m32)
@@ -210,7 +212,7 @@ pub(crate) fn symmetric_determinant<T: Real>(matrix: &Matrix3<T>) -> T {
         + matrix.m31 * (matrix.m21 * matrix.m32 - matrix.m31 * matrix.m22)
 }
 
-/// Its columns.
+/// Returns the columns of a matrix.
 #[inline]
 pub(crate) fn columns<T: Real>(matrix: &Matrix3<T>) -> [Vector3<T>; 3] {
     [
@@ -220,7 +222,7 @@ pub(crate) fn columns<T: Real>(matrix: &Matrix3<T>) -> [Vector3<T>; 3] {
     ]
 }
 
-/// The matrix of three columns.
+/// Returns the matrix of three columns.
 #[inline]
 pub(crate) fn of_columns<T: Real>([first, second, third]: &[Vector3<T>; 3]) -> Matrix3<T> {
     #[rustfmt::skip]

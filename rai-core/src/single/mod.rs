@@ -1,8 +1,8 @@
-//! The core as a module on a microcontroller runs it: in single precision, for 48 satellites.
+//! The core as a microcontroller runs it: in single precision, for 48 satellites.
 //!
-//! Generic code is compiled where it is used, by the rules of that crate. What is called here instead is compiled with
-//! this one: a firmware that is compiled for size, as its bytes to and from the wire may well be, has its integrity
-//! compiled for speed nevertheless, and once. Each function is the generic one of its name, and no more.
+//! Generic code is compiled in the crate that uses it, with that crate's optimisation. These
+//! functions are compiled with this crate instead, so that a firmware that is compiled for size has
+//! its integrity compiled for speed, and once. Each function calls the generic one of its name.
 
 #[cfg(feature = "stages")]
 pub mod stages;
@@ -11,36 +11,36 @@ pub use crate::epoch::CAPACITY;
 
 use crate::epoch::Epoch;
 use crate::frame::Ecef;
-use crate::integrity::residuals::levels::Factors;
-use crate::integrity::residuals::tags::RangeRates;
-use crate::integrity::residuals::threshold::Thresholds;
+use crate::integrity::raim::detection::threshold::Thresholds;
+use crate::integrity::raim::hypotheses::time_tag::RangeRates;
+use crate::integrity::raim::levels::KFactors;
+use crate::least_squares::{Snapshot, SnapshotError};
 use crate::monitor::Search;
 use crate::report::Report;
-use crate::snapshot::{Snapshot, SnapshotError};
 use crate::velocity::{RangeRate, Velocity, VelocityError};
 
 /// [`crate::monitor::Monitor`] of this instance.
 pub type Monitor = crate::monitor::Monitor<f32, CAPACITY>;
 
-/// [`crate::monitor::Accepted`] of this instance.
-pub type Accepted = crate::monitor::Accepted<f32>;
+/// [`crate::monitor::ValidatedRequirements`] of this instance.
+pub type ValidatedRequirements = crate::monitor::ValidatedRequirements<f32>;
 
-/// [`crate::monitor::Assessment`] of this instance.
-pub type Assessment = crate::monitor::Assessment<CAPACITY>;
+/// [`crate::monitor::EpochOutcome`] of this instance.
+pub type EpochOutcome = crate::monitor::EpochOutcome<CAPACITY>;
 
-/// [`crate::monitor::Memory`] of this instance.
-pub type Memory = crate::monitor::Memory<f32, CAPACITY>;
+/// [`crate::monitor::MonitorWorkspace`] of this instance.
+pub type MonitorWorkspace = crate::monitor::MonitorWorkspace<f32, CAPACITY>;
 
-/// [`crate::snapshot::Workspace`] of this instance.
-pub type Workspace = crate::snapshot::Workspace<f32, CAPACITY>;
+/// [`crate::least_squares::Workspace`] of this instance.
+pub type Workspace = crate::least_squares::Workspace<f32, CAPACITY>;
 
-/// [`Monitor::process`].
+/// Calls [`Monitor::process`].
 #[inline(never)]
 pub fn process(monitor: &mut Monitor, epoch: &Epoch<CAPACITY>) -> Report<CAPACITY> {
     monitor.process(epoch)
 }
 
-/// [`Monitor::judge`].
+/// Calls [`Monitor::judge`].
 #[inline(never)]
 pub fn judge<'m>(
     monitor: &Monitor,
@@ -48,36 +48,36 @@ pub fn judge<'m>(
     start: Ecef,
     search: Search<'_>,
     rates: Option<&RangeRates<'_>>,
-    memory: &'m mut Memory,
-) -> &'m mut Assessment {
+    memory: &'m mut MonitorWorkspace,
+) -> &'m mut EpochOutcome {
     monitor.judge(epoch, start, search, rates, memory)
 }
 
-/// [`Workspace::solve`].
+/// Calls [`Workspace::solve`].
 ///
 /// # Errors
-/// As there.
+/// As [`Workspace::solve`].
 #[inline(never)]
 pub fn solve(workspace: &mut Workspace) -> Result<Snapshot<'_, f32>, SnapshotError> {
     workspace.solve()
 }
 
-/// The position alone, from a start ([`Workspace::fix`]); `None` where there is none.
+/// Returns the position alone, from a start ([`Workspace::fix`]), or `None`.
 #[inline(never)]
 pub fn position(workspace: &mut Workspace, epoch: &Epoch<CAPACITY>, start: Ecef) -> Option<Ecef> {
     Some(workspace.fix(epoch, start).ok()?.position())
 }
 
-/// [`crate::velocity::estimate`].
+/// Calls [`crate::velocity::estimate`].
 ///
 /// # Errors
-/// As there.
+/// As [`crate::velocity::estimate`].
 #[inline(never)]
 pub fn velocity(
     workspace: &mut Workspace,
     rates: &mut dyn Iterator<Item = RangeRate>,
     thresholds: &Thresholds<'_>,
-    factors: &Factors<f32>,
+    factors: &KFactors<f32>,
 ) -> Result<Velocity, VelocityError> {
     crate::velocity::estimate(workspace, rates, thresholds, factors)
 }

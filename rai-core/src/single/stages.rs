@@ -1,80 +1,83 @@
-//! The stages of this instance one by one, for whoever measures them: as they are in the shipped image, compiled for speed.
+//! The stages of this instance one by one, for measurements: as in the shipped image, compiled for
+//! speed.
 //!
-//! Each function is the generic one of its name, and no more.
+//! Each function calls the generic one of its name.
 
-use crate::clock::{CoastingClock, Forecast, Uptake};
-use crate::equations::Row;
-use crate::integrity::residuals::baarda;
-use crate::integrity::residuals::exclusion::Exclusion;
-use crate::integrity::residuals::levels::{self, Slopes};
-use crate::integrity::residuals::parity::{self, Finding};
-use crate::integrity::residuals::ransac::{self, Selection};
-use crate::integrity::residuals::threshold::Thresholds;
-use crate::integrity::residuals::threshold::policy::{Demand, NoThreshold, Policy, PolicyThreshold};
-use crate::integrity::separation::{self, Allocation, Judged, Priors, Room, SeparationError};
-use crate::snapshot::{Snapshot, SnapshotError};
+use crate::clock::{CoastingClock, Forecast, Observed};
+use crate::integrity::araim::{self, Allocation, AraimError, AraimJudgement, AraimScratch, Priors};
+use crate::integrity::raim::detection::threshold::Thresholds;
+use crate::integrity::raim::detection::threshold::policy::{
+    NoThreshold, Policy, PolicyThreshold, ThresholdProblem,
+};
+use crate::integrity::raim::isolation::baarda;
+use crate::integrity::raim::isolation::exclusion::Exclusion;
+use crate::integrity::raim::isolation::parity::{self, ParityFinding};
+use crate::integrity::raim::isolation::ransac::{self, Selection};
+use crate::integrity::raim::levels::{self, Slopes};
+use crate::least_squares::equations::Row;
+use crate::least_squares::{Snapshot, SnapshotError};
 
-/// [`Snapshot::leave_out`].
+/// Calls [`Snapshot::leave_out`].
 ///
 /// # Errors
-/// As there.
+/// As [`Snapshot::leave_out`].
 #[inline(never)]
 pub fn leave_out(snapshot: &mut Snapshot<'_, f32>, index: usize) -> Result<(), SnapshotError> {
     snapshot.leave_out(index)
 }
 
-/// [`Snapshot::take_back`].
+/// Calls [`Snapshot::take_back`].
 ///
 /// # Errors
-/// As there.
+/// As [`Snapshot::take_back`].
 #[inline(never)]
 pub fn take_back(snapshot: &mut Snapshot<'_, f32>, index: usize) -> Result<(), SnapshotError> {
     snapshot.take_back(index)
 }
 
-/// [`baarda::worst_two`].
+/// Calls [`baarda::worst_two`].
 #[inline(never)]
 pub fn worst_two(snapshot: &Snapshot<'_, f32>) -> Option<(usize, f32, f32)> {
     baarda::worst_two(snapshot)
 }
 
-/// [`levels::largest_slopes`].
+/// Calls [`levels::largest_slopes`].
 #[inline(never)]
 pub fn largest_slopes(snapshot: &Snapshot<'_, f32>) -> Slopes<f32> {
     levels::largest_slopes(snapshot)
 }
 
-/// [`separation::judge_in`].
+/// Calls [`araim::judge_in`].
 ///
 /// # Errors
-/// As there.
+/// As [`araim::judge_in`].
 #[inline(never)]
 pub fn separate(
     snapshot: &mut Snapshot<'_, f32>,
     priors: &Priors<'_, f32>,
     allocation: &Allocation,
-    room: &mut Room<f32>,
-) -> Result<Judged<f32>, SeparationError> {
-    separation::judge_in(snapshot, priors, allocation, room)
+    room: &mut AraimScratch<f32>,
+) -> Result<AraimJudgement<f32>, AraimError> {
+    araim::judge_in(snapshot, priors, allocation, room)
 }
 
-/// [`parity::grouping`].
+/// Calls [`parity::grouping`].
 #[inline(never)]
 pub fn grouping(
     snapshot: &Snapshot<'_, f32>,
     thresholds: &Thresholds<'_>,
     limits: &parity::SearchLimits,
-) -> Finding<f32> {
+) -> ParityFinding<f32> {
     parity::grouping(snapshot, thresholds, limits)
 }
 
-/// [`Selection::choose`].
+/// Calls [`Selection::choose`].
 #[inline(never)]
 pub fn choose(rows: &[Row<f32>], work: usize) -> Selection {
     Selection::choose(rows, work)
 }
 
-/// [`ransac::exclude`].
+/// Calls [`ransac::exclude`].
 #[inline(never)]
 pub fn exclude_by_consensus(
     snapshot: &mut Snapshot<'_, f32>,
@@ -85,23 +88,23 @@ pub fn exclude_by_consensus(
     ransac::exclude(snapshot, selection, thresholds, limits)
 }
 
-/// [`CoastingClock::observe`].
+/// Calls [`CoastingClock::observe`].
 #[inline(never)]
-pub fn observe(clock: &mut CoastingClock<f32>, time_s: f64, clock_m: f64, clock_sigma_m: f64) -> Uptake {
+pub fn observe(clock: &mut CoastingClock<f32>, time_s: f64, clock_m: f64, clock_sigma_m: f64) -> Observed {
     clock.observe(time_s, clock_m, clock_sigma_m)
 }
 
-/// [`CoastingClock::forecast`].
+/// Calls [`CoastingClock::forecast`].
 #[inline(never)]
 pub fn forecast(clock: &CoastingClock<f32>, time_s: f64) -> Option<Forecast> {
     clock.forecast(time_s)
 }
 
-/// [`Demand::threshold`].
+/// Calls [`ThresholdProblem::threshold`].
 ///
 /// # Errors
-/// As there.
+/// As [`ThresholdProblem::threshold`].
 #[inline(never)]
-pub fn threshold(demand: &Demand<'_>, policy: Policy) -> Result<PolicyThreshold, NoThreshold> {
+pub fn threshold(demand: &ThresholdProblem<'_>, policy: Policy) -> Result<PolicyThreshold, NoThreshold> {
     demand.threshold::<f32>(policy)
 }

@@ -1,5 +1,5 @@
-//! The error model: from elevation, signal and ephemeris to a standard deviation. The one place that knows what a
-//! sigma is made of.
+//! The error model: from elevation, signal and ephemeris to a standard deviation. No other module
+//! composes a sigma.
 //!
 //! ```text
 //! σ² = σ_eph² + a² σ_code² + (σ_trop / (sin el + 0.05))² + σ_iono²
@@ -11,40 +11,43 @@
 //! |---|---|---|
 //! | `σ_eph` | `ephemeris_m`, from URA or SISA | m |
 //! | `a` | `noise_gain`: 1 for one frequency, about 3 for the ionosphere-free pair | – |
-//! | `w` | `weakness`: how much noisier than a strong signal ([`weakness`]) | – |
+//! | `w` | `weakness`: noise relative to a strong signal ([`noise_factor_from_cn0`]) | – |
 //! | `σ_0`, `σ_mp` | code noise and multipath at the zenith | m |
-//! | `σ_trop` | what the tropospheric model leaves at the zenith | m |
-//! | `σ_iono` | `ionosphere_m`, what the ionospheric model leaves along the path ([`ionosphere_sigma_m`]); 0 for the pair | m |
+//! | `σ_trop` | residual error of the tropospheric model at the zenith | m |
+//! | `σ_iono` | `ionosphere_m`, residual error of the ionospheric model along the path ([`ionosphere_sigma_m`]); 0 for the pair | m |
 //! | `τ` | at the zenith: 9, 4.5, 6 m at geomagnetic latitudes below 20°, 55° and above | m |
 //!
-//! For ARAIM ([`crate::integrity::separation`]) the orbit and clock error is what an integrity support message promises,
-//! and the troposphere's model is that of [Blanch2015]:
+//! For ARAIM ([`crate::integrity::araim`]) the orbit and clock error is that of an integrity
+//! support message, and the troposphere's model is that of [Blanch2015]:
 //!
 //! ```text
 //! C_int = URA² + σ_user² + σ_tropo²      C_acc the same with URE      σ_tropo = 0.12 · 1.001/√(0.002001 + sin²el)
 //! ```
 //!
-//! What a receiver's own noise and multipath are depends on where its antenna is ([`UserModel`]):
+//! A receiver's own noise and multipath depend on the site of its antenna ([`UserModel`]):
 //!
 //! ```text
 //! ground      σ_user² = a² σ_code²
 //! airborne    σ_user² = 0.4² + (0.34 + 0.40 e^(−el/14°))² + (0.018 + 40/(261 + el²))²     el in degrees, of the pair only
 //! ```
 //!
-//! The second is [ED-259A]'s of smoothed ranges of two frequencies behind a certified antenna on a fuselage, with what the
-//! pair leaves of the ionosphere. An antenna on a roof or a car has two to five times the multipath: who takes the airborne
-//! numbers there promises what he does not have.
+//! The second is [ED-259A]'s for smoothed ranges of two frequencies behind a certified antenna on a
+//! fuselage, with the residual ionosphere of the pair. An antenna on a roof or a car has two to
+//! five times the multipath, so that the airborne numbers are not valid there.
 //!
-//! The module receives no such message: an [`Ism`] is a preset, or what a command gave, and is said to be one. Where a
-//! satellite broadcasts a URA above it, the larger counts.
+//! The module receives no integrity support message: an [`Ism`] is a preset or comes from a
+//! command, and its documentation names it as such. If a satellite broadcasts a larger URA, the
+//! larger counts.
 //!
-//! Under an open sky a signal is weak because it is low: the elevation and the strength tell of the same error twice, and
-//! the larger of the two counts. A high satellite whose signal is weak is one behind a roof or a tree.
+//! Under an open sky a signal is weak because it is low: elevation and strength describe the same
+//! error, so that the larger of the two counts. A high satellite with a weak signal is behind a
+//! roof or a tree.
 //!
-//! Assumes independent errors. An integrity test stands and falls with these numbers, so they are on the
-//! large side, and the monitor reports how the residuals compare ([`crate::report::Report::sigma_check`]).
+//! Assumes independent errors. An integrity test depends on these numbers, so that they are on the
+//! large side, and the monitor reports how the residuals compare
+//! ([`crate::report::Report::sigma_check`]).
 //!
-//! A sigma is a model, and worked out in single precision.
+//! A sigma is a model, computed in single precision.
 //!
 //! [Blanch2015]: crate#references
 //! [ED-259A]: crate#references
@@ -64,32 +67,37 @@ const MULTIPATH_M: f32 = 0.3;
 /// [DO-229]: crate#references
 const TROPOSPHERE_M: f32 = 0.12;
 
-/// The largest error that a satellite in its normal state announces, m: SISA index 107, URA index 1 and below.
+/// The largest error that a satellite in its normal state announces, m: SISA index 107, URA index 1
+/// and below.
 const NORMAL_PROMISE_M: f32 = 3.2;
 
-/// Carrier to noise density of a signal near the zenith in the open, at the weak end, dB-Hz: below, a tracking loop's noise
-/// goes with the inverse root, and reflections are no longer weak beside the signal.
+/// Carrier to noise density of a signal near the zenith in the open, at the weak end, dB-Hz.
+///
+/// Below it, a tracking loop's noise grows with the inverse root, and reflections are no longer
+/// weak beside the signal.
 const STRONG_DBHZ: f32 = 42.0;
 
 /// Sigma of every range while the position is unknown and nothing is corrected, m.
 pub const COARSE_M: f32 = 30.0;
 
-/// One sigma of a group delay that the message does not carry, m: the inter-signal corrections that GPS and `BeiDou`
-/// publish in CNAV scatter by some nanoseconds.
+/// One sigma of a group delay that the message does not contain, m: the inter-signal corrections
+/// that GPS and `BeiDou` publish in CNAV scatter by some nanoseconds.
 pub const UNCALIBRATED_DELAY_M: f32 = 2.0;
 
-/// What a range that is not combined like most of its system's differs by, one sigma, m.
+/// One sigma of a range whose combination differs from most of its system's, m.
 ///
-/// A receiver's delay differs between carriers by some metres, and combining amplifies that. Common to all satellites
-/// of a system it is part of the clock; where combinations are mixed it is an error of the few.
+/// A receiver's delay differs between carriers by some metres, and the combination amplifies it. If
+/// it is common to all satellites of a system, it is part of the clock; with mixed combinations it
+/// is an error of the few.
 pub const MIXED_CARRIERS_M: f32 = 10.0;
 
-/// Standard deviation of a satellite's broadcast orbit and clock, m.
+/// Returns the standard deviation of a satellite's broadcast orbit and clock, m.
 ///
-/// `promised_m` is what it announces as URA or SISA. In the normal state that is the coarsest step of a scale, 2 to
-/// 3 m for all systems, while their errors differ by ten: 0.2 m for Galileo, 0.6 m for GPS and `BeiDou`-3, 1 to 2 m and more for
-/// `BeiDou`-2 ([Montenbruck2018]). The numbers here are twice these and more, since the test must hold on bad days. A
-/// satellite that announces more than the normal state is accepted.
+/// `promised_m` is its broadcast URA or SISA. In the normal state that is the coarsest step of a
+/// scale, 2 to 3 m for all systems, while their errors differ by ten: 0.2 m for Galileo, 0.6 m for
+/// GPS and `BeiDou`-3, 1 to 2 m and more for `BeiDou`-2 ([Montenbruck2018]). The numbers here are
+/// at least twice these, because the test must hold on bad days. A satellite that broadcasts more
+/// than the normal state counts with that value.
 ///
 /// [Montenbruck2018]: crate#references
 pub fn ephemeris_sigma_m(satellite: SatelliteId, promised_m: f32) -> f32 {
@@ -98,18 +106,19 @@ pub fn ephemeris_sigma_m(satellite: SatelliteId, promised_m: f32) -> f32 {
     }
     match (satellite.constellation(), satellite.number()) {
         (Constellation::Galileo, _) => 0.7,
-        // The second generation, whose ranges differ by some metres from the third's in many receivers.
+        // The second generation, whose ranges differ by some metres from the third's in many
+        // receivers.
         (Constellation::Beidou, ..=18) => 4.0,
         (Constellation::Gps | Constellation::Beidou, _) => 1.2,
         (Constellation::Glonass, _) => 3.0,
     }
 }
 
-/// How much noisier a range is than that of a strong signal; 1 where the strength is not known.
-pub fn weakness(cn0_dbhz: Option<f32>) -> f32 {
+/// Returns the noise of a range relative to that of a strong signal; 1 for an unknown strength.
+pub fn noise_factor_from_cn0(cn0_dbhz: Option<f32>) -> f32 {
     const PER_DB: f32 = core::f32::consts::LN_10 / 20.0;
     match cn0_dbhz {
-        // A strength that is none counts as that of noise.
+        // A NaN strength counts as that of noise.
         Some(cn0_dbhz) if !(cn0_dbhz >= STRONG_DBHZ) => {
             libm::expf(PER_DB * (STRONG_DBHZ - cn0_dbhz.max(0.0)))
         }
@@ -117,10 +126,11 @@ pub fn weakness(cn0_dbhz: Option<f32>) -> f32 {
     }
 }
 
-/// What the broadcast model of the ionosphere leaves along the path on L1, one sigma, m.
+/// Returns the residual error of the broadcast ionosphere model along the path on L1, one sigma, m.
 ///
-/// `delay_m` is what the model says along the path, `geomagnetic_sc` where it is pierced, in semicircles. The floor is
-/// that of [DO-229] appendix J. The model halves the delay, rms ([Klobuchar1987]): without it twice the floor is left.
+/// `delay_m` is the model's delay along the path, `geomagnetic_sc` the latitude of the pierce
+/// point, in semicircles. The floor is that of [DO-229] appendix J. The model halves the delay, rms
+/// ([Klobuchar1987]), so that twice the floor remains without it.
 ///
 /// [DO-229]: crate#references
 /// [Klobuchar1987]: crate#references
@@ -137,7 +147,7 @@ pub fn ionosphere_sigma_m(delay_m: f32, sin_elevation: f32, geomagnetic_sc: f32,
     if is_modelled { floor_m.max(0.2 * delay_m) } else { 2.0 * floor_m }
 }
 
-/// How much longer a path through the ionosphere is than straight up: a thin shell at 350 km.
+/// Returns the ratio of a path through the ionosphere to the vertical one: a thin shell at 350 km.
 pub fn obliquity(sin_elevation: f32) -> f32 {
     /// `(R/(R + h))²` with R = 6378.1363 km ([DO-229] A.4.4.10.4).
     ///
@@ -147,34 +157,35 @@ pub fn obliquity(sin_elevation: f32) -> f32 {
     1.0 / libm::sqrtf(1.0 - RATIO_SQUARED * (1.0 - sine * sine))
 }
 
-/// With how many sigmas an error that ranges share enters the protection levels.
+/// Number of sigmas with which a shared range error enters the protection levels.
 ///
-/// It is no noise: it stays for hours and does not average out. Three sigmas of the ionosphere's floor are 27, 13.5 and
-/// 18 m at the zenith, what 166, 83 and 111 TECU too many delay L1.
+/// The error is not noise: it stays for hours and does not average out. Three sigmas of the
+/// ionosphere's floor are 27, 13.5 and 18 m at the zenith, the L1 delay of 166, 83 and 111 TECU.
 pub const COMMON_SIGMAS: f32 = 3.0;
 
-/// What is promised of the satellites of one constellation.
+/// Integrity support parameters of one constellation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Support {
+pub struct IsmParameters {
     /// Standard deviation of orbit and clock for integrity, m.
     pub ura_m: f64,
-    /// The same for accuracy and continuity, m.
+    /// Standard deviation of orbit and clock for accuracy and continuity, m.
     pub ure_m: f64,
     /// Largest nominal bias, m.
     pub bias_m: f64,
     /// Probability that a satellite is faulty.
     pub satellite_fault: f64,
-    /// Probability that all of them are faulty together.
+    /// Probability that all satellites are faulty together.
     pub constellation_fault: f64,
 }
 
-impl Support {
+impl IsmParameters {
     const fn new([ura_m, ure_m, bias_m, satellite_fault, constellation_fault]: [f64; 5]) -> Self {
         Self { ura_m, ure_m, bias_m, satellite_fault, constellation_fault }
     }
 
-    /// Checks every field: sigmas positive and up to 100 m, URE up to URA, bias up to 100 m, probabilities in [0, 0.5).
+    /// Checks every field: sigmas positive and up to 100 m, URE up to URA, bias up to 100 m,
+    /// probabilities in [0, 0.5).
     #[inline(never)]
     pub fn is_valid(&self) -> bool {
         let sigma = |value: f64| value > 0.0 && value <= 100.0;
@@ -188,70 +199,73 @@ impl Support {
     }
 }
 
-/// What is assumed of the receiver's own noise and multipath.
+/// Model of the receiver's own noise and multipath.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum UserModel {
     /// An antenna on the ground, ranges that are not smoothed: the module's own numbers.
     Ground,
-    /// An antenna on an aircraft, ranges of two frequencies smoothed over 100 s; one frequency as on the ground.
+    /// An antenna on an aircraft, ranges of two frequencies smoothed over 100 s; one frequency as
+    /// on the ground.
     Airborne,
 }
 
-/// What is promised of the satellites of each constellation (integrity support message), and what is assumed beside it.
+/// Integrity support message: parameters of each constellation, and the model of the receiver.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Ism {
-    /// In ascending id.
-    pub constellations: [Support; Constellation::COUNT],
-    /// The receiver's part.
+    /// Parameters of each constellation, in ascending id.
+    pub constellations: [IsmParameters; Constellation::COUNT],
+    /// Model of the receiver.
     pub user: UserModel,
 }
 
 impl Ism {
-    /// The draft of ICAO Annex 10, June 2024. It gives `BeiDou` no URA: Galileo's is taken, with the probabilities of the
-    /// draft. Biases are 0.
+    /// The draft of ICAO Annex 10, June 2024. It gives `BeiDou` no URA, so that Galileo's is used
+    /// with the probabilities of the draft. Biases are 0.
     pub const ICAO: Self = Self {
         constellations: [
-            Support::new([2.4, 2.4, 0.0, 1e-5, 1e-8]),
-            Support::new([6.0, 4.0, 0.0, 1e-5, 1e-4]),
-            Support::new([6.0, 4.0, 0.0, 3e-5, 2e-4]),
-            Support::new([9.0, 8.0, 0.0, 1.02e-4, 1e-4]),
+            IsmParameters::new([2.4, 2.4, 0.0, 1e-5, 1e-8]),
+            IsmParameters::new([6.0, 4.0, 0.0, 1e-5, 1e-4]),
+            IsmParameters::new([6.0, 4.0, 0.0, 3e-5, 2e-4]),
+            IsmParameters::new([9.0, 8.0, 0.0, 1.02e-4, 1e-4]),
         ],
         user: UserModel::Ground,
     };
 
-    /// The same aboard an aircraft.
+    /// [`Self::ICAO`] aboard an aircraft.
     pub const ICAO_AIRBORNE: Self = Self { user: UserModel::Airborne, ..Self::ICAO };
 
-    /// What published studies assume: URA 1 m, URE 0.5 m, a bias of 0.75 m, GPS hardly ever lost as a whole.
+    /// Parameters of published studies: URA 1 m, URE 0.5 m, a bias of 0.75 m, GPS rarely lost as a
+    /// whole.
     pub const RESEARCH: Self = Self {
         constellations: [
-            Support::new([1.0, 0.5, 0.75, 1e-5, 1e-8]),
-            Support::new([1.0, 0.5, 0.75, 1e-5, 1e-4]),
-            Support::new([1.0, 0.5, 0.75, 1e-5, 1e-4]),
-            Support::new([1.0, 0.5, 0.75, 1e-5, 1e-4]),
+            IsmParameters::new([1.0, 0.5, 0.75, 1e-5, 1e-8]),
+            IsmParameters::new([1.0, 0.5, 0.75, 1e-5, 1e-4]),
+            IsmParameters::new([1.0, 0.5, 0.75, 1e-5, 1e-4]),
+            IsmParameters::new([1.0, 0.5, 0.75, 1e-5, 1e-4]),
         ],
         user: UserModel::Ground,
     };
 
-    /// The same aboard an aircraft.
+    /// [`Self::RESEARCH`] aboard an aircraft.
     pub const RESEARCH_AIRBORNE: Self = Self { user: UserModel::Airborne, ..Self::RESEARCH };
 
-    /// What is promised of one constellation.
-    pub fn of(&self, constellation: Constellation) -> Support {
+    /// Returns the parameters of one constellation.
+    pub fn of(&self, constellation: Constellation) -> IsmParameters {
         let [first, ..] = self.constellations;
         self.constellations.get(constellation as usize).copied().unwrap_or(first)
     }
 
-    /// Whether every number is in its range.
+    /// Returns true if every number is in its range.
     pub fn is_valid(&self) -> bool {
-        self.constellations.iter().all(Support::is_valid)
+        self.constellations.iter().all(IsmParameters::is_valid)
     }
 }
 
-/// Standard deviation of the corrected range for integrity, m: `promised_m` is what the satellite announces as URA or SISA.
-pub fn integrity_sigma_m(support: &Support, promised_m: f32, budget: &ErrorBudget) -> f32 {
+/// Returns the standard deviation of the corrected range for integrity, m; `promised_m` is the
+/// satellite's broadcast URA or SISA.
+pub fn integrity_sigma_m(support: &IsmParameters, promised_m: f32, budget: &ErrorBudget) -> f32 {
     let ura_m = promised_m.max(support.ura_m as f32);
     let sin_elevation = budget.sin_elevation.max(0.05);
     let troposphere_m2 = 0.12 * 0.12 * 1.001 * 1.001 / (0.002_001 + sin_elevation * sin_elevation);
@@ -259,7 +273,7 @@ pub fn integrity_sigma_m(support: &Support, promised_m: f32, budget: &ErrorBudge
     libm::sqrtf(ura_m * ura_m + user_m2 + troposphere_m2)
 }
 
-/// The receiver's own part, m².
+/// Returns the receiver's own part, m².
 fn user_m2(sin_elevation: f32, budget: &ErrorBudget) -> f32 {
     let is_pair = budget.noise_gain > 1.0;
     if budget.user == UserModel::Airborne && is_pair {
@@ -269,7 +283,8 @@ fn user_m2(sin_elevation: f32, budget: &ErrorBudget) -> f32 {
     }
 }
 
-/// Noise, multipath and what is left of the ionosphere, of a pair aboard an aircraft, m² ([ED-259A]).
+/// Returns the noise, multipath and residual ionosphere of a pair aboard an aircraft, m²
+/// ([ED-259A]).
 ///
 /// A weak signal is noisier here too: as in [`code_m2`], the larger of the two counts.
 ///
@@ -284,7 +299,7 @@ fn airborne_m2(sin_elevation: f32, weakness: f32) -> f32 {
     model_m2(elevation_deg).max(weakness * weakness * model_m2(90.0)) + ionosphere_m * ionosphere_m
 }
 
-/// Code noise and multipath of one frequency, m².
+/// Returns code noise and multipath of one frequency, m².
 fn code_m2(sin_elevation: f32, weakness: f32) -> f32 {
     const NOISE_M2: f32 = CODE_NOISE_M * CODE_NOISE_M;
     const MULTIPATH_M2: f32 = MULTIPATH_M * MULTIPATH_M;
@@ -292,7 +307,7 @@ fn code_m2(sin_elevation: f32, weakness: f32) -> f32 {
     by_elevation.max(weakness * weakness * (NOISE_M2 + MULTIPATH_M2))
 }
 
-/// What an error of one range is made of.
+/// Components of the error of one range.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ErrorBudget {
     /// Sine of the elevation, −1 to 1.
@@ -301,17 +316,17 @@ pub struct ErrorBudget {
     pub ephemeris_m: f32,
     /// Factor on code noise and multipath, dimensionless.
     pub noise_gain: f32,
-    /// How much noisier the signal is than a strong one, at least 1.
+    /// Noise relative to a strong signal, at least 1.
     pub weakness: f32,
-    /// Ionospheric error left along the path, m.
+    /// Residual ionospheric error along the path, m.
     pub ionosphere_m: f32,
-    /// Where the antenna is.
+    /// Site of the antenna.
     pub user: UserModel,
 }
 
-/// Standard deviation of the corrected range, m.
+/// Returns standard deviation of the corrected range, m.
 pub fn sigma_m(budget: &ErrorBudget) -> f32 {
-    // Below 3° nothing here is calibrated: the error stays that of 3°, where masks end.
+    // Below 3° the model is not calibrated: the error stays that of 3°, where masks end.
     let sin_elevation = budget.sin_elevation.max(0.05);
     let troposphere_m = TROPOSPHERE_M / (sin_elevation + 0.05);
     libm::sqrtf(

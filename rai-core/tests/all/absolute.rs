@@ -1,4 +1,5 @@
-//! Lengths on the grid beside `f32`, against exact integers, over the whole range of what a position or a range can be.
+//! Lengths on the grid beside `f32`, against exact integers, over the whole range of what a
+//! position or a range can be.
 
 #![allow(clippy::float_cmp, reason = "steps of the grid are exact")]
 
@@ -8,7 +9,8 @@ use rai_core::numeric::absolute::{Absolute, Grid};
 /// Step of the grid, m.
 const STEP_M: f64 = 1.0 / 16_384.0;
 
-/// The root of a sum of squares of multiples of the step, to a thousandth of one: by integers of 128 bits.
+/// The root of a sum of squares of multiples of the step, to a thousandth of one: by integers of
+/// 128 bits.
 fn length_m(coordinates: [f64; 3]) -> f64 {
     const FINER: f64 = 1024.0;
     let squares = coordinates.map(|metres| ((metres / STEP_M * FINER) as i128).pow(2));
@@ -24,7 +26,7 @@ fn length_on_grid_m(coordinates: [f64; 3]) -> f64 {
     length.whole.widen() + f64::from(length.rest)
 }
 
-/// What may be left: the rounding of the rest, 2⁻²⁴ of some metres, and `ρ²/2D`.
+/// Tolerance, m: the rounding of the rest, 2⁻²⁴ of some metres, and `ρ²/2D`.
 fn tolerance_m(length_m: f64) -> f64 {
     let rest_m = 0.125 + 8e-7 * length_m;
     2e-7 * rest_m + rest_m * rest_m / (2.0 * length_m) + 2e-6

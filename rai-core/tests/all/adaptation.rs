@@ -1,4 +1,4 @@
-//! Sigmas that learn from residuals: by what factor, when, and within which bounds.
+//! Adaptive sigmas: their factor, their delay and their bounds.
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
 use rai_core::satellite::{Constellation, SatelliteId};
@@ -22,7 +22,8 @@ fn nothing_is_scaled_before_600_degrees_of_freedom() {
 
 #[test]
 fn scale_is_the_upper_bound_of_the_residuals() {
-    // χ² that 0.1 % are below, of 600 and of 6000 degrees of freedom: bisected on the series of the incomplete gamma function.
+    // χ² at a probability of 0.1 %, for 600 and 6000 degrees of freedom: bisected on the series of
+    // the incomplete gamma function.
     for (epochs, quantile) in [(60, 498.622_873_5), (600, 5_667.173_441)] {
         let dof = f64::from(epochs) * 10.0;
         let have = after(epochs, 0.5).scale(f64::from(epochs) - 1.0);

@@ -1,4 +1,4 @@
-//! Angles of unit vectors against those that the vectors were made of.
+//! Angles of unit vectors compared with those that the vectors were made of.
 
 use core::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 

@@ -1,7 +1,8 @@
 //! χ² distributions against values of multiple precision, at every kind of argument.
 //!
-//! The values come from the Poisson mixture of central distributions and bisection, in 35 digits, with another program
-//! (mpmath); the densities of the crossings from the hypergeometric function ₀F₁.
+//! The values come from the Poisson mixture of central distributions and bisection, in 35 digits,
+//! with another program (mpmath); the densities of the crossings from the hypergeometric function
+//! ₀F₁.
 #![allow(clippy::unwrap_used, clippy::excessive_precision)]
 
 use rai_core::numeric::chi_square::ChiSquare;
@@ -46,7 +47,8 @@ const NONCENTRALITIES: [(usize, f64, f64, f64); 12] = [
     (60, 61.0, 1e-6, 82.2554699716148),
 ];
 
-/// Degrees of freedom, non-centrality, logarithm of the ratio of the densities, statistic where they have it.
+/// Degrees of freedom, non-centrality, logarithm of the ratio of the densities, statistic where
+/// they have it.
 const CROSSINGS: [(usize, f64, f64, f64); 10] = [
     (1, 4.0, 0.0, 1.8070571243385865),
     (1, 900.0, 0.0, 225.69368101724208),

@@ -1,4 +1,5 @@
-//! The coasting clock: forecasts of clocks whose law is known, windows with gaps and jumps, hostile input.
+//! The coasting clock: forecasts of clocks whose law is known, windows with gaps and jumps, hostile
+//! input.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing)]
 
 use crate::noise::Noise;
@@ -8,7 +9,8 @@ use rai_core::clock::{
 };
 use rai_core::numeric::real::Real;
 
-/// A level of one second, a drift of 300 m/s, and noise of the rate, 1 m each second; measured exactly.
+/// A level of one second, a drift of 300 m/s, and noise of the rate, 1 m each second; measured
+/// exactly.
 fn crystal(seed: u64, values: usize) -> Vec<f64> {
     let mut noise = Noise(seed);
     let mut level_m = 299_792_458.0;
@@ -54,7 +56,8 @@ fn steady_clock_of_a_second_is_continued_exactly_in_both_precisions() {
     steady_clock_is_continued::<f32>();
 }
 
-/// `cos ωt` obeys `1 − 2 cos ω z + z²` forwards and backwards, `(−1)^t` obeys `1 + z`: their sum the product of both.
+/// `cos ωt` obeys `1 − 2 cos ω z + z²` forwards and backwards, `(−1)^t` obeys `1 + z`: their sum
+/// the product of both.
 fn harmonic_process_is_found<T: Real>(tolerance: f64) {
     let omega = core::f64::consts::TAU * 7.0 / 60.0;
     let series: Vec<Option<T>> =

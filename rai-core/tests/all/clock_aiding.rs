@@ -1,4 +1,5 @@
-//! Small skies aided by a coasting clock: what a forecast row makes testable, and what must not reach the forecasts.
+//! Small skies aided by a coasting clock: tests that a forecast row makes possible, and values that
+//! must not reach the forecasts.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing)]
 
 use crate::noise::Noise;
@@ -24,7 +25,8 @@ const BEIDOU: Constellation = Constellation::Beidou;
 const SIGMA_M: f64 = 2.0;
 const LEARNING_S: usize = 70;
 
-/// Azimuth and elevation in degrees. In the first four and the first five alone, every fault shows, and in a way of its own.
+/// Azimuth and elevation in degrees. In the first four and the first five alone, every fault shows,
+/// and in a way of its own.
 const SKY: [(f64, f64); 8] = [
     (320.0, 15.0),
     (150.0, 65.0),
@@ -48,7 +50,8 @@ fn direction((azimuth_deg, elevation_deg): (f64, f64)) -> Vector3<f64> {
     Vector3::new(elevation.cos() * azimuth.sin(), elevation.cos() * azimuth.cos(), elevation.sin())
 }
 
-/// A receiver at the origin whose clock is a second off, drifts by 300 m/s and wanders by 0.2 m each second.
+/// A receiver at the origin whose clock is a second off, drifts by 300 m/s and wanders by 0.2 m
+/// each second.
 struct Receiver {
     noise: Noise,
     second: usize,
@@ -71,7 +74,8 @@ impl Receiver {
         }
     }
 
-    /// One second later: ranges to the first `satellites` of the sky, one of them faulty, and a forecast clock.
+    /// One second later: ranges to the first `satellites` of the sky, one of them faulty, and a
+    /// forecast clock.
     fn next<T: Real>(
         &mut self,
         satellites: usize,
@@ -262,7 +266,7 @@ fn clock_of_four_satellites_on_the_horizon_and_one_above_is_the_mean_of_the_four
         epoch.satellite(GPS, direction(place), 0.0, SIGMA_M).expect("a sound row");
     }
     let snapshot = solved(epoch).expect("a usable sky");
-    // Those on the horizon say nothing of the height, and the one above is all that does.
+    // Satellites on the horizon do not measure the height, the one above does alone.
     let have = snapshot.clock_variance(GPS).expect("a clock");
     assert!((have - SIGMA_M * SIGMA_M / 4.0).abs() < 1e-12, "have {have}");
 }

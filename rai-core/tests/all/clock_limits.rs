@@ -1,9 +1,11 @@
-//! What continues the window of a coasting clock and what begins another: just within each bound, and just beyond.
+//! Values that continue the window of a coasting clock and values that restart it: just within each
+//! bound, and just beyond.
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
 use rai_core::clock::{CoastingClock, Observed};
 
-/// A clock that has seen `values` of a steady drift of 300 m a second, with standard deviation `sigma_m`.
+/// A clock that has seen `values` of a steady drift of 300 m a second, with standard deviation
+/// `sigma_m`.
 fn steady(spacing_s: f64, values: u32, sigma_m: f64) -> CoastingClock<f64> {
     let mut clock = CoastingClock::new();
     for value in 0..values {
@@ -30,7 +32,8 @@ fn a_jump_is_5_33_sigma_of_forecast_and_reading_together() {
 
 #[test]
 fn before_anything_is_forecast_a_jump_is_0_1_ppm_beyond_the_noise() {
-    // Per step: 30 · 1 + 5.33 · (2 + 3) = 56.65 m, and 30 · 2 + 26.65 = 86.65 m where steps are of two seconds.
+    // Per step: 30 · 1 + 5.33 · (2 + 3) = 56.65 m, and 30 · 2 + 26.65 = 86.65 m where steps are of
+    // two seconds.
     for (spacing_s, limit_m) in [(1.0, 56.65), (2.0, 86.65)] {
         let clock = steady(spacing_s, 4, 2.0);
         let time_s = 4.0 * spacing_s;
@@ -81,7 +84,8 @@ fn a_forecast_is_no_surer_than_the_last_value() {
     assert_eq!(steady(1.0, 30, 1001.0).forecast(30.0), None, "beyond a kilometre there is none");
 }
 
-/// Differences of 300 m with a wobble that three coefficients describe exactly, and that cancels over 40.
+/// Differences of 300 m with a wobble that three coefficients describe exactly, and that cancels
+/// over 40.
 fn wobbling(values: u32) -> Vec<f64> {
     let difference = |step: u32| {
         let (angle, sign) = (f64::from(step) * std::f64::consts::TAU / 10.0, f64::from(step % 2) * 2.0 - 1.0);
@@ -110,7 +114,8 @@ fn a_wobble_is_continued_through_an_outage() {
 
 #[test]
 fn variance_of_a_forecast_is_that_of_the_summed_responses() {
-    // Any differences will do: how the fitted process answers to an impulse is worked out from its coefficients.
+    // Any differences serve: the response of the fitted process to an impulse is computed from its
+    // coefficients.
     let mut clock = CoastingClock::<f64>::new();
     let mut level_m = 0.0;
     for second in 0..60 {

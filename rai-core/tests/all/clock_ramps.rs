@@ -1,7 +1,8 @@
-//! A ramp on one of few satellites, with a forecast clock beside them: the attack on a clock that vouches for itself.
+//! A ramp on one of few satellites beside a forecast clock: the attack on a clock that confirms
+//! itself.
 //!
-//! A clock learned from satellites that only its own forecast confirms follows a ramp wherever it goes. What is wanted: no
-//! position is called good that is farther off than its level.
+//! A clock learned from satellites that only its own forecast confirms follows any ramp. The
+//! requirement: no protected position is farther off than its level.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing)]
 
 use crate::noise::Noise;
@@ -16,7 +17,7 @@ use rai_core::satellite::Constellation;
 const CAPACITY: usize = 16;
 const GEOMETRIES: u64 = 40;
 
-/// Satellites while the clock is learned, s that this takes, and s that the ramp lasts.
+/// Satellites while the clock is learned, s of learning, and s of the ramp.
 const MANY: usize = 12;
 const LEARNING_S: u32 = 40;
 const RAMP_S: u32 = 150;
@@ -58,7 +59,7 @@ fn is_protected(report: &Report<CAPACITY>) -> bool {
     matches!(report.verdict, Verdict::Protected(_))
 }
 
-/// By how much a position that is called good is beyond its level, m; negative where it is within.
+/// Excess of a protected position's error over its level, m; negative within the level.
 fn beyond_m(report: &Report<CAPACITY>) -> Option<f64> {
     let (Some(solution), Some(levels)) = (&report.solution, report.protection) else { return None };
     let error = LocalFrame::at(receiver()).rotate(solution.position - receiver());
@@ -107,7 +108,7 @@ fn hold_over_ends_by_itself() {
     for second in 0..LEARNING_S {
         monitor.process(&scene.epoch(second, MANY, 1, 0.0));
     }
-    // Four satellites say nothing of each other: what is tested is tested by the forecast alone, for a minute.
+    // Four satellites cannot test each other: for a minute only the forecast tests them.
     let tested: Vec<u32> = (LEARNING_S..LEARNING_S + RAMP_S)
         .filter(|&second| monitor.process(&scene.epoch(second, 4, 1, 0.0)).test.is_some())
         .collect();

@@ -1,4 +1,4 @@
-//! An error that all ranges share: the levels grow by what it moves the position.
+//! An error that all ranges share: the levels grow by its effect on the position.
 #![allow(clippy::unwrap_used)]
 
 use rai_core::epoch::{Epoch, EpochError, Observation};
@@ -33,7 +33,7 @@ fn delay_m(elevation_deg: f64) -> f64 {
     5.0 / (elevation_deg.to_radians().sin() + 0.3)
 }
 
-/// The sky, delayed by a multiple of the common error, and told of it or not.
+/// The sky, delayed by a multiple of the common error, with or without its declaration.
 fn epoch(multiple: f64, is_told: bool) -> Epoch<N> {
     let (receiver, mut epoch) = (receiver(), Epoch::new(0.0));
     let frame = LocalFrame::at(receiver);
@@ -96,7 +96,8 @@ fn a_shared_error_that_is_none_is_refused() {
     let observation = *epoch(0.0, false).observations().first().unwrap();
     for common_m in [-1.0, f32::NAN, f32::INFINITY] {
         let mut epoch = Epoch::<N>::new(0.0);
-        assert_eq!(epoch.push_sharing(observation, common_m), Err(EpochError::Sigma));
+        let refused = epoch.push_sharing(observation, common_m);
+        assert!(matches!(refused, Err(EpochError::Sigma(_))), "{common_m}");
         assert!(epoch.observations().is_empty() && epoch.common_m().is_empty());
     }
 }

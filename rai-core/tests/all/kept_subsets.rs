@@ -1,4 +1,5 @@
-//! The subsets of range consensus are those of the satellites: kept while these stay, whatever stands beside them.
+//! The subsets of range consensus belong to the satellites: kept while these stay, with any aiding
+//! rows.
 #![allow(clippy::unwrap_used)]
 
 use rai_core::epoch::{Aiding, Epoch};
@@ -21,7 +22,7 @@ fn epoch(first: usize, turned_deg: f64) -> Epoch<CAPACITY> {
     epoch
 }
 
-/// What is in `subsets` after an epoch.
+/// Content of `subsets` after an epoch.
 fn asked(subsets: &mut Subsets, epoch: &Epoch<CAPACITY>) -> Selection {
     let mut workspace = Workspace::<f32, CAPACITY>::new();
     let fix = workspace.fix(epoch, receiver()).unwrap();
@@ -41,7 +42,7 @@ fn they_are_those_of_the_epoch_that_asked_first() {
     let have = asked(&mut subsets, &epoch(1, 0.0));
     assert_eq!(have, dealt(&epoch(1, 0.0)));
     assert_eq!((have.rows(), have.subsets()), (16, 4));
-    // Another geometry of the same satellites is dealt otherwise; what is known stays.
+    // Another geometry of the same satellites is dealt otherwise; the kept subsets stay.
     let mut other = epoch(1, 0.0);
     other.restart(1.0);
     for (place, observation) in

@@ -1,6 +1,6 @@
-//! What the core does, seen from outside.
+//! Tests of the core's public interface.
 //!
-//! One program for all: what they have in common is compiled and linked once.
+//! One program for all, so that their common part is compiled and linked once.
 
 mod absolute;
 mod adaptation;

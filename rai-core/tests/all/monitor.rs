@@ -1,4 +1,4 @@
-//! What the monitor says of small skies whose truth is known by construction.
+//! Reports of the monitor on small skies whose truth is known by construction.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing)]
 
 use crate::sky::{self, DIRECTIONS, receiver, satellite};
@@ -163,7 +163,8 @@ fn lone_satellite_of_a_constellation_cannot_be_tested_and_does_no_harm() {
 
 #[test]
 fn two_satellites_that_cannot_be_told_apart_are_ambiguous() {
-    // Six satellites, two of them almost in line: a fault of either is explained by the exclusion of either.
+    // Six satellites, two of them almost in line: a fault of either is explained by the exclusion
+    // of either.
     let mut observations = single_system(5);
     observations.push(observe(satellite(Constellation::Gps, 20), 111.5, 45.5));
     observations[2].range_m += 120.0;

@@ -1,4 +1,4 @@
-//! What the monitor keeps from one epoch to the next, and where its verdicts turn.
+//! State of the monitor between epochs, and the limits of its verdicts.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing)]
 
 use crate::sky::{DIRECTIONS, SIGMA_M, observe, receiver, satellite};
@@ -139,11 +139,12 @@ fn a_level_is_held_to_its_share_of_the_limit() {
 
 #[test]
 fn a_fault_that_never_shows_is_a_geometry_problem() {
-    // Five in the plane of east and up, and one alone that tells of the north.
+    // Five in the plane of east and up, and one alone that measures the north.
     let plane = [(90.0, 20.0), (90.0, 50.0), (90.0, 80.0), (270.0, 65.0), (270.0, 15.0), (0.0, 40.0)];
     let verdict = judge(npa(), &seen(&plane, 0.0)).verdict;
     assert_eq!(verdict, Verdict::Unavailable(Unavailable::Geometry));
-    // Six on a cone about the vertical, and one alone that tells up from the clock: of no matter horizontally.
+    // Six on a cone about the vertical, and one alone that separates up from the clock:
+    // horizontally irrelevant.
     let mut cone: Vec<(f64, f64)> = (0..6).map(|step| (60.0 * f64::from(step), 35.0)).collect();
     cone.push((0.0, 90.0));
     let mut start = monitor(Requirements { val_m: Some(500.0), ..npa() });
@@ -152,7 +153,7 @@ fn a_fault_that_never_shows_is_a_geometry_problem() {
     assert_eq!(report.verdict, Verdict::Unavailable(Unavailable::Geometry), "{:?}", report.protection);
 }
 
-/// Ranges off by these, m: more than nothing and less than a fault.
+/// Errors of the ranges, m: more than nothing and less than a fault.
 const NOISE_M: [f64; 8] = [4.0, -3.0, 2.0, 5.0, -4.5, 1.0, -2.5, 3.5];
 
 fn noisy(scale: f64) -> Vec<Observation> {

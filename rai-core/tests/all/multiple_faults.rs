@@ -1,8 +1,9 @@
-//! Two faults at once, in random skies of few satellites: how often does a position pass that is beyond its level?
+//! Two faults at once, in random skies of few satellites: how often is a position protected
+//! although it is beyond its level?
 //!
-//! Directions, satellites, biases and noise are drawn, none is chosen. A single fault is what a protection level promises;
-//! two among few satellites can look like another one or two. What is wanted here: whoever leaves satellites out knows that
-//! no other ones explain the data as well.
+//! Directions, satellites, biases and noise are random. A protection level covers a single fault;
+//! two among few satellites can look like another one or two. The requirement: an exclusion implies
+//! that no other set explains the data as well.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing)]
 
 use crate::noise::Noise;
@@ -18,7 +19,8 @@ const CAPACITY: usize = 16;
 const SKIES: u64 = 400;
 const CLOCKS_M: [f64; 2] = [1234.5, -271.8];
 
-/// A sky of `count` satellites, every other one of a second constellation where there are two, two of them faulty.
+/// A sky of `count` satellites, every other one of a second constellation where there are two, two
+/// of them faulty.
 fn sky(count: usize, systems: usize, seed: u64) -> Epoch<CAPACITY> {
     let mut noise = Noise(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ (count as u64) << 32);
     let first = (noise.uniform() * count as f64) as usize;
@@ -48,7 +50,7 @@ fn judged(method: Method, epoch: &Epoch<CAPACITY>) -> Report<CAPACITY> {
     monitor.process(epoch)
 }
 
-/// Horizontally beyond the level of a position that is called good.
+/// Returns true if a protected position is horizontally beyond its level.
 fn misleads(report: &Report<CAPACITY>) -> bool {
     let (Some(solution), Some(levels)) = (&report.solution, report.protection) else { return false };
     let frame = rai_core::frame::LocalFrame::at(receiver());
@@ -56,7 +58,7 @@ fn misleads(report: &Report<CAPACITY>) -> bool {
     matches!(report.verdict, Verdict::Protected(_)) && error_m > levels.hpl_m
 }
 
-/// What became of the epochs of a campaign.
+/// Results of a campaign.
 #[derive(Debug, Default)]
 struct Tally {
     /// Beyond the level although two satellites or more were left out.
@@ -94,7 +96,8 @@ fn two_faults_among_few_satellites_hardly_ever_mislead() {
             let tally = campaign(method, count, systems);
             println!("{count} satellites, {systems} systems, {method:?}: {tally:?}");
             assert_eq!(tally.wrong_sets, 0, "{method:?}, {count} of {systems}");
-            // One satellite among few looks like two: what is beyond the promise of one fault stays rare, and goes away.
+            // One satellite among few looks like two: errors beyond the guarantee for one fault
+            // stay rare, and vanish.
             let most = if dof > 5 { 1 } else { SKIES as usize / 40 };
             assert!(tally.one_for_two <= most, "{method:?}, {count} of {systems}: {tally:?}");
             assert!(

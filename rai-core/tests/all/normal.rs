@@ -5,7 +5,7 @@
 use rai_core::numeric::normal::{quantile, tail};
 use rai_core::numeric::real::Real;
 
-/// How the values were made stands in the file.
+/// The file describes the computation of its values.
 const GOLD: &str = include_str!("../../../tests-host/vectors/normal.csv");
 
 /// Argument and value of one function.
@@ -18,7 +18,7 @@ fn gold(function: &str) -> Vec<(f64, f64)> {
     rows.map(numbers).collect()
 }
 
-/// Holds every value to a relative error; says the largest.
+/// Compares every value within a relative error; prints the largest.
 fn agree<T: Real>(function: &str, within: f64, have: impl Fn(T) -> T) {
     let rows = gold(function);
     assert!(rows.len() > 150, "{} values of {function}", rows.len());
@@ -72,7 +72,7 @@ fn what_is_outside_fails_safe() {
     }
 }
 
-/// Where two expressions meet, one does not fall below the other.
+/// At the seam of two expressions, one does not fall below the other.
 #[test]
 fn tails_fall_from_each_single_to_the_next() {
     let mut last = tail(0.0f32).probability;

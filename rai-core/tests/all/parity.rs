@@ -31,7 +31,7 @@ const METHODS: [Isolation; 5] = [
 /// Two more, low.
 const LOW: [(f64, f64); 2] = [(80.0, 10.0), (225.0, 8.0)];
 
-/// Noise of some metres that is nobody's fault.
+/// Noise of some metres, which is not a fault.
 const NOISE_M: [f64; 10] = [1.3, -2.1, 0.4, 3.0, -1.7, 0.9, -0.6, 2.2, -2.8, 1.1];
 
 fn thresholds() -> Thresholds<'static> {
@@ -177,7 +177,8 @@ fn three_faults_are_grouped() {
 
 #[test]
 fn grouping_finds_what_hides_from_the_sequential_method() {
-    // Two biases that look most like a third row's: the sky is searched for such a pair, the truth is known.
+    // Two biases that look most like a third row's: the sky is searched for such a pair, the truth
+    // is known.
     let (thresholds, limits) = (thresholds(), SearchLimits { rows: 2, ..SearchLimits::published() });
     let mut hidden = 0;
     for first in 0..10 {

@@ -1,4 +1,5 @@
-//! Threshold policies and the χ² inverses below them: against 50-digit tables, closed forms and each other.
+//! Threshold policies and the χ² inverses below them: against 50-digit tables, closed forms and
+//! each other.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing, clippy::float_cmp)]
 
 use std::path::Path;
@@ -48,7 +49,7 @@ fn gold<const N: usize>(table: &str) -> Vec<[f64; N]> {
     text.lines().skip(1).map(row).collect()
 }
 
-/// Prints the worst relative error over all rows, and holds it against what is declared.
+/// Prints the worst relative error over all rows, and compares it with the declared one.
 fn compare<const N: usize>(
     name: &str,
     rows: &[[f64; N]],
@@ -318,7 +319,8 @@ fn vertical_limit_counts_where_it_is_set() {
     assert_eq!(noncentrality(&Requirements::lpv200()), (0.95_f64 * 35.0 / 4.0).powi(2));
 }
 
-/// Degrees of freedom, logarithm of the non-centrality, false alarm and missed detection of the tables.
+/// Degrees of freedom, logarithm of the non-centrality, false alarm and missed detection of the
+/// tables.
 fn any_demand() -> impl Strategy<Value = ThresholdProblem<'static>> {
     let tail = |tails: &'static [f64]| prop::sample::select(tails);
     (1_usize..=60, -1.0..7.0_f64, tail(&[1e-3, 1e-4, 1e-5, 3.33e-7, 1e-8]), tail(&[1e-3, 1e-4, 1e-5, 1e-6]))
@@ -352,7 +354,8 @@ proptest! {
         let missed = demand.missed_detection;
         let (double, single) = (chi_square::<f64>(demand.dof as f64), chi_square::<f32>(demand.dof as f64));
         prop_assert!(double.quantile(missed, demand.noncentrality) < double.quantile(missed, greater));
-        // In single precision where the increase is above what is declared: the tail of ν ≫ δ hardly moves.
+        // In single precision where the increase is above what is declared: the tail of ν ≫ δ
+        // hardly moves.
         if demand.noncentrality > demand.dof as f64 {
             prop_assert!(single.quantile(missed, demand.noncentrality) < single.quantile(missed, greater));
         }

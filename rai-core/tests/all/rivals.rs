@@ -1,5 +1,8 @@
-//! Whether another set of satellites explains the data as well as the one that was left out, or a constellation at a place of its own,
-//! against dense least squares solved anew without each set of up to three, and with a place for each constellation.
+//! Separability: does another set of satellites explain the data as well as the one that was left
+//! out, or does a shifted constellation?
+//!
+//! Compared with dense least squares solved again without each set of up to three, and with a
+//! position for each constellation.
 #![allow(clippy::unwrap_used, clippy::indexing_slicing)]
 
 use nalgebra::{DMatrix, DVector, Vector3};
@@ -16,11 +19,12 @@ use crate::sky::SIGMA_M;
 use crate::solved::solved;
 
 const SKIES: u64 = 3000;
-/// Satellites of each of two constellations from which on their places are held against each other.
+/// Least number of satellites of each of two constellations from which their positions are
+/// compared.
 const TESTED: usize = 5;
 const SYSTEMS: [Constellation; 2] = [Constellation::Gps, Constellation::Galileo];
 
-/// How near to a limit rounding may decide, as a share of what is compared.
+/// Relative distance to a limit within which rounding may decide.
 const CLOSE: f64 = 1e-3;
 
 fn thresholds() -> Thresholds<'static> {
@@ -28,7 +32,7 @@ fn thresholds() -> Thresholds<'static> {
     Thresholds::from_tables(probability(1e-5), probability(1e-3)).unwrap()
 }
 
-/// Satellites as one equation each, and which of them are faulty.
+/// Satellites as one equation each, and the faulty ones.
 struct Sky {
     /// Towards the satellite, the number of its clock, and its residual in m.
     rows: Vec<(Vector3<f64>, usize, f64)>,
@@ -36,7 +40,8 @@ struct Sky {
 }
 
 impl Sky {
-    /// Seven to twelve satellites of one or two constellations; one to three are faulty, by 10 m to 10 km.
+    /// Seven to twelve satellites of one or two constellations; one to three are faulty, by 10 m to
+    /// 10 km.
     fn drawn(seed: u64) -> Self {
         let mut noise = Noise(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15));
         let mut below = |count: usize| (noise.uniform() * count as f64) as usize;
@@ -56,7 +61,7 @@ impl Sky {
         Self { rows: rows.collect(), faulty }
     }
 
-    /// What the core says of leaving the faulty ones out.
+    /// The core's result for leaving the faulty ones out.
     fn is_separable<T: Real>(&self) -> bool {
         let mut epoch = LinearEpoch::<T, MAX_ROWS>::new();
         for &(towards, clock, residual_m) in &self.rows {
@@ -93,8 +98,8 @@ impl Sky {
         ((&residuals - &design * solved).norm_squared(), design.nrows() - 3 - clocks)
     }
 
-    /// The same of all rows with a place for each of two constellations. One of four satellites or fewer has a place whatever they say;
-    /// `None` where only those are to blame.
+    /// Sum of squares of all rows with a position for each of two constellations. Four satellites
+    /// or fewer always agree on one; `None` if only those are to blame.
     fn left_by_places(&self) -> Option<(f64, usize)> {
         let of = |clock: usize| {
             let others = self.rows.iter().enumerate().filter(|(_, row)| row.1 != clock);
@@ -112,7 +117,8 @@ impl Sky {
         parts.iter().any(|&(_, has_blamed)| has_blamed).then_some(total)
     }
 
-    /// Smallest eigenvalue of the block of `I − A(AᵀA)⁻¹Aᵀ` that belongs to a set: 0 where its rows are needed.
+    /// Smallest eigenvalue of the block of `I − A(AᵀA)⁻¹Aᵀ` that belongs to a set: 0 where its rows
+    /// are needed.
     fn redundancy(&self, set: &[usize]) -> f64 {
         let design = self.design(&[]);
         let normal = (design.transpose() * &design).try_inverse().unwrap();
@@ -122,8 +128,8 @@ impl Sky {
         block.symmetric_eigenvalues().min()
     }
 
-    /// Whether no other set of as many satellites or fewer passes the test within `T_d²`, nor places of their own within as much, or
-    /// beside one satellite with less; `None` where rounding decides.
+    /// Returns true if no other set of as many satellites or fewer passes the test within `T_d²`,
+    /// and no separate positions do, or beside one satellite with less. `None` if rounding decides.
     fn is_unrivalled(&self) -> Option<bool> {
         let thresholds = thresholds();
         let margin = thresholds.w_test::<f64>(self.rows.len()).unwrap().powi(2);

@@ -1,4 +1,4 @@
-//! Names of satellites and constellations, as they are read and written.
+//! Names of satellites and constellations, parsed and printed.
 #![allow(clippy::unwrap_used)]
 
 use rai_core::satellite::{Constellation, SatelliteId};
@@ -39,5 +39,20 @@ fn numbers_that_no_system_has_are_none() {
     }
     for (letter, number) in [('J', 0), ('J', 11), ('J', 193), ('G', 193), ('G', 0), ('S', 20)] {
         assert_eq!(SatelliteId::from_name(letter, number), None, "{letter} {number}");
+    }
+}
+
+#[test]
+fn name_is_parsed_as_it_is_printed() {
+    for letter in ['G', 'C', 'E', 'R', 'J'] {
+        for number in 1..=99 {
+            let name = format!("{letter}{number:02}");
+            let want = SatelliteId::from_name(letter, number);
+            assert_eq!(name.parse().ok(), want, "{name}");
+        }
+    }
+    assert_eq!("E5".parse().ok(), SatelliteId::new(Constellation::Galileo, 5));
+    for name in ["", "G", "G00", "G0", "G100", "g05", "X05", "G-5", "G 5", "G5 ", "J11", "05", "G٥"] {
+        assert!(name.parse::<SatelliteId>().is_err(), "{name:?}");
     }
 }

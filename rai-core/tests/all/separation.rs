@@ -1,4 +1,5 @@
-//! ARAIM behind the monitor: skies whose truth is known by construction, one satellite or a whole constellation wrong.
+//! ARAIM behind the monitor: skies whose truth is known by construction, one satellite or a whole
+//! constellation wrong.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing)]
 
@@ -60,6 +61,30 @@ fn two_healthy_constellations_are_protected_and_say_what_makes_the_levels() {
     assert_eq!(separation.vertical.constellations, 1 << Galileo as u8, "{separation:?}");
     let test = report.test.unwrap();
     assert!(test.statistic < 0.01 && (test.threshold - 1.0).abs() < 1e-9, "{test:?}");
+}
+
+#[test]
+fn each_limit_that_fails_is_the_reason() {
+    let sky = visible(&[Gps, Galileo], 10);
+    let report = judge(lpv(), &sky);
+    let (araim, levels) = (report.araim.unwrap(), report.protection.unwrap());
+    let with = |val_m: f64, emt_m: f64, accuracy_m: f64| {
+        let mut requirements = Requirements { val_m: Some(val_m), ..lpv() };
+        requirements.allocation.emt_limit_m = Some(emt_m);
+        requirements.allocation.accuracy_limit_m = Some(accuracy_m);
+        judge(requirements, &sky).verdict
+    };
+    let (emt_m, accuracy_m) = (araim.effective_monitor_threshold_m, araim.accuracy_m);
+    let (above, below) = (1.001, 0.999);
+    let ok = with(levels.vpl_m * above, emt_m * above, accuracy_m * above);
+    assert_eq!(ok, Verdict::Protected(Protected::Ok), "VPL {}, {araim:?}", levels.vpl_m);
+    let have = with(levels.vpl_m * above, emt_m * below, accuracy_m * above);
+    assert_eq!(have, Verdict::Unavailable(Unavailable::Emt));
+    let have = with(levels.vpl_m * above, emt_m * above, accuracy_m * below);
+    assert_eq!(have, Verdict::Unavailable(Unavailable::Accuracy));
+    // A level beyond its limit is named first.
+    let have = with(levels.vpl_m * below, emt_m * below, accuracy_m * below);
+    assert_eq!(have, Verdict::Unavailable(Unavailable::Vpl));
 }
 
 #[test]
@@ -152,7 +177,7 @@ fn two_faults_of_one_epoch_that_cannot_be_told_alarm() {
     assert_eq!(report.verdict, Verdict::Alert(Alert::Fault));
 }
 
-/// Whom nobody watches shows in the residuals alone.
+/// An unmonitored fault shows in the residuals alone.
 #[test]
 fn fault_that_is_promised_never_to_happen_is_an_alert_of_the_global_test() {
     let mut ism = Ism::RESEARCH;
@@ -185,8 +210,8 @@ fn a_promise_that_is_no_number_changes_nothing() {
 }
 
 proptest! {
-    /// Whatever the ranges, sigmas and constellations: no level is a number that means nothing, and what is called good
-    /// has levels within the limits.
+    /// For all ranges, sigmas and constellations: no level is NaN, and a protected position has
+    /// levels within the limits.
     #[test]
     fn levels_are_numbers_and_hold_the_limits(
         seen in prop::collection::vec((0usize..4, 0.0..360.0f64, 5.0..90.0f64, -200.0..200.0f64, 0.1..20.0f64), 0..45),

@@ -1,9 +1,9 @@
-//! What the separation of solutions must not depend on: the order of the rows, the direction of north, the way in which a
-//! satellite came to be missing.
+//! Invariances of solution separation: the order of the rows, the direction of north, the way in
+//! which a satellite is missing.
 //!
-//! Priors are such that single satellites and constellations are watched and nothing else is: two events at once are
-//! rarer than what may go unwatched. `P_nm` is then the probability of two events and more, which is summed up here from
-//! elementary symmetric sums.
+//! Priors are such that single satellites and constellations are monitored and no other mode is,
+//! because two events at once are rarer than the allowed unmonitored probability. `P_nm` is then
+//! the probability of two events and more, which is summed up here from elementary symmetric sums.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing)]
 
@@ -78,14 +78,14 @@ fn judged<T: Real>(snapshot: &mut Snapshot<'_, T>, sky: &[Sighted]) -> AraimJudg
     judge(snapshot, &Priors { satellites: &priors(sky), constellations }, &allocation()).unwrap()
 }
 
-/// Of geometries that determine a position well enough to compare roundings.
+/// Solutions of geometries that determine a position well enough to compare roundings.
 fn solved(sky: &[Sighted], turned: f64) -> Option<AraimJudgement<f64>> {
     let mut workspace = Workspace::of(epoch(sky, turned));
     let mut snapshot = workspace.solve().ok()?;
     Some(judged(&mut snapshot, sky))
 }
 
-/// Whether two numbers are the same but for rounding; infinities are.
+/// Returns true if two numbers are the same but for rounding; infinities are.
 fn same(have: f64, want: f64, within: f64) -> bool {
     have.to_bits() == want.to_bits() || (have - want).abs() <= within * want.abs()
 }
@@ -143,7 +143,8 @@ proptest! {
         prop_assert_eq!(have.options, want.options);
     }
 
-    /// A quarter turn changes the names of east and north; any other turn leaves the height as it is.
+    /// A quarter turn changes the names of east and north; any other turn leaves the height as it
+    /// is.
     #[test]
     fn the_direction_of_north_means_nothing(sky in sky(), turned in 0.0..std::f64::consts::TAU) {
         let Some(want) = solved(&sky, 0.0) else { return Ok(()) };
@@ -158,7 +159,7 @@ proptest! {
         prop_assert_eq!(any.whole.modes, want.whole.modes);
     }
 
-    /// `P_nm` is that of what is there: left out of a solution, or never in it.
+    /// `P_nm` is that of the existing satellites: left out of a solution, or never in it.
     #[test]
     fn a_satellite_that_is_left_out_is_as_one_that_never_was(sky in sky(), choice in any::<prop::sample::Index>()) {
         let gone = choice.index(sky.len());
@@ -173,7 +174,8 @@ proptest! {
         let Some(want) = solved(&rest, 0.0) else { return Ok(()) };
         assert_same(&have.whole, &want.whole, 1e-6)?;
         prop_assert_eq!(have.options, want.options);
-        // Every single and every constellation is watched; where geometry forbids one, its probability is added.
+        // Every single and every constellation is monitored; if geometry forbids one, its
+        // probability is added.
         let least = two_and_more(&rest);
         prop_assert!(have.whole.unmonitored_probability >= least * (1.0 - 1e-9), "{} < {}", have.whole.unmonitored_probability, least);
         let events = rest.len() + 2;
@@ -182,7 +184,8 @@ proptest! {
         }
     }
 
-    /// Whatever is wrong: what is said after an exclusion has lost no probability, and is of the others.
+    /// For any fault: a finding after an exclusion has lost no probability, and belongs to the
+    /// others.
     #[test]
     fn an_exclusion_loses_no_probability(sky in sky(), choice in any::<prop::sample::Index>(), size_m in -500.0..500.0f64) {
         let mut sky = sky;
@@ -197,7 +200,7 @@ proptest! {
         }
     }
 
-    /// However poor the geometry and however large the numbers, in both scalars.
+    /// For any geometry and any magnitude, in both scalars.
     #[test]
     fn no_number_is_none(
         sky in prop::collection::vec(

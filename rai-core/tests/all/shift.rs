@@ -1,4 +1,4 @@
-//! All satellites of a constellation wrong at once, so that they agree on a place of their own.
+//! All satellites of a constellation wrong at once, so that they agree on another position.
 
 #![allow(clippy::unwrap_used, clippy::indexing_slicing)]
 
@@ -30,12 +30,14 @@ fn direction(index: usize) -> (f64, f64) {
     (137.5 * index as f64 % 360.0, 12.0 + 41.0 * index as f64 % 75.0)
 }
 
-/// Seven satellites of GPS and as many of Galileo without noise, which agree on a place so far to the east, m.
+/// Seven satellites of GPS and as many of Galileo without noise, which agree on a place so far to
+/// the east, m.
 fn sky(shift_m: f64) -> Vec<Observation> {
     sky_of(&[Gps, Galileo], shift_m)
 }
 
-/// Seven satellites of each constellation without noise, of which Galileo's agree on a place so far to the east, m.
+/// Seven satellites of each constellation without noise, of which Galileo's agree on a place so far
+/// to the east, m.
 fn sky_of(constellations: &[Constellation], shift_m: f64) -> Vec<Observation> {
     let seen = (0..constellations.len() * EACH).map(|index| {
         let constellation = constellations[index / EACH];
@@ -69,7 +71,7 @@ fn constellation_at_a_place_of_its_own_is_no_few_satellites_fault() {
     }
 }
 
-/// A sum of squares that noise in nine degrees of freedom and more explains, it does not in three.
+/// Noise in nine degrees of freedom and more explains this sum of squares, noise in three does not.
 #[test]
 fn shift_that_passes_the_global_test_is_held_against_the_threshold_of_its_own_unknowns() {
     let requirements = Requirements::non_precision_approach();
@@ -80,7 +82,7 @@ fn shift_that_passes_the_global_test_is_held_against_the_threshold_of_its_own_un
         let mut noticed = 0;
         for tenths in 0..400 {
             let report = judge(Method::Auto, &sky_of(constellations, 0.1 * f64::from(tenths)));
-            // What is left after an exclusion says nothing of the whole.
+            // The remaining rows after an exclusion are not the whole.
             let Some(test) = report.test.filter(|_| report.excluded.is_empty()) else { continue };
             let sse = test.statistic * test.statistic * f64::from(test.dof);
             // Without noise nothing else is in the residuals.
@@ -116,7 +118,8 @@ fn wrong_satellites_of_a_constellation_are_left_out_nevertheless() {
     }
 }
 
-/// Five satellites at a place of their own explain most of what one of them does; it does so better.
+/// Five satellites at another position explain most of one satellite's fault; the fault explains it
+/// better.
 #[test]
 fn satellite_that_passes_the_global_test_is_no_shift() {
     let mut passed = 0;
@@ -136,7 +139,7 @@ fn satellite_that_passes_the_global_test_is_no_shift() {
     assert!(passed > 200, "{passed}");
 }
 
-/// Four satellites have a place whatever they say: others, of which five agree, are not to be blamed.
+/// Four satellites always agree on a position: others, of which five agree, are not faulty.
 #[test]
 fn nobody_is_left_out_for_four_satellites_that_stand_elsewhere() {
     let mut promised = 0;

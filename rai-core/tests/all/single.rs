@@ -1,4 +1,5 @@
-//! The instance that a microcontroller runs: it finds what was put there, and is the generic code to the last bit.
+//! The instance for a microcontroller: it finds the injected fault, and equals the generic code to
+//! the last bit.
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
@@ -29,7 +30,7 @@ const DIRECTIONS: [(f64, f64); 10] = [
 const FAULTY: usize = 3;
 const BIAS_M: f64 = 200.0;
 
-/// Ten satellites, the fourth of them wrong by so much.
+/// Ten satellites, the fourth with a bias.
 fn epoch(bias_m: f64) -> Epoch<CAPACITY> {
     let mut epoch = Epoch::new(0.0);
     for (index, direction) in DIRECTIONS.into_iter().enumerate() {

@@ -1,7 +1,7 @@
 //! Small skies whose truth is known by construction.
 //!
-//! Ranges are straight distances to satellites turned by the angle through which the earth rotates in flight: the
-//! exact form of what the core does to first order.
+//! Ranges are straight distances to satellites turned by the angle through which the earth rotates
+//! in flight: the exact form of what the core does to first order.
 
 use rai_core::epoch::Observation;
 use rai_core::frame::{EARTH_ROTATION_RAD_S, Ecef, Enu, Geodetic, LocalFrame, SPEED_OF_LIGHT_M_S};
@@ -22,7 +22,7 @@ pub(crate) const DIRECTIONS: [(f64, f64); 8] = [
     (340.0, 12.0),
 ];
 
-/// Where the receiver is.
+/// Position of the receiver.
 pub(crate) fn receiver() -> Ecef {
     Geodetic { latitude_rad: 0.6, longitude_rad: 1.9, height_m: 150.0 }.to_ecef()
 }

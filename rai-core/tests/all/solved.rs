@@ -1,17 +1,17 @@
-//! A solved snapshot that needs no workspace beside it: for tests, which do not mind that its memory is never given back.
+//! A solved snapshot without a workspace beside it, for tests, which leak its memory.
 
 use rai_core::least_squares::equations::{LinearEpoch, MAX_ROWS};
 use rai_core::least_squares::{Snapshot, SnapshotError, Workspace};
 use rai_core::numeric::real::Real;
 
-/// As [`Workspace::solve`].
+/// Works like [`Workspace::solve`].
 pub(crate) fn solved<T: Real>(
     equations: LinearEpoch<T, MAX_ROWS>,
 ) -> Result<Snapshot<'static, T>, SnapshotError> {
     Box::leak(Box::new(Workspace::of(equations))).solve()
 }
 
-/// As [`Workspace::copy_of`].
+/// Works like [`Workspace::copy_of`].
 #[allow(dead_code, reason = "not every test compares ways to leave rows out")]
 pub(crate) fn copied<T: Real>(snapshot: &Snapshot<'_, T>) -> Snapshot<'static, T> {
     Box::leak(Box::new(Workspace::<T, MAX_ROWS>::new())).copy_of(snapshot).expect("room")

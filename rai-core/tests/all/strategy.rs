@@ -1,4 +1,5 @@
-//! Policies and clock aiding as the monitor uses them, on skies whose truth is known by construction.
+//! Policies and clock aiding as the monitor uses them, on skies whose truth is known by
+//! construction.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing)]
 

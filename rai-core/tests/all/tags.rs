@@ -1,4 +1,4 @@
-//! A wrong time of all ranges, told from wrong satellites.
+//! A wrong time of all ranges, distinguished from faulty satellites.
 #![allow(clippy::unwrap_used, clippy::indexing_slicing)]
 
 use rai_core::epoch::{Epoch, Observation};
@@ -15,7 +15,7 @@ use crate::sky::{observe, receiver, satellite};
 
 const CAPACITY: usize = 16;
 
-/// Where satellites stand, azimuth and elevation in degrees, and how fast their ranges grow, m/s.
+/// Azimuth and elevation of satellites in degrees, with their range rates, m/s.
 const SATELLITES: [((f64, f64), f32); 12] = [
     ((10.0, 75.0), -120.0),
     ((50.0, 20.0), 640.0),
@@ -43,7 +43,7 @@ fn rate_m_s(id: SatelliteId) -> Option<f32> {
     SATELLITES.get(usize::from(id.number()).checked_sub(1)?).map(|(_, rate_m_s)| *rate_m_s)
 }
 
-/// All of them, tagged late by `late_s`: where they then were differs from where the signals left by their way of that time.
+/// All of them, tagged late by `late_s`: the satellites have moved since the signals left.
 fn tagged(late_s: f64) -> Vec<Observation> {
     let numbered = (1..).zip(SATELLITES);
     numbered
@@ -149,7 +149,7 @@ fn rates_that_are_unknown_or_no_numbers_leave_what_is_said_without_them() {
     }
 }
 
-/// Rates of which a movement to the east explains most, as it does where most satellites rise on one side.
+/// Rates that a movement to the east mostly explains, as if most satellites rise on one side.
 fn eastward_m_s(id: SatelliteId) -> Option<f32> {
     let index = usize::from(id.number()).checked_sub(1)?;
     let ((azimuth_deg, elevation_deg), rate_m_s) = SATELLITES.get(index)?;

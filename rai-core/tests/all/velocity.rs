@@ -1,4 +1,4 @@
-//! Velocity from range rates: the truth it was made from, who is left out, and when there is none.
+//! Velocity from range rates: the true one, the excluded satellites, and cases without a velocity.
 #![allow(clippy::expect_used, clippy::indexing_slicing)]
 
 use nalgebra::Vector3;
@@ -76,7 +76,7 @@ fn the_velocity_behind_the_rates_is_found_with_one_drift_for_all_systems() {
     assert_eq!((have.test.dof, have.excluded.len()), (6, 0), "ten rates less three components and one drift");
 }
 
-/// By the dense least squares of the textbook: `(HᵀWH)⁻¹HᵀWy` with four unknowns.
+/// Compared with the dense least squares of the textbook: `(HᵀWH)⁻¹HᵀWy` with four unknowns.
 #[test]
 fn it_is_the_least_squares_of_the_textbook() {
     let rates = rates(9);
@@ -115,7 +115,7 @@ fn a_fault_of_two_metres_a_second_is_found_whoever_has_it() {
     }
 }
 
-/// With five satellites a fault shows, and cannot be told whose it is.
+/// With five satellites a fault is detected, but its satellite cannot be identified.
 #[test]
 fn what_cannot_be_isolated_gives_no_velocity() {
     let mut rates = rates(5);
@@ -123,7 +123,7 @@ fn what_cannot_be_isolated_gives_no_velocity() {
     assert_eq!(solve(rates), Err(VelocityError::Fault));
 }
 
-/// With six it is found, and the five that are left agree by chance too easily.
+/// With six it is found, and the remaining five agree by chance too easily.
 #[test]
 fn exclusion_that_leaves_one_degree_of_freedom_gives_no_velocity() {
     for faulty in 0..6 {

@@ -1,4 +1,4 @@
-//! The error model, each term worked out by hand.
+//! The error model, each term computed by hand.
 #![allow(clippy::unwrap_used)]
 
 use rai_core::satellite::{Constellation, SatelliteId};
@@ -44,8 +44,8 @@ fn zenith_has_noise_and_multipath_alike() {
     assert_variance(ErrorBudget { noise_gain: 1.0, ..NOTHING }, 0.18 + 0.0144 / 1.1025);
 }
 
-/// By hand: at 30° e^(−30/14) = 0.117319, so that the multipath is 0.386928 m and the ionosphere 0.018 + 40/1161 m; at
-/// the zenith 0.340646 m and 0.018 + 40/8361 m.
+/// Computed by hand: at 30° e^(−30/14) = 0.117319, so that the multipath is 0.386928 m and the
+/// ionosphere 0.018 + 40/1161 m; at the zenith 0.340646 m and 0.018 + 40/8361 m.
 #[test]
 fn the_airborne_model_is_that_of_the_standard_for_the_pair_and_the_grounds_for_one_frequency() {
     let airborne = ErrorBudget { user: UserModel::Airborne, ..NOTHING };
@@ -55,7 +55,8 @@ fn the_airborne_model_is_that_of_the_standard_for_the_pair_and_the_grounds_for_o
     let low_m2 = 0.16 + 0.386_928_f32.powi(2) + (0.018_f32 + 40.0 / 1161.0).powi(2);
     assert_close(ErrorBudget { sin_elevation: 0.5, ..pair }, low_m2 + 0.0144 / 0.3025, 2e-6);
     assert_variance(ErrorBudget { noise_gain: 1.0, ..airborne }, 0.18 + 0.0144 / 1.1025);
-    // Three times as noisy as a strong signal: the zenith's own noise and multipath count nine times.
+    // Three times as noisy as a strong signal: the zenith's own noise and multipath count nine
+    // times.
     let weak_m2 = 9.0 * (0.16 + 0.340_646_1_f32.powi(2)) + (0.018_f32 + 40.0 / 8361.0).powi(2);
     assert_close(ErrorBudget { weakness: 3.0, ..pair }, weak_m2 + 0.0144 / 1.1025, 2e-6);
 }
@@ -114,7 +115,8 @@ fn a_normal_promise_is_replaced_and_a_worse_one_accepted() {
 fn the_ionosphere_has_the_floor_of_the_standard_and_a_fifth_of_a_large_delay() {
     let sc = |degrees: f32| degrees / 180.0;
     let close = |have: f32, want: f32| assert!((have / want - 1.0).abs() < 1e-5, "have {have}, want {want}");
-    // At the zenith the floor itself: 9 m below 20 degrees of geomagnetic latitude, 4.5 m to 55, 6 m beyond.
+    // At the zenith the floor itself: 9 m below 20 degrees of geomagnetic latitude, 4.5 m to 55, 6
+    // m beyond.
     for (latitude_deg, want_m) in
         [(0.0, 9.0), (-19.9, 9.0), (20.1, 4.5), (-54.9, 4.5), (55.1, 6.0), (-80.0, 6.0)]
     {
@@ -122,7 +124,7 @@ fn the_ionosphere_has_the_floor_of_the_standard_and_a_fifth_of_a_large_delay() {
         close(ionosphere_sigma_m(0.0, 1.0, sc(latitude_deg), false), 2.0 * want_m);
     }
     close(ionosphere_sigma_m(40.0, 1.0, sc(40.0), true), 8.0);
-    // 1/sqrt(1 - (6378.1363 cos 10 deg / 6728.1363)^2), worked out by hand: 2.79037.
+    // 1/sqrt(1 - (6378.1363 cos 10 deg / 6728.1363)^2), computed by hand: 2.79037.
     let sine = 10.0_f32.to_radians().sin();
     close(obliquity(sine), 2.790_373);
     close(ionosphere_sigma_m(0.0, sine, sc(40.0), true), 4.5 * 2.790_373);
@@ -146,7 +148,8 @@ fn a_weak_signal_is_noisier_and_one_of_unknown_strength_is_not() {
 fn elevation_and_weakness_tell_of_the_same_error_and_the_larger_counts() {
     let troposphere_m2 = 0.0144 / 0.3025;
     let budget = |weakness| ErrorBudget { sin_elevation: 0.5, noise_gain: 1.0, weakness, ..NOTHING };
-    // By elevation 0.09 + 0.09/0.25 = 0.45 m²; 1.5² x 0.18 = 0.405 m² are less, 2² x 0.18 = 0.72 m² are more.
+    // By elevation 0.09 + 0.09/0.25 = 0.45 m²; 1.5² x 0.18 = 0.405 m² are less, 2² x 0.18 = 0.72 m²
+    // are more.
     assert_variance(budget(1.5), 0.45 + troposphere_m2);
     assert_variance(budget(2.0), 0.72 + troposphere_m2);
 }

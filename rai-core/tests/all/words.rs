@@ -1,13 +1,16 @@
-//! Errors in words: whoever reads one learns which of the reasons it was.
+//! Error messages: each names its reason unambiguously.
 
 #![allow(clippy::unwrap_used)]
 
 use std::collections::BTreeSet;
 use std::error::Error;
 
-use rai_core::continuity::ContinuityError;
+use rai_core::continuity::{ContinuityError, Recovery};
 use rai_core::epoch::EpochError;
+use rai_core::frame::Ecef;
 use rai_core::integrity::raim::detection::threshold::ThresholdError;
+use rai_core::integrity::raim::detection::threshold::policy::NoThreshold;
+use rai_core::integrity::raim::isolation::ransac::NoConsensus;
 use rai_core::least_squares::SnapshotError;
 use rai_core::least_squares::equations::RowError;
 use rai_core::least_squares::fix::FixError;
@@ -15,7 +18,7 @@ use rai_core::monitor::MonitorError;
 use rai_core::numeric::probability::Probability;
 use rai_core::requirements::RequirementsError;
 
-/// Lower-case words, no two reasons alike.
+/// Checks for lower-case words, with no two reasons alike.
 fn check(errors: &[&dyn Error]) {
     let texts: BTreeSet<String> = errors.iter().map(ToString::to_string).collect();
     assert_eq!(texts.len(), errors.len(), "two alike: {texts:?}");
@@ -29,18 +32,25 @@ fn every_reason_has_words_of_its_own() {
     check(&[&RowError::Residual, &RowError::LineOfSight, &RowError::Sigma, &RowError::Full]);
     check(&[&SnapshotError::Insufficient, &SnapshotError::Singular]);
     check(&[
-        &EpochError::Range,
-        &EpochError::Position,
-        &EpochError::Sigma,
+        &EpochError::Range(0.0),
+        &EpochError::Position(Ecef::CENTRE),
+        &EpochError::Sigma(0.0),
         &EpochError::Duplicate,
         &EpochError::Full,
     ]);
-    check(&[&ContinuityError::Speed, &ContinuityError::Height, &ContinuityError::Recovery]);
+    let recovery = Recovery { epochs: 0, seconds: 0.0 };
     check(&[
-        &RequirementsError::HorizontalAlertLimit,
-        &RequirementsError::VerticalAlertLimit,
-        &RequirementsError::TimeToAlert,
-        &RequirementsError::GuardFraction,
+        &ContinuityError::Speed(0.0),
+        &ContinuityError::Height { min_height_m: 0.0, max_height_m: 0.0 },
+        &ContinuityError::Recovery(recovery),
+    ]);
+    check(&[&NoThreshold::Redundancy, &NoThreshold::Risk]);
+    check(&[&NoConsensus::TooFewSubsets, &NoConsensus::NoInlier]);
+    check(&[
+        &RequirementsError::HorizontalAlertLimit(0.0),
+        &RequirementsError::VerticalAlertLimit(0.0),
+        &RequirementsError::TimeToAlert(0.0),
+        &RequirementsError::GuardFraction(0.0),
     ]);
 }
 
@@ -50,11 +60,11 @@ fn an_error_says_what_the_one_inside_it_says() {
         assert_eq!(FixError::Snapshot(inner).to_string(), inner.to_string());
     }
     check(&[&FixError::NotConverged, &FixError::Snapshot(SnapshotError::Singular)]);
-    let inner = RequirementsError::GuardFraction;
+    let inner = RequirementsError::GuardFraction(0.0);
     assert_eq!(MonitorError::Requirements(inner).to_string(), inner.to_string());
-    let nearest = Probability::new(1e-5).unwrap();
+    let (value, nearest) = (Probability::new(2e-5).unwrap(), Probability::new(1e-5).unwrap());
     let (false_alarm, missed) =
-        (ThresholdError::FalseAlarm { nearest }, ThresholdError::MissedDetection { nearest });
+        (ThresholdError::FalseAlarm { value, nearest }, ThresholdError::MissedDetection { value, nearest });
     check(&[&false_alarm, &missed]);
     assert_eq!(MonitorError::Threshold(missed).to_string(), missed.to_string());
 }

@@ -340,6 +340,16 @@
 #define RAI_REASON_SETTINGS 76
 
 /**
+ * Unavailable: the effective monitor threshold of ARAIM exceeds its limit.
+ */
+#define RAI_REASON_EMT 77
+
+/**
+ * Unavailable: the vertical accuracy of ARAIM exceeds its limit.
+ */
+#define RAI_REASON_ACCURACY 78
+
+/**
  * Global Positioning System.
  */
 #define RAI_SYSTEM_GPS 71

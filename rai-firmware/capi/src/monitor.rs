@@ -15,7 +15,7 @@ use crate::verdict::rai_verdict_t;
 
 const _: () = assert!(RAI_MAX_SATELLITES == CAPACITY);
 
-/// MonitorWorkspace of a monitor. Its contents are private to the library; only its size and alignment
+/// Memory of a monitor. Its contents are private to the library; only its size and alignment
 /// matter.
 #[repr(C)]
 pub struct rai_monitor_t {

@@ -62,6 +62,10 @@ pub const RAI_REASON_SELFTEST: u8 = 74;
 pub const RAI_REASON_EPHEMERIS: u8 = 75;
 /// Unavailable: the host has not confirmed the settings after an unexpected restart.
 pub const RAI_REASON_SETTINGS: u8 = 76;
+/// Unavailable: the effective monitor threshold of ARAIM exceeds its limit.
+pub const RAI_REASON_EMT: u8 = 77;
+/// Unavailable: the vertical accuracy of ARAIM exceeds its limit.
+pub const RAI_REASON_ACCURACY: u8 = 78;
 
 fn text(reason: u8) -> &'static CStr {
     match reason {
@@ -87,6 +91,8 @@ fn text(reason: u8) -> &'static CStr {
         RAI_REASON_SELFTEST => c"SELFTEST",
         RAI_REASON_EPHEMERIS => c"EPHEMERIS",
         RAI_REASON_SETTINGS => c"SETTINGS",
+        RAI_REASON_EMT => c"EMT",
+        RAI_REASON_ACCURACY => c"ACCURACY",
         _ => c"?",
     }
 }
@@ -116,6 +122,8 @@ pub(crate) fn reason_of(verdict: Verdict) -> u8 {
         Verdict::Unavailable(Unavailable::SelfTest) => RAI_REASON_SELFTEST,
         Verdict::Unavailable(Unavailable::Ephemeris) => RAI_REASON_EPHEMERIS,
         Verdict::Unavailable(Unavailable::Settings) => RAI_REASON_SETTINGS,
+        Verdict::Unavailable(Unavailable::Emt) => RAI_REASON_EMT,
+        Verdict::Unavailable(Unavailable::Accuracy) => RAI_REASON_ACCURACY,
     }
 }
 

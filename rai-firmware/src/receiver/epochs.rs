@@ -334,9 +334,11 @@ impl<P: OutputPin> EpochLoop<P> {
 /// Whether ranges agree with orbits that tell the week, though perhaps not well enough for a promise: the epoch is of the instant that
 /// it is tagged with. GLONASS alone fits every week.
 fn agree<const N: usize>(report: &Report<N>) -> bool {
-    use Unavailable::{Hpl, Risk, Vpl};
-    let is_contradicted =
-        !matches!(report.verdict, Verdict::Protected(_) | Verdict::Unavailable(Hpl | Vpl | Risk));
+    use Unavailable::{Accuracy, Emt, Hpl, Risk, Vpl};
+    let is_contradicted = !matches!(
+        report.verdict,
+        Verdict::Protected(_) | Verdict::Unavailable(Hpl | Vpl | Emt | Accuracy | Risk)
+    );
     !is_contradicted
         && report.used.iter().any(|satellite| satellite.constellation() != Constellation::Glonass)
 }

@@ -38,15 +38,19 @@ macro_rules! with {
     };
 }
 
-/// Gives the meanings of a type their words.
+/// Gives the meanings of a type their words. A host may also write an alias; the module reports the word.
 macro_rules! words {
     ($type:ty {
         $($word:literal = [$($meaning:tt)+] $(if $feature:literal)?,)+
+        $(alias $alias:literal = [$($aliased:tt)+] $(if $alias_feature:literal)?,)*
         $(no word = [$($wordless:tt)+] if $core_feature:literal,)?
     }) => {
         impl Word for $type {
-            const WORDS: &'static [&'static str] = &[$($word,)+];
-            const MEANINGS: &'static [Option<Self>] = &[$(with!([$($feature)?] $($meaning)+),)+];
+            const WORDS: &'static [&'static str] = &[$($word,)+ $($alias,)*];
+            const MEANINGS: &'static [Option<Self>] = &[
+                $(with!([$($feature)?] $($meaning)+),)+
+                $(with!([$($alias_feature)?] $($aliased)+),)*
+            ];
 
             fn word(self) -> &'static str {
                 match self {
@@ -88,6 +92,7 @@ words! { Method {
     "GROUPING" = [Method::Parity(Isolation::Grouping)] if "searches",
     "RANSAC" = [Method::Ransac] if "searches",
     "SEPARATION" = [Method::Araim] if "araim",
+    alias "ARAIM" = [Method::Araim] if "araim",
     // A step of the hybrid method that a paper compares with the whole.
     no word = [Method::Parity(Isolation::HybridWithoutGrouping)] if "searches",
 } }

@@ -1,4 +1,5 @@
-//! Non-central χ² where tables end: its quantile, its non-centrality, and where it crosses the central density.
+//! Non-central χ² where tables end: its quantile, its non-centrality, and where it crosses the
+//! central density.
 //!
 //! ```text
 //! quantile        G(τ; ν, δ) = p            solved for τ
@@ -6,8 +7,9 @@
 //! crossing        g(τ; ν, δ) = κ f(τ; ν)    solved for τ
 //! ```
 //!
-//! Everything is done in the roots `r = √t` and `m = √δ`, where the distribution is nearly normal with unit variance
-//! whatever the size of `δ`, and all rests on one function, the growth of Bessel's series:
+//! Everything is done in the roots `r = √t` and `m = √δ`, where the distribution is nearly normal
+//! with unit variance whatever the size of `δ`, and all rests on one function, the growth of
+//! Bessel's series:
 //!
 //! ```text
 //! L(z)    = ln ₀F₁(; ν/2; z²/4) = lnΓ(v+1) − v ln(z/2) + ln I_v(z),    v = ν/2 − 1
@@ -17,9 +19,9 @@
 //! g/f     = exp(L(√(δt)) − δ/2)
 //! ```
 //!
-//! `L` is summed as a power series up to a moderate `z`, and comes from Debye's uniform expansion beyond: `v ≤ 29`
-//! needs no other case, `v = −1/2` included. What is integrated or compared is always `L(z) − z`, so nothing
-//! overflows and nothing cancels at `δ = 1e7`.
+//! `L` is summed as a power series up to a moderate `z`, and comes from Debye's uniform expansion
+//! beyond: `v ≤ 29` needs no other case, `v = −1/2` included. What is integrated or compared is
+//! always `L(z) − z`, so nothing overflows and nothing cancels at `δ = 1e7`.
 //!
 //! | symbol | name | unit |
 //! |---|---|---|
@@ -30,8 +32,9 @@
 //! | `p` | `tail` | probability |
 //! | `ln κ` | `ln_weight` | dimensionless: logarithm of the cost of a false alarm over that of a missed detection |
 //!
-//! Limits: non-centralities are held within [`SMALLEST`] and [`LARGEST`], below and beyond which thresholds no longer
-//! tell anything. The lower tail is meant for `p < 1/2`, as [`Probability`] is.
+//! Limits: non-centralities are held within [`SMALLEST`] and [`LARGEST`], below and beyond which
+//! thresholds no longer tell anything. The lower tail is meant for `p < 1/2`, as [`Probability`]
+//! is.
 //!
 //! References: [Yang2015] eq. 9–12, [Sankaran1963], [DLMF] 10.41, 25.4.30 of [Abramowitz1964].
 //!
@@ -46,7 +49,7 @@ use crate::numeric::real::Real;
 /// The largest number of degrees of freedom that is computed or kept in tables.
 pub const MAX_DOF: usize = 60;
 
-/// Smallest non-centrality that is told from none: `τ` changes by less than 1e-9, relatively.
+/// Smallest non-centrality that differs from none: `τ` changes by less than 1e-9, relatively.
 pub const SMALLEST: f64 = 1e-9;
 
 /// Largest non-centrality: a bias of a million sigma.
@@ -55,13 +58,13 @@ pub const LARGEST: f64 = 1e12;
 /// Smallest root of a statistic: `τ ≥ 1e-30`, within the range of `f32`.
 const SMALLEST_ROOT: f64 = 1e-15;
 
-/// Smallest probability that is told from none, within the range of `f32`.
+/// Smallest probability, within the range of `f32`.
 const SMALLEST_TAIL: f64 = 1e-37;
 
-/// Terms of the power series: about `z/2 + 5√z + 10` are needed.
+/// Most terms of the power series: about `z/2 + 5√z + 10` are needed.
 const MAX_TERMS: usize = 100;
 
-/// Newton steps; one to four are the rule.
+/// Most Newton steps; one to four are usual.
 const MAX_STEPS: usize = 40;
 
 /// Longest Newton step, in `ln r` and in `m`.
@@ -79,18 +82,18 @@ pub struct ChiSquare<T> {
     ln_gamma: T,
 }
 
-/// `L(z)` and what comes with it.
+/// `L(z)` with its derivative and its difference to `z`.
 struct Growth<T> {
     /// `L(z)`.
     value: T,
     /// `L(z) − z`, which does not cancel.
     excess: T,
-    /// `dL/dz`; from the expansion good to 5e-4, enough for a direction.
+    /// `dL/dz`; from the expansion accurate to 5e-4, enough for a direction.
     slope: T,
 }
 
 /// The lower tail at a root.
-struct Tail<T> {
+struct LowerTail<T> {
     /// `ln G`.
     ln_probability: T,
     /// `d ln G / dr`.
@@ -108,13 +111,13 @@ struct NearlyNormal<T> {
 }
 
 impl<T: Real> ChiSquare<T> {
-    /// `None` outside 1 to [`MAX_DOF`] degrees of freedom.
+    /// Returns the distributions, or `None` outside 1 to [`MAX_DOF`] degrees of freedom.
     pub fn new(dof: usize) -> Option<Self> {
         if dof == 0 || dof > MAX_DOF {
             return None;
         }
         let half = dof as f64 / 2.0;
-        // Γ(60/2) = 8.8e30 is still a single.
+        // Γ(60/2) = 8.8e30 still fits a single.
         let (mut gamma, mut factor) =
             if dof.is_multiple_of(2) { (T::one(), T::one()) } else { (T::pi().sqrt(), T::narrow(0.5)) };
         while factor < T::narrow(half) {
@@ -124,10 +127,11 @@ impl<T: Real> ChiSquare<T> {
         Some(Self { dof: T::narrow(dof as f64), order: T::narrow(half - 1.0), ln_gamma: gamma.ln() })
     }
 
-    /// The statistic below which a bias of this non-centrality stays with the probability `tail`.
+    /// Returns the statistic below which a bias of this non-centrality stays with the probability
+    /// `tail`.
     ///
-    /// Relative error below 3e-11 (`f64`), 3e-5 (`f32`); increases with both arguments. One integral is the rule in
-    /// `f32`, three in `f64`: 4,200 and 970,000 instructions on a Cortex-M4F.
+    /// Relative error below 3e-11 (`f64`), 3e-5 (`f32`); increases with both arguments. One
+    /// integral is usual in `f32`, three in `f64`: 4,200 and 970,000 instructions on a Cortex-M4F.
     pub fn quantile(&self, tail: Probability, noncentrality: f64) -> T {
         let ln_tail = ln(tail);
         let mean = T::narrow(bounded(noncentrality)).sqrt();
@@ -135,7 +139,8 @@ impl<T: Real> ChiSquare<T> {
         let mut root = self.root_guess(ln_tail, mean).max(T::narrow(SMALLEST_ROOT));
         for _ in 0..MAX_STEPS {
             let tail = self.lower_tail(root, mean);
-            // In ln r the tail is a straight line for small r, and concave: no start leads astray.
+            // In ln r the tail is a straight line for small r, and concave, so that Newton's method
+            // converges from any start.
             let step = ((ln_tail - tail.ln_probability) / (tail.by_root * root)).clamp(-longest, longest);
             root = (root * step.exp()).max(T::narrow(SMALLEST_ROOT));
             if step * step * root.max(T::one()) < T::CHI_SQUARE.settled {
@@ -145,11 +150,12 @@ impl<T: Real> ChiSquare<T> {
         root * root
     }
 
-    /// The non-centrality of the bias that stays below `statistic` with the probability `tail`; 0 where even no bias
-    /// does so less often.
+    /// Returns the non-centrality of the bias that stays below `statistic` with the probability
+    /// `tail`; 0 if even no bias does so less often.
     ///
-    /// A statistic that is not a number counts as the largest, which is the safe side. Relative error below 3e-11 (`f64`),
-    /// 3e-5 (`f32`). One integral is the rule in `f32`, three in `f64`: 4,500 and 1,000,000 instructions on a Cortex-M4F.
+    /// A NaN statistic counts as the largest, which is the safe side. Relative error below 3e-11
+    /// (`f64`), 3e-5 (`f32`). One integral is usual in `f32`, three in `f64`: 4,500 and 1,000,000
+    /// instructions on a Cortex-M4F.
     pub fn noncentrality(&self, statistic: f64, tail: Probability) -> T {
         let ln_tail = ln(tail);
         let root = T::narrow(statistic.min(LARGEST)).max(T::zero()).sqrt().max(T::narrow(SMALLEST_ROOT));
@@ -159,7 +165,7 @@ impl<T: Real> ChiSquare<T> {
             let tail = self.lower_tail(root, mean);
             let step = ((tail.ln_probability - ln_tail) / tail.by_mean).clamp(-longest, longest);
             mean += step;
-            // The tail is concave in m: a step never passes a root from above.
+            // The tail is concave in m, so that a step never passes a root from above.
             if !(mean > T::zero()) {
                 return T::zero();
             }
@@ -170,12 +176,13 @@ impl<T: Real> ChiSquare<T> {
         mean * mean
     }
 
-    /// The statistic at which a bias of this non-centrality is `κ` times as likely as none, `κ` given by its logarithm.
+    /// Returns the statistic at which a bias of this non-centrality is `κ` times as likely as none,
+    /// `κ` given by its logarithm.
     ///
-    /// With `κ = 1` the densities cross there, and `P_F + P_M` is smallest; as the non-centrality vanishes the
-    /// crossing goes to `ν`. 0 where the densities do not cross: the bias is then likelier everywhere. Relative error
-    /// below 3e-11 (`f64`), 3e-5 (`f32`). Two to four values of `L`, no integral:
-    /// 840 instructions on a Cortex-M4F in `f32`.
+    /// With `κ = 1` the densities cross there, and `P_F + P_M` is smallest; as the non-centrality
+    /// vanishes the crossing goes to `ν`. 0 if the densities do not cross, because the bias is then
+    /// likelier everywhere. Relative error below 3e-11 (`f64`), 3e-5 (`f32`). Two to four values of
+    /// `L`, no integral: 840 instructions on a Cortex-M4F in `f32`.
     pub fn crossing(&self, noncentrality: f64, ln_weight: f64) -> T {
         let noncentrality = bounded(noncentrality);
         let target = noncentrality / 2.0 + ln_weight;
@@ -183,7 +190,8 @@ impl<T: Real> ChiSquare<T> {
             return T::zero();
         }
         let (target, noncentrality) = (T::narrow(target), T::narrow(noncentrality));
-        // Right at both ends: τ → ν and τ → δ/4. L is convex, so Newton's method converges from any start.
+        // Exact at both ends: τ → ν and τ → δ/4. L is convex, so that Newton's method converges
+        // from any start.
         let mut argument = (target * (self.dof + self.dof + target)).sqrt();
         for _ in 0..MAX_STEPS {
             let Growth { value, slope, .. } = self.growth(argument);
@@ -196,12 +204,12 @@ impl<T: Real> ChiSquare<T> {
         argument * (argument / noncentrality)
     }
 
-    /// `G` at a root, with its derivatives: `∂G/∂r = h`, `∂G/∂m = −h I_{v+1}/I_v`.
-    fn lower_tail(&self, root: T, mean: T) -> Tail<T> {
+    /// Returns `G` at a root, with its derivatives: `∂G/∂r = h`, `∂G/∂m = −h I_{v+1}/I_v`.
+    fn lower_tail(&self, root: T, mean: T) -> LowerTail<T> {
         let growth = self.growth(mean * root);
         let height = self.ln_density(root, mean, growth.excess);
         let steepness = (self.dof - T::one()) / root + mean * growth.slope - root;
-        // The density falls off downwards at least as `steepness u + u²/2`.
+        // The density falls off downwards at least like `steepness u + u²/2`.
         let fall = T::CHI_SQUARE.drop + T::CHI_SQUARE.drop;
         let reach = (steepness * steepness + fall).sqrt();
         let width = if steepness > T::zero() { fall / (reach + steepness) } else { reach - steepness };
@@ -215,14 +223,14 @@ impl<T: Real> ChiSquare<T> {
             }
         }
         let integral = width * mean_height / (T::one() + T::one());
-        Tail {
+        LowerTail {
             ln_probability: height + integral.ln(),
             by_root: T::one() / integral,
             by_mean: growth.slope / integral,
         }
     }
 
-    /// `ln h(r)`.
+    /// Returns `ln h(r)`.
     fn ln_density(&self, root: T, mean: T, excess: T) -> T {
         let distance = root - mean;
         let half = T::narrow(0.5);
@@ -233,12 +241,13 @@ impl<T: Real> ChiSquare<T> {
             + excess
     }
 
-    /// `L(z)`; relative error 1e-15 (`f64`) where summed, `|error|` below 3e-10 where expanded.
+    /// Returns `L(z)`; relative error 1e-15 (`f64`) where summed, `|error|` below 3e-10 where
+    /// expanded.
     fn growth(&self, argument: T) -> Growth<T> {
         if argument > T::CHI_SQUARE.asymptotic { self.expanded(argument) } else { self.summed(argument) }
     }
 
-    /// `₀F₁ − 1 = Σ_{k≥1} (z²/4)^k / (k! (ν/2)_k)`: positive terms only.
+    /// Sums `₀F₁ − 1 = Σ_{k≥1} (z²/4)^k / (k! (ν/2)_k)`: positive terms only.
     fn summed(&self, argument: T) -> Growth<T> {
         let quarter = argument * argument * T::narrow(0.25);
         let (mut number, mut term) = (T::one(), T::one());
@@ -257,9 +266,10 @@ impl<T: Real> ChiSquare<T> {
         Growth { value, excess: value - argument, slope }
     }
 
-    /// Debye's expansion with four terms, [DLMF] 10.41.3, in `s = √(v² + z²)` and `w = v²/s²`.
+    /// Evaluates Debye's expansion with four terms, [DLMF] 10.41.3, in `s = √(v² + z²)` and
+    /// `w = v²/s²`.
     ///
-    /// It is even in `v`, and so holds for `v = −1/2` too.
+    /// It is even in `v`, so that it also holds for `v = −1/2`.
     ///
     /// [DLMF]: crate#references
     fn expanded(&self, argument: T) -> Growth<T> {
@@ -279,7 +289,7 @@ impl<T: Real> ChiSquare<T> {
         Growth { value: excess + argument, excess, slope }
     }
 
-    /// The power of the statistic that is nearly normal ([Sankaran1963]).
+    /// Returns the power of the statistic that is nearly normal ([Sankaran1963]).
     ///
     /// [Sankaran1963]: crate#references
     fn nearly_normal(&self, mean: T) -> NearlyNormal<T> {
@@ -298,7 +308,8 @@ impl<T: Real> ChiSquare<T> {
         }
     }
 
-    /// Root of the quantile, roughly: as of a normal power, or where that fails by the leading term of the tail at 0.
+    /// Returns an approximate root of the quantile: by a normal power, or if that fails by the
+    /// leading term of the tail at 0.
     fn root_guess(&self, ln_tail: T, mean: T) -> T {
         let normal = self.nearly_normal(mean);
         let powered = normal.centre - normal_quantile(ln_tail) * normal.deviation;
@@ -310,7 +321,8 @@ impl<T: Real> ChiSquare<T> {
         (leading / self.dof).exp().min(normal.expectation.sqrt())
     }
 
-    /// Root of the non-centrality, roughly: a normal one with unit variance, twice corrected by the normal power.
+    /// Returns an approximate root of the non-centrality: a normal one with unit variance, twice
+    /// corrected by the normal power.
     fn mean_guess(&self, ln_tail: T, root: T) -> T {
         let quantile = normal_quantile(ln_tail);
         let shifted = root + quantile;
@@ -337,22 +349,24 @@ fn polynomial<T: Real, const N: usize>(coefficients: &[f64; N], argument: T) -> 
     coefficients.iter().rev().fold(T::zero(), |sum, &next| sum * argument + T::narrow(next))
 }
 
-/// `base` to an exponent, for starting values: two functions that are there anyway, where the library's has 1.4 KiB more.
+/// Returns `base` to an exponent, for starting values: two functions that are linked already, while
+/// the library's has 1.4 KiB more.
 fn power<T: Real>(base: T, exponent: T) -> T {
     (exponent * base.ln()).exp()
 }
 
-/// Within [`SMALLEST`] and [`LARGEST`]; a value that is not a number is the smallest.
+/// Clamps to [`SMALLEST`] and [`LARGEST`]; NaN becomes the smallest.
 fn bounded(noncentrality: f64) -> f64 {
     if noncentrality > SMALLEST { noncentrality.min(LARGEST) } else { SMALLEST }
 }
 
-/// `ln p`, held within what a single can hold.
+/// Returns `ln p`, within the range of a single.
 fn ln<T: Real>(tail: Probability) -> T {
     T::narrow(tail.get().max(SMALLEST_TAIL)).ln()
 }
 
-/// The upper quantile of the normal distribution, good to 4.5e-4: for starting values ([Abramowitz1964] 26.2.23).
+/// Returns the upper quantile of the normal distribution, accurate to 4.5e-4: for starting values
+/// ([Abramowitz1964] 26.2.23).
 ///
 /// [Abramowitz1964]: crate#references
 fn normal_quantile<T: Real>(ln_tail: T) -> T {

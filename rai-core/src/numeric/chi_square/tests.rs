@@ -1,4 +1,5 @@
-//! The starting values: a step from them costs as much as an integral, so they must be good.
+//! Tests of the starting values: a step from them costs as much as an integral, so that they must
+//! be accurate.
 
 use super::*;
 
@@ -12,7 +13,7 @@ fn assert_close(what: &str, have: f64, want: f64, relative: f64) {
 
 #[test]
 fn normal_power_is_that_of_the_paper() {
-    // [Sankaran1963], worked out in 25 digits.
+    // [Sankaran1963], computed in 25 digits.
     let cases = [
         (3, 2.0, [7.0, 0.421_487_603_305_785_1, 0.942_696_433_344_154_4, 0.287_271_731_004_233_6]),
         (16, 5.0, [41.0, 0.428_986_838_077_747_2, 0.990_297_292_256_708_4, 0.120_598_482_231_064_3]),
@@ -40,10 +41,11 @@ fn normal_quantile_is_as_good_as_the_handbook_says() {
     }
 }
 
-/// How near a guess is, relatively: two Newton steps in `f64`, one in `f32`, then do the rest.
+/// Relative accuracy of a guess, which two Newton steps in `f64`, one in `f32`, complete.
 const NEAR: f64 = 1e-2;
 
-/// Degrees of freedom, non-centrality, probability of staying below, statistic: as in the tests of the crate.
+/// Degrees of freedom, non-centrality, probability of staying below, statistic: as in the tests of
+/// the crate.
 const KNOWN: [(usize, f64, f64, f64); 8] = [
     (1, 60.0, 1e-3, 21.675_862_675_282_918),
     (2, 25.0, 1e-3, 4.257_038_996_201_98),

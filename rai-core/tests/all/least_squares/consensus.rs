@@ -1,4 +1,5 @@
-//! Range consensus against a second writing of it: dense least squares, brute force, no algebra shared with the core.
+//! Range consensus compared with a second implementation: dense least squares, brute force, no
+//! algebra shared with the core.
 
 use nalgebra::{DVector, Matrix4, Vector3, Vector4};
 use proptest::prelude::*;
@@ -57,7 +58,7 @@ fn gdop_squared(ranges: &[Range], members: &[usize]) -> f64 {
     normal.try_inverse().map_or(f64::INFINITY, |inverse| inverse.trace())
 }
 
-/// Deals as the module's text says, every decision by trying all.
+/// Deals as documented, every decision by trying all.
 fn deal(ranges: &[Range]) -> Vec<Vec<usize>> {
     let occurs = |clock: &Constellation| ranges.iter().any(|range| range.constellation == *clock);
     let clocks: Vec<Constellation> = Constellation::ALL.into_iter().filter(occurs).collect();
@@ -123,8 +124,8 @@ fn clocks_of(ranges: &[Range]) -> Vec<Constellation> {
     clocks
 }
 
-/// Prediction of a range from a solution: residual, and the variance that the solution adds to it; without a clock where
-/// the solution has none of that constellation.
+/// Prediction of a range from a solution: residual, and the variance that the solution adds to it;
+/// without a clock where the solution has none of that constellation.
 fn predict(range: &Range, solution: &Dense, clocks: &[Constellation]) -> (f64, f64) {
     let [east, north, up] = range.line_of_sight;
     let of_clock = clocks.iter().map(|clock| f64::from(u8::from(*clock == range.constellation)));
@@ -164,7 +165,7 @@ fn deviations(ranges: &[Range], members: &[usize]) -> Option<Vec<(usize, f64)>> 
     Some(outside.map(|index| (index, squared(index))).collect())
 }
 
-/// The subset accepted and who disagrees with it; `None` where nobody is accepted.
+/// The accepted subset and the rows that disagree with it; `None` if no subset is accepted.
 fn vote(ranges: &[Range], subsets: &[Vec<usize>], bound: f64) -> Option<(usize, Vec<usize>)> {
     let most = 3.min(subsets.len() - 1);
     let votes = subsets.iter().enumerate().filter_map(|(number, members)| {
@@ -178,7 +179,7 @@ fn vote(ranges: &[Range], subsets: &[Vec<usize>], bound: f64) -> Option<(usize, 
     Some((best.2, best.3))
 }
 
-/// True where a decision is so near its bound that rounding may decide it.
+/// Returns true if a decision is so near its bound that rounding may decide it.
 fn is_close(ranges: &[Range], subsets: &[Vec<usize>], bound: f64) -> bool {
     let all = subsets.iter().filter_map(|members| deviations(ranges, members)).flatten();
     all.into_iter().any(|(_, z)| (z / bound - 1.0).abs() < 1e-6)
@@ -196,7 +197,8 @@ fn sorted(mut subsets: Vec<Vec<usize>>) -> Vec<Vec<usize>> {
     subsets
 }
 
-/// Holds the vote on an epoch to that of dense solutions; false where it has too few subsets or rounding may decide.
+/// Compares the vote on an epoch with that of dense solutions; false with too few subsets or if
+/// rounding may decide.
 fn check_vote(ranges: &[Range]) -> bool {
     let (epoch, limits) = (epoch(ranges), ConsensusLimits::published().unwrap());
     let selection = Selection::choose(epoch.rows(), MAX_WORK);
@@ -280,7 +282,8 @@ proptest! {
         most in prop::collection::vec(any_range_of(0usize..1), 17..21),
         first_is_off_m in prop_oneof![Just(0.0), Just(150.0), Just(-900.0)],
     ) {
-        // More subsets than the few can be dealt to; all of them are judged from where the first one stands.
+        // More subsets than the few can be dealt to; all of them are judged from where the first
+        // one stands.
         let mut ranges = [few, most].concat();
         ranges[0].residual_m += first_is_off_m;
         prop_assume!(check_vote(&ranges));
@@ -302,7 +305,8 @@ proptest! {
     }
 }
 
-/// Leaves the worst out until the rest passes, then takes back whoever agrees; `None` where rounding may decide.
+/// Leaves the worst out until the rest passes, then takes back those that agree; `None` if rounding
+/// may decide.
 fn refined(
     ranges: &[Range],
     named: &[usize],
@@ -415,7 +419,7 @@ fn a_position_that_is_hardly_determined_has_no_vote() {
         let epoch = epoch(&ranges);
         let selection = Selection::choose(epoch.rows(), MAX_WORK);
         assert_eq!(members(&selection), [[0, 1, 2, 3], [4, 5, 6, 7]]);
-        // The spread ones are spoiled by the first; the cluster, where it may, finds that everybody is right.
+        // The first one spoils the spread ones; the cluster, if it may vote, agrees with all.
         let have =
             consensus(epoch.rows(), &selection, &limits).map(|found| (found.subset, found.rows.to_vec()));
         assert_eq!(have, want);

@@ -1,4 +1,4 @@
-//! Rows that stand alone, rows that are left out, and directions that only one row tells of.
+//! Rows that stand alone, rows that are left out, and directions that only one row measures.
 #![allow(clippy::float_cmp)] // Exactly nothing and exactly all are meant.
 
 use nalgebra::Vector3;
@@ -87,7 +87,8 @@ fn dilutions_are_those_of_the_rows_that_take_part() {
 
 #[test]
 fn a_row_that_a_position_needs_is_known_by_how_far_it_moves() {
-    // Six on a cone of 64° elevation, and one below the horizon: half a metre per metre of its bias, and needed.
+    // Six on a cone of 64° elevation, and one below the horizon: half a metre per metre of its
+    // bias, and needed.
     let mut ranges: Vec<Range> =
         (0..6_u8).map(|step| range(60.0 * f64::from(step), 0.9, Constellation::Gps, 1.0)).collect();
     ranges.push(range(20.0, -0.6, Constellation::Gps, 1.0));

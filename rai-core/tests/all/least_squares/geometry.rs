@@ -1,4 +1,4 @@
-//! Where a geometry ends: singular or not, untestable or not, with and without a satellite.
+//! Limits of a geometry: singular or not, untestable or not, with and without a satellite.
 
 use nalgebra::Vector3;
 use proptest::prelude::*;
@@ -78,8 +78,8 @@ proptest! {
             moved.sqrt() * ranges[row].sigma_m / dense.projection[(row, row)].sqrt()
         };
         let least = (0..ranges.len()).map(|row| dense.projection[(row, row)]).fold(1.0, f64::min);
-        // The dense projection is off by some 1e-10, which counts by the smallest of it; rows that are hardly tested at
-        // all are held to closed forms, in the properties of precision.
+        // The dense projection is off by some 1e-10, which counts by the smallest of it; rows that
+        // are hardly tested at all are held to closed forms, in the properties of precision.
         prop_assume!(least > 1e-3);
         let largest = |axes: &dyn Fn(usize) -> f64| (0..ranges.len()).map(axes).fold(0.0, f64::max);
         let (want_h, want_v) = (largest(&|row| slope(row, 0..2)), largest(&|row| slope(row, 2..3)));
@@ -104,7 +104,8 @@ proptest! {
     }
 }
 
-/// Four satellites and one above on another constellation's clock; without one of the four there is no position.
+/// Four satellites and one above on another constellation's clock; without one of the four there is
+/// no position.
 fn barely_enough() -> Vec<Range> {
     let corners = [(0.0, 0.3), (1.6, 0.5), (3.2, 0.2), (4.7, 0.4)];
     let mut ranges: Vec<Range> = corners.map(|corner| range(corner, Constellation::Gps, 2.0)).to_vec();
@@ -167,7 +168,7 @@ fn of_direction(direction: Vector3<f64>) -> Range {
 
 #[test]
 fn a_bias_that_never_shows_has_an_infinite_slope_whichever_way_it_moves() {
-    // Only the last satellite tells of the way across the plane: its bias goes there undetected.
+    // Only the last satellite measures across the plane: its bias goes there undetected.
     for normal in [Vector3::x(), Vector3::y(), Vector3::new(-0.6, 0.8, 0.0)] {
         let slopes = largest_slopes(&solve::<f64>(&plane_and_one(normal)).unwrap());
         assert!(slopes.horizontal.is_infinite(), "{normal}: {}", slopes.horizontal);
@@ -176,7 +177,8 @@ fn a_bias_that_never_shows_has_an_infinite_slope_whichever_way_it_moves() {
 
 #[test]
 fn a_bias_that_never_shows_and_hardly_moves_has_an_infinite_slope_too() {
-    // On a cone about an axis that leans by 0.1 mrad, up and clock together move by that much to the side.
+    // On a cone about an axis that leans by 0.1 mrad, up and clock together move by that much to
+    // the side.
     let axis = Vector3::new(1e-4, 0.0, 1.0).normalize();
     let (a, b) = (axis.cross(&Vector3::y()).normalize(), Vector3::y());
     let on_cone = |step: u32| {

@@ -1,4 +1,4 @@
-//! The core against least squares with all columns, in which leaving out is solving again.
+//! The core compared with least squares with all columns, where leaving out is solving again.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing)]
 
 mod consensus;
@@ -9,7 +9,7 @@ mod removal;
 mod snapshot;
 mod worst;
 
-/// The same second opinion that recordings are held against.
+/// The second opinion that recordings are compared with.
 #[path = "../../../../tests-host/src/oracle.rs"]
 #[allow(unreachable_pub, reason = "public where it is at home")]
 mod oracle;

@@ -1,4 +1,5 @@
-//! Isolation in parity space against dense solutions without each set: who is named, and after how many sets.
+//! Isolation in parity space compared with dense solutions without each set: the rows identified,
+//! and the number of sets.
 
 use nalgebra::Vector3;
 use proptest::prelude::*;
@@ -17,7 +18,7 @@ use crate::solved::solved;
 
 use super::oracle::{self, Range};
 
-/// Who is named, or why nobody, and the sets that were looked at.
+/// Rows identified, or the reason why there are none, and the number of sets compared.
 type Answer = (Result<Vec<usize>, Unidentified>, usize);
 
 /// An epoch, what is accepted of it, and answers by trying all.
@@ -48,7 +49,8 @@ fn any_range() -> impl Strategy<Value = Range> {
 }
 
 impl Dense<'_> {
-    /// SSE over its threshold without a set; `None` where the set is refused, infinite where nothing is left to test.
+    /// SSE over its threshold without a set; `None` where the set is refused, infinite where
+    /// nothing is left to test.
     fn ratio_without(&self, set: &[usize]) -> Option<f64> {
         let solution = oracle::solve_without(self.ranges, set)?;
         Some(self.thresholds.tau1::<f64>(solution.dof).map_or(f64::INFINITY, |tau1| solution.sse / tau1))
@@ -164,7 +166,8 @@ fn snapshot(ranges: &[Range]) -> Option<Snapshot<'static, f64>> {
     solved(epoch).ok()
 }
 
-/// True where rounding may decide whether some set passes, or where a set is hardly determined.
+/// Returns true if rounding may decide whether some set passes, or where a set is hardly
+/// determined.
 fn is_close(dense: &Dense<'_>) -> bool {
     let sets = (0..=3).flat_map(|size| all_of_size(dense.ranges.len(), size));
     sets.into_iter().any(|set| {

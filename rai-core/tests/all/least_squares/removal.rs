@@ -1,4 +1,5 @@
-//! Sets of rows left out by algebra, against solving again without them, and against parity space written out.
+//! Sets of rows left out by algebra, compared with solving again without them, and with parity
+//! space written out.
 
 use nalgebra::{DMatrix, DVector, Vector3};
 use proptest::prelude::*;
@@ -39,7 +40,8 @@ fn any_range(constellations: usize) -> impl Strategy<Value = Range> {
     )
 }
 
-/// Between 8 and 40 ranges of up to three constellations, and a set of one to three of the first eight.
+/// Between 8 and 40 ranges of up to three constellations, and a set of one to three of the first
+/// eight.
 fn ranges_and_set() -> impl Strategy<Value = (Vec<Range>, Vec<usize>)> {
     (prop::collection::vec(any_range(3), 8..40), prop::sample::subsequence((0..8).collect::<Vec<_>>(), 1..=3))
 }
@@ -48,12 +50,12 @@ fn well_conditioned(dense: &Dense) -> bool {
     dense.hdop < 20.0 && (0..3).all(|axis| dense.covariance_m2[(axis, axis)] < 1e3)
 }
 
-/// Beyond, the last digits of a single become metres.
+/// Limit beyond which the last digits of a single become metres.
 fn is_known_to_10_m(dense: &Dense) -> bool {
     (0..3).all(|axis| dense.covariance_m2[(axis, axis)] < 100.0)
 }
 
-/// Does a constellation lose its last range?
+/// Returns true if a constellation loses its last range.
 fn empties_a_constellation(ranges: &[Range], set: &[usize]) -> bool {
     set.iter().any(|&gone| {
         let same = |index: &usize| ranges[*index].constellation == ranges[gone].constellation;
@@ -66,8 +68,8 @@ fn assert_close(what: &str, have: f64, want: f64, relative: f64, absolute: f64) 
     assert!((have - want).abs() <= allowed, "{what}: have {have}, want {want}");
 }
 
-/// The parity matrix: an orthonormal basis of what the design does not reach, from a full singular value
-/// decomposition of the design bordered by zeros.
+/// The parity matrix: an orthonormal basis of what the design does not reach, from a full singular
+/// value decomposition of the design bordered by zeros.
 fn parity_matrix(ranges: &[Range], dense: &Dense) -> DMatrix<f64> {
     let count = ranges.len();
     let clocks: Vec<Constellation> = Constellation::ALL

@@ -1,4 +1,5 @@
-//! The 3×3 solve against least squares with all columns: the same in everything that the core derives from it.
+//! The 3×3 solve compared with least squares with all columns: equal in every quantity that the
+//! core derives from it.
 
 use nalgebra::Vector3;
 use proptest::prelude::*;
@@ -44,7 +45,8 @@ fn assert_close(what: &str, have: f64, want: f64, relative: f64, absolute: f64) 
     assert!((have - want).abs() <= allowed, "{what}: have {have}, want {want}");
 }
 
-/// Tolerances of the specification for `f64`; geometries are kept where the dense inverse itself is that good.
+/// Tolerances of the specification for `f64`; geometries are kept where the dense inverse itself is
+/// that good.
 fn well_conditioned(dense: &oracle::Dense) -> bool {
     dense.hdop < 20.0 && (0..3).all(|axis| dense.covariance_m2[(axis, axis)] < 1e3)
 }
@@ -151,7 +153,8 @@ fn a_cone_of_satellites_is_singular() {
 
 #[test]
 fn a_known_height_replaces_a_satellite() {
-    // Three satellites at the horizon's corners and the zenith-less geometry: with a height, four unknowns have four rows.
+    // Three satellites at the horizon's corners and the zenith-less geometry: with a height, four
+    // unknowns have four rows.
     let mut epoch = LinearEpoch::<f64, MAX_ROWS>::new();
     for azimuth in [0.0_f64, 2.1, 4.2] {
         let (sin, cos) = azimuth.sin_cos();
@@ -162,7 +165,8 @@ fn a_known_height_replaces_a_satellite() {
     epoch.height(5.0, 1.0).unwrap();
     let have = solved(epoch).unwrap();
     assert_eq!(have.dof(), 0);
-    // Equal ranges at equal elevations: no horizontal shift; up is the height; the clock takes the rest.
+    // Equal ranges at equal elevations: no horizontal shift; up is the height; the clock takes the
+    // rest.
     assert_close("up", have.correction().z, 5.0, 0.0, 1e-9);
     assert_close("east", have.correction().x, 0.0, 0.0, 1e-9);
     assert_close("clock", have.clock_m(Constellation::Gps).unwrap(), 7.0 + 0.6 * 5.0, 0.0, 1e-9);

@@ -1,4 +1,5 @@
-//! Who is named: the row whose removal lowers SSE most, where that is enough, and where nobody else does as well.
+//! Identification: the row whose removal lowers SSE most, if that is enough and no other row does
+//! as well.
 
 use nalgebra::Vector3;
 use proptest::prelude::*;

@@ -1,4 +1,4 @@
-//! Whatever comes in, a promise has its grounds.
+//! For any input a protected position has its grounds.
 
 use proptest::prelude::*;
 use rai_core::epoch::{Aiding, Epoch};
@@ -10,7 +10,7 @@ use rai_core::satellite::{Constellation, SatelliteId};
 
 use super::skies::{CAPACITY, any_monitoring, any_observations, any_requirements, any_sky, epoch_of};
 
-/// What must hold of every report.
+/// Conditions on every report.
 fn has_grounds(
     report: &Report<CAPACITY>,
     epoch: &Epoch<CAPACITY>,
@@ -25,7 +25,7 @@ fn has_grounds(
     Ok(())
 }
 
-/// Every satellite is used, or excluded, or neither, and was there.
+/// Every satellite of the epoch is used, excluded, or neither, and no other one is.
 fn satellites_add_up(report: &Report<CAPACITY>, epoch: &Epoch<CAPACITY>) -> Result<(), TestCaseError> {
     let tracked: Vec<SatelliteId> =
         epoch.observations().iter().map(|observation| observation.satellite).collect();
@@ -93,7 +93,7 @@ fn every_report_has_grounds<T: Real>(
     epochs.iter().try_for_each(|epoch| has_grounds(&monitor.process(epoch), epoch, &requirements))
 }
 
-/// Outside knowledge, sensible or not.
+/// Outside knowledge, plausible or not.
 fn any_aiding() -> impl Strategy<Value = Aiding> {
     let number = || prop_oneof![-1e6..1e6_f64, proptest::num::f64::ANY];
     prop_oneof![

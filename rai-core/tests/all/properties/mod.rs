@@ -1,4 +1,5 @@
-//! What must hold whatever the satellites are: no promise without its grounds, no dependence on what does not matter.
+//! Properties for any satellites: no protection without its grounds, no dependence on irrelevant
+//! inputs.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing)]
 
 mod any_input;

@@ -1,4 +1,5 @@
-//! Single precision promises no more than double precision does. It may promise less, and gives up first.
+//! Single precision protects no more than double precision does. It may protect less, and gives up
+//! first.
 
 use nalgebra::Vector3;
 use proptest::prelude::*;
@@ -61,7 +62,8 @@ fn two_precise_ones<T: Real>() -> Snapshot<'static, T> {
     solved(epoch).unwrap()
 }
 
-/// From the redundancy numbers in single precision, 2e-5 as what is left of 1, the slope came out a fifth too small.
+/// From the redundancy numbers in single precision, 2e-5 as what is left of 1, the slope came out a
+/// fifth too small.
 #[test]
 fn a_precise_satellite_that_is_hardly_tested_has_its_whole_slope() {
     let have = f64::from(largest_slopes(&two_precise_ones::<f32>()).horizontal);

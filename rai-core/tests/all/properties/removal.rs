@@ -1,7 +1,8 @@
-//! What leaving a satellite out does to the geometry, and what it need not do.
+//! Effects of leaving out a satellite on the geometry, and effects that need not occur.
 //!
-//! Without row `k` the position is known less well by exactly its squared slope, `P_h(−k) = P_h + slope_h,k²`, and every
-//! other row is tested less well, `r_i(−k) = r_i − S_ik²/r_k`. Protection levels are no such one-way street: see
+//! Without row `k` the position is known less well by exactly its squared slope,
+//! `P_h(−k) = P_h + slope_h,k²`, and every other row is tested less well,
+//! `r_i(−k) = r_i − S_ik²/r_k`. Protection levels are not monotone: see
 //! [`a_protection_level_can_shrink_with_the_satellite_that_is_hardest_to_test`].
 
 use nalgebra::{Matrix3, Vector3};
@@ -25,7 +26,7 @@ fn redundancies<T: Real>(snapshot: &Snapshot<'_, T>) -> Vec<f64> {
     snapshot.rows().map(|(_, fit)| fit.redundancy.widen()).collect()
 }
 
-/// Where rounding is multiplied by more than a hundred.
+/// Returns true if rounding is multiplied by more than a hundred.
 fn is_hardly_solved<T: Real>(snapshot: &Snapshot<'_, T>) -> bool {
     let (hdop, vdop) = snapshot.dilutions();
     hdop.widen().max(vdop.widen()) > 10.0
@@ -36,7 +37,7 @@ fn every_row_helps<T: Real>(sky: &Sky, rounding: f64) -> Result<(), TestCaseErro
     let Ok(all) = solved::<T>(sky.linearised(1.0)) else { return Ok(()) };
     for index in 0..sky.observations.len() {
         let (row, fit) = all.row(index).unwrap();
-        // What is left of 1 is too little to compare with.
+        // Too little of 1 is left to compare with.
         if fit.redundancy.widen() < 0.1 {
             continue;
         }
@@ -69,8 +70,9 @@ proptest! {
     }
 }
 
-/// One satellite alone stands in the east, so that hardly anything tests it: its slope is the largest. The six that
-/// are high, and the four low in north and south, know the place worse without it and watch each other well enough.
+/// One satellite alone stands in the east, so that hardly anything tests it: its slope is the
+/// largest. The six that are high, and the four low in north and south, know the place worse
+/// without it and watch each other well enough.
 #[test]
 fn a_protection_level_can_shrink_with_the_satellite_that_is_hardest_to_test() {
     let at = |azimuth_deg: f64, elevation_deg: f64| {

@@ -1,4 +1,4 @@
-//! Where the properties are looked for: skies that could be, and inputs that could not.
+//! Inputs of the properties: plausible skies and implausible inputs.
 
 use nalgebra::Vector3;
 use proptest::prelude::*;
@@ -20,9 +20,9 @@ pub(crate) const CAPACITY: usize = 24;
 /// A receiver and the satellites that it observes.
 #[derive(Clone, Debug)]
 pub(crate) struct Sky {
-    /// Where the receiver is.
+    /// Position of the receiver.
     pub(crate) receiver: Ecef,
-    /// What it observes.
+    /// Observations of the receiver.
     pub(crate) observations: Vec<Observation>,
 }
 
@@ -32,7 +32,8 @@ impl Sky {
         epoch_of(&self.observations)
     }
 
-    /// Its equations about the receiver, residuals less 20,000 km, in a unit of length of which a metre has so many.
+    /// Its equations about the receiver, residuals less 20,000 km, in a unit of length of which a
+    /// metre has so many.
     pub(crate) fn linearised<T: Real>(&self, units_per_m: f64) -> LinearEpoch<T, MAX_ROWS> {
         let frame = LocalFrame::at(self.receiver);
         let mut epoch = LinearEpoch::new();
@@ -52,7 +53,7 @@ impl Sky {
     }
 }
 
-/// An epoch of whatever of these is accepted.
+/// An epoch of those observations that are accepted.
 pub(crate) fn epoch_of(observations: &[Observation]) -> Epoch<CAPACITY> {
     let mut epoch = Epoch::new(0.0);
     for observation in observations {
@@ -61,12 +62,12 @@ pub(crate) fn epoch_of(observations: &[Observation]) -> Epoch<CAPACITY> {
     epoch
 }
 
-/// Every number of a double, those that are none among them, and often one that could be meant.
+/// Every double, NaN among them, and often a plausible number.
 fn any_number(meant: std::ops::Range<f64>) -> impl Strategy<Value = f64> {
     prop_oneof![2 => meant, 1 => proptest::num::f64::ANY]
 }
 
-/// Observations that nobody has checked.
+/// Observations without any check.
 pub(crate) fn any_observations() -> impl Strategy<Value = Vec<Observation>> {
     let position = [any_number(-3e7..3e7), any_number(-3e7..3e7), any_number(-3e7..3e7)];
     let one = (any_satellite(), position, any_number(1e7..4e7), any_number(0.1..50.0));
@@ -114,7 +115,7 @@ pub(crate) fn any_requirements() -> impl Strategy<Value = Requirements> {
     ])
 }
 
-/// What is drawn for one satellite.
+/// Random values of one satellite.
 #[derive(Clone, Copy, Debug)]
 struct Draw {
     constellation: Constellation,
@@ -126,7 +127,8 @@ struct Draw {
     noise: f64,
 }
 
-/// A sky with noise of at most two sigma, where up to `faults` satellites are wrong by 10 m to 1000 km.
+/// A sky with noise of at most two sigma, where up to `faults` satellites are wrong by 10 m to 1000
+/// km.
 pub(crate) fn any_sky(faults: usize) -> impl Strategy<Value = Sky> {
     let place = (-1.5..1.5_f64, -3.1..3.1_f64, -100.0..10_000.0_f64);
     let clocks_m = proptest::array::uniform4(-3e5..3e5_f64);
@@ -152,7 +154,7 @@ fn any_draw() -> impl Strategy<Value = Draw> {
     )
 }
 
-/// Which satellite, and by how much, m.
+/// A satellite and its bias, m.
 fn any_bias() -> impl Strategy<Value = (prop::sample::Index, f64)> {
     (any::<prop::sample::Index>(), 1.0..6.0_f64, any::<bool>())
         .prop_map(|(index, decades, late)| (index, 10_f64.powf(decades) * if late { 1.0 } else { -1.0 }))
@@ -175,7 +177,8 @@ fn sky(
     Sky { receiver, observations }
 }
 
-/// The range that a satellite's signal travels while the earth turns under it, with clock and noise.
+/// The range that a satellite's signal travels while the earth turns under it, with clock and
+/// noise.
 fn observe(receiver: Ecef, draw: &Draw, number: u8, clocks_m: [f64; 4]) -> Observation {
     let horizontal = draw.distance_m * draw.elevation_rad.cos();
     let position = receiver

@@ -1,5 +1,5 @@
-//! What does not matter changes nothing: the order of the satellites, where the prime meridian is, what the receiver's
-//! clocks show, the unit of length, and who was left out.
+//! Invariances: the order of the satellites, the prime meridian, the receiver's clocks, the unit of
+//! length, and the satellites left out.
 
 use proptest::prelude::*;
 use rai_core::epoch::Observation;
@@ -21,17 +21,18 @@ fn judge<T: Real>(sky: &Sky) -> Report<CAPACITY> {
     Monitor::<T, CAPACITY>::new(REQUIRED).unwrap().process(&sky.epoch())
 }
 
-/// How far two reports of the same thing may differ: where the solution is good to, and decisions with it.
+/// Largest differences between two reports of the same thing: limits of the solution's accuracy and
+/// of decisions.
 #[derive(Clone, Copy)]
 struct Rounding {
-    /// Of a range, m: what the position may differ by for each unit of its dilution.
+    /// Difference of a range, m: the position may differ by this for each unit of its dilution.
     range_m: f64,
-    /// Of the position, as a part of its standard deviation: weights that differ cost digits that the dilution does not
-    /// tell of.
+    /// Difference of the position, as a part of its standard deviation: weights that differ cost
+    /// digits beyond the dilution.
     of_sigma: f64,
-    /// Of the statistic and of the protection levels, relative.
+    /// Relative difference of the statistic and of the protection levels.
     relative: f64,
-    /// Whether what is hardly determined or tested may count as not at all: that is the safe side.
+    /// True if what is hardly determined or tested may count as not at all: that is the safe side.
     may_give_up: bool,
 }
 
@@ -41,14 +42,15 @@ const DOUBLE: Rounding = Rounding { range_m: 2e-5, of_sigma: 0.0, relative: 1e-4
 /// Corrections of 10 m to 1e-3, where weights differ by a thousand.
 const SINGLE: Rounding = Rounding { range_m: 1e-2, of_sigma: 1e-3, relative: 2e-2, may_give_up: true };
 
-/// An exclusion that moves the position by less than 300 m is not linearised again: 2 mm of a range.
+/// An exclusion that moves the position by less than 300 m is not linearised again: 2 mm of a
+/// range.
 const NOT_LINEARISED_AGAIN: Rounding = Rounding { range_m: 5e-3, relative: 1e-2, ..DOUBLE };
 
-/// Where one level is above, neither is compared, m: both come from the satellite that is hardly tested, of whose
+/// Level above which neither is compared, m: both come from the hardly tested satellite, of whose
 /// redundancy few digits are left, and no alert limit is there.
 const LARGEST_LEVEL_M: f64 = 2000.0;
 
-/// Whether a decision lies so close to its limit that rounding may make it.
+/// Returns true if a decision lies so close to its limit that rounding may make it.
 fn rounding_decides(report: &Report<CAPACITY>, rounding: Rounding) -> bool {
     let near = |have: f64, limit: f64| (have / limit - 1.0).abs() <= rounding.relative;
     let limit_m = REQUIRED.guard_fraction * REQUIRED.hal_m;
@@ -58,14 +60,14 @@ fn rounding_decides(report: &Report<CAPACITY>, rounding: Rounding) -> bool {
         || rounding.may_give_up && gives_up(report)
 }
 
-/// Whether few digits are left of a solution: the geometry is bad, or it is the other minimum of the squares, far below
-/// the ground or above, that a few ranges may have.
+/// Returns true if few digits are left of a solution: the geometry is bad, or it is the other
+/// minimum of the squares, far below the ground or above, that a few ranges may have.
 fn is_weak(solution: &Solution) -> bool {
     solution.hdop.max(solution.vdop) > 20.0 || solution.geodetic.height_m.abs() > 1e5
 }
 
-/// Whether several satellites explain the ranges equally well: rounding decides who is tried first, and what is left to
-/// say then.
+/// Returns true if several satellites explain the ranges equally well, so that rounding decides the
+/// order of the search and its result.
 fn is_ambiguous(report: &Report<CAPACITY>) -> bool {
     report.verdict == Verdict::Alert(Alert::Ambiguous)
 }
@@ -80,7 +82,8 @@ fn sigma_m(solution: &Solution) -> f64 {
     (east_m2 + north_m2 + up_m2).sqrt()
 }
 
-/// Whether the geometry counts as singular, or a satellite as untestable that moves the position.
+/// Returns true if the geometry counts as singular, or a satellite as untestable that moves the
+/// position.
 fn gives_up(report: &Report<CAPACITY>) -> bool {
     let is_unbounded = |levels: &ProtectionLevels| levels.hpl_m.is_infinite() || levels.vpl_m.is_infinite();
     report.solution.is_none() || report.protection.as_ref().is_some_and(is_unbounded)
@@ -96,7 +99,8 @@ fn sorted(satellites: impl Iterator<Item = SatelliteId>) -> Vec<SatelliteId> {
     satellites
 }
 
-/// Holds a report on a changed sky against that on the sky as it was, whose position is now at `moved`.
+/// Compares a report on a changed sky with that on the original sky, whose position is now at
+/// `moved`.
 fn agree(
     have: &Report<CAPACITY>,
     want: &Report<CAPACITY>,
@@ -140,7 +144,8 @@ fn numbers_agree(
     Ok(())
 }
 
-/// The sky with its satellites in another order: they are dealt out like cards, by one and by another.
+/// The sky with its satellites in another order: they are dealt out like cards, by one and by
+/// another.
 fn reordered(sky: &Sky, by: usize) -> Sky {
     let count = sky.observations.len();
     let mut order: Vec<usize> = (0..count).collect();
@@ -204,7 +209,7 @@ fn clocks_follow(
     Ok(())
 }
 
-/// What is changed of a sky.
+/// Changes of a sky.
 #[derive(Clone, Debug)]
 struct Changes {
     by: usize,
@@ -220,15 +225,15 @@ fn any_changes() -> impl Strategy<Value = Changes> {
     )
 }
 
-/// From a place near the solution: the squares of so few ranges may have another minimum, to which the way from the
-/// earth's centre may lead.
+/// Judges from a start near the solution: the squares of so few ranges may have another minimum, to
+/// which the way from the earth's centre may lead.
 fn judge_from(sky: &Sky, start: Ecef) -> Report<CAPACITY> {
     let mut monitor = Monitor::<f64, CAPACITY>::new(REQUIRED).unwrap();
     monitor.start_from(start);
     monitor.process(&sky.epoch())
 }
 
-/// Leaving satellites out is as if they had never been there.
+/// Leaving satellites out equals their absence.
 fn excluded_as_if_absent(sky: &Sky) -> Result<(), TestCaseError> {
     let want = judge::<f64>(sky);
     if want.verdict != Verdict::Protected(Protected::Excluded)
@@ -247,7 +252,7 @@ fn excluded_as_if_absent(sky: &Sky) -> Result<(), TestCaseError> {
     numbers_agree(&have, &want, NOT_LINEARISED_AGAIN)
 }
 
-/// In a unit that is a power of two everything is the same to the last bit.
+/// In a unit that is a power of two every result is the same to the last bit.
 fn unit_does_not_matter<T: Real>(sky: &Sky) -> Result<(), TestCaseError> {
     let solve = |unit| solved::<T>(sky.linearised(unit));
     let (Ok(want), Ok(have)) = (solve(1.0), solve(4.0)) else {

@@ -67,6 +67,8 @@ const fn words(verdict: Verdict) -> (&'static str, &'static str) {
         Verdict::Unavailable(Unavailable::Risk) => ("U", "RISK"),
         Verdict::Unavailable(Unavailable::Hpl) => ("U", "HPL"),
         Verdict::Unavailable(Unavailable::Vpl) => ("U", "VPL"),
+        Verdict::Unavailable(Unavailable::Emt) => ("U", "EMT"),
+        Verdict::Unavailable(Unavailable::Accuracy) => ("U", "ACCURACY"),
         Verdict::Unavailable(Unavailable::Budget) => ("U", "BUDGET"),
         Verdict::Unavailable(Unavailable::Input) => ("U", "INPUT"),
         Verdict::Unavailable(Unavailable::Recovering) => ("U", "RECOVERING"),
@@ -156,7 +158,10 @@ pub(super) fn write_settings_and_interference<W: Write, const N: usize>(
     // A level that was refused for its size is a level; one that is there for want of anything better is none.
     let bounds = matches!(
         statement.report.verdict,
-        Verdict::Protected(_) | Verdict::Unavailable(Unavailable::Hpl | Unavailable::Vpl)
+        Verdict::Protected(_)
+            | Verdict::Unavailable(
+                Unavailable::Hpl | Unavailable::Vpl | Unavailable::Emt | Unavailable::Accuracy
+            )
     );
     let mut sentence = Sentence::new("PRAIN");
     sentence

@@ -179,6 +179,8 @@ fn each_verdict_has_its_navigational_status_state_and_reason() {
         (unavailable(Unavailable::Risk), true, "C", "U", "RISK"),
         (unavailable(Unavailable::Hpl), true, "C", "U", "HPL"),
         (unavailable(Unavailable::Vpl), true, "C", "U", "VPL"),
+        (unavailable(Unavailable::Emt), true, "C", "U", "EMT"),
+        (unavailable(Unavailable::Accuracy), true, "C", "U", "ACCURACY"),
         (unavailable(Unavailable::Budget), true, "C", "U", "BUDGET"),
         (unavailable(Unavailable::Input), false, "V", "U", "INPUT"),
         (unavailable(Unavailable::Recovering), true, "C", "U", "RECOVERING"),

@@ -179,7 +179,7 @@ impl Oracle {
                 self.since_promise = 0;
             }
             (_, "RECOVERING") => self.agree(own_s, tag_s),
-            (_, "HPL" | "VPL" | "RISK") => {}
+            (_, "HPL" | "VPL" | "EMT" | "ACCURACY" | "RISK") => {}
             _ => self.disagree(),
         }
     }

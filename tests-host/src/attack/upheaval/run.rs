@@ -126,7 +126,7 @@ impl Run {
     /// Checks that healthy epochs are promised, unless the levels or the satellites do not meet the
     /// settings.
     fn expect_promise(&mut self, when: &str, is_forgotten: bool) {
-        const EXCUSES: [&str; 5] = ["HPL", "VPL", "RISK", "REDUNDANCY", "GEOMETRY"];
+        const EXCUSES: [&str; 7] = ["HPL", "VPL", "EMT", "ACCURACY", "RISK", "REDUNDANCY", "GEOMETRY"];
         let last = self.oracle.last_reason.clone();
         let is_excused =
             EXCUSES.contains(&last.as_str()) || !is_forgotten && (self.was_ahead || last == "JUMP");

@@ -1,0 +1,309 @@
+//! Exclusion after an alarm: the satellite or the constellation without which the others agree.
+//!
+//! Candidates leave at least one satellite more than unknowns. Satellites come first, then
+//! constellations, each in ascending weighted SSE of the remaining rows; the first that does not
+//! alarm is taken. Each is judged by all modes that were chosen with all satellites in view,
+//! restricted to the remaining ones, so that a wrong exclusion is within the risk.
+//!
+//! Judging a candidate costs as much as judging the epoch, so that at most one satellite and one
+//! constellation are judged. Most candidates need no judgement, because another satellite is still
+//! so far off that its own test alarms. That test is algebra on the all-in-view solution:
+//!
+//! ```text
+//! contradicted    |A_k v_k| > (1 + margin) K |A_k| √κ_kk     on any axis, for any single satellite k that remains
+//! ```
+//!
+//! with `A_k`, `v_k`, `κ_kk` without the candidate ([`super::subsets`]). `K` is that of the modes
+//! with all satellites. The candidate's `K` is no larger, because it has no more modes, so that a
+//! contradiction here is an alarm there.
+//!
+//! References: [MAAST] for the order and the shares.
+//!
+//! [MAAST]: crate#references
+
+use heapless::Vec;
+use nalgebra::Vector3;
+
+use super::evaluation::{MonitoredModes, Purpose};
+use super::levels::Axis;
+use super::modes::{Hypothesis, PriorOdds, ROOM, RowSet, members};
+use super::subsets::{IntegrityRow, SubsetSolutions};
+use super::{AraimError, Finding, Prior, Priors, View};
+use crate::allocation::Allocation;
+use crate::bit_set::count_of;
+use crate::least_squares::Excludable;
+use crate::least_squares::equations::Row;
+use crate::numeric::real::Real;
+use crate::satellite::Constellation;
+
+/// Result of an epoch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum AraimOutcome<T> {
+    /// No test alarms.
+    Passed,
+    /// A test alarms; without the satellite or constellation below, which was left out, no test
+    /// does.
+    Excluded {
+        /// The satellite or the constellation.
+        excluded: Hypothesis,
+        /// Rows of it.
+        rows: u64,
+        /// Finding without it.
+        finding: Finding<T>,
+    },
+    /// A test alarms with every single satellite or constellation left out, or exclusion is off.
+    NotIsolated,
+}
+
+/// Result of the judgement.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AraimJudgement<T> {
+    /// Number of exclusions that are possible after an alarm.
+    pub options: usize,
+    /// Share of the risk of each outcome.
+    pub risk_share: T,
+    /// Finding with all satellites.
+    pub whole: Finding<T>,
+    /// Result after an alarm, if any.
+    pub outcome: AraimOutcome<T>,
+}
+
+/// Prior probability below which a constellation is not among the options.
+const OPTIONAL: f64 = 1e-7;
+
+/// Scratch memory for each row and each term. It keeps no state.
+#[derive(Clone, Debug)]
+pub struct AraimScratch<T: Real> {
+    odds: PriorOdds<T>,
+    solving: SubsetScratch<T>,
+}
+
+/// Part of the scratch memory that each solution and each pass overwrites.
+#[derive(Clone, Debug)]
+struct SubsetScratch<T: Real> {
+    own: Vec<IntegrityRow<T>, ROOM>,
+    axes: [Axis<T>; 3],
+}
+
+impl<T: Real> Default for AraimScratch<T> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<T: Real> AraimScratch<T> {
+    /// Returns empty scratch memory.
+    #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
+    #[inline(always)]
+    pub fn new() -> Self {
+        let axes = [Axis::closed(), Axis::closed(), Axis::closed()];
+        Self { odds: Vec::new(), solving: SubsetScratch { own: Vec::new(), axes } }
+    }
+}
+
+/// Judges an epoch, and leaves out the faulty satellite or constellation.
+///
+/// # Errors
+/// [`AraimError`] if a declared bound is exceeded; no level is valid then.
+pub fn judge<T: Real>(
+    epoch: &mut impl Excludable<T>,
+    priors: &Priors<'_, T>,
+    allocation: &Allocation,
+) -> Result<AraimJudgement<T>, AraimError> {
+    judge_in(epoch, priors, allocation, &mut AraimScratch::new())
+}
+
+/// Works like [`judge`], with scratch memory of a caller with a small stack.
+///
+/// # Errors
+/// As [`judge`].
+pub fn judge_in<T: Real>(
+    epoch: &mut impl Excludable<T>,
+    priors: &Priors<'_, T>,
+    allocation: &Allocation,
+    room: &mut AraimScratch<T>,
+) -> Result<AraimJudgement<T>, AraimError> {
+    let AraimScratch { odds, solving } = room;
+    let mut monitored = MonitoredModes::nothing(priors.constellations, allocation);
+    choose(&mut monitored, odds, &View::of(epoch.snapshot()), priors)?;
+    let options = ExclusionOptions::of(&monitored, &priors.constellations);
+    if allocation.exclusion {
+        monitored.risk_share = T::narrow((options.count() + 1) as f64).recip();
+    }
+    let whole = describe(
+        &mut monitored,
+        solving,
+        View::of(epoch.snapshot()),
+        priors.satellites,
+        0,
+        Purpose::Describe,
+    )?;
+    let mut judged = AraimJudgement {
+        options: options.count(),
+        risk_share: monitored.risk_share,
+        whole,
+        outcome: AraimOutcome::Passed,
+    };
+    if judged.whole.alarm {
+        judged.outcome = AraimOutcome::NotIsolated;
+        if allocation.exclusion {
+            let factors = judged.whole.factors;
+            judged.outcome = exclude(&mut monitored, solving, epoch, priors.satellites, options, factors)?;
+        }
+    }
+    Ok(judged)
+}
+
+/// Range of sigmas and biases, m. Beyond it no integrity support is plausible, and fourth powers
+/// overflow; as for a range ([`crate::epoch::Epoch::push`]).
+const LEAST_M: f64 = 1e-3;
+const LARGEST_M: f64 = 1e6;
+
+/// Chooses the modes of an epoch.
+#[inline(never)]
+pub(super) fn choose<'r, T: Real>(
+    monitored: &mut MonitoredModes<'r, T>,
+    odds: &'r mut PriorOdds<T>,
+    view: &View<'_, T>,
+    priors: &Priors<'_, T>,
+) -> Result<(), AraimError> {
+    let is_size = |value: T| value >= T::zero() && value <= T::narrow(LARGEST_M);
+    let is_measured = |row: &Row<T>| row.sigma >= T::narrow(LEAST_M) && row.sigma <= T::narrow(LARGEST_M);
+    let is_valid = |prior: &Prior<T>| is_size(prior.accuracy_m) && is_size(prior.bias_m);
+    let mut rows = view.rows.iter().filter(|row| row.weight > T::zero());
+    if !priors.satellites.iter().all(is_valid) || !rows.all(is_measured) {
+        return Err(AraimError::Prior);
+    }
+    let mut faults = priors.satellites.iter().map(|prior| prior.fault);
+    let satellites = view.rows.iter().map(|row| {
+        let fault = faults.next().filter(|_| row.weight > T::zero())?;
+        Some((row.clock?, fault))
+    });
+    monitored.modes.choose(satellites, odds, monitored.allocation)
+}
+
+/// Evaluates an epoch without the rows of a set.
+#[inline(never)]
+fn describe<T: Real>(
+    monitored: &mut MonitoredModes<'_, T>,
+    solving: &mut SubsetScratch<T>,
+    view: View<'_, T>,
+    priors: &[Prior<T>],
+    gone: RowSet,
+    purpose: Purpose,
+) -> Result<Finding<T>, AraimError> {
+    let SubsetScratch { own, axes } = solving;
+    let mut solutions = SubsetSolutions::of(view, own);
+    solutions.prepare(priors);
+    monitored.judge(&mut solutions, axes, gone, purpose)
+}
+
+/// Satellites and constellations that may be left out.
+#[derive(Clone, Copy, Debug)]
+struct ExclusionOptions {
+    satellites: RowSet,
+    /// Constellations, a bit for each id.
+    constellations: u8,
+}
+
+impl ExclusionOptions {
+    fn of<T: Real>(monitored: &MonitoredModes<'_, T>, faults: &[T; Constellation::COUNT]) -> Self {
+        let modes = &monitored.modes;
+        let is_option = |(&size, &fault): (&usize, &T)| {
+            // A lone satellite is its constellation, which is one option.
+            size > 1 && fault > T::narrow(OPTIONAL)
+        };
+        let each = modes.sizes.iter().zip(faults).map(is_option).enumerate();
+        let constellations = each.fold(0, |set, (id, is_option)| set | u8::from(is_option) << id);
+        Self { satellites: modes.satellites, constellations }
+    }
+
+    /// Iterates over the constellations among them.
+    fn constellations(&self) -> impl Iterator<Item = Hypothesis> {
+        let bits = (0..Constellation::COUNT).map(|id| 1 << id);
+        bits.filter(|bit| self.constellations & bit != 0).map(Hypothesis::of_constellations)
+    }
+
+    fn count(&self) -> usize {
+        count_of(self.satellites) + self.constellations.count_ones() as usize
+    }
+}
+
+/// Relative margin of a squared test over its squared threshold, above the effect of rounding.
+const MARGIN: f64 = 1e-2;
+
+/// Most options that are judged: the best satellite, then the best constellation.
+///
+/// Each costs nearly as much as the epoch itself. Data that these do not explain contain several
+/// faults, which is an alert. A second satellite would be one that fits worse than the first.
+const MOST_TRIED: usize = 2;
+
+/// Judges one option after another.
+#[cold]
+#[inline(never)]
+fn exclude<T: Real>(
+    monitored: &mut MonitoredModes<'_, T>,
+    solving: &mut SubsetScratch<T>,
+    epoch: &mut impl Excludable<T>,
+    priors: &[Prior<T>],
+    options: ExclusionOptions,
+    factors: [T; 3],
+) -> Result<AraimOutcome<T>, AraimError> {
+    let mut left = options;
+    let limits = Vector3::from(factors.map(|factor| factor * factor * T::narrow(1.0 + MARGIN)));
+    for _ in 0..MOST_TRIED {
+        let Some(excluded) = next(monitored, solving, View::of(epoch.snapshot()), priors, &left, &limits)
+        else {
+            break;
+        };
+        let rows = monitored.modes.taken_by(excluded);
+        left.satellites = 0;
+        left.constellations &= !excluded.constellations;
+        if epoch.leave_out_all(rows).is_err() {
+            continue;
+        }
+        let finding =
+            describe(monitored, solving, View::of(epoch.snapshot()), priors, rows, Purpose::Accept)?;
+        if !finding.alarm {
+            return Ok(AraimOutcome::Excluded { excluded, rows, finding });
+        }
+        epoch.take_back_all(rows);
+    }
+    Ok(AraimOutcome::NotIsolated)
+}
+
+/// Returns the option that leaves the smallest SSE, of those that no single satellite contradicts.
+#[inline(never)]
+fn next<T: Real>(
+    monitored: &MonitoredModes<'_, T>,
+    solving: &mut SubsetScratch<T>,
+    view: View<'_, T>,
+    priors: &[Prior<T>],
+    left: &ExclusionOptions,
+    limits: &Vector3<T>,
+) -> Option<Hypothesis> {
+    let mut solutions = SubsetSolutions::of(view, &mut solving.own);
+    solutions.prepare_without_biases(priors);
+    let mut agreeing = |option: Hypothesis, least: Option<T>| {
+        let taken = monitored.modes.taken_by(option);
+        let is_left = monitored.leaves_enough(taken, 1);
+        let sse = if is_left { solutions.sse_without(view.sse, option)? } else { return None };
+        let is_better = least.is_none_or(|least| sse < least);
+        (is_better && !solutions.contradict(option, monitored.singles(taken), limits))
+            .then_some((sse, option))
+    };
+    let satellites = members(left.satellites).map(Hypothesis::of_row);
+    let satellite = last_of(satellites, &mut agreeing);
+    satellite.or_else(|| last_of(left.constellations(), &mut agreeing))
+}
+
+/// Returns the last option that is better than those before it.
+fn last_of<T: Real>(
+    options: impl Iterator<Item = Hypothesis>,
+    better: &mut impl FnMut(Hypothesis, Option<T>) -> Option<(T, Hypothesis)>,
+) -> Option<Hypothesis> {
+    let best = options.fold(None, |best: Option<(T, Hypothesis)>, option| {
+        better(option, best.map(|(least, _)| least)).or(best)
+    });
+    best.map(|(_, option)| option)
+}

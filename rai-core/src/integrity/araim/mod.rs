@@ -1,0 +1,178 @@
+//! ARAIM: solution separation over all monitored fault modes, with protection levels that account
+//! for the whole risk.
+//!
+//! ```text
+//! alarm          |x_k − x| > T_k = K σ_ss,k     on any axis, for any monitored mode k
+//! K              Q⁻¹(P_FA_H / 4M), Q⁻¹(P_FA_V / 2M)
+//! level          2 Q((L − b_0)/σ_0) + Σ p_k Q((L − T_k − b_k)/σ_k) = R
+//! R              PHMI_V/PHMI (ρ (PHMI − P_nm) − p_new),  half of it with PHMI_H for each horizontal axis
+//! ρ = 1/(options + 1)
+//! ```
+//!
+//! | symbol | field | unit |
+//! |---|---|---|
+//! | `M` | [`Finding::modes`] | – |
+//! | `P_nm` | [`Finding::unmonitored_probability`] | – |
+//! | `K` | [`Finding::factors`] | – |
+//! | `L` | [`Finding::levels_m`], east, north, up | m |
+//! | largest `T_k`, up, of the likely modes | [`Finding::effective_monitor_threshold_m`] | m |
+//! | `σ_acc`, up | [`Finding::accuracy_m`] | m |
+//!
+//! Three steps: [`modes`] chooses the monitored fault modes, [`subsets`] computes the position
+//! without each mode, [`levels`] sums the risk. After an alarm, exclusions are tried one after
+//! another: satellites, then constellations, in ascending residuals; the first set that agrees is
+//! taken. Every outcome, with or without an exclusion, has its share of the risk, so that the risk
+//! includes a wrong exclusion. An epoch must also pass the global test of
+//! [`super::raim::detection`], which alone sees unmonitored faults.
+//!
+//! Unlike the levels of [`super::raim`], these include noise, several faults and the loss of a
+//! constellation, with the risk accounted for. They are as good as the priors and sigmas that they
+//! are given ([`crate::weighting`]).
+//!
+//! Cost on a Cortex-M4F in `f32`: some 400 instructions for each monitored mode, tests and levels
+//! together. Bounds dismiss most modes in 150, the others are solved. Nothing is stored for each
+//! mode. Limits: [`ROWS`] rows, [`MAX_MODES`] modes; beyond, [`AraimError`].
+//!
+//! References: [Blanch2015], [MAAST], whose choices are taken where the paper leaves one.
+//!
+//! [Blanch2015]: crate#references
+//! [MAAST]: crate#references
+
+#[cfg(feature = "araim")]
+mod epoch;
+mod evaluation;
+mod exclusion;
+mod levels;
+mod modes;
+mod subsets;
+#[cfg(test)]
+#[allow(clippy::indexing_slicing, clippy::expect_used, reason = "a test may panic")]
+mod tests;
+
+use core::fmt;
+
+use nalgebra::Matrix3;
+
+pub use crate::allocation::Allocation;
+#[cfg(feature = "araim")]
+pub(super) use epoch::judge_epoch;
+pub use exclusion::{AraimJudgement, AraimOutcome, AraimScratch, judge, judge_in};
+pub use modes::{Hypothesis, ROWS};
+
+use crate::least_squares::equations::Row;
+use crate::least_squares::{RowFit, Snapshot};
+use crate::numeric::real::Real;
+use crate::satellite::Constellation;
+
+/// Most modes that are monitored at once.
+pub const MAX_MODES: usize = 1024;
+
+/// A solved epoch as ARAIM reads it.
+#[derive(Clone, Copy, Debug)]
+pub struct View<'v, T: Real> {
+    /// The equations; weight 0 for a row that is left out.
+    pub rows: &'v [Row<T>],
+    /// The fit of each equation.
+    pub fits: &'v [RowFit<T>],
+    /// Covariance of the position, m².
+    pub covariance: &'v Matrix3<T>,
+    /// Weighted sum of squared residuals.
+    pub sse: T,
+}
+
+impl<'v, T: Real> View<'v, T> {
+    /// Returns the view of a snapshot.
+    pub(crate) fn of(snapshot: &'v Snapshot<'_, T>) -> Self {
+        Self {
+            rows: snapshot.equations(),
+            fits: snapshot.fits(),
+            covariance: snapshot.covariance(),
+            sse: snapshot.sse(),
+        }
+    }
+}
+
+/// Integrity data of one satellite beside the sigma of its row.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Prior<T> {
+    /// Standard deviation for accuracy and continuity, m.
+    pub accuracy_m: T,
+    /// Largest nominal bias, m.
+    pub bias_m: T,
+    /// Probability that it is faulty, in [0, 0.5).
+    pub fault: T,
+}
+
+/// Priors of the satellites, which are the first rows, and of their constellations.
+#[derive(Clone, Copy, Debug)]
+pub struct Priors<'p, T> {
+    /// Priors of each satellite, in the order of the rows; later rows are aiding rows that never
+    /// fail.
+    pub satellites: &'p [Prior<T>],
+    /// Probability that a constellation as a whole is faulty, in [0, 0.5).
+    pub constellations: [T; Constellation::COUNT],
+}
+
+/// Reason why ARAIM gives no result.
+///
+/// A word in memory, so that the alternative is copied by words.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u32)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum AraimError {
+    /// More rows than [`ROWS`].
+    Rows,
+    /// More modes to monitor than [`MAX_MODES`].
+    Modes,
+    /// A probability outside [0, 0.5), or a bias or sigma below 1 mm or above 1000 km.
+    Prior,
+}
+
+impl fmt::Display for AraimError {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(match self {
+            Self::Rows => "rows must be at most 60",
+            Self::Modes => "monitored modes must be at most 1024",
+            Self::Prior => "probabilities must be within 0 to 0.5, sigmas and biases within 1 mm to 1000 km",
+        })
+    }
+}
+
+impl core::error::Error for AraimError {}
+
+/// Result of solution separation for one set of satellites.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Finding<T> {
+    /// Number of monitored modes.
+    pub modes: usize,
+    /// Probability of unmonitored faults, those after an exclusion included.
+    pub unmonitored_probability: T,
+    /// Thresholds in units of the separation's sigma, east, north, up.
+    pub factors: [T; 3],
+    /// Protection levels, east, north, up, m; infinite if the unmonitored faults spend the risk.
+    pub levels_m: [T; 3],
+    /// The largest threshold of a likely mode, up, m.
+    pub effective_monitor_threshold_m: T,
+    /// Standard deviation of the height for accuracy, m.
+    pub accuracy_m: T,
+    /// The largest separation over its threshold.
+    pub ratio: T,
+    /// The mode with the largest share in each level.
+    pub dominant: [Hypothesis; 3],
+    /// True if any solution is beyond its threshold.
+    pub alarm: bool,
+}
+
+impl<T: Real> Finding<T> {
+    /// Returns horizontal protection level, m.
+    pub fn hpl_m(&self) -> T {
+        let [east, north, _] = self.levels_m;
+        (east * east + north * north).sqrt()
+    }
+
+    /// Returns vertical protection level, m.
+    pub fn vpl_m(&self) -> T {
+        let [.., up] = self.levels_m;
+        up
+    }
+}

@@ -1,0 +1,89 @@
+//! Rows of the committed tables that a build contains.
+//!
+//! Without the feature `tables` they are those of the phases of flight, which all need the same two
+//! probabilities ([`crate::requirements`]). With the feature `short-tables` rows end at the
+//! capacity of [`single`](crate::single) and are in its precision, unless `double-tables` asks for
+//! more, because a build for `single` alone cannot use the rest. All rows take 26 KB of flash,
+//! short ones 20, in single precision 10, one pair of these 0.8.
+#![allow(clippy::indexing_slicing, reason = "while compiling, where an index beyond the end is an error")]
+
+use super::table;
+use crate::epoch::CAPACITY;
+use crate::numeric::probability::Probability;
+
+/// Length of the rows, in degrees of freedom and in tests.
+const DOF: usize = if cfg!(feature = "short-tables") { CAPACITY } else { super::MAX_DOF };
+const TESTS: usize = if cfg!(feature = "short-tables") { CAPACITY } else { super::MAX_TESTS };
+
+#[cfg(feature = "tables")]
+mod taken {
+    pub(super) const ALARMS: [usize; 9] = [0, 1, 2, 3, 4, 5, 6, 7, 8];
+    pub(super) const MISSES: [usize; 4] = [0, 1, 2, 3];
+}
+
+#[cfg(not(feature = "tables"))]
+mod taken {
+    use super::super::table;
+    use crate::requirements;
+
+    /// Indices of the phases' probability of false alarm and of missed detection in the tables.
+    pub(super) const ALARMS: [usize; 1] = [6];
+    pub(super) const MISSES: [usize; 1] = [0];
+
+    const _: () =
+        assert!(table::FALSE_ALARM[ALARMS[0]].get().to_bits() == requirements::FALSE_ALARM.get().to_bits());
+    const _: () = assert!(
+        table::MISSED_DETECTION[MISSES[0]].get().to_bits() == requirements::MISSED_DETECTION.get().to_bits()
+    );
+}
+
+use taken::{ALARMS, MISSES};
+
+pub(super) static FALSE_ALARM: [Probability; ALARMS.len()] = probabilities(&table::FALSE_ALARM, ALARMS);
+pub(super) static MISSED_DETECTION: [Probability; MISSES.len()] =
+    probabilities(&table::MISSED_DETECTION, MISSES);
+/// Scalar of the rows. A test rounds its threshold to its own precision, so that a test in single
+/// precision gets the same from both. Double precision, unless the feature `short-tables` is on
+/// without `double-tables`.
+#[cfg(all(feature = "short-tables", not(feature = "double-tables")))]
+pub type TableScalar = f32;
+/// Scalar of the rows.
+#[cfg(not(all(feature = "short-tables", not(feature = "double-tables"))))]
+pub type TableScalar = f64;
+
+pub(super) static TAU1: [[TableScalar; DOF]; ALARMS.len()] = fronts(&table::TAU1, ALARMS);
+pub(super) static W_TEST: [[TableScalar; TESTS]; ALARMS.len()] = fronts(&table::W_TEST, ALARMS);
+pub(super) static LAMBDA: [[[TableScalar; DOF]; MISSES.len()]; ALARMS.len()] = {
+    let (mut blocks, mut alarm) = ([[[0.0; DOF]; MISSES.len()]; ALARMS.len()], 0);
+    while alarm < ALARMS.len() {
+        blocks[alarm] = fronts(&table::LAMBDA[ALARMS[alarm]], MISSES);
+        alarm += 1;
+    }
+    blocks
+};
+
+const fn probabilities<const N: usize>(all: &[Probability], taken: [usize; N]) -> [Probability; N] {
+    let (mut probabilities, mut index) = ([all[0]; N], 0);
+    while index < N {
+        probabilities[index] = all[taken[index]];
+        index += 1;
+    }
+    probabilities
+}
+
+/// Returns the fronts of the selected rows.
+const fn fronts<const LONG: usize, const SHORT: usize, const N: usize>(
+    rows: &[[f64; LONG]],
+    taken: [usize; N],
+) -> [[TableScalar; SHORT]; N] {
+    let (mut fronts, mut index) = ([[0.0; SHORT]; N], 0);
+    while index < N {
+        let mut column = 0;
+        while column < SHORT {
+            fronts[index][column] = rows[taken[index]][column] as TableScalar;
+            column += 1;
+        }
+        index += 1;
+    }
+    fronts
+}

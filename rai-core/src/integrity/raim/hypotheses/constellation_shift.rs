@@ -1,0 +1,172 @@
+//! Constellation-shift hypothesis: does another position of a whole constellation explain the data
+//! as well as an exclusion?
+//!
+//! All satellites of a constellation can be wrong at once, by orbits that agree with each other.
+//! The hypothesis has three more unknowns and splits the snapshot into two independent parts: with
+//! the sums over the rows of the constellation and over all others
+//!
+//! ```text
+//! N_s = Σ_s w d dᵀ    N_o = N − N_s        u_s = Σ_s w d v = −u_o        (v are orthogonal to what was solved for)
+//! q_s = N_s⁻¹ u_s     q_o = N_o⁻¹ u_o      SSE_s+o = SSE − u_s·q_s − u_o·q_o = Σ w (v − d·q)²       dof − 3
+//! ```
+//!
+//! | symbol | meaning | unit |
+//! |---|---|---|
+//! | `d`, `v`, `w` | centred design, residual, weight of a row, as in [`crate::least_squares`] | –, m, 1/m² |
+//! | `q_s`, `q_o` | offset from the common position to that of the constellation, and to that of all others | m |
+//!
+//! An exclusion may leave satellites that agree on a wrong position. If a shift explains the data
+//! as well, the exclusion therefore does not prove which satellites are wrong. The residuals that
+//! pass the global test are compared with the threshold of the shift's own three unknowns.
+//!
+//! **Limits.** With two constellations the shifted one cannot be identified; with three that is not
+//! attempted. Four satellites or fewer of one constellation always agree on some position and
+//! clock. They are a rival for the exclusion of others, if those agree without it, and for none of
+//! their own.
+
+use nalgebra::{Matrix3, Vector3};
+
+use crate::integrity::raim::detection::threshold::Thresholds;
+use crate::least_squares::equations::Row;
+use crate::least_squares::{RowFit, Snapshot, invert};
+use crate::numeric::real::Real;
+use crate::numeric::space::{add_outer_product, dot, plus_scaled, scaled, symmetric_product, zero, zeros};
+use crate::satellite::Constellation;
+
+/// Unknowns of a second position.
+const UNKNOWNS: usize = 3;
+
+/// Returns true if a shifted constellation explains more of the residuals than noise and any row
+/// do.
+pub(crate) fn shows<T: Real>(snapshot: &Snapshot<'_, T>, thresholds: &Thresholds<'_>) -> bool {
+    let noise = thresholds.tau1::<T>(UNKNOWNS);
+    let least = noise.map(|tau1| tau1.max(snapshot.statistics().worst.largest));
+    let most = least.map(|least| snapshot.sse() - least).filter(|&most| most > T::zero());
+    most.is_some_and(|most| {
+        any_split(snapshot, &|split| {
+            split.mine.is_tested() && split.others.is_tested() && split.sse(snapshot) < most
+        })
+    })
+}
+
+/// Returns true if a shift explains the residuals of a snapshot of all satellites as well as the
+/// exclusion of one row, or nearly as well as that of several.
+///
+/// `found` is the sum of squares without the excluded rows.
+pub(crate) fn rivals<T: Real>(
+    snapshot: &Snapshot<'_, T>,
+    excluded: &[usize],
+    found: T,
+    thresholds: &Thresholds<'_>,
+) -> bool {
+    let Some(w_test) = thresholds.w_test::<T>(snapshot.used()) else { return false };
+    let most = if excluded.len() > 1 { found + w_test * w_test } else { found };
+    any_split(snapshot, &|split| {
+        // Only tested parts count: any exclusion among satellites that always agree would have a
+        // shift as rival.
+        let is_told =
+            |&index: &usize| snapshot.row(index).is_some_and(|(row, _)| split.part(row).is_tested());
+        let threshold = thresholds.tau1::<T>(split.dof()).filter(|_| excluded.iter().any(is_told));
+        threshold.is_some_and(|tau1| split.sse(snapshot) < tau1.min(most))
+    })
+}
+
+/// Returns true if a predicate holds for any shifted constellation.
+#[inline(never)]
+fn any_split<T: Real>(snapshot: &Snapshot<'_, T>, is_so: &dyn Fn(&Split<T>) -> bool) -> bool {
+    let systems = || Constellation::ALL.into_iter().filter(|&system| snapshot.determines(system));
+    // With two constellations both shifts are the same hypothesis.
+    let asked = if systems().count() == 2 { 1 } else { Constellation::COUNT };
+    systems()
+        .take(asked)
+        .any(|shifted| Split::of(snapshot, shifted, systems().count()).is_some_and(|split| is_so(&split)))
+}
+
+/// The rows in two parts: a shifted constellation and all others.
+struct Split<T: Real> {
+    shifted: Constellation,
+    mine: PositionPart<T>,
+    others: PositionPart<T>,
+}
+
+impl<T: Real> Split<T> {
+    /// Returns `None` if one part has no information on a position, or has rows enough for one that
+    /// they do not determine.
+    fn of(snapshot: &Snapshot<'_, T>, shifted: Constellation, clocks: usize) -> Option<Self> {
+        let (mine, others) =
+            (PositionPart::with_clocks(1), PositionPart::with_clocks(clocks.saturating_sub(1)));
+        let mut split = Self { shifted, mine, others };
+        for (row, fit) in snapshot.rows() {
+            let part = if row.clock == Some(shifted) { &mut split.mine } else { &mut split.others };
+            part.add(row, fit);
+        }
+        (split.mine.settle() && split.others.settle()).then_some(split)
+    }
+
+    fn part(&self, row: &Row<T>) -> &PositionPart<T> {
+        if row.clock == Some(self.shifted) { &self.mine } else { &self.others }
+    }
+
+    fn dof(&self) -> usize {
+        self.mine.dof + self.others.dof
+    }
+
+    /// Returns the remaining sum of squares.
+    fn sse(&self, snapshot: &Snapshot<'_, T>) -> T {
+        snapshot.rows().fold(T::zero(), |sum, (row, fit)| {
+            let part = self.part(row);
+            let left = fit.residual - dot(&fit.centred, &part.place);
+            if part.is_tested() { sum + row.weight * left * left } else { sum }
+        })
+    }
+}
+
+/// Rows of one part and the position that they determine.
+struct PositionPart<T: Real> {
+    rows: usize,
+    clocks: usize,
+    normal: Matrix3<T>,
+    gradient: Vector3<T>,
+    dof: usize,
+    /// Offset from the common position, m.
+    place: Vector3<T>,
+}
+
+impl<T: Real> PositionPart<T> {
+    fn with_clocks(clocks: usize) -> Self {
+        let (normal, gradient) = (zeros(), zero());
+        Self { rows: 0, clocks, normal, gradient, dof: 0, place: zero() }
+    }
+
+    // A row without weight adds zeros.
+    #[inline]
+    fn add(&mut self, row: &Row<T>, fit: &RowFit<T>) {
+        self.rows += usize::from(row.weight > T::zero());
+        let weighted = scaled(row.weight, &fit.centred);
+        add_outer_product(&mut self.normal, &weighted, &fit.centred);
+        self.gradient = plus_scaled(&self.gradient, fit.residual, &weighted);
+    }
+
+    /// Computes the position if there are rows enough to test it. Returns false if they determine
+    /// none, or determine only clocks.
+    #[inline(never)]
+    fn settle(&mut self) -> bool {
+        if self.rows <= self.clocks {
+            return false;
+        }
+        self.dof = self.rows.saturating_sub(UNKNOWNS + self.clocks);
+        if self.dof == 0 {
+            return true;
+        }
+        // If the rows hardly determine it, any offset is worse than the best one and explains less.
+        let place = invert(&self.normal).map(|covariance| symmetric_product(&covariance, &self.gradient));
+        self.place = place.unwrap_or_else(|_| zero());
+        place.is_ok()
+    }
+
+    /// Returns true if its rows can contradict each other. Otherwise their residuals vanish for any
+    /// data.
+    fn is_tested(&self) -> bool {
+        self.dof > 0
+    }
+}

@@ -1,0 +1,11 @@
+//! Rival hypotheses: explanations of the residuals other than the rows that were left out.
+//!
+//! | module | hypothesis |
+//! |---|---|
+//! | [`separability`] | another set of rows is faulty |
+//! | [`constellation_shift`] | a whole constellation determines another position |
+//! | [`time_tag`] | all ranges carry one wrong time |
+
+pub mod constellation_shift;
+pub mod separability;
+pub mod time_tag;

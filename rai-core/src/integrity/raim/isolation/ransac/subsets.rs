@@ -1,0 +1,39 @@
+//! The subsets of the last epoch that needed them, kept while the same satellites are visible.
+
+use heapless::Vec;
+
+use super::{MAX_WORK, Selection};
+use crate::bounded::gather;
+use crate::epoch::EpochView;
+use crate::least_squares::equations::{MAX_ROWS, Row};
+use crate::numeric::real::Real;
+use crate::satellite::SatelliteId;
+
+/// Disjoint subsets of an epoch's satellites, chosen at the first use.
+///
+/// The caller of the judging keeps them, so that judging has no other side effect.
+#[derive(Clone, Debug, Default)]
+pub struct Subsets {
+    satellites: Vec<SatelliteId, MAX_ROWS>,
+    selection: Selection,
+}
+
+impl Subsets {
+    /// Returns the subsets of no satellites.
+    pub const fn new() -> Self {
+        Self { satellites: Vec::new(), selection: Selection::none() }
+    }
+
+    /// Returns the subsets of an epoch: the kept ones if the satellites are the same.
+    #[inline(never)]
+    pub fn of<T: Real>(&mut self, epoch: &EpochView<'_>, rows: &[Row<T>]) -> &Selection {
+        let satellites = || epoch.observations().iter().map(|observation| observation.satellite);
+        if !self.satellites.iter().copied().eq(satellites()) {
+            self.satellites = gather(satellites());
+            // Without the aiding rows at the end, which come and go.
+            let of_satellites = rows.get(..self.satellites.len()).unwrap_or(rows);
+            self.selection.deal(of_satellites, MAX_WORK);
+        }
+        &self.selection
+    }
+}

@@ -1,0 +1,159 @@
+//! Enumeration of all sets of one, two or three rows, with the decrease of SSE without each.
+//!
+//! Work: `n + n(n−1)/2 + n(n−1)(n−2)/6` sets, 10,700 for 40 rows. A set costs a dozen products,
+//! because a third row that is combined with many pairs is projected out of all rows first
+//! ([`crate::least_squares::downdate`]).
+
+use crate::least_squares::downdate::{NormalisedRow, PairCandidate, ReducedRow, ReducedRows};
+use crate::numeric::real::Real;
+use crate::report::MAX_EXCLUDED;
+
+/// Returns the number of sets of up to `largest` of `rows` rows; a set has at most
+/// [`MAX_EXCLUDED`].
+pub const fn count_up_to(largest: usize, rows: usize) -> usize {
+    let (ones, twos) = (rows, rows * rows.saturating_sub(1) / 2);
+    let threes = twos * rows.saturating_sub(2) / 3;
+    match largest {
+        0 => 0,
+        1 => ones,
+        2 => ones + twos,
+        _ => ones + twos + threes,
+    }
+}
+
+/// Budget of sets that may still be compared.
+pub(in crate::integrity::raim) struct SetBudget {
+    pub(in crate::integrity::raim) left: usize,
+    /// True if more sets were needed than granted.
+    pub(in crate::integrity::raim) cut: bool,
+}
+
+impl SetBudget {
+    pub(in crate::integrity::raim) const fn new(sets: usize) -> Self {
+        Self { left: sets, cut: false }
+    }
+
+    /// Returns as many of `rows` as the budget grants, and charges them.
+    fn granted<'q, E>(&mut self, rows: &'q [E]) -> &'q [E] {
+        self.cut |= rows.len() > self.left;
+        let granted = rows.get(..self.left).unwrap_or(rows);
+        self.left -= granted.len();
+        granted
+    }
+}
+
+/// Shows each set of a size that explains at least the bar, in lexicographic order: its decrease of
+/// SSE and its rows.
+///
+/// The callback returns the new bar. Few sets reach it, so that most cost one comparison.
+// Not inlined, so that the reduced rows are off the stack when the sets are used.
+#[inline(never)]
+pub(in crate::integrity::raim) fn each_of_size<T: Real>(
+    rows: &[NormalisedRow<T>],
+    size: usize,
+    work: &mut SetBudget,
+    bar: T,
+    show: impl FnMut(T, [usize; MAX_EXCLUDED]) -> T,
+) {
+    let mut above = SetFilter { bar, show };
+    // One buffer for pairs and triples, because it is large.
+    let mut standings = ReducedRows::new();
+    match size {
+        1 => {
+            for row in work.granted(rows) {
+                above.consider(row.explained(), || [row.index, 0, 0]);
+            }
+        }
+        2 => {
+            stand(&mut standings, rows.iter().map(ReducedRow::of));
+            pairs(T::zero(), &standings, work, &mut above, |first, second| [first, second, 0]);
+        }
+        _ => triples(rows, &mut standings, work, &mut above),
+    }
+}
+
+/// Shows the decrease of SSE of each set of one or two rows that explains at least the bar, for
+/// rows beside an estimated column.
+// Not inlined, for the same reason.
+#[inline(never)]
+pub(in crate::integrity::raim) fn each_of_size_beside<'r, T: Real>(
+    rows: impl Iterator<Item = ReducedRow<'r, T>>,
+    size: usize,
+    work: &mut SetBudget,
+    bar: T,
+    mut show: impl FnMut(T) -> T,
+) {
+    let mut above = SetFilter { bar, show: |explained, _| show(explained) };
+    let mut standings = ReducedRows::new();
+    stand(&mut standings, rows);
+    match size {
+        1 => {
+            for standing in work.granted(&standings) {
+                above.consider(standing.explained(), || [standing.index(), 0, 0]);
+            }
+        }
+        _ => pairs(T::zero(), &standings, work, &mut above, |first, second| [first, second, 0]),
+    }
+}
+
+/// Least decrease of SSE that a set must reach, and the callback that receives the set.
+struct SetFilter<T, S> {
+    bar: T,
+    show: S,
+}
+
+impl<T: Real, S: FnMut(T, [usize; MAX_EXCLUDED]) -> T> SetFilter<T, S> {
+    fn consider(&mut self, explained: T, set: impl FnOnce() -> [usize; MAX_EXCLUDED]) {
+        if explained >= self.bar {
+            self.bar = (self.show)(explained, set());
+        }
+    }
+}
+
+/// Writes reduced rows into a buffer that holds as many as there are.
+fn stand<'r, T: Real>(place: &mut ReducedRows<'r, T>, standings: impl Iterator<Item = ReducedRow<'r, T>>) {
+    place.clear();
+    standings.for_each(|standing| _ = place.push(standing));
+}
+
+/// Visits all pairs of rows, beside a row that is projected out already and explains `explained`;
+/// `set` names all rows left out.
+fn pairs<T: Real>(
+    explained: T,
+    rows: &[ReducedRow<'_, T>],
+    work: &mut SetBudget,
+    above: &mut SetFilter<T, impl FnMut(T, [usize; MAX_EXCLUDED]) -> T>,
+    set: impl Fn(usize, usize) -> [usize; MAX_EXCLUDED],
+) {
+    for (first, rest) in tails(rows) {
+        if first.is_untestable() {
+            continue;
+        }
+        let going = PairCandidate::new(first);
+        for second in work.granted(rest) {
+            let explained = explained + going.explains_with(second);
+            above.consider(explained, || set(first.index(), second.index()));
+        }
+    }
+}
+
+fn triples<'r, T: Real>(
+    rows: &'r [NormalisedRow<T>],
+    standings: &mut ReducedRows<'r, T>,
+    work: &mut SetBudget,
+    above: &mut SetFilter<T, impl FnMut(T, [usize; MAX_EXCLUDED]) -> T>,
+) {
+    for (gone, rest) in tails(rows) {
+        if !work.cut {
+            let root = gone.redundancy.sqrt();
+            stand(standings, rest.iter().map(|row| ReducedRow::without(row, gone, root)));
+            pairs(gone.explained(), standings, work, above, |first, second| [gone.index, first, second]);
+        }
+    }
+}
+
+/// Iterates over each element with those after it; nested, it visits every combination once, in
+/// lexicographic order.
+fn tails<E>(elements: &[E]) -> impl Iterator<Item = (&E, &[E])> {
+    (0..elements.len()).filter_map(|first| elements.get(first..)?.split_first())
+}

@@ -1,0 +1,13 @@
+//! Classic RAIM: integrity from the residuals of one solution.
+//!
+//! | module | question |
+//! |---|---|
+//! | [`detection`] | Is a range faulty? |
+//! | [`isolation`] | Which satellites are faulty? |
+//! | [`hypotheses`] | Does another set of satellites, a shifted constellation or a wrong time explain the residuals as well? |
+//! | [`levels`] | How large can the position error be while the test passes? |
+
+pub mod detection;
+pub mod hypotheses;
+pub mod isolation;
+pub mod levels;

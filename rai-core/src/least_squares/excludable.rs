@@ -1,0 +1,70 @@
+//! The one interface of all searches: a solved epoch whose rows can be left out and taken back.
+
+use super::{Snapshot, SnapshotError};
+use crate::bit_set::members;
+use crate::numeric::real::Real;
+
+/// A solved epoch from which rows can be left out and to which they can be given back.
+///
+/// A [`Snapshot`] stays linearised about its point. A [`Fix`](super::fix::Fix) linearises again
+/// after an exclusion that moves the position far.
+pub trait Excludable<T: Real> {
+    /// Returns the linearised epoch as it is solved now.
+    fn snapshot(&self) -> &Snapshot<'_, T>;
+
+    /// Leaves one more row out and solves again.
+    ///
+    /// # Errors
+    /// The remaining rows must determine a position; otherwise nothing changes.
+    fn leave_out(&mut self, index: usize) -> Result<(), SnapshotError>;
+
+    /// Leaves out all rows of a bit set, which take part until then, and solves again.
+    ///
+    /// # Errors
+    /// As [`Self::leave_out`].
+    fn leave_out_all(&mut self, rows: u64) -> Result<(), SnapshotError>;
+
+    /// Takes rows back, all at once and about the same point, so that exclusions of one epoch can
+    /// be compared.
+    ///
+    /// # Errors
+    /// As [`Self::leave_out`].
+    fn take_back(&mut self, rows: &[usize]) -> Result<(), SnapshotError>;
+
+    /// Takes back all rows that [`Self::leave_out_all`] left out.
+    fn take_back_all(&mut self, rows: u64);
+
+    /// Leaves rows out again that [`Self::take_back`] took back, which restores the solution before
+    /// it.
+    ///
+    /// # Errors
+    /// As [`Self::leave_out`].
+    fn set_aside(&mut self, rows: &[usize]) -> Result<(), SnapshotError>;
+}
+
+impl<T: Real> Excludable<T> for Snapshot<'_, T> {
+    fn snapshot(&self) -> &Snapshot<'_, T> {
+        self
+    }
+
+    fn leave_out(&mut self, index: usize) -> Result<(), SnapshotError> {
+        Snapshot::leave_out(self, index)
+    }
+
+    fn leave_out_all(&mut self, rows: u64) -> Result<(), SnapshotError> {
+        self.reduce(members(rows))
+    }
+
+    fn take_back(&mut self, rows: &[usize]) -> Result<(), SnapshotError> {
+        self.restore(rows.iter().copied())
+    }
+
+    fn take_back_all(&mut self, rows: u64) {
+        // These rows were solved before, so that they can be solved again.
+        let _ = self.restore(members(rows));
+    }
+
+    fn set_aside(&mut self, rows: &[usize]) -> Result<(), SnapshotError> {
+        self.reduce(rows.iter().copied())
+    }
+}

@@ -1,0 +1,471 @@
+//! One 3×3 solve over any rows; the equations are in the documentation of [`super`].
+//!
+//! A solve needs no memory beside its result, so that a search may solve for a subset of the rows,
+//! or for all but one, without a copy of them.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::{RowFit, SnapshotError, Statistics};
+use crate::bit_set::members;
+use crate::least_squares::equations::Row;
+use crate::numeric::real::Real;
+use crate::numeric::space::{
+    add_outer_product, add_whole_outer_product, difference, dot, plus_scaled, scaled, symmetric_product,
+    trace, zero, zeros,
+};
+use crate::satellite::Constellation;
+
+/// Weighted means of the rows that touch one clock.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct ClockMeans<T: Real> {
+    pub(super) count: usize,
+    weight: T,
+    /// `1/W_c`.
+    pub(super) variance: T,
+    pub(super) design: Vector3<T>,
+    pub(super) residual: T,
+}
+
+impl<T: Real> ClockMeans<T> {
+    fn empty() -> Self {
+        Self { count: 0, weight: T::zero(), variance: T::zero(), design: zero(), residual: T::zero() }
+    }
+
+    #[inline]
+    fn add(&mut self, row: &Row<T>, weight: T) {
+        self.count += 1;
+        self.weight += weight;
+        self.design = plus_scaled(&self.design, weight, &row.design);
+        self.residual += row.residual * weight;
+    }
+
+    /// Converts sums to means.
+    fn centre(&mut self) {
+        if self.count > 0 {
+            self.variance = self.weight.recip();
+            self.design = scaled(self.variance, &self.design);
+            self.residual *= self.variance;
+        }
+    }
+
+    /// Removes a row from the means.
+    fn leave_out(&mut self, row: &Row<T>, centred: &Vector3<T>) {
+        self.count = self.count.saturating_sub(1);
+        self.weight -= row.weight;
+        if row.clock.is_some() {
+            self.variance = self.weight.recip();
+            let share = row.weight * self.variance;
+            self.design = difference(&self.design, &scaled(share, centred));
+            self.residual -= (row.residual - self.residual) * share;
+        }
+    }
+}
+
+/// Index of the rows that touch no clock, after the constellations.
+const CLOCKLESS: usize = Constellation::COUNT;
+
+/// Returns the index of a row's clock.
+fn place<T>(row: &Row<T>) -> usize {
+    row.clock.map_or(CLOCKLESS, |clock| clock as usize)
+}
+
+/// Means of all constellations, and the count of rows without a clock, whose means are 0 because
+/// they are not centred.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct MeansByClock<T: Real>([ClockMeans<T>; CLOCKLESS + 1]);
+
+impl<T: Real> MeansByClock<T> {
+    fn empty() -> Self {
+        Self([ClockMeans::empty(); CLOCKLESS + 1])
+    }
+
+    /// Returns the means of the rows that have a weight.
+    fn of<'r>(rows: impl Iterator<Item = &'r Row<T>>, weight: impl Fn(&Row<T>) -> T) -> Self {
+        let mut groups = Self::empty();
+        groups.fill(rows, weight);
+        groups
+    }
+
+    /// Computes the means in place.
+    #[inline]
+    fn fill<'r>(&mut self, rows: impl Iterator<Item = &'r Row<T>>, weight: impl Fn(&Row<T>) -> T) {
+        *self = Self::empty();
+        // Rows of a constellation are mostly adjacent: while they are, their sums stay in
+        // registers.
+        let (mut here, mut sums) = (CLOCKLESS, ClockMeans::empty());
+        for (row, weight) in rows.map(|row| (row, weight(row))).filter(|&(_, weight)| weight > T::zero()) {
+            let place = place(row);
+            if place != here {
+                self.set(here, &sums);
+                (here, sums) = (place, self.get(place));
+            }
+            sums.add(row, weight);
+        }
+        self.set(here, &sums);
+        let [of_clocks @ .., clockless] = &mut self.0;
+        of_clocks.iter_mut().for_each(ClockMeans::centre);
+        (clockless.design, clockless.residual) = (zero(), T::zero());
+    }
+
+    /// Returns the means at an index.
+    #[inline]
+    fn get(&self, place: usize) -> ClockMeans<T> {
+        self.0.get(place).copied().unwrap_or_else(ClockMeans::empty)
+    }
+
+    #[inline]
+    fn set(&mut self, place: usize, group: &ClockMeans<T>) {
+        if let Some(slot) = self.0.get_mut(place) {
+            *slot = *group;
+        }
+    }
+
+    /// Removes a row that is not the only one of its clock.
+    fn leave_out(&mut self, row: &Row<T>, centred: &Vector3<T>) {
+        if let Some(group) = self.0.get_mut(place(row)) {
+            group.leave_out(row, centred);
+        }
+    }
+
+    /// Returns the means of a row's clock; 0 for a clock without rows.
+    fn of_row(&self, row: &Row<T>) -> ClockMeans<T> {
+        self.get(place(row))
+    }
+
+    /// Returns a constellation's means if one of its rows takes part.
+    pub(super) fn of_clock(&self, clock: Constellation) -> Option<&ClockMeans<T>> {
+        self.0.get(clock as usize).filter(|group| group.count > 0)
+    }
+
+    /// Returns an accessor for the means of each requested row; 0 for a clock without rows.
+    fn of_rows(&self) -> MeansOfRow<'_, T> {
+        MeansOfRow { groups: self, place: CLOCKLESS, group: self.get(CLOCKLESS) }
+    }
+
+    fn of_clocks(&self) -> impl Iterator<Item = &ClockMeans<T>> {
+        self.0.iter().take(CLOCKLESS).filter(|group| group.count > 0)
+    }
+
+    /// Returns the number of rows that take part.
+    fn used(&self) -> usize {
+        self.0.iter().map(|group| group.count).sum()
+    }
+
+    /// Returns a bound on the trace of `(HᵀH)⁻¹`, clocks included, that needs no unweighted
+    /// geometry.
+    ///
+    /// No weight is above the sum of all, so that the trace is at most that sum times the trace of
+    /// the weighted covariance. There `h̄_c P h̄_cᵀ` of a clock is at most the trace of `P`,
+    /// because no mean of unit vectors is longer than 1.
+    fn largest_trace(&self, covariance: &Matrix3<T>) -> T {
+        let sum = |of: fn(&ClockMeans<T>) -> T| self.0.iter().fold(T::zero(), |sum, group| sum + of(group));
+        let positions = T::narrow((Constellation::COUNT + 1) as f64) * trace(covariance);
+        sum(|group| group.weight) * (sum(|group| group.variance) + positions)
+    }
+
+    /// Returns trace of the covariance of all unknowns, clocks included.
+    fn trace(&self, covariance: &Matrix3<T>) -> T {
+        let clocks = self
+            .of_clocks()
+            .map(|group| group.variance + dot(&group.design, &symmetric_product(covariance, &group.design)));
+        clocks.fold(trace(covariance), |sum, term| sum + term)
+    }
+}
+
+/// Means of the current row's clock. Rows of a constellation are mostly adjacent: while they are,
+/// the means stay in registers.
+struct MeansOfRow<'g, T: Real> {
+    groups: &'g MeansByClock<T>,
+    place: usize,
+    group: ClockMeans<T>,
+}
+
+impl<T: Real> MeansOfRow<'_, T> {
+    #[inline]
+    fn of(&mut self, row: &Row<T>) -> &ClockMeans<T> {
+        let place = place(row);
+        if place != self.place {
+            (self.place, self.group) = (place, self.groups.get(place));
+        }
+        &self.group
+    }
+}
+
+/// Squared w-test above which a row is removed by solving again. Below it the `f32` downdate is
+/// accurate to 1e-4 sigma.
+const GROSS: f64 = 1e6;
+
+/// Least-squares estimate: everything of a snapshot except the fits of its rows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Estimate<T: Real> {
+    pub(super) groups: MeansByClock<T>,
+    pub(super) covariance: Matrix3<T>,
+    pub(super) correction: Vector3<T>,
+    /// Bound on the trace of `(HᵀH)⁻¹`, clocks included, dimensionless.
+    largest_trace: T,
+    pub(super) used: usize,
+    pub(super) dof: usize,
+}
+
+impl<T: Real> Estimate<T> {
+    /// Returns the estimate of no rows.
+    pub(crate) fn none() -> Self {
+        Self {
+            groups: MeansByClock::empty(),
+            covariance: zeros(),
+            correction: zero(),
+            largest_trace: T::zero(),
+            used: 0,
+            dof: 0,
+        }
+    }
+
+    /// Solves for the rows that take part, in place, so that nothing large is moved. On error the
+    /// contents are unspecified.
+    ///
+    /// # Errors
+    /// As [`super::Workspace::solve`].
+    pub(crate) fn solve<'r>(
+        &mut self,
+        rows: impl Iterator<Item = &'r Row<T>> + Clone,
+    ) -> Result<(), SnapshotError> {
+        self.groups.fill(rows.clone(), |row| row.weight);
+        let groups = &self.groups;
+        self.used = groups.used();
+        self.dof =
+            self.used.checked_sub(3 + groups.of_clocks().count()).ok_or(SnapshotError::Insufficient)?;
+        let equations = NormalEquations::of(rows.clone(), groups, |row| row.weight);
+        self.covariance = invert(&equations.normal)?;
+        self.correction = symmetric_product(&self.covariance, &equations.right_hand_side);
+        self.largest_trace = groups.largest_trace(&self.covariance);
+        if self.largest_trace < T::SINGULAR || is_determined(rows) {
+            Ok(())
+        } else {
+            Err(SnapshotError::Singular)
+        }
+    }
+
+    /// Solves for a set of the rows, like [`Self::solve`].
+    ///
+    /// # Errors
+    /// As [`super::Workspace::solve`].
+    pub(crate) fn solve_set(&mut self, rows: &[Row<T>], set: u64) -> Result<(), SnapshotError> {
+        self.solve(members(set).filter_map(|index| rows.get(index)))
+    }
+
+    /// Leaves a row out by its fit ([`super::downdate`]):
+    ///
+    /// ```text
+    /// P' = P + w/r g gᵀ   x' = x − w v/r g   W' = W − w   h̄' = h̄ − w/W' d   ȳ' = ȳ − w/W' (y − ȳ)
+    /// ```
+    ///
+    /// With `w d·g ≤ 1 − r` and `w/W ≤ 1 − r` no variance grows by more than `1/r`.
+    ///
+    /// Returns false without a change if this would cost digits: for a row that is hardly tested or
+    /// takes no part, for a gross fault, and for a geometry that might be hardly determined.
+    pub(super) fn leave_out(&mut self, row: &Row<T>, fit: &RowFit<T>) -> bool {
+        let keeps_digits =
+            fit.test_weight > T::zero() && !fit.is_hardly_tested() && fit.w_squared() < T::narrow(GROSS);
+        let largest_trace = self.largest_trace / fit.redundancy;
+        let Some(dof) = self.dof.checked_sub(1).filter(|_| keeps_digits && largest_trace < T::SINGULAR)
+        else {
+            return false;
+        };
+        self.groups.leave_out(row, &fit.centred);
+        add_whole_outer_product(&mut self.covariance, &fit.gain, &scaled(fit.test_weight, &fit.gain));
+        self.correction = difference(&self.correction, &scaled(fit.test_weight * fit.residual, &fit.gain));
+        self.largest_trace = largest_trace;
+        (self.used, self.dof) = (self.used.saturating_sub(1), dof);
+        true
+    }
+
+    /// Returns covariance of the correction, m².
+    pub(crate) fn covariance(&self) -> &Matrix3<T> {
+        &self.covariance
+    }
+
+    /// Returns rows that take part.
+    pub(crate) fn used(&self) -> usize {
+        self.used
+    }
+
+    /// Returns degrees of freedom.
+    pub(crate) fn dof(&self) -> usize {
+        self.dof
+    }
+
+    /// Returns true if a row of a constellation takes part, which determines its clock.
+    pub(crate) fn determines(&self, clock: Constellation) -> bool {
+        self.groups.of_clock(clock).is_some()
+    }
+
+    /// Returns the variance `1/W_c` of the clock that a row touches for a known position, m²; 0 if
+    /// no row determines it.
+    pub(crate) fn level_variance(&self, row: &Row<T>) -> T {
+        self.groups.of_row(row).variance
+    }
+
+    /// Returns the fit of a row, which may be left out.
+    pub(crate) fn fit(&self, row: &Row<T>) -> RowFit<T> {
+        let group = self.groups.of_row(row);
+        let mut fit = compare(row, &group, &self.covariance, &self.correction);
+        fit.weigh(row, &group);
+        fit
+    }
+
+    /// Writes the fit of each row, in their order. Returns the statistics of all rows.
+    pub(super) fn fit_all(&self, rows: &[Row<T>], fits: &mut [RowFit<T>]) -> Statistics<T> {
+        // Copies, which the compiler keeps in registers while the fits are written.
+        let (covariance, correction) = (self.covariance, self.correction);
+        let (mut groups, mut statistics) = (self.groups.of_rows(), Statistics::none());
+        for (index, (row, slot)) in rows.iter().zip(fits).enumerate() {
+            let group = groups.of(row);
+            let mut fit = compare(row, group, &covariance, &correction);
+            if !fit.weigh(row, group) {
+                statistics.all_are_tested = false;
+            }
+            statistics.add(index, row, &fit);
+            *slot = fit;
+        }
+        statistics
+    }
+}
+
+/// Compares a row with the solution. Its redundancy is then the plain subtraction, and its test has
+/// no weight yet.
+#[inline]
+fn compare<T: Real>(
+    row: &Row<T>,
+    group: &ClockMeans<T>,
+    covariance: &Matrix3<T>,
+    correction: &Vector3<T>,
+) -> RowFit<T> {
+    let centred = difference(&row.design, &group.design);
+    let gain = symmetric_product(covariance, &centred);
+    RowFit {
+        centred,
+        gain,
+        residual: row.residual - group.residual - dot(&centred, correction),
+        redundancy: T::one() - row.weight * (group.variance + dot(&centred, &gain)),
+        test_weight: T::zero(),
+    }
+}
+
+impl<T: Real> RowFit<T> {
+    /// Sets the weight of the row's test. Returns false for a row that is hardly tested.
+    #[inline]
+    fn weigh(&mut self, row: &Row<T>, group: &ClockMeans<T>) -> bool {
+        // One comparison suffices for nearly all rows.
+        let is_tested = !self.is_hardly_tested();
+        if is_tested {
+            self.test_weight = row.weight / self.redundancy;
+        } else {
+            self.weigh_with_care(row, group);
+        }
+        is_tested
+    }
+
+    fn weigh_with_care(&mut self, row: &Row<T>, group: &ClockMeans<T>) {
+        // A lone satellite determines its clock, so that exactly nothing is left to test.
+        let is_lone = row.clock.is_some() && group.count == 1 && row.weight > T::zero();
+        // NaN leaves here too.
+        if is_lone || !(self.redundancy > T::zero()) {
+            self.redundancy = T::zero();
+        }
+        if self.redundancy >= T::UNTESTABLE {
+            self.test_weight = row.weight / self.redundancy;
+        }
+    }
+}
+
+/// The geometry of the rows that take part, all with the same weight.
+pub(super) struct Geometry<T: Real> {
+    groups: MeansByClock<T>,
+    pub(super) covariance: Matrix3<T>,
+}
+
+impl<T: Real> Geometry<T> {
+    pub(super) fn of<'r>(rows: impl Iterator<Item = &'r Row<T>> + Clone) -> Result<Self, SnapshotError> {
+        let equal = |row: &Row<T>| if row.weight > T::zero() { T::one() } else { T::zero() };
+        let groups = MeansByClock::of(rows.clone(), equal);
+        let equations = NormalEquations::of(rows, &groups, equal);
+        Ok(Self { groups, covariance: invert(&equations.normal)? })
+    }
+
+    pub(super) fn hdop_without(&self, row: &Row<T>) -> T {
+        let group = self.groups.of_row(row);
+        let centred = difference(&row.design, &group.design);
+        let gain = symmetric_product(&self.covariance, &centred);
+        let redundancy = T::one() - group.variance - dot(&centred, &gain);
+        let moved = gain.x * gain.x + gain.y * gain.y;
+        let increase = if redundancy > T::UNTESTABLE {
+            moved / redundancy
+        } else if dot(&gain, &gain) > T::UNMOVED * T::UNMOVED {
+            // The affected coordinate does not matter: without this row there is no position.
+            infinity()
+        } else {
+            T::zero()
+        };
+        (self.covariance.m11 + self.covariance.m22 + increase).sqrt()
+    }
+}
+
+/// Returns infinity in the scalar at hand.
+pub(crate) fn infinity<T: Real>() -> T {
+    T::narrow(f64::INFINITY)
+}
+
+/// The normal equations of the rows that take part.
+struct NormalEquations<T: Real> {
+    normal: Matrix3<T>,
+    right_hand_side: Vector3<T>,
+}
+
+impl<T: Real> NormalEquations<T> {
+    #[inline]
+    fn of<'r>(
+        rows: impl Iterator<Item = &'r Row<T>>,
+        groups: &MeansByClock<T>,
+        weight: impl Fn(&Row<T>) -> T,
+    ) -> Self {
+        let (mut normal, mut right_hand_side) = (zeros(), zero());
+        let mut groups = groups.of_rows();
+        // A row without weight adds zeros, so that no branch is needed.
+        for row in rows {
+            let group = groups.of(row);
+            let centred = difference(&row.design, &group.design);
+            let weighted = scaled(weight(row), &centred);
+            add_outer_product(&mut normal, &weighted, &centred);
+            right_hand_side = plus_scaled(&right_hand_side, row.residual - group.residual, &weighted);
+        }
+        Self { normal, right_hand_side }
+    }
+}
+
+/// Returns true if the trace of `(HᵀH)⁻¹`, clocks included, is below [`Real::SINGULAR`].
+fn is_determined<'r, T: Real>(rows: impl Iterator<Item = &'r Row<T>> + Clone) -> bool {
+    // A NaN sum fails this comparison.
+    Geometry::of(rows).is_ok_and(|plain| plain.groups.trace(&plain.covariance) < T::SINGULAR)
+}
+
+/// Inverts a symmetric matrix by `L D Lᵀ`, `P = L⁻ᵀ D⁻¹ L⁻¹`, without a root. A pivot that is not
+/// positive is singular.
+///
+/// Reads the lower triangle.
+pub(crate) fn invert<T: Real>(normal: &Matrix3<T>) -> Result<Matrix3<T>, SnapshotError> {
+    // A NaN pivot leaves here too.
+    let pivot = |value: T| if value > T::zero() { Ok(value.recip()) } else { Err(SnapshotError::Singular) };
+    let d1 = pivot(normal.m11)?;
+    let (l21, l31) = (normal.m21 * d1, normal.m31 * d1);
+    let d2 = pivot(normal.m22 - l21 * normal.m21)?;
+    let rest = normal.m32 - l31 * normal.m21;
+    let l32 = rest * d2;
+    let d3 = pivot(normal.m33 - l31 * normal.m31 - l32 * rest)?;
+    // Third row of L⁻¹ below; its second row is (−l21, 1, 0).
+    let (m31, m32) = (l21 * l32 - l31, -l32);
+    let p21 = m31 * m32 * d3 - l21 * d2;
+    let (p31, p32) = (m31 * d3, m32 * d3);
+    let p11 = d1 + l21 * l21 * d2 + m31 * p31;
+    let p22 = d2 + m32 * p32;
+    Ok(Matrix3::new(p11, p21, p31, p21, p22, p32, p31, p32, d3))
+}

@@ -1,0 +1,87 @@
+//! Memory for equations and their fits, which lends them solved or not at all.
+
+use heapless::Vec;
+use nalgebra::Vector3;
+
+use super::{RowFit, Snapshot, SnapshotError, Solved};
+use crate::least_squares::equations::LinearEpoch;
+use crate::numeric::real::Real;
+
+/// Memory for at most `N` equations and their solution, reused from epoch to epoch so that nothing
+/// large is moved.
+#[derive(Clone, Debug)]
+pub struct Workspace<T: Real, const N: usize> {
+    equations: LinearEpoch<T, N>,
+    fits: Vec<RowFit<T>, N>,
+    solved: Solved<T>,
+}
+
+impl<T: Real, const N: usize> Default for Workspace<T, N> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<T: Real, const N: usize> Workspace<T, N> {
+    /// Returns a workspace without equations.
+    #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
+    #[inline(always)]
+    pub fn new() -> Self {
+        Self { equations: LinearEpoch::new(), fits: Vec::new(), solved: Solved::none() }
+    }
+
+    /// Returns a workspace that holds these equations.
+    pub fn of(equations: LinearEpoch<T, N>) -> Self {
+        Self { equations, fits: Vec::new(), solved: Solved::none() }
+    }
+
+    /// Returns the equations.
+    pub fn equations(&self) -> &LinearEpoch<T, N> {
+        &self.equations
+    }
+
+    /// Returns the equations, for adding to or replacing them.
+    pub fn equations_mut(&mut self) -> &mut LinearEpoch<T, N> {
+        &mut self.equations
+    }
+
+    /// Solves the equations.
+    ///
+    /// # Errors
+    /// [`SnapshotError::Insufficient`] with fewer rows than unknowns (without any, too),
+    /// [`SnapshotError::Singular`] where the rows do not determine them.
+    pub fn solve(&mut self) -> Result<Snapshot<'_, T>, SnapshotError> {
+        self.solve_rows()?;
+        Ok(self.lend())
+    }
+
+    /// Copies a snapshot, so that rows can be left out of the copy. Returns `None` if the snapshot
+    /// has more than `N` rows.
+    pub fn copy_of(&mut self, snapshot: &Snapshot<'_, T>) -> Option<Snapshot<'_, T>> {
+        self.equations.copy_from(snapshot.rows, snapshot.references)?;
+        self.solved = *snapshot.solved;
+        Some(self.lend())
+    }
+
+    /// Solves the equations in place without fits. Returns the correction of the position, east,
+    /// north, up, m.
+    ///
+    /// # Errors
+    /// As [`Self::solve`].
+    pub(crate) fn solve_rows(&mut self) -> Result<Vector3<T>, SnapshotError> {
+        self.solved.estimate.solve(self.equations.rows().iter())?;
+        Ok(self.solved.estimate.correction)
+    }
+
+    /// Lends the last solution of [`Self::solve_rows`], with the fit of each row.
+    pub(crate) fn lend(&mut self) -> Snapshot<'_, T> {
+        let Self { equations, fits, solved } = self;
+        let (rows, references) = equations.parts_mut();
+        // Both vectors hold `N`, so that there is always capacity. A vector that is long enough is
+        // overwritten, which avoids a copy on the stack.
+        fits.truncate(rows.len());
+        while fits.len() < rows.len() && fits.push(RowFit::nothing()).is_ok() {}
+        solved.fit_all(rows, fits);
+        Snapshot { rows, references, fits, solved }
+    }
+}
