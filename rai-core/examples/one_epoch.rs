@@ -1,12 +1,12 @@
 //! One epoch from ranges to a verdict: seven satellites, of which one is wrong by 80 m.
 //!
-//! `cargo run --package rai-core --example one_epoch`
+//! `cargo run --package raim-core --example one_epoch`
 
-use rai_core::epoch::{Epoch, Observation};
-use rai_core::frame::{Ecef, Enu, LocalFrame};
-use rai_core::monitor::Monitor;
-use rai_core::requirements::Requirements;
-use rai_core::satellite::{Constellation, SatelliteId};
+use raim_core::epoch::{Epoch, Observation};
+use raim_core::frame::{Ecef, Enu, LocalFrame};
+use raim_core::monitor::Monitor;
+use raim_core::requirements::Requirements;
+use raim_core::satellite::{Constellation, SatelliteId};
 
 /// East, north and up of the satellites, m: one in the zenith, six around it.
 const DIRECTIONS_M: [[f64; 3]; 7] = [

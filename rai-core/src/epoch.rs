@@ -45,7 +45,7 @@ const SIGMA_M: core::ops::RangeInclusive<f64> = 1e-3..=1e6;
 /// One satellite's corrected range, with the satellite's position when it sent the signal.
 ///
 /// ```
-/// use rai_core::{Constellation, Ecef, Observation, SatelliteId};
+/// use raim_core::{Constellation, Ecef, Observation, SatelliteId};
 ///
 /// let observation = Observation {
 ///     satellite: SatelliteId::new(Constellation::Gps, 5).ok_or("number must be within 1 to 99")?,
@@ -134,8 +134,8 @@ impl core::error::Error for EpochError {}
 /// The ranges of one instant, at most `N`.
 ///
 /// ```
-/// use rai_core::{Constellation, Ecef, Epoch, Observation, SatelliteId};
-/// use rai_core::epoch::EpochError;
+/// use raim_core::{Constellation, Ecef, Epoch, Observation, SatelliteId};
+/// use raim_core::epoch::EpochError;
 ///
 /// let mut epoch = Epoch::<16>::new(345_600.0);
 /// let satellite = SatelliteId::new(Constellation::Galileo, 31).ok_or("no such satellite")?;

@@ -49,7 +49,7 @@ const SEMI_MINOR_AXIS_M: f64 = SEMI_MAJOR_AXIS_M * (1.0 - FLATTENING);
 /// An earth-fixed position or difference of positions, in metres.
 ///
 /// ```
-/// use rai_core::Ecef;
+/// use raim_core::Ecef;
 ///
 /// let satellite = Ecef::new(26_560_000.0, 0.0, 0.0);
 /// let receiver = Ecef::new(6_378_137.0, 0.0, 0.0);

@@ -27,7 +27,7 @@
 //! Six satellites agree on a position, and the monitor protects it:
 //!
 //! ```
-//! use rai_core::{Ecef, Epoch, Monitor, Observation, Requirements, SatelliteId, Verdict};
+//! use raim_core::{Ecef, Epoch, Monitor, Observation, Requirements, SatelliteId, Verdict};
 //!
 //! let receiver = Ecef::new(6_378_137.0, 0.0, 0.0); // on the equator and the prime meridian
 //! let clock_m = 150.0; // the receiver clock, which every range contains

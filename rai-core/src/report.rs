@@ -18,8 +18,8 @@ pub const MAX_EXCLUDED: usize = 3;
 /// The answer to one question: may the position be used?
 ///
 /// ```
-/// use rai_core::Verdict;
-/// use rai_core::report::{Protected, Unavailable};
+/// use raim_core::Verdict;
+/// use raim_core::report::{Protected, Unavailable};
 ///
 /// let may_use = |verdict: Verdict| matches!(verdict, Verdict::Protected(_));
 /// assert!(may_use(Verdict::Protected(Protected::Ok)));
@@ -228,8 +228,8 @@ pub struct Suspect {
 /// Results for one epoch, at most `N` satellites.
 ///
 /// ```
-/// use rai_core::{Epoch, Monitor, Requirements, Verdict};
-/// use rai_core::report::Unavailable;
+/// use raim_core::{Epoch, Monitor, Requirements, Verdict};
+/// use raim_core::report::Unavailable;
 ///
 /// let mut monitor = Monitor::<f32, 16>::new(Requirements::terminal())?;
 /// let report = monitor.process(&Epoch::new(0.0)); // no satellite

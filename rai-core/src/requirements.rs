@@ -16,8 +16,8 @@ use crate::numeric::probability::Probability;
 /// Requirements of an operation.
 ///
 /// ```
-/// use rai_core::Requirements;
-/// use rai_core::requirements::RequirementsError;
+/// use raim_core::Requirements;
+/// use raim_core::requirements::RequirementsError;
 ///
 /// let mut requirements = Requirements::lpv200();
 /// assert_eq!((requirements.hal_m, requirements.val_m), (40.0, Some(35.0)));

@@ -16,7 +16,7 @@ use core::str::FromStr;
 /// A satellite navigation system with its own time scale, hence with its own receiver clock offset.
 ///
 /// ```
-/// use rai_core::Constellation;
+/// use raim_core::Constellation;
 ///
 /// assert_eq!(Constellation::from_letter('C'), Some(Constellation::Beidou));
 /// assert_eq!(Constellation::ALL.map(Constellation::letter), ['G', 'C', 'E', 'R']);
@@ -67,13 +67,13 @@ const QZSS: u8 = 192;
 /// One satellite, named as in RINEX: `G05`, `C12`, `E31`, `J02`.
 ///
 /// ```
-/// use rai_core::{Constellation, SatelliteId};
+/// use raim_core::{Constellation, SatelliteId};
 ///
 /// let satellite: SatelliteId = "E31".parse()?;
 /// assert_eq!(satellite.constellation(), Constellation::Galileo);
 /// assert_eq!((satellite.number(), satellite.to_string().as_str()), (31, "E31"));
 /// assert!("X01".parse::<SatelliteId>().is_err());
-/// # Ok::<(), rai_core::satellite::ParseSatelliteError>(())
+/// # Ok::<(), raim_core::satellite::ParseSatelliteError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]

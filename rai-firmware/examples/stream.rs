@@ -1,7 +1,7 @@
 //! The smallest program around the module: a receiver's bytes from standard input, sentences to
 //! standard output.
 //!
-//! `cargo run --package rai-firmware --example stream < capture.rtcm3`
+//! `cargo run --package raim-firmware --example stream < capture.rtcm3`
 //!
 //! A thread reads, because the module has to see the clock while the line is silent: it reports
 //! `STALE` and drops the pin without a byte.
@@ -13,7 +13,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use embedded_hal::digital::{ErrorType, OutputPin};
-use rai_firmware::receiver::{Boot, Receiver};
+use raim_firmware::receiver::{Boot, Receiver};
 
 /// How often the module looks at the clock.
 const TICK: Duration = Duration::from_millis(100);

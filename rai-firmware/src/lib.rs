@@ -1,7 +1,7 @@
 //! The receiver around the integrity core: RTCM 3 and UBX in, sentences and a fail-safe pin out.
 //!
 //! A GNSS receiver measures ranges and forwards the navigation messages of the satellites. From
-//! these bytes the module computes its own position and asks [`rai_core`] whether it may be used.
+//! these bytes the module computes its own position and asks [`raim_core`] whether it may be used.
 //! It reports the answer to the host in NMEA 0183, and by the level of one pin. Data pass through
 //! the modules in this order:
 //!

@@ -8,18 +8,18 @@ use core::cell::Cell;
 
 use heapless::Vec;
 use nalgebra::Vector3;
-use rai_core::epoch::Epoch;
-use rai_core::frame::Ecef;
+use raim_core::epoch::Epoch;
+use raim_core::frame::Ecef;
 #[cfg(feature = "araim")]
-use rai_core::monitor::Method;
-use rai_core::monitor::{MonitorError, Search};
-use rai_core::numeric::real::Real;
-use rai_core::report::{Alert, MAX_EXCLUDED, Report, Unavailable, Verdict};
-use rai_core::requirements::Requirements;
-use rai_core::satellite::{Constellation, SatelliteId};
-use rai_core::single::{self, Monitor, MonitorWorkspace, Workspace};
-use rai_core::velocity::Velocity;
-use rai_core::weighting::Ism;
+use raim_core::monitor::Method;
+use raim_core::monitor::{MonitorError, Search};
+use raim_core::numeric::real::Real;
+use raim_core::report::{Alert, MAX_EXCLUDED, Report, Unavailable, Verdict};
+use raim_core::requirements::Requirements;
+use raim_core::satellite::{Constellation, SatelliteId};
+use raim_core::single::{self, Monitor, MonitorWorkspace, Workspace};
+use raim_core::velocity::Velocity;
+use raim_core::weighting::Ism;
 
 use crate::correction::horizon::coordinates_m;
 use crate::correction::{

@@ -8,7 +8,7 @@
 //! | `PRAIL` | every 60 s |
 
 use embedded_io::Write;
-use rai_core::report::Verdict;
+use raim_core::report::Verdict;
 
 use crate::output::Statement;
 #[cfg(feature = "mavlink")]

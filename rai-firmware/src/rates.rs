@@ -20,10 +20,10 @@
 //! a satellite has changed between the epochs, its velocity is not computed, because sets differ by
 //! metres.
 //!
-//! The velocity has its own test ([`rai_core::velocity`]) with the probabilities of the position. A
+//! The velocity has its own test ([`raim_core::velocity`]) with the probabilities of the position. A
 //! velocity that fails the test, or exceeds the largest speed of a receiver, is not reported. After
 //! contradictory rates, a velocity is reported again only when rates have agreed for the
-//! recovery time of positions ([`rai_core::continuity`]), because some of many false rates agree by
+//! recovery time of positions ([`raim_core::continuity`]), because some of many false rates agree by
 //! chance. If the negative of all rates would pass, the receiver sends them with the wrong sign, as
 //! early firmware of a common receiver does. Such rates are counted by their own name and not used.
 //!
@@ -32,12 +32,12 @@
 
 use heapless::Vec;
 use nalgebra::Vector3;
-use rai_core::continuity::{ContinuitySettings, Standing};
-use rai_core::frame::{EARTH_ROTATION_RAD_S, Ecef, LocalFrame, SPEED_OF_LIGHT_M_S};
-use rai_core::numeric::real::Real;
-use rai_core::satellite::SatelliteId;
-use rai_core::single::{self, Monitor, Workspace};
-use rai_core::velocity::{RangeRate, Velocity, VelocityError};
+use raim_core::continuity::{ContinuitySettings, Standing};
+use raim_core::frame::{EARTH_ROTATION_RAD_S, Ecef, LocalFrame, SPEED_OF_LIGHT_M_S};
+use raim_core::numeric::real::Real;
+use raim_core::satellite::SatelliteId;
+use raim_core::single::{self, Monitor, Workspace};
+use raim_core::velocity::{RangeRate, Velocity, VelocityError};
 
 use crate::correction::horizon::{Horizon, coordinates_m};
 use crate::correction::{CAPACITY, Located, Sky};

@@ -19,8 +19,8 @@
 //! [GLO-ICD]: crate#references
 
 use heapless::Vec;
-use rai_core::frame::SPEED_OF_LIGHT_M_S;
-use rai_core::satellite::SatelliteId;
+use raim_core::frame::SPEED_OF_LIGHT_M_S;
+use raim_core::satellite::SatelliteId;
 
 use crate::time::GpsTime;
 

@@ -20,12 +20,12 @@
 //! [Yang2015]: crate#references
 
 use nalgebra::Vector3;
-use rai_core::frame::{Ecef, LocalFrame};
-use rai_core::integrity::raim::detection::threshold::Thresholds;
-use rai_core::numeric::probability::Probability;
-use rai_core::numeric::real::Real;
-use rai_core::satellite::Constellation;
-use rai_core::single::{self, Workspace};
+use raim_core::frame::{Ecef, LocalFrame};
+use raim_core::integrity::raim::detection::threshold::Thresholds;
+use raim_core::numeric::probability::Probability;
+use raim_core::numeric::real::Real;
+use raim_core::satellite::Constellation;
+use raim_core::single::{self, Workspace};
 
 use crate::input;
 

@@ -16,12 +16,12 @@ use criterion::{
     BenchmarkGroup, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main,
     measurement::WallTime,
 };
-use rai_core::integrity::raim::isolation::parity;
-use rai_core::monitor::{Method, Monitor, Strategy};
-use rai_core::numeric::real::Real;
-use rai_core::requirements::Requirements;
-use rai_firmware::correction::CAPACITY;
-use rai_firmware::time::GpsTime;
+use raim_core::integrity::raim::isolation::parity;
+use raim_core::monitor::{Method, Monitor, Strategy};
+use raim_core::numeric::real::Real;
+use raim_core::requirements::Requirements;
+use raim_firmware::correction::CAPACITY;
+use raim_firmware::time::GpsTime;
 use tests_host::bench::workload::{Stream, Wrong, epoch, site};
 use tests_host::replay::{Lump, Pace, on_host};
 

@@ -25,8 +25,8 @@
 
 use std::fmt;
 
-use rai_core::frame::Enu;
-use rai_core::satellite::{Constellation, SatelliteId};
+use raim_core::frame::Enu;
+use raim_core::satellite::{Constellation, SatelliteId};
 
 use crate::measurement::MeasuredEpoch;
 

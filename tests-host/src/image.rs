@@ -115,7 +115,7 @@ impl CompiledFor {
 }
 
 /// Arguments of cargo that select the shipped image.
-pub const SHIPPED: [&str; 2] = ["--bin", "rai-firmware"];
+pub const SHIPPED: [&str; 2] = ["--bin", "raim-firmware"];
 
 /// Builds the image and returns its path.
 ///
@@ -148,7 +148,7 @@ pub fn build_with(chosen: &[&str]) -> anyhow::Result<PathBuf> {
 /// As [`build`].
 pub fn build_small() -> anyhow::Result<PathBuf> {
     let folder = Path::new("target/small");
-    built(apart(cargo().args(["image", "--bin", "rai-firmware", "--no-default-features"]), folder))
+    built(apart(cargo().args(["image", "--bin", "raim-firmware", "--no-default-features"]), folder))
 }
 
 /// Makes cargo write its results to a folder without files of the same names. Intermediate files
@@ -192,7 +192,7 @@ pub fn build_for(machine: Machine, chosen: &[&str]) -> anyhow::Result<PathBuf> {
     let mut cargo = cargo();
     cargo
         .args(["build", "--profile", "firmware", "--target", "thumbv7em-none-eabihf"])
-        .args(["--package", "rai-firmware", "--features", "mps2-an500"])
+        .args(["--package", "raim-firmware", "--features", "mps2-an500"])
         .args(chosen)
         .env("RUSTFLAGS", SECOND_BOARD_FLAGS);
     built(apart(&mut cargo, Path::new("target/mps2_an500")))

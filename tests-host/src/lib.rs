@@ -47,7 +47,7 @@
 //! | `ARMv7-M` | ARM DDI 0403, *ARMv7-M Architecture Reference Manual* |
 //! | `BDS-SIS-ICD` | CSNO, *`BeiDou` Signal In Space ICD, Open Service Signal B1I*, version 3.0, 2019 |
 //! | `Brown1997` | R. G. Brown, P. Y. C. Hwang, *Introduction to Random Signals and Applied Kalman Filtering*, 3rd ed., 1997 |
-//! | `Chen2009`, `Lin2016`, `Parity`, `Tian2024`, `Yang2015`, `DO-229`, `WGS84` | see the crate [`rai_core`] |
+//! | `Chen2009`, `Lin2016`, `Parity`, `Tian2024`, `Yang2015`, `DO-229`, `WGS84` | see the crate [`raim_core`] |
 //! | `DS8626` | STMicroelectronics, *STM32F405xx STM32F407xx*, data sheet |
 //! | `Galileo-OS-SDD` | European Union, *Galileo Open Service: Service Definition Document*, version 1.3, 2023 |
 //! | `Galileo-OS-SIS-ICD` | European Union, *Galileo Open Service Signal In Space ICD* |

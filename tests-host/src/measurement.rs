@@ -11,8 +11,8 @@
 //! [`crate::recording`] and [`crate::sky`] make these values, [`crate::fault`] changes them,
 //! [`crate::encode`] sends them.
 
-use rai_core::satellite::SatelliteId;
-use rai_firmware::time::GpsTime;
+use raim_core::satellite::SatelliteId;
+use raim_firmware::time::GpsTime;
 use rtcm_rs::msg::{Msg1019T, Msg1020T, Msg1042T, Msg1044T, Msg1045T, Msg1046T};
 
 /// All measurements of one instant.

@@ -4,7 +4,7 @@
 //! clocks are columns here, and rows are left out by solving again.
 
 use nalgebra::{DMatrix, DVector};
-use rai_core::satellite::Constellation;
+use raim_core::satellite::Constellation;
 
 /// One range: direction east, north, up; constellation; residual and standard deviation in metres.
 #[derive(Clone, Copy, Debug)]

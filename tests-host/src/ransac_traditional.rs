@@ -17,7 +17,7 @@
 //! [Tian2024]: crate#references
 
 use nalgebra::{DMatrix, DVector};
-use rai_core::satellite::Constellation;
+use raim_core::satellite::Constellation;
 
 use crate::oracle::Range;
 

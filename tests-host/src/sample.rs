@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use anyhow::{Context, Result, bail, ensure};
-use rai_core::frame::Ecef;
+use raim_core::frame::Ecef;
 
 /// Package, and its only version whose content is known.
 const PACKAGE: &str = "cssrlib==1.2.1";

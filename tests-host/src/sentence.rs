@@ -10,8 +10,8 @@
 //! [`epochs`] combines them again: an epoch begins with its `GNS`.
 
 use anyhow::{Context, bail, ensure};
-use rai_core::frame::Geodetic;
-use rai_core::satellite::SatelliteId;
+use raim_core::frame::Geodetic;
+use raim_core::satellite::SatelliteId;
 
 use crate::fault::satellite;
 

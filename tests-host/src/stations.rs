@@ -1,6 +1,6 @@
 //! Real recordings of the reference folder: their files, and the places of their antennas.
 
-use rai_core::frame::Ecef;
+use raim_core::frame::Ecef;
 
 use crate::recording::Recording;
 use crate::shared;

@@ -13,7 +13,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail, ensure};
-use rai_core::integrity::raim::detection::threshold::{MAX_DOF, MAX_TESTS};
+use raim_core::integrity::raim::detection::threshold::{MAX_DOF, MAX_TESTS};
 
 use crate::chi_square;
 
@@ -30,7 +30,7 @@ pub const MISSED_DETECTION: [f64; 4] = [1e-3, 1e-4, 1e-5, 1e-6];
 pub const TOLERANCE: f64 = 1e-12;
 
 /// Rows of one pair of probabilities, in the form of
-/// [`rai_core::integrity::raim::detection::threshold::Thresholds`].
+/// [`raim_core::integrity::raim::detection::threshold::Thresholds`].
 #[derive(Clone, Debug)]
 pub struct Rows {
     /// Thresholds of the global test for 1, 2, … degrees of freedom.

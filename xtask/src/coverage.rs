@@ -25,7 +25,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         "cargo-llvm-cov is missing: rustup component add llvm-tools && cargo install cargo-llvm-cov"
     );
     let mut command = cargo();
-    let tests: &[&str] = if arguments.all { &["--workspace"] } else { &["--package", "rai-core"] };
+    let tests: &[&str] = if arguments.all { &["--workspace"] } else { &["--package", "raim-core"] };
     command.args(["llvm-cov", "test"]).args(tests);
     // Only the core is counted, without the tests inside it.
     command.args(["--ignore-filename-regex", "(rai-firmware|tests-host|xtask)/|/tests"]);

@@ -14,9 +14,9 @@ const TARGET: &str = "armv7-unknown-linux-gnueabihf";
 /// Cholesky factor is nalgebra's, which borrows one column while it writes to another; Miri's
 /// stacked borrows do not allow that.
 const TESTS: [&[&str]; 4] = [
-    &["--package", "rai-core", "--lib"],
-    &["--package", "rai-core", "--test", "epoch", "--test", "frame", "--test", "monitor"],
-    &["--package", "rai-firmware", "--lib"],
+    &["--package", "raim-core", "--lib"],
+    &["--package", "raim-core", "--test", "epoch", "--test", "frame", "--test", "monitor"],
+    &["--package", "raim-firmware", "--lib"],
     &["--package", "rai-capi"],
 ];
 

@@ -26,7 +26,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         "cargo-mutants is missing: cargo install cargo-mutants"
     );
     let mut command = cargo();
-    command.args(["mutants", "--package", "rai-core", "--output", "target"]).args(&arguments.rest);
+    command.args(["mutants", "--package", "raim-core", "--output", "target"]).args(&arguments.rest);
     // A test with a counterexample has detected the change, so the smallest one is not needed.
     command.env("PROPTEST_MAX_SHRINK_ITERS", "0").env("PROPTEST_FAILURE_PERSISTENCE", "off");
     let status = command.status().context("cargo-mutants cannot be run")?;

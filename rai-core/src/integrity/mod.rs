@@ -44,12 +44,12 @@ use raim::levels::{KFactors, LevelInputs, Levels, common_shift};
 /// Method that finds the faulty satellites.
 ///
 /// ```
-/// use rai_core::{Method, Monitor, Requirements};
-/// use rai_core::monitor::Strategy;
+/// use raim_core::{Method, Monitor, Requirements};
+/// use raim_core::monitor::Strategy;
 ///
 /// let mut monitor = Monitor::<f32, 16>::new(Requirements::en_route())?;
 /// monitor.set_strategy(Strategy { method: Method::Baarda, ..Strategy::DEFAULT });
-/// # Ok::<(), rai_core::monitor::MonitorError>(())
+/// # Ok::<(), raim_core::monitor::MonitorError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]

@@ -90,12 +90,12 @@ impl Strategy {
 /// Integrity monitor for the positions of one receiver, at most `N` satellites at a time.
 ///
 /// ```
-/// use rai_core::{Epoch, Monitor, Requirements, Verdict};
+/// use raim_core::{Epoch, Monitor, Requirements, Verdict};
 ///
 /// let mut monitor = Monitor::<f32, 16>::new(Requirements::en_route())?;
 /// let report = monitor.process(&Epoch::new(0.0)); // no satellite, so that there is no position
 /// assert!(matches!(report.verdict, Verdict::Unavailable(_)));
-/// # Ok::<(), rai_core::monitor::MonitorError>(())
+/// # Ok::<(), raim_core::monitor::MonitorError>(())
 /// ```
 ///
 /// The [crate documentation](crate#example) has an epoch that ends protected.

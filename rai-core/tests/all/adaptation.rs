@@ -1,8 +1,8 @@
 //! Adaptive sigmas: their factor, their delay and their bounds.
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
-use rai_core::satellite::{Constellation, SatelliteId};
-use rai_core::weighting::adaptation::{Adaptation, LEAST_DOF, Residuals};
+use raim_core::satellite::{Constellation, SatelliteId};
+use raim_core::weighting::adaptation::{Adaptation, LEAST_DOF, Residuals};
 
 /// One epoch a second with ten degrees of freedom, each with this SSE/dof.
 fn after(epochs: u32, factor: f64) -> Adaptation {

@@ -4,10 +4,10 @@
 
 use crate::noise::Noise;
 use proptest::prelude::*;
-use rai_core::clock::{
+use raim_core::clock::{
     Autoregression, CoastingClock, Forecast, HOLD_OVER_STEPS, INFLATION, MIN_VALUES, Observed, WINDOW,
 };
-use rai_core::numeric::real::Real;
+use raim_core::numeric::real::Real;
 
 /// A level of one second, a drift of 300 m/s, and noise of the rate, 1 m each second; measured
 /// exactly.

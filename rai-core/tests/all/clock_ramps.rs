@@ -7,12 +7,12 @@
 
 use crate::noise::Noise;
 use crate::sky::{self, SIGMA_M, receiver, satellite};
-use rai_core::epoch::Epoch;
-use rai_core::frame::LocalFrame;
-use rai_core::monitor::{Monitor, Strategy};
-use rai_core::report::{Report, Verdict};
-use rai_core::requirements::Requirements;
-use rai_core::satellite::Constellation;
+use raim_core::epoch::Epoch;
+use raim_core::frame::LocalFrame;
+use raim_core::monitor::{Monitor, Strategy};
+use raim_core::report::{Report, Verdict};
+use raim_core::requirements::Requirements;
+use raim_core::satellite::Constellation;
 
 const CAPACITY: usize = 16;
 const GEOMETRIES: u64 = 40;

@@ -1,12 +1,12 @@
 //! An error that all ranges share: the levels grow by its effect on the position.
 #![allow(clippy::unwrap_used)]
 
-use rai_core::epoch::{Epoch, EpochError, Observation};
-use rai_core::frame::{Ecef, Enu, Geodetic, LocalFrame};
-use rai_core::monitor::Monitor;
-use rai_core::report::Report;
-use rai_core::requirements::Requirements;
-use rai_core::satellite::{Constellation, SatelliteId};
+use raim_core::epoch::{Epoch, EpochError, Observation};
+use raim_core::frame::{Ecef, Enu, Geodetic, LocalFrame};
+use raim_core::monitor::Monitor;
+use raim_core::report::Report;
+use raim_core::requirements::Requirements;
+use raim_core::satellite::{Constellation, SatelliteId};
 
 const N: usize = 20;
 

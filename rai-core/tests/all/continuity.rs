@@ -3,9 +3,9 @@
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
 use heapless::Vec;
-use rai_core::continuity::{Continuity, ContinuityError, ContinuitySettings, Recovery};
-use rai_core::frame::Geodetic;
-use rai_core::report::{
+use raim_core::continuity::{Continuity, ContinuityError, ContinuitySettings, Recovery};
+use raim_core::frame::Geodetic;
+use raim_core::report::{
     Alert, Protected, ProtectionLevels, Report, Solution, TestStatistic, Unavailable, Verdict,
 };
 

@@ -1,9 +1,9 @@
 //! The global test and its report.
 #![allow(clippy::unwrap_used, clippy::float_cmp)]
 
-use rai_core::integrity::raim::detection::Detection;
-use rai_core::report::Solution;
-use rai_core::requirements::{Requirements, RequirementsError};
+use raim_core::integrity::raim::detection::Detection;
+use raim_core::report::Solution;
+use raim_core::requirements::{Requirements, RequirementsError};
 
 fn detection(sse: f64, threshold: f64) -> Detection<f64> {
     Detection { sse, threshold, dof: 4 }
@@ -27,8 +27,8 @@ fn the_statistic_is_a_root_mean_square() {
 #[test]
 fn dilutions_add_in_squares() {
     let mut solution = Solution {
-        position: rai_core::frame::Ecef::CENTRE,
-        geodetic: rai_core::frame::Geodetic { latitude_rad: 0.0, longitude_rad: 0.0, height_m: 0.0 },
+        position: raim_core::frame::Ecef::CENTRE,
+        geodetic: raim_core::frame::Geodetic { latitude_rad: 0.0, longitude_rad: 0.0, height_m: 0.0 },
         covariance_m2: [0.0; 6],
         clocks_m: [None; 4],
         hdop: 3.0,

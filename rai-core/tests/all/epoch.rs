@@ -1,9 +1,9 @@
 //! Inputs that an epoch refuses, and that leave it unchanged.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing)]
 
-use rai_core::epoch::{Aiding, Epoch, EpochError, Observation};
-use rai_core::frame::Ecef;
-use rai_core::satellite::{Constellation, SatelliteId};
+use raim_core::epoch::{Aiding, Epoch, EpochError, Observation};
+use raim_core::frame::Ecef;
+use raim_core::satellite::{Constellation, SatelliteId};
 
 fn observation(number: u8) -> Observation {
     Observation {

@@ -1,7 +1,7 @@
 //! Frames against closed forms of the ellipsoid.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing, clippy::float_cmp)]
 
-use rai_core::frame::{Ecef, Enu, FLATTENING, Geodetic, LocalFrame, SEMI_MAJOR_AXIS_M};
+use raim_core::frame::{Ecef, Enu, FLATTENING, Geodetic, LocalFrame, SEMI_MAJOR_AXIS_M};
 
 fn assert_close(what: &str, have: f64, want: f64, tolerance: f64) {
     assert!((have - want).abs() <= tolerance, "{what}: have {have}, want {want}");

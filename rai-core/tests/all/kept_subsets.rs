@@ -2,10 +2,10 @@
 //! rows.
 #![allow(clippy::unwrap_used)]
 
-use rai_core::epoch::{Aiding, Epoch};
-use rai_core::integrity::raim::isolation::ransac::{MAX_WORK, Selection, Subsets};
-use rai_core::least_squares::Workspace;
-use rai_core::satellite::Constellation;
+use raim_core::epoch::{Aiding, Epoch};
+use raim_core::integrity::raim::isolation::ransac::{MAX_WORK, Selection, Subsets};
+use raim_core::least_squares::Workspace;
+use raim_core::satellite::Constellation;
 
 use crate::sky::{observe, receiver, satellite};
 
@@ -49,7 +49,7 @@ fn they_are_those_of_the_epoch_that_asked_first() {
         epoch(1, 0.0).observations().iter().zip(epoch(1, 0.0).observations().iter().rev())
     {
         let id = place.satellite;
-        other.push(rai_core::epoch::Observation { satellite: id, ..*observation }).unwrap();
+        other.push(raim_core::epoch::Observation { satellite: id, ..*observation }).unwrap();
     }
     assert_ne!(dealt(&other), have);
     assert_eq!(asked(&mut subsets, &other), have);

@@ -2,12 +2,12 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing)]
 
 use crate::sky::{self, DIRECTIONS, receiver, satellite};
-use rai_core::epoch::{Epoch, Observation};
-use rai_core::frame::Ecef;
-use rai_core::monitor::Monitor;
-use rai_core::report::{Alert, Protected, Report, Unavailable, Verdict};
-use rai_core::requirements::Requirements;
-use rai_core::satellite::{Constellation, SatelliteId};
+use raim_core::epoch::{Epoch, Observation};
+use raim_core::frame::Ecef;
+use raim_core::monitor::Monitor;
+use raim_core::report::{Alert, Protected, Report, Unavailable, Verdict};
+use raim_core::requirements::Requirements;
+use raim_core::satellite::{Constellation, SatelliteId};
 
 const CAPACITY: usize = 24;
 const CLOCKS_M: [f64; 4] = [1234.5, -271_828.0, 31.4, 0.0];

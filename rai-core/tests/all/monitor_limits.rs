@@ -2,12 +2,12 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing)]
 
 use crate::sky::{DIRECTIONS, SIGMA_M, observe, receiver, satellite};
-use rai_core::epoch::{Aiding, Epoch, Observation};
-use rai_core::frame::{Ecef, LocalFrame};
-use rai_core::monitor::{Method, Monitor, Strategy};
-use rai_core::report::{Alert, Protected, Report, Unavailable, Verdict};
-use rai_core::requirements::Requirements;
-use rai_core::satellite::Constellation;
+use raim_core::epoch::{Aiding, Epoch, Observation};
+use raim_core::frame::{Ecef, LocalFrame};
+use raim_core::monitor::{Method, Monitor, Strategy};
+use raim_core::report::{Alert, Protected, Report, Unavailable, Verdict};
+use raim_core::requirements::Requirements;
+use raim_core::satellite::Constellation;
 
 const CAPACITY: usize = 16;
 

@@ -8,12 +8,12 @@
 
 use crate::noise::Noise;
 use crate::sky::{self, SIGMA_M, receiver, satellite};
-use rai_core::epoch::Epoch;
-use rai_core::integrity::raim::isolation::parity::Isolation;
-use rai_core::monitor::{Method, Monitor, Strategy};
-use rai_core::report::{Report, Verdict};
-use rai_core::requirements::Requirements;
-use rai_core::satellite::Constellation;
+use raim_core::epoch::Epoch;
+use raim_core::integrity::raim::isolation::parity::Isolation;
+use raim_core::monitor::{Method, Monitor, Strategy};
+use raim_core::report::{Report, Verdict};
+use raim_core::requirements::Requirements;
+use raim_core::satellite::Constellation;
 
 const CAPACITY: usize = 16;
 const SKIES: u64 = 400;
@@ -53,7 +53,7 @@ fn judged(method: Method, epoch: &Epoch<CAPACITY>) -> Report<CAPACITY> {
 /// Returns true if a protected position is horizontally beyond its level.
 fn misleads(report: &Report<CAPACITY>) -> bool {
     let (Some(solution), Some(levels)) = (&report.solution, report.protection) else { return false };
-    let frame = rai_core::frame::LocalFrame::at(receiver());
+    let frame = raim_core::frame::LocalFrame::at(receiver());
     let error_m = frame.rotate(solution.position - receiver()).horizontal();
     matches!(report.verdict, Verdict::Protected(_)) && error_m > levels.hpl_m
 }

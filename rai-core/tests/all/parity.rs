@@ -3,17 +3,17 @@
 
 use nalgebra::Vector3;
 use proptest::prelude::*;
-use rai_core::integrity::raim::detection::threshold::Thresholds;
-use rai_core::integrity::raim::isolation::exclusion::{Exclusion, ExclusionOutcome, Unidentified};
-use rai_core::integrity::raim::isolation::parity::{
+use raim_core::integrity::raim::detection::threshold::Thresholds;
+use raim_core::integrity::raim::isolation::exclusion::{Exclusion, ExclusionOutcome, Unidentified};
+use raim_core::integrity::raim::isolation::parity::{
     Isolation, MAX_SETS, ParityFinding, SearchLimits, correlation_threshold, exclude, grouping, hybrid,
     hybrid_without_grouping, sequential, simultaneous,
 };
-use rai_core::least_squares::Snapshot;
-use rai_core::least_squares::equations::{LinearEpoch, MAX_ROWS};
-use rai_core::numeric::probability::Probability;
-use rai_core::numeric::real::Real;
-use rai_core::satellite::Constellation;
+use raim_core::least_squares::Snapshot;
+use raim_core::least_squares::equations::{LinearEpoch, MAX_ROWS};
+use raim_core::numeric::probability::Probability;
+use raim_core::numeric::real::Real;
+use raim_core::satellite::Constellation;
 
 use crate::sky::DIRECTIONS;
 use crate::solved::{copied, solved};

@@ -5,16 +5,16 @@
 use std::path::Path;
 
 use proptest::prelude::*;
-use rai_core::integrity::raim::detection::threshold::Thresholds;
-use rai_core::integrity::raim::detection::threshold::policy::{
+use raim_core::integrity::raim::detection::threshold::Thresholds;
+use raim_core::integrity::raim::detection::threshold::policy::{
     Decision, NoThreshold, Policy, Status, ThresholdProblem, Weights, range_threshold_m,
 };
-use rai_core::integrity::raim::levels::noncentrality_at;
-use rai_core::integrity::raim::levels::{LevelInputs, Slopes};
-use rai_core::numeric::chi_square::{ChiSquare, LARGEST};
-use rai_core::numeric::probability::Probability;
-use rai_core::numeric::real::Real;
-use rai_core::requirements::Requirements;
+use raim_core::integrity::raim::levels::noncentrality_at;
+use raim_core::integrity::raim::levels::{LevelInputs, Slopes};
+use raim_core::numeric::chi_square::{ChiSquare, LARGEST};
+use raim_core::numeric::probability::Probability;
+use raim_core::numeric::real::Real;
+use raim_core::requirements::Requirements;
 
 /// The relative errors that the functions declare, in double and in single precision.
 const DECLARED: [f64; 2] = [3e-11, 3e-5];

@@ -3,15 +3,15 @@
 
 use nalgebra::Vector3;
 use proptest::prelude::*;
-use rai_core::integrity::raim::detection::threshold::Thresholds;
-use rai_core::integrity::raim::isolation::exclusion::ExclusionOutcome;
-use rai_core::integrity::raim::isolation::ransac::{
+use raim_core::integrity::raim::detection::threshold::Thresholds;
+use raim_core::integrity::raim::isolation::exclusion::ExclusionOutcome;
+use raim_core::integrity::raim::isolation::ransac::{
     ConsensusLimits, MAX_SUBSETS, MAX_WORK, NoConsensus, Selection, consensus, exclude, refine,
 };
-use rai_core::least_squares::equations::{LinearEpoch, MAX_ROWS};
-use rai_core::numeric::probability::Probability;
-use rai_core::numeric::real::Real;
-use rai_core::satellite::Constellation;
+use raim_core::least_squares::equations::{LinearEpoch, MAX_ROWS};
+use raim_core::numeric::probability::Probability;
+use raim_core::numeric::real::Real;
+use raim_core::satellite::Constellation;
 
 use crate::solved::solved;
 

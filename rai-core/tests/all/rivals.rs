@@ -6,13 +6,13 @@
 #![allow(clippy::unwrap_used, clippy::indexing_slicing)]
 
 use nalgebra::{DMatrix, DVector, Vector3};
-use rai_core::integrity::raim::detection::threshold::Thresholds;
-use rai_core::integrity::raim::hypotheses::separability::separable;
-use rai_core::integrity::raim::isolation::exclusion::leave_out;
-use rai_core::least_squares::equations::{LinearEpoch, MAX_ROWS};
-use rai_core::numeric::probability::Probability;
-use rai_core::numeric::real::Real;
-use rai_core::satellite::Constellation;
+use raim_core::integrity::raim::detection::threshold::Thresholds;
+use raim_core::integrity::raim::hypotheses::separability::separable;
+use raim_core::integrity::raim::isolation::exclusion::leave_out;
+use raim_core::least_squares::equations::{LinearEpoch, MAX_ROWS};
+use raim_core::numeric::probability::Probability;
+use raim_core::numeric::real::Real;
+use raim_core::satellite::Constellation;
 
 use crate::noise::Noise;
 use crate::sky::SIGMA_M;

@@ -1,7 +1,7 @@
 //! Names of satellites and constellations, parsed and printed.
 #![allow(clippy::unwrap_used)]
 
-use rai_core::satellite::{Constellation, SatelliteId};
+use raim_core::satellite::{Constellation, SatelliteId};
 
 #[test]
 fn letters_are_those_of_rinex() {

@@ -5,12 +5,12 @@
 
 use crate::sky::{observe, receiver, satellite};
 use proptest::prelude::*;
-use rai_core::epoch::{Epoch, Observation};
-use rai_core::monitor::{Method, Monitor, Strategy as Pursuit};
-use rai_core::report::{Alert, Protected, Report, Unavailable, Verdict};
-use rai_core::requirements::Requirements;
-use rai_core::satellite::Constellation::{self, Beidou, Galileo, Gps};
-use rai_core::weighting::Ism;
+use raim_core::epoch::{Epoch, Observation};
+use raim_core::monitor::{Method, Monitor, Strategy as Pursuit};
+use raim_core::report::{Alert, Protected, Report, Unavailable, Verdict};
+use raim_core::requirements::Requirements;
+use raim_core::satellite::Constellation::{self, Beidou, Galileo, Gps};
+use raim_core::weighting::Ism;
 
 const CAPACITY: usize = 48;
 

@@ -9,13 +9,13 @@
 
 use nalgebra::Vector3;
 use proptest::prelude::*;
-use rai_core::integrity::araim::{
+use raim_core::integrity::araim::{
     Allocation, AraimJudgement, AraimOutcome, Finding, Prior, Priors, ROWS, judge,
 };
-use rai_core::least_squares::equations::LinearEpoch;
-use rai_core::least_squares::{Snapshot, Workspace};
-use rai_core::numeric::real::Real;
-use rai_core::satellite::Constellation;
+use raim_core::least_squares::equations::LinearEpoch;
+use raim_core::least_squares::{Snapshot, Workspace};
+use raim_core::numeric::real::Real;
+use raim_core::satellite::Constellation;
 
 /// Probability that a constellation fails.
 const CONSTELLATION: f64 = 5e-5;

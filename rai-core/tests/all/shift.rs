@@ -4,13 +4,13 @@
 
 use crate::noise::Noise;
 use crate::sky::{observe, receiver, satellite};
-use rai_core::epoch::{Epoch, Observation};
-use rai_core::integrity::raim::detection::threshold::Thresholds;
-use rai_core::integrity::raim::isolation::parity::Isolation;
-use rai_core::monitor::{Method, Monitor, Strategy};
-use rai_core::report::{Alert, Protected, Report, Verdict};
-use rai_core::requirements::Requirements;
-use rai_core::satellite::Constellation::{self, Beidou, Galileo, Gps};
+use raim_core::epoch::{Epoch, Observation};
+use raim_core::integrity::raim::detection::threshold::Thresholds;
+use raim_core::integrity::raim::isolation::parity::Isolation;
+use raim_core::monitor::{Method, Monitor, Strategy};
+use raim_core::report::{Alert, Protected, Report, Verdict};
+use raim_core::requirements::Requirements;
+use raim_core::satellite::Constellation::{self, Beidou, Galileo, Gps};
 
 const CAPACITY: usize = 24;
 const EACH: usize = 7;

@@ -3,14 +3,14 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
-use rai_core::epoch::Epoch;
-use rai_core::frame::{Ecef, LocalFrame};
-use rai_core::least_squares::Workspace;
-use rai_core::monitor::Monitor;
-use rai_core::report::{Protected, Verdict};
-use rai_core::requirements::Requirements;
-use rai_core::satellite::Constellation;
-use rai_core::single::{self, CAPACITY};
+use raim_core::epoch::Epoch;
+use raim_core::frame::{Ecef, LocalFrame};
+use raim_core::least_squares::Workspace;
+use raim_core::monitor::Monitor;
+use raim_core::report::{Protected, Verdict};
+use raim_core::requirements::Requirements;
+use raim_core::satellite::Constellation;
+use raim_core::single::{self, CAPACITY};
 
 use crate::sky::{observe, receiver, satellite};
 

@@ -3,9 +3,9 @@
 //! Ranges are straight distances to satellites turned by the angle through which the earth rotates
 //! in flight: the exact form of what the core does to first order.
 
-use rai_core::epoch::Observation;
-use rai_core::frame::{EARTH_ROTATION_RAD_S, Ecef, Enu, Geodetic, LocalFrame, SPEED_OF_LIGHT_M_S};
-use rai_core::satellite::{Constellation, SatelliteId};
+use raim_core::epoch::Observation;
+use raim_core::frame::{EARTH_ROTATION_RAD_S, Ecef, Enu, Geodetic, LocalFrame, SPEED_OF_LIGHT_M_S};
+use raim_core::satellite::{Constellation, SatelliteId};
 
 /// Standard deviation that the observations claim, m.
 pub(crate) const SIGMA_M: f64 = 3.0;

@@ -4,14 +4,14 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing)]
 
 use crate::sky::{observe, receiver, satellite};
-use rai_core::epoch::{Aiding, Epoch, Observation};
-use rai_core::frame::LocalFrame;
-use rai_core::integrity::raim::detection::threshold::policy::Policy;
-use rai_core::integrity::raim::isolation::parity;
-use rai_core::monitor::{Method, Monitor, Strategy};
-use rai_core::report::{Alert, Protected, Report, Unavailable, Verdict};
-use rai_core::requirements::Requirements;
-use rai_core::satellite::{Constellation, SatelliteId};
+use raim_core::epoch::{Aiding, Epoch, Observation};
+use raim_core::frame::LocalFrame;
+use raim_core::integrity::raim::detection::threshold::policy::Policy;
+use raim_core::integrity::raim::isolation::parity;
+use raim_core::monitor::{Method, Monitor, Strategy};
+use raim_core::report::{Alert, Protected, Report, Unavailable, Verdict};
+use raim_core::requirements::Requirements;
+use raim_core::satellite::{Constellation, SatelliteId};
 
 const CAPACITY: usize = 16;
 

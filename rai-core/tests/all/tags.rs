@@ -1,15 +1,15 @@
 //! A wrong time of all ranges, distinguished from faulty satellites.
 #![allow(clippy::unwrap_used, clippy::indexing_slicing)]
 
-use rai_core::epoch::{Epoch, Observation};
-use rai_core::frame::LocalFrame;
-use rai_core::integrity::raim::detection::threshold::policy::Policy;
-use rai_core::integrity::raim::hypotheses::time_tag::RangeRates;
-use rai_core::integrity::raim::isolation::parity::Isolation;
-use rai_core::monitor::{Method, Monitor, MonitorWorkspace, Search, Strategy};
-use rai_core::report::{Alert, Protected, Report, Verdict};
-use rai_core::requirements::Requirements;
-use rai_core::satellite::{Constellation, SatelliteId};
+use raim_core::epoch::{Epoch, Observation};
+use raim_core::frame::LocalFrame;
+use raim_core::integrity::raim::detection::threshold::policy::Policy;
+use raim_core::integrity::raim::hypotheses::time_tag::RangeRates;
+use raim_core::integrity::raim::isolation::parity::Isolation;
+use raim_core::monitor::{Method, Monitor, MonitorWorkspace, Search, Strategy};
+use raim_core::report::{Alert, Protected, Report, Verdict};
+use raim_core::requirements::Requirements;
+use raim_core::satellite::{Constellation, SatelliteId};
 
 use crate::sky::{observe, receiver, satellite};
 

@@ -2,13 +2,13 @@
 #![allow(clippy::expect_used, clippy::indexing_slicing)]
 
 use nalgebra::Vector3;
-use rai_core::integrity::raim::detection::threshold::Thresholds;
-use rai_core::integrity::raim::levels::KFactors;
-use rai_core::least_squares::Workspace;
-use rai_core::numeric::probability::Probability;
-use rai_core::numeric::real::Real;
-use rai_core::satellite::{Constellation, SatelliteId};
-use rai_core::velocity::{RangeRate, Velocity, VelocityError, estimate};
+use raim_core::integrity::raim::detection::threshold::Thresholds;
+use raim_core::integrity::raim::levels::KFactors;
+use raim_core::least_squares::Workspace;
+use raim_core::numeric::probability::Probability;
+use raim_core::numeric::real::Real;
+use raim_core::satellite::{Constellation, SatelliteId};
+use raim_core::velocity::{RangeRate, Velocity, VelocityError, estimate};
 
 /// Ten satellites all around: azimuth and elevation in degrees.
 const SKY: [(f64, f64); 10] = [

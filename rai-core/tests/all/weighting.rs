@@ -1,8 +1,8 @@
 //! The error model, each term computed by hand.
 #![allow(clippy::unwrap_used)]
 
-use rai_core::satellite::{Constellation, SatelliteId};
-use rai_core::weighting::{
+use raim_core::satellite::{Constellation, SatelliteId};
+use raim_core::weighting::{
     ErrorBudget, Ism, UserModel, ephemeris_sigma_m, integrity_sigma_m, ionosphere_sigma_m,
     noise_factor_from_cn0, obliquity, sigma_m,
 };

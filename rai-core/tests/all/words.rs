@@ -5,18 +5,18 @@
 use std::collections::BTreeSet;
 use std::error::Error;
 
-use rai_core::continuity::{ContinuityError, Recovery};
-use rai_core::epoch::EpochError;
-use rai_core::frame::Ecef;
-use rai_core::integrity::raim::detection::threshold::ThresholdError;
-use rai_core::integrity::raim::detection::threshold::policy::NoThreshold;
-use rai_core::integrity::raim::isolation::ransac::NoConsensus;
-use rai_core::least_squares::SnapshotError;
-use rai_core::least_squares::equations::RowError;
-use rai_core::least_squares::fix::FixError;
-use rai_core::monitor::MonitorError;
-use rai_core::numeric::probability::Probability;
-use rai_core::requirements::RequirementsError;
+use raim_core::continuity::{ContinuityError, Recovery};
+use raim_core::epoch::EpochError;
+use raim_core::frame::Ecef;
+use raim_core::integrity::raim::detection::threshold::ThresholdError;
+use raim_core::integrity::raim::detection::threshold::policy::NoThreshold;
+use raim_core::integrity::raim::isolation::ransac::NoConsensus;
+use raim_core::least_squares::SnapshotError;
+use raim_core::least_squares::equations::RowError;
+use raim_core::least_squares::fix::FixError;
+use raim_core::monitor::MonitorError;
+use raim_core::numeric::probability::Probability;
+use raim_core::requirements::RequirementsError;
 
 /// Checks for lower-case words, with no two reasons alike.
 fn check(errors: &[&dyn Error]) {

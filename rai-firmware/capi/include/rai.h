@@ -801,9 +801,7 @@ uint32_t rai_abi_version(void);
  * `memory` is null or points to `length` bytes that no other code uses during the call. `settings`
  * is null or points to a struct of the size that it begins with.
  */
-rai_status_t rai_monitor_init(rai_monitor_t *memory,
-                              size_t length,
-                              const rai_settings_t *settings);
+rai_status_t rai_monitor_init(rai_monitor_t *memory, size_t length, const rai_settings_t *settings);
 
 /**
  * Replaces the settings and keeps the state. Refused settings change nothing.
@@ -812,8 +810,7 @@ rai_status_t rai_monitor_init(rai_monitor_t *memory,
  * `monitor` is null or points to memory of that size with initialised contents, not used elsewhere
  * during the call. `settings` is null or points to a struct of the size that it begins with.
  */
-rai_status_t rai_monitor_configure(rai_monitor_t *monitor,
-                                   const rai_settings_t *settings);
+rai_status_t rai_monitor_configure(rai_monitor_t *monitor, const rai_settings_t *settings);
 
 /**
  * Forgets the last position, so that the next may be anywhere.
@@ -860,9 +857,7 @@ size_t rai_monitor_align(void);
  * `memory` is null or points to `length` bytes that no other code uses during the call. `out` is
  * null or points to a text whose `bytes` point to `capacity` bytes.
  */
-rai_status_t rai_receiver_init(rai_receiver_t *memory,
-                               size_t length,
-                               rai_text_t *out);
+rai_status_t rai_receiver_init(rai_receiver_t *memory, size_t length, rai_text_t *out);
 
 /**
  * Takes bytes of the GNSS port that came at `now_ms`, milliseconds of a clock that does not go
@@ -890,9 +885,7 @@ rai_status_t rai_receiver_gnss(rai_receiver_t *receiver,
  * # Safety
  * As for `rai_receiver_gnss`.
  */
-rai_status_t rai_receiver_tick(rai_receiver_t *receiver,
-                               uint64_t now_ms,
-                               rai_text_t *out);
+rai_status_t rai_receiver_tick(rai_receiver_t *receiver, uint64_t now_ms, rai_text_t *out);
 
 /**
  * Takes bytes of the host port, which are commands as sentences. Set the pin after each call.
@@ -946,8 +939,7 @@ uint8_t rai_receiver_state(const rai_receiver_t *receiver, uint8_t *reason);
  * As for `rai_receiver_pin`; `verdict` is null or points to a struct of the size that it begins
  * with.
  */
-rai_status_t rai_receiver_report(const rai_receiver_t *receiver,
-                                 rai_verdict_t *verdict);
+rai_status_t rai_receiver_report(const rai_receiver_t *receiver, rai_verdict_t *verdict);
 
 /**
  * Returns the bytes of a receiver on this processor, at most `RAI_RECEIVER_SIZE`.
@@ -968,8 +960,7 @@ size_t rai_receiver_align(void);
  * # Safety
  * `settings` is null or points to a struct whose `size` states how much of it may be written.
  */
-rai_status_t rai_settings_preset(rai_settings_t *settings,
-                                 uint8_t phase);
+rai_status_t rai_settings_preset(rai_settings_t *settings, uint8_t phase);
 
 /**
  * Returns a status in lower-case words, a string that lives as long as the program.

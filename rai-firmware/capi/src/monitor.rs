@@ -1,10 +1,10 @@
 //! The monitor: ranges in, verdict out.
 
-use rai_core::epoch::{Epoch, Observation};
-use rai_core::frame::Ecef;
-use rai_core::monitor::{MonitorError, Search};
-use rai_core::satellite::SatelliteId;
-use rai_core::single::{self, CAPACITY, Monitor, MonitorWorkspace};
+use raim_core::epoch::{Epoch, Observation};
+use raim_core::frame::Ecef;
+use raim_core::monitor::{MonitorError, Search};
+use raim_core::satellite::SatelliteId;
+use raim_core::single::{self, CAPACITY, Monitor, MonitorWorkspace};
 
 use crate::pointer::{Object, can_give, give, slice, status_of, take};
 use crate::settings::{rai_settings_t, refusal_of};

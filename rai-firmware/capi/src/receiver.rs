@@ -5,8 +5,8 @@ use core::mem::MaybeUninit;
 use core::convert::Infallible;
 
 use embedded_hal::digital::{ErrorType, OutputPin};
-use rai_core::monitor::MonitorError;
-use rai_firmware::receiver::{Boot, Receiver};
+use raim_core::monitor::MonitorError;
+use raim_firmware::receiver::{Boot, Receiver};
 
 use crate::pointer::{Object, give, slice, status_of};
 use crate::settings::refusal_of;

@@ -1,16 +1,16 @@
 //! Requirements on a position, and the strategy that monitors it.
 
-use rai_core::allocation::Allocation;
-use rai_core::continuity::{ContinuityError, ContinuitySettings, Recovery};
-use rai_core::integrity::Method;
-use rai_core::integrity::raim::detection::threshold::policy::Policy;
-use rai_core::integrity::raim::detection::threshold::{ThresholdError, Thresholds};
+use raim_core::allocation::Allocation;
+use raim_core::continuity::{ContinuityError, ContinuitySettings, Recovery};
+use raim_core::integrity::Method;
+use raim_core::integrity::raim::detection::threshold::policy::Policy;
+use raim_core::integrity::raim::detection::threshold::{ThresholdError, Thresholds};
 #[cfg(feature = "searches")]
-use rai_core::integrity::raim::isolation::parity::Isolation;
-use rai_core::integrity::raim::levels::Levels;
-use rai_core::monitor::{MonitorError, Strategy};
-use rai_core::numeric::probability::Probability;
-use rai_core::requirements::{Requirements, RequirementsError};
+use raim_core::integrity::raim::isolation::parity::Isolation;
+use raim_core::integrity::raim::levels::Levels;
+use raim_core::monitor::{MonitorError, Strategy};
+use raim_core::numeric::probability::Probability;
+use raim_core::requirements::{Requirements, RequirementsError};
 
 use crate::pointer::{Versioned, give, status_of};
 #[allow(clippy::wildcard_imports)] // The statuses are all of the module.

@@ -2,7 +2,7 @@
 
 use core::ffi::{CStr, c_char};
 
-use rai_core::epoch::EpochError;
+use raim_core::epoch::EpochError;
 
 /// Status of a call: `RAI_STATUS_OK`, or the reason of its refusal.
 pub type rai_status_t = u8;

@@ -2,7 +2,7 @@
 
 use core::ffi::{CStr, c_char};
 
-use rai_core::report::{Alert, MAX_EXCLUDED, Protected, Report, Suspect, Unavailable, Verdict};
+use raim_core::report::{Alert, MAX_EXCLUDED, Protected, Report, Suspect, Unavailable, Verdict};
 
 use crate::pointer::Versioned;
 

@@ -16,7 +16,7 @@
 
 use embedded_hal::digital::OutputPin;
 use embedded_io::Write;
-use rai_core::report::Verdict;
+use raim_core::report::Verdict;
 
 pub mod reset;
 

@@ -46,7 +46,7 @@
 
 use core::f32::consts::PI;
 
-use rai_core::frame::SPEED_OF_LIGHT_M_S;
+use raim_core::frame::SPEED_OF_LIGHT_M_S;
 
 use crate::raw::Band;
 use crate::time::{BEIDOU_OFFSET_MS, GpsTime};

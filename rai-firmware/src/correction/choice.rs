@@ -24,8 +24,8 @@
 //! [BDS-SIS-B1I]: crate#references
 //! [BDS-SIS-B3I]: crate#references
 
-use rai_core::frame::SPEED_OF_LIGHT_M_S;
-use rai_core::weighting::noise_factor_from_cn0;
+use raim_core::frame::SPEED_OF_LIGHT_M_S;
+use raim_core::weighting::noise_factor_from_cn0;
 
 use super::root_of_squares;
 use crate::ephemeris::Ephemeris;

@@ -26,8 +26,8 @@
 //! the delay between carriers. With clock aiding the set never changes, because the clock forecast
 //! would take that for a jump.
 
-use rai_core::satellite::Constellation;
-use rai_core::weighting::COMMON_SIGMAS;
+use raim_core::satellite::Constellation;
+use raim_core::weighting::COMMON_SIGMAS;
 
 /// Multiples of the standard deviation in the fault-free part of a level, at 1e-7: `√(2 ln 1e7)`
 /// and `Q⁻¹(5e-8)`.

@@ -3,7 +3,7 @@
 //! Single precision suffices: a coordinate is accurate to 1 m in 26,000 km, and a direction to
 //! 1e-7. Ranges need more and do not come from here.
 
-use rai_core::frame::{Ecef, LocalFrame};
+use raim_core::frame::{Ecef, LocalFrame};
 
 /// Place of the receiver, with its axes east, north, up.
 #[derive(Clone, Debug)]

@@ -22,11 +22,11 @@
 //! [Klobuchar1987]: crate#references
 
 use heapless::Vec;
-use rai_core::epoch::{Epoch, Observation};
-use rai_core::frame::{Ecef, LocalFrame, SPEED_OF_LIGHT_M_S};
-use rai_core::numeric::angle::sine;
-use rai_core::satellite::SatelliteId;
-use rai_core::weighting::COARSE_M;
+use raim_core::epoch::{Epoch, Observation};
+use raim_core::frame::{Ecef, LocalFrame, SPEED_OF_LIGHT_M_S};
+use raim_core::numeric::angle::sine;
+use raim_core::satellite::SatelliteId;
+use raim_core::weighting::COARSE_M;
 
 use crate::counters::{count, counters};
 use crate::ephemeris::{self, EphemerisError, SatelliteState, Store};
@@ -44,7 +44,7 @@ mod site;
 pub use atmosphere::{Klobuchar, Place, Slant, Troposphere};
 pub use choice::{Choice, Choices, choose, ionosphere_free};
 pub use frequency::{Preference, Ranges, Spread};
-pub use rai_core::single::CAPACITY;
+pub use raim_core::single::CAPACITY;
 pub use site::Site;
 
 counters! {

@@ -3,11 +3,11 @@
 //! Directions, delays and sigmas come from models or linearisation, which need a tenth of the
 //! digits of single precision.
 
-use rai_core::epoch::{Epoch, EpochError, Observation};
-use rai_core::frame::{Ecef, LocalFrame};
-use rai_core::numeric::angle::sine;
-use rai_core::satellite::Constellation;
-use rai_core::weighting::{
+use raim_core::epoch::{Epoch, EpochError, Observation};
+use raim_core::frame::{Ecef, LocalFrame};
+use raim_core::numeric::angle::sine;
+use raim_core::satellite::Constellation;
+use raim_core::weighting::{
     ErrorBudget, Ism, MIXED_CARRIERS_M, UserModel, ephemeris_sigma_m, integrity_sigma_m, ionosphere_sigma_m,
     sigma_m,
 };

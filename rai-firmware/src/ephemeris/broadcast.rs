@@ -5,7 +5,7 @@
 
 use core::fmt;
 
-use rai_core::satellite::SatelliteId;
+use raim_core::satellite::SatelliteId;
 
 use super::{Health, Source};
 use crate::time::{GpsTime, WEEK_MS};

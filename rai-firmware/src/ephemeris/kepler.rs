@@ -35,8 +35,8 @@
 //! [OS-SIS-ICD]: crate#references
 //! [BDS-SIS-B1I]: crate#references
 
-use rai_core::frame::Ecef;
-use rai_core::satellite::SatelliteId;
+use raim_core::frame::Ecef;
+use raim_core::satellite::SatelliteId;
 
 use super::elapsed::Elapsed;
 use super::fixed::{Direction, ONE_Q62, Turns, mul_high, nearest, nearest_i32, scaled, times_q62};

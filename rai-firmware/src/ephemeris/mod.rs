@@ -47,9 +47,9 @@ mod store;
 
 use core::fmt;
 
-use rai_core::frame::{Ecef, SPEED_OF_LIGHT_M_S};
-use rai_core::numeric::bounds::is_within;
-use rai_core::satellite::SatelliteId;
+use raim_core::frame::{Ecef, SPEED_OF_LIGHT_M_S};
+use raim_core::numeric::bounds::is_within;
+use raim_core::satellite::SatelliteId;
 
 use crate::counters::{count, counters};
 use crate::raw::Band;

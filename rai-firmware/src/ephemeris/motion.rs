@@ -1,6 +1,6 @@
 //! Place of a satellite at one instant, with the relativistic effect on its clock.
 
-use rai_core::frame::Ecef;
+use raim_core::frame::Ecef;
 
 /// Position and relativity of one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -6,8 +6,8 @@
 //!
 //! A satellite is remembered by one bit, with or without an ephemeris. Sines of elevations are kept in hundredths.
 
-use rai_core::frame::Ecef;
-use rai_core::satellite::SatelliteId;
+use raim_core::frame::Ecef;
+use raim_core::satellite::SatelliteId;
 
 use super::Ephemeris;
 use crate::time::GpsTime;
@@ -110,7 +110,7 @@ fn hundredths(sine: f64) -> Elevation {
 
 #[cfg(test)]
 mod tests {
-    use rai_core::satellite::Constellation;
+    use raim_core::satellite::Constellation;
 
     use super::*;
 

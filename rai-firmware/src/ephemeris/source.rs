@@ -1,6 +1,6 @@
 //! Messages that carry orbits, and the constants of each message.
 
-use rai_core::satellite::{Constellation, SatelliteId};
+use raim_core::satellite::{Constellation, SatelliteId};
 
 /// Navigation message of the clock and the group delays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -21,8 +21,8 @@
 //! [GLO-ICD]: crate#references
 
 use nalgebra::Vector3;
-use rai_core::frame::Ecef;
-use rai_core::satellite::SatelliteId;
+use raim_core::frame::Ecef;
+use raim_core::satellite::SatelliteId;
 
 use super::elapsed::Elapsed;
 use super::forces::{Node, State};

@@ -39,8 +39,8 @@
 use core::cmp::Reverse;
 
 use heapless::Vec;
-use rai_core::frame::{Ecef, SPEED_OF_LIGHT_M_S};
-use rai_core::satellite::{Constellation, SatelliteId};
+use raim_core::frame::{Ecef, SPEED_OF_LIGHT_M_S};
+use raim_core::satellite::{Constellation, SatelliteId};
 
 use super::sight::{Elevation, HORIZON, Sight, Skyline};
 use super::{Ephemeris, EphemerisError, Source};

@@ -7,7 +7,7 @@
 //! [OS-SIS-ICD]: crate#references
 //! [BDS-SIS-B1I]: crate#references
 
-use rai_core::satellite::SatelliteId;
+use raim_core::satellite::SatelliteId;
 
 use super::bits::{Bits, joined};
 use crate::ephemeris::{Broadcast, Health, Source, times_power_of_two};

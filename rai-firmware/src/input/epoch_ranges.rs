@@ -1,8 +1,8 @@
 //! The ranges of one epoch: which are kept, and how two sets of them compare.
 
 use heapless::Vec;
-use rai_core::numeric::bounds::is_within;
-use rai_core::satellite::SatelliteId;
+use raim_core::numeric::bounds::is_within;
+use raim_core::satellite::SatelliteId;
 
 use super::Counters;
 use crate::counters::count;

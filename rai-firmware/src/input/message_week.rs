@@ -11,7 +11,7 @@
 //!
 //! [IS-GPS-200]: crate#references
 
-use rai_core::satellite::Constellation;
+use raim_core::satellite::Constellation;
 
 use crate::time::{BEIDOU_OFFSET_MS, BEIDOU_WEEK_OFFSET, GALILEO_WEEK_OFFSET, GpsTime, WEEK_MS};
 

@@ -26,7 +26,7 @@
 //! `protocol::Protocol`, and a row for it in the table of formats in this file.
 //!
 //! ```
-//! # use rai_firmware::input::{Event, Input};
+//! # use raim_firmware::input::{Event, Input};
 //! # let (bytes, now_ms) = ([0xD3_u8, 0, 0], 0);
 //! let mut input = Input::new();
 //! input.feed(&bytes, now_ms, |event| match event {
@@ -63,8 +63,8 @@ mod toy;
 pub mod ubx;
 mod week_votes;
 
-use rai_core::frame::Ecef;
-use rai_core::satellite::{Constellation, SatelliteId};
+use raim_core::frame::Ecef;
+use raim_core::satellite::{Constellation, SatelliteId};
 
 use crate::counters::count;
 #[cfg(feature = "glonass")]

@@ -8,7 +8,7 @@
 //! that are all dated a week early. Sets that fit both say nothing, and sets that fit neither vote ([`super::week_votes`]).
 
 use heapless::Vec;
-use rai_core::satellite::Constellation;
+use raim_core::satellite::Constellation;
 
 use super::roll_over::PresentWeeks;
 use super::week_votes::{Vote, WeekVotes};

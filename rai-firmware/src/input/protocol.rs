@@ -15,7 +15,7 @@
 
 use core::fmt::Debug;
 
-use rai_core::satellite::SatelliteId;
+use raim_core::satellite::SatelliteId;
 
 use super::calendar::Calendar;
 use super::{Counters, Message, Unread};

@@ -18,7 +18,7 @@
 //!
 //! [IS-GPS-200]: crate#references
 
-use rai_core::satellite::Constellation;
+use raim_core::satellite::Constellation;
 
 use super::message_week::behind_gps_ms;
 use crate::time::{GpsTime, WEEK_MS};

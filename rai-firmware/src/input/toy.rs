@@ -4,7 +4,7 @@
 //! AA 55 | number of satellites | week u16 | time of week u32, ms | satellite u8, range f64, each | sum of all before u8
 //! ```
 
-use rai_core::satellite::{Constellation, SatelliteId};
+use raim_core::satellite::{Constellation, SatelliteId};
 
 use super::calendar::Calendar;
 use super::protocol::{Extent, Frame, Measurements, Protocol};

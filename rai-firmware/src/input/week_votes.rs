@@ -8,7 +8,7 @@
 //! weeks in cycles of 1,024, and is dated in the one that is nearest: where others contradict the cycle, what it has confirmed counts
 //! for nothing.
 
-use rai_core::satellite::Constellation;
+use raim_core::satellite::Constellation;
 
 /// Ephemerides that it takes to correct the week.
 const DISSENT: u8 = 4;

@@ -13,9 +13,9 @@
 //! a protection level, and every mode says so. Outputs therefore take the place from `Statement::usable_solution` and the
 //! velocity from `Statement::usable_motion`.
 
-use rai_core::report::{Report, Solution, Verdict};
-use rai_core::requirements::Requirements;
-use rai_core::velocity::Velocity;
+use raim_core::report::{Report, Solution, Verdict};
+use raim_core::requirements::Requirements;
+use raim_core::velocity::Velocity;
 
 use crate::time::GpsTime;
 

@@ -2,10 +2,10 @@
 
 use embedded_hal::digital::OutputPin;
 use embedded_io::Write;
-use rai_core::monitor::MonitorError;
-use rai_core::report::{Alert, Report, Unavailable, Verdict};
-use rai_core::satellite::Constellation;
-use rai_core::single::ValidatedRequirements;
+use raim_core::monitor::MonitorError;
+use raim_core::report::{Alert, Report, Unavailable, Verdict};
+use raim_core::satellite::Constellation;
+use raim_core::single::ValidatedRequirements;
 
 use super::lateness::Lateness;
 use crate::counters::{count, counters};

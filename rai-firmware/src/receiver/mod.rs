@@ -27,9 +27,9 @@ mod lateness;
 
 use embedded_hal::digital::OutputPin;
 use embedded_io::Write;
-use rai_core::monitor::MonitorError;
-use rai_core::report::{Report, Verdict};
-use rai_core::velocity::Velocity;
+use raim_core::monitor::MonitorError;
+use raim_core::report::{Report, Verdict};
+use raim_core::velocity::Velocity;
 
 use self::epochs::EpochLoop;
 pub use self::epochs::Verdicts;

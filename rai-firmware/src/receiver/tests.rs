@@ -5,8 +5,8 @@ use std::vec::Vec;
 
 use embedded_hal::digital::ErrorType;
 use embedded_io::ErrorKind;
-use rai_core::report::Protected;
-use rai_core::requirements::Requirements;
+use raim_core::report::Protected;
+use raim_core::requirements::Requirements;
 
 use super::*;
 use crate::selftest::Failure;

@@ -12,12 +12,12 @@
 //! alone. A command that is obeyed but hardly wise is answered with `OK,WARN,why`: the thresholds `T2` and `TOP` hold missed
 //! detections down and nothing else, so that at a limit of 556 m and more no error that occurs raises an alarm.
 
-use rai_core::allocation::Allocation;
-use rai_core::continuity::{self, ContinuitySettings};
-use rai_core::integrity::raim::detection::threshold::Thresholds;
-use rai_core::integrity::raim::detection::threshold::policy::Policy;
-use rai_core::monitor::Strategy;
-use rai_core::requirements::Requirements;
+use raim_core::allocation::Allocation;
+use raim_core::continuity::{self, ContinuitySettings};
+use raim_core::integrity::raim::detection::threshold::Thresholds;
+use raim_core::integrity::raim::detection::threshold::policy::Policy;
+use raim_core::monitor::Strategy;
+use raim_core::requirements::Requirements;
 
 mod fields;
 mod ionosphere;

@@ -13,7 +13,7 @@
 //!
 //! [ICAO-A10]: crate#references
 
-use rai_core::requirements::Requirements;
+use raim_core::requirements::Requirements;
 
 /// What the module is used for: a set of requirements with a name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

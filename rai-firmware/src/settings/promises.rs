@@ -10,8 +10,8 @@
 //! | `P_sat` | [`IsmParameters::satellite_fault`] | 0, or 1e-12 to 0.1 | – |
 //! | `P_const` | [`IsmParameters::constellation_fault`] | the same | – |
 
-use rai_core::satellite::Constellation;
-use rai_core::weighting::{Ism, IsmParameters};
+use raim_core::satellite::Constellation;
+use raim_core::weighting::{Ism, IsmParameters};
 
 use super::Refusal;
 use super::number::{plain, signed_scientific};

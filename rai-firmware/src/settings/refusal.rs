@@ -1,7 +1,7 @@
 //! Why a command changed nothing, in words that fit an answer.
 
 use embedded_io::Write;
-use rai_core::integrity::raim::detection::threshold::ThresholdError;
+use raim_core::integrity::raim::detection::threshold::ThresholdError;
 
 use super::scientific;
 use crate::output::nmea::write_refusal;
@@ -32,7 +32,7 @@ pub enum Refusal {
     /// The probability is not in the tables.
     NotInTables {
         /// The one that is, with the closest ratio.
-        nearest: rai_core::numeric::probability::Probability,
+        nearest: raim_core::numeric::probability::Probability,
     },
 }
 

@@ -19,10 +19,10 @@
 //!
 //! [IS-GPS-200]: crate#references
 
-use rai_core::integrity::raim::detection::threshold::policy::Policy;
-use rai_core::monitor::Method;
-use rai_core::numeric::probability::Probability;
-use rai_core::requirements::Requirements;
+use raim_core::integrity::raim::detection::threshold::policy::Policy;
+use raim_core::monitor::Method;
+use raim_core::numeric::probability::Probability;
+use raim_core::requirements::Requirements;
 
 use super::ionosphere;
 use super::kinds::{Baud, Frequencies, Heights, Levels, Recovery, Sigma, Systems};

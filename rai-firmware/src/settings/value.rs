@@ -1,6 +1,6 @@
 //! Values: how a setting reads, reports and seals what it holds.
 
-use rai_core::numeric::probability::Probability;
+use raim_core::numeric::probability::Probability;
 
 use super::Refusal;
 use super::number::{plain, scientific};

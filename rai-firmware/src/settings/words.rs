@@ -3,10 +3,10 @@
 //! Every meaning has its word, because the macro matches it: a variant without a word does not compile. A word that is known but not
 //! built in has no meaning, so that an answer can tell a wrong word from a missing feature.
 
-use rai_core::integrity::raim::detection::threshold::policy::Policy;
+use raim_core::integrity::raim::detection::threshold::policy::Policy;
 #[cfg(feature = "searches")]
-use rai_core::integrity::raim::isolation::parity::Isolation;
-use rai_core::monitor::Method;
+use raim_core::integrity::raim::isolation::parity::Isolation;
+use raim_core::monitor::Method;
 
 use super::kinds::{Baud, Frequencies, Levels, Sigma};
 use super::promises::Preset;

@@ -1,8 +1,8 @@
 //! Troposphere and ionosphere against published values.
 
 use proptest::prelude::*;
-use rai_firmware::correction::{Klobuchar, Place, Troposphere};
-use rai_firmware::time::GpsTime;
+use raim_firmware::correction::{Klobuchar, Place, Troposphere};
+use raim_firmware::time::GpsTime;
 
 fn towards(azimuth_deg: f32, elevation_deg: f32) -> [f32; 3] {
     let (sin_azimuth, cos_azimuth) = azimuth_deg.to_radians().sin_cos();

@@ -2,15 +2,15 @@
 
 use crate::orbits::{CASES, Case};
 use proptest::prelude::*;
-use rai_core::frame::Ecef;
-use rai_core::satellite::{Constellation, SatelliteId};
-use rai_firmware::correction::choose;
-use rai_firmware::ephemeris::{
+use raim_core::frame::Ecef;
+use raim_core::satellite::{Constellation, SatelliteId};
+use raim_firmware::correction::choose;
+use raim_firmware::ephemeris::{
     Broadcast, BroadcastError, Ephemeris, EphemerisError, GroupDelay, Health, Insertion, Source,
     StateBroadcast, Store,
 };
-use rai_firmware::raw::{Band, Carrier, RawSignal};
-use rai_firmware::time::GpsTime;
+use raim_firmware::raw::{Band, Carrier, RawSignal};
+use raim_firmware::time::GpsTime;
 
 type Spoil = fn(&mut Broadcast, GpsTime);
 

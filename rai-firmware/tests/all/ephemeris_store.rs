@@ -1,13 +1,13 @@
 //! Which of a satellite's sets is in use, which satellites have one, and what becomes of contradictions.
 
 use crate::orbits::{CASES, Case, later};
-use rai_core::satellite::{Constellation, SatelliteId};
-use rai_firmware::correction::choose;
-use rai_firmware::ephemeris::{
+use raim_core::satellite::{Constellation, SatelliteId};
+use raim_firmware::correction::choose;
+use raim_firmware::ephemeris::{
     Broadcast, CAPACITY, Ephemeris, EphemerisError, Health, Insertion, Source, Store,
 };
-use rai_firmware::raw::{Band, Carrier, RawSignal};
-use rai_firmware::time::GpsTime;
+use raim_firmware::raw::{Band, Carrier, RawSignal};
+use raim_firmware::time::GpsTime;
 
 const GPS: usize = 0;
 const GALILEO: usize = 2;
@@ -275,7 +275,7 @@ fn what_fnav_says_of_e5a_counts_though_the_orbit_is_that_of_inav() {
 
 /// [OS-SDD] 2.3.1: data without guarantee makes no signal healthy. Both messages describe one orbit, so either speaks for it.
 ///
-/// [OS-SDD]: rai_firmware#references
+/// [OS-SDD]: raim_firmware#references
 #[test]
 fn data_without_guarantee_closes_every_signal_whichever_band_says_it() {
     let case = &CASES[GALILEO];

@@ -1,10 +1,10 @@
 //! Choice between one frequency and two, and signals too weak to use.
 
 use crate::walker::{self, Ionosphere, TOE, range_m, satellite};
-use rai_core::epoch::Epoch;
-use rai_firmware::correction::{Klobuchar, Preference, Ranges, Site, Sky, Tally, locate};
-use rai_firmware::ephemeris::{Ephemeris, Store};
-use rai_firmware::raw::{Band, Carrier, RawEpoch, RawSatellite, RawSignal};
+use raim_core::epoch::Epoch;
+use raim_firmware::correction::{Klobuchar, Preference, Ranges, Site, Sky, Tally, locate};
+use raim_firmware::ephemeris::{Ephemeris, Store};
+use raim_firmware::raw::{Band, Carrier, RawEpoch, RawSatellite, RawSignal};
 
 const NO_MASK_RAD: f64 = 0.1;
 
@@ -23,12 +23,12 @@ fn sky(signals: impl Fn(usize, f64) -> Vec<RawSignal>, mask_dbhz: f32) -> (Sky, 
         raw.satellites.push(RawSatellite { satellite: ephemeris.satellite(), signals }).unwrap();
     }
     let mut sky = Sky::new();
-    locate(&raw, &store, mask_dbhz, rai_firmware::settings::Systems::AT_START, &mut tally, &mut sky);
+    locate(&raw, &store, mask_dbhz, raim_firmware::settings::Systems::AT_START, &mut tally, &mut sky);
     (sky, tally)
 }
 
-fn receiver() -> rai_core::frame::Ecef {
-    rai_core::frame::Geodetic { latitude_rad: 0.785, longitude_rad: 0.2, height_m: 0.0 }.to_ecef()
+fn receiver() -> raim_core::frame::Ecef {
+    raim_core::frame::Geodetic { latitude_rad: 0.785, longitude_rad: 0.2, height_m: 0.0 }.to_ecef()
 }
 
 fn on(band: Band, range_m: f64, cn0_dbhz: f32) -> RawSignal {
@@ -151,7 +151,7 @@ fn a_pair_needs_both_carriers_to_be_strong_where_the_receiver_says_how_strong_th
         vec![on(Band::L1, range_m, 45.0), codeless]
     };
     let ((strong, _), (codeless, _)) = (sky(both(45.0, 45.0), 28.0), sky(of_codeless, 28.0));
-    assert!(codeless.iter().all(rai_firmware::correction::Located::has_pair));
+    assert!(codeless.iter().all(raim_firmware::correction::Located::has_pair));
     let close = |have: f32, want: f32| (have / want - 1.0).abs() < 1e-6;
     let cost_of_strong = cost(&strong, Ranges::Pairs);
     assert!(
@@ -165,6 +165,6 @@ fn a_pair_needs_both_carriers_to_be_strong_where_the_receiver_says_how_strong_th
     assert!(cost(&unsaid, Ranges::Pairs) > 1.5 * cost_of_strong);
     for (first_dbhz, second_dbhz) in [(20.0, 45.0), (45.0, 18.0)] {
         let (weak, _) = sky(both(first_dbhz, second_dbhz), 28.0);
-        assert!(!weak.iter().any(rai_firmware::correction::Located::has_pair));
+        assert!(!weak.iter().any(raim_firmware::correction::Located::has_pair));
     }
 }

@@ -8,10 +8,10 @@
 use std::f64::consts::PI;
 
 use proptest::prelude::*;
-use rai_core::frame::{Ecef, SPEED_OF_LIGHT_M_S};
-use rai_core::satellite::{Constellation, SatelliteId};
-use rai_firmware::ephemeris::{Broadcast, Ephemeris, Health, Source};
-use rai_firmware::time::GpsTime;
+use raim_core::frame::{Ecef, SPEED_OF_LIGHT_M_S};
+use raim_core::satellite::{Constellation, SatelliteId};
+use raim_firmware::ephemeris::{Broadcast, Ephemeris, Health, Source};
+use raim_firmware::time::GpsTime;
 
 /// Largest error of a position for any elements, m.
 const POSITION_M: f64 = 5e-4;

@@ -8,9 +8,9 @@
 
 use std::f64::consts::PI;
 
-use rai_core::satellite::{Constellation, SatelliteId};
-use rai_firmware::ephemeris::{Broadcast, Health, Source};
-use rai_firmware::time::GpsTime;
+use raim_core::satellite::{Constellation, SatelliteId};
+use raim_firmware::ephemeris::{Broadcast, Health, Source};
+use raim_firmware::time::GpsTime;
 
 /// One instant: arrival of the signal, its pseudorange, and the state at transmission.
 #[derive(Clone, Copy)]

@@ -7,14 +7,14 @@
 //! ionosphere's alone. The module has no coefficients of that day, or those of a calm one.
 
 use crate::walker::{CALM, Ionosphere, TOE, range_m, satellite_of};
-use rai_core::frame::{Ecef, Geodetic, LocalFrame};
-use rai_core::report::Report;
-use rai_firmware::correction::CAPACITY;
-use rai_firmware::ephemeris::{Ephemeris, Source};
-use rai_firmware::navigator::Navigator;
-use rai_firmware::raw::{Band, Carrier, RawEpoch, RawSatellite, RawSignal};
-use rai_firmware::settings::Configuration;
-use rai_firmware::time::GpsTime;
+use raim_core::frame::{Ecef, Geodetic, LocalFrame};
+use raim_core::report::Report;
+use raim_firmware::correction::CAPACITY;
+use raim_firmware::ephemeris::{Ephemeris, Source};
+use raim_firmware::navigator::Navigator;
+use raim_firmware::raw::{Band, Carrier, RawEpoch, RawSatellite, RawSignal};
+use raim_firmware::settings::Configuration;
+use raim_firmware::time::GpsTime;
 
 /// Returns the module's report at an instant under an ionosphere.
 fn judged(

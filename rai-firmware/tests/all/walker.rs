@@ -1,10 +1,10 @@
 //! A simulated sky of thirty satellites on circular orbits, seen through an ionosphere.
 #![allow(dead_code, reason = "each test program uses a part")]
 
-use rai_core::frame::{EARTH_ROTATION_RAD_S, Ecef, Enu, LocalFrame, SPEED_OF_LIGHT_M_S};
-use rai_core::satellite::SatelliteId;
-use rai_firmware::ephemeris::{Broadcast, Ephemeris, Health, Source};
-use rai_firmware::time::GpsTime;
+use raim_core::frame::{EARTH_ROTATION_RAD_S, Ecef, Enu, LocalFrame, SPEED_OF_LIGHT_M_S};
+use raim_core::satellite::SatelliteId;
+use raim_firmware::ephemeris::{Broadcast, Ephemeris, Health, Source};
+use raim_firmware::time::GpsTime;
 
 pub(crate) const TOE: GpsTime = GpsTime { week: 2300, tow_ms: 7_200_000 };
 
@@ -83,7 +83,7 @@ impl Ionosphere {
 /// Returns the troposphere of the receiver's own model, so that only the ionosphere remains, m.
 fn troposphere_m(frame: &LocalFrame, up: f64) -> f64 {
     let model =
-        rai_firmware::correction::Troposphere::above(frame.height_m() as f32, frame.sin_latitude() as f32);
+        raim_firmware::correction::Troposphere::above(frame.height_m() as f32, frame.sin_latitude() as f32);
     f64::from(model.delay_m(up as f32))
 }
 

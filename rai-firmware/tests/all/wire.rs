@@ -1,9 +1,9 @@
 //! RTCM 3 written bit by bit from the tables of the standard: an encoder that shares nothing with the decoder.
 #![allow(dead_code, reason = "each test program uses a part")]
 
-use rai_firmware::ephemeris::Source;
-use rai_firmware::input::{Event, Input};
-use rai_firmware::raw::RawEpoch;
+use raim_firmware::ephemeris::Source;
+use raim_firmware::input::{Event, Input};
+use raim_firmware::raw::RawEpoch;
 
 use crate::orbits::Case;
 
@@ -251,9 +251,9 @@ fn galileo(case: &Case, number: i64) -> Bits {
 #[derive(Debug)]
 pub(crate) enum Seen {
     Epoch(Box<RawEpoch>),
-    Ephemeris(rai_firmware::ephemeris::Ephemeris),
-    Position(rai_core::frame::Ecef),
-    Redated(rai_firmware::time::GpsTime),
+    Ephemeris(raim_firmware::ephemeris::Ephemeris),
+    Position(raim_core::frame::Ecef),
+    Redated(raim_firmware::time::GpsTime),
 }
 
 /// Feeds bytes and collects all events.

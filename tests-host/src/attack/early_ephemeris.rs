@@ -6,7 +6,7 @@
 //! early one.
 
 use anyhow::{Result, bail};
-use rai_core::satellite::{Constellation, SatelliteId};
+use raim_core::satellite::{Constellation, SatelliteId};
 use rtcm_rs::msg::{Msg1019T, Msg1042T, Msg1046T};
 use rtcm_rs::{Message, MessageBuilder};
 
@@ -167,7 +167,7 @@ fn renamed(model: &Msg1019T, satellite: SatelliteId, week: u16) -> Ephemeris {
     match satellite.constellation() {
         Constellation::Galileo => Ephemeris::GalileoInav(Msg1046T {
             gal_satellite_id: number,
-            gal_week_number: week - rai_firmware::time::GALILEO_WEEK_OFFSET,
+            gal_week_number: week - raim_firmware::time::GALILEO_WEEK_OFFSET,
             iodnav: 9,
             sisa_e1_e5b_index: 107,
             toc_s: model.toc_s as _,
@@ -183,7 +183,7 @@ fn renamed(model: &Msg1019T, satellite: SatelliteId, week: u16) -> Ephemeris {
         }),
         Constellation::Beidou => Ephemeris::Beidou(Msg1042T {
             bds_satellite_id: number,
-            bds_week_number: week - rai_firmware::time::BEIDOU_WEEK_OFFSET,
+            bds_week_number: week - raim_firmware::time::BEIDOU_WEEK_OFFSET,
             toc_s: model.toc_s as _,
             toe_s: model.toe_s as _,
             sqrt_a_sqrt_m: model.sqrt_a_sqrt_m,

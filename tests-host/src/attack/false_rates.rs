@@ -5,7 +5,7 @@
 //! satellites may be left out, some of the few that remain always agree by chance.
 
 use anyhow::Result;
-use rai_core::satellite::Constellation;
+use raim_core::satellite::Constellation;
 use rand::{Rng as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;

@@ -7,7 +7,7 @@
 //! ranges reveals the fault.
 
 use anyhow::Result;
-use rai_core::satellite::Constellation;
+use raim_core::satellite::Constellation;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 

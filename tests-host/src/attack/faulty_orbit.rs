@@ -6,7 +6,7 @@
 use std::f64::consts::PI;
 
 use anyhow::Result;
-use rai_core::satellite::SatelliteId;
+use raim_core::satellite::SatelliteId;
 use rand::seq::IndexedRandom as _;
 use rand::{Rng as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;

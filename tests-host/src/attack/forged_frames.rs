@@ -5,7 +5,7 @@
 //! start.
 
 use anyhow::{Context as _, Result};
-use rai_core::satellite::{Constellation, SatelliteId};
+use raim_core::satellite::{Constellation, SatelliteId};
 use rtcm_rs::Message;
 
 use super::forgery::{Sky, elsewhere, of_week, read, write};

@@ -1,8 +1,8 @@
 //! Tools of an adversary: skies as bytes, epoch by epoch, changed on the way.
 
 use anyhow::Result;
-use rai_core::frame::Ecef;
-use rai_core::satellite::{Constellation, SatelliteId};
+use raim_core::frame::Ecef;
+use raim_core::satellite::{Constellation, SatelliteId};
 use rtcm_rs::{Message, MessageBuilder, MessageFrame};
 
 use crate::encode::{Encoder, Frequency, Selection};

@@ -10,8 +10,8 @@
 //! ```
 
 use anyhow::{Result, anyhow};
-use rai_core::frame::Enu;
-use rai_core::satellite::{Constellation, SatelliteId};
+use raim_core::frame::Enu;
+use raim_core::satellite::{Constellation, SatelliteId};
 use rtcm_rs::msg::Msg1045T;
 use rtcm_rs::{Message, MessageBuilder};
 

@@ -4,8 +4,8 @@
 //! The signals are healthy and carry their own tags. Only the module's own clock reveals their age.
 
 use anyhow::Result;
-use rai_firmware::receiver::Boot;
-use rai_firmware::time::GpsTime;
+use raim_firmware::receiver::Boot;
+use raim_firmware::time::GpsTime;
 
 use super::forgery::{Sky, elsewhere};
 use super::tally::Tally;

@@ -15,7 +15,7 @@
 //! | `g` | slope to the south, as at the edge of the equatorial anomaly | 0, 0.06 per degree |
 
 use anyhow::{Context as _, Result};
-use rai_core::satellite::{Constellation, SatelliteId};
+use raim_core::satellite::{Constellation, SatelliteId};
 use rayon::prelude::*;
 
 use super::forgery::Sky;

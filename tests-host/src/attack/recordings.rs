@@ -9,8 +9,8 @@
 use std::path::PathBuf;
 
 use anyhow::{Context as _, Result};
-use rai_core::frame::Ecef;
-use rai_firmware::time::GpsTime;
+use raim_core::frame::Ecef;
+use raim_firmware::time::GpsTime;
 use rayon::prelude::*;
 
 use super::several_faults::METHODS;

@@ -11,7 +11,7 @@
 //! level is therefore bounded, but not zero.
 
 use anyhow::Result;
-use rai_core::satellite::SatelliteId;
+use raim_core::satellite::SatelliteId;
 use rand::{Rng as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;

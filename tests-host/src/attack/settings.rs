@@ -1,9 +1,9 @@
 //! Settings that weaken the meaning of the pin.
 
 use anyhow::Result;
-use rai_firmware::settings::SEALED_BYTES;
+use raim_firmware::settings::SEALED_BYTES;
 
-use rai_core::satellite::SatelliteId;
+use raim_core::satellite::SatelliteId;
 use rand::seq::IndexedRandom as _;
 use rand::{Rng as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;

@@ -13,8 +13,8 @@
 
 use anyhow::Result;
 use nalgebra::{DMatrix, SymmetricEigen};
-use rai_core::frame::Ecef;
-use rai_core::satellite::{Constellation, SatelliteId};
+use raim_core::frame::Ecef;
+use raim_core::satellite::{Constellation, SatelliteId};
 use rand::seq::IndexedRandom as _;
 use rand::{Rng as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;

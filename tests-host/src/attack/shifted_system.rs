@@ -13,8 +13,8 @@
 //! residual; only ARAIM bounds them, by their prior probability.
 
 use anyhow::Result;
-use rai_core::frame::Enu;
-use rai_core::satellite::SatelliteId;
+use raim_core::frame::Enu;
+use raim_core::satellite::SatelliteId;
 use rand::seq::IndexedRandom as _;
 use rand::{Rng as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;

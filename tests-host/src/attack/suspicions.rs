@@ -7,7 +7,7 @@
 //! The sky itself is healthy, so only the receiver's warning contradicts the promise.
 
 use anyhow::Result;
-use rai_firmware::input::Suspicion;
+use raim_firmware::input::Suspicion;
 
 use super::forgery::Sky;
 use super::tally::Tally;

@@ -13,7 +13,7 @@
 //! ```
 
 use anyhow::Result;
-use rai_core::frame::SPEED_OF_LIGHT_M_S;
+use raim_core::frame::SPEED_OF_LIGHT_M_S;
 
 use super::forgery::Sky;
 use super::tally::Tally;

@@ -1,11 +1,11 @@
 //! The module in process, and its report on each epoch beside the truth.
 
 use anyhow::{Context as _, Result, ensure};
-use rai_core::frame::{Ecef, Enu, LocalFrame};
-use rai_core::velocity::Velocity;
-use rai_firmware::input::Suspicion;
-use rai_firmware::receiver::{Boot, Receiver};
-use rai_firmware::settings::SEALED_BYTES;
+use raim_core::frame::{Ecef, Enu, LocalFrame};
+use raim_core::velocity::Velocity;
+use raim_firmware::input::Suspicion;
+use raim_firmware::receiver::{Boot, Receiver};
+use raim_firmware::settings::SEALED_BYTES;
 
 use crate::pin::Pin;
 use crate::sentence::{self, EpochOutput};

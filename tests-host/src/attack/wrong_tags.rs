@@ -10,7 +10,7 @@
 //! by `δ`, then right again; or wrong from the start.
 
 use anyhow::Result;
-use rai_firmware::time::GpsTime;
+use raim_firmware::time::GpsTime;
 use rayon::prelude::*;
 
 use super::forgery::Sky;

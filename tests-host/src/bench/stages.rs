@@ -4,7 +4,7 @@
 //! comparison.
 
 use anyhow::{Context, Result};
-use rai_core::frame::Ecef;
+use raim_core::frame::Ecef;
 
 use super::figure::{self, Figure};
 use super::workload::{Stream, Wrong, epoch, site, start};

@@ -7,11 +7,11 @@
 use std::sync::LazyLock;
 
 use anyhow::{Context, Result};
-use rai_core::epoch::{Epoch, Observation};
-use rai_core::frame::Ecef;
-use rai_core::satellite::{Constellation, SatelliteId};
-use rai_firmware::correction::CAPACITY;
-use rai_firmware::time::GpsTime;
+use raim_core::epoch::{Epoch, Observation};
+use raim_core::frame::Ecef;
+use raim_core::satellite::{Constellation, SatelliteId};
+use raim_firmware::correction::CAPACITY;
+use raim_firmware::time::GpsTime;
 
 use crate::encode::{Encoder, Frequency, Selection, ubx};
 use crate::fault::{Fault, Kind, Target};

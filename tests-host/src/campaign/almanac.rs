@@ -13,8 +13,8 @@
 use std::collections::BTreeMap;
 
 use anyhow::{Context as _, Result, ensure};
-use rai_core::frame::EARTH_ROTATION_RAD_S;
-use rai_core::satellite::{Constellation, SatelliteId};
+use raim_core::frame::EARTH_ROTATION_RAD_S;
+use raim_core::satellite::{Constellation, SatelliteId};
 
 use crate::sky::Satellite;
 use crate::sky::orbit::{Orbit, mean_motion_rad_s};

@@ -1,10 +1,10 @@
 //! One place under one sky: every fault, every judge, every instant.
 
-use rai_core::frame::Enu;
-use rai_core::monitor::Monitor;
-use rai_core::report::Report;
-use rai_core::satellite::Constellation;
-use rai_firmware::settings::Configuration;
+use raim_core::frame::Enu;
+use raim_core::monitor::Monitor;
+use raim_core::report::Report;
+use raim_core::satellite::Constellation;
+use raim_firmware::settings::Configuration;
 use rand::Rng as _;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng as _;
@@ -34,7 +34,7 @@ impl Judge {
     pub fn new(
         words: [String; 3],
         configuration: Configuration,
-    ) -> Result<Self, rai_core::monitor::MonitorError> {
+    ) -> Result<Self, raim_core::monitor::MonitorError> {
         let mut monitor = Monitor::new(configuration.requirements())?;
         monitor.set_strategy(configuration.strategy());
         monitor.disable_continuity();

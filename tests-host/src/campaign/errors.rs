@@ -11,15 +11,15 @@
 //! | `b` | [`CLOCK_M`], the same for all systems; each estimates its own |
 //!
 //! The sigma that accompanies a range is the model's as well, except for `SEPARATION`, which
-//! weights by the parameters of the integrity support message ([`rai_core::weighting`]). Ranges are
+//! weights by the parameters of the integrity support message ([`raim_core::weighting`]). Ranges are
 //! ionosphere-free pairs.
 
-use rai_core::epoch::{Epoch, Observation};
-use rai_core::frame::{EARTH_ROTATION_RAD_S, Ecef, Enu, SPEED_OF_LIGHT_M_S};
-use rai_core::monitor::Method;
-use rai_core::satellite::SatelliteId;
-use rai_core::weighting::{ErrorBudget, Ism, UserModel, ephemeris_sigma_m, integrity_sigma_m, sigma_m};
-use rai_firmware::settings::Configuration;
+use raim_core::epoch::{Epoch, Observation};
+use raim_core::frame::{EARTH_ROTATION_RAD_S, Ecef, Enu, SPEED_OF_LIGHT_M_S};
+use raim_core::monitor::Method;
+use raim_core::satellite::SatelliteId;
+use raim_core::weighting::{ErrorBudget, Ism, UserModel, ephemeris_sigma_m, integrity_sigma_m, sigma_m};
+use raim_firmware::settings::Configuration;
 
 use super::sky::Heaven;
 use super::spec::ErrorSpec;

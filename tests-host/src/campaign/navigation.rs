@@ -7,11 +7,11 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use anyhow::{Context as _, Result, ensure};
-use rai_core::frame::Ecef;
-use rai_core::satellite::SatelliteId;
-use rai_firmware::ephemeris::Ephemeris;
-use rai_firmware::input::{Event, Input};
-use rai_firmware::time::GpsTime;
+use raim_core::frame::Ecef;
+use raim_core::satellite::SatelliteId;
+use raim_firmware::ephemeris::Ephemeris;
+use raim_firmware::input::{Event, Input};
+use raim_firmware::time::GpsTime;
 
 use crate::capture::Orbits;
 use crate::encode::{Encoder, Frequency, Selection};

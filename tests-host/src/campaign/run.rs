@@ -5,8 +5,8 @@ use std::io::{Seek as _, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result, bail, ensure};
-use rai_core::monitor::Method;
-use rai_firmware::settings::{Configuration, Order};
+use raim_core::monitor::Method;
+use raim_firmware::settings::{Configuration, Order};
 use rayon::prelude::*;
 
 use super::cell::{Bench, Judge};

@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result, ensure};
-use rai_core::frame::Ecef;
-use rai_core::satellite::{Constellation, SatelliteId};
+use raim_core::frame::Ecef;
+use raim_core::satellite::{Constellation, SatelliteId};
 
 use super::almanac;
 use super::navigation::Broadcast;

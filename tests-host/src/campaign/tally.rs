@@ -1,8 +1,8 @@
 //! Outcomes of a cell's epochs, under one fault and one judge.
 
-use rai_core::frame::Enu;
-use rai_core::report::{Report, Verdict};
-use rai_core::requirements::Requirements;
+use raim_core::frame::Enu;
+use raim_core::report::{Report, Verdict};
+use raim_core::requirements::Requirements;
 
 /// Counts, levels and errors of many epochs.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -3,7 +3,7 @@
 //! The head of `rai-firmware/capi/tests/calls.c` defines the formats.
 
 use anyhow::{Context as _, Result, ensure};
-use rai_core::epoch::Epoch;
+use raim_core::epoch::Epoch;
 
 /// Calls in their order.
 #[derive(Clone, Debug, Default)]

@@ -136,7 +136,7 @@ pub fn library_of(features: &str, optimised: Optimised, processor: Processor) ->
     let mut cargo = rustc("staticlib", &features, &folder);
     cargo.args(["--profile", "firmware", "--target", processor.target()]);
     if optimised == Optimised::Size {
-        cargo.args(["--config", "profile.firmware.package.rai-core.opt-level='s'"]);
+        cargo.args(["--config", "profile.firmware.package.raim-core.opt-level='s'"]);
     }
     let built = Path::new(processor.target()).join("firmware/librai.a");
     kept(&mut cargo, &folder, &built, &format!("{features}-{optimised:?}"))

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 
 use anyhow::{Result, bail};
-use rai_core::satellite::{Constellation, SatelliteId};
+use raim_core::satellite::{Constellation, SatelliteId};
 
 use crate::replay::pieces::{Kind, Piece, pieces};
 

@@ -6,10 +6,10 @@
 
 use std::collections::BTreeSet;
 
-use rai_core::satellite::{Constellation, SatelliteId};
-use rai_firmware::ephemeris::Ephemeris;
-use rai_firmware::input::{Event, Input};
-use rai_firmware::time::GpsTime;
+use raim_core::satellite::{Constellation, SatelliteId};
+use raim_firmware::ephemeris::Ephemeris;
+use raim_firmware::input::{Event, Input};
+use raim_firmware::time::GpsTime;
 
 use super::falsify::tow_ms;
 use crate::replay::pieces::{Kind, Piece};

@@ -20,10 +20,10 @@
 //! [RTCM-10403.3]: crate#references
 
 use anyhow::{Result, ensure};
-use rai_core::frame::SPEED_OF_LIGHT_M_S;
-use rai_core::satellite::SatelliteId;
-use rai_firmware::output::nmea::GPS_MINUS_UTC_S;
-use rai_firmware::time::{BEIDOU_OFFSET_MS, GLONASS_OFFSET_MS, GpsTime, WEEK_MS};
+use raim_core::frame::SPEED_OF_LIGHT_M_S;
+use raim_core::satellite::SatelliteId;
+use raim_firmware::output::nmea::GPS_MINUS_UTC_S;
+use raim_firmware::time::{BEIDOU_OFFSET_MS, GLONASS_OFFSET_MS, GpsTime, WEEK_MS};
 
 use crate::checksum::crc24q;
 use crate::encode::ubx;

@@ -3,7 +3,7 @@
 use std::io::Read;
 
 use anyhow::{Context as _, Result, bail, ensure};
-use rai_firmware::time::GpsTime;
+use raim_firmware::time::GpsTime;
 
 use super::content::Content;
 use super::cuts::{Cut, Cutter};

@@ -6,9 +6,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
 use anyhow::{Context, Result, ensure};
-use rai_core::satellite::SatelliteId;
-use rai_firmware::ephemeris::Ephemeris;
-use rai_firmware::time::GpsTime;
+use raim_core::satellite::SatelliteId;
+use raim_firmware::ephemeris::Ephemeris;
+use raim_firmware::time::GpsTime;
 
 use crate::encode::{Encoder, Selection};
 use crate::measurement::{MeasuredEpoch, TimedEphemeris};

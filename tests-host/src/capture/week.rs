@@ -11,7 +11,7 @@
 
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
-use rai_firmware::time::{GpsTime, WEEK_MS};
+use raim_firmware::time::{GpsTime, WEEK_MS};
 
 use crate::replay::pieces::{Kind, Piece};
 

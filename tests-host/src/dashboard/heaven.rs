@@ -4,10 +4,10 @@
 
 use std::collections::BTreeMap;
 
-use rai_core::frame::{Ecef, LocalFrame};
-use rai_core::satellite::SatelliteId;
-use rai_firmware::ephemeris::Ephemeris;
-use rai_firmware::input::{Event, Input};
+use raim_core::frame::{Ecef, LocalFrame};
+use raim_core::satellite::SatelliteId;
+use raim_firmware::ephemeris::Ephemeris;
+use raim_firmware::input::{Event, Input};
 
 /// One satellite in the sky.
 #[derive(Clone, Copy, Debug, PartialEq)]

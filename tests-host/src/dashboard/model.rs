@@ -2,9 +2,9 @@
 
 use std::collections::{BTreeMap, VecDeque};
 
-use rai_core::frame::Geodetic;
-use rai_core::satellite::SatelliteId;
-use rai_firmware::settings::{Configuration, Setting};
+use raim_core::frame::Geodetic;
+use raim_core::satellite::SatelliteId;
+use raim_firmware::settings::{Configuration, Setting};
 
 use super::heaven::Body;
 use super::speed::Control;

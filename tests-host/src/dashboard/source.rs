@@ -13,7 +13,7 @@ use std::thread;
 use std::time::Duration;
 
 use anyhow::{Context, Result, ensure};
-use rai_core::frame::Ecef;
+use raim_core::frame::Ecef;
 
 use super::heaven::{Body, Heaven};
 use super::speed::Control;

@@ -26,7 +26,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, ensure};
-use rai_core::satellite::SatelliteId;
+use raim_core::satellite::SatelliteId;
 
 pub use live::{Live, View};
 pub(crate) use ordinary::Accepter;

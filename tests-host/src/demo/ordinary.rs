@@ -3,13 +3,13 @@
 //!
 //! Its positions are those that the user would receive without integrity monitoring.
 
-use rai_core::epoch::Epoch;
-use rai_core::least_squares::Workspace;
-use rai_firmware::correction::{self, CAPACITY, Sky, Tally, locate};
-use rai_firmware::ephemeris::Store;
-use rai_firmware::input::{Event, Input};
-use rai_firmware::raw::RawEpoch;
-use rai_firmware::settings::Systems;
+use raim_core::epoch::Epoch;
+use raim_core::least_squares::Workspace;
+use raim_firmware::correction::{self, CAPACITY, Sky, Tally, locate};
+use raim_firmware::ephemeris::Store;
+use raim_firmware::input::{Event, Input};
+use raim_firmware::raw::RawEpoch;
+use raim_firmware::settings::Systems;
 
 use crate::sky::Site;
 

@@ -4,7 +4,7 @@
 use std::fmt;
 
 use anyhow::Result;
-use rai_core::satellite::SatelliteId;
+use raim_core::satellite::SatelliteId;
 
 use super::{FAULT_END_S, FAULT_START_S, Ordinary, Plan, SILENCE_S};
 use crate::report::canvas::{GREY, Ground, Mark};

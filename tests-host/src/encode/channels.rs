@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use rai_core::satellite::{Constellation, SatelliteId};
+use raim_core::satellite::{Constellation, SatelliteId};
 
 use crate::measurement::{Ephemeris, TimedEphemeris};
 

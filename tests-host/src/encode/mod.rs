@@ -22,8 +22,8 @@ mod schedule;
 pub mod ubx;
 
 use anyhow::{Context, Result, ensure};
-use rai_core::satellite::SatelliteId;
-use rai_firmware::time::{BEIDOU_OFFSET_MS, BEIDOU_WEEK_OFFSET, GALILEO_WEEK_OFFSET, GpsTime};
+use raim_core::satellite::SatelliteId;
+use raim_firmware::time::{BEIDOU_OFFSET_MS, BEIDOU_WEEK_OFFSET, GALILEO_WEEK_OFFSET, GpsTime};
 use rtcm_rs::msg::{Msg1019T, Msg1042T, Msg1044T, Msg1045T, Msg1046T};
 use rtcm_rs::{Message, MessageBuilder};
 

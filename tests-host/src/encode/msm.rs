@@ -22,10 +22,10 @@
 //!
 //! [RTCM-10403.3]: crate#references
 
-use rai_core::frame::SPEED_OF_LIGHT_M_S;
-use rai_core::satellite::{Constellation, SatelliteId};
-use rai_firmware::output::nmea::GPS_MINUS_UTC_S;
-use rai_firmware::time::{BEIDOU_OFFSET_MS, GLONASS_OFFSET_MS, GpsTime, WEEK_MS};
+use raim_core::frame::SPEED_OF_LIGHT_M_S;
+use raim_core::satellite::{Constellation, SatelliteId};
+use raim_firmware::output::nmea::GPS_MINUS_UTC_S;
+use raim_firmware::time::{BEIDOU_OFFSET_MS, GLONASS_OFFSET_MS, GpsTime, WEEK_MS};
 use rtcm_rs::Message;
 use rtcm_rs::msg::{
     BdsSigId, GalSigId, GloSigId, GpsSigId, Msg1077Data, Msg1077Sig, Msg1077T, Msg1087Data, Msg1087Sig,

@@ -16,8 +16,8 @@
 
 use std::collections::BTreeMap;
 
-use rai_core::satellite::SatelliteId;
-use rai_firmware::time::GpsTime;
+use raim_core::satellite::SatelliteId;
+use raim_firmware::time::GpsTime;
 
 use crate::measurement::{Ephemeris, MeasuredEpoch, TimedEphemeris};
 

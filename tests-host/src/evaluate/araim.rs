@@ -1,13 +1,13 @@
 //! ARAIM for linearised epochs with integrity parameters of each satellite, under the two published
 //! allocations.
 
-use rai_core::integrity::araim::{
+use raim_core::integrity::araim::{
     self, Allocation, AraimJudgement, AraimOutcome, Finding, Hypothesis, Prior, Priors, ROWS,
 };
-use rai_core::least_squares::equations::LinearEpoch;
-use rai_core::least_squares::{Snapshot, SnapshotError, Workspace};
-use rai_core::numeric::real::Real;
-use rai_core::satellite::Constellation;
+use raim_core::least_squares::equations::LinearEpoch;
+use raim_core::least_squares::{Snapshot, SnapshotError, Workspace};
+use raim_core::numeric::real::Real;
+use raim_core::satellite::Constellation;
 use serde::Serialize;
 use serde_json::{Map, Value};
 

@@ -1,10 +1,10 @@
 //! Protection levels `BOUND`, beside those of the papers in the least-squares part.
 
-use rai_core::integrity::raim::detection::threshold::Thresholds;
-use rai_core::integrity::raim::levels::{KFactors, LevelInputs, Levels};
-use rai_core::least_squares::Snapshot;
-use rai_core::numeric::probability::Probability;
-use rai_core::numeric::real::Real;
+use raim_core::integrity::raim::detection::threshold::Thresholds;
+use raim_core::integrity::raim::levels::{KFactors, LevelInputs, Levels};
+use raim_core::least_squares::Snapshot;
+use raim_core::numeric::probability::Probability;
+use raim_core::numeric::real::Real;
 use serde::Serialize;
 
 use super::line::{self, Line};

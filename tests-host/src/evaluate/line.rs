@@ -4,9 +4,9 @@
 //! is left to the core and to [`Line::probabilities`], and becomes a status.
 
 use nalgebra::Vector3;
-use rai_core::numeric::probability::Probability;
-use rai_core::report::MAX_EXCLUDED;
-use rai_core::satellite::Constellation;
+use raim_core::numeric::probability::Probability;
+use raim_core::report::MAX_EXCLUDED;
+use raim_core::satellite::Constellation;
 use serde_json::{Map, Value};
 
 use super::number::Number;

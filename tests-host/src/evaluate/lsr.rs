@@ -2,16 +2,16 @@
 //!
 //! The core computes everything that it can. Fields have the names of the published vectors.
 
-use rai_core::integrity::raim::detection::threshold::Thresholds;
-use rai_core::integrity::raim::detection::{Detection, detect};
-use rai_core::integrity::raim::isolation::baarda::{exclude_sequentially, identify};
-use rai_core::integrity::raim::isolation::exclusion::{ExclusionOutcome, Unidentified};
-use rai_core::integrity::raim::levels::noncentrality_at;
-use rai_core::integrity::raim::levels::{largest_slopes, slopes};
-use rai_core::least_squares::equations::{LinearEpoch, Row, RowError};
-use rai_core::least_squares::{RowFit, Snapshot, SnapshotError, Workspace};
-use rai_core::numeric::real::Real;
-use rai_core::satellite::Constellation;
+use raim_core::integrity::raim::detection::threshold::Thresholds;
+use raim_core::integrity::raim::detection::{Detection, detect};
+use raim_core::integrity::raim::isolation::baarda::{exclude_sequentially, identify};
+use raim_core::integrity::raim::isolation::exclusion::{ExclusionOutcome, Unidentified};
+use raim_core::integrity::raim::levels::noncentrality_at;
+use raim_core::integrity::raim::levels::{largest_slopes, slopes};
+use raim_core::least_squares::equations::{LinearEpoch, Row, RowError};
+use raim_core::least_squares::{RowFit, Snapshot, SnapshotError, Workspace};
+use raim_core::numeric::real::Real;
+use raim_core::satellite::Constellation;
 use serde::Serialize;
 
 use super::MAX_ROWS;

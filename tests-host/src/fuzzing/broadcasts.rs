@@ -1,7 +1,7 @@
 //! A starting broadcast of each navigation message, with a valid orbit.
 
-use rai_core::satellite::{Constellation, SatelliteId};
-use rai_firmware::time::{BEIDOU_WEEK_OFFSET, GALILEO_WEEK_OFFSET, GpsTime};
+use raim_core::satellite::{Constellation, SatelliteId};
+use raim_firmware::time::{BEIDOU_WEEK_OFFSET, GALILEO_WEEK_OFFSET, GpsTime};
 use rtcm_rs::msg::{Msg1019T, Msg1020T, Msg1042T, Msg1045T, Msg1046T};
 
 use crate::measurement::{Ephemeris, TimedEphemeris};

@@ -7,8 +7,8 @@
 
 use std::sync::LazyLock;
 
-use rai_core::integrity::raim::detection::threshold::Thresholds;
-use rai_firmware::settings::Configuration;
+use raim_core::integrity::raim::detection::threshold::Thresholds;
+use raim_firmware::settings::Configuration;
 
 use super::module::Module;
 use super::sealing::seal_lines;

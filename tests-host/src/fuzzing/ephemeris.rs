@@ -12,9 +12,9 @@
 
 use std::f64::consts::PI;
 
-use rai_core::satellite::{Constellation, SatelliteId};
-use rai_firmware::ephemeris::{Broadcast, Ephemeris, EphemerisError, Health, Source};
-use rai_firmware::time::GpsTime;
+use raim_core::satellite::{Constellation, SatelliteId};
+use raim_firmware::ephemeris::{Broadcast, Ephemeris, EphemerisError, Health, Source};
+use raim_firmware::time::GpsTime;
 
 use super::tape::Tape;
 

@@ -7,17 +7,17 @@
 
 use std::collections::BTreeSet;
 
-use rai_core::epoch::{Aiding, Epoch, Observation};
-use rai_core::frame::{Ecef, Enu, LocalFrame};
-use rai_core::integrity::araim::Allocation;
-use rai_core::integrity::raim::detection::threshold::policy::Policy;
-use rai_core::integrity::raim::isolation::parity;
-use rai_core::monitor::{Method, Monitor, Strategy};
-use rai_core::numeric::probability::Probability;
-use rai_core::numeric::real::Real;
-use rai_core::report::{Protected, Report, Unavailable, Verdict};
-use rai_core::requirements::Requirements;
-use rai_core::satellite::{Constellation, SatelliteId};
+use raim_core::epoch::{Aiding, Epoch, Observation};
+use raim_core::frame::{Ecef, Enu, LocalFrame};
+use raim_core::integrity::araim::Allocation;
+use raim_core::integrity::raim::detection::threshold::policy::Policy;
+use raim_core::integrity::raim::isolation::parity;
+use raim_core::monitor::{Method, Monitor, Strategy};
+use raim_core::numeric::probability::Probability;
+use raim_core::numeric::real::Real;
+use raim_core::report::{Protected, Report, Unavailable, Verdict};
+use raim_core::requirements::Requirements;
+use raim_core::satellite::{Constellation, SatelliteId};
 
 use super::tape::Tape;
 

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use rai_firmware::receiver::{Boot, Receiver};
-use rai_firmware::settings::Configuration;
+use raim_firmware::receiver::{Boot, Receiver};
+use raim_firmware::settings::Configuration;
 
 use super::overheard;
 use crate::pin::Pin;

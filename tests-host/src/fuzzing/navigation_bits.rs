@@ -10,9 +10,9 @@
 //! corrected parities fails none of them. Output belongs to the satellite of the page and is within
 //! the range of its fields, and its orbit stays at plausible radii.
 
-use rai_core::satellite::{Constellation, SatelliteId};
-use rai_firmware::ephemeris::{Ephemeris, EphemerisError};
-use rai_firmware::input::{Counters, Event, Input};
+use raim_core::satellite::{Constellation, SatelliteId};
+use raim_firmware::ephemeris::{Ephemeris, EphemerisError};
+use raim_firmware::input::{Counters, Event, Input};
 
 use super::tape::Tape;
 use crate::encode::ubx::{self, Form};
@@ -30,7 +30,7 @@ pub(super) const MESSAGES: [(Form, Constellation, u8, u8); 6] = [
 /// An epoch without satellites, 2020-06-25 12:00:00. It carries the week and 18 leap seconds.
 const DATED: [u8; 16] = [0, 0, 0, 0, 0, 0xBD, 0x17, 0x41, 0x3F, 0x08, 18, 0, 1, 1, 0, 0];
 
-/// Plausible distances of orbits from the centre, m: the range that [`rai_firmware::ephemeris`]
+/// Plausible distances of orbits from the centre, m: the range that [`raim_firmware::ephemeris`]
 /// accepts, with an eccentricity of 0.2, the harmonics of the widest field and half an hour of a
 /// state vector's flight.
 const ORBITS_M: std::ops::RangeInclusive<f64> = 1.2e7..=8.0e7;

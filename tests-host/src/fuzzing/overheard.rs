@@ -6,7 +6,7 @@
 //!   limits.
 //! - The integrity pin agrees with the last epoch.
 
-use rai_firmware::output::nmea::MAX_LENGTH;
+use raim_firmware::output::nmea::MAX_LENGTH;
 
 use crate::sentence::{self, EpochOutput};
 

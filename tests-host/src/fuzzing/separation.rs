@@ -7,13 +7,13 @@
 //! the tests; exactly the stated satellites are left out.
 
 use nalgebra::Vector3;
-use rai_core::integrity::araim::{
+use raim_core::integrity::araim::{
     Allocation, AraimError, AraimJudgement, AraimOutcome, Finding, MAX_MODES, Prior, Priors, ROWS, judge,
 };
-use rai_core::least_squares::equations::LinearEpoch;
-use rai_core::least_squares::{Snapshot, Workspace};
-use rai_core::numeric::real::Real;
-use rai_core::satellite::Constellation;
+use raim_core::least_squares::equations::LinearEpoch;
+use raim_core::least_squares::{Snapshot, Workspace};
+use raim_core::numeric::real::Real;
+use raim_core::satellite::Constellation;
 
 use super::tape::Tape;
 

@@ -15,8 +15,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use anyhow::{Context, Result, ensure};
-use rai_core::epoch::Epoch;
-use rai_core::frame::Ecef;
+use raim_core::epoch::Epoch;
+use raim_core::frame::Ecef;
 
 use crate::board::Machine;
 use crate::image;

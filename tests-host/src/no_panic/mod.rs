@@ -86,7 +86,7 @@ fn link(name: &str, features: &str, compiled_for: CompiledFor) -> anyhow::Result
     let mut cargo = image::cargo();
     cargo
         .args(["rustc", "--profile", compiled_for.profile(), "--target=thumbv7em-none-eabihf"])
-        .args(["--package=rai-firmware", "--bin", name, "--features", features])
+        .args(["--package=raim-firmware", "--bin", name, "--features", features])
         .args(["--quiet", "--message-format=json-render-diagnostics", "--"])
         .args(["-C", "link-arg=--warn-unresolved-symbols"]);
     let output = cargo.output().context("cargo cannot be run")?;

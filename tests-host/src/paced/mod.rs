@@ -28,14 +28,14 @@ use std::convert::Infallible;
 use std::rc::Rc;
 
 use embedded_hal::digital::{ErrorType, OutputPin};
-use rai_firmware::bit_rate::RATES;
-use rai_firmware::board::reset::ResetCause;
-use rai_firmware::board::{Board, HOST_OUT_BYTES, Note, PortLosses, SEALED_BYTES};
-use rai_firmware::epoch_loop::{EpochLoop, WORTH_A_PASS_BYTES};
-use rai_firmware::outlet::Outlet;
-use rai_firmware::receiver::{Boot, Receiver};
-use rai_firmware::ring::Ring;
-use rai_firmware::timed_ring::{Taken, TimedRing};
+use raim_firmware::bit_rate::RATES;
+use raim_firmware::board::reset::ResetCause;
+use raim_firmware::board::{Board, HOST_OUT_BYTES, Note, PortLosses, SEALED_BYTES};
+use raim_firmware::epoch_loop::{EpochLoop, WORTH_A_PASS_BYTES};
+use raim_firmware::outlet::Outlet;
+use raim_firmware::receiver::{Boot, Receiver};
+use raim_firmware::ring::Ring;
+use raim_firmware::timed_ring::{Taken, TimedRing};
 
 use wire::{Sent, Wire, byte_ns};
 

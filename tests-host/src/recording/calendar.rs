@@ -13,7 +13,7 @@
 //! [Hinnant2013]: crate#references
 
 use anyhow::{Context, Result, ensure};
-use rai_firmware::time::{BEIDOU_OFFSET_MS, GpsTime};
+use raim_firmware::time::{BEIDOU_OFFSET_MS, GpsTime};
 
 /// Days from 1970-01-01 to 1980-01-06, where GPS time begins.
 const GPS_EPOCH_DAYS: i64 = 3657;

@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use anyhow::Result;
-use rai_core::frame::Ecef;
-use rai_firmware::time::GpsTime;
+use raim_core::frame::Ecef;
+use raim_firmware::time::GpsTime;
 
 use super::observations::Observations;
 use super::skipped::Skipped;

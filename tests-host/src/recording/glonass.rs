@@ -15,8 +15,8 @@
 //! [RINEX-3.05]: crate#references
 
 use anyhow::{Result, ensure};
-use rai_core::satellite::SatelliteId;
-use rai_firmware::time::{GLONASS_OFFSET_MS, GpsTime};
+use raim_core::satellite::SatelliteId;
+use raim_firmware::time::{GLONASS_OFFSET_MS, GpsTime};
 use rtcm_rs::msg::Msg1020T;
 
 use crate::measurement::{Ephemeris, TimedEphemeris};

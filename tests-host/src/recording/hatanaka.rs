@@ -26,7 +26,7 @@ use std::collections::{HashMap, VecDeque};
 use std::fmt::Write as _;
 
 use anyhow::{Context, Result, bail, ensure};
-use rai_firmware::time::GpsTime;
+use raim_firmware::time::GpsTime;
 
 use super::calendar::{self, TimeSystem};
 use super::header::ObservationCodes;

@@ -11,7 +11,7 @@
 use std::collections::HashMap;
 
 use anyhow::{Context, Result, anyhow, bail, ensure};
-use rai_core::frame::Ecef;
+use raim_core::frame::Ecef;
 
 use super::calendar::TimeSystem;
 use super::skipped::{Flaw, Skipped};

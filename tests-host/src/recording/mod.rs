@@ -34,8 +34,8 @@ mod text;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail, ensure};
-use rai_core::frame::Ecef;
-use rai_firmware::time::GpsTime;
+use raim_core::frame::Ecef;
+use raim_firmware::time::GpsTime;
 
 pub use self::calendar::readable;
 pub use self::epochs::Epochs;

@@ -30,8 +30,8 @@
 use std::f64::consts::PI;
 
 use anyhow::{Context, Result, bail, ensure};
-use rai_core::satellite::{Constellation, SatelliteId};
-use rai_firmware::time::{BEIDOU_OFFSET_MS, BEIDOU_WEEK_OFFSET, GALILEO_WEEK_OFFSET, GpsTime};
+use raim_core::satellite::{Constellation, SatelliteId};
+use raim_firmware::time::{BEIDOU_OFFSET_MS, BEIDOU_WEEK_OFFSET, GALILEO_WEEK_OFFSET, GpsTime};
 use rtcm_rs::msg::{Msg1019T, Msg1042T, Msg1044T, Msg1045T, Msg1046T};
 
 use super::calendar::{self, TimeSystem};

@@ -19,9 +19,9 @@ use std::io::BufRead;
 use std::path::Path;
 
 use anyhow::{Context, Result, anyhow, bail};
-use rai_core::frame::Ecef;
-use rai_core::satellite::SatelliteId;
-use rai_firmware::time::GpsTime;
+use raim_core::frame::Ecef;
+use raim_core::satellite::SatelliteId;
+use raim_firmware::time::GpsTime;
 
 use super::calendar::{self, TimeSystem};
 use super::file;

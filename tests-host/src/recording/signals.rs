@@ -7,7 +7,7 @@
 //! [RINEX-3.05]: crate#references
 
 use anyhow::{Result, ensure};
-use rai_core::satellite::Constellation;
+use raim_core::satellite::Constellation;
 
 use super::header::Header;
 use super::text::{columns, number};

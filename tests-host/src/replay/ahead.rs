@@ -76,7 +76,7 @@ impl Intervals {
 
 #[cfg(test)]
 mod tests {
-    use rai_firmware::time::GpsTime;
+    use raim_firmware::time::GpsTime;
 
     use super::*;
 

@@ -1,12 +1,12 @@
 //! Lumps as the firmware corrects them at a known antenna: the ranges, sigmas and directions that the module works with,
 //! without the position that it finds.
 
-use rai_core::epoch::Epoch;
-use rai_core::frame::Ecef;
-use rai_firmware::correction::{CAPACITY, Klobuchar, Site, Sky, Tally, locate};
-use rai_firmware::ephemeris::Store;
-use rai_firmware::input::{Event, Input};
-use rai_firmware::settings::Systems;
+use raim_core::epoch::Epoch;
+use raim_core::frame::Ecef;
+use raim_firmware::correction::{CAPACITY, Klobuchar, Site, Sky, Tally, locate};
+use raim_firmware::ephemeris::Store;
+use raim_firmware::input::{Event, Input};
+use raim_firmware::settings::Systems;
 
 use super::Lump;
 

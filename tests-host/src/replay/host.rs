@@ -1,7 +1,7 @@
 //! The module in process.
 
 use anyhow::{Context, Result, ensure};
-use rai_firmware::receiver::{Boot, Receiver};
+use raim_firmware::receiver::{Boot, Receiver};
 
 use super::ahead::Ahead;
 use super::lump::Lump;

@@ -1,6 +1,6 @@
 //! One lump: what a receiver would send of an epoch.
 
-use rai_firmware::time::GpsTime;
+use raim_firmware::time::GpsTime;
 
 /// The bytes of one epoch.
 #[derive(Clone, Debug, PartialEq)]

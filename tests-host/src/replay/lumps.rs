@@ -3,9 +3,9 @@
 use std::collections::BTreeSet;
 
 use anyhow::{Context as _, Result, ensure};
-use rai_core::frame::{Ecef, Enu, LocalFrame};
-use rai_core::satellite::SatelliteId;
-use rai_firmware::time::GpsTime;
+use raim_core::frame::{Ecef, Enu, LocalFrame};
+use raim_core::satellite::SatelliteId;
+use raim_firmware::time::GpsTime;
 
 use super::corrected::Corrector;
 use super::lump::Lump;

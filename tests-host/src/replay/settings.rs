@@ -1,7 +1,7 @@
 //! Settings of a command line, `KEY=VALUE`, as commands of the module.
 
 use anyhow::{Result, bail};
-use rai_firmware::settings::{Order, Setting};
+use raim_firmware::settings::{Order, Setting};
 
 /// Returns the words that a setting may be.
 ///

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
-use rai_core::frame::Enu;
+use raim_core::frame::Enu;
 use serde::Serialize;
 
 use super::quantiles::Quantiles;

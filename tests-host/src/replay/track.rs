@@ -5,8 +5,8 @@
 use std::io::Write;
 
 use anyhow::Result;
-use rai_core::frame::{Enu, LocalFrame};
-use rai_firmware::time::GpsTime;
+use raim_core::frame::{Enu, LocalFrame};
+use raim_firmware::time::GpsTime;
 
 use super::host::Said;
 use super::truth::Truth;

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use anyhow::{Context, Result, bail, ensure};
-use rai_core::frame::{Ecef, Geodetic, LocalFrame};
-use rai_firmware::time::GpsTime;
+use raim_core::frame::{Ecef, Geodetic, LocalFrame};
+use raim_firmware::time::GpsTime;
 
 /// How far the time tag of a point may be from the receiver's, ms: receivers' tags are some ms off the second, and a
 /// car moves a metre meanwhile.

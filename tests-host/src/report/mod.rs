@@ -21,8 +21,8 @@ pub mod stanford;
 pub mod thinned;
 pub mod timeline;
 
-use rai_core::frame::Enu;
-use rai_core::satellite::SatelliteId;
+use raim_core::frame::Enu;
+use raim_core::satellite::SatelliteId;
 
 use crate::sentence::EpochOutput;
 

@@ -7,7 +7,7 @@ use std::f64::consts::FRAC_PI_2;
 use anyhow::Result;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, VPos};
-use rai_core::satellite::{Constellation, SatelliteId};
+use raim_core::satellite::{Constellation, SatelliteId};
 
 use super::canvas::{
     Area, BLUE, GREEN, Ground, HEADING_PX, INK, Mark, ORANGE, RED, TEXT_PX, VIOLET, heading, svg, text,

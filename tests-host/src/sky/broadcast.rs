@@ -23,9 +23,9 @@
 
 use core::f64::consts::{PI, TAU};
 
-use rai_core::frame::{EARTH_ROTATION_RAD_S, SPEED_OF_LIGHT_M_S};
-use rai_core::satellite::{Constellation, SatelliteId};
-use rai_firmware::time::{BEIDOU_OFFSET_MS, BEIDOU_WEEK_OFFSET, GALILEO_WEEK_OFFSET, GpsTime};
+use raim_core::frame::{EARTH_ROTATION_RAD_S, SPEED_OF_LIGHT_M_S};
+use raim_core::satellite::{Constellation, SatelliteId};
+use raim_firmware::time::{BEIDOU_OFFSET_MS, BEIDOU_WEEK_OFFSET, GALILEO_WEEK_OFFSET, GpsTime};
 use rtcm_rs::msg::{Msg1019T, Msg1042T, Msg1046T};
 
 use super::fleet::Satellite;

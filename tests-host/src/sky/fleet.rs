@@ -23,7 +23,7 @@
 //! [Yang2015]: crate#references
 //! [Tian2024]: crate#references
 
-use rai_core::satellite::{Constellation, SatelliteId};
+use raim_core::satellite::{Constellation, SatelliteId};
 
 use super::orbit::{Orbit, mean_motion_rad_s};
 

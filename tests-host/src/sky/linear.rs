@@ -13,10 +13,10 @@
 //! | `b` | `clocks_m` | m, receiver clock of each constellation times the speed of light |
 
 use nalgebra::Vector3;
-use rai_core::frame::Enu;
-use rai_core::least_squares::equations::{LinearEpoch, RowError};
-use rai_core::numeric::real::Real;
-use rai_core::satellite::{Constellation, SatelliteId};
+use raim_core::frame::Enu;
+use raim_core::least_squares::equations::{LinearEpoch, RowError};
+use raim_core::numeric::real::Real;
+use raim_core::satellite::{Constellation, SatelliteId};
 
 use super::noise::Noise;
 use super::sight::Sight;

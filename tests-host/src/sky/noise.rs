@@ -4,7 +4,7 @@
 //! Hence a satellite's noise does not depend on the others in view, an experiment can jump to any
 //! epoch, and parallel runs agree with sequential ones.
 
-use rai_core::satellite::SatelliteId;
+use raim_core::satellite::SatelliteId;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};

@@ -21,7 +21,7 @@
 //!
 //! [IS-GPS-200]: crate#references
 
-use rai_core::frame::{EARTH_ROTATION_RAD_S, Ecef, SPEED_OF_LIGHT_M_S};
+use raim_core::frame::{EARTH_ROTATION_RAD_S, Ecef, SPEED_OF_LIGHT_M_S};
 
 /// Gravitational constant times the mass of the earth, m³/s² ([WGS84]).
 ///

@@ -19,9 +19,9 @@
 use std::f64::consts::FRAC_PI_2;
 use std::slice;
 
-use rai_core::frame::SPEED_OF_LIGHT_M_S;
-use rai_core::satellite::Constellation;
-use rai_firmware::time::GpsTime;
+use raim_core::frame::SPEED_OF_LIGHT_M_S;
+use raim_core::satellite::Constellation;
+use raim_firmware::time::GpsTime;
 
 use super::atmosphere::{ionosphere_m, troposphere_m};
 use super::broadcast::{SatelliteClock, ephemeris};

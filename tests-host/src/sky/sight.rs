@@ -4,8 +4,8 @@
 //! the earth turns under the signal by `ω_e τ`. Both are exact here, because the satellite's
 //! position is rotated, so that a first-order correction elsewhere can be compared with it.
 
-use rai_core::frame::{EARTH_ROTATION_RAD_S, Ecef, Enu, Geodetic, LocalFrame, SPEED_OF_LIGHT_M_S};
-use rai_core::satellite::SatelliteId;
+use raim_core::frame::{EARTH_ROTATION_RAD_S, Ecef, Enu, Geodetic, LocalFrame, SPEED_OF_LIGHT_M_S};
+use raim_core::satellite::SatelliteId;
 
 use super::fleet::Satellite;
 

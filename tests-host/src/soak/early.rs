@@ -6,7 +6,7 @@
 //! satellite. For a recording they are its own later sets; those of a simulated sky drift away from
 //! its true clocks.
 
-use rai_core::satellite::Constellation;
+use raim_core::satellite::Constellation;
 
 use crate::measurement::{MeasuredEpoch, TimedEphemeris};
 use crate::sky::broadcast::{drifting, ephemeris};

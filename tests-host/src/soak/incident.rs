@@ -14,7 +14,7 @@
 //!
 //! An incident and the quiet after it last 8 to 40 epochs each.
 
-use rai_core::satellite::{Constellation, SatelliteId};
+use raim_core::satellite::{Constellation, SatelliteId};
 use rand::seq::IndexedRandom;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;

@@ -1,7 +1,7 @@
 //! Plans: the epochs of a soak, their pace, and the rate of incidents.
 
 use anyhow::Result;
-use rai_core::frame::Ecef;
+use raim_core::frame::Ecef;
 
 use super::early;
 use super::scenario::{Passage, Tempo};

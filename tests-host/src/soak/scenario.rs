@@ -15,9 +15,9 @@
 use std::collections::VecDeque;
 
 use anyhow::Result;
-use rai_core::frame::Ecef;
-use rai_core::satellite::SatelliteId;
-use rai_firmware::time::GpsTime;
+use raim_core::frame::Ecef;
+use raim_core::satellite::SatelliteId;
+use raim_firmware::time::GpsTime;
 use rand::seq::IndexedRandom;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;

@@ -5,9 +5,9 @@
 
 use std::collections::{BTreeMap, VecDeque};
 
-use rai_core::frame::{Enu, Geodetic, LocalFrame};
-use rai_core::satellite::SatelliteId;
-use rai_firmware::output::nmea::{GPS_MINUS_UTC_S, TimeOfDay};
+use raim_core::frame::{Enu, Geodetic, LocalFrame};
+use raim_core::satellite::SatelliteId;
+use raim_firmware::output::nmea::{GPS_MINUS_UTC_S, TimeOfDay};
 
 use super::scenario::Offer;
 use crate::recording::readable;
@@ -342,9 +342,9 @@ fn is_of(state: &State, offer: &Offer) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use rai_core::frame::Ecef;
-    use rai_core::satellite::Constellation;
-    use rai_firmware::time::GpsTime;
+    use raim_core::frame::Ecef;
+    use raim_core::satellite::Constellation;
+    use raim_firmware::time::GpsTime;
 
     use super::super::incident::Falsified;
     use super::*;

@@ -7,8 +7,8 @@
 //! with its prior of 1e-8, may not: a shift of GPS is taken for one of the others, and is not
 //! monitored, unless a command gives GPS a larger prior.
 
-use rai_core::frame::Ecef;
-use rai_firmware::time::GpsTime;
+use raim_core::frame::Ecef;
+use raim_firmware::time::GpsTime;
 use tests_host::encode::{Frequency, Selection};
 use tests_host::fault::Fault;
 use tests_host::recording::Recording;

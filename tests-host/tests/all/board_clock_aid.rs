@@ -3,8 +3,8 @@
 //! More than a minute of the whole sky fills the clock's window; then all but a few satellites of
 //! GPS are lost. The wanted results are the injected faults: the faulty satellite, and its time.
 
-use rai_core::frame::Ecef;
-use rai_core::satellite::Constellation;
+use raim_core::frame::Ecef;
+use raim_core::satellite::Constellation;
 use tests_host::board::is_installed;
 use tests_host::encode::{Frequency, Selection};
 use tests_host::fault::Fault;

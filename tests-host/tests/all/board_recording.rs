@@ -3,7 +3,7 @@
 
 use std::time::Duration;
 
-use rai_core::frame::LocalFrame;
+use raim_core::frame::LocalFrame;
 use tests_host::board::is_installed;
 use tests_host::capture::{self, Capture};
 use tests_host::encode::{Frequency, Selection};
@@ -145,7 +145,7 @@ fn gpsd_behind_the_board_has_a_3d_fix_and_its_errors() {
             object["class"] == "TPV" && object["mode"] == 3 && object["epx"].is_number()
         })
         .expect("a 3D fix with the errors of GBS");
-    let have = rai_core::frame::Geodetic {
+    let have = raim_core::frame::Geodetic {
         latitude_rad: fix["lat"].as_f64().unwrap().to_radians(),
         longitude_rad: fix["lon"].as_f64().unwrap().to_radians(),
         height_m: fix["altHAE"].as_f64().unwrap(),

@@ -4,7 +4,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use rai_core::satellite::Constellation;
+use raim_core::satellite::Constellation;
 use tests_host::campaign::almanac;
 use tests_host::campaign::spec::Spec;
 use tests_host::campaign::{Campaign, Share, Table, merge, write_report};

@@ -5,7 +5,7 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use rai_firmware::receiver::{Boot, Receiver};
+use raim_firmware::receiver::{Boot, Receiver};
 use tests_host::capi::program::{STRICT, SYSTEM};
 use tests_host::capi::{self, Kind, folder, library, run};
 use tests_host::encode::{Frequency, Selection};

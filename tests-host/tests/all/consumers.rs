@@ -15,17 +15,17 @@
 use std::io::Write as _;
 use std::process::{Command, Stdio};
 
-use rai_core::frame::Geodetic;
-use rai_core::report::{
+use raim_core::frame::Geodetic;
+use raim_core::report::{
     Alert, Protected, ProtectionLevels, Report, Solution, TestStatistic, Unavailable, Verdict,
 };
-use rai_core::requirements::Requirements;
-use rai_core::satellite::{Constellation, SatelliteId};
-use rai_firmware::output::mavlink::Sender;
-use rai_firmware::output::nmea::{GPS_MINUS_UTC_S, write_epoch};
-use rai_firmware::output::schedule::{Due, Item, Schedule};
-use rai_firmware::output::{Interference, Motion, Statement};
-use rai_firmware::time::GpsTime;
+use raim_core::requirements::Requirements;
+use raim_core::satellite::{Constellation, SatelliteId};
+use raim_firmware::output::mavlink::Sender;
+use raim_firmware::output::nmea::{GPS_MINUS_UTC_S, write_epoch};
+use raim_firmware::output::schedule::{Due, Item, Schedule};
+use raim_firmware::output::{Interference, Motion, Statement};
+use raim_firmware::time::GpsTime;
 use serde_json::Value;
 use tests_host::{setup, skip};
 

@@ -1,6 +1,6 @@
 //! Picture of the dashboard at common sizes: an alert, a satellite left out, and no input yet.
 
-use rai_core::satellite::{Constellation, SatelliteId};
+use raim_core::satellite::{Constellation, SatelliteId};
 use ratatui::Terminal;
 use ratatui::backend::TestBackend;
 use tests_host::checksum::nmea_line;
@@ -14,7 +14,7 @@ fn story() -> Dashboard {
     let mut dashboard = Dashboard::of("a test");
     dashboard.hear(&nmea_line("PRAIV,0.1.0,1a2b3c4,POWER-ON,PASS"));
     let mut said = Vec::new();
-    rai_firmware::settings::Configuration::at_start().write(&mut said).expect("a vector takes all");
+    raim_firmware::settings::Configuration::at_start().write(&mut said).expect("a vector takes all");
     for line in String::from_utf8(said).expect("ASCII").lines() {
         dashboard.hear(line);
     }

@@ -12,7 +12,7 @@ use std::io::Read as _;
 use std::path::Path;
 
 use flate2::read::GzDecoder;
-use rai_firmware::input::{Counters, Event, Input};
+use raim_firmware::input::{Counters, Event, Input};
 use tests_host::checksum::crc24q;
 use tests_host::encode::ubx;
 use tests_host::replay::pieces::{Kind, pieces};

@@ -1,7 +1,7 @@
 //! Faults: their effect on ranges, and the errors for wrong texts.
 
-use rai_core::frame::Enu;
-use rai_core::satellite::{Constellation, SatelliteId};
+use raim_core::frame::Enu;
+use raim_core::satellite::{Constellation, SatelliteId};
 use tests_host::fault::{Directions, Fault, Injector, Kind, Measured, Target, satellite};
 
 /// The simplest epoch: a range per satellite.

@@ -1,7 +1,7 @@
 //! A sky with more satellites than an epoch can hold: those low above the horizon are replaced by
 //! usable ones.
 
-use rai_firmware::correction::CAPACITY;
+use raim_firmware::correction::CAPACITY;
 use tests_host::attack::victim::{Seen, Victim};
 use tests_host::encode::{Encoder, Frequency, Selection};
 use tests_host::fault::Measured;

@@ -1,6 +1,6 @@
 //! The GNSS port at the rates of receivers: the input is read, and an unknown rate is found.
 
-use rai_firmware::bit_rate::{PATIENCE_MS, RATES};
+use raim_firmware::bit_rate::{PATIENCE_MS, RATES};
 use tests_host::encode::{Frequency, Selection, ubx};
 use tests_host::paced::{Costs, Lines, Outcome, run, search};
 use tests_host::recording::Recording;

@@ -7,16 +7,16 @@
 use std::time::{Duration, SystemTime};
 
 use anyhow::{Context, Result};
-use rai_core::frame::Geodetic;
-use rai_core::report::{
+use raim_core::frame::Geodetic;
+use raim_core::report::{
     Alert, Protected, ProtectionLevels, Report, Solution, Suspect, TestStatistic, Unavailable, Verdict,
 };
-use rai_core::requirements::Requirements;
-use rai_core::satellite::{Constellation, SatelliteId};
-use rai_firmware::output::nmea::{GPS_MINUS_UTC_S, write_epoch};
-use rai_firmware::output::schedule::Schedule;
-use rai_firmware::output::{Interference, Motion, Statement};
-use rai_firmware::time::GpsTime;
+use raim_core::requirements::Requirements;
+use raim_core::satellite::{Constellation, SatelliteId};
+use raim_firmware::output::nmea::{GPS_MINUS_UTC_S, write_epoch};
+use raim_firmware::output::schedule::Schedule;
+use raim_firmware::output::{Interference, Motion, Statement};
+use raim_firmware::time::GpsTime;
 use serde_json::Value;
 use tests_host::chrony::{self, Chronyd, Source};
 use tests_host::gpsd::Gpsd;

@@ -5,15 +5,15 @@
 //! here, compiled for this machine, and in the measuring image on the emulated processor. That one
 //! formats its reports as `Debug` does: the shortest text that stands for exactly these bits.
 
-use rai_core::epoch::{Epoch, Observation};
-use rai_core::frame::{Ecef, Enu, LocalFrame};
-use rai_core::integrity::raim::detection::threshold::policy::Policy;
-use rai_core::integrity::raim::isolation::parity;
-use rai_core::monitor::{Method, Monitor, Strategy};
-use rai_core::numeric::real::Real;
-use rai_core::requirements::Requirements;
-use rai_core::satellite::{Constellation, SatelliteId};
-use rai_firmware::correction::CAPACITY;
+use raim_core::epoch::{Epoch, Observation};
+use raim_core::frame::{Ecef, Enu, LocalFrame};
+use raim_core::integrity::raim::detection::threshold::policy::Policy;
+use raim_core::integrity::raim::isolation::parity;
+use raim_core::monitor::{Method, Monitor, Strategy};
+use raim_core::numeric::real::Real;
+use raim_core::requirements::Requirements;
+use raim_core::satellite::{Constellation, SatelliteId};
+use raim_firmware::correction::CAPACITY;
 use rand::Rng;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -86,7 +86,7 @@ impl Life {
 fn place(random: &mut ChaCha8Rng) -> Ecef {
     let (latitude_rad, longitude_rad): (f64, f64) =
         (random.random_range(-1.5..1.5), random.random_range(-3.1..3.1));
-    rai_core::frame::Geodetic { latitude_rad, longitude_rad, height_m: random.random_range(-100.0..9e3) }
+    raim_core::frame::Geodetic { latitude_rad, longitude_rad, height_m: random.random_range(-100.0..9e3) }
         .to_ecef()
 }
 

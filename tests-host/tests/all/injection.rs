@@ -4,10 +4,10 @@
 //! satellite counts as testable if its smallest detectable bias, `σ √(λ/S_ii)` of the fault-free
 //! epoch, is below 100 m; `S_ii` comes from the dense oracle and not from the core.
 
-use rai_core::frame::{Ecef, Enu, LocalFrame};
-use rai_core::integrity::raim::detection::threshold::Thresholds;
-use rai_core::numeric::probability::Probability;
-use rai_core::satellite::SatelliteId;
+use raim_core::frame::{Ecef, Enu, LocalFrame};
+use raim_core::integrity::raim::detection::threshold::Thresholds;
+use raim_core::numeric::probability::Probability;
+use raim_core::satellite::SatelliteId;
 use tests_host::encode::{Frequency, Selection};
 use tests_host::fault::Fault;
 use tests_host::oracle::{self, Range};
@@ -42,9 +42,9 @@ fn detectable_biases(lumps: &[Lump]) -> Vec<Vec<(SatelliteId, f64)>> {
     epochs.iter().map(|epoch| biases_of(epoch.observations())).collect()
 }
 
-fn biases_of(observations: &[rai_core::epoch::Observation]) -> Vec<(SatelliteId, f64)> {
+fn biases_of(observations: &[raim_core::epoch::Observation]) -> Vec<(SatelliteId, f64)> {
     let frame = LocalFrame::at(TRUTH);
-    let range = |observation: &rai_core::epoch::Observation| {
+    let range = |observation: &raim_core::epoch::Observation| {
         let difference = observation.position - TRUTH;
         let Enu { east, north, up } = frame.rotate(difference);
         let line_of_sight = [east, north, up].map(|component| component / difference.radius_m());
@@ -56,7 +56,7 @@ fn biases_of(observations: &[rai_core::epoch::Observation]) -> Vec<(SatelliteId,
     let thresholds =
         Thresholds::from_tables(Probability::new(3.33e-7).unwrap(), Probability::new(1e-3).unwrap()).unwrap();
     let lambda: f64 = thresholds.lambda(dense.dof).unwrap();
-    let smallest = |(index, observation): (usize, &rai_core::epoch::Observation)| {
+    let smallest = |(index, observation): (usize, &raim_core::epoch::Observation)| {
         let redundancy = dense.projection[(index, index)].max(1e-12);
         (observation.satellite, observation.sigma_m * (lambda / redundancy).sqrt())
     };

@@ -3,9 +3,9 @@
 
 use std::collections::BTreeMap;
 
-use rai_core::satellite::{Constellation, SatelliteId};
-use rai_firmware::ephemeris::CAPACITY;
-use rai_firmware::time::GpsTime;
+use raim_core::satellite::{Constellation, SatelliteId};
+use raim_firmware::ephemeris::CAPACITY;
+use raim_firmware::time::GpsTime;
 use tests_host::attack::victim::{Seen, Victim};
 use tests_host::encode::{Encoder, Frequency, Selection};
 use tests_host::measurement::{Ephemeris, MeasuredEpoch, TimedEphemeris};

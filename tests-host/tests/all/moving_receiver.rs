@@ -4,7 +4,7 @@
 //! The wanted values are arithmetic: `dof = n − 3 − C`, and one more if the forecast of a clock
 //! takes a row.
 
-use rai_core::frame::Enu;
+use raim_core::frame::Enu;
 use tests_host::encode::{Frequency, Selection};
 use tests_host::recording::Recording;
 use tests_host::replay::{self, Pace, Window};

@@ -4,7 +4,7 @@
 use std::time::Duration;
 
 use embedded_hal::digital::{ErrorType, OutputPin};
-use rai_firmware::receiver::{Boot, Receiver};
+use raim_firmware::receiver::{Boot, Receiver};
 use tests_host::board::{EmulatedBoard, is_installed};
 use tests_host::encode::{Encoder, Frequency, Selection};
 use tests_host::image::{self, CompiledFor};

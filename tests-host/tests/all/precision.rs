@@ -9,17 +9,17 @@
 //! own last position. Orbits and clocks, integers in either, have their own double-precision
 //! reference (`rai-firmware/tests/all/orbit_reference.rs`).
 
-use rai_core::epoch::Epoch;
-use rai_core::frame::Ecef;
-use rai_core::monitor::Monitor;
-use rai_core::report::Report;
-use rai_core::requirements::Requirements;
-use rai_core::single;
-use rai_firmware::correction::{CAPACITY, Klobuchar, Ranges, Site, Sky, Tally, locate};
-use rai_firmware::ephemeris::Store;
-use rai_firmware::input::{Event, Input};
-use rai_firmware::raw::RawEpoch;
-use rai_firmware::settings::Systems;
+use raim_core::epoch::Epoch;
+use raim_core::frame::Ecef;
+use raim_core::monitor::Monitor;
+use raim_core::report::Report;
+use raim_core::requirements::Requirements;
+use raim_core::single;
+use raim_firmware::correction::{CAPACITY, Klobuchar, Ranges, Site, Sky, Tally, locate};
+use raim_firmware::ephemeris::Store;
+use raim_firmware::input::{Event, Input};
+use raim_firmware::raw::RawEpoch;
+use raim_firmware::settings::Systems;
 use tests_host::encode::{Frequency, Selection};
 use tests_host::fault::Fault;
 use tests_host::replay::{self, Window};
@@ -113,7 +113,7 @@ impl Differences {
     }
 }
 
-fn excluded(report: &Report<CAPACITY>) -> Vec<rai_core::satellite::SatelliteId> {
+fn excluded(report: &Report<CAPACITY>) -> Vec<raim_core::satellite::SatelliteId> {
     report.excluded.iter().map(|suspect| suspect.satellite).collect()
 }
 

@@ -3,7 +3,7 @@
 
 use std::time::Duration;
 
-use rai_firmware::receiver::{Boot, Receiver};
+use raim_firmware::receiver::{Boot, Receiver};
 use tests_host::board::{EmulatedBoard, LogLine, Machine, Settings, is_installed};
 use tests_host::encode::{Encoder, Frequency, Selection};
 use tests_host::image;

@@ -1,10 +1,10 @@
 //! The simulated sky against published tables, closed forms and the geometry of well-known sites.
 
-use rai_core::frame::{EARTH_ROTATION_RAD_S, Ecef, SPEED_OF_LIGHT_M_S};
-use rai_core::satellite::{Constellation, SatelliteId};
-use rai_firmware::input::{Event, Input};
-use rai_firmware::receiver::{Boot, Receiver};
-use rai_firmware::time::GpsTime;
+use raim_core::frame::{EARTH_ROTATION_RAD_S, Ecef, SPEED_OF_LIGHT_M_S};
+use raim_core::satellite::{Constellation, SatelliteId};
+use raim_firmware::input::{Event, Input};
+use raim_firmware::receiver::{Boot, Receiver};
+use raim_firmware::time::GpsTime;
 use tests_host::encode::{Encoder, Frequency, Selection};
 use tests_host::sky::broadcast::SatelliteClock;
 use tests_host::sky::linear::{Sigma, rows};
@@ -232,7 +232,7 @@ fn same_seed_gives_the_same_rows_whatever_else_is_in_sight() {
 }
 
 /// Returns the satellites of a recording's ephemerides as the module decodes them from the wire.
-fn read_back(simulation: &Simulation) -> Vec<rai_firmware::ephemeris::Ephemeris> {
+fn read_back(simulation: &Simulation) -> Vec<raim_firmware::ephemeris::Ephemeris> {
     let recording = simulation.record();
     let selection = Selection::new("GC", Frequency::Dual).unwrap();
     let bytes = Encoder::new(&recording.ephemerides, selection).epoch(&recording.epochs[0]).unwrap();

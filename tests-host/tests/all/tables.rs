@@ -1,7 +1,7 @@
 //! The committed threshold tables against their generator and the gold values.
 
-use rai_core::integrity::raim::detection::threshold::{self, Thresholds};
-use rai_core::numeric::probability::Probability;
+use raim_core::integrity::raim::detection::threshold::{self, Thresholds};
+use raim_core::numeric::probability::Probability;
 use tests_host::{tables, vectors};
 
 #[test]

@@ -1,19 +1,19 @@
 //! Velocity of the module from Doppler frequencies that are computed another way: from the changes
 //! of the simulated sky's ranges.
 
-use rai_core::frame::{Enu, SPEED_OF_LIGHT_M_S};
-use rai_core::requirements::Requirements;
-use rai_core::satellite::SatelliteId;
-use rai_core::single::{Monitor, Workspace};
-use rai_core::velocity::Velocity;
-use rai_firmware::correction::{Sky, Tally, locate};
-use rai_firmware::ephemeris::{Ephemeris, Store};
-use rai_firmware::input::{Event, Input};
-use rai_firmware::rates::Rates;
-use rai_firmware::raw::{RawEpoch, RawSatellite};
-use rai_firmware::receiver::{Boot, Receiver};
-use rai_firmware::settings::Systems;
-use rai_firmware::time::GpsTime;
+use raim_core::frame::{Enu, SPEED_OF_LIGHT_M_S};
+use raim_core::requirements::Requirements;
+use raim_core::satellite::SatelliteId;
+use raim_core::single::{Monitor, Workspace};
+use raim_core::velocity::Velocity;
+use raim_firmware::correction::{Sky, Tally, locate};
+use raim_firmware::ephemeris::{Ephemeris, Store};
+use raim_firmware::input::{Event, Input};
+use raim_firmware::rates::Rates;
+use raim_firmware::raw::{RawEpoch, RawSatellite};
+use raim_firmware::receiver::{Boot, Receiver};
+use raim_firmware::settings::Systems;
+use raim_firmware::time::GpsTime;
 use tests_host::encode::{Encoder, Frequency, Selection};
 use tests_host::measurement::{Ephemeris as Broadcast, TimedEphemeris};
 use tests_host::pin::Pin;

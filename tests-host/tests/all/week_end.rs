@@ -3,10 +3,10 @@
 //! In the simulated sky every GPS and Galileo set of the last half hour has its reference time in the next week, and every one of
 //! `BeiDou` in this one. Right values follow from the simulation's own time.
 
-use rai_core::satellite::Constellation;
-use rai_firmware::input::{Event, Input};
-use rai_firmware::receiver::{Boot, Receiver};
-use rai_firmware::time::GpsTime;
+use raim_core::satellite::Constellation;
+use raim_firmware::input::{Event, Input};
+use raim_firmware::receiver::{Boot, Receiver};
+use raim_firmware::time::GpsTime;
 use tests_host::encode::{Encoder, Frequency, Selection, StatedWeek};
 use tests_host::measurement::TimedEphemeris;
 use tests_host::pin::Pin;

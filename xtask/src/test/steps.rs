@@ -64,7 +64,7 @@ pub(super) const STEPS: &[Step] = &[
         cargo(&["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"])
     }),
     step("unit tests", Lane::Host, When::Quick, |_, _| {
-        cargo(&["test", "--package=rai-core", "--package=rai-firmware", "--lib"])
+        cargo(&["test", "--package=raim-core", "--package=raim-firmware", "--lib"])
     }),
     step("tests", Lane::Host, When::Whole, tests),
     step("examples in the documentation", Lane::Host, When::Whole, |_, _| {
@@ -97,13 +97,13 @@ fn cargo(arguments: &[&str]) -> Result<Done> {
 
 fn lints_of_the_image() -> Result<Done> {
     let target = format!("--target={}", setup::TARGETS[0]);
-    let what = ["--profile=firmware", &target, "--package=rai-firmware", "--features=probe"];
+    let what = ["--profile=firmware", &target, "--package=raim-firmware", "--features=probe"];
     cargo(&[&["clippy"], &what[..], &["--", "-D", "warnings"]].concat())
 }
 
 fn libraries() -> Result<Done> {
     let mut arguments =
-        vec!["check", "--profile=firmware", "--package=rai-core", "--package=rai-firmware", "--lib"];
+        vec!["check", "--profile=firmware", "--package=raim-core", "--package=raim-firmware", "--lib"];
     arguments.extend(setup::TARGETS.iter().flat_map(|target| ["--target", target]));
     cargo(&arguments)
 }

@@ -2,11 +2,11 @@
 
 use nalgebra::Vector3;
 use proptest::prelude::*;
-use rai_core::integrity::raim::levels::{hdop_change_limit, largest_hdop_change, largest_slopes};
-use rai_core::least_squares::equations::LinearEpoch;
-use rai_core::least_squares::{Snapshot, SnapshotError};
-use rai_core::numeric::real::Real;
-use rai_core::satellite::Constellation;
+use raim_core::integrity::raim::levels::{hdop_change_limit, largest_hdop_change, largest_slopes};
+use raim_core::least_squares::equations::LinearEpoch;
+use raim_core::least_squares::{Snapshot, SnapshotError};
+use raim_core::numeric::real::Real;
+use raim_core::satellite::Constellation;
 
 use crate::solved::solved;
 

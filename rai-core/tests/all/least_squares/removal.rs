@@ -3,12 +3,12 @@
 
 use nalgebra::{DMatrix, DVector, Vector3};
 use proptest::prelude::*;
-use rai_core::integrity::raim::isolation::parity::correlation;
-use rai_core::least_squares::Snapshot;
-use rai_core::least_squares::downdate::{ExclusionSet, NormalisedRows, testable_rows};
-use rai_core::least_squares::equations::LinearEpoch;
-use rai_core::numeric::real::Real;
-use rai_core::satellite::Constellation;
+use raim_core::integrity::raim::isolation::parity::correlation;
+use raim_core::least_squares::Snapshot;
+use raim_core::least_squares::downdate::{ExclusionSet, NormalisedRows, testable_rows};
+use raim_core::least_squares::equations::LinearEpoch;
+use raim_core::numeric::real::Real;
+use raim_core::satellite::Constellation;
 
 use crate::solved::solved;
 

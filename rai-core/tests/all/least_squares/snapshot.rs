@@ -3,10 +3,10 @@
 
 use nalgebra::Vector3;
 use proptest::prelude::*;
-use rai_core::least_squares::equations::{LinearEpoch, MAX_ROWS};
-use rai_core::least_squares::{Snapshot, SnapshotError};
-use rai_core::numeric::real::Real;
-use rai_core::satellite::Constellation;
+use raim_core::least_squares::equations::{LinearEpoch, MAX_ROWS};
+use raim_core::least_squares::{Snapshot, SnapshotError};
+use raim_core::numeric::real::Real;
+use raim_core::satellite::Constellation;
 
 use crate::solved::{copied, solved};
 

@@ -3,15 +3,15 @@
 
 use nalgebra::Vector3;
 use proptest::prelude::*;
-use rai_core::integrity::raim::detection::threshold::Thresholds;
-use rai_core::integrity::raim::isolation::baarda::{identify, worst_two};
-use rai_core::integrity::raim::isolation::exclusion::{ExclusionOutcome, Unidentified};
-use rai_core::integrity::raim::isolation::ransac::{self, MAX_WORK, Selection};
-use rai_core::integrity::raim::levels::Slopes;
-use rai_core::least_squares::Snapshot;
-use rai_core::least_squares::equations::LinearEpoch;
-use rai_core::numeric::probability::Probability;
-use rai_core::satellite::Constellation;
+use raim_core::integrity::raim::detection::threshold::Thresholds;
+use raim_core::integrity::raim::isolation::baarda::{identify, worst_two};
+use raim_core::integrity::raim::isolation::exclusion::{ExclusionOutcome, Unidentified};
+use raim_core::integrity::raim::isolation::ransac::{self, MAX_WORK, Selection};
+use raim_core::integrity::raim::levels::Slopes;
+use raim_core::least_squares::Snapshot;
+use raim_core::least_squares::equations::LinearEpoch;
+use raim_core::numeric::probability::Probability;
+use raim_core::satellite::Constellation;
 
 use crate::solved::solved;
 

@@ -1,12 +1,12 @@
 //! For any input a protected position has its grounds.
 
 use proptest::prelude::*;
-use rai_core::epoch::{Aiding, Epoch};
-use rai_core::monitor::{Monitor, Strategy as Monitoring};
-use rai_core::numeric::real::Real;
-use rai_core::report::{Alert, Protected, Report, Verdict};
-use rai_core::requirements::Requirements;
-use rai_core::satellite::{Constellation, SatelliteId};
+use raim_core::epoch::{Aiding, Epoch};
+use raim_core::monitor::{Monitor, Strategy as Monitoring};
+use raim_core::numeric::real::Real;
+use raim_core::report::{Alert, Protected, Report, Verdict};
+use raim_core::requirements::Requirements;
+use raim_core::satellite::{Constellation, SatelliteId};
 
 use super::skies::{CAPACITY, any_monitoring, any_observations, any_requirements, any_sky, epoch_of};
 

@@ -3,11 +3,11 @@
 
 use nalgebra::Vector3;
 use proptest::prelude::*;
-use rai_core::integrity::raim::levels::largest_slopes;
-use rai_core::least_squares::Snapshot;
-use rai_core::least_squares::equations::LinearEpoch;
-use rai_core::numeric::real::Real;
-use rai_core::satellite::Constellation;
+use raim_core::integrity::raim::levels::largest_slopes;
+use raim_core::least_squares::Snapshot;
+use raim_core::least_squares::equations::LinearEpoch;
+use raim_core::numeric::real::Real;
+use raim_core::satellite::Constellation;
 
 use crate::solved::solved;
 

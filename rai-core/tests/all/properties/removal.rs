@@ -7,11 +7,11 @@
 
 use nalgebra::{Matrix3, Vector3};
 use proptest::prelude::*;
-use rai_core::integrity::raim::levels::{largest_slopes, slopes};
-use rai_core::least_squares::Snapshot;
-use rai_core::least_squares::equations::{LinearEpoch, MAX_ROWS};
-use rai_core::numeric::real::Real;
-use rai_core::satellite::Constellation;
+use raim_core::integrity::raim::levels::{largest_slopes, slopes};
+use raim_core::least_squares::Snapshot;
+use raim_core::least_squares::equations::{LinearEpoch, MAX_ROWS};
+use raim_core::numeric::real::Real;
+use raim_core::satellite::Constellation;
 
 use crate::solved::{copied, solved};
 

@@ -3,16 +3,16 @@
 use nalgebra::Vector3;
 use proptest::prelude::*;
 use proptest::sample::select;
-use rai_core::epoch::{Epoch, Observation};
-use rai_core::frame::{EARTH_ROTATION_RAD_S, Ecef, Enu, Geodetic, LocalFrame, SPEED_OF_LIGHT_M_S};
-use rai_core::integrity::raim::detection::threshold::policy::Policy;
-use rai_core::integrity::raim::isolation::parity;
-use rai_core::integrity::raim::levels::Levels;
-use rai_core::least_squares::equations::{LinearEpoch, MAX_ROWS};
-use rai_core::monitor::{Method, Strategy as Monitoring};
-use rai_core::numeric::real::Real;
-use rai_core::requirements::Requirements;
-use rai_core::satellite::{Constellation, SatelliteId};
+use raim_core::epoch::{Epoch, Observation};
+use raim_core::frame::{EARTH_ROTATION_RAD_S, Ecef, Enu, Geodetic, LocalFrame, SPEED_OF_LIGHT_M_S};
+use raim_core::integrity::raim::detection::threshold::policy::Policy;
+use raim_core::integrity::raim::isolation::parity;
+use raim_core::integrity::raim::levels::Levels;
+use raim_core::least_squares::equations::{LinearEpoch, MAX_ROWS};
+use raim_core::monitor::{Method, Strategy as Monitoring};
+use raim_core::numeric::real::Real;
+use raim_core::requirements::Requirements;
+use raim_core::satellite::{Constellation, SatelliteId};
 
 /// Most satellites in an epoch here.
 pub(crate) const CAPACITY: usize = 24;

@@ -2,14 +2,14 @@
 //! length, and the satellites left out.
 
 use proptest::prelude::*;
-use rai_core::epoch::Observation;
-use rai_core::frame::Ecef;
-use rai_core::integrity::raim::levels::largest_slopes;
-use rai_core::monitor::Monitor;
-use rai_core::numeric::real::Real;
-use rai_core::report::{Alert, Protected, ProtectionLevels, Report, Solution, Verdict};
-use rai_core::requirements::Requirements;
-use rai_core::satellite::{Constellation, SatelliteId};
+use raim_core::epoch::Observation;
+use raim_core::frame::Ecef;
+use raim_core::integrity::raim::levels::largest_slopes;
+use raim_core::monitor::Monitor;
+use raim_core::numeric::real::Real;
+use raim_core::report::{Alert, Protected, ProtectionLevels, Report, Solution, Verdict};
+use raim_core::requirements::Requirements;
+use raim_core::satellite::{Constellation, SatelliteId};
 
 use crate::solved::solved;
 

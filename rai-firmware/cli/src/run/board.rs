@@ -4,10 +4,10 @@ use std::convert::Infallible;
 use std::time::Duration;
 
 use embedded_io::{ErrorType, Write};
-use rai_firmware::board::reset::ResetCause;
-use rai_firmware::board::{Board, HOST_OUT_BYTES, Note, PortLosses, SEALED_BYTES};
-use rai_firmware::receiver::{Boot, Receiver};
-use rai_firmware::timed_ring::Taken;
+use raim_firmware::board::reset::ResetCause;
+use raim_firmware::board::{Board, HOST_OUT_BYTES, Note, PortLosses, SEALED_BYTES};
+use raim_firmware::receiver::{Boot, Receiver};
+use raim_firmware::timed_ring::Taken;
 
 use super::guard::Guard;
 use super::inbox::Inbox;

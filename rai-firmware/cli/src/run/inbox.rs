@@ -7,7 +7,7 @@ use std::collections::VecDeque;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use rai_firmware::timed_ring::Taken;
+use raim_firmware::timed_ring::Taken;
 
 /// Bytes of the receiver that may wait: two seconds of the fastest line.
 const MOST_BYTES: usize = 1 << 18;

@@ -32,9 +32,9 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use anyhow::{Context as _, Result, bail};
-use rai_firmware::board::SEALED_BYTES;
-use rai_firmware::epoch_loop::EpochLoop;
-use rai_firmware::receiver::{Boot, Receiver};
+use raim_firmware::board::SEALED_BYTES;
+use raim_firmware::epoch_loop::EpochLoop;
+use raim_firmware::receiver::{Boot, Receiver};
 
 use board::Computer;
 use guard::Guard;

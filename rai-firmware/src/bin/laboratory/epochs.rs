@@ -1,10 +1,10 @@
 //! Epochs in the format of the host: `time_s`, a count, and for each satellite constellation,
 //! number, x, y, z, range, sigma.
 
-use rai_core::epoch::{Epoch, Observation};
-use rai_core::frame::Ecef;
-use rai_core::satellite::{Constellation, SatelliteId};
-use rai_firmware::correction::CAPACITY;
+use raim_core::epoch::{Epoch, Observation};
+use raim_core::frame::Ecef;
+use raim_core::satellite::{Constellation, SatelliteId};
+use raim_firmware::correction::CAPACITY;
 
 use crate::request::Input;
 

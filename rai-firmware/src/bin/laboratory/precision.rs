@@ -1,15 +1,15 @@
-//! The core in either precision: single as in the shipped image ([`rai_core::single`]), double as
+//! The core in either precision: single as in the shipped image ([`raim_core::single`]), double as
 //! compiled here.
 
-use rai_core::epoch::Epoch;
-use rai_core::integrity::araim::{self, Allocation, AraimError, AraimJudgement, AraimScratch, Priors};
-use rai_core::integrity::raim::isolation::baarda;
-use rai_core::integrity::raim::levels::{self, Slopes};
-use rai_core::least_squares::{Snapshot, SnapshotError};
-use rai_core::monitor::Monitor;
-use rai_core::numeric::real::Real;
-use rai_core::report::Report;
-use rai_core::single::{self, CAPACITY, stages};
+use raim_core::epoch::Epoch;
+use raim_core::integrity::araim::{self, Allocation, AraimError, AraimJudgement, AraimScratch, Priors};
+use raim_core::integrity::raim::isolation::baarda;
+use raim_core::integrity::raim::levels::{self, Slopes};
+use raim_core::least_squares::{Snapshot, SnapshotError};
+use raim_core::monitor::Monitor;
+use raim_core::numeric::real::Real;
+use raim_core::report::Report;
+use raim_core::single::{self, CAPACITY, stages};
 
 /// Stages that are measured in both precisions.
 pub trait Precision: Real {

@@ -3,20 +3,20 @@
 use core::hint::black_box;
 
 use heapless::Vec;
-use rai_core::clock::{CoastingClock, WINDOW};
-use rai_core::frame::Ecef;
-use rai_core::integrity::araim::{Allocation, AraimScratch, Prior, Priors};
-use rai_core::integrity::raim::detection::detect;
-use rai_core::integrity::raim::detection::threshold::Thresholds;
-use rai_core::integrity::raim::detection::threshold::policy::{Policy, ThresholdProblem};
-use rai_core::integrity::raim::isolation::{parity, ransac};
-use rai_core::integrity::raim::levels::{LevelInputs, largest_slopes};
-use rai_core::least_squares::{Snapshot, Workspace};
-use rai_core::monitor::{Method, Monitor, Strategy};
-use rai_core::numeric::real::Real;
-use rai_core::requirements::Requirements;
-use rai_core::single::{CAPACITY, stages};
-use rai_core::weighting::Ism;
+use raim_core::clock::{CoastingClock, WINDOW};
+use raim_core::frame::Ecef;
+use raim_core::integrity::araim::{Allocation, AraimScratch, Prior, Priors};
+use raim_core::integrity::raim::detection::detect;
+use raim_core::integrity::raim::detection::threshold::Thresholds;
+use raim_core::integrity::raim::detection::threshold::policy::{Policy, ThresholdProblem};
+use raim_core::integrity::raim::isolation::{parity, ransac};
+use raim_core::integrity::raim::levels::{LevelInputs, largest_slopes};
+use raim_core::least_squares::{Snapshot, Workspace};
+use raim_core::monitor::{Method, Monitor, Strategy};
+use raim_core::numeric::real::Real;
+use raim_core::requirements::Requirements;
+use raim_core::single::{CAPACITY, stages};
+use raim_core::weighting::Ism;
 
 use crate::answer::Answers;
 use crate::epochs::{epoch, point};

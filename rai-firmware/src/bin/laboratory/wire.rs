@@ -6,17 +6,17 @@ use core::hint::black_box;
 
 use embedded_hal::digital::{ErrorType, OutputPin};
 use embedded_io::Write;
-use rai_core::epoch::Epoch;
-use rai_firmware::correction::{Klobuchar, Site, Sky, Tally};
-use rai_firmware::ephemeris::Store;
-use rai_firmware::input::{Event, Input as Gnss};
-use rai_firmware::navigator::Navigator;
-use rai_firmware::output::nmea::write_epoch;
-use rai_firmware::output::{Interference, Motion, Statement};
-use rai_firmware::raw::RawEpoch;
-use rai_firmware::receiver::{Boot, Receiver};
-use rai_firmware::settings::{Configuration, Systems};
-use rai_firmware::time::GpsTime;
+use raim_core::epoch::Epoch;
+use raim_firmware::correction::{Klobuchar, Site, Sky, Tally};
+use raim_firmware::ephemeris::Store;
+use raim_firmware::input::{Event, Input as Gnss};
+use raim_firmware::navigator::Navigator;
+use raim_firmware::output::nmea::write_epoch;
+use raim_firmware::output::{Interference, Motion, Statement};
+use raim_firmware::raw::RawEpoch;
+use raim_firmware::receiver::{Boot, Receiver};
+use raim_firmware::settings::{Configuration, Systems};
+use raim_firmware::time::GpsTime;
 
 use crate::answer::Answers;
 use crate::epochs::point;
@@ -76,7 +76,7 @@ pub fn locate(input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers
     let mut sky = Sky::new();
     let ((), ticks) = stopwatch.time(|| {
         let raw = black_box(&raw);
-        rai_firmware::correction::locate(raw, &store, 28.0, Systems::AT_START, &mut tally, &mut sky);
+        raim_firmware::correction::locate(raw, &store, 28.0, Systems::AT_START, &mut tally, &mut sky);
     });
     answers.write(ticks, &sky.len())
 }
@@ -84,7 +84,7 @@ pub fn locate(input: Input<'_>, stopwatch: &mut Stopwatch, answers: &mut Answers
 #[inline(never)]
 fn sky(raw: &RawEpoch, store: &Store) -> Sky {
     let mut sky = Sky::new();
-    rai_firmware::correction::locate(raw, store, 28.0, Systems::AT_START, &mut Tally::default(), &mut sky);
+    raim_firmware::correction::locate(raw, store, 28.0, Systems::AT_START, &mut Tally::default(), &mut sky);
     sky
 }
 

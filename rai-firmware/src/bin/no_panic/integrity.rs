@@ -4,40 +4,42 @@ use core::fmt::Display;
 use core::ops::{Add, Sub};
 use core::str::FromStr;
 
-use rai_core::allocation::AllocationError;
-use rai_core::clock::{self, Autoregression, Clocks, CoastingClock, Extrapolation};
-use rai_core::continuity::{Continuity, ContinuityError, ContinuitySettings, Recovery};
-use rai_core::epoch::{Epoch, EpochError, EpochView};
-use rai_core::frame::{Ecef, Enu, Geodetic, LocalFrame};
-use rai_core::integrity::araim::{self, Allocation, AraimError, AraimScratch, Finding, Hypothesis};
-use rai_core::integrity::raim::detection::threshold::policy::{self, NoThreshold, ThresholdProblem, Weights};
-use rai_core::integrity::raim::detection::threshold::{self, ThresholdError, Thresholds};
-use rai_core::integrity::raim::detection::{self, Detection};
-use rai_core::integrity::raim::hypotheses::separability;
-use rai_core::integrity::raim::isolation::baarda;
-use rai_core::integrity::raim::isolation::exclusion;
-use rai_core::integrity::raim::isolation::parity;
-use rai_core::integrity::raim::isolation::ransac::{self, NoConsensus, Selection};
-use rai_core::integrity::raim::levels::{self, Slopes};
-use rai_core::integrity::{self, MethodScratch};
-use rai_core::least_squares::downdate::{self, ExclusionSet, NormalisedRow};
-use rai_core::least_squares::equations::{LinearEpoch, RowError};
-use rai_core::least_squares::fix::{Fix, FixError};
-use rai_core::least_squares::{Excludable, RowFit, Snapshot, SnapshotError, Workspace};
-use rai_core::monitor::{EpochOutcome, Monitor, MonitorError, MonitorWorkspace, ValidatedRequirements};
-use rai_core::numeric::absolute::{Absolute, Grid};
-use rai_core::numeric::chi_square::ChiSquare;
-use rai_core::numeric::normal;
-use rai_core::numeric::probability::Probability;
-use rai_core::numeric::real::Real;
-use rai_core::numeric::{angle, bounds};
-use rai_core::report::Solution;
-use rai_core::requirements::{Requirements, RequirementsError};
-use rai_core::satellite::{Constellation, ParseSatelliteError, SatelliteId};
-use rai_core::single::{self, stages};
-use rai_core::velocity::{self, RangeRate, Velocity, VelocityError};
-use rai_core::weighting;
-use rai_firmware::correction::CAPACITY as N;
+use raim_core::allocation::AllocationError;
+use raim_core::clock::{self, Autoregression, Clocks, CoastingClock, Extrapolation};
+use raim_core::continuity::{Continuity, ContinuityError, ContinuitySettings, Recovery};
+use raim_core::epoch::{Epoch, EpochError, EpochView};
+use raim_core::frame::{Ecef, Enu, Geodetic, LocalFrame};
+use raim_core::integrity::araim::{self, Allocation, AraimError, AraimScratch, Finding, Hypothesis};
+use raim_core::integrity::raim::detection::threshold::policy::{
+    self, NoThreshold, ThresholdProblem, Weights,
+};
+use raim_core::integrity::raim::detection::threshold::{self, ThresholdError, Thresholds};
+use raim_core::integrity::raim::detection::{self, Detection};
+use raim_core::integrity::raim::hypotheses::separability;
+use raim_core::integrity::raim::isolation::baarda;
+use raim_core::integrity::raim::isolation::exclusion;
+use raim_core::integrity::raim::isolation::parity;
+use raim_core::integrity::raim::isolation::ransac::{self, NoConsensus, Selection};
+use raim_core::integrity::raim::levels::{self, Slopes};
+use raim_core::integrity::{self, MethodScratch};
+use raim_core::least_squares::downdate::{self, ExclusionSet, NormalisedRow};
+use raim_core::least_squares::equations::{LinearEpoch, RowError};
+use raim_core::least_squares::fix::{Fix, FixError};
+use raim_core::least_squares::{Excludable, RowFit, Snapshot, SnapshotError, Workspace};
+use raim_core::monitor::{EpochOutcome, Monitor, MonitorError, MonitorWorkspace, ValidatedRequirements};
+use raim_core::numeric::absolute::{Absolute, Grid};
+use raim_core::numeric::chi_square::ChiSquare;
+use raim_core::numeric::normal;
+use raim_core::numeric::probability::Probability;
+use raim_core::numeric::real::Real;
+use raim_core::numeric::{angle, bounds};
+use raim_core::report::Solution;
+use raim_core::requirements::{Requirements, RequirementsError};
+use raim_core::satellite::{Constellation, ParseSatelliteError, SatelliteId};
+use raim_core::single::{self, stages};
+use raim_core::velocity::{self, RangeRate, Velocity, VelocityError};
+use raim_core::weighting;
+use raim_firmware::correction::CAPACITY as N;
 
 use crate::{exhaust, reach};
 
@@ -398,8 +400,8 @@ fn requirements() {
         Requirements::non_precision_approach as fn() -> _,
         Requirements::lpv200 as fn() -> _,
         Requirements::validate as fn(_) -> _,
-        rai_core::report::ProtectionLevels::plus as fn(_, _) -> _,
-        rai_core::report::ProtectionLevels::or_larger as fn(_, _) -> _,
+        raim_core::report::ProtectionLevels::plus as fn(_, _) -> _,
+        raim_core::report::ProtectionLevels::or_larger as fn(_, _) -> _,
         Allocation::vertical_guidance as fn() -> _,
         Allocation::vertical as fn() -> _,
         Allocation::horizontal as fn() -> _,
@@ -481,7 +483,7 @@ fn tables() {
         Weights::new as fn(_, _) -> _,
         levels::noncentrality_at as fn(_, _) -> _,
         exclusion::leaves_enough as fn(_, _) -> _,
-        rai_core::integrity::raim::isolation::sets::count_up_to as fn(_, _) -> _,
+        raim_core::integrity::raim::isolation::sets::count_up_to as fn(_, _) -> _,
         policy::range_threshold_m as fn(_, _, _) -> _,
         parity::SearchLimits::published as fn() -> _,
         ransac::ConsensusLimits::published as fn() -> _,

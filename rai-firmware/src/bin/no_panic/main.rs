@@ -1,7 +1,7 @@
 //! The proof that nothing panics, by the linker: an image that links only if no panic is reachable.
 //!
-//! The image passes out pointers to every public function of [`rai_core`], in both precisions, and
-//! of the library [`rai_firmware`]. The compiler must therefore translate them for all arguments.
+//! The image passes out pointers to every public function of [`raim_core`], in both precisions, and
+//! of the library [`raim_firmware`]. The compiler must therefore translate them for all arguments.
 //! The panic handler calls a symbol that exists nowhere. Any bounds check, unwrap or division that
 //! optimisation leaves would call the handler. If the image links, none is left.
 //!

@@ -5,36 +5,36 @@ use core::fmt::Display;
 
 use embedded_hal::digital::{self, OutputPin};
 use embedded_io::Write;
-use rai_core::integrity::raim::detection::threshold::ThresholdError;
-use rai_firmware::bit_rate::BitRate;
-use rai_firmware::board::reset::{self, Record, ResetCause};
-use rai_firmware::board::{Board, Note, PortLosses, SEALED_BYTES};
-use rai_firmware::correction::{
+use raim_core::integrity::raim::detection::threshold::ThresholdError;
+use raim_firmware::bit_rate::BitRate;
+use raim_firmware::board::reset::{self, Record, ResetCause};
+use raim_firmware::board::{Board, Note, PortLosses, SEALED_BYTES};
+use raim_firmware::correction::{
     self, CAPACITY as N, Klobuchar, Place, Preference, Ranges, Site, Spread, Troposphere,
 };
-use rai_firmware::division;
-use rai_firmware::ephemeris::{
+use raim_firmware::division;
+use raim_firmware::ephemeris::{
     self, BroadcastError, Elapsed, Ephemeris, EphemerisError, GroupDelay, Health, Refusals, Source,
     StateVector, Store,
 };
-use rai_firmware::epoch_loop::EpochLoop;
-use rai_firmware::input::{Counters, Event, Input};
-use rai_firmware::input::{Suspicion, Suspicions};
-use rai_firmware::navigator::Navigator;
-use rai_firmware::outlet::Outlet;
-use rai_firmware::output::mavlink::{Sender, dialect};
-use rai_firmware::output::nmea::{self, Sentence, TimeOfDay};
-use rai_firmware::output::schedule::{Due, Item, Schedule};
-use rai_firmware::output::{Motion, nic};
-use rai_firmware::publisher::Publisher;
-use rai_firmware::rates::{RateTally, Rates};
-use rai_firmware::raw::{Band, Carrier, RawEpoch, RawSignal};
-use rai_firmware::receiver::{Boot, Receiver, Verdicts};
-use rai_firmware::ring::Ring;
-use rai_firmware::selftest::{self, Failure};
-use rai_firmware::settings::{self, CommandPort, Configuration, Order, Phase, Refusal, Setting};
-use rai_firmware::time::{self, GpsTime};
-use rai_firmware::timed_ring::{Taken, TimedRing};
+use raim_firmware::epoch_loop::EpochLoop;
+use raim_firmware::input::{Counters, Event, Input};
+use raim_firmware::input::{Suspicion, Suspicions};
+use raim_firmware::navigator::Navigator;
+use raim_firmware::outlet::Outlet;
+use raim_firmware::output::mavlink::{Sender, dialect};
+use raim_firmware::output::nmea::{self, Sentence, TimeOfDay};
+use raim_firmware::output::schedule::{Due, Item, Schedule};
+use raim_firmware::output::{Motion, nic};
+use raim_firmware::publisher::Publisher;
+use raim_firmware::rates::{RateTally, Rates};
+use raim_firmware::raw::{Band, Carrier, RawEpoch, RawSignal};
+use raim_firmware::receiver::{Boot, Receiver, Verdicts};
+use raim_firmware::ring::Ring;
+use raim_firmware::selftest::{self, Failure};
+use raim_firmware::settings::{self, CommandPort, Configuration, Order, Phase, Refusal, Setting};
+use raim_firmware::time::{self, GpsTime};
+use raim_firmware::timed_ring::{Taken, TimedRing};
 
 use crate::{exhaust, reach};
 

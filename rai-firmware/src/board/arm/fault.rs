@@ -9,7 +9,7 @@ use core::ptr;
 
 use cortex_m::peripheral::SCB;
 use cortex_m_rt::{ExceptionFrame, exception};
-use rai_firmware::board::reset::{Fault, Record, hash};
+use raim_firmware::board::reset::{Fault, Record, hash};
 
 use crate::chip::{RAM, drop_integrity_pin};
 

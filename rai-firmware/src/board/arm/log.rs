@@ -9,7 +9,7 @@ use core::cell::UnsafeCell;
 use critical_section::RestoreState;
 use rtt_target::{ChannelMode, UpChannel};
 
-use rai_firmware::board::Note;
+use raim_firmware::board::Note;
 
 use super::{rings, stack, time};
 use crate::chip::send_log;

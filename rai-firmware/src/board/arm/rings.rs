@@ -12,11 +12,11 @@
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
-use rai_firmware::board::{HOST_OUT_BYTES, PortLosses};
-use rai_firmware::epoch_loop::WORTH_A_PASS_BYTES;
-use rai_firmware::outlet::Outlet;
-use rai_firmware::ring::Ring;
-use rai_firmware::timed_ring::{Taken, TimedRing};
+use raim_firmware::board::{HOST_OUT_BYTES, PortLosses};
+use raim_firmware::epoch_loop::WORTH_A_PASS_BYTES;
+use raim_firmware::outlet::Outlet;
+use raim_firmware::ring::Ring;
+use raim_firmware::timed_ring::{Taken, TimedRing};
 
 use super::time;
 

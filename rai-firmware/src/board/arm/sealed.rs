@@ -1,7 +1,7 @@
 //! Memory that start-up neither clears nor fills.
 
 use cortex_m::interrupt;
-use rai_firmware::board::SEALED_BYTES;
+use raim_firmware::board::SEALED_BYTES;
 
 #[allow(unsafe_code)]
 #[unsafe(link_section = ".uninit.SEALED")]

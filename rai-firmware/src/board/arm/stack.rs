@@ -12,7 +12,7 @@
 //!
 //! References: [ARMv7-M] §B3.5.
 //!
-//! [ARMv7-M]: rai_firmware#references
+//! [ARMv7-M]: raim_firmware#references
 
 use core::ptr;
 

@@ -2,12 +2,12 @@
 
 use core::mem::MaybeUninit;
 
-use rai_core::monitor::MonitorError;
-use rai_firmware::board::reset::{Fault, ResetCause};
-use rai_firmware::board::{Board, SEALED_BYTES};
-use rai_firmware::epoch_loop::EpochLoop;
-use rai_firmware::receiver::{Boot, Receiver};
-use rai_firmware::settings::{Configuration, Unsealed};
+use raim_core::monitor::MonitorError;
+use raim_firmware::board::reset::{Fault, ResetCause};
+use raim_firmware::board::{Board, SEALED_BYTES};
+use raim_firmware::epoch_loop::EpochLoop;
+use raim_firmware::receiver::{Boot, Receiver};
+use raim_firmware::settings::{Configuration, Unsealed};
 
 use super::{fault, rings};
 

@@ -8,7 +8,7 @@ use core::sync::atomic::{AtomicU32, Ordering};
 
 use cortex_m::peripheral::{SCB, SYST, syst::SystClkSource};
 use cortex_m_rt::exception;
-use rai_firmware::division::divided;
+use raim_firmware::division::divided;
 
 static MS_LOW: AtomicU32 = AtomicU32::new(0);
 static MS_HIGH: AtomicU32 = AtomicU32::new(0);

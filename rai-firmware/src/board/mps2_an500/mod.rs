@@ -13,8 +13,8 @@
 //!
 //! References: [AN500]; [CMSDK] (UART, watchdog).
 //!
-//! [AN500]: rai_firmware#references
-//! [CMSDK]: rai_firmware#references
+//! [AN500]: raim_firmware#references
+//! [CMSDK]: raim_firmware#references
 
 mod ports;
 mod registers;
@@ -26,10 +26,10 @@ use core::ops::Range;
 use cortex_m::singleton;
 use cortex_m_rt::entry;
 use embedded_hal::digital::{ErrorType, OutputPin};
-use rai_firmware::board::reset::ResetCause;
-use rai_firmware::board::{Board, Note, PortLosses, SEALED_BYTES};
-use rai_firmware::receiver::Boot;
-use rai_firmware::timed_ring::Taken;
+use raim_firmware::board::reset::ResetCause;
+use raim_firmware::board::{Board, Note, PortLosses, SEALED_BYTES};
+use raim_firmware::receiver::Boot;
+use raim_firmware::timed_ring::Taken;
 
 use crate::arm::rings::{self, HostPort};
 use crate::arm::{fault, log, sealed, stack, start, time};

@@ -3,8 +3,8 @@
 use cortex_m::interrupt::InterruptNumber;
 use cortex_m::peripheral::NVIC;
 use cortex_m_rt::exception;
-use rai_firmware::outlet::Outlet;
-use rai_firmware::ring::Ring;
+use raim_firmware::outlet::Outlet;
+use raim_firmware::ring::Ring;
 
 use super::CORE_HZ;
 use super::registers::{GNSS, HOST, LOG, Uart};
@@ -100,6 +100,6 @@ unsafe fn DefaultHandler(number: i16) {
             receive(LOG, |_| (), || ());
             transmit(LOG, &LOG_OUT);
         }
-        _ => crate::arm::fault::give_up(rai_firmware::board::reset::Fault::Hard { address: 0 }),
+        _ => crate::arm::fault::give_up(raim_firmware::board::reset::Fault::Hard { address: 0 }),
     }
 }

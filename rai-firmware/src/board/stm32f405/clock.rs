@@ -14,9 +14,9 @@
 //! Assumes 2.7 V to 3.6 V, where five wait states suffice. References: [RM0090] §3.5.1, §7.2,
 //! §30.3.4.
 //!
-//! [RM0090]: rai_firmware#references
+//! [RM0090]: raim_firmware#references
 
-use rai_firmware::receiver::Boot;
+use raim_firmware::receiver::Boot;
 
 /// Frequency of the crystal, Hz.
 const CRYSTAL_HZ: u32 = 8_000_000;

@@ -2,9 +2,9 @@
 //!
 //! References: [RM0090] §7.3.21 (flags of `RCC_CSR`).
 //!
-//! [RM0090]: rai_firmware#references
+//! [RM0090]: raim_firmware#references
 
-use rai_firmware::board::reset::ResetCause;
+use raim_firmware::board::reset::ResetCause;
 
 /// Returns the cause by the flags of `RCC_CSR`. The most specific flag wins, because power-on also
 /// sets those of pin and brownout.
@@ -29,7 +29,7 @@ pub const fn cause(csr: u32) -> ResetCause {
 #[cfg(target_os = "none")]
 mod registers {
     use cortex_m_rt::exception;
-    use rai_firmware::board::reset::{Fault, ResetCause};
+    use raim_firmware::board::reset::{Fault, ResetCause};
     use stm32f4::stm32f405::RCC;
 
     use crate::arm::fault::{give_up, take_record};

@@ -17,8 +17,8 @@
 //!
 //! References: [RM0090] reference manual of the family, [DS8626] data sheet of the chip.
 //!
-//! [RM0090]: rai_firmware#references
-//! [DS8626]: rai_firmware#references
+//! [RM0090]: raim_firmware#references
+//! [DS8626]: raim_firmware#references
 
 pub mod clock;
 pub mod fault;
@@ -43,9 +43,9 @@ mod hardware {
 
     use cortex_m::singleton;
     use cortex_m_rt::entry;
-    use rai_firmware::board::reset::ResetCause;
-    use rai_firmware::board::{Board, Note, PortLosses, SEALED_BYTES};
-    use rai_firmware::timed_ring::Taken;
+    use raim_firmware::board::reset::ResetCause;
+    use raim_firmware::board::{Board, Note, PortLosses, SEALED_BYTES};
+    use raim_firmware::timed_ring::Taken;
     use stm32f4::stm32f405::Peripherals;
 
     use super::clock::Clock;

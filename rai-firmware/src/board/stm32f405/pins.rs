@@ -6,7 +6,7 @@
 //!
 //! References: [DS8626] table 9 (alternate functions).
 //!
-//! [DS8626]: rai_firmware#references
+//! [DS8626]: raim_firmware#references
 
 use core::convert::Infallible;
 

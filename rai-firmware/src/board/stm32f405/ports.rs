@@ -7,11 +7,11 @@
 //!
 //! References: [RM0090] §30.
 //!
-//! [RM0090]: rai_firmware#references
+//! [RM0090]: raim_firmware#references
 
 use cortex_m::peripheral::NVIC;
-use rai_firmware::outlet::Outlet;
-use rai_firmware::ring::Ring;
+use raim_firmware::outlet::Outlet;
+use raim_firmware::ring::Ring;
 use stm32f4::stm32f405::{Interrupt, RCC, USART1, USART2, USART3, interrupt, usart1::RegisterBlock};
 
 use super::clock::{Clock, divider};

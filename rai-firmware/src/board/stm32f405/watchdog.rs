@@ -11,8 +11,8 @@
 //!
 //! References: [RM0090] §21, [DS8626] table 35.
 //!
-//! [RM0090]: rai_firmware#references
-//! [DS8626]: rai_firmware#references
+//! [RM0090]: raim_firmware#references
+//! [DS8626]: raim_firmware#references
 
 use stm32f4::stm32f405::IWDG;
 

@@ -12,7 +12,7 @@
 //!
 //! The systems vote on the week ([`super::present_week`]).
 
-use rai_core::satellite::Constellation;
+use raim_core::satellite::Constellation;
 
 use super::Counters;
 use super::leap_seconds::{LeapSecond, LeapSeconds, LeapSource};

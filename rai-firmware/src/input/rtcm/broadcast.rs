@@ -5,7 +5,7 @@
 //!
 //! [RTCM-10403.3]: crate#references
 
-use rai_core::satellite::SatelliteId;
+use raim_core::satellite::SatelliteId;
 
 use crate::ephemeris::{Broadcast, Health, Source, galileo_sisa_m, ura_m};
 use crate::input::Unread;

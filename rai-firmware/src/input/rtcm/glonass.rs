@@ -10,7 +10,7 @@
 //!
 //! [RTCM-10403.3]: crate#references
 
-use rai_core::satellite::{Constellation, SatelliteId};
+use raim_core::satellite::{Constellation, SatelliteId};
 
 use crate::ephemeris::{Health, StateBroadcast, glonass_accuracy_m};
 use crate::input::Unread;

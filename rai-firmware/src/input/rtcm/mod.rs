@@ -14,7 +14,7 @@ mod msm;
 mod signals;
 mod transport;
 
-use rai_core::frame::Ecef;
+use raim_core::frame::Ecef;
 
 use super::bits::Bits;
 use super::calendar::Calendar;

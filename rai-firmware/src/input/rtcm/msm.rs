@@ -31,8 +31,8 @@
 //!
 //! [RTCM-10403.3]: crate#references
 
-use rai_core::frame::SPEED_OF_LIGHT_M_S;
-use rai_core::satellite::SatelliteId;
+use raim_core::frame::SPEED_OF_LIGHT_M_S;
+use raim_core::satellite::SatelliteId;
 
 use super::signals;
 use crate::counters::count;

@@ -24,7 +24,7 @@
 //! [BDS-SIS-B1I]: crate#references
 //! [BDS-SIS-B3I]: crate#references
 
-use rai_core::satellite::SatelliteId;
+use raim_core::satellite::SatelliteId;
 
 use super::Refusal;
 use super::parity::is_beidou_word;

@@ -17,7 +17,7 @@
 //!
 //! [OS-SIS-ICD]: crate#references
 
-use rai_core::satellite::SatelliteId;
+use raim_core::satellite::SatelliteId;
 
 use super::Refusal;
 use super::leap::Announcement;

@@ -16,7 +16,7 @@
 //!
 //! [GLO-ICD]: crate#references
 
-use rai_core::satellite::SatelliteId;
+use raim_core::satellite::SatelliteId;
 
 use super::Refusal;
 use super::parity::is_glonass_string;

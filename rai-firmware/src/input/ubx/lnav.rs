@@ -16,7 +16,7 @@
 //! [IS-GPS-200]: crate#references
 //! [IS-QZSS-PNT]: crate#references
 
-use rai_core::satellite::SatelliteId;
+use raim_core::satellite::SatelliteId;
 
 use super::Refusal;
 use super::leap::Announcement;

@@ -9,7 +9,7 @@
 //! count; it sends it again half a minute later, when others have done with theirs.
 
 use heapless::Vec;
-use rai_core::satellite::SatelliteId;
+use raim_core::satellite::SatelliteId;
 
 #[cfg(feature = "glonass")]
 use super::glonass;

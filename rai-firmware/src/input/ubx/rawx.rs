@@ -20,8 +20,8 @@
 //!
 //! [UBX-F9]: crate#references
 
-use rai_core::frame::SPEED_OF_LIGHT_M_S;
-use rai_core::satellite::SatelliteId;
+use raim_core::frame::SPEED_OF_LIGHT_M_S;
+use raim_core::satellite::SatelliteId;
 
 use crate::counters::count;
 use crate::input::protocol::Measurements;

@@ -22,7 +22,7 @@
 //!
 //! [UBX-F9]: crate#references
 
-use rai_core::satellite::{Constellation, SatelliteId};
+use raim_core::satellite::{Constellation, SatelliteId};
 
 #[cfg(feature = "glonass")]
 use super::glonass;

@@ -20,7 +20,7 @@
 //! [MAVLINK]: crate#references
 
 use embedded_io::Write;
-use rai_core::report::{Solution, Unavailable, Verdict};
+use raim_core::report::{Solution, Unavailable, Verdict};
 
 use super::schedule::{Due, Item};
 use super::{Interference, Statement};

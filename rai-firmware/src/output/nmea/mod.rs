@@ -34,8 +34,8 @@
 //! [NMEA-0183]: crate#references
 
 use embedded_io::Write;
-use rai_core::report::Verdict;
-use rai_core::requirements::Requirements;
+use raim_core::report::Verdict;
+use raim_core::requirements::Requirements;
 
 use super::Statement;
 use super::schedule::{Due, Item};

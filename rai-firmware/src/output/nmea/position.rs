@@ -13,7 +13,7 @@
 //! Position and time are written once and stand in several sentences.
 
 use embedded_io::Write;
-use rai_core::report::{Solution, Verdict};
+use raim_core::report::{Solution, Verdict};
 
 use super::{Sentence, TimeOfDay, write_sentence};
 use crate::output::schedule::{Due, Item};

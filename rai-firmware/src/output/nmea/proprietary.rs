@@ -21,9 +21,9 @@
 
 use embedded_io::Write;
 use heapless::String;
-use rai_core::report::{Alert, AraimReport, DominantMode, Protected, Report, Unavailable, Verdict};
-use rai_core::requirements::Requirements;
-use rai_core::satellite::Constellation;
+use raim_core::report::{Alert, AraimReport, DominantMode, Protected, Report, Unavailable, Verdict};
+use raim_core::requirements::Requirements;
+use raim_core::satellite::Constellation;
 
 use super::{Sentence, TimeOfDay, write_sentence};
 use crate::output::{Statement, nic};

@@ -10,7 +10,7 @@
 
 use embedded_io::Write;
 use heapless::Vec;
-use rai_core::satellite::SatelliteId;
+use raim_core::satellite::SatelliteId;
 
 use super::TimeOfDay;
 use crate::division::divided;

@@ -10,9 +10,9 @@
 //! the residuals.
 
 use embedded_io::Write;
-use rai_core::report::{Report, Solution, Suspect};
-use rai_core::requirements::Requirements;
-use rai_core::satellite::SatelliteId;
+use raim_core::report::{Report, Solution, Suspect};
+use raim_core::requirements::Requirements;
+use raim_core::satellite::SatelliteId;
 
 use super::position::dilution;
 use super::{Sentence, TimeOfDay, write_sentence};

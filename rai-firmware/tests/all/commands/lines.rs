@@ -1,7 +1,7 @@
 //! Bytes of the host port: what of them is a command at all.
 
 use proptest::prelude::*;
-use rai_firmware::settings::{Action, Configuration, MAX_LINE};
+use raim_firmware::settings::{Action, Configuration, MAX_LINE};
 
 use super::{Module, line};
 

@@ -4,13 +4,13 @@ mod lines;
 mod said;
 mod table;
 
-use rai_core::allocation::Allocation;
-use rai_core::integrity::raim::detection::threshold::{false_alarms, missed_detections};
-use rai_core::numeric::probability::Probability;
-use rai_core::requirements::Requirements;
-use rai_core::satellite::Constellation;
-use rai_core::weighting::{Ism, IsmParameters};
-use rai_firmware::settings::{Action, CommandPort, Configuration, Order, Phase, scientific};
+use raim_core::allocation::Allocation;
+use raim_core::integrity::raim::detection::threshold::{false_alarms, missed_detections};
+use raim_core::numeric::probability::Probability;
+use raim_core::requirements::Requirements;
+use raim_core::satellite::Constellation;
+use raim_core::weighting::{Ism, IsmParameters};
+use raim_firmware::settings::{Action, CommandPort, Configuration, Order, Phase, scientific};
 
 /// A command with its checksum and line end.
 fn line(body: &str) -> Vec<u8> {

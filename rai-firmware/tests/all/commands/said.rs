@@ -1,6 +1,6 @@
 //! `PRAIQ`: everything in force, and its hash.
 
-use rai_firmware::settings::Configuration;
+use raim_firmware::settings::Configuration;
 
 use super::Module;
 

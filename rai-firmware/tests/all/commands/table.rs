@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::Command;
 use std::{env, fs};
 
-use rai_firmware::settings::{Configuration, Order, SEALED_BYTES, Setting, Unsealed, scientific};
+use raim_firmware::settings::{Configuration, Order, SEALED_BYTES, Setting, Unsealed, scientific};
 
 use super::Module;
 use super::said::settings;

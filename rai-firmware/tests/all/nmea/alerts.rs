@@ -3,10 +3,10 @@
 //! The outputs are not named here. Two epochs that differ in place, height and velocity alone must be sent as the same
 //! bytes, so that a new output is held to the rule as soon as the schedule has it.
 
-use rai_core::report::{Alert, Protected, Verdict};
-use rai_firmware::output::schedule::{Item, Schedule};
-use rai_firmware::output::{Motion, Statement};
-use rai_firmware::publisher::Publisher;
+use raim_core::report::{Alert, Protected, Verdict};
+use raim_firmware::output::schedule::{Item, Schedule};
+use raim_firmware::output::{Motion, Statement};
+use raim_firmware::publisher::Publisher;
 
 use super::{Growing, npa, report, solution, statement};
 

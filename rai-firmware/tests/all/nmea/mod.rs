@@ -7,20 +7,20 @@ use heapless::Vec as Fixed;
 use nmea::sentences::gnss_type::GnssSystemId;
 use nmea::sentences::gsa::GsaMode2;
 use nmea::{ParseResult, parse_str};
-use rai_core::frame::Geodetic;
-use rai_core::report::{
+use raim_core::frame::Geodetic;
+use raim_core::report::{
     Alert, Protected, ProtectionLevels, Report, Solution, Suspect, TestStatistic, Unavailable, Verdict,
 };
-use rai_core::requirements::Requirements;
-use rai_core::satellite::{Constellation, SatelliteId};
-use rai_firmware::output::nmea::{
+use raim_core::requirements::Requirements;
+use raim_core::satellite::{Constellation, SatelliteId};
+use raim_firmware::output::nmea::{
     GPS_MINUS_UTC_S, Losses, MAX_LENGTH, write_counters, write_epoch, write_losses, write_version,
     write_without_epoch,
 };
-use rai_firmware::output::schedule::{Due, Item, Schedule};
-use rai_firmware::output::{Interference, Motion, Statement};
-use rai_firmware::publisher::Publisher;
-use rai_firmware::time::GpsTime;
+use raim_firmware::output::schedule::{Due, Item, Schedule};
+use raim_firmware::output::{Interference, Motion, Statement};
+use raim_firmware::publisher::Publisher;
+use raim_firmware::time::GpsTime;
 
 const CAPACITY: usize = 64;
 
@@ -353,8 +353,8 @@ fn what_is_not_due_is_not_said_and_the_verdict_always_is() {
 fn whoever_wants_few_epochs_hears_at_once_of_a_worse_state() {
     use Protected::Ok;
     use Verdict::{Alert, Protected as Promised, Unavailable};
-    let worse = rai_core::report::Unavailable::Hpl;
-    let worst = rai_core::report::Alert::Fault;
+    let worse = raim_core::report::Unavailable::Hpl;
+    let worst = raim_core::report::Alert::Fault;
     let schedule = Schedule::AT_START.with(Item::Rmc, 100).with(Item::GnssIntegrity, 100);
     let (mut publisher, requirements) = (Publisher::new(0), npa());
     for (index, (verdict, want)) in [

@@ -4,10 +4,10 @@ use nmea::sentences::gns::NavigationStatus;
 use nmea::sentences::gnss_type::GnssSystemId;
 use nmea::{ParseResult, parse_str};
 use proptest::prelude::*;
-use rai_core::report::{
+use raim_core::report::{
     Alert, Protected, ProtectionLevels, Report, Solution, Suspect, TestStatistic, Unavailable, Verdict,
 };
-use rai_core::satellite::{Constellation, SatelliteId};
+use raim_core::satellite::{Constellation, SatelliteId};
 
 use super::{CAPACITY, npa, satellite, sentences, solution};
 

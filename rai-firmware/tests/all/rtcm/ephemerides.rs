@@ -7,11 +7,11 @@ use crate::wire::Seen;
 use crate::wire::ephemeris;
 use crate::wire::feed;
 use crate::wire::frame;
-use rai_core::frame::Ecef;
-use rai_firmware::ephemeris::Source;
-use rai_firmware::input::Input;
-use rai_firmware::raw::Band;
-use rai_firmware::time::GpsTime;
+use raim_core::frame::Ecef;
+use raim_firmware::ephemeris::Source;
+use raim_firmware::input::Input;
+use raim_firmware::raw::Band;
+use raim_firmware::time::GpsTime;
 
 #[test]
 fn the_two_galileo_messages_differ_in_what_their_clock_refers_to() {

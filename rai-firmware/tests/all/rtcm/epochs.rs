@@ -11,8 +11,8 @@ use crate::wire::E1C;
 use crate::wire::epochs;
 use crate::wire::feed;
 use crate::wire::msm;
-use rai_firmware::raw::RawEpoch;
-use rai_firmware::time::WEEK_MS;
+use raim_firmware::raw::RawEpoch;
+use raim_firmware::time::WEEK_MS;
 
 #[test]
 fn an_epoch_without_end_mark_is_complete_when_another_begins() {

@@ -2,8 +2,8 @@
 
 use super::gps;
 use crate::wire::{B1I, Cell, E1C, msm};
-use rai_firmware::input::{Event, Input};
-use rai_firmware::time::{GpsTime, WEEK_MS};
+use raim_firmware::input::{Event, Input};
+use raim_firmware::time::{GpsTime, WEEK_MS};
 
 /// 2023-01-01 00:00, as if a leap second had been inserted before it, as before 2017-01-01 (IERS Bulletin C 52).
 const MIDNIGHT_UTC: GpsTime = GpsTime { week: 2243, tow_ms: 0 };

@@ -10,7 +10,7 @@ mod time;
 
 use crate::orbits::CASES;
 use crate::wire::{Cell, L1C, L2W, ephemeris, feed, msm};
-use rai_firmware::input::{Counters, Input};
+use raim_firmware::input::{Counters, Input};
 
 /// Time of week of the first epoch: at the first case's reference time.
 const TOW_MS: u32 = 360_000_000;

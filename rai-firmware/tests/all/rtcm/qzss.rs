@@ -1,9 +1,9 @@
 //! QZSS: 1044 at the borders of each field, and ranges in 1114 to 1117.
 
-use rai_core::satellite::SatelliteId;
-use rai_firmware::ephemeris::{Broadcast, Ephemeris, GroupDelay, Health, Source, ura_m};
-use rai_firmware::raw::Band;
-use rai_firmware::time::GpsTime;
+use raim_core::satellite::SatelliteId;
+use raim_firmware::ephemeris::{Broadcast, Ephemeris, GroupDelay, Health, Source, ura_m};
+use raim_firmware::raw::Band;
+use raim_firmware::time::GpsTime;
 
 use super::{TOW_MS, knowing, names_of_nonzero};
 use crate::wire::{Bits, Cell, L1C, Seen, epochs, feed, frame, msm};

@@ -13,8 +13,8 @@ use crate::wire::L2W;
 use crate::wire::epochs;
 use crate::wire::feed;
 use crate::wire::msm;
-use rai_firmware::raw::Band;
-use rai_firmware::time::GpsTime;
+use raim_firmware::raw::Band;
+use raim_firmware::time::GpsTime;
 
 #[test]
 fn an_epoch_of_three_systems_holds_the_ranges_that_were_sent() {

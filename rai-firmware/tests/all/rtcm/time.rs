@@ -13,8 +13,8 @@ use crate::wire::ephemeris;
 use crate::wire::epochs;
 use crate::wire::feed;
 use crate::wire::msm;
-use rai_firmware::input::Input;
-use rai_firmware::time::WEEK_MS;
+use raim_firmware::input::Input;
+use raim_firmware::time::WEEK_MS;
 
 #[test]
 fn without_an_ephemeris_the_week_is_unknown_and_epochs_are_dropped() {
@@ -176,7 +176,7 @@ fn glonass_tells_the_leap_seconds_before_gps_and_behind_it() {
 
 /// [RTCM-10403.3] DF416: day 7 means that the day is not known.
 ///
-/// [RTCM-10403.3]: rai_firmware#references
+/// [RTCM-10403.3]: raim_firmware#references
 #[test]
 fn glonass_without_a_day_has_the_day_of_the_known_time() {
     const DAY_MS: u32 = 86_400_000;

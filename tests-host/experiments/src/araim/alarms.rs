@@ -10,9 +10,9 @@
 
 use anyhow::Result;
 use nalgebra::DVector;
-use rai_core::integrity::araim::{Allocation, Priors, judge};
-use rai_core::least_squares::Workspace;
-use rai_core::weighting::Ism;
+use raim_core::integrity::araim::{Allocation, Priors, judge};
+use raim_core::least_squares::Workspace;
+use raim_core::weighting::Ism;
 use rand::Rng as _;
 use rayon::prelude::*;
 

@@ -7,9 +7,9 @@
 
 use anyhow::{Context as _, Result};
 use nalgebra::{DVector, Vector3};
-use rai_core::integrity::araim::{Allocation, Priors, judge};
-use rai_core::least_squares::{Snapshot, Workspace};
-use rai_core::satellite::Constellation;
+use raim_core::integrity::araim::{Allocation, Priors, judge};
+use raim_core::least_squares::{Snapshot, Workspace};
+use raim_core::satellite::Constellation;
 
 use super::scene::{Scene, Sighted, spread};
 use super::{Finding, Judgement, Row, Section};
@@ -91,8 +91,8 @@ pub(super) fn section() -> Result<Section> {
     })
 }
 
-fn widened(scene: &Scene) -> Result<rai_core::least_squares::equations::LinearEpoch<f64, 64>> {
-    let mut epoch = rai_core::least_squares::equations::LinearEpoch::new();
+fn widened(scene: &Scene) -> Result<raim_core::least_squares::equations::LinearEpoch<f64, 64>> {
+    let mut epoch = raim_core::least_squares::equations::LinearEpoch::new();
     for one in &scene.satellites {
         epoch.satellite(one.constellation, one.direction, 0.0, one.sigma_m)?;
     }

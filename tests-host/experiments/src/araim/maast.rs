@@ -7,9 +7,9 @@ use std::fs::File;
 
 use anyhow::{Context as _, Result};
 use nalgebra::{DVector, Vector3};
-use rai_core::integrity::araim::{Allocation, Priors, judge};
-use rai_core::least_squares::Workspace;
-use rai_core::satellite::Constellation;
+use raim_core::integrity::araim::{Allocation, Priors, judge};
+use raim_core::least_squares::Workspace;
+use raim_core::satellite::Constellation;
 use serde_json::Value;
 
 use super::scene::{Scene, Sighted};

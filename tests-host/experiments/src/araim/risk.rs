@@ -26,10 +26,10 @@
 
 use anyhow::Result;
 use nalgebra::{DMatrix, DVector};
-use rai_core::integrity::araim::{Allocation, AraimJudgement, AraimOutcome, Priors, judge};
-use rai_core::least_squares::Workspace;
-use rai_core::satellite::Constellation;
-use rai_core::weighting::Ism;
+use raim_core::integrity::araim::{Allocation, AraimJudgement, AraimOutcome, Priors, judge};
+use raim_core::least_squares::Workspace;
+use raim_core::satellite::Constellation;
+use raim_core::weighting::Ism;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
 use rayon::prelude::*;

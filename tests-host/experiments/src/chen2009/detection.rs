@@ -21,11 +21,11 @@
 use anyhow::Result;
 use indicatif::ProgressBar;
 use nalgebra::Vector3;
-use rai_core::integrity::raim::detection::threshold::Thresholds;
-use rai_core::least_squares::Workspace;
-use rai_core::least_squares::equations::LinearEpoch;
-use rai_core::numeric::probability::Probability;
-use rai_core::satellite::Constellation::Gps;
+use raim_core::integrity::raim::detection::threshold::Thresholds;
+use raim_core::least_squares::Workspace;
+use raim_core::least_squares::equations::LinearEpoch;
+use raim_core::numeric::probability::Probability;
+use raim_core::satellite::Constellation::Gps;
 use rayon::prelude::*;
 
 use super::super::{Finding, Judgement, Picture, Row, Section};
@@ -107,7 +107,7 @@ fn cases(seen: &[Sight], most: Option<usize>, sigma_m: f64, clock: Clock) -> Vec
     let Some(chosen) = seen.get(..most.unwrap_or(seen.len())) else { return Vec::new() };
     let mut epoch = LinearEpoch::<f64, 24>::new();
     for sight in chosen {
-        let rai_core::frame::Enu { east, north, up } = sight.line_of_sight;
+        let raim_core::frame::Enu { east, north, up } = sight.line_of_sight;
         epoch.satellite(Gps, Vector3::new(east, north, up), 0.0, sigma_m).expect("a sight is a sound row");
     }
     let mut workspace = Workspace::of(epoch.clone());

@@ -16,7 +16,7 @@
 //! [Chen2009]: tests_host#references
 
 use indicatif::ProgressBar;
-use rai_core::clock::Autoregression;
+use raim_core::clock::Autoregression;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 

@@ -20,7 +20,7 @@
 
 use anyhow::Result;
 use indicatif::ProgressBar;
-use rai_core::clock::CoastingClock;
+use raim_core::clock::CoastingClock;
 use rayon::prelude::*;
 
 use super::super::{Finding, Interval, Judgement, Picture, Row, Section};

@@ -25,7 +25,7 @@ use rand_distr::{Distribution, StandardNormal};
 use super::super::draw::generator;
 use super::super::{Finding, Judgement, Picture, Row, Section};
 use super::{CLOCKS, NOISE_M};
-use rai_core::frame::SPEED_OF_LIGHT_M_S;
+use raim_core::frame::SPEED_OF_LIGHT_M_S;
 use tests_host::clock_models::centred_differences;
 use tests_host::report::canvas::{BLUE, GREY, Mark};
 use tests_host::report::chart::{Axis, LineChart, Series};

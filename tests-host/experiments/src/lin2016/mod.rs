@@ -17,13 +17,13 @@ mod single;
 
 use anyhow::Context as _;
 use indicatif::ProgressBar;
-use rai_core::integrity::raim::detection::threshold::Thresholds;
-use rai_core::integrity::raim::detection::threshold::policy::range_threshold_m;
-use rai_core::integrity::raim::levels::{hdop_change_limit, largest_hdop_change, largest_slopes};
-use rai_core::least_squares::Workspace;
-use rai_core::numeric::probability::Probability;
-use rai_core::numeric::real::Real;
-use rai_core::satellite::Constellation;
+use raim_core::integrity::raim::detection::threshold::Thresholds;
+use raim_core::integrity::raim::detection::threshold::policy::range_threshold_m;
+use raim_core::integrity::raim::levels::{hdop_change_limit, largest_hdop_change, largest_slopes};
+use raim_core::least_squares::Workspace;
+use raim_core::numeric::probability::Probability;
+use raim_core::numeric::real::Real;
+use raim_core::satellite::Constellation;
 
 use super::{Effort, Experiment, Finding, Judgement, Outcome, Picture, Row, Section};
 use tests_host::report::canvas::{BLUE, Mark, ORANGE};

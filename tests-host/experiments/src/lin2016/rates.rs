@@ -19,8 +19,8 @@
 //! detection.
 
 use anyhow::Context as _;
-use rai_core::integrity::raim::detection::detect;
-use rai_core::integrity::raim::isolation::baarda::identify;
+use raim_core::integrity::raim::detection::detect;
+use raim_core::integrity::raim::isolation::baarda::identify;
 use rand::Rng as _;
 use rayon::prelude::*;
 

@@ -15,12 +15,12 @@
 
 use std::ops::Add;
 
-use rai_core::epoch::Observation;
-use rai_core::frame::{Ecef, Enu, LocalFrame};
-use rai_core::integrity::raim::isolation::ransac::ConsensusLimits;
-use rai_core::monitor::{Method, Monitor, Strategy};
-use rai_core::report::{Alert, Protected, Report, Verdict};
-use rai_core::requirements::Requirements;
+use raim_core::epoch::Observation;
+use raim_core::frame::{Ecef, Enu, LocalFrame};
+use raim_core::integrity::raim::isolation::ransac::ConsensusLimits;
+use raim_core::monitor::{Method, Monitor, Strategy};
+use raim_core::report::{Alert, Protected, Report, Verdict};
+use raim_core::requirements::Requirements;
 
 use super::skies::{CAPACITY, Scene};
 use super::{CONTENDERS, Contender};

@@ -2,7 +2,7 @@
 //! dominated methods. No paper has it.
 //!
 //! One, two or three satellites are wrong by a step of seven sizes. Every method receives the very
-//! same ranges, through [`Monitor::process`](rai_core::monitor::Monitor::process) in single
+//! same ranges, through [`Monitor::process`](raim_core::monitor::Monitor::process) in single
 //! precision, as on the target.
 //!
 //! ```text
@@ -24,8 +24,8 @@ mod skies;
 
 use anyhow::Result;
 use indicatif::ProgressBar;
-use rai_core::integrity::raim::isolation::parity;
-use rai_core::monitor::Method;
+use raim_core::integrity::raim::isolation::parity;
+use raim_core::monitor::Method;
 use rayon::prelude::*;
 
 use super::{Effort, Experiment, Finding, Judgement, Outcome, Row, Section};

@@ -5,9 +5,9 @@
 
 use anyhow::Result;
 use indicatif::ProgressBar;
-use rai_core::integrity::raim::detection::threshold::Thresholds;
-use rai_core::integrity::raim::levels::largest_slopes;
-use rai_core::least_squares::Workspace;
+use raim_core::integrity::raim::detection::threshold::Thresholds;
+use raim_core::integrity::raim::levels::largest_slopes;
+use raim_core::least_squares::Workspace;
 use rayon::prelude::*;
 
 use super::super::{Effort, Finding, Judgement, Picture, Row, Section};

@@ -6,9 +6,9 @@
 
 use anyhow::Result;
 use indicatif::ProgressBar;
-use rai_core::integrity::raim::isolation::parity::hybrid;
-use rai_core::least_squares::Workspace;
-use rai_core::satellite::Constellation;
+use raim_core::integrity::raim::isolation::parity::hybrid;
+use raim_core::least_squares::Workspace;
+use raim_core::satellite::Constellation;
 use rand_distr::{Distribution as _, StandardNormal};
 use rayon::prelude::*;
 

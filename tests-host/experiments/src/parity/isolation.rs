@@ -10,12 +10,12 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use anyhow::{Context as _, Result};
 use indicatif::ProgressBar;
 use nalgebra::Vector3;
-use rai_core::integrity::raim::isolation::parity::{
+use raim_core::integrity::raim::isolation::parity::{
     ParityFinding as Found, grouping, hybrid, hybrid_without_grouping, simultaneous,
 };
-use rai_core::least_squares::Workspace;
-use rai_core::least_squares::equations::LinearEpoch;
-use rai_core::satellite::Constellation;
+use raim_core::least_squares::Workspace;
+use raim_core::least_squares::equations::LinearEpoch;
+use raim_core::satellite::Constellation;
 use rand::Rng as _;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};

@@ -15,10 +15,10 @@ mod isolation;
 
 use anyhow::Result;
 use indicatif::ProgressBar;
-use rai_core::integrity::raim::detection::threshold::{ThresholdError, Thresholds};
-use rai_core::integrity::raim::isolation::parity::SearchLimits;
-use rai_core::numeric::probability::Probability;
-use rai_core::satellite::Constellation;
+use raim_core::integrity::raim::detection::threshold::{ThresholdError, Thresholds};
+use raim_core::integrity::raim::isolation::parity::SearchLimits;
+use raim_core::numeric::probability::Probability;
+use raim_core::satellite::Constellation;
 
 use super::{Effort, Experiment, Outcome};
 use tests_host::sky::{Fleet, Satellite, Sight};

@@ -20,13 +20,13 @@
 
 use anyhow::{Context as _, Result};
 use nalgebra::{Matrix2, Vector2};
-use rai_core::epoch::Epoch;
-use rai_core::frame::Enu;
-use rai_core::integrity::raim::detection::threshold::Thresholds;
-use rai_core::integrity::raim::levels::Levels;
-use rai_core::monitor::{Monitor, Strategy};
-use rai_core::report::{Protected, Report, Verdict};
-use rai_core::requirements::Requirements;
+use raim_core::epoch::Epoch;
+use raim_core::frame::Enu;
+use raim_core::integrity::raim::detection::threshold::Thresholds;
+use raim_core::integrity::raim::levels::Levels;
+use raim_core::monitor::{Monitor, Strategy};
+use raim_core::report::{Protected, Report, Verdict};
+use raim_core::requirements::Requirements;
 use rayon::prelude::*;
 
 use super::disc::beyond;

@@ -27,13 +27,13 @@
 
 use anyhow::{Context as _, Result, ensure};
 use nalgebra::DVector;
-use rai_core::epoch::Epoch;
-use rai_core::integrity::raim::detection::threshold::Thresholds;
-use rai_core::integrity::raim::isolation::parity::Isolation;
-use rai_core::monitor::{Method, Monitor, MonitorWorkspace, Search, Strategy};
-use rai_core::report::{Protected, Report, Verdict};
-use rai_core::requirements::Requirements;
-use rai_core::weighting::Ism;
+use raim_core::epoch::Epoch;
+use raim_core::integrity::raim::detection::threshold::Thresholds;
+use raim_core::integrity::raim::isolation::parity::Isolation;
+use raim_core::monitor::{Method, Monitor, MonitorWorkspace, Search, Strategy};
+use raim_core::report::{Protected, Report, Verdict};
+use raim_core::requirements::Requirements;
+use raim_core::weighting::Ism;
 use rayon::prelude::*;
 
 use super::CAPACITY;

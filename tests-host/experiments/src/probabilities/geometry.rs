@@ -4,8 +4,8 @@
 
 use anyhow::Result;
 use nalgebra::{DVector, Vector2};
-use rai_core::epoch::{Epoch, Observation};
-use rai_core::satellite::Constellation;
+use raim_core::epoch::{Epoch, Observation};
+use raim_core::satellite::Constellation;
 
 use super::{CAPACITY, CLOCKS_M, MASK_DEG, SIGMA};
 use tests_host::encode::{Frequency, Selection};

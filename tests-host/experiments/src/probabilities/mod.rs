@@ -24,11 +24,11 @@ mod worst;
 
 use anyhow::{Context as _, Result};
 use indicatif::ProgressBar;
-use rai_core::integrity::raim::detection::threshold::{Thresholds, false_alarms, missed_detections};
-use rai_core::numeric::probability::Probability;
-use rai_core::requirements::Requirements;
-use rai_core::satellite::Constellation;
-use rai_firmware::correction::CAPACITY;
+use raim_core::integrity::raim::detection::threshold::{Thresholds, false_alarms, missed_detections};
+use raim_core::numeric::probability::Probability;
+use raim_core::requirements::Requirements;
+use raim_core::satellite::Constellation;
+use raim_firmware::correction::CAPACITY;
 
 use super::{Effort, Experiment, Finding, Interval, Judgement, Outcome, Picture, Row, Section};
 use day::{Day, Tally};

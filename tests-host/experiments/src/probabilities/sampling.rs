@@ -21,11 +21,11 @@
 
 use anyhow::{Context as _, Result};
 use nalgebra::DVector;
-use rai_core::integrity::raim::detection::detect;
-use rai_core::integrity::raim::detection::threshold::Thresholds;
-use rai_core::integrity::raim::levels::largest_slopes;
-use rai_core::least_squares::Workspace;
-use rai_core::numeric::real::Real;
+use raim_core::integrity::raim::detection::detect;
+use raim_core::integrity::raim::detection::threshold::Thresholds;
+use raim_core::integrity::raim::levels::largest_slopes;
+use raim_core::least_squares::Workspace;
+use raim_core::numeric::real::Real;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
 use rayon::prelude::*;

@@ -1,7 +1,7 @@
 //! Skies of six to forty satellites of one to three constellations, drawn from those in view at
 //! some instant of a day.
 
-use rai_core::satellite::{Constellation, SatelliteId};
+use raim_core::satellite::{Constellation, SatelliteId};
 use rand::Rng as _;
 use rand_chacha::ChaCha8Rng;
 

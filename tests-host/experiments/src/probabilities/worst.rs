@@ -23,11 +23,11 @@
 
 use anyhow::{Context as _, Result, ensure};
 use nalgebra::{Matrix2, Vector2};
-use rai_core::integrity::raim::detection::threshold::Thresholds;
-use rai_core::integrity::raim::levels::{KFactors, LevelInputs, Levels};
-use rai_core::least_squares::Workspace;
-use rai_core::numeric::probability::Probability;
-use rai_core::report::ProtectionLevels;
+use raim_core::integrity::raim::detection::threshold::Thresholds;
+use raim_core::integrity::raim::levels::{KFactors, LevelInputs, Levels};
+use raim_core::least_squares::Workspace;
+use raim_core::numeric::probability::Probability;
+use raim_core::report::ProtectionLevels;
 use rayon::prelude::*;
 
 use super::CAPACITY;

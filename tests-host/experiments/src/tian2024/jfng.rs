@@ -2,10 +2,10 @@
 
 use anyhow::{Context as _, Result};
 use indicatif::ProgressBar;
-use rai_core::integrity::raim::isolation::parity;
-use rai_core::integrity::raim::isolation::ransac::{MAX_WORK, Selection};
-use rai_core::least_squares::Workspace;
-use rai_core::least_squares::equations::Row as Equation;
+use raim_core::integrity::raim::isolation::parity;
+use raim_core::integrity::raim::isolation::ransac::{MAX_WORK, Selection};
+use raim_core::least_squares::Workspace;
+use raim_core::least_squares::equations::Row as Equation;
 use rayon::prelude::*;
 
 use super::super::draw::{distinct, generator};

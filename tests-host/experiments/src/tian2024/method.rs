@@ -10,14 +10,14 @@
 //! The paper's "wrong" is wrong or unresolved here.
 
 use anyhow::{Context as _, Result};
-use rai_core::integrity::raim::detection::threshold::Thresholds;
-use rai_core::integrity::raim::isolation::baarda::exclude_sequentially;
-use rai_core::integrity::raim::isolation::exclusion::{Exclusion, ExclusionOutcome};
-use rai_core::integrity::raim::isolation::{parity, ransac};
-use rai_core::least_squares::Excludable;
-use rai_core::least_squares::equations::Row;
-use rai_core::numeric::probability::Probability;
-use rai_firmware::correction::CAPACITY;
+use raim_core::integrity::raim::detection::threshold::Thresholds;
+use raim_core::integrity::raim::isolation::baarda::exclude_sequentially;
+use raim_core::integrity::raim::isolation::exclusion::{Exclusion, ExclusionOutcome};
+use raim_core::integrity::raim::isolation::{parity, ransac};
+use raim_core::least_squares::Excludable;
+use raim_core::least_squares::equations::Row;
+use raim_core::numeric::probability::Probability;
+use raim_firmware::correction::CAPACITY;
 use rand_chacha::ChaCha8Rng;
 
 use super::super::draw::distinct;

@@ -19,7 +19,7 @@ mod station;
 
 use anyhow::Result;
 use indicatif::ProgressBar;
-use rai_core::satellite::{Constellation, SatelliteId};
+use raim_core::satellite::{Constellation, SatelliteId};
 
 use super::{Effort, Experiment, Outcome};
 use tests_host::sky::{Fleet, Satellite};

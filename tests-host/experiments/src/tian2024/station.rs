@@ -8,14 +8,14 @@
 
 use anyhow::{Context as _, Result};
 use indicatif::ProgressBar;
-use rai_core::epoch::{Epoch, Observation};
-use rai_core::frame::Ecef;
-use rai_core::integrity::raim::hypotheses::separability::separable;
-use rai_core::integrity::raim::isolation::exclusion::ExclusionOutcome;
-use rai_core::integrity::raim::isolation::parity;
-use rai_core::integrity::raim::isolation::ransac::{MAX_WORK, Selection};
-use rai_core::least_squares::Workspace;
-use rai_core::least_squares::fix::Fix;
+use raim_core::epoch::{Epoch, Observation};
+use raim_core::frame::Ecef;
+use raim_core::integrity::raim::hypotheses::separability::separable;
+use raim_core::integrity::raim::isolation::exclusion::ExclusionOutcome;
+use raim_core::integrity::raim::isolation::parity;
+use raim_core::integrity::raim::isolation::ransac::{MAX_WORK, Selection};
+use raim_core::least_squares::Workspace;
+use raim_core::least_squares::fix::Fix;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 

@@ -1,12 +1,12 @@
 //! Requirements of table 1, and its counts.
 
 use anyhow::Context as _;
-use rai_core::integrity::raim::detection::threshold::Thresholds;
-use rai_core::integrity::raim::detection::threshold::policy::{Policy, ThresholdProblem};
-use rai_core::integrity::raim::levels::{LevelInputs, largest_slopes};
-use rai_core::least_squares::Snapshot;
-use rai_core::numeric::real::Real;
-use rai_core::requirements::Requirements;
+use raim_core::integrity::raim::detection::threshold::Thresholds;
+use raim_core::integrity::raim::detection::threshold::policy::{Policy, ThresholdProblem};
+use raim_core::integrity::raim::levels::{LevelInputs, largest_slopes};
+use raim_core::least_squares::Snapshot;
+use raim_core::numeric::real::Real;
+use raim_core::requirements::Requirements;
 
 use super::grid::LATITUDES;
 use super::{FALSE_ALARM, LIMIT_M, thresholds};

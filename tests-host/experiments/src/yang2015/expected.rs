@@ -15,7 +15,7 @@
 
 use std::ops::Range;
 
-use rai_core::least_squares::Snapshot;
+use raim_core::least_squares::Snapshot;
 use rayon::prelude::*;
 
 use super::SIGMA_M;

@@ -4,11 +4,11 @@
 //! direction by 2e-5 rad, which no statistic shows, and so one set of positions serves all cells.
 
 use nalgebra::Vector3;
-use rai_core::frame::{Ecef, Enu};
-use rai_core::least_squares::Workspace;
-use rai_core::least_squares::equations::LinearEpoch;
-use rai_core::numeric::real::Real;
-use rai_core::satellite::Constellation;
+use raim_core::frame::{Ecef, Enu};
+use raim_core::least_squares::Workspace;
+use raim_core::least_squares::equations::LinearEpoch;
+use raim_core::numeric::real::Real;
+use raim_core::satellite::Constellation;
 
 use super::{MASK_DEG, ROWS, SIGMA_M};
 use tests_host::sky::{Fleet, Satellite, Site};

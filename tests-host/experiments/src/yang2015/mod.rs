@@ -20,9 +20,9 @@ mod xian;
 
 use anyhow::Context as _;
 use indicatif::ProgressBar;
-use rai_core::integrity::raim::detection::threshold::Thresholds;
-use rai_core::integrity::raim::detection::threshold::policy::range_threshold_m;
-use rai_core::numeric::probability::Probability;
+use raim_core::integrity::raim::detection::threshold::Thresholds;
+use raim_core::integrity::raim::detection::threshold::policy::range_threshold_m;
+use raim_core::numeric::probability::Probability;
 
 use super::{Effort, Experiment, Finding, Judgement, Outcome, Row, Section};
 use tests_host::tables::{self, GoldComparison, Lookup};

@@ -5,10 +5,10 @@
 //! division of the work.
 
 use indicatif::ProgressBar;
-use rai_core::integrity::raim::detection::Detection;
-use rai_core::integrity::raim::detection::threshold::policy::Policy;
-use rai_core::least_squares::Snapshot;
-use rai_core::numeric::real::Real as _;
+use raim_core::integrity::raim::detection::Detection;
+use raim_core::integrity::raim::detection::threshold::policy::Policy;
+use raim_core::least_squares::Snapshot;
+use raim_core::numeric::real::Real as _;
 use rand::Rng as _;
 use rand_distr::{Distribution as _, StandardNormal};
 use rayon::prelude::*;

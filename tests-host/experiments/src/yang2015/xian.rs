@@ -7,13 +7,13 @@
 use std::ops::RangeInclusive;
 
 use anyhow::Context as _;
-use rai_core::frame::Enu;
-use rai_core::integrity::raim::detection::threshold::policy::{
+use raim_core::frame::Enu;
+use raim_core::integrity::raim::detection::threshold::policy::{
     Decision, ThresholdProblem, Weights, range_threshold_m,
 };
-use rai_core::integrity::raim::levels::largest_slopes;
-use rai_core::integrity::raim::levels::noncentrality_at;
-use rai_core::numeric::probability::Probability;
+use raim_core::integrity::raim::levels::largest_slopes;
+use raim_core::integrity::raim::levels::noncentrality_at;
+use raim_core::numeric::probability::Probability;
 
 use super::grid::pose;
 use super::{FALSE_ALARM, LIMIT_M, MASK_DEG, MISSED_DETECTION, SIGMA_M, thresholds};

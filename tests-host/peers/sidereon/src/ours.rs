@@ -1,11 +1,11 @@
 //! ARAIM by the core of this project.
 
 use anyhow::{Result, anyhow};
-use rai_core::least_squares::equations::LinearEpoch;
-use rai_core::integrity::araim::{self, Allocation, Prior, Priors, ROWS};
-use rai_core::numeric::real::Real;
-use rai_core::satellite::Constellation;
-use rai_core::least_squares::{Snapshot, Workspace};
+use raim_core::least_squares::equations::LinearEpoch;
+use raim_core::integrity::araim::{self, Allocation, Prior, Priors, ROWS};
+use raim_core::numeric::real::Real;
+use raim_core::satellite::Constellation;
+use raim_core::least_squares::{Snapshot, Workspace};
 
 use super::{Answer, Line};
 

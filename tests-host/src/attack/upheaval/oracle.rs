@@ -10,7 +10,7 @@
 //! An epoch is identified by its time of day. If several were sent with one time, the place of any
 //! of them is accepted.
 
-use rai_core::frame::{Ecef, Enu, Geodetic, LocalFrame};
+use raim_core::frame::{Ecef, Enu, Geodetic, LocalFrame};
 
 use super::super::victim::Seen;
 

@@ -4,8 +4,8 @@
 //! learns the content, time and place of each epoch before the module receives it.
 
 use anyhow::Result;
-use rai_core::frame::Ecef;
-use rai_firmware::time::GpsTime;
+use raim_core::frame::Ecef;
+use raim_firmware::time::GpsTime;
 use rand::{Rng as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 

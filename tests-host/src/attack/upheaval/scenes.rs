@@ -9,7 +9,7 @@
 //! | the line | good; cuts an epoch in two and sends the second half with the next; loses bytes; sends everything twice |
 //! | the host | nothing, or one command |
 
-use rai_core::satellite::SatelliteId;
+use raim_core::satellite::SatelliteId;
 use rand::Rng as _;
 use rand::seq::{IndexedRandom as _, SliceRandom as _};
 use rand_chacha::ChaCha8Rng;

@@ -27,9 +27,9 @@ pub mod sources;
 use std::fmt::{self, Write as _};
 
 use anyhow::Result;
-use rai_core::epoch::Epoch;
-use rai_core::frame::Ecef;
-use rai_firmware::correction::CAPACITY;
+use raim_core::epoch::Epoch;
+use raim_core::frame::Ecef;
+use raim_firmware::correction::CAPACITY;
 
 use super::workload;
 use crate::board::Machine;

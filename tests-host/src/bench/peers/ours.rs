@@ -1,12 +1,12 @@
 //! Our own rows: fix and integrity from positions and ranges, as [`stages`] measures them.
 
 use anyhow::{Result, ensure};
-use rai_core::frame::Ecef;
-use rai_core::monitor::{Monitor, Strategy};
-use rai_core::numeric::real::Real;
-use rai_core::report::{Report, Verdict};
-use rai_core::requirements::Requirements;
-use rai_firmware::correction::CAPACITY;
+use raim_core::frame::Ecef;
+use raim_core::monitor::{Monitor, Strategy};
+use raim_core::numeric::real::Real;
+use raim_core::report::{Report, Verdict};
+use raim_core::requirements::Requirements;
+use raim_firmware::correction::CAPACITY;
 
 use super::super::stages;
 use super::{Core, FAULTS, OURS, Outcome, Row, SATELLITES, Start, epoch, error_m};

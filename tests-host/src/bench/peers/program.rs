@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use anyhow::{Context, Result, ensure};
-use rai_core::frame::Ecef;
+use raim_core::frame::Ecef;
 
 use super::sources::Sources;
 use super::{Core, FAULTS, Outcome, Row, SATELLITES, Start, epoch, error_m};

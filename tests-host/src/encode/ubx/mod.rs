@@ -21,8 +21,8 @@ mod lnav;
 mod sealing;
 
 use anyhow::{Context, Result, bail};
-use rai_core::satellite::{Constellation, SatelliteId};
-use rai_firmware::time::{BEIDOU_OFFSET_MS, GpsTime, WEEK_MS};
+use raim_core::satellite::{Constellation, SatelliteId};
+use raim_firmware::time::{BEIDOU_OFFSET_MS, GpsTime, WEEK_MS};
 
 use super::Selection;
 use super::channels::Channels;

@@ -1,16 +1,16 @@
 //! A session run twice: as calls for the C program, and in Rust, whose results are laid out by the
 //! header.
 
-use rai_core::continuity::ContinuitySettings;
-use rai_core::epoch::Epoch;
-use rai_core::integrity::Method;
-use rai_core::integrity::raim::detection::threshold::policy::Policy;
-use rai_core::integrity::raim::isolation::parity::Isolation;
-use rai_core::monitor::Strategy;
-use rai_core::report::{Report, Verdict};
-use rai_core::requirements::Requirements;
-use rai_core::single::{self, CAPACITY, Monitor};
-use rai_firmware::receiver::{Boot, Receiver};
+use raim_core::continuity::ContinuitySettings;
+use raim_core::epoch::Epoch;
+use raim_core::integrity::Method;
+use raim_core::integrity::raim::detection::threshold::policy::Policy;
+use raim_core::integrity::raim::isolation::parity::Isolation;
+use raim_core::monitor::Strategy;
+use raim_core::report::{Report, Verdict};
+use raim_core::requirements::Requirements;
+use raim_core::single::{self, CAPACITY, Monitor};
+use raim_firmware::receiver::{Boot, Receiver};
 use tests_host::capi::{self, calls::Calls};
 use tests_host::pin::Pin;
 use tests_host::sentence;

@@ -1,6 +1,6 @@
 //! Faults put into the messages of a capture.
 
-use rai_core::satellite::SatelliteId;
+use raim_core::satellite::SatelliteId;
 use tests_host::capture::Capture;
 use tests_host::encode::{Frequency, Selection};
 use tests_host::fault::Fault;

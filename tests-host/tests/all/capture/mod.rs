@@ -13,7 +13,7 @@ use std::process::{Command, Stdio};
 use flate2::Compression;
 use flate2::read::GzDecoder;
 use flate2::write::GzEncoder;
-use rai_firmware::time::GpsTime;
+use raim_firmware::time::GpsTime;
 use rand::{Rng as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use tests_host::capture::{self, Capture, Orbits};

@@ -3,10 +3,10 @@
 
 use std::cell::{Cell, RefCell};
 
-use rai_firmware::outlet::Outlet;
-use rai_firmware::output::nmea::MAX_LENGTH;
-use rai_firmware::receiver::{Boot, Receiver};
-use rai_firmware::ring::Ring;
+use raim_firmware::outlet::Outlet;
+use raim_firmware::output::nmea::MAX_LENGTH;
+use raim_firmware::receiver::{Boot, Receiver};
+use raim_firmware::ring::Ring;
 use tests_host::pin::Pin;
 use tests_host::sentence::{self, Sentence};
 

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use rai_firmware::receiver::{Boot, Receiver};
+use raim_firmware::receiver::{Boot, Receiver};
 use tests_host::encode::{Encoder, Frequency, Selection};
 use tests_host::pin::Pin;
 use tests_host::sentence::{self, EpochOutput};

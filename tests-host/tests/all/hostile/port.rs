@@ -1,6 +1,6 @@
 //! A line that falls silent, and a host that sends invalid commands.
 
-use rai_firmware::settings::Setting;
+use raim_firmware::settings::Setting;
 use tests_host::sentence;
 
 use super::frames::frames;

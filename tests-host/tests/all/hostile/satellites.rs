@@ -4,7 +4,7 @@
 //! represent negative ranges and 1e12 m. Values of a recording beyond these are counted when it is
 //! encoded.
 
-use rai_core::satellite::{Constellation, SatelliteId};
+use raim_core::satellite::{Constellation, SatelliteId};
 use rtcm_rs::Message;
 use rtcm_rs::msg::{
     BdsSigId, GalSigId, GpsSigId, Msg1077Sig, Msg1077T, Msg1097Data, Msg1097Sig, Msg1097T, Msg1127Sig,

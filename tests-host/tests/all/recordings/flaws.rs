@@ -1,6 +1,6 @@
 //! A flaw costs its record and is counted; the rest of the file is read.
 
-use rai_firmware::time::GpsTime;
+use raim_firmware::time::GpsTime;
 use tests_host::recording::{Recording, Skipped};
 
 use super::made::{

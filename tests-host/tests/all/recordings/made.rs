@@ -2,8 +2,8 @@
 
 use std::fmt::Write as _;
 
-use rai_core::satellite::SatelliteId;
-use rai_firmware::time::GpsTime;
+use raim_core::satellite::SatelliteId;
+use raim_firmware::time::GpsTime;
 use tests_host::recording::Recording;
 
 use super::quirks::NAVIGATION_3;

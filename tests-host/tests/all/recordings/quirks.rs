@@ -1,7 +1,7 @@
 //! Quirks of real files, each in the smallest possible input.
 
-use rai_core::satellite::{Constellation, SatelliteId};
-use rai_firmware::time::GpsTime;
+use raim_core::satellite::{Constellation, SatelliteId};
+use raim_firmware::time::GpsTime;
 use tests_host::measurement::Ephemeris;
 use tests_host::measurement::{MeasuredEpoch, MeasuredSatellite};
 

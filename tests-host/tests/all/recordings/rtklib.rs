@@ -4,7 +4,7 @@ use std::ffi::OsString;
 use std::path::Path;
 use std::process::Command;
 
-use rai_core::frame::{Ecef, LocalFrame};
+use raim_core::frame::{Ecef, LocalFrame};
 use tests_host::encode::{Frequency, Selection};
 use tests_host::recording::{Recording, readable};
 

@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use rai_core::frame::SPEED_OF_LIGHT_M_S;
-use rai_core::satellite::{Constellation, SatelliteId};
-use rai_firmware::time::GpsTime;
+use raim_core::frame::SPEED_OF_LIGHT_M_S;
+use raim_core::satellite::{Constellation, SatelliteId};
+use raim_firmware::time::GpsTime;
 use rtcm_rs::{Message, MsgFrameIter};
 use tests_host::encode::{Encoder, Frequency, Selection};
 use tests_host::measurement::{MeasuredEpoch, MeasuredSatellite, MeasuredSignal};

@@ -5,12 +5,12 @@
 //! | `cases/lnav-as-sent.ubx` | ZED-F9P, X20P, NEO-M8T: GPS alone | RTKLIB's `convbin`, which reads elements and never checks the parity |
 //! | `real/f9p_sfrbx.ubx` | ZED-F9P: GPS, Galileo, `BeiDou`, GLONASS | the receiver sends only frames that passed its own check |
 
-use rai_core::frame::Ecef;
-use rai_core::satellite::{Constellation, SatelliteId};
-use rai_firmware::ephemeris::Ephemeris;
-use rai_firmware::input::Counters;
-use rai_firmware::raw::Band;
-use rai_firmware::time::GpsTime;
+use raim_core::frame::Ecef;
+use raim_core::satellite::{Constellation, SatelliteId};
+use raim_firmware::ephemeris::Ephemeris;
+use raim_firmware::input::Counters;
+use raim_firmware::raw::Band;
+use raim_firmware::time::GpsTime;
 use tests_host::replay::pieces::{Kind, pieces};
 use tests_host::shared;
 

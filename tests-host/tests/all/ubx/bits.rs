@@ -1,7 +1,7 @@
 //! Navigation messages of random content: UBX gives the values of RTCM, bit for bit.
 
-use rai_core::satellite::{Constellation, SatelliteId};
-use rai_firmware::ephemeris::EphemerisError;
+use raim_core::satellite::{Constellation, SatelliteId};
+use raim_firmware::ephemeris::EphemerisError;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rtcm_rs::msg::{Msg1019T, Msg1042T, Msg1045T, Msg1046T};
@@ -123,7 +123,7 @@ fn timed(constellation: Constellation, number: u8, message: Ephemeris) -> TimedE
     let satellite = SatelliteId::new(constellation, number).unwrap();
     let toe = match constellation {
         // Its seconds of the week are 14 s behind.
-        Constellation::Beidou => rai_firmware::time::GpsTime::from_ms(NOON.to_ms() + 14_000),
+        Constellation::Beidou => raim_firmware::time::GpsTime::from_ms(NOON.to_ms() + 14_000),
         _ => NOON,
     };
     TimedEphemeris { satellite, toe, sent: toe, message }
@@ -196,7 +196,7 @@ fn ionosphere_and_leap_second_come_from_the_bits() {
     let mut encoder = ubx::Encoder::new(std::slice::from_ref(&gps), selection, Some(spoken));
     let nothing = tests_host::measurement::MeasuredEpoch { time: NOON, satellites: Vec::new() };
     let bytes = encoder.epoch(&nothing).unwrap();
-    let mut input = rai_firmware::input::Input::new();
+    let mut input = raim_firmware::input::Input::new();
     let mut heard = super::Said::default();
     input.feed(&bytes, 0, |event| heard.hear(&event));
     assert_eq!(heard.ionosphere, [(Constellation::Gps, klobuchar)]);

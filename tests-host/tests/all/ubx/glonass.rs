@@ -1,12 +1,12 @@
 //! GLONASS: strings compared with RTCM, and positions with it compared with positions without.
 
-use rai_core::frame::Ecef;
-use rai_core::satellite::{Constellation, SatelliteId};
-use rai_firmware::ephemeris::Ephemeris as Read;
-use rai_firmware::input::{Event, Input};
-use rai_firmware::navigator::Navigator;
-use rai_firmware::settings::{Configuration, Systems};
-use rai_firmware::time::GpsTime;
+use raim_core::frame::Ecef;
+use raim_core::satellite::{Constellation, SatelliteId};
+use raim_firmware::ephemeris::Ephemeris as Read;
+use raim_firmware::input::{Event, Input};
+use raim_firmware::navigator::Navigator;
+use raim_firmware::settings::{Configuration, Systems};
+use raim_firmware::time::GpsTime;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rtcm_rs::msg::Msg1020T;
@@ -144,7 +144,7 @@ impl Module {
                     |satellite: &&SatelliteId| satellite.constellation() == Constellation::Glonass;
                 *used += report.used.iter().filter(of_glonass).count();
                 if let Some(solution) = &report.solution {
-                    let error = rai_core::frame::LocalFrame::at(truth).rotate(solution.position - truth);
+                    let error = raim_core::frame::LocalFrame::at(truth).rotate(solution.position - truth);
                     squares_m2[0] += error.east.powi(2) + error.north.powi(2);
                     squares_m2[1] += error.up.powi(2);
                     *fixes += 1;

@@ -1,9 +1,9 @@
 //! Wrong UBX: each kind is counted by its name, nothing wrong is accepted, and right frames beside
 //! it are read.
 
-use rai_core::satellite::{Constellation, SatelliteId};
-use rai_firmware::input::Counters;
-use rai_firmware::raw::Band;
+use raim_core::satellite::{Constellation, SatelliteId};
+use raim_firmware::input::Counters;
+use raim_firmware::raw::Band;
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
@@ -121,7 +121,7 @@ fn pages_of_two_issues_make_none() {
         };
         // The sets are half a minute apart, so that those of BeiDou, which have no issue number, do
         // not follow each other.
-        let later = rai_firmware::time::GpsTime::from_ms(NOON.to_ms() + 30_000);
+        let later = raim_firmware::time::GpsTime::from_ms(NOON.to_ms() + 30_000);
         let (first, second) =
             (frames(&ubx::pages(&first, NOON).unwrap()), frames(&ubx::pages(&second, later).unwrap()));
         for taken in 1..first.len() - 1 {
@@ -220,7 +220,7 @@ fn doubles_are_hostile_numbers() {
     }
     // The last half millisecond of a week is the next week.
     let (have, _) = said(&rawx(604_799.999_8, 2111, 1, 1, &good));
-    assert_eq!(have.epochs[0].time, rai_firmware::time::GpsTime { week: 2112, tow_ms: 0 });
+    assert_eq!(have.epochs[0].time, raim_firmware::time::GpsTime { week: 2112, tow_ms: 0 });
     let moved_m = have.epochs[0].satellites[0].signals[0].range_m - 2.2e7;
     assert!((moved_m - 0.000_2 * 299_792_458.0).abs() < 0.01, "{moved_m}");
 }
@@ -235,7 +235,7 @@ fn every_wrong_bit_of_a_frame_is_counted_and_costs_that_frame_alone() {
     for bit in 0..8 * victim.len() {
         let mut wrong = victim.clone();
         wrong[bit / 8] ^= 1 << (bit % 8);
-        let mut input = rai_firmware::input::Input::new();
+        let mut input = raim_firmware::input::Input::new();
         let mut heard = super::Said::default();
         input.feed(&[&wrong[..], &good[..]].concat(), 0, |event| heard.hear(&event));
         // A longer length waits for bytes that never come.
@@ -257,7 +257,7 @@ fn a_set_that_is_never_completed_is_counted_when_it_is_given_up() {
         let ephemeris = source(&mut random);
         let pages = frames(&ubx::pages(&ephemeris, NOON).unwrap());
         let (last, others) = pages.split_last().unwrap();
-        let mut input = rai_firmware::input::Input::new();
+        let mut input = raim_firmware::input::Input::new();
         let mut heard = super::Said::default();
         input.feed(&others.concat(), 0, |event| heard.hear(&event));
         input.feed(last, 180_000, |event| heard.hear(&event));
@@ -351,7 +351,7 @@ fn formats_that_are_mixed_are_read_however_the_bytes_arrive() {
     // Three by RTCM and one by UBX.
     let want = [by_rtcm(&ephemeris), by_rtcm(&ephemeris), by_rtcm(&ephemeris), by_rtcm(&ephemeris)].concat();
     for cut in 0..=stream.len() {
-        let mut input = rai_firmware::input::Input::new();
+        let mut input = raim_firmware::input::Input::new();
         let mut heard = super::Said::default();
         let (front, back) = stream.split_at(cut);
         input.feed(front, 0, |event| heard.hear(&event));
@@ -368,7 +368,7 @@ fn a_frame_that_is_cut_at_any_byte_costs_itself_alone() {
     let victim = epoch_of(&[measurement(2.1e7, [0, 6, 0]), measurement(2.1e7, [0, 7, 0])]);
     let stream = parts.concat();
     for cut in 1..victim.len() {
-        let mut input = rai_firmware::input::Input::new();
+        let mut input = raim_firmware::input::Input::new();
         let mut heard = super::Said::default();
         input.feed(&[&victim[..cut], &stream[..]].concat(), 0, |event| heard.hear(&event));
         input.silence(|event| heard.hear(&event));
@@ -384,7 +384,7 @@ fn a_satellite_that_comes_back_begins_anew() {
     for source in [gps, inav, beidou] {
         let ephemeris = source(&mut random);
         let pages = frames(&ubx::pages(&ephemeris, NOON).unwrap());
-        let mut input = rai_firmware::input::Input::new();
+        let mut input = raim_firmware::input::Input::new();
         let mut heard = super::Said::default();
         let (last, others) = pages.split_last().unwrap();
         input.feed(&others.concat(), 0, |event| heard.hear(&event));
@@ -408,7 +408,7 @@ fn more_satellites_than_there_is_room_for_are_heard_later() {
     }
     let pages: Vec<Vec<Vec<u8>>> =
         ephemerides.iter().map(|ephemeris| frames(&ubx::pages(ephemeris, NOON).unwrap())).collect();
-    let (mut input, mut heard) = (rai_firmware::input::Input::new(), super::Said::default());
+    let (mut input, mut heard) = (raim_firmware::input::Input::new(), super::Said::default());
     // All satellites send their pages in parallel, twice.
     for turn in 0..10 {
         for pages in &pages {
@@ -418,7 +418,7 @@ fn more_satellites_than_there_is_room_for_are_heard_later() {
         }
     }
     let mut satellites: Vec<SatelliteId> =
-        heard.ephemerides.iter().map(rai_firmware::ephemeris::Ephemeris::satellite).collect();
+        heard.ephemerides.iter().map(raim_firmware::ephemeris::Ephemeris::satellite).collect();
     satellites.sort_unstable();
     satellites.dedup();
     assert!(input.counters().subframes_surplus > 0);

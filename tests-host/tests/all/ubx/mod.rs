@@ -21,11 +21,11 @@ mod qzss;
 mod rtklib;
 mod streams;
 
-use rai_core::satellite::Constellation;
-use rai_firmware::ephemeris::Ephemeris;
-use rai_firmware::input::{Counters, Event, Input};
-use rai_firmware::raw::RawEpoch;
-use rai_firmware::time::GpsTime;
+use raim_core::satellite::Constellation;
+use raim_firmware::ephemeris::Ephemeris;
+use raim_firmware::input::{Counters, Event, Input};
+use raim_firmware::raw::RawEpoch;
+use raim_firmware::time::GpsTime;
 use tests_host::encode::{Encoder, Frequency, Selection};
 use tests_host::measurement::{MeasuredEpoch, TimedEphemeris};
 

@@ -1,10 +1,10 @@
 //! The same epochs as RTCM and as UBX through the module: the same verdicts, the same positions.
 
-use rai_core::frame::Ecef;
-use rai_core::report::Verdict;
-use rai_firmware::input::{Event, Input};
-use rai_firmware::navigator::Navigator;
-use rai_firmware::settings::Configuration;
+use raim_core::frame::Ecef;
+use raim_core::report::Verdict;
+use raim_firmware::input::{Event, Input};
+use raim_firmware::navigator::Navigator;
+use raim_firmware::settings::Configuration;
 use tests_host::encode::{self, Frequency, Selection, ubx};
 use tests_host::recording::Recording;
 use tests_host::shared;

@@ -1,13 +1,13 @@
 //! QZSS: the bits of GPS under another number, and the clock that its ranges share.
 
-use rai_core::epoch::Epoch;
-use rai_core::frame::{Ecef, SPEED_OF_LIGHT_M_S};
-use rai_core::satellite::SatelliteId;
-use rai_firmware::correction::{Site, Sky, Tally, locate};
-use rai_firmware::ephemeris::Store;
-use rai_firmware::input::{Event, Input};
-use rai_firmware::navigator::Navigator;
-use rai_firmware::settings::{Configuration, Systems};
+use raim_core::epoch::Epoch;
+use raim_core::frame::{Ecef, SPEED_OF_LIGHT_M_S};
+use raim_core::satellite::SatelliteId;
+use raim_firmware::correction::{Site, Sky, Tally, locate};
+use raim_firmware::ephemeris::Store;
+use raim_firmware::input::{Event, Input};
+use raim_firmware::navigator::Navigator;
+use raim_firmware::settings::{Configuration, Systems};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rtcm_rs::msg::{Msg1019T, Msg1044T};
@@ -95,7 +95,7 @@ fn beside_gps(stream: &Stream, station: &Station) -> Option<(f64, usize)> {
         Event::Epoch(raw, _) => {
             let (mut sky, mut epoch) = (Sky::new(), Epoch::new(0.0));
             locate(raw, &store, 28.0, systems, &mut tally, &mut sky);
-            let pairs = sky.into_iter().filter(rai_firmware::correction::Located::has_pair).collect();
+            let pairs = sky.into_iter().filter(raim_firmware::correction::Located::has_pair).collect();
             let site = Site::new(station.truth, raw.time, MASK_RAD, None);
             site.correct(&pairs, &mut tally.ranges, &mut epoch);
             let clocks = epoch.observations().iter().map(|seen| {

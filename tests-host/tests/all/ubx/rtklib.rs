@@ -3,7 +3,7 @@
 
 use std::process::Command;
 
-use rai_firmware::time::GpsTime;
+use raim_firmware::time::GpsTime;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use tests_host::encode::ubx;
@@ -103,7 +103,7 @@ fn rtklib_reads_random_elements_to_the_last_bit() {
 fn epoch() -> Vec<u8> {
     use tests_host::measurement::{MeasuredEpoch, MeasuredSatellite, MeasuredSignal};
     let satellite =
-        rai_core::satellite::SatelliteId::new(rai_core::satellite::Constellation::Gps, 1).unwrap();
+        raim_core::satellite::SatelliteId::new(raim_core::satellite::Constellation::Gps, 1).unwrap();
     let signal = MeasuredSignal {
         band: 1,
         attribute: 'C',

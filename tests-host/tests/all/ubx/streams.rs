@@ -7,12 +7,12 @@ use std::io::Read;
 use std::path::PathBuf;
 
 use flate2::read::GzDecoder;
-use rai_core::satellite::{Constellation, SatelliteId};
-use rai_firmware::ephemeris::Ephemeris;
-use rai_firmware::input::{Counters, Event, Input};
-use rai_firmware::navigator::Navigator;
-use rai_firmware::raw::{Band, RawEpoch};
-use rai_firmware::settings::{Configuration, Frequencies, Systems};
+use raim_core::satellite::{Constellation, SatelliteId};
+use raim_firmware::ephemeris::Ephemeris;
+use raim_firmware::input::{Counters, Event, Input};
+use raim_firmware::navigator::Navigator;
+use raim_firmware::raw::{Band, RawEpoch};
+use raim_firmware::settings::{Configuration, Frequencies, Systems};
 use tests_host::measurement::MeasuredEpoch;
 use tests_host::recording::Recording;
 use tests_host::replay::pieces::{Kind, Piece, pieces};

@@ -9,9 +9,9 @@ mod tables;
 
 use anyhow::{Context as _, Result};
 use indicatif::ProgressBar;
-use rai_core::integrity::raim::isolation::parity;
-use rai_core::integrity::raim::isolation::ransac::{MAX_WORK, Selection};
-use rai_core::least_squares::{Snapshot, Workspace};
+use raim_core::integrity::raim::isolation::parity;
+use raim_core::integrity::raim::isolation::ransac::{MAX_WORK, Selection};
+use raim_core::least_squares::{Snapshot, Workspace};
 use rayon::prelude::*;
 
 use super::super::draw::{distinct, generator};

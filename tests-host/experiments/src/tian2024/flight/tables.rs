@@ -3,9 +3,9 @@
 use std::time::Instant;
 
 use anyhow::Result;
-use rai_core::integrity::raim::isolation::parity;
-use rai_core::integrity::raim::isolation::ransac::{MAX_WORK, Selection};
-use rai_core::least_squares::Workspace;
+use raim_core::integrity::raim::isolation::parity;
+use raim_core::integrity::raim::isolation::ransac::{MAX_WORK, Selection};
+use raim_core::least_squares::Workspace;
 
 use super::super::super::draw::generator;
 use super::super::super::{Finding, Interval, Judgement, Picture, Row, Section};
@@ -225,7 +225,7 @@ pub(super) fn times(flight: &Flight) -> Result<[Section; 1]> {
 /// Returns the times that parity, traditional and improved method take for one epoch, solution
 /// included, s.
 fn taken_s(
-    epoch: &rai_core::least_squares::equations::LinearEpoch<f32, ROWS>,
+    epoch: &raim_core::least_squares::equations::LinearEpoch<f32, ROWS>,
     limits: &Limits,
     second: u64,
 ) -> Result<[f64; 3]> {
