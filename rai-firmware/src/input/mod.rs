@@ -174,7 +174,7 @@ impl Input {
     /// A way in through which nothing has come.
     #[allow(clippy::inline_always, reason = "made where it stays, and not on the stack first")]
     #[inline(always)]
-    pub const fn new() -> Self {
+    pub fn new() -> Self {
         Self {
             framer: Framer::new(),
             calendar: Calendar::new(),

@@ -17,7 +17,7 @@ use super::Refusal;
 use super::number::{plain, signed_scientific};
 use super::read::{Values, next, next_number, number};
 use super::value::{Commands, Ranges, Spelled, Take, Value, range};
-use super::words::Word;
+use super::word::Word;
 
 /// Values that a system has.
 const VALUES: usize = 5;
