@@ -146,6 +146,20 @@ macro_rules! formats {
                 false
             }
 
+            /// Returns true if a frame of some format may begin with one of the four bytes of a word: a byte is
+            /// zero if a borrow goes through it that its highest bit does not explain.
+            fn may_begin_within(word: u32) -> bool {
+                const ONES: u32 = 0x0101_0101;
+                $($(#[$condition])*
+                {
+                    let rest = word ^ ONES * u32::from(const { <$module::$Name as Protocol>::SYNC[0] });
+                    if rest.wrapping_sub(ONES) & !rest & ONES << 7 != 0 {
+                        return true;
+                    }
+                })+
+                false
+            }
+
             /// Returns the format and the extent of the frame that begins with these bytes.
             fn at(bytes: &[u8]) -> Option<(Self, Extent)> {
                 $($(#[$condition])*

@@ -45,11 +45,14 @@ pub(super) struct Framer {
     old_ms: u64,
     credit: usize,
     nested: Nested,
+    /// Position of an incomplete candidate, and the length of the buffer below which it stays incomplete.
+    awaited: (usize, usize),
 }
 
 /// The candidate at the front of the buffer.
 enum Front {
-    Incomplete,
+    /// It stays incomplete while the buffer is shorter than this.
+    Incomplete(usize),
     Complete(Format, usize),
     NoFrame,
 }
@@ -67,6 +70,7 @@ impl Framer {
             old_ms: 0,
             credit: CREDIT_MOST,
             nested: Nested::new(),
+            awaited: (0, 0),
         }
     }
 
@@ -113,8 +117,13 @@ impl Framer {
     /// Returns true if [`Framer::next`] would find more than it did before. Bytes come a few at a time. To ask it after
     /// every few would cost half as much as reading the message.
     pub(super) fn is_worth_a_look(&mut self) -> bool {
-        if self.handed > 0 || !matches!(self.candidate(), Front::Incomplete) {
+        if self.handed > 0 {
             return true;
+        }
+        // The length of a candidate is not worked out again for every few bytes.
+        if self.awaited.0 != self.front || self.buffer.len() >= self.awaited.1 {
+            let Front::Incomplete(length) = self.candidate() else { return true };
+            self.awaited = (self.front, length);
         }
         self.search();
         self.nested.has_complete(&self.buffer, self.front)
@@ -133,14 +142,14 @@ impl Framer {
                         break (format, length);
                     }
                 }
-                Front::Incomplete if self.is_empty() || !is_silent => {
+                Front::Incomplete(_) if self.is_empty() || !is_silent => {
                     if let Some(found) = self.inner(counters) {
                         break found;
                     }
                     self.settle();
                     return None;
                 }
-                Front::Incomplete => count(&mut counters.frames_cut),
+                Front::Incomplete(_) => count(&mut counters.frames_cut),
                 Front::NoFrame => {}
             }
             self.resynchronise(counters);
@@ -187,6 +196,7 @@ impl Framer {
     pub(super) fn forget(&mut self, counters: &mut Counters) {
         count_many(&mut counters.bytes_skipped, self.waiting().len().saturating_sub(self.handed));
         (self.front, self.handed, self.fresh) = (0, 0, 0);
+        self.awaited = (0, 0);
         self.buffer.clear();
         self.nested.clear();
     }
@@ -205,6 +215,7 @@ impl Framer {
             self.buffer.clear();
             self.nested.clear();
             (self.front, self.fresh) = (0, 0);
+            self.awaited = (0, 0);
         }
     }
 
@@ -214,7 +225,8 @@ impl Framer {
             Some((format, Extent::Bytes(length))) if length <= waiting.len() => {
                 Front::Complete(format, length)
             }
-            Some((_, Extent::Bytes(_) | Extent::Unknown)) => Front::Incomplete,
+            Some((_, Extent::Bytes(length))) => Front::Incomplete(self.front + length),
+            Some((_, Extent::Unknown)) => Front::Incomplete(self.buffer.len() + 1),
             Some((_, Extent::NoFrame)) | None => Front::NoFrame,
         }
     }

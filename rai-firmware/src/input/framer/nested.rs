@@ -50,7 +50,7 @@ impl Nested {
             (self.searched, self.unknown_ms) = (front + 1, None);
         }
         while let Some(rest) = buffer.get(self.searched..) {
-            let Some(offset) = rest.iter().position(|&byte| Format::may_begin_with(byte)) else {
+            let Some(offset) = beginning_in(rest) else {
                 (self.searched, self.unknown_ms) = (buffer.len(), None);
                 return;
             };
@@ -111,4 +111,13 @@ impl Nested {
         self.begun.clear();
         (self.searched, self.unknown_ms) = (0, None);
     }
+}
+
+/// Returns the position of the first byte with which a frame may begin, four bytes at a time.
+fn beginning_in(bytes: &[u8]) -> Option<usize> {
+    let (words, _) = bytes.as_chunks::<4>();
+    let has_none = |word: &&[u8; 4]| !Format::may_begin_within(u32::from_le_bytes(**word));
+    let before = 4 * words.iter().take_while(has_none).count();
+    let rest = bytes.get(before..).unwrap_or_default();
+    rest.iter().position(|&byte| Format::may_begin_with(byte)).map(|position| before + position)
 }
